@@ -1,0 +1,208 @@
+//! One shape for every error about a user's input: what was found, what was expected, where, and what to do.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// Result of everything that reads or writes a user's files.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// What kind of failure it is; decides the exit code of the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ErrorKind {
+    /// A wrong option or combination of options (exit 2).
+    Usage,
+    /// A file holds something that it must not hold (exit 65).
+    BadData,
+    /// The file does not say its FRF kind, and nobody else did (exit 65).
+    UnknownFrfKind,
+    /// No such input (exit 66).
+    NoInput,
+    /// A broken promise of our own (exit 70).
+    Internal,
+    /// The output cannot be created (exit 73).
+    CannotCreate,
+    /// Reading or writing failed (exit 74).
+    Io,
+    /// Stopped by the user (exit 130).
+    Interrupted,
+}
+
+impl ErrorKind {
+    /// Exit code of the command line (design contract, after BSD `sysexits`).
+    pub fn exit_code(self) -> u8 {
+        match self {
+            Self::Usage => 2,
+            Self::BadData | Self::UnknownFrfKind => 65,
+            Self::NoInput => 66,
+            Self::Internal => 70,
+            Self::CannotCreate => 73,
+            Self::Io => 74,
+            Self::Interrupted => 130,
+        }
+    }
+
+    /// The word used in `--json` errors.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Usage => "usage",
+            Self::BadData => "bad_data",
+            Self::UnknownFrfKind => "unknown_frf_kind",
+            Self::NoInput => "no_input",
+            Self::Internal => "internal",
+            Self::CannotCreate => "cannot_create",
+            Self::Io => "io",
+            Self::Interrupted => "interrupted",
+        }
+    }
+}
+
+/// An error about input or output, with its place and the next step.
+///
+/// Build it with [`Error::bad_data`] and the `with_...` setters:
+///
+/// ```
+/// use chladni_frf::Error;
+/// let error = Error::bad_data("text instead of a number")
+///     .at_line(12)
+///     .field("ordinate")
+///     .found("abc")
+///     .expected("a decimal number")
+///     .help("open the file at that line and correct it, or read it with --lenient");
+/// assert!(error.to_string().contains("line 12"));
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Error {
+    /// What kind of failure.
+    pub kind: ErrorKind,
+    /// One sentence that says what happened.
+    pub message: String,
+    /// The file concerned.
+    pub file: Option<PathBuf>,
+    /// Number of the universal-file dataset concerned (58, 151, ...).
+    pub dataset: Option<u32>,
+    /// Line of the text file, counted from 1.
+    pub line: Option<u64>,
+    /// Byte offset in a binary file, counted from 0.
+    pub byte: Option<u64>,
+    /// Name of the field, column, key or record.
+    pub field: Option<String>,
+    /// What stood there.
+    pub found: Option<String>,
+    /// What must stand there.
+    pub expected: Option<String>,
+    /// What to do about it.
+    pub help: Option<String>,
+}
+
+impl Error {
+    /// An error of `kind` that says `message`.
+    pub fn new(kind: ErrorKind, message: impl Into<String>) -> Self {
+        Self {
+            kind,
+            message: message.into(),
+            file: None,
+            dataset: None,
+            line: None,
+            byte: None,
+            field: None,
+            found: None,
+            expected: None,
+            help: None,
+        }
+    }
+
+    /// Bad data in a file.
+    pub fn bad_data(message: impl Into<String>) -> Self {
+        Self::new(ErrorKind::BadData, message)
+    }
+
+    /// An operating-system failure on `file`: "not found" becomes [`ErrorKind::NoInput`].
+    pub fn from_read(error: &std::io::Error, file: &Path) -> Self {
+        match error.kind() {
+            std::io::ErrorKind::NotFound => Self::new(ErrorKind::NoInput, "no such file")
+                .file(file)
+                .help("check the path; paths are taken relative to the current folder"),
+            _ => Self::new(ErrorKind::Io, format!("cannot read: {error}")).file(file),
+        }
+    }
+
+    /// Adds the file, unless one is named already.
+    pub fn file(mut self, file: impl AsRef<Path>) -> Self {
+        self.file.get_or_insert_with(|| file.as_ref().to_path_buf());
+        self
+    }
+    /// Adds the dataset number, unless one is named already.
+    pub fn dataset(mut self, number: u32) -> Self {
+        self.dataset.get_or_insert(number);
+        self
+    }
+    /// Adds the line, counted from 1.
+    pub fn at_line(mut self, line: u64) -> Self {
+        self.line = Some(line);
+        self
+    }
+    /// Adds the byte offset, counted from 0.
+    pub fn at_byte(mut self, byte: u64) -> Self {
+        self.byte = Some(byte);
+        self
+    }
+    /// Names the field.
+    pub fn field(mut self, field: impl Into<String>) -> Self {
+        self.field = Some(field.into());
+        self
+    }
+    /// Says what stood there (foreign text is cut at 80 characters, control characters are escaped).
+    pub fn found(mut self, found: impl fmt::Display) -> Self {
+        let text = found.to_string();
+        let mut shown: String =
+            text.chars().take(80).flat_map(|c| if c.is_control() { c.escape_default().collect::<Vec<_>>() } else { vec![c] }).collect();
+        if text.chars().count() > 80 {
+            shown.push_str("...");
+        }
+        self.found = Some(shown);
+        self
+    }
+    /// Says what must stand there.
+    pub fn expected(mut self, expected: impl fmt::Display) -> Self {
+        self.expected = Some(expected.to_string());
+        self
+    }
+    /// Says what to do.
+    pub fn help(mut self, help: impl Into<String>) -> Self {
+        self.help = Some(help.into());
+        self
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(file) = &self.file {
+            write!(f, "{}: ", file.display())?;
+        }
+        if let Some(dataset) = self.dataset {
+            write!(f, "dataset {dataset}: ")?;
+        }
+        if let Some(line) = self.line {
+            write!(f, "line {line}: ")?;
+        }
+        if let Some(byte) = self.byte {
+            write!(f, "byte {byte}: ")?;
+        }
+        if let Some(field) = &self.field {
+            write!(f, "{field}: ")?;
+        }
+        write!(f, "{}", self.message)?;
+        if let Some(found) = &self.found {
+            write!(f, "; found {found}")?;
+        }
+        if let Some(expected) = &self.expected {
+            write!(f, "; expected {expected}")?;
+        }
+        if let Some(help) = &self.help {
+            write!(f, "\n  help: {help}")?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for Error {}

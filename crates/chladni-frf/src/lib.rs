@@ -1,0 +1,27 @@
+//! What a measurement is, and what a modal model is: the data types that every other crate speaks, and their files.
+//!
+//! The way of the data starts here: a file becomes an [`FrfSet`] (measured FRFs with axes, DOFs, kind and geometry), and
+//! the fit of `chladni-rfp` turns that into a [`ModalModel`]. This crate knows neither fitting nor rendering.
+//!
+//! Conventions, kept everywhere: time sign e^{+jωt}, SI units, peak amplitudes, FRF arrays with the axes
+//! (response, reference, line), lines contiguous.
+
+mod dof;
+mod error;
+mod frf_set;
+mod geometry;
+pub mod io;
+mod kind;
+mod model;
+
+pub use dof::{Direction, Dof};
+pub use error::{Error, ErrorKind, Result};
+pub use frf_set::{FrfSet, FrfValues};
+pub use geometry::{Geometry, Node};
+pub use kind::{FrfKind, ReferenceUnit, TimeSign};
+pub use model::{
+    ComplexMatrix, ComplexVector, Damping, ModalModel, Mode, Quality, ResidualTerm, ResidualTerms, Scaling, Source, Trust, MODEL_FORMAT,
+};
+
+/// The name and version that every result carries in `created_by`.
+pub const CREATED_BY: &str = concat!("chladni ", env!("CARGO_PKG_VERSION"));

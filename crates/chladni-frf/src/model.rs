@@ -1,0 +1,290 @@
+//! The modal model: what a fit saves, and its synthesis.
+//!
+//! The fields are those of the model file (`docs/formats.md`); the file alone reproduces the fit.
+
+use crate::{Dof, FrfKind, Node, ReferenceUnit};
+use ndarray::{Array1, Array2, Array3};
+use num_complex::Complex64;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+
+/// Value of `format` in a model file.
+pub const MODEL_FORMAT: &str = "chladni.model";
+
+/// A complex vector, as `{"re": [...], "im": [...]}` in files.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(try_from = "SplitVector", into = "SplitVector")]
+pub struct ComplexVector(pub Vec<Complex64>);
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SplitVector {
+    re: Vec<f64>,
+    im: Vec<f64>,
+}
+
+impl From<ComplexVector> for SplitVector {
+    fn from(vector: ComplexVector) -> Self {
+        Self { re: vector.0.iter().map(|c| c.re).collect(), im: vector.0.iter().map(|c| c.im).collect() }
+    }
+}
+
+impl TryFrom<SplitVector> for ComplexVector {
+    type Error = String;
+    fn try_from(split: SplitVector) -> Result<Self, String> {
+        if split.re.len() != split.im.len() {
+            return Err(format!("re has {} entries and im {}", split.re.len(), split.im.len()));
+        }
+        Ok(Self(split.re.into_iter().zip(split.im).map(|(re, im)| Complex64::new(re, im)).collect()))
+    }
+}
+
+/// A complex matrix, as `{"re": [[...]], "im": [[...]]}` in files, row by row.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "SplitMatrix", into = "SplitMatrix")]
+pub struct ComplexMatrix(pub Array2<Complex64>);
+
+#[derive(Serialize, Deserialize)]
+struct SplitMatrix {
+    re: Vec<Vec<f64>>,
+    im: Vec<Vec<f64>>,
+}
+
+impl From<ComplexMatrix> for SplitMatrix {
+    fn from(matrix: ComplexMatrix) -> Self {
+        let part = |f: fn(&Complex64) -> f64| matrix.0.rows().into_iter().map(|row| row.iter().map(f).collect()).collect();
+        Self { re: part(|c| c.re), im: part(|c| c.im) }
+    }
+}
+
+impl TryFrom<SplitMatrix> for ComplexMatrix {
+    type Error = String;
+    fn try_from(split: SplitMatrix) -> Result<Self, String> {
+        let columns = split.re.first().map_or(0, Vec::len);
+        let even = |rows: &[Vec<f64>]| rows.iter().all(|row| row.len() == columns);
+        if split.re.len() != split.im.len() || !even(&split.re) || !even(&split.im) {
+            return Err("re and im must be rectangular and of one size".into());
+        }
+        Ok(Self(Array2::from_shape_fn((split.re.len(), columns), |(i, j)| Complex64::new(split.re[i][j], split.im[i][j]))))
+    }
+}
+
+/// Damping law of a model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Damping {
+    /// Hysteretic: ω_n²(1 + jη_n) − ω².
+    Structural,
+    /// Viscous: poles s_n = −ζ_nω_n + jω_n√(1−ζ_n²), η_n = 2ζ_n.
+    Viscous,
+}
+
+/// How the shapes are scaled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Scaling {
+    /// Λ_n = 1: shape and participation hold the same mass-normalised ψ_n, kg^{-1/2}.
+    UnitModalMass,
+    /// Largest |shape| is 1; participation carries the rest.
+    Unscaled,
+}
+
+/// How far a mode can be trusted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Trust {
+    /// More likely absent than present; listed only on request, never part of the synthesis.
+    Rejected,
+    /// Kept, with reasons for doubt.
+    Weak,
+    /// Kept, no reason for doubt found.
+    Sure,
+}
+
+/// One mode, or an out-of-band pole (`in_band` false) that serves as residual term.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Mode {
+    /// ω_n/2π, undamped, Hz.
+    pub frequency_hz: f64,
+    /// Standard deviation, Hz, one sigma.
+    pub frequency_std_hz: f64,
+    /// η_n; 2ζ_n in the viscous law.
+    pub loss_factor: f64,
+    /// Standard deviation of η_n, one sigma.
+    pub loss_factor_std: f64,
+    /// η_n/2 in both laws.
+    pub damping_ratio: f64,
+    /// Inside `band_hz`; false marks poles that stand for the world outside the band.
+    pub in_band: bool,
+    /// Grade.
+    pub trust: Trust,
+    /// Why not `sure`, in words of the trade.
+    pub reasons: Vec<String>,
+    /// Modal phase collinearity of the shape, 0..=1 (1: real).
+    pub mpc: f64,
+    /// ψ_n at the responses.
+    pub shape: ComplexVector,
+    /// √E|δψ|² per response, in the shape's scaling.
+    pub shape_std: Vec<f64>,
+    /// ψ_n at the references, times whatever scale the shape does not carry.
+    pub participation: ComplexVector,
+}
+
+/// One residual term: receptance += matrix·(ω/omega_scale)^power.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ResidualTerm {
+    /// Integer power of ω/omega_scale (usually −2, 0, 2, 4).
+    pub power: i32,
+    /// Responses × references.
+    #[serde(flatten)]
+    pub matrix: ComplexMatrix,
+}
+
+/// All residual terms of a model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ResidualTerms {
+    /// Scale of ω, rad/s.
+    pub omega_scale_rad_per_s: f64,
+    /// None: empty.
+    pub terms: Vec<ResidualTerm>,
+}
+
+/// How well the model explains its data.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Quality {
+    /// Rms residual over rms data, in the measured kind.
+    pub relative_error: f64,
+    /// χ² per degree of freedom.
+    pub chi2_per_dof: f64,
+    /// False: no mode is sure, or the data as a whole contradict the model.
+    pub trusted: bool,
+    /// Everything the user must know.
+    pub warnings: Vec<String>,
+    /// Which path found the modes, and why; absent for hand-made models.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub path: Option<String>,
+}
+
+/// An input file, by name (without its folder) and content.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Source {
+    /// File name.
+    pub file: String,
+    /// SHA-256 of its bytes, hexadecimal.
+    pub sha256: String,
+}
+
+/// A modal model: modes, residual terms, DOFs, geometry and quality. Field by field the model file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ModalModel {
+    /// Always [`MODEL_FORMAT`].
+    pub format: String,
+    /// Version of the layout: 1.
+    pub version: u32,
+    /// Program and version.
+    pub created_by: String,
+    /// The files it was fitted to.
+    pub source: Vec<Source>,
+    /// Options that can change the result.
+    pub options: serde_json::Map<String, serde_json::Value>,
+    /// Kind of the FRFs that were fitted.
+    pub frf_kind: FrfKind,
+    /// Unit of the references.
+    pub reference_unit: ReferenceUnit,
+    /// Fitted band, Hz.
+    pub band_hz: [f64; 2],
+    /// Law of the saved numbers.
+    pub damping: Damping,
+    /// Scaling of the shapes.
+    pub scaling: Scaling,
+    /// Response DOFs.
+    pub responses: Vec<Dof>,
+    /// Reference DOFs.
+    pub references: Vec<Dof>,
+    /// Geometry.
+    pub nodes: Vec<Node>,
+    /// What ran.
+    pub method: String,
+    /// Modes and out-of-band poles, by rising frequency.
+    pub modes: Vec<Mode>,
+    /// Residual terms.
+    pub residual_terms: ResidualTerms,
+    /// Quality of the fit.
+    pub quality: Quality,
+}
+
+impl Mode {
+    /// The factor of shape·participation in the receptance at `omega` rad/s, for a structural mode
+    /// (theory.md, eq. 3): 1/(ω_n²(1+jη_n) − ω²).
+    pub fn structural_factor(&self, omega: f64) -> Complex64 {
+        let omega_n = TAU * self.frequency_hz;
+        Complex64::new(1.0, 0.0) / Complex64::new(omega_n * omega_n - omega * omega, omega_n * omega_n * self.loss_factor)
+    }
+    /// The pole s_n = −ζ_nω_n + jω_n√(1−ζ_n²), rad/s, of the viscous law (ζ_n = η_n/2).
+    pub fn viscous_pole(&self) -> Complex64 {
+        let (omega_n, zeta) = (TAU * self.frequency_hz, self.loss_factor / 2.0);
+        Complex64::new(-zeta * omega_n, omega_n * (1.0 - zeta * zeta).max(0.0).sqrt())
+    }
+}
+
+impl ModalModel {
+    /// Receptance of every pair at `frequency_hz`, m per unit of the reference; axes (response, reference).
+    pub fn receptance(&self, frequency_hz: f64) -> Array2<Complex64> {
+        let omega = TAU * frequency_hz;
+        let mut alpha = Array2::zeros((self.responses.len(), self.references.len()));
+        for mode in self.modes.iter().filter(|mode| mode.trust != Trust::Rejected) {
+            self.add_mode(mode, omega, &mut alpha);
+        }
+        for term in &self.residual_terms.terms {
+            let scale = (omega / self.residual_terms.omega_scale_rad_per_s).powi(term.power);
+            alpha.scaled_add(Complex64::new(scale, 0.0), &term.matrix.0);
+        }
+        alpha
+    }
+
+    fn add_mode(&self, mode: &Mode, omega: f64, alpha: &mut Array2<Complex64>) {
+        match self.damping {
+            Damping::Structural => {
+                let factor = mode.structural_factor(omega);
+                add_outer(alpha, &mode.shape.0, &mode.participation.0, |product| factor * product);
+            }
+            Damping::Viscous => {
+                let pole = mode.viscous_pole();
+                let (j_omega, scale) = (Complex64::new(0.0, omega), Complex64::new(0.0, 2.0 * pole.im).inv());
+                let (near, far) = ((j_omega - pole).inv(), (j_omega - pole.conj()).inv());
+                add_outer(alpha, &mode.shape.0, &mode.participation.0, |product| {
+                    let residue = product * scale;
+                    residue * near + residue.conj() * far
+                });
+            }
+        }
+    }
+
+    /// The matrix of `kind` at one frequency: [`Self::receptance`] times 1, jω or −ω².
+    pub fn frf_matrix(&self, kind: FrfKind, frequency_hz: f64) -> Array2<Complex64> {
+        let factor = kind.from_receptance(TAU * frequency_hz);
+        self.receptance(frequency_hz).mapv(|alpha| factor * alpha)
+    }
+
+    /// FRFs in the measured kind on a frequency axis; axes (response, reference, line).
+    pub fn synthesise(&self, frequency_hz: &Array1<f64>) -> Array3<Complex64> {
+        let mut frf = Array3::zeros((self.responses.len(), self.references.len(), frequency_hz.len()));
+        for (k, &f) in frequency_hz.iter().enumerate() {
+            frf.slice_mut(ndarray::s![.., .., k]).assign(&self.frf_matrix(self.frf_kind, f));
+        }
+        frf
+    }
+
+    /// Modes inside the band (`sure` and `weak`); the others stand for the world outside.
+    pub fn in_band_modes(&self) -> impl Iterator<Item = &Mode> {
+        self.modes.iter().filter(|mode| mode.in_band && mode.trust != Trust::Rejected)
+    }
+}
+
+fn add_outer(alpha: &mut Array2<Complex64>, shape: &[Complex64], participation: &[Complex64], value: impl Fn(Complex64) -> Complex64) {
+    for (i, &s) in shape.iter().enumerate() {
+        for (j, &p) in participation.iter().enumerate() {
+            alpha[[i, j]] += value(s * p);
+        }
+    }
+}

@@ -1,0 +1,1 @@
+//! Dense kernels behind plain functions on ndarray views.
