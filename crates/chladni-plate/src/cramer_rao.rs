@@ -1,0 +1,93 @@
+//! Cramér-Rao bounds: how well any unbiased method can find natural frequencies and loss factors from FRFs with white noise.
+//!
+//! With x = ω² each FRF l in the measured kind is g(x_k) [Σ_n R_nl/(λ_n − x_k) + Σ_p C_pl ω_k^p] + noise of variance σ², with
+//! λ_n = ω_n²(1 + jη_n), g = 1, jω or −ω². Everything is complex-analytic, residues and residual terms are free in each FRF, so that
+//!
+//! Cov(λ) = σ² [ (Dᴴ P⊥ D) ⊙ (R̄ Rᵀ) ]⁻¹,   D_kn = −g_k/(λ_n − x_k)²,
+//!
+//! where P⊥ projects out the columns g/(λ_n − x) and g ω^p (Golub and Pereyra, *Inverse Problems* 19, 2003, R1-R26, for the
+//! elimination; Kay, *Estimation Theory*, 1993, ch. 15, for complex parameters). Real and imaginary part share the variance, hence
+//!
+//! sd(f)/f = √(C_nn/2) / (2 Re λ_n),   sd(η) = √(C_nn/2) √(1+η²) / Re λ_n.
+//!
+//! Methods that assume more (rank-one residues, real shapes) may beat these bounds of free residues.
+
+use chladni_frf::{Error, ErrorKind, ModalModel, Mode, Result};
+use chladni_linalg::{cholesky, lstsq, matmul, matmul_h, solve_lower, LinalgError};
+use ndarray::{concatenate, Array1, Array2, Axis};
+use num_complex::Complex64;
+use std::f64::consts::TAU;
+
+/// Least standard deviations of the in-band modes, in their order in the model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CramerRao {
+    /// Of the natural frequencies, Hz.
+    pub frequency_std_hz: Vec<f64>,
+    /// Of the loss factors.
+    pub loss_factor_std: Vec<f64>,
+}
+
+/// Bounds for the in-band modes of `model`, measured on `frequency_hz` with white noise E|n|² = `noise_variance` in the measured kind.
+///
+/// * `residual_powers`: powers of ω (in receptance) whose coefficients are free in each FRF
+///
+/// Modes out of band count as known; mark them `in_band` to make their poles and residues unknowns too. Exact for structural
+/// damping; for viscous damping to first order in ζ.
+///
+/// # Errors
+/// [`chladni_frf::ErrorKind::BadData`] where lines or FRFs are too few for the unknowns, or two modes cannot be told apart.
+pub fn cramer_rao(model: &ModalModel, frequency_hz: &Array1<f64>, noise_variance: f64, residual_powers: &[i32]) -> Result<CramerRao> {
+    let modes: Vec<&Mode> = model.in_band_modes().collect();
+    if modes.is_empty() {
+        return Ok(CramerRao { frequency_std_hz: Vec::new(), loss_factor_std: Vec::new() });
+    }
+    // frequencies in units of the axis' end
+    let top = frequency_hz.iter().fold(0.0f64, |top, &f| top.max(f));
+    let poles: Vec<Complex64> =
+        modes.iter().map(|mode| (mode.frequency_hz / top).powi(2) * Complex64::new(1.0, mode.loss_factor)).collect();
+    let covariance = pole_covariance(model, &modes, &poles, frequency_hz, top, residual_powers).map_err(|error| {
+        let kind = if matches!(error, LinalgError::NoConvergence { .. }) { ErrorKind::Internal } else { ErrorKind::BadData };
+        Error::new(kind, format!("these FRFs leave the poles undetermined: {error}"))
+            .help("more lines, more FRFs, or fewer modes and residual terms")
+    })?;
+    let deviation = |n: usize| (noise_variance * covariance[n] / 2.0).sqrt() / poles[n].re;
+    Ok(CramerRao {
+        frequency_std_hz: modes.iter().enumerate().map(|(n, mode)| deviation(n) / 2.0 * mode.frequency_hz).collect(),
+        loss_factor_std: modes.iter().enumerate().map(|(n, mode)| deviation(n) * mode.loss_factor.hypot(1.0)).collect(),
+    })
+}
+
+/// E|δλ_n|²/σ² of poles in units of (2π·top)².
+fn pole_covariance(
+    model: &ModalModel,
+    modes: &[&Mode],
+    poles: &[Complex64],
+    frequency_hz: &Array1<f64>,
+    top: f64,
+    residual_powers: &[i32],
+) -> std::result::Result<Vec<f64>, LinalgError> {
+    let (lines, scale) = (frequency_hz.len(), (TAU * top).powi(2));
+    let weight = |k: usize| model.frf_kind.from_receptance(TAU * frequency_hz[k]);
+    let distance = |k: usize, n: usize| poles[n] - (frequency_hz[k] / top).powi(2);
+    let modal = Array2::from_shape_fn((lines, modes.len()), |(k, n)| weight(k) / (scale * distance(k, n)));
+    let residual =
+        Array2::from_shape_fn((lines, residual_powers.len()), |(k, p)| weight(k) * (frequency_hz[k] / top).powi(residual_powers[p]));
+    let slopes = Array2::from_shape_fn((lines, modes.len()), |(k, n)| -weight(k) / (scale * distance(k, n).powi(2)));
+    let columns = concatenate![Axis(1), modal, residual];
+    let left_over = &slopes - matmul(columns.view(), lstsq(columns.view(), slopes.view())?.view());
+
+    let residue_gram = gram(modes, |mode| &mode.shape.0) * gram(modes, |mode| &mode.participation.0);
+    let information = matmul_h(left_over.view(), left_over.view()) * residue_gram;
+    // unit diagonal, so that strong and weak modes can stand side by side
+    let size: Vec<f64> = information.diag().iter().map(|v| v.re.sqrt()).collect();
+    let scaled = Array2::from_shape_fn(information.dim(), |(m, n)| information[[m, n]] / (size[m] * size[n]));
+    let inverse_factor = solve_lower(cholesky(scaled.view())?.view(), Array2::from_diag_elem(modes.len(), Complex64::from(1.0)).view())?;
+    Ok((0..modes.len()).map(|n| inverse_factor.column(n).iter().map(|v| v.norm_sqr()).sum::<f64>() / size[n].powi(2)).collect())
+}
+
+/// Σ_i conj(v_mi) v_ni over all pairs of modes.
+fn gram<'a>(modes: &[&'a Mode], vector: impl Fn(&'a Mode) -> &'a [Complex64]) -> Array2<Complex64> {
+    Array2::from_shape_fn((modes.len(), modes.len()), |(m, n)| {
+        vector(modes[m]).iter().zip(vector(modes[n])).map(|(a, b)| a.conj() * b).sum()
+    })
+}

@@ -1,0 +1,227 @@
+//! Reading a panel file: every complaint names the key and its line, and an unknown key the nearest known one.
+
+use crate::panel::Panel;
+use chladni_frf::{Error, Result};
+use std::path::Path;
+use toml::de::{DeTable, DeValue};
+use toml::Spanned;
+
+/// Sections and keys of a panel file.
+const SECTIONS: [(&str, &[&str]); 4] = [
+    ("plate", &["length_m", "width_m", "thickness_m", "youngs_modulus_pa", "poisson_ratio", "density_kg_per_m3", "loss_factor", "edges"]),
+    ("responses", &["grid", "spacing_m", "at_references"]),
+    ("references", &["edge_count", "spacing_m", "inset_m", "mass_kg"]),
+    ("frf", &["kind", "start_hz", "stop_hz", "step_hz", "snr_db", "seed"]),
+];
+
+impl Panel {
+    /// Reads and checks a panel; keys that are left out have their defaults.
+    ///
+    /// * `memory_limit_bytes`: what exceeds it is refused here, before anything is computed
+    ///
+    /// # Errors
+    /// [`chladni_frf::ErrorKind::BadData`] with line and key: no TOML, an unknown key, a wrong type, an unusable value, too large.
+    pub fn from_toml(text: &str, memory_limit_bytes: u64) -> Result<Self> {
+        let document = DeTable::parse(text).map_err(|error| syntax_error(text, &error))?;
+        check_keys(text, document.get_ref())?;
+        let panel: Panel = toml::from_str(text).map_err(|error| type_error(text, document.get_ref(), &error))?;
+        let with_line = |error: Error| match error.field.as_deref().and_then(|field| line_of_key(text, document.get_ref(), field)) {
+            Some(line) => error.at_line(line),
+            None => error,
+        };
+        panel.check().map_err(with_line)?;
+        panel.check_memory(memory_limit_bytes)?;
+        Ok(panel)
+    }
+
+    /// Reads a panel file; see [`Self::from_toml`].
+    ///
+    /// # Errors
+    /// As [`Self::from_toml`], with the file's name; also a file that cannot be read.
+    pub fn read(file: &Path, memory_limit_bytes: u64) -> Result<Self> {
+        let bytes = std::fs::read(file).map_err(|error| Error::from_read(&error, file))?;
+        let text = String::from_utf8(bytes).map_err(|error| {
+            Error::bad_data("the file is no UTF-8 text")
+                .file(file)
+                .at_byte(error.utf8_error().valid_up_to() as u64)
+                .expected("a panel as TOML")
+        })?;
+        Self::from_toml(&text, memory_limit_bytes).map_err(|error| error.file(file))
+    }
+}
+
+/// Line of a byte offset, counted from 1.
+fn line_at(text: &str, offset: usize) -> u64 {
+    1 + text.as_bytes()[..offset.min(text.len())].iter().filter(|&&byte| byte == b'\n').count() as u64
+}
+
+fn syntax_error(text: &str, error: &toml::de::Error) -> Error {
+    let located =
+        Error::bad_data(format!("not valid TOML: {}", error.message())).help("write one `key = value` per line under [section] headings");
+    match error.span() {
+        Some(span) => located.at_line(line_at(text, span.start)),
+        None => located,
+    }
+}
+
+fn check_keys(text: &str, document: &DeTable) -> Result<()> {
+    let sections = SECTIONS.map(|(name, _)| name);
+    for (name, value) in document.iter() {
+        let Some((_, keys)) = SECTIONS.iter().find(|(section, _)| section == name.get_ref()) else {
+            return Err(unknown(text, name, "section", &sections).help(misplaced(name.get_ref())));
+        };
+        let DeValue::Table(section) = value.get_ref() else {
+            return Err(Error::bad_data(format!("`{}` is a section, not a value", name.get_ref()))
+                .at_line(line_at(text, name.span().start))
+                .expected(format!("the heading [{}]", name.get_ref())));
+        };
+        for (key, _) in section.iter() {
+            if !keys.contains(&key.get_ref().as_ref()) {
+                return Err(unknown(text, key, "key", keys).field(format!("{}.{}", name.get_ref(), key.get_ref())));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn unknown(text: &str, name: &Spanned<std::borrow::Cow<str>>, what: &str, known: &[&str]) -> Error {
+    // a name without its unit is near, however long the unit
+    let distance = |candidate: &&&str| (!candidate.starts_with(name.get_ref().as_ref()), edit_distance(candidate, name.get_ref()));
+    let nearest = known.iter().min_by_key(distance).unwrap_or(&"");
+    Error::bad_data(format!("unknown {what}; the nearest known one is `{nearest}`"))
+        .at_line(line_at(text, name.span().start))
+        .field(name.get_ref().as_ref())
+        .expected(format!("one of {}", known.join(", ")))
+}
+
+/// Advice for a name at the top of the file: a key without its section, or else the list of sections.
+fn misplaced(name: &str) -> String {
+    match SECTIONS.iter().find(|(_, keys)| keys.contains(&name)) {
+        Some((section, _)) => format!("the key `{name}` belongs under the heading [{section}]"),
+        None => "the sections are [plate], [responses], [references] and [frf]".into(),
+    }
+}
+
+/// The key whose value the error points at.
+fn type_error(text: &str, document: &DeTable, error: &toml::de::Error) -> Error {
+    let located = Error::bad_data(error.message().trim());
+    let Some(span) = error.span() else { return located };
+    let at = |value: &Spanned<DeValue>| value.span().start <= span.start && span.start < value.span().end.max(value.span().start + 1);
+    let field = document.iter().find_map(|(name, section)| match section.get_ref() {
+        DeValue::Table(keys) => keys.iter().find(|(_, value)| at(value)).map(|(key, _)| format!("{}.{}", name.get_ref(), key.get_ref())),
+        _ => None,
+    });
+    let located = located.at_line(line_at(text, span.start));
+    match field {
+        Some(field) => located.field(field),
+        None => located,
+    }
+}
+
+/// Line of `section.key`, or of the section where the key is left to its default.
+fn line_of_key(text: &str, document: &DeTable, field: &str) -> Option<u64> {
+    let (section, key) = field.split_once('.').unwrap_or((field, ""));
+    let (_, value) = document.iter().find(|(name, _)| name.get_ref() == section)?;
+    let DeValue::Table(keys) = value.get_ref() else { return None };
+    keys.iter().find(|(name, _)| name.get_ref() == key).map(|(name, _)| line_at(text, name.span().start))
+}
+
+/// Levenshtein distance: how many letters to change, insert or delete.
+fn edit_distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().take(64).collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, letter) in a.chars().take(64).enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for j in 0..b.len() {
+            let changed = diagonal + usize::from(letter != b[j]);
+            diagonal = row[j + 1];
+            row[j + 1] = changed.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LIMIT: u64 = 2 << 30;
+
+    fn message(text: &str) -> String {
+        Panel::from_toml(text, LIMIT).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn an_empty_file_is_the_default_panel() {
+        assert_eq!(Panel::from_toml("", LIMIT).unwrap(), Panel::default());
+    }
+
+    #[test]
+    fn whole_numbers_serve_as_decimals_and_loss_factors_as_lists() {
+        let panel = Panel::from_toml("[plate]\nlength_m = 1\nloss_factor = [0.01, 0.02]\nedges = \"SFSF\"", LIMIT).unwrap();
+        assert_eq!(panel.plate.length_m, 1.0);
+        assert_eq!(panel.plate.loss_factor.entries(), [0.01, 0.02]);
+    }
+
+    #[test]
+    fn an_unknown_key_names_the_nearest_one_and_its_line() {
+        let text = message("[frf]\nstart_hz = 2.0\nstep = 0.5\n");
+        assert!(text.contains("line 3") && text.contains("frf.step") && text.contains("`step_hz`"), "{text}");
+        let text = message("[plates]\n");
+        assert!(text.contains("line 1") && text.contains("`plate`"), "{text}");
+        let text = message("seed = 3\n");
+        assert!(text.contains("belongs under the heading [frf]"), "{text}");
+    }
+
+    #[test]
+    fn wrong_types_and_values_name_key_line_and_what_is_expected() {
+        for (text, parts) in [
+            ("[plate]\n\nwidth_m = \"a\"", ["line 3", "plate.width_m", "string"]),
+            ("[plate]\nwidth_m = -1.0", ["line 2", "plate.width_m", "above 0"]),
+            ("[plate]\nwidth_m = nan", ["line 2", "plate.width_m", "finite"]),
+            ("[plate]\npoisson_ratio = 0.7", ["line 2", "plate.poisson_ratio", "below 0.5"]),
+            ("[plate]\nloss_factor = \"x\"", ["line 2", "plate.loss_factor", "array of numbers"]),
+            ("[plate]\nloss_factor = []", ["line 2", "plate.loss_factor", "one per elastic mode"]),
+            ("[plate]\nedges = \"FFFX\"", ["line 2", "plate.edges", "four letters"]),
+            ("[responses]\ngrid = [0, 3]", ["line 2", "responses.grid", "at least 1"]),
+            ("[responses]\ngrid = [3]", ["line 2", "responses.grid", "2"]),
+            ("[responses]\ngrid = [-3, 1]", ["line 2", "responses.grid", "-3"]),
+            ("[responses]\ngrid = [20, 7]", ["line 2", "responses.grid", "do not fit"]),
+            ("[references]\nedge_count = [0, 0]", ["line 2", "references.edge_count", "nothing drives"]),
+            ("[references]\ninset_m = 0.1", ["line 2", "references.inset_m", "middle"]),
+            ("[frf]\nkind = \"mobillity\"", ["line 2", "frf.kind", "receptance"]),
+            ("[frf]\nstart_hz = 0.0", ["line 2", "frf.start_hz", "rigid body"]),
+            ("[frf]\nstop_hz = 1.0", ["line 2", "frf.stop_hz", "ends before"]),
+            ("[frf]\nsnr_db = inf", ["line 2", "frf.snr_db", "finite"]),
+            ("[frf]\nseed = 1.5", ["line 2", "frf.seed", "1.5"]),
+            ("plate = 3", ["line 1", "section", "[plate]"]),
+            ("[plate\n", ["line 1", "TOML", "help"]),
+        ] {
+            let shown = message(text);
+            for part in parts {
+                assert!(shown.contains(part), "{text:?} gave {shown:?} without {part:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn sizes_that_exceed_the_memory_are_refused_at_once() {
+        for text in [
+            "[frf]\nstep_hz = 1e-12",
+            "[frf]\nstop_hz = 1e9",
+            "[responses]\ngrid = [9000000000000000000, 9000000000000000000]\nspacing_m = 1e-300",
+            "[references]\nedge_count = [4000000000, 1]\nspacing_m = 1e-11",
+            "[plate]\nthickness_m = 1e-12",
+        ] {
+            assert!(message(text).contains("more memory than is allowed"), "{text}: {}", message(text));
+        }
+        assert!(Panel::default().memory_bytes() < 400e6);
+        assert!(Panel::default().memory_bytes() > 77.0 * 34.0 * 1997.0 * 16.0);
+    }
+
+    #[test]
+    fn edit_distance_counts_letters() {
+        assert_eq!([("abc", "abc"), ("abc", "axc"), ("", "abc"), ("kitten", "sitting")].map(|(a, b)| edit_distance(a, b)), [0, 1, 3, 3]);
+    }
+}

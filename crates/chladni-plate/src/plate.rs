@@ -1,0 +1,266 @@
+//! A thin rectangular plate: sides, material, edges, and the numbers that follow from them.
+
+use crate::tolerances::THIN_PLATE_WAVELENGTH_PER_THICKNESS;
+use chladni_frf::{Error, Result};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+use std::fmt;
+
+/// How one edge is held.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Edge {
+    /// Neither displacement nor slope is held.
+    Free,
+    /// Displacement is zero.
+    Supported,
+    /// Displacement and slope are zero.
+    Clamped,
+}
+
+impl Edge {
+    /// Power of the distance from the edge that every admissible shape carries: 0, 1 or 2.
+    pub fn power(self) -> usize {
+        self as usize
+    }
+    fn letter(self) -> char {
+        ['F', 'S', 'C'][self.power()]
+    }
+}
+
+/// The four edges, written as four letters F, S or C in the order x = 0, y = 0, x = length, y = width.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct Edges {
+    /// Edges at x = 0 and x = length.
+    pub x: [Edge; 2],
+    /// Edges at y = 0 and y = width.
+    pub y: [Edge; 2],
+}
+
+impl Edges {
+    /// All four free.
+    pub const FREE: Self = Self { x: [Edge::Free; 2], y: [Edge::Free; 2] };
+
+    /// Products (x degree, y degree) of the edge basis that cost no bending energy: the rigid-body motions that the edges allow.
+    ///
+    /// Three on free edges (up and down, two tilts), one about a single simply supported edge, none otherwise.
+    pub fn rigid_products(&self) -> Vec<(usize, usize)> {
+        let held = |pair: [Edge; 2]| pair[0].power() + pair[1].power();
+        match (held(self.x), held(self.y)) {
+            (0, 0) => vec![(0, 0), (1, 0), (0, 1)],
+            (1, 0) | (0, 1) => vec![(0, 0)],
+            _ => Vec::new(),
+        }
+    }
+}
+
+impl fmt::Display for Edges {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        [self.x[0], self.y[0], self.x[1], self.y[1]].iter().try_for_each(|edge| write!(f, "{}", edge.letter()))
+    }
+}
+
+impl From<Edges> for String {
+    fn from(edges: Edges) -> Self {
+        edges.to_string()
+    }
+}
+
+impl TryFrom<String> for Edges {
+    type Error = String;
+    fn try_from(text: String) -> std::result::Result<Self, String> {
+        let letter = |c| match c {
+            'F' => Some(Edge::Free),
+            'S' => Some(Edge::Supported),
+            'C' => Some(Edge::Clamped),
+            _ => None,
+        };
+        match text.chars().map(letter).collect::<Option<Vec<_>>>().as_deref() {
+            Some(&[x0, y0, x1, y1]) => Ok(Self { x: [x0, x1], y: [y0, y1] }),
+            _ => Err(format!(
+                "`{text}` names no four edges; write four letters F (free), S (simply supported) or C (clamped) \
+                 in the order x=0, y=0, x=length, y=width, for example \"FFFF\""
+            )),
+        }
+    }
+}
+
+/// Structural loss factor η: one for all modes, or one per elastic mode in rising order of frequency.
+///
+/// Where there are more modes than entries, the last entry holds for the rest.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, expecting = "expected a number or an array of numbers, one per elastic mode")]
+pub enum LossFactor {
+    /// The same for all modes.
+    Common(f64),
+    /// One per elastic mode.
+    PerMode(Vec<f64>),
+}
+
+impl LossFactor {
+    /// η of elastic mode `index`, counted from 0.
+    pub fn of_mode(&self, index: usize) -> f64 {
+        match self {
+            Self::Common(eta) => *eta,
+            Self::PerMode(list) => list.get(index).or(list.last()).copied().unwrap_or(0.0),
+        }
+    }
+    /// All entries.
+    pub fn entries(&self) -> &[f64] {
+        match self {
+            Self::Common(eta) => std::slice::from_ref(eta),
+            Self::PerMode(list) => list,
+        }
+    }
+}
+
+/// A homogeneous isotropic thin plate in the x, y plane with a corner at the origin: the `[plate]` section of a panel file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Plate {
+    /// Side along x, m.
+    pub length_m: f64,
+    /// Side along y, m.
+    pub width_m: f64,
+    /// Thickness, m.
+    pub thickness_m: f64,
+    /// Young's modulus E, Pa.
+    pub youngs_modulus_pa: f64,
+    /// Poisson's ratio ν.
+    pub poisson_ratio: f64,
+    /// Density ρ, kg/m³.
+    pub density_kg_per_m3: f64,
+    /// Structural loss factor η.
+    pub loss_factor: LossFactor,
+    /// How the edges are held.
+    pub edges: Edges,
+}
+
+impl Default for Plate {
+    /// The glass panel of the examples: 268 × 170 × 0.7 mm, free.
+    fn default() -> Self {
+        Self {
+            length_m: 0.268,
+            width_m: 0.170,
+            thickness_m: 0.0007,
+            youngs_modulus_pa: 71.5e9,
+            poisson_ratio: 0.21,
+            density_kg_per_m3: 2440.0,
+            loss_factor: LossFactor::Common(0.010),
+            edges: Edges::FREE,
+        }
+    }
+}
+
+impl Plate {
+    /// Bending stiffness D = E h³ / (12 (1 − ν²)), N·m.
+    pub fn bending_stiffness(&self) -> f64 {
+        self.youngs_modulus_pa * self.thickness_m.powi(3) / (12.0 * (1.0 - self.poisson_ratio * self.poisson_ratio))
+    }
+    /// Mass per area ρh, kg/m².
+    pub fn mass_per_area(&self) -> f64 {
+        self.density_kg_per_m3 * self.thickness_m
+    }
+    /// Mass, kg.
+    pub fn mass(&self) -> f64 {
+        self.mass_per_area() * self.length_m * self.width_m
+    }
+    /// Bending wavenumber k = (ρh ω²/D)^¼ of the infinite plate, rad/m.
+    pub fn wavenumber(&self, omega: f64) -> f64 {
+        (self.mass_per_area() / self.bending_stiffness()).powf(0.25) * omega.sqrt()
+    }
+    /// ω = k² √(D/ρh), rad/s: inverse of [`Self::wavenumber`].
+    pub fn omega_of_wavenumber(&self, wavenumber: f64) -> f64 {
+        wavenumber * wavenumber * (self.bending_stiffness() / self.mass_per_area()).sqrt()
+    }
+    /// Half-wave count of Weyl's law, k² S/4π: how many modes lie below `omega`, edges left out.
+    pub fn asymptotic_mode_count(&self, omega: f64) -> f64 {
+        self.wavenumber(omega).powi(2) * self.length_m * self.width_m / (4.0 * PI)
+    }
+    /// True where the bending wave at `omega` is too short for the thin-plate equation.
+    pub fn is_thick_at(&self, omega: f64) -> bool {
+        2.0 * PI / self.wavenumber(omega) < THIN_PLATE_WAVELENGTH_PER_THICKNESS * self.thickness_m
+    }
+
+    /// Checks that every number is usable.
+    ///
+    /// # Errors
+    /// [`chladni_frf::ErrorKind::BadData`] naming the key, as `plate.length_m`.
+    pub fn check(&self) -> Result<()> {
+        for (key, value) in [
+            ("length_m", self.length_m),
+            ("width_m", self.width_m),
+            ("thickness_m", self.thickness_m),
+            ("youngs_modulus_pa", self.youngs_modulus_pa),
+            ("density_kg_per_m3", self.density_kg_per_m3),
+        ] {
+            crate::panel::positive(&format!("plate.{key}"), value)?;
+        }
+        if !(self.poisson_ratio > -1.0 && self.poisson_ratio < 0.5) {
+            return Err(Error::bad_data("no isotropic material has this Poisson's ratio")
+                .field("plate.poisson_ratio")
+                .found(self.poisson_ratio)
+                .expected("a number above -1 and below 0.5"));
+        }
+        if self.loss_factor.entries().is_empty() {
+            return Err(Error::bad_data("no loss factor").field("plate.loss_factor").expected("a number, or one per elastic mode"));
+        }
+        self.loss_factor.entries().iter().try_for_each(|&eta| crate::panel::positive("plate.loss_factor", eta))?;
+        let shortest = self.length_m.min(self.width_m);
+        if self.thickness_m > shortest / 10.0 {
+            return Err(Error::bad_data("this is no thin plate: its thickness exceeds a tenth of its shorter side")
+                .field("plate.thickness_m")
+                .found(self.thickness_m)
+                .expected(format!("at most {}", shortest / 10.0))
+                .help("check the units (all lengths are in metres); a thick plate needs shear deformation, which is not modelled"));
+        }
+        let scale = self.bending_stiffness() / self.mass_per_area();
+        if !(scale.is_normal() && self.mass().is_normal()) {
+            return Err(Error::bad_data("the plate's stiffness or mass leaves the range of the computer's numbers").field("plate"));
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_glass_panel_has_the_stiffness_mass_and_wavelength_of_its_data_sheet() {
+        let plate = Plate::default();
+        assert!((plate.bending_stiffness() - 2.138).abs() < 5e-4);
+        assert!((plate.mass() - 0.0778).abs() < 5e-5);
+        let wavelength = 2.0 * PI / plate.wavenumber(2.0 * PI * 300.0);
+        assert!((wavelength - 0.153).abs() < 5e-4, "{wavelength}");
+        assert!((plate.omega_of_wavenumber(plate.wavenumber(77.0)) - 77.0).abs() < 1e-10);
+    }
+
+    #[test]
+    fn edges_are_written_as_they_are_read() {
+        let edges = Edges::try_from("FSCF".to_string()).unwrap();
+        assert_eq!((edges.x, edges.y), ([Edge::Free, Edge::Clamped], [Edge::Supported, Edge::Free]));
+        assert_eq!(edges.to_string(), "FSCF");
+        for text in ["", "FFF", "FFFFF", "ffff", "FFXF"] {
+            assert!(Edges::try_from(text.to_string()).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn only_free_and_once_hinged_plates_move_as_rigid_bodies() {
+        let count = |text: &str| Edges::try_from(text.to_string()).unwrap().rigid_products().len();
+        assert_eq!(["FFFF", "SFFF", "FFFS", "SSFF", "SFSF", "CFFF"].map(count), [3, 1, 1, 0, 0, 0]);
+    }
+
+    #[test]
+    fn the_last_loss_factor_holds_for_all_further_modes() {
+        let eta = LossFactor::PerMode(vec![0.01, 0.02]);
+        assert_eq!([0, 1, 2, 9].map(|n| eta.of_mode(n)), [0.01, 0.02, 0.02, 0.02]);
+    }
+
+    #[test]
+    fn a_thickness_in_millimetres_is_refused_with_advice() {
+        let error = Plate { thickness_m: 0.7, ..Plate::default() }.check().unwrap_err();
+        assert!(error.to_string().contains("metres"), "{error}");
+    }
+}

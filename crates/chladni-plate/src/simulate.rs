@@ -1,0 +1,151 @@
+//! A simulated measurement: FRFs of a virtual panel with noise, and the modal model that is its truth.
+
+use crate::layout::Layout;
+use crate::noise::{add_white_noise, mean_square};
+use crate::panel::Panel;
+use crate::response::DampedPlate;
+use crate::tolerances::LEAST_LINES_PER_BANDWIDTH;
+use chladni_frf::{
+    ComplexMatrix, ComplexVector, Damping, Error, ErrorKind, FrfSet, FrfValues, ModalModel, Mode, Quality, ReferenceUnit, ResidualTerm,
+    ResidualTerms, Result, Scaling, Trust, CREATED_BY, MODEL_FORMAT,
+};
+use ndarray::Array2;
+use num_complex::Complex64;
+use std::f64::consts::TAU;
+
+/// FRFs, and what they are made of.
+#[derive(Debug, Clone)]
+pub struct Simulation {
+    /// The measurement, with noise.
+    pub frf: FrfSet,
+    /// The model whose synthesis gives the FRFs without noise, to rounding.
+    pub truth: ModalModel,
+    /// E|n|² of the noise on each value, in the measured kind's unit squared.
+    pub noise_variance: f64,
+    /// The plate, for FRFs at any other points.
+    pub plate: DampedPlate,
+    /// What the user should know about this panel.
+    pub warnings: Vec<String>,
+}
+
+/// Simulates the measurement that `panel` describes.
+///
+/// * `seed`, `snr_db`: take the place of the panel's; an infinite `snr_db` gives FRFs without noise
+///
+/// The same panel and seed give the same bits at any number of threads.
+///
+/// # Errors
+/// [`chladni_frf::ErrorKind::BadData`] where [`Panel::check`] fails, or more modes are asked for than can be found. Memory is the
+/// caller's affair: see [`Panel::check_memory`].
+pub fn simulate(panel: &Panel, seed: Option<u64>, snr_db: Option<f64>) -> Result<Simulation> {
+    panel.check()?;
+    let mut panel = panel.clone();
+    panel.frf.seed = seed.unwrap_or(panel.frf.seed);
+    panel.frf.snr_db = snr_db.unwrap_or(panel.frf.snr_db);
+
+    let layout = panel.layout();
+    let plate = DampedPlate::new(&panel.plate, &layout.masses, panel.frf.stop_hz)?;
+    let frequency_hz = panel.frf.frequency_hz();
+    let mut values = plate.frfs(panel.frf.kind, &layout.responses_m, &layout.references_m, &frequency_hz)?;
+    let noise_variance = add_white_noise(&mut values, panel.frf.snr_db, panel.frf.seed)?;
+    let relative_error = (noise_variance / mean_square(&values)).sqrt();
+
+    let warnings = warnings(&panel, &plate);
+    let truth = truth(&panel, &layout, &plate, relative_error)?;
+    let frf = FrfSet {
+        frequency_hz,
+        values: FrfValues::F64(values),
+        responses: layout.response_dofs,
+        references: layout.reference_dofs,
+        kind: Some(panel.frf.kind),
+        reference_unit: ReferenceUnit::Newton,
+        coherence: None,
+        geometry: layout.geometry,
+    };
+    Ok(Simulation { frf: frf.checked()?, truth, noise_variance, plate, warnings })
+}
+
+/// The modal model of the panel: elastic modes with their own poles, rigid-body modes as the residual term −Σ ψψᵀ/ω².
+fn truth(panel: &Panel, layout: &Layout, plate: &DampedPlate, relative_error: f64) -> Result<ModalModel> {
+    let shapes = plate.modes.evaluate(&layout.responses_m)?;
+    let participations = plate.modes.evaluate(&layout.references_m)?;
+    let (frequencies, loss_factors, rigid) = (plate.modes.frequency_hz(), plate.loss_factors(), plate.modes.rigid_count());
+    let band_hz = [panel.frf.start_hz, panel.frf.stop_hz];
+    let column = |table: &Array2<f64>, n: usize| ComplexVector(table.column(n).iter().map(|&v| v.into()).collect());
+    let modes = (rigid..plate.modes.len())
+        .map(|n| Mode {
+            frequency_hz: frequencies[n],
+            frequency_std_hz: 0.0,
+            loss_factor: loss_factors[n],
+            loss_factor_std: 0.0,
+            damping_ratio: loss_factors[n] / 2.0,
+            in_band: band_hz[0] <= frequencies[n] && frequencies[n] <= band_hz[1],
+            trust: Trust::Sure,
+            reasons: Vec::new(),
+            mpc: 1.0,
+            shape: column(&shapes, n),
+            shape_std: vec![0.0; shapes.nrows()],
+            participation: column(&participations, n),
+        })
+        .collect();
+    let omega_scale = TAU * panel.frf.stop_hz;
+    let rigid_sum = Array2::from_shape_fn((shapes.nrows(), participations.nrows()), |(i, j)| {
+        let sum: f64 = (0..rigid).map(|n| shapes[[i, n]] * participations[[j, n]]).sum();
+        Complex64::new(-sum / omega_scale.powi(2), 0.0)
+    });
+    let terms = if rigid > 0 { vec![ResidualTerm { power: -2, matrix: ComplexMatrix(rigid_sum) }] } else { Vec::new() };
+    let options = serde_json::to_value(panel)
+        .map_err(|error| Error::new(ErrorKind::Internal, format!("the panel cannot be written into the model: {error}")))?;
+    Ok(ModalModel {
+        format: MODEL_FORMAT.into(),
+        version: 1,
+        created_by: CREATED_BY.into(),
+        source: Vec::new(),
+        options: [("panel".to_string(), options)].into_iter().collect(),
+        frf_kind: panel.frf.kind,
+        reference_unit: ReferenceUnit::Newton,
+        band_hz,
+        damping: Damping::Structural,
+        scaling: Scaling::UnitModalMass,
+        responses: layout.response_dofs.clone(),
+        references: layout.reference_dofs.clone(),
+        nodes: layout.geometry.nodes.clone(),
+        method: "simulate".into(),
+        modes,
+        residual_terms: ResidualTerms { omega_scale_rad_per_s: omega_scale, terms },
+        quality: Quality { relative_error, chi2_per_dof: 1.0, trusted: true, warnings: Vec::new(), path: None },
+    })
+}
+
+fn warnings(panel: &Panel, plate: &DampedPlate) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let (frequencies, loss_factors) = (plate.modes.frequency_hz(), plate.loss_factors());
+    let in_band = |n: &usize| (panel.frf.start_hz..=panel.frf.stop_hz).contains(&frequencies[*n]);
+    let modes: Vec<usize> = (plate.modes.rigid_count()..plate.modes.len()).filter(in_band).collect();
+    if modes.is_empty() {
+        warnings.push(format!(
+            "no elastic mode between {} and {} Hz; the first one lies at {:.1} Hz",
+            panel.frf.start_hz,
+            panel.frf.stop_hz,
+            frequencies[plate.modes.rigid_count()]
+        ));
+    }
+    let narrow = |n: &&usize| loss_factors[**n] * frequencies[**n] < LEAST_LINES_PER_BANDWIDTH * panel.frf.step_hz;
+    if let Some(&first) = modes.iter().find(narrow) {
+        warnings.push(format!(
+            "{} modes have half-power bandwidths below the line spacing of {} Hz (the mode at {:.1} Hz: {:.3} Hz), \
+             so that their damping can hardly be identified; take a smaller step_hz",
+            modes.iter().filter(narrow).count(),
+            panel.frf.step_hz,
+            frequencies[first],
+            loss_factors[first] * frequencies[first]
+        ));
+    }
+    if panel.plate.is_thick_at(TAU * panel.frf.stop_hz) {
+        warnings.push(format!(
+            "at {} Hz the bending wavelength is below 20 thicknesses; real plates have lower frequencies there than this thin-plate model",
+            panel.frf.stop_hz
+        ));
+    }
+    warnings
+}
