@@ -1,0 +1,44 @@
+//! What stops an identification before it starts, with the numbers and the next step.
+
+use chladni_linalg::LinalgError;
+use thiserror::Error;
+
+/// A fit that cannot be done. A fit that was done but cannot be trusted is no error: see the result's quality.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum FitError {
+    /// The FRF kind is not known.
+    #[error("the FRF kind is unknown; say receptance, mobility or accelerance")]
+    UnknownKind,
+    /// The band does not overlap the data.
+    #[error("no line between {low_hz} and {high_hz} Hz: the data reach from {data_low_hz} to {data_high_hz} Hz")]
+    BandOutsideData {
+        /// Band asked for, Hz.
+        low_hz: f64,
+        /// Band asked for, Hz.
+        high_hz: f64,
+        /// First line, Hz.
+        data_low_hz: f64,
+        /// Last line, Hz.
+        data_high_hz: f64,
+    },
+    /// Too few lines for any model.
+    #[error("{lines} usable spectral lines between {low_hz} and {high_hz} Hz cannot support {modes} mode(s): at least {needed} are needed; widen the band")]
+    TooFewLines {
+        /// Lines left after screening.
+        lines: usize,
+        /// Band, Hz.
+        low_hz: f64,
+        /// Band, Hz.
+        high_hz: f64,
+        /// Modes asked for.
+        modes: usize,
+        /// Lines needed.
+        needed: usize,
+    },
+    /// Nothing but zeros or NaN.
+    #[error("no FRF in the set holds a finite, non-zero value in the band")]
+    NoData,
+    /// A kernel failed: our bug, not the user's.
+    #[error("internal: {0}")]
+    Kernel(#[from] LinalgError),
+}

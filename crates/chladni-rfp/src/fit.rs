@@ -1,0 +1,118 @@
+//! The fit: screen, find poles, choose the damping law, residues, shapes, model.
+
+use crate::error::FitError;
+use crate::law::{chance, choose};
+use crate::measured::measured_path;
+use crate::model::{assemble, Found, Identified};
+use crate::options::{FitOptions, Method};
+use crate::order::{fast_chain, Chain, Outcome};
+use crate::project::project;
+use crate::refine::Projection;
+use crate::screen::Screened;
+use chladni_frf::{FrfSet, ModalModel, Trust};
+use chladni_linalg::inverse_hermitian;
+
+/// A fit with its history.
+#[derive(Debug, Clone)]
+pub struct Fit {
+    /// The model, ready to be saved.
+    pub model: ModalModel,
+    /// Orders tried: (poles, residual variance relative to the data's mean square), in order.
+    pub history: Vec<(usize, f64)>,
+}
+
+/// Identifies the modes in `frf`.
+///
+/// `progress` is told the name of each stage as it begins.
+///
+/// # Errors
+/// [`FitError`]: unknown kind, a band outside the data, too few lines, no data. A fit that was made but cannot be trusted is
+/// no error: `model.quality.trusted` says so, with the reasons in its warnings.
+pub fn fit(frf: &FrfSet, options: &FitOptions, progress: &dyn Fn(&str)) -> Result<Fit, FitError> {
+    let data = Screened::new(frf, options)?;
+    match options.method {
+        Method::Auto => fit_auto(&data, options, progress),
+        Method::Rfp | Method::Grfp => todo!(),
+    }
+}
+
+fn fit_auto(data: &Screened, options: &FitOptions, progress: &dyn Fn(&str)) -> Result<Fit, FitError> {
+    let (found, history) = match fast_chain(data, options.seed, options.modes, progress)? {
+        Outcome::White(chain) => {
+            let history = chain.history.clone();
+            (from_chain(*chain), history)
+        }
+        Outcome::NotWhite(evidence) => (from_measured(data, options, &evidence, progress)?, Vec::new()),
+    };
+    progress("damping law");
+    let chance = chance(&found.work, found.variance);
+    let least_gain = if found.spread.is_some() { chance.max(LAW_SHARE * found.refined.projection.sse) } else { chance };
+    let law = choose(&found.work, &found.refined, least_gain, options.damping)?;
+    progress("shapes");
+    let model = assemble(data, Identified::new(found, law)?, options)?;
+    Ok(Fit { model, history })
+}
+
+/// Where the residual is not noise, one damping law must explain this share of it to be preferred.
+const LAW_SHARE: f64 = 0.05;
+
+fn from_chain(chain: Chain) -> Found {
+    let work = &chain.projected.work;
+    let inverse = inverse_hermitian(chain.refined.information.view()).ok();
+    let grades = (0..chain.refined.lambda.len())
+        .map(|q| {
+            let pole = chain.refined.lambda[q];
+            let deviation = inverse.as_ref().map_or(f64::INFINITY, |c| (chain.variance * c[[q, q]].re).max(0.0).sqrt());
+            let mut reasons = Vec::new();
+            if work.in_band(pole) && deviation > UNCERTAIN * pole.im {
+                reasons.push(format!("uncertain by {:.1} half-bandwidths (one sigma)", deviation / pole.im));
+            }
+            (if reasons.is_empty() { Trust::Sure } else { Trust::Weak }, reasons)
+        })
+        .collect();
+    Found {
+        grades,
+        work: chain.projected.work,
+        back: Some(chain.projected.back),
+        variance: chain.variance,
+        spread: None,
+        path: format!("fast chain: {}", chain.whiteness.evidence),
+        warnings: Vec::new(),
+        consistent: true,
+        refined: chain.refined,
+    }
+}
+
+/// Standard deviation of a pole, in half-bandwidths, beyond which its mode is not sure.
+const UNCERTAIN: f64 = 0.3;
+
+fn from_measured(data: &Screened, options: &FitOptions, evidence: &str, progress: &dyn Fn(&str)) -> Result<Found, FitError> {
+    let found = measured_path(data, options.seed, options.modes, progress)?;
+    let variance = found.refined.variance(&found.work);
+    let (work, back) = match found.back {
+        Some(back) => (found.work, Some(back)),
+        None => {
+            // the path ran on mixtures: residues come from one pass over all FRFs
+            let (sketch, energy) = data.sketch(options.seed);
+            let all = Projection::new(&sketch, &found.refined.lambda, &found.refined.powers)?;
+            let projected = project(data, &all.q, &energy)?;
+            (projected.work, Some(projected.back))
+        }
+    };
+    let variance = if work.columns() == found.refined.projection.residual.ncols() {
+        variance
+    } else {
+        Projection::new(&work, &found.refined.lambda, &found.refined.powers)?.sse / (work.lines() * work.columns()) as f64
+    };
+    Ok(Found {
+        refined: found.refined,
+        work,
+        back,
+        variance,
+        spread: Some(found.variance),
+        grades: found.grades,
+        path: format!("measured-data path: {evidence}"),
+        warnings: found.warnings,
+        consistent: true,
+    })
+}

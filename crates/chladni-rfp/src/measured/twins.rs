@@ -1,0 +1,82 @@
+//! Twins: two poles that stand for one mode which moves between FRFs (roving mass, temperature).
+
+use crate::refine::{refine, Refined};
+use crate::tolerances as tol;
+use crate::work::{basis, Work};
+use chladni_linalg::{lstsq, matmul, LinalgError};
+use ndarray::{s, Array2};
+use num_complex::Complex64;
+
+/// Two poles nearer than this many half-bandwidths are looked at.
+const NEAR: f64 = 2.5;
+/// Own poles explain the neighbourhood this much better (ratio of sums of squares) and the pair is one mode.
+const OWN_OVER_PAIR: f64 = 1.3;
+/// Residues of the pair that agree this well are one shape.
+const SAME_SHAPE_MAC: f64 = 0.85;
+
+/// Own pole of each FRF near `pole`: local fit of one pole and a constant, the other poles' part taken off.
+pub(crate) fn own_poles(work: &Work, refined: &Refined, poles: &[usize]) -> Result<(Vec<Complex64>, f64, f64), LinalgError> {
+    let centre = poles.iter().map(|&q| refined.lambda[q]).sum::<Complex64>() / poles.len() as f64;
+    let width = poles.iter().map(|&q| refined.lambda[q].im).fold(0.0, f64::max);
+    let rows: Vec<usize> = work.window(Complex64::new(centre.re, width), 6.0, 8).collect();
+    let local = work.select(&rows);
+    let mut shapes = basis(&local, &refined.lambda, &refined.powers);
+    for &q in poles {
+        shapes.column_mut(q).fill(Complex64::new(0.0, 0.0));
+    }
+    let rest = &local.b - &matmul(shapes.view(), refined.coefficients.view());
+    let pair_residual: f64 = {
+        let columns = basis(&local, &poles.iter().map(|&q| refined.lambda[q]).collect::<Vec<_>>(), &[0]);
+        let solution = lstsq(columns.view(), rest.view())?;
+        (&rest - &matmul(columns.view(), solution.view())).iter().map(|v| v.norm_sqr()).sum()
+    };
+    let mut own = Vec::new();
+    let mut own_residual = 0.0;
+    for l in 0..work.columns() {
+        let column: Array2<Complex64> = rest.slice(s![.., l..l + 1]).to_owned();
+        let single = refine(&local.with_columns(column), &[Complex64::new(centre.re, width)], &[0], 20, tol::ROUGH_STEP)?;
+        own.push(single.lambda[0]);
+        own_residual += single.projection.sse;
+    }
+    Ok((own, own_residual, pair_residual))
+}
+
+/// Merges twins; returns a note for each merger.
+pub(crate) fn merge(work: &Work, refined: &mut Refined, keep: &mut Vec<usize>, omega_to_hz: f64) -> Result<Vec<String>, LinalgError> {
+    let mut notes = Vec::new();
+    if work.columns() < 2 {
+        return Ok(notes);
+    }
+    'again: loop {
+        let n = refined.lambda.len();
+        for a in 0..n {
+            for b in 0..n {
+                let (pa, pb) = (refined.lambda[a], refined.lambda[b]);
+                let close = b > a && work.in_band(pa) && work.in_band(pb) && (pa.re - pb.re).abs() < NEAR * pa.im.max(pb.im);
+                if !close {
+                    continue;
+                }
+                let (own, own_sse, pair_sse) = own_poles(work, refined, &[a, b])?;
+                let shape = |q: usize| refined.coefficients.row(q).to_vec();
+                let same_shape = work.columns() >= 3 && crate::validation::mac(&shape(a), &shape(b)) > SAME_SHAPE_MAC;
+                if own_sse < OWN_OVER_PAIR * pair_sse || same_shape {
+                    let mean = own.iter().sum::<Complex64>() / own.len() as f64;
+                    let start = if work.in_band(mean) && mean.im > 0.0 { mean } else { 0.5 * (pa + pb) };
+                    let mut merged = refined.lambda.clone();
+                    merged[a] = start;
+                    merged.remove(b);
+                    *refined = refine(work, &merged, &refined.powers, 2 * tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
+                    keep.remove(b);
+                    let frequency = start.re.max(0.0).sqrt() * omega_to_hz;
+                    let spread = own.iter().map(|p| (p - mean).norm_sqr()).sum::<f64>().sqrt() / (own.len() as f64).sqrt();
+                    notes.push(format!(
+                        "two poles near {frequency:.2} Hz are one mode that differs between FRFs (scatter {:.1e} Hz): merged",
+                        spread / (2.0 * start.re.sqrt()) * omega_to_hz
+                    ));
+                    continue 'again;
+                }
+            }
+        }
+        return Ok(notes);
+    }
+}

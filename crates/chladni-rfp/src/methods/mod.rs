@@ -1,0 +1,126 @@
+//! The classic methods under their own names, for comparison and for those who trust what they know.
+//!
+//! * [`rfp()`]: rational fraction polynomials, each FRF by itself (Richardson & Formenti, IMAC 1, 1982)
+//! * [`grfp()`]: one denominator for all FRFs (Richardson & Formenti, IMAC 3, 1985)
+//!
+//! Both work per band ([`bands`]) on half-function Forsythe polynomials ([`forsythe`]), solve the same equation-error
+//! problem ([`equation_error`]), take roots by comrade matrix, and return poles. Residues for given poles are the concern
+//! of the caller and the same for every method.
+
+mod bands;
+mod equation_error;
+mod forsythe;
+mod grfp;
+mod rfp;
+#[cfg(test)]
+mod synthetic;
+
+pub(crate) use grfp::grfp;
+use num_complex::Complex64;
+pub(crate) use rfp::rfp;
+
+use crate::screen::Screened;
+use bands::Band;
+use equation_error::{BandEquations, Root};
+
+/// Numerator terms beyond two per mode, for modes outside the band. None biases the modes at the edges by up to their
+/// bandwidth; four and more buy nothing and fit the noise of weak FRFs.
+const NUMERATOR_EXTRA: usize = 2;
+/// Spectral lines (two real equations each) wanted for each real unknown of one FRF. At one half the system is square and
+/// the fit reproduces the noise.
+const LINES_PER_UNKNOWN: usize = 1;
+/// Most visible peaks per band. At 8 modes the equations have a condition of about 1e3 and nothing is missed; at 12 a third
+/// is missed at 60 dB.
+const PEAKS_PER_BAND: usize = 8;
+/// Modes per band that the method holds on clean data; at 20 half of them are missed, whatever the basis.
+const ORDER_HELD: usize = 12;
+/// Condition beyond which the last digits of the measurement decide the answer.
+const CONDITION_HELD: f64 = 1e12;
+/// Half-bandwidth of the broadest pole that counts as a mode, relative to the width of the band: broader ones stand for
+/// what lies outside.
+const BROADEST: f64 = 0.5;
+/// Pole pairs beyond the peaks.
+const SPARE_PAIRS: usize = 1;
+/// Largest standard deviation of a natural frequency relative to the half-bandwidth that still counts as a mode.
+/// Computational poles stand between one and a thousand, modes below a third.
+const MOST_UNCERTAIN: f64 = 0.5;
+
+/// What a classic method found.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct ClassicPoles {
+    /// s/ω_max, viscous, upper half plane, Re s < 0, rising in frequency.
+    pub poles: Vec<Complex64>,
+    /// One sigma of |s|/ω_max and of η = 2ζ per pole: scatter, not the method's bias.
+    pub deviation: Vec<[f64; 2]>,
+    /// What a user should know.
+    pub warnings: Vec<String>,
+}
+
+impl ClassicPoles {
+    /// Sorts out of `modes` what the user asked for: the most certain ones, all if no number was given.
+    fn with_modes(mut self, mut modes: Vec<Root>, asked: Option<usize>) -> Self {
+        modes.sort_by(|a, b| a.uncertainty().total_cmp(&b.uncertainty()));
+        modes.truncate(asked.unwrap_or(usize::MAX));
+        modes.sort_by(|a, b| a.s.im.total_cmp(&b.s.im));
+        if let Some(asked) = asked.filter(|asked| *asked > modes.len()) {
+            self.warnings.push(format!(
+                "{asked} modes asked for, {} found: no further damped pole in the band is certain enough",
+                modes.len()
+            ));
+        }
+        self.poles = modes.iter().map(|root| root.s).collect();
+        self.deviation = modes.iter().map(|root| root.deviation).collect();
+        self
+    }
+}
+
+/// The lines of one band: equations, limits of what counts as a mode there.
+struct BandLines {
+    equations: BandEquations,
+    /// y of the first and the last line.
+    reach: [f64; 2],
+    /// Mean line spacing in y.
+    spacing: f64,
+}
+
+impl BandLines {
+    fn new(data: &Screened, band: &Band) -> Result<Self, chladni_linalg::LinalgError> {
+        let y: Vec<f64> = data.x[band.rows.clone()].iter().map(|x| x.sqrt()).collect();
+        let reach = [y[0], y[y.len() - 1]];
+        let spacing = (reach[1] - reach[0]) / (y.len() - 1).max(1) as f64;
+        Ok(Self { equations: BandEquations::new(y, band.order, data.kind.omega_power() as usize)?, reach, spacing })
+    }
+
+    fn in_band(&self, s: Complex64) -> bool {
+        s.im >= self.reach[0] && s.im <= self.reach[1]
+    }
+
+    /// A mode of the band: damped, its peak inside, no background, and known better than its own bandwidth.
+    fn physical(&self, root: &Root) -> bool {
+        let width = self.reach[1] - self.reach[0];
+        root.s.re < 0.0 && self.in_band(root.s) && -root.s.re <= BROADEST * width && root.uncertainty() <= MOST_UNCERTAIN
+    }
+}
+
+/// Says what the roots of one band tell about the method's health: condition, and the time sign.
+fn health(label: &str, conditions: &[f64], roots: &[Root], lines: &BandLines) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let ill = conditions.iter().filter(|c| **c > CONDITION_HELD).count();
+    if ill > 0 {
+        let worst = conditions.iter().fold(0.0_f64, |m, c| m.max(*c));
+        let of = if conditions.len() > 1 { format!(" in {ill} of {} FRFs", conditions.len()) } else { String::new() };
+        warnings.push(format!(
+            "{label}: the equations are ill-conditioned{of} (condition {worst:.0e}): the order is higher than the data can \
+             tell; ask for fewer modes or fit a narrower band"
+        ));
+    }
+    let inside: Vec<&Root> = roots.iter().filter(|root| lines.in_band(root.s)).collect();
+    let negative = inside.iter().filter(|root| root.s.re > 0.0).count();
+    if 2 * negative > inside.len() {
+        warnings.push(format!(
+            "{label}: {negative} of {} poles in the band have negative damping; the data may follow e^(-jwt), or hold no mode",
+            inside.len()
+        ));
+    }
+    warnings
+}

@@ -1,0 +1,97 @@
+//! FRFs by a plain sum over viscous modes, for the tests of this module.
+
+use super::ClassicPoles;
+use crate::options::FitOptions;
+use crate::screen::Screened;
+use chladni_frf::{FrfKind, FrfSet, FrfValues, Geometry, ReferenceUnit};
+use ndarray::{Array1, Array3};
+use num_complex::Complex64;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use std::f64::consts::TAU;
+
+/// A structure by its poles, seen at `responses` points from one reference.
+pub(super) struct Structure {
+    /// Natural frequency, Hz, and damping ratio.
+    pub modes: Vec<(f64, f64)>,
+    /// Response points.
+    pub responses: usize,
+    /// First and last line, Hz.
+    pub band_hz: [f64; 2],
+    /// Number of lines.
+    pub lines: usize,
+    /// Kind of the FRFs.
+    pub kind: FrfKind,
+    /// Noise below the rms of the FRFs, dB.
+    pub snr_db: Option<f64>,
+}
+
+impl Structure {
+    /// Four separated modes, three responses, mobility.
+    pub fn four_modes() -> Self {
+        let modes = vec![(31.0, 0.01), (52.0, 0.006), (70.5, 0.012), (91.0, 0.008)];
+        Self { modes, responses: 3, band_hz: [20.0, 105.0], lines: 400, kind: FrfKind::Mobility, snr_db: None }
+    }
+
+    /// Poles in rad/s.
+    pub fn poles(&self) -> Vec<Complex64> {
+        self.modes.iter().map(|&(f, zeta)| TAU * f * Complex64::new(-zeta, (1.0 - zeta * zeta).sqrt())).collect()
+    }
+
+    /// The measurement.
+    pub fn frf(&self, seed: u64) -> FrfSet {
+        let [low, high] = self.band_hz;
+        let frequency_hz = Array1::linspace(low, high, self.lines);
+        let poles = self.poles();
+        let mut values = Array3::from_shape_fn((self.responses, 1, self.lines), |(i, _, k)| {
+            let omega = TAU * frequency_hz[k];
+            let s = Complex64::new(0.0, omega);
+            let sum: Complex64 = poles
+                .iter()
+                .enumerate()
+                .map(|(n, p)| {
+                    // two incommensurable angles: no node, either sign; residues with a small phase are viscous and complex
+                    let shape = (0.4 + 1.7 * (i as f64 + 1.0) * (n as f64 + 1.0)).sin();
+                    let residue = Complex64::new(0.05 * shape, -shape - 0.3 * shape.signum()) / p.im;
+                    residue / (s - p) + residue.conj() / (s - p.conj())
+                })
+                .sum();
+            sum * self.kind.from_receptance(omega)
+        });
+        if let Some(snr_db) = self.snr_db {
+            let rms = (values.iter().map(|v| v.norm_sqr()).sum::<f64>() / values.len() as f64).sqrt();
+            let sigma = rms * 10.0_f64.powf(-snr_db / 20.0) / 2.0_f64.sqrt();
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+            values.mapv_inplace(|v| v + sigma * Complex64::new(normal(), normal()));
+        }
+        FrfSet {
+            frequency_hz,
+            values: FrfValues::F64(values),
+            responses: (0..self.responses).map(|i| format!("{}:+Z", i + 1).parse().unwrap()).collect(),
+            references: vec!["1:+Z".parse().unwrap()],
+            kind: Some(self.kind),
+            reference_unit: ReferenceUnit::Newton,
+            coherence: None,
+            geometry: Geometry::default(),
+        }
+    }
+
+    /// Runs a classic method; returns it with the worst error |s − s_true|/|s_true| over the true modes.
+    pub fn run(
+        &self,
+        method: fn(&Screened, &FitOptions) -> Result<ClassicPoles, crate::FitError>,
+        modes: Option<usize>,
+        seed: u64,
+    ) -> (ClassicPoles, f64) {
+        let frf = self.frf(seed);
+        let options = FitOptions { modes, ..FitOptions::default() };
+        let data = Screened::new(&frf, &options).unwrap();
+        let found = method(&data, &options).unwrap();
+        let scaled = |p: &Complex64| p / data.omega_max;
+        let nearest = |p: Complex64| found.poles.iter().map(|s| (s - p).norm() / p.norm()).fold(f64::INFINITY, f64::min);
+        let worst = self.poles().iter().map(|p| nearest(scaled(p))).fold(0.0, f64::max);
+        (found, worst)
+    }
+}

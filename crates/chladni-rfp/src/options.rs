@@ -1,0 +1,61 @@
+//! What a user may turn.
+
+use chladni_frf::Damping;
+use std::fmt;
+use std::str::FromStr;
+
+/// Identification method.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Method {
+    /// The fast chain where its residual is white, the measured-data path where it is not.
+    #[default]
+    Auto,
+    /// Rational fraction polynomials, Forsythe basis (Richardson & Formenti 1982), each FRF by itself, per band.
+    Rfp,
+    /// The same with one denominator for all FRFs (1985).
+    Grfp,
+}
+
+impl Method {
+    /// All methods, in the order of the documentation.
+    pub const ALL: [Self; 3] = [Self::Auto, Self::Rfp, Self::Grfp];
+    /// Name on the command line and in result files.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Rfp => "rfp",
+            Self::Grfp => "grfp",
+        }
+    }
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.as_str())
+    }
+}
+
+impl FromStr for Method {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        Self::ALL.into_iter().find(|m| m.as_str() == text).ok_or_else(|| {
+            let names: Vec<&str> = Self::ALL.iter().map(|m| m.as_str()).collect();
+            format!("`{text}` is no method; write {}", names.join(", "))
+        })
+    }
+}
+
+/// Options of a fit. `Default` is what the command line does without flags.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct FitOptions {
+    /// Band, Hz; `None`: all lines.
+    pub band_hz: Option<[f64; 2]>,
+    /// Number of modes in the band; `None`: decided by evidence.
+    pub modes: Option<usize>,
+    /// Damping law; `None`: decided by evidence.
+    pub damping: Option<Damping>,
+    /// Method.
+    pub method: Method,
+    /// Seed of the random sketch and mixtures.
+    pub seed: u64,
+}

@@ -1,0 +1,274 @@
+//! The fast chain: sketch, pool, prune, refine, project, refine, and the loop that settles the order.
+//!
+//! What counts as a mode here is what white noise cannot make; whether the residual *is* white is judged at the end
+//! ([`crate::whiteness`]), and where it is not the measured-data path takes over.
+
+use crate::pool::{mixtures, starts, vector_fit};
+use crate::project::{project, Projected};
+use crate::prune::{prune, threshold};
+use crate::refine::{refine, Refined};
+use crate::screen::Screened;
+use crate::seeds::{fourth_difference_noise, peaks, thinned, Peak};
+use crate::tolerances as tol;
+use crate::whiteness::{judge, Whiteness};
+use crate::work::{line_energy, Work};
+use chladni_linalg::{svd_thin, LinalgError};
+use ndarray::{Array1, Array2, Axis};
+use num_complex::Complex64;
+
+/// Powers of x of the residual terms: one lower (1/ω²), three upper (constant, ω², ω⁴).
+pub(crate) const POWERS: [i32; 4] = [-1, 0, 1, 2];
+
+/// What the fast chain came to.
+#[derive(Debug)]
+pub(crate) enum Outcome {
+    /// The residual is white: poles at the statistical limit.
+    White(Box<Chain>),
+    /// It is not; the evidence in words.
+    NotWhite(String),
+}
+
+/// What the fast chain found.
+#[derive(Debug)]
+pub(crate) struct Chain {
+    /// Refined on the compressed columns of all FRFs.
+    pub refined: Refined,
+    /// Compressed data and the way back to FRFs.
+    pub projected: Projected,
+    /// Noise variance of one work value.
+    pub variance: f64,
+    /// Whether the residual is white.
+    pub whiteness: Whiteness,
+    /// Visible peaks.
+    pub peaks: Vec<Peak>,
+    /// Part of in-band poles that left vector fitting with negative damping.
+    pub negative_share: f64,
+    /// What was tried: (poles, residual variance), in order.
+    pub history: Vec<(usize, f64)>,
+}
+
+/// Number of singular values above the noise, and whether the noise floor was seen at all.
+fn visible_rank(work: &Work) -> Result<(usize, bool), LinalgError> {
+    // eigenvalues of the small Gram would square the condition; a thin QR first keeps the SVD small
+    let r = if work.lines() > work.columns() { chladni_linalg::qr_r(work.b.view())? } else { work.b.clone() };
+    let (_, s, _) = svd_thin(r.view())?;
+    let count = s.len();
+    let tail = &s.as_slice().expect("contiguous")[count * 3 / 4..];
+    let noise = tail.iter().map(|v| v * v).sum::<f64>() / tail.len().max(1) as f64;
+    // the largest singular value of noise alone is (1 + √(r/N)) times the typical one; 1.6 covers the tail's own bias
+    let ratio = (work.columns() as f64 / work.lines() as f64).sqrt();
+    let limit = 1.6 * noise.sqrt() * (1.0 + ratio) / (1.0 - ratio).abs().max(0.2);
+    let rank = s.iter().filter(|v| **v > limit).count();
+    Ok((rank, rank * 4 < count * 3))
+}
+
+/// Starting order of the pool.
+fn pool_size(work: &Work, seeds: usize, asked: Option<usize>) -> Result<usize, LinalgError> {
+    let (rank, floor_seen) = visible_rank(work)?;
+    let wanted = match asked {
+        Some(modes) => modes + 6,
+        None if floor_seen => (13 * rank.max(seeds)) / 10 + 6,
+        None => ((13 * rank) / 10).max(2 * seeds) + 8,
+    };
+    Ok(wanted.min(work.lines() / 3).max(1))
+}
+
+/// Runs the chain. `asked` fixes the number of in-band modes.
+pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progress: &dyn Fn(&str)) -> Result<Outcome, LinalgError> {
+    progress("sketch");
+    let (sketch, energy) = data.sketch(seed);
+    let noise = fourth_difference_noise(&sketch.b, 40);
+    let peaks = peaks(&sketch, &line_energy(&sketch.b), &noise);
+    let seeds: Vec<Complex64> = peaks.iter().map(|p| p.lambda).collect();
+
+    progress("pole pool");
+    let size = pool_size(&sketch, seeds.len(), asked)?;
+    let rows = thinned(&sketch, &peaks);
+    let mixed = mixtures(&sketch.select(&rows), tol::POOL_MIXTURES, seed);
+    let pool = vector_fit(&mixed, &starts(&sketch, &seeds, size), &POWERS, tol::POOL_ITERATIONS)?;
+    let inside: Vec<bool> = pool.lambda.iter().map(|p| sketch.in_band(*p)).collect();
+    let in_band = inside.iter().filter(|b| **b).count().max(1);
+    let negative = pool.flipped.iter().zip(&inside).filter(|(flipped, inside)| **flipped && **inside).count();
+    let mut lambda: Vec<Complex64> = pool.lambda.iter().zip(&pool.flipped).filter(|(_, f)| !**f).map(|(p, _)| *p).collect();
+
+    let mut history = Vec::new();
+    let mut variance = pool_variance(&sketch, &lambda)?;
+    lambda = prune(&sketch, &lambda, &POWERS, variance)?;
+    progress("refinement");
+    let mut refined = refine(&sketch, &lambda, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
+    history.push((refined.lambda.len(), refined.variance(&sketch)));
+    // a missing mode leaves its mark in one place; misfit around most modes is no question of order
+    let first = judge(&sketch, &refined.lambda, &row_energy(&refined.projection.residual), sketch.columns(), &refined.projection.residual);
+    if first.misfit_share > tol::MISFIT_SHARE {
+        return Ok(Outcome::NotWhite(first.evidence));
+    }
+    settle(&sketch, &mut refined, &mut variance, &mut history)?;
+
+    progress("projection");
+    let mut projected = project(data, &refined.projection.q, &energy)?;
+    let mut extra_passes = 0;
+    loop {
+        let work = &projected.work;
+        let mut fine = refine(work, &refined.lambda, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?;
+        let mut sigma2 = full_variance(data, &projected, fine.unknowns(), fine.lambda.len());
+        settle(work, &mut fine, &mut sigma2, &mut history)?;
+        refined = refine(work, &fine.lambda, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?;
+        variance = full_variance(data, &projected, refined.unknowns(), refined.lambda.len());
+        // a mode that the sketch did not show stands out of the residual over all FRFs
+        let missed = residual_peak(work, &projected.line_residual, data.pairs.len(), &refined.lambda);
+        match missed {
+            Some(pole) if extra_passes < 3 && asked.is_none() => {
+                extra_passes += 1;
+                let mut more = refined.lambda.clone();
+                more.push(pole);
+                let wider = refine(&sketch, &more, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
+                projected = project(data, &wider.projection.q, &energy)?;
+                refined = refine(&projected.work, &wider.lambda, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?;
+            }
+            _ => break,
+        }
+    }
+    if let Some(modes) = asked {
+        keep_strongest(&projected.work, &mut refined, modes)?;
+    }
+    // line residuals belong to the poles of the projection; shift them by what the refinement gained
+    let whiteness = judge(&projected.work, &refined.lambda, &projected.line_residual, data.pairs.len(), &refined.projection.residual);
+    if !whiteness.white {
+        return Ok(Outcome::NotWhite(whiteness.evidence));
+    }
+    let negative_share = negative as f64 / in_band as f64;
+    Ok(Outcome::White(Box::new(Chain { refined, projected, variance, whiteness, peaks, negative_share, history })))
+}
+
+/// Noise variance of the sketch from the over-fitted pool.
+fn pool_variance(work: &Work, lambda: &[Complex64]) -> Result<f64, LinalgError> {
+    let projection = crate::refine::Projection::new(work, lambda, &POWERS)?;
+    let dof = (work.lines() - (lambda.len() + POWERS.len()).min(work.lines() - 1)) * work.columns();
+    Ok((projection.sse / dof as f64).max(1e-30 * work.energy() / (work.lines() * work.columns()) as f64))
+}
+
+/// Noise variance from the residual of all FRFs at the poles of the projection.
+fn full_variance(data: &Screened, projected: &Projected, unknowns: usize, poles: usize) -> f64 {
+    let dof = (data.lines.len() - unknowns.min(data.lines.len() - 1)) * data.pairs.len();
+    (projected.line_residual.sum() / (dof as f64 - poles as f64).max(1.0)).max(1e-30)
+}
+
+/// Drops what cannot be a mode, adds what the residual shows, until neither changes anything.
+fn settle(work: &Work, refined: &mut Refined, variance: &mut f64, history: &mut Vec<(usize, f64)>) -> Result<(), LinalgError> {
+    let limit = threshold(work.columns(), work.lines());
+    let mut tried: Vec<Complex64> = Vec::new();
+    for _ in 0..tol::SCAN_ROUNDS * 3 {
+        // drop
+        let rises = refined.significance()?;
+        let drop = (0..refined.lambda.len())
+            .filter(|&q| unphysical(work, refined.lambda[q]) || rises[q] < limit * *variance)
+            .min_by(|&a, &b| rises[a].total_cmp(&rises[b]));
+        if let Some(q) = drop {
+            let mut fewer = refined.lambda.clone();
+            tried.push(fewer.remove(q));
+            *refined = refine(work, &fewer, &refined.powers, tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
+            history.push((refined.lambda.len(), refined.variance(work)));
+            continue;
+        }
+        // add
+        let Some(pole) = scan(work, refined, limit * *variance, &tried)? else { break };
+        tried.push(pole);
+        let mut more = refined.lambda.clone();
+        more.push(pole);
+        let candidate = refine(work, &more, &refined.powers, 2 * tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
+        let gain = refined.projection.sse - candidate.projection.sse;
+        let new = *candidate.lambda.last().expect("one was added");
+        let weakest = candidate.significance()?.into_iter().fold(f64::MAX, f64::min);
+        if gain > limit * *variance && weakest > limit * *variance && !unphysical(work, new) {
+            *refined = candidate;
+            *variance = variance.min(refined.variance(work));
+            history.push((refined.lambda.len(), refined.variance(work)));
+        }
+    }
+    Ok(())
+}
+
+/// A pole that one bad line makes, or that no passive structure has.
+fn unphysical(work: &Work, lambda: Complex64) -> bool {
+    work.in_band(lambda) && lambda.im < tol::SPIKE_SPACINGS * work.spacing(lambda.re)
+}
+
+/// The place where one more pole would take most energy out of the residual, if that is more than `limit`.
+fn scan(work: &Work, refined: &Refined, limit: f64, tried: &[Complex64]) -> Result<Option<Complex64>, LinalgError> {
+    let mut widths: Vec<f64> = refined.lambda.iter().filter(|p| work.in_band(**p)).map(|p| p.im / p.re.max(1e-12)).collect();
+    widths.sort_by(f64::total_cmp);
+    let loss = widths.get(widths.len() / 2).copied().unwrap_or(0.01);
+    let (low, high) = work.range();
+    let mut grid = Vec::new();
+    let mut x = low;
+    while x <= high && grid.len() < 4 * work.lines() {
+        let width = (loss * x).max(work.spacing(x));
+        grid.push(Complex64::new(x, width));
+        x += width;
+    }
+    let mut best: Option<(f64, Complex64)> = None;
+    for chunk in grid.chunks(128) {
+        let columns = crate::work::basis(work, chunk, &[]);
+        let inside = chladni_linalg::matmul_h(refined.projection.q.view(), columns.view());
+        let outside = &columns - &chladni_linalg::matmul(refined.projection.q.view(), inside.view());
+        let matched = chladni_linalg::matmul_h(outside.view(), refined.projection.residual.view());
+        for (i, &pole) in chunk.iter().enumerate() {
+            let norm = outside.column(i).iter().map(|v| v.norm_sqr()).sum::<f64>();
+            let whole = columns.column(i).iter().map(|v| v.norm_sqr()).sum::<f64>();
+            if norm < 1e-6 * whole || tried.iter().any(|t| (t - pole).norm() < pole.im) {
+                continue;
+            }
+            let gain = matched.row(i).iter().map(|v| v.norm_sqr()).sum::<f64>() / norm;
+            if gain > limit && best.is_none_or(|(g, _)| gain > g) {
+                best = Some((gain, pole));
+            }
+        }
+    }
+    Ok(best.map(|(_, pole)| pole))
+}
+
+/// A stretch of lines, about a bandwidth wide, whose residual energy over all FRFs stands out of the rest.
+fn residual_peak(work: &Work, line_residual: &Array1<f64>, frfs: usize, lambda: &[Complex64]) -> Option<Complex64> {
+    let n = work.lines();
+    let mean = line_residual.sum() / n as f64;
+    let loss = {
+        let mut all: Vec<f64> = lambda.iter().filter(|p| work.in_band(**p)).map(|p| p.im / p.re).collect();
+        all.sort_by(f64::total_cmp);
+        all.get(all.len() / 2).copied().unwrap_or(0.01)
+    };
+    let looks = 2.0 * (n as f64).ln();
+    let mut best: Option<(f64, usize)> = None;
+    for k in 2..n.saturating_sub(2) {
+        let pole = Complex64::new(work.x[k], (loss * work.x[k]).max(work.spacing(work.x[k])));
+        let window = work.window(pole, 1.0, 1);
+        let lines = window.len() as f64;
+        let local = line_residual.slice(ndarray::s![window]).sum() / lines / mean;
+        let score = (local - 1.0) * (lines * frfs as f64).sqrt();
+        // what is near a known pole is misfit of that pole, not another mode
+        let near = lambda.iter().any(|p| (p.re - pole.re).abs() < 3.0 * p.im.max(pole.im));
+        if !near && score > looks.sqrt() + 6.0 && best.is_none_or(|(s, _)| score > s) {
+            best = Some((score, k));
+        }
+    }
+    best.map(|(_, k)| Complex64::new(work.x[k], (loss * work.x[k]).max(work.spacing(work.x[k]))))
+}
+
+/// Keeps the `modes` in-band poles that matter most (an order given by the user).
+fn keep_strongest(work: &Work, refined: &mut Refined, modes: usize) -> Result<(), LinalgError> {
+    loop {
+        let inside: Vec<usize> = (0..refined.lambda.len()).filter(|&q| work.in_band(refined.lambda[q])).collect();
+        if inside.len() <= modes {
+            return Ok(());
+        }
+        let rises = refined.significance()?;
+        let weakest = inside.into_iter().min_by(|&a, &b| rises[a].total_cmp(&rises[b])).expect("more than `modes`");
+        let mut fewer = refined.lambda.clone();
+        fewer.remove(weakest);
+        *refined = refine(work, &fewer, &refined.powers, tol::REFINE_FINE, tol::FINE_STEP)?;
+    }
+}
+
+/// Rows of `b` summed in squares over columns, for callers that hold a residual.
+pub(crate) fn row_energy(b: &Array2<Complex64>) -> Array1<f64> {
+    b.map_axis(Axis(1), |row| row.iter().map(|v| v.norm_sqr()).sum())
+}

@@ -1,0 +1,51 @@
+//! Which poles the data can tell from noise (theory.md, eq. 8).
+
+use crate::refine::Projection;
+use crate::tolerances as tol;
+use crate::work::Work;
+use chladni_linalg::LinalgError;
+use num_complex::Complex64;
+
+/// Rise of the sum of squares, in units of σ², that one more pole over r columns must bring: the tail of χ² with K looks.
+pub(crate) fn threshold(columns: usize, lines: usize) -> f64 {
+    let r = columns as f64;
+    let looks = (4.0 * lines as f64).ln();
+    tol::SIGNIFICANCE * (r + 2.0 * (r * looks).sqrt() + 2.0 * looks)
+}
+
+/// Takes poles out one by one, the least significant first, residues refitted exactly after each, until all that are left
+/// matter. Out-of-band poles have to earn their place in the same way.
+pub(crate) fn prune(work: &Work, lambda: &[Complex64], powers: &[i32], variance: f64) -> Result<Vec<Complex64>, LinalgError> {
+    let projection = Projection::new(work, lambda, powers)?;
+    let mut inverse = projection.gram_inverse()?;
+    let mut coefficients = projection.coefficients()?;
+    let mut kept: Vec<usize> = (0..lambda.len()).collect();
+    let limit = threshold(work.columns(), work.lines()) * variance;
+    loop {
+        let weakest = kept
+            .iter()
+            .map(|&q| (q, coefficients.row(q).iter().map(|v| v.norm_sqr()).sum::<f64>() / inverse[[q, q]].re))
+            .min_by(|a, b| a.1.total_cmp(&b.1));
+        match weakest {
+            Some((q, rise)) if rise < limit || !rise.is_finite() => {
+                // exact removal of column q: Schur complement of the inverse Gram
+                let pivot = inverse[[q, q]];
+                let column = inverse.column(q).to_owned();
+                let row = inverse.row(q).to_owned();
+                let own = coefficients.row(q).to_owned();
+                for i in 0..inverse.nrows() {
+                    let factor = column[i] / pivot;
+                    if factor.norm() == 0.0 {
+                        continue;
+                    }
+                    for j in 0..inverse.ncols() {
+                        inverse[[i, j]] -= factor * row[j];
+                    }
+                    coefficients.row_mut(i).zip_mut_with(&own, |v, o| *v -= factor * o);
+                }
+                kept.retain(|&k| k != q);
+            }
+            _ => return Ok(kept.into_iter().map(|q| lambda[q]).collect()),
+        }
+    }
+}

@@ -1,0 +1,213 @@
+//! Screening: which lines and FRFs are used, and their scale (theory.md, eq. 5).
+
+use crate::error::FitError;
+use crate::options::FitOptions;
+use crate::tolerances as tol;
+use crate::work::Work;
+use chladni_frf::{FrfKind, FrfSet, FrfValues};
+use ndarray::{Array1, Array2, ShapeBuilder};
+use num_complex::Complex64;
+use rand::seq::SliceRandom;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+use std::ops::Range;
+
+/// The usable part of an FRF set: selected lines and pairs, unit rms, no copy of the data.
+#[derive(Debug)]
+pub(crate) struct Screened<'a> {
+    /// The measurement.
+    pub frf: &'a FrfSet,
+    /// Its kind.
+    pub kind: FrfKind,
+    /// Indices of the lines used.
+    pub lines: Vec<usize>,
+    /// Pairs (response, reference) used, row by row.
+    pub pairs: Vec<(usize, usize)>,
+    /// Band, Hz.
+    pub band_hz: [f64; 2],
+    /// ω of the last line, rad/s.
+    pub omega_max: f64,
+    /// Root mean square of the data used, in SI units of the kind.
+    pub rms: f64,
+    /// x_k.
+    pub x: Vec<f64>,
+    /// g_k.
+    pub g: Vec<f64>,
+    /// What was left out, in words.
+    pub warnings: Vec<String>,
+}
+
+impl<'a> Screened<'a> {
+    /// Selects band, lines and pairs.
+    ///
+    /// # Errors
+    /// A band outside the data, too few lines, nothing but zeros.
+    pub fn new(frf: &'a FrfSet, options: &FitOptions) -> Result<Self, FitError> {
+        let kind = frf.kind.ok_or(FitError::UnknownKind)?;
+        let f = &frf.frequency_hz;
+        let (first, last) = (f.first().copied().unwrap_or(0.0), f.last().copied().unwrap_or(0.0));
+        let [low, high] = options.band_hz.unwrap_or([first, last]);
+        let mut lines: Vec<usize> = (0..f.len()).filter(|&k| f[k] >= low && f[k] <= high && f[k] > 0.0).collect();
+        if lines.is_empty() {
+            return Err(FitError::BandOutsideData { low_hz: low, high_hz: high, data_low_hz: first, data_high_hz: last });
+        }
+        let mut warnings = Vec::new();
+        let (pairs, bad) = usable(frf, &lines);
+        if pairs.is_empty() {
+            return Err(FitError::NoData);
+        }
+        if pairs.len() < frf.pairs() {
+            warnings.push(format!("{} of {} FRFs hold no values in the band and are left out", frf.pairs() - pairs.len(), frf.pairs()));
+        }
+        if bad.iter().any(|b| *b) {
+            let dropped = bad.iter().filter(|b| **b).count();
+            lines = lines.into_iter().zip(&bad).filter(|(_, bad)| !**bad).map(|(k, _)| k).collect();
+            warnings.push(format!("{dropped} lines hold no finite value in at least one FRF and are left out"));
+        }
+        let modes = options.modes.unwrap_or(1);
+        let needed = modes + 8;
+        if lines.len() < needed {
+            return Err(FitError::TooFewLines { lines: lines.len(), low_hz: low, high_hz: high, modes, needed });
+        }
+        let omega_max = TAU * f[lines[lines.len() - 1]];
+        let ratio: Vec<f64> = lines.iter().map(|&k| TAU * f[k] / omega_max).collect();
+        let mut screened = Self {
+            frf,
+            kind,
+            x: ratio.iter().map(|r| r * r).collect(),
+            g: ratio.iter().map(|r| r.powi(kind.omega_power())).collect(),
+            band_hz: [f[lines[0]].max(low), f[lines[lines.len() - 1]].min(high)],
+            lines,
+            pairs,
+            omega_max,
+            rms: 1.0,
+            warnings,
+        };
+        let sum: Vec<f64> = screened.pairs.par_iter().map(|&(i, j)| screened.energy(i, j)).collect();
+        screened.rms = (sum.iter().sum::<f64>() / (screened.lines.len() * screened.pairs.len()) as f64).sqrt();
+        if screened.rms == 0.0 || !screened.rms.is_finite() {
+            return Err(FitError::NoData);
+        }
+        Ok(screened)
+    }
+
+    fn energy(&self, i: usize, j: usize) -> f64 {
+        self.lines.iter().map(|&k| self.frf.values.get(i, j, k).norm_sqr()).sum()
+    }
+
+    /// Factor that takes a measured value to a work value: the kind's phase undone, unit rms.
+    fn factor(&self) -> Complex64 {
+        let phase = self.kind.from_receptance(1.0);
+        phase.conj() / (phase.norm() * self.rms)
+    }
+
+    /// Writes the values of `pairs[range]` on lines `lines[rows]` into a (line, column) array.
+    pub fn block(&self, columns: Range<usize>, rows: Range<usize>) -> Array2<Complex64> {
+        let factor = self.factor();
+        let lines = &self.lines[rows];
+        let mut out = Array2::zeros((lines.len(), columns.len()).f());
+        for (mut column, &(i, j)) in out.columns_mut().into_iter().zip(&self.pairs[columns]) {
+            match &self.frf.values {
+                FrfValues::F64(values) => {
+                    let source = values.slice(ndarray::s![i, j, ..]);
+                    for (value, &k) in column.iter_mut().zip(lines) {
+                        *value = source[k] * factor;
+                    }
+                }
+                FrfValues::F32(values) => {
+                    let source = values.slice(ndarray::s![i, j, ..]);
+                    for (value, &k) in column.iter_mut().zip(lines) {
+                        *value = Complex64::new(source[k].re.into(), source[k].im.into()) * factor;
+                    }
+                }
+            }
+        }
+        out
+    }
+
+    /// All columns at once; for sets of few FRFs.
+    pub fn work(&self) -> Work {
+        Work { x: self.x.clone(), g: self.g.clone(), b: self.block(0..self.pairs.len(), 0..self.lines.len()) }
+    }
+
+    /// First pass: count sketch (each FRF added with a random sign to one of a few columns, scaled so that the noise
+    /// keeps its variance) and the energy of each line over all FRFs (theory.md, eq. 6).
+    pub fn sketch(&self, seed: u64) -> (Work, Array1<f64>) {
+        let total = self.pairs.len();
+        if total <= tol::SKETCH_COLUMNS {
+            let work = self.work();
+            let energy = crate::work::line_energy(&work.b) * total as f64;
+            return (work, energy);
+        }
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut order: Vec<usize> = (0..total).collect();
+        order.shuffle(&mut rng);
+        let mut bucket = vec![0; total];
+        for (position, &l) in order.iter().enumerate() {
+            bucket[l] = position % tol::SKETCH_COLUMNS;
+        }
+        let sign: Vec<f64> = (0..total).map(|_| if rng.random::<bool>() { 1.0 } else { -1.0 }).collect();
+        let chunks: Vec<Range<usize>> =
+            (0..self.lines.len()).step_by(tol::BLOCK_LINES).map(|a| a..(a + tol::BLOCK_LINES).min(self.lines.len())).collect();
+        let parts: Vec<(Array2<Complex64>, Array1<f64>)> = chunks
+            .par_iter()
+            .map(|rows| {
+                let mut part = Array2::zeros((rows.len(), tol::SKETCH_COLUMNS).f());
+                let mut energy = Array1::zeros(rows.len());
+                for l in 0..total {
+                    let column = self.block(l..l + 1, rows.clone());
+                    let mut target = part.column_mut(bucket[l]);
+                    for ((t, e), v) in target.iter_mut().zip(energy.iter_mut()).zip(column.iter()) {
+                        *t += v * sign[l];
+                        *e += v.norm_sqr();
+                    }
+                }
+                (part, energy)
+            })
+            .collect();
+        let scale = (tol::SKETCH_COLUMNS as f64 / total as f64).sqrt();
+        let mut b = Array2::zeros((self.lines.len(), tol::SKETCH_COLUMNS).f());
+        let mut energy = Array1::zeros(self.lines.len());
+        for (rows, (part, e)) in chunks.into_iter().zip(parts) {
+            b.slice_mut(ndarray::s![rows.clone(), ..]).assign(&(part * Complex64::new(scale, 0.0)));
+            energy.slice_mut(ndarray::s![rows]).assign(&e);
+        }
+        (Work { x: self.x.clone(), g: self.g.clone(), b }, energy)
+    }
+}
+
+/// Pairs with at least one finite non-zero value on `lines`, and the lines on which one of them is not finite.
+fn usable(frf: &FrfSet, lines: &[usize]) -> (Vec<(usize, usize)>, Vec<bool>) {
+    let (responses, references, _) = frf.values.dim();
+    let all: Vec<(usize, usize)> = (0..responses).flat_map(|i| (0..references).map(move |j| (i, j))).collect();
+    // per pair: is there anything, and which lines are not finite
+    let seen: Vec<(bool, Vec<usize>)> = all
+        .par_iter()
+        .map(|&(i, j)| {
+            let mut any = false;
+            let mut bad = Vec::new();
+            for (row, &k) in lines.iter().enumerate() {
+                let value = frf.values.get(i, j, k);
+                if !value.is_finite() {
+                    bad.push(row);
+                } else if value.norm_sqr() > 0.0 {
+                    any = true;
+                }
+            }
+            (any, bad)
+        })
+        .collect();
+    let mut bad = vec![false; lines.len()];
+    let mut pairs = Vec::new();
+    for (pair, (any, rows)) in all.into_iter().zip(seen) {
+        if any {
+            pairs.push(pair);
+            for row in rows {
+                bad[row] = true;
+            }
+        }
+    }
+    (pairs, bad)
+}

@@ -1,0 +1,64 @@
+//! Every constant of the identification, with its meaning, unit, origin, and what happens at other values.
+
+/// Columns of the count sketch. 64–96 keep every mode that stands out of the noise (study); fewer lose weak modes that
+/// share a bucket, more only cost time.
+pub(crate) const SKETCH_COLUMNS: usize = 80;
+/// Random mixtures that vector fitting works on. 4 begins to miss modes, 16 doubles the time and finds none more.
+pub(crate) const POOL_MIXTURES: usize = 8;
+/// Relaxed vector-fitting steps; the poles stand still after five or six.
+pub(crate) const POOL_ITERATIONS: usize = 8;
+/// Factor on the noise tail in the significance threshold (theory.md, eq. 8). 1.0 finds one more mode in heavy overlap,
+/// 3 (about BIC) loses one to three there; no spurious mode was seen between.
+pub(crate) const SIGNIFICANCE: f64 = 1.5;
+/// Levenberg–Marquardt damping at the start, relative to the diagonal.
+pub(crate) const LM_START: f64 = 1e-3;
+/// Damping at which no step can help any more.
+pub(crate) const LM_GIVE_UP: f64 = 1e8;
+/// Steps of a refinement before the order is decided: enough to sort modes from noise.
+pub(crate) const REFINE_ROUGH: usize = 6;
+/// Steps of the final refinement; convergence stops it earlier.
+pub(crate) const REFINE_FINE: usize = 30;
+/// A step smaller than this part of a half-bandwidth ends a rough refinement.
+pub(crate) const ROUGH_STEP: f64 = 1e-3;
+/// The same for the final one. With quadratic convergence the error left is the square of it.
+pub(crate) const FINE_STEP: f64 = 1e-7;
+/// A pole narrower than this part of the line spacing is one line's error, not a resonance.
+pub(crate) const SPIKE_SPACINGS: f64 = 0.2;
+/// Rounds of adding poles at residual peaks before the order stands.
+pub(crate) const SCAN_ROUNDS: usize = 6;
+/// Half-bandwidths on both sides that the local residual tests look at.
+pub(crate) const WINDOW_HALF_WIDTHS: f64 = 3.0;
+/// Least lines on each side of a local window.
+pub(crate) const WINDOW_LEAST_LINES: usize = 4;
+/// Local χ² (relative to the whole band) up to which a residual counts as white around a mode. Real misfit (windows,
+/// moving poles, non-linear supports) stands 10 to 1000 times above the noise there; statistics are allowed for on top.
+pub(crate) const WHITE_LOCAL: f64 = 1.35;
+/// Correlation of neighbouring residual lines up to which a residual counts as white.
+pub(crate) const WHITE_CORRELATION: f64 = 0.1;
+/// Ratio of the noise of a tenth of the band to the whole band beyond which one noise level cannot serve.
+pub(crate) const WHITE_SEGMENT: f64 = 2.5;
+/// Standard deviations of chance allowed in the whiteness tests (three tests over some tens of windows).
+pub(crate) const WHITE_SIGMAS: f64 = 5.0;
+/// Prominence of a peak of the mean |FRF|² that may seed a pole, dB.
+pub(crate) const SEED_PROMINENCE_DB: f64 = 4.0;
+/// Height of a seed over the local noise, dB.
+pub(crate) const SEED_OVER_NOISE_DB: f64 = 6.0;
+/// Most seeds.
+pub(crate) const SEEDS_MOST: usize = 100;
+/// FRFs per block in a streaming pass: a block of 2000 lines stays in the second-level cache.
+pub(crate) const BLOCK_FRFS: usize = 64;
+/// Partial sums of a streaming pass; fixed, so that the bits do not depend on the number of threads.
+pub(crate) const PASS_GROUPS: usize = 8;
+/// Lines per chunk of the sketch.
+pub(crate) const BLOCK_LINES: usize = 256;
+/// Records longer than this keep all lines near the peaks and thin out the rest.
+pub(crate) const DECIMATE_ABOVE_LINES: usize = 4000;
+/// Iterations of the alternating rank-one refit of residues; separated modes need two, close ones some tens.
+pub(crate) const RANK_ONE_ITERATIONS: usize = 60;
+/// Relative change of the structured sum of squares that ends the rank-one refit.
+pub(crate) const RANK_ONE_CHANGE: f64 = 1e-9;
+/// Singular values of an out-of-band pole's residues count where they exceed this times the largest that noise makes;
+/// below it the weak direction costs more in noise than it explains.
+pub(crate) const RANK_OVER_NOISE: f64 = 1.5;
+/// Part of the modes whose neighbourhood is misfitted beyond which the fast chain gives up before it settles the order.
+pub(crate) const MISFIT_SHARE: f64 = 0.4;

@@ -1,0 +1,122 @@
+//! The data as the pole finders see them: receptance-like columns in the plane x = ω²/ω_max² (theory.md, eq. 5).
+//!
+//! A structural mode contributes R/(λ − x) with λ = x_n(1 + jη_n): each pole counts once, without its conjugate, and every
+//! derivative is complex-analytic. The weight g turns receptance back into the measured kind, so that residuals are those
+//! of the measurement and white noise stays white.
+
+use ndarray::{Array1, Array2, ShapeBuilder};
+use num_complex::Complex64;
+
+/// Weighted columns on the selected lines.
+#[derive(Debug, Clone)]
+pub(crate) struct Work {
+    /// x_k = ω_k²/ω_max², rising.
+    pub x: Vec<f64>,
+    /// Weight of receptance per line: |jω|^p normalised, times the line's 1/σ.
+    pub g: Vec<f64>,
+    /// Data, weighted alike; axes (line, column), column-major.
+    pub b: Array2<Complex64>,
+}
+
+impl Work {
+    /// Number of lines.
+    pub fn lines(&self) -> usize {
+        self.x.len()
+    }
+    /// Number of columns.
+    pub fn columns(&self) -> usize {
+        self.b.ncols()
+    }
+    /// Line spacing around x: the distance of its neighbours, halved at the ends.
+    pub fn spacing(&self, x: f64) -> f64 {
+        let n = self.x.len();
+        if n < 2 {
+            return 1.0;
+        }
+        let k = self.x.partition_point(|v| *v < x).clamp(1, n - 1);
+        self.x[k] - self.x[k - 1]
+    }
+    /// Lowest and highest x.
+    pub fn range(&self) -> (f64, f64) {
+        (self.x.first().copied().unwrap_or(0.0), self.x.last().copied().unwrap_or(0.0))
+    }
+    /// True where the pole's natural frequency lies between the first and the last line.
+    pub fn in_band(&self, lambda: Complex64) -> bool {
+        let (low, high) = self.range();
+        lambda.re >= low && lambda.re <= high
+    }
+    /// Sum of squares of the data.
+    pub fn energy(&self) -> f64 {
+        self.b.iter().map(|v| v.norm_sqr()).sum()
+    }
+    /// Lines first..last around x that lie within `half_widths` half-bandwidths of the pole, at least `least` on both sides.
+    pub fn window(&self, lambda: Complex64, half_widths: f64, least: usize) -> std::ops::Range<usize> {
+        let reach = half_widths * lambda.im.abs();
+        let centre = self.x.partition_point(|v| *v < lambda.re);
+        let low = self.x.partition_point(|v| *v < lambda.re - reach).min(centre.saturating_sub(least));
+        let high = self.x.partition_point(|v| *v <= lambda.re + reach).max((centre + least).min(self.x.len()));
+        low..high
+    }
+    /// The same lines and weights with other columns.
+    pub fn with_columns(&self, b: Array2<Complex64>) -> Self {
+        Self { x: self.x.clone(), g: self.g.clone(), b }
+    }
+    /// Only the given lines.
+    pub fn select(&self, lines: &[usize]) -> Self {
+        let mut b = Array2::zeros((lines.len(), self.columns()).f());
+        for (row, &k) in lines.iter().enumerate() {
+            b.row_mut(row).assign(&self.b.row(k));
+        }
+        Self { x: lines.iter().map(|&k| self.x[k]).collect(), g: lines.iter().map(|&k| self.g[k]).collect(), b }
+    }
+    /// Rows multiplied by `weights`, in the data and in g.
+    pub fn reweighted(&self, weights: &[f64]) -> Self {
+        let mut out = self.clone();
+        for (k, &w) in weights.iter().enumerate() {
+            out.g[k] *= w;
+            out.b.row_mut(k).mapv_inplace(|v| v * w);
+        }
+        out
+    }
+}
+
+/// Columns g/(λ_n − x) and g·x^p: the basis of a common-pole model (theory.md, eq. 6).
+pub(crate) fn basis(work: &Work, lambda: &[Complex64], powers: &[i32]) -> Array2<Complex64> {
+    let mut a = Array2::zeros((work.lines(), lambda.len() + powers.len()).f());
+    for (n, &pole) in lambda.iter().enumerate() {
+        let column = a.column_mut(n);
+        for ((value, &x), &g) in column.into_iter().zip(&work.x).zip(&work.g) {
+            *value = g / (pole - x);
+        }
+    }
+    for (p, &power) in powers.iter().enumerate() {
+        let column = a.column_mut(lambda.len() + p);
+        for ((value, &x), &g) in column.into_iter().zip(&work.x).zip(&work.g) {
+            *value = Complex64::new(g * x.powi(power), 0.0);
+        }
+    }
+    a
+}
+
+/// ∂/∂λ of the pole columns: −g/(λ_n − x)².
+pub(crate) fn basis_derivative(work: &Work, lambda: &[Complex64]) -> Array2<Complex64> {
+    let mut d = Array2::zeros((work.lines(), lambda.len()).f());
+    for (n, &pole) in lambda.iter().enumerate() {
+        for ((value, &x), &g) in d.column_mut(n).into_iter().zip(&work.x).zip(&work.g) {
+            let inverse = 1.0 / (pole - x);
+            *value = -g * inverse * inverse;
+        }
+    }
+    d
+}
+
+/// Mean of |row|² over the columns, per line.
+pub(crate) fn line_energy(b: &Array2<Complex64>) -> Array1<f64> {
+    let mut energy = Array1::zeros(b.nrows());
+    for column in b.columns() {
+        for (e, v) in energy.iter_mut().zip(column) {
+            *e += v.norm_sqr();
+        }
+    }
+    energy / b.ncols().max(1) as f64
+}
