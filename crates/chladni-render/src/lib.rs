@@ -1,1 +1,63 @@
-//! placeholder
+//! Actuator weights that move a panel here and keep it quiet there.
+//!
+//! A [`Scene`] says what is to be felt where; [`render`] takes it and a modal model to [`Weights`] and the field they make;
+//! [`evaluate`] judges given weights on other data. The way through the crate:
+//!
+//! `scene` → `zones` (what is asked of each place) → `operator` (what the panel does at the drive frequency) → `covariance` (how
+//! wrong that may be) → `problem` (judged rows and limits) → `methods` (one file each) → `field` → `indices` → `weights`.
+//!
+//! The idea that carries the methods: v = H·A with the mobility H of the model, |v| at least threshold + limen on hot ground and at
+//! most threshold − limen on cold ground, and an error bar ‖L·A‖ of v from the model's own standard deviations, so that no drive
+//! leans on what the model does not know.
+//!
+//! ```
+//! use chladni_plate::{simulate, Panel};
+//! use chladni_render::{evaluate, render, On, RenderOptions, Scene};
+//! # let mut panel = Panel::default();
+//! # (panel.frf.start_hz, panel.frf.step_hz) = (100.0, 50.0);
+//! let measured = simulate(&panel, None, None).unwrap();
+//! let scene = Scene::parse(
+//!     "frequency_hz = 300.0\n[zones]\ngrid = [2, 2]\nhot = [1]\ncells_m = [0.0, 0.0, 0.268, 0.170]",
+//!     std::path::Path::new(""),
+//! ).unwrap();
+//! let rendering = render(&measured.truth, &scene, &RenderOptions::default()).unwrap();
+//! assert!(rendering.weights.feasible);
+//! let judged = evaluate(&rendering.weights, &scene, On::Frf(&measured.frf)).unwrap();
+//! assert!(judged.indices.points.min_ratio > 0.95);
+//! ```
+
+// The one error type of the workspace is large and rare.
+#![allow(clippy::result_large_err)]
+
+mod covariance;
+mod evaluate;
+mod field;
+mod gain;
+mod indices;
+mod interpolation;
+mod methods;
+mod operator;
+mod options;
+mod plane;
+mod problem;
+mod render;
+mod scene;
+mod threshold;
+pub mod tolerances;
+mod toml_reader;
+mod weights;
+mod zones;
+
+pub use covariance::Covariance;
+pub use evaluate::{evaluate, Evaluation, On};
+pub use field::{AreaField, Field};
+pub use indices::{AreaIndices, Indices, PointIndices};
+pub use methods::Method;
+pub use operator::Operator;
+pub use options::{Drift, RenderOptions};
+pub use plane::{Position, Rectangle};
+pub use render::{render, Rendering};
+pub use scene::{Actuators, Limits, Scene, DEFAULT_LIMEN_DB, DEFAULT_MAX_FORCE_N, DEFAULT_TRANSITION_M};
+pub use threshold::{Threshold, ThresholdTable};
+pub use weights::{Weight, Weights, WEIGHTS_FORMAT, WEIGHTS_VERSION};
+pub use zones::{Ground, PolygonKind, ZoneLayout, ZoneMap, ZonePolygon, Zones};

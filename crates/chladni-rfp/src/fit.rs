@@ -3,14 +3,16 @@
 use crate::error::FitError;
 use crate::law::{chance, choose};
 use crate::measured::measured_path;
-use crate::model::{assemble, Found, Identified};
+use crate::methods::{grfp, rfp, ClassicPoles};
+use crate::model::{assemble, Found, Identified, Pole};
 use crate::options::{FitOptions, Method};
-use crate::order::{fast_chain, Chain, Outcome};
+use crate::order::{fast_chain, Chain, Outcome, POWERS};
 use crate::project::project;
-use crate::refine::Projection;
+use crate::refine::{refine, Projection};
 use crate::screen::Screened;
-use chladni_frf::{FrfSet, ModalModel, Trust};
+use chladni_frf::{Damping, FrfSet, ModalModel, Trust};
 use chladni_linalg::inverse_hermitian;
+use num_complex::Complex64;
 
 /// A fit with its history.
 #[derive(Debug, Clone)]
@@ -32,8 +34,60 @@ pub fn fit(frf: &FrfSet, options: &FitOptions, progress: &dyn Fn(&str)) -> Resul
     let data = Screened::new(frf, options)?;
     match options.method {
         Method::Auto => fit_auto(&data, options, progress),
-        Method::Rfp | Method::Grfp => todo!(),
+        Method::Rfp => fit_classic(&data, options, rfp, progress),
+        Method::Grfp => fit_classic(&data, options, grfp, progress),
     }
+}
+
+/// Poles of a classic method, residues of every FRF by least squares at these poles.
+fn fit_classic(
+    data: &Screened,
+    options: &FitOptions,
+    method: fn(&Screened, &FitOptions) -> Result<ClassicPoles, FitError>,
+    progress: &dyn Fn(&str),
+) -> Result<Fit, FitError> {
+    progress("poles");
+    let classic = method(data, options)?;
+    progress("residues");
+    let damping = options.damping.unwrap_or(Damping::Viscous);
+    let lambda: Vec<Complex64> = classic.poles.iter().map(|s| -s * s).collect();
+    let (sketch, energy) = data.sketch(options.seed);
+    let q = Projection::new(&sketch, &lambda, &POWERS)?.q;
+    let projected = project(data, &q, &energy)?;
+    let dof = (data.lines.len() - q.ncols().min(data.lines.len() - 1)) * data.pairs.len();
+    let variance = projected.line_residual.sum() / dof as f64;
+    let poles = classic
+        .poles
+        .iter()
+        .zip(&lambda)
+        .zip(&classic.deviation)
+        .map(|((&s, &lambda), &[omega_std, loss_factor_std])| {
+            let (omega, loss_factor) = match damping {
+                Damping::Viscous => (s.norm(), -2.0 * s.re / s.norm()),
+                Damping::Structural => (lambda.re.max(0.0).sqrt(), lambda.im / lambda.re),
+            };
+            let uncertain = 2.0 * omega_std / (omega * loss_factor);
+            let grade = if uncertain > UNCERTAIN {
+                (Trust::Weak, vec![format!("uncertain by {uncertain:.1} half-bandwidths (one sigma)")])
+            } else {
+                (Trust::Sure, Vec::new())
+            };
+            let value = if damping == Damping::Viscous { s } else { lambda };
+            Pole { value, omega, loss_factor, omega_std, loss_factor_std, grade }
+        })
+        .collect();
+    let identified = Identified {
+        damping,
+        poles,
+        powers: POWERS.to_vec(),
+        work: projected.work,
+        back: Some(projected.back),
+        variance,
+        path: format!("{}: linear equation error in orthogonal polynomials, no maximum-likelihood step", options.method),
+        warnings: classic.warnings,
+        consistent: true,
+    };
+    Ok(Fit { model: assemble(data, identified, options)?, history: Vec::new() })
 }
 
 fn fit_auto(data: &Screened, options: &FitOptions, progress: &dyn Fn(&str)) -> Result<Fit, FitError> {
@@ -43,6 +97,7 @@ fn fit_auto(data: &Screened, options: &FitOptions, progress: &dyn Fn(&str)) -> R
             (from_chain(*chain), history)
         }
         Outcome::NotWhite(evidence) => (from_measured(data, options, &evidence, progress)?, Vec::new()),
+        Outcome::Conjugated => (from_conjugated(data, options)?, Vec::new()),
     };
     progress("damping law");
     let chance = chance(&found.work, found.variance);
@@ -81,6 +136,25 @@ fn from_chain(chain: Chain) -> Found {
         consistent: true,
         refined: chain.refined,
     }
+}
+
+/// No modes: the data contradict any passive structure in e^{+jωt}; they are not corrected without being told.
+fn from_conjugated(data: &Screened, options: &FitOptions) -> Result<Found, FitError> {
+    let (sketch, energy) = data.sketch(options.seed);
+    let projected = project(data, &Projection::new(&sketch, &[], &POWERS)?.q, &energy)?;
+    let refined = refine(&projected.work, &[], &POWERS, 0, 0.0)?;
+    let variance = refined.variance(&projected.work);
+    Ok(Found {
+        refined,
+        work: projected.work,
+        back: Some(projected.back),
+        variance,
+        spread: Some(Vec::new()),
+        grades: Vec::new(),
+        path: "stopped after the pole pool".into(),
+        warnings: vec!["every resonance turns the wrong way: the data follow e^(-jwt); read them with --time-sign -".into()],
+        consistent: false,
+    })
 }
 
 /// Standard deviation of a pole, in half-bandwidths, beyond which its mode is not sure.

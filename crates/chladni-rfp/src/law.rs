@@ -47,10 +47,10 @@ pub(crate) fn choose(work: &Work, refined: &Refined, least_gain: f64, asked: Opt
     if asked == Some(Damping::Viscous) {
         return Ok(Law { damping: Damping::Viscous, viscous: Some(fit), warning: None });
     }
-    // a pole that one law can express and the other cannot makes the comparison unfair: structural is kept then
+    // poles that the viscous law cannot express make it poorer: where it wins all the same, it wins
     let comparable = start.len() == refined.lambda.len();
     let gain = refined.projection.sse - fit.sse;
-    if comparable && gain > least_gain {
+    if gain > least_gain {
         return Ok(Law { damping: Damping::Viscous, viscous: Some(fit), warning: None });
     }
     let warning = (gain > -least_gain || !comparable).then(|| {

@@ -249,7 +249,9 @@ fn expressible(damping: Damping, pole: &Pole) -> bool {
 /// A kernel that fails.
 pub(crate) fn assemble(data: &Screened, identified: Identified, options: &FitOptions) -> Result<ModalModel, FitError> {
     let Identified { damping, mut poles, powers, work, back, variance, path, mut warnings, consistent } = identified;
-    poles.retain(|pole| expressible(damping, pole) && pole.grade.0 != Trust::Rejected);
+    let (rejected, kept): (Vec<Pole>, Vec<Pole>) = poles.into_iter().partition(|pole| pole.grade.0 == Trust::Rejected);
+    poles = kept;
+    poles.retain(|pole| expressible(damping, pole));
     poles.sort_by(|a, b| a.omega.total_cmp(&b.omega));
     let values: Vec<Complex64> = poles.iter().map(|p| p.value).collect();
     let mut linear = linear(&work, damping, &values, &powers)?;
@@ -296,7 +298,9 @@ pub(crate) fn assemble(data: &Screened, identified: Identified, options: &FitOpt
         ));
     }
 
-    let modes = modes(data, damping, &poles, &shapes, variance, &mut warnings);
+    let mut modes = modes(data, damping, &poles, &shapes, variance, &mut warnings);
+    modes.0.extend(rejected.iter().filter(|pole| expressible(damping, pole)).map(|pole| rejected_mode(data, pole)));
+    modes.0.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
     let scale = data.rms / data.omega_max.powi(data.kind.omega_power());
     let residual_terms = ResidualTerms {
         omega_scale_rad_per_s: data.omega_max,
@@ -312,7 +316,7 @@ pub(crate) fn assemble(data: &Screened, identified: Identified, options: &FitOpt
             })
             .collect(),
     };
-    let in_band = modes.0.iter().filter(|m| m.in_band).count();
+    let in_band = modes.0.iter().filter(|m| m.in_band && m.trust != Trust::Rejected).count();
     let sure = modes.0.iter().filter(|m| m.in_band && m.trust == Trust::Sure).count();
     if in_band == 0 {
         warnings.push("no mode stands out of the noise in this band".into());
@@ -365,6 +369,26 @@ fn relative_error(data: &Screened, model: &ModalModel) -> f64 {
         .collect();
     let total = parts.iter().fold([0.0; 2], |t, p| [t[0] + p[0], t[1] + p[1]]);
     (total[0] / total[1]).sqrt()
+}
+
+/// A rejected pole as it is listed: no shape, no part in the synthesis.
+fn rejected_mode(data: &Screened, pole: &Pole) -> Mode {
+    let frequency_hz = pole.omega * data.omega_max / TAU;
+    let zeros = |count| ComplexVector(vec![Complex64::default(); count]);
+    Mode {
+        frequency_hz,
+        frequency_std_hz: pole.omega_std * data.omega_max / TAU,
+        loss_factor: pole.loss_factor,
+        loss_factor_std: pole.loss_factor_std,
+        damping_ratio: 0.5 * pole.loss_factor,
+        in_band: frequency_hz >= data.band_hz[0] && frequency_hz <= data.band_hz[1],
+        trust: Trust::Rejected,
+        reasons: pole.grade.1.clone(),
+        mpc: 0.0,
+        shape: zeros(data.frf.responses.len()),
+        shape_std: vec![0.0; data.frf.responses.len()],
+        participation: zeros(data.frf.references.len()),
+    }
 }
 
 /// Modes in SI units, scaled by a driving point where there is one.

@@ -6,9 +6,9 @@
 use crate::pool::{mixtures, starts, vector_fit};
 use crate::project::{project, Projected};
 use crate::prune::{prune, threshold};
-use crate::refine::{refine, Refined};
+use crate::refine::{refine, Projection, Refined};
 use crate::screen::Screened;
-use crate::seeds::{fourth_difference_noise, peaks, thinned, Peak};
+use crate::seeds::{fourth_difference_noise, peaks, thinned};
 use crate::tolerances as tol;
 use crate::whiteness::{judge, Whiteness};
 use crate::work::{line_energy, Work};
@@ -26,6 +26,8 @@ pub(crate) enum Outcome {
     White(Box<Chain>),
     /// It is not; the evidence in words.
     NotWhite(String),
+    /// The conjugate of the data is explained far better: they follow e^{−jωt}.
+    Conjugated,
 }
 
 /// What the fast chain found.
@@ -39,10 +41,6 @@ pub(crate) struct Chain {
     pub variance: f64,
     /// Whether the residual is white.
     pub whiteness: Whiteness,
-    /// Visible peaks.
-    pub peaks: Vec<Peak>,
-    /// Part of in-band poles that left vector fitting with negative damping.
-    pub negative_share: f64,
     /// What was tried: (poles, residual variance), in order.
     pub history: Vec<(usize, f64)>,
 }
@@ -86,9 +84,6 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
     let rows = thinned(&sketch, &peaks);
     let mixed = mixtures(&sketch.select(&rows), tol::POOL_MIXTURES, seed);
     let pool = vector_fit(&mixed, &starts(&sketch, &seeds, size), &POWERS, tol::POOL_ITERATIONS)?;
-    let inside: Vec<bool> = pool.lambda.iter().map(|p| sketch.in_band(*p)).collect();
-    let in_band = inside.iter().filter(|b| **b).count().max(1);
-    let negative = pool.flipped.iter().zip(&inside).filter(|(flipped, inside)| **flipped && **inside).count();
     let mut lambda: Vec<Complex64> = pool.lambda.iter().zip(&pool.flipped).filter(|(_, f)| !**f).map(|(p, _)| *p).collect();
 
     let mut history = Vec::new();
@@ -99,8 +94,13 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
     history.push((refined.lambda.len(), refined.variance(&sketch)));
     // a missing mode leaves its mark in one place; misfit around most modes is no question of order
     let first = judge(&sketch, &refined.lambda, &row_energy(&refined.projection.residual), sketch.columns(), &refined.projection.residual);
-    if first.misfit_share > tol::MISFIT_SHARE {
-        return Ok(Outcome::NotWhite(first.evidence));
+    if first.misfit_share > tol::MISFIT_SHARE || refined.lambda.is_empty() {
+        if conjugate_fits_better(&mixed, &seeds, size)? {
+            return Ok(Outcome::Conjugated);
+        }
+        if first.misfit_share > tol::MISFIT_SHARE {
+            return Ok(Outcome::NotWhite(first.evidence));
+        }
     }
     settle(&sketch, &mut refined, &mut variance, &mut history)?;
 
@@ -136,13 +136,23 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
     if !whiteness.white {
         return Ok(Outcome::NotWhite(whiteness.evidence));
     }
-    let negative_share = negative as f64 / in_band as f64;
-    Ok(Outcome::White(Box::new(Chain { refined, projected, variance, whiteness, peaks, negative_share, history })))
+    Ok(Outcome::White(Box::new(Chain { refined, projected, variance, whiteness, history })))
+}
+
+/// True where the same number of stable poles explains the conjugate of the data far better than the data: a passive
+/// structure measured in e^{−jωt}.
+fn conjugate_fits_better(mixed: &Work, seeds: &[Complex64], size: usize) -> Result<bool, LinalgError> {
+    let left_over = |work: &Work| -> Result<f64, LinalgError> {
+        let pool = vector_fit(work, &starts(work, seeds, size), &POWERS, tol::POOL_ITERATIONS)?;
+        let stable: Vec<Complex64> = pool.lambda.iter().zip(&pool.flipped).filter(|(_, f)| !**f).map(|(p, _)| *p).collect();
+        Ok(Projection::new(work, &stable, &POWERS)?.sse)
+    };
+    Ok(left_over(&mixed.with_columns(mixed.b.mapv(|v| v.conj())))? < tol::CONJUGATE_SHARE * left_over(mixed)?)
 }
 
 /// Noise variance of the sketch from the over-fitted pool.
 fn pool_variance(work: &Work, lambda: &[Complex64]) -> Result<f64, LinalgError> {
-    let projection = crate::refine::Projection::new(work, lambda, &POWERS)?;
+    let projection = Projection::new(work, lambda, &POWERS)?;
     let dof = (work.lines() - (lambda.len() + POWERS.len()).min(work.lines() - 1)) * work.columns();
     Ok((projection.sse / dof as f64).max(1e-30 * work.energy() / (work.lines() * work.columns()) as f64))
 }

@@ -67,7 +67,7 @@ pub(crate) fn project(data: &Screened, q: &Array2<Complex64>, line_energy: &Arra
     // G^{-1/2} on the directions that carry anything
     let (values, vectors) = eigh(g.view())?;
     let largest = values.last().copied().unwrap_or(0.0);
-    let kept: Vec<usize> = (0..m).filter(|&i| values[i] > 1e-24 * largest).collect();
+    let kept: Vec<usize> = (0..m).filter(|&i| values[i] > tol::GRAM_ROUNDING * largest).collect();
     let half = Array2::from_shape_fn((m, kept.len()).f(), |(i, c)| vectors[[i, kept[c]]] / values[kept[c]].sqrt());
     let columns = matmul(t.view(), half.view());
     let b = Array2::from_shape_fn((lines, kept.len()).f(), |(k, c)| Complex64::new(columns[[k, c]], columns[[lines + k, c]]));

@@ -9,7 +9,7 @@
 
 use crate::tolerances as tol;
 use crate::work::{basis, basis_derivative, Work};
-use chladni_linalg::{inverse_hermitian, matmul, matmul_h, qr_thin, solve_hermitian, solve_upper, LinalgError};
+use chladni_linalg::{matmul, matmul_h, qr_thin, solve_hermitian, solve_upper, LinalgError};
 use ndarray::{Array2, Axis};
 use num_complex::Complex64;
 
@@ -43,7 +43,8 @@ impl Projection {
     }
     /// (AᴴA)⁻¹ of the basis A.
     pub fn gram_inverse(&self) -> Result<Array2<Complex64>, LinalgError> {
-        inverse_hermitian(matmul_h(self.r.view(), self.r.view()).view())
+        let inverse = solve_upper(self.r.view(), Array2::from_diag_elem(self.r.nrows(), Complex64::new(1.0, 0.0)).view())?;
+        Ok(matmul(inverse.view(), inverse.t().mapv(|v| v.conj()).view()))
     }
 }
 

@@ -1,5 +1,35 @@
-//! File formats: what is in a file ([`Document`]), and FRF sets made of it.
+//! File formats: what is in a file ([`Document`]), what files hold together ([`Contents`]), and FRF sets made of it.
+//!
+//! Formats are told apart by content when read and by extension when written; every result is written beside its place and
+//! renamed into it.
 
+// the error carries file, line, field and advice; it is built once, where a run ends
+#![allow(clippy::result_large_err)]
+
+mod assemble;
+mod atomic;
+mod contents;
+mod csv;
+mod detect;
 mod document;
+mod hdf5;
+mod json;
+mod model_file;
+mod read;
+mod save;
+mod time_sign;
+pub mod uff;
+mod unit_label;
 
+pub use assemble::assemble;
+pub use atomic::{create_atomically, refuse_output_among_inputs, write_atomically};
+pub use contents::Contents;
+pub use detect::detect_format;
 pub use document::{Abscissa, Axis, DatasetInfo, Document, Duplicates, FileFormat, Function, Ordinate, ReadOptions};
+pub use json::write_json;
+pub use model_file::{read_model, write_model};
+pub use read::{expand_paths, read_contents, read_document, read_documents, read_frf, sha256_of};
+pub use save::{write_contents, write_frf};
+
+use contents::{function_name, not_carried};
+use save::{extension, unknown_extension};

@@ -76,8 +76,24 @@ fn stands_out(work: &Work, lambda: Complex64) -> f64 {
     10.0 * (near.max(1e-300) / median.max(1e-300)).log10()
 }
 
-/// Sees neighbours: `all` holds the evidence of every candidate in order of frequency, `level` its peak response in dB.
-pub(crate) fn grade(all: &[Evidence], level: &[f64], q: usize, frfs: usize) -> (Grade, Option<String>) {
+/// Median loss of the six modes nearest to candidate q among those that are `sure`; `None` below three.
+pub(crate) fn usual_loss(all: &[Evidence], sure: &[bool], q: usize) -> Option<f64> {
+    let mut neighbours: Vec<(f64, f64)> = all
+        .iter()
+        .zip(sure)
+        .enumerate()
+        .filter(|(other, (_, sure))| *other != q && **sure)
+        .map(|(_, (o, _))| ((o.lambda.re - all[q].lambda.re).abs(), o.lambda.im / o.lambda.re))
+        .collect();
+    neighbours.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut losses: Vec<f64> = neighbours.iter().take(6).map(|n| n.1).collect();
+    losses.sort_by(f64::total_cmp);
+    (losses.len() >= 3).then(|| losses[losses.len() / 2])
+}
+
+/// Sees neighbours: `all` holds the evidence of every candidate in order of frequency, `level` its peak response in dB,
+/// `usual_loss` the damping of the sure modes around it, once they are known.
+pub(crate) fn grade(all: &[Evidence], level: &[f64], q: usize, frfs: usize, usual_loss: Option<f64>) -> (Grade, Option<String>) {
     let e = &all[q];
     let mut reasons = Vec::new();
     let mut severe = 0;
@@ -110,19 +126,8 @@ pub(crate) fn grade(all: &[Evidence], level: &[f64], q: usize, frfs: usize) -> (
         other != q && lines <= 4.0 && level[other] - level[q] > 8.0
     });
     note(lobe && 2.0 * e.half_width_lines < 2.0, true, "side lobe of the stronger peak beside it (leakage)".into());
-    // tone: far less damped than its neighbours
-    let mut neighbours: Vec<(f64, f64)> = all
-        .iter()
-        .enumerate()
-        .filter(|(other, _)| *other != q)
-        .map(|(_, o)| ((o.lambda.re - e.lambda.re).abs(), o.lambda.im / o.lambda.re))
-        .collect();
-    neighbours.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut losses: Vec<f64> = neighbours.iter().take(6).map(|n| n.1).collect();
-    losses.sort_by(f64::total_cmp);
-    if losses.len() >= 3 {
-        let median = losses[losses.len() / 2];
-        note(e.lambda.im / e.lambda.re < 0.12 * median, true, "damped far less than its neighbours: a tone (mains, fan) rather than a mode".into());
+    if let Some(usual) = usual_loss {
+        note(e.lambda.im / e.lambda.re < 0.12 * usual, true, "damped far less than the sure modes around it: a tone (mains, fan) rather than a mode".into());
     }
     let convincing = (e.misfit < 0.1 && e.deviation < 0.05 && e.part > 0.5) || (e.deviation < 0.03 && e.misfit < 0.25);
     note(e.stands_out_db < 10.0 && !convincing, true, format!("does not stand out of its surroundings ({:.0} dB)", e.stands_out_db));

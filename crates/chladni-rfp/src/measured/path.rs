@@ -2,7 +2,8 @@
 //! twins, estimate errors from the residual, grade.
 
 use super::consensus::{consensus, Agreed};
-use super::grade::{grade, look, Evidence};
+use super::grade::{grade, look, usual_loss, Evidence};
+use chladni_frf::Trust;
 use super::local::{one_column_gains, remove_unneeded, try_add};
 use super::record::padding_factor;
 use super::sandwich::variances;
@@ -218,7 +219,7 @@ fn refine_resolved(work: &Work, weighted: &Work, refined: &mut Refined) -> Resul
     let residual = unweighted(&refined.projection.residual, weighted, work);
     for (q, slot) in lambda.iter_mut().enumerate() {
         let pole = refined.lambda[q];
-        let alone = refined.lambda.iter().enumerate().all(|(o, p)| o == q || (p.re - pole.re).abs() > RESOLVED_ALONE * p.im.abs().max(pole.im));
+        let alone = refined.lambda.iter().enumerate().all(|(o, p)| o == q || (p.re - pole.re).abs() > (RESOLVED_ALONE * pole.im).max(2.0 * p.im.abs()));
         if !work.in_band(pole) || pole.im < RESOLVED_LINES * work.spacing(pole.re) || !alone {
             continue;
         }
@@ -326,12 +327,13 @@ fn grade_all(work: &Work, refined: &Refined, evidence: &[Evidence], frfs: usize)
             10.0 * top.max(1e-300).log10()
         })
         .collect();
-    let mut grades = vec![(chladni_frf::Trust::Weak, Vec::new()); evidence.len()];
+    let mut grades = vec![(Trust::Weak, Vec::new()); evidence.len()];
     let mut notes = vec![None; evidence.len()];
+    let sure: Vec<bool> = (0..listed.len()).map(|p| grade(&listed, &level, p, frfs, None).0 .0 == Trust::Sure).collect();
     for (position, &q) in ordered.iter().enumerate() {
-        let (g, note) = grade(&listed, &level, position, frfs);
+        let (g, note) = grade(&listed, &level, position, frfs, usual_loss(&listed, &sure, position));
         // a broad in-band pole that several orders do not share serves the background
-        grades[q] = if refined.lambda[q].im > 0.4 * refined.lambda[q].re { (chladni_frf::Trust::Rejected, vec!["background".into()]) } else { g };
+        grades[q] = if refined.lambda[q].im > 0.4 * refined.lambda[q].re { (Trust::Rejected, vec!["background".into()]) } else { g };
         notes[q] = note;
     }
     (grades, notes)

@@ -2,8 +2,9 @@
 //!
 //! The 1982 method is applied by hand, a few peaks at a time. Here a band with more than [`PEAKS_PER_BAND`] visible peaks
 //! of the mean |FRF|² is cut at the deepest valley between two of them (deep relative to the lower of its two peaks, and
-//! leaving at least a quarter of the peaks on each side), again and again. Each band gets one pole pair per peak, and one
-//! more to soak up what neither numerator nor noise explains; a number of modes asked for replaces that spare pair.
+//! leaving at least a quarter of the peaks on each side), again and again. Each band gets one pole pair per peak, its share
+//! of the modes asked for beyond the peaks, and [`SPARE_PAIRS`] more. The spare pairs take up noise and what lies outside the
+//! band; which poles are modes is decided afterwards.
 
 use super::equation_error::largest_order;
 use super::{ORDER_HELD, PEAKS_PER_BAND, SPARE_PAIRS};
@@ -56,17 +57,18 @@ impl BandPlan {
             let label = in_hertz(data, &band.rows);
             let most = largest_order(band.rows.len(), data.kind.omega_power() as usize);
             if band.order > most {
-                warnings.push(format!(
-                    "{label}: {} lines support {most} of {} modes wanted; widen the band or take finer lines",
-                    band.rows.len(),
-                    band.order
-                ));
+                if band.order >= most + SPARE_PAIRS {
+                    let lines = band.rows.len();
+                    warnings.push(format!(
+                        "{label}: {lines} lines support {most} pole pairs, none to spare for noise; widen the band or take finer lines"
+                    ));
+                }
                 band.order = most;
             }
             if band.order > ORDER_HELD {
                 warnings.push(format!(
-                    "{label}: {} modes in one band are more than this method holds ({ORDER_HELD}): expect missed and spurious \
-                     modes; fit narrower bands, or use the method auto",
+                    "{label}: {} pole pairs ({SPARE_PAIRS} of them spare) are more than this method holds in one band \
+                     ({ORDER_HELD}): expect missed and spurious modes; fit narrower bands, or use the method auto",
                     band.order
                 ));
             }
@@ -107,7 +109,7 @@ fn share(bands: &mut [Band], visible: usize, asked: Option<usize>) {
             roomy.order += 1;
         }
     }
-    bands.iter_mut().for_each(|band| band.order += std::env::var("SPARE").map_or(SPARE_PAIRS, |v| v.parse().unwrap()));
+    bands.iter_mut().for_each(|band| band.order += SPARE_PAIRS);
 }
 
 #[cfg(test)]

@@ -11,12 +11,15 @@
 //! A_l = (I − PPᵀ)T_l and D solves the stacked A d ≈ 0. A is factored by QR, then SVD; it is never squared.
 //!
 //! *Equation error, not output error.* The residual is the measured one times |D|, which is small at the resonances and large
-//! between and beyond them: the fit looks where the modes are not. Noise enters A too, so the estimate is biased, damping
-//! upwards as a rule, and collecting more lines does not remove the bias. A well-conditioned basis changes nothing of this.
+//! between and beyond them: the fit looks where the modes are not. Noise enters A too, so the estimate is biased, and
+//! collecting more lines or FRFs does not remove the bias. A well-conditioned basis changes nothing of this; pole pairs
+//! to spare ([`super::SPARE_PAIRS`]) change much, since they take the noise on themselves.
 //!
 //! The covariance is the linearised one with each residual standing for its own variance (White 1980), because the
 //! equation error of white noise is anything but white: C = A⁺ diag(e²) A⁺ᵀ, carried to the roots by
-//! ds = −Σ θ_i(s) dd_i / D′(s). It tells the scatter, not the bias.
+//! ds = −Σ θ_i(s) dd_i / D′(s). Directions of d that the data leave open (singular values at rounding level, as with noise-free
+//! data and spare pole pairs) get the variance of the leading coefficient, one: true poles do not feel them, arbitrary
+//! ones become as uncertain as they are. The covariance tells the scatter, not the bias.
 //!
 //! Cost per band: 8·lines·(numerator + denominator)·columns·order flop for A, then its QR.
 
@@ -27,7 +30,8 @@ use ndarray::{s, Array2, ArrayView2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 
 /// Singular values below this part of the largest are rounding, not information; the solution of least norm is taken.
-const RANK_CUTOFF: f64 = 1e-14;
+/// At 1e-15 rounding passes for information, at 1e-11 the last digits of clean data at order 12 are lost.
+const RANK_CUTOFF: f64 = 1e-13;
 
 /// Lines of a band and the numerator basis on them, shared by all FRFs.
 #[derive(Debug)]
@@ -100,10 +104,14 @@ impl BandEquations {
         along.column_mut(0).iter_mut().zip(&inverse).for_each(|(v, i)| *v *= -i);
         let mut d = matmul_h(vh.view(), along.view()).column(0).to_vec();
         d.push(1.0);
-        // (AᵀA)⁺ = V Σ⁻² Vᵀ
-        let mut scaled = vh.clone();
-        scaled.rows_mut().into_iter().zip(&inverse).for_each(|(mut row, i)| row *= i * i);
-        let covariance = covariance(&blocks, &d, &matmul_h(vh.view(), scaled.view()), self.numerator.ncols());
+        // (AᵀA)⁺ = V Σ⁻² Vᵀ; what the data leave open is as uncertain as the leading coefficient is large
+        let scaled = |factor: &dyn Fn(f64) -> f64| {
+            let mut rows = vh.clone();
+            rows.rows_mut().into_iter().zip(&inverse).for_each(|(mut row, i)| row *= factor(*i));
+            matmul_h(vh.view(), rows.view())
+        };
+        let open = scaled(&|i| f64::from(u8::from(i == 0.0)));
+        let covariance = covariance(&blocks, &d, &scaled(&|i| i * i), self.numerator.ncols()) + open;
         let roots = theta.roots(&d)?.into_iter().filter(|s| s.im > 0.0);
         Ok(Denominator { roots: roots.map(|s| Root { s, deviation: deviation(&theta, &d, &covariance, s) }).collect(), condition })
     }
@@ -120,7 +128,7 @@ impl BandEquations {
 
 /// Degree of the numerators.
 fn numerator_degree(order: usize, omega_power: usize) -> usize {
-    2 * order + omega_power + std::env::var("EXTRA").map_or(NUMERATOR_EXTRA, |v| v.parse().unwrap())
+    2 * order + omega_power + NUMERATOR_EXTRA
 }
 
 /// Largest order that `lines` support with [`LINES_PER_UNKNOWN`] lines for each real unknown of one FRF; at least one.

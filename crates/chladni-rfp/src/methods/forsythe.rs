@@ -166,10 +166,7 @@ mod tests {
     }
 
     fn worst_root(poles: &[Complex64], found: &[Complex64]) -> f64 {
-        poles
-            .iter()
-            .map(|p| found.iter().map(|s| (s - p).norm()).fold(f64::INFINITY, f64::min))
-            .fold(0.0, f64::max)
+        poles.iter().map(|p| found.iter().map(|s| (s - p).norm()).fold(f64::INFINITY, f64::min)).fold(0.0, f64::max)
     }
 
     fn peaked(poles: &[Complex64], y: &[f64]) -> Vec<f64> {

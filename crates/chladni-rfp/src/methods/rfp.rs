@@ -4,17 +4,19 @@
 //! accelerance as accelerance, with as many more numerator terms as the kind has powers of jω. Its roots are estimates of
 //! the poles as seen from one pair of points. A mode shows in many FRFs at the same place, a computational pole does not:
 //! poles of all FRFs are gathered into clusters no wider than half a half-bandwidth, one pole per FRF, and clusters that
-//! fewer than a third of the FRFs join are dropped. The pole is the median over its cluster, its standard deviation that of
+//! fewer than a third of the FRFs (or one of several) join are dropped. The pole is the median over its cluster, its standard deviation that of
 //! the median (normal scatter from the median absolute deviation). Clusters too small for a scatter take the linearised
 //! deviation of the single fits instead.
 //!
 //! Cost: one small least-squares problem per FRF and band; [`FRFS_USED`] FRFs at most.
 //!
-//! When not to use it: as an estimate to report. The equation error is weighted by |D|², so damping comes out biased and weak
-//! modes next to strong ones are missed. In the study of initialisers on synthetic plates the best basis (this one) missed
-//! no mode of 8, 4 of 12 at 60 dB, 10 of 20 and 19 of 34, and stood one to three decades above the Cramér–Rao bound where
-//! it hit; a mode with a node at two thirds of the points is lost by rule. It is here because published results were made
-//! with it, and because on a few well-separated modes of clean data it is fast and good.
+//! When not to use it: as an estimate to report. The equation error is weighted by |D|², so poles come out biased on noisy
+//! data and weak modes next to strong ones are missed. Measured here: of well-separated modes that all show, none is
+//! missed up to 34 modes at 40 dB, with errors of 1 to 2·10⁻⁴; but fewer spare pole pairs, or one band instead of several,
+//! and modes go. Errors are one standard deviation at 60 dB, 1.5 at 40 dB, and five at 20 dB: that is the bias. On the default
+//! panel of the simulator (25 modes of uneven strength in the band, 2618 FRFs) 7 of 25 are missed. A mode with a node at
+//! two thirds of the points is lost by rule. The method is here because published results were made with it, and because on
+//! a few well-separated modes of clean data it is fast and good.
 //!
 //! M. H. Richardson, D. L. Formenti, *Parameter estimation from frequency response measurements using rational fraction
 //! polynomials*, Proc. IMAC 1 (1982) 167–181.
@@ -100,8 +102,7 @@ fn common(fits: &[Denominator], lines: &BandLines) -> Vec<Root> {
         .collect();
     let least_radius = CLUSTER_SPACINGS * lines.spacing;
     let mut modes = Vec::new();
-    loop {
-        let Some(seed) = largest(&left, least_radius) else { break };
+    while let Some(seed) = largest(&left, least_radius) {
         // once more around the median, which is a better centre than any single pole
         let centre = median_pole(&seed.iter().map(|&i| left[i].root).collect::<Vec<_>>());
         let around = gather(&left, centre, least_radius);
@@ -181,62 +182,114 @@ fn summary(roots: &[Root]) -> Root {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{grfp, synthetic::Structure};
+    use super::super::synthetic::{run, Structure};
     use super::*;
-    use std::f64::consts::TAU;
+    use chladni_frf::FrfKind;
+
+    fn says(found: &ClassicPoles, words: &str) -> bool {
+        found.warnings.iter().any(|warning| warning.contains(words))
+    }
 
     #[test]
-    fn probe() {
-        for crowd in [4_u32, 8, 12, 20, 34] {
-            for snr_db in [Some(140.0), Some(60.0), Some(40.0)] {
-                let modes: Vec<(f64, f64)> = (0..crowd).map(|n| (20.0 + 20.0 * f64::from(n), 0.12 / (20.0 + 20.0 * f64::from(n)) + 0.002)).collect();
-                let s = Structure { modes, responses: 12, snr_db, lines: 1601, band_hz: [10.0, 10.0 + 20.0 * f64::from(crowd)], ..Structure::four_modes() };
-                for (name, m) in [("rfp", rfp as fn(&Screened, &FitOptions) -> _), ("grfp", grfp)] {
-                    let (found, worst) = s.run(m, None, 1);
-                    let wm = TAU * s.band_hz[1];
-                    let missed = s.poles().iter().filter(|p| !found.poles.iter().any(|q| (*p / wm - q).norm() < 0.5 * p.re.abs() / wm)).count();
-                    eprintln!("crowd {crowd} FRFs {snr_db:?} {name}: {} poles missed {missed} worst {worst:.1e} sd {:.1e} {:?}", found.poles.len(), found.deviation.iter().map(|d| d[0]).fold(0.0, f64::max), found.warnings);
-                }
+    fn poles_without_noise_are_exact_in_every_kind() {
+        for kind in [FrfKind::Receptance, FrfKind::Mobility, FrfKind::Accelerance] {
+            let structure = Structure { kind, ..Structure::four_modes() };
+            for modes in [None, Some(4)] {
+                let found = run(rfp, &structure.frf(1), modes);
+                assert_eq!(found.poles.len(), 4, "{kind}: {found:?}");
+                let worst = structure.worst(&found);
+                assert!(worst < 1e-8, "{kind}: {worst:e}");
             }
         }
-        for (responses, snr) in [(1, 60.0), (1, 40.0), (1, 30.0), (3, 60.0), (3, 20.0), (24, 60.0), (24, 40.0), (24, 20.0)] {
-            for modes in [Some(4), None] {
-                for (name, m) in [("rfp", rfp as fn(&Screened, &FitOptions) -> _), ("grfp", grfp)] {
-                    let s = Structure { responses, snr_db: Some(snr), ..Structure::four_modes() };
-                    let truth = s.poles();
-                    let mut z = vec![Vec::new(); 2];
-                    let mut spurious = Vec::new();
-                    let mut missed = 0;
-                    let mut e = Vec::new();
-                    for seed in 0..30 {
-                        let (found, _) = s.run(m, modes, seed);
-                        let wm = TAU * 105.0;
-                        let mut hit = vec![false; found.poles.len()];
-                        for p in &truth {
-                            let p = p / wm;
-                            let best = (0..found.poles.len()).min_by(|&a, &b| (found.poles[a] - p).norm().total_cmp(&(found.poles[b] - p).norm()));
-                            match best {
-                                Some(i) if (found.poles[i] - p).norm() < 0.5 * p.re.abs() => {
-                                    hit[i] = true;
-                                    let q = found.poles[i];
-                                    e.push((q.norm() - p.norm()).abs() / p.norm());
-                                    z[0].push(((q.norm() - p.norm()) / found.deviation[i][0]).powi(2));
-                                    z[1].push(((-2.0 * q.re / q.norm() + 2.0 * p.re / p.norm()) / found.deviation[i][1]).powi(2));
-                                }
-                                _ => missed += 1,
-                            }
-                        }
-                        for i in 0..hit.len() {
-                            if !hit[i] {
-                                spurious.push(found.deviation[i][0] / found.poles[i].re.abs());
-                            }
-                        }
-                    }
-                    spurious.sort_by(f64::total_cmp);
-                    z.iter_mut().for_each(|z| z.push(1.0)); let rms = |v: &Vec<f64>| (v.iter().sum::<f64>() / v.len() as f64).sqrt();
-                    eprintln!("{responses} FRFs {snr} dB {modes:?} {name}: missed {missed} spurious {} sd/halfbw {:.2?}.. z_f {:.2} med {:.2} z_eta {:.2} med {:.2} worst f {:.1e}", spurious.len(), spurious.iter().step_by(spurious.len() / 5 + 1).collect::<Vec<_>>(), rms(&z[0]), median(z[0].clone()).sqrt(), rms(&z[1]), median(z[1].clone()).sqrt(), e.iter().fold(0.0_f64, |m, v| m.max(*v)));
+    }
+
+    #[test]
+    fn frequencies_at_60_db() {
+        let structure = Structure { snr_db: Some(60.0), ..Structure::four_modes() };
+        for modes in [None, Some(4)] {
+            let found = run(rfp, &structure.frf(2), modes);
+            assert_eq!(found.poles.len(), 4);
+            assert!(structure.worst(&found) < 1e-4);
+            assert!(found.warnings.is_empty(), "{:?}", found.warnings);
+        }
+    }
+
+    #[test]
+    fn one_frf_is_enough() {
+        let structure = Structure { responses: 1, snr_db: Some(60.0), ..Structure::four_modes() };
+        let found = run(rfp, &structure.frf(3), None);
+        assert_eq!(found.poles.len(), 4);
+        assert!(structure.worst(&found) < 1e-4);
+    }
+
+    #[test]
+    fn deviation_is_the_size_of_the_error_where_bias_is_small() {
+        for responses in [1, 3, 24] {
+            let structure = Structure { responses, snr_db: Some(60.0), ..Structure::four_modes() };
+            let mut squares = [0.0; 2];
+            let seeds = 20;
+            for seed in 0..seeds {
+                let found = run(rfp, &structure.frf(seed), None);
+                assert_eq!(found.poles.len(), 4);
+                for ((pole, sigma), truth) in found.poles.iter().zip(&found.deviation).zip(structure.scaled_poles()) {
+                    let eta = |s: Complex64| -2.0 * s.re / s.norm();
+                    squares[0] += ((pole.norm() - truth.norm()) / sigma[0]).powi(2);
+                    squares[1] += ((eta(*pole) - eta(truth)) / sigma[1]).powi(2);
                 }
             }
+            for sum in squares {
+                let ratio = (sum / (4 * seeds) as f64).sqrt();
+                assert!((0.6..1.6).contains(&ratio), "{responses} FRFs: {ratio}");
+            }
         }
+    }
+
+    #[test]
+    fn twenty_modes_are_found_band_by_band() {
+        let structure = Structure { snr_db: Some(60.0), responses: 12, ..Structure::even_modes(20) };
+        let found = run(rfp, &structure.frf(4), None);
+        assert_eq!(found.poles.len(), 20);
+        assert!(structure.worst(&found) < 1e-4);
+    }
+
+    #[test]
+    fn a_subset_of_many_frfs_is_said() {
+        let structure = Structure { responses: 230, lines: 120, snr_db: Some(60.0), ..Structure::four_modes() };
+        let found = run(rfp, &structure.frf(5), None);
+        assert!(says(&found, "200 of 230 FRFs"), "{:?}", found.warnings);
+        assert_eq!(evenly(7, 3), [1, 3, 5]);
+        assert_eq!(evenly(3, 200), [0, 1, 2]);
+    }
+
+    #[test]
+    fn the_other_time_sign_is_said() {
+        let mut frf = Structure { snr_db: Some(60.0), ..Structure::four_modes() }.frf(6);
+        frf.conjugate();
+        let found = run(rfp, &frf, None);
+        assert!(found.poles.is_empty(), "{found:?}");
+        assert!(says(&found, "negative damping"), "{:?}", found.warnings);
+    }
+
+    #[test]
+    fn an_order_beyond_the_method_is_said() {
+        let structure = Structure { snr_db: Some(60.0), ..Structure::four_modes() };
+        let found = run(rfp, &structure.frf(7), Some(15));
+        assert!(says(&found, "more than this method holds"), "{:?}", found.warnings);
+        assert!(says(&found, "15 modes asked for") || found.poles.len() == 15);
+    }
+
+    #[test]
+    fn poles_that_no_two_frfs_share_are_dropped() {
+        let lines = Structure::four_modes().lines();
+        let root = |re: f64, im: f64| Root { s: Complex64::new(re, im), deviation: [1e-4, 1e-4] };
+        let fit = |roots: Vec<Root>| Denominator { roots, condition: 1.0 };
+        let fits = [
+            fit(vec![root(-0.01, 0.501), root(-0.01, 0.7)]),
+            fit(vec![root(-0.011, 0.5), root(-0.01, 0.8)]),
+            fit(vec![root(-0.012, 0.502), root(-0.01, 0.6), root(-0.01, 0.5045)]),
+        ];
+        let modes = common(&fits, &lines);
+        assert_eq!(modes.len(), 1, "{modes:?}");
+        assert!((modes[0].s - Complex64::new(-0.011, 0.501)).norm() < 1e-12);
     }
 }

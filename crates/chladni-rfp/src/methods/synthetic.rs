@@ -1,6 +1,8 @@
 //! FRFs by a plain sum over viscous modes, for the tests of this module.
 
-use super::ClassicPoles;
+use super::bands::Band;
+use super::{BandLines, ClassicPoles};
+use crate::error::FitError;
 use crate::options::FitOptions;
 use crate::screen::Screened;
 use chladni_frf::{FrfKind, FrfSet, FrfValues, Geometry, ReferenceUnit};
@@ -34,9 +36,33 @@ impl Structure {
         Self { modes, responses: 3, band_hz: [20.0, 105.0], lines: 400, kind: FrfKind::Mobility, snr_db: None }
     }
 
+    /// `count` modes every 20 Hz, about two bandwidths of lines each.
+    pub fn even_modes(count: u32) -> Self {
+        let modes = (1..=count).map(|n| 20.0 * f64::from(n)).map(|f| (f, 0.12 / f + 0.002)).collect();
+        Self { modes, band_hz: [10.0, 10.0 + 20.0 * f64::from(count)], lines: 1601, ..Self::four_modes() }
+    }
+
     /// Poles in rad/s.
-    pub fn poles(&self) -> Vec<Complex64> {
+    fn poles(&self) -> Vec<Complex64> {
         self.modes.iter().map(|&(f, zeta)| TAU * f * Complex64::new(-zeta, (1.0 - zeta * zeta).sqrt())).collect()
+    }
+
+    /// Poles in units of the last line's ω.
+    pub fn scaled_poles(&self) -> Vec<Complex64> {
+        self.poles().iter().map(|s| s / (TAU * self.band_hz[1])).collect()
+    }
+
+    /// Worst |s − s_true|/|s_true| over the true modes.
+    pub fn worst(&self, found: &ClassicPoles) -> f64 {
+        let nearest = |p: &Complex64| found.poles.iter().map(|s| (s - p).norm() / p.norm()).fold(f64::INFINITY, f64::min);
+        self.scaled_poles().iter().map(nearest).fold(0.0, f64::max)
+    }
+
+    /// All lines as one band.
+    pub fn lines(&self) -> BandLines {
+        let frf = self.frf(0);
+        let data = Screened::new(&frf, &FitOptions::default()).unwrap();
+        BandLines::new(&data, &Band { rows: 0..self.lines, order: 4 }).unwrap()
     }
 
     /// The measurement.
@@ -77,21 +103,14 @@ impl Structure {
             geometry: Geometry::default(),
         }
     }
+}
 
-    /// Runs a classic method; returns it with the worst error |s − s_true|/|s_true| over the true modes.
-    pub fn run(
-        &self,
-        method: fn(&Screened, &FitOptions) -> Result<ClassicPoles, crate::FitError>,
-        modes: Option<usize>,
-        seed: u64,
-    ) -> (ClassicPoles, f64) {
-        let frf = self.frf(seed);
-        let options = FitOptions { modes, ..FitOptions::default() };
-        let data = Screened::new(&frf, &options).unwrap();
-        let found = method(&data, &options).unwrap();
-        let scaled = |p: &Complex64| p / data.omega_max;
-        let nearest = |p: Complex64| found.poles.iter().map(|s| (s - p).norm() / p.norm()).fold(f64::INFINITY, f64::min);
-        let worst = self.poles().iter().map(|p| nearest(scaled(p))).fold(0.0, f64::max);
-        (found, worst)
-    }
+/// Runs a classic method with default options but for the number of modes.
+pub(super) fn run(
+    method: fn(&Screened, &FitOptions) -> Result<ClassicPoles, FitError>,
+    frf: &FrfSet,
+    modes: Option<usize>,
+) -> ClassicPoles {
+    let options = FitOptions { modes, ..FitOptions::default() };
+    method(&Screened::new(frf, &options).unwrap(), &options).unwrap()
 }

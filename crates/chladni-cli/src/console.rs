@@ -1,0 +1,96 @@
+//! What is said on stderr while a command runs: stages, warnings, notes.
+
+use crate::args::Common;
+use crate::progress::Progress;
+use std::cell::RefCell;
+use std::io::{IsTerminal, Write};
+
+/// The user's wishes about output, and everything said so far.
+pub struct Console {
+    /// `--json`.
+    pub json: bool,
+    /// `--quiet`.
+    pub quiet: bool,
+    /// `--verbose`.
+    pub verbose: bool,
+    /// `--force`.
+    pub force: bool,
+    progress: Progress,
+    colour: bool,
+    warnings: RefCell<Vec<String>>,
+}
+
+impl Console {
+    /// A console for these options.
+    pub fn new(common: &Common) -> Self {
+        Self {
+            json: common.json,
+            quiet: common.quiet,
+            verbose: common.verbose > 0,
+            force: common.force,
+            progress: Progress::new(common.progress, common.quiet),
+            colour: std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty()) && std::io::stderr().is_terminal(),
+            warnings: RefCell::default(),
+        }
+    }
+
+    /// A stage begins.
+    pub fn stage(&self, name: &str) {
+        self.progress.stage(name);
+    }
+
+    /// A warning: on stderr now, and in the result later; the same words count once.
+    pub fn warn(&self, warning: impl Into<String>) {
+        let warning = warning.into();
+        if self.warnings.borrow().contains(&warning) {
+            return;
+        }
+        if !self.quiet {
+            self.line("33", "warning: ", &warning);
+        }
+        self.warnings.borrow_mut().push(warning);
+    }
+
+    /// Several warnings.
+    pub fn warn_all(&self, warnings: impl IntoIterator<Item = String>) {
+        warnings.into_iter().for_each(|warning| self.warn(warning));
+    }
+
+    /// All warnings so far, in order.
+    pub fn warnings(&self) -> Vec<String> {
+        self.warnings.borrow().clone()
+    }
+
+    /// Something good to know that belongs into no result.
+    pub fn note(&self, note: &str) {
+        if !self.quiet {
+            self.line("", "", note);
+        }
+    }
+
+    /// An error, always shown.
+    pub fn error(&self, message: &str) {
+        self.line("1;31", "error: ", message);
+    }
+
+    /// Ends the progress display.
+    pub fn finish(&self) {
+        self.progress.finish();
+        if self.verbose {
+            self.times();
+        }
+    }
+
+    /// Shows how long each stage took; nowhere else does a time appear.
+    pub fn times(&self) {
+        for (name, seconds) in self.progress.take_times() {
+            self.note(&format!("{seconds:8.2} s  {name}"));
+        }
+    }
+
+    fn line(&self, colour: &str, prefix: &str, text: &str) {
+        let (start, end) = if self.colour && !colour.is_empty() { (format!("\x1b[{colour}m"), "\x1b[0m") } else { (String::new(), "") };
+        // a closed stderr must not stop the work
+        self.progress.suspend(|| drop(writeln!(std::io::stderr(), "{start}{prefix}{end}{text}")));
+    }
+}

@@ -1,0 +1,240 @@
+//! `chladni demo`: the whole way on the built-in panel, judged by its known truth.
+
+use crate::console::Console;
+use crate::fit::{echo_of, fit_model};
+use crate::input::source;
+use crate::outcome::Outcome;
+use crate::output::{Output, FRF, HTML, MODEL, SCENE, WEIGHTS};
+use crate::render::{render_scene, write_weights};
+use crate::report::write_page;
+use crate::table::{counted, table};
+use crate::truth::{median, Comparison};
+use chladni_frf::io::{write_atomically, write_contents, write_model, Contents};
+use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result};
+use chladni_plate::{simulate, Panel};
+use chladni_render::{evaluate, Method, On, PointIndices, RenderOptions, Rendering, Scene};
+use chladni_report::{html, RenderedScene, ReportInput};
+use chladni_rfp::FitOptions;
+use serde_json::{json, Value};
+use std::path::{Path, PathBuf};
+
+/// The built-in panel.
+const PANEL: &str = include_str!("../../../fixtures/panel.toml");
+/// More memory than the built-in panel needs.
+const MEMORY_BYTES: u64 = 2 << 30;
+/// Cells of the scenes, each hot in one of them.
+const SCENES: usize = 4;
+/// Least share of hot ground that is felt, and of cold ground that is quiet.
+const LEAST_RATIO: f64 = 0.95;
+
+/// Arguments of `demo`.
+#[derive(Debug, clap::Args)]
+#[command(before_help = "Examples:
+  chladni demo
+  chladni demo -o /tmp/demo --force
+
+Simulates the FRFs of a glass panel with 40 dB of noise, fits them, renders four scenes at 300 Hz (one quarter of the
+panel is felt, the rest is quiet), and writes panel.h5, truth.json, model.json, scene-1..4.toml, weights-1..4.json and
+report.html. Exit 1 where the known truth is missed or a scene is not met.")]
+pub struct Args {
+    /// Folder to write into
+    #[arg(short, value_name = "DIR", default_value = "chladni-demo")]
+    output: PathBuf,
+}
+
+/// The files of a demonstration.
+struct Files {
+    panel: PathBuf,
+    truth: PathBuf,
+    model: PathBuf,
+    scenes: Vec<PathBuf>,
+    weights: Vec<PathBuf>,
+    report: PathBuf,
+}
+
+/// A scene rendered by the fitted model, in the model and on the panel itself.
+struct Judged {
+    rendering: Rendering,
+    on_panel: PointIndices,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Those of writing; anything else is a bug.
+pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
+    let files = Files::new(&args.output, console)?;
+    let (frf, truth) = measure(&files, console)?;
+    let model = identify(&files, &frf, console)?;
+    let scenes: Vec<Judged> = (0..SCENES).map(|k| render_one(&files, k, &model, &truth, console)).collect::<Result<_>>()?;
+    console.stage("report");
+    let page = html(&ReportInput {
+        title: "Chladni demonstration".into(),
+        model: Some(&model),
+        measured: Some(&frf),
+        scenes: scenes.iter().map(|scene| RenderedScene::of_rendering(&scene.rendering)).collect(),
+        warnings: Vec::new(),
+    })?;
+    write_page(&Output::new(&files.report, HTML, &[], console)?, &page)?;
+
+    let comparison = Comparison::new(&model, &truth);
+    let doubts: Vec<String> = comparison.complaint().into_iter().chain(unmet(&scenes)).collect();
+    let doubt = (!doubts.is_empty()).then(|| doubts.join("; "));
+    console.finish();
+    console.times();
+    let json = json(args, &files, &comparison, &scenes, &console.warnings());
+    Ok(Outcome::written(&args.output, json, text(args, &comparison, &scenes)).doubted(doubt))
+}
+
+impl Files {
+    /// Makes the folder, and refuses to overwrite anything without `--force`.
+    fn new(folder: &Path, console: &Console) -> Result<Self> {
+        let numbered = |stem: &str, extension: &str| (1..=SCENES).map(|k| folder.join(format!("{stem}-{k}.{extension}"))).collect();
+        let files = Self {
+            panel: folder.join("panel.h5"),
+            truth: folder.join("truth.json"),
+            model: folder.join("model.json"),
+            scenes: numbered("scene", "toml"),
+            weights: numbered("weights", "json"),
+            report: folder.join("report.html"),
+        };
+        if !folder.is_dir() {
+            std::fs::create_dir(folder).map_err(|error| {
+                Error::new(ErrorKind::CannotCreate, format!("cannot create the folder: {error}"))
+                    .file(folder)
+                    .field("-o")
+                    .expected("a new or existing folder inside an existing one")
+                    .help("choose another folder with -o")
+            })?;
+        }
+        for path in files.all() {
+            Output::new(path, &[FRF, MODEL, SCENE, HTML].concat(), &[], console)?;
+        }
+        Ok(files)
+    }
+
+    fn all(&self) -> impl Iterator<Item = &PathBuf> {
+        [&self.panel, &self.truth, &self.model].into_iter().chain(&self.scenes).chain(&self.weights).chain([&self.report])
+    }
+}
+
+/// Simulates the measurement and writes it with its truth.
+fn measure(files: &Files, console: &Console) -> Result<(FrfSet, ModalModel)> {
+    console.stage("simulating the panel");
+    let panel = Panel::from_toml(PANEL, MEMORY_BYTES)?;
+    let simulation = simulate(&panel, None, None)?;
+    console.warn_all(simulation.warnings);
+    console.stage("writing the FRFs");
+    let contents = Contents { frf: Some(simulation.frf), ..Contents::default() };
+    Output::new(&files.panel, FRF, &[], console)?.write(|path, force| write_contents(path, &contents, force))?;
+    Output::new(&files.truth, MODEL, &[], console)?.write(|path, force| write_model(path, &simulation.truth, force))?;
+    let frf = contents.frf.ok_or_else(|| Error::new(ErrorKind::Internal, "the simulated FRFs are gone"))?;
+    Ok((frf, simulation.truth))
+}
+
+/// Fits the FRFs and writes the model, as `chladni fit panel.h5 -o model.json` does.
+fn identify(files: &Files, frf: &FrfSet, console: &Console) -> Result<ModalModel> {
+    let options = FitOptions::default();
+    let sources = vec![source(&files.panel)?];
+    let model = fit_model(frf, &options, sources, echo_of(&options), Vec::new(), &files.panel, console)?;
+    console.warn_all(model.quality.warnings.iter().cloned());
+    Output::new(&files.model, MODEL, &[], console)?.write(|path, force| write_model(path, &model, force))?;
+    Ok(model)
+}
+
+/// Writes a scene, renders it by the fitted model, and judges the weights on the panel itself.
+fn render_one(files: &Files, k: usize, model: &ModalModel, truth: &ModalModel, console: &Console) -> Result<Judged> {
+    console.stage("rendering four scenes");
+    let text = scene_text(k + 1);
+    Output::new(&files.scenes[k], SCENE, &[], console)?
+        .write(|path, force| write_atomically(path, force, |out| out.write_all(text.as_bytes())))?;
+    let scene = Scene::read(&files.scenes[k])?;
+    let options = RenderOptions { method: Method::Mls, ..RenderOptions::default() };
+    let rendering = render_scene(model, &scene, &options, vec![source(&files.model)?, source(&files.scenes[k])?])?;
+    console.warn_all(rendering.weights.warnings.iter().map(|warning| format!("scene-{}.toml: {warning}", k + 1)));
+    write_weights(&Output::new(&files.weights[k], WEIGHTS, &[], console)?, &rendering.weights)?;
+    let on_panel = evaluate(&rendering.weights, &scene, On::Model(truth))?.indices.points;
+    Ok(Judged { rendering, on_panel })
+}
+
+fn scene_text(hot: usize) -> String {
+    format!(
+        "# Cell {hot} of four is to be felt, the other three are to be quiet.
+
+frequency_hz = 300.0
+
+[threshold]
+profile = \"paper\"                      # 0.2 mm/s peak
+limen_db = 2.0
+
+[zones]
+grid = [2, 2]                          # columns, rows of equal cells over cells_m
+hot = [{hot}]
+area_m = [0.034, 0.025, 0.234, 0.145]  # the measured grid
+cells_m = [0.0, 0.0, 0.268, 0.170]     # the panel
+transition_m = 0.010
+
+[actuators]
+use = \"all\"
+max_force_n = 0.1
+"
+    )
+}
+
+/// Scenes whose hot or cold ratio is too low, in the model or on the panel.
+fn unmet(scenes: &[Judged]) -> Vec<String> {
+    let least = |scene: &Judged| scene.rendering.weights.indices.points.min_ratio.min(scene.on_panel.min_ratio);
+    let low = scenes.iter().enumerate().filter(|(_, scene)| least(scene) < LEAST_RATIO);
+    low.map(|(k, scene)| format!("scene {}: a hot or cold ratio of {:.3} is below {LEAST_RATIO}", k + 1, least(scene))).collect()
+}
+
+fn json(args: &Args, files: &Files, comparison: &Comparison, scenes: &[Judged], warnings: &[String]) -> Value {
+    let name = |path: &PathBuf| path.file_name().map(|name| name.to_string_lossy().into_owned());
+    let spread = |sorted: &[f64]| json!({"worst": sorted.last(), "median": median(sorted)});
+    let scene = |(k, scene): (usize, &Judged)| {
+        json!({
+            "scene": name(&files.scenes[k]),
+            "feasible": scene.rendering.weights.feasible,
+            "indices": scene.rendering.weights.indices,
+            "on_panel": scene.on_panel,
+        })
+    };
+    json!({
+        "output": args.output.display().to_string(),
+        "files": files.all().map(name).collect::<Vec<_>>(),
+        "modes": {"known": comparison.known, "missed": comparison.missed, "spurious": comparison.spurious},
+        "frequency_error": spread(&comparison.frequency),
+        "loss_factor_error": spread(&comparison.loss_factor),
+        "mac": {"worst": comparison.mac.first(), "median": median(&comparison.mac)},
+        "scenes": scenes.iter().enumerate().map(scene).collect::<Vec<_>>(),
+        "warnings": warnings,
+    })
+}
+
+fn text(args: &Args, comparison: &Comparison, scenes: &[Judged]) -> String {
+    let found = comparison.known - comparison.missed;
+    let percent = |error: f64| format!("{:.1e} %", 100.0 * error);
+    let row = |name: &str, sorted: &[f64]| {
+        vec![name.into(), sorted.last().map_or_else(String::new, |&worst| percent(worst)), percent(median(sorted))]
+    };
+    let errors = table(
+        &["against the known truth", "worst error", "median error"],
+        &[row("natural frequency", &comparison.frequency), row("loss factor", &comparison.loss_factor)],
+    );
+    let ratios = |k: usize, place: &str, points: &PointIndices| {
+        let ratios = [points.hot_ratio, points.cold_ratio, points.success_ratio, points.silence_ratio];
+        [k.to_string(), place.into()].into_iter().chain(ratios.map(|ratio| format!("{ratio:.3}"))).collect::<Vec<String>>()
+    };
+    let rows: Vec<Vec<String>> = scenes
+        .iter()
+        .enumerate()
+        .flat_map(|(k, scene)| [ratios(k + 1, "model", &scene.rendering.weights.indices.points), ratios(k + 1, "panel", &scene.on_panel)])
+        .collect();
+    format!(
+        "{found} of {} modes found, {}\n{errors}\n{}\n{}/report.html shows it\n",
+        comparison.known,
+        counted(comparison.spurious, "spurious mode"),
+        table(&["scene", "judged in the", "hot", "cold", "success", "silence"], &rows),
+        args.output.display()
+    )
+}

@@ -1,0 +1,82 @@
+//! `chladni evaluate`: given weights on other data.
+
+use crate::console::Console;
+use crate::indices::indices_table;
+use crate::input::{model_of, read_frf, read_weights, source, Reading};
+use crate::outcome::Outcome;
+use crate::table::significant;
+use chladni_frf::io::expand_paths;
+use chladni_frf::Result;
+use chladni_render::{Evaluation, On, Scene};
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Arguments of `evaluate`.
+#[derive(Debug, clap::Args)]
+#[command(before_help = "Examples:
+  chladni evaluate weights.json --scene corner.toml --on measured.h5     on the measured line at the drive frequency
+  chladni evaluate weights.json --scene corner.toml --on other.json      on another model")]
+pub struct Args {
+    /// Weights file, as `chladni render` writes it
+    #[arg(value_name = "WEIGHTS")]
+    weights: PathBuf,
+    /// Scene file with the zones and limits to judge by
+    #[arg(long, value_name = "SCENE.toml")]
+    scene: PathBuf,
+    /// FRFs or a model to judge on; several FRF files are merged
+    #[arg(long, required = true, value_name = "FRF|MODEL")]
+    on: Vec<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
+}
+
+/// Runs the command. It only reports: weights that fail are no error.
+///
+/// # Errors
+/// Those of reading, and data that the weights do not fit.
+pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
+    console.stage("reading");
+    let weights = read_weights(&args.weights)?;
+    let scene = Scene::read(&args.scene)?;
+    let mut sources = vec![source(&args.weights)?, source(&args.scene)?];
+    let files = expand_paths(&args.on)?;
+    let model = match files.as_slice() {
+        [one] => model_of(one)?,
+        _ => None,
+    };
+    let judge = |on: On| {
+        console.stage("judging");
+        chladni_render::evaluate(&weights, &scene, on).map_err(|error| error.file(&files[0]))
+    };
+    let evaluation = match model {
+        Some(model) => {
+            sources.push(source(&files[0])?);
+            judge(On::Model(&model))?
+        }
+        None => {
+            let (frf, read) = read_frf(&files, &args.reading, console)?;
+            sources.extend(read);
+            judge(On::Frf(&frf))?
+        }
+    };
+    console.warn_all(evaluation.warnings.iter().cloned());
+    let json = json!({
+        "weights": args.weights.display().to_string(),
+        "scene": args.scene.display().to_string(),
+        "on": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
+        "source": sources,
+        "frequency_hz": evaluation.frequency_hz,
+        "limits_m_per_s": {
+            "hot": evaluation.limits.hot_m_per_s,
+            "threshold": evaluation.limits.threshold_m_per_s,
+            "cold": evaluation.limits.cold_m_per_s,
+        },
+        "indices": evaluation.indices,
+        "warnings": console.warnings(),
+    });
+    Ok(Outcome::shown(json, text(&evaluation)))
+}
+
+fn text(evaluation: &Evaluation) -> String {
+    format!("at {} Hz\n{}", significant(evaluation.frequency_hz, 6), indices_table(&evaluation.indices))
+}

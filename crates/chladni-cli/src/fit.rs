@@ -1,0 +1,264 @@
+//! `chladni fit`: modes from FRFs.
+
+use crate::console::Console;
+use crate::input::{read_frf, Reading};
+use crate::outcome::Outcome;
+use crate::output::{Output, MODEL};
+use crate::table::{counted, significant, table, with_bound};
+use chladni_frf::io::{expand_paths, write_model};
+use chladni_frf::{Damping, Error, ErrorKind, FrfSet, ModalModel, Mode, Result, Scaling, Source, Trust};
+use chladni_rfp::{FitError, FitOptions, Method};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use serde_json::{json, Map, Value};
+use std::path::{Path, PathBuf};
+
+/// Arguments of `fit`.
+#[derive(Debug, clap::Args)]
+#[command(before_help = "Examples:
+  chladni fit panel.h5                                 a table of the modes
+  chladni fit panel.h5 -o model.json --band 10:700     save the model of one band
+  chladni fit scan_*.uff --frf-kind mobility -o model.json")]
+pub struct Args {
+    /// FRF files, folders of them, or patterns; all are merged into one set
+    #[arg(required = true, value_name = "FRF")]
+    files: Vec<PathBuf>,
+    /// Model file to write, .json or .h5
+    #[arg(short, value_name = "MODEL")]
+    output: Option<PathBuf>,
+    /// Band to fit, Hz [default: all lines]
+    #[arg(long, value_name = "LO:HI", value_parser = parse_band, allow_hyphen_values = true)]
+    band: Option<[f64; 2]>,
+    /// Number of modes in the band; auto: decided by evidence
+    #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = parse_modes)]
+    modes: ModeCount,
+    /// Damping law; auto: decided by evidence
+    #[arg(long, value_name = "LAW", default_value = "auto", value_parser = PossibleValuesParser::new(["auto", "structural", "viscous"]))]
+    damping: String,
+    /// Identification method
+    #[arg(long, value_name = "METHOD", default_value = "auto", value_parser = PossibleValuesParser::new(Method::ALL.map(Method::as_str))
+        .try_map(|name| name.parse::<Method>()))]
+    method: Method,
+    /// Seed of the random mixtures inside the fit
+    #[arg(long, value_name = "S", default_value_t = 0)]
+    seed: u64,
+    #[command(flatten)]
+    reading: Reading,
+}
+
+/// `--modes`: a number, or none for `auto`.
+#[derive(Debug, Clone, Copy)]
+struct ModeCount(Option<usize>);
+
+fn parse_modes(text: &str) -> std::result::Result<ModeCount, String> {
+    match text {
+        "auto" => Ok(ModeCount(None)),
+        _ => match text.parse() {
+            Ok(count) if (1..=10_000).contains(&count) => Ok(ModeCount(Some(count))),
+            _ => Err("neither auto nor a number of modes from 1 to 10000".into()),
+        },
+    }
+}
+
+fn parse_band(text: &str) -> std::result::Result<[f64; 2], String> {
+    let ends = text.split_once(':').map(|(low, high)| (low.trim().parse::<f64>(), high.trim().parse::<f64>()));
+    match ends {
+        Some((Ok(low), Ok(high))) if low.is_finite() && high.is_finite() && 0.0 <= low && low < high => Ok([low, high]),
+        Some((Ok(low), Ok(high))) if low >= high => Err("the band ends before it begins".into()),
+        _ => Err("no band in Hz such as 10:700".into()),
+    }
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Those of reading and writing, and of a fit that cannot be made. A fit that cannot be trusted is a result.
+pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
+    let files = expand_paths(&args.files)?;
+    let output = args.output.as_deref().map(|path| Output::new(path, MODEL, &files, console)).transpose()?;
+    let (frf, sources) = read_frf(&files, &args.reading, console)?;
+    let options = args.fit_options();
+    let mut echo = echo_of(&options);
+    args.reading.echo(&mut echo);
+    let model = fit_model(&frf, &options, sources, echo, console.warnings(), &files[0], console)?;
+    drop(frf);
+    console.warn_all(model.quality.warnings.iter().cloned());
+    if let Some(output) = &output {
+        console.stage("writing");
+        output.write(|path, force| write_model(path, &model, force))?;
+    }
+    let doubt = (!model.quality.trusted).then(|| distrust(&model));
+    let text = text(&model, console.verbose);
+    let outcome = match &args.output {
+        Some(path) => Outcome::written(path, summary(&model, path)?, text),
+        None => Outcome::shown(whole(&model)?, text),
+    };
+    Ok(outcome.doubted(doubt))
+}
+
+/// Fits a set and completes the model with its sources, its options and the `warnings` of reading.
+///
+/// # Errors
+/// Of a fit that cannot be made, naming `file`.
+pub fn fit_model(
+    frf: &FrfSet,
+    options: &FitOptions,
+    sources: Vec<Source>,
+    echo: Map<String, Value>,
+    warnings: Vec<String>,
+    file: &Path,
+    console: &Console,
+) -> Result<ModalModel> {
+    let fit = chladni_rfp::fit(frf, options, &|stage| console.stage(stage)).map_err(|error| explain(&error, options, file))?;
+    let mut model = fit.model;
+    model.source = sources;
+    model.options = echo;
+    let own = std::mem::replace(&mut model.quality.warnings, warnings);
+    model.quality.warnings.extend(own);
+    Ok(model)
+}
+
+/// The options that can change the result.
+pub fn echo_of(options: &FitOptions) -> Map<String, Value> {
+    let mut echo = Map::new();
+    echo.insert("band_hz".into(), json!(options.band_hz));
+    echo.insert("modes".into(), options.modes.map_or("auto".into(), Value::from));
+    echo.insert("damping".into(), options.damping.map_or("auto".into(), |law| json!(law)));
+    echo.insert("method".into(), options.method.as_str().into());
+    echo.insert("seed".into(), options.seed.into());
+    echo
+}
+
+impl Args {
+    fn fit_options(&self) -> FitOptions {
+        FitOptions {
+            band_hz: self.band,
+            modes: self.modes.0,
+            damping: match self.damping.as_str() {
+                "structural" => Some(Damping::Structural),
+                "viscous" => Some(Damping::Viscous),
+                _ => None,
+            },
+            method: self.method,
+            seed: self.seed,
+        }
+    }
+}
+
+fn explain(error: &FitError, options: &FitOptions, file: &Path) -> Error {
+    let bad = |message: &str| Error::bad_data(message).file(file);
+    match error {
+        FitError::UnknownKind => Error::new(ErrorKind::UnknownFrfKind, "the FRF kind is not known")
+            .file(file)
+            .field("FRF kind")
+            .expected("receptance, mobility or accelerance")
+            .help("say it with --frf-kind receptance|mobility|accelerance"),
+        &FitError::BandOutsideData { low_hz, high_hz, data_low_hz, data_high_hz } => bad("no line of the data lies in the band")
+            .field("--band")
+            .found(format!("{low_hz}:{high_hz} Hz"))
+            .expected(format!("a band that overlaps the data, {data_low_hz} to {data_high_hz} Hz"))
+            .help("give --band LO:HI within the data, or leave it out"),
+        &FitError::TooFewLines { lines, low_hz, high_hz, modes, needed } => bad("too few usable spectral lines in the band")
+            .field(if options.band_hz.is_some() { "--band" } else { "frequency axis" })
+            .found(format!("{} between {low_hz} and {high_hz} Hz", counted(lines, "line")))
+            .expected(format!("at least {} for {}", counted(needed, "line"), counted(modes, "mode")))
+            .help("widen --band, or ask for fewer --modes"),
+        FitError::NoData => bad("no FRF holds a finite, non-zero value in the band")
+            .field("FRF values")
+            .found("zeros or NaN only")
+            .expected("measured values")
+            .help("look at the file with `chladni info`"),
+        FitError::Kernel(error) => Error::new(ErrorKind::Internal, format!("internal error: {error}")),
+    }
+}
+
+fn distrust(model: &ModalModel) -> String {
+    let reason = match model.in_band_modes().any(|mode| mode.trust == Trust::Sure) {
+        true => "the data as a whole contradict the model (see the warnings)",
+        false => "no mode is sure",
+    };
+    format!("the fit is not to be trusted: {reason}")
+}
+
+fn value_of(model: &ModalModel) -> Result<Value> {
+    serde_json::to_value(model).map_err(|error| Error::new(ErrorKind::Internal, format!("the model has no JSON: {error}")))
+}
+
+/// The whole model, as its file holds it, and the warnings at the top.
+fn whole(model: &ModalModel) -> Result<Value> {
+    let mut value = value_of(model)?;
+    value["warnings"] = json!(model.quality.warnings);
+    Ok(value)
+}
+
+/// What fits on a screen: the model without shapes and residual terms.
+fn summary(model: &ModalModel, output: &Path) -> Result<Value> {
+    let mut value = value_of(model)?;
+    for mode in value["modes"].as_array_mut().into_iter().flatten().filter_map(Value::as_object_mut) {
+        ["shape", "shape_std", "participation"].iter().for_each(|key| drop(mode.remove(*key)));
+    }
+    let keys = ["source", "options", "frf_kind", "reference_unit", "band_hz", "damping", "scaling", "method", "modes", "quality"];
+    let mut summary = Map::from_iter([("output".to_owned(), json!(output.display().to_string()))]);
+    summary.extend(keys.iter().map(|&key| (key.to_owned(), value[key].take())));
+    summary.insert("warnings".into(), json!(model.quality.warnings));
+    Ok(summary.into())
+}
+
+/// The table of modes, and a line about the whole.
+pub fn text(model: &ModalModel, verbose: bool) -> String {
+    const HEADER: [&str; 8] = ["mode", "frequency, Hz", "95 %", "loss factor", "95 %", "damping ratio", "trust", "reasons"];
+    let listed = |mode: &&Mode| verbose || (mode.in_band && mode.trust != Trust::Rejected);
+    let mut number = 0;
+    let rows: Vec<Vec<String>> = model.modes.iter().filter(listed).map(|mode| row(mode, &mut number)).collect();
+    let modes = model.in_band_modes().count();
+    let outside = model.modes.iter().filter(|mode| !mode.in_band && mode.trust != Trust::Rejected).count();
+    let law = match model.damping {
+        Damping::Structural => "structural",
+        Damping::Viscous => "viscous",
+    };
+    let scaling = match model.scaling {
+        Scaling::UnitModalMass => "shapes of unit modal mass",
+        Scaling::Unscaled => "unscaled shapes",
+    };
+    let [low, high] = model.band_hz.map(|hz| significant(hz, 6));
+    let mut text = if rows.is_empty() { String::new() } else { table(&HEADER, &rows) };
+    text += &format!("{} between {low} and {high} Hz, {law} damping, {scaling}", counted(modes, "mode"));
+    if outside > 0 {
+        text += &format!("; {} outside the band stand for the rest", counted(outside, "pole"));
+    }
+    text += &format!(
+        "; method {}, residual {} % of the data, {}\n",
+        model.method,
+        significant(100.0 * model.quality.relative_error, 3),
+        if model.quality.trusted { "trusted" } else { "not trusted" }
+    );
+    match &model.quality.path {
+        Some(path) if verbose => text + &format!("path: {path}\n"),
+        _ => text,
+    }
+}
+
+fn row(mode: &Mode, number: &mut usize) -> Vec<String> {
+    let counts = mode.in_band && mode.trust != Trust::Rejected;
+    *number += usize::from(counts);
+    let [frequency, frequency_bound] = with_bound(mode.frequency_hz, mode.frequency_std_hz);
+    let [loss_factor, loss_factor_bound] = with_bound(mode.loss_factor, mode.loss_factor_std);
+    let trust = match mode.trust {
+        Trust::Sure => "sure",
+        Trust::Weak => "weak",
+        Trust::Rejected => "rejected",
+    };
+    let mut reasons = mode.reasons.clone();
+    if !mode.in_band {
+        reasons.insert(0, "outside the band".into());
+    }
+    vec![
+        if counts { number.to_string() } else { String::new() },
+        frequency,
+        frequency_bound,
+        loss_factor,
+        loss_factor_bound,
+        significant(mode.damping_ratio, 4),
+        trust.into(),
+        reasons.join("; "),
+    ]
+}

@@ -1,0 +1,286 @@
+//! `chladni info`: what is inside files, and what is wrong with it.
+
+use crate::console::Console;
+use crate::input::{read_weights, Reading};
+use crate::outcome::Outcome;
+use crate::table::{counted, shortened, significant, table};
+use chladni_frf::io::{assemble, expand_paths, read_document, read_model, DatasetInfo, Document, FileFormat, ReadOptions};
+use chladni_frf::{Dof, Error, FrfKind, FrfSet, Result};
+use serde_json::{json, Value};
+use std::path::{Path, PathBuf};
+
+/// Alike datasets beyond this count are one line of the table, without `-v`.
+const SHOWN_ALIKE: usize = 6;
+
+/// Arguments of `info`.
+#[derive(Debug, clap::Args)]
+#[command(before_help = "Examples:
+  chladni info measurement.uff
+  chladni info -v scans/                               every dataset by itself
+  chladni info --json *.uff                            for programs")]
+pub struct Args {
+    /// Files of any format, folders, or patterns
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
+}
+
+/// Runs the command: whatever can be listed is listed.
+///
+/// # Errors
+/// The first error where nothing could be listed at all.
+pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
+    let files = expand_paths(&args.files)?;
+    console.stage("reading");
+    let mut listings = Vec::new();
+    let mut first_error = None;
+    for file in &files {
+        let listing = match read_document(file, &args.reading.options()) {
+            Ok(document) => Listing::new(document, &args.reading.options()),
+            Err(error) => {
+                let listing = Listing::of_error(file, &error);
+                first_error.get_or_insert(error);
+                listing
+            }
+        };
+        listings.push(listing);
+    }
+    match first_error {
+        Some(error) if listings.iter().all(|listing| listing.format.is_none()) => return Err(error),
+        _ => listings.iter().for_each(|listing| console.warn_all(listing.all_warnings())),
+    }
+    let doubt = listings.iter().any(|listing| listing.damaged).then(|| "some of it cannot be read: see the warnings".to_owned());
+    let json = json!({"files": listings.iter().map(Listing::json).collect::<Vec<_>>()});
+    let text = listings.iter().map(|listing| listing.text(console.verbose)).collect::<Vec<_>>().join("\n");
+    Ok(Outcome::shown(json, text).doubted(doubt))
+}
+
+/// What is known of one file.
+struct Listing {
+    file: PathBuf,
+    format: Option<FileFormat>,
+    sha256: String,
+    frf_kind: Option<FrfKind>,
+    nodes: usize,
+    responses: Vec<Dof>,
+    references: Vec<Dof>,
+    axis: Option<String>,
+    warnings: Vec<String>,
+    datasets: Vec<DatasetInfo>,
+    damaged: bool,
+}
+
+impl Listing {
+    fn of_error(file: &Path, error: &Error) -> Self {
+        Self {
+            file: file.to_path_buf(),
+            format: None,
+            sha256: String::new(),
+            frf_kind: None,
+            nodes: 0,
+            responses: Vec::new(),
+            references: Vec::new(),
+            axis: None,
+            warnings: vec![one_line(&Error { file: None, ..error.clone() })],
+            datasets: Vec::new(),
+            damaged: true,
+        }
+    }
+
+    fn new(mut document: Document, options: &ReadOptions) -> Self {
+        // errors without a dataset of their own are told here; the others stand beside their datasets
+        let mut warnings = std::mem::take(&mut document.warnings);
+        let errors = std::mem::take(&mut document.errors);
+        let beside = |error: &Error| {
+            document.datasets.iter().any(|info| error.line.is_some() && info.warnings.iter().any(|w| w.contains(&error.message)))
+        };
+        warnings.extend(errors.iter().filter(|error| !beside(error)).map(|error| one_line(&Error { file: None, ..error.clone() })));
+        document.functions.iter_mut().for_each(|function| function.warnings.clear());
+        let mut listing = Self {
+            file: document.file.clone(),
+            format: Some(document.format),
+            sha256: document.sha256.clone(),
+            frf_kind: None,
+            nodes: document.geometry.nodes.len(),
+            responses: Vec::new(),
+            references: Vec::new(),
+            axis: None,
+            warnings,
+            datasets: std::mem::take(&mut document.datasets),
+            damaged: !errors.is_empty(),
+        };
+        let holds_model = document.format == FileFormat::Model || listing.datasets.iter().any(|info| info.name.starts_with("/model/"));
+        match document.format {
+            _ if holds_model => listing.add_model(),
+            FileFormat::Weights => listing.add_weights(),
+            _ => listing.add_set(document, options),
+        }
+        listing
+    }
+
+    fn add_weights(&mut self) {
+        match read_weights(&self.file) {
+            Ok(weights) => {
+                self.axis = Some(format!("{} Hz, method {}", significant(weights.frequency_hz, 6), weights.method));
+                self.references = weights.weights.iter().map(|weight| weight.reference).collect();
+                self.warnings.extend(weights.warnings);
+            }
+            Err(error) => self.refuse(&error),
+        }
+    }
+
+    fn add_model(&mut self) {
+        match read_model(&self.file) {
+            Ok(model) => {
+                self.frf_kind = Some(model.frf_kind);
+                self.nodes = model.nodes.len();
+                self.axis = Some(format!("band {} to {} Hz", significant(model.band_hz[0], 6), significant(model.band_hz[1], 6)));
+                (self.responses, self.references) = (model.responses, model.references);
+            }
+            Err(error) => self.refuse(&error),
+        }
+    }
+
+    /// The file as a set of FRFs, as every other command would read it.
+    fn add_set(&mut self, document: Document, options: &ReadOptions) {
+        let contents = match assemble(vec![document], options) {
+            Ok(contents) => contents,
+            Err(error) => return self.refuse(&error),
+        };
+        let prefix = format!("{}: ", self.file.display());
+        self.warnings.extend(contents.warnings.into_iter().map(|warning| warning.trim_start_matches(&prefix).to_owned()));
+        let Some(frf) = contents.frf else { return };
+        if frf.kind.is_none() {
+            self.warnings.push("the file does not say its FRF kind; other commands need --frf-kind receptance|mobility|accelerance".into());
+        }
+        self.axis = axis(&frf);
+        (self.frf_kind, self.responses, self.references) = (frf.kind, frf.responses, frf.references);
+    }
+
+    fn refuse(&mut self, error: &Error) {
+        self.damaged = true;
+        self.warnings.push(one_line(&Error { file: None, ..error.clone() }));
+    }
+
+    /// Warnings of the file and of its datasets, with the place.
+    fn all_warnings(&self) -> Vec<String> {
+        let file = self.file.display();
+        let of_file = self.warnings.iter().map(|warning| format!("{file}: {warning}"));
+        let of_datasets =
+            self.datasets.iter().flat_map(|info| info.warnings.iter().map(|warning| format!("{file}: {}: {warning}", place(info))));
+        of_file.chain(of_datasets).collect()
+    }
+
+    fn json(&self) -> Value {
+        json!({
+            "file": self.file.display().to_string(),
+            "format": self.format,
+            "sha256": (!self.sha256.is_empty()).then_some(&self.sha256),
+            "frf_kind": self.frf_kind,
+            "nodes": self.nodes,
+            "responses": self.responses,
+            "references": self.references,
+            "warnings": self.warnings,
+            "datasets": self.datasets,
+        })
+    }
+
+    fn text(&self, verbose: bool) -> String {
+        let Some(format) = self.format else { return format!("{}: cannot be read\n", self.file.display()) };
+        let mut parts = vec![format!("{format:?}").to_lowercase()];
+        parts.extend(self.frf_kind.map(|kind| kind.to_string()));
+        for (dofs, noun) in [(&self.responses, "response"), (&self.references, "reference")] {
+            let names: Vec<String> = dofs.iter().map(ToString::to_string).collect();
+            if !names.is_empty() {
+                parts.push(format!("{} ({})", counted(names.len(), noun), shortened(&names, 3)));
+            }
+        }
+        parts.extend(self.axis.clone());
+        parts.push(counted(self.nodes, "node"));
+        let heading = format!("{}: {}\n", self.file.display(), parts.join(", "));
+        if self.datasets.is_empty() {
+            return heading;
+        }
+        const HEADER: [&str; 9] = ["dataset", "line", "name", "function", "response", "reference", "values", "frequency, Hz", "warnings"];
+        heading + &table(&HEADER, &rows(&self.datasets, verbose))
+    }
+}
+
+fn axis(frf: &FrfSet) -> Option<String> {
+    let (first, last) = (frf.frequency_hz.first()?, frf.frequency_hz.last()?);
+    Some(format!("{} from {} to {} Hz", counted(frf.frequency_hz.len(), "line"), significant(*first, 6), significant(*last, 6)))
+}
+
+/// An error without line breaks.
+fn one_line(error: &Error) -> String {
+    error.to_string().replace("\n  help: ", "; help: ")
+}
+
+fn place(info: &DatasetInfo) -> String {
+    let name = info.number.map_or_else(|| info.name.clone(), |number| format!("dataset {number}"));
+    match info.line {
+        Some(line) => format!("{name}, line {line}"),
+        None => name,
+    }
+}
+
+/// One row per dataset; long runs of alike ones are one row unless `verbose`.
+fn rows(datasets: &[DatasetInfo], verbose: bool) -> Vec<Vec<String>> {
+    let mut rows = Vec::new();
+    let mut start = 0;
+    while start < datasets.len() {
+        let alike = |info: &&DatasetInfo| same_sort(info, &datasets[start]);
+        let count = 1 + datasets[start + 1..].iter().take_while(alike).count();
+        if count > SHOWN_ALIKE && !verbose {
+            rows.push(run_row(&datasets[start..start + count]));
+        } else {
+            rows.extend(datasets[start..start + count].iter().map(row));
+        }
+        start += count;
+    }
+    rows
+}
+
+fn same_sort(a: &DatasetInfo, b: &DatasetInfo) -> bool {
+    (a.number, &a.name, &a.function, a.values) == (b.number, &b.name, &b.function, b.values)
+        && a.frequency_hz.is_none()
+        && b.frequency_hz.is_none()
+        && a.warnings == b.warnings
+}
+
+fn row(info: &DatasetInfo) -> Vec<String> {
+    let text = |value: &Option<String>| value.clone().unwrap_or_default();
+    vec![
+        info.number.map(|number| number.to_string()).unwrap_or_default(),
+        info.line.map(|line| line.to_string()).unwrap_or_default(),
+        info.name.clone(),
+        text(&info.function),
+        text(&info.response),
+        text(&info.reference),
+        info.values.or(info.nodes).map(|count| count.to_string()).unwrap_or_default(),
+        info.frequency_hz.map(|hz| significant(hz, 6)).unwrap_or_default(),
+        match info.warnings.as_slice() {
+            [] => String::new(),
+            warnings => counted(warnings.len(), "warning"),
+        },
+    ]
+}
+
+fn run_row(run: &[DatasetInfo]) -> Vec<String> {
+    let different = |field: fn(&DatasetInfo) -> &Option<String>| {
+        let mut names: Vec<&String> = run.iter().filter_map(|info| field(info).as_ref()).collect();
+        names.sort_unstable();
+        names.dedup();
+        match names.as_slice() {
+            [one] => one.to_string(),
+            [] => String::new(),
+            all => format!("{} different", all.len()),
+        }
+    };
+    let mut row = row(&run[0]);
+    row[2] = format!("{} ({} of them)", row[2], run.len());
+    row[4] = different(|info| &info.response);
+    row[5] = different(|info| &info.reference);
+    row
+}

@@ -1,0 +1,195 @@
+//! Reading: the options that all commands share which read FRFs, and the files behind a result.
+
+use crate::console::Console;
+use chladni_frf::io::{self, detect_format, Duplicates, FileFormat, ReadOptions};
+use chladni_frf::{Error, ErrorKind, FrfKind, FrfSet, ModalModel, Result, Source, TimeSign};
+use chladni_render::Weights;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use serde_json::{Map, Value};
+use std::path::{Path, PathBuf};
+
+/// How FRFs are to be read.
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Reading FRFs")]
+pub struct Reading {
+    /// What the FRFs are; needed where the file does not say
+    #[arg(long, value_name = "KIND", value_parser = PossibleValuesParser::new(["mobility", "receptance", "accelerance"])
+        .try_map(|text| text.parse::<FrfKind>()))]
+    pub frf_kind: Option<FrfKind>,
+    /// Sign in e^(±jωt) of the data
+    #[arg(long, value_name = "SIGN", allow_hyphen_values = true,
+        value_parser = PossibleValuesParser::new(["+", "-"]).try_map(|text| text.parse::<TimeSign>()))]
+    pub time_sign: Option<TimeSign>,
+    /// Reference node of files that hold one reference: one for all files, or one for each, in their order
+    #[arg(long, value_name = "N", value_delimiter = ',')]
+    pub reference: Vec<u64>,
+    /// Where the arrays of a foreign HDF5 file are: frf=/data/H,freq=/data/f
+    #[arg(long, value_name = "NAME=PATH", value_delimiter = ',', value_parser = parse_map)]
+    pub map: Vec<(String, String)>,
+    /// What to do with a pair (response, reference) that occurs twice
+    #[arg(long, value_name = "WHICH", value_parser = PossibleValuesParser::new(["error", "first", "last", "mean"]).map(duplicates))]
+    pub duplicates: Option<Duplicates>,
+    /// Take the exact line spacing that the six printed digits of a universal file stand for
+    #[arg(long)]
+    pub snap_df: bool,
+    /// Mask or leave out what cannot be read instead of refusing the file
+    #[arg(long)]
+    pub lenient: bool,
+}
+
+fn parse_map(text: &str) -> std::result::Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((name, path)) if !name.trim().is_empty() && !path.trim().is_empty() => Ok((name.trim().into(), path.trim().into())),
+        _ => Err("no entry NAME=PATH, as in frf=/data/H,freq=/data/f".into()),
+    }
+}
+
+fn duplicates(name: String) -> Duplicates {
+    match name.as_str() {
+        "first" => Duplicates::First,
+        "last" => Duplicates::Last,
+        "mean" => Duplicates::Mean,
+        _ => Duplicates::Error,
+    }
+}
+
+impl Reading {
+    /// The options as the library takes them.
+    pub fn options(&self) -> ReadOptions {
+        ReadOptions {
+            frf_kind: self.frf_kind,
+            time_sign: self.time_sign.unwrap_or_default(),
+            references: self.reference.clone(),
+            map: self.map.clone(),
+            duplicates: self.duplicates.unwrap_or_default(),
+            snap_df: self.snap_df,
+            lenient: self.lenient,
+        }
+    }
+
+    /// The options that were given, for the result's `options`: each can change what is read.
+    pub fn echo(&self, options: &mut Map<String, Value>) {
+        let mut add = |name: &str, value: Value| drop(options.insert(name.to_owned(), value));
+        if let Some(kind) = self.frf_kind {
+            add("frf_kind", kind.as_str().into());
+        }
+        if self.time_sign == Some(TimeSign::Minus) {
+            add("time_sign", "-".into());
+        }
+        if !self.reference.is_empty() {
+            add("reference", self.reference.clone().into());
+        }
+        if !self.map.is_empty() {
+            add("map", self.map.iter().map(|(name, path)| (name.clone(), path.clone().into())).collect::<Map<_, _>>().into());
+        }
+        if let Some(which) = self.duplicates {
+            add("duplicates", format!("{which:?}").to_lowercase().into());
+        }
+        for (name, given) in [("snap_df", self.snap_df), ("lenient", self.lenient)] {
+            if given {
+                add(name, true.into());
+            }
+        }
+    }
+
+    /// The options that [`Self::echo`] left in a result.
+    pub fn from_echo(options: &Map<String, Value>) -> Self {
+        let text = |name: &str| options.get(name).and_then(Value::as_str);
+        let given = |name: &str| options.get(name).and_then(Value::as_bool).unwrap_or(false);
+        let map = options.get("map").and_then(Value::as_object).into_iter().flatten();
+        Self {
+            frf_kind: text("frf_kind").and_then(|kind| kind.parse().ok()),
+            time_sign: text("time_sign").and_then(|sign| sign.parse().ok()),
+            reference: options.get("reference").and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_u64).collect(),
+            map: map.filter_map(|(name, path)| Some((name.clone(), path.as_str()?.to_owned()))).collect(),
+            duplicates: text("duplicates").map(|name| duplicates(name.to_owned())),
+            snap_df: given("snap_df"),
+            lenient: given("lenient"),
+        }
+    }
+}
+
+/// The FRFs of files as one set, whose kind is known.
+///
+/// # Errors
+/// Those of reading; [`chladni_frf::ErrorKind::UnknownFrfKind`].
+pub fn read_frf(files: &[PathBuf], reading: &Reading, console: &Console) -> Result<(FrfSet, Vec<Source>)> {
+    console.stage("reading FRFs");
+    let (frf, sources, warnings) = io::read_frf(files, &reading.options()).map_err(|error| name_result(error, files))?;
+    warn_of_files(files, warnings, console);
+    frf.known_kind().map_err(|error| error.found("neither quantity codes nor unit labels that name one").file(&files[0]))?;
+    Ok((frf, sources))
+}
+
+/// Says so where the data asked for are a result of this program instead.
+fn name_result(error: Error, files: &[PathBuf]) -> Error {
+    let format =
+        files.iter().find_map(|file| detect_format(file).ok().filter(|format| matches!(format, FileFormat::Model | FileFormat::Weights)));
+    match format {
+        Some(format) if error.kind == ErrorKind::BadData && error.found.is_none() => {
+            let what = if format == FileFormat::Model { "a model" } else { "a weights file" };
+            error.found(what).help("give the measured FRFs that it was made from")
+        }
+        _ => error,
+    }
+}
+
+/// Warnings about files, which they name without their folders: results are the same wherever the files lie.
+pub fn warn_of_files(files: &[PathBuf], warnings: Vec<String>, console: &Console) {
+    let folders: Vec<String> = files
+        .iter()
+        .flat_map(|file| [Some(file.as_path()).filter(|file| file.is_dir()), file.parent()])
+        .flatten()
+        .map(|folder| format!("{}/", folder.display().to_string().trim_end_matches('/')))
+        .filter(|folder| folder.len() > 1)
+        .collect();
+    for warning in warnings {
+        console.warn(folders.iter().fold(warning, |warning, folder| warning.replace(folder, "")));
+    }
+}
+
+/// Name and content of an input, for the result's `source`.
+///
+/// # Errors
+/// Those of reading.
+pub fn source(path: &Path) -> Result<Source> {
+    let file = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    Ok(Source { file, sha256: io::sha256_of(path)? })
+}
+
+/// The model in a file; `None` where it holds measured data instead.
+///
+/// # Errors
+/// Those of reading; a weights file.
+pub fn model_of(file: &Path) -> Result<Option<ModalModel>> {
+    match detect_format(file)? {
+        FileFormat::Uff | FileFormat::Csv => Ok(None),
+        FileFormat::Model => io::read_model(file).map(Some),
+        FileFormat::Hdf5 => match io::read_model(file) {
+            Ok(model) => Ok(Some(model)),
+            Err(error) if error.field.as_deref() == Some("/model") => Ok(None),
+            Err(error) => Err(error),
+        },
+        FileFormat::Weights => Err(Error::bad_data("weights are neither measured data nor a model")
+            .file(file)
+            .found("a weights file")
+            .expected("FRFs or a model")
+            .help("give the data or the model that the weights belong to")),
+    }
+}
+
+/// Reads a weights file.
+///
+/// # Errors
+/// Those of reading.
+pub fn read_weights(file: &Path) -> Result<Weights> {
+    let bytes = std::fs::read(file).map_err(|error| Error::from_read(&error, file))?;
+    let text = String::from_utf8(bytes).map_err(|error| {
+        Error::new(ErrorKind::BadData, "the file is no UTF-8 text")
+            .file(file)
+            .at_byte(error.utf8_error().valid_up_to() as u64)
+            .found("binary data")
+            .expected("a weights file, JSON")
+    })?;
+    Weights::parse(&text).map_err(|error| error.file(file))
+}

@@ -1,0 +1,155 @@
+//! How a run ends: the result on stdout, or an error; and the exit status.
+
+use crate::console::Console;
+use crate::interrupt;
+use chladni_frf::{Error, ErrorKind, Result};
+use serde_json::{json, Value};
+use std::io::{self, Write};
+use std::panic::{self, AssertUnwindSafe};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Exit status of a result that was written, and failed a quality gate.
+const DOUBTED: u8 = 1;
+
+/// What a command hands over.
+pub struct Outcome {
+    /// One JSON object, printed with `--json`.
+    pub json: Value,
+    /// What people read, printed without it.
+    pub text: String,
+    /// The file that holds the result; with `-q` its summary is not printed.
+    pub output: Option<PathBuf>,
+    /// Why the result cannot be trusted (exit 1).
+    pub doubt: Option<String>,
+}
+
+impl Outcome {
+    /// A result whose only place is stdout.
+    pub fn shown(json: Value, text: String) -> Self {
+        Self { json, text, output: None, doubt: None }
+    }
+
+    /// A result that was written to `output`.
+    pub fn written(output: &Path, json: Value, text: String) -> Self {
+        Self { json, text, output: Some(output.to_path_buf()), doubt: None }
+    }
+
+    /// The same with a doubt.
+    pub fn doubted(self, doubt: Option<String>) -> Self {
+        Self { doubt, ..self }
+    }
+}
+
+/// Runs `work`; a panic is a bug of ours and becomes an error of its own kind.
+pub fn without_panic(work: impl FnOnce() -> Result<Outcome>) -> Result<Outcome> {
+    panic::set_hook(Box::new(|_| {}));
+    let place = std::sync::Arc::new(std::sync::Mutex::new(String::new()));
+    let seen = place.clone();
+    panic::set_hook(Box::new(move |info| {
+        if let (Ok(mut seen), Some(location)) = (seen.lock(), info.location()) {
+            *seen = format!("{}:{}", location.file(), location.line());
+        }
+    }));
+    let result = panic::catch_unwind(AssertUnwindSafe(work));
+    drop(panic::take_hook());
+    result.unwrap_or_else(|payload| {
+        let message = payload.downcast_ref::<String>().cloned().or_else(|| payload.downcast_ref::<&str>().map(ToString::to_string));
+        let place = place.lock().map(|place| place.clone()).unwrap_or_default();
+        Err(Error::new(ErrorKind::Internal, format!("internal error: {}", message.unwrap_or_default())).found(place))
+    })
+}
+
+/// Prints the result or the error, and gives the exit status.
+pub fn report(result: Result<Outcome>, console: &Console) -> ExitCode {
+    console.finish();
+    let printed = result.and_then(|outcome| {
+        print(&outcome, console)?;
+        Ok(outcome)
+    });
+    match printed {
+        Ok(Outcome { doubt: None, .. }) => ExitCode::SUCCESS,
+        Ok(Outcome { doubt: Some(doubt), .. }) => {
+            console.error(&doubt);
+            ExitCode::from(DOUBTED)
+        }
+        Err(error) => {
+            let error = with_advice(error);
+            console.error(&error.to_string());
+            if console.json {
+                print_error(&error);
+            }
+            ExitCode::from(error.kind.exit_code())
+        }
+    }
+}
+
+fn print(outcome: &Outcome, console: &Console) -> Result<()> {
+    if console.json {
+        return print_line(&outcome.json.to_string());
+    }
+    match &outcome.output {
+        Some(_) if console.quiet => Ok(()),
+        _ => to_stdout(&outcome.text),
+    }
+}
+
+/// Prints the error object of the contract: all keys always.
+pub fn print_error(error: &Error) {
+    let object = json!({"error": {
+        "code": error.kind.exit_code(),
+        "kind": error.kind.as_str(),
+        "message": error.message,
+        "file": error.file.as_ref().map(|file| file.display().to_string()),
+        "dataset": error.dataset,
+        "line": error.line,
+        "byte": error.byte,
+        "field": error.field,
+        "found": error.found,
+        "expected": error.expected,
+        "help": error.help,
+    }});
+    // the error is on stderr already; a closed stdout changes nothing
+    drop(print_line(&object.to_string()));
+}
+
+fn with_advice(error: Error) -> Error {
+    match (error.kind, &error.help) {
+        (ErrorKind::Internal, None) => {
+            error.help("this is a bug of chladni, not of your data: please report it with the command and the input")
+        }
+        _ => error,
+    }
+}
+
+/// Prints text that ends with a line feed.
+pub fn print_line(text: &str) -> Result<()> {
+    to_stdout(&format!("{text}\n"))
+}
+
+/// Writes to stdout; a reader that has seen enough (`| head`) is no error.
+fn to_stdout(text: &str) -> Result<()> {
+    interrupt::printing();
+    let mut stdout = io::stdout().lock();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Error::new(ErrorKind::Io, format!("cannot write to stdout: {error}"))
+                .file("stdout")
+                .help("free some space or write elsewhere"))
+        }
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_becomes_an_internal_error_with_its_place() {
+        let error = without_panic(|| panic!("broken promise {}", 7)).err().unwrap();
+        assert_eq!(error.kind.exit_code(), 70);
+        assert!(error.message.contains("broken promise 7"), "{error}");
+        assert!(error.found.unwrap().contains("outcome.rs"));
+    }
+}

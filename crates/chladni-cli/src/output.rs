@@ -1,0 +1,87 @@
+//! Where results go: refused before the work where they could not be written after it.
+
+use crate::console::Console;
+use crate::interrupt::unbroken;
+use chladni_frf::io::refuse_output_among_inputs;
+use chladni_frf::{Error, ErrorKind, Result};
+use std::path::{Path, PathBuf};
+
+/// Extensions of FRF files.
+pub const FRF: &[&str] = &["h5", "hdf5", "uff", "ufb", "bunv", "unv", "csv", "txt"];
+/// Extensions of model files.
+pub const MODEL: &[&str] = &["json", "h5", "hdf5"];
+/// Extensions of weights files.
+pub const WEIGHTS: &[&str] = &["json"];
+/// Extensions of scene files.
+pub const SCENE: &[&str] = &["toml"];
+/// Extensions of reports.
+pub const HTML: &[&str] = &["html", "htm"];
+
+/// A place that a result may be written to.
+pub struct Output<'a> {
+    path: &'a Path,
+    force: bool,
+}
+
+impl<'a> Output<'a> {
+    /// Checks extension, folder and an existing file, so that hours of work do not end in a refusal.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Usage`] for an unknown extension, [`ErrorKind::CannotCreate`] for everything else.
+    pub fn new(path: &'a Path, extensions: &[&str], inputs: &[PathBuf], console: &Console) -> Result<Self> {
+        let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
+        if !extensions.contains(&extension.as_str()) {
+            let known: Vec<String> = extensions.iter().map(|known| format!(".{known}")).collect();
+            return Err(Error::new(ErrorKind::Usage, "the extension of the output names no format that can be written")
+                .file(path)
+                .field("-o")
+                .found(if extension.is_empty() { "none".into() } else { format!(".{extension}") })
+                .expected(known.join(", "))
+                .help("the extension of -o decides the format"));
+        }
+        refuse_output_among_inputs(path, inputs)?;
+        refuse_place(path, console.force)?;
+        Ok(Self { path, force: console.force })
+    }
+
+    /// Writes by `write(path, force)`, to its end even where an interruption comes between.
+    ///
+    /// # Errors
+    /// Those of `write`.
+    pub fn write<T>(&self, write: impl FnOnce(&Path, bool) -> Result<T>) -> Result<T> {
+        unbroken(|| write(self.path, self.force))
+    }
+}
+
+fn refuse_place(path: &Path, force: bool) -> Result<()> {
+    let refuse = |message: &str, found: &str, expected: &str, help: &str| {
+        Err(Error::new(ErrorKind::CannotCreate, message).file(path).field("-o").found(found).expected(expected).help(help))
+    };
+    if path.is_dir() {
+        return refuse(
+            "a folder stands where the file should be written",
+            "a folder",
+            "the name of a file",
+            "give the name of a file with -o",
+        );
+    }
+    if path.exists() && !force {
+        return refuse(
+            "the file exists",
+            "a file of that name",
+            "a new name, or --force",
+            "choose another name with -o, or overwrite it with --force",
+        );
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+        let found = if folder.exists() { "a file" } else { "nothing" };
+        return refuse(
+            "no such folder for the output",
+            &format!("{found} at {}", folder.display()),
+            "an existing folder",
+            "create the folder first, or choose another with -o",
+        );
+    }
+    Ok(())
+}

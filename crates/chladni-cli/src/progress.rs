@@ -1,0 +1,84 @@
+//! Progress by stages, on stderr.
+
+use crate::args::ProgressChoice;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::cell::RefCell;
+use std::io::{IsTerminal, Write};
+use std::time::{Duration, Instant};
+
+/// How often the bar moves.
+const TICK: Duration = Duration::from_millis(100);
+
+/// The display, and the time that each stage took.
+pub struct Progress {
+    display: Display,
+    stages: RefCell<Vec<(String, Instant)>>,
+}
+
+enum Display {
+    Bar(ProgressBar),
+    Plain,
+    None,
+}
+
+impl Progress {
+    /// A display as chosen; `quiet` shows nothing.
+    pub fn new(choice: ProgressChoice, quiet: bool) -> Self {
+        let dumb = std::env::var_os("TERM").is_some_and(|term| term == "dumb");
+        let display = match choice {
+            _ if quiet => Display::None,
+            ProgressChoice::Plain => Display::Plain,
+            ProgressChoice::Auto if std::io::stderr().is_terminal() && !dumb => Display::Bar(new_bar()),
+            ProgressChoice::Auto | ProgressChoice::None => Display::None,
+        };
+        Self { display, stages: RefCell::default() }
+    }
+
+    /// A stage begins, and the one before ends.
+    pub fn stage(&self, name: &str) {
+        self.stages.borrow_mut().push((name.to_owned(), Instant::now()));
+        match &self.display {
+            Display::Bar(bar) => {
+                bar.set_message(name.to_owned());
+                bar.enable_steady_tick(TICK);
+            }
+            Display::Plain => drop(writeln!(std::io::stderr(), "{name}")),
+            Display::None => {}
+        }
+    }
+
+    /// Runs `print` with the bar out of the way.
+    pub fn suspend(&self, print: impl FnOnce()) {
+        match &self.display {
+            Display::Bar(bar) => bar.suspend(print),
+            Display::Plain | Display::None => print(),
+        }
+    }
+
+    /// The last stage ends.
+    pub fn finish(&self) {
+        self.stages.borrow_mut().push((String::new(), Instant::now()));
+        if let Display::Bar(bar) = &self.display {
+            bar.finish_and_clear();
+        }
+    }
+
+    /// Seconds that each stage took, those of the same name together; forgets them.
+    pub fn take_times(&self) -> Vec<(String, f64)> {
+        let stages = self.stages.take();
+        let mut times: Vec<(String, f64)> = Vec::new();
+        for pair in stages.windows(2).filter(|pair| !pair[0].0.is_empty()) {
+            let seconds = (pair[1].1 - pair[0].1).as_secs_f64();
+            match times.iter_mut().find(|(name, _)| *name == pair[0].0) {
+                Some((_, total)) => *total += seconds,
+                None => times.push((pair[0].0.clone(), seconds)),
+            }
+        }
+        times
+    }
+}
+
+fn new_bar() -> ProgressBar {
+    let style = ProgressStyle::with_template("{spinner} {msg} [{elapsed}]").unwrap_or_else(|_| ProgressStyle::default_spinner());
+    ProgressBar::new_spinner().with_style(style)
+}

@@ -1,0 +1,56 @@
+//! Completions and manual pages, made of the same definitions as the options themselves.
+
+use crate::args::Cli;
+use crate::outcome::Outcome;
+use chladni_frf::{Error, ErrorKind, Result};
+use clap::CommandFactory;
+use clap_complete::Shell;
+use serde_json::json;
+
+/// Arguments of `completions`.
+#[derive(Debug, clap::Args)]
+#[command(before_help = "Examples:
+  chladni completions bash > ~/.local/share/bash-completion/completions/chladni
+  chladni completions zsh > ~/.zfunc/_chladni")]
+pub struct CompletionsArgs {
+    /// The shell
+    shell: Shell,
+}
+
+/// Arguments of `man`.
+#[derive(Debug, clap::Args)]
+#[command(before_help = "Examples:
+  chladni man | man -l -
+  chladni man fit > chladni-fit.1")]
+pub struct ManArgs {
+    /// The command; without it the page of chladni itself
+    command: Option<String>,
+}
+
+/// Completions on stdout.
+pub fn completions(args: &CompletionsArgs) -> Outcome {
+    let mut text = Vec::new();
+    clap_complete::generate(args.shell, &mut Cli::command(), "chladni", &mut text);
+    let text = String::from_utf8_lossy(&text).into_owned();
+    Outcome::shown(json!({"completions": text}), text)
+}
+
+/// A manual page on stdout.
+///
+/// # Errors
+/// [`ErrorKind::Usage`] for a command that does not exist.
+pub fn man(args: &ManArgs) -> Result<Outcome> {
+    let mut cli = Cli::command();
+    cli.build();
+    let page = match &args.command {
+        None => cli,
+        Some(name) => cli.find_subcommand(name).cloned().ok_or_else(|| {
+            let known: Vec<&str> = cli.get_subcommands().map(clap::Command::get_name).collect();
+            Error::new(ErrorKind::Usage, "no such command").found(name).expected(known.join(", "))
+        })?,
+    };
+    let mut text = Vec::new();
+    clap_mangen::Man::new(page).render(&mut text).map_err(|error| Error::new(ErrorKind::Internal, error.to_string()))?;
+    let text = String::from_utf8_lossy(&text).into_owned();
+    Ok(Outcome::shown(json!({"man": text}), text))
+}

@@ -1,0 +1,137 @@
+//! `chladni simulate`: FRFs of a virtual panel, and the model behind them.
+
+use crate::console::Console;
+use crate::input::source;
+use crate::outcome::Outcome;
+use crate::output::{Output, FRF, MODEL};
+use crate::table::{counted, significant};
+use chladni_frf::io::{write_contents, write_model, Contents};
+use chladni_frf::Result;
+use chladni_plate::{simulate, Panel};
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Arguments of `simulate`.
+#[derive(Debug, clap::Args)]
+#[command(before_help = "Examples:
+  chladni simulate panel.toml -o panel.h5
+  chladni simulate panel.toml -o noisy.uff --truth truth.json --snr-db 20 --seed 7")]
+pub struct Args {
+    /// Panel file: plate, measured grid, driven points, frequency axis, noise
+    #[arg(value_name = "PANEL.toml")]
+    panel: PathBuf,
+    /// FRF file to write: .h5 (exact), .uff (binary), .unv (text) or .csv
+    #[arg(short, value_name = "FRF")]
+    output: PathBuf,
+    /// Also write the modal model behind the FRFs, .json or .h5
+    #[arg(long, value_name = "MODEL.json")]
+    truth: Option<PathBuf>,
+    /// Noise level in place of the panel's; inf: no noise
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = parse_snr)]
+    snr_db: Option<f64>,
+    /// Seed of the noise in place of the panel's
+    #[arg(long, value_name = "S")]
+    seed: Option<u64>,
+    /// Refuse at once what needs more memory: bytes, or with K, M, G, T (powers of 1024)
+    #[arg(long, value_name = "SIZE", default_value = "2G", value_parser = parse_memory)]
+    memory: u64,
+}
+
+fn parse_snr(text: &str) -> std::result::Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() || value == f64::INFINITY => Ok(value),
+        _ => Err("not a number of decibels".into()),
+    }
+}
+
+/// `500M`, `2G`, `2GiB` or a plain number of bytes.
+fn parse_memory(text: &str) -> std::result::Result<u64, String> {
+    let wrong = || "no size such as 500M or 2G".to_owned();
+    let number = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let power = match text[number.len()..].to_ascii_lowercase().trim_end_matches('b').trim_end_matches('i') {
+        "" => 0,
+        "k" => 1,
+        "m" => 2,
+        "g" => 3,
+        "t" => 4,
+        _ => return Err(wrong()),
+    };
+    let number: f64 = number.parse().map_err(|_| wrong())?;
+    let bytes = number * 1024_f64.powi(power);
+    match bytes.is_finite() && (1.0..=2f64.powi(60)).contains(&bytes) {
+        true => Ok(bytes as u64),
+        false => Err(wrong()),
+    }
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Those of the panel and of writing.
+pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
+    let inputs = std::slice::from_ref(&args.panel);
+    let output = Output::new(&args.output, FRF, inputs, console)?;
+    let truth_output = args.truth.as_ref().map(|path| Output::new(path, MODEL, inputs, console)).transpose()?;
+    let panel = Panel::read(&args.panel, args.memory)?;
+    let sources = vec![source(&args.panel)?];
+
+    console.stage("simulating the panel");
+    let simulation = simulate(&panel, args.seed, args.snr_db).map_err(|error| error.file(&args.panel))?;
+    console.warn_all(simulation.warnings);
+
+    console.stage("writing");
+    let mut truth = simulation.truth;
+    let (responses, references, lines) = simulation.frf.values.dim();
+    let frequency_hz = &simulation.frf.frequency_hz;
+    let [first_hz, last_hz] = [frequency_hz[0], frequency_hz[lines - 1]];
+    let contents = Contents { frf: Some(simulation.frf), sources: sources.clone(), ..Contents::default() };
+    console.warn_all(output.write(|path, force| write_contents(path, &contents, force))?);
+    truth.source = sources;
+    if let Some(place) = &truth_output {
+        place.write(|path, force| write_model(path, &truth, force))?;
+    }
+
+    let modes = truth.in_band_modes().count();
+    let snr_db = args.snr_db.unwrap_or(panel.frf.snr_db);
+    let json = json!({
+        "output": args.output.display().to_string(),
+        "truth": args.truth.as_ref().map(|path| path.display().to_string()),
+        "frf_kind": truth.frf_kind,
+        "responses": responses,
+        "references": references,
+        "lines": lines,
+        "axis_hz": [first_hz, last_hz],
+        "modes": modes,
+        "snr_db": snr_db,
+        "seed": args.seed.unwrap_or(panel.frf.seed),
+        "warnings": console.warnings(),
+    });
+    let text = format!(
+        "{}: {} of {} at {}, {} from {} to {} Hz, {}, signal-to-noise ratio {} dB\n",
+        args.output.display(),
+        truth.frf_kind,
+        counted(responses, "response"),
+        counted(references, "reference"),
+        counted(lines, "line"),
+        significant(first_hz, 6),
+        significant(last_hz, 6),
+        counted(modes, "mode"),
+        snr_db
+    );
+    Ok(Outcome::written(&args.output, json, text))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_read() {
+        for (text, bytes) in [("10", 10), ("1K", 1024), ("2G", 2 << 30), ("2GiB", 2 << 30), ("1.5m", 3 << 19), ("3kb", 3072)] {
+            assert_eq!(parse_memory(text), Ok(bytes), "{text}");
+        }
+        for text in ["", "G", "-1", "1X", "nan", "1e99", "0"] {
+            assert!(parse_memory(text).is_err(), "{text}");
+        }
+    }
+}

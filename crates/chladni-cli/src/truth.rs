@@ -1,0 +1,89 @@
+//! A fit beside the model that its data were made of.
+
+use chladni_frf::{ModalModel, Mode};
+use chladni_rfp::mac;
+
+/// What a fit of the built-in panel (40 dB) must reach; its actual errors are a hundred times smaller, so that what lies beyond
+/// is a fault and not the noise.
+const FREQUENCY_ERROR: f64 = 1e-4;
+/// The same for loss factors.
+const LOSS_FACTOR_ERROR: f64 = 1e-2;
+/// Least modal assurance criterion of a shape with the true one.
+const LEAST_MAC: f64 = 0.99;
+
+/// Errors of the modes that were found, and the count of the others.
+pub struct Comparison {
+    /// Modes in band of the truth.
+    pub known: usize,
+    /// Those without a partner in the fit.
+    pub missed: usize,
+    /// Modes of the fit without a partner in the truth.
+    pub spurious: usize,
+    /// Relative errors of the natural frequencies, rising.
+    pub frequency: Vec<f64>,
+    /// Relative errors of the loss factors, rising.
+    pub loss_factor: Vec<f64>,
+    /// Modal assurance criterion of each shape with the true one, rising.
+    pub mac: Vec<f64>,
+}
+
+impl Comparison {
+    /// Pairs each known mode with the nearest fitted one within half its half-power bandwidth, nearest pairs first.
+    pub fn new(fitted: &ModalModel, truth: &ModalModel) -> Self {
+        let (found, known): (Vec<&Mode>, Vec<&Mode>) = (fitted.in_band_modes().collect(), truth.in_band_modes().collect());
+        let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
+        for (i, known) in known.iter().enumerate() {
+            for (k, found) in found.iter().enumerate() {
+                let distance = (found.frequency_hz - known.frequency_hz).abs();
+                if distance <= 0.5 * known.loss_factor * known.frequency_hz {
+                    pairs.push((distance, i, k));
+                }
+            }
+        }
+        pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut partners = vec![None; known.len()];
+        let mut taken = vec![false; found.len()];
+        for (_, i, k) in pairs {
+            if partners[i].is_none() && !taken[k] {
+                (partners[i], taken[k]) = (Some(found[k]), true);
+            }
+        }
+        let matched: Vec<(&Mode, &Mode)> = known.iter().zip(&partners).filter_map(|(&known, partner)| Some((known, (*partner)?))).collect();
+        let sorted = |of: fn(&Mode, &Mode) -> f64| {
+            let mut values: Vec<f64> = matched.iter().map(|(known, found)| of(known, found)).collect();
+            values.sort_by(f64::total_cmp);
+            values
+        };
+        Self {
+            known: known.len(),
+            missed: known.len() - matched.len(),
+            spurious: found.len() - matched.len(),
+            frequency: sorted(|known, found| (found.frequency_hz / known.frequency_hz - 1.0).abs()),
+            loss_factor: sorted(|known, found| (found.loss_factor / known.loss_factor - 1.0).abs()),
+            mac: sorted(|known, found| mac(&known.shape.0, &found.shape.0)),
+        }
+    }
+
+    /// What is wrong, if anything.
+    pub fn complaint(&self) -> Option<String> {
+        let worst = |errors: &[f64]| errors.last().copied().unwrap_or(f64::INFINITY);
+        let checks = [
+            (self.missed > 0, format!("{} of {} modes missed", self.missed, self.known)),
+            (self.spurious > 0, format!("{} spurious modes", self.spurious)),
+            (worst(&self.frequency) > FREQUENCY_ERROR, format!("a frequency is wrong by {:.2e}", worst(&self.frequency))),
+            (worst(&self.loss_factor) > LOSS_FACTOR_ERROR, format!("a loss factor is wrong by {:.2e}", worst(&self.loss_factor))),
+            (self.mac.first().is_none_or(|&mac| mac < LEAST_MAC), "a mode shape is wrong".to_owned()),
+        ];
+        let wrong: Vec<String> = checks.into_iter().filter(|(fails, _)| *fails).map(|(_, words)| words).collect();
+        (!wrong.is_empty()).then(|| format!("the known truth is missed: {}", wrong.join(", ")))
+    }
+}
+
+/// The middle of values in rising order.
+pub fn median(sorted: &[f64]) -> f64 {
+    match sorted.len() {
+        0 => f64::NAN,
+        n if n % 2 == 1 => sorted[n / 2],
+        n => 0.5 * (sorted[n / 2 - 1] + sorted[n / 2]),
+    }
+}

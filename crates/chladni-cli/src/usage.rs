@@ -1,0 +1,124 @@
+//! Wrong usage, in the same words and the same JSON as every other error.
+
+use crate::args::Cli;
+use crate::outcome::print_error;
+use chladni_frf::{Error, ErrorKind};
+use clap::error::{ContextKind, ContextValue, ErrorKind as ClapKind};
+use clap::CommandFactory;
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+/// True where `--json` stands among the arguments, however wrong the others are.
+pub fn asks_for_json(args: impl Iterator<Item = OsString>) -> bool {
+    args.take_while(|arg| arg != "--").any(|arg| arg == "--json")
+}
+
+/// Help and version go to stdout (exit 0), errors to stderr (exit 2).
+pub fn report(answer: &clap::Error, json: bool) -> ExitCode {
+    if !answer.use_stderr() || answer.kind() == ClapKind::DisplayHelpOnMissingArgumentOrSubcommand {
+        // a reader that has seen enough is no error
+        drop(answer.print());
+        return ExitCode::from(u8::try_from(answer.exit_code()).unwrap_or(ErrorKind::Usage.exit_code()));
+    }
+    let error = error_of(answer);
+    eprintln!("error: {error}");
+    if json {
+        print_error(&error);
+    }
+    ExitCode::from(ErrorKind::Usage.exit_code())
+}
+
+fn error_of(answer: &clap::Error) -> Error {
+    let context = |kind| answer.get(kind).map(words).filter(|text| !text.is_empty());
+    let argument = context(ContextKind::InvalidArg);
+    let value = context(ContextKind::InvalidValue);
+    let error = Error::new(ErrorKind::Usage, message(answer));
+    let error = match answer.kind() {
+        ClapKind::UnknownArgument => error.found(argument.unwrap_or_default()).expected(match context(ContextKind::SuggestedArg) {
+            Some(near) => format!("an option of this command, such as {near}"),
+            None => "an option of this command".into(),
+        }),
+        ClapKind::InvalidSubcommand => error.found(context(ContextKind::InvalidSubcommand).unwrap_or_default()).expected(
+            match context(ContextKind::SuggestedSubcommand) {
+                Some(near) => format!("a command, such as {near}"),
+                None => "a command".into(),
+            },
+        ),
+        ClapKind::MissingRequiredArgument => error.found("nothing").expected(argument.unwrap_or_default()),
+        ClapKind::ArgumentConflict => error.field(argument.unwrap_or_default()).expected(match context(ContextKind::PriorArg) {
+            Some(prior) => format!("either this or {prior}"),
+            None => "it once".into(),
+        }),
+        _ => {
+            let (name, placeholder) = argument.as_deref().map_or((None, None), split_argument);
+            let error = match name {
+                Some(name) => error.field(name),
+                None => error,
+            };
+            let error = match value {
+                Some(value) => error.found(value),
+                None => error.found("nothing"),
+            };
+            match context(ContextKind::ValidValue) {
+                Some(valid) => error.expected(format!("one of {valid}")),
+                None => match placeholder {
+                    Some(placeholder) => error.expected(placeholder),
+                    None => error,
+                },
+            }
+        }
+    };
+    // for an unknown option clap would show the usage of its guess
+    let usage = context(ContextKind::Usage)
+        .filter(|_| answer.kind() != ClapKind::UnknownArgument)
+        .map(|usage| usage.trim_start_matches("Usage: ").trim().to_owned());
+    error.help(match usage {
+        Some(usage) => format!("usage: {usage}; see `chladni {}--help`", subcommand()),
+        None => format!("see `chladni {}--help`", subcommand()),
+    })
+}
+
+/// The command among the arguments, with a blank; empty where there is none.
+fn subcommand() -> String {
+    let cli = Cli::command();
+    let args = std::env::args().skip(1).find(|arg| cli.find_subcommand(arg).is_some());
+    args.map(|name| name + " ").unwrap_or_default()
+}
+
+/// `--band <LO:HI>` into its name and what its value looks like.
+fn split_argument(argument: &str) -> (Option<String>, Option<String>) {
+    match argument.split_once(' ') {
+        Some((name, placeholder)) => (Some(name.to_owned()), Some(placeholder.trim_matches(['<', '>', '.']).to_owned())),
+        None => (Some(argument.to_owned()), None),
+    }
+}
+
+fn message(answer: &clap::Error) -> String {
+    if let Some(reason) = std::error::Error::source(answer) {
+        return reason.to_string();
+    }
+    match answer.kind() {
+        ClapKind::UnknownArgument => "no such option".into(),
+        ClapKind::InvalidSubcommand => "no such command".into(),
+        ClapKind::MissingRequiredArgument => "something is missing".into(),
+        ClapKind::ArgumentConflict => "these options exclude each other".into(),
+        ClapKind::InvalidValue if answer.get(ContextKind::InvalidValue).map(words).is_none_or(|value| value.is_empty()) => {
+            "the value is missing".into()
+        }
+        ClapKind::InvalidValue | ClapKind::ValueValidation => "this value is not allowed".into(),
+        kind => kind.as_str().unwrap_or("wrong usage").into(),
+    }
+}
+
+/// The text of a piece of context, without colours.
+fn words(value: &ContextValue) -> String {
+    match value {
+        ContextValue::String(text) => text.clone(),
+        ContextValue::Strings(texts) => texts.join(", "),
+        ContextValue::StyledStr(text) => text.to_string(),
+        ContextValue::StyledStrs(texts) => texts.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "),
+        ContextValue::Number(number) => number.to_string(),
+        ContextValue::Bool(_) | ContextValue::None => String::new(),
+        _ => String::new(),
+    }
+}

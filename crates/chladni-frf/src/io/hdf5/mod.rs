@@ -1,0 +1,145 @@
+//! HDF5: our own layout ([`own`]) and files of others ([`foreign`]).
+//!
+//! Two back ends with the same functions read and write it: pure Rust by default, the C library with the feature `system`
+//! (for files with filters or layouts that the built-in one refuses).
+
+mod arrays;
+#[cfg(not(feature = "system"))]
+#[path = "pure.rs"]
+mod backend;
+#[cfg(feature = "system")]
+#[path = "system.rs"]
+mod backend;
+mod foreign;
+mod functions;
+mod model;
+mod own;
+mod tree;
+
+use super::atomic::create_atomically;
+use super::time_sign::to_plus;
+use super::{Contents, DatasetInfo, Document, FileFormat, ReadOptions};
+use crate::{Error, FrfSet, ModalModel, Result, TimeSign};
+use backend::File;
+use own::Own;
+use std::path::Path;
+use tree::{Element, Entry};
+
+/// Everything in an HDF5 file; `sha256` is left empty.
+pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
+    let file = File::open(path)?;
+    let entries = file.entries()?;
+    let mut document = Document {
+        file: path.to_path_buf(),
+        format: FileFormat::Hdf5,
+        sha256: String::new(),
+        geometry: crate::Geometry::default(),
+        datasets: entries.iter().filter(|entry| entry.dataset.is_some()).map(dataset_info).collect(),
+        frf: None,
+        functions: Vec::new(),
+        errors: Vec::new(),
+        warnings: Vec::new(),
+    };
+    for entry in &entries {
+        document.warnings.extend(entry.unread_attributes.iter().map(|warning| format!("{}: {warning}", entry.path)));
+    }
+    let own = Own { file: &file, entries: &entries };
+    let outcome = if own.root().text("format") == Some(own::FORMAT) && options.map.is_empty() {
+        read_own(&own, &mut document)
+    } else {
+        foreign::read_foreign(&file, &entries, &options.map, &mut document.warnings)
+    };
+    match outcome.map_err(|error| error.file(path)) {
+        Ok(None) => {}
+        Ok(Some((mut set, said))) => {
+            to_plus(&mut set, said, options.time_sign, &mut document.warnings);
+            document.frf = Some(set);
+        }
+        Err(error) if error.kind == crate::ErrorKind::BadData => document.errors.push(error),
+        Err(error) => return Err(error),
+    }
+    Ok(document)
+}
+
+fn read_own(own: &Own<'_>, document: &mut Document) -> Result<Option<(FrfSet, Option<TimeSign>)>> {
+    own.check_version()?;
+    document.geometry = own.geometry()?;
+    document.functions = functions::read_functions(own)?;
+    for function in &document.functions {
+        document.datasets.push(DatasetInfo {
+            number: Some(58),
+            line: None,
+            name: "function".into(),
+            function: Some(super::function_name(function.function_type).into()),
+            response: Some(function.response.to_string()),
+            reference: Some(function.reference.to_string()),
+            values: Some(function.ordinate.len()),
+            nodes: None,
+            frequency_hz: None,
+            damping_ratio: None,
+            warnings: Vec::new(),
+        });
+    }
+    let sign = own.time_sign()?;
+    Ok(own.frf()?.map(|set| (set, sign)))
+}
+
+fn dataset_info(entry: &Entry) -> DatasetInfo {
+    let (function, nodes) = match (entry.path.as_str(), entry.element()) {
+        ("/frf", _) => ("frf".to_owned(), None),
+        ("/coherence", _) => ("coherence".to_owned(), None),
+        (_, Some(Element::Node)) => ("nodes".to_owned(), entry.shape().first().copied()),
+        (_, element) => (element.map_or_else(String::new, Element::describe), None),
+    };
+    let extents: Vec<String> = entry.shape().iter().map(usize::to_string).collect();
+    let function = if extents.is_empty() { function } else { format!("{function}, {}", extents.join(" x ")) };
+    DatasetInfo {
+        number: None,
+        line: None,
+        name: entry.path.clone(),
+        function: Some(function),
+        response: None,
+        reference: None,
+        values: entry.shape().last().copied(),
+        nodes,
+        frequency_hz: None,
+        damping_ratio: None,
+        warnings: entry.unread_attributes.clone(),
+    }
+}
+
+/// Writes FRFs (with their geometry) and what else there is in our own layout, atomically.
+pub(super) fn write(path: &Path, frf: Option<&FrfSet>, others: &Contents, force: bool) -> Result<()> {
+    let mut root = own::new_root();
+    if let Some(set) = frf {
+        own::add_frf(&mut root, set);
+    }
+    own::add_geometry(&mut root, frf.map_or(&others.other_geometry, |set| &set.geometry));
+    if !others.sources.is_empty() {
+        let join = |field: fn(&crate::Source) -> &str| others.sources.iter().map(field).collect::<Vec<_>>().join("\n");
+        root.set("source_file", join(|source| &source.file));
+        root.set("source_sha256", join(|source| &source.sha256));
+    }
+    if !others.functions.is_empty() {
+        root.groups.push(functions::functions_group(&others.functions));
+    }
+    create_atomically(path, force, |temporary| backend::write(temporary, &root))
+}
+
+/// Writes a model under `/model`, atomically.
+pub(super) fn write_model(path: &Path, model: &ModalModel, force: bool) -> Result<()> {
+    let mut root = own::new_root();
+    root.groups.push(model::model_group(model));
+    create_atomically(path, force, |temporary| backend::write(temporary, &root))
+}
+
+/// Reads the model under `/model`.
+pub(super) fn read_model(path: &Path) -> Result<ModalModel> {
+    let file = File::open(path)?;
+    let entries = file.entries().map_err(|error| error.file(path))?;
+    let own = Own { file: &file, entries: &entries };
+    if own.find("/model").is_none() {
+        return Err(Error::bad_data("the file holds no model").file(path).field("/model").help("fit one first: chladni fit FRF -o MODEL"));
+    }
+    own.check_version().and_then(|()| model::read_model(&own)).map_err(|error| error.file(path))
+}

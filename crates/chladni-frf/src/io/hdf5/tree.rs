@@ -1,0 +1,195 @@
+//! What both back ends speak: groups, datasets, values and attributes, free of any library's types.
+
+use crate::{Dof, Error, Node, Result};
+use num_complex::{Complex32, Complex64};
+use std::borrow::Cow;
+use std::path::Path;
+
+/// Values of a dataset in C order (last axis fastest). Borrowed when written, owned when read.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Values<'a> {
+    Real64(Cow<'a, [f64]>),
+    Real32(Cow<'a, [f32]>),
+    Complex64(Cow<'a, [Complex64]>),
+    Complex32(Cow<'a, [Complex32]>),
+    Unsigned(Cow<'a, [u64]>),
+    Signed(Cow<'a, [i64]>),
+    Text(Vec<String>),
+    /// Records `{node u64, dir i8}`.
+    Dofs(Vec<Dof>),
+    /// Records `{label u64, x y z f64}`.
+    Nodes(Vec<Node>),
+}
+
+/// Element type of a dataset in a file.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Element {
+    Real {
+        single: bool,
+    },
+    Complex {
+        single: bool,
+    },
+    Integer,
+    Text,
+    Dof,
+    Node,
+    /// Anything else, described for the user.
+    Other(String),
+}
+
+impl Element {
+    /// As a user would call it.
+    pub(super) fn describe(&self) -> String {
+        match self {
+            Self::Real { single: true } => "real, single precision".into(),
+            Self::Real { single: false } => "real, double precision".into(),
+            Self::Complex { single: true } => "complex, single precision".into(),
+            Self::Complex { single: false } => "complex, double precision".into(),
+            Self::Integer => "integer".into(),
+            Self::Text => "text".into(),
+            Self::Dof => "DOF records".into(),
+            Self::Node => "node records".into(),
+            Self::Other(name) => name.clone(),
+        }
+    }
+}
+
+/// Value of an attribute.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Attribute {
+    Text(String),
+    Real(f64),
+    Integer(i64),
+}
+
+impl From<&str> for Attribute {
+    fn from(text: &str) -> Self {
+        Self::Text(text.into())
+    }
+}
+
+impl From<String> for Attribute {
+    fn from(text: String) -> Self {
+        Self::Text(text)
+    }
+}
+
+/// Named attributes, in order.
+pub(super) type Attributes = Vec<(String, Attribute)>;
+
+/// One object of a file: a group, or a dataset with its shape and element type.
+#[derive(Debug, Clone)]
+pub(super) struct Entry {
+    /// Absolute: `/geometry/nodes`; the root is `/`.
+    pub(super) path: String,
+    /// `None` for a group.
+    pub(super) dataset: Option<(Vec<usize>, Element)>,
+    pub(super) attributes: Attributes,
+    /// Attributes that cannot be read, and why.
+    pub(super) unread_attributes: Vec<String>,
+}
+
+impl Entry {
+    pub(super) fn attribute(&self, name: &str) -> Option<&Attribute> {
+        self.attributes.iter().find(|(found, _)| found == name).map(|(_, value)| value)
+    }
+    pub(super) fn text(&self, name: &str) -> Option<&str> {
+        match self.attribute(name) {
+            Some(Attribute::Text(text)) => Some(text),
+            _ => None,
+        }
+    }
+    pub(super) fn real(&self, name: &str) -> Option<f64> {
+        match self.attribute(name) {
+            Some(Attribute::Real(value)) => Some(*value),
+            Some(Attribute::Integer(value)) => Some(*value as f64),
+            _ => None,
+        }
+    }
+    pub(super) fn integer(&self, name: &str) -> Option<i64> {
+        match self.attribute(name) {
+            Some(Attribute::Integer(value)) => Some(*value),
+            _ => None,
+        }
+    }
+    /// Last part of the path.
+    pub(super) fn name(&self) -> &str {
+        self.path.rsplit('/').next().unwrap_or_default()
+    }
+    /// The group it stands in.
+    pub(super) fn folder(&self) -> &str {
+        match self.path.rfind('/') {
+            Some(0) | None => "/",
+            Some(end) => &self.path[..end],
+        }
+    }
+    /// Shape, empty for a group or scalar.
+    pub(super) fn shape(&self) -> &[usize] {
+        self.dataset.as_ref().map_or(&[], |(shape, _)| shape)
+    }
+    pub(super) fn element(&self) -> Option<&Element> {
+        self.dataset.as_ref().map(|(_, element)| element)
+    }
+}
+
+/// A dataset to be written.
+#[derive(Debug, Clone)]
+pub(super) struct Dataset<'a> {
+    pub(super) name: String,
+    pub(super) shape: Vec<usize>,
+    pub(super) values: Values<'a>,
+    pub(super) attributes: Attributes,
+}
+
+/// A group to be written, with everything in it.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Group<'a> {
+    pub(super) name: String,
+    pub(super) attributes: Attributes,
+    pub(super) datasets: Vec<Dataset<'a>>,
+    pub(super) groups: Vec<Group<'a>>,
+}
+
+impl<'a> Group<'a> {
+    pub(super) fn new(name: impl Into<String>) -> Self {
+        Self { name: name.into(), ..Self::default() }
+    }
+    pub(super) fn set(&mut self, name: &str, value: impl Into<Attribute>) {
+        self.attributes.push((name.into(), value.into()));
+    }
+    pub(super) fn add(&mut self, name: &str, shape: &[usize], values: Values<'a>) {
+        self.datasets.push(Dataset { name: name.into(), shape: shape.to_vec(), values, attributes: Vec::new() });
+    }
+    pub(super) fn add_reals(&mut self, name: &str, shape: &[usize], values: Vec<f64>) {
+        self.add(name, shape, Values::Real64(values.into()));
+    }
+    pub(super) fn add_texts(&mut self, name: &str, texts: Vec<String>) {
+        self.add(name, &[texts.len()], Values::Text(texts));
+    }
+}
+
+/// Deflate cannot do better than 1 : 1032; a dataset that claims more than that per byte of the file lies.
+const BEST_COMPRESSION: u64 = 1032;
+
+/// Refuses a shape whose values cannot stand in the file, before anything is allocated.
+pub(super) fn check_size(path: &str, shape: &[usize], element_bytes: usize, filtered: bool, file_bytes: u64) -> Result<()> {
+    let claimed = shape.iter().try_fold(element_bytes as u64, |product, &extent| product.checked_mul(extent as u64));
+    let room = if filtered { file_bytes.saturating_mul(BEST_COMPRESSION) } else { file_bytes };
+    if claimed.is_some_and(|bytes| bytes <= room) {
+        return Ok(());
+    }
+    Err(Error::bad_data("the dataset claims more values than the file can hold")
+        .field(path)
+        .found(format!("shape {shape:?} of {element_bytes}-byte elements"))
+        .expected(format!("at most {room} bytes, the file has {file_bytes}"))
+        .help("the file is damaged, or the dataset was created and never written; copy or write it again"))
+}
+
+/// A failure of an HDF5 library on `file`.
+pub(super) fn library_error(error: impl std::fmt::Display, file: &Path) -> Error {
+    Error::bad_data(format!("HDF5: {error}")).file(file).help(
+        "if other programs read the file, re-save it: in h5py with libver='earliest' and no filters but gzip, shuffle or lzf, \
+         or with `h5repack -f NONE`; complex numbers as compound {r, i}",
+    )
+}

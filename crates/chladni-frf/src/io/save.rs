@@ -1,0 +1,102 @@
+//! Measured data to files, the format by extension.
+
+use super::atomic::write_atomically;
+use super::{csv, hdf5, uff, Contents};
+use crate::{Error, ErrorKind, FrfSet, Result};
+use std::borrow::Cow;
+use std::path::Path;
+
+/// Extensions of measured data, for messages.
+const KNOWN: &str = ".h5, .hdf5, .csv, .txt, .uff, .ufb, .bunv or .unv";
+
+/// Writes a set; returns what the format cannot carry.
+///
+/// | extension | format |
+/// |---|---|
+/// | `.h5`, `.hdf5` | HDF5, lossless |
+/// | `.csv`, `.txt` | text table, numbers lossless (widened to double precision), no geometry |
+/// | `.uff`, `.ufb`, `.bunv` | universal file with binary functions (58b): values lossless |
+/// | `.unv` | universal file with text functions (58), for programs that read no other: 13 digits |
+///
+/// # Errors
+/// [`ErrorKind::Usage`] for another extension; else as [`write_atomically`].
+pub fn write_frf(path: &Path, frf: &FrfSet, force: bool) -> Result<Vec<String>> {
+    write(path, Some(frf), &Contents::default(), force)
+}
+
+/// Writes everything that `contents` holds and the format can carry; returns what it cannot. Extensions as [`write_frf`].
+///
+/// # Errors
+/// As [`write_frf`].
+pub fn write_contents(path: &Path, contents: &Contents, force: bool) -> Result<Vec<String>> {
+    write(path, contents.frf.as_ref(), contents, force)
+}
+
+fn write(path: &Path, frf: Option<&FrfSet>, contents: &Contents, force: bool) -> Result<Vec<String>> {
+    match extension(path).as_str() {
+        "h5" | "hdf5" => hdf5::write(path, frf, contents, force).map(|()| Vec::new()),
+        "csv" | "txt" => write_table(path, frf, contents, force),
+        "uff" | "ufb" | "bunv" => write_universal(path, frf, contents, true, force),
+        "unv" => write_universal(path, frf, contents, false, force),
+        _ => Err(unknown_extension(path, KNOWN)),
+    }
+}
+
+fn write_table(path: &Path, frf: Option<&FrfSet>, contents: &Contents, force: bool) -> Result<Vec<String>> {
+    let set = frf.ok_or_else(|| {
+        Error::new(ErrorKind::Usage, "there is no FRF to write, and a text table holds nothing else")
+            .file(path)
+            .help("write HDF5 (.h5) or a universal file (.uff)")
+    })?;
+    write_atomically(path, force, |out| csv::write(out, set))?;
+    let mut lost = Vec::new();
+    if !set.geometry.nodes.is_empty() {
+        lost.push(format!("a text table holds no geometry: {} nodes are left out", set.geometry.nodes.len()));
+    }
+    if !contents.functions.is_empty() {
+        lost.push(format!("a text table holds FRFs only: {} other functions are left out", contents.functions.len()));
+    }
+    let (responses, references) = unmeasured(set);
+    for (count, what) in [(responses, "responses"), (references, "references")] {
+        if count > 0 {
+            lost.push(format!("{count} {what} without any FRF are left out of the table"));
+        }
+    }
+    Ok(lost)
+}
+
+/// Responses and references of which no pair was measured.
+fn unmeasured(set: &FrfSet) -> (usize, usize) {
+    let missing = set.missing_pairs();
+    let full = |total: usize, others: usize, axis: fn(&(usize, usize)) -> usize| {
+        let mut counts = vec![0; total];
+        missing.iter().for_each(|pair| counts[axis(pair)] += 1);
+        counts.into_iter().filter(|&count| count == others).count()
+    };
+    let (responses, references) = (set.responses.len(), set.references.len());
+    (full(responses, references, |pair| pair.0), full(references, responses, |pair| pair.1))
+}
+
+fn write_universal(path: &Path, frf: Option<&FrfSet>, contents: &Contents, binary: bool, force: bool) -> Result<Vec<String>> {
+    let whole = match (&contents.frf, frf) {
+        (None, Some(frf)) => Cow::Owned(Contents { frf: Some(frf.clone()), ..Contents::default() }),
+        _ => Cow::Borrowed(contents),
+    };
+    let plan = uff::Plan::new(&whole, uff::WriteOptions { binary }).map_err(|error| error.file(path))?;
+    write_atomically(path, force, |out| plan.write(out))?;
+    Ok(plan.warnings().to_vec())
+}
+
+/// Extension of a path in lower case, without the dot.
+pub(super) fn extension(path: &Path) -> String {
+    path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
+}
+
+/// The error of an output whose extension says nothing.
+pub(super) fn unknown_extension(path: &Path, known: &str) -> Error {
+    Error::new(ErrorKind::Usage, "the extension of the output names no format that can be written")
+        .file(path)
+        .found(path.extension().map_or("none".into(), |extension| extension.to_string_lossy()))
+        .expected(known)
+        .help("the extension of -o decides the format")
+}

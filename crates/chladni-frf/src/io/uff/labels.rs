@@ -1,0 +1,286 @@
+//! Unit labels such as `m/s/N`, `(m/s)/N`, `m/(s·N)`, `mm/s/V`, `m/s²`, `g/N`: what they measure, and their factor to SI.
+//!
+//! A label is a product of powers of known units. Division associates to the left, as engineers write it: `m/s/N` is
+//! (m/s)/N. What is not understood gives `None`; nothing is guessed.
+
+use crate::{FrfKind, ReferenceUnit};
+use std::f64::consts::{PI, TAU};
+
+/// A unit: factor to SI and the powers of m, kg, s, V, rad, cycle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Unit {
+    /// Multiplies a value in this unit to give SI.
+    pub factor: f64,
+    /// Powers of m, kg, s, V, rad, cycle.
+    pub powers: [i32; 6],
+}
+
+const ONE: Unit = Unit { factor: 1.0, powers: [0; 6] };
+/// g_n of ISO 80000-3, m/s².
+const STANDARD_GRAVITY: f64 = 9.80665;
+/// Pound-force: 0.45359237 kg · g_n, N.
+const POUND_FORCE: f64 = 4.448_221_615_260_5;
+/// No sensible unit carries a larger power; a larger one is a misreading.
+const LARGEST_POWER: i32 = 9;
+
+impl Unit {
+    fn power(self, exponent: i32) -> Self {
+        Self { factor: self.factor.powi(exponent), powers: self.powers.map(|p| p.saturating_mul(exponent)) }
+    }
+    fn times(self, other: Self) -> Self {
+        let mut powers = self.powers;
+        for (power, more) in powers.iter_mut().zip(other.powers) {
+            *power = power.saturating_add(more);
+        }
+        Self { factor: self.factor * other.factor, powers }
+    }
+    /// This unit per `other`.
+    pub(super) fn per(self, other: Self) -> Self {
+        self.times(other.power(-1))
+    }
+    /// FRF kind and reference that this unit measures: a motion per newton or per volt.
+    pub(super) fn frf_kind(self) -> Option<(FrfKind, ReferenceUnit)> {
+        use FrfKind::{Accelerance, Mobility, Receptance};
+        use ReferenceUnit::{Newton, Volt};
+        match self.powers {
+            // N = kg·m/s²: m/N = s²/kg
+            [0, -1, 2, 0, 0, 0] => Some((Receptance, Newton)),
+            [0, -1, 1, 0, 0, 0] => Some((Mobility, Newton)),
+            [0, -1, 0, 0, 0, 0] => Some((Accelerance, Newton)),
+            [1, 0, 0, -1, 0, 0] => Some((Receptance, Volt)),
+            [1, 0, -1, -1, 0, 0] => Some((Mobility, Volt)),
+            [1, 0, -2, -1, 0, 0] => Some((Accelerance, Volt)),
+            _ => None,
+        }
+    }
+    /// True for volts with any prefix.
+    pub(super) fn is_voltage(self) -> bool {
+        self.powers == [0, 0, 0, 1, 0, 0]
+    }
+    /// Factor to Hz, for a frequency.
+    pub(super) fn to_hertz(self) -> Option<f64> {
+        match self.powers {
+            [0, 0, -1, 0, 1, 0] => Some(self.factor / TAU),
+            [0, 0, -1, 0, 0, 0 | 1] => Some(self.factor),
+            _ => None,
+        }
+    }
+    /// Factor to s, for a time.
+    pub(super) fn to_seconds(self) -> Option<f64> {
+        (self.powers == [0, 0, 1, 0, 0, 0]).then_some(self.factor)
+    }
+}
+
+/// The unit that a label names; `None` for an empty label or one that is not understood.
+pub(super) fn parse(label: &str) -> Option<Unit> {
+    let text = label.trim().trim_start_matches('[').trim_end_matches(']').trim();
+    if text.is_empty() || text.len() > 80 {
+        return None;
+    }
+    let chars: Vec<char> = text.chars().filter(|c| !c.is_control()).collect();
+    let mut parser = Parser { chars: &chars, at: 0 };
+    let unit = parser.product(0)?;
+    (parser.at == chars.len() && unit.factor.is_finite() && unit.factor > 0.0).then_some(unit)
+}
+
+struct Parser<'a> {
+    chars: &'a [char],
+    at: usize,
+}
+
+impl Parser<'_> {
+    fn peek(&self) -> Option<char> {
+        self.chars.get(self.at).copied()
+    }
+    fn skip_blanks(&mut self) {
+        while self.peek().is_some_and(char::is_whitespace) {
+            self.at += 1;
+        }
+    }
+
+    /// factor {(* | / | · | blank) factor}, from left to right.
+    fn product(&mut self, depth: usize) -> Option<Unit> {
+        let mut unit = self.factor(depth)?;
+        loop {
+            self.skip_blanks();
+            match self.peek() {
+                None | Some(')') => return Some(unit),
+                Some('/') => {
+                    self.at += 1;
+                    unit = unit.per(self.factor(depth)?);
+                }
+                Some('*' | '·' | '⋅' | '.' | '×' | '-') => {
+                    self.at += 1;
+                    unit = unit.times(self.factor(depth)?);
+                }
+                Some(_) => unit = unit.times(self.factor(depth)?),
+            }
+        }
+    }
+
+    /// (name | 1 | parenthesis) [power].
+    fn factor(&mut self, depth: usize) -> Option<Unit> {
+        self.skip_blanks();
+        let base = match self.peek()? {
+            '(' if depth < 8 => {
+                self.at += 1;
+                let inner = self.product(depth + 1)?;
+                if self.peek() != Some(')') {
+                    return None;
+                }
+                self.at += 1;
+                inner
+            }
+            '1' => {
+                self.at += 1;
+                return Some(ONE);
+            }
+            _ => {
+                let start = self.at;
+                while self.peek().is_some_and(|c| (c.is_alphabetic() && superscript(c).is_none()) || matches!(c, '"' | '°')) {
+                    self.at += 1;
+                }
+                named(&self.chars[start..self.at].iter().collect::<String>())?
+            }
+        };
+        Some(base.power(self.exponent()?))
+    }
+
+    /// `^2`, `**2`, `2`, `-1`, `²`, `⁻¹`, or nothing: 1.
+    fn exponent(&mut self) -> Option<i32> {
+        let rest = &self.chars[self.at..];
+        let marker = match rest {
+            ['^', ..] => 1,
+            ['*', '*', ..] => 2,
+            _ => 0,
+        };
+        self.at += marker;
+        let parenthesis = marker > 0 && self.peek() == Some('(');
+        self.at += usize::from(parenthesis);
+        let mut sign = 1;
+        if let Some(c @ ('-' | '+' | '⁻')) = self.peek() {
+            if self.chars.get(self.at + 1).is_some_and(|&next| next.is_ascii_digit() || superscript(next).is_some()) {
+                sign = if c == '+' { 1 } else { -1 };
+                self.at += 1;
+            }
+        }
+        let digit = self.peek().and_then(|c| c.to_digit(10).or(superscript(c)));
+        match digit {
+            Some(digit) => {
+                self.at += 1;
+                if parenthesis {
+                    if self.peek() != Some(')') {
+                        return None;
+                    }
+                    self.at += 1;
+                }
+                Some(sign * digit as i32).filter(|e| e.abs() <= LARGEST_POWER)
+            }
+            None => (marker == 0 && sign == 1).then_some(1),
+        }
+    }
+}
+
+fn superscript(c: char) -> Option<u32> {
+    "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().position(|s| s == c).map(|k| k as u32)
+}
+
+/// A unit by its name; capitals of old files (`M/S**2`) are read where they cannot be mistaken.
+fn named(name: &str) -> Option<Unit> {
+    let unit = |factor, powers| Some(Unit { factor, powers });
+    match name {
+        "m" | "M" | "meter" | "metre" => unit(1.0, [1, 0, 0, 0, 0, 0]),
+        "cm" => unit(1e-2, [1, 0, 0, 0, 0, 0]),
+        "mm" | "MM" => unit(1e-3, [1, 0, 0, 0, 0, 0]),
+        "µm" | "μm" | "um" | "micron" => unit(1e-6, [1, 0, 0, 0, 0, 0]),
+        "nm" => unit(1e-9, [1, 0, 0, 0, 0, 0]),
+        "pm" => unit(1e-12, [1, 0, 0, 0, 0, 0]),
+        "in" | "IN" | "inch" | "\"" => unit(0.0254, [1, 0, 0, 0, 0, 0]),
+        "mil" => unit(25.4e-6, [1, 0, 0, 0, 0, 0]),
+        "ft" | "FT" => unit(0.3048, [1, 0, 0, 0, 0, 0]),
+        "s" | "S" | "sec" | "SEC" => unit(1.0, [0, 0, 1, 0, 0, 0]),
+        "ms" => unit(1e-3, [0, 0, 1, 0, 0, 0]),
+        "µs" | "μs" | "us" => unit(1e-6, [0, 0, 1, 0, 0, 0]),
+        "min" => unit(60.0, [0, 0, 1, 0, 0, 0]),
+        "g" | "G" | "gn" => unit(STANDARD_GRAVITY, [1, 0, -2, 0, 0, 0]),
+        "mg" => unit(STANDARD_GRAVITY * 1e-3, [1, 0, -2, 0, 0, 0]),
+        "kg" => unit(1.0, [0, 1, 0, 0, 0, 0]),
+        "N" | "newton" => unit(1.0, [1, 1, -2, 0, 0, 0]),
+        "mN" => unit(1e-3, [1, 1, -2, 0, 0, 0]),
+        "kN" => unit(1e3, [1, 1, -2, 0, 0, 0]),
+        "lbf" | "lb" | "LBF" | "LB" => unit(POUND_FORCE, [1, 1, -2, 0, 0, 0]),
+        "kgf" => unit(STANDARD_GRAVITY, [1, 1, -2, 0, 0, 0]),
+        "Pa" => unit(1.0, [-1, 1, -2, 0, 0, 0]),
+        "V" | "v" | "volt" | "Volt" => unit(1.0, [0, 0, 0, 1, 0, 0]),
+        "mV" => unit(1e-3, [0, 0, 0, 1, 0, 0]),
+        "kV" => unit(1e3, [0, 0, 0, 1, 0, 0]),
+        "Hz" | "HZ" | "hz" => unit(1.0, [0, 0, -1, 0, 0, 1]),
+        "kHz" | "KHz" | "KHZ" => unit(1e3, [0, 0, -1, 0, 0, 1]),
+        "MHz" => unit(1e6, [0, 0, -1, 0, 0, 1]),
+        "rpm" | "RPM" => unit(1.0 / 60.0, [0, 0, -1, 0, 0, 1]),
+        "rad" | "RAD" => unit(1.0, [0, 0, 0, 0, 1, 0]),
+        "deg" | "°" => unit(PI / 180.0, [0, 0, 0, 0, 1, 0]),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use FrfKind::{Accelerance, Mobility, Receptance};
+    use ReferenceUnit::{Newton, Volt};
+
+    #[test]
+    fn labels_in_every_spelling_give_kind_reference_and_factor() {
+        for (label, kind, reference, factor) in [
+            ("m/s/N", Mobility, Newton, 1.0),
+            ("(m/s)/N", Mobility, Newton, 1.0),
+            ("m/(s·N)", Mobility, Newton, 1.0),
+            ("m/(s*N)", Mobility, Newton, 1.0),
+            ("m / s / N", Mobility, Newton, 1.0),
+            ("mm/s/V", Mobility, Volt, 1e-3),
+            ("(m/s)/V", Mobility, Volt, 1.0),
+            ("µm/s/mV", Mobility, Volt, 1e-3),
+            ("m/N", Receptance, Newton, 1.0),
+            ("mm/N", Receptance, Newton, 1e-3),
+            ("m/s^2/N", Accelerance, Newton, 1.0),
+            ("m/s2/N", Accelerance, Newton, 1.0),
+            ("(m/s²)/N", Accelerance, Newton, 1.0),
+            ("M/S**2/N", Accelerance, Newton, 1.0),
+            ("(1/N)*(m/s²)", Accelerance, Newton, 1.0),
+            ("1/kg", Accelerance, Newton, 1.0),
+            ("g/N", Accelerance, Newton, 9.80665),
+            ("[m·s⁻²/N]", Accelerance, Newton, 1.0),
+            ("in/s²/lbf", Accelerance, Newton, 0.0254 / 4.4482216152605),
+        ] {
+            let unit = parse(label).unwrap_or_else(|| panic!("{label}"));
+            assert_eq!(unit.frf_kind(), Some((kind, reference)), "{label}");
+            assert!((unit.factor / factor - 1.0).abs() < 1e-12, "{label}: {}", unit.factor);
+        }
+    }
+
+    #[test]
+    fn motions_alone_have_a_factor_and_no_kind() {
+        for (label, factor) in [("m/s", 1.0), ("m/s^2", 1.0), ("m/s2", 1.0), ("m/s²", 1.0), ("g", 9.80665), ("in/s²", 0.0254)] {
+            let unit = parse(label).unwrap();
+            assert_eq!(unit.frf_kind(), None, "{label}");
+            assert!((unit.factor / factor - 1.0).abs() < 1e-12, "{label}");
+        }
+    }
+
+    #[test]
+    fn frequencies_in_radians_and_kilohertz() {
+        assert_eq!(parse("Hz").unwrap().to_hertz(), Some(1.0));
+        assert_eq!(parse("kHz").unwrap().to_hertz(), Some(1000.0));
+        assert_eq!(parse("rad/s").unwrap().to_hertz(), Some(1.0 / TAU));
+        assert_eq!(parse("1/s").unwrap().to_hertz(), Some(1.0));
+        assert_eq!(parse("ms").unwrap().to_seconds(), Some(1e-3));
+    }
+
+    #[test]
+    fn what_is_not_understood_is_none() {
+        for label in ["", "furlong", "m/", "/s", "(m/s", "m)", "m^", "m^x", "m s^99", "((((((((((m", "m**", "²"] {
+            assert_eq!(parse(label), None, "{label}");
+        }
+    }
+}

@@ -1,0 +1,181 @@
+//! Universal files (UFF, UNV): datasets 15, 18, 55, 58 and 58b, 151, 164, 2411, 2414, 2420.
+//!
+//! The way of the data: `container` cuts the file into datasets. `function58` reads one function: its header in
+//! `header58`, its layout in `layout`, its numbers in `values`, where a binary one has them in `binary`. `scaling`
+//! learns kind and units from codes, `labels` and dataset 164 (`header`); `step` finds the exact step of an axis.
+//! `nodes` collects the geometry and `shapes` the numbers of mode shapes. `write` goes the other way.
+//!
+//! Definitions: universal file format pages of UC-SDRL; the binary 58 of the same. Field experience is written beside the
+//! code that needs it. A damaged dataset never hides the sound ones.
+
+mod binary;
+mod container;
+mod fields;
+mod function58;
+mod header;
+mod header58;
+mod labels;
+mod layout;
+mod nodes;
+mod scaling;
+mod shapes;
+mod step;
+mod values;
+mod write;
+mod write58;
+
+pub use write::{write, Plan, WriteOptions};
+
+use super::{DatasetInfo, Document, FileFormat, Function, ReadOptions};
+use crate::{Error, Geometry, Result};
+use container::Block;
+use header::Units;
+use nodes::FileNode;
+use rayon::prelude::*;
+use std::collections::HashSet;
+use std::path::Path;
+
+/// Reads a universal file; `sha256` of the document is left empty.
+///
+/// # Errors
+/// [`crate::ErrorKind::BadData`] where no dataset can be found at all. Damaged datasets are listed in `errors` instead.
+pub fn read(bytes: &[u8], file: &Path, options: &ReadOptions) -> Result<Document> {
+    let mut warnings = Vec::new();
+    let blocks = container::datasets(bytes, options.lenient, &mut warnings);
+    if blocks.is_empty() {
+        return Err(Error::bad_data("no dataset of a universal file is in here")
+            .file(file)
+            .expected("a line with -1 in columns 5 and 6, then a line with a dataset number")
+            .help("check that this is a universal file (.uff, .unv) and complete"));
+    }
+    let units = units_in_force(&blocks);
+    let parts: Vec<Part> = blocks.par_iter().zip(units.par_iter()).map(|(block, units)| part(block, units, options)).collect();
+
+    let mut document = Document {
+        file: file.to_path_buf(),
+        format: FileFormat::Uff,
+        sha256: String::new(),
+        geometry: Geometry::default(),
+        datasets: Vec::with_capacity(parts.len()),
+        frf: None,
+        functions: Vec::new(),
+        errors: Vec::new(),
+        warnings,
+    };
+    let mut nodes = Vec::new();
+    let mut systems = HashSet::new();
+    for part in parts {
+        document.datasets.push(part.info);
+        document.functions.extend(part.function);
+        document.errors.extend(part.error.map(|error| error.file(file)));
+        systems.extend(part.systems);
+        nodes.extend(part.nodes);
+    }
+    if !nodes.is_empty() && !units.iter().any(|units| matches!(units, Ok(Some(_)))) {
+        document.warnings.push("the file has nodes and no units dataset (164): metres are assumed".into());
+    }
+    document.geometry = nodes::geometry(&nodes, &systems, &mut document.warnings);
+    Ok(document)
+}
+
+/// Units of one dataset: those of the last 164 before it, else of the first in the file. `Err` where that 164 is damaged.
+type UnitsInForce = std::result::Result<Option<Units>, ()>;
+
+fn units_in_force(blocks: &[Block<'_>]) -> Vec<UnitsInForce> {
+    let read = |block: &Block<'_>| match block.number {
+        Some(164) => Some(header::read_units(block.records, &mut Vec::new()).map(Some).map_err(|_| ())),
+        _ => None,
+    };
+    let own: Vec<Option<UnitsInForce>> = blocks.iter().map(read).collect();
+    let mut current = own.iter().flatten().next().copied().unwrap_or(Ok(None));
+    own.into_iter()
+        .map(|units| {
+            current = units.unwrap_or(current);
+            current
+        })
+        .collect()
+}
+
+/// What one dataset contributes to the document.
+struct Part {
+    info: DatasetInfo,
+    function: Option<Function>,
+    nodes: Option<(Vec<FileNode>, Units)>,
+    systems: Vec<i64>,
+    error: Option<Error>,
+}
+
+fn part(block: &Block<'_>, units: &UnitsInForce, options: &ReadOptions) -> Part {
+    let name = block.number.map_or_else(|| "unreadable dataset".to_string(), header::dataset_name);
+    let info = DatasetInfo {
+        number: block.number,
+        line: Some(block.line),
+        name,
+        function: None,
+        response: None,
+        reference: None,
+        values: None,
+        nodes: None,
+        frequency_hz: None,
+        damping_ratio: None,
+        warnings: Vec::new(),
+    };
+    let mut part = Part { info, function: None, nodes: None, systems: Vec::new(), error: None };
+    if let Err(error) = fill(&mut part, block, units, options) {
+        let error = match block.number {
+            Some(number) => error.dataset(number),
+            None => error,
+        };
+        part.info.warnings.push(error.to_string().replace("\n  help: ", "; help: "));
+        part.error = Some(error);
+    }
+    part
+}
+
+fn fill(part: &mut Part, block: &Block<'_>, units: &UnitsInForce, options: &ReadOptions) -> Result<()> {
+    let info = &mut part.info;
+    if block.number == Some(58) {
+        let read = function58::read(block, units.unwrap_or(None), options);
+        if let Some(header) = &read.header {
+            info.function = Some(super::function_name(header.function_type).to_string());
+            info.response = Some(header.response.to_string());
+            info.reference = Some(header.reference.to_string());
+        }
+        info.values = function58::value_count(&read.function);
+        info.warnings = read.warnings;
+        let function = read.function?;
+        if units.is_err() {
+            return Err(Error::bad_data("the units dataset (164) of this function is damaged").at_line(block.line));
+        }
+        part.function = Some(function);
+        return Ok(());
+    }
+    info.warnings = block.warnings.clone();
+    if let Some(fault) = &block.fault {
+        return Err(fault.clone());
+    }
+    if !block.closed && !options.lenient {
+        return Err(function58::not_closed(block));
+    }
+    let warnings = &mut info.warnings;
+    match block.number {
+        Some(164) => {
+            header::read_units(block.records, warnings)?;
+        }
+        Some(number @ (15 | 2411)) => {
+            let read = if number == 15 { nodes::read_15(block.records, warnings) } else { nodes::read_2411(block.records, warnings) };
+            let nodes = read?;
+            info.nodes = Some(nodes.len());
+            let units = units.map_err(|()| Error::bad_data("the units dataset (164) of these nodes is damaged").at_line(block.line))?;
+            part.nodes = Some((nodes, units.unwrap_or(Units::SI)));
+        }
+        Some(number @ (18 | 2420)) => part.systems = nodes::read_systems(number, block.records, warnings)?,
+        Some(number @ (55 | 2414)) => {
+            let mode = shapes::read(number, block.records, warnings)?;
+            info.frequency_hz = mode.frequency_hz;
+            info.damping_ratio = mode.damping_ratio;
+        }
+        _ => {}
+    }
+    Ok(())
+}

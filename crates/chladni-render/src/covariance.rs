@@ -1,0 +1,95 @@
+//! How wrong the model may be in a given drive: the root L of the mean covariance of its mobility rows.
+//!
+//! For one row δh_k of the error δH, E|δh_k·A|² averaged over the judged responses k is ‖L·A‖². Per mode n, with
+//! γ_n = jω/(ω_n²(1+jη_n) − ω²) (the seed paper's γ_n without ψ_n) and its participation φ_n at the actuators, L has the row
+//!
+//! √( mean_k [ |ψ_nk|²·σ_γ² + |γ_n|²·σ_ψ,nk² ] ) · φ_nᵀ,
+//! σ_γ² = |γ_n|²·[ (2ω_n²·s_ω)² + (ω_n²η_n·s_η)² ] / |ω_n²(1+jη_n) − ω²|²,
+//!
+//! with relative standard deviations s_ω, s_η: those of the model and the drift of the options, added as squares. This is
+//! what stops a drive from leaning on a mode at resonance, whose frequency moves with temperature and touch. An isotropic
+//! part, one row s·I, stands for everything else: errors of the participation, of residual terms, of the measurement.
+//!
+//! Poles outside the band stand for the world outside; their own standard deviations are those of a surrogate and are
+//! left out, the drift is not. Viscous models use the same formula: at the relative size of an error bar both laws agree.
+
+use crate::operator::Operator;
+use crate::options::Drift;
+use chladni_frf::{ModalModel, Mode, Trust};
+use ndarray::{Array1, Array2};
+use num_complex::Complex64;
+use std::f64::consts::TAU;
+
+/// The root L of the mean error covariance of the mobility rows, (m/s)/N or (m/s)/V; axes (any, reference).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Covariance {
+    root: Array2<Complex64>,
+}
+
+impl Covariance {
+    /// From the model's standard deviations and the drift, averaged over the rows `judged` of the operator.
+    pub fn of_model(model: &ModalModel, operator: &Operator, judged: &[usize], drift: &Drift) -> Self {
+        let modes: Vec<&Mode> = model.modes.iter().filter(|mode| mode.trust != Trust::Rejected).collect();
+        let actuators = operator.references.len();
+        let isotropic = drift.isotropic_relative * rms(&operator.mobility);
+        let mut root = Array2::zeros((modes.len() + actuators, actuators));
+        for (n, mode) in modes.iter().enumerate() {
+            let deviation = row_deviation(mode, operator, judged, drift);
+            for (j, &column) in operator.reference_columns.iter().enumerate() {
+                root[[n, j]] = mode.participation.0[column] * deviation;
+            }
+        }
+        for j in 0..actuators {
+            root[[modes.len() + j, j]] = isotropic.into();
+        }
+        Self { root }
+    }
+
+    /// LᴴL, ((m/s)/N)².
+    pub fn gram(&self) -> Array2<Complex64> {
+        chladni_linalg::matmul_h(self.root.view(), self.root.view())
+    }
+
+    /// ‖L·A‖: one standard deviation of the velocity at a response under the drive A, m/s.
+    pub fn deviation(&self, drive: &Array1<Complex64>) -> f64 {
+        self.root.dot(drive).iter().map(Complex64::norm_sqr).sum::<f64>().sqrt()
+    }
+
+    /// L itself.
+    pub fn root(&self) -> &Array2<Complex64> {
+        &self.root
+    }
+}
+
+/// √( mean_k [ |ψ_nk|²·σ_γ² + |γ_n|²·σ_ψ,nk² ] ).
+fn row_deviation(mode: &Mode, operator: &Operator, judged: &[usize], drift: &Drift) -> f64 {
+    let omega = TAU * operator.frequency_hz;
+    let omega_n = TAU * mode.frequency_hz;
+    let denominator = 1.0 / mode.structural_factor(omega).norm();
+    let gamma = omega / denominator;
+    let own = if mode.in_band { 1.0 } else { 0.0 };
+    let frequency_relative = drift.frequency_relative.hypot(own * ratio(mode.frequency_std_hz, mode.frequency_hz));
+    let loss_relative = drift.loss_factor_relative.hypot(own * ratio(mode.loss_factor_std, mode.loss_factor));
+    let sigma_gamma =
+        gamma / denominator * (2.0 * omega_n.powi(2) * frequency_relative).hypot(omega_n.powi(2) * mode.loss_factor * loss_relative);
+    let squares = judged.iter().map(|&k| {
+        let row = operator.response_rows[k];
+        let size = mode.shape.0[row].norm();
+        let sigma_shape = (own * mode.shape_std[row]).hypot(drift.shape_relative * size);
+        (size * sigma_gamma).powi(2) + (gamma * sigma_shape).powi(2)
+    });
+    (squares.sum::<f64>() / judged.len() as f64).sqrt()
+}
+
+/// |deviation/value|; 0 where the value is 0 (a rigid-body mode, an undamped one).
+fn ratio(deviation: f64, value: f64) -> f64 {
+    if value == 0.0 {
+        0.0
+    } else {
+        (deviation / value).abs()
+    }
+}
+
+fn rms(matrix: &Array2<Complex64>) -> f64 {
+    (matrix.iter().map(Complex64::norm_sqr).sum::<f64>() / matrix.len() as f64).sqrt()
+}

@@ -1,0 +1,102 @@
+//! Given weights on other data: the measured line at the drive frequency, or another model.
+
+use crate::field::{AreaField, Field};
+use crate::indices::{AreaIndices, Indices, PointIndices};
+use crate::operator::Operator;
+use crate::problem::Drive;
+use crate::render::{lay_zones, scene_warnings, strength};
+use crate::scene::{Limits, Scene};
+use crate::weights::Weights;
+use crate::zones::ZoneMap;
+use chladni_frf::{Dof, Error, FrfSet, ModalModel, Result};
+use num_complex::Complex64;
+
+/// What the weights are judged on.
+#[derive(Debug, Clone, Copy)]
+pub enum On<'a> {
+    /// A modal model.
+    Model(&'a ModalModel),
+    /// Measured FRFs: their line nearest to the drive frequency.
+    Frf(&'a FrfSet),
+}
+
+/// How given weights do on other data.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Evaluation {
+    /// Frequency at which they were judged, Hz: the line's, where FRFs were given.
+    pub frequency_hz: f64,
+    /// Indices.
+    pub indices: Indices,
+    /// Velocities at the responses.
+    pub field: Field,
+    /// Velocities between them; `None` where they carry no area.
+    pub area: Option<AreaField>,
+    /// The zones, laid over the responses.
+    pub zones: ZoneMap,
+    /// Velocity limits.
+    pub limits: Limits,
+    /// What the user must know.
+    pub warnings: Vec<String>,
+}
+
+/// The indices of `weights` in `scene` on other data. Only reports: weights that fail are no error.
+///
+/// # Errors
+/// [`chladni_frf::ErrorKind::BadData`]: a driven actuator that the data lack, other units, no line at the drive frequency, no hot or
+/// no cold response; [`chladni_frf::ErrorKind::UnknownFrfKind`].
+pub fn evaluate(weights: &Weights, scene: &Scene, on: On) -> Result<Evaluation> {
+    let frequency_hz = weights.frequency_hz;
+    let other_frequency = (scene.frequency_hz != frequency_hz)
+        .then(|| format!("the weights are for {frequency_hz} Hz and are judged there, not at the scene's {} Hz", scene.frequency_hz));
+    let scene = Scene { frequency_hz, ..scene.clone() };
+    let driven: Vec<Dof> = weights.weights.iter().filter(|weight| weight.value().norm() > 0.0).map(|weight| weight.reference).collect();
+    // Silence is judged with any actuator: its column does not matter.
+    let only = (!driven.is_empty()).then_some(driven.as_slice());
+    let operator = match on {
+        On::Model(model) => Operator::of_model(model, frequency_hz, only),
+        On::Frf(frf) => Operator::of_line(frf, frequency_hz, only),
+    }
+    .map_err(rename_field)?;
+    if operator.unit != weights.unit() {
+        return Err(Error::bad_data("the weights and the data have different units")
+            .field("weights")
+            .found(weights.unit())
+            .expected(format!("{}, the unit of the references", operator.unit)));
+    }
+    let drive = drive_on(&operator, weights);
+    let limits = scene.limits()?;
+    let zones = lay_zones(&scene, &operator);
+    let field = Field::new(&operator, &zones, &drive);
+    let points = PointIndices::of_field(&field, &limits, &drive, operator.unit)?;
+    let area = field.area(&zones);
+    let mut warnings = scene_warnings(&scene, &operator, &zones);
+    warnings.extend(other_frequency);
+    warnings.extend(strength(&field, &limits));
+    Ok(Evaluation {
+        frequency_hz: operator.frequency_hz,
+        indices: Indices { points, area: area.as_ref().map(|area| AreaIndices::of_area(area, &limits)) },
+        field,
+        area,
+        zones,
+        limits,
+        warnings,
+    })
+}
+
+/// The weights in the order of the operator's columns; a reference of the opposite sense turns its weight round.
+fn drive_on(operator: &Operator, weights: &Weights) -> Drive {
+    let weight_of = |reference: &Dof| {
+        let weight = weights.weights.iter().find(|weight| weight.reference.same_axis(*reference));
+        weight.map_or(Complex64::ZERO, |weight| weight.value() * weight.reference.direction.sign() * reference.direction.sign())
+    };
+    operator.references.iter().map(weight_of).collect()
+}
+
+/// A missing actuator is here a matter of the weights, not of the scene's list.
+fn rename_field(mut error: Error) -> Error {
+    if error.field.as_deref() == Some("actuators.use") {
+        error.message = "the data lack an actuator that the weights drive".into();
+        error.field = Some("weights".into());
+    }
+    error
+}

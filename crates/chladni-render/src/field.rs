@@ -1,0 +1,107 @@
+//! What a drive does: velocities at the responses, and on a fine grid between them.
+
+use crate::interpolation::interpolation_matrix;
+use crate::operator::Operator;
+use crate::plane::{convex_hull, polygon_contains, Position, Rectangle};
+use crate::problem::Drive;
+use crate::tolerances;
+use crate::zones::{Ground, ZoneMap};
+use chladni_frf::Dof;
+use ndarray::{Array1, Array2};
+use num_complex::Complex64;
+
+/// Velocities at the responses, m/s, peak phasors of e^{+jωt}.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Field {
+    /// Response DOFs.
+    pub responses: Vec<Dof>,
+    /// Their positions, m.
+    pub positions_m: Vec<Position>,
+    /// What is asked of each.
+    pub ground: Vec<Ground>,
+    /// Velocity along +Z at each, m/s.
+    pub velocity_m_per_s: Vec<Complex64>,
+}
+
+/// Velocities on a grid between the responses, m/s, peak phasors of e^{+jωt}.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AreaField {
+    /// Columns of the grid, m, rising.
+    pub x_m: Vec<f64>,
+    /// Rows of the grid, m, rising.
+    pub y_m: Vec<f64>,
+    /// What is asked of each place; axes (row, column). [`Ground::Ignored`] outside the hull of the responses.
+    pub ground: Array2<Ground>,
+    /// Velocity along +Z, m/s, NaN outside the hull of the responses; axes (row, column).
+    pub velocity_m_per_s: Array2<Complex64>,
+}
+
+impl Field {
+    /// The field of `drive`, with the ground that `zones` lays under each response.
+    pub(crate) fn new(operator: &Operator, zones: &ZoneMap, drive: &Drive) -> Self {
+        Self {
+            responses: operator.responses.clone(),
+            positions_m: operator.positions_m.clone(),
+            ground: operator.positions_m.iter().map(|&point| zones.classify(point)).collect(),
+            velocity_m_per_s: operator.mobility.dot(drive).to_vec(),
+        }
+    }
+
+    /// Interpolates the complex field between the responses, on a grid of at most [`tolerances::AREA_STEP_M`] over what is
+    /// judged, inside the convex hull of the responses. `None` where they carry no plane, or lie outside the area.
+    pub fn area(&self, zones: &ZoneMap) -> Option<AreaField> {
+        let grid = AreaGrid::new(&self.positions_m, zones, tolerances::AREA_STEP_M)?;
+        let dim = (grid.y_m.len(), grid.x_m.len());
+        let mut ground = Array2::from_elem(dim, Ground::Ignored);
+        let mut velocity_m_per_s = Array2::from_elem(dim, Complex64::new(f64::NAN, f64::NAN));
+        let part = |pick: fn(&Complex64) -> f64| grid.matrix.dot(&self.velocity_m_per_s.iter().map(pick).collect::<Array1<f64>>());
+        let (re, im) = (part(|v| v.re), part(|v| v.im));
+        for (row, &(k, point)) in grid.places.iter().enumerate() {
+            let place = [k / grid.x_m.len(), k % grid.x_m.len()];
+            ground[place] = zones.classify(point);
+            velocity_m_per_s[place] = Complex64::new(re[row], im[row]);
+        }
+        Some(AreaField { x_m: grid.x_m, y_m: grid.y_m, ground, velocity_m_per_s })
+    }
+}
+
+/// A grid between the responses, and the interpolation onto it.
+pub(crate) struct AreaGrid {
+    pub(crate) x_m: Vec<f64>,
+    pub(crate) y_m: Vec<f64>,
+    /// Number (row by row) and position of each grid point inside the hull of the responses.
+    pub(crate) places: Vec<(usize, Position)>,
+    /// Value at each of `places` from the values at the responses.
+    pub(crate) matrix: Array2<f64>,
+}
+
+impl AreaGrid {
+    /// The grid of at most `step_m` over what is judged, inside the convex hull of the responses.
+    pub(crate) fn new(responses: &[Position], zones: &ZoneMap, step_m: f64) -> Option<Self> {
+        let hull = convex_hull(responses);
+        let (x_m, y_m) = grid_axes(Rectangle::around(&hull)?, zones.area(), step_m)?;
+        let points = y_m.iter().flat_map(|&y| x_m.iter().map(move |&x| [x, y]));
+        let places: Vec<(usize, Position)> = points.enumerate().filter(|&(_, point)| polygon_contains(&hull, point)).collect();
+        let queries: Vec<Position> = places.iter().map(|place| place.1).collect();
+        let matrix = interpolation_matrix(responses, &queries)?;
+        Some(Self { x_m, y_m, places, matrix })
+    }
+}
+
+/// Columns and rows of the grid over the common part of both rectangles, borders included; `None` where that is empty.
+fn grid_axes(responses: Rectangle, area: Rectangle, step_m: f64) -> Option<(Vec<f64>, Vec<f64>)> {
+    let x = [responses.x_min.max(area.x_min), responses.x_max.min(area.x_max)];
+    let y = [responses.y_min.max(area.y_min), responses.y_max.min(area.y_max)];
+    let (width, height) = (x[1] - x[0], y[1] - y[0]);
+    if width <= tolerances::POSITION_M || height <= tolerances::POSITION_M {
+        return None;
+    }
+    let coarsest = (width * height / tolerances::MAX_AREA_POINTS as f64).sqrt();
+    let step = step_m.max(coarsest);
+    let axis = |[start, stop]: [f64; 2]| {
+        // a thousandth of a step is room for the rounding of decimal lengths
+        let intervals = ((stop - start) / step - 1e-3).ceil().max(1.0) as usize;
+        (0..=intervals).map(|k| start + (stop - start) * k as f64 / intervals as f64).collect()
+    };
+    Some((axis(x), axis(y)))
+}

@@ -1,0 +1,97 @@
+//! The gain of a drive, and its force limit.
+//!
+//! The gain is found on predicted counts, min(hot, cold) first: by the target the error of the fit would set it, and by the
+//! total of both silence would often win.
+
+use crate::methods::Solution;
+use crate::problem::{Drive, Problem};
+use crate::tolerances;
+use chladni_frf::Result;
+use ndarray::{Array1, Axis};
+use num_complex::Complex64;
+
+/// Largest |A_i|.
+pub(crate) fn largest(drive: &Drive) -> f64 {
+    drive.iter().map(|weight| weight.norm()).fold(0.0, f64::max)
+}
+
+impl Problem {
+    /// Scales a drive by the gain that serves most rows, and by no more than its largest weight may be.
+    ///
+    /// Counts change only at the gains where one row meets its limit, so one gain between each two of them is tried; among
+    /// the rows that are then inside, the least hot and the loudest cold one get the same slack.
+    pub(crate) fn with_best_gain(&self, drive: &Drive) -> Drive {
+        let amplitudes = self.field(drive).mapv(Complex64::norm);
+        let largest = largest(drive);
+        if largest == 0.0 {
+            return drive.clone();
+        }
+        let limit = |k: usize| if k < self.rows.hot { self.limits.hot_m_per_s } else { self.limits.cold_m_per_s };
+        let mut meets: Vec<f64> = (0..amplitudes.len()).map(|k| limit(k) / amplitudes[k]).filter(|gain| gain.is_finite()).collect();
+        meets.sort_by(f64::total_cmp);
+        let between = meets.windows(2).map(|pair| (pair[0] * pair[1]).sqrt());
+        let ends = [meets.first().map(|gain| 0.5 * gain), meets.last().map(|gain| 2.0 * gain)];
+        let allowed = self.max_drive / largest;
+        let key = |gain: f64| {
+            let (hot, cold) = self.counts(&amplitudes, gain);
+            (self.min_ratio(hot, cold), hot + cold)
+        };
+        // An unlimited drive may take any of the other gains.
+        let start = if allowed.is_finite() { allowed } else { 1.0 };
+        let mut best = (start, key(start));
+        for gain in between.chain(ends.into_iter().flatten()).filter(|&gain| gain < allowed) {
+            let value = key(gain);
+            if value > best.1 {
+                best = (gain, value);
+            }
+        }
+        let balanced = self.balanced_gain(&amplitudes, best.0).min(allowed);
+        let gain = if key(balanced) >= best.1 { balanced } else { best.0 };
+        drive.mapv(|weight| weight * gain)
+    }
+
+    /// The gain at which the least hot and the loudest cold row, of those inside at `gain`, have the same κ.
+    fn balanced_gain(&self, amplitudes: &Array1<f64>, gain: f64) -> f64 {
+        let (hot, cold) = amplitudes.view().split_at(Axis(0), self.rows.hot);
+        let least = hot.iter().copied().filter(|v| self.limits.is_felt(gain * v)).fold(f64::INFINITY, f64::min);
+        let loudest = cold.iter().copied().filter(|v| self.limits.is_quiet(gain * v)).fold(0.0, f64::max);
+        let balanced = (self.limits.hot_m_per_s + self.limits.cold_m_per_s) / (least + loudest);
+        if least.is_finite() && balanced.is_finite() {
+            balanced
+        } else {
+            gain
+        }
+    }
+}
+
+/// Solves with a rising ridge until the force limit no longer costs any response its limit, and takes the best of all.
+///
+/// * `solve`: the drive for a ridge relative to the mean diagonal of the normal matrix
+pub(crate) fn within_drive_limit(problem: &Problem, solve: impl Fn(f64) -> Result<Drive>) -> Result<Solution> {
+    let mut drive = solve(0.0)?;
+    let mut solution = Solution { drive: drive.clone(), warnings: Vec::new() };
+    let mut score = problem.score(&drive);
+    let at_limit = |drive: &Drive| largest(drive) >= problem.max_drive * (1.0 - tolerances::AT_LIMIT);
+    if score.min_ratio == 1.0 || !at_limit(&drive) {
+        return Ok(solution);
+    }
+    let mut ridge_used = 0.0;
+    for ridge in tolerances::FORCE_RIDGES {
+        drive = solve(ridge)?;
+        let other = problem.score(&drive);
+        let key = |score: &crate::problem::Score| [score.min_ratio, score.success_ratio, score.kappa];
+        if key(&other) > key(&score) {
+            (score, ridge_used, solution.drive) = (other, ridge, drive.clone());
+        }
+        if other.min_ratio == 1.0 || !at_limit(&drive) {
+            break;
+        }
+    }
+    solution.warnings.push(format!(
+        "the limit of {} per actuator binds: the drive was regularised more strongly (ridge {ridge_used:.0e}), and {:.1} % of the responses \
+         keep their limit",
+        problem.max_drive,
+        100.0 * score.success_ratio
+    ));
+    Ok(solution)
+}

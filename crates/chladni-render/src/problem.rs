@@ -1,0 +1,151 @@
+//! The problem that every method solves: judged rows, limits, and how good a drive is in the model.
+
+use crate::covariance::Covariance;
+use crate::plane::Position;
+use crate::scene::Limits;
+use crate::tolerances;
+use chladni_frf::{Error, ErrorKind, Result};
+use ndarray::{concatenate, s, Array1, Array2, ArrayView2, Axis};
+use num_complex::Complex64;
+use std::ops::Range;
+
+/// Actuator drive, peak phasors, one per actuator in use, N or V.
+pub(crate) type Drive = Array1<Complex64>;
+
+/// Rows of the operator on judged ground, hot ones first.
+#[derive(Clone)]
+pub(crate) struct Rows {
+    /// Mobility, axes (row, actuator).
+    pub(crate) mobility: Array2<Complex64>,
+    /// Number of hot rows.
+    pub(crate) hot: usize,
+    /// Where each row lies, m.
+    pub(crate) positions_m: Vec<Position>,
+}
+
+/// Judged rows (the transition left out), the limits, and the error bar of a drive.
+#[derive(Clone)]
+pub(crate) struct Problem {
+    /// Judged responses.
+    pub(crate) rows: Rows,
+    /// Weight of the squared error of each row in least squares; 1 for measured responses.
+    pub(crate) row_weights: Array1<f64>,
+    /// Error of the mobility.
+    pub(crate) covariance: Covariance,
+    /// Velocity limits.
+    pub(crate) limits: Limits,
+    /// Largest |A_i|, N or V.
+    pub(crate) max_drive: f64,
+}
+
+/// How a drive does in the model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Score {
+    /// Smaller of the hot and the cold ratio.
+    pub(crate) min_ratio: f64,
+    /// Rows inside their limit over all rows.
+    pub(crate) success_ratio: f64,
+    /// Largest κ with every row inside its limit by κ·‖L·A‖; negative where one misses, infinite without any model error.
+    pub(crate) kappa: f64,
+}
+
+impl Problem {
+    /// A problem of measured responses, all of weight 1.
+    pub(crate) fn new(rows: Rows, covariance: Covariance, limits: Limits, max_drive: f64) -> Self {
+        let row_weights = Array1::ones(rows.mobility.nrows());
+        Self { rows, row_weights, covariance, limits, max_drive }
+    }
+
+    /// The same problem with rows between the responses, of weight `weight` each.
+    pub(crate) fn with_between(&self, between: &Rows, weight: f64) -> Self {
+        let (measured, extra) = (&self.rows, between);
+        let mobility = concatenate(Axis(0), &[measured.hot_rows(), extra.hot_rows(), measured.cold_rows(), extra.cold_rows()]);
+        let (hot_m, cold_m) = measured.positions_m.split_at(measured.hot);
+        let (hot_between_m, cold_between_m) = extra.positions_m.split_at(extra.hot);
+        let rows = Rows {
+            mobility: mobility.expect("rows of one operator"),
+            hot: measured.hot + extra.hot,
+            positions_m: [hot_m, hot_between_m, cold_m, cold_between_m].concat(),
+        };
+        let is_measured = |k: usize| k < measured.hot || (rows.hot..rows.hot + measured.cold()).contains(&k);
+        let row_weights = Array1::from_shape_fn(rows.mobility.nrows(), |k| if is_measured(k) { 1.0 } else { weight });
+        Self { rows, row_weights, ..self.clone() }
+    }
+
+    /// Σ_k w_k h_kᴴh_k + Σ_k w_k·LᴴL + ridge over the rows `range`: the normal matrix of every regularised least-squares method.
+    pub(crate) fn normal_matrix(&self, range: Range<usize>, extra_ridge: f64) -> Array2<Complex64> {
+        let weights = self.row_weights.slice(s![range.clone()]);
+        let mut scaled = self.rows.mobility.slice(s![range, ..]).to_owned();
+        for (mut row, &weight) in scaled.rows_mut().into_iter().zip(weights) {
+            row.mapv_inplace(|value| value * weight.sqrt());
+        }
+        let mut normal = chladni_linalg::matmul_h(scaled.view(), scaled.view()) + self.covariance.gram() * Complex64::from(weights.sum());
+        let mean = normal.diag().iter().map(|value| value.re).sum::<f64>() / normal.nrows() as f64;
+        normal.diag_mut().mapv_inplace(|value| value + mean * (tolerances::RIDGE + extra_ridge));
+        normal
+    }
+
+    /// The matrix G with A = G·target minimising Σ_k w_k(|h_k·A − target_k|² + ‖L·A‖²), with an extra ridge.
+    pub(crate) fn regularised_inverse(&self, extra_ridge: f64) -> Result<Array2<Complex64>> {
+        let mut adjoint = self.rows.mobility.t().mapv(|value| value.conj());
+        for (mut column, &weight) in adjoint.columns_mut().into_iter().zip(&self.row_weights) {
+            column.mapv_inplace(|value| value * weight);
+        }
+        let normal = self.normal_matrix(0..self.rows.mobility.nrows(), extra_ridge);
+        chladni_linalg::solve_hermitian(normal.view(), adjoint.view()).map_err(internal)
+    }
+
+    /// Velocity on the rows, m/s.
+    pub(crate) fn field(&self, drive: &Drive) -> Array1<Complex64> {
+        self.rows.mobility.dot(drive)
+    }
+
+    /// How `drive` does.
+    pub(crate) fn score(&self, drive: &Drive) -> Score {
+        let amplitudes = self.field(drive).mapv(Complex64::norm);
+        let (hot, cold) = self.counts(&amplitudes, 1.0);
+        let slack = |(k, &amplitude): (usize, &f64)| match k < self.rows.hot {
+            true => amplitude - self.limits.hot_m_per_s,
+            false => self.limits.cold_m_per_s - amplitude,
+        };
+        let least = amplitudes.iter().enumerate().map(slack).fold(f64::INFINITY, f64::min);
+        let deviation = self.covariance.deviation(drive);
+        Score {
+            min_ratio: self.min_ratio(hot, cold),
+            success_ratio: (hot + cold) as f64 / amplitudes.len() as f64,
+            kappa: if deviation > 0.0 { least / deviation } else { f64::INFINITY.copysign(least) },
+        }
+    }
+
+    /// Hot and cold rows inside their limit with the field scaled by `gain`.
+    pub(crate) fn counts(&self, amplitudes: &Array1<f64>, gain: f64) -> (usize, usize) {
+        let (hot, cold) = amplitudes.view().split_at(Axis(0), self.rows.hot);
+        let felt = hot.iter().filter(|&&v| self.limits.is_felt(gain * v)).count();
+        (felt, cold.iter().filter(|&&v| self.limits.is_quiet(gain * v)).count())
+    }
+
+    /// The smaller of both ratios.
+    pub(crate) fn min_ratio(&self, hot: usize, cold: usize) -> f64 {
+        (hot as f64 / self.rows.hot as f64).min(cold as f64 / self.rows.cold() as f64)
+    }
+}
+
+impl Rows {
+    /// Number of cold rows.
+    pub(crate) fn cold(&self) -> usize {
+        self.mobility.nrows() - self.hot
+    }
+    /// Rows to be felt.
+    pub(crate) fn hot_rows(&self) -> ArrayView2<'_, Complex64> {
+        self.mobility.slice(s![..self.hot, ..])
+    }
+    /// Rows to be quiet.
+    pub(crate) fn cold_rows(&self) -> ArrayView2<'_, Complex64> {
+        self.mobility.slice(s![self.hot.., ..])
+    }
+}
+
+/// What a kernel refuses although everything given to it was checked: a broken promise of our own.
+pub(crate) fn internal(error: chladni_linalg::LinalgError) -> Error {
+    Error::new(ErrorKind::Internal, error.to_string())
+}

@@ -1,0 +1,265 @@
+//! The scene file: drive frequency, threshold, zones and actuators.
+
+use crate::plane::Position;
+use crate::threshold::{Threshold, ThresholdTable};
+use crate::tolerances;
+use crate::toml_reader::{nearest, parse, Keys, Table, Value};
+use crate::zones::{PolygonKind, ZoneLayout, ZonePolygon, Zones};
+use chladni_frf::{Dof, Error, Result};
+use std::path::{Path, PathBuf};
+
+/// Every key of a scene, by table.
+const KEYS: Keys = &[
+    ("", &["frequency_hz", "threshold", "zones", "actuators"]),
+    ("threshold", &["profile", "limen_db"]),
+    ("zones", &["grid", "hot", "area_m", "cells_m", "transition_m", "polygon"]),
+    ("zones.polygon", &["kind", "points_m"]),
+    ("actuators", &["use", "max_force_n", "max_voltage_v"]),
+];
+
+/// Difference limen on each side of the threshold, dB, where the scene gives none.
+pub const DEFAULT_LIMEN_DB: f64 = 2.0;
+/// Transition width, m, where the scene gives none.
+pub const DEFAULT_TRANSITION_M: f64 = 0.010;
+/// Force limit of each actuator, N peak, where the scene gives none.
+pub const DEFAULT_MAX_FORCE_N: f64 = 0.1;
+
+/// What is to be felt where, and by which means.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scene {
+    /// The file it was read from; results carry its name.
+    pub file: Option<PathBuf>,
+    /// Drive frequency, Hz.
+    pub frequency_hz: f64,
+    /// Threshold profile.
+    pub threshold: Threshold,
+    /// Distance of the limits from the threshold, dB: hot at least threshold + limen, cold at most threshold − limen.
+    pub limen_db: f64,
+    /// Zones.
+    pub zones: Zones,
+    /// Actuators.
+    pub actuators: Actuators,
+}
+
+/// Which actuators may be used, and how hard.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Actuators {
+    /// Reference DOFs that may be driven; `None`: all.
+    pub only: Option<Vec<Dof>>,
+    /// Force limit of each, N peak; `None`: not given, [`DEFAULT_MAX_FORCE_N`] holds.
+    pub max_force_n: Option<f64>,
+    /// Voltage limit of each, V peak, where the references are volts.
+    pub max_voltage_v: Option<f64>,
+}
+
+/// Velocity limits of a scene, m/s peak.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Threshold + limen: hot ground moves at least so fast.
+    pub hot_m_per_s: f64,
+    /// Threshold.
+    pub threshold_m_per_s: f64,
+    /// Threshold − limen: cold ground moves at most so fast.
+    pub cold_m_per_s: f64,
+}
+
+impl Limits {
+    /// True where ground that moves at `velocity_m_per_s` is felt.
+    pub fn is_felt(&self, velocity_m_per_s: f64) -> bool {
+        velocity_m_per_s >= self.hot_m_per_s * (1.0 - tolerances::LIMIT)
+    }
+    /// True where ground that moves at `velocity_m_per_s` is quiet.
+    pub fn is_quiet(&self, velocity_m_per_s: f64) -> bool {
+        velocity_m_per_s <= self.cold_m_per_s * (1.0 + tolerances::LIMIT)
+    }
+}
+
+impl Scene {
+    /// Reads a scene file; a threshold file is looked for beside it.
+    ///
+    /// # Errors
+    /// No such file, or what [`Self::parse`] finds.
+    pub fn read(file: &Path) -> Result<Self> {
+        let text = std::fs::read_to_string(file).map_err(|error| Error::from_read(&error, file))?;
+        let mut scene = Self::parse(&text, file.parent().unwrap_or(Path::new(""))).map_err(|error| error.file(file))?;
+        scene.file = Some(file.to_path_buf());
+        Ok(scene)
+    }
+
+    /// A scene from its TOML text; a threshold file is looked for in `folder`.
+    ///
+    /// # Errors
+    /// [`chladni_frf::ErrorKind::BadData`] with line, key, what stands there and what belongs there.
+    pub fn parse(text: &str, folder: &Path) -> Result<Self> {
+        let document = parse(text)?;
+        let root = Table::root(text, &document);
+        root.only_keys(KEYS, "")?;
+        let optional = |name: &str| root.get(name).map(|value| value.table()).transpose();
+        let (threshold, limen_db) = match optional("threshold")? {
+            Some(table) => read_threshold(&table, folder)?,
+            None => (Threshold::Paper, DEFAULT_LIMEN_DB),
+        };
+        Ok(Self {
+            file: None,
+            frequency_hz: root.require("frequency_hz", "the drive frequency in Hz")?.positive()?,
+            threshold,
+            limen_db,
+            zones: read_zones(&root.require("zones", "a table [zones] with grid and hot, or [[zones.polygon]]")?.table()?)?,
+            actuators: match optional("actuators")? {
+                Some(table) => read_actuators(&table)?,
+                None => Actuators { only: None, max_force_n: None, max_voltage_v: None },
+            },
+        })
+    }
+
+    /// Velocity limits at the drive frequency.
+    ///
+    /// # Errors
+    /// No threshold is known at that frequency.
+    pub fn limits(&self) -> Result<Limits> {
+        let threshold = self.threshold.velocity_m_per_s(self.frequency_hz)?;
+        let ratio = 10f64.powf(self.limen_db / 20.0);
+        Ok(Limits { hot_m_per_s: threshold * ratio, threshold_m_per_s: threshold, cold_m_per_s: threshold / ratio })
+    }
+
+    /// File name without its folder, as results carry it; empty for a scene that is no file.
+    pub fn name(&self) -> String {
+        self.file.as_deref().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+    }
+}
+
+fn read_threshold(table: &Table, folder: &Path) -> Result<(Threshold, f64)> {
+    table.only_keys(KEYS, "threshold")?;
+    let threshold = match table.get("profile") {
+        Some(value) => read_profile(&value, folder)?,
+        None => Threshold::Paper,
+    };
+    let limen_db = table.get("limen_db").map_or(Ok(DEFAULT_LIMEN_DB), |value| value.not_negative())?;
+    Ok((threshold, limen_db))
+}
+
+fn read_profile(value: &Value, folder: &Path) -> Result<Threshold> {
+    let name = value.string()?;
+    if let Some(profile) = Threshold::built_in(name) {
+        return Ok(profile);
+    }
+    let file = folder.join(name);
+    if !file.exists() {
+        let known = Threshold::NAMES;
+        return Err(value
+            .error("neither a threshold profile nor a file", format!("{} or the path of a CSV file", known.join(", ")))
+            .help(format!("did you mean `{}`? A path is taken relative to the scene file", nearest(name, &known))));
+    }
+    Ok(Threshold::Table(ThresholdTable::read(&file)?))
+}
+
+fn read_zones(table: &Table) -> Result<Zones> {
+    table.only_keys(KEYS, "zones")?;
+    let layout = match (table.get("grid"), table.get("polygon")) {
+        (Some(_), Some(polygon)) => return Err(polygon.error("a scene has either a grid or polygons", "one of them")),
+        (None, Some(polygon)) => read_polygons(table, &polygon)?,
+        _ => read_grid(table)?,
+    };
+    Ok(Zones {
+        layout,
+        area_m: table.get("area_m").map(|value| rectangle(&value)).transpose()?,
+        transition_m: table.get("transition_m").map_or(Ok(DEFAULT_TRANSITION_M), |value| value.not_negative())?,
+    })
+}
+
+fn read_grid(table: &Table) -> Result<ZoneLayout> {
+    let grid_value = table.require("grid", "[columns, rows] of equal cells, or [[zones.polygon]]")?;
+    let grid = grid_value.list()?.iter().map(Value::count).collect::<Result<Vec<usize>>>()?;
+    let grid = <[usize; 2]>::try_from(grid).map_err(|_| grid_value.error("wrong number of entries", "[columns, rows]"))?;
+    let cells = grid[0]
+        .checked_mul(grid[1])
+        .filter(|&cells| cells <= tolerances::MAX_CELLS)
+        .ok_or_else(|| grid_value.error("too many cells", format!("at most {} cells", tolerances::MAX_CELLS)))?;
+    let hot_value = table.require("hot", "a list of hot cells, counted from 1")?;
+    let mut hot = Vec::new();
+    for value in hot_value.list()? {
+        match value.count() {
+            Ok(cell) if cell <= cells => hot.push(cell),
+            _ => return Err(value.error("no such cell", format!("a cell from 1 to {cells}"))),
+        }
+    }
+    if hot.is_empty() {
+        return Err(hot_value.error("no cell is hot", format!("at least one cell from 1 to {cells}")));
+    }
+    Ok(ZoneLayout::Grid { grid, hot, cells_m: table.get("cells_m").map(|value| rectangle(&value)).transpose()? })
+}
+
+fn rectangle(value: &Value) -> Result<[f64; 4]> {
+    const EXPECTED: &str = "[x_min, y_min, x_max, y_max] in metres, each maximum greater than its minimum";
+    let numbers = value.numbers::<4>(EXPECTED)?;
+    let [x_min, y_min, x_max, y_max] = numbers;
+    if x_max - x_min > tolerances::POSITION_M && y_max - y_min > tolerances::POSITION_M {
+        Ok(numbers)
+    } else {
+        Err(value.error("an empty rectangle", EXPECTED))
+    }
+}
+
+fn read_polygons(zones: &Table, value: &Value) -> Result<ZoneLayout> {
+    for key in ["hot", "cells_m"] {
+        if let Some(misplaced) = zones.get(key) {
+            return Err(misplaced.error("belongs to a grid, and this scene has polygons", "no such key here"));
+        }
+    }
+    let polygons = value.list()?.iter().map(read_polygon).collect::<Result<Vec<_>>>()?;
+    if polygons.iter().map(|polygon| polygon.points_m.len()).sum::<usize>() > tolerances::MAX_POLYGON_POINTS {
+        return Err(value.error("too many corners", format!("at most {} in all polygons", tolerances::MAX_POLYGON_POINTS)));
+    }
+    if !polygons.iter().any(|polygon| polygon.kind == PolygonKind::Hot) {
+        return Err(Error::bad_data("no polygon is hot").at_line(value.line()).field("zones.polygon").expected("one of kind = \"hot\""));
+    }
+    Ok(ZoneLayout::Polygons(polygons))
+}
+
+fn read_polygon(value: &Value) -> Result<ZonePolygon> {
+    let table = value.table()?;
+    table.only_keys(KEYS, "zones.polygon")?;
+    let kind_value = table.require("kind", "\"hot\", \"cold\" or \"ignore\"")?;
+    let kind = match kind_value.string()? {
+        "hot" => PolygonKind::Hot,
+        "cold" => PolygonKind::Cold,
+        "ignore" => PolygonKind::Ignore,
+        _ => return Err(kind_value.error("no such kind of zone", "\"hot\", \"cold\" or \"ignore\"")),
+    };
+    let points_value = table.require("points_m", "corners [[x, y], ...] in metres")?;
+    let points_m = points_value.list()?.iter().map(|point| point.numbers::<2>("[x, y] in metres")).collect::<Result<Vec<_>>>()?;
+    if polygon_area(&points_m) <= tolerances::POSITION_M.powi(2) {
+        return Err(points_value.error("an empty polygon", "at least three corners that enclose some ground"));
+    }
+    Ok(ZonePolygon { kind, points_m })
+}
+
+/// Sum of the absolute areas of the triangles from the first corner, m²: zero only where all corners lie on one line.
+fn polygon_area(points: &[Position]) -> f64 {
+    let Some(&[x0, y0]) = points.first() else { return 0.0 };
+    let triangle = |pair: &[Position]| ((pair[0][0] - x0) * (pair[1][1] - y0) - (pair[0][1] - y0) * (pair[1][0] - x0)).abs();
+    0.5 * points.windows(2).map(triangle).sum::<f64>()
+}
+
+fn read_actuators(table: &Table) -> Result<Actuators> {
+    table.only_keys(KEYS, "actuators")?;
+    let limit = |key| table.get(key).map(|value: Value| value.positive()).transpose();
+    Ok(Actuators {
+        only: table.get("use").map(|value| read_use(&value)).transpose()?.flatten(),
+        max_force_n: limit("max_force_n")?,
+        max_voltage_v: limit("max_voltage_v")?,
+    })
+}
+
+fn read_use(value: &Value) -> Result<Option<Vec<Dof>>> {
+    const EXPECTED: &str = "\"all\" or a list of reference DOFs like \"101:+Z\"";
+    if value.is_string() {
+        return if value.string()? == "all" { Ok(None) } else { Err(value.error("no list of actuators", EXPECTED)) };
+    }
+    let entry = |entry: &Value| entry.string()?.parse::<Dof>().map_err(|reason| entry.error(&reason, EXPECTED));
+    let only = value.list()?.iter().map(entry).collect::<Result<Vec<Dof>>>()?;
+    if only.is_empty() {
+        return Err(value.error("no actuator is left", EXPECTED));
+    }
+    Ok(Some(only))
+}

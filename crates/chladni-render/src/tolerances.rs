@@ -1,0 +1,86 @@
+//! Constants of the crate: meaning, unit, origin, and what happens at ten times more or less.
+
+/// Positions closer than this are the same place, m. From the scene contract. Ten times less: coordinates printed with six
+/// digits fall off the border they lie on; ten times more is still far below any measuring grid.
+pub const POSITION_M: f64 = 1e-6;
+
+/// Largest number of cells of a grid. Bounds the work that a scene file can ask for; real scenes have a few.
+pub const MAX_CELLS: usize = 100_000;
+
+/// Largest number of corners of all polygons together. Their union is found in quadratic time: 2000 take some 10 ms.
+pub const MAX_POLYGON_POINTS: usize = 2000;
+
+/// Frequencies closer than this, relative, are the same line. Six printed digits of an axis; ten times less calls a line of a
+/// single-precision axis another one, ten times more is a fifth of a bandwidth at 0.005 % loss.
+pub const SAME_FREQUENCY: f64 = 1e-6;
+
+/// How many DOFs a message lists.
+pub const DOFS_SHOWN: usize = 8;
+
+/// Relative ridge of every normal matrix, times its mean diagonal: keeps Cholesky alive where the drift is switched off. Ten
+/// times less meets rounding (condition 1e13), ten times more is still 60 dB below the default isotropic error.
+pub const RIDGE: f64 = 1e-12;
+
+/// Relative width of a limit: a drive scaled to meet it exactly meets it after rounding, too. A thousand roundings; the
+/// difference it can make to a judgement is 1e-11 dB.
+pub const LIMIT: f64 = 1e-12;
+
+/// Condition number above which the two-step inverse says that it is ill conditioned. The study saw 4e2 for usable sets of
+/// modes and 5e5 where forces rose to newtons; ten times more or less only moves a warning.
+pub const ILL_CONDITIONED: f64 = 1e4;
+
+/// Participation below this, relative to the largest of all modes, counts as zero: an actuator on a nodal line by symmetry
+/// leaves rounding (1e-12) there, a real one 1e-3.
+pub const NO_PARTICIPATION: f64 = 1e-9;
+
+/// Largest spacing of the grid on which areas are judged, m. From the weights contract.
+pub const AREA_STEP_M: f64 = 0.005;
+
+/// Largest number of points of that grid; beyond it the step grows. 200 000 points are a plate of 2 m by 2.5 m at 5 mm.
+pub const MAX_AREA_POINTS: usize = 200_000;
+
+/// Up to so many responses are interpolated by one system; above, by the [`NEAREST_RESPONSES`] around each place. The
+/// condition number of the system grows with their number, and 150 of them still leave eight digits.
+pub const GLOBAL_INTERPOLATION: usize = 150;
+
+/// Responses around a place that its interpolated value is made of. Three rings of a square grid; fewer lose accuracy at the
+/// rim of the scan, more only time.
+pub const NEAREST_RESPONSES: usize = 49;
+
+/// Level above the threshold from which strength is warned about, dB: at 300 Hz some 8 dB below the hand-arm action value
+/// (formats.md section 9.3).
+pub const STRONG_DB: f64 = 35.0;
+
+/// How near to its limit a drive counts as limited, relative. Only decides whether a stronger ridge is tried.
+pub const AT_LIMIT: f64 = 1e-6;
+
+/// Ridges, relative to the mean diagonal of the normal matrix, tried in turn where the force limit binds. From below the
+/// covariance of a good model to where the drive is little more than time reversal.
+pub const FORCE_RIDGES: [f64; 5] = [1e-4, 1e-3, 1e-2, 1e-1, 1.0];
+
+/// Steps of the magnitude iteration from each start. On the panel of the study 100 relaxed steps reach what 600 plain ones do;
+/// with ten times more κ rises by a tenth, with ten times fewer hot points between the responses are lost.
+pub const MLS_STEPS: usize = 100;
+
+/// Overshoot of the magnitude iteration, below 2 for convergence; 1 is the plain one. Flat between 1.5 and 1.9.
+pub const MLS_RELAXATION: f64 = 1.8;
+
+/// Margins by which the iteration wants its rows inside their limits, dB: all starts with the first, the best start with the
+/// others. Measured: 0.5 dB loses κ, 6 dB asks for what the panel cannot give.
+pub const MLS_MARGINS_DB: [f64; 3] = [2.0, 1.0, 3.0];
+
+/// Weights of rows between the responses against 1 for a response. Without them 20 mm between responses let dips of 1 to 2 dB
+/// through (area hot ratio 0.93 against 0.97); at 1 alone some responses are given up for ground between them.
+pub const BETWEEN_WEIGHTS: [f64; 2] = [0.1, 1.0];
+
+/// Spacing of the rows between the responses over the mean spacing of the responses. Half finds the dips; a third costs
+/// twice the time for the same area ratios.
+pub const BETWEEN_SPACING: f64 = 0.5;
+
+/// κ above which more of it counts less than ground between the responses. Two standard deviations hold for most of some
+/// 70 responses at once.
+pub const KAPPA_ENOUGH: f64 = 2.0;
+
+/// Starts that go on from the responses alone to the problems with ground between them. With all of them the result is the
+/// same on the 2×2 and 3×3 cells of the study's panel, in 35 ms instead of 100.
+pub const MLS_LEADERS: usize = 2;

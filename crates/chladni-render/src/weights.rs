@@ -1,0 +1,135 @@
+//! The weights file: what each actuator has to do, and what comes of it.
+
+use crate::indices::Indices;
+use crate::problem::Drive;
+use chladni_frf::{Dof, Error, ReferenceUnit, Result, Source};
+use num_complex::Complex64;
+use serde::{Deserialize, Serialize};
+
+/// Value of `format` in a weights file.
+pub const WEIGHTS_FORMAT: &str = "chladni.weights";
+/// Version of the layout.
+pub const WEIGHTS_VERSION: u32 = 1;
+
+/// Actuator weights for a scene, and how they do in the model. Field by field the weights file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Weights {
+    /// Always [`WEIGHTS_FORMAT`].
+    pub format: String,
+    /// Version of the layout: 1.
+    pub version: u32,
+    /// Program and version.
+    pub created_by: String,
+    /// The files they were made from; filled by whoever read them.
+    pub source: Vec<Source>,
+    /// Options that can change the result.
+    pub options: serde_json::Map<String, serde_json::Value>,
+    /// Drive frequency, Hz.
+    pub frequency_hz: f64,
+    /// The method that ran.
+    pub method: String,
+    /// File name of the scene.
+    pub scene: String,
+    /// One entry per actuator in use.
+    pub weights: Vec<Weight>,
+    /// In-band modes that the model sums explicitly.
+    pub modes_used: usize,
+    /// Weights that are not zero.
+    pub actuators_used: usize,
+    /// No judged response misses its limit in the model, within the force limits.
+    pub feasible: bool,
+    /// Every judged response keeps its limit under model errors of so many standard deviations; negative where one misses.
+    pub kappa: Option<f64>,
+    /// Indices in the model.
+    pub indices: Indices,
+    /// What the user must know.
+    pub warnings: Vec<String>,
+}
+
+/// The weight of one actuator: a peak phasor of e^{+jωt}.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Weight {
+    /// Reference DOF.
+    pub reference: Dof,
+    /// Real part, in `unit`.
+    pub re: f64,
+    /// Imaginary part, in `unit`.
+    pub im: f64,
+    /// Amplitude, in `unit`; `re` and `im` are what counts.
+    pub amplitude: f64,
+    /// Phase, degrees, −180 to 180.
+    pub phase_deg: f64,
+    /// N or V.
+    pub unit: ReferenceUnit,
+}
+
+impl Weight {
+    /// The weight `value` of the actuator `reference`.
+    pub fn new(reference: Dof, value: Complex64, unit: ReferenceUnit) -> Self {
+        Self { reference, re: value.re, im: value.im, amplitude: value.norm(), phase_deg: value.arg().to_degrees(), unit }
+    }
+    /// The phasor.
+    pub fn value(&self) -> Complex64 {
+        Complex64::new(self.re, self.im)
+    }
+}
+
+impl Weights {
+    /// Reads a weights file's text.
+    ///
+    /// # Errors
+    /// [`chladni_frf::ErrorKind::BadData`] with the line: no JSON, a missing field, another format, an actuator twice, no weight.
+    pub fn parse(text: &str) -> Result<Self> {
+        let weights: Self = serde_json::from_str(text).map_err(|error| {
+            let message = error.to_string();
+            // serde_json ends its messages with the place, which the error carries itself
+            let message = message.split(" at line ").next().unwrap_or_default().to_owned();
+            Error::bad_data(format!("not a weights file: {message}")).at_line(error.line() as u64)
+        })?;
+        weights.checked()
+    }
+
+    /// The text of a weights file.
+    ///
+    /// # Errors
+    /// [`chladni_frf::ErrorKind::Internal`] where a number is not finite: a bug.
+    pub fn to_json(&self) -> Result<String> {
+        let text = serde_json::to_string_pretty(self);
+        text.map(|text| text + "\n").map_err(|error| Error::new(chladni_frf::ErrorKind::Internal, error.to_string()))
+    }
+
+    fn checked(self) -> Result<Self> {
+        if self.format != WEIGHTS_FORMAT || self.version != WEIGHTS_VERSION {
+            return Err(Error::bad_data("not a weights file that this version reads")
+                .field("format")
+                .found(format!("{} version {}", self.format, self.version))
+                .expected(format!("{WEIGHTS_FORMAT} version {WEIGHTS_VERSION}")));
+        }
+        if self.weights.is_empty() {
+            return Err(Error::bad_data("no weight in the file").field("weights").expected("one entry per actuator"));
+        }
+        if self.frequency_hz <= 0.0 {
+            return Err(Error::bad_data("no drive frequency").field("frequency_hz").found(self.frequency_hz).expected("a frequency in Hz"));
+        }
+        let mut seen = std::collections::HashSet::new();
+        for weight in &self.weights {
+            if !seen.insert((weight.reference.node, weight.reference.direction.axis())) {
+                return Err(Error::bad_data("an actuator stands twice").field("weights").found(weight.reference));
+            }
+            if weight.unit != self.weights[0].unit {
+                return Err(Error::bad_data("units of the weights differ").field("weights").found(weight.reference));
+            }
+        }
+        Ok(self)
+    }
+
+    /// Unit of the weights.
+    pub fn unit(&self) -> ReferenceUnit {
+        self.weights.first().map(|weight| weight.unit).unwrap_or_default()
+    }
+}
+
+/// One entry per actuator.
+pub(crate) fn weight_list(references: &[Dof], drive: &Drive, unit: ReferenceUnit) -> Vec<Weight> {
+    references.iter().zip(drive).map(|(&reference, &value)| Weight::new(reference, value, unit)).collect()
+}

@@ -1,0 +1,171 @@
+//! Where the panel is to be felt, where it is to be quiet, and what nobody judges.
+//!
+//! Ground nearer to a hot border than the transition width is not judged, on either side: with cells of a grid that is
+//! the hot rectangle shrunk and grown (distance of the larger coordinate, so that corners stay square), with polygons
+//! the ordinary distance. A border counts only where the judged area goes on beyond it; where two hot cells or polygons
+//! touch there is no border. Positions are compared to [`tolerances::POSITION_M`].
+
+use crate::plane::{area_goes_on_beyond, distance, polygon_contains, union_border, Metric, Position, Rectangle};
+use crate::tolerances;
+use std::collections::BTreeSet;
+
+/// What is asked of a place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Ground {
+    /// To be felt: |v| at least threshold + limen.
+    Hot,
+    /// To be quiet: |v| at most threshold − limen.
+    Cold,
+    /// Not judged: transition, outside the area, or declared so.
+    Ignored,
+}
+
+/// What a polygon of the scene declares.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PolygonKind {
+    /// To be felt.
+    Hot,
+    /// To be quiet.
+    Cold,
+    /// Not judged, whatever else covers it.
+    Ignore,
+}
+
+/// A polygon of the scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ZonePolygon {
+    /// What it declares.
+    pub kind: PolygonKind,
+    /// Corners, m, in either sense.
+    pub points_m: Vec<Position>,
+}
+
+/// How the zones are drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ZoneLayout {
+    /// Equal cells; those that are not hot are cold.
+    Grid {
+        /// Columns, rows.
+        grid: [usize; 2],
+        /// Hot cells, counted from 1, row by row from the corner (x_min, y_min).
+        hot: Vec<usize>,
+        /// What the grid divides; `None`: the area.
+        cells_m: Option<[f64; 4]>,
+    },
+    /// Polygons: `ignore` wins over `hot`, `hot` over `cold`; without any `cold` polygon all the rest is cold.
+    Polygons(Vec<ZonePolygon>),
+}
+
+/// The `[zones]` of a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Zones {
+    /// Cells or polygons.
+    pub layout: ZoneLayout,
+    /// x_min, y_min, x_max, y_max of what is judged, m; `None`: the box around the responses.
+    pub area_m: Option<[f64; 4]>,
+    /// Width of the ground on both sides of a hot border that is not judged, m.
+    pub transition_m: f64,
+}
+
+/// The zones of a scene laid over a panel: says of every place what is asked of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ZoneMap {
+    area: Rectangle,
+    hot: Vec<Vec<Position>>,
+    cold: Vec<Vec<Position>>,
+    ignored: Vec<Vec<Position>>,
+    border: Vec<[Position; 2]>,
+    metric: Metric,
+    transition_m: f64,
+}
+
+impl Zones {
+    /// Lays the zones over the panel; `default_area` is the box around the responses.
+    pub fn over(&self, default_area: Rectangle) -> ZoneMap {
+        let area = self.area_m.map_or(default_area, Rectangle::from_array);
+        let mut map = ZoneMap {
+            area,
+            hot: Vec::new(),
+            cold: Vec::new(),
+            ignored: Vec::new(),
+            border: Vec::new(),
+            metric: Metric::Larger,
+            transition_m: self.transition_m,
+        };
+        match &self.layout {
+            ZoneLayout::Grid { grid, hot, cells_m } => map.add_cells(*grid, hot, cells_m.map_or(area, Rectangle::from_array)),
+            ZoneLayout::Polygons(polygons) => map.add_polygons(polygons),
+        }
+        map.border.retain(|&[a, b]| area_goes_on_beyond(&area, a, b));
+        map
+    }
+}
+
+impl ZoneMap {
+    /// What is asked of the place `point`, m.
+    pub fn classify(&self, point: Position) -> Ground {
+        let inside = |polygons: &[Vec<Position>]| polygons.iter().any(|polygon| polygon_contains(polygon, point));
+        if !self.area.contains(point) || inside(&self.ignored) || self.is_transition(point) {
+            Ground::Ignored
+        } else if inside(&self.hot) {
+            Ground::Hot
+        } else if self.cold.is_empty() || inside(&self.cold) {
+            Ground::Cold
+        } else {
+            Ground::Ignored
+        }
+    }
+
+    /// What is judged, m.
+    pub fn area(&self) -> Rectangle {
+        self.area
+    }
+
+    /// Outlines of the hot cells or polygons, m.
+    pub fn hot_outlines(&self) -> &[Vec<Position>] {
+        &self.hot
+    }
+
+    /// Width of the transition on each side of a hot border, m.
+    pub fn transition_m(&self) -> f64 {
+        self.transition_m
+    }
+
+    fn is_transition(&self, point: Position) -> bool {
+        let nearest = self.border.iter().map(|&[a, b]| distance(self.metric, point, a, b)).fold(f64::INFINITY, f64::min);
+        nearest < self.transition_m - tolerances::POSITION_M
+    }
+
+    /// Hot cells, and those of their sides that have no hot neighbour; each side runs with the hot ground on its left.
+    fn add_cells(&mut self, [columns, rows]: [usize; 2], hot: &[usize], cells: Rectangle) {
+        let hot: BTreeSet<(usize, usize)> = hot.iter().map(|cell| ((cell - 1) % columns, (cell - 1) / columns)).collect();
+        let x = |i: usize| cells.x_min + (cells.x_max - cells.x_min) * i as f64 / columns as f64;
+        let y = |j: usize| cells.y_min + (cells.y_max - cells.y_min) * j as f64 / rows as f64;
+        for &(i, j) in &hot {
+            let corners = Rectangle { x_min: x(i), y_min: y(j), x_max: x(i + 1), y_max: y(j + 1) }.corners();
+            let below = j.checked_sub(1).is_some_and(|j| hot.contains(&(i, j)));
+            let left = i.checked_sub(1).is_some_and(|i| hot.contains(&(i, j)));
+            let neighbours = [below, hot.contains(&(i + 1, j)), hot.contains(&(i, j + 1)), left];
+            for (side, is_hot) in neighbours.into_iter().enumerate() {
+                if !is_hot {
+                    self.border.push([corners[side], corners[(side + 1) % 4]]);
+                }
+            }
+            self.hot.push(corners.to_vec());
+        }
+    }
+
+    fn add_polygons(&mut self, polygons: &[ZonePolygon]) {
+        self.metric = Metric::Euclidean;
+        for polygon in polygons {
+            let list = match polygon.kind {
+                PolygonKind::Hot => &mut self.hot,
+                PolygonKind::Cold => &mut self.cold,
+                PolygonKind::Ignore => &mut self.ignored,
+            };
+            list.push(polygon.points_m.clone());
+        }
+        self.border = union_border(&self.hot);
+    }
+}

@@ -1,0 +1,70 @@
+//! The error bar of a drive against the spread over many disturbed models.
+
+mod common;
+
+use chladni_frf::FrfKind;
+use chladni_render::{Covariance, Drift, Operator};
+use common::{disturbed, truth, Errors};
+use num_complex::Complex64;
+
+/// Models drawn; the rms of a sum over some ten modes is then known to a few percent.
+const DRAWS: u64 = 300;
+
+#[test]
+fn the_error_bar_is_the_rms_error_over_many_models() {
+    let errors = Errors { frequency: 2e-4, loss_factor: 0.02, shape: 0.0, residual: 0.0 };
+    let drift = Drift {
+        frequency_relative: errors.frequency,
+        loss_factor_relative: errors.loss_factor,
+        shape_relative: 0.0,
+        isotropic_relative: 0.0,
+    };
+    let operator = Operator::of_model(truth(), 310.0, None).unwrap();
+    let judged: Vec<usize> = (0..77).collect();
+    let covariance = Covariance::of_model(truth(), &operator, &judged, &drift);
+    let drive: ndarray::Array1<Complex64> = (0..34).map(|i| Complex64::from_polar(1e-3, (7 * i * i % 13) as f64)).collect();
+    let exact = operator.mobility.dot(&drive);
+    let mut sum = 0.0;
+    for seed in 0..DRAWS {
+        let wrong = disturbed(truth(), errors, seed).frf_matrix(FrfKind::Mobility, 310.0).dot(&drive);
+        sum += wrong.iter().zip(&exact).map(|(a, b)| (a - b).norm_sqr()).sum::<f64>() / 77.0;
+    }
+    let ratio = covariance.deviation(&drive) / (sum / DRAWS as f64).sqrt();
+    assert!((0.85..1.15).contains(&ratio), "predicted over seen: {ratio}");
+}
+
+#[test]
+fn the_models_own_error_bars_count_as_drift_does() {
+    let stated = disturbed(truth(), Errors { frequency: 1e-3, loss_factor: 0.1, shape: 0.0, residual: 0.0 }, 0);
+    let mut bare = stated.clone();
+    for mode in &mut bare.modes {
+        (mode.frequency_std_hz, mode.loss_factor_std) = (0.0, 0.0);
+    }
+    // Poles outside the band have no error bars of their own in either.
+    for model in [&mut bare.clone(), &mut bare] {
+        model.modes.retain(|mode| mode.in_band);
+    }
+    let mut stated_in_band = stated;
+    stated_in_band.modes.retain(|mode| mode.in_band);
+    let judged: Vec<usize> = (0..77).collect();
+    let none = Drift { frequency_relative: 0.0, loss_factor_relative: 0.0, shape_relative: 0.0, isotropic_relative: 0.0 };
+    let drift = Drift { frequency_relative: 1e-3, loss_factor_relative: 0.1, ..none };
+    let root = |model, drift: &Drift| {
+        let operator = Operator::of_model(model, 300.0, None).unwrap();
+        Covariance::of_model(model, &operator, &judged, drift).gram()
+    };
+    let (own, from_drift) = (root(&stated_in_band, &none), root(&bare, &drift));
+    let (scale, difference) = (own.iter().map(|v| v.norm()).fold(0.0, f64::max), (&own - &from_drift).mapv(|v| v.norm()));
+    // The stated deviation of a disturbed frequency is relative to the undisturbed one: a part in a thousand.
+    assert!(difference.iter().all(|&d| d < 0.3 * scale), "{:?}", difference.iter().fold(0.0_f64, |a, &b| a.max(b)) / scale);
+}
+
+#[test]
+fn the_isotropic_part_is_an_error_of_each_entry() {
+    let drift = Drift { frequency_relative: 0.0, loss_factor_relative: 0.0, shape_relative: 0.0, isotropic_relative: 0.01 };
+    let operator = Operator::of_model(truth(), 300.0, None).unwrap();
+    let covariance = Covariance::of_model(truth(), &operator, &[0, 1], &drift);
+    let rms = (operator.mobility.iter().map(Complex64::norm_sqr).sum::<f64>() / operator.mobility.len() as f64).sqrt();
+    let drive = ndarray::Array1::from_elem(34, Complex64::new(0.0, 2.0));
+    assert!((covariance.deviation(&drive) / (0.01 * rms * 2.0 * 34f64.sqrt()) - 1.0).abs() < 1e-12);
+}

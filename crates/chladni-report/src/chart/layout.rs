@@ -1,0 +1,209 @@
+//! From a figure to a picture: margins, ticks, labels, legends, colour bars.
+
+use super::axis::{Ruler, ALONG_X, ALONG_Y};
+use super::layers::{draw_layer, draw_sample, extent, legend_name};
+use super::{Axis, Chart, ColourBar, Figure, Height, Layer, Scale};
+use crate::drawing::{fitted, text_width, Anchor, Colour, Drawing, Image, Item, PlotFrame, Stroke};
+
+/// Size of the title, px.
+const TITLE: f64 = 15.0;
+/// Size of labels and legends, px.
+const LABEL: f64 = 12.5;
+/// Size of the numbers at the ticks, px.
+const TICK: f64 = 11.5;
+/// Room at the border of the picture, px.
+const EDGE: f64 = 8.0;
+/// Room for a colour bar with its numbers, beside the plotted box, px.
+const BAR: f64 = 78.0;
+/// Width of a sample in the legend, px.
+pub(super) const SAMPLE: f64 = 24.0;
+/// Height of a line of the legend, px.
+const LEGEND_LINE: f64 = 19.0;
+/// From a sample in the legend to its name, px.
+const SAMPLE_GAP: f64 = 8.0;
+
+impl Figure {
+    /// The picture.
+    pub fn draw(&self) -> Drawing {
+        let mut drawing = Drawing::new(self.width, &self.title, &self.caption);
+        drawing.items.push(Item::Text {
+            at: [EDGE, EDGE + TITLE],
+            text: fitted(&self.title, TITLE * 1.06, self.width - 2.0 * EDGE),
+            size: TITLE,
+            anchor: Anchor::Start,
+            turned: false,
+            bold: true,
+            colour: Colour::Ink,
+            halo: false,
+        });
+        let left = self.charts.iter().map(left_margin).fold(0.0, f64::max);
+        let right = self.charts.iter().map(right_margin).fold(EDGE, f64::max);
+        let mut top = EDGE + TITLE + 12.0;
+        for chart in &self.charts {
+            top = draw_chart(&mut drawing, chart, [left, top, self.width - right]);
+        }
+        drawing.height = top;
+        drawing
+    }
+}
+
+fn ends(axis: &Axis, chart: &Chart, which: usize) -> [f64; 2] {
+    axis.ends(extent(&chart.layers, which, axis.scale == Scale::Log))
+}
+
+fn left_margin(chart: &Chart) -> f64 {
+    let ticks = chart.y.ticks(ends(&chart.y, chart, 1), 260.0, ALONG_Y);
+    let widest = ticks.iter().map(|tick| text_width(&tick.1, TICK)).fold(0.0, f64::max);
+    EDGE + LABEL + 10.0 + widest + 6.0
+}
+
+fn right_margin(chart: &Chart) -> f64 {
+    // half a number may stand beyond the right end of the x axis
+    if chart.colour_bar.is_some() {
+        BAR + EDGE
+    } else {
+        EDGE + 14.0
+    }
+}
+
+/// Draws below `top` and returns where it ends.
+fn draw_chart(drawing: &mut Drawing, chart: &Chart, [left, top, right]: [f64; 3]) -> f64 {
+    let top = draw_legend(drawing, chart, [left, top, right]);
+    let (x_ends, y_ends) = (ends(&chart.x, chart, 0), ends(&chart.y, chart, 1));
+    let (right, height) = match chart.height {
+        Height::Px(height) => (right, height),
+        Height::EqualScales(highest) => {
+            let (x_span, y_span) = (x_ends[1] - x_ends[0], y_ends[1] - y_ends[0]);
+            let height = (right - left) * y_span / x_span;
+            if height > highest {
+                (left + highest * x_span / y_span, highest)
+            } else {
+                (right, height.max(1.0))
+            }
+        }
+    };
+    let bottom = top + height;
+    let sides = [left, top, right, bottom];
+    let x = Ruler { ends: x_ends, px: [left, right], log: chart.x.scale == Scale::Log };
+    let y = Ruler { ends: y_ends, px: [bottom, top], log: chart.y.scale == Scale::Log };
+
+    let below = draw_axes(drawing, chart, sides, &x, &y);
+    drawing.items.push(Item::BeginPlot(PlotFrame {
+        sides,
+        x: (x_ends, x.log),
+        y: (y_ends, y.log),
+        units: [chart.x.unit.clone(), chart.y.unit.clone()],
+    }));
+    for layer in &chart.layers {
+        draw_layer(drawing, layer, sides, &x, &y);
+    }
+    drawing.items.push(Item::EndPlot);
+    drawing.rectangle(sides, None, Some(Stroke::new(Colour::Muted, 1.0)));
+    if let Some(bar) = &chart.colour_bar {
+        draw_colour_bar(drawing, bar, [right + 12.0, top, right + 26.0, bottom]);
+    }
+    below + 8.0
+}
+
+/// Grid, ticks, numbers and labels; returns where they end.
+fn draw_axes(drawing: &mut Drawing, chart: &Chart, [left, top, right, bottom]: [f64; 4], x: &Ruler, y: &Ruler) -> f64 {
+    let grid = Stroke::new(Colour::Grid, 1.0);
+    let ticks = chart.x.ticks(x.ends, right - left, ALONG_X);
+    let widest = ticks.iter().map(|tick| text_width(&tick.1, TICK)).fold(0.0, f64::max);
+    let named: Vec<f64> = ticks.iter().filter(|tick| !tick.1.is_empty()).map(|tick| x.place(tick.0)).collect();
+    let nearest = named.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
+    let turned = widest + 3.0 > nearest;
+    // turned names need the height of a letter each; where even that is too much, every second, third, ... is named
+    let every = if turned { ((TICK + 1.0) / nearest).ceil().max(1.0) as usize } else { 1 };
+    let mut count = 0;
+    for (value, name) in &ticks {
+        let place = x.place(*value);
+        if chart.grid && (place - left).min(right - place) > 0.5 {
+            drawing.line(vec![[place, top], [place, bottom]], grid);
+        }
+        drawing.line(vec![[place, bottom], [place, bottom + if name.is_empty() { 3.0 } else { 5.0 }]], Stroke::new(Colour::Muted, 1.0));
+        if name.is_empty() {
+            continue;
+        }
+        if count % every == 0 && turned {
+            turned_text(drawing, [place + 0.36 * TICK, bottom + 8.0], name, TICK, Anchor::End, Colour::Ink);
+        } else if count % every == 0 {
+            drawing.text([place, bottom + 5.0 + TICK], name, TICK, Anchor::Middle, Colour::Ink);
+        }
+        count += 1;
+    }
+    for (value, name) in chart.y.ticks(y.ends, bottom - top, ALONG_Y) {
+        let place = y.place(value);
+        if chart.grid && (place - top).min(bottom - place) > 0.5 {
+            drawing.line(vec![[left, place], [right, place]], grid);
+        }
+        drawing.line(vec![[left - if name.is_empty() { 3.0 } else { 5.0 }, place], [left, place]], Stroke::new(Colour::Muted, 1.0));
+        drawing.text([left - 8.0, place + 0.36 * TICK], name, TICK, Anchor::End, Colour::Ink);
+    }
+    let numbers = if turned { widest + 10.0 } else { TICK + 5.0 };
+    let label_line = bottom + numbers + LABEL + 5.0;
+    let room = right - left + 40.0;
+    drawing.text([(left + right) / 2.0, label_line], fitted(&chart.x.caption(), LABEL, room), LABEL, Anchor::Middle, Colour::Ink);
+    let label = fitted(&chart.y.caption(), LABEL, (bottom - top + 40.0).max(60.0));
+    turned_text(drawing, [EDGE + LABEL - 2.0, (top + bottom) / 2.0], &label, LABEL, Anchor::Middle, Colour::Ink);
+    label_line + 5.0
+}
+
+fn turned_text(drawing: &mut Drawing, at: [f64; 2], text: &str, size: f64, anchor: Anchor, colour: Colour) {
+    drawing.items.push(Item::Text { at, text: text.into(), size, anchor, turned: true, bold: false, colour, halo: false });
+}
+
+/// The names of the layers with a sample of each, in as many lines as needed; returns where they end.
+fn draw_legend(drawing: &mut Drawing, chart: &Chart, [left, top, right]: [f64; 3]) -> f64 {
+    let entries: Vec<(&Layer, &str)> = chart.layers.iter().filter_map(|layer| Some((layer, legend_name(layer)?))).collect();
+    if entries.is_empty() {
+        return top + 2.0;
+    }
+    // the picture's whole width may be used where the plotted box is narrow
+    let right = right.max(drawing.width - EDGE);
+    let (mut x, mut y) = (left, top + 10.0);
+    for (layer, name) in entries {
+        let name = fitted(name, LABEL, right - left - SAMPLE - SAMPLE_GAP);
+        let width = SAMPLE + SAMPLE_GAP + text_width(&name, LABEL) + 18.0;
+        if x > left && x + width - 18.0 > right {
+            (x, y) = (left, y + LEGEND_LINE);
+        }
+        draw_sample(drawing, layer, [x, y]);
+        drawing.text([x + SAMPLE + SAMPLE_GAP, y + 0.36 * LABEL], name, LABEL, Anchor::Start, Colour::Ink);
+        x += width;
+    }
+    y + 16.0
+}
+
+fn draw_colour_bar(drawing: &mut Drawing, bar: &ColourBar, sides: [f64; 4]) {
+    let [left, top, right, bottom] = sides;
+    let ends = bar.axis.ends([f64::INFINITY, f64::NEG_INFINITY]);
+    let rows = if bar.bands > 0 { bar.bands } else { 128 };
+    let rgba = (0..rows).rev().flat_map(|row| {
+        let [r, g, b] = bar.map.at((row as f64 + 0.5) / rows as f64);
+        [r, g, b, 255]
+    });
+    let step = (bottom - top) / rows as f64;
+    if bar.bands > 0 {
+        for (row, pixel) in rgba.collect::<Vec<u8>>().chunks_exact(4).enumerate() {
+            let y = top + row as f64 * step;
+            drawing.rectangle([left, y, right, y + step + 0.3], Some(Colour::Rgb([pixel[0], pixel[1], pixel[2]])), None);
+        }
+    } else {
+        let image = Image { columns: 1, rows, rgba: rgba.collect() };
+        drawing.items.push(Item::Image { corner: [left, top], size: [right - left, bottom - top], image });
+    }
+    let ruler = Ruler { ends, px: [bottom, top], log: bar.axis.scale == Scale::Log };
+    for (value, stroke) in &bar.lines {
+        let y = ruler.place(*value);
+        drawing.line(vec![[left, y], [right, y]], *stroke);
+    }
+    drawing.rectangle(sides, None, Some(Stroke::new(Colour::Muted, 1.0)));
+    for (value, name) in bar.axis.ticks(ends, bottom - top, ALONG_Y) {
+        let y = ruler.place(value);
+        drawing.line(vec![[right, y], [right + 4.0, y]], Stroke::new(Colour::Muted, 1.0));
+        drawing.text([right + 7.0, y + 0.36 * TICK], name, TICK, Anchor::Start, Colour::Ink);
+    }
+    let label = fitted(&bar.axis.caption(), LABEL, (bottom - top + 50.0).max(60.0));
+    turned_text(drawing, [left + BAR - 14.0, (top + bottom) / 2.0], &label, LABEL, Anchor::Middle, Colour::Ink);
+}

@@ -1,0 +1,136 @@
+//! The field of a rendering: level re threshold, zones, limits, and which responses miss theirs.
+
+use super::level;
+use super::mode_shape::whole;
+use super::plane::{corners_mm, mm, Plane};
+use crate::chart::{named, Axis, Chart, ColourBar, Disc, Figure, Layer, Mark, Place};
+use crate::drawing::{Anchor, Colour, ColourMap, Dash, Image, Stroke};
+use crate::input::ShownField;
+use crate::sizes;
+use crate::surface::{contours, Surface};
+use crate::text::fixed;
+use chladni_frf::ModalModel;
+use chladni_render::{Ground, Position};
+use ndarray::Array2;
+
+const BLACK: Colour = Colour::Rgb([0, 0, 0]);
+const WHITE: Colour = Colour::Rgb([255, 255, 255]);
+
+/// `None` where the responses carry no plane.
+pub(crate) fn field_map(shown: &ShownField, model: Option<&ModalModel>, frequency_hz: f64, number: usize) -> Option<Figure> {
+    let plane = model.and_then(Plane::of).or_else(|| Plane::around(&shown.field.positions_m))?;
+    let mut chart = plane.chart(460.0);
+    let threshold = shown.limits.threshold_m_per_s;
+    let limen_db = level(shown.limits.hot_m_per_s / threshold);
+    let (felt, quiet) = (Stroke::new(BLACK, 1.8), Stroke::new(BLACK, 1.6).dashed(Dash::Dashed));
+    chart = match shown.area {
+        Some(area) => with_levels(chart, shown, &Surface::of_area(area), limen_db, [felt, quiet]),
+        None => with_discs(chart, shown),
+    };
+    let frame = Stroke::new(Colour::Muted, 1.2).dashed(Dash::Dotted);
+    chart = chart.with(Layer::Outline { name: named("judged area"), points: corners_mm(shown.zones.area()), stroke: frame, casing: false });
+    for (k, outline) in shown.zones.hot_outlines().iter().enumerate() {
+        let points: Vec<Place> = outline.iter().map(|&place| mm(place)).collect();
+        let name = if k == 0 { named("hot zone") } else { None };
+        chart = chart.with(Layer::Outline { name, points, stroke: Stroke::new(Colour::Rgb([200, 30, 30]), 2.4), casing: true });
+    }
+    chart = with_responses(chart, shown);
+    for outline in shown.zones.hot_outlines() {
+        if let Some(at) = centre_of(shown, outline) {
+            chart = chart.with(Layer::Words { at: mm(at), text: "hot".into(), anchor: Anchor::Middle, bold: true });
+        }
+    }
+    chart.colour_bar = Some(ColourBar {
+        axis: Axis::linear("Velocity", "dB re threshold").range([-sizes::FIELD_RANGE_DB, sizes::FIELD_RANGE_DB]).step(3.0),
+        map: ColourMap::Sequential,
+        bands: 0,
+        lines: vec![(limen_db, felt), (-limen_db, quiet)],
+    });
+    Some(Figure {
+        name: format!("field-{number}"),
+        title: format!("Field at {} Hz ({})", fixed(frequency_hz, 1), shown.on),
+        caption: format!(
+            "Level of the velocity re the threshold of {} mm/s peak. Hot ground is to lie above +{limen} dB, cold ground below −{limen} dB; \
+             hatched ground is not judged. Levels beyond ±{} dB have the colours of the ends.",
+            fixed(1e3 * threshold, 3),
+            fixed(sizes::FIELD_RANGE_DB, 0),
+            limen = fixed(limen_db, 1),
+        ),
+        width: sizes::MAP_PX,
+        charts: vec![chart],
+    })
+}
+
+fn with_levels(chart: Chart, shown: &ShownField, surface: &Surface, limen_db: f64, [felt, quiet]: [Stroke; 2]) -> Chart {
+    let threshold = shown.limits.threshold_m_per_s;
+    let fine = surface.refined(sizes::FIELD_COLUMNS);
+    // zero motion has no level; it is as quiet as can be
+    let levels = fine.values.mapv(|v| if v.is_nan() { f64::NAN } else { level((v.norm() / threshold).max(1e-15)) });
+    let [x, y] = [&fine.x, &fine.y].map(|axis| axis.iter().map(|value| 1e3 * value).collect::<Vec<f64>>());
+    let lines = |at: f64| contours(&x, &y, &levels, at);
+    let image = level_pixels(shown, &fine, &levels);
+    let limit = |sign: &str| format!("{sign}{} dB", fixed(limen_db, 1));
+    let mut chart = chart.with(Layer::Pixels { x: whole(&x), y: whole(&y), image });
+    for at in [limen_db, -limen_db] {
+        chart = chart.with(Layer::Lines { name: None, lines: lines(at), stroke: Stroke::new(WHITE, felt.width + 2.2) });
+    }
+    chart = chart.with(Layer::Lines { name: named(&format!("{} (felt beyond)", limit("+"))), lines: lines(limen_db), stroke: felt });
+    chart.with(Layer::Lines { name: named(&format!("{} (quiet below)", limit("−"))), lines: lines(-limen_db), stroke: quiet })
+}
+
+/// Colours of the levels; ground that is not judged is hatched.
+fn level_pixels(shown: &ShownField, fine: &Surface, levels: &Array2<f64>) -> Image {
+    let (rows, columns) = levels.dim();
+    let mut rgba = Vec::with_capacity(4 * rows * columns);
+    for row in (0..rows).rev() {
+        for column in 0..columns {
+            let value = levels[[row, column]];
+            let judged = shown.zones.classify([fine.x[column], fine.y[row]]) != Ground::Ignored;
+            let hatched = !judged && (row + column) % 6 < 2;
+            let [r, g, b] = if hatched { [255, 255, 255] } else { ColourMap::Sequential.at(0.5 + 0.5 * value / sizes::FIELD_RANGE_DB) };
+            rgba.extend([r, g, b, if value.is_nan() { 0 } else { 255 }]);
+        }
+    }
+    Image { columns, rows, rgba }
+}
+
+/// Responses as discs in the colour of their level, where nothing lies between them.
+fn with_discs(chart: Chart, shown: &ShownField) -> Chart {
+    let discs = shown.field.positions_m.iter().zip(&shown.field.velocity_m_per_s).map(|(&place, v)| {
+        let value = level(v.norm() / shown.limits.threshold_m_per_s);
+        let fill = Colour::Rgb(ColourMap::Sequential.at(0.5 + 0.5 * value / sizes::FIELD_RANGE_DB));
+        Disc { at: mm(place), radius: 9.0, fill, hand: None, hint: format!("{} dB re threshold", fixed(value, 1)) }
+    });
+    chart.with(Layer::Discs(discs.collect()))
+}
+
+fn with_responses(chart: Chart, shown: &ShownField) -> Chart {
+    let field = shown.field;
+    let misses = |k: usize| {
+        let v = field.velocity_m_per_s[k].norm();
+        match field.ground[k] {
+            Ground::Hot => !shown.limits.is_felt(v),
+            Ground::Cold => !shown.limits.is_quiet(v),
+            Ground::Ignored => false,
+        }
+    };
+    let of = |wanted: &dyn Fn(usize) -> bool| -> Vec<Place> {
+        (0..field.positions_m.len()).filter(|&k| wanted(k)).map(|k| mm(field.positions_m[k])).collect()
+    };
+    let judged = |ground: Ground| of(&|k| field.ground[k] == ground && !misses(k));
+    let missed = of(&misses);
+    let name = |points: &[Place], text: &str| if points.is_empty() { String::new() } else { text.to_owned() };
+    let (hot, cold, ignored) = (judged(Ground::Hot), judged(Ground::Cold), judged(Ground::Ignored));
+    let chart = chart.marks(&name(&hot, "response, felt as wished"), hot, Mark::Triangle, BLACK, 7.0);
+    let chart = chart.marks(&name(&cold, "response, quiet as wished"), cold, Mark::Ring, Colour::Rgb([235, 235, 235]), 6.0);
+    let chart = chart.marks(&name(&ignored, "response, not judged"), ignored, Mark::Dot, Colour::Rgb([90, 90, 90]), 3.0);
+    chart.marks(&name(&missed, "response, misses its limit"), missed, Mark::Cross, Colour::Rgb([210, 20, 20]), 9.0)
+}
+
+/// Centre of the part of an outline's box that lies over the responses.
+fn centre_of(shown: &ShownField, outline: &[Position]) -> Option<Position> {
+    let hot = chladni_render::Rectangle::around(outline)?;
+    let area = shown.zones.area();
+    let middle = |low: f64, high: f64| (low <= high).then_some((low + high) / 2.0);
+    Some([middle(hot.x_min.max(area.x_min), hot.x_max.min(area.x_max))?, middle(hot.y_min.max(area.y_min), hot.y_max.min(area.y_max))?])
+}

@@ -1,0 +1,71 @@
+//! The plane of the maps: which two coordinates are drawn, in mm, and the ground around the nodes.
+
+use crate::chart::{Axis, Chart, Height, Place};
+use crate::sizes;
+use chladni_frf::{Dof, ModalModel, Node};
+use chladni_render::{Position, Rectangle};
+
+/// The two coordinates in which the structure extends most.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Plane {
+    axes: [usize; 2],
+    /// All nodes, m.
+    pub(super) around: Rectangle,
+}
+
+impl Plane {
+    /// `None` without nodes, or where they all lie on one line.
+    pub(super) fn of(model: &ModalModel) -> Option<Self> {
+        let extent = |axis: usize| {
+            let values = model.nodes.iter().map(|node| node.xyz_m[axis]);
+            values.clone().fold(f64::NEG_INFINITY, f64::max) - values.fold(f64::INFINITY, f64::min)
+        };
+        let mut axes = [0, 1, 2];
+        // a stable sort: x, y where extents are equal
+        axes.sort_by(|&a, &b| extent(b).total_cmp(&extent(a)));
+        let mut axes = [axes[0], axes[1]];
+        axes.sort_unstable();
+        let positions: Vec<Position> = model.nodes.iter().map(|node| axes.map(|axis| node.xyz_m[axis])).collect();
+        let around = Rectangle::around(&positions)?;
+        let is_plane = around.x_max > around.x_min && around.y_max > around.y_min;
+        is_plane.then_some(Self { axes, around })
+    }
+
+    /// The plane x, y around given positions, m.
+    pub(super) fn around(positions: &[Position]) -> Option<Self> {
+        let around = Rectangle::around(positions)?;
+        (around.x_max > around.x_min && around.y_max > around.y_min).then_some(Self { axes: [0, 1], around })
+    }
+
+    /// The same plane, only so far as the given positions go.
+    pub(super) fn over(&self, positions: &[Position]) -> Option<Self> {
+        Some(Self { around: Rectangle::around(positions)?, ..*self })
+    }
+
+    /// Position of a DOF's node, m.
+    pub(super) fn position(&self, nodes: &[Node], dof: &Dof) -> Option<Position> {
+        let node = nodes.iter().find(|node| node.label == dof.node)?;
+        Some(self.axes.map(|axis| node.xyz_m[axis]))
+    }
+
+    /// A map of this plane without layers.
+    pub(super) fn chart(&self, highest_px: f64) -> Chart {
+        let Rectangle { x_min, y_min, x_max, y_max } = self.around;
+        let border = sizes::MAP_BORDER * (x_max - x_min).max(y_max - y_min);
+        let name = |which: usize| ["x", "y", "z"][self.axes[which]];
+        let axis = |which, low: f64, high: f64| Axis::linear(name(which), "mm").range([1e3 * (low - border), 1e3 * (high + border)]);
+        let mut chart = Chart::new(axis(0, x_min, x_max), axis(1, y_min, y_max)).height(Height::EqualScales(highest_px));
+        chart.grid = false;
+        chart
+    }
+}
+
+/// From m to the mm of the maps.
+pub(super) fn mm(position: Position) -> Place {
+    position.map(|value| 1e3 * value)
+}
+
+/// Corners of a rectangle, mm.
+pub(super) fn corners_mm(rectangle: Rectangle) -> Vec<Place> {
+    rectangle.corners().into_iter().map(mm).collect()
+}

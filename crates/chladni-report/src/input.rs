@@ -1,0 +1,183 @@
+//! What a report is made of.
+
+use chladni_frf::{Error, FrfKind, FrfSet, ModalModel, ReferenceUnit, Result};
+use chladni_render::{AreaField, Evaluation, Field, Indices, Limits, Rendering, Weights, ZoneMap};
+use num_complex::Complex64;
+
+/// What a report is made of; every part may be missing, and the report says so.
+#[derive(Debug, Clone, Default)]
+pub struct ReportInput<'a> {
+    /// Title of the page.
+    pub title: String,
+    /// The modal model.
+    pub model: Option<&'a ModalModel>,
+    /// The FRFs it was fitted to; without them the report shows its synthesis alone.
+    pub measured: Option<&'a FrfSet>,
+    /// Scenes that were rendered, in order.
+    pub scenes: Vec<RenderedScene<'a>>,
+    /// What the caller has to say, as that the measured file is gone.
+    pub warnings: Vec<String>,
+}
+
+/// Weights for a scene and, where it is at hand, the field that they make.
+#[derive(Debug, Clone, Copy)]
+pub struct RenderedScene<'a> {
+    /// The weights.
+    pub weights: &'a Weights,
+    /// The field; weights files do not carry it.
+    pub shown: Option<ShownField<'a>>,
+}
+
+/// The field that weights make, and what was asked of it.
+#[derive(Debug, Clone, Copy)]
+pub struct ShownField<'a> {
+    /// What it was computed on, in words: `the model`, `panel.h5 at 300 Hz`.
+    pub on: &'a str,
+    /// Velocities at the responses.
+    pub field: &'a Field,
+    /// Velocities between them.
+    pub area: Option<&'a AreaField>,
+    /// Zones.
+    pub zones: &'a ZoneMap,
+    /// Velocity limits.
+    pub limits: Limits,
+    /// Indices of this field.
+    pub indices: &'a Indices,
+    /// What the user must know of this field, beside the warnings of the weights.
+    pub warnings: &'a [String],
+}
+
+impl<'a> RenderedScene<'a> {
+    /// A rendering, with its field in the model.
+    pub fn of_rendering(rendering: &'a Rendering) -> Self {
+        let shown = ShownField {
+            on: "the model",
+            field: &rendering.field,
+            area: rendering.area.as_ref(),
+            zones: &rendering.zones,
+            limits: rendering.limits,
+            indices: &rendering.weights.indices,
+            warnings: &[],
+        };
+        Self { weights: &rendering.weights, shown: Some(shown) }
+    }
+
+    /// Weights and their field on other data; `on` names the data.
+    pub fn of_evaluation(weights: &'a Weights, evaluation: &'a Evaluation, on: &'a str) -> Self {
+        let shown = ShownField {
+            on,
+            field: &evaluation.field,
+            area: evaluation.area.as_ref(),
+            zones: &evaluation.zones,
+            limits: evaluation.limits,
+            indices: &evaluation.indices,
+            warnings: &evaluation.warnings,
+        };
+        Self { weights, shown: Some(shown) }
+    }
+
+    /// Weights alone.
+    pub fn of_weights(weights: &'a Weights) -> Self {
+        Self { weights, shown: None }
+    }
+}
+
+/// Measured FRFs in the order and kind of a model.
+#[derive(Debug, Clone)]
+pub(crate) struct Measured<'a> {
+    set: &'a FrfSet,
+    /// Index in the set and sense, per response of the model.
+    responses: Vec<Option<(usize, f64)>>,
+    /// The same per reference.
+    references: Vec<Option<(usize, f64)>>,
+    factors: Vec<Complex64>,
+}
+
+impl<'a> Measured<'a> {
+    /// Finds the model's DOFs in the set.
+    ///
+    /// # Errors
+    /// Another reference unit, an unknown FRF kind, or no pair of the model in the set.
+    pub(crate) fn new(set: &'a FrfSet, model: &ModalModel) -> Result<Self> {
+        if set.reference_unit != model.reference_unit {
+            return Err(Error::bad_data("the measured FRFs and the model have different reference units")
+                .field("reference_unit")
+                .found(set.reference_unit)
+                .expected(model.reference_unit));
+        }
+        let kind = set.known_kind()?;
+        let find = |wanted: &[chladni_frf::Dof], among: &[chladni_frf::Dof]| -> Vec<Option<(usize, f64)>> {
+            let position = |dof: &chladni_frf::Dof| {
+                let k = among.iter().position(|other| other.same_axis(*dof))?;
+                Some((k, dof.direction.sign() * among[k].direction.sign()))
+            };
+            wanted.iter().map(position).collect()
+        };
+        let (responses, references) = (find(&model.responses, &set.responses), find(&model.references, &set.references));
+        if responses.iter().all(Option::is_none) || references.iter().all(Option::is_none) {
+            return Err(Error::bad_data("the measured FRFs hold no DOF pair of the model")
+                .field("measured FRFs")
+                .expected("the FRFs that the model was fitted to")
+                .help("leave the measured FRFs out, or give the file that the model names as its source"));
+        }
+        let factor = |&f: &f64| {
+            let omega = std::f64::consts::TAU * f;
+            model.frf_kind.from_receptance(omega) / kind.from_receptance(omega)
+        };
+        Ok(Self { set, responses, references, factors: set.frequency_hz.iter().map(factor).collect() })
+    }
+
+    /// The set's own DOFs and kind, where there is no model.
+    pub(crate) fn alone(set: &'a FrfSet) -> Self {
+        let all = |count: usize| (0..count).map(|k| Some((k, 1.0))).collect();
+        Self {
+            set,
+            responses: all(set.responses.len()),
+            references: all(set.references.len()),
+            factors: vec![Complex64::new(1.0, 0.0); set.frequency_hz.len()],
+        }
+    }
+
+    /// The value of a pair of the model on a line; NaN where it was not measured.
+    pub(crate) fn value(&self, response: usize, reference: usize, line: usize) -> Complex64 {
+        match (self.responses[response], self.references[reference]) {
+            (Some((i, a)), Some((j, b))) => self.set.values.get(i, j, line) * self.factors[line] * (a * b),
+            _ => Complex64::new(f64::NAN, f64::NAN),
+        }
+    }
+
+    /// True where the pair has a value on some line.
+    pub(crate) fn has(&self, response: usize, reference: usize) -> bool {
+        (0..self.factors.len()).any(|line| self.value(response, reference, line).is_finite())
+    }
+}
+
+/// Kind and unit of the FRFs that a report shows.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Quantity {
+    pub(crate) kind: Option<FrfKind>,
+    pub(crate) reference_unit: ReferenceUnit,
+}
+
+impl Quantity {
+    /// `Mobility`, or `FRF` where the kind is unknown.
+    pub(crate) fn name(self) -> &'static str {
+        match self.kind {
+            Some(FrfKind::Receptance) => "Receptance",
+            Some(FrfKind::Mobility) => "Mobility",
+            Some(FrfKind::Accelerance) => "Accelerance",
+            None => "FRF",
+        }
+    }
+
+    /// `dB re 1 (m/s)/N`.
+    pub(crate) fn level_unit(self) -> String {
+        let per = self.reference_unit;
+        match self.kind {
+            Some(FrfKind::Receptance) => format!("dB re 1 m/{per}"),
+            Some(FrfKind::Mobility) => format!("dB re 1 (m/s)/{per}"),
+            Some(FrfKind::Accelerance) => format!("dB re 1 (m/s²)/{per}"),
+            None => "dB re the file's unit".into(),
+        }
+    }
+}

@@ -1,0 +1,41 @@
+//! Sizes, ranges and counts of the pictures: what to turn when they should look different.
+
+/// Width of a figure over the whole page, px.
+pub(crate) const WIDE_PX: f64 = 820.0;
+/// Width of a map of the panel, px.
+pub(crate) const MAP_PX: f64 = 620.0;
+/// Width of a mode shape, px.
+pub(crate) const SHAPE_PX: f64 = 430.0;
+/// Pixels of a PNG file per px of the picture.
+pub(crate) const PNG_SCALE: f64 = 2.0;
+
+/// DOF pairs whose FRFs are shown. Each costs 50 to 100 kB of the page; all 2618 pairs of the demonstration panel would cost 200 MB.
+pub(crate) const PAIRS: usize = 12;
+/// Driving points among them at most.
+pub(crate) const DRIVING_POINTS: usize = 3;
+/// Lines of a synthesis without measured frequency axis.
+pub(crate) const SYNTHESIS_LINES: usize = 1000;
+/// Levels of amplitude below the largest one that are shown, dB; what lies deeper tells nothing and would flatten the curves.
+pub(crate) const AMPLITUDE_RANGE_DB: f64 = 100.0;
+/// Singular values shown in a CMIF, six at most.
+pub(crate) const SINGULAR_VALUES: usize = 6;
+/// Mode shapes shown; each costs about 25 kB of the page.
+pub(crate) const MODE_SHAPES: usize = 80;
+/// Modes of an AutoMAC whose cells carry their numbers.
+pub(crate) const NUMBERED_MODES: usize = 26;
+/// Modes of an AutoMAC.
+pub(crate) const MAC_MODES: usize = 150;
+
+/// Columns of the pixels of a mode shape.
+pub(crate) const SHAPE_COLUMNS: usize = 120;
+/// Columns of the pixels of a field map.
+pub(crate) const FIELD_COLUMNS: usize = 360;
+/// Ends of the field map's colours, dB re threshold.
+pub(crate) const FIELD_RANGE_DB: f64 = 12.0;
+/// Free ground around the nodes on maps, part of their larger extent.
+pub(crate) const MAP_BORDER: f64 = 0.07;
+
+/// Bounds are so many standard deviations: 95 % of a normal distribution.
+pub(crate) const SIGMAS: f64 = 1.96;
+/// MAC beside the diagonal that calls for attention: two shapes that agree so far are hardly two modes.
+pub(crate) const HIGH_MAC: f64 = 0.5;
