@@ -223,7 +223,7 @@ pub fn text(model: &ModalModel, verbose: bool) -> String {
     let mut text = if rows.is_empty() { String::new() } else { table(&HEADER, &rows) };
     text += &format!("{} between {low} and {high} Hz, {law} damping, {scaling}", counted(modes, "mode"));
     if outside > 0 {
-        text += &format!("; {} outside the band stand for the rest", counted(outside, "pole"));
+        text += &format!("; the rest: {} outside the band", counted(outside, "pole"));
     }
     text += &format!(
         "; method {}, residual {} % of the data, {}\n",

@@ -1,7 +1,6 @@
 //! The command line of Chladni: arguments, progress, messages, exit codes. One file per command; no arithmetic here.
 
 // the error carries file, line, field and advice; it is built once, where a run ends
-#![allow(clippy::result_large_err)]
 
 mod args;
 mod console;

@@ -15,7 +15,8 @@ pub fn asks_for_json(args: impl Iterator<Item = OsString>) -> bool {
 
 /// Help and version go to stdout (exit 0), errors to stderr (exit 2).
 pub fn report(answer: &clap::Error, json: bool) -> ExitCode {
-    if !answer.use_stderr() || answer.kind() == ClapKind::DisplayHelpOnMissingArgumentOrSubcommand {
+    let no_command = answer.kind() == ClapKind::DisplayHelpOnMissingArgumentOrSubcommand;
+    if !answer.use_stderr() || (no_command && !json) {
         // a reader that has seen enough is no error
         drop(answer.print());
         return ExitCode::from(u8::try_from(answer.exit_code()).unwrap_or(ErrorKind::Usage.exit_code()));
@@ -44,6 +45,7 @@ fn error_of(answer: &clap::Error) -> Error {
                 None => "a command".into(),
             },
         ),
+        ClapKind::DisplayHelpOnMissingArgumentOrSubcommand | ClapKind::MissingSubcommand => error.found("nothing").expected("a command"),
         ClapKind::MissingRequiredArgument => error.found("nothing").expected(argument.unwrap_or_default()),
         ClapKind::ArgumentConflict => error.field(argument.unwrap_or_default()).expected(match context(ContextKind::PriorArg) {
             Some(prior) => format!("either this or {prior}"),
@@ -100,6 +102,7 @@ fn message(answer: &clap::Error) -> String {
     match answer.kind() {
         ClapKind::UnknownArgument => "no such option".into(),
         ClapKind::InvalidSubcommand => "no such command".into(),
+        ClapKind::DisplayHelpOnMissingArgumentOrSubcommand | ClapKind::MissingSubcommand => "no command is given".into(),
         ClapKind::MissingRequiredArgument => "something is missing".into(),
         ClapKind::ArgumentConflict => "these options exclude each other".into(),
         ClapKind::InvalidValue if answer.get(ContextKind::InvalidValue).map(words).is_none_or(|value| value.is_empty()) => {

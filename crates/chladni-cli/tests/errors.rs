@@ -97,7 +97,8 @@ fn help_and_version_are_no_errors_and_begin_with_examples() {
         let help = folder.run(&format!("{command} --help")).exits(0).stdout;
         assert!(help.starts_with("Examples:") && help.contains(&format!("chladni {command}")), "{command}: {help}");
     }
-    folder.run("").exits(2);
+    assert!(folder.run("").exits(2).stderr.contains("Usage:"));
+    assert_eq!(folder.run("--json").exits(2).json()["error"]["expected"], "a command");
     folder.run("man fit").exits(0);
     folder.run("man fix").exits(2);
     folder.run("completions zsh").exits(0);

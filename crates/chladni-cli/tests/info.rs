@@ -49,7 +49,10 @@ fn one_missing_file_does_not_hide_the_others() {
     let folder = Folder::with_panel();
     let run = folder.run("info panel.h5 nowhere.h5 truth.json --json").exits(1);
     let files = run.json()["files"].as_array().unwrap().clone();
-    assert_eq!(files.iter().map(|file| file["format"].clone()).collect::<Vec<_>>(), ["hdf5".into(), serde_json::Value::Null, "model".into()]);
+    assert_eq!(
+        files.iter().map(|file| file["format"].clone()).collect::<Vec<_>>(),
+        ["hdf5".into(), serde_json::Value::Null, "model".into()]
+    );
     let modes = files[2]["datasets"].as_array().unwrap();
     assert!(modes.iter().all(|mode| mode["frequency_hz"].is_number()));
 }

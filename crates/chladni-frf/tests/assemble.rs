@@ -126,6 +126,21 @@ fn axes_agree_within_half_a_line_or_both_records_are_named() {
 }
 
 #[test]
+fn single_lines_must_be_the_same_and_a_falling_axis_is_named() {
+    let one_line = |response: &str, f: f64| Function {
+        abscissa: Abscissa::Uneven(vec![f]),
+        ordinate: Ordinate::Complex64(vec![Complex64::new(1.0, 1.0)]),
+        ..frf(response, "9:+Z", 1.0)
+    };
+    let pair = |f: f64| vec![document("a.uff", vec![one_line("1:+Z", 300.0), one_line("2:+Z", f)])];
+    assert!(merge(pair(300.0), &ReadOptions::default()).is_ok());
+    assert!(merge(pair(301.0), &ReadOptions::default()).unwrap_err().to_string().contains("one line at 301 Hz"));
+    let falling = Function { abscissa: Abscissa::Even { start: 5.0, step: -1.0 }, ..frf("1:+Z", "9:+Z", 1.0) };
+    let text = merge(vec![document("a.uff", vec![falling])], &ReadOptions::default()).unwrap_err().to_string();
+    assert!(text.contains("a.uff line 12") && text.contains("3 lines 5..3 Hz"), "{text}");
+}
+
+#[test]
 fn kinds_and_reference_units_must_agree_unless_the_user_says_the_kind() {
     let other = Function { kind: None, ..frf("2:+Z", "9:+Z", 1.0) };
     let documents = || vec![document("a.uff", vec![frf("1:+Z", "9:+Z", 1.0)]), document("b.uff", vec![other.clone()])];

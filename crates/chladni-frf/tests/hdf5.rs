@@ -70,7 +70,8 @@ fn single_precision_stays_single_and_missing_pairs_stay_missing() {
     write_frf(&path, &set, false).unwrap();
     let (back, warnings) = read_one(&path, &ReadOptions::default()).unwrap();
     assert_same(&back, &set);
-    assert!(warnings.iter().any(|warning| warning.contains("(2:+Z, 101:-Z)")), "{warnings:?}");
+    let text = warnings.join("\n");
+    assert!(text.contains("(2:+Z, 101:-Z)") && text.contains("1 lines are NaN in the file: masked"), "{text}");
 }
 
 #[test]
@@ -103,7 +104,7 @@ fn other_functions_and_geometry_travel_without_frfs() {
     ];
     let contents = Contents { functions: functions.clone(), other_geometry: set(1, 1, 1).geometry, ..Contents::default() };
     write_contents(&path, &contents, false).unwrap();
-    let back = read_contents(&[path.clone()], &ReadOptions::default()).unwrap();
+    let back = read_contents(std::slice::from_ref(&path), &ReadOptions::default()).unwrap();
     assert_eq!(back.functions, functions);
     assert_eq!(back.geometry(), contents.geometry());
     assert!(back.frf.is_none());
@@ -157,7 +158,7 @@ fn damaged_files_are_refused_and_never_panic() {
         println!("skipped: the C library does not survive every damaged file");
         return;
     }
-    for at in (8..bytes.len()).step_by(31) {
+    for at in (8..bytes.len()).step_by(61) {
         let mut changed = bytes.clone();
         changed[at] ^= 0xff;
         std::fs::write(&cut, &changed).unwrap();
@@ -181,7 +182,7 @@ fn another_version_is_refused() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(32))]
+    #![proptest_config(ProptestConfig::with_cases(16))]
     #[test]
     fn any_set_survives_the_round_trip(
         responses in 1_usize..4, references in 1_usize..4, lines in 1_usize..6,

@@ -179,6 +179,15 @@ fn axes_of_equal_length_need_names() {
 }
 
 #[test]
+fn an_array_of_four_axes_is_refused() {
+    let mut file = FileBuilder::new();
+    r_i(file.create_dataset("H"), &nested(['i', 'j', 'k']), &[1, 3, 2, LINES]);
+    file.create_dataset("f").with_f64_data(&frequencies());
+    let text = read(file, &[("frf", "H"), ("freq", "f")]).unwrap_err().to_string();
+    assert!(text.contains("at most three axes") && text.contains("[1, 3, 2, 5]"), "{text}");
+}
+
+#[test]
 fn a_file_without_frfs_says_so() {
     let mut file = FileBuilder::new();
     file.create_dataset("numbers").with_f64_data(&[1.0, 2.0]);

@@ -17,7 +17,6 @@
 //! series (Leissa's 36 beam products) are upper bounds and lie 0.1 to 1 % above these.
 
 // the error carries file, line, field and advice; it is built once, where a run ends
-#![allow(clippy::result_large_err)]
 
 mod cramer_rao;
 mod edge_basis;

@@ -27,7 +27,6 @@
 //! ```
 
 // The one error type of the workspace is large and rare.
-#![allow(clippy::result_large_err)]
 
 mod covariance;
 mod evaluate;

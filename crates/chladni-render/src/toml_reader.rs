@@ -53,7 +53,7 @@ impl<'a> Table<'a> {
         let name = key.get_ref().as_ref();
         let elsewhere = keys.iter().find(|(other, known)| *other != table && known.contains(&name));
         let help = match elsewhere {
-            Some((other, _)) if other.is_empty() => format!("`{name}` stands at the top of the file, before any [table]"),
+            Some(("", _)) => format!("`{name}` stands at the top of the file, before any [table]"),
             Some((other, _)) => format!("`{name}` belongs into [{other}]"),
             None => format!("did you mean `{}`? Known keys here: {}", nearest(name, known), known.join(", ")),
         };

@@ -8,7 +8,6 @@
 //! The same input gives the same bytes: no clock, no host, no fonts of the machine.
 
 // the error carries file, line, field and advice; it is built once, where a run ends
-#![allow(clippy::result_large_err)]
 
 mod chart;
 mod comparison;

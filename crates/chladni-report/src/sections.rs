@@ -100,7 +100,11 @@ fn frf_section(comparison: &Comparison) -> Section {
     } else if comparison.model.is_none() {
         words = format!("There is no model: only the measured FRFs are shown. {words}");
     }
-    let heading = if comparison.measured.is_some() && comparison.model.is_some() { "Measured FRFs and synthesis" } else { "FRFs" };
+    let both = comparison.measured.is_some() && comparison.model.is_some();
+    if both {
+        words += " The difference of a pair is the rms of measured minus synthesised values over the rms of the measured ones, in the fitted band.";
+    }
+    let heading = if both { "Measured FRFs and synthesis" } else { "FRFs" };
     let mut blocks = vec![Block::Html(format!("<p>{words}</p>")), Block::figure(figures::frf_sum(comparison, &sums))];
     if !overlays.is_empty() {
         blocks.push(Block::Choice { label: "Response / reference".into(), figures: overlays });

@@ -1,7 +1,7 @@
 //! The fit: screen, find poles, choose the damping law, residues, shapes, model.
 
 use crate::error::FitError;
-use crate::law::{chance, choose};
+use crate::law::{chance, choose, Law, UNDECIDABLE};
 use crate::measured::measured_path;
 use crate::methods::{grfp, rfp, ClassicPoles};
 use crate::model::{assemble, Found, Identified, Pole};
@@ -87,8 +87,19 @@ fn fit_classic(
         warnings: classic.warnings,
         consistent: true,
     };
-    Ok(Fit { model: assemble(data, identified, options)?, history: Vec::new() })
+    let mut model = assemble(data, identified, options)?;
+    if model.quality.relative_error > CLASSIC_RESIDUAL {
+        model.quality.trusted = false;
+        model.quality.warnings.push(format!(
+            "{:.0} % of the data are left unexplained: modes are missing or wrong; use --method auto, or a narrower --band",
+            100.0 * model.quality.relative_error
+        ));
+    }
+    Ok(Fit { model, history: Vec::new() })
 }
+
+/// Rms residual over rms data beyond which a classic fit is not trusted: it has no other way to know that it failed.
+const CLASSIC_RESIDUAL: f64 = 0.2;
 
 fn fit_auto(data: &Screened, options: &FitOptions, progress: &dyn Fn(&str)) -> Result<Fit, FitError> {
     let (found, history) = match fast_chain(data, options.seed, options.modes, progress)? {
@@ -101,10 +112,24 @@ fn fit_auto(data: &Screened, options: &FitOptions, progress: &dyn Fn(&str)) -> R
     };
     progress("damping law");
     let chance = chance(&found.work, found.variance);
-    let least_gain = if found.spread.is_some() { chance.max(LAW_SHARE * found.refined.projection.sse) } else { chance };
-    let law = choose(&found.work, &found.refined, least_gain, options.damping)?;
+    let measured = found.spread.is_some();
+    let least_gain = if measured { chance.max(LAW_SHARE * found.refined.projection.sse) } else { chance };
+    let mut law = choose(&found.work, &found.refined, least_gain, measured, options.damping)?;
     progress("shapes");
-    let model = assemble(data, Identified::new(found, law)?, options)?;
+    let undecided = law.undecided.take();
+    let open = options.damping.is_none() && law.damping == Damping::Structural && !found.refined.lambda.is_empty();
+    let twin = undecided.map(|fit| Law { damping: Damping::Viscous, viscous: Some(fit), undecided: None });
+    let freedom = found.variance * (found.work.lines() * found.work.columns()) as f64;
+    let other = twin.map(|twin| Identified::new(found.clone(), twin)).transpose()?;
+    let mut model = assemble(data, Identified::new(found, law)?, options)?;
+    match other.map(|other| assemble(data, other, options)).transpose()? {
+        // one shape for all references tells the laws apart where free residues absorb the difference
+        Some(other) if (model.quality.chi2_per_dof - other.quality.chi2_per_dof) * freedom > least_gain => model = other,
+        Some(other) if (other.quality.chi2_per_dof - model.quality.chi2_per_dof) * freedom > least_gain => {}
+        Some(_) => model.quality.warnings.push(UNDECIDABLE.into()),
+        None if open && measured => model.quality.warnings.push(UNDECIDABLE.into()),
+        None => {}
+    }
     Ok(Fit { model, history })
 }
 

@@ -21,8 +21,8 @@ pub(crate) struct Law {
     pub damping: Damping,
     /// Viscous fit where it was made and chosen.
     pub viscous: Option<ViscousFit>,
-    /// Warning where the data cannot decide.
-    pub warning: Option<String>,
+    /// The viscous fit where free residues cannot decide.
+    pub undecided: Option<ViscousFit>,
 }
 
 /// True where the viscous law can express the pole: stable and under-damped.
@@ -36,27 +36,30 @@ pub(crate) fn chance(work: &Work, variance: f64) -> f64 {
     threshold(work.columns(), work.lines()) * variance
 }
 
-/// Fits the viscous twin where it is asked for or the evidence must decide: by a difference of more than `least_gain`.
-pub(crate) fn choose(work: &Work, refined: &Refined, least_gain: f64, asked: Option<Damping>) -> Result<Law, LinalgError> {
-    let structural = Law { damping: Damping::Structural, viscous: None, warning: None };
+/// Fits the viscous twin where it is asked for or the evidence must decide: by a difference of more than `least_gain`, or
+/// not at all for light damping where `measured` line shapes are no pure resonances.
+pub(crate) fn choose(work: &Work, refined: &Refined, least_gain: f64, measured: bool, asked: Option<Damping>) -> Result<Law, LinalgError> {
+    let structural = |undecided| Law { damping: Damping::Structural, viscous: None, undecided };
     if asked == Some(Damping::Structural) || refined.lambda.is_empty() {
-        return Ok(structural);
+        return Ok(structural(None));
+    }
+    let heaviest = refined.lambda.iter().filter(|l| work.in_band(**l)).map(|l| l.im / l.re).fold(0.0, f64::max);
+    if asked.is_none() && measured && heaviest < tol::LAW_ALIKE {
+        return Ok(structural(None));
     }
     let start: Vec<Complex64> = refined.lambda.iter().copied().filter(|l| expressible_pole(*l)).map(from_structural).collect();
-    let fit = refine_viscous(work, &start, &POWERS, tol::REFINE_FINE, if asked.is_some() { tol::FINE_STEP } else { tol::ROUGH_STEP })?;
-    if asked == Some(Damping::Viscous) {
-        return Ok(Law { damping: Damping::Viscous, viscous: Some(fit), warning: None });
-    }
-    // poles that the viscous law cannot express make it poorer: where it wins all the same, it wins
-    let comparable = start.len() == refined.lambda.len();
+    let tolerance = if asked.is_some() { tol::FINE_STEP } else { tol::ROUGH_STEP };
+    let fit = refine_viscous(work, &start, &POWERS, tol::REFINE_FINE, tolerance)?;
     let gain = refined.projection.sse - fit.sse;
-    if gain > least_gain {
-        return Ok(Law { damping: Damping::Viscous, viscous: Some(fit), warning: None });
+    if asked == Some(Damping::Viscous) || gain > least_gain {
+        return Ok(Law { damping: Damping::Viscous, viscous: Some(fit), undecided: None });
     }
-    let warning = (gain > -least_gain || !comparable).then(|| {
-        "damping law undecidable: structural and viscous damping explain these data equally well; the numbers follow the structural law \
-         (say --damping viscous for the other; frequencies differ by about η²/4)"
-            .to_string()
-    });
-    Ok(Law { warning, ..structural })
+    // poles that the viscous law cannot express make it poorer: a narrow loss proves nothing then
+    let comparable = start.len() == refined.lambda.len();
+    Ok(structural((gain > -least_gain || !comparable).then_some(fit)))
 }
+
+/// What is said where neither free residues nor common shapes decide.
+pub(crate) const UNDECIDABLE: &str =
+    "damping law undecidable: structural and viscous damping explain these data equally well; the numbers follow the \
+    structural law (say --damping viscous for the other; frequencies differ by about η²/4)";

@@ -1,6 +1,9 @@
 //! Modal identification from FRFs: natural frequencies, loss factors, mode shapes and their error bars, without a person
 //! picking poles.
-#![allow(dead_code)]
+//!
+//! The walk is in `fit.rs`: screen the data, run the fast chain (maximum likelihood for white noise), hand over to the
+//! measured-data path where the residual is not white, choose the damping law, turn residues into shapes. The equations are
+//! in `docs/theory.md`; every constant is in `tolerances.rs`.
 
 mod error;
 mod fit;
@@ -25,5 +28,5 @@ mod work;
 
 pub use error::FitError;
 pub use fit::{fit, Fit};
-pub use validation::{cmif, mac, mac_matrix, mpc};
 pub use options::{FitOptions, Method};
+pub use validation::{cmif, mac, mac_matrix, mpc};

@@ -5,8 +5,8 @@ use crate::law::Law;
 use crate::options::FitOptions;
 use crate::refine::Refined;
 use crate::screen::Screened;
-use crate::tolerances as tol;
 use crate::structure::{low_rank, schur_weight, significant_rank, Residues, Shapes};
+use crate::tolerances as tol;
 use crate::validation::mpc;
 use crate::viscous::viscous_basis;
 use crate::work::{basis, Work};
@@ -122,7 +122,9 @@ impl Identified {
                 .map(|(n, (&s, source))| {
                     let grade = poles[source].grade.clone();
                     let covariance = match &own {
-                        Some(own) => [[own[[2 * n, 2 * n]], own[[2 * n, 2 * n + 1]]], [own[[2 * n + 1, 2 * n]], own[[2 * n + 1, 2 * n + 1]]]],
+                        Some(own) => {
+                            [[own[[2 * n, 2 * n]], own[[2 * n, 2 * n + 1]]], [own[[2 * n + 1, 2 * n]], own[[2 * n + 1, 2 * n + 1]]]]
+                        }
                         // |ds| = |dλ|/(2|√λ|), alike in all directions
                         None => {
                             let c = 0.5 * structural[source] / (4.0 * refined.lambda[source].norm());
@@ -133,14 +135,12 @@ impl Identified {
                 })
                 .collect();
         }
-        let mut all_warnings = warnings;
-        all_warnings.extend(law.warning);
-        Ok(Self { damping: law.damping, poles, powers: refined.powers, work, back, variance, path, warnings: all_warnings, consistent })
+        Ok(Self { damping: law.damping, poles, powers: refined.powers, work, back, variance, path, warnings, consistent })
     }
 }
 
 /// What a path hands over.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Found {
     /// Poles in the x plane with their linear part.
     pub refined: Refined,
@@ -204,7 +204,9 @@ fn linear(work: &Work, damping: Damping, poles: &[Complex64], powers: &[i32]) ->
             let solution = lstsq(a.view(), b.view())?;
             let sse = (&b - &matmul(a.view(), solution.view())).iter().map(|v| v * v).sum();
             let pairs = |from: usize, count: usize| {
-                Array2::from_shape_fn((count, work.columns()), |(i, c)| Complex64::new(solution[[from + 2 * i, c]], solution[[from + 2 * i + 1, c]]))
+                Array2::from_shape_fn((count, work.columns()), |(i, c)| {
+                    Complex64::new(solution[[from + 2 * i, c]], solution[[from + 2 * i + 1, c]])
+                })
             };
             // near-pole columns weigh the residues: the far pole adds a smooth part of order η
             let near = Array2::from_shape_fn((lines, n).f(), |(k, i)| work.g[k] / (Complex64::new(0.0, work.x[k].sqrt()) - poles[i]));
@@ -227,7 +229,8 @@ impl Answer {
             Self::Structural(answer) => *terms = &*terms - &matmul(answer.view(), change.view()),
             Self::Viscous(answer) => {
                 let (n, m) = change.dim();
-                let stacked = Array2::from_shape_fn((2 * n, m).f(), |(i, c)| if i % 2 == 0 { change[[i / 2, c]].re } else { change[[i / 2, c]].im });
+                let stacked =
+                    Array2::from_shape_fn((2 * n, m).f(), |(i, c)| if i % 2 == 0 { change[[i / 2, c]].re } else { change[[i / 2, c]].im });
                 let shift = matmul(answer.view(), stacked.view());
                 for ((i, c), value) in terms.indexed_iter_mut() {
                     *value -= Complex64::new(shift[[2 * i, c]], shift[[2 * i + 1, c]]);
@@ -392,7 +395,14 @@ fn rejected_mode(data: &Screened, pole: &Pole) -> Mode {
 }
 
 /// Modes in SI units, scaled by a driving point where there is one.
-fn modes(data: &Screened, damping: Damping, poles: &[Pole], shapes: &Shapes, variance: f64, warnings: &mut Vec<String>) -> (Vec<Mode>, Scaling) {
+fn modes(
+    data: &Screened,
+    damping: Damping,
+    poles: &[Pole],
+    shapes: &Shapes,
+    variance: f64,
+    warnings: &mut Vec<String>,
+) -> (Vec<Mode>, Scaling) {
     let kind_power = data.kind.omega_power();
     // (response index, reference index, sign) of driving points
     let driving: Vec<(usize, usize, f64)> = data
@@ -401,7 +411,12 @@ fn modes(data: &Screened, damping: Damping, poles: &[Pole], shapes: &Shapes, var
         .iter()
         .enumerate()
         .flat_map(|(i, r)| {
-            data.frf.references.iter().enumerate().filter(move |(_, f)| r.same_axis(**f)).map(move |(j, f)| (i, j, r.direction.sign() * f.direction.sign()))
+            data.frf
+                .references
+                .iter()
+                .enumerate()
+                .filter(move |(_, f)| r.same_axis(**f))
+                .map(move |(j, f)| (i, j, r.direction.sign() * f.direction.sign()))
         })
         .collect();
     let massed = !driving.is_empty() && data.frf.reference_unit == chladni_frf::ReferenceUnit::Newton;
@@ -422,15 +437,27 @@ fn modes(data: &Screened, damping: Damping, poles: &[Pole], shapes: &Shapes, var
                 // t² = Σ sign·conj(s)·L / Σ|s|² makes shape·t and participation/t agree at the driving points
                 let up: Complex64 = driving.iter().map(|&(i, j, sign)| shape[i].conj() * participation[j] * sign).sum();
                 let down: f64 = driving.iter().map(|&(i, _, _)| shape[i].norm_sqr()).sum();
-                if down > 0.0 { (up / down).sqrt() } else { Complex64::new(1.0, 0.0) }
+                if down > 0.0 {
+                    (up / down).sqrt()
+                } else {
+                    Complex64::new(1.0, 0.0)
+                }
             } else {
                 let largest = shape.iter().copied().max_by(|a, b| a.norm_sqr().total_cmp(&b.norm_sqr())).unwrap_or_default();
-                if largest.norm() > 0.0 { largest.inv() } else { Complex64::new(1.0, 0.0) }
+                if largest.norm() > 0.0 {
+                    largest.inv()
+                } else {
+                    Complex64::new(1.0, 0.0)
+                }
             };
             let mut deviation: Vec<f64> = shapes.shape_variance.row(n).iter().map(|v| (variance * v).sqrt() * factor.norm()).collect();
             shape.iter_mut().for_each(|v| *v *= factor);
             participation.iter_mut().for_each(|v| *v /= factor);
-            deviation.iter_mut().for_each(|v| if !v.is_finite() { *v = 0.0 });
+            deviation.iter_mut().for_each(|v| {
+                if !v.is_finite() {
+                    *v = 0.0
+                }
+            });
             let frequency_hz = pole.omega * data.omega_max / TAU;
             Mode {
                 frequency_hz,

@@ -11,8 +11,8 @@ use crate::screen::Screened;
 use crate::seeds::{fourth_difference_noise, peaks, thinned};
 use crate::tolerances as tol;
 use crate::whiteness::{judge, Whiteness};
-use crate::work::{line_energy, Work};
-use chladni_linalg::{svd_thin, LinalgError};
+use crate::work::{basis, line_energy, Work};
+use chladni_linalg::{qr_thin, svd_thin, LinalgError};
 use ndarray::{Array1, Array2, Axis};
 use num_complex::Complex64;
 
@@ -82,7 +82,8 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
     progress("pole pool");
     let size = pool_size(&sketch, seeds.len(), asked)?;
     let rows = thinned(&sketch, &peaks);
-    let mixed = mixtures(&sketch.select(&rows), tol::POOL_MIXTURES, seed);
+    let sketch = if rows.len() < sketch.lines() { sketch.select(&rows) } else { sketch };
+    let mixed = mixtures(&sketch, tol::POOL_MIXTURES, seed);
     let pool = vector_fit(&mixed, &starts(&sketch, &seeds, size), &POWERS, tol::POOL_ITERATIONS)?;
     let mut lambda: Vec<Complex64> = pool.lambda.iter().zip(&pool.flipped).filter(|(_, f)| !**f).map(|(p, _)| *p).collect();
 
@@ -105,7 +106,7 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
     settle(&sketch, &mut refined, &mut variance, &mut history)?;
 
     progress("projection");
-    let mut projected = project(data, &refined.projection.q, &energy)?;
+    let mut projected = project_all(data, &refined, &energy)?;
     let mut extra_passes = 0;
     loop {
         let work = &projected.work;
@@ -122,7 +123,7 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
                 let mut more = refined.lambda.clone();
                 more.push(pole);
                 let wider = refine(&sketch, &more, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
-                projected = project(data, &wider.projection.q, &energy)?;
+                projected = project_all(data, &wider, &energy)?;
                 refined = refine(&projected.work, &wider.lambda, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?;
             }
             _ => break,
@@ -137,6 +138,15 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
         return Ok(Outcome::NotWhite(whiteness.evidence));
     }
     Ok(Outcome::White(Box::new(Chain { refined, projected, variance, whiteness, history })))
+}
+
+/// The second pass on all lines, whether or not the poles were found on a thinned record.
+fn project_all(data: &Screened, refined: &Refined, energy: &Array1<f64>) -> Result<Projected, LinalgError> {
+    if refined.projection.q.nrows() == data.lines.len() {
+        return project(data, &refined.projection.q, energy);
+    }
+    let all = Work { x: data.x.clone(), g: data.g.clone(), b: Array2::zeros((data.lines.len(), 0)) };
+    project(data, &qr_thin(basis(&all, &refined.lambda, &refined.powers).view())?.0, energy)
 }
 
 /// True where the same number of stable poles explains the conjugate of the data far better than the data: a passive
@@ -218,7 +228,7 @@ fn scan(work: &Work, refined: &Refined, limit: f64, tried: &[Complex64]) -> Resu
     }
     let mut best: Option<(f64, Complex64)> = None;
     for chunk in grid.chunks(128) {
-        let columns = crate::work::basis(work, chunk, &[]);
+        let columns = basis(work, chunk, &[]);
         let inside = chladni_linalg::matmul_h(refined.projection.q.view(), columns.view());
         let outside = &columns - &chladni_linalg::matmul(refined.projection.q.view(), inside.view());
         let matched = chladni_linalg::matmul_h(outside.view(), refined.projection.residual.view());

@@ -28,9 +28,8 @@ pub(crate) fn mixtures(work: &Work, count: usize, seed: u64) -> Work {
     }
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let scale = 1.0 / (work.columns() as f64).sqrt();
-    let mixing = Array2::from_shape_fn((work.columns(), count).f(), |_| {
-        Complex64::from_polar(scale, rng.random_range(0.0..std::f64::consts::TAU))
-    });
+    let mixing =
+        Array2::from_shape_fn((work.columns(), count).f(), |_| Complex64::from_polar(scale, rng.random_range(0.0..std::f64::consts::TAU)));
     work.with_columns(matmul(work.b.view(), mixing.view()))
 }
 
@@ -130,7 +129,11 @@ fn minimise(gram: &Array2<Complex64>, scale: &[f64], sums: &Array1<Complex64>, t
     loop {
         let matrix = Array2::from_shape_fn((size, size), |(i, j)| {
             let value = gram[[i, j]] * scale[i] * scale[j];
-            if i == j { value + ridge } else { value }
+            if i == j {
+                value + ridge
+            } else {
+                value
+            }
         });
         match solve_hermitian(matrix.view(), right.view()) {
             Ok(solution) => {

@@ -79,9 +79,7 @@ fn newton_system(
     let mut information = matmul_h(outside.view(), outside.view());
     information.zip_mut_with(&products.t(), |h, p| *h *= p);
     let projected = matmul_h(derivative.view(), projection.residual.view());
-    let gradient = Array2::from_shape_fn((n, 1), |(i, _)| {
-        projected.row(i).iter().zip(residues.row(i)).map(|(d, r)| d * r.conj()).sum()
-    });
+    let gradient = Array2::from_shape_fn((n, 1), |(i, _)| projected.row(i).iter().zip(residues.row(i)).map(|(d, r)| d * r.conj()).sum());
     (information, gradient)
 }
 

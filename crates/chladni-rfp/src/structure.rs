@@ -141,9 +141,8 @@ impl Problem<'_> {
                 }
             }
         }
-        let partners = |a: usize| -> Vec<usize> {
-            (0..other).filter(|&b| self.residues.present[if shapes { [a, b] } else { [b, a] }]).collect()
-        };
+        let partners =
+            |a: usize| -> Vec<usize> { (0..other).filter(|&b| self.residues.present[if shapes { [a, b] } else { [b, a] }]).collect() };
         if self.residues.present.iter().all(|p| *p) {
             // one system serves all
             return solve_hermitian(self.normal(fixed, &partners(0)).view(), rights.view());
@@ -171,7 +170,8 @@ impl Problem<'_> {
             for i in 0..responses {
                 for j in 0..references {
                     let value = &mut difference[[n, i * references + j]];
-                    *value = if self.residues.present[[i, j]] { *value + self.residues.values[[n, i, j]] } else { Complex64::new(0.0, 0.0) };
+                    *value =
+                        if self.residues.present[[i, j]] { *value + self.residues.values[[n, i, j]] } else { Complex64::new(0.0, 0.0) };
                 }
             }
         }

@@ -7,6 +7,10 @@ pub(crate) const SKETCH_COLUMNS: usize = 80;
 pub(crate) const POOL_MIXTURES: usize = 8;
 /// Relaxed vector-fitting steps; the poles stand still after five or six.
 pub(crate) const POOL_ITERATIONS: usize = 8;
+/// The same for each of the nine voting runs of the measured-data path: they need agreement, not digits.
+pub(crate) const VOTE_ITERATIONS: usize = 6;
+/// Loss factor below which the two damping laws differ by less (about η²/4 in frequency) than measured line shapes can tell.
+pub(crate) const LAW_ALIKE: f64 = 0.02;
 /// Factor on the noise tail in the significance threshold (theory.md, eq. 8). 1.0 finds one more mode in heavy overlap,
 /// 3 (about BIC) loses one to three there; no spurious mode was seen between.
 pub(crate) const SIGNIFICANCE: f64 = 1.5;

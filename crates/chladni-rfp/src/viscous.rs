@@ -17,14 +17,8 @@ pub(crate) struct ViscousFit {
     pub poles: Vec<Complex64>,
     /// Sum of squares of the residual.
     pub sse: f64,
-    /// Real coefficients: (Re r, Im r) per mode, then (Re c, Im c) per residual term; (2n + 2p, column).
-    pub coefficients: Array2<f64>,
-    /// R of the stacked basis.
-    pub r: Array2<f64>,
     /// Gauss–Newton matrix of (Re s, Im s) per mode, (2n, 2n).
     pub information: Array2<f64>,
-    /// Residual, complex, (line, column).
-    pub residual: Array2<Complex64>,
 }
 
 /// s = j√λ: the viscous pole of the same resonance. Using √Re λ instead is wrong by ζ².
@@ -198,9 +192,5 @@ pub(crate) fn refine_viscous(
         }
     }
     let (information, _) = newton_system(work, &poles, &current, &coefficients);
-    let lines = work.lines();
-    let residual = Array2::from_shape_fn((lines, work.columns()).f(), |(k, c)| {
-        Complex64::new(current.residual[[k, c]], current.residual[[lines + k, c]])
-    });
-    Ok(ViscousFit { poles, sse: current.sse, coefficients, r: current.r, information, residual })
+    Ok(ViscousFit { poles, sse: current.sse, information })
 }

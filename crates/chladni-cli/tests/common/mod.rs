@@ -11,7 +11,8 @@ use tempfile::TempDir;
 pub const PANEL: &str = "[responses]\ngrid = [6, 4]\nspacing_m = 0.035\n[references]\nedge_count = [3, 2]\nspacing_m = 0.06\n\
                          [frf]\nstart_hz = 20.0\nstop_hz = 400.0\nstep_hz = 1.0\n";
 /// The corner at the origin is felt, the rest is quiet.
-pub const SCENE: &str = "frequency_hz = 300.0\n[zones]\ngrid = [2, 2]\nhot = [1]\ncells_m = [0.0, 0.0, 0.268, 0.170]\ntransition_m = 0.02\n";
+pub const SCENE: &str =
+    "frequency_hz = 300.0\n[zones]\ngrid = [2, 2]\nhot = [1]\ncells_m = [0.0, 0.0, 0.268, 0.170]\ntransition_m = 0.02\n";
 
 /// A folder that is gone after the test.
 pub struct Folder(pub TempDir);

@@ -34,6 +34,11 @@ pub fn write_atomically(path: &Path, force: bool, write: impl FnOnce(&mut dyn Wr
 /// # Errors
 /// As [`write_atomically`].
 pub fn create_atomically(path: &Path, force: bool, write: impl FnOnce(&Path) -> Result<()>) -> Result<()> {
+    if is_device(path) {
+        return Err(Error::new(ErrorKind::CannotCreate, "this format needs a file, not a device or pipe")
+            .file(path)
+            .help("give the name of a file with -o"));
+    }
     let target = free_target(path, force)?;
     let temporary = temporary_beside(&target)?.into_temp_path();
     write(&temporary).map_err(|mut error| {
@@ -174,6 +179,16 @@ mod tests {
             let error = write_atomically(&path, true, |_| Ok(())).unwrap_err();
             assert_eq!(error.kind, ErrorKind::CannotCreate, "{error}");
         }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_device_is_written_to_and_never_replaced() {
+        let null = Path::new("/dev/null");
+        write_atomically(null, false, |out| out.write_all(b"gone")).unwrap();
+        let error = create_atomically(null, true, |_| Ok(())).unwrap_err();
+        assert_eq!(error.kind, ErrorKind::CannotCreate);
+        assert!(is_device(null));
     }
 
     #[cfg(unix)]

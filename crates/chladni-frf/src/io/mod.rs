@@ -4,7 +4,6 @@
 //! renamed into it.
 
 // the error carries file, line, field and advice; it is built once, where a run ends
-#![allow(clippy::result_large_err)]
 
 mod assemble;
 mod atomic;

@@ -165,7 +165,7 @@ fn read_numbered(path: &Path, options: &ReadOptions, next_node: &mut u64) -> Res
         }
         FileFormat::Hdf5 => hdf5::read(path, options)?,
         FileFormat::Model => model_document(path)?,
-        FileFormat::Weights => empty_document(path, FileFormat::Weights),
+        FileFormat::Weights => weights_document(path)?,
     };
     if document.sha256.is_empty() {
         document.sha256 = sha256_of(path)?;
@@ -230,6 +230,36 @@ fn model_document(path: &Path) -> Result<Document> {
         warnings: model.quality.warnings.clone(),
         ..empty_document(path, FileFormat::Model)
     })
+}
+
+/// A weights file as `info` lists it: one entry per reference.
+fn weights_document(path: &Path) -> Result<Document> {
+    #[derive(serde::Deserialize)]
+    struct Weight {
+        reference: String,
+    }
+    #[derive(serde::Deserialize)]
+    struct Weights {
+        frequency_hz: f64,
+        weights: Vec<Weight>,
+    }
+    let text = fs::read_to_string(path).map_err(|error| Error::from_read(&error, path))?;
+    let weights: Weights = serde_json::from_str(text.trim_start_matches('\u{feff}'))
+        .map_err(|error| Error::bad_data(format!("weights: {error}")).file(path).at_line(error.line() as u64))?;
+    let listed = weights.weights.into_iter().map(|weight| DatasetInfo {
+        number: None,
+        line: None,
+        name: "weight".into(),
+        function: None,
+        response: None,
+        reference: Some(weight.reference),
+        values: Some(1),
+        nodes: None,
+        frequency_hz: Some(weights.frequency_hz),
+        damping_ratio: None,
+        warnings: Vec::new(),
+    });
+    Ok(Document { datasets: listed.collect(), ..empty_document(path, FileFormat::Weights) })
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@
 //! Majorisation: with p_k the nearest value of S_k to h_k·A (same phase, limited magnitude), A ← G·p, one factorisation for all
 //! steps; p overshoots by the factor [`tolerances::MLS_RELAXATION`]. The classic form (Kassakian 2006: hot rows pulled to
 //! one magnitude from both sides, cold ones to zero) spends its freedom on rows that are right already: on the study's 2×2
-//! corner it served 0.95 of the hot responses where this form serves all, at three times the force.
+//! corner it served 0.95 of the hot responses where this form serves all, at twice the force.
 //!
 //! The problem is not convex, so several starts compete: pressure matching, contrast control, and hot zones with a phase that
 //! runs across. They compete on the responses alone and with rows interpolated between the responses, of two weights; winner is

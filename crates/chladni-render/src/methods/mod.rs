@@ -18,7 +18,7 @@ pub enum Method {
     /// Least squares of magnitudes: the phase of the hot zone is free.
     #[default]
     Mls,
-    /// The two-step inverse of the seed paper, by pseudo-inverses. A baseline: see [`modal`] for why not to use it.
+    /// The two-step inverse of the seed paper, by pseudo-inverses. A baseline: `methods/modal.rs` says why not to use it.
     Modal,
 }
 

@@ -66,7 +66,7 @@ pub fn disturbed(model: &ModalModel, errors: Errors, seed: u64) -> ModalModel {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = move || -> f64 { StandardNormal.sample(&mut rng) };
     let mut model = model.clone();
-    let mut circular = |size: f64, normal: &mut dyn FnMut() -> f64| Complex64::new(normal(), normal()) * (size * FRAC_1_SQRT_2);
+    let circular = |size: f64, normal: &mut dyn FnMut() -> f64| Complex64::new(normal(), normal()) * (size * FRAC_1_SQRT_2);
     for mode in model.modes.iter_mut().filter(|mode| mode.in_band) {
         mode.frequency_std_hz = errors.frequency * mode.frequency_hz;
         mode.frequency_hz *= 1.0 + errors.frequency * normal();

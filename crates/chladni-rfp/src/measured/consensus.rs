@@ -40,7 +40,13 @@ enum Half {
 }
 
 /// Runs vector fitting at three orders (per ladder of `seeds`) on all, odd and even lines, and counts votes.
-pub(crate) fn consensus(work: &Work, seeds: &[Complex64], base: usize, strong: Option<&[Complex64]>, powers: &[i32]) -> Result<Consensus, LinalgError> {
+pub(crate) fn consensus(
+    work: &Work,
+    seeds: &[Complex64],
+    base: usize,
+    strong: Option<&[Complex64]>,
+    powers: &[i32],
+) -> Result<Consensus, LinalgError> {
     let n = work.lines();
     let odd = work.select(&(0..n).filter(|k| k % 2 == 1).collect::<Vec<_>>());
     let even = work.select(&(0..n).filter(|k| k % 2 == 0).collect::<Vec<_>>());
@@ -59,7 +65,7 @@ pub(crate) fn consensus(work: &Work, seeds: &[Complex64], base: usize, strong: O
             let part = halves[half].0;
             let order = orders[step].min(part.lines() / 4).max(1);
             let mixed = mixtures(part, tol::POOL_MIXTURES, 7);
-            let pool = vector_fit(&mixed, &starts(part, seeds, order), powers, tol::POOL_ITERATIONS)?;
+            let pool = vector_fit(&mixed, &starts(part, seeds, order), powers, tol::VOTE_ITERATIONS)?;
             Ok(pool.lambda.iter().zip(&pool.flipped).filter(|(_, f)| !**f).map(|(p, _)| *p).collect())
         })
         .collect();

@@ -93,7 +93,7 @@ pub(crate) fn usual_loss(all: &[Evidence], sure: &[bool], q: usize) -> Option<f6
 
 /// Sees neighbours: `all` holds the evidence of every candidate in order of frequency, `level` its peak response in dB,
 /// `usual_loss` the damping of the sure modes around it, once they are known.
-pub(crate) fn grade(all: &[Evidence], level: &[f64], q: usize, frfs: usize, usual_loss: Option<f64>) -> (Grade, Option<String>) {
+pub(crate) fn grade(all: &[Evidence], level: &[f64], q: usize, frfs: usize, usual_loss: Option<f64>) -> (Grade, Option<&'static str>) {
     let e = &all[q];
     let mut reasons = Vec::new();
     let mut severe = 0;
@@ -127,12 +127,17 @@ pub(crate) fn grade(all: &[Evidence], level: &[f64], q: usize, frfs: usize, usua
     });
     note(lobe && 2.0 * e.half_width_lines < 2.0, true, "side lobe of the stronger peak beside it (leakage)".into());
     if let Some(usual) = usual_loss {
-        note(e.lambda.im / e.lambda.re < 0.12 * usual, true, "damped far less than the sure modes around it: a tone (mains, fan) rather than a mode".into());
+        note(
+            e.lambda.im / e.lambda.re < 0.12 * usual,
+            true,
+            "damped far less than the sure modes around it: a tone (mains, fan) rather than a mode".into(),
+        );
     }
     let convincing = (e.misfit < 0.1 && e.deviation < 0.05 && e.part > 0.5) || (e.deviation < 0.03 && e.misfit < 0.25);
     note(e.stands_out_db < 10.0 && !convincing, true, format!("does not stand out of its surroundings ({:.0} dB)", e.stands_out_db));
     if frfs == 1 {
-        let pair = all.iter().enumerate().any(|(other, o)| other != q && (o.lambda.re - e.lambda.re).abs() < 2.0 * o.lambda.im.max(e.lambda.im));
+        let pair =
+            all.iter().enumerate().any(|(other, o)| other != q && (o.lambda.re - e.lambda.re).abs() < 2.0 * o.lambda.im.max(e.lambda.im));
         note(pair, false, "half of a close pair that one FRF alone cannot tell from one mode".into());
     }
 
@@ -145,9 +150,9 @@ pub(crate) fn grade(all: &[Evidence], level: &[f64], q: usize, frfs: usize, usua
         Trust::Weak
     };
     let damping = if 2.0 * e.half_width_lines < 2.0 {
-        Some("damping: fewer than two lines within the half-power bandwidth, prone to leakage; take it as an upper bound".to_string())
+        Some("fewer than two lines within the half-power bandwidth, prone to leakage: take the damping as an upper bound at")
     } else if e.misfit > 0.2 {
-        Some("damping: the line is not a resonance curve, indicative only".to_string())
+        Some("the line is not a resonance curve: the damping is indicative only at")
     } else {
         None
     };

@@ -40,14 +40,23 @@ pub(crate) fn one_column_gains(work: &Work, refined: &Refined, without: usize) -
                     removed += (e + column * x).norm_sqr();
                 }
             }
-            if with > 0.0 { (removed - with) / with } else { f64::MAX }
+            if with > 0.0 {
+                (removed - with) / with
+            } else {
+                f64::MAX
+            }
         })
         .collect())
 }
 
 /// Removes, one at a time, poles whose neighbourhood does not need them (`candidate(q)` says which may go). Returns the gain
 /// of each pole that stays.
-pub(crate) fn remove_unneeded(work: &Work, refined: &mut Refined, keep: &mut Vec<usize>, protected: &dyn Fn(usize) -> bool) -> Result<Vec<f64>, LinalgError> {
+pub(crate) fn remove_unneeded(
+    work: &Work,
+    refined: &mut Refined,
+    keep: &mut Vec<usize>,
+    protected: &dyn Fn(usize) -> bool,
+) -> Result<Vec<f64>, LinalgError> {
     loop {
         let mut gains = one_column_gains(work, refined, 0)?;
         let mut order: Vec<usize> = (0..gains.len()).filter(|&q| !protected(keep[q])).collect();

@@ -3,7 +3,6 @@
 
 use super::consensus::{consensus, Agreed};
 use super::grade::{grade, look, usual_loss, Evidence};
-use chladni_frf::Trust;
 use super::local::{one_column_gains, remove_unneeded, try_add};
 use super::record::padding_factor;
 use super::sandwich::variances;
@@ -16,6 +15,7 @@ use crate::screen::Screened;
 use crate::seeds::{fourth_difference_noise, peaks, thinned, Peak};
 use crate::tolerances as tol;
 use crate::work::{basis, line_energy, Work};
+use chladni_frf::Trust;
 use chladni_linalg::{matmul, svd_thin, LinalgError};
 use ndarray::{s, Array1, Array2, Axis};
 use num_complex::Complex64;
@@ -52,8 +52,6 @@ pub(crate) struct MeasuredPoles {
     pub variance: Vec<f64>,
     /// Grade of each pole; nuisance poles are `Weak` without reasons.
     pub grades: Vec<Grade>,
-    /// Notes on damping, beside the grade.
-    pub damping_notes: Vec<Option<String>>,
     /// Warnings.
     pub warnings: Vec<String>,
 }
@@ -77,7 +75,12 @@ fn columns(data: &Screened, seed: u64) -> Result<(Work, Option<Array2<f64>>), Li
 }
 
 /// Runs the path. `asked` fixes the number of modes.
-pub(crate) fn measured_path(data: &Screened, seed: u64, asked: Option<usize>, progress: &dyn Fn(&str)) -> Result<MeasuredPoles, LinalgError> {
+pub(crate) fn measured_path(
+    data: &Screened,
+    seed: u64,
+    asked: Option<usize>,
+    progress: &dyn Fn(&str),
+) -> Result<MeasuredPoles, LinalgError> {
     progress("screening");
     let mut warnings = Vec::new();
     let (mut work, back) = columns(data, seed)?;
@@ -169,14 +172,21 @@ pub(crate) fn measured_path(data: &Screened, seed: u64, asked: Option<usize>, pr
         evidence.push(e);
     }
     let (grades, damping_notes) = grade_all(&work, &refined, &evidence, data.pairs.len());
+    warnings.extend(damping_warnings(&refined, &grades, &damping_notes, hz));
     for peak in unexplained {
         warnings.push(format!("visible peak at {:.2} Hz that no accepted mode explains", peak.lambda.re.sqrt() * hz));
     }
-    Ok(MeasuredPoles { refined, work: weighted, back, variance, grades, damping_notes, warnings })
+    Ok(MeasuredPoles { refined, work: weighted, back, variance, grades, warnings })
 }
 
 /// Refines with the error model that the residual shows, twice.
-fn reweigh(work: &Work, first: &Work, level: &Array1<f64>, start: &[Complex64], model: &mut NoiseModel) -> Result<(Refined, Work), LinalgError> {
+fn reweigh(
+    work: &Work,
+    first: &Work,
+    level: &Array1<f64>,
+    start: &[Complex64],
+    model: &mut NoiseModel,
+) -> Result<(Refined, Work), LinalgError> {
     let mut weighted = first.clone();
     let mut refined = refine(&weighted, start, &POWERS, 2 * tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
     for _ in 0..WEIGHT_ROUNDS {
@@ -219,7 +229,11 @@ fn refine_resolved(work: &Work, weighted: &Work, refined: &mut Refined) -> Resul
     let residual = unweighted(&refined.projection.residual, weighted, work);
     for (q, slot) in lambda.iter_mut().enumerate() {
         let pole = refined.lambda[q];
-        let alone = refined.lambda.iter().enumerate().all(|(o, p)| o == q || (p.re - pole.re).abs() > (RESOLVED_ALONE * pole.im).max(2.0 * p.im.abs()));
+        let alone = refined
+            .lambda
+            .iter()
+            .enumerate()
+            .all(|(o, p)| o == q || (p.re - pole.re).abs() > (RESOLVED_ALONE * pole.im).max(2.0 * p.im.abs()));
         if !work.in_band(pole) || pole.im < RESOLVED_LINES * work.spacing(pole.re) || !alone {
             continue;
         }
@@ -270,7 +284,13 @@ fn explained(refined: &Refined, lambda: Complex64) -> bool {
 }
 
 /// Strong visible peaks without a pole get one try each; those that do not take are returned.
-fn try_visible_peaks(work: &Work, seen: &[Peak], refined: &mut Refined, identity: &mut Vec<usize>, next: &mut usize) -> Result<Vec<Peak>, LinalgError> {
+fn try_visible_peaks(
+    work: &Work,
+    seen: &[Peak],
+    refined: &mut Refined,
+    identity: &mut Vec<usize>,
+    next: &mut usize,
+) -> Result<Vec<Peak>, LinalgError> {
     let mut left = Vec::new();
     for peak in seen.iter().filter(|p| p.prominence_db >= TRY_PROMINENCE_DB && p.over_noise_db > TRY_OVER_NOISE_DB) {
         if explained(refined, peak.lambda) {
@@ -287,7 +307,13 @@ fn try_visible_peaks(work: &Work, seen: &[Peak], refined: &mut Refined, identity
 }
 
 /// Drops the in-band poles with the least local gain until `modes` are left.
-fn keep_strongest(work: &Work, refined: &mut Refined, identity: &mut Vec<usize>, nuisance: &dyn Fn(usize) -> bool, modes: usize) -> Result<(), LinalgError> {
+fn keep_strongest(
+    work: &Work,
+    refined: &mut Refined,
+    identity: &mut Vec<usize>,
+    nuisance: &dyn Fn(usize) -> bool,
+    modes: usize,
+) -> Result<(), LinalgError> {
     loop {
         let gains = one_column_gains(work, refined, 0)?;
         let inside: Vec<usize> = (0..gains.len()).filter(|&q| work.in_band(refined.lambda[q]) && !nuisance(identity[q])).collect();
@@ -311,11 +337,29 @@ fn weighted_scatter(refined: &Refined, q: usize, own: &[Complex64]) -> f64 {
         sum += weight * (p - pole).norm_sqr().min(4.0 * pole.im * pole.im);
         total += weight;
     }
-    if total > 0.0 { (sum / total).sqrt() } else { 0.0 }
+    if total > 0.0 {
+        (sum / total).sqrt()
+    } else {
+        0.0
+    }
+}
+
+/// One warning per kind of doubt about damping, with the frequencies it concerns.
+fn damping_warnings(refined: &Refined, grades: &[Grade], notes: &[Option<&'static str>], hz: f64) -> Vec<String> {
+    let mut kinds: Vec<(&str, Vec<String>)> = Vec::new();
+    for ((pole, grade), note) in refined.lambda.iter().zip(grades).zip(notes) {
+        let Some(note) = note.filter(|_| grade.0 != Trust::Rejected) else { continue };
+        let frequency = format!("{:.2}", pole.re.max(0.0).sqrt() * hz);
+        match kinds.iter_mut().find(|(kind, _)| *kind == note) {
+            Some((_, list)) => list.push(frequency),
+            None => kinds.push((note, vec![frequency])),
+        }
+    }
+    kinds.into_iter().map(|(note, list)| format!("{note}: {} Hz", list.join(", "))).collect()
 }
 
 /// Grades of the candidates among the poles; nuisance poles pass ungraded.
-fn grade_all(work: &Work, refined: &Refined, evidence: &[Evidence], frfs: usize) -> (Vec<Grade>, Vec<Option<String>>) {
+fn grade_all(work: &Work, refined: &Refined, evidence: &[Evidence], frfs: usize) -> (Vec<Grade>, Vec<Option<&'static str>>) {
     let candidates: Vec<usize> = (0..evidence.len()).filter(|&q| work.in_band(refined.lambda[q])).collect();
     let mut ordered = candidates;
     ordered.sort_by(|&a, &b| refined.lambda[a].re.total_cmp(&refined.lambda[b].re));
@@ -323,7 +367,8 @@ fn grade_all(work: &Work, refined: &Refined, evidence: &[Evidence], frfs: usize)
     let level: Vec<f64> = ordered
         .iter()
         .map(|&q| {
-            let top = work.window(refined.lambda[q], 1.0, 1).map(|k| work.b.row(k).iter().map(|v| v.norm_sqr()).sum::<f64>()).fold(0.0, f64::max);
+            let top =
+                work.window(refined.lambda[q], 1.0, 1).map(|k| work.b.row(k).iter().map(|v| v.norm_sqr()).sum::<f64>()).fold(0.0, f64::max);
             10.0 * top.max(1e-300).log10()
         })
         .collect();

@@ -8,9 +8,6 @@ use crate::screen::Screened;
 use chladni_frf::{FrfKind, FrfSet, FrfValues, Geometry, ReferenceUnit};
 use ndarray::{Array1, Array3};
 use num_complex::Complex64;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::TAU;
 
 /// A structure by its poles, seen at `responses` points from one reference.
@@ -86,11 +83,7 @@ impl Structure {
             sum * self.kind.from_receptance(omega)
         });
         if let Some(snr_db) = self.snr_db {
-            let rms = (values.iter().map(|v| v.norm_sqr()).sum::<f64>() / values.len() as f64).sqrt();
-            let sigma = rms * 10.0_f64.powf(-snr_db / 20.0) / 2.0_f64.sqrt();
-            let mut rng = ChaCha8Rng::seed_from_u64(seed);
-            let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
-            values.mapv_inplace(|v| v + sigma * Complex64::new(normal(), normal()));
+            chladni_plate::add_white_noise(&mut values, snr_db, seed).unwrap();
         }
         FrfSet {
             frequency_hz,

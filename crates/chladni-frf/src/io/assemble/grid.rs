@@ -110,6 +110,13 @@ pub(super) fn build(
 fn common_axis(records: &[Record], warnings: &mut Vec<String>) -> Result<Array1<f64>> {
     let Some(first) = records.first() else { return Ok(Array1::zeros(0)) };
     let axis = first.frequency_hz.clone();
+    let rises = axis.windows(2).all(|pair| pair[0] < pair[1]) && axis.iter().all(|f| f.is_finite() && *f >= 0.0);
+    if !rises {
+        return Err(Error::bad_data("the frequency axis must be finite, not negative and strictly rising")
+            .field(format!("frequency axis of {}", first.place))
+            .found(describe_axis(&axis))
+            .help("export the data again; `chladni info` lists every dataset"));
+    }
     let mut largest: Option<(f64, &Record)> = None;
     let mut last = first;
     for record in records {
@@ -152,7 +159,13 @@ fn distance_in_lines(a: &[f64], b: &[f64]) -> Option<f64> {
         let after = if k + 1 < a.len() { a[k + 1] - a[k] } else { f64::INFINITY };
         before.min(after)
     };
-    let worst = (0..a.len()).map(|k| if a[k] == b[k] { 0.0 } else { (a[k] - b[k]).abs() / spacing(k) });
+    let distance = |k: usize| match (a[k] - b[k]).abs() {
+        0.0 => 0.0,
+        // a single line has no spacing: it must be the same to the digits of a text file
+        difference if a.len() == 1 => difference / (1e-5 * a[0].abs()),
+        difference => difference / spacing(k),
+    };
+    let worst = (0..a.len()).map(distance);
     worst.reduce(|x, y| if y > x || y.is_nan() { y } else { x }).or(Some(0.0))
 }
 

@@ -243,6 +243,9 @@ impl<'a> Reader<'a> {
 
     /// Axes of response, reference and line in the logical shape.
     fn axes(&self, source: Source<'_>, shape: &[usize], lines: usize) -> Result<[Option<usize>; 3]> {
+        if shape.len() > 3 {
+            return Err(wrong_type(source.first(), "at most three axes: response, reference, line").found(format!("shape {shape:?}")));
+        }
         if let Some((_, text)) = self.map.iter().find(|(key, _)| key == "axes") {
             return named_axes(text, shape, lines);
         }

@@ -53,6 +53,7 @@ pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
         Ok(None) => {}
         Ok(Some((mut set, said))) => {
             to_plus(&mut set, said, options.time_sign, &mut document.warnings);
+            report_masked(&set, &mut document.warnings);
             document.frf = Some(set);
         }
         Err(error) if error.kind == crate::ErrorKind::BadData => document.errors.push(error),
@@ -82,6 +83,19 @@ fn read_own(own: &Own<'_>, document: &mut Document) -> Result<Option<(FrfSet, Op
     }
     let sign = own.time_sign()?;
     Ok(own.frf()?.map(|set| (set, sign)))
+}
+
+/// Lines that are NaN in a pair that was measured; pairs that are NaN throughout are missing, and listed later.
+fn report_masked(set: &FrfSet, warnings: &mut Vec<String>) {
+    let (responses, references, lines) = set.values.dim();
+    let mut masked = 0;
+    for (i, j) in (0..responses).flat_map(|i| (0..references).map(move |j| (i, j))) {
+        let count = (0..lines).filter(|&k| set.values.get(i, j, k).is_nan()).count();
+        masked += if count < lines { count } else { 0 };
+    }
+    if masked > 0 {
+        warnings.push(format!("{masked} lines are NaN in the file: masked"));
+    }
 }
 
 fn dataset_info(entry: &Entry) -> DatasetInfo {
