@@ -341,7 +341,7 @@ fn sample(name: &str) -> Option<PathBuf> {
 #[test]
 fn a_measured_frf_with_coherence() {
     let Some(path) = sample("vtb-case1/case1_frf.csv") else { return };
-    let (set, _, warnings) = read_frf(&[path.clone()], &ReadOptions::default()).unwrap();
+    let (set, _, warnings) = read_frf(std::slice::from_ref(&path), &ReadOptions::default()).unwrap();
     assert_eq!((set.frequency_hz.len(), set.frequency_hz[1600]), (1601, 500.0));
     assert_eq!(set.values.get(0, 0, 1), c(-64.2635574, -37.0582924));
     let coherence = set.coherence.unwrap();
@@ -354,7 +354,7 @@ fn a_measured_frf_with_coherence() {
 #[test]
 fn lists_of_python_complex_numbers_are_refused_and_readable_as_columns() {
     let Some(path) = sample("pyuff-measured-beam-txt/meas_point_1.txt") else { return };
-    let error = read_frf(&[path.clone()], &ReadOptions::default()).unwrap_err();
+    let error = read_frf(std::slice::from_ref(&path), &ReadOptions::default()).unwrap_err();
     assert!(error.to_string().contains("without a frequency axis"), "{error}");
     let mut table = String::from("# frf_kind = accelerance\n# unit = m/s^2/N\nf,re,im\n");
     for (k, line) in std::fs::read_to_string(path).unwrap().lines().enumerate() {

@@ -165,8 +165,14 @@ pub(crate) fn refine_viscous(
                     let delta = Complex64::new(step[[2 * n, 0]], step[[2 * n + 1, 0]]);
                     let delta = if delta.norm() > cap { delta * (cap / delta.norm()) } else { delta };
                     largest = largest.max(delta.norm() / pole.re.abs());
-                    let moved = pole + delta;
-                    Complex64::new(moved.re.min(0.2 * pole.re), moved.im)
+                    let moved = Complex64::new((pole + delta).re.min(0.2 * pole.re), (pole + delta).im);
+                    // what stands for the world outside stays there: inside it would pose as a mode
+                    let inside = |s: Complex64| (low.sqrt()..=high.sqrt()).contains(&s.norm());
+                    if inside(moved) && !inside(start[n]) {
+                        pole
+                    } else {
+                        moved
+                    }
                 })
                 .collect()
         });
