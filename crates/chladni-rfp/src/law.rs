@@ -25,10 +25,10 @@ pub(crate) struct Law {
     pub undecided: Option<ViscousFit>,
 }
 
-/// True where the viscous law can express the pole: stable and under-damped.
+/// True where both laws can express the pole: Re λ > 0 (ζ < 0.71), stable. Others are background, and the viscous twin has
+/// no need of what the structural law needed to mimic it.
 pub(crate) fn expressible_pole(lambda: Complex64) -> bool {
-    let s = from_structural(lambda);
-    s.re < 0.0 && s.im > 0.0 && -s.re < 0.99 * s.norm()
+    lambda.re > 0.0 && lambda.im > 0.0
 }
 
 /// Rise of the sum of squares that tells one law from the other: chance, for white noise of this variance.
