@@ -68,7 +68,7 @@ pub fn matmul<T: Scalar>(a: ArrayView2<T>, adjoint: bool, b: ArrayView2<T>) -> A
     let columns = b.ncols();
     let data = c.as_slice_memory_order_mut().expect("just made");
     let dst = faer::mat::MatMut::from_column_major_slice_mut(data, rows, columns);
-    let one = <T as Scalar>::from_f64(1.0);
+    let one = <T as Scalar>::of_real(1.0);
     if adjoint {
         faer::linalg::matmul::matmul(dst, Accum::Replace, va.as_ref().adjoint(), vb.as_ref(), one, Par::Seq);
     } else {

@@ -150,7 +150,7 @@ pub fn svd_thin<T: Scalar>(a: ArrayView2<T>) -> Result<(Array2<T>, Array1<f64>, 
     let scale = a.iter().fold(0.0_f64, |m, v| m.max(v.modulus()));
     let size = a.nrows().min(a.ncols());
     if size == 0 || scale == 0.0 {
-        let eye = |rows, columns| Array2::from_shape_fn((rows, columns), |(i, j)| if i == j { T::from_f64(1.0) } else { T::from_f64(0.0) });
+        let eye = |rows, columns| Array2::from_shape_fn((rows, columns), |(i, j)| if i == j { T::of_real(1.0) } else { T::of_real(0.0) });
         return Ok((eye(a.nrows(), size), Array1::zeros(size), eye(size, a.ncols())));
     }
     let (u, s, vh) = backend::svd_thin(a.mapv(|v| v.divided_by(scale)).view())?;
@@ -245,7 +245,7 @@ pub fn solve_hermitian<T: Scalar>(a: ArrayView2<T>, b: ArrayView2<T>) -> Result<
 /// # Errors
 /// As [`cholesky`].
 pub fn inverse_hermitian<T: Scalar>(a: ArrayView2<T>) -> Result<Array2<T>> {
-    solve_hermitian(a, Array2::from_diag_elem(a.nrows(), T::from_f64(1.0)).view())
+    solve_hermitian(a, Array2::from_diag_elem(a.nrows(), T::of_real(1.0)).view())
 }
 
 /// Least-squares solution of a·x ≈ b for a tall matrix of full column rank (QR, columns scaled to unit norm).

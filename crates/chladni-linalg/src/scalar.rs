@@ -5,7 +5,7 @@ use num_complex::Complex64;
 /// f64 or Complex64; closed.
 pub trait Scalar: crate::backend::Element + ndarray::LinalgScalar + Send + Sync + std::fmt::Debug {
     /// A real value as this type.
-    fn from_f64(value: f64) -> Self;
+    fn of_real(value: f64) -> Self;
     /// |value|.
     fn modulus(self) -> f64;
     /// value / divisor.
@@ -15,7 +15,7 @@ pub trait Scalar: crate::backend::Element + ndarray::LinalgScalar + Send + Sync 
 }
 
 impl Scalar for f64 {
-    fn from_f64(value: f64) -> Self {
+    fn of_real(value: f64) -> Self {
         value
     }
     fn modulus(self) -> f64 {
@@ -30,7 +30,7 @@ impl Scalar for f64 {
 }
 
 impl Scalar for Complex64 {
-    fn from_f64(value: f64) -> Self {
+    fn of_real(value: f64) -> Self {
         Complex64::new(value, 0.0)
     }
     fn modulus(self) -> f64 {
