@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # Installs what the checks need beyond Rust and a C compiler: the C libraries of the `system` flavour.
-# The default flavour needs nothing of this. Serial OpenBLAS on purpose: its threads and ours do not mix.
+# The default flavour needs nothing of this. OpenBLAS with threads on purpose: the build without them has no locks either, and our
+# threads would have to queue for it (crates/chladni-linalg/src/lapack.rs).
 set -euo pipefail
 
-packages=(libopenblas-serial-dev libhdf5-dev pkg-config)
+packages=(libopenblas-pthread-dev libhdf5-dev pkg-config)
 missing=()
 for package in "${packages[@]}"; do
     dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q '^install ok installed$' || missing+=("$package")
