@@ -7,7 +7,7 @@ use crate::output::{Output, MODEL};
 use crate::table::{counted, significant, table, with_bound};
 use chladni_frf::io::{expand_paths, write_model};
 use chladni_frf::{Damping, Error, ErrorKind, FrfSet, ModalModel, Mode, Result, Scaling, Source, Trust};
-use chladni_rfp::{FitError, FitOptions, Method};
+use chladni_rfp::{FitError, FitOptions, Method, ShapeModel};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{json, Map, Value};
 use std::path::{Path, PathBuf};
@@ -34,6 +34,11 @@ pub struct Args {
     /// Damping law; auto: decided by evidence
     #[arg(long, value_name = "LAW", default_value = "auto", value_parser = PossibleValuesParser::new(["auto", "structural", "viscous"]))]
     damping: String,
+    /// What shapes may be while poles are refined: every pair by itself (free), one shape for all references (rank1), one real
+    /// shape (real); auto: the narrowest that the data do not contradict
+    #[arg(long, value_name = "SHAPES", default_value = "auto", value_parser = PossibleValuesParser::new(ShapeModel::ALL.map(ShapeModel::as_str))
+        .try_map(|name| name.parse::<ShapeModel>()))]
+    shapes: ShapeModel,
     /// Identification method
     #[arg(long, value_name = "METHOD", default_value = "auto", value_parser = PossibleValuesParser::new(Method::ALL.map(Method::as_str))
         .try_map(|name| name.parse::<Method>()))]
@@ -124,6 +129,7 @@ pub fn echo_of(options: &FitOptions) -> Map<String, Value> {
     echo.insert("modes".into(), options.modes.map_or("auto".into(), Value::from));
     echo.insert("damping".into(), options.damping.map_or("auto".into(), |law| json!(law)));
     echo.insert("method".into(), options.method.as_str().into());
+    echo.insert("shapes".into(), options.shapes.as_str().into());
     echo.insert("seed".into(), options.seed.into());
     echo
 }
@@ -139,6 +145,7 @@ impl Args {
                 _ => None,
             },
             method: self.method,
+            shapes: self.shapes,
             seed: self.seed,
         }
     }

@@ -4,14 +4,15 @@ use crate::error::FitError;
 use crate::law::{chance, choose, Law, UNDECIDABLE};
 use crate::measured::measured_path;
 use crate::methods::{grfp, rfp, ClassicPoles};
-use crate::model::{assemble, Found, Identified, Pole};
-use crate::options::{FitOptions, Method};
+use crate::model::{uncertainty_grade, Found, Identified, Pole, Shaped, UNCERTAIN};
+use crate::options::{FitOptions, Method, ShapeModel};
 use crate::order::{fast_chain, Chain, Outcome, POWERS};
 use crate::project::project;
 use crate::refine::{refine, Projection};
 use crate::screen::Screened;
+use crate::structured::{structured, Structured};
 use chladni_frf::{Damping, FrfSet, ModalModel, Trust};
-use chladni_linalg::inverse_hermitian;
+use chladni_linalg::{inverse_hermitian, LinalgError};
 use num_complex::Complex64;
 
 /// A fit with its history.
@@ -73,7 +74,7 @@ fn fit_classic(
                 (Trust::Sure, Vec::new())
             };
             let value = if damping == Damping::Viscous { s } else { lambda };
-            Pole { value, omega, loss_factor, omega_std, loss_factor_std, grade }
+            Pole { value, omega, loss_factor, omega_std, loss_factor_std, grade, given: None }
         })
         .collect();
     let identified = Identified {
@@ -86,8 +87,9 @@ fn fit_classic(
         path: format!("{}: linear equation error in orthogonal polynomials, no maximum-likelihood step", options.method),
         warnings: classic.warnings,
         consistent: true,
+        real_shapes: false,
     };
-    let mut model = assemble(data, identified, options)?;
+    let mut model = Shaped::new(data, identified)?.model(data, options);
     if model.quality.relative_error > CLASSIC_RESIDUAL {
         model.quality.trusted = false;
         model.quality.warnings.push(format!(
@@ -121,16 +123,38 @@ fn fit_auto(data: &Screened, options: &FitOptions, progress: &dyn Fn(&str)) -> R
     let twin = undecided.map(|fit| Law { damping: Damping::Viscous, viscous: Some(fit), undecided: None });
     let freedom = found.variance * (found.work.lines() * found.work.columns()) as f64;
     let other = twin.map(|twin| Identified::new(found.clone(), twin)).transpose()?;
-    let mut model = assemble(data, Identified::new(found, law)?, options)?;
-    match other.map(|other| assemble(data, other, options)).transpose()? {
+    let refined = shape_search(data, &found, options, law.damping, measured)?;
+    let mut shaped = Shaped::new(data, Identified::new(found, law)?)?;
+    let mut warnings = Vec::new();
+    match other.map(|other| Shaped::new(data, other)).transpose()? {
         // one shape for all references tells the laws apart where free residues absorb the difference
-        Some(other) if (model.quality.chi2_per_dof - other.quality.chi2_per_dof) * freedom > least_gain => model = other,
-        Some(other) if (other.quality.chi2_per_dof - model.quality.chi2_per_dof) * freedom > least_gain => {}
-        Some(_) => model.quality.warnings.push(UNDECIDABLE.into()),
-        None if open && measured => model.quality.warnings.push(UNDECIDABLE.into()),
+        Some(other) if (shaped.chi2_per_dof - other.chi2_per_dof) * freedom > least_gain => shaped = other,
+        Some(other) if (other.chi2_per_dof - shaped.chi2_per_dof) * freedom > least_gain => {}
+        Some(_) => warnings.push(UNDECIDABLE.to_string()),
+        None if open && measured => warnings.push(UNDECIDABLE.to_string()),
         None => {}
     }
+    if let Some(structured) = refined.filter(|_| shaped.damping() == Damping::Structural) {
+        shaped = Shaped::new(data, shaped.into_identified().structured(structured))?;
+    }
+    let mut model = shaped.model(data, options);
+    model.quality.warnings.append(&mut warnings);
     Ok(Fit { model, history })
+}
+
+/// Structured refinement where it applies: asked for, or the residual is noise that chance can be judged by.
+fn shape_search(
+    data: &Screened,
+    found: &Found,
+    options: &FitOptions,
+    damping: Damping,
+    measured: bool,
+) -> Result<Option<Structured>, LinalgError> {
+    let forced = matches!(options.shapes, ShapeModel::Rank1 | ShapeModel::Real);
+    if damping == Damping::Viscous || (measured && !forced) {
+        return Ok(None);
+    }
+    structured(data, found, options.shapes, options.modes.is_some())
 }
 
 /// Where the residual is not noise, one damping law must explain this share of it to be preferred.
@@ -143,11 +167,11 @@ fn from_chain(chain: Chain) -> Found {
         .map(|q| {
             let pole = chain.refined.lambda[q];
             let deviation = inverse.as_ref().map_or(f64::INFINITY, |c| (chain.variance * c[[q, q]].re).max(0.0).sqrt());
-            let mut reasons = Vec::new();
-            if work.in_band(pole) && deviation > UNCERTAIN * pole.im {
-                reasons.push(format!("uncertain by {:.1} half-bandwidths (one sigma)", deviation / pole.im));
+            if work.in_band(pole) {
+                uncertainty_grade(pole, [0.5 * deviation.powi(2); 2])
+            } else {
+                (Trust::Sure, Vec::new())
             }
-            (if reasons.is_empty() { Trust::Sure } else { Trust::Weak }, reasons)
         })
         .collect();
     Found {
@@ -181,9 +205,6 @@ fn from_conjugated(data: &Screened, options: &FitOptions) -> Result<Found, FitEr
         consistent: false,
     })
 }
-
-/// Standard deviation of a pole, in half-bandwidths, beyond which its mode is not sure.
-const UNCERTAIN: f64 = 0.3;
 
 fn from_measured(data: &Screened, options: &FitOptions, evidence: &str, progress: &dyn Fn(&str)) -> Result<Found, FitError> {
     let found = measured_path(data, options.seed, options.modes, progress)?;

@@ -20,6 +20,7 @@ mod refine;
 mod screen;
 mod seeds;
 mod structure;
+mod structured;
 mod tolerances;
 mod validation;
 mod viscous;
@@ -28,5 +29,5 @@ mod work;
 
 pub use error::FitError;
 pub use fit::{fit, Fit};
-pub use options::{FitOptions, Method};
+pub use options::{FitOptions, Method, ShapeModel};
 pub use validation::{cmif, mac, mac_matrix, mpc};

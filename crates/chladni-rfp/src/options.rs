@@ -45,6 +45,44 @@ impl FromStr for Method {
     }
 }
 
+/// What residues may be (several references, or real modes).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ShapeModel {
+    /// The narrowest of the others that the data do not contradict.
+    #[default]
+    Auto,
+    /// Every pair of response and reference has a residue of its own while poles are sought.
+    Free,
+    /// One complex shape for all references.
+    Rank1,
+    /// One real shape for all references.
+    Real,
+}
+
+impl ShapeModel {
+    /// All, in the order of the documentation.
+    pub const ALL: [Self; 4] = [Self::Auto, Self::Free, Self::Rank1, Self::Real];
+    /// Name on the command line and in result files.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Free => "free",
+            Self::Rank1 => "rank1",
+            Self::Real => "real",
+        }
+    }
+}
+
+impl FromStr for ShapeModel {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        Self::ALL.into_iter().find(|m| m.as_str() == text).ok_or_else(|| {
+            let names: Vec<&str> = Self::ALL.iter().map(|m| m.as_str()).collect();
+            format!("`{text}` is no model of shapes; write {}", names.join(", "))
+        })
+    }
+}
+
 /// Options of a fit. `Default` is what the command line does without flags.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FitOptions {
@@ -56,6 +94,8 @@ pub struct FitOptions {
     pub damping: Option<Damping>,
     /// Method.
     pub method: Method,
+    /// What shapes may be while poles are refined (`auto` only).
+    pub shapes: ShapeModel,
     /// Seed of the random sketch and mixtures.
     pub seed: u64,
 }

@@ -54,12 +54,8 @@ pub(crate) fn low_rank(residues: &Residues, ranks: &[usize]) -> Result<Shapes, L
             row += 1;
         }
     }
-    // terms share the weight of their pole; K·r̂ per pair, once
-    let weight = Array2::from_shape_fn((owner.len(), owner.len()), |(a, b)| residues.weight[[owner[a], owner[b]]]);
-    let flat = residues.values.to_shape((poles, responses * references)).expect("contiguous").to_owned();
-    let weighted = matmul(residues.weight.view(), flat.view());
-    let total: f64 = energy(&flat, &weighted);
-    let problem = Problem { residues, owner: &owner, weight, weighted: weighted.select(Axis(0), &owner) };
+    let problem = Problem::new(residues, &owner);
+    let total = problem.total;
     let mut rise = f64::MAX;
     if references > 1 || residues.present.iter().any(|p| !p) {
         for _ in 0..tol::RANK_ONE_ITERATIONS {
@@ -77,9 +73,68 @@ pub(crate) fn low_rank(residues: &Residues, ranks: &[usize]) -> Result<Shapes, L
         rise = 0.0;
     }
     let shape_variance = problem.variance(&participation)?;
+    Ok(Shapes { constraints: constraints(residues, &owner), owner, shape, participation, shape_variance, rise })
+}
+
+/// Shapes and participations of some poles that are given: (row, response) and (row, reference).
+pub(crate) type Given = Option<(Array2<Complex64>, Array2<Complex64>)>;
+
+/// [`low_rank`] with the shapes of some poles given: only the others are fitted, around them.
+pub(crate) fn low_rank_around(residues: &Residues, ranks: &[usize], given: &[Given]) -> Result<Shapes, LinalgError> {
+    if given.iter().all(Option::is_none) {
+        return low_rank(residues, ranks);
+    }
+    let (poles, responses, references) = residues.values.dim();
+    let open: Vec<usize> = (0..poles).filter(|&n| given[n].is_none()).collect();
+    let closed: Vec<usize> = (0..poles).filter(|&n| given[n].is_some()).collect();
+    let mut change = Array2::zeros((closed.len(), responses * references));
+    for (row, &n) in closed.iter().enumerate() {
+        let product = given[n].as_ref().map(|(shape, participation)| matmul(shape.t(), participation.view()));
+        for (l, value) in change.row_mut(row).iter_mut().enumerate() {
+            let (i, j) = (l / references, l % references);
+            if let Some(product) = product.as_ref().filter(|_| residues.present[[i, j]]) {
+                *value = product[[i, j]] - residues.values[[n, i, j]];
+            }
+        }
+    }
+    let part = |rows: &[usize], columns: &[usize]| residues.weight.select(Axis(0), rows).select(Axis(1), columns);
+    let own = part(&open, &open);
+    let fitted = if open.is_empty() {
+        None
+    } else {
+        let answer = solve_hermitian(ridge(&own).view(), matmul(part(&open, &closed).view(), change.view()).view())?;
+        let moved =
+            residues.values.select(Axis(0), &open) - answer.to_shape((open.len(), responses, references)).expect("one value per pair");
+        let open_ranks: Vec<usize> = open.iter().map(|&n| ranks[n]).collect();
+        Some(low_rank(&Residues { values: &moved, weight: &own, present: residues.present }, &open_ranks)?)
+    };
+    let (mut shape, mut participation, mut owner) = (Array2::zeros((0, responses)), Array2::zeros((0, references)), Vec::new());
+    for n in 0..poles {
+        let (rows, columns) = match (&given[n], &fitted) {
+            (Some(given), _) => given.clone(),
+            (None, Some(fitted)) => {
+                let rows: Vec<usize> = (0..fitted.owner.len()).filter(|&row| open[fitted.owner[row]] == n).collect();
+                (fitted.shape.select(Axis(0), &rows), fitted.participation.select(Axis(0), &rows))
+            }
+            (None, None) => continue,
+        };
+        owner.extend(std::iter::repeat_n(n, rows.nrows()));
+        shape.append(Axis(0), rows.view()).expect("one value per response");
+        participation.append(Axis(0), columns.view()).expect("one value per reference");
+    }
+    let problem = Problem::new(residues, &owner);
+    let rise = problem.misfit(&shape, &participation);
+    let shape_variance = problem.variance(&participation)?;
+    Ok(Shapes { constraints: constraints(residues, &owner), owner, shape, participation, shape_variance, rise })
+}
+
+/// Real constraints that rows of low rank set on free residues.
+fn constraints(residues: &Residues, owner: &[usize]) -> usize {
+    let (poles, responses, references) = residues.values.dim();
     let present = residues.present.iter().filter(|p| **p).count();
-    let used: usize = ranks.iter().map(|r| r * (responses + references - r)).sum();
-    Ok(Shapes { owner, shape, participation, shape_variance, rise, constraints: (2 * poles * present).saturating_sub(2 * used) })
+    let rank = |n: usize| owner.iter().filter(|&&m| m == n).count();
+    let used: usize = (0..poles).map(|n| rank(n) * (responses + references - rank(n).min(responses + references))).sum();
+    (2 * poles * present).saturating_sub(2 * used)
 }
 
 /// Rank that the residues of one pole need: singular values that noise of variance `variance` in the data cannot make
@@ -116,9 +171,21 @@ struct Problem<'a> {
     weight: Array2<Complex64>,
     /// K·r̂, (term, pair).
     weighted: Array2<Complex64>,
+    /// r̂ᴴK·r̂ over all pairs.
+    total: f64,
 }
 
-impl Problem<'_> {
+impl<'a> Problem<'a> {
+    /// Terms share the weight of their pole; K·r̂ per pair, once.
+    fn new(residues: &'a Residues, owner: &'a [usize]) -> Self {
+        let (poles, responses, references) = residues.values.dim();
+        let weight = Array2::from_shape_fn((owner.len(), owner.len()), |(a, b)| residues.weight[[owner[a], owner[b]]]);
+        let flat = residues.values.to_shape((poles, responses * references)).expect("one value per pair").to_owned();
+        let weighted = matmul(residues.weight.view(), flat.view());
+        let total = energy(&flat, &weighted);
+        Self { residues, owner, weight, weighted: weighted.select(Axis(0), owner), total }
+    }
+
     /// Normal matrix of one DOF whose partners are `kept`.
     fn normal(&self, fixed: &Array2<Complex64>, kept: &[usize]) -> Array2<Complex64> {
         let part = fixed.select(Axis(1), kept);

@@ -72,3 +72,23 @@ pub(crate) const CONJUGATE_SHARE: f64 = 0.25;
 /// Directions of the second pass weaker than this part of the strongest (in energy) are rounding: the Gram matrix holds
 /// them to about 1e-16 of it.
 pub(crate) const GRAM_ROUNDING: f64 = 1e-13;
+/// Singular values of the columns that stay free in every pair, relative to the largest, below which a direction is rounding.
+pub(crate) const FREE_RANK: f64 = 1e-10;
+/// Modes farther apart than this many half-bandwidths are stepped apart: their columns share a tenth of their energy, which
+/// a few more steps make good.
+pub(crate) const CLUSTER_HALF_WIDTHS: f64 = 8.0;
+/// Largest step of a pole in structured refinement, half-bandwidths.
+pub(crate) const STRUCTURED_STEP: f64 = 0.5;
+/// Standard deviations of χ² by which a structural constraint may raise the sum of squares: chance passes in all but one of
+/// some thousand sets, complex shapes of 10 degrees scatter stand hundreds away.
+pub(crate) const STRUCTURE_SIGMAS: f64 = 4.0;
+/// Part of the data's energy that the difference of two sums of squares loses to rounding.
+pub(crate) const STRUCTURE_ROUNDING: f64 = 1e-12;
+/// Most modes that structured growth adds.
+pub(crate) const GROWTH_MOST: usize = 12;
+/// Squared distance of two poles, in units of its variance, up to which they count as one repeated pole: equal poles lie
+/// farther apart in one set of a hundred.
+pub(crate) const REPEATED_SIGMAS: f64 = 4.6;
+/// Regularisation of structured refinement relative to a derivative's own sum of squares: far below any information of
+/// interest, far above rounding.
+pub(crate) const STRUCTURED_RIDGE: f64 = 1e-11;

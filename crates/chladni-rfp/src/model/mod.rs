@@ -1,0 +1,203 @@
+//! From poles to the model file: residues of every FRF, shapes, scaling, error bars.
+
+mod linear;
+mod modes;
+mod pole;
+
+pub(crate) use pole::{uncertainty_grade, Found, Grade, Identified, Pole, UNCERTAIN};
+
+use crate::options::FitOptions;
+use crate::screen::Screened;
+use crate::structure::{low_rank_around, significant_rank, Given, Residues, Shapes};
+use crate::tolerances as tol;
+use chladni_frf::{ComplexMatrix, Damping, ModalModel, Quality, ResidualTerm, ResidualTerms, Trust, CREATED_BY, MODEL_FORMAT};
+use chladni_linalg::{matmul, LinalgError};
+use linear::linear;
+use modes::{modes, rejected_mode};
+use ndarray::{Array2, Array3};
+use num_complex::Complex64;
+
+/// Identified poles with the residues of every FRF brought into shapes: all but the scaling.
+pub(crate) struct Shaped {
+    identified: Identified,
+    /// What the model holds, rising in frequency.
+    poles: Vec<Pole>,
+    shapes: Shapes,
+    /// (term, FRF), work units.
+    terms: Array2<Complex64>,
+    /// χ² per degree of freedom of the model as saved.
+    pub chi2_per_dof: f64,
+}
+
+impl Shaped {
+    /// Residues at the poles, shapes of low rank, residual terms that answer them.
+    ///
+    /// # Errors
+    /// A kernel that fails.
+    pub fn new(data: &Screened, identified: Identified) -> Result<Self, LinalgError> {
+        let Identified { damping, powers, work, back, variance, real_shapes, .. } = &identified;
+        let (damping, variance) = (*damping, *variance);
+        let mut poles: Vec<Pole> =
+            identified.poles.iter().filter(|pole| pole.grade.0 != Trust::Rejected && expressible(damping, pole)).cloned().collect();
+        poles.sort_by(|a, b| a.omega.total_cmp(&b.omega));
+        let values: Vec<Complex64> = poles.iter().map(|p| p.value).collect();
+        let mut linear = linear(work, damping, &values, powers)?;
+        if let Some(back) = back {
+            let complex = back.mapv(|v| Complex64::new(v, 0.0));
+            linear.residues = matmul(linear.residues.view(), complex.view());
+            linear.terms = matmul(linear.terms.view(), complex.view());
+        }
+
+        // rank one
+        let (responses, references) = (data.frf.responses.len(), data.frf.references.len());
+        let mut cube = Array3::zeros((values.len(), responses, references));
+        let mut present = Array2::from_elem((responses, references), false);
+        for (l, &(i, j)) in data.pairs.iter().enumerate() {
+            present[[i, j]] = true;
+            for n in 0..values.len() {
+                cube[[n, i, j]] = linear.residues[[n, l]];
+            }
+        }
+        let free = Residues { values: &cube, weight: &linear.weight, present: &present };
+        let (low, high) = work.range();
+        let mut ranks = vec![1; values.len()];
+        for n in (0..poles.len()).filter(|&n| !(low..=high).contains(&poles[n].omega.powi(2)) && poles[n].given.is_none()) {
+            ranks[n] = significant_rank(&free, n, variance)?;
+        }
+        let given: Vec<Given> = poles.iter().map(|pole| pole.given.clone()).collect();
+        let shapes = low_rank_around(&free, &ranks, &given)?;
+        let mut change = linear.residues.mapv(|v| -v);
+        for (term, &n) in shapes.owner.iter().enumerate() {
+            for (l, &(i, j)) in data.pairs.iter().enumerate() {
+                change[[n, l]] += shapes.shape[[term, i]] * shapes.participation[[term, j]];
+            }
+        }
+        linear.answer.apply(&mut linear.terms, &change);
+
+        // χ² of the model as saved: free residues leave `variance` per degree of freedom, the low-rank form adds its rise
+        let all = (work.lines() * work.columns()) as f64;
+        let free_dof = (all - ((values.len() + powers.len()) * work.columns()) as f64).max(1.0);
+        // a real term fixes one phase per DOF but one
+        let real = if *real_shapes {
+            given.iter().flatten().map(|(shape, _)| shape.nrows()).sum::<usize>() * (responses + references - 1)
+        } else {
+            0
+        };
+        let chi2_per_dof = if variance > 0.0 {
+            (linear.sse + shapes.rise) / (variance * (free_dof + 0.5 * (shapes.constraints + real) as f64))
+        } else {
+            1.0
+        };
+        let terms = linear.terms;
+        Ok(Self { identified, poles, shapes, terms, chi2_per_dof })
+    }
+
+    /// Law of the poles.
+    pub fn damping(&self) -> Damping {
+        self.identified.damping
+    }
+
+    /// Back to the poles, to refine them further.
+    pub fn into_identified(self) -> Identified {
+        self.identified
+    }
+
+    /// Builds the model.
+    pub fn model(self, data: &Screened, options: &FitOptions) -> ModalModel {
+        let Self { identified, poles, shapes, terms, chi2_per_dof } = self;
+        let Identified { damping, poles: all, powers, work: _, variance, path, mut warnings, consistent, .. } = identified;
+        let (responses, references) = (data.frf.responses.len(), data.frf.references.len());
+        if chi2_per_dof > 1.5 {
+            warnings.push(format!(
+            "one shape per mode explains the references together worse than free residues (χ² per degree of freedom {chi2_per_dof:.1}): \
+             modes may be missing, or a reference is delayed or not reciprocal"
+        ));
+        }
+
+        let mut modes = modes(data, damping, &poles, &shapes, variance, &mut warnings);
+        modes.0.extend(
+            all.iter().filter(|pole| pole.grade.0 == Trust::Rejected && expressible(damping, pole)).map(|pole| rejected_mode(data, pole)),
+        );
+        modes.0.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+        let scale = data.rms / data.omega_max.powi(data.kind.omega_power());
+        let residual_terms = ResidualTerms {
+            omega_scale_rad_per_s: data.omega_max,
+            terms: powers
+                .iter()
+                .enumerate()
+                .map(|(p, &power)| {
+                    let mut matrix = Array2::zeros((responses, references));
+                    for (l, &(i, j)) in data.pairs.iter().enumerate() {
+                        matrix[[i, j]] = terms[[p, l]] * scale;
+                    }
+                    ResidualTerm { power: 2 * power, matrix: ComplexMatrix(matrix) }
+                })
+                .collect(),
+        };
+        let in_band = modes.0.iter().filter(|m| m.in_band && m.trust != Trust::Rejected).count();
+        let sure = modes.0.iter().filter(|m| m.in_band && m.trust == Trust::Sure).count();
+        if in_band == 0 {
+            warnings.push("no mode stands out of the noise in this band".into());
+        } else if sure == 0 {
+            warnings.push("no mode is sure: see the reasons given with each".into());
+        }
+        let mut all_warnings = data.warnings.clone();
+        all_warnings.append(&mut warnings);
+        let mut model = ModalModel {
+            format: MODEL_FORMAT.into(),
+            version: 1,
+            created_by: CREATED_BY.into(),
+            source: Vec::new(),
+            options: serde_json::Map::new(),
+            frf_kind: data.kind,
+            reference_unit: data.frf.reference_unit,
+            band_hz: data.band_hz,
+            damping,
+            scaling: modes.1,
+            responses: data.frf.responses.clone(),
+            references: data.frf.references.clone(),
+            nodes: data.frf.geometry.nodes.clone(),
+            method: options.method.to_string(),
+            modes: modes.0,
+            residual_terms,
+            quality: Quality {
+                relative_error: 0.0,
+                chi2_per_dof,
+                trusted: consistent && sure > 0,
+                warnings: all_warnings,
+                path: Some(path),
+            },
+        };
+        model.quality.relative_error = relative_error(data, &model);
+        model
+    }
+}
+
+/// True where the model's fields can hold the pole.
+fn expressible(damping: Damping, pole: &Pole) -> bool {
+    let values = pole.omega > 1e-6 && pole.loss_factor.is_finite() && pole.loss_factor > 0.0;
+    values && (damping == Damping::Structural || pole.loss_factor < 1.98)
+}
+
+/// Rms residual of the model as saved over rms data, in the measured kind, over the lines and pairs used.
+fn relative_error(data: &Screened, model: &ModalModel) -> f64 {
+    use rayon::prelude::*;
+    let blocks: Vec<usize> = (0..data.lines.len()).step_by(tol::BLOCK_LINES / 4).collect();
+    let parts: Vec<[f64; 2]> = blocks
+        .par_iter()
+        .map(|&a| {
+            let mut sums = [0.0; 2];
+            for &k in &data.lines[a..(a + tol::BLOCK_LINES / 4).min(data.lines.len())] {
+                let fitted = model.frf_matrix(model.frf_kind, data.frf.frequency_hz[k]);
+                for &(i, j) in &data.pairs {
+                    let value = data.frf.values.get(i, j, k);
+                    sums[0] += (value - fitted[[i, j]]).norm_sqr();
+                    sums[1] += value.norm_sqr();
+                }
+            }
+            sums
+        })
+        .collect();
+    let total = parts.iter().fold([0.0; 2], |t, p| [t[0] + p[0], t[1] + p[1]]);
+    (total[0] / total[1]).sqrt()
+}

@@ -1,0 +1,194 @@
+//! Structured refinement: one shape per mode for all references, real where the data admit it (theory.md, section 4).
+//!
+//! Free residues spend most of their freedom on differences that no structure has. Rank-one residues R_n = ψ_n·L_nᵀ lower the
+//! bound of close poles by up to an order of magnitude, real shapes by √2 in frequency on top. Either is taken only where the
+//! sum of squares rises by no more than chance (likelihood ratio); where rank one does not hold, modes may be missing, and
+//! one at a time is added while it pays.
+//!
+//! Needs every pair of response and reference, and the structural law (complex-analytic poles).
+
+mod growth;
+mod newton;
+
+use crate::model::Found;
+use crate::options::ShapeModel;
+use crate::prune::threshold;
+use crate::screen::Screened;
+use crate::tolerances as tol;
+use chladni_linalg::{svd_thin, LinalgError};
+use ndarray::{Array2, Axis};
+use newton::{free_residues, State, Target};
+use num_complex::Complex64;
+
+/// One pole with the shapes that belong to it: one row each, more than one for a repeated pole.
+#[derive(Debug, Clone)]
+pub(crate) struct StructuredPole {
+    /// Pole in the x plane.
+    pub lambda: Complex64,
+    /// Variances of Re λ and Im λ for unit noise variance.
+    pub spread: [f64; 2],
+    /// (row, response).
+    pub shape: Array2<Complex64>,
+    /// (row, reference).
+    pub participation: Array2<Complex64>,
+}
+
+/// What structured refinement found for the poles of the band.
+#[derive(Debug, Clone)]
+pub(crate) struct Structured {
+    /// Poles of the band.
+    pub poles: Vec<StructuredPole>,
+    /// True where shapes are real.
+    pub real: bool,
+    /// What was taken and why, for the result.
+    pub evidence: String,
+}
+
+/// A rise of the sum of squares over that of a wider model, against what chance allows.
+struct Ratio {
+    /// Standard deviations over the mean of χ² with `constraints` degrees of freedom.
+    sigmas: f64,
+}
+
+impl Ratio {
+    /// `rise` of complex data with noise variance `variance` under so many real constraints.
+    fn new(rise: f64, constraints: usize, variance: f64, rounding: f64) -> Self {
+        let k = constraints as f64;
+        Self { sigmas: ((rise - rounding).max(0.0) / (0.5 * variance) - k) / (2.0 * k).sqrt().max(1.0) }
+    }
+    fn chance(&self) -> bool {
+        self.sigmas <= tol::STRUCTURE_SIGMAS
+    }
+}
+
+/// Refines the poles of the band under the shape model asked for; `None` where it does not apply or does not hold.
+///
+/// `fixed_order`: no mode may be added.
+pub(crate) fn structured(data: &Screened, found: &Found, asked: ShapeModel, fixed_order: bool) -> Result<Option<Structured>, LinalgError> {
+    let (responses, references) = (data.frf.responses.len(), data.frf.references.len());
+    let work = &found.work;
+    let (inside, outside): (Vec<Complex64>, Vec<Complex64>) = found.refined.lambda.iter().partition(|l| work.in_band(**l));
+    if asked == ShapeModel::Free || inside.is_empty() || data.pairs.len() < responses * references {
+        return Ok(None);
+    }
+    // eliminated are the many DOFs, kept in the search the few
+    let swapped = references > responses;
+    let sides = if swapped { [references, responses] } else { [responses, references] };
+    let target = Target::new(work, &outside, &found.refined.powers, by_pair(data, found, swapped), sides)?;
+    let variance = found.variance;
+    let rounding = tol::STRUCTURE_ROUNDING * target.energy;
+    let (residues, free_sse) = free_residues(&target, &inside)?;
+    let constraints = |n: usize| 2 * n * (sides[0] - 1) * (sides[1] - 1);
+    let rank_one = |state: &State| Ratio::new(state.sse - free_sse, constraints(state.lambda.len()), variance, rounding);
+
+    let mut state = State::new(&target, inside.clone(), leading_participations(&residues, sides)?, false)?;
+    if sides[1] > 1 || asked == ShapeModel::Rank1 {
+        state = state.refined(&target, tol::REFINE_FINE, tol::FINE_STEP);
+    }
+    let found_free = state.lambda.len();
+    if asked == ShapeModel::Auto && !fixed_order && sides[1] > 1 {
+        state = grown(&target, state, variance, &|state| rank_one(state).chance())?;
+    }
+    let ratio = rank_one(&state);
+    if asked == ShapeModel::Auto && !ratio.chance() {
+        return Ok(None);
+    }
+    let added = state.lambda.len() - found_free;
+    let mut evidence = format!("one shape per mode ({:+.1} sigma of chance", ratio.sigmas);
+    if added > 0 {
+        evidence += &format!(", {added} of {} modes seen only so", state.lambda.len());
+    }
+    evidence.push(')');
+
+    // each mode keeps one complex factor by rank one, two real ones by being real: phases of shape and participation
+    let phases = state.lambda.len() * (sides[0] + sides[1] - 1);
+    if asked != ShapeModel::Rank1 {
+        let start = State::new(&target, state.lambda.clone(), state.participation.clone(), true)?;
+        let real = start.refined(&target, tol::REFINE_FINE, tol::FINE_STEP);
+        let ratio = Ratio::new(real.sse - state.sse, phases, variance, rounding);
+        if asked == ShapeModel::Real || ratio.chance() {
+            evidence += &format!(", real ({:+.1} sigma)", ratio.sigmas);
+            state = real;
+        } else if sides[1] == 1 {
+            return Ok(None);
+        }
+    }
+    let poles = merged(&state, variance, swapped);
+    Ok(Some(Structured { poles, real: state.real, evidence }))
+}
+
+/// Columns to pairs, (column, eliminated · other).
+fn by_pair(data: &Screened, found: &Found, swapped: bool) -> Array2<Complex64> {
+    let (responses, references) = (data.frf.responses.len(), data.frf.references.len());
+    let mut back = Array2::zeros((found.work.columns(), data.pairs.len()));
+    for (l, &(i, j)) in data.pairs.iter().enumerate() {
+        let at = if swapped { j * responses + i } else { i * references + j };
+        match &found.back {
+            Some(matrix) => back.column_mut(at).assign(&matrix.column(l).mapv(|v| Complex64::new(v, 0.0))),
+            None => back[[l, at]] = Complex64::new(1.0, 0.0),
+        }
+    }
+    back
+}
+
+/// Right singular vectors of free residues, as participations: (mode, other).
+fn leading_participations(residues: &Array2<Complex64>, sides: [usize; 2]) -> Result<Array2<Complex64>, LinalgError> {
+    let mut out = Array2::zeros((residues.nrows(), sides[1]));
+    for (n, row) in residues.rows().into_iter().enumerate() {
+        let matrix = row.to_shape(sides).expect("own · other values").to_owned();
+        out.row_mut(n).assign(&svd_thin(matrix.view())?.2.row(0));
+    }
+    Ok(out)
+}
+
+/// Adds modes while the structure does not hold and one more pays.
+fn grown(target: &Target, mut state: State, variance: f64, holds: &dyn Fn(&State) -> bool) -> Result<State, LinalgError> {
+    let limit = threshold(target.sides[0] + target.sides[1], target.work.lines()) * variance;
+    for _ in 0..tol::GROWTH_MOST {
+        if holds(&state) {
+            break;
+        }
+        let Some((pole, along)) = growth::candidate(target, &state, limit)? else { break };
+        let mut lambda = state.lambda.clone();
+        lambda.push(pole);
+        let mut participation = state.participation.clone();
+        participation.push(Axis(0), along.view()).expect("one value per reference");
+        let Ok(more) = State::new(target, lambda, participation, false) else { break };
+        let more = more.refined(target, tol::REFINE_FINE, tol::ROUGH_STEP);
+        let physical = more.lambda.iter().all(|l| l.im > tol::SPIKE_SPACINGS * target.work.spacing(l.re));
+        if !physical || state.sse - more.sse < limit {
+            break;
+        }
+        state = more;
+    }
+    Ok(state.refined(target, tol::REFINE_FINE, tol::FINE_STEP))
+}
+
+/// Poles with their shapes; those that the data cannot tell apart become one of higher rank.
+fn merged(state: &State, variance: f64, swapped: bool) -> Vec<StructuredPole> {
+    let spread = state.spread();
+    let mut poles: Vec<StructuredPole> = Vec::new();
+    for (n, &lambda) in state.lambda.iter().enumerate() {
+        let row = |m: &Array2<Complex64>| m.row(n).insert_axis(Axis(0)).to_owned();
+        let (own, other) = (row(&state.shape), row(&state.participation));
+        let (shape, participation) = if swapped { (other, own) } else { (own, other) };
+        let same = poles.iter_mut().find(|pole| {
+            let allowed: f64 = variance * (pole.spread.iter().sum::<f64>() + spread[n].iter().sum::<f64>());
+            (pole.lambda - lambda).norm_sqr() < tol::REPEATED_SIGMAS * allowed && pole.lambda.im.min(lambda.im) > 0.0
+        });
+        match same {
+            Some(pole) => {
+                let share = [0, 1].map(|d| spread[n][d] / (pole.spread[d] + spread[n][d]));
+                let delta = pole.lambda - lambda;
+                pole.lambda = lambda + Complex64::new(delta.re * share[0], delta.im * share[1]);
+                for d in 0..2 {
+                    pole.spread[d] *= share[d];
+                }
+                pole.shape.push(Axis(0), shape.row(0)).expect("one value per response");
+                pole.participation.push(Axis(0), participation.row(0)).expect("one value per reference");
+            }
+            None => poles.push(StructuredPole { lambda, spread: spread[n], shape, participation }),
+        }
+    }
+    poles
+}
