@@ -1,6 +1,7 @@
 //! Screening: which lines and FRFs are used, and their scale (theory.md, eq. 5).
 
 use crate::error::FitError;
+use crate::model::Synthesis;
 use crate::options::FitOptions;
 use crate::tolerances as tol;
 use crate::work::Work;
@@ -85,7 +86,7 @@ impl<'a> Screened<'a> {
             rms: 1.0,
             warnings,
         };
-        let sum: Vec<f64> = screened.pairs.par_iter().map(|&(i, j)| screened.energy(i, j)).collect();
+        let sum: Vec<f64> = screened.pairs.par_iter().map(|&pair| screened.energy(pair)).collect();
         screened.rms = (sum.iter().sum::<f64>() / (screened.lines.len() * screened.pairs.len()) as f64).sqrt();
         if screened.rms == 0.0 || !screened.rms.is_finite() {
             return Err(FitError::NoData);
@@ -93,8 +94,23 @@ impl<'a> Screened<'a> {
         Ok(screened)
     }
 
-    fn energy(&self, i: usize, j: usize) -> f64 {
-        self.lines.iter().map(|&k| self.frf.values.get(i, j, k).norm_sqr()).sum()
+    fn energy(&self, pair: (usize, usize)) -> f64 {
+        let mut energy = 0.0;
+        visit(&self.frf.values, pair, &self.lines, |_, value| energy += value.norm_sqr());
+        energy
+    }
+
+    /// Sum of squares of all data less their synthesis, in one pass.
+    pub fn misfit(&self, synthesis: &Synthesis) -> f64 {
+        let starts: Vec<usize> = (0..self.pairs.len()).step_by(tol::BLOCK_FRFS).collect();
+        let parts: Vec<f64> = starts
+            .par_iter()
+            .map(|&a| {
+                let columns = a..(a + tol::BLOCK_FRFS).min(self.pairs.len());
+                synthesis.misfit(&self.block(columns.clone(), 0..self.lines.len()), columns)
+            })
+            .collect();
+        parts.iter().sum()
     }
 
     /// Factor that takes a measured value to a work value: the kind's phase undone, unit rms.
@@ -108,21 +124,8 @@ impl<'a> Screened<'a> {
         let factor = self.factor();
         let lines = &self.lines[rows];
         let mut out = Array2::zeros((lines.len(), columns.len()).f());
-        for (mut column, &(i, j)) in out.columns_mut().into_iter().zip(&self.pairs[columns]) {
-            match &self.frf.values {
-                FrfValues::F64(values) => {
-                    let source = values.slice(ndarray::s![i, j, ..]);
-                    for (value, &k) in column.iter_mut().zip(lines) {
-                        *value = source[k] * factor;
-                    }
-                }
-                FrfValues::F32(values) => {
-                    let source = values.slice(ndarray::s![i, j, ..]);
-                    for (value, &k) in column.iter_mut().zip(lines) {
-                        *value = Complex64::new(source[k].re.into(), source[k].im.into()) * factor;
-                    }
-                }
-            }
+        for (mut column, &pair) in out.columns_mut().into_iter().zip(&self.pairs[columns]) {
+            visit(&self.frf.values, pair, lines, |row, value| column[row] = value * factor);
         }
         out
     }
@@ -178,6 +181,20 @@ impl<'a> Screened<'a> {
     }
 }
 
+/// Calls `see` with position and value of each of `lines` of one pair.
+fn visit(values: &FrfValues, (i, j): (usize, usize), lines: &[usize], mut see: impl FnMut(usize, Complex64)) {
+    match values {
+        FrfValues::F64(values) => {
+            let of_pair = values.slice(ndarray::s![i, j, ..]);
+            lines.iter().enumerate().for_each(|(row, &k)| see(row, of_pair[k]));
+        }
+        FrfValues::F32(values) => {
+            let of_pair = values.slice(ndarray::s![i, j, ..]);
+            lines.iter().enumerate().for_each(|(row, &k)| see(row, Complex64::new(of_pair[k].re.into(), of_pair[k].im.into())));
+        }
+    }
+}
+
 /// Pairs with at least one finite non-zero value on `lines`, and the lines on which one of them is not finite.
 fn usable(frf: &FrfSet, lines: &[usize]) -> (Vec<(usize, usize)>, Vec<bool>) {
     let (responses, references, _) = frf.values.dim();
@@ -185,17 +202,16 @@ fn usable(frf: &FrfSet, lines: &[usize]) -> (Vec<(usize, usize)>, Vec<bool>) {
     // per pair: is there anything, and which lines are not finite
     let seen: Vec<(bool, Vec<usize>)> = all
         .par_iter()
-        .map(|&(i, j)| {
+        .map(|&pair| {
             let mut any = false;
             let mut bad = Vec::new();
-            for (row, &k) in lines.iter().enumerate() {
-                let value = frf.values.get(i, j, k);
+            visit(&frf.values, pair, lines, |row, value| {
                 if !value.is_finite() {
                     bad.push(row);
                 } else if value.norm_sqr() > 0.0 {
                     any = true;
                 }
-            }
+            });
             (any, bad)
         })
         .collect();

@@ -4,17 +4,17 @@ mod linear;
 mod modes;
 mod pole;
 
+pub(crate) use linear::Synthesis;
 pub(crate) use pole::{uncertainty_grade, Found, Grade, Identified, Pole, UNCERTAIN};
 
 use crate::options::FitOptions;
 use crate::screen::Screened;
 use crate::structure::{low_rank_around, significant_rank, Given, Residues, Shapes};
-use crate::tolerances as tol;
 use chladni_frf::{ComplexMatrix, Damping, ModalModel, Quality, ResidualTerm, ResidualTerms, Trust, CREATED_BY, MODEL_FORMAT};
 use chladni_linalg::{matmul, LinalgError};
 use linear::linear;
 use modes::{modes, rejected_mode};
-use ndarray::{Array2, Array3};
+use ndarray::{s, Array2, Array3};
 use num_complex::Complex64;
 
 /// Identified poles with the residues of every FRF brought into shapes: all but the scaling.
@@ -104,6 +104,7 @@ impl Shaped {
 
     /// Builds the model.
     pub fn model(self, data: &Screened, options: &FitOptions) -> ModalModel {
+        let relative_error = self.relative_error(data);
         let Self { identified, poles, shapes, terms, chi2_per_dof } = self;
         let Identified { damping, poles: all, powers, work: _, variance, path, mut warnings, consistent, .. } = identified;
         let (responses, references) = (data.frf.responses.len(), data.frf.references.len());
@@ -143,7 +144,7 @@ impl Shaped {
         }
         let mut all_warnings = data.warnings.clone();
         all_warnings.append(&mut warnings);
-        let mut model = ModalModel {
+        ModalModel {
             format: MODEL_FORMAT.into(),
             version: 1,
             created_by: CREATED_BY.into(),
@@ -160,16 +161,22 @@ impl Shaped {
             method: options.method.to_string(),
             modes: modes.0,
             residual_terms,
-            quality: Quality {
-                relative_error: 0.0,
-                chi2_per_dof,
-                trusted: consistent && sure > 0,
-                warnings: all_warnings,
-                path: Some(path),
-            },
-        };
-        model.quality.relative_error = relative_error(data, &model);
-        model
+            quality: Quality { relative_error, chi2_per_dof, trusted: consistent && sure > 0, warnings: all_warnings, path: Some(path) },
+        }
+    }
+
+    /// Rms residual of the model as saved over rms data, in the measured kind, over the lines and pairs used: one more pass.
+    fn relative_error(&self, data: &Screened) -> f64 {
+        let values: Vec<Complex64> = self.poles.iter().map(|pole| pole.value).collect();
+        let mut coefficients = Array2::zeros((values.len() + self.identified.powers.len(), data.pairs.len()));
+        for (l, &(i, j)) in data.pairs.iter().enumerate() {
+            for (term, &n) in self.shapes.owner.iter().enumerate() {
+                coefficients[[n, l]] += self.shapes.shape[[term, i]] * self.shapes.participation[[term, j]];
+            }
+        }
+        coefficients.slice_mut(s![values.len().., ..]).assign(&self.terms);
+        let sse = data.misfit(&Synthesis::new(data, self.damping(), &values, &self.identified.powers, coefficients));
+        (sse / (data.lines.len() * data.pairs.len()) as f64).sqrt()
     }
 }
 
@@ -177,27 +184,4 @@ impl Shaped {
 fn expressible(damping: Damping, pole: &Pole) -> bool {
     let values = pole.omega > 1e-6 && pole.loss_factor.is_finite() && pole.loss_factor > 0.0;
     values && (damping == Damping::Structural || pole.loss_factor < 1.98)
-}
-
-/// Rms residual of the model as saved over rms data, in the measured kind, over the lines and pairs used.
-fn relative_error(data: &Screened, model: &ModalModel) -> f64 {
-    use rayon::prelude::*;
-    let blocks: Vec<usize> = (0..data.lines.len()).step_by(tol::BLOCK_LINES / 4).collect();
-    let parts: Vec<[f64; 2]> = blocks
-        .par_iter()
-        .map(|&a| {
-            let mut sums = [0.0; 2];
-            for &k in &data.lines[a..(a + tol::BLOCK_LINES / 4).min(data.lines.len())] {
-                let fitted = model.frf_matrix(model.frf_kind, data.frf.frequency_hz[k]);
-                for &(i, j) in &data.pairs {
-                    let value = data.frf.values.get(i, j, k);
-                    sums[0] += (value - fitted[[i, j]]).norm_sqr();
-                    sums[1] += value.norm_sqr();
-                }
-            }
-            sums
-        })
-        .collect();
-    let total = parts.iter().fold([0.0; 2], |t, p| [t[0] + p[0], t[1] + p[1]]);
-    (total[0] / total[1]).sqrt()
 }
