@@ -1,191 +1,260 @@
-//! Unit labels as people write them: `m/s/N`, `(m/s)/N`, `m/(s·N)`, `mm/s/V`, `(1/N)*(m/s²)`, `g/N`, `1/kg`.
+//! Unit labels as people write them, `m/s/N`, `(m/s)/N`, `m/(s·N)`, `mm/s/V`, `m/s²`, `g/N`: what they measure, and their
+//! factor to SI.
+//!
+//! A label is a product of powers of known units. Division associates to the left, as engineers write it: `m/s/N` is
+//! (m/s)/N. What is not understood gives `None`; nothing is guessed.
 
 use crate::{FrfKind, ReferenceUnit};
+use std::f64::consts::{PI, TAU};
 
-/// Standard gravity, m/s² (exact by definition); a lone `g` in a unit label of vibration data.
+/// A unit: factor to SI and the powers of m, kg, s, V, rad, cycle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Unit {
+    /// Multiplies a value in this unit to give SI.
+    pub factor: f64,
+    /// Powers of m, kg, s, V, rad, cycle.
+    pub powers: [i32; 6],
+}
+
+const ONE: Unit = Unit { factor: 1.0, powers: [0; 6] };
+/// g_n of ISO 80000-3, m/s².
 const STANDARD_GRAVITY: f64 = 9.80665;
-/// Inch in metres (exact) and pound-force in newtons (exact).
-const INCH_M: f64 = 0.0254;
-const POUND_FORCE_N: f64 = 4.448_221_615_260_5;
+/// Pound-force: 0.45359237 kg · g_n, N.
+const POUND_FORCE: f64 = 4.448_221_615_260_5;
+/// No sensible unit carries a larger power; a larger one is a misreading.
+const LARGEST_POWER: i32 = 9;
+/// A longer text is no unit label, in bytes.
+const LONGEST_LABEL: usize = 80;
+/// Parentheses nested more deeply stand in no unit.
+const MAX_DEPTH: usize = 8;
 
 /// What the unit of an FRF says.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct FrfUnit {
-    pub(crate) kind: FrfKind,
-    pub(crate) reference: ReferenceUnit,
+pub(super) struct FrfUnit {
+    pub kind: FrfKind,
+    pub reference: ReferenceUnit,
     /// From the label's unit to SI.
-    pub(crate) to_si: f64,
+    pub to_si: f64,
 }
 
-/// Kind, reference and scale of an FRF's unit label; `None` where it is no motion per force or volt.
-pub(crate) fn frf_unit(label: &str) -> Option<FrfUnit> {
-    let quantity = quantity(label)?;
-    let reference = match (quantity.newton, quantity.volt) {
-        (-1, 0) => ReferenceUnit::Newton,
-        (0, -1) => ReferenceUnit::Volt,
-        _ => return None,
-    };
-    let kind = match (quantity.metre, quantity.second) {
-        (1, 0) => FrfKind::Receptance,
-        (1, -1) => FrfKind::Mobility,
-        (1, -2) => FrfKind::Accelerance,
-        _ => return None,
-    };
-    Some(FrfUnit { kind, reference, to_si: quantity.factor })
+/// Kind, reference and scale of an FRF's unit label; `None` where it is no motion per newton or volt.
+pub(super) fn frf_unit(label: &str) -> Option<FrfUnit> {
+    let unit = parse(label)?;
+    let (kind, reference) = unit.frf_kind()?;
+    Some(FrfUnit { kind, reference, to_si: unit.factor })
 }
 
-/// Factor from the unit of a frequency axis to Hz.
-pub(crate) fn frequency_unit(label: &str) -> Option<f64> {
-    match label.trim().to_ascii_lowercase().as_str() {
-        "hz" | "1/s" | "cycles/s" => Some(1.0),
-        "khz" => Some(1e3),
-        "mhz" => Some(1e6),
-        "rad/s" | "rad/sec" => Some(1.0 / std::f64::consts::TAU),
-        _ => None,
-    }
+/// Factor from the unit of a frequency axis to Hz; `None` where the label is no frequency.
+pub(super) fn frequency_unit(label: &str) -> Option<f64> {
+    parse(label)?.to_hertz()
 }
 
-/// A physical unit: factor to SI and the powers of metre, second, newton and volt.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Quantity {
-    factor: f64,
-    metre: i32,
-    second: i32,
-    newton: i32,
-    volt: i32,
-}
-
-impl Quantity {
-    const fn new(factor: f64, metre: i32, second: i32, newton: i32, volt: i32) -> Self {
-        Self { factor, metre, second, newton, volt }
-    }
+impl Unit {
     fn power(self, exponent: i32) -> Self {
-        Self {
-            factor: self.factor.powi(exponent),
-            metre: self.metre.saturating_mul(exponent),
-            second: self.second.saturating_mul(exponent),
-            newton: self.newton.saturating_mul(exponent),
-            volt: self.volt.saturating_mul(exponent),
-        }
+        Self { factor: self.factor.powi(exponent), powers: self.powers.map(|p| p.saturating_mul(exponent)) }
     }
     fn times(self, other: Self) -> Self {
-        Self {
-            factor: self.factor * other.factor,
-            metre: self.metre.saturating_add(other.metre),
-            second: self.second.saturating_add(other.second),
-            newton: self.newton.saturating_add(other.newton),
-            volt: self.volt.saturating_add(other.volt),
+        let mut powers = self.powers;
+        for (power, more) in powers.iter_mut().zip(other.powers) {
+            *power = power.saturating_add(more);
         }
+        Self { factor: self.factor * other.factor, powers }
+    }
+    /// This unit per `other`.
+    pub(super) fn per(self, other: Self) -> Self {
+        self.times(other.power(-1))
+    }
+    /// FRF kind and reference that this unit measures: a motion per newton or per volt.
+    pub(super) fn frf_kind(self) -> Option<(FrfKind, ReferenceUnit)> {
+        use FrfKind::{Accelerance, Mobility, Receptance};
+        use ReferenceUnit::{Newton, Volt};
+        match self.powers {
+            // N = kg·m/s²: m/N = s²/kg
+            [0, -1, 2, 0, 0, 0] => Some((Receptance, Newton)),
+            [0, -1, 1, 0, 0, 0] => Some((Mobility, Newton)),
+            [0, -1, 0, 0, 0, 0] => Some((Accelerance, Newton)),
+            [1, 0, 0, -1, 0, 0] => Some((Receptance, Volt)),
+            [1, 0, -1, -1, 0, 0] => Some((Mobility, Volt)),
+            [1, 0, -2, -1, 0, 0] => Some((Accelerance, Volt)),
+            _ => None,
+        }
+    }
+    /// True for volts with any prefix.
+    pub(super) fn is_voltage(self) -> bool {
+        self.powers == [0, 0, 0, 1, 0, 0]
+    }
+    /// Factor to Hz, for a frequency.
+    pub(super) fn to_hertz(self) -> Option<f64> {
+        match self.powers {
+            [0, 0, -1, 0, 1, 0] => Some(self.factor / TAU),
+            [0, 0, -1, 0, 0, 0 | 1] => Some(self.factor),
+            _ => None,
+        }
+    }
+    /// Factor to s, for a time.
+    pub(super) fn to_seconds(self) -> Option<f64> {
+        (self.powers == [0, 0, 1, 0, 0, 0]).then_some(self.factor)
     }
 }
 
-const ONE: Quantity = Quantity::new(1.0, 0, 0, 0, 0);
-
-fn quantity(label: &str) -> Option<Quantity> {
-    let plain: Vec<char> = label
-        .trim()
-        .chars()
-        .filter(|c| !c.is_whitespace())
-        .flat_map(|c| match c {
-            '²' => vec!['^', '2'],
-            '·' | '⋅' | '×' => vec!['*'],
-            'µ' | 'μ' => vec!['u'],
-            '[' | '{' => vec!['('],
-            ']' | '}' => vec![')'],
-            other => vec![other],
-        })
-        .collect();
-    let mut parser = Parser { text: &plain, at: 0 };
-    let value = parser.product(0)?;
-    (parser.at == plain.len() && value.factor.is_finite()).then_some(value)
+/// The unit that a label names; `None` for an empty label or one that is not understood. Brackets of any kind are
+/// parentheses.
+pub(super) fn parse(label: &str) -> Option<Unit> {
+    let text = label.trim();
+    if text.is_empty() || text.len() > LONGEST_LABEL {
+        return None;
+    }
+    let plain = |c| match c {
+        '[' | '{' => '(',
+        ']' | '}' => ')',
+        other => other,
+    };
+    let chars: Vec<char> = text.chars().filter(|c| !c.is_control()).map(plain).collect();
+    let mut parser = Parser { chars: &chars, at: 0 };
+    let unit = parser.product(0)?;
+    (parser.at == chars.len() && unit.factor.is_finite() && unit.factor > 0.0).then_some(unit)
 }
 
-/// Parentheses deeper than this stand in no unit.
-const MAX_DEPTH: usize = 8;
-
 struct Parser<'a> {
-    text: &'a [char],
+    chars: &'a [char],
     at: usize,
 }
 
 impl Parser<'_> {
     fn peek(&self) -> Option<char> {
-        self.text.get(self.at).copied()
+        self.chars.get(self.at).copied()
+    }
+    fn skip_blanks(&mut self) {
+        while self.peek().is_some_and(char::is_whitespace) {
+            self.at += 1;
+        }
     }
 
-    /// term { ('*' | '/') term }
-    fn product(&mut self, depth: usize) -> Option<Quantity> {
-        let mut value = self.term(depth)?;
-        while let Some(operator @ ('*' | '/')) = self.peek() {
-            self.at += 1;
-            let factor = self.term(depth)?;
-            value = value.times(if operator == '/' { factor.power(-1) } else { factor });
+    /// factor {(* | / | · | blank) factor}, from left to right.
+    fn product(&mut self, depth: usize) -> Option<Unit> {
+        let mut unit = self.factor(depth)?;
+        loop {
+            self.skip_blanks();
+            match self.peek() {
+                None | Some(')') => return Some(unit),
+                Some('/') => {
+                    self.at += 1;
+                    unit = unit.per(self.factor(depth)?);
+                }
+                Some('*' | '·' | '⋅' | '.' | '×' | '-') => {
+                    self.at += 1;
+                    unit = unit.times(self.factor(depth)?);
+                }
+                Some(_) => unit = unit.times(self.factor(depth)?),
+            }
         }
-        Some(value)
     }
 
-    /// ( '(' product ')' | symbol ) [ ['^'] integer ]
-    fn term(&mut self, depth: usize) -> Option<Quantity> {
-        if depth > MAX_DEPTH {
-            return None;
-        }
-        let base = if self.peek() == Some('(') {
-            self.at += 1;
-            let inner = self.product(depth + 1)?;
-            (self.peek() == Some(')')).then_some(())?;
-            self.at += 1;
-            inner
-        } else if self.peek() == Some('1') {
-            self.at += 1;
-            return Some(ONE);
-        } else {
-            let start = self.at;
-            while self.peek().is_some_and(char::is_alphabetic) {
+    /// (name | 1 | parenthesis) [power].
+    fn factor(&mut self, depth: usize) -> Option<Unit> {
+        self.skip_blanks();
+        let base = match self.peek()? {
+            '(' if depth < MAX_DEPTH => {
+                self.at += 1;
+                let inner = self.product(depth + 1)?;
+                if self.peek() != Some(')') {
+                    return None;
+                }
+                self.at += 1;
+                inner
+            }
+            '1' => {
+                self.at += 1;
+                return Some(ONE);
+            }
+            _ => {
+                let start = self.at;
+                while self.peek().is_some_and(|c| (c.is_alphabetic() && superscript(c).is_none()) || matches!(c, '"' | '°')) {
+                    self.at += 1;
+                }
+                named(&self.chars[start..self.at].iter().collect::<String>())?
+            }
+        };
+        Some(base.power(self.exponent()?))
+    }
+
+    /// `^2`, `**2`, `2`, `-1`, `²`, `⁻¹`, or nothing: 1.
+    fn exponent(&mut self) -> Option<i32> {
+        let rest = &self.chars[self.at..];
+        let marker = match rest {
+            ['^', ..] => 1,
+            ['*', '*', ..] => 2,
+            _ => 0,
+        };
+        self.at += marker;
+        let parenthesis = marker > 0 && self.peek() == Some('(');
+        self.at += usize::from(parenthesis);
+        let mut sign = 1;
+        if let Some(c @ ('-' | '+' | '⁻')) = self.peek() {
+            if self.chars.get(self.at + 1).is_some_and(|&next| next.is_ascii_digit() || superscript(next).is_some()) {
+                sign = if c == '+' { 1 } else { -1 };
                 self.at += 1;
             }
-            symbol(&self.text[start..self.at].iter().collect::<String>())?
-        };
-        if self.peek() == Some('^') {
-            self.at += 1;
         }
-        let negative = self.peek() == Some('-');
-        if negative {
-            self.at += 1;
-        }
-        match self.peek().and_then(|c| c.to_digit(10)) {
+        let digit = self.peek().and_then(|c| c.to_digit(10).or(superscript(c)));
+        match digit {
             Some(digit) => {
                 self.at += 1;
-                let exponent = digit as i32;
-                Some(base.power(if negative { -exponent } else { exponent }))
+                if parenthesis {
+                    if self.peek() != Some(')') {
+                        return None;
+                    }
+                    self.at += 1;
+                }
+                Some(sign * digit as i32).filter(|e| e.abs() <= LARGEST_POWER)
             }
-            None => (!negative).then_some(base),
+            None => (marker == 0 && sign == 1).then_some(1),
         }
     }
 }
 
-fn symbol(name: &str) -> Option<Quantity> {
-    Some(match name {
-        "m" => Quantity::new(1.0, 1, 0, 0, 0),
-        "cm" => Quantity::new(1e-2, 1, 0, 0, 0),
-        "mm" => Quantity::new(1e-3, 1, 0, 0, 0),
-        "um" => Quantity::new(1e-6, 1, 0, 0, 0),
-        "nm" => Quantity::new(1e-9, 1, 0, 0, 0),
-        "pm" => Quantity::new(1e-12, 1, 0, 0, 0),
-        "in" | "inch" => Quantity::new(INCH_M, 1, 0, 0, 0),
-        "ft" => Quantity::new(12.0 * INCH_M, 1, 0, 0, 0),
-        "s" | "sec" => Quantity::new(1.0, 0, 1, 0, 0),
-        "ms" => Quantity::new(1e-3, 0, 1, 0, 0),
-        "g" | "gn" => Quantity::new(STANDARD_GRAVITY, 1, -2, 0, 0),
-        "N" => Quantity::new(1.0, 0, 0, 1, 0),
-        "mN" => Quantity::new(1e-3, 0, 0, 1, 0),
-        "kN" => Quantity::new(1e3, 0, 0, 1, 0),
-        "lbf" | "lb" => Quantity::new(POUND_FORCE_N, 0, 0, 1, 0),
-        "V" => Quantity::new(1.0, 0, 0, 0, 1),
-        "mV" => Quantity::new(1e-3, 0, 0, 0, 1),
-        "kV" => Quantity::new(1e3, 0, 0, 0, 1),
-        "kg" => Quantity::new(1.0, -1, 2, 1, 0), // N·s²/m
-        _ => return None,
-    })
+fn superscript(c: char) -> Option<u32> {
+    "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().position(|s| s == c).map(|k| k as u32)
+}
+
+/// A unit by its name; capitals of old files (`M/S**2`) are read where they cannot be mistaken.
+fn named(name: &str) -> Option<Unit> {
+    let unit = |factor, powers| Some(Unit { factor, powers });
+    match name {
+        "m" | "M" | "meter" | "metre" => unit(1.0, [1, 0, 0, 0, 0, 0]),
+        "cm" => unit(1e-2, [1, 0, 0, 0, 0, 0]),
+        "mm" | "MM" => unit(1e-3, [1, 0, 0, 0, 0, 0]),
+        "µm" | "μm" | "um" | "micron" => unit(1e-6, [1, 0, 0, 0, 0, 0]),
+        "nm" => unit(1e-9, [1, 0, 0, 0, 0, 0]),
+        "pm" => unit(1e-12, [1, 0, 0, 0, 0, 0]),
+        "in" | "IN" | "inch" | "\"" => unit(0.0254, [1, 0, 0, 0, 0, 0]),
+        "mil" => unit(25.4e-6, [1, 0, 0, 0, 0, 0]),
+        "ft" | "FT" => unit(0.3048, [1, 0, 0, 0, 0, 0]),
+        "s" | "S" | "sec" | "SEC" => unit(1.0, [0, 0, 1, 0, 0, 0]),
+        "ms" => unit(1e-3, [0, 0, 1, 0, 0, 0]),
+        "µs" | "μs" | "us" => unit(1e-6, [0, 0, 1, 0, 0, 0]),
+        "min" => unit(60.0, [0, 0, 1, 0, 0, 0]),
+        "g" | "G" | "gn" => unit(STANDARD_GRAVITY, [1, 0, -2, 0, 0, 0]),
+        "mg" => unit(STANDARD_GRAVITY * 1e-3, [1, 0, -2, 0, 0, 0]),
+        "kg" => unit(1.0, [0, 1, 0, 0, 0, 0]),
+        "N" | "newton" => unit(1.0, [1, 1, -2, 0, 0, 0]),
+        "mN" => unit(1e-3, [1, 1, -2, 0, 0, 0]),
+        "kN" => unit(1e3, [1, 1, -2, 0, 0, 0]),
+        "lbf" | "lb" | "LBF" | "LB" => unit(POUND_FORCE, [1, 1, -2, 0, 0, 0]),
+        "kgf" => unit(STANDARD_GRAVITY, [1, 1, -2, 0, 0, 0]),
+        "Pa" => unit(1.0, [-1, 1, -2, 0, 0, 0]),
+        "V" | "v" | "volt" | "Volt" => unit(1.0, [0, 0, 0, 1, 0, 0]),
+        "mV" => unit(1e-3, [0, 0, 0, 1, 0, 0]),
+        "kV" => unit(1e3, [0, 0, 0, 1, 0, 0]),
+        "Hz" | "HZ" | "hz" => unit(1.0, [0, 0, -1, 0, 0, 1]),
+        "kHz" | "khz" | "KHz" | "KHZ" => unit(1e3, [0, 0, -1, 0, 0, 1]),
+        "MHz" => unit(1e6, [0, 0, -1, 0, 0, 1]),
+        "rpm" | "RPM" => unit(1.0 / 60.0, [0, 0, -1, 0, 0, 1]),
+        "cycle" | "cycles" => unit(1.0, [0, 0, 0, 0, 0, 1]),
+        "rad" | "RAD" => unit(1.0, [0, 0, 0, 0, 1, 0]),
+        "deg" | "°" => unit(PI / 180.0, [0, 0, 0, 0, 1, 0]),
+        _ => None,
+    }
 }
 
 #[cfg(test)]
@@ -195,37 +264,77 @@ mod tests {
     use ReferenceUnit::{Newton, Volt};
 
     #[test]
-    fn every_spelling_of_formats_section_3_is_read() {
-        for (label, kind, reference, to_si) in [
-            ("m/N", Receptance, Newton, 1.0),
-            ("µm/N", Receptance, Newton, 1e-6),
+    fn labels_in_every_spelling_give_kind_reference_and_factor() {
+        for (label, kind, reference, factor) in [
             ("m/s/N", Mobility, Newton, 1.0),
             ("(m/s)/N", Mobility, Newton, 1.0),
             ("m/(s·N)", Mobility, Newton, 1.0),
+            ("m/(s*N)", Mobility, Newton, 1.0),
+            ("m / s / N", Mobility, Newton, 1.0),
             ("mm/s/V", Mobility, Volt, 1e-3),
-            ("mm/s/mV", Mobility, Volt, 1.0),
+            ("(m/s)/V", Mobility, Volt, 1.0),
+            ("µm/s/mV", Mobility, Volt, 1e-3),
+            ("m/N", Receptance, Newton, 1.0),
+            ("mm/N", Receptance, Newton, 1e-3),
             ("m/s^2/N", Accelerance, Newton, 1.0),
             ("m/s2/N", Accelerance, Newton, 1.0),
             ("(m/s²)/N", Accelerance, Newton, 1.0),
+            ("M/S**2/N", Accelerance, Newton, 1.0),
             ("(1/N)*(m/s²)", Accelerance, Newton, 1.0),
-            ("g/N", Accelerance, Newton, 9.80665),
             ("1/kg", Accelerance, Newton, 1.0),
-            ("[in/s²]/lbf", Accelerance, Newton, 0.0254 / 4.448_221_615_260_5),
-            ("m s^-1/N", Receptance, Newton, 0.0), // no operator between m and s: refused below
+            ("g/N", Accelerance, Newton, 9.80665),
+            ("m s^-1/N", Mobility, Newton, 1.0),
+            ("[m·s⁻²/N]", Accelerance, Newton, 1.0),
+            ("[in/s²]/lbf", Accelerance, Newton, 0.0254 / 4.4482216152605),
+            ("in/s²/lbf", Accelerance, Newton, 0.0254 / 4.4482216152605),
         ] {
-            match frf_unit(label) {
-                Some(unit) => {
-                    assert_eq!((unit.kind, unit.reference), (kind, reference), "{label}");
-                    assert!((unit.to_si - to_si).abs() <= 1e-15 * to_si, "{label}: {}", unit.to_si);
-                }
-                None => assert_eq!(to_si, 0.0, "{label}"),
-            }
+            let unit = frf_unit(label).unwrap_or_else(|| panic!("{label}"));
+            assert_eq!((unit.kind, unit.reference), (kind, reference), "{label}");
+            assert!((unit.to_si / factor - 1.0).abs() < 1e-12, "{label}: {}", unit.to_si);
         }
     }
 
     #[test]
-    fn what_is_no_motion_per_force_or_volt_is_refused() {
-        for label in ["", "m", "N/m", "V/V", "m/s", "((((((((((m/N))))))))))", "m/s/N)", "xyz/N", "m^/N/"] {
+    fn motions_alone_have_a_factor_and_no_kind() {
+        for (label, factor) in [("m/s", 1.0), ("m/s^2", 1.0), ("m/s2", 1.0), ("m/s²", 1.0), ("g", 9.80665), ("in/s²", 0.0254)] {
+            let unit = parse(label).unwrap();
+            assert_eq!(unit.frf_kind(), None, "{label}");
+            assert!((unit.factor / factor - 1.0).abs() < 1e-12, "{label}");
+        }
+    }
+
+    #[test]
+    fn frequencies_in_radians_and_kilohertz() {
+        for (label, factor) in [
+            ("Hz", 1.0),
+            ("hz", 1.0),
+            ("1/s", 1.0),
+            ("cycles/s", 1.0),
+            ("kHz", 1e3),
+            ("khz", 1e3),
+            ("MHz", 1e6),
+            ("rad/s", 1.0 / TAU),
+            ("rad/sec", 1.0 / TAU),
+        ] {
+            assert_eq!(frequency_unit(label), Some(factor), "{label}");
+        }
+        assert_eq!(frequency_unit("mhz"), None, "milli or mega: not guessed");
+        assert_eq!(frequency_unit("V"), None);
+        assert_eq!(parse("ms").unwrap().to_seconds(), Some(1e-3));
+    }
+
+    #[test]
+    fn what_is_not_understood_is_none() {
+        for label in
+            ["", "furlong", "m/", "/s", "(m/s", "m)", "m^", "m^x", "m s^99", "((((((((((m/N))))))))))", "m**", "²", "[m/s", "m^/N/"]
+        {
+            assert_eq!(parse(label), None, "{label}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_motion_per_force_or_volt_is_no_unit_of_an_frf() {
+        for label in ["m", "N/m", "V/V", "m/s", "xyz/N", "rad/s/N"] {
             assert_eq!(frf_unit(label), None, "{label}");
         }
     }

@@ -112,7 +112,7 @@ fn matching_open(inner: &str, open: char, close: char) -> Option<usize> {
 pub(super) fn looks_like_unit(text: &str) -> bool {
     let lower = text.trim().trim_matches(['[', ']', '(', ')']).to_lowercase();
     let known = ["", "-", "1", "deg", "degrees", "°", "rad", "none"].contains(&lower.as_str()) || lower.starts_with("db");
-    known || frequency_unit(&lower).is_some() || frf_unit(text.trim()).is_some() || (text.contains('/') && !text.contains(':'))
+    known || frequency_unit(text).is_some() || frf_unit(text).is_some() || (text.contains('/') && !text.contains(':'))
 }
 
 /// A response and perhaps its reference: `12:+Z`, `1Z:3Z`, `12:+Z:101:+Z`, `12:+Z/101:+Z`.

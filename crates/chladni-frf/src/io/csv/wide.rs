@@ -3,7 +3,7 @@
 use super::head::{dof_pair, frequency_factor, Head, Part};
 use super::table::Table;
 use super::Trace;
-use crate::io::unit_label::{frequency_unit, frf_unit, FrfUnit};
+use crate::io::unit_label::{frequency_unit, frf_unit};
 use crate::{Error, Result};
 use num_complex::Complex64;
 
@@ -179,7 +179,7 @@ fn trace(table: &Table, heads: &[Head], group: &Group) -> Result<Trace> {
         reference: dofs.and_then(|(_, reference)| reference),
         values,
         coherence: group.coherence.map(|column| table.column(column)),
-        unit: meaningful(unit),
+        unit,
         unit_text,
     })
 }
@@ -187,8 +187,4 @@ fn trace(table: &Table, heads: &[Head], group: &Group) -> Result<Trace> {
 /// `1Z:3Z [2]` without its set number.
 fn first_word(text: &str) -> &str {
     text.split_whitespace().next().unwrap_or("")
-}
-
-fn meaningful(unit: Option<FrfUnit>) -> Option<FrfUnit> {
-    unit.filter(|unit| unit.to_si.is_finite() && unit.to_si > 0.0)
 }

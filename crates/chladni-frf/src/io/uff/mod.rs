@@ -2,7 +2,7 @@
 //!
 //! The way of the data: `container` cuts the file into datasets. `function58` reads one function: its header in
 //! `header58`, its layout in `layout`, its numbers in `values`, where a binary one has them in `binary`. `scaling`
-//! learns kind and units from codes, `labels` and dataset 164 (`header`); `step` finds the exact step of an axis.
+//! learns kind and units from codes, labels (`unit_label`) and dataset 164 (`header`); `step` finds the exact step of an axis.
 //! `nodes` collects the geometry and `shapes` the numbers of mode shapes. `write` goes the other way.
 //!
 //! Definitions: universal file format pages of UC-SDRL; the binary 58 of the same. Field experience is written beside the
@@ -14,7 +14,6 @@ mod fields;
 mod function58;
 mod header;
 mod header58;
-mod labels;
 mod layout;
 mod nodes;
 mod scaling;

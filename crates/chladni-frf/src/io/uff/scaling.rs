@@ -5,7 +5,7 @@
 //! both.
 
 use super::header::Units;
-use super::labels::{self, Unit};
+use crate::io::unit_label::{self, Unit};
 use crate::io::Axis;
 use crate::{Direction, FrfKind, ReferenceUnit};
 
@@ -96,7 +96,7 @@ pub(super) fn exponents(axis: &Axis, direction: Direction) -> Option<[i32; 2]> {
 
 /// Factor to SI of one side of a function that is no FRF.
 fn side(axis: &Axis, direction: Direction, units: Option<Units>, warnings: &mut Vec<String>) -> f64 {
-    let label = labels::parse(&axis.unit);
+    let label = unit_label::parse(&axis.unit);
     let Some(exponents) = exponents(axis, direction) else {
         return label.map_or(1.0, |unit| unit.factor);
     };
@@ -148,7 +148,7 @@ pub(super) fn motion_code(kind: FrfKind) -> i32 {
 
 fn frf(axes: &[Axis; 4], directions: [Direction; 2], units: Option<Units>, scaling: &mut Scaling, warnings: &mut Vec<String>) {
     let [_, numerator, denominator, _] = axes;
-    let (above, below) = (labels::parse(&numerator.unit), labels::parse(&denominator.unit));
+    let (above, below) = (unit_label::parse(&numerator.unit), unit_label::parse(&denominator.unit));
     let volts = below.filter(|unit| unit.is_voltage());
     let by_codes = match denominator.quantity {
         EXCITATION_FORCE => motion(numerator.quantity).map(|kind| (kind, ReferenceUnit::Newton)),
@@ -195,7 +195,7 @@ fn frf(axes: &[Axis; 4], directions: [Direction; 2], units: Option<Units>, scali
         (Some(used), None) => {
             // one label alone may still contradict its own side
             for (axis, direction) in [(numerator, directions[0]), (denominator, directions[1])] {
-                if labels::parse(&axis.unit).is_some_and(|unit| unit.frf_kind().is_none()) {
+                if unit_label::parse(&axis.unit).is_some_and(|unit| unit.frf_kind().is_none()) {
                     side(axis, direction, units, warnings);
                 }
             }
@@ -218,7 +218,7 @@ fn frf(axes: &[Axis; 4], directions: [Direction; 2], units: Option<Units>, scali
 }
 
 fn abscissa(axis: &Axis, function_type: i32, warnings: &mut Vec<String>) -> f64 {
-    let label = labels::parse(&axis.unit);
+    let label = unit_label::parse(&axis.unit);
     let (factor, assumed) = match axis.quantity {
         TIME => (label.and_then(Unit::to_seconds), "s"),
         FREQUENCY => (label.and_then(Unit::to_hertz), "Hz"),

@@ -11,9 +11,9 @@
 //!   would give every FRF an axis of its own.
 //! * Dates are blank: the same data give the same bytes.
 
-use super::labels;
 use super::scaling::{exponents, motion_code, COHERENCE, EXCITATION_FORCE, FREQUENCY, FRF};
 use super::write58;
+use crate::io::unit_label;
 use crate::io::{Abscissa, Axis, Contents, Function, Ordinate};
 use crate::{Dof, Error, ErrorKind, FrfKind, FrfSet, FrfValues, Geometry, ReferenceUnit, Result, CREATED_BY};
 use std::borrow::Cow;
@@ -283,7 +283,7 @@ fn si_labels(function: &mut Function) {
         }
         _ => {
             for axis in [numerator, denominator] {
-                match labels::parse(&axis.unit) {
+                match unit_label::parse(&axis.unit) {
                     Some(unit) if unit.factor == 1.0 => {}
                     Some(unit) if unit.is_voltage() => axis.unit = "V".into(),
                     _ => axis.unit = si_unit(axis.quantity).into(),
