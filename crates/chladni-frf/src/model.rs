@@ -282,9 +282,9 @@ impl ModalModel {
 }
 
 fn add_outer(alpha: &mut Array2<Complex64>, shape: &[Complex64], participation: &[Complex64], value: impl Fn(Complex64) -> Complex64) {
-    for (i, &s) in shape.iter().enumerate() {
-        for (j, &p) in participation.iter().enumerate() {
-            alpha[[i, j]] += value(s * p);
+    for (mut row, &s) in alpha.rows_mut().into_iter().zip(shape) {
+        for (alpha, &p) in row.iter_mut().zip(participation) {
+            *alpha += value(s * p);
         }
     }
 }

@@ -1,13 +1,13 @@
 //! What a drive does: velocities at the responses, and on a fine grid between them.
 
-use crate::interpolation::interpolation_matrix;
+use crate::interpolation::Interpolation;
 use crate::operator::Operator;
 use crate::plane::{convex_hull, polygon_contains, Position, Rectangle};
 use crate::problem::Drive;
 use crate::tolerances;
 use crate::zones::{Ground, ZoneMap};
 use chladni_frf::Dof;
-use ndarray::{Array1, Array2};
+use ndarray::{Array2, ArrayView1, Axis};
 use num_complex::Complex64;
 
 /// Velocities at the responses, m/s, peak phasors of e^{+jωt}.
@@ -50,41 +50,50 @@ impl Field {
     /// Interpolates the complex field between the responses, on a grid of at most [`tolerances::AREA_STEP_M`] over what is
     /// judged, inside the convex hull of the responses. `None` where they carry no plane, or lie outside the area.
     pub fn area(&self, zones: &ZoneMap) -> Option<AreaField> {
-        let grid = AreaGrid::new(&self.positions_m, zones, tolerances::AREA_STEP_M)?;
-        let dim = (grid.y_m.len(), grid.x_m.len());
-        let mut ground = Array2::from_elem(dim, Ground::Ignored);
-        let mut velocity_m_per_s = Array2::from_elem(dim, Complex64::new(f64::NAN, f64::NAN));
-        let part = |pick: fn(&Complex64) -> f64| grid.matrix.dot(&self.velocity_m_per_s.iter().map(pick).collect::<Array1<f64>>());
-        let (re, im) = (part(|v| v.re), part(|v| v.im));
-        for (row, &(k, point)) in grid.places.iter().enumerate() {
-            let place = [k / grid.x_m.len(), k % grid.x_m.len()];
+        let grid = AreaGrid::new(&self.positions_m, zones.area(), tolerances::AREA_STEP_M)?;
+        let velocity_m_per_s = grid.field(&self.velocity_m_per_s);
+        let mut ground = Array2::from_elem(velocity_m_per_s.dim(), Ground::Ignored);
+        for &(place, point) in &grid.places {
             ground[place] = zones.classify(point);
-            velocity_m_per_s[place] = Complex64::new(re[row], im[row]);
         }
         Some(AreaField { x_m: grid.x_m, y_m: grid.y_m, ground, velocity_m_per_s })
     }
 }
 
-/// A grid between the responses, and the interpolation onto it.
-pub(crate) struct AreaGrid {
-    pub(crate) x_m: Vec<f64>,
-    pub(crate) y_m: Vec<f64>,
-    /// Number (row by row) and position of each grid point inside the hull of the responses.
-    pub(crate) places: Vec<(usize, Position)>,
-    /// Value at each of `places` from the values at the responses.
-    pub(crate) matrix: Array2<f64>,
+/// A grid between the responses, and the interpolation onto it: made once, it serves any number of fields.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AreaGrid {
+    /// Columns, m, rising.
+    pub x_m: Vec<f64>,
+    /// Rows, m, rising.
+    pub y_m: Vec<f64>,
+    /// Row and column, and position, of each grid point inside the hull of the responses.
+    pub(crate) places: Vec<([usize; 2], Position)>,
+    /// From the responses to `places`.
+    pub(crate) interpolation: Interpolation,
 }
 
 impl AreaGrid {
-    /// The grid of at most `step_m` over what is judged, inside the convex hull of the responses.
-    pub(crate) fn new(responses: &[Position], zones: &ZoneMap, step_m: f64) -> Option<Self> {
+    /// The grid of at most `step_m` over `area`, inside the convex hull of the responses; `None` where they carry no plane, or
+    /// lie outside the area.
+    pub fn new(responses: &[Position], area: Rectangle, step_m: f64) -> Option<Self> {
         let hull = convex_hull(responses);
-        let (x_m, y_m) = grid_axes(Rectangle::around(&hull)?, zones.area(), step_m)?;
-        let points = y_m.iter().flat_map(|&y| x_m.iter().map(move |&x| [x, y]));
-        let places: Vec<(usize, Position)> = points.enumerate().filter(|&(_, point)| polygon_contains(&hull, point)).collect();
+        let (x_m, y_m) = grid_axes(Rectangle::around(&hull)?, area, step_m)?;
+        let points = y_m.iter().enumerate().flat_map(|(row, &y)| x_m.iter().enumerate().map(move |(column, &x)| ([row, column], [x, y])));
+        let places: Vec<([usize; 2], Position)> = points.filter(|&(_, point)| polygon_contains(&hull, point)).collect();
         let queries: Vec<Position> = places.iter().map(|place| place.1).collect();
-        let matrix = interpolation_matrix(responses, &queries)?;
-        Some(Self { x_m, y_m, places, matrix })
+        let interpolation = Interpolation::new(responses, &queries)?;
+        Some(Self { x_m, y_m, places, interpolation })
+    }
+
+    /// The field between the responses from its values at them; axes (row, column), NaN outside their hull.
+    pub fn field(&self, at_responses: &[Complex64]) -> Array2<Complex64> {
+        let mut field = Array2::from_elem((self.y_m.len(), self.x_m.len()), Complex64::new(f64::NAN, f64::NAN));
+        let inside = self.interpolation.apply(ArrayView1::from(at_responses).insert_axis(Axis(1)));
+        for (&(place, _), &value) in self.places.iter().zip(&inside) {
+            field[place] = value;
+        }
+        field
     }
 }
 

@@ -10,34 +10,61 @@
 use crate::plane::Position;
 use crate::tolerances;
 use chladni_linalg::lstsq;
-use ndarray::{s, Array2};
+use ndarray::{s, Array1, Array2, ArrayView2, Axis};
+use num_complex::Complex64;
 
 /// The orders m that are tried, the smoothest first.
 const ORDERS: [usize; 3] = [4, 3, 2];
 
-/// The matrix S with v(queries) = S·v(nodes); axes (query, node). `None` where the nodes carry no plane (fewer than three, or
-/// all on one line).
-pub(crate) fn interpolation_matrix(nodes: &[Position], queries: &[Position]) -> Option<Array2<f64>> {
-    if nodes.len() <= tolerances::GLOBAL_INTERPOLATION {
-        return patch_matrix(nodes, queries);
-    }
-    let mut matrix = Array2::zeros((queries.len(), nodes.len()));
-    for (q, &query) in queries.iter().enumerate() {
-        let squared = |k: usize| (nodes[k][0] - query[0]).powi(2) + (nodes[k][1] - query[1]).powi(2);
-        let mut order: Vec<usize> = (0..nodes.len()).collect();
-        order.select_nth_unstable_by(tolerances::NEAREST_RESPONSES - 1, |&a, &b| squared(a).total_cmp(&squared(b)).then(a.cmp(&b)));
-        order.truncate(tolerances::NEAREST_RESPONSES);
-        order.sort_unstable();
-        let patch: Vec<Position> = order.iter().map(|&k| nodes[k]).collect();
-        let weights = patch_matrix(&patch, &[query])?;
-        for (column, &k) in order.iter().enumerate() {
-            matrix[[q, k]] = weights[[0, column]];
-        }
-    }
-    Some(matrix)
+/// Interpolation from nodes to queries: each value is a weighted sum of the values at some nodes.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Interpolation {
+    /// Nodes that each query's value is made of; axes (query, neighbour).
+    nodes: Array2<usize>,
+    /// Their weights; same axes.
+    weights: Array2<f64>,
 }
 
-/// [`interpolation_matrix`] from all nodes at once, by the highest order that they carry.
+impl Interpolation {
+    /// `None` where the nodes carry no plane (fewer than three, or all on one line).
+    pub(crate) fn new(nodes: &[Position], queries: &[Position]) -> Option<Self> {
+        if nodes.len() <= tolerances::GLOBAL_INTERPOLATION {
+            let all = Array2::from_shape_fn((queries.len(), nodes.len()), |(_, k)| k);
+            return Some(Self { nodes: all, weights: patch_matrix(nodes, queries)? });
+        }
+        let shape = (queries.len(), tolerances::NEAREST_RESPONSES);
+        let (mut neighbours, mut weights) = (Array2::zeros(shape), Array2::zeros(shape));
+        for (q, &query) in queries.iter().enumerate() {
+            let squared = |k: usize| (nodes[k][0] - query[0]).powi(2) + (nodes[k][1] - query[1]).powi(2);
+            let mut order: Vec<usize> = (0..nodes.len()).collect();
+            order.select_nth_unstable_by(tolerances::NEAREST_RESPONSES - 1, |&a, &b| squared(a).total_cmp(&squared(b)).then(a.cmp(&b)));
+            order.truncate(tolerances::NEAREST_RESPONSES);
+            order.sort_unstable();
+            let patch: Vec<Position> = order.iter().map(|&k| nodes[k]).collect();
+            weights.row_mut(q).assign(&patch_matrix(&patch, &[query])?.row(0));
+            neighbours.row_mut(q).assign(&Array1::from(order));
+        }
+        Some(Self { nodes: neighbours, weights })
+    }
+
+    /// Fields at the queries from `values` at the nodes, axes (node, field); returns axes (query, field).
+    pub(crate) fn apply(&self, values: ArrayView2<Complex64>) -> Array2<Complex64> {
+        let mut fields = Array2::zeros((self.nodes.nrows(), values.ncols()));
+        for (mut row, (nodes, weights)) in fields.rows_mut().into_iter().zip(self.nodes.rows().into_iter().zip(self.weights.rows())) {
+            for (&node, &weight) in nodes.iter().zip(weights) {
+                row.zip_mut_with(&values.row(node), |sum, &value| *sum += value * weight);
+            }
+        }
+        fields
+    }
+
+    /// The interpolation to the queries `rows` alone.
+    pub(crate) fn select(&self, rows: &[usize]) -> Self {
+        Self { nodes: self.nodes.select(Axis(0), rows), weights: self.weights.select(Axis(0), rows) }
+    }
+}
+
+/// The matrix S with v(queries) = S·v(nodes), from all nodes at once, by the highest order that they carry; axes (query, node).
 fn patch_matrix(nodes: &[Position], queries: &[Position]) -> Option<Array2<f64>> {
     ORDERS.iter().find_map(|&order| spline_matrix(order, nodes, queries))
 }
@@ -62,7 +89,7 @@ fn spline_matrix(order: usize, nodes: &[Position], queries: &[Position]) -> Opti
     }
     let mut right = Array2::zeros((size, queries.len()));
     for (q, &query) in queries.iter().enumerate() {
-        right.column_mut(q).assign(&ndarray::Array1::from(basis(scaled(query))));
+        right.column_mut(q).assign(&Array1::from(basis(scaled(query))));
     }
     // The system is symmetric: v(query) = basis(query)ᵀ·M⁻¹·[v; 0] = (M⁻¹·basis(query))ᵀ·[v; 0].
     let solution = lstsq(system.view(), right.view()).ok()?;
@@ -101,9 +128,9 @@ mod tests {
     }
 
     fn largest_error(nodes: &[Position], queries: &[Position], field: impl Fn(Position) -> f64) -> f64 {
-        let matrix = interpolation_matrix(nodes, queries).unwrap();
-        let values: ndarray::Array1<f64> = nodes.iter().map(|&node| field(node)).collect();
-        matrix.dot(&values).iter().zip(queries).map(|(value, &query)| (value - field(query)).abs()).fold(0.0, f64::max)
+        let values = Array2::from_shape_fn((nodes.len(), 1), |(k, _)| Complex64::from(field(nodes[k])));
+        let found = Interpolation::new(nodes, queries).unwrap().apply(values.view());
+        found.iter().zip(queries).map(|(value, &query)| (value - field(query)).norm()).fold(0.0, f64::max)
     }
 
     #[test]
@@ -114,8 +141,8 @@ mod tests {
 
     #[test]
     fn noise_of_the_responses_is_not_amplified() {
-        let matrix = interpolation_matrix(&grid(11, 7, 0.02), &grid(41, 25, 0.005)).unwrap();
-        let largest = matrix.rows().into_iter().map(|row| row.dot(&row).sqrt()).fold(0.0, f64::max);
+        let interpolation = Interpolation::new(&grid(11, 7, 0.02), &grid(41, 25, 0.005)).unwrap();
+        let largest = interpolation.weights.rows().into_iter().map(|row| row.dot(&row).sqrt()).fold(0.0, f64::max);
         assert!(largest < 1.2, "{largest}");
     }
 
@@ -130,7 +157,7 @@ mod tests {
     fn few_responses_take_a_lower_order_and_a_line_none() {
         let plane = |[x, y]: Position| 3.0 * x - y;
         assert!(largest_error(&[[0.0, 0.0], [0.1, 0.0], [0.0, 0.1]], &[[0.03, 0.03]], plane) < 1e-12);
-        assert!(interpolation_matrix(&grid(7, 1, 0.02), &[[0.05, 0.025]]).is_none());
-        assert!(interpolation_matrix(&grid(2, 1, 0.02), &[[0.05, 0.025]]).is_none());
+        assert!(Interpolation::new(&grid(7, 1, 0.02), &[[0.05, 0.025]]).is_none());
+        assert!(Interpolation::new(&grid(2, 1, 0.02), &[[0.05, 0.025]]).is_none());
     }
 }

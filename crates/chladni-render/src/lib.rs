@@ -49,7 +49,7 @@ mod zones;
 
 pub use covariance::Covariance;
 pub use evaluate::{evaluate, Evaluation, On};
-pub use field::{AreaField, Field};
+pub use field::{AreaField, AreaGrid, Field};
 pub use indices::{AreaIndices, Indices, PointIndices};
 pub use methods::Method;
 pub use operator::Operator;

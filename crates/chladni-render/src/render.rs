@@ -114,11 +114,10 @@ fn between_rows(operator: &Operator, zones: &ZoneMap) -> Option<Rows> {
     let scanned = Rectangle::around(&operator.positions_m)?;
     let ground_m2 = (scanned.x_max - scanned.x_min) * (scanned.y_max - scanned.y_min);
     let step_m = tolerances::BETWEEN_SPACING * (ground_m2 / operator.responses.len() as f64).sqrt();
-    let grid = AreaGrid::new(&operator.positions_m, zones, step_m)?;
+    let grid = AreaGrid::new(&operator.positions_m, zones.area(), step_m)?;
     let places: Vec<Position> = grid.places.iter().map(|place| place.1).collect();
     let (rows, hot) = hot_then_cold(&places, zones);
-    let interpolation = grid.matrix.select(Axis(0), &rows).mapv(Complex64::from);
-    let mobility = chladni_linalg::matmul(interpolation.view(), operator.mobility.view());
+    let mobility = grid.interpolation.select(&rows).apply(operator.mobility.view());
     Some(Rows { mobility, hot, positions_m: rows.iter().map(|&k| places[k]).collect() })
 }
 

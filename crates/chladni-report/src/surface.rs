@@ -1,7 +1,6 @@
 //! Fields on a fine grid: pixels and contours of the maps.
 
-use chladni_frf::Dof;
-use chladni_render::{AreaField, Field, Ground, Position, Rectangle, ZoneLayout, Zones};
+use chladni_render::{AreaField, AreaGrid};
 use ndarray::Array2;
 use num_complex::Complex64;
 
@@ -19,16 +18,9 @@ impl Surface {
         Self { x: area.x_m.clone(), y: area.y_m.clone(), values: area.velocity_m_per_s.clone() }
     }
 
-    /// Interpolates `values` between the nodes at `positions`; `None` where they carry no area.
-    pub(crate) fn between(dofs: &[Dof], positions: &[Position], values: &[Complex64]) -> Option<Self> {
-        let whole = Zones { layout: ZoneLayout::Polygons(Vec::new()), area_m: None, transition_m: 0.0 };
-        let field = Field {
-            responses: dofs.to_vec(),
-            positions_m: positions.to_vec(),
-            ground: vec![Ground::Cold; positions.len()],
-            velocity_m_per_s: values.to_vec(),
-        };
-        Some(Self::of_area(&field.area(&whole.over(Rectangle::around(positions)?))?))
+    /// The field between the responses of `grid` from its `values` at them.
+    pub(crate) fn on(grid: &AreaGrid, values: &[Complex64]) -> Self {
+        Self { x: grid.x_m.clone(), y: grid.y_m.clone(), values: grid.field(values) }
     }
 
     /// The field at the centres of `columns` columns of square pixels, rows rising with y: cubic between the grid's points

@@ -6,8 +6,9 @@ use crate::drawing::{Anchor, Colour, ColourMap, Dash, Image, Stroke};
 use crate::sizes;
 use crate::surface::{contours, Surface};
 use crate::text::fixed;
-use chladni_frf::{Dof, ModalModel, Mode, Trust};
-use chladni_render::Position;
+use chladni_frf::{ModalModel, Mode, Trust};
+use chladni_render::tolerances::AREA_STEP_M;
+use chladni_render::{AreaGrid, Position};
 use ndarray::Array2;
 use num_complex::Complex64;
 
@@ -20,12 +21,12 @@ pub(crate) fn mode_shapes(model: &ModalModel) -> Vec<Figure> {
     let plane = Plane::of(model);
     let places: Option<Vec<Position>> =
         plane.as_ref().and_then(|plane| shown.iter().map(|&k| plane.position(&model.nodes, &model.responses[k])).collect());
+    let map = plane.as_ref().zip(places.as_deref()).and_then(|(plane, places)| Map::new(plane, places));
     let modes = model.in_band_modes().take(sizes::MODE_SHAPES).enumerate();
     modes
         .map(|(number, mode)| {
             let (values, imaginary) = turned_real(model, mode, &shown);
-            let map = plane.as_ref().zip(places.as_ref()).and_then(|(plane, places)| shape_map(plane, &model.responses, places, &values));
-            let chart = map.unwrap_or_else(|| shape_list(model, &shown, &values));
+            let chart = map.as_ref().map_or_else(|| shape_list(model, &shown, &values), |map| map.chart(&values));
             let doubt = if mode.trust == Trust::Weak { ", weak" } else { "" };
             Figure {
                 name: format!("mode-{:02}", number + 1),
@@ -73,12 +74,31 @@ fn turned_real(model: &ModalModel, mode: &Mode, shown: &[usize]) -> (Vec<f64>, f
     (turned.iter().map(|value| value.re * scale).collect(), imaginary)
 }
 
-fn shape_map(plane: &Plane, dofs: &[Dof], places: &[Position], values: &[f64]) -> Option<Chart> {
-    let complex: Vec<Complex64> = values.iter().map(|&value| value.into()).collect();
-    let fine = Surface::between(&dofs[..places.len()], places, &complex)?.refined(sizes::SHAPE_COLUMNS);
+/// What the maps of all modes share: the ground of the responses, and the interpolation between them.
+struct Map<'a> {
+    plane: Plane,
+    places: &'a [Position],
+    grid: AreaGrid,
+}
+
+impl<'a> Map<'a> {
+    /// `None` where the responses carry no area.
+    fn new(plane: &Plane, places: &'a [Position]) -> Option<Self> {
+        let plane = plane.over(places)?;
+        Some(Self { grid: AreaGrid::new(places, plane.around, AREA_STEP_M)?, plane, places })
+    }
+
+    fn chart(&self, values: &[f64]) -> Chart {
+        let complex: Vec<Complex64> = values.iter().map(|&value| value.into()).collect();
+        let fine = Surface::on(&self.grid, &complex).refined(sizes::SHAPE_COLUMNS);
+        shape_map(self.plane.chart(300.0), &fine, self.places, values)
+    }
+}
+
+fn shape_map(mut chart: Chart, fine: &Surface, places: &[Position], values: &[f64]) -> Chart {
     let field = fine.values.mapv(|value| value.re);
     let [x, y] = [&fine.x, &fine.y].map(|axis| axis.iter().map(|value| 1e3 * value).collect::<Vec<f64>>());
-    let mut chart = plane.over(places)?.chart(300.0).with(pixels(&x, &y, &field));
+    chart = chart.with(pixels(&x, &y, &field));
     let level_lines = |sign: f64| CONTOURS.iter().flat_map(|&part| contours(&x, &y, &field, sign * part)).collect::<Vec<_>>();
     let thin = Stroke::new(Colour::Rgb([40, 40, 44]), 0.7);
     chart = chart.with(Layer::Lines { name: None, lines: level_lines(1.0), stroke: thin });
@@ -88,8 +108,8 @@ fn shape_map(plane: &Plane, dofs: &[Dof], places: &[Position], values: &[f64]) -
     let dots: Vec<Place> = places.iter().map(|&place| mm(place)).collect();
     chart = chart.marks("response", dots, Mark::Dot, Colour::Rgb([70, 70, 76]), 2.6);
     for (sign, text) in [(1.0, "+"), (-1.0, "−")] {
-        let extreme = (0..values.len()).max_by(|&a, &b| (sign * values[a]).total_cmp(&(sign * values[b])))?;
-        if sign * values[extreme] > 0.1 {
+        let extreme = (0..values.len()).max_by(|&a, &b| (sign * values[a]).total_cmp(&(sign * values[b])));
+        if let Some(extreme) = extreme.filter(|&k| sign * values[k] > 0.1) {
             let at = mm(places[extreme]);
             chart = chart.with(Layer::Words { at, text: text.into(), anchor: Anchor::Middle, bold: true });
         }
@@ -100,7 +120,7 @@ fn shape_map(plane: &Plane, dofs: &[Dof], places: &[Position], values: &[f64]) -
         bands: 0,
         lines: vec![(0.0, nodal)],
     });
-    Some(chart)
+    chart
 }
 
 fn pixels(x: &[f64], y: &[f64], field: &Array2<f64>) -> Layer {
