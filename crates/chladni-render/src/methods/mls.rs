@@ -22,6 +22,7 @@ use crate::tolerances;
 use chladni_frf::Result;
 use ndarray::Array2;
 use num_complex::Complex64;
+use std::cmp::Ordering;
 use std::f64::consts::PI;
 
 /// Phase differences across the hot zone, in x and in y, of the tilted starts: half waves.
@@ -66,7 +67,7 @@ impl Contest<'_> {
             let drive = iterate(problem, inverse, start, first);
             drives.push((self.offer(problem, &drive), drive));
         }
-        drives.sort_by(|(a, _), (b, _)| b.partial_cmp(a).expect("scores are finite"));
+        drives.sort_by(|(a, _), (b, _)| better_first(a, b));
         for margin_db in others {
             let drive = iterate(problem, inverse, &drives[0].1, margin_db);
             self.offer(problem, &drive);
@@ -86,6 +87,11 @@ impl Contest<'_> {
         }
         key
     }
+}
+
+/// The more important entries decide; equal ones hand over to the next.
+fn better_first(a: &Key, b: &Key) -> Ordering {
+    a.iter().zip(b).map(|(a, b)| b.total_cmp(a)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
 }
 
 /// Where the iteration starts: pressure matching, contrast control, tilted phases.
