@@ -1,12 +1,12 @@
 //! `chladni convert`: measured data and models from any format to any other.
 
 use crate::console::Console;
-use crate::input::{model_of, source, warn_of_files, Reading};
+use crate::input::{expand, model_of, source, warn_of_files, Reading};
 use crate::outcome::Outcome;
 use crate::output::{Output, FRF, MODEL};
 use crate::table::counted;
-use chladni_frf::io::{expand_paths, read_contents, write_contents, write_model};
-use chladni_frf::{ModalModel, Result};
+use chladni_frf::io::{read_contents, write_contents, write_model};
+use chladni_frf::{Error, ModalModel, Result};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -32,7 +32,7 @@ pub struct Args {
 /// # Errors
 /// Those of reading and writing.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
-    let files = expand_paths(&args.files)?;
+    let files = expand(&args.files, console)?;
     console.stage("reading");
     if let [file] = files.as_slice() {
         if let Some(model) = model_of(file)? {
@@ -44,6 +44,13 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     warn_of_files(&files, std::mem::take(&mut contents.warnings), console);
     warn_of_files(&files, std::mem::take(&mut contents.not_carried), console);
 
+    if contents.frf.is_none() && contents.functions.is_empty() && contents.geometry().nodes.is_empty() {
+        return Err(Error::bad_data("nothing in the input can be carried over")
+            .file(&args.files[0])
+            .found("neither FRFs nor other functions nor nodes")
+            .expected("measured data or a model")
+            .help("`chladni info` lists what is inside"));
+    }
     console.stage("writing");
     console.warn_all(output.write(|path, force| write_contents(path, &contents, force))?);
     let (responses, references, lines) = contents.frf.as_ref().map_or((0, 0, 0), |frf| frf.values.dim());

@@ -103,6 +103,7 @@ impl Files {
                 Error::new(ErrorKind::CannotCreate, format!("cannot create the folder: {error}"))
                     .file(folder)
                     .field("-o")
+                    .found(if folder.exists() { "a file of that name" } else { "nothing" })
                     .expected("a new or existing folder inside an existing one")
                     .help("choose another folder with -o")
             })?;

@@ -2,10 +2,9 @@
 
 use crate::console::Console;
 use crate::indices::indices_table;
-use crate::input::{model_of, read_frf, read_weights, source, Reading};
+use crate::input::{expand, model_of, read_frf, read_weights, source, Reading};
 use crate::outcome::Outcome;
 use crate::table::significant;
-use chladni_frf::io::expand_paths;
 use chladni_frf::Result;
 use chladni_render::{Evaluation, On, Scene};
 use serde_json::json;
@@ -39,7 +38,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let weights = read_weights(&args.weights)?;
     let scene = Scene::read(&args.scene)?;
     let mut sources = vec![source(&args.weights)?, source(&args.scene)?];
-    let files = expand_paths(&args.on)?;
+    let files = expand(&args.on, console)?;
     let model = match files.as_slice() {
         [one] => model_of(one)?,
         _ => None,

@@ -1,11 +1,11 @@
 //! `chladni fit`: modes from FRFs.
 
 use crate::console::Console;
-use crate::input::{read_frf, Reading};
+use crate::input::{expand, read_frf, Reading};
 use crate::outcome::Outcome;
 use crate::output::{Output, MODEL};
 use crate::table::{counted, significant, table, with_bound};
-use chladni_frf::io::{expand_paths, write_model};
+use chladni_frf::io::write_model;
 use chladni_frf::{Damping, Error, ErrorKind, FrfSet, ModalModel, Mode, Result, Scaling, Source, Trust};
 use chladni_rfp::{FitError, FitOptions, Method, ShapeModel};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -29,7 +29,7 @@ pub struct Args {
     #[arg(long, value_name = "LO:HI", value_parser = parse_band, allow_hyphen_values = true)]
     band: Option<[f64; 2]>,
     /// Number of modes in the band; auto: decided by evidence
-    #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = parse_modes)]
+    #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = parse_modes, allow_negative_numbers = true)]
     modes: ModeCount,
     /// Damping law; auto: decided by evidence
     #[arg(long, value_name = "LAW", default_value = "auto", value_parser = PossibleValuesParser::new(["auto", "structural", "viscous"]))]
@@ -44,7 +44,7 @@ pub struct Args {
         .try_map(|name| name.parse::<Method>()))]
     method: Method,
     /// Seed of the random mixtures inside the fit
-    #[arg(long, value_name = "S", default_value_t = 0)]
+    #[arg(long, value_name = "S", default_value_t = 0, allow_negative_numbers = true)]
     seed: u64,
     #[command(flatten)]
     reading: Reading,
@@ -78,7 +78,7 @@ fn parse_band(text: &str) -> std::result::Result<[f64; 2], String> {
 /// # Errors
 /// Those of reading and writing, and of a fit that cannot be made. A fit that cannot be trusted is a result.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
-    let files = expand_paths(&args.files)?;
+    let files = expand(&args.files, console)?;
     let output = args.output.as_deref().map(|path| Output::new(path, MODEL, &files, console)).transpose()?;
     let (frf, sources) = read_frf(&files, &args.reading, console)?;
     let options = args.fit_options();

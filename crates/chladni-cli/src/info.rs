@@ -1,10 +1,10 @@
 //! `chladni info`: what is inside files, and what is wrong with it.
 
 use crate::console::Console;
-use crate::input::{read_weights, Reading};
+use crate::input::{expand, read_weights, Reading};
 use crate::outcome::Outcome;
 use crate::table::{counted, shortened, significant, table};
-use chladni_frf::io::{assemble, expand_paths, read_document, read_model, DatasetInfo, Document, FileFormat, ReadOptions};
+use chladni_frf::io::{assemble, read_document, read_model, DatasetInfo, Document, FileFormat, ReadOptions};
 use chladni_frf::{Dof, Error, FrfKind, FrfSet, Result};
 use serde_json::{json, Value};
 use std::path::{Path, PathBuf};
@@ -31,8 +31,9 @@ pub struct Args {
 /// # Errors
 /// The first error where nothing could be listed at all.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
-    let files = expand_paths(&args.files)?;
+    let files = expand(&args.files, console)?;
     console.stage("reading");
+    let left_out = console.warnings();
     let mut listings = Vec::new();
     let mut first_error = None;
     for file in &files {
@@ -51,7 +52,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         _ => listings.iter().for_each(|listing| console.warn_all(listing.all_warnings())),
     }
     let doubt = listings.iter().any(|listing| listing.damaged).then(|| "some of it cannot be read: see the warnings".to_owned());
-    let json = json!({"files": listings.iter().map(Listing::json).collect::<Vec<_>>()});
+    let json = json!({"files": listings.iter().map(Listing::json).collect::<Vec<_>>(), "warnings": left_out});
     let text = listings.iter().map(|listing| listing.text(console.verbose)).collect::<Vec<_>>().join("\n");
     Ok(Outcome::shown(json, text).doubted(doubt))
 }

@@ -2,7 +2,7 @@
 
 use crate::console::Console;
 use chladni_frf::io::{self, detect_format, Duplicates, FileFormat, ReadOptions};
-use chladni_frf::{Error, ErrorKind, FrfKind, FrfSet, ModalModel, Result, Source, TimeSign};
+use chladni_frf::{Error, FrfKind, FrfSet, ModalModel, Result, Source, TimeSign};
 use chladni_render::Weights;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{Map, Value};
@@ -21,7 +21,7 @@ pub struct Reading {
         value_parser = PossibleValuesParser::new(["+", "-"]).try_map(|text| text.parse::<TimeSign>()))]
     pub time_sign: Option<TimeSign>,
     /// Reference node of files that hold one reference: one for all files, or one for each, in their order
-    #[arg(long, value_name = "N", value_delimiter = ',')]
+    #[arg(long, value_name = "N", value_delimiter = ',', allow_negative_numbers = true)]
     pub reference: Vec<u64>,
     /// Where the arrays of a foreign HDF5 file are: frf=/data/H,freq=/data/f
     #[arg(long, value_name = "NAME=PATH", value_delimiter = ',', value_parser = parse_map)]
@@ -109,29 +109,26 @@ impl Reading {
     }
 }
 
+/// The files behind paths, folders and patterns; what a folder holds besides is named in a warning.
+///
+/// # Errors
+/// Those of [`io::expand_paths`].
+pub fn expand(paths: &[PathBuf], console: &Console) -> Result<Vec<PathBuf>> {
+    let inputs = io::expand_paths(paths)?;
+    console.warn_all(inputs.warnings);
+    Ok(inputs.files)
+}
+
 /// The FRFs of files as one set, whose kind is known.
 ///
 /// # Errors
 /// Those of reading; [`chladni_frf::ErrorKind::UnknownFrfKind`].
 pub fn read_frf(files: &[PathBuf], reading: &Reading, console: &Console) -> Result<(FrfSet, Vec<Source>)> {
     console.stage("reading FRFs");
-    let (frf, sources, warnings) = io::read_frf(files, &reading.options()).map_err(|error| name_result(error, files))?;
+    let (frf, sources, warnings) = io::read_frf(files, &reading.options())?;
     warn_of_files(files, warnings, console);
-    frf.known_kind().map_err(|error| error.found("neither quantity codes nor unit labels that name one").file(&files[0]))?;
+    frf.known_kind().map_err(|error| error.file(&files[0]))?;
     Ok((frf, sources))
-}
-
-/// Says so where the data asked for are a result of this program instead.
-fn name_result(error: Error, files: &[PathBuf]) -> Error {
-    let format =
-        files.iter().find_map(|file| detect_format(file).ok().filter(|format| matches!(format, FileFormat::Model | FileFormat::Weights)));
-    match format {
-        Some(format) if error.kind == ErrorKind::BadData && error.found.is_none() => {
-            let what = if format == FileFormat::Model { "a model" } else { "a weights file" };
-            error.found(what).help("give the measured FRFs that it was made from")
-        }
-        _ => error,
-    }
 }
 
 /// Warnings about files, which they name without their folders: results are the same wherever the files lie.
@@ -153,8 +150,7 @@ pub fn warn_of_files(files: &[PathBuf], warnings: Vec<String>, console: &Console
 /// # Errors
 /// Those of reading.
 pub fn source(path: &Path) -> Result<Source> {
-    let file = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    Ok(Source { file, sha256: io::sha256_of(path)? })
+    Ok(Source { file: io::file_name(path), sha256: io::sha256_of(path)? })
 }
 
 /// The model in a file; `None` where it holds measured data instead.
@@ -183,13 +179,5 @@ pub fn model_of(file: &Path) -> Result<Option<ModalModel>> {
 /// # Errors
 /// Those of reading.
 pub fn read_weights(file: &Path) -> Result<Weights> {
-    let bytes = std::fs::read(file).map_err(|error| Error::from_read(&error, file))?;
-    let text = String::from_utf8(bytes).map_err(|error| {
-        Error::new(ErrorKind::BadData, "the file is no UTF-8 text")
-            .file(file)
-            .at_byte(error.utf8_error().valid_up_to() as u64)
-            .found("binary data")
-            .expected("a weights file, JSON")
-    })?;
-    Weights::parse(&text).map_err(|error| error.file(file))
+    Weights::parse(&io::read_text(file, "a weights file, JSON")?).map_err(|error| error.file(file))
 }

@@ -58,9 +58,8 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         weights.into_iter().map(|(file, weights)| show(&file, weights, model.as_ref(), console)).collect::<Result<_>>()?;
 
     console.stage("drawing");
-    let name = |path: &Path| path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let page = html(&ReportInput {
-        title: name(&args.files[0]),
+        title: io::file_name(&args.files[0]),
         model: model.as_ref(),
         measured: measured.as_ref(),
         scenes: shown.iter().map(ShownWeights::scene).collect(),

@@ -6,7 +6,7 @@ use crate::outcome::Outcome;
 use crate::output::{Output, FRF, MODEL};
 use crate::table::{counted, significant};
 use chladni_frf::io::{write_contents, write_model, Contents};
-use chladni_frf::Result;
+use chladni_frf::{Error, ErrorKind, Result};
 use chladni_plate::{simulate, Panel};
 use serde_json::json;
 use std::path::PathBuf;
@@ -30,7 +30,7 @@ pub struct Args {
     #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = parse_snr)]
     snr_db: Option<f64>,
     /// Seed of the noise in place of the panel's
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     seed: Option<u64>,
     /// Refuse at once what needs more memory: bytes, or with K, M, G, T (powers of 1024)
     #[arg(long, value_name = "SIZE", default_value = "2G", value_parser = parse_memory)]
@@ -71,6 +71,14 @@ fn parse_memory(text: &str) -> std::result::Result<u64, String> {
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let inputs = std::slice::from_ref(&args.panel);
     let output = Output::new(&args.output, FRF, inputs, console)?;
+    if args.truth.as_ref() == Some(&args.output) {
+        return Err(Error::new(ErrorKind::Usage, "the FRFs and the model behind them are two files")
+            .file(&args.output)
+            .field("--truth")
+            .found("the name of the other output")
+            .expected("a name of its own")
+            .help("give --truth another name"));
+    }
     let truth_output = args.truth.as_ref().map(|path| Output::new(path, MODEL, inputs, console)).transpose()?;
     let panel = Panel::read(&args.panel, args.memory)?;
     let sources = vec![source(&args.panel)?];

@@ -47,10 +47,12 @@ fn error_of(answer: &clap::Error) -> Error {
         ),
         ClapKind::DisplayHelpOnMissingArgumentOrSubcommand | ClapKind::MissingSubcommand => error.found("nothing").expected("a command"),
         ClapKind::MissingRequiredArgument => error.found("nothing").expected(argument.unwrap_or_default()),
-        ClapKind::ArgumentConflict => error.field(argument.unwrap_or_default()).expected(match context(ContextKind::PriorArg) {
-            Some(prior) => format!("either this or {prior}"),
-            None => "it once".into(),
-        }),
+        ClapKind::ArgumentConflict => {
+            error.field(argument.unwrap_or_default()).found("both").expected(match context(ContextKind::PriorArg) {
+                Some(prior) => format!("either this or {prior}"),
+                None => "it once".into(),
+            })
+        }
         _ => {
             let (name, placeholder) = argument.as_deref().map_or((None, None), split_argument);
             let error = match name {
@@ -64,7 +66,7 @@ fn error_of(answer: &clap::Error) -> Error {
             match context(ContextKind::ValidValue) {
                 Some(valid) => error.expected(format!("one of {valid}")),
                 None => match placeholder {
-                    Some(placeholder) => error.expected(placeholder),
+                    Some(placeholder) => error.expected(in_words(&placeholder)),
                     None => error,
                 },
             }
@@ -95,15 +97,29 @@ fn split_argument(argument: &str) -> (Option<String>, Option<String>) {
     }
 }
 
+/// What a placeholder of one letter stands for.
+fn in_words(placeholder: &str) -> &str {
+    match placeholder {
+        "N" | "S" => "a whole number",
+        "X" => "a number",
+        "SIZE" => "a size such as 500M or 2G",
+        other => other,
+    }
+}
+
 fn message(answer: &clap::Error) -> String {
     if let Some(reason) = std::error::Error::source(answer) {
-        return reason.to_string();
+        // the words of number parsers are meant for programmers
+        return match reason.is::<std::num::ParseIntError>() {
+            true => "not a whole number, 0 or more".into(),
+            false => reason.to_string(),
+        };
     }
     match answer.kind() {
         ClapKind::UnknownArgument => "no such option".into(),
         ClapKind::InvalidSubcommand => "no such command".into(),
         ClapKind::DisplayHelpOnMissingArgumentOrSubcommand | ClapKind::MissingSubcommand => "no command is given".into(),
-        ClapKind::MissingRequiredArgument => "something is missing".into(),
+        ClapKind::MissingRequiredArgument => "a required argument is missing".into(),
         ClapKind::ArgumentConflict => "these options exclude each other".into(),
         ClapKind::InvalidValue if answer.get(ContextKind::InvalidValue).map(words).is_none_or(|value| value.is_empty()) => {
             "the value is missing".into()

@@ -1,5 +1,6 @@
 //! One shape for every error about a user's input: what was found, what was expected, where, and what to do.
 
+use crate::words::{is_near, nearest_word};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -116,14 +117,36 @@ impl Error {
         Self::new(ErrorKind::BadData, message)
     }
 
-    /// An operating-system failure on `file`: "not found" becomes [`ErrorKind::NoInput`].
+    /// An operating-system failure on `file`: "not found" becomes [`ErrorKind::NoInput`], with the nearest name there is.
     pub fn from_read(error: &std::io::Error, file: &Path) -> Self {
+        use std::io::ErrorKind as Io;
         match error.kind() {
-            std::io::ErrorKind::NotFound => Self::new(ErrorKind::NoInput, "no such file")
+            Io::NotFound | Io::NotADirectory => Self::no_such_file(file),
+            Io::IsADirectory => {
+                Self::bad_data("a folder, not a file").file(file).found("a folder").expected("a file").help("name a file in it")
+            }
+            Io::PermissionDenied => Self::new(ErrorKind::Io, "cannot read: permission denied")
                 .file(file)
-                .help("check the path; paths are taken relative to the current folder"),
+                .help("ask its owner, or change its permissions (chmod)"),
             _ => Self::new(ErrorKind::Io, format!("cannot read: {error}")).file(file),
         }
+    }
+
+    fn no_such_file(file: &Path) -> Self {
+        const CHECK: &str = "check the path; paths are taken relative to the current folder";
+        let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."));
+        let error = Self::new(ErrorKind::NoInput, "no such file").file(file).expected("an existing file");
+        let Ok(entries) = std::fs::read_dir(folder) else {
+            return error.found(format!("no folder {}", folder.display())).help(CHECK);
+        };
+        let mut names: Vec<String> = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+        names.sort_unstable();
+        let asked = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let known: Vec<&str> = names.iter().map(String::as_str).collect();
+        let near = nearest_word(&asked, &known).filter(|near| is_near(&asked, near));
+        error
+            .found("nothing of that name")
+            .help(near.map_or(CHECK.into(), |near| format!("did you mean {}?", file.with_file_name(near).display())))
     }
 
     /// Adds the file, unless one is named already.

@@ -165,6 +165,7 @@ impl FrfSet {
         self.kind.ok_or_else(|| {
             Error::new(crate::ErrorKind::UnknownFrfKind, "the file does not say what kind of FRF it holds")
                 .field("FRF kind")
+                .found("neither quantity codes nor unit labels that name one")
                 .expected("receptance (m/N), mobility (m/s/N) or accelerance (m/s^2/N)")
                 .help("say it with --frf-kind receptance|mobility|accelerance")
         })

@@ -13,6 +13,7 @@ mod geometry;
 pub mod io;
 mod kind;
 mod model;
+mod words;
 
 pub use dof::{Direction, Dof};
 pub use error::{Error, ErrorKind, Result};
@@ -22,6 +23,7 @@ pub use kind::{FrfKind, ReferenceUnit, TimeSign};
 pub use model::{
     ComplexMatrix, ComplexVector, Damping, ModalModel, Mode, Quality, ResidualTerm, ResidualTerms, Scaling, Source, Trust, MODEL_FORMAT,
 };
+pub use words::{line_of_byte, nearest_word, parser_complaint, toml_complaint};
 
 /// The name and version that every result carries in `created_by`.
 pub const CREATED_BY: &str = concat!("chladni ", env!("CARGO_PKG_VERSION"));

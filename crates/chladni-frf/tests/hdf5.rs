@@ -204,3 +204,13 @@ proptest! {
         assert_same(&back, &set);
     }
 }
+
+#[test]
+fn large_arrays_are_read_window_by_window_and_whole() {
+    let value = |(i, j, k): (usize, usize, usize)| Complex64::new(1.0 + i as f64, (j * 10_000 + k) as f64);
+    let large = FrfSet { coherence: None, values: FrfValues::F64(Array3::from_shape_fn((23, 3, 9001), value)), ..set(23, 3, 9001) };
+    let (_folder, path) = folder_with("large.h5");
+    write_frf(&path, &large, false).unwrap();
+    let (back, _) = read_one(&path, &ReadOptions::default()).unwrap();
+    assert_same(&back, &large);
+}

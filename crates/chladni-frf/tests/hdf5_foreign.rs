@@ -1,7 +1,7 @@
 //! HDF5 files of others: MATLAB's complex numbers and axis order, home-made layouts, `--map`, ambiguity.
 #![allow(clippy::result_large_err)]
 
-use chladni_frf::io::{read_document, read_frf, ReadOptions};
+use chladni_frf::io::{read_contents, read_document, read_frf, ReadOptions};
 use chladni_frf::{ErrorKind, FrfKind, FrfSet, ReferenceUnit};
 use hdf5_pure::{AttrValue, CompoundTypeBuilder, FileBuilder};
 use num_complex::Complex64;
@@ -208,4 +208,33 @@ fn a_dataset_that_claims_more_than_the_file_holds_is_refused() {
     std::fs::write(&path, bytes).unwrap();
     let error = read_frf(&[path], &ReadOptions::default()).unwrap_err();
     assert_eq!(error.kind, ErrorKind::BadData);
+}
+
+#[test]
+fn chunks_and_filters_that_straddle_the_windows_change_no_value() {
+    let (rows, lines) = (37_u64, 9001_u64);
+    let values: Vec<(f64, f64)> = (0..rows * lines).map(|k| (k as f64, -0.5 * (k % 7) as f64)).collect();
+    let mut file = FileBuilder::new();
+    let dataset = file.create_dataset("H");
+    r_i(dataset, &values, &[rows, lines]);
+    dataset.with_chunks(&[5, 1000]).with_deflate(1);
+    file.create_dataset("freq").with_f64_data(&(0..lines).map(|k| k as f64).collect::<Vec<_>>()).with_shape(&[lines]);
+    let (set, _) = read(file, &[]).unwrap();
+    assert_eq!(set.values.dim(), (rows as usize, 1, lines as usize));
+    for (k, &(re, im)) in values.iter().enumerate() {
+        let (i, line) = (k / lines as usize, k % lines as usize);
+        assert_eq!(set.values.get(i, 0, line), Complex64::new(re, im), "{i} {line}");
+    }
+}
+
+#[test]
+fn arrays_that_are_no_part_of_the_frfs_are_named_as_left_behind() {
+    let mut file = FileBuilder::new();
+    r_i(file.create_dataset("H"), &nested(['i', 'j', 'k']), &[3, 2, LINES]);
+    file.create_dataset("freq").with_f64_data(&frequencies()).with_shape(&[LINES]);
+    file.create_dataset("temperature").with_f64_data(&[20.5]).with_shape(&[1]);
+    let (_folder, path) = saved(file);
+    let contents = read_contents(&[path], &ReadOptions::default()).unwrap();
+    let [left] = contents.not_carried.as_slice() else { panic!("{:?}", contents.not_carried) };
+    assert!(left.ends_with("foreign.h5: not carried over: /temperature"), "{left}");
 }

@@ -127,13 +127,13 @@ fn refusal(from: &str, to: &str) -> (String, String) {
 fn what_is_wrong_is_named_with_line_or_field() {
     for (from, to, words) in [
         ("\"version\": 1", "\"version\": 2", &["version", "found 2", "expected 1"][..]),
-        ("\"damping\": \"viscous\"", "\"damping\": \"sticky\"", &["LINE", "unknown variant", "structural"]),
-        ("\"method\": \"auto\",", "", &["method", "missing field"]),
+        ("\"damping\": \"viscous\"", "\"damping\": \"sticky\"", &["LINE", "unknown variant", "found sticky", "structural"]),
+        ("\"method\": \"auto\",", "", &["method: ", "missing field"]),
         ("\"responses\": [\"1:+Z\"", "\"responses\": [\"one\"", &["line", "no DOF"]),
         ("\"responses\": [\"1:+Z\"", "\"responses\": [\"2:-Z\"", &["responses", "stands twice", "2:-Z"]),
         ("\"responses\": [\"1:+Z\", ", "\"responses\": [", &["modes[0].shape", "found 3", "expected 2"]),
         ("\"shape_std\": [0.0001, ", "\"shape_std\": [", &["modes[0].shape_std", "found 2"]),
-        ("\"frequency_hz\": 54.4", "\"frequency_hz\": null", &["LINE", "invalid type: null"]),
+        ("\"frequency_hz\": 54.4", "\"frequency_hz\": null", &["LINE", "invalid type", "found null", "expected f64"]),
         ("\"frequency_hz\": 54.4", "\"frequency_hz\": 1e999", &["LINE", "out of range"]),
         ("\"band_hz\": [10.0", "\"band_hz\": [1000.0", &["band_hz", "ends before it begins"]),
         ("\"frf_kind\"", "\"frf_kind\" \"", &["LINE", "begins like JSON"]),

@@ -37,6 +37,8 @@ pub fn create_atomically(path: &Path, force: bool, write: impl FnOnce(&Path) -> 
     if is_device(path) {
         return Err(Error::new(ErrorKind::CannotCreate, "this format needs a file, not a device or pipe")
             .file(path)
+            .found("a device or pipe")
+            .expected("the name of a file")
             .help("give the name of a file with -o"));
     }
     let target = free_target(path, force)?;
@@ -59,6 +61,7 @@ pub fn refuse_output_among_inputs(output: &Path, inputs: &[PathBuf]) -> Result<(
             return Err(Error::new(ErrorKind::CannotCreate, "the output is one of the inputs")
                 .file(output)
                 .found(input.display())
+                .expected("a file that is not read")
                 .help("give the result another name with -o"));
         }
     }
@@ -67,7 +70,11 @@ pub fn refuse_output_among_inputs(output: &Path, inputs: &[PathBuf]) -> Result<(
 
 /// An operating-system failure while writing `path`.
 pub(crate) fn write_error(error: &io::Error, path: &Path) -> Error {
-    match error.kind() {
+    let kind = error.kind();
+    // the temporary file is nobody's business
+    let error = error.to_string();
+    let error = error.split(" at path ").next().unwrap_or_default();
+    match kind {
         io::ErrorKind::PermissionDenied | io::ErrorKind::NotFound | io::ErrorKind::ReadOnlyFilesystem => {
             Error::new(ErrorKind::CannotCreate, format!("cannot create: {error}"))
                 .file(path)

@@ -1,6 +1,7 @@
 //! Everything that was read from some files and can be written to another.
 
-use super::{Document, FileFormat, Function};
+use super::paths::{shortened, NAMES_LISTED};
+use super::{DatasetInfo, Document, Function};
 use crate::{FrfSet, Geometry, Source};
 
 /// What the files of one command hold together.
@@ -27,30 +28,34 @@ impl Contents {
     }
 }
 
-/// Universal-file datasets whose content is in the document, or is written anew (header, units).
-const CARRIED: [u32; 6] = [15, 58, 151, 164, 2411, 2420];
-
-/// The datasets of a document that stay behind.
+/// What a document holds and cannot hand on, alike datasets in one sentence.
 pub(super) fn not_carried(document: &Document) -> Vec<String> {
     let file = document.file.display();
-    let left = |name: &str, line: Option<u64>| match line {
-        Some(line) => format!("{file}: {name} in line {line} is not carried over"),
-        None => format!("{file}: {name} is not carried over"),
-    };
-    match document.format {
-        FileFormat::Uff => document
-            .datasets
-            .iter()
-            .filter_map(|info| Some((info.number.filter(|number| !CARRIED.contains(number))?, info)))
-            .map(|(number, info)| left(&format!("dataset {number} ({})", info.name), info.line))
-            .collect(),
-        FileFormat::Model | FileFormat::Weights => vec![left("the content of a result file", None)],
-        FileFormat::Hdf5 => {
-            let model = document.datasets.iter().find(|info| info.name.starts_with("/model/"));
-            model.map(|_| left("the model under /model", None)).into_iter().collect()
+    let mut numbered: Vec<(&DatasetInfo, usize)> = Vec::new();
+    let mut paths: Vec<String> = Vec::new();
+    for info in document.datasets.iter().filter(|info| info.left_behind) {
+        match numbered.iter_mut().find(|(first, _)| first.number == info.number) {
+            _ if info.number.is_none() => paths.push(if info.name.starts_with("/model/") { "/model" } else { &info.name }.into()),
+            Some((_, count)) => *count += 1,
+            None => numbered.push((info, 1)),
         }
-        FileFormat::Csv => Vec::new(),
     }
+    paths.dedup();
+    let mut left: Vec<String> = numbered
+        .into_iter()
+        .map(|(info, count)| {
+            let name = format!("dataset {} ({})", info.number.unwrap_or_default(), info.name);
+            let place = info.line.map_or_else(String::new, |line| format!(" in line {line}"));
+            match count {
+                1 => format!("{file}: {name}{place} is not carried over"),
+                _ => format!("{file}: {name}: {count} of them, the first{place}, are not carried over"),
+            }
+        })
+        .collect();
+    if !paths.is_empty() {
+        left.push(format!("{file}: not carried over: {}", shortened(&paths, NAMES_LISTED)));
+    }
+    left
 }
 
 /// The word for a function type of dataset 58.

@@ -1,7 +1,7 @@
 //! Formats are told apart by content, never by the name of the file.
 
-use super::FileFormat;
-use crate::{Error, Result, MODEL_FORMAT};
+use super::{csv, json_error, FileFormat};
+use crate::{Error, ErrorKind, Result, MODEL_FORMAT};
 use serde::Deserialize;
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -11,6 +11,10 @@ use std::path::Path;
 const HDF5_SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 /// How much of a file decides whether it is text: analysers' headers are shorter.
 const HEAD_BYTES: usize = 4096;
+/// How much of a text shows whether it is a table: longer than any header with the first rows.
+const TABLE_HEAD_BYTES: u64 = 1 << 20;
+/// What can be read, for messages.
+const KNOWN: &str = "a universal file, HDF5, a text table, or a model or weights as JSON";
 /// Value of `format` in a weights file.
 const WEIGHTS_FORMAT: &str = "chladni.weights";
 
@@ -28,12 +32,16 @@ pub fn detect_format(file: &Path) -> Result<FileFormat> {
     let on_read = |error: std::io::Error| Error::from_read(&error, file);
     let mut input = File::open(file).map_err(on_read)?;
     if input.metadata().map_err(on_read)?.is_dir() {
-        return Err(Error::bad_data("a folder, not a file").file(file).help("name the files in it"));
+        return Err(Error::from_read(&std::io::ErrorKind::IsADirectory.into(), file));
     }
     let mut head = Vec::with_capacity(HEAD_BYTES);
     input.by_ref().take(HEAD_BYTES as u64).read_to_end(&mut head).map_err(on_read)?;
     if head.is_empty() {
-        return Err(Error::bad_data("the file is empty").file(file).help("export or copy it again"));
+        return Err(Error::bad_data("the file is empty")
+            .file(file)
+            .found("0 bytes")
+            .expected("measured data, a model or weights")
+            .help("export or copy it again"));
     }
     if has_hdf5_signature(&mut input).map_err(on_read)? {
         return Ok(FileFormat::Hdf5);
@@ -51,6 +59,26 @@ pub fn detect_format(file: &Path) -> Result<FileFormat> {
         return json_format(text_start(&bytes)).map_err(|error| error.file(file));
     }
     Ok(FileFormat::Csv)
+}
+
+/// Why no reader knows `file`, in words; `None` where one does. For files that nobody named: those of a folder.
+///
+/// # Errors
+/// Those of reading.
+pub(super) fn not_readable(file: &Path) -> Result<Option<String>> {
+    match detect_format(file) {
+        Ok(FileFormat::Csv) => {
+            let on_read = |error: std::io::Error| Error::from_read(&error, file);
+            let mut head = Vec::new();
+            File::open(file).map_err(on_read)?.take(TABLE_HEAD_BYTES).read_to_end(&mut head).map_err(on_read)?;
+            Ok((!csv::is_table(&head)).then(|| "text without rows of numbers".into()))
+        }
+        Ok(_) => Ok(None),
+        Err(Error { kind: ErrorKind::BadData, message, found, .. }) => {
+            Ok(Some(found.map_or(message.clone(), |found| format!("{message}: {found}"))))
+        }
+        Err(error) => Err(error),
+    }
 }
 
 fn has_hdf5_signature(input: &mut File) -> std::io::Result<bool> {
@@ -75,7 +103,7 @@ fn is_universal(head: &[u8]) -> bool {
 }
 
 fn foreign_binary(head: &[u8]) -> Option<Error> {
-    let refuse = |found: &str, help: &str| Some(Error::bad_data("not a format that can be read").found(found).help(help));
+    let refuse = |found: &str, help: &str| Some(Error::bad_data("not a format that can be read").found(found).expected(KNOWN).help(help));
     if head.starts_with(b"MATLAB 5.0 MAT-file") {
         return refuse("a MATLAB file of version 5 to 7", "save it in MATLAB with save(..., '-v7.3'), which is HDF5, or as text");
     }
@@ -99,16 +127,16 @@ fn json_format(bytes: &[u8]) -> Result<FileFormat> {
     struct Header {
         format: Option<String>,
     }
-    let header: Header = serde_json::from_slice(bytes).map_err(|error| {
-        Error::bad_data(format!("begins like JSON, but is none: {error}")).at_line(error.line() as u64).help("copy or write the file again")
-    })?;
+    let header: Header =
+        serde_json::from_slice(bytes).map_err(|error| json_error("begins like JSON", &error).help("copy or write the file again"))?;
     match header.format.as_deref() {
         Some(MODEL_FORMAT) => Ok(FileFormat::Model),
         Some(WEIGHTS_FORMAT) => Ok(FileFormat::Weights),
         other => Err(Error::bad_data("JSON of unknown format")
             .field("format")
             .found(other.unwrap_or("nothing"))
-            .expected(format!("{MODEL_FORMAT} or {WEIGHTS_FORMAT}"))),
+            .expected(format!("{MODEL_FORMAT} or {WEIGHTS_FORMAT}"))
+            .help("give a file that this program wrote, or export the data as a universal file, HDF5 or a table")),
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::{Dof, Error, FrfKind, FrfSet, Geometry, ReferenceUnit};
 use num_complex::{Complex32, Complex64};
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// File formats, told apart by content.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -44,8 +44,25 @@ pub struct Document {
     pub warnings: Vec<String>,
 }
 
+impl Document {
+    /// A document of `file` with nothing in it yet.
+    pub(super) fn new(file: &Path, format: FileFormat) -> Self {
+        Self {
+            file: file.to_path_buf(),
+            format,
+            sha256: String::new(),
+            geometry: Geometry::default(),
+            datasets: Vec::new(),
+            frf: None,
+            functions: Vec::new(),
+            errors: Vec::new(),
+            warnings: Vec::new(),
+        }
+    }
+}
+
 /// One dataset, as `info` lists it.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Default, Serialize)]
 pub struct DatasetInfo {
     /// Universal-file number; `None` in other formats.
     pub number: Option<u32>,
@@ -69,6 +86,9 @@ pub struct DatasetInfo {
     pub damping_ratio: Option<f64>,
     /// What is odd about it, or the error that makes it unreadable.
     pub warnings: Vec<String>,
+    /// True where nothing else in the document holds its content: `convert` cannot carry it over.
+    #[serde(skip)]
+    pub left_behind: bool,
 }
 
 /// Ordinate values of a function, in the precision of the file.

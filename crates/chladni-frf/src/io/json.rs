@@ -1,5 +1,6 @@
 //! JSON for people: a line for each key, lists of numbers in one line.
 
+use crate::{parser_complaint, Error};
 use serde::Serialize;
 use serde_json::ser::{Formatter, Serializer};
 use std::io::{self, Write};
@@ -11,6 +12,19 @@ use std::io::{self, Write};
 pub fn write_json(out: &mut dyn Write, value: &impl Serialize) -> io::Result<()> {
     value.serialize(&mut Serializer::with_formatter(&mut *out, KeyPerLine { depth: 0, empty: true }))?;
     out.write_all(b"\n")
+}
+
+/// The complaint of a JSON reader in parts: line, field, what stood there and what belongs there. `what` was read: "model".
+pub fn json_error(what: &str, error: &serde_json::Error) -> Error {
+    let said = error.to_string();
+    // the place at the end stands in fields of its own
+    let said = said.rsplit_once(" at line ").map_or(said.as_str(), |(words, _)| words);
+    let complaint = match error.is_syntax() || error.is_eof() {
+        true => Error::bad_data("no valid JSON").found(said).expected("JSON"),
+        false => parser_complaint(said),
+    };
+    let message = format!("{what}: {} (column {})", complaint.message, error.column());
+    Error { message, ..complaint }.at_line(error.line() as u64)
 }
 
 struct KeyPerLine {
@@ -60,6 +74,24 @@ impl Formatter for KeyPerLine {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn complaints_come_in_parts() {
+        #[derive(Debug, serde::Deserialize)]
+        #[allow(dead_code)]
+        struct Two {
+            mass: f64,
+            kind: crate::FrfKind,
+        }
+        let complaint = |text: &str| json_error("pair", &serde_json::from_str::<Two>(text).unwrap_err());
+        let missing = complaint("{\n\"mass\": 1}");
+        assert_eq!((missing.line, missing.field.as_deref()), (Some(2), Some("kind")));
+        let wrong = complaint("{\"mass\": \"heavy\", \"kind\": \"mobility\"}");
+        assert_eq!((wrong.found.as_deref(), wrong.expected.as_deref()), (Some("string \"heavy\""), Some("f64")));
+        assert!(wrong.message.starts_with("pair: invalid type"), "{wrong}");
+        assert_eq!(complaint("{\"mass\": 1, \"kind\": \"dance\"}").found.as_deref(), Some("dance"));
+        assert_eq!(complaint("{\"mass\": ").expected.as_deref(), Some("JSON"));
+    }
 
     #[test]
     fn keys_stand_on_lines_of_their_own_and_numbers_beside_each_other() {

@@ -3,8 +3,6 @@
 //! Formats are told apart by content when read and by extension when written; every result is written beside its place and
 //! renamed into it.
 
-// the error carries file, line, field and advice; it is built once, where a run ends
-
 mod assemble;
 mod atomic;
 mod contents;
@@ -14,6 +12,7 @@ mod document;
 mod hdf5;
 mod json;
 mod model_file;
+mod paths;
 mod read;
 mod save;
 mod time_sign;
@@ -25,9 +24,10 @@ pub use atomic::{create_atomically, refuse_output_among_inputs, write_atomically
 pub use contents::Contents;
 pub use detect::detect_format;
 pub use document::{Abscissa, Axis, DatasetInfo, Document, Duplicates, FileFormat, Function, Ordinate, ReadOptions};
-pub use json::write_json;
+pub use json::{json_error, write_json};
 pub use model_file::{read_model, write_model};
-pub use read::{expand_paths, read_contents, read_document, read_documents, read_frf, sha256_of};
+pub use paths::{expand_paths, file_name, Inputs};
+pub use read::{read_contents, read_document, read_documents, read_frf, read_text, sha256_of};
 pub use save::{write_contents, write_frf};
 
 use contents::{function_name, not_carried};

@@ -1,8 +1,8 @@
 //! Models on disk: JSON, or the same fields under `/model` of an HDF5 file.
 
 use super::atomic::write_atomically;
-use super::json::write_json;
-use super::{detect_format, hdf5, FileFormat};
+use super::json::{json_error, write_json};
+use super::{detect_format, hdf5, read_text, FileFormat};
 use crate::{Error, ErrorKind, ModalModel, Mode, Result, MODEL_FORMAT};
 use num_complex::Complex64;
 use std::path::Path;
@@ -16,14 +16,15 @@ const VERSION: u32 = 1;
 /// [`ErrorKind::BadData`] with line (JSON) or field when something is missing, of another size than the responses and
 /// references say, not finite, or of another format or version.
 pub fn read_model(path: &Path) -> Result<ModalModel> {
+    let wrong = |message: &str, found: &str| Error::bad_data(message).file(path).found(found).expected("a model, JSON or HDF5");
     let model = match detect_format(path)? {
         FileFormat::Model => read_json(path)?,
         FileFormat::Hdf5 => hdf5::read_model(path)?,
         FileFormat::Weights => {
-            return Err(Error::bad_data("weights, not a model").file(path).help("give the model that the weights were made from"))
+            return Err(wrong("weights, not a model", "a weights file").help("give the model that the weights were made from"))
         }
         FileFormat::Uff | FileFormat::Csv => {
-            return Err(Error::bad_data("measured data, not a model").file(path).help("fit a model first: chladni fit FRF -o MODEL.json"))
+            return Err(wrong("measured data, not a model", "measured data").help("fit a model first: chladni fit FRF -o MODEL.json"))
         }
     };
     check(&model).map_err(|error| error.file(path))?;
@@ -45,30 +46,17 @@ pub fn write_model(path: &Path, model: &ModalModel, force: bool) -> Result<()> {
 }
 
 fn read_json(path: &Path) -> Result<ModalModel> {
-    let bytes = std::fs::read(path).map_err(|error| Error::from_read(&error, path))?;
-    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
-    check_version(serde_json::from_slice::<Version>(text).map_err(|error| json_error(&error, path))?.version)
-        .map_err(|error| error.file(path))?;
-    serde_json::from_slice(text).map_err(|error| json_error(&error, path))
+    let text = read_text(path, "a model, JSON")?;
+    let explain =
+        |error: serde_json::Error| json_error("model", &error).file(path).help("correct the file at that line, or fit the model again");
+    check_version(serde_json::from_str::<Version>(&text).map_err(explain)?.version).map_err(|error| error.file(path))?;
+    serde_json::from_str(&text).map_err(explain)
 }
 
 /// Read first: another version may have other fields.
 #[derive(serde::Deserialize)]
 struct Version {
     version: u32,
-}
-
-fn json_error(error: &serde_json::Error, path: &Path) -> Error {
-    // serde_json ends its messages with the place, which stands in fields of its own here
-    let message = error.to_string();
-    let message = message.rsplit_once(" at line ").map_or(message.as_str(), |(words, _)| words);
-    let field = message.split('`').nth(1).filter(|_| message.contains("field"));
-    let placed = Error::bad_data(format!("model: {message} (column {})", error.column())).file(path).at_line(error.line() as u64);
-    let placed = match field {
-        Some(field) => placed.field(field),
-        None => placed,
-    };
-    placed.help("correct the file at that line, or fit the model again")
 }
 
 fn check_version(version: u32) -> Result<()> {
@@ -161,7 +149,7 @@ fn check_mode(model: &ModalModel, index: usize, mode: &Mode) -> Result<()> {
 fn finite(field: &str, values: impl IntoIterator<Item = f64>) -> Result<()> {
     match values.into_iter().find(|value| !value.is_finite()) {
         None => Ok(()),
-        Some(value) => Err(Error::bad_data("a number that is not finite").field(field).found(value)),
+        Some(value) => Err(Error::bad_data("a number that is not finite").field(field).found(value).expected("a finite number")),
     }
 }
 

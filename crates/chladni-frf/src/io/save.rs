@@ -46,6 +46,8 @@ fn write_table(path: &Path, frf: Option<&FrfSet>, contents: &Contents, force: bo
     let set = frf.ok_or_else(|| {
         Error::new(ErrorKind::Usage, "there is no FRF to write, and a text table holds nothing else")
             .file(path)
+            .found("no FRF")
+            .expected("at least one FRF")
             .help("write HDF5 (.h5) or a universal file (.uff)")
     })?;
     write_atomically(path, force, |out| csv::write(out, set))?;

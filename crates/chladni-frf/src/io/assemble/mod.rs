@@ -9,7 +9,7 @@ mod record;
 
 pub(crate) use record::clean_coherence;
 
-use super::{Contents, Document, Duplicates, Function, Ordinate, ReadOptions};
+use super::{file_name, Contents, Document, Duplicates, FileFormat, Function, Ordinate, ReadOptions};
 use crate::{Dof, Error, ErrorKind, FrfKind, FrfSet, Geometry, ReferenceUnit, Result, Source, TimeSign};
 use grid::DofList;
 use num_complex::Complex64;
@@ -31,6 +31,10 @@ pub fn assemble(documents: Vec<Document>, options: &ReadOptions) -> Result<Conte
     let mut contents = Contents::default();
     let mut geometry = Geometry::default();
     let mut assembly = Assembly::default();
+    let (results, documents): (Vec<_>, Vec<_>) =
+        documents.into_iter().partition(|document| matches!(document.format, FileFormat::Model | FileFormat::Weights));
+    let left_out = |document: Document| format!("{}: left out, a result and no measurement", document.file.display());
+    contents.warnings.extend(results.into_iter().map(left_out));
     let count = documents.len();
     let is_one_set = count == 1 && documents[0].frf.is_some() && !documents[0].functions.iter().any(is_measured);
     for (number, mut document) in documents.into_iter().enumerate() {
@@ -97,8 +101,7 @@ fn report(document: &mut Document, lenient: bool, warnings: &mut Vec<String>) ->
 }
 
 fn source_of(document: &Document) -> Source {
-    let file = document.file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    Source { file, sha256: document.sha256.clone() }
+    Source { file: file_name(&document.file), sha256: document.sha256.clone() }
 }
 
 fn is_measured(function: &Function) -> bool {
@@ -144,6 +147,7 @@ fn override_reference(document: &mut Document, node: Option<u64>) -> Result<()> 
             .file(&document.file)
             .field("--reference")
             .found(nodes.iter().take(10).map(u64::to_string).collect::<Vec<_>>().join(", "))
+            .expected("one reference node")
             .help("leave --reference out for this file"));
     }
     references.into_iter().for_each(|dof| dof.node = node);

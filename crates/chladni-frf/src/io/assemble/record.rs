@@ -110,7 +110,10 @@ pub(super) fn from_function(
     warnings: &mut Vec<String>,
 ) -> Result<Record> {
     if !function.scale_to_si.is_finite() || function.scale_to_si == 0.0 {
-        return Err(Error::bad_data("the unit gives no usable scale").field(place).found(function.scale_to_si));
+        return Err(Error::bad_data("the unit gives no usable scale")
+            .field(place)
+            .found(function.scale_to_si)
+            .expected("a finite factor, not 0"));
     }
     if matches!(function.ordinate, Ordinate::Real32(_) | Ordinate::Real64(_)) {
         warnings.push(format!("{place}: an FRF of real values; the imaginary parts are taken as zero"));

@@ -104,7 +104,9 @@ impl LongTable<'_> {
     pub(super) fn traces(&self, lenient: bool, warnings: &mut Vec<String>) -> Result<(Vec<f64>, Vec<Trace>)> {
         let pairs = self.pairs(lenient, warnings)?;
         let Some(longest) = pairs.iter().max_by_key(|pair| (pair.rows.len(), std::cmp::Reverse(pair.rows.first().map(|row| row.0)))) else {
-            return Err(Error::bad_data("a header, but no rows").expected("rows of numbers under node,dir,ref_node,ref_dir,f,re,im"));
+            return Err(Error::bad_data("a header, but no rows")
+                .found("no row")
+                .expected("rows of numbers under node,dir,ref_node,ref_dir,f,re,im"));
         };
         let axis: Vec<f64> = longest.rows.iter().map(|row| row.1).collect();
         let cells = pairs.len().saturating_mul(axis.len());
@@ -180,6 +182,7 @@ impl LongTable<'_> {
                 .field(&self.columns.names[column])
                 .found(&cells[column])
                 .expected(expected)
+                .help("write DOFs like 12:+Z, or node and direction code (±1 X, ±2 Y, ±3 Z, ±4 to ±6 rotations) in columns of their own")
         };
         match *columns {
             DofColumns::Text(column) => cells[column].parse().map_err(|_| wrong(column, "a DOF like 12:+Z")),

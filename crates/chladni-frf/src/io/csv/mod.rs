@@ -20,11 +20,11 @@ mod write;
 use super::assemble::{build_set, clean_coherence, TracedFrf};
 use super::unit_label::{frf_unit, FrfUnit};
 use super::{DatasetInfo, Document, FileFormat, ReadOptions};
-use crate::{Direction, Dof, Error, FrfKind, FrfSet, Geometry, ReferenceUnit, Result, TimeSign};
+use crate::{Direction, Dof, Error, FrfKind, FrfSet, ReferenceUnit, Result, TimeSign};
 use num_complex::Complex64;
 use std::io::Write;
 use std::path::Path;
-use text::{decode, lines_and_remarks, refuse_complex_lists, Remark};
+use text::{decode, lines_and_remarks, refuse_complex_lists, Dialect, Remark};
 
 /// One FRF of a table, as it stands there.
 struct Trace {
@@ -40,6 +40,13 @@ struct Trace {
 /// Reads a table; `sha256` is left empty. FRFs without a DOF become responses at nodes from `next_node` on.
 pub(super) fn read(bytes: &[u8], file: &Path, options: &ReadOptions, next_node: &mut u64) -> Result<Document> {
     read_text(bytes, file, options, next_node).map_err(|error| error.file(file))
+}
+
+/// True where the head of a text file holds rows of numbers or the header of a long table: damaged or not, it is one.
+pub(super) fn is_table(head: &[u8]) -> bool {
+    let text = decode(head);
+    let (lines, _) = lines_and_remarks(&text);
+    long::find(&lines).is_some() || Dialect::any_finds_rows(&lines) || refuse_complex_lists(&lines).is_err()
 }
 
 fn read_text(bytes: &[u8], file: &Path, options: &ReadOptions, next_node: &mut u64) -> Result<Document> {
@@ -72,17 +79,7 @@ fn read_text(bytes: &[u8], file: &Path, options: &ReadOptions, next_node: &mut u
     let mut set =
         build_set(frequency_hz, records, units.kind, units.reference, options.duplicates, &file.display().to_string(), &mut warnings)?;
     super::time_sign::to_plus(&mut set, said.time_sign, options.time_sign, &mut warnings);
-    Ok(Document {
-        file: file.to_path_buf(),
-        format: FileFormat::Csv,
-        sha256: String::new(),
-        geometry: Geometry::default(),
-        datasets,
-        frf: Some(set),
-        functions: Vec::new(),
-        errors: Vec::new(),
-        warnings,
-    })
+    Ok(Document { datasets, frf: Some(set), warnings, ..Document::new(file, FileFormat::Csv) })
 }
 
 /// Writes a set as our own long table.
@@ -105,7 +102,7 @@ impl Said {
     fn from_remarks(remarks: &[Remark]) -> Result<Self> {
         let mut said = Self::default();
         for remark in remarks {
-            let wrong = |message: String| Error::bad_data(message).at_line(remark.line).field(&remark.key);
+            let wrong = |message: String| Error::bad_data(message).at_line(remark.line).field(&remark.key).found(&remark.value);
             match remark.key.as_str() {
                 "frf_kind" => said.kind = Some(remark.value.parse().map_err(wrong)?),
                 "time_sign" => said.time_sign = Some(remark.value.parse().map_err(wrong)?),
@@ -116,7 +113,7 @@ impl Said {
                     said.reference_unit = Some(match remark.value.as_str() {
                         "N" => ReferenceUnit::Newton,
                         "V" => ReferenceUnit::Volt,
-                        _ => return Err(wrong("unknown unit of the reference".into()).found(&remark.value).expected("N or V")),
+                        _ => return Err(wrong("unknown unit of the reference".into()).expected("N or V")),
                     })
                 }
                 _ => {} // free text such as a date or an operator
@@ -239,16 +236,12 @@ fn checked_coherence(values: Vec<f64>, at_zero: bool, warnings: &mut Vec<String>
 
 fn dataset_info(line: u64, response: Dof, reference: Dof, values: usize) -> DatasetInfo {
     DatasetInfo {
-        number: None,
         line: Some(line),
         name: "frf".into(),
         function: Some("frf".into()),
         response: Some(response.to_string()),
         reference: Some(reference.to_string()),
         values: Some(values),
-        nodes: None,
-        frequency_hz: None,
-        damping_ratio: None,
-        warnings: Vec::new(),
+        ..DatasetInfo::default()
     }
 }

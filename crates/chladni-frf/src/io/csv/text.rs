@@ -105,6 +105,8 @@ const DIALECTS: [Dialect; 7] = [
     Dialect { delimiter: Some(';'), decimal_comma: true },
     Dialect { delimiter: None, decimal_comma: true },
 ];
+/// Commas for both: cannot be read, and must not be taken for anything else.
+const COMMAS: Dialect = Dialect { delimiter: Some(','), decimal_comma: true };
 /// Lines looked at to find the dialect: longer than any header, short beside any data.
 const LINES_TRIED: usize = 400;
 
@@ -128,7 +130,12 @@ impl Dialect {
 
     /// True where lines are rows of numbers only with a comma for both the decimal sign and the delimiter.
     pub(super) fn commas_everywhere(lines: &[Line<'_>]) -> bool {
-        Self { delimiter: Some(','), decimal_comma: true }.rows_among(lines) > 0
+        COMMAS.rows_among(lines) > 0
+    }
+
+    /// True where some way of cutting finds two rows of numbers or more; a single one may be a date in a letter.
+    pub(super) fn any_finds_rows(lines: &[Line<'_>]) -> bool {
+        DIALECTS.iter().chain([&COMMAS]).any(|dialect| dialect.rows_among(lines) > 1)
     }
 
     /// Every dialect, this one first: a header may be cut in another way than the numbers.

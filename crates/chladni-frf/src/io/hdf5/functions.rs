@@ -3,7 +3,7 @@
 //! Each is a group with `values` [n] in the units of the source, `abscissa` [n] where it is uneven, and the header of its
 //! dataset 58 as attributes.
 
-use super::arrays::reals;
+use super::arrays::{reals, wrong_type};
 use super::own::Own;
 use super::tree::{Attribute, Entry, Group, Values};
 use crate::io::{Abscissa, Axis, Function, Ordinate};
@@ -29,29 +29,29 @@ fn function_group(number: usize, function: &Function) -> Group<'_> {
     let mut group = Group::new(number.to_string());
     group.set("function_type", integer(function.function_type.into()));
     for (k, line) in function.id_lines.iter().enumerate() {
-        group.set(&format!("id_line_{}", k + 1), line.as_str());
+        group.set(&format!("id_line_{}", k + 1), text(line.as_str()));
     }
     for (name, &value) in IDS.iter().zip(&function.ids) {
         group.set(name, integer(value));
     }
     for (name, value) in ENTITIES.iter().zip(&function.entity_names) {
-        group.set(name, value.as_str());
+        group.set(name, text(value.as_str()));
     }
-    group.set("response", function.response.to_string());
-    group.set("reference", function.reference.to_string());
+    group.set("response", text(function.response.to_string()));
+    group.set("reference", text(function.reference.to_string()));
     group.set("z", Attribute::Real(function.z));
     for (name, axis) in AXES.iter().zip(&function.axes) {
         group.set(&format!("{name}_quantity"), integer(axis.quantity.into()));
         for (exponent, &value) in EXPONENTS.iter().zip(&axis.exponents) {
             group.set(&format!("{name}_{exponent}"), integer(value.into()));
         }
-        group.set(&format!("{name}_label"), axis.label.as_str());
-        group.set(&format!("{name}_unit"), axis.unit.as_str());
+        group.set(&format!("{name}_label"), text(axis.label.as_str()));
+        group.set(&format!("{name}_unit"), text(axis.unit.as_str()));
     }
     if let Some(kind) = function.kind {
-        group.set("frf_kind", kind.as_str());
+        group.set("frf_kind", text(kind.as_str()));
     }
-    group.set("reference_unit", function.reference_unit.to_string());
+    group.set("reference_unit", text(function.reference_unit.to_string()));
     group.set("scale_to_si", Attribute::Real(function.scale_to_si));
     group.set("abscissa_to_si", Attribute::Real(function.abscissa_to_si));
     let count = function.ordinate.len();
@@ -64,6 +64,10 @@ fn function_group(number: usize, function: &Function) -> Group<'_> {
     }
     group.add("values", &[count], ordinate_values(&function.ordinate));
     group
+}
+
+fn text(text: impl Into<String>) -> Attribute {
+    Attribute::FixedText(text.into())
 }
 
 fn integer(value: i64) -> Attribute {
@@ -84,10 +88,9 @@ pub(super) fn read_functions(own: &Own<'_>) -> Result<Vec<Function>> {
     let numbered = |entry: &&Entry| entry.folder() == "/functions" && entry.dataset.is_none();
     let mut groups: Vec<(u64, &Entry)> = Vec::new();
     for entry in own.entries.iter().filter(numbered) {
-        let number = entry
-            .name()
-            .parse()
-            .map_err(|_| Error::bad_data("a function without a number").field(&entry.path).expected("/functions/1, 2, ..."))?;
+        let number = entry.name().parse().map_err(|_| {
+            Error::bad_data("a function without a number").field(&entry.path).found(entry.name()).expected("/functions/1, 2, ...")
+        })?;
         groups.push((number, entry));
     }
     groups.sort_by_key(|(number, _)| *number);
@@ -111,17 +114,13 @@ fn read_function(own: &Own<'_>, group: &Entry) -> Result<Function> {
         axis.unit = text(&format!("{name}_unit"))?;
         Ok(axis)
     };
-    let (_, values) = own.dataset(&format!("{}/values", group.path))?;
+    let (entry, values) = own.dataset(&format!("{}/values", group.path))?;
     let ordinate = match values {
         Values::Real32(values) => Ordinate::Real32(values.into_owned()),
         Values::Real64(values) => Ordinate::Real64(values.into_owned()),
         Values::Complex32(values) => Ordinate::Complex32(values.into_owned()),
         Values::Complex64(values) => Ordinate::Complex64(values.into_owned()),
-        _ => {
-            return Err(Error::bad_data("values of the wrong type")
-                .field(format!("{}/values", group.path))
-                .expected("real or complex numbers"))
-        }
+        _ => return Err(wrong_type(entry, "real or complex numbers")),
     };
     let abscissa = match own.find(&format!("{}/abscissa", group.path)) {
         Some(entry) => Abscissa::Uneven(reals(entry, own.file.read(entry)?)?),

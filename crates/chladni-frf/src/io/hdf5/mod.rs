@@ -5,10 +5,10 @@
 
 mod arrays;
 #[cfg(not(feature = "system"))]
-#[path = "pure.rs"]
+#[path = "pure/mod.rs"]
 mod backend;
 #[cfg(feature = "system")]
-#[path = "system.rs"]
+#[path = "system/mod.rs"]
 mod backend;
 mod foreign;
 mod functions;
@@ -19,8 +19,9 @@ mod tree;
 use super::atomic::create_atomically;
 use super::time_sign::to_plus;
 use super::{Contents, DatasetInfo, Document, FileFormat, ReadOptions};
-use crate::{Error, FrfSet, ModalModel, Result, TimeSign};
+use crate::{Error, FrfSet, ModalModel, Result};
 use backend::File;
+use foreign::Found;
 use own::Own;
 use std::path::Path;
 use tree::{Element, Entry};
@@ -29,17 +30,8 @@ use tree::{Element, Entry};
 pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
     let file = File::open(path)?;
     let entries = file.entries()?;
-    let mut document = Document {
-        file: path.to_path_buf(),
-        format: FileFormat::Hdf5,
-        sha256: String::new(),
-        geometry: crate::Geometry::default(),
-        datasets: entries.iter().filter(|entry| entry.dataset.is_some()).map(dataset_info).collect(),
-        frf: None,
-        functions: Vec::new(),
-        errors: Vec::new(),
-        warnings: Vec::new(),
-    };
+    let mut document = Document::new(path, FileFormat::Hdf5);
+    document.datasets = entries.iter().filter(|entry| entry.dataset.is_some()).map(dataset_info).collect();
     for entry in &entries {
         document.warnings.extend(entry.unread_attributes.iter().map(|warning| format!("{}: {warning}", entry.path)));
     }
@@ -51,8 +43,9 @@ pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
     };
     match outcome.map_err(|error| error.file(path)) {
         Ok(None) => {}
-        Ok(Some((mut set, said))) => {
-            to_plus(&mut set, said, options.time_sign, &mut document.warnings);
+        Ok(Some(Found { mut set, time_sign, used })) => {
+            document.datasets.iter_mut().for_each(|info| info.left_behind &= !used.contains(&info.name));
+            to_plus(&mut set, time_sign, options.time_sign, &mut document.warnings);
             report_masked(&set, &mut document.warnings);
             document.frf = Some(set);
         }
@@ -62,27 +55,24 @@ pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
     Ok(document)
 }
 
-fn read_own(own: &Own<'_>, document: &mut Document) -> Result<Option<(FrfSet, Option<TimeSign>)>> {
+fn read_own(own: &Own<'_>, document: &mut Document) -> Result<Option<Found>> {
     own.check_version()?;
     document.geometry = own.geometry()?;
     document.functions = functions::read_functions(own)?;
     for function in &document.functions {
         document.datasets.push(DatasetInfo {
             number: Some(58),
-            line: None,
             name: "function".into(),
             function: Some(super::function_name(function.function_type).into()),
             response: Some(function.response.to_string()),
             reference: Some(function.reference.to_string()),
             values: Some(function.ordinate.len()),
-            nodes: None,
-            frequency_hz: None,
-            damping_ratio: None,
-            warnings: Vec::new(),
+            ..DatasetInfo::default()
         });
     }
-    let sign = own.time_sign()?;
-    Ok(own.frf()?.map(|set| (set, sign)))
+    document.datasets.iter_mut().for_each(|info| info.left_behind &= !own::is_carried(&info.name));
+    let time_sign = own.time_sign()?;
+    Ok(own.frf()?.map(|set| Found { set, time_sign, used: Vec::new() }))
 }
 
 /// Lines that are NaN in a pair that was measured; pairs that are NaN throughout are missing, and listed later.
@@ -108,17 +98,13 @@ fn dataset_info(entry: &Entry) -> DatasetInfo {
     let extents: Vec<String> = entry.shape().iter().map(usize::to_string).collect();
     let function = if extents.is_empty() { function } else { format!("{function}, {}", extents.join(" x ")) };
     DatasetInfo {
-        number: None,
-        line: None,
         name: entry.path.clone(),
         function: Some(function),
-        response: None,
-        reference: None,
         values: entry.shape().last().copied(),
         nodes,
-        frequency_hz: None,
-        damping_ratio: None,
         warnings: entry.unread_attributes.clone(),
+        left_behind: true, // until something of the document is made of it
+        ..DatasetInfo::default()
     }
 }
 
@@ -153,7 +139,12 @@ pub(super) fn read_model(path: &Path) -> Result<ModalModel> {
     let entries = file.entries().map_err(|error| error.file(path))?;
     let own = Own { file: &file, entries: &entries };
     if own.find("/model").is_none() {
-        return Err(Error::bad_data("the file holds no model").file(path).field("/model").help("fit one first: chladni fit FRF -o MODEL"));
+        return Err(Error::bad_data("the file holds no model")
+            .file(path)
+            .field("/model")
+            .found("no such group")
+            .expected("a model under /model")
+            .help("fit one first: chladni fit FRF -o MODEL"));
     }
     own.check_version().and_then(|()| model::read_model(&own)).map_err(|error| error.file(path))
 }

@@ -104,7 +104,9 @@ struct Part<'a> {
 
 impl<'a> Part<'a> {
     fn open(own: &'a Own<'a>, path: &str) -> Result<Self> {
-        let group = own.find(path).ok_or_else(|| Error::bad_data("a group is missing").field(path))?;
+        let group = own
+            .find(path)
+            .ok_or_else(|| Error::bad_data("a group is missing").field(path).found("nothing").expected("a group of a model file"))?;
         Ok(Self { own, group })
     }
     fn missing(&self, name: &str) -> Error {

@@ -24,6 +24,12 @@ pub(super) const FORMAT: &str = "chladni";
 /// `version` of the root.
 const VERSION: i64 = 1;
 
+/// True for the datasets that [`Own`] reads into a document; a model is read by itself.
+pub(super) fn is_carried(path: &str) -> bool {
+    let known = ["/freq", "/frf", "/coherence", "/response", "/reference"];
+    known.contains(&path) || path.starts_with("/geometry/") || path.starts_with("/functions/")
+}
+
 /// An open file of our own layout.
 pub(super) struct Own<'a> {
     pub(super) file: &'a File,
@@ -55,7 +61,9 @@ impl Own<'_> {
 
     /// The dataset at `path`, or the error that misses it.
     pub(super) fn dataset(&self, path: &str) -> Result<(&Entry, Values<'static>)> {
-        let entry = self.find(path).ok_or_else(|| Error::bad_data("a dataset is missing").field(path))?;
+        let entry = self
+            .find(path)
+            .ok_or_else(|| Error::bad_data("a dataset is missing").field(path).found("nothing").expected("a dataset of this layout"))?;
         Ok((entry, self.file.read(entry)?))
     }
 
@@ -88,7 +96,7 @@ impl Own<'_> {
 
     fn attribute<T: std::str::FromStr<Err = String>>(&self, name: &str) -> Result<Option<T>> {
         let Some(text) = self.root().text(name) else { return Ok(None) };
-        text.parse().map(Some).map_err(|message: String| Error::bad_data(message).field(format!("{name} of /")))
+        text.parse().map(Some).map_err(|message: String| Error::bad_data(message).field(format!("{name} of /")).found(text))
     }
 
     fn kind(&self) -> Result<Option<FrfKind>> {
@@ -144,6 +152,7 @@ impl Own<'_> {
         lists.ok_or_else(|| {
             Error::bad_data("list starts must rise and stay inside the list")
                 .field(&entry.path)
+                .found(format!("{} starts", starts.len() - 1))
                 .expected(format!("at most {}", labels.len()))
         })
     }

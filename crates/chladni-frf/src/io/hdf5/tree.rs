@@ -3,6 +3,7 @@
 use crate::{Dof, Error, Node, Result};
 use num_complex::{Complex32, Complex64};
 use std::borrow::Cow;
+use std::fmt::Display;
 use std::path::Path;
 
 /// Values of a dataset in C order (last axis fastest). Borrowed when written, owned when read.
@@ -59,6 +60,9 @@ impl Element {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Attribute {
     Text(String),
+    /// Written with its own length: a text of variable length takes 4 KiB of the built-in writer's file, wherever it stands.
+    /// h5py gives it as bytes. Read back as [`Self::Text`].
+    FixedText(String),
     Real(f64),
     Integer(i64),
 }
@@ -78,6 +82,9 @@ impl From<String> for Attribute {
 /// Named attributes, in order.
 pub(super) type Attributes = Vec<(String, Attribute)>;
 
+/// What a library says of a dataset: shape, element type, attributes, and those that cannot be read.
+pub(super) type Description = (Vec<usize>, Element, Attributes, Vec<String>);
+
 /// One object of a file: a group, or a dataset with its shape and element type.
 #[derive(Debug, Clone)]
 pub(super) struct Entry {
@@ -91,6 +98,12 @@ pub(super) struct Entry {
 }
 
 impl Entry {
+    /// The dataset at `path`; one that cannot be described is listed with the reason.
+    pub(super) fn of_dataset<E: Display>(path: &str, described: std::result::Result<Description, E>) -> Self {
+        let (shape, element, attributes, unread_attributes) =
+            described.unwrap_or_else(|error| (Vec::new(), Element::Other(format!("unreadable ({error})")), Attributes::new(), Vec::new()));
+        Self { path: path.to_owned(), dataset: Some((shape, element)), attributes, unread_attributes }
+    }
     pub(super) fn attribute(&self, name: &str) -> Option<&Attribute> {
         self.attributes.iter().find(|(found, _)| found == name).map(|(_, value)| value)
     }
@@ -169,6 +182,22 @@ impl<'a> Group<'a> {
     }
 }
 
+/// Objects in one file; a link that leads back to its own group would otherwise never end.
+const MAX_OBJECTS: usize = 100_000;
+/// Depth of groups.
+const MAX_DEPTH: usize = 32;
+
+/// Refuses a walk through groups that finds no end.
+pub(super) fn check_nesting(path: &str, depth: usize, objects: usize) -> Result<()> {
+    if depth <= MAX_DEPTH && objects <= MAX_OBJECTS {
+        return Ok(());
+    }
+    Err(Error::bad_data("groups nested too deeply, or linked in a circle")
+        .field(path)
+        .found(format!("depth {depth}, {objects} objects"))
+        .expected(format!("at most depth {MAX_DEPTH} and {MAX_OBJECTS} objects")))
+}
+
 /// Deflate cannot do better than 1 : 1032; a dataset that claims more than that per byte of the file lies.
 const BEST_COMPRESSION: u64 = 1032;
 
@@ -187,8 +216,10 @@ pub(super) fn check_size(path: &str, shape: &[usize], element_bytes: usize, filt
 }
 
 /// A failure of an HDF5 library on `file`.
-pub(super) fn library_error(error: impl std::fmt::Display, file: &Path) -> Error {
-    Error::bad_data(format!("HDF5: {error}")).file(file).help(
+pub(super) fn library_error(error: impl Display, file: &Path) -> Error {
+    let said = error.to_string();
+    let error = Error::bad_data("the HDF5 library cannot read this").file(file).found(said.trim_start_matches("HDF5 format error: "));
+    error.expected("a file of HDF5 1.14 or older, unfiltered or with gzip, shuffle or lzf").help(
         "if other programs read the file, re-save it: in h5py with libver='earliest' and no filters but gzip, shuffle or lzf, \
          or with `h5repack -f NONE`; complex numbers as compound {r, i}",
     )

@@ -182,7 +182,12 @@ fn binary_body<'a>(file: Lines<'a>, start: Lines<'a>, number: Record<'a>, block:
             let before = at;
             let record = at.next().filter(|record| !is_marker(record.text)).ok_or_else(|| {
                 at = before;
-                Error::bad_data("the dataset ends inside its header").at_line(before.line).field(format!("record {k}"))
+                Error::bad_data("the dataset ends inside its header")
+                    .at_line(before.line)
+                    .field(format!("record {k}"))
+                    .found(format!("{} records", k - 1))
+                    .expected(format!("{} records before the data", identifier.header_lines))
+                    .help("the file is cut short; copy or export it again")
             })?;
             if k == 7 {
                 record7 = Some(record);

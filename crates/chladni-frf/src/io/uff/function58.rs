@@ -72,6 +72,7 @@ fn closed(block: &Block<'_>, options: &ReadOptions, values: Values) -> Result<Va
 pub(super) fn not_closed(block: &Block<'_>) -> Error {
     Error::bad_data("the file ends inside this dataset")
         .at_line(block.line)
+        .found("the end of the file")
         .expected("a closing -1 line")
         .help("the file is cut short: copy or export it again; --lenient reads what is there")
 }

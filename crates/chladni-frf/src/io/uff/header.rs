@@ -52,7 +52,9 @@ const FACTOR_TOLERANCE: f64 = 1e-3;
 /// # Errors
 /// A factor that is missing, not positive, or no number.
 pub(super) fn read_units<'a>(mut records: impl Iterator<Item = Record<'a>>, warnings: &mut Vec<String>) -> Result<Units> {
-    let missing = |what: &str| Error::bad_data("the units dataset is too short").field(what).expected("a record with unit factors");
+    let missing = |what: &str| {
+        Error::bad_data("the units dataset is too short").field(what).found("no such record").expected("a record with unit factors")
+    };
     let first = records.next().ok_or_else(|| missing("record 1"))?;
     // The description may have any length and the temperature mode may be missing: only the code is read.
     let code_field = Record { text: &first.text[..first.text.len().min(10)], ..first };

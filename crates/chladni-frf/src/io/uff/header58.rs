@@ -38,7 +38,9 @@ impl Header {
                 Error::bad_data("the dataset ends inside its header")
                     .at_line(lines.line)
                     .field(format!("record {}", k + 1))
+                    .found(format!("{k} records"))
                     .expected(format!("{HEADER_RECORDS} records before the data"))
+                    .help("the file is cut short; copy or export it again")
             })?;
         }
         let id_lines = [0, 1, 2, 3, 4].map(|k: usize| label(&decode(records[k].text)));
@@ -50,7 +52,11 @@ impl Header {
         }
         let [function_type, id, version, load_case] = record6.codes;
         let function_type = i32::try_from(function_type).map_err(|_| {
-            Error::bad_data("unknown function type").at_line(records[5].line).field("record 6: function type").found(function_type)
+            Error::bad_data("unknown function type")
+                .at_line(records[5].line)
+                .field("record 6: function type")
+                .found(function_type)
+                .expected("a code of the definition, 0 to 27")
         })?;
         let [response, reference] = record6.dofs;
         let header = Self {
@@ -194,8 +200,9 @@ fn axis(record: Record<'_>, codes: [f64; 4], label: String, unit: String) -> Res
     for (integer, code) in integers.iter_mut().zip(codes) {
         let field = axis_field("quantity code or exponent");
         let number = whole(record, &field, code)?;
-        *integer =
-            i32::try_from(number).map_err(|_| Error::bad_data("the code is too large").at_line(record.line).field(field).found(number))?;
+        *integer = i32::try_from(number).map_err(|_| {
+            Error::bad_data("the code is too large").at_line(record.line).field(field).found(number).expected("a code of the definition")
+        })?;
     }
     let [quantity, exponents @ ..] = integers;
     Ok(Axis { quantity, exponents, label, unit })

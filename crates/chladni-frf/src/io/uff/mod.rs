@@ -26,7 +26,7 @@ mod write58;
 pub use write::{write, Plan, WriteOptions};
 
 use super::{DatasetInfo, Document, FileFormat, Function, ReadOptions};
-use crate::{Error, Geometry, Result};
+use crate::{Error, Result};
 use container::Block;
 use header::Units;
 use nodes::FileNode;
@@ -44,23 +44,14 @@ pub fn read(bytes: &[u8], file: &Path, options: &ReadOptions) -> Result<Document
     if blocks.is_empty() {
         return Err(Error::bad_data("no dataset of a universal file is in here")
             .file(file)
+            .found("no pair of -1 lines")
             .expected("a line with -1 in columns 5 and 6, then a line with a dataset number")
             .help("check that this is a universal file (.uff, .unv) and complete"));
     }
     let units = units_in_force(&blocks);
     let parts: Vec<Part> = blocks.par_iter().zip(units.par_iter()).map(|(block, units)| part(block, units, options)).collect();
 
-    let mut document = Document {
-        file: file.to_path_buf(),
-        format: FileFormat::Uff,
-        sha256: String::new(),
-        geometry: Geometry::default(),
-        datasets: Vec::with_capacity(parts.len()),
-        frf: None,
-        functions: Vec::new(),
-        errors: Vec::new(),
-        warnings,
-    };
+    let mut document = Document { warnings, ..Document::new(file, FileFormat::Uff) };
     let mut nodes = Vec::new();
     let mut systems = HashSet::new();
     for part in parts {
@@ -95,6 +86,9 @@ fn units_in_force(blocks: &[Block<'_>]) -> Vec<UnitsInForce> {
         .collect()
 }
 
+/// Datasets whose content is in the document, or is written anew (header, units).
+const CARRIED: [u32; 6] = [15, 58, 151, 164, 2411, 2420];
+
 /// What one dataset contributes to the document.
 struct Part {
     info: DatasetInfo,
@@ -106,19 +100,8 @@ struct Part {
 
 fn part(block: &Block<'_>, units: &UnitsInForce, options: &ReadOptions) -> Part {
     let name = block.number.map_or_else(|| "unreadable dataset".to_string(), header::dataset_name);
-    let info = DatasetInfo {
-        number: block.number,
-        line: Some(block.line),
-        name,
-        function: None,
-        response: None,
-        reference: None,
-        values: None,
-        nodes: None,
-        frequency_hz: None,
-        damping_ratio: None,
-        warnings: Vec::new(),
-    };
+    let left_behind = block.number.is_some_and(|number| !CARRIED.contains(&number));
+    let info = DatasetInfo { number: block.number, line: Some(block.line), name, left_behind, ..DatasetInfo::default() };
     let mut part = Part { info, function: None, nodes: None, systems: Vec::new(), error: None };
     if let Err(error) = fill(&mut part, block, units, options) {
         let error = match block.number {
@@ -129,6 +112,14 @@ fn part(block: &Block<'_>, units: &UnitsInForce, options: &ReadOptions) -> Part 
         part.error = Some(error);
     }
     part
+}
+
+fn damaged_units(block: &Block<'_>) -> Error {
+    Error::bad_data("the units dataset (164) in force here is damaged")
+        .at_line(block.line)
+        .found("values in unknown units")
+        .expected("a sound dataset 164 before it")
+        .help("correct the dataset 164, or remove it where the file is in SI")
 }
 
 fn fill(part: &mut Part, block: &Block<'_>, units: &UnitsInForce, options: &ReadOptions) -> Result<()> {
@@ -144,7 +135,7 @@ fn fill(part: &mut Part, block: &Block<'_>, units: &UnitsInForce, options: &Read
         info.warnings = read.warnings;
         let function = read.function?;
         if units.is_err() {
-            return Err(Error::bad_data("the units dataset (164) of this function is damaged").at_line(block.line));
+            return Err(damaged_units(block));
         }
         part.function = Some(function);
         return Ok(());
@@ -165,7 +156,7 @@ fn fill(part: &mut Part, block: &Block<'_>, units: &UnitsInForce, options: &Read
             let read = if number == 15 { nodes::read_15(block.records, warnings) } else { nodes::read_2411(block.records, warnings) };
             let nodes = read?;
             info.nodes = Some(nodes.len());
-            let units = units.map_err(|()| Error::bad_data("the units dataset (164) of these nodes is damaged").at_line(block.line))?;
+            let units = units.map_err(|()| damaged_units(block))?;
             part.nodes = Some((nodes, units.unwrap_or(Units::SI)));
         }
         Some(number @ (18 | 2420)) => part.systems = nodes::read_systems(number, block.records, warnings)?,

@@ -62,10 +62,10 @@ pub(super) fn read_2411<'a>(records: impl Iterator<Item = Record<'a>>, warnings:
 
 fn node(record: Record<'_>, [label, position, displacement]: [f64; 3], xyz: [f64; 3]) -> Result<FileNode> {
     let number = whole(record, "node label", label)?;
-    let label = u64::try_from(number)
-        .ok()
-        .filter(|&label| label > 0)
-        .ok_or_else(|| Error::bad_data("a node label must be positive").at_line(record.line).field("node label").found(number))?;
+    let label = u64::try_from(number).ok().filter(|&label| label > 0).ok_or_else(|| {
+        let error = Error::bad_data("a node label must be positive").at_line(record.line).field("node label");
+        error.found(number).expected("a whole number, 1 or more")
+    })?;
     let position_system = whole(record, "position system", position)?;
     let displacement_system = whole(record, "displacement system", displacement)?;
     Ok(FileNode { label, position_system, displacement_system, xyz })

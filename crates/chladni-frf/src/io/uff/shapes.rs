@@ -27,8 +27,10 @@ const SIX_REALS: [Column; 6] = [("real 1", 13), ("real 2", 13), ("real 3", 13), 
 /// A record that is missing, or a field that is no number.
 pub(super) fn read<'a>(number: u32, mut records: impl Iterator<Item = Record<'a>>, warnings: &mut Vec<String>) -> Result<ModeNumbers> {
     let (before_types, between) = if number == 55 { (5, 1) } else { (8, 2) };
-    let too_short =
-        || Error::bad_data("the dataset is too short").field("records before the values").expected("the records of its definition");
+    let too_short = || {
+        let error = Error::bad_data("the dataset is too short").field("records before the values");
+        error.found("too few").expected("the records of its definition").help("the file is cut short; copy or export it again")
+    };
     let types = records.nth(before_types).ok_or_else(too_short)?;
     let analysis = whole(types, "analysis type", numbers(types, SIX_INTEGERS, warnings)?[1])?;
     let reals = numbers(records.nth(between).ok_or_else(too_short)?, SIX_REALS, warnings)?;

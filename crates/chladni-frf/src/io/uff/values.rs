@@ -153,7 +153,8 @@ impl TextReader {
             Some(index) => Err(Error::bad_data("the number exceeds the single precision that the header declares")
                 .at_line(record.line)
                 .field(self.name(index))
-                .found(values[index])),
+                .found(values[index])
+                .expected(format!("at most {:e}", f32::MAX))),
             None => Ok(()),
         }
     }

@@ -24,7 +24,11 @@ pub(super) fn check(function: &Function, options: WriteOptions) -> Result<Vec<St
         ("load case", function.ids[2], 9_999_999_999),
     ] {
         if !(-limit / 10..=limit).contains(&number) {
-            return Err(Error::bad_data("the number does not fit its columns").field(format!("{}: {name}", whose())).found(number));
+            return Err(Error::bad_data("the number does not fit its columns")
+                .field(format!("{}: {name}", whose()))
+                .found(number)
+                .expected(format!("{} to {limit}", -limit / 10))
+                .help("write HDF5 (.h5), which holds any number"));
         }
     }
     let finite_axis = match &function.abscissa {

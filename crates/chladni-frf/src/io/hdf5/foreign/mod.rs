@@ -3,51 +3,24 @@
 //! There is no standard layout. What cannot be decided is an error that lists the candidates; what was decided is said in a
 //! warning.
 
+mod choose;
+
 use super::arrays::{real_array, reals, wrong_type, ComplexArray};
 use super::backend::File;
-use super::tree::{Element, Entry, Values};
+use super::tree::{Entry, Values};
+use crate::io::paths::shortened;
 use crate::io::unit_label::{frequency_unit, frf_unit};
 use crate::{Direction, Dof, Error, ErrorKind, FrfSet, FrfValues, Geometry, ReferenceUnit, Result, TimeSign};
+use choose::Source;
 use ndarray::{Array1, Zip};
 use num_complex::Complex64;
 
-/// Names that a frequency axis goes by.
-const FREQUENCY_NAMES: [&str; 10] = ["f", "freq", "frequency", "frequencies", "freqs", "f_axis", "faxis", "freq_hz", "frequency_hz", "x"];
-/// Pairs of real arrays that hold one complex array, and whether they are magnitude and phase.
-const PART_NAMES: [(&str, &str, bool); 6] = [
-    ("re", "im", false),
-    ("real", "imag", false),
-    ("mag", "phase", true),
-    ("magnitude", "phase", true),
-    ("abs", "phase", true),
-    ("amplitude", "phase", true),
-];
 const RESPONSE_NAMES: [&str; 5] = ["response", "responses", "response_dof", "response_node", "output"];
 const REFERENCE_NAMES: [&str; 5] = ["reference", "references", "reference_dof", "reference_node", "input"];
+/// Datasets that an error lists before it only counts.
+const DATASETS_LISTED: usize = 20;
 /// Keys of `--map`.
 const MAP_KEYS: [&str; 9] = ["frf", "re", "im", "mag", "phase", "freq", "response", "reference", "axes"];
-
-/// The values, in one dataset or two.
-#[derive(Clone, Copy)]
-enum Source<'a> {
-    Complex(&'a Entry),
-    Parts(&'a Entry, &'a Entry),
-    Polar(&'a Entry, &'a Entry),
-}
-
-impl<'a> Source<'a> {
-    fn first(self) -> &'a Entry {
-        match self {
-            Self::Complex(entry) | Self::Parts(entry, _) | Self::Polar(entry, _) => entry,
-        }
-    }
-    fn describe(self) -> String {
-        match self {
-            Self::Complex(entry) => describe(entry),
-            Self::Parts(a, b) | Self::Polar(a, b) => format!("{} with {}", describe(a), b.path),
-        }
-    }
-}
 
 /// `/data/H (77 x 1 x 801)`.
 pub(super) fn describe(entry: &Entry) -> String {
@@ -69,16 +42,17 @@ fn logical_shape(entry: &Entry) -> Vec<usize> {
     shape
 }
 
-/// FRFs as they stand in the file, and the time sign that it says.
-type SetAndSign = (FrfSet, Option<TimeSign>);
+/// FRFs as they stand in the file.
+pub(super) struct Found {
+    pub(super) set: FrfSet,
+    /// Time sign that the file says.
+    pub(super) time_sign: Option<TimeSign>,
+    /// Paths of the datasets that the set is made of.
+    pub(super) used: Vec<String>,
+}
 
 /// Reads the FRFs of a foreign file: `None` where nothing in it looks like FRFs.
-pub(super) fn read_foreign(
-    file: &File,
-    entries: &[Entry],
-    map: &[(String, String)],
-    warnings: &mut Vec<String>,
-) -> Result<Option<SetAndSign>> {
+pub(super) fn read_foreign(file: &File, entries: &[Entry], map: &[(String, String)], warnings: &mut Vec<String>) -> Result<Option<Found>> {
     let reader = Reader { file, entries, map };
     reader.check_map_keys()?;
     let Some((source, freq)) = reader.choose()? else { return Ok(None) };
@@ -114,8 +88,9 @@ impl<'a> Reader<'a> {
         let path = format!("/{}", path.trim_matches('/'));
         let entry = self.datasets().find(|entry| entry.path == path);
         entry.map(Some).ok_or_else(|| {
-            let known: Vec<&str> = self.datasets().map(|entry| entry.path.as_str()).take(20).collect();
-            Error::bad_data("no such dataset").field(format!("--map {key}")).found(&path).help(format!("the file has {}", known.join(", ")))
+            let known: Vec<String> = self.datasets().map(|entry| entry.path.clone()).collect();
+            let error = Error::bad_data("no such dataset").field(format!("--map {key}")).found(&path);
+            error.expected("the path of a dataset").help(format!("the file has {}", shortened(&known, DATASETS_LISTED)))
         })
     }
 
@@ -123,95 +98,7 @@ impl<'a> Reader<'a> {
         self.entries.iter().filter(|entry| entry.dataset.is_some())
     }
 
-    fn choose(&self) -> Result<Option<(Source<'a>, &'a Entry)>> {
-        let sources = match self.mapped_source()? {
-            Some(source) => vec![source],
-            None => self.source_candidates(),
-        };
-        let axes = match self.mapped("freq")? {
-            Some(entry) => vec![entry],
-            None => self.frequency_candidates()?,
-        };
-        let mut pairs: Vec<(Source<'a>, &'a Entry)> = Vec::new();
-        for &source in &sources {
-            let fitting = axes.iter().filter(|axis| source.first().shape().contains(&length(axis)));
-            pairs.extend(fitting.map(|&axis| (source, axis)));
-        }
-        // a frequency axis beside the array wins over one elsewhere
-        let beside: Vec<_> = pairs.iter().filter(|(source, axis)| source.first().folder() == axis.folder()).copied().collect();
-        match (pairs.as_slice(), beside.as_slice()) {
-            (&[pair], _) => Ok(Some(pair)),
-            (_, &[pair]) if sources.len() == 1 => Ok(Some(pair)),
-            ([], _) if self.map.is_empty() => Ok(None),
-            _ => {
-                let list = |entries: Vec<String>| if entries.is_empty() { "none".to_owned() } else { entries.join(", ") };
-                Err(Error::bad_data("it is not clear which datasets are the FRFs and their frequency axis").help(format!(
-                    "name them with --map frf=PATH,freq=PATH; complex arrays: {}; frequency axes: {}",
-                    list(sources.iter().map(|source| source.describe()).collect()),
-                    list(axes.iter().map(|axis| describe(axis)).collect()),
-                )))
-            }
-        }
-    }
-
-    fn mapped_source(&self) -> Result<Option<Source<'a>>> {
-        if let Some(entry) = self.mapped("frf")? {
-            return Ok(Some(Source::Complex(entry)));
-        }
-        match (self.mapped("re")?, self.mapped("im")?, self.mapped("mag")?, self.mapped("phase")?) {
-            (None, None, None, None) => Ok(None),
-            (Some(re), Some(im), None, None) => Ok(Some(Source::Parts(re, im))),
-            (None, None, Some(mag), Some(phase)) => Ok(Some(Source::Polar(mag, phase))),
-            _ => Err(Error::new(ErrorKind::Usage, "--map needs frf, or re and im, or mag and phase").field("--map")),
-        }
-    }
-
-    fn source_candidates(&self) -> Vec<Source<'a>> {
-        let of_rank = |entry: &&Entry| (1..=3).contains(&entry.shape().len());
-        let complex: Vec<_> = self
-            .datasets()
-            .filter(|entry| matches!(entry.element(), Some(Element::Complex { .. })))
-            .filter(of_rank)
-            .map(Source::Complex)
-            .collect();
-        if !complex.is_empty() {
-            return complex;
-        }
-        let real = |entry: &&Entry| matches!(entry.element(), Some(Element::Real { .. }));
-        let named =
-            |name: &str, folder: &str| self.datasets().find(|entry| entry.folder() == folder && entry.name().eq_ignore_ascii_case(name));
-        let mut parts = Vec::new();
-        for first in self.datasets().filter(of_rank).filter(real) {
-            for (name, partner, polar) in PART_NAMES {
-                if !first.name().eq_ignore_ascii_case(name) {
-                    continue;
-                }
-                if let Some(second) = named(partner, first.folder()).filter(|second| second.shape() == first.shape()) {
-                    parts.push(if polar { Source::Polar(first, second) } else { Source::Parts(first, second) });
-                }
-            }
-        }
-        parts
-    }
-
-    /// Rising lists of real numbers with the name of a frequency axis.
-    fn frequency_candidates(&self) -> Result<Vec<&'a Entry>> {
-        let mut found = Vec::new();
-        for entry in self.datasets() {
-            let named = FREQUENCY_NAMES.iter().any(|name| entry.name().eq_ignore_ascii_case(name));
-            let numbers = matches!(entry.element(), Some(Element::Real { .. } | Element::Integer));
-            let list = entry.shape().iter().filter(|&&extent| extent != 1).count() == 1;
-            if named && numbers && list {
-                let values = reals(entry, self.file.read(entry)?)?;
-                if values.windows(2).all(|pair| pair[0] < pair[1]) {
-                    found.push(entry);
-                }
-            }
-        }
-        Ok(found)
-    }
-
-    fn frf_set(&self, source: Source<'a>, freq: &'a Entry, warnings: &mut Vec<String>) -> Result<SetAndSign> {
+    fn frf_set(&self, source: Source<'a>, freq: &'a Entry, warnings: &mut Vec<String>) -> Result<Found> {
         let frequency_hz = Array1::from(self.frequency_hz(freq, warnings)?);
         let shape = logical_shape(source.first());
         let [response, reference, line] = self.axes(source, &shape, frequency_hz.len())?;
@@ -222,12 +109,16 @@ impl<'a> Reader<'a> {
         }
         let (kind, reference_unit) = self.units(source.first(), &mut values, warnings);
         let (response_count, reference_count, _) = values.dim();
-        let responses = self.dofs("response", &RESPONSE_NAMES, source.first(), response_count, Direction::PLUS_Z, warnings)?;
-        let references = self.dofs("reference", &REFERENCE_NAMES, source.first(), reference_count, Direction::SCALAR, warnings)?;
+        let frf = source.first();
+        let response_entry = self.dof_entry("response", &RESPONSE_NAMES, frf, response_count)?;
+        let reference_entry = self.dof_entry("reference", &REFERENCE_NAMES, frf, reference_count)?;
+        let responses = self.dofs(response_entry, "response", Direction::PLUS_Z, response_count, warnings)?;
+        let references = self.dofs(reference_entry, "reference", Direction::SCALAR, reference_count, warnings)?;
         let set =
             FrfSet { frequency_hz, values, responses, references, kind, reference_unit, coherence: None, geometry: Geometry::default() };
-        let said = self.text_near(source.first(), "time_sign").and_then(|sign| sign.parse().ok());
-        Ok((set.checked()?, said))
+        let time_sign = self.text_near(frf, "time_sign").and_then(|sign| sign.parse().ok());
+        let used = source.datasets().chain([freq]).chain(response_entry).chain(reference_entry).map(|entry| entry.path.clone());
+        Ok(Found { set: set.checked()?, time_sign, used: used.collect() })
     }
 
     fn frequency_hz(&self, freq: &Entry, warnings: &mut Vec<String>) -> Result<Vec<f64>> {
@@ -305,24 +196,18 @@ impl<'a> Reader<'a> {
         (said.or(Some(unit.kind)), unit.reference)
     }
 
-    /// DOFs from a dataset beside the FRFs, else numbered by position.
-    fn dofs(
-        &self,
-        key: &str,
-        names: &[&str],
-        frf: &Entry,
-        count: usize,
-        direction: Direction,
-        warnings: &mut Vec<String>,
-    ) -> Result<Vec<Dof>> {
+    /// The dataset of DOFs: the mapped one, else one of that name and length beside the FRFs.
+    fn dof_entry(&self, key: &str, names: &[&str], frf: &Entry, count: usize) -> Result<Option<&'a Entry>> {
         let beside = |entry: &&Entry| entry.folder() == frf.folder() && names.iter().any(|name| entry.name().eq_ignore_ascii_case(name));
-        let entry = match self.mapped(key)? {
-            Some(entry) => Some(entry),
-            None => self.datasets().filter(beside).find(|entry| length(entry) == count),
-        };
+        let mapped = self.mapped(key)?;
+        Ok(mapped.or_else(|| self.datasets().filter(beside).find(|entry| length(entry) == count)))
+    }
+
+    /// DOFs of a dataset, else numbered by position; `direction` where nothing says it.
+    fn dofs(&self, entry: Option<&Entry>, key: &str, direction: Direction, count: usize, warnings: &mut Vec<String>) -> Result<Vec<Dof>> {
         let Some(entry) = entry else {
             let named = if count == 1 { format!("1:{direction}") } else { format!("1:{direction} ... {count}:{direction}") };
-            warnings.push(format!("{}: the file names no {key} DOFs; they are numbered {named}", frf.path));
+            warnings.push(format!("the file names no {key} DOFs; they are numbered {named}"));
             return Ok((1..=count as u64).map(|node| Dof::new(node, direction)).collect());
         };
         let dofs: Vec<Dof> = match self.file.read(entry)? {
@@ -341,7 +226,7 @@ impl<'a> Reader<'a> {
             return Err(Error::bad_data("sizes disagree")
                 .field(&entry.path)
                 .found(dofs.len())
-                .expected(format!("{count}, the {key} axis of {}", frf.path)));
+                .expected(format!("{count}, as long as the {key} axis of the FRFs")));
         }
         Ok(dofs)
     }

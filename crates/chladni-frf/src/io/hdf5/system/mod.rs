@@ -6,17 +6,13 @@
 //! Where not to use it: damaged or hostile files can crash or hang the C library (version 1.10 at least); the built-in back
 //! end refuses them.
 
-use super::tree::{check_size, library_error, Attribute, Attributes, Element, Entry, Group, Values};
+use super::tree::{check_nesting, check_size, library_error, Attribute, Attributes, Element, Entry, Group, Values};
 use crate::{Direction, Dof, Error, Node, Result};
 use hdf5::types::{FixedAscii, FixedUnicode, FloatSize, TypeDescriptor, VarLenAscii, VarLenUnicode};
 use hdf5::{Container, H5Type, Location, LocationType};
 use num_complex::{Complex, Complex32, Complex64};
 use std::path::{Path, PathBuf};
 
-/// Objects in one file; a link that leads back to its own group would otherwise never end.
-const MAX_OBJECTS: usize = 100_000;
-/// Depth of groups.
-const MAX_DEPTH: usize = 32;
 /// Longest fixed-length text that is read.
 const TEXT_BYTES: usize = 4096;
 
@@ -75,9 +71,7 @@ impl File {
     }
 
     fn walk(&self, path: &str, depth: usize, entries: &mut Vec<Entry>) -> Result<()> {
-        if depth > MAX_DEPTH || entries.len() > MAX_OBJECTS {
-            return Err(Error::bad_data("groups nested too deeply, or linked in a circle").file(&self.path).field(path));
-        }
+        check_nesting(path, depth, entries.len()).map_err(|error| error.file(&self.path))?;
         let shown = if path.is_empty() { "/" } else { path };
         let fail = |error| library_error(error, &self.path).field(shown);
         let group = self.file.group(shown).map_err(fail)?;
@@ -102,18 +96,7 @@ impl File {
             let (attributes, unread) = attributes_of(&dataset)?;
             Ok((dataset.get_shape()?, element, attributes, unread))
         });
-        let path = path.to_owned();
-        match described {
-            Ok((shape, element, attributes, unread_attributes)) => {
-                Entry { path, dataset: Some((shape, element)), attributes, unread_attributes }
-            }
-            Err(error) => Entry {
-                path,
-                dataset: Some((Vec::new(), Element::Other(format!("unreadable ({error})")))),
-                attributes: Vec::new(),
-                unread_attributes: Vec::new(),
-            },
-        }
+        Entry::of_dataset(path, described)
     }
 
     /// All values of a dataset.
@@ -272,7 +255,9 @@ fn write_attributes(location: &Location, attributes: &Attributes) -> hdf5::Resul
     for (name, value) in attributes {
         let name = name.as_str();
         match value {
-            Attribute::Text(text) => location.new_attr::<VarLenUnicode>().create(name)?.write_scalar(&unicode(text)?)?,
+            Attribute::Text(text) | Attribute::FixedText(text) => {
+                location.new_attr::<VarLenUnicode>().create(name)?.write_scalar(&unicode(text)?)?
+            }
             Attribute::Real(value) => location.new_attr::<f64>().create(name)?.write_scalar(value)?,
             Attribute::Integer(value) => location.new_attr::<i64>().create(name)?.write_scalar(value)?,
         }
