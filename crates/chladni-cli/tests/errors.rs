@@ -4,42 +4,118 @@ mod common;
 
 use common::Folder;
 
-/// One wrong input: the command, the exit status, the kind, and words that the message must hold.
+/// One wrong input.
 struct Wrong {
     line: &'static str,
     code: i32,
     kind: &'static str,
-    words: &'static [&'static str],
+    words: Vec<&'static str>,
 }
 
-const WRONG: &[Wrong] = &[
-    Wrong { line: "fit nowhere.uff", code: 66, kind: "no_input", words: &["nowhere.uff", "no such file", "check the path"] },
-    Wrong { line: "fit truncated.unv", code: 65, kind: "bad_data", words: &["truncated.unv", "dataset 58", "line"] },
-    Wrong { line: "fit letters.unv", code: 65, kind: "bad_data", words: &["letters.unv", "dataset 58", "line", "abcdefg"] },
-    Wrong { line: "fit panel.h5 --band 5000:6000", code: 65, kind: "bad_data", words: &["--band", "5000:6000", "20 to 400 Hz"] },
-    Wrong { line: "fit panel.h5 --band 300:200", code: 2, kind: "usage", words: &["--band", "300:200", "LO:HI"] },
-    Wrong { line: "fit panel.h5 --band low:high", code: 2, kind: "usage", words: &["--band", "low:high", "LO:HI"] },
-    Wrong { line: "fit panel.h5 --bend 20:300", code: 2, kind: "usage", words: &["--bend", "--band", "chladni fit --help"] },
-    Wrong { line: "fit panel.h5 --modes 0", code: 2, kind: "usage", words: &["--modes", "found 0", "auto"] },
-    Wrong { line: "fit panel.h5 --damping none", code: 2, kind: "usage", words: &["--damping", "none", "viscous"] },
-    Wrong { line: "fit panel.h5 --threads 0", code: 2, kind: "usage", words: &["--threads"] },
-    Wrong { line: "fit", code: 2, kind: "usage", words: &["FRF"] },
-    Wrong { line: "fix panel.h5", code: 2, kind: "usage", words: &["fix", "fit"] },
-    Wrong { line: "fit kindless.csv", code: 65, kind: "unknown_frf_kind", words: &["kindless.csv", "--frf-kind", "mobility"] },
-    Wrong { line: "fit truth.json", code: 65, kind: "bad_data", words: &["truth.json", "a model"] },
-    Wrong { line: "fit panel.h5 -o old.json", code: 73, kind: "cannot_create", words: &["old.json", "exists", "--force"] },
-    Wrong { line: "fit panel.h5 -o no/such/model.json", code: 73, kind: "cannot_create", words: &["no such folder", "no/such"] },
-    Wrong { line: "fit panel.h5 -o model.xyz", code: 2, kind: "usage", words: &[".xyz", ".json"] },
-    Wrong { line: "convert panel.h5 -o panel.h5 --force", code: 73, kind: "cannot_create", words: &["one of the inputs"] },
-    Wrong { line: "simulate typo.toml -o new.h5", code: 65, kind: "bad_data", words: &["typo.toml", "line 2", "stop_hz"] },
-    Wrong { line: "simulate panel.toml -o new.h5 --memory 1K", code: 65, kind: "bad_data", words: &["memory", "panel.toml"] },
-    Wrong { line: "render truth.json typo.toml", code: 65, kind: "bad_data", words: &["typo.toml", "line"] },
-    Wrong { line: "render panel.h5 scene.toml", code: 65, kind: "bad_data", words: &["panel.h5", "no model"] },
-    Wrong { line: "evaluate truth.json --scene scene.toml --on panel.h5", code: 65, kind: "bad_data", words: &["truth.json", "weights"] },
-    Wrong { line: "report panel.toml -o new.html", code: 65, kind: "bad_data", words: &["panel.toml", "model"] },
-    Wrong { line: "info nowhere.uff", code: 66, kind: "no_input", words: &["nowhere.uff"] },
-    Wrong { line: "demo -o no/such/demo", code: 73, kind: "cannot_create", words: &["no/such/demo"] },
-];
+/// Wrong inputs, one a line: the command, the exit status, the kind, and words that the message must hold.
+const WRONG: &str = "
+fit nowhere.uff|66|no_input|nowhere.uff|no such file|check the path
+fit pannel.h5|66|no_input|pannel.h5|did you mean panel.h5?
+fit panel|66|no_input|did you mean panel.h5?
+fit nofolder/panel.h5|66|no_input|no folder nofolder
+fit panel.h5/x|66|no_input|panel.h5/x
+fit empty|66|no_input|empty|no file
+fit nowhere/*.uff|66|no_input|no such file|nowhere
+fit *.xyz|66|no_input|*.xyz|no file fits
+fit truncated.unv|65|bad_data|truncated.unv|dataset 58|line
+fit letters.unv|65|bad_data|letters.unv|dataset 58|line|abcdefg
+fit header.unv|65|bad_data|header.unv|dataset 58|record 1|cut short
+fit unknown.unv|65|bad_data|no FRF|dataset 999
+fit binary.dat|65|bad_data|binary.dat|binary file|UFF 58
+fit empty.csv|65|bad_data|empty.csv|0 bytes
+fit notes.txt|65|bad_data|notes.txt|line 1|measured on Monday|f,re,im
+fit twice.csv|65|bad_data|twice.csv|line 3|stands twice
+fit decibel.csv|65|bad_data|decibel.csv|column 2|mag [dB]|dB re 1
+fit headless.csv|65|bad_data|headless.csv|no row
+fit direction.csv|65|bad_data|direction.csv|line 2|found 9|-6 to 6
+fit infinite.csv|65|bad_data|infinite.csv|line 2|re|inf|--lenient
+fit garbage.h5|65|bad_data|garbage.h5|HDF5|superblock
+fit cut.h5|65|bad_data|cut.h5|/frf|damaged
+fit brace.json|65|bad_data|brace.json|line|JSON
+fit other.json|65|bad_data|other.json|format|found music|chladni.model
+fit panel.h5 --band 5000:6000|65|bad_data|--band|5000:6000|20 to 400 Hz
+fit panel.h5 --band 300:200|2|usage|--band|300:200|LO:HI
+fit panel.h5 --band low:high|2|usage|--band|low:high|LO:HI
+fit panel.h5 --bend 20:300|2|usage|--bend|--band|chladni fit --help
+fit panel.h5 --modes 0|2|usage|--modes|found 0|auto
+fit panel.h5 --modes 500|65|bad_data|381 lines|500 modes
+fit panel.h5 --damping none|2|usage|--damping|none|viscous
+fit panel.h5 --threads 0|2|usage|--threads|whole number
+fit panel.h5 --seed -1|2|usage|--seed|-1|whole number
+fit panel.h5 --reference x|2|usage|--reference|found x|whole number
+fit panel.h5 --reference 7|2|usage|panel.h5|--reference|more than one reference
+fit panel.h5 --reference 1,2,3|2|usage|--reference|found 3|one for all
+fit panel.h5 --map frf=/nope,freq=/freq|65|bad_data|--map frf|/nope|/frf
+fit panel.h5 --map frf|2|usage|--map|NAME=PATH
+fit panel.h5 --map foo=/frf|2|usage|--map|foo|freq
+fit panel.h5 -q -v|2|usage|exclude each other
+fit|2|usage|FRF
+fix panel.h5|2|usage|fix|fit
+fit kindless.csv|65|unknown_frf_kind|kindless.csv|--frf-kind|mobility
+fit truth.json|65|bad_data|truth.json|a model
+fit truth.h5|65|bad_data|truth.h5|a model
+fit panel.h5 panel.h5|65|bad_data|1:+Z|--duplicates
+fit panel.h5 -o old.json|73|cannot_create|old.json|exists|--force
+fit panel.h5 -o no/such/model.json|73|cannot_create|no such folder|no/such
+fit panel.h5 -o model.xyz|2|usage|.xyz|.json
+convert panel.h5 -o panel.h5 --force|73|cannot_create|one of the inputs
+convert panel.h5 -o new.json|2|usage|.json|.h5
+convert truth.json -o new.uff|2|usage|.uff|.json
+convert unknown.unv -o new.h5|65|bad_data|nothing|carried over
+convert weights.json -o new.json|65|bad_data|weights.json|a weights file
+simulate typo.toml -o new.h5|65|bad_data|typo.toml|line 2|stop_hz
+simulate panel.toml -o new.h5 --memory 1K|65|bad_data|memory|panel.toml
+simulate panel.toml -o new.h5 --memory lots|2|usage|--memory|lots|2G
+simulate panel.toml -o new.h5 --truth new.h5|2|usage|--truth|new.h5
+simulate binary.dat -o new.h5|65|bad_data|binary.dat|byte 0|a binary file|a panel
+simulate latin.toml -o new.h5|65|bad_data|latin.toml|byte 3|0xe9|UTF-8
+simulate empty -o new.h5|65|bad_data|empty|a folder
+simulate text.toml -o new.h5|65|bad_data|line 2|plate.width_m|found string
+simulate unclosed.toml -o new.h5|65|bad_data|unclosed.toml|line 1|TOML
+render truth.json typo.toml|65|bad_data|typo.toml|line
+render truth.json scen.toml|66|no_input|did you mean scene.toml?
+render truth.json binary.dat|65|bad_data|binary.dat|a binary file|a scene
+render truth.json empty|65|bad_data|empty|a folder
+render truth.json cell.toml|65|bad_data|cell.toml|line 4|zones.hot[1]|from 1 to 4
+render truth.json zoneless.toml|65|bad_data|zoneless.toml|zones|missing
+render truth.json deaf.toml|65|bad_data|deaf.toml|3000 Hz|4 to 400 Hz
+render truth.json profile.toml|65|bad_data|profile.toml|line 3|did you mean `classic`?
+render truth.json actuator.toml|65|bad_data|actuator.toml|999:+Z|101:+Z
+render panel.h5 scene.toml|65|bad_data|panel.h5|no model
+render versionless.json scene.toml|65|bad_data|versionless.json|missing field|version
+render short.json scene.toml|65|bad_data|short.json|modes[0].shape_std|found 23|expected 24
+render weights.json scene.toml|65|bad_data|weights.json|not a model
+render truth.json scene.toml --method magic|2|usage|--method|magic|mls
+evaluate truth.json --scene scene.toml --on panel.h5|65|bad_data|truth.json|weights
+evaluate binary.dat --scene scene.toml --on panel.h5|65|bad_data|binary.dat|a binary file|weights
+evaluate hollow.json --scene scene.toml --on panel.h5|65|bad_data|hollow.json|missing field|version|render
+evaluate stranger.json --scene scene.toml --on panel.h5|65|bad_data|999:+Z|101:+Z
+evaluate weights.json --on panel.h5|2|usage|--scene
+report panel.toml -o new.html|65|bad_data|panel.toml|model
+report panel.h5 -o new.html|65|bad_data|panel.h5|no model
+report truth.json truth.h5 -o new.html|2|usage|truth.h5|one model
+report truth.json -o new.pdf|2|usage|.pdf|.html
+info nowhere.uff|66|no_input|nowhere.uff
+info empty|66|no_input|empty
+info binary.dat|65|bad_data|binary.dat
+demo -o no/such/demo|73|cannot_create|no/such/demo
+demo -o panel.h5|73|cannot_create|panel.h5|a file
+man fix|2|usage|fix
+completions tcsh|2|usage|tcsh|bash
+";
+
+fn wrong_inputs() -> impl Iterator<Item = Wrong> {
+    WRONG.lines().filter(|row| !row.is_empty()).map(|row| {
+        let mut cells = row.split('|');
+        let mut next = || cells.next().unwrap_or_else(|| panic!("{row}"));
+        Wrong { line: next(), code: next().parse().unwrap(), kind: next(), words: cells.collect() }
+    })
+}
 
 fn prepared() -> Folder {
     let folder = Folder::with_panel();
@@ -54,6 +130,41 @@ fn prepared() -> Folder {
     folder.write("kindless.csv", "f,re,im\n10,1,0\n20,2,1\n30,1,0\n40,2,1\n");
     folder.write("old.json", "old");
     folder.write("typo.toml", "[frf]\nstop_hertz = 3\n");
+    for (name, text) in [
+        ("empty.csv", ""),
+        ("notes.txt", "measured on Monday\n"),
+        ("twice.csv", "f,re,im\n1,2,3\n1,2,3\n"),
+        ("decibel.csv", "f,mag [dB],phase\n1,2,3\n2,3,4\n"),
+        ("headless.csv", "node,dir,ref_node,ref_dir,f,re,im\n"),
+        ("direction.csv", "node,dir,ref_node,ref_dir,f,re,im\n1,9,1,3,1,2,3\n"),
+        ("infinite.csv", "f,re,im\n1,inf,3\n2,1,2\n"),
+        ("header.unv", "    -1\n    58\n"),
+        ("unknown.unv", "    -1\n   999\nx\n    -1\n"),
+        ("brace.json", "{"),
+        ("other.json", "{\"format\": \"music\"}"),
+        ("versionless.json", "{\"format\": \"chladni.model\"}"),
+        ("hollow.json", "{\"format\": \"chladni.weights\"}"),
+        ("text.toml", "[plate]\nwidth_m = \"a\"\n"),
+        ("unclosed.toml", "[frf\n"),
+        ("cell.toml", "frequency_hz = 300\n[zones]\ngrid = [2, 2]\nhot = [9]\n"),
+        ("zoneless.toml", "frequency_hz = 300\n"),
+        ("deaf.toml", "frequency_hz = 3000\n[threshold]\nprofile = \"classic\"\n[zones]\ngrid = [2, 2]\nhot = [1]\n"),
+        ("profile.toml", "frequency_hz = 300\n[threshold]\nprofile = \"clasic\"\n[zones]\ngrid = [2, 2]\nhot = [1]\n"),
+        ("actuator.toml", "frequency_hz = 300\n[actuators]\nuse = [\"999:+Z\"]\n[zones]\ngrid = [2, 2]\nhot = [1]\n"),
+    ] {
+        folder.write(name, text);
+    }
+    folder.write("garbage.h5", b"\x89HDF\r\n\x1a\n garbage");
+    folder.write("binary.dat", [0xff, 0x00, 0x01, 0x02]);
+    folder.write("latin.toml", b"caf\xe9 = 1\n");
+    folder.write("cut.h5", &folder.read("panel.h5")[..40_000]);
+    std::fs::create_dir(folder.path().join("empty")).unwrap();
+    folder.run("convert truth.json -o truth.h5 -q").exits(0);
+    folder.run("render truth.json scene.toml -o weights.json -q");
+    folder.write("stranger.json", folder.text("weights.json").replacen("101:+Z", "999:+Z", 1));
+    let mut truth: serde_json::Value = serde_json::from_str(&folder.text("truth.json")).unwrap();
+    truth["modes"][0]["shape_std"].as_array_mut().unwrap().pop();
+    folder.write("short.json", truth.to_string());
     folder
 }
 
@@ -61,16 +172,19 @@ fn prepared() -> Folder {
 fn every_wrong_input_is_explained_and_leaves_nothing_behind() {
     let folder = prepared();
     let names = folder.names();
-    for wrong in WRONG {
+    for wrong in wrong_inputs() {
         let run = folder.run(wrong.line).exits(wrong.code);
         assert!(run.stderr.contains("error: ") && run.stdout.is_empty(), "{}: {}", wrong.line, run.stderr);
-        for word in wrong.words {
+        for word in &wrong.words {
             assert!(run.stderr.contains(word), "{}: no {word:?} in {}", wrong.line, run.stderr);
         }
         let json = folder.run(&format!("{} --json", wrong.line)).exits(wrong.code).json();
         let error = json["error"].as_object().unwrap();
         for key in ["code", "kind", "file", "dataset", "line", "field", "found", "expected", "help"] {
             assert!(error.contains_key(key), "{}: no key {key}", wrong.line);
+        }
+        for key in ["found", "expected"] {
+            assert!(error[key].is_string(), "{}: nothing {key}", wrong.line);
         }
         assert_eq!(error["code"], wrong.code, "{}", wrong.line);
         assert_eq!(error["kind"], wrong.kind, "{}", wrong.line);

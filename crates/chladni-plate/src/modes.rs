@@ -40,6 +40,8 @@ impl PlateModes {
                 plate.asymptotic_mode_count(omega_max)
             ))
             .field("frf.stop_hz")
+            .found(format!("{frequency_hz} Hz"))
+            .expected(format!("a band that needs at most {MOST_BLOCK_TERMS} basis functions per symmetry"))
             .help("lower stop_hz, or check thickness, stiffness and units of the plate"));
         }
         Self::with_terms(plate, masses, [x as usize, y as usize], frequency_hz, least)
@@ -55,7 +57,10 @@ impl PlateModes {
         for mass in masses {
             natural_coordinates(mass.position_m, sides_m)?;
             if !(mass.mass_kg >= 0.0 && mass.mass_kg.is_finite()) {
-                return Err(Error::bad_data("a point mass must be finite and not negative").field("mass_kg").found(mass.mass_kg));
+                return Err(Error::bad_data("a point mass must be finite and not negative")
+                    .field("mass_kg")
+                    .found(mass.mass_kg)
+                    .expected("0 kg or more"));
             }
         }
         let bases = [EdgeBasis::new(plate.edges.x, terms[0]), EdgeBasis::new(plate.edges.y, terms[1])];

@@ -1,7 +1,8 @@
 //! Reading a panel file: every complaint names the key and its line, and an unknown key the nearest known one.
 
 use crate::panel::Panel;
-use chladni_frf::{Error, Result};
+use chladni_frf::io::read_text;
+use chladni_frf::{line_of_byte, nearest_word, parser_complaint, toml_complaint, Error, Result};
 use std::path::Path;
 use toml::de::{DeTable, DeValue};
 use toml::Spanned;
@@ -22,7 +23,8 @@ impl Panel {
     /// # Errors
     /// [`chladni_frf::ErrorKind::BadData`] with line and key: no TOML, an unknown key, a wrong type, an unusable value, too large.
     pub fn from_toml(text: &str, memory_limit_bytes: u64) -> Result<Self> {
-        let document = DeTable::parse(text).map_err(|error| syntax_error(text, &error))?;
+        let document =
+            DeTable::parse(text).map_err(|error| toml_complaint(error.message(), text, error.span().map_or(0, |span| span.start)))?;
         check_keys(text, document.get_ref())?;
         let panel: Panel = toml::from_str(text).map_err(|error| type_error(text, document.get_ref(), &error))?;
         let with_line = |error: Error| match error.field.as_deref().and_then(|field| line_of_key(text, document.get_ref(), field)) {
@@ -39,28 +41,8 @@ impl Panel {
     /// # Errors
     /// As [`Self::from_toml`], with the file's name; also a file that cannot be read.
     pub fn read(file: &Path, memory_limit_bytes: u64) -> Result<Self> {
-        let bytes = std::fs::read(file).map_err(|error| Error::from_read(&error, file))?;
-        let text = String::from_utf8(bytes).map_err(|error| {
-            Error::bad_data("the file is no UTF-8 text")
-                .file(file)
-                .at_byte(error.utf8_error().valid_up_to() as u64)
-                .expected("a panel as TOML")
-        })?;
+        let text = read_text(file, "a panel, TOML")?;
         Self::from_toml(&text, memory_limit_bytes).map_err(|error| error.file(file))
-    }
-}
-
-/// Line of a byte offset, counted from 1.
-fn line_at(text: &str, offset: usize) -> u64 {
-    1 + text.as_bytes()[..offset.min(text.len())].iter().filter(|&&byte| byte == b'\n').count() as u64
-}
-
-fn syntax_error(text: &str, error: &toml::de::Error) -> Error {
-    let located =
-        Error::bad_data(format!("not valid TOML: {}", error.message())).help("write one `key = value` per line under [section] headings");
-    match error.span() {
-        Some(span) => located.at_line(line_at(text, span.start)),
-        None => located,
     }
 }
 
@@ -72,7 +54,9 @@ fn check_keys(text: &str, document: &DeTable) -> Result<()> {
         };
         let DeValue::Table(section) = value.get_ref() else {
             return Err(Error::bad_data(format!("`{}` is a section, not a value", name.get_ref()))
-                .at_line(line_at(text, name.span().start))
+                .at_line(line_of_byte(text, name.span().start))
+                .field(name.get_ref().as_ref())
+                .found("a value")
                 .expected(format!("the heading [{}]", name.get_ref())));
         };
         for (key, _) in section.iter() {
@@ -85,12 +69,11 @@ fn check_keys(text: &str, document: &DeTable) -> Result<()> {
 }
 
 fn unknown(text: &str, name: &Spanned<std::borrow::Cow<str>>, what: &str, known: &[&str]) -> Error {
-    // a name without its unit is near, however long the unit
-    let distance = |candidate: &&&str| (!candidate.starts_with(name.get_ref().as_ref()), edit_distance(candidate, name.get_ref()));
-    let nearest = known.iter().min_by_key(distance).unwrap_or(&"");
+    let nearest = nearest_word(name.get_ref(), known).unwrap_or_default();
     Error::bad_data(format!("unknown {what}; the nearest known one is `{nearest}`"))
-        .at_line(line_at(text, name.span().start))
+        .at_line(line_of_byte(text, name.span().start))
         .field(name.get_ref().as_ref())
+        .found(name.get_ref())
         .expected(format!("one of {}", known.join(", ")))
 }
 
@@ -104,14 +87,14 @@ fn misplaced(name: &str) -> String {
 
 /// The key whose value the error points at.
 fn type_error(text: &str, document: &DeTable, error: &toml::de::Error) -> Error {
-    let located = Error::bad_data(error.message().trim());
+    let located = parser_complaint(error.message().trim());
     let Some(span) = error.span() else { return located };
     let at = |value: &Spanned<DeValue>| value.span().start <= span.start && span.start < value.span().end.max(value.span().start + 1);
     let field = document.iter().find_map(|(name, section)| match section.get_ref() {
         DeValue::Table(keys) => keys.iter().find(|(_, value)| at(value)).map(|(key, _)| format!("{}.{}", name.get_ref(), key.get_ref())),
         _ => None,
     });
-    let located = located.at_line(line_at(text, span.start));
+    let located = located.at_line(line_of_byte(text, span.start));
     match field {
         Some(field) => located.field(field),
         None => located,
@@ -123,23 +106,7 @@ fn line_of_key(text: &str, document: &DeTable, field: &str) -> Option<u64> {
     let (section, key) = field.split_once('.').unwrap_or((field, ""));
     let (_, value) = document.iter().find(|(name, _)| name.get_ref() == section)?;
     let DeValue::Table(keys) = value.get_ref() else { return None };
-    keys.iter().find(|(name, _)| name.get_ref() == key).map(|(name, _)| line_at(text, name.span().start))
-}
-
-/// Levenshtein distance: how many letters to change, insert or delete.
-fn edit_distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().take(64).collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, letter) in a.chars().take(64).enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for j in 0..b.len() {
-            let changed = diagonal + usize::from(letter != b[j]);
-            diagonal = row[j + 1];
-            row[j + 1] = changed.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
+    keys.iter().find(|(name, _)| name.get_ref() == key).map(|(name, _)| line_of_byte(text, name.span().start))
 }
 
 #[cfg(test)]
@@ -218,10 +185,5 @@ mod tests {
         }
         assert!(Panel::default().memory_bytes() < 400e6);
         assert!(Panel::default().memory_bytes() > 77.0 * 34.0 * 1997.0 * 16.0);
-    }
-
-    #[test]
-    fn edit_distance_counts_letters() {
-        assert_eq!([("abc", "abc"), ("abc", "axc"), ("", "abc"), ("kitten", "sitting")].map(|(a, b)| edit_distance(a, b)), [0, 1, 3, 3]);
     }
 }

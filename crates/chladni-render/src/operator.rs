@@ -49,12 +49,17 @@ impl Operator {
             return Err(Error::bad_data("the model has no finite mobility at the drive frequency")
                 .field("modes")
                 .found(format!("{frequency_hz} Hz"))
+                .expected("a drive frequency off every undamped mode")
                 .help("an undamped mode at exactly this frequency does that: move the drive frequency"));
         }
         if operator.mobility.iter().all(|value| value.norm() == 0.0) {
             return Err(Error::bad_data("no actuator in use moves any response at the drive frequency")
                 .field("modes")
+                .found("zeros")
                 .expected("modes or residual terms that are not zero at the responses and at the actuators in use"));
+        }
+        if model.in_band_modes().next().is_none() {
+            operator.warnings.push("the model has no mode in its band: what stands for modes outside it makes the whole field".into());
         }
         Ok(operator)
     }
@@ -135,7 +140,7 @@ impl Operator {
 
     fn select_references(&mut self, references: &[Dof], only: Option<&[Dof]>) -> Result<()> {
         if references.is_empty() {
-            return Err(Error::bad_data("no actuator").field("references").expected("at least one reference DOF"));
+            return Err(Error::bad_data("no actuator").field("references").found("none").expected("at least one reference DOF"));
         }
         let mut columns: Vec<usize> = match only {
             None => (0..references.len()).collect(),
@@ -245,7 +250,10 @@ fn check_model(model: &ModalModel) -> Result<()> {
             return Err(Error::bad_data("sizes disagree").field(field).found(found).expected(format!("{rows} x {columns}")));
         }
         if term.matrix.0.iter().any(|value| !value.is_finite()) {
-            return Err(Error::bad_data("NaN or infinity in a residual term").field(field).expected("finite numbers"));
+            return Err(Error::bad_data("NaN or infinity in a residual term")
+                .field(field)
+                .found("NaN or infinity")
+                .expected("finite numbers"));
         }
     }
     Ok(())

@@ -3,9 +3,10 @@
 use crate::plane::Position;
 use crate::threshold::{Threshold, ThresholdTable};
 use crate::tolerances;
-use crate::toml_reader::{nearest, parse, Keys, Table, Value};
+use crate::toml_reader::{parse, Keys, Table, Value};
 use crate::zones::{PolygonKind, ZoneLayout, ZonePolygon, Zones};
-use chladni_frf::{Dof, Error, Result};
+use chladni_frf::io::read_text;
+use chladni_frf::{nearest_word, Dof, Error, Result};
 use std::path::{Path, PathBuf};
 
 /// Every key of a scene, by table.
@@ -80,7 +81,7 @@ impl Scene {
     /// # Errors
     /// No such file, or what [`Self::parse`] finds.
     pub fn read(file: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(file).map_err(|error| Error::from_read(&error, file))?;
+        let text = read_text(file, "a scene, TOML")?;
         let mut scene = Self::parse(&text, file.parent().unwrap_or(Path::new(""))).map_err(|error| error.file(file))?;
         scene.file = Some(file.to_path_buf());
         Ok(scene)
@@ -124,7 +125,7 @@ impl Scene {
 
     /// File name without its folder, as results carry it; empty for a scene that is no file.
     pub fn name(&self) -> String {
-        self.file.as_deref().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+        self.file.as_deref().map(chladni_frf::io::file_name).unwrap_or_default()
     }
 }
 
@@ -146,9 +147,9 @@ fn read_profile(value: &Value, folder: &Path) -> Result<Threshold> {
     let file = folder.join(name);
     if !file.exists() {
         let known = Threshold::NAMES;
-        return Err(value
-            .error("neither a threshold profile nor a file", format!("{} or the path of a CSV file", known.join(", ")))
-            .help(format!("did you mean `{}`? A path is taken relative to the scene file", nearest(name, &known))));
+        return Err(value.error("neither a threshold profile nor a file", format!("{} or the path of a CSV file", known.join(", "))).help(
+            format!("did you mean `{}`? A path is taken relative to the scene file", nearest_word(name, &known).unwrap_or_default()),
+        ));
     }
     Ok(Threshold::Table(ThresholdTable::read(&file)?))
 }
@@ -211,7 +212,11 @@ fn read_polygons(zones: &Table, value: &Value) -> Result<ZoneLayout> {
         return Err(value.error("too many corners", format!("at most {} in all polygons", tolerances::MAX_POLYGON_POINTS)));
     }
     if !polygons.iter().any(|polygon| polygon.kind == PolygonKind::Hot) {
-        return Err(Error::bad_data("no polygon is hot").at_line(value.line()).field("zones.polygon").expected("one of kind = \"hot\""));
+        return Err(Error::bad_data("no polygon is hot")
+            .at_line(value.line())
+            .field("zones.polygon")
+            .found("none")
+            .expected("one of kind = \"hot\""));
     }
     Ok(ZoneLayout::Polygons(polygons))
 }

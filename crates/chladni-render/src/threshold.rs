@@ -7,6 +7,7 @@
 //! Verrillo and Bolanowski kind; Bolanowski et al., JASA 84, 1680-1694, 1988). Between two entries the level in dB is
 //! linear in log f; outside the table there is no threshold, and nothing is extrapolated.
 
+use chladni_frf::io::read_text;
 use chladni_frf::{Error, Result};
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
@@ -148,7 +149,7 @@ impl ThresholdTable {
     /// # Errors
     /// No such file, text instead of numbers, a threshold of zero, frequencies that do not rise.
     pub fn read(file: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(file).map_err(|error| Error::from_read(&error, file))?;
+        let text = read_text(file, "lines of frequency_hz,velocity_m_per_s")?;
         Self::parse(&text, file).map_err(|error| error.file(file))
     }
 
@@ -168,7 +169,9 @@ impl ThresholdTable {
             }
         }
         if table.frequency_hz.is_empty() {
-            return Err(Error::bad_data("no threshold in the file").expected("lines of frequency_hz,velocity_m_per_s"));
+            return Err(Error::bad_data("no threshold in the file")
+                .found("no line of numbers")
+                .expected("lines of frequency_hz,velocity_m_per_s"));
         }
         Ok(table)
     }
@@ -179,12 +182,16 @@ impl ThresholdTable {
             return Err(Error::bad_data("not a pair of numbers").found(line).expected("frequency_hz,velocity_m_per_s"));
         };
         if velocity <= 0.0 {
-            return Err(Error::bad_data("a threshold must be greater than zero").field("velocity_m_per_s").found(velocity));
+            return Err(Error::bad_data("a threshold must be greater than zero")
+                .field("velocity_m_per_s")
+                .found(velocity)
+                .expected("m/s peak"));
         }
         if frequency <= self.frequency_hz.last().copied().unwrap_or(0.0) {
             return Err(Error::bad_data("frequencies must be greater than zero and rise from line to line")
                 .field("frequency_hz")
-                .found(frequency));
+                .found(frequency)
+                .expected(format!("more than {}", self.frequency_hz.last().copied().unwrap_or(0.0))));
         }
         self.frequency_hz.push(frequency);
         self.velocity_m_per_s.push(velocity);

@@ -49,7 +49,7 @@ pub const GLOBAL_INTERPOLATION: usize = 150;
 pub const NEAREST_RESPONSES: usize = 49;
 
 /// Level above the threshold from which strength is warned about, dB: at 300 Hz some 8 dB below the hand-arm action value
-/// (formats.md section 9.3).
+/// of directive 2002/44/EC (2.5 m/s² weighted by ISO 5349-1, which is 25 mm/s rms there).
 pub const STRONG_DB: f64 = 35.0;
 
 /// How near to its limit a drive counts as limited, relative. Only decides whether a stronger ridge is tried.

@@ -1,6 +1,6 @@
 //! Reading TOML key by key, so that every complaint names the line, the key, what stood there and what belongs there.
 
-use chladni_frf::{Error, Result};
+use chladni_frf::{line_of_byte, nearest_word, toml_complaint, Error, Result};
 use toml::de::{DeTable, DeValue};
 use toml::Spanned;
 
@@ -9,17 +9,7 @@ pub(crate) type Keys = &'static [(&'static str, &'static [&'static str])];
 
 /// Parses the text; a syntax error becomes an error with its line.
 pub(crate) fn parse(text: &str) -> Result<Spanned<DeTable<'_>>> {
-    DeTable::parse(text).map_err(|error| {
-        let line = error.span().map_or(1, |span| line_of(text, span.start));
-        Error::bad_data(format!("this is no TOML: {}", error.message().replace('\n', " ")))
-            .at_line(line)
-            .help("correct that line; a key is written as `name = value`, a table as `[name]`")
-    })
-}
-
-/// Line of a byte offset, counted from 1.
-fn line_of(text: &str, offset: usize) -> u64 {
-    1 + text.as_bytes()[..offset.min(text.len())].iter().filter(|&&byte| byte == b'\n').count() as u64
+    DeTable::parse(text).map_err(|error| toml_complaint(error.message(), text, error.span().map_or(0, |span| span.start)))
 }
 
 /// A table and its name.
@@ -55,9 +45,10 @@ impl<'a> Table<'a> {
         let help = match elsewhere {
             Some(("", _)) => format!("`{name}` stands at the top of the file, before any [table]"),
             Some((other, _)) => format!("`{name}` belongs into [{other}]"),
-            None => format!("did you mean `{}`? Known keys here: {}", nearest(name, known), known.join(", ")),
+            None => format!("did you mean `{}`? Known keys here: {}", nearest_word(name, known).unwrap_or_default(), known.join(", ")),
         };
-        Err(Error::bad_data("unknown key").at_line(line_of(self.text, key.span().start)).field(self.path(name)).help(help))
+        let error = Error::bad_data("unknown key").at_line(line_of_byte(self.text, key.span().start)).field(self.path(name));
+        Err(error.found(name).expected(known.join(", ")).help(help))
     }
 
     /// The value of `key`, if it is there.
@@ -67,7 +58,10 @@ impl<'a> Table<'a> {
 
     /// The value of `key`, or the error that asks for it.
     pub(crate) fn require(&self, key: &str, expected: &str) -> Result<Value<'a>> {
-        self.get(key).ok_or_else(|| Error::bad_data("missing").at_line(self.line).field(self.path(key)).expected(expected))
+        self.get(key).ok_or_else(|| {
+            let error = Error::bad_data("missing").at_line(self.line).field(self.path(key)).found("no such key").expected(expected);
+            error.help(format!("add `{key} = ...`"))
+        })
     }
 }
 
@@ -81,7 +75,7 @@ pub(crate) struct Value<'a> {
 impl<'a> Value<'a> {
     /// Line, counted from 1.
     pub(crate) fn line(&self) -> u64 {
-        line_of(self.text, self.value.span().start)
+        line_of_byte(self.text, self.value.span().start)
     }
 
     /// An error at this value: `message`, what stands here, what was expected.
@@ -159,35 +153,3 @@ trait Check: Sized {
     }
 }
 impl Check for f64 {}
-
-/// The known word with the fewest edits from `word` (the first of equals).
-pub(crate) fn nearest<'w>(word: &str, known: &[&'w str]) -> &'w str {
-    known.iter().min_by_key(|candidate| edits(word, candidate)).copied().unwrap_or_default()
-}
-
-/// Levenshtein distance, in characters.
-fn edits(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, ca) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, &cb) in b.iter().enumerate() {
-            let substituted = diagonal + usize::from(ca != cb);
-            diagonal = row[j + 1];
-            row[j + 1] = substituted.min(diagonal + 1).min(row[j] + 1);
-        }
-    }
-    row[b.len()]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn edits_are_counted() {
-        assert_eq!(edits("kitten", "sitting"), 3);
-        assert_eq!(nearest("transition", &["grid", "hot", "transition_m"]), "transition_m");
-    }
-}

@@ -2,6 +2,7 @@
 
 use crate::indices::Indices;
 use crate::problem::Drive;
+use chladni_frf::io::json_error;
 use chladni_frf::{Dof, Error, ReferenceUnit, Result, Source};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -80,12 +81,8 @@ impl Weights {
     /// # Errors
     /// [`chladni_frf::ErrorKind::BadData`] with the line: no JSON, a missing field, another format, an actuator twice, no weight.
     pub fn parse(text: &str) -> Result<Self> {
-        let weights: Self = serde_json::from_str(text).map_err(|error| {
-            let message = error.to_string();
-            // serde_json ends its messages with the place, which the error carries itself
-            let message = message.split(" at line ").next().unwrap_or_default().to_owned();
-            Error::bad_data(format!("not a weights file: {message}")).at_line(error.line() as u64)
-        })?;
+        const AGAIN: &str = "give a file that `chladni render` wrote, or render the scene again";
+        let weights: Self = serde_json::from_str(text).map_err(|error| json_error("not a weights file", &error).help(AGAIN))?;
         weights.checked()
     }
 
@@ -106,7 +103,10 @@ impl Weights {
                 .expected(format!("{WEIGHTS_FORMAT} version {WEIGHTS_VERSION}")));
         }
         if self.weights.is_empty() {
-            return Err(Error::bad_data("no weight in the file").field("weights").expected("one entry per actuator"));
+            return Err(Error::bad_data("no weight in the file")
+                .field("weights")
+                .found("an empty list")
+                .expected("one entry per actuator"));
         }
         if self.frequency_hz <= 0.0 {
             return Err(Error::bad_data("no drive frequency").field("frequency_hz").found(self.frequency_hz).expected("a frequency in Hz"));
@@ -114,10 +114,16 @@ impl Weights {
         let mut seen = std::collections::HashSet::new();
         for weight in &self.weights {
             if !seen.insert((weight.reference.node, weight.reference.direction.axis())) {
-                return Err(Error::bad_data("an actuator stands twice").field("weights").found(weight.reference));
+                return Err(Error::bad_data("an actuator stands twice")
+                    .field("weights")
+                    .found(weight.reference)
+                    .expected("each actuator once"));
             }
             if weight.unit != self.weights[0].unit {
-                return Err(Error::bad_data("units of the weights differ").field("weights").found(weight.reference));
+                return Err(Error::bad_data("units of the weights differ")
+                    .field("weights")
+                    .found(format!("{} of {}", weight.unit, weight.reference))
+                    .expected(format!("{}, as of the first actuator", self.weights[0].unit)));
             }
         }
         Ok(self)

@@ -117,6 +117,7 @@ impl<'a> Measured<'a> {
         if responses.iter().all(Option::is_none) || references.iter().all(Option::is_none) {
             return Err(Error::bad_data("the measured FRFs hold no DOF pair of the model")
                 .field("measured FRFs")
+                .found("none in common")
                 .expected("the FRFs that the model was fitted to")
                 .help("leave the measured FRFs out, or give the file that the model names as its source"));
         }

@@ -23,6 +23,7 @@ pub(crate) fn solve(problem: &Problem, model: &ModalModel, operator: &Operator, 
     if modes.is_empty() {
         return Err(Error::bad_data("the model has no mode inside its band")
             .field("modes")
+            .found("none")
             .expected("at least one in-band mode for the method `modal`")
             .help("take another method, or fit a band that holds modes"));
     }
