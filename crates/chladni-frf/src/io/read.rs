@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 /// Everything in one file, by content; damaged datasets are in its `errors`.
 ///
 /// # Errors
-/// [`crate::ErrorKind::NoInput`] without the file, [`ErrorKind::BadData`] where nothing in it can be listed.
+/// [`crate::ErrorKind::NoInput`] without the file, [`crate::ErrorKind::BadData`] where nothing in it can be listed.
 pub fn read_document(path: &Path, options: &ReadOptions) -> Result<Document> {
     read_numbered(path, options, &mut 1)
 }
