@@ -246,16 +246,14 @@ impl ModalModel {
         match self.damping {
             Damping::Structural => {
                 let factor = mode.structural_factor(omega);
-                add_outer(alpha, &mode.shape.0, &mode.participation.0, |product| factor * product);
+                add_rows(alpha, mode, |shape| factor * shape, |row, participation| row * participation);
             }
             Damping::Viscous => {
                 let pole = mode.viscous_pole();
                 let (j_omega, scale) = (Complex64::new(0.0, omega), Complex64::new(0.0, 2.0 * pole.im).inv());
-                let (near, far) = ((j_omega - pole).inv(), (j_omega - pole.conj()).inv());
-                add_outer(alpha, &mode.shape.0, &mode.participation.0, |product| {
-                    let residue = product * scale;
-                    residue * near + residue.conj() * far
-                });
+                let (near, far) = (scale * (j_omega - pole).inv(), scale.conj() * (j_omega - pole.conj()).inv());
+                let row = |shape: Complex64| (near * shape, far * shape.conj());
+                add_rows(alpha, mode, row, |(near, far), participation| near * participation + far * participation.conj());
             }
         }
     }
@@ -281,10 +279,15 @@ impl ModalModel {
     }
 }
 
-fn add_outer(alpha: &mut Array2<Complex64>, shape: &[Complex64], participation: &[Complex64], value: impl Fn(Complex64) -> Complex64) {
-    for (mut row, &s) in alpha.rows_mut().into_iter().zip(shape) {
-        for (alpha, &p) in row.iter_mut().zip(participation) {
-            *alpha += value(s * p);
-        }
+/// Adds a mode to the matrix: `of_row` is what all entries of a response share, so that an entry costs a product or two.
+fn add_rows<R: Copy>(
+    alpha: &mut Array2<Complex64>,
+    mode: &Mode,
+    of_row: impl Fn(Complex64) -> R,
+    entry: impl Fn(R, Complex64) -> Complex64,
+) {
+    for (mut row, &shape) in alpha.rows_mut().into_iter().zip(&mode.shape.0) {
+        let shared = of_row(shape);
+        row.iter_mut().zip(&mode.participation.0).for_each(|(alpha, &participation)| *alpha += entry(shared, participation));
     }
 }
