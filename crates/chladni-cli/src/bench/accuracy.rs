@@ -1,0 +1,84 @@
+//! `chladni bench accuracy`.
+
+use super::{shown, Place};
+use crate::console::Console;
+use crate::outcome::Outcome;
+use crate::table::table;
+use chladni_bench::{accuracy, accuracy_csv, accuracy_figures, AccuracyOptions, AccuracyRow, Case, CASES};
+use chladni_frf::Result;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use serde_json::json;
+
+/// Seeds of a full run.
+const SEEDS: usize = 100;
+/// Seeds of a quick run.
+const QUICK_SEEDS: usize = 4;
+
+/// Arguments of `bench accuracy`.
+#[derive(Debug, clap::Args)]
+#[command(before_help = "Examples:
+  chladni bench accuracy -o bench --quick
+  chladni bench accuracy -o bench --case panel --method auto --seeds 100
+
+Writes accuracy.csv (a row for each case and method) and accuracy-CASE.svg/png (error against time with the Pareto front).")]
+pub struct Args {
+    #[command(flatten)]
+    place: Place,
+    /// Noise seeds of each case for the methods that maximise the likelihood; others take a tenth of them [default: 100; quick: 4]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    seeds: Option<u32>,
+    /// Cases to run; may be repeated [default: all]
+    #[arg(long = "case", value_name = "CASE", value_parser = PossibleValuesParser::new(CASES.map(|case| case.name))
+        .try_map(|name| Case::named(&name).ok_or("no such case")))]
+    cases: Vec<&'static Case>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Those of writing.
+pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
+    let path = args.place.table("accuracy.csv", console)?;
+    let cases =
+        if args.cases.is_empty() { CASES.iter().filter(|case| case.quick || !args.place.quick).collect() } else { args.cases.clone() };
+    let seeds = args.seeds.map_or(if args.place.quick { QUICK_SEEDS } else { SEEDS }, |seeds| seeds as usize);
+    let options = AccuracyOptions { cases, methods: args.place.methods(), seeds };
+    let rows = accuracy(&options, &|stage| console.stage(stage))?;
+    let files = args.place.write(&path, &accuracy_csv(&rows), &accuracy_figures(&rows), console)?;
+    let wrong = |row: &AccuracyRow| row.on_target() == Some(false);
+    let json = json!({
+        "output": args.place.output.display().to_string(),
+        "files": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
+        "seeds": seeds,
+        "rows": rows.len(),
+        "off_target": rows.iter().filter(|row| wrong(row)).map(|row| json!({"case": row.case.name, "method": row.method.as_str()})).collect::<Vec<_>>(),
+        "warnings": console.warnings(),
+    });
+    let folder = args.place.output.display();
+    Ok(Outcome::written(&args.place.output, json, format!("{}\nthe rest stands in {folder}/accuracy.csv\n", text(&rows))))
+}
+
+fn text(rows: &[AccuracyRow]) -> String {
+    const HEADER: [&str; 11] =
+        ["case", "method", "time, s", "f: median", "worst", "η: median", "worst", "f covered", "missed", "spurious", "exact"];
+    let cells: Vec<Vec<String>> = rows
+        .iter()
+        .map(|row| {
+            let [frequency, loss_factor] = row.over_free;
+            let [missed, sure, weak] = row.miscounts;
+            let numbers = [
+                shown(row.time_s[0], 3),
+                shown(frequency.median, 2),
+                shown(frequency.worst, 2),
+                shown(loss_factor.median, 2),
+                shown(loss_factor.worst, 2),
+                shown(row.coverage[0], 3),
+                shown(missed, 2),
+                shown(sure + weak, 2),
+                shown(row.exact, 2),
+            ];
+            [row.case.name.to_owned(), row.method.to_string()].into_iter().chain(numbers).collect()
+        })
+        .collect();
+    format!("errors as root mean square over the Cramér-Rao bound, by modes\n{}", table(&HEADER, &cells))
+}
