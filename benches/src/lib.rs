@@ -8,12 +8,14 @@
 //! `chladni bench` writes the files; `docs/accuracy.md` says what they show. Criterion's benches of single stages are in `benches/`.
 
 mod accuracy;
+mod accuracy_tables;
 mod cases;
 mod csv;
 mod demonstration;
 mod floor;
 mod large;
 mod memory;
+mod mode_errors;
 mod pareto;
 mod problem;
 mod profile;
@@ -21,11 +23,13 @@ mod score;
 mod stage_chart;
 mod statistics;
 
-pub use accuracy::{accuracy, accuracy_csv, AccuracyOptions, AccuracyRow, Spread};
+pub use accuracy::{accuracy, AccuracyOptions, AccuracyRow};
+pub use accuracy_tables::{accuracy_csv, accuracy_modes_csv};
 pub use cases::{Case, Target, CASES};
 pub use demonstration::{corner_scene, panel_77x34_1997_lines};
 pub use floor::Floor;
 pub use large::{large, Size};
+pub use mode_errors::{ModeErrors, Spread};
 pub use pareto::{accuracy_figures, front};
 pub use problem::{Bounds, Problem};
 pub use profile::{profile, profile_csv, ProfileCase, ProfileOptions, ProfileRow, PROFILE_CASES};

@@ -4,11 +4,13 @@ use super::{shown, Place};
 use crate::console::Console;
 use crate::outcome::Outcome;
 use crate::table::table;
-use chladni_bench::{accuracy, accuracy_csv, accuracy_figures, AccuracyOptions, AccuracyRow, Case, CASES};
+use chladni_bench::{accuracy, accuracy_csv, accuracy_figures, accuracy_modes_csv, AccuracyOptions, AccuracyRow, Case, CASES};
 use chladni_frf::Result;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::json;
 
+/// The tables: a row for each case and method, a row for each of their modes.
+const TABLES: [&str; 2] = ["accuracy.csv", "accuracy-modes.csv"];
 /// Seeds of a full run.
 const SEEDS: usize = 100;
 /// Seeds of a quick run.
@@ -20,13 +22,17 @@ const QUICK_SEEDS: usize = 4;
   chladni bench accuracy -o bench --quick
   chladni bench accuracy -o bench --case panel --method auto --seeds 100
 
-Writes accuracy.csv (a row for each case and method) and accuracy-CASE.svg/png (error against time with the Pareto front).")]
+Writes accuracy.csv (a row for each case and method), accuracy-modes.csv (a row for each of their modes) and
+accuracy-CASE.svg/png (error against time with the Pareto front).")]
 pub struct Args {
     #[command(flatten)]
     place: Place,
     /// Noise seeds of each case for the methods that maximise the likelihood; others take a tenth of them [default: 100; quick: 4]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     seeds: Option<u32>,
+    /// First noise seed; the others follow it
+    #[arg(long, value_name = "S", default_value_t = 0)]
+    seed: u64,
     /// Cases to run; may be repeated [default: all]
     #[arg(long = "case", value_name = "CASE", value_parser = PossibleValuesParser::new(CASES.map(|case| case.name))
         .try_map(|name| Case::named(&name).ok_or("no such case")))]
@@ -38,13 +44,14 @@ pub struct Args {
 /// # Errors
 /// Those of writing.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
-    let path = args.place.table("accuracy.csv", console)?;
+    args.place.prepare(&TABLES, console)?;
     let cases =
         if args.cases.is_empty() { CASES.iter().filter(|case| case.quick || !args.place.quick).collect() } else { args.cases.clone() };
     let seeds = args.seeds.map_or(if args.place.quick { QUICK_SEEDS } else { SEEDS }, |seeds| seeds as usize);
-    let options = AccuracyOptions { cases, methods: args.place.methods(), seeds };
+    let options = AccuracyOptions { cases, methods: args.place.methods(), seeds, first_seed: args.seed };
     let rows = accuracy(&options, &|stage| console.stage(stage))?;
-    let files = args.place.write(&path, &accuracy_csv(&rows), &accuracy_figures(&rows), console)?;
+    let tables = [(TABLES[0], accuracy_csv(&rows)), (TABLES[1], accuracy_modes_csv(&rows))];
+    let files = args.place.write(&tables, &accuracy_figures(&rows), console)?;
     let wrong = |row: &AccuracyRow| row.on_target() == Some(false);
     let json = json!({
         "output": args.place.output.display().to_string(),

@@ -11,7 +11,7 @@ use chladni_frf::Result;
 use chladni_report::Figure;
 use chladni_rfp::Method;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Pixels of a PNG file per px of the picture.
 const PNG_SCALE: f64 = 2.0;
@@ -60,33 +60,29 @@ impl Place {
         }
     }
 
-    /// Makes the folder and refuses, before the work, a table that stands there already.
-    fn table(&self, name: &str, console: &Console) -> Result<PathBuf> {
+    /// Makes the folder and refuses, before the work, tables that stand there already.
+    fn prepare(&self, tables: &[&str], console: &Console) -> Result<()> {
         make_folder(&self.output)?;
-        let path = self.output.join(name);
-        Output::new(&path, TABLE, &[], console)?;
-        Ok(path)
+        tables.iter().try_for_each(|name| Output::new(&self.output.join(name), TABLE, &[], console).map(drop))
     }
 
-    /// Writes the table and the figures as SVG and PNG; returns the files. Figures of an earlier run go with its table.
-    fn write(&self, table: &Path, csv: &str, figures: &[Figure], console: &Console) -> Result<Vec<PathBuf>> {
+    /// Writes tables, and figures as SVG and PNG; returns the files.
+    fn write(&self, tables: &[(&str, String)], figures: &[Figure], console: &Console) -> Result<Vec<PathBuf>> {
         console.stage("writing");
-        Output::new(table, TABLE, &[], console)?.write(|path, force| bytes(path, csv.as_bytes(), force))?;
-        let mut files = vec![table.to_path_buf()];
+        let mut files: Vec<(PathBuf, Vec<u8>)> =
+            tables.iter().map(|(name, csv)| (self.output.join(name), csv.clone().into_bytes())).collect();
         for figure in figures {
             let drawing = figure.draw();
             for (extension, content) in PICTURE.iter().zip([drawing.to_svg().into_bytes(), drawing.to_png(PNG_SCALE)]) {
-                let path = self.output.join(format!("{}.{extension}", figure.name));
-                Output::new(&path, PICTURE, &[], console)?.write(|path, force| bytes(path, &content, force))?;
-                files.push(path);
+                files.push((self.output.join(format!("{}.{extension}", figure.name)), content));
             }
         }
-        Ok(files)
+        for (path, content) in &files {
+            Output::new(path, &[TABLE, PICTURE].concat(), &[], console)?
+                .write(|path, force| write_atomically(path, force, |out| out.write_all(content)))?;
+        }
+        Ok(files.into_iter().map(|(path, _)| path).collect())
     }
-}
-
-fn bytes(path: &Path, content: &[u8], force: bool) -> Result<()> {
-    write_atomically(path, force, |out| out.write_all(content))
 }
 
 /// A number for a table of the screen; a dash where it is not defined.

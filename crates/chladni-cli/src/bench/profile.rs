@@ -10,6 +10,8 @@ use chladni_rfp::Method;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::json;
 
+/// The table.
+const TABLE: &str = "profile.csv";
 /// Methods that a profile times unless told otherwise: those that stand beside the floor.
 const METHODS: [&str; 2] = ["lean", "auto"];
 
@@ -34,7 +36,7 @@ pub struct Args {
 /// # Errors
 /// Those of writing.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
-    let path = args.place.table("profile.csv", console)?;
+    args.place.prepare(&[TABLE], console)?;
     let cases = if args.cases.is_empty() {
         PROFILE_CASES.iter().filter(|case| case.quick || !args.place.quick).collect()
     } else {
@@ -45,7 +47,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         false => args.place.methods.clone(),
     };
     let rows = profile(&ProfileOptions { cases, methods }, &|stage| console.stage(stage))?;
-    let files = args.place.write(&path, &profile_csv(&rows), &[profile_figure(&rows)], console)?;
+    let files = args.place.write(&[(TABLE, profile_csv(&rows))], &[profile_figure(&rows)], console)?;
     let fits = rows.iter().filter(|row| row.stage == "fit");
     let json = json!({
         "output": args.place.output.display().to_string(),
