@@ -3,11 +3,15 @@
 use super::{shown, Place};
 use crate::console::Console;
 use crate::outcome::Outcome;
+use crate::output::{Output, FRF, MODEL};
 use crate::table::table;
 use chladni_bench::{accuracy, accuracy_csv, accuracy_figures, accuracy_modes_csv, AccuracyOptions, AccuracyRow, Case, CASES};
+use chladni_frf::io::{write_contents, write_model, Contents};
 use chladni_frf::Result;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::json;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 
 /// The tables: a row for each case and method, a row for each of their modes.
 const TABLES: [&str; 2] = ["accuracy.csv", "accuracy-modes.csv"];
@@ -33,6 +37,9 @@ pub struct Args {
     /// First noise seed; the others follow it
     #[arg(long, value_name = "S", default_value_t = 0)]
     seed: u64,
+    /// Also write the FRFs of the first fits whose count of modes is wrong, frf-CASE-SEED.h5, and truth-CASE.json
+    #[arg(long)]
+    export_wrong: bool,
     /// Cases to run; may be repeated [default: all]
     #[arg(long = "case", value_name = "CASE", value_parser = PossibleValuesParser::new(CASES.map(|case| case.name))
         .try_map(|name| Case::named(&name).ok_or("no such case")))]
@@ -51,7 +58,10 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let options = AccuracyOptions { cases, methods: args.place.methods(), seeds, first_seed: args.seed };
     let rows = accuracy(&options, &|stage| console.stage(stage))?;
     let tables = [(TABLES[0], accuracy_csv(&rows)), (TABLES[1], accuracy_modes_csv(&rows))];
-    let files = args.place.write(&tables, &accuracy_figures(&rows), console)?;
+    let mut files = args.place.write(&tables, &accuracy_figures(&rows), console)?;
+    if args.export_wrong {
+        files.extend(export_wrong(&rows, &args.place.output, console)?);
+    }
     let wrong = |row: &AccuracyRow| row.on_target() == Some(false);
     let json = json!({
         "output": args.place.output.display().to_string(),
@@ -63,6 +73,28 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     });
     let folder = args.place.output.display();
     Ok(Outcome::written(&args.place.output, json, format!("{}\nthe rest stands in {folder}/accuracy.csv\n", text(&rows))))
+}
+
+/// Writes the measurements that were counted wrong, so that they can be fitted and looked at as any other.
+fn export_wrong(rows: &[AccuracyRow], folder: &Path, console: &Console) -> Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for case in CASES {
+        let seeds: BTreeSet<u64> = rows.iter().filter(|row| row.case.name == case.name).flat_map(|row| row.wrong_seeds.clone()).collect();
+        if seeds.is_empty() {
+            continue;
+        }
+        let problem = case.problem()?;
+        let truth = folder.join(format!("truth-{}.json", case.name));
+        Output::new(&truth, MODEL, &[], console)?.write(|path, force| write_model(path, &problem.truth, force))?;
+        files.push(truth);
+        for seed in seeds {
+            let contents = Contents { frf: Some(problem.measured(seed)), ..Contents::default() };
+            let path = folder.join(format!("frf-{}-{seed}.h5", case.name));
+            Output::new(&path, FRF, &[], console)?.write(|path, force| write_contents(path, &contents, force))?;
+            files.push(path);
+        }
+    }
+    Ok(files)
 }
 
 fn text(rows: &[AccuracyRow]) -> String {
