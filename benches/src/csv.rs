@@ -4,7 +4,7 @@
 pub(crate) fn number(value: f64) -> String {
     match value {
         value if !value.is_finite() => String::new(),
-        value if value == 0.0 => "0".into(),
+        0.0 => "0".into(),
         value if (1e-3..1e6).contains(&value.abs()) => {
             format!("{:.*}", (4 - value.abs().log10().floor() as i32).clamp(0, 7) as usize, value)
         }
