@@ -6,7 +6,7 @@ use crate::problem::{Bounds, Problem};
 use crate::score::Score;
 use crate::statistics::{mean, median, quantile, root_mean_square};
 use chladni_frf::Result;
-use chladni_rfp::{fit, FitOptions, Method};
+use chladni_rfp::{fit, FitOptions, Method, ShapeModel};
 use std::time::Instant;
 
 /// Methods that do not maximise a likelihood scatter so far above the bound that one seed in so many tells as much.
@@ -21,6 +21,8 @@ pub struct AccuracyOptions {
     pub cases: Vec<&'static Case>,
     /// Methods.
     pub methods: Vec<Method>,
+    /// What shapes may be while poles are refined.
+    pub shapes: ShapeModel,
     /// Number of noise seeds of the methods that maximise the likelihood; others take a tenth of them, two at least.
     pub seeds: usize,
     /// The first of them; the others follow it.
@@ -42,6 +44,8 @@ pub struct AccuracyRow {
     pub over_free: [Spread; 2],
     /// The same over the bound with one shape per mode.
     pub over_rank_one: [Spread; 2],
+    /// The same over the bound with one real shape per mode.
+    pub over_real: [Spread; 2],
     /// Root mean square error of all natural frequencies over the bound of free residues, a missed mode counting as half its
     /// bandwidth.
     pub with_missed: f64,
@@ -80,7 +84,8 @@ pub fn accuracy(options: &AccuracyOptions, progress: &dyn Fn(&str)) -> Result<Ve
         for &method in &options.methods {
             let seeds = if statistical(method) { options.seeds } else { (options.seeds / FEWER_SEEDS).max(2).min(options.seeds) };
             progress(&format!("{}: {method}, {seeds} seeds", case.name));
-            let fits: Vec<(u64, Score, f64)> = (options.first_seed..).take(seeds).map(|seed| run(&problem, method, seed)).collect();
+            let fits: Vec<(u64, Score, f64)> =
+                (options.first_seed..).take(seeds).map(|seed| run(&problem, method, options.shapes, seed)).collect();
             rows.push(AccuracyRow::new(case, method, &problem, bounds.as_ref(), &fits));
         }
     }
@@ -93,11 +98,11 @@ fn statistical(method: Method) -> bool {
 }
 
 /// Seed, score and seconds of one fit.
-fn run(problem: &Problem, method: Method, seed: u64) -> (u64, Score, f64) {
+fn run(problem: &Problem, method: Method, shapes: ShapeModel, seed: u64) -> (u64, Score, f64) {
     let frf = problem.measured(seed);
     let modes = problem.truth.in_band_modes().count();
     // `lean` is for those who know the order
-    let options = FitOptions { method, modes: (method.as_str() == "lean").then_some(modes), ..FitOptions::default() };
+    let options = FitOptions { method, shapes, modes: (method.as_str() == "lean").then_some(modes), ..FitOptions::default() };
     let start = Instant::now();
     let fitted = fit(&frf, &options, &|_| {});
     let time_s = start.elapsed().as_secs_f64();
@@ -121,6 +126,7 @@ impl AccuracyRow {
             time_s: [0.5, 0.25, 0.75].map(|share| quantile(&times, share)),
             over_free: [0, 1].map(|which| Spread::new(&modes, |mode| mode.over_free[which])),
             over_rank_one: [0, 1].map(|which| Spread::new(&modes, |mode| mode.over_rank_one[which])),
+            over_real: [0, 1].map(|which| Spread::new(&modes, |mode| mode.over_real[which])),
             with_missed: root_mean_square(modes.iter().map(ModeErrors::with_missed)),
             coverage: [covered(0), covered(1), mean(found().map(|found| found.shape_covered))],
             miscounts: [per_fit(Score::missed), per_fit(|score| score.spurious_sure), per_fit(|score| score.spurious_weak)],

@@ -5,7 +5,7 @@ use crate::csv;
 use crate::mode_errors::ModeErrors;
 
 /// Columns of the table of methods and cases.
-const HEADER: [&str; 29] = [
+const HEADER: [&str; 33] = [
     "case",
     "method",
     "time_s",
@@ -17,6 +17,10 @@ const HEADER: [&str; 29] = [
     "frequency_worst_rmse_over_rank_one_crlb",
     "loss_factor_rmse_over_rank_one_crlb",
     "loss_factor_worst_rmse_over_rank_one_crlb",
+    "frequency_rmse_over_real_crlb",
+    "frequency_worst_rmse_over_real_crlb",
+    "loss_factor_rmse_over_real_crlb",
+    "loss_factor_worst_rmse_over_real_crlb",
     "frequency_rmse_with_missed_over_crlb",
     "frequency_coverage",
     "loss_factor_coverage",
@@ -44,7 +48,7 @@ pub fn accuracy_csv(rows: &[AccuracyRow]) -> String {
 }
 
 fn cells(row: &AccuracyRow) -> Vec<String> {
-    let spreads = row.over_free.iter().chain(&row.over_rank_one).flat_map(|spread| [spread.median, spread.worst]);
+    let spreads = row.over_free.iter().chain(&row.over_rank_one).chain(&row.over_real).flat_map(|spread| [spread.median, spread.worst]);
     let seeds: Vec<String> = row.wrong_seeds.iter().map(ToString::to_string).collect();
     [row.case.name.to_owned(), row.method.to_string(), csv::number(row.time_s[0])]
         .into_iter()
@@ -58,7 +62,7 @@ fn cells(row: &AccuracyRow) -> Vec<String> {
 }
 
 /// Columns of the table of modes.
-const MODE_HEADER: [&str; 17] = [
+const MODE_HEADER: [&str; 19] = [
     "case",
     "method",
     "mode",
@@ -73,6 +77,8 @@ const MODE_HEADER: [&str; 17] = [
     "loss_factor_bias_over_crlb",
     "frequency_rmse_over_rank_one_crlb",
     "loss_factor_rmse_over_rank_one_crlb",
+    "frequency_rmse_over_real_crlb",
+    "loss_factor_rmse_over_real_crlb",
     "frequency_coverage",
     "loss_factor_coverage",
     "frequency_error_largest",
@@ -86,7 +92,7 @@ pub fn accuracy_modes_csv(rows: &[AccuracyRow]) -> String {
 }
 
 fn mode_cells(row: &AccuracyRow, n: usize, mode: &ModeErrors) -> Vec<String> {
-    let pairs = [mode.bound, mode.over_free, mode.bias_over_free, mode.over_rank_one, mode.coverage];
+    let pairs = [mode.bound, mode.over_free, mode.bias_over_free, mode.over_rank_one, mode.over_real, mode.coverage];
     let numbers = [mode.frequency_hz, mode.loss_factor, mode.found].into_iter().chain(pairs.concat()).chain([mode.relative_error]);
     [row.case.name.to_owned(), row.method.to_string(), (n + 1).to_string()].into_iter().chain(numbers.map(csv::number)).collect()
 }

@@ -22,6 +22,8 @@ pub struct ModeErrors {
     pub bias_over_free: [f64; 2],
     /// Root mean square error over the bound with one shape per mode.
     pub over_rank_one: [f64; 2],
+    /// The same with one real shape per mode.
+    pub over_real: [f64; 2],
     /// Share of the 95 % intervals that hold the truth.
     pub coverage: [f64; 2],
     /// Largest |error| of the natural frequency over the frequency.
@@ -40,7 +42,7 @@ impl ModeErrors {
         let bound = |pick: fn(&Bounds) -> &chladni_plate::CramerRao| {
             bounds.map(pick).map_or([f64::NAN; 2], |bound| [bound.frequency_std_hz[n], bound.loss_factor_std[n]])
         };
-        let (free, rank_one) = (bound(|bounds| &bounds.free), bound(|bounds| &bounds.rank_one));
+        let [free, rank_one, real] = [bound(|bounds| &bounds.free), bound(|bounds| &bounds.rank_one), bound(|bounds| &bounds.real)];
         let over = |e: usize, bound: f64| root_mean_square(found.iter().map(|found| ERRORS[e](found) / bound));
         let share = |covered: fn(&Match) -> bool| mean(found.iter().map(|found| f64::from(u8::from(covered(found)))));
         Self {
@@ -51,6 +53,7 @@ impl ModeErrors {
             over_free: [0, 1].map(|e| over(e, free[e])),
             bias_over_free: [0, 1].map(|e| mean(found.iter().map(|found| ERRORS[e](found) / free[e]))),
             over_rank_one: [0, 1].map(|e| over(e, rank_one[e])),
+            over_real: [0, 1].map(|e| over(e, real[e])),
             coverage: [share(|found| found.frequency_covered), share(|found| found.loss_factor_covered)],
             relative_error: found.iter().map(|found| found.frequency_hz.abs() / known.frequency_hz).fold(f64::NAN, f64::max),
             bound_over_bandwidth: free[0] / (2.0 * half_half_width_hz(known)),

@@ -2,7 +2,7 @@
 
 use chladni_frf::{FrfSet, FrfValues, ModalModel, Result};
 use chladni_plate::{
-    add_noise_of_variance, cramer_rao, cramer_rao_rank_one, gain_noise, mean_square, simulate, CramerRao, Panel, Synthetic,
+    add_noise_of_variance, cramer_rao, cramer_rao_rank_one, cramer_rao_real, gain_noise, mean_square, simulate, CramerRao, Panel, Synthetic,
 };
 
 /// Powers of ω of the residual terms that any fit of a band must leave free (`docs/theory.md`, eq. 5).
@@ -30,6 +30,8 @@ pub struct Bounds {
     pub free: CramerRao,
     /// One shape per mode.
     pub rank_one: CramerRao,
+    /// One real shape per mode, as all cases have them.
+    pub real: CramerRao,
 }
 
 impl Problem {
@@ -112,6 +114,7 @@ impl Problem {
         Ok(Some(Bounds {
             free: only_wanted(cramer_rao(&model, axis, variance, &RESIDUAL_POWERS)?),
             rank_one: only_wanted(cramer_rao_rank_one(&model, axis, variance, &RESIDUAL_POWERS)?),
+            real: only_wanted(cramer_rao_real(&model, axis, variance, &RESIDUAL_POWERS)?),
         }))
     }
 }

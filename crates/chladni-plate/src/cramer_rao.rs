@@ -10,11 +10,12 @@
 //!
 //! sd(f)/f = √(C_nn/2) / (2 Re λ_n),   sd(η) = √(C_nn/2) √(1+η²) / Re λ_n.
 //!
-//! Methods that assume more may beat these bounds of free residues; [`crate::cramer_rao_rank_one`] has those of one shape per mode.
+//! Methods that assume more may beat these bounds of free residues; [`crate::cramer_rao_rank_one`] has those of one shape per mode,
+//! [`crate::cramer_rao_real`] those of real shapes.
 
 use chladni_frf::{Error, ErrorKind, ModalModel, Mode, Result};
 use chladni_linalg::{cholesky, lstsq, matmul, matmul_h, solve_lower, LinalgError};
-use ndarray::{concatenate, Array1, Array2, Axis};
+use ndarray::{concatenate, Array1, Array2, ArrayView1, Axis};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -40,17 +41,34 @@ pub fn cramer_rao(model: &ModalModel, frequency_hz: &Array1<f64>, noise_variance
     bound(model, frequency_hz, noise_variance, residual_powers, |lines, modes| {
         let outside = lines.slopes_outside(true)?;
         let residue_gram = gram(modes, |mode| &mode.shape.0) * gram(modes, |mode| &mode.participation.0);
-        covariance(matmul_h(outside.view(), outside.view()) * residue_gram, modes.len())
+        let root = inverse_root(matmul_h(outside.view(), outside.view()) * residue_gram, modes.len())?;
+        Ok(root.columns().into_iter().map(PoleVariance::circular).collect())
     })
 }
 
-/// Turns what `variance` says of the poles, E|δλ_n|²/σ² in units of (2π·top)², into deviations of the in-band modes.
+/// Least covariance of Re λ and Im λ over σ²/2, λ in units of (2π·top)².
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PoleVariance {
+    pub re: f64,
+    pub im: f64,
+    pub cross: f64,
+}
+
+impl PoleVariance {
+    /// Of a complex unknown whose column of the inverse root is `column`: both parts share the variance.
+    pub fn circular(column: ArrayView1<Complex64>) -> Self {
+        let variance = column.iter().map(|v| v.norm_sqr()).sum();
+        Self { re: variance, im: variance, cross: 0.0 }
+    }
+}
+
+/// Turns what `variance` says of the poles into deviations of the in-band modes.
 pub(crate) fn bound(
     model: &ModalModel,
     frequency_hz: &Array1<f64>,
     noise_variance: f64,
     residual_powers: &[i32],
-    variance: impl Fn(&Lines, &[&Mode]) -> std::result::Result<Vec<f64>, LinalgError>,
+    variance: impl Fn(&Lines, &[&Mode]) -> std::result::Result<Vec<PoleVariance>, LinalgError>,
 ) -> Result<CramerRao> {
     let modes: Vec<&Mode> = model.in_band_modes().collect();
     if modes.is_empty() {
@@ -62,10 +80,14 @@ pub(crate) fn bound(
         Error::new(kind, format!("these FRFs leave the poles undetermined: {error}"))
             .help("more lines, more FRFs, or fewer modes and residual terms")
     })?;
-    let deviation = |n: usize| (noise_variance * variance[n] / 2.0).sqrt() / lines.poles[n].re;
+    let deviation = |n: usize, variance: f64| (0.5 * noise_variance * variance).sqrt() / lines.poles[n].re;
+    let of_modes = |value: &dyn Fn(usize) -> f64| (0..modes.len()).map(value).collect();
     Ok(CramerRao {
-        frequency_std_hz: modes.iter().enumerate().map(|(n, mode)| deviation(n) / 2.0 * mode.frequency_hz).collect(),
-        loss_factor_std: modes.iter().enumerate().map(|(n, mode)| deviation(n) * mode.loss_factor.hypot(1.0)).collect(),
+        frequency_std_hz: of_modes(&|n| deviation(n, variance[n].re) / 2.0 * modes[n].frequency_hz),
+        loss_factor_std: of_modes(&|n| {
+            let (eta, v) = (modes[n].loss_factor, variance[n]);
+            deviation(n, v.im + eta * eta * v.re - 2.0 * eta * v.cross)
+        }),
     })
 }
 
@@ -119,14 +141,13 @@ pub(crate) fn outside(columns: &Array2<Complex64>, of: &Array2<Complex64>) -> st
     Ok(of - matmul(columns.view(), lstsq(columns.view(), of.view())?.view()))
 }
 
-/// The first `count` diagonal entries of the inverse of an information matrix.
-pub(crate) fn covariance(information: Array2<Complex64>, count: usize) -> std::result::Result<Vec<f64>, LinalgError> {
+/// W with WᴴW = the first `count` rows and columns of the inverse of an information matrix.
+pub(crate) fn inverse_root(information: Array2<Complex64>, count: usize) -> std::result::Result<Array2<Complex64>, LinalgError> {
     // unit diagonal, so that strong and weak modes can stand side by side
     let size: Vec<f64> = information.diag().iter().map(|v| v.re.sqrt()).collect();
     let scaled = Array2::from_shape_fn(information.dim(), |(m, n)| information[[m, n]] / (size[m] * size[n]));
-    let first = Array2::from_shape_fn((size.len(), count), |(m, n)| Complex64::from(if m == n { 1.0 } else { 0.0 }));
-    let inverse_factor = solve_lower(cholesky(scaled.view())?.view(), first.view())?;
-    Ok((0..count).map(|n| inverse_factor.column(n).iter().map(|v| v.norm_sqr()).sum::<f64>() / size[n].powi(2)).collect())
+    let first = Array2::from_shape_fn((size.len(), count), |(m, n)| Complex64::from(if m == n { 1.0 / size[n] } else { 0.0 }));
+    solve_lower(cholesky(scaled.view())?.view(), first.view())
 }
 
 /// Σ_i conj(v_mi) v_ni over all pairs of modes.

@@ -8,6 +8,7 @@ use crate::table::table;
 use chladni_bench::{accuracy, accuracy_csv, accuracy_figures, accuracy_modes_csv, AccuracyOptions, AccuracyRow, Case, CASES};
 use chladni_frf::io::{write_contents, write_model, Contents};
 use chladni_frf::Result;
+use chladni_rfp::ShapeModel;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::json;
 use std::collections::BTreeSet;
@@ -37,6 +38,10 @@ pub struct Args {
     /// First noise seed; the others follow it
     #[arg(long, value_name = "S", default_value_t = 0)]
     seed: u64,
+    /// What shapes may be while poles are refined, as in `fit`
+    #[arg(long, value_name = "MODEL", default_value = "auto", value_parser = PossibleValuesParser::new(ShapeModel::ALL.map(ShapeModel::as_str))
+        .try_map(|name| name.parse::<ShapeModel>()))]
+    shapes: ShapeModel,
     /// Also write the FRFs of the first fits whose count of modes is wrong, frf-CASE-SEED.h5, and truth-CASE.json
     #[arg(long)]
     export_wrong: bool,
@@ -55,7 +60,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let cases =
         if args.cases.is_empty() { CASES.iter().filter(|case| case.quick || !args.place.quick).collect() } else { args.cases.clone() };
     let seeds = args.seeds.map_or(if args.place.quick { QUICK_SEEDS } else { SEEDS }, |seeds| seeds as usize);
-    let options = AccuracyOptions { cases, methods: args.place.methods(), seeds, first_seed: args.seed };
+    let options = AccuracyOptions { cases, methods: args.place.methods(), shapes: args.shapes, seeds, first_seed: args.seed };
     let rows = accuracy(&options, &|stage| console.stage(stage))?;
     let tables = [(TABLES[0], accuracy_csv(&rows)), (TABLES[1], accuracy_modes_csv(&rows))];
     let mut files = args.place.write(&tables, &accuracy_figures(&rows), console)?;
@@ -98,8 +103,8 @@ fn export_wrong(rows: &[AccuracyRow], folder: &Path, console: &Console) -> Resul
 }
 
 fn text(rows: &[AccuracyRow]) -> String {
-    const HEADER: [&str; 11] =
-        ["case", "method", "time, s", "f: median", "worst", "η: median", "worst", "f covered", "missed", "spurious", "exact"];
+    const HEADER: [&str; 12] =
+        ["case", "method", "time, s", "f: median", "worst", "η: median", "worst", "f, real", "f covered", "missed", "spurious", "exact"];
     let cells: Vec<Vec<String>> = rows
         .iter()
         .map(|row| {
@@ -111,6 +116,7 @@ fn text(rows: &[AccuracyRow]) -> String {
                 shown(frequency.worst, 2),
                 shown(loss_factor.median, 2),
                 shown(loss_factor.worst, 2),
+                shown(row.over_real[0].median, 2),
                 shown(row.coverage[0], 3),
                 shown(missed, 2),
                 shown(sure + weak, 2),
@@ -119,5 +125,8 @@ fn text(rows: &[AccuracyRow]) -> String {
             [row.case.name.to_owned(), row.method.to_string()].into_iter().chain(numbers).collect()
         })
         .collect();
-    format!("errors as root mean square over the Cramér-Rao bound, by modes\n{}", table(&HEADER, &cells))
+    format!(
+        "errors as root mean square over the Cramér-Rao bound of free residues (real: of one real shape per mode), by modes\n{}",
+        table(&HEADER, &cells)
+    )
 }
