@@ -16,6 +16,8 @@ pub struct ModeErrors {
     pub found: f64,
     /// The bounds of free residues: Hz, and of η.
     pub bound: [f64; 2],
+    /// The bounds with one real shape per mode.
+    pub bound_real: [f64; 2],
     /// Root mean square error over the bound of free residues.
     pub over_free: [f64; 2],
     /// Mean error over the same bound: what more seeds would not take away.
@@ -50,6 +52,7 @@ impl ModeErrors {
             loss_factor: known.loss_factor,
             found: found.len() as f64 / scores.len() as f64,
             bound: free,
+            bound_real: real,
             over_free: [0, 1].map(|e| over(e, free[e])),
             bias_over_free: [0, 1].map(|e| mean(found.iter().map(|found| ERRORS[e](found) / free[e]))),
             over_rank_one: [0, 1].map(|e| over(e, rank_one[e])),

@@ -2,6 +2,7 @@
 
 use crate::accuracy::AccuracyRow;
 use crate::cases::Case;
+use crate::statistics::root_mean_square;
 use chladni_report::{Anchor, Axis, Chart, Colour, Dash, Figure, Height, Layer, Mark, Place, Stroke};
 
 /// Width of the picture, px.
@@ -36,19 +37,18 @@ fn figure(rows: &[&AccuracyRow]) -> Option<Figure> {
     let on_front = front(&points);
     let mut best: Vec<Place> = shown.iter().filter(|&&k| on_front[k]).map(|&k| points[k]).collect();
     best.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let window = [0, 1].map(|axis| window(shown.iter().map(|&k| points[k][axis]).chain((axis == 1).then_some(1.0))));
+    let structured = root_mean_square(rows[0].modes.iter().map(|mode| mode.bound_real[0] / mode.bound[0]));
+    let bounds = [1.0, structured];
+    let window = [0, 1].map(|axis| window(shown.iter().map(|&k| points[k][axis]).chain(bounds.into_iter().filter(|_| axis == 1))));
     let [x, y] = window;
     let place = |front: bool| shown.iter().filter(|&&k| on_front[k] == front).map(|&k| points[k]).collect::<Vec<_>>();
     let mut chart = Chart::new(
         Axis::log("Time of a fit, median", "s").range(x),
-        Axis::log("Error of natural frequencies over the bound, rms", "–").range(y),
+        Axis::log("Error of natural frequencies over the bound of free residues, rms", "–").range(y),
     )
     .height(Height::Px(HEIGHT_PX))
-    .with(Layer::Horizontals {
-        name: Some("Cramér–Rao bound".into()),
-        at: vec![1.0],
-        stroke: Stroke::new(Colour::Ink, 1.4).dashed(Dash::Dashed),
-    })
+    .with(limit("bound of free residues", 1.0, Dash::Dashed))
+    .with(limit("bound of real shapes", structured, Dash::Dotted))
     .line("Pareto front", best, Stroke::new(Colour::Series(0), 2.0))
     .marks("on the front", place(true), Mark::Dot, Colour::Series(0), 10.0)
     .marks("dominated", place(false), Mark::Ring, Colour::Muted, 9.0);
@@ -63,6 +63,11 @@ fn figure(rows: &[&AccuracyRow]) -> Option<Figure> {
         width: WIDTH_PX,
         charts: vec![chart],
     })
+}
+
+/// A Cramér-Rao bound.
+fn limit(name: &str, at: f64, dash: Dash) -> Layer {
+    Layer::Horizontals { name: Some(name.into()), at: vec![at], stroke: Stroke::new(Colour::Ink, 1.4).dashed(dash) }
 }
 
 /// Method, and how its count of modes is wrong.
