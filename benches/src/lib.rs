@@ -1,38 +1,37 @@
-//! Named problems that speed and accuracy runs share.
+//! Speed against accuracy: named cases with known truth, every method on each of them, and the time of each stage.
+//!
+//! * [`CASES`], [`Problem`]: the truth, the noise of a seed, the Cramér-Rao bounds
+//! * [`accuracy`]: errors over the bound, coverage of the error bars, missed and spurious modes, time; [`accuracy_figures`] draws
+//!   error against time with the Pareto front
+//! * [`profile`]: stage times, and the floor that no method can go below
+//!
+//! `chladni bench` writes the files; `docs/accuracy.md` says what they show. Criterion's benches of single stages are in `benches/`.
 
-use chladni_plate::{simulate, Panel, Simulation};
-use chladni_render::Scene;
-use ndarray::Array1;
-use std::path::Path;
+mod accuracy;
+mod accuracy_tables;
+mod cases;
+mod csv;
+mod demonstration;
+mod floor;
+mod large;
+mod memory;
+mod mode_errors;
+mod pareto;
+mod problem;
+mod profile;
+mod score;
+mod stage_chart;
+mod statistics;
 
-/// The glass panel of the demonstration: 77 responses, 34 references, 1997 lines, 40 dB, 25 modes in the band.
-///
-/// # Panics
-/// Never: the panel is a constant.
-pub fn panel_77x34_1997_lines() -> Simulation {
-    let panel = Panel::from_toml(include_str!("../../fixtures/panel.toml"), 2 << 30).expect("the committed panel");
-    simulate(&panel, None, None).expect("the committed panel")
-}
-
-/// Eight separate modes, twelve FRFs, 2200 lines, 40 dB.
-///
-/// # Panics
-/// Never: the case is a constant.
-pub fn easy_12_frfs() -> chladni_frf::FrfSet {
-    let case = chladni_plate::Synthetic {
-        natural_frequency_hz: vec![31.0, 52.0, 78.0, 101.0, 133.0, 160.0, 187.0, 215.0],
-        responses: 6,
-        references: 2,
-        frequency_hz: Array1::range(20.0, 240.0, 0.1),
-        ..chladni_plate::Synthetic::default()
-    };
-    case.build().expect("a constant case").frf
-}
-
-/// The first quarter of the panel felt at 300 Hz, the rest quiet.
-///
-/// # Panics
-/// Never: the scene is a constant.
-pub fn corner_scene() -> Scene {
-    Scene::parse(include_str!("../../fixtures/scene-corner.toml"), Path::new("")).expect("the committed scene")
-}
+pub use accuracy::{accuracy, AccuracyOptions, AccuracyRow};
+pub use accuracy_tables::{accuracy_csv, accuracy_modes_csv};
+pub use cases::{Case, Target, CASES};
+pub use demonstration::{corner_scene, panel_77x34_1997_lines};
+pub use floor::Floor;
+pub use large::{large, Size};
+pub use mode_errors::{ModeErrors, Spread};
+pub use pareto::{accuracy_figures, front};
+pub use problem::{Bounds, Problem};
+pub use profile::{profile, profile_csv, ProfileCase, ProfileOptions, ProfileRow, PROFILE_CASES};
+pub use score::{Match, Score};
+pub use stage_chart::profile_figure;

@@ -1,6 +1,6 @@
 //! The commands, and the options that all of them have.
 
-use crate::{convert, demo, evaluate, fit, info, render, report, shell, simulate};
+use crate::{bench, convert, demo, evaluate, fit, info, render, report, shell, simulate};
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 
 /// Modal identification of plates from measured FRFs, and vibration rendering with it
@@ -41,6 +41,9 @@ pub enum Command {
     Evaluate(evaluate::Args),
     /// Write models and weights as one HTML page
     Report(report::Args),
+    /// Measure speed and accuracy on cases whose truth is known
+    #[command(subcommand)]
+    Bench(bench::Bench),
     /// Print completions for a shell
     Completions(shell::CompletionsArgs),
     /// Print a manual page

@@ -4,7 +4,7 @@ use crate::console::Console;
 use crate::fit::{echo_of, fit_model};
 use crate::input::source;
 use crate::outcome::Outcome;
-use crate::output::{Output, FRF, HTML, MODEL, SCENE, WEIGHTS};
+use crate::output::{make_folder, Output, FRF, HTML, MODEL, SCENE, WEIGHTS};
 use crate::render::{render_scene, write_weights};
 use crate::report::write_page;
 use crate::table::{counted, table};
@@ -98,16 +98,7 @@ impl Files {
             weights: numbered("weights", "json"),
             report: folder.join("report.html"),
         };
-        if !folder.is_dir() {
-            std::fs::create_dir(folder).map_err(|error| {
-                Error::new(ErrorKind::CannotCreate, format!("cannot create the folder: {error}"))
-                    .file(folder)
-                    .field("-o")
-                    .found(if folder.exists() { "a file of that name" } else { "nothing" })
-                    .expected("a new or existing folder inside an existing one")
-                    .help("choose another folder with -o")
-            })?;
-        }
+        make_folder(folder)?;
         for path in files.all() {
             Output::new(path, &[FRF, MODEL, SCENE, HTML].concat(), &[], console)?;
         }

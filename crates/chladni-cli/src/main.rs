@@ -3,6 +3,7 @@
 // the error carries file, line, field and advice; it is built once, where a run ends
 
 mod args;
+mod bench;
 mod console;
 mod convert;
 mod demo;
@@ -56,6 +57,7 @@ fn run(command: &Command, common: &Common, console: &Console) -> Result<Outcome>
         Command::Render(args) => render::run(args, console),
         Command::Evaluate(args) => evaluate::run(args, console),
         Command::Report(args) => report::run(args, console),
+        Command::Bench(what) => bench::run(what, console),
         Command::Completions(args) => Ok(shell::completions(args)),
         Command::Man(args) => shell::man(args),
     }

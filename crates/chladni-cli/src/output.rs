@@ -17,6 +17,29 @@ pub const SCENE: &[&str] = &["toml"];
 /// Extensions of reports.
 pub const HTML: &[&str] = &["html", "htm"];
 
+/// Extensions of tables.
+pub const TABLE: &[&str] = &["csv"];
+/// Extensions of pictures.
+pub const PICTURE: &[&str] = &["svg", "png"];
+
+/// Makes `folder` where it does not exist.
+///
+/// # Errors
+/// [`ErrorKind::CannotCreate`].
+pub fn make_folder(folder: &Path) -> Result<()> {
+    if folder.is_dir() {
+        return Ok(());
+    }
+    std::fs::create_dir(folder).map_err(|error| {
+        Error::new(ErrorKind::CannotCreate, format!("cannot create the folder: {error}"))
+            .file(folder)
+            .field("-o")
+            .found(if folder.exists() { "a file of that name" } else { "nothing" })
+            .expected("a new or existing folder inside an existing one")
+            .help("choose another folder with -o")
+    })
+}
+
 /// A place that a result may be written to.
 pub struct Output<'a> {
     path: &'a Path,

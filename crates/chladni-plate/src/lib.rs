@@ -2,7 +2,8 @@
 //!
 //! A [`Panel`] (plate, measured grid, driven points, frequency axis, noise) becomes a [`Simulation`]: an FRF set, and the modal model
 //! whose synthesis gives that set without its noise. [`Synthetic`] makes FRFs of abstract modes, without a plate, for tests of
-//! identification, and [`cramer_rao`] says how well any unbiased method can find their poles.
+//! identification, and [`cramer_rao`] says how well any unbiased method can find their poles ([`cramer_rao_rank_one`], [`cramer_rao_real`]:
+//! with one shape, one real shape per mode).
 //!
 //! # Equations
 //!
@@ -19,6 +20,7 @@
 // the error carries file, line, field and advice; it is built once, where a run ends
 
 mod cramer_rao;
+mod cramer_rao_structured;
 mod edge_basis;
 mod layout;
 mod modes;
@@ -33,6 +35,7 @@ mod synthetic;
 pub mod tolerances;
 
 pub use cramer_rao::{cramer_rao, CramerRao};
+pub use cramer_rao_structured::{cramer_rao_rank_one, cramer_rao_real};
 pub use layout::Layout;
 pub use modes::PlateModes;
 pub use noise::{add_noise_of_variance, add_white_noise, gain_noise, mean_square, outliers};

@@ -1,7 +1,7 @@
 //! Cramér-Rao bounds against a closed form, against derivatives by differences, and against an efficient estimator.
 
 use chladni_frf::{Damping, FrfKind};
-use chladni_plate::{cramer_rao, synthesise, Synthetic};
+use chladni_plate::{cramer_rao, cramer_rao_rank_one, cramer_rao_real, synthesise, Synthetic, SyntheticShapes};
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 
@@ -161,4 +161,117 @@ fn what_cannot_be_told_apart_is_said() {
     let mut empty = truth;
     empty.modes.clear();
     assert!(cramer_rao(&empty, &spec.frequency_hz, 1.0, &[]).unwrap().frequency_std_hz.is_empty());
+}
+
+#[test]
+fn with_one_shape_per_mode_the_bound_is_the_inverse_of_the_full_information_matrix() {
+    // every unknown (poles, shapes, participations but one of each mode, residual coefficients of each FRF), by differences
+    let spec = Synthetic {
+        natural_frequency_hz: vec![50.0, 50.4],
+        loss_factor: vec![0.02, 0.03],
+        responses: 2,
+        references: 3,
+        frequency_hz: Array1::range(40.0, 60.0, 0.5),
+        ..Synthetic::default()
+    };
+    for (responses, references, real) in [(2, 3, false), (3, 2, false), (2, 3, true), (3, 2, true)] {
+        let shapes = if real { SyntheticShapes::Real } else { SyntheticShapes::Complex };
+        let truth = Synthetic { responses, references, shapes, ..spec.clone() }.build().unwrap().truth;
+        let powers = [-2, 0];
+        let bound = if real { cramer_rao_real } else { cramer_rao_rank_one };
+        let bound = bound(&truth, &spec.frequency_hz, 1.0, &powers).unwrap();
+        let tau = std::f64::consts::TAU;
+        // unknowns in order: Re-scaled poles, shapes, participations after the first, residual terms
+        let pole = |n: usize| (tau * truth.modes[n].frequency_hz).powi(2) * Complex64::new(1.0, truth.modes[n].loss_factor);
+        let per_mode = 1 + responses + references - 1;
+        let start: Vec<Complex64> = (0..2)
+            .flat_map(|n| {
+                let mode = &truth.modes[n];
+                std::iter::once(pole(n)).chain(mode.shape.0.clone()).chain(mode.participation.0[1..].to_vec())
+            })
+            .chain(std::iter::repeat_n(Complex64::default(), powers.len() * responses * references))
+            .collect();
+        let frf = |unknowns: &[Complex64]| -> Vec<Complex64> {
+            let mut all = Vec::new();
+            for pair in 0..responses * references {
+                let (i, j) = (pair / references, pair % references);
+                for &f in &spec.frequency_hz {
+                    let omega = tau * f;
+                    let mut value = Complex64::default();
+                    for n in 0..2 {
+                        let own = &unknowns[n * per_mode..(n + 1) * per_mode];
+                        let participation = if j == 0 { truth.modes[n].participation.0[0] } else { own[responses + j] };
+                        value += own[1 + i] * participation / (own[0] - omega * omega);
+                    }
+                    for (p, &power) in powers.iter().enumerate() {
+                        value += unknowns[2 * per_mode + pair * powers.len() + p] * (f / 60.0f64).powi(power) * 1e-6;
+                    }
+                    all.push(value * Complex64::new(0.0, omega));
+                }
+            }
+            all
+        };
+        let columns: Vec<Vec<Complex64>> = (0..start.len())
+            .map(|u| {
+                let step = 1e-6 * start[u].norm().max(1.0);
+                let moved = |sign: f64| {
+                    let mut unknowns = start.clone();
+                    unknowns[u] += sign * step;
+                    frf(&unknowns)
+                };
+                moved(1.0).iter().zip(moved(-1.0)).map(|(up, down)| (up - down) / (2.0 * step)).collect()
+            })
+            .collect();
+        let scale: Vec<f64> = columns.iter().map(|c| c.iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt()).collect();
+        let jacobian = Array2::from_shape_fn((columns[0].len(), columns.len()), |(k, u)| columns[u][k] / scale[u]);
+        // real unknowns: the real parts of all, the imaginary parts of those that may be complex
+        let (height, count) = jacobian.dim();
+        let complex = (0..count).filter(|&u| !real || u % per_mode == 0 || u >= 2 * per_mode).collect::<Vec<_>>();
+        let stacked = Array2::from_shape_fn((2 * height, count + complex.len()), |(k, u)| {
+            let value = if u < count { jacobian[[k % height, u]] } else { jacobian[[k % height, complex[u - count]]] * Complex64::i() };
+            if k < height {
+                value.re
+            } else {
+                value.im
+            }
+        });
+        let information = chladni_linalg::matmul_h(stacked.view(), stacked.view());
+        let covariance = chladni_linalg::inverse_hermitian(information.view()).unwrap();
+        for n in 0..2 {
+            let (re, im) = (n * per_mode, count + complex.iter().position(|&u| u == n * per_mode).unwrap());
+            let eta = truth.modes[n].loss_factor;
+            let unit = (0.5f64).sqrt() / scale[re] / pole(n).re;
+            let frequency = unit * covariance[[re, re]].sqrt();
+            let loss_factor = unit * (covariance[[im, im]] + eta * eta * covariance[[re, re]] - 2.0 * eta * covariance[[re, im]]).sqrt();
+            let found = bound.frequency_std_hz[n] / truth.modes[n].frequency_hz * 2.0;
+            assert!((found / frequency - 1.0).abs() < 1e-4, "mode {n}, real {real}: {found:e} against {frequency:e}");
+            let found = bound.loss_factor_std[n];
+            assert!((found / loss_factor - 1.0).abs() < 1e-4, "mode {n}, real {real}: {found:e} against {loss_factor:e}");
+        }
+    }
+}
+
+#[test]
+fn one_shape_per_mode_helps_close_modes_and_only_with_several_references() {
+    let bounds = |references: usize, bandwidths: f64| {
+        let spec = Synthetic {
+            natural_frequency_hz: vec![50.0, 50.0 + bandwidths],
+            loss_factor: vec![0.02],
+            responses: 12,
+            references,
+            frequency_hz: Array1::range(30.0, 70.0, 0.1),
+            ..Synthetic::default()
+        };
+        let truth = spec.build().unwrap().truth;
+        let free = cramer_rao(&truth, &spec.frequency_hz, 1.0, &[0]).unwrap();
+        let rank_one = cramer_rao_rank_one(&truth, &spec.frequency_hz, 1.0, &[0]).unwrap();
+        let real = cramer_rao_real(&truth, &spec.frequency_hz, 1.0, &[0]).unwrap();
+        [free.frequency_std_hz[0] / rank_one.frequency_std_hz[0], rank_one.frequency_std_hz[0] / real.frequency_std_hz[0]]
+    };
+    assert!((bounds(1, 0.1)[0] - 1.0).abs() < 1e-6, "one reference says nothing more");
+    let ([near, _], [middle, _], [far, real]) = (bounds(3, 0.1), bounds(3, 1.0), bounds(3, 10.0));
+    assert!(near > 4.0 && near > middle && middle > 1.05, "{near} {middle}");
+    assert!((1.0..1.02).contains(&far), "{far}");
+    // a phase known to be zero is worth √2 in the frequency of a lone mode, and a little more beside a residual term
+    assert!((1.41..1.5).contains(&real), "{real}");
 }

@@ -1,0 +1,149 @@
+//! Accuracy against time: every method on every case, over many noise seeds, measured by the Cramér-Rao bound.
+
+use crate::cases::Case;
+use crate::mode_errors::{ModeErrors, Spread};
+use crate::problem::{Bounds, Problem};
+use crate::score::Score;
+use crate::statistics::{mean, median, quantile, root_mean_square};
+use chladni_frf::Result;
+use chladni_rfp::{fit, FitOptions, Method, ShapeModel};
+use std::time::Instant;
+
+/// Methods that do not maximise a likelihood scatter so far above the bound that one seed in so many tells as much.
+const FEWER_SEEDS: usize = 10;
+/// Seeds of the worst outcomes that a row names.
+const NAMED_SEEDS: usize = 5;
+
+/// What to run.
+#[derive(Debug, Clone)]
+pub struct AccuracyOptions {
+    /// Cases.
+    pub cases: Vec<&'static Case>,
+    /// Methods.
+    pub methods: Vec<Method>,
+    /// What shapes may be while poles are refined.
+    pub shapes: ShapeModel,
+    /// Number of noise seeds of the methods that maximise the likelihood; others take a tenth of them, two at least.
+    pub seeds: usize,
+    /// The first of them; the others follow it.
+    pub first_seed: u64,
+}
+
+/// What one method made of one case.
+#[derive(Debug, Clone)]
+pub struct AccuracyRow {
+    /// The case.
+    pub case: &'static Case,
+    /// The method.
+    pub method: Method,
+    /// Noise seeds.
+    pub seeds: usize,
+    /// Seconds of each fit: median, first and third quartile.
+    pub time_s: [f64; 3],
+    /// Root mean square error over the bound of free residues: natural frequencies and loss factors.
+    pub over_free: [Spread; 2],
+    /// The same over the bound with one shape per mode.
+    pub over_rank_one: [Spread; 2],
+    /// The same over the bound with one real shape per mode.
+    pub over_real: [Spread; 2],
+    /// Root mean square error of all natural frequencies over the bound of free residues, a missed mode counting as half its
+    /// bandwidth.
+    pub with_missed: f64,
+    /// Share of the 95 % intervals that hold the truth: natural frequencies, loss factors, shape entries.
+    pub coverage: [f64; 3],
+    /// Each mode in the band.
+    pub modes: Vec<ModeErrors>,
+    /// Missed, spurious as sure, spurious as weak: mean per fit.
+    pub miscounts: [f64; 3],
+    /// Share of the fits with the exact count.
+    pub exact: f64,
+    /// Fits that went wrong (missed or spurious modes) though they say that they can be trusted and all modes are sure.
+    pub silent: usize,
+    /// First seeds whose count is not exact.
+    pub wrong_seeds: Vec<u64>,
+    /// Modal assurance criterion with the true shape: median and least.
+    pub mac: [f64; 2],
+    /// Rms error of the FRFs against those without noise, dB re their rms.
+    pub frf_error_db: f64,
+    /// Largest relative error of a natural frequency that was found.
+    pub frequency_error: f64,
+    /// The largest bound of a natural frequency, in half-power bandwidths of its mode.
+    pub bound_over_bandwidth: f64,
+}
+
+/// Runs every method on every case; `progress` hears what is being done.
+///
+/// # Errors
+/// None for the cases of this crate: a fit that cannot be made counts as one that found nothing.
+pub fn accuracy(options: &AccuracyOptions, progress: &dyn Fn(&str)) -> Result<Vec<AccuracyRow>> {
+    let mut rows = Vec::new();
+    for &case in &options.cases {
+        progress(&format!("{}: truth and bounds", case.name));
+        let problem = case.problem()?;
+        let bounds = problem.bounds()?;
+        for &method in &options.methods {
+            let seeds = if statistical(method) { options.seeds } else { (options.seeds / FEWER_SEEDS).max(2).min(options.seeds) };
+            progress(&format!("{}: {method}, {seeds} seeds", case.name));
+            let fits: Vec<(u64, Score, f64)> =
+                (options.first_seed..).take(seeds).map(|seed| run(&problem, method, options.shapes, seed)).collect();
+            rows.push(AccuracyRow::new(case, method, &problem, bounds.as_ref(), &fits));
+        }
+    }
+    Ok(rows)
+}
+
+/// True for the methods that end in a maximum-likelihood step.
+fn statistical(method: Method) -> bool {
+    matches!(method.as_str(), "auto" | "lean")
+}
+
+/// Seed, score and seconds of one fit.
+fn run(problem: &Problem, method: Method, shapes: ShapeModel, seed: u64) -> (u64, Score, f64) {
+    let frf = problem.measured(seed);
+    let modes = problem.truth.in_band_modes().count();
+    // `lean` is for those who know the order
+    let options = FitOptions { method, shapes, modes: (method.as_str() == "lean").then_some(modes), ..FitOptions::default() };
+    let start = Instant::now();
+    let fitted = fit(&frf, &options, &|_| {});
+    let time_s = start.elapsed().as_secs_f64();
+    (seed, fitted.map_or_else(|_| Score::failed(problem), |fitted| Score::new(&fitted.model, problem)), time_s)
+}
+
+impl AccuracyRow {
+    fn new(case: &'static Case, method: Method, problem: &Problem, bounds: Option<&Bounds>, fits: &[(u64, Score, f64)]) -> Self {
+        let (scores, times): (Vec<Score>, Vec<f64>) = fits.iter().map(|(_, score, time_s)| (score.clone(), *time_s)).unzip();
+        let modes: Vec<ModeErrors> =
+            problem.truth.in_band_modes().enumerate().map(|(n, known)| ModeErrors::new(n, known, bounds, &scores)).collect();
+        let per_fit = |count: fn(&Score) -> usize| mean(scores.iter().map(|score| count(score) as f64));
+        let found = || scores.iter().flat_map(|score| score.matches.iter().flatten());
+        let covered = |which: usize| mean(modes.iter().map(|mode| mode.coverage[which]).filter(|share| !share.is_nan()));
+        let macs: Vec<f64> = found().map(|found| found.mac).collect();
+        let wrong = || fits.iter().filter(|(_, score, _)| !score.exact());
+        Self {
+            case,
+            method,
+            seeds: scores.len(),
+            time_s: [0.5, 0.25, 0.75].map(|share| quantile(&times, share)),
+            over_free: [0, 1].map(|which| Spread::new(&modes, |mode| mode.over_free[which])),
+            over_rank_one: [0, 1].map(|which| Spread::new(&modes, |mode| mode.over_rank_one[which])),
+            over_real: [0, 1].map(|which| Spread::new(&modes, |mode| mode.over_real[which])),
+            with_missed: root_mean_square(modes.iter().map(ModeErrors::with_missed)),
+            coverage: [covered(0), covered(1), mean(found().map(|found| found.shape_covered))],
+            miscounts: [per_fit(Score::missed), per_fit(|score| score.spurious_sure), per_fit(|score| score.spurious_weak)],
+            exact: 1.0 - wrong().count() as f64 / scores.len() as f64,
+            silent: wrong().filter(|(_, score, _)| score.confident).count(),
+            wrong_seeds: wrong().map(|(seed, ..)| *seed).take(NAMED_SEEDS).collect(),
+            mac: [median(&macs), quantile(&macs, 0.0)],
+            frf_error_db: 20.0 * median(&scores.iter().map(|score| score.frf_error).collect::<Vec<_>>()).log10(),
+            frequency_error: Spread::new(&modes, |mode| mode.relative_error).worst,
+            bound_over_bandwidth: Spread::new(&modes, |mode| mode.bound_over_bandwidth).worst,
+            modes,
+        }
+    }
+
+    /// True where the case has a target and it is reached; `None` where it has none.
+    pub fn on_target(&self) -> Option<bool> {
+        let target = self.case.target?;
+        Some(self.over_free.iter().all(|spread| spread.median <= target.median && spread.worst <= target.worst))
+    }
+}

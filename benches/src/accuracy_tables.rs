@@ -1,0 +1,98 @@
+//! The tables of accuracy: a row for each method and case, and a row for each of their modes.
+
+use crate::accuracy::AccuracyRow;
+use crate::csv;
+use crate::mode_errors::ModeErrors;
+
+/// Columns of the table of methods and cases.
+const HEADER: [&str; 33] = [
+    "case",
+    "method",
+    "time_s",
+    "frequency_rmse_over_crlb",
+    "frequency_worst_rmse_over_crlb",
+    "loss_factor_rmse_over_crlb",
+    "loss_factor_worst_rmse_over_crlb",
+    "frequency_rmse_over_rank_one_crlb",
+    "frequency_worst_rmse_over_rank_one_crlb",
+    "loss_factor_rmse_over_rank_one_crlb",
+    "loss_factor_worst_rmse_over_rank_one_crlb",
+    "frequency_rmse_over_real_crlb",
+    "frequency_worst_rmse_over_real_crlb",
+    "loss_factor_rmse_over_real_crlb",
+    "loss_factor_worst_rmse_over_real_crlb",
+    "frequency_rmse_with_missed_over_crlb",
+    "frequency_coverage",
+    "loss_factor_coverage",
+    "shape_coverage",
+    "modes",
+    "missed",
+    "spurious_sure",
+    "spurious_weak",
+    "exact_share",
+    "silent_failures",
+    "wrong_seeds",
+    "mac_median",
+    "mac_least",
+    "frf_error_db",
+    "frequency_error_largest",
+    "crlb_over_bandwidth_largest",
+    "seeds",
+    "time_quartiles_s",
+];
+
+/// A row for each method and case, as CSV.
+pub fn accuracy_csv(rows: &[AccuracyRow]) -> String {
+    let comment = "errors over Cramer-Rao bounds: median over the modes and worst mode; missed and spurious: mean per fit; times: median";
+    csv::table(comment, &HEADER, rows.iter().map(cells))
+}
+
+fn cells(row: &AccuracyRow) -> Vec<String> {
+    let spreads = row.over_free.iter().chain(&row.over_rank_one).chain(&row.over_real).flat_map(|spread| [spread.median, spread.worst]);
+    let seeds: Vec<String> = row.wrong_seeds.iter().map(ToString::to_string).collect();
+    [row.case.name.to_owned(), row.method.to_string(), csv::number(row.time_s[0])]
+        .into_iter()
+        .chain(spreads.chain([row.with_missed]).chain(row.coverage).map(csv::number))
+        .chain([row.modes.len().to_string()])
+        .chain(row.miscounts.into_iter().chain([row.exact]).map(csv::number))
+        .chain([row.silent.to_string(), seeds.join(" ")])
+        .chain(row.mac.into_iter().chain([row.frf_error_db, row.frequency_error, row.bound_over_bandwidth]).map(csv::number))
+        .chain([row.seeds.to_string(), format!("{} {}", csv::number(row.time_s[1]), csv::number(row.time_s[2]))])
+        .collect()
+}
+
+/// Columns of the table of modes.
+const MODE_HEADER: [&str; 19] = [
+    "case",
+    "method",
+    "mode",
+    "frequency_hz",
+    "loss_factor",
+    "found_share",
+    "frequency_crlb_hz",
+    "loss_factor_crlb",
+    "frequency_rmse_over_crlb",
+    "loss_factor_rmse_over_crlb",
+    "frequency_bias_over_crlb",
+    "loss_factor_bias_over_crlb",
+    "frequency_rmse_over_rank_one_crlb",
+    "loss_factor_rmse_over_rank_one_crlb",
+    "frequency_rmse_over_real_crlb",
+    "loss_factor_rmse_over_real_crlb",
+    "frequency_coverage",
+    "loss_factor_coverage",
+    "frequency_error_largest",
+];
+
+/// A row for each mode of each method and case, as CSV.
+pub fn accuracy_modes_csv(rows: &[AccuracyRow]) -> String {
+    let comment = "each mode of each case; bias: mean error over the bound, which scatters by 1/sqrt(seeds) where there is none";
+    let modes = rows.iter().flat_map(|row| row.modes.iter().enumerate().map(move |(n, mode)| mode_cells(row, n, mode)));
+    csv::table(comment, &MODE_HEADER, modes)
+}
+
+fn mode_cells(row: &AccuracyRow, n: usize, mode: &ModeErrors) -> Vec<String> {
+    let pairs = [mode.bound, mode.over_free, mode.bias_over_free, mode.over_rank_one, mode.over_real, mode.coverage];
+    let numbers = [mode.frequency_hz, mode.loss_factor, mode.found].into_iter().chain(pairs.concat()).chain([mode.relative_error]);
+    [row.case.name.to_owned(), row.method.to_string(), (n + 1).to_string()].into_iter().chain(numbers.map(csv::number)).collect()
+}

@@ -1,0 +1,130 @@
+//! The chart of error against time, with the Pareto front: the methods that no other beats in both.
+
+use crate::accuracy::AccuracyRow;
+use crate::cases::Case;
+use crate::statistics::root_mean_square;
+use chladni_report::{Anchor, Axis, Chart, Colour, Dash, Figure, Height, Layer, Mark, Place, Stroke};
+
+/// Width of the picture, px.
+const WIDTH_PX: f64 = 720.0;
+/// Height of the plotted box, px.
+const HEIGHT_PX: f64 = 360.0;
+/// Distance of two names, part of the plotted box's height.
+const NAME_STEP: f64 = 0.055;
+/// From a mark to its name, part of the plotted box's width.
+const NAME_GAP: f64 = 0.014;
+
+/// True for each point that no other beats in one coordinate without losing in the other (smaller is better; NaN never counts).
+pub fn front(points: &[Place]) -> Vec<bool> {
+    let beats = |a: &Place, b: &Place| a[0] <= b[0] && a[1] <= b[1] && a != b;
+    points.iter().map(|point| point.iter().all(|v| v.is_finite()) && !points.iter().any(|other| beats(other, point))).collect()
+}
+
+/// One figure for each case with a bound: time of a fit against its error over the bound.
+pub fn accuracy_figures(rows: &[AccuracyRow]) -> Vec<Figure> {
+    let mut names: Vec<&str> = rows.iter().map(|row| row.case.name).collect();
+    names.dedup();
+    names.into_iter().filter_map(|name| figure(&rows.iter().filter(|row| row.case.name == name).collect::<Vec<_>>())).collect()
+}
+
+fn figure(rows: &[&AccuracyRow]) -> Option<Figure> {
+    let points: Vec<Place> = rows.iter().map(|row| [row.time_s[0], row.with_missed]).collect();
+    let case: &Case = rows.first()?.case;
+    let shown: Vec<usize> = (0..rows.len()).filter(|&k| points[k].iter().all(|value| value.is_finite() && *value > 0.0)).collect();
+    if shown.is_empty() {
+        return None;
+    }
+    let on_front = front(&points);
+    let mut best: Vec<Place> = shown.iter().filter(|&&k| on_front[k]).map(|&k| points[k]).collect();
+    best.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let structured = root_mean_square(rows[0].modes.iter().map(|mode| mode.bound_real[0] / mode.bound[0]));
+    let bounds = [1.0, structured];
+    let window = [0, 1].map(|axis| window(shown.iter().map(|&k| points[k][axis]).chain(bounds.into_iter().filter(|_| axis == 1))));
+    let [x, y] = window;
+    let place = |front: bool| shown.iter().filter(|&&k| on_front[k] == front).map(|&k| points[k]).collect::<Vec<_>>();
+    let mut chart = Chart::new(
+        Axis::log("Time of a fit, median", "s").range(x),
+        Axis::log("Error of natural frequencies over the bound of free residues, rms", "–").range(y),
+    )
+    .height(Height::Px(HEIGHT_PX))
+    .with(limit("bound of free residues", 1.0, Dash::Dashed))
+    .with(limit("bound of real shapes", structured, Dash::Dotted))
+    .line("Pareto front", best, Stroke::new(Colour::Series(0), 2.0))
+    .marks("on the front", place(true), Mark::Dot, Colour::Series(0), 10.0)
+    .marks("dominated", place(false), Mark::Ring, Colour::Muted, 9.0);
+    for (at, anchor, k) in names(&shown.iter().map(|&k| points[k]).collect::<Vec<_>>(), x, y) {
+        let row = rows[shown[k]];
+        chart = chart.with(Layer::Words { at, text: label(row), anchor, bold: on_front[shown[k]] });
+    }
+    Some(Figure {
+        name: format!("accuracy-{}", case.name),
+        title: format!("Error against time: {}", case.name),
+        caption: format!("{}. A missed mode counts as an error of half its bandwidth. Lower left is better.", case.about),
+        width: WIDTH_PX,
+        charts: vec![chart],
+    })
+}
+
+/// A Cramér-Rao bound.
+fn limit(name: &str, at: f64, dash: Dash) -> Layer {
+    Layer::Horizontals { name: Some(name.into()), at: vec![at], stroke: Stroke::new(Colour::Ink, 1.4).dashed(dash) }
+}
+
+/// Method, and how its count of modes is wrong.
+fn label(row: &AccuracyRow) -> String {
+    let [missed, sure, weak] = row.miscounts;
+    let words: Vec<String> = [(missed, "missed"), (sure + weak, "spurious")]
+        .into_iter()
+        .filter(|(count, _)| *count > 0.0)
+        .map(|(count, word)| format!("{} {word}", if count >= 10.0 { format!("{count:.0}") } else { format!("{count:.2}") }))
+        .collect();
+    match words.is_empty() {
+        true => row.method.to_string(),
+        false => format!("{} ({})", row.method, words.join(", ")),
+    }
+}
+
+/// Ends of a logarithmic axis with room around the values.
+fn window(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    let [low, high] = values.fold([f64::INFINITY, 0.0f64], |[low, high], value| [low.min(value), high.max(value)]);
+    let room = (high / low).powf(0.12).max(2.0);
+    [low / room, high * room]
+}
+
+/// Where the names of `points` stand, beside their marks and clear of each other: place, anchor, index.
+fn names(points: &[Place], x: [f64; 2], y: [f64; 2]) -> Vec<(Place, Anchor, usize)> {
+    let part = |value: f64, ends: [f64; 2]| (value / ends[0]).ln() / (ends[1] / ends[0]).ln();
+    let value = |part: f64, ends: [f64; 2]| ends[0] * (ends[1] / ends[0]).powf(part);
+    let mut order: Vec<usize> = (0..points.len()).collect();
+    order.sort_by(|&a, &b| points[a][1].total_cmp(&points[b][1]));
+    let mut lowest = 0.0f64;
+    order
+        .into_iter()
+        .map(|k| {
+            let [across, up] = [part(points[k][0], x), part(points[k][1], y)];
+            let height = up.max(lowest);
+            lowest = height + NAME_STEP;
+            let (anchor, side) = if across > 0.6 { (Anchor::End, -NAME_GAP) } else { (Anchor::Start, NAME_GAP) };
+            ([value(across + side, x), value(height, y)], anchor, k)
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_front_holds_what_nothing_beats() {
+        let points = [[1.0, 10.0], [2.0, 5.0], [3.0, 5.0], [4.0, 1.0], [5.0, 2.0], [0.5, f64::NAN]];
+        assert_eq!(front(&points), [true, true, false, true, false, false]);
+        assert_eq!(front(&[[1.0, 1.0], [1.0, 1.0]]), [true, true], "equals do not beat each other");
+    }
+
+    #[test]
+    fn names_keep_their_distance() {
+        let placed = names(&[[1.0, 1.0], [1.1, 1.0], [90.0, 50.0]], [0.5, 100.0], [0.5, 100.0]);
+        assert!(placed[1].0[1] > 1.25 * placed[0].0[1], "{placed:?}");
+        assert_eq!(placed[2].1, Anchor::End);
+    }
+}

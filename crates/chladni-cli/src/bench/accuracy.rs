@@ -1,0 +1,132 @@
+//! `chladni bench accuracy`.
+
+use super::{shown, Place};
+use crate::console::Console;
+use crate::outcome::Outcome;
+use crate::output::{Output, FRF, MODEL};
+use crate::table::table;
+use chladni_bench::{accuracy, accuracy_csv, accuracy_figures, accuracy_modes_csv, AccuracyOptions, AccuracyRow, Case, CASES};
+use chladni_frf::io::{write_contents, write_model, Contents};
+use chladni_frf::Result;
+use chladni_rfp::ShapeModel;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use serde_json::json;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// The tables: a row for each case and method, a row for each of their modes.
+const TABLES: [&str; 2] = ["accuracy.csv", "accuracy-modes.csv"];
+/// Seeds of a full run.
+const SEEDS: usize = 100;
+/// Seeds of a quick run.
+const QUICK_SEEDS: usize = 4;
+
+/// Arguments of `bench accuracy`.
+#[derive(Debug, clap::Args)]
+#[command(before_help = "Examples:
+  chladni bench accuracy -o bench --quick
+  chladni bench accuracy -o bench --case panel --method auto --seeds 100
+
+Writes accuracy.csv (a row for each case and method), accuracy-modes.csv (a row for each of their modes) and
+accuracy-CASE.svg/png (error against time with the Pareto front).")]
+pub struct Args {
+    #[command(flatten)]
+    place: Place,
+    /// Noise seeds of each case for the methods that maximise the likelihood; others take a tenth of them [default: 100; quick: 4]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    seeds: Option<u32>,
+    /// First noise seed; the others follow it
+    #[arg(long, value_name = "S", default_value_t = 0)]
+    seed: u64,
+    /// What shapes may be while poles are refined, as in `fit`
+    #[arg(long, value_name = "MODEL", default_value = "auto", value_parser = PossibleValuesParser::new(ShapeModel::ALL.map(ShapeModel::as_str))
+        .try_map(|name| name.parse::<ShapeModel>()))]
+    shapes: ShapeModel,
+    /// Also write the FRFs of the first fits whose count of modes is wrong, frf-CASE-SEED.h5, and truth-CASE.json
+    #[arg(long)]
+    export_wrong: bool,
+    /// Cases to run; may be repeated [default: all]
+    #[arg(long = "case", value_name = "CASE", value_parser = PossibleValuesParser::new(CASES.map(|case| case.name))
+        .try_map(|name| Case::named(&name).ok_or("no such case")))]
+    cases: Vec<&'static Case>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Those of writing.
+pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
+    args.place.prepare(&TABLES, console)?;
+    let cases =
+        if args.cases.is_empty() { CASES.iter().filter(|case| case.quick || !args.place.quick).collect() } else { args.cases.clone() };
+    let seeds = args.seeds.map_or(if args.place.quick { QUICK_SEEDS } else { SEEDS }, |seeds| seeds as usize);
+    let options = AccuracyOptions { cases, methods: args.place.methods(), shapes: args.shapes, seeds, first_seed: args.seed };
+    let rows = accuracy(&options, &|stage| console.stage(stage))?;
+    let tables = [(TABLES[0], accuracy_csv(&rows)), (TABLES[1], accuracy_modes_csv(&rows))];
+    let mut files = args.place.write(&tables, &accuracy_figures(&rows), console)?;
+    if args.export_wrong {
+        files.extend(export_wrong(&rows, &args.place.output, console)?);
+    }
+    let wrong = |row: &AccuracyRow| row.on_target() == Some(false);
+    let json = json!({
+        "output": args.place.output.display().to_string(),
+        "files": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
+        "seeds": seeds,
+        "rows": rows.len(),
+        "off_target": rows.iter().filter(|row| wrong(row)).map(|row| json!({"case": row.case.name, "method": row.method.as_str()})).collect::<Vec<_>>(),
+        "warnings": console.warnings(),
+    });
+    let folder = args.place.output.display();
+    Ok(Outcome::written(&args.place.output, json, format!("{}\nthe rest stands in {folder}/accuracy.csv\n", text(&rows))))
+}
+
+/// Writes the measurements that were counted wrong, so that they can be fitted and looked at as any other.
+fn export_wrong(rows: &[AccuracyRow], folder: &Path, console: &Console) -> Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for case in CASES {
+        let seeds: BTreeSet<u64> = rows.iter().filter(|row| row.case.name == case.name).flat_map(|row| row.wrong_seeds.clone()).collect();
+        if seeds.is_empty() {
+            continue;
+        }
+        let problem = case.problem()?;
+        let truth = folder.join(format!("truth-{}.json", case.name));
+        Output::new(&truth, MODEL, &[], console)?.write(|path, force| write_model(path, &problem.truth, force))?;
+        files.push(truth);
+        for seed in seeds {
+            let contents = Contents { frf: Some(problem.measured(seed)), ..Contents::default() };
+            let path = folder.join(format!("frf-{}-{seed}.h5", case.name));
+            Output::new(&path, FRF, &[], console)?.write(|path, force| write_contents(path, &contents, force))?;
+            files.push(path);
+        }
+    }
+    Ok(files)
+}
+
+fn text(rows: &[AccuracyRow]) -> String {
+    const HEADER: [&str; 12] =
+        ["case", "method", "time, s", "f: median", "worst", "η: median", "worst", "f, real", "f covered", "missed", "spurious", "exact"];
+    let cells: Vec<Vec<String>> = rows
+        .iter()
+        .map(|row| {
+            let [frequency, loss_factor] = row.over_free;
+            let [missed, sure, weak] = row.miscounts;
+            let numbers = [
+                shown(row.time_s[0], 3),
+                shown(frequency.median, 2),
+                shown(frequency.worst, 2),
+                shown(loss_factor.median, 2),
+                shown(loss_factor.worst, 2),
+                shown(row.over_real[0].median, 2),
+                shown(row.coverage[0], 3),
+                shown(missed, 2),
+                shown(sure + weak, 2),
+                shown(row.exact, 2),
+            ];
+            [row.case.name.to_owned(), row.method.to_string()].into_iter().chain(numbers).collect()
+        })
+        .collect();
+    format!(
+        "errors as root mean square over the Cramér-Rao bound of free residues (real: of one real shape per mode), by modes\n{}",
+        table(&HEADER, &cells)
+    )
+}

@@ -1,0 +1,94 @@
+//! `chladni bench`: speed and accuracy on cases whose truth is known.
+
+mod accuracy;
+mod profile;
+
+use crate::console::Console;
+use crate::outcome::Outcome;
+use crate::output::{make_folder, Output, PICTURE, TABLE};
+use chladni_frf::io::write_atomically;
+use chladni_frf::Result;
+use chladni_report::Figure;
+use chladni_rfp::Method;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use std::path::PathBuf;
+
+/// Pixels of a PNG file per px of the picture.
+const PNG_SCALE: f64 = 2.0;
+
+/// What to measure.
+#[derive(Debug, clap::Subcommand)]
+pub enum Bench {
+    /// Error against time: every method on every case, over many noise seeds, measured by the Cramér-Rao bound
+    Accuracy(accuracy::Args),
+    /// Time of each stage of a fit, and the floor that no method can go below
+    Profile(profile::Args),
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Those of writing.
+pub fn run(what: &Bench, console: &Console) -> Result<Outcome> {
+    match what {
+        Bench::Accuracy(args) => accuracy::run(args, console),
+        Bench::Profile(args) => profile::run(args, console),
+    }
+}
+
+/// Options of all benches.
+#[derive(Debug, clap::Args)]
+pub struct Place {
+    /// Folder to write into
+    #[arg(short, value_name = "DIR")]
+    output: PathBuf,
+    /// Fewer cases and seeds: within a minute on two cores
+    #[arg(long)]
+    quick: bool,
+    /// Methods to run; may be repeated [default: all]
+    #[arg(long = "method", value_name = "METHOD", value_parser = PossibleValuesParser::new(Method::ALL.map(Method::as_str))
+        .try_map(|name| name.parse::<Method>()))]
+    methods: Vec<Method>,
+}
+
+impl Place {
+    fn methods(&self) -> Vec<Method> {
+        if self.methods.is_empty() {
+            Method::ALL.to_vec()
+        } else {
+            self.methods.clone()
+        }
+    }
+
+    /// Makes the folder and refuses, before the work, tables that stand there already.
+    fn prepare(&self, tables: &[&str], console: &Console) -> Result<()> {
+        make_folder(&self.output)?;
+        tables.iter().try_for_each(|name| Output::new(&self.output.join(name), TABLE, &[], console).map(drop))
+    }
+
+    /// Writes tables, and figures as SVG and PNG; returns the files.
+    fn write(&self, tables: &[(&str, String)], figures: &[Figure], console: &Console) -> Result<Vec<PathBuf>> {
+        console.stage("writing");
+        let mut files: Vec<(PathBuf, Vec<u8>)> =
+            tables.iter().map(|(name, csv)| (self.output.join(name), csv.clone().into_bytes())).collect();
+        for figure in figures {
+            let drawing = figure.draw();
+            for (extension, content) in PICTURE.iter().zip([drawing.to_svg().into_bytes(), drawing.to_png(PNG_SCALE)]) {
+                files.push((self.output.join(format!("{}.{extension}", figure.name)), content));
+            }
+        }
+        for (path, content) in &files {
+            Output::new(path, &[TABLE, PICTURE].concat(), &[], console)?
+                .write(|path, force| write_atomically(path, force, |out| out.write_all(content)))?;
+        }
+        Ok(files.into_iter().map(|(path, _)| path).collect())
+    }
+}
+
+/// A number for a table of the screen; a dash where it is not defined.
+fn shown(value: f64, decimals: usize) -> String {
+    match value.is_finite() {
+        true => format!("{value:.decimals$}"),
+        false => "–".into(),
+    }
+}
