@@ -2,7 +2,8 @@
 //!
 //! A [`Panel`] (plate, measured grid, driven points, frequency axis, noise) becomes a [`Simulation`]: an FRF set, and the modal model
 //! whose synthesis gives that set without its noise. [`Synthetic`] makes FRFs of abstract modes, without a plate, for tests of
-//! identification, and [`cramer_rao`] says how well any unbiased method can find their poles.
+//! identification, and [`cramer_rao`] says how well any unbiased method can find their poles. [`TimeTest`] simulates a whole
+//! measurement in time, with its leakage and windows.
 //!
 //! # Equations
 //!
@@ -30,6 +31,7 @@ mod response;
 mod ritz;
 mod simulate;
 mod synthetic;
+mod time;
 pub mod tolerances;
 
 pub use cramer_rao::{cramer_rao, CramerRao};
@@ -42,3 +44,4 @@ pub use response::{synthesise, DampedPlate};
 pub use ritz::PointMass;
 pub use simulate::{simulate, Simulation};
 pub use synthetic::{Synthetic, SyntheticSet, SyntheticShapes};
+pub use time::{Excitation, TimeSet, TimeTest, Window};
