@@ -61,13 +61,7 @@ mod tests {
     fn work_and_peaks(positions: &[f64]) -> (Work, Vec<Peak>) {
         let n = 1000;
         let x: Vec<f64> = (0..n).map(|k| (k + 1) as f64 / n as f64).collect();
-        let peak = |&x: &f64| Peak {
-            row: 0,
-            prominence_db: 10.0,
-            over_noise_db: 20.0,
-            level_db: 0.0,
-            lambda: Complex64::new(x, 0.001),
-        };
+        let peak = |&x: &f64| Peak { row: 0, prominence_db: 10.0, over_noise_db: 20.0, level_db: 0.0, lambda: Complex64::new(x, 0.001) };
         (Work { g: vec![1.0; n], x, b: Array2::zeros((n, 1)) }, positions.iter().map(peak).collect())
     }
 

@@ -18,6 +18,8 @@ pub(crate) struct Evidence {
     pub gain: f64,
     /// The same without the two nearest lines.
     pub gain_without_nearest: f64,
+    /// The same without the four nearest lines.
+    pub gain_of_skirts: f64,
     /// Standard deviation over the half-width.
     pub deviation: f64,
     /// Scatter of its own poles over the FRFs, over the half-width; `None` where there is one FRF.
@@ -68,6 +70,7 @@ pub(crate) fn look(record: &Record, plain: &Work, residual: &Array2<Complex64>, 
         origin: Origin::Nuisance,
         gain: f64::MAX,
         gain_without_nearest: f64::MAX,
+        gain_of_skirts: f64::MAX,
         deviation: 0.0,
         scatter: None,
         misfit: (misfit / modal.max(1e-300)).sqrt(),

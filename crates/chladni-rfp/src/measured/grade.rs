@@ -2,6 +2,7 @@
 
 use super::candidates::Origin;
 use super::evidence::Evidence;
+use super::search::Record;
 use crate::model::Grade;
 use chladni_frf::Trust;
 
@@ -23,20 +24,26 @@ fn usual_loss(all: &[Evidence], sure: &[bool], q: usize) -> Option<f64> {
 /// Loss factor beyond which a pole is no resonance.
 const BACKGROUND_LOSS: f64 = 0.4;
 
+/// Lines within which a stronger peak has side lobes, and how far they lie below it, dB.
+const SIDE_LOBE_LINES: f64 = 4.0;
+/// See above.
+const SIDE_LOBE_DB: f64 = 8.0;
+
 /// A grade with the doubt about damping, if there is one.
 pub(crate) type Graded = (Grade, Option<&'static str>);
 
 /// Grades every pole of `all` (in order of frequency); poles outside the band pass ungraded.
-pub(crate) fn grade_all(all: &[Evidence], frfs: usize) -> Vec<Graded> {
+pub(crate) fn grade_all(all: &[Evidence], record: &Record) -> Vec<Graded> {
+    let grade = |list: &[Evidence], q: usize, usual| grade(list, q, record.frfs, record.windowed, usual);
     let inside: Vec<Evidence> = all.iter().filter(|e| e.in_band()).cloned().collect();
-    let sure: Vec<bool> = (0..inside.len()).map(|q| grade(&inside, q, frfs, None).0 .0 == Trust::Sure).collect();
-    let mut graded = (0..inside.len()).map(|q| grade(&inside, q, frfs, usual_loss(&inside, &sure, q)));
+    let sure: Vec<bool> = (0..inside.len()).map(|q| grade(&inside, q, None).0 .0 == Trust::Sure).collect();
+    let mut graded = (0..inside.len()).map(|q| grade(&inside, q, usual_loss(&inside, &sure, q)));
     all.iter().map(|e| if e.in_band() { graded.next() } else { None }.unwrap_or(((Trust::Weak, Vec::new()), None))).collect()
 }
 
 /// Sees neighbours: `all` holds the evidence of every candidate in order of frequency, `usual_loss` the damping of the sure
 /// modes around it, once they are known.
-fn grade(all: &[Evidence], q: usize, frfs: usize, usual_loss: Option<f64>) -> Graded {
+fn grade(all: &[Evidence], q: usize, frfs: usize, windowed: bool, usual_loss: Option<f64>) -> Graded {
     let e = &all[q];
     // a broad in-band pole serves the background
     if e.lambda.im > BACKGROUND_LOSS * e.lambda.re {
@@ -73,12 +80,23 @@ fn grade(all: &[Evidence], q: usize, frfs: usize, usual_loss: Option<f64>) -> Gr
         true,
         "one-line spike: nothing is left of it without its two nearest lines".into(),
     );
-    // side lobe of a stronger peak: within four lines, 8 dB lower, narrower than two lines
-    let lobe = all.iter().enumerate().any(|(other, o)| {
-        let lines = (o.lambda.re - e.lambda.re).abs() / (e.lambda.im / e.half_width_lines.max(1e-9));
-        other != q && lines <= 4.0 && o.level_db - e.level_db > 8.0
-    });
-    note(lobe && 2.0 * e.half_width_lines < 2.0, true, "side lobe of the stronger peak beside it (leakage)".into());
+    note(
+        e.half_width_lines < 1.0 && e.gain_of_skirts < 1.0,
+        false,
+        "no skirts: nothing is left of it beyond its four nearest lines (a tone, or a mode that the lines do not resolve)".into(),
+    );
+    let beside = |reach: f64, fall_db: f64| {
+        all.iter().enumerate().any(|(other, o)| {
+            let lines = (o.lambda.re - e.lambda.re).abs() / (e.lambda.im / e.half_width_lines.max(1e-9));
+            other != q && lines <= reach && o.level_db - e.level_db > fall_db
+        })
+    };
+    note(
+        e.half_width_lines < 1.0 && beside(SIDE_LOBE_LINES, SIDE_LOBE_DB),
+        true,
+        "side lobe of the stronger peak beside it (leakage)".into(),
+    );
+    note(windowed && beside(SIDE_LOBE_LINES, 0.0), false, "beside a stronger peak of windowed records: may be its side lobe".into());
     if let Some(usual) = usual_loss {
         note(
             e.lambda.im / e.lambda.re < 0.12 * usual,
@@ -110,4 +128,91 @@ fn grade(all: &[Evidence], q: usize, frfs: usize, usual_loss: Option<f64>) -> Gr
         None
     };
     ((trust, reasons), damping)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use num_complex::Complex64;
+
+    /// A mode beyond doubt at x = 0.3, 4 lines wide.
+    fn good(x: f64) -> Evidence {
+        Evidence {
+            lambda: Complex64::new(x, 0.002),
+            origin: Origin::Agreed { score: 1.0, odd_even: Some(1e-5) },
+            gain: 100.0,
+            gain_without_nearest: 50.0,
+            gain_of_skirts: 30.0,
+            deviation: 0.01,
+            scatter: Some(0.01),
+            misfit: 0.05,
+            part: 0.9,
+            half_width_lines: 2.0,
+            stands_out_db: 30.0,
+            edge: 50.0,
+            level_db: 0.0,
+        }
+    }
+
+    fn graded(change: impl Fn(&mut Evidence), frfs: usize, windowed: bool, neighbours: &[Evidence]) -> Grade {
+        let mut all = vec![good(0.3)];
+        change(&mut all[0]);
+        all.extend(neighbours.iter().cloned());
+        grade(&all, 0, frfs, windowed, Some(0.007)).0
+    }
+
+    #[test]
+    fn each_doubt_is_named_and_nothing_else() {
+        let (trust, reasons) = graded(|_| (), 3, false, &[]);
+        assert_eq!((trust, reasons.len()), (Trust::Sure, 0));
+        type Doubt = (&'static str, fn(&mut Evidence));
+        let doubts: [Doubt; 14] = [
+            ("model orders and line halves", |e| e.origin = Origin::Agreed { score: 0.6, odd_even: None }),
+            ("model orders had left", |e| e.origin = Origin::Added),
+            ("wandered in", |e| e.origin = Origin::Nuisance),
+            ("odd and even lines", |e| e.origin = Origin::Agreed { score: 1.0, odd_even: Some(0.0015) }),
+            ("misses the data", |e| e.misfit = 0.6),
+            ("hardly needs it", |e| e.gain = 1.0),
+            ("uncertain by", |e| e.deviation = 0.4),
+            ("band edge", |e| e.edge = 1.0),
+            ("20 dB below", |e| e.part = 0.05),
+            ("scatters", |e| e.scatter = Some(0.8)),
+            ("one-line spike", |e| (e.half_width_lines, e.gain_without_nearest) = (0.3, 0.5)),
+            ("no skirts", |e| (e.half_width_lines, e.gain_of_skirts) = (0.7, 0.5)),
+            ("a tone", |e| e.lambda.im = 0.0001),
+            ("stand out", |e| (e.stands_out_db, e.deviation, e.misfit) = (5.0, 0.1, 0.3)),
+        ];
+        for (words, change) in doubts {
+            let (trust, reasons) = graded(change, 3, false, &[]);
+            assert_eq!(trust, Trust::Weak, "{words}: {reasons:?}");
+            assert!(reasons.len() == 1 && reasons[0].contains(words), "{words}: {reasons:?}");
+        }
+    }
+
+    #[test]
+    fn stronger_neighbours_make_side_lobes_and_half_pairs() {
+        let stronger = |lines: f64| Evidence { level_db: 20.0, ..good(0.3 + 0.001 * lines) };
+        let narrow = |e: &mut Evidence| (e.lambda.im, e.half_width_lines) = (0.0009, 0.9);
+        let (trust, reasons) = graded(narrow, 3, false, &[stronger(3.0)]);
+        assert!(trust == Trust::Weak && reasons[0].contains("side lobe of the stronger peak"), "{reasons:?}");
+        assert_eq!(graded(narrow, 3, false, &[stronger(9.0)]).0, Trust::Sure, "too far for a side lobe");
+        assert_eq!(graded(|_| (), 3, false, &[stronger(3.0)]).0, Trust::Sure, "too broad for a side lobe");
+        let (trust, reasons) = graded(|_| (), 3, true, &[stronger(3.0)]);
+        assert!(trust == Trust::Weak && reasons[0].contains("windowed"), "{reasons:?}");
+        let (trust, reasons) = graded(|_| (), 1, false, &[good(0.303)]);
+        assert!(trust == Trust::Weak && reasons[0].contains("half of a close pair"), "{reasons:?}");
+    }
+
+    #[test]
+    fn two_severe_doubts_reject_but_a_visible_line_is_shown() {
+        let spoilt = |e: &mut Evidence| (e.misfit, e.half_width_lines, e.gain_without_nearest) = (0.7, 0.3, 0.5);
+        let hidden = |e: &mut Evidence| {
+            spoilt(e);
+            e.stands_out_db = 15.0;
+        };
+        assert_eq!(graded(hidden, 3, false, &[]).0, Trust::Rejected);
+        assert_eq!(graded(spoilt, 3, false, &[]).0, Trust::Weak);
+        let (trust, reasons) = graded(|e| e.lambda.im = 0.2, 3, false, &[]);
+        assert!(trust == Trust::Rejected && reasons[0].contains("background"));
+    }
 }

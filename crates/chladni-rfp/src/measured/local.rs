@@ -44,9 +44,8 @@ impl Neighbourhood {
         let distance = |q: usize| (refined.lambda[q].re - pole.re).abs();
         // a broad neighbour is not followed to its ends
         let bounded = |q: usize| refined.lambda[q].im.clamp(0.0, 2.0 * width);
-        let mut near: Vec<usize> = (0..refined.lambda.len())
-            .filter(|&q| work.in_band(refined.lambda[q]) && distance(q) < NEAR * width.max(bounded(q)))
-            .collect();
+        let mut near: Vec<usize> =
+            (0..refined.lambda.len()).filter(|&q| work.in_band(refined.lambda[q]) && distance(q) < NEAR * width.max(bounded(q))).collect();
         near.sort_by(|&a, &b| distance(a).total_cmp(&distance(b)));
         near.truncate(MOST);
         let mut rows = work.window(pole, REACH.0, REACH.1);
@@ -133,7 +132,9 @@ pub(crate) fn remove_unneeded(work: &Work, candidates: &mut Candidates) -> Resul
         let refined = &candidates.refined;
         let gains = one_column_gains(work, refined, 0)?;
         let mut order: Vec<usize> = (0..gains.len())
-            .filter(|&q| candidates.may_go(q) && work.in_band(refined.lambda[q]) && gains[q] <= CLEAR && !needed.contains(&refined.lambda[q]))
+            .filter(|&q| {
+                candidates.may_go(q) && work.in_band(refined.lambda[q]) && gains[q] <= CLEAR && !needed.contains(&refined.lambda[q])
+            })
             .collect();
         order.sort_by(|&a, &b| gains[a].total_cmp(&gains[b]));
         let mut changes: Vec<Change> = Vec::new();

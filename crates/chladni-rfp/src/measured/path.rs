@@ -3,14 +3,14 @@
 
 use super::evidence::Evidence;
 use super::grade::{grade_all, Graded};
-use super::record::padding_factor;
+use super::record::{padding_factor, windowed};
 use super::search::{Finished, Record, Search};
-use crate::section::split;
 use super::weights::{column_scales, normalised};
 use crate::model::Grade;
 use crate::order::POWERS;
 use crate::refine::{refine, Refined};
 use crate::screen::Screened;
+use crate::section::split;
 use crate::seeds::{fourth_difference_noise, peaks, thinned};
 use crate::tolerances as tol;
 use crate::work::{line_energy, Work};
@@ -78,17 +78,23 @@ pub(crate) fn measured_path(
         ));
         work = work.select(&(0..work.lines()).step_by(factor).collect::<Vec<_>>());
     }
+    let windowed = windowed(&work, &frequency.into_iter().step_by(factor).collect::<Vec<_>>());
+    if windowed {
+        warnings.push(
+            "the impulse response decays ever faster: the records went through a window (Hann or similar) that broadens every line;              take damping as an upper bound, and poles beside a stronger one as its side lobes"
+                .into(),
+        );
+    }
     let noise = fourth_difference_noise(&work.b, (work.lines() / 20).clamp(30, 400));
     let seen = peaks(&work, &line_energy(&work.b), &noise);
     let rows = thinned(&work, &seen);
     let noise: Array1<f64> = rows.iter().map(|&k| noise[k]).collect();
     let work = work.select(&rows);
-    let record = Record { work: &work, noise: &noise, seen: &seen, frfs: data.pairs.len(), columns_are_frfs: back.is_some(), hz };
+    let record = Record { work: &work, noise: &noise, seen: &seen, frfs: data.pairs.len(), columns_are_frfs: back.is_some(), windowed, hz };
 
     progress("pole pool and local tests");
     let sections = split(&work, &seen);
-    let mut searches =
-        sections.par_iter().map(|section| Search::run(&record, section, asked)).collect::<Result<Vec<_>, LinalgError>>()?;
+    let mut searches = sections.par_iter().map(|section| Search::run(&record, section, asked)).collect::<Result<Vec<_>, LinalgError>>()?;
     if let Some(modes) = asked {
         keep_strongest(&mut searches, modes)?;
     }
@@ -96,7 +102,7 @@ pub(crate) fn measured_path(
     let finished = searches.into_par_iter().map(Search::finish).collect::<Result<Vec<_>, LinalgError>>()?;
     warnings.extend(finished.iter().flat_map(|f| f.notes.iter().cloned()));
     let (evidence, weights) = join(&work, &finished);
-    let graded = grade_all(&evidence, record.frfs);
+    let graded = grade_all(&evidence, &record);
     warnings.extend(damping_warnings(&evidence, &graded, hz));
     let unexplained = finished.iter().flat_map(|f| &f.unexplained);
     warnings.extend(

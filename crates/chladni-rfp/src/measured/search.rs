@@ -6,11 +6,11 @@ use super::evidence::{look, Evidence};
 use super::local::{one_column_gains, remove, remove_unneeded, try_add};
 use super::resolved::refine_resolved;
 use super::sandwich::variances;
-use crate::section::Section;
 use super::twins::{merge, own_poles};
 use super::weights::NoiseModel;
 use crate::order::POWERS;
 use crate::refine::{refine, Refined};
+use crate::section::Section;
 use crate::seeds::{fourth_difference_noise, peaks, Peak};
 use crate::tolerances as tol;
 use crate::work::{line_energy, Work};
@@ -43,6 +43,8 @@ pub(crate) struct Record<'a> {
     pub frfs: usize,
     /// True where columns are FRFs, false where they are mixtures.
     pub columns_are_frfs: bool,
+    /// True where the records went through a window that broadens lines.
+    pub windowed: bool,
     /// Hz per √x.
     pub hz: f64,
 }
@@ -199,7 +201,8 @@ impl<'a> Search<'a> {
         let refined = &self.candidates.refined;
         let (robust, white) = variances(&self.weighted, refined)?;
         let gains = one_column_gains(&self.weighted, refined, 0)?;
-        let gains_without = one_column_gains(&self.weighted, refined, 2)?;
+        let without_two = one_column_gains(&self.weighted, refined, 2)?;
+        let without_four = one_column_gains(&self.weighted, refined, 4)?;
         let residual = self.residual();
         let mut evidence = Vec::new();
         for q in 0..refined.lambda.len() {
@@ -207,7 +210,8 @@ impl<'a> Search<'a> {
             let mut e = look(self.record, &self.plain, &residual, refined, q);
             e.origin = self.candidates.origin[q];
             e.gain = gains[q];
-            e.gain_without_nearest = gains_without[q];
+            e.gain_without_nearest = without_two[q];
+            e.gain_of_skirts = without_four[q];
             let mut deviation = robust[q].max(white[q]).sqrt();
             if self.weighted.columns() > 1 && self.weighted.in_band(pole) && self.record.columns_are_frfs {
                 let (own, _, _) = own_poles(&self.weighted, refined, &[q])?;
