@@ -3,7 +3,7 @@
 //! A [`Panel`] (plate, measured grid, driven points, frequency axis, noise) becomes a [`Simulation`]: an FRF set, and the modal model
 //! whose synthesis gives that set without its noise. [`Synthetic`] makes FRFs of abstract modes, without a plate, for tests of
 //! identification, and [`cramer_rao`] says how well any unbiased method can find their poles ([`cramer_rao_rank_one`], [`cramer_rao_real`]:
-//! with one shape, one real shape per mode).
+//! with one shape, one real shape per mode). [`TimeTest`] simulates a whole measurement in time, with its leakage and windows.
 //!
 //! # Equations
 //!
@@ -32,6 +32,7 @@ mod response;
 mod ritz;
 mod simulate;
 mod synthetic;
+mod time;
 pub mod tolerances;
 
 pub use cramer_rao::{cramer_rao, CramerRao};
@@ -45,3 +46,4 @@ pub use response::{synthesise, DampedPlate};
 pub use ritz::PointMass;
 pub use simulate::{simulate, Simulation};
 pub use synthetic::{Synthetic, SyntheticSet, SyntheticShapes};
+pub use time::{Excitation, TimeSet, TimeTest, Window};

@@ -18,6 +18,7 @@ mod project;
 mod prune;
 mod refine;
 mod screen;
+mod section;
 mod seeds;
 mod structure;
 mod structured;

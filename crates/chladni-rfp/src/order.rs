@@ -8,7 +8,8 @@ use crate::project::{project, Projected};
 use crate::prune::{prune, threshold};
 use crate::refine::{refine, Projection, Refined};
 use crate::screen::Screened;
-use crate::seeds::{fourth_difference_noise, peaks, thinned};
+use crate::section::{split, Section};
+use crate::seeds::{fourth_difference_noise, peaks, thinned, Peak};
 use crate::tolerances as tol;
 use crate::whiteness::{judge, Whiteness};
 use crate::work::{basis, line_energy, Work};
@@ -83,6 +84,9 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
     let size = pool_size(&sketch, seeds.len(), asked)?;
     let rows = thinned(&sketch, &peaks);
     let sketch = if rows.len() < sketch.lines() { sketch.select(&rows) } else { sketch };
+    if let Some(evidence) = first_look(&sketch, &peaks, seed)? {
+        return Ok(Outcome::NotWhite(evidence));
+    }
     let mixed = mixtures(&sketch, tol::POOL_MIXTURES, seed);
     let pool = vector_fit(&mixed, &starts(&sketch, &seeds, size), &POWERS, tol::POOL_ITERATIONS)?;
     let mut lambda: Vec<Complex64> = pool.lambda.iter().zip(&pool.flipped).filter(|(_, f)| !**f).map(|(p, _)| *p).collect();
@@ -138,6 +142,30 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
         return Ok(Outcome::NotWhite(whiteness.evidence));
     }
     Ok(Outcome::White(Box::new(Chain { refined, projected, variance, whiteness, history })))
+}
+
+/// Many modes make the chain dear, and where most of them are misfitted it is in vain: one section is asked first. Evidence that
+/// its residual is not white; `None`: it may be, or the band is no longer than a section.
+fn first_look(sketch: &Work, peaks: &[Peak], seed: u64) -> Result<Option<String>, LinalgError> {
+    if peaks.len() < tol::FIRST_LOOK_ABOVE {
+        return Ok(None);
+    }
+    let inside = |lines: &std::ops::Range<usize>| {
+        let (low, high) = (sketch.x[lines.start], sketch.x[lines.end - 1]);
+        peaks.iter().filter(move |p| (low..=high).contains(&p.lambda.re))
+    };
+    let strength = |s: &Section| inside(&s.lines).map(|p| p.over_noise_db).sum::<f64>();
+    let sections = split(sketch, peaks);
+    let Some(section) = sections.iter().max_by(|a, b| strength(a).total_cmp(&strength(b))) else { return Ok(None) };
+    let work = sketch.rows(section.lines.clone());
+    let seeds: Vec<Complex64> = inside(&section.lines).map(|p| p.lambda).collect();
+    let size = pool_size(&work, seeds.len(), None)?;
+    let pool = vector_fit(&mixtures(&work, tol::POOL_MIXTURES, seed), &starts(&work, &seeds, size), &POWERS, tol::POOL_ITERATIONS)?;
+    let stable: Vec<Complex64> = pool.lambda.iter().zip(&pool.flipped).filter(|(_, f)| !**f).map(|(p, _)| *p).collect();
+    let lambda = prune(&work, &stable, &POWERS, pool_variance(&work, &stable)?)?;
+    let refined = refine(&work, &lambda, &POWERS, 2 * tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
+    let look = judge(&work, &refined.lambda, &row_energy(&refined.projection.residual), work.columns(), &refined.projection.residual);
+    Ok((look.misfit_share > tol::MISFIT_SHARE).then_some(look.evidence))
 }
 
 /// The second pass on all lines, whether or not the poles were found on a thinned record.

@@ -34,15 +34,16 @@ pub(crate) const SCAN_ROUNDS: usize = 6;
 pub(crate) const WINDOW_HALF_WIDTHS: f64 = 3.0;
 /// Least lines on each side of a local window.
 pub(crate) const WINDOW_LEAST_LINES: usize = 4;
-/// Local χ² (relative to the whole band) up to which a residual counts as white around a mode. Real misfit (windows,
-/// moving poles, non-linear supports) stands 10 to 1000 times above the noise there; statistics are allowed for on top.
-pub(crate) const WHITE_LOCAL: f64 = 1.35;
+/// Excess of the residual energy around a mode, over the whole band's and beyond chance, that still counts as white: poles
+/// of the projection are not yet the refined ones. Real misfit (windows, moving poles, non-linear supports) stands 10 to 1000
+/// times above the noise there.
+pub(crate) const WHITE_LOCAL: f64 = 0.35;
 /// Correlation of neighbouring residual lines up to which a residual counts as white.
 pub(crate) const WHITE_CORRELATION: f64 = 0.1;
 /// Ratio of the noise of a tenth of the band to the whole band beyond which one noise level cannot serve.
 pub(crate) const WHITE_SEGMENT: f64 = 2.5;
-/// Standard deviations of chance allowed in the whiteness tests (three tests over some tens of windows).
-pub(crate) const WHITE_SIGMAS: f64 = 5.0;
+/// Rate at which all whiteness looks together may call white noise coloured. A tenth of it widens every limit by some 10 %.
+pub(crate) const WHITE_FALSE_ALARM: f64 = 0.01;
 /// Prominence of a peak of the mean |FRF|² that may seed a pole, dB.
 pub(crate) const SEED_PROMINENCE_DB: f64 = 4.0;
 /// Height of a seed over the local noise, dB.
@@ -66,6 +67,9 @@ pub(crate) const RANK_ONE_CHANGE: f64 = 1e-9;
 pub(crate) const RANK_OVER_NOISE: f64 = 1.5;
 /// Part of the modes whose neighbourhood is misfitted beyond which the fast chain gives up before it settles the order.
 pub(crate) const MISFIT_SHARE: f64 = 0.4;
+/// Visible peaks from which one section of the band is judged before the chain begins: below, the whole chain costs no more
+/// than a few such looks.
+pub(crate) const FIRST_LOOK_ABOVE: usize = 50;
 /// Share of the residual energy left after conjugation that proves the wrong time sign. Right-signed data lose a factor of
 /// 100 and more by conjugation; data of no structure lose nothing either way.
 pub(crate) const CONJUGATE_SHARE: f64 = 0.25;

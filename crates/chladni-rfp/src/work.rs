@@ -69,6 +69,12 @@ impl Work {
         }
         Self { x: lines.iter().map(|&k| self.x[k]).collect(), g: lines.iter().map(|&k| self.g[k]).collect(), b }
     }
+    /// A stretch of lines.
+    pub fn rows(&self, rows: std::ops::Range<usize>) -> Self {
+        let mut b = Array2::zeros((rows.len(), self.columns()).f());
+        b.assign(&self.b.slice(ndarray::s![rows.clone(), ..]));
+        Self { x: self.x[rows.clone()].to_vec(), g: self.g[rows].to_vec(), b }
+    }
     /// Rows multiplied by `weights`, in the data and in g.
     pub fn reweighted(&self, weights: &[f64]) -> Self {
         let mut out = self.clone();

@@ -1,5 +1,6 @@
 //! Poles that several orders and both halves of the lines agree on.
 
+use super::candidates::Origin;
 use crate::pool::{mixtures, starts, vector_fit};
 use crate::tolerances as tol;
 use crate::work::Work;
@@ -7,25 +8,11 @@ use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-/// A pole found by several runs.
-#[derive(Debug, Clone)]
-pub(crate) struct Agreed {
-    /// Median over the runs.
-    pub lambda: Complex64,
-    /// Part of the runs that found it.
-    pub score: f64,
-    /// Distance between odd and even lines, where both found it.
-    pub odd_even: Option<f64>,
-}
+/// A pole with what the runs say of it.
+pub(crate) type Voted = (Complex64, Origin);
 
-/// In-band poles that at least half the runs agree on, and the out-of-band or overdamped ones of the middle run.
-#[derive(Debug)]
-pub(crate) struct Consensus {
-    /// Candidates for modes.
-    pub agreed: Vec<Agreed>,
-    /// Poles that stand for the world outside.
-    pub nuisance: Vec<Complex64>,
-}
+/// Poles that stand for the world outside the band or for background; more than these are not needed to be smooth.
+const NUISANCE_MOST: usize = 8;
 
 struct Run {
     poles: Vec<Complex64>,
@@ -39,14 +26,15 @@ enum Half {
     Even,
 }
 
-/// Runs vector fitting at three orders (per ladder of `seeds`) on all, odd and even lines, and counts votes.
+/// Runs vector fitting at three orders (per ladder of `seeds`) on all, odd and even lines, and counts votes: in-band poles that
+/// at least half the runs agree on (medians over the runs), then the out-of-band or overdamped ones of the middle run.
 pub(crate) fn consensus(
     work: &Work,
     seeds: &[Complex64],
     base: usize,
     strong: Option<&[Complex64]>,
     powers: &[i32],
-) -> Result<Consensus, LinalgError> {
+) -> Result<Vec<Voted>, LinalgError> {
     let n = work.lines();
     let odd = work.select(&(0..n).filter(|k| k % 2 == 1).collect::<Vec<_>>());
     let even = work.select(&(0..n).filter(|k| k % 2 == 0).collect::<Vec<_>>());
@@ -81,8 +69,9 @@ pub(crate) fn consensus(
     }
     let runs_per_ladder = runs.len() / ladders.len();
     nuisance.sort_by(|a, b| distance_outside(work, *a).total_cmp(&distance_outside(work, *b)));
-    nuisance.truncate(8);
-    Ok(Consensus { agreed: vote(work, &runs, runs_per_ladder), nuisance })
+    let mut voted = vote(work, &runs, runs_per_ladder);
+    voted.extend(nuisance.into_iter().take(NUISANCE_MOST).map(|pole| (pole, Origin::Nuisance)));
+    Ok(voted)
 }
 
 /// Inside the band and lightly enough damped to be a mode.
@@ -101,7 +90,7 @@ fn same(work: &Work, a: Complex64, b: Complex64) -> bool {
 }
 
 /// Greedy clustering: the candidate that most runs share comes first. A ladder votes by itself: the better score counts.
-fn vote(work: &Work, runs: &[Run], runs_per_ladder: usize) -> Vec<Agreed> {
+fn vote(work: &Work, runs: &[Run], runs_per_ladder: usize) -> Vec<Voted> {
     let mut open: Vec<Vec<Option<Complex64>>> = runs.iter().map(|r| r.poles.iter().copied().map(Some).collect()).collect();
     let mut agreed = Vec::new();
     loop {
@@ -144,9 +133,9 @@ fn vote(work: &Work, runs: &[Run], runs_per_ladder: usize) -> Vec<Agreed> {
             }
         }
         let odd_even = (!odd.is_empty() && !even.is_empty()).then(|| (middle(&odd) - middle(&even)).norm());
-        agreed.push(Agreed { lambda: middle(&members), score, odd_even });
+        agreed.push((middle(&members), Origin::Agreed { score, odd_even }));
     }
-    agreed.sort_by(|a, b| a.lambda.re.total_cmp(&b.lambda.re));
+    agreed.sort_by(|a, b| a.0.re.total_cmp(&b.0.re));
     agreed
 }
 

@@ -1,83 +1,13 @@
 //! Grades: what a modal engineer would say of each pole, with the reasons.
 
+use super::candidates::Origin;
+use super::evidence::Evidence;
+use super::search::Record;
 use crate::model::Grade;
-use crate::refine::Refined;
-use crate::work::{basis, Work};
 use chladni_frf::Trust;
-use ndarray::Array2;
-use num_complex::Complex64;
-
-/// Evidence about one pole.
-#[derive(Debug, Clone)]
-pub(crate) struct Evidence {
-    /// Pole.
-    pub lambda: Complex64,
-    /// Part of the runs that found it.
-    pub score: f64,
-    /// |odd − even| over the half-width.
-    pub odd_even: Option<f64>,
-    /// Relative rise of the local sum of squares without it.
-    pub gain: f64,
-    /// The same without the two nearest lines.
-    pub gain_without_nearest: f64,
-    /// Standard deviation over the half-width.
-    pub deviation: f64,
-    /// Scatter of its own poles over the FRFs, over the half-width; `None` where there is one FRF.
-    pub scatter: Option<f64>,
-    /// Rms residual over rms modal part within 1.5 half-widths.
-    pub misfit: f64,
-    /// Modal part over the whole response at its peak (amplitudes).
-    pub part: f64,
-    /// Half-width in lines.
-    pub half_width_lines: f64,
-    /// Height of the response over the median of its surroundings, dB.
-    pub stands_out_db: f64,
-    /// Distance to the nearer band edge in half-widths.
-    pub edge: f64,
-}
-
-/// Collects what the residual and the neighbourhood show, both without line weights (these would flatten the peaks); the
-/// fields that need other runs are filled by the caller.
-pub(crate) fn look(work: &Work, residual: &Array2<Complex64>, refined: &Refined, q: usize) -> Evidence {
-    let lambda = refined.lambda[q];
-    let window = work.window(lambda, 1.5, 2);
-    let rows: Vec<usize> = window.collect();
-    let local = work.select(&rows);
-    let shape = basis(&local, &[lambda], &[]);
-    let strength: f64 = refined.coefficients.row(q).iter().map(|v| v.norm_sqr()).sum();
-    let modal: f64 = shape.iter().map(|v| v.norm_sqr()).sum::<f64>() * strength;
-    let residual: f64 = rows.iter().map(|&k| residual.row(k).iter().map(|v| v.norm_sqr()).sum::<f64>()).sum();
-    let response: f64 = local.b.iter().map(|v| v.norm_sqr()).sum();
-    let spacing = work.spacing(lambda.re);
-    let (low, high) = work.range();
-    Evidence {
-        lambda,
-        score: 1.0,
-        odd_even: None,
-        gain: f64::MAX,
-        gain_without_nearest: f64::MAX,
-        deviation: 0.0,
-        scatter: None,
-        misfit: (residual / modal.max(1e-300)).sqrt(),
-        part: (modal / response.max(1e-300)).sqrt(),
-        half_width_lines: lambda.im / spacing,
-        stands_out_db: stands_out(work, lambda),
-        edge: (lambda.re - low).min(high - lambda.re) / lambda.im,
-    }
-}
-
-/// Response at the pole over the median of the lines within 30 widths (at least 30 lines), dB.
-fn stands_out(work: &Work, lambda: Complex64) -> f64 {
-    let at = |k: usize| work.b.row(k).iter().map(|v| v.norm_sqr()).sum::<f64>();
-    let near = work.window(lambda, 1.0, 1).map(at).fold(0.0, f64::max);
-    let mut around: Vec<f64> = work.window(lambda, 60.0, 30).map(at).collect();
-    around.sort_by(f64::total_cmp);
-    let median = around.get(around.len() / 2).copied().unwrap_or(near);
-    10.0 * (near.max(1e-300) / median.max(1e-300)).log10()
-}
 
 /// Median loss of the six modes nearest to candidate q among those that are `sure`; `None` below three.
-pub(crate) fn usual_loss(all: &[Evidence], sure: &[bool], q: usize) -> Option<f64> {
+fn usual_loss(all: &[Evidence], sure: &[bool], q: usize) -> Option<f64> {
     let mut neighbours: Vec<(f64, f64)> = all
         .iter()
         .zip(sure)
@@ -91,10 +21,34 @@ pub(crate) fn usual_loss(all: &[Evidence], sure: &[bool], q: usize) -> Option<f6
     (losses.len() >= 3).then(|| losses[losses.len() / 2])
 }
 
-/// Sees neighbours: `all` holds the evidence of every candidate in order of frequency, `level` its peak response in dB,
-/// `usual_loss` the damping of the sure modes around it, once they are known.
-pub(crate) fn grade(all: &[Evidence], level: &[f64], q: usize, frfs: usize, usual_loss: Option<f64>) -> (Grade, Option<&'static str>) {
+/// Loss factor beyond which a pole is no resonance.
+const BACKGROUND_LOSS: f64 = 0.4;
+
+/// Lines within which a stronger peak has side lobes, and how far they lie below it, dB.
+const SIDE_LOBE_LINES: f64 = 4.0;
+/// See above.
+const SIDE_LOBE_DB: f64 = 8.0;
+
+/// A grade with the doubt about damping, if there is one.
+pub(crate) type Graded = (Grade, Option<&'static str>);
+
+/// Grades every pole of `all` (in order of frequency); poles outside the band pass ungraded.
+pub(crate) fn grade_all(all: &[Evidence], record: &Record) -> Vec<Graded> {
+    let grade = |list: &[Evidence], q: usize, usual| grade(list, q, record.frfs, record.windowed, usual);
+    let inside: Vec<Evidence> = all.iter().filter(|e| e.in_band()).cloned().collect();
+    let sure: Vec<bool> = (0..inside.len()).map(|q| grade(&inside, q, None).0 .0 == Trust::Sure).collect();
+    let mut graded = (0..inside.len()).map(|q| grade(&inside, q, usual_loss(&inside, &sure, q)));
+    all.iter().map(|e| if e.in_band() { graded.next() } else { None }.unwrap_or(((Trust::Weak, Vec::new()), None))).collect()
+}
+
+/// Sees neighbours: `all` holds the evidence of every candidate in order of frequency, `usual_loss` the damping of the sure
+/// modes around it, once they are known.
+fn grade(all: &[Evidence], q: usize, frfs: usize, windowed: bool, usual_loss: Option<f64>) -> Graded {
     let e = &all[q];
+    // a broad in-band pole serves the background
+    if e.lambda.im > BACKGROUND_LOSS * e.lambda.re {
+        return ((Trust::Rejected, vec!["background: broader than any mode".into()]), None);
+    }
     let mut reasons = Vec::new();
     let mut severe = 0;
     let mut note = |bad: bool, is_severe: bool, text: String| {
@@ -103,9 +57,15 @@ pub(crate) fn grade(all: &[Evidence], level: &[f64], q: usize, frfs: usize, usua
             reasons.push(text);
         }
     };
-    note(e.score < 0.75, false, format!("found by only {:.0} % of the model orders and line halves", 100.0 * e.score));
+    match e.origin {
+        Origin::Agreed { score, .. } => {
+            note(score < 0.75, false, format!("found by only {:.0} % of the model orders and line halves", 100.0 * score));
+        }
+        Origin::Added => note(true, false, "found at a peak that the model orders had left".into()),
+        Origin::Nuisance => note(true, true, "wandered in from outside the band".into()),
+    }
     note(e.misfit > 0.5, true, format!("the line shape misses the data by {:.0} % around the peak", 100.0 * e.misfit));
-    if let Some(d) = e.odd_even {
+    if let Some(d) = e.odd_even() {
         note(d > 0.5, false, format!("odd and even lines disagree by {d:.1} half-bandwidths"));
     }
     note(e.gain < 1.5, false, format!("its neighbourhood hardly needs it (residual energy rises by {:.0} % without it)", 100.0 * e.gain));
@@ -120,12 +80,23 @@ pub(crate) fn grade(all: &[Evidence], level: &[f64], q: usize, frfs: usize, usua
         true,
         "one-line spike: nothing is left of it without its two nearest lines".into(),
     );
-    // side lobe of a stronger peak: within four lines, 8 dB lower, narrower than two lines
-    let lobe = all.iter().enumerate().any(|(other, o)| {
-        let lines = (o.lambda.re - e.lambda.re).abs() / (e.lambda.im / e.half_width_lines.max(1e-9));
-        other != q && lines <= 4.0 && level[other] - level[q] > 8.0
-    });
-    note(lobe && 2.0 * e.half_width_lines < 2.0, true, "side lobe of the stronger peak beside it (leakage)".into());
+    note(
+        e.half_width_lines < 1.0 && e.gain_of_skirts < 1.0,
+        false,
+        "no skirts: nothing is left of it beyond its four nearest lines (a tone, or a mode that the lines do not resolve)".into(),
+    );
+    let beside = |reach: f64, fall_db: f64| {
+        all.iter().enumerate().any(|(other, o)| {
+            let lines = (o.lambda.re - e.lambda.re).abs() / (e.lambda.im / e.half_width_lines.max(1e-9));
+            other != q && lines <= reach && o.level_db - e.level_db > fall_db
+        })
+    };
+    note(
+        e.half_width_lines < 1.0 && beside(SIDE_LOBE_LINES, SIDE_LOBE_DB),
+        true,
+        "side lobe of the stronger peak beside it (leakage)".into(),
+    );
+    note(windowed && beside(SIDE_LOBE_LINES, 0.0), false, "beside a stronger peak of windowed records: may be its side lobe".into());
     if let Some(usual) = usual_loss {
         note(
             e.lambda.im / e.lambda.re < 0.12 * usual,
@@ -157,4 +128,91 @@ pub(crate) fn grade(all: &[Evidence], level: &[f64], q: usize, frfs: usize, usua
         None
     };
     ((trust, reasons), damping)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use num_complex::Complex64;
+
+    /// A mode beyond doubt at x = 0.3, 4 lines wide.
+    fn good(x: f64) -> Evidence {
+        Evidence {
+            lambda: Complex64::new(x, 0.002),
+            origin: Origin::Agreed { score: 1.0, odd_even: Some(1e-5) },
+            gain: 100.0,
+            gain_without_nearest: 50.0,
+            gain_of_skirts: 30.0,
+            deviation: 0.01,
+            scatter: Some(0.01),
+            misfit: 0.05,
+            part: 0.9,
+            half_width_lines: 2.0,
+            stands_out_db: 30.0,
+            edge: 50.0,
+            level_db: 0.0,
+        }
+    }
+
+    fn graded(change: impl Fn(&mut Evidence), frfs: usize, windowed: bool, neighbours: &[Evidence]) -> Grade {
+        let mut all = vec![good(0.3)];
+        change(&mut all[0]);
+        all.extend(neighbours.iter().cloned());
+        grade(&all, 0, frfs, windowed, Some(0.007)).0
+    }
+
+    #[test]
+    fn each_doubt_is_named_and_nothing_else() {
+        let (trust, reasons) = graded(|_| (), 3, false, &[]);
+        assert_eq!((trust, reasons.len()), (Trust::Sure, 0));
+        type Doubt = (&'static str, fn(&mut Evidence));
+        let doubts: [Doubt; 14] = [
+            ("model orders and line halves", |e| e.origin = Origin::Agreed { score: 0.6, odd_even: None }),
+            ("model orders had left", |e| e.origin = Origin::Added),
+            ("wandered in", |e| e.origin = Origin::Nuisance),
+            ("odd and even lines", |e| e.origin = Origin::Agreed { score: 1.0, odd_even: Some(0.0015) }),
+            ("misses the data", |e| e.misfit = 0.6),
+            ("hardly needs it", |e| e.gain = 1.0),
+            ("uncertain by", |e| e.deviation = 0.4),
+            ("band edge", |e| e.edge = 1.0),
+            ("20 dB below", |e| e.part = 0.05),
+            ("scatters", |e| e.scatter = Some(0.8)),
+            ("one-line spike", |e| (e.half_width_lines, e.gain_without_nearest) = (0.3, 0.5)),
+            ("no skirts", |e| (e.half_width_lines, e.gain_of_skirts) = (0.7, 0.5)),
+            ("a tone", |e| e.lambda.im = 0.0001),
+            ("stand out", |e| (e.stands_out_db, e.deviation, e.misfit) = (5.0, 0.1, 0.3)),
+        ];
+        for (words, change) in doubts {
+            let (trust, reasons) = graded(change, 3, false, &[]);
+            assert_eq!(trust, Trust::Weak, "{words}: {reasons:?}");
+            assert!(reasons.len() == 1 && reasons[0].contains(words), "{words}: {reasons:?}");
+        }
+    }
+
+    #[test]
+    fn stronger_neighbours_make_side_lobes_and_half_pairs() {
+        let stronger = |lines: f64| Evidence { level_db: 20.0, ..good(0.3 + 0.001 * lines) };
+        let narrow = |e: &mut Evidence| (e.lambda.im, e.half_width_lines) = (0.0009, 0.9);
+        let (trust, reasons) = graded(narrow, 3, false, &[stronger(3.0)]);
+        assert!(trust == Trust::Weak && reasons[0].contains("side lobe of the stronger peak"), "{reasons:?}");
+        assert_eq!(graded(narrow, 3, false, &[stronger(9.0)]).0, Trust::Sure, "too far for a side lobe");
+        assert_eq!(graded(|_| (), 3, false, &[stronger(3.0)]).0, Trust::Sure, "too broad for a side lobe");
+        let (trust, reasons) = graded(|_| (), 3, true, &[stronger(3.0)]);
+        assert!(trust == Trust::Weak && reasons[0].contains("windowed"), "{reasons:?}");
+        let (trust, reasons) = graded(|_| (), 1, false, &[good(0.303)]);
+        assert!(trust == Trust::Weak && reasons[0].contains("half of a close pair"), "{reasons:?}");
+    }
+
+    #[test]
+    fn two_severe_doubts_reject_but_a_visible_line_is_shown() {
+        let spoilt = |e: &mut Evidence| (e.misfit, e.half_width_lines, e.gain_without_nearest) = (0.7, 0.3, 0.5);
+        let hidden = |e: &mut Evidence| {
+            spoilt(e);
+            e.stands_out_db = 15.0;
+        };
+        assert_eq!(graded(hidden, 3, false, &[]).0, Trust::Rejected);
+        assert_eq!(graded(spoilt, 3, false, &[]).0, Trust::Weak);
+        let (trust, reasons) = graded(|e| e.lambda.im = 0.2, 3, false, &[]);
+        assert!(trust == Trust::Rejected && reasons[0].contains("background"));
+    }
 }

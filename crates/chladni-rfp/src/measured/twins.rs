@@ -1,5 +1,7 @@
 //! Twins: two poles that stand for one mode which moves between FRFs (roving mass, temperature).
 
+use super::candidates::{Candidates, Change};
+use super::local::Neighbourhood;
 use crate::refine::{refine, Refined};
 use crate::tolerances as tol;
 use crate::work::{basis, Work};
@@ -41,42 +43,41 @@ pub(crate) fn own_poles(work: &Work, refined: &Refined, poles: &[usize]) -> Resu
     Ok((own, own_residual, pair_residual))
 }
 
-/// Merges twins; returns a note for each merger.
-pub(crate) fn merge(work: &Work, refined: &mut Refined, keep: &mut Vec<usize>, omega_to_hz: f64) -> Result<Vec<String>, LinalgError> {
+/// Merges twins; returns a note for each merger, with the pole it left.
+pub(crate) fn merge(work: &Work, candidates: &mut Candidates, omega_to_hz: f64) -> Result<Vec<(Complex64, String)>, LinalgError> {
     let mut notes = Vec::new();
-    if work.columns() < 2 {
-        return Ok(notes);
+    while let Some((a, b, own)) = if work.columns() < 2 { None } else { find(work, &candidates.refined)? } {
+        let refined = &candidates.refined;
+        let mean = own.iter().sum::<Complex64>() / own.len() as f64;
+        let start = if work.in_band(mean) && mean.im > 0.0 { mean } else { 0.5 * (refined.lambda[a] + refined.lambda[b]) };
+        let (mut moved, fit) = Neighbourhood::around(work, refined, start).replace(refined, &[a, b], &[start])?;
+        moved.extend(fit.lambda.last().map(|&pole| (a, pole)));
+        candidates.apply(work, vec![Change { removed: Some(b), moved, added: None }])?;
+        let spread = (own.iter().map(|p| (p - mean).norm_sqr()).sum::<f64>() / own.len() as f64).sqrt();
+        let note = format!(
+            "two poles near {:.2} Hz are one mode that differs between FRFs (scatter {:.1e} Hz): merged",
+            start.re.max(0.0).sqrt() * omega_to_hz,
+            spread / (2.0 * start.re.max(f64::MIN_POSITIVE).sqrt()) * omega_to_hz
+        );
+        notes.push((start, note));
     }
-    'again: loop {
-        let n = refined.lambda.len();
-        for a in 0..n {
-            for b in 0..n {
-                let (pa, pb) = (refined.lambda[a], refined.lambda[b]);
-                let close = b > a && work.in_band(pa) && work.in_band(pb) && (pa.re - pb.re).abs() < NEAR * pa.im.max(pb.im);
-                if !close {
-                    continue;
-                }
-                let (own, own_sse, pair_sse) = own_poles(work, refined, &[a, b])?;
-                let shape = |q: usize| refined.coefficients.row(q).to_vec();
-                let same_shape = work.columns() >= 3 && crate::validation::mac(&shape(a), &shape(b)) > SAME_SHAPE_MAC;
-                if own_sse < OWN_OVER_PAIR * pair_sse || same_shape {
-                    let mean = own.iter().sum::<Complex64>() / own.len() as f64;
-                    let start = if work.in_band(mean) && mean.im > 0.0 { mean } else { 0.5 * (pa + pb) };
-                    let mut merged = refined.lambda.clone();
-                    merged[a] = start;
-                    merged.remove(b);
-                    *refined = refine(work, &merged, &refined.powers, 2 * tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
-                    keep.remove(b);
-                    let frequency = start.re.max(0.0).sqrt() * omega_to_hz;
-                    let spread = own.iter().map(|p| (p - mean).norm_sqr()).sum::<f64>().sqrt() / (own.len() as f64).sqrt();
-                    notes.push(format!(
-                        "two poles near {frequency:.2} Hz are one mode that differs between FRFs (scatter {:.1e} Hz): merged",
-                        spread / (2.0 * start.re.sqrt()) * omega_to_hz
-                    ));
-                    continue 'again;
-                }
-            }
+    Ok(notes)
+}
+
+/// A pair that is one mode, with the own poles of the FRFs.
+fn find(work: &Work, refined: &Refined) -> Result<Option<(usize, usize, Vec<Complex64>)>, LinalgError> {
+    let n = refined.lambda.len();
+    for (a, b) in (0..n).flat_map(|a| (a + 1..n).map(move |b| (a, b))) {
+        let (pa, pb) = (refined.lambda[a], refined.lambda[b]);
+        if !work.in_band(pa) || !work.in_band(pb) || (pa.re - pb.re).abs() >= NEAR * pa.im.max(pb.im) {
+            continue;
         }
-        return Ok(notes);
+        let (own, own_sse, pair_sse) = own_poles(work, refined, &[a, b])?;
+        let shape = |q: usize| refined.coefficients.row(q).to_vec();
+        let same_shape = work.columns() >= 3 && crate::validation::mac(&shape(a), &shape(b)) > SAME_SHAPE_MAC;
+        if own_sse < OWN_OVER_PAIR * pair_sse || same_shape {
+            return Ok(Some((a, b, own)));
+        }
     }
+    Ok(None)
 }

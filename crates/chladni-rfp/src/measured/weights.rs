@@ -28,9 +28,7 @@ impl NoiseModel {
 
     /// 1/σ per line, normalised to unit mean square.
     pub fn weights(&self, level: &Array1<f64>) -> Vec<f64> {
-        let raw: Vec<f64> = self.variance(level).iter().map(|v| 1.0 / v.max(1e-300).sqrt()).collect();
-        let mean = (raw.iter().map(|w| w * w).sum::<f64>() / raw.len().max(1) as f64).sqrt();
-        raw.iter().map(|w| w / mean).collect()
+        normalised(&self.variance(level))
     }
 
     /// Variance per line.
@@ -53,6 +51,13 @@ impl NoiseModel {
         let least = 1e-12 * fitted.iter().cloned().fold(0.0, f64::max);
         Self { additive: additive.mapv(|v| v.max(least)), multiplicative }
     }
+}
+
+/// 1/σ per line, of unit mean square.
+pub(crate) fn normalised(variance: &Array1<f64>) -> Vec<f64> {
+    let raw: Vec<f64> = variance.iter().map(|v| 1.0 / v.max(1e-300).sqrt()).collect();
+    let mean = (raw.iter().map(|w| w * w).sum::<f64>() / raw.len().max(1) as f64).sqrt();
+    raw.iter().map(|w| w / mean).collect()
 }
 
 fn median(values: &mut [f64]) -> f64 {

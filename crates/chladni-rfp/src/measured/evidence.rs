@@ -1,0 +1,93 @@
+//! Evidence about one pole: what the residual, the neighbourhood and the other runs say of it.
+
+use super::candidates::Origin;
+use super::search::Record;
+use crate::refine::Refined;
+use crate::work::{basis, Work};
+use ndarray::{s, Array2};
+use num_complex::Complex64;
+
+/// Evidence about one pole.
+#[derive(Debug, Clone)]
+pub(crate) struct Evidence {
+    /// Pole.
+    pub lambda: Complex64,
+    /// Where it came from.
+    pub origin: Origin,
+    /// Relative rise of the local sum of squares without it.
+    pub gain: f64,
+    /// The same without the two nearest lines.
+    pub gain_without_nearest: f64,
+    /// The same without the four nearest lines.
+    pub gain_of_skirts: f64,
+    /// Standard deviation over the half-width.
+    pub deviation: f64,
+    /// Scatter of its own poles over the FRFs, over the half-width; `None` where there is one FRF.
+    pub scatter: Option<f64>,
+    /// Rms residual over rms modal part within 1.5 half-widths.
+    pub misfit: f64,
+    /// Modal part over the whole response at its peak (amplitudes).
+    pub part: f64,
+    /// Half-width in lines.
+    pub half_width_lines: f64,
+    /// Height of the response over the median of its surroundings, dB.
+    pub stands_out_db: f64,
+    /// Distance to the nearer band edge in half-widths; negative outside.
+    pub edge: f64,
+    /// Highest response within its half-width, dB.
+    pub level_db: f64,
+}
+
+impl Evidence {
+    /// Distance of its positions on odd and even lines over the half-width.
+    pub fn odd_even(&self) -> Option<f64> {
+        match self.origin {
+            Origin::Agreed { odd_even, .. } => odd_even.map(|d| d / self.lambda.im),
+            _ => None,
+        }
+    }
+
+    /// True where it may be a mode: inside the band.
+    pub fn in_band(&self) -> bool {
+        self.edge >= 0.0
+    }
+}
+
+/// Collects what the residual and the neighbourhood show, both without line weights (these would flatten the peaks); the
+/// fields that need other runs are filled by the caller. `plain` and `residual` are a section's, `record` is the whole.
+pub(crate) fn look(record: &Record, plain: &Work, residual: &Array2<Complex64>, refined: &Refined, q: usize) -> Evidence {
+    let lambda = refined.lambda[q];
+    let window = plain.window(lambda, 1.5, 2);
+    let local = plain.rows(window.clone());
+    let strength: f64 = refined.coefficients.row(q).iter().map(|v| v.norm_sqr()).sum();
+    let modal: f64 = basis(&local, &[lambda], &[]).iter().map(|v| v.norm_sqr()).sum::<f64>() * strength;
+    let misfit: f64 = residual.slice(s![window, ..]).iter().map(|v| v.norm_sqr()).sum();
+    let response: f64 = local.b.iter().map(|v| v.norm_sqr()).sum();
+    let (low, high) = record.work.range();
+    let (level_db, stands_out_db) = height(record.work, lambda);
+    Evidence {
+        lambda,
+        origin: Origin::Nuisance,
+        gain: f64::MAX,
+        gain_without_nearest: f64::MAX,
+        gain_of_skirts: f64::MAX,
+        deviation: 0.0,
+        scatter: None,
+        misfit: (misfit / modal.max(1e-300)).sqrt(),
+        part: (modal / response.max(1e-300)).sqrt(),
+        half_width_lines: lambda.im / record.work.spacing(lambda.re),
+        stands_out_db,
+        edge: (lambda.re - low).min(high - lambda.re) / lambda.im,
+        level_db,
+    }
+}
+
+/// Response at the pole, dB, and the same over the median of the lines within 30 widths (at least 30 lines).
+fn height(work: &Work, lambda: Complex64) -> (f64, f64) {
+    let at = |k: usize| work.b.row(k).iter().map(|v| v.norm_sqr()).sum::<f64>().max(1e-300);
+    let near = work.window(lambda, 1.0, 1).map(at).fold(1e-300, f64::max);
+    let mut around: Vec<f64> = work.window(lambda, 60.0, 30).map(at).collect();
+    around.sort_by(f64::total_cmp);
+    let median = around.get(around.len() / 2).copied().unwrap_or(near);
+    (10.0 * near.log10(), 10.0 * (near / median).log10())
+}

@@ -1,0 +1,45 @@
+//! Isolated modes that the lines resolve: what the peak itself says, free of the error model.
+
+use crate::refine::{refine, Refined};
+use crate::tolerances as tol;
+use crate::work::{basis, Work};
+use chladni_linalg::{matmul, LinalgError};
+use ndarray::{s, Array2};
+use num_complex::Complex64;
+
+/// Half-width in lines from which a line counts as resolved.
+const RESOLVED_LINES: f64 = 0.5;
+/// Half-widths within which no other pole may stand.
+const ALONE: f64 = 12.0;
+/// Half-widths of the window of a resolved mode.
+const WINDOW: f64 = 4.0;
+
+/// Refits each such mode in a narrow window without multiplicative weights. (On the measured beam this is where independent
+/// local fits agree.) `residual` and `plain` are without line weights.
+pub(crate) fn refine_resolved(
+    plain: &Work,
+    weighted: &Work,
+    residual: &Array2<Complex64>,
+    refined: &Refined,
+) -> Result<Refined, LinalgError> {
+    let mut lambda = refined.lambda.clone();
+    for (q, slot) in lambda.iter_mut().enumerate() {
+        let pole = refined.lambda[q];
+        let far = |p: &Complex64| (p.re - pole.re).abs() > (ALONE * pole.im).max(2.0 * p.im.abs());
+        let alone = refined.lambda.iter().enumerate().all(|(o, p)| o == q || far(p));
+        if !plain.in_band(pole) || pole.im < RESOLVED_LINES * plain.spacing(pole.re) || !alone {
+            continue;
+        }
+        let window = plain.window(pole, WINDOW, 6);
+        let local = plain.rows(window.clone());
+        // the mode's own part and the residual, without everything else
+        let own = matmul(basis(&local, &[pole], &[]).view(), refined.coefficients.slice(s![q..q + 1, ..]));
+        let columns = own + residual.slice(s![window, ..]);
+        let Ok(single) = refine(&local.with_columns(columns), &[pole], &[0, 1], tol::REFINE_FINE, tol::ROUGH_STEP) else { continue };
+        let moved = single.lambda[0];
+        if (moved - pole).norm() < pole.im && moved.im > 0.0 {
+            *slot = moved;
+        }
+    }
+    refine(weighted, &lambda, &refined.powers, 0, tol::FINE_STEP)
+}

@@ -1,0 +1,262 @@
+//! The search for modes in one section: votes, error model, local tests, twins.
+
+use super::candidates::{Candidates, Origin};
+use super::consensus::consensus;
+use super::evidence::{look, Evidence};
+use super::local::{one_column_gains, remove, remove_unneeded, try_add};
+use super::resolved::refine_resolved;
+use super::sandwich::variances;
+use super::twins::{merge, own_poles};
+use super::weights::NoiseModel;
+use crate::order::POWERS;
+use crate::refine::{refine, Refined};
+use crate::section::Section;
+use crate::seeds::{fourth_difference_noise, peaks, Peak};
+use crate::tolerances as tol;
+use crate::work::{line_energy, Work};
+use chladni_linalg::LinalgError;
+use ndarray::{s, Array1, Array2};
+use num_complex::Complex64;
+
+/// Multiplicative error above which residual peaks are leakage, not modes.
+const RESEED_BELOW: f64 = 0.01;
+/// Rounds of estimating the error model from residuals.
+const WEIGHT_ROUNDS: usize = 2;
+/// Peaks of the residual tried per round, and rounds.
+const RESEED: (usize, usize) = (20, 2);
+/// Height of a residual peak over the residual's noise, dB.
+const RESEED_OVER_NOISE_DB: f64 = 10.0;
+/// Peaks this prominent and this far over the noise deserve a try, dB.
+const TRY_PROMINENCE_DB: f64 = 12.0;
+/// See above, dB.
+const TRY_OVER_NOISE_DB: f64 = 20.0;
+
+/// What a search needs to know of the record it is part of.
+pub(crate) struct Record<'a> {
+    /// Scaled columns on all lines used.
+    pub work: &'a Work,
+    /// Additive noise variance per line.
+    pub noise: &'a Array1<f64>,
+    /// Visible peaks.
+    pub seen: &'a [Peak],
+    /// Number of FRFs.
+    pub frfs: usize,
+    /// True where columns are FRFs, false where they are mixtures.
+    pub columns_are_frfs: bool,
+    /// True where the records went through a window that broadens lines.
+    pub windowed: bool,
+    /// Hz per √x.
+    pub hz: f64,
+}
+
+/// A section with the poles found in it.
+pub(crate) struct Search<'a> {
+    record: &'a Record<'a>,
+    /// Where it searched.
+    pub section: &'a Section,
+    /// Unweighted columns.
+    plain: Work,
+    level: Array1<f64>,
+    model: NoiseModel,
+    weighted: Work,
+    /// Poles.
+    pub candidates: Candidates,
+    /// Visible peaks that no accepted pole explains.
+    pub unexplained: Vec<Peak>,
+    /// Mergers.
+    pub notes: Vec<(Complex64, String)>,
+}
+
+impl<'a> Search<'a> {
+    /// Searches. `asked`: modes that the user knows to be there.
+    pub fn run(record: &'a Record<'a>, section: &'a Section, asked: Option<usize>) -> Result<Self, LinalgError> {
+        let plain = record.work.rows(section.lines.clone());
+        let model = NoiseModel::start(record.noise.slice(s![section.lines.clone()]).to_owned());
+        let level = line_energy(&plain.b);
+        let weighted = plain.reweighted(&model.weights(&level));
+        let seen: Vec<Peak> = record.seen.iter().copied().filter(|p| plain.in_band(p.lambda)).collect();
+        let seeds: Vec<Complex64> = seen.iter().map(|p| p.lambda).collect();
+        let strongest = seen.iter().map(|p| p.level_db).fold(f64::MIN, f64::max);
+        let strong: Vec<Complex64> = seen.iter().filter(|p| p.level_db > strongest - 30.0).map(|p| p.lambda).collect();
+        let second = (strong.len() * 2 < seeds.len() && !strong.is_empty()).then_some(strong.as_slice());
+        let base = asked.unwrap_or(0).max(seeds.len()).max(4);
+        let votes = consensus(&weighted, &seeds, base, second, &POWERS)?;
+        let (start, origin): (Vec<Complex64>, Vec<Origin>) = votes.into_iter().unzip();
+        let refined = refine(&weighted, &start, &POWERS, 2 * tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
+        let candidates = Candidates { refined, origin };
+        let mut search = Self { record, section, plain, level, model, weighted, candidates, unexplained: Vec::new(), notes: Vec::new() };
+        search.reweigh()?;
+        search.settle(&seen)?;
+        Ok(search)
+    }
+
+    /// Local tests until the poles are those that their neighbourhoods need.
+    fn settle(&mut self, seen: &[Peak]) -> Result<(), LinalgError> {
+        if self.model.multiplicative < RESEED_BELOW {
+            for _ in 0..RESEED.1 {
+                if !self.reseed()? {
+                    break;
+                }
+                self.reweigh()?;
+            }
+        }
+        remove_unneeded(&self.weighted, &mut self.candidates)?;
+        if self.record.frfs == 1 {
+            self.drop_shadows()?;
+        }
+        for peak in seen.iter().filter(|p| p.prominence_db >= TRY_PROMINENCE_DB && p.over_noise_db > TRY_OVER_NOISE_DB) {
+            if !self.candidates.explain(peak.lambda) && !try_add(&self.weighted, &mut self.candidates, peak.lambda)? {
+                self.unexplained.push(*peak);
+            }
+        }
+        self.notes = merge(&self.weighted, &mut self.candidates, self.record.hz)?;
+        Ok(())
+    }
+
+    /// Refines with the error model that the residual shows, twice.
+    fn reweigh(&mut self) -> Result<(), LinalgError> {
+        for _ in 0..WEIGHT_ROUNDS {
+            let residual = self.residual();
+            let fitted = line_energy(&(&self.plain.b - &residual));
+            self.model = NoiseModel::from_residual(&residual, &fitted);
+            self.weighted = self.plain.reweighted(&self.model.weights(&self.level));
+            self.candidates.refined =
+                refine(&self.weighted, &self.candidates.refined.lambda, &POWERS, 2 * tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
+        }
+        Ok(())
+    }
+
+    /// The residual without line weights.
+    fn residual(&self) -> Array2<Complex64> {
+        let mut out = self.candidates.refined.projection.residual.clone();
+        for (k, mut row) in out.rows_mut().into_iter().enumerate() {
+            let ratio = self.weighted.g[k] / self.plain.g[k].max(1e-300);
+            row.mapv_inplace(|v| v / ratio);
+        }
+        out
+    }
+
+    /// Tries poles at the peaks of the residual; true where one was accepted.
+    fn reseed(&mut self) -> Result<bool, LinalgError> {
+        let residual = self.weighted.with_columns(self.candidates.refined.projection.residual.clone());
+        let noise = fourth_difference_noise(&residual.b, (residual.lines() / 20).clamp(30, 400));
+        let mut changed = false;
+        for peak in peaks(&residual, &line_energy(&residual.b), &noise).into_iter().take(RESEED.0) {
+            changed |= peak.over_noise_db > RESEED_OVER_NOISE_DB
+                && !self.candidates.explain(peak.lambda)
+                && try_add(&self.weighted, &mut self.candidates, peak.lambda)?;
+        }
+        Ok(changed)
+    }
+
+    /// With one FRF nothing but the line shape tells a close pair from one misfitted mode: the partner that few orders agree
+    /// on, or that lies 20 dB below the other, is taken for misfit.
+    fn drop_shadows(&mut self) -> Result<(), LinalgError> {
+        loop {
+            let residual = self.residual();
+            let Refined { lambda, .. } = &self.candidates.refined;
+            let in_band = |p: &Complex64| self.weighted.in_band(*p);
+            let close = |q: usize| {
+                let near = |other: &Complex64| (other.re - lambda[q].re).abs() < 2.5 * lambda[q].im.max(other.im);
+                lambda.iter().enumerate().any(|(o, other)| o != q && in_band(other) && near(other))
+            };
+            let doubtful = |q: usize| match self.candidates.origin[q] {
+                Origin::Agreed { score, .. } if score >= 0.75 => {
+                    look(self.record, &self.plain, &residual, &self.candidates.refined, q).part < 0.1
+                }
+                _ => true,
+            };
+            let Some(q) = (0..lambda.len()).find(|&q| in_band(&lambda[q]) && close(q) && doubtful(q)) else { return Ok(()) };
+            remove(&self.weighted, &mut self.candidates, q)?;
+        }
+    }
+
+    /// True where the pole is this section's to report; half a width beyond a cut counts, its twin is dropped later.
+    pub fn owns(&self, pole: Complex64) -> bool {
+        self.section.core.start - 0.5 * pole.im <= pole.re && pole.re < self.section.core.end + 0.5 * pole.im
+    }
+
+    /// Owned poles that may be dropped where the user asks for fewer modes: (pole, local gain), the weakest one.
+    pub fn weakest(&self) -> Result<(usize, Option<(usize, f64)>), LinalgError> {
+        let gains = one_column_gains(&self.weighted, &self.candidates.refined, 0)?;
+        let open: Vec<usize> = (0..gains.len())
+            .filter(|&q| {
+                let pole = self.candidates.refined.lambda[q];
+                self.candidates.may_go(q) && self.weighted.in_band(pole) && self.owns(pole)
+            })
+            .collect();
+        Ok((open.len(), open.into_iter().map(|q| (q, gains[q])).min_by(|a, b| a.1.total_cmp(&b.1))))
+    }
+
+    /// Drops one pole.
+    pub fn drop(&mut self, q: usize) -> Result<(), LinalgError> {
+        remove(&self.weighted, &mut self.candidates, q)
+    }
+
+    /// The last refinement, and the evidence about every pole.
+    pub fn finish(mut self) -> Result<Finished, LinalgError> {
+        self.reweigh()?;
+        self.candidates.refined = refine(&self.weighted, &self.candidates.refined.lambda, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?;
+        self.candidates.refined = refine_resolved(&self.plain, &self.weighted, &self.residual(), &self.candidates.refined)?;
+        let refined = &self.candidates.refined;
+        let (robust, white) = variances(&self.weighted, refined)?;
+        let gains = one_column_gains(&self.weighted, refined, 0)?;
+        let without_two = one_column_gains(&self.weighted, refined, 2)?;
+        let without_four = one_column_gains(&self.weighted, refined, 4)?;
+        let residual = self.residual();
+        let mut evidence = Vec::new();
+        for q in 0..refined.lambda.len() {
+            let pole = refined.lambda[q];
+            let mut e = look(self.record, &self.plain, &residual, refined, q);
+            e.origin = self.candidates.origin[q];
+            e.gain = gains[q];
+            e.gain_without_nearest = without_two[q];
+            e.gain_of_skirts = without_four[q];
+            let mut deviation = robust[q].max(white[q]).sqrt();
+            if self.weighted.columns() > 1 && self.weighted.in_band(pole) && self.record.columns_are_frfs {
+                let (own, _, _) = own_poles(&self.weighted, refined, &[q])?;
+                let scatter = weighted_scatter(refined, q, &own);
+                e.scatter = Some(scatter / pole.im);
+                deviation = deviation.max(scatter / (own.len() as f64).sqrt());
+            }
+            deviation = deviation.max(e.odd_even().unwrap_or(0.0) * pole.im / 4.0);
+            e.deviation = deviation / pole.im;
+            evidence.push(e);
+        }
+        let variance = self.model.variance(&self.level);
+        evidence.retain(|e| self.owns(e.lambda));
+        let unexplained = self.unexplained.iter().copied().filter(|p| self.owns(p.lambda)).collect();
+        let notes = self.notes.iter().filter(|(pole, _)| self.owns(*pole)).map(|(_, note)| note.clone()).collect();
+        Ok(Finished { evidence, variance, lines: self.section.lines.clone(), unexplained, notes })
+    }
+}
+
+/// What a section hands over.
+pub(crate) struct Finished {
+    /// Evidence about every pole it owns, nuisance poles included.
+    pub evidence: Vec<Evidence>,
+    /// Variance of one value per line, by its error model.
+    pub variance: Array1<f64>,
+    /// Lines of the section.
+    pub lines: std::ops::Range<usize>,
+    /// Visible peaks that no accepted pole explains.
+    pub unexplained: Vec<Peak>,
+    /// Mergers.
+    pub notes: Vec<String>,
+}
+
+/// Rms distance of the own poles from the common one, each FRF weighted by how strongly it shows the mode.
+fn weighted_scatter(refined: &Refined, q: usize, own: &[Complex64]) -> f64 {
+    let pole = refined.lambda[q];
+    let (mut sum, mut total) = (0.0, 0.0);
+    for (p, r) in own.iter().zip(refined.coefficients.row(q)) {
+        let weight = r.norm_sqr();
+        sum += weight * (p - pole).norm_sqr().min(4.0 * pole.im * pole.im);
+        total += weight;
+    }
+    if total > 0.0 {
+        (sum / total).sqrt()
+    } else {
+        0.0
+    }
+}

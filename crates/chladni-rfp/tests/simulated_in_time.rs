@@ -1,0 +1,180 @@
+//! Identification of FRFs that an analyser would have estimated: simulated in time, windowed, averaged (H₁). The truth is
+//! that of the simulator (chladni-plate, `time.rs`), which knows nothing of the identification.
+
+use chladni_frf::{ModalModel, Mode, Trust};
+use chladni_plate::{Excitation, TimeSet, TimeTest, Window};
+use chladni_rfp::{fit, FitOptions};
+
+/// Record length, s: lines 0.5 Hz apart.
+const RECORD_S: f64 = 2.0;
+/// Natural frequencies, Hz: separate by 30 lines and more.
+const MODES: [f64; 6] = [41.3, 87.7, 140.2, 203.9, 281.4, 352.6];
+
+/// One row of the table.
+struct Case {
+    excitation: Excitation,
+    window: Window,
+    responses: usize,
+    /// Half-power bandwidth of every mode in lines.
+    lines_per_bandwidth: f64,
+    snr_db: f64,
+}
+
+impl Case {
+    fn bandwidth_hz(&self) -> f64 {
+        self.lines_per_bandwidth / RECORD_S
+    }
+
+    /// The first structure from `seed` on that shows each of its modes in some FRF within 20 dB of the strongest.
+    fn build(&self, seed: u64) -> TimeSet {
+        let shows = |set: &TimeSet| {
+            let strength = |m: &Mode| m.shape.0.iter().map(|v| (v * m.participation.0[0]).norm()).fold(0.0, f64::max);
+            let all: Vec<f64> = set.truth.modes.iter().map(strength).collect();
+            let strongest = all.iter().copied().fold(0.0, f64::max);
+            all.iter().all(|s| *s > 0.1 * strongest)
+        };
+        (seed..).map(|seed| self.test(seed).build().unwrap()).find(shows).unwrap()
+    }
+
+    fn test(&self, seed: u64) -> TimeTest {
+        TimeTest {
+            natural_frequency_hz: MODES.to_vec(),
+            damping_ratio: MODES.iter().map(|f| self.bandwidth_hz() / (2.0 * f)).collect(),
+            responses: self.responses,
+            sample_rate_hz: 1024.0,
+            record_s: RECORD_S,
+            padding: 1,
+            band_hz: [10.0, 400.0],
+            averages: if self.excitation == Excitation::Random { 32 } else { 8 },
+            excitation: self.excitation,
+            window: self.window,
+            snr_db: self.snr_db,
+            seed,
+        }
+    }
+}
+
+const HAMMER: Excitation = Excitation::Hammer { contact_s: 0.002 };
+const BURST: Excitation = Excitation::BurstRandom { part: 0.5 };
+/// e^{−3} at the end of the record.
+const EXPONENTIAL: Window = Window::Exponential { rate_per_s: 1.5 };
+
+/// Four cases for each way to measure: FRFs, lines per bandwidth and noise turn in a Latin square.
+fn cases() -> Vec<Case> {
+    let ways = [
+        (HAMMER, Window::Rectangular),
+        (HAMMER, EXPONENTIAL),
+        (BURST, Window::Rectangular),
+        // wrong: the window weighs the start of the response, where most of it is, least
+        (BURST, Window::Hann),
+        (Excitation::Random, Window::Hann),
+        (Excitation::Random, Window::Rectangular),
+    ];
+    let squares = [(1, 3.0, 40.0), (3, 1.5, 30.0), (6, 6.0, 25.0), (3, 3.0, 35.0), (6, 1.5, 40.0), (1, 6.0, 30.0)];
+    let mut all = Vec::new();
+    for (w, (excitation, window)) in ways.into_iter().enumerate() {
+        for step in 0..4 {
+            let (responses, lines_per_bandwidth, snr_db) = squares[(w + step) % squares.len()];
+            all.push(Case { excitation, window, responses, lines_per_bandwidth, snr_db });
+        }
+    }
+    all
+}
+
+/// Modes of the structure that no mode of the model stands for, and `sure` modes that stand for none or for one already taken.
+fn missed_and_false(case: &Case, model: &ModalModel) -> (Vec<f64>, Vec<f64>) {
+    // a window broadens lines; half a broadened bandwidth is less than two lines more
+    let near = |mode: &Mode, f: f64| (mode.frequency_hz - f).abs() < 0.5 * case.bandwidth_hz() + 0.5 / RECORD_S;
+    let missed = MODES.iter().copied().filter(|f| !model.in_band_modes().any(|m| near(m, *f))).collect();
+    let mut free = MODES.to_vec();
+    let mut wrong = Vec::new();
+    for mode in model.in_band_modes().filter(|m| m.trust == Trust::Sure) {
+        match free.iter().position(|f| near(mode, *f)) {
+            Some(taken) => drop(free.remove(taken)),
+            None => wrong.push(mode.frequency_hz),
+        }
+    }
+    (missed, wrong)
+}
+
+/// Fits all cases with structures from `seed` on: what failed, and (sure, weak).
+fn run(seed: u64) -> (Vec<String>, usize, usize) {
+    let mut failures = Vec::new();
+    let (mut sure, mut weak) = (0, 0);
+    for (number, case) in cases().iter().enumerate() {
+        let model = fit(&case.build(seed + 100 * number as u64).frf, &FitOptions::default(), &|_| {}).unwrap().model;
+        let (missed, wrong) = missed_and_false(case, &model);
+        sure += model.in_band_modes().filter(|m| m.trust == Trust::Sure).count();
+        weak += model.in_band_modes().filter(|m| m.trust == Trust::Weak).count();
+        if !missed.is_empty() || !wrong.is_empty() {
+            let modes: Vec<String> = model
+                .modes
+                .iter()
+                .map(|m| {
+                    format!(
+                        "    {:9.3} ± {:.3} Hz, zeta {:.5} {:?} {:?}\n",
+                        m.frequency_hz, m.frequency_std_hz, m.damping_ratio, m.trust, m.reasons
+                    )
+                })
+                .collect();
+            failures.push(format!(
+                "seed {seed}, case {number}: {:?} {:?}, {} FRFs, {} lines per bandwidth, {} dB: missed {missed:?}, false {wrong:?}\n{}",
+                case.excitation,
+                case.window,
+                case.responses,
+                case.lines_per_bandwidth,
+                case.snr_db,
+                modes.concat()
+            ));
+        }
+    }
+    (failures, sure, weak)
+}
+
+#[test]
+fn every_mode_is_found_and_no_false_one_is_sure() {
+    assert_eq!(cases().len(), 24);
+    let (failures, sure, weak) = run(0);
+    assert!(failures.is_empty(), "{} cases:\n{}", failures.len(), failures.concat());
+    // of 144 modes; a grade that doubts everything would pass the above
+    assert!(sure >= 130, "{sure} sure, {weak} weak");
+}
+
+/// The figures of docs/theory.md, section 3: `cargo test --release --test simulated_in_time -- --ignored --nocapture`.
+#[test]
+#[ignore = "ten times the suite's cases, for the figures"]
+fn ten_structures_for_each_case() {
+    let (mut failed, mut sure, mut weak) = (0, 0, 0);
+    for seed in 0..10 {
+        let (failures, s, w) = run(10_000 * seed);
+        failures.iter().for_each(|f| println!("{f}"));
+        (failed, sure, weak) = (failed + failures.len(), sure + s, weak + w);
+    }
+    println!("240 cases, 1440 modes: {failed} cases failed; {sure} sure, {weak} weak");
+}
+
+#[test]
+fn a_hann_window_on_bursts_is_named() {
+    let case = Case { excitation: BURST, window: Window::Hann, responses: 3, lines_per_bandwidth: 1.5, snr_db: 40.0 };
+    let model = fit(&case.build(0).frf, &FitOptions::default(), &|_| {}).unwrap().model;
+    assert!(model.quality.warnings.iter().any(|w| w.contains("went through a window")), "{:?}", model.quality.warnings);
+    let right = Case { window: Window::Rectangular, ..case };
+    let model = fit(&right.build(0).frf, &FitOptions::default(), &|_| {}).unwrap().model;
+    assert!(!model.quality.warnings.iter().any(|w| w.contains("went through a window")), "{:?}", model.quality.warnings);
+}
+
+#[test]
+fn a_padded_record_is_thinned_to_the_lines_that_are_measured() {
+    let case = Case { excitation: HAMMER, window: Window::Rectangular, responses: 3, lines_per_bandwidth: 1.0, snr_db: 40.0 };
+    for padding in [2, 4] {
+        let set = TimeTest { padding, ..case.test(5) }.build().unwrap();
+        let model = fit(&set.frf, &FitOptions::default(), &|_| {}).unwrap().model;
+        assert!(model.quality.warnings.iter().any(|w| w.contains(&format!("1/{padding} of the record"))), "{:?}", model.quality.warnings);
+        let (missed, wrong) = missed_and_false(&case, &model);
+        assert!(missed.is_empty() && wrong.is_empty(), "padding {padding}: missed {missed:?}, false {wrong:?}");
+        // the cut record is exactly rational: damping is not the window's
+        for (mode, truth) in model.in_band_modes().filter(|m| m.trust == Trust::Sure).zip(&set.truth.modes) {
+            assert!((mode.damping_ratio / truth.damping_ratio - 1.0).abs() < 0.1, "{} Hz: {}", truth.frequency_hz, mode.damping_ratio);
+        }
+    }
+}
