@@ -88,17 +88,22 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
         return Ok(Outcome::NotWhite(evidence));
     }
     let mixed = mixtures(&sketch, tol::POOL_MIXTURES, seed);
-    let pool = vector_fit(&mixed, &starts(&sketch, &seeds, size), &POWERS, tol::POOL_ITERATIONS)?;
-    let mut lambda: Vec<Complex64> = pool.lambda.iter().zip(&pool.flipped).filter(|(_, f)| !**f).map(|(p, _)| *p).collect();
-
-    let mut history = Vec::new();
-    let mut variance = pool_variance(&sketch, &lambda)?;
-    lambda = prune(&sketch, &lambda, &POWERS, variance)?;
-    progress("refinement");
-    let mut refined = refine(&sketch, &lambda, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
-    history.push((refined.lambda.len(), refined.variance(&sketch)));
+    let mut start = started(&sketch, &mixed, &seeds, size)?;
+    let judged = |refined: &Refined| {
+        judge(&sketch, &refined.lambda, &row_energy(&refined.projection.residual), sketch.columns(), &refined.projection.residual)
+    };
     // a missing mode leaves its mark in one place; misfit around most modes is no question of order
-    let first = judge(&sketch, &refined.lambda, &row_energy(&refined.projection.residual), sketch.columns(), &refined.projection.residual);
+    let mut first = judged(&start.refined);
+    if first.misfit_share > tol::MISFIT_SHARE && asked.is_none() {
+        // unless a larger pool takes it away: many modes hide behind few peaks, or few FRFs
+        let larger = started(&sketch, &mixed, &seeds, (2 * size).min(sketch.lines() / 3))?;
+        if larger.variance < tol::LARGER_POOL_GAIN * start.variance {
+            start = larger;
+            first = judged(&start.refined);
+        }
+    }
+    let Start { mut refined, mut variance } = start;
+    let mut history = vec![(refined.lambda.len(), refined.variance(&sketch))];
     if first.misfit_share > tol::MISFIT_SHARE || refined.lambda.is_empty() {
         if conjugate_fits_better(&mixed, &seeds, size)? {
             return Ok(Outcome::Conjugated);
@@ -142,6 +147,22 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
         return Ok(Outcome::NotWhite(whiteness.evidence));
     }
     Ok(Outcome::White(Box::new(Chain { refined, projected, variance, whiteness, history })))
+}
+
+/// Poles of a pool that noise alone cannot make, roughly refined.
+struct Start {
+    refined: Refined,
+    /// Noise variance of the sketch as the whole pool leaves it.
+    variance: f64,
+}
+
+/// Vector fitting with `size` poles on mixtures, pruning and rough refinement on the sketch.
+fn started(sketch: &Work, mixed: &Work, seeds: &[Complex64], size: usize) -> Result<Start, LinalgError> {
+    let pool = vector_fit(mixed, &starts(sketch, seeds, size), &POWERS, tol::POOL_ITERATIONS)?;
+    let stable: Vec<Complex64> = pool.lambda.iter().zip(&pool.flipped).filter(|(_, flipped)| !**flipped).map(|(pole, _)| *pole).collect();
+    let variance = pool_variance(sketch, &stable)?;
+    let kept = prune(sketch, &stable, &POWERS, variance)?;
+    Ok(Start { refined: refine(sketch, &kept, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?, variance })
 }
 
 /// Many modes make the chain dear, and where most of them are misfitted it is in vain: one section is asked first. Evidence that
