@@ -34,7 +34,7 @@ fit decibel.csv|65|bad_data|decibel.csv|column 2|mag [dB]|dB re 1
 fit headless.csv|65|bad_data|headless.csv|no row
 fit direction.csv|65|bad_data|direction.csv|line 2|found 9|-6 to 6
 fit infinite.csv|65|bad_data|infinite.csv|line 2|re|inf|--lenient
-fit garbage.h5|65|bad_data|garbage.h5|HDF5|superblock
+fit garbage.h5|65|bad_data|garbage.h5|HDF5
 fit cut.h5|65|bad_data|cut.h5|/frf|damaged
 fit brace.json|65|bad_data|brace.json|line|JSON
 fit other.json|65|bad_data|other.json|format|found music|chladni.model
