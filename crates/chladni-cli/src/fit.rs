@@ -178,7 +178,8 @@ fn explain(error: &FitError, options: &FitOptions, file: &Path) -> Error {
     }
 }
 
-fn distrust(model: &ModalModel) -> String {
+/// Why a model is not to be trusted.
+pub fn distrust(model: &ModalModel) -> String {
     let reason = match model.in_band_modes().any(|mode| mode.trust == Trust::Sure) {
         true => "the data as a whole contradict the model (see the warnings)",
         false => "no mode is sure",
@@ -198,7 +199,7 @@ fn whole(model: &ModalModel) -> Result<Value> {
 }
 
 /// What fits on a screen: the model without shapes and residual terms.
-fn summary(model: &ModalModel, output: &Path) -> Result<Value> {
+pub fn summary(model: &ModalModel, output: &Path) -> Result<Value> {
     let mut value = value_of(model)?;
     for mode in value["modes"].as_array_mut().into_iter().flatten().filter_map(Value::as_object_mut) {
         ["shape", "shape_std", "participation"].iter().for_each(|key| drop(mode.remove(*key)));
