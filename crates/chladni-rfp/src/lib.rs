@@ -31,4 +31,7 @@ mod work;
 pub use error::FitError;
 pub use fit::{fit, Fit};
 pub use options::{FitOptions, Method, ShapeModel};
-pub use validation::{cmif, mac, mac_matrix, mpc};
+pub use validation::{
+    auto_mac, cmif, mac, mac_matrix, mean_phase_deviation_deg, modal_complexity_factor, mpc, reciprocity, reconstruction_error,
+    ReciprocalPair,
+};
