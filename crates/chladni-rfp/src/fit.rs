@@ -30,8 +30,8 @@ pub struct Fit {
 /// `progress` is told the name of each stage as it begins.
 ///
 /// # Errors
-/// [`FitError`]: unknown kind, a band outside the data, too few lines, no data, a window that cannot be undone on these lines. A fit that was made but cannot be trusted is
-/// no error: `model.quality.trusted` says so, with the reasons in its warnings.
+/// [`FitError`]: unknown kind, a band outside the data, too few lines, no data, a window that cannot be undone on these lines.
+/// A fit that was made but cannot be trusted is no error: `model.quality.trusted` says so, with the reasons in its warnings.
 pub fn fit(frf: &FrfSet, options: &FitOptions, progress: &dyn Fn(&str)) -> Result<Fit, FitError> {
     let unbiased = options.window.map_or(Ok(None), |window| faults::window::undo(frf, window))?;
     let mut data = Screened::new(unbiased.as_ref().unwrap_or(frf), options)?;
