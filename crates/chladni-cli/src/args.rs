@@ -1,6 +1,6 @@
 //! The commands, and the options that all of them have.
 
-use crate::{bench, convert, demo, evaluate, fit, info, render, report, shell, simulate};
+use crate::{bench, convert, demo, evaluate, fit, info, render, report, select, shell, simulate};
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 
 /// Modal identification of plates from measured FRFs, and vibration rendering with it
@@ -35,6 +35,8 @@ pub enum Command {
     Simulate(simulate::Args),
     /// Identify modes from FRFs: natural frequencies, damping, shapes, with error bars
     Fit(fit::Args),
+    /// Keep or drop modes of a model by hand, reproducibly
+    Select(select::Args),
     /// Find actuator weights that move a panel here and keep it quiet there
     Render(render::Args),
     /// Judge given weights on other data: measured FRFs or another model

@@ -7,7 +7,7 @@ use crate::output::{Output, MODEL};
 use crate::table::{counted, significant, table, with_bound};
 use chladni_frf::io::write_model;
 use chladni_frf::{Damping, Error, ErrorKind, FrfSet, ModalModel, Mode, Result, Scaling, Source, Trust};
-use chladni_rfp::{FitError, FitOptions, Method, ShapeModel};
+use chladni_rfp::{FitError, FitOptions, Method, ShapeModel, Window};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{json, Map, Value};
 use std::path::{Path, PathBuf};
@@ -43,6 +43,14 @@ pub struct Args {
     #[arg(long, value_name = "METHOD", default_value = "auto", value_parser = PossibleValuesParser::new(Method::ALL.map(Method::as_str))
         .try_map(|name| name.parse::<Method>()))]
     method: Method,
+    /// Window of the records of random excitation that the FRFs were averaged from: its bias is undone (needs all lines from 0 Hz
+    /// on); none: hammer, burst, sine [default: not known, the possible bias is named]
+    #[arg(long, value_name = "WINDOW", value_parser = PossibleValuesParser::new(Window::ALL.map(Window::as_str))
+        .try_map(|name| name.parse::<Window>()))]
+    window: Option<Window>,
+    /// Decay α of the exponential window e^(-αt) on the responses of a hammer test, 1/s: taken off the poles
+    #[arg(long, value_name = "1/S", value_parser = parse_decay)]
+    exponential_window: Option<f64>,
     /// Seed of the random mixtures inside the fit
     #[arg(long, value_name = "S", default_value_t = 0, allow_negative_numbers = true)]
     seed: u64,
@@ -70,6 +78,13 @@ fn parse_band(text: &str) -> std::result::Result<[f64; 2], String> {
         Some((Ok(low), Ok(high))) if low.is_finite() && high.is_finite() && 0.0 <= low && low < high => Ok([low, high]),
         Some((Ok(low), Ok(high))) if low >= high => Err("the band ends before it begins".into()),
         _ => Err("no band in Hz such as 10:700".into()),
+    }
+}
+
+fn parse_decay(text: &str) -> std::result::Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(decay) if decay.is_finite() && decay > 0.0 => Ok(decay),
+        _ => Err("no decay in 1/s such as 3.7 (α = ln(1/end value)/record length)".into()),
     }
 }
 
@@ -130,6 +145,12 @@ pub fn echo_of(options: &FitOptions) -> Map<String, Value> {
     echo.insert("damping".into(), options.damping.map_or("auto".into(), |law| json!(law)));
     echo.insert("method".into(), options.method.as_str().into());
     echo.insert("shapes".into(), options.shapes.as_str().into());
+    if let Some(window) = options.window {
+        echo.insert("window".into(), window.as_str().into());
+    }
+    if let Some(decay) = options.exponential_window_per_s {
+        echo.insert("exponential_window_per_s".into(), decay.into());
+    }
     echo.insert("seed".into(), options.seed.into());
     echo
 }
@@ -146,6 +167,8 @@ impl Args {
             },
             method: self.method,
             shapes: self.shapes,
+            window: self.window,
+            exponential_window_per_s: self.exponential_window,
             seed: self.seed,
         }
     }
@@ -169,6 +192,11 @@ fn explain(error: &FitError, options: &FitOptions, file: &Path) -> Error {
             .found(format!("{} between {low_hz} and {high_hz} Hz", counted(lines, "line")))
             .expected(format!("at least {} for {}", counted(needed, "line"), counted(modes, "mode")))
             .help("widen --band, or ask for fewer --modes"),
+        FitError::WindowAxis { found } => bad("the bias of a window is undone in the time domain, which needs whole records")
+            .field("--window")
+            .found(found)
+            .expected("FRFs without gaps on evenly spaced lines from 0 Hz on")
+            .help("export all lines, or leave --window out: the possible bias is named then"),
         FitError::NoData => bad("no FRF holds a finite, non-zero value in the band")
             .field("FRF values")
             .found("zeros or NaN only")
@@ -178,7 +206,8 @@ fn explain(error: &FitError, options: &FitOptions, file: &Path) -> Error {
     }
 }
 
-fn distrust(model: &ModalModel) -> String {
+/// Why a model is not to be trusted.
+pub fn distrust(model: &ModalModel) -> String {
     let reason = match model.in_band_modes().any(|mode| mode.trust == Trust::Sure) {
         true => "the data as a whole contradict the model (see the warnings)",
         false => "no mode is sure",
@@ -198,7 +227,7 @@ fn whole(model: &ModalModel) -> Result<Value> {
 }
 
 /// What fits on a screen: the model without shapes and residual terms.
-fn summary(model: &ModalModel, output: &Path) -> Result<Value> {
+pub fn summary(model: &ModalModel, output: &Path) -> Result<Value> {
     let mut value = value_of(model)?;
     for mode in value["modes"].as_array_mut().into_iter().flatten().filter_map(Value::as_object_mut) {
         ["shape", "shape_std", "participation"].iter().for_each(|key| drop(mode.remove(*key)));

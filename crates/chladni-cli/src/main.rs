@@ -18,6 +18,7 @@ mod output;
 mod progress;
 mod render;
 mod report;
+mod select;
 mod shell;
 mod simulate;
 mod table;
@@ -54,6 +55,7 @@ fn run(command: &Command, common: &Common, console: &Console) -> Result<Outcome>
         Command::Convert(args) => convert::run(args, console),
         Command::Simulate(args) => simulate::run(args, console),
         Command::Fit(args) => fit::run(args, console),
+        Command::Select(args) => select::run(args, console),
         Command::Render(args) => render::run(args, console),
         Command::Evaluate(args) => evaluate::run(args, console),
         Command::Report(args) => report::run(args, console),

@@ -132,9 +132,12 @@ fn measured_of(file: &Path, model: &ModalModel, console: &Console) -> Option<Frf
     if model.source.is_empty() || model.method == SIMULATED {
         return None;
     }
-    let files = beside(file, &model.source);
-    if files.len() < model.source.len() {
-        let names: Vec<String> = model.source.iter().map(|source| source.file.clone()).collect();
+    // `select` adds the model it started from and the selection
+    let selected = model.options.get("selections").and_then(|list| list.as_array()).map_or(0, Vec::len);
+    let fitted = &model.source[..model.source.len().saturating_sub(2 * selected)];
+    let files = beside(file, fitted);
+    if files.len() < fitted.len() {
+        let names: Vec<String> = fitted.iter().map(|source| source.file.clone()).collect();
         let names = shortened(&names, 3);
         console.warn(format!("the measured FRFs ({names}) do not lie beside the model, unchanged: its synthesis alone is shown"));
         return None;

@@ -45,6 +45,9 @@ fit panel.h5 --bend 20:300|2|usage|--bend|--band|chladni fit --help
 fit panel.h5 --modes 0|2|usage|--modes|found 0|auto
 fit panel.h5 --modes 500|65|bad_data|381 lines|500 modes
 fit panel.h5 --damping none|2|usage|--damping|none|viscous
+fit panel.h5 --window hann|65|bad_data|--window|panel.h5|20|from 0 Hz
+fit panel.h5 --window flat|2|usage|--window|flat|rectangular
+fit panel.h5 --exponential-window 0|2|usage|--exponential-window|record length
 fit panel.h5 --threads 0|2|usage|--threads|whole number
 fit panel.h5 --seed -1|2|usage|--seed|-1|whole number
 fit panel.h5 --reference x|2|usage|--reference|found x|whole number
@@ -77,6 +80,10 @@ simulate latin.toml -o new.h5|65|bad_data|latin.toml|byte 3|0xe9|UTF-8
 simulate empty -o new.h5|65|bad_data|empty|a folder
 simulate text.toml -o new.h5|65|bad_data|line 2|plate.width_m|found string
 simulate unclosed.toml -o new.h5|65|bad_data|unclosed.toml|line 1|TOML
+select truth.json typo.toml -o new.json|65|bad_data|typo.toml|line 1|frf|drop
+select truth.json many.toml -o new.json|65|bad_data|many.toml|line 1|drop[1]|999|the nearest is mode
+select panel.h5 many.toml -o new.json|65|bad_data|panel.h5|no model
+select truth.json many.toml -o truth.json --force|73|cannot_create|one of the inputs
 render truth.json typo.toml|65|bad_data|typo.toml|line
 render truth.json scen.toml|66|no_input|did you mean scene.toml?
 render truth.json binary.dat|65|bad_data|binary.dat|a binary file|a scene
@@ -129,6 +136,7 @@ fn prepared() -> Folder {
     folder.write("letters.unv", damaged.join("\n"));
     folder.write("kindless.csv", "f,re,im\n10,1,0\n20,2,1\n30,1,0\n40,2,1\n");
     folder.write("old.json", "old");
+    folder.write("many.toml", "drop = [999]\n");
     folder.write("typo.toml", "[frf]\nstop_hertz = 3\n");
     for (name, text) in [
         ("empty.csv", ""),
@@ -207,7 +215,7 @@ fn a_damaged_file_says_where() {
 fn help_and_version_are_no_errors_and_begin_with_examples() {
     let folder = Folder::new();
     assert!(folder.run("--version").exits(0).stdout.starts_with("chladni "));
-    for command in ["demo", "info", "convert", "simulate", "fit", "render", "evaluate", "report", "completions", "man"] {
+    for command in ["demo", "info", "convert", "simulate", "fit", "select", "render", "evaluate", "report", "completions", "man"] {
         let help = folder.run(&format!("{command} --help")).exits(0).stdout;
         assert!(help.starts_with("Examples:") && help.contains(&format!("chladni {command}")), "{command}: {help}");
     }

@@ -96,6 +96,29 @@ fn the_options_of_reading_reach_the_result() {
 }
 
 #[test]
+fn modes_are_selected_by_hand_and_the_result_says_so() {
+    let folder = Folder::with_panel();
+    folder.run("fit panel.h5 -o model.json -q").exits(0);
+    let model: Value = serde_json::from_str(&folder.text("model.json")).unwrap();
+    let second = model["modes"].as_array().unwrap().iter().filter(|mode| mode["in_band"] == true).nth(1).unwrap()["frequency_hz"].clone();
+    folder.write("selection.toml", format!("drop = [1]\n[[mode]]\nnear_hz = {second}\nwithin_hz = 0.1\n"));
+    let run = folder.run("select model.json selection.toml -o selected.json --json").exits(0);
+    assert!(run.stderr.contains("2 mode(s) dropped by hand"), "{}", run.stderr);
+    let selected: Value = serde_json::from_str(&folder.text("selected.json")).unwrap();
+    let count = |model: &Value| model["modes"].as_array().unwrap().iter().filter(|mode| mode["in_band"] == true).count();
+    assert_eq!(count(&selected) + 2, count(&model));
+    let names: Vec<&str> = selected["source"].as_array().unwrap().iter().map(|source| source["file"].as_str().unwrap()).collect();
+    assert_eq!(names, ["panel.h5", "model.json", "selection.toml"]);
+    assert_eq!(selected["options"]["modes"], "auto");
+    assert_eq!(selected["options"]["selections"][0]["drop"][0], 1);
+    assert!(selected["quality"]["relative_error"].as_f64() > model["quality"]["relative_error"].as_f64());
+    // the same bytes again, and a report that still finds the FRFs
+    folder.run("select model.json selection.toml -o again.json -q").exits(0);
+    assert_eq!(folder.text("selected.json"), folder.text("again.json"));
+    assert_eq!(folder.run("report selected.json -o report.html --json").exits(0).json()["measured"], true);
+}
+
+#[test]
 fn any_format_becomes_any_other() {
     let folder = Folder::with_panel();
     for extension in ["uff", "unv", "csv", "hdf5"] {

@@ -13,6 +13,8 @@ mod geometry;
 pub mod io;
 mod kind;
 mod model;
+mod selection;
+pub mod toml_reader;
 mod words;
 
 pub use dof::{Direction, Dof};
@@ -23,6 +25,7 @@ pub use kind::{FrfKind, ReferenceUnit, TimeSign};
 pub use model::{
     ComplexMatrix, ComplexVector, Damping, ModalModel, Mode, Quality, ResidualTerm, ResidualTerms, Scaling, Source, Trust, MODEL_FORMAT,
 };
+pub use selection::{Selected, Selection};
 pub use words::{line_of_byte, nearest_word, parser_complaint, toml_complaint};
 
 /// The name and version that every result carries in `created_by`.

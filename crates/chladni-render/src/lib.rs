@@ -43,7 +43,6 @@ mod render;
 mod scene;
 mod threshold;
 pub mod tolerances;
-mod toml_reader;
 mod weights;
 mod zones;
 

@@ -3,9 +3,9 @@
 use crate::plane::Position;
 use crate::threshold::{Threshold, ThresholdTable};
 use crate::tolerances;
-use crate::toml_reader::{parse, Keys, Table, Value};
 use crate::zones::{PolygonKind, ZoneLayout, ZonePolygon, Zones};
 use chladni_frf::io::read_text;
+use chladni_frf::toml_reader::{parse, Keys, Table, Value};
 use chladni_frf::{nearest_word, Dof, Error, Result};
 use std::path::{Path, PathBuf};
 

@@ -35,6 +35,12 @@ pub enum FitError {
         /// Lines needed.
         needed: usize,
     },
+    /// The bias of a window can be undone on whole records only.
+    #[error("a window's bias is undone in the time domain, which needs every line from 0 Hz on, evenly spaced; found {found}")]
+    WindowAxis {
+        /// What stands in the way.
+        found: String,
+    },
     /// Nothing but zeros or NaN.
     #[error("no FRF in the set holds a finite, non-zero value in the band")]
     NoData,

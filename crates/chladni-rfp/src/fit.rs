@@ -1,6 +1,7 @@
 //! The fit: screen, find poles, choose the damping law, residues, shapes, model.
 
 use crate::error::FitError;
+use crate::faults;
 use crate::law::{chance, choose, Law, UNDECIDABLE};
 use crate::measured::measured_path;
 use crate::methods::{grfp, rfp, ClassicPoles};
@@ -29,14 +30,51 @@ pub struct Fit {
 /// `progress` is told the name of each stage as it begins.
 ///
 /// # Errors
-/// [`FitError`]: unknown kind, a band outside the data, too few lines, no data. A fit that was made but cannot be trusted is
-/// no error: `model.quality.trusted` says so, with the reasons in its warnings.
+/// [`FitError`]: unknown kind, a band outside the data, too few lines, no data, a window that cannot be undone on these lines.
+/// A fit that was made but cannot be trusted is no error: `model.quality.trusted` says so, with the reasons in its warnings.
 pub fn fit(frf: &FrfSet, options: &FitOptions, progress: &dyn Fn(&str)) -> Result<Fit, FitError> {
-    let data = Screened::new(frf, options)?;
+    let unbiased = options.window.map_or(Ok(None), |window| faults::window::undo(frf, window))?;
+    let mut data = Screened::new(unbiased.as_ref().unwrap_or(frf), options)?;
+    let mut dropped = Vec::new();
+    let mut rounds = 0;
+    let (mut fit, white) = loop {
+        match identify(&data, options, rounds < OUTLIER_ROUNDS, progress)? {
+            Attempt::Outliers(places) => {
+                dropped.extend(places.iter().map(|&place| data.frf.frequency_hz[data.lines[place]]));
+                data = data.without(&places);
+                rounds += 1;
+            }
+            Attempt::Fitted(fit, white) => break (*fit, white),
+        }
+    };
+    if !dropped.is_empty() {
+        fit.model.quality.warnings.push(faults::outliers::words(&data, &mut dropped));
+    }
+    faults::examine(&data, options, white, &mut fit.model);
+    if let Some(alpha) = options.exponential_window_per_s {
+        faults::exponential::undo(&mut fit.model, alpha);
+    }
+    Ok(fit)
+}
+
+/// Rounds of leaving out outlier lines and fitting again: the second finds those that hid beside the first.
+const OUTLIER_ROUNDS: usize = 5;
+
+/// What a run of a method came to.
+enum Attempt {
+    /// A fit, and whether its residual is white.
+    Fitted(Box<Fit>, bool),
+    /// Lines (positions among those used) that must go first.
+    Outliers(Vec<usize>),
+}
+
+/// Runs the method asked for. Outlier lines end a run only where they are `sought`.
+fn identify(data: &Screened, options: &FitOptions, sought: bool, progress: &dyn Fn(&str)) -> Result<Attempt, FitError> {
+    let classic = |method| Ok(Attempt::Fitted(Box::new(fit_classic(data, options, method, progress)?), true));
     match options.method {
-        Method::Auto => fit_auto(&data, options, progress),
-        Method::Rfp => fit_classic(&data, options, rfp, progress),
-        Method::Grfp => fit_classic(&data, options, grfp, progress),
+        Method::Auto => fit_auto(data, options, sought, progress),
+        Method::Rfp => classic(rfp),
+        Method::Grfp => classic(grfp),
     }
 }
 
@@ -103,12 +141,14 @@ fn fit_classic(
 /// Rms residual over rms data beyond which a classic fit is not trusted: it has no other way to know that it failed.
 const CLASSIC_RESIDUAL: f64 = 0.2;
 
-fn fit_auto(data: &Screened, options: &FitOptions, progress: &dyn Fn(&str)) -> Result<Fit, FitError> {
+fn fit_auto(data: &Screened, options: &FitOptions, sought: bool, progress: &dyn Fn(&str)) -> Result<Attempt, FitError> {
     let (found, history) = match fast_chain(data, options.seed, options.modes, progress)? {
         Outcome::White(chain) => {
             let history = chain.history.clone();
             (from_chain(*chain), history)
         }
+        Outcome::Outliers(lines) if sought => return Ok(Attempt::Outliers(lines)),
+        Outcome::Outliers(_) => (from_measured(data, options, "single lines stand out of the residual", progress)?, Vec::new()),
         Outcome::NotWhite(evidence) => (from_measured(data, options, &evidence, progress)?, Vec::new()),
         Outcome::Conjugated => (from_conjugated(data, options)?, Vec::new()),
     };
@@ -139,7 +179,11 @@ fn fit_auto(data: &Screened, options: &FitOptions, progress: &dyn Fn(&str)) -> R
     }
     let mut model = shaped.model(data, options);
     model.quality.warnings.append(&mut warnings);
-    Ok(Fit { model, history })
+    let outliers = if sought && measured { faults::outliers::outliers(data, &model) } else { Vec::new() };
+    match outliers.is_empty() {
+        true => Ok(Attempt::Fitted(Box::new(Fit { model, history }), !measured)),
+        false => Ok(Attempt::Outliers(outliers)),
+    }
 }
 
 /// Structured refinement where it applies: asked for, or the residual is noise that chance can be judged by.

@@ -6,6 +6,7 @@
 //! in `docs/theory.md`; every constant is in `tolerances.rs`.
 
 mod error;
+mod faults;
 mod fit;
 mod law;
 mod measured;
@@ -30,5 +31,8 @@ mod work;
 
 pub use error::FitError;
 pub use fit::{fit, Fit};
-pub use options::{FitOptions, Method, ShapeModel};
-pub use validation::{cmif, mac, mac_matrix, mpc};
+pub use options::{FitOptions, Method, ShapeModel, Window};
+pub use validation::{
+    auto_mac, cmif, mac, mac_matrix, mean_phase_deviation_deg, modal_complexity_factor, mpc, reciprocity, reconstruction_error,
+    ReciprocalPair,
+};

@@ -1,5 +1,6 @@
 //! What a user may turn.
 
+pub use crate::faults::window::Window;
 use chladni_frf::Damping;
 use std::fmt;
 use std::str::FromStr;
@@ -96,6 +97,11 @@ pub struct FitOptions {
     pub method: Method,
     /// What shapes may be while poles are refined (`auto` only).
     pub shapes: ShapeModel,
+    /// Window of the records that the FRFs were averaged from (random excitation); `None`: not known, nothing is undone and the
+    /// possible bias named.
+    pub window: Option<Window>,
+    /// Decay of the exponential window that the responses were multiplied with (hammer tests), 1/s: e^{−αt}.
+    pub exponential_window_per_s: Option<f64>,
     /// Seed of the random sketch and mixtures.
     pub seed: u64,
 }

@@ -3,6 +3,7 @@
 //! What counts as a mode here is what white noise cannot make; whether the residual *is* white is judged at the end
 //! ([`crate::whiteness`]), and where it is not the measured-data path takes over.
 
+use crate::faults::outliers::single_lines;
 use crate::pool::{mixtures, starts, vector_fit};
 use crate::project::{project, Projected};
 use crate::prune::{prune, threshold};
@@ -27,6 +28,8 @@ pub(crate) enum Outcome {
     White(Box<Chain>),
     /// It is not; the evidence in words.
     NotWhite(String),
+    /// It is not, and single lines that no neighbour supports are to blame.
+    Outliers(Vec<usize>),
     /// The conjugate of the data is explained far better: they follow e^{−jωt}.
     Conjugated,
 }
@@ -92,6 +95,10 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
     let judged = |refined: &Refined| {
         judge(&sketch, &refined.lambda, &row_energy(&refined.projection.residual), sketch.columns(), &refined.projection.residual)
     };
+    let spoilt = spoilt_lines(&sketch, &start.refined)?;
+    if !spoilt.is_empty() {
+        return Ok(Outcome::Outliers(spoilt.into_iter().map(|row| rows[row]).collect()));
+    }
     // a missing mode leaves its mark in one place; misfit around most modes is no question of order
     let mut first = judged(&start.refined);
     if first.misfit_share > tol::MISFIT_SHARE && asked.is_none() {
@@ -144,7 +151,10 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
     // line residuals belong to the poles of the projection; shift them by what the refinement gained
     let whiteness = judge(&projected.work, &refined.lambda, &projected.line_residual, data.pairs.len(), &refined.projection.residual);
     if !whiteness.white {
-        return Ok(Outcome::NotWhite(whiteness.evidence));
+        let left = projected.line_residual.to_vec();
+        let fitted: Vec<f64> = energy.iter().zip(&left).map(|(all, left)| (all - left).max(0.0)).collect();
+        let outliers = single_lines(&left, &fitted);
+        return Ok(if outliers.is_empty() { Outcome::NotWhite(whiteness.evidence) } else { Outcome::Outliers(outliers) });
     }
     Ok(Outcome::White(Box::new(Chain { refined, projected, variance, whiteness, history })))
 }
@@ -187,6 +197,17 @@ fn first_look(sketch: &Work, peaks: &[Peak], seed: u64) -> Result<Option<String>
     let refined = refine(&work, &lambda, &POWERS, 2 * tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
     let look = judge(&work, &refined.lambda, &row_energy(&refined.projection.residual), work.columns(), &refined.projection.residual);
     Ok((look.misfit_share > tol::MISFIT_SHARE).then_some(look.evidence))
+}
+
+/// Single lines that poles narrower than a line stand for, and those like them.
+fn spoilt_lines(work: &Work, refined: &Refined) -> Result<Vec<usize>, LinalgError> {
+    let physical: Vec<Complex64> = refined.lambda.iter().copied().filter(|pole| !unphysical(work, *pole)).collect();
+    if physical.len() == refined.lambda.len() {
+        return Ok(Vec::new());
+    }
+    let residual = Projection::new(work, &physical, &refined.powers)?.residual;
+    let fitted = row_energy(&(&work.b - &residual));
+    Ok(single_lines(&row_energy(&residual).to_vec(), &fitted.to_vec()))
 }
 
 /// The second pass on all lines, whether or not the poles were found on a thinned record.

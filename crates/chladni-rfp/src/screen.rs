@@ -1,6 +1,7 @@
 //! Screening: which lines and FRFs are used, and their scale (theory.md, eq. 5).
 
 use crate::error::FitError;
+use crate::faults::noisy::far_noisier;
 use crate::model::Synthesis;
 use crate::options::FitOptions;
 use crate::tolerances as tol;
@@ -55,7 +56,7 @@ impl<'a> Screened<'a> {
             return Err(FitError::BandOutsideData { low_hz: low, high_hz: high, data_low_hz: first, data_high_hz: last });
         }
         let mut warnings = Vec::new();
-        let (pairs, bad) = usable(frf, &lines);
+        let (mut pairs, bad) = usable(frf, &lines);
         if pairs.is_empty() {
             return Err(FitError::NoData);
         }
@@ -65,7 +66,13 @@ impl<'a> Screened<'a> {
         if bad.iter().any(|b| *b) {
             let dropped = bad.iter().filter(|b| **b).count();
             lines = lines.into_iter().zip(&bad).filter(|(_, bad)| !**bad).map(|(k, _)| k).collect();
-            warnings.push(format!("{dropped} lines hold no finite value in at least one FRF and are left out"));
+            warnings.push(format!("{dropped} lines hold no finite value in at least one FRF, or zeros in all, and are left out"));
+        }
+        let noisy: Vec<(usize, usize)> = far_noisier(frf, &pairs, &lines).into_iter().map(|l| pairs[l]).collect();
+        if !noisy.is_empty() {
+            pairs.retain(|pair| !noisy.contains(pair));
+            warnings
+                .push(format!("far noisier than the other FRFs and left out, their values follow from the shapes: {}", named(frf, &noisy)));
         }
         let modes = options.modes.unwrap_or(1);
         let needed = modes + 8;
@@ -113,8 +120,33 @@ impl<'a> Screened<'a> {
         parts.iter().sum()
     }
 
+    /// Usual distance of neighbouring lines, Hz: the median, which gaps do not move.
+    pub fn line_spacing_hz(&self) -> f64 {
+        let mut gaps: Vec<f64> =
+            self.lines.windows(2).map(|pair| self.frf.frequency_hz[pair[1]] - self.frf.frequency_hz[pair[0]]).collect();
+        gaps.sort_by(f64::total_cmp);
+        gaps.get(gaps.len() / 2).copied().unwrap_or(0.0)
+    }
+
+    /// The same data without the lines at `places` (among the lines used); the scale stays.
+    pub fn without(&self, places: &[usize]) -> Self {
+        let kept: Vec<usize> = (0..self.lines.len()).filter(|place| !places.contains(place)).collect();
+        Self {
+            frf: self.frf,
+            kind: self.kind,
+            lines: kept.iter().map(|&place| self.lines[place]).collect(),
+            pairs: self.pairs.clone(),
+            band_hz: self.band_hz,
+            omega_max: self.omega_max,
+            rms: self.rms,
+            x: kept.iter().map(|&place| self.x[place]).collect(),
+            g: kept.iter().map(|&place| self.g[place]).collect(),
+            warnings: self.warnings.clone(),
+        }
+    }
+
     /// Factor that takes a measured value to a work value: the kind's phase undone, unit rms.
-    fn factor(&self) -> Complex64 {
+    pub fn factor(&self) -> Complex64 {
         let phase = self.kind.from_receptance(1.0);
         phase.conj() / (phase.norm() * self.rms)
     }
@@ -195,35 +227,49 @@ fn visit(values: &FrfValues, (i, j): (usize, usize), lines: &[usize], mut see: i
     }
 }
 
-/// Pairs with at least one finite non-zero value on `lines`, and the lines on which one of them is not finite.
+/// The first of a list of pairs, in words.
+fn named(frf: &FrfSet, pairs: &[(usize, usize)]) -> String {
+    const SHOWN: usize = 6;
+    let mut names: Vec<String> =
+        pairs.iter().take(SHOWN).map(|&(i, j)| format!("{} from {}", frf.responses[i], frf.references[j])).collect();
+    if pairs.len() > SHOWN {
+        names.push(format!("and {} more", pairs.len() - SHOWN));
+    }
+    names.join(", ")
+}
+
+/// Pairs with at least one finite non-zero value on `lines`, and the lines on which one of them is not finite or all are zero.
 fn usable(frf: &FrfSet, lines: &[usize]) -> (Vec<(usize, usize)>, Vec<bool>) {
     let (responses, references, _) = frf.values.dim();
     let all: Vec<(usize, usize)> = (0..responses).flat_map(|i| (0..references).map(move |j| (i, j))).collect();
-    // per pair: is there anything, and which lines are not finite
-    let seen: Vec<(bool, Vec<usize>)> = all
+    // per pair: is there anything, which lines are not finite, and which are zero
+    let seen: Vec<(bool, Vec<usize>, Vec<usize>)> = all
         .par_iter()
         .map(|&pair| {
             let mut any = false;
-            let mut bad = Vec::new();
+            let (mut bad, mut zero) = (Vec::new(), Vec::new());
             visit(&frf.values, pair, lines, |row, value| {
                 if !value.is_finite() {
                     bad.push(row);
-                } else if value.norm_sqr() > 0.0 {
+                } else if value == Complex64::default() {
+                    zero.push(row);
+                } else {
                     any = true;
                 }
             });
-            (any, bad)
+            (any, bad, zero)
         })
         .collect();
     let mut bad = vec![false; lines.len()];
+    let mut zeros = vec![0; lines.len()];
     let mut pairs = Vec::new();
-    for (pair, (any, rows)) in all.into_iter().zip(seen) {
+    for (pair, (any, not_finite, zero)) in all.into_iter().zip(seen) {
         if any {
             pairs.push(pair);
-            for row in rows {
-                bad[row] = true;
-            }
+            not_finite.into_iter().for_each(|row| bad[row] = true);
+            zero.into_iter().for_each(|row| zeros[row] += 1);
         }
     }
+    bad.iter_mut().zip(&zeros).for_each(|(bad, zeros)| *bad |= *zeros == pairs.len() && !pairs.is_empty());
     (pairs, bad)
 }

@@ -5,6 +5,7 @@ use crate::sizes::SIGMAS;
 use crate::text::{counted, escape, fixed, plain, significant, with_bound};
 use chladni_frf::{Damping, ModalModel, Mode, Scaling, Trust};
 use chladni_render::PointIndices;
+use chladni_rfp::{mean_phase_deviation_deg, modal_complexity_factor};
 
 /// Pairs of a word and what belongs to it; the second parts are HTML.
 fn facts(rows: &[(&str, String)]) -> String {
@@ -75,7 +76,10 @@ pub(crate) fn pole_table(model: &ModalModel) -> String {
     let inside: Vec<&Mode> = model.in_band_modes().collect();
     let outside: Vec<&Mode> = model.modes.iter().filter(|mode| !mode.in_band && mode.trust != Trust::Rejected).collect();
     let rejected: Vec<&Mode> = model.modes.iter().filter(|mode| mode.trust == Trust::Rejected).collect();
-    let mut out = String::from("<p>Natural frequencies are undamped (|s|/2π). Bounds are 95 % (1.96 standard deviations).");
+    let mut out = String::from(
+        "<p>Natural frequencies are undamped (|s|/2π). Bounds are 95 % (1.96 standard deviations). \
+        A real shape has the modal phase collinearity MPC 1, mean phase deviation MPD 0° and modal complexity factor MCF 0.",
+    );
     if model.modes.iter().all(|mode| mode.frequency_std_hz == 0.0) {
         out += " This model carries no bounds.";
     }
@@ -91,7 +95,8 @@ pub(crate) fn pole_table(model: &ModalModel) -> String {
 
 fn table(modes: &[&Mode], numbered: bool) -> String {
     let head = "<th class=\"number\">Mode</th><th class=\"number\">Natural frequency (Hz)</th><th class=\"number\">Loss factor η (%)</th>\
-                <th class=\"number\">Damping ratio ζ (%)</th><th class=\"number\">MPC (0 to 1)</th><th>Trust</th>";
+                <th class=\"number\">Damping ratio ζ (%)</th><th class=\"number\">MPC (0 to 1)</th>\
+                <th class=\"number\">MPD (°)</th><th class=\"number\">MCF (0 to 1)</th><th>Trust</th>";
     let rows: String =
         modes.iter().enumerate().map(|(k, mode)| row(mode, if numbered { (k + 1).to_string() } else { "–".into() })).collect();
     format!("<div class=\"scroll\"><table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>")
@@ -107,8 +112,11 @@ fn row(mode: &Mode, number: String) -> String {
         Trust::Rejected => ("rejected", "× rejected"),
     };
     let reasons = if mode.reasons.is_empty() { String::new() } else { format!(": {}", escape(&mode.reasons.join("; "))) };
-    let numbers: String =
-        [number, frequency, loss, damping, fixed(mode.mpc, 3)].iter().map(|text| format!("<td class=\"number\">{text}</td>")).collect();
+    let [mpd, mcf] = [mean_phase_deviation_deg(&mode.shape.0), modal_complexity_factor(&mode.shape.0)];
+    let numbers: String = [number, frequency, loss, damping, fixed(mode.mpc, 3), fixed(mpd, 1), fixed(mcf, 3)]
+        .iter()
+        .map(|text| format!("<td class=\"number\">{text}</td>"))
+        .collect();
     format!("<tr>{numbers}<td><span class=\"{class}\">{word}</span>{reasons}</td></tr>\n")
 }
 

@@ -1,0 +1,261 @@
+//! Modes kept or dropped by hand, reproducibly: the selection file and what it does to a model.
+//!
+//! ```toml
+//! drop = [3, 7]        # numbers as in the table of modes, from 1; `keep = [...]` instead: all others go
+//!
+//! [[mode]]             # one more of them, by its frequency
+//! near_hz = 54.4
+//! within_hz = 0.5
+//! ```
+//!
+//! With `[[mode]]` tables alone, these modes are kept. Poles outside the band stand for the world beyond it and stay;
+//! rejected candidates stay listed.
+
+use crate::io::read_text;
+use crate::toml_reader::{parse, Keys, Table, Value};
+use crate::{Error, FrfKind, ModalModel, Mode, Result, Trust, CREATED_BY};
+use serde_json::json;
+use std::f64::consts::{FRAC_PI_2, TAU};
+use std::path::Path;
+
+const KEYS: Keys = &[("", &["keep", "drop", "mode"]), ("mode", &["near_hz", "within_hz"])];
+
+/// Points of the frequency grid around each mode, and evenly over the band, on which a dropped part is weighed.
+const POINTS_PER_MODE: usize = 40;
+const POINTS_OVER_BAND: usize = 400;
+
+/// Which modes of a model stay.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Selection {
+    keep: bool,
+    picks: Vec<Pick>,
+}
+
+/// One mode that a selection names, and where it does.
+#[derive(Debug, Clone, PartialEq)]
+struct Pick {
+    name: Name,
+    line: u64,
+    field: String,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Name {
+    /// In the table of modes, from 1.
+    Number(usize),
+    /// The mode within `within_hz` of `near_hz`.
+    Frequency { near_hz: f64, within_hz: f64 },
+}
+
+/// A model after the selection.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Selected {
+    /// The model that is left. Its error and χ² count the dropped part as unexplained.
+    pub model: ModalModel,
+    /// Number and frequency (Hz) of the modes that are gone.
+    pub dropped: Vec<(usize, f64)>,
+}
+
+impl Selection {
+    /// Reads a selection file.
+    ///
+    /// # Errors
+    /// As [`Self::from_toml`], with the file's name; also a file that cannot be read.
+    pub fn read(file: &Path) -> Result<Self> {
+        let text = read_text(file, "a selection of modes as TOML")?;
+        Self::from_toml(&text).map_err(|error| error.file(file))
+    }
+
+    /// Reads a selection.
+    ///
+    /// # Errors
+    /// [`crate::ErrorKind::BadData`] with line and key: no TOML, an unknown key, `keep` and `drop` together, no mode named, a number
+    /// that counts nothing.
+    pub fn from_toml(text: &str) -> Result<Self> {
+        let document = parse(text)?;
+        let root = Table::root(text, &document);
+        root.only_keys(KEYS, "")?;
+        let (keep, drop) = (root.get("keep"), root.get("drop"));
+        if let (Some(_), Some(drop)) = (&keep, &drop) {
+            return Err(drop
+                .error("a selection either keeps or drops", "one of keep and drop")
+                .help("a mode that is not kept is dropped: leave one of the two lists out"));
+        }
+        let kept = drop.is_none();
+        let mut picks = Vec::new();
+        for (place, value) in keep.or(drop).map(|list| list.list()).transpose()?.into_iter().flatten().enumerate() {
+            let field = format!("{}[{}]", if kept { "keep" } else { "drop" }, place + 1);
+            picks.push(Pick { name: Name::Number(value.count()?), line: value.line(), field });
+        }
+        for (place, value) in root.get("mode").map(|list| list.list()).transpose()?.into_iter().flatten().enumerate() {
+            picks.push(by_frequency(&value, place + 1)?);
+        }
+        if picks.is_empty() {
+            return Err(Error::bad_data("the selection names no mode")
+                .expected("keep = [1, 2, ...], drop = [3, ...], or [[mode]] tables with near_hz and within_hz")
+                .help("numbers are those of the table that `chladni fit` prints"));
+        }
+        Ok(Self { keep: kept, picks })
+    }
+
+    /// Takes out of `model` what the selection drops.
+    ///
+    /// # Errors
+    /// [`crate::ErrorKind::BadData`] with the line, where a mode that is named does not exist (naming the nearest) or a frequency fits
+    /// several.
+    pub fn apply(&self, model: &ModalModel) -> Result<Selected> {
+        let modes: Vec<&Mode> = model.in_band_modes().collect();
+        let mut named = vec![false; modes.len()];
+        for pick in &self.picks {
+            pick.find(&modes)?.for_each(|n| named[n] = true);
+        }
+        let mut left = model.clone();
+        let mut number = 0;
+        let mut dropped = Vec::new();
+        left.modes.retain(|mode| {
+            let counts = mode.in_band && mode.trust != Trust::Rejected;
+            number += usize::from(counts);
+            let stays = !counts || named[number - 1] == self.keep;
+            if !stays {
+                dropped.push((number, mode.frequency_hz));
+            }
+            stays
+        });
+        left.created_by = CREATED_BY.into();
+        self.echo(&mut left, &dropped);
+        judge(model, &mut left, dropped.len());
+        Ok(Selected { model: left, dropped })
+    }
+
+    /// Appends to the options what was asked for and what went: a model that is selected twice tells both.
+    fn echo(&self, model: &mut ModalModel, dropped: &[(usize, f64)]) {
+        let named: Vec<serde_json::Value> = self.picks.iter().map(|pick| pick.name.echo()).collect();
+        let gone: Vec<serde_json::Value> = dropped.iter().map(|(n, f)| json!({"number": n, "frequency_hz": f})).collect();
+        let entry = json!({ if self.keep { "keep" } else { "drop" }: named, "dropped": gone });
+        match model.options.get_mut("selections").and_then(|list| list.as_array_mut()) {
+            Some(list) => list.push(entry),
+            None => drop(model.options.insert("selections".into(), json!([entry]))),
+        }
+    }
+}
+
+fn by_frequency(value: &Value, place: usize) -> Result<Pick> {
+    let table = value.table()?;
+    table.only_keys(KEYS, "mode")?;
+    let near_hz = table.require("near_hz", "the frequency of a mode, Hz")?.positive()?;
+    let within_hz = table.require("within_hz", "how far from near_hz the mode may lie, Hz")?.positive()?;
+    Ok(Pick { name: Name::Frequency { near_hz, within_hz }, line: value.line(), field: format!("mode[{place}]") })
+}
+
+impl Name {
+    fn echo(self) -> serde_json::Value {
+        match self {
+            Self::Number(number) => json!(number),
+            Self::Frequency { near_hz, within_hz } => json!({"near_hz": near_hz, "within_hz": within_hz}),
+        }
+    }
+}
+
+impl Pick {
+    /// Indices of the modes meant: one, or all of a repeated pole.
+    fn find(&self, modes: &[&Mode]) -> Result<impl Iterator<Item = usize>> {
+        let say = |message: &str| Error::bad_data(message).at_line(self.line).field(self.field.clone());
+        let show = |n: usize| format!("mode {} at {:.3} Hz", n + 1, modes[n].frequency_hz);
+        let range = match self.name {
+            Name::Number(number) if number <= modes.len() => number - 1..number,
+            Name::Number(number) => {
+                let error = say("no such mode").found(number).expected(match modes.len() {
+                    0 => "nothing: the model has no mode in its band".into(),
+                    count => format!("1 to {count}: the model's modes in the band"),
+                });
+                return Err(if modes.is_empty() { error } else { error.help(format!("the nearest is {}", show(modes.len() - 1))) });
+            }
+            Name::Frequency { near_hz, within_hz } => {
+                let off = |n: usize| (modes[n].frequency_hz - near_hz).abs();
+                let near: Vec<usize> = (0..modes.len()).filter(|&n| off(n) <= within_hz).collect();
+                let (Some(&first), Some(&last)) = (near.first(), near.last()) else {
+                    let error = say("no mode there").found(format!("near_hz = {near_hz}, within_hz = {within_hz}"));
+                    let nearest = (0..modes.len()).min_by(|&a, &b| off(a).total_cmp(&off(b)));
+                    let error = error.expected("the frequency of a mode in the band");
+                    return Err(match nearest {
+                        Some(n) => error.help(format!("the nearest is {}, {:.3} Hz away", show(n), off(n))),
+                        None => error,
+                    });
+                };
+                if modes[first].frequency_hz != modes[last].frequency_hz {
+                    return Err(say("several modes lie there")
+                        .found(near.iter().map(|&n| show(n)).collect::<Vec<_>>().join(", "))
+                        .expected("one mode (or those of a repeated pole)")
+                        .help("make within_hz smaller, or name the modes by number"));
+                }
+                first..last + 1
+            }
+        };
+        Ok(range)
+    }
+}
+
+/// Quality of what is left. A dropped mode leaves the synthesis, and nothing is fitted again: its part joins the residual,
+/// to which it is orthogonal as every part of a least-squares fit,
+/// ε'² = ε² + (1 − ε²)·‖dropped part‖²/‖whole model‖² (ε relative error; theory.md, eq. F6), and χ² grows as ε².
+fn judge(whole: &ModalModel, left: &mut ModalModel, dropped: usize) {
+    if dropped == 0 {
+        return;
+    }
+    let before = whole.quality.relative_error.powi(2);
+    let after = before + (1.0 - before).max(0.0) * dropped_share(whole, left);
+    left.quality.relative_error = after.sqrt();
+    if before > 0.0 {
+        left.quality.chi2_per_dof *= after / before;
+    }
+    left.quality.warnings.push(format!(
+        "{dropped} mode(s) dropped by hand and nothing fitted again: their part counts as unexplained, which makes the relative error \
+         {:.3} instead of {:.3} (computed from the model; the FRFs were not read again)",
+        after.sqrt(),
+        before.sqrt()
+    ));
+    if !left.in_band_modes().any(|mode| mode.trust == Trust::Sure) {
+        left.quality.trusted = false;
+        left.quality.warnings.push("no sure mode is left after the selection".into());
+    }
+}
+
+/// ‖whole − left‖²/‖whole‖² over the band, in the measured kind, by the trapezoidal rule on a grid that resolves every mode.
+fn dropped_share(whole: &ModalModel, left: &ModalModel) -> f64 {
+    let grid = grid(whole);
+    let mut sums = [0.0; 2];
+    for k in 0..grid.len() {
+        let weight = grid[(k + 1).min(grid.len() - 1)] - grid[k.saturating_sub(1)];
+        let all = whole.receptance(grid[k]);
+        let gone = &all - &left.receptance(grid[k]);
+        let square = |m: &ndarray::Array2<num_complex::Complex64>| m.iter().map(|v| v.norm_sqr()).sum::<f64>();
+        let kind = kind_weight(whole.frf_kind, grid[k]);
+        sums[0] += weight * kind * square(&gone);
+        sums[1] += weight * kind * square(&all);
+    }
+    if sums[1] > 0.0 {
+        sums[0] / sums[1]
+    } else {
+        0.0
+    }
+}
+
+fn kind_weight(kind: FrfKind, frequency_hz: f64) -> f64 {
+    kind.from_receptance(TAU * frequency_hz).norm_sqr()
+}
+
+/// Frequencies over the band, Hz: even ones, and around each mode f_n + (η_n f_n/2)·tan θ with even θ, which follow its resonance.
+fn grid(model: &ModalModel) -> Vec<f64> {
+    let [low, high] = model.band_hz;
+    let even = (0..=POINTS_OVER_BAND).map(|k| low + (high - low) * k as f64 / POINTS_OVER_BAND as f64);
+    let around = model.in_band_modes().flat_map(|mode| {
+        let half_width = 0.5 * mode.loss_factor.abs() * mode.frequency_hz;
+        (0..POINTS_PER_MODE).map(move |k| {
+            let angle = FRAC_PI_2 * (2.0 * (k as f64 + 0.5) / POINTS_PER_MODE as f64 - 1.0);
+            mode.frequency_hz + half_width * angle.tan()
+        })
+    });
+    let mut grid: Vec<f64> = even.chain(around).filter(|f| (low..=high).contains(f) && *f > 0.0).collect();
+    grid.sort_by(f64::total_cmp);
+    grid
+}

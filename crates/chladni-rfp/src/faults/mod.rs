@@ -1,0 +1,64 @@
+//! Faults of the data: what is wrong with a measurement although every number in it can be fitted.
+//!
+//! Before the fit: a window whose bias can be undone ([`window`]), FRFs far noisier than the others ([`noisy`]). After it, with the model at hand: lines that no neighbour
+//! supports ([`outliers`], left out and fitted again), then a list of checks, each of which names what it found with the evidence.
+//! Last, the artificial decay of an exponential window is taken off the poles ([`exponential`]).
+//!
+//! Elsewhere: the wrong time sign ([`crate::order::Outcome::Conjugated`]), zero-padded records and leakage-prone damping
+//! ([`crate::measured`]), missing values ([`crate::screen`]).
+
+mod delay;
+pub(crate) mod exponential;
+mod kind;
+mod line_shape;
+mod moving;
+pub(crate) mod noisy;
+pub(crate) mod outliers;
+mod reciprocal;
+pub(crate) mod window;
+
+use crate::options::FitOptions;
+use crate::screen::Screened;
+use chladni_frf::{ModalModel, Mode, Trust};
+
+/// What a check may look at.
+pub(crate) struct Case<'a> {
+    /// The data that were fitted.
+    pub data: &'a Screened<'a>,
+    /// What came of it.
+    pub model: &'a ModalModel,
+    /// How it was asked for.
+    pub options: &'a FitOptions,
+    /// True where the residual is white: the lines are pure resonances within the noise.
+    pub white: bool,
+}
+
+/// What a check found.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Finding {
+    /// The fault, the evidence, what to do.
+    pub words: String,
+    /// True where the data as a whole contradict the model: it cannot be trusted then.
+    pub contradiction: bool,
+}
+
+/// Every check that runs after a fit.
+const CHECKS: [fn(&Case) -> Option<Finding>; 5] =
+    [kind::wrong_kind, moving::moving_poles, delay::delayed_reference, reciprocal::not_reciprocal, window::possible_bias];
+
+/// Runs all checks; their words join the model's warnings.
+pub(crate) fn examine(data: &Screened, options: &FitOptions, white: bool, model: &mut ModalModel) {
+    let case = Case { data, model, options, white };
+    let found: Vec<Finding> = CHECKS.iter().filter_map(|check| check(&case)).collect();
+    for finding in found {
+        model.quality.trusted &= !finding.contradiction;
+        model.quality.warnings.push(finding.words);
+    }
+}
+
+impl Case<'_> {
+    /// In-band modes without doubts.
+    fn sure_modes(&self) -> Vec<&Mode> {
+        self.model.in_band_modes().filter(|mode| mode.trust == Trust::Sure).collect()
+    }
+}
