@@ -6,6 +6,7 @@
 //! in `docs/theory.md`; every constant is in `tolerances.rs`.
 
 mod error;
+mod family;
 mod fit;
 mod law;
 mod measured;
@@ -29,6 +30,8 @@ mod whiteness;
 mod work;
 
 pub use error::FitError;
+pub use family::stabilization;
 pub use fit::{fit, Fit};
+pub use methods::{OrderPole, Stability, Stabilization};
 pub use options::{FitOptions, Method, ShapeModel};
 pub use validation::{cmif, mac, mac_matrix, mpc};
