@@ -202,6 +202,16 @@ fn explain(error: &FitError, options: &FitOptions, file: &Path) -> Error {
             .found("zeros or NaN only")
             .expected("measured values")
             .help("look at the file with `chladni info`"),
+        &FitError::UnevenAxis { method, low_hz, high_hz } => bad("the lines lie on no even frequency grid")
+            .field("frequency axis")
+            .found(format!("uneven steps between {low_hz} and {high_hz} Hz"))
+            .expected(format!("one step for all lines (some may be missing): the method {method} works in the z plane"))
+            .help("take --method auto, vf or aaa, which need no even grid"),
+        &FitError::IncompleteMatrix { method, present, total } => bad("the FRF matrix is not whole")
+            .field("FRF matrix")
+            .found(format!("{present} of {total} FRFs"))
+            .expected(format!("every response from every reference: the method {method} fits them together"))
+            .help("take --method auto, lscf or vf, which need no whole matrix"),
         FitError::Kernel(error) => Error::new(ErrorKind::Internal, format!("internal error: {error}")),
     }
 }

@@ -8,6 +8,7 @@ use crate::input::{RenderedScene, ReportInput};
 use crate::sizes;
 use crate::text::{counted, escape, fixed};
 use chladni_frf::Result;
+use chladni_rfp::FitOptions;
 
 /// A section of the page.
 pub(crate) struct Section {
@@ -61,6 +62,14 @@ pub(crate) fn sections(input: &ReportInput) -> Result<Vec<Section>> {
             None => Block::Html("<p>No CMIF: it needs every FRF, and some pairs of DOFs were not measured.</p>".into()),
         };
         sections.push(section("cmif", "CMIF", vec![block]));
+        if let Some(set) = input.measured {
+            let options = FitOptions { band_hz: input.model.map(|model| model.band_hz), ..FitOptions::default() };
+            let block = match chladni_rfp::stabilization(set, &options) {
+                Ok(diagram) => Block::figure(figures::stabilization(&comparison, &diagram)),
+                Err(error) => Block::Html(format!("<p>No stabilization diagram: {}.</p>", escape(&error.to_string()))),
+            };
+            sections.push(section("stabilization", "Stabilization", vec![block]));
+        }
     }
     if let Some(model) = input.model {
         let mac = figures::auto_mac(model);

@@ -52,6 +52,7 @@ fn the_page_needs_no_network_and_shows_every_part() {
         "figure-frf-sum",
         "figure-frf-12",
         "figure-cmif",
+        "figure-stabilization",
         "figure-auto-mac",
         "figure-mode-01",
         "figure-field-1",
@@ -157,7 +158,7 @@ fn chart_files_are_sound_and_have_their_own_names() {
     let rendering = rendering(&model);
     let files = charts(&input(&model, Some(&small().frf), &rendering), BOTH).unwrap();
     let (pngs, svgs): (Vec<_>, Vec<_>) = files.iter().partition(|file| file.0.ends_with(".png"));
-    assert_eq!((pngs.len(), svgs.len()), (21, 21));
+    assert_eq!((pngs.len(), svgs.len()), (22, 22));
     for (name, bytes) in pngs {
         assert!(bytes.starts_with(b"\x89PNG\r\n\x1a\n") && bytes.ends_with(b"IEND\xaeB`\x82"), "{name}");
     }

@@ -1,5 +1,6 @@
 //! What stops an identification before it starts, with the numbers and the next step.
 
+use crate::options::Method;
 use chladni_linalg::LinalgError;
 use thiserror::Error;
 
@@ -44,6 +45,26 @@ pub enum FitError {
     /// Nothing but zeros or NaN.
     #[error("no FRF in the set holds a finite, non-zero value in the band")]
     NoData,
+    /// A method in the z plane on lines that do not lie on one even grid.
+    #[error("the lines between {low_hz} and {high_hz} Hz lie on no even grid, which the method {method} needs; take vf or aaa, or interpolate before the fit")]
+    UnevenAxis {
+        /// The method asked for.
+        method: Method,
+        /// First line, Hz.
+        low_hz: f64,
+        /// Last line, Hz.
+        high_hz: f64,
+    },
+    /// A poly-reference method where no FRF matrix is whole.
+    #[error("the method {method} needs every response from every reference: {present} of {total} FRFs were measured; take lscf or vf")]
+    IncompleteMatrix {
+        /// The method asked for.
+        method: Method,
+        /// FRFs measured.
+        present: usize,
+        /// Responses times references.
+        total: usize,
+    },
     /// A kernel failed: our bug, not the user's.
     #[error("internal: {0}")]
     Kernel(#[from] LinalgError),

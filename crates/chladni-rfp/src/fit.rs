@@ -1,20 +1,21 @@
 //! The fit: screen, find poles, choose the damping law, residues, shapes, model.
 
 use crate::error::FitError;
+use crate::family::fit_by_method;
 use crate::faults;
 use crate::law::{chance, choose, Law, UNDECIDABLE};
 use crate::measured::measured_path;
-use crate::methods::{grfp, rfp, ClassicPoles};
-use crate::model::{uncertainty_grade, Found, Identified, Pole, Shaped, UNCERTAIN};
+use crate::methods::{aaa, circle, grfp, lean, lscf, peak, plscf, rfp, vf, Stabilization, Survey};
+use crate::model::{uncertainty_grade, Found, Grade, Identified, Shaped};
 use crate::options::{FitOptions, Method, ShapeModel};
 use crate::order::{fast_chain, Chain, Outcome, POWERS};
 use crate::project::project;
-use crate::refine::{refine, Projection};
+use crate::refine::{refine, Projection, Refined};
 use crate::screen::Screened;
 use crate::structured::{structured, Structured};
+use crate::work::Work;
 use chladni_frf::{Damping, FrfSet, ModalModel, Trust};
 use chladni_linalg::{inverse_hermitian, LinalgError};
-use num_complex::Complex64;
 
 /// A fit with its history.
 #[derive(Debug, Clone)]
@@ -23,6 +24,8 @@ pub struct Fit {
     pub model: ModalModel,
     /// Orders tried: (poles, residual variance relative to the data's mean square), in order.
     pub history: Vec<(usize, f64)>,
+    /// Poles by order, where the method looks at several.
+    pub stabilization: Option<Stabilization>,
 }
 
 /// Identifies the modes in `frf`.
@@ -70,76 +73,32 @@ enum Attempt {
 
 /// Runs the method asked for. Outlier lines end a run only where they are `sought`.
 fn identify(data: &Screened, options: &FitOptions, sought: bool, progress: &dyn Fn(&str)) -> Result<Attempt, FitError> {
-    let classic = |method| Ok(Attempt::Fitted(Box::new(fit_classic(data, options, method, progress)?), true));
+    let fitted = |fit: Result<Fit, FitError>| Ok(Attempt::Fitted(Box::new(fit?), true));
     match options.method {
         Method::Auto => fit_auto(data, options, sought, progress),
-        Method::Rfp => classic(rfp),
-        Method::Grfp => classic(grfp),
+        Method::Lean => fitted(fit_lean(data, options, progress)),
+        Method::Vf => fitted(fit_by_method(data, options, vf, progress)),
+        Method::Lscf => fitted(fit_by_method(data, options, lscf, progress)),
+        Method::Plscf => fitted(fit_by_method(data, options, plscf, progress)),
+        Method::Aaa => fitted(fit_by_method(data, options, aaa, progress)),
+        Method::Rfp => fitted(fit_by_method(data, options, |survey, _, options| Ok(rfp(survey, options)?.into()), progress)),
+        Method::Grfp => fitted(fit_by_method(data, options, |survey, _, options| Ok(grfp(survey, options)?.into()), progress)),
+        Method::Peak => fitted(fit_by_method(data, options, peak, progress)),
+        Method::Circle => fitted(fit_by_method(data, options, circle, progress)),
     }
 }
 
-/// Poles of a classic method, residues of every FRF by least squares at these poles.
-fn fit_classic(
-    data: &Screened,
-    options: &FitOptions,
-    method: fn(&Screened, &FitOptions) -> Result<ClassicPoles, FitError>,
-    progress: &dyn Fn(&str),
-) -> Result<Fit, FitError> {
+/// The fast chain with the order given.
+fn fit_lean(data: &Screened, options: &FitOptions, progress: &dyn Fn(&str)) -> Result<Fit, FitError> {
+    progress("sketch");
+    let survey = Survey::new(data, options.seed);
     progress("poles");
-    let classic = method(data, options)?;
-    progress("residues");
-    let damping = options.damping.unwrap_or(Damping::Viscous);
-    let lambda: Vec<Complex64> = classic.poles.iter().map(|s| -s * s).collect();
-    let (sketch, energy) = data.sketch(options.seed);
-    let q = Projection::new(&sketch, &lambda, &POWERS)?.q;
-    let projected = project(data, &q, &energy)?;
-    let dof = (data.lines.len() - q.ncols().min(data.lines.len() - 1)) * data.pairs.len();
-    let variance = projected.line_residual.sum() / dof as f64;
-    let poles = classic
-        .poles
-        .iter()
-        .zip(&lambda)
-        .zip(&classic.deviation)
-        .map(|((&s, &lambda), &[omega_std, loss_factor_std])| {
-            let (omega, loss_factor) = match damping {
-                Damping::Viscous => (s.norm(), -2.0 * s.re / s.norm()),
-                Damping::Structural => (lambda.re.max(0.0).sqrt(), lambda.im / lambda.re),
-            };
-            let uncertain = 2.0 * omega_std / (omega * loss_factor);
-            let grade = if uncertain > UNCERTAIN {
-                (Trust::Weak, vec![format!("uncertain by {uncertain:.1} half-bandwidths (one sigma)")])
-            } else {
-                (Trust::Sure, Vec::new())
-            };
-            let value = if damping == Damping::Viscous { s } else { lambda };
-            Pole { value, omega, loss_factor, omega_std, loss_factor_std, grade, given: None }
-        })
-        .collect();
-    let identified = Identified {
-        damping,
-        poles,
-        powers: POWERS.to_vec(),
-        work: projected.work,
-        back: Some(projected.back),
-        variance,
-        path: format!("{}: linear equation error in orthogonal polynomials, no maximum-likelihood step", options.method),
-        warnings: classic.warnings,
-        consistent: true,
-        real_shapes: false,
-    };
-    let mut model = Shaped::new(data, identified)?.model(data, options);
-    if model.quality.relative_error > CLASSIC_RESIDUAL {
-        model.quality.trusted = false;
-        model.quality.warnings.push(format!(
-            "{:.0} % of the data are left unexplained: modes are missing or wrong; use --method auto, or a narrower --band",
-            100.0 * model.quality.relative_error
-        ));
-    }
-    Ok(Fit { model, history: Vec::new() })
+    let found = lean(&survey, options, grades)?;
+    progress("shapes");
+    let law = choose(&found.work, &found.refined, 0.0, false, Some(options.damping.unwrap_or(Damping::Structural)))?;
+    let model = Shaped::new(data, Identified::new(found, law)?)?.model(data, options);
+    Ok(Fit { model, history: Vec::new(), stabilization: None })
 }
-
-/// Rms residual over rms data beyond which a classic fit is not trusted: it has no other way to know that it failed.
-const CLASSIC_RESIDUAL: f64 = 0.2;
 
 fn fit_auto(data: &Screened, options: &FitOptions, sought: bool, progress: &dyn Fn(&str)) -> Result<Attempt, FitError> {
     let (found, history) = match fast_chain(data, options.seed, options.modes, progress)? {
@@ -181,7 +140,7 @@ fn fit_auto(data: &Screened, options: &FitOptions, sought: bool, progress: &dyn 
     model.quality.warnings.append(&mut warnings);
     let outliers = if sought && measured { faults::outliers::outliers(data, &model) } else { Vec::new() };
     match outliers.is_empty() {
-        true => Ok(Attempt::Fitted(Box::new(Fit { model, history }), !measured)),
+        true => Ok(Attempt::Fitted(Box::new(Fit { model, history, stabilization: None }), !measured)),
         false => Ok(Attempt::Outliers(outliers)),
     }
 }
@@ -205,21 +164,8 @@ fn shape_search(
 const LAW_SHARE: f64 = 0.05;
 
 fn from_chain(chain: Chain) -> Found {
-    let work = &chain.projected.work;
-    let inverse = inverse_hermitian(chain.refined.information.view()).ok();
-    let grades = (0..chain.refined.lambda.len())
-        .map(|q| {
-            let pole = chain.refined.lambda[q];
-            let deviation = inverse.as_ref().map_or(f64::INFINITY, |c| (chain.variance * c[[q, q]].re).max(0.0).sqrt());
-            if work.in_band(pole) {
-                uncertainty_grade(pole, [0.5 * deviation.powi(2); 2])
-            } else {
-                (Trust::Sure, Vec::new())
-            }
-        })
-        .collect();
     Found {
-        grades,
+        grades: grades(&chain.refined, &chain.projected.work, chain.variance),
         work: chain.projected.work,
         back: Some(chain.projected.back),
         variance: chain.variance,
@@ -229,6 +175,22 @@ fn from_chain(chain: Chain) -> Found {
         consistent: true,
         refined: chain.refined,
     }
+}
+
+/// Grades by the linearised standard deviation.
+fn grades(refined: &Refined, work: &Work, variance: f64) -> Vec<Grade> {
+    let inverse = inverse_hermitian(refined.information.view()).ok();
+    (0..refined.lambda.len())
+        .map(|q| {
+            let pole = refined.lambda[q];
+            let deviation = inverse.as_ref().map_or(f64::INFINITY, |c| (variance * c[[q, q]].re).max(0.0).sqrt());
+            if work.in_band(pole) {
+                uncertainty_grade(pole, [0.5 * deviation.powi(2); 2])
+            } else {
+                (Trust::Sure, Vec::new())
+            }
+        })
+        .collect()
 }
 
 /// No modes: the data contradict any passive structure in e^{+jωt}; they are not corrected without being told.

@@ -6,6 +6,7 @@
 //! in `docs/theory.md`; every constant is in `tolerances.rs`.
 
 mod error;
+mod family;
 mod faults;
 mod fit;
 mod law;
@@ -30,7 +31,9 @@ mod whiteness;
 mod work;
 
 pub use error::FitError;
+pub use family::stabilization;
 pub use fit::{fit, Fit};
+pub use methods::{OrderPole, Stability, Stabilization};
 pub use options::{FitOptions, Method, ShapeModel, Window};
 pub use validation::{
     auto_mac, cmif, mac, mac_matrix, mean_phase_deviation_deg, modal_complexity_factor, mpc, reciprocity, reconstruction_error,

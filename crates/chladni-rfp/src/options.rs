@@ -11,21 +11,43 @@ pub enum Method {
     /// The fast chain where its residual is white, the measured-data path where it is not.
     #[default]
     Auto,
+    /// The fast chain with the order given (else the visible peaks): vector fitting, maximum likelihood, no order loop.
+    Lean,
+    /// Relaxed vector fitting alone (Gustavsen 2006).
+    Vf,
+    /// Least-squares complex frequency, common denominator (Van der Auweraer et al. 2001). Even frequency axis.
+    Lscf,
+    /// Poly-reference least-squares complex frequency (Guillaume et al. 2003). Even frequency axis, whole FRF matrix.
+    Plscf,
+    /// Set-valued adaptive Antoulas–Anderson in x = ω² (Lietaert et al. 2022).
+    Aaa,
     /// Rational fraction polynomials, Forsythe basis (Richardson & Formenti 1982), each FRF by itself, per band.
     Rfp,
     /// The same with one denominator for all FRFs (1985).
     Grfp,
+    /// Peak picking with half-power bandwidths.
+    Peak,
+    /// Circle fit (Kennedy & Pancu 1947).
+    Circle,
 }
 
 impl Method {
     /// All methods, in the order of the documentation.
-    pub const ALL: [Self; 3] = [Self::Auto, Self::Rfp, Self::Grfp];
+    pub const ALL: [Self; 10] =
+        [Self::Auto, Self::Lean, Self::Vf, Self::Lscf, Self::Plscf, Self::Aaa, Self::Rfp, Self::Grfp, Self::Peak, Self::Circle];
     /// Name on the command line and in result files.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Auto => "auto",
+            Self::Lean => "lean",
+            Self::Vf => "vf",
+            Self::Lscf => "lscf",
+            Self::Plscf => "plscf",
+            Self::Aaa => "aaa",
             Self::Rfp => "rfp",
             Self::Grfp => "grfp",
+            Self::Peak => "peak",
+            Self::Circle => "circle",
         }
     }
 }

@@ -108,13 +108,17 @@ fn relocate(work: &Work, lambda: &[Complex64], powers: &[i32]) -> Result<Vec<Com
     }
     let sums: Array1<Complex64> = psi.columns().into_iter().map(|c| c.sum()).collect();
     let sigma = minimise(&gram, &scale, &sums, lines as f64)?;
-    let d = sigma[n];
-    if d.norm() == 0.0 || !d.is_finite() {
+    if sigma[n].norm() == 0.0 || !sigma[n].is_finite() {
         return Ok(lambda.to_vec());
     }
+    zeros(lambda, &sigma[..n], sigma[n])
+}
+
+/// Zeros of d + Σ c_q/(λ_q − x): the eigenvalues of diag(λ) + 1cᵀ/d.
+pub(crate) fn zeros(lambda: &[Complex64], c: &[Complex64], d: Complex64) -> Result<Vec<Complex64>, LinalgError> {
     let mut companion = Array2::from_diag(&Array1::from(lambda.to_vec()));
     for mut row in companion.rows_mut() {
-        for (value, c) in row.iter_mut().zip(&sigma[..n]) {
+        for (value, c) in row.iter_mut().zip(c) {
             *value += c / d;
         }
     }

@@ -16,36 +16,48 @@ pub(crate) fn threshold(columns: usize, lines: usize) -> f64 {
 /// Takes poles out one by one, the least significant first, residues refitted exactly after each, until all that are left
 /// matter. Out-of-band poles have to earn their place in the same way.
 pub(crate) fn prune(work: &Work, lambda: &[Complex64], powers: &[i32], variance: f64) -> Result<Vec<Complex64>, LinalgError> {
+    let limit = threshold(work.columns(), work.lines()) * variance;
+    thin_out(work, lambda, powers, |_, _, rise, _| rise < limit)
+}
+
+/// The same with a rule of its own: `may_go(kept, q, rise, inflation)` says whether pole q may be taken out of those `kept`,
+/// where that makes the sum of squares rise by `rise`; `inflation` is the variance of its residue relative to that of a pole
+/// alone. A pole whose rise is not finite always goes.
+pub(crate) fn thin_out(
+    work: &Work,
+    lambda: &[Complex64],
+    powers: &[i32],
+    may_go: impl Fn(&[usize], usize, f64, f64) -> bool,
+) -> Result<Vec<Complex64>, LinalgError> {
     let projection = Projection::new(work, lambda, powers)?;
     let mut inverse = projection.gram_inverse()?;
     let mut coefficients = projection.coefficients()?;
+    let alone: Vec<f64> = projection.r.columns().into_iter().map(|column| column.iter().map(|v| v.norm_sqr()).sum()).collect();
     let mut kept: Vec<usize> = (0..lambda.len()).collect();
-    let limit = threshold(work.columns(), work.lines()) * variance;
     loop {
         let weakest = kept
             .iter()
             .map(|&q| (q, coefficients.row(q).iter().map(|v| v.norm_sqr()).sum::<f64>() / inverse[[q, q]].re))
+            .filter(|&(q, rise)| !rise.is_finite() || may_go(&kept, q, rise, inverse[[q, q]].re * alone[q]))
             .min_by(|a, b| a.1.total_cmp(&b.1));
-        match weakest {
-            Some((q, rise)) if rise < limit || !rise.is_finite() => {
-                // exact removal of column q: Schur complement of the inverse Gram
-                let pivot = inverse[[q, q]];
-                let column = inverse.column(q).to_owned();
-                let row = inverse.row(q).to_owned();
-                let own = coefficients.row(q).to_owned();
-                for i in 0..inverse.nrows() {
-                    let factor = column[i] / pivot;
-                    if factor.norm() == 0.0 {
-                        continue;
-                    }
-                    for j in 0..inverse.ncols() {
-                        inverse[[i, j]] -= factor * row[j];
-                    }
-                    coefficients.row_mut(i).zip_mut_with(&own, |v, o| *v -= factor * o);
-                }
-                kept.retain(|&k| k != q);
+        let Some((q, _)) = weakest else {
+            return Ok(kept.into_iter().map(|q| lambda[q]).collect());
+        };
+        // exact removal of column q: Schur complement of the inverse Gram
+        let pivot = inverse[[q, q]];
+        let column = inverse.column(q).to_owned();
+        let row = inverse.row(q).to_owned();
+        let own = coefficients.row(q).to_owned();
+        for i in 0..inverse.nrows() {
+            let factor = column[i] / pivot;
+            if factor.norm() == 0.0 {
+                continue;
             }
-            _ => return Ok(kept.into_iter().map(|q| lambda[q]).collect()),
+            for j in 0..inverse.ncols() {
+                inverse[[i, j]] -= factor * row[j];
+            }
+            coefficients.row_mut(i).zip_mut_with(&own, |v, o| *v -= factor * o);
         }
+        kept.retain(|&k| k != q);
     }
 }

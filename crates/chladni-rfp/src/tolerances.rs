@@ -1,5 +1,10 @@
 //! Every constant of the identification, with its meaning, unit, origin, and what happens at other values.
 
+/// Refinement steps that tell how far the poles of another method stand from the likeliest ones: the first are the longest.
+pub(crate) const STEPS_AHEAD: usize = 4;
+/// Noise variance of clean data relative to their mean square, at which rounding of the data and of the kernels begins to
+/// look like modes.
+pub(crate) const ROUNDING_VARIANCE: f64 = 1e-26;
 /// Columns of the count sketch. 64–96 keep every mode that stands out of the noise (study); fewer lose weak modes that
 /// share a bucket, more only cost time.
 pub(crate) const SKETCH_COLUMNS: usize = 80;

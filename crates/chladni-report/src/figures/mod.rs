@@ -6,6 +6,7 @@ mod field_map;
 mod frf_overlay;
 mod mode_shape;
 mod plane;
+mod stabilization;
 mod weights_around_edge;
 
 pub(crate) use auto_mac::auto_mac;
@@ -13,6 +14,7 @@ pub(crate) use cmif::cmif;
 pub(crate) use field_map::field_map;
 pub(crate) use frf_overlay::{frf_overlay, frf_sum};
 pub(crate) use mode_shape::{mode_shapes, shown_responses};
+pub(crate) use stabilization::stabilization;
 pub(crate) use weights_around_edge::{weights_around_edge, weights_by_actuator};
 
 use chladni_frf::ModalModel;

@@ -7,17 +7,13 @@
 //! band; which poles are modes is decided afterwards.
 
 use super::equation_error::largest_order;
-use super::{ORDER_HELD, PEAKS_PER_BAND, SPARE_PAIRS};
+use super::{Survey, ORDER_HELD, PEAKS_PER_BAND, SPARE_PAIRS};
 use crate::options::FitOptions;
 use crate::screen::Screened;
-use crate::seeds::{fourth_difference_noise, peaks, Peak};
-use crate::work::Work;
+use crate::seeds::Peak;
 use ndarray::Array1;
 use std::f64::consts::TAU;
 use std::ops::Range;
-
-/// Half window of the noise estimate under the peaks, lines; a few dozen bandwidths at usual resolutions.
-const NOISE_HALF_WINDOW: usize = 40;
 
 /// Rows of the data fitted together, with the number of pole pairs.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,10 +35,10 @@ pub(crate) struct BandPlan {
 
 impl BandPlan {
     /// Peaks, cuts, orders. No bands where nothing stands out and no number of modes was asked for.
-    pub fn new(data: &Screened, sketch: &Work, energy: &Array1<f64>, options: &FitOptions) -> Self {
-        let mean = energy / data.pairs.len() as f64;
-        let noise = fourth_difference_noise(&sketch.b, NOISE_HALF_WINDOW);
-        let mut visible = peaks(sketch, &mean, &noise);
+    pub fn new(survey: &Survey, options: &FitOptions) -> Self {
+        let data = survey.data;
+        let mean = &survey.energy / data.pairs.len() as f64;
+        let mut visible = survey.peaks.clone();
         visible.truncate(options.modes.unwrap_or(usize::MAX));
         visible.sort_by_key(|peak| peak.row);
         let mut warnings = Vec::new();

@@ -17,10 +17,9 @@
 //! polynomial method*, Proc. IMAC 3 (1985).
 
 use super::bands::{in_hertz, BandPlan};
-use super::{health, BandLines, ClassicPoles};
+use super::{health, BandLines, ClassicPoles, Survey};
 use crate::error::FitError;
 use crate::options::FitOptions;
-use crate::screen::Screened;
 use ndarray::s;
 
 /// Common poles of all FRFs by one denominator per band.
@@ -29,12 +28,12 @@ use ndarray::s;
 ///
 /// # Errors
 /// [`FitError::Kernel`] where a decomposition fails.
-pub(crate) fn grfp(data: &Screened, options: &FitOptions) -> Result<ClassicPoles, FitError> {
-    let (sketch, energy) = data.sketch(options.seed);
-    let plan = BandPlan::new(data, &sketch, &energy, options);
+pub(crate) fn grfp(survey: &Survey, options: &FitOptions) -> Result<ClassicPoles, FitError> {
+    let data = survey.data;
+    let plan = BandPlan::new(survey, options);
     let mut found = ClassicPoles { warnings: plan.warnings, ..ClassicPoles::default() };
     // receptance·g back to the measured kind: its phase jᵖ, so that numerators are real polynomials in jω
-    let measured = sketch.b.mapv_into(|v| v * data.kind.from_receptance(1.0));
+    let measured = survey.sketch.b.mapv(|v| v * data.kind.from_receptance(1.0));
     let mut modes = Vec::new();
     for band in &plan.bands {
         let lines = BandLines::new(data, band)?;

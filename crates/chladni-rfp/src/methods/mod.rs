@@ -1,27 +1,63 @@
-//! The classic methods under their own names, for comparison and for those who trust what they know.
+//! The family of methods behind one interface: a method looks at the data and returns poles. Residues, error bars and grades
+//! for given poles are the concern of the caller ([`crate::family`]) and the same for every method.
 //!
-//! * [`rfp()`]: rational fraction polynomials, each FRF by itself (Richardson & Formenti, IMAC 1, 1982)
-//! * [`grfp()`]: one denominator for all FRFs (Richardson & Formenti, IMAC 3, 1985)
+//! | method | idea | source |
+//! |---|---|---|
+//! | [`lean()`] | vector fitting, then maximum likelihood, order given | theory.md, section 2 |
+//! | [`vf()`] | relaxed vector fitting in x = ω² | Gustavsen 2006 |
+//! | [`lscf()`] | common denominator in z, stabilization | Van der Auweraer et al. 2001 |
+//! | [`plscf()`] | matrix denominator in z, stabilization | Guillaume et al. 2003 |
+//! | [`aaa()`] | barycentric interpolation in x, greedy | Lietaert et al. 2022 |
+//! | [`rfp()`] | rational fraction polynomials, each FRF by itself | Richardson & Formenti, IMAC 1, 1982 |
+//! | [`grfp()`] | one denominator for all FRFs | Richardson & Formenti, IMAC 3, 1985 |
+//! | [`peak()`] | peaks and half-power points | practice |
+//! | [`circle()`] | circles in the complex plane | Kennedy & Pancu 1947 |
 //!
-//! Both work per band ([`bands`]) on half-function Forsythe polynomials ([`forsythe`]), solve the same equation-error
-//! problem ([`equation_error`]), take roots by comrade matrix, and return poles. Residues for given poles are the concern
-//! of the caller and the same for every method.
+//! All start from the same two passes over the data ([`survey`]). The two classic ones work per band ([`bands`]) on
+//! half-function Forsythe polynomials ([`forsythe`]), solve the same equation-error problem ([`equation_error`]) and take
+//! roots by comrade matrix. Those in the z plane share their normal equations ([`matrix_fraction`]) and the choice of modes by
+//! [`stabilization`]; those in the plane x choose by the significance of residues ([`selection`]).
 
+mod aaa;
 mod bands;
+mod circle;
+mod clusters;
 mod equation_error;
 mod forsythe;
 mod grfp;
+mod lean;
+mod lscf;
+mod matrix_fraction;
+mod peak;
+mod plscf;
 mod rfp;
+mod selection;
+mod stabilization;
+mod survey;
 #[cfg(test)]
 mod synthetic;
+mod vf;
 
+pub(crate) use aaa::aaa;
+pub(crate) use circle::circle;
 pub(crate) use grfp::grfp;
-use num_complex::Complex64;
+pub(crate) use lean::lean;
+pub(crate) use lscf::lscf;
+pub(crate) use peak::peak;
+pub(crate) use plscf::plscf;
 pub(crate) use rfp::rfp;
+pub(crate) use selection::{rises, variance_left};
+pub use stabilization::{OrderPole, Stability, Stabilization};
+pub(crate) use survey::{Columns, Survey};
+pub(crate) use vf::vf;
 
+use crate::error::FitError;
+use crate::options::FitOptions;
 use crate::screen::Screened;
 use bands::Band;
+use chladni_frf::Damping;
 use equation_error::{BandEquations, Root};
+use num_complex::Complex64;
 
 /// Numerator terms beyond two per mode, for modes outside the band. Zero to four do equally well once there are
 /// spare pole pairs.
@@ -46,6 +82,39 @@ const BROADEST: f64 = 0.5;
 /// Largest standard deviation of a natural frequency relative to the half-bandwidth that still counts as a mode.
 /// Modes stand below a third, computational poles mostly between one and a thousand.
 const MOST_UNCERTAIN: f64 = 0.5;
+
+/// What a method found.
+#[derive(Debug, Clone)]
+pub(crate) struct MethodPoles {
+    /// s/ω_max, upper half plane, Re s < 0; those out of the band stand for what lies there.
+    pub poles: Vec<Complex64>,
+    /// One sigma of |s|/ω_max and of η per pole where the method knows its own scatter.
+    pub deviation: Option<Vec<[f64; 2]>>,
+    /// Damping law to report in where none was asked for.
+    pub law: Damping,
+    /// What a user should know.
+    pub warnings: Vec<String>,
+    /// How they were found, in words.
+    pub how: &'static str,
+    /// Poles by order, where the method looks at several.
+    pub stabilization: Option<Stabilization>,
+}
+
+/// A method: poles from the two passes over the data.
+pub(crate) type Finder = fn(&Survey, &Columns, &FitOptions) -> Result<MethodPoles, FitError>;
+
+impl From<ClassicPoles> for MethodPoles {
+    fn from(found: ClassicPoles) -> Self {
+        Self {
+            poles: found.poles,
+            deviation: Some(found.deviation),
+            law: Damping::Viscous,
+            warnings: found.warnings,
+            how: "linear equation error in orthogonal polynomials",
+            stabilization: None,
+        }
+    }
+}
 
 /// What a classic method found.
 #[derive(Debug, Clone, Default)]

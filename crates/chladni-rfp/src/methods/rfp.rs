@@ -22,8 +22,9 @@
 //! polynomials*, Proc. IMAC 1 (1982) 167–181.
 
 use super::bands::{in_hertz, Band, BandPlan};
+use super::clusters::{clusters, median, median_pole};
 use super::equation_error::{Denominator, Root};
-use super::{health, BandLines, ClassicPoles};
+use super::{health, BandLines, ClassicPoles, Survey};
 use crate::error::FitError;
 use crate::options::FitOptions;
 use crate::screen::Screened;
@@ -32,10 +33,7 @@ use rayon::prelude::*;
 
 /// Most FRFs fitted. The median over 200 is known to a tenth of the single scatter, and bias then dominates.
 const FRFS_USED: usize = 200;
-/// Poles of two FRFs belong together within this part of the smaller half-bandwidth. Larger merges modes a bandwidth
-/// apart, smaller breaks noisy clusters up.
-const CLUSTER_RADIUS: f64 = 0.5;
-/// The same for poles sharper than the lines resolve, in line spacings.
+/// Radius of a cluster for poles sharper than the lines resolve, in line spacings.
 const CLUSTER_SPACINGS: f64 = 0.25;
 /// A cluster counts where at least one in this many FRFs joins it.
 const CLUSTER_SHARE: usize = 3;
@@ -48,9 +46,9 @@ const SCATTER_MEMBERS: usize = 6;
 ///
 /// # Errors
 /// [`FitError::Kernel`] where the bands cannot be set up; an FRF that cannot be fitted is left out, said in the warnings.
-pub(crate) fn rfp(data: &Screened, options: &FitOptions) -> Result<ClassicPoles, FitError> {
-    let (sketch, energy) = data.sketch(options.seed);
-    let plan = BandPlan::new(data, &sketch, &energy, options);
+pub(crate) fn rfp(survey: &Survey, options: &FitOptions) -> Result<ClassicPoles, FitError> {
+    let data = survey.data;
+    let plan = BandPlan::new(survey, options);
     let mut found = ClassicPoles { warnings: plan.warnings, ..ClassicPoles::default() };
     let used = evenly(data.pairs.len(), FRFS_USED);
     if used.len() < data.pairs.len() {
@@ -86,80 +84,19 @@ fn evenly(total: usize, most: usize) -> Vec<usize> {
     (0..count).map(|i| (2 * i + 1) * total / (2 * count)).collect()
 }
 
-/// A physical pole of one FRF.
-#[derive(Debug, Clone, Copy)]
-struct Candidate {
-    frf: usize,
-    root: Root,
-}
-
-/// Clusters of poles that at least a third of the FRFs share, best supported first.
+/// Modes that at least a third of the FRFs share, best supported first.
 fn common(fits: &[Denominator], lines: &BandLines) -> Vec<Root> {
-    let mut left: Vec<Candidate> = fits
+    let physical: Vec<(usize, Root)> = fits
         .iter()
         .enumerate()
-        .flat_map(|(frf, fit)| fit.roots.iter().filter(|root| lines.physical(root)).map(move |&root| Candidate { frf, root }))
+        .flat_map(|(frf, fit)| fit.roots.iter().filter(|root| lines.physical(root)).map(move |&root| (frf, root)))
         .collect();
-    let least_radius = CLUSTER_SPACINGS * lines.spacing;
-    let mut modes = Vec::new();
-    while let Some(seed) = largest(&left, least_radius) {
-        // once more around the median, which is a better centre than any single pole
-        let centre = median_pole(&seed.iter().map(|&i| left[i].root).collect::<Vec<_>>());
-        let around = gather(&left, centre, least_radius);
-        let members = if around.len() >= seed.len() { around } else { seed };
-        if CLUSTER_SHARE * members.len() < fits.len() || members.len() < fits.len().min(2) {
-            break;
-        }
-        modes.push(summary(&members.iter().map(|&i| left[i].root).collect::<Vec<_>>()));
-        left = left.iter().enumerate().filter(|(i, _)| !members.contains(i)).map(|(_, c)| *c).collect();
-    }
-    modes
-}
-
-/// The largest cluster around one of the poles; the tightest of equally large ones.
-fn largest(poles: &[Candidate], least_radius: f64) -> Option<Vec<usize>> {
-    let spread = |centre: Complex64, members: &[usize]| members.iter().map(|&i| (poles[i].root.s - centre).norm()).sum::<f64>();
-    poles
-        .par_iter()
-        .map(|candidate| {
-            let members = gather(poles, candidate.root.s, least_radius);
-            let spread = spread(candidate.root.s, &members);
-            (members, spread)
-        })
-        .collect::<Vec<_>>()
+    let poles: Vec<(usize, Complex64)> = physical.iter().map(|&(frf, root)| (frf, root.s)).collect();
+    let enough = |members: usize| CLUSTER_SHARE * members >= fits.len() && members >= fits.len().min(2);
+    clusters(&poles, CLUSTER_SPACINGS * lines.spacing, enough)
         .into_iter()
-        .max_by(|a, b| a.0.len().cmp(&b.0.len()).then(b.1.total_cmp(&a.1)))
-        .map(|(members, _)| members)
-}
-
-/// Indices of the poles near `centre`, the nearest one of each FRF. Poles come FRF by FRF.
-fn gather(poles: &[Candidate], centre: Complex64, least_radius: f64) -> Vec<usize> {
-    let mut members: Vec<(usize, f64)> = Vec::new();
-    for (i, candidate) in poles.iter().enumerate() {
-        let distance = (candidate.root.s - centre).norm();
-        if distance > (CLUSTER_RADIUS * candidate.root.s.re.abs().min(centre.re.abs())).max(least_radius) {
-            continue;
-        }
-        match members.last_mut() {
-            Some(last) if poles[last.0].frf == candidate.frf => {
-                if distance < last.1 {
-                    *last = (i, distance);
-                }
-            }
-            _ => members.push((i, distance)),
-        }
-    }
-    members.into_iter().map(|(i, _)| i).collect()
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let n = values.len();
-    0.5 * (values[(n - 1) / 2] + values[n / 2])
-}
-
-fn median_pole(roots: &[Root]) -> Complex64 {
-    Complex64::new(median(roots.iter().map(|r| r.s.re).collect()), median(roots.iter().map(|r| r.s.im).collect()))
+        .map(|members| summary(&members.into_iter().map(|i| physical[i].1).collect::<Vec<_>>()))
+        .collect()
 }
 
 /// Median pole of a cluster and the standard deviation of that median.
@@ -170,14 +107,14 @@ fn summary(roots: &[Root]) -> Root {
     let shrink = |members: usize| if members > 2 { of_median / (members as f64).sqrt() } else { 1.0 / (members as f64).sqrt() };
     let deviation = [0, 1].map(|q| {
         let single = if roots.len() >= SCATTER_MEMBERS {
-            let middle = median(roots.iter().map(|r| quantities(r)[q]).collect());
-            from_mad * median(roots.iter().map(|r| (quantities(r)[q] - middle).abs()).collect())
+            let middle = median(roots.iter().map(|r| quantities(r)[q]));
+            from_mad * median(roots.iter().map(|r| (quantities(r)[q] - middle).abs()))
         } else {
-            median(roots.iter().map(|r| r.deviation[q]).collect())
+            median(roots.iter().map(|r| r.deviation[q]))
         };
         single * shrink(roots.len())
     });
-    Root { s: median_pole(roots), deviation }
+    Root { s: median_pole(roots.iter().map(|root| root.s)), deviation }
 }
 
 #[cfg(test)]

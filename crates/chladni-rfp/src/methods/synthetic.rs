@@ -1,7 +1,7 @@
 //! FRFs by a plain sum over viscous modes, for the tests of this module.
 
 use super::bands::Band;
-use super::{BandLines, ClassicPoles};
+use super::{BandLines, ClassicPoles, Survey};
 use crate::error::FitError;
 use crate::options::FitOptions;
 use crate::screen::Screened;
@@ -99,11 +99,8 @@ impl Structure {
 }
 
 /// Runs a classic method with default options but for the number of modes.
-pub(super) fn run(
-    method: fn(&Screened, &FitOptions) -> Result<ClassicPoles, FitError>,
-    frf: &FrfSet,
-    modes: Option<usize>,
-) -> ClassicPoles {
+pub(super) fn run(method: fn(&Survey, &FitOptions) -> Result<ClassicPoles, FitError>, frf: &FrfSet, modes: Option<usize>) -> ClassicPoles {
     let options = FitOptions { modes, ..FitOptions::default() };
-    method(&Screened::new(frf, &options).unwrap(), &options).unwrap()
+    let data = Screened::new(frf, &options).unwrap();
+    method(&Survey::new(&data, options.seed), &options).unwrap()
 }

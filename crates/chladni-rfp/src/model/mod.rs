@@ -5,7 +5,7 @@ mod modes;
 mod pole;
 
 pub(crate) use linear::Synthesis;
-pub(crate) use pole::{uncertainty_grade, Found, Grade, Identified, Pole, UNCERTAIN};
+pub(crate) use pole::{structural_pole, uncertainty_grade, viscous_pole, Found, Grade, Identified, Pole, UNCERTAIN};
 
 use crate::options::FitOptions;
 use crate::screen::Screened;

@@ -58,7 +58,7 @@ pub(crate) struct Identified {
 }
 
 /// Undamped frequency, loss factor and their deviations of a structural pole with the variances of Re λ and Im λ.
-fn structural_pole(lambda: Complex64, variance: [f64; 2], grade: Grade) -> Pole {
+pub(crate) fn structural_pole(lambda: Complex64, variance: [f64; 2], grade: Grade) -> Pole {
     let omega = lambda.re.max(0.0).sqrt();
     let deviation = variance.map(|v| v.max(0.0).sqrt());
     Pole {
@@ -73,7 +73,7 @@ fn structural_pole(lambda: Complex64, variance: [f64; 2], grade: Grade) -> Pole 
 }
 
 /// The same of a viscous pole with the 2 × 2 covariance of (Re s, Im s).
-fn viscous_pole(s: Complex64, covariance: [[f64; 2]; 2], grade: Grade) -> Pole {
+pub(crate) fn viscous_pole(s: Complex64, covariance: [[f64; 2]; 2], grade: Grade) -> Pole {
     let omega = s.norm();
     let zeta = -s.re / omega;
     // ∂|s| = (Re s, Im s)/|s|; ∂ζ = (−Im², Re·Im)/|s|³

@@ -1,0 +1,93 @@
+//! The fast chain with the order given: relaxed vector fitting on few mixtures of the sketch, then maximum likelihood on the
+//! compressed columns of all FRFs ([`crate::order`] without its loop).
+//!
+//! The number of modes is what was asked for, else what is significant of a pool for as many modes as there are visible peaks;
+//! poles to spare are taken out before the refinement. At the Cramér–Rao bound in white noise. Structural law unless the viscous one is
+//! asked for: nothing is decided here that the user can say.
+//!
+//! Cost: two passes over the data (16·N·M·m flop for N lines, M FRFs, m unknowns), vector fitting as in [`super::vf()`]
+//! with half the mixtures, and some ten steps of 8Nm(5m + 3r).
+//!
+//! When not to use it: where the number of modes is not known (a missed mode biases its neighbours, and nothing looks for
+//! it), or where the residual is not white noise: the bars are then too small. Both are the business of `auto`.
+//!
+//! Equations: theory.md, section 2.
+
+use super::selection::{fewer, inside, select, variance_left};
+use super::vf::{pool, signed};
+use super::Survey;
+use crate::error::FitError;
+use crate::model::Found;
+use crate::options::FitOptions;
+use crate::order::POWERS;
+use crate::project::project;
+use crate::refine::{refine, Refined};
+use crate::tolerances as tol;
+use crate::work::{basis, Work};
+use chladni_linalg::{qr_thin, LinalgError};
+use ndarray::Array2;
+use num_complex::Complex64;
+
+/// Poles at the maximum of the likelihood; `grade` says how sure each of them is.
+///
+/// # Errors
+/// A decomposition that fails.
+pub(crate) fn lean(
+    survey: &Survey,
+    options: &FitOptions,
+    grade: impl Fn(&Refined, &Work, f64) -> Vec<crate::model::Grade>,
+) -> Result<Found, FitError> {
+    let sketch = &survey.sketch;
+    let modes = options.modes.unwrap_or(survey.peaks.len());
+    let mut start = start(survey, modes, options)?;
+    if inside(sketch, &start) < modes {
+        start = self::start(survey, modes + modes / 2, options)?;
+    }
+    let rows = survey.rows();
+    let thinned = if rows.len() < sketch.lines() { Some(sketch.select(&rows)) } else { None };
+    let rough = refine(thinned.as_ref().unwrap_or(sketch), &start, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?.lambda;
+
+    let data = survey.data;
+    let all = Work { x: data.x.clone(), g: data.g.clone(), b: Array2::zeros((data.lines.len(), 0)) };
+    let projected = project(data, &qr_thin(basis(&all, &rough, &POWERS).view())?.0, &survey.energy)?;
+    let refined = fine(&projected.work, &rough, options.modes.unwrap_or(usize::MAX))?;
+    let freedom = data.lines.len().saturating_sub(refined.unknowns()).max(1) * data.pairs.len();
+    let variance = (projected.line_residual.sum() / freedom as f64).max(1e-30);
+    let found = inside(&projected.work, &refined.lambda);
+    Ok(Found {
+        grades: grade(&refined, &projected.work, variance),
+        work: projected.work,
+        back: Some(projected.back),
+        variance,
+        spread: None,
+        path: match options.modes {
+            Some(modes) => format!("fast chain for {modes} modes, its residual not judged"),
+            None => format!("fast chain from {modes} visible peaks, its residual not judged"),
+        },
+        warnings: fewer(options, found).into_iter().collect(),
+        consistent: true,
+        refined,
+    })
+}
+
+/// Poles that matter, at least as many in the band as asked for, out of a pool for `modes` modes. One too many may be an
+/// out-of-band mode that the pool puts just inside; the refinement will tell.
+fn start(survey: &Survey, modes: usize, options: &FitOptions) -> Result<Vec<Complex64>, LinalgError> {
+    let pool = pool(survey, &survey.sketch, tol::POOL_MIXTURES, survey.pool_size(modes), options.seed)?;
+    let stable: Vec<Complex64> = signed(&pool).into_iter().filter(|pole| pole.im > 0.0).collect();
+    select(&survey.sketch, &stable, variance_left(&survey.sketch, &stable)?, options.modes.unwrap_or(0)..=usize::MAX)
+}
+
+/// Refines to the last digit, and again without the weakest as long as more than `modes` poles are in the band.
+fn fine(work: &Work, start: &[Complex64], modes: usize) -> Result<Refined, LinalgError> {
+    let mut refined = refine(work, start, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?;
+    while inside(work, &refined.lambda) > modes {
+        let rises = refined.significance()?;
+        let weakest = (0..rises.len()).filter(|&q| work.in_band(refined.lambda[q])).min_by(|&a, &b| rises[a].total_cmp(&rises[b]));
+        let Some(weakest) = weakest else { break };
+        let mut fewer = refined.lambda.clone();
+        fewer.remove(weakest);
+        refined = refine(work, &fewer, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?;
+    }
+    Ok(refined)
+}

@@ -1,0 +1,93 @@
+//! Which poles are modes, for methods that find them in the plane x: the significance of their residues.
+
+use super::{MethodPoles, Survey};
+use crate::options::FitOptions;
+use crate::order::POWERS;
+use crate::prune::{thin_out, threshold};
+use crate::refine::Projection;
+use crate::tolerances as tol;
+use crate::viscous::from_structural;
+use crate::work::Work;
+use chladni_frf::Damping;
+use chladni_linalg::LinalgError;
+use num_complex::Complex64;
+use std::ops::RangeInclusive;
+
+/// Variance of a residue, relative to that of its pole alone, beyond which the pole adds nothing to the others: two poles a
+/// hundred-thousandth of a bandwidth apart.
+const MOST_INFLATION: f64 = 1e10;
+
+/// Noise variance that so many poles leave unexplained.
+pub(crate) fn variance_left(work: &Work, lambda: &[Complex64]) -> Result<f64, LinalgError> {
+    let projection = Projection::new(work, lambda, &POWERS)?;
+    let freedom = work.lines().saturating_sub(lambda.len() + POWERS.len()).max(1) * work.columns();
+    Ok((projection.sse / freedom as f64).max(tol::ROUNDING_VARIANCE * work.energy() / (work.lines() * work.columns()) as f64))
+}
+
+/// Takes poles out, the least significant first, until every one left matters (theory.md, eq. 8); of those in the band as many
+/// stay as `modes` allows, whatever they matter.
+pub(super) fn select(
+    work: &Work,
+    lambda: &[Complex64],
+    variance: f64,
+    modes: RangeInclusive<usize>,
+) -> Result<Vec<Complex64>, LinalgError> {
+    let limit = threshold(work.columns(), work.lines()) * variance;
+    let spike = |pole: Complex64| pole.im < tol::SPIKE_SPACINGS * work.spacing(pole.re);
+    let lambda: Vec<Complex64> = lambda.iter().copied().filter(|pole| !work.in_band(*pole) || !spike(*pole)).collect();
+    thin_out(work, &lambda, &POWERS, |kept, q, rise, inflation| {
+        let inside = kept.iter().filter(|&&k| work.in_band(lambda[k])).count();
+        match work.in_band(lambda[q]) {
+            _ if inflation > MOST_INFLATION => true,
+            true => inside > *modes.end() || (inside > *modes.start() && rise < limit),
+            false => rise < limit,
+        }
+    })
+}
+
+/// So many modes are wanted: all that matter where no number was given.
+pub(super) fn wanted(options: &FitOptions) -> RangeInclusive<usize> {
+    options.modes.map_or(0..=usize::MAX, |modes| modes..=modes)
+}
+
+/// Modes among the poles of a method: stable, significant, as many as asked for. The sketch decides: the compressed columns
+/// were chosen by the data themselves, so that noise weighs more in them than its variance says.
+///
+/// * `lambda`: poles in x = ω²/ω_max², either sign of Im λ
+/// * `how`: the method, in words
+pub(super) fn modes_of(survey: &Survey, lambda: &[Complex64], options: &FitOptions, how: &'static str) -> Result<MethodPoles, LinalgError> {
+    let work = &survey.sketch;
+    let (stable, unstable): (Vec<Complex64>, Vec<Complex64>) = lambda.iter().partition(|pole| pole.im > 0.0);
+    let chosen = select(work, &stable, variance_left(work, &stable)?, wanted(options))?;
+    let mut warnings = Vec::new();
+    let (turning, all) = (inside(work, &unstable), inside(work, &unstable) + inside(work, &stable));
+    if 2 * turning > all {
+        warnings.push(format!("{turning} of {all} poles in the band have negative damping; the data may follow e^(-jwt), or hold no mode"));
+    }
+    warnings.extend(fewer(options, inside(work, &chosen)));
+    Ok(MethodPoles {
+        poles: chosen.into_iter().map(from_structural).collect(),
+        deviation: None,
+        law: Damping::Structural,
+        warnings,
+        how,
+        stabilization: None,
+    })
+}
+
+/// Poles in the band.
+pub(super) fn inside(work: &Work, lambda: &[Complex64]) -> usize {
+    lambda.iter().filter(|pole| work.in_band(**pole)).count()
+}
+
+/// Fewer modes than asked for, in words.
+pub(super) fn fewer(options: &FitOptions, found: usize) -> Option<String> {
+    options.modes.filter(|asked| *asked > found).map(|asked| format!("{asked} modes asked for, {found} found"))
+}
+
+/// Rise of the sum of squares without each of the poles (theory.md, eq. 8).
+pub(crate) fn rises(work: &Work, lambda: &[Complex64]) -> Result<Vec<f64>, LinalgError> {
+    let projection = Projection::new(work, lambda, &POWERS)?;
+    let (coefficients, inverse) = (projection.coefficients()?, projection.gram_inverse()?);
+    Ok((0..lambda.len()).map(|q| coefficients.row(q).iter().map(|v| v.norm_sqr()).sum::<f64>() / inverse[[q, q]].re).collect())
+}

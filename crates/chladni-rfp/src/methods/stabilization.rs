@@ -1,0 +1,165 @@
+//! Stabilization: poles of rising order, and the modes that they settle on.
+//!
+//! A pole of the structure comes back at every order, one that noise or the polynomial makes does not. The diagram (order
+//! over frequency) is the display of choice in modal testing; here it is data ([`Stabilization`]), and clusters of stable
+//! poles are what [`super::lscf()`] and [`super::plscf()`] offer as modes. Which of them matter is decided by their residues.
+
+use super::clusters::{clusters, median_pole};
+use super::matrix_fraction::MatrixFraction;
+use super::selection::modes_of;
+use super::{MethodPoles, Survey};
+use crate::options::FitOptions;
+use chladni_linalg::LinalgError;
+use num_complex::Complex64;
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+
+/// Orders looked at, about.
+const ORDERS: usize = 24;
+/// Move of a natural frequency to the next order, in half-bandwidths, up to which it is stable. The usual 1 % of the
+/// frequency is a whole bandwidth of a plate.
+const STABLE_FREQUENCY: f64 = 0.2;
+/// Relative change of the damping ratio up to which it is stable: the usual 5 % loses weak modes at 40 dB.
+const STABLE_DAMPING: f64 = 0.2;
+/// Part of the orders that must agree on a mode.
+const AGREED: f64 = 0.3;
+/// Damping ratio beyond which a pole is background.
+const HEAVIEST: f64 = 0.2;
+/// Part of the band's width beyond its ends in which poles stand for what lies there; residual terms do for what is farther.
+const BEYOND: f64 = 0.1;
+/// Radius of a cluster for poles sharper than the lines resolve, in line spacings.
+const CLUSTER_SPACINGS: f64 = 0.25;
+
+/// How a pole compares with those of the order before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Stability {
+    /// No pole of the order before is near.
+    New,
+    /// One has nearly the same natural frequency, but another damping.
+    Frequency,
+    /// Frequency and damping are those of the order before.
+    Stable,
+}
+
+/// A stable (Re s < 0) pole of one order.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OrderPole {
+    /// Order of the denominator.
+    pub order: usize,
+    /// |s|/2π.
+    pub frequency_hz: f64,
+    /// −Re s/|s|.
+    pub damping_ratio: f64,
+    /// Compared with the order before.
+    pub stability: Stability,
+}
+
+/// Data of a stabilization diagram.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Stabilization {
+    /// Orders, rising.
+    pub orders: Vec<usize>,
+    /// Poles by order, then by frequency.
+    pub poles: Vec<OrderPole>,
+}
+
+/// Poles at every order up to the highest.
+pub(super) struct Ladder {
+    orders: Vec<usize>,
+    /// s/ω_max per order, Re s < 0, rising in frequency.
+    poles: Vec<Vec<(Complex64, Stability)>>,
+}
+
+impl Ladder {
+    /// Orders from `lowest` on.
+    ///
+    /// # Errors
+    /// Eigenvalues that do not converge.
+    pub fn climb(fraction: &MatrixFraction, lowest: usize) -> Result<Self, LinalgError> {
+        let highest = fraction.order();
+        let lowest = lowest.clamp(1, highest);
+        let step = (highest - lowest).div_ceil(ORDERS).max(1);
+        let mut orders: Vec<usize> = (lowest..=highest).rev().step_by(step).collect();
+        orders.reverse();
+        let found: Vec<Vec<Complex64>> =
+            orders.par_iter().map(|&order| Ok(light(fraction.poles(order)?))).collect::<Result<_, LinalgError>>()?;
+        let poles = (0..orders.len())
+            .map(|i| found[i].iter().map(|&s| (s, if i > 0 { compared(s, &found[i - 1]) } else { Stability::New })).collect())
+            .collect();
+        Ok(Self { orders, poles })
+    }
+
+    /// The modes that the orders agree on and the data need.
+    ///
+    /// # Errors
+    /// A decomposition that fails.
+    pub fn modes(&self, survey: &Survey, options: &FitOptions, how: &'static str) -> Result<MethodPoles, LinalgError> {
+        let work = &survey.sketch;
+        let settled: Vec<(usize, Complex64)> = (0..self.orders.len())
+            .flat_map(|i| self.poles[i].iter().filter(|(_, stability)| *stability == Stability::Stable).map(move |(s, _)| (i, *s)))
+            .collect();
+        let enough = (AGREED * self.orders.len() as f64).max(2.0);
+        let [low, high] = [work.range().0.sqrt(), work.range().1.sqrt()];
+        let margin = BEYOND * (high - low);
+        let near = |s: Complex64| s.im >= low - margin && s.im <= high + margin;
+        let spacing = (high - low) / work.lines() as f64;
+        let agreed = clusters(&settled, CLUSTER_SPACINGS * spacing, |members| members as f64 >= enough);
+        // the higher orders have less bias
+        let lambda: Vec<Complex64> = agreed
+            .iter()
+            .map(|members| median_pole(members[members.len() / 2..].iter().map(|&i| settled[i].1)))
+            .filter(|s| near(*s))
+            .map(|s| -s * s)
+            .take(work.lines() / 3)
+            .collect();
+        let mut found = modes_of(survey, &lambda, options, how)?;
+        found.stabilization = Some(self.diagram(survey));
+        Ok(found)
+    }
+
+    fn diagram(&self, survey: &Survey) -> Stabilization {
+        let hz = survey.data.omega_max / TAU;
+        let poles = self.orders.iter().zip(&self.poles).flat_map(|(&order, poles)| {
+            poles.iter().map(move |&(s, stability)| OrderPole {
+                order,
+                frequency_hz: s.norm() * hz,
+                damping_ratio: -s.re / s.norm(),
+                stability,
+            })
+        });
+        Stabilization { orders: self.orders.clone(), poles: poles.collect() }
+    }
+}
+
+/// Damped poles that may be modes, rising in frequency.
+fn light(mut poles: Vec<Complex64>) -> Vec<Complex64> {
+    poles.retain(|s| s.im > 0.0 && s.re < 0.0 && -s.re <= HEAVIEST * s.norm());
+    poles.sort_by(|a, b| a.im.total_cmp(&b.im));
+    poles
+}
+
+fn compared(s: Complex64, before: &[Complex64]) -> Stability {
+    let steady = |other: &Complex64| (other.norm() - s.norm()).abs() <= STABLE_FREQUENCY * s.re.abs().min(other.re.abs());
+    let alike = |other: &Complex64| (other.re / s.re - 1.0).abs() <= STABLE_DAMPING;
+    let near: Vec<&Complex64> = before.iter().filter(|other| steady(other)).collect();
+    match (near.is_empty(), near.into_iter().any(alike)) {
+        (true, _) => Stability::New,
+        (false, false) => Stability::Frequency,
+        (false, true) => Stability::Stable,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stability_is_measured_in_bandwidths() {
+        let s = Complex64::new(-0.01, 0.5);
+        let before = |re: f64, im: f64| [Complex64::new(re, im)];
+        assert_eq!(compared(s, &before(-0.0105, 0.501)), Stability::Stable);
+        assert_eq!(compared(s, &before(-0.02, 0.501)), Stability::Frequency);
+        assert_eq!(compared(s, &before(-0.01, 0.505)), Stability::New);
+        assert_eq!(compared(s, &[]), Stability::New);
+    }
+}
