@@ -61,6 +61,10 @@ pub struct AccuracyRow {
     pub silent: usize,
     /// First seeds whose count is not exact.
     pub wrong_seeds: Vec<u64>,
+    /// Share of the fits with the wrong damping law.
+    pub wrong_law: f64,
+    /// First seeds with the wrong damping law.
+    pub wrong_law_seeds: Vec<u64>,
     /// Modal assurance criterion with the true shape: median and least.
     pub mac: [f64; 2],
     /// Rms error of the FRFs against those without noise, dB re their rms.
@@ -119,6 +123,7 @@ impl AccuracyRow {
         let covered = |which: usize| mean(modes.iter().map(|mode| mode.coverage[which]).filter(|share| !share.is_nan()));
         let macs: Vec<f64> = found().map(|found| found.mac).collect();
         let wrong = || fits.iter().filter(|(_, score, _)| !score.exact());
+        let wrong_law = || fits.iter().filter(|(_, score, _)| score.wrong_law);
         Self {
             case,
             method,
@@ -133,6 +138,8 @@ impl AccuracyRow {
             exact: 1.0 - wrong().count() as f64 / scores.len() as f64,
             silent: wrong().filter(|(_, score, _)| score.confident).count(),
             wrong_seeds: wrong().map(|(seed, ..)| *seed).take(NAMED_SEEDS).collect(),
+            wrong_law: wrong_law().count() as f64 / scores.len() as f64,
+            wrong_law_seeds: wrong_law().map(|(seed, ..)| *seed).take(NAMED_SEEDS).collect(),
             mac: [median(&macs), quantile(&macs, 0.0)],
             frf_error_db: 20.0 * median(&scores.iter().map(|score| score.frf_error).collect::<Vec<_>>()).log10(),
             frequency_error: Spread::new(&modes, |mode| mode.relative_error).worst,

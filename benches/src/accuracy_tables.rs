@@ -5,7 +5,7 @@ use crate::csv;
 use crate::mode_errors::ModeErrors;
 
 /// Columns of the table of methods and cases.
-const HEADER: [&str; 33] = [
+const HEADER: [&str; 35] = [
     "case",
     "method",
     "time_s",
@@ -32,6 +32,8 @@ const HEADER: [&str; 33] = [
     "exact_share",
     "silent_failures",
     "wrong_seeds",
+    "wrong_law_share",
+    "wrong_law_seeds",
     "mac_median",
     "mac_least",
     "frf_error_db",
@@ -49,13 +51,13 @@ pub fn accuracy_csv(rows: &[AccuracyRow]) -> String {
 
 fn cells(row: &AccuracyRow) -> Vec<String> {
     let spreads = row.over_free.iter().chain(&row.over_rank_one).chain(&row.over_real).flat_map(|spread| [spread.median, spread.worst]);
-    let seeds: Vec<String> = row.wrong_seeds.iter().map(ToString::to_string).collect();
+    let seeds = |seeds: &[u64]| seeds.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ");
     [row.case.name.to_owned(), row.method.to_string(), csv::number(row.time_s[0])]
         .into_iter()
         .chain(spreads.chain([row.with_missed]).chain(row.coverage).map(csv::number))
         .chain([row.modes.len().to_string()])
         .chain(row.miscounts.into_iter().chain([row.exact]).map(csv::number))
-        .chain([row.silent.to_string(), seeds.join(" ")])
+        .chain([row.silent.to_string(), seeds(&row.wrong_seeds), csv::number(row.wrong_law), seeds(&row.wrong_law_seeds)])
         .chain(row.mac.into_iter().chain([row.frf_error_db, row.frequency_error, row.bound_over_bandwidth]).map(csv::number))
         .chain([row.seeds.to_string(), format!("{} {}", csv::number(row.time_s[1]), csv::number(row.time_s[2]))])
         .collect()

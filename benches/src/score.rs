@@ -40,6 +40,8 @@ pub struct Score {
     pub spurious_weak: usize,
     /// Rms difference of the fit's FRFs from those without noise, over the rms of the latter.
     pub frf_error: f64,
+    /// The damping law is not the true one: natural frequencies are off by about η²/4, loss factors by 0.3η².
+    pub wrong_law: bool,
     /// The fit says that it can be trusted and calls no mode weak.
     pub confident: bool,
 }
@@ -61,6 +63,7 @@ impl Score {
             spurious_sure: lonely(Trust::Sure),
             spurious_weak: lonely(Trust::Weak),
             frf_error: frf_error(model, problem),
+            wrong_law: model.damping != problem.truth.damping,
             confident: model.quality.trusted && model.in_band_modes().all(|mode| mode.trust == Trust::Sure),
         }
     }
@@ -68,7 +71,7 @@ impl Score {
     /// A fit that could not be made.
     pub fn failed(problem: &Problem) -> Self {
         let matches = vec![None; problem.truth.in_band_modes().count()];
-        Self { matches, spurious_sure: 0, spurious_weak: 0, frf_error: 1.0, confident: false }
+        Self { matches, spurious_sure: 0, spurious_weak: 0, frf_error: 1.0, wrong_law: false, confident: false }
     }
 
     /// True modes that were not found.

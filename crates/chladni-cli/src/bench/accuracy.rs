@@ -42,7 +42,7 @@ pub struct Args {
     #[arg(long, value_name = "MODEL", default_value = "auto", value_parser = PossibleValuesParser::new(ShapeModel::ALL.map(ShapeModel::as_str))
         .try_map(|name| name.parse::<ShapeModel>()))]
     shapes: ShapeModel,
-    /// Also write the FRFs of the first fits whose count of modes is wrong, frf-CASE-SEED.h5, and truth-CASE.json
+    /// Also write the FRFs of the first fits whose count of modes or damping law is wrong, frf-CASE-SEED.h5, and truth-CASE.json
     #[arg(long)]
     export_wrong: bool,
     /// Cases to run; may be repeated [default: all]
@@ -84,7 +84,8 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
 fn export_wrong(rows: &[AccuracyRow], folder: &Path, console: &Console) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for case in CASES {
-        let seeds: BTreeSet<u64> = rows.iter().filter(|row| row.case.name == case.name).flat_map(|row| row.wrong_seeds.clone()).collect();
+        let of_row = |row: &AccuracyRow| [row.wrong_seeds.clone(), row.wrong_law_seeds.clone()].concat();
+        let seeds: BTreeSet<u64> = rows.iter().filter(|row| row.case.name == case.name).flat_map(of_row).collect();
         if seeds.is_empty() {
             continue;
         }
@@ -103,8 +104,21 @@ fn export_wrong(rows: &[AccuracyRow], folder: &Path, console: &Console) -> Resul
 }
 
 fn text(rows: &[AccuracyRow]) -> String {
-    const HEADER: [&str; 12] =
-        ["case", "method", "time, s", "f: median", "worst", "η: median", "worst", "f, real", "f covered", "missed", "spurious", "exact"];
+    const HEADER: [&str; 13] = [
+        "case",
+        "method",
+        "time, s",
+        "f: median",
+        "worst",
+        "η: median",
+        "worst",
+        "f, real",
+        "f covered",
+        "missed",
+        "spurious",
+        "exact",
+        "wrong law",
+    ];
     let cells: Vec<Vec<String>> = rows
         .iter()
         .map(|row| {
@@ -121,6 +135,7 @@ fn text(rows: &[AccuracyRow]) -> String {
                 shown(missed, 2),
                 shown(sure + weak, 2),
                 shown(row.exact, 2),
+                shown(row.wrong_law, 2),
             ];
             [row.case.name.to_owned(), row.method.to_string()].into_iter().chain(numbers).collect()
         })
