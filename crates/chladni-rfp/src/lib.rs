@@ -6,6 +6,7 @@
 //! in `docs/theory.md`; every constant is in `tolerances.rs`.
 
 mod error;
+mod first_look;
 mod fit;
 mod law;
 mod measured;

@@ -3,13 +3,13 @@
 //! What counts as a mode here is what white noise cannot make; whether the residual *is* white is judged at the end
 //! ([`crate::whiteness`]), and where it is not the measured-data path takes over.
 
+use crate::first_look::first_look;
 use crate::pool::{mixtures, starts, vector_fit};
 use crate::project::{project, Projected};
 use crate::prune::{prune, threshold};
 use crate::refine::{refine, Projection, Refined};
 use crate::screen::Screened;
-use crate::section::{split, Section};
-use crate::seeds::{fourth_difference_noise, peaks, thinned, Peak};
+use crate::seeds::{fourth_difference_noise, peaks, thinned};
 use crate::tolerances as tol;
 use crate::whiteness::{judge, Whiteness};
 use crate::work::{basis, line_energy, Work};
@@ -62,7 +62,7 @@ fn visible_rank(work: &Work) -> Result<(usize, bool), LinalgError> {
 }
 
 /// Starting order of the pool.
-fn pool_size(work: &Work, seeds: usize, asked: Option<usize>) -> Result<usize, LinalgError> {
+pub(crate) fn pool_size(work: &Work, seeds: usize, asked: Option<usize>) -> Result<usize, LinalgError> {
     let (rank, floor_seen) = visible_rank(work)?;
     let wanted = match asked {
         Some(modes) => modes + 6,
@@ -75,6 +75,7 @@ fn pool_size(work: &Work, seeds: usize, asked: Option<usize>) -> Result<usize, L
 /// Runs the chain. `asked` fixes the number of in-band modes.
 pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progress: &dyn Fn(&str)) -> Result<Outcome, LinalgError> {
     progress("sketch");
+    let hz = data.omega_max / std::f64::consts::TAU;
     let (sketch, energy) = data.sketch(seed);
     let noise = fourth_difference_noise(&sketch.b, 40);
     let peaks = peaks(&sketch, &line_energy(&sketch.b), &noise);
@@ -84,7 +85,7 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
     let size = pool_size(&sketch, seeds.len(), asked)?;
     let rows = thinned(&sketch, &peaks);
     let sketch = if rows.len() < sketch.lines() { sketch.select(&rows) } else { sketch };
-    if let Some(evidence) = first_look(&sketch, &peaks, seed)? {
+    if let Some(evidence) = first_look(&sketch, &peaks, seed, hz)? {
         return Ok(Outcome::NotWhite(evidence));
     }
     let mixed = mixtures(&sketch, tol::POOL_MIXTURES, seed);
@@ -97,8 +98,13 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
     progress("refinement");
     let mut refined = refine(&sketch, &lambda, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
     history.push((refined.lambda.len(), refined.variance(&sketch)));
-    // a missing mode leaves its mark in one place; misfit around most modes is no question of order
-    let first = judge(&sketch, &refined.lambda, &row_energy(&refined.projection.residual), sketch.columns(), &refined.projection.residual);
+    // a missing mode leaves its mark in one place and in the shape of the residual; misfit around most modes, or misfit without
+    // shape, is no question of order
+    let look = |refined: &Refined| {
+        let residual = &refined.projection.residual;
+        judge(&sketch, &refined.lambda, &row_energy(residual), sketch.columns(), residual, hz)
+    };
+    let first = look(&refined);
     if first.misfit_share > tol::MISFIT_SHARE || refined.lambda.is_empty() {
         if conjugate_fits_better(&mixed, &seeds, size)? {
             return Ok(Outcome::Conjugated);
@@ -107,7 +113,14 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
             return Ok(Outcome::NotWhite(first.evidence));
         }
     }
+    if first.shapeless {
+        return Ok(Outcome::NotWhite(first.evidence));
+    }
     settle(&sketch, &mut refined, &mut variance, &mut history)?;
+    let settled = look(&refined);
+    if settled.shapeless {
+        return Ok(Outcome::NotWhite(settled.evidence));
+    }
 
     progress("projection");
     let mut projected = project_all(data, &refined, &energy)?;
@@ -137,35 +150,11 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
         keep_strongest(&projected.work, &mut refined, modes)?;
     }
     // line residuals belong to the poles of the projection; shift them by what the refinement gained
-    let whiteness = judge(&projected.work, &refined.lambda, &projected.line_residual, data.pairs.len(), &refined.projection.residual);
+    let whiteness = judge(&projected.work, &refined.lambda, &projected.line_residual, data.pairs.len(), &refined.projection.residual, hz);
     if !whiteness.white {
         return Ok(Outcome::NotWhite(whiteness.evidence));
     }
     Ok(Outcome::White(Box::new(Chain { refined, projected, variance, whiteness, history })))
-}
-
-/// Many modes make the chain dear, and where most of them are misfitted it is in vain: one section is asked first. Evidence that
-/// its residual is not white; `None`: it may be, or the band is no longer than a section.
-fn first_look(sketch: &Work, peaks: &[Peak], seed: u64) -> Result<Option<String>, LinalgError> {
-    if peaks.len() < tol::FIRST_LOOK_ABOVE {
-        return Ok(None);
-    }
-    let inside = |lines: &std::ops::Range<usize>| {
-        let (low, high) = (sketch.x[lines.start], sketch.x[lines.end - 1]);
-        peaks.iter().filter(move |p| (low..=high).contains(&p.lambda.re))
-    };
-    let strength = |s: &Section| inside(&s.lines).map(|p| p.over_noise_db).sum::<f64>();
-    let sections = split(sketch, peaks);
-    let Some(section) = sections.iter().max_by(|a, b| strength(a).total_cmp(&strength(b))) else { return Ok(None) };
-    let work = sketch.rows(section.lines.clone());
-    let seeds: Vec<Complex64> = inside(&section.lines).map(|p| p.lambda).collect();
-    let size = pool_size(&work, seeds.len(), None)?;
-    let pool = vector_fit(&mixtures(&work, tol::POOL_MIXTURES, seed), &starts(&work, &seeds, size), &POWERS, tol::POOL_ITERATIONS)?;
-    let stable: Vec<Complex64> = pool.lambda.iter().zip(&pool.flipped).filter(|(_, f)| !**f).map(|(p, _)| *p).collect();
-    let lambda = prune(&work, &stable, &POWERS, pool_variance(&work, &stable)?)?;
-    let refined = refine(&work, &lambda, &POWERS, 2 * tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
-    let look = judge(&work, &refined.lambda, &row_energy(&refined.projection.residual), work.columns(), &refined.projection.residual);
-    Ok((look.misfit_share > tol::MISFIT_SHARE).then_some(look.evidence))
 }
 
 /// The second pass on all lines, whether or not the poles were found on a thinned record.
@@ -189,7 +178,7 @@ fn conjugate_fits_better(mixed: &Work, seeds: &[Complex64], size: usize) -> Resu
 }
 
 /// Noise variance of the sketch from the over-fitted pool.
-fn pool_variance(work: &Work, lambda: &[Complex64]) -> Result<f64, LinalgError> {
+pub(crate) fn pool_variance(work: &Work, lambda: &[Complex64]) -> Result<f64, LinalgError> {
     let projection = Projection::new(work, lambda, &POWERS)?;
     let dof = (work.lines() - (lambda.len() + POWERS.len()).min(work.lines() - 1)) * work.columns();
     Ok((projection.sse / dof as f64).max(1e-30 * work.energy() / (work.lines() * work.columns()) as f64))
