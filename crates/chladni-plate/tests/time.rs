@@ -2,6 +2,7 @@
 
 use chladni_frf::ModalModel;
 use chladni_plate::{Excitation, TimeSet, TimeTest, Window};
+use num_complex::Complex64;
 use std::f64::consts::TAU;
 
 fn test() -> TimeTest {

@@ -104,7 +104,8 @@ impl Synthesis {
             Damping::Structural => Self::Structural(basis(&axis, poles, powers), coefficients),
             Damping::Viscous => {
                 let (rows, columns) = coefficients.dim();
-                let parts = |i: usize, c: usize| if i.is_multiple_of(2) { coefficients[[i / 2, c]].re } else { coefficients[[i / 2, c]].im };
+                let parts =
+                    |i: usize, c: usize| if i.is_multiple_of(2) { coefficients[[i / 2, c]].re } else { coefficients[[i / 2, c]].im };
                 let stacked = Array2::from_shape_fn((2 * rows, columns).f(), |(i, c)| parts(i, c));
                 Self::Viscous(viscous_basis(&axis, poles, powers), stacked)
             }
