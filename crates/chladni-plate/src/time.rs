@@ -1,9 +1,9 @@
 //! FRFs as an analyser estimates them: modes simulated exactly in time, excited, windowed, averaged.
 //!
 //! A viscous mode with pole s answers a force f by ż = s·z + f; velocities are v_i = Σ_n 2 Re(s_n r_in z_n) with the residues
-//! r_in of theory.md, eq. 4. Between samples the force is a straight line (first-order hold), for which the step is closed:
+//! r_in of theory.md, eq. 4. Between samples the force is a straight line (first-order hold), for which the step is closed (theory.md, eq. 32):
 //!
-//!     z_{k+1} = E z_k + (I₀ − I₁) f_k + I₁ f_{k+1},   E = e^{sΔ},  I₀ = (E − 1)/s,  I₁ = (E − 1 − sΔ)/(s²Δ)
+//! z_{k+1} = E z_k + (I₀ − I₁) f_k + I₁ f_{k+1},   E = e^{sΔ},  I₀ = (E − 1)/s,  I₁ = (E − 1 − sΔ)/(s²Δ)
 //!
 //! The hold multiplies the spectrum by a smooth function and leaves the poles where they are, so that the truth is exact.
 //! H₁ = S_vf/S_ff over the averages, force free of noise: Bendat & Piersol, *Random Data*, 4th ed. (2010), ch. 6.
@@ -270,76 +270,5 @@ impl TimeTest {
             row.iter_mut().zip(&auto).for_each(|(c, a)| *c /= a);
         }
         cross
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn test() -> TimeTest {
-        TimeTest {
-            natural_frequency_hz: vec![40.0, 90.0],
-            damping_ratio: vec![0.02],
-            responses: 2,
-            sample_rate_hz: 2048.0,
-            record_s: 4.0,
-            padding: 1,
-            band_hz: [10.0, 150.0],
-            averages: 1,
-            excitation: Excitation::Hammer { contact_s: 0.002 },
-            window: Window::Rectangular,
-            snr_db: f64::INFINITY,
-            seed: 3,
-        }
-    }
-
-    /// Ratio of estimate and truth, with the same law of hold for both: a smooth factor, the same for all modes and responses.
-    fn worst_ratio(set: &TimeSet, truth: &ModalModel) -> f64 {
-        let expected = truth.synthesise(&set.frf.frequency_hz);
-        expected.indexed_iter().map(|((i, j, k), v)| (set.frf.values.get(i, j, k) / v - 1.0).norm()).fold(0.0, f64::max)
-    }
-
-    #[test]
-    fn a_hammer_blow_that_dies_out_gives_the_modal_sum() {
-        // decay over the record: e^{−ζωT} = 2e-9; the hold's images add (f/fs)² of a smooth term
-        let set = test().build().unwrap();
-        assert!(worst_ratio(&set, &set.truth) < 0.02, "{}", worst_ratio(&set, &set.truth));
-        let finer = TimeTest { sample_rate_hz: 16384.0, ..test() }.build().unwrap();
-        assert!(worst_ratio(&finer, &finer.truth) < 1e-3, "{}", worst_ratio(&finer, &finer.truth));
-    }
-
-    #[test]
-    fn an_exponential_window_moves_the_poles() {
-        let rate_per_s = 1.5;
-        let set = TimeTest { sample_rate_hz: 16384.0, window: Window::Exponential { rate_per_s }, ..test() }.build().unwrap();
-        let mut moved = set.truth.clone();
-        for mode in &mut moved.modes {
-            let omega = TAU * mode.frequency_hz;
-            let pole = Complex64::new(-mode.damping_ratio * omega - rate_per_s, omega * (1.0 - mode.damping_ratio.powi(2)).sqrt());
-            mode.frequency_hz = pole.norm() / TAU;
-            mode.damping_ratio = -pole.re / pole.norm();
-            mode.loss_factor = 2.0 * mode.damping_ratio;
-        }
-        // velocity as derivative of a windowed displacement differs by α/ω of a term without poles of its own: 0.6 % at 40 Hz
-        assert!(worst_ratio(&set, &moved) < 0.05, "{}", worst_ratio(&set, &moved));
-        assert!(worst_ratio(&set, &set.truth) > 0.1, "the unmoved poles do not explain it");
-    }
-
-    #[test]
-    fn continuous_noise_leaks_and_averages() {
-        let few = TimeTest { excitation: Excitation::Random, window: Window::Hann, averages: 8, ..test() }.build().unwrap();
-        let many = TimeTest { excitation: Excitation::Random, window: Window::Hann, averages: 128, ..test() }.build().unwrap();
-        let rms = |set: &TimeSet| {
-            let expected = set.truth.synthesise(&set.frf.frequency_hz);
-            let (mut error, mut total) = (0.0, 0.0);
-            for ((i, j, k), v) in expected.indexed_iter() {
-                error += (set.frf.values.get(i, j, k) - v).norm_sqr();
-                total += v.norm_sqr();
-            }
-            f64::sqrt(error / total)
-        };
-        // 16 times the averages: a quarter of the random part, and the window's bias stays
-        assert!(rms(&many) < 0.6 * rms(&few) && rms(&many) > 1e-4, "{} {}", rms(&few), rms(&many));
     }
 }

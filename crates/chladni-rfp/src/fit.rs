@@ -115,7 +115,7 @@ fn fit_auto(data: &Screened, options: &FitOptions, sought: bool, progress: &dyn 
     let chance = chance(&found.work, found.variance);
     let measured = found.spread.is_some();
     let least_gain = if measured { chance.max(LAW_SHARE * found.refined.projection.sse) } else { chance };
-    let mut law = choose(&found.work, &found.refined, least_gain, measured, options.damping)?;
+    let mut law = choose(&found.work, &found.refined, least_gain, measured.then(|| found.heaviest_sure()), options.damping)?;
     progress("shapes");
     let undecided = law.undecided.take();
     let open = options.damping.is_none() && law.damping == Damping::Structural && !found.refined.lambda.is_empty();

@@ -37,14 +37,20 @@ pub(crate) fn chance(work: &Work, variance: f64) -> f64 {
 }
 
 /// Fits the viscous twin where it is asked for or the evidence must decide: by a difference of more than `least_gain`, or
-/// not at all for light damping where `measured` line shapes are no pure resonances.
-pub(crate) fn choose(work: &Work, refined: &Refined, least_gain: f64, measured: bool, asked: Option<Damping>) -> Result<Law, LinalgError> {
+/// not at all for light damping where line shapes are no pure resonances: `heaviest_sure` is the largest loss factor that is
+/// sure on measured data, `None` where the residual is white.
+pub(crate) fn choose(
+    work: &Work,
+    refined: &Refined,
+    least_gain: f64,
+    heaviest_sure: Option<f64>,
+    asked: Option<Damping>,
+) -> Result<Law, LinalgError> {
     let structural = |undecided| Law { damping: Damping::Structural, viscous: None, undecided };
     if asked == Some(Damping::Structural) || refined.lambda.is_empty() {
         return Ok(structural(None));
     }
-    let heaviest = refined.lambda.iter().filter(|l| work.in_band(**l)).map(|l| l.im / l.re).fold(0.0, f64::max);
-    if asked.is_none() && measured && heaviest < tol::LAW_ALIKE {
+    if asked.is_none() && heaviest_sure.is_some_and(|loss| loss < tol::LAW_ALIKE) {
         return Ok(structural(None));
     }
     let start: Vec<Complex64> = refined.lambda.iter().copied().filter(|l| expressible_pole(*l)).map(from_structural).collect();

@@ -8,6 +8,7 @@
 mod error;
 mod family;
 mod faults;
+mod first_look;
 mod fit;
 mod law;
 mod measured;

@@ -4,13 +4,13 @@
 //! ([`crate::whiteness`]), and where it is not the measured-data path takes over.
 
 use crate::faults::outliers::single_lines;
+use crate::first_look::first_look;
 use crate::pool::{mixtures, starts, vector_fit};
 use crate::project::{project, Projected};
 use crate::prune::{prune, threshold};
 use crate::refine::{refine, Projection, Refined};
 use crate::screen::Screened;
-use crate::section::{split, Section};
-use crate::seeds::{fourth_difference_noise, peaks, thinned, Peak};
+use crate::seeds::{fourth_difference_noise, peaks, thinned};
 use crate::tolerances as tol;
 use crate::whiteness::{judge, Whiteness};
 use crate::work::{basis, line_energy, Work};
@@ -69,7 +69,7 @@ pub(crate) fn rank_over_noise(singular_values: &[f64], lines: usize) -> (usize, 
 }
 
 /// Starting order of the pool.
-fn pool_size(work: &Work, seeds: usize, asked: Option<usize>) -> Result<usize, LinalgError> {
+pub(crate) fn pool_size(work: &Work, seeds: usize, asked: Option<usize>) -> Result<usize, LinalgError> {
     let (rank, floor_seen) = visible_rank(work)?;
     let wanted = match asked {
         Some(modes) => modes + 6,
@@ -82,6 +82,7 @@ fn pool_size(work: &Work, seeds: usize, asked: Option<usize>) -> Result<usize, L
 /// Runs the chain. `asked` fixes the number of in-band modes.
 pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progress: &dyn Fn(&str)) -> Result<Outcome, LinalgError> {
     progress("sketch");
+    let hz = data.omega_max / std::f64::consts::TAU;
     let (sketch, energy) = data.sketch(seed);
     let noise = fourth_difference_noise(&sketch.b, 40);
     let peaks = peaks(&sketch, &line_energy(&sketch.b), &noise);
@@ -91,26 +92,28 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
     let size = pool_size(&sketch, seeds.len(), asked)?;
     let rows = thinned(&sketch, &peaks);
     let sketch = if rows.len() < sketch.lines() { sketch.select(&rows) } else { sketch };
-    if let Some(evidence) = first_look(&sketch, &peaks, seed)? {
+    if let Some(evidence) = first_look(&sketch, &peaks, seed, hz)? {
         return Ok(Outcome::NotWhite(evidence));
     }
     let mixed = mixtures(&sketch, tol::POOL_MIXTURES, seed);
     let mut start = started(&sketch, &mixed, &seeds, size)?;
-    let judged = |refined: &Refined| {
-        judge(&sketch, &refined.lambda, &row_energy(&refined.projection.residual), sketch.columns(), &refined.projection.residual)
+    let look = |refined: &Refined| {
+        let residual = &refined.projection.residual;
+        judge(&sketch, &refined.lambda, &row_energy(residual), sketch.columns(), residual, hz)
     };
     let spoilt = spoilt_lines(&sketch, &start.refined)?;
     if !spoilt.is_empty() {
         return Ok(Outcome::Outliers(spoilt.into_iter().map(|row| rows[row]).collect()));
     }
-    // a missing mode leaves its mark in one place; misfit around most modes is no question of order
-    let mut first = judged(&start.refined);
+    // a missing mode leaves its mark in one place and in the shape of the residual; misfit around most modes, or misfit without
+    // shape, is no question of order
+    let mut first = look(&start.refined);
     if first.misfit_share > tol::MISFIT_SHARE && asked.is_none() {
         // unless a larger pool takes it away: many modes hide behind few peaks, or few FRFs
         let larger = started(&sketch, &mixed, &seeds, (2 * size).min(sketch.lines() / 3))?;
         if larger.variance < tol::LARGER_POOL_GAIN * start.variance {
             start = larger;
-            first = judged(&start.refined);
+            first = look(&start.refined);
         }
     }
     let Start { mut refined, mut variance } = start;
@@ -123,7 +126,14 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
             return Ok(Outcome::NotWhite(first.evidence));
         }
     }
+    if first.shapeless {
+        return Ok(Outcome::NotWhite(first.evidence));
+    }
     settle(&sketch, &mut refined, &mut variance, &mut history)?;
+    let settled = look(&refined);
+    if settled.shapeless {
+        return Ok(Outcome::NotWhite(settled.evidence));
+    }
 
     progress("projection");
     let mut projected = project_all(data, &refined, &energy)?;
@@ -153,7 +163,7 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
         keep_strongest(&projected.work, &mut refined, modes)?;
     }
     // line residuals belong to the poles of the projection; shift them by what the refinement gained
-    let whiteness = judge(&projected.work, &refined.lambda, &projected.line_residual, data.pairs.len(), &refined.projection.residual);
+    let whiteness = judge(&projected.work, &refined.lambda, &projected.line_residual, data.pairs.len(), &refined.projection.residual, hz);
     if !whiteness.white {
         let left = projected.line_residual.to_vec();
         let fitted: Vec<f64> = energy.iter().zip(&left).map(|(all, left)| (all - left).max(0.0)).collect();
@@ -164,43 +174,19 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
 }
 
 /// Poles of a pool that noise alone cannot make, roughly refined.
-struct Start {
-    refined: Refined,
+pub(crate) struct Start {
+    pub refined: Refined,
     /// Noise variance of the sketch as the whole pool leaves it.
-    variance: f64,
+    pub variance: f64,
 }
 
 /// Vector fitting with `size` poles on mixtures, pruning and rough refinement on the sketch.
-fn started(sketch: &Work, mixed: &Work, seeds: &[Complex64], size: usize) -> Result<Start, LinalgError> {
+pub(crate) fn started(sketch: &Work, mixed: &Work, seeds: &[Complex64], size: usize) -> Result<Start, LinalgError> {
     let pool = vector_fit(mixed, &starts(sketch, seeds, size), &POWERS, tol::POOL_ITERATIONS)?;
     let stable: Vec<Complex64> = pool.lambda.iter().zip(&pool.flipped).filter(|(_, flipped)| !**flipped).map(|(pole, _)| *pole).collect();
     let variance = pool_variance(sketch, &stable)?;
     let kept = prune(sketch, &stable, &POWERS, variance)?;
     Ok(Start { refined: refine(sketch, &kept, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?, variance })
-}
-
-/// Many modes make the chain dear, and where most of them are misfitted it is in vain: one section is asked first. Evidence that
-/// its residual is not white; `None`: it may be, or the band is no longer than a section.
-fn first_look(sketch: &Work, peaks: &[Peak], seed: u64) -> Result<Option<String>, LinalgError> {
-    if peaks.len() < tol::FIRST_LOOK_ABOVE {
-        return Ok(None);
-    }
-    let inside = |lines: &std::ops::Range<usize>| {
-        let (low, high) = (sketch.x[lines.start], sketch.x[lines.end - 1]);
-        peaks.iter().filter(move |p| (low..=high).contains(&p.lambda.re))
-    };
-    let strength = |s: &Section| inside(&s.lines).map(|p| p.over_noise_db).sum::<f64>();
-    let sections = split(sketch, peaks);
-    let Some(section) = sections.iter().max_by(|a, b| strength(a).total_cmp(&strength(b))) else { return Ok(None) };
-    let work = sketch.rows(section.lines.clone());
-    let seeds: Vec<Complex64> = inside(&section.lines).map(|p| p.lambda).collect();
-    let size = pool_size(&work, seeds.len(), None)?;
-    let pool = vector_fit(&mixtures(&work, tol::POOL_MIXTURES, seed), &starts(&work, &seeds, size), &POWERS, tol::POOL_ITERATIONS)?;
-    let stable: Vec<Complex64> = pool.lambda.iter().zip(&pool.flipped).filter(|(_, f)| !**f).map(|(p, _)| *p).collect();
-    let lambda = prune(&work, &stable, &POWERS, pool_variance(&work, &stable)?)?;
-    let refined = refine(&work, &lambda, &POWERS, 2 * tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
-    let look = judge(&work, &refined.lambda, &row_energy(&refined.projection.residual), work.columns(), &refined.projection.residual);
-    Ok((look.misfit_share > tol::MISFIT_SHARE).then_some(look.evidence))
 }
 
 /// Single lines that poles narrower than a line stand for, and those like them.
@@ -235,7 +221,7 @@ fn conjugate_fits_better(mixed: &Work, seeds: &[Complex64], size: usize) -> Resu
 }
 
 /// Noise variance of the sketch from the over-fitted pool.
-fn pool_variance(work: &Work, lambda: &[Complex64]) -> Result<f64, LinalgError> {
+pub(crate) fn pool_variance(work: &Work, lambda: &[Complex64]) -> Result<f64, LinalgError> {
     let projection = Projection::new(work, lambda, &POWERS)?;
     let dof = (work.lines() - (lambda.len() + POWERS.len()).min(work.lines() - 1)) * work.columns();
     Ok((projection.sse / dof as f64).max(1e-30 * work.energy() / (work.lines() * work.columns()) as f64))

@@ -20,6 +20,13 @@ pub(crate) struct Peak {
     pub lambda: Complex64,
 }
 
+impl Peak {
+    /// A person would call it a mode: it deserves a try of its own, and a word where it stays unexplained.
+    pub fn is_striking(&self) -> bool {
+        self.prominence_db >= tol::STRIKING_PROMINENCE_DB && self.over_noise_db > tol::STRIKING_OVER_NOISE_DB
+    }
+}
+
 /// Noise variance per line from fourth differences of neighbouring lines: what no smooth FRF can have.
 /// E|Δ⁴n|² = 70σ²; the median of an exponential variable is ln 2 times its mean.
 pub(crate) fn fourth_difference_noise(b: &Array2<Complex64>, half_window: usize) -> Array1<f64> {

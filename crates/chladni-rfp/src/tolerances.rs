@@ -45,6 +45,9 @@ pub(crate) const WINDOW_LEAST_LINES: usize = 4;
 pub(crate) const WHITE_LOCAL: f64 = 0.35;
 /// Correlation of neighbouring residual lines up to which a residual counts as white.
 pub(crate) const WHITE_CORRELATION: f64 = 0.1;
+/// Correlation of neighbouring residual lines around misfitted modes below which the misfit has no shape. Gain noise gives 0
+/// (less, where it is fitted away), a missing mode a line wide and more 0.4 to 1.
+pub(crate) const SHAPELESS: f64 = 0.2;
 /// Ratio of the noise of a tenth of the band to the whole band beyond which one noise level cannot serve.
 pub(crate) const WHITE_SEGMENT: f64 = 2.5;
 /// Rate at which all whiteness looks together may call white noise coloured. A tenth of it widens every limit by some 10 %.
@@ -53,6 +56,10 @@ pub(crate) const WHITE_FALSE_ALARM: f64 = 0.01;
 pub(crate) const SEED_PROMINENCE_DB: f64 = 4.0;
 /// Height of a seed over the local noise, dB.
 pub(crate) const SEED_OVER_NOISE_DB: f64 = 6.0;
+/// Prominence and height over the local noise of a peak that must be explained, dB. Side lobes and noise stay below.
+pub(crate) const STRIKING_PROMINENCE_DB: f64 = 12.0;
+/// See above, dB.
+pub(crate) const STRIKING_OVER_NOISE_DB: f64 = 20.0;
 /// Most seeds.
 pub(crate) const SEEDS_MOST: usize = 100;
 /// FRFs per block in a streaming pass: a block of 2000 lines stays in the second-level cache.

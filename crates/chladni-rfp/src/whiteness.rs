@@ -1,4 +1,4 @@
-//! Is the residual white? The question that decides between the fast chain and the measured-data path (theory.md, eq. 20).
+//! Is the residual white? The question that decides between the fast chain and the measured-data path (theory.md, eq. 29–30).
 //!
 //! Under white noise the energy of L lines of M FRFs is σ²/2 times a χ² variable of 2LM degrees of freedom. Three kinds of
 //! looks, each a ratio that is 1 (or 0) under white noise and whose chance spread is bounded by the tails of Laurent & Massart,
@@ -20,6 +20,9 @@ pub(crate) struct Whiteness {
     pub evidence: String,
     /// Part of the in-band poles whose neighbourhood is misfitted.
     pub misfit_share: f64,
+    /// True where the misfit around modes has no shape: neighbouring lines there do not correlate, as they would beside a
+    /// missing or misplaced pole. No model order cures that; it is noise that follows the response.
+    pub shapeless: bool,
 }
 
 /// One look: what was seen, and the most that white noise and tolerated misfit show.
@@ -58,11 +61,19 @@ impl Chance {
 ///
 /// * `line_residual`: energy per line summed over `frfs` FRFs
 /// * `sample`: some residual columns, for the correlation of neighbouring lines
-pub(crate) fn judge(work: &Work, lambda: &[Complex64], line_residual: &Array1<f64>, frfs: usize, sample: &Array2<Complex64>) -> Whiteness {
+/// * `hz`: frequency of x = 1
+pub(crate) fn judge(
+    work: &Work,
+    lambda: &[Complex64],
+    line_residual: &Array1<f64>,
+    frfs: usize,
+    sample: &Array2<Complex64>,
+    hz: f64,
+) -> Whiteness {
     let n = work.lines();
     let mean = line_residual.sum() / n as f64;
     if mean <= 0.0 {
-        return Whiteness { white: true, evidence: "the model explains the data to rounding".into(), misfit_share: 0.0 };
+        return Whiteness { white: true, evidence: "the model explains the data to rounding".into(), misfit_share: 0.0, shapeless: false };
     }
     let modes: Vec<Complex64> = lambda.iter().copied().filter(|p| work.in_band(*p)).collect();
     let tenths = 10.min(n / 16).max(1);
@@ -77,12 +88,15 @@ pub(crate) fn judge(work: &Work, lambda: &[Complex64], line_residual: &Array1<f6
         .iter()
         .map(|&pole| {
             let (seen, nu) = level(work.window(pole, tol::WINDOW_HALF_WIDTHS, tol::WINDOW_LEAST_LINES));
-            let place = pole.re.max(0.0).sqrt();
-            let words = format!("residual {seen:.1} times the average around a mode (at {place:.4} of the highest frequency)");
+            let place = pole.re.max(0.0).sqrt() * hz;
+            let words = format!("residual {seen:.1} times the average around {place:.2} Hz");
             Look { seen, limit: chance.high(nu) + tol::WHITE_LOCAL, words }
         })
         .collect();
-    let misfitted = looks.iter().filter(|l| l.seen > l.limit).count();
+    let misfitted: Vec<Complex64> = modes.iter().zip(&looks).filter(|(_, l)| l.seen > l.limit).map(|(pole, _)| *pole).collect();
+    let around = |pole: &Complex64| neighbours(sample, work.window(*pole, tol::WINDOW_HALF_WIDTHS, tol::WINDOW_LEAST_LINES));
+    let (along, total) = misfitted.iter().map(around).fold((0.0, 0.0), |sum, part| (sum.0 + part.0, sum.1 + part.1));
+    let shapeless = !misfitted.is_empty() && along < tol::SHAPELESS * total;
     for tenth in 0..tenths {
         let (seen, nu) = level(tenth * n / tenths..(tenth + 1) * n / tenths);
         let words = format!("residual level {seen:.2} times the average over a tenth of the band");
@@ -91,13 +105,7 @@ pub(crate) fn judge(work: &Work, lambda: &[Complex64], line_residual: &Array1<f6
         looks.push(Look { seen: low, limit: seen, words: words.clone() });
         looks.push(Look { seen, limit: tol::WHITE_SEGMENT * chance.high(nu), words });
     }
-    let (mut along, mut total) = (0.0, 0.0);
-    for column in sample.columns() {
-        for k in 1..n {
-            along += (column[k] * column[k - 1].conj()).re;
-            total += column[k].norm_sqr();
-        }
-    }
+    let (along, total) = neighbours(sample, 0..n);
     let seen = if total > 0.0 { along / total } else { 0.0 };
     let count = (n * sample.ncols().min(frfs).max(1)) as f64;
     looks.push(Look {
@@ -112,7 +120,19 @@ pub(crate) fn judge(work: &Work, lambda: &[Complex64], line_residual: &Array1<f6
         Some(worst) if !white => format!("{}, {:.1} times what white noise allows", worst.words, excess(worst)),
         _ => format!("residual white in {} looks (the nearest to doubt: {})", looks.len(), nearest(&looks)),
     };
-    Whiteness { white, evidence, misfit_share: misfitted as f64 / modes.len().max(1) as f64 }
+    Whiteness { white, evidence, misfit_share: misfitted.len() as f64 / modes.len().max(1) as f64, shapeless }
+}
+
+/// Σ Re E_k E*_{k−1} and Σ|E_k|² over `rows` and all columns.
+fn neighbours(residual: &Array2<Complex64>, rows: std::ops::Range<usize>) -> (f64, f64) {
+    let (mut along, mut total) = (0.0, 0.0);
+    for column in residual.columns() {
+        for k in rows.start + 1..rows.end {
+            along += (column[k] * column[k - 1].conj()).re;
+            total += column[k].norm_sqr();
+        }
+    }
+    (along, total)
 }
 
 /// The look that comes nearest to its limit, in words.
@@ -140,9 +160,29 @@ mod tests {
         (Work { g: vec![1.0; lines], x, b: residual.clone() }, poles, residual)
     }
 
-    fn verdict(work: &Work, poles: &[Complex64], residual: &Array2<Complex64>) -> bool {
+    fn judged(work: &Work, poles: &[Complex64], residual: &Array2<Complex64>) -> Whiteness {
         let energy = residual.map_axis(Axis(1), |row| row.iter().map(|v| v.norm_sqr()).sum());
-        judge(work, poles, &energy, residual.ncols(), residual).white
+        judge(work, poles, &energy, residual.ncols(), residual, 1.0)
+    }
+
+    fn verdict(work: &Work, poles: &[Complex64], residual: &Array2<Complex64>) -> bool {
+        judged(work, poles, residual).white
+    }
+
+    #[test]
+    fn a_missing_mode_has_shape_and_gain_noise_has_none() {
+        let (work, poles, residual) = white(400, 4, 1);
+        let pole = poles[3];
+        let mut missing = residual.clone();
+        let mut noisy = residual;
+        for k in 0..400 {
+            let resonance = pole.im / (pole - work.x[k]);
+            missing.row_mut(k).mapv_inplace(|v| v + 10.0 * resonance);
+            noisy.row_mut(k).mapv_inplace(|v| v * (1.0 + 10.0 * resonance.norm()));
+        }
+        let (missing, noisy) = (judged(&work, &poles, &missing), judged(&work, &poles, &noisy));
+        assert!(!missing.white && !missing.shapeless, "{missing:?}");
+        assert!(!noisy.white && noisy.shapeless, "{noisy:?}");
     }
 
     #[test]

@@ -11,7 +11,7 @@ use crate::order::POWERS;
 use crate::refine::{refine, Refined};
 use crate::screen::Screened;
 use crate::section::split;
-use crate::seeds::{fourth_difference_noise, peaks, thinned};
+use crate::seeds::{fourth_difference_noise, peaks, thinned, Peak};
 use crate::tolerances as tol;
 use crate::work::{line_energy, Work};
 use chladni_frf::Trust;
@@ -104,9 +104,9 @@ pub(crate) fn measured_path(
     let (evidence, weights) = join(&work, &finished);
     let graded = grade_all(&evidence, &record);
     warnings.extend(damping_warnings(&evidence, &graded, hz));
-    let unexplained = finished.iter().flat_map(|f| &f.unexplained);
     warnings.extend(
-        unexplained.map(|peak| format!("visible peak at {:.2} Hz that no accepted mode explains", peak.lambda.re.max(0.0).sqrt() * hz)),
+        unexplained(&seen, &evidence, &graded)
+            .map(|peak| format!("visible peak at {:.2} Hz that no accepted mode explains", peak.lambda.re.max(0.0).sqrt() * hz)),
     );
 
     let work = work.reweighted(&weights);
@@ -141,6 +141,15 @@ fn keep_strongest(searches: &mut [Search], modes: usize) -> Result<(), LinalgErr
         weakest[s] = searches[s].weakest()?;
     }
     Ok(())
+}
+
+/// Striking peaks beside which no accepted pole stands. A pole that is broad for the peak does not explain it.
+fn unexplained<'a>(seen: &'a [Peak], evidence: &'a [Evidence], graded: &'a [Graded]) -> impl Iterator<Item = &'a Peak> {
+    let explains =
+        |peak: &Peak, pole: Complex64| (pole.re - peak.lambda.re).abs() < 1.5 * peak.lambda.im.max(pole.im.min(2.0 * peak.lambda.im));
+    let accepted =
+        move |peak: &Peak| evidence.iter().zip(graded).any(|(e, (grade, _))| grade.0 != Trust::Rejected && explains(peak, e.lambda));
+    seen.iter().filter(move |peak| peak.is_striking() && !accepted(peak))
 }
 
 /// One warning per kind of doubt about damping, with the frequencies it concerns.

@@ -26,10 +26,6 @@ const WEIGHT_ROUNDS: usize = 2;
 const RESEED: (usize, usize) = (20, 2);
 /// Height of a residual peak over the residual's noise, dB.
 const RESEED_OVER_NOISE_DB: f64 = 10.0;
-/// Peaks this prominent and this far over the noise deserve a try, dB.
-const TRY_PROMINENCE_DB: f64 = 12.0;
-/// See above, dB.
-const TRY_OVER_NOISE_DB: f64 = 20.0;
 
 /// What a search needs to know of the record it is part of.
 pub(crate) struct Record<'a> {
@@ -61,8 +57,6 @@ pub(crate) struct Search<'a> {
     weighted: Work,
     /// Poles.
     pub candidates: Candidates,
-    /// Visible peaks that no accepted pole explains.
-    pub unexplained: Vec<Peak>,
     /// Mergers.
     pub notes: Vec<(Complex64, String)>,
 }
@@ -84,7 +78,7 @@ impl<'a> Search<'a> {
         let (start, origin): (Vec<Complex64>, Vec<Origin>) = votes.into_iter().unzip();
         let refined = refine(&weighted, &start, &POWERS, 2 * tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
         let candidates = Candidates { refined, origin };
-        let mut search = Self { record, section, plain, level, model, weighted, candidates, unexplained: Vec::new(), notes: Vec::new() };
+        let mut search = Self { record, section, plain, level, model, weighted, candidates, notes: Vec::new() };
         search.reweigh()?;
         search.settle(&seen)?;
         Ok(search)
@@ -104,9 +98,9 @@ impl<'a> Search<'a> {
         if self.record.frfs == 1 {
             self.drop_shadows()?;
         }
-        for peak in seen.iter().filter(|p| p.prominence_db >= TRY_PROMINENCE_DB && p.over_noise_db > TRY_OVER_NOISE_DB) {
-            if !self.candidates.explain(peak.lambda) && !try_add(&self.weighted, &mut self.candidates, peak.lambda)? {
-                self.unexplained.push(*peak);
+        for peak in seen.iter().filter(|p| p.is_striking()) {
+            if !self.candidates.explain(peak.lambda) {
+                try_add(&self.weighted, &mut self.candidates, peak.lambda)?;
             }
         }
         self.notes = merge(&self.weighted, &mut self.candidates, self.record.hz)?;
@@ -225,9 +219,8 @@ impl<'a> Search<'a> {
         }
         let variance = self.model.variance(&self.level);
         evidence.retain(|e| self.owns(e.lambda));
-        let unexplained = self.unexplained.iter().copied().filter(|p| self.owns(p.lambda)).collect();
         let notes = self.notes.iter().filter(|(pole, _)| self.owns(*pole)).map(|(_, note)| note.clone()).collect();
-        Ok(Finished { evidence, variance, lines: self.section.lines.clone(), unexplained, notes })
+        Ok(Finished { evidence, variance, lines: self.section.lines.clone(), notes })
     }
 }
 
@@ -239,8 +232,6 @@ pub(crate) struct Finished {
     pub variance: Array1<f64>,
     /// Lines of the section.
     pub lines: std::ops::Range<usize>,
-    /// Visible peaks that no accepted pole explains.
-    pub unexplained: Vec<Peak>,
     /// Mergers.
     pub notes: Vec<String>,
 }

@@ -213,3 +213,11 @@ pub(crate) struct Found {
     /// False where the data as a whole contradict the model.
     pub consistent: bool,
 }
+
+impl Found {
+    /// Largest loss factor among the in-band modes that are sure; 0 where there is none.
+    pub fn heaviest_sure(&self) -> f64 {
+        let sure = self.refined.lambda.iter().zip(&self.grades).filter(|(pole, grade)| grade.0 == Trust::Sure && self.work.in_band(**pole));
+        sure.map(|(pole, _)| pole.im / pole.re).fold(0.0, f64::max)
+    }
+}
