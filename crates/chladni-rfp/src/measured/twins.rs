@@ -55,7 +55,7 @@ pub(crate) fn merge(work: &Work, candidates: &mut Candidates, omega_to_hz: f64) 
         candidates.apply(work, vec![Change { removed: Some(b), moved, added: None }])?;
         let spread = (own.iter().map(|p| (p - mean).norm_sqr()).sum::<f64>() / own.len() as f64).sqrt();
         let note = format!(
-            "two poles near {:.2} Hz are one mode that differs between FRFs (scatter {:.1e} Hz): merged",
+            "two poles near {:.2} Hz are one mode that differs between FRFs (scatter {:.2} Hz): merged",
             start.re.max(0.0).sqrt() * omega_to_hz,
             spread / (2.0 * start.re.max(f64::MIN_POSITIVE).sqrt()) * omega_to_hz
         );
