@@ -95,7 +95,7 @@ fn fit_lean(data: &Screened, options: &FitOptions, progress: &dyn Fn(&str)) -> R
     progress("poles");
     let found = lean(&survey, options, grades)?;
     progress("shapes");
-    let law = choose(&found.work, &found.refined, 0.0, false, Some(options.damping.unwrap_or(Damping::Structural)))?;
+    let law = choose(&found.work, &found.refined, 0.0, None, Some(options.damping.unwrap_or(Damping::Structural)))?;
     let model = Shaped::new(data, Identified::new(found, law)?)?.model(data, options);
     Ok(Fit { model, history: Vec::new(), stabilization: None })
 }
