@@ -1,8 +1,9 @@
 //! Faults of the data: what is wrong with a measurement although every number in it can be fitted.
 //!
-//! Before the fit: a window whose bias can be undone ([`window`]), FRFs far noisier than the others ([`noisy`]). After it, with the model at hand: lines that no neighbour
-//! supports ([`outliers`], left out and fitted again), then a list of checks, each of which names what it found with the evidence.
-//! Last, the artificial decay of an exponential window is taken off the poles ([`exponential`]).
+//! Before the fit: a window whose bias can be undone ([`window`]; line shapes may tell which it was, [`line_shape`]), FRFs far noisier
+//! than the others ([`noisy`]). After it, with the model at hand: lines that no neighbour supports ([`outliers`], left out and fitted
+//! again), then a list of checks, each of which names what it found with the evidence. Last, the artificial decay of an
+//! exponential window is taken off the poles ([`exponential`]).
 //!
 //! Elsewhere: the wrong time sign ([`crate::order::Outcome::Conjugated`]), zero-padded records and leakage-prone damping
 //! ([`crate::measured`]), missing values ([`crate::screen`]).

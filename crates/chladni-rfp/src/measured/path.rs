@@ -81,7 +81,8 @@ pub(crate) fn measured_path(
     let windowed = windowed(&work, &frequency.into_iter().step_by(factor).collect::<Vec<_>>());
     if windowed {
         warnings.push(
-            "the impulse response decays ever faster: the records went through a window (Hann or similar) that broadens every line;              take damping as an upper bound, and poles beside a stronger one as its side lobes"
+            "the impulse response decays ever faster: the records went through a window (Hann or similar) that broadens every line; \
+             take damping as an upper bound, and poles beside a stronger one as its side lobes"
                 .into(),
         );
     }

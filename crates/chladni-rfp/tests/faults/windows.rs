@@ -84,8 +84,10 @@ fn the_bias_of_a_known_window_is_undone() {
         let before = damping_ratios(&biased);
         assert!(before[0] > at_least, "{window}: {before:?}");
         assert!(says(&biased, "1/(πb)") && says(&biased, "--window"), "{:?}", biased.quality.warnings);
-        // the lines themselves tell which
-        assert!(says(&biased, &format!("those of a {window} window")), "{:?}", biased.quality.warnings);
+        // the lines themselves tell a Hann window; a rectangular one bends the decay too little to be told at 2.4 lines per bandwidth
+        let other = if window == Window::Hann { Window::Rectangular } else { Window::Hann };
+        assert_eq!(says(&biased, "those of a hann window"), window == Window::Hann, "{:?}", biased.quality.warnings);
+        assert!(!says(&biased, &format!("those of a {other} window")), "{:?}", biased.quality.warnings);
         let cured = fitted_with(&frf, &options(Some(window)));
         let after = damping_ratios(&cured);
         assert!(after.iter().all(|r| (r - 1.0).abs() < 0.04), "{window}: {after:?} instead of {before:?}");
