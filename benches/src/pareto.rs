@@ -42,16 +42,14 @@ fn figure(rows: &[&AccuracyRow]) -> Option<Figure> {
     let window = [0, 1].map(|axis| window(shown.iter().map(|&k| points[k][axis]).chain(bounds.into_iter().filter(|_| axis == 1))));
     let [x, y] = window;
     let place = |front: bool| shown.iter().filter(|&&k| on_front[k] == front).map(|&k| points[k]).collect::<Vec<_>>();
-    let mut chart = Chart::new(
-        Axis::log("Time of a fit, median", "s").range(x),
-        Axis::log("Error of natural frequencies over the bound of free residues, rms", "–").range(y),
-    )
-    .height(Height::Px(HEIGHT_PX))
-    .with(limit("bound of free residues", 1.0, Dash::Dashed))
-    .with(limit("bound of real shapes", structured, Dash::Dotted))
-    .line("Pareto front", best, Stroke::new(Colour::Series(0), 2.0))
-    .marks("on the front", place(true), Mark::Dot, Colour::Series(0), 10.0)
-    .marks("dominated", place(false), Mark::Ring, Colour::Muted, 9.0);
+    let mut chart =
+        Chart::new(Axis::log("Time of a fit, median", "s").range(x), Axis::log("Rms frequency error over the bound", "–").range(y))
+            .height(Height::Px(HEIGHT_PX))
+            .with(limit("bound of free residues", 1.0, Dash::Dashed))
+            .with(limit("bound of real shapes", structured, Dash::Dotted))
+            .line("Pareto front", best, Stroke::new(Colour::Series(0), 2.0))
+            .marks("on the front", place(true), Mark::Dot, Colour::Series(0), 10.0)
+            .marks("dominated", place(false), Mark::Ring, Colour::Muted, 9.0);
     for (at, anchor, k) in names(&shown.iter().map(|&k| points[k]).collect::<Vec<_>>(), x, y) {
         let row = rows[shown[k]];
         chart = chart.with(Layer::Words { at, text: label(row), anchor, bold: on_front[shown[k]] });
@@ -59,7 +57,7 @@ fn figure(rows: &[&AccuracyRow]) -> Option<Figure> {
     Some(Figure {
         name: format!("accuracy-{}", case.name),
         title: format!("Error against time: {}", case.name),
-        caption: format!("{}. A missed mode counts as an error of half its bandwidth. Lower left is better.", case.about),
+        caption: format!("{}. Errors of natural frequencies over the Cramér–Rao bound of free residues; a missed mode counts as half its bandwidth. Lower left is better.", case.about),
         width: WIDTH_PX,
         charts: vec![chart],
     })
