@@ -8,8 +8,8 @@
 //!
 //! that interpolates at support lines x_j. Each step adds the line with the largest error over all columns, and takes as
 //! weights the singular vector that minimises the linearised error (theory.md, eq. 34) on the other lines,
-//! Σ_lk g_k² |Σ_j w_j (Z_l(x_k) − Z_l(x_j))/(x_k − x_j)|². Poles are the zeros of the denominator; the residues decide which of them are modes
-//! ([`super::selection`]).
+//! Σ_lk g_k² |Σ_j w_j (Z_l(x_k) − Z_l(x_j))/(x_k − x_j)|². Poles are the zeros of the denominator; the residues decide which of
+//! them are modes ([`super::selection`]).
 //!
 //! No start, no basis and no order of magnitude is needed, and clean data are reproduced to rounding. Cost: 8·N·r·n³/3 flop
 //! for N lines, r mixtures and n support lines (a QR of the Loewner matrix in each step).
