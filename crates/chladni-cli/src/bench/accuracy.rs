@@ -19,7 +19,7 @@ const TABLES: [&str; 2] = ["accuracy.csv", "accuracy-modes.csv"];
 /// Seeds of a full run.
 const SEEDS: usize = 100;
 /// Seeds of a quick run.
-const QUICK_SEEDS: usize = 4;
+const QUICK_SEEDS: usize = 3;
 
 /// Arguments of `bench accuracy`.
 #[derive(Debug, clap::Args)]
@@ -32,7 +32,7 @@ accuracy-CASE.svg/png (error against time with the Pareto front).")]
 pub struct Args {
     #[command(flatten)]
     place: Place,
-    /// Noise seeds of each case for the methods that maximise the likelihood; others take a tenth of them [default: 100; quick: 4]
+    /// Noise seeds of each case for the methods that maximise the likelihood; others take a tenth of them [default: 100; quick: 3]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     seeds: Option<u32>,
     /// First noise seed; the others follow it
