@@ -79,7 +79,7 @@ pub(crate) const RANK_ONE_CHANGE: f64 = 1e-9;
 pub(crate) const RANK_OVER_NOISE: f64 = 1.5;
 /// Part of the modes whose neighbourhood is misfitted beyond which the fast chain gives up before it settles the order.
 pub(crate) const MISFIT_SHARE: f64 = 0.4;
-/// Visible peaks from which one section of the band is judged before the chain begins: below, the whole chain costs no more
+/// Visible peaks from which the strongest sections of the band are judged before the chain begins: below, the whole chain costs no more
 /// than a few such looks.
 pub(crate) const FIRST_LOOK_ABOVE: usize = 50;
 /// Share of the residual energy left after conjugation that proves the wrong time sign. Right-signed data lose a factor of

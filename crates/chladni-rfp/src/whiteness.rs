@@ -18,6 +18,8 @@ pub(crate) struct Whiteness {
     pub white: bool,
     /// The strongest evidence.
     pub evidence: String,
+    /// Its ratio to what white noise and tolerated misfit allow.
+    pub excess: f64,
     /// Part of the in-band poles whose neighbourhood is misfitted.
     pub misfit_share: f64,
     /// True where the misfit around modes has no shape: neighbouring lines there do not correlate, as they would beside a
@@ -73,7 +75,13 @@ pub(crate) fn judge(
     let n = work.lines();
     let mean = line_residual.sum() / n as f64;
     if mean <= 0.0 {
-        return Whiteness { white: true, evidence: "the model explains the data to rounding".into(), misfit_share: 0.0, shapeless: false };
+        return Whiteness {
+            white: true,
+            evidence: "the model explains the data to rounding".into(),
+            excess: 0.0,
+            misfit_share: 0.0,
+            shapeless: false,
+        };
     }
     let modes: Vec<Complex64> = lambda.iter().copied().filter(|p| work.in_band(*p)).collect();
     let tenths = 10.min(n / 16).max(1);
@@ -114,13 +122,15 @@ pub(crate) fn judge(
         words: format!("neighbouring residual lines correlate by {seen:.2}"),
     });
 
-    let excess = |l: &Look| l.seen / l.limit.max(1e-12);
-    let white = looks.iter().all(|l| l.seen <= l.limit);
-    let evidence = match looks.iter().max_by(|a, b| excess(a).total_cmp(&excess(b))) {
-        Some(worst) if !white => format!("{}, {:.1} times what white noise allows", worst.words, excess(worst)),
-        _ => format!("residual white in {} looks (the nearest to doubt: {})", looks.len(), nearest(&looks)),
+    // the look that comes nearest to its limit, or goes farthest beyond it
+    let ratio = |l: &Look| l.seen / l.limit.max(1e-12);
+    let (excess, words) = looks.iter().map(|l| (ratio(l), l.words.as_str())).fold((0.0, "none"), |a, b| if b.0 > a.0 { b } else { a });
+    let white = excess <= 1.0;
+    let evidence = match white {
+        true => format!("residual white in {} looks (the nearest to doubt: {words})", looks.len()),
+        false => format!("{words}, {excess:.1} times what white noise allows"),
     };
-    Whiteness { white, evidence, misfit_share: misfitted.len() as f64 / modes.len().max(1) as f64, shapeless }
+    Whiteness { white, evidence, excess, misfit_share: misfitted.len() as f64 / modes.len().max(1) as f64, shapeless }
 }
 
 /// Σ Re E_k E*_{k−1} and Σ|E_k|² over `rows` and all columns.
@@ -133,11 +143,6 @@ fn neighbours(residual: &Array2<Complex64>, rows: std::ops::Range<usize>) -> (f6
         }
     }
     (along, total)
-}
-
-/// The look that comes nearest to its limit, in words.
-fn nearest(looks: &[Look]) -> &str {
-    looks.iter().max_by(|a, b| (a.seen / a.limit.max(1e-12)).total_cmp(&(b.seen / b.limit.max(1e-12)))).map_or("none", |l| &l.words)
 }
 
 #[cfg(test)]
