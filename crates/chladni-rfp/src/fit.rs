@@ -6,7 +6,7 @@ use crate::faults;
 use crate::law::{chance, choose, Law, UNDECIDABLE};
 use crate::measured::measured_path;
 use crate::methods::{aaa, circle, grfp, lean, lscf, peak, plscf, rfp, vf, Stabilization, Survey};
-use crate::model::{uncertainty_grade, Found, Grade, Identified, Shaped};
+use crate::model::{common_shape_misfit, uncertainty_grade, Found, Grade, Identified, Shaped};
 use crate::options::{FitOptions, Method, ShapeModel};
 use crate::order::{fast_chain, Chain, Outcome, POWERS};
 use crate::project::project;
@@ -120,22 +120,25 @@ fn fit_auto(data: &Screened, options: &FitOptions, sought: bool, progress: &dyn 
     let undecided = law.undecided.take();
     let open = options.damping.is_none() && law.damping == Damping::Structural && !found.refined.lambda.is_empty();
     let twin = undecided.map(|fit| Law { damping: Damping::Viscous, viscous: Some(fit), undecided: None });
-    let freedom = found.variance * (found.work.lines() * found.work.columns()) as f64;
     let other = twin.map(|twin| Identified::new(found.clone(), twin)).transpose()?;
     let refined = shape_search(data, &found, options, law.damping, measured)?;
-    let mut shaped = Shaped::new(data, Identified::new(found, law)?)?;
+    let mut identified = Identified::new(found, law)?;
     let mut warnings = Vec::new();
-    match other.map(|other| Shaped::new(data, other)).transpose()? {
+    if let Some(other) = other {
         // one shape for all references tells the laws apart where free residues absorb the difference
-        Some(other) if (shaped.chi2_per_dof - other.chi2_per_dof) * freedom > least_gain => shaped = other,
-        Some(other) if (other.chi2_per_dof - shaped.chi2_per_dof) * freedom > least_gain => {}
-        Some(_) => warnings.push(UNDECIDABLE.to_string()),
-        None if open && measured => warnings.push(UNDECIDABLE.to_string()),
-        None => {}
+        let gain = common_shape_misfit(data, &identified)? - common_shape_misfit(data, &other)?;
+        if gain > least_gain {
+            identified = other;
+        } else if gain > -least_gain {
+            warnings.push(UNDECIDABLE.to_string());
+        }
+    } else if open && measured {
+        warnings.push(UNDECIDABLE.to_string());
     }
-    if let Some(structured) = refined.filter(|_| shaped.damping() == Damping::Structural) {
-        shaped = Shaped::new(data, shaped.into_identified().structured(structured))?;
+    if let Some(structured) = refined.filter(|_| identified.damping == Damping::Structural) {
+        identified = identified.structured(structured);
     }
+    let shaped = Shaped::new(data, identified)?;
     let mut model = shaped.model(data, options);
     model.quality.warnings.append(&mut warnings);
     let outliers = if sought && measured { faults::outliers::outliers(data, &model) } else { Vec::new() };

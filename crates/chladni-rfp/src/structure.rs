@@ -267,6 +267,16 @@ impl<'a> Problem<'a> {
     }
 }
 
+/// Weight of the `kept` poles' residues where those of the `free` ones answer every change: a Schur complement.
+pub(crate) fn eliminated(weight: &Array2<Complex64>, kept: &[usize], free: &[usize]) -> Result<Array2<Complex64>, LinalgError> {
+    let part = |rows: &[usize], columns: &[usize]| weight.select(Axis(0), rows).select(Axis(1), columns);
+    if free.is_empty() {
+        return Ok(part(kept, kept));
+    }
+    let answer = solve_hermitian(ridge(&part(free, free)).view(), part(free, kept).view())?;
+    Ok(part(kept, kept) - matmul(part(kept, free).view(), answer.view()))
+}
+
 /// A pair of modes with the same pole makes the system singular; a trace of ridge shares the residue between them.
 fn ridge(matrix: &Array2<Complex64>) -> Array2<Complex64> {
     let mut out = matrix.clone();

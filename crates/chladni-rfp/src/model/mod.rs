@@ -9,13 +9,65 @@ pub(crate) use pole::{structural_pole, uncertainty_grade, viscous_pole, Found, G
 
 use crate::options::FitOptions;
 use crate::screen::Screened;
-use crate::structure::{low_rank_around, significant_rank, Given, Residues, Shapes};
+use crate::structure::{eliminated, low_rank, low_rank_around, significant_rank, Given, Residues, Shapes};
 use chladni_frf::{ComplexMatrix, Damping, ModalModel, Quality, ResidualTerm, ResidualTerms, Trust, CREATED_BY, MODEL_FORMAT};
 use chladni_linalg::{matmul, LinalgError};
-use linear::linear;
+use linear::{linear, Linear};
 use modes::{modes, rejected_mode};
-use ndarray::{s, Array2, Array3};
+use ndarray::{s, Array2, Array3, Axis};
 use num_complex::Complex64;
+
+/// Residues of every FRF at identified poles, each by itself.
+struct FreeFit {
+    /// What the model can hold, rising in frequency.
+    poles: Vec<Pole>,
+    linear: Linear,
+    /// (pole, response, reference); zero where missing.
+    cube: Array3<Complex64>,
+    /// False where a pair was not measured.
+    present: Array2<bool>,
+}
+
+impl FreeFit {
+    fn new(data: &Screened, identified: &Identified) -> Result<Self, LinalgError> {
+        let Identified { damping, powers, work, back, .. } = identified;
+        let holds = |pole: &&Pole| pole.grade.0 != Trust::Rejected && expressible(*damping, pole);
+        let mut poles: Vec<Pole> = identified.poles.iter().filter(holds).cloned().collect();
+        poles.sort_by(|a, b| a.omega.total_cmp(&b.omega));
+        let values: Vec<Complex64> = poles.iter().map(|p| p.value).collect();
+        let mut linear = linear(work, *damping, &values, powers)?;
+        if let Some(back) = back {
+            let complex = back.mapv(|v| Complex64::new(v, 0.0));
+            linear.residues = matmul(linear.residues.view(), complex.view());
+            linear.terms = matmul(linear.terms.view(), complex.view());
+        }
+        let (responses, references) = (data.frf.responses.len(), data.frf.references.len());
+        let mut cube = Array3::zeros((values.len(), responses, references));
+        let mut present = Array2::from_elem((responses, references), false);
+        for (l, &(i, j)) in data.pairs.iter().enumerate() {
+            present[[i, j]] = true;
+            for n in 0..values.len() {
+                cube[[n, i, j]] = linear.residues[[n, l]];
+            }
+        }
+        Ok(Self { poles, linear, cube, present })
+    }
+}
+
+/// Sum of squares of the compressed columns with one shape per mode of the band, whatever lies outside left free: what two damping
+/// laws can be compared by. (An out-of-band pole that happens to need a high rank is no evidence on damping.)
+pub(crate) fn common_shape_misfit(data: &Screened, identified: &Identified) -> Result<f64, LinalgError> {
+    let FreeFit { poles, linear, cube, present } = FreeFit::new(data, identified)?;
+    let (low, high) = identified.work.range();
+    let (inside, outside): (Vec<usize>, Vec<usize>) = (0..poles.len()).partition(|&n| (low..=high).contains(&poles[n].omega.powi(2)));
+    if inside.is_empty() {
+        return Ok(linear.sse);
+    }
+    let weight = eliminated(&linear.weight, &inside, &outside)?;
+    let values = cube.select(Axis(0), &inside);
+    let shapes = low_rank(&Residues { values: &values, weight: &weight, present: &present }, &vec![1; inside.len()])?;
+    Ok(linear.sse + shapes.rise)
+}
 
 /// Identified poles with the residues of every FRF brought into shapes: all but the scaling.
 pub(crate) struct Shaped {
@@ -35,32 +87,13 @@ impl Shaped {
     /// # Errors
     /// A kernel that fails.
     pub fn new(data: &Screened, identified: Identified) -> Result<Self, LinalgError> {
-        let Identified { damping, powers, work, back, variance, real_shapes, .. } = &identified;
-        let (damping, variance) = (*damping, *variance);
-        let mut poles: Vec<Pole> =
-            identified.poles.iter().filter(|pole| pole.grade.0 != Trust::Rejected && expressible(damping, pole)).cloned().collect();
-        poles.sort_by(|a, b| a.omega.total_cmp(&b.omega));
-        let values: Vec<Complex64> = poles.iter().map(|p| p.value).collect();
-        let mut linear = linear(work, damping, &values, powers)?;
-        if let Some(back) = back {
-            let complex = back.mapv(|v| Complex64::new(v, 0.0));
-            linear.residues = matmul(linear.residues.view(), complex.view());
-            linear.terms = matmul(linear.terms.view(), complex.view());
-        }
-
-        // rank one
-        let (responses, references) = (data.frf.responses.len(), data.frf.references.len());
-        let mut cube = Array3::zeros((values.len(), responses, references));
-        let mut present = Array2::from_elem((responses, references), false);
-        for (l, &(i, j)) in data.pairs.iter().enumerate() {
-            present[[i, j]] = true;
-            for n in 0..values.len() {
-                cube[[n, i, j]] = linear.residues[[n, l]];
-            }
-        }
+        let FreeFit { poles, mut linear, cube, present } = FreeFit::new(data, &identified)?;
+        let Identified { work, powers, variance, real_shapes, .. } = &identified;
+        let variance = *variance;
+        let (_, responses, references) = cube.dim();
         let free = Residues { values: &cube, weight: &linear.weight, present: &present };
         let (low, high) = work.range();
-        let mut ranks = vec![1; values.len()];
+        let mut ranks = vec![1; poles.len()];
         for n in (0..poles.len()).filter(|&n| !(low..=high).contains(&poles[n].omega.powi(2)) && poles[n].given.is_none()) {
             ranks[n] = significant_rank(&free, n, variance)?;
         }
@@ -76,7 +109,7 @@ impl Shaped {
 
         // χ² of the model as saved: free residues leave `variance` per degree of freedom, the low-rank form adds its rise
         let all = (work.lines() * work.columns()) as f64;
-        let free_dof = (all - ((values.len() + powers.len()) * work.columns()) as f64).max(1.0);
+        let free_dof = (all - ((poles.len() + powers.len()) * work.columns()) as f64).max(1.0);
         // a real term fixes one phase per DOF but one
         let real = if *real_shapes {
             given.iter().flatten().map(|(shape, _)| shape.nrows()).sum::<usize>() * (responses + references - 1)
@@ -90,16 +123,6 @@ impl Shaped {
         };
         let terms = linear.terms;
         Ok(Self { identified, poles, shapes, terms, chi2_per_dof })
-    }
-
-    /// Law of the poles.
-    pub fn damping(&self) -> Damping {
-        self.identified.damping
-    }
-
-    /// Back to the poles, to refine them further.
-    pub fn into_identified(self) -> Identified {
-        self.identified
     }
 
     /// Builds the model.
@@ -175,7 +198,7 @@ impl Shaped {
             }
         }
         coefficients.slice_mut(s![values.len().., ..]).assign(&self.terms);
-        let sse = data.misfit(&Synthesis::new(data, self.damping(), &values, &self.identified.powers, coefficients));
+        let sse = data.misfit(&Synthesis::new(data, self.identified.damping, &values, &self.identified.powers, coefficients));
         (sse / (data.lines.len() * data.pairs.len()) as f64).sqrt()
     }
 }

@@ -113,8 +113,8 @@ pub(crate) fn structured(data: &Screened, found: &Found, asked: ShapeModel, fixe
             return Ok(None);
         }
     }
-    let poles = merged(&state, variance, swapped);
-    Ok(Some(Structured { poles, real: state.real, evidence }))
+    let real = state.real;
+    Ok(Some(Structured { poles: merged(&target, state, variance, swapped)?, real, evidence }))
 }
 
 /// Columns to pairs, (column, eliminated · other).
@@ -164,31 +164,37 @@ fn grown(target: &Target, mut state: State, variance: f64, holds: &dyn Fn(&State
     Ok(state.refined(target, tol::REFINE_FINE, tol::FINE_STEP))
 }
 
-/// Poles with their shapes; those that the data cannot tell apart become one of higher rank.
-fn merged(state: &State, variance: f64, swapped: bool) -> Vec<StructuredPole> {
-    let spread = state.spread();
-    let mut poles: Vec<StructuredPole> = Vec::new();
-    for (n, &lambda) in state.lambda.iter().enumerate() {
-        let row = |m: &Array2<Complex64>| m.row(n).insert_axis(Axis(0)).to_owned();
-        let (own, other) = (row(&state.shape), row(&state.participation));
-        let (shape, participation) = if swapped { (other, own) } else { (own, other) };
-        let same = poles.iter_mut().find(|pole| {
-            let allowed: f64 = variance * (pole.spread.iter().sum::<f64>() + spread[n].iter().sum::<f64>());
-            (pole.lambda - lambda).norm_sqr() < tol::REPEATED_SIGMAS * allowed && pole.lambda.im.min(lambda.im) > 0.0
+/// Poles with their shapes; two that lie nearer than their error bars become one of rank two where the sum of squares does not
+/// mind.
+fn merged(target: &Target, mut state: State, variance: f64, swapped: bool) -> Result<Vec<StructuredPole>, LinalgError> {
+    let mut owner: Vec<usize> = (0..state.lambda.len()).collect();
+    for n in 1..owner.len() {
+        let spread = state.spread();
+        let near = (0..n).filter(|&m| owner[m] == m).find(|&m| {
+            let allowed = variance * (spread[m].iter().sum::<f64>() + spread[n].iter().sum::<f64>());
+            (state.lambda[m] - state.lambda[n]).norm_sqr() < tol::REPEATED_SIGMAS * allowed
         });
-        match same {
-            Some(pole) => {
-                let share = [0, 1].map(|d| spread[n][d] / (pole.spread[d] + spread[n][d]));
-                let delta = pole.lambda - lambda;
-                pole.lambda = lambda + Complex64::new(delta.re * share[0], delta.im * share[1]);
-                for d in 0..2 {
-                    pole.spread[d] *= share[d];
-                }
-                pole.shape.push(Axis(0), shape.row(0)).expect("one value per response");
-                pole.participation.push(Axis(0), participation.row(0)).expect("one value per reference");
-            }
-            None => poles.push(StructuredPole { lambda, spread: spread[n], shape, participation }),
+        let Some(m) = near else { continue };
+        let share = [0, 1].map(|d| spread[n][d] / (spread[m][d] + spread[n][d]));
+        let delta = state.lambda[m] - state.lambda[n];
+        let mut lambda = state.lambda.clone();
+        lambda[m] = lambda[n] + Complex64::new(delta.re * share[0], delta.im * share[1]);
+        lambda[n] = lambda[m];
+        let Ok(one) = State::new(target, lambda, state.participation.clone(), state.real) else { continue };
+        if one.sse - state.sse < tol::REPEATED_SIGMAS * variance + tol::STRUCTURE_ROUNDING * target.energy {
+            state = one;
+            owner[n] = m;
         }
     }
-    poles
+    let spread = state.spread();
+    let shapes = if swapped { [&state.participation, &state.shape] } else { [&state.shape, &state.participation] };
+    let first: Vec<usize> = (0..owner.len()).filter(|&n| owner[n] == n).collect();
+    Ok(first
+        .into_iter()
+        .map(|n| {
+            let rows: Vec<usize> = (0..owner.len()).filter(|&m| owner[m] == n).collect();
+            let [shape, participation] = shapes.map(|all| all.select(Axis(0), &rows));
+            StructuredPole { lambda: state.lambda[n], spread: spread[n], shape, participation }
+        })
+        .collect())
 }
