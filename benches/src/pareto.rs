@@ -13,6 +13,8 @@ const HEIGHT_PX: f64 = 360.0;
 const NAME_STEP: f64 = 0.055;
 /// From a mark to its name, part of the plotted box's width.
 const NAME_GAP: f64 = 0.014;
+/// Width of a letter of a name, part of the plotted box's width.
+const LETTER: f64 = 0.0115;
 
 /// True for each point that no other beats in one coordinate without losing in the other (smaller is better; NaN never counts).
 pub fn front(points: &[Place]) -> Vec<bool> {
@@ -50,9 +52,10 @@ fn figure(rows: &[&AccuracyRow]) -> Option<Figure> {
             .line("Pareto front", best, Stroke::new(Colour::Series(0), 2.0))
             .marks("on the front", place(true), Mark::Dot, Colour::Series(0), 10.0)
             .marks("dominated", place(false), Mark::Ring, Colour::Muted, 9.0);
-    for (at, anchor, k) in names(&shown.iter().map(|&k| points[k]).collect::<Vec<_>>(), x, y) {
-        let row = rows[shown[k]];
-        chart = chart.with(Layer::Words { at, text: label(row), anchor, bold: on_front[shown[k]] });
+    let labels: Vec<String> = shown.iter().map(|&k| label(rows[k])).collect();
+    let places = names(&shown.iter().map(|&k| points[k]).collect::<Vec<_>>(), &labels, x, y);
+    for ((&k, text), (at, anchor)) in shown.iter().zip(labels).zip(places) {
+        chart = chart.with(Layer::Words { at, text, anchor, bold: on_front[k] });
     }
     Some(Figure {
         name: format!("accuracy-{}", case.name),
@@ -89,23 +92,29 @@ fn window(values: impl Iterator<Item = f64>) -> [f64; 2] {
     [low / room, high * room]
 }
 
-/// Where the names of `points` stand, beside their marks and clear of each other: place, anchor, index.
-fn names(points: &[Place], x: [f64; 2], y: [f64; 2]) -> Vec<(Place, Anchor, usize)> {
+/// Where the `labels` of `points` stand: beside their marks, clear of other names and marks where there is room.
+fn names(points: &[Place], labels: &[String], x: [f64; 2], y: [f64; 2]) -> Vec<(Place, Anchor)> {
     let part = |value: f64, ends: [f64; 2]| (value / ends[0]).ln() / (ends[1] / ends[0]).ln();
     let value = |part: f64, ends: [f64; 2]| ends[0] * (ends[1] / ends[0]).powf(part);
-    let mut order: Vec<usize> = (0..points.len()).collect();
-    order.sort_by(|&a, &b| points[a][1].total_cmp(&points[b][1]));
-    let mut lowest = 0.0f64;
-    order
-        .into_iter()
-        .map(|k| {
-            let [across, up] = [part(points[k][0], x), part(points[k][1], y)];
-            let height = up.max(lowest);
-            lowest = height + NAME_STEP;
-            let (anchor, side) = if across > 0.6 { (Anchor::End, -NAME_GAP) } else { (Anchor::Start, NAME_GAP) };
-            ([value(across + side, x), value(height, y)], anchor, k)
-        })
-        .collect()
+    let marks: Vec<Place> = points.iter().map(|point| [part(point[0], x), part(point[1], y)]).collect();
+    // taken stretches: left and right end, height, all as parts of the box
+    let mut taken: Vec<[f64; 3]> = marks.iter().map(|[across, up]| [across - 0.5 * NAME_GAP, across + 0.5 * NAME_GAP, *up]).collect();
+    let mut placed = Vec::new();
+    for ([across, up], label) in marks.iter().zip(labels) {
+        let width = LETTER * label.chars().count() as f64;
+        let right = (Anchor::Start, [across + NAME_GAP, across + NAME_GAP + width]);
+        let left = (Anchor::End, [across - NAME_GAP - width, across - NAME_GAP]);
+        let heights = [0.0, 1.0, -1.0, 2.0, -2.0].map(|steps| up + steps * NAME_STEP);
+        let places = heights.iter().flat_map(|&height| [right, left].map(|(anchor, ends)| (anchor, ends, height)));
+        let free = |(_, [from, to], height): &(Anchor, [f64; 2], f64)| {
+            let clear = |other: &[f64; 3]| (other[2] - height).abs() >= NAME_STEP || other[1] <= *from || *to <= other[0];
+            *from >= 0.0 && *to <= 1.0 && (0.5 * NAME_STEP..=1.0 - 0.5 * NAME_STEP).contains(height) && taken.iter().all(clear)
+        };
+        let (anchor, [from, to], height) = places.into_iter().find(free).unwrap_or((right.0, right.1, *up));
+        taken.push([from, to, height]);
+        placed.push(([value(if anchor == Anchor::Start { from } else { to }, x), value(height, y)], anchor));
+    }
+    placed
 }
 
 #[cfg(test)]
@@ -120,9 +129,11 @@ mod tests {
     }
 
     #[test]
-    fn names_keep_their_distance() {
-        let placed = names(&[[1.0, 1.0], [1.1, 1.0], [90.0, 50.0]], [0.5, 100.0], [0.5, 100.0]);
-        assert!(placed[1].0[1] > 1.25 * placed[0].0[1], "{placed:?}");
-        assert_eq!(placed[2].1, Anchor::End);
+    fn names_stand_beside_their_marks_and_clear_of_each_other() {
+        let labels = ["auto", "lean", "circle (7.00 missed)"].map(String::from);
+        let placed = names(&[[1.0, 1.0], [1.1, 1.0], [90.0, 50.0]], &labels, [0.5, 100.0], [0.5, 100.0]);
+        let apart = (placed[1].0[1] / placed[0].0[1]).ln().abs() > 0.9 * NAME_STEP * 200f64.ln();
+        assert!(apart || placed[0].1 != placed[1].1, "{placed:?}");
+        assert_eq!((placed[2].1, placed[2].0[1].round()), (Anchor::End, 50.0), "no room at the right, room at its own height");
     }
 }
