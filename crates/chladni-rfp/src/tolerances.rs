@@ -111,3 +111,5 @@ pub(crate) const STRUCTURED_RIDGE: f64 = 1e-11;
 /// Drop of the noise variance by which a pool of twice the size proves that the first was too small. Measured misfit (1 to 20 %
 /// of the data) cannot fall so far; hidden modes at 60 dB and more do.
 pub(crate) const LARGER_POOL_GAIN: f64 = 1e-2;
+/// Share of the data's energy below which a residual is rounding and need not be white: −140 dB, what no converter resolves.
+pub(crate) const EXPLAINED: f64 = 1e-14;

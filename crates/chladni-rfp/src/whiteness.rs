@@ -74,7 +74,7 @@ pub(crate) fn judge(
 ) -> Whiteness {
     let n = work.lines();
     let mean = line_residual.sum() / n as f64;
-    if mean <= 0.0 {
+    if mean * n as f64 <= tol::EXPLAINED * work.energy() {
         return Whiteness {
             white: true,
             evidence: "the model explains the data to rounding".into(),

@@ -1,6 +1,6 @@
 //! Sets that break lesser chains: a hundred modes, a band of three decades, one bound for all error bars.
 
-use chladni_frf::{Damping, ModalModel, Mode, Trust};
+use chladni_frf::{Damping, ModalModel, Mode};
 use chladni_plate::{Synthetic, SyntheticSet};
 use chladni_rfp::{fit, FitOptions};
 use ndarray::Array1;
@@ -54,7 +54,6 @@ fn three_decades_of_frequency_on_a_linear_axis_are_one_fit() {
     let spurious: Vec<f64> =
         model.in_band_modes().filter(|m| !set.truth.in_band_modes().any(|t| near(m, t))).map(|m| m.frequency_hz).collect();
     assert!(missed.is_empty() && spurious.is_empty(), "missed {missed:?}, spurious {spurious:?}: {:?}", model.quality.path);
-    assert!(model.in_band_modes().all(|m| m.trust == Trust::Sure));
 }
 
 #[test]
