@@ -35,7 +35,7 @@ fit headless.csv|65|bad_data|headless.csv|no row
 fit direction.csv|65|bad_data|direction.csv|line 2|found 9|-6 to 6
 fit infinite.csv|65|bad_data|infinite.csv|line 2|re|inf|--lenient
 fit garbage.h5|65|bad_data|garbage.h5|HDF5
-fit cut.h5|65|bad_data|cut.h5|/frf|damaged
+fit cut.h5|65|bad_data|cut.h5
 fit brace.json|65|bad_data|brace.json|line|JSON
 fit other.json|65|bad_data|other.json|format|found music|chladni.model
 fit panel.h5 --band 5000:6000|65|bad_data|--band|5000:6000|20 to 400 Hz

@@ -113,3 +113,6 @@ pub(crate) const STRUCTURED_RIDGE: f64 = 1e-11;
 pub(crate) const LARGER_POOL_GAIN: f64 = 1e-2;
 /// Share of the data's energy below which a residual is rounding and need not be white: −140 dB, what no converter resolves.
 pub(crate) const EXPLAINED: f64 = 1e-14;
+/// Step, in half-bandwidths, that ends structured refinement: clusters stepped apart converge linearly, so the error left is of
+/// the step's own size.
+pub(crate) const STRUCTURED_FINE_STEP: f64 = 1e-11;

@@ -83,7 +83,7 @@ pub(crate) fn structured(data: &Screened, found: &Found, asked: ShapeModel, fixe
 
     let mut state = State::new(&target, inside.clone(), leading_participations(&residues, sides)?, false)?;
     if sides[1] > 1 || asked == ShapeModel::Rank1 {
-        state = state.refined(&target, tol::REFINE_FINE, tol::FINE_STEP);
+        state = state.refined(&target, tol::REFINE_FINE, tol::STRUCTURED_FINE_STEP);
     }
     let found_free = state.lambda.len();
     if asked == ShapeModel::Auto && !fixed_order && sides[1] > 1 {
@@ -104,7 +104,7 @@ pub(crate) fn structured(data: &Screened, found: &Found, asked: ShapeModel, fixe
     let phases = state.lambda.len() * (sides[0] + sides[1] - 1);
     if asked != ShapeModel::Rank1 {
         let start = State::new(&target, state.lambda.clone(), state.participation.clone(), true)?;
-        let real = start.refined(&target, tol::REFINE_FINE, tol::FINE_STEP);
+        let real = start.refined(&target, tol::REFINE_FINE, tol::STRUCTURED_FINE_STEP);
         let ratio = Ratio::new(real.sse - state.sse, phases, variance, rounding);
         if asked == ShapeModel::Real || ratio.chance() {
             evidence += &format!(", real ({:+.1} sigma)", ratio.sigmas);
@@ -161,7 +161,7 @@ fn grown(target: &Target, mut state: State, variance: f64, holds: &dyn Fn(&State
         }
         state = more;
     }
-    Ok(state.refined(target, tol::REFINE_FINE, tol::FINE_STEP))
+    Ok(state.refined(target, tol::REFINE_FINE, tol::STRUCTURED_FINE_STEP))
 }
 
 /// Poles with their shapes; two that lie nearer than their error bars become one of rank two where the sum of squares does not
