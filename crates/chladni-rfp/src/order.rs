@@ -136,6 +136,8 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
     }
 
     progress("projection");
+    // what the second pass keeps depends on these poles: converged, they are the same to the last digits however they were found
+    refined = refine(&sketch, &refined.lambda, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?;
     let mut projected = project_all(data, &refined, &energy)?;
     let mut extra_passes = 0;
     loop {
