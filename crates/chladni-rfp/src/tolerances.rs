@@ -116,3 +116,5 @@ pub(crate) const EXPLAINED: f64 = 1e-14;
 /// Step, in half-bandwidths, that ends structured refinement: clusters stepped apart converge linearly, so the error left is of
 /// the step's own size.
 pub(crate) const STRUCTURED_FINE_STEP: f64 = 1e-11;
+/// Rounding of a sum of squares relative to the data's energy, within which a step may seem to make things worse.
+pub(crate) const STEP_ROUNDING: f64 = 1e-14;

@@ -267,9 +267,11 @@ impl State {
     /// Gauss–Newton with Levenberg–Marquardt damping until the largest step is `tolerance` of a half-bandwidth.
     pub fn refined(mut self, target: &Target, iterations: usize, tolerance: f64) -> Self {
         let mut damping = tol::LM_START;
+        // the sum of squares is a difference of large numbers: near the end its rounding must not refuse good steps
+        let rounding = tol::STEP_ROUNDING * target.energy;
         for _ in 0..iterations {
             match self.stepped(target, damping) {
-                Ok((next, largest)) if next.sse <= self.sse => {
+                Ok((next, largest)) if next.sse <= self.sse + rounding => {
                     self = next;
                     damping *= 0.1;
                     if largest < tolerance {
