@@ -1,11 +1,11 @@
 //! The strongest sections of a long band, judged before the fast chain begins.
 
-use crate::order::{pool_size, row_energy, started, Start};
+use crate::order::{pool_size, started, Start};
 use crate::pool::mixtures;
 use crate::section::split;
 use crate::seeds::Peak;
 use crate::tolerances as tol;
-use crate::whiteness::judge;
+use crate::whiteness::judge_columns;
 use crate::work::Work;
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
@@ -48,8 +48,7 @@ fn misfit(work: &Work, peaks: &[Peak], seed: u64, hz: f64) -> Result<Option<Stri
     let stands_for = |pole: &Complex64, peak: &Peak| (pole.re - peak.lambda.re).abs() < 1.5 * peak.lambda.im;
     let strong: Vec<Complex64> =
         refined.lambda.iter().copied().filter(|pole| peaks.iter().any(|p| p.is_striking() && stands_for(pole, p))).collect();
-    let residual = &refined.projection.residual;
-    let look = judge(work, &strong, &row_energy(residual), work.columns(), residual, hz);
+    let look = judge_columns(work, &strong, &refined.projection.residual, hz);
     let doubt = look.misfit_share > tol::MISFIT_SHARE || look.shapeless || look.excess > CLEAR;
     Ok(doubt.then_some(look.evidence))
 }

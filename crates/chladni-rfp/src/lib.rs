@@ -20,6 +20,7 @@ mod pool;
 mod project;
 mod prune;
 mod refine;
+mod scan;
 mod screen;
 mod section;
 mod seeds;

@@ -9,13 +9,14 @@ use crate::pool::{mixtures, starts, vector_fit};
 use crate::project::{project, Projected};
 use crate::prune::{prune, threshold};
 use crate::refine::{refine, Projection, Refined};
+use crate::scan::{residual_peak, scan};
 use crate::screen::Screened;
 use crate::seeds::{fourth_difference_noise, peaks, thinned};
 use crate::tolerances as tol;
-use crate::whiteness::{judge, Whiteness};
+use crate::whiteness::{judge, judge_columns, Whiteness};
 use crate::work::{basis, line_energy, Work};
 use chladni_linalg::{qr_thin, svd_thin, LinalgError};
-use ndarray::{Array1, Array2, Axis};
+use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 
 /// Powers of x of the residual terms: one lower (1/ω²), three upper (constant, ω², ω⁴).
@@ -97,10 +98,7 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
     }
     let mixed = mixtures(&sketch, tol::POOL_MIXTURES, seed);
     let mut start = started(&sketch, &mixed, &seeds, size)?;
-    let look = |refined: &Refined| {
-        let residual = &refined.projection.residual;
-        judge(&sketch, &refined.lambda, &row_energy(residual), sketch.columns(), residual, hz)
-    };
+    let look = |refined: &Refined| judge_columns(&sketch, &refined.lambda, &refined.projection.residual, hz);
     let spoilt = spoilt_lines(&sketch, &start.refined)?;
     if !spoilt.is_empty() {
         return Ok(Outcome::Outliers(spoilt.into_iter().map(|row| rows[row]).collect()));
@@ -198,8 +196,8 @@ fn spoilt_lines(work: &Work, refined: &Refined) -> Result<Vec<usize>, LinalgErro
         return Ok(Vec::new());
     }
     let residual = Projection::new(work, &physical, &refined.powers)?.residual;
-    let fitted = row_energy(&(&work.b - &residual));
-    Ok(single_lines(&row_energy(&residual).to_vec(), &fitted.to_vec()))
+    let fitted = line_energy(&(&work.b - &residual));
+    Ok(single_lines(&line_energy(&residual).to_vec(), &fitted.to_vec()))
 }
 
 /// The second pass on all lines, whether or not the poles were found on a thinned record.
@@ -275,66 +273,6 @@ fn unphysical(work: &Work, lambda: Complex64) -> bool {
     work.in_band(lambda) && lambda.im < tol::SPIKE_SPACINGS * work.spacing(lambda.re)
 }
 
-/// The place where one more pole would take most energy out of the residual, if that is more than `limit`.
-fn scan(work: &Work, refined: &Refined, limit: f64, tried: &[Complex64]) -> Result<Option<Complex64>, LinalgError> {
-    let mut widths: Vec<f64> = refined.lambda.iter().filter(|p| work.in_band(**p)).map(|p| p.im / p.re.max(1e-12)).collect();
-    widths.sort_by(f64::total_cmp);
-    let loss = widths.get(widths.len() / 2).copied().unwrap_or(0.01);
-    let (low, high) = work.range();
-    let mut grid = Vec::new();
-    let mut x = low;
-    while x <= high && grid.len() < 4 * work.lines() {
-        let width = (loss * x).max(work.spacing(x));
-        grid.push(Complex64::new(x, width));
-        x += width;
-    }
-    let mut best: Option<(f64, Complex64)> = None;
-    for chunk in grid.chunks(128) {
-        let columns = basis(work, chunk, &[]);
-        let inside = chladni_linalg::matmul_h(refined.projection.q.view(), columns.view());
-        let outside = &columns - &chladni_linalg::matmul(refined.projection.q.view(), inside.view());
-        let matched = chladni_linalg::matmul_h(outside.view(), refined.projection.residual.view());
-        for (i, &pole) in chunk.iter().enumerate() {
-            let norm = outside.column(i).iter().map(|v| v.norm_sqr()).sum::<f64>();
-            let whole = columns.column(i).iter().map(|v| v.norm_sqr()).sum::<f64>();
-            if norm < 1e-6 * whole || tried.iter().any(|t| (t - pole).norm() < pole.im) {
-                continue;
-            }
-            let gain = matched.row(i).iter().map(|v| v.norm_sqr()).sum::<f64>() / norm;
-            if gain > limit && best.is_none_or(|(g, _)| gain > g) {
-                best = Some((gain, pole));
-            }
-        }
-    }
-    Ok(best.map(|(_, pole)| pole))
-}
-
-/// A stretch of lines, about a bandwidth wide, whose residual energy over all FRFs stands out of the rest.
-fn residual_peak(work: &Work, line_residual: &Array1<f64>, frfs: usize, lambda: &[Complex64]) -> Option<Complex64> {
-    let n = work.lines();
-    let mean = line_residual.sum() / n as f64;
-    let loss = {
-        let mut all: Vec<f64> = lambda.iter().filter(|p| work.in_band(**p)).map(|p| p.im / p.re).collect();
-        all.sort_by(f64::total_cmp);
-        all.get(all.len() / 2).copied().unwrap_or(0.01)
-    };
-    let looks = 2.0 * (n as f64).ln();
-    let mut best: Option<(f64, usize)> = None;
-    for k in 2..n.saturating_sub(2) {
-        let pole = Complex64::new(work.x[k], (loss * work.x[k]).max(work.spacing(work.x[k])));
-        let window = work.window(pole, 1.0, 1);
-        let lines = window.len() as f64;
-        let local = line_residual.slice(ndarray::s![window]).sum() / lines / mean;
-        let score = (local - 1.0) * (lines * frfs as f64).sqrt();
-        // what is near a known pole is misfit of that pole, not another mode
-        let near = lambda.iter().any(|p| (p.re - pole.re).abs() < 3.0 * p.im.max(pole.im));
-        if !near && score > looks.sqrt() + 6.0 && best.is_none_or(|(s, _)| score > s) {
-            best = Some((score, k));
-        }
-    }
-    best.map(|(_, k)| Complex64::new(work.x[k], (loss * work.x[k]).max(work.spacing(work.x[k]))))
-}
-
 /// Keeps the `modes` in-band poles that matter most (an order given by the user).
 fn keep_strongest(work: &Work, refined: &mut Refined, modes: usize) -> Result<(), LinalgError> {
     loop {
@@ -348,9 +286,4 @@ fn keep_strongest(work: &Work, refined: &mut Refined, modes: usize) -> Result<()
         fewer.remove(weakest);
         *refined = refine(work, &fewer, &refined.powers, tol::REFINE_FINE, tol::FINE_STEP)?;
     }
-}
-
-/// Rows of `b` summed in squares over columns, for callers that hold a residual.
-pub(crate) fn row_energy(b: &Array2<Complex64>) -> Array1<f64> {
-    b.map_axis(Axis(1), |row| row.iter().map(|v| v.norm_sqr()).sum())
 }

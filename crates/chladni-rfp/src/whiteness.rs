@@ -1,4 +1,4 @@
-//! Is the residual white? The question that decides between the fast chain and the measured-data path (theory.md, eq. 29–30).
+//! Is the residual white? The question that decides between the fast chain and the measured-data path (theory.md, eq. 20–21).
 //!
 //! Under white noise the energy of L lines of M FRFs is σ²/2 times a χ² variable of 2LM degrees of freedom. Three kinds of
 //! looks, each a ratio that is 1 (or 0) under white noise and whose chance spread is bounded by the tails of Laurent & Massart,
@@ -7,7 +7,7 @@
 //! call white noise coloured in at most [`tol::WHITE_FALSE_ALARM`] of all cases; misfit too small to matter is tolerated on top.
 
 use crate::tolerances as tol;
-use crate::work::Work;
+use crate::work::{line_energy, Work};
 use ndarray::{s, Array1, Array2};
 use num_complex::Complex64;
 
@@ -57,6 +57,12 @@ impl Chance {
     fn correlation(self, count: f64) -> f64 {
         (self.t / count).sqrt()
     }
+}
+
+/// [`judge`] for residual columns that are all there is.
+pub(crate) fn judge_columns(work: &Work, lambda: &[Complex64], residual: &Array2<Complex64>, hz: f64) -> Whiteness {
+    let energy = line_energy(residual) * residual.ncols() as f64;
+    judge(work, lambda, &energy, residual.ncols(), residual, hz)
 }
 
 /// Judges the residual.

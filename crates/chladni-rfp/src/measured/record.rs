@@ -1,4 +1,4 @@
-//! What the record itself says, through its impulse response: was it padded with zeros, was it windowed (theory.md, eq. 31)?
+//! What the record itself says, through its impulse response: was it padded with zeros, was it windowed (theory.md, eq. 24)?
 
 use crate::work::Work;
 use num_complex::Complex64;

@@ -1,4 +1,4 @@
-//! Covariance from the residual as it is: H⁻¹GH⁻¹ with neighbouring lines correlated (theory.md, eq. 21).
+//! Covariance from the residual as it is: H⁻¹GH⁻¹ with neighbouring lines correlated (theory.md, eq. 23).
 
 use crate::refine::Refined;
 use crate::work::{basis_derivative, Work};

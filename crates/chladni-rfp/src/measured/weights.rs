@@ -1,4 +1,4 @@
-//! Noise as the data show it: per FRF, per line, additive and multiplicative (theory.md, eq. 20).
+//! Noise as the data show it: per FRF, per line, additive and multiplicative (theory.md, eq. 22).
 
 use crate::seeds::running_median;
 use crate::work::{line_energy, Work};

@@ -4,7 +4,7 @@ use super::pole::Pole;
 use crate::screen::Screened;
 use crate::structure::Shapes;
 use crate::validation::mpc;
-use chladni_frf::{ComplexVector, Damping, Mode, Scaling, Trust};
+use chladni_frf::{ComplexVector, Damping, Mode, Scaling};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -72,21 +72,7 @@ pub(super) fn modes(
                     *v = 0.0
                 }
             });
-            let frequency_hz = pole.omega * data.omega_max / TAU;
-            Mode {
-                frequency_hz,
-                frequency_std_hz: pole.omega_std * data.omega_max / TAU,
-                loss_factor: pole.loss_factor,
-                loss_factor_std: pole.loss_factor_std,
-                damping_ratio: 0.5 * pole.loss_factor,
-                in_band: frequency_hz >= data.band_hz[0] && frequency_hz <= data.band_hz[1],
-                trust: pole.grade.0,
-                reasons: pole.grade.1.clone(),
-                mpc: mpc(&shape),
-                shape: ComplexVector(shape),
-                shape_std: deviation,
-                participation: ComplexVector(participation),
-            }
+            mode(data, pole, ComplexVector(shape), deviation, ComplexVector(participation))
         })
         .collect();
     if !massed {
@@ -102,20 +88,27 @@ pub(super) fn modes(
 
 /// A rejected pole as it is listed: no shape, no part in the synthesis.
 pub(super) fn rejected_mode(data: &Screened, pole: &Pole) -> Mode {
-    let frequency_hz = pole.omega * data.omega_max / TAU;
     let zeros = |count| ComplexVector(vec![Complex64::default(); count]);
+    let (responses, references) = (data.frf.responses.len(), data.frf.references.len());
+    mode(data, pole, zeros(responses), vec![0.0; responses], zeros(references))
+}
+
+/// A pole in Hz with its shape.
+fn mode(data: &Screened, pole: &Pole, shape: ComplexVector, shape_std: Vec<f64>, participation: ComplexVector) -> Mode {
+    let hz = data.omega_max / TAU;
+    let frequency_hz = pole.omega * hz;
     Mode {
         frequency_hz,
-        frequency_std_hz: pole.omega_std * data.omega_max / TAU,
+        frequency_std_hz: pole.omega_std * hz,
         loss_factor: pole.loss_factor,
         loss_factor_std: pole.loss_factor_std,
         damping_ratio: 0.5 * pole.loss_factor,
         in_band: frequency_hz >= data.band_hz[0] && frequency_hz <= data.band_hz[1],
-        trust: Trust::Rejected,
+        trust: pole.grade.0,
         reasons: pole.grade.1.clone(),
-        mpc: 0.0,
-        shape: zeros(data.frf.responses.len()),
-        shape_std: vec![0.0; data.frf.responses.len()],
-        participation: zeros(data.frf.references.len()),
+        mpc: mpc(&shape.0),
+        shape,
+        shape_std,
+        participation,
     }
 }

@@ -4,6 +4,7 @@
 //! leave has the missing mode's shape.
 
 use super::newton::{State, Target};
+use crate::scan::resonance_grid;
 use crate::work::basis;
 use chladni_linalg::{matmul, matmul_h, LinalgError};
 use ndarray::{Array1, Array2, Axis};
@@ -37,17 +38,9 @@ fn strongest(matrix: &Array2<Complex64>) -> (f64, Array1<Complex64>) {
 /// `limit`.
 pub(super) fn candidate(target: &Target, state: &State, limit: f64) -> Result<Option<(Complex64, Array1<Complex64>)>, LinalgError> {
     let work = target.work;
-    let mut losses: Vec<f64> = state.lambda.iter().map(|l| l.im / l.re).collect();
-    losses.sort_by(f64::total_cmp);
-    let loss = losses[losses.len() / 2];
-    let (low, high) = work.range();
+    // a second term at a known pole: a repeated one
     let mut grid = state.lambda.clone();
-    let mut x = low;
-    while x <= high && grid.len() < 4 * work.lines() {
-        let width = (loss * x).max(work.spacing(x));
-        grid.push(Complex64::new(x, width));
-        x += width;
-    }
+    grid.append(&mut resonance_grid(work, &state.lambda));
     let modes = target.outside(&basis(work, &state.lambda, &[]));
     let residues = state.residues();
     let mut best: Option<(f64, Complex64, Array1<Complex64>)> = None;

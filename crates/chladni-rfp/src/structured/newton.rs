@@ -1,4 +1,4 @@
-//! Poles and participations together, shapes eliminated: variable projection on rank-one residues (theory.md, eq. 25–28).
+//! Poles and participations together, shapes eliminated: variable projection on rank-one residues (theory.md, eq. 26–29).
 //!
 //! The stacked problem (lines × references rows, one right-hand side per response) is never formed: every product of its
 //! columns φ_n⊗L_n factors into a product over lines and one over references. One step costs the line products, 16Nn(2n + r),
