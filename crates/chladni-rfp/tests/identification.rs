@@ -1,36 +1,17 @@
 //! Identification through the public door, judged by known truth and the Cramér–Rao bound.
 
+mod common;
+
 use chladni_frf::{Damping, FrfKind, FrfSet, FrfValues, ModalModel, Mode, Trust};
 use chladni_plate::{cramer_rao, gain_noise, Synthetic, SyntheticShapes};
 use chladni_rfp::{fit, mac, FitError, FitOptions, Method, ShapeModel};
+use common::{easy, fitted};
 use ndarray::Array1;
 
-fn quiet(_: &str) {}
-
-fn fitted(frf: &FrfSet, options: &FitOptions) -> ModalModel {
-    fit(frf, options, &quiet).expect("a fit").model
-}
-
-/// Eight separate modes, twelve FRFs.
-fn easy(snr_db: f64, seed: u64) -> Synthetic {
-    Synthetic {
-        natural_frequency_hz: vec![31.0, 52.0, 78.0, 101.0, 133.0, 160.0, 187.0, 215.0],
-        loss_factor: vec![0.01, 0.012, 0.008, 0.01, 0.015, 0.01, 0.009, 0.011],
-        responses: 6,
-        references: 2,
-        frequency_hz: Array1::range(20.0, 240.0, 0.1),
-        snr_db,
-        seed,
-        ..Synthetic::default()
-    }
-}
-
-/// Modes of `model` that match none of `truth` within a bandwidth, and modes of `truth` that none matches.
+/// How many modes of `truth` the model misses, and how many it invents.
 fn missed_and_spurious(truth: &ModalModel, model: &ModalModel) -> (usize, usize) {
-    let near = |a: &Mode, b: &Mode| (a.frequency_hz - b.frequency_hz).abs() < 0.5 * b.frequency_hz * b.loss_factor;
-    let missed = truth.in_band_modes().filter(|t| !model.in_band_modes().any(|m| near(m, t))).count();
-    let spurious = model.in_band_modes().filter(|m| !truth.in_band_modes().any(|t| near(m, t))).count();
-    (missed, spurious)
+    let (missed, spurious) = common::missed_and_spurious(truth, model);
+    (missed.len(), spurious.len())
 }
 
 #[test]
@@ -240,7 +221,7 @@ fn classic_methods_find_separate_modes_on_clean_data() {
 #[test]
 fn what_cannot_be_fitted_says_why() {
     let set = easy(40.0, 1).build().unwrap();
-    let error = |options: &FitOptions, frf: &FrfSet| fit(frf, options, &quiet).unwrap_err();
+    let error = |options: &FitOptions, frf: &FrfSet| fit(frf, options, &|_| {}).unwrap_err();
     let outside = FitOptions { band_hz: Some([500.0, 600.0]), ..Default::default() };
     assert!(matches!(error(&outside, &set.frf), FitError::BandOutsideData { .. }));
     let narrow = FitOptions { band_hz: Some([50.0, 50.5]), ..Default::default() };

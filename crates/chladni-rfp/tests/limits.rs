@@ -1,12 +1,14 @@
 //! Sets that break lesser chains: a hundred modes, a band of three decades, one bound for all error bars.
 
+mod common;
+
 use chladni_frf::{Damping, ModalModel, Mode};
 use chladni_plate::{Synthetic, SyntheticSet};
-use chladni_rfp::{fit, FitOptions};
+use chladni_rfp::FitOptions;
 use ndarray::Array1;
 
 fn fitted(set: &SyntheticSet) -> ModalModel {
-    fit(&set.frf, &FitOptions { damping: Some(Damping::Structural), ..Default::default() }, &|_| {}).expect("a fit").model
+    common::fitted(&set.frf, &FitOptions { damping: Some(Damping::Structural), ..Default::default() })
 }
 
 #[test]
@@ -48,11 +50,8 @@ fn three_decades_of_frequency_on_a_linear_axis_are_one_fit() {
     .build()
     .expect("a set");
     let model = fitted(&set);
-    let near = |a: &Mode, b: &Mode| (a.frequency_hz - b.frequency_hz).abs() < 0.5 * b.frequency_hz * b.loss_factor;
-    let missed: Vec<f64> =
-        set.truth.in_band_modes().filter(|t| !model.in_band_modes().any(|m| near(m, t))).map(|t| t.frequency_hz).collect();
-    let spurious: Vec<f64> =
-        model.in_band_modes().filter(|m| !set.truth.in_band_modes().any(|t| near(m, t))).map(|m| m.frequency_hz).collect();
+    let (missed, spurious) = common::missed_and_spurious(&set.truth, &model);
+    let [missed, spurious] = [missed, spurious].map(|modes| modes.iter().map(|m| m.frequency_hz).collect::<Vec<f64>>());
     assert!(missed.is_empty() && spurious.is_empty(), "missed {missed:?}, spurious {spurious:?}: {:?}", model.quality.path);
 }
 

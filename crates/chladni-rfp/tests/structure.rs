@@ -1,13 +1,14 @@
 //! Structured refinement through the public door, judged by known truth and the bounds of identification.md's study.
 
+mod common;
+
 use chladni_frf::{Damping, FrfSet, FrfValues, ModalModel, Mode};
 use chladni_plate::{Synthetic, SyntheticSet, SyntheticShapes};
-use chladni_rfp::{fit, mac, FitOptions, ShapeModel};
+use chladni_rfp::{mac, FitOptions, ShapeModel};
 use ndarray::Array1;
 
 fn fitted(frf: &FrfSet, shapes: ShapeModel) -> ModalModel {
-    let options = FitOptions { damping: Some(Damping::Structural), shapes, ..Default::default() };
-    fit(frf, &options, &|_| {}).expect("a fit").model
+    common::fitted(frf, &FitOptions { damping: Some(Damping::Structural), shapes, ..Default::default() })
 }
 
 /// Pairs of modes `spacing` half-power bandwidths apart.

@@ -1,7 +1,7 @@
 //! Windows: their bias undone or named; the exponential window taken off the poles.
 
 use super::*;
-use chladni_frf::{Damping, FrfKind, Geometry, ReferenceUnit};
+use chladni_frf::{Damping, FrfKind, Geometry, Mode, ReferenceUnit};
 use chladni_rfp::{FitError, Window};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
