@@ -22,3 +22,12 @@ fn the_examples_of_the_page_are_read() {
     assert_eq!(rendered.json()["scene"], "scene.toml");
     folder.run("select truth.json selection.toml -o kept.json -q").exits(0);
 }
+
+#[test]
+fn equations_of_the_theory_are_numbered_in_order() {
+    let theory = include_str!("../../../docs/theory.md");
+    let label = |line: &str| -> Option<usize> { line.trim_end().strip_suffix(')')?.rsplit_once('(')?.1.parse().ok() };
+    let labels: Vec<usize> = theory.lines().filter(|line| line.starts_with("    ")).filter_map(label).collect();
+    assert!(labels.len() > 30, "{labels:?}");
+    assert_eq!(labels, (1..=labels.len()).collect::<Vec<_>>());
+}

@@ -3,7 +3,7 @@
 //! With x = ω² each FRF l in the measured kind is g(x_k) [Σ_n R_nl/(λ_n − x_k) + Σ_p C_pl ω_k^p] + noise of variance σ², with
 //! λ_n = ω_n²(1 + jη_n), g = 1, jω or −ω². Everything is complex-analytic, residues and residual terms are free in each FRF, so that
 //!
-//! Cov(λ) = σ² [ (Dᴴ P⊥ D) ⊙ (R̄ Rᵀ) ]⁻¹,   D_kn = −g_k/(λ_n − x_k)²,   (theory.md, eq. 29)
+//! Cov(λ) = σ² [ (Dᴴ P⊥ D) ⊙ (R̄ Rᵀ) ]⁻¹,   D_kn = −g_k/(λ_n − x_k)²,   (theory.md, eq. 33)
 //!
 //! where P⊥ projects out the columns g/(λ_n − x) and g ω^p (Golub and Pereyra, *Inverse Problems* 19, 2003, R1-R26, for the
 //! elimination; Kay, *Estimation Theory*, 1993, ch. 15, for complex parameters). Real and imaginary part share the variance, hence

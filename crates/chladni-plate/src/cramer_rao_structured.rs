@@ -8,7 +8,7 @@
 //! where P⊥ projects out the columns g/(λ_n − x) ⊗ L_n and g ω^p ⊗ e_j, and the entry of Ψ̄ Ψᵀ for two unknowns is that of their
 //! modes. With one reference nothing is left but the poles, and the bound is that of free residues. Where ψ and L are known to be
 //! real, Re λ_n and Im λ_n are unknowns of their own, with the columns y_λn and jy_λn, real parts are taken of all products, and
-//! Cov(θ) = σ²/2 [...]⁻¹ (theory.md, eq. 30 and 31). Derived from the Jacobian of the model; checked against it in `tests/cramer_rao.rs`.
+//! Cov(θ) = σ²/2 [...]⁻¹ (theory.md, eq. 34 and 35). Derived from the Jacobian of the model; checked against it in `tests/cramer_rao.rs`.
 
 use crate::cramer_rao::{bound, gram, inverse_root, outside, CramerRao, Lines, PoleVariance};
 use chladni_frf::{Error, ModalModel, Mode, Result};

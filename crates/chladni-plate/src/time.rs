@@ -1,7 +1,7 @@
 //! FRFs as an analyser estimates them: modes simulated exactly in time, excited, windowed, averaged.
 //!
 //! A viscous mode with pole s answers a force f by ż = s·z + f; velocities are v_i = Σ_n 2 Re(s_n r_in z_n) with the residues
-//! r_in of theory.md, eq. 4. Between samples the force is a straight line (first-order hold), for which the step is closed (theory.md, eq. 32):
+//! r_in of theory.md, eq. 4. Between samples the force is a straight line (first-order hold), for which the step is closed (theory.md, eq. 25):
 //!
 //! z_{k+1} = E z_k + (I₀ − I₁) f_k + I₁ f_{k+1},   E = e^{sΔ},  I₀ = (E − 1)/s,  I₁ = (E − 1 − sΔ)/(s²Δ)
 //!
