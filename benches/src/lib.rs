@@ -35,3 +35,4 @@ pub use problem::{Bounds, Problem};
 pub use profile::{profile, profile_csv, ProfileCase, ProfileOptions, ProfileRow, PROFILE_CASES};
 pub use score::{Match, Score};
 pub use stage_chart::profile_figure;
+pub use statistics::median;

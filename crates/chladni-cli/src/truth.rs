@@ -78,12 +78,3 @@ impl Comparison {
         (!wrong.is_empty()).then(|| format!("the known truth is missed: {}", wrong.join(", ")))
     }
 }
-
-/// The middle of values in rising order.
-pub fn median(sorted: &[f64]) -> f64 {
-    match sorted.len() {
-        0 => f64::NAN,
-        n if n % 2 == 1 => sorted[n / 2],
-        n => 0.5 * (sorted[n / 2 - 1] + sorted[n / 2]),
-    }
-}

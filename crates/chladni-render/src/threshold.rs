@@ -130,8 +130,8 @@ impl Threshold {
         if let Some(&(_, level)) = points.iter().find(|point| known(point)) {
             return Ok(level);
         }
-        let between = points.windows(2).find(|pair| pair[0].0 <= frequency_hz && frequency_hz <= pair[1].0);
-        let Some(&[(f0, level0), (f1, level1)]) = between.map(|pair| <&[_; 2]>::try_from(pair).expect("windows of two")) else {
+        let mut pairs = points.iter().zip(points.iter().skip(1));
+        let Some((&(f0, level0), &(f1, level1))) = pairs.find(|(a, b)| a.0 <= frequency_hz && frequency_hz <= b.0) else {
             let (low, high) = (points.first().map_or(0.0, |p| p.0), points.last().map_or(0.0, |p| p.0));
             return Err(Error::bad_data("no threshold known at the drive frequency")
                 .field("frequency_hz")
