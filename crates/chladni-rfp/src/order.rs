@@ -127,7 +127,7 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
     if first.shapeless {
         return Ok(Outcome::NotWhite(first.evidence));
     }
-    settle(&sketch, &mut refined, &mut variance, &mut history)?;
+    settle(&sketch, &mut refined, &mut variance, sketch.columns(), &mut history)?;
     let settled = look(&refined);
     if settled.shapeless {
         return Ok(Outcome::NotWhite(settled.evidence));
@@ -137,33 +137,40 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
     // what the second pass keeps depends on these poles: converged, they are the same to the last digits however they were found
     refined = refine(&sketch, &refined.lambda, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?;
     let mut projected = project_all(data, &refined, &energy)?;
-    let mut extra_passes = 0;
-    loop {
+    let frfs = data.pairs.len();
+    let mut tried = Vec::new();
+    for extra_passes in 0.. {
         let work = &projected.work;
         let mut fine = refine(work, &refined.lambda, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?;
+        let projected_poles = fine.lambda.len();
         let mut sigma2 = full_variance(data, &projected, fine.unknowns(), fine.lambda.len());
-        settle(work, &mut fine, &mut sigma2, &mut history)?;
+        settle(work, &mut fine, &mut sigma2, frfs, &mut history)?;
         refined = refine(work, &fine.lambda, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?;
         variance = full_variance(data, &projected, refined.unknowns(), refined.lambda.len());
-        // a mode that the sketch did not show stands out of the residual over all FRFs
-        let missed = residual_peak(work, &projected.line_residual, data.pairs.len(), &refined.lambda);
-        match missed {
-            Some(pole) if extra_passes < 3 && asked.is_none() => {
-                extra_passes += 1;
-                let mut more = refined.lambda.clone();
-                more.push(pole);
-                let wider = refine(&sketch, &more, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
-                projected = project_all(data, &wider, &energy)?;
-                refined = refine(&projected.work, &wider.lambda, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?;
-            }
-            _ => break,
+        if extra_passes == tol::EXTRA_PASSES || asked.is_some() {
+            break;
         }
+        // a mode that the sketch did not show stands out of the residual over all FRFs, or out of the compressed columns
+        let missed = match residual_peak(work, &projected.line_residual, frfs, &refined.lambda) {
+            None if work.columns() < frfs => scan(work, &refined, threshold(work.columns(), work.lines()) * variance, &tried)?,
+            peak => peak,
+        };
+        if let Some(pole) = missed {
+            tried.push(pole);
+            let mut more = refined.lambda.clone();
+            more.push(pole);
+            refined = refine(&sketch, &more, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
+        } else if refined.lambda.len() >= projected_poles || work.columns() == frfs {
+            break;
+        }
+        // columns compressed with poles that are gone would keep their noise
+        projected = project_all(data, &refined, &energy)?;
     }
     if let Some(modes) = asked {
         keep_strongest(&projected.work, &mut refined, modes)?;
     }
     // line residuals belong to the poles of the projection; shift them by what the refinement gained
-    let whiteness = judge(&projected.work, &refined.lambda, &projected.line_residual, data.pairs.len(), &refined.projection.residual, hz);
+    let whiteness = judge(&projected.work, &refined.lambda, &projected.line_residual, frfs, &refined.projection.residual, hz);
     if !whiteness.white {
         let left = projected.line_residual.to_vec();
         let fitted: Vec<f64> = energy.iter().zip(&left).map(|(all, left)| (all - left).max(0.0)).collect();
@@ -234,23 +241,19 @@ fn full_variance(data: &Screened, projected: &Projected, unknowns: usize, poles:
 }
 
 /// Drops what cannot be a mode, adds what the residual shows, until neither changes anything.
-fn settle(work: &Work, refined: &mut Refined, variance: &mut f64, history: &mut Vec<(usize, f64)>) -> Result<(), LinalgError> {
-    let limit = threshold(work.columns(), work.lines());
-    let mut tried: Vec<Complex64> = Vec::new();
+///
+/// `frfs`: FRFs whose noise a pole of the model takes along. On a sketch these are its columns; compressed columns hold all that
+/// the basis they were made with takes out of *all* FRFs, noise included.
+fn settle(work: &Work, refined: &mut Refined, variance: &mut f64, frfs: usize, history: &mut Vec<(usize, f64)>) -> Result<(), LinalgError> {
+    let limit = threshold(frfs, work.lines());
+    let (mut tried, mut needed): (Vec<Complex64>, Vec<Complex64>) = (Vec::new(), Vec::new());
     for _ in 0..tol::SCAN_ROUNDS * 3 {
-        // drop
-        let rises = refined.significance()?;
-        let drop = (0..refined.lambda.len())
-            .filter(|&q| unphysical(work, refined.lambda[q]) || rises[q] < limit * *variance)
-            .min_by(|&a, &b| rises[a].total_cmp(&rises[b]));
-        if let Some(q) = drop {
-            let mut fewer = refined.lambda.clone();
-            tried.push(fewer.remove(q));
-            *refined = refine(work, &fewer, &refined.powers, tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
+        if let Some((gone, fewer)) = dispensable(work, refined, limit * *variance, &mut needed)? {
+            tried.push(gone);
+            *refined = fewer;
             history.push((refined.lambda.len(), refined.variance(work)));
             continue;
         }
-        // add
         let Some(pole) = scan(work, refined, limit * *variance, &tried)? else { break };
         tried.push(pole);
         let mut more = refined.lambda.clone();
@@ -266,6 +269,40 @@ fn settle(work: &Work, refined: &mut Refined, variance: &mut f64, history: &mut 
         }
     }
     Ok(())
+}
+
+/// A pole that the data do not need, and the fit without it: it stands for no mode, or the sum of squares rises by less than
+/// `limit` without it. Held where they are, its neighbours may seem to need a pole that leans on them: the weak ones are judged
+/// by a fit without them. Those found `needed` are not judged twice.
+fn dispensable(
+    work: &Work,
+    refined: &Refined,
+    limit: f64,
+    needed: &mut Vec<Complex64>,
+) -> Result<Option<(Complex64, Refined)>, LinalgError> {
+    let rises = refined.significance()?;
+    let mut order: Vec<usize> = (0..refined.lambda.len()).collect();
+    order.sort_by(|&a, &b| rises[a].total_cmp(&rises[b]));
+    let without = |q: usize| {
+        let mut fewer = refined.lambda.clone();
+        let gone = fewer.remove(q);
+        Ok((gone, refine(work, &fewer, &refined.powers, tol::REFINE_ROUGH, tol::ROUGH_STEP)?))
+    };
+    if let Some(&q) = order.iter().find(|&&q| unphysical(work, refined.lambda[q]) || rises[q] < limit) {
+        return without(q).map(Some);
+    }
+    for q in order.into_iter().take_while(|&q| rises[q] < tol::LEANING * limit) {
+        let pole = refined.lambda[q];
+        if needed.iter().any(|known| (known - pole).norm() < pole.im) {
+            continue;
+        }
+        let (gone, fewer) = without(q)?;
+        if fewer.projection.sse - refined.projection.sse < limit {
+            return Ok(Some((gone, fewer)));
+        }
+        needed.push(pole);
+    }
+    Ok(None)
 }
 
 /// A pole that one bad line makes, or that no passive structure has.

@@ -10,7 +10,7 @@ use num_complex::Complex64;
 pub(crate) fn threshold(columns: usize, lines: usize) -> f64 {
     let r = columns as f64;
     let looks = (4.0 * lines as f64).ln();
-    tol::SIGNIFICANCE * (r + 2.0 * (r * looks).sqrt() + 2.0 * looks)
+    r + tol::SIGNIFICANCE * (2.0 * (r * looks).sqrt() + 2.0 * looks)
 }
 
 /// Takes poles out one by one, the least significant first, residues refitted exactly after each, until all that are left
