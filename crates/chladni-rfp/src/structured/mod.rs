@@ -10,7 +10,7 @@
 mod growth;
 mod newton;
 
-use crate::model::Found;
+use crate::model::{Found, UNCERTAIN};
 use crate::options::ShapeModel;
 use crate::prune::threshold;
 use crate::screen::Screened;
@@ -40,6 +40,10 @@ pub(crate) struct Structured {
     pub poles: Vec<StructuredPole>,
     /// True where shapes are real.
     pub real: bool,
+    /// Sum of squares left of the compressed columns.
+    pub sse: f64,
+    /// Modes that free residues did not show.
+    pub added: usize,
     /// What was taken and why, for the result.
     pub evidence: String,
 }
@@ -88,12 +92,13 @@ pub(crate) fn structured(data: &Screened, found: &Found, asked: ShapeModel, fixe
     let found_free = state.lambda.len();
     if asked == ShapeModel::Auto && !fixed_order && sides[1] > 1 {
         state = grown(&target, state, variance, &|state| rank_one(state).chance())?;
+        state = shed(&target, state, variance);
     }
     let ratio = rank_one(&state);
     if asked == ShapeModel::Auto && !ratio.chance() {
         return Ok(None);
     }
-    let added = state.lambda.len() - found_free;
+    let added = state.lambda.len().saturating_sub(found_free);
     let mut evidence = format!("one shape per mode ({:+.1} sigma of chance", ratio.sigmas);
     if added > 0 {
         evidence += &format!(", {added} of {} modes seen only so", state.lambda.len());
@@ -113,8 +118,8 @@ pub(crate) fn structured(data: &Screened, found: &Found, asked: ShapeModel, fixe
             return Ok(None);
         }
     }
-    let real = state.real;
-    Ok(Some(Structured { poles: merged(&target, state, variance, swapped)?, real, evidence }))
+    let (real, sse) = (state.real, state.sse);
+    Ok(Some(Structured { poles: merged(&target, state, variance, swapped)?, real, sse, added, evidence }))
 }
 
 /// Columns to pairs, (column, eliminated · other).
@@ -141,9 +146,14 @@ fn leading_participations(residues: &Array2<Complex64>, sides: [usize; 2]) -> Re
     Ok(out)
 }
 
+/// Rise or fall of the sum of squares that one more mode must bring.
+fn chance(target: &Target, variance: f64) -> f64 {
+    threshold(target.sides[0] + target.sides[1], target.work.lines()) * variance
+}
+
 /// Adds modes while the structure does not hold and one more pays.
 fn grown(target: &Target, mut state: State, variance: f64, holds: &dyn Fn(&State) -> bool) -> Result<State, LinalgError> {
-    let limit = threshold(target.sides[0] + target.sides[1], target.work.lines()) * variance;
+    let limit = chance(target, variance);
     for _ in 0..tol::GROWTH_MOST {
         if holds(&state) {
             break;
@@ -162,6 +172,27 @@ fn grown(target: &Target, mut state: State, variance: f64, holds: &dyn Fn(&State
         state = more;
     }
     Ok(state.refined(target, tol::REFINE_FINE, tol::STRUCTURED_FINE_STEP))
+}
+
+/// Takes out modes that are uncertain because the others explain the data as well without them.
+fn shed(target: &Target, mut state: State, variance: f64) -> State {
+    let uncertainty = |state: &State, n: usize| {
+        let spread: f64 = state.spread()[n].iter().sum();
+        (variance * spread).sqrt() / state.lambda[n].im
+    };
+    for n in (0..state.lambda.len()).rev() {
+        if uncertainty(&state, n) <= UNCERTAIN {
+            continue;
+        }
+        let kept: Vec<usize> = (0..state.lambda.len()).filter(|&m| m != n).collect();
+        let lambda = kept.iter().map(|&m| state.lambda[m]).collect();
+        let Ok(fewer) = State::new(target, lambda, state.participation.select(Axis(0), &kept), state.real) else { continue };
+        let fewer = fewer.refined(target, tol::REFINE_FINE, tol::STRUCTURED_FINE_STEP);
+        if fewer.sse - state.sse < chance(target, variance) {
+            state = fewer;
+        }
+    }
+    state
 }
 
 /// Poles with their shapes; two that lie nearer than their error bars become one of rank two where the sum of squares does not
