@@ -123,13 +123,19 @@ fn compare(known: &Mode, found: &Mode, scaling: Scaling) -> Match {
     }
 }
 
-/// Part of the entries within their 95 % discs; a shape of unit modal mass is compared up to its sign, others up to a factor.
+/// Part of the entries within their 95 % discs; a shape of unit modal mass is compared up to its sign, others as they are scaled:
+/// one at the largest entry, which therefore has no error.
 fn shape_covered(known: &Mode, found: &Mode, scaling: Scaling) -> f64 {
     let (known, shape) = (&known.shape.0, &found.shape.0);
-    let cross: Complex64 = known.iter().zip(shape).map(|(k, f)| k.conj() * f).sum();
     let factor = match scaling {
-        Scaling::UnitModalMass => Complex64::from(cross.re.signum()),
-        Scaling::Unscaled => cross / known.iter().map(|k| k.norm_sqr()).sum::<f64>(),
+        Scaling::UnitModalMass => {
+            let cross: Complex64 = known.iter().zip(shape).map(|(k, f)| k.conj() * f).sum();
+            Complex64::from(cross.re.signum())
+        }
+        Scaling::Unscaled => {
+            let largest = known.iter().zip(shape).max_by(|a, b| a.1.norm().total_cmp(&b.1.norm()));
+            largest.map_or(Complex64::ONE, |(k, f)| f / k)
+        }
     };
     let real = shape.iter().all(|value| value.im == 0.0);
     let limit = if real { SIGMAS_95 } else { CIRCULAR_95 };

@@ -125,9 +125,10 @@ fn fit_auto(data: &Screened, options: &FitOptions, sought: bool, progress: &dyn 
     let mut identified = Identified::new(found, law)?;
     let mut warnings = Vec::new();
     if let Some(other) = other {
-        // one shape for all references tells the laws apart where free residues absorb the difference; a mode that only structured
-        // refinement saw has to pay for itself
-        let own = refined.as_ref().map_or(f64::INFINITY, |structured| structured.sse + structured.added as f64 * chance);
+        // one shape for all references tells the laws apart where free residues absorb the difference; so does one real shape, which
+        // the wrong law does not admit. A mode that only structured refinement saw has to pay for itself
+        let real = refined.as_ref().filter(|structured| structured.real);
+        let own = real.map_or(f64::INFINITY, |structured| structured.sse + structured.added as f64 * chance);
         let gain = own.min(common_shape_misfit(data, &identified)?) - common_shape_misfit(data, &other)?;
         if gain > least_gain {
             identified = other;

@@ -19,8 +19,6 @@ pub(crate) struct Shapes {
     pub shape: Array2<Complex64>,
     /// (mode, reference).
     pub participation: Array2<Complex64>,
-    /// Variance of each shape value for unit noise variance, (mode, response).
-    pub shape_variance: Array2<f64>,
     /// Rise of the sum of squares over free residues.
     pub rise: f64,
     /// Number of real constraints that the rank-one form sets on free residues.
@@ -72,8 +70,7 @@ pub(crate) fn low_rank(residues: &Residues, ranks: &[usize]) -> Result<Shapes, L
     } else {
         rise = 0.0;
     }
-    let shape_variance = problem.variance(&participation)?;
-    Ok(Shapes { constraints: constraints(residues, &owner), owner, shape, participation, shape_variance, rise })
+    Ok(Shapes { constraints: constraints(residues, &owner), owner, shape, participation, rise })
 }
 
 /// Shapes and participations of some poles that are given: (row, response) and (row, reference).
@@ -124,8 +121,7 @@ pub(crate) fn low_rank_around(residues: &Residues, ranks: &[usize], given: &[Giv
     }
     let problem = Problem::new(residues, &owner);
     let rise = problem.misfit(&shape, &participation);
-    let shape_variance = problem.variance(&participation)?;
-    Ok(Shapes { constraints: constraints(residues, &owner), owner, shape, participation, shape_variance, rise })
+    Ok(Shapes { constraints: constraints(residues, &owner), owner, shape, participation, rise })
 }
 
 /// Real constraints that rows of low rank set on free residues.
@@ -244,26 +240,6 @@ impl<'a> Problem<'a> {
         }
         let weighted = matmul(self.residues.weight.view(), difference.view());
         energy(&difference, &weighted)
-    }
-
-    /// Variance of shape values per unit noise variance, participations held: diagonal of (K ∘ Σ L̄Lᵀ)⁻¹.
-    fn variance(&self, participation: &Array2<Complex64>) -> Result<Array2<f64>, LinalgError> {
-        let responses = self.residues.present.nrows();
-        let mut out = Array2::zeros((self.owner.len(), responses));
-        let mut cached: Option<(Vec<usize>, Vec<f64>)> = None;
-        for i in 0..responses {
-            let kept: Vec<usize> = (0..participation.ncols()).filter(|&j| self.residues.present[[i, j]]).collect();
-            if cached.as_ref().is_none_or(|(k, _)| *k != kept) {
-                let inverse = inverse_hermitian(self.normal(participation, &kept).view())?;
-                cached = Some((kept, inverse.diag().iter().map(|v| v.re.max(0.0)).collect()));
-            }
-            if let Some((_, diagonal)) = &cached {
-                for n in 0..self.owner.len() {
-                    out[[n, i]] = diagonal[n];
-                }
-            }
-        }
-        Ok(out)
     }
 }
 

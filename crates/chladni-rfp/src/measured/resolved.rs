@@ -1,5 +1,6 @@
 //! Isolated modes that the lines resolve: what the peak itself says, free of the error model.
 
+use super::sandwich::variances;
 use crate::refine::{refine, Refined};
 use crate::tolerances as tol;
 use crate::work::{basis, Work};
@@ -14,14 +15,15 @@ const ALONE: f64 = 12.0;
 /// Half-widths of the window of a resolved mode.
 const WINDOW: f64 = 4.0;
 
-/// Refits each such mode in a narrow window without multiplicative weights. (On the measured beam this is where independent
-/// local fits agree.) `residual` and `plain` are without line weights.
+/// Refits each such mode in a narrow window without multiplicative weights, and says the variance E|δλ|² of what is found there.
+/// (On the measured beam this is where independent local fits agree.) `residual` and `plain` are without line weights.
 pub(crate) fn refine_resolved(
     plain: &Work,
     weighted: &Work,
     residual: &Array2<Complex64>,
     refined: &Refined,
-) -> Result<Refined, LinalgError> {
+) -> Result<(Refined, Vec<Option<f64>>), LinalgError> {
+    let mut local_variance = vec![None; refined.lambda.len()];
     let mut lambda = refined.lambda.clone();
     for (q, slot) in lambda.iter_mut().enumerate() {
         let pole = refined.lambda[q];
@@ -35,11 +37,14 @@ pub(crate) fn refine_resolved(
         // the mode's own part and the residual, without everything else
         let own = matmul(basis(&local, &[pole], &[]).view(), refined.coefficients.slice(s![q..q + 1, ..]));
         let columns = own + residual.slice(s![window, ..]);
-        let Ok(single) = refine(&local.with_columns(columns), &[pole], &[0, 1], tol::REFINE_FINE, tol::ROUGH_STEP) else { continue };
+        let local = local.with_columns(columns);
+        let Ok(single) = refine(&local, &[pole], &[0, 1], tol::REFINE_FINE, tol::ROUGH_STEP) else { continue };
         let moved = single.lambda[0];
         if (moved - pole).norm() < pole.im && moved.im > 0.0 {
             *slot = moved;
+            let (robust, white) = variances(&local, &single)?;
+            local_variance[q] = Some(robust[0].max(white[0]));
         }
     }
-    refine(weighted, &lambda, &refined.powers, 0, tol::FINE_STEP)
+    Ok((refine(weighted, &lambda, &refined.powers, 0, tol::FINE_STEP)?, local_variance))
 }

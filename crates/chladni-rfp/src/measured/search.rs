@@ -191,7 +191,8 @@ impl<'a> Search<'a> {
     pub fn finish(mut self) -> Result<Finished, LinalgError> {
         self.reweigh()?;
         self.candidates.refined = refine(&self.weighted, &self.candidates.refined.lambda, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?;
-        self.candidates.refined = refine_resolved(&self.plain, &self.weighted, &self.residual(), &self.candidates.refined)?;
+        let (resolved, local) = refine_resolved(&self.plain, &self.weighted, &self.residual(), &self.candidates.refined)?;
+        self.candidates.refined = resolved;
         let refined = &self.candidates.refined;
         let (robust, white) = variances(&self.weighted, refined)?;
         let gains = one_column_gains(&self.weighted, refined, 0)?;
@@ -206,7 +207,7 @@ impl<'a> Search<'a> {
             e.gain = gains[q];
             e.gain_without_nearest = without_two[q];
             e.gain_of_skirts = without_four[q];
-            let mut deviation = robust[q].max(white[q]).sqrt();
+            let mut deviation = local[q].unwrap_or(robust[q].max(white[q])).sqrt();
             if self.weighted.columns() > 1 && self.weighted.in_band(pole) && self.record.columns_are_frfs {
                 let (own, _, _) = own_poles(&self.weighted, refined, &[q])?;
                 let scatter = weighted_scatter(refined, q, &own);

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! that interpolates at support lines x_j. Each step adds the line with the largest error over all columns, and takes as
-//! weights the singular vector that minimises the linearised error (theory.md, eq. 38) on the other lines,
+//! weights the singular vector that minimises the linearised error (theory.md, eq. 41) on the other lines,
 //! Σ_lk g_k² |Σ_j w_j (Z_l(x_k) − Z_l(x_j))/(x_k − x_j)|². Poles are the zeros of the denominator; the residues decide which of
 //! them are modes ([`super::selection`]).
 //!

@@ -8,7 +8,7 @@
 //! X_p = z^p,  Y_pi = −z^p H_oi:   R = XᴴX,  S_o = XᴴY_o,  T = Σ_o Y_oᴴY_o,   M = T − Σ_o S_oᴴR⁻¹S_o
 //! ```
 //!
-//! (theory.md, eq. 36–37). On even lines every entry depends on the difference of its two powers alone, so one Fourier
+//! (theory.md, eq. 39–40). On even lines every entry depends on the difference of its two powers alone, so one Fourier
 //! transform per column (and per pair of references) makes all of them. Coefficients are complex, so that each pole counts
 //! once, without its conjugate; numerators keep the full degree. The lines cover two thirds of the unit circle ([`GAP`]): the powers stay well conditioned
 //! over the long arc, and the gap is where the model may turn from the last line back to the first.

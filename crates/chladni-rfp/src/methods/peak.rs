@@ -1,6 +1,6 @@
 //! Peak picking: the natural frequency is where the summed |FRF|² peaks, the loss factor what its half-power points say.
 //!
-//! In receptance one structural mode is A/(λ − x), so that 1/|α|² is a parabola in x = ω² (theory.md, eq. 39) with its vertex
+//! In receptance one structural mode is A/(λ − x), so that 1/|α|² is a parabola in x = ω² (theory.md, eq. 42) with its vertex
 //! at x_n and half-power points at x_n(1 ± η). The sum over all FRFs keeps that form. Where a neighbour rises before the
 //! half-power point, the lowest point on the way is taken, at x_n(1 ± η√(r − 1)) for a drop by r. Peaks that explain no more
 //! than noise would are dropped.

@@ -3,19 +3,23 @@
 mod linear;
 mod modes;
 mod pole;
+mod shape_error;
 
 pub(crate) use linear::Synthesis;
 pub(crate) use pole::{structural_pole, uncertainty_grade, viscous_pole, Found, Grade, Identified, Pole, UNCERTAIN};
 
+pub(crate) use shape_error::overlapping;
+
 use crate::options::FitOptions;
 use crate::screen::Screened;
 use crate::structure::{eliminated, low_rank, low_rank_around, significant_rank, Given, Residues, Shapes};
-use chladni_frf::{ComplexMatrix, Damping, ModalModel, Quality, ResidualTerm, ResidualTerms, Trust, CREATED_BY, MODEL_FORMAT};
+use chladni_frf::{ComplexMatrix, Damping, ModalModel, Quality, ResidualTerm, ResidualTerms, Scaling, Trust, CREATED_BY, MODEL_FORMAT};
 use chladni_linalg::{matmul, LinalgError};
 use linear::{linear, Linear};
-use modes::{modes, rejected_mode};
+use modes::{modes, rejected_mode, scales, unscaled};
 use ndarray::{s, Array2, Array3, Axis};
 use num_complex::Complex64;
+use shape_error::{Scale, ShapeErrors};
 
 /// Residues of every FRF at identified poles, each by itself.
 struct FreeFit {
@@ -75,6 +79,11 @@ pub(crate) struct Shaped {
     /// What the model holds, rising in frequency.
     poles: Vec<Pole>,
     shapes: Shapes,
+    /// Scale of each term's shape.
+    scales: Vec<Scale>,
+    scaling: Scaling,
+    /// √E|δψ|² of the scaled shapes, (term, response).
+    deviations: Array2<f64>,
     /// (term, FRF), work units.
     terms: Array2<Complex64>,
     /// χ² per degree of freedom of the model as saved.
@@ -121,15 +130,17 @@ impl Shaped {
         } else {
             1.0
         };
+        let (scales, scaling) = scales(data, identified.damping, &poles, &shapes);
+        let deviations = ShapeErrors::new(work, powers, &poles, &shapes, &present, variance, *real_shapes)?.deviations(&scales)?;
         let terms = linear.terms;
-        Ok(Self { identified, poles, shapes, terms, chi2_per_dof })
+        Ok(Self { identified, poles, shapes, scales, scaling, deviations, terms, chi2_per_dof })
     }
 
     /// Builds the model.
     pub fn model(self, data: &Screened, options: &FitOptions) -> ModalModel {
         let relative_error = self.relative_error(data);
-        let Self { identified, poles, shapes, terms, chi2_per_dof } = self;
-        let Identified { damping, poles: all, powers, work: _, variance, path, mut warnings, consistent, .. } = identified;
+        let Self { identified, poles, shapes, scales, scaling, deviations, terms, chi2_per_dof } = self;
+        let Identified { damping, poles: all, powers, path, mut warnings, consistent, .. } = identified;
         let (responses, references) = (data.frf.responses.len(), data.frf.references.len());
         if chi2_per_dof > 1.5 {
             warnings.push(format!(
@@ -138,11 +149,14 @@ impl Shaped {
         ));
         }
 
-        let mut modes = modes(data, damping, &poles, &shapes, variance, &mut warnings);
-        modes.0.extend(
+        let mut modes = modes(data, damping, &poles, &shapes, &scales, &deviations);
+        if scaling == Scaling::Unscaled {
+            warnings.push(unscaled(data.frf.reference_unit));
+        }
+        modes.extend(
             all.iter().filter(|pole| pole.grade.0 == Trust::Rejected && expressible(damping, pole)).map(|pole| rejected_mode(data, pole)),
         );
-        modes.0.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+        modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
         let scale = data.rms / data.omega_max.powi(data.kind.omega_power());
         let residual_terms = ResidualTerms {
             omega_scale_rad_per_s: data.omega_max,
@@ -158,8 +172,8 @@ impl Shaped {
                 })
                 .collect(),
         };
-        let in_band = modes.0.iter().filter(|m| m.in_band && m.trust != Trust::Rejected).count();
-        let sure = modes.0.iter().filter(|m| m.in_band && m.trust == Trust::Sure).count();
+        let in_band = modes.iter().filter(|m| m.in_band && m.trust != Trust::Rejected).count();
+        let sure = modes.iter().filter(|m| m.in_band && m.trust == Trust::Sure).count();
         if in_band == 0 {
             warnings.push("no mode stands out of the noise in this band".into());
         } else if sure == 0 {
@@ -177,12 +191,12 @@ impl Shaped {
             reference_unit: data.frf.reference_unit,
             band_hz: data.band_hz,
             damping,
-            scaling: modes.1,
+            scaling,
             responses: data.frf.responses.clone(),
             references: data.frf.references.clone(),
             nodes: data.frf.geometry.nodes.clone(),
             method: options.method.to_string(),
-            modes: modes.0,
+            modes,
             residual_terms,
             quality: Quality { relative_error, chi2_per_dof, trusted: consistent && sure > 0, warnings: all_warnings, path: Some(path) },
         }

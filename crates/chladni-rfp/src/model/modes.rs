@@ -1,89 +1,96 @@
 //! Modes in SI units, scaled.
 
 use super::pole::Pole;
+use super::shape_error::Scale;
 use crate::screen::Screened;
 use crate::structure::Shapes;
 use crate::validation::mpc;
-use chladni_frf::{ComplexVector, Damping, Mode, Scaling};
+use chladni_frf::{ComplexVector, Damping, Mode, ReferenceUnit, Scaling};
+use ndarray::Array2;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// Modes in SI units, scaled by a driving point where there is one.
-pub(super) fn modes(
-    data: &Screened,
-    damping: Damping,
-    poles: &[Pole],
-    shapes: &Shapes,
-    variance: f64,
-    warnings: &mut Vec<String>,
-) -> (Vec<Mode>, Scaling) {
-    let kind_power = data.kind.omega_power();
+/// Factor that takes a participation in work units to SI units of receptance residues.
+fn to_si(data: &Screened, damping: Damping, pole: &Pole) -> Complex64 {
+    let size = data.rms * data.omega_max.powi(2 - data.kind.omega_power());
+    match damping {
+        // R = ω_max²(λ − x) × receptance
+        Damping::Structural => Complex64::new(size, 0.0),
+        // r·2jω_d
+        Damping::Viscous => Complex64::new(0.0, 2.0 * pole.value.im * size),
+    }
+}
+
+/// Scale of the shapes: of unit modal mass where the set has driving points and forces, one at the largest response otherwise.
+pub(super) fn scales(data: &Screened, damping: Damping, poles: &[Pole], shapes: &Shapes) -> (Vec<Scale>, Scaling) {
     // (response index, reference index, sign) of driving points
+    let references = || data.frf.references.iter().enumerate();
     let driving: Vec<(usize, usize, f64)> = data
         .frf
         .responses
         .iter()
         .enumerate()
         .flat_map(|(i, r)| {
-            data.frf
-                .references
-                .iter()
-                .enumerate()
-                .filter(move |(_, f)| r.same_axis(**f))
-                .map(move |(j, f)| (i, j, r.direction.sign() * f.direction.sign()))
+            references().filter(move |(_, f)| r.same_axis(**f)).map(move |(j, f)| (i, j, r.direction.sign() * f.direction.sign()))
         })
         .collect();
-    let massed = !driving.is_empty() && data.frf.reference_unit == chladni_frf::ReferenceUnit::Newton;
-    let modes = shapes
-        .owner
-        .iter()
-        .map(|&n| &poles[n])
-        .enumerate()
-        .map(|(n, pole)| {
-            // R in receptance units: structural ω_max²(λ − x); viscous r·2jω_d
-            let scale = match damping {
-                Damping::Structural => Complex64::new(data.rms * data.omega_max.powi(2 - kind_power), 0.0),
-                Damping::Viscous => Complex64::new(0.0, 2.0 * pole.value.im * data.rms * data.omega_max.powi(2 - kind_power)),
-            };
-            let mut shape: Vec<Complex64> = shapes.shape.row(n).to_vec();
-            let mut participation: Vec<Complex64> = shapes.participation.row(n).iter().map(|v| v * scale).collect();
-            let factor = if massed {
-                // t² = Σ sign·conj(s)·L / Σ|s|² makes shape·t and participation/t agree at the driving points
-                let up: Complex64 = driving.iter().map(|&(i, j, sign)| shape[i].conj() * participation[j] * sign).sum();
-                let down: f64 = driving.iter().map(|&(i, _, _)| shape[i].norm_sqr()).sum();
-                if down > 0.0 {
-                    (up / down).sqrt()
-                } else {
-                    Complex64::new(1.0, 0.0)
-                }
-            } else {
-                let largest = shape.iter().copied().max_by(|a, b| a.norm_sqr().total_cmp(&b.norm_sqr())).unwrap_or_default();
-                if largest.norm() > 0.0 {
-                    largest.inv()
-                } else {
-                    Complex64::new(1.0, 0.0)
-                }
-            };
-            let mut deviation: Vec<f64> = shapes.shape_variance.row(n).iter().map(|v| (variance * v).sqrt() * factor.norm()).collect();
-            shape.iter_mut().for_each(|v| *v *= factor);
-            participation.iter_mut().for_each(|v| *v /= factor);
-            deviation.iter_mut().for_each(|v| {
-                if !v.is_finite() {
-                    *v = 0.0
-                }
-            });
+    let massed = !driving.is_empty() && data.frf.reference_unit == ReferenceUnit::Newton;
+    let of_term = |n: usize| {
+        let (shape, participation) = (shapes.shape.row(n), shapes.participation.row(n));
+        if massed {
+            // t² = Σ sign·conj(s)·L / Σ|s|² makes shape·t and participation/t agree at the driving points
+            let si = to_si(data, damping, &poles[shapes.owner[n]]);
+            let up: Complex64 = driving.iter().map(|&(i, j, sign)| shape[i].conj() * participation[j] * si * sign).sum();
+            let down: f64 = driving.iter().map(|&(i, _, _)| shape[i].norm_sqr()).sum();
+            let factor = (up / down).sqrt();
+            if down > 0.0 && factor.norm() > 0.0 {
+                return Scale {
+                    factor,
+                    response: driving.iter().map(|&(i, _, _)| (i, -0.5 * shape[i].conj() / down)).collect(),
+                    reference: driving
+                        .iter()
+                        .map(|&(i, j, sign)| (j, sign * shape[i].conj() * si / (2.0 * down * factor * factor)))
+                        .collect(),
+                };
+            }
+        } else if let Some((i, &largest)) = shape.indexed_iter().max_by(|a, b| a.1.norm_sqr().total_cmp(&b.1.norm_sqr())) {
+            if largest.norm() > 0.0 {
+                return Scale { factor: largest.inv(), response: vec![(i, -largest.inv())], reference: Vec::new() };
+            }
+        }
+        Scale { factor: Complex64::new(1.0, 0.0), response: Vec::new(), reference: Vec::new() }
+    };
+    ((0..shapes.owner.len()).map(of_term).collect(), if massed { Scaling::UnitModalMass } else { Scaling::Unscaled })
+}
+
+/// Modes in SI units; `deviations`: √E|δψ|² of each term and response.
+pub(super) fn modes(
+    data: &Screened,
+    damping: Damping,
+    poles: &[Pole],
+    shapes: &Shapes,
+    scales: &[Scale],
+    deviations: &Array2<f64>,
+) -> Vec<Mode> {
+    (0..shapes.owner.len())
+        .map(|n| {
+            let pole = &poles[shapes.owner[n]];
+            let factor = scales[n].factor;
+            let si = to_si(data, damping, pole);
+            let shape = shapes.shape.row(n).iter().map(|v| v * factor).collect();
+            let participation = shapes.participation.row(n).iter().map(|v| v * si / factor).collect();
+            let deviation = deviations.row(n).iter().map(|v| if v.is_finite() { *v } else { 0.0 }).collect();
             mode(data, pole, ComplexVector(shape), deviation, ComplexVector(participation))
         })
-        .collect();
-    if !massed {
-        warnings.push(match data.frf.reference_unit {
-            chladni_frf::ReferenceUnit::Volt => "shapes are not mass-scaled: the references are voltages".into(),
-            chladni_frf::ReferenceUnit::Newton => {
-                "shapes are not mass-scaled: no response is measured at a reference (driving point)".to_string()
-            }
-        });
+        .collect()
+}
+
+/// Why shapes have no absolute scale.
+pub(super) fn unscaled(unit: ReferenceUnit) -> String {
+    match unit {
+        ReferenceUnit::Volt => "shapes are not mass-scaled: the references are voltages".into(),
+        ReferenceUnit::Newton => "shapes are not mass-scaled: no response is measured at a reference (driving point)".into(),
     }
-    (modes, if massed { Scaling::UnitModalMass } else { Scaling::Unscaled })
 }
 
 /// A rejected pole as it is listed: no shape, no part in the synthesis.

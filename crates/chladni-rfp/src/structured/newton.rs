@@ -4,6 +4,7 @@
 //! columns φ_n⊗L_n factors into a product over lines and one over references. One step costs the line products, 16Nn(2n + r),
 //! and one small Hermitian solve per cluster of overlapping modes.
 
+use crate::model::overlapping;
 use crate::tolerances as tol;
 use crate::work::{basis, basis_derivative, Work};
 use chladni_linalg::{inverse_hermitian, matmul, matmul_h, solve_hermitian, svd_thin, LinalgError};
@@ -162,24 +163,6 @@ impl State {
         Array2::from_shape_fn((self.lambda.len(), own * other), |(n, l)| self.shape[[n, l / other]] * self.participation[[n, l % other]])
     }
 
-    /// Modes that overlap, as lists of indices: between clusters lies more than some bandwidths.
-    fn clusters(&self) -> Vec<Vec<usize>> {
-        let mut order: Vec<usize> = (0..self.lambda.len()).collect();
-        order.sort_by(|&a, &b| self.lambda[a].re.total_cmp(&self.lambda[b].re));
-        let mut clusters: Vec<Vec<usize>> = Vec::new();
-        for n in order {
-            let near = |&m: &usize| {
-                let (a, b) = (self.lambda[m], self.lambda[n]);
-                b.re - a.re < tol::CLUSTER_HALF_WIDTHS * a.im.max(b.im)
-            };
-            match clusters.last_mut().filter(|cluster| cluster.iter().any(near)) {
-                Some(cluster) => cluster.push(n),
-                None => clusters.push(vec![n]),
-            }
-        }
-        clusters
-    }
-
     fn unknowns(&self, modes: &[usize]) -> Vec<Unknown> {
         let mut list = Vec::new();
         for &mode in modes {
@@ -242,7 +225,7 @@ impl State {
     fn stepped(&self, target: &Target, damping: f64) -> Result<(Self, f64), LinalgError> {
         let (mut lambda, mut participation) = (self.lambda.clone(), self.participation.clone());
         let mut largest = 0.0_f64;
-        for cluster in self.clusters() {
+        for cluster in overlapping(&self.lambda) {
             let unknowns = self.unknowns(&cluster);
             let (mut matrix, gradient) = self.system(&unknowns);
             matrix.diag_mut().mapv_inplace(|d| Complex64::new(d.re * (1.0 + damping) + f64::MIN_POSITIVE, 0.0));
@@ -293,7 +276,7 @@ impl State {
     /// Variances of Re λ and Im λ per mode for unit noise variance.
     pub fn spread(&self) -> Vec<[f64; 2]> {
         let mut spread = vec![[f64::INFINITY; 2]; self.lambda.len()];
-        for cluster in self.clusters() {
+        for cluster in overlapping(&self.lambda) {
             let unknowns = self.unknowns(&cluster);
             let Ok(inverse) = inverse_hermitian(self.system(&unknowns).0.view()) else { continue };
             for (a, unknown) in unknowns.iter().enumerate().filter(|(_, u)| u.other.is_none()) {

@@ -1,0 +1,300 @@
+//! Error bars of shapes: noise in the shape itself, and what errors of poles and participations do to it (theory.md, eq. 36–38).
+//!
+//! At given poles and participations shapes are linear least squares, x_i = G⁻¹Aᴴb_i for response i; an error δθ of the others
+//! moves them by −Jδθ, and independent of it is the noise of x_i itself. Last comes the scale, which hangs on the same numbers.
+
+use super::pole::Pole;
+use crate::structure::Shapes;
+use crate::tolerances as tol;
+use crate::work::{basis, basis_derivative, Work};
+use chladni_linalg::{eigh, inverse_hermitian, matmul, matmul_h, qr_thin, solve_hermitian, LinalgError};
+use ndarray::{s, Array2, ArrayViewMut1, Axis};
+use num_complex::Complex64;
+
+/// How a saved shape ψ = t·x answers errors of x and L: δt/t = Σ a_d δx_d + Σ c_j δL_j.
+pub(super) struct Scale {
+    /// t.
+    pub factor: Complex64,
+    /// (response d, a_d).
+    pub response: Vec<(usize, Complex64)>,
+    /// (reference j, c_j).
+    pub reference: Vec<(usize, Complex64)>,
+}
+
+/// One unknown besides the shapes: a pole along a unit, or a participation.
+#[derive(Clone, Copy)]
+struct Unknown {
+    term: usize,
+    reference: Option<usize>,
+    unit: Complex64,
+}
+
+/// Responses measured from the same references, and what the normal equations look like for them.
+struct Group {
+    responses: Vec<usize>,
+    kept: Vec<bool>,
+    /// L̄Lᵀ over the references kept, (term, term).
+    along: Array2<Complex64>,
+    /// x̄xᵀ over the responses, (term, term).
+    across: Array2<Complex64>,
+    /// Inverse of the Gram matrix of the columns φ_n⊗L_n.
+    gram_inverse: Array2<Complex64>,
+}
+
+/// Products of the pole columns F and their derivatives D over lines, residual terms taken out, one row per term.
+struct Products {
+    ff: Array2<Complex64>,
+    fd: Array2<Complex64>,
+    dd: Array2<Complex64>,
+}
+
+/// Terms of poles whose resonances overlap, as lists of indices: between the lists lies more than some bandwidths.
+pub(crate) fn overlapping(lambda: &[Complex64]) -> Vec<Vec<usize>> {
+    let mut order: Vec<usize> = (0..lambda.len()).collect();
+    order.sort_by(|&a, &b| lambda[a].re.total_cmp(&lambda[b].re));
+    let mut clusters: Vec<Vec<usize>> = Vec::new();
+    for n in order {
+        let near = |&m: &usize| lambda[n].re - lambda[m].re < tol::CLUSTER_HALF_WIDTHS * lambda[m].im.max(lambda[n].im);
+        match clusters.last_mut().filter(|cluster| cluster.iter().any(near)) {
+            Some(cluster) => cluster.push(n),
+            None => clusters.push(vec![n]),
+        }
+    }
+    clusters
+}
+
+/// What the error bars of all shapes are made from.
+pub(super) struct ShapeErrors<'a> {
+    shapes: &'a Shapes,
+    products: Products,
+    groups: Vec<Group>,
+    /// λ of each term; in the viscous law that of the structural twin.
+    lambda: Vec<Complex64>,
+    /// E|δλ|² as stated with the pole of each term.
+    stated: Vec<f64>,
+    /// Noise variance of a work value.
+    variance: f64,
+    /// True where shapes and participations are real.
+    real: bool,
+    /// True where poles were found with their participations, not from free residues.
+    joint: bool,
+}
+
+impl<'a> ShapeErrors<'a> {
+    /// `work`: lines and weights; `present`: (response, reference), false where not measured.
+    pub fn new(
+        work: &Work,
+        powers: &[i32],
+        poles: &[Pole],
+        shapes: &'a Shapes,
+        present: &Array2<bool>,
+        variance: f64,
+        real: bool,
+    ) -> Result<Self, LinalgError> {
+        let of_terms: Vec<&Pole> = shapes.owner.iter().map(|&n| &poles[n]).collect();
+        let lambda: Vec<Complex64> = of_terms.iter().map(|p| Complex64::new(1.0, p.loss_factor) * p.omega.powi(2)).collect();
+        let variance_of = |p: &&Pole| (2.0 * p.omega * p.omega_std).powi(2) + (p.omega.powi(2) * p.loss_factor_std).powi(2);
+        let stated = of_terms.iter().map(variance_of).collect();
+        let terms = qr_thin(basis(work, &[], powers).view())?.0;
+        let outside = |columns: Array2<Complex64>| &columns - &matmul(terms.view(), matmul_h(terms.view(), columns.view()).view());
+        let (f, d) = (outside(basis(work, &lambda, &[])), outside(basis_derivative(work, &lambda)));
+        let product = |a: &Array2<Complex64>, b: &Array2<Complex64>| matmul_h(a.view(), b.view());
+        let products = Products { ff: product(&f, &f), fd: product(&f, &d), dd: product(&d, &d) };
+        let joint = poles.iter().any(|pole| pole.given.is_some());
+        let mut errors = Self { shapes, products, groups: Vec::new(), lambda, stated, variance, real, joint };
+        let mut kinds: Vec<(Vec<bool>, Vec<usize>)> = Vec::new();
+        for (i, row) in present.rows().into_iter().enumerate() {
+            match kinds.iter_mut().find(|(kept, _)| *kept == row.to_vec()) {
+                Some((_, responses)) => responses.push(i),
+                None => kinds.push((row.to_vec(), vec![i])),
+            }
+        }
+        errors.groups = kinds.into_iter().map(|(kept, responses)| errors.group(kept, responses)).collect::<Result<_, _>>()?;
+        Ok(errors)
+    }
+
+    fn group(&self, kept: Vec<bool>, responses: Vec<usize>) -> Result<Group, LinalgError> {
+        let gram = |rows: &Array2<Complex64>, columns: &[usize]| {
+            let part = rows.select(Axis(1), columns);
+            matmul(part.mapv(|v| v.conj()).view(), part.t())
+        };
+        let references: Vec<usize> = (0..kept.len()).filter(|&j| kept[j]).collect();
+        let along = gram(&self.shapes.participation, &references);
+        let mut normal = (&self.products.ff * &along).mapv(|v| self.take(v));
+        normal.diag_mut().mapv_inplace(|v| v * (1.0 + tol::STRUCTURED_RIDGE) + f64::MIN_POSITIVE);
+        let across = gram(&self.shapes.shape, &responses);
+        Ok(Group { responses, kept, along, across, gram_inverse: inverse_hermitian(normal.view())? })
+    }
+
+    /// √E|δψ|² of every term, (term, response), for shapes scaled as told.
+    pub fn deviations(&self, scales: &[Scale]) -> Result<Array2<f64>, LinalgError> {
+        let mut out = Array2::zeros(self.shapes.shape.raw_dim());
+        for cluster in overlapping(&self.lambda) {
+            let unknowns = self.unknowns(&cluster);
+            let inside: Vec<Array2<Complex64>> = self.groups.iter().map(|group| self.inside(group, &unknowns)).collect();
+            let covariance = self.covariance(&cluster, &unknowns, &inside)?;
+            let answers: Vec<Array2<Complex64>> =
+                self.groups.iter().zip(&inside).map(|(group, inside)| matmul(group.gram_inverse.view(), inside.view())).collect();
+            for &n in &cluster {
+                self.fill(n, &scales[n], &unknowns, &covariance, &answers, out.row_mut(n));
+            }
+        }
+        Ok(out)
+    }
+
+    fn take(&self, v: Complex64) -> Complex64 {
+        if self.real {
+            Complex64::new(v.re, 0.0)
+        } else {
+            v
+        }
+    }
+
+    /// Variance of the part of complex noise that a shape value sees.
+    fn seen_variance(&self) -> f64 {
+        if self.real {
+            0.5 * self.variance
+        } else {
+            self.variance
+        }
+    }
+
+    /// Poles of the cluster first, then all participations but the largest of each, which fixes the scale.
+    fn unknowns(&self, cluster: &[usize]) -> Vec<Unknown> {
+        let units: &[Complex64] = if self.real { &[Complex64::ONE, Complex64::I] } else { &[Complex64::ONE] };
+        let pole = |&term: &usize| units.iter().map(move |&unit| Unknown { term, reference: None, unit });
+        let mut list: Vec<Unknown> = cluster.iter().flat_map(pole).collect();
+        for &term in cluster {
+            let row = self.shapes.participation.row(term);
+            let pivot = row.indexed_iter().max_by(|a, b| a.1.norm_sqr().total_cmp(&b.1.norm_sqr())).map_or(0, |(j, _)| j);
+            let others = (0..row.len()).filter(|&j| j != pivot);
+            list.extend(others.map(|j| Unknown { term, reference: Some(j), unit: Complex64::ONE }));
+        }
+        list
+    }
+
+    /// Inner products of the columns φ_p⊗L_p with the derivatives by the unknowns, (term, unknown).
+    fn inside(&self, group: &Group, unknowns: &[Unknown]) -> Array2<Complex64> {
+        let l = &self.shapes.participation;
+        Array2::from_shape_fn((self.lambda.len(), unknowns.len()), |(p, a)| {
+            let Unknown { term: n, reference, unit } = unknowns[a];
+            self.take(match reference {
+                None => unit * self.products.fd[[p, n]] * group.along[[p, n]],
+                Some(j) if group.kept[j] => self.products.ff[[p, n]] * l[[p, j]].conj(),
+                Some(_) => Complex64::ZERO,
+            })
+        })
+    }
+
+    /// Gauss–Newton matrix of the unknowns with the shapes eliminated, as in structured refinement.
+    fn information(&self, unknowns: &[Unknown], inside: &[Array2<Complex64>]) -> Array2<Complex64> {
+        let Products { ff, fd, dd } = &self.products;
+        let l = &self.shapes.participation;
+        let mut sum = Array2::zeros((unknowns.len(), unknowns.len()));
+        for (group, inside) in self.groups.iter().zip(inside) {
+            let known = matmul_h(inside.view(), matmul(group.gram_inverse.view(), inside.view()).view());
+            let kept = |j: usize| if group.kept[j] { 1.0 } else { 0.0 };
+            sum += &Array2::from_shape_fn((unknowns.len(), unknowns.len()), |(a, b)| {
+                let (Unknown { term: m, reference: j, unit: u }, Unknown { term: n, reference: k, unit: v }) = (unknowns[a], unknowns[b]);
+                let product = match (j, k) {
+                    (None, None) => dd[[m, n]] * group.along[[m, n]],
+                    (None, Some(k)) => fd[[n, m]].conj() * l[[m, k]].conj() * kept(k),
+                    (Some(j), None) => fd[[m, n]] * l[[n, j]] * kept(j),
+                    (Some(j), Some(k)) if j == k => ff[[m, n]] * kept(j),
+                    _ => Complex64::ZERO,
+                };
+                (self.take(u.conj() * v * product) - known[[a, b]]) * group.across[[m, n]]
+            });
+        }
+        sum
+    }
+
+    /// Covariance of the unknowns of one cluster.
+    fn covariance(&self, cluster: &[usize], unknowns: &[Unknown], inside: &[Array2<Complex64>]) -> Result<Array2<Complex64>, LinalgError> {
+        let information = self.information(unknowns, inside);
+        if self.joint {
+            return Ok(pseudo_inverse(&information)? * Complex64::from(self.seen_variance()));
+        }
+        // poles came from free residues; participations follow them, and have an error of their own besides
+        let poles = cluster.len();
+        let of_poles = self.free_pole_covariance(cluster)?;
+        let own = pseudo_inverse(&information.slice(s![poles.., poles..]).to_owned())?;
+        let follow = matmul(own.view(), information.slice(s![poles.., ..poles]));
+        let crossed = matmul(follow.view(), of_poles.view());
+        let mut all = Array2::zeros(information.raw_dim());
+        all.slice_mut(s![..poles, ..poles]).assign(&of_poles);
+        all.slice_mut(s![poles.., ..poles]).assign(&crossed.mapv(|v| -v));
+        all.slice_mut(s![..poles, poles..]).assign(&crossed.t().mapv(|v| -v.conj()));
+        let through_poles = matmul(crossed.view(), follow.t().mapv(|v| v.conj()).view());
+        all.slice_mut(s![poles.., poles..]).assign(&(through_poles + own * Complex64::from(self.variance)));
+        Ok(all)
+    }
+
+    /// E δλ_m δλ_n* of poles found from free residues: the correlations of (33), the sizes that the poles themselves state.
+    fn free_pole_covariance(&self, cluster: &[usize]) -> Result<Array2<Complex64>, LinalgError> {
+        let part = |a: &Array2<Complex64>| a.select(Axis(0), cluster).select(Axis(1), cluster);
+        let Products { ff, fd, dd } = &self.products;
+        let mut free = ff.clone();
+        free.diag_mut().mapv_inplace(|v| v * (1.0 + tol::STRUCTURED_RIDGE) + f64::MIN_POSITIVE);
+        let outside = dd - &matmul_h(fd.view(), solve_hermitian(free.view(), fd.view())?.view());
+        let mut information = part(&outside);
+        let products = self.groups.iter().map(|group| &group.across * &group.along).fold(Array2::zeros(ff.raw_dim()), |sum, one| sum + one);
+        information *= &part(&products);
+        let mut covariance = pseudo_inverse(&information)?;
+        let size: Vec<f64> = cluster.iter().enumerate().map(|(c, &n)| (self.stated[n] / covariance[[c, c]].re).sqrt()).collect();
+        covariance.indexed_iter_mut().for_each(|((a, b), v)| *v *= finite(size[a]) * finite(size[b]));
+        Ok(covariance)
+    }
+
+    /// Writes the deviations of term `n`; `answers`: J of each group, (term, unknown).
+    fn fill(
+        &self,
+        n: usize,
+        scale: &Scale,
+        unknowns: &[Unknown],
+        covariance: &Array2<Complex64>,
+        answers: &[Array2<Complex64>],
+        mut out: ArrayViewMut1<f64>,
+    ) {
+        let x = &self.shapes.shape;
+        let mut group_of = vec![0; x.ncols()];
+        self.groups.iter().enumerate().for_each(|(g, group)| group.responses.iter().for_each(|&i| group_of[i] = g));
+        let noise = |i: usize| self.groups[group_of[i]].gram_inverse[[n, n]].re * self.seen_variance();
+        let shift = |i: usize, a: usize| -answers[group_of[i]][[n, a]] * x[[unknowns[a].term, i]];
+        // relative change of the scale per unknown
+        let along: Vec<Complex64> = (0..unknowns.len())
+            .map(|a| {
+                let own = |&&(j, _): &&(usize, Complex64)| unknowns[a].term == n && unknowns[a].reference == Some(j);
+                let direct: Complex64 = scale.reference.iter().filter(own).map(|(_, c)| *c).sum();
+                direct + scale.response.iter().map(|&(d, weight)| weight * shift(d, a)).sum::<Complex64>()
+            })
+            .collect();
+        let scale_noise: f64 = scale.response.iter().map(|&(d, weight)| weight.norm_sqr() * noise(d)).sum();
+        let gradient = Array2::from_shape_fn((x.ncols(), unknowns.len()), |(i, a)| self.take(shift(i, a) + x[[n, i]] * along[a]));
+        let spread = matmul(gradient.view(), covariance.view());
+        for (i, value) in out.iter_mut().enumerate() {
+            let through: f64 = spread.row(i).iter().zip(gradient.row(i)).map(|(s, g)| (s * g.conj()).re).sum();
+            let shared: f64 = scale.response.iter().filter(|(d, _)| *d == i).map(|(_, weight)| 2.0 * (x[[n, i]] * weight).re).sum();
+            let own = noise(i) * (1.0 + shared) + x[[n, i]].norm_sqr() * scale_noise;
+            *value = scale.factor.norm() * (own + through).max(0.0).sqrt();
+        }
+    }
+}
+
+fn finite(value: f64) -> f64 {
+    if value.is_finite() {
+        value
+    } else {
+        0.0
+    }
+}
+
+/// Inverse on the directions that carry information; terms of a repeated pole may mix in any way, and no error is meant by that.
+fn pseudo_inverse(matrix: &Array2<Complex64>) -> Result<Array2<Complex64>, LinalgError> {
+    let size: Vec<f64> = matrix.diag().iter().map(|d| finite(d.re.max(0.0).sqrt().recip())).collect();
+    let even = Array2::from_shape_fn(matrix.raw_dim(), |(a, b)| matrix[[a, b]] * size[a] * size[b]);
+    let (values, vectors) = eigh(even.view())?;
+    let kept: Vec<usize> = (0..values.len()).filter(|&c| values[c] > tol::UNINFORMED).collect();
+    let half = Array2::from_shape_fn((values.len(), kept.len()), |(a, c)| vectors[[a, kept[c]]] * size[a] / values[kept[c]].sqrt());
+    Ok(matmul(half.view(), half.t().mapv(|v| v.conj()).view()))
+}
