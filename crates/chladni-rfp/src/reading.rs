@@ -9,6 +9,7 @@ use rayon::prelude::*;
 const LANES: usize = 4;
 
 /// Calls `see` with each of `targets` and the value on each of `lines` of one pair.
+#[inline]
 pub(crate) fn visit<I: Iterator>(
     values: &FrfValues,
     (i, j): (usize, usize),
@@ -25,6 +26,7 @@ pub(crate) fn visit<I: Iterator>(
 }
 
 /// Lines without gaps are read as one stretch.
+#[inline]
 fn each<T: Copy, I: Iterator>(
     frf: ArrayView1<T>,
     lines: &[usize],
@@ -37,20 +39,28 @@ fn each<T: Copy, I: Iterator>(
         _ => None,
     };
     match stretch {
-        Some(stretch) => targets.zip(stretch).for_each(|(target, &value)| see(target, widen(value))),
-        None => targets.zip(lines).for_each(|(target, &k)| see(target, widen(frf[k]))),
+        Some(stretch) => {
+            for (target, &value) in targets.zip(stretch) {
+                see(target, widen(value));
+            }
+        }
+        None => {
+            for (target, &k) in targets.zip(lines) {
+                see(target, widen(frf[k]));
+            }
+        }
     }
 }
 
-/// Sum of squares of one pair on `lines`, and how many of its values are zero.
-pub(crate) fn energy(values: &FrfValues, pair: (usize, usize), lines: &[usize]) -> (f64, usize) {
-    let (mut sums, mut zeros) = ([0.0; LANES], 0);
+/// Sum of squares of one pair on `lines`, and whether one of its values is zero.
+pub(crate) fn energy(values: &FrfValues, pair: (usize, usize), lines: &[usize]) -> (f64, bool) {
+    let (mut sums, mut zero) = ([0.0; LANES], false);
     visit(values, pair, lines, 0.., |row: usize, value| {
         let square = value.norm_sqr();
         sums[row % LANES] += square;
-        zeros += usize::from(square == 0.0);
+        zero |= square == 0.0;
     });
-    (sums.iter().sum(), zeros)
+    (sums.iter().sum(), zero)
 }
 
 /// Sum of squares.
@@ -77,12 +87,12 @@ impl Usable {
     pub fn new(frf: &FrfSet, lines: &[usize]) -> Self {
         let (responses, references, _) = frf.values.dim();
         let all: Vec<(usize, usize)> = (0..responses).flat_map(|i| (0..references).map(move |j| (i, j))).collect();
-        let sums: Vec<(f64, usize)> = all.par_iter().map(|&pair| energy(&frf.values, pair, lines)).collect();
+        let sums: Vec<(f64, bool)> = all.par_iter().map(|&pair| energy(&frf.values, pair, lines)).collect();
         let mut bad = vec![false; lines.len()];
         let mut zeros = vec![0; lines.len()];
         let mut pairs = Vec::new();
         for (&pair, &(sum, zero)) in all.iter().zip(&sums) {
-            if sum.is_finite() && zero == 0 {
+            if sum.is_finite() && !zero {
                 pairs.push(pair);
                 continue;
             }

@@ -5,7 +5,7 @@
 //! modes share their error correctly; it alternates between all shapes and all participations, each an exact linear
 //! problem. The model file holds the result, and with it the whole fit.
 
-use crate::alternation::Problem;
+use crate::alternation::{Halves, Problem};
 use crate::tolerances as tol;
 use crate::wide::wide;
 use chladni_linalg::{inverse_hermitian, matmul, matmul_h, solve_hermitian, svd_thin, LinalgError};
@@ -66,15 +66,15 @@ pub(crate) fn low_rank(residues: &Residues, ranks: &[usize]) -> Result<Shapes, L
         }
     }
     let problem = Problem::new(residues, &owner);
-    let total = problem.total;
     let mut rise = f64::MAX;
     if references > 1 || residues.present.iter().any(|p| !p) {
+        let halves = Halves::new(&problem);
         for _ in 0..tol::RANK_ONE_ITERATIONS {
-            shape = problem.shapes(&participation)?;
-            participation = problem.participations(&shape)?;
+            shape = halves.shapes(&participation)?;
+            participation = halves.participations(&shape)?;
             balance(&mut shape, &mut participation);
             let now = problem.misfit(&shape, &participation);
-            let settled = rise - now <= tol::RANK_ONE_CHANGE * now.max(1e-12 * total);
+            let settled = rise - now <= tol::RANK_ONE_CHANGE * now.max(1e-12 * halves.total);
             rise = now;
             if settled {
                 break;

@@ -4,6 +4,7 @@ use crate::project::real_basis;
 use crate::screen::Screened;
 use crate::structure::schur_weight;
 use crate::viscous::viscous_basis;
+use crate::wide::wide;
 use crate::work::{basis, Work};
 use chladni_frf::Damping;
 use chladni_linalg::{lstsq, matmul, LinalgError};
@@ -74,12 +75,12 @@ impl Answer {
     /// Residual terms after residues changed by `change`: c − answer·δr, both (·, FRF).
     pub fn apply(&self, terms: &mut Array2<Complex64>, change: &Array2<Complex64>) {
         match self {
-            Self::Structural(answer) => *terms = &*terms - &matmul(answer.view(), change.view()),
+            Self::Structural(answer) => *terms -= &wide(answer.view(), change.view()),
             Self::Viscous(answer) => {
                 let (n, m) = change.dim();
                 let stacked =
                     Array2::from_shape_fn((2 * n, m).f(), |(i, c)| if i % 2 == 0 { change[[i / 2, c]].re } else { change[[i / 2, c]].im });
-                let shift = matmul(answer.view(), stacked.view());
+                let shift = wide(answer.view(), stacked.view());
                 for ((i, c), value) in terms.indexed_iter_mut() {
                     *value -= Complex64::new(shift[[2 * i, c]], shift[[2 * i + 1, c]]);
                 }

@@ -16,6 +16,10 @@ use linear::{linear, synthesis, Linear};
 use modes::{modes, rejected_mode};
 use ndarray::{Array2, Axis, ShapeBuilder};
 use num_complex::Complex64;
+use rayon::prelude::*;
+
+/// FRFs per block of what is done FRF by FRF.
+const BLOCK: usize = 1024;
 
 /// Residues of every FRF at identified poles, each by itself.
 struct FreeFit {
@@ -97,12 +101,17 @@ impl Shaped {
         }
         let given: Vec<Given> = poles.iter().map(|pole| pole.given.clone()).collect();
         let shapes = low_rank_around(&free, &ranks, &given)?;
-        let mut change = linear.residues.mapv(|v| -v);
-        for (mut change, &(i, j)) in change.columns_mut().into_iter().zip(&data.pairs) {
-            for (term, &n) in shapes.owner.iter().enumerate() {
-                change[n] += shapes.shape[[term, i]] * shapes.participation[[term, j]];
+        // residues of the shapes less the free ones
+        let mut change = linear.residues;
+        let blocks: Vec<_> = change.axis_chunks_iter_mut(Axis(1), BLOCK).zip(data.pairs.chunks(BLOCK)).collect();
+        blocks.into_par_iter().for_each(|(mut change, pairs)| {
+            change.mapv_inplace(|v| -v);
+            for (mut change, &(i, j)) in change.columns_mut().into_iter().zip(pairs) {
+                for (term, &n) in shapes.owner.iter().enumerate() {
+                    change[n] += shapes.shape[[term, i]] * shapes.participation[[term, j]];
+                }
             }
-        }
+        });
         linear.answer.apply(&mut linear.terms, &change);
 
         // χ² of the model as saved: free residues leave `variance` per degree of freedom, the low-rank form adds its rise
