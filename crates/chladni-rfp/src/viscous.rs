@@ -6,7 +6,7 @@
 
 use crate::tolerances as tol;
 use crate::wide::{projected, tall_qr, wide_h};
-use crate::work::Work;
+use crate::work::{inverse, Work};
 use chladni_linalg::{matmul, solve_hermitian, solve_upper, LinalgError};
 use ndarray::{s, Array2, ShapeBuilder};
 use num_complex::Complex64;
@@ -29,9 +29,10 @@ pub(crate) fn from_structural(lambda: Complex64) -> Complex64 {
 
 fn stack_into(out: &mut Array2<f64>, column: usize, values: impl Iterator<Item = Complex64>) {
     let lines = out.nrows() / 2;
-    for (k, v) in values.enumerate() {
-        out[[k, column]] = v.re;
-        out[[lines + k, column]] = v.im;
+    let mut column = out.column_mut(column);
+    let (re, im) = column.as_slice_mut().expect("column-major").split_at_mut(lines);
+    for ((re, im), v) in re.iter_mut().zip(im).zip(values) {
+        (*re, *im) = (v.re, v.im);
     }
 }
 
@@ -43,7 +44,7 @@ pub(crate) fn viscous_basis(work: &Work, poles: &[Complex64], powers: &[i32]) ->
         let uv = || {
             work.x.iter().zip(&work.g).map(move |(&x, &g)| {
                 let jy = Complex64::new(0.0, x.sqrt());
-                (g / (jy - pole), g / (jy - pole.conj()))
+                (inverse(jy - pole) * g, inverse(jy - pole.conj()) * g)
             })
         };
         stack_into(&mut a, 2 * n, uv().map(|(u, v)| u + v));
@@ -66,7 +67,7 @@ fn derivative(work: &Work, poles: &[Complex64]) -> Array2<f64> {
         let uv = || {
             work.x.iter().zip(&work.g).map(move |(&x, &g)| {
                 let jy = Complex64::new(0.0, x.sqrt());
-                let (u, v) = (1.0 / (jy - pole), 1.0 / (jy - pole.conj()));
+                let (u, v) = (inverse(jy - pole), inverse(jy - pole.conj()));
                 (g * u * u, g * v * v)
             })
         };
@@ -131,15 +132,15 @@ fn newton_system(work: &Work, poles: &[Complex64], linear: &Linear, coefficients
     (information, gradient)
 }
 
-/// Refines viscous poles from `start` to `tolerance` of a half-bandwidth, or until `enough(sum of squares, most that the steps left can
-/// take off it)`: as much as the last step took each.
+/// Refines viscous poles from `start` to `tolerance` of a half-bandwidth, or until `enough(sum of squares, what the last step took off
+/// it, steps left)`.
 pub(crate) fn refine_viscous(
     work: &Work,
     start: &[Complex64],
     powers: &[i32],
     iterations: usize,
     tolerance: f64,
-    enough: impl Fn(f64, f64) -> bool,
+    enough: impl Fn(f64, f64, usize) -> bool,
 ) -> Result<ViscousFit, LinalgError> {
     let data = stacked_data(work);
     let mut poles = start.to_vec();
@@ -186,7 +187,7 @@ pub(crate) fn refine_viscous(
                 current = candidate;
                 coefficients = solve_upper(current.r.view(), current.qb.view())?;
                 damping *= 0.1;
-                if largest < tolerance || enough(current.sse, drop * (iterations - step) as f64) {
+                if largest < tolerance || enough(current.sse, drop, iterations - step) {
                     break;
                 }
             }

@@ -6,7 +6,7 @@
 
 use super::target::{Products, Shapes, Target};
 use crate::tolerances as tol;
-use chladni_linalg::{inverse_hermitian, matmul, matmul_h, solve_hermitian, LinalgError};
+use chladni_linalg::{cholesky, inverse_hermitian, matmul, matmul_h, solve_lower, solve_lower_adjoint, LinalgError};
 use ndarray::{Array2, ShapeBuilder};
 use num_complex::Complex64;
 
@@ -50,6 +50,13 @@ struct Unknown {
     mode: usize,
     other: Option<usize>,
     unit: Complex64,
+}
+
+/// The damped Gauss–Newton matrix of one cluster of modes, LLᴴ.
+struct Factored {
+    modes: Vec<usize>,
+    unknowns: Vec<Unknown>,
+    lower: Array2<Complex64>,
 }
 
 impl State {
@@ -172,15 +179,25 @@ impl State {
         })
     }
 
+    /// The damped Gauss–Newton matrices of all clusters.
+    fn factored(&self, damping: f64) -> Result<Vec<Factored>, LinalgError> {
+        let clusters = self.clusters().into_iter();
+        clusters
+            .map(|modes| {
+                let unknowns = self.unknowns(&modes);
+                let mut matrix = self.information(&unknowns);
+                matrix.diag_mut().mapv_inplace(|d| Complex64::new(d.re * (1.0 + damping) + f64::MIN_POSITIVE, 0.0));
+                Ok(Factored { lower: cholesky(matrix.view())?, modes, unknowns })
+            })
+            .collect()
+    }
+
     /// A damped step of every cluster; the largest pole step in half-bandwidths.
-    fn stepped(&self, target: &Target, damping: f64) -> Result<(Self, f64), LinalgError> {
+    fn stepped(&self, target: &Target, clusters: &[Factored]) -> Result<(Self, f64), LinalgError> {
         let (mut lambda, mut participation) = (self.lambda.clone(), self.participation.clone());
         let mut largest = 0.0_f64;
-        for cluster in self.clusters() {
-            let unknowns = self.unknowns(&cluster);
-            let (mut matrix, gradient) = (self.information(&unknowns), self.gradient(&unknowns));
-            matrix.diag_mut().mapv_inplace(|d| Complex64::new(d.re * (1.0 + damping) + f64::MIN_POSITIVE, 0.0));
-            let step = solve_hermitian(matrix.view(), gradient.view())?;
+        for Factored { modes, unknowns, lower } in clusters {
+            let step = solve_lower_adjoint(lower.view(), solve_lower(lower.view(), self.gradient(unknowns).view())?.view())?;
             let mut moves = vec![Complex64::default(); self.lambda.len()];
             for (unknown, &value) in unknowns.iter().zip(&step) {
                 match unknown.other {
@@ -188,7 +205,7 @@ impl State {
                     Some(j) => participation[[unknown.mode, j]] += value,
                 }
             }
-            for &n in &cluster {
+            for &n in modes {
                 let size = moves[n].norm() / self.lambda[n].im;
                 largest = largest.max(size);
                 lambda[n] += moves[n] * (tol::STRUCTURED_STEP / size.max(tol::STRUCTURED_STEP));
@@ -198,21 +215,25 @@ impl State {
         Ok((Self::new(target, lambda, participation, self.real)?, largest))
     }
 
-    /// Gauss–Newton with Levenberg–Marquardt damping until the largest step is `tolerance` of a half-bandwidth.
+    /// Gauss–Newton with Levenberg–Marquardt damping until the largest step is `tolerance` of a half-bandwidth. Short steps keep the
+    /// matrices of the step before: they hardly change, and cost more than all else.
     pub fn refined(mut self, target: &Target, iterations: usize, tolerance: f64) -> Self {
         let mut damping = tol::LM_START;
+        let mut clusters = None;
         // the sum of squares is a difference of large numbers: near the end its rounding must not refuse good steps
         let rounding = tol::STEP_ROUNDING * target.energy;
         for _ in 0..iterations {
-            match self.stepped(target, damping) {
-                Ok((next, largest)) if next.sse <= self.sse + rounding => {
+            let factored = clusters.take().map_or_else(|| self.factored(damping), Ok);
+            match factored.and_then(|clusters| Ok((self.stepped(target, &clusters)?, clusters))) {
+                Ok(((next, largest), kept)) if next.sse <= self.sse + rounding => {
+                    clusters = (largest < tol::MATRIX_KEPT && next.pivot == self.pivot).then_some(kept);
                     self = next;
                     damping *= 0.1;
                     if largest < tolerance {
                         break;
                     }
                 }
-                Ok((_, largest)) if largest < tolerance => break,
+                Ok(((_, largest), _)) if largest < tolerance => break,
                 _ => {
                     damping = (damping * 10.0).max(1e-6);
                     if damping > tol::LM_GIVE_UP {
