@@ -5,7 +5,7 @@ use faer::linalg::solvers::Eigen;
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::mat::{Mat, MatRef};
 use faer::{Accum, Par, Side};
-use ndarray::{Array1, Array2, ArrayView2, ShapeBuilder};
+use ndarray::{Array1, Array2, ArrayView2, ArrayViewMut2, ShapeBuilder};
 use num_complex::Complex64;
 use std::borrow::Cow;
 
@@ -62,19 +62,27 @@ fn array<T: Scalar>(m: MatRef<'_, T>) -> Array2<T> {
 }
 
 pub fn matmul<T: Scalar>(a: ArrayView2<T>, adjoint: bool, b: ArrayView2<T>) -> Array2<T> {
-    let (va, vb) = (viewed(&a), viewed(&b));
     let rows = if adjoint { a.ncols() } else { a.nrows() };
     let mut c = Array2::<T>::zeros((rows, b.ncols()).f());
-    let columns = b.ncols();
-    let data = c.as_slice_memory_order_mut().expect("just made");
+    product(c.view_mut(), Accum::Replace, a, adjoint, b);
+    c
+}
+
+pub fn add_matmul<T: Scalar>(c: ArrayViewMut2<T>, a: ArrayView2<T>, adjoint: bool, b: ArrayView2<T>) {
+    product(c, Accum::Add, a, adjoint, b);
+}
+
+fn product<T: Scalar>(c: ArrayViewMut2<T>, accum: Accum, a: ArrayView2<T>, adjoint: bool, b: ArrayView2<T>) {
+    let (va, vb) = (viewed(&a), viewed(&b));
+    let (rows, columns) = c.dim();
+    let data = c.reversed_axes().into_slice().expect("column-major");
     let dst = faer::mat::MatMut::from_column_major_slice_mut(data, rows, columns);
     let one = <T as Scalar>::of_real(1.0);
     if adjoint {
-        faer::linalg::matmul::matmul(dst, Accum::Replace, va.as_ref().adjoint(), vb.as_ref(), one, Par::Seq);
+        faer::linalg::matmul::matmul(dst, accum, va.as_ref().adjoint(), vb.as_ref(), one, Par::Seq);
     } else {
-        faer::linalg::matmul::matmul(dst, Accum::Replace, va.as_ref(), vb.as_ref(), one, Par::Seq);
+        faer::linalg::matmul::matmul(dst, accum, va.as_ref(), vb.as_ref(), one, Par::Seq);
     }
-    c
 }
 
 pub fn qr_thin<T: Scalar>(a: ArrayView2<T>) -> (Array2<T>, Array2<T>) {

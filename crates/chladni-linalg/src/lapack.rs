@@ -6,7 +6,8 @@
 //! them by one thread at a time.
 
 use crate::{LinalgError, Result, Scalar};
-use ndarray::{Array1, Array2, ArrayView2, ShapeBuilder};
+use ndarray::linalg::general_mat_mul;
+use ndarray::{Array1, Array2, ArrayView2, ArrayViewMut2, ShapeBuilder};
 use ndarray_linalg::{Cholesky, Diag, EigVals, Eigh, JobSvd, Lapack, SolveTriangular, QR, SVDDC, UPLO};
 use num_complex::Complex64;
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
@@ -69,6 +70,15 @@ pub fn matmul<T: Scalar>(a: ArrayView2<T>, conjugate: bool, b: ArrayView2<T>) ->
         adjoint(a).dot(&b)
     } else {
         a.dot(&b)
+    }
+}
+
+pub fn add_matmul<T: Scalar>(mut c: ArrayViewMut2<T>, a: ArrayView2<T>, conjugate: bool, b: ArrayView2<T>) {
+    let one = <T as Scalar>::of_real(1.0);
+    if conjugate {
+        general_mat_mul(one, &adjoint(a), &b, one, &mut c);
+    } else {
+        general_mat_mul(one, &a, &b, one, &mut c);
     }
 }
 

@@ -15,7 +15,7 @@ mod backend;
 mod backend;
 mod scalar;
 
-use ndarray::{Array1, Array2, ArrayView2, Axis};
+use ndarray::{Array1, Array2, ArrayView2, ArrayViewMut2, Axis};
 use num_complex::Complex64;
 pub use scalar::Scalar;
 use thiserror::Error;
@@ -109,6 +109,28 @@ pub fn matmul_h<T: Scalar>(a: ArrayView2<T>, b: ArrayView2<T>) -> Array2<T> {
         return Array2::zeros((a.ncols(), b.ncols()));
     }
     backend::matmul(a, true, b)
+}
+
+/// c ← c + a·b for column-major c: sums over blocks without memory of their own.
+///
+/// # Panics
+/// Where sizes differ, or c is not column-major.
+pub fn add_matmul<T: Scalar>(c: ArrayViewMut2<T>, a: ArrayView2<T>, b: ArrayView2<T>) {
+    assert_eq!((a.ncols(), a.nrows(), b.ncols()), (b.nrows(), c.nrows(), c.ncols()), "add_matmul: sizes");
+    if !(a.is_empty() || b.is_empty()) {
+        backend::add_matmul(c, a, false, b);
+    }
+}
+
+/// c ← c + aᴴ·b for column-major c.
+///
+/// # Panics
+/// Where sizes differ, or c is not column-major.
+pub fn add_matmul_h<T: Scalar>(c: ArrayViewMut2<T>, a: ArrayView2<T>, b: ArrayView2<T>) {
+    assert_eq!((a.nrows(), a.ncols(), b.ncols()), (b.nrows(), c.nrows(), c.ncols()), "add_matmul_h: sizes");
+    if !(a.is_empty() || b.is_empty()) {
+        backend::add_matmul(c, a, true, b);
+    }
 }
 
 /// Thin QR of a tall matrix (rows ≥ columns): (Q with orthonormal columns, R upper triangular).

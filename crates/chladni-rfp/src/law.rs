@@ -14,6 +14,9 @@ use chladni_frf::Damping;
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 
+/// Part of the difference that decides, below which what a step takes off no longer matters: steps shrink from one to the next.
+const LAW_SETTLED: f64 = 1e-2;
+
 /// Poles of the chosen law with their covariance.
 #[derive(Debug)]
 pub(crate) struct Law {
@@ -55,8 +58,13 @@ pub(crate) fn choose(
     }
     let start: Vec<Complex64> = refined.lambda.iter().copied().filter(|l| expressible_pole(*l)).map(from_structural).collect();
     let tolerance = if asked.is_some() { tol::FINE_STEP } else { tol::ROUGH_STEP };
-    let fit = refine_viscous(work, &start, &POWERS, tol::REFINE_FINE, tolerance)?;
-    let gain = refined.projection.sse - fit.sse;
+    // a race is over once the steps left can no longer change who wins
+    let structural_sse = refined.projection.sse;
+    let decided = |sse: f64, drop: f64, left: usize| {
+        asked.is_none() && (sse - drop * left as f64 > structural_sse + least_gain || drop < LAW_SETTLED * least_gain)
+    };
+    let fit = refine_viscous(work, &start, &POWERS, tol::REFINE_FINE, tolerance, decided)?;
+    let gain = structural_sse - fit.sse;
     if asked == Some(Damping::Viscous) || gain > least_gain {
         return Ok(Law { damping: Damping::Viscous, viscous: Some(fit), undecided: None });
     }

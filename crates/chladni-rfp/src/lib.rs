@@ -5,6 +5,7 @@
 //! measured-data path where the residual is not white, choose the damping law, turn residues into shapes. The equations are
 //! in `docs/theory.md`; every constant is in `tolerances.rs`.
 
+mod alternation;
 mod error;
 mod family;
 mod faults;
@@ -19,17 +20,20 @@ mod order;
 mod pool;
 mod project;
 mod prune;
+mod reading;
 mod refine;
 mod scan;
 mod screen;
 mod section;
 mod seeds;
+mod sketch;
 mod structure;
 mod structured;
 mod tolerances;
 mod validation;
 mod viscous;
 mod whiteness;
+mod wide;
 mod work;
 
 pub use error::FitError;

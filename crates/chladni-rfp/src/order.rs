@@ -143,15 +143,15 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
         let work = &projected.work;
         let mut fine = refine(work, &refined.lambda, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?;
         let projected_poles = fine.lambda.len();
-        let mut sigma2 = full_variance(data, &projected, fine.unknowns(), fine.lambda.len());
+        let mut sigma2 = full_variance(data, &projected, &fine);
         settle(work, &mut fine, &mut sigma2, frfs, &mut history)?;
         refined = refine(work, &fine.lambda, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?;
-        variance = full_variance(data, &projected, refined.unknowns(), refined.lambda.len());
+        variance = full_variance(data, &projected, &refined);
         if extra_passes == tol::EXTRA_PASSES || asked.is_some() {
             break;
         }
         // a mode that the sketch did not show stands out of the residual over all FRFs, or out of the compressed columns
-        let missed = match residual_peak(work, &projected.line_residual, frfs, &refined.lambda) {
+        let missed = match residual_peak(work, &projected.line_noise(&refined.projection), frfs, &refined.lambda) {
             None if work.columns() < frfs => scan(work, &refined, threshold(work.columns(), work.lines()) * variance, &tried)?,
             peak => peak,
         };
@@ -169,10 +169,10 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
     if let Some(modes) = asked {
         keep_strongest(&projected.work, &mut refined, modes)?;
     }
-    // line residuals belong to the poles of the projection; shift them by what the refinement gained
-    let whiteness = judge(&projected.work, &refined.lambda, &projected.line_residual, frfs, &refined.projection.residual, hz);
+    let line_residual = projected.line_residual(&refined.projection.residual);
+    let whiteness = judge(&projected.work, &refined.lambda, &line_residual, frfs, &refined.projection.residual, hz);
     if !whiteness.white {
-        let left = projected.line_residual.to_vec();
+        let left = line_residual.to_vec();
         let fitted: Vec<f64> = energy.iter().zip(&left).map(|(all, left)| (all - left).max(0.0)).collect();
         let outliers = single_lines(&left, &fitted);
         return Ok(if outliers.is_empty() { Outcome::NotWhite(whiteness.evidence) } else { Outcome::Outliers(outliers) });
@@ -234,10 +234,11 @@ pub(crate) fn pool_variance(work: &Work, lambda: &[Complex64]) -> Result<f64, Li
     Ok((projection.sse / dof as f64).max(1e-30 * work.energy() / (work.lines() * work.columns()) as f64))
 }
 
-/// Noise variance from the residual of all FRFs at the poles of the projection.
-fn full_variance(data: &Screened, projected: &Projected, unknowns: usize, poles: usize) -> f64 {
-    let dof = (data.lines.len() - unknowns.min(data.lines.len() - 1)) * data.pairs.len();
-    (projected.line_residual.sum() / (dof as f64 - poles as f64).max(1.0)).max(1e-30)
+/// Noise variance from the residual of all FRFs.
+fn full_variance(data: &Screened, projected: &Projected, refined: &Refined) -> f64 {
+    let dof = (data.lines.len() - refined.unknowns().min(data.lines.len() - 1)) * data.pairs.len();
+    let left = projected.line_residual(&refined.projection.residual).sum();
+    (left / (dof as f64 - refined.lambda.len() as f64).max(1.0)).max(1e-30)
 }
 
 /// Drops what cannot be a mode, adds what the residual shows, until neither changes anything.

@@ -5,12 +5,14 @@
 //! The only starter after which the maximum-likelihood step lost no mode in our study; as an estimator on its own it is
 //! one to five times above the bound. Cost per step ≈ 8·N·m²·(r + 2) flop.
 
+use crate::wide::{tall_qr, wide_h};
 use crate::work::{basis, line_energy, Work};
-use chladni_linalg::{eigenvalues, matmul, matmul_h, qr_thin, solve_hermitian, LinalgError};
+use chladni_linalg::{eigenvalues, matmul, matmul_h, solve_hermitian, LinalgError};
 use ndarray::{Array1, Array2, ShapeBuilder};
 use num_complex::Complex64;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 
 /// Poles as the last step left them; those with Im λ ≤ 0 are flipped in `lambda` and marked in `flipped`.
 #[derive(Debug, Clone)]
@@ -82,7 +84,7 @@ pub(crate) fn vector_fit(work: &Work, start: &[Complex64], powers: &[i32], itera
 /// One step: zeros of σ.
 fn relocate(work: &Work, lambda: &[Complex64], powers: &[i32]) -> Result<Vec<Complex64>, LinalgError> {
     let (n, lines) = (lambda.len(), work.lines());
-    let (q, _) = qr_thin(basis(work, lambda, powers).view())?;
+    let (q, _) = tall_qr(basis(work, lambda, powers).view())?;
     let mut psi = Array2::from_elem((lines, n + 1).f(), Complex64::new(1.0, 0.0));
     for (column, &pole) in lambda.iter().enumerate() {
         for (value, &x) in psi.column_mut(column).into_iter().zip(&work.x) {
@@ -95,17 +97,18 @@ fn relocate(work: &Work, lambda: &[Complex64], powers: &[i32]) -> Result<Vec<Com
     for mut column in weighted.columns_mut() {
         column.zip_mut_with(&energy, |v, e| *v *= e.sqrt());
     }
-    let mut gram = matmul_h(weighted.view(), weighted.view());
+    let mut gram = wide_h(weighted.view(), weighted.view());
     let scale: Vec<f64> = gram.diag().iter().map(|v| 1.0 / v.re.max(f64::MIN_POSITIVE).sqrt()).collect();
-    let mut scaled = Array2::zeros(q.raw_dim().f());
-    for data in work.b.columns() {
-        scaled.assign(&q);
+    let columns: Vec<_> = work.b.columns().into_iter().collect();
+    let explained = columns.into_par_iter().map(|data| {
+        let mut scaled = q.clone();
         for mut column in scaled.columns_mut() {
             column.zip_mut_with(&data, |v, d| *v *= d.conj());
         }
         let inside = matmul_h(scaled.view(), psi.view());
-        gram = gram - matmul_h(inside.view(), inside.view());
-    }
+        matmul_h(inside.view(), inside.view())
+    });
+    explained.collect::<Vec<_>>().iter().for_each(|part| gram -= part);
     let sums: Array1<Complex64> = psi.columns().into_iter().map(|c| c.sum()).collect();
     let sigma = minimise(&gram, &scale, &sums, lines as f64)?;
     if sigma[n].norm() == 0.0 || !sigma[n].is_finite() {

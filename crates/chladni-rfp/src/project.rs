@@ -4,11 +4,13 @@
 //! of FRFs stays real and both damping laws can use it): the columns of T·(R₀R₀ᵀ)^{-1/2} carry what the poles need at the
 //! signal-to-noise ratio of the whole set, and the residues of any nearby poles follow from them.
 
+use crate::refine::Projection;
 use crate::screen::Screened;
 use crate::tolerances as tol;
+use crate::wide::wide_h;
 use crate::work::Work;
-use chladni_linalg::{eigh, matmul, matmul_h, LinalgError};
-use ndarray::{s, Array1, Array2, ArrayView2, ShapeBuilder};
+use chladni_linalg::{add_matmul, add_matmul_h, eigh, matmul, LinalgError};
+use ndarray::{Array1, Array2, ArrayView2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -17,70 +19,94 @@ use rayon::prelude::*;
 pub(crate) struct Projected {
     /// Compressed columns, real mixtures of FRFs: at most twice as many as the model has unknowns.
     pub work: Work,
-    /// (compressed column, FRF), real: B ≈ work.b · back on what the model can reach.
+    /// (compressed column, FRF), real, rows orthonormal: B ≈ work.b · back on what the model can reach.
     pub back: Array2<f64>,
-    /// Residual energy of each line over all FRFs at the poles of Q.
-    pub line_residual: Array1<f64>,
+    /// Energy of each line over all FRFs that the columns do not hold: noise that no model near Q can reach.
+    beyond: Array1<f64>,
 }
 
-/// Real and imaginary part stacked: (2·lines, columns).
-fn stacked(a: ArrayView2<Complex64>) -> Array2<f64> {
-    let n = a.nrows();
-    let mut out = Array2::zeros((2 * n, a.ncols()).f());
-    out.slice_mut(s![..n, ..]).assign(&a.mapv(|v| v.re));
-    out.slice_mut(s![n.., ..]).assign(&a.mapv(|v| v.im));
-    out
+impl Projected {
+    /// What each line's residual energy over all FRFs would be without a model, if noise is all there is: a model takes up the share of
+    /// noise that its leverage Σ|Q_k|² says, most of it at its poles.
+    pub fn line_noise(&self, projection: &Projection) -> Array1<f64> {
+        let mut energy = self.line_residual(&projection.residual);
+        for (energy, q) in energy.iter_mut().zip(projection.q.rows()) {
+            *energy /= (1.0 - q.iter().map(|v| v.norm_sqr()).sum::<f64>()).max(tol::LEVERAGE_LEFT);
+        }
+        energy
+    }
+
+    /// Residual energy of each line over all FRFs, where a model near Q leaves `residual` of the compressed columns.
+    pub fn line_residual(&self, residual: &Array2<Complex64>) -> Array1<f64> {
+        let mut energy = self.beyond.clone();
+        add_energy(&mut energy, residual, 1.0);
+        energy
+    }
+}
+
+/// Adds `sign` times the energy of each row.
+fn add_energy(energy: &mut Array1<f64>, columns: &Array2<Complex64>, sign: f64) {
+    for column in columns.columns() {
+        energy.zip_mut_with(&column, |sum, value| *sum += sign * value.norm_sqr());
+    }
+}
+
+/// Columns q and j·q in turn, real and imaginary part of each line in turn: what complex coefficients multiply, over the reals.
+pub(crate) fn real_basis(q: &Array2<Complex64>) -> Array2<f64> {
+    let (lines, m) = q.dim();
+    Array2::from_shape_fn((2 * lines, 2 * m).f(), |(row, c)| {
+        let value = q[[row / 2, c / 2]];
+        match (row % 2, c % 2) {
+            (0, 0) => value.re,
+            (0, _) => -value.im,
+            (_, 0) => value.im,
+            _ => value.re,
+        }
+    })
 }
 
 /// Runs the pass with basis `q` on all FRFs; `line_energy` comes from the first pass.
 pub(crate) fn project(data: &Screened, q: &Array2<Complex64>, line_energy: &Array1<f64>) -> Result<Projected, LinalgError> {
     let (lines, total, m) = (data.lines.len(), data.pairs.len(), 2 * q.ncols());
-    let mut basis = Array2::zeros((2 * lines, m).f());
-    basis.slice_mut(s![.., ..m / 2]).assign(&stacked(q.view()));
-    basis.slice_mut(s![.., m / 2..]).assign(&stacked(q.mapv(|v| v * Complex64::i()).view()));
-
+    // the factor from measured to work values waits until all is small
+    let factor = data.factor();
+    let basis = real_basis(&q.mapv(|v| v * factor.conj()));
+    let mut r0 = Array2::zeros((m, total).f());
     let group = total.div_ceil(tol::PASS_GROUPS).max(1);
-    let groups: Vec<std::ops::Range<usize>> = (0..total).step_by(group).map(|a| a..(a + group).min(total)).collect();
+    let groups: Vec<_> = r0.axis_chunks_iter_mut(Axis(1), group).enumerate().collect();
     let parts: Vec<(Array2<f64>, Array2<f64>)> = groups
-        .par_iter()
-        .map(|columns| {
-            let mut r0 = Array2::zeros((m, columns.len()).f());
-            let mut t = Array2::<f64>::zeros((2 * lines, m).f());
-            for a in columns.clone().step_by(tol::BLOCK_FRFS) {
-                let b = (a + tol::BLOCK_FRFS).min(columns.end);
-                let block = stacked(data.block(a..b, 0..lines).view());
-                let inside = matmul_h(basis.view(), block.view());
-                t += &matmul(block.view(), inside.t());
-                r0.slice_mut(s![.., a - columns.start..b - columns.start]).assign(&inside);
+        .into_par_iter()
+        .map(|(number, mut r0)| {
+            let (mut t, mut gram) = (Array2::zeros((2 * lines, m).f()), Array2::zeros((m, m).f()));
+            let mut scratch = vec![0.0; 2 * lines * tol::BLOCK_FRFS];
+            let mut first = number * group;
+            for mut inside in r0.axis_chunks_iter_mut(Axis(1), tol::BLOCK_FRFS) {
+                let count = inside.ncols();
+                let values = &mut scratch[..2 * lines * count];
+                data.read(first..first + count, values);
+                first += count;
+                let block = ArrayView2::from_shape((2 * lines, count).f(), values).expect("as many values as read");
+                add_matmul_h(inside.view_mut(), basis.view(), block);
+                add_matmul(t.view_mut(), block, inside.t());
+                add_matmul(gram.view_mut(), inside.view(), inside.t());
             }
-            (r0, t)
+            (t, gram)
         })
         .collect();
-    let mut r0 = Array2::zeros((m, total).f());
-    let mut t = Array2::<f64>::zeros((2 * lines, m).f());
-    for (columns, (r, part)) in groups.into_iter().zip(parts) {
-        r0.slice_mut(s![.., columns]).assign(&r);
-        t += &part;
+    let (mut t, mut gram) = (Array2::<f64>::zeros((2 * lines, m).f()), Array2::<f64>::zeros((m, m).f()));
+    for (t_part, gram_part) in parts {
+        t += &t_part;
+        gram += &gram_part;
     }
-    let g = matmul(r0.view(), r0.t());
-    let line_residual = line_residual(&basis, &t, &g, line_energy);
     // G^{-1/2} on the directions that carry anything
-    let (values, vectors) = eigh(g.view())?;
+    let (values, vectors) = eigh(gram.view())?;
     let largest = values.last().copied().unwrap_or(0.0);
     let kept: Vec<usize> = (0..m).filter(|&i| values[i] > tol::GRAM_ROUNDING * largest).collect();
     let half = Array2::from_shape_fn((m, kept.len()).f(), |(i, c)| vectors[[i, kept[c]]] / values[kept[c]].sqrt());
     let columns = matmul(t.view(), half.view());
-    let b = Array2::from_shape_fn((lines, kept.len()).f(), |(k, c)| Complex64::new(columns[[k, c]], columns[[lines + k, c]]));
-    Ok(Projected { work: Work { x: data.x.clone(), g: data.g.clone(), b }, back: matmul_h(half.view(), r0.view()), line_residual })
-}
-
-/// Energy per line of B − QR₀ from T = BR₀ᵀ and G = R₀R₀ᵀ, all stacked.
-fn line_residual(basis: &Array2<f64>, t: &Array2<f64>, g: &Array2<f64>, energy: &Array1<f64>) -> Array1<f64> {
-    let qg = matmul(basis.view(), g.view());
-    let lines = energy.len();
-    let row = |k: usize| -> f64 {
-        let q = basis.row(k);
-        q.iter().zip(qg.row(k)).zip(t.row(k)).map(|((a, model), cross)| a * (model - 2.0 * cross)).sum()
-    };
-    Array1::from_shape_fn(lines, |k| (energy[k] + row(k) + row(lines + k)).max(0.0))
+    let b = Array2::from_shape_fn((lines, kept.len()).f(), |(k, c)| factor * Complex64::new(columns[[2 * k, c]], columns[[2 * k + 1, c]]));
+    let mut beyond = line_energy.clone();
+    add_energy(&mut beyond, &b, -1.0);
+    beyond.mapv_inplace(|energy| energy.max(0.0));
+    Ok(Projected { work: Work { x: data.x.clone(), g: data.g.clone(), b }, back: wide_h(half.view(), r0.view()), beyond })
 }

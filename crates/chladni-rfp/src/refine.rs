@@ -8,8 +8,9 @@
 //! Not for finding poles: it needs a start within about a bandwidth.
 
 use crate::tolerances as tol;
+use crate::wide::{projected, tall_qr, wide_h};
 use crate::work::{basis, basis_derivative, Work};
-use chladni_linalg::{matmul, matmul_h, qr_thin, solve_hermitian, solve_upper, LinalgError};
+use chladni_linalg::{matmul, solve_hermitian, solve_upper, LinalgError};
 use ndarray::{Array2, Axis};
 use num_complex::Complex64;
 
@@ -31,9 +32,8 @@ pub(crate) struct Projection {
 impl Projection {
     /// Projects the columns of `work` on the basis of `lambda` and residual terms x^`powers`.
     pub fn new(work: &Work, lambda: &[Complex64], powers: &[i32]) -> Result<Self, LinalgError> {
-        let (q, r) = qr_thin(basis(work, lambda, powers).view())?;
-        let qb = matmul_h(q.view(), work.b.view());
-        let residual = &work.b - &matmul(q.view(), qb.view());
+        let (q, r) = tall_qr(basis(work, lambda, powers).view())?;
+        let (qb, residual) = projected(q.view(), work.b.view());
         let sse = residual.iter().map(|v| v.norm_sqr()).sum();
         Ok(Self { q, r, qb, residual, sse })
     }
@@ -73,13 +73,12 @@ fn newton_system(
     let n = lambda.len();
     let residues = coefficients.slice(ndarray::s![..n, ..]);
     let derivative = basis_derivative(work, lambda);
-    let inside = matmul_h(projection.q.view(), derivative.view());
-    let outside = &derivative - &matmul(projection.q.view(), inside.view());
+    let (_, outside) = projected(projection.q.view(), derivative.view());
     let products = matmul(residues, residues.t().mapv(|v| v.conj()).view());
-    let mut information = matmul_h(outside.view(), outside.view());
+    let mut information = wide_h(outside.view(), outside.view());
     information.zip_mut_with(&products.t(), |h, p| *h *= p);
-    let projected = matmul_h(derivative.view(), projection.residual.view());
-    let gradient = Array2::from_shape_fn((n, 1), |(i, _)| projected.row(i).iter().zip(residues.row(i)).map(|(d, r)| d * r.conj()).sum());
+    let along = wide_h(derivative.view(), projection.residual.view());
+    let gradient = Array2::from_shape_fn((n, 1), |(i, _)| along.row(i).iter().zip(residues.row(i)).map(|(d, r)| d * r.conj()).sum());
     (information, gradient)
 }
 

@@ -5,7 +5,10 @@ use crate::work::{basis, Work};
 use chladni_linalg::{matmul, matmul_h, LinalgError};
 use ndarray::{s, Array1};
 use num_complex::Complex64;
+use rayon::prelude::*;
 
+/// Places per block of products.
+const BLOCK: usize = 64;
 /// Loss factor where no pole of the band tells the usual one.
 const UNKNOWN_LOSS: f64 = 0.01;
 
@@ -33,12 +36,12 @@ pub(crate) fn resonance_grid(work: &Work, lambda: &[Complex64]) -> Vec<Complex64
 /// The place where one more pole would take most energy out of the residual, if that is more than `limit`.
 pub(crate) fn scan(work: &Work, refined: &Refined, limit: f64, tried: &[Complex64]) -> Result<Option<Complex64>, LinalgError> {
     let grid = resonance_grid(work, &refined.lambda);
-    let mut best: Option<(f64, Complex64)> = None;
-    for chunk in grid.chunks(128) {
+    let best = |chunk: &[Complex64]| -> Option<(f64, Complex64)> {
         let columns = basis(work, chunk, &[]);
-        let inside = matmul_h(refined.projection.q.view(), columns.view());
-        let outside = &columns - &matmul(refined.projection.q.view(), inside.view());
+        let q = refined.projection.q.view();
+        let outside = &columns - &matmul(q, matmul_h(q, columns.view()).view());
         let matched = matmul_h(outside.view(), refined.projection.residual.view());
+        let mut best: Option<(f64, Complex64)> = None;
         for (i, &pole) in chunk.iter().enumerate() {
             let norm = outside.column(i).iter().map(|v| v.norm_sqr()).sum::<f64>();
             let whole = columns.column(i).iter().map(|v| v.norm_sqr()).sum::<f64>();
@@ -50,8 +53,11 @@ pub(crate) fn scan(work: &Work, refined: &Refined, limit: f64, tried: &[Complex6
                 best = Some((gain, pole));
             }
         }
-    }
-    Ok(best.map(|(_, pole)| pole))
+        best
+    };
+    let found: Vec<Option<(f64, Complex64)>> = grid.par_chunks(BLOCK).map(best).collect();
+    let first_best = |best: Option<(f64, Complex64)>, next: (f64, Complex64)| best.filter(|b| b.0 >= next.0).or(Some(next));
+    Ok(found.into_iter().flatten().fold(None, first_best).map(|(_, pole)| pole))
 }
 
 /// A stretch of lines, about a bandwidth wide, whose residual energy over all FRFs stands out of the rest.

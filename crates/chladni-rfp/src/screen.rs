@@ -2,16 +2,14 @@
 
 use crate::error::FitError;
 use crate::faults::noisy::far_noisier;
-use crate::model::Synthesis;
 use crate::options::FitOptions;
+use crate::reading::{energy, squares, visit, Usable};
 use crate::tolerances as tol;
 use crate::work::Work;
-use chladni_frf::{FrfKind, FrfSet, FrfValues};
-use ndarray::{Array1, Array2, ShapeBuilder};
+use chladni_frf::{FrfKind, FrfSet};
+use chladni_linalg::add_matmul;
+use ndarray::{Array2, ArrayView2, ArrayViewMut2, ShapeBuilder};
 use num_complex::Complex64;
-use rand::seq::SliceRandom;
-use rand::{Rng, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -56,7 +54,7 @@ impl<'a> Screened<'a> {
             return Err(FitError::BandOutsideData { low_hz: low, high_hz: high, data_low_hz: first, data_high_hz: last });
         }
         let mut warnings = Vec::new();
-        let (mut pairs, bad) = usable(frf, &lines);
+        let Usable { mut pairs, bad, energy: sums } = Usable::new(frf, &lines);
         if pairs.is_empty() {
             return Err(FitError::NoData);
         }
@@ -93,31 +91,54 @@ impl<'a> Screened<'a> {
             rms: 1.0,
             warnings,
         };
-        let sum: Vec<f64> = screened.pairs.par_iter().map(|&pair| screened.energy(pair)).collect();
-        screened.rms = (sum.iter().sum::<f64>() / (screened.lines.len() * screened.pairs.len()) as f64).sqrt();
+        let sum: f64 = if bad.contains(&true) {
+            screened.pairs.par_iter().map(|&pair| energy(&frf.values, pair, &screened.lines).0).collect::<Vec<_>>().iter().sum()
+        } else {
+            screened.pairs.iter().map(|&(i, j)| sums[i * frf.references.len() + j]).sum()
+        };
+        screened.rms = (sum / (screened.lines.len() * screened.pairs.len()) as f64).sqrt();
         if screened.rms == 0.0 || !screened.rms.is_finite() {
             return Err(FitError::NoData);
         }
         Ok(screened)
     }
 
-    fn energy(&self, pair: (usize, usize)) -> f64 {
-        let mut energy = 0.0;
-        visit(&self.frf.values, pair, &self.lines, |_, value| energy += value.norm_sqr());
-        energy
-    }
-
-    /// Sum of squares of all data less their synthesis, in one pass.
-    pub fn misfit(&self, synthesis: &Synthesis) -> f64 {
-        let starts: Vec<usize> = (0..self.pairs.len()).step_by(tol::BLOCK_FRFS).collect();
-        let parts: Vec<f64> = starts
-            .par_iter()
-            .map(|&a| {
-                let columns = a..(a + tol::BLOCK_FRFS).min(self.pairs.len());
-                synthesis.misfit(&self.block(columns.clone(), 0..self.lines.len()), columns)
+    /// Sum of squares of all data less basis·coefficients, in one pass.
+    ///
+    /// * `basis`: (real and imaginary part of each line, column)
+    /// * `coefficients`: adds those of one FRF (position among the pairs), one per column
+    pub fn misfit(&self, basis: &Array2<f64>, coefficients: impl Fn(usize, &mut [f64]) + Sync) -> f64 {
+        let (rows, columns) = basis.dim();
+        let inverse = -self.factor().inv();
+        let mut model = basis.clone();
+        for mut column in model.columns_mut() {
+            for mut line in column.exact_chunks_mut(2) {
+                let value = inverse * Complex64::new(line[0], line[1]);
+                (line[0], line[1]) = (value.re, value.im);
+            }
+        }
+        let group = self.pairs.len().div_ceil(tol::PASS_GROUPS).max(1);
+        let groups: Vec<Range<usize>> = (0..self.pairs.len()).step_by(group).map(|a| a..(a + group).min(self.pairs.len())).collect();
+        let parts: Vec<f64> = groups
+            .into_par_iter()
+            .map(|group| {
+                let (mut left, mut factors) = (vec![0.0; rows * tol::BLOCK_FRFS], vec![0.0; columns * tol::BLOCK_FRFS]);
+                let mut sum = 0.0;
+                for a in group.clone().step_by(tol::BLOCK_FRFS) {
+                    let frfs = a..(a + tol::BLOCK_FRFS).min(group.end);
+                    let (left, factors) = (&mut left[..rows * frfs.len()], &mut factors[..columns * frfs.len()]);
+                    factors.fill(0.0);
+                    factors.chunks_exact_mut(columns.max(1)).zip(frfs.clone()).for_each(|(own, l)| coefficients(l, own));
+                    self.read(frfs.clone(), left);
+                    let shape = |rows: usize| (rows, frfs.len()).f();
+                    let factors = ArrayView2::from_shape(shape(columns), factors).expect("one per column and FRF");
+                    add_matmul(ArrayViewMut2::from_shape(shape(rows), left).expect("one per value"), model.view(), factors);
+                    sum += squares(left);
+                }
+                sum
             })
             .collect();
-        parts.iter().sum()
+        parts.iter().sum::<f64>() * self.factor().norm_sqr()
     }
 
     /// Usual distance of neighbouring lines, Hz: the median, which gaps do not move.
@@ -157,73 +178,21 @@ impl<'a> Screened<'a> {
         let lines = &self.lines[rows];
         let mut out = Array2::zeros((lines.len(), columns.len()).f());
         for (mut column, &pair) in out.columns_mut().into_iter().zip(&self.pairs[columns]) {
-            visit(&self.frf.values, pair, lines, |row, value| column[row] = value * factor);
+            visit(&self.frf.values, pair, lines, column.iter_mut(), |out, value| *out = value * factor);
         }
         out
+    }
+
+    /// Writes the measured values of `pairs[columns]` on all lines one FRF after the other: real and imaginary part of each line.
+    pub fn read(&self, columns: Range<usize>, out: &mut [f64]) {
+        for (out, &pair) in out.chunks_exact_mut(2 * self.lines.len()).zip(&self.pairs[columns]) {
+            visit(&self.frf.values, pair, &self.lines, out.chunks_exact_mut(2), |out, value| (out[0], out[1]) = (value.re, value.im));
+        }
     }
 
     /// All columns at once; for sets of few FRFs.
     pub fn work(&self) -> Work {
         Work { x: self.x.clone(), g: self.g.clone(), b: self.block(0..self.pairs.len(), 0..self.lines.len()) }
-    }
-
-    /// First pass: count sketch (each FRF added with a random sign to one of a few columns, scaled so that the noise
-    /// keeps its variance) and the energy of each line over all FRFs (theory.md, eq. 6).
-    pub fn sketch(&self, seed: u64) -> (Work, Array1<f64>) {
-        let total = self.pairs.len();
-        if total <= tol::SKETCH_COLUMNS {
-            let work = self.work();
-            let energy = crate::work::line_energy(&work.b) * total as f64;
-            return (work, energy);
-        }
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let mut order: Vec<usize> = (0..total).collect();
-        order.shuffle(&mut rng);
-        let mut bucket = vec![0; total];
-        for (position, &l) in order.iter().enumerate() {
-            bucket[l] = position % tol::SKETCH_COLUMNS;
-        }
-        let sign: Vec<f64> = (0..total).map(|_| if rng.random::<bool>() { 1.0 } else { -1.0 }).collect();
-        let chunks: Vec<Range<usize>> =
-            (0..self.lines.len()).step_by(tol::BLOCK_LINES).map(|a| a..(a + tol::BLOCK_LINES).min(self.lines.len())).collect();
-        let parts: Vec<(Array2<Complex64>, Array1<f64>)> = chunks
-            .par_iter()
-            .map(|rows| {
-                let mut part = Array2::zeros((rows.len(), tol::SKETCH_COLUMNS).f());
-                let mut energy = Array1::zeros(rows.len());
-                for l in 0..total {
-                    let column = self.block(l..l + 1, rows.clone());
-                    let mut target = part.column_mut(bucket[l]);
-                    for ((t, e), v) in target.iter_mut().zip(energy.iter_mut()).zip(column.iter()) {
-                        *t += v * sign[l];
-                        *e += v.norm_sqr();
-                    }
-                }
-                (part, energy)
-            })
-            .collect();
-        let scale = (tol::SKETCH_COLUMNS as f64 / total as f64).sqrt();
-        let mut b = Array2::zeros((self.lines.len(), tol::SKETCH_COLUMNS).f());
-        let mut energy = Array1::zeros(self.lines.len());
-        for (rows, (part, e)) in chunks.into_iter().zip(parts) {
-            b.slice_mut(ndarray::s![rows.clone(), ..]).assign(&(part * Complex64::new(scale, 0.0)));
-            energy.slice_mut(ndarray::s![rows]).assign(&e);
-        }
-        (Work { x: self.x.clone(), g: self.g.clone(), b }, energy)
-    }
-}
-
-/// Calls `see` with position and value of each of `lines` of one pair.
-fn visit(values: &FrfValues, (i, j): (usize, usize), lines: &[usize], mut see: impl FnMut(usize, Complex64)) {
-    match values {
-        FrfValues::F64(values) => {
-            let of_pair = values.slice(ndarray::s![i, j, ..]);
-            lines.iter().enumerate().for_each(|(row, &k)| see(row, of_pair[k]));
-        }
-        FrfValues::F32(values) => {
-            let of_pair = values.slice(ndarray::s![i, j, ..]);
-            lines.iter().enumerate().for_each(|(row, &k)| see(row, Complex64::new(of_pair[k].re.into(), of_pair[k].im.into())));
-        }
     }
 }
 
@@ -236,40 +205,4 @@ fn named(frf: &FrfSet, pairs: &[(usize, usize)]) -> String {
         names.push(format!("and {} more", pairs.len() - SHOWN));
     }
     names.join(", ")
-}
-
-/// Pairs with at least one finite non-zero value on `lines`, and the lines on which one of them is not finite or all are zero.
-fn usable(frf: &FrfSet, lines: &[usize]) -> (Vec<(usize, usize)>, Vec<bool>) {
-    let (responses, references, _) = frf.values.dim();
-    let all: Vec<(usize, usize)> = (0..responses).flat_map(|i| (0..references).map(move |j| (i, j))).collect();
-    // per pair: is there anything, which lines are not finite, and which are zero
-    let seen: Vec<(bool, Vec<usize>, Vec<usize>)> = all
-        .par_iter()
-        .map(|&pair| {
-            let mut any = false;
-            let (mut bad, mut zero) = (Vec::new(), Vec::new());
-            visit(&frf.values, pair, lines, |row, value| {
-                if !value.is_finite() {
-                    bad.push(row);
-                } else if value == Complex64::default() {
-                    zero.push(row);
-                } else {
-                    any = true;
-                }
-            });
-            (any, bad, zero)
-        })
-        .collect();
-    let mut bad = vec![false; lines.len()];
-    let mut zeros = vec![0; lines.len()];
-    let mut pairs = Vec::new();
-    for (pair, (any, not_finite, zero)) in all.into_iter().zip(seen) {
-        if any {
-            pairs.push(pair);
-            not_finite.into_iter().for_each(|row| bad[row] = true);
-            zero.into_iter().for_each(|row| zeros[row] += 1);
-        }
-    }
-    bad.iter_mut().zip(&zeros).for_each(|(bad, zeros)| *bad |= *zeros == pairs.len() && !pairs.is_empty());
-    (pairs, bad)
 }

@@ -5,10 +5,13 @@
 //! modes share their error correctly; it alternates between all shapes and all participations, each an exact linear
 //! problem. The model file holds the result, and with it the whole fit.
 
+use crate::alternation::{Halves, Problem};
 use crate::tolerances as tol;
+use crate::wide::wide;
 use chladni_linalg::{inverse_hermitian, matmul, matmul_h, solve_hermitian, svd_thin, LinalgError};
-use ndarray::{s, Array2, Array3, Axis};
+use ndarray::{Array2, Axis, ShapeBuilder};
 use num_complex::Complex64;
+use rayon::prelude::*;
 
 /// Shapes and participations of all poles.
 #[derive(Debug, Clone)]
@@ -27,24 +30,32 @@ pub(crate) struct Shapes {
 
 /// Free residues, their weight, and which pairs exist.
 pub(crate) struct Residues<'a> {
-    /// (mode, response, reference); zero where missing.
-    pub values: &'a Array3<Complex64>,
+    /// (mode, pair), response by response, column-major; zero where missing.
+    pub values: &'a Array2<Complex64>,
     /// Weight matrix K, (mode, mode): the sum of squares rises by δᴴKδ per pair.
     pub weight: &'a Array2<Complex64>,
-    /// False where a pair was not measured.
+    /// (response, reference): false where a pair was not measured.
     pub present: &'a Array2<bool>,
+}
+
+impl Residues<'_> {
+    /// The residues of one pole, (response, reference).
+    fn of_pole(&self, pole: usize) -> Array2<Complex64> {
+        let (responses, references) = self.present.dim();
+        Array2::from_shape_fn((responses, references).f(), |(i, j)| self.values[[pole, i * references + j]])
+    }
 }
 
 /// Fits R_n = Σ ψ·Lᵀ to all poles at once, with `ranks[n]` terms for pole n (one for a mode; more for a repeated pole, or for an
 /// out-of-band pole that stands for several modes). The result has one row per term, poles in order.
 pub(crate) fn low_rank(residues: &Residues, ranks: &[usize]) -> Result<Shapes, LinalgError> {
-    let (poles, responses, references) = residues.values.dim();
+    let (poles, (responses, references)) = (residues.values.nrows(), residues.present.dim());
     let owner: Vec<usize> = (0..poles).flat_map(|n| std::iter::repeat_n(n, ranks[n])).collect();
     let mut shape = Array2::zeros((owner.len(), responses));
     let mut participation = Array2::zeros((owner.len(), references));
     let mut row = 0;
-    for (n, &rank) in ranks.iter().enumerate() {
-        let (u, sv, vh) = svd_thin(residues.values.index_axis(Axis(0), n))?;
+    let decomposed = (0..poles).into_par_iter().map(|n| svd_thin(residues.of_pole(n).view())).collect::<Result<Vec<_>, LinalgError>>()?;
+    for ((u, sv, vh), &rank) in decomposed.iter().zip(ranks) {
         for c in 0..rank {
             let root = Complex64::new(sv[c].sqrt(), 0.0);
             shape.row_mut(row).assign(&(&u.column(c) * root));
@@ -53,15 +64,15 @@ pub(crate) fn low_rank(residues: &Residues, ranks: &[usize]) -> Result<Shapes, L
         }
     }
     let problem = Problem::new(residues, &owner);
-    let total = problem.total;
     let mut rise = f64::MAX;
     if references > 1 || residues.present.iter().any(|p| !p) {
+        let halves = Halves::new(&problem);
         for _ in 0..tol::RANK_ONE_ITERATIONS {
-            shape = problem.half_step(&participation, true)?;
-            participation = problem.half_step(&shape, false)?;
+            shape = halves.shapes(&participation)?;
+            participation = halves.participations(&shape)?;
             balance(&mut shape, &mut participation);
             let now = problem.misfit(&shape, &participation);
-            let settled = rise - now <= tol::RANK_ONE_CHANGE * now.max(1e-12 * total);
+            let settled = rise - now <= tol::RANK_ONE_CHANGE * now.max(1e-12 * halves.total);
             rise = now;
             if settled {
                 break;
@@ -81,29 +92,14 @@ pub(crate) fn low_rank_around(residues: &Residues, ranks: &[usize], given: &[Giv
     if given.iter().all(Option::is_none) {
         return low_rank(residues, ranks);
     }
-    let (poles, responses, references) = residues.values.dim();
+    let (poles, (responses, references)) = (residues.values.nrows(), residues.present.dim());
     let open: Vec<usize> = (0..poles).filter(|&n| given[n].is_none()).collect();
-    let closed: Vec<usize> = (0..poles).filter(|&n| given[n].is_some()).collect();
-    let mut change = Array2::zeros((closed.len(), responses * references));
-    for (row, &n) in closed.iter().enumerate() {
-        let product = given[n].as_ref().map(|(shape, participation)| matmul(shape.t(), participation.view()));
-        for (l, value) in change.row_mut(row).iter_mut().enumerate() {
-            let (i, j) = (l / references, l % references);
-            if let Some(product) = product.as_ref().filter(|_| residues.present[[i, j]]) {
-                *value = product[[i, j]] - residues.values[[n, i, j]];
-            }
-        }
-    }
-    let part = |rows: &[usize], columns: &[usize]| residues.weight.select(Axis(0), rows).select(Axis(1), columns);
-    let own = part(&open, &open);
     let fitted = if open.is_empty() {
         None
     } else {
-        let answer = solve_hermitian(ridge(&own).view(), matmul(part(&open, &closed).view(), change.view()).view())?;
-        let moved =
-            residues.values.select(Axis(0), &open) - answer.to_shape((open.len(), responses, references)).expect("one value per pair");
+        let (moved, weight) = freed(residues, &open, given)?;
         let open_ranks: Vec<usize> = open.iter().map(|&n| ranks[n]).collect();
-        Some(low_rank(&Residues { values: &moved, weight: &own, present: residues.present }, &open_ranks)?)
+        Some(low_rank(&Residues { values: &moved, weight: &weight, present: residues.present }, &open_ranks)?)
     };
     let (mut shape, mut participation, mut owner) = (Array2::zeros((0, responses)), Array2::zeros((0, references)), Vec::new());
     for n in 0..poles {
@@ -124,9 +120,32 @@ pub(crate) fn low_rank_around(residues: &Residues, ranks: &[usize], given: &[Giv
     Ok(Shapes { constraints: constraints(residues, &owner), owner, shape, participation, rise })
 }
 
+/// Free residues of the `open` poles where those of the others are as given, and their weight.
+fn freed(residues: &Residues, open: &[usize], given: &[Given]) -> Result<(Array2<Complex64>, Array2<Complex64>), LinalgError> {
+    let references = residues.present.ncols();
+    let closed: Vec<usize> = (0..given.len()).filter(|&n| given[n].is_some()).collect();
+    let mut change = Array2::zeros((closed.len(), residues.values.ncols()).f());
+    for (row, &n) in closed.iter().enumerate() {
+        let Some((shape, participation)) = &given[n] else { continue };
+        let product = matmul(shape.t(), participation.view());
+        for (l, value) in change.row_mut(row).iter_mut().enumerate() {
+            let at = [l / references, l % references];
+            if residues.present[at] {
+                *value = product[at] - residues.values[[n, l]];
+            }
+        }
+    }
+    let part = |rows: &[usize], columns: &[usize]| residues.weight.select(Axis(0), rows).select(Axis(1), columns);
+    let own = part(open, open);
+    let answer = solve_hermitian(ridge(&own).view(), part(open, &closed).view())?;
+    let mut moved = Array2::zeros((open.len(), residues.values.ncols()).f());
+    moved.assign(&(residues.values.select(Axis(0), open) - wide(answer.view(), change.view())));
+    Ok((moved, own))
+}
+
 /// Real constraints that rows of low rank set on free residues.
 fn constraints(residues: &Residues, owner: &[usize]) -> usize {
-    let (poles, responses, references) = residues.values.dim();
+    let (poles, (responses, references)) = (residues.values.nrows(), residues.present.dim());
     let present = residues.present.iter().filter(|p| **p).count();
     let rank = |n: usize| owner.iter().filter(|&&m| m == n).count();
     let used: usize = (0..poles).map(|n| rank(n) * (responses + references - rank(n).min(responses + references))).sum();
@@ -136,15 +155,11 @@ fn constraints(residues: &Residues, owner: &[usize]) -> usize {
 /// Rank that the residues of one pole need: singular values that noise of variance `variance` in the data cannot make
 /// (the largest of pure noise is about σ(√responses + √references)).
 pub(crate) fn significant_rank(residues: &Residues, pole: usize, variance: f64) -> Result<usize, LinalgError> {
-    let (_, responses, references) = residues.values.dim();
-    let (_, sv, _) = svd_thin(residues.values.index_axis(Axis(0), pole))?;
+    let (responses, references) = residues.present.dim();
+    let (_, sv, _) = svd_thin(residues.of_pole(pole).view())?;
     let inverse = inverse_hermitian(ridge(residues.weight).view())?;
     let noise = (variance * inverse[[pole, pole]].re).sqrt() * ((responses as f64).sqrt() + (references as f64).sqrt());
     Ok(sv.iter().filter(|s| **s > tol::RANK_OVER_NOISE * noise).count().max(1))
-}
-
-fn energy(flat: &Array2<Complex64>, weighted: &Array2<Complex64>) -> f64 {
-    flat.iter().zip(weighted).map(|(r, w)| (r.conj() * w).re).sum()
 }
 
 /// Equal norms of both factors: keeps the alternation away from overflow.
@@ -160,89 +175,6 @@ fn balance(shape: &mut Array2<Complex64>, participation: &mut Array2<Complex64>)
     }
 }
 
-/// One row per term, with the weights and right-hand sides that do not change.
-struct Problem<'a> {
-    residues: &'a Residues<'a>,
-    owner: &'a [usize],
-    weight: Array2<Complex64>,
-    /// K·r̂, (term, pair).
-    weighted: Array2<Complex64>,
-    /// r̂ᴴK·r̂ over all pairs.
-    total: f64,
-}
-
-impl<'a> Problem<'a> {
-    /// Terms share the weight of their pole; K·r̂ per pair, once.
-    fn new(residues: &'a Residues, owner: &'a [usize]) -> Self {
-        let (poles, responses, references) = residues.values.dim();
-        let weight = Array2::from_shape_fn((owner.len(), owner.len()), |(a, b)| residues.weight[[owner[a], owner[b]]]);
-        let flat = residues.values.to_shape((poles, responses * references)).expect("one value per pair").to_owned();
-        let weighted = matmul(residues.weight.view(), flat.view());
-        let total = energy(&flat, &weighted);
-        Self { residues, owner, weight, weighted: weighted.select(Axis(0), owner), total }
-    }
-
-    /// Normal matrix of one DOF whose partners are `kept`.
-    fn normal(&self, fixed: &Array2<Complex64>, kept: &[usize]) -> Array2<Complex64> {
-        let part = fixed.select(Axis(1), kept);
-        ridge(&(&self.weight * &matmul(part.mapv(|v| v.conj()).view(), part.t())))
-    }
-
-    /// Best shapes for given participations (`shapes` true) or the other way round: one small normal system per DOF.
-    fn half_step(&self, fixed: &Array2<Complex64>, shapes: bool) -> Result<Array2<Complex64>, LinalgError> {
-        let (_, responses, references) = self.residues.values.dim();
-        let (own, other) = if shapes { (responses, references) } else { (references, responses) };
-        let pair = |a: usize, b: usize| if shapes { (a, b) } else { (b, a) };
-        let mut rights = Array2::zeros((self.owner.len(), own));
-        for a in 0..own {
-            for b in 0..other {
-                let (i, j) = pair(a, b);
-                if self.residues.present[[i, j]] {
-                    for n in 0..self.owner.len() {
-                        rights[[n, a]] += fixed[[n, b]].conj() * self.weighted[[n, i * references + j]];
-                    }
-                }
-            }
-        }
-        let partners =
-            |a: usize| -> Vec<usize> { (0..other).filter(|&b| self.residues.present[if shapes { [a, b] } else { [b, a] }]).collect() };
-        if self.residues.present.iter().all(|p| *p) {
-            // one system serves all
-            return solve_hermitian(self.normal(fixed, &partners(0)).view(), rights.view());
-        }
-        let mut out = Array2::zeros((self.owner.len(), own));
-        for a in 0..own {
-            let solution = solve_hermitian(self.normal(fixed, &partners(a)).view(), rights.slice(s![.., a..a + 1]))?;
-            out.slice_mut(s![.., a..a + 1]).assign(&solution);
-        }
-        Ok(out)
-    }
-
-    /// Rise of the sum of squares of low-rank residues over the free ones.
-    fn misfit(&self, shape: &Array2<Complex64>, participation: &Array2<Complex64>) -> f64 {
-        let (poles, responses, references) = self.residues.values.dim();
-        let mut difference = Array2::zeros((poles, responses * references));
-        for (term, &n) in self.owner.iter().enumerate() {
-            for i in 0..responses {
-                for j in 0..references {
-                    difference[[n, i * references + j]] -= shape[[term, i]] * participation[[term, j]];
-                }
-            }
-        }
-        for n in 0..poles {
-            for i in 0..responses {
-                for j in 0..references {
-                    let value = &mut difference[[n, i * references + j]];
-                    *value =
-                        if self.residues.present[[i, j]] { *value + self.residues.values[[n, i, j]] } else { Complex64::new(0.0, 0.0) };
-                }
-            }
-        }
-        let weighted = matmul(self.residues.weight.view(), difference.view());
-        energy(&difference, &weighted)
-    }
-}
-
 /// Weight of the `kept` poles' residues where those of the `free` ones answer every change: a Schur complement.
 pub(crate) fn eliminated(weight: &Array2<Complex64>, kept: &[usize], free: &[usize]) -> Result<Array2<Complex64>, LinalgError> {
     let part = |rows: &[usize], columns: &[usize]| weight.select(Axis(0), rows).select(Axis(1), columns);
@@ -254,7 +186,7 @@ pub(crate) fn eliminated(weight: &Array2<Complex64>, kept: &[usize], free: &[usi
 }
 
 /// A pair of modes with the same pole makes the system singular; a trace of ridge shares the residue between them.
-fn ridge(matrix: &Array2<Complex64>) -> Array2<Complex64> {
+pub(crate) fn ridge(matrix: &Array2<Complex64>) -> Array2<Complex64> {
     let mut out = matrix.clone();
     let largest = matrix.diag().iter().fold(0.0_f64, |m, v| m.max(v.re));
     out.diag_mut().mapv_inplace(|v| v * (1.0 + 1e-12) + 1e-18 * largest + f64::MIN_POSITIVE);

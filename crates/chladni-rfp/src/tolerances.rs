@@ -72,6 +72,8 @@ pub(crate) const SEEDS_MOST: usize = 100;
 pub(crate) const BLOCK_FRFS: usize = 64;
 /// Partial sums of a streaming pass; fixed, so that the bits do not depend on the number of threads.
 pub(crate) const PASS_GROUPS: usize = 8;
+/// Least share of a line's noise that a model leaves: less, and the residual there tells rounding, not noise.
+pub(crate) const LEVERAGE_LEFT: f64 = 0.05;
 /// Lines per chunk of the sketch.
 pub(crate) const BLOCK_LINES: usize = 256;
 /// Records longer than this keep all lines near the peaks and thin out the rest.
@@ -104,6 +106,9 @@ pub(crate) const STRUCTURED_STEP: f64 = 0.5;
 /// Standard deviations of χ² by which a structural constraint may raise the sum of squares: chance passes in all but one of
 /// some thousand sets, complex shapes of 10 degrees scatter stand hundreds away.
 pub(crate) const STRUCTURE_SIGMAS: f64 = 4.0;
+/// Step, in half-bandwidths, from which structured refinement keeps its Gauss–Newton matrices: they change by about this part of
+/// themselves, so each later step still leaves a hundredth of the error, at a tenth of the cost.
+pub(crate) const MATRIX_KEPT: f64 = 1e-2;
 /// Part of the data's energy that the difference of two sums of squares loses to rounding.
 pub(crate) const STRUCTURE_ROUNDING: f64 = 1e-12;
 /// Most modes that structured growth adds.

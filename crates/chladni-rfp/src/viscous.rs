@@ -5,8 +5,9 @@
 //! units of ω_max: y = ω/ω_max = √x.
 
 use crate::tolerances as tol;
-use crate::work::Work;
-use chladni_linalg::{matmul, matmul_h, qr_thin, solve_hermitian, solve_upper, LinalgError};
+use crate::wide::{projected, tall_qr, wide_h};
+use crate::work::{inverse, Work};
+use chladni_linalg::{matmul, solve_hermitian, solve_upper, LinalgError};
 use ndarray::{s, Array2, ShapeBuilder};
 use num_complex::Complex64;
 
@@ -28,9 +29,10 @@ pub(crate) fn from_structural(lambda: Complex64) -> Complex64 {
 
 fn stack_into(out: &mut Array2<f64>, column: usize, values: impl Iterator<Item = Complex64>) {
     let lines = out.nrows() / 2;
-    for (k, v) in values.enumerate() {
-        out[[k, column]] = v.re;
-        out[[lines + k, column]] = v.im;
+    let mut column = out.column_mut(column);
+    let (re, im) = column.as_slice_mut().expect("column-major").split_at_mut(lines);
+    for ((re, im), v) in re.iter_mut().zip(im).zip(values) {
+        (*re, *im) = (v.re, v.im);
     }
 }
 
@@ -42,7 +44,7 @@ pub(crate) fn viscous_basis(work: &Work, poles: &[Complex64], powers: &[i32]) ->
         let uv = || {
             work.x.iter().zip(&work.g).map(move |(&x, &g)| {
                 let jy = Complex64::new(0.0, x.sqrt());
-                (g / (jy - pole), g / (jy - pole.conj()))
+                (inverse(jy - pole) * g, inverse(jy - pole.conj()) * g)
             })
         };
         stack_into(&mut a, 2 * n, uv().map(|(u, v)| u + v));
@@ -65,7 +67,7 @@ fn derivative(work: &Work, poles: &[Complex64]) -> Array2<f64> {
         let uv = || {
             work.x.iter().zip(&work.g).map(move |(&x, &g)| {
                 let jy = Complex64::new(0.0, x.sqrt());
-                let (u, v) = (1.0 / (jy - pole), 1.0 / (jy - pole.conj()));
+                let (u, v) = (inverse(jy - pole), inverse(jy - pole.conj()));
                 (g * u * u, g * v * v)
             })
         };
@@ -92,9 +94,8 @@ fn stacked_data(work: &Work) -> Array2<f64> {
 }
 
 fn linear(work: &Work, data: &Array2<f64>, poles: &[Complex64], powers: &[i32]) -> Result<Linear, LinalgError> {
-    let (q, r) = qr_thin(viscous_basis(work, poles, powers).view())?;
-    let qb = matmul_h(q.view(), data.view());
-    let residual = data - &matmul(q.view(), qb.view());
+    let (q, r) = tall_qr(viscous_basis(work, poles, powers).view())?;
+    let (qb, residual) = projected(q.view(), data.view());
     let sse = residual.iter().map(|v| v * v).sum();
     Ok(Linear { q, r, qb, residual, sse })
 }
@@ -103,11 +104,11 @@ fn linear(work: &Work, data: &Array2<f64>, poles: &[Complex64], powers: &[i32]) 
 fn newton_system(work: &Work, poles: &[Complex64], linear: &Linear, coefficients: &Array2<f64>) -> (Array2<f64>, Array2<f64>) {
     let n = poles.len();
     let d = derivative(work, poles);
-    let outside = &d - &matmul(linear.q.view(), matmul_h(linear.q.view(), d.view()).view());
-    let gram = matmul_h(outside.view(), outside.view());
+    let (_, outside) = projected(linear.q.view(), d.view());
+    let gram = wide_h(outside.view(), outside.view());
     let residues = coefficients.slice(s![..2 * n, ..]);
     let products = matmul(residues, residues.t());
-    let projected = matmul_h(d.view(), linear.residual.view());
+    let along = wide_h(d.view(), linear.residual.view());
     // parameter (mode, part) as (row of d, row of residues, sign) pairs
     let terms = |mode: usize, part: usize| {
         if part == 0 {
@@ -126,18 +127,20 @@ fn newton_system(work: &Work, poles: &[Complex64], linear: &Linear, coefficients
         sum
     });
     let gradient = Array2::from_shape_fn((2 * n, 1), |(p, _)| {
-        terms(p / 2, p % 2).iter().map(|&(d, r, sign)| sign * projected.row(d).dot(&residues.row(r))).sum()
+        terms(p / 2, p % 2).iter().map(|&(d, r, sign)| sign * along.row(d).dot(&residues.row(r))).sum()
     });
     (information, gradient)
 }
 
-/// Refines viscous poles from `start` to `tolerance` of a half-bandwidth.
+/// Refines viscous poles from `start` to `tolerance` of a half-bandwidth, or until `enough(sum of squares, what the last step took off
+/// it, steps left)`.
 pub(crate) fn refine_viscous(
     work: &Work,
     start: &[Complex64],
     powers: &[i32],
     iterations: usize,
     tolerance: f64,
+    enough: impl Fn(f64, f64, usize) -> bool,
 ) -> Result<ViscousFit, LinalgError> {
     let data = stacked_data(work);
     let mut poles = start.to_vec();
@@ -146,23 +149,23 @@ pub(crate) fn refine_viscous(
     let mut damping = tol::LM_START;
     let mut system = None;
     let (low, high) = work.range();
-    for _ in 0..iterations {
+    for step in 1..=iterations {
         if poles.is_empty() {
             break;
         }
         let (information, gradient) = system.take().unwrap_or_else(|| newton_system(work, &poles, &current, &coefficients));
         let mut damped = information.clone();
         damped.diag_mut().mapv_inplace(|v| v * (1.0 + damping) + f64::MIN_POSITIVE);
-        let step = solve_hermitian(damped.view(), gradient.view()).ok();
+        let solution = solve_hermitian(damped.view(), gradient.view()).ok();
         let mut largest = 0.0_f64;
-        let trial: Option<Vec<Complex64>> = step.map(|step| {
+        let trial: Option<Vec<Complex64>> = solution.map(|solution| {
             poles
                 .iter()
                 .enumerate()
                 .map(|(n, &pole)| {
                     let outside = (low.sqrt() - pole.im).max(pole.im - high.sqrt()).max(0.0);
                     let cap = 0.5 * pole.re.abs() + 0.3 * outside;
-                    let delta = Complex64::new(step[[2 * n, 0]], step[[2 * n + 1, 0]]);
+                    let delta = Complex64::new(solution[[2 * n, 0]], solution[[2 * n + 1, 0]]);
                     let delta = if delta.norm() > cap { delta * (cap / delta.norm()) } else { delta };
                     largest = largest.max(delta.norm() / pole.re.abs());
                     let moved = Complex64::new((pole + delta).re.min(0.2 * pole.re), (pole + delta).im);
@@ -179,11 +182,12 @@ pub(crate) fn refine_viscous(
         let candidate = trial.as_ref().and_then(|trial| linear(work, &data, trial, powers).ok());
         match (trial, candidate) {
             (Some(trial), Some(candidate)) if candidate.sse <= current.sse => {
+                let drop = current.sse - candidate.sse;
                 poles = trial;
                 current = candidate;
                 coefficients = solve_upper(current.r.view(), current.qb.view())?;
                 damping *= 0.1;
-                if largest < tolerance {
+                if largest < tolerance || enough(current.sse, drop, iterations - step) {
                     break;
                 }
             }

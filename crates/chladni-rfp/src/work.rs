@@ -86,13 +86,20 @@ impl Work {
     }
 }
 
+/// 1/z by one real division. Distances on a normalised axis have squares far inside the range of f64.
+#[inline]
+pub(crate) fn inverse(z: Complex64) -> Complex64 {
+    let scale = 1.0 / z.norm_sqr();
+    Complex64::new(z.re * scale, -z.im * scale)
+}
+
 /// Columns g/(λ_n − x) and g·x^p: the basis of a common-pole model (theory.md, eq. 6).
 pub(crate) fn basis(work: &Work, lambda: &[Complex64], powers: &[i32]) -> Array2<Complex64> {
     let mut a = Array2::zeros((work.lines(), lambda.len() + powers.len()).f());
-    for (n, &pole) in lambda.iter().enumerate() {
-        let column = a.column_mut(n);
-        for ((value, &x), &g) in column.into_iter().zip(&work.x).zip(&work.g) {
-            *value = g / (pole - x);
+    for (mut column, &pole) in a.columns_mut().into_iter().zip(lambda) {
+        let column = column.as_slice_mut().expect("column-major");
+        for ((value, &x), &g) in column.iter_mut().zip(&work.x).zip(&work.g) {
+            *value = inverse(pole - x) * g;
         }
     }
     for (p, &power) in powers.iter().enumerate() {
@@ -107,10 +114,11 @@ pub(crate) fn basis(work: &Work, lambda: &[Complex64], powers: &[i32]) -> Array2
 /// ∂/∂λ of the pole columns: −g/(λ_n − x)².
 pub(crate) fn basis_derivative(work: &Work, lambda: &[Complex64]) -> Array2<Complex64> {
     let mut d = Array2::zeros((work.lines(), lambda.len()).f());
-    for (n, &pole) in lambda.iter().enumerate() {
-        for ((value, &x), &g) in d.column_mut(n).into_iter().zip(&work.x).zip(&work.g) {
-            let inverse = 1.0 / (pole - x);
-            *value = -g * inverse * inverse;
+    for (mut column, &pole) in d.columns_mut().into_iter().zip(lambda) {
+        let column = column.as_slice_mut().expect("column-major");
+        for ((value, &x), &g) in column.iter_mut().zip(&work.x).zip(&work.g) {
+            let inverse = inverse(pole - x);
+            *value = inverse * inverse * -g;
         }
     }
     d

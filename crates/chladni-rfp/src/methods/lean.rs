@@ -52,7 +52,7 @@ pub(crate) fn lean(
     let projected = project(data, &qr_thin(basis(&all, &rough, &POWERS).view())?.0, &survey.energy)?;
     let refined = fine(&projected.work, &rough, options.modes.unwrap_or(usize::MAX))?;
     let freedom = data.lines.len().saturating_sub(refined.unknowns()).max(1) * data.pairs.len();
-    let variance = (projected.line_residual.sum() / freedom as f64).max(1e-30);
+    let variance = (projected.line_residual(&refined.projection.residual).sum() / freedom as f64).max(1e-30);
     let found = inside(&projected.work, &refined.lambda);
     Ok(Found {
         grades: grade(&refined, &projected.work, variance),

@@ -1,14 +1,15 @@
 //! What is linear at given poles: residues, residual terms, and how the one answers a change of the other.
 
+use crate::project::real_basis;
 use crate::screen::Screened;
 use crate::structure::schur_weight;
 use crate::viscous::viscous_basis;
+use crate::wide::wide;
 use crate::work::{basis, Work};
 use chladni_frf::Damping;
 use chladni_linalg::{lstsq, matmul, LinalgError};
-use ndarray::{s, Array2, Axis, ShapeBuilder};
+use ndarray::{s, Array2, ShapeBuilder};
 use num_complex::Complex64;
-use std::ops::Range;
 
 /// Residues (mode, FRF) and residual coefficients (term, FRF) in work units.
 pub(super) struct Linear {
@@ -74,12 +75,12 @@ impl Answer {
     /// Residual terms after residues changed by `change`: c − answer·δr, both (·, FRF).
     pub fn apply(&self, terms: &mut Array2<Complex64>, change: &Array2<Complex64>) {
         match self {
-            Self::Structural(answer) => *terms = &*terms - &matmul(answer.view(), change.view()),
+            Self::Structural(answer) => *terms -= &wide(answer.view(), change.view()),
             Self::Viscous(answer) => {
                 let (n, m) = change.dim();
                 let stacked =
                     Array2::from_shape_fn((2 * n, m).f(), |(i, c)| if i % 2 == 0 { change[[i / 2, c]].re } else { change[[i / 2, c]].im });
-                let shift = matmul(answer.view(), stacked.view());
+                let shift = wide(answer.view(), stacked.view());
                 for ((i, c), value) in terms.indexed_iter_mut() {
                     *value -= Complex64::new(shift[[2 * i, c]], shift[[2 * i + 1, c]]);
                 }
@@ -88,42 +89,16 @@ impl Answer {
     }
 }
 
-/// FRFs of given poles and coefficients in work units, a block of FRFs at a time.
-pub(crate) enum Synthesis {
-    /// Basis (line, column) and coefficients (column, FRF).
-    Structural(Array2<Complex64>, Array2<Complex64>),
-    /// The same over the reals, real and imaginary parts stacked.
-    Viscous(Array2<f64>, Array2<f64>),
-}
-
-impl Synthesis {
-    /// `coefficients`: residues of all poles, then residual terms, (·, FRF).
-    pub fn new(data: &Screened, damping: Damping, poles: &[Complex64], powers: &[i32], coefficients: Array2<Complex64>) -> Self {
-        let axis = Work { x: data.x.clone(), g: data.g.clone(), b: Array2::zeros((data.x.len(), 0)) };
-        match damping {
-            Damping::Structural => Self::Structural(basis(&axis, poles, powers), coefficients),
-            Damping::Viscous => {
-                let (rows, columns) = coefficients.dim();
-                let parts =
-                    |i: usize, c: usize| if i.is_multiple_of(2) { coefficients[[i / 2, c]].re } else { coefficients[[i / 2, c]].im };
-                let stacked = Array2::from_shape_fn((2 * rows, columns).f(), |(i, c)| parts(i, c));
-                Self::Viscous(viscous_basis(&axis, poles, powers), stacked)
-            }
-        }
-    }
-
-    /// Sum of squares of `block`, the data of FRFs `columns`, less their synthesis.
-    pub fn misfit(&self, block: &Array2<Complex64>, columns: Range<usize>) -> f64 {
-        match self {
-            Self::Structural(a, x) => {
-                let fitted = matmul(a.view(), x.slice(s![.., columns]));
-                block.iter().zip(&fitted).map(|(v, f)| (v - f).norm_sqr()).sum()
-            }
-            Self::Viscous(a, x) => {
-                let fitted = matmul(a.view(), x.slice(s![.., columns]));
-                let (re, im) = fitted.view().split_at(Axis(0), block.nrows());
-                ndarray::Zip::from(block).and(re).and(im).fold(0.0, |sum, v, re, im| sum + (v - Complex64::new(*re, *im)).norm_sqr())
-            }
+/// What the complex coefficients of poles and residual terms multiply, over the reals: (real and imaginary part of each line, real
+/// and imaginary part of each coefficient), both in turn, in work units.
+pub(super) fn synthesis(data: &Screened, damping: Damping, poles: &[Complex64], powers: &[i32]) -> Array2<f64> {
+    let axis = Work { x: data.x.clone(), g: data.g.clone(), b: Array2::zeros((data.x.len(), 0)) };
+    match damping {
+        Damping::Structural => real_basis(&basis(&axis, poles, powers)),
+        Damping::Viscous => {
+            let stacked = viscous_basis(&axis, poles, powers);
+            let lines = axis.lines();
+            Array2::from_shape_fn(stacked.dim().f(), |(row, c)| stacked[[row / 2 + lines * (row % 2), c]])
         }
     }
 }

@@ -5,7 +5,6 @@ mod modes;
 mod pole;
 mod shape_error;
 
-pub(crate) use linear::Synthesis;
 pub(crate) use pole::{structural_pole, uncertainty_grade, viscous_pole, Found, Grade, Identified, Pole, UNCERTAIN};
 
 pub(crate) use shape_error::overlapping;
@@ -13,21 +12,26 @@ pub(crate) use shape_error::overlapping;
 use crate::options::FitOptions;
 use crate::screen::Screened;
 use crate::structure::{eliminated, low_rank, low_rank_around, significant_rank, Given, Residues, Shapes};
+use crate::wide::wide_mixed;
 use chladni_frf::{ComplexMatrix, Damping, ModalModel, Quality, ResidualTerm, ResidualTerms, Scaling, Trust, CREATED_BY, MODEL_FORMAT};
-use chladni_linalg::{matmul, LinalgError};
-use linear::{linear, Linear};
+use chladni_linalg::LinalgError;
+use linear::{linear, synthesis, Linear};
 use modes::{modes, rejected_mode, scales, unscaled};
-use ndarray::{s, Array2, Array3, Axis};
+use ndarray::{Array2, Axis, ShapeBuilder};
 use num_complex::Complex64;
+use rayon::prelude::*;
 use shape_error::{Scale, ShapeErrors};
+
+/// FRFs per block of what is done FRF by FRF.
+const BLOCK: usize = 1024;
 
 /// Residues of every FRF at identified poles, each by itself.
 struct FreeFit {
     /// What the model can hold, rising in frequency.
     poles: Vec<Pole>,
     linear: Linear,
-    /// (pole, response, reference); zero where missing.
-    cube: Array3<Complex64>,
+    /// (pole, pair), response by response; zero where missing.
+    all: Array2<Complex64>,
     /// False where a pair was not measured.
     present: Array2<bool>,
 }
@@ -41,34 +45,32 @@ impl FreeFit {
         let values: Vec<Complex64> = poles.iter().map(|p| p.value).collect();
         let mut linear = linear(work, *damping, &values, powers)?;
         if let Some(back) = back {
-            let complex = back.mapv(|v| Complex64::new(v, 0.0));
-            linear.residues = matmul(linear.residues.view(), complex.view());
-            linear.terms = matmul(linear.terms.view(), complex.view());
+            linear.residues = wide_mixed(&linear.residues, back.view());
+            linear.terms = wide_mixed(&linear.terms, back.view());
         }
         let (responses, references) = (data.frf.responses.len(), data.frf.references.len());
-        let mut cube = Array3::zeros((values.len(), responses, references));
+        let mut all = Array2::zeros((values.len(), responses * references).f());
         let mut present = Array2::from_elem((responses, references), false);
         for (l, &(i, j)) in data.pairs.iter().enumerate() {
             present[[i, j]] = true;
-            for n in 0..values.len() {
-                cube[[n, i, j]] = linear.residues[[n, l]];
-            }
+            all.column_mut(i * references + j).assign(&linear.residues.column(l));
         }
-        Ok(Self { poles, linear, cube, present })
+        Ok(Self { poles, linear, all, present })
     }
 }
 
 /// Sum of squares of the compressed columns with one shape per mode of the band, whatever lies outside left free: what two damping
 /// laws can be compared by. (An out-of-band pole that happens to need a high rank is no evidence on damping.)
 pub(crate) fn common_shape_misfit(data: &Screened, identified: &Identified) -> Result<f64, LinalgError> {
-    let FreeFit { poles, linear, cube, present } = FreeFit::new(data, identified)?;
+    let FreeFit { poles, linear, all, present } = FreeFit::new(data, identified)?;
     let (low, high) = identified.work.range();
     let (inside, outside): (Vec<usize>, Vec<usize>) = (0..poles.len()).partition(|&n| (low..=high).contains(&poles[n].omega.powi(2)));
     if inside.is_empty() {
         return Ok(linear.sse);
     }
     let weight = eliminated(&linear.weight, &inside, &outside)?;
-    let values = cube.select(Axis(0), &inside);
+    let mut values = Array2::zeros((inside.len(), all.ncols()).f());
+    values.assign(&all.select(Axis(0), &inside));
     let shapes = low_rank(&Residues { values: &values, weight: &weight, present: &present }, &vec![1; inside.len()])?;
     Ok(linear.sse + shapes.rise)
 }
@@ -96,11 +98,11 @@ impl Shaped {
     /// # Errors
     /// A kernel that fails.
     pub fn new(data: &Screened, identified: Identified) -> Result<Self, LinalgError> {
-        let FreeFit { poles, mut linear, cube, present } = FreeFit::new(data, &identified)?;
+        let FreeFit { poles, mut linear, all, present } = FreeFit::new(data, &identified)?;
         let Identified { work, powers, variance, real_shapes, .. } = &identified;
         let variance = *variance;
-        let (_, responses, references) = cube.dim();
-        let free = Residues { values: &cube, weight: &linear.weight, present: &present };
+        let (responses, references) = present.dim();
+        let free = Residues { values: &all, weight: &linear.weight, present: &present };
         let (low, high) = work.range();
         let mut ranks = vec![1; poles.len()];
         for n in (0..poles.len()).filter(|&n| !(low..=high).contains(&poles[n].omega.powi(2)) && poles[n].given.is_none()) {
@@ -108,12 +110,17 @@ impl Shaped {
         }
         let given: Vec<Given> = poles.iter().map(|pole| pole.given.clone()).collect();
         let shapes = low_rank_around(&free, &ranks, &given)?;
-        let mut change = linear.residues.mapv(|v| -v);
-        for (term, &n) in shapes.owner.iter().enumerate() {
-            for (l, &(i, j)) in data.pairs.iter().enumerate() {
-                change[[n, l]] += shapes.shape[[term, i]] * shapes.participation[[term, j]];
+        // residues of the shapes less the free ones
+        let mut change = linear.residues;
+        let blocks: Vec<_> = change.axis_chunks_iter_mut(Axis(1), BLOCK).zip(data.pairs.chunks(BLOCK)).collect();
+        blocks.into_par_iter().for_each(|(mut change, pairs)| {
+            change.mapv_inplace(|v| -v);
+            for (mut change, &(i, j)) in change.columns_mut().into_iter().zip(pairs) {
+                for (term, &n) in shapes.owner.iter().enumerate() {
+                    change[n] += shapes.shape[[term, i]] * shapes.participation[[term, j]];
+                }
             }
-        }
+        });
         linear.answer.apply(&mut linear.terms, &change);
 
         // χ² of the model as saved: free residues leave `variance` per degree of freedom, the low-rank form adds its rise
@@ -205,14 +212,17 @@ impl Shaped {
     /// Rms residual of the model as saved over rms data, in the measured kind, over the lines and pairs used: one more pass.
     fn relative_error(&self, data: &Screened) -> f64 {
         let values: Vec<Complex64> = self.poles.iter().map(|pole| pole.value).collect();
-        let mut coefficients = Array2::zeros((values.len() + self.identified.powers.len(), data.pairs.len()));
-        for (l, &(i, j)) in data.pairs.iter().enumerate() {
-            for (term, &n) in self.shapes.owner.iter().enumerate() {
-                coefficients[[n, l]] += self.shapes.shape[[term, i]] * self.shapes.participation[[term, j]];
-            }
-        }
-        coefficients.slice_mut(s![values.len().., ..]).assign(&self.terms);
-        let sse = data.misfit(&Synthesis::new(data, self.identified.damping, &values, &self.identified.powers, coefficients));
+        let basis = synthesis(data, self.identified.damping, &values, &self.identified.powers);
+        let Shapes { owner, shape, participation, .. } = &self.shapes;
+        let sse = data.misfit(&basis, |l, factors| {
+            let (i, j) = data.pairs[l];
+            let mut add = |n: usize, value: Complex64| {
+                factors[2 * n] += value.re;
+                factors[2 * n + 1] += value.im;
+            };
+            owner.iter().enumerate().for_each(|(term, &n)| add(n, shape[[term, i]] * participation[[term, j]]));
+            self.terms.column(l).iter().enumerate().for_each(|(p, &value)| add(values.len() + p, value));
+        });
         (sse / (data.lines.len() * data.pairs.len()) as f64).sqrt()
     }
 }

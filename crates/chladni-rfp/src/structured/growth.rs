@@ -3,10 +3,12 @@
 //! Past a modal overlap of about two, free residues explain two modes by one pole; rank-one residues cannot, and what they
 //! leave has the missing mode's shape.
 
-use super::newton::{State, Target};
+use super::newton::State;
+use super::target::Target;
 use crate::scan::resonance_grid;
+use crate::wide::wide;
 use crate::work::basis;
-use chladni_linalg::{matmul, matmul_h, LinalgError};
+use chladni_linalg::{matmul_h, LinalgError};
 use ndarray::{Array1, Array2, Axis};
 use num_complex::Complex64;
 
@@ -46,7 +48,7 @@ pub(super) fn candidate(target: &Target, state: &State, limit: f64) -> Result<Op
     let mut best: Option<(f64, Complex64, Array1<Complex64>)> = None;
     for chunk in grid.chunks(BLOCK) {
         let columns = target.outside(&basis(work, chunk, &[]));
-        let left = target.against(&columns) - matmul(matmul_h(columns.view(), modes.view()).view(), residues.view());
+        let left = target.against(&columns) - wide(matmul_h(columns.view(), modes.view()).view(), residues.view());
         for (c, &pole) in chunk.iter().enumerate() {
             let norm: f64 = columns.column(c).iter().map(|v| v.norm_sqr()).sum();
             let matrix = left.index_axis(Axis(0), c).to_shape(target.sides).expect("own · other values").to_owned();

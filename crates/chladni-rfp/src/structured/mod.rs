@@ -9,6 +9,7 @@
 
 mod growth;
 mod newton;
+mod target;
 
 use crate::model::{Found, UNCERTAIN};
 use crate::options::ShapeModel;
@@ -16,9 +17,12 @@ use crate::prune::threshold;
 use crate::screen::Screened;
 use crate::tolerances as tol;
 use chladni_linalg::{svd_thin, LinalgError};
-use ndarray::{Array2, Axis};
-use newton::{free_residues, State, Target};
+use ndarray::{Array1, Array2, Axis, ShapeBuilder};
+use newton::State;
 use num_complex::Complex64;
+use rayon::prelude::*;
+use std::borrow::Cow;
+use target::{free_residues, Target};
 
 /// One pole with the shapes that belong to it: one row each, more than one for a repeated pole.
 #[derive(Debug, Clone)]
@@ -78,21 +82,24 @@ pub(crate) fn structured(data: &Screened, found: &Found, asked: ShapeModel, fixe
     // eliminated are the many DOFs, kept in the search the few
     let swapped = references > responses;
     let sides = if swapped { [references, responses] } else { [responses, references] };
-    let target = Target::new(work, &outside, &found.refined.powers, by_pair(data, found, swapped), sides)?;
+    let whole = Target::new(work, &outside, &found.refined.powers, by_pair(data, found, swapped), sides)?;
+    let condensed = whole.condensed();
+    let target = condensed.as_ref().unwrap_or(&whole);
     let variance = found.variance;
     let rounding = tol::STRUCTURE_ROUNDING * target.energy;
-    let (residues, free_sse) = free_residues(&target, &inside)?;
+    let (residues, free_sse) = free_residues(target, &inside)?;
     let constraints = |n: usize| 2 * n * (sides[0] - 1) * (sides[1] - 1);
     let rank_one = |state: &State| Ratio::new(state.sse - free_sse, constraints(state.lambda.len()), variance, rounding);
 
-    let mut state = State::new(&target, inside.clone(), leading_participations(&residues, sides)?, false)?;
+    let mut state = State::new(target, inside.clone(), leading_participations(&residues, target.sides)?, false)?;
     if sides[1] > 1 || asked == ShapeModel::Rank1 {
-        state = state.refined(&target, tol::REFINE_FINE, tol::STRUCTURED_FINE_STEP);
+        state = state.refined(target, tol::REFINE_FINE, tol::STRUCTURED_FINE_STEP);
     }
     let found_free = state.lambda.len();
     if asked == ShapeModel::Auto && !fixed_order && sides[1] > 1 {
-        state = grown(&target, state, variance, &|state| rank_one(state).chance())?;
-        state = shed(&target, state, variance);
+        let limit = threshold(sides[0] + sides[1], work.lines()) * variance;
+        state = grown(target, state, limit, &|state| rank_one(state).chance())?;
+        state = shed(target, state, variance, limit);
     }
     let ratio = rank_one(&state);
     if asked == ShapeModel::Auto && !ratio.chance() {
@@ -108,8 +115,8 @@ pub(crate) fn structured(data: &Screened, found: &Found, asked: ShapeModel, fixe
     // each mode keeps one complex factor by rank one, two real ones by being real: phases of shape and participation
     let phases = state.lambda.len() * (sides[0] + sides[1] - 1);
     if asked != ShapeModel::Rank1 {
-        let start = State::new(&target, state.lambda.clone(), state.participation.clone(), true)?;
-        let real = start.refined(&target, tol::REFINE_FINE, tol::STRUCTURED_FINE_STEP);
+        let start = State::new(target, state.lambda.clone(), state.participation.clone(), true)?;
+        let real = start.refined(target, tol::REFINE_FINE, tol::STRUCTURED_FINE_STEP);
         let ratio = Ratio::new(real.sse - state.sse, phases, variance, rounding);
         if asked == ShapeModel::Real || ratio.chance() {
             evidence += &format!(", real ({:+.1} sigma)", ratio.sigmas);
@@ -119,41 +126,40 @@ pub(crate) fn structured(data: &Screened, found: &Found, asked: ShapeModel, fixe
         }
     }
     let (real, sse) = (state.real, state.sse);
-    Ok(Some(Structured { poles: merged(&target, state, variance, swapped)?, real, sse, added, evidence }))
+    Ok(Some(Structured { poles: merged([target, &whole], state, variance, swapped)?, real, sse, added, evidence }))
 }
 
-/// Columns to pairs, (column, eliminated · other).
-fn by_pair(data: &Screened, found: &Found, swapped: bool) -> Array2<Complex64> {
+/// Columns to pairs, (column, eliminated · other). Every pair is there, response by response.
+fn by_pair<'a>(data: &Screened, found: &'a Found, swapped: bool) -> Cow<'a, Array2<f64>> {
     let (responses, references) = (data.frf.responses.len(), data.frf.references.len());
-    let mut back = Array2::zeros((found.work.columns(), data.pairs.len()));
-    for (l, &(i, j)) in data.pairs.iter().enumerate() {
-        let at = if swapped { j * responses + i } else { i * references + j };
-        match &found.back {
-            Some(matrix) => back.column_mut(at).assign(&matrix.column(l).mapv(|v| Complex64::new(v, 0.0))),
-            None => back[[l, at]] = Complex64::new(1.0, 0.0),
-        }
+    let back = match &found.back {
+        Some(back) => Cow::Borrowed(back),
+        None => Cow::Owned(Array2::eye(found.work.columns())),
+    };
+    if !swapped {
+        return back;
     }
-    back
+    let mut turned = Array2::zeros(back.dim().f());
+    for (mut column, l) in turned.columns_mut().into_iter().zip(0..) {
+        column.assign(&back.column((l % responses) * references + l / responses));
+    }
+    Cow::Owned(turned)
 }
 
 /// Right singular vectors of free residues, as participations: (mode, other).
 fn leading_participations(residues: &Array2<Complex64>, sides: [usize; 2]) -> Result<Array2<Complex64>, LinalgError> {
+    let leading = |n: usize| -> Result<Array1<Complex64>, LinalgError> {
+        let matrix = Array2::from_shape_fn(sides.f(), |(i, j)| residues[[n, i * sides[1] + j]]);
+        Ok(svd_thin(matrix.view())?.2.row(0).to_owned())
+    };
+    let rows = (0..residues.nrows()).into_par_iter().map(leading).collect::<Result<Vec<_>, LinalgError>>()?;
     let mut out = Array2::zeros((residues.nrows(), sides[1]));
-    for (n, row) in residues.rows().into_iter().enumerate() {
-        let matrix = row.to_shape(sides).expect("own · other values").to_owned();
-        out.row_mut(n).assign(&svd_thin(matrix.view())?.2.row(0));
-    }
+    out.rows_mut().into_iter().zip(&rows).for_each(|(mut out, row)| out.assign(row));
     Ok(out)
 }
 
-/// Rise or fall of the sum of squares that one more mode must bring.
-fn chance(target: &Target, variance: f64) -> f64 {
-    threshold(target.sides[0] + target.sides[1], target.work.lines()) * variance
-}
-
-/// Adds modes while the structure does not hold and one more pays.
-fn grown(target: &Target, mut state: State, variance: f64, holds: &dyn Fn(&State) -> bool) -> Result<State, LinalgError> {
-    let limit = chance(target, variance);
+/// Adds modes while the structure does not hold and one more takes more than `limit` out of the sum of squares.
+fn grown(target: &Target, mut state: State, limit: f64, holds: &dyn Fn(&State) -> bool) -> Result<State, LinalgError> {
     for _ in 0..tol::GROWTH_MOST {
         if holds(&state) {
             break;
@@ -174,8 +180,8 @@ fn grown(target: &Target, mut state: State, variance: f64, holds: &dyn Fn(&State
     Ok(state.refined(target, tol::REFINE_FINE, tol::STRUCTURED_FINE_STEP))
 }
 
-/// Takes out modes that are uncertain because the others explain the data as well without them.
-fn shed(target: &Target, mut state: State, variance: f64) -> State {
+/// Takes out modes that are uncertain because the others explain the data as well without them: to `limit` of the sum of squares.
+fn shed(target: &Target, mut state: State, variance: f64, limit: f64) -> State {
     let uncertainty = |state: &State, n: usize| {
         let spread: f64 = state.spread()[n].iter().sum();
         (variance * spread).sqrt() / state.lambda[n].im
@@ -188,7 +194,7 @@ fn shed(target: &Target, mut state: State, variance: f64) -> State {
         let lambda = kept.iter().map(|&m| state.lambda[m]).collect();
         let Ok(fewer) = State::new(target, lambda, state.participation.select(Axis(0), &kept), state.real) else { continue };
         let fewer = fewer.refined(target, tol::REFINE_FINE, tol::STRUCTURED_FINE_STEP);
-        if fewer.sse - state.sse < chance(target, variance) {
+        if fewer.sse - state.sse < limit {
             state = fewer;
         }
     }
@@ -196,11 +202,11 @@ fn shed(target: &Target, mut state: State, variance: f64) -> State {
 }
 
 /// Poles with their shapes; two that lie nearer than their error bars become one of rank two where the sum of squares does not
-/// mind.
-fn merged(target: &Target, mut state: State, variance: f64, swapped: bool) -> Result<Vec<StructuredPole>, LinalgError> {
+/// mind. The search may have been on a condensed target; shapes are those of the whole.
+fn merged([target, whole]: [&Target; 2], mut state: State, variance: f64, swapped: bool) -> Result<Vec<StructuredPole>, LinalgError> {
     let mut owner: Vec<usize> = (0..state.lambda.len()).collect();
+    let mut spread = state.spread();
     for n in 1..owner.len() {
-        let spread = state.spread();
         let near = (0..n).filter(|&m| owner[m] == m).find(|&m| {
             let allowed = variance * (spread[m].iter().sum::<f64>() + spread[n].iter().sum::<f64>());
             (state.lambda[m] - state.lambda[n]).norm_sqr() < tol::REPEATED_SIGMAS * allowed
@@ -214,11 +220,13 @@ fn merged(target: &Target, mut state: State, variance: f64, swapped: bool) -> Re
         let Ok(one) = State::new(target, lambda, state.participation.clone(), state.real) else { continue };
         if one.sse - state.sse < tol::REPEATED_SIGMAS * variance + tol::STRUCTURE_ROUNDING * target.energy {
             state = one;
+            spread = state.spread();
             owner[n] = m;
         }
     }
-    let spread = state.spread();
-    let shapes = if swapped { [&state.participation, &state.shape] } else { [&state.shape, &state.participation] };
+    let state = State::new(whole, state.lambda, state.participation, state.real)?;
+    let shape = &state.shapes.shape;
+    let shapes = if swapped { [&state.participation, shape] } else { [shape, &state.participation] };
     let first: Vec<usize> = (0..owner.len()).filter(|&n| owner[n] == n).collect();
     Ok(first
         .into_iter()

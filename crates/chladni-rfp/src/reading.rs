@@ -1,0 +1,114 @@
+//! Reading FRFs in the order in which they lie in memory, widened on the way.
+
+use chladni_frf::{FrfSet, FrfValues};
+use ndarray::ArrayView1;
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+/// Sums that need not wait for each other.
+const LANES: usize = 4;
+
+/// Calls `see` with each of `targets` and the value on each of `lines` of one pair.
+#[inline]
+pub(crate) fn visit<I: Iterator>(
+    values: &FrfValues,
+    (i, j): (usize, usize),
+    lines: &[usize],
+    targets: I,
+    see: impl FnMut(I::Item, Complex64),
+) {
+    match values {
+        FrfValues::F64(values) => each(values.slice(ndarray::s![i, j, ..]), lines, targets, |v| v, see),
+        FrfValues::F32(values) => {
+            each(values.slice(ndarray::s![i, j, ..]), lines, targets, |v| Complex64::new(v.re.into(), v.im.into()), see);
+        }
+    }
+}
+
+/// Lines without gaps are read as one stretch.
+#[inline]
+fn each<T: Copy, I: Iterator>(
+    frf: ArrayView1<T>,
+    lines: &[usize],
+    targets: I,
+    widen: impl Fn(T) -> Complex64,
+    mut see: impl FnMut(I::Item, Complex64),
+) {
+    let stretch = match (lines.first(), lines.last(), frf.to_slice()) {
+        (Some(&first), Some(&last), Some(frf)) if last - first + 1 == lines.len() => Some(&frf[first..=last]),
+        _ => None,
+    };
+    match stretch {
+        Some(stretch) => {
+            for (target, &value) in targets.zip(stretch) {
+                see(target, widen(value));
+            }
+        }
+        None => {
+            for (target, &k) in targets.zip(lines) {
+                see(target, widen(frf[k]));
+            }
+        }
+    }
+}
+
+/// Sum of squares of one pair on `lines`, and whether one of its values is zero.
+pub(crate) fn energy(values: &FrfValues, pair: (usize, usize), lines: &[usize]) -> (f64, bool) {
+    let (mut sums, mut zero) = ([0.0; LANES], false);
+    visit(values, pair, lines, 0.., |row: usize, value| {
+        let square = value.norm_sqr();
+        sums[row % LANES] += square;
+        zero |= square == 0.0;
+    });
+    (sums.iter().sum(), zero)
+}
+
+/// Sum of squares.
+pub(crate) fn squares(values: &[f64]) -> f64 {
+    let mut sums = [0.0; 2 * LANES];
+    for values in values.chunks(2 * LANES) {
+        sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value * value);
+    }
+    sums.iter().sum()
+}
+
+/// What a first look at all values tells.
+pub(crate) struct Usable {
+    /// Pairs with at least one finite value that is not zero.
+    pub pairs: Vec<(usize, usize)>,
+    /// Lines (positions) on which one of them is not finite, or all are zero.
+    pub bad: Vec<bool>,
+    /// Sum of squares by response and reference, row by row; right where no line is bad.
+    pub energy: Vec<f64>,
+}
+
+impl Usable {
+    /// Looks at `lines` of all pairs.
+    pub fn new(frf: &FrfSet, lines: &[usize]) -> Self {
+        let (responses, references, _) = frf.values.dim();
+        let all: Vec<(usize, usize)> = (0..responses).flat_map(|i| (0..references).map(move |j| (i, j))).collect();
+        let sums: Vec<(f64, bool)> = all.par_iter().map(|&pair| energy(&frf.values, pair, lines)).collect();
+        let mut bad = vec![false; lines.len()];
+        let mut zeros = vec![0; lines.len()];
+        let mut pairs = Vec::new();
+        for (&pair, &(sum, zero)) in all.iter().zip(&sums) {
+            if sum.is_finite() && !zero {
+                pairs.push(pair);
+                continue;
+            }
+            let (mut any, mut not_finite, mut zero) = (false, Vec::new(), Vec::new());
+            visit(&frf.values, pair, lines, 0.., |row, value| match value {
+                value if !value.is_finite() => not_finite.push(row),
+                value if value == Complex64::default() => zero.push(row),
+                _ => any = true,
+            });
+            if any {
+                pairs.push(pair);
+                not_finite.into_iter().for_each(|row| bad[row] = true);
+                zero.into_iter().for_each(|row| zeros[row] += 1);
+            }
+        }
+        bad.iter_mut().zip(&zeros).for_each(|(bad, zeros)| *bad |= *zeros == pairs.len() && !pairs.is_empty());
+        Self { pairs, bad, energy: sums.into_iter().map(|(sum, _)| sum).collect() }
+    }
+}

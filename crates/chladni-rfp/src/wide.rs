@@ -1,0 +1,132 @@
+//! Products whose right side has many columns, on all threads: blocks of columns whose size depends on nothing but their number,
+//! so that the bits are the same on any number of threads.
+
+use chladni_linalg::{add_matmul, add_matmul_h, matmul, qr_thin, LinalgError, Scalar};
+use ndarray::{s, Array2, ArrayView2, Axis, ShapeBuilder};
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+/// Least columns per block: fewer, and packing the left side again for each block costs more than the threads bring.
+const LEAST: usize = 24;
+/// Most blocks.
+const MOST: usize = 64;
+/// Blocks of rows of a tall QR.
+const ROW_BLOCKS: usize = 4;
+/// Multiplications below which one thread is faster than many.
+const SMALL: usize = 1 << 16;
+
+/// Columns per block of a product with `columns` columns and so many multiplications in all.
+fn block(columns: usize, multiplications: usize) -> usize {
+    if multiplications < SMALL {
+        columns.max(1)
+    } else {
+        columns.div_ceil(MOST).max(LEAST)
+    }
+}
+
+/// a·b.
+pub(crate) fn wide<T: Scalar>(a: ArrayView2<T>, b: ArrayView2<T>) -> Array2<T> {
+    blocked(a.nrows(), a.len(), b, |c, b| add_matmul(c, a, b))
+}
+
+/// aᴴ·b.
+pub(crate) fn wide_h<T: Scalar>(a: ArrayView2<T>, b: ArrayView2<T>) -> Array2<T> {
+    blocked(a.ncols(), a.len(), b, |c, b| add_matmul_h(c, a, b))
+}
+
+fn blocked<T: Scalar>(
+    rows: usize,
+    per_column: usize,
+    b: ArrayView2<T>,
+    product: impl Fn(ndarray::ArrayViewMut2<T>, ArrayView2<T>) + Sync,
+) -> Array2<T> {
+    let mut out = Array2::zeros((rows, b.ncols()).f());
+    let size = block(b.ncols(), per_column * b.ncols());
+    let blocks: Vec<_> = out.axis_chunks_iter_mut(Axis(1), size).zip(b.axis_chunks_iter(Axis(1), size)).collect();
+    blocks.into_par_iter().for_each(|(out, b)| product(out, b));
+    out
+}
+
+/// Qᴴb and b − Q·Qᴴb.
+pub(crate) fn projected<T: Scalar>(q: ArrayView2<T>, b: ArrayView2<T>) -> (Array2<T>, Array2<T>) {
+    let (mut inside, mut outside) = (Array2::zeros((q.ncols(), b.ncols()).f()), Array2::zeros(b.raw_dim().f()));
+    let size = block(b.ncols(), 2 * q.len() * b.ncols());
+    let blocks = inside.axis_chunks_iter_mut(Axis(1), size).zip(outside.axis_chunks_iter_mut(Axis(1), size));
+    let blocks: Vec<_> = blocks.zip(b.axis_chunks_iter(Axis(1), size)).collect();
+    blocks.into_par_iter().for_each(|((mut inside, mut outside), b)| {
+        add_matmul_h(inside.view_mut(), q, b);
+        outside.assign(&b);
+        add_matmul(outside, q, inside.mapv(|v| T::zero() - v).view());
+    });
+    (inside, outside)
+}
+
+/// Thin QR of a tall matrix from those of blocks of its rows.
+///
+/// # Errors
+/// As [`qr_thin`].
+pub(crate) fn tall_qr<T: Scalar>(a: ArrayView2<T>) -> Result<(Array2<T>, Array2<T>), LinalgError> {
+    let (rows, m) = a.dim();
+    if rows < 2 * ROW_BLOCKS * m || a.len() * m < SMALL {
+        return qr_thin(a);
+    }
+    let size = rows.div_ceil(ROW_BLOCKS);
+    let blocks: Vec<_> = a.axis_chunks_iter(Axis(0), size).collect();
+    let parts = blocks.into_par_iter().map(qr_thin).collect::<Result<Vec<_>, LinalgError>>()?;
+    let factors: Vec<_> = parts.iter().map(|(_, r)| r.view()).collect();
+    let (top, r) = qr_thin(ndarray::concatenate(Axis(0), &factors).expect("as many columns").view())?;
+    let mut q = Array2::zeros((rows, m).f());
+    let products: Vec<_> =
+        parts.par_iter().enumerate().map(|(i, (q, _))| matmul(q.view(), top.slice(s![i * m..(i + 1) * m, ..]))).collect();
+    q.axis_chunks_iter_mut(Axis(0), size).zip(&products).for_each(|(mut q, product)| q.assign(product));
+    Ok((q, r))
+}
+
+/// a·b for complex a and real b, as a real product of twice the rows.
+pub(crate) fn wide_mixed(a: &Array2<Complex64>, b: ArrayView2<f64>) -> Array2<Complex64> {
+    let parts = Array2::from_shape_fn((2 * a.nrows(), a.ncols()).f(), |(i, k)| {
+        let value = a[[i / 2, k]];
+        if i % 2 == 0 {
+            value.re
+        } else {
+            value.im
+        }
+    });
+    let mut out = Array2::zeros((a.nrows(), b.ncols()).f());
+    let size = block(b.ncols(), 2 * a.len() * b.ncols());
+    let blocks: Vec<_> = out.axis_chunks_iter_mut(Axis(1), size).zip(b.axis_chunks_iter(Axis(1), size)).collect();
+    blocks.into_par_iter().for_each(|(mut out, b)| {
+        let product = matmul(parts.view(), b);
+        for (mut out, product) in out.columns_mut().into_iter().zip(product.columns()) {
+            out.iter_mut().enumerate().for_each(|(i, value)| *value = Complex64::new(product[2 * i], product[2 * i + 1]));
+        }
+    });
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chladni_linalg::matmul_h;
+
+    fn values(rows: usize, columns: usize, seed: usize) -> Array2<Complex64> {
+        let value = |k: usize| ((k * 7919 + seed) % 101) as f64 / 50.0 - 1.0;
+        Array2::from_shape_fn((rows, columns).f(), |(i, j)| Complex64::new(value(i + 3 * j), value(5 * i + j)))
+    }
+
+    #[test]
+    fn blocks_make_the_same_product() {
+        let (a, b) = (values(600, 40, 1), values(40, 333, 2));
+        let near = |x: &Array2<Complex64>, y: &Array2<Complex64>| x.iter().zip(y).all(|(x, y)| (x - y).norm() < 1e-12);
+        assert!(near(&wide(a.view(), b.view()), &matmul(a.view(), b.view())));
+        let c = values(600, 333, 3);
+        assert!(near(&wide_h(a.view(), c.view()), &matmul_h(a.view(), c.view())));
+        let (q, r) = tall_qr(c.slice(s![.., ..5]).to_owned().view()).unwrap();
+        assert!(near(&matmul(q.view(), r.view()), &c.slice(s![.., ..5]).to_owned()));
+        let (inside, outside) = projected(q.view(), c.view());
+        assert!(near(&inside, &matmul_h(q.view(), c.view())) && near(&outside, &(&c - &matmul(q.view(), inside.view()))));
+        assert!(near(&matmul_h(q.view(), outside.view()), &Array2::zeros(inside.raw_dim())));
+        let real = b.mapv(|v| v.re);
+        assert!(near(&wide_mixed(&a, real.view()), &matmul(a.view(), real.mapv(|v| Complex64::new(v, 0.0)).view())));
+    }
+}
