@@ -20,7 +20,7 @@ use modes::{modes, rejected_mode, scales, unscaled};
 use ndarray::{Array2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
-use shape_error::{Scale, ShapeErrors};
+use shape_error::{deviations, Noisy, Scale};
 
 /// FRFs per block of what is done FRF by FRF.
 const BLOCK: usize = 1024;
@@ -138,7 +138,8 @@ impl Shaped {
             1.0
         };
         let (scales, scaling) = scales(data, identified.damping, &poles, &shapes);
-        let deviations = ShapeErrors::new(work, powers, &poles, &shapes, &present, variance, *real_shapes)?.deviations(&scales)?;
+        let noisy = Noisy { work, powers, poles: &poles, shapes: &shapes, present: &present, variance, real: *real_shapes };
+        let deviations = deviations(&noisy, &scales)?;
         let terms = linear.terms;
         Ok(Self { identified, poles, shapes, scales, scaling, deviations, terms, chi2_per_dof })
     }

@@ -5,9 +5,10 @@
 
 use super::pole::Pole;
 use crate::structure::Shapes;
+use crate::structured::background;
 use crate::tolerances as tol;
 use crate::work::{basis, basis_derivative, Work};
-use chladni_linalg::{eigh, inverse_hermitian, matmul, matmul_h, qr_thin, solve_hermitian, LinalgError};
+use chladni_linalg::{eigh, inverse_hermitian, matmul, matmul_h, solve_hermitian, LinalgError};
 use ndarray::{s, Array2, ArrayViewMut1, Axis};
 use num_complex::Complex64;
 
@@ -63,9 +64,46 @@ pub(crate) fn overlapping(lambda: &[Complex64]) -> Vec<Vec<usize>> {
     clusters
 }
 
-/// What the error bars of all shapes are made from.
-pub(super) struct ShapeErrors<'a> {
-    shapes: &'a Shapes,
+/// Shapes with what is known of their noise.
+pub(super) struct Noisy<'a> {
+    /// Lines and weights.
+    pub work: &'a Work,
+    /// Powers of x of the residual terms.
+    pub powers: &'a [i32],
+    pub poles: &'a [Pole],
+    pub shapes: &'a Shapes,
+    /// (response, reference): false where not measured.
+    pub present: &'a Array2<bool>,
+    /// Noise variance of a work value.
+    pub variance: f64,
+    /// True where shapes and participations that came with poles are real.
+    pub real: bool,
+}
+
+/// √E|δψ|² of every term, (term, response), for shapes scaled as told. Modes of the band are judged with the poles outside left free,
+/// as they were found, and the other way round.
+pub(super) fn deviations(noisy: &Noisy, scales: &[Scale]) -> Result<Array2<f64>, LinalgError> {
+    let Noisy { work, powers, poles, shapes, .. } = noisy;
+    let twin = |n: usize| Complex64::new(1.0, poles[n].loss_factor) * poles[n].omega.powi(2);
+    let (inside, outside): (Vec<usize>, Vec<usize>) = (0..poles.len()).partition(|&n| work.in_band(twin(n)));
+    let mut out = Array2::zeros(shapes.shape.raw_dim());
+    for (kept, others) in [(&inside, &outside), (&outside, &inside)] {
+        let rows: Vec<usize> = (0..shapes.owner.len()).filter(|&row| kept.contains(&shapes.owner[row])).collect();
+        if rows.is_empty() {
+            continue;
+        }
+        let others: Vec<Complex64> = others.iter().map(|&n| twin(n)).collect();
+        ShapeErrors::new(noisy, &rows, &background(work, &others, powers)?)?.fill(&rows, scales, &mut out)?;
+    }
+    Ok(out)
+}
+
+/// What the error bars of some terms are made from.
+struct ShapeErrors {
+    /// (term, response).
+    shape: Array2<Complex64>,
+    /// (term, reference).
+    participation: Array2<Complex64>,
     products: Products,
     groups: Vec<Group>,
     /// λ of each term; in the viscous law that of the structural twin.
@@ -80,28 +118,21 @@ pub(super) struct ShapeErrors<'a> {
     joint: bool,
 }
 
-impl<'a> ShapeErrors<'a> {
-    /// `work`: lines and weights; `present`: (response, reference), false where not measured.
-    pub fn new(
-        work: &Work,
-        powers: &[i32],
-        poles: &[Pole],
-        shapes: &'a Shapes,
-        present: &Array2<bool>,
-        variance: f64,
-        real: bool,
-    ) -> Result<Self, LinalgError> {
-        let of_terms: Vec<&Pole> = shapes.owner.iter().map(|&n| &poles[n]).collect();
+impl ShapeErrors {
+    /// `rows`: the terms; `free`: orthonormal basis of what else is fitted to every pair.
+    fn new(noisy: &Noisy, rows: &[usize], free: &Array2<Complex64>) -> Result<Self, LinalgError> {
+        let Noisy { work, poles, shapes, present, variance, real, .. } = *noisy;
+        let of_terms: Vec<&Pole> = rows.iter().map(|&row| &poles[shapes.owner[row]]).collect();
         let lambda: Vec<Complex64> = of_terms.iter().map(|p| Complex64::new(1.0, p.loss_factor) * p.omega.powi(2)).collect();
         let variance_of = |p: &&Pole| (2.0 * p.omega * p.omega_std).powi(2) + (p.omega.powi(2) * p.loss_factor_std).powi(2);
         let stated = of_terms.iter().map(variance_of).collect();
-        let terms = qr_thin(basis(work, &[], powers).view())?.0;
-        let outside = |columns: Array2<Complex64>| &columns - &matmul(terms.view(), matmul_h(terms.view(), columns.view()).view());
+        let outside = |columns: Array2<Complex64>| &columns - &matmul(free.view(), matmul_h(free.view(), columns.view()).view());
         let (f, d) = (outside(basis(work, &lambda, &[])), outside(basis_derivative(work, &lambda)));
         let product = |a: &Array2<Complex64>, b: &Array2<Complex64>| matmul_h(a.view(), b.view());
         let products = Products { ff: product(&f, &f), fd: product(&f, &d), dd: product(&d, &d) };
-        let joint = poles.iter().any(|pole| pole.given.is_some());
-        let mut errors = Self { shapes, products, groups: Vec::new(), lambda, stated, variance, real, joint };
+        let joint = of_terms.iter().any(|pole| pole.given.is_some());
+        let (shape, participation) = (shapes.shape.select(Axis(0), rows), shapes.participation.select(Axis(0), rows));
+        let mut errors = Self { shape, participation, products, groups: Vec::new(), lambda, stated, variance, real: real && joint, joint };
         let mut kinds: Vec<(Vec<bool>, Vec<usize>)> = Vec::new();
         for (i, row) in present.rows().into_iter().enumerate() {
             match kinds.iter_mut().find(|(kept, _)| *kept == row.to_vec()) {
@@ -119,16 +150,15 @@ impl<'a> ShapeErrors<'a> {
             matmul(part.mapv(|v| v.conj()).view(), part.t())
         };
         let references: Vec<usize> = (0..kept.len()).filter(|&j| kept[j]).collect();
-        let along = gram(&self.shapes.participation, &references);
+        let along = gram(&self.participation, &references);
         let mut normal = (&self.products.ff * &along).mapv(|v| self.take(v));
         normal.diag_mut().mapv_inplace(|v| v * (1.0 + tol::STRUCTURED_RIDGE) + f64::MIN_POSITIVE);
-        let across = gram(&self.shapes.shape, &responses);
+        let across = gram(&self.shape, &responses);
         Ok(Group { responses, kept, along, across, gram_inverse: inverse_hermitian(normal.view())? })
     }
 
-    /// √E|δψ|² of every term, (term, response), for shapes scaled as told.
-    pub fn deviations(&self, scales: &[Scale]) -> Result<Array2<f64>, LinalgError> {
-        let mut out = Array2::zeros(self.shapes.shape.raw_dim());
+    /// Writes the deviations of the terms into their `rows`.
+    fn fill(&self, rows: &[usize], scales: &[Scale], out: &mut Array2<f64>) -> Result<(), LinalgError> {
         for cluster in overlapping(&self.lambda) {
             let unknowns = self.unknowns(&cluster);
             let inside: Vec<Array2<Complex64>> = self.groups.iter().map(|group| self.inside(group, &unknowns)).collect();
@@ -136,10 +166,10 @@ impl<'a> ShapeErrors<'a> {
             let answers: Vec<Array2<Complex64>> =
                 self.groups.iter().zip(&inside).map(|(group, inside)| matmul(group.gram_inverse.view(), inside.view())).collect();
             for &n in &cluster {
-                self.fill(n, &scales[n], &unknowns, &covariance, &answers, out.row_mut(n));
+                self.fill_term(n, &scales[rows[n]], &unknowns, &covariance, &answers, out.row_mut(rows[n]));
             }
         }
-        Ok(out)
+        Ok(())
     }
 
     fn take(&self, v: Complex64) -> Complex64 {
@@ -165,7 +195,7 @@ impl<'a> ShapeErrors<'a> {
         let pole = |&term: &usize| units.iter().map(move |&unit| Unknown { term, reference: None, unit });
         let mut list: Vec<Unknown> = cluster.iter().flat_map(pole).collect();
         for &term in cluster {
-            let row = self.shapes.participation.row(term);
+            let row = self.participation.row(term);
             let pivot = row.indexed_iter().max_by(|a, b| a.1.norm_sqr().total_cmp(&b.1.norm_sqr())).map_or(0, |(j, _)| j);
             let others = (0..row.len()).filter(|&j| j != pivot);
             list.extend(others.map(|j| Unknown { term, reference: Some(j), unit: Complex64::ONE }));
@@ -175,7 +205,7 @@ impl<'a> ShapeErrors<'a> {
 
     /// Inner products of the columns φ_p⊗L_p with the derivatives by the unknowns, (term, unknown).
     fn inside(&self, group: &Group, unknowns: &[Unknown]) -> Array2<Complex64> {
-        let l = &self.shapes.participation;
+        let l = &self.participation;
         Array2::from_shape_fn((self.lambda.len(), unknowns.len()), |(p, a)| {
             let Unknown { term: n, reference, unit } = unknowns[a];
             self.take(match reference {
@@ -189,7 +219,7 @@ impl<'a> ShapeErrors<'a> {
     /// Gauss–Newton matrix of the unknowns with the shapes eliminated, as in structured refinement.
     fn information(&self, unknowns: &[Unknown], inside: &[Array2<Complex64>]) -> Array2<Complex64> {
         let Products { ff, fd, dd } = &self.products;
-        let l = &self.shapes.participation;
+        let l = &self.participation;
         let mut sum = Array2::zeros((unknowns.len(), unknowns.len()));
         for (group, inside) in self.groups.iter().zip(inside) {
             let known = matmul_h(inside.view(), matmul(group.gram_inverse.view(), inside.view()).view());
@@ -246,8 +276,8 @@ impl<'a> ShapeErrors<'a> {
         Ok(covariance)
     }
 
-    /// Writes the deviations of term `n`; `answers`: J of each group, (term, unknown).
-    fn fill(
+    /// The deviations of term `n`; `answers`: J of each group, (term, unknown).
+    fn fill_term(
         &self,
         n: usize,
         scale: &Scale,
@@ -256,7 +286,7 @@ impl<'a> ShapeErrors<'a> {
         answers: &[Array2<Complex64>],
         mut out: ArrayViewMut1<f64>,
     ) {
-        let x = &self.shapes.shape;
+        let x = &self.shape;
         let mut group_of = vec![0; x.ncols()];
         self.groups.iter().enumerate().for_each(|(g, group)| group.responses.iter().for_each(|&i| group_of[i] = g));
         let noise = |i: usize| self.groups[group_of[i]].gram_inverse[[n, n]].re * self.seen_variance();

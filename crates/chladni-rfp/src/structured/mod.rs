@@ -22,6 +22,7 @@ use newton::State;
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::borrow::Cow;
+pub(crate) use target::background;
 use target::{free_residues, Target};
 
 /// One pole with the shapes that belong to it: one row each, more than one for a repeated pole.

@@ -39,15 +39,7 @@ impl<'a> Target<'a> {
         back: Cow<'a, Array2<f64>>,
         sides: [usize; 2],
     ) -> Result<Self, LinalgError> {
-        let (columns, derivatives) = (basis(work, outside, powers), basis_derivative(work, outside));
-        let mut all = ndarray::concatenate(Axis(1), &[columns.view(), derivatives.view()]).expect("the same lines");
-        for mut column in all.columns_mut() {
-            let norm = column.iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
-            column.mapv_inplace(|v| v / norm);
-        }
-        let (u, s, _) = svd_thin(all.view())?;
-        let kept: Vec<usize> = (0..s.len()).filter(|&i| s[i] > tol::FREE_RANK * s[0]).collect();
-        let free = u.select(Axis(1), &kept);
+        let free = background(work, outside, powers)?;
         let (_, data) = projected(free.view(), work.b.view());
         let energy = data.iter().map(|v| v.norm_sqr()).sum();
         Ok(Self { work, free, data, back, sides, energy })
@@ -80,6 +72,20 @@ impl<'a> Target<'a> {
     pub fn against(&self, columns: &Array2<Complex64>) -> Array2<Complex64> {
         wide_mixed(&wide_h(columns.view(), self.data.view()), self.back.view())
     }
+}
+
+/// Orthonormal basis of what stays free in every pair, (line, ·): residual terms, and poles `outside` the band with their residues and,
+/// to first order, their positions.
+pub(crate) fn background(work: &Work, outside: &[Complex64], powers: &[i32]) -> Result<Array2<Complex64>, LinalgError> {
+    let (columns, derivatives) = (basis(work, outside, powers), basis_derivative(work, outside));
+    let mut all = ndarray::concatenate(Axis(1), &[columns.view(), derivatives.view()]).expect("the same lines");
+    for mut column in all.columns_mut() {
+        let norm = column.iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
+        column.mapv_inplace(|v| v / norm);
+    }
+    let (u, s, _) = svd_thin(all.view())?;
+    let kept: Vec<usize> = (0..s.len()).filter(|&i| s[i] > tol::FREE_RANK * s[0]).collect();
+    Ok(u.select(Axis(1), &kept))
 }
 
 /// Products over lines at one set of poles: F the pole columns, D their derivatives, B the compressed data.
