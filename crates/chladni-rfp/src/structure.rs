@@ -40,9 +40,12 @@ pub(crate) struct Residues<'a> {
     pub present: &'a Array2<bool>,
 }
 
+/// U, falling singular values, Vᴴ.
+type Svd = (Array2<Complex64>, Array1<f64>, Array2<Complex64>);
+
 impl Residues<'_> {
     /// Singular value decomposition of the residues of one pole, (response, reference).
-    fn svd(&self, pole: usize) -> Result<(Array2<Complex64>, Array1<f64>, Array2<Complex64>), LinalgError> {
+    fn svd(&self, pole: usize) -> Result<Svd, LinalgError> {
         let (responses, references) = self.present.dim();
         svd_thin(Array2::from_shape_fn((responses, references).f(), |(i, j)| self.values[[pole, i * references + j]]).view())
     }
