@@ -102,6 +102,10 @@ fn every_memory_layout_gives_the_same_product() {
         assert!(scaled((&matmul(view, b.view()) - &expected).view(), expected.view()) < BOUND);
         assert!(scaled((&matmul_h(adjoint(&view.to_owned()).view(), b.view()) - &expected).view(), expected.view()) < BOUND);
     }
+    let mut sum = Array2::zeros((7, 9).f());
+    add_matmul(sum.view_mut(), strided.slice(s![.., ..;2]), b.view());
+    add_matmul_h(sum.view_mut(), adjoint(&a).view(), b.view());
+    assert!(scaled((&sum / Complex64::new(2.0, 0.0) - &expected).view(), expected.view()) < BOUND);
     for column in [wide.slice(s![..0, ..]), wide.slice(s![.., ..0])] {
         assert!(matmul(column, Array2::zeros((column.ncols(), 2)).view()).iter().all(|v| v.norm() == 0.0));
     }

@@ -7,12 +7,11 @@
 use crate::refine::Projection;
 use crate::screen::Screened;
 use crate::tolerances as tol;
-use crate::wide::wide_h;
+use crate::wide::{tree_sum, wide_h};
 use crate::work::Work;
 use chladni_linalg::{add_matmul, add_matmul_h, eigh, matmul, LinalgError};
-use ndarray::{Array1, Array2, ArrayView2, Axis, ShapeBuilder};
+use ndarray::{Array1, Array2, ArrayView2, ArrayViewMut2, Axis, ShapeBuilder};
 use num_complex::Complex64;
-use rayon::prelude::*;
 
 /// What the second pass leaves.
 #[derive(Debug, Clone)]
@@ -74,30 +73,23 @@ pub(crate) fn project(data: &Screened, q: &Array2<Complex64>, line_energy: &Arra
     let mut r0 = Array2::zeros((m, total).f());
     let group = total.div_ceil(tol::PASS_GROUPS).max(1);
     let groups: Vec<_> = r0.axis_chunks_iter_mut(Axis(1), group).enumerate().collect();
-    let parts: Vec<(Array2<f64>, Array2<f64>)> = groups
-        .into_par_iter()
-        .map(|(number, mut r0)| {
-            let (mut t, mut gram) = (Array2::zeros((2 * lines, m).f()), Array2::zeros((m, m).f()));
-            let mut scratch = vec![0.0; 2 * lines * tol::BLOCK_FRFS];
-            let mut first = number * group;
-            for mut inside in r0.axis_chunks_iter_mut(Axis(1), tol::BLOCK_FRFS) {
-                let count = inside.ncols();
-                let values = &mut scratch[..2 * lines * count];
-                data.read(first..first + count, values);
-                first += count;
-                let block = ArrayView2::from_shape((2 * lines, count).f(), values).expect("as many values as read");
-                add_matmul_h(inside.view_mut(), basis.view(), block);
-                add_matmul(t.view_mut(), block, inside.t());
-                add_matmul(gram.view_mut(), inside.view(), inside.t());
-            }
-            (t, gram)
-        })
-        .collect();
-    let (mut t, mut gram) = (Array2::<f64>::zeros((2 * lines, m).f()), Array2::<f64>::zeros((m, m).f()));
-    for (t_part, gram_part) in parts {
-        t += &t_part;
-        gram += &gram_part;
-    }
+    let sums = |(number, mut r0): (usize, ArrayViewMut2<f64>)| {
+        let (mut t, mut gram) = (Array2::zeros((2 * lines, m).f()), Array2::zeros((m, m).f()));
+        let mut scratch = vec![0.0; 2 * lines * tol::BLOCK_FRFS];
+        let mut first = number * group;
+        for mut inside in r0.axis_chunks_iter_mut(Axis(1), tol::BLOCK_FRFS) {
+            let count = inside.ncols();
+            let values = &mut scratch[..2 * lines * count];
+            data.read(first..first + count, values);
+            first += count;
+            let block = ArrayView2::from_shape((2 * lines, count).f(), values).expect("as many values as read");
+            add_matmul_h(inside.view_mut(), basis.view(), block);
+            add_matmul(t.view_mut(), block, inside.t());
+            add_matmul(gram.view_mut(), inside.view(), inside.t());
+        }
+        (t, gram)
+    };
+    let (t, gram): (Array2<f64>, Array2<f64>) = tree_sum(groups, &sums, &|left, right| (left.0 + right.0, left.1 + right.1));
     // G^{-1/2} on the directions that carry anything
     let (values, vectors) = eigh(gram.view())?;
     let largest = values.last().copied().unwrap_or(0.0);

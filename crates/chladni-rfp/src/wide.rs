@@ -47,6 +47,16 @@ fn blocked<T: Scalar>(
     out
 }
 
+/// Sum of what `part` makes of each of `items` (at least one), by a tree that their number fixes: few parts are alive at once.
+pub(crate) fn tree_sum<I: Send, S: Send>(mut items: Vec<I>, part: &(impl Fn(I) -> S + Sync), add: &(impl Fn(S, S) -> S + Sync)) -> S {
+    let right = items.split_off(items.len() / 2);
+    if items.is_empty() {
+        return part(right.into_iter().next().expect("at least one"));
+    }
+    let (left, right) = rayon::join(|| tree_sum(items, part, add), || tree_sum(right, part, add));
+    add(left, right)
+}
+
 /// Qᴴb and b − Q·Qᴴb.
 pub(crate) fn projected<T: Scalar>(q: ArrayView2<T>, b: ArrayView2<T>) -> (Array2<T>, Array2<T>) {
     let (mut inside, mut outside) = (Array2::zeros((q.ncols(), b.ncols()).f()), Array2::zeros(b.raw_dim().f()));
