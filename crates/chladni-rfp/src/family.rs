@@ -57,7 +57,9 @@ pub(crate) fn fit_by_method(data: &Screened, options: &FitOptions, method: Finde
         consistent: true,
         real_shapes: false,
     };
-    let mut model = Shaped::new(data, identified)?.model(data, options);
+    let shaped = Shaped::new(data, identified)?;
+    let left = shaped.left(data);
+    let mut model = shaped.model(data, options, &left);
     if model.quality.relative_error > MOST_LEFT {
         model.quality.trusted = false;
         model.quality.warnings.push(format!(

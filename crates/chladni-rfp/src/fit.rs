@@ -13,6 +13,7 @@ use crate::project::project;
 use crate::refine::{refine, Projection, Refined};
 use crate::screen::Screened;
 use crate::structured::{structured, Structured};
+use crate::weights::PairWeights;
 use crate::work::Work;
 use chladni_frf::{Damping, FrfSet, ModalModel, Trust};
 use chladni_linalg::{inverse_hermitian, LinalgError};
@@ -40,16 +41,24 @@ pub fn fit(frf: &FrfSet, options: &FitOptions, progress: &dyn Fn(&str)) -> Resul
     let mut data = Screened::new(unbiased.as_ref().unwrap_or(frf), options)?;
     let mut dropped = Vec::new();
     let mut rounds = 0;
-    let (mut fit, white) = loop {
+    let (mut fit, white, left) = loop {
         match identify(&data, options, rounds < OUTLIER_ROUNDS, progress)? {
             Attempt::Outliers(places) => {
                 dropped.extend(places.iter().map(|&place| data.frf.frequency_hz[data.lines[place]]));
                 data = data.without(&places);
                 rounds += 1;
             }
-            Attempt::Fitted(fit, white) => break (*fit, white),
+            Attempt::Fitted(fit, white, left) => break (*fit, white, left),
         }
     };
+    if let Some(weights) = PairWeights::new(&data, &left, fit.model.quality.relative_error).filter(|_| white) {
+        progress("FRFs weighted by their noise");
+        let weighted = weights.applied(data.frf);
+        if let Attempt::Fitted(mut again, true, _) = identify(&data.weighted(&weighted, &weights), options, false, progress)? {
+            again.model.quality.path = again.model.quality.path.map(|path| format!("{path}; {}", weights.words()));
+            fit = *again;
+        }
+    }
     if !dropped.is_empty() {
         fit.model.quality.warnings.push(faults::outliers::words(&data, &mut dropped));
     }
@@ -65,15 +74,15 @@ const OUTLIER_ROUNDS: usize = 5;
 
 /// What a run of a method came to.
 enum Attempt {
-    /// A fit, and whether its residual is white.
-    Fitted(Box<Fit>, bool),
+    /// A fit, whether its residual is white, and the sum of squares left of each FRF where that tells its noise.
+    Fitted(Box<Fit>, bool, Vec<f64>),
     /// Lines (positions among those used) that must go first.
     Outliers(Vec<usize>),
 }
 
 /// Runs the method asked for. Outlier lines end a run only where they are `sought`.
 fn identify(data: &Screened, options: &FitOptions, sought: bool, progress: &dyn Fn(&str)) -> Result<Attempt, FitError> {
-    let fitted = |fit: Result<Fit, FitError>| Ok(Attempt::Fitted(Box::new(fit?), true));
+    let fitted = |fit: Result<Fit, FitError>| Ok(Attempt::Fitted(Box::new(fit?), true, Vec::new()));
     match options.method {
         Method::Auto => fit_auto(data, options, sought, progress),
         Method::Lean => fitted(fit_lean(data, options, progress)),
@@ -96,7 +105,9 @@ fn fit_lean(data: &Screened, options: &FitOptions, progress: &dyn Fn(&str)) -> R
     let found = lean(&survey, options, grades)?;
     progress("shapes");
     let law = choose(&found.work, &found.refined, 0.0, None, Some(options.damping.unwrap_or(Damping::Structural)))?;
-    let model = Shaped::new(data, Identified::new(found, law)?)?.model(data, options);
+    let shaped = Shaped::new(data, Identified::new(found, law)?)?;
+    let left = shaped.left(data);
+    let model = shaped.model(data, options, &left);
     Ok(Fit { model, history: Vec::new(), stabilization: None })
 }
 
@@ -142,11 +153,12 @@ fn fit_auto(data: &Screened, options: &FitOptions, sought: bool, progress: &dyn 
         identified = identified.structured(structured);
     }
     let shaped = Shaped::new(data, identified)?;
-    let mut model = shaped.model(data, options);
+    let left = shaped.left(data);
+    let mut model = shaped.model(data, options, &left);
     model.quality.warnings.append(&mut warnings);
     let outliers = if sought && measured { faults::outliers::outliers(data, &model) } else { Vec::new() };
     match outliers.is_empty() {
-        true => Ok(Attempt::Fitted(Box::new(Fit { model, history, stabilization: None }), !measured)),
+        true => Ok(Attempt::Fitted(Box::new(Fit { model, history, stabilization: None }), !measured, left)),
         false => Ok(Attempt::Outliers(outliers)),
     }
 }

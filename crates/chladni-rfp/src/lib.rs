@@ -32,6 +32,8 @@ mod structured;
 mod tolerances;
 mod validation;
 mod viscous;
+
+mod weights;
 mod whiteness;
 mod wide;
 mod work;

@@ -5,8 +5,9 @@ use crate::faults::noisy::far_noisier;
 use crate::options::FitOptions;
 use crate::reading::{energy, squares, visit, Usable};
 use crate::tolerances as tol;
+use crate::weights::{PairWeights, Weighting};
 use crate::work::Work;
-use chladni_frf::{FrfKind, FrfSet};
+use chladni_frf::{FrfKind, FrfSet, FrfValues};
 use chladni_linalg::add_matmul;
 use ndarray::{Array2, ArrayView2, ArrayViewMut2, ShapeBuilder};
 use num_complex::Complex64;
@@ -37,6 +38,8 @@ pub(crate) struct Screened<'a> {
     pub g: Vec<f64>,
     /// What was left out, in words.
     pub warnings: Vec<String>,
+    /// Where `frf` is not the measurement itself but weighted by its noise.
+    pub weighting: Option<Weighting<'a>>,
 }
 
 impl<'a> Screened<'a> {
@@ -90,6 +93,7 @@ impl<'a> Screened<'a> {
             omega_max,
             rms: 1.0,
             warnings,
+            weighting: None,
         };
         let sum: f64 = if bad.contains(&true) {
             screened.pairs.par_iter().map(|&pair| energy(&frf.values, pair, &screened.lines).0).collect::<Vec<_>>().iter().sum()
@@ -103,11 +107,12 @@ impl<'a> Screened<'a> {
         Ok(screened)
     }
 
-    /// Sum of squares of all data less basis·coefficients, in one pass.
+    /// Sum of squares of each measured FRF less basis·coefficients, in one pass.
     ///
     /// * `basis`: (real and imaginary part of each line, column)
     /// * `coefficients`: adds those of one FRF (position among the pairs), one per column
-    pub fn misfit(&self, basis: &Array2<f64>, coefficients: impl Fn(usize, &mut [f64]) + Sync) -> f64 {
+    pub fn misfit(&self, basis: &Array2<f64>, coefficients: impl Fn(usize, &mut [f64]) + Sync) -> Vec<f64> {
+        let measured = self.weighting.map_or(self.frf, |weighting| weighting.measured);
         let (rows, columns) = basis.dim();
         let inverse = -self.factor().inv();
         let mut model = basis.clone();
@@ -119,26 +124,26 @@ impl<'a> Screened<'a> {
         }
         let group = self.pairs.len().div_ceil(tol::PASS_GROUPS).max(1);
         let groups: Vec<Range<usize>> = (0..self.pairs.len()).step_by(group).map(|a| a..(a + group).min(self.pairs.len())).collect();
-        let parts: Vec<f64> = groups
+        let unit = self.factor().norm_sqr();
+        groups
             .into_par_iter()
-            .map(|group| {
+            .flat_map_iter(|group| {
                 let (mut left, mut factors) = (vec![0.0; rows * tol::BLOCK_FRFS], vec![0.0; columns * tol::BLOCK_FRFS]);
-                let mut sum = 0.0;
+                let mut sums = Vec::with_capacity(group.len());
                 for a in group.clone().step_by(tol::BLOCK_FRFS) {
                     let frfs = a..(a + tol::BLOCK_FRFS).min(group.end);
                     let (left, factors) = (&mut left[..rows * frfs.len()], &mut factors[..columns * frfs.len()]);
                     factors.fill(0.0);
                     factors.chunks_exact_mut(columns.max(1)).zip(frfs.clone()).for_each(|(own, l)| coefficients(l, own));
-                    self.read(frfs.clone(), left);
+                    self.read_from(&measured.values, frfs.clone(), left);
                     let shape = |rows: usize| (rows, frfs.len()).f();
                     let factors = ArrayView2::from_shape(shape(columns), factors).expect("one per column and FRF");
                     add_matmul(ArrayViewMut2::from_shape(shape(rows), left).expect("one per value"), model.view(), factors);
-                    sum += squares(left);
+                    sums.extend(left.chunks_exact(rows).map(|frf| unit * squares(frf)));
                 }
-                sum
+                sums
             })
-            .collect();
-        parts.iter().sum::<f64>() * self.factor().norm_sqr()
+            .collect()
     }
 
     /// Usual distance of neighbouring lines, Hz: the median, which gaps do not move.
@@ -163,7 +168,31 @@ impl<'a> Screened<'a> {
             x: kept.iter().map(|&place| self.x[place]).collect(),
             g: kept.iter().map(|&place| self.g[place]).collect(),
             warnings: self.warnings.clone(),
+            weighting: self.weighting,
         }
+    }
+
+    /// The same lines and pairs of `frf`, the data times `weights`.
+    pub fn weighted<'b>(&self, frf: &'b FrfSet, weights: &'b PairWeights) -> Screened<'b>
+    where
+        'a: 'b,
+    {
+        let mut out: Screened<'b> = self.without(&[]);
+        let sums: Vec<f64> = out.pairs.par_iter().map(|&pair| energy(&frf.values, pair, &out.lines).0).collect();
+        out.weighting = Some(Weighting { weights, measured: out.frf, rms: out.rms });
+        out.rms = (sums.iter().sum::<f64>() / (out.lines.len() * out.pairs.len()) as f64).sqrt();
+        out.frf = frf;
+        out
+    }
+
+    /// What FRFs of response i and of reference j were multiplied by.
+    pub fn weight(&self, i: usize, j: usize) -> [f64; 2] {
+        self.weighting.map_or([1.0; 2], |weighting| [weighting.weights.response[i], weighting.weights.reference[j]])
+    }
+
+    /// Root mean square of the measured data over that of the data used.
+    pub fn measured_over_used(&self) -> f64 {
+        self.weighting.map_or(1.0, |weighting| weighting.rms / self.rms)
     }
 
     /// Factor that takes a measured value to a work value: the kind's phase undone, unit rms.
@@ -183,10 +212,15 @@ impl<'a> Screened<'a> {
         out
     }
 
-    /// Writes the measured values of `pairs[columns]` on all lines one FRF after the other: real and imaginary part of each line.
+    /// Writes the values of `pairs[columns]` on all lines one FRF after the other: real and imaginary part of each line, not yet in
+    /// work units.
     pub fn read(&self, columns: Range<usize>, out: &mut [f64]) {
+        self.read_from(&self.frf.values, columns, out);
+    }
+
+    fn read_from(&self, values: &FrfValues, columns: Range<usize>, out: &mut [f64]) {
         for (out, &pair) in out.chunks_exact_mut(2 * self.lines.len()).zip(&self.pairs[columns]) {
-            visit(&self.frf.values, pair, &self.lines, out.chunks_exact_mut(2), |out, value| (out[0], out[1]) = (value.re, value.im));
+            visit(values, pair, &self.lines, out.chunks_exact_mut(2), |out, value| (out[0], out[1]) = (value.re, value.im));
         }
     }
 

@@ -144,9 +144,10 @@ impl Shaped {
         Ok(Self { identified, poles, shapes, scales, scaling, deviations, terms, chi2_per_dof })
     }
 
-    /// Builds the model.
-    pub fn model(self, data: &Screened, options: &FitOptions) -> ModalModel {
-        let relative_error = self.relative_error(data);
+    /// Builds the model; `left` as from [`Self::left`].
+    pub fn model(self, data: &Screened, options: &FitOptions, left: &[f64]) -> ModalModel {
+        let mean_square = left.iter().sum::<f64>() / (data.lines.len() * data.pairs.len()) as f64;
+        let relative_error = mean_square.sqrt() / data.measured_over_used();
         let Self { identified, poles, shapes, scales, scaling, deviations, terms, chi2_per_dof } = self;
         let Identified { damping, poles: all, powers, path, mut warnings, consistent, .. } = identified;
         let (responses, references) = (data.frf.responses.len(), data.frf.references.len());
@@ -174,7 +175,7 @@ impl Shaped {
                 .map(|(p, &power)| {
                     let mut matrix = Array2::zeros((responses, references));
                     for (l, &(i, j)) in data.pairs.iter().enumerate() {
-                        matrix[[i, j]] = terms[[p, l]] * scale;
+                        matrix[[i, j]] = terms[[p, l]] * scale / data.weight(i, j).iter().product::<f64>();
                     }
                     ResidualTerm { power: 2 * power, matrix: ComplexMatrix(matrix) }
                 })
@@ -210,21 +211,22 @@ impl Shaped {
         }
     }
 
-    /// Rms residual of the model as saved over rms data, in the measured kind, over the lines and pairs used: one more pass.
-    fn relative_error(&self, data: &Screened) -> f64 {
+    /// Sum of squares, in work units, that the model as saved leaves of each FRF in the measured kind, over the lines used: one more
+    /// pass.
+    pub fn left(&self, data: &Screened) -> Vec<f64> {
         let values: Vec<Complex64> = self.poles.iter().map(|pole| pole.value).collect();
         let basis = synthesis(data, self.identified.damping, &values, &self.identified.powers);
         let Shapes { owner, shape, participation, .. } = &self.shapes;
-        let sse = data.misfit(&basis, |l, factors| {
+        data.misfit(&basis, |l, factors| {
             let (i, j) = data.pairs[l];
+            let weight: f64 = data.weight(i, j).iter().product();
             let mut add = |n: usize, value: Complex64| {
-                factors[2 * n] += value.re;
-                factors[2 * n + 1] += value.im;
+                factors[2 * n] += value.re / weight;
+                factors[2 * n + 1] += value.im / weight;
             };
             owner.iter().enumerate().for_each(|(term, &n)| add(n, shape[[term, i]] * participation[[term, j]]));
             self.terms.column(l).iter().enumerate().for_each(|(p, &value)| add(values.len() + p, value));
-        });
-        (sse / (data.lines.len() * data.pairs.len()) as f64).sqrt()
+        })
     }
 }
 

@@ -6,7 +6,7 @@ use crate::screen::Screened;
 use crate::structure::Shapes;
 use crate::validation::mpc;
 use chladni_frf::{ComplexVector, Damping, Mode, ReferenceUnit, Scaling};
-use ndarray::Array2;
+use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -19,6 +19,13 @@ fn to_si(data: &Screened, damping: Damping, pole: &Pole) -> Complex64 {
         // r·2jω_d
         Damping::Viscous => Complex64::new(0.0, 2.0 * pole.value.im * size),
     }
+}
+
+/// Shape and participations of one term as the measured FRFs have them, weights undone.
+fn measured(data: &Screened, shapes: &Shapes, n: usize) -> (Array1<Complex64>, Array1<Complex64>) {
+    let (shape, participation) = (shapes.shape.row(n), shapes.participation.row(n));
+    let of_responses = Array1::from_shape_fn(shape.len(), |i| shape[i] / data.weight(i, 0)[0]);
+    (of_responses, Array1::from_shape_fn(participation.len(), |j| participation[j] / data.weight(0, j)[1]))
 }
 
 /// Scale of the shapes: of unit modal mass where the set has driving points and forces, one at the largest response otherwise.
@@ -36,7 +43,7 @@ pub(super) fn scales(data: &Screened, damping: Damping, poles: &[Pole], shapes: 
         .collect();
     let massed = !driving.is_empty() && data.frf.reference_unit == ReferenceUnit::Newton;
     let of_term = |n: usize| {
-        let (shape, participation) = (shapes.shape.row(n), shapes.participation.row(n));
+        let (shape, participation) = measured(data, shapes, n);
         if massed {
             // t² = Σ sign·conj(s)·L / Σ|s|² makes shape·t and participation/t agree at the driving points
             let si = to_si(data, damping, &poles[shapes.owner[n]]);
@@ -46,16 +53,16 @@ pub(super) fn scales(data: &Screened, damping: Damping, poles: &[Pole], shapes: 
             if down > 0.0 && factor.norm() > 0.0 {
                 return Scale {
                     factor,
-                    response: driving.iter().map(|&(i, _, _)| (i, -0.5 * shape[i].conj() / down)).collect(),
+                    response: driving.iter().map(|&(i, _, _)| (i, -0.5 * shape[i].conj() / (down * data.weight(i, 0)[0]))).collect(),
                     reference: driving
                         .iter()
-                        .map(|&(i, j, sign)| (j, sign * shape[i].conj() * si / (2.0 * down * factor * factor)))
+                        .map(|&(i, j, sign)| (j, sign * shape[i].conj() * si / (2.0 * down * factor * factor * data.weight(0, j)[1])))
                         .collect(),
                 };
             }
         } else if let Some((i, &largest)) = shape.indexed_iter().max_by(|a, b| a.1.norm_sqr().total_cmp(&b.1.norm_sqr())) {
             if largest.norm() > 0.0 {
-                return Scale { factor: largest.inv(), response: vec![(i, -largest.inv())], reference: Vec::new() };
+                return Scale { factor: largest.inv(), response: vec![(i, -largest.inv() / data.weight(i, 0)[0])], reference: Vec::new() };
             }
         }
         Scale { factor: Complex64::new(1.0, 0.0), response: Vec::new(), reference: Vec::new() }
@@ -77,9 +84,11 @@ pub(super) fn modes(
             let pole = &poles[shapes.owner[n]];
             let factor = scales[n].factor;
             let si = to_si(data, damping, pole);
-            let shape = shapes.shape.row(n).iter().map(|v| v * factor).collect();
-            let participation = shapes.participation.row(n).iter().map(|v| v * si / factor).collect();
-            let deviation = deviations.row(n).iter().map(|v| if v.is_finite() { *v } else { 0.0 }).collect();
+            let (shape, participation) = measured(data, shapes, n);
+            let shape = shape.iter().map(|v| v * factor).collect();
+            let participation = participation.iter().map(|v| v * si / factor).collect();
+            let deviation = |(i, v): (usize, &f64)| if v.is_finite() { v / data.weight(i, 0)[0] } else { 0.0 };
+            let deviation = deviations.row(n).iter().enumerate().map(deviation).collect();
             mode(data, pole, ComplexVector(shape), deviation, ComplexVector(participation))
         })
         .collect()
