@@ -94,6 +94,7 @@ pub(crate) fn refine(work: &Work, start: &[Complex64], powers: &[i32], iteration
     let mut lambda = start.to_vec();
     let mut projection = Projection::new(work, &lambda, powers)?;
     let mut damping = tol::LM_START;
+    let energy = work.energy();
     let mut system = None;
     let mut coefficients = projection.coefficients()?;
     for _ in 0..iterations {
@@ -127,7 +128,8 @@ pub(crate) fn refine(work: &Work, start: &[Complex64], powers: &[i32], iteration
             .collect();
         let candidate = Projection::new(work, &trial, powers);
         match candidate {
-            Ok(candidate) if candidate.sse <= projection.sse => {
+            // near the end rounding decides which sum of squares is the smaller: it must not refuse good steps
+            Ok(candidate) if candidate.sse <= projection.sse + tol::STEP_ROUNDING * (energy * projection.sse).sqrt() => {
                 lambda = trial;
                 projection = candidate;
                 coefficients = projection.coefficients()?;

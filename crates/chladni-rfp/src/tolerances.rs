@@ -127,7 +127,8 @@ pub(crate) const EXPLAINED: f64 = 1e-14;
 /// Step, in half-bandwidths, that ends structured refinement: clusters stepped apart converge linearly, so the error left is of
 /// the step's own size.
 pub(crate) const STRUCTURED_FINE_STEP: f64 = 1e-11;
-/// Rounding of a sum of squares relative to the data's energy, within which a step may seem to make things worse.
+/// Rounding of a sum of squares relative to the data's energy (of a residual's: to the geometric mean of both energies), within
+/// which a step may seem to make things worse.
 pub(crate) const STEP_ROUNDING: f64 = 1e-14;
 /// Eigenvalue of a correlation-like information matrix below which a direction is not known at all: far above rounding, far below
 /// the 1e-5 of modes that overlap threefold.
