@@ -2,13 +2,13 @@
 
 use crate::console::Console;
 use crate::indices::{indices_table, weights_table};
-use crate::input::source;
+use crate::input::{expand, read_frf, source, Reading};
 use crate::outcome::Outcome;
 use crate::output::{Output, WEIGHTS};
 use crate::table::{counted, significant};
 use chladni_frf::io::{read_model, write_atomically};
-use chladni_frf::{Error, ErrorKind, ModalModel, Result, Source};
-use chladni_render::{Method, RenderOptions, Rendering, Scene, Weights};
+use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result, Source};
+use chladni_render::{Count, MethodChoice, RenderOptions, Rendering, Scene, Weights};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{json, Map, Value};
 use std::path::{Path, PathBuf};
@@ -18,7 +18,8 @@ use std::path::{Path, PathBuf};
 #[command(before_help = "Examples:
   chladni render model.json corner.toml                     the weights and how well they do
   chladni render model.json corner.toml -o weights.json
-  chladni render model.json corner.toml --method fast")]
+  chladni render model.json corner.toml --method fast
+  chladni render model.json corner.toml --modes auto --actuators auto --measured panel.h5")]
 pub struct Args {
     /// Model file, as `chladni fit` writes it
     #[arg(value_name = "MODEL")]
@@ -30,13 +31,20 @@ pub struct Args {
     #[arg(short, value_name = "WEIGHTS")]
     output: Option<PathBuf>,
     /// How the weights are found
-    #[arg(long, value_name = "METHOD", default_value = "default", value_parser = PossibleValuesParser::new(method_names())
-        .try_map(|name| name.parse::<Method>()))]
-    method: Method,
-}
-
-fn method_names() -> Vec<&'static str> {
-    ["default", "fast"].into_iter().chain(Method::ALL.map(Method::as_str)).collect()
+    #[arg(long, value_name = "METHOD", default_value = "default", value_parser = PossibleValuesParser::new(MethodChoice::names())
+        .try_map(|name| name.parse::<MethodChoice>()))]
+    method: MethodChoice,
+    /// Modes to sum: all, as few as the scene needs, or so many; the others are folded into residual terms
+    #[arg(long, value_name = "all|auto|N", default_value = "all")]
+    modes: Count,
+    /// Actuators to use: all, as few as the scene needs, or so many
+    #[arg(long, value_name = "all|auto|N", default_value = "all")]
+    actuators: Count,
+    /// Measured FRFs whose line at the drive frequency judges `--modes auto`; without them the whole model does
+    #[arg(long, value_name = "FRF", num_args = 1..)]
+    measured: Vec<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
 }
 
 /// Runs the command.
@@ -49,11 +57,20 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     console.stage("reading");
     let model = read_model(&args.model)?;
     let scene = Scene::read(&args.scene)?;
-    let sources = vec![source(&args.model)?, source(&args.scene)?];
+    let mut sources = vec![source(&args.model)?, source(&args.scene)?];
+    let measured = match args.measured.is_empty() {
+        true => None,
+        false => {
+            let (frf, read) = read_frf(&expand(&args.measured, console)?, &args.reading, console)?;
+            sources.extend(read);
+            Some(frf)
+        }
+    };
 
     console.stage("rendering");
-    let options = RenderOptions { method: args.method, ..RenderOptions::default() };
-    let weights = render_scene(&model, &scene, &options, sources)?.weights;
+    let options = RenderOptions { method: args.method, modes: args.modes, actuators: args.actuators, ..RenderOptions::default() };
+    let mut weights = render_scene(&model, &scene, &options, measured.as_ref(), sources)?.weights;
+    args.reading.echo(&mut weights.options);
     console.warn_all(weights.warnings.iter().cloned());
     if let Some(output) = &output {
         console.stage("writing");
@@ -72,8 +89,14 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
 ///
 /// # Errors
 /// Those of the scene, with its file.
-pub fn render_scene(model: &ModalModel, scene: &Scene, options: &RenderOptions, sources: Vec<Source>) -> Result<Rendering> {
-    let mut rendering = chladni_render::render(model, scene, options).map_err(|error| match &scene.file {
+pub fn render_scene(
+    model: &ModalModel,
+    scene: &Scene,
+    options: &RenderOptions,
+    measured: Option<&FrfSet>,
+    sources: Vec<Source>,
+) -> Result<Rendering> {
+    let mut rendering = chladni_render::render_measured(model, scene, options, measured).map_err(|error| match &scene.file {
         Some(file) => error.file(file),
         None => error,
     })?;
@@ -107,13 +130,29 @@ fn summary(weights: &Weights, output: &Path) -> Result<Value> {
 fn text(weights: &Weights) -> String {
     let scene = if weights.scene.is_empty() { "scene" } else { &weights.scene };
     format!(
-        "{scene} at {} Hz, method {}, {}, {}: {}\n{}\n{}",
+        "{scene} at {} Hz, method {}, {}, {}: {}\n{}{}\n{}",
         significant(weights.frequency_hz, 6),
         weights.method,
         counted(weights.modes_used, "mode"),
         counted(weights.actuators_used, "actuator"),
         if weights.feasible { "feasible" } else { "not feasible" },
+        certainty(weights),
         indices_table(&weights.indices),
         weights_table(weights)
     )
+}
+
+/// What κ and the ceiling mean, in words.
+fn certainty(weights: &Weights) -> String {
+    let kappa = weights.kappa.map(|kappa| match kappa >= 0.0 {
+        true => format!("every response keeps its limit under model errors of {kappa:.1} standard deviations\n"),
+        false => format!("some response misses its limit by {:.1} standard deviations of the model's error\n", -kappa),
+    });
+    let ceiling = weights.ceiling.map(|ceiling| {
+        format!(
+            "possible at most {:.1} dB (certified), asked {:.1} dB, found {:.1} dB\n",
+            ceiling.possible_db, ceiling.asked_db, ceiling.reached_db
+        )
+    });
+    [kappa, ceiling].into_iter().flatten().collect()
 }

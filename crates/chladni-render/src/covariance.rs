@@ -15,7 +15,9 @@
 
 use crate::operator::Operator;
 use crate::options::Drift;
-use chladni_frf::{ModalModel, Mode, Trust};
+use crate::problem::internal;
+use crate::tolerances;
+use chladni_frf::{ModalModel, Mode, Result, Trust};
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -53,6 +55,31 @@ impl Covariance {
     /// ‖L·A‖: one standard deviation of the velocity at a response under the drive A, m/s.
     pub fn deviation(&self, drive: &Array1<Complex64>) -> f64 {
         self.root.dot(drive).iter().map(Complex64::norm_sqr).sum::<f64>().sqrt()
+    }
+
+    /// A square L with the same LᴴL, upper triangular; no row where there is no error at all.
+    ///
+    /// # Errors
+    /// Those of the factorisation: a broken promise.
+    pub(crate) fn triangular_root(&self) -> Result<Array2<Complex64>> {
+        let mut gram = self.gram();
+        let mean = gram.diag().iter().map(|value| value.re).sum::<f64>() / gram.nrows() as f64;
+        if mean == 0.0 {
+            return Ok(Array2::zeros((0, gram.ncols())));
+        }
+        gram.diag_mut().mapv_inplace(|value| value + mean * tolerances::RIDGE);
+        let lower = chladni_linalg::cholesky(gram.view()).map_err(internal)?;
+        Ok(lower.t().mapv(|value| value.conj()))
+    }
+
+    /// The same with further rows of errors.
+    pub(crate) fn with_errors(&self, errors: Array2<Complex64>) -> Self {
+        Self { root: ndarray::concatenate![ndarray::Axis(0), self.root, errors] }
+    }
+
+    /// The error of the columns `actuators` alone.
+    pub(crate) fn with_actuators(&self, actuators: &[usize]) -> Self {
+        Self { root: self.root.select(ndarray::Axis(1), actuators) }
     }
 
     /// L itself.

@@ -4,8 +4,9 @@ use crate::field::{AreaField, Field};
 use crate::indices::{AreaIndices, Indices, PointIndices};
 use crate::operator::Operator;
 use crate::problem::Drive;
-use crate::render::{lay_zones, scene_warnings, strength};
+use crate::render::strength;
 use crate::scene::{Limits, Scene};
+use crate::setup::{lay_zones, scene_warnings};
 use crate::weights::Weights;
 use crate::zones::ZoneMap;
 use chladni_frf::{Dof, Error, FrfSet, ModalModel, Result};
@@ -67,14 +68,14 @@ pub fn evaluate(weights: &Weights, scene: &Scene, on: On) -> Result<Evaluation> 
     let limits = scene.limits()?;
     let zones = lay_zones(&scene, &operator);
     let field = Field::new(&operator, &zones, &drive);
-    let points = PointIndices::of_field(&field, &limits, &drive, operator.unit)?;
+    let points = PointIndices::of_field(&field, &zones, &limits, &drive, operator.unit)?;
     let area = field.area(&zones);
     let mut warnings = scene_warnings(&scene, &operator, &zones);
     warnings.extend(other_frequency);
     warnings.extend(strength(&field, &limits));
     Ok(Evaluation {
         frequency_hz: operator.frequency_hz,
-        indices: Indices { points, area: area.as_ref().map(|area| AreaIndices::of_area(area, &limits)) },
+        indices: Indices { points, area: area.as_ref().map(|area| AreaIndices::of_area(area, &zones, &limits)) },
         field,
         area,
         zones,

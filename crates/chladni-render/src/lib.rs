@@ -28,9 +28,17 @@
 
 // The one error type of the workspace is large and rare.
 
+mod ceiling;
+mod climb;
+mod conic;
+mod count;
 mod covariance;
+mod drive_program;
 mod evaluate;
+mod fewest_actuators;
+mod fewest_modes;
 mod field;
+mod folding;
 mod gain;
 mod indices;
 mod interpolation;
@@ -41,20 +49,23 @@ mod plane;
 mod problem;
 mod render;
 mod scene;
+mod setup;
 mod threshold;
 pub mod tolerances;
 mod weights;
 mod zones;
 
+pub use ceiling::Ceiling;
+pub use count::Count;
 pub use covariance::Covariance;
 pub use evaluate::{evaluate, Evaluation, On};
 pub use field::{AreaField, AreaGrid, Field};
 pub use indices::{AreaIndices, Indices, PointIndices};
-pub use methods::Method;
+pub use methods::{Method, MethodChoice};
 pub use operator::Operator;
 pub use options::{Drift, RenderOptions};
 pub use plane::{Position, Rectangle};
-pub use render::{render, Rendering};
+pub use render::{render, render_measured, Rendering};
 pub use scene::{Actuators, Limits, Scene, DEFAULT_LIMEN_DB, DEFAULT_MAX_FORCE_N, DEFAULT_TRANSITION_M};
 pub use threshold::{Threshold, ThresholdTable};
 pub use weights::{Weight, Weights, WEIGHTS_FORMAT, WEIGHTS_VERSION};

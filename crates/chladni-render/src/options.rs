@@ -1,12 +1,17 @@
 //! What a user may turn.
 
-use crate::methods::Method;
+use crate::count::Count;
+use crate::methods::MethodChoice;
 
 /// Options of [`crate::render`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RenderOptions {
     /// How the weights are found.
-    pub method: Method,
+    pub method: MethodChoice,
+    /// How many modes to sum explicitly.
+    pub modes: Count,
+    /// How many actuators to use.
+    pub actuators: Count,
     /// How far the panel may move away from its model.
     pub drift: Drift,
 }
@@ -21,7 +26,15 @@ impl RenderOptions {
             ("isotropic_relative", self.drift.isotropic_relative),
         ];
         let drift = drift.map(|(key, value)| (key.to_owned(), value.into())).into_iter().collect::<serde_json::Map<_, _>>();
-        [("method".to_owned(), self.method.as_str().into()), ("drift".to_owned(), drift.into())].into_iter().collect()
+        [
+            ("method", self.method.to_string().into()),
+            ("modes", self.modes.to_string().into()),
+            ("actuators", self.actuators.to_string().into()),
+            ("drift", drift.into()),
+        ]
+        .map(|(key, value): (&str, serde_json::Value)| (key.to_owned(), value))
+        .into_iter()
+        .collect()
     }
 }
 

@@ -86,3 +86,95 @@ pub const KAPPA_ENOUGH: f64 = 2.0;
 /// Starts that go on from the responses alone to the problems with ground between them. With all of them the result is the
 /// same on the 2×2 and 3×3 cells of the study's panel, in 35 ms instead of 100.
 pub const MLS_LEADERS: usize = 2;
+
+/// Accuracy of conic programs (gap and feasibility, relative): a drive that keeps its limit to 1e-7 keeps it. Ten times less costs a step
+/// or two of the interior-point method, ten times more is still far below a hundredth of a decibel.
+pub const CONIC_GAP: f64 = 1e-7;
+
+/// Most steps of the interior-point method; 12 to 25 are usual.
+pub const CONIC_STEPS: u32 = 100;
+
+/// κ below this is none: the rounding of a program whose largest κ is 0.
+pub const NO_KAPPA: f64 = 1e-4;
+
+/// Price of one threshold of error bar ‖L·A‖ against a factor of 1 in contrast, where the margin is largest: picks among drives of
+/// equal margin the one that errs least. Ten times more costs a hundredth of a decibel.
+pub const DEVIATION_PRICE: f64 = 1e-4;
+
+/// κ that is enough: what force is left then goes into margin. Three standard deviations hold for all of some 70 responses.
+pub const KAPPA_CAP: f64 = 3.0;
+
+/// κ on the responses below which rows between them are left out: less would give up sure responses for guessed ground.
+pub const KAPPA_LEAST: f64 = 1.0;
+
+/// A round of conic programs that gains less κ than this was the last one.
+pub const KAPPA_GAIN: f64 = 0.02;
+
+/// A round that gains less than this in the factor between rows and limits was the last one: a hundredth of a decibel.
+pub const MARGIN_GAIN: f64 = 1e-3;
+
+/// Rows that join a conic program at once.
+pub const ROWS_JOINING: usize = 12;
+
+/// How far, over its limit, a row must miss what was asked to join.
+pub const JOIN_SLACK: f64 = 1e-4;
+
+/// Most rounds of conic programs of each kind.
+pub const ROUNDS: usize = 10;
+
+/// Share of κ, and of the margin in dB, that is kept while the peak force is lowered.
+pub const KEEP: f64 = 0.9;
+
+/// A round that lowers peak force or effort by less than this, relative, was the last one.
+pub const COST_GAIN: f64 = 0.02;
+
+/// Relative gap at which the search for the certified ceiling ends: 0.005 dB. Ten times less costs two more rounds of Newton steps.
+pub const CEILING_GAP: f64 = 1e-3;
+
+/// Factor by which the weight of the objective against the barrier rises from round to round.
+pub const BARRIER_RISE: f64 = 8.0;
+
+/// Most Newton steps of one round; 5 to 10 are usual.
+pub const BARRIER_STEPS: usize = 30;
+
+/// Newton decrement, squared, at which a round is centred. The certificate holds whatever it is.
+pub const BARRIER_DECREMENT: f64 = 1e-3;
+
+/// Ridge of the baseline `tikhonov` over the largest eigenvalue of HᴴH; the best of the study's grid of powers of ten.
+pub const TIKHONOV: f64 = 1e-3;
+
+/// Least singular value of the baseline `tsvd` over the largest.
+pub const TSVD: f64 = 1e-2;
+
+/// Directions of the baseline `vast`: the study's choice.
+pub const VAST_RANK: usize = 8;
+
+/// κ of `min-effort`.
+pub const KAPPA_EFFORT: f64 = 1.0;
+
+/// Starts of the method `best`; with more the result was the same on all cells of the study's panel.
+pub const BEST_STARTS: usize = 2;
+
+/// Largest rows × actuators² for which the default method is `robust`: on two shared cores the panel of the study, 400 rows between and at
+/// 77 responses for 34 actuators (4.6e5), takes 0.3 s.
+pub const ROBUST_SIZE: f64 = 1.5e6;
+
+/// Relative change of the drive below which a round was the last one.
+pub const SAME_DRIVE: f64 = 0.01;
+
+/// Rounds of the reweighted sum of amplitudes. The study's 8; the number of actuators settles after 4 or 5.
+pub const REWEIGHTINGS: usize = 8;
+
+/// Amplitude over the largest at which the price of an actuator falls to half. Ten times more hardly prices, ten times less freezes the
+/// first choice.
+pub const PRICE_FLOOR: f64 = 0.01;
+
+/// Amplitude over the largest below which an actuator counts as unused.
+pub const UNUSED: f64 = 1e-3;
+
+/// Terms of the series of a folded mode, above and below the drive frequency: powers 0, 2, 4 and −2, −4 of ω, as in the residual terms that
+/// fits use.
+pub const FOLDED_TERMS: [i32; 2] = [3, 2];
+
+/// Share of ground between the responses that fewer modes may cost.
+pub const LOSS_OF_GROUND: f64 = 0.005;

@@ -1,5 +1,6 @@
 //! The weights file: what each actuator has to do, and what comes of it.
 
+use crate::ceiling::Ceiling;
 use crate::indices::Indices;
 use crate::problem::Drive;
 use chladni_frf::io::json_error;
@@ -41,6 +42,9 @@ pub struct Weights {
     pub feasible: bool,
     /// Every judged response keeps its limit under model errors of so many standard deviations; negative where one misses.
     pub kappa: Option<f64>,
+    /// What physics allows, beside what was asked and found; where the scene is not met, or method `best` was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ceiling: Option<Ceiling>,
     /// Indices in the model.
     pub indices: Indices,
     /// What the user must know.

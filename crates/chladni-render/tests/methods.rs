@@ -9,7 +9,7 @@ use common::{actuators_m, cell_scene, disturbed, panel, scene, truth, Errors, DR
 use std::fmt::Write as _;
 
 fn options(method: Method) -> RenderOptions {
-    RenderOptions { method, ..Default::default() }
+    RenderOptions { method: method.into(), ..Default::default() }
 }
 
 fn rendered(model: &ModalModel, scene: &Scene, method: Method) -> Rendering {
@@ -81,7 +81,7 @@ fn mls_serves_the_four_kinds_of_cells_of_a_3_by_3_grid() {
 fn methods_rank_as_in_the_study() {
     let scene = cell_scene([2, 2], 1, "");
     let min_ratio = |method| rendered(truth(), &scene, method).weights.indices.points.min_ratio;
-    let [one_phase, free_phase, two_step] = Method::ALL.map(min_ratio);
+    let [one_phase, free_phase, two_step] = [Method::PressureMatching, Method::Mls, Method::Modal].map(min_ratio);
     assert_eq!(free_phase, 1.0);
     assert!((0.80..1.0).contains(&one_phase), "pressure matching {one_phase}");
     assert!(two_step < one_phase, "two-step {two_step}");
@@ -124,7 +124,7 @@ fn a_force_limit_is_kept_and_said_to_bind() {
         let limited = rendered(truth(), &scene, method);
         let force = limited.weights.indices.points.max_force_n.unwrap();
         assert!(force <= limit * (1.0 + 1e-12), "{method}: {force} N of {limit} N");
-        if method != Method::Modal {
+        if [Method::PressureMatching, Method::Mls].contains(&method) {
             assert!(limited.weights.warnings.iter().any(|w| w.contains("binds")), "{method}: {:?}", limited.weights.warnings);
         }
     }
@@ -143,7 +143,7 @@ fn an_infeasible_scene_says_what_is_possible() {
     let scene = cell_scene([2, 2], 1, "[actuators]\nmax_force_n = 1e-5\n");
     let weights = rendered(truth(), &scene, Method::Mls).weights;
     assert!(!weights.feasible && weights.kappa.unwrap() < 0.0);
-    let said = weights.warnings.iter().find(|warning| warning.contains("not met")).expect("what is possible");
+    let said = weights.warnings.iter().find(|warning| warning.contains("impossible")).expect("what is possible");
     assert!(said.contains("% of the hot") && said.contains("4.0 dB"), "{said}");
 }
 
@@ -300,8 +300,6 @@ fn method_names_are_those_of_the_command_line() {
     for method in Method::ALL {
         assert_eq!(method.to_string().parse::<Method>().unwrap(), method);
     }
-    assert_eq!("fast".parse::<Method>().unwrap(), Method::PressureMatching);
-    assert_eq!("default".parse::<Method>().unwrap(), Method::default());
     let error = "magic".parse::<Method>().unwrap_err();
     assert_eq!(error.kind, ErrorKind::Usage);
     assert!(error.to_string().contains("mls"), "{error}");

@@ -6,9 +6,13 @@ use chladni_render::{render, Method, RenderOptions, Weights};
 use serde_json::Value;
 
 fn weights() -> Weights {
-    render(common::truth(), &common::cell_scene([2, 2], 1, ""), &RenderOptions { method: Method::PressureMatching, ..Default::default() })
-        .unwrap()
-        .weights
+    render(
+        common::truth(),
+        &common::cell_scene([2, 2], 1, ""),
+        &RenderOptions { method: Method::PressureMatching.into(), ..Default::default() },
+    )
+    .unwrap()
+    .weights
 }
 
 fn keys(value: &Value) -> Vec<&str> {

@@ -30,21 +30,33 @@ const TILTS: [[f64; 2]; 6] = [[1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, -1.0], [
 
 /// The best drive found; `between` are rows between the responses, where there are any.
 pub(crate) fn solve(problem: &Problem, between: Option<&Rows>) -> Result<Solution> {
+    within_drive_limit(problem, |ridge| Ok(search(problem, between, ridge)?.0))
+}
+
+/// Up to `count` drives of different starts, the best first.
+pub(crate) fn leading_drives(problem: &Problem, between: Option<&Rows>, count: usize) -> Result<Vec<Drive>> {
+    let (best, others) = search(problem, between, 0.0)?;
+    let mut drives = vec![best];
+    drives.extend(others);
+    drives.truncate(count);
+    Ok(drives)
+}
+
+/// The best drive, and those that its rivals on the responses ended at.
+fn search(problem: &Problem, between: Option<&Rows>, ridge: f64) -> Result<(Drive, Vec<Drive>)> {
     let mut problems = vec![problem.clone()];
     problems.extend(between.iter().flat_map(|rows| tolerances::BETWEEN_WEIGHTS.map(|weight| problem.with_between(rows, weight))));
-    within_drive_limit(problem, |ridge| {
-        let mut contest = Contest { points: problem, ground: problems.last().expect("at least the responses"), best: None };
-        let mut leaders = None;
-        for problem in &problems {
-            let inverse = problem.regularised_inverse(ridge)?;
-            let starts = match leaders {
-                None => starts(problem, &inverse)?,
-                Some(leaders) => leaders,
-            };
-            leaders = Some(contest.enter(problem, &inverse, &starts));
-        }
-        Ok(contest.best.expect("at least one start").1)
-    })
+    let mut contest = Contest::new(problem, problems.last().expect("at least the responses"), tolerances::KAPPA_ENOUGH);
+    let mut leaders = None;
+    for problem in &problems {
+        let inverse = problem.regularised_inverse(ridge)?;
+        let starts = match leaders {
+            None => starts(problem, &inverse)?,
+            Some(leaders) => leaders,
+        };
+        leaders = Some(contest.enter(problem, &inverse, &starts));
+    }
+    Ok((contest.into_best(), leaders.unwrap_or_default()))
 }
 
 /// What a drive is judged by, the more important first: responses served (least zone, total), κ up to what is enough, ground
@@ -52,13 +64,25 @@ pub(crate) fn solve(problem: &Problem, between: Option<&Rows>) -> Result<Solutio
 type Key = [f64; 6];
 
 /// Keeps the best drive of all that are offered.
-struct Contest<'a> {
+pub(crate) struct Contest<'a> {
     points: &'a Problem,
     ground: &'a Problem,
+    /// κ on the responses of which more counts less than ground between them.
+    enough: f64,
     best: Option<(Key, Drive)>,
 }
 
-impl Contest<'_> {
+impl<'a> Contest<'a> {
+    /// On the responses of `points`, then on the rows of `ground`.
+    pub(crate) fn new(points: &'a Problem, ground: &'a Problem, enough: f64) -> Self {
+        Self { points, ground, enough, best: None }
+    }
+
+    /// The best drive that was offered; silence where none was.
+    pub(crate) fn into_best(self) -> Drive {
+        self.best.map_or_else(|| Drive::zeros(self.points.rows.mobility.ncols()), |(_, drive)| drive)
+    }
+
     /// Iterates from all starts with the first margin, and from the best of them with the others; returns the leading drives.
     fn enter(&mut self, problem: &Problem, inverse: &Array2<Complex64>, starts: &[Drive]) -> Vec<Drive> {
         let [first, others @ ..] = tolerances::MLS_MARGINS_DB;
@@ -76,11 +100,20 @@ impl Contest<'_> {
         drives.into_iter().map(|(_, drive)| drive).collect()
     }
 
-    /// Enters a drive with its best gain.
-    fn offer(&mut self, problem: &Problem, drive: &Drive) -> Key {
-        let drive = problem.with_best_gain(drive);
+    /// Enters a drive with its best gain on `problem`.
+    pub(crate) fn offer(&mut self, problem: &Problem, drive: &Drive) -> Key {
+        self.judge(problem.with_best_gain(drive))
+    }
+
+    /// Enters a drive with the gain that it has, or the largest that its limits allow.
+    pub(crate) fn offer_as_is(&mut self, drive: &Drive) -> Key {
+        let gain = self.points.drive_limits.allowed_gain(drive).min(1.0);
+        self.judge(drive.mapv(|weight| weight * gain))
+    }
+
+    fn judge(&mut self, drive: Drive) -> Key {
         let (points, ground) = (self.points.score(&drive), self.ground.score(&drive));
-        let robust = points.kappa.min(tolerances::KAPPA_ENOUGH);
+        let robust = points.kappa.min(self.enough);
         let key = [points.min_ratio, points.success_ratio, robust, ground.min_ratio, ground.success_ratio, ground.kappa];
         if self.best.as_ref().is_none_or(|(best, _)| key > *best) {
             self.best = Some((key, drive));
