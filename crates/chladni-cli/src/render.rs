@@ -1,14 +1,16 @@
 //! `chladni render`: weights that move a panel here and keep it quiet there.
 
 use crate::console::Console;
-use crate::indices::{indices_table, weights_table};
+use crate::indices::{indices_table, stress_table, sweep_table, weights_table};
 use crate::input::{expand, read_frf, source, Reading};
 use crate::outcome::Outcome;
-use crate::output::{Output, WEIGHTS};
+use crate::output::{Output, SIGNALS, WEIGHTS};
 use crate::table::{counted, significant};
 use chladni_frf::io::{read_model, write_atomically};
 use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result, Source};
-use chladni_render::{Count, MethodChoice, RenderOptions, Rendering, Scene, Weights};
+use chladni_render::{
+    signal_csv, stress, sweep, wav, Count, MethodChoice, RenderOptions, Rendering, Scene, SignalOptions, StressOptions, Weights,
+};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{json, Map, Value};
 use std::path::{Path, PathBuf};
@@ -19,7 +21,9 @@ use std::path::{Path, PathBuf};
   chladni render model.json corner.toml                     the weights and how well they do
   chladni render model.json corner.toml -o weights.json
   chladni render model.json corner.toml --method fast
-  chladni render model.json corner.toml --modes auto --actuators auto --measured panel.h5")]
+  chladni render model.json corner.toml --modes auto --actuators auto --measured panel.h5
+  chladni render model.json corner.toml --sweep 250:350 --stress
+  chladni render model.json corner.toml -o weights.json --wav drive.wav")]
 pub struct Args {
     /// Model file, as `chladni fit` writes it
     #[arg(value_name = "MODEL")]
@@ -43,8 +47,28 @@ pub struct Args {
     /// Measured FRFs whose line at the drive frequency judges `--modes auto`; without them the whole model does
     #[arg(long, value_name = "FRF", num_args = 1..)]
     measured: Vec<PathBuf>,
+    /// Try the weights on a panel that errs, drifts, is touched, loses an actuator
+    #[arg(long)]
+    stress: bool,
+    /// Try other drive frequencies and suggest the best, Hz
+    #[arg(long, value_name = "LO:HI", value_parser = parse_range)]
+    sweep: Option<[f64; 2]>,
+    /// Drive signals to write: .wav (32-bit float, one channel per actuator) or .csv (amplitude and phase)
+    #[arg(long, value_name = "FILE")]
+    wav: Option<PathBuf>,
+    /// Seed of the stress table's draws
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
     #[command(flatten)]
     reading: Reading,
+}
+
+fn parse_range(text: &str) -> std::result::Result<[f64; 2], String> {
+    let ends: Option<Vec<f64>> = text.split(':').map(|end| end.trim().parse().ok().filter(|hz: &f64| hz.is_finite())).collect();
+    match ends.as_deref() {
+        Some(&[low, high]) => Ok([low, high]),
+        _ => Err("no range LO:HI, as in 250:350".into()),
+    }
 }
 
 /// Runs the command.
@@ -54,6 +78,7 @@ pub struct Args {
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let inputs = [args.model.clone(), args.scene.clone()];
     let output = args.output.as_deref().map(|path| Output::new(path, WEIGHTS, &inputs, console)).transpose()?;
+    let signals = args.wav.as_deref().map(|path| Output::new(path, SIGNALS, &inputs, console)).transpose()?;
     console.stage("reading");
     let model = read_model(&args.model)?;
     let scene = Scene::read(&args.scene)?;
@@ -71,10 +96,25 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let options = RenderOptions { method: args.method, modes: args.modes, actuators: args.actuators, ..RenderOptions::default() };
     let mut weights = render_scene(&model, &scene, &options, measured.as_ref(), sources)?.weights;
     args.reading.echo(&mut weights.options);
+    if args.stress {
+        console.stage("stress");
+        let (rows, warnings) = stress(&weights, &scene, &model, &StressOptions { seed: args.seed, ..StressOptions::default() })?;
+        weights.options.insert("stress_seed".into(), args.seed.into());
+        weights.stress = Some(rows);
+        weights.warnings.extend(warnings);
+    }
+    if let Some(range) = args.sweep {
+        console.stage("sweeping frequencies");
+        weights.options.insert("sweep_hz".into(), range.to_vec().into());
+        weights.sweep = Some(sweep(&model, &scene, &options, range)?);
+    }
     console.warn_all(weights.warnings.iter().cloned());
     if let Some(output) = &output {
         console.stage("writing");
         write_weights(output, &weights)?;
+    }
+    if let (Some(path), Some(output)) = (&args.wav, &signals) {
+        write_signals(path, output, &weights)?;
     }
     let doubt = (!weights.feasible).then(|| "the scene is not met: see the warnings".to_owned());
     let text = text(&weights);
@@ -102,6 +142,13 @@ pub fn render_scene(
     })?;
     rendering.weights.source = sources;
     Ok(rendering)
+}
+
+/// Writes drive signals, in the format that the extension names.
+fn write_signals(path: &Path, output: &Output, weights: &Weights) -> Result<()> {
+    let is_wav = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("wav"));
+    let bytes = if is_wav { wav(weights, &SignalOptions::default())? } else { signal_csv(weights).into_bytes() };
+    output.write(|path, force| write_atomically(path, force, |out| out.write_all(&bytes)))
 }
 
 /// Writes a weights file.
@@ -139,7 +186,8 @@ fn text(weights: &Weights) -> String {
         certainty(weights),
         indices_table(&weights.indices),
         weights_table(weights)
-    )
+    ) + &weights.stress.as_deref().map(stress_table).unwrap_or_default()
+        + &weights.sweep.as_ref().map(sweep_table).unwrap_or_default()
 }
 
 /// What κ and the ceiling mean, in words.

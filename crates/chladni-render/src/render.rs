@@ -88,7 +88,7 @@ pub fn render_measured(model: &ModalModel, scene: &Scene, options: &RenderOption
         version: WEIGHTS_VERSION,
         created_by: CREATED_BY.into(),
         source: Vec::new(),
-        options: options.to_json(),
+        options: options.to_json(scene.drift.as_ref().unwrap_or(&options.drift)),
         frequency_hz: scene.frequency_hz,
         method: method.to_string(),
         scene: scene.name(),
@@ -99,6 +99,8 @@ pub fn render_measured(model: &ModalModel, scene: &Scene, options: &RenderOption
         ceiling,
         kappa: Some(problem.score(&drive).kappa).filter(|kappa| kappa.is_finite()),
         indices,
+        stress: None,
+        sweep: None,
         warnings,
     };
     Ok(Rendering { weights, field, area, zones: setup.zones, limits: setup.limits })

@@ -1,5 +1,6 @@
 //! The scene file: drive frequency, threshold, zones and actuators.
 
+use crate::options::Drift;
 use crate::plane::Position;
 use crate::threshold::{Threshold, ThresholdTable};
 use crate::tolerances;
@@ -11,7 +12,8 @@ use std::path::{Path, PathBuf};
 
 /// Every key of a scene, by table.
 const KEYS: Keys = &[
-    ("", &["frequency_hz", "threshold", "zones", "actuators"]),
+    ("", &["frequency_hz", "threshold", "zones", "actuators", "drift"]),
+    ("drift", &["frequency_relative", "loss_factor_relative", "shape_relative", "isotropic_relative", "drive_relative"]),
     ("threshold", &["profile", "limen_db"]),
     ("zones", &["grid", "hot", "area_m", "cells_m", "transition_m", "polygon"]),
     ("zones.polygon", &["kind", "points_m", "level_db"]),
@@ -40,6 +42,8 @@ pub struct Scene {
     pub zones: Zones,
     /// Actuators.
     pub actuators: Actuators,
+    /// How far the panel may move away from its model; `None`: as the options of the rendering say.
+    pub drift: Option<Drift>,
 }
 
 /// Which actuators may be used, and how hard.
@@ -112,6 +116,7 @@ impl Scene {
                 Some(table) => read_actuators(&table)?,
                 None => Actuators { only: None, max_force_n: None, max_voltage_v: None, max_effort: None },
             },
+            drift: optional("drift")?.map(|table| read_drift(&table)).transpose()?,
         })
     }
 
@@ -262,6 +267,17 @@ fn read_actuators(table: &Table) -> Result<Actuators> {
         max_voltage_v: limit("max_voltage_v")?,
         max_effort: limit("max_effort")?,
     })
+}
+
+fn read_drift(table: &Table) -> Result<Drift> {
+    table.only_keys(KEYS, "drift")?;
+    let mut drift = Drift::default();
+    for (key, _) in Drift::default().named() {
+        if let (Some(value), Some(place)) = (table.get(key), drift.named_mut(key)) {
+            *place = value.not_negative()?;
+        }
+    }
+    Ok(drift)
 }
 
 fn read_use(value: &Value) -> Result<Option<Vec<Dof>>> {

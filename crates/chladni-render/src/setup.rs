@@ -2,6 +2,7 @@
 
 use crate::covariance::Covariance;
 use crate::field::AreaGrid;
+use crate::frequency_sweep::mode_on;
 use crate::indices::check_zones;
 use crate::operator::Operator;
 use crate::options::Drift;
@@ -36,7 +37,7 @@ pub(crate) struct Setup {
 }
 
 impl Setup {
-    /// Lays `scene` over `model`.
+    /// Lays `scene` over `model`; `drift` holds where the scene gives none.
     ///
     /// # Errors
     /// As [`crate::render`].
@@ -49,7 +50,10 @@ impl Setup {
         let (drive_limits, warning) = drive_limits(scene, operator.unit)?;
         warnings.extend(warning);
         warnings.extend(controllability(model, &operator));
-        let covariance = Covariance::of_model(model, &operator, &judged, drift);
+        warnings.extend(mode_on(model, scene.frequency_hz).map(|hz| {
+            format!("the mode at {hz:.1} Hz sits on the drive frequency: a finger or a little warming changes the field; --sweep finds a better one")
+        }));
+        let covariance = Covariance::of_model(model, &operator, &judged, scene.drift.as_ref().unwrap_or(drift));
         let positions_m: Vec<Position> = judged.iter().map(|&row| operator.positions_m[row]).collect();
         let rows = Rows::new(operator.mobility.select(Axis(0), &judged), hot, positions_m, &zones);
         let between = between_rows(&operator, &zones);

@@ -123,7 +123,7 @@ pub const JOIN_SLACK: f64 = 1e-4;
 pub const ROUNDS: usize = 10;
 
 /// Share of κ, and of the margin in dB, that is kept while the peak force is lowered.
-pub const KEEP: f64 = 0.9;
+pub const KEEP: f64 = 0.95;
 
 /// A round that lowers peak force or effort by less than this, relative, was the last one.
 pub const COST_GAIN: f64 = 0.02;
@@ -178,3 +178,12 @@ pub const FOLDED_TERMS: [i32; 2] = [3, 2];
 
 /// Share of ground between the responses that fewer modes may cost.
 pub const LOSS_OF_GROUND: f64 = 0.005;
+
+/// Distance of the frequencies of a sweep, Hz: a fifth to a half of the bandwidth of a glass panel's modes there.
+pub const SWEEP_STEP_HZ: f64 = 2.0;
+
+/// Most frequencies of a sweep.
+pub const MOST_SWEPT: f64 = 500.0;
+
+/// Shares of responses nearer than this are equal to the frequency chooser: less than one response in a hundred.
+pub const SAME_SUCCESS: f64 = 0.005;

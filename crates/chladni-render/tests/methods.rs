@@ -155,7 +155,8 @@ fn kappa_is_the_least_slack_in_standard_deviations() {
     assert!(!weights.feasible && weights.kappa.unwrap() < 0.0, "pressure matching misses some");
     let mls = rendered(truth(), &scene, Method::Mls).weights;
     assert!(mls.kappa.unwrap() >= 1.0 && mls.indices.points.margin_db.unwrap() > 0.0);
-    let none = Drift { frequency_relative: 0.0, loss_factor_relative: 0.0, shape_relative: 0.0, isotropic_relative: 0.0 };
+    let none =
+        Drift { frequency_relative: 0.0, loss_factor_relative: 0.0, shape_relative: 0.0, isotropic_relative: 0.0, drive_relative: 0.0 };
     assert_eq!(of(none).kappa, None, "without any model error there is no scale");
 }
 

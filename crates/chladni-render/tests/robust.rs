@@ -156,7 +156,13 @@ fn the_default_is_robust_and_fast_is_pressure_matching() {
 
 #[test]
 fn without_any_model_error_the_cap_of_kappa_holds_and_the_margin_is_shared() {
-    let none = chladni_render::Drift { frequency_relative: 0.0, loss_factor_relative: 0.0, shape_relative: 0.0, isotropic_relative: 0.0 };
+    let none = chladni_render::Drift {
+        frequency_relative: 0.0,
+        loss_factor_relative: 0.0,
+        shape_relative: 0.0,
+        isotropic_relative: 0.0,
+        drive_relative: 0.0,
+    };
     let options = RenderOptions { drift: none, method: Method::Robust.into(), ..Default::default() };
     let weights = render(truth(), &cell_scene([2, 2], 1, ""), &options).unwrap().weights;
     assert!(weights.feasible && weights.kappa.is_none() && weights.indices.points.margin_db.unwrap() > 1.0, "{:?}", weights.indices);
