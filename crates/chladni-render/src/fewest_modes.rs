@@ -32,9 +32,9 @@ pub(crate) struct Judge {
 }
 
 impl Judge {
-    /// The whole model of `setup`.
-    pub(crate) fn of_model(setup: &Setup) -> Self {
-        let ground = setup.between.as_ref().map(|rows| setup.problem.with_between(rows, 1.0));
+    /// The whole model of `setup`, also `between` the responses.
+    pub(crate) fn of_model(setup: &Setup, between: bool) -> Self {
+        let ground = Some(setup).filter(|_| between).and_then(Setup::between).map(|rows| setup.problem.with_between(rows, 1.0));
         Self {
             points: setup.problem.clone(),
             rows: (0..setup.judged.len()).collect(),
@@ -136,7 +136,7 @@ pub(crate) fn choose(setup: Setup, model: &ModalModel, judge: &Judge, method: Me
         }
         Count::Auto => {
             let solve = |setup: &Setup| -> Result<Drive> {
-                let Decision { method, starts, .. } = method.decide(&setup.problem, setup.between.as_ref());
+                let Decision { method, starts, .. } = method.decide(&setup.problem);
                 Ok(method.solve(setup, model, starts)?.drive)
             };
             let whole = solve(&setup)?;

@@ -74,7 +74,7 @@ fn at(model: &ModalModel, scene: &Scene, options: &RenderOptions, frequency_hz: 
         MethodChoice::Default => MethodChoice::Only(crate::methods::Method::Mls),
         other => other,
     };
-    let Decision { method, starts, .. } = method.decide(&setup.problem, setup.between.as_ref());
+    let Decision { method, starts, .. } = method.decide(&setup.problem);
     let drive = method.solve(&setup, model, starts)?.drive;
     let score = setup.problem.score(&drive);
     Ok(SweptFrequency {

@@ -1,6 +1,7 @@
 //! From a model and a scene to weights: the whole of rendering in one function.
 
 use crate::ceiling::Ceiling;
+use crate::count::Count;
 use crate::fewest_actuators;
 use crate::fewest_modes::{self, Judge, Reduced};
 use crate::field::{AreaField, Field};
@@ -49,12 +50,12 @@ pub fn render_measured(model: &ModalModel, scene: &Scene, options: &RenderOption
     let whole = Setup::new(model, scene, &options.drift)?;
     let judge = match measured {
         Some(frf) => Judge::of_line(&whole, frf)?,
-        None => Judge::of_model(&whole),
+        None => Judge::of_model(&whole, options.modes == Count::Auto),
     };
     let Reduced { setup, warning: of_modes } = fewest_modes::choose(whole, model, &judge, options.method, options.modes)?;
     let chosen = fewest_actuators::choose(&setup, options.actuators)?;
     let used = setup.with_actuators(&chosen.columns);
-    let Decision { method, starts, warning } = options.method.decide(&used.problem, used.between.as_ref());
+    let Decision { method, starts, warning } = options.method.decide(&used.problem);
     let Solution { drive, warnings: said } = method.solve(&used, model, starts)?;
     let sparse = drive;
     let drive = spread(&sparse, &chosen.columns, setup.operator.references.len());
@@ -67,7 +68,9 @@ pub fn render_measured(model: &ModalModel, scene: &Scene, options: &RenderOption
     let points = PointIndices::of_field(&field, zones, limits, &drive, operator.unit)?;
     let indices = Indices { points, area: area.as_ref().map(|area| AreaIndices::of_area(area, zones, limits)) };
     let feasible = points.min_ratio == 1.0;
-    let ceiling = if feasible && options.method != MethodChoice::Best { None } else { Ceiling::of(&used.problem, &sparse)? };
+    // a proof takes as long as a conic program: who asked for less does not wait for it
+    let proves = options.method == MethodChoice::Best || (!feasible && matches!(method, Method::Robust | Method::MinEffort));
+    let ceiling = if proves { Ceiling::of(&used.problem, &sparse)? } else { None };
     if !feasible {
         warnings.push(shortfall(&points, ceiling.as_ref(), scene, method));
     }
@@ -130,15 +133,14 @@ fn shortfall(points: &PointIndices, ceiling: Option<&Ceiling>, scene: &Scene, me
              model); {served}, with {contrast}; {help}",
             ceiling.possible_db, ceiling.asked_db
         ),
-        Some(ceiling) if method != Method::Robust => format!(
-            "the scene is not met: {served}, with {contrast}; possible at most {:.1} dB, found {:.1} dB, asked {:.1} dB; take method `robust`",
-            ceiling.possible_db, ceiling.reached_db, ceiling.asked_db
-        ),
         Some(ceiling) => format!(
             "the scene is not met: possible at most {:.1} dB, asked {:.1} dB, found {:.1} dB; {served}, with {contrast}; {help}",
             ceiling.possible_db, ceiling.asked_db, ceiling.reached_db
         ),
-        None => format!("the scene is not met: {served}, with {contrast} where {:.1} dB are needed; {help}", 2.0 * scene.limen_db),
+        None => {
+            let better = if method == Method::Robust { "" } else { ", or take method `robust`, which also says what is possible" };
+            format!("the scene is not met: {served}, with {contrast} where {:.1} dB are needed; {help}{better}", 2.0 * scene.limen_db)
+        }
     }
 }
 

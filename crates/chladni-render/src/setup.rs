@@ -14,6 +14,7 @@ use crate::zones::{Ground, ZoneMap};
 use chladni_frf::{Error, ModalModel, ReferenceUnit, Result, Trust};
 use ndarray::{Array2, Axis};
 use num_complex::Complex64;
+use std::cell::OnceCell;
 
 /// A scene over a model.
 #[derive(Clone)]
@@ -28,8 +29,8 @@ pub(crate) struct Setup {
     pub(crate) judged: Vec<usize>,
     /// Judged rows, limits and error bar.
     pub(crate) problem: Problem,
-    /// Rows between the responses, where these carry an area.
-    pub(crate) between: Option<Rows>,
+    /// Rows between the responses, where these carry an area; found when a method asks for them.
+    between: OnceCell<Option<Rows>>,
     /// Modes of the model that are summed explicitly, rising.
     pub(crate) modes: Vec<usize>,
     /// What is to be known whatever the drive.
@@ -56,7 +57,7 @@ impl Setup {
         let covariance = Covariance::of_model(model, &operator, &judged, scene.drift.as_ref().unwrap_or(drift));
         let positions_m: Vec<Position> = judged.iter().map(|&row| operator.positions_m[row]).collect();
         let rows = Rows::new(operator.mobility.select(Axis(0), &judged), hot, positions_m, &zones);
-        let between = between_rows(&operator, &zones);
+        let between = OnceCell::new();
         let problem = Problem::new(rows, covariance, limits, drive_limits);
         let counts = |n: &usize| model.modes[*n].in_band && model.modes[*n].trust != Trust::Rejected;
         let modes = (0..model.modes.len()).filter(counts).collect();
@@ -70,10 +71,15 @@ impl Setup {
         let (measured, hot) = (&self.problem.rows, self.problem.rows.hot);
         let rows = Rows::new(setup.operator.mobility.select(Axis(0), &self.judged), hot, measured.positions_m.clone(), &self.zones);
         setup.problem = Problem { rows, covariance: self.problem.covariance.with_errors(errors), ..setup.problem };
-        setup.between = between_rows(&setup.operator, &self.zones);
+        setup.between = OnceCell::new();
         modes.sort_unstable();
         setup.modes = modes;
         setup
+    }
+
+    /// Rows between the responses, where these carry an area.
+    pub(crate) fn between(&self) -> Option<&Rows> {
+        self.between.get_or_init(|| between_rows(&self.operator, &self.zones)).as_ref()
     }
 
     /// The same with the actuators `columns` of the operator alone.
@@ -83,7 +89,7 @@ impl Setup {
         setup.operator.references = columns.iter().map(|&column| self.operator.references[column]).collect();
         setup.operator.reference_columns = columns.iter().map(|&column| self.operator.reference_columns[column]).collect();
         setup.problem = self.problem.with_actuators(columns);
-        setup.between = self.between.as_ref().map(|rows| rows.with_actuators(columns));
+        setup.between = OnceCell::new();
         setup
     }
 }

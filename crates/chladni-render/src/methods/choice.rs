@@ -1,7 +1,7 @@
 //! Which method runs: one by name, or one along the front of speed against accuracy.
 
 use crate::methods::Method;
-use crate::problem::{Problem, Rows};
+use crate::problem::Problem;
 use crate::tolerances;
 use chladni_frf::{Error, Result};
 use std::fmt;
@@ -39,21 +39,21 @@ impl MethodChoice {
     }
 
     /// The method for a problem of this size.
-    pub(crate) fn decide(self, problem: &Problem, between: Option<&Rows>) -> Decision {
+    pub(crate) fn decide(self, problem: &Problem) -> Decision {
         let decision = |method, starts| Decision { method, starts, warning: None };
         match self {
             Self::Only(method) => decision(method, 1),
             Self::Fast => decision(Method::PressureMatching, 1),
             Self::Best => decision(Method::Robust, tolerances::BEST_STARTS),
             Self::Default => {
-                let rows = problem.rows.mobility.nrows() + between.map_or(0, |rows| rows.mobility.nrows());
+                let rows = problem.rows.mobility.nrows();
                 let size = rows as f64 * (problem.rows.mobility.ncols() as f64).powi(2);
                 if size <= tolerances::ROBUST_SIZE {
                     return decision(Method::Robust, 1);
                 }
                 Decision {
                     warning: Some(format!(
-                        "method `mls` ran: {rows} rows for {} actuators would take `robust` more than about a second; \
+                        "method `mls` ran: {rows} responses for {} actuators would take `robust` more than about a second; \
                          ask for it with --method robust",
                         problem.rows.mobility.ncols()
                     )),

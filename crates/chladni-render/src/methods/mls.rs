@@ -10,8 +10,8 @@
 //! corner it served 0.95 of the hot responses where this form serves all, at twice the force.
 //!
 //! The problem is not convex, so several starts compete: pressure matching, contrast control, and hot zones with a phase that
-//! runs across. They compete on the responses alone and with rows interpolated between the responses, of two weights; winner is
-//! who serves most responses, then has some κ, then serves most ground between the responses.
+//! runs across; first on the responses alone, their leaders with several margins, and the leaders of these also with rows interpolated between
+//! the responses. Winner is who serves most responses, then has some κ, then serves most ground between the responses.
 
 use crate::gain::within_drive_limit;
 use crate::methods::pressure_matching::one_phase_target;
@@ -20,6 +20,7 @@ use crate::plane::Rectangle;
 use crate::problem::{Drive, Problem, Rows};
 use crate::tolerances;
 use chladni_frf::Result;
+use chladni_linalg::matmul;
 use ndarray::Array2;
 use num_complex::Complex64;
 use std::cmp::Ordering;
@@ -42,21 +43,26 @@ pub(crate) fn leading_drives(problem: &Problem, between: Option<&Rows>, count: u
     Ok(drives)
 }
 
-/// The best drive, and those that its rivals on the responses ended at.
+/// The best drive, and those that its rivals ended at.
 fn search(problem: &Problem, between: Option<&Rows>, ridge: f64) -> Result<(Drive, Vec<Drive>)> {
-    let mut problems = vec![problem.clone()];
-    problems.extend(between.iter().flat_map(|rows| tolerances::BETWEEN_WEIGHTS.map(|weight| problem.with_between(rows, weight))));
-    let mut contest = Contest::new(problem, problems.last().expect("at least the responses"), tolerances::KAPPA_ENOUGH);
-    let mut leaders = None;
-    for problem in &problems {
-        let inverse = problem.regularised_inverse(ridge)?;
-        let starts = match leaders {
-            None => starts(problem, &inverse)?,
-            Some(leaders) => leaders,
-        };
-        leaders = Some(contest.enter(problem, &inverse, &starts));
+    let with_ground = between.map(|rows| problem.with_between(rows, tolerances::BETWEEN_WEIGHT));
+    let ground = with_ground.as_ref().unwrap_or(problem);
+    let mut contest = Contest::new(problem, ground, tolerances::KAPPA_ENOUGH);
+    let [first_steps, steps, ground_steps] = tolerances::MLS_STEPS;
+    let inverse = problem.regularised_inverse(ridge)?;
+    let starts = starts(problem, &inverse)?;
+    let [first_margin, ..] = tolerances::MLS_MARGINS_DB;
+    let leaders = contest.enter(problem, &inverse, &starts.iter().map(|start| (start, first_margin)).collect::<Vec<_>>(), first_steps);
+    let mut leaders = contest.enter(problem, &inverse, &with_margins(&leaders), steps);
+    if let Some(ground) = &with_ground {
+        leaders = contest.enter(ground, &ground.regularised_inverse(ridge)?, &with_margins(&leaders), ground_steps);
     }
-    Ok((contest.into_best(), leaders.unwrap_or_default()))
+    Ok((contest.into_best(), leaders))
+}
+
+/// Each of the drives with each margin, dB.
+fn with_margins(drives: &[Drive]) -> Vec<(&Drive, f64)> {
+    drives.iter().flat_map(|drive| tolerances::MLS_MARGINS_DB.map(|margin_db| (drive, margin_db))).collect()
 }
 
 /// What a drive is judged by, the more important first: responses served (least zone, total), κ up to what is enough, ground
@@ -83,19 +89,11 @@ impl<'a> Contest<'a> {
         self.best.map_or_else(|| Drive::zeros(self.points.rows.mobility.ncols()), |(_, drive)| drive)
     }
 
-    /// Iterates from all starts with the first margin, and from the best of them with the others; returns the leading drives.
-    fn enter(&mut self, problem: &Problem, inverse: &Array2<Complex64>, starts: &[Drive]) -> Vec<Drive> {
-        let [first, others @ ..] = tolerances::MLS_MARGINS_DB;
-        let mut drives: Vec<(Key, Drive)> = Vec::new();
-        for start in starts {
-            let drive = iterate(problem, inverse, start, first);
-            drives.push((self.offer(problem, &drive), drive));
-        }
+    /// Iterates from all starts, each with its margin in dB; returns the leading drives.
+    fn enter(&mut self, problem: &Problem, inverse: &Array2<Complex64>, starts: &[(&Drive, f64)], steps: usize) -> Vec<Drive> {
+        let ended = iterate(problem, inverse, starts, steps);
+        let mut drives: Vec<(Key, Drive)> = ended.into_iter().map(|drive| (self.offer(problem, &drive), drive)).collect();
         drives.sort_by(|(a, _), (b, _)| better_first(a, b));
-        for margin_db in others {
-            let drive = iterate(problem, inverse, &drives[0].1, margin_db);
-            self.offer(problem, &drive);
-        }
         drives.truncate(tolerances::MLS_LEADERS);
         drives.into_iter().map(|(_, drive)| drive).collect()
     }
@@ -146,24 +144,28 @@ fn starts(problem: &Problem, inverse: &Array2<Complex64>) -> Result<Vec<Drive>> 
     Ok(starts)
 }
 
-/// [`tolerances::MLS_STEPS`] steps of the majorisation from `start`.
-fn iterate(problem: &Problem, inverse: &Array2<Complex64>, start: &Drive, margin_db: f64) -> Drive {
-    let ratio = 10f64.powf(margin_db / 20.0);
-    let (hot_limit, cold_limit) = (problem.limits.hot_m_per_s * ratio, problem.limits.cold_m_per_s / ratio);
-    let mut drive = problem.with_best_gain(start);
-    for _ in 0..tolerances::MLS_STEPS {
-        let mut target = problem.field(&drive);
-        for (k, value) in target.iter_mut().enumerate() {
-            let amplitude = value.norm();
+/// `steps` of the majorisation from all starts together, one column each: two products of matrices a step.
+fn iterate(problem: &Problem, inverse: &Array2<Complex64>, starts: &[(&Drive, f64)], steps: usize) -> Vec<Drive> {
+    let mut drives = Array2::zeros((inverse.nrows(), starts.len()));
+    for (mut column, (start, _)) in drives.columns_mut().into_iter().zip(starts) {
+        column.assign(&problem.with_best_gain(start));
+    }
+    let ratios: Vec<f64> = starts.iter().map(|(_, margin_db)| 10f64.powf(margin_db / 20.0)).collect();
+    for _ in 0..steps {
+        let mut target = matmul(problem.rows.mobility.view(), drives.view());
+        for (k, mut row) in target.rows_mut().into_iter().enumerate() {
             let is_hot = k < problem.rows.hot;
-            let limit = if is_hot { hot_limit } else { cold_limit };
-            if (is_hot && amplitude < limit) || (!is_hot && amplitude > limit) {
-                *value = relaxed(*value, amplitude, limit);
+            for (value, ratio) in row.iter_mut().zip(&ratios) {
+                let limit = if is_hot { problem.limits.hot_m_per_s * ratio } else { problem.limits.cold_m_per_s / ratio };
+                let amplitude = value.norm();
+                if (is_hot && amplitude < limit) || (!is_hot && amplitude > limit) {
+                    *value = relaxed(*value, amplitude, limit);
+                }
             }
         }
-        drive = inverse.dot(&target);
+        drives = matmul(inverse.view(), target.view());
     }
-    drive
+    drives.columns().into_iter().map(|column| column.to_owned()).collect()
 }
 
 /// `value` moved along its own phase to the magnitude `limit`, and beyond by the relaxation.

@@ -85,12 +85,12 @@ impl Method {
 
     /// The drive for a scene laid over `model`; `starts` is how many starts `robust` climbs from.
     pub(crate) fn solve(self, setup: &Setup, model: &ModalModel, starts: usize) -> Result<Solution> {
-        let (problem, between) = (&setup.problem, setup.between.as_ref());
+        let problem = &setup.problem;
         let mut solution = match self {
             Self::PressureMatching => pressure_matching::solve(problem)?,
-            Self::Mls => mls::solve(problem, between)?,
-            Self::Robust => robust::solve(problem, between, starts)?,
-            Self::MinEffort => min_effort::solve(problem, between)?,
+            Self::Mls => mls::solve(problem, setup.between())?,
+            Self::Robust => robust::solve(problem, setup.between(), starts)?,
+            Self::MinEffort => min_effort::solve(problem, setup.between())?,
             Self::Modal => modal::solve(setup, model)?,
             Self::Tikhonov => Solution::of_direction(problem, &tikhonov::solve(problem)?),
             Self::Tsvd => Solution::of_direction(problem, &tsvd::solve(problem)?),
