@@ -65,8 +65,12 @@ pub struct SceneRow {
 /// None for the named scenes.
 pub fn scenes(options: &SceneOptions, progress: &dyn Fn(&str)) -> Result<Vec<SceneRow>> {
     let mut rows = Vec::new();
-    let mut panels: Vec<ScenePanel> = options.cases.iter().map(|case| case.panel).collect();
-    panels.dedup();
+    let mut panels: Vec<ScenePanel> = Vec::new();
+    for case in &options.cases {
+        if !panels.contains(&case.panel) {
+            panels.push(case.panel);
+        }
+    }
     for kind in panels {
         progress(&format!("measuring and fitting the panel {kind:?}"));
         let panel = kind.measure()?;

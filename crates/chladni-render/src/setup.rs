@@ -139,6 +139,10 @@ pub(crate) fn scene_warnings(scene: &Scene, operator: &Operator, zones: &ZoneMap
             scanned.x_min, scanned.x_max, scanned.y_min, scanned.y_max
         ));
     }
+    let (zone_count, actuators) = (zones.hot_outlines().len(), operator.references.len());
+    if actuators > 1 && zone_count > actuators {
+        warnings.push(format!("{zone_count} hot cells or polygons for {actuators} actuators: they cannot be set apart from each other"));
+    }
     if operator.references.len() == 1 {
         warnings.push(format!("a single actuator ({}) can only scale one pattern, not shape it", operator.references[0]));
     }

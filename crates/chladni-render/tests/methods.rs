@@ -249,6 +249,8 @@ fn unusual_scenes_are_warned_about() {
         assert!(warnings.iter().any(|warning| warning.contains(expected)), "{expected}: {warnings:?}");
     };
     let zones = "[zones]\ngrid = [2, 2]\nhot = [1]\ncells_m = [0.0, 0.0, 0.268, 0.170]\n";
+    let many = "[zones]\ngrid = [2, 2]\nhot = [1, 2, 3]\ncells_m = [0.0, 0.0, 0.268, 0.170]\n[actuators]\nuse = [\"101:+Z\", \"110:+Z\"]\n";
+    warned(&format!("frequency_hz = 300\n{many}"), "3 hot cells or polygons for 2 actuators");
     warned(&format!("frequency_hz = 240\n{zones}"), "250 to 350 Hz");
     warned(&format!("frequency_hz = 300\n{zones}area_m = [0, 0, 0.268, 0.170]\n"), "nothing outside them is judged");
 }

@@ -68,6 +68,8 @@ fn damaged_files_are_refused_with_the_reason() {
         ("\"frequency_hz\": 300.0,", "", "missing field `frequency_hz`"),
         ("\"N\"", "\"V\"", "units of the weights differ"),
         ("\"N\"", "\"kgf\"", "unknown variant"),
+        ("\"im\": ", "\"im\": null, \"was\": ", "null"),
+        ("\"im\": ", "\"im\": 1e999, \"was\": ", "number out of range"),
         ("{", "[", "not a weights file"),
     ] {
         assert!(text.contains(old), "{old}");
