@@ -25,7 +25,7 @@ fn rendering(c: &mut Criterion) {
     let model = panel_77x34_1997_lines().expect("the committed panel").truth;
     let scene = corner_scene().expect("the committed scene");
     for method in RenderMethod::ALL {
-        let options = RenderOptions { method, ..RenderOptions::default() };
+        let options = RenderOptions { method: method.into(), ..RenderOptions::default() };
         group.bench_function(format!("corner_scene/{method}"), |b| b.iter(|| render(black_box(&model), &scene, &options)));
     }
     group.finish();

@@ -5,6 +5,8 @@
 //!   error against time with the Pareto front
 //! * [`profile`]: stage times, and the floor that no method can go below
 //!
+//! * [`scenes`]: rendering from noisy FRFs to a drive on the true plate, by every method
+//!
 //! `chladni bench` writes the files; `docs/accuracy.md` says what they show. Criterion's benches of single stages are in `benches/`.
 
 mod accuracy;
@@ -19,6 +21,7 @@ mod mode_errors;
 mod pareto;
 mod problem;
 mod profile;
+mod scene;
 mod score;
 mod stage_chart;
 mod statistics;
@@ -33,6 +36,7 @@ pub use mode_errors::{ModeErrors, Spread};
 pub use pareto::{accuracy_figures, front};
 pub use problem::{Bounds, Problem};
 pub use profile::{profile, profile_csv, ProfileCase, ProfileOptions, ProfileRow, PROFILE_CASES};
+pub use scene::{scene_csv, scenes, SceneCase, SceneOptions, ScenePanel, SceneRow, Served, SCENE_CASES};
 pub use score::{Match, Score};
 pub use stage_chart::profile_figure;
 pub use statistics::median;

@@ -13,7 +13,7 @@ use chladni_bench::median;
 use chladni_frf::io::{write_atomically, write_contents, write_model, Contents};
 use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result};
 use chladni_plate::{simulate, Panel};
-use chladni_render::{evaluate, Method, On, PointIndices, RenderOptions, Rendering, Scene};
+use chladni_render::{evaluate, On, PointIndices, RenderOptions, Rendering, Scene};
 use chladni_report::{html, RenderedScene, ReportInput};
 use chladni_rfp::FitOptions;
 use serde_json::{json, Value};
@@ -142,8 +142,7 @@ fn render_one(files: &Files, k: usize, model: &ModalModel, truth: &ModalModel, c
     Output::new(&files.scenes[k], SCENE, &[], console)?
         .write(|path, force| write_atomically(path, force, |out| out.write_all(text.as_bytes())))?;
     let scene = Scene::read(&files.scenes[k])?;
-    let options = RenderOptions { method: Method::Mls, ..RenderOptions::default() };
-    let rendering = render_scene(model, &scene, &options, vec![source(&files.model)?, source(&files.scenes[k])?])?;
+    let rendering = render_scene(model, &scene, &RenderOptions::default(), None, vec![source(&files.model)?, source(&files.scenes[k])?])?;
     console.warn_all(rendering.weights.warnings.iter().map(|warning| format!("scene-{}.toml: {warning}", k + 1)));
     write_weights(&Output::new(&files.weights[k], WEIGHTS, &[], console)?, &rendering.weights)?;
     let on_panel = evaluate(&rendering.weights, &scene, On::Model(truth))?.indices.points;

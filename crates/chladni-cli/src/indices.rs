@@ -1,7 +1,7 @@
 //! How well weights do, as a table.
 
 use crate::table::{significant, table};
-use chladni_render::{Indices, Weights};
+use chladni_render::{FrequencySweep, Indices, StressRow, SweptFrequency, Weights};
 
 /// Indices at the responses and over the area between them.
 pub fn indices_table(indices: &Indices) -> String {
@@ -41,4 +41,35 @@ pub fn weights_table(weights: &Weights) -> String {
         .map(|weight| vec![weight.reference.to_string(), significant(weight.amplitude, 4), format!("{:.1}", weight.phase_deg)])
         .collect();
     table(&["reference", &amplitude, "phase, deg"], &rows)
+}
+
+/// What becomes of the weights when the panel is not the model.
+pub fn stress_table(rows: &[StressRow]) -> String {
+    let cells = rows.iter().map(|row| {
+        let shares = [row.success_mean, row.success_worst_5_percent, row.min_worst_5_percent].map(|share| format!("{share:.3}"));
+        [row.trial.clone(), row.cases.to_string()].into_iter().chain(shares).collect()
+    });
+    let header = ["stress", "cases", "success, mean", "worst 5 %", "smaller of hot and cold, worst 5 %"];
+    format!("\n{}", table(&header, &cells.collect::<Vec<_>>()))
+}
+
+/// The scene at other frequencies, and the suggestion.
+pub fn sweep_table(sweep: &FrequencySweep) -> String {
+    let shown = |value: Option<f64>, decimals: usize| value.map_or_else(|| "unknown".into(), |value| format!("{value:.decimals$}"));
+    let row = |f: &SweptFrequency| {
+        vec![
+            significant(f.frequency_hz, 6),
+            shown(f.kappa, 1),
+            format!("{:.3}", f.success_ratio),
+            shown(f.touched_ratio, 3),
+            significant(f.largest_drive, 3),
+            f.on_mode_hz.map_or_else(String::new, |hz| format!("on the mode at {hz:.1} Hz")),
+        ]
+    };
+    let rows: Vec<Vec<String>> = sweep.frequencies.iter().map(row).collect();
+    let suggestion = match sweep.suggested_hz {
+        Some(hz) => format!("suggested: {} Hz\n", significant(hz, 6)),
+        None => "no frequency serves any response\n".into(),
+    };
+    format!("\n{}{suggestion}", table(&["frequency, Hz", "kappa", "success", "touched", "largest drive", ""], &rows))
 }

@@ -12,6 +12,8 @@ pub const FRF: &[&str] = &["h5", "hdf5", "uff", "ufb", "bunv", "unv", "csv", "tx
 pub const MODEL: &[&str] = &["json", "h5", "hdf5"];
 /// Extensions of weights files.
 pub const WEIGHTS: &[&str] = &["json"];
+/// Extensions of drive signals.
+pub const SIGNALS: &[&str] = &["wav", "csv"];
 /// Extensions of scene files.
 pub const SCENE: &[&str] = &["toml"];
 /// Extensions of reports.

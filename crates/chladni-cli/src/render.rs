@@ -1,14 +1,16 @@
 //! `chladni render`: weights that move a panel here and keep it quiet there.
 
 use crate::console::Console;
-use crate::indices::{indices_table, weights_table};
-use crate::input::source;
+use crate::indices::{indices_table, stress_table, sweep_table, weights_table};
+use crate::input::{expand, read_frf, source, Reading};
 use crate::outcome::Outcome;
-use crate::output::{Output, WEIGHTS};
+use crate::output::{Output, SIGNALS, WEIGHTS};
 use crate::table::{counted, significant};
 use chladni_frf::io::{read_model, write_atomically};
-use chladni_frf::{Error, ErrorKind, ModalModel, Result, Source};
-use chladni_render::{Method, RenderOptions, Rendering, Scene, Weights};
+use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result, Source};
+use chladni_render::{
+    signal_csv, stress, sweep, wav, Count, MethodChoice, RenderOptions, Rendering, Scene, SignalOptions, StressOptions, Weights,
+};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{json, Map, Value};
 use std::path::{Path, PathBuf};
@@ -18,7 +20,10 @@ use std::path::{Path, PathBuf};
 #[command(before_help = "Examples:
   chladni render model.json corner.toml                     the weights and how well they do
   chladni render model.json corner.toml -o weights.json
-  chladni render model.json corner.toml --method fast")]
+  chladni render model.json corner.toml --method fast
+  chladni render model.json corner.toml --modes auto --actuators auto --measured panel.h5
+  chladni render model.json corner.toml --sweep 250:350 --stress
+  chladni render model.json corner.toml -o weights.json --wav drive.wav")]
 pub struct Args {
     /// Model file, as `chladni fit` writes it
     #[arg(value_name = "MODEL")]
@@ -30,13 +35,40 @@ pub struct Args {
     #[arg(short, value_name = "WEIGHTS")]
     output: Option<PathBuf>,
     /// How the weights are found
-    #[arg(long, value_name = "METHOD", default_value = "default", value_parser = PossibleValuesParser::new(method_names())
-        .try_map(|name| name.parse::<Method>()))]
-    method: Method,
+    #[arg(long, value_name = "METHOD", default_value = "default", value_parser = PossibleValuesParser::new(MethodChoice::names())
+        .try_map(|name| name.parse::<MethodChoice>()))]
+    method: MethodChoice,
+    /// Modes to sum: all, as few as the scene needs, or so many; the others are folded into residual terms
+    #[arg(long, value_name = "all|auto|N", default_value = "all")]
+    modes: Count,
+    /// Actuators to use: all, as few as the scene needs, or so many
+    #[arg(long, value_name = "all|auto|N", default_value = "all")]
+    actuators: Count,
+    /// Measured FRFs whose line at the drive frequency judges `--modes auto`; without them the whole model does
+    #[arg(long, value_name = "FRF", num_args = 1..)]
+    measured: Vec<PathBuf>,
+    /// Try the weights on a panel that errs, drifts, is touched, loses an actuator
+    #[arg(long)]
+    stress: bool,
+    /// Try other drive frequencies and suggest the best, Hz
+    #[arg(long, value_name = "LO:HI", value_parser = parse_range)]
+    sweep: Option<[f64; 2]>,
+    /// Drive signals to write: .wav (32-bit float, one channel per actuator) or .csv (amplitude and phase)
+    #[arg(long, value_name = "FILE")]
+    wav: Option<PathBuf>,
+    /// Seed of the stress table's draws
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    #[command(flatten)]
+    reading: Reading,
 }
 
-fn method_names() -> Vec<&'static str> {
-    ["default", "fast"].into_iter().chain(Method::ALL.map(Method::as_str)).collect()
+fn parse_range(text: &str) -> std::result::Result<[f64; 2], String> {
+    let ends: Option<Vec<f64>> = text.split(':').map(|end| end.trim().parse().ok().filter(|hz: &f64| hz.is_finite())).collect();
+    match ends.as_deref() {
+        Some(&[low, high]) => Ok([low, high]),
+        _ => Err("no range LO:HI, as in 250:350".into()),
+    }
 }
 
 /// Runs the command.
@@ -46,18 +78,43 @@ fn method_names() -> Vec<&'static str> {
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let inputs = [args.model.clone(), args.scene.clone()];
     let output = args.output.as_deref().map(|path| Output::new(path, WEIGHTS, &inputs, console)).transpose()?;
+    let signals = args.wav.as_deref().map(|path| Output::new(path, SIGNALS, &inputs, console)).transpose()?;
     console.stage("reading");
     let model = read_model(&args.model)?;
     let scene = Scene::read(&args.scene)?;
-    let sources = vec![source(&args.model)?, source(&args.scene)?];
+    let mut sources = vec![source(&args.model)?, source(&args.scene)?];
+    let measured = match args.measured.is_empty() {
+        true => None,
+        false => {
+            let (frf, read) = read_frf(&expand(&args.measured, console)?, &args.reading, console)?;
+            sources.extend(read);
+            Some(frf)
+        }
+    };
 
     console.stage("rendering");
-    let options = RenderOptions { method: args.method, ..RenderOptions::default() };
-    let weights = render_scene(&model, &scene, &options, sources)?.weights;
+    let options = RenderOptions { method: args.method, modes: args.modes, actuators: args.actuators, ..RenderOptions::default() };
+    let mut weights = render_scene(&model, &scene, &options, measured.as_ref(), sources)?.weights;
+    args.reading.echo(&mut weights.options);
+    if args.stress {
+        console.stage("stress");
+        let (rows, warnings) = stress(&weights, &scene, &model, &StressOptions { seed: args.seed, ..StressOptions::default() })?;
+        weights.options.insert("stress_seed".into(), args.seed.into());
+        weights.stress = Some(rows);
+        weights.warnings.extend(warnings);
+    }
+    if let Some(range) = args.sweep {
+        console.stage("sweeping frequencies");
+        weights.options.insert("sweep_hz".into(), range.to_vec().into());
+        weights.sweep = Some(sweep(&model, &scene, &options, range)?);
+    }
     console.warn_all(weights.warnings.iter().cloned());
     if let Some(output) = &output {
         console.stage("writing");
         write_weights(output, &weights)?;
+    }
+    if let (Some(path), Some(output)) = (&args.wav, &signals) {
+        write_signals(path, output, &weights)?;
     }
     let doubt = (!weights.feasible).then(|| "the scene is not met: see the warnings".to_owned());
     let text = text(&weights);
@@ -72,13 +129,26 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
 ///
 /// # Errors
 /// Those of the scene, with its file.
-pub fn render_scene(model: &ModalModel, scene: &Scene, options: &RenderOptions, sources: Vec<Source>) -> Result<Rendering> {
-    let mut rendering = chladni_render::render(model, scene, options).map_err(|error| match &scene.file {
+pub fn render_scene(
+    model: &ModalModel,
+    scene: &Scene,
+    options: &RenderOptions,
+    measured: Option<&FrfSet>,
+    sources: Vec<Source>,
+) -> Result<Rendering> {
+    let mut rendering = chladni_render::render_measured(model, scene, options, measured).map_err(|error| match &scene.file {
         Some(file) => error.file(file),
         None => error,
     })?;
     rendering.weights.source = sources;
     Ok(rendering)
+}
+
+/// Writes drive signals, in the format that the extension names.
+fn write_signals(path: &Path, output: &Output, weights: &Weights) -> Result<()> {
+    let is_wav = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("wav"));
+    let bytes = if is_wav { wav(weights, &SignalOptions::default())? } else { signal_csv(weights).into_bytes() };
+    output.write(|path, force| write_atomically(path, force, |out| out.write_all(&bytes)))
 }
 
 /// Writes a weights file.
@@ -107,13 +177,30 @@ fn summary(weights: &Weights, output: &Path) -> Result<Value> {
 fn text(weights: &Weights) -> String {
     let scene = if weights.scene.is_empty() { "scene" } else { &weights.scene };
     format!(
-        "{scene} at {} Hz, method {}, {}, {}: {}\n{}\n{}",
+        "{scene} at {} Hz, method {}, {}, {}: {}\n{}{}\n{}",
         significant(weights.frequency_hz, 6),
         weights.method,
         counted(weights.modes_used, "mode"),
         counted(weights.actuators_used, "actuator"),
         if weights.feasible { "feasible" } else { "not feasible" },
+        certainty(weights),
         indices_table(&weights.indices),
         weights_table(weights)
-    )
+    ) + &weights.stress.as_deref().map(stress_table).unwrap_or_default()
+        + &weights.sweep.as_ref().map(sweep_table).unwrap_or_default()
+}
+
+/// What κ and the ceiling mean, in words.
+fn certainty(weights: &Weights) -> String {
+    let kappa = weights.kappa.map(|kappa| match kappa >= 0.0 {
+        true => format!("every response keeps its limit under model errors of {kappa:.1} standard deviations\n"),
+        false => format!("some response misses its limit by {:.1} standard deviations of the model's error\n", -kappa),
+    });
+    let ceiling = weights.ceiling.map(|ceiling| {
+        format!(
+            "possible at most {:.1} dB (certified), asked {:.1} dB, found {:.1} dB\n",
+            ceiling.possible_db, ceiling.asked_db, ceiling.reached_db
+        )
+    });
+    [kappa, ceiling].into_iter().flatten().collect()
 }

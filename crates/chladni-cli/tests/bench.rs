@@ -29,3 +29,23 @@ fn an_unknown_case_is_answered_with_the_known_ones() {
     let run = Folder::new().run("bench profile -o nowhere/out").exits(73);
     assert!(run.stderr.contains("folder"), "{}", run.stderr);
 }
+
+#[test]
+fn scenes_are_judged_on_the_true_plate() {
+    let folder = Folder::new();
+    let line = "bench scene -o out --case quarter-1-335-hz --method robust --method modal --actuators 7,all --json";
+    assert_eq!(folder.run(line).exits(0).json()["rows"], 4);
+    let csv = folder.text("out/scene.csv");
+    let mut lines = csv.lines().filter(|line| !line.starts_with('#')).map(|line| line.split(',').collect::<Vec<_>>());
+    let header = lines.next().unwrap();
+    assert_eq!(header[..4], ["scene", "method", "modes", "actuators"]);
+    let column = |name: &str| header.iter().position(|cell| *cell == name).unwrap();
+    let rows: Vec<Vec<&str>> = lines.collect();
+    let value = |row: usize, name: &str| rows[row][column(name)].parse::<f64>().unwrap();
+    // seven actuators, all of them; then the two-step inverse
+    assert_eq!((rows[0][3], rows[1][3], rows[2][1]), ("7", "34", "modal"));
+    assert!(value(1, "points_success") >= 0.99 && value(1, "window_hot") >= 0.97 && value(1, "window_cold") >= 0.97, "{csv}");
+    assert!(value(1, "drift_least") >= 0.97 && value(1, "max_force_n") <= 2e-3 && value(1, "touched_least") >= 0.93, "{csv}");
+    assert!(value(3, "window_total") < 0.9, "{csv}");
+    assert!(folder.run("bench scene -o out --case nowhere").exits(2).stderr.contains("quarter-1"));
+}

@@ -8,14 +8,17 @@
 //!
 //! with relative standard deviations s_ω, s_η: those of the model and the drift of the options, added as squares. This is
 //! what stops a drive from leaning on a mode at resonance, whose frequency moves with temperature and touch. An isotropic
-//! part, one row s·I, stands for everything else: errors of the participation, of residual terms, of the measurement.
+//! part, one row s·I, stands for everything else: errors of residual terms, of the measurement. Participations are taken to be as sure as the shape
+//! they belong to; their errors, and those of the drives themselves, are another one at each actuator: they stand on the diagonal.
 //!
 //! Poles outside the band stand for the world outside; their own standard deviations are those of a surrogate and are
 //! left out, the drift is not. Viscous models use the same formula: at the relative size of an error bar both laws agree.
 
 use crate::operator::Operator;
 use crate::options::Drift;
-use chladni_frf::{ModalModel, Mode, Trust};
+use crate::problem::internal;
+use crate::tolerances;
+use chladni_frf::{ModalModel, Mode, Result, Trust};
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -32,15 +35,19 @@ impl Covariance {
         let modes: Vec<&Mode> = model.modes.iter().filter(|mode| mode.trust != Trust::Rejected).collect();
         let actuators = operator.references.len();
         let isotropic = drift.isotropic_relative * rms(&operator.mobility);
+        let mut own = vec![isotropic * isotropic; actuators];
         let mut root = Array2::zeros((modes.len() + actuators, actuators));
         for (n, mode) in modes.iter().enumerate() {
-            let deviation = row_deviation(mode, operator, judged, drift);
+            let deviation = RowDeviation::of(mode, operator, judged, drift);
             for (j, &column) in operator.reference_columns.iter().enumerate() {
-                root[[n, j]] = mode.participation.0[column] * deviation;
+                let participation = mode.participation.0[column];
+                root[[n, j]] = participation * deviation.common;
+                own[j] += (participation.norm() * deviation.each).powi(2);
             }
         }
-        for j in 0..actuators {
-            root[[modes.len() + j, j]] = isotropic.into();
+        for (j, column) in operator.mobility.columns().into_iter().enumerate() {
+            let path = (judged.iter().map(|&k| column[k].norm_sqr()).sum::<f64>() / judged.len() as f64).sqrt();
+            root[[modes.len() + j, j]] = (own[j] + (drift.drive_relative * path).powi(2)).sqrt().into();
         }
         Self { root }
     }
@@ -55,30 +62,66 @@ impl Covariance {
         self.root.dot(drive).iter().map(Complex64::norm_sqr).sum::<f64>().sqrt()
     }
 
+    /// A square L with the same LᴴL, upper triangular; no row where there is no error at all.
+    ///
+    /// # Errors
+    /// Those of the factorisation: a broken promise.
+    pub(crate) fn triangular_root(&self) -> Result<Array2<Complex64>> {
+        let mut gram = self.gram();
+        let mean = gram.diag().iter().map(|value| value.re).sum::<f64>() / gram.nrows() as f64;
+        if mean == 0.0 {
+            return Ok(Array2::zeros((0, gram.ncols())));
+        }
+        gram.diag_mut().mapv_inplace(|value| value + mean * tolerances::RIDGE);
+        let lower = chladni_linalg::cholesky(gram.view()).map_err(internal)?;
+        Ok(lower.t().mapv(|value| value.conj()))
+    }
+
+    /// The same with further rows of errors.
+    pub(crate) fn with_errors(&self, errors: Array2<Complex64>) -> Self {
+        Self { root: ndarray::concatenate![ndarray::Axis(0), self.root, errors] }
+    }
+
+    /// The error of the columns `actuators` alone.
+    pub(crate) fn with_actuators(&self, actuators: &[usize]) -> Self {
+        Self { root: self.root.select(ndarray::Axis(1), actuators) }
+    }
+
     /// L itself.
     pub fn root(&self) -> &Array2<Complex64> {
         &self.root
     }
 }
 
-/// √( mean_k [ |ψ_nk|²·σ_γ² + |γ_n|²·σ_ψ,nk² ] ).
-fn row_deviation(mode: &Mode, operator: &Operator, judged: &[usize], drift: &Drift) -> f64 {
-    let omega = TAU * operator.frequency_hz;
-    let omega_n = TAU * mode.frequency_hz;
-    let denominator = 1.0 / mode.structural_factor(omega).norm();
-    let gamma = omega / denominator;
-    let own = if mode.in_band { 1.0 } else { 0.0 };
-    let frequency_relative = drift.frequency_relative.hypot(own * ratio(mode.frequency_std_hz, mode.frequency_hz));
-    let loss_relative = drift.loss_factor_relative.hypot(own * ratio(mode.loss_factor_std, mode.loss_factor));
-    let sigma_gamma =
-        gamma / denominator * (2.0 * omega_n.powi(2) * frequency_relative).hypot(omega_n.powi(2) * mode.loss_factor * loss_relative);
-    let squares = judged.iter().map(|&k| {
-        let row = operator.response_rows[k];
-        let size = mode.shape.0[row].norm();
-        let sigma_shape = (own * mode.shape_std[row]).hypot(drift.shape_relative * size);
-        (size * sigma_gamma).powi(2) + (gamma * sigma_shape).powi(2)
-    });
-    (squares.sum::<f64>() / judged.len() as f64).sqrt()
+/// What a mode adds to the error of a row, over its participations.
+struct RowDeviation {
+    /// √( mean_k [ |ψ_nk|²·σ_γ² + |γ_n|²·σ_ψ,nk² ] ): the same error under every actuator.
+    common: f64,
+    /// |γ_n| √( mean_k |ψ_nk|² ) σ_φ with the participations as sure as the shape: another error under each.
+    each: f64,
+}
+
+impl RowDeviation {
+    fn of(mode: &Mode, operator: &Operator, judged: &[usize], drift: &Drift) -> Self {
+        let omega = TAU * operator.frequency_hz;
+        let omega_n = TAU * mode.frequency_hz;
+        let denominator = 1.0 / mode.structural_factor(omega).norm();
+        let gamma = omega / denominator;
+        let own = if mode.in_band { 1.0 } else { 0.0 };
+        let frequency_relative = drift.frequency_relative.hypot(own * ratio(mode.frequency_std_hz, mode.frequency_hz));
+        let loss_relative = drift.loss_factor_relative.hypot(own * ratio(mode.loss_factor_std, mode.loss_factor));
+        let sigma_gamma =
+            gamma / denominator * (2.0 * omega_n.powi(2) * frequency_relative).hypot(omega_n.powi(2) * mode.loss_factor * loss_relative);
+        let (mut of_pole, mut of_shape) = (0.0, 0.0);
+        for &k in judged {
+            let row = operator.response_rows[k];
+            let size = mode.shape.0[row].norm();
+            of_pole += (size * sigma_gamma).powi(2);
+            of_shape += gamma.powi(2) * ((own * mode.shape_std[row]).powi(2) + (drift.shape_relative * size).powi(2));
+        }
+        let count = judged.len() as f64;
+        Self { common: ((of_pole + of_shape) / count).sqrt(), each: (of_shape / count).sqrt() }
+    }
 }
 
 /// |deviation/value|; 0 where the value is 0 (a rigid-body mode, an undamped one).

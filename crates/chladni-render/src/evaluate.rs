@@ -4,8 +4,9 @@ use crate::field::{AreaField, Field};
 use crate::indices::{AreaIndices, Indices, PointIndices};
 use crate::operator::Operator;
 use crate::problem::Drive;
-use crate::render::{lay_zones, scene_warnings, strength};
+use crate::render::strength;
 use crate::scene::{Limits, Scene};
+use crate::setup::{lay_zones, scene_warnings};
 use crate::weights::Weights;
 use crate::zones::ZoneMap;
 use chladni_frf::{Dof, Error, FrfSet, ModalModel, Result};
@@ -45,6 +46,36 @@ pub struct Evaluation {
 /// [`chladni_frf::ErrorKind::BadData`]: a driven actuator that the data lack, other units, no line at the drive frequency, no hot or
 /// no cold response; [`chladni_frf::ErrorKind::UnknownFrfKind`].
 pub fn evaluate(weights: &Weights, scene: &Scene, on: On) -> Result<Evaluation> {
+    let Laid { operator, drive, limits, zones, mut warnings } = laid(weights, scene, on)?;
+    let field = Field::new(&operator, &zones, &drive);
+    let points = PointIndices::of_field(&field, &zones, &limits, &drive, operator.unit)?;
+    let area = field.area(&zones);
+    warnings.extend(strength(&field, &limits));
+    Ok(Evaluation {
+        frequency_hz: operator.frequency_hz,
+        indices: Indices { points, area: area.as_ref().map(|area| AreaIndices::of_area(area, &zones, &limits)) },
+        field,
+        area,
+        zones,
+        limits,
+        warnings,
+    })
+}
+
+/// Given weights and a scene, laid over other data.
+pub(crate) struct Laid {
+    pub(crate) operator: Operator,
+    pub(crate) drive: Drive,
+    pub(crate) limits: Limits,
+    pub(crate) zones: ZoneMap,
+    pub(crate) warnings: Vec<String>,
+}
+
+/// Lays `weights` and `scene` over the data.
+///
+/// # Errors
+/// As [`evaluate`].
+pub(crate) fn laid(weights: &Weights, scene: &Scene, on: On) -> Result<Laid> {
     let frequency_hz = weights.frequency_hz;
     let other_frequency = (scene.frequency_hz != frequency_hz)
         .then(|| format!("the weights are for {frequency_hz} Hz and are judged there, not at the scene's {} Hz", scene.frequency_hz));
@@ -66,21 +97,9 @@ pub fn evaluate(weights: &Weights, scene: &Scene, on: On) -> Result<Evaluation> 
     let drive = drive_on(&operator, weights);
     let limits = scene.limits()?;
     let zones = lay_zones(&scene, &operator);
-    let field = Field::new(&operator, &zones, &drive);
-    let points = PointIndices::of_field(&field, &limits, &drive, operator.unit)?;
-    let area = field.area(&zones);
     let mut warnings = scene_warnings(&scene, &operator, &zones);
     warnings.extend(other_frequency);
-    warnings.extend(strength(&field, &limits));
-    Ok(Evaluation {
-        frequency_hz: operator.frequency_hz,
-        indices: Indices { points, area: area.as_ref().map(|area| AreaIndices::of_area(area, &limits)) },
-        field,
-        area,
-        zones,
-        limits,
-        warnings,
-    })
+    Ok(Laid { operator, drive, limits, zones, warnings })
 }
 
 /// The weights in the order of the operator's columns; a reference of the opposite sense turns its weight round.

@@ -10,11 +10,6 @@ use chladni_frf::Result;
 use ndarray::{Array1, Axis};
 use num_complex::Complex64;
 
-/// Largest |A_i|.
-pub(crate) fn largest(drive: &Drive) -> f64 {
-    drive.iter().map(|weight| weight.norm()).fold(0.0, f64::max)
-}
-
 impl Problem {
     /// Scales a drive by the gain that serves most rows, and by no more than its largest weight may be.
     ///
@@ -22,8 +17,7 @@ impl Problem {
     /// the rows that are then inside, the least hot and the loudest cold one get the same slack.
     pub(crate) fn with_best_gain(&self, drive: &Drive) -> Drive {
         let amplitudes = self.field(drive).mapv(Complex64::norm);
-        let largest = largest(drive);
-        if largest == 0.0 {
+        if drive.iter().all(|weight| weight.norm() == 0.0) {
             return drive.clone();
         }
         let limit = |k: usize| if k < self.rows.hot { self.limits.hot_m_per_s } else { self.limits.cold_m_per_s };
@@ -31,7 +25,7 @@ impl Problem {
         meets.sort_by(f64::total_cmp);
         let between = meets.windows(2).map(|pair| (pair[0] * pair[1]).sqrt());
         let ends = [meets.first().map(|gain| 0.5 * gain), meets.last().map(|gain| 2.0 * gain)];
-        let allowed = self.max_drive / largest;
+        let allowed = self.drive_limits.allowed_gain(drive);
         let key = |gain: f64| {
             let (hot, cold) = self.counts(&amplitudes, gain);
             (self.min_ratio(hot, cold), hot + cold)
@@ -71,7 +65,7 @@ pub(crate) fn within_drive_limit(problem: &Problem, solve: impl Fn(f64) -> Resul
     let mut drive = solve(0.0)?;
     let mut solution = Solution { drive: drive.clone(), warnings: Vec::new() };
     let mut score = problem.score(&drive);
-    let at_limit = |drive: &Drive| largest(drive) >= problem.max_drive * (1.0 - tolerances::AT_LIMIT);
+    let at_limit = |drive: &Drive| problem.drive_limits.allowed_gain(drive) <= 1.0 + tolerances::AT_LIMIT;
     if score.min_ratio == 1.0 || !at_limit(&drive) {
         return Ok(solution);
     }
@@ -88,9 +82,8 @@ pub(crate) fn within_drive_limit(problem: &Problem, solve: impl Fn(f64) -> Resul
         }
     }
     solution.warnings.push(format!(
-        "the limit of {} per actuator binds: the drive was regularised more strongly (ridge {ridge_used:.0e}), and {:.1} % of the responses \
-         keep their limit",
-        problem.max_drive,
+        "{} binds: the drive was regularised more strongly (ridge {ridge_used:.0e}), and {:.1} % of the responses keep their limit",
+        problem.drive_limits.binding(&solution.drive),
         100.0 * score.success_ratio
     ));
     Ok(solution)

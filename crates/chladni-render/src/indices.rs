@@ -4,9 +4,10 @@
 //! four. Hence `silence_ratio` beside `success_ratio`, and `min_ratio`, which only a good field makes large.
 
 use crate::field::{AreaField, Field};
+use crate::plane::Position;
 use crate::problem::Drive;
 use crate::scene::Limits;
-use crate::zones::Ground;
+use crate::zones::{Ground, ZoneMap};
 use chladni_frf::{Error, ReferenceUnit, Result};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -53,13 +54,17 @@ pub struct AreaIndices {
     pub cold_ratio: Option<f64>,
 }
 
-/// Amplitudes of one kind of ground, m/s.
+/// Amplitudes on one kind of ground, m/s; those of hot ground over the level of its zone, so that one limit holds for all.
 fn amplitudes<'a>(
+    zones: &ZoneMap,
+    places: impl IntoIterator<Item = Position>,
     ground: impl IntoIterator<Item = &'a Ground>,
     velocity: impl IntoIterator<Item = &'a Complex64>,
     wanted: Ground,
 ) -> Vec<f64> {
-    ground.into_iter().zip(velocity).filter(|(ground, _)| **ground == wanted).map(|(_, v)| v.norm()).collect()
+    let all = places.into_iter().zip(ground).zip(velocity);
+    let amplitude = |(place, v): (Position, &Complex64)| if wanted == Ground::Hot { v.norm() / zones.level_at(place) } else { v.norm() };
+    all.filter(|((_, ground), _)| **ground == wanted).map(|((place, _), v)| amplitude((place, v))).collect()
 }
 
 impl PointIndices {
@@ -67,8 +72,8 @@ impl PointIndices {
     ///
     /// # Errors
     /// No response lies in the hot zone, or none in the cold one.
-    pub(crate) fn of_field(field: &Field, limits: &Limits, drive: &Drive, unit: ReferenceUnit) -> Result<Self> {
-        let of = |wanted| amplitudes(&field.ground, &field.velocity_m_per_s, wanted);
+    pub(crate) fn of_field(field: &Field, zones: &ZoneMap, limits: &Limits, drive: &Drive, unit: ReferenceUnit) -> Result<Self> {
+        let of = |wanted| amplitudes(zones, field.positions_m.iter().copied(), &field.ground, &field.velocity_m_per_s, wanted);
         let (hot, cold) = (of(Ground::Hot), of(Ground::Cold));
         check_zones(hot.len(), cold.len())?;
         let felt = hot.iter().filter(|&&v| limits.is_felt(v)).count();
@@ -99,8 +104,11 @@ impl PointIndices {
 
 impl AreaIndices {
     /// The indices of an interpolated field.
-    pub(crate) fn of_area(area: &AreaField, limits: &Limits) -> Self {
-        let of = |wanted| amplitudes(&area.ground, &area.velocity_m_per_s, wanted);
+    pub(crate) fn of_area(area: &AreaField, zones: &ZoneMap, limits: &Limits) -> Self {
+        let of = |wanted| {
+            let places = area.y_m.iter().flat_map(|&y| area.x_m.iter().map(move |&x| [x, y]));
+            amplitudes(zones, places, &area.ground, &area.velocity_m_per_s, wanted)
+        };
         let ratio = |all: &[f64], inside: &dyn Fn(f64) -> bool| {
             (!all.is_empty()).then(|| all.iter().filter(|&&v| inside(v)).count() as f64 / all.len() as f64)
         };

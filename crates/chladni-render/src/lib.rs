@@ -28,34 +28,54 @@
 
 // The one error type of the workspace is large and rare.
 
+mod ceiling;
+mod climb;
+mod conic;
+mod count;
 mod covariance;
+mod drive_program;
 mod evaluate;
+mod fewest_actuators;
+mod fewest_modes;
 mod field;
+mod finger;
+mod folding;
+mod frequency_sweep;
 mod gain;
 mod indices;
 mod interpolation;
 mod methods;
+mod modal_field;
 mod operator;
 mod options;
 mod plane;
 mod problem;
 mod render;
 mod scene;
+mod setup;
+mod signals;
+mod stress;
 mod threshold;
 pub mod tolerances;
 mod weights;
 mod zones;
 
+pub use ceiling::Ceiling;
+pub use count::Count;
 pub use covariance::Covariance;
 pub use evaluate::{evaluate, Evaluation, On};
 pub use field::{AreaField, AreaGrid, Field};
+pub use finger::{finger_places, Finger};
+pub use frequency_sweep::{sweep, FrequencySweep, SweptFrequency};
 pub use indices::{AreaIndices, Indices, PointIndices};
-pub use methods::Method;
+pub use methods::{Method, MethodChoice};
 pub use operator::Operator;
 pub use options::{Drift, RenderOptions};
 pub use plane::{Position, Rectangle};
-pub use render::{render, Rendering};
+pub use render::{render, render_measured, Rendering};
 pub use scene::{Actuators, Limits, Scene, DEFAULT_LIMEN_DB, DEFAULT_MAX_FORCE_N, DEFAULT_TRANSITION_M};
+pub use signals::{signal_csv, wav, SignalOptions};
+pub use stress::{stress, StressOptions, StressRow};
 pub use threshold::{Threshold, ThresholdTable};
 pub use weights::{Weight, Weights, WEIGHTS_FORMAT, WEIGHTS_VERSION};
 pub use zones::{Ground, PolygonKind, ZoneLayout, ZoneMap, ZonePolygon, Zones};

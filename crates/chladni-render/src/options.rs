@@ -1,27 +1,34 @@
 //! What a user may turn.
 
-use crate::methods::Method;
+use crate::count::Count;
+use crate::methods::MethodChoice;
 
 /// Options of [`crate::render`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RenderOptions {
     /// How the weights are found.
-    pub method: Method,
+    pub method: MethodChoice,
+    /// How many modes to sum explicitly.
+    pub modes: Count,
+    /// How many actuators to use.
+    pub actuators: Count,
     /// How far the panel may move away from its model.
     pub drift: Drift,
 }
 
 impl RenderOptions {
-    /// The options as results echo them.
-    pub(crate) fn to_json(&self) -> serde_json::Map<String, serde_json::Value> {
-        let drift = [
-            ("frequency_relative", self.drift.frequency_relative),
-            ("loss_factor_relative", self.drift.loss_factor_relative),
-            ("shape_relative", self.drift.shape_relative),
-            ("isotropic_relative", self.drift.isotropic_relative),
-        ];
-        let drift = drift.map(|(key, value)| (key.to_owned(), value.into())).into_iter().collect::<serde_json::Map<_, _>>();
-        [("method".to_owned(), self.method.as_str().into()), ("drift".to_owned(), drift.into())].into_iter().collect()
+    /// The options as results echo them, with the drift that held.
+    pub(crate) fn to_json(&self, drift: &Drift) -> serde_json::Map<String, serde_json::Value> {
+        let drift = drift.named().map(|(key, value)| (key.to_owned(), value.into())).into_iter().collect::<serde_json::Map<_, _>>();
+        [
+            ("method", self.method.to_string().into()),
+            ("modes", self.modes.to_string().into()),
+            ("actuators", self.actuators.to_string().into()),
+            ("drift", drift.into()),
+        ]
+        .map(|(key, value): (&str, serde_json::Value)| (key.to_owned(), value))
+        .into_iter()
+        .collect()
     }
 }
 
@@ -39,6 +46,33 @@ pub struct Drift {
     pub shape_relative: f64,
     /// Of each entry of the mobility matrix, independent of all others, relative to the rms of the matrix.
     pub isotropic_relative: f64,
+    /// Of each actuator's force for its weight: gains and phases of amplifiers and coils.
+    pub drive_relative: f64,
+}
+
+impl Drift {
+    /// The keys of `[drift]` in a scene, and the values here.
+    pub(crate) fn named(&self) -> [(&'static str, f64); 5] {
+        [
+            ("frequency_relative", self.frequency_relative),
+            ("loss_factor_relative", self.loss_factor_relative),
+            ("shape_relative", self.shape_relative),
+            ("isotropic_relative", self.isotropic_relative),
+            ("drive_relative", self.drive_relative),
+        ]
+    }
+
+    /// The value that a key of `[drift]` sets.
+    pub(crate) fn named_mut(&mut self, key: &str) -> Option<&mut f64> {
+        match key {
+            "frequency_relative" => Some(&mut self.frequency_relative),
+            "loss_factor_relative" => Some(&mut self.loss_factor_relative),
+            "shape_relative" => Some(&mut self.shape_relative),
+            "isotropic_relative" => Some(&mut self.isotropic_relative),
+            "drive_relative" => Some(&mut self.drive_relative),
+            _ => None,
+        }
+    }
 }
 
 impl Default for Drift {
@@ -48,6 +82,6 @@ impl Default for Drift {
     /// mobility fitted to 40 dB data (0.03 % at 300 Hz, 0.2 % at 335 Hz); 1 % halves the forces of `mls` and takes the corner
     /// scene from κ = 2.6 to 0.5, 2 % loses some of its responses.
     fn default() -> Self {
-        Self { frequency_relative: 1e-3, loss_factor_relative: 0.1, shape_relative: 0.0, isotropic_relative: 3e-3 }
+        Self { frequency_relative: 1e-3, loss_factor_relative: 0.1, shape_relative: 0.0, isotropic_relative: 3e-3, drive_relative: 0.0 }
     }
 }

@@ -4,6 +4,7 @@ use crate::covariance::Covariance;
 use crate::plane::Position;
 use crate::scene::Limits;
 use crate::tolerances;
+use crate::zones::ZoneMap;
 use chladni_frf::{Error, ErrorKind, Result};
 use ndarray::{concatenate, s, Array1, Array2, ArrayView2, Axis};
 use num_complex::Complex64;
@@ -21,6 +22,8 @@ pub(crate) struct Rows {
     pub(crate) hot: usize,
     /// Where each row lies, m.
     pub(crate) positions_m: Vec<Position>,
+    /// By what factor the limit of each row exceeds the scene's; its mobility is divided by it already.
+    pub(crate) levels: Array1<f64>,
 }
 
 /// Judged rows (the transition left out), the limits, and the error bar of a drive.
@@ -34,8 +37,37 @@ pub(crate) struct Problem {
     pub(crate) covariance: Covariance,
     /// Velocity limits.
     pub(crate) limits: Limits,
-    /// Largest |A_i|, N or V.
-    pub(crate) max_drive: f64,
+    /// Threshold, m/s: the unit of error bars in conic programs.
+    pub(crate) threshold_m_per_s: f64,
+    /// Force or voltage limits.
+    pub(crate) drive_limits: DriveLimits,
+}
+
+/// Limits of the drive, N or V; infinite where there is none.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct DriveLimits {
+    /// Largest |A_i|.
+    pub(crate) each: f64,
+    /// Largest √Σ|A_i|².
+    pub(crate) effort: f64,
+}
+
+impl DriveLimits {
+    /// The largest factor by which `drive` may be multiplied; infinite for silence.
+    pub(crate) fn allowed_gain(&self, drive: &Drive) -> f64 {
+        let largest = drive.iter().map(|weight| weight.norm()).fold(0.0, f64::max);
+        let effort = drive.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt();
+        (self.each / largest).min(self.effort / effort)
+    }
+
+    /// Which of the limits `drive` is nearest to, in words.
+    pub(crate) fn binding(&self, drive: &Drive) -> String {
+        let each = Self { effort: f64::INFINITY, ..*self };
+        match each.allowed_gain(drive) <= (Self { each: f64::INFINITY, ..*self }).allowed_gain(drive) {
+            true => format!("the limit of {} per actuator", self.each),
+            false => format!("the limit of {} on the root of the sum of squares", self.effort),
+        }
+    }
 }
 
 /// How a drive does in the model.
@@ -51,9 +83,27 @@ pub(crate) struct Score {
 
 impl Problem {
     /// A problem of measured responses, all of weight 1.
-    pub(crate) fn new(rows: Rows, covariance: Covariance, limits: Limits, max_drive: f64) -> Self {
+    pub(crate) fn new(rows: Rows, covariance: Covariance, limits: Limits, drive_limits: DriveLimits) -> Self {
         let row_weights = Array1::ones(rows.mobility.nrows());
-        Self { rows, row_weights, covariance, limits, max_drive }
+        Self { rows, row_weights, covariance, limits, threshold_m_per_s: limits.threshold_m_per_s, drive_limits }
+    }
+
+    /// True for the rows that [`Self::with_between`] took from `measured`.
+    pub(crate) fn is_measured(&self, measured: &Self, row: usize) -> bool {
+        let rows = &measured.rows;
+        row < rows.hot || (self.rows.hot..self.rows.hot + rows.cold()).contains(&row)
+    }
+
+    /// The limit of each row, m/s.
+    pub(crate) fn limits_m_per_s(&self) -> Array1<f64> {
+        let limit = |k: usize| if k < self.rows.hot { self.limits.hot_m_per_s } else { self.limits.cold_m_per_s };
+        (0..self.rows.mobility.nrows()).map(limit).collect()
+    }
+
+    /// The same problem with the columns `actuators` alone.
+    pub(crate) fn with_actuators(&self, actuators: &[usize]) -> Self {
+        let rows = self.rows.with_actuators(actuators);
+        Self { rows, covariance: self.covariance.with_actuators(actuators), ..self.clone() }
     }
 
     /// The same problem with rows between the responses, of weight `weight` each.
@@ -66,6 +116,13 @@ impl Problem {
             mobility: mobility.expect("rows of one operator"),
             hot: measured.hot + extra.hot,
             positions_m: [hot_m, hot_between_m, cold_m, cold_between_m].concat(),
+            levels: concatenate![
+                Axis(0),
+                measured.levels.slice(s![..measured.hot]),
+                extra.levels.slice(s![..extra.hot]),
+                measured.levels.slice(s![measured.hot..]),
+                extra.levels.slice(s![extra.hot..])
+            ],
         };
         let is_measured = |k: usize| k < measured.hot || (rows.hot..rows.hot + measured.cold()).contains(&k);
         let row_weights = Array1::from_shape_fn(rows.mobility.nrows(), |k| if is_measured(k) { 1.0 } else { weight });
@@ -105,7 +162,7 @@ impl Problem {
         let amplitudes = self.field(drive).mapv(Complex64::norm);
         let (hot, cold) = self.counts(&amplitudes, 1.0);
         let slack = |(k, &amplitude): (usize, &f64)| match k < self.rows.hot {
-            true => amplitude - self.limits.hot_m_per_s,
+            true => (amplitude - self.limits.hot_m_per_s) * self.rows.levels[k],
             false => self.limits.cold_m_per_s - amplitude,
         };
         let least = amplitudes.iter().enumerate().map(slack).fold(f64::INFINITY, f64::min);
@@ -131,6 +188,18 @@ impl Problem {
 }
 
 impl Rows {
+    /// Rows of mobility at `positions_m`, the first `hot` of them hot, with the levels of the zones they lie in.
+    pub(crate) fn new(mut mobility: Array2<Complex64>, hot: usize, positions_m: Vec<Position>, zones: &ZoneMap) -> Self {
+        let levels: Array1<f64> = positions_m.iter().map(|&point| zones.level_at(point)).collect();
+        for (mut row, &level) in mobility.rows_mut().into_iter().zip(&levels) {
+            row.mapv_inplace(|value| value / level);
+        }
+        Self { mobility, hot, positions_m, levels }
+    }
+    /// The same rows with the columns `actuators` alone.
+    pub(crate) fn with_actuators(&self, actuators: &[usize]) -> Self {
+        Self { mobility: self.mobility.select(Axis(1), actuators), ..self.clone() }
+    }
     /// Number of cold rows.
     pub(crate) fn cold(&self) -> usize {
         self.mobility.nrows() - self.hot

@@ -1,20 +1,20 @@
 //! From a model and a scene to weights: the whole of rendering in one function.
 
-use crate::covariance::Covariance;
-use crate::field::{AreaField, AreaGrid, Field};
-use crate::indices::{check_zones, AreaIndices, Indices, PointIndices};
-use crate::methods::{mls, modal, pressure_matching, Method, Solution};
-use crate::operator::Operator;
+use crate::ceiling::Ceiling;
+use crate::count::Count;
+use crate::fewest_actuators;
+use crate::fewest_modes::{self, Judge, Reduced};
+use crate::field::{AreaField, Field};
+use crate::indices::{AreaIndices, Indices, PointIndices};
+use crate::methods::{Decision, Method, MethodChoice, Solution};
 use crate::options::RenderOptions;
-use crate::plane::{Position, Rectangle};
-use crate::problem::{Problem, Rows};
-use crate::scene::{Limits, Scene, DEFAULT_MAX_FORCE_N};
+use crate::problem::Drive;
+use crate::scene::{Limits, Scene};
+use crate::setup::Setup;
 use crate::tolerances;
 use crate::weights::{weight_list, Weights, WEIGHTS_FORMAT, WEIGHTS_VERSION};
-use crate::zones::{Ground, ZoneMap};
-use chladni_frf::{Error, ModalModel, ReferenceUnit, Result, CREATED_BY};
-use ndarray::Axis;
-use num_complex::Complex64;
+use crate::zones::ZoneMap;
+use chladni_frf::{FrfSet, ModalModel, Result, CREATED_BY};
 
 /// Weights, and the field that they make in the model.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,155 +31,117 @@ pub struct Rendering {
     pub limits: Limits,
 }
 
-/// Finds the weights that move the hot zone of `scene` and keep the cold one quiet, by the model alone.
+/// As [`render_measured`], judged by the model alone.
+///
+/// # Errors
+/// As [`render_measured`].
+pub fn render(model: &ModalModel, scene: &Scene, options: &RenderOptions) -> Result<Rendering> {
+    render_measured(model, scene, options, None)
+}
+
+/// Finds the weights that move the hot zone of `scene` and keep the cold one quiet.
+///
+/// * `measured`: FRFs whose line at the drive frequency judges how many modes are enough; without them the whole model does
 ///
 /// # Errors
 /// [`chladni_frf::ErrorKind::BadData`]: no threshold at the drive frequency, an unknown actuator, no hot or no cold response, NaN
 /// in the model, a force limit for actuators in volts. A scene that cannot be met is no error: `feasible` says so.
-pub fn render(model: &ModalModel, scene: &Scene, options: &RenderOptions) -> Result<Rendering> {
-    let limits = scene.limits()?;
-    let operator = Operator::of_model(model, scene.frequency_hz, scene.actuators.only.as_deref())?;
-    let zones = lay_zones(scene, &operator);
-    let (judged, hot) = judged_rows(&operator, &zones)?;
-    let mut warnings = scene_warnings(scene, &operator, &zones);
-    let (max_drive, warning) = drive_limit(scene, operator.unit)?;
-    warnings.extend(warning);
-    warnings.extend(controllability(model, &operator));
-
-    let covariance = Covariance::of_model(model, &operator, &judged, &options.drift);
-    let rows = Rows {
-        mobility: operator.mobility.select(Axis(0), &judged),
-        hot,
-        positions_m: judged.iter().map(|&row| operator.positions_m[row]).collect(),
+pub fn render_measured(model: &ModalModel, scene: &Scene, options: &RenderOptions, measured: Option<&FrfSet>) -> Result<Rendering> {
+    let whole = Setup::new(model, scene, &options.drift)?;
+    let judge = match measured {
+        Some(frf) => Judge::of_line(&whole, frf)?,
+        None => Judge::of_model(&whole, options.modes == Count::Auto),
     };
-    let problem = Problem::new(rows, covariance, limits, max_drive);
-    let Solution { drive, warnings: said } = match options.method {
-        Method::PressureMatching => pressure_matching::solve(&problem)?,
-        Method::Mls => mls::solve(&problem, between_rows(&operator, &zones).as_ref())?,
-        Method::Modal => modal::solve(&problem, model, &operator, &judged)?,
-    };
-    warnings.extend(said);
+    let Reduced { setup, warning: of_modes } = fewest_modes::choose(whole, model, &judge, options.method, options.modes)?;
+    let chosen = fewest_actuators::choose(&setup, options.actuators)?;
+    let used = setup.with_actuators(&chosen.columns);
+    let Decision { method, starts, warning } = options.method.decide(&used.problem);
+    let Solution { drive, warnings: said } = method.solve(&used, model, starts)?;
+    let sparse = drive;
+    let drive = spread(&sparse, &chosen.columns, setup.operator.references.len());
+    let Setup { limits, operator, zones, problem, .. } = &setup;
+    let mut warnings =
+        [setup.warnings.clone(), Vec::from_iter(of_modes), Vec::from_iter(chosen.warning), Vec::from_iter(warning), said].concat();
 
-    let field = Field::new(&operator, &zones, &drive);
-    let area = field.area(&zones);
-    let points = PointIndices::of_field(&field, &limits, &drive, operator.unit)?;
-    let indices = Indices { points, area: area.as_ref().map(|area| AreaIndices::of_area(area, &limits)) };
+    let field = Field::new(operator, zones, &drive);
+    let area = field.area(zones);
+    let points = PointIndices::of_field(&field, zones, limits, &drive, operator.unit)?;
+    let indices = Indices { points, area: area.as_ref().map(|area| AreaIndices::of_area(area, zones, limits)) };
     let feasible = points.min_ratio == 1.0;
+    // a proof takes as long as a conic program: who asked for less does not wait for it
+    let proves = options.method == MethodChoice::Best || (!feasible && matches!(method, Method::Robust | Method::MinEffort));
+    let ceiling = if proves { Ceiling::of(&used.problem, &sparse)? } else { None };
     if !feasible {
-        warnings.push(shortfall(&points, scene, options.method));
+        warnings.push(shortfall(&points, ceiling.as_ref(), scene, method));
     }
-    warnings.extend(strength(&field, &limits));
+    let [_, replayed, _] = judge.served(&drive);
+    if replayed < points.success_ratio {
+        let through = if measured.is_some() { "measured line" } else { "whole model" };
+        warnings.push(format!(
+            "replayed through the {through}, {:.1} % of the responses keep their limit, where {:.1} % do in the model with {} modes",
+            100.0 * replayed,
+            100.0 * points.success_ratio,
+            setup.modes.len()
+        ));
+    }
+    warnings.extend(judge.warnings);
+    warnings.extend(strength(&field, limits));
     let weights = Weights {
         format: WEIGHTS_FORMAT.into(),
         version: WEIGHTS_VERSION,
         created_by: CREATED_BY.into(),
         source: Vec::new(),
-        options: options.to_json(),
+        options: options.to_json(scene.drift.as_ref().unwrap_or(&options.drift)),
         frequency_hz: scene.frequency_hz,
-        method: options.method.to_string(),
+        method: method.to_string(),
         scene: scene.name(),
         weights: weight_list(&operator.references, &drive, operator.unit),
-        modes_used: model.in_band_modes().count(),
+        modes_used: setup.modes.len(),
         actuators_used: drive.iter().filter(|weight| weight.norm() > 0.0).count(),
         feasible,
+        ceiling,
         kappa: Some(problem.score(&drive).kappa).filter(|kappa| kappa.is_finite()),
         indices,
+        stress: None,
+        sweep: None,
         warnings,
     };
-    Ok(Rendering { weights, field, area, zones, limits })
+    Ok(Rendering { weights, field, area, zones: setup.zones, limits: setup.limits })
 }
 
-/// The scene's zones over the responses of the operator.
-pub(crate) fn lay_zones(scene: &Scene, operator: &Operator) -> ZoneMap {
-    let around = Rectangle::around(&operator.positions_m).expect("an operator has at least one response");
-    scene.zones.over(around)
-}
-
-/// The judged rows of the operator, hot ones first, and the number of those.
-fn judged_rows(operator: &Operator, zones: &ZoneMap) -> Result<(Vec<usize>, usize)> {
-    let (rows, hot) = hot_then_cold(&operator.positions_m, zones);
-    check_zones(hot, rows.len() - hot)?;
-    Ok((rows, hot))
-}
-
-/// Indices of the hot places, then of the cold ones, and the number of hot ones.
-fn hot_then_cold(places: &[Position], zones: &ZoneMap) -> (Vec<usize>, usize) {
-    let on = |wanted| (0..places.len()).filter(move |&k| zones.classify(places[k]) == wanted);
-    let hot = on(Ground::Hot).count();
-    (on(Ground::Hot).chain(on(Ground::Cold)).collect(), hot)
-}
-
-/// Rows of the operator interpolated between the responses, for methods that also look there.
-fn between_rows(operator: &Operator, zones: &ZoneMap) -> Option<Rows> {
-    let scanned = Rectangle::around(&operator.positions_m)?;
-    let ground_m2 = (scanned.x_max - scanned.x_min) * (scanned.y_max - scanned.y_min);
-    let step_m = tolerances::BETWEEN_SPACING * (ground_m2 / operator.responses.len() as f64).sqrt();
-    let grid = AreaGrid::new(&operator.positions_m, zones.area(), step_m)?;
-    let places: Vec<Position> = grid.places.iter().map(|place| place.1).collect();
-    let (rows, hot) = hot_then_cold(&places, zones);
-    let mobility = grid.interpolation.select(&rows).apply(operator.mobility.view());
-    Some(Rows { mobility, hot, positions_m: rows.iter().map(|&k| places[k]).collect() })
-}
-
-/// What is to be known of a scene on these responses, whatever the drive.
-pub(crate) fn scene_warnings(scene: &Scene, operator: &Operator, zones: &ZoneMap) -> Vec<String> {
-    let mut warnings = operator.warnings.clone();
-    warnings.extend(scene.threshold.warning(scene.frequency_hz));
-    let (area, e) = (zones.area(), tolerances::POSITION_M);
-    let scanned = Rectangle::around(&operator.positions_m).expect("an operator has at least one response");
-    if area.x_min < scanned.x_min - e || area.y_min < scanned.y_min - e || area.x_max > scanned.x_max + e || area.y_max > scanned.y_max + e
-    {
-        warnings.push(format!(
-            "area_m goes beyond the responses, which cover x {} to {} m, y {} to {} m; nothing outside them is judged",
-            scanned.x_min, scanned.x_max, scanned.y_min, scanned.y_max
-        ));
+/// The drive of some actuators as a drive of all, the others still.
+fn spread(drive: &Drive, columns: &[usize], actuators: usize) -> Drive {
+    let mut all = Drive::zeros(actuators);
+    for (&column, &weight) in columns.iter().zip(drive) {
+        all[column] = weight;
     }
-    if operator.references.len() == 1 {
-        warnings.push(format!("a single actuator ({}) can only scale one pattern, not shape it", operator.references[0]));
-    }
-    warnings
+    all
 }
 
-/// The largest |A_i| that the scene allows, N or V.
-fn drive_limit(scene: &Scene, unit: ReferenceUnit) -> Result<(f64, Option<String>)> {
-    let actuators = &scene.actuators;
-    match unit {
-        ReferenceUnit::Newton => Ok((actuators.max_force_n.unwrap_or(DEFAULT_MAX_FORCE_N), None)),
-        ReferenceUnit::Volt => match (actuators.max_voltage_v, actuators.max_force_n) {
-            (Some(limit), _) => Ok((limit, None)),
-            (None, Some(limit)) => Err(Error::bad_data("a force limit cannot be kept: the references of the model are volts")
-                .field("actuators.max_force_n")
-                .found(limit)
-                .expected("actuators.max_voltage_v")
-                .help("give the limit in volts peak, or leave both out")),
-            (None, None) => Ok((
-                f64::INFINITY,
-                Some("the references are volts and the scene gives no actuators.max_voltage_v: no limit was kept".into()),
-            )),
-        },
-    }
-}
-
-/// Modes that no actuator in use can drive.
-fn controllability(model: &ModalModel, operator: &Operator) -> Vec<String> {
-    let strength = |participation: &[Complex64]| operator.reference_columns.iter().map(|&j| participation[j].norm()).fold(0.0, f64::max);
-    let largest = model.in_band_modes().map(|mode| strength(&mode.participation.0)).fold(0.0, f64::max);
-    let idle = model.in_band_modes().filter(|mode| strength(&mode.participation.0) <= tolerances::NO_PARTICIPATION * largest);
-    idle.map(|mode| format!("the mode at {:.1} Hz has zero participation: no actuator in use can drive or stop it", mode.frequency_hz))
-        .collect()
-}
-
-/// What an infeasible scene got instead, and what could help.
-fn shortfall(points: &PointIndices, scene: &Scene, method: Method) -> String {
+/// What an infeasible scene got instead, what physics would allow, and what could help.
+fn shortfall(points: &PointIndices, ceiling: Option<&Ceiling>, scene: &Scene, method: Method) -> String {
     let contrast = points.contrast_db.map_or("no contrast".into(), |db| format!("a contrast of {db:.1} dB"));
-    let better = if method == Method::Mls { "" } else { ", or take method `mls`" };
-    format!(
-        "the scene is not met: {:.1} % of the hot and {:.1} % of the cold responses keep their limit, with {contrast} where {:.1} dB \
-         are needed; try a wider transition_m, more of the actuators, another frequency_hz{better}",
+    let served = format!(
+        "{:.1} % of the hot and {:.1} % of the cold responses keep their limit",
         100.0 * points.hot_ratio,
-        100.0 * points.cold_ratio,
-        2.0 * scene.limen_db
-    )
+        100.0 * points.cold_ratio
+    );
+    let help = "try a wider transition_m, more of the actuators, another frequency_hz";
+    match ceiling {
+        Some(ceiling) if ceiling.forbids() => format!(
+            "the scene is impossible: possible {:.1} dB, asked {:.1} dB (certified: no drive within the limits of the actuators gives more in this \
+             model); {served}, with {contrast}; {help}",
+            ceiling.possible_db, ceiling.asked_db
+        ),
+        Some(ceiling) => format!(
+            "the scene is not met: possible at most {:.1} dB, asked {:.1} dB, found {:.1} dB; {served}, with {contrast}; {help}",
+            ceiling.possible_db, ceiling.asked_db, ceiling.reached_db
+        ),
+        None => {
+            let better = if method == Method::Robust { "" } else { ", or take method `robust`, which also says what is possible" };
+            format!("the scene is not met: {served}, with {contrast} where {:.1} dB are needed; {help}{better}", 2.0 * scene.limen_db)
+        }
+    }
 }
 
 /// Warns of motion far above the threshold.

@@ -1,5 +1,6 @@
 //! The scene file: drive frequency, threshold, zones and actuators.
 
+use crate::options::Drift;
 use crate::plane::Position;
 use crate::threshold::{Threshold, ThresholdTable};
 use crate::tolerances;
@@ -11,11 +12,12 @@ use std::path::{Path, PathBuf};
 
 /// Every key of a scene, by table.
 const KEYS: Keys = &[
-    ("", &["frequency_hz", "threshold", "zones", "actuators"]),
+    ("", &["frequency_hz", "threshold", "zones", "actuators", "drift"]),
+    ("drift", &["frequency_relative", "loss_factor_relative", "shape_relative", "isotropic_relative", "drive_relative"]),
     ("threshold", &["profile", "limen_db"]),
     ("zones", &["grid", "hot", "area_m", "cells_m", "transition_m", "polygon"]),
-    ("zones.polygon", &["kind", "points_m"]),
-    ("actuators", &["use", "max_force_n", "max_voltage_v"]),
+    ("zones.polygon", &["kind", "points_m", "level_db"]),
+    ("actuators", &["use", "max_force_n", "max_voltage_v", "max_effort"]),
 ];
 
 /// Difference limen on each side of the threshold, dB, where the scene gives none.
@@ -40,6 +42,8 @@ pub struct Scene {
     pub zones: Zones,
     /// Actuators.
     pub actuators: Actuators,
+    /// How far the panel may move away from its model; `None`: as the options of the rendering say.
+    pub drift: Option<Drift>,
 }
 
 /// Which actuators may be used, and how hard.
@@ -51,6 +55,8 @@ pub struct Actuators {
     pub max_force_n: Option<f64>,
     /// Voltage limit of each, V peak, where the references are volts.
     pub max_voltage_v: Option<f64>,
+    /// Limit of √Σ|A_i|² over all actuators, N or V peak.
+    pub max_effort: Option<f64>,
 }
 
 /// Velocity limits of a scene, m/s peak.
@@ -108,8 +114,9 @@ impl Scene {
             zones: read_zones(&root.require("zones", "a table [zones] with grid and hot, or [[zones.polygon]]")?.table()?)?,
             actuators: match optional("actuators")? {
                 Some(table) => read_actuators(&table)?,
-                None => Actuators { only: None, max_force_n: None, max_voltage_v: None },
+                None => Actuators { only: None, max_force_n: None, max_voltage_v: None, max_effort: None },
             },
+            drift: optional("drift")?.map(|table| read_drift(&table)).transpose()?,
         })
     }
 
@@ -236,7 +243,12 @@ fn read_polygon(value: &Value) -> Result<ZonePolygon> {
     if polygon_area(&points_m) <= tolerances::POSITION_M.powi(2) {
         return Err(points_value.error("an empty polygon", "at least three corners that enclose some ground"));
     }
-    Ok(ZonePolygon { kind, points_m })
+    let level_db = match table.get("level_db") {
+        Some(value) if kind == PolygonKind::Hot => value.number()?,
+        Some(value) => return Err(value.error("only hot polygons have a level", "no such key here")),
+        None => 0.0,
+    };
+    Ok(ZonePolygon { kind, level_db, points_m })
 }
 
 /// Sum of the absolute areas of the triangles from the first corner, m²: zero only where all corners lie on one line.
@@ -253,7 +265,19 @@ fn read_actuators(table: &Table) -> Result<Actuators> {
         only: table.get("use").map(|value| read_use(&value)).transpose()?.flatten(),
         max_force_n: limit("max_force_n")?,
         max_voltage_v: limit("max_voltage_v")?,
+        max_effort: limit("max_effort")?,
     })
+}
+
+fn read_drift(table: &Table) -> Result<Drift> {
+    table.only_keys(KEYS, "drift")?;
+    let mut drift = Drift::default();
+    for (key, _) in Drift::default().named() {
+        if let (Some(value), Some(place)) = (table.get(key), drift.named_mut(key)) {
+            *place = value.not_negative()?;
+        }
+    }
+    Ok(drift)
 }
 
 fn read_use(value: &Value) -> Result<Option<Vec<Dof>>> {

@@ -59,9 +59,9 @@ pub const AT_LIMIT: f64 = 1e-6;
 /// covariance of a good model to where the drive is little more than time reversal.
 pub const FORCE_RIDGES: [f64; 5] = [1e-4, 1e-3, 1e-2, 1e-1, 1.0];
 
-/// Steps of the magnitude iteration from each start. On the 2×2 corner of the study's panel 100 relaxed steps end at κ = 2.6, where 200
-/// plain ones end at 1.7 and 600 at 2.3; ten times fewer leave it where it started.
-pub const MLS_STEPS: usize = 100;
+/// Steps of the magnitude iteration: from all starts on the responses; from their leaders with every margin; from the leaders of those with the
+/// ground between. Twice as many of each raise κ of the corner scene by a tenth; half as many leave hot ground of the 3×3 cells unserved.
+pub const MLS_STEPS: [usize; 3] = [30, 60, 40];
 
 /// Overshoot of the magnitude iteration, below 2 for convergence; 1 is the plain one. Flat between 1.5 (κ 2.4) and 1.9 (2.6).
 pub const MLS_RELAXATION: f64 = 1.8;
@@ -70,10 +70,10 @@ pub const MLS_RELAXATION: f64 = 1.8;
 /// others. On the corner scene alone: 0.5 dB κ 1.0, 1 dB 2.1, 2 dB 3.3, 3 dB 3.0, 4 dB 2.6, 6 dB 1.8.
 pub const MLS_MARGINS_DB: [f64; 3] = [2.0, 1.0, 3.0];
 
-/// Weights of rows between the responses against 1 for a response. Without them 20 mm between responses let dips of 1 to 2 dB
-/// through (hot ratio of the corner scene's area 0.93 against 0.98); at 1 alone, scenes near what is possible give up responses for
+/// Weight of rows between the responses against 1 for a response. Without them 20 mm between responses let dips of 1 to 2 dB
+/// through (hot ratio of the corner scene's area 0.93 against 0.98); at 1, scenes near what is possible give up responses for
 /// the ground between them.
-pub const BETWEEN_WEIGHTS: [f64; 2] = [0.1, 1.0];
+pub const BETWEEN_WEIGHT: f64 = 0.3;
 
 /// Spacing of the rows between the responses over the mean spacing of the responses. Half finds the dips; a third costs
 /// twice the time for the same area ratios.
@@ -86,3 +86,104 @@ pub const KAPPA_ENOUGH: f64 = 2.0;
 /// Starts that go on from the responses alone to the problems with ground between them. With all of them the result is the
 /// same on the 2×2 and 3×3 cells of the study's panel, in 35 ms instead of 100.
 pub const MLS_LEADERS: usize = 2;
+
+/// Accuracy of conic programs (gap and feasibility, relative): a drive that keeps its limit to 1e-7 keeps it. Ten times less costs a step
+/// or two of the interior-point method, ten times more is still far below a hundredth of a decibel.
+pub const CONIC_GAP: f64 = 1e-7;
+
+/// Most steps of the interior-point method; 12 to 25 are usual.
+pub const CONIC_STEPS: u32 = 100;
+
+/// κ below this is none: the rounding of a program whose largest κ is 0.
+pub const NO_KAPPA: f64 = 1e-4;
+
+/// Price of one threshold of error bar ‖L·A‖ against a factor of 1 in contrast, where the margin is largest: picks among drives of
+/// equal margin the one that errs least. Ten times more costs a hundredth of a decibel.
+pub const DEVIATION_PRICE: f64 = 1e-4;
+
+/// κ that is enough: what force is left then goes into margin. Three standard deviations hold for all of some 70 responses.
+pub const KAPPA_CAP: f64 = 3.0;
+
+/// κ on the responses below which rows between them are left out: less would give up sure responses for guessed ground.
+pub const KAPPA_LEAST: f64 = 1.0;
+
+/// A round of conic programs that gains less κ than this was the last one.
+pub const KAPPA_GAIN: f64 = 0.02;
+
+/// A round that gains less than this in the factor between rows and limits was the last one: a hundredth of a decibel.
+pub const MARGIN_GAIN: f64 = 1e-3;
+
+/// Rows that join a conic program at once.
+pub const ROWS_JOINING: usize = 12;
+
+/// How far, over its limit, a row must miss what was asked to join.
+pub const JOIN_SLACK: f64 = 1e-4;
+
+/// Most rounds of conic programs of each kind.
+pub const ROUNDS: usize = 10;
+
+/// Share of κ, and of the margin in dB, that is kept while the peak force is lowered.
+pub const KEEP: f64 = 0.9;
+
+/// A round that lowers peak force or effort by less than this, relative, was the last one.
+pub const COST_GAIN: f64 = 0.02;
+
+/// Relative gap at which the search for the certified ceiling ends: 0.005 dB. Ten times less costs two more rounds of Newton steps.
+pub const CEILING_GAP: f64 = 1e-3;
+
+/// Factor by which the weight of the objective against the barrier rises from round to round.
+pub const BARRIER_RISE: f64 = 8.0;
+
+/// Most Newton steps of one round; 5 to 10 are usual.
+pub const BARRIER_STEPS: usize = 30;
+
+/// Newton decrement, squared, at which a round is centred. The certificate holds whatever it is.
+pub const BARRIER_DECREMENT: f64 = 1e-3;
+
+/// Ridge of the baseline `tikhonov` over the largest eigenvalue of HᴴH; the best of the study's grid of powers of ten.
+pub const TIKHONOV: f64 = 1e-3;
+
+/// Least singular value of the baseline `tsvd` over the largest.
+pub const TSVD: f64 = 1e-2;
+
+/// Directions of the baseline `vast`: the study's choice.
+pub const VAST_RANK: usize = 8;
+
+/// κ of `min-effort`.
+pub const KAPPA_EFFORT: f64 = 1.0;
+
+/// Starts of the method `best`; with more the result was the same on all cells of the study's panel.
+pub const BEST_STARTS: usize = 2;
+
+/// Largest responses × actuators² for which the default method is `robust`: the panel of the study (77 for 34, 8.9e4) takes 0.3 s on two shared
+/// cores, its programs grow with this number.
+pub const ROBUST_SIZE: f64 = 3e5;
+
+/// Relative change of the drive below which a round was the last one.
+pub const SAME_DRIVE: f64 = 0.01;
+
+/// Rounds of the reweighted sum of amplitudes. The study's 8; the number of actuators settles after 4 or 5.
+pub const REWEIGHTINGS: usize = 8;
+
+/// Amplitude over the largest at which the price of an actuator falls to half. Ten times more hardly prices, ten times less freezes the
+/// first choice.
+pub const PRICE_FLOOR: f64 = 0.01;
+
+/// Amplitude over the largest below which an actuator counts as unused.
+pub const UNUSED: f64 = 1e-3;
+
+/// Terms of the series of a folded mode, above and below the drive frequency: powers 0, 2, 4 and −2, −4 of ω, as in the residual terms that
+/// fits use.
+pub const FOLDED_TERMS: [i32; 2] = [3, 2];
+
+/// Share of ground between the responses that fewer modes may cost.
+pub const LOSS_OF_GROUND: f64 = 0.005;
+
+/// Distance of the frequencies of a sweep, Hz: a fifth to a half of the bandwidth of a glass panel's modes there.
+pub const SWEEP_STEP_HZ: f64 = 2.0;
+
+/// Most frequencies of a sweep.
+pub const MOST_SWEPT: f64 = 500.0;
+
+/// Shares of responses nearer than this are equal to the frequency chooser: less than one response in a hundred.
+pub const SAME_SUCCESS: f64 = 0.005;

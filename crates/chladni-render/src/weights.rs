@@ -1,7 +1,10 @@
 //! The weights file: what each actuator has to do, and what comes of it.
 
+use crate::ceiling::Ceiling;
+use crate::frequency_sweep::FrequencySweep;
 use crate::indices::Indices;
 use crate::problem::Drive;
+use crate::stress::StressRow;
 use chladni_frf::io::json_error;
 use chladni_frf::{Dof, Error, ReferenceUnit, Result, Source};
 use num_complex::Complex64;
@@ -41,8 +44,17 @@ pub struct Weights {
     pub feasible: bool,
     /// Every judged response keeps its limit under model errors of so many standard deviations; negative where one misses.
     pub kappa: Option<f64>,
+    /// What physics allows, beside what was asked and found; where the scene is not met, or method `best` was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ceiling: Option<Ceiling>,
     /// Indices in the model.
     pub indices: Indices,
+    /// What becomes of the weights when the panel is not the model; where it was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stress: Option<Vec<StressRow>>,
+    /// The scene at other frequencies; where it was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sweep: Option<FrequencySweep>,
     /// What the user must know.
     pub warnings: Vec<String>,
 }

@@ -37,6 +37,8 @@ pub enum PolygonKind {
 pub struct ZonePolygon {
     /// What it declares.
     pub kind: PolygonKind,
+    /// How far the limit of a hot polygon lies above threshold + limen, dB.
+    pub level_db: f64,
     /// Corners, m, in either sense.
     pub points_m: Vec<Position>,
 }
@@ -73,6 +75,8 @@ pub struct Zones {
 pub struct ZoneMap {
     area: Rectangle,
     hot: Vec<Vec<Position>>,
+    /// Factor on the limit of each of `hot`.
+    levels: Vec<f64>,
     cold: Vec<Vec<Position>>,
     ignored: Vec<Vec<Position>>,
     border: Vec<[Position; 2]>,
@@ -87,6 +91,7 @@ impl Zones {
         let mut map = ZoneMap {
             area,
             hot: Vec::new(),
+            levels: Vec::new(),
             cold: Vec::new(),
             ignored: Vec::new(),
             border: Vec::new(),
@@ -115,6 +120,12 @@ impl ZoneMap {
         } else {
             Ground::Ignored
         }
+    }
+
+    /// By what factor the limit at `point` exceeds the scene's: the largest level of the hot polygons there, 1 elsewhere.
+    pub fn level_at(&self, point: Position) -> f64 {
+        let here = self.hot.iter().zip(&self.levels).filter(|(polygon, _)| polygon_contains(polygon, point));
+        here.map(|(_, &level)| level).fold(None, |largest: Option<f64>, level| Some(largest.map_or(level, |l| l.max(level)))).unwrap_or(1.0)
     }
 
     /// What is judged, m.
@@ -153,12 +164,16 @@ impl ZoneMap {
                 }
             }
             self.hot.push(corners.to_vec());
+            self.levels.push(1.0);
         }
     }
 
     fn add_polygons(&mut self, polygons: &[ZonePolygon]) {
         self.metric = Metric::Euclidean;
         for polygon in polygons {
+            if polygon.kind == PolygonKind::Hot {
+                self.levels.push(10f64.powf(polygon.level_db / 20.0));
+            }
             let list = match polygon.kind {
                 PolygonKind::Hot => &mut self.hot,
                 PolygonKind::Cold => &mut self.cold,

@@ -8,7 +8,7 @@ use common::{actuators_m, cell_scene, panel, truth};
 /// Rms of the interpolation error over the rms of the field, on the area grid.
 fn relative_error(method: Method, frequency_hz: f64) -> f64 {
     let scene = chladni_render::Scene { frequency_hz, ..cell_scene([2, 2], 1, "") };
-    let rendering = render(truth(), &scene, &RenderOptions { method, ..Default::default() }).unwrap();
+    let rendering = render(truth(), &scene, &RenderOptions { method: method.into(), ..Default::default() }).unwrap();
     let area = rendering.area.unwrap();
     let places: Vec<[f64; 2]> = area.y_m.iter().flat_map(|&y| area.x_m.iter().map(move |&x| [x, y])).collect();
     let drive: ndarray::Array1<_> = rendering.weights.weights.iter().map(|weight| weight.value()).collect();
@@ -55,7 +55,8 @@ fn nothing_outside_the_hull_of_the_responses_is_judged() {
     let mut model = truth().clone();
     // Cut the corner at (x_min, y_min) off: nodes 1 to 3, 12, 13, 23.
     model.nodes.retain(|node| ![1, 2, 3, 12, 13, 23].contains(&node.label));
-    let rendering = render(&model, &cell_scene([2, 2], 1, ""), &RenderOptions { method: Method::PressureMatching, ..Default::default() });
+    let rendering =
+        render(&model, &cell_scene([2, 2], 1, ""), &RenderOptions { method: Method::PressureMatching.into(), ..Default::default() });
     let area = rendering.unwrap().area.unwrap();
     assert_eq!(area.ground[[0, 0]], Ground::Ignored);
     assert!(area.velocity_m_per_s[[0, 0]].is_nan() && area.velocity_m_per_s[[12, 20]].is_finite());

@@ -18,6 +18,7 @@ fn the_error_bar_is_the_rms_error_over_many_models() {
         loss_factor_relative: errors.loss_factor,
         shape_relative: 0.0,
         isotropic_relative: 0.0,
+        drive_relative: 0.0,
     };
     let operator = Operator::of_model(truth(), 310.0, None).unwrap();
     let judged: Vec<usize> = (0..77).collect();
@@ -35,7 +36,8 @@ fn the_error_bar_is_the_rms_error_over_many_models() {
 
 #[test]
 fn the_models_own_error_bars_count_as_drift_does() {
-    let none = Drift { frequency_relative: 0.0, loss_factor_relative: 0.0, shape_relative: 0.0, isotropic_relative: 0.0 };
+    let none =
+        Drift { frequency_relative: 0.0, loss_factor_relative: 0.0, shape_relative: 0.0, isotropic_relative: 0.0, drive_relative: 0.0 };
     let drift = Drift { frequency_relative: 1e-3, loss_factor_relative: 0.1, shape_relative: 0.02, ..none };
     let mut bare = truth().clone();
     // Poles outside the band have no error bars of their own.
@@ -58,10 +60,25 @@ fn the_models_own_error_bars_count_as_drift_does() {
 
 #[test]
 fn the_isotropic_part_is_an_error_of_each_entry() {
-    let drift = Drift { frequency_relative: 0.0, loss_factor_relative: 0.0, shape_relative: 0.0, isotropic_relative: 0.01 };
+    let drift =
+        Drift { frequency_relative: 0.0, loss_factor_relative: 0.0, shape_relative: 0.0, isotropic_relative: 0.01, drive_relative: 0.0 };
     let operator = Operator::of_model(truth(), 300.0, None).unwrap();
     let covariance = Covariance::of_model(truth(), &operator, &[0, 1], &drift);
     let rms = (operator.mobility.iter().map(Complex64::norm_sqr).sum::<f64>() / operator.mobility.len() as f64).sqrt();
     let drive = ndarray::Array1::from_elem(34, Complex64::new(0.0, 2.0));
     assert!((covariance.deviation(&drive) / (0.01 * rms * 2.0 * 34f64.sqrt()) - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn errors_of_the_drives_are_those_of_many_wrong_drives() {
+    let none =
+        Drift { frequency_relative: 0.0, loss_factor_relative: 0.0, shape_relative: 0.0, isotropic_relative: 0.0, drive_relative: 0.0 };
+    let operator = Operator::of_model(truth(), 310.0, None).unwrap();
+    let judged: Vec<usize> = (0..77).collect();
+    let covariance = Covariance::of_model(truth(), &operator, &judged, &Drift { drive_relative: 0.03, ..none });
+    let drive: ndarray::Array1<Complex64> = (0..34).map(|i| Complex64::from_polar(1e-3 * (1 + i % 3) as f64, i as f64)).collect();
+    // E|Σ_i h_ki A_i δ_i|² = 0.03² Σ_i |h_ki|²|A_i|², averaged over k
+    let squares = operator.mobility.rows().into_iter().map(|row| row.iter().zip(&drive).map(|(h, a)| (h * a).norm_sqr()).sum::<f64>());
+    let expected = 0.03 * (squares.sum::<f64>() / 77.0).sqrt();
+    assert!((covariance.deviation(&drive) / expected - 1.0).abs() < 1e-12);
 }

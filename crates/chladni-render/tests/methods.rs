@@ -9,7 +9,7 @@ use common::{actuators_m, cell_scene, disturbed, panel, scene, truth, Errors, DR
 use std::fmt::Write as _;
 
 fn options(method: Method) -> RenderOptions {
-    RenderOptions { method, ..Default::default() }
+    RenderOptions { method: method.into(), ..Default::default() }
 }
 
 fn rendered(model: &ModalModel, scene: &Scene, method: Method) -> Rendering {
@@ -81,7 +81,7 @@ fn mls_serves_the_four_kinds_of_cells_of_a_3_by_3_grid() {
 fn methods_rank_as_in_the_study() {
     let scene = cell_scene([2, 2], 1, "");
     let min_ratio = |method| rendered(truth(), &scene, method).weights.indices.points.min_ratio;
-    let [one_phase, free_phase, two_step] = Method::ALL.map(min_ratio);
+    let [one_phase, free_phase, two_step] = [Method::PressureMatching, Method::Mls, Method::Modal].map(min_ratio);
     assert_eq!(free_phase, 1.0);
     assert!((0.80..1.0).contains(&one_phase), "pressure matching {one_phase}");
     assert!(two_step < one_phase, "two-step {two_step}");
@@ -124,7 +124,7 @@ fn a_force_limit_is_kept_and_said_to_bind() {
         let limited = rendered(truth(), &scene, method);
         let force = limited.weights.indices.points.max_force_n.unwrap();
         assert!(force <= limit * (1.0 + 1e-12), "{method}: {force} N of {limit} N");
-        if method != Method::Modal {
+        if [Method::PressureMatching, Method::Mls].contains(&method) {
             assert!(limited.weights.warnings.iter().any(|w| w.contains("binds")), "{method}: {:?}", limited.weights.warnings);
         }
     }
@@ -141,9 +141,9 @@ fn a_tight_force_limit_is_met_by_a_more_economical_drive() {
 #[test]
 fn an_infeasible_scene_says_what_is_possible() {
     let scene = cell_scene([2, 2], 1, "[actuators]\nmax_force_n = 1e-5\n");
-    let weights = rendered(truth(), &scene, Method::Mls).weights;
+    let weights = rendered(truth(), &scene, Method::Robust).weights;
     assert!(!weights.feasible && weights.kappa.unwrap() < 0.0);
-    let said = weights.warnings.iter().find(|warning| warning.contains("not met")).expect("what is possible");
+    let said = weights.warnings.iter().find(|warning| warning.contains("impossible")).expect("what is possible");
     assert!(said.contains("% of the hot") && said.contains("4.0 dB"), "{said}");
 }
 
@@ -155,7 +155,8 @@ fn kappa_is_the_least_slack_in_standard_deviations() {
     assert!(!weights.feasible && weights.kappa.unwrap() < 0.0, "pressure matching misses some");
     let mls = rendered(truth(), &scene, Method::Mls).weights;
     assert!(mls.kappa.unwrap() >= 1.0 && mls.indices.points.margin_db.unwrap() > 0.0);
-    let none = Drift { frequency_relative: 0.0, loss_factor_relative: 0.0, shape_relative: 0.0, isotropic_relative: 0.0 };
+    let none =
+        Drift { frequency_relative: 0.0, loss_factor_relative: 0.0, shape_relative: 0.0, isotropic_relative: 0.0, drive_relative: 0.0 };
     assert_eq!(of(none).kappa, None, "without any model error there is no scale");
 }
 
@@ -248,6 +249,8 @@ fn unusual_scenes_are_warned_about() {
         assert!(warnings.iter().any(|warning| warning.contains(expected)), "{expected}: {warnings:?}");
     };
     let zones = "[zones]\ngrid = [2, 2]\nhot = [1]\ncells_m = [0.0, 0.0, 0.268, 0.170]\n";
+    let many = "[zones]\ngrid = [2, 2]\nhot = [1, 2, 3]\ncells_m = [0.0, 0.0, 0.268, 0.170]\n[actuators]\nuse = [\"101:+Z\", \"110:+Z\"]\n";
+    warned(&format!("frequency_hz = 300\n{many}"), "3 hot cells or polygons for 2 actuators");
     warned(&format!("frequency_hz = 240\n{zones}"), "250 to 350 Hz");
     warned(&format!("frequency_hz = 300\n{zones}area_m = [0, 0, 0.268, 0.170]\n"), "nothing outside them is judged");
 }
@@ -300,8 +303,6 @@ fn method_names_are_those_of_the_command_line() {
     for method in Method::ALL {
         assert_eq!(method.to_string().parse::<Method>().unwrap(), method);
     }
-    assert_eq!("fast".parse::<Method>().unwrap(), Method::PressureMatching);
-    assert_eq!("default".parse::<Method>().unwrap(), Method::default());
     let error = "magic".parse::<Method>().unwrap_err();
     assert_eq!(error.kind, ErrorKind::Usage);
     assert!(error.to_string().contains("mls"), "{error}");

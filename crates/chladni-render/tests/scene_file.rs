@@ -140,3 +140,21 @@ fn a_frequency_without_a_threshold_is_refused_when_limits_are_asked_for() {
     let scene = parse(&format!("{}[threshold]\nprofile = \"classic\"\n", with("300", "1000"))).unwrap();
     assert!(scene.limits().unwrap_err().to_string().contains("no threshold known"));
 }
+
+#[test]
+fn drift_levels_and_effort_are_read() {
+    let text = "frequency_hz = 300\n[zones]\n[[zones.polygon]]\nkind = \"hot\"\nlevel_db = 3\npoints_m = [[0,0],[0.1,0],[0.1,0.1]]\n\
+                [actuators]\nmax_effort = 0.02\n[drift]\nfrequency_relative = 2e-3\ndrive_relative = 0.01\n";
+    let scene = chladni_render::Scene::parse(text, std::path::Path::new("")).unwrap();
+    let drift = scene.drift.unwrap();
+    assert_eq!((drift.frequency_relative, drift.drive_relative, drift.loss_factor_relative), (2e-3, 0.01, 0.1));
+    assert_eq!(scene.actuators.max_effort, Some(0.02));
+    for (old, new, message) in [
+        ("drive_relative", "drive_relativ", "drive_relative"),
+        ("= 0.01", "= -1", "0"),
+        ("\"hot\"\nlevel_db = 3", "\"cold\"\nlevel_db = 3", "only hot polygons have a level"),
+    ] {
+        let error = chladni_render::Scene::parse(&text.replacen(old, new, 1), std::path::Path::new("")).unwrap_err();
+        assert!(error.to_string().contains(message), "{error}");
+    }
+}

@@ -6,9 +6,13 @@ use chladni_render::{render, Method, RenderOptions, Weights};
 use serde_json::Value;
 
 fn weights() -> Weights {
-    render(common::truth(), &common::cell_scene([2, 2], 1, ""), &RenderOptions { method: Method::PressureMatching, ..Default::default() })
-        .unwrap()
-        .weights
+    render(
+        common::truth(),
+        &common::cell_scene([2, 2], 1, ""),
+        &RenderOptions { method: Method::PressureMatching.into(), ..Default::default() },
+    )
+    .unwrap()
+    .weights
 }
 
 fn keys(value: &Value) -> Vec<&str> {
@@ -64,6 +68,8 @@ fn damaged_files_are_refused_with_the_reason() {
         ("\"frequency_hz\": 300.0,", "", "missing field `frequency_hz`"),
         ("\"N\"", "\"V\"", "units of the weights differ"),
         ("\"N\"", "\"kgf\"", "unknown variant"),
+        ("\"im\": ", "\"im\": null, \"was\": ", "null"),
+        ("\"im\": ", "\"im\": 1e999, \"was\": ", "number out of range"),
         ("{", "[", "not a weights file"),
     ] {
         assert!(text.contains(old), "{old}");

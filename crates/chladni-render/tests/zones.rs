@@ -35,7 +35,7 @@ fn one_cell_of_four_leaves_fifteen_hot_and_fifty_three_cold_responses() {
 #[test]
 fn silence_serves_77_9_percent_of_a_corner_scene() {
     let scene = common::cell_scene([2, 2], 1, "");
-    let options = chladni_render::RenderOptions { method: chladni_render::Method::PressureMatching, ..Default::default() };
+    let options = chladni_render::RenderOptions { method: chladni_render::Method::PressureMatching.into(), ..Default::default() };
     let rendering = chladni_render::render(common::truth(), &scene, &options).unwrap();
     let silence = rendering.weights.indices.points.silence_ratio;
     assert_eq!(silence, 53.0 / 68.0);

@@ -1,6 +1,6 @@
 //! `chladni bench accuracy`.
 
-use super::{shown, Place};
+use super::{shown, Methods, Place};
 use crate::console::Console;
 use crate::outcome::Outcome;
 use crate::output::{Output, FRF, MODEL};
@@ -32,6 +32,8 @@ accuracy-CASE.svg/png (error against time with the Pareto front).")]
 pub struct Args {
     #[command(flatten)]
     place: Place,
+    #[command(flatten)]
+    methods: Methods,
     /// Noise seeds of each case for the methods that maximise the likelihood; others take a tenth of them [default: 100; quick: 3]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     seeds: Option<u32>,
@@ -60,7 +62,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let cases =
         if args.cases.is_empty() { CASES.iter().filter(|case| case.quick || !args.place.quick).collect() } else { args.cases.clone() };
     let seeds = args.seeds.map_or(if args.place.quick { QUICK_SEEDS } else { SEEDS }, |seeds| seeds as usize);
-    let options = AccuracyOptions { cases, methods: args.place.methods(), shapes: args.shapes, seeds, first_seed: args.seed };
+    let options = AccuracyOptions { cases, methods: args.methods.or_all(), shapes: args.shapes, seeds, first_seed: args.seed };
     let rows = accuracy(&options, &|stage| console.stage(stage))?;
     let tables = [(TABLES[0], accuracy_csv(&rows)), (TABLES[1], accuracy_modes_csv(&rows))];
     let mut files = args.place.write(&tables, &accuracy_figures(&rows), console)?;

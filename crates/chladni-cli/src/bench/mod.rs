@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod profile;
+mod scene;
 
 use crate::console::Console;
 use crate::outcome::Outcome;
@@ -23,6 +24,8 @@ pub enum Bench {
     Accuracy(accuracy::Args),
     /// Time of each stage of a fit, and the floor that no method can go below
     Profile(profile::Args),
+    /// Success against time: every rendering method on named scenes, from noisy FRFs to the true plate
+    Scene(scene::Args),
 }
 
 /// Runs the command.
@@ -33,6 +36,7 @@ pub fn run(what: &Bench, console: &Console) -> Result<Outcome> {
     match what {
         Bench::Accuracy(args) => accuracy::run(args, console),
         Bench::Profile(args) => profile::run(args, console),
+        Bench::Scene(args) => scene::run(args, console),
     }
 }
 
@@ -45,21 +49,28 @@ pub struct Place {
     /// Fewer cases and seeds: within a minute on two cores
     #[arg(long)]
     quick: bool,
+}
+
+/// Which methods of identification to run.
+#[derive(Debug, clap::Args)]
+pub struct Methods {
     /// Methods to run; may be repeated [default: all]
     #[arg(long = "method", value_name = "METHOD", value_parser = PossibleValuesParser::new(Method::ALL.map(Method::as_str))
         .try_map(|name| name.parse::<Method>()))]
     methods: Vec<Method>,
 }
 
-impl Place {
-    fn methods(&self) -> Vec<Method> {
+impl Methods {
+    fn or_all(&self) -> Vec<Method> {
         if self.methods.is_empty() {
             Method::ALL.to_vec()
         } else {
             self.methods.clone()
         }
     }
+}
 
+impl Place {
     /// Makes the folder and refuses, before the work, tables that stand there already.
     fn prepare(&self, tables: &[&str], console: &Console) -> Result<()> {
         make_folder(&self.output)?;

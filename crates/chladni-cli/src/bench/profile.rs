@@ -1,6 +1,6 @@
 //! `chladni bench profile`.
 
-use super::{shown, Place};
+use super::{shown, Methods, Place};
 use crate::console::Console;
 use crate::outcome::Outcome;
 use crate::table::table;
@@ -25,6 +25,8 @@ Writes profile.csv (a row for each stage) and profile.svg/png. The large sets ta
 pub struct Args {
     #[command(flatten)]
     place: Place,
+    #[command(flatten)]
+    methods: Methods,
     /// Sets to run; may be repeated [default: all]
     #[arg(long = "case", value_name = "CASE", value_parser = PossibleValuesParser::new(PROFILE_CASES.map(|case| case.name))
         .try_map(|name| PROFILE_CASES.iter().find(|case| case.name == name).ok_or("no such set")))]
@@ -42,9 +44,9 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     } else {
         args.cases.clone()
     };
-    let methods = match args.place.methods.is_empty() {
+    let methods = match args.methods.methods.is_empty() {
         true => Method::ALL.into_iter().filter(|method| METHODS.contains(&method.as_str())).collect(),
-        false => args.place.methods.clone(),
+        false => args.methods.methods.clone(),
     };
     let rows = profile(&ProfileOptions { cases, methods }, &|stage| console.stage(stage))?;
     let files = args.place.write(&[(TABLE, profile_csv(&rows))], &[profile_figure(&rows)], console)?;

@@ -10,8 +10,8 @@
 //! corner it served 0.95 of the hot responses where this form serves all, at twice the force.
 //!
 //! The problem is not convex, so several starts compete: pressure matching, contrast control, and hot zones with a phase that
-//! runs across. They compete on the responses alone and with rows interpolated between the responses, of two weights; winner is
-//! who serves most responses, then has some κ, then serves most ground between the responses.
+//! runs across; first on the responses alone, their leaders with several margins, and the leaders of these also with rows interpolated between
+//! the responses. Winner is who serves most responses, then has some κ, then serves most ground between the responses.
 
 use crate::gain::within_drive_limit;
 use crate::methods::pressure_matching::one_phase_target;
@@ -20,6 +20,7 @@ use crate::plane::Rectangle;
 use crate::problem::{Drive, Problem, Rows};
 use crate::tolerances;
 use chladni_frf::Result;
+use chladni_linalg::matmul;
 use ndarray::Array2;
 use num_complex::Complex64;
 use std::cmp::Ordering;
@@ -30,21 +31,38 @@ const TILTS: [[f64; 2]; 6] = [[1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, -1.0], [
 
 /// The best drive found; `between` are rows between the responses, where there are any.
 pub(crate) fn solve(problem: &Problem, between: Option<&Rows>) -> Result<Solution> {
-    let mut problems = vec![problem.clone()];
-    problems.extend(between.iter().flat_map(|rows| tolerances::BETWEEN_WEIGHTS.map(|weight| problem.with_between(rows, weight))));
-    within_drive_limit(problem, |ridge| {
-        let mut contest = Contest { points: problem, ground: problems.last().expect("at least the responses"), best: None };
-        let mut leaders = None;
-        for problem in &problems {
-            let inverse = problem.regularised_inverse(ridge)?;
-            let starts = match leaders {
-                None => starts(problem, &inverse)?,
-                Some(leaders) => leaders,
-            };
-            leaders = Some(contest.enter(problem, &inverse, &starts));
-        }
-        Ok(contest.best.expect("at least one start").1)
-    })
+    within_drive_limit(problem, |ridge| Ok(search(problem, between, ridge)?.0))
+}
+
+/// Up to `count` drives of different starts, the best first.
+pub(crate) fn leading_drives(problem: &Problem, between: Option<&Rows>, count: usize) -> Result<Vec<Drive>> {
+    let (best, others) = search(problem, between, 0.0)?;
+    let mut drives = vec![best];
+    drives.extend(others);
+    drives.truncate(count);
+    Ok(drives)
+}
+
+/// The best drive, and those that its rivals ended at.
+fn search(problem: &Problem, between: Option<&Rows>, ridge: f64) -> Result<(Drive, Vec<Drive>)> {
+    let with_ground = between.map(|rows| problem.with_between(rows, tolerances::BETWEEN_WEIGHT));
+    let ground = with_ground.as_ref().unwrap_or(problem);
+    let mut contest = Contest::new(problem, ground, tolerances::KAPPA_ENOUGH);
+    let [first_steps, steps, ground_steps] = tolerances::MLS_STEPS;
+    let inverse = problem.regularised_inverse(ridge)?;
+    let starts = starts(problem, &inverse)?;
+    let [first_margin, ..] = tolerances::MLS_MARGINS_DB;
+    let leaders = contest.enter(problem, &inverse, &starts.iter().map(|start| (start, first_margin)).collect::<Vec<_>>(), first_steps);
+    let mut leaders = contest.enter(problem, &inverse, &with_margins(&leaders), steps);
+    if let Some(ground) = &with_ground {
+        leaders = contest.enter(ground, &ground.regularised_inverse(ridge)?, &with_margins(&leaders), ground_steps);
+    }
+    Ok((contest.into_best(), leaders))
+}
+
+/// Each of the drives with each margin, dB.
+fn with_margins(drives: &[Drive]) -> Vec<(&Drive, f64)> {
+    drives.iter().flat_map(|drive| tolerances::MLS_MARGINS_DB.map(|margin_db| (drive, margin_db))).collect()
 }
 
 /// What a drive is judged by, the more important first: responses served (least zone, total), κ up to what is enough, ground
@@ -52,35 +70,48 @@ pub(crate) fn solve(problem: &Problem, between: Option<&Rows>) -> Result<Solutio
 type Key = [f64; 6];
 
 /// Keeps the best drive of all that are offered.
-struct Contest<'a> {
+pub(crate) struct Contest<'a> {
     points: &'a Problem,
     ground: &'a Problem,
+    /// κ on the responses of which more counts less than ground between them.
+    enough: f64,
     best: Option<(Key, Drive)>,
 }
 
-impl Contest<'_> {
-    /// Iterates from all starts with the first margin, and from the best of them with the others; returns the leading drives.
-    fn enter(&mut self, problem: &Problem, inverse: &Array2<Complex64>, starts: &[Drive]) -> Vec<Drive> {
-        let [first, others @ ..] = tolerances::MLS_MARGINS_DB;
-        let mut drives: Vec<(Key, Drive)> = Vec::new();
-        for start in starts {
-            let drive = iterate(problem, inverse, start, first);
-            drives.push((self.offer(problem, &drive), drive));
-        }
+impl<'a> Contest<'a> {
+    /// On the responses of `points`, then on the rows of `ground`.
+    pub(crate) fn new(points: &'a Problem, ground: &'a Problem, enough: f64) -> Self {
+        Self { points, ground, enough, best: None }
+    }
+
+    /// The best drive that was offered; silence where none was.
+    pub(crate) fn into_best(self) -> Drive {
+        self.best.map_or_else(|| Drive::zeros(self.points.rows.mobility.ncols()), |(_, drive)| drive)
+    }
+
+    /// Iterates from all starts, each with its margin in dB; returns the leading drives.
+    fn enter(&mut self, problem: &Problem, inverse: &Array2<Complex64>, starts: &[(&Drive, f64)], steps: usize) -> Vec<Drive> {
+        let ended = iterate(problem, inverse, starts, steps);
+        let mut drives: Vec<(Key, Drive)> = ended.into_iter().map(|drive| (self.offer(problem, &drive), drive)).collect();
         drives.sort_by(|(a, _), (b, _)| better_first(a, b));
-        for margin_db in others {
-            let drive = iterate(problem, inverse, &drives[0].1, margin_db);
-            self.offer(problem, &drive);
-        }
         drives.truncate(tolerances::MLS_LEADERS);
         drives.into_iter().map(|(_, drive)| drive).collect()
     }
 
-    /// Enters a drive with its best gain.
-    fn offer(&mut self, problem: &Problem, drive: &Drive) -> Key {
-        let drive = problem.with_best_gain(drive);
+    /// Enters a drive with its best gain on `problem`.
+    pub(crate) fn offer(&mut self, problem: &Problem, drive: &Drive) -> Key {
+        self.judge(problem.with_best_gain(drive))
+    }
+
+    /// Enters a drive with the gain that it has, or the largest that its limits allow.
+    pub(crate) fn offer_as_is(&mut self, drive: &Drive) -> Key {
+        let gain = self.points.drive_limits.allowed_gain(drive).min(1.0);
+        self.judge(drive.mapv(|weight| weight * gain))
+    }
+
+    fn judge(&mut self, drive: Drive) -> Key {
         let (points, ground) = (self.points.score(&drive), self.ground.score(&drive));
-        let robust = points.kappa.min(tolerances::KAPPA_ENOUGH);
+        let robust = points.kappa.min(self.enough);
         let key = [points.min_ratio, points.success_ratio, robust, ground.min_ratio, ground.success_ratio, ground.kappa];
         if self.best.as_ref().is_none_or(|(best, _)| key > *best) {
             self.best = Some((key, drive));
@@ -113,24 +144,28 @@ fn starts(problem: &Problem, inverse: &Array2<Complex64>) -> Result<Vec<Drive>> 
     Ok(starts)
 }
 
-/// [`tolerances::MLS_STEPS`] steps of the majorisation from `start`.
-fn iterate(problem: &Problem, inverse: &Array2<Complex64>, start: &Drive, margin_db: f64) -> Drive {
-    let ratio = 10f64.powf(margin_db / 20.0);
-    let (hot_limit, cold_limit) = (problem.limits.hot_m_per_s * ratio, problem.limits.cold_m_per_s / ratio);
-    let mut drive = problem.with_best_gain(start);
-    for _ in 0..tolerances::MLS_STEPS {
-        let mut target = problem.field(&drive);
-        for (k, value) in target.iter_mut().enumerate() {
-            let amplitude = value.norm();
+/// `steps` of the majorisation from all starts together, one column each: two products of matrices a step.
+fn iterate(problem: &Problem, inverse: &Array2<Complex64>, starts: &[(&Drive, f64)], steps: usize) -> Vec<Drive> {
+    let mut drives = Array2::zeros((inverse.nrows(), starts.len()));
+    for (mut column, (start, _)) in drives.columns_mut().into_iter().zip(starts) {
+        column.assign(&problem.with_best_gain(start));
+    }
+    let ratios: Vec<f64> = starts.iter().map(|(_, margin_db)| 10f64.powf(margin_db / 20.0)).collect();
+    for _ in 0..steps {
+        let mut target = matmul(problem.rows.mobility.view(), drives.view());
+        for (k, mut row) in target.rows_mut().into_iter().enumerate() {
             let is_hot = k < problem.rows.hot;
-            let limit = if is_hot { hot_limit } else { cold_limit };
-            if (is_hot && amplitude < limit) || (!is_hot && amplitude > limit) {
-                *value = relaxed(*value, amplitude, limit);
+            for (value, ratio) in row.iter_mut().zip(&ratios) {
+                let limit = if is_hot { problem.limits.hot_m_per_s * ratio } else { problem.limits.cold_m_per_s / ratio };
+                let amplitude = value.norm();
+                if (is_hot && amplitude < limit) || (!is_hot && amplitude > limit) {
+                    *value = relaxed(*value, amplitude, limit);
+                }
             }
         }
-        drive = inverse.dot(&target);
+        drives = matmul(inverse.view(), target.view());
     }
-    drive
+    drives.columns().into_iter().map(|column| column.to_owned()).collect()
 }
 
 /// `value` moved along its own phase to the magnitude `limit`, and beyond by the relaxation.

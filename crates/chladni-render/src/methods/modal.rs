@@ -6,20 +6,21 @@
 //! Not for use: with the exact modes of the study's panel it serves 30 to 53 % of the points at any number of modes, because
 //! what the first step does not model the second one drives hard, and 34 modes of a symmetric panel cannot be set
 //! independently by 34 actuators on its edge (rank 32 at most). Both are said in the warnings, with the singular values. The
-//! target is 1 on hot and 0 on cold responses; as everywhere, the transition is left out. Only in-band modes are used: poles
-//! outside and residual terms have no place in the equations.
+//! target is 1 on hot and 0 on cold responses; as everywhere, the transition is left out. Only modes that are summed
+//! explicitly are used (all in band, unless fewer are asked for): poles outside and residual terms have no place in the equations.
 
 use crate::methods::{pressure_matching::one_phase_target, Solution};
-use crate::operator::Operator;
-use crate::problem::{internal, Drive, Problem};
+use crate::problem::{internal, Drive};
+use crate::setup::Setup;
 use chladni_frf::{Damping, Error, ModalModel, Mode, Result};
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// The drive of the two-step inverse; `judged` are the operator's rows of the problem, in its order.
-pub(crate) fn solve(problem: &Problem, model: &ModalModel, operator: &Operator, judged: &[usize]) -> Result<Solution> {
-    let modes: Vec<&Mode> = model.in_band_modes().collect();
+/// The drive of the two-step inverse with the modes that `setup` sums.
+pub(crate) fn solve(setup: &Setup, model: &ModalModel) -> Result<Solution> {
+    let Setup { problem, operator, judged, .. } = setup;
+    let modes: Vec<&Mode> = setup.modes.iter().map(|&n| &model.modes[n]).collect();
     if modes.is_empty() {
         return Err(Error::bad_data("the model has no mode inside its band")
             .field("modes")
@@ -39,7 +40,6 @@ pub(crate) fn solve(problem: &Problem, model: &ModalModel, operator: &Operator, 
     let mut warnings = Vec::new();
     let modal_weights = pseudo_inverse_times(&gamma, &one_phase_target(problem), "Gamma (modes at the responses)", &mut warnings)?;
     let drive: Drive = pseudo_inverse_times(&psi, &modal_weights, "Psi (modes at the actuators)", &mut warnings)?;
-    warnings.push("method `modal` is a baseline: unmodelled modes are driven as well; `mls` takes them into account".into());
     Ok(Solution { drive: problem.with_best_gain(&drive), warnings })
 }
 

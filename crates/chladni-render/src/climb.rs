@@ -1,0 +1,185 @@
+//! From a drive to a better one by conic programs: the phases of the hot rows follow the solution, missed rows join.
+//!
+//! Each program holds the phases of its hot rows, so that |v| is replaced by its part along them, which is no more than |v|: what it
+//! finds is never worse than what it started from (the convex-concave procedure, Lipp and Boyd 2016). The study found the end
+//! within 0.0 to 0.2 dB of a certified bound.
+
+use crate::drive_program::{Asked, DriveProgram};
+use crate::problem::{Drive, Problem};
+use crate::tolerances;
+use chladni_frf::Result;
+use ndarray::Array1;
+use num_complex::Complex64;
+
+/// A climb over the rows of one problem.
+pub(crate) struct Climb<'a> {
+    problem: &'a Problem,
+    program: DriveProgram<'a>,
+    /// Rows that take part.
+    active: Vec<usize>,
+}
+
+impl<'a> Climb<'a> {
+    /// Over all rows of `problem`.
+    pub(crate) fn new(problem: &'a Problem) -> Result<Self> {
+        let active = (0..problem.rows.mobility.nrows()).collect();
+        Ok(Self { problem, program: DriveProgram::new(problem)?, active })
+    }
+
+    /// Over the rows of weight 1, measured responses; others join where they are missed.
+    pub(crate) fn by_need(problem: &'a Problem, measured: impl Fn(usize) -> bool) -> Result<Self> {
+        let mut climb = Self::new(problem)?;
+        climb.active.retain(|&k| measured(k));
+        Ok(climb)
+    }
+
+    /// The most robust drive that `start` leads to: largest κ, then largest margin at that κ, then the least peak force that keeps
+    /// most of both.
+    pub(crate) fn climb(&mut self, start: &Drive) -> Result<Drive> {
+        let (kappa, mut drive) = self.raise_kappa(start)?;
+        if kappa == 0.0 {
+            return Ok(drive);
+        }
+        let mut asked = Asked { kappa: f64::max(kappa * tolerances::KEEP, kappa.min(tolerances::KAPPA_LEAST)), factor: 1.0 };
+        if kappa >= tolerances::KAPPA_CAP * (1.0 - tolerances::KAPPA_GAIN) {
+            let (factor, wider) = self.raise_margin(drive, tolerances::KAPPA_CAP)?;
+            drive = wider;
+            asked.factor = factor.max(1.0).powf(tolerances::KEEP);
+        }
+        self.lower_peak(drive, asked)
+    }
+
+    /// Less peak force, inside by `asked`.
+    fn lower_peak(&mut self, start: Drive, asked: Asked) -> Result<Drive> {
+        self.lower(start, asked, DriveProgram::least_peak, |drive| drive.iter().map(|weight| weight.norm()).fold(0.0, f64::max))
+    }
+
+    /// Less effort √Σ|A_i|², inside by `asked`.
+    pub(crate) fn lower_effort(&mut self, start: Drive, asked: Asked) -> Result<Drive> {
+        self.lower(start, asked, DriveProgram::least_effort, |drive| drive.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt())
+    }
+
+    /// Repeats `program` until it lowers `cost` no more.
+    fn lower(
+        &mut self,
+        start: Drive,
+        asked: Asked,
+        program: impl Fn(&DriveProgram<'a>, &Array1<Complex64>, &[usize], Asked) -> Result<Option<Drive>>,
+        cost: impl Fn(&Drive) -> f64,
+    ) -> Result<Drive> {
+        let mut drive = start;
+        for _ in 0..tolerances::ROUNDS {
+            let Some(next) = program(&self.program, &self.program.phases(&drive), &self.active, asked)? else { break };
+            let before = cost(&drive);
+            drive = next;
+            let joined = self.let_missed_join(&drive, asked.kappa, asked.factor);
+            if !joined && cost(&drive) > before * (1.0 - tolerances::COST_GAIN) {
+                break;
+            }
+        }
+        Ok(drive)
+    }
+
+    /// The largest κ, up to the cap; 0 where no row set of these phases can be kept, with the drive that comes nearest.
+    pub(crate) fn raise_kappa(&mut self, start: &Drive) -> Result<(f64, Drive)> {
+        self.reach_kappa(start, tolerances::KAPPA_CAP)
+    }
+
+    /// The same up to `cap`.
+    pub(crate) fn reach_kappa(&mut self, start: &Drive, cap: f64) -> Result<(f64, Drive)> {
+        let (mut kappa, mut drive) = (0.0, start.clone());
+        let mut feasible = false;
+        for _ in 0..tolerances::ROUNDS {
+            let found = self.program.largest_kappa(&self.program.phases(&drive), &self.active, cap)?;
+            let Some(next) = found.drive else {
+                if feasible {
+                    break;
+                }
+                let (factor, nearer) = self.raise_margin(drive.clone(), 0.0)?;
+                drive = nearer;
+                if factor < 1.0 {
+                    return Ok((0.0, drive));
+                }
+                continue;
+            };
+            feasible = true;
+            drive = next;
+            let joined = self.let_missed_join(&drive, found.kappa, 1.0);
+            let gained = found.kappa - kappa;
+            kappa = found.kappa;
+            if !joined && (gained < tolerances::KAPPA_GAIN || kappa >= cap * (1.0 - tolerances::KAPPA_GAIN)) {
+                break;
+            }
+        }
+        Ok((kappa, drive))
+    }
+
+    /// The largest factor between every row and its limit, inside by `kappa` standard deviations besides; below 1 where some miss.
+    pub(crate) fn raise_margin(&mut self, start: Drive, kappa: f64) -> Result<(f64, Drive)> {
+        // both sides share the margin: the drive is divided by it in the end, and may be that much larger before
+        self.raise_contrast(start, kappa, |factor| factor.max(1.0))
+    }
+
+    /// The same with cold rows at their limit and all of the margin on the hot side: its square is the largest hot over limit.
+    pub(crate) fn raise_hot(&mut self, start: Drive) -> Result<f64> {
+        Ok(self.raise_contrast(start, 0.0, |_| 1.0)?.0.powi(2))
+    }
+
+    fn raise_contrast(&mut self, start: Drive, kappa: f64, larger_drive: impl Fn(f64) -> f64) -> Result<(f64, Drive)> {
+        let (mut factor, mut drive) = (0.0, start);
+        for _ in 0..tolerances::ROUNDS {
+            let phases = self.program.phases(&drive);
+            let Some((found, next)) = self.program.largest_margin(&phases, &self.active, kappa, larger_drive(factor))? else { break };
+            drive = next;
+            let joined = self.let_missed_join(&drive, kappa, found);
+            let gained = found / factor - 1.0;
+            factor = found;
+            if !joined && gained < tolerances::MARGIN_GAIN {
+                break;
+            }
+        }
+        Ok((factor, drive))
+    }
+
+    /// Most ground served by the rows that join by need, with the measured rows inside by `asked`.
+    pub(crate) fn serve_ground(&mut self, start: Drive, asked: Asked) -> Result<Drive> {
+        let sure = self.active.clone();
+        let mut drive = start;
+        for _ in 0..tolerances::ROUNDS {
+            let joined = self.let_missed_join(&drive, 0.0, 1.0);
+            let wished: Vec<usize> = self.active.iter().copied().filter(|k| !sure.contains(k)).collect();
+            let Some(next) = self.program.least_missed(&self.program.phases(&drive), &sure, &wished, asked)? else { break };
+            let change = (&next - &drive).iter().map(Complex64::norm_sqr).sum::<f64>().sqrt();
+            let size = next.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt();
+            drive = next;
+            if !joined && change < tolerances::SAME_DRIVE * size {
+                break;
+            }
+        }
+        Ok(drive)
+    }
+
+    /// Adds the rows that miss most of what was asked; false where none does.
+    fn let_missed_join(&mut self, drive: &Drive, kappa: f64, factor: f64) -> bool {
+        let field = self.problem.field(drive).mapv(Complex64::norm);
+        let limits = self.problem.limits_m_per_s();
+        let deviation = self.problem.covariance.deviation(drive);
+        let slack = |k: usize| {
+            let error = kappa * deviation / (limits[k] * self.problem.rows.levels[k]);
+            match k < self.problem.rows.hot {
+                true => field[k] / limits[k] - factor - error,
+                false => 1.0 / factor - field[k] / limits[k] - error,
+            }
+        };
+        let mut missed: Vec<(f64, usize)> = (0..field.len())
+            .filter(|k| !self.active.contains(k))
+            .map(|k| (slack(k), k))
+            .filter(|&(slack, _)| slack < -tolerances::JOIN_SLACK)
+            .collect();
+        missed.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        missed.truncate(tolerances::ROWS_JOINING);
+        self.active.extend(missed.iter().map(|&(_, k)| k));
+        self.active.sort_unstable();
+        !missed.is_empty()
+    }
+}

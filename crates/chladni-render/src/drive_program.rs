@@ -1,0 +1,267 @@
+//! The conic programs of a scene: what a drive must keep, and what of it is to be largest or least.
+//!
+//! With the phases φ_k of the hot rows held, all of these are convex in the drive A (theory.md, eq. 41 to 44). Rows are divided by their
+//! limits V_k, forces by [`DriveProgram::unit_drive`], and the error bar ‖L·A‖ by the threshold, so that every number is of
+//! order one.
+
+use crate::conic::{Affine, ConicProgram};
+use crate::problem::{Drive, Problem};
+use crate::tolerances;
+use chladni_frf::Result;
+use ndarray::{Array1, Array2};
+use num_complex::Complex64;
+
+/// A problem scaled for conic programs.
+pub(crate) struct DriveProgram<'a> {
+    problem: &'a Problem,
+    /// Drive that moves a typical row at its limit, N or V.
+    unit_drive: f64,
+    /// Mobility over the limit of each row, per unit drive; axes (row, actuator).
+    rows: Array2<Complex64>,
+    /// Threshold over the limit of each row.
+    error_scale: Array1<f64>,
+    /// Square root of the covariance over the threshold, per unit drive.
+    root: Array2<Complex64>,
+}
+
+/// What stands at the right of the constraints, each an expression of the program's own variables.
+struct Sides {
+    /// Hot rows: at least this, in their limits.
+    hot: Affine,
+    /// Cold rows: at most this, in their limits.
+    cold: Affine,
+    /// By so many thresholds every row must stay inside.
+    slack: Affine,
+    /// Bound of ‖L·A‖, in thresholds.
+    deviation: Affine,
+    /// Factor on the force limits.
+    drive: f64,
+    /// Variable that multiplies that factor.
+    drive_variable: Option<usize>,
+}
+
+/// How far inside their limits the rows must stay.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Asked {
+    /// Standard deviations.
+    pub(crate) kappa: f64,
+    /// Factor between hot rows and their limit, and between the limit of cold rows and them.
+    pub(crate) factor: f64,
+}
+
+/// The largest κ of some phases, and the drive that has it.
+pub(crate) struct Robust {
+    /// Every row keeps its limit under errors of so many standard deviations; 0: some row cannot keep it.
+    pub(crate) kappa: f64,
+    /// The drive; `None` with κ = 0.
+    pub(crate) drive: Option<Drive>,
+}
+
+impl<'a> DriveProgram<'a> {
+    /// Scales `problem`.
+    ///
+    /// # Errors
+    /// Those of the factorisation: a broken promise.
+    pub(crate) fn new(problem: &'a Problem) -> Result<Self> {
+        let mobility = &problem.rows.mobility;
+        let limits = problem.limits_m_per_s();
+        let mut rows = mobility.clone();
+        for (mut row, &limit) in rows.rows_mut().into_iter().zip(&limits) {
+            row.mapv_inplace(|value| value / limit);
+        }
+        let mean_square = rows.iter().map(Complex64::norm_sqr).sum::<f64>() / rows.len() as f64;
+        let unit_drive = 1.0 / mean_square.sqrt();
+        rows.mapv_inplace(|value| value * unit_drive);
+        let threshold = problem.threshold_m_per_s;
+        let root = problem.covariance.triangular_root()?.mapv(|value| value * (unit_drive / threshold));
+        Ok(Self { problem, unit_drive, rows, error_scale: limits.mapv(|limit| threshold / limit) / &problem.rows.levels, root })
+    }
+
+    /// Number of actuators.
+    fn actuators(&self) -> usize {
+        self.rows.ncols()
+    }
+
+    /// Phases of the hot rows under `drive`, as e^{−jφ}.
+    pub(crate) fn phases(&self, drive: &Drive) -> Array1<Complex64> {
+        let field = self.problem.rows.hot_rows().dot(drive);
+        field.mapv(|value| if value.norm() > 0.0 { value.conj() / value.norm() } else { Complex64::ONE })
+    }
+
+    /// The drive with the largest κ up to `cap` for the hot `phases`, over the rows `active` (theory.md, eq. 42).
+    ///
+    /// κ·‖L·A‖ is a product of unknowns; divided by ‖L·A‖ the program is linear in κ, A/‖L·A‖ and 1/‖L·A‖.
+    pub(crate) fn largest_kappa(&self, phases: &Array1<Complex64>, active: &[usize], cap: f64) -> Result<Robust> {
+        let (kappa, inverse) = (2 * self.actuators(), 2 * self.actuators() + 1);
+        let mut program = ConicProgram::new(inverse + 1);
+        program.minimise(kappa, -1.0);
+        program.not_negative(Affine::of(inverse, 1.0));
+        program.not_negative(Affine::of(kappa, -1.0).plus_constant(cap));
+        let sides = Sides {
+            hot: Affine::of(inverse, 1.0),
+            cold: Affine::of(inverse, 1.0),
+            slack: Affine::of(kappa, 1.0),
+            deviation: Affine::constant(1.0),
+            drive: 1.0,
+            drive_variable: Some(inverse),
+        };
+        self.constrain(&mut program, phases, active, &sides);
+        let solution = program.solve()?.filter(|solution| solution.x[kappa] > tolerances::NO_KAPPA);
+        Ok(match solution {
+            Some(solution) if solution.x[inverse] > 0.0 => {
+                Robust { kappa: solution.x[kappa], drive: Some(self.drive(&solution.x, 1.0 / solution.x[inverse])) }
+            }
+            _ => Robust { kappa: 0.0, drive: None },
+        })
+    }
+
+    /// The drive with the largest margin g, hot rows at least and cold ones at most their limit by the same factor 10^{g/20}, and
+    /// inside by `kappa` standard deviations besides (eq. 43); and that factor, below 1 where not all can be had.
+    ///
+    /// * `reached`: a factor that is known to be possible, for the force limits; 1 where none is
+    pub(crate) fn largest_margin(
+        &self,
+        phases: &Array1<Complex64>,
+        active: &[usize],
+        kappa: f64,
+        reached: f64,
+    ) -> Result<Option<(f64, Drive)>> {
+        let (deviation, contrast) = (2 * self.actuators(), 2 * self.actuators() + 1);
+        let mut program = ConicProgram::new(contrast + 1);
+        program.minimise(contrast, -1.0);
+        program.minimise(deviation, tolerances::DEVIATION_PRICE);
+        let sides = Sides {
+            hot: Affine::of(contrast, 1.0),
+            cold: Affine::constant(1.0),
+            slack: Affine::of(deviation, kappa),
+            deviation: Affine::of(deviation, 1.0),
+            drive: reached,
+            drive_variable: None,
+        };
+        self.constrain(&mut program, phases, active, &sides);
+        let solution = program.solve()?.filter(|solution| solution.x[contrast] > 0.0);
+        Ok(solution.map(|solution| {
+            // cold rows stand at their limit and hot ones at `contrast` times theirs: share it
+            let factor = solution.x[contrast].sqrt();
+            (factor, self.drive(&solution.x, 1.0 / factor))
+        }))
+    }
+
+    /// The drive of least √Σ|A_i|² that keeps every row inside by `asked` (eq. 44).
+    pub(crate) fn least_effort(&self, phases: &Array1<Complex64>, active: &[usize], asked: Asked) -> Result<Option<Drive>> {
+        let (deviation, effort) = (2 * self.actuators(), 2 * self.actuators() + 1);
+        let mut program = ConicProgram::new(effort + 1);
+        program.minimise(effort, 1.0);
+        self.constrain(&mut program, phases, active, &Sides::plain(deviation, asked));
+        program.norm_at_most(Affine::of(effort, 1.0), (0..2 * self.actuators()).map(|i| Affine::of(i, 1.0)));
+        Ok(program.solve()?.map(|solution| self.drive(&solution.x, 1.0)))
+    }
+
+    /// The drive of least max|A_i| that keeps every row inside by `asked`.
+    pub(crate) fn least_peak(&self, phases: &Array1<Complex64>, active: &[usize], asked: Asked) -> Result<Option<Drive>> {
+        let (deviation, peak) = (2 * self.actuators(), 2 * self.actuators() + 1);
+        let mut program = ConicProgram::new(peak + 1);
+        program.minimise(peak, 1.0);
+        self.constrain(&mut program, phases, active, &Sides::plain(deviation, asked));
+        for i in 0..self.actuators() {
+            program.norm_at_most(Affine::of(peak, 1.0), self.weight(i));
+        }
+        Ok(program.solve()?.map(|solution| self.drive(&solution.x, 1.0)))
+    }
+
+    /// The drive of least Σ price_i·|A_i| that keeps every row inside by `asked` (eq. 45).
+    pub(crate) fn least_sum(&self, phases: &Array1<Complex64>, active: &[usize], asked: Asked, prices: &[f64]) -> Result<Option<Drive>> {
+        let deviation = 2 * self.actuators();
+        let amplitude = |i: usize| deviation + 1 + i;
+        let mut program = ConicProgram::new(amplitude(self.actuators()));
+        self.constrain(&mut program, phases, active, &Sides::plain(deviation, asked));
+        for (i, &price) in prices.iter().enumerate() {
+            program.minimise(amplitude(i), price);
+            program.norm_at_most(Affine::of(amplitude(i), 1.0), self.weight(i));
+        }
+        Ok(program.solve()?.map(|solution| self.drive(&solution.x, 1.0)))
+    }
+
+    /// The drive that keeps the rows `sure` by `asked` and misses the limits of the rows `wished` by the least sum, each over its limit.
+    ///
+    /// A sum of shortfalls leaves most of them at zero, so that most ground is served where not all can be.
+    pub(crate) fn least_missed(&self, phases: &Array1<Complex64>, sure: &[usize], wished: &[usize], asked: Asked) -> Result<Option<Drive>> {
+        let deviation = 2 * self.actuators();
+        let shortfall = |number: usize| deviation + 1 + number;
+        let mut program = ConicProgram::new(shortfall(wished.len()));
+        program.minimise(deviation, tolerances::DEVIATION_PRICE);
+        self.constrain(&mut program, phases, sure, &Sides::plain(deviation, asked));
+        for (number, &k) in wished.iter().enumerate() {
+            program.minimise(shortfall(number), 1.0);
+            program.not_negative(Affine::of(shortfall(number), 1.0));
+            if k < self.problem.rows.hot {
+                program.not_negative(self.along(k, phases).plus(shortfall(number), 1.0).plus_constant(-1.0));
+            } else {
+                let bound = Affine::of(shortfall(number), 1.0).plus_constant(1.0);
+                program.norm_at_most(bound, Affine::complex_row(self.rows.row(k)));
+            }
+        }
+        Ok(program.solve()?.map(|solution| self.drive(&solution.x, 1.0)))
+    }
+
+    /// Hot row `k` along its phase.
+    fn along(&self, k: usize, phases: &Array1<Complex64>) -> Affine {
+        let [along, _] = Affine::complex_row(self.rows.row(k).mapv(|value| value * phases[k]).view());
+        along
+    }
+
+    fn weight(&self, i: usize) -> [Affine; 2] {
+        [Affine::of(i, 1.0), Affine::of(self.actuators() + i, 1.0)]
+    }
+
+    /// The variables of a solution as a drive, times `factor`.
+    fn drive(&self, x: &[f64], factor: f64) -> Drive {
+        let count = self.actuators();
+        Array1::from_shape_fn(count, |i| Complex64::new(x[i], x[count + i]) * (self.unit_drive * factor))
+    }
+
+    /// Rows, force limits and error bar.
+    fn constrain(&self, program: &mut ConicProgram, phases: &Array1<Complex64>, active: &[usize], sides: &Sides) {
+        let hot = self.problem.rows.hot;
+        for &k in active.iter().filter(|&&k| k < hot) {
+            program.not_negative(self.along(k, phases).minus(&sides.hot, 1.0).minus(&sides.slack, self.error_scale[k]));
+        }
+        for &k in active.iter().filter(|&&k| k >= hot) {
+            let bound = sides.cold.clone().minus(&sides.slack, self.error_scale[k]);
+            program.norm_at_most(bound, Affine::complex_row(self.rows.row(k)));
+        }
+        self.limit_drive(program, sides);
+        let parts = self.root.rows().into_iter().flat_map(Affine::complex_row);
+        program.norm_at_most(sides.deviation.clone(), parts);
+    }
+
+    fn limit_drive(&self, program: &mut ConicProgram, sides: &Sides) {
+        let bound = |limit: f64| match sides.drive_variable {
+            Some(variable) => Affine::of(variable, limit * sides.drive / self.unit_drive),
+            None => Affine::constant(limit * sides.drive / self.unit_drive),
+        };
+        if self.problem.drive_limits.each.is_finite() {
+            for i in 0..self.actuators() {
+                program.norm_at_most(bound(self.problem.drive_limits.each), self.weight(i));
+            }
+        }
+        if self.problem.drive_limits.effort.is_finite() {
+            let all = (0..self.actuators()).flat_map(|i| self.weight(i));
+            program.norm_at_most(bound(self.problem.drive_limits.effort), all);
+        }
+    }
+}
+
+impl Sides {
+    /// Rows inside their limits by a factor and by κ times the variable `deviation`.
+    fn plain(deviation: usize, asked: Asked) -> Self {
+        Self {
+            hot: Affine::constant(asked.factor),
+            cold: Affine::constant(1.0 / asked.factor),
+            slack: Affine::of(deviation, asked.kappa),
+            deviation: Affine::of(deviation, 1.0),
+            drive: 1.0,
+            drive_variable: None,
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! The fewest modes that a scene needs.
+//!
+//! Modes are ranked by what folding them into residual terms would leave out at the drive frequency (module `folding`); the best M stay
+//! explicit, and what the others leave out counts as an error of the model, so that no drive leans on it. M grows until the drive found
+//! by the reduced model alone, replayed through the whole model or through the measured line, keeps every response inside its limit: the
+//! error e_k = |(H_M − H)_k·A| must fit into the slack that A has in H_M (theory.md, eq. 48). Where not even the whole model serves every
+//! response, the reduced one must serve as many.
+
+use crate::count::Count;
+use crate::folding::{self, Foldable};
+use crate::methods::{Decision, MethodChoice};
+use crate::operator::Operator;
+use crate::problem::{Drive, Problem, Rows};
+use crate::setup::Setup;
+use crate::tolerances;
+use chladni_frf::{Error, FrfSet, ModalModel, Result};
+use ndarray::Array2;
+use num_complex::Complex64;
+
+/// What drives are replayed through.
+pub(crate) struct Judge {
+    /// Judged responses.
+    points: Problem,
+    /// Rows of `points` among the judged rows of the setup.
+    rows: Vec<usize>,
+    /// The whole model at all judged rows.
+    whole: Array2<Complex64>,
+    /// What is to be known of it.
+    pub(crate) warnings: Vec<String>,
+    /// Responses and ground between them; only the whole model knows it.
+    ground: Option<Problem>,
+}
+
+impl Judge {
+    /// The whole model of `setup`, also `between` the responses.
+    pub(crate) fn of_model(setup: &Setup, between: bool) -> Self {
+        let ground = Some(setup).filter(|_| between).and_then(Setup::between).map(|rows| setup.problem.with_between(rows, 1.0));
+        Self {
+            points: setup.problem.clone(),
+            rows: (0..setup.judged.len()).collect(),
+            whole: setup.problem.rows.mobility.clone(),
+            warnings: Vec::new(),
+            ground,
+        }
+    }
+
+    /// The measured line at the drive frequency.
+    ///
+    /// # Errors
+    /// No such line; an actuator in use, or every response, was not measured; other units.
+    pub(crate) fn of_line(setup: &Setup, frf: &FrfSet) -> Result<Self> {
+        let operator = &setup.operator;
+        let line = Operator::of_line(frf, operator.frequency_hz, Some(&operator.references))?;
+        if line.unit != operator.unit {
+            return Err(Error::bad_data("the measured FRFs and the model have different units")
+                .field("--measured")
+                .found(line.unit)
+                .expected(format!("{}, the unit of the model's references", operator.unit)));
+        }
+        let columns: Vec<(usize, f64)> = operator
+            .references
+            .iter()
+            .filter_map(|dof| {
+                let column = line.references.iter().position(|other| other.same_axis(*dof))?;
+                Some((column, dof.direction.sign() * line.references[column].direction.sign()))
+            })
+            .collect();
+        let pairs: Vec<(usize, usize)> = (0..setup.judged.len())
+            .filter_map(|k| {
+                let dof = operator.responses[setup.judged[k]];
+                Some((k, line.responses.iter().position(|other| other.same_axis(dof))?))
+            })
+            .collect();
+        let hot = pairs.iter().filter(|(k, _)| *k < setup.problem.rows.hot).count();
+        if hot == 0 || hot == pairs.len() {
+            return Err(Error::bad_data("the measured FRFs cannot judge this scene")
+                .field("--measured")
+                .found(format!("{hot} hot and {} cold responses of the scene among the measured ones", pairs.len() - hot))
+                .expected("at least one of each")
+                .help("give the FRFs that the model was fitted to"));
+        }
+        let mobility = Array2::from_shape_fn((pairs.len(), columns.len()), |(i, j)| {
+            let (column, sign) = columns[j];
+            line.mobility[[pairs[i].1, column]] * sign
+        });
+        let positions_m = pairs.iter().map(|&(k, _)| setup.problem.rows.positions_m[k]).collect();
+        let rows = Rows::new(mobility, hot, positions_m, &setup.zones);
+        let points = Problem::new(rows, setup.problem.covariance.clone(), setup.limits, setup.problem.drive_limits);
+        Ok(Self {
+            points,
+            rows: pairs.into_iter().map(|(k, _)| k).collect(),
+            whole: setup.problem.rows.mobility.clone(),
+            warnings: line.warnings,
+            ground: None,
+        })
+    }
+
+    /// Shares of responses (least zone, all) and of ground that `drive` serves.
+    pub(crate) fn served(&self, drive: &Drive) -> [f64; 3] {
+        let score = self.points.score(drive);
+        let ground = self.ground.as_ref().map_or(1.0, |ground| ground.score(drive).success_ratio);
+        [score.min_ratio, score.success_ratio, ground]
+    }
+
+    /// True where the error of `reduced` fits into the slack that `drive` has in it, at every response. What not even the whole model
+    /// explains of a measured line is noise, and no reason for more modes.
+    fn error_fits(&self, reduced: &Problem, drive: &Drive) -> bool {
+        let (seen, predicted, whole) = (self.points.field(drive), reduced.field(drive), self.whole.dot(drive));
+        let limits = reduced.limits_m_per_s();
+        self.rows.iter().enumerate().all(|(i, &k)| {
+            let amplitude = predicted[k].norm();
+            let slack = if k < reduced.rows.hot { amplitude - limits[k] } else { limits[k] - amplitude };
+            (seen[i] - predicted[k]).norm() <= slack.max(0.0) + (seen[i] - whole[k]).norm()
+        })
+    }
+}
+
+/// A setup whose model sums so many modes explicitly.
+pub(crate) struct Reduced {
+    pub(crate) setup: Setup,
+    pub(crate) warning: Option<String>,
+}
+
+/// Chooses the modes of `model` that stay explicit for the scene of `setup`.
+///
+/// # Errors
+/// Those of the methods.
+pub(crate) fn choose(setup: Setup, model: &ModalModel, judge: &Judge, method: MethodChoice, count: Count) -> Result<Reduced> {
+    let ranked = folding::ranked(model, &setup.operator);
+    let reduce = |explicit: usize| reduced(&setup, model, &ranked, explicit);
+    match count {
+        Count::All => Ok(Reduced { setup, warning: None }),
+        Count::Number(number) => {
+            let warning = (number > ranked.len()).then(|| format!("{number} modes were asked for, the model has {}", ranked.len()));
+            Ok(Reduced { setup: reduce(number.min(ranked.len())), warning })
+        }
+        Count::Auto => {
+            let solve = |setup: &Setup| -> Result<Drive> {
+                let Decision { method, starts, .. } = method.decide(&setup.problem);
+                Ok(method.solve(setup, model, starts)?.drive)
+            };
+            let whole = solve(&setup)?;
+            let wanted = judge.served(&whole);
+            for explicit in 0..ranked.len() {
+                let smaller = reduce(explicit);
+                // the whole model's own drive tells cheaply where the search cannot end yet
+                if wanted[0] == 1.0 && !judge.error_fits(&smaller.problem, &whole) {
+                    continue;
+                }
+                let drive = solve(&smaller)?;
+                let served = judge.served(&drive);
+                let as_good = served[0] >= wanted[0] && served[1] >= wanted[1] && served[2] >= wanted[2] - tolerances::LOSS_OF_GROUND;
+                if as_good && (wanted[0] < 1.0 || judge.error_fits(&smaller.problem, &drive)) {
+                    return Ok(Reduced { setup: smaller, warning: None });
+                }
+            }
+            Ok(Reduced { setup, warning: Some("no smaller number of modes serves the scene as well: all are used".into()) })
+        }
+    }
+}
+
+/// The setup with the first `explicit` modes of `ranked` summed, the others folded.
+fn reduced(setup: &Setup, model: &ModalModel, ranked: &[Foldable], explicit: usize) -> Setup {
+    let mut mobility = setup.operator.mobility.clone();
+    let folded = &ranked[explicit..];
+    let mut errors = Array2::zeros((folded.len(), setup.operator.references.len()));
+    for (foldable, mut error) in folded.iter().zip(errors.rows_mut()) {
+        let mode = &model.modes[foldable.mode];
+        foldable.remainder.take_from(&mut mobility, mode, &setup.operator);
+        let columns = &setup.operator.reference_columns;
+        let rms = (columns.iter().map(|&j| mode.participation.0[j].norm_sqr()).sum::<f64>() / columns.len() as f64).sqrt();
+        let scale = if rms > 0.0 { foldable.size / rms } else { 0.0 };
+        for (value, &column) in error.iter_mut().zip(columns) {
+            *value = mode.participation.0[column] * Complex64::from(scale);
+        }
+    }
+    let modes = ranked[..explicit].iter().map(|foldable| foldable.mode).collect();
+    setup.with_model(mobility, errors, modes)
+}

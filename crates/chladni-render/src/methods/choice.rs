@@ -1,0 +1,91 @@
+//! Which method runs: one by name, or one along the front of speed against accuracy.
+
+use crate::methods::Method;
+use crate::problem::Problem;
+use crate::tolerances;
+use chladni_frf::{Error, Result};
+use std::fmt;
+use std::str::FromStr;
+
+/// What the user asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum MethodChoice {
+    /// `robust`, or `mls` where that would take more than about a second.
+    #[default]
+    Default,
+    /// `pressure-matching`: below a millisecond.
+    Fast,
+    /// `robust` from every start that leads somewhere, and the certified ceiling beside it.
+    Best,
+    /// This method.
+    Only(Method),
+}
+
+/// What will run.
+pub(crate) struct Decision {
+    pub(crate) method: Method,
+    /// Starts of `robust`.
+    pub(crate) starts: usize,
+    /// Why it is not what the user might expect.
+    pub(crate) warning: Option<String>,
+}
+
+impl MethodChoice {
+    const WORDS: [(&'static str, Self); 3] = [("default", Self::Default), ("fast", Self::Fast), ("best", Self::Best)];
+
+    /// Every name on the command line, the default first.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        Self::WORDS.iter().map(|word| word.0).chain(Method::ALL.map(Method::as_str))
+    }
+
+    /// The method for a problem of this size.
+    pub(crate) fn decide(self, problem: &Problem) -> Decision {
+        let decision = |method, starts| Decision { method, starts, warning: None };
+        match self {
+            Self::Only(method) => decision(method, 1),
+            Self::Fast => decision(Method::PressureMatching, 1),
+            Self::Best => decision(Method::Robust, tolerances::BEST_STARTS),
+            Self::Default => {
+                let rows = problem.rows.mobility.nrows();
+                let size = rows as f64 * (problem.rows.mobility.ncols() as f64).powi(2);
+                if size <= tolerances::ROBUST_SIZE {
+                    return decision(Method::Robust, 1);
+                }
+                Decision {
+                    warning: Some(format!(
+                        "method `mls` ran: {rows} responses for {} actuators would take `robust` more than about a second; \
+                         ask for it with --method robust",
+                        problem.rows.mobility.ncols()
+                    )),
+                    ..decision(Method::Mls, 1)
+                }
+            }
+        }
+    }
+}
+
+impl From<Method> for MethodChoice {
+    fn from(method: Method) -> Self {
+        Self::Only(method)
+    }
+}
+
+impl fmt::Display for MethodChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Only(method) => method.fmt(f),
+            word => f.write_str(Self::WORDS.iter().find(|known| known.1 == *word).map_or("", |known| known.0)),
+        }
+    }
+}
+
+impl FromStr for MethodChoice {
+    type Err = Error;
+    /// `default`, `fast`, `best`, or the name of a method.
+    fn from_str(text: &str) -> Result<Self> {
+        match Self::WORDS.iter().find(|word| word.0 == text) {
+            Some(word) => Ok(word.1),
+            None => text.parse().map(Self::Only),
+        }
+    }
+}

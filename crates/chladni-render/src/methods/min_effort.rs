@@ -1,0 +1,27 @@
+//! The least effort that serves the scene (method `min-effort`).
+//!
+//! min √Σ|A_i|² with every response inside its limit by [`tolerances::KAPPA_EFFORT`] standard deviations, or by most of the largest κ
+//! where that is less (theory.md, eq. 44). For actuators that get hot, or amplifiers that are small; [`super::robust`] holds better.
+
+use crate::climb::Climb;
+use crate::drive_program::Asked;
+use crate::methods::{mls, Solution};
+use crate::problem::{Problem, Rows};
+use crate::tolerances;
+use chladni_frf::Result;
+
+/// The least drive found.
+pub(crate) fn solve(problem: &Problem, between: Option<&Rows>) -> Result<Solution> {
+    let start = mls::leading_drives(problem, between, 1)?.swap_remove(0);
+    let mut climb = Climb::new(problem)?;
+    let (kappa, drive) = climb.raise_kappa(&start)?;
+    if kappa == 0.0 {
+        // nothing keeps every limit: whoever serves more responses
+        let mut contest = mls::Contest::new(problem, problem, tolerances::KAPPA_LEAST);
+        contest.offer(problem, &start);
+        contest.offer(problem, &drive);
+        return Ok(Solution { drive: contest.into_best(), warnings: Vec::new() });
+    }
+    let asked = Asked { kappa: tolerances::KAPPA_EFFORT.min(tolerances::KEEP * kappa), factor: 1.0 };
+    Ok(Solution { drive: climb.lower_effort(drive, asked)?, warnings: Vec::new() })
+}

@@ -1,0 +1,43 @@
+//! Robust drives by second-order cones (method `robust`, the default).
+//!
+//! The largest κ, so that every row keeps its limit under errors of κ standard deviations of the model; once κ is enough
+//! ([`tolerances::KAPPA_CAP`]), the largest margin in dB at that κ; then the least peak force that keeps most of both (theory.md,
+//! eq. 41 to 44). Largest margin alone is no method: it spends every force that is allowed on the last tenth of a
+//! decibel and falls with the first error of the model.
+//!
+//! Rows interpolated between the responses take part, too. Where κ would fall below [`tolerances::KAPPA_LEAST`] with all of them, the
+//! responses keep that much, and as much of the ground between them is served as that leaves. The climb starts from `mls`, and
+//! where no drive serves every response, the one of both is taken that serves more.
+
+use crate::climb::Climb;
+use crate::drive_program::Asked;
+use crate::methods::{mls, Solution};
+use crate::problem::{Problem, Rows};
+use crate::tolerances;
+use chladni_frf::Result;
+
+/// The most robust drive found from the `starts` best drives of `mls`.
+pub(crate) fn solve(problem: &Problem, between: Option<&Rows>, starts: usize) -> Result<Solution> {
+    let ground = between.map(|rows| problem.with_between(rows, 1.0));
+    let mut contest = mls::Contest::new(problem, ground.as_ref().unwrap_or(problem), tolerances::KAPPA_LEAST);
+    let mut possible = false;
+    for start in mls::leading_drives(problem, between, starts)? {
+        contest.offer(problem, &start);
+        let (kappa, on_points) = Climb::new(problem)?.raise_kappa(&start)?;
+        possible |= kappa > 0.0;
+        contest.offer(problem, &on_points);
+        let Some(ground) = ground.as_ref().filter(|_| kappa >= tolerances::KAPPA_LEAST) else { continue };
+        let by_need = || Climb::by_need(ground, |k| ground.is_measured(problem, k));
+        let drive = by_need()?.climb(&on_points)?;
+        contest.offer(ground, &drive);
+        if problem.score(&drive).kappa < tolerances::KAPPA_LEAST {
+            let asked = Asked { kappa: tolerances::KAPPA_LEAST, factor: 1.0 };
+            contest.offer_as_is(&by_need()?.serve_ground(on_points, asked)?);
+        }
+    }
+    if possible && ground.is_none() {
+        let drive = contest.into_best();
+        return Ok(Solution { drive: Climb::new(problem)?.climb(&drive)?, warnings: Vec::new() });
+    }
+    Ok(Solution { drive: contest.into_best(), warnings: Vec::new() })
+}

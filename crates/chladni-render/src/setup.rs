@@ -1,0 +1,187 @@
+//! A scene laid over a model: the problem that the methods solve, and what is to be said about it.
+
+use crate::covariance::Covariance;
+use crate::field::AreaGrid;
+use crate::frequency_sweep::mode_on;
+use crate::indices::check_zones;
+use crate::operator::Operator;
+use crate::options::Drift;
+use crate::plane::{Position, Rectangle};
+use crate::problem::{DriveLimits, Problem, Rows};
+use crate::scene::{Limits, Scene, DEFAULT_MAX_FORCE_N};
+use crate::tolerances;
+use crate::zones::{Ground, ZoneMap};
+use chladni_frf::{Error, ModalModel, ReferenceUnit, Result, Trust};
+use ndarray::{Array2, Axis};
+use num_complex::Complex64;
+use std::cell::OnceCell;
+
+/// A scene over a model.
+#[derive(Clone)]
+pub(crate) struct Setup {
+    /// Velocity limits.
+    pub(crate) limits: Limits,
+    /// The panel at the drive frequency.
+    pub(crate) operator: Operator,
+    /// The zones, laid over it.
+    pub(crate) zones: ZoneMap,
+    /// Rows of the operator that are judged, hot ones first: the rows of the problem.
+    pub(crate) judged: Vec<usize>,
+    /// Judged rows, limits and error bar.
+    pub(crate) problem: Problem,
+    /// Rows between the responses, where these carry an area; found when a method asks for them.
+    between: OnceCell<Option<Rows>>,
+    /// Modes of the model that are summed explicitly, rising.
+    pub(crate) modes: Vec<usize>,
+    /// What is to be known whatever the drive.
+    pub(crate) warnings: Vec<String>,
+}
+
+impl Setup {
+    /// Lays `scene` over `model`; `drift` holds where the scene gives none.
+    ///
+    /// # Errors
+    /// As [`crate::render`].
+    pub(crate) fn new(model: &ModalModel, scene: &Scene, drift: &Drift) -> Result<Self> {
+        let limits = scene.limits()?;
+        let operator = Operator::of_model(model, scene.frequency_hz, scene.actuators.only.as_deref())?;
+        let zones = lay_zones(scene, &operator);
+        let (judged, hot) = judged_rows(&operator, &zones)?;
+        let mut warnings = scene_warnings(scene, &operator, &zones);
+        let (drive_limits, warning) = drive_limits(scene, operator.unit)?;
+        warnings.extend(warning);
+        warnings.extend(controllability(model, &operator));
+        warnings.extend(mode_on(model, scene.frequency_hz).map(|hz| {
+            format!("the mode at {hz:.1} Hz sits on the drive frequency: a finger or a little warming changes the field; --sweep finds a better one")
+        }));
+        let covariance = Covariance::of_model(model, &operator, &judged, scene.drift.as_ref().unwrap_or(drift));
+        let positions_m: Vec<Position> = judged.iter().map(|&row| operator.positions_m[row]).collect();
+        let rows = Rows::new(operator.mobility.select(Axis(0), &judged), hot, positions_m, &zones);
+        let between = OnceCell::new();
+        let problem = Problem::new(rows, covariance, limits, drive_limits);
+        let counts = |n: &usize| model.modes[*n].in_band && model.modes[*n].trust != Trust::Rejected;
+        let modes = (0..model.modes.len()).filter(counts).collect();
+        Ok(Self { limits, operator, zones, judged, problem, between, modes, warnings })
+    }
+
+    /// The same with another mobility of the same responses and actuators, whose errors `errors` (any × actuators) come on top.
+    pub(crate) fn with_model(&self, mobility: Array2<Complex64>, errors: Array2<Complex64>, mut modes: Vec<usize>) -> Self {
+        let mut setup = self.clone();
+        setup.operator.mobility = mobility;
+        let (measured, hot) = (&self.problem.rows, self.problem.rows.hot);
+        let rows = Rows::new(setup.operator.mobility.select(Axis(0), &self.judged), hot, measured.positions_m.clone(), &self.zones);
+        setup.problem = Problem { rows, covariance: self.problem.covariance.with_errors(errors), ..setup.problem };
+        setup.between = OnceCell::new();
+        modes.sort_unstable();
+        setup.modes = modes;
+        setup
+    }
+
+    /// Rows between the responses, where these carry an area.
+    pub(crate) fn between(&self) -> Option<&Rows> {
+        self.between.get_or_init(|| between_rows(&self.operator, &self.zones)).as_ref()
+    }
+
+    /// The same with the actuators `columns` of the operator alone.
+    pub(crate) fn with_actuators(&self, columns: &[usize]) -> Self {
+        let mut setup = self.clone();
+        setup.operator.mobility = self.operator.mobility.select(Axis(1), columns);
+        setup.operator.references = columns.iter().map(|&column| self.operator.references[column]).collect();
+        setup.operator.reference_columns = columns.iter().map(|&column| self.operator.reference_columns[column]).collect();
+        setup.problem = self.problem.with_actuators(columns);
+        setup.between = OnceCell::new();
+        setup
+    }
+}
+
+/// The scene's zones over the responses of the operator.
+pub(crate) fn lay_zones(scene: &Scene, operator: &Operator) -> ZoneMap {
+    let around = Rectangle::around(&operator.positions_m).expect("an operator has at least one response");
+    scene.zones.over(around)
+}
+
+/// The judged rows of the operator, hot ones first, and the number of those.
+fn judged_rows(operator: &Operator, zones: &ZoneMap) -> Result<(Vec<usize>, usize)> {
+    let (rows, hot) = hot_then_cold(&operator.positions_m, zones);
+    check_zones(hot, rows.len() - hot)?;
+    Ok((rows, hot))
+}
+
+/// Indices of the hot places, then of the cold ones, and the number of hot ones.
+fn hot_then_cold(places: &[Position], zones: &ZoneMap) -> (Vec<usize>, usize) {
+    let on = |wanted| (0..places.len()).filter(move |&k| zones.classify(places[k]) == wanted);
+    let hot = on(Ground::Hot).count();
+    (on(Ground::Hot).chain(on(Ground::Cold)).collect(), hot)
+}
+
+/// Rows of the operator interpolated between the responses, for methods that also look there.
+fn between_rows(operator: &Operator, zones: &ZoneMap) -> Option<Rows> {
+    let scanned = Rectangle::around(&operator.positions_m)?;
+    let ground_m2 = (scanned.x_max - scanned.x_min) * (scanned.y_max - scanned.y_min);
+    let step_m = tolerances::BETWEEN_SPACING * (ground_m2 / operator.responses.len() as f64).sqrt();
+    let grid = AreaGrid::new(&operator.positions_m, zones.area(), step_m)?;
+    let places: Vec<Position> = grid.places.iter().map(|place| place.1).collect();
+    let (rows, hot) = hot_then_cold(&places, zones);
+    let mobility = grid.interpolation.select(&rows).apply(operator.mobility.view());
+    Some(Rows::new(mobility, hot, rows.iter().map(|&k| places[k]).collect(), zones))
+}
+
+/// What is to be known of a scene on these responses, whatever the drive.
+pub(crate) fn scene_warnings(scene: &Scene, operator: &Operator, zones: &ZoneMap) -> Vec<String> {
+    let mut warnings = operator.warnings.clone();
+    warnings.extend(scene.threshold.warning(scene.frequency_hz));
+    let (area, e) = (zones.area(), tolerances::POSITION_M);
+    let scanned = Rectangle::around(&operator.positions_m).expect("an operator has at least one response");
+    if area.x_min < scanned.x_min - e || area.y_min < scanned.y_min - e || area.x_max > scanned.x_max + e || area.y_max > scanned.y_max + e
+    {
+        warnings.push(format!(
+            "area_m goes beyond the responses, which cover x {} to {} m, y {} to {} m; nothing outside them is judged",
+            scanned.x_min, scanned.x_max, scanned.y_min, scanned.y_max
+        ));
+    }
+    let (zone_count, actuators) = (zones.hot_outlines().len(), operator.references.len());
+    if actuators > 1 && zone_count > actuators {
+        warnings.push(format!("{zone_count} hot cells or polygons for {actuators} actuators: they cannot be set apart from each other"));
+    }
+    if operator.references.len() == 1 {
+        warnings.push(format!("a single actuator ({}) can only scale one pattern, not shape it", operator.references[0]));
+    }
+    warnings
+}
+
+/// The limits of the drive that the scene gives, N or V.
+fn drive_limits(scene: &Scene, unit: ReferenceUnit) -> Result<(DriveLimits, Option<String>)> {
+    let actuators = &scene.actuators;
+    let effort = actuators.max_effort.unwrap_or(f64::INFINITY);
+    let (each, warning) = largest_weight(scene, unit)?;
+    Ok((DriveLimits { each, effort }, warning))
+}
+
+/// The largest |A_i| that the scene allows, N or V.
+fn largest_weight(scene: &Scene, unit: ReferenceUnit) -> Result<(f64, Option<String>)> {
+    let actuators = &scene.actuators;
+    match unit {
+        ReferenceUnit::Newton => Ok((actuators.max_force_n.unwrap_or(DEFAULT_MAX_FORCE_N), None)),
+        ReferenceUnit::Volt => match (actuators.max_voltage_v, actuators.max_force_n) {
+            (Some(limit), _) => Ok((limit, None)),
+            (None, Some(limit)) => Err(Error::bad_data("a force limit cannot be kept: the references of the model are volts")
+                .field("actuators.max_force_n")
+                .found(limit)
+                .expected("actuators.max_voltage_v")
+                .help("give the limit in volts peak, or leave both out")),
+            (None, None) => Ok((
+                f64::INFINITY,
+                Some("the references are volts and the scene gives no actuators.max_voltage_v: no limit was kept".into()),
+            )),
+        },
+    }
+}
+
+/// Modes that no actuator in use can drive.
+fn controllability(model: &ModalModel, operator: &Operator) -> Vec<String> {
+    let strength = |participation: &[Complex64]| operator.reference_columns.iter().map(|&j| participation[j].norm()).fold(0.0, f64::max);
+    let largest = model.in_band_modes().map(|mode| strength(&mode.participation.0)).fold(0.0, f64::max);
+    let idle = model.in_band_modes().filter(|mode| strength(&mode.participation.0) <= tolerances::NO_PARTICIPATION * largest);
+    idle.map(|mode| format!("the mode at {:.1} Hz has zero participation: no actuator in use can drive or stop it", mode.frequency_hz))
+        .collect()
+}
