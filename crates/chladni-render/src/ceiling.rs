@@ -4,7 +4,7 @@
 //!
 //! Σ_h λ_h |h_h·A|² ≤ Σ_k μ_k |r_k·A|² for every A   ⟹   min_h |h_h·A|² ≤ Σ_k μ_k for every A that keeps the cold and the force limits
 //!
-//! (theory.md, eq. 46). The least Σμ is the dual of the scene's own problem after its phases are relaxed; on symmetric scenes
+//! (theory.md, eq. 49). The least Σμ is the dual of the scene's own problem after its phases are relaxed; on symmetric scenes
 //! both meet within 0.2 dB. It is sought by Newton steps on a logarithmic barrier, whose Hessian is the squared modulus of a Gram matrix.
 //! The search is not trusted: whatever λ and μ it ends at, the bound that is returned is λ_max(Q_hot, Q_cold)·Σμ of
 //! these very multipliers, one eigenvalue of two matrices.

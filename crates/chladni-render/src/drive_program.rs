@@ -1,6 +1,6 @@
 //! The conic programs of a scene: what a drive must keep, and what of it is to be largest or least.
 //!
-//! With the phases φ_k of the hot rows held, all of these are convex in the drive A (theory.md, eq. 41 to 44). Rows are divided by their
+//! With the phases φ_k of the hot rows held, all of these are convex in the drive A (theory.md, eq. 44 to 47). Rows are divided by their
 //! limits V_k, forces by [`DriveProgram::unit_drive`], and the error bar ‖L·A‖ by the threshold, so that every number is of
 //! order one.
 
@@ -88,7 +88,7 @@ impl<'a> DriveProgram<'a> {
         field.mapv(|value| if value.norm() > 0.0 { value.conj() / value.norm() } else { Complex64::ONE })
     }
 
-    /// The drive with the largest κ up to `cap` for the hot `phases`, over the rows `active` (theory.md, eq. 42).
+    /// The drive with the largest κ up to `cap` for the hot `phases`, over the rows `active` (theory.md, eq. 45).
     ///
     /// κ·‖L·A‖ is a product of unknowns; divided by ‖L·A‖ the program is linear in κ, A/‖L·A‖ and 1/‖L·A‖.
     pub(crate) fn largest_kappa(&self, phases: &Array1<Complex64>, active: &[usize], cap: f64) -> Result<Robust> {
@@ -116,7 +116,7 @@ impl<'a> DriveProgram<'a> {
     }
 
     /// The drive with the largest margin g, hot rows at least and cold ones at most their limit by the same factor 10^{g/20}, and
-    /// inside by `kappa` standard deviations besides (eq. 43); and that factor, below 1 where not all can be had.
+    /// inside by `kappa` standard deviations besides (eq. 46); and that factor, below 1 where not all can be had.
     ///
     /// * `reached`: a factor that is known to be possible, for the force limits; 1 where none is
     pub(crate) fn largest_margin(
@@ -147,7 +147,7 @@ impl<'a> DriveProgram<'a> {
         }))
     }
 
-    /// The drive of least √Σ|A_i|² that keeps every row inside by `asked` (eq. 44).
+    /// The drive of least √Σ|A_i|² that keeps every row inside by `asked` (eq. 47).
     pub(crate) fn least_effort(&self, phases: &Array1<Complex64>, active: &[usize], asked: Asked) -> Result<Option<Drive>> {
         let (deviation, effort) = (2 * self.actuators(), 2 * self.actuators() + 1);
         let mut program = ConicProgram::new(effort + 1);
@@ -169,7 +169,7 @@ impl<'a> DriveProgram<'a> {
         Ok(program.solve()?.map(|solution| self.drive(&solution.x, 1.0)))
     }
 
-    /// The drive of least Σ price_i·|A_i| that keeps every row inside by `asked` (eq. 45).
+    /// The drive of least Σ price_i·|A_i| that keeps every row inside by `asked` (eq. 48).
     pub(crate) fn least_sum(&self, phases: &Array1<Complex64>, active: &[usize], asked: Asked, prices: &[f64]) -> Result<Option<Drive>> {
         let deviation = 2 * self.actuators();
         let amplitude = |i: usize| deviation + 1 + i;

@@ -2,7 +2,7 @@
 //!
 //! Which ones is a combinatorial question; its usual convex stand-in is the sum of amplitudes, reweighted by the amplitudes it
 //! led to (Candès, Wakin and Boyd 2008): min Σ|A_i|/(|A_i|′ + ε) with every response inside its limit by some κ (theory.md,
-//! eq. 45). What is left is pruned: an actuator goes, the weakest first, while the others still serve the scene without it. The
+//! eq. 48). What is left is pruned: an actuator goes, the weakest first, while the others still serve the scene without it. The
 //! study compared: forward and backward searches by least squares need one to six more, evenly spread ones three to five.
 
 use crate::climb::Climb;

@@ -3,7 +3,7 @@
 //! Modes are ranked by what folding them into residual terms would leave out at the drive frequency (module `folding`); the best M stay
 //! explicit, and what the others leave out counts as an error of the model, so that no drive leans on it. M grows until the drive found
 //! by the reduced model alone, replayed through the whole model or through the measured line, keeps every response inside its limit: the
-//! error e_k = |(H_M − H)_k·A| must fit into the slack that A has in H_M (theory.md, eq. 48). Where not even the whole model serves every
+//! error e_k = |(H_M − H)_k·A| must fit into the slack that A has in H_M (theory.md, eq. 51). Where not even the whole model serves every
 //! response, the reduced one must serve as many.
 
 use crate::count::Count;

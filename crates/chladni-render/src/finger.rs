@@ -2,7 +2,7 @@
 //!
 //! With the impedance Z of the fingertip at the place f, and F the force on the finger, v_f = v_f,free − Y_ff·F and F = Z·v_f, so that
 //!
-//! v = v_free − y_f · (1/Z + Y_ff)⁻¹ · v_f,free                                          (theory.md, eq. 49)
+//! v = v_free − y_f · (1/Z + Y_ff)⁻¹ · v_f,free                                          (theory.md, eq. 52)
 //!
 //! with the mobility y_f from f to everywhere. Actuators do not sit under the finger, so that y_f comes from the modes alone: Σ γ_n ψ_n(x) ψ_n(f),
 //! which needs mass-scaled shapes. Residual terms are known only for the actuators and are left out of it: on the panel of the study they are

@@ -2,7 +2,7 @@
 //!
 //! In x = ω² a structural mode is ψφᵀ/(s − x), s = ω_n²(1 + jη_n). Above the drive frequency it is expanded in powers of x/s, below in powers
 //! of s/x, and the first P of them join the residual terms of the model (powers 0, 2, 4 or −2, −4 of ω). The series is
-//! geometric, so that what is left out is known to the last digit (theory.md, eq. 47):
+//! geometric, so that what is left out is known to the last digit (theory.md, eq. 50):
 //!
 //! ψφᵀ/(s − x) − (first P terms) = q^P · ψφᵀ/(s − x),   q = x/s or s/x.
 //!

@@ -39,7 +39,7 @@ impl<'a> ModalField<'a> {
         field
     }
 
-    /// Velocities with `finger` at the response `row` of the operator; `None` where the model is not mass-scaled (theory.md, eq. 49).
+    /// Velocities with `finger` at the response `row` of the operator; `None` where the model is not mass-scaled (theory.md, eq. 52).
     pub(crate) fn touched(&self, finger: &Finger, row: usize) -> Option<Array1<Complex64>> {
         if self.model.scaling != Scaling::UnitModalMass {
             return None;

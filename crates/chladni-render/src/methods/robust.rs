@@ -2,7 +2,7 @@
 //!
 //! The largest κ, so that every row keeps its limit under errors of κ standard deviations of the model; once κ is enough
 //! ([`tolerances::KAPPA_CAP`]), the largest margin in dB at that κ; then the least peak force that keeps most of both (theory.md,
-//! eq. 41 to 44). Largest margin alone is no method: it spends every force that is allowed on the last tenth of a
+//! eq. 44 to 47). Largest margin alone is no method: it spends every force that is allowed on the last tenth of a
 //! decibel and falls with the first error of the model.
 //!
 //! Rows interpolated between the responses take part, too. Where κ would fall below [`tolerances::KAPPA_LEAST`] with all of them, the
