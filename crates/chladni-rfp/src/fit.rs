@@ -13,7 +13,7 @@ use crate::project::project;
 use crate::refine::{refine, Projection, Refined};
 use crate::screen::Screened;
 use crate::structured::{structured, Structured};
-use crate::weights::PairWeights;
+use crate::unequal::PairWeights;
 use crate::work::Work;
 use chladni_frf::{Damping, FrfSet, ModalModel, Trust};
 use chladni_linalg::{inverse_hermitian, LinalgError};

@@ -30,10 +30,9 @@ mod sketch;
 mod structure;
 mod structured;
 mod tolerances;
+mod unequal;
 mod validation;
 mod viscous;
-
-mod weights;
 mod whiteness;
 mod wide;
 mod work;

@@ -5,7 +5,7 @@ use crate::faults::noisy::far_noisier;
 use crate::options::FitOptions;
 use crate::reading::{energy, squares, visit, Usable};
 use crate::tolerances as tol;
-use crate::weights::{PairWeights, Weighting};
+use crate::unequal::{PairWeights, Weighting};
 use crate::work::Work;
 use chladni_frf::{FrfKind, FrfSet, FrfValues};
 use chladni_linalg::add_matmul;
