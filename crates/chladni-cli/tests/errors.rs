@@ -249,10 +249,10 @@ fn an_interruption_leaves_nothing_half_written() {
     use std::io::{BufRead, BufReader};
     use std::process::{Command, Stdio};
     let folder = Folder::new();
-    // a shell starts jobs of the background deaf to SIGINT, and the tests among them would inherit it
+    // jobs of the background are deaf to SIGINT, those under nohup to SIGHUP, and the tests among them would inherit it
     let mut child = Command::new("env")
         .current_dir(folder.path())
-        .args(["--default-signal=INT", env!("CARGO_BIN_EXE_chladni"), "demo", "--progress", "plain"])
+        .args(["--default-signal", env!("CARGO_BIN_EXE_chladni"), "demo", "--progress", "plain"])
         .stdout(Stdio::null())
         .stderr(Stdio::piped())
         .spawn()

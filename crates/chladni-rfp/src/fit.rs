@@ -155,6 +155,13 @@ fn fit_auto(data: &Screened, options: &FitOptions, sought: bool, progress: &dyn 
     let shaped = Shaped::new(data, identified)?;
     let left = shaped.left(data);
     let mut model = shaped.model(data, options, &left);
+    if model.quality.relative_error > MOSTLY_LEFT {
+        warnings.push(format!(
+            "the model leaves {:.0} % of the data: most of this band holds noise, or what no resonance explains; give the band in which \
+             peaks stand clear of it (--band)",
+            100.0 * model.quality.relative_error
+        ));
+    }
     model.quality.warnings.append(&mut warnings);
     let outliers = if sought && measured { faults::outliers::outliers(data, &model) } else { Vec::new() };
     match outliers.is_empty() {
@@ -177,6 +184,9 @@ fn shape_search(
     }
     structured(data, found, options.shapes, options.modes.is_some())
 }
+
+/// Residual over data beyond which the band as a whole is not explained, whatever single peaks are.
+const MOSTLY_LEFT: f64 = 0.5;
 
 /// Where the residual is not noise, one damping law must explain this share of it to be preferred.
 const LAW_SHARE: f64 = 0.05;

@@ -29,6 +29,17 @@ const SIDE_LOBE_LINES: f64 = 4.0;
 /// See above.
 const SIDE_LOBE_DB: f64 = 8.0;
 
+/// Half-bandwidths beyond which the size of an error bar says nothing more.
+const NO_WIDTH: f64 = 3.0;
+
+/// What an error bar of so many half-bandwidths means.
+fn uncertain(deviation: f64) -> String {
+    match deviation > NO_WIDTH {
+        true => "uncertain by more than its own width: a line, of which nobody can say that it is a resonance".into(),
+        false => format!("uncertain by {deviation:.1} half-bandwidths (one sigma)"),
+    }
+}
+
 /// A grade with the doubt about damping, if there is one.
 pub(crate) type Graded = (Grade, Option<&'static str>);
 
@@ -69,7 +80,7 @@ fn grade(all: &[Evidence], q: usize, frfs: usize, windowed: bool, usual_loss: Op
         note(d > 0.5, false, format!("odd and even lines disagree by {d:.1} half-bandwidths"));
     }
     note(e.gain < 1.5, false, format!("its neighbourhood hardly needs it (residual energy rises by {:.0} % without it)", 100.0 * e.gain));
-    note(e.deviation > 0.3, false, format!("uncertain by {:.1} half-bandwidths (one sigma)", e.deviation));
+    note(e.deviation > 0.3, false, uncertain(e.deviation));
     note(e.edge < 2.0, false, format!("only {:.1} half-bandwidths from the band edge: widen the band", e.edge));
     note(e.part < 0.1, false, "more than 20 dB below the response around it".into());
     if let Some(s) = e.scatter {
