@@ -145,3 +145,26 @@ fn the_seed_and_the_noise_can_be_chosen() {
     assert!(folder.read("a.h5") == folder.read("b.h5") && folder.read("a.h5") != folder.read("c.h5"));
     folder.run("simulate panel.toml -o d.h5 --snr-db inf").exits(0);
 }
+
+#[test]
+fn noise_alone_has_no_mode_and_says_so() {
+    let folder = Folder::new();
+    // a linear congruential generator: noise that no library can change
+    let mut state = 1_u64;
+    let mut draw = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+    };
+    let mut table = String::from("# frf_kind = mobility\nf [Hz],1:+Z/9:+Z re [m/s/N],1:+Z/9:+Z im,2:+Z/9:+Z re [m/s/N],2:+Z/9:+Z im\n");
+    for line in 0..500 {
+        let values: Vec<String> = (0..4).map(|_| format!("{:.6}", draw())).collect();
+        table += &format!("{},{}\n", 20.0 + 0.2 * f64::from(line), values.join(","));
+    }
+    folder.write("noise.csv", &table);
+    let run = folder.run("fit noise.csv -o model.json --json").exits(1);
+    let fit = run.json();
+    let accepted = fit["modes"].as_array().unwrap().iter().filter(|mode| mode["trust"] != "rejected" && mode["in_band"] == true);
+    assert_eq!(accepted.count(), 0, "{fit}");
+    assert_eq!(fit["quality"]["trusted"], false);
+    assert!(run.stderr.contains("no mode stands out of the noise"), "{}", run.stderr);
+}
