@@ -73,13 +73,7 @@ fn the_model_alone_resynthesises_the_fit() {
     let model = fitted(&set.frf, &FitOptions::default());
     let text = serde_json::to_string(&model).unwrap();
     let read: ModalModel = serde_json::from_str(&text).unwrap();
-    let synthesised = read.synthesise(&set.frf.frequency_hz);
-    let (mut error, mut total) = (0.0, 0.0);
-    for ((i, j, k), value) in synthesised.indexed_iter() {
-        error += (value - set.frf.values.get(i, j, k)).norm_sqr();
-        total += set.frf.values.get(i, j, k).norm_sqr();
-    }
-    let relative: f64 = (error / total).sqrt();
+    let relative = common::resynthesis_error(&read, &set.frf);
     assert!((relative - model.quality.relative_error).abs() < 1e-12, "{relative} {}", model.quality.relative_error);
     // 40 dB of noise, a few per cent of it fitted away
     assert!((0.0095..0.0101).contains(&relative), "{relative}");

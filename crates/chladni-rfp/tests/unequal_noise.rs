@@ -5,7 +5,7 @@ mod common;
 use chladni_frf::{FrfValues, ModalModel};
 use chladni_plate::{add_noise_of_variance, cramer_rao_real, CramerRao, SyntheticSet};
 use chladni_rfp::FitOptions;
-use common::{easy, fitted};
+use common::{easy, fitted, resynthesis_error};
 use ndarray::Array3;
 
 /// Noise of each response and reference, in units of the quietest.
@@ -73,13 +73,7 @@ fn weighted_frfs_reach_the_bound_of_weighted_data_and_their_bars_are_honest() {
 fn a_weighted_model_is_in_measured_units_and_equal_noise_is_not_weighted() {
     let (set, _) = unequal(3);
     let model = fitted(&set.frf, &FitOptions::default());
-    let synthesised = model.synthesise(&set.frf.frequency_hz);
-    let (mut error, mut total) = (0.0, 0.0);
-    for ((i, j, k), value) in synthesised.indexed_iter() {
-        error += (value - set.frf.values.get(i, j, k)).norm_sqr();
-        total += set.frf.values.get(i, j, k).norm_sqr();
-    }
-    let relative: f64 = (error / total).sqrt();
+    let relative = resynthesis_error(&model, &set.frf);
     assert!((relative - model.quality.relative_error).abs() < 1e-12, "{relative} {}", model.quality.relative_error);
     let even = easy(40.0, 3).build().unwrap();
     assert!(!path(&fitted(&even.frf, &FitOptions::default())).contains("weighted"));

@@ -32,3 +32,13 @@ pub fn missed_and_spurious<'a>(truth: &'a ModalModel, model: &'a ModalModel) -> 
     let spurious = model.in_band_modes().filter(|m| !truth.in_band_modes().any(|t| near(m, t))).collect();
     (missed, spurious)
 }
+
+/// Rms of the data less what the model alone synthesises, over rms data.
+pub fn resynthesis_error(model: &ModalModel, frf: &FrfSet) -> f64 {
+    let (mut error, mut total) = (0.0, 0.0);
+    for ((i, j, k), value) in model.synthesise(&frf.frequency_hz).indexed_iter() {
+        error += (value - frf.values.get(i, j, k)).norm_sqr();
+        total += frf.values.get(i, j, k).norm_sqr();
+    }
+    (error / total).sqrt()
+}
