@@ -4,7 +4,7 @@ use super::{MethodPoles, Survey};
 use crate::options::FitOptions;
 use crate::order::POWERS;
 use crate::prune::{thin_out, threshold};
-use crate::refine::Projection;
+use crate::refine::{refine, Projection};
 use crate::tolerances as tol;
 use crate::viscous::from_structural;
 use crate::work::Work;
@@ -24,10 +24,6 @@ pub(crate) fn variance_left(work: &Work, lambda: &[Complex64]) -> Result<f64, Li
     Ok((projection.sse / freedom as f64).max(tol::ROUNDING_VARIANCE * work.energy() / (work.lines() * work.columns()) as f64))
 }
 
-/// Part of the noise in all columns that a pole must bring on top of chance: poles that are no maximum of a likelihood leave misfit
-/// beside them, which seems to need one more. 0 keeps such a pole of `aaa` in one of two back ends.
-const LEFT_BESIDE: f64 = 0.5;
-
 /// Takes poles out, the least significant first, until every one left matters (theory.md, eq. 8); of those in the band as many
 /// stay as `modes` allows, whatever they matter.
 pub(super) fn select(
@@ -36,7 +32,7 @@ pub(super) fn select(
     variance: f64,
     modes: RangeInclusive<usize>,
 ) -> Result<Vec<Complex64>, LinalgError> {
-    let limit = (threshold(work.columns(), work.lines()) + LEFT_BESIDE * work.columns() as f64) * variance;
+    let limit = threshold(work.columns(), work.lines()) * variance;
     let spike = |pole: Complex64| pole.im < tol::SPIKE_SPACINGS * work.spacing(pole.re);
     let lambda: Vec<Complex64> = lambda.iter().copied().filter(|pole| !work.in_band(*pole) || !spike(*pole)).collect();
     thin_out(work, &lambda, &POWERS, |kept, q, rise, inflation| {
@@ -47,6 +43,26 @@ pub(super) fn select(
             false => rise < limit,
         }
     })
+}
+
+/// The poles but those of the band that matter only because the others do not stand quite where they should: without such a pole, and
+/// with the others free to move, the sum of squares rises by no more than chance.
+fn without_crutches(work: &Work, mut lambda: Vec<Complex64>, variance: f64) -> Result<Vec<Complex64>, LinalgError> {
+    let limit = threshold(work.columns(), work.lines()) * variance;
+    let moved = |poles: &[Complex64]| refine(work, poles, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP);
+    'again: loop {
+        let all = moved(&lambda)?;
+        let rises = all.significance()?;
+        for q in (0..lambda.len()).filter(|&q| work.in_band(lambda[q]) && rises[q] < tol::LEANING * limit) {
+            let mut fewer = lambda.clone();
+            fewer.remove(q);
+            if moved(&fewer)?.projection.sse - all.projection.sse < limit {
+                lambda = fewer;
+                continue 'again;
+            }
+        }
+        return Ok(lambda);
+    }
 }
 
 /// So many modes are wanted: all that matter where no number was given.
@@ -62,7 +78,11 @@ pub(super) fn wanted(options: &FitOptions) -> RangeInclusive<usize> {
 pub(super) fn modes_of(survey: &Survey, lambda: &[Complex64], options: &FitOptions, how: &'static str) -> Result<MethodPoles, LinalgError> {
     let work = &survey.sketch;
     let (stable, unstable): (Vec<Complex64>, Vec<Complex64>) = lambda.iter().partition(|pole| pole.im > 0.0);
-    let chosen = select(work, &stable, variance_left(work, &stable)?, wanted(options))?;
+    let variance = variance_left(work, &stable)?;
+    let mut chosen = select(work, &stable, variance, wanted(options))?;
+    if options.modes.is_none() {
+        chosen = without_crutches(work, chosen, variance)?;
+    }
     let mut warnings = Vec::new();
     let (turning, all) = (inside(work, &unstable), inside(work, &unstable) + inside(work, &stable));
     if 2 * turning > all {
