@@ -138,7 +138,7 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
     refined = refine(&sketch, &refined.lambda, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?;
     let mut projected = project_all(data, &refined, &energy)?;
     let frfs = data.pairs.len();
-    let mut before: Option<(Projected, Refined, f64)> = None;
+    let mut tried = Vec::new();
     for extra_passes in 0.. {
         let work = &projected.work;
         let mut fine = refine(work, &refined.lambda, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?;
@@ -147,36 +147,24 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
         settle(work, &mut fine, &mut sigma2, frfs, &mut history)?;
         refined = refine(work, &fine.lambda, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?;
         variance = full_variance(data, &projected, &refined);
-        if refined.lambda.len() < projected_poles {
-            if let Some(kept) = before.take() {
-                // what seemed to be missing is not: all FRFs say so
-                (projected, refined, variance) = kept;
-                break;
-            }
-        }
         if extra_passes == tol::EXTRA_PASSES || asked.is_some() {
             break;
         }
         // a mode that the sketch did not show stands out of the residual over all FRFs, or out of the compressed columns
         let missed = match residual_peak(work, &projected.line_noise(&refined.projection), frfs, &refined.lambda) {
-            None if work.columns() < frfs => scan(work, &refined, threshold(work.columns(), work.lines()) * variance, &[])?,
+            None if work.columns() < frfs => scan(work, &refined, threshold(work.columns(), work.lines()) * variance, &tried)?,
             peak => peak,
         };
-        let wider = match missed {
-            Some(pole) => {
-                let mut more = refined.lambda.clone();
-                more.push(pole);
-                Some(refine(&sketch, &more, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?)
-            }
-            None if refined.lambda.len() >= projected_poles || work.columns() == frfs => break,
-            None => None,
-        };
-        // columns compressed with poles that are gone would keep their noise
-        let again = project_all(data, wider.as_ref().unwrap_or(&refined), &energy)?;
-        let last = std::mem::replace(&mut projected, again);
-        if let Some(wider) = wider {
-            before = Some((last, std::mem::replace(&mut refined, wider), variance));
+        if let Some(pole) = missed {
+            tried.push(pole);
+            let mut more = refined.lambda.clone();
+            more.push(pole);
+            refined = refine(&sketch, &more, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
+        } else if refined.lambda.len() >= projected_poles || work.columns() == frfs {
+            break;
         }
+        // columns compressed with poles that are gone would keep their noise
+        projected = project_all(data, &refined, &energy)?;
     }
     if let Some(modes) = asked {
         keep_strongest(&projected.work, &mut refined, modes)?;
