@@ -7,7 +7,7 @@ use crate::faults::outliers::single_lines;
 use crate::first_look::first_look;
 use crate::pool::{mixtures, starts, vector_fit};
 use crate::project::{project, Projected};
-use crate::prune::{prune, threshold};
+use crate::prune::{crutch, prune, threshold, unphysical, weakest_first, without};
 use crate::refine::{refine, Projection, Refined};
 use crate::scan::{residual_peak, scan};
 use crate::screen::Screened;
@@ -272,9 +272,8 @@ fn settle(work: &Work, refined: &mut Refined, variance: &mut f64, frfs: usize, h
     Ok(())
 }
 
-/// A pole that the data do not need, and the fit without it: it stands for no mode, or the sum of squares rises by less than
-/// `limit` without it. Held where they are, its neighbours may seem to need a pole that leans on them: the weak ones are judged
-/// by a fit without them. Those found `needed` are not judged twice.
+/// A pole that the data do not need, and the fit without it: it stands for no mode, the sum of squares rises by less than `limit`
+/// without it, or it is a [`crutch`].
 fn dispensable(
     work: &Work,
     refined: &Refined,
@@ -282,33 +281,12 @@ fn dispensable(
     needed: &mut Vec<Complex64>,
 ) -> Result<Option<(Complex64, Refined)>, LinalgError> {
     let rises = refined.significance()?;
-    let mut order: Vec<usize> = (0..refined.lambda.len()).collect();
-    order.sort_by(|&a, &b| rises[a].total_cmp(&rises[b]));
-    let without = |q: usize| {
-        let mut fewer = refined.lambda.clone();
-        let gone = fewer.remove(q);
-        Ok((gone, refine(work, &fewer, &refined.powers, tol::REFINE_ROUGH, tol::ROUGH_STEP)?))
+    let useless = weakest_first(&rises).into_iter().find(|&q| unphysical(work, refined.lambda[q]) || rises[q] < limit);
+    let found = match useless {
+        Some(q) => Some((q, without(work, refined, q)?)),
+        None => crutch(work, refined, limit, |_| true, needed)?,
     };
-    if let Some(&q) = order.iter().find(|&&q| unphysical(work, refined.lambda[q]) || rises[q] < limit) {
-        return without(q).map(Some);
-    }
-    for q in order.into_iter().take_while(|&q| rises[q] < tol::LEANING * limit) {
-        let pole = refined.lambda[q];
-        if needed.iter().any(|known| (known - pole).norm() < pole.im) {
-            continue;
-        }
-        let (gone, fewer) = without(q)?;
-        if fewer.projection.sse - refined.projection.sse < limit {
-            return Ok(Some((gone, fewer)));
-        }
-        needed.push(pole);
-    }
-    Ok(None)
-}
-
-/// A pole that one bad line makes, or that no passive structure has.
-fn unphysical(work: &Work, lambda: Complex64) -> bool {
-    work.in_band(lambda) && lambda.im < tol::SPIKE_SPACINGS * work.spacing(lambda.re)
+    Ok(found.map(|(q, fewer)| (refined.lambda[q], fewer)))
 }
 
 /// Keeps the `modes` in-band poles that matter most (an order given by the user).
