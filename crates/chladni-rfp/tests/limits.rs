@@ -2,8 +2,8 @@
 
 mod common;
 
-use chladni_frf::{Damping, ModalModel, Mode};
-use chladni_plate::{Synthetic, SyntheticSet};
+use chladni_frf::{Damping, FrfValues, ModalModel, Mode};
+use chladni_plate::{add_white_noise, synthesise, Synthetic, SyntheticSet};
 use chladni_rfp::FitOptions;
 use ndarray::Array1;
 
@@ -72,4 +72,32 @@ fn error_bars_of_shapes_cover_what_they_promise() {
     }
     let share = covered as f64 / count as f64;
     assert!((0.90..0.99).contains(&share), "{share} of {count}");
+}
+
+#[test]
+fn a_driving_point_at_a_node_is_named_and_its_error_bars_hold_all_the_same() {
+    let synthetic = Synthetic { responses: 12, references: 1, ..Synthetic::default() };
+    let (mut covered, mut count) = (0, 0);
+    for seed in 0..12 {
+        let mut truth = synthetic.build().expect("a set").truth;
+        let at_node = &mut truth.modes[1];
+        // ψ at the driving point, which is the first response: its residue is the square, and the others shrink with it
+        at_node.shape.0[0] *= 0.002;
+        at_node.participation.0[0] *= 0.002;
+        let mut frf = synthetic.build().expect("a set").frf;
+        let mut values = synthesise(&truth, &synthetic.frequency_hz);
+        add_white_noise(&mut values, 60.0, seed).expect("noise");
+        frf.values = FrfValues::F64(values);
+        let model = common::fitted(&frf, &FitOptions { damping: Some(Damping::Structural), modes: Some(3), ..Default::default() });
+        let named: Vec<&String> = model.quality.warnings.iter().filter(|warning| warning.contains("scale to unit modal mass")).collect();
+        let [warning] = named[..] else { panic!("{:?}", model.quality.warnings) };
+        assert!(warning.contains("70.0 Hz") && !warning.contains("40.0") && !warning.contains("110.0"), "{warning}");
+        let (mode, known) = (model.in_band_modes().nth(1).expect("a mode"), &truth.modes[1]);
+        let along: f64 = mode.shape.0.iter().zip(&known.shape.0).map(|(a, b)| (a.conj() * b).re).sum();
+        for ((a, b), std) in mode.shape.0.iter().zip(&known.shape.0).zip(&mode.shape_std) {
+            covered += usize::from((a * along.signum() - b).norm() < 1.96 * std);
+            count += 1;
+        }
+    }
+    assert!(covered * 10 >= count * 9, "{covered} of {count}");
 }
