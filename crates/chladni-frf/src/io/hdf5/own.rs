@@ -10,12 +10,13 @@
 //! /geometry/nodes  {label u64, x y z f64} [n_node], metres                               optional
 //! /geometry/lines  u64 node labels of all polylines one after another, /geometry/lines_start u64 where each begins (faces too)
 //! /functions/K     other functions of a source file, K = 1, 2, ...                       optional
+//! /shapes/K        mode shapes and fields of a source file                               optional
 //! /model           a modal model                                                         optional
 //! ```
 
-use super::arrays::{dofs, integers, real_array, reals, wrong_type, ComplexArray};
+use crate::io::arrays::values::{dofs, integers, real_array, reals, wrong_type, ComplexArray};
 use super::backend::File;
-use super::tree::{Entry, Group, Values};
+use crate::io::arrays::tree::{Entry, Group, Values};
 use crate::{Error, FrfKind, FrfSet, FrfValues, Geometry, ReferenceUnit, Result, TimeSign};
 use ndarray::{Array1, Array3, Ix3};
 
@@ -27,7 +28,7 @@ const VERSION: i64 = 1;
 /// True for the datasets that [`Own`] reads into a document; a model is read by itself.
 pub(super) fn is_carried(path: &str) -> bool {
     let known = ["/freq", "/frf", "/coherence", "/response", "/reference"];
-    known.contains(&path) || path.starts_with("/geometry/") || path.starts_with("/functions/")
+    known.contains(&path) || path.starts_with("/geometry/") || path.starts_with("/functions/") || path.starts_with("/shapes/")
 }
 
 /// An open file of our own layout.
@@ -65,6 +66,19 @@ impl Own<'_> {
             .find(path)
             .ok_or_else(|| Error::bad_data("a dataset is missing").field(path).found("nothing").expected("a dataset of this layout"))?;
         Ok((entry, self.file.read(entry)?))
+    }
+
+    /// The groups `folder`/1, 2, ..., by rising number.
+    pub(super) fn numbered(&self, folder: &str) -> Result<Vec<&Entry>> {
+        let mut groups: Vec<(u64, &Entry)> = Vec::new();
+        for entry in self.entries.iter().filter(|entry| entry.folder() == folder && entry.dataset.is_none()) {
+            let number = entry.name().parse().map_err(|_| {
+                Error::bad_data("a group without a number").field(&entry.path).found(entry.name()).expected(format!("{folder}/1, 2, ..."))
+            })?;
+            groups.push((number, entry));
+        }
+        groups.sort_by_key(|(number, _)| *number);
+        Ok(groups.into_iter().map(|(_, entry)| entry).collect())
     }
 
     /// The FRFs, in the time sign of the file; `None` in a file without.
@@ -171,7 +185,7 @@ fn own_array(array: ComplexArray, entry: &Entry) -> Result<FrfValues> {
 pub(super) fn new_root<'a>() -> Group<'a> {
     let mut root = Group::new("/");
     root.set("format", FORMAT);
-    root.set("version", super::tree::Attribute::Integer(VERSION));
+    root.set("version", crate::io::arrays::tree::Attribute::Integer(VERSION));
     root.set("created_by", crate::CREATED_BY);
     root
 }
@@ -223,7 +237,7 @@ pub(super) fn add_geometry(root: &mut Group<'_>, geometry: &Geometry) {
     }
 }
 
-fn last<'b>(group: &'b mut Group<'_>) -> &'b mut super::tree::Attributes {
+fn last<'b>(group: &'b mut Group<'_>) -> &'b mut crate::io::arrays::tree::Attributes {
     let dataset = group.datasets.last_mut().expect("a dataset was just added");
     &mut dataset.attributes
 }

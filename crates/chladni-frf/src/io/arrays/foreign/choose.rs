@@ -1,12 +1,12 @@
 //! Which datasets of a foreign file are the FRFs and their frequency axis: those of `--map`, else the only ones that fit.
 
-use super::super::arrays::reals;
+use super::super::values::reals;
 use super::super::tree::{Element, Entry};
 use super::{describe, length, Reader};
 use crate::{Error, ErrorKind, Result};
 
 /// Names that a frequency axis goes by.
-const FREQUENCY_NAMES: [&str; 10] = ["f", "freq", "frequency", "frequencies", "freqs", "f_axis", "faxis", "freq_hz", "frequency_hz", "x"];
+pub(super) const FREQUENCY_NAMES: [&str; 10] = ["f", "freq", "frequency", "frequencies", "freqs", "f_axis", "faxis", "freq_hz", "frequency_hz", "x"];
 /// Pairs of real arrays that hold one complex array, and whether they are magnitude and phase.
 const PART_NAMES: [(&str, &str, bool); 6] = [
     ("re", "im", false),
@@ -131,7 +131,7 @@ impl<'a> Reader<'a> {
     fn frequency_candidates(&self) -> Result<Vec<&'a Entry>> {
         let mut found = Vec::new();
         for entry in self.datasets() {
-            let named = FREQUENCY_NAMES.iter().any(|name| entry.name().eq_ignore_ascii_case(name));
+            let named = super::is_frequency_name(entry.name());
             let numbers = matches!(entry.element(), Some(Element::Real { .. } | Element::Integer));
             let list = entry.shape().iter().filter(|&&extent| extent != 1).count() == 1;
             if named && numbers && list {

@@ -5,14 +5,14 @@
 
 mod choose;
 
-use super::arrays::{real_array, reals, wrong_type, ComplexArray};
-use super::backend::File;
+use super::values::{real_array, reals, wrong_type, ComplexArray};
 use super::tree::{Entry, Values};
+use super::ArrayFile;
 use crate::io::paths::shortened;
 use crate::io::unit_label::{frequency_unit, frf_unit};
 use crate::{Direction, Dof, Error, ErrorKind, FrfSet, FrfValues, Geometry, ReferenceUnit, Result, TimeSign};
 use choose::Source;
-use ndarray::{Array1, Zip};
+use ndarray::{Array1, Array3, Zip};
 use num_complex::Complex64;
 
 const RESPONSE_NAMES: [&str; 5] = ["response", "responses", "response_dof", "response_node", "output"];
@@ -23,9 +23,14 @@ const DATASETS_LISTED: usize = 20;
 const MAP_KEYS: [&str; 9] = ["frf", "re", "im", "mag", "phase", "freq", "response", "reference", "axes"];
 
 /// `/data/H (77 x 1 x 801)`.
-pub(super) fn describe(entry: &Entry) -> String {
+pub(in crate::io) fn describe(entry: &Entry) -> String {
     let extents: Vec<String> = entry.shape().iter().map(usize::to_string).collect();
     format!("{} ({})", entry.path, extents.join(" x "))
+}
+
+/// True for the names that a frequency axis goes by.
+pub(in crate::io) fn is_frequency_name(name: &str) -> bool {
+    choose::FREQUENCY_NAMES.iter().any(|known| name.eq_ignore_ascii_case(known))
 }
 
 /// What stands in the file in reverse order, because MATLAB wrote it.
@@ -43,16 +48,16 @@ fn logical_shape(entry: &Entry) -> Vec<usize> {
 }
 
 /// FRFs as they stand in the file.
-pub(super) struct Found {
-    pub(super) set: FrfSet,
+pub(in crate::io) struct Found {
+    pub(in crate::io) set: FrfSet,
     /// Time sign that the file says.
-    pub(super) time_sign: Option<TimeSign>,
+    pub(in crate::io) time_sign: Option<TimeSign>,
     /// Paths of the datasets that the set is made of.
-    pub(super) used: Vec<String>,
+    pub(in crate::io) used: Vec<String>,
 }
 
 /// Reads the FRFs of a foreign file: `None` where nothing in it looks like FRFs.
-pub(super) fn read_foreign(file: &File, entries: &[Entry], map: &[(String, String)], warnings: &mut Vec<String>) -> Result<Option<Found>> {
+pub(in crate::io) fn read_foreign(file: &dyn ArrayFile, entries: &[Entry], map: &[(String, String)], warnings: &mut Vec<String>) -> Result<Option<Found>> {
     let reader = Reader { file, entries, map };
     reader.check_map_keys()?;
     let Some((source, freq)) = reader.choose()? else { return Ok(None) };
@@ -67,7 +72,7 @@ pub(super) fn read_foreign(file: &File, entries: &[Entry], map: &[(String, Strin
 }
 
 struct Reader<'a> {
-    file: &'a File,
+    file: &'a dyn ArrayFile,
     entries: &'a [Entry],
     map: &'a [(String, String)],
 }
@@ -114,10 +119,19 @@ impl<'a> Reader<'a> {
         let reference_entry = self.dof_entry("reference", &REFERENCE_NAMES, frf, reference_count)?;
         let responses = self.dofs(response_entry, "response", Direction::PLUS_Z, response_count, warnings)?;
         let references = self.dofs(reference_entry, "reference", Direction::SCALAR, reference_count, warnings)?;
-        let set =
-            FrfSet { frequency_hz, values, responses, references, kind, reference_unit, coherence: None, geometry: Geometry::default() };
+        let coherence = self.coherence_entry(frf);
+        let set = FrfSet {
+            frequency_hz,
+            values,
+            responses,
+            references,
+            kind,
+            reference_unit,
+            coherence: coherence.map(|entry| self.coherence(entry, [response, reference, Some(line)])).transpose()?,
+            geometry: Geometry::default(),
+        };
         let time_sign = self.text_near(frf, "time_sign").and_then(|sign| sign.parse().ok());
-        let used = source.datasets().chain([freq]).chain(response_entry).chain(reference_entry).map(|entry| entry.path.clone());
+        let used = source.datasets().chain([freq]).chain(response_entry).chain(reference_entry).chain(coherence).map(|entry| entry.path.clone());
         Ok(Found { set: set.checked()?, time_sign, used: used.collect() })
     }
 
@@ -174,6 +188,22 @@ impl<'a> Reader<'a> {
             }
         };
         Ok(if is_matlab(source.first()) { array.reversed_axes() } else { array })
+    }
+
+    /// Real numbers named `coherence` beside the FRFs and of their shape.
+    fn coherence_entry(&self, frf: &Entry) -> Option<&'a Entry> {
+        let fits = |entry: &&Entry| entry.folder() == frf.folder() && entry.shape() == frf.shape() && is_matlab(entry) == is_matlab(frf);
+        let real = |entry: &&Entry| matches!(entry.element(), Some(super::tree::Element::Real { .. }));
+        self.datasets().filter(fits).filter(real).find(|entry| entry.name().eq_ignore_ascii_case("coherence"))
+    }
+
+    fn coherence(&self, entry: &Entry, [response, reference, line]: [Option<usize>; 3]) -> Result<Array3<f32>> {
+        let array = real_array(entry, self.file.read(entry)?)?.mapv(Complex64::from);
+        let array = ComplexArray::Double(if is_matlab(entry) { array.reversed_axes() } else { array });
+        match array.into_frf_values(response, reference, line.unwrap_or_default()) {
+            FrfValues::F64(values) => Ok(values.mapv(|value| value.re as f32)),
+            FrfValues::F32(values) => Ok(values.mapv(|value| value.re)),
+        }
     }
 
     fn text_near(&self, entry: &'a Entry, name: &str) -> Option<&'a str> {

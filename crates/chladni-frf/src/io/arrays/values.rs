@@ -8,14 +8,14 @@ use std::borrow::Cow;
 
 /// A complex array of any rank, in the precision of the file.
 #[derive(Debug, Clone)]
-pub(super) enum ComplexArray {
+pub(in crate::io) enum ComplexArray {
     Double(ArrayD<Complex<f64>>),
     Single(ArrayD<Complex<f32>>),
 }
 
 impl ComplexArray {
     /// `values` in the shape that `entry` declares.
-    pub(super) fn new(entry: &Entry, values: Values<'static>) -> Result<Self> {
+    pub(in crate::io) fn new(entry: &Entry, values: Values<'static>) -> Result<Self> {
         let shape = entry.shape();
         match values {
             Values::Complex64(values) => Ok(Self::Double(shaped(entry, shape, values)?)),
@@ -25,7 +25,7 @@ impl ComplexArray {
     }
 
     /// Axes in reverse order: what MATLAB calls (a, b, c) stands in the file as (c, b, a).
-    pub(super) fn reversed_axes(self) -> Self {
+    pub(in crate::io) fn reversed_axes(self) -> Self {
         match self {
             Self::Double(array) => Self::Double(array.reversed_axes()),
             Self::Single(array) => Self::Single(array.reversed_axes()),
@@ -33,7 +33,7 @@ impl ComplexArray {
     }
 
     /// As (response, reference, line), each named by its axis here; a `None` axis has length 1.
-    pub(super) fn into_frf_values(self, response: Option<usize>, reference: Option<usize>, line: usize) -> FrfValues {
+    pub(in crate::io) fn into_frf_values(self, response: Option<usize>, reference: Option<usize>, line: usize) -> FrfValues {
         match self {
             Self::Double(array) => FrfValues::F64(three_axes(array, response, reference, line)),
             Self::Single(array) => FrfValues::F32(three_axes(array, response, reference, line)),
@@ -55,12 +55,12 @@ fn three_axes<T: Clone>(mut array: ArrayD<T>, response: Option<usize>, reference
 }
 
 /// Real numbers (integers are widened) in the shape that `entry` declares.
-pub(super) fn real_array(entry: &Entry, values: Values<'static>) -> Result<ArrayD<f64>> {
+pub(in crate::io) fn real_array(entry: &Entry, values: Values<'static>) -> Result<ArrayD<f64>> {
     shaped(entry, entry.shape(), reals(entry, values)?.into())
 }
 
 /// Real numbers as a flat list.
-pub(super) fn reals(entry: &Entry, values: Values<'static>) -> Result<Vec<f64>> {
+pub(in crate::io) fn reals(entry: &Entry, values: Values<'static>) -> Result<Vec<f64>> {
     match values {
         Values::Real64(values) => Ok(values.into_owned()),
         Values::Real32(values) => Ok(values.iter().map(|&value| value.into()).collect()),
@@ -71,7 +71,7 @@ pub(super) fn reals(entry: &Entry, values: Values<'static>) -> Result<Vec<f64>> 
 }
 
 /// Integers as a flat list.
-pub(super) fn integers(entry: &Entry, values: Values<'static>) -> Result<Vec<u64>> {
+pub(in crate::io) fn integers(entry: &Entry, values: Values<'static>) -> Result<Vec<u64>> {
     match values {
         Values::Unsigned(values) => Ok(values.into_owned()),
         _ => Err(wrong_type(entry, "whole numbers, not negative")),
@@ -79,7 +79,7 @@ pub(super) fn integers(entry: &Entry, values: Values<'static>) -> Result<Vec<u64
 }
 
 /// Texts as a flat list.
-pub(super) fn texts(entry: &Entry, values: Values<'static>) -> Result<Vec<String>> {
+pub(in crate::io) fn texts(entry: &Entry, values: Values<'static>) -> Result<Vec<String>> {
     match values {
         Values::Text(texts) => Ok(texts),
         _ => Err(wrong_type(entry, "text")),
@@ -87,7 +87,7 @@ pub(super) fn texts(entry: &Entry, values: Values<'static>) -> Result<Vec<String
 }
 
 /// DOF records as a flat list.
-pub(super) fn dofs(entry: &Entry, values: Values<'static>) -> Result<Vec<Dof>> {
+pub(in crate::io) fn dofs(entry: &Entry, values: Values<'static>) -> Result<Vec<Dof>> {
     match values {
         Values::Dofs(dofs) => Ok(dofs),
         _ => Err(wrong_type(entry, "records {node u64, dir i8}, dir a code from -6 to 6")),
@@ -95,7 +95,7 @@ pub(super) fn dofs(entry: &Entry, values: Values<'static>) -> Result<Vec<Dof>> {
 }
 
 /// The error of a dataset whose element type is not the one that belongs there.
-pub(super) fn wrong_type(entry: &Entry, expected: &str) -> Error {
+pub(in crate::io) fn wrong_type(entry: &Entry, expected: &str) -> Error {
     let found = entry.element().map_or_else(|| "a group".to_owned(), super::tree::Element::describe);
     Error::bad_data("values of the wrong type").field(&entry.path).found(found).expected(expected)
 }

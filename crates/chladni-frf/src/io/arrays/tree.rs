@@ -8,7 +8,7 @@ use std::path::Path;
 
 /// Values of a dataset in C order (last axis fastest). Borrowed when written, owned when read.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Values<'a> {
+pub(in crate::io) enum Values<'a> {
     Real64(Cow<'a, [f64]>),
     Real32(Cow<'a, [f32]>),
     Complex64(Cow<'a, [Complex64]>),
@@ -22,9 +22,25 @@ pub(super) enum Values<'a> {
     Nodes(Vec<Node>),
 }
 
+impl Values<'_> {
+    /// Their element type.
+    pub(in crate::io) fn element(&self) -> Element {
+        match self {
+            Self::Real64(_) => Element::Real { single: false },
+            Self::Real32(_) => Element::Real { single: true },
+            Self::Complex64(_) => Element::Complex { single: false },
+            Self::Complex32(_) => Element::Complex { single: true },
+            Self::Unsigned(_) | Self::Signed(_) => Element::Integer,
+            Self::Text(_) => Element::Text,
+            Self::Dofs(_) => Element::Dof,
+            Self::Nodes(_) => Element::Node,
+        }
+    }
+}
+
 /// Element type of a dataset in a file.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Element {
+pub(in crate::io) enum Element {
     Real {
         single: bool,
     },
@@ -41,7 +57,7 @@ pub(super) enum Element {
 
 impl Element {
     /// As a user would call it.
-    pub(super) fn describe(&self) -> String {
+    pub(in crate::io) fn describe(&self) -> String {
         match self {
             Self::Real { single: true } => "real, single precision".into(),
             Self::Real { single: false } => "real, double precision".into(),
@@ -58,7 +74,7 @@ impl Element {
 
 /// Value of an attribute.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Attribute {
+pub(in crate::io) enum Attribute {
     Text(String),
     /// Written with its own length: a text of variable length takes 4 KiB of the built-in writer's file, wherever it stands.
     /// h5py gives it as bytes. Read back as [`Self::Text`].
@@ -80,104 +96,104 @@ impl From<String> for Attribute {
 }
 
 /// Named attributes, in order.
-pub(super) type Attributes = Vec<(String, Attribute)>;
+pub(in crate::io) type Attributes = Vec<(String, Attribute)>;
 
 /// What a library says of a dataset: shape, element type, attributes, and those that cannot be read.
-pub(super) type Description = (Vec<usize>, Element, Attributes, Vec<String>);
+pub(in crate::io) type Description = (Vec<usize>, Element, Attributes, Vec<String>);
 
 /// One object of a file: a group, or a dataset with its shape and element type.
 #[derive(Debug, Clone)]
-pub(super) struct Entry {
+pub(in crate::io) struct Entry {
     /// Absolute: `/geometry/nodes`; the root is `/`.
-    pub(super) path: String,
+    pub(in crate::io) path: String,
     /// `None` for a group.
-    pub(super) dataset: Option<(Vec<usize>, Element)>,
-    pub(super) attributes: Attributes,
+    pub(in crate::io) dataset: Option<(Vec<usize>, Element)>,
+    pub(in crate::io) attributes: Attributes,
     /// Attributes that cannot be read, and why.
-    pub(super) unread_attributes: Vec<String>,
+    pub(in crate::io) unread_attributes: Vec<String>,
 }
 
 impl Entry {
     /// The dataset at `path`; one that cannot be described is listed with the reason.
-    pub(super) fn of_dataset<E: Display>(path: &str, described: std::result::Result<Description, E>) -> Self {
+    pub(in crate::io) fn of_dataset<E: Display>(path: &str, described: std::result::Result<Description, E>) -> Self {
         let (shape, element, attributes, unread_attributes) =
             described.unwrap_or_else(|error| (Vec::new(), Element::Other(format!("unreadable ({error})")), Attributes::new(), Vec::new()));
         Self { path: path.to_owned(), dataset: Some((shape, element)), attributes, unread_attributes }
     }
-    pub(super) fn attribute(&self, name: &str) -> Option<&Attribute> {
+    pub(in crate::io) fn attribute(&self, name: &str) -> Option<&Attribute> {
         self.attributes.iter().find(|(found, _)| found == name).map(|(_, value)| value)
     }
-    pub(super) fn text(&self, name: &str) -> Option<&str> {
+    pub(in crate::io) fn text(&self, name: &str) -> Option<&str> {
         match self.attribute(name) {
             Some(Attribute::Text(text)) => Some(text),
             _ => None,
         }
     }
-    pub(super) fn real(&self, name: &str) -> Option<f64> {
+    pub(in crate::io) fn real(&self, name: &str) -> Option<f64> {
         match self.attribute(name) {
             Some(Attribute::Real(value)) => Some(*value),
             Some(Attribute::Integer(value)) => Some(*value as f64),
             _ => None,
         }
     }
-    pub(super) fn integer(&self, name: &str) -> Option<i64> {
+    pub(in crate::io) fn integer(&self, name: &str) -> Option<i64> {
         match self.attribute(name) {
             Some(Attribute::Integer(value)) => Some(*value),
             _ => None,
         }
     }
     /// Last part of the path.
-    pub(super) fn name(&self) -> &str {
+    pub(in crate::io) fn name(&self) -> &str {
         self.path.rsplit('/').next().unwrap_or_default()
     }
     /// The group it stands in.
-    pub(super) fn folder(&self) -> &str {
+    pub(in crate::io) fn folder(&self) -> &str {
         match self.path.rfind('/') {
             Some(0) | None => "/",
             Some(end) => &self.path[..end],
         }
     }
     /// Shape, empty for a group or scalar.
-    pub(super) fn shape(&self) -> &[usize] {
+    pub(in crate::io) fn shape(&self) -> &[usize] {
         self.dataset.as_ref().map_or(&[], |(shape, _)| shape)
     }
-    pub(super) fn element(&self) -> Option<&Element> {
+    pub(in crate::io) fn element(&self) -> Option<&Element> {
         self.dataset.as_ref().map(|(_, element)| element)
     }
 }
 
 /// A dataset to be written.
 #[derive(Debug, Clone)]
-pub(super) struct Dataset<'a> {
-    pub(super) name: String,
-    pub(super) shape: Vec<usize>,
-    pub(super) values: Values<'a>,
-    pub(super) attributes: Attributes,
+pub(in crate::io) struct Dataset<'a> {
+    pub(in crate::io) name: String,
+    pub(in crate::io) shape: Vec<usize>,
+    pub(in crate::io) values: Values<'a>,
+    pub(in crate::io) attributes: Attributes,
 }
 
 /// A group to be written, with everything in it.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Group<'a> {
-    pub(super) name: String,
-    pub(super) attributes: Attributes,
-    pub(super) datasets: Vec<Dataset<'a>>,
-    pub(super) groups: Vec<Group<'a>>,
+pub(in crate::io) struct Group<'a> {
+    pub(in crate::io) name: String,
+    pub(in crate::io) attributes: Attributes,
+    pub(in crate::io) datasets: Vec<Dataset<'a>>,
+    pub(in crate::io) groups: Vec<Group<'a>>,
 }
 
 impl<'a> Group<'a> {
-    pub(super) fn new(name: impl Into<String>) -> Self {
+    pub(in crate::io) fn new(name: impl Into<String>) -> Self {
         Self { name: name.into(), ..Self::default() }
     }
-    pub(super) fn set(&mut self, name: &str, value: impl Into<Attribute>) {
+    pub(in crate::io) fn set(&mut self, name: &str, value: impl Into<Attribute>) {
         self.attributes.push((name.into(), value.into()));
     }
-    pub(super) fn add(&mut self, name: &str, shape: &[usize], values: Values<'a>) {
+    pub(in crate::io) fn add(&mut self, name: &str, shape: &[usize], values: Values<'a>) {
         self.datasets.push(Dataset { name: name.into(), shape: shape.to_vec(), values, attributes: Vec::new() });
     }
-    pub(super) fn add_reals(&mut self, name: &str, shape: &[usize], values: Vec<f64>) {
+    pub(in crate::io) fn add_reals(&mut self, name: &str, shape: &[usize], values: Vec<f64>) {
         self.add(name, shape, Values::Real64(values.into()));
     }
-    pub(super) fn add_texts(&mut self, name: &str, texts: Vec<String>) {
+    pub(in crate::io) fn add_texts(&mut self, name: &str, texts: Vec<String>) {
         self.add(name, &[texts.len()], Values::Text(texts));
     }
 }
@@ -188,7 +204,7 @@ const MAX_OBJECTS: usize = 100_000;
 const MAX_DEPTH: usize = 32;
 
 /// Refuses a walk through groups that finds no end.
-pub(super) fn check_nesting(path: &str, depth: usize, objects: usize) -> Result<()> {
+pub(in crate::io) fn check_nesting(path: &str, depth: usize, objects: usize) -> Result<()> {
     if depth <= MAX_DEPTH && objects <= MAX_OBJECTS {
         return Ok(());
     }
@@ -202,7 +218,7 @@ pub(super) fn check_nesting(path: &str, depth: usize, objects: usize) -> Result<
 const BEST_COMPRESSION: u64 = 1032;
 
 /// Refuses a shape whose values cannot stand in the file, before anything is allocated.
-pub(super) fn check_size(path: &str, shape: &[usize], element_bytes: usize, filtered: bool, file_bytes: u64) -> Result<()> {
+pub(in crate::io) fn check_size(path: &str, shape: &[usize], element_bytes: usize, filtered: bool, file_bytes: u64) -> Result<()> {
     let claimed = shape.iter().try_fold(element_bytes as u64, |product, &extent| product.checked_mul(extent as u64));
     let room = if filtered { file_bytes.saturating_mul(BEST_COMPRESSION) } else { file_bytes };
     if claimed.is_some_and(|bytes| bytes <= room) {
@@ -216,7 +232,7 @@ pub(super) fn check_size(path: &str, shape: &[usize], element_bytes: usize, filt
 }
 
 /// A failure of an HDF5 library on `file`.
-pub(super) fn library_error(error: impl Display, file: &Path) -> Error {
+pub(in crate::io) fn library_error(error: impl Display, file: &Path) -> Error {
     let said = error.to_string();
     let error = Error::bad_data("the HDF5 library cannot read this").file(file).found(said.trim_start_matches("HDF5 format error: "));
     error.expected("a file of HDF5 1.14 or older, unfiltered or with gzip, shuffle or lzf").help(
