@@ -56,6 +56,9 @@ pub fn detect_format(file: &Path) -> Result<FileFormat> {
     if head.starts_with(numpy::NPY_SIGNATURE) || numpy::is_npz(&head) {
         return Ok(FileFormat::Numpy);
     }
+    if head.starts_with(b"RIFF") && head.get(8..12) == Some(b"WAVE") {
+        return Ok(FileFormat::Wav);
+    }
     if let Some(error) = foreign_binary(&head) {
         return Err(error.file(file));
     }

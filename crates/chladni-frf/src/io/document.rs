@@ -20,6 +20,8 @@ pub enum FileFormat {
     Matlab,
     /// NumPy, `.npy` or `.npz`.
     Numpy,
+    /// Sound file.
+    Wav,
     /// Modal model as JSON.
     Model,
     /// Weights as JSON.

@@ -24,6 +24,7 @@ mod time_sign;
 pub mod uff;
 mod unit_label;
 mod vtk;
+mod wav;
 
 pub use assemble::assemble;
 pub use atomic::{create_atomically, refuse_output_among_inputs, write_atomically};
@@ -37,6 +38,11 @@ pub use paths::{expand_paths, file_name, Inputs};
 pub use read::{read_contents, read_document, read_documents, read_frf, read_text, sha256_of};
 pub use save::{write_contents, write_frf};
 pub use shape::{Analysis, Shape, ShapeForm, ShapeNumbers, TRANSLATION};
+
+/// A unit label: its factor to SI, and its powers of m, kg, s, V, rad, cycle.
+pub(crate) fn unit_of(label: &str) -> Option<(f64, [i32; 6])> {
+    unit_label::parse(label).map(|unit| (unit.factor, unit.powers))
+}
 
 use contents::{function_name, not_carried};
 use save::{extension, unknown_extension};

@@ -23,7 +23,7 @@ pub fn read_model(path: &Path) -> Result<ModalModel> {
         FileFormat::Weights => {
             return Err(wrong("weights, not a model", "a weights file").help("give the model that the weights were made from"))
         }
-        FileFormat::Uff | FileFormat::Csv | FileFormat::Matlab | FileFormat::Numpy => {
+        FileFormat::Uff | FileFormat::Csv | FileFormat::Matlab | FileFormat::Numpy | FileFormat::Wav => {
             return Err(wrong("measured data, not a model", "measured data").help("fit a model first: chladni fit FRF -o MODEL.json"))
         }
     };

@@ -2,7 +2,7 @@
 
 use super::paths::{shortened, NAMES_LISTED};
 use super::{
-    assemble, csv, detect_format, expand_paths, function_name, hdf5, json_error, mat, numpy, read_model, uff, Contents, DatasetInfo, Document,
+    assemble, csv, detect_format, expand_paths, function_name, hdf5, json_error, mat, numpy, read_model, uff, wav, Contents, DatasetInfo, Document,
     FileFormat, ReadOptions,
 };
 use crate::{Error, FrfSet, Geometry, Result, Source, Trust};
@@ -116,6 +116,7 @@ fn read_numbered(path: &Path, options: &ReadOptions, next_node: &mut u64) -> Res
             let read = if bytes.starts_with(numpy::NPY_SIGNATURE) { numpy::read_npy } else { numpy::read_npz };
             read(&bytes, path, options)?
         }
+        FileFormat::Wav => wav::read(&bytes()?, path)?,
         FileFormat::Model => model_document(path)?,
         FileFormat::Weights => weights_document(path)?,
     };

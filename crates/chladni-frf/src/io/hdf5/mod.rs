@@ -130,6 +130,9 @@ pub(super) fn write(path: &Path, frf: Option<&FrfSet>, others: &Contents, force:
     let mut root = own::new_root();
     if let Some(set) = frf {
         own::add_frf(&mut root, set);
+        if let Some(variance) = others.variance.as_ref().filter(|variance| variance.dim() == set.values.dim()) {
+            own::add_variance(&mut root, variance);
+        }
     }
     own::add_geometry(&mut root, frf.map_or(&others.other_geometry, |set| &set.geometry));
     if !others.sources.is_empty() {

@@ -5,6 +5,7 @@
 //! /freq            f64 [n_line]                                          attr unit="Hz"
 //! /frf             complex [n_response, n_reference, n_line], compound {r, i}, attr unit; NaN where nothing was measured
 //! /coherence       f32 [n_response, n_reference, n_line], NaN where not given            optional
+//! /variance        f64 [n_response, n_reference, n_line], E|δH|², written by `estimate`  optional
 //! /response        {node u64, dir i8} [n_response]
 //! /reference       {node u64, dir i8} [n_reference]
 //! /geometry/nodes  {label u64, x y z f64} [n_node], metres                               optional
@@ -210,6 +211,12 @@ pub(super) fn add_frf<'a>(root: &mut Group<'a>, set: &'a FrfSet) {
     }
     root.add("response", &[responses], Values::Dofs(set.responses.clone()));
     root.add("reference", &[references], Values::Dofs(set.references.clone()));
+}
+
+/// Adds E|δH|² of each FRF value.
+pub(super) fn add_variance<'a>(root: &mut Group<'a>, variance: &'a Array3<f64>) {
+    let (responses, references, lines) = variance.dim();
+    root.add("variance", &[responses, references, lines], Values::Real64(contiguous(variance)));
 }
 
 /// Adds nodes, lines and faces to the root, where there are any.
