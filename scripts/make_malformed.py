@@ -82,7 +82,7 @@ def uff(*parts):
 def universal_text():
     whole = uff(text_58())
     for k, cut in enumerate((8, 30, 61, 90, 120)):
-        case("uff-cut-in-data", f"{k}.uff", whole[:-cut], "the file ends inside this dataset" if cut < 160 else "")
+        case("uff-cut-in-data", f"{k}.uff", whole[:-cut], "the file ends inside this dataset" if k == 0 else "disagree")
     for k, record in enumerate((1, 3, 5, 6, 7, 8, 10)):
         head = "".join(text_58().splitlines(True)[: 2 + record])
         case("uff-cut-in-header", f"record{record}.uff", uff(head), "ends inside its header", dataset=58)
@@ -320,7 +320,7 @@ def matlab():
     freq = mat_array("f", [8, 1], eight)
     frf = mat_array("frf", [8, 1], eight, 6 | 0x0800, eight)
     good = mat_file(freq, frf)
-    for k, cut in enumerate((1, 20, 70, 130, 200)):
+    for k, cut in enumerate((1, 20, 70, 130, 190)):
         case("mat-cut", f"{k}.mat", good[:-cut], "", field="size of the element" if cut < 250 else "")
     case("mat-header", "cut.mat", good[:120], "header of the MATLAB file is damaged")
     case("mat-header", "mark.mat", mat_file(freq, frf, mark=b"XX"), "header of the MATLAB file is damaged", found="XX")

@@ -41,7 +41,7 @@ fn channel(dof: &str, unit: SignalUnit, samples: Vec<f64>) -> Channel {
 }
 
 fn run(channels: Vec<Channel>) -> Run {
-    Run { place: "test".into(), sample_rate_hz: RATE_HZ, channels }
+    Run { file: "test".into(), line: 0, sample_rate_hz: RATE_HZ, channels }
 }
 
 fn options(estimator: Estimator) -> EstimateOptions {

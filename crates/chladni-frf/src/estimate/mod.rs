@@ -84,9 +84,10 @@ pub fn estimate(runs: &[Run], options: &EstimateOptions) -> Result<Estimate> {
     let rate = first.sample_rate_hz;
     if let Some(other) = runs.iter().find(|run| (run.sample_rate_hz / rate - 1.0).abs() > 1e-6) {
         return Err(Error::bad_data("records of different sampling rates")
-            .field(&other.place)
+            .file(&other.file)
+            .field("sampling rate")
             .found(format!("{} Hz", other.sample_rate_hz))
-            .expected(format!("{rate} Hz as in {}", first.place))
+            .expected(format!("{rate} Hz as in {}", first.file.display()))
             .help("estimate them apart"));
     }
     let setting = Setting::choose(runs, options)?;
@@ -193,8 +194,8 @@ fn groups(runs: &[Run]) -> Vec<Vec<&Run>> {
 
 /// Kind and unit of the reference, which all channels must agree on; `None` where units are not known.
 fn kind_of(runs: &[Run]) -> Result<(Option<FrfKind>, ReferenceUnit)> {
-    let disagree = |what: &str, a: SignalUnit, b: SignalUnit, place: &str| {
-        Err(Error::bad_data(format!("{what} of different quantities")).field(place).found(b.name()).expected(a.name()).help("estimate them apart"))
+    let disagree = |what: &str, a: SignalUnit, b: SignalUnit, run: &Run| {
+        Err(Error::bad_data(format!("{what} of different quantities")).file(&run.file).field("units").found(b.name()).expected(a.name()).help("estimate them apart"))
     };
     let mut seen: [Option<SignalUnit>; 2] = [None, None];
     for run in runs {
@@ -202,7 +203,7 @@ fn kind_of(runs: &[Run]) -> Result<(Option<FrfKind>, ReferenceUnit)> {
             let slot = &mut seen[usize::from(channel.is_reference)];
             match *slot {
                 Some(known) if known != channel.unit => {
-                    return disagree(if channel.is_reference { "references" } else { "responses" }, known, channel.unit, &run.place)
+                    return disagree(if channel.is_reference { "references" } else { "responses" }, known, channel.unit, run)
                 }
                 _ => *slot = Some(channel.unit),
             }
@@ -219,13 +220,14 @@ fn kind_of(runs: &[Run]) -> Result<(Option<FrfKind>, ReferenceUnit)> {
 impl Estimate {
     fn add_group(&mut self, runs: &[&Run], setting: &Setting, estimator: Estimator) -> Result<()> {
         let references: Vec<Dof> = runs[0].references().map(|channel| channel.dof).collect();
-        let place = &runs[0].place;
+        let file = &runs[0].file;
         let mut responses: Vec<Dof> = runs.iter().flat_map(|run| run.responses().map(|channel| channel.dof)).collect();
         responses.sort_unstable();
         responses.dedup();
         if references.is_empty() || responses.is_empty() {
             return Err(Error::bad_data("a run without reference or without response")
-                .field(place)
+                .file(file)
+                .field("channels")
                 .found(format!("{} references and {} responses", references.len(), responses.len()))
                 .expected("at least one of each")
                 .help("name the reference channels with --references DOF,..."));
@@ -244,7 +246,8 @@ impl Estimate {
                 let averages = Averages::of(runs, &references, *response, setting.window, setting.block, setting.overlap)?;
                 if averages.blocks < references.len() {
                     return Err(Error::bad_data("fewer blocks than references: their FRFs cannot be told apart")
-                        .field(place)
+                        .file(file)
+                        .field("--block")
                         .found(format!("{} blocks for {} references", averages.blocks, references.len()))
                         .expected("at least as many blocks as references, better ten times as many")
                         .help("choose a shorter --block, or measure more records"));

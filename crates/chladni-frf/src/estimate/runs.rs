@@ -2,6 +2,7 @@
 
 use crate::io::{Abscissa, Document, Function, Ordinate};
 use crate::{Dof, Error, FrfKind, Result};
+use std::path::PathBuf;
 
 /// Function type of time records, dataset 58.
 const TIME: i32 = 1;
@@ -87,8 +88,10 @@ pub struct Channel {
 /// Channels of equal length that were measured together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
-    /// File, and line where there is one.
-    pub place: String,
+    /// File.
+    pub file: PathBuf,
+    /// Line of its first record in the file, counted from 1; 0 in other formats.
+    pub line: u64,
     /// Samples per second.
     pub sample_rate_hz: f64,
     /// Channels.
@@ -129,7 +132,10 @@ pub struct ChannelOverride {
 /// # Errors
 /// Channels of one run that differ in length or sampling rate; an uneven time axis; masked samples; what the user says does not fit.
 pub fn runs_of(document: &Document, said: &ChannelOverride) -> Result<Vec<Run>> {
-    let file = document.file.display().to_string();
+    let at = |function: &Function, error: Error| {
+        let error = error.file(&document.file);
+        if function.line > 0 { error.at_line(function.line) } else { error }
+    };
     let records: Vec<&Function> = document.functions.iter().filter(|function| function.function_type == TIME).collect();
     for (name, count) in [("--dofs", said.dofs.len()), ("--units", said.units.len()), ("--scales", said.scales.len())] {
         if count > 0 && records.len() % count != 0 {
@@ -142,22 +148,23 @@ pub fn runs_of(document: &Document, said: &ChannelOverride) -> Result<Vec<Run>> 
     }
     let mut runs: Vec<Run> = Vec::new();
     for (k, function) in records.into_iter().enumerate() {
-        let place = if function.line > 0 { format!("{file} line {}", function.line) } else { file.clone() };
-        let rate = sample_rate(function, &place)?;
-        let channel = channel(function, k, said, &place)?;
+        let rate = sample_rate(function).map_err(|error| at(function, error))?;
+        let channel = channel(function, k, said).map_err(|error| at(function, error))?;
         let fits = |run: &Run| !run.channels.iter().any(|known| known.dof == channel.dof && known.unit == channel.unit);
         match runs.last_mut().filter(|run| fits(run)) {
             Some(run) => {
                 if run.samples() != channel.samples.len() || (run.sample_rate_hz / rate - 1.0).abs() > STEP_TOLERANCE {
-                    return Err(Error::bad_data("channels of one run differ")
-                        .field(place)
+                    let error = Error::bad_data("channels of one run differ").field(channel.dof.to_string());
+                    return Err(at(function, error)
                         .found(format!("{} samples at {rate} Hz", channel.samples.len()))
                         .expected(format!("{} samples at {} Hz", run.samples(), run.sample_rate_hz))
                         .help("give runs of different lengths as files of their own"));
                 }
                 run.channels.push(channel);
             }
-            None => runs.push(Run { place, sample_rate_hz: rate, channels: vec![channel] }),
+            None => {
+                runs.push(Run { file: document.file.clone(), line: function.line, sample_rate_hz: rate, channels: vec![channel] });
+            }
         }
     }
     runs.iter_mut().for_each(|run| mark_references(run, &said.references));
@@ -177,7 +184,7 @@ fn mark_references(run: &mut Run, named: &[Dof]) {
     }
 }
 
-fn channel(function: &Function, k: usize, said: &ChannelOverride, place: &str) -> Result<Channel> {
+fn channel(function: &Function, k: usize, said: &ChannelOverride) -> Result<Channel> {
     let of = |count: usize| if count == 0 { None } else { Some(k % count) };
     let dof = of(said.dofs.len()).map_or(function.response, |at| said.dofs[at]);
     let (unit, factor) = match of(said.units.len()) {
@@ -194,20 +201,20 @@ fn channel(function: &Function, k: usize, said: &ChannelOverride, place: &str) -
         Ordinate::Real32(values) => values.iter().map(|&value| f64::from(value) * scale).collect(),
         Ordinate::Real64(values) => values.iter().map(|&value| value * scale).collect(),
         Ordinate::Complex32(_) | Ordinate::Complex64(_) => {
-            return Err(Error::bad_data("a time record of complex values").field(place).found("complex").expected("real samples"))
+            return Err(Error::bad_data("a time record of complex values").field("ordinate").found("complex").expected("real samples"))
         }
     };
     if let Some(masked) = samples.iter().position(|sample| !sample.is_finite()) {
         return Err(Error::bad_data("a time record with a sample that is not finite")
-            .field(place)
-            .found(format!("sample {}", masked + 1))
+            .field(format!("sample {}", masked + 1))
+            .found(samples[masked])
             .expected("finite samples without gaps")
             .help("cut the record, or leave this run out"));
     }
     Ok(Channel { dof, unit, is_reference: false, samples })
 }
 
-fn sample_rate(function: &Function, place: &str) -> Result<f64> {
+fn sample_rate(function: &Function) -> Result<f64> {
     let step = match &function.abscissa {
         Abscissa::Even { step, .. } => *step,
         Abscissa::Uneven(times) => {
@@ -218,8 +225,8 @@ fn sample_rate(function: &Function, place: &str) -> Result<f64> {
             let even = times.windows(2).all(|pair| ((pair[1] - pair[0]) / mean - 1.0).abs() <= rounding.min(0.1));
             if !even {
                 return Err(Error::bad_data("the samples are not evenly spaced in time")
-                    .field(place)
-                    .found("an uneven time axis")
+                    .field("time axis")
+                    .found("steps that differ")
                     .expected("one sampling rate")
                     .help("resample the record first"));
             }
@@ -229,6 +236,6 @@ fn sample_rate(function: &Function, place: &str) -> Result<f64> {
     let step = step * function.abscissa_to_si;
     match step.is_finite() && step > 0.0 {
         true => Ok(1.0 / step),
-        false => Err(Error::bad_data("no sampling rate").field(place).found(step).expected("a time step above 0 s")),
+        false => Err(Error::bad_data("no sampling rate").field("time step").found(step).expected("a time step above 0 s")),
     }
 }

@@ -40,6 +40,7 @@ pub fn detect_format(file: &Path) -> Result<FileFormat> {
     if head.is_empty() {
         return Err(Error::bad_data("the file is empty")
             .file(file)
+            .at_byte(0)
             .found("0 bytes")
             .expected("measured data, a model or weights")
             .help("export or copy it again"));
@@ -113,7 +114,7 @@ fn is_universal(head: &[u8]) -> bool {
 }
 
 fn foreign_binary(head: &[u8]) -> Option<Error> {
-    let refuse = |found: &str, help: &str| Some(Error::bad_data("not a format that can be read").found(found).expected(KNOWN).help(help));
+    let refuse = |found: &str, help: &str| Some(Error::bad_data("not a format that can be read").at_byte(0).found(found).expected(KNOWN).help(help));
     if head.starts_with(b"PK\x03\x04") {
         return refuse("a zip archive or spreadsheet", "unpack it, or export the sheet as CSV");
     }

@@ -107,7 +107,7 @@ impl Said {
     fn from_remarks(remarks: &[Remark]) -> Result<Self> {
         let mut said = Self::default();
         for remark in remarks {
-            let wrong = |message: String| Error::bad_data(message).at_line(remark.line).field(&remark.key).found(&remark.value);
+            let wrong = |message: String| Error::bad_word(&message, &remark.value).at_line(remark.line).field(&remark.key);
             match remark.key.as_str() {
                 "frf_kind" => said.kind = Some(remark.value.parse().map_err(wrong)?),
                 "time_sign" => said.time_sign = Some(remark.value.parse().map_err(wrong)?),

@@ -89,13 +89,13 @@ pub(super) fn read_functions(own: &Own<'_>) -> Result<Vec<Function>> {
 }
 
 fn read_function(own: &Own<'_>, group: &Entry) -> Result<Function> {
-    let missing = |name: &str| Error::bad_data("an attribute is missing").field(format!("{name} of {}", group.path));
+    let missing = |name: &str| Error::bad_data("an attribute is missing").field(format!("{name} of {}", group.path)).found("nothing").expected("every attribute of a function");
     let text = |name: &str| group.text(name).map(str::to_owned).ok_or_else(|| missing(name));
     let whole = |name: &str| group.integer(name).ok_or_else(|| missing(name));
     let real = |name: &str| group.real(name).ok_or_else(|| missing(name));
     let small = |name: &str| whole(name).map(|value| i32::try_from(value).unwrap_or(0));
     let dof =
-        |name: &str| text(name)?.parse().map_err(|message: String| Error::bad_data(message).field(format!("{name} of {}", group.path)));
+        |name: &str| text(name)?.parse().map_err(|message: String| Error::bad_word(&message, "a damaged DOF").field(format!("{name} of {}", group.path)));
     let axis = |name: &str| -> Result<Axis> {
         let mut axis = Axis { quantity: small(&format!("{name}_quantity"))?, ..Axis::default() };
         for (exponent, value) in EXPONENTS.iter().zip(&mut axis.exponents) {

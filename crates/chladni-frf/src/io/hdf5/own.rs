@@ -111,7 +111,7 @@ impl Own<'_> {
 
     fn attribute<T: std::str::FromStr<Err = String>>(&self, name: &str) -> Result<Option<T>> {
         let Some(text) = self.root().text(name) else { return Ok(None) };
-        text.parse().map(Some).map_err(|message: String| Error::bad_data(message).field(format!("{name} of /")).found(text))
+        text.parse().map(Some).map_err(|message: String| Error::bad_word(&message, text).field(format!("{name} of /")))
     }
 
     fn kind(&self) -> Result<Option<FrfKind>> {

@@ -48,6 +48,7 @@ pub fn read(bytes: &[u8], file: &Path, options: &ReadOptions) -> Result<Document
     if blocks.is_empty() {
         return Err(Error::bad_data("no dataset of a universal file is in here")
             .file(file)
+            .at_line(1)
             .found("no pair of -1 lines")
             .expected("a line with -1 in columns 5 and 6, then a line with a dataset number")
             .help("check that this is a universal file (.uff, .unv) and complete"));

@@ -73,6 +73,7 @@ impl<'a> Reader<'a> {
             _ => {
                 let list = |entries: Vec<String>| if entries.is_empty() { "none".to_owned() } else { entries.join(", ") };
                 Err(Error::bad_data("it is not clear which datasets are the FRFs and their frequency axis")
+                    .field("FRFs and frequency axis")
                     .found(format!("{} complex arrays and {} frequency axes that may belong together", sources.len(), axes.len()))
                     .expected("one of each")
                     .help(format!(

@@ -24,7 +24,7 @@ const MAP_KEYS: [&str; 9] = ["frf", "re", "im", "mag", "phase", "freq", "respons
 
 /// `/data/H (77 x 1 x 801)`.
 pub(in crate::io) fn describe(entry: &Entry) -> String {
-    let extents: Vec<String> = entry.shape().iter().map(usize::to_string).collect();
+    let extents: Vec<String> = logical_shape(entry).iter().map(usize::to_string).collect();
     format!("{} ({})", entry.path, extents.join(" x "))
 }
 
@@ -248,7 +248,7 @@ impl<'a> Reader<'a> {
             }
             Values::Text(texts) => texts
                 .iter()
-                .map(|text| text.parse().map_err(|message: String| Error::bad_data(message).field(&entry.path)))
+                .map(|text| text.parse().map_err(|message: String| Error::bad_word(&message, text).field(&entry.path)))
                 .collect::<Result<_>>()?,
             _ => return Err(wrong_type(entry, "DOF texts like 12:+Z, node numbers or records {node, dir}")),
         };
