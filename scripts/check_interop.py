@@ -7,10 +7,11 @@ Needs numpy, h5py, pyuff and scipy. Usage: scripts/check_interop.py [path of the
 * text universal files: to the printed digit
 * mode shapes (55, 2414), nodes (15, 2411), trace lines (82), elements (2412): to the printed digit
 * files written by pyuff, h5py, scipy and numpy: read bit-equal
-* speed: text 58 at least ten times faster than pyuff, process start and checksum included
+* speed: text 58 at least ten times faster than pyuff in processor time, process start and checksum included
 """
 import json
 import pathlib
+import resource
 import subprocess
 import sys
 import tempfile
@@ -102,9 +103,9 @@ def shapes(folder):
         good = True
         for one, mode in zip(read, modes):
             truth = np.array(mode["shape"]["re"])
-            z = np.asarray(one["r3"] if "r3" in one else one["z"]).real.ravel()
+            z = np.asarray(one["r3"]).ravel() if number == 55 else np.array([node[2] for node in one["data_at_node"]])
             good &= bool(np.allclose(z, truth, rtol=1e-5, atol=1e-30))
-            frequency = one["freq"] if "freq" in one else one.get("frequency", 0.0)
+            frequency = one["freq"] if number == 55 else one["record12_field2"]
             good &= abs(frequency - mode["frequency_hz"]) <= 1e-5 * mode["frequency_hz"]
         check(f"pyuff: {number}, shapes and frequencies to the printed digit", good)
         kind = 15 if extension == "uf" else 2411
@@ -125,7 +126,13 @@ def foreign_files(folder):
         file.write_sets(dict(type=164, units_code=1, units_description="SI", temp_mode=1, length=1.0, force=1.0, temp=1.0, temp_offset=0.0), "add")
         file.write_sets(node, "add")
         for k in range(3):
-            one = pyuff.prepare_58(func_type=4, rsp_node=k + 1, rsp_dir=3, ref_node=101, ref_dir=3, data=frf[k, 0], x=freq, binary=binary, ord_data_type=6, abscissa_spacing=1, abscissa_min=freq[0], abscissa_inc=0.3125, abscissa_spec_data_type=18, ordinate_spec_data_type=11, orddenom_spec_data_type=13, return_full_dict=True)
+            one = dict(type=58, func_type=4, func_id=1, ver_num=0, load_case_id=0, z_axis_value=0, binary=binary, ord_data_type=6, num_pts=freq.size)
+            one |= dict(rsp_ent_name="NONE", rsp_node=k + 1, rsp_dir=3, ref_ent_name="NONE", ref_node=101, ref_dir=3)
+            one |= dict(abscissa_spacing=1, abscissa_min=freq[0], abscissa_inc=0.3125, data=frf[k, 0], x=freq)
+            one |= {f"id{line}": "NONE" for line in range(1, 6)}
+            for axis, code in dict(abscissa=18, ordinate=11, orddenom=13, z_axis=0).items():
+                one |= {f"{axis}_spec_data_type": code, f"{axis}_axis_lab": "NONE", f"{axis}_axis_units_lab": "NONE"}
+                one |= {f"{axis}_{kind}_unit_exp": 0 for kind in ("len", "force", "temp")}
             file.write_sets(one, "add")
         chladni("convert", path, "-o", folder / "back.h5")
         with h5py.File(folder / "back.h5") as h5:
@@ -149,14 +156,22 @@ def speed(folder):
     frf, freq = data(3, responses=40, references=2, lines=3200)
     np.savez(folder / "large.npz", frf=frf, freq=freq, unit="m/s/N")
     chladni("convert", folder / "large.npz", "-o", folder / "large.unv")
-    best = [np.inf, np.inf]
-    for _ in range(3):
-        for k, read in enumerate((lambda: chladni("info", folder / "large.unv"), lambda: sets(folder / "large.unv"))):
-            start = time.perf_counter()
-            read()
-            best[k] = min(best[k], time.perf_counter() - start)
+    # processor time: a busy machine changes it least
+    def ours():
+        chladni("info", folder / "large.unv")
+        usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return usage.ru_utime + usage.ru_stime
+
+    def theirs():
+        sets(folder / "large.unv")
+        return time.process_time()
+
+    best = []
+    for read in (ours, theirs):
+        times = np.array([read() for _ in range(5)])
+        best.append(np.diff(times).min())
     size = (folder / "large.unv").stat().st_size / 1e6
-    print(f"      text 58, {size:.1f} MB: chladni {best[0]:.3f} s, pyuff {best[1]:.3f} s, ratio {best[1] / best[0]:.1f}")
+    print(f"      text 58, {size:.1f} MB: chladni {best[0]:.3f} s, pyuff {best[1]:.3f} s of processor time, ratio {best[1] / best[0]:.1f}")
     check(f"text 58 read {LEAST_SPEED_RATIO:.0f} times faster than pyuff", best[1] >= LEAST_SPEED_RATIO * best[0])
 
 

@@ -6,7 +6,8 @@ use crate::outcome::Outcome;
 use crate::output::{Output, DATA, MODEL_OR_SHAPES, SHAPES};
 use crate::table::counted;
 use chladni_frf::io::{
-    detect_format, field_shape, model_shapes, read_contents, read_model, write_contents, write_model, Contents, FileFormat, Shape, ShapeForm,
+    detect_format, field_shape, model_shapes, read_contents, read_model, write_contents, write_model, Contents, FileFormat, Shape,
+    ShapeForm,
 };
 use chladni_frf::{Dof, Error, Geometry, ModalModel, Result};
 use num_complex::Complex64;

@@ -74,7 +74,8 @@ fn a_full_disk_leaves_the_old_file_and_nothing_else() {
 fn an_output_that_is_an_input_or_cannot_be_made_is_refused() {
     let folder = Folder::with_panel();
     let before = folder.read("panel.h5");
-    for line in ["convert panel.h5 -o panel.h5 --force", "convert panel.h5 -o ./panel.h5 --force", "estimate panel.h5 -o panel.h5 --force"] {
+    for line in ["convert panel.h5 -o panel.h5 --force", "convert panel.h5 -o ./panel.h5 --force", "estimate panel.h5 -o panel.h5 --force"]
+    {
         folder.run(line).exits(73);
     }
     assert_eq!(folder.read("panel.h5"), before);

@@ -95,7 +95,8 @@ fn noise_biases_h1_and_h2_by_the_known_factors_and_hv_by_their_geometric_mean() 
     let x = noise.take(BLOCK * BLOCKS);
     let y: Vec<f64> = x.iter().map(|x| 2.0 * x).collect();
     // a quarter of the power at the reference, an ninth at the response
-    let measured = |signal: &[f64], sigma: f64, noise: &mut Noise| -> Vec<f64> { signal.iter().map(|x| x + sigma * noise.next()).collect() };
+    let measured =
+        |signal: &[f64], sigma: f64, noise: &mut Noise| -> Vec<f64> { signal.iter().map(|x| x + sigma * noise.next()).collect() };
     let (xn, yn) = (measured(&x, 0.5, &mut noise), measured(&y, 2.0 / 3.0, &mut noise));
     let (at_x, at_y) = (1.25_f64, 1.0 + 1.0 / 9.0);
     for (estimator, factor) in [(Estimator::H1, 1.0 / at_x), (Estimator::H2, at_y), (Estimator::Hv, (at_y / at_x).sqrt())] {

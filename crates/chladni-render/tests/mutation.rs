@@ -11,8 +11,26 @@ use std::time::{Duration, Instant};
 const SEED: u64 = 0x5eed;
 const SLOWEST: Duration = Duration::from_secs(1);
 const WORDS: [&str; 20] = [
-    "0", "-1", "1", "999999999", "9223372036854775807", "1e308", "-1e-308", "nan", "inf", "-inf", "\"\"", "\"x\"", "[]", "[1]", "[[0.0]]",
-    "{}", "true", "1979-05-27", "''", "=",
+    "0",
+    "-1",
+    "1",
+    "999999999",
+    "9223372036854775807",
+    "1e308",
+    "-1e-308",
+    "nan",
+    "inf",
+    "-inf",
+    "\"\"",
+    "\"x\"",
+    "[]",
+    "[1]",
+    "[[0.0]]",
+    "{}",
+    "true",
+    "1979-05-27",
+    "''",
+    "=",
 ];
 
 fn mutated(seeds: &[String], random: &mut ChaCha8Rng) -> String {
@@ -62,7 +80,8 @@ fn scene_and_panel_toml() {
         seeds.extend(std::iter::repeat_n(std::fs::read_to_string(fixtures.join(name)).unwrap(), 5));
     }
     for class in ["scene", "panel"] {
-        let mut files: Vec<_> = std::fs::read_dir(fixtures.join("malformed").join(class)).unwrap().flatten().map(|entry| entry.path()).collect();
+        let mut files: Vec<_> =
+            std::fs::read_dir(fixtures.join("malformed").join(class)).unwrap().flatten().map(|entry| entry.path()).collect();
         files.sort();
         seeds.extend(files.iter().map(|file| std::fs::read_to_string(file).unwrap()));
     }

@@ -160,7 +160,10 @@ impl Setting {
             (shortest as f64 / blocks) as usize / 2 * 2
         });
         if options.window.is_none() || options.block.is_none() {
-            warnings.push(format!("blocks of {block} samples, {} window, overlap {overlap}: --block, --window and --overlap choose others", window.name()));
+            warnings.push(format!(
+                "blocks of {block} samples, {} window, overlap {overlap}: --block, --window and --overlap choose others",
+                window.name()
+            ));
         }
         if block < 4 || block > shortest {
             return Err(Error::bad_data("no possible block")
@@ -195,7 +198,12 @@ fn groups(runs: &[Run]) -> Vec<Vec<&Run>> {
 /// Kind and unit of the reference, which all channels must agree on; `None` where units are not known.
 fn kind_of(runs: &[Run]) -> Result<(Option<FrfKind>, ReferenceUnit)> {
     let disagree = |what: &str, a: SignalUnit, b: SignalUnit, run: &Run| {
-        Err(Error::bad_data(format!("{what} of different quantities")).file(&run.file).field("units").found(b.name()).expected(a.name()).help("estimate them apart"))
+        Err(Error::bad_data(format!("{what} of different quantities"))
+            .file(&run.file)
+            .field("units")
+            .found(b.name())
+            .expected(a.name())
+            .help("estimate them apart"))
     };
     let mut seen: [Option<SignalUnit>; 2] = [None, None];
     for run in runs {

@@ -134,7 +134,11 @@ pub struct ChannelOverride {
 pub fn runs_of(document: &Document, said: &ChannelOverride) -> Result<Vec<Run>> {
     let at = |function: &Function, error: Error| {
         let error = error.file(&document.file);
-        if function.line > 0 { error.at_line(function.line) } else { error }
+        if function.line > 0 {
+            error.at_line(function.line)
+        } else {
+            error
+        }
     };
     let records: Vec<&Function> = document.functions.iter().filter(|function| function.function_type == TIME).collect();
     for (name, count) in [("--dofs", said.dofs.len()), ("--units", said.units.len()), ("--scales", said.scales.len())] {

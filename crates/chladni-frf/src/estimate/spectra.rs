@@ -25,14 +25,7 @@ impl Averages {
     }
 
     /// Averages over all runs that hold `response`.
-    pub(super) fn of(
-        runs: &[&Run],
-        references: &[Dof],
-        response: Dof,
-        window: BlockWindow,
-        block: usize,
-        overlap: f64,
-    ) -> Result<Self> {
+    pub(super) fn of(runs: &[&Run], references: &[Dof], response: Dof, window: BlockWindow, block: usize, overlap: f64) -> Result<Self> {
         let hop = ((block as f64 * (1.0 - overlap)).round() as usize).max(1);
         let fft = FftPlanner::new().plan_fft_forward(block);
         let lines = block.div_ceil(2) - 1;

@@ -44,10 +44,7 @@ pub(super) fn independent_blocks(window: &[f64], hop: usize, count: usize) -> f6
         let shared: f64 = window.iter().zip(window.get(shift..).unwrap_or_default()).map(|(a, b)| a * b).sum();
         (shared / power).powi(2)
     };
-    let sum: f64 = (1..count)
-        .take_while(|k| k * hop < window.len())
-        .map(|k| (1.0 - k as f64 / count as f64) * correlation(k * hop))
-        .sum();
+    let sum: f64 = (1..count).take_while(|k| k * hop < window.len()).map(|k| (1.0 - k as f64 / count as f64) * correlation(k * hop)).sum();
     count as f64 / (1.0 + 2.0 * sum)
 }
 

@@ -114,7 +114,8 @@ fn is_universal(head: &[u8]) -> bool {
 }
 
 fn foreign_binary(head: &[u8]) -> Option<Error> {
-    let refuse = |found: &str, help: &str| Some(Error::bad_data("not a format that can be read").at_byte(0).found(found).expected(KNOWN).help(help));
+    let refuse =
+        |found: &str, help: &str| Some(Error::bad_data("not a format that can be read").at_byte(0).found(found).expected(KNOWN).help(help));
     if head.starts_with(b"PK\x03\x04") {
         return refuse("a zip archive or spreadsheet", "unpack it, or export the sheet as CSV");
     }

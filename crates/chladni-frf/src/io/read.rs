@@ -2,8 +2,8 @@
 
 use super::paths::{shortened, NAMES_LISTED};
 use super::{
-    assemble, csv, detect_format, expand_paths, function_name, hdf5, json_error, mat, numpy, read_model, uff, wav, Contents, DatasetInfo, Document,
-    FileFormat, ReadOptions,
+    assemble, csv, detect_format, expand_paths, function_name, hdf5, json_error, mat, numpy, read_model, uff, wav, Contents, DatasetInfo,
+    Document, FileFormat, ReadOptions,
 };
 use crate::{Error, FrfSet, Geometry, Result, Source, Trust};
 use sha2::{Digest, Sha256};

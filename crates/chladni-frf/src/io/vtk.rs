@@ -51,7 +51,9 @@ pub(super) fn write_pvd(path: &Path, contents: &Contents, force: bool) -> Result
     }
     let steps = steps(&contents.shapes);
     write_atomically(path, force, |out| {
-        out.write_all(b"<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n<Collection>\n")?;
+        out.write_all(
+            b"<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n<Collection>\n",
+        )?;
         for (part, step) in parts.iter().zip(steps) {
             writeln!(out, "<DataSet timestep=\"{step:?}\" part=\"0\" file=\"{}\"/>", escaped(&super::file_name(part)))?;
         }
@@ -133,7 +135,12 @@ impl<'a> Grid<'a> {
     fn write(&self, out: &mut dyn Write, shapes: &[&Shape]) -> io::Result<()> {
         let nodes = &self.geometry.nodes;
         out.write_all(b"<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\">\n")?;
-        writeln!(out, "<UnstructuredGrid>\n<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n<PointData>", nodes.len(), self.cells.len())?;
+        writeln!(
+            out,
+            "<UnstructuredGrid>\n<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n<PointData>",
+            nodes.len(),
+            self.cells.len()
+        )?;
         array(out, "Int64", "node", 1, nodes.iter().map(|node| node.label))?;
         for (k, shape) in shapes.iter().enumerate() {
             let name = title(shape, k, shapes.len() == 1);

@@ -49,7 +49,11 @@ pub(super) fn read(bytes: &[u8], file: &Path) -> Result<Document> {
             .help("the file is cut short; export or copy it again"));
     }
     if let Some(k) = samples.iter().position(|sample| !sample.is_finite()) {
-        return Err(Error::bad_data("a sample is not finite").file(file).field(format!("sample {}", k / count + 1)).found(samples[k]).expected("finite numbers"));
+        return Err(Error::bad_data("a sample is not finite")
+            .file(file)
+            .field(format!("sample {}", k / count + 1))
+            .found(samples[k])
+            .expected("finite numbers"));
     }
     let mut document = Document::new(file, FileFormat::Wav);
     for channel in 0..count {

@@ -157,6 +157,7 @@ fn the_same_contents_give_the_same_bytes() {
 #[test]
 fn a_node_number_of_eleven_digits_cannot_be_written() {
     let set = FrfSet { responses: vec!["1:+Z".parse().unwrap(), "12345678901:+Z".parse().unwrap()], ..example_set(even_axis()) };
-    let error = Plan::new(&Contents { frf: Some(set), ..Contents::default() }, WriteOptions { binary: true, ..WriteOptions::default() }).unwrap_err();
+    let error = Plan::new(&Contents { frf: Some(set), ..Contents::default() }, WriteOptions { binary: true, ..WriteOptions::default() })
+        .unwrap_err();
     assert!(error.to_string().contains("12345678901"));
 }

@@ -37,7 +37,10 @@ pub(super) fn document(table: &Table, to_seconds: f64, mut warnings: Vec<String>
             .expected("strictly rising times"));
     }
     if table.columns < 2 {
-        return Err(Error::bad_data("a time axis without a channel").at_line(table.lines[0]).found("1 column").expected("a column per channel"));
+        return Err(Error::bad_data("a time axis without a channel")
+            .at_line(table.lines[0])
+            .found("1 column")
+            .expected("a column per channel"));
     }
     let mut document = Document::new(file, FileFormat::Csv);
     let mut numbered = 0;

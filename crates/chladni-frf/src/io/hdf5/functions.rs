@@ -3,9 +3,9 @@
 //! Each is a group with `values` [n] in the units of the source, `abscissa` [n] where it is uneven, and the header of its
 //! dataset 58 as attributes.
 
-use crate::io::arrays::values::{reals, wrong_type};
 use super::own::Own;
 use crate::io::arrays::tree::{Attribute, Entry, Group, Values};
+use crate::io::arrays::values::{reals, wrong_type};
 use crate::io::{Abscissa, Axis, Function, Ordinate};
 use crate::{Error, ReferenceUnit, Result};
 
@@ -89,13 +89,19 @@ pub(super) fn read_functions(own: &Own<'_>) -> Result<Vec<Function>> {
 }
 
 fn read_function(own: &Own<'_>, group: &Entry) -> Result<Function> {
-    let missing = |name: &str| Error::bad_data("an attribute is missing").field(format!("{name} of {}", group.path)).found("nothing").expected("every attribute of a function");
+    let missing = |name: &str| {
+        Error::bad_data("an attribute is missing")
+            .field(format!("{name} of {}", group.path))
+            .found("nothing")
+            .expected("every attribute of a function")
+    };
     let text = |name: &str| group.text(name).map(str::to_owned).ok_or_else(|| missing(name));
     let whole = |name: &str| group.integer(name).ok_or_else(|| missing(name));
     let real = |name: &str| group.real(name).ok_or_else(|| missing(name));
     let small = |name: &str| whole(name).map(|value| i32::try_from(value).unwrap_or(0));
-    let dof =
-        |name: &str| text(name)?.parse().map_err(|message: String| Error::bad_word(&message, "a damaged DOF").field(format!("{name} of {}", group.path)));
+    let dof = |name: &str| {
+        text(name)?.parse().map_err(|message: String| Error::bad_word(&message, "a damaged DOF").field(format!("{name} of {}", group.path)))
+    };
     let axis = |name: &str| -> Result<Axis> {
         let mut axis = Axis { quantity: small(&format!("{name}_quantity"))?, ..Axis::default() };
         for (exponent, value) in EXPONENTS.iter().zip(&mut axis.exponents) {

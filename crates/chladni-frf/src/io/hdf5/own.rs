@@ -15,9 +15,9 @@
 //! /model           a modal model                                                         optional
 //! ```
 
-use crate::io::arrays::values::{dofs, integers, real_array, reals, wrong_type, ComplexArray};
 use super::backend::File;
 use crate::io::arrays::tree::{Entry, Group, Values};
+use crate::io::arrays::values::{dofs, integers, real_array, reals, wrong_type, ComplexArray};
 use crate::{Error, FrfKind, FrfSet, FrfValues, Geometry, ReferenceUnit, Result, TimeSign};
 use ndarray::{Array1, Array3, Ix3};
 

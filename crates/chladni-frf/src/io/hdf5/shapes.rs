@@ -1,9 +1,9 @@
 //! `/shapes/K`: mode shapes and fields of a source file, K = 1, 2, ...: `nodes` [node], `values` [node, component] in the units
 //! of the source, everything else as attributes named as in [`Shape`].
 
-use crate::io::arrays::values::{integers, wrong_type, ComplexArray};
 use super::own::Own;
 use crate::io::arrays::tree::{Attribute, Entry, Group, Values};
+use crate::io::arrays::values::{integers, wrong_type, ComplexArray};
 use crate::io::{Analysis, Shape, ShapeForm, ShapeNumbers};
 use crate::{Dof, Error, Result};
 use ndarray::{Array2, Ix2};

@@ -113,7 +113,8 @@ impl Walk {
         let word = flags.unsigned(self.order)?.first().copied().unwrap_or(0) as u32;
         let (class, complex) = (word & 0xff, word & COMPLEX != 0);
         let dimensions = part("dimensions")?;
-        let shape: Vec<usize> = dimensions.unsigned(self.order)?.into_iter().map(|extent| usize::try_from(extent).unwrap_or(usize::MAX)).collect();
+        let shape: Vec<usize> =
+            dimensions.unsigned(self.order)?.into_iter().map(|extent| usize::try_from(extent).unwrap_or(usize::MAX)).collect();
         let own_name = String::from_utf8_lossy(part("name")?.bytes).into_owned();
         let path = format!("{folder}/{}", safe_name(name.unwrap_or(&own_name)));
         match class {

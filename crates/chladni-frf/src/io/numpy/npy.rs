@@ -143,9 +143,9 @@ fn values(header: &Header, data: &[u8]) -> Option<Values<'static>> {
                 .map(|units| units.into_iter().filter_map(char::from_u32).take_while(|&c| c != '\0').collect())
                 .collect(),
         ),
-        (b'S', size) if size > 0 => Values::Text(
-            data.chunks_exact(size).map(|text| String::from_utf8_lossy(text).trim_end_matches('\0').to_owned()).collect(),
-        ),
+        (b'S', size) if size > 0 => {
+            Values::Text(data.chunks_exact(size).map(|text| String::from_utf8_lossy(text).trim_end_matches('\0').to_owned()).collect())
+        }
         _ => return None,
     })
 }
@@ -179,7 +179,12 @@ mod tests {
         assert_eq!(plain, Header { big_endian: false, kind: b'c', size: 16, fortran_order: false, shape: vec![3, 4] });
         let other = read("{\"shape\": (), \"fortran_order\": True, \"descr\": \">U12\"}");
         assert_eq!(other, Header { big_endian: true, kind: b'U', size: 12, fortran_order: true, shape: vec![] });
-        for bad in ["", "{'descr': [('a', '<f8')], 'fortran_order': False, 'shape': (3,)}", "{'descr': '<f8', 'shape': (3,)}", "{'descr': '<f8', 'fortran_order': False, 'shape': (-3,)}"] {
+        for bad in [
+            "",
+            "{'descr': [('a', '<f8')], 'fortran_order': False, 'shape': (3,)}",
+            "{'descr': '<f8', 'shape': (3,)}",
+            "{'descr': '<f8', 'fortran_order': False, 'shape': (-3,)}",
+        ] {
             assert_eq!(parse(bad), None, "{bad}");
         }
     }

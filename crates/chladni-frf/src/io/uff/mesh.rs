@@ -45,7 +45,11 @@ pub(super) fn read_82<'a>(records: impl Iterator<Item = Record<'a>>, warnings: &
         let [_, count, _] = numbers(record, TRACE_FIELDS, warnings)?;
         let count = whole(record, TRACE_FIELDS[1].0, count)?;
         if count < 0 {
-            return Err(Error::bad_data("a count cannot be negative").at_line(record.line).field(TRACE_FIELDS[1].0).found(count).expected("0 or more"));
+            return Err(Error::bad_data("a count cannot be negative")
+                .at_line(record.line)
+                .field(TRACE_FIELDS[1].0)
+                .found(count)
+                .expected("0 or more"));
         }
         records.next(); // the name
         let labels = labels(&mut records, record, count as u64, warnings)?;

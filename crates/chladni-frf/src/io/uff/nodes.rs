@@ -262,7 +262,11 @@ mod tests {
     fn systems_of_18_and_2420_are_read_and_the_global_one_is_known() {
         let mut warnings = Vec::new();
         let rows = |origin: &str| format!("  1.0 0.0 0.0\n  0.0 1.0 0.0\n  0.0 0.0 1.0\n  {origin} 0.0 0.0\n");
-        let new = format!("         1\nNone\n         4         0         8\nCS4\n{}         5         0         8\nCS5\n{}", rows("0.0"), rows("0.1"));
+        let new = format!(
+            "         1\nNone\n         4         0         8\nCS4\n{}         5         0         8\nCS5\n{}",
+            rows("0.0"),
+            rows("0.1")
+        );
         let systems = read_systems(2420, records(new.leak()), &mut warnings).unwrap();
         assert_eq!(systems, [System { label: 4, is_global: true }, System { label: 5, is_global: false }]);
         let old = "         1         0         0         1         1\nCS1\n  0.0 0.0 0.0 1.0 0.0 0.0\n  0.0 0.0 1.0\n";

@@ -369,7 +369,9 @@ mod tests {
     fn a_shape_that_ends_early_or_names_a_node_twice_is_refused() {
         assert!(read_text(55, "NONE\nNONE\n").is_err());
         assert!(read_text(2414, "").is_err());
-        let head = format!("{IDS}NONE\n         1         2         2         8         2         3\n         2         4         1         7\n{ZEROS}");
+        let head = format!(
+            "{IDS}NONE\n         1         2         2         8         2         3\n         2         4         1         7\n{ZEROS}"
+        );
         let values = "  1.00000E+00 -2.00000E+00  3.00000E+00\n";
         assert!(read_text(55, &format!("{head}         5\n")).unwrap_err().to_string().contains("values of node 5"));
         let twice = read_text(55, &format!("{head}         5\n{values}         5\n{values}")).unwrap_err().to_string();
@@ -378,7 +380,9 @@ mod tests {
 
     #[test]
     fn impossible_counts_are_refused_and_never_allocated() {
-        for types in ["         1         2         2         8         2 999999999", "         1         2         2         8         9         3"] {
+        for types in
+            ["         1         2         2         8         2 999999999", "         1         2         2         8         9         3"]
+        {
             assert!(read_text(55, &format!("{IDS}NONE\n{types}\n")).is_err());
         }
         let types = "         1         2         2         8         2         3\n";

@@ -1,12 +1,13 @@
 //! Which datasets of a foreign file are the FRFs and their frequency axis: those of `--map`, else the only ones that fit.
 
-use super::super::values::reals;
 use super::super::tree::{Element, Entry};
+use super::super::values::reals;
 use super::{describe, length, Reader};
 use crate::{Error, ErrorKind, Result};
 
 /// Names that a frequency axis goes by.
-pub(super) const FREQUENCY_NAMES: [&str; 10] = ["f", "freq", "frequency", "frequencies", "freqs", "f_axis", "faxis", "freq_hz", "frequency_hz", "x"];
+pub(super) const FREQUENCY_NAMES: [&str; 10] =
+    ["f", "freq", "frequency", "frequencies", "freqs", "f_axis", "faxis", "freq_hz", "frequency_hz", "x"];
 /// Pairs of real arrays that hold one complex array, and whether they are magnitude and phase.
 const PART_NAMES: [(&str, &str, bool); 6] = [
     ("re", "im", false),

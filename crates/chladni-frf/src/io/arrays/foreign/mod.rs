@@ -5,8 +5,8 @@
 
 mod choose;
 
-use super::values::{real_array, reals, wrong_type, ComplexArray};
 use super::tree::{Entry, Values};
+use super::values::{real_array, reals, wrong_type, ComplexArray};
 use super::ArrayFile;
 use crate::io::paths::shortened;
 use crate::io::unit_label::{frequency_unit, frf_unit};
@@ -57,7 +57,12 @@ pub(in crate::io) struct Found {
 }
 
 /// Reads the FRFs of a foreign file: `None` where nothing in it looks like FRFs.
-pub(in crate::io) fn read_foreign(file: &dyn ArrayFile, entries: &[Entry], map: &[(String, String)], warnings: &mut Vec<String>) -> Result<Option<Found>> {
+pub(in crate::io) fn read_foreign(
+    file: &dyn ArrayFile,
+    entries: &[Entry],
+    map: &[(String, String)],
+    warnings: &mut Vec<String>,
+) -> Result<Option<Found>> {
     let reader = Reader { file, entries, map };
     reader.check_map_keys()?;
     let Some((source, freq)) = reader.choose()? else { return Ok(None) };
@@ -131,7 +136,8 @@ impl<'a> Reader<'a> {
             geometry: Geometry::default(),
         };
         let time_sign = self.text_near(frf, "time_sign").and_then(|sign| sign.parse().ok());
-        let used = source.datasets().chain([freq]).chain(response_entry).chain(reference_entry).chain(coherence).map(|entry| entry.path.clone());
+        let used =
+            source.datasets().chain([freq]).chain(response_entry).chain(reference_entry).chain(coherence).map(|entry| entry.path.clone());
         Ok(Found { set: set.checked()?, time_sign, used: used.collect() })
     }
 
