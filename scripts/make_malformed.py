@@ -2,7 +2,7 @@
 """Writes fixtures/malformed: damaged files by class, and cases.json with what must be said about each.
 
 Everything but the HDF5 files needs the standard library only; these need h5py and are left as they are without it.
-Same script, same bytes. Usage: scripts/make_malformed.py
+Same script (and zlib, and h5py), same bytes. Usage: scripts/make_malformed.py
 """
 import io
 import json
@@ -583,12 +583,81 @@ def hdf5():
     case("h5-choice", "square.h5", file(square), "axes are as long as")
 
 
+# What is said about files that are listed without a message above.
+MESSAGES = {
+    '`12:Q` is no DOF': ['csv-remark/reference-12Q.csv'],
+    '`FFXF` names no four edges': ['panel/edges.toml'],
+    '`here` is no DOF': ['csv-remark/response-here.csv'],
+    '`speed` is no FRF kind': ['csv-remark/frf_kind-speed.csv', 'h5-attributes/kind.h5'],
+    '`x` is no time sign': ['csv-remark/time_sign-x.csv', 'h5-attributes/time-sign.h5'],
+    'a DOF stands twice': ['model-sizes/response-twice.json'],
+    'a node stands twice': ['model-sizes/node-twice.json'],
+    'a row of another length': ['csv-long/short-row.csv', 'csv-row-length/cut.csv'],
+    'a selection either keeps or drops': ['selection/both.toml'],
+    'a unit factor must be positive': ['uff-units/negative.uff', 'uff-units/zero.uff'],
+    'a whole number must stand here': ['uff-axis-record/quantity-fraction.uff', 'uff-record-6/node-fraction.uff'],
+    'an empty rectangle': ['scene/area-turned.toml'],
+    'begins like JSON: no valid JSON': ['model-cut/0.json', 'model-cut/1.json', 'model-cut/2.json', 'model-cut/3.json', 'model-cut/4.json', 'weights/cut.json'],
+    'complex numbers in Python notation, without a frequency axis': ['csv-complex-list/python-many.txt', 'csv-complex-list/python.txt'],
+    'missing': ['scene/no-frequency.toml'],
+    'model: `101:Q` is no DOF; write node and direction like 12:+Z': ['model-values/dof.json'],
+    'model: invalid type': ['model-values/frequency-text.json'],
+    'model: invalid value': ['model-values/negative-label.json'],
+    'model: no valid JSON': ['model-nested/objects.json', 'model-values/huge.json'],
+    'model: re and im must be rectangular and of one size': ['model-sizes/term-ragged.json'],
+    'model: re has 2 entries and im 1': ['model-sizes/shape-parts.json'],
+    'model: unknown variant `perhaps`': ['model-values/trust.json'],
+    'model: unknown variant `speed`': ['model-values/kind.json'],
+    'more columns than names; do the numbers have a decimal comma?': ['csv-decimal-comma/three.csv', 'csv-decimal-comma/unquoted.csv'],
+    'must be greater than zero': ['scene/force.toml', 'scene/frequency-negative.toml'],
+    'neither a threshold profile nor a file': ['scene/profile.toml'],
+    "no isotropic material has this Poisson's ratio": ['panel/poisson.toml'],
+    'no mode there': ['selection/near-nothing.toml'],
+    'no such cell': ['scene/hot-out-of-grid.toml', 'scene/hot-zero.toml'],
+    'no such degree of freedom': ['uff-record-6/direction-9.uff', 'uff-record-6/direction-minus-7.uff', 'uff-record-6/node-negative.uff'],
+    'no such mode': ['selection/out-of-range.toml'],
+    'not a count': ['scene/grid-empty.toml', 'selection/zero.toml'],
+    'not a degree of freedom': ['csv-long/direction-9.csv', 'csv-long/node-negative.csv', 'csv-long/node-text.csv'],
+    'not a finite number': ['csv-long/frequency-text.csv', 'csv-long/value-text.csv'],
+    'not a number that can be used': ['scene/frequency-nan.toml', 'scene/frequency-text.toml'],
+    'not a usable value': ['panel/length-nan.toml', 'panel/length-negative.toml', 'panel/step-zero.toml'],
+    'not a whole number': ['selection/text.toml'],
+    'sizes disagree': ['h5-sizes/axis-short.h5', 'h5-sizes/responses.h5'],
+    'text instead of a number': ['uff-axis-record/quantity-text.uff', 'uff-record-6/node-text.uff', 'uff-record-6/type-text.uff', 'uff-units/text.uff'],
+    'the HDF5 library cannot read this': ['h5-cut/0.h5', 'h5-cut/1.h5', 'h5-cut/2.h5', 'h5-cut/3.h5'],
+    'the array claims more values than are there': ['mat-dimensions/absurd.mat', 'mat-dimensions/huge.mat'],
+    'the count of values does not fit the dimensions': ['mat-dimensions/fewer.mat', 'mat-dimensions/more.mat'],
+    'the file ends inside an element': ['mat-cut/0.mat', 'mat-cut/1.mat', 'mat-cut/2.mat', 'mat-cut/3.mat', 'mat-cut/4.mat'],
+    'the frequency axis ends before it starts': ['panel/band-turned.toml'],
+    'the frequency axis falls': ['csv-long/frequency-negative.csv'],
+    'the frequency axis must be finite, not negative and strictly rising': ['h5-sizes/axis-falls.h5', 'h5-sizes/axis-nan.h5'],
+    'the number did not fit its field when the file was written': ['uff-units/stars.uff'],
+    'the points do not fit on the plate': ['panel/grid-huge.toml'],
+    'the sound file is damaged': ['wav/bits.wav', 'wav/channels.wav', 'wav/cut.wav'],
+    'this is no TOML: key with no value': ['scene/not-text.toml'],
+    'this is no TOML: unclosed table': ['panel/syntax.toml', 'scene/syntax.toml'],
+    'this panel needs more memory than is allowed': ['panel/step-tiny.toml'],
+    'too many cells': ['scene/grid-huge.toml'],
+    'unknown key': ['panel/unknown-key.toml', 'scene/unknown-key.toml', 'selection/unknown-key.toml'],
+    'unknown unit of the reference': ['csv-remark/reference_unit-kg.csv'],
+    'unknown variant `speed`': ['panel/kind.toml'],
+    'values of a type that cannot be read': ['npy-type/pickle.npy'],
+    'values of the wrong type': ['h5-sizes/dofs.h5', 'h5-sizes/rank.h5', 'h5-sizes/real.h5'],
+    'weights: invalid type': ['weights/type.json'],
+    'weights: missing field `weights`': ['weights/missing.json'],
+    'wrong size': ['model-sizes/participation.json', 'model-sizes/shape-short.json', 'model-sizes/shape-std.json', 'model-sizes/term.json'],
+}
+
+
 def main():
     for folder in ROOT.iterdir() if ROOT.exists() else ():
         if folder.is_dir() and not folder.name.startswith("h5"):
             shutil.rmtree(folder)
     for part in (universal_text, universal_geometry, universal_shapes, universal_binary, tables, matlab, numpy_files, sounds, models, scenes, strangers, hdf5):
         part()
+    said = {file: message for message, files in MESSAGES.items() for file in files}
+    for entry in CASES:
+        entry["message"] = entry["message"] or said[entry["file"]]
     CASES.sort(key=lambda entry: entry["file"])
     lines = ",\n".join(json.dumps(entry, sort_keys=True) for entry in CASES)
     (ROOT / "cases.json").write_text(f"[\n{lines}\n]\n")

@@ -94,13 +94,19 @@ fn scene_and_panel_toml() {
     while started.elapsed() < budget {
         let text = mutated(&seeds, &mut random);
         std::fs::write(&path, &text).unwrap();
-        let start = Instant::now();
-        let outcome = std::panic::catch_unwind(|| {
-            let _ = Scene::read(&path);
-            let _ = Panel::read(&path, 1 << 28);
-        });
-        assert!(outcome.is_ok() && start.elapsed() < SLOWEST, "execution {executions}, {:?}:\n{text}", start.elapsed());
-        slowest = slowest.max(start.elapsed());
+        let once = || {
+            let start = Instant::now();
+            let outcome = std::panic::catch_unwind(|| {
+                let _ = Scene::read(&path);
+                let _ = Panel::read(&path, 1 << 28);
+            });
+            assert!(outcome.is_ok(), "execution {executions}:\n{text}");
+            start.elapsed()
+        };
+        // a busy machine may hold up any run, a reader that hangs does so every time
+        let elapsed = (0..3).map(|_| once()).find(|elapsed| *elapsed < SLOWEST);
+        let Some(elapsed) = elapsed else { panic!("execution {executions} hangs:\n{text}") };
+        slowest = slowest.max(elapsed);
         executions += 1;
     }
     println!("scene_and_panel_toml: {executions} executions in {:.1?}, slowest {slowest:.1?}", started.elapsed());

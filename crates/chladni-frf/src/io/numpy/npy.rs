@@ -33,6 +33,11 @@ pub(super) fn read_array(bytes: &[u8], path: &str, arrays: &mut MemoryFile) -> R
         let error = Error::bad_data(message).at_byte((bytes.len() - data.len()) as u64).field(path).found(found).expected(expected);
         error.help("the file is cut short or damaged: save or copy it again")
     };
+    let code = format!("{}{}", char::from(header.kind), header.size);
+    let unknown =
+        || wrong("values of a type that cannot be read", code.clone(), "numbers (f4, f8, c8, c16, i, u, b) or text (U, S)".into());
+    // pickled objects and the like, whatever their count
+    values(&header, &[]).ok_or_else(unknown)?;
     let value_bytes = if header.kind == b'U' { header.size.saturating_mul(4) } else { header.size };
     let count = header.shape.iter().try_fold(1usize, |product, &extent| product.checked_mul(extent));
     let needed = count.and_then(|count| count.checked_mul(value_bytes));
@@ -44,10 +49,7 @@ pub(super) fn read_array(bytes: &[u8], path: &str, arrays: &mut MemoryFile) -> R
             format!("{needed} for shape {:?}", header.shape),
         ));
     }
-    let values = values(&header, data).ok_or_else(|| {
-        let code = format!("{}{}", char::from(header.kind), header.size);
-        wrong("values of a type that cannot be read", code, "numbers (f4, f8, c8, c16, i, u, b) or text (U, S)".into())
-    })?;
+    let values = values(&header, data).ok_or_else(unknown)?;
     // column-major is row-major in the reverse order of axes
     let shape = if header.fortran_order { header.shape.into_iter().rev().collect() } else { header.shape };
     arrays.add(path, shape, values, header.fortran_order);
@@ -87,7 +89,8 @@ fn parse(text: &str) -> Option<Header> {
         _ => (b'|', code),
     };
     let kind = *rest.as_bytes().first()?;
-    let size = rest.get(1..)?.parse().ok()?;
+    // pickled objects (`O`) have no size
+    let size = if rest.len() == 1 { 0 } else { rest.get(1..)?.parse().ok()? };
     let fortran_order = match behind(text, "fortran_order")? {
         text if text.starts_with("True") => true,
         text if text.starts_with("False") => false,

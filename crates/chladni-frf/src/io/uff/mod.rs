@@ -11,6 +11,7 @@
 
 mod binary;
 mod container;
+mod decimal;
 mod fields;
 mod function58;
 mod header;
