@@ -3,16 +3,19 @@
 //! σ(x) = d + Σ c_q/(λ_q − x) multiplies the data; numerators are eliminated column by column, and the zeros of σ are the
 //! next poles. Gustavsen & Semlyen, IEEE Trans. Power Delivery 14 (1999) 1052; relaxed form: Gustavsen, ibid. 21 (2006) 1587.
 //! The only starter after which the maximum-likelihood step lost no mode in our study; as an estimator on its own it is
-//! one to five times above the bound. Cost per step ≈ 8·N·m²·(r + 2) flop.
+//! one to five times above the bound.
 
-use crate::wide::{tall_qr, wide_h};
+use crate::wide::{tall_qr, tall_r, wide_h};
 use crate::work::{basis, line_energy, Work};
-use chladni_linalg::{eigenvalues, matmul, matmul_h, solve_hermitian, LinalgError};
-use ndarray::{Array1, Array2, ShapeBuilder};
+use chladni_linalg::{eigenvalues, matmul, matmul_h, solve_hermitian, solve_lower, LinalgError};
+use ndarray::{s, Array1, Array2, ArrayView2, ShapeBuilder};
 use num_complex::Complex64;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+
+/// Part of a basis column outside those before it below which it is rounding.
+const DEPENDENT: f64 = 1e-11;
 
 /// Poles as the last step left them; those with Im λ ≤ 0 are flipped in `lambda` and marked in `flipped`.
 #[derive(Debug, Clone)]
@@ -61,10 +64,10 @@ fn separate(poles: &mut [Complex64]) {
 }
 
 /// Relaxed vector fitting from `start`, `iterations` steps.
-pub(crate) fn vector_fit(work: &Work, start: &[Complex64], powers: &[i32], iterations: usize) -> Result<Pool, LinalgError> {
+pub(crate) fn vector_fit(work: &Work, start: &[Complex64], powers: &[i32], iterations: usize, how: Products) -> Result<Pool, LinalgError> {
     let mut pool = Pool { lambda: start.to_vec(), flipped: vec![false; start.len()] };
     for _ in 0..iterations {
-        let next = relocate(work, &pool.lambda, powers)?;
+        let next = relocate(work, &pool.lambda, powers, how)?;
         pool.flipped = next.iter().map(|p| p.im <= 0.0).collect();
         pool.lambda = next
             .into_iter()
@@ -81,40 +84,121 @@ pub(crate) fn vector_fit(work: &Work, start: &[Complex64], powers: &[i32], itera
     Ok(pool)
 }
 
+/// How the products of a step are made.
+#[derive(Clone, Copy)]
+pub(crate) enum Products {
+    /// Differences of sums over one pole column: 8·N·m·(m + 6r) flop per step, and as many digits less as the basis is ill-conditioned.
+    PartialFractions,
+    /// On an orthonormal basis: 8·N·m²·(r + 2) flop per step, for poles that nothing refines.
+    Orthonormal,
+}
+
 /// One step: zeros of σ.
-fn relocate(work: &Work, lambda: &[Complex64], powers: &[i32]) -> Result<Vec<Complex64>, LinalgError> {
+fn relocate(work: &Work, lambda: &[Complex64], powers: &[i32], how: Products) -> Result<Vec<Complex64>, LinalgError> {
     let (n, lines) = (lambda.len(), work.lines());
-    let (q, _) = tall_qr(basis(work, lambda, powers).view())?;
-    let mut psi = Array2::from_elem((lines, n + 1).f(), Complex64::new(1.0, 0.0));
-    for (column, &pole) in lambda.iter().enumerate() {
-        for (value, &x) in psi.column_mut(column).into_iter().zip(&work.x) {
-            *value = 1.0 / (pole - x);
-        }
-    }
-    // M = Σ_l (D_lΨ)ᴴ(I − QQᴴ)(D_lΨ)
-    let energy = line_energy(&work.b) * work.columns() as f64;
-    let mut weighted = psi.clone();
-    for mut column in weighted.columns_mut() {
-        column.zip_mut_with(&energy, |v, e| *v *= e.sqrt());
-    }
-    let mut gram = wide_h(weighted.view(), weighted.view());
-    let scale: Vec<f64> = gram.diag().iter().map(|v| 1.0 / v.re.max(f64::MIN_POSITIVE).sqrt()).collect();
-    let columns: Vec<_> = work.b.columns().into_iter().collect();
-    let explained = columns.into_par_iter().map(|data| {
-        let mut scaled = q.clone();
-        for mut column in scaled.columns_mut() {
-            column.zip_mut_with(&data, |v, d| *v *= d.conj());
-        }
-        let inside = matmul_h(scaled.view(), psi.view());
-        matmul_h(inside.view(), inside.view())
-    });
-    explained.collect::<Vec<_>>().iter().for_each(|part| gram -= part);
+    let ones = Work { x: work.x.clone(), g: vec![1.0; lines], b: Array2::zeros((lines, 0)) };
+    let psi = basis(&ones, lambda, &[0]);
     let sums: Array1<Complex64> = psi.columns().into_iter().map(|c| c.sum()).collect();
+    // M = Σ_l (D_lΨ)ᴴ(I − QQᴴ)(D_lΨ)
+    let (mut gram, inside) = match how {
+        Products::PartialFractions => by_partial_fractions(work, lambda, powers, &psi)?,
+        Products::Orthonormal => on_orthonormal_basis(work, lambda, powers, &psi)?,
+    };
+    let scale: Vec<f64> = gram.diag().iter().map(|v| 1.0 / v.re.max(f64::MIN_POSITIVE).sqrt()).collect();
+    let explained: Vec<_> = inside.into_par_iter().map(|inside| matmul_h(inside.view(), inside.view())).collect();
+    explained.iter().for_each(|part| gram -= part);
     let sigma = minimise(&gram, &scale, &sums, lines as f64)?;
     if sigma[n].norm() == 0.0 || !sigma[n].is_finite() {
         return Ok(lambda.to_vec());
     }
     zeros(lambda, &sigma[..n], sigma[n])
+}
+
+/// Σ_l (D_lΨ)ᴴ(D_lΨ), and QᴴD_lΨ for every column l.
+type Step = (Array2<Complex64>, Vec<Array2<Complex64>>);
+
+fn on_orthonormal_basis(work: &Work, lambda: &[Complex64], powers: &[i32], psi: &Array2<Complex64>) -> Result<Step, LinalgError> {
+    let (q, _) = tall_qr(basis(work, lambda, powers).view())?;
+    let times = |columns: &Array2<Complex64>, factor: &(dyn Fn(usize) -> Complex64 + Sync)| {
+        Array2::from_shape_fn(columns.raw_dim().f(), |(k, c)| columns[[k, c]] * factor(k))
+    };
+    let energy = line_energy(&work.b) * work.columns() as f64;
+    let weighted = times(psi, &|k| energy[k].sqrt().into());
+    let inside = (0..work.columns()).into_par_iter().map(|l| matmul_h(times(&q, &|k| work.b[[k, l]].conj()).view(), psi.view()));
+    Ok((wide_h(weighted.view(), weighted.view()), inside.collect()))
+}
+
+fn by_partial_fractions(work: &Work, lambda: &[Complex64], powers: &[i32], psi: &Array2<Complex64>) -> Result<Step, LinalgError> {
+    let lower = sound_adjoint(&tall_r(basis(work, lambda, powers).view())?);
+    let cauchy = psi.slice(s![.., ..lambda.len()]);
+    let moments = Moments::new(work, cauchy, powers);
+    let inside = (0..work.columns()).into_par_iter().map(|l| solve_lower(lower.view(), moments.products(l, lambda).view()));
+    let energy = line_energy(&work.b) * work.columns() as f64;
+    Ok((weighted_gram(lambda, cauchy, &energy), inside.collect::<Result<_, _>>()?))
+}
+
+/// Rᴴ of a basis, where columns that add nothing to those before them are made to explain nothing: solved with rounding for a
+/// pivot, they would explain anything.
+fn sound_adjoint(r: &Array2<Complex64>) -> Array2<Complex64> {
+    let mut lower = r.t().mapv(|v| v.conj());
+    for i in 0..lower.nrows() {
+        let norm = r.column(i).iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt();
+        if lower[[i, i]].norm() <= DEPENDENT * norm {
+            lower[[i, i]] = Complex64::from(norm / f64::EPSILON.powi(2));
+        }
+    }
+    lower
+}
+
+/// Σ_k w_k·conj(Ψ_kp)·Ψ_kq with Ψ = (1/(λ_q − x), 1). Products of two such columns fall apart into partial fractions,
+/// 1/((a − x)(b − x)) = [1/(a − x) − 1/(b − x)]/(b − a): one sum per pole instead of one per pair of poles.
+fn weighted_gram(lambda: &[Complex64], cauchy: ArrayView2<Complex64>, weights: &Array1<f64>) -> Array2<Complex64> {
+    let n = lambda.len();
+    let sum = |q: usize| cauchy.column(q).iter().zip(weights).map(|(c, w)| c * w).sum::<Complex64>();
+    let sums: Vec<Complex64> = (0..n).map(sum).collect();
+    Array2::from_shape_fn((n + 1, n + 1).f(), |(p, q)| match (p < n, q < n) {
+        (true, true) => (sums[p].conj() - sums[q]) / (lambda[q] - lambda[p].conj()),
+        (true, false) => sums[p].conj(),
+        (false, true) => sums[q],
+        (false, false) => Complex64::from(weights.sum()),
+    })
+}
+
+/// What the data say of ΦᴴD_lΨ, by sums over lines for every column l of the data.
+struct Moments {
+    /// Σ g·d/(λ_q − x) and Σ g·d/(λ̄_q − x), (pole, column).
+    above: Array2<Complex64>,
+    below: Array2<Complex64>,
+    /// Σ g·x^p·d/(λ_q − x), (pole, column), for each residual term; and Σ g·x^p·d, (residual term, column).
+    terms: Vec<Array2<Complex64>>,
+    plain: Array2<Complex64>,
+}
+
+impl Moments {
+    fn new(work: &Work, cauchy: ArrayView2<Complex64>, powers: &[i32]) -> Self {
+        let times = |factor: &dyn Fn(usize) -> f64| Array2::from_shape_fn(work.b.raw_dim().f(), |(k, l)| work.b[[k, l]] * factor(k));
+        let data = times(&|k| work.g[k]);
+        let against = |data: &Array2<Complex64>| matmul(cauchy.t(), data.view());
+        let conjugate = |a: &Array2<Complex64>| a.mapv(|v| v.conj());
+        let of_terms: Vec<Array2<Complex64>> = powers.iter().map(|&p| times(&|k| work.g[k] * work.x[k].powi(p))).collect();
+        Self {
+            above: against(&data),
+            below: conjugate(&against(&conjugate(&data))),
+            plain: Array2::from_shape_fn((powers.len(), work.columns()), |(p, l)| of_terms[p].column(l).sum()),
+            terms: of_terms.iter().map(against).collect(),
+        }
+    }
+
+    /// ΦᴴD_lΨ of column l, (unknown of Φ, unknown of σ), by partial fractions.
+    fn products(&self, l: usize, lambda: &[Complex64]) -> Array2<Complex64> {
+        let n = lambda.len();
+        Array2::from_shape_fn((n + self.terms.len(), n + 1).f(), |(p, q)| match (p < n, q < n) {
+            (true, true) => (self.below[[p, l]] - self.above[[q, l]]) / (lambda[q] - lambda[p].conj()),
+            (true, false) => self.below[[p, l]],
+            (false, true) => self.terms[p - n][[q, l]],
+            (false, false) => self.plain[[p - n, l]],
+        })
+    }
 }
 
 /// Zeros of d + Σ c_q/(λ_q − x): the eigenvalues of diag(λ) + 1cᵀ/d.

@@ -22,19 +22,17 @@ pub(crate) fn unphysical(work: &Work, lambda: Complex64) -> bool {
 /// matter. Out-of-band poles have to earn their place in the same way.
 pub(crate) fn prune(work: &Work, lambda: &[Complex64], powers: &[i32], variance: f64) -> Result<Vec<Complex64>, LinalgError> {
     let limit = threshold(work.columns(), work.lines()) * variance;
-    thin_out(work, lambda, powers, |_, _, rise, _| rise < limit)
+    thin_out(&Projection::new(work, lambda, powers)?, lambda, |_, _, rise, _| rise < limit)
 }
 
 /// The same with a rule of its own: `may_go(kept, q, rise, inflation)` says whether pole q may be taken out of those `kept`,
 /// where that makes the sum of squares rise by `rise`; `inflation` is the variance of its residue relative to that of a pole
 /// alone. A pole whose rise is not finite always goes.
 pub(crate) fn thin_out(
-    work: &Work,
+    projection: &Projection,
     lambda: &[Complex64],
-    powers: &[i32],
     may_go: impl Fn(&[usize], usize, f64, f64) -> bool,
 ) -> Result<Vec<Complex64>, LinalgError> {
-    let projection = Projection::new(work, lambda, powers)?;
     let mut inverse = projection.gram_inverse()?;
     let mut coefficients = projection.coefficients()?;
     let alone: Vec<f64> = projection.r.columns().into_iter().map(|column| column.iter().map(|v| v.norm_sqr()).sum()).collect();
@@ -68,14 +66,14 @@ pub(crate) fn thin_out(
 }
 
 /// Poles by what the fit loses without them, the least first.
-pub(crate) fn weakest_first(rises: &[f64]) -> Vec<usize> {
+fn weakest_first(rises: &[f64]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..rises.len()).collect();
     order.sort_by(|&a, &b| rises[a].total_cmp(&rises[b]));
     order
 }
 
 /// The fit without pole q, the others roughly refined.
-pub(crate) fn without(work: &Work, refined: &Refined, q: usize) -> Result<Refined, LinalgError> {
+fn without(work: &Work, refined: &Refined, q: usize) -> Result<Refined, LinalgError> {
     let mut fewer = refined.lambda.clone();
     fewer.remove(q);
     refine(work, &fewer, &refined.powers, tol::REFINE_ROUGH, tol::ROUGH_STEP)

@@ -2,8 +2,8 @@
 
 use crate::refine::Refined;
 use crate::work::{basis, Work};
-use chladni_linalg::{matmul, matmul_h};
-use ndarray::{s, Array1};
+use chladni_linalg::matmul_h;
+use ndarray::{s, Array1, ArrayView1};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -38,13 +38,14 @@ pub(crate) fn scan(work: &Work, refined: &Refined, limit: f64, tried: &[Complex6
     let grid = resonance_grid(work, &refined.lambda);
     let gains = |chunk: &[Complex64]| -> Vec<(f64, Complex64)> {
         let columns = basis(work, chunk, &[]);
-        let q = refined.projection.q.view();
-        let outside = &columns - &matmul(q, matmul_h(q, columns.view()).view());
-        let matched = matmul_h(outside.view(), refined.projection.residual.view());
+        // the residual has no part inside the model: only the norm of what is outside it is needed
+        let inside = matmul_h(refined.projection.q.view(), columns.view());
+        let matched = matmul_h(columns.view(), refined.projection.residual.view());
         let gain = |(i, &pole): (usize, &Complex64)| {
-            let norm = outside.column(i).iter().map(|v| v.norm_sqr()).sum::<f64>();
-            let whole = columns.column(i).iter().map(|v| v.norm_sqr()).sum::<f64>();
-            let gain = matched.row(i).iter().map(|v| v.norm_sqr()).sum::<f64>() / norm;
+            let squares = |of: ArrayView1<Complex64>| of.iter().map(|v| v.norm_sqr()).sum::<f64>();
+            let whole = squares(columns.column(i));
+            let norm = whole - squares(inside.column(i));
+            let gain = squares(matched.row(i)) / norm;
             (norm >= 1e-6 * whole && gain > limit).then_some((gain, pole))
         };
         chunk.iter().enumerate().filter_map(gain).collect()

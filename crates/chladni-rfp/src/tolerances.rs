@@ -41,6 +41,8 @@ pub(crate) const SPIKE_SPACINGS: f64 = 0.2;
 pub(crate) const CONFIRMED: f64 = 0.5;
 /// Most places that one such look asks for.
 pub(crate) const PLACES: usize = 16;
+/// Noise variance over that of the pass before, below which a pass is better without more poles: one pole in the place of another.
+pub(crate) const BETTER_PASS: f64 = 0.99;
 /// Most passes over the data beyond the two, for modes that only all FRFs together show and for columns without the noise of
 /// poles that are gone.
 pub(crate) const EXTRA_PASSES: usize = 3;
@@ -138,3 +140,8 @@ pub(crate) const STEP_ROUNDING: f64 = 1e-14;
 /// Eigenvalue of a correlation-like information matrix below which a direction is not known at all: far above rounding, far below
 /// the 1e-5 of modes that overlap threefold.
 pub(crate) const UNINFORMED: f64 = 1e-10;
+/// 95 % of a normal distribution lie within so many standard deviations.
+pub(crate) const SIGMAS_95: f64 = 1.96;
+/// Square of the relative half-width of a driving-point residue beyond which its mode's scale is called no less known: the error bars
+/// are a hundred times those of first order.
+pub(crate) const SCALE_KNOWN: f64 = 1.0 - 1e-4;

@@ -1,7 +1,7 @@
 //! Products whose right side has many columns, on all threads: blocks of columns whose size depends on nothing but their number,
 //! so that the bits are the same on any number of threads.
 
-use chladni_linalg::{add_matmul, add_matmul_h, matmul, qr_thin, LinalgError, Scalar};
+use chladni_linalg::{add_matmul, add_matmul_h, matmul, qr_r, qr_thin, LinalgError, Scalar};
 use ndarray::{s, Array2, ArrayView2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -92,6 +92,21 @@ pub(crate) fn tall_qr<T: Scalar>(a: ArrayView2<T>) -> Result<(Array2<T>, Array2<
     Ok((q, r))
 }
 
+/// R of the same.
+///
+/// # Errors
+/// As [`qr_thin`].
+pub(crate) fn tall_r<T: Scalar>(a: ArrayView2<T>) -> Result<Array2<T>, LinalgError> {
+    let (rows, m) = a.dim();
+    if rows < 2 * ROW_BLOCKS * m || a.len() * m < SMALL {
+        return qr_r(a);
+    }
+    let blocks: Vec<_> = a.axis_chunks_iter(Axis(0), rows.div_ceil(ROW_BLOCKS)).collect();
+    let parts = blocks.into_par_iter().map(qr_r).collect::<Result<Vec<_>, LinalgError>>()?;
+    let factors: Vec<_> = parts.iter().map(|r| r.view()).collect();
+    qr_r(ndarray::concatenate(Axis(0), &factors).expect("as many columns").view())
+}
+
 /// a·b for complex a and real b, as a real product of twice the rows.
 pub(crate) fn wide_mixed(a: &Array2<Complex64>, b: ArrayView2<f64>) -> Array2<Complex64> {
     let parts = Array2::from_shape_fn((2 * a.nrows(), a.ncols()).f(), |(i, k)| {
@@ -133,6 +148,8 @@ mod tests {
         assert!(near(&wide_h(a.view(), c.view()), &matmul_h(a.view(), c.view())));
         let (q, r) = tall_qr(c.slice(s![.., ..5]).to_owned().view()).unwrap();
         assert!(near(&matmul(q.view(), r.view()), &c.slice(s![.., ..5]).to_owned()));
+        let r = tall_r(c.slice(s![.., ..5]).to_owned().view()).unwrap();
+        assert!(near(&matmul_h(r.view(), r.view()), &matmul_h(c.slice(s![.., ..5]), c.slice(s![.., ..5])).mapv(|v| v)));
         let (inside, outside) = projected(q.view(), c.view());
         assert!(near(&inside, &matmul_h(q.view(), c.view())) && near(&outside, &(&c - &matmul(q.view(), inside.view()))));
         assert!(near(&matmul_h(q.view(), outside.view()), &Array2::zeros(inside.raw_dim())));

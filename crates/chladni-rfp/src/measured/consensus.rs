@@ -1,7 +1,7 @@
 //! Poles that several orders and both halves of the lines agree on.
 
 use super::candidates::Origin;
-use crate::pool::{mixtures, starts, vector_fit};
+use crate::pool::{mixtures, starts, vector_fit, Products};
 use crate::tolerances as tol;
 use crate::work::Work;
 use chladni_linalg::LinalgError;
@@ -53,7 +53,7 @@ pub(crate) fn consensus(
             let part = halves[half].0;
             let order = orders[step].min(part.lines() / 4).max(1);
             let mixed = mixtures(part, tol::POOL_MIXTURES, 7);
-            let pool = vector_fit(&mixed, &starts(part, seeds, order), powers, tol::VOTE_ITERATIONS)?;
+            let pool = vector_fit(&mixed, &starts(part, seeds, order), powers, tol::VOTE_ITERATIONS, Products::PartialFractions)?;
             Ok(pool.lambda.iter().zip(&pool.flipped).filter(|(_, f)| !**f).map(|(p, _)| *p).collect())
         })
         .collect();

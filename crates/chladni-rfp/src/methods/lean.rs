@@ -20,6 +20,7 @@ use crate::error::FitError;
 use crate::found::{Found, Grade};
 use crate::options::FitOptions;
 use crate::order::POWERS;
+use crate::pool::Products;
 use crate::project::project;
 use crate::refine::{refine, Refined};
 use crate::tolerances as tol;
@@ -69,7 +70,7 @@ pub(crate) fn lean(survey: &Survey, options: &FitOptions, grade: impl Fn(&Refine
 /// Poles that matter, at least as many in the band as asked for, out of a pool for `modes` modes. One too many may be an
 /// out-of-band mode that the pool puts just inside; the refinement will tell.
 fn start(survey: &Survey, modes: usize, options: &FitOptions) -> Result<Vec<Complex64>, LinalgError> {
-    let pool = pool(survey, &survey.sketch, tol::POOL_MIXTURES, survey.pool_size(modes), options.seed)?;
+    let pool = pool(survey, &survey.sketch, tol::POOL_MIXTURES, survey.pool_size(modes), options.seed, Products::PartialFractions)?;
     let stable: Vec<Complex64> = signed(&pool).into_iter().filter(|pole| pole.im > 0.0).collect();
     select(&survey.sketch, &stable, variance_left(&survey.sketch, &stable)?, options.modes.unwrap_or(0)..=usize::MAX)
 }

@@ -34,7 +34,7 @@ pub(super) fn select(
 ) -> Result<Vec<Complex64>, LinalgError> {
     let limit = threshold(work.columns(), work.lines()) * variance;
     let lambda: Vec<Complex64> = lambda.iter().copied().filter(|pole| !unphysical(work, *pole)).collect();
-    thin_out(work, &lambda, &POWERS, |kept, q, rise, inflation| {
+    thin_out(&Projection::new(work, &lambda, &POWERS)?, &lambda, |kept, q, rise, inflation| {
         let inside = kept.iter().filter(|&&k| work.in_band(lambda[k])).count();
         match work.in_band(lambda[q]) {
             _ if inflation > MOST_INFLATION => true,

@@ -17,7 +17,7 @@ use super::{Columns, MethodPoles, Survey};
 use crate::error::FitError;
 use crate::options::FitOptions;
 use crate::order::POWERS;
-use crate::pool::{mixtures, starts, vector_fit, Pool};
+use crate::pool::{mixtures, starts, vector_fit, Pool, Products};
 use crate::tolerances as tol;
 use crate::work::Work;
 use chladni_linalg::LinalgError;
@@ -32,16 +32,16 @@ const MIXTURES: usize = 2 * tol::POOL_MIXTURES;
 /// A decomposition that fails.
 pub(crate) fn vf(survey: &Survey, columns: &Columns, options: &FitOptions) -> Result<MethodPoles, FitError> {
     let size = survey.pool_size(survey.expected(columns, options));
-    let pool = pool(survey, &columns.work, MIXTURES, size, options.seed)?;
+    let pool = pool(survey, &columns.work, MIXTURES, size, options.seed, Products::Orthonormal)?;
     Ok(modes_of(survey, &signed(&pool), options, "relaxed vector fitting, poles chosen by their residues")?)
 }
 
 /// `size` poles by vector fitting on some mixtures of `work`, from the visible peaks.
-pub(super) fn pool(survey: &Survey, work: &Work, count: usize, size: usize, seed: u64) -> Result<Pool, LinalgError> {
+pub(super) fn pool(survey: &Survey, work: &Work, count: usize, size: usize, seed: u64, how: Products) -> Result<Pool, LinalgError> {
     let rows = survey.rows();
     let mixed = mixtures(work, count, seed);
     let mixed = if rows.len() < mixed.lines() { mixed.select(&rows) } else { mixed };
-    vector_fit(&mixed, &starts(&mixed, &survey.seeds(), size), &POWERS, tol::POOL_ITERATIONS)
+    vector_fit(&mixed, &starts(&mixed, &survey.seeds(), size), &POWERS, tol::POOL_ITERATIONS, how)
 }
 
 /// Poles of the pool with the sign of damping that they left with.

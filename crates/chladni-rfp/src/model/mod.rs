@@ -14,11 +14,11 @@ use crate::wide::wide_mixed;
 use chladni_frf::{ComplexMatrix, Damping, ModalModel, Quality, ResidualTerm, ResidualTerms, Scaling, Trust, CREATED_BY, MODEL_FORMAT};
 use chladni_linalg::LinalgError;
 use linear::{linear, synthesis, Linear};
-use modes::{modes, rejected_mode, scales, unscaled};
+use modes::{modes, rejected_mode, scale_unknown, scales, unscaled};
 use ndarray::{Array2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
-use shape_error::{deviations, Noisy, Scale};
+use shape_error::{shape_bars, Noisy, Scale, ShapeBars};
 
 /// FRFs per block of what is done FRF by FRF.
 const BLOCK: usize = 1024;
@@ -82,8 +82,7 @@ pub(crate) struct Shaped {
     /// Scale of each term's shape.
     scales: Vec<Scale>,
     scaling: Scaling,
-    /// √E|δψ|² of the scaled shapes, (term, response).
-    deviations: Array2<f64>,
+    bars: ShapeBars,
     /// (term, FRF), work units.
     terms: Array2<Complex64>,
     /// χ² per degree of freedom of the model as saved.
@@ -137,16 +136,16 @@ impl Shaped {
         };
         let (scales, scaling) = scales(data, identified.damping, &poles, &shapes);
         let noisy = Noisy { work, powers, poles: &poles, shapes: &shapes, present: &present, variance, real: *real_shapes };
-        let deviations = deviations(&noisy, &scales)?;
+        let bars = shape_bars(&noisy, &scales)?;
         let terms = linear.terms;
-        Ok(Self { identified, poles, shapes, scales, scaling, deviations, terms, chi2_per_dof })
+        Ok(Self { identified, poles, shapes, scales, scaling, bars, terms, chi2_per_dof })
     }
 
     /// Builds the model; `left` as from [`Self::left`].
     pub fn model(self, data: &Screened, options: &FitOptions, left: &[f64]) -> ModalModel {
         let mean_square = left.iter().sum::<f64>() / (data.lines.len() * data.pairs.len()) as f64;
         let relative_error = mean_square.sqrt() / data.measured_over_used();
-        let Self { identified, poles, shapes, scales, scaling, deviations, terms, chi2_per_dof } = self;
+        let Self { identified, poles, shapes, scales, scaling, bars, terms, chi2_per_dof } = self;
         let Identified { damping, poles: all, powers, path, mut warnings, consistent, .. } = identified;
         let (responses, references) = (data.frf.responses.len(), data.frf.references.len());
         if chi2_per_dof > 1.5 {
@@ -156,10 +155,12 @@ impl Shaped {
         ));
         }
 
-        let mut modes = modes(data, damping, &poles, &shapes, &scales, &deviations);
+        let mut modes = modes(data, damping, &poles, &shapes, &scales, &bars.shape);
         if scaling == Scaling::Unscaled {
             warnings.push(unscaled(data.frf.reference_unit));
         }
+        let unknown = (0..scales.len()).filter(|&term| scales[term].unknown(bars.scale[term])).map(|term| &poles[shapes.owner[term]]);
+        warnings.extend(scale_unknown(data, unknown));
         modes.extend(
             all.iter().filter(|pole| pole.grade.0 == Trust::Rejected && expressible(damping, pole)).map(|pole| rejected_mode(data, pole)),
         );

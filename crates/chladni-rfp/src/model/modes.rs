@@ -102,6 +102,20 @@ pub(super) fn unscaled(unit: ReferenceUnit) -> String {
     }
 }
 
+/// Modes of the band whose driving points say nothing of their scale.
+pub(super) fn scale_unknown<'a>(data: &Screened, poles: impl Iterator<Item = &'a Pole>) -> Option<String> {
+    let hz = data.omega_max / TAU;
+    let inside = poles.map(|pole| pole.omega * hz).filter(|f| (data.band_hz[0]..=data.band_hz[1]).contains(f));
+    let named: Vec<String> = inside.map(|f| format!("{f:.1}")).collect();
+    (!named.is_empty()).then(|| {
+        format!(
+            "the driving point lies near a node of the modes at {} Hz: their scale to unit modal mass is not known, their shapes hold up \
+             to a factor; measure a driving point where they move",
+            named.join(", ")
+        )
+    })
+}
+
 /// A rejected pole as it is listed: no shape, no part in the synthesis.
 pub(super) fn rejected_mode(data: &Screened, pole: &Pole) -> Mode {
     let zeros = |count| ComplexVector(vec![Complex64::default(); count]);

@@ -9,7 +9,7 @@ use crate::structured::{background, overlapping, taken, unknowns, LineProducts, 
 use crate::tolerances as tol;
 use crate::work::{basis, basis_derivative, Work};
 use chladni_linalg::{eigh, inverse_hermitian, matmul, matmul_h, solve_hermitian, LinalgError};
-use ndarray::{s, Array2, ArrayViewMut1, Axis};
+use ndarray::{s, Array1, Array2, ArrayView1, ArrayViewMut1, Axis};
 use num_complex::Complex64;
 
 /// How a saved shape ψ = t·x answers errors of x and L: δt/t = Σ a_d δx_d + Σ c_j δL_j.
@@ -20,6 +20,30 @@ pub(super) struct Scale {
     pub response: Vec<(usize, Complex64)>,
     /// (reference j, c_j).
     pub reference: Vec<(usize, Complex64)>,
+}
+
+impl Scale {
+    /// A mass scale is the root of a driving-point residue: with u its relative 95 % half-width, the interval of what it divides grows as
+    /// 1/(1 − u²) over that of first order, and holds infinity from u = 1 on.
+    ///
+    /// Fieller, J. R. Stat. Soc. B 16 (1954) 175.
+    fn second_order(&self, variance: f64) -> f64 {
+        if self.reference.is_empty() {
+            return 0.0;
+        }
+        let u2 = (self.half_width(variance.sqrt())).powi(2).min(tol::SCALE_KNOWN);
+        u2 / (1.0 - u2)
+    }
+
+    /// Relative 95 % half-width of what a mass scale is the root of, from the relative standard deviation of the scale.
+    fn half_width(&self, deviation: f64) -> f64 {
+        2.0 * tol::SIGMAS_95 * deviation
+    }
+
+    /// True where the driving points do not tell the mass scale from any other.
+    pub fn unknown(&self, deviation: f64) -> bool {
+        !self.reference.is_empty() && self.half_width(deviation) >= 1.0
+    }
 }
 
 /// Responses measured from the same references, and what the normal equations look like for them.
@@ -50,13 +74,21 @@ pub(super) struct Noisy<'a> {
     pub real: bool,
 }
 
-/// √E|δψ|² of every term, (term, response), for shapes scaled as told. Modes of the band are judged with the poles outside left free,
+/// What is known of the errors of shapes.
+pub(super) struct ShapeBars {
+    /// √E|δψ|², (term, response).
+    pub shape: Array2<f64>,
+    /// Relative standard deviation of the scale t, (term).
+    pub scale: Vec<f64>,
+}
+
+/// Error bars of every term, for shapes scaled as told. Modes of the band are judged with the poles outside left free,
 /// as they were found, and the other way round.
-pub(super) fn deviations(noisy: &Noisy, scales: &[Scale]) -> Result<Array2<f64>, LinalgError> {
+pub(super) fn shape_bars(noisy: &Noisy, scales: &[Scale]) -> Result<ShapeBars, LinalgError> {
     let Noisy { work, powers, poles, shapes, .. } = noisy;
     let twin = |n: usize| Complex64::new(1.0, poles[n].loss_factor) * poles[n].omega.powi(2);
     let (inside, outside): (Vec<usize>, Vec<usize>) = (0..poles.len()).partition(|&n| work.in_band(twin(n)));
-    let mut out = Array2::zeros(shapes.shape.raw_dim());
+    let mut out = ShapeBars { shape: Array2::zeros(shapes.shape.raw_dim()), scale: vec![0.0; scales.len()] };
     for (kept, others) in [(&inside, &outside), (&outside, &inside)] {
         let rows: Vec<usize> = (0..shapes.owner.len()).filter(|&row| kept.contains(&shapes.owner[row])).collect();
         if rows.is_empty() {
@@ -127,7 +159,7 @@ impl ShapeErrors {
     }
 
     /// Writes the deviations of the terms into their `rows`.
-    fn fill(&self, rows: &[usize], scales: &[Scale], out: &mut Array2<f64>) -> Result<(), LinalgError> {
+    fn fill(&self, rows: &[usize], scales: &[Scale], out: &mut ShapeBars) -> Result<(), LinalgError> {
         for cluster in overlapping(&self.lambda) {
             // poles first: where they come from free residues they have a covariance of their own
             let mut unknowns = unknowns(&cluster, &self.participation, self.real);
@@ -137,7 +169,8 @@ impl ShapeErrors {
             let answers: Vec<Array2<Complex64>> =
                 self.groups.iter().zip(&inside).map(|(group, inside)| matmul(group.gram_inverse.view(), inside.view())).collect();
             for &n in &cluster {
-                self.fill_term(n, &scales[rows[n]], &unknowns, &covariance, &answers, out.row_mut(rows[n]));
+                let row = rows[n];
+                out.scale[row] = self.fill_term(n, &scales[row], &unknowns, &covariance, &answers, out.shape.row_mut(row));
             }
         }
         Ok(())
@@ -202,7 +235,7 @@ impl ShapeErrors {
         Ok(covariance)
     }
 
-    /// The deviations of term `n`; `answers`: J of each group, (term, unknown).
+    /// The deviations of term `n`, and that of its scale; `answers`: J of each group, (term, unknown).
     fn fill_term(
         &self,
         n: usize,
@@ -211,7 +244,7 @@ impl ShapeErrors {
         covariance: &Array2<Complex64>,
         answers: &[Array2<Complex64>],
         mut out: ArrayViewMut1<f64>,
-    ) {
+    ) -> f64 {
         let x = &self.shape;
         let mut group_of = vec![0; x.ncols()];
         self.groups.iter().enumerate().for_each(|(g, group)| group.responses.iter().for_each(|&i| group_of[i] = g));
@@ -226,14 +259,21 @@ impl ShapeErrors {
             })
             .collect();
         let scale_noise: f64 = scale.response.iter().map(|&(d, weight)| weight.norm_sqr() * noise(d)).sum();
+        let quadratic = |gradient: ArrayView1<Complex64>| {
+            let spread = covariance.t().dot(&gradient);
+            spread.iter().zip(gradient).map(|(s, g)| (s * g.conj()).re).sum::<f64>()
+        };
+        let of_unknowns = quadratic(along.iter().map(|v| taken(self.real, *v)).collect::<Array1<_>>().view());
+        let scale_variance = (scale_noise + of_unknowns).max(0.0);
+        let beyond_first_order = scale.second_order(scale_variance) * scale_variance;
         let gradient = Array2::from_shape_fn((x.ncols(), unknowns.len()), |(i, a)| taken(self.real, shift(i, a) + x[[n, i]] * along[a]));
-        let spread = matmul(gradient.view(), covariance.view());
         for (i, value) in out.iter_mut().enumerate() {
-            let through: f64 = spread.row(i).iter().zip(gradient.row(i)).map(|(s, g)| (s * g.conj()).re).sum();
+            let through = quadratic(gradient.row(i));
             let shared: f64 = scale.response.iter().filter(|(d, _)| *d == i).map(|(_, weight)| 2.0 * (x[[n, i]] * weight).re).sum();
-            let own = noise(i) * (1.0 + shared) + x[[n, i]].norm_sqr() * scale_noise;
+            let own = noise(i) * (1.0 + shared) + x[[n, i]].norm_sqr() * (scale_noise + beyond_first_order);
             *value = scale.factor.norm() * (own + through).max(0.0).sqrt();
         }
+        scale_variance.sqrt()
     }
 }
 

@@ -1,0 +1,118 @@
+//! Passes over all FRFs: the second one, and those few that a mode may need that no sketch shows.
+
+use crate::order::POWERS;
+use crate::project::{energies, project, Projected};
+use crate::prune::threshold;
+use crate::refine::{refine, Refined};
+use crate::scan::{residual_peak, scan};
+use crate::screen::Screened;
+use crate::settle::settle;
+use crate::tolerances as tol;
+use crate::wide::projected;
+use crate::work::{basis, Work};
+use chladni_linalg::{qr_thin, LinalgError};
+use ndarray::{Array1, Array2};
+use num_complex::Complex64;
+
+/// What one pass over all FRFs came to.
+pub(crate) struct Pass {
+    /// Compressed data and the way back to FRFs.
+    pub projected: Projected,
+    /// Refined on the compressed columns.
+    pub refined: Refined,
+    /// Noise variance of one work value.
+    pub variance: f64,
+    /// Poles that the columns were made with and that are gone: their noise is still in the columns.
+    lost: usize,
+}
+
+/// Compresses all FRFs with the poles of the `sketch`, settles the order on the compressed columns and, where poles are `sought`, asks
+/// all FRFs for those that the sketch did not show. `energy`: of each line over all FRFs.
+pub(crate) fn compressed(
+    data: &Screened,
+    sketch: &Work,
+    energy: &Array1<f64>,
+    start: &Refined,
+    sought: bool,
+    history: &mut Vec<(usize, f64)>,
+) -> Result<Pass, LinalgError> {
+    let mut best = Pass::new(data, energy, start, history)?;
+    let mut tried = Vec::new();
+    for _ in 0..if sought { tol::EXTRA_PASSES } else { 0 } {
+        if let Some(pole) = best.missed(data, &tried) {
+            tried.push(pole);
+            let mut more = best.refined.lambda.clone();
+            more.push(pole);
+            let more = refine(sketch, &more, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
+            let with = Pass::new(data, energy, &more, history)?;
+            if with.refined.lambda.len() > best.refined.lambda.len() || with.variance < tol::BETTER_PASS * best.variance {
+                best = with;
+            }
+        } else if best.lost > 0 && best.projected.work.columns() < data.pairs.len() {
+            best = Pass::new(data, energy, &best.refined, history)?;
+        } else {
+            break;
+        }
+    }
+    Ok(best)
+}
+
+impl Pass {
+    fn new(data: &Screened, energy: &Array1<f64>, start: &Refined, history: &mut Vec<(usize, f64)>) -> Result<Self, LinalgError> {
+        let projected = project_all(data, start, energy)?;
+        let work = &projected.work;
+        let mut refined = refine(work, &start.lambda, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?;
+        let mut variance = full_variance(data, &projected, &refined);
+        settle(work, &mut refined, &mut variance, data.pairs.len(), history)?;
+        refined = refine(work, &refined.lambda, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?;
+        let variance = full_variance(data, &projected, &refined);
+        let lost = start.lambda.len().saturating_sub(refined.lambda.len());
+        Ok(Self { projected, refined, variance, lost })
+    }
+
+    /// Where a mode that the sketch did not show stands out of the residual over all FRFs, or out of the compressed columns.
+    fn missed(&self, data: &Screened, tried: &[Complex64]) -> Option<Complex64> {
+        let Self { projected, refined, variance, .. } = self;
+        let (work, frfs) = (&projected.work, data.pairs.len());
+        let peak = residual_peak(work, &projected.line_noise(&refined.projection), frfs, &refined.lambda);
+        if peak.is_some() || work.columns() >= frfs {
+            return peak;
+        }
+        let mut places = scan(work, refined, threshold(work.columns(), work.lines()) * variance, tried);
+        places.truncate(tol::PLACES);
+        confirmed(data, work, refined, *variance, &places)
+    }
+}
+
+/// The second pass on all lines, whether or not the poles were found on a thinned record.
+fn project_all(data: &Screened, refined: &Refined, energy: &Array1<f64>) -> Result<Projected, LinalgError> {
+    if refined.projection.q.nrows() == data.lines.len() {
+        return project(data, &refined.projection.q, energy);
+    }
+    let all = Work { x: data.x.clone(), g: data.g.clone(), b: Array2::zeros((data.lines.len(), 0)) };
+    project(data, &qr_thin(basis(&all, &refined.lambda, &refined.powers).view())?.0, energy)
+}
+
+/// Noise variance from the residual of all FRFs.
+fn full_variance(data: &Screened, projected: &Projected, refined: &Refined) -> f64 {
+    let dof = (data.lines.len() - refined.unknowns().min(data.lines.len() - 1)) * data.pairs.len();
+    let left = projected.line_residual(&refined.projection.residual).sum();
+    (left / (dof as f64 - refined.lambda.len() as f64).max(1.0)).max(1e-30)
+}
+
+/// The first of the `places` where compressed columns show a pole that all FRFs may confirm: with their noise, what it takes out of
+/// them comes near what a pole of the model must. A pass with that pole in the basis would have the last word, and costs far more.
+fn confirmed(data: &Screened, work: &Work, refined: &Refined, variance: f64, places: &[Complex64]) -> Option<Complex64> {
+    if places.is_empty() {
+        return None;
+    }
+    let (_, mut outside) = projected(refined.projection.q.view(), basis(work, places, &[]).view());
+    for mut column in outside.columns_mut() {
+        let norm = column.iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt();
+        column.mapv_inplace(|v| v / norm);
+    }
+    let frfs = data.pairs.len();
+    let over_noise = |energy: f64| energy / variance - frfs as f64;
+    let needed = tol::CONFIRMED * (threshold(frfs, work.lines()) - frfs as f64);
+    places.iter().zip(energies(data, &outside)).find(|(_, energy)| over_noise(*energy) > needed).map(|(pole, _)| *pole)
+}
