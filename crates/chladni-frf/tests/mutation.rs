@@ -180,11 +180,14 @@ fn declared_is_read(bytes: &[u8], document: &Document) {
     for function in &document.functions {
         // marker, number, five ID lines, record 6, record 7; blank lines may stand before the number
         let Some(number) = (function.line as usize..lines.len()).find(|&k| !lines[k].trim_ascii().is_empty()) else { continue };
-        let Some(field) = lines.get(number + 7).and_then(|record| record.get(10..20)) else { continue };
-        let declared = std::str::from_utf8(field).ok().and_then(|text| text.trim().parse::<usize>().ok());
-        let touches = lines[number + 7].get(9..11).is_some_and(|pair| !pair.iter().any(u8::is_ascii_whitespace));
-        if let Some(declared) = declared.filter(|_| !touches && lines[number].trim_ascii().starts_with(b"58")) {
-            assert_eq!(declared, function.ordinate.len(), "declared and read, line {}", function.line);
+        let Some(record) = lines.get(number + 7).filter(|_| lines[number].trim_ascii().starts_with(b"58")) else { continue };
+        let count = |field: &[u8]| std::str::from_utf8(field).ok().and_then(|text| text.trim().parse::<usize>().ok());
+        // by column, or between blanks where a change has moved the columns
+        let by_column = record.get(10..20).and_then(count);
+        let by_blanks = record.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()).nth(1).and_then(count);
+        if let (Some(by_column), Some(by_blanks)) = (by_column, by_blanks) {
+            let read = function.ordinate.len();
+            assert!(by_column == read || by_blanks == read, "declared {by_column} or {by_blanks}, read {read}, line {}", function.line);
         }
     }
 }
