@@ -1,6 +1,6 @@
 //! The commands, and the options that all of them have.
 
-use crate::{bench, convert, demo, evaluate, fit, info, render, report, select, shell, simulate};
+use crate::{bench, convert, demo, estimate, evaluate, fit, info, render, report, select, shell, simulate};
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 
 /// Modal identification of plates from measured FRFs, and vibration rendering with it
@@ -31,6 +31,8 @@ pub enum Command {
     Info(info::Args),
     /// Write measured data or a model in another format; several inputs are merged into one set
     Convert(convert::Args),
+    /// Estimate FRFs and coherence from time records
+    Estimate(estimate::Args),
     /// Simulate the FRFs of a virtual panel
     Simulate(simulate::Args),
     /// Identify modes from FRFs: natural frequencies, damping, shapes, with error bars

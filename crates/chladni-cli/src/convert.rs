@@ -1,26 +1,32 @@
 //! `chladni convert`: measured data and models from any format to any other.
 
 use crate::console::Console;
-use crate::input::{expand, model_of, source, warn_of_files, Reading};
+use crate::input::{expand, model_of, read_weights, source, warn_of_files, Reading};
 use crate::outcome::Outcome;
-use crate::output::{Output, FRF, MODEL};
+use crate::output::{Output, DATA, MODEL_OR_SHAPES, SHAPES};
 use crate::table::counted;
-use chladni_frf::io::{read_contents, write_contents, write_model};
-use chladni_frf::{Error, ModalModel, Result};
+use chladni_frf::io::{
+    detect_format, field_shape, model_shapes, read_contents, read_model, write_contents, write_model, Contents, FileFormat, Shape,
+    ShapeForm,
+};
+use chladni_frf::{Dof, Error, Geometry, ModalModel, Result};
+use num_complex::Complex64;
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `convert`.
 #[derive(Debug, clap::Args)]
 #[command(before_help = "Examples:
   chladni convert measurement.uff -o measurement.h5
   chladni convert scan_*.uff --reference 101,102,103 -o all.h5      one file per actuator
-  chladni convert model.json -o model.h5")]
+  chladni convert model.json -o model.h5
+  chladni convert model.json -o shapes.unv                          mode shapes for other programs; shapes.pvd for ParaView
+  chladni convert model.json weights.json -o field.vtu              the field that the weights make")]
 pub struct Args {
     /// Input files, folders of them, or patterns; several are merged into one set
     #[arg(required = true, value_name = "IN")]
     files: Vec<PathBuf>,
-    /// File to write: .h5 (exact), .uff (binary), .unv (text), .csv; for models .json or .h5
+    /// File to write: .h5 (exact), .uff (binary), .unv (text), .csv; of models .json, .h5, or their shapes as .unv, .uff, .vtu, .pvd
     #[arg(short, value_name = "OUT")]
     output: PathBuf,
     #[command(flatten)]
@@ -39,15 +45,24 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
             return convert_model(args, &files, &model, console);
         }
     }
-    let output = Output::new(&args.output, FRF, &files, console)?;
+    if let [one, other] = files.as_slice() {
+        let formats = [detect_format(one)?, detect_format(other)?];
+        match formats {
+            [FileFormat::Weights, _] => return convert_field(args, &files, other, one, console),
+            [_, FileFormat::Weights] => return convert_field(args, &files, one, other, console),
+            _ => {}
+        }
+    }
+    let output = Output::new(&args.output, DATA, &files, console)?;
     let mut contents = read_contents(&files, &args.reading.options())?;
     warn_of_files(&files, std::mem::take(&mut contents.warnings), console);
     warn_of_files(&files, std::mem::take(&mut contents.not_carried), console);
 
-    if contents.frf.is_none() && contents.functions.is_empty() && contents.geometry().nodes.is_empty() {
+    let nothing = contents.functions.is_empty() && contents.shapes.is_empty() && contents.geometry().nodes.is_empty();
+    if contents.frf.is_none() && nothing {
         return Err(Error::bad_data("nothing in the input can be carried over")
             .file(&args.files[0])
-            .found("neither FRFs nor other functions nor nodes")
+            .found("neither FRFs nor other functions, shapes or nodes")
             .expected("measured data or a model")
             .help("`chladni info` lists what is inside"));
     }
@@ -62,24 +77,29 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         "references": references,
         "lines": lines,
         "functions": contents.functions.len(),
+        "shapes": contents.shapes.len(),
         "nodes": contents.geometry().nodes.len(),
         "warnings": console.warnings(),
     });
     let text = format!(
-        "{}: {} of {} at {}, {}, {}\n",
+        "{}: {} of {} at {}, {}, {}, {}\n",
         args.output.display(),
         counted(responses, "response"),
         counted(references, "reference"),
         counted(lines, "line"),
         counted(contents.functions.len(), "other function"),
+        counted(contents.shapes.len(), "shape"),
         counted(contents.geometry().nodes.len(), "node")
     );
     Ok(Outcome::written(&args.output, json, text))
 }
 
 fn convert_model(args: &Args, files: &[PathBuf], model: &ModalModel, console: &Console) -> Result<Outcome> {
-    let output = Output::new(&args.output, MODEL, files, console)?;
+    let output = Output::new(&args.output, MODEL_OR_SHAPES, files, console)?;
     console.stage("writing");
+    if writes_shapes(&args.output) {
+        return write_shapes(args, files, model, model_shapes(model, form_for(&args.output)), &output, console);
+    }
     output.write(|path, force| write_model(path, model, force))?;
     let modes = model.in_band_modes().count();
     let json = json!({
@@ -92,4 +112,52 @@ fn convert_model(args: &Args, files: &[PathBuf], model: &ModalModel, console: &C
         "warnings": console.warnings(),
     });
     Ok(Outcome::written(&args.output, json, format!("{}: model with {}\n", args.output.display(), counted(modes, "mode"))))
+}
+
+/// The field that weights make of a model.
+fn convert_field(args: &Args, files: &[PathBuf], model: &Path, weights: &Path, console: &Console) -> Result<Outcome> {
+    let output = Output::new(&args.output, SHAPES, files, console)?;
+    let (model, weights) = (read_model(model)?, read_weights(weights)?);
+    let drive: Vec<(Dof, Complex64)> = weights.weights.iter().map(|one| (one.reference, Complex64::new(one.re, one.im))).collect();
+    let field = field_shape(&model, weights.frequency_hz, &drive, form_for(&args.output))?;
+    console.stage("writing");
+    write_shapes(args, files, &model, vec![field], &output, console)
+}
+
+fn write_shapes(
+    args: &Args,
+    files: &[PathBuf],
+    model: &ModalModel,
+    shapes: Vec<Shape>,
+    output: &Output<'_>,
+    console: &Console,
+) -> Result<Outcome> {
+    let other_geometry = Geometry { nodes: model.nodes.clone(), ..Geometry::default() };
+    let contents = Contents { shapes, other_geometry, ..Contents::default() };
+    console.warn_all(output.write(|path, force| write_contents(path, &contents, force))?);
+    let json = json!({
+        "output": args.output.display().to_string(),
+        "source": files.iter().map(|file| source(file)).collect::<Result<Vec<_>>>()?,
+        "shapes": contents.shapes.len(),
+        "nodes": model.nodes.len(),
+        "warnings": console.warnings(),
+    });
+    let text = format!("{}: {}, {}\n", args.output.display(), counted(contents.shapes.len(), "shape"), counted(model.nodes.len(), "node"));
+    Ok(Outcome::written(&args.output, json, text))
+}
+
+fn extension(path: &Path) -> String {
+    path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
+}
+
+fn writes_shapes(path: &Path) -> bool {
+    SHAPES.contains(&extension(path).as_str())
+}
+
+/// FE programs read 2414, and programs for measured data 55.
+fn form_for(path: &Path) -> ShapeForm {
+    match extension(path).as_str() {
+        "unv" => ShapeForm::Analysis2414,
+        _ => ShapeForm::AtNodes55,
+    }
 }

@@ -159,7 +159,7 @@ pub fn source(path: &Path) -> Result<Source> {
 /// Those of reading; a weights file.
 pub fn model_of(file: &Path) -> Result<Option<ModalModel>> {
     match detect_format(file)? {
-        FileFormat::Uff | FileFormat::Csv => Ok(None),
+        FileFormat::Uff | FileFormat::Csv | FileFormat::Matlab | FileFormat::Numpy | FileFormat::Wav => Ok(None),
         FileFormat::Model => io::read_model(file).map(Some),
         FileFormat::Hdf5 => match io::read_model(file) {
             Ok(model) => Ok(Some(model)),

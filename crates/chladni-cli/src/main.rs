@@ -7,6 +7,7 @@ mod bench;
 mod console;
 mod convert;
 mod demo;
+mod estimate;
 mod evaluate;
 mod fit;
 mod indices;
@@ -53,6 +54,7 @@ fn run(command: &Command, common: &Common, console: &Console) -> Result<Outcome>
         Command::Demo(args) => demo::run(args, console),
         Command::Info(args) => info::run(args, console),
         Command::Convert(args) => convert::run(args, console),
+        Command::Estimate(args) => estimate::run(args, console),
         Command::Simulate(args) => simulate::run(args, console),
         Command::Fit(args) => fit::run(args, console),
         Command::Select(args) => select::run(args, console),

@@ -7,7 +7,13 @@ use chladni_frf::{Error, ErrorKind, Result};
 use std::path::{Path, PathBuf};
 
 /// Extensions of FRF files.
-pub const FRF: &[&str] = &["h5", "hdf5", "uff", "ufb", "bunv", "unv", "csv", "txt"];
+pub const FRF: &[&str] = &["h5", "hdf5", "npz", "uff", "ufb", "bunv", "unv", "uf", "csv", "txt"];
+/// Extensions of what `convert` writes of measured data.
+pub const DATA: &[&str] = &["h5", "hdf5", "npz", "uff", "ufb", "bunv", "unv", "uf", "csv", "txt", "vtu", "pvd"];
+/// Extensions of shapes and fields.
+pub const SHAPES: &[&str] = &["unv", "uff", "ufb", "bunv", "uf", "vtu", "pvd"];
+/// Extensions of what `convert` writes of a model.
+pub const MODEL_OR_SHAPES: &[&str] = &["json", "h5", "hdf5", "unv", "uff", "ufb", "bunv", "uf", "vtu", "pvd"];
 /// Extensions of model files.
 pub const MODEL: &[&str] = &["json", "h5", "hdf5"];
 /// Extensions of weights files.

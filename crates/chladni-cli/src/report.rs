@@ -104,7 +104,7 @@ fn sort(files: &[PathBuf]) -> Result<(Option<PathBuf>, Vec<WeightsFile>)> {
                     .expected("one model and any number of weights")
                     .help("make one report for each model"))
             }
-            FileFormat::Uff | FileFormat::Csv => {
+            FileFormat::Uff | FileFormat::Csv | FileFormat::Matlab | FileFormat::Numpy | FileFormat::Wav => {
                 return Err(Error::bad_data("neither a model nor weights")
                     .file(file)
                     .found("measured data")

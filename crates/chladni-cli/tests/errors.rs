@@ -215,7 +215,9 @@ fn a_damaged_file_says_where() {
 fn help_and_version_are_no_errors_and_begin_with_examples() {
     let folder = Folder::new();
     assert!(folder.run("--version").exits(0).stdout.starts_with("chladni "));
-    for command in ["demo", "info", "convert", "simulate", "fit", "select", "render", "evaluate", "report", "completions", "man"] {
+    for command in
+        ["demo", "info", "convert", "estimate", "simulate", "fit", "select", "render", "evaluate", "report", "completions", "man"]
+    {
         let help = folder.run(&format!("{command} --help")).exits(0).stdout;
         assert!(help.starts_with("Examples:") && help.contains(&format!("chladni {command}")), "{command}: {help}");
     }

@@ -117,6 +117,12 @@ impl Error {
         Self::new(ErrorKind::BadData, message)
     }
 
+    /// A word that a parser refused as "`x` is no ...; write ...": the second half is what was expected.
+    pub fn bad_word(message: &str, found: impl fmt::Display) -> Self {
+        let (message, expected) = message.split_once("; write ").unwrap_or((message, "another value"));
+        Self::bad_data(message).found(found).expected(expected)
+    }
+
     /// An operating-system failure on `file`: "not found" becomes [`ErrorKind::NoInput`], with the nearest name there is.
     pub fn from_read(error: &std::io::Error, file: &Path) -> Self {
         use std::io::ErrorKind as Io;

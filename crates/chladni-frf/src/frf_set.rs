@@ -98,13 +98,15 @@ impl FrfSet {
             if !f.is_finite() || f < 0.0 || (k > 0 && f <= self.frequency_hz[k - 1]) {
                 return Err(Error::bad_data("the frequency axis must be finite, not negative and strictly rising")
                     .field(format!("frequency axis, entry {}", k + 1))
-                    .found(f));
+                    .found(f)
+                    .expected(if k > 0 { format!("a finite number above {}", self.frequency_hz[k - 1]) } else { "0 or more".into() })
+                    .help("correct the axis in the program that wrote the file"));
             }
         }
         for (field, dofs) in [("responses", &self.responses), ("references", &self.references)] {
             let mut seen = std::collections::HashSet::new();
             if let Some(twice) = dofs.iter().find(|dof| !seen.insert(**dof)) {
-                return Err(Error::bad_data("a DOF stands twice").field(field).found(twice));
+                return Err(Error::bad_data("a DOF stands twice").field(field).found(twice).expected("every DOF once"));
             }
         }
         Ok(self)

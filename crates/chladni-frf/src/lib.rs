@@ -8,6 +8,7 @@
 
 mod dof;
 mod error;
+pub mod estimate;
 mod frf_set;
 mod geometry;
 pub mod io;

@@ -23,6 +23,12 @@ pub fn parser_complaint(said: &str) -> Error {
         (Some(field), _) if said.starts_with("missing field") => error.field(field).found("no such field").expected("a value for it"),
         (Some(word), _) if said.starts_with("unknown variant") => error.found(word),
         (_, Some(found)) => error.found(found),
+        // words of our own types: "`x` is no ...; write ..."
+        (Some(word), None) if said.contains("; write ") => {
+            let expected = said.split_once("; write ").map_or("", |(_, expected)| expected);
+            return Error::bad_data(said).found(word).expected(expected);
+        }
+        _ if expected.is_none() => error.found(said).expected("a value as docs/formats.md describes it"),
         _ => error,
     };
     match expected {

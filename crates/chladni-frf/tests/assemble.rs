@@ -40,6 +40,7 @@ fn document(name: &str, functions: Vec<Function>) -> Document {
         datasets: Vec::new(),
         frf: None,
         functions,
+        shapes: Vec::new(),
         errors: Vec::new(),
         warnings: Vec::new(),
     }

@@ -223,7 +223,7 @@ fn every_refusal_names_the_row_and_what_to_do() {
         ("f,re,im\n\"1,5\",\"0,5\",\"1,5\"\n", &["decimal comma"]),
         ("f,re\n1,2\n2,2\n", &["column 2", "imaginary part"]),
         ("f,mag\n1,2\n2,2\n", &["phase"]),
-        ("time,re,im\n1,2,3\n2,2,3\n", &["no frequency axis", "time"]),
+        ("time,re,im\n1,2,3\n2,2,3\n", &["no FRF", "a time", "chladni estimate"]),
         ("no numbers\nat all\n", &["line 1", "no row of numbers"]),
         ("# only = remarks\n", &["only comments"]),
         ("# frf_kind = velocity\nf,re,im\n1,2,3\n", &["line 1", "frf_kind", "receptance, mobility or accelerance"]),

@@ -70,7 +70,7 @@ fn assert_values(set: &FrfSet) {
 fn matlab_writes_real_and_imag_and_reverses_the_axes() {
     let mut file = FileBuilder::new();
     file.with_userblock(512);
-    // MATLAB's (lines, outputs, inputs) stands in the file as (inputs, outputs, lines)
+    // MATLAB's (lines, outputs, inputs) stands in the file as (inputs, outputs, lines), and is called as MATLAB does
     let class = || AttrValue::AsciiString("double".into());
     file.create_dataset("frf").with_complex64_data(&nested(['j', 'i', 'k'])).with_shape(&[2, 3, LINES]).set_attr("MATLAB_class", class());
     file.create_dataset("f").with_f64_data(&frequencies()).with_shape(&[1, LINES]).set_attr("MATLAB_class", class());
@@ -78,7 +78,7 @@ fn matlab_writes_real_and_imag_and_reverses_the_axes() {
     assert_values(&set);
     assert_eq!(set.kind, None);
     let text = warnings.join("\n");
-    for words in ["took /frf (2 x 3 x 5) as the FRFs", "taken as SI", "numbered 1:+Z ... 3:+Z", "numbered 1:S ... 2:S"] {
+    for words in ["took /frf (5 x 3 x 2) as the FRFs", "taken as SI", "numbered 1:+Z ... 3:+Z", "numbered 1:S ... 2:S"] {
         assert!(text.contains(words), "{words}: {text}");
     }
 }

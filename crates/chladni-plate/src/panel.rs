@@ -215,6 +215,7 @@ impl Panel {
         }
         let gib = |bytes: f64| format!("{:.3} GiB", bytes / (1u64 << 30) as f64);
         Err(Error::bad_data("this panel needs more memory than is allowed")
+            .field("responses, references and frf")
             .found(format!(
                 "{} for a grid of {} x {}, {} references along the edges and {:.0} lines up to {} Hz",
                 gib(needed),

@@ -12,6 +12,7 @@
 
 use crate::noise::generator;
 use crate::synthetic::Synthetic;
+use chladni_frf::estimate::{Channel, Run, SignalUnit};
 use chladni_frf::{Damping, Error, FrfSet, FrfValues, Geometry, ModalModel, ReferenceUnit, Result};
 use ndarray::{s, Array1, Array2, Array3};
 use num_complex::Complex64;
@@ -110,23 +111,9 @@ impl TimeTest {
     /// # Errors
     /// [`chladni_frf::ErrorKind::BadData`] for sizes and numbers that describe no measurement.
     pub fn build(&self) -> Result<TimeSet> {
-        self.check()?;
-        let samples = (self.record_s * self.sample_rate_hz).round() as usize;
-        let step_hz = 1.0 / (self.record_s * self.padding as f64);
-        let lines = (self.band_hz[0] / step_hz).ceil() as usize..(self.band_hz[1] / step_hz).floor() as usize + 1;
-        let frequency_hz: Array1<f64> = lines.clone().map(|k| k as f64 * step_hz).collect();
-        let structure = Synthetic {
-            natural_frequency_hz: self.natural_frequency_hz.clone(),
-            loss_factor: self.damping_ratio.iter().map(|zeta| 2.0 * zeta).collect(),
-            responses: self.responses,
-            references: 1,
-            damping: Damping::Viscous,
-            frequency_hz: frequency_hz.clone(),
-            snr_db: f64::INFINITY,
-            seed: self.seed,
-            ..Synthetic::default()
-        };
-        let truth = structure.build()?.truth;
+        let (truth, lines) = self.truth_and_lines()?;
+        let samples = self.samples();
+        let frequency_hz: Array1<f64> = lines.clone().map(|k| k as f64 * self.step_hz()).collect();
         let records = self.records(&truth, samples);
         let values = self.h1(&records, lines, samples);
         let frf = FrfSet {
@@ -140,6 +127,52 @@ impl TimeTest {
             geometry: Geometry::default(),
         };
         Ok(TimeSet { frf: frf.checked()?, truth })
+    }
+
+    /// The records themselves, without the window: force and velocities, one run per record.
+    ///
+    /// # Errors
+    /// As [`Self::build`].
+    pub fn runs(&self) -> Result<Vec<Run>> {
+        let (truth, _) = self.truth_and_lines()?;
+        let records = Self { window: Window::Rectangular, ..self.clone() }.records(&truth, self.samples());
+        let channel =
+            |dof, unit, is_reference, row: ndarray::ArrayView1<'_, f64>| Channel { dof, unit, is_reference, samples: row.to_vec() };
+        let run = |record: &Array2<f64>| {
+            let force = channel(truth.references[0], SignalUnit::Force, true, record.row(self.responses));
+            let velocities = truth.responses.iter().zip(record.rows()).map(|(dof, row)| channel(*dof, SignalUnit::Velocity, false, row));
+            let channels = std::iter::once(force).chain(velocities).collect();
+            Run { file: "simulated".into(), line: 0, sample_rate_hz: self.sample_rate_hz, channels }
+        };
+        Ok(records.iter().map(run).collect())
+    }
+
+    fn samples(&self) -> usize {
+        (self.record_s * self.sample_rate_hz).round() as usize
+    }
+
+    fn step_hz(&self) -> f64 {
+        1.0 / (self.record_s * self.padding as f64)
+    }
+
+    /// The structure, and the lines of the transform that are kept.
+    fn truth_and_lines(&self) -> Result<(ModalModel, std::ops::Range<usize>)> {
+        self.check()?;
+        let step_hz = self.step_hz();
+        let lines = (self.band_hz[0] / step_hz).ceil() as usize..(self.band_hz[1] / step_hz).floor() as usize + 1;
+        let frequency_hz: Array1<f64> = lines.clone().map(|k| k as f64 * step_hz).collect();
+        let structure = Synthetic {
+            natural_frequency_hz: self.natural_frequency_hz.clone(),
+            loss_factor: self.damping_ratio.iter().map(|zeta| 2.0 * zeta).collect(),
+            responses: self.responses,
+            references: 1,
+            damping: Damping::Viscous,
+            frequency_hz,
+            snr_db: f64::INFINITY,
+            seed: self.seed,
+            ..Synthetic::default()
+        };
+        Ok((structure.build()?.truth, lines))
     }
 
     fn check(&self) -> Result<()> {

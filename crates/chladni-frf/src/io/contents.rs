@@ -1,7 +1,7 @@
 //! Everything that was read from some files and can be written to another.
 
 use super::paths::{shortened, NAMES_LISTED};
-use super::{DatasetInfo, Document, Function};
+use super::{DatasetInfo, Document, Function, Shape};
 use crate::{FrfSet, Geometry, Source};
 
 /// What the files of one command hold together.
@@ -9,13 +9,17 @@ use crate::{FrfSet, Geometry, Source};
 pub struct Contents {
     /// All FRFs, where there are any.
     pub frf: Option<FrfSet>,
+    /// E|δH|² of each FRF value, axes as theirs, where it was estimated; only HDF5 holds it.
+    pub variance: Option<ndarray::Array3<f64>>,
     /// Nodes, lines and faces of files without FRFs; otherwise they are in `frf`.
     pub other_geometry: Geometry,
     /// Functions that are no FRFs of the set: time records, spectra, ...
     pub functions: Vec<Function>,
+    /// Mode shapes and fields at nodes.
+    pub shapes: Vec<Shape>,
     /// The files, in the order read.
     pub sources: Vec<Source>,
-    /// Datasets that are not here because nothing here can hold them (mode shapes, unknown datasets): `convert` names them.
+    /// Datasets that are not here because nothing here can hold them (unknown datasets): `convert` names them.
     pub not_carried: Vec<String>,
     /// Everything the user must know.
     pub warnings: Vec<String>,

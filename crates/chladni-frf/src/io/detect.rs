@@ -1,6 +1,6 @@
 //! Formats are told apart by content, never by the name of the file.
 
-use super::{csv, json_error, FileFormat};
+use super::{csv, json_error, mat, numpy, FileFormat};
 use crate::{Error, ErrorKind, Result, MODEL_FORMAT};
 use serde::Deserialize;
 use std::fs::File;
@@ -14,7 +14,7 @@ const HEAD_BYTES: usize = 4096;
 /// How much of a text shows whether it is a table: longer than any header with the first rows.
 const TABLE_HEAD_BYTES: u64 = 1 << 20;
 /// What can be read, for messages.
-const KNOWN: &str = "a universal file, HDF5, a text table, or a model or weights as JSON";
+const KNOWN: &str = "a universal file, HDF5, MATLAB, NumPy, a text table, WAV, or a model or weights as JSON";
 /// Value of `format` in a weights file.
 const WEIGHTS_FORMAT: &str = "chladni.weights";
 
@@ -22,6 +22,7 @@ const WEIGHTS_FORMAT: &str = "chladni.weights";
 ///
 /// * universal file: the first line that is not blank is `-1`
 /// * HDF5: its signature at byte 0, 512, 1024, 2048, ...
+/// * MATLAB 5 to 7, NumPy: their signatures (NPZ: a zip archive whose first entry is an array)
 /// * JSON: an object whose `format` is `chladni.model` or `chladni.weights`
 /// * everything else that is text: a table
 ///
@@ -39,6 +40,7 @@ pub fn detect_format(file: &Path) -> Result<FileFormat> {
     if head.is_empty() {
         return Err(Error::bad_data("the file is empty")
             .file(file)
+            .at_byte(0)
             .found("0 bytes")
             .expected("measured data, a model or weights")
             .help("export or copy it again"));
@@ -48,6 +50,15 @@ pub fn detect_format(file: &Path) -> Result<FileFormat> {
     }
     if is_universal(&head) {
         return Ok(FileFormat::Uff);
+    }
+    if head.starts_with(mat::SIGNATURE) {
+        return Ok(FileFormat::Matlab);
+    }
+    if head.starts_with(numpy::NPY_SIGNATURE) || numpy::is_npz(&head) {
+        return Ok(FileFormat::Numpy);
+    }
+    if head.starts_with(b"RIFF") && head.get(8..12) == Some(b"WAVE") {
+        return Ok(FileFormat::Wav);
     }
     if let Some(error) = foreign_binary(&head) {
         return Err(error.file(file));
@@ -103,10 +114,8 @@ fn is_universal(head: &[u8]) -> bool {
 }
 
 fn foreign_binary(head: &[u8]) -> Option<Error> {
-    let refuse = |found: &str, help: &str| Some(Error::bad_data("not a format that can be read").found(found).expected(KNOWN).help(help));
-    if head.starts_with(b"MATLAB 5.0 MAT-file") {
-        return refuse("a MATLAB file of version 5 to 7", "save it in MATLAB with save(..., '-v7.3'), which is HDF5, or as text");
-    }
+    let refuse =
+        |found: &str, help: &str| Some(Error::bad_data("not a format that can be read").at_byte(0).found(found).expected(KNOWN).help(help));
     if head.starts_with(b"PK\x03\x04") {
         return refuse("a zip archive or spreadsheet", "unpack it, or export the sheet as CSV");
     }
@@ -161,6 +170,8 @@ mod tests {
         assert_eq!(format_of(&behind_user_block).unwrap(), FileFormat::Hdf5);
         assert_eq!(format_of(b"\xef\xbb\xbf{\"format\": \"chladni.model\"}").unwrap(), FileFormat::Model);
         assert_eq!(format_of(b" {\"version\": 1, \"format\": \"chladni.weights\"}").unwrap(), FileFormat::Weights);
+        assert_eq!(format_of(b"MATLAB 5.0 MAT-file, Platform: GLNXA64").unwrap(), FileFormat::Matlab);
+        assert_eq!(format_of(b"\x93NUMPY\x01\x00").unwrap(), FileFormat::Numpy);
         assert_eq!(format_of(b"f,re,im\n1,2,3\n").unwrap(), FileFormat::Csv);
         assert_eq!(format_of(b"-1,2,3\n").unwrap(), FileFormat::Csv);
         assert_eq!(format_of(b"\xff\xfef\0,\0").unwrap(), FileFormat::Csv);
@@ -170,7 +181,6 @@ mod tests {
     fn what_cannot_be_read_says_how_to_export_it() {
         for (bytes, words) in [
             (&b""[..], "empty"),
-            (b"MATLAB 5.0 MAT-file, Platform: GLNXA64", "-v7.3"),
             (b"PK\x03\x04xl/", "CSV"),
             (b"\x01\x00\x02", "UFF 58"),
             (b"{\"format\": \"other\"}", "chladni.model"),

@@ -1,5 +1,6 @@
 //! What a reader hands over: everything found in one file, FRF or not.
 
+use super::Shape;
 use crate::{Dof, Error, FrfKind, FrfSet, Geometry, ReferenceUnit};
 use num_complex::{Complex32, Complex64};
 use serde::Serialize;
@@ -13,8 +14,14 @@ pub enum FileFormat {
     Uff,
     /// Text table.
     Csv,
-    /// HDF5.
+    /// HDF5, MATLAB 7.3 among it.
     Hdf5,
+    /// MATLAB 5 to 7.
+    Matlab,
+    /// NumPy, `.npy` or `.npz`.
+    Numpy,
+    /// Sound file.
+    Wav,
     /// Modal model as JSON.
     Model,
     /// Weights as JSON.
@@ -38,6 +45,8 @@ pub struct Document {
     pub frf: Option<FrfSet>,
     /// Formats that hold functions one by one (UFF 58) fill this, sound ones only.
     pub functions: Vec<Function>,
+    /// Mode shapes and fields at nodes.
+    pub shapes: Vec<Shape>,
     /// Errors of damaged datasets; `info` lists them, everything else stops at the first.
     pub errors: Vec<Error>,
     /// What is odd about the file.
@@ -55,6 +64,7 @@ impl Document {
             datasets: Vec::new(),
             frf: None,
             functions: Vec::new(),
+            shapes: Vec::new(),
             errors: Vec::new(),
             warnings: Vec::new(),
         }

@@ -23,7 +23,7 @@ pub fn read_model(path: &Path) -> Result<ModalModel> {
         FileFormat::Weights => {
             return Err(wrong("weights, not a model", "a weights file").help("give the model that the weights were made from"))
         }
-        FileFormat::Uff | FileFormat::Csv => {
+        FileFormat::Uff | FileFormat::Csv | FileFormat::Matlab | FileFormat::Numpy | FileFormat::Wav => {
             return Err(wrong("measured data, not a model", "measured data").help("fit a model first: chladni fit FRF -o MODEL.json"))
         }
     };
@@ -79,7 +79,7 @@ fn check(model: &ModalModel) -> Result<()> {
     for (field, dofs) in [("responses", &model.responses), ("references", &model.references)] {
         let mut seen = std::collections::HashSet::new();
         if let Some(twice) = dofs.iter().find(|dof| !seen.insert(**dof)) {
-            return Err(Error::bad_data("a DOF stands twice").field(field).found(twice));
+            return Err(Error::bad_data("a DOF stands twice").field(field).found(twice).expected("every DOF once"));
         }
     }
     finite("band_hz", model.band_hz)?;
@@ -90,7 +90,7 @@ fn check(model: &ModalModel) -> Result<()> {
     for node in &model.nodes {
         finite(&format!("nodes, label {}", node.label), node.xyz_m)?;
         if !labels.insert(node.label) {
-            return Err(Error::bad_data("a node stands twice").field("nodes").found(node.label));
+            return Err(Error::bad_data("a node stands twice").field("nodes").found(node.label).expected("every node once"));
         }
     }
     for (k, mode) in model.modes.iter().enumerate() {

@@ -2,8 +2,8 @@
 
 use super::paths::{shortened, NAMES_LISTED};
 use super::{
-    assemble, csv, detect_format, expand_paths, function_name, hdf5, json_error, read_model, uff, Contents, DatasetInfo, Document,
-    FileFormat, ReadOptions,
+    assemble, csv, detect_format, expand_paths, function_name, hdf5, json_error, mat, numpy, read_model, uff, wav, Contents, DatasetInfo,
+    Document, FileFormat, ReadOptions,
 };
 use crate::{Error, FrfSet, Geometry, Result, Source, Trust};
 use sha2::{Digest, Sha256};
@@ -110,6 +110,13 @@ fn read_numbered(path: &Path, options: &ReadOptions, next_node: &mut u64) -> Res
             document
         }
         FileFormat::Hdf5 => hdf5::read(path, options)?,
+        FileFormat::Matlab => mat::read(&bytes()?, path, options)?,
+        FileFormat::Numpy => {
+            let bytes = bytes()?;
+            let read = if bytes.starts_with(numpy::NPY_SIGNATURE) { numpy::read_npy } else { numpy::read_npz };
+            read(&bytes, path, options)?
+        }
+        FileFormat::Wav => wav::read(&bytes()?, path)?,
         FileFormat::Model => model_document(path)?,
         FileFormat::Weights => weights_document(path)?,
     };

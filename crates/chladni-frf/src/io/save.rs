@@ -1,22 +1,25 @@
 //! Measured data to files, the format by extension.
 
 use super::atomic::write_atomically;
-use super::{csv, hdf5, uff, Contents};
+use super::{csv, hdf5, numpy, uff, vtk, Contents};
 use crate::{Error, ErrorKind, FrfSet, Result};
 use std::borrow::Cow;
 use std::path::Path;
 
 /// Extensions of measured data, for messages.
-const KNOWN: &str = ".h5, .hdf5, .csv, .txt, .uff, .ufb, .bunv or .unv";
+const KNOWN: &str = ".h5, .hdf5, .npz, .csv, .txt, .uff, .ufb, .bunv, .unv, .uf, .vtu or .pvd";
 
 /// Writes a set; returns what the format cannot carry.
 ///
 /// | extension | format |
 /// |---|---|
 /// | `.h5`, `.hdf5` | HDF5, lossless |
+/// | `.npz` | NumPy, lossless, no geometry |
 /// | `.csv`, `.txt` | text table, numbers lossless (widened to double precision), no geometry |
 /// | `.uff`, `.ufb`, `.bunv` | universal file with binary functions (58b): values lossless |
 /// | `.unv` | universal file with text functions (58), for programs that read no other: 13 digits |
+/// | `.uf` | the same with the old datasets 15 and 55 |
+/// | `.vtu` | nodes, lines, faces and shapes for ParaView; `.pvd` with one `.vtu` per shape |
 ///
 /// # Errors
 /// [`ErrorKind::Usage`] for another extension; else as [`write_atomically`].
@@ -36,28 +39,52 @@ fn write(path: &Path, frf: Option<&FrfSet>, contents: &Contents, force: bool) ->
     match extension(path).as_str() {
         "h5" | "hdf5" => hdf5::write(path, frf, contents, force).map(|()| Vec::new()),
         "csv" | "txt" => write_table(path, frf, contents, force),
-        "uff" | "ufb" | "bunv" => write_universal(path, frf, contents, true, force),
-        "unv" => write_universal(path, frf, contents, false, force),
+        "npz" => write_arrays(path, frf, contents, force),
+        "uff" | "ufb" | "bunv" => write_universal(path, frf, contents, uff::WriteOptions { binary: true, old_datasets: false }, force),
+        "unv" => write_universal(path, frf, contents, uff::WriteOptions::default(), force),
+        "uf" => write_universal(path, frf, contents, uff::WriteOptions { binary: false, old_datasets: true }, force),
+        "vtu" => vtk::write_vtu(path, contents, force),
+        "pvd" => vtk::write_pvd(path, contents, force),
         _ => Err(unknown_extension(path, KNOWN)),
     }
 }
 
-fn write_table(path: &Path, frf: Option<&FrfSet>, contents: &Contents, force: bool) -> Result<Vec<String>> {
-    let set = frf.ok_or_else(|| {
-        Error::new(ErrorKind::Usage, "there is no FRF to write, and a text table holds nothing else")
+fn write_arrays(path: &Path, frf: Option<&FrfSet>, contents: &Contents, force: bool) -> Result<Vec<String>> {
+    let set = needed(path, frf, "a NumPy archive")?;
+    numpy::write(path, set, force)?;
+    Ok(left_out("a NumPy archive", set, contents))
+}
+
+/// The set, or the error that a format of FRFs alone has nothing to hold.
+fn needed<'a>(path: &Path, frf: Option<&'a FrfSet>, format: &str) -> Result<&'a FrfSet> {
+    frf.ok_or_else(|| {
+        Error::new(ErrorKind::Usage, format!("there is no FRF to write, and {format} holds nothing else"))
             .file(path)
             .found("no FRF")
             .expected("at least one FRF")
             .help("write HDF5 (.h5) or a universal file (.uff)")
-    })?;
-    write_atomically(path, force, |out| csv::write(out, set))?;
+    })
+}
+
+/// What a format of FRFs alone cannot hold.
+fn left_out(format: &str, set: &FrfSet, contents: &Contents) -> Vec<String> {
     let mut lost = Vec::new();
     if !set.geometry.nodes.is_empty() {
-        lost.push(format!("a text table holds no geometry: {} nodes are left out", set.geometry.nodes.len()));
+        lost.push(format!("{format} holds no geometry: {} nodes are left out", set.geometry.nodes.len()));
     }
     if !contents.functions.is_empty() {
-        lost.push(format!("a text table holds FRFs only: {} other functions are left out", contents.functions.len()));
+        lost.push(format!("{format} holds FRFs only: {} other functions are left out", contents.functions.len()));
     }
+    if !contents.shapes.is_empty() {
+        lost.push(format!("{format} holds FRFs only: {} shapes are left out", contents.shapes.len()));
+    }
+    lost
+}
+
+fn write_table(path: &Path, frf: Option<&FrfSet>, contents: &Contents, force: bool) -> Result<Vec<String>> {
+    let set = needed(path, frf, "a text table")?;
+    write_atomically(path, force, |out| csv::write(out, set))?;
+    let mut lost = left_out("a text table", set, contents);
     let (responses, references) = unmeasured(set);
     for (count, what) in [(responses, "responses"), (references, "references")] {
         if count > 0 {
@@ -79,12 +106,12 @@ fn unmeasured(set: &FrfSet) -> (usize, usize) {
     (full(responses, references, |pair| pair.0), full(references, responses, |pair| pair.1))
 }
 
-fn write_universal(path: &Path, frf: Option<&FrfSet>, contents: &Contents, binary: bool, force: bool) -> Result<Vec<String>> {
+fn write_universal(path: &Path, frf: Option<&FrfSet>, contents: &Contents, options: uff::WriteOptions, force: bool) -> Result<Vec<String>> {
     let whole = match (&contents.frf, frf) {
         (None, Some(frf)) => Cow::Owned(Contents { frf: Some(frf.clone()), ..Contents::default() }),
         _ => Cow::Borrowed(contents),
     };
-    let plan = uff::Plan::new(&whole, uff::WriteOptions { binary }).map_err(|error| error.file(path))?;
+    let plan = uff::Plan::new(&whole, options).map_err(|error| error.file(path))?;
     write_atomically(path, force, |out| plan.write(out))?;
     Ok(plan.warnings().to_vec())
 }

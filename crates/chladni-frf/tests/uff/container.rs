@@ -6,10 +6,10 @@ use std::path::Path;
 
 #[test]
 fn unknown_datasets_are_listed_by_number_and_the_rest_is_read() {
-    let text = ["    -1\n  1858\nanything\n    -1\n    -1\n    82\n         1         2\n    -1\n", SI_164].concat();
+    let text = ["    -1\n  1858\nanything\n    -1\n    -1\n   999\n         1         2\n    -1\n", SI_164].concat();
     let document = read_with(text, &options());
     let names: Vec<_> = document.datasets.iter().map(|d| (d.number, d.name.as_str())).collect();
-    assert_eq!(names, [(Some(1858), "unknown dataset 1858"), (Some(82), "trace lines"), (Some(164), "units")]);
+    assert_eq!(names, [(Some(1858), "unknown dataset 1858"), (Some(999), "unknown dataset 999"), (Some(164), "units")]);
     assert_eq!(document.errors, []);
 }
 

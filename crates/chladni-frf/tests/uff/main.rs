@@ -5,6 +5,7 @@ mod container;
 mod layouts;
 mod round_trip;
 mod samples;
+mod shapes;
 mod text;
 mod units;
 

@@ -26,7 +26,7 @@ pub fn example_set(frequency_hz: Vec<f64>) -> FrfSet {
 
 fn round_trip(contents: &Contents, binary: bool) -> (Document, Vec<String>) {
     let mut bytes = Vec::new();
-    let warnings = write(&mut bytes, contents, WriteOptions { binary }).unwrap();
+    let warnings = write(&mut bytes, contents, WriteOptions { binary, ..WriteOptions::default() }).unwrap();
     let document = read_with(&bytes, &options());
     assert_eq!(document.errors, []);
     assert_eq!(document.warnings, Vec::<String>::new());
@@ -116,7 +116,7 @@ fn masked_lines_stay_masked_in_binary_and_are_refused_as_text() {
     let (document, _) = round_trip(&contents, true);
     let Ordinate::Complex64(values) = &document.functions[1].ordinate else { panic!() };
     assert!(values[7].re.is_nan() && values[8].is_finite());
-    let error = Plan::new(&contents, WriteOptions { binary: false }).unwrap_err().to_string();
+    let error = Plan::new(&contents, WriteOptions::default()).unwrap_err().to_string();
     assert!(error.contains("1:+Z / 102:-X: value 8") && error.contains("binary"), "{error}");
 }
 
@@ -147,7 +147,7 @@ fn the_same_contents_give_the_same_bytes() {
     let contents = Contents { frf: Some(example_set(even_axis())), ..Contents::default() };
     let [first, second] = [(); 2].map(|()| {
         let mut bytes = Vec::new();
-        write(&mut bytes, &contents, WriteOptions { binary: true }).unwrap();
+        write(&mut bytes, &contents, WriteOptions { binary: true, ..WriteOptions::default() }).unwrap();
         bytes
     });
     assert_eq!(first, second);
@@ -157,6 +157,7 @@ fn the_same_contents_give_the_same_bytes() {
 #[test]
 fn a_node_number_of_eleven_digits_cannot_be_written() {
     let set = FrfSet { responses: vec!["1:+Z".parse().unwrap(), "12345678901:+Z".parse().unwrap()], ..example_set(even_axis()) };
-    let error = Plan::new(&Contents { frf: Some(set), ..Contents::default() }, WriteOptions { binary: true }).unwrap_err();
+    let error = Plan::new(&Contents { frf: Some(set), ..Contents::default() }, WriteOptions { binary: true, ..WriteOptions::default() })
+        .unwrap_err();
     assert!(error.to_string().contains("12345678901"));
 }

@@ -57,7 +57,7 @@ fn small_samples_of_other_programs_are_read() {
 fn small_file(binary: bool) -> Vec<u8> {
     let set = example_set(vec![1.0, 2.0, 3.0]);
     let mut bytes = Vec::new();
-    write(&mut bytes, &Contents { frf: Some(set), ..Contents::default() }, WriteOptions { binary }).unwrap();
+    write(&mut bytes, &Contents { frf: Some(set), ..Contents::default() }, WriteOptions { binary, ..WriteOptions::default() }).unwrap();
     bytes
 }
 
@@ -88,7 +88,7 @@ proptest! {
         if let Ok(document) = read(&bytes, Path::new("mutated"), &options) {
             let contents = Contents { functions: document.functions, other_geometry: document.geometry, ..Contents::default() };
             for binary in [false, true] {
-                if let Ok(plan) = Plan::new(&contents, WriteOptions { binary }) {
+                if let Ok(plan) = Plan::new(&contents, WriteOptions { binary, ..WriteOptions::default() }) {
                     let mut again = Vec::new();
                     plan.write(&mut again).unwrap();
                     prop_assert_eq!(read(&again, Path::new("again"), &ReadOptions::default()).unwrap().errors, vec![]);

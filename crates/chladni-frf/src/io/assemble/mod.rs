@@ -52,6 +52,7 @@ pub fn assemble(documents: Vec<Document>, options: &ReadOptions) -> Result<Conte
             geometry::note_nodes_without_place(&geometry, &set, &mut contents.warnings);
             set.geometry = geometry;
             contents.functions = document.functions;
+            contents.shapes = document.shapes;
             contents.frf = Some(set.checked()?);
             return Ok(contents);
         }
@@ -85,16 +86,18 @@ fn report(document: &mut Document, lenient: bool, warnings: &mut Vec<String>) ->
     let file = document.file.display();
     warnings.extend(document.warnings.iter().map(|warning| format!("{file}: {warning}")));
     let mut counted: Vec<(&String, u64, usize)> = Vec::new();
-    for function in &document.functions {
-        for warning in &function.warnings {
+    let of_functions = document.functions.iter().map(|function| (&function.warnings, function.line));
+    let of_shapes = document.shapes.iter().map(|shape| (&shape.warnings, shape.line));
+    for (warnings, line) in of_functions.chain(of_shapes) {
+        for warning in warnings {
             match counted.iter_mut().find(|(known, ..)| *known == warning) {
                 Some((.., count)) => *count += 1,
-                None => counted.push((warning, function.line, 1)),
+                None => counted.push((warning, line, 1)),
             }
         }
     }
     for (warning, line, count) in counted {
-        let more = if count > 1 { format!(" (and {} more functions)", count - 1) } else { String::new() };
+        let more = if count > 1 { format!(" (and {} more datasets)", count - 1) } else { String::new() };
         warnings.push(format!("{}: {warning}{more}", place_of(document, line)));
     }
     Ok(())
@@ -175,6 +178,7 @@ impl Assembly {
         contents: &mut Contents,
     ) -> Result<()> {
         self.files.push(document.file.display().to_string());
+        contents.shapes.append(&mut document.shapes);
         if let Some(mut set) = document.frf.take() {
             geometry::merge(geometry, std::mem::take(&mut set.geometry), &document.file)?;
             set.responses.iter().for_each(|&dof| _ = self.responses.index_of(dof));

@@ -5,6 +5,7 @@
 //! | one FRF per file | f, Re, Im, or f, magnitude, phase |
 //! | wide, named pairs | f, then a pair of columns per FRF, DOFs in the header (`1Z:3Z`) |
 //! | long | node, dir, ref_node, ref_dir, f, re, im |
+//! | time records | t, then a column per channel, DOF and unit in the header (`101:+Z [N]`) |
 //!
 //! `# key = value` lines say `frf_kind`, `unit`, `time_sign`, `reference_unit`, and `response` and `reference` of a single
 //! FRF. Delimiter and decimal sign are found by trying; a column `coherence` may follow each FRF. Phases are in degrees
@@ -14,6 +15,7 @@ mod head;
 mod long;
 mod table;
 mod text;
+mod time;
 mod wide;
 mod write;
 
@@ -58,6 +60,9 @@ fn read_text(bytes: &[u8], file: &Path, options: &ReadOptions, next_node: &mut u
         Some(table) => (table.first_line(), table.traces(options.lenient, &mut warnings)?),
         None => {
             let table = table::Table::read(&lines, options.lenient, &mut warnings)?;
+            if let Some(factor) = time::seconds(&table) {
+                return time::document(&table, factor, warnings, file);
+            }
             (table.lines[0], wide::traces(&table, &mut warnings)?)
         }
     };
@@ -102,7 +107,7 @@ impl Said {
     fn from_remarks(remarks: &[Remark]) -> Result<Self> {
         let mut said = Self::default();
         for remark in remarks {
-            let wrong = |message: String| Error::bad_data(message).at_line(remark.line).field(&remark.key).found(&remark.value);
+            let wrong = |message: String| Error::bad_word(&message, &remark.value).at_line(remark.line).field(&remark.key);
             match remark.key.as_str() {
                 "frf_kind" => said.kind = Some(remark.value.parse().map_err(wrong)?),
                 "time_sign" => said.time_sign = Some(remark.value.parse().map_err(wrong)?),

@@ -162,7 +162,7 @@ fn no_numbers(lines: &[Line<'_>]) -> Error {
     let error = Error::bad_data("no row of numbers in this text file");
     let error = match lines.first() {
         Some(line) => error.at_line(line.number).found(line.text.trim()),
-        None => error.found("only comments or blank lines"),
+        None => error.at_line(1).found("only comments or blank lines"),
     };
     if Dialect::commas_everywhere(lines) {
         return both_commas(error);

@@ -3,9 +3,9 @@
 //! Each is a group with `values` [n] in the units of the source, `abscissa` [n] where it is uneven, and the header of its
 //! dataset 58 as attributes.
 
-use super::arrays::{reals, wrong_type};
 use super::own::Own;
-use super::tree::{Attribute, Entry, Group, Values};
+use crate::io::arrays::tree::{Attribute, Entry, Group, Values};
+use crate::io::arrays::values::{reals, wrong_type};
 use crate::io::{Abscissa, Axis, Function, Ordinate};
 use crate::{Error, ReferenceUnit, Result};
 
@@ -85,26 +85,23 @@ fn ordinate_values(ordinate: &Ordinate) -> Values<'_> {
 
 /// All functions of a file, by rising number.
 pub(super) fn read_functions(own: &Own<'_>) -> Result<Vec<Function>> {
-    let numbered = |entry: &&Entry| entry.folder() == "/functions" && entry.dataset.is_none();
-    let mut groups: Vec<(u64, &Entry)> = Vec::new();
-    for entry in own.entries.iter().filter(numbered) {
-        let number = entry.name().parse().map_err(|_| {
-            Error::bad_data("a function without a number").field(&entry.path).found(entry.name()).expected("/functions/1, 2, ...")
-        })?;
-        groups.push((number, entry));
-    }
-    groups.sort_by_key(|(number, _)| *number);
-    groups.into_iter().map(|(_, entry)| read_function(own, entry)).collect()
+    own.numbered("/functions")?.into_iter().map(|entry| read_function(own, entry)).collect()
 }
 
 fn read_function(own: &Own<'_>, group: &Entry) -> Result<Function> {
-    let missing = |name: &str| Error::bad_data("an attribute is missing").field(format!("{name} of {}", group.path));
+    let missing = |name: &str| {
+        Error::bad_data("an attribute is missing")
+            .field(format!("{name} of {}", group.path))
+            .found("nothing")
+            .expected("every attribute of a function")
+    };
     let text = |name: &str| group.text(name).map(str::to_owned).ok_or_else(|| missing(name));
     let whole = |name: &str| group.integer(name).ok_or_else(|| missing(name));
     let real = |name: &str| group.real(name).ok_or_else(|| missing(name));
     let small = |name: &str| whole(name).map(|value| i32::try_from(value).unwrap_or(0));
-    let dof =
-        |name: &str| text(name)?.parse().map_err(|message: String| Error::bad_data(message).field(format!("{name} of {}", group.path)));
+    let dof = |name: &str| {
+        text(name)?.parse().map_err(|message: String| Error::bad_word(&message, "a damaged DOF").field(format!("{name} of {}", group.path)))
+    };
     let axis = |name: &str| -> Result<Axis> {
         let mut axis = Axis { quantity: small(&format!("{name}_quantity"))?, ..Axis::default() };
         for (exponent, value) in EXPONENTS.iter().zip(&mut axis.exponents) {

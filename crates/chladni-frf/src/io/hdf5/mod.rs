@@ -1,30 +1,35 @@
-//! HDF5: our own layout ([`own`]) and files of others ([`foreign`]).
+//! HDF5: our own layout ([`own`]) and files of others (`arrays::foreign`).
 //!
 //! Two back ends with the same functions read and write it: pure Rust by default, the C library with the feature `system`
 //! (for files with filters or layouts that the built-in one refuses).
 
-mod arrays;
 #[cfg(not(feature = "system"))]
 #[path = "pure/mod.rs"]
 mod backend;
 #[cfg(feature = "system")]
 #[path = "system/mod.rs"]
 mod backend;
-mod foreign;
 mod functions;
 mod model;
 mod own;
-mod tree;
+mod shapes;
 
+use super::arrays::foreign::{self, Found};
+use super::arrays::tree::{Element, Entry, Values};
+use super::arrays::ArrayFile;
 use super::atomic::create_atomically;
 use super::time_sign::to_plus;
 use super::{Contents, DatasetInfo, Document, FileFormat, ReadOptions};
 use crate::{Error, FrfSet, ModalModel, Result};
 use backend::File;
-use foreign::Found;
 use own::Own;
 use std::path::Path;
-use tree::{Element, Entry};
+
+impl ArrayFile for File {
+    fn read(&self, entry: &Entry) -> Result<Values<'static>> {
+        self.read(entry)
+    }
+}
 
 /// Everything in an HDF5 file; `sha256` is left empty.
 pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
@@ -67,6 +72,18 @@ fn read_own(own: &Own<'_>, document: &mut Document) -> Result<Option<Found>> {
             response: Some(function.response.to_string()),
             reference: Some(function.reference.to_string()),
             values: Some(function.ordinate.len()),
+            ..DatasetInfo::default()
+        });
+    }
+    document.shapes = shapes::read_shapes(own)?;
+    for shape in &document.shapes {
+        document.datasets.push(DatasetInfo {
+            number: Some(if shape.form == super::ShapeForm::AtNodes55 { 55 } else { 2414 }),
+            name: "shape".into(),
+            function: Some(shape.analysis.name().into()),
+            nodes: Some(shape.nodes.len()),
+            frequency_hz: shape.frequency_hz(),
+            damping_ratio: shape.damping_ratio(),
             ..DatasetInfo::default()
         });
     }
@@ -113,6 +130,9 @@ pub(super) fn write(path: &Path, frf: Option<&FrfSet>, others: &Contents, force:
     let mut root = own::new_root();
     if let Some(set) = frf {
         own::add_frf(&mut root, set);
+        if let Some(variance) = others.variance.as_ref().filter(|variance| variance.dim() == set.values.dim()) {
+            own::add_variance(&mut root, variance);
+        }
     }
     own::add_geometry(&mut root, frf.map_or(&others.other_geometry, |set| &set.geometry));
     if !others.sources.is_empty() {
@@ -122,6 +142,9 @@ pub(super) fn write(path: &Path, frf: Option<&FrfSet>, others: &Contents, force:
     }
     if !others.functions.is_empty() {
         root.groups.push(functions::functions_group(&others.functions));
+    }
+    if !others.shapes.is_empty() {
+        root.groups.push(shapes::shapes_group(&others.shapes));
     }
     create_atomically(path, force, |temporary| backend::write(temporary, &root))
 }

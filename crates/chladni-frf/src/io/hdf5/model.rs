@@ -2,9 +2,9 @@
 //!
 //! Texts and single numbers are attributes; lists of texts and `options` are JSON text where HDF5 has nothing as faithful.
 
-use super::arrays::{dofs, integers, reals, texts, wrong_type, ComplexArray};
 use super::own::Own;
-use super::tree::{Attribute, Entry, Group, Values};
+use crate::io::arrays::tree::{Attribute, Entry, Group, Values};
+use crate::io::arrays::values::{dofs, integers, reals, texts, wrong_type, ComplexArray};
 use crate::{ComplexMatrix, ComplexVector, Error, ModalModel, Mode, Quality, ResidualTerm, ResidualTerms, Result, Source, MODEL_FORMAT};
 use ndarray::{Array2, Array3, Ix2, Ix3};
 use num_complex::Complex64;

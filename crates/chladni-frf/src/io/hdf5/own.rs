@@ -5,17 +5,19 @@
 //! /freq            f64 [n_line]                                          attr unit="Hz"
 //! /frf             complex [n_response, n_reference, n_line], compound {r, i}, attr unit; NaN where nothing was measured
 //! /coherence       f32 [n_response, n_reference, n_line], NaN where not given            optional
+//! /variance        f64 [n_response, n_reference, n_line], E|δH|², written by `estimate`  optional
 //! /response        {node u64, dir i8} [n_response]
 //! /reference       {node u64, dir i8} [n_reference]
 //! /geometry/nodes  {label u64, x y z f64} [n_node], metres                               optional
 //! /geometry/lines  u64 node labels of all polylines one after another, /geometry/lines_start u64 where each begins (faces too)
 //! /functions/K     other functions of a source file, K = 1, 2, ...                       optional
+//! /shapes/K        mode shapes and fields of a source file                               optional
 //! /model           a modal model                                                         optional
 //! ```
 
-use super::arrays::{dofs, integers, real_array, reals, wrong_type, ComplexArray};
 use super::backend::File;
-use super::tree::{Entry, Group, Values};
+use crate::io::arrays::tree::{Entry, Group, Values};
+use crate::io::arrays::values::{dofs, integers, real_array, reals, wrong_type, ComplexArray};
 use crate::{Error, FrfKind, FrfSet, FrfValues, Geometry, ReferenceUnit, Result, TimeSign};
 use ndarray::{Array1, Array3, Ix3};
 
@@ -27,7 +29,7 @@ const VERSION: i64 = 1;
 /// True for the datasets that [`Own`] reads into a document; a model is read by itself.
 pub(super) fn is_carried(path: &str) -> bool {
     let known = ["/freq", "/frf", "/coherence", "/response", "/reference"];
-    known.contains(&path) || path.starts_with("/geometry/") || path.starts_with("/functions/")
+    known.contains(&path) || path.starts_with("/geometry/") || path.starts_with("/functions/") || path.starts_with("/shapes/")
 }
 
 /// An open file of our own layout.
@@ -67,6 +69,19 @@ impl Own<'_> {
         Ok((entry, self.file.read(entry)?))
     }
 
+    /// The groups `folder`/1, 2, ..., by rising number.
+    pub(super) fn numbered(&self, folder: &str) -> Result<Vec<&Entry>> {
+        let mut groups: Vec<(u64, &Entry)> = Vec::new();
+        for entry in self.entries.iter().filter(|entry| entry.folder() == folder && entry.dataset.is_none()) {
+            let number = entry.name().parse().map_err(|_| {
+                Error::bad_data("a group without a number").field(&entry.path).found(entry.name()).expected(format!("{folder}/1, 2, ..."))
+            })?;
+            groups.push((number, entry));
+        }
+        groups.sort_by_key(|(number, _)| *number);
+        Ok(groups.into_iter().map(|(_, entry)| entry).collect())
+    }
+
     /// The FRFs, in the time sign of the file; `None` in a file without.
     pub(super) fn frf(&self) -> Result<Option<FrfSet>> {
         if self.find("/frf").is_none() {
@@ -96,7 +111,7 @@ impl Own<'_> {
 
     fn attribute<T: std::str::FromStr<Err = String>>(&self, name: &str) -> Result<Option<T>> {
         let Some(text) = self.root().text(name) else { return Ok(None) };
-        text.parse().map(Some).map_err(|message: String| Error::bad_data(message).field(format!("{name} of /")).found(text))
+        text.parse().map(Some).map_err(|message: String| Error::bad_word(&message, text).field(format!("{name} of /")))
     }
 
     fn kind(&self) -> Result<Option<FrfKind>> {
@@ -171,7 +186,7 @@ fn own_array(array: ComplexArray, entry: &Entry) -> Result<FrfValues> {
 pub(super) fn new_root<'a>() -> Group<'a> {
     let mut root = Group::new("/");
     root.set("format", FORMAT);
-    root.set("version", super::tree::Attribute::Integer(VERSION));
+    root.set("version", crate::io::arrays::tree::Attribute::Integer(VERSION));
     root.set("created_by", crate::CREATED_BY);
     root
 }
@@ -196,6 +211,12 @@ pub(super) fn add_frf<'a>(root: &mut Group<'a>, set: &'a FrfSet) {
     }
     root.add("response", &[responses], Values::Dofs(set.responses.clone()));
     root.add("reference", &[references], Values::Dofs(set.references.clone()));
+}
+
+/// Adds E|δH|² of each FRF value.
+pub(super) fn add_variance<'a>(root: &mut Group<'a>, variance: &'a Array3<f64>) {
+    let (responses, references, lines) = variance.dim();
+    root.add("variance", &[responses, references, lines], Values::Real64(contiguous(variance)));
 }
 
 /// Adds nodes, lines and faces to the root, where there are any.
@@ -223,7 +244,7 @@ pub(super) fn add_geometry(root: &mut Group<'_>, geometry: &Geometry) {
     }
 }
 
-fn last<'b>(group: &'b mut Group<'_>) -> &'b mut super::tree::Attributes {
+fn last<'b>(group: &'b mut Group<'_>) -> &'b mut crate::io::arrays::tree::Attributes {
     let dataset = group.datasets.last_mut().expect("a dataset was just added");
     &mut dataset.attributes
 }

@@ -40,7 +40,7 @@ impl<'a> Iterator for Lines<'a> {
         if self.bytes.is_empty() {
             return None;
         }
-        let (text, rest) = match self.bytes.iter().position(|&b| b == b'\n') {
+        let (text, rest) = match memchr::memchr(b'\n', self.bytes) {
             Some(end) => (&self.bytes[..end], &self.bytes[end + 1..]),
             None => (self.bytes, &[][..]),
         };

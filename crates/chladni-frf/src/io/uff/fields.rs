@@ -3,6 +3,7 @@
 //! Numbers are Fortran's: exponents with `E`, `e`, `D`, `d` or no letter at all (`1.234-101`), a blank field is 0, stars
 //! are an overflow. Adjacent numbers may touch, so that blanks alone do not separate them.
 
+use super::decimal::short_decimal;
 use crate::{Error, Result};
 
 /// One line of the file.
@@ -40,6 +41,9 @@ pub(super) fn float(field: &[u8]) -> std::result::Result<f64, Fault> {
     let text = field.trim_ascii();
     if text.is_empty() {
         return Ok(0.0);
+    }
+    if let Some(value) = short_decimal(text) {
+        return Ok(value);
     }
     let parse = |bytes: &[u8]| std::str::from_utf8(bytes).ok().and_then(|t| t.parse::<f64>().ok());
     let value = match parse(text) {

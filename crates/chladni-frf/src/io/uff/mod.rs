@@ -1,20 +1,23 @@
-//! Universal files (UFF, UNV): datasets 15, 18, 55, 58 and 58b, 151, 164, 2411, 2414, 2420.
+//! Universal files (UFF, UNV): datasets 15, 18, 55, 58 and 58b, 82, 151, 164, 2411, 2412, 2414, 2420.
 //!
 //! The way of the data: `container` cuts the file into datasets. `function58` reads one function: its header in
 //! `header58`, its layout in `layout`, its numbers in `values`, where a binary one has them in `binary`. `scaling`
 //! learns kind and units from codes, labels (`unit_label`) and dataset 164 (`header`); `step` finds the exact step of an axis.
-//! `nodes` collects the geometry and `shapes` the numbers of mode shapes. `write` goes the other way.
+//! `nodes` and `mesh` collect the geometry, `shapes` mode shapes and fields. `write` goes the other way, with `write58`,
+//! `write_mesh` and `write_shape` for what their names say.
 //!
 //! Definitions: universal file format pages of UC-SDRL; the binary 58 of the same. Field experience is written beside the
 //! code that needs it. A damaged dataset never hides the sound ones.
 
 mod binary;
 mod container;
+mod decimal;
 mod fields;
 mod function58;
 mod header;
 mod header58;
 mod layout;
+mod mesh;
 mod nodes;
 mod scaling;
 mod shapes;
@@ -22,16 +25,18 @@ mod step;
 mod values;
 mod write;
 mod write58;
+mod write_mesh;
+mod write_shape;
 
 pub use write::{write, Plan, WriteOptions};
 
-use super::{DatasetInfo, Document, FileFormat, Function, ReadOptions};
+use super::{DatasetInfo, Document, FileFormat, Function, ReadOptions, Shape};
 use crate::{Error, Result};
 use container::Block;
 use header::Units;
-use nodes::FileNode;
+use mesh::Mesh;
+use nodes::{FileNode, System};
 use rayon::prelude::*;
-use std::collections::HashSet;
 use std::path::Path;
 
 /// Reads a universal file; `sha256` of the document is left empty.
@@ -44,6 +49,7 @@ pub fn read(bytes: &[u8], file: &Path, options: &ReadOptions) -> Result<Document
     if blocks.is_empty() {
         return Err(Error::bad_data("no dataset of a universal file is in here")
             .file(file)
+            .at_line(1)
             .found("no pair of -1 lines")
             .expected("a line with -1 in columns 5 and 6, then a line with a dataset number")
             .help("check that this is a universal file (.uff, .unv) and complete"));
@@ -53,18 +59,24 @@ pub fn read(bytes: &[u8], file: &Path, options: &ReadOptions) -> Result<Document
 
     let mut document = Document { warnings, ..Document::new(file, FileFormat::Uff) };
     let mut nodes = Vec::new();
-    let mut systems = HashSet::new();
+    let mut systems = Vec::new();
+    let mut mesh = Mesh::default();
     for part in parts {
         document.datasets.push(part.info);
         document.functions.extend(part.function);
         document.errors.extend(part.error.map(|error| error.file(file)));
         systems.extend(part.systems);
         nodes.extend(part.nodes);
+        document.shapes.extend(part.shape);
+        mesh.lines.extend(part.mesh.lines);
+        mesh.faces.extend(part.mesh.faces);
     }
     if !nodes.is_empty() && !units.iter().any(|units| matches!(units, Ok(Some(_)))) {
         document.warnings.push("the file has nodes and no units dataset (164): metres are assumed".into());
     }
     document.geometry = nodes::geometry(&nodes, &systems, &mut document.warnings);
+    (document.geometry.lines, document.geometry.faces) = (mesh.lines, mesh.faces);
+    note_lost_nodes(&mut document);
     Ok(document)
 }
 
@@ -86,15 +98,29 @@ fn units_in_force(blocks: &[Block<'_>]) -> Vec<UnitsInForce> {
         .collect()
 }
 
+/// Lines and faces that name nodes without coordinates cannot be drawn.
+fn note_lost_nodes(document: &mut Document) {
+    let geometry = &document.geometry;
+    let known: std::collections::HashSet<u64> = geometry.nodes.iter().map(|node| node.label).collect();
+    let mut lost: Vec<u64> = geometry.lines.iter().chain(&geometry.faces).flatten().copied().filter(|node| !known.contains(node)).collect();
+    lost.sort_unstable();
+    lost.dedup();
+    if let Some(first) = lost.first() {
+        document.warnings.push(format!("lines or elements name {} nodes without coordinates, the first is {first}", lost.len()));
+    }
+}
+
 /// Datasets whose content is in the document, or is written anew (header, units).
-const CARRIED: [u32; 6] = [15, 58, 151, 164, 2411, 2420];
+const CARRIED: [u32; 11] = [15, 18, 55, 58, 82, 151, 164, 2411, 2412, 2414, 2420];
 
 /// What one dataset contributes to the document.
 struct Part {
     info: DatasetInfo,
     function: Option<Function>,
     nodes: Option<(Vec<FileNode>, Units)>,
-    systems: Vec<i64>,
+    systems: Vec<System>,
+    mesh: Mesh,
+    shape: Option<Shape>,
     error: Option<Error>,
 }
 
@@ -102,7 +128,7 @@ fn part(block: &Block<'_>, units: &UnitsInForce, options: &ReadOptions) -> Part 
     let name = block.number.map_or_else(|| "unreadable dataset".to_string(), header::dataset_name);
     let left_behind = block.number.is_some_and(|number| !CARRIED.contains(&number));
     let info = DatasetInfo { number: block.number, line: Some(block.line), name, left_behind, ..DatasetInfo::default() };
-    let mut part = Part { info, function: None, nodes: None, systems: Vec::new(), error: None };
+    let mut part = Part { info, function: None, nodes: None, systems: Vec::new(), mesh: Mesh::default(), shape: None, error: None };
     if let Err(error) = fill(&mut part, block, units, options) {
         let error = match block.number {
             Some(number) => error.dataset(number),
@@ -159,11 +185,30 @@ fn fill(part: &mut Part, block: &Block<'_>, units: &UnitsInForce, options: &Read
             let units = units.map_err(|()| damaged_units(block))?;
             part.nodes = Some((nodes, units.unwrap_or(Units::SI)));
         }
-        Some(number @ (18 | 2420)) => part.systems = nodes::read_systems(number, block.records, warnings)?,
+        Some(number @ (18 | 2420)) => {
+            part.systems = nodes::read_systems(number, block.records, warnings)?;
+            info.values = Some(part.systems.len());
+        }
+        Some(82) => {
+            part.mesh = mesh::read_82(block.records, warnings)?;
+            info.values = Some(part.mesh.lines.len());
+        }
+        Some(2412) => {
+            let (mesh, elements) = mesh::read_2412(block.records, warnings)?;
+            part.mesh = mesh;
+            info.values = Some(elements);
+        }
         Some(number @ (55 | 2414)) => {
-            let mode = shapes::read(number, block.records, warnings)?;
-            info.frequency_hz = mode.frequency_hz;
-            info.damping_ratio = mode.damping_ratio;
+            let units = units.map_err(|()| damaged_units(block))?;
+            part.shape = shapes::read(number, block.line, block.records, units, warnings)?;
+            info.left_behind = part.shape.is_none();
+            if let Some(shape) = &part.shape {
+                info.function = Some(shape.analysis.name().into());
+                info.reference = shape.reference.map(|dof| dof.to_string());
+                info.nodes = Some(shape.nodes.len());
+                info.frequency_hz = shape.frequency_hz();
+                info.damping_ratio = shape.damping_ratio();
+            }
         }
         _ => {}
     }

@@ -7,7 +7,7 @@
 use super::fields::{numbers, whole, Column, Record};
 use super::header::Units;
 use crate::{Error, Geometry, Node, Result};
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 /// A node with the coordinate systems that it names.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,24 +71,76 @@ fn node(record: Record<'_>, [label, position, displacement]: [f64; 3], xyz: [f64
     Ok(FileNode { label, position_system, displacement_system, xyz })
 }
 
-/// Labels of the coordinate systems that dataset 18 or 2420 defines.
+/// A coordinate system that dataset 18 or 2420 defines.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct System {
+    pub label: i64,
+    /// Cartesian, along the global axes, from the global origin: nodes in it are in the global system.
+    pub is_global: bool,
+}
+
+const NEW_SYSTEM: [Column; 3] = [("coordinate system label", 10), ("coordinate system type", 10), ("colour", 10)];
+const OLD_SYSTEM: [Column; 5] =
+    [("coordinate system label", 10), ("coordinate system type", 10), ("reference system", 10), ("colour", 10), ("method", 10)];
+const ROW: [Column; 3] = [("x", 25), ("y", 25), ("z", 25)];
+const SIX: [Column; 6] = [("origin x", 13), ("origin y", 13), ("origin z", 13), ("x axis x", 13), ("x axis y", 13), ("x axis z", 13)];
+
+/// Coordinate systems of dataset 18 (four records each: numbers, name, origin and a point of the x axis, a point of the x-z
+/// plane) or 2420 (part and its name, then six each: numbers, name, three rows of the rotation, origin).
 ///
 /// # Errors
-/// A label that is no number.
-pub(super) fn read_systems<'a>(number: u32, records: impl Iterator<Item = Record<'a>>, warnings: &mut Vec<String>) -> Result<Vec<i64>> {
-    let (skipped, per_system) = if number == 2420 { (2, 6) } else { (0, 4) };
-    let mut labels = Vec::new();
-    for record in records.skip(skipped).step_by(per_system).filter(|record| !record.text.trim_ascii().is_empty()) {
-        let label_field = Record { text: &record.text[..record.text.len().min(10)], ..record };
-        let [label] = numbers(label_field, [("coordinate system label", 10)], warnings)?;
-        labels.push(whole(record, "coordinate system label", label)?);
+/// A field that is no number, an unknown type, a system that ends early.
+pub(super) fn read_systems<'a>(number: u32, records: impl Iterator<Item = Record<'a>>, warnings: &mut Vec<String>) -> Result<Vec<System>> {
+    let mut records = records.skip(if number == 2420 { 2 } else { 0 });
+    let mut systems = Vec::new();
+    while let Some(record) = records.next() {
+        if record.text.trim_ascii().is_empty() {
+            continue;
+        }
+        let [label, kind] = match number {
+            2420 => numbers(record, NEW_SYSTEM, warnings).map(|[label, kind, _]| [label, kind])?,
+            _ => numbers(record, OLD_SYSTEM, warnings).map(|[label, kind, ..]| [label, kind])?,
+        };
+        let label = whole(record, "coordinate system label", label)?;
+        if ![0.0, 1.0, 2.0].contains(&kind) {
+            return Err(Error::bad_data("unknown code")
+                .at_line(record.line)
+                .field("coordinate system type")
+                .found(kind)
+                .expected("0 cartesian, 1 cylindrical or 2 spherical"));
+        }
+        let mut next = |what: &str| {
+            records.next().ok_or_else(|| {
+                Error::bad_data("the dataset ends inside a coordinate system")
+                    .at_line(record.line)
+                    .field(what)
+                    .found("the end of the dataset")
+                    .expected("name, axes and origin")
+                    .help("the file is cut short; copy or export it again")
+            })
+        };
+        next("name")?;
+        let along_global = if number == 2420 {
+            let mut rows = [[0.0; 3]; 4];
+            for row in &mut rows {
+                *row = numbers(next("rotation and origin")?, ROW, warnings)?;
+            }
+            rows == [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]]
+        } else {
+            let [ox, oy, oz, x, xy, xz] = numbers(next("origin and x axis")?, SIX, warnings)?;
+            let [px, py, pz] = numbers(next("x-z plane")?, [("plane x", 13), ("plane y", 13), ("plane z", 13)], warnings)?;
+            [ox, oy, oz, xy, xz, px, py] == [0.0; 7] && x > 0.0 && pz > 0.0
+        };
+        systems.push(System { label, is_global: kind == 0.0 && along_global });
     }
-    Ok(labels)
+    Ok(systems)
 }
 
 /// Nodes of all datasets, in metres, labels unique; what is odd about them goes to `warnings`.
-pub(super) fn geometry(datasets: &[(Vec<FileNode>, Units)], systems: &HashSet<i64>, warnings: &mut Vec<String>) -> Geometry {
+pub(super) fn geometry(datasets: &[(Vec<FileNode>, Units)], systems: &[System], warnings: &mut Vec<String>) -> Geometry {
     let mut geometry = Geometry::default();
+    let known: HashMap<i64, System> = systems.iter().map(|system| (system.label, *system)).collect();
+    let is_global = |label: i64| known.get(&label).map_or(is_global(label), |system| system.is_global);
     let mut index_of: HashMap<u64, usize> = HashMap::new();
     let mut moved = Names::default();
     let mut undefined = Names::default();
@@ -107,7 +159,7 @@ pub(super) fn geometry(datasets: &[(Vec<FileNode>, Units)], systems: &HashSet<i6
             index_of.insert(node.label, geometry.nodes.len());
             geometry.nodes.push(Node { label: node.label, xyz_m });
             if !is_global(node.displacement_system) {
-                let names = if systems.contains(&node.displacement_system) { &mut local } else { &mut undefined };
+                let names = if known.contains_key(&node.displacement_system) { &mut local } else { &mut undefined };
                 names.push(node.label);
             }
             if !is_global(node.position_system) {
@@ -194,7 +246,7 @@ mod tests {
     #[test]
     fn an_undefined_displacement_system_is_reported_with_its_node() {
         let mut warnings = Vec::new();
-        let geometry = geometry(&one_node(5), &HashSet::from([4]), &mut warnings);
+        let geometry = geometry(&one_node(5), &[System { label: 4, is_global: false }], &mut warnings);
         assert_eq!(geometry.nodes[0].xyz_m, [1.0, 0.0, 0.0]);
         assert!(warnings[0].contains("nodes 12 ") && warnings[0].contains("no dataset 18 or 2420 defines"), "{warnings:?}");
     }
@@ -202,22 +254,31 @@ mod tests {
     #[test]
     fn global_systems_need_no_definition() {
         let mut warnings = Vec::new();
-        geometry(&one_node(1), &HashSet::new(), &mut warnings);
+        geometry(&one_node(1), &[], &mut warnings);
         assert!(warnings.is_empty(), "{warnings:?}");
     }
 
     #[test]
-    fn systems_of_18_and_2420_are_listed() {
+    fn systems_of_18_and_2420_are_read_and_the_global_one_is_known() {
         let mut warnings = Vec::new();
-        let row = "  1.0 0.0 0.0";
+        let rows = |origin: &str| format!("  1.0 0.0 0.0\n  0.0 1.0 0.0\n  0.0 0.0 1.0\n  {origin} 0.0 0.0\n");
         let new = format!(
-            "         1\nNone\n         4         0         8\nCS4\n{row}\n{row}\n{row}\n{row}\n         5         0         8\nCS5\n"
+            "         1\nNone\n         4         0         8\nCS4\n{}         5         0         8\nCS5\n{}",
+            rows("0.0"),
+            rows("0.1")
         );
-        let new: &'static str = new.leak();
-        assert_eq!(read_systems(2420, records(new), &mut warnings).unwrap(), [4, 5]);
-        assert_eq!(
-            read_systems(18, records("         1         0         0         1         1\nCS1\n  0.0\n  1.0"), &mut warnings).unwrap(),
-            [1]
-        );
+        let systems = read_systems(2420, records(new.leak()), &mut warnings).unwrap();
+        assert_eq!(systems, [System { label: 4, is_global: true }, System { label: 5, is_global: false }]);
+        let old = "         1         0         0         1         1\nCS1\n  0.0 0.0 0.0 1.0 0.0 0.0\n  0.0 0.0 1.0\n";
+        assert_eq!(read_systems(18, records(old), &mut warnings).unwrap(), [System { label: 1, is_global: true }]);
+        assert!(read_systems(18, records("         1         7         0         1         1"), &mut warnings).is_err());
+        assert!(read_systems(18, records("         1         0         0         1         1\nCS1"), &mut warnings).is_err());
+        let global = geometry(&one_node(4), &systems, &mut Vec::new());
+        assert_eq!(global.nodes.len(), 1);
+        let mut warnings = Vec::new();
+        geometry(&one_node(4), &systems, &mut warnings);
+        assert!(warnings.is_empty(), "system 4 is the global one: {warnings:?}");
+        geometry(&one_node(5), &systems, &mut warnings);
+        assert!(warnings[0].contains("along their own coordinate systems"), "{warnings:?}");
     }
 }

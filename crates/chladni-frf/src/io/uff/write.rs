@@ -1,4 +1,4 @@
-//! Writes universal files: 151, 164 (SI), 2411, and one 58 or 58b per function.
+//! Writes universal files: 151, 164 (SI), 2411 or 15, 82, 2412, one 55 or 2414 per shape, and one 58 or 58b per function.
 //!
 //! A [`Plan`] first decides and checks, so that nothing is found out in the middle of a file:
 //!
@@ -12,10 +12,10 @@
 //! * Dates are blank: the same data give the same bytes.
 
 use super::scaling::{exponents, motion_code, COHERENCE, EXCITATION_FORCE, FREQUENCY, FRF};
-use super::write58;
+use super::{write58, write_mesh, write_shape};
 use crate::io::unit_label;
-use crate::io::{Abscissa, Axis, Contents, Function, Ordinate};
-use crate::{Dof, Error, ErrorKind, FrfKind, FrfSet, FrfValues, Geometry, ReferenceUnit, Result, CREATED_BY};
+use crate::io::{Abscissa, Axis, Contents, Function, Ordinate, Shape, ShapeForm};
+use crate::{Dof, Error, ErrorKind, FrfKind, FrfSet, FrfValues, ReferenceUnit, Result, CREATED_BY};
 use std::borrow::Cow;
 use std::io::{self, Write};
 
@@ -24,6 +24,8 @@ use std::io::{self, Write};
 pub struct WriteOptions {
     /// Binary 58 (IEEE 754, little endian): exact, and much smaller and faster than text.
     pub binary: bool,
+    /// Datasets 15 and 55 in place of 2411 and 2414, for programs that know nothing newer: six digits.
+    pub old_datasets: bool,
 }
 
 /// Largest number that a field of ten columns holds.
@@ -61,10 +63,17 @@ impl<'a> Plan<'a> {
         for node in &geometry.nodes {
             check_node(node.label)?;
         }
-        if !(geometry.lines.is_empty() && geometry.faces.is_empty()) {
-            let (lines, faces) = (geometry.lines.len(), geometry.faces.len());
-            plan.warnings.push(format!("{lines} lines and {faces} faces of the geometry are not written to the universal file"));
+        for label in geometry.lines.iter().chain(&geometry.faces).flatten().chain(contents.shapes.iter().flat_map(|shape| &shape.nodes)) {
+            check_node(*label)?;
         }
+        let many_cornered = write_mesh::faces_as_lines(geometry);
+        if many_cornered > 0 {
+            plan.warnings.push(format!("{many_cornered} faces with more than four corners are written as closed trace lines (82)"));
+        }
+        if options.old_datasets && !geometry.nodes.is_empty() {
+            plan.warnings.push("dataset 15 keeps 6 digits of the coordinates; 2411 (.uff, .unv) and HDF5 keep all".into());
+        }
+        plan.check_shapes()?;
         let mut count = 0;
         let mut lost: Vec<String> = Vec::new();
         plan.each_function(|function| {
@@ -86,6 +95,23 @@ impl<'a> Plan<'a> {
         Ok(plan)
     }
 
+    fn check_shapes(&mut self) -> Result<()> {
+        let shapes = &self.contents.shapes;
+        shapes.iter().try_for_each(write_shape::check)?;
+        if !shapes.is_empty() {
+            self.warnings.push("datasets 55 and 2414 keep 6 digits of shapes; HDF5 keeps all".into());
+        }
+        let at_rest = |shape: &&Shape| {
+            let becomes_55 = self.options.old_datasets && shape.form == ShapeForm::Analysis2414;
+            becomes_55 && shape.nodes.len() < self.contents.geometry().nodes.len()
+        };
+        let count = shapes.iter().filter(at_rest).count();
+        if count > 0 {
+            self.warnings.push(format!("{count} shapes have no value at some nodes: dataset 55 takes these as at rest"));
+        }
+        Ok(())
+    }
+
     /// What the format cannot carry.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
@@ -97,7 +123,12 @@ impl<'a> Plan<'a> {
     /// Those of `sink`.
     pub fn write(&self, sink: &mut dyn Write) -> io::Result<()> {
         write_header(sink)?;
-        write_nodes(sink, self.contents.geometry())?;
+        let old = self.options.old_datasets;
+        write_mesh::write_nodes(sink, self.contents.geometry(), old)?;
+        write_mesh::write_mesh(sink, self.contents.geometry())?;
+        for (k, shape) in self.contents.shapes.iter().enumerate() {
+            write_shape::write(sink, shape, k + 1, old)?;
+        }
         self.each_function(|function| write58::write(sink, function, self.options))
     }
 
@@ -317,19 +348,6 @@ fn write_header(sink: &mut dyn Write) -> io::Result<()> {
     )?;
     write!(sink, "    -1\n   164\n{:10}{:<20}{:10}\n", 1, "SI: Meter (newton)", 2)?;
     write!(sink, "{0}{0}{0}\n{1}\n    -1\n", write58::fortran(1.0, 25, 17, 'D'), write58::fortran(273.15, 25, 17, 'D'))
-}
-
-fn write_nodes(sink: &mut dyn Write, geometry: &Geometry) -> io::Result<()> {
-    if geometry.nodes.is_empty() {
-        return Ok(());
-    }
-    sink.write_all(b"    -1\n  2411\n")?;
-    for node in &geometry.nodes {
-        writeln!(sink, "{:10}{:10}{:10}{:10}", node.label, 0, 0, 11)?;
-        let [x, y, z] = node.xyz_m.map(|x| write58::fortran(x, 25, 16, 'D'));
-        writeln!(sink, "{x}{y}{z}")?;
-    }
-    sink.write_all(b"    -1\n")
 }
 
 #[cfg(test)]

@@ -179,7 +179,7 @@ fn text_field(text: &str, width: usize) -> String {
 }
 
 /// An ID line; one that reads `-1` is moved out of the columns where it would end the dataset.
-fn id_line(text: &str) -> String {
+pub(super) fn id_line(text: &str) -> String {
     match text_field(text, 80) {
         line if line.trim() == "-1" => format!("{line:>20}"),
         line => line,

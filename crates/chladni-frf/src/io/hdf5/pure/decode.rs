@@ -3,7 +3,7 @@
 //! A member name or byte order which is not understood is an error and never a row of zeros. Large datasets are decoded row
 //! window by row window, so that the raw bytes of all never stand beside the values of all.
 
-use super::super::tree::{Element, Values};
+use crate::io::arrays::tree::{Element, Values};
 use crate::{Direction, Dof, Node};
 use hdf5_pure::{Dataset, Datatype, DatatypeByteOrder, Error};
 use num_complex::{Complex32, Complex64};

@@ -5,7 +5,7 @@ mod write;
 
 pub(super) use write::write;
 
-use super::tree::{check_nesting, check_size, library_error, Attribute, Attributes, Element, Entry, Values};
+use crate::io::arrays::tree::{check_nesting, check_size, library_error, Attribute, Attributes, Element, Entry, Values};
 use crate::{Error, Result};
 use decode::{element_of, values_of};
 use hdf5_pure::{AttrValue, Datatype};

@@ -1,6 +1,6 @@
 //! Writing, with the builder of the library.
 
-use super::super::tree::{Attribute, Dataset, Group, Values};
+use crate::io::arrays::tree::{Attribute, Dataset, Group, Values};
 use crate::{Dof, Error, Node, Result};
 use hdf5_pure::{AttrValue, CompoundTypeBuilder, FileBuilder, LibVer};
 use num_complex::Complex;

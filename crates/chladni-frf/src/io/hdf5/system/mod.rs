@@ -6,7 +6,7 @@
 //! Where not to use it: damaged or hostile files can crash or hang the C library (version 1.10 at least); the built-in back
 //! end refuses them.
 
-use super::tree::{check_nesting, check_size, library_error, Attribute, Attributes, Element, Entry, Group, Values};
+use crate::io::arrays::tree::{check_nesting, check_size, library_error, Attribute, Attributes, Element, Entry, Group, Values};
 use crate::{Direction, Dof, Error, Node, Result};
 use hdf5::types::{FixedAscii, FixedUnicode, FloatSize, TypeDescriptor, VarLenAscii, VarLenUnicode};
 use hdf5::{Container, H5Type, Location, LocationType};
@@ -269,7 +269,7 @@ fn unicode(text: &str) -> hdf5::Result<VarLenUnicode> {
     text.parse().map_err(|_| hdf5::Error::from(format!("text with a zero character: {text:?}")))
 }
 
-fn write_dataset(target: &hdf5::Group, dataset: &super::tree::Dataset<'_>) -> hdf5::Result<()> {
+fn write_dataset(target: &hdf5::Group, dataset: &crate::io::arrays::tree::Dataset<'_>) -> hdf5::Result<()> {
     let written = match &dataset.values {
         Values::Real64(values) => create::<f64>(target, dataset, values)?,
         Values::Real32(values) => create::<f32>(target, dataset, values)?,
@@ -294,7 +294,7 @@ fn write_dataset(target: &hdf5::Group, dataset: &super::tree::Dataset<'_>) -> hd
 }
 
 /// Packed, so that no padding byte of a record reaches the file.
-fn create<T: H5Type>(target: &hdf5::Group, dataset: &super::tree::Dataset<'_>, values: &[T]) -> hdf5::Result<hdf5::Dataset> {
+fn create<T: H5Type>(target: &hdf5::Group, dataset: &crate::io::arrays::tree::Dataset<'_>, values: &[T]) -> hdf5::Result<hdf5::Dataset> {
     let builder = target.new_dataset_builder().obj_track_times(false).packed(true).empty::<T>().shape(dataset.shape.clone());
     let created = builder.create(dataset.name.as_str())?;
     if !values.is_empty() {

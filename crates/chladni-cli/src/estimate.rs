@@ -1,0 +1,163 @@
+//! `chladni estimate`: FRFs and coherence from time records.
+
+use crate::console::Console;
+use crate::input::{expand, warn_of_files};
+use crate::outcome::Outcome;
+use crate::output::{Output, FRF};
+use crate::table::{counted, significant};
+use chladni_frf::estimate::{estimate, runs_of, BlockWindow, ChannelOverride, EstimateOptions, Estimator};
+use chladni_frf::io::{read_documents, write_contents, Contents, ReadOptions};
+use chladni_frf::{Dof, Error, ErrorKind, Geometry, Result, Source};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Arguments of `estimate`.
+#[derive(Debug, clap::Args)]
+#[command(before_help = "Examples:
+  chladni estimate hammer_*.uff -o frf.h5                                  blows: one record each, averaged
+  chladni estimate shaker.uff -o frf.h5 --block 8192 --window hann --overlap 0.5
+  chladni estimate take.wav -o frf.h5 --dofs 101:+Z,1:+Z --units V,m/s --scales 10,0.05")]
+pub struct Args {
+    /// Time records: universal files, HDF5 of this program, tables (t, then a column per channel), WAV; folders and patterns too
+    #[arg(required = true, value_name = "TIME")]
+    files: Vec<PathBuf>,
+    /// FRF file to write: .h5 (exact, with variances), .uff (binary), .unv (text), .npz or .csv
+    #[arg(short, value_name = "FRF")]
+    output: PathBuf,
+    /// Where the noise is: at the responses (h1), at the references (h2), at both (hv)
+    #[arg(long, value_name = "WHICH", default_value = "h1", value_parser = PossibleValuesParser::new(["h1", "h2", "hv"]).map(estimator))]
+    estimator: Estimator,
+    /// Window of each block; exponential needs --exponential-window [default: hann for one long record, rectangular for several]
+    #[arg(long, value_name = "WINDOW", value_parser = PossibleValuesParser::new(["rectangular", "hann", "exponential"]))]
+    window: Option<String>,
+    /// Decay α of an exponential window e^(-αt) on references and responses, 1/s; the fit takes it off with the same option
+    #[arg(long, value_name = "1/S")]
+    exponential_window: Option<f64>,
+    /// Samples of a block [default: the whole record where there are several, else about 16 blocks]
+    #[arg(long, value_name = "SAMPLES")]
+    block: Option<usize>,
+    /// Overlap of blocks, as a part of their length [default: 0.5 with a Hann window, else 0]
+    #[arg(long, value_name = "PART", allow_negative_numbers = true)]
+    overlap: Option<f64>,
+    /// DOFs that excite [default: forces; voltages where there is no force]
+    #[arg(long, value_name = "DOF", value_delimiter = ',')]
+    references: Vec<Dof>,
+    /// DOF of each channel, in the order of the file
+    #[arg(long, value_name = "DOF", value_delimiter = ',')]
+    dofs: Vec<Dof>,
+    /// Unit of each channel: N, V, m, m/s, m/s^2, g, ...
+    #[arg(long, value_name = "UNIT", value_delimiter = ',')]
+    units: Vec<String>,
+    /// Factor of each channel from the file's numbers to its unit (of full scale, in WAV)
+    #[arg(long, value_name = "FACTOR", value_delimiter = ',', allow_negative_numbers = true)]
+    scales: Vec<f64>,
+    /// Leave out what cannot be read instead of refusing the file
+    #[arg(long)]
+    lenient: bool,
+}
+
+fn estimator(name: String) -> Estimator {
+    match name.as_str() {
+        "h2" => Estimator::H2,
+        "hv" => Estimator::Hv,
+        _ => Estimator::H1,
+    }
+}
+
+impl Args {
+    fn window(&self) -> Result<Option<BlockWindow>> {
+        let wrong = |message: &str, found: String, expected: &str| {
+            Err(Error::new(ErrorKind::Usage, message).field("--exponential-window").found(found).expected(expected))
+        };
+        match (self.window.as_deref(), self.exponential_window) {
+            (None | Some("exponential"), Some(rate_per_s)) if rate_per_s.is_finite() && rate_per_s >= 0.0 => {
+                Ok(Some(BlockWindow::Exponential { rate_per_s }))
+            }
+            (None | Some("exponential"), Some(rate)) => wrong("no possible decay", rate.to_string(), "a rate in 1/s, 0 or more"),
+            (Some(name), Some(_)) => wrong("two windows", format!("--window {name} too"), "one window"),
+            (Some("exponential"), None) => wrong("an exponential window needs its decay", "none".into(), "a rate in 1/s"),
+            (Some("hann"), None) => Ok(Some(BlockWindow::Hann)),
+            (Some(_), None) => Ok(Some(BlockWindow::Rectangular)),
+            (None, None) => Ok(None),
+        }
+    }
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Those of reading, of records that do not fit together, and of writing.
+pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
+    let files = expand(&args.files, console)?;
+    let output = Output::new(&args.output, FRF, &files, console)?;
+    let options = EstimateOptions { estimator: args.estimator, window: args.window()?, block: args.block, overlap: args.overlap };
+    let said = ChannelOverride {
+        dofs: args.dofs.clone(),
+        units: args.units.clone(),
+        scales: args.scales.clone(),
+        references: args.references.clone(),
+    };
+    console.stage("reading");
+    let mut runs = Vec::new();
+    let mut sources = Vec::new();
+    let mut geometry = Geometry::default();
+    let mut warnings = Vec::new();
+    for mut document in read_documents(&files, &ReadOptions { lenient: args.lenient, ..ReadOptions::default() })? {
+        match document.errors.first() {
+            Some(error) if !args.lenient => return Err(error.clone().file(&document.file)),
+            _ => warnings.extend(document.errors.iter().map(|error| format!("left out: {error}"))),
+        }
+        runs.extend(runs_of(&document, &said)?);
+        warnings.extend(document.warnings.iter().map(|warning| format!("{}: {warning}", document.file.display())));
+        sources.push(Source { file: chladni_frf::io::file_name(&document.file), sha256: document.sha256.clone() });
+        if geometry.nodes.is_empty() {
+            geometry = std::mem::take(&mut document.geometry);
+        }
+    }
+    warn_of_files(&files, warnings, console);
+    console.stage("estimating FRFs");
+    let result = estimate(&runs, &options)?;
+    console.warn_all(result.warnings);
+    let mut frf = result.frf;
+    frf.geometry = geometry;
+    if frf.kind.is_none() {
+        console.warn("the units do not say the FRF kind: other commands need --frf-kind, or name the units here with --units".to_owned());
+    }
+    console.stage("writing");
+    let (responses, references, lines) = frf.values.dim();
+    let (kind, axis) = (frf.kind, [frf.frequency_hz[0], frf.frequency_hz[lines - 1]]);
+    let contents = Contents { frf: Some(frf), variance: Some(result.variance), sources, ..Contents::default() };
+    console.warn_all(output.write(|path, force| write_contents(path, &contents, force))?);
+    let json = json!({
+        "output": args.output.display().to_string(),
+        "source": contents.sources,
+        "frf_kind": kind,
+        "responses": responses,
+        "references": references,
+        "lines": lines,
+        "axis_hz": axis,
+        "estimator": format!("{:?}", args.estimator).to_lowercase(),
+        "window": result.window.name(),
+        "block": result.block,
+        "overlap": result.overlap,
+        "averages": result.averages,
+        "warnings": console.warnings(),
+    });
+    let text = format!(
+        "{}: {} of {} at {}, {} from {} to {} Hz, {} averaged\n",
+        args.output.display(),
+        kind.map_or("FRFs".to_owned(), |kind| kind.to_string()),
+        counted(responses, "response"),
+        counted(references, "reference"),
+        counted(lines, "line"),
+        significant(axis[0], 6),
+        significant(axis[1], 6),
+        if result.averages[0] == result.averages[1] {
+            counted(result.averages[0], "block")
+        } else {
+            format!("{} to {} blocks", result.averages[0], result.averages[1])
+        }
+    );
+    Ok(Outcome::written(&args.output, json, text))
+}
