@@ -67,16 +67,6 @@ pub(crate) fn plain(value: f64) -> String {
     }
 }
 
-/// `value` ± `bound`, both with so many places that the bound has two significant digits; without a bound, six significant digits.
-pub(crate) fn with_bound(value: f64, bound: f64) -> String {
-    if bound.is_nan() || bound <= 0.0 {
-        return significant(value, 6);
-    }
-    // beyond twelve places a double says nothing of a natural frequency
-    let decimals = (1.0 - bound.log10().floor()).clamp(0.0, 9.0) as usize;
-    format!("{} ± {}", fixed(value, decimals), fixed(bound, decimals))
-}
-
 /// An exponent in small raised digits.
 pub(crate) fn superscript(exponent: i32) -> String {
     const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
@@ -112,8 +102,6 @@ mod tests {
     fn numbers_read_well() {
         assert_eq!(fixed(-0.04, 1), "0.0");
         assert_eq!(fixed(-12.34, 1), "−12.3");
-        assert_eq!(with_bound(105.123456, 0.0123), "105.123 ± 0.012");
-        assert_eq!(with_bound(105.123456, 0.0), "105.123");
         assert_eq!(significant(0.00001234, 3), "1.23·10⁻⁵");
         assert_eq!(significant(1234.6, 3), "1235");
         assert_eq!([plain(300.0), plain(12.5), plain(1000.0)], ["300", "12.5", "1000"]);
