@@ -145,10 +145,14 @@ fn commands_of_the_other_pages_are_run() {
 #[test]
 fn the_first_hour_is_the_tutorials_second_part() {
     // its log is of commands that stand in the tutorial, the README or the demonstration, which tests run
-    let known: Vec<String> = [TUTORIAL, README].iter().flat_map(|page| steps(page)).filter_map(|step| match step {
-        Step::Run(line) => Some(line.split_whitespace().next().unwrap().to_owned()),
-        Step::Save(..) => None,
-    }).collect();
+    let known: Vec<String> = [TUTORIAL, README]
+        .iter()
+        .flat_map(|page| steps(page))
+        .filter_map(|step| match step {
+            Step::Run(line) => Some(line.split_whitespace().next().unwrap().to_owned()),
+            Step::Save(..) => None,
+        })
+        .collect();
     let logged: Vec<String> = FIRST_HOUR.lines().filter_map(|line| command(line.trim_start_matches("$ "))).collect();
     assert!(logged.len() >= 5, "{logged:?}");
     for line in logged {
@@ -171,7 +175,13 @@ fn every_help_page_begins_with_examples() {
     let folder = Folder::new();
     let overview = folder.run("--help").exits(0).stdout;
     assert!(overview.starts_with("Examples:"), "{overview}");
-    let verbs: Vec<&str> = overview.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty()).filter_map(|line| line.split_whitespace().next()).collect();
+    let verbs: Vec<&str> = overview
+        .lines()
+        .skip_while(|line| *line != "Commands:")
+        .skip(1)
+        .take_while(|line| !line.is_empty())
+        .filter_map(|line| line.split_whitespace().next())
+        .collect();
     assert!(verbs.contains(&"studio") && verbs.len() > 12, "{verbs:?}");
     for verb in verbs.into_iter().filter(|verb| !matches!(*verb, "help" | "bench")) {
         let help = folder.run(&format!("{verb} --help")).exits(0).stdout;

@@ -2,7 +2,7 @@
 
 use super::session::{FitRequest, SceneRequest, Session};
 use axum::extract::{DefaultBodyLimit, Request, State};
-use axum::http::{header, StatusCode};
+use axum::http::{header, HeaderMap, StatusCode};
 use axum::middleware::{from_fn_with_state, Next};
 use axum::response::{Html, IntoResponse, Response};
 use axum::routing::{get, post};
@@ -34,14 +34,17 @@ pub fn serve(session: Arc<Session>, listener: TcpListener, address: SocketAddr) 
 
 /// Refuses pages of other sites that reach this port by a name of their own, or post to it from elsewhere.
 async fn only_from_here(State(address): State<SocketAddr>, request: Request, next: Next) -> Response {
-    let here = [address.to_string(), format!("localhost:{}", address.port())];
-    let text = |name| request.headers().get(name).and_then(|value: &axum::http::HeaderValue| value.to_str().ok());
-    let host = text(header::HOST).is_some_and(|host| here.iter().any(|known| known == host));
-    let origin = text(header::ORIGIN).is_none_or(|origin| here.iter().any(|known| origin == format!("http://{known}")));
-    match host && origin {
+    match is_from_here(request.headers(), address) {
         true => next.run(request).await,
         false => (StatusCode::FORBIDDEN, "the studio answers its own page only\n").into_response(),
     }
+}
+
+fn is_from_here(headers: &HeaderMap, address: SocketAddr) -> bool {
+    let here = [address.to_string(), format!("localhost:{}", address.port())];
+    let text = |name| headers.get(name).and_then(|value| value.to_str().ok());
+    let host = text(header::HOST).is_some_and(|host| here.iter().any(|known| known == host));
+    host && text(header::ORIGIN).is_none_or(|origin| here.iter().any(|known| origin == format!("http://{known}")))
 }
 
 async fn page(State(session): State<Arc<Session>>) -> Html<String> {

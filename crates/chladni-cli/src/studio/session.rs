@@ -128,7 +128,7 @@ impl Session {
     /// A scene that cannot be read or does not fit the model.
     pub fn render(&self, request: &SceneRequest) -> Result<Value> {
         let model = self.current().ok_or_else(|| Error::bad_data("no model yet").help("fit first"))?;
-        let method: MethodChoice = request.method.parse().map_err(Error::bad_data)?;
+        let method: MethodChoice = request.method.parse()?;
         let scene = Scene::parse(&request.toml, Path::new(""))?;
         let rendering = render(&model, &scene, &RenderOptions { method, ..RenderOptions::default() })?;
         let scenes = vec![RenderedScene::of_rendering(&rendering)];

@@ -58,8 +58,9 @@ impl Page {
 
     /// Opens an address and waits until the page has drawn itself; milliseconds from its start to then.
     pub fn open(&mut self, url: &str) -> u64 {
+        self.eval("delete document.documentElement?.dataset.drawn");
         self.send("Page.navigate", json!({ "url": url }));
-        self.wait("document.documentElement.dataset.drawn").as_str().unwrap().parse().unwrap()
+        self.wait("document.documentElement?.dataset.drawn").as_str().unwrap().parse().unwrap()
     }
 
     pub fn open_file(&mut self, path: &Path) -> u64 {

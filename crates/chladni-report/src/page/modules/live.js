@@ -48,6 +48,8 @@ const finals = new Asker("/api/scene");
 let here = null;
 /** What was asked for last: answers to older questions are not shown. */
 let asked = 0;
+/** The last question whose best drive is shown. */
+let best = 0;
 
 /** Draws the page, and fits for the first time. */
 export function start() {
@@ -178,19 +180,19 @@ function scenePanel(first, geometry) {
     drafts.ask({ toml: text, method: "fast" }, (said) => show(said, number, moving));
     if (moving) return;
     status.textContent = "best drive: at work …";
-    finals.ask({ toml: text, method: "best" }, (said) => show(said, number, false));
+    finals.ask({ toml: text, method: "best" }, (said) => show(said, number, false, true));
   }
 
-  function show(said, number, light) {
-    const late = number < asked;
-    // while the hand moves an answer of a moment ago is better than none
-    if (late && !light) return;
+  function show(said, number, light, isBest = false) {
+    // while the hand moves an answer of a moment ago is better than none; nothing is better than the best
+    if ((number < asked && !light) || number <= best) return;
     if (said.error) {
       status.textContent = said.error;
       return;
     }
     const { model, geometry: places, frfs } = here;
-    if (said.scene.method !== "pressure-matching" || light) status.textContent = "";
+    if (isBest) best = number;
+    if (isBest || light) status.textContent = "";
     const body = sceneBody(said.scene, 1, model, places, frfs, light);
     result.replaceChildren(said.warnings.length ? warningList(said.warnings.map((text) => ["Scene", text])) : "", ...body);
     result.dataset.method = said.scene.method;

@@ -148,12 +148,16 @@ export function sceneNumbers(first, onchange) {
   };
 }
 
-/** Where a scene begins: the drive and the hot zones of the first scene, or the middle of the band and nothing. */
+/** A drive that is well felt, Hz. */
+const USUAL_HZ = 300;
+
+/** Where a scene begins: the drive and the hot zones of the first scene, or a usual drive and nothing. */
 export function startOfScene(scenes, model) {
   const first = scenes.find((scene) => scene.field);
   const zones = (first?.field.hot ?? []).map((points) => ({ kind: "hot", points }));
-  const middle = model ? Math.round((model.band_hz[0] + model.band_hz[1]) / 2) : 300;
-  return { frequencyHz: first?.frequency_hz ?? middle, limenDb: 2, transitionM: 0.01, zones };
+  const [low, high] = model?.band_hz ?? [0, Infinity];
+  const usual = low < USUAL_HZ && USUAL_HZ < high ? USUAL_HZ : Math.round((low + high) / 2);
+  return { frequencyHz: first?.frequency_hz ?? usual, limenDb: 2, transitionM: 0.01, zones };
 }
 
 /** Section: a board, and the scene as TOML to take along. */
