@@ -1,5 +1,8 @@
 //! Text: escaping for HTML and SVG, base64, and numbers as people write them.
 
+use base64::engine::general_purpose::STANDARD;
+use base64::Engine;
+
 /// `text` with everything neutralised that HTML or SVG could take for markup. Control characters, and marks that turn the
 /// direction of writing, become a visible box.
 pub(crate) fn escape(text: &str) -> String {
@@ -23,16 +26,7 @@ pub(crate) fn escape(text: &str) -> String {
 
 /// Base64 with padding (RFC 4648, section 4).
 pub(crate) fn base64(bytes: &[u8]) -> String {
-    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut out = String::with_capacity(bytes.len().div_ceil(3) * 4);
-    for chunk in bytes.chunks(3) {
-        let word = chunk.iter().enumerate().fold(0u32, |word, (k, &byte)| word | u32::from(byte) << (16 - 8 * k));
-        for k in 0..4 {
-            let letter = LETTERS[(word >> (18 - 6 * k)) as usize & 63];
-            out.push(if k <= chunk.len() { letter as char } else { '=' });
-        }
-    }
-    out
+    STANDARD.encode(bytes)
 }
 
 /// `value` with `decimals` places and a true minus sign; what rounds to zero has none.
@@ -88,14 +82,6 @@ mod tests {
     fn markup_and_controls_are_neutralised() {
         assert_eq!(escape("<script>alert('&')</script>\u{0}"), "&lt;script&gt;alert(&#39;&amp;&#39;)&lt;/script&gt;□");
         assert_eq!(escape("a\u{202e}b"), "a□b");
-    }
-
-    #[test]
-    fn base64_of_rfc_4648() {
-        let words = [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")];
-        for (plain, coded) in words {
-            assert_eq!(base64(plain.as_bytes()), coded);
-        }
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! The report through its public door.
 
+use base64::engine::general_purpose::STANDARD;
+use base64::Engine;
 use chladni_frf::{FrfSet, ModalModel, Source, Trust};
 use chladni_plate::{simulate, Panel, Simulation};
 use chladni_render::{evaluate, render, stress, sweep, On, Rendering, Scene, StressOptions};
@@ -42,16 +44,7 @@ fn input<'a>(model: &'a ModalModel, measured: Option<&'a FrfSet>, rendering: &'a
 
 /// Numbers that stand in the data as base64 of little-endian single precision.
 fn f32s(coded: &serde_json::Value) -> Vec<f32> {
-    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let text = coded["f32"].as_str().unwrap();
-    let values: Vec<u32> = text.bytes().filter(|&b| b != b'=').map(|b| LETTERS.iter().position(|&l| l == b).unwrap() as u32).collect();
-    let bytes: Vec<u8> = values
-        .chunks(4)
-        .flat_map(|chunk| {
-            let word = chunk.iter().enumerate().fold(0u32, |word, (k, value)| word | value << (18 - 6 * k));
-            word.to_be_bytes()[1..chunk.len()].to_vec()
-        })
-        .collect();
+    let bytes = STANDARD.decode(coded["f32"].as_str().unwrap()).unwrap();
     bytes.chunks_exact(4).map(|four| f32::from_le_bytes(four.try_into().unwrap())).collect()
 }
 

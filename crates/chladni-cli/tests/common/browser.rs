@@ -1,5 +1,7 @@
 //! A real headless Chromium, spoken to over its DevTools socket.
 
+use base64::engine::general_purpose::STANDARD;
+use base64::Engine;
 use serde_json::{json, Value};
 use std::net::TcpStream;
 use std::path::Path;
@@ -133,7 +135,7 @@ impl Page {
     /// What the window shows, as PNG.
     pub fn screenshot(&mut self) -> Vec<u8> {
         let data = self.send("Page.captureScreenshot", json!({"format": "png"}))["data"].clone();
-        base64(data.as_str().unwrap())
+        STANDARD.decode(data.as_str().unwrap()).unwrap()
     }
 
     /// Errors of scripts and refused loads so far.
@@ -203,17 +205,4 @@ fn devtools_url(profile: &Path) -> Option<String> {
         std::thread::sleep(Duration::from_millis(30));
     }
     None
-}
-
-fn base64(text: &str) -> Vec<u8> {
-    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let value = |letter: u8| LETTERS.iter().position(|&known| known == letter).unwrap() as u32;
-    let letters: Vec<u8> = text.bytes().filter(|&letter| letter != b'=').collect();
-    letters
-        .chunks(4)
-        .flat_map(|chunk| {
-            let word = chunk.iter().enumerate().fold(0u32, |word, (k, &letter)| word | value(letter) << (18 - 6 * k));
-            word.to_be_bytes()[1..chunk.len()].to_vec()
-        })
-        .collect()
 }
