@@ -1,7 +1,7 @@
 //! `chladni report`: models and weights as one HTML page, and its views as files.
 
 use crate::console::Console;
-use crate::input::{read_weights, source, Reading};
+use crate::input::{expand, read_frf, read_weights, source, Reading};
 use crate::outcome::Outcome;
 use crate::output::{make_folder, Output, HTML, PICTURE, TABLE};
 use crate::table::{counted, shortened};
@@ -25,8 +25,8 @@ const SIMULATED: &str = "simulate";
 
 The page needs no network and no other file. In it: FRFs of any pair, stabilization diagram (click poles to keep or drop
 them, copy the TOML for `chladni select`), pole table, MAC, moving shapes, fields, weights, curves, stress, and a board to
-draw a scene on (copy the TOML for `chladni render`). Files that the results name as their sources (the measured FRFs, the model, the scene) are shown too where they
-still lie beside them, unchanged.")]
+draw a scene on (copy the TOML for `chladni render`). Files that the results name as their sources (the measured FRFs, the
+model, the scene) are shown too where they still lie beside them, or in a folder beside them, unchanged.")]
 pub struct Args {
     /// At most one model, any number of weights, and tables that `chladni bench` wrote (.csv)
     #[arg(required = true, value_name = "MODEL|WEIGHTS|TABLE")]
@@ -34,6 +34,9 @@ pub struct Args {
     /// Page to write
     #[arg(short, value_name = "report.html", required_unless_present = "charts")]
     output: Option<PathBuf>,
+    /// FRFs that the model was fitted to, where they lie elsewhere now
+    #[arg(long, value_name = "FRF", num_args = 1..)]
+    measured: Vec<PathBuf>,
     /// Folder to write every view into, as SVG and PNG files
     #[arg(long, value_name = "DIR")]
     charts: Option<PathBuf>,
@@ -53,7 +56,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let output = args.output.as_deref().map(|path| Output::new(path, HTML, &args.files, console)).transpose()?;
     args.charts.as_deref().map(make_folder).transpose()?;
     console.stage("reading");
-    let contents = Contents::read(&args.files, console)?;
+    let contents = Contents::read(&args.files, &args.measured, console)?;
     let input = contents.input(io::file_name(&args.files[0]), console);
 
     console.stage("drawing");
@@ -99,17 +102,21 @@ pub struct Contents {
 }
 
 impl Contents {
-    /// Reads `files`, and what they name as their sources where it lies beside them, unchanged.
+    /// Reads `files`, and what they name as their sources where it lies beside them, unchanged; the FRFs from `measured` where that
+    /// names any.
     ///
     /// # Errors
     /// Those of reading; more than one model.
-    pub fn read(files: &[PathBuf], console: &Console) -> Result<Self> {
+    pub fn read(files: &[PathBuf], measured: &[PathBuf], console: &Console) -> Result<Self> {
         let (mut model_file, weights, tables) = sort(files)?;
         if model_file.is_none() {
             model_file = weights.iter().find_map(|(file, weights)| beside(file, &weights.source).into_iter().find(|path| is_model(path)));
         }
         let model = model_file.as_deref().map(io::read_model).transpose()?;
         let measured = match (&model_file, &model) {
+            (_, Some(model)) if !measured.is_empty() => {
+                Some(read_frf(&expand(measured, console)?, &Reading::from_echo(&model.options), console)?.0)
+            }
             (Some(file), Some(model)) => measured_of(file, model, console),
             _ => None,
         };
@@ -213,11 +220,27 @@ fn is_model(path: &Path) -> bool {
     matches!(detect_format(path), Ok(FileFormat::Model))
 }
 
-/// The sources of a result that lie beside it, unchanged.
+/// The sources of a result that lie beside it, or in a folder beside it, unchanged.
 fn beside(result: &Path, sources: &[Source]) -> Vec<PathBuf> {
-    let folder = result.parent().unwrap_or_else(|| Path::new(""));
-    let same = |source: &&Source| io::sha256_of(&folder.join(&source.file)).is_ok_and(|sha256| sha256 == source.sha256);
-    sources.iter().filter(same).map(|source| folder.join(&source.file)).collect()
+    let folder = match result.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent.to_path_buf(),
+        _ => PathBuf::from("."),
+    };
+    let folders: Vec<PathBuf> = std::iter::once(folder.clone()).chain(subfolders(&folder)).collect();
+    let of = |source: &Source| {
+        let place = |folder: &PathBuf| folder.join(&source.file);
+        folders.iter().map(place).find(|path| path.is_file() && io::sha256_of(path).is_ok_and(|sha256| sha256 == source.sha256))
+    };
+    sources.iter().filter_map(of).collect()
+}
+
+/// Folders inside a folder, in order; hidden ones are nobody's data.
+fn subfolders(folder: &Path) -> Vec<PathBuf> {
+    let is_hidden = |path: &PathBuf| path.file_name().is_none_or(|name| name.to_string_lossy().starts_with('.'));
+    let entries = std::fs::read_dir(folder).into_iter().flatten().filter_map(|entry| Some(entry.ok()?.path()));
+    let mut folders: Vec<PathBuf> = entries.filter(|path| path.is_dir() && !is_hidden(path)).collect();
+    folders.sort();
+    folders
 }
 
 /// The FRFs that a model was fitted to, read as they were then; none where one of the files is gone or another.
@@ -232,7 +255,9 @@ fn measured_of(file: &Path, model: &ModalModel, console: &Console) -> Option<Frf
     if files.len() < fitted.len() {
         let names: Vec<String> = fitted.iter().map(|source| source.file.clone()).collect();
         let names = shortened(&names, 3);
-        console.warn(format!("the measured FRFs ({names}) do not lie beside the model, unchanged: its synthesis alone is shown"));
+        console.warn(format!(
+            "the measured FRFs ({names}) do not lie beside the model, unchanged: its synthesis alone is shown; name them with --measured"
+        ));
         return None;
     }
     match io::read_frf(&files, &Reading::from_echo(&model.options).options()) {

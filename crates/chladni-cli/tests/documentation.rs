@@ -99,6 +99,9 @@ fn the_tutorial_does_what_it_says() {
             }
         }
     }
+    // 34 files in a folder, and three commands later the stabilization diagram over their CMIF
+    let diagram = folder.text("measured.html");
+    assert!(diagram.contains("\"stabilization\":{\"damping_ratio\"") && diagram.contains("of the measured FRFs"));
     for written in ["report.html", "scene.html", "figures/stabilization.svg", "figures/field-1.png", "drive.wav", "field.html", "all.uff"] {
         assert!(folder.path().join(written).is_file(), "{written}");
     }

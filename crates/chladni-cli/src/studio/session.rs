@@ -62,7 +62,7 @@ impl Session {
         let mut words: Vec<String> = files.iter().map(named).collect();
         let (frf, sources, model) = match files.as_slice() {
             [file] if model_of(file)?.is_some() => {
-                let contents = Contents::read(&files, console)?;
+                let contents = Contents::read(&files, &[], console)?;
                 (contents.measured, Vec::new(), contents.model)
             }
             _ => {
