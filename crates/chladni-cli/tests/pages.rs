@@ -9,10 +9,8 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::process::{Child, Command, Stdio};
 
-/// A page opens in less than so many milliseconds.
-const OPENS_WITHIN_MS: u64 = 2000;
-/// Loads of which the quickest counts: other work on the machine may hold up one of them.
-const LOADS: usize = 3;
+/// A page opens with less work than so many seconds: without other programs beside it, in less time than that.
+const OPENS_WITHIN_S: f64 = 2.0;
 
 /// A folder with panel, model, weights and report.
 fn folder_with_report() -> Folder {
@@ -340,7 +338,8 @@ fn the_report_of_the_demonstration_panel_opens_quickly() {
     let folder = Folder::new();
     folder.run("demo -o demo -q").exits(0);
     let report = folder.path().join("demo/report.html");
-    let least = (0..LOADS).map(|_| page.open_file(&report)).min().unwrap();
-    assert!(least < OPENS_WITHIN_MS, "{least} ms");
+    page.open_file(&report);
+    let worked_s = page.worked_s();
+    assert!(worked_s > 0.0 && worked_s < OPENS_WITHIN_S, "{worked_s} s");
     assert_eq!(page.eval("document.querySelectorAll('section[id^=scene-]').length"), 4);
 }

@@ -95,7 +95,7 @@ fn reversed_direction() {
 #[test]
 fn mixed_axes_of_frequency_and_of_the_sensor() {
     let folder = clean();
-    folder.write("other.toml", PANEL.replace("step_hz = 0.5", "step_hz = 1.0").replace("[responses]", "[responses]"));
+    folder.write("other.toml", PANEL.replace("step_hz = 0.5", "step_hz = 1.0"));
     folder.run("simulate other.toml -o other.h5 -q").exits(0);
     let mixed = folder.run("fit clean.h5 other.h5 --duplicates first");
     assert_eq!(mixed.code, 65, "{}", mixed.stderr);

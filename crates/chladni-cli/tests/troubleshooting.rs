@@ -21,8 +21,8 @@ fn rust_files(folder: &Path, out: &mut Vec<PathBuf>) {
 
 /// The first text in quotation marks before the call's own end, as it is printed.
 fn first_literal(call: &str) -> Option<String> {
-    let (mut depth, mut letters) = (1, call.char_indices());
-    while let Some((at, letter)) = letters.next() {
+    let mut depth = 1;
+    for (at, letter) in call.char_indices() {
         match letter {
             '(' | '[' | '{' => depth += 1,
             ')' | ']' | '}' => depth -= 1,

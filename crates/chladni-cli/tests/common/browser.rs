@@ -47,6 +47,7 @@ impl Page {
         for domain in ["Page", "Runtime", "Log"] {
             page.send(&format!("{domain}.enable"), json!({}));
         }
+        page.send("Performance.enable", json!({"timeDomain": "threadTicks"}));
         page.resize(width, height);
         let scheme = if dark { "dark" } else { "light" };
         page.send("Emulation.setEmulatedMedia", json!({"features": [{"name": "prefers-color-scheme", "value": scheme}]}));
@@ -63,6 +64,13 @@ impl Page {
         self.eval("delete document.documentElement?.dataset.drawn");
         self.send("Page.navigate", json!({ "url": url }));
         self.wait("document.documentElement?.dataset.drawn").as_str().unwrap().parse().unwrap()
+    }
+
+    /// Seconds that the page's thread has worked so far: unlike a clock they do not count what other programs do meanwhile.
+    pub fn worked_s(&mut self) -> f64 {
+        let metrics = self.send("Performance.getMetrics", json!({}))["metrics"].clone();
+        let task = metrics.as_array().unwrap().iter().find(|metric| metric["name"] == "TaskDuration").unwrap();
+        task["value"].as_f64().unwrap()
     }
 
     pub fn open_file(&mut self, path: &Path) -> u64 {
