@@ -37,6 +37,11 @@ pub fn html(input: &ReportInput) -> Result<String> {
     Ok(page::report(&input.title, &data::of(input)?))
 }
 
+/// A page of any figures, one section each, with `words` above them; like the report it needs nothing else.
+pub fn gallery(title: &str, words: &str, figures: &[Figure]) -> String {
+    page::gallery(title, words, figures)
+}
+
 /// What the page draws, as JSON.
 ///
 /// # Errors

@@ -5,7 +5,7 @@ use base64::Engine;
 use chladni_frf::{FrfSet, ModalModel, Source, Trust};
 use chladni_plate::{simulate, Panel, Simulation};
 use chladni_render::{evaluate, render, stress, sweep, On, Rendering, Scene, StressOptions};
-use chladni_report::{charts, data, figures, html, scene_data, studio_html, ChartFormats, RenderedScene, ReportInput, Table};
+use chladni_report::{charts, data, figures, gallery, html, scene_data, studio_html, ChartFormats, RenderedScene, ReportInput, Table};
 use std::path::Path;
 use std::sync::OnceLock;
 
@@ -59,6 +59,15 @@ fn the_page_needs_no_network_and_runs_no_script_but_its_own() {
     }
     assert!(page.contains("default-src 'none'") && page.contains("script-src 'sha256-") && page.contains("connect-src 'none'"));
     assert_eq!(page.matches("<script>").count(), 1);
+}
+
+#[test]
+fn a_gallery_shows_its_figures_without_a_script() {
+    let all = figures(&ReportInput { model: Some(&small().truth), ..Default::default() }).unwrap();
+    let page = gallery("Charts <1>", "made & measured", &all[..3]);
+    assert_eq!((page.matches("<svg").count(), page.matches("<section").count()), (3, 3));
+    assert!(page.contains("<h1>Charts &lt;1&gt;</h1>") && page.contains("made &amp; measured"));
+    assert!(!page.contains("module_page"));
 }
 
 #[test]

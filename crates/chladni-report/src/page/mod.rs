@@ -3,6 +3,7 @@
 
 mod bundle;
 
+use crate::chart::Figure;
 use crate::text::{base64, escape};
 use bundle::{bundle, Module};
 use chladni_frf::CREATED_BY;
@@ -11,6 +12,8 @@ use sha2::{Digest, Sha256};
 
 const TEMPLATE: &str = include_str!("template.html");
 const STYLE: &str = include_str!("style.css");
+/// What stands in the page until its script has drawn it.
+const WITHOUT_SCRIPT: &str = include_str!("without_script.html");
 
 macro_rules! modules {
     ($($name:literal),*) => { &[$(($name, include_str!(concat!("modules/", $name, ".js")))),*] };
@@ -55,16 +58,34 @@ fn report_modules() -> &'static [Module] {
 /// The report with its data.
 pub(crate) fn report(title: &str, data: &Value) -> String {
     let start = "module_page.show(module_data.embedded());";
-    fill_page(title, &format!("{}{start}\n", bundle(report_modules())), &inert(data), "'none'")
+    fill_page(title, &format!("{}{start}\n", bundle(report_modules())), WITHOUT_SCRIPT, &inert(data), "'none'")
 }
 
 /// The studio: it asks its own server for everything.
 pub(crate) fn studio(title: &str) -> String {
     let start = "module_live.start();";
-    fill_page(title, &format!("{}{start}\n", bundle(STUDIO_MODULES)), "null", "'self'")
+    fill_page(title, &format!("{}{start}\n", bundle(STUDIO_MODULES)), WITHOUT_SCRIPT, "null", "'self'")
 }
 
-fn fill_page(title: &str, script: &str, data: &str, connect: &str) -> String {
+/// A page of figures alone, one section each, with `words` above them.
+pub(crate) fn gallery(title: &str, words: &str, figures: &[Figure]) -> String {
+    let link = |figure: &Figure| format!("<li><a href=\"#{}\">{}</a></li>", escape(&figure.name), escape(&figure.title));
+    let section = |figure: &Figure| {
+        let (name, title, caption) = (escape(&figure.name), escape(&figure.title), escape(&figure.caption));
+        let drawing = figure.draw().to_svg();
+        format!("<section id=\"{name}\"><h2>{title}</h2><figure><div class=\"scroll\">{drawing}</div><figcaption>{caption}</figcaption></figure></section>\n")
+    };
+    let body = format!(
+        "<header><h1>{}</h1><p>{}</p><nav aria-label=\"Contents\"><ul>{}</ul></nav></header>\n<main>{}</main>",
+        escape(title),
+        escape(words),
+        figures.iter().map(link).collect::<String>(),
+        figures.iter().map(section).collect::<String>()
+    );
+    fill_page(title, "", &body, "null", "'none'")
+}
+
+fn fill_page(title: &str, script: &str, body: &str, data: &str, connect: &str) -> String {
     // the hash is of what stands between the tags
     let script = format!("\n{script}");
     let hash = base64(&Sha256::digest(script.as_bytes()));
@@ -77,6 +98,7 @@ fn fill_page(title: &str, script: &str, data: &str, connect: &str) -> String {
             ("connect", connect),
             ("title", &escape(if title.is_empty() { "Chladni report" } else { title })),
             ("created_by", &escape(CREATED_BY)),
+            ("body", body),
             ("data", data),
         ],
     )
