@@ -1,6 +1,6 @@
 //! The commands, and the options that all of them have.
 
-use crate::{bench, convert, demo, estimate, evaluate, fit, info, render, report, select, shell, simulate};
+use crate::{bench, convert, demo, estimate, evaluate, fit, info, render, report, select, shell, simulate, studio};
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 
 /// Modal identification of plates from measured FRFs, and vibration rendering with it
@@ -20,7 +20,8 @@ const EXAMPLES: &str = "Examples:
   chladni info measurement.uff                         what is inside, and what is wrong with it
   chladni fit measurement.uff -o model.json            natural frequencies, damping and mode shapes
   chladni render model.json corner.toml -o weights.json
-  chladni report model.json weights.json -o report.html";
+  chladni report model.json weights.json -o report.html
+  chladni studio measurement.uff                       all of it, live, on a local page";
 
 /// The verbs.
 #[derive(Debug, Subcommand)]
@@ -45,6 +46,8 @@ pub enum Command {
     Evaluate(evaluate::Args),
     /// Write models and weights as one HTML page
     Report(report::Args),
+    /// The report, live: fit, draw scenes and render on a local page
+    Studio(studio::Args),
     /// Measure speed and accuracy on cases whose truth is known
     #[command(subcommand)]
     Bench(bench::Bench),

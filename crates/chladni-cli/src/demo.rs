@@ -74,7 +74,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         model: Some(&model),
         measured: Some(&frf),
         scenes: scenes.iter().map(|scene| RenderedScene::of_rendering(&scene.rendering)).collect(),
-        warnings: Vec::new(),
+        ..ReportInput::default()
     })?;
     write_page(&Output::new(&files.report, HTML, &[], console)?, &page)?;
 

@@ -174,7 +174,8 @@ impl Args {
     }
 }
 
-fn explain(error: &FitError, options: &FitOptions, file: &Path) -> Error {
+/// A fit that cannot be made, in words of the file and the options.
+pub fn explain(error: &FitError, options: &FitOptions, file: &Path) -> Error {
     let bad = |message: &str| Error::bad_data(message).file(file);
     match error {
         FitError::UnknownKind => Error::new(ErrorKind::UnknownFrfKind, "the FRF kind is not known")

@@ -2,6 +2,7 @@
 
 use crate::console::Console;
 use crate::input::{expand, read_weights, Reading};
+use crate::oddities;
 use crate::outcome::Outcome;
 use crate::table::{counted, shortened, significant, table};
 use chladni_frf::io::{assemble, read_document, read_model, DatasetInfo, Document, FileFormat, ReadOptions};
@@ -155,6 +156,8 @@ impl Listing {
         if frf.kind.is_none() {
             self.warnings.push("the file does not say its FRF kind; other commands need --frf-kind receptance|mobility|accelerance".into());
         }
+        self.warnings.extend(oddities::of_set(&frf));
+        self.warnings.extend(oddities::of_listing(&frf));
         self.axis = axis(&frf);
         (self.frf_kind, self.responses, self.references) = (frf.kind, frf.responses, frf.references);
     }

@@ -1,6 +1,7 @@
 //! Reading: the options that all commands share which read FRFs, and the files behind a result.
 
 use crate::console::Console;
+use crate::oddities;
 use chladni_frf::io::{self, detect_format, Duplicates, FileFormat, ReadOptions};
 use chladni_frf::{Error, FrfKind, FrfSet, ModalModel, Result, Source, TimeSign};
 use chladni_render::Weights;
@@ -92,6 +93,23 @@ impl Reading {
         }
     }
 
+    /// The options that were given, as on a command line.
+    pub fn flags(&self) -> Vec<String> {
+        let mut echoed = Map::new();
+        self.echo(&mut echoed);
+        let plain = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+        let words = |value: &Value| match value {
+            Value::Array(list) => list.iter().map(plain).collect::<Vec<_>>().join(","),
+            Value::Object(map) => map.iter().map(|(name, path)| format!("{name}={}", plain(path))).collect::<Vec<_>>().join(","),
+            other => plain(other),
+        };
+        let flag = |(name, value): (&String, &Value)| match value {
+            Value::Bool(_) => format!("--{}", name.replace('_', "-")),
+            value => format!("--{} {}", name.replace('_', "-"), words(value)),
+        };
+        echoed.iter().map(flag).collect()
+    }
+
     /// The options that [`Self::echo`] left in a result.
     pub fn from_echo(options: &Map<String, Value>) -> Self {
         let text = |name: &str| options.get(name).and_then(Value::as_str);
@@ -127,6 +145,7 @@ pub fn read_frf(files: &[PathBuf], reading: &Reading, console: &Console) -> Resu
     console.stage("reading FRFs");
     let (frf, sources, warnings) = io::read_frf(files, &reading.options())?;
     warn_of_files(files, warnings, console);
+    console.warn_all(oddities::of_set(&frf));
     frf.known_kind().map_err(|error| error.file(&files[0]))?;
     Ok((frf, sources))
 }

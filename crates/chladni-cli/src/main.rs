@@ -14,6 +14,7 @@ mod indices;
 mod info;
 mod input;
 mod interrupt;
+mod oddities;
 mod outcome;
 mod output;
 mod progress;
@@ -22,6 +23,7 @@ mod report;
 mod select;
 mod shell;
 mod simulate;
+mod studio;
 mod table;
 mod truth;
 mod usage;
@@ -61,6 +63,7 @@ fn run(command: &Command, common: &Common, console: &Console) -> Result<Outcome>
         Command::Render(args) => render::run(args, console),
         Command::Evaluate(args) => evaluate::run(args, console),
         Command::Report(args) => report::run(args, console),
+        Command::Studio(args) => studio::run(args, console),
         Command::Bench(what) => bench::run(what, console),
         Command::Completions(args) => Ok(shell::completions(args)),
         Command::Man(args) => shell::man(args),

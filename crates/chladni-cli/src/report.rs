@@ -1,14 +1,14 @@
-//! `chladni report`: models and weights as one HTML page.
+//! `chladni report`: models and weights as one HTML page, and its views as files.
 
 use crate::console::Console;
-use crate::input::{read_weights, source, Reading};
+use crate::input::{expand, read_frf, read_weights, source, Reading};
 use crate::outcome::Outcome;
-use crate::output::{Output, HTML};
+use crate::output::{make_folder, Output, HTML, PICTURE, TABLE};
 use crate::table::{counted, shortened};
 use chladni_frf::io::{self, detect_format, write_atomically, FileFormat};
 use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result, Source};
 use chladni_render::{evaluate, Evaluation, On, Scene, Weights};
-use chladni_report::{html, RenderedScene, ReportInput};
+use chladni_report::{charts, html, ChartFormats, RenderedScene, ReportInput, Table};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -20,16 +20,26 @@ const SIMULATED: &str = "simulate";
 #[command(before_help = "Examples:
   chladni report model.json -o report.html
   chladni report model.json weights-*.json -o report.html
+  chladni report model.json bench/accuracy.csv -o report.html     with a table of `chladni bench`: speed against accuracy
+  chladni report model.json weights.json --charts figures         every view as SVG and PNG, for papers
 
-Files that the results name as their sources (the measured FRFs, the model, the scene) are shown too where they
-still lie beside them, unchanged.")]
+The page needs no network and no other file. In it: FRFs of any pair, stabilization diagram (click poles to keep or drop
+them, copy the TOML for `chladni select`), pole table, MAC, moving shapes, fields, weights, curves, stress, and a board to
+draw a scene on (copy the TOML for `chladni render`). Files that the results name as their sources (the measured FRFs, the
+model, the scene) are shown too where they still lie beside them, or in a folder beside them, unchanged.")]
 pub struct Args {
-    /// At most one model, and any number of weights
-    #[arg(required = true, value_name = "MODEL|WEIGHTS")]
+    /// At most one model, any number of weights, and tables that `chladni bench` wrote (.csv)
+    #[arg(required = true, value_name = "MODEL|WEIGHTS|TABLE")]
     files: Vec<PathBuf>,
     /// Page to write
-    #[arg(short, value_name = "report.html")]
-    output: PathBuf,
+    #[arg(short, value_name = "report.html", required_unless_present = "charts")]
+    output: Option<PathBuf>,
+    /// FRFs that the model was fitted to, where they lie elsewhere now
+    #[arg(long, value_name = "FRF", num_args = 1..)]
+    measured: Vec<PathBuf>,
+    /// Folder to write every view into, as SVG and PNG files
+    #[arg(long, value_name = "DIR")]
+    charts: Option<PathBuf>,
 }
 
 /// A weights file with the field that it makes, where scene and model are at hand.
@@ -43,42 +53,100 @@ struct ShownWeights {
 /// # Errors
 /// Those of reading and writing; more than one model.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
-    let output = Output::new(&args.output, HTML, &args.files, console)?;
+    let output = args.output.as_deref().map(|path| Output::new(path, HTML, &args.files, console)).transpose()?;
+    args.charts.as_deref().map(make_folder).transpose()?;
     console.stage("reading");
-    let (mut model_file, weights) = sort(&args.files)?;
-    if model_file.is_none() {
-        model_file = weights.iter().find_map(|(file, weights)| beside(file, &weights.source).into_iter().find(|path| is_model(path)));
-    }
-    let model = model_file.as_deref().map(io::read_model).transpose()?;
-    let measured = match (&model_file, &model) {
-        (Some(file), Some(model)) => measured_of(file, model, console),
-        _ => None,
-    };
-    let shown: Vec<ShownWeights> =
-        weights.into_iter().map(|(file, weights)| show(&file, weights, model.as_ref(), console)).collect::<Result<_>>()?;
+    let contents = Contents::read(&args.files, &args.measured, console)?;
+    let input = contents.input(io::file_name(&args.files[0]), console);
 
     console.stage("drawing");
-    let page = html(&ReportInput {
-        title: io::file_name(&args.files[0]),
-        model: model.as_ref(),
-        measured: measured.as_ref(),
-        scenes: shown.iter().map(ShownWeights::scene).collect(),
-        warnings: console.warnings(),
-    })?;
-    console.stage("writing");
-    write_page(&output, &page)?;
+    if let Some(output) = &output {
+        let page = html(&input)?;
+        console.stage("writing");
+        write_page(output, &page)?;
+    }
+    let pictures = match &args.charts {
+        Some(folder) => write_charts(folder, &input, console)?,
+        None => 0,
+    };
     let sources = args.files.iter().map(|file| source(file)).collect::<Result<Vec<_>>>()?;
-    let modes = model.as_ref().map_or(0, |model| model.in_band_modes().count());
+    let modes = input.model.map_or(0, |model| model.in_band_modes().count());
+    let place = |path: &Option<PathBuf>| path.as_ref().map(|path| path.display().to_string());
     let json = json!({
-        "output": args.output.display().to_string(),
+        "output": place(&args.output),
+        "charts": place(&args.charts),
+        "pictures": pictures,
         "source": sources,
         "modes": modes,
-        "measured": measured.is_some(),
-        "scenes": shown.len(),
+        "measured": input.measured.is_some(),
+        "scenes": input.scenes.len(),
+        "tables": input.tables.len(),
         "warnings": console.warnings(),
     });
-    let text = format!("{}: {}, {}\n", args.output.display(), counted(modes, "mode"), counted(shown.len(), "scene"));
-    Ok(Outcome::written(&args.output, json, text))
+    let written = args.output.as_ref().or(args.charts.as_ref()).unwrap_or(&args.files[0]);
+    let mut text = format!("{}: {}, {}", written.display(), counted(modes, "mode"), counted(input.scenes.len(), "scene"));
+    if let Some(folder) = &args.charts {
+        text += &format!("; {} in {}", counted(pictures, "picture"), folder.display());
+    }
+    Ok(Outcome::written(written, json, text + "\n"))
+}
+
+/// Everything that a report shows.
+pub struct Contents {
+    /// The model; that of the weights where none is named.
+    pub model: Option<ModalModel>,
+    /// The FRFs that it was fitted to.
+    pub measured: Option<FrfSet>,
+    shown: Vec<ShownWeights>,
+    tables: Vec<Table>,
+}
+
+impl Contents {
+    /// Reads `files`, and what they name as their sources where it lies beside them, unchanged; the FRFs from `measured` where that
+    /// names any.
+    ///
+    /// # Errors
+    /// Those of reading; more than one model.
+    pub fn read(files: &[PathBuf], measured: &[PathBuf], console: &Console) -> Result<Self> {
+        let (mut model_file, weights, tables) = sort(files)?;
+        if model_file.is_none() {
+            model_file = weights.iter().find_map(|(file, weights)| beside(file, &weights.source).into_iter().find(|path| is_model(path)));
+        }
+        let model = model_file.as_deref().map(io::read_model).transpose()?;
+        let measured = match (&model_file, &model) {
+            (_, Some(model)) if !measured.is_empty() => {
+                Some(read_frf(&expand(measured, console)?, &Reading::from_echo(&model.options), console)?.0)
+            }
+            (Some(file), Some(model)) => measured_of(file, model, console),
+            _ => None,
+        };
+        let shown = weights.into_iter().map(|(file, weights)| show(&file, weights, model.as_ref(), console)).collect::<Result<_>>()?;
+        Ok(Self { model, measured, shown, tables })
+    }
+
+    /// The same as the report takes it.
+    pub fn input(&self, title: String, console: &Console) -> ReportInput<'_> {
+        ReportInput {
+            title,
+            model: self.model.as_ref(),
+            measured: self.measured.as_ref(),
+            scenes: self.shown.iter().map(ShownWeights::scene).collect(),
+            tables: self.tables.clone(),
+            warnings: console.warnings(),
+        }
+    }
+}
+
+/// Writes every view as SVG and PNG, and returns how many there are.
+fn write_charts(folder: &Path, input: &ReportInput, console: &Console) -> Result<usize> {
+    console.stage("drawing the charts");
+    let files = charts(input, ChartFormats { svg: true, png: true })?;
+    let places: Vec<PathBuf> = files.iter().map(|(name, _)| folder.join(name)).collect();
+    let outputs = places.iter().map(|path| Output::new(path, PICTURE, &[], console)).collect::<Result<Vec<_>>>()?;
+    for (output, (_, bytes)) in outputs.iter().zip(&files) {
+        output.write(|path, force| write_atomically(path, force, |out| out.write_all(bytes)))?;
+    }
+    Ok(files.len())
 }
 
 /// Writes the page.
@@ -91,9 +159,13 @@ pub fn write_page(output: &Output, page: &str) -> Result<()> {
 
 type WeightsFile = (PathBuf, Weights);
 
-fn sort(files: &[PathBuf]) -> Result<(Option<PathBuf>, Vec<WeightsFile>)> {
-    let (mut model, mut weights) = (None, Vec::new());
+fn sort(files: &[PathBuf]) -> Result<(Option<PathBuf>, Vec<WeightsFile>, Vec<Table>)> {
+    let (mut model, mut weights, mut tables) = (None, Vec::new(), Vec::new());
     for file in files {
+        if let Some(table) = bench_table(file)? {
+            tables.push(table);
+            continue;
+        }
         match detect_format(file)? {
             FileFormat::Weights => weights.push((file.clone(), read_weights(file)?)),
             FileFormat::Model | FileFormat::Hdf5 if model.is_none() => model = Some(file.clone()),
@@ -113,18 +185,62 @@ fn sort(files: &[PathBuf]) -> Result<(Option<PathBuf>, Vec<WeightsFile>)> {
             }
         }
     }
-    Ok((model, weights))
+    Ok((model, weights, tables))
+}
+
+/// First columns of the tables that `chladni bench` writes.
+const TABLE_STARTS: [&str; 2] = ["case,method,", "scene,method,"];
+
+/// The table in a .csv file that `chladni bench` wrote; `None` for any other file.
+fn bench_table(file: &Path) -> Result<Option<Table>> {
+    let extension = file.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
+    if !extension.is_some_and(|extension| TABLE.contains(&extension.as_str())) {
+        return Ok(None);
+    }
+    let text = io::read_text(file, "a table of `chladni bench`, CSV")?;
+    let mut lines = text.lines().filter(|line| !line.starts_with('#') && !line.trim().is_empty());
+    let Some(header) = lines.next().filter(|line| TABLE_STARTS.iter().any(|start| line.starts_with(start))) else { return Ok(None) };
+    Ok(Some(Table { name: io::file_name(file), header: cells(header), rows: lines.map(cells).collect() }))
+}
+
+/// Cells of a line of CSV; commas in quotation marks do not part them.
+fn cells(line: &str) -> Vec<String> {
+    let (mut out, mut quoted) = (vec![String::new()], false);
+    for letter in line.chars() {
+        match letter {
+            '"' => quoted = !quoted,
+            ',' if !quoted => out.push(String::new()),
+            plain => out.last_mut().expect("there is always a cell").push(plain),
+        }
+    }
+    out
 }
 
 fn is_model(path: &Path) -> bool {
     matches!(detect_format(path), Ok(FileFormat::Model))
 }
 
-/// The sources of a result that lie beside it, unchanged.
+/// The sources of a result that lie beside it, or in a folder beside it, unchanged.
 fn beside(result: &Path, sources: &[Source]) -> Vec<PathBuf> {
-    let folder = result.parent().unwrap_or_else(|| Path::new(""));
-    let same = |source: &&Source| io::sha256_of(&folder.join(&source.file)).is_ok_and(|sha256| sha256 == source.sha256);
-    sources.iter().filter(same).map(|source| folder.join(&source.file)).collect()
+    let folder = match result.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent.to_path_buf(),
+        _ => PathBuf::from("."),
+    };
+    let folders: Vec<PathBuf> = std::iter::once(folder.clone()).chain(subfolders(&folder)).collect();
+    let of = |source: &Source| {
+        let place = |folder: &PathBuf| folder.join(&source.file);
+        folders.iter().map(place).find(|path| path.is_file() && io::sha256_of(path).is_ok_and(|sha256| sha256 == source.sha256))
+    };
+    sources.iter().filter_map(of).collect()
+}
+
+/// Folders inside a folder, in order; hidden ones are nobody's data.
+fn subfolders(folder: &Path) -> Vec<PathBuf> {
+    let is_hidden = |path: &PathBuf| path.file_name().is_none_or(|name| name.to_string_lossy().starts_with('.'));
+    let entries = std::fs::read_dir(folder).into_iter().flatten().filter_map(|entry| Some(entry.ok()?.path()));
+    let mut folders: Vec<PathBuf> = entries.filter(|path| path.is_dir() && !is_hidden(path)).collect();
+    folders.sort();
+    folders
 }
 
 /// The FRFs that a model was fitted to, read as they were then; none where one of the files is gone or another.
@@ -139,7 +255,9 @@ fn measured_of(file: &Path, model: &ModalModel, console: &Console) -> Option<Frf
     if files.len() < fitted.len() {
         let names: Vec<String> = fitted.iter().map(|source| source.file.clone()).collect();
         let names = shortened(&names, 3);
-        console.warn(format!("the measured FRFs ({names}) do not lie beside the model, unchanged: its synthesis alone is shown"));
+        console.warn(format!(
+            "the measured FRFs ({names}) do not lie beside the model, unchanged: its synthesis alone is shown; name them with --measured"
+        ));
         return None;
     }
     match io::read_frf(&files, &Reading::from_echo(&model.options).options()) {

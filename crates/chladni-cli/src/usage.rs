@@ -64,7 +64,10 @@ fn error_of(answer: &clap::Error) -> Error {
                 None => error.found("nothing"),
             };
             match context(ContextKind::ValidValue) {
-                Some(valid) => error.expected(format!("one of {valid}")),
+                Some(valid) => error.expected(match context(ContextKind::SuggestedValue) {
+                    Some(near) => format!("{near}, or another of {valid}"),
+                    None => format!("one of {valid}"),
+                }),
                 None => match placeholder {
                     Some(placeholder) => error.expected(in_words(&placeholder)),
                     None => error,

@@ -2,8 +2,8 @@
 //! `cargo run --release -p chladni-report --example panel_report -- FOLDER`
 
 use chladni_plate::{simulate, Panel};
-use chladni_render::{render, Scene};
-use chladni_report::{charts, html, ChartFormats, RenderedScene, ReportInput};
+use chladni_render::{render, stress, sweep, Scene};
+use chladni_report::{charts, data, html, ChartFormats, RenderedScene, ReportInput};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -16,19 +16,26 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let scene = |cell: usize| format!("frequency_hz = 300.0\n[zones]\ngrid = [2, 2]\nhot = [{cell}]\ncells_m = [0.0, 0.0, 0.268, 0.170]\n");
     let mut renderings = Vec::new();
     for cell in 1..=4 {
-        renderings.push(render(&model, &Scene::parse(&scene(cell), Path::new(""))?, &Default::default())?);
+        let scene = Scene::parse(&scene(cell), Path::new(""))?;
+        let mut rendering = render(&model, &scene, &Default::default())?;
+        if cell == 1 {
+            rendering.weights.stress = Some(stress(&rendering.weights, &scene, &model, &Default::default())?.0);
+            rendering.weights.sweep = Some(sweep(&model, &scene, &Default::default(), [290.0, 310.0])?);
+        }
+        renderings.push(rendering);
     }
     let input = ReportInput {
         title: "Glass panel, 77 × 34 FRFs".into(),
         model: Some(&model),
         measured: Some(&simulation.frf),
         scenes: renderings.iter().map(RenderedScene::of_rendering).collect(),
-        warnings: Vec::new(),
+        ..ReportInput::default()
     };
     let start = Instant::now();
     let page = html(&input)?;
     println!("report.html: {} kB in {:.1} s", page.len() / 1000, start.elapsed().as_secs_f64());
     std::fs::write(folder.join("report.html"), page)?;
+    std::fs::write(folder.join("data.json"), data(&input)?.to_string())?;
     let alone = ReportInput { measured: None, ..input.clone() };
     std::fs::write(folder.join("report-without-frfs.html"), html(&alone)?)?;
     let start = Instant::now();

@@ -13,8 +13,8 @@ pub(crate) struct Comparison<'a> {
     pub(crate) measured: Option<Measured<'a>>,
     pub(crate) quantity: Quantity,
     pub(crate) frequency_hz: Array1<f64>,
-    responses: &'a [Dof],
-    references: &'a [Dof],
+    pub(crate) responses: &'a [Dof],
+    pub(crate) references: &'a [Dof],
 }
 
 /// Root mean square over all FRFs, per line.
@@ -23,7 +23,7 @@ pub(crate) struct Sums {
     pub(crate) synthesis: Option<Vec<f64>>,
     pub(crate) difference: Option<Vec<f64>>,
     /// Rms difference over rms measured value of each pair in the band, (response, reference); NaN where not measured.
-    error: Option<Array2<f64>>,
+    pub(crate) error: Option<Array2<f64>>,
 }
 
 /// A pair of DOFs and why it is shown.

@@ -15,8 +15,21 @@ pub struct ReportInput<'a> {
     pub measured: Option<&'a FrfSet>,
     /// Scenes that were rendered, in order.
     pub scenes: Vec<RenderedScene<'a>>,
+    /// Tables of `chladni bench`: speed against accuracy, scenes over modes and actuators.
+    pub tables: Vec<Table>,
     /// What the caller has to say, as that the measured file is gone.
     pub warnings: Vec<String>,
+}
+
+/// A table of `chladni bench`.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Table {
+    /// Where it comes from, as `accuracy.csv`.
+    pub name: String,
+    /// Names of the columns.
+    pub header: Vec<String>,
+    /// Cells row by row.
+    pub rows: Vec<Vec<String>>,
 }
 
 /// Weights for a scene and, where it is at hand, the field that they make.

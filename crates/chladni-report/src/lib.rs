@@ -1,9 +1,9 @@
-//! Charts, and the report: one HTML file that needs nothing else, and the same figures as SVG and PNG files.
+//! Charts, and the report: one HTML file that needs nothing else, and its views as SVG and PNG files.
 //!
-//! A [`Figure`] is plain data (axes with label and unit, layers, legend); [`Figure::draw`] makes a [`Drawing`], and that writes
-//! itself as SVG or PNG. [`html`] and [`charts`] put the figures of modal testing together from a [`ReportInput`]: pole table with
-//! bounds and trust, measured FRFs over their synthesis, CMIF, AutoMAC, mode shapes, weights around the panel, field maps, indices
-//! beside what silence would score.
+//! [`html`] puts the numbers of a [`ReportInput`] into a page whose own script draws them: FRFs of any pair, stabilization diagram, pole
+//! table, MAC, complexity, moving shapes, fields, weights, curves, stress. [`studio_html`] is the same page, live: its numbers come from
+//! [`data`] and [`scene_data`] over a local connection. [`charts`] draws the views as files: a [`Figure`] is plain data (axes with label
+//! and unit, layers, legend), [`Figure::draw`] makes a [`Drawing`], and that writes itself as SVG or PNG.
 //!
 //! The same input gives the same bytes: no clock, no host, no fonts of the machine.
 
@@ -11,20 +11,22 @@
 
 mod chart;
 mod comparison;
+mod data;
 mod drawing;
 mod figures;
-mod html;
 mod input;
-mod sections;
+mod page;
 mod sizes;
 mod surface;
 mod text;
 
 pub use chart::{Axis, Cell, Chart, ColourBar, Disc, Figure, Height, Layer, Mark, Place, Scale};
 pub use drawing::{Anchor, Colour, ColourMap, Dash, Drawing, Image, Stroke, SERIES};
-pub use input::{RenderedScene, ReportInput, ShownField};
+pub use figures::all as figures;
+pub use input::{RenderedScene, ReportInput, ShownField, Table};
 
 use chladni_frf::Result;
+use serde_json::Value;
 
 /// The report as one HTML page.
 ///
@@ -32,7 +34,30 @@ use chladni_frf::Result;
 /// [`chladni_frf::ErrorKind::BadData`] where the measured FRFs do not belong to the model (no common DOF pair, other reference unit);
 /// [`chladni_frf::ErrorKind::UnknownFrfKind`].
 pub fn html(input: &ReportInput) -> Result<String> {
-    Ok(html::page(input, &sections::sections(input)?))
+    Ok(page::report(&input.title, &data::of(input)?))
+}
+
+/// A page of any figures, one section each, with `words` above them; like the report it needs nothing else.
+pub fn gallery(title: &str, words: &str, figures: &[Figure]) -> String {
+    page::gallery(title, words, figures)
+}
+
+/// What the page draws, as JSON.
+///
+/// # Errors
+/// Those of [`html`].
+pub fn data(input: &ReportInput) -> Result<Value> {
+    data::of(input)
+}
+
+/// The first scene of `input` alone, as it stands in [`data`]; null without a scene.
+pub fn scene_data(input: &ReportInput) -> Value {
+    data::of_scene(input).unwrap_or_default()
+}
+
+/// The page of the studio, which asks its server for [`data`].
+pub fn studio_html(title: &str) -> String {
+    page::studio(title)
 }
 
 /// Which files [`charts`] makes.
@@ -44,21 +69,19 @@ pub struct ChartFormats {
     pub png: bool,
 }
 
-/// The figures of the report as files: name (`cmif.svg`, `mode-03.png`) and content, in the order of the report. The caller writes them.
+/// The views of the report as files: name (`cmif.svg`, `mode-03.png`) and content, in the order of the page. The caller writes them.
 ///
 /// # Errors
 /// Those of [`html`].
 pub fn charts(input: &ReportInput, formats: ChartFormats) -> Result<Vec<(String, Vec<u8>)>> {
     let mut files = Vec::new();
-    for section in sections::sections(input)? {
-        for figure in section.blocks.iter().flat_map(sections::Block::figures) {
-            let drawing = figure.draw();
-            if formats.svg {
-                files.push((format!("{}.svg", figure.name), drawing.to_svg().into_bytes()));
-            }
-            if formats.png {
-                files.push((format!("{}.png", figure.name), drawing.to_png(sizes::PNG_SCALE)));
-            }
+    for figure in figures::all(input)? {
+        let drawing = figure.draw();
+        if formats.svg {
+            files.push((format!("{}.svg", figure.name), drawing.to_svg().into_bytes()));
+        }
+        if formats.png {
+            files.push((format!("{}.png", figure.name), drawing.to_png(sizes::PNG_SCALE)));
         }
     }
     Ok(files)

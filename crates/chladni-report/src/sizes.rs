@@ -9,7 +9,17 @@ pub(crate) const SHAPE_PX: f64 = 430.0;
 /// Pixels of a PNG file per px of the picture.
 pub(crate) const PNG_SCALE: f64 = 2.0;
 
-/// DOF pairs whose FRFs are shown. Each costs 50 to 100 kB of the page; all 2618 pairs of the demonstration panel would cost 200 MB.
+/// Bytes that the residuals of all pairs may take before they are coded: 5.3 of the 8 MB of a page. With 2618 pairs every pair keeps 760
+/// lines.
+pub(crate) const RESIDUAL_BYTES: usize = 4_000_000;
+/// Responses, and references, whose pairs a page offers: 100 × 100 pairs keep 200 lines each.
+pub(crate) const OFFERED_DOFS: usize = 100;
+/// Lines of the sums, the CMIF and the pairs in full.
+pub(crate) const SHOWN_LINES: usize = 6000;
+/// Points of the grid on which shapes are shown; each mode costs 11 kB per thousand.
+pub(crate) const GRID_POINTS: f64 = 1500.0;
+
+/// DOF pairs whose FRFs are shown in full.
 pub(crate) const PAIRS: usize = 12;
 /// Driving points among them at most.
 pub(crate) const DRIVING_POINTS: usize = 3;

@@ -2,6 +2,8 @@
 
 #![allow(dead_code)] // every test file uses its own part
 
+pub mod browser;
+
 use assert_cmd::Command;
 use serde_json::Value;
 use std::path::Path;

@@ -3,7 +3,7 @@
 use super::axis::{Ruler, ALONG_X, ALONG_Y};
 use super::layers::{draw_layer, draw_sample, extent, legend_name};
 use super::{Axis, Chart, ColourBar, Figure, Height, Layer, Scale};
-use crate::drawing::{fitted, text_width, Anchor, Colour, Drawing, Image, Item, PlotFrame, Stroke};
+use crate::drawing::{fitted, text_width, Anchor, Colour, Drawing, Image, Item, Stroke};
 
 /// Size of the title, px.
 const TITLE: f64 = 15.0;
@@ -88,16 +88,9 @@ fn draw_chart(drawing: &mut Drawing, chart: &Chart, [left, top, right]: [f64; 3]
     let y = Ruler { ends: y_ends, px: [bottom, top], log: chart.y.scale == Scale::Log };
 
     let below = draw_axes(drawing, chart, sides, &x, &y);
-    drawing.items.push(Item::BeginPlot(PlotFrame {
-        sides,
-        x: (x_ends, x.log),
-        y: (y_ends, y.log),
-        units: [chart.x.unit.clone(), chart.y.unit.clone()],
-    }));
     for layer in &chart.layers {
         draw_layer(drawing, layer, sides, &x, &y);
     }
-    drawing.items.push(Item::EndPlot);
     drawing.rectangle(sides, None, Some(Stroke::new(Colour::Muted, 1.0)));
     if let Some(bar) = &chart.colour_bar {
         draw_colour_bar(drawing, bar, [right + 12.0, top, right + 26.0, bottom]);

@@ -36,18 +36,6 @@ impl Colour {
             Self::Rgb(rgb) => rgb,
         }
     }
-
-    /// Name of the page's CSS variable; `None` for colours that do not follow the theme.
-    pub(crate) fn variable(self) -> Option<String> {
-        Some(match self {
-            Self::Ink => "--ink".into(),
-            Self::Muted => "--muted".into(),
-            Self::Grid => "--grid".into(),
-            Self::Paper => "--paper".into(),
-            Self::Series(number) => format!("--series-{}", number % SERIES),
-            Self::Rgb(_) => return None,
-        })
-    }
 }
 
 /// A map from numbers to colours.

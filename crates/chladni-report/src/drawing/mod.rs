@@ -1,4 +1,4 @@
-//! A picture as a list of shapes: the one source of the SVG in the page, SVG files and PNG files.
+//! A picture as a list of shapes: the one source of SVG and PNG files.
 
 mod colour;
 mod font;
@@ -9,7 +9,6 @@ pub(crate) use colour::is_dark;
 pub use colour::{Colour, ColourMap, SERIES};
 pub(crate) use font::{fitted, text_width};
 pub(crate) use png::image_png;
-pub(crate) use svg::Target;
 
 /// A place in the picture, px, y downwards.
 pub(crate) type Point = [f64; 2];
@@ -81,10 +80,6 @@ pub(crate) enum Item {
     Text { at: Point, text: String, size: f64, anchor: Anchor, turned: bool, bold: bool, colour: Colour, halo: bool },
     /// Pixels row by row from the top, each red, green, blue, opacity.
     Image { corner: Point, size: Point, image: Image },
-    /// Items up to [`Item::EndPlot`] are data of one pair of axes; SVG carries its scales for read-outs in the page.
-    BeginPlot(PlotFrame),
-    /// End of [`Item::BeginPlot`].
-    EndPlot,
 }
 
 /// Pixels row by row from the top, each red, green, blue, opacity.
@@ -96,19 +91,6 @@ pub struct Image {
     pub rows: usize,
     /// 4·columns·rows bytes.
     pub rgba: Vec<u8>,
-}
-
-/// The box of a pair of axes in the picture, and what its sides mean.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct PlotFrame {
-    /// left, top, right, bottom, px.
-    pub sides: [f64; 4],
-    /// Left and right end of the x axis, then whether it is logarithmic.
-    pub x: ([f64; 2], bool),
-    /// Lower and upper end of the y axis, then whether it is logarithmic.
-    pub y: ([f64; 2], bool),
-    /// Units of both axes.
-    pub units: [String; 2],
 }
 
 /// A picture.
@@ -144,12 +126,7 @@ impl Drawing {
 
     /// A complete SVG file in the colours of the light theme.
     pub fn to_svg(&self) -> String {
-        svg::write(self, Target::File)
-    }
-
-    /// An SVG element for the page, its colours by CSS variables.
-    pub(crate) fn to_inline_svg(&self) -> String {
-        svg::write(self, Target::Page)
+        svg::write(self)
     }
 
     /// A PNG file of `scale` pixels per px, on white.

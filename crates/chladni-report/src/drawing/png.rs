@@ -69,7 +69,6 @@ fn paint_item(canvas: &mut Pixmap, item: &Item, view: Transform) {
             let paint = PixmapPaint { quality: FilterQuality::Bilinear, ..PixmapPaint::default() };
             canvas.draw_pixmap(0, 0, pixels.as_ref(), &paint, place.post_concat(view), None);
         }
-        Item::BeginPlot(_) | Item::EndPlot => {}
     }
 }
 

@@ -1,35 +1,25 @@
 //! The SVG writer.
 
-use super::{image_png, Anchor, Colour, Drawing, Item, PlotFrame, Point, Stroke};
+use super::{image_png, Anchor, Colour, Drawing, Item, Point, Stroke};
 use crate::text::{base64, escape};
 use std::fmt::Write;
 
-/// Where an SVG goes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Target {
-    /// A file of its own: fixed colours on white.
-    File,
-    /// Inside the page: colours by CSS variables, no background.
-    Page,
-}
-
-/// Letters of the page and of SVG files; the widths of the layout are those of DejaVu Sans, which is wider than most.
+/// Letters of SVG files; the widths of the layout are those of DejaVu Sans, which is wider than most.
 const FONTS: &str = "system-ui, 'Segoe UI', Helvetica, Arial, 'DejaVu Sans', sans-serif";
 
-pub(super) fn write(drawing: &Drawing, target: Target) -> String {
+pub(super) fn write(drawing: &Drawing) -> String {
     let mut out = String::new();
     let (width, height) = (number(drawing.width), number(drawing.height));
-    let (space, fixed) = match target {
-        Target::File => (r#" xmlns="http://www.w3.org/2000/svg""#, format!(r#" width="{width}" height="{height}""#)),
-        Target::Page => ("", format!(r#" style="--natural:{width}px""#)),
-    };
-    push(&mut out, format_args!(r#"<svg{space} viewBox="0 0 {width} {height}"{fixed} role="img" font-family="{FONTS}">"#));
+    push(
+        &mut out,
+        format_args!(
+            r#"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}" role="img" font-family="{FONTS}">"#
+        ),
+    );
     push(&mut out, format_args!("\n<title>{}</title><desc>{}</desc>\n", escape(&drawing.title), escape(&drawing.description)));
-    if target == Target::File {
-        push(&mut out, format_args!("<rect width=\"{width}\" height=\"{height}\" fill=\"{}\"/>\n", hex(Colour::Paper)));
-    }
+    push(&mut out, format_args!("<rect width=\"{width}\" height=\"{height}\" fill=\"{}\"/>\n", hex(Colour::Paper)));
     for item in &drawing.items {
-        write_item(&mut out, item, target);
+        write_item(&mut out, item);
     }
     out.push_str("</svg>\n");
     out
@@ -39,20 +29,20 @@ fn push(out: &mut String, text: std::fmt::Arguments) {
     out.write_fmt(text).expect("writing to a string cannot fail");
 }
 
-fn write_item(out: &mut String, item: &Item, target: Target) {
+fn write_item(out: &mut String, item: &Item) {
     match item {
         Item::Path { lines, closed, fill, stroke, name, hint } => {
             let named = name.as_ref().map(|name| format!(" data-name=\"{}\"", escape(name))).unwrap_or_default();
-            let paint = paint(*fill, *stroke, target);
+            let paint = paint(*fill, *stroke);
             let rule = if fill.is_some() && lines.len() > 1 { " fill-rule=\"evenodd\"" } else { "" };
             element(out, &format!("path{named}{paint}{rule} d=\"{}\"", path_data(lines, *closed)), "path", hint.as_deref());
         }
         Item::Disc { centre, radius, fill, stroke, hint } => {
-            let paint = paint(*fill, *stroke, target);
+            let paint = paint(*fill, *stroke);
             let place = format!("cx=\"{}\" cy=\"{}\" r=\"{}\"", number(centre[0]), number(centre[1]), number(*radius));
             element(out, &format!("circle{paint} {place}"), "circle", hint.as_deref());
         }
-        Item::Text { .. } => write_text(out, item, target),
+        Item::Text { .. } => write_text(out, item),
         Item::Image { corner, size, image } => {
             let [x, y] = corner.map(number);
             let [width, height] = size.map(number);
@@ -60,8 +50,6 @@ fn write_item(out: &mut String, item: &Item, target: Target) {
             let place = format!("x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" preserveAspectRatio=\"none\"");
             push(out, format_args!("<image {place} href=\"data:image/png;base64,{data}\"/>\n"));
         }
-        Item::BeginPlot(frame) => push(out, format_args!("<g class=\"plot\" data-plot=\"{}\">\n", escape(&frame_data(frame)))),
-        Item::EndPlot => out.push_str("</g>\n"),
     }
 }
 
@@ -72,7 +60,7 @@ fn element(out: &mut String, start: &str, tag: &str, hint: Option<&str>) {
     }
 }
 
-fn write_text(out: &mut String, item: &Item, target: Target) {
+fn write_text(out: &mut String, item: &Item) {
     let Item::Text { at, text, size, anchor, turned, bold, colour, halo } = item else { return };
     let [x, y] = at.map(number);
     let anchor = match anchor {
@@ -83,11 +71,11 @@ fn write_text(out: &mut String, item: &Item, target: Target) {
     let turned = if *turned { format!(" transform=\"rotate(-90 {x} {y})\"") } else { String::new() };
     let weight = if *bold { " font-weight=\"600\"" } else { "" };
     let halo = if *halo {
-        format!(" stroke=\"{}\" stroke-width=\"3\" stroke-linejoin=\"round\" paint-order=\"stroke\"", paint_value(Colour::Paper, target))
+        format!(" stroke=\"{}\" stroke-width=\"3\" stroke-linejoin=\"round\" paint-order=\"stroke\"", hex(Colour::Paper))
     } else {
         String::new()
     };
-    let fill = paint_value(*colour, target);
+    let fill = hex(*colour);
     let size = number(*size);
     push(
         out,
@@ -98,23 +86,16 @@ fn write_text(out: &mut String, item: &Item, target: Target) {
     );
 }
 
-fn paint(fill: Option<Colour>, stroke: Option<Stroke>, target: Target) -> String {
-    let mut out = format!(" fill=\"{}\"", fill.map_or("none".into(), |colour| paint_value(colour, target)));
+fn paint(fill: Option<Colour>, stroke: Option<Stroke>) -> String {
+    let mut out = format!(" fill=\"{}\"", fill.map_or("none".into(), hex));
     if let Some(stroke) = stroke {
-        push(&mut out, format_args!(" stroke=\"{}\" stroke-width=\"{}\"", paint_value(stroke.colour, target), number(stroke.width)));
+        push(&mut out, format_args!(" stroke=\"{}\" stroke-width=\"{}\"", hex(stroke.colour), number(stroke.width)));
         out.push_str(" stroke-linejoin=\"round\"");
         if let Some([ink, gap]) = stroke.dash.pattern() {
             push(&mut out, format_args!(" stroke-dasharray=\"{ink} {gap}\""));
         }
     }
     out
-}
-
-fn paint_value(colour: Colour, target: Target) -> String {
-    match (target, colour.variable()) {
-        (Target::Page, Some(variable)) => format!("var({variable})"),
-        _ => hex(colour),
-    }
 }
 
 fn hex(colour: Colour) -> String {
@@ -160,15 +141,6 @@ fn decimal(tenths: i64) -> String {
     }
 }
 
-/// What the page's script needs to turn px into values, as JSON.
-fn frame_data(frame: &PlotFrame) -> String {
-    let [left, top, right, bottom] = frame.sides.map(number);
-    let axis = |(ends, log): ([f64; 2], bool)| format!("[{:e},{:e},{log}]", ends[0], ends[1]);
-    let units = frame.units.each_ref().map(|unit| format!("\"{}\"", unit.replace(['"', '\\'], "")));
-    let sides = [left, top, right, bottom].map(|side| if side.starts_with('.') { format!("0{side}") } else { side });
-    format!("{{\"box\":[{}],\"x\":{},\"y\":{},\"units\":[{}]}}", sides.join(","), axis(frame.x), axis(frame.y), units.join(","))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -182,10 +154,9 @@ mod tests {
     }
 
     #[test]
-    fn themes_differ_in_colours_only() {
+    fn files_carry_their_colours_and_escape_words() {
         let mut drawing = Drawing::new(10.0, "a < b", "");
         drawing.line(vec![[0.0, 0.0], [1.0, 1.0]], Stroke::new(Colour::Ink, 1.0).dashed(Dash::Dashed));
         assert!(drawing.to_svg().contains("#1a1c1f") && drawing.to_svg().contains("a &lt; b"));
-        assert!(drawing.to_inline_svg().contains("var(--ink)") && !drawing.to_inline_svg().contains("http"));
     }
 }

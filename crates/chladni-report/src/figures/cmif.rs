@@ -11,22 +11,40 @@ use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result};
 use ndarray::{Array1, Array2};
 use rayon::prelude::*;
 
-/// Singular values of the FRF matrix over frequency: of the measured FRFs, or of the synthesis where measured pairs are missing;
-/// `None` where neither is whole.
+/// Singular values of the FRF matrix over frequency.
+pub(crate) struct Cmif {
+    /// Axes (line, singular value).
+    pub(crate) values: Array2<f64>,
+    pub(crate) quantity: Quantity,
+    /// `of the measured FRFs`.
+    pub(crate) of: &'static str,
+}
+
+impl Cmif {
+    /// Of the measured FRFs, or of the synthesis where measured pairs are missing; `None` where neither is whole.
+    ///
+    /// # Errors
+    /// A singular value decomposition that does not converge.
+    pub(crate) fn of(comparison: &Comparison, measured: Option<&FrfSet>) -> Result<Option<Self>> {
+        if let Some(set) = measured {
+            let values = chladni_rfp::cmif(set).map_err(failed)?;
+            if values.iter().any(|value| value.is_finite()) {
+                let quantity = Quantity { kind: set.kind, reference_unit: set.reference_unit };
+                return Ok(Some(Self { values, quantity, of: "of the measured FRFs" }));
+            }
+        }
+        let Some(model) = comparison.model else { return Ok(None) };
+        let values = of_synthesis(model, &comparison.frequency_hz)?;
+        Ok(Some(Self { values, quantity: comparison.quantity, of: "of the synthesis" }))
+    }
+}
+
+/// The figure; `None` where there is no FRF matrix.
 ///
 /// # Errors
-/// A singular value decomposition that does not converge.
+/// See [`Cmif::of`].
 pub(crate) fn cmif(comparison: &Comparison, measured: Option<&FrfSet>) -> Result<Option<Figure>> {
-    let own = measured.map(|set| (set, Quantity { kind: set.kind, reference_unit: set.reference_unit }));
-    if let Some((set, quantity)) = own {
-        let values = chladni_rfp::cmif(set).map_err(failed)?;
-        if values.iter().any(|value| value.is_finite()) {
-            return Ok(Some(figure(comparison, &values, quantity, "of the measured FRFs")));
-        }
-    }
-    let Some(model) = comparison.model else { return Ok(None) };
-    let values = of_synthesis(model, &comparison.frequency_hz)?;
-    Ok(Some(figure(comparison, &values, comparison.quantity, "of the synthesis")))
+    Ok(Cmif::of(comparison, measured)?.map(|cmif| figure(comparison, &cmif.values, cmif.quantity, cmif.of)))
 }
 
 /// Singular values of the synthesis; axes (line, singular value), NaN where it has none, as at 0 Hz of a free body.

@@ -19,7 +19,8 @@ fn synthesis_stroke() -> Stroke {
 pub(crate) fn frf_overlay(comparison: &Comparison, pair: &Pair, number: usize) -> Figure {
     let [measured, synthesis] = comparison.curves(pair);
     let levels = |curve: &Option<Vec<Complex64>>| curve.as_ref().map(|values| values.iter().map(|v| level(v.norm())).collect());
-    let amplitude = amplitude_chart(comparison, [levels(&measured), levels(&synthesis), None]).height(Height::Px(250.0));
+    let residual = measured.as_ref().zip(synthesis.as_ref()).map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b).collect());
+    let amplitude = amplitude_chart(comparison, [levels(&measured), levels(&synthesis), levels(&residual)]).height(Height::Px(250.0));
 
     let mut phase = Chart::new(frequency_axis(comparison), Axis::linear("Phase", "degrees").range([-180.0, 180.0]).step(90.0));
     phase = phase.height(Height::Px(120.0));
@@ -38,7 +39,7 @@ pub(crate) fn frf_overlay(comparison: &Comparison, pair: &Pair, number: usize) -
     }
 }
 
-/// Root mean square over all FRFs, and of their difference from the synthesis.
+/// Root mean square over all FRFs, and of what the synthesis leaves.
 pub(crate) fn frf_sum(comparison: &Comparison, sums: &Sums) -> Figure {
     let levels = |curve: &Option<Vec<f64>>| curve.as_ref().map(|values| values.iter().map(|&v| level(v)).collect());
     let curves = [&sums.measured, &sums.synthesis, &sums.difference].map(levels);
@@ -48,7 +49,7 @@ pub(crate) fn frf_sum(comparison: &Comparison, sums: &Sums) -> Figure {
         title: format!("{}, root mean square over all FRFs", comparison.quantity.name()),
         caption: match (&sums.measured, &sums.synthesis) {
             (Some(_), Some(_)) => {
-                "Where the difference is flat and shapeless it is noise; peaks in it are motion that the model lacks.".into()
+                "Where the residual is flat and shapeless it is noise; peaks in it are motion that the model lacks.".into()
             }
             (None, Some(_)) => "Synthesis alone: the measured FRFs are not at hand.".into(),
             _ => "Measured FRFs alone: there is no model.".into(),
@@ -67,11 +68,11 @@ pub(super) fn frequency_axis(comparison: &Comparison) -> Axis {
 }
 
 /// Levels over frequency with the natural frequencies and the borders of the fitted band.
-fn amplitude_chart(comparison: &Comparison, [measured, synthesis, difference]: [Option<Vec<f64>>; 3]) -> Chart {
+fn amplitude_chart(comparison: &Comparison, [measured, synthesis, residual]: [Option<Vec<f64>>; 3]) -> Chart {
     let curves = [
         ("measured", measured, measured_stroke()),
         ("synthesis of the model", synthesis, synthesis_stroke()),
-        ("difference", difference, Stroke::new(Colour::Series(0), 1.2).dashed(Dash::Dashed)),
+        ("residual", residual, Stroke::new(Colour::Series(0), 1.2).dashed(Dash::Dashed)),
     ];
     let highest = curves.iter().filter_map(|curve| curve.1.as_ref()).flatten().copied().fold(f64::NAN, f64::max);
     let lowest = curves.iter().filter_map(|curve| curve.1.as_ref()).flatten().copied().fold(f64::NAN, f64::min);

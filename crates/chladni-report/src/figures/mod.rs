@@ -1,23 +1,62 @@
-//! The figures of a report, one file each.
+//! The figures of a report, one file each, and all of them in order.
 
 mod auto_mac;
 mod cmif;
+mod complexity;
 mod field_map;
 mod frf_overlay;
 mod mode_shape;
-mod plane;
+pub(crate) mod plane;
+mod poles;
+mod speed;
 mod stabilization;
+mod stress;
+mod sweep;
 mod weights_around_edge;
 
-pub(crate) use auto_mac::auto_mac;
-pub(crate) use cmif::cmif;
-pub(crate) use field_map::field_map;
-pub(crate) use frf_overlay::{frf_overlay, frf_sum};
-pub(crate) use mode_shape::{mode_shapes, shown_responses};
-pub(crate) use stabilization::stabilization;
-pub(crate) use weights_around_edge::{weights_around_edge, weights_by_actuator};
+pub(crate) use cmif::Cmif;
+pub(crate) use mode_shape::shown_responses;
 
-use chladni_frf::ModalModel;
+use crate::chart::{Chart, Figure, Mark, Place};
+use crate::comparison::Comparison;
+use crate::data::stabilization_options;
+use crate::drawing::{Colour, Dash, Stroke};
+use crate::input::ReportInput;
+use chladni_frf::{ModalModel, Result};
+
+/// All figures, from the FRFs to the scenes.
+///
+/// # Errors
+/// Measured FRFs that do not belong to the model; a singular value decomposition that fails.
+pub fn all(input: &ReportInput) -> Result<Vec<Figure>> {
+    let mut figures = Vec::new();
+    if let Some(comparison) = Comparison::new(input)? {
+        let sums = comparison.sums();
+        figures.push(frf_overlay::frf_sum(&comparison, &sums));
+        let pairs = comparison.pairs(&sums);
+        figures.extend(pairs.iter().enumerate().map(|(k, pair)| frf_overlay::frf_overlay(&comparison, pair, k + 1)));
+        figures.extend(cmif::cmif(&comparison, input.measured)?);
+        // a set without an even grid has no diagram; the page says why
+        let diagram = input.measured.and_then(|set| chladni_rfp::stabilization(set, &stabilization_options(input.model)).ok());
+        figures.extend(diagram.map(|diagram| stabilization::stabilization(&comparison, &diagram)));
+    }
+    if let Some(model) = input.model {
+        figures.extend(poles::poles(model));
+        figures.extend(auto_mac::auto_mac(model));
+        figures.extend(mode_shape::mode_shapes(model));
+        figures.extend(complexity::complexity(model));
+    }
+    for (k, scene) in input.scenes.iter().enumerate() {
+        let (weights, number) = (scene.weights, k + 1);
+        figures.extend(scene.shown.as_ref().and_then(|shown| field_map::field_map(shown, input.model, weights.frequency_hz, number)));
+        figures.extend(input.model.and_then(|model| weights_around_edge::weights_around_edge(weights, model, number)));
+        figures.push(weights_around_edge::weights_by_actuator(weights, number));
+        figures.extend(sweep::sweep(weights, number));
+        figures.extend(stress::stress(weights, number));
+    }
+    figures.extend(input.tables.iter().enumerate().filter_map(|(k, table)| speed::speed(table, k + 1)));
+    Ok(figures)
+}
 
 /// 20 log10 of an amplitude; NaN for zero, so that curves break there.
 pub(crate) fn level(amplitude: f64) -> f64 {
@@ -31,4 +70,10 @@ pub(crate) fn level(amplitude: f64) -> f64 {
 /// Natural frequencies of the modes in the band, Hz.
 pub(crate) fn natural_frequencies(model: Option<&ModalModel>) -> Vec<f64> {
     model.map(|model| model.in_band_modes().map(|mode| mode.frequency_hz).collect()).unwrap_or_default()
+}
+
+/// A curve with a mark at each point, so that single points are seen too.
+fn marked(chart: Chart, name: &str, points: Vec<Place>, series: u8, dash: Dash) -> Chart {
+    let colour = Colour::Series(series);
+    chart.marks("", points.clone(), Mark::Dot, colour, 4.0).line(name, points, Stroke::new(colour, 1.6).dashed(dash))
 }

@@ -62,16 +62,20 @@ pub(crate) fn shown_responses(model: &ModalModel) -> Vec<usize> {
     [3, 1, 2, 0, 4, 5, 6].into_iter().map(along).rev().max_by_key(Vec::len).unwrap_or_default()
 }
 
-/// The shape at the responses, turned to the common phase at which it is as real as can be, its largest motion +1; and the largest
-/// imaginary part that is left.
-fn turned_real(model: &ModalModel, mode: &Mode, shown: &[usize]) -> (Vec<f64>, f64) {
+/// The shape at the responses, turned to the common phase at which it is as real as can be, its largest motion +1.
+pub(super) fn turned(model: &ModalModel, mode: &Mode, shown: &[usize]) -> Vec<Complex64> {
     let shape: Vec<Complex64> = shown.iter().map(|&k| mode.shape.0[k] * model.responses[k].direction.sign()).collect();
     let phase = shape.iter().map(|value| value * value).sum::<Complex64>().arg() / 2.0;
     let turned: Vec<Complex64> = shape.iter().map(|value| value * Complex64::from_polar(1.0, -phase)).collect();
     let largest = turned.iter().map(|value| value.re).fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
     let scale = if largest == 0.0 { 0.0 } else { 1.0 / largest };
-    let imaginary = turned.iter().map(|value| (value.im * scale).abs()).fold(0.0, f64::max);
-    (turned.iter().map(|value| value.re * scale).collect(), imaginary)
+    turned.iter().map(|value| value * scale).collect()
+}
+
+/// Real parts of [`turned`], and the largest imaginary part that is left.
+fn turned_real(model: &ModalModel, mode: &Mode, shown: &[usize]) -> (Vec<f64>, f64) {
+    let turned = turned(model, mode, shown);
+    (turned.iter().map(|value| value.re).collect(), turned.iter().map(|value| value.im.abs()).fold(0.0, f64::max))
 }
 
 /// What the maps of all modes share: the ground of the responses, and the interpolation between them.

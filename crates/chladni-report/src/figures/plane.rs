@@ -7,15 +7,15 @@ use chladni_render::{Position, Rectangle};
 
 /// The two coordinates in which the structure extends most.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Plane {
+pub(crate) struct Plane {
     axes: [usize; 2],
     /// All nodes, m.
-    pub(super) around: Rectangle,
+    pub(crate) around: Rectangle,
 }
 
 impl Plane {
     /// `None` without nodes, or where they all lie on one line.
-    pub(super) fn of(model: &ModalModel) -> Option<Self> {
+    pub(crate) fn of(model: &ModalModel) -> Option<Self> {
         let extent = |axis: usize| {
             let values = model.nodes.iter().map(|node| node.xyz_m[axis]);
             values.clone().fold(f64::NEG_INFINITY, f64::max) - values.fold(f64::INFINITY, f64::min)
@@ -32,28 +32,34 @@ impl Plane {
     }
 
     /// The plane x, y around given positions, m.
-    pub(super) fn around(positions: &[Position]) -> Option<Self> {
+    pub(crate) fn around(positions: &[Position]) -> Option<Self> {
         let around = Rectangle::around(positions)?;
         (around.x_max > around.x_min && around.y_max > around.y_min).then_some(Self { axes: [0, 1], around })
     }
 
     /// The same plane, only so far as the given positions go.
-    pub(super) fn over(&self, positions: &[Position]) -> Option<Self> {
+    pub(crate) fn over(&self, positions: &[Position]) -> Option<Self> {
         Some(Self { around: Rectangle::around(positions)?, ..*self })
     }
 
     /// Position of a DOF's node, m.
-    pub(super) fn position(&self, nodes: &[Node], dof: &Dof) -> Option<Position> {
+    pub(crate) fn position(&self, nodes: &[Node], dof: &Dof) -> Option<Position> {
         let node = nodes.iter().find(|node| node.label == dof.node)?;
         Some(self.axes.map(|axis| node.xyz_m[axis]))
     }
 
+    /// Names of both coordinates.
+    pub(crate) fn names(&self) -> [&'static str; 2] {
+        self.axes.map(|axis| ["x", "y", "z"][axis])
+    }
+
     /// A map of this plane without layers.
-    pub(super) fn chart(&self, highest_px: f64) -> Chart {
+    pub(crate) fn chart(&self, highest_px: f64) -> Chart {
         let Rectangle { x_min, y_min, x_max, y_max } = self.around;
         let border = sizes::MAP_BORDER * (x_max - x_min).max(y_max - y_min);
-        let name = |which: usize| ["x", "y", "z"][self.axes[which]];
-        let axis = |which, low: f64, high: f64| Axis::linear(name(which), "mm").range([1e3 * (low - border), 1e3 * (high + border)]);
+        let axis = |which: usize, low: f64, high: f64| {
+            Axis::linear(self.names()[which], "mm").range([1e3 * (low - border), 1e3 * (high + border)])
+        };
         let mut chart = Chart::new(axis(0, x_min, x_max), axis(1, y_min, y_max)).height(Height::EqualScales(highest_px));
         chart.grid = false;
         chart
@@ -61,11 +67,11 @@ impl Plane {
 }
 
 /// From m to the mm of the maps.
-pub(super) fn mm(position: Position) -> Place {
+pub(crate) fn mm(position: Position) -> Place {
     position.map(|value| 1e3 * value)
 }
 
 /// Corners of a rectangle, mm.
-pub(super) fn corners_mm(rectangle: Rectangle) -> Vec<Place> {
+pub(crate) fn corners_mm(rectangle: Rectangle) -> Vec<Place> {
     rectangle.corners().into_iter().map(mm).collect()
 }

@@ -1,0 +1,65 @@
+//! `chladni studio`: the report, live, on a page that only this machine can open.
+//!
+//! `session.rs` fits and renders, `server.rs` answers the page, which lives in `chladni-report` and shares the report's views.
+
+mod server;
+mod session;
+
+use crate::console::Console;
+use crate::input::Reading;
+use crate::outcome::{print_line, Outcome};
+use chladni_frf::{Error, ErrorKind, Result};
+use serde_json::json;
+use session::Session;
+use std::net::{Ipv4Addr, SocketAddr, TcpListener};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Arguments of `studio`.
+#[derive(Debug, clap::Args)]
+#[command(before_help = "Examples:
+  chladni studio measurement.uff                       fit, draw scenes and render, live
+  chladni studio model.json                            the same with a model that is fitted already
+  chladni studio scans/ --frf-kind mobility --port 8080
+
+Prints the address of a page that this machine alone can open, and serves it until Ctrl-C. On the page: band and number of
+modes, hot and cold zones, drive frequency; the fit, the weights and the field follow. While a zone or the frequency is
+being dragged the method is `fast`, afterwards `best`. The page shows the commands and the TOML that do the same again;
+it writes no files.")]
+pub struct Args {
+    /// FRFs of any format that `chladni fit` reads, or a model
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// Port to listen on; 0 takes any free one
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    port: u16,
+    #[command(flatten)]
+    reading: Reading,
+}
+
+/// Runs the command; it ends by an interruption only.
+///
+/// # Errors
+/// Those of reading; a port that is taken.
+pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
+    let session = Session::open(&args.files, &args.reading, console)?;
+    let wanted = SocketAddr::from((Ipv4Addr::LOCALHOST, args.port));
+    let refused = |error: std::io::Error| {
+        Error::new(ErrorKind::Io, format!("cannot listen on this machine: {error}"))
+            .field("--port")
+            .found(args.port)
+            .expected("a free port")
+            .help("choose another port, or leave --port out to take any free one")
+    };
+    let listener = TcpListener::bind(wanted).map_err(refused)?;
+    let address = listener.local_addr().map_err(refused)?;
+    console.finish();
+    let url = format!("http://{address}/");
+    match console.json {
+        true => print_line(&json!({ "url": url }).to_string())?,
+        false => print_line(&url)?,
+    }
+    console.note("open this address in a browser on this machine; Ctrl-C ends the studio");
+    server::serve(Arc::new(session), listener, address).map_err(refused)?;
+    Ok(Outcome::shown(json!({}), String::new()))
+}

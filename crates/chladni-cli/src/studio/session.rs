@@ -1,0 +1,152 @@
+//! What the studio works on: the measured FRFs, and the model of the moment.
+
+use crate::console::Console;
+use crate::fit::{echo_of, explain};
+use crate::input::{expand, model_of, read_frf, Reading};
+use crate::report::Contents;
+use chladni_frf::{io, Error, ErrorKind, FrfSet, ModalModel, Result, Source};
+use chladni_render::{render, MethodChoice, RenderOptions, Scene};
+use chladni_report::{data, scene_data, RenderedScene, ReportInput};
+use chladni_rfp::FitOptions;
+use serde::Deserialize;
+use serde_json::{json, Value};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, RwLock};
+
+/// Name that the commands on the page give to the model.
+const MODEL: &str = "model.json";
+
+/// Everything between two questions of the page.
+pub struct Session {
+    /// Title of the page.
+    pub title: String,
+    /// Without measured FRFs nothing can be fitted again.
+    frf: Option<FrfSet>,
+    sources: Vec<Source>,
+    warnings: Vec<String>,
+    /// The files and options of reading, as on a command line.
+    words: String,
+    /// The model was in the file.
+    from_model: bool,
+    model: RwLock<Option<Arc<ModalModel>>>,
+}
+
+/// How to fit; of no account where a model was read.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FitRequest {
+    /// Hz; all lines where it is missing.
+    band_hz: Option<[f64; 2]>,
+    /// Decided by evidence where it is missing.
+    modes: Option<usize>,
+}
+
+/// What to render.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneRequest {
+    /// The scene file's text.
+    toml: String,
+    /// A method of `chladni render`.
+    method: String,
+}
+
+impl Session {
+    /// Reads FRFs, or a model with the FRFs that it names.
+    ///
+    /// # Errors
+    /// Those of reading.
+    pub fn open(files: &[PathBuf], reading: &Reading, console: &Console) -> Result<Self> {
+        let files = expand(files, console)?;
+        let named = |file: &PathBuf| file.display().to_string();
+        let mut words: Vec<String> = files.iter().map(named).collect();
+        let (frf, sources, model) = match files.as_slice() {
+            [file] if model_of(file)?.is_some() => {
+                let contents = Contents::read(&files, &[], console)?;
+                (contents.measured, Vec::new(), contents.model)
+            }
+            _ => {
+                let (frf, sources) = read_frf(&files, reading, console)?;
+                words.extend(reading.flags());
+                (Some(frf), sources, None)
+            }
+        };
+        Ok(Self {
+            title: io::file_name(&files[0]),
+            frf,
+            sources: match &model {
+                Some(model) => model.source.clone(),
+                None => sources,
+            },
+            warnings: console.warnings(),
+            words: words.join(" "),
+            from_model: model.is_some(),
+            model: RwLock::new(model.map(Arc::new)),
+        })
+    }
+
+    /// Fits anew, or hands over the model of the file; everything that the report would draw, and the command that does the same.
+    ///
+    /// # Errors
+    /// Those of a fit, and of drawing.
+    pub fn fit(&self, request: &FitRequest) -> Result<Value> {
+        // a model that was read is the model; FRFs are fitted as they are asked to be
+        let (model, command) = match (&self.frf, self.current()) {
+            (_, Some(model)) if self.from_model => (model, String::new()),
+            (Some(frf), _) => self.fitted(frf, request)?,
+            (None, _) => return Err(Error::new(ErrorKind::Internal, "neither FRFs nor a model")),
+        };
+        let input = ReportInput {
+            title: self.title.clone(),
+            model: Some(&model),
+            measured: self.frf.as_ref(),
+            warnings: self.warnings.clone(),
+            ..ReportInput::default()
+        };
+        let lines = self.frf.as_ref().and_then(|frf| Some([*frf.frequency_hz.first()?, *frf.frequency_hz.last()?]));
+        let refit = !self.from_model && self.frf.is_some();
+        Ok(json!({"data": data(&input)?, "command": command, "lines_hz": lines, "model_file": self.model_file(), "refit": refit}))
+    }
+
+    fn fitted(&self, frf: &FrfSet, request: &FitRequest) -> Result<(Arc<ModalModel>, String)> {
+        let options = FitOptions { band_hz: request.band_hz, modes: request.modes, ..FitOptions::default() };
+        let fit = chladni_rfp::fit(frf, &options, &|_| {}).map_err(|error| explain(&error, &options, Path::new(&self.title)))?;
+        let mut model = fit.model;
+        (model.source, model.options) = (self.sources.clone(), echo_of(&options));
+        let model = Arc::new(model);
+        if let Ok(mut current) = self.model.write() {
+            *current = Some(model.clone());
+        }
+        let band = request.band_hz.map(|[low, high]| format!(" --band {low}:{high}")).unwrap_or_default();
+        let modes = request.modes.map(|modes| format!(" --modes {modes}")).unwrap_or_default();
+        Ok((model, format!("chladni fit {}{band}{modes} -o {MODEL}", self.words)))
+    }
+
+    /// Renders a scene with the model of the moment.
+    ///
+    /// # Errors
+    /// A scene that cannot be read or does not fit the model.
+    pub fn render(&self, request: &SceneRequest) -> Result<Value> {
+        let model = self.current().ok_or_else(|| Error::bad_data("no model yet").help("fit first"))?;
+        let method: MethodChoice = request.method.parse()?;
+        let scene = Scene::parse(&request.toml, Path::new(""))?;
+        let rendering = render(&model, &scene, &RenderOptions { method, ..RenderOptions::default() })?;
+        let scenes = vec![RenderedScene::of_rendering(&rendering)];
+        let input = ReportInput { model: Some(&model), scenes, ..ReportInput::default() };
+        let command = format!("chladni render {} scene.toml --method {} -o weights.json", self.model_file(), request.method);
+        Ok(json!({"scene": scene_data(&input), "command": command, "warnings": rendering.weights.warnings}))
+    }
+
+    fn current(&self) -> Option<Arc<ModalModel>> {
+        self.model.read().ok()?.clone()
+    }
+
+    /// The file of the model, in the words of the commands.
+    fn model_file(&self) -> &str {
+        if self.from_model {
+            &self.words
+        } else {
+            MODEL
+        }
+    }
+}

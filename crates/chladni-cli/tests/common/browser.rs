@@ -1,0 +1,216 @@
+//! A real headless Chromium, spoken to over its DevTools socket.
+
+use base64::engine::general_purpose::STANDARD;
+use base64::Engine;
+use serde_json::{json, Value};
+use std::net::TcpStream;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+use tempfile::TempDir;
+use tungstenite::{client, Message, WebSocket};
+
+const NAMES: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
+/// Longest wait for anything.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// One tab of a browser of its own; both are gone after the test.
+pub struct Page {
+    browser: Child,
+    _profile: TempDir,
+    socket: WebSocket<TcpStream>,
+    session: String,
+    last: u64,
+    complaints: Vec<String>,
+}
+
+impl Page {
+    /// A tab of so many px, light or dark; `None`, with the reason on stderr, where there is no browser.
+    pub fn new(width: u32, height: u32, dark: bool) -> Option<Self> {
+        let profile = tempfile::tempdir().unwrap();
+        let Some(mut browser) = NAMES.iter().find_map(|name| launch(name, profile.path())) else {
+            eprintln!("skipped: no browser found ({}); scripts/setup.sh installs one", NAMES.join(", "));
+            return None;
+        };
+        let Some(url) = devtools_url(profile.path()) else {
+            drop(browser.kill());
+            panic!("the browser opened no DevTools port");
+        };
+        let address = url.trim_start_matches("ws://").split('/').next().unwrap().to_owned();
+        let stream = TcpStream::connect(address).unwrap();
+        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        let (socket, _) = client(&url, stream).unwrap();
+        let mut page = Self { browser, _profile: profile, socket, session: String::new(), last: 0, complaints: Vec::new() };
+        let target = page.send("Target.createTarget", json!({"url": "about:blank"}))["targetId"].clone();
+        let session = page.send("Target.attachToTarget", json!({"targetId": target, "flatten": true}))["sessionId"].clone();
+        page.session = session.as_str().unwrap().to_owned();
+        for domain in ["Page", "Runtime", "Log"] {
+            page.send(&format!("{domain}.enable"), json!({}));
+        }
+        page.send("Performance.enable", json!({"timeDomain": "threadTicks"}));
+        page.resize(width, height);
+        let scheme = if dark { "dark" } else { "light" };
+        page.send("Emulation.setEmulatedMedia", json!({"features": [{"name": "prefers-color-scheme", "value": scheme}]}));
+        Some(page)
+    }
+
+    pub fn resize(&mut self, width: u32, height: u32) {
+        let size = json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": false});
+        self.send("Emulation.setDeviceMetricsOverride", size);
+    }
+
+    /// Opens an address and waits until the page has drawn itself; milliseconds from its start to then.
+    pub fn open(&mut self, url: &str) -> u64 {
+        self.eval("delete document.documentElement?.dataset.drawn");
+        self.send("Page.navigate", json!({ "url": url }));
+        self.wait("document.documentElement?.dataset.drawn").as_str().unwrap().parse().unwrap()
+    }
+
+    /// Seconds that the page's thread has worked so far: unlike a clock they do not count what other programs do meanwhile.
+    pub fn worked_s(&mut self) -> f64 {
+        let metrics = self.send("Performance.getMetrics", json!({}))["metrics"].clone();
+        let task = metrics.as_array().unwrap().iter().find(|metric| metric["name"] == "TaskDuration").unwrap();
+        task["value"].as_f64().unwrap()
+    }
+
+    pub fn open_file(&mut self, path: &Path) -> u64 {
+        self.open(&format!("file://{}", path.canonicalize().unwrap().display()))
+    }
+
+    /// The value of an expression in the page.
+    pub fn eval(&mut self, expression: &str) -> Value {
+        let asked = json!({"expression": expression, "awaitPromise": true, "returnByValue": true});
+        let answer = self.send("Runtime.evaluate", asked);
+        assert!(answer.get("exceptionDetails").is_none(), "{expression}: {answer}");
+        answer["result"]["value"].clone()
+    }
+
+    /// Waits until an expression is true, and gives its value.
+    pub fn wait(&mut self, expression: &str) -> Value {
+        let start = Instant::now();
+        loop {
+            let value = self.eval(expression);
+            if !matches!(value, Value::Null | Value::Bool(false)) {
+                return value;
+            }
+            assert!(start.elapsed() < PATIENCE, "never true: {expression}; {:?}", self.complaints);
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+
+    /// Text of an element, or the value of an input.
+    pub fn text(&mut self, selector: &str) -> String {
+        let value =
+            self.eval(&format!("(() => {{ const e = document.querySelector({}); return e.value ?? e.textContent; }})()", json!(selector)));
+        value.as_str().unwrap().to_owned()
+    }
+
+    /// Brings an element into view and gives a place of it in the window: its left upper corner and size.
+    pub fn place(&mut self, selector: &str) -> [f64; 4] {
+        let found = format!("(() => {{ const e = document.querySelector({}); e.scrollIntoView({{block: 'center'}}); const r = e.getBoundingClientRect(); return [r.left, r.top, r.width, r.height]; }})()", json!(selector));
+        serde_json::from_value(self.eval(&found)).unwrap()
+    }
+
+    fn mouse(&mut self, kind: &str, [x, y]: [f64; 2], buttons: u32) {
+        let event = json!({"type": kind, "x": x, "y": y, "button": "left", "buttons": buttons, "clickCount": 1});
+        self.send("Input.dispatchMouseEvent", event);
+    }
+
+    pub fn hover(&mut self, at: [f64; 2]) {
+        self.mouse("mouseMoved", at, 0);
+    }
+
+    pub fn click(&mut self, at: [f64; 2]) {
+        self.drag(at, at);
+    }
+
+    /// Presses at one place, moves to another, lets go.
+    pub fn drag(&mut self, from: [f64; 2], to: [f64; 2]) {
+        self.mouse("mouseMoved", from, 0);
+        self.mouse("mousePressed", from, 1);
+        for part in [0.3, 0.7, 1.0] {
+            self.mouse("mouseMoved", [0, 1].map(|k| from[k] + part * (to[k] - from[k])), 1);
+        }
+        self.mouse("mouseReleased", to, 0);
+    }
+
+    pub fn key(&mut self, key: &str) {
+        for kind in ["keyDown", "keyUp"] {
+            self.send("Input.dispatchKeyEvent", json!({"type": kind, "key": key}));
+        }
+    }
+
+    /// What the window shows, as PNG.
+    pub fn screenshot(&mut self) -> Vec<u8> {
+        let data = self.send("Page.captureScreenshot", json!({"format": "png"}))["data"].clone();
+        STANDARD.decode(data.as_str().unwrap()).unwrap()
+    }
+
+    /// Errors of scripts and refused loads so far.
+    pub fn complaints(&mut self) -> Vec<String> {
+        self.eval("1");
+        self.complaints.clone()
+    }
+
+    fn send(&mut self, method: &str, params: Value) -> Value {
+        self.last += 1;
+        let id = self.last;
+        let mut message = json!({"id": id, "method": method, "params": params});
+        if !self.session.is_empty() {
+            message["sessionId"] = json!(self.session);
+        }
+        self.socket.send(Message::text(message.to_string())).unwrap();
+        loop {
+            let Message::Text(text) = self.socket.read().unwrap() else { continue };
+            let said: Value = serde_json::from_str(text.as_str()).unwrap();
+            if said["id"] == id {
+                assert!(said.get("error").is_none(), "{method}: {said}");
+                return said["result"].clone();
+            }
+            match said["method"].as_str() {
+                Some("Runtime.exceptionThrown") => self.complaints.push(said["params"]["exceptionDetails"].to_string()),
+                Some("Log.entryAdded") if said["params"]["entry"]["level"] == "error" => {
+                    self.complaints.push(said["params"]["entry"].to_string())
+                }
+                _ => {}
+            }
+        }
+    }
+}
+
+impl Drop for Page {
+    fn drop(&mut self) {
+        drop(self.browser.kill());
+        drop(self.browser.wait());
+    }
+}
+
+fn launch(name: &str, profile: &Path) -> Option<Child> {
+    let data = format!("--user-data-dir={}", profile.display());
+    let flags = [
+        "--headless=new",
+        "--no-sandbox",
+        "--disable-gpu",
+        "--disable-dev-shm-usage",
+        "--no-first-run",
+        "--remote-debugging-port=0",
+        &data,
+        "about:blank",
+    ];
+    Command::new(name).args(flags).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn().ok()
+}
+
+/// The browser writes port and path of its socket into its profile.
+fn devtools_url(profile: &Path) -> Option<String> {
+    let start = Instant::now();
+    while start.elapsed() < PATIENCE {
+        let text = std::fs::read_to_string(profile.join("DevToolsActivePort")).unwrap_or_default();
+        if let Some((port, path)) = text.split_once('\n') {
+            if !path.is_empty() {
+                return Some(format!("ws://127.0.0.1:{port}{}", path.trim()));
+            }
+        }
+        std::thread::sleep(Duration::from_millis(30));
+    }
+    None
+}

@@ -1,0 +1,47 @@
+//! What the page's script draws, as one JSON object: numbers of the model, the FRFs, the diagrams and the scenes.
+//!
+//! Nothing in it is markup; the script writes every word as text. Where a part is missing its key is `null`, and the page says so.
+
+mod array;
+mod diagrams;
+mod frfs;
+mod geometry;
+mod lines;
+mod model;
+mod scenes;
+mod warnings;
+
+pub(crate) use diagrams::stabilization_options;
+
+use crate::comparison::Comparison;
+use crate::input::ReportInput;
+use chladni_frf::{Result, CREATED_BY};
+use serde_json::{json, Value};
+
+/// The whole object.
+///
+/// # Errors
+/// Measured FRFs that do not belong to the model; a singular value decomposition that fails.
+pub(crate) fn of(input: &ReportInput) -> Result<Value> {
+    let comparison = Comparison::new(input)?;
+    let geometry = geometry::Geometry::of(input);
+    Ok(json!({
+        "title": input.title,
+        "created_by": CREATED_BY,
+        "warnings": warnings::all(input),
+        "model": input.model.map(model::value),
+        "frfs": comparison.as_ref().map(frfs::value),
+        "cmif": comparison.as_ref().map(|comparison| diagrams::cmif(comparison, input.measured)).transpose()?,
+        "stabilization": input.measured.map(|set| diagrams::stabilization(set, input.model)),
+        "mac": input.model.and_then(diagrams::mac),
+        "geometry": geometry.as_ref().map(geometry::Geometry::value),
+        "scenes": input.scenes.iter().map(|scene| scenes::value(scene, input, geometry.as_ref())).collect::<Vec<_>>(),
+        "tables": input.tables.iter().map(|table| json!({"name": table.name, "header": table.header, "rows": table.rows})).collect::<Vec<_>>(),
+    }))
+}
+
+/// One scene alone, as an entry of `scenes`: what changes while zones are drawn in the studio.
+pub(crate) fn of_scene(input: &ReportInput) -> Option<Value> {
+    let geometry = geometry::Geometry::of(input);
+    input.scenes.first().map(|scene| scenes::value(scene, input, geometry.as_ref()))
+}

@@ -1,0 +1,97 @@
+//! The modal model: facts in words, poles with bounds and reasons, and everything that its synthesis needs.
+
+use super::array::{complex, f64s};
+use crate::text::{counted, plain, significant};
+use chladni_frf::{Damping, ModalModel, Mode, Scaling, Trust};
+use chladni_rfp::{mean_phase_deviation_deg, modal_complexity_factor};
+use serde_json::{json, Value};
+
+/// The model as the page sees it.
+pub(crate) fn value(model: &ModalModel) -> Value {
+    json!({
+        "facts": facts(model),
+        "band_hz": model.band_hz,
+        "damping": model.damping,
+        "kind": model.frf_kind,
+        "unit_modal_mass": model.scaling == Scaling::UnitModalMass,
+        "source": model.source.first().map(|source| &source.file),
+        "responses": model.responses,
+        "references": model.references,
+        "omega_scale": model.residual_terms.omega_scale_rad_per_s,
+        "powers": model.residual_terms.terms.iter().map(|term| term.power).collect::<Vec<_>>(),
+        "modes": model.modes.iter().map(mode).collect::<Vec<_>>(),
+        "frequency_hz": f64s(model.modes.iter().map(|mode| &mode.frequency_hz)),
+        "shapes": complex(model.modes.iter().flat_map(|mode| &mode.shape.0)),
+        "participations": complex(model.modes.iter().flat_map(|mode| &mode.participation.0)),
+    })
+}
+
+fn mode(mode: &Mode) -> Value {
+    json!({
+        "frequency_hz": mode.frequency_hz,
+        "frequency_std_hz": mode.frequency_std_hz,
+        "loss_factor": mode.loss_factor,
+        "loss_factor_std": mode.loss_factor_std,
+        "in_band": mode.in_band,
+        "trust": mode.trust,
+        "reasons": mode.reasons,
+        "mpc": mode.mpc,
+        "mpd_deg": mean_phase_deviation_deg(&mode.shape.0),
+        "mcf": modal_complexity_factor(&mode.shape.0),
+    })
+}
+
+/// What the model is and how well it explains its data: pairs of a word and what belongs to it.
+fn facts(model: &ModalModel) -> Vec<[String; 2]> {
+    let (sure, weak) = (count(model, Trust::Sure), count(model, Trust::Weak));
+    let outside = model.modes.iter().filter(|mode| !mode.in_band && mode.trust != Trust::Rejected).count();
+    let mut modes = counted(sure + weak, "mode");
+    if weak > 0 {
+        modes += &format!(" ({sure} sure, {weak} weak)");
+    }
+    if outside > 0 {
+        modes += &format!(", and {} outside the band", counted(outside, "pole"));
+    }
+    let sources: Vec<String> = model.source.iter().map(|source| format!("{} (SHA-256 {})", source.file, source.sha256)).collect();
+    let damping = match model.damping {
+        Damping::Structural => "structural (hysteretic): loss factor η",
+        Damping::Viscous => "viscous: η = 2ζ",
+    };
+    let scaling = match model.scaling {
+        Scaling::UnitModalMass => "unit modal mass",
+        Scaling::Unscaled => "unscaled (no driving point): shapes have largest motion 1, participations carry the rest",
+    };
+    let path = model.quality.path.as_ref().map(|path| format!("; {path}")).unwrap_or_default();
+    let rows = [
+        ("Source", if sources.is_empty() { "not recorded".into() } else { sources.join(", ") }),
+        (
+            "FRFs",
+            format!(
+                "{} in {}, {} × {}",
+                model.frf_kind,
+                model.frf_kind.unit(model.reference_unit).replace("^2", "²"),
+                counted(model.responses.len(), "response"),
+                counted(model.references.len(), "reference")
+            ),
+        ),
+        ("Fitted band", format!("{} to {} Hz", plain(model.band_hz[0]), plain(model.band_hz[1]))),
+        ("Method", format!("{}{path}", model.method)),
+        ("Found", modes),
+        ("Damping", damping.into()),
+        ("Scaling", scaling.into()),
+        (
+            "Misfit",
+            format!(
+                "{} % of the data's rms; χ² per degree of freedom {}",
+                significant(100.0 * model.quality.relative_error, 3),
+                significant(model.quality.chi2_per_dof, 4)
+            ),
+        ),
+        ("Trust", if model.quality.trusted { "trusted" } else { "not trusted, see the warnings" }.into()),
+    ];
+    rows.map(|(word, text)| [word.to_owned(), text]).into()
+}
+
+fn count(model: &ModalModel, trust: Trust) -> usize {
+    model.in_band_modes().filter(|mode| mode.trust == trust).count()
+}

@@ -1,6 +1,0 @@
-//! The page: one file, no external resource, readable without its script.
-
-mod page;
-pub(crate) mod tables;
-
-pub(crate) use page::page;

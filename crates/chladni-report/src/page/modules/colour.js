@@ -1,0 +1,33 @@
+// Colour maps that stay readable for colour-blind eyes and in grey: the same anchors as in the chart files.
+
+const ANCHORS = {
+  // lightness rises evenly
+  sequential: [[42, 18, 84], [52, 80, 140], [36, 126, 140], [80, 172, 112], [176, 212, 74], [253, 236, 116]],
+  diverging: [[8, 48, 107], [66, 130, 190], [176, 208, 230], [250, 250, 248], [248, 205, 155], [214, 120, 40], [115, 48, 6]],
+  cyclic: [[236, 226, 214], [120, 165, 205], [62, 84, 160], [44, 24, 62], [130, 40, 62], [205, 120, 88], [236, 226, 214]],
+  white: [[255, 255, 255], [150, 190, 222], [40, 110, 175], [5, 40, 90]],
+};
+
+/** Red, green, blue of `t` in 0..1, clamped; grey where it is no number. */
+export function colourAt(map, t) {
+  const anchors = ANCHORS[map];
+  if (Number.isNaN(t)) return [128, 128, 128];
+  const place = Math.min(1, Math.max(0, t)) * (anchors.length - 1);
+  const below = Math.min(anchors.length - 2, Math.floor(place));
+  return anchors[below].map((from, k) => Math.round(from + (place - below) * (anchors[below + 1][k] - from)));
+}
+
+/** The same as CSS. */
+export function cssColour(map, t) {
+  return `rgb(${colourAt(map, t).join(",")})`;
+}
+
+/** True where white letters read better than black ones. */
+export function isDark([r, g, b]) {
+  return 0.299 * r + 0.587 * g + 0.114 * b < 135;
+}
+
+/** The value of a colour of the page's theme, for canvases. */
+export function themeColour(name) {
+  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+}

@@ -1,0 +1,35 @@
+// The data that the page carries: arrays of numbers stand in it as base64 under the name of their type.
+
+const TYPES = { f32: Float32Array, f64: Float64Array, u32: Uint32Array, i8: Int8Array, u8: Uint8Array };
+
+/** The numbers of `{"f32": "..."}`; null stays null. */
+export function array(coded) {
+  if (!coded) return null;
+  const [name, text] = Object.entries(coded)[0];
+  return new TYPES[name](bytes(text).buffer);
+}
+
+function bytes(text) {
+  if (Uint8Array.fromBase64) return Uint8Array.fromBase64(text);
+  const letters = atob(text);
+  const out = new Uint8Array(letters.length);
+  for (let k = 0; k < letters.length; k++) out[k] = letters.charCodeAt(k);
+  return out;
+}
+
+/** The data of this page. */
+export function embedded() {
+  return JSON.parse(document.getElementById("data").textContent);
+}
+
+/** Complex numbers as two arrays, from real and imaginary part in turn. */
+export function split(numbers) {
+  const count = numbers.length / 2;
+  const re = new Float64Array(count);
+  const im = new Float64Array(count);
+  for (let k = 0; k < count; k++) {
+    re[k] = numbers[2 * k];
+    im[k] = numbers[2 * k + 1];
+  }
+  return { re, im };
+}

@@ -1,0 +1,97 @@
+// Elements. Foreign words go in as text only, never as markup.
+
+const SVG = "http://www.w3.org/2000/svg";
+
+function filled(element, attributes, children) {
+  for (const [name, value] of Object.entries(attributes ?? {})) {
+    if (name.startsWith("on")) element.addEventListener(name.slice(2), value);
+    else if (value === true) element.setAttribute(name, "");
+    else if (value !== false && value !== null && value !== undefined) element.setAttribute(name, value);
+  }
+  element.append(...children.flat(Infinity).filter((child) => child !== null && child !== undefined));
+  return element;
+}
+
+/** An HTML element: `h("p", { class: "calm" }, "No warnings.")`. */
+export function h(tag, attributes, ...children) {
+  return filled(document.createElement(tag), attributes, children);
+}
+
+/** An SVG element. */
+export function s(tag, attributes, ...children) {
+  return filled(document.createElementNS(SVG, tag), attributes, children);
+}
+
+/** A section of the page with its heading, anchored for the list of contents. */
+export function section(id, heading, ...children) {
+  return h("section", { id, "aria-labelledby": `${id}-heading` }, h("h2", { id: `${id}-heading` }, heading), ...children);
+}
+
+/** A list to choose from; `onchange` gets the index. */
+export function choice(label, names, index, onchange) {
+  const select = h("select", { onchange: () => onchange(select.selectedIndex) }, names.map((name) => h("option", {}, name)));
+  select.selectedIndex = index;
+  return { element: h("label", { class: "control" }, `${label} `, select), select };
+}
+
+/** A box to tick. */
+export function tick(label, checked, onchange) {
+  const box = h("input", { type: "checkbox", checked, onchange: () => onchange(box.checked) });
+  return h("label", { class: "control" }, box, ` ${label}`);
+}
+
+/** A slider with its value in words; `oninput` gets the number and whether the hand still moves. */
+export function slider(label, { min, max, step, value, words }, oninput) {
+  const output = h("output", {}, words(value));
+  const said = (moving) => {
+    output.textContent = words(input.valueAsNumber);
+    oninput(input.valueAsNumber, moving);
+  };
+  const input = h("input", { type: "range", min, max, step, oninput: () => said(true), onchange: () => said(false) });
+  input.value = value;
+  const element = h("label", { class: "control slider" }, `${label} `, input, " ", output);
+  const set = (to) => {
+    input.value = to;
+    output.textContent = words(to);
+  };
+  return { element, input, set };
+}
+
+/** Text to take along, with a button that copies it. `set` changes it. */
+export function takeAway(label, id) {
+  const text = h("textarea", { id, readonly: true, rows: 6, spellcheck: "false", "aria-label": label });
+  const said = h("span", { class: "muted", role: "status" });
+  const copy = async () => {
+    try {
+      await navigator.clipboard.writeText(text.value);
+      said.textContent = "copied";
+    } catch {
+      // no clipboard in a file opened from disk: the text is selected, so that one key copies it
+      text.focus();
+      text.select();
+      said.textContent = "selected: copy with Ctrl+C";
+    }
+  };
+  const button = h("button", { type: "button", onclick: copy }, "Copy");
+  const set = (words) => {
+    text.value = words;
+    text.rows = Math.min(24, Math.max(3, words.split("\n").length));
+    said.textContent = "";
+  };
+  return { element: h("div", { class: "take" }, h("p", {}, `${label} `, button, " ", said), text), set };
+}
+
+/** Pairs of a word and what belongs to it. */
+export function factList(rows) {
+  return h("dl", {}, rows.map(([word, text]) => [h("dt", {}, word), h("dd", {}, text)]));
+}
+
+/** A table: header cells and rows of cells; a cell is text, an element, or `{ number: text }`. */
+export function table(header, rows, attributes) {
+  const cell = (tag) => (content) => {
+    const isNumber = content !== null && typeof content === "object" && "number" in content;
+    return h(tag, isNumber ? { class: "number" } : {}, isNumber ? content.number : content);
+  };
+  const head = h("thead", {}, h("tr", {}, header.map(cell("th"))));
+  return h("div", { class: "scroll" }, h("table", attributes ?? {}, head, h("tbody", {}, rows.map((row) => h("tr", {}, row.map(cell("td")))))));
+}

@@ -1,0 +1,142 @@
+// The field of a scene: level re threshold, zones, limits, and which responses miss theirs; and the same field moving.
+
+import { h, slider } from "./dom.js";
+import { array, split } from "./data.js";
+import { colourAt } from "./colour.js";
+import { level, fixed } from "./numbers.js";
+import { refined, contours } from "./surface.js";
+import { panelMap, colourBar } from "./panel_map.js";
+import { velocity } from "./synthesis.js";
+import { space } from "./space.js";
+
+/** Ends of the colours, dB re threshold. */
+const RANGE_DB = 12;
+const COLUMNS = 200;
+/** The slider goes so far beside the drive frequency, part of it. */
+const BESIDE = 0.1;
+
+const [IGNORED, COLD, HOT] = [0, 1, 2];
+
+/** A scene's field with its numbers unpacked; null where weights alone are known. */
+export function unpackField(field) {
+  if (!field) return null;
+  const surface = field.surface && { x: field.surface.x, y: field.surface.y, ...split(array(field.surface.velocity)), ground: array(field.surface.ground) };
+  return { ...field, ground: array(field.ground), velocity: split(array(field.velocity)), ground_on_grid: array(field.ground_on_grid), surface };
+}
+
+/** A scene's drive in modal coordinates. */
+export function unpackModal(modal) {
+  if (!modal) return null;
+  const on = modal.terms_on_grid && split(array(modal.terms_on_grid));
+  return { forces: split(array(modal.forces)), mirrored: split(array(modal.mirrored)), terms: split(array(modal.terms)), termsOnGrid: on };
+}
+
+/** True where a response keeps its limit. */
+export function keeps(field, k, speed) {
+  if (field.ground[k] === HOT) return speed >= field.felt * field.levels[k] * (1 - 1e-12);
+  return field.ground[k] !== COLD || speed <= field.quiet * (1 + 1e-12);
+}
+
+/** Shares of judged responses that keep their limits: {hot, cold, both}. */
+export function shares(field, speeds) {
+  const of = (wanted) => {
+    const judged = speeds.map((_, k) => k).filter((k) => wanted(field.ground[k]));
+    return judged.length ? judged.filter((k) => keeps(field, k, speeds[k])).length / judged.length : NaN;
+  };
+  return { hot: of((ground) => ground === HOT), cold: of((ground) => ground === COLD), both: of((ground) => ground !== IGNORED) };
+}
+
+/** The field's map with its colour bar, a slider over frequency where the model is at hand, and the moving surface. */
+export function fieldView(scene, model, geometry, id) {
+  const { field } = scene;
+  const box = geometry?.box ?? [0, 1].map((k) => Math.min(...field.places.map((place) => place[k]))).concat([0, 1].map((k) => Math.max(...field.places.map((place) => place[k]))));
+  const map = panelMap(box, geometry?.axes ?? ["x", "y"], `Field at ${fixed(scene.frequency_hz, 1)} Hz`);
+  map.svg.id = id;
+  const title = h("p", { class: "figure-title" });
+  const said = h("p", { class: "muted", role: "status" });
+  const limenDb = level(field.felt / field.threshold);
+  const moving = field.surface ? space(`Field at ${fixed(scene.frequency_hz, 1)} Hz in three dimensions`) : null;
+
+  function show(frequencyHz) {
+    const here = frequencyHz === scene.frequency_hz || !scene.modal;
+    const surface = here ? field.surface : elsewhere(scene, model, geometry, frequencyHz);
+    const at = here ? field.velocity : atResponses(scene, model, frequencyHz);
+    title.textContent = `Field at ${fixed(frequencyHz, 1)} Hz (${here ? scene.judged_on : "the same weights in the model"})`;
+    const speeds = Array.from(at.re, (re, k) => Math.hypot(re, at.im[k]));
+    const { hot, cold, both } = shares(field, speeds);
+    said.textContent = `At the responses: hot ${fixed(100 * hot, 1)} %, cold ${fixed(100 * cold, 1)} %, both ${fixed(100 * both, 1)} % keep their limits.`;
+    map.draw(layers(field, surface, speeds, limenDb));
+    if (moving && surface) moving.set({ surface });
+  }
+
+  const parts = [title, map.element, bar(limenDb), said];
+  if (scene.modal?.termsOnGrid && geometry?.grid) {
+    const f = scene.frequency_hz;
+    const step = Number((f / 2000).toPrecision(1));
+    const control = slider("The same weights at", { min: f * (1 - BESIDE), max: f * (1 + BESIDE), step: "any", value: f, words: (hz) => `${fixed(hz, 1)} Hz` }, (hz) => show(Math.abs(hz - f) < step ? f : hz));
+    const back = h("button", { type: "button", onclick: () => { control.set(f); show(f); } }, "Drive frequency");
+    parts.push(h("div", { class: "controls" }, control.element, back));
+  }
+  show(scene.frequency_hz);
+  const maps = h("figure", {}, ...parts, h("figcaption", {}, caption(field, limenDb)));
+  return { element: h("div", { class: "pair" }, maps, moving ? h("figure", {}, h("p", { class: "figure-title" }, "The field in motion"), moving.element) : null), map };
+}
+
+function caption(field, limenDb) {
+  const limen = fixed(limenDb, 1);
+  return `Level of the velocity re the threshold of ${fixed(1e3 * field.threshold, 3)} mm/s peak. Hot ground is to lie above +${limen} dB (full line), cold ground below −${limen} dB (dashed line); hatched ground is not judged. Levels beyond ±${RANGE_DB} dB have the colours of the ends.`;
+}
+
+function bar(limenDb) {
+  const colour = (value) => colourAt("sequential", 0.5 + (0.5 * value) / RANGE_DB);
+  return colourBar(colour, [-RANGE_DB, RANGE_DB], "velocity, dB re threshold", [{ value: limenDb, style: "felt" }, { value: -limenDb, style: "quiet" }]);
+}
+
+/** Layers of the map for a surface and speeds at the responses. */
+function layers(field, surface, speeds, limenDb) {
+  const judged = (wanted) => speeds.map((_, k) => k).filter(wanted);
+  const marks = [
+    [judged((k) => field.ground[k] === HOT && keeps(field, k, speeds[k])), "response hot-mark", "triangle", "felt as wished"],
+    [judged((k) => field.ground[k] === COLD && keeps(field, k, speeds[k])), "response cold-mark", "ring", "quiet as wished"],
+    [judged((k) => field.ground[k] === IGNORED), "response", "dot", "not judged"],
+    [judged((k) => !keeps(field, k, speeds[k])), "response missed", "cross", "misses its limit"],
+  ].map(([list, style, mark, word]) => ({
+    points: list.map((k) => field.places[k]), style, mark,
+    hints: list.map((k) => `${field.names[k]}: ${fixed(level(speeds[k] / field.threshold), 1)} dB re threshold, ${word}`),
+  }));
+  const [x0, y0, x1, y1] = field.area_m;
+  const outlines = [{ points: [[x0, y0], [x1, y0], [x1, y1], [x0, y1]], style: "area" }, ...field.hot.map((points) => ({ points, style: "hot-zone", text: "hot" }))];
+  if (!surface) return { marks, outlines };
+  const fine = refined(surface, COLUMNS);
+  const levels = fine.re.map((re, k) => {
+    const speed = Math.hypot(re, fine.im[k]);
+    return Number.isNaN(speed) ? NaN : level(Math.max(1e-15, speed / field.threshold));
+  });
+  const ground = groundAt(surface);
+  const colour = (k, x, y, row, column) => {
+    if (Number.isNaN(levels[k])) return null;
+    const hatched = ground(x, y) === IGNORED && (row + column) % 6 < 2;
+    return hatched ? [255, 255, 255] : colourAt("sequential", 0.5 + (0.5 * levels[k]) / RANGE_DB);
+  };
+  const lines = (at, style) => ({ pieces: contours(fine.x, fine.y, levels, at), style });
+  return { surface: fine, colour, contours: [lines(limenDb, "felt"), lines(-limenDb, "quiet")], outlines, marks };
+}
+
+function groundAt({ x, y, ground }) {
+  if (!ground) return () => COLD;
+  const place = (axis, value) => Math.max(0, Math.min(axis.length - 1, Math.round(((value - axis[0]) / (axis[axis.length - 1] - axis[0])) * (axis.length - 1))));
+  return (px, py) => ground[place(y, py) * x.length + place(x, px)];
+}
+
+/** What the weights make at another frequency, on the grid of the shapes. */
+function elsewhere(scene, model, geometry, frequencyHz) {
+  const { x, y, shapes } = geometry.grid;
+  return { x, y, ground: scene.field.ground_on_grid, ...velocity(model, scene.modal, shapes, scene.modal.termsOnGrid, frequencyHz) };
+}
+
+/** The same at the responses of the field, by their names in the model; `keepsMode` may leave modes out. */
+export function atResponses(scene, model, frequencyHz, keepsMode) {
+  const all = velocity(model, scene.modal, model.shape, scene.modal.terms, frequencyHz, keepsMode);
+  const places = scene.field.names.map((name) => model.responses.indexOf(name));
+  return { re: places.map((k) => all.re[k]), im: places.map((k) => all.im[k]) };
+}

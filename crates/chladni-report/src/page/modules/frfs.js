@@ -1,0 +1,199 @@
+// FRFs: the sum over all of them, and any pair of DOFs, measured over synthesised with what is left, in magnitude and phase.
+
+import { h, section, choice, tick } from "./dom.js";
+import { array, split } from "./data.js";
+import { state, listen, change } from "./store.js";
+import { chart, padded } from "./chart.js";
+import { level, fixed, counted } from "./numbers.js";
+import { synthesise } from "./synthesis.js";
+
+/** Levels below the largest one that are shown, dB. */
+const RANGE_DB = 100;
+
+function levels(values) {
+  return Float64Array.from(values, level);
+}
+
+/** Section of the FRFs; `model` may be null. */
+export function frfSection(frfs, model) {
+  const source = new Source(frfs, model);
+  const both = model && frfs.residuals;
+  const body = [note(frfs, model), sumChart(frfs, model).element];
+  if (source.pairs) body.push(...pairView(source, frfs, model));
+  return section("frfs", both ? "Measured FRFs and synthesis" : "FRFs", ...body);
+}
+
+function note(frfs, model) {
+  const shown = frfs.responses.length * frfs.references.length;
+  const words = [];
+  if (!frfs.residuals) words.push("The measured FRFs are not at hand: only the model's synthesis is shown.");
+  if (!model) words.push("There is no model: only the measured FRFs are shown.");
+  if (shown < frfs.total_pairs) words.push(`To choose from are ${shown} of ${frfs.total_pairs} FRFs, evenly chosen, to keep the page small.`);
+  words.push("Drag across a chart to zoom, double-click to see all; names in the legend switch curves on and off.");
+  return h("p", {}, words.join(" "));
+}
+
+function poleLines(model) {
+  return model ? [{ name: "natural frequency", at: model.inBand.filter((k) => !state.dropped.has(k)).map((k) => model.frequency[k]), style: "pole-line" }] : [];
+}
+
+function bandLines(model, [low, high]) {
+  const inside = model ? model.band_hz.filter((hz) => hz > low && hz < high) : [];
+  return inside.length ? [{ name: "border of the fitted band", at: inside, style: "band-line" }] : [];
+}
+
+function range(lists) {
+  const [low, high] = padded(lists, 0.05, RANGE_DB);
+  return [low, high];
+}
+
+function sumChart(frfs, model) {
+  const x = array(frfs.lines);
+  const curve = (name, coded, style) => coded && { name, x, y: levels(array(coded)), style };
+  const series = [
+    curve("measured", frfs.sums.measured, "measured"),
+    curve("synthesised", frfs.sums.synthesis, "synthesised"),
+    curve("residual", frfs.sums.residual, "residual"),
+  ].filter(Boolean);
+  const ends = [x[0], x[x.length - 1]];
+  const view = chart({
+    title: `${frfs.quantity}, root mean square over all FRFs`,
+    caption: frfs.sums.residual ? "Where the residual is flat and shapeless it is noise; peaks in it are motion that the model lacks." : "",
+    height: 280,
+    x: { label: "Frequency", unit: "Hz", range: ends },
+    y: { label: frfs.quantity, unit: frfs.unit, range: range(series.map((one) => one.y)) },
+    series,
+    verticals: [...poleLines(model), ...bandLines(model, ends)],
+    onrange: (zoom) => change({ range: zoom }),
+  });
+  listen(["dropped"], () => view.update({ verticals: [...poleLines(model), ...bandLines(model, ends)] }));
+  listen(["range"], () => view.zoomTo(state.range));
+  return view;
+}
+
+/** Curves of any pair. */
+class Source {
+  constructor(frfs, model) {
+    this.frfs = frfs;
+    this.model = model;
+    this.columns = frfs.references.length;
+    this.pairs = frfs.responses.length * this.columns;
+    this.lines = array(frfs.lines);
+    this.terms = frfs.terms && split(array(frfs.terms));
+    this.errors = array(frfs.errors);
+    if (frfs.residuals) {
+      const coded = frfs.residuals;
+      this.coarse = { frequency: array(coded.frequency_hz), scales: array(coded.scales), values: array(coded.values), block: coded.block };
+    }
+    this.full = new Map(frfs.full.map((pair) => [`${pair.response} ${pair.reference}`, pair]));
+  }
+
+  pair(response, reference) {
+    return response * this.columns + reference;
+  }
+
+  /** Of the offered pair: {frequency, measured, synthesis, residual, all}, parts null where there is no such curve. */
+  curves(response, reference) {
+    const pair = this.pair(response, reference);
+    const [i, j] = [this.frfs.responses[response], this.frfs.references[reference]];
+    const full = this.full.get(`${i} ${j}`)?.measured;
+    const frequency = full || !this.coarse ? this.lines : this.coarse.frequency;
+    const whole = this.model && this.synthesis(i, j, pair, frequency, new Set());
+    const synthesis = this.model && (state.dropped.size ? this.synthesis(i, j, pair, frequency, state.dropped) : whole);
+    let measured = null;
+    if (full) measured = split(array(full));
+    else if (this.coarse) measured = sum(this.residual(pair), whole);
+    const residual = measured && synthesis && sum(measured, synthesis, -1);
+    return { frequency, measured, synthesis, residual, all: Boolean(full) };
+  }
+
+  synthesis(i, j, pair, frequency, dropped) {
+    const powers = this.model.powers.length;
+    const pick = (part) => Array.from({ length: powers }, (_, k) => part[k * this.pairs + pair]);
+    return synthesise(this.model, i, j, { re: pick(this.terms.re), im: pick(this.terms.im) }, frequency, dropped);
+  }
+
+  residual(pair) {
+    const { frequency, scales, values, block } = this.coarse;
+    const lines = frequency.length;
+    const blocks = Math.ceil(lines / block);
+    const out = { re: new Float64Array(lines), im: new Float64Array(lines) };
+    for (let line = 0; line < lines; line++) {
+      const scale = scales[pair * blocks + Math.floor(line / block)];
+      const k = 2 * (pair * lines + line);
+      const gap = values[k] === -128;
+      out.re[line] = gap ? NaN : values[k] * scale;
+      out.im[line] = gap ? NaN : values[k + 1] * scale;
+    }
+    return out;
+  }
+}
+
+function sum(a, b, sense = 1) {
+  if (!b) return a;
+  return { re: a.re.map((re, k) => re + sense * b.re[k]), im: a.im.map((im, k) => im + sense * b.im[k]) };
+}
+
+const magnitude = (curve) => curve && Float64Array.from(curve.re, (re, k) => level(Math.hypot(re, curve.im[k])));
+const phase = (curve) => curve && Float64Array.from(curve.re, (re, k) => (Math.atan2(curve.im[k], re) * 180) / Math.PI);
+
+function pairView(source, frfs, model) {
+  const names = [frfs.response_names, frfs.reference_names];
+  const first = frfs.full[0];
+  const start = first ? [frfs.responses.indexOf(first.response), frfs.references.indexOf(first.reference)] : [0, 0];
+  state.pair = start.map((k) => Math.max(0, k));
+  const ends = [source.lines[0], source.lines[source.lines.length - 1]];
+  const x = { label: "Frequency", unit: "Hz", range: ends };
+  const onrange = (zoom) => change({ range: zoom });
+  const key = (name) => {
+    const step = { "[": -1, "]": 1 }[name];
+    if (!step) return false;
+    const count = names[0].length;
+    change({ pair: [(state.pair[0] + step + count) % count, state.pair[1]] });
+    return true;
+  };
+  const amplitude = chart({ height: 300, x, y: { label: frfs.quantity, unit: frfs.unit, range: [0, 1] }, series: [], onrange, onkey: key });
+  const angle = chart({ height: 190, x, y: { label: "Phase", unit: "degrees", range: [-180, 180], step: 90 }, series: [], onrange, onkey: key });
+  amplitude.svg.id = "frf-magnitude";
+  angle.svg.id = "frf-phase";
+  const response = choice("Response", names[0], state.pair[0], (k) => change({ pair: [k, state.pair[1]] }));
+  const reference = choice("Reference", names[1], state.pair[1], (k) => change({ pair: [state.pair[0], k] }));
+  response.select.id = "response";
+  reference.select.id = "reference";
+  const telling = frfs.full.filter((pair) => frfs.responses.includes(pair.response) && frfs.references.includes(pair.reference));
+  const jump = choice("Telling pairs", telling.map((pair) => `${pair.label}: ${pair.why}`), 0, (k) => {
+    change({ pair: [frfs.responses.indexOf(telling[k].response), frfs.references.indexOf(telling[k].reference)] });
+  });
+  let residualShown = true;
+  const withResidual = tick("residual", true, (checked) => {
+    residualShown = checked;
+    show();
+  });
+
+  function show() {
+    const [i, j] = state.pair;
+    response.select.selectedIndex = i;
+    reference.select.selectedIndex = j;
+    const { frequency, measured, synthesis, residual, all } = source.curves(i, j);
+    const parts = [["measured", measured, "measured"], ["synthesised", synthesis, "synthesised"], ["residual", residualShown ? residual : null, "residual"]];
+    const series = (of, breaks) => parts.filter(([, curve]) => curve).map(([name, curve, style]) => ({ name, x: frequency, y: of(curve), style, breaks }));
+    const amplitudes = series(magnitude);
+    const error = source.errors?.[source.pair(i, j)];
+    const difference = Number.isFinite(error) ? `, residual ${fixed(100 * error, 2)} % of the measured rms in the band` : "";
+    const thin = measured && !all ? ` Shown are ${counted(frequency.length, "line")} of ${frfs.total_lines}, all near resonances; telling pairs have all.` : "";
+    amplitude.update({
+      title: `${frfs.quantity} of response / reference ${names[0][i]} / ${names[1][j]}${difference}`,
+      caption: `${state.dropped.size ? "The synthesis leaves the dropped modes out. " : ""}Keys [ and ] take the response before and after.${thin}`,
+      y: { label: frfs.quantity, unit: frfs.unit, range: range(amplitudes.map((one) => one.y)) },
+      series: amplitudes,
+      verticals: [...poleLines(model), ...bandLines(model, ends)],
+    });
+    angle.update({ series: series(phase, 180).filter((one) => one.name !== "residual") });
+  }
+
+  listen(["pair", "dropped"], show);
+  listen(["range"], () => [amplitude, angle].forEach((view) => view.zoomTo(state.range)));
+  show();
+  const controls = h("div", { class: "controls" }, response.element, reference.element, telling.length ? jump.element : null, model && frfs.residuals ? withResidual : null);
+  return [controls, amplitude.element, angle.element];
+}

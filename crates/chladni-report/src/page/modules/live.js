@@ -1,0 +1,209 @@
+// The studio: band, number of modes, zones and drive frequency in the reader's hand; fit, weights and field follow.
+
+import { h, section, slider, tick, takeAway } from "./dom.js";
+import { reset, change } from "./store.js";
+import { unpack, fitSections } from "./page.js";
+import { warningList, contents } from "./facts.js";
+import { sceneBody } from "./scenes.js";
+import { zoneBoard, sceneNumbers, startOfScene, sceneToml } from "./zones.js";
+import { fixed } from "./numbers.js";
+
+/** Asks the server; an answer that another question has overtaken is null. */
+class Asker {
+  constructor(path) {
+    this.path = path;
+    this.running = false;
+    this.next = null;
+  }
+
+  /** One question at a time; of those that wait only the last is asked. */
+  ask(question, answer) {
+    this.next = { question, answer };
+    if (!this.running) this.run();
+  }
+
+  async run() {
+    this.running = true;
+    while (this.next) {
+      const { question, answer } = this.next;
+      this.next = null;
+      let said;
+      try {
+        const response = await fetch(this.path, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(question) });
+        said = response.ok ? await response.json() : { error: await response.text() };
+      } catch {
+        said = { error: "the studio does not answer: was it ended?" };
+      }
+      answer(said, this.next !== null);
+    }
+    this.running = false;
+  }
+}
+
+const fits = new Asker("/api/fit");
+const drafts = new Asker("/api/scene");
+const finals = new Asker("/api/scene");
+
+/** The fit of the moment. */
+let here = null;
+/** What was asked for last: answers to older questions are not shown. */
+let asked = 0;
+/** The last question whose best drive is shown. */
+let best = 0;
+
+/** Draws the page, and fits for the first time. */
+export function start() {
+  const page = document.getElementById("page");
+  page.replaceChildren(h("p", { role: "status" }, "Fitting …"));
+  fits.ask({}, (said) => {
+    if (said.error) page.replaceChildren(h("p", { class: "error", role: "alert" }, said.error));
+    else draw(page, said);
+  });
+}
+
+function draw(page, said) {
+  const head = h("div", {});
+  const fitted = h("div", {});
+  const { model, geometry } = unpack(said.data);
+  const first = { ...startOfScene([], model), zones: geometry ? startZones(geometry) : [] };
+  const control = fitControls(said, fitted, head);
+  const scene = geometry ? scenePanel(first, geometry) : h("p", {}, "The file holds no positions of the nodes: no scene can be drawn.");
+  page.replaceChildren(head, h("main", {}, section("studio", "Studio", control), section("scene", "Scene", scene), fitted));
+  showFit(said, fitted, head);
+  document.documentElement.dataset.drawn = String(Math.round(performance.now()));
+}
+
+/** A quarter of the panel is hot. */
+function startZones({ box: [x0, y0, x1, y1] }) {
+  const [x, y] = [(x0 + x1) / 2, (y0 + y1) / 2];
+  return [{ kind: "hot", points: [[x0, y0], [x, y0], [x, y], [x0, y]].map((point) => point.map((value) => Math.round(1e3 * value) / 1e3)) }];
+}
+
+function showFit(said, fitted, head) {
+  reset();
+  const { model, geometry } = unpack(said.data);
+  model.file = said.model_file;
+  here = { model, geometry, frfs: said.data.frfs };
+  if (model.inBand.length) change({ mode: model.inBand[0] });
+  const sections = fitSections(said.data, model, geometry);
+  fitted.replaceChildren(...sections);
+  const own = [...document.querySelectorAll("#studio, #scene")];
+  head.replaceChildren(h("h1", {}, said.data.title), warningList(said.data.warnings), contents([...own, ...sections]));
+  document.documentElement.dataset.fits = String(Number(document.documentElement.dataset.fits ?? 0) + 1);
+}
+
+/** Band and number of modes; asks for a fit when the hand lets go. */
+function fitControls(said, fitted, head) {
+  const status = h("span", { class: "muted", role: "status", id: "fit-status" }, `${said.data.model.modes.filter((mode) => mode.in_band && mode.trust !== "rejected").length} modes`);
+  const command = takeAway("The same fit again", "fit-command");
+  command.set(said.command || "# the model was read from its file");
+  if (!said.refit) return h("div", {}, h("p", {}, "This is a model that was fitted before: band and number of modes are those of its file. Open the FRFs to change them. "), status);
+  const [low, high] = said.lines_hz;
+  const step = (high - low) / 1000;
+  const words = (hz) => `${fixed(hz, 1)} Hz`;
+  const band = said.data.model.band_hz;
+  const asks = (moving) => { if (!moving) ask(); };
+  const from = slider("Band from", { min: low, max: high, step, value: band[0], words }, (_, moving) => asks(moving));
+  const to = slider("to", { min: low, max: high, step, value: band[1], words }, (_, moving) => asks(moving));
+  from.input.id = "band-from";
+  to.input.id = "band-to";
+  const count = h("input", { type: "number", id: "modes", min: 1, max: 1000, step: 1, disabled: true, onchange: () => ask() });
+  count.value = said.data.model.modes.filter((mode) => mode.in_band && mode.trust !== "rejected").length;
+  const auto = tick("decided by evidence", true, (checked) => {
+    count.disabled = checked;
+    ask();
+  });
+
+  function ask() {
+    const ends = [from.input.valueAsNumber, to.input.valueAsNumber].sort((a, b) => a - b);
+    const whole = ends[0] <= low + step && ends[1] >= high - step;
+    const question = { band_hz: whole ? null : ends.map((hz) => Number(hz.toFixed(3))), modes: count.disabled ? null : count.valueAsNumber || null };
+    status.textContent = "fitting …";
+    fitted.classList.add("busy");
+    fits.ask(question, (answer, more) => {
+      if (more) return;
+      fitted.classList.remove("busy");
+      if (answer.error) {
+        status.textContent = answer.error;
+        return;
+      }
+      showFit(answer, fitted, head);
+      const found = here.model.inBand.length;
+      status.textContent = `${found} modes`;
+      if (count.disabled) count.value = found;
+      command.set(answer.command);
+      scenes.again?.();
+    });
+  }
+
+  const counts = h("label", { class: "control" }, "Modes ", count);
+  return h("div", {}, h("div", { class: "controls" }, from.element, to.element, counts, auto, status), command.element);
+}
+
+/** Filled by the scene's panel: renders again after a fit. */
+const scenes = {};
+
+/** Board, numbers, and what comes of them. */
+function scenePanel(first, geometry) {
+  let zones = first.zones;
+  const result = h("div", { id: "result" });
+  const status = h("span", { class: "muted", role: "status", id: "scene-status" });
+  const toml = takeAway("scene.toml", "scene-toml");
+  const command = takeAway("The same weights again", "scene-command");
+  const numbers = sceneNumbers(first, () => {
+    drive.set(numbers.values().frequencyHz);
+    ask(false);
+  });
+  const [low, high] = here?.model.band_hz ?? [first.frequencyHz / 3, first.frequencyHz * 2];
+  const drive = slider("Drive frequency", { min: low, max: high, step: "any", value: first.frequencyHz, words: (hz) => `${fixed(hz, 1)} Hz` }, (hz, moving) => {
+    numbers.setFrequency(Number(hz.toFixed(1)));
+    ask(moving);
+  });
+  drive.input.id = "drive";
+  const board = zoneBoard(geometry, zones, (next, moving) => {
+    zones = next;
+    ask(moving);
+  }, "zone-board");
+
+  function ask(moving) {
+    if (here) {
+      [drive.input.min, drive.input.max] = here.model.band_hz;
+    }
+    const text = sceneToml({ ...numbers.values(), zones });
+    toml.set(text);
+    if (!zones.some((zone) => zone.kind === "hot")) {
+      status.textContent = "draw a hot zone";
+      return;
+    }
+    const number = ++asked;
+    // `fast` at once; when the hand has let go `best` follows, which takes longer
+    drafts.ask({ toml: text, method: "fast" }, (said) => show(said, number, moving));
+    if (moving) return;
+    status.textContent = "best drive: at work …";
+    finals.ask({ toml: text, method: "best" }, (said) => show(said, number, false, true));
+  }
+
+  function show(said, number, light, isBest = false) {
+    // while the hand moves an answer of a moment ago is better than none; nothing is better than the best
+    if ((number < asked && !light) || number <= best) return;
+    if (said.error) {
+      status.textContent = said.error;
+      return;
+    }
+    const { model, geometry: places, frfs } = here;
+    if (isBest) best = number;
+    if (isBest || light) status.textContent = "";
+    const body = sceneBody(said.scene, 1, model, places, frfs, light);
+    result.replaceChildren(said.warnings.length ? warningList(said.warnings.map((text) => ["Scene", text])) : "", ...body);
+    result.dataset.method = said.scene.method;
+    result.dataset.answers = String(Number(result.dataset.answers ?? 0) + 1);
+    command.set(said.command);
+  }
+
+  scenes.again = () => ask(false);
+  // the first scene, as soon as the fit is shown
+  queueMicrotask(() => ask(false));
+  return h("div", {},
+    h("p", {}, "Drag rectangles onto the panel, or set the corners of a polygon; without a cold zone all the rest is cold. With the keyboard: arrow keys move a corner, Enter sets it, Escape gives up."),
+    numbers.element, h("div", { class: "controls" }, drive.element, status), h("div", { class: "pair" }, h("div", {}, board.element), h("div", {}, toml.element, command.element)), result);
+}

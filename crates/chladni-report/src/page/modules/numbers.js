@@ -1,0 +1,62 @@
+// Numbers as people write them, and complex arithmetic on pairs.
+
+/** So many decimals and a true minus sign; a dash for what is no number. */
+export function fixed(value, decimals) {
+  if (value === null || value === undefined || Number.isNaN(value)) return "–";
+  const digits = Math.abs(value).toFixed(decimals);
+  return (value < 0 && Number(digits) !== 0 ? "−" : "") + digits;
+}
+
+/** So many significant digits, powers of ten where it is very large or small. */
+export function significant(value, digits) {
+  if (!Number.isFinite(value) || value === 0) return fixed(value, 0);
+  const exponent = Math.floor(Math.log10(Math.abs(value)));
+  if (exponent >= -4 && exponent < 6) return fixed(value, Math.max(0, digits - 1 - exponent));
+  return `${fixed(value / 10 ** exponent, digits - 1)}·10${raised(exponent)}`;
+}
+
+function raised(exponent) {
+  return String(exponent).replace("-", "⁻").replace(/\d/g, (digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit]);
+}
+
+/** Value ± bound, both with so many places that the bound has two significant digits. */
+export function withBound(value, bound) {
+  if (!(bound > 0)) return significant(value, 6);
+  const decimals = Math.min(9, Math.max(0, 1 - Math.floor(Math.log10(bound))));
+  return `${fixed(value, decimals)} ± ${fixed(bound, decimals)}`;
+}
+
+/** A share in percent. */
+export function percent(share) {
+  return share === null || share === undefined ? "–" : `${fixed(100 * share, 1)} %`;
+}
+
+/** 20 log10 of an amplitude; NaN for zero, so that curves break there. */
+export function level(amplitude) {
+  return amplitude > 0 ? 20 * Math.log10(amplitude) : NaN;
+}
+
+/** `count` and the word, with an s where there is not one. */
+export function counted(count, word) {
+  return `${count} ${word}${count === 1 ? "" : "s"}`;
+}
+
+/** A number for TOML: no more digits than a micrometre needs. */
+export function tomlNumber(value, decimals) {
+  const text = String(Number(value.toFixed(decimals)));
+  return /[.e]/.test(text) ? text : `${text}.0`;
+}
+
+/** Bounds are so many standard deviations: 95 % of a normal distribution. */
+export const SIGMAS = 1.96;
+
+/** Least and largest finite number of a list. */
+export function ends(values) {
+  let low = Infinity;
+  let high = -Infinity;
+  for (const value of values) {
+    if (value < low) low = value;
+    if (value > high) high = value;
+  }
+  return [low, high];
+}

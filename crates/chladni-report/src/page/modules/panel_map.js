@@ -1,0 +1,143 @@
+// The panel from above: pixels of a field on a canvas, with lines, zones and marks in SVG over it.
+
+import { s, h } from "./dom.js";
+import { themeColour } from "./colour.js";
+import { ticks } from "./scale.js";
+
+const MARGIN = { left: 52, right: 12, top: 12, bottom: 40 };
+/** Free ground around the nodes, part of their larger extent. */
+const BORDER = 0.07;
+
+/** A map over `box` = [x0, y0, x1, y1] (m) with the names of its axes; `draw(layers)` shows pixels, contours and marks. */
+export function panelMap(box, axes, label, widest = 640) {
+  const room = BORDER * Math.max(box[2] - box[0], box[3] - box[1]);
+  const ends = [box[0] - room, box[1] - room, box[2] + room, box[3] + room];
+  const canvas = h("canvas", { "aria-hidden": "true" });
+  const svg = s("svg", { class: "chart map", role: "img", "aria-label": label, tabindex: 0 });
+  const element = h("div", { class: "map-holder" }, canvas, svg);
+  let layers = {};
+  let scale = 1;
+  let width = 0;
+
+  const px = ([x, y]) => [MARGIN.left + (x - ends[0]) * scale, MARGIN.top + (ends[3] - y) * scale];
+
+  function draw(changed) {
+    layers = { ...layers, ...changed };
+    if (!width) return;
+    scale = (width - MARGIN.left - MARGIN.right) / (ends[2] - ends[0]);
+    const tall = (ends[3] - ends[1]) * scale;
+    const height = MARGIN.top + tall + MARGIN.bottom;
+    svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
+    svg.setAttribute("width", width);
+    svg.setAttribute("height", height);
+    canvas.width = width;
+    canvas.height = Math.round(height);
+    paint();
+    const parts = [];
+    for (const [value, text] of ticks([1e3 * ends[0], 1e3 * ends[2]], 7)) {
+      const [at, y] = px([1e-3 * value, ends[1]]);
+      parts.push(s("line", { class: "tick", x1: at, x2: at, y1: y, y2: y + 4 }), s("text", { x: at, y: y + 17, "text-anchor": "middle" }, text));
+    }
+    for (const [value, text] of ticks([1e3 * ends[1], 1e3 * ends[3]], 5)) {
+      const [x, at] = px([ends[0], 1e-3 * value]);
+      parts.push(s("line", { class: "tick", x1: x - 4, x2: x, y1: at, y2: at }), s("text", { x: x - 7, y: at + 4, "text-anchor": "end" }, text));
+    }
+    const [left, top] = px([ends[0], ends[3]]);
+    parts.push(s("rect", { class: "frame", x: left, y: top, width: width - MARGIN.left - MARGIN.right, height: tall }));
+    parts.push(s("text", { x: (left + width) / 2, y: height - 6, "text-anchor": "middle" }, `${axes[0]} (mm)`));
+    parts.push(s("text", { transform: `translate(13 ${top + tall / 2}) rotate(-90)`, "text-anchor": "middle" }, `${axes[1]} (mm)`));
+    for (const { pieces, style } of layers.contours ?? []) {
+      const d = pieces.map(([x0, y0, x1, y1]) => `M${xy([x0, y0])}L${xy([x1, y1])}`).join("");
+      parts.push(s("path", { class: `casing ${style}`, d }), s("path", { class: style, d }));
+    }
+    for (const { points, style, text, id } of layers.outlines ?? []) {
+      const d = `M${points.map(xy).join("L")}Z`;
+      parts.push(s("path", { class: `casing ${style}`, d }), s("path", { class: style, d, "data-zone": id }));
+      if (text) {
+        const middle = [0, 1].map((k) => (Math.min(...points.map((p) => p[k])) + Math.max(...points.map((p) => p[k]))) / 2);
+        const [x, y] = px(middle);
+        parts.push(s("text", { class: "zone-name", x, y: y + 4, "text-anchor": "middle" }, text));
+      }
+    }
+    for (const { points, style, mark, hints } of layers.marks ?? []) {
+      points.forEach((point, k) => {
+        const [x, y] = px(point);
+        const d = { cross: `M${x} ${y}m-4 -4l8 8m0 -8l-8 8`, triangle: `M${x} ${y}m0 -4.5l4.5 8h-9z` }[mark];
+        const shape = d ? s("path", { class: style, d }) : s("circle", { class: style, cx: x, cy: y, r: mark === "ring" ? 3 : 1.6 });
+        if (hints) shape.append(s("title", {}, hints[k]));
+        parts.push(shape);
+      });
+    }
+    parts.push(...(layers.extra?.({ px, scale, s }) ?? []));
+    svg.replaceChildren(...parts);
+  }
+
+  const xy = (point) => px(point).map((value) => value.toFixed(1)).join(" ");
+
+  /** Pixels of the surface in the colours that `layers.colour(k, x, y)` gives; three numbers, or null. */
+  function paint() {
+    const context = canvas.getContext("2d");
+    context.clearRect(0, 0, canvas.width, canvas.height);
+    context.fillStyle = themeColour("--band");
+    const [left, top] = px([box[0], box[3]]);
+    const [right, bottom] = px([box[2], box[1]]);
+    context.fillRect(left, top, right - left, bottom - top);
+    const surface = layers.surface;
+    if (!surface) return;
+    const { x, y } = surface;
+    const pixels = new ImageData(x.length, y.length);
+    for (let row = 0; row < y.length; row++) {
+      for (let column = 0; column < x.length; column++) {
+        const k = row * x.length + column;
+        const rgb = layers.colour(k, x[column], y[row], row, column);
+        const to = 4 * ((y.length - 1 - row) * x.length + column);
+        if (rgb) pixels.data.set([...rgb, 255], to);
+      }
+    }
+    const small = h("canvas", { width: x.length, height: y.length });
+    small.getContext("2d").putImageData(pixels, 0, 0);
+    const [x0, y0] = px([x[0], y[y.length - 1]]);
+    const [x1, y1] = px([x[x.length - 1], y[0]]);
+    context.imageSmoothingEnabled = true;
+    context.drawImage(small, x0, y0, x1 - x0, y1 - y0);
+  }
+
+  new ResizeObserver(([entry]) => {
+    const now = Math.max(260, Math.min(widest, Math.round(entry.contentRect.width)));
+    if (now !== width) {
+      width = now;
+      draw();
+    }
+  }).observe(element);
+  // the colours of the theme are read when pixels are painted
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => draw());
+
+  return {
+    element,
+    svg,
+    draw,
+    /** Data coordinates of a pointer, m. */
+    where: (event) => {
+      const sides = svg.getBoundingClientRect();
+      const zoom = svg.viewBox.baseVal.width / sides.width;
+      const [x, y] = [(event.clientX - sides.left) * zoom, (event.clientY - sides.top) * zoom];
+      return [ends[0] + (x - MARGIN.left) / scale, ends[3] - (y - MARGIN.top) / scale];
+    },
+    ends,
+  };
+}
+
+/** The meaning of a map's colours: a bar with its numbers, and lines where the contours lie. */
+export function colourBar(colour, [low, high], unit, lines = []) {
+  const [width, height] = [300, 12];
+  const steps = 60;
+  const at = (value) => ((value - low) / (high - low)) * width;
+  const cells = Array.from({ length: steps }, (_, k) => {
+    const value = low + ((k + 0.5) / steps) * (high - low);
+    return s("rect", { x: (k * width) / steps, y: 0, width: width / steps + 0.5, height, fill: `rgb(${colour(value).join(",")})` });
+  });
+  const numbers = ticks([low, high], 6).map(([value, text]) => s("text", { x: at(value), y: height + 13, "text-anchor": "middle" }, text));
+  const marks = lines.map(({ value, style }) => s("path", { class: style, d: `M${at(value)} -3V${height + 3}` }));
+  const svg = s("svg", { class: "chart bar", viewBox: `-16 -5 ${width + 32} ${height + 22}`, width: width + 32, height: height + 22, "aria-hidden": "true" }, cells, marks, numbers);
+  return h("p", { class: "bar-holder" }, svg, h("span", { class: "muted" }, unit));
+}
