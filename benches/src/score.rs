@@ -19,6 +19,8 @@ pub struct Match {
     pub frequency_hz: f64,
     /// Found minus true loss factor.
     pub loss_factor: f64,
+    /// Both errors over the standard deviations that the fit states.
+    pub over_stated: [f64; 2],
     /// The 95 % interval of the natural frequency holds the truth.
     pub frequency_covered: bool,
     /// That of the loss factor does.
@@ -116,6 +118,7 @@ fn compare(known: &Mode, found: &Mode, scaling: Scaling) -> Match {
     Match {
         frequency_hz,
         loss_factor,
+        over_stated: [frequency_hz / found.frequency_std_hz, loss_factor / found.loss_factor_std],
         frequency_covered: frequency_hz.abs() <= SIGMAS_95 * found.frequency_std_hz,
         loss_factor_covered: loss_factor.abs() <= SIGMAS_95 * found.loss_factor_std,
         shape_covered: shape_covered(known, found, scaling),

@@ -8,9 +8,9 @@ pub use true_panel::Served;
 
 use crate::csv;
 use crate::statistics::{mean, median};
-use cases::MeasuredPanel;
+pub(crate) use cases::MeasuredPanel;
 use chladni_frf::{Error, ErrorKind, ModalModel, Result};
-use chladni_render::{render_measured, Count, MethodChoice, RenderOptions, Rendering};
+use chladni_render::{render_measured, Count, Finger, MethodChoice, RenderOptions, Rendering};
 use chladni_rfp::{fit, FitOptions};
 use ndarray::Array1;
 use num_complex::Complex64;
@@ -110,7 +110,7 @@ fn row(case: &'static SceneCase, panel: &MeasuredPanel, model: &ModalModel, opti
     let drifts: Vec<f64> = (1..=DRIFTS).map(|seed| truth.drifted(&drive, f, seed, zones, limits).total).collect();
     let mut touched = f64::INFINITY;
     for place in chladni_render::finger_places(&rendering.field) {
-        touched = touched.min(truth.touched(&drive, f, place, zones, limits)?.total);
+        touched = touched.min(truth.touched(&drive, f, &Finger::default(), place, zones, limits)?.total);
     }
     Ok(SceneRow {
         case,

@@ -36,6 +36,13 @@ pub struct Served {
     pub total: f64,
 }
 
+impl Served {
+    /// The smaller share of hot and cold.
+    pub fn least(&self) -> f64 {
+        self.hot.min(self.cold)
+    }
+}
+
 impl TruePanel {
     /// Judged on a grid over x_min, y_min, x_max, y_max.
     pub(crate) fn new(panel: &Panel, plate: DampedPlate, [x_min, y_min, x_max, y_max]: [f64; 4]) -> Result<Self> {
@@ -69,7 +76,7 @@ impl TruePanel {
         self.served(&self.field(drive, &self.factors(frequency_hz, Some(seed))), zones, limits)
     }
 
-    /// The same with a finger at `place_m`: v − y_f (1/Z + Y_ff)⁻¹ v_f.
+    /// The same with `finger` at `place_m`: v − y_f (1/Z + Y_ff)⁻¹ v_f.
     ///
     /// # Errors
     /// The place lies off the plate.
@@ -77,6 +84,7 @@ impl TruePanel {
         &self,
         drive: &Array1<Complex64>,
         frequency_hz: f64,
+        finger: &Finger,
         place_m: [f64; 2],
         zones: &ZoneMap,
         limits: &Limits,
@@ -86,7 +94,7 @@ impl TruePanel {
         let weighted = &shape.mapv(Complex64::from) * &factors;
         let own: Complex64 = weighted.iter().zip(&shape).map(|(a, b)| a * b).sum();
         let free: Complex64 = self.modal_force(drive).iter().zip(&weighted).map(|(a, b)| a * b).sum();
-        let force = free / (Finger::default().impedance(frequency_hz).inv() + own);
+        let force = free / (finger.impedance(frequency_hz).inv() + own);
         let pressed = self.at_places.mapv(Complex64::from).dot(&weighted) * force;
         Ok(self.served(&(self.field(drive, &factors) - pressed), zones, limits))
     }

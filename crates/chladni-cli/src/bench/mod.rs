@@ -3,10 +3,12 @@
 mod accuracy;
 mod profile;
 mod scene;
+mod stability;
 
 use crate::console::Console;
 use crate::outcome::Outcome;
 use crate::output::{make_folder, Output, PICTURE, TABLE};
+use chladni_bench::Journal;
 use chladni_frf::io::write_atomically;
 use chladni_frf::Result;
 use chladni_report::Figure;
@@ -26,6 +28,8 @@ pub enum Bench {
     Profile(profile::Args),
     /// Success against time: every rendering method on named scenes, from noisy FRFs to the true plate
     Scene(scene::Args),
+    /// Where methods fail and whether they know it: maps over two things at a time, calibration of warnings and error bars
+    Stability(stability::Args),
 }
 
 /// Runs the command.
@@ -37,6 +41,7 @@ pub fn run(what: &Bench, console: &Console) -> Result<Outcome> {
         Bench::Accuracy(args) => accuracy::run(args, console),
         Bench::Profile(args) => profile::run(args, console),
         Bench::Scene(args) => scene::run(args, console),
+        Bench::Stability(args) => stability::run(args, console),
     }
 }
 
@@ -75,6 +80,16 @@ impl Place {
     fn prepare(&self, tables: &[&str], console: &Console) -> Result<()> {
         make_folder(&self.output)?;
         tables.iter().try_for_each(|name| Output::new(&self.output.join(name), TABLE, &[], console).map(drop))
+    }
+
+    /// What an interrupted run of the same `verb` with the same `purpose` has finished in this folder; a new build begins anew.
+    fn journal(&self, verb: &str, purpose: &str, console: &Console) -> Result<Journal> {
+        let built = std::env::current_exe().and_then(|program| program.metadata()).and_then(|file| file.modified());
+        let journal = Journal::open(&self.output.join(format!("{verb}.journal")), &format!("{verb} {purpose} {:?}", built.ok()))?;
+        if journal.resumed() > 0 {
+            console.note(&format!("going on with an interrupted run: {} pieces are finished", journal.resumed()));
+        }
+        Ok(journal)
     }
 
     /// Writes tables, and figures as SVG and PNG; returns the files.
