@@ -185,24 +185,34 @@ pub(super) fn window_lines(lines: f64, which: f64, seed: u64) -> Result<Measured
     Ok(Measured { frf: set.frf, problem, options: FitOptions { band_hz: Some([20.0, 190.0]), ..options }, bounded: false })
 }
 
-/// Scatter of the natural frequencies from FRF to FRF, in bandwidths × number of FRFs, as temperature or a wandering mass does it.
+/// Scatter of the natural frequencies from FRF to FRF, in bandwidths × number of FRFs, as temperature or a wandering mass does it. The truth is
+/// the mean that a fit of all FRFs sees: each FRF counts by the energy of the mode in it.
 pub(super) fn scatter_frfs(scatter: f64, frfs: f64, seed: u64) -> Result<Measured> {
     let frfs = frfs as usize;
-    let problem = Problem::of_modes(&Synthetic { responses: frfs, references: 1, ..usual(seed) })?;
-    let mut moved = problem.clean.clone();
+    let mut problem = Problem::of_modes(&Synthetic { responses: frfs, references: 1, ..usual(seed) })?;
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    if let FrfValues::F64(values) = &mut moved.values {
-        for i in 0..frfs {
-            let mut model = problem.truth.clone();
-            for mode in &mut model.modes {
-                let normal: f64 = StandardNormal.sample(&mut random);
-                mode.frequency_hz += scatter * BANDWIDTH_HZ * normal;
-            }
-            values.slice_mut(s![i, .., ..]).assign(&synthesise(&model, &problem.clean.frequency_hz).slice(s![i, .., ..]));
+    let mut moved = Vec::new();
+    for _ in 0..frfs {
+        let mut model = problem.truth.clone();
+        for mode in &mut model.modes {
+            let normal: f64 = StandardNormal.sample(&mut random);
+            mode.frequency_hz += scatter * BANDWIDTH_HZ * normal;
+        }
+        moved.push(model);
+    }
+    for (n, mode) in problem.truth.modes.iter_mut().enumerate() {
+        let weights: Vec<f64> = mode.shape.0.iter().map(|value| value.norm_sqr()).collect();
+        let sum: f64 = weights.iter().zip(&moved).map(|(weight, model)| weight * model.modes[n].frequency_hz).sum();
+        mode.frequency_hz = sum / weights.iter().sum::<f64>();
+    }
+    let mut frf = problem.clean.clone();
+    if let FrfValues::F64(values) = &mut frf.values {
+        for (i, model) in moved.iter().enumerate() {
+            values.slice_mut(s![i, .., ..]).assign(&synthesise(model, &problem.clean.frequency_hz).slice(s![i, .., ..]));
         }
         add_noise_of_variance(values, problem.noise_variance, seed);
     }
-    Ok(Measured { frf: moved, problem, options: FitOptions::default(), bounded: scatter == 0.0 })
+    Ok(Measured { frf, problem, options: FitOptions::default(), bounded: scatter == 0.0 })
 }
 
 impl Problem {

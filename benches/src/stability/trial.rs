@@ -82,10 +82,12 @@ impl Trial {
         self.missed - self.hidden + self.spurious_sure + self.spurious_weak + self.beyond > 0
     }
 
-    /// A weak mode, a warning, a refusal, or a result that says it is not to be trusted. That the damping law is undecidable does not count: it
-    /// is said of nearly every lightly damped structure, and tells nothing of its modes.
+    /// A weak mode, a warning, a refusal, or a result that says it is not to be trusted. That the damping law is undecidable is said of nearly
+    /// every lightly damped structure: it counts where the law can be what is wrong, and tells nothing of missed or spurious modes.
     pub fn announced(&self) -> bool {
-        self.weak > 0 || !self.trusted || self.refused || self.warnings.iter().any(|text| !text.starts_with(LAW_ALONE))
+        let of_law = self.beyond > 0 && self.missed + self.spurious_sure + self.spurious_weak == 0;
+        let tells = |text: &String| of_law || !text.starts_with(LAW_ALONE);
+        self.weak > 0 || !self.trusted || self.refused || self.warnings.iter().any(tells)
     }
 
     /// Identifies what was measured.
