@@ -6,9 +6,10 @@
 
 use crate::error::FitError;
 use crate::fit::Fit;
+use crate::found::{Grade, UNCERTAIN};
 use crate::law::expressible_pole;
 use crate::methods::{lscf, rises, variance_left, Columns, Finder, MethodPoles, Stabilization, Survey};
-use crate::model::{structural_pole, viscous_pole, Grade, Identified, Pole, Shaped, UNCERTAIN};
+use crate::model::{structural_pole, viscous_pole, Identified, Pole, Shaped};
 use crate::options::FitOptions;
 use crate::order::POWERS;
 use crate::prune::threshold;

@@ -3,10 +3,11 @@
 use crate::error::FitError;
 use crate::family::fit_by_method;
 use crate::faults;
+use crate::found::{uncertainty_grade, Found, Grade};
 use crate::law::{chance, choose, Law, UNDECIDABLE};
 use crate::measured::measured_path;
 use crate::methods::{aaa, circle, grfp, lean, lscf, peak, plscf, rfp, vf, Stabilization, Survey};
-use crate::model::{common_shape_misfit, uncertainty_grade, Found, Grade, Identified, Shaped};
+use crate::model::{common_shape_misfit, Identified, Shaped};
 use crate::options::{FitOptions, Method, ShapeModel};
 use crate::order::{fast_chain, Chain, Outcome, POWERS};
 use crate::project::project;

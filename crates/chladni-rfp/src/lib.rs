@@ -11,6 +11,7 @@ mod family;
 mod faults;
 mod first_look;
 mod fit;
+mod found;
 mod law;
 mod measured;
 mod methods;

@@ -6,14 +6,15 @@
 use crate::faults::outliers::single_lines;
 use crate::first_look::first_look;
 use crate::pool::{mixtures, starts, vector_fit};
-use crate::project::{project, Projected};
-use crate::prune::{prune, threshold};
+use crate::project::{energies, project, Projected};
+use crate::prune::{crutch, prune, threshold, unphysical, weakest_first, without};
 use crate::refine::{refine, Projection, Refined};
 use crate::scan::{residual_peak, scan};
 use crate::screen::Screened;
 use crate::seeds::{fourth_difference_noise, peaks, thinned};
 use crate::tolerances as tol;
 use crate::whiteness::{judge, judge_columns, Whiteness};
+use crate::wide::projected;
 use crate::work::{basis, line_energy, Work};
 use chladni_linalg::{qr_thin, svd_thin, LinalgError};
 use ndarray::{Array1, Array2};
@@ -152,7 +153,10 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
         }
         // a mode that the sketch did not show stands out of the residual over all FRFs, or out of the compressed columns
         let missed = match residual_peak(work, &projected.line_noise(&refined.projection), frfs, &refined.lambda) {
-            None if work.columns() < frfs => scan(work, &refined, threshold(work.columns(), work.lines()) * variance, &tried)?,
+            None if work.columns() < frfs => {
+                let places = scan(work, &refined, threshold(work.columns(), work.lines()) * variance, &tried);
+                confirmed(data, work, &refined, variance, &places[..places.len().min(tol::PLACES)])
+            }
             peak => peak,
         };
         if let Some(pole) = missed {
@@ -241,6 +245,23 @@ fn full_variance(data: &Screened, projected: &Projected, refined: &Refined) -> f
     (left / (dof as f64 - refined.lambda.len() as f64).max(1.0)).max(1e-30)
 }
 
+/// The first of the `places` where compressed columns show a pole that all FRFs may confirm: with their noise, what it takes out of
+/// them comes near what a pole of the model must. A pass with that pole in the basis would have the last word, and costs far more.
+fn confirmed(data: &Screened, work: &Work, refined: &Refined, variance: f64, places: &[Complex64]) -> Option<Complex64> {
+    if places.is_empty() {
+        return None;
+    }
+    let (_, mut outside) = projected(refined.projection.q.view(), basis(work, places, &[]).view());
+    for mut column in outside.columns_mut() {
+        let norm = column.iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt();
+        column.mapv_inplace(|v| v / norm);
+    }
+    let frfs = data.pairs.len();
+    let over_noise = |energy: f64| energy / variance - frfs as f64;
+    let needed = tol::CONFIRMED * (threshold(frfs, work.lines()) - frfs as f64);
+    places.iter().zip(energies(data, &outside)).find(|(_, energy)| over_noise(*energy) > needed).map(|(pole, _)| *pole)
+}
+
 /// Drops what cannot be a mode, adds what the residual shows, until neither changes anything.
 ///
 /// `frfs`: FRFs whose noise a pole of the model takes along. On a sketch these are its columns; compressed columns hold all that
@@ -255,7 +276,7 @@ fn settle(work: &Work, refined: &mut Refined, variance: &mut f64, frfs: usize, h
             history.push((refined.lambda.len(), refined.variance(work)));
             continue;
         }
-        let Some(pole) = scan(work, refined, limit * *variance, &tried)? else { break };
+        let Some(&pole) = scan(work, refined, limit * *variance, &tried).first() else { break };
         tried.push(pole);
         let mut more = refined.lambda.clone();
         more.push(pole);
@@ -272,9 +293,8 @@ fn settle(work: &Work, refined: &mut Refined, variance: &mut f64, frfs: usize, h
     Ok(())
 }
 
-/// A pole that the data do not need, and the fit without it: it stands for no mode, or the sum of squares rises by less than
-/// `limit` without it. Held where they are, its neighbours may seem to need a pole that leans on them: the weak ones are judged
-/// by a fit without them. Those found `needed` are not judged twice.
+/// A pole that the data do not need, and the fit without it: it stands for no mode, the sum of squares rises by less than `limit`
+/// without it, or it is a [`crutch`].
 fn dispensable(
     work: &Work,
     refined: &Refined,
@@ -282,33 +302,12 @@ fn dispensable(
     needed: &mut Vec<Complex64>,
 ) -> Result<Option<(Complex64, Refined)>, LinalgError> {
     let rises = refined.significance()?;
-    let mut order: Vec<usize> = (0..refined.lambda.len()).collect();
-    order.sort_by(|&a, &b| rises[a].total_cmp(&rises[b]));
-    let without = |q: usize| {
-        let mut fewer = refined.lambda.clone();
-        let gone = fewer.remove(q);
-        Ok((gone, refine(work, &fewer, &refined.powers, tol::REFINE_ROUGH, tol::ROUGH_STEP)?))
+    let useless = weakest_first(&rises).into_iter().find(|&q| unphysical(work, refined.lambda[q]) || rises[q] < limit);
+    let found = match useless {
+        Some(q) => Some((q, without(work, refined, q)?)),
+        None => crutch(work, refined, limit, |_| true, needed)?,
     };
-    if let Some(&q) = order.iter().find(|&&q| unphysical(work, refined.lambda[q]) || rises[q] < limit) {
-        return without(q).map(Some);
-    }
-    for q in order.into_iter().take_while(|&q| rises[q] < tol::LEANING * limit) {
-        let pole = refined.lambda[q];
-        if needed.iter().any(|known| (known - pole).norm() < pole.im) {
-            continue;
-        }
-        let (gone, fewer) = without(q)?;
-        if fewer.projection.sse - refined.projection.sse < limit {
-            return Ok(Some((gone, fewer)));
-        }
-        needed.push(pole);
-    }
-    Ok(None)
-}
-
-/// A pole that one bad line makes, or that no passive structure has.
-fn unphysical(work: &Work, lambda: Complex64) -> bool {
-    work.in_band(lambda) && lambda.im < tol::SPIKE_SPACINGS * work.spacing(lambda.re)
+    Ok(found.map(|(q, fewer)| (refined.lambda[q], fewer)))
 }
 
 /// Keeps the `modes` in-band poles that matter most (an order given by the user).

@@ -102,3 +102,30 @@ pub(crate) fn project(data: &Screened, q: &Array2<Complex64>, line_energy: &Arra
     beyond.mapv_inplace(|energy| energy.max(0.0));
     Ok(Projected { work: Work { x: data.x.clone(), g: data.g.clone(), b }, back: wide_h(half.view(), r0.view()), beyond })
 }
+
+/// Energy Σ|qᴴb|² that each column of `q` sees of all FRFs: a light pass.
+pub(crate) fn energies(data: &Screened, q: &Array2<Complex64>) -> Vec<f64> {
+    let (lines, total, m) = (data.lines.len(), data.pairs.len(), 2 * q.ncols());
+    let factor = data.factor();
+    let basis = real_basis(&q.mapv(|v| v * factor.conj()));
+    let group = total.div_ceil(tol::PASS_GROUPS).max(1);
+    let groups: Vec<usize> = (0..total).step_by(group).collect();
+    let sums = |start: usize| {
+        let mut energy = vec![0.0; q.ncols()];
+        let mut scratch = vec![0.0; 2 * lines * tol::BLOCK_FRFS];
+        let end = (start + group).min(total);
+        for first in (start..end).step_by(tol::BLOCK_FRFS) {
+            let count = tol::BLOCK_FRFS.min(end - first);
+            let values = &mut scratch[..2 * lines * count];
+            data.read(first..first + count, values);
+            let block = ArrayView2::from_shape((2 * lines, count).f(), values).expect("as many values as read");
+            let mut inside = Array2::zeros((m, count).f());
+            add_matmul_h(inside.view_mut(), basis.view(), block);
+            for column in inside.columns() {
+                column.iter().enumerate().for_each(|(c, value)| energy[c / 2] += value * value);
+            }
+        }
+        energy
+    };
+    tree_sum(groups, &sums, &|left, right| left.iter().zip(&right).map(|(l, r)| l + r).collect())
+}

@@ -1,6 +1,6 @@
 //! Which poles the data can tell from noise (theory.md, eq. 8).
 
-use crate::refine::Projection;
+use crate::refine::{refine, Projection, Refined};
 use crate::tolerances as tol;
 use crate::work::Work;
 use chladni_linalg::LinalgError;
@@ -11,6 +11,11 @@ pub(crate) fn threshold(columns: usize, lines: usize) -> f64 {
     let r = columns as f64;
     let looks = (4.0 * lines as f64).ln();
     r + tol::SIGNIFICANCE * (2.0 * (r * looks).sqrt() + 2.0 * looks)
+}
+
+/// A pole that one bad line makes.
+pub(crate) fn unphysical(work: &Work, lambda: Complex64) -> bool {
+    work.in_band(lambda) && lambda.im < tol::SPIKE_SPACINGS * work.spacing(lambda.re)
 }
 
 /// Takes poles out one by one, the least significant first, residues refitted exactly after each, until all that are left
@@ -60,4 +65,42 @@ pub(crate) fn thin_out(
         }
         kept.retain(|&k| k != q);
     }
+}
+
+/// Poles by what the fit loses without them, the least first.
+pub(crate) fn weakest_first(rises: &[f64]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..rises.len()).collect();
+    order.sort_by(|&a, &b| rises[a].total_cmp(&rises[b]));
+    order
+}
+
+/// The fit without pole q, the others roughly refined.
+pub(crate) fn without(work: &Work, refined: &Refined, q: usize) -> Result<Refined, LinalgError> {
+    let mut fewer = refined.lambda.clone();
+    fewer.remove(q);
+    refine(work, &fewer, &refined.powers, tol::REFINE_ROUGH, tol::ROUGH_STEP)
+}
+
+/// A weak pole that matters only because the others do not stand quite where they should, and the fit without it: once they are free
+/// to move, the sum of squares rises by less than `limit`. Those found `needed` are not judged twice.
+pub(crate) fn crutch(
+    work: &Work,
+    refined: &Refined,
+    limit: f64,
+    may_go: impl Fn(Complex64) -> bool,
+    needed: &mut Vec<Complex64>,
+) -> Result<Option<(usize, Refined)>, LinalgError> {
+    let rises = refined.significance()?;
+    for q in weakest_first(&rises).into_iter().take_while(|&q| rises[q] < tol::LEANING * limit) {
+        let pole = refined.lambda[q];
+        if !may_go(pole) || needed.iter().any(|known| (known - pole).norm() < pole.im) {
+            continue;
+        }
+        let fewer = without(work, refined, q)?;
+        if fewer.projection.sse - refined.projection.sse < limit {
+            return Ok(Some((q, fewer)));
+        }
+        needed.push(pole);
+    }
+    Ok(None)
 }

@@ -2,7 +2,7 @@
 
 use crate::refine::Refined;
 use crate::work::{basis, Work};
-use chladni_linalg::{matmul, matmul_h, LinalgError};
+use chladni_linalg::{matmul, matmul_h};
 use ndarray::{s, Array1};
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -33,31 +33,31 @@ pub(crate) fn resonance_grid(work: &Work, lambda: &[Complex64]) -> Vec<Complex64
     grid
 }
 
-/// The place where one more pole would take most energy out of the residual, if that is more than `limit`.
-pub(crate) fn scan(work: &Work, refined: &Refined, limit: f64, tried: &[Complex64]) -> Result<Option<Complex64>, LinalgError> {
+/// Places where one more pole would take more than `limit` of energy out of the residual, the best first, a half-bandwidth apart.
+pub(crate) fn scan(work: &Work, refined: &Refined, limit: f64, tried: &[Complex64]) -> Vec<Complex64> {
     let grid = resonance_grid(work, &refined.lambda);
-    let best = |chunk: &[Complex64]| -> Option<(f64, Complex64)> {
+    let gains = |chunk: &[Complex64]| -> Vec<(f64, Complex64)> {
         let columns = basis(work, chunk, &[]);
         let q = refined.projection.q.view();
         let outside = &columns - &matmul(q, matmul_h(q, columns.view()).view());
         let matched = matmul_h(outside.view(), refined.projection.residual.view());
-        let mut best: Option<(f64, Complex64)> = None;
-        for (i, &pole) in chunk.iter().enumerate() {
+        let gain = |(i, &pole): (usize, &Complex64)| {
             let norm = outside.column(i).iter().map(|v| v.norm_sqr()).sum::<f64>();
             let whole = columns.column(i).iter().map(|v| v.norm_sqr()).sum::<f64>();
-            if norm < 1e-6 * whole || tried.iter().any(|t| (t - pole).norm() < pole.im) {
-                continue;
-            }
             let gain = matched.row(i).iter().map(|v| v.norm_sqr()).sum::<f64>() / norm;
-            if gain > limit && best.is_none_or(|(g, _)| gain > g) {
-                best = Some((gain, pole));
-            }
-        }
-        best
+            (norm >= 1e-6 * whole && gain > limit).then_some((gain, pole))
+        };
+        chunk.iter().enumerate().filter_map(gain).collect()
     };
-    let found: Vec<Option<(f64, Complex64)>> = grid.par_chunks(BLOCK).map(best).collect();
-    let first_best = |best: Option<(f64, Complex64)>, next: (f64, Complex64)| best.filter(|b| b.0 >= next.0).or(Some(next));
-    Ok(found.into_iter().flatten().fold(None, first_best).map(|(_, pole)| pole))
+    let mut found: Vec<(f64, Complex64)> = grid.par_chunks(BLOCK).map(gains).collect::<Vec<_>>().concat();
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut places: Vec<Complex64> = Vec::new();
+    for (_, pole) in found {
+        if !tried.iter().chain(&places).any(|known| (known - pole).norm() < pole.im) {
+            places.push(pole);
+        }
+    }
+    places
 }
 
 /// A stretch of lines, about a bandwidth wide, whose residual energy over all FRFs stands out of the rest.

@@ -36,6 +36,11 @@ pub(crate) const ROUGH_STEP: f64 = 1e-3;
 pub(crate) const FINE_STEP: f64 = 1e-7;
 /// A pole narrower than this part of the line spacing is one line's error, not a resonance.
 pub(crate) const SPIKE_SPACINGS: f64 = 0.2;
+/// What a place must take out of all FRFs beyond their noise, as part of what a pole there would have to, before a pass is spent on it:
+/// the place is not refined yet, and sees at least this much of a mode next to it.
+pub(crate) const CONFIRMED: f64 = 0.5;
+/// Most places that one such look asks for.
+pub(crate) const PLACES: usize = 16;
 /// Most passes over the data beyond the two, for modes that only all FRFs together show and for columns without the noise of
 /// poles that are gone.
 pub(crate) const EXTRA_PASSES: usize = 3;

@@ -3,7 +3,7 @@
 use super::candidates::Origin;
 use super::evidence::Evidence;
 use super::search::Record;
-use crate::model::Grade;
+use crate::found::Grade;
 use chladni_frf::Trust;
 
 /// Median loss of the six modes nearest to candidate q among those that are `sure`; `None` below three.

@@ -6,7 +6,7 @@ use super::grade::{grade_all, Graded};
 use super::record::{padding_factor, windowed};
 use super::search::{Finished, Record, Search};
 use super::weights::{column_scales, normalised};
-use crate::model::Grade;
+use crate::found::Grade;
 use crate::order::POWERS;
 use crate::refine::{refine, Refined};
 use crate::screen::Screened;

@@ -17,7 +17,7 @@ use super::selection::{fewer, inside, select, variance_left};
 use super::vf::{pool, signed};
 use super::Survey;
 use crate::error::FitError;
-use crate::model::Found;
+use crate::found::{Found, Grade};
 use crate::options::FitOptions;
 use crate::order::POWERS;
 use crate::project::project;
@@ -32,11 +32,7 @@ use num_complex::Complex64;
 ///
 /// # Errors
 /// A decomposition that fails.
-pub(crate) fn lean(
-    survey: &Survey,
-    options: &FitOptions,
-    grade: impl Fn(&Refined, &Work, f64) -> Vec<crate::model::Grade>,
-) -> Result<Found, FitError> {
+pub(crate) fn lean(survey: &Survey, options: &FitOptions, grade: impl Fn(&Refined, &Work, f64) -> Vec<Grade>) -> Result<Found, FitError> {
     let sketch = &survey.sketch;
     let modes = options.modes.unwrap_or(survey.peaks.len());
     let mut start = start(survey, modes, options)?;

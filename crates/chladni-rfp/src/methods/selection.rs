@@ -3,7 +3,7 @@
 use super::{MethodPoles, Survey};
 use crate::options::FitOptions;
 use crate::order::POWERS;
-use crate::prune::{thin_out, threshold};
+use crate::prune::{crutch, thin_out, threshold, unphysical};
 use crate::refine::{refine, Projection};
 use crate::tolerances as tol;
 use crate::viscous::from_structural;
@@ -33,8 +33,7 @@ pub(super) fn select(
     modes: RangeInclusive<usize>,
 ) -> Result<Vec<Complex64>, LinalgError> {
     let limit = threshold(work.columns(), work.lines()) * variance;
-    let spike = |pole: Complex64| pole.im < tol::SPIKE_SPACINGS * work.spacing(pole.re);
-    let lambda: Vec<Complex64> = lambda.iter().copied().filter(|pole| !work.in_band(*pole) || !spike(*pole)).collect();
+    let lambda: Vec<Complex64> = lambda.iter().copied().filter(|pole| !unphysical(work, *pole)).collect();
     thin_out(work, &lambda, &POWERS, |kept, q, rise, inflation| {
         let inside = kept.iter().filter(|&&k| work.in_band(lambda[k])).count();
         match work.in_band(lambda[q]) {
@@ -45,23 +44,16 @@ pub(super) fn select(
     })
 }
 
-/// The poles but those of the band that matter only because the others do not stand quite where they should: without such a pole, and
-/// with the others free to move, the sum of squares rises by no more than chance.
+/// The poles as the method found them, but those of the band that only prop up the others.
 fn without_crutches(work: &Work, mut lambda: Vec<Complex64>, variance: f64) -> Result<Vec<Complex64>, LinalgError> {
     let limit = threshold(work.columns(), work.lines()) * variance;
-    let moved = |poles: &[Complex64]| refine(work, poles, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP);
-    'again: loop {
-        let all = moved(&lambda)?;
-        let rises = all.significance()?;
-        for q in (0..lambda.len()).filter(|&q| work.in_band(lambda[q]) && rises[q] < tol::LEANING * limit) {
-            let mut fewer = lambda.clone();
-            fewer.remove(q);
-            if moved(&fewer)?.projection.sse - all.projection.sse < limit {
-                lambda = fewer;
-                continue 'again;
-            }
-        }
-        return Ok(lambda);
+    let mut needed = Vec::new();
+    loop {
+        let moved = refine(work, &lambda, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
+        match crutch(work, &moved, limit, |pole| work.in_band(pole), &mut needed)? {
+            Some((q, _)) => lambda.remove(q),
+            None => return Ok(lambda),
+        };
     }
 }
 

@@ -5,9 +5,7 @@ mod modes;
 mod pole;
 mod shape_error;
 
-pub(crate) use pole::{structural_pole, uncertainty_grade, viscous_pole, Found, Grade, Identified, Pole, UNCERTAIN};
-
-pub(crate) use shape_error::overlapping;
+pub(crate) use pole::{structural_pole, viscous_pole, Identified, Pole};
 
 use crate::options::FitOptions;
 use crate::screen::Screened;

@@ -5,7 +5,7 @@
 
 use super::pole::Pole;
 use crate::structure::Shapes;
-use crate::structured::background;
+use crate::structured::{background, overlapping, taken, unknowns, LineProducts, Tangent, Unknown};
 use crate::tolerances as tol;
 use crate::work::{basis, basis_derivative, Work};
 use chladni_linalg::{eigh, inverse_hermitian, matmul, matmul_h, solve_hermitian, LinalgError};
@@ -22,14 +22,6 @@ pub(super) struct Scale {
     pub reference: Vec<(usize, Complex64)>,
 }
 
-/// One unknown besides the shapes: a pole along a unit, or a participation.
-#[derive(Clone, Copy)]
-struct Unknown {
-    term: usize,
-    reference: Option<usize>,
-    unit: Complex64,
-}
-
 /// Responses measured from the same references, and what the normal equations look like for them.
 struct Group {
     responses: Vec<usize>,
@@ -40,28 +32,6 @@ struct Group {
     across: Array2<Complex64>,
     /// Inverse of the Gram matrix of the columns φ_n⊗L_n.
     gram_inverse: Array2<Complex64>,
-}
-
-/// Products of the pole columns F and their derivatives D over lines, residual terms taken out, one row per term.
-struct Products {
-    ff: Array2<Complex64>,
-    fd: Array2<Complex64>,
-    dd: Array2<Complex64>,
-}
-
-/// Terms of poles whose resonances overlap, as lists of indices: between the lists lies more than some bandwidths.
-pub(crate) fn overlapping(lambda: &[Complex64]) -> Vec<Vec<usize>> {
-    let mut order: Vec<usize> = (0..lambda.len()).collect();
-    order.sort_by(|&a, &b| lambda[a].re.total_cmp(&lambda[b].re));
-    let mut clusters: Vec<Vec<usize>> = Vec::new();
-    for n in order {
-        let near = |&m: &usize| lambda[n].re - lambda[m].re < tol::CLUSTER_HALF_WIDTHS * lambda[m].im.max(lambda[n].im);
-        match clusters.last_mut().filter(|cluster| cluster.iter().any(near)) {
-            Some(cluster) => cluster.push(n),
-            None => clusters.push(vec![n]),
-        }
-    }
-    clusters
 }
 
 /// Shapes with what is known of their noise.
@@ -104,7 +74,7 @@ struct ShapeErrors {
     shape: Array2<Complex64>,
     /// (term, reference).
     participation: Array2<Complex64>,
-    products: Products,
+    lines: LineProducts,
     groups: Vec<Group>,
     /// λ of each term; in the viscous law that of the structural twin.
     lambda: Vec<Complex64>,
@@ -128,11 +98,10 @@ impl ShapeErrors {
         let stated = of_terms.iter().map(variance_of).collect();
         let outside = |columns: Array2<Complex64>| &columns - &matmul(free.view(), matmul_h(free.view(), columns.view()).view());
         let (f, d) = (outside(basis(work, &lambda, &[])), outside(basis_derivative(work, &lambda)));
-        let product = |a: &Array2<Complex64>, b: &Array2<Complex64>| matmul_h(a.view(), b.view());
-        let products = Products { ff: product(&f, &f), fd: product(&f, &d), dd: product(&d, &d) };
         let joint = of_terms.iter().any(|pole| pole.given.is_some());
         let (shape, participation) = (shapes.shape.select(Axis(0), rows), shapes.participation.select(Axis(0), rows));
-        let mut errors = Self { shape, participation, products, groups: Vec::new(), lambda, stated, variance, real: real && joint, joint };
+        let lines = LineProducts::new(&f, &d);
+        let mut errors = Self { shape, participation, lines, groups: Vec::new(), lambda, stated, variance, real: real && joint, joint };
         let mut kinds: Vec<(Vec<bool>, Vec<usize>)> = Vec::new();
         for (i, row) in present.rows().into_iter().enumerate() {
             match kinds.iter_mut().find(|(kept, _)| *kept == row.to_vec()) {
@@ -151,7 +120,7 @@ impl ShapeErrors {
         };
         let references: Vec<usize> = (0..kept.len()).filter(|&j| kept[j]).collect();
         let along = gram(&self.participation, &references);
-        let mut normal = (&self.products.ff * &along).mapv(|v| self.take(v));
+        let mut normal = (&self.lines.ff * &along).mapv(|v| taken(self.real, v));
         normal.diag_mut().mapv_inplace(|v| v * (1.0 + tol::STRUCTURED_RIDGE) + f64::MIN_POSITIVE);
         let across = gram(&self.shape, &responses);
         Ok(Group { responses, kept, along, across, gram_inverse: inverse_hermitian(normal.view())? })
@@ -160,8 +129,10 @@ impl ShapeErrors {
     /// Writes the deviations of the terms into their `rows`.
     fn fill(&self, rows: &[usize], scales: &[Scale], out: &mut Array2<f64>) -> Result<(), LinalgError> {
         for cluster in overlapping(&self.lambda) {
-            let unknowns = self.unknowns(&cluster);
-            let inside: Vec<Array2<Complex64>> = self.groups.iter().map(|group| self.inside(group, &unknowns)).collect();
+            // poles first: where they come from free residues they have a covariance of their own
+            let mut unknowns = unknowns(&cluster, &self.participation, self.real);
+            unknowns.sort_by_key(|unknown| unknown.other.is_some());
+            let inside: Vec<Array2<Complex64>> = self.groups.iter().map(|group| self.tangent(group).inside(&unknowns)).collect();
             let covariance = self.covariance(&cluster, &unknowns, &inside)?;
             let answers: Vec<Array2<Complex64>> =
                 self.groups.iter().zip(&inside).map(|(group, inside)| matmul(group.gram_inverse.view(), inside.view())).collect();
@@ -172,11 +143,15 @@ impl ShapeErrors {
         Ok(())
     }
 
-    fn take(&self, v: Complex64) -> Complex64 {
-        if self.real {
-            Complex64::new(v.re, 0.0)
-        } else {
-            v
+    fn tangent<'a>(&'a self, group: &'a Group) -> Tangent<'a> {
+        Tangent {
+            lines: &self.lines,
+            participation: &self.participation,
+            measured: &group.kept,
+            along: &group.along,
+            across: &group.across,
+            gram_inverse: &group.gram_inverse,
+            real: self.real,
         }
     }
 
@@ -189,59 +164,10 @@ impl ShapeErrors {
         }
     }
 
-    /// Poles of the cluster first, then all participations but the largest of each, which fixes the scale.
-    fn unknowns(&self, cluster: &[usize]) -> Vec<Unknown> {
-        let units: &[Complex64] = if self.real { &[Complex64::ONE, Complex64::I] } else { &[Complex64::ONE] };
-        let pole = |&term: &usize| units.iter().map(move |&unit| Unknown { term, reference: None, unit });
-        let mut list: Vec<Unknown> = cluster.iter().flat_map(pole).collect();
-        for &term in cluster {
-            let row = self.participation.row(term);
-            let pivot = row.indexed_iter().max_by(|a, b| a.1.norm_sqr().total_cmp(&b.1.norm_sqr())).map_or(0, |(j, _)| j);
-            let others = (0..row.len()).filter(|&j| j != pivot);
-            list.extend(others.map(|j| Unknown { term, reference: Some(j), unit: Complex64::ONE }));
-        }
-        list
-    }
-
-    /// Inner products of the columns φ_p⊗L_p with the derivatives by the unknowns, (term, unknown).
-    fn inside(&self, group: &Group, unknowns: &[Unknown]) -> Array2<Complex64> {
-        let l = &self.participation;
-        Array2::from_shape_fn((self.lambda.len(), unknowns.len()), |(p, a)| {
-            let Unknown { term: n, reference, unit } = unknowns[a];
-            self.take(match reference {
-                None => unit * self.products.fd[[p, n]] * group.along[[p, n]],
-                Some(j) if group.kept[j] => self.products.ff[[p, n]] * l[[p, j]].conj(),
-                Some(_) => Complex64::ZERO,
-            })
-        })
-    }
-
-    /// Gauss–Newton matrix of the unknowns with the shapes eliminated, as in structured refinement.
-    fn information(&self, unknowns: &[Unknown], inside: &[Array2<Complex64>]) -> Array2<Complex64> {
-        let Products { ff, fd, dd } = &self.products;
-        let l = &self.participation;
-        let mut sum = Array2::zeros((unknowns.len(), unknowns.len()));
-        for (group, inside) in self.groups.iter().zip(inside) {
-            let known = matmul_h(inside.view(), matmul(group.gram_inverse.view(), inside.view()).view());
-            let kept = |j: usize| if group.kept[j] { 1.0 } else { 0.0 };
-            sum += &Array2::from_shape_fn((unknowns.len(), unknowns.len()), |(a, b)| {
-                let (Unknown { term: m, reference: j, unit: u }, Unknown { term: n, reference: k, unit: v }) = (unknowns[a], unknowns[b]);
-                let product = match (j, k) {
-                    (None, None) => dd[[m, n]] * group.along[[m, n]],
-                    (None, Some(k)) => fd[[n, m]].conj() * l[[m, k]].conj() * kept(k),
-                    (Some(j), None) => fd[[m, n]] * l[[n, j]] * kept(j),
-                    (Some(j), Some(k)) if j == k => ff[[m, n]] * kept(j),
-                    _ => Complex64::ZERO,
-                };
-                (self.take(u.conj() * v * product) - known[[a, b]]) * group.across[[m, n]]
-            });
-        }
-        sum
-    }
-
     /// Covariance of the unknowns of one cluster.
     fn covariance(&self, cluster: &[usize], unknowns: &[Unknown], inside: &[Array2<Complex64>]) -> Result<Array2<Complex64>, LinalgError> {
-        let information = self.information(unknowns, inside);
+        let of_groups = self.groups.iter().zip(inside).map(|(group, inside)| self.tangent(group).information(unknowns, inside, 0.0));
+        let information = of_groups.fold(Array2::zeros((unknowns.len(), unknowns.len())), |sum, one| sum + one);
         if self.joint {
             return Ok(pseudo_inverse(&information)? * Complex64::from(self.seen_variance()));
         }
@@ -263,7 +189,7 @@ impl ShapeErrors {
     /// E δλ_m δλ_n* of poles found from free residues: the correlations of (33), the sizes that the poles themselves state.
     fn free_pole_covariance(&self, cluster: &[usize]) -> Result<Array2<Complex64>, LinalgError> {
         let part = |a: &Array2<Complex64>| a.select(Axis(0), cluster).select(Axis(1), cluster);
-        let Products { ff, fd, dd } = &self.products;
+        let LineProducts { ff, fd, dd } = &self.lines;
         let mut free = ff.clone();
         free.diag_mut().mapv_inplace(|v| v * (1.0 + tol::STRUCTURED_RIDGE) + f64::MIN_POSITIVE);
         let outside = dd - &matmul_h(fd.view(), solve_hermitian(free.view(), fd.view())?.view());
@@ -290,17 +216,17 @@ impl ShapeErrors {
         let mut group_of = vec![0; x.ncols()];
         self.groups.iter().enumerate().for_each(|(g, group)| group.responses.iter().for_each(|&i| group_of[i] = g));
         let noise = |i: usize| self.groups[group_of[i]].gram_inverse[[n, n]].re * self.seen_variance();
-        let shift = |i: usize, a: usize| -answers[group_of[i]][[n, a]] * x[[unknowns[a].term, i]];
+        let shift = |i: usize, a: usize| -answers[group_of[i]][[n, a]] * x[[unknowns[a].mode, i]];
         // relative change of the scale per unknown
         let along: Vec<Complex64> = (0..unknowns.len())
             .map(|a| {
-                let own = |&&(j, _): &&(usize, Complex64)| unknowns[a].term == n && unknowns[a].reference == Some(j);
+                let own = |&&(j, _): &&(usize, Complex64)| unknowns[a].mode == n && unknowns[a].other == Some(j);
                 let direct: Complex64 = scale.reference.iter().filter(own).map(|(_, c)| *c).sum();
                 direct + scale.response.iter().map(|&(d, weight)| weight * shift(d, a)).sum::<Complex64>()
             })
             .collect();
         let scale_noise: f64 = scale.response.iter().map(|&(d, weight)| weight.norm_sqr() * noise(d)).sum();
-        let gradient = Array2::from_shape_fn((x.ncols(), unknowns.len()), |(i, a)| self.take(shift(i, a) + x[[n, i]] * along[a]));
+        let gradient = Array2::from_shape_fn((x.ncols(), unknowns.len()), |(i, a)| taken(self.real, shift(i, a) + x[[n, i]] * along[a]));
         let spread = matmul(gradient.view(), covariance.view());
         for (i, value) in out.iter_mut().enumerate() {
             let through: f64 = spread.row(i).iter().zip(gradient.row(i)).map(|(s, g)| (s * g.conj()).re).sum();

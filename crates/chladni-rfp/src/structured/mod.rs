@@ -9,9 +9,10 @@
 
 mod growth;
 mod newton;
+mod tangent;
 mod target;
 
-use crate::model::{Found, UNCERTAIN};
+use crate::found::{Found, UNCERTAIN};
 use crate::options::ShapeModel;
 use crate::prune::threshold;
 use crate::screen::Screened;
@@ -22,6 +23,7 @@ use newton::State;
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::borrow::Cow;
+pub(crate) use tangent::{overlapping, taken, unknowns, LineProducts, Tangent, Unknown};
 pub(crate) use target::background;
 use target::{free_residues, Target};
 

@@ -4,24 +4,15 @@
 //! columns φ_n⊗L_n factors into a product over lines and one over references. One step costs the line products, 16Nn(2n + r),
 //! and one small Hermitian solve per cluster of overlapping modes.
 
+use super::tangent::{overlapping, pivot, taken, unknowns, LineProducts, Tangent, Unknown};
 use super::target::{Products, Shapes, Target};
-use crate::model::overlapping;
 use crate::tolerances as tol;
-use chladni_linalg::{cholesky, inverse_hermitian, matmul, matmul_h, solve_lower, solve_lower_adjoint, LinalgError};
+use chladni_linalg::{cholesky, inverse_hermitian, matmul, solve_lower, solve_lower_adjoint, LinalgError};
 use ndarray::{Array2, ShapeBuilder};
 use num_complex::Complex64;
 
 fn conjugate(a: &Array2<Complex64>) -> Array2<Complex64> {
     a.mapv(|v| v.conj())
-}
-
-/// Real part where shapes are real, all of it otherwise.
-fn taken(real: bool, a: &Array2<Complex64>) -> Array2<Complex64> {
-    if real {
-        a.mapv(|v| Complex64::new(v.re, 0.0))
-    } else {
-        a.clone()
-    }
 }
 
 /// A point of the search.
@@ -45,14 +36,6 @@ pub(super) struct State {
     across: Array2<Complex64>,
 }
 
-/// One unknown: its mode, whether the pole or which participation, and the unit it moves along.
-#[derive(Clone, Copy)]
-struct Unknown {
-    mode: usize,
-    other: Option<usize>,
-    unit: Complex64,
-}
-
 /// The damped Gauss–Newton matrix of one cluster of modes, LLᴴ.
 struct Factored {
     modes: Vec<usize>,
@@ -64,16 +47,14 @@ impl State {
     /// Shapes by linear least squares at poles and participations.
     pub fn new(target: &Target, lambda: Vec<Complex64>, participation: Array2<Complex64>, real: bool) -> Result<Self, LinalgError> {
         let mut participation = participation;
-        let mut pivot = Vec::with_capacity(lambda.len());
-        for mut row in participation.rows_mut() {
-            let (at, value) =
-                row.indexed_iter().max_by(|a, b| a.1.norm_sqr().total_cmp(&b.1.norm_sqr())).map(|(j, v)| (j, *v)).expect("a DOF");
-            pivot.push(at);
-            row.mapv_inplace(|v| if real { Complex64::new((v / value).re, 0.0) } else { v / value });
+        let pivot: Vec<usize> = (0..lambda.len()).map(|n| pivot(&participation, n)).collect();
+        for (mut row, &at) in participation.rows_mut().into_iter().zip(&pivot) {
+            let value = row[at];
+            row.mapv_inplace(|v| taken(real, v / value));
         }
         let products = Products::new(target, &lambda);
         let along = matmul(conjugate(&participation).view(), participation.t());
-        let gram_inverse = inverse_hermitian(taken(real, &(&products.ff * &along)).view())?;
+        let gram_inverse = inverse_hermitian((&products.lines.ff * &along).mapv(|v| taken(real, v)).view())?;
         let shapes = products.shapes(target, &participation, &gram_inverse, real);
         let across = matmul(conjugate(&shapes.shape).view(), shapes.shape.t());
         Ok(Self {
@@ -97,48 +78,24 @@ impl State {
         Array2::from_shape_fn(size.f(), |(n, l)| shape[[n, l / other]] * self.participation[[n, l % other]])
     }
 
-    fn unknowns(&self, modes: &[usize]) -> Vec<Unknown> {
-        let mut list = Vec::new();
-        for &mode in modes {
-            list.push(Unknown { mode, other: None, unit: Complex64::new(1.0, 0.0) });
-            if self.real {
-                list.push(Unknown { mode, other: None, unit: Complex64::i() });
-            }
-            let others = (0..self.participation.ncols()).filter(|j| *j != self.pivot[mode]);
-            list.extend(others.map(|j| Unknown { mode, other: Some(j), unit: Complex64::new(1.0, 0.0) }));
-        }
-        list
-    }
-
-    /// Gauss–Newton matrix of the given unknowns, shapes eliminated (Kaufman's form). Two terms of one pole may share
-    /// their participations in any way: a trace of each derivative's own size keeps the matrix regular.
+    /// Gauss–Newton matrix of the given unknowns, shapes eliminated. Two terms of one pole may share their participations in any way: a
+    /// trace of each derivative's own size keeps the matrix regular.
     fn information(&self, unknowns: &[Unknown]) -> Array2<Complex64> {
-        let Products { ff, fd, dd, .. } = &self.products;
-        let (l, along, across) = (&self.participation, &self.along, &self.across);
-        let take = |v: Complex64| if self.real { Complex64::new(v.re, 0.0) } else { v };
-        // inner products of the stacked columns with the stacked derivatives
-        let inside = Array2::from_shape_fn((self.lambda.len(), unknowns.len()), |(p, a)| {
-            let Unknown { mode: n, other: j, unit } = unknowns[a];
-            take(unit * j.map_or_else(|| fd[[p, n]] * along[[p, n]], |j| ff[[p, n]] * l[[p, j]].conj()))
-        });
-        let known = matmul_h(inside.view(), matmul(self.gram_inverse.view(), inside.view()).view());
-        Array2::from_shape_fn((unknowns.len(), unknowns.len()), |(a, b)| {
-            let (Unknown { mode: m, other: j, unit: u }, Unknown { mode: n, other: k, unit: v }) = (unknowns[a], unknowns[b]);
-            let product = match (j, k) {
-                (None, None) => dd[[m, n]] * along[[m, n]],
-                (None, Some(k)) => fd[[n, m]].conj() * l[[m, k]].conj(),
-                (Some(j), None) => fd[[m, n]] * l[[n, j]],
-                (Some(j), Some(k)) if j == k => ff[[m, n]],
-                _ => Complex64::default(),
-            };
-            let trace = if a == b { 1.0 + tol::STRUCTURED_RIDGE } else { 1.0 };
-            (take(u.conj() * v * product) * trace - known[[a, b]]) * across[[m, n]]
-        })
+        let tangent = Tangent {
+            lines: &self.products.lines,
+            participation: &self.participation,
+            measured: &vec![true; self.participation.ncols()],
+            along: &self.along,
+            across: &self.across,
+            gram_inverse: &self.gram_inverse,
+            real: self.real,
+        };
+        tangent.information(unknowns, &tangent.inside(unknowns), tol::STRUCTURED_RIDGE)
     }
 
     /// Gradient along the same unknowns.
     fn gradient(&self, unknowns: &[Unknown]) -> Array2<Complex64> {
-        let Products { ff, fd, .. } = &self.products;
+        let LineProducts { ff, fd, .. } = &self.products.lines;
         let (l, along, across) = (&self.participation, &self.along, &self.across);
         let modes = 0..self.lambda.len();
         Array2::from_shape_fn((unknowns.len(), 1), |(a, _)| {
@@ -153,12 +110,7 @@ impl State {
                     self.shapes.along_shape[[m, j]] - model
                 }
             };
-            let value = unit.conj() * value;
-            if self.real {
-                Complex64::new(value.re, 0.0)
-            } else {
-                value
-            }
+            taken(self.real, unit.conj() * value)
         })
     }
 
@@ -167,7 +119,7 @@ impl State {
         let clusters = overlapping(&self.lambda).into_iter();
         clusters
             .map(|modes| {
-                let unknowns = self.unknowns(&modes);
+                let unknowns = unknowns(&modes, &self.participation, self.real);
                 let mut matrix = self.information(&unknowns);
                 matrix.diag_mut().mapv_inplace(|d| Complex64::new(d.re * (1.0 + damping) + f64::MIN_POSITIVE, 0.0));
                 Ok(Factored { lower: cholesky(matrix.view())?, modes, unknowns })
@@ -232,7 +184,7 @@ impl State {
     pub fn spread(&self) -> Vec<[f64; 2]> {
         let mut spread = vec![[f64::INFINITY; 2]; self.lambda.len()];
         for cluster in overlapping(&self.lambda) {
-            let unknowns = self.unknowns(&cluster);
+            let unknowns = unknowns(&cluster, &self.participation, self.real);
             let Ok(inverse) = inverse_hermitian(self.information(&unknowns).view()) else { continue };
             for (a, unknown) in unknowns.iter().enumerate().filter(|(_, u)| u.other.is_none()) {
                 let half = 0.5 * inverse[[a, a]].re.max(0.0);

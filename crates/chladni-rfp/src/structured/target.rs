@@ -1,6 +1,7 @@
 //! What structured refinement works on: the compressed data once residual terms and out-of-band poles are taken out, and the way back
 //! to pairs.
 
+use super::tangent::LineProducts;
 use crate::alternation::add_product;
 use crate::tolerances as tol;
 use crate::wide::{projected, wide_h, wide_mixed};
@@ -90,9 +91,7 @@ pub(crate) fn background(work: &Work, outside: &[Complex64], powers: &[i32]) -> 
 
 /// Products over lines at one set of poles: F the pole columns, D their derivatives, B the compressed data.
 pub(super) struct Products {
-    pub ff: Array2<Complex64>,
-    pub fd: Array2<Complex64>,
-    pub dd: Array2<Complex64>,
+    pub lines: LineProducts,
     /// FᴴB over DᴴB, (2·mode, column).
     against: Array2<Complex64>,
 }
@@ -117,7 +116,7 @@ impl Products {
         let mut against = Array2::zeros((2 * n, target.data.ncols()).f());
         against.slice_mut(s![..n, ..]).assign(&wide_h(f.view(), target.data.view()));
         against.slice_mut(s![n.., ..]).assign(&wide_h(d.view(), target.data.view()));
-        Self { ff: wide_h(f.view(), f.view()), fd: wide_h(f.view(), d.view()), dd: wide_h(d.view(), d.view()), against }
+        Self { lines: LineProducts::new(&f, &d), against }
     }
 
     /// Shapes ψ = G⁻¹·Σ_j L̄_j(FᴴB)_j with their sums, block by block of the eliminated side: no product with all pairs is kept.
