@@ -19,6 +19,7 @@ mod csv;
 mod demonstration;
 mod floor;
 mod journal;
+mod knobs;
 mod large;
 mod memory;
 mod mode_errors;
@@ -38,12 +39,15 @@ pub use cases::{Case, Target, CASES};
 pub use demonstration::{corner_scene, panel_77x34_1997_lines};
 pub use floor::Floor;
 pub use journal::Journal;
+pub use knobs::Setting;
 pub use large::{large, Size};
 pub use mode_errors::{ModeErrors, Spread};
 pub use pareto::{accuracy_figures, front};
 pub use problem::{Bounds, Problem};
 pub use profile::{profile, profile_csv, ProfileCase, ProfileOptions, ProfileRow, PROFILE_CASES};
-pub use scene::{scene_csv, scenes, SceneCase, SceneOptions, ScenePanel, SceneRow, Served, SCENE_CASES};
+pub use scene::{
+    scene_csv, scene_figures, scenes, Means, SceneCase, SceneDrive, SceneOptions, ScenePanel, SceneRow, Served, SCENE_CASES,
+};
 pub use score::{Match, Score};
 pub use solver::Solver;
 pub use stability::{

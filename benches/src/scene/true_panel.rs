@@ -1,5 +1,6 @@
 //! The true plate under a drive: anywhere, drifted, and touched.
 
+use crate::journal::nan;
 use chladni_frf::Result;
 use chladni_plate::{DampedPlate, Panel};
 use chladni_render::{Field, Finger, Ground, Limits, ZoneMap};
@@ -8,6 +9,7 @@ use num_complex::Complex64;
 use rand_chacha::rand_core::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// Distance of the places on which drives are judged, m.
@@ -26,13 +28,16 @@ pub(crate) struct TruePanel {
 }
 
 /// Shares of places that are served.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Served {
     /// Of hot places.
+    #[serde(deserialize_with = "nan")]
     pub hot: f64,
     /// Of cold places.
+    #[serde(deserialize_with = "nan")]
     pub cold: f64,
     /// Of both.
+    #[serde(deserialize_with = "nan")]
     pub total: f64,
 }
 

@@ -1,9 +1,8 @@
 //! The drives behind the maps of rendering: found in a model, judged on the true plate.
 
 use super::trial::Trial;
-use crate::scene::{MeasuredPanel, ScenePanel, Served};
-use chladni_frf::{Error, ErrorKind, FrfKind, ModalModel, Result};
-use chladni_linalg::svd_thin;
+use crate::scene::{condition, MeasuredPanel, ScenePanel, Served};
+use chladni_frf::{Error, ErrorKind, ModalModel, Result};
 use chladni_render::{render, Count, Drift, Finger, MethodChoice, RenderOptions, Rendering, Scene};
 use chladni_rfp::{fit, FitOptions};
 use ndarray::Array1;
@@ -105,16 +104,14 @@ impl Stage {
         let rendering = match render(model, scene, options) {
             Ok(rendering) => rendering,
             Err(error) => {
-                let [chi2, condition, error_over_bound, worst] = [f64::NAN; 4];
+                let [chi2, ill, error_over_bound, worst] = [f64::NAN; 4];
                 let refused = Trial { missed: 1, refused: true, warnings: vec![error.to_string()], ..Trial::default() };
-                return Ok(Trial { chi2, condition, error_over_bound, error: worst, ..refused });
+                return Ok(Trial { chi2, condition: ill, error_over_bound, error: worst, ..refused });
             }
         };
         let weights = &rendering.weights;
         let drive: Array1<Complex64> = weights.weights.iter().map(|weight| weight.value()).collect();
         let least = judge(&drive, &rendering)?.least();
-        let mobility = model.frf_matrix(FrfKind::Mobility, scene.frequency_hz);
-        let values = svd_thin::<Complex64>(mobility.view()).map(|(_, values, _)| values).ok();
         // what is said of baselines as such tells nothing of this scene
         let warnings = weights.warnings.iter().filter(|text| !text.contains("is a baseline to compare with")).cloned().collect();
         Ok(Trial {
@@ -123,7 +120,7 @@ impl Stage {
             trusted: weights.feasible,
             warnings,
             chi2: weights.kappa.unwrap_or(f64::NAN),
-            condition: values.and_then(|values| Some(values.first()? / values.last()?)).unwrap_or(f64::NAN),
+            condition: condition(model, &drive, scene.frequency_hz),
             error_over_bound: f64::NAN,
             error: least,
             ..Trial::default()

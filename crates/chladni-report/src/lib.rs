@@ -35,6 +35,11 @@ pub fn html(input: &ReportInput) -> Result<String> {
     Ok(html::page(input, &sections::sections(input)?))
 }
 
+/// A page of any figures, one section each, with `words` above them; like the report it needs nothing else.
+pub fn gallery(title: &str, words: &str, figures: &[Figure]) -> String {
+    html::gallery(title, words, figures)
+}
+
 /// Which files [`charts`] makes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ChartFormats {

@@ -7,7 +7,7 @@ mod stability;
 
 use crate::console::Console;
 use crate::outcome::Outcome;
-use crate::output::{make_folder, Output, PICTURE, TABLE};
+use crate::output::{make_folder, Output, HTML, PICTURE, TABLE};
 use chladni_bench::Journal;
 use chladni_frf::io::write_atomically;
 use chladni_frf::Result;
@@ -65,16 +65,6 @@ pub struct Methods {
     methods: Vec<Method>,
 }
 
-impl Methods {
-    fn or_all(&self) -> Vec<Method> {
-        if self.methods.is_empty() {
-            Method::ALL.to_vec()
-        } else {
-            self.methods.clone()
-        }
-    }
-}
-
 impl Place {
     /// Makes the folder and refuses, before the work, tables that stand there already.
     fn prepare(&self, tables: &[&str], console: &Console) -> Result<()> {
@@ -90,6 +80,14 @@ impl Place {
             console.note(&format!("going on with an interrupted run: {} pieces are finished", journal.resumed()));
         }
         Ok(journal)
+    }
+
+    /// Writes all figures as one page, `verb`.html.
+    fn page(&self, verb: &str, title: &str, words: &str, figures: &[Figure], console: &Console) -> Result<PathBuf> {
+        let path = self.output.join(format!("{verb}.html"));
+        let page = chladni_report::gallery(title, words, figures);
+        Output::new(&path, HTML, &[], console)?.write(|path, force| write_atomically(path, force, |out| out.write_all(page.as_bytes())))?;
+        Ok(path)
     }
 
     /// Writes tables, and figures as SVG and PNG; returns the files.

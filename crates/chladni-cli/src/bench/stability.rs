@@ -24,6 +24,10 @@ const QUICK_SEEDS: u32 = 2;
 /// FRFs that are exported at most.
 const EXPORTED: usize = 20;
 
+/// Above the figures of the page.
+const WORDS: &str = "Maps over two things at a time, from easy to impossible. What matters is that a wrong result says so: a weak mode, a warning, or a \
+refusal. Darker is worse everywhere.";
+
 /// Arguments of `bench stability`.
 #[derive(Debug, clap::Args)]
 #[command(before_help = "Examples:
@@ -33,7 +37,8 @@ const EXPORTED: usize = 20;
 
 Maps over two things at a time, from easy to impossible: what is missed and made up, how large errors are beside what is stated, and whether the
 result says that something is wrong. Writes stability.csv (a row for each cell), stability-failures.csv (each try that went wrong, with its seed),
-stability-calibration.csv (announced against silent failures, coverage, rank histogram) and stability-MAP-METHOD.svg/png.")]
+stability-calibration.csv (announced against silent failures, coverage, rank histogram), stability-MAP-METHOD.svg/png and stability.html.
+An interrupted run goes on where it stopped.")]
 pub struct Args {
     #[command(flatten)]
     place: Place,
@@ -77,7 +82,9 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let calibrations = calibration(&rows);
     let tables =
         [(TABLES[0], stability_csv(&rows)), (TABLES[1], failures_csv(&rows)), (TABLES[2], calibration_csv(&calibrations))];
-    let mut files = args.place.write(&tables, &stability_figures(&rows, &calibrations), console)?;
+    let figures = stability_figures(&rows, &calibrations);
+    let mut files = args.place.write(&tables, &figures, console)?;
+    files.push(args.place.page("stability", "Where methods fail", WORDS, &figures, console)?);
     journal.finish();
     if args.export_silent {
         files.extend(export_silent(&rows, &args.place.output, console)?);

@@ -3,4 +3,4 @@
 mod page;
 pub(crate) mod tables;
 
-pub(crate) use page::page;
+pub(crate) use page::{gallery, page};

@@ -29,6 +29,26 @@ pub(crate) fn page(input: &ReportInput, sections: &[Section]) -> String {
     )
 }
 
+/// A page of figures alone, each with its title as a heading; `words` stand above them.
+pub(crate) fn gallery(title: &str, words: &str, figures: &[Figure]) -> String {
+    let section = |figure: &Figure| Section {
+        id: figure.name.clone(),
+        heading: figure.title.clone(),
+        blocks: vec![Block::Figure(Box::new(figure.clone()))],
+    };
+    let sections: Vec<Section> = figures.iter().map(section).collect();
+    let values = [
+        ("style", STYLE.trim()),
+        ("script", SCRIPT.trim()),
+        ("title", &escape(title)),
+        ("created_by", &escape(CREATED_BY)),
+        ("warnings", &format!("<p class=\"calm\">{}</p>", escape(words))),
+        ("contents", &contents(&sections)),
+        ("sections", &sections.iter().map(write_section).collect::<String>()),
+    ];
+    fill(TEMPLATE, &values)
+}
+
 /// Puts each value in the place of its `{{name}}`, in one pass: what is put in is not looked at again.
 fn fill(template: &str, values: &[(&str, &str)]) -> String {
     let mut out = String::new();
