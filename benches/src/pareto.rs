@@ -81,6 +81,10 @@ pub(crate) fn pareto_chart(x: Axis, y: Axis, entries: &[Entry], limits: Vec<(f64
     }
     let labels: Vec<String> = shown.iter().map(|entry| entry.label.clone()).collect();
     let places = names(&points, &labels, ends[0], ends[1]);
+    // a name that found no room at the height of its mark is tied to it
+    let tied = places.iter().zip(&points).filter(|((at, _), point)| (at[1] / point[1]).ln().abs() > 1e-9);
+    let ties = tied.map(|((at, _), point)| vec![*point, *at]).collect();
+    chart = chart.with(Layer::Lines { name: None, lines: ties, stroke: Stroke::new(Colour::Muted, 0.8) });
     for ((text, (at, anchor)), bold) in labels.into_iter().zip(places).zip(on_front) {
         chart = chart.with(Layer::Words { at, text, anchor, bold });
     }

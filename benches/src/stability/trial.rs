@@ -2,12 +2,12 @@
 
 use crate::journal::nan;
 use crate::problem::Problem;
-use crate::score::{half_half_width_hz, Score};
+use crate::score::Score;
 use crate::statistics::root_mean_square;
-use chladni_frf::{FrfSet, ModalModel, Mode, Trust};
-use chladni_linalg::svd_thin;
+use chladni_frf::{Damping, FrfSet, ModalModel, Mode, Trust};
+use chladni_linalg::{matmul, matmul_h, qr_thin, svd_thin};
 use chladni_rfp::{fit, FitOptions};
-use ndarray::{Array1, Array2};
+use ndarray::{Array1, Array2, Axis};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -16,6 +16,10 @@ use std::f64::consts::TAU;
 pub(crate) const BEYOND: f64 = 5.0;
 /// Beginning of the warning that speaks of the damping law alone.
 const LAW_ALONE: &str = "damping law undecidable";
+/// Standard deviations of the noise that a mode must stand out by for the data to show it.
+const VISIBLE: f64 = 5.0;
+/// Powers of ω that stand for the world outside in what the data can show.
+const RESIDUAL_POWERS: [i32; 4] = [-2, 0, 2, 4];
 /// Powers of x = (ω/ω_max)² that stand for the world outside in the basis whose condition is told.
 const BASIS_POWERS: [i32; 4] = [-1, 0, 1, 2];
 
@@ -38,7 +42,7 @@ pub struct Trial {
     pub found: usize,
     /// True modes that were not.
     pub missed: usize,
-    /// Missed ones that no unbiased method could place within half their bandwidth.
+    /// Missed ones that the data do not show: what no other mode could stand in for lies within five standard deviations of the noise.
     pub hidden: usize,
     /// Modes without a partner, said to be sure.
     pub spurious_sure: usize,
@@ -120,7 +124,7 @@ impl Trial {
         let found: Vec<_> = score.matches.iter().enumerate().filter_map(|(n, found)| Some((n, found.as_ref()?))).collect();
         let standardised: Vec<[f64; 2]> = found.iter().map(|(_, found)| found.over_stated).collect();
         let worst = |pair: &[f64; 2]| pair[0].abs().max(pair[1].abs());
-        let hidden = |n: usize| bounds.as_ref().is_some_and(|bounds| !(bounds[n] <= half_half_width_hz(known[n])));
+        let hidden = |n: usize| evidence(problem, known[n]) < VISIBLE;
         let over_bound = |bounds: &Vec<f64>| root_mean_square(found.iter().map(|(n, found)| found.frequency_hz / bounds[*n]));
         Self {
             found: found.len(),
@@ -142,6 +146,48 @@ impl Trial {
     }
 }
 
+/// How far a mode stands out of the noise, in standard deviations: the part of its FRFs that neither the other modes, with their poles free to
+/// move, nor residual terms can take over. Infinite without noise.
+fn evidence(problem: &Problem, mode: &Mode) -> f64 {
+    let omega: Vec<f64> = problem.clean.frequency_hz.iter().map(|f| TAU * f).collect();
+    let kind: Vec<Complex64> = omega.iter().map(|&w| problem.truth.frf_kind.from_receptance(w)).collect();
+    let factor = |mode: &Mode| omega.iter().map(|&w| factor(mode, problem.truth.damping, w)).collect::<Vec<_>>();
+    let column = |values: &dyn Fn(usize) -> Complex64| (0..omega.len()).map(|k| kind[k] * values(k)).collect::<Array1<_>>();
+    let mut columns = Vec::new();
+    for other in problem.truth.modes.iter().filter(|other| *other != mode) {
+        let own = factor(other);
+        columns.push(column(&|k| own[k]));
+        columns.push(column(&|k| own[k] * own[k]));
+    }
+    columns.extend(RESIDUAL_POWERS.map(|power| column(&|k| Complex64::from((omega[k] / omega[omega.len() - 1]).powi(power)))));
+    let own = factor(mode);
+    let wanted = column(&|k| own[k]).insert_axis(Axis(1));
+    let Ok((q, _)) = qr_thin(of_unit_length(&columns).view()) else { return f64::NAN };
+    let left = &wanted - &matmul(q.view(), matmul_h(q.view(), wanted.view()).view());
+    let energy = |values: &[Complex64]| values.iter().map(|value| value.norm_sqr()).sum::<f64>();
+    let residues = energy(&mode.shape.0) * energy(&mode.participation.0);
+    (2.0 * residues * left.iter().map(|value| value.norm_sqr()).sum::<f64>() / problem.noise_variance).sqrt()
+}
+
+/// The factor of a mode's residue in the receptance.
+fn factor(mode: &Mode, damping: Damping, omega: f64) -> Complex64 {
+    let omega_n = TAU * mode.frequency_hz;
+    match damping {
+        Damping::Structural => mode.structural_factor(omega),
+        Damping::Viscous => Complex64::new(omega_n * omega_n - omega * omega, mode.loss_factor * omega_n * omega).inv(),
+    }
+}
+
+/// The columns side by side, each of unit length.
+fn of_unit_length(columns: &[Array1<Complex64>]) -> Array2<Complex64> {
+    let mut matrix = Array2::zeros((columns.first().map_or(0, Array1::len), columns.len()));
+    for (mut target, column) in matrix.columns_mut().into_iter().zip(columns) {
+        let size = column.iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt();
+        target.assign(&column.mapv(|v| v / size));
+    }
+    matrix
+}
+
 /// Condition number of the columns 1/(λ_n − x) of all true poles and the powers of x on these lines, each of unit length; NaN where no
 /// singular value can be had.
 fn condition(truth: &ModalModel, frequency_hz: &Array1<f64>) -> f64 {
@@ -153,12 +199,7 @@ fn condition(truth: &ModalModel, frequency_hz: &Array1<f64>) -> f64 {
     });
     let mut columns: Vec<Array1<Complex64>> = poles.map(|pole| x.iter().map(|&x| (pole - x).inv()).collect()).collect();
     columns.extend(BASIS_POWERS.map(|power| x.iter().map(|&x| Complex64::from(x.powi(power))).collect::<Array1<_>>()));
-    let mut basis = Array2::zeros((x.len(), columns.len()));
-    for (mut target, column) in basis.columns_mut().into_iter().zip(&columns) {
-        let size = column.iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt();
-        target.assign(&column.mapv(|v| v / size));
-    }
-    let values = svd_thin::<Complex64>(basis.view()).map(|(_, values, _)| values);
+    let values = svd_thin(of_unit_length(&columns).view()).map(|(_, values, _)| values);
     values.ok().and_then(|values| Some(values.first()? / values.last()?)).unwrap_or(f64::NAN)
 }
 
@@ -192,6 +233,18 @@ mod tests {
         let nowhere = Measured { options: FitOptions { band_hz: Some([1e6, 2e6]), ..FitOptions::default() }, ..measured };
         let trial = Trial::identify(&nowhere, Method::Auto);
         assert!(trial.refused && trial.announced() && trial.visibly_wrong() && trial.missed == 3, "{trial:?}");
+    }
+
+    #[test]
+    fn a_mode_stands_out_by_its_energy_and_hides_behind_its_neighbour() {
+        let of = |second: f64, snr_db: f64| {
+            let spec = Synthetic { natural_frequency_hz: vec![40.0, second, 110.0], snr_db, ..Synthetic::default() };
+            let problem = Problem::of_modes(&spec).unwrap();
+            evidence(&problem, &problem.truth.modes[1])
+        };
+        // 20 dB less noise: ten times
+        assert!((of(70.0, 60.0) / of(70.0, 40.0) - 10.0).abs() < 1e-6);
+        assert!(of(70.0, 40.0) > 100.0 && of(40.01, 40.0) < 0.01 * of(70.0, 40.0), "{} {}", of(70.0, 40.0), of(40.01, 40.0));
     }
 
     #[test]

@@ -13,8 +13,13 @@ mod backend;
 #[cfg(feature = "system")]
 #[path = "lapack.rs"]
 mod backend;
+mod back_ends;
+#[cfg(feature = "system")]
+#[path = "faer.rs"]
+mod beside;
 mod scalar;
 
+pub use back_ends::{back_ends, BackEnd};
 use ndarray::{Array1, Array2, ArrayView2, ArrayViewMut2, Axis};
 use num_complex::Complex64;
 pub use scalar::Scalar;

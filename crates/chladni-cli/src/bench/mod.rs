@@ -3,6 +3,7 @@
 mod accuracy;
 mod profile;
 mod scene;
+mod solvers;
 mod stability;
 
 use crate::console::Console;
@@ -12,8 +13,6 @@ use chladni_bench::Journal;
 use chladni_frf::io::write_atomically;
 use chladni_frf::Result;
 use chladni_report::Figure;
-use chladni_rfp::Method;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::path::PathBuf;
 
 /// Pixels of a PNG file per px of the picture.
@@ -28,6 +27,8 @@ pub enum Bench {
     Profile(profile::Args),
     /// Success against time: every rendering method on named scenes, from noisy FRFs to the true plate
     Scene(scene::Args),
+    /// Dense kernels at the sizes of a fit, every back end that is linked in, by turns
+    Solvers(solvers::Args),
     /// Where methods fail and whether they know it: maps over two things at a time, calibration of warnings and error bars
     Stability(stability::Args),
 }
@@ -41,6 +42,7 @@ pub fn run(what: &Bench, console: &Console) -> Result<Outcome> {
         Bench::Accuracy(args) => accuracy::run(args, console),
         Bench::Profile(args) => profile::run(args, console),
         Bench::Scene(args) => scene::run(args, console),
+        Bench::Solvers(args) => solvers::run(args, console),
         Bench::Stability(args) => stability::run(args, console),
     }
 }
@@ -54,15 +56,6 @@ pub struct Place {
     /// Fewer cases and seeds: within a minute on two cores
     #[arg(long)]
     quick: bool,
-}
-
-/// Which methods of identification to run.
-#[derive(Debug, clap::Args)]
-pub struct Methods {
-    /// Methods to run; may be repeated [default: all]
-    #[arg(long = "method", value_name = "METHOD", value_parser = PossibleValuesParser::new(Method::ALL.map(Method::as_str))
-        .try_map(|name| name.parse::<Method>()))]
-    methods: Vec<Method>,
 }
 
 impl Place {
