@@ -185,12 +185,9 @@ fn grown(target: &Target, mut state: State, limit: f64, holds: &dyn Fn(&State) -
 
 /// Takes out modes that are uncertain because the others explain the data as well without them: to `limit` of the sum of squares.
 fn shed(target: &Target, mut state: State, variance: f64, limit: f64) -> State {
-    let uncertainty = |state: &State, n: usize| {
-        let spread: f64 = state.spread()[n].iter().sum();
-        (variance * spread).sqrt() / state.lambda[n].im
-    };
+    let mut spread = state.spread();
     for n in (0..state.lambda.len()).rev() {
-        if uncertainty(&state, n) <= UNCERTAIN {
+        if (variance * spread[n].iter().sum::<f64>()).sqrt() <= UNCERTAIN * state.lambda[n].im {
             continue;
         }
         let kept: Vec<usize> = (0..state.lambda.len()).filter(|&m| m != n).collect();
@@ -198,6 +195,7 @@ fn shed(target: &Target, mut state: State, variance: f64, limit: f64) -> State {
         let Ok(fewer) = State::new(target, lambda, state.participation.select(Axis(0), &kept), state.real) else { continue };
         let fewer = fewer.refined(target, tol::REFINE_FINE, tol::STRUCTURED_FINE_STEP);
         if fewer.sse - state.sse < limit {
+            spread = fewer.spread();
             state = fewer;
         }
     }
