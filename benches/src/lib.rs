@@ -24,6 +24,7 @@ mod knobs;
 mod large;
 mod mode_errors;
 mod pareto;
+mod peers;
 mod problem;
 mod profile;
 mod scene;
@@ -42,6 +43,7 @@ pub use knobs::Setting;
 pub use large::{large, Size};
 pub use mode_errors::{ModeErrors, Spread};
 pub use pareto::{accuracy_figures, front};
+pub use peers::PeerRow;
 pub use problem::{Bounds, Problem};
 pub use profile::{
     profile, profile_csv, profile_figure, scaling, scaling_csv, scaling_figure, Floor, ProfileCase, ProfileOptions, ProfileRow, ProfileSource,

@@ -3,6 +3,7 @@
 use crate::accuracy::AccuracyRow;
 use crate::cases::Case;
 use crate::knobs::KNOBS;
+use crate::peers::PeerRow;
 use crate::solver::Solver;
 use crate::statistics::root_mean_square;
 use chladni_report::{Anchor, Axis, Chart, Colour, Dash, Figure, Height, Layer, Mark, Place, Stroke};
@@ -91,21 +92,31 @@ pub(crate) fn pareto_chart(x: Axis, y: Axis, entries: &[Entry], limits: Vec<(f64
     Some(chart)
 }
 
-/// One figure for each case with a bound: time of a fit against its error over the bound; and one more where knobs were turned.
-pub fn accuracy_figures(rows: &[AccuracyRow]) -> Vec<Figure> {
+/// One figure for each case with a bound: time of a fit against its error over the bound; and one more where knobs were turned. `peers` stand
+/// beside our methods.
+pub fn accuracy_figures(rows: &[AccuracyRow], peers: &[PeerRow]) -> Vec<Figure> {
     let mut names: Vec<&str> = rows.iter().map(|row| row.case.name).collect();
     names.dedup();
     let of_case = |name: &str| rows.iter().filter(|row| row.case.name == name).collect::<Vec<_>>();
-    names.into_iter().flat_map(|name| [figure(&of_case(name), false), figure(&of_case(name), true)]).flatten().collect()
+    names.into_iter().flat_map(|name| [figure(&of_case(name), peers, false), figure(&of_case(name), &[], true)]).flatten().collect()
 }
 
-fn figure(rows: &[&AccuracyRow], knobs: bool) -> Option<Figure> {
+fn figure(rows: &[&AccuracyRow], peers: &[PeerRow], knobs: bool) -> Option<Figure> {
     let case: &Case = rows.first()?.case;
     let place = |row: &AccuracyRow| [row.time_s[0], row.with_missed];
     let entries: Vec<Entry> = rows
         .iter()
         .filter(|row| row.setting.is_none())
-        .map(|row| Entry { at: place(row), label: label(row), default: Solver::Identify(row.method).is_default() })
+        .map(|row| {
+            let [missed, sure, weak] = row.miscounts;
+            let default = Solver::Identify(row.method).is_default();
+            Entry { at: place(row), label: label(&row.method.to_string(), missed, sure + weak), default }
+        })
+        .chain(peers.iter().filter(|peer| peer.case == case.name).map(|peer| Entry {
+            at: [peer.time_s, peer.with_missed],
+            label: label(&peer.method, peer.missed, 0.0),
+            default: false,
+        }))
         .collect();
     let curves = if knobs { curves(rows, &place) } else { Vec::new() };
     if knobs && curves.is_empty() {
@@ -153,16 +164,15 @@ fn limit(name: &str, at: f64, dash: Dash) -> Layer {
 }
 
 /// Method, and how its count of modes is wrong.
-fn label(row: &AccuracyRow) -> String {
-    let [missed, sure, weak] = row.miscounts;
-    let words: Vec<String> = [(missed, "missed"), (sure + weak, "spurious")]
+fn label(method: &str, missed: f64, spurious: f64) -> String {
+    let words: Vec<String> = [(missed, "missed"), (spurious, "spurious")]
         .into_iter()
         .filter(|(count, _)| *count > 0.0)
         .map(|(count, word)| format!("{} {word}", if count >= 10.0 { format!("{count:.0}") } else { format!("{count:.2}") }))
         .collect();
     match words.is_empty() {
-        true => row.method.to_string(),
-        false => format!("{} ({})", row.method, words.join(", ")),
+        true => method.to_owned(),
+        false => format!("{method} ({})", words.join(", ")),
     }
 }
 

@@ -59,6 +59,6 @@ fn a_case_with_a_bound_has_a_row_and_a_chart() {
     assert!(lines[2].starts_with("few-lines,auto,") && lines[3].starts_with("only-noise,auto,"));
     assert!(lines[1..].iter().all(|line| line.split(',').count() == lines[1].split(',').count()));
     assert_eq!(accuracy_modes_csv(&rows).lines().count(), 2 + 8);
-    let names: Vec<String> = accuracy_figures(&rows).into_iter().map(|figure| figure.name).collect();
+    let names: Vec<String> = accuracy_figures(&rows, &[]).into_iter().map(|figure| figure.name).collect();
     assert_eq!(names, ["accuracy-few-lines"], "noise alone has no bound to compare with");
 }

@@ -6,10 +6,10 @@ use crate::outcome::Outcome;
 use crate::output::{Output, FRF, MODEL};
 use crate::table::table;
 use chladni_bench::{
-    accuracy, accuracy_csv, accuracy_figures, accuracy_modes_csv, scene_figures, scenes, AccuracyOptions, AccuracyRow, Case, Means, SceneCase,
-    SceneOptions, SceneRow, Solver, CASES, SCENE_CASES,
+    accuracy, accuracy_csv, accuracy_figures, accuracy_modes_csv, scene_figures, scenes, AccuracyOptions, AccuracyRow, Case, Means, PeerRow,
+    SceneCase, SceneOptions, SceneRow, Solver, CASES, SCENE_CASES,
 };
-use chladni_frf::io::{write_contents, write_model, Contents};
+use chladni_frf::io::{read_text, write_contents, write_model, Contents};
 use chladni_frf::Result;
 use chladni_rfp::ShapeModel;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -60,6 +60,12 @@ pub struct Args {
     /// Also write the FRFs of the first fits whose count of modes or damping law is wrong, frf-CASE-SEED.h5, and truth-CASE.json
     #[arg(long)]
     export_wrong: bool,
+    /// Also write the FRFs of every case and seed, frf-CASE-SEED.h5, and truth-CASE.json: what benches/peers/peers.py reads
+    #[arg(long)]
+    export: bool,
+    /// A table of other tools on these cases, from benches/peers/peers.py, to stand on the charts
+    #[arg(long, value_name = "CSV")]
+    peers: Option<PathBuf>,
     /// Leave every option as it is: no knobs
     #[arg(long)]
     no_knobs: bool,
@@ -76,6 +82,10 @@ pub struct Args {
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     args.place.prepare(&TABLES, console)?;
     let quick = args.place.quick;
+    let peers = match &args.peers {
+        Some(file) => PeerRow::parse(&read_text(file, "a table of other tools, CSV")?).map_err(|error| error.file(file))?,
+        None => Vec::new(),
+    };
     let (cases, scene_cases): (Vec<&Case>, Vec<&SceneCase>) = match args.cases.is_empty() {
         true => (
             CASES.iter().filter(|case| case.quick || !quick).collect(),
@@ -98,12 +108,15 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let rows = accuracy(&options, &mut journal, &|stage| console.stage(stage))?;
     let drives = scenes(&of_scenes, &mut journal, &|stage| console.stage(stage))?;
     let tables = [(TABLES[0], accuracy_csv(&rows, &drives)), (TABLES[1], accuracy_modes_csv(&rows))];
-    let figures = [accuracy_figures(&rows), scene_figures(&drives)].concat();
+    let figures = [accuracy_figures(&rows, &peers), scene_figures(&drives)].concat();
     let mut files = args.place.write(&tables, &figures, console)?;
     files.push(args.place.page("accuracy", "Speed against accuracy", WORDS, &figures, console)?);
     journal.finish();
-    if args.export_wrong {
-        files.extend(export_wrong(&rows, &args.place.output, console)?);
+    if args.export || args.export_wrong {
+        let all = (args.seed..args.seed + seeds as u64).collect::<Vec<_>>();
+        let wrong = |row: &AccuracyRow| [row.wrong_seeds.clone(), row.wrong_law_seeds.clone()].concat();
+        let seeds = |row: &AccuracyRow| if args.export { all.clone() } else { wrong(row) };
+        files.extend(export(&rows, &seeds, &args.place.output, console)?);
     }
     let wrong = |row: &AccuracyRow| row.on_target() == Some(false);
     let json = json!({
@@ -118,12 +131,11 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     Ok(Outcome::written(&args.place.output, json, format!("{}{}\nthe rest stands in {folder}/accuracy.csv\n", text(&rows), scene_text(&drives))))
 }
 
-/// Writes the measurements that were counted wrong, so that they can be fitted and looked at as any other.
-fn export_wrong(rows: &[AccuracyRow], folder: &Path, console: &Console) -> Result<Vec<PathBuf>> {
+/// Writes the measurements of these seeds, so that they can be fitted and looked at as any other.
+fn export(rows: &[AccuracyRow], seeds: &dyn Fn(&AccuracyRow) -> Vec<u64>, folder: &Path, console: &Console) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for case in CASES {
-        let of_row = |row: &AccuracyRow| [row.wrong_seeds.clone(), row.wrong_law_seeds.clone()].concat();
-        let seeds: BTreeSet<u64> = rows.iter().filter(|row| row.case.name == case.name).flat_map(of_row).collect();
+        let seeds: BTreeSet<u64> = rows.iter().filter(|row| row.case.name == case.name).flat_map(seeds).collect();
         if seeds.is_empty() {
             continue;
         }
