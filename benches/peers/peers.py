@@ -156,18 +156,39 @@ def row(case, name, tool, files, truth, bound):
     return [case, name, statistics.median(times), np.sqrt(np.mean(counted**2)), missed, len(modes), len(files)]
 
 
+def kept(path):
+    """Rows of an earlier run by case and method; those that are run again are replaced."""
+    if not os.path.exists(path):
+        return {}
+    with open(path, encoding="utf-8") as file:
+        return {(line["case"], line["method"]): [line[column] for column in COLUMNS] for line in csv.DictReader(file)}
+
+
+def write(path, rows):
+    """All rows so far."""
+    text = [[value if isinstance(value, str) else f"{value:.6g}" for value in rows[key]] for key in sorted(rows)]
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(COLUMNS)
+        writer.writerows(text)
+
+
 def main():
     """Runs every tool on every exported case of a folder."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", help="folder that `chladni bench accuracy --export` wrote into")
     parser.add_argument("--tool", action="append", choices=sorted(TOOLS), help="tools to run; may be repeated [default: all]")
+    parser.add_argument("--case", action="append", help="cases to run; may be repeated [default: all that were exported]")
+    parser.add_argument("--seeds", type=int, help="files of each case [default: all]")
     arguments = parser.parse_args()
-    bound, rows = bounds(arguments.folder), []
+    bound, output = bounds(arguments.folder), os.path.join(arguments.folder, "accuracy-peers.csv")
+    rows = kept(output)
     for truth_file in sorted(glob.glob(os.path.join(arguments.folder, "truth-*.json"))):
         case = re.fullmatch(r"truth-(.*)\.json", os.path.basename(truth_file)).group(1)
         pattern = re.compile(rf"frf-{re.escape(case)}-\d+\.h5")
         files = sorted(path for path in glob.glob(os.path.join(arguments.folder, "frf-*.h5")) if pattern.fullmatch(os.path.basename(path)))
-        if case not in bound or not files:
+        files = files[: arguments.seeds]
+        if case not in bound or not files or (arguments.case and case not in arguments.case):
             continue
         with open(truth_file, encoding="utf-8") as file:
             truth = json.load(file)
@@ -176,14 +197,10 @@ def main():
                 continue
             print(f"{case}: {name}, {len(files)} seeds", file=sys.stderr, flush=True)
             try:
-                rows.append(row(case, name, tool, files, truth, bound[case]))
+                rows[case, name] = row(case, name, tool, files, truth, bound[case])
+                write(output, rows)
             except Exception as error:  # a tool that is missing or breaks must not stop the others
                 print(f"  left out: {type(error).__name__}: {error}", file=sys.stderr, flush=True)
-    output = os.path.join(arguments.folder, "accuracy-peers.csv")
-    with open(output, "w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(COLUMNS)
-        writer.writerows([r[:2] + [f"{value:.6g}" for value in r[2:]] for r in rows])
     print(output)
 
 

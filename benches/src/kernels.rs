@@ -46,7 +46,13 @@ const KERNELS: [Kernel; 12] = [
     Kernel { name: "svd", about: "compressed data", size: [120, 80, 0], flop: svd, work: singular },
     Kernel { name: "eigh", about: "covariance of a fit", size: [80, 80, 0], flop: |[n, ..]| 4.0 * 9.0 * n * n * n, work: hermitian },
     Kernel { name: "eig", about: "zeros of vector fitting", size: [40, 40, 0], flop: |[n, ..]| 4.0 * 10.0 * n * n * n, work: spectrum },
-    Kernel { name: "eig", about: "companion of a matrix polynomial", size: [160, 160, 0], flop: |[n, ..]| 4.0 * 10.0 * n * n * n, work: spectrum },
+    Kernel {
+        name: "eig",
+        about: "companion of a matrix polynomial",
+        size: [160, 160, 0],
+        flop: |[n, ..]| 4.0 * 10.0 * n * n * n,
+        work: spectrum,
+    },
     Kernel { name: "lstsq", about: "residues by QR", size: [1601, 38, 80], flop: |sizes| qr(sizes) + gemm(sizes), work: least_squares },
 ];
 
@@ -179,7 +185,8 @@ fn random(rows: usize, columns: usize, seed: u64) -> Array2<Complex64> {
 
 /// The rows as CSV.
 pub fn kernels_csv(rows: &[KernelRow]) -> String {
-    let header = ["kernel", "backend", "size", "time_s", "time_least_s", "time_third_quartile_s", "gflop_per_s", "residual", "repeats", "about"];
+    let header =
+        ["kernel", "backend", "size", "time_s", "time_least_s", "time_third_quartile_s", "gflop_per_s", "residual", "repeats", "about"];
     let cells = rows.iter().map(|row| {
         let names = [row.kernel, row.backend, row.size.as_str()].map(String::from);
         let numbers = [row.time_s[0], row.time_s[1], row.time_s[2], 1e-9 * row.flop_per_s, row.residual].map(csv::number);
@@ -192,7 +199,11 @@ pub fn kernels_csv(rows: &[KernelRow]) -> String {
 pub fn kernels_figure(rows: &[KernelRow]) -> Figure {
     let mut names: Vec<String> = Vec::new();
     let label = |row: &KernelRow| format!("{} {}", row.kernel, row.size);
-    rows.iter().for_each(|row| if !names.contains(&label(row)) { names.push(label(row)) });
+    rows.iter().for_each(|row| {
+        if !names.contains(&label(row)) {
+            names.push(label(row))
+        }
+    });
     let count = names.len() as f64;
     let place = |row: &KernelRow| count - 1.0 - names.iter().position(|name| *name == label(row)).unwrap_or(0) as f64;
     let ticks = names.iter().enumerate().map(|(k, _)| (count - 1.0 - k as f64, String::new())).collect();
@@ -210,7 +221,8 @@ pub fn kernels_figure(rows: &[KernelRow]) -> Figure {
         }
         new
     }) {
-        let points = rows.iter().filter(|other| other.backend == row.backend).map(|other| [1e-9 * other.flop_per_s, place(other)]).collect();
+        let points =
+            rows.iter().filter(|other| other.backend == row.backend).map(|other| [1e-9 * other.flop_per_s, place(other)]).collect();
         let first = row.backend == rows[0].backend;
         let (mark, colour) = if first { (Mark::Dot, Colour::Series(0)) } else { (Mark::Ring, Colour::Ink) };
         chart = chart.marks(row.backend, points, mark, colour, 10.0);

@@ -46,12 +46,10 @@ pub use pareto::{accuracy_figures, front};
 pub use peers::PeerRow;
 pub use problem::{Bounds, Problem};
 pub use profile::{
-    profile, profile_csv, profile_figure, scaling, scaling_csv, scaling_figure, Floor, ProfileCase, ProfileOptions, ProfileRow, ProfileSource,
-    ScalingRow, PROFILE_CASES,
+    profile, profile_csv, profile_figure, scaling, scaling_csv, scaling_figure, Floor, ProfileCase, ProfileOptions, ProfileRow,
+    ProfileSource, ScalingRow, PROFILE_CASES,
 };
-pub use scene::{
-    scene_csv, scene_figures, scenes, Means, SceneCase, SceneDrive, SceneOptions, ScenePanel, SceneRow, Served, SCENE_CASES,
-};
+pub use scene::{scene_csv, scene_figures, scenes, Means, SceneCase, SceneDrive, SceneOptions, ScenePanel, SceneRow, Served, SCENE_CASES};
 pub use score::{Match, Score};
 pub use solver::Solver;
 pub use stability::{

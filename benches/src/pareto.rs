@@ -70,10 +70,9 @@ pub(crate) fn pareto_chart(x: Axis, y: Axis, entries: &[Entry], limits: Vec<(f64
         chart = chart.line("", curve.points.clone(), Stroke::new(colour, 1.6).dashed(dash));
         chart = chart.marks(&curve.name, curve.points.clone(), mark, colour, 7.0);
     }
-    for (name, on, mark, colour, size) in [
-        ("on the front", true, Mark::Dot, Colour::Series(0), 10.0),
-        ("dominated", false, Mark::Ring, Colour::Muted, 9.0),
-    ] {
+    for (name, on, mark, colour, size) in
+        [("on the front", true, Mark::Dot, Colour::Series(0), 10.0), ("dominated", false, Mark::Ring, Colour::Muted, 9.0)]
+    {
         chart = chart.marks(name, place(on, false), mark, colour, size);
         let defaults = place(on, true);
         if !defaults.is_empty() {

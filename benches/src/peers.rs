@@ -44,7 +44,8 @@ impl PeerRow {
                 let cell = |k: usize| cells.get(places[k]).copied().unwrap_or_default();
                 let value = |k: usize| {
                     cell(k).parse::<f64>().map_err(|_| {
-                        let error = Error::bad_data("no number in the table of peers").field(COLUMNS[k]).found(cell(k)).expected("a number");
+                        let error =
+                            Error::bad_data("no number in the table of peers").field(COLUMNS[k]).found(cell(k)).expected("a number");
                         Error { line: Some(number as u64 + 1), ..error }
                     })
                 };

@@ -54,8 +54,9 @@ pub fn scaling_figure(rows: &[ScalingRow]) -> Option<Figure> {
         let own: Vec<&ScalingRow> = rows.iter().filter(|row| row.axis == axis).collect();
         let mut methods: Vec<Method> = own.iter().map(|row| row.method).collect();
         methods.dedup();
-        let mut chart = Chart::new(Axis::log(&format!("Number of {axis}"), "–").padded(0.08), Axis::log("Time of a fit, least", "s").padded(0.1))
-            .height(Height::Px(HEIGHT_PX));
+        let mut chart =
+            Chart::new(Axis::log(&format!("Number of {axis}"), "–").padded(0.08), Axis::log("Time of a fit, least", "s").padded(0.1))
+                .height(Height::Px(HEIGHT_PX));
         for (k, method) in methods.iter().enumerate() {
             let of_method: Vec<&&ScalingRow> = own.iter().filter(|row| row.method == *method).collect();
             let points: Vec<Place> = of_method.iter().map(|row| [row.value as f64, row.time_s]).collect();

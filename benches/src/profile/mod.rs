@@ -300,7 +300,8 @@ pub fn profile_csv(rows: &[ProfileRow]) -> String {
         "memory_over_data",
         "peak_gbyte",
     ];
-    let comment = "medians over the repeats; floor: one pass over memory and 16 N M m flop at the speed of the back end's complex product; \
+    let comment =
+        "medians over the repeats; floor: one pass over memory and 16 N M m flop at the speed of the back end's complex product; \
                    least: what a stage cannot do without, so that its rates are at least these";
     let cells = |row: &ProfileRow| {
         let giga = [row.work[0], row.work[1], row.rate[0], row.rate[1]].map(|value| 1e-9 * value);

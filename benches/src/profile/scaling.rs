@@ -90,7 +90,12 @@ pub fn scaling_csv(rows: &[ScalingRow]) -> String {
         let names = [row.axis.to_owned(), row.value.to_string(), row.method.to_string()];
         names.into_iter().chain([row.time_s, row.exponent].map(csv::number)).collect()
     });
-    let comment = format!("least of {REPEATS} fits; varied from {} FRFs, {} lines, {} modes", BASE.responses * BASE.references, BASE.lines, BASE.modes);
+    let comment = format!(
+        "least of {REPEATS} fits; varied from {} FRFs, {} lines, {} modes",
+        BASE.responses * BASE.references,
+        BASE.lines,
+        BASE.modes
+    );
     csv::table(&comment, &["axis", "value", "method", "time_s", "exponent"], cells)
 }
 

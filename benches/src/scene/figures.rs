@@ -8,13 +8,19 @@ use chladni_report::{Axis, Chart, Colour, Dash, Figure, Height, Mark, Place, Str
 
 /// Width of a picture, px.
 const WIDTH_PX: f64 = 720.0;
+/// Height of a chart of means, px.
+const CHART_PX: f64 = 120.0;
 /// Ground lost that is drawn as nothing: half a place of the 4 mm grid.
 const NOTHING_LOST: f64 = 1e-3;
 
 /// For each scene one figure of its methods, and one where means were turned.
 pub fn scene_figures(rows: &[SceneRow]) -> Vec<Figure> {
     let mut names: Vec<&str> = Vec::new();
-    rows.iter().for_each(|row| if !names.contains(&row.case.name) { names.push(row.case.name) });
+    rows.iter().for_each(|row| {
+        if !names.contains(&row.case.name) {
+            names.push(row.case.name)
+        }
+    });
     let of = |name: &str| rows.iter().filter(|row| row.case.name == name).collect::<Vec<_>>();
     names.into_iter().flat_map(|name| [methods(&of(name)), means(&of(name))]).flatten().collect()
 }
@@ -37,11 +43,7 @@ fn methods(rows: &[&SceneRow]) -> Option<Figure> {
     let whole: Vec<&&SceneRow> = rows.iter().filter(|row| row.means == Means::default()).collect();
     let entries: Vec<Entry> = whole
         .iter()
-        .map(|row| Entry {
-            at: place(row),
-            label: row.asked.to_string(),
-            default: Solver::Render(row.asked).is_default(),
-        })
+        .map(|row| Entry { at: place(row), label: row.asked.to_string(), default: Solver::Render(row.asked).is_default() })
         .collect();
     let case = whole.first().filter(|_| entries.len() > 1)?.case;
     let axes = [Axis::log("Time of a rendering, median", "s"), Axis::log("Ground lost, the larger of hot and cold", "share")];
@@ -61,12 +63,10 @@ type Turned = (&'static str, fn(&SceneRow) -> f64, fn(&SceneRow) -> bool);
 const TURNED: [Turned; 3] = [
     ("Explicit modes", |row| row.drive.modes as f64, |row| row.means.actuators == Count::All && row.means.residual_terms.is_none()),
     ("Actuators", |row| row.drive.actuators as f64, |row| row.means.modes == Count::All && row.means.residual_terms.is_none()),
-    ("Residual terms", |row| row.drive.residual_terms as f64, |row| {
-        row.means.modes == Count::All && row.means.actuators == Count::All
-    }),
+    ("Residual terms", |row| row.drive.residual_terms as f64, |row| row.means.modes == Count::All && row.means.actuators == Count::All),
 ];
 
-/// One chart for each thing that was turned, for the first method with several settings.
+/// Two charts for each thing that was turned, for the first method with several settings.
 fn means(rows: &[&SceneRow]) -> Option<Figure> {
     let method = rows.iter().find(|row| rows.iter().filter(|other| other.asked == row.asked).count() > 1)?.asked;
     let own: Vec<&&SceneRow> = rows.iter().filter(|row| row.asked == method).collect();
@@ -76,34 +76,36 @@ fn means(rows: &[&SceneRow]) -> Option<Figure> {
             let mut along: Vec<(f64, &SceneRow)> = own.iter().filter(|row| only(row)).map(|row| (count(row), **row)).collect();
             along.sort_by(|a, b| a.0.total_cmp(&b.0));
             along.dedup_by(|a, b| a.0 == b.0);
-            (along.len() > 1).then(|| chart(name, &along))
+            (along.len() > 1).then(|| charts(name, &along))
         })
+        .flatten()
         .collect();
     (!charts.is_empty()).then(|| Figure {
         name: format!("scene-{}-means", rows[0].case.name),
         title: format!("What each mode, residual term and actuator buys: {}, {method}", rows[0].case.name),
-        caption: "Shares on a 4 mm grid of the true plate; force and condition over those with all means.".into(),
+        caption: "Shares on a 4 mm grid of the true plate; largest force, condition of the mobility and time over those with all.".into(),
         width: WIDTH_PX,
         charts,
     })
 }
 
-fn chart(name: &str, along: &[(f64, &SceneRow)]) -> Chart {
+/// What is served, and what it costs over the cost with all means.
+fn charts(name: &str, along: &[(f64, &SceneRow)]) -> [Chart; 2] {
     let curve = |value: &dyn Fn(&SceneRow) -> f64| along.iter().map(|(count, row)| [*count, value(row)]).collect::<Vec<Place>>();
-    let whole = along.last().map(|(_, row)| *row);
-    let over = |value: fn(&SceneRow) -> f64| {
-        let last = whole.map_or(f64::NAN, value);
-        // decades over 4, so that one axis serves: 1.5 at a hundred times, 0.5 at a hundredth
-        curve(&|row| 1.0 + 0.25 * (value(row) / last).log10())
-    };
-    Chart::new(Axis::linear(name, "–").padded(0.03), Axis::linear("Share; 1 ± 0.25: ten times", "–").range([0.0, 1.6]))
-        .height(Height::Px(200.0))
-        .line("ground served", curve(&|row| row.drive.window.least()), Stroke::new(Colour::Series(0), 2.0))
+    let last = along.last().map(|(_, row)| *row);
+    let over = |value: fn(&SceneRow) -> f64| curve(&|row| value(row) / last.map_or(f64::NAN, value));
+    let x = || Axis::linear(name, "–").padded(0.03);
+    let served = Chart::new(x(), Axis::linear("Share served", "–").range([0.0, 1.05]).step(0.25))
+        .height(Height::Px(CHART_PX))
+        .line("ground, the smaller of hot and cold", curve(&|row| row.drive.window.least()), Stroke::new(Colour::Series(0), 2.0))
         .marks("", curve(&|row| row.drive.window.least()), Mark::Dot, Colour::Series(0), 7.0)
-        .line("after drift, mean", curve(&|row| row.drive.drifted[0]), Stroke::new(Colour::Series(2), 1.6).dashed(Dash::Dashed))
+        .line("after drift, mean", curve(&|row| row.drive.drifted[0]), Stroke::new(Colour::Series(2), 1.6).dashed(Dash::Dashed));
+    let cost = Chart::new(x(), Axis::log("Over that with all", "–").padded(0.1))
+        .height(Height::Px(CHART_PX))
         .line("largest force", over(|row| row.drive.max_force_n), Stroke::new(Colour::Series(1), 1.6))
         .marks("", over(|row| row.drive.max_force_n), Mark::Square, Colour::Series(1), 6.0)
         .line("condition", over(|row| row.drive.condition), Stroke::new(Colour::Ink, 1.4).dashed(Dash::Dotted))
         .line("time", over(|row| row.drive.time_s), Stroke::new(Colour::Muted, 1.4))
-        .marks("", over(|row| row.drive.time_s), Mark::Triangle, Colour::Muted, 6.0)
+        .marks("", over(|row| row.drive.time_s), Mark::Triangle, Colour::Muted, 6.0);
+    [served, cost]
 }

@@ -144,7 +144,8 @@ pub fn scenes(options: &SceneOptions, journal: &mut Journal, progress: &dyn Fn(&
                             Some((panel, model)) => (panel, model),
                             None => return Err(Error::new(ErrorKind::Internal, "the journal forgot a finished scene")),
                         };
-                        let render = RenderOptions { method: asked, modes: means.modes, actuators: means.actuators, ..RenderOptions::default() };
+                        let render =
+                            RenderOptions { method: asked, modes: means.modes, actuators: means.actuators, ..RenderOptions::default() };
                         drive(case, panel, &means.of(model), &render, options.by_measured_line)
                     })?;
                     rows.push(SceneRow { case, asked, means, drive });

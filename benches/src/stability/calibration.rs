@@ -41,12 +41,20 @@ pub struct Calibration {
 /// all that stands between data and model.
 pub fn calibration(rows: &[StabilityRow]) -> Vec<Calibration> {
     let mut solvers: Vec<Solver> = Vec::new();
-    rows.iter().for_each(|row| if !solvers.contains(&row.solver) { solvers.push(row.solver) });
+    rows.iter().for_each(|row| {
+        if !solvers.contains(&row.solver) {
+            solvers.push(row.solver)
+        }
+    });
     let mut all = Vec::new();
     for solver in solvers {
         let own: Vec<&StabilityRow> = rows.iter().filter(|row| row.solver == solver).collect();
         let mut maps: Vec<&'static Map> = Vec::new();
-        own.iter().for_each(|row| if maps.iter().all(|map| map.name != row.map.name) { maps.push(row.map) });
+        own.iter().for_each(|row| {
+            if maps.iter().all(|map| map.name != row.map.name) {
+                maps.push(row.map)
+            }
+        });
         all.push(Calibration::new(None, solver, &own));
         all.extend(maps.into_iter().map(|map| {
             let of_map: Vec<&StabilityRow> = own.iter().filter(|row| row.map.name == map.name).copied().collect();
@@ -62,9 +70,8 @@ impl Calibration {
         let count = |wrong: bool, announced: bool| trials.iter().filter(|t| t.wrong() == wrong && t.announced() == announced).count();
         let bars = rows.iter().filter(|row| map.is_some() || row.map.calibrates());
         let errors: Vec<[f64; 2]> = bars.flat_map(|row| row.trials.iter().flat_map(|(_, trial)| trial.standardised.clone())).collect();
-        let shares = |which: usize| {
-            SIGMAS.map(|limit| errors.iter().filter(|pair| pair[which].abs() <= limit).count() as f64 / errors.len() as f64)
-        };
+        let shares =
+            |which: usize| SIGMAS.map(|limit| errors.iter().filter(|pair| pair[which].abs() <= limit).count() as f64 / errors.len() as f64);
         let ranks = |which: usize| {
             let mut classes = [0; RANKS];
             for pair in &errors {

@@ -64,9 +64,7 @@ fn map_figure(map: &Map, solver: Solver, rows: &[StabilityRow]) -> Figure {
             bands: 0,
             lines: Vec::new(),
         };
-        charts.push(chart(map, rows, "Largest error over what is stated", bar, &|row| {
-            (error(row) / LARGEST_ERROR, short(error(row)))
-        }));
+        charts.push(chart(map, rows, "Largest error over what is stated", bar, &|row| (error(row) / LARGEST_ERROR, short(error(row)))));
     }
     let tries = rows.iter().map(|row| row.trials.len()).max().unwrap_or(0);
     Figure {
@@ -175,7 +173,10 @@ fn ranks_figure(c: &Calibration) -> Figure {
     Figure {
         name: format!("stability-ranks-{}", c.solver),
         title: format!("Rank histogram of the error bars: {}", c.solver),
-        caption: format!("{} modes of the maps with white noise. High at both ends: bars too short; high in the middle: too long.", c.modes),
+        caption: format!(
+            "{} modes of the maps with white noise. High at both ends: bars too short; high in the middle: too long.",
+            c.modes
+        ),
         width: WIDTH_PX,
         charts: vec![chart],
     }

@@ -42,6 +42,9 @@ impl MapAxis {
     }
 }
 
+/// Seeds that belong to one cell; the next cell begins after them.
+const SEEDS_OF_A_CELL: u64 = 1_000_000;
+
 #[derive(Debug, Clone, Copy)]
 enum Make {
     Fit(fn(f64, f64, u64) -> Result<Measured>),
@@ -67,7 +70,7 @@ const fn axis(column: &'static str, label: &'static str, unit: &'static str, val
 }
 
 const SNR: MapAxis = axis("snr_db", "Signal to noise", "dB", &[0.0, 10.0, 20.0, 30.0, 40.0, 60.0]);
-const LINES: MapAxis = axis("lines_per_bandwidth", "Lines per half-power bandwidth", "–", &[0.3, 0.6, 1.0, 2.0, 4.0, 8.0]);
+const LINES: MapAxis = axis("lines_per_bandwidth", "Lines per bandwidth", "–", &[0.3, 0.6, 1.0, 2.0, 4.0, 8.0]);
 
 /// All maps, those of identification first.
 pub const MAPS: [Map; 12] = [
@@ -92,13 +95,7 @@ pub const MAPS: [Map; 12] = [
         y: axis("band_ratio", "Upper over lower end of the band", "–", &[1.25, 3.0, 10.0, 30.0, 100.0]),
         make: Make::Fit(measured::order_conditioning),
     },
-    Map {
-        name: "lines-snr",
-        about: "8 separate modes, 12 FRFs, white noise",
-        x: LINES,
-        y: SNR,
-        make: Make::Fit(measured::lines_snr),
-    },
+    Map { name: "lines-snr", about: "8 separate modes, 12 FRFs, white noise", x: LINES, y: SNR, make: Make::Fit(measured::lines_snr) },
     Map {
         name: "outside-residuals",
         about: "8 modes inside, four modes 4 and 12 bandwidths outside both ends of the band, 40 dB",
@@ -112,7 +109,7 @@ pub const MAPS: [Map; 12] = [
         x: axis("loss_factor", "Loss factor of all modes", "–", &[0.003, 0.01, 0.03, 0.1, 0.2, 0.4]),
         y: MapAxis {
             words: &["structural", "viscous", "structural as viscous", "viscous as structural"],
-            ..axis("law", "Damping law", "holds, as fitted", &[0.0, 1.0, 2.0, 3.0])
+            ..axis("law", "Law", "and as fitted", &[0.0, 1.0, 2.0, 3.0])
         },
         make: Make::Fit(measured::damping_law),
     },
@@ -126,10 +123,10 @@ pub const MAPS: [Map; 12] = [
     Map {
         name: "window-lines",
         about: "5 viscous modes, 4 responses, simulated in time and estimated with this window, 40 dB",
-        x: axis("lines_per_bandwidth", "Lines per half-power bandwidth", "–", &[0.5, 1.0, 2.0, 4.0, 8.0, 16.0]),
+        x: axis("lines_per_bandwidth", "Lines per bandwidth", "–", &[0.5, 1.0, 2.0, 4.0, 8.0, 16.0]),
         y: MapAxis {
             words: &["hammer, none", "hammer, exp. untold", "hammer, exp. told", "burst, none", "random, Hann untold", "random, Hann told"],
-            ..axis("window", "Excitation and window", "told to the fit or not", &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0])
+            ..axis("window", "Window", "as told", &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0])
         },
         make: Make::Fit(measured::window_lines),
     },
@@ -179,9 +176,14 @@ impl Map {
         matches!(self.name, "snr-overlap" | "spacing-references" | "lines-snr" | "outside-residuals")
     }
 
+    /// The seed of shapes and noise in a cell: each cell has its own, so that what chance does in one says nothing of the next.
+    fn seed_of(&self, [x, y]: [usize; 2], seed: u64) -> u64 {
+        seed + SEEDS_OF_A_CELL * (self.x.len() * y + x) as u64
+    }
+
     /// One try in the cell (x, y); `None` where the solver is of the other kind.
-    pub(super) fn try_once(&self, stage: Option<&Stage>, solver: Solver, [x, y]: [usize; 2], seed: u64) -> Result<Option<Trial>> {
-        let (x, y) = (self.x.value(x), self.y.value(y));
+    pub(super) fn try_once(&self, stage: Option<&Stage>, solver: Solver, cell: [usize; 2], seed: u64) -> Result<Option<Trial>> {
+        let (x, y, seed) = (self.x.value(cell[0]), self.y.value(cell[1]), self.seed_of(cell, seed));
         Ok(match (self.make, solver, stage) {
             (Make::Fit(make), Solver::Identify(method), _) => Some(Trial::identify(&make(x, y, seed)?, method)),
             (Make::Drive(make), Solver::Render(method), Some(stage)) => Some(make(stage, method, x, y, seed)?),
@@ -190,9 +192,9 @@ impl Map {
     }
 
     /// The measurement of a cell, where the map has one.
-    pub(super) fn measured(&self, [x, y]: [usize; 2], seed: u64) -> Result<Option<Measured>> {
+    pub(super) fn measured(&self, cell: [usize; 2], seed: u64) -> Result<Option<Measured>> {
         match self.make {
-            Make::Fit(make) => make(self.x.value(x), self.y.value(y), seed).map(Some),
+            Make::Fit(make) => make(self.x.value(cell[0]), self.y.value(cell[1]), self.seed_of(cell, seed)).map(Some),
             Make::Drive(_) => Ok(None),
         }
     }

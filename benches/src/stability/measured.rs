@@ -3,9 +3,7 @@
 use super::trial::Measured;
 use crate::problem::Problem;
 use chladni_frf::{Damping, FrfSet, FrfValues, ModalModel, Result};
-use chladni_plate::{
-    add_noise_of_variance, mean_square, outliers, synthesise, Excitation, Synthetic, TimeTest, Window as TimeWindow,
-};
+use chladni_plate::{add_noise_of_variance, mean_square, outliers, synthesise, Excitation, Synthetic, TimeTest, Window as TimeWindow};
 use chladni_rfp::{FitOptions, Window};
 use ndarray::{s, Array1};
 use rand_chacha::rand_core::SeedableRng;
@@ -13,7 +11,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 /// Seeds of shapes lie this far from those of noise.
-const SHAPES: u64 = 1000;
+const SHAPES: u64 = 1_000_000_000;
 /// Modes of most maps.
 const MODES: usize = 8;
 /// The lowest of them, Hz, and the distance of the others, Hz.
@@ -122,8 +120,7 @@ pub(super) fn outside_residuals(level_db: f64, terms: f64, seed: u64) -> Result<
 /// Loss factor of all modes × which law holds and which is fitted (see the words of the map).
 pub(super) fn damping_law(loss_factor: f64, law: f64, seed: u64) -> Result<Measured> {
     let (structural, viscous) = (Damping::Structural, Damping::Viscous);
-    let (holds, fitted) =
-        [(structural, None), (viscous, None), (structural, Some(viscous)), (viscous, Some(structural))][law as usize];
+    let (holds, fitted) = [(structural, None), (viscous, None), (structural, Some(viscous)), (viscous, Some(structural))][law as usize];
     // modes so far apart that their overlap is 0.3 at any damping
     let ratio = 1.0 + loss_factor / 0.3;
     let natural: Vec<f64> = (0..6).map(|n| 100.0 * ratio.powi(n)).collect();
@@ -147,7 +144,8 @@ pub(super) fn outliers_share(share: f64, size: f64, seed: u64) -> Result<Measure
 pub(super) fn window_lines(lines: f64, which: f64, seed: u64) -> Result<Measured> {
     let record_s = lines / BANDWIDTH_HZ;
     let rate_per_s = 100f64.ln() / record_s;
-    let hammer = Excitation::Hammer { contact_s: 1e-3 };
+    // three samples: the blow excites the whole band
+    let hammer = Excitation::Hammer { contact_s: 6e-3 };
     let exponential = TimeWindow::Exponential { rate_per_s };
     let (excitation, window, averages) = [
         (hammer, TimeWindow::Rectangular, 5),

@@ -33,7 +33,8 @@ pub fn stability_csv(rows: &[StabilityRow]) -> String {
         }
     }
     let header: Vec<&str> = ["case", "method"].into_iter().chain(axes.iter().copied()).chain(MEASURED).collect();
-    let comment = "mean counts per try; shares of tries that are announced (weak mode, warning, refusal, not trusted), wrong, wrong and silent";
+    let comment =
+        "mean counts per try; shares of tries that are announced (weak mode, warning, refusal, not trusted), wrong, wrong and silent";
     let cells = rows.iter().map(|row| {
         let place = axes.iter().map(|column| match *column {
             own if own == row.map.x.column => row.map.x.text(row.cell[0]),
@@ -74,8 +75,21 @@ fn measured(row: &StabilityRow) -> impl Iterator<Item = String> {
 
 /// Columns of the table of failures.
 const FAILURES: [&str; 15] = [
-    "case", "method", "x", "y", "seed", "announced", "missed", "missed_hidden", "spurious_sure", "spurious_weak", "beyond_stated",
-    "worst_error", "weak", "chi2_per_dof", "warnings",
+    "case",
+    "method",
+    "x",
+    "y",
+    "seed",
+    "announced",
+    "missed",
+    "missed_hidden",
+    "spurious_sure",
+    "spurious_weak",
+    "beyond_stated",
+    "worst_error",
+    "weak",
+    "chi2_per_dof",
+    "warnings",
 ];
 
 /// A row for each try that went wrong, with its seed.
@@ -94,7 +108,11 @@ pub fn failures_csv(rows: &[StabilityRow]) -> String {
         let rest = [csv::number(trial.error), trial.weak.to_string(), csv::number(trial.chi2), trial.warnings.join(" | ")];
         place.into_iter().chain(counts).chain(rest).collect()
     });
-    csv::table("every try with a missed or spurious mode, an error beyond 5 stated standard deviations, or a drive that does not serve", &FAILURES, cells)
+    csv::table(
+        "every try with a missed or spurious mode, an error beyond 5 stated standard deviations, or a drive that does not serve",
+        &FAILURES,
+        cells,
+    )
 }
 
 /// A row for each method over all maps, and for each of them.
@@ -133,6 +151,7 @@ pub fn calibration_csv(all: &[Calibration]) -> String {
             .chain(ranks)
             .collect()
     });
-    let comment = "tries that are right or wrong, and whether they say so; coverage and ranks over all maps count those with white noise alone";
+    let comment =
+        "tries that are right or wrong, and whether they say so; coverage and ranks over all maps count those with white noise alone";
     csv::table(comment, &header.iter().map(String::as_str).collect::<Vec<_>>(), cells)
 }

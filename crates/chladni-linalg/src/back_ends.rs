@@ -4,30 +4,36 @@ use crate::Result;
 use ndarray::{Array1, Array2, ArrayView2};
 use num_complex::Complex64;
 
+/// A matrix that a kernel is given.
+pub type Given<'a> = ArrayView2<'a, Complex64>;
+/// A matrix that it gives back.
+pub type Dense = Array2<Complex64>;
+/// Singular vectors, singular values, singular vectors.
+pub type Factors = (Dense, Array1<f64>, Dense);
+
 /// The kernels of one back end, without the checks that stand before them elsewhere: input must be finite, and sizes must fit.
 #[derive(Clone, Copy)]
 pub struct BackEnd {
     /// Name.
     pub name: &'static str,
     /// a·b.
-    pub matmul: fn(ArrayView2<Complex64>, ArrayView2<Complex64>) -> Array2<Complex64>,
+    pub matmul: fn(Given, Given) -> Dense,
     /// aᴴ·b.
-    pub matmul_h: fn(ArrayView2<Complex64>, ArrayView2<Complex64>) -> Array2<Complex64>,
+    pub matmul_h: fn(Given, Given) -> Dense,
     /// Thin QR.
-    pub qr_thin: fn(ArrayView2<Complex64>) -> (Array2<Complex64>, Array2<Complex64>),
+    pub qr_thin: fn(Given) -> (Dense, Dense),
     /// R of the thin QR alone.
-    pub qr_r: fn(ArrayView2<Complex64>) -> Array2<Complex64>,
+    pub qr_r: fn(Given) -> Dense,
     /// Thin SVD: u, s, vh.
-    #[allow(clippy::type_complexity)] // three factors have three types
-    pub svd_thin: fn(ArrayView2<Complex64>) -> Result<(Array2<Complex64>, Array1<f64>, Array2<Complex64>)>,
+    pub svd_thin: fn(Given) -> Result<Factors>,
     /// Eigenvalues and eigenvectors of a Hermitian matrix.
-    pub eigh: fn(ArrayView2<Complex64>) -> Result<(Array1<f64>, Array2<Complex64>)>,
+    pub eigh: fn(Given) -> Result<(Array1<f64>, Dense)>,
     /// Eigenvalues of a square matrix.
-    pub eigenvalues: fn(ArrayView2<Complex64>) -> Result<Array1<Complex64>>,
+    pub eigenvalues: fn(Given) -> Result<Array1<Complex64>>,
     /// Lower Cholesky factor.
-    pub cholesky: fn(ArrayView2<Complex64>) -> Result<Array2<Complex64>>,
+    pub cholesky: fn(Given) -> Result<Dense>,
     /// r⁻¹·b for upper triangular r.
-    pub solve_upper: fn(ArrayView2<Complex64>, ArrayView2<Complex64>) -> Array2<Complex64>,
+    pub solve_upper: fn(Given, Given) -> Dense,
 }
 
 macro_rules! back_end {
@@ -71,7 +77,11 @@ mod tests {
             let (_, values, _) = (back_end.svd_thin)(a.view()).unwrap();
             assert!(values.iter().zip(&reference).all(|(own, other)| (own / other - 1.0).abs() < 1e-12), "{}", back_end.name);
             let gram = (back_end.matmul_h)(a.view(), a.view());
-            assert!(gram.iter().zip(&product).all(|(own, other)| (own - other).norm() < 1e-12 * product[[0, 0]].norm()), "{}", back_end.name);
+            assert!(
+                gram.iter().zip(&product).all(|(own, other)| (own - other).norm() < 1e-12 * product[[0, 0]].norm()),
+                "{}",
+                back_end.name
+            );
         }
     }
 }

@@ -6,8 +6,8 @@ use crate::outcome::Outcome;
 use crate::output::{Output, FRF, MODEL};
 use crate::table::table;
 use chladni_bench::{
-    accuracy, accuracy_csv, accuracy_figures, accuracy_modes_csv, scene_figures, scenes, AccuracyOptions, AccuracyRow, Case, Means, PeerRow,
-    SceneCase, SceneOptions, SceneRow, Solver, CASES, SCENE_CASES,
+    accuracy, accuracy_csv, accuracy_figures, accuracy_modes_csv, scene_figures, scenes, AccuracyOptions, AccuracyRow, Case, Means,
+    PeerRow, SceneCase, SceneOptions, SceneRow, Solver, CASES, SCENE_CASES,
 };
 use chladni_frf::io::{read_text, write_contents, write_model, Contents};
 use chladni_frf::Result;
@@ -102,7 +102,8 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let seeds = args.seeds.map_or(if quick { QUICK_SEEDS } else { SEEDS }, |seeds| seeds as usize);
     let knobs = !args.no_knobs && (!quick || !args.cases.is_empty());
     let options = AccuracyOptions { cases, methods: of_fits.collect(), shapes: args.shapes, seeds, first_seed: args.seed, knobs };
-    let of_scenes = SceneOptions { cases: scene_cases, methods: of_scenes.collect(), means: vec![Means::default()], by_measured_line: false };
+    let of_scenes =
+        SceneOptions { cases: scene_cases, methods: of_scenes.collect(), means: vec![Means::default()], by_measured_line: false };
     let purpose = format!("{:?} {} {:?} {chosen:?}", options.shapes, options.first_seed, args.cases);
     let mut journal = args.place.journal("accuracy", &purpose, console)?;
     let rows = accuracy(&options, &mut journal, &|stage| console.stage(stage))?;
@@ -128,7 +129,11 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         "warnings": console.warnings(),
     });
     let folder = args.place.output.display();
-    Ok(Outcome::written(&args.place.output, json, format!("{}{}\nthe rest stands in {folder}/accuracy.csv\n", text(&rows), scene_text(&drives))))
+    Ok(Outcome::written(
+        &args.place.output,
+        json,
+        format!("{}{}\nthe rest stands in {folder}/accuracy.csv\n", text(&rows), scene_text(&drives)),
+    ))
 }
 
 /// Writes the measurements of these seeds, so that they can be fitted and looked at as any other.

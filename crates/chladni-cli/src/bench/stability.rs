@@ -25,7 +25,8 @@ const QUICK_SEEDS: u32 = 2;
 const EXPORTED: usize = 20;
 
 /// Above the figures of the page.
-const WORDS: &str = "Maps over two things at a time, from easy to impossible. What matters is that a wrong result says so: a weak mode, a warning, or a \
+const WORDS: &str =
+    "Maps over two things at a time, from easy to impossible. What matters is that a wrong result says so: a weak mode, a warning, or a \
 refusal. Darker is worse everywhere.";
 
 /// Arguments of `bench stability`.
@@ -80,8 +81,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let mut journal = args.place.journal("stability", &purpose, console)?;
     let rows = stability(&options, &mut journal, &|stage| console.stage(stage))?;
     let calibrations = calibration(&rows);
-    let tables =
-        [(TABLES[0], stability_csv(&rows)), (TABLES[1], failures_csv(&rows)), (TABLES[2], calibration_csv(&calibrations))];
+    let tables = [(TABLES[0], stability_csv(&rows)), (TABLES[1], failures_csv(&rows)), (TABLES[2], calibration_csv(&calibrations))];
     let figures = stability_figures(&rows, &calibrations);
     let mut files = args.place.write(&tables, &figures, console)?;
     files.push(args.place.page("stability", "Where methods fail", WORDS, &figures, console)?);
@@ -129,18 +129,8 @@ fn export_silent(rows: &[StabilityRow], folder: &Path, console: &Console) -> Res
 }
 
 fn text(calibrations: &[Calibration]) -> String {
-    const HEADER: [&str; 10] = [
-        "map",
-        "method",
-        "right",
-        "warned",
-        "wrong, said",
-        "wrong, silent",
-        "of these hidden",
-        "said, %",
-        "f covered",
-        "η covered",
-    ];
+    const HEADER: [&str; 10] =
+        ["map", "method", "right", "warned", "wrong, said", "wrong, silent", "of these hidden", "said, %", "f covered", "η covered"];
     let cells: Vec<Vec<String>> = calibrations
         .iter()
         .map(|c| {
