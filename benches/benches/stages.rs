@@ -1,16 +1,57 @@
-//! Time of the main stages on the named cases: `cargo bench`.
+//! Time of each stage on the named cases: `cargo bench`, or `cargo bench -- uff` for some of them.
 
 use chladni_bench::{corner_scene, panel_77x34_1997_lines, Case};
+use chladni_frf::io::{read_frf, write_contents, Contents, ReadOptions};
+use chladni_frf::FrfSet;
 use chladni_render::{render, Method as RenderMethod, RenderOptions};
 use chladni_rfp::{fit, FitOptions, Method};
-use criterion::{criterion_group, criterion_main, Criterion};
+use criterion::{criterion_group, criterion_main, Criterion, Throughput};
+use std::cell::Cell;
 use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+/// Stages of a fit by the names that it gives them.
+const STAGES: [(&str, &str); 4] = [
+    ("sketch", "reduce"),
+    ("pole pool", "vector_fitting_and_refinement"),
+    ("projection", "varpro_and_second_pass"),
+    ("shapes", "residues_and_shapes"),
+];
+
+fn panel() -> FrfSet {
+    panel_77x34_1997_lines().expect("the committed panel").frf
+}
+
+/// Time that `fit` spends in the stage `name`.
+fn time_in(frf: &FrfSet, name: &str) -> Duration {
+    let (inside, spent) = (Cell::new(None::<Instant>), Cell::new(Duration::ZERO));
+    let leave = || spent.set(spent.get() + inside.take().map_or(Duration::ZERO, |start| start.elapsed()));
+    let fitted = fit(frf, &FitOptions::default(), &|stage| {
+        leave();
+        inside.set((stage == name).then(Instant::now));
+    });
+    leave();
+    let _ = black_box(fitted);
+    spent.get()
+}
+
+fn stages(c: &mut Criterion) {
+    let mut group = c.benchmark_group("stage");
+    group.sample_size(10);
+    let (panel, easy) = (panel(), Case::named("easy").expect("a case of that name").problem().expect("a constant case").measured(0));
+    for (case, frf) in [("panel_77x34_1997_lines", &panel), ("easy", &easy)] {
+        for (stage, name) in STAGES {
+            let timed = |repeats: u64| (0..repeats).map(|_| time_in(frf, stage)).sum::<Duration>();
+            group.bench_function(format!("{case}/{name}"), |b| b.iter_custom(timed));
+        }
+    }
+    group.finish();
+}
 
 fn identification(c: &mut Criterion) {
     let mut group = c.benchmark_group("identification");
     group.sample_size(10);
-    let panel = panel_77x34_1997_lines().expect("the committed panel").frf;
-    let easy = Case::named("easy").expect("a case of that name").problem().expect("a constant case").measured(0);
+    let (panel, easy) = (panel(), Case::named("easy").expect("a case of that name").problem().expect("a constant case").measured(0));
     for method in Method::ALL {
         let options = FitOptions { method, ..FitOptions::default() };
         group.bench_function(format!("panel_77x34_1997_lines/{method}"), |b| b.iter(|| fit(black_box(&panel), &options, &|_| {})));
@@ -31,5 +72,22 @@ fn rendering(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(stages, identification, rendering);
-criterion_main!(stages);
+fn files(c: &mut Criterion) {
+    let mut group = c.benchmark_group("files");
+    group.sample_size(10);
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let contents = Contents { frf: Some(panel()), ..Contents::default() };
+    for (extension, name) in [("uff", "uff58_text"), ("ufb", "uff58b_binary"), ("h5", "hdf5")] {
+        let path = folder.path().join(format!("panel.{extension}"));
+        write_contents(&path, &contents, false).expect("room for the panel");
+        let bytes = path.metadata().expect("the file just written").len();
+        group.throughput(Throughput::Bytes(bytes));
+        group.bench_function(format!("read/{name}"), |b| {
+            b.iter(|| read_frf(black_box(std::slice::from_ref(&path)), &ReadOptions::default()).expect("the file just written"))
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(all, stages, identification, rendering, files);
+criterion_main!(all);

@@ -1,6 +1,9 @@
 //! Accuracy against time: every method on every case, over many noise seeds, measured by the Cramér-Rao bound.
 
 use crate::cases::Case;
+use crate::countdown::Countdown;
+use crate::journal::Journal;
+use crate::knobs::{Setting, KNOBS, KNOB_CASES};
 use crate::mode_errors::{ModeErrors, Spread};
 use crate::problem::{Bounds, Problem};
 use crate::score::Score;
@@ -27,6 +30,8 @@ pub struct AccuracyOptions {
     pub seeds: usize,
     /// The first of them; the others follow it.
     pub first_seed: u64,
+    /// Also turn the knobs of the methods, on the cases meant for it, with a tenth of the seeds.
+    pub knobs: bool,
 }
 
 /// What one method made of one case.
@@ -36,6 +41,8 @@ pub struct AccuracyRow {
     pub case: &'static Case,
     /// The method.
     pub method: Method,
+    /// A knob that is turned; `None`: the method as it is.
+    pub setting: Option<Setting>,
     /// Noise seeds.
     pub seeds: usize,
     /// Seconds of each fit: median, first and third quartile.
@@ -78,43 +85,82 @@ pub struct AccuracyRow {
 /// Runs every method on every case; `progress` hears what is being done.
 ///
 /// # Errors
-/// None for the cases of this crate: a fit that cannot be made counts as one that found nothing.
-pub fn accuracy(options: &AccuracyOptions, progress: &dyn Fn(&str)) -> Result<Vec<AccuracyRow>> {
+/// None for the cases of this crate, but those of the journal: a fit that cannot be made counts as one that found nothing.
+pub fn accuracy(options: &AccuracyOptions, journal: &mut Journal, progress: &dyn Fn(&str)) -> Result<Vec<AccuracyRow>> {
+    let variants: Vec<(&'static Case, Vec<Variant>)> = options.cases.iter().map(|&case| (case, options.variants(case))).collect();
+    let pieces = variants.iter().flat_map(|(_, variants)| variants).map(|variant| options.seeds_of(*variant)).sum();
+    let mut countdown = Countdown::new(pieces, progress);
     let mut rows = Vec::new();
-    for &case in &options.cases {
+    for (case, variants) in variants {
         progress(&format!("{}: truth and bounds", case.name));
         let problem = case.problem()?;
         let bounds = problem.bounds()?;
-        for &method in &options.methods {
-            let seeds = if statistical(method) { options.seeds } else { (options.seeds / FEWER_SEEDS).max(2).min(options.seeds) };
-            progress(&format!("{}: {method}, {seeds} seeds", case.name));
-            let fits: Vec<(u64, Score, f64)> =
-                (options.first_seed..).take(seeds).map(|seed| run(&problem, method, options.shapes, seed)).collect();
-            rows.push(AccuracyRow::new(case, method, &problem, bounds.as_ref(), &fits));
+        for variant in variants {
+            let mut fits = Vec::new();
+            for seed in (options.first_seed..).take(options.seeds_of(variant)) {
+                let name = format!("{} {} {seed}", case.name, variant_name(variant));
+                countdown.next(&name, journal.has(&name));
+                let (score, time_s) = journal.once(&name, || Ok(run(&problem, variant, options.shapes, seed)))?;
+                fits.push((seed, score, time_s));
+            }
+            rows.push(AccuracyRow::new(case, variant, &problem, bounds.as_ref(), &fits));
         }
     }
     Ok(rows)
 }
 
-/// True for the methods that end in a maximum-likelihood step.
-fn statistical(method: Method) -> bool {
-    matches!(method.as_str(), "auto" | "lean")
+/// A method and a knob of it that is turned.
+type Variant = (Method, Option<Setting>);
+
+/// As tables name it.
+fn variant_name((method, setting): Variant) -> String {
+    setting.map_or_else(|| method.to_string(), |setting| format!("{method}, {setting}"))
 }
 
-/// Seed, score and seconds of one fit.
-fn run(problem: &Problem, method: Method, shapes: ShapeModel, seed: u64) -> (u64, Score, f64) {
+impl AccuracyOptions {
+    /// What is run on a case.
+    fn variants(&self, case: &Case) -> Vec<Variant> {
+        let mut variants: Vec<Variant> = self.methods.iter().map(|&method| (method, None)).collect();
+        if self.knobs && KNOB_CASES.contains(&case.name) {
+            let own = KNOBS.iter().filter(|knob| self.methods.contains(&knob.method));
+            variants.extend(own.flat_map(|knob| knob.settings.iter().map(|&setting| (knob.method, Some(setting)))));
+        }
+        variants
+    }
+
+    fn seeds_of(&self, (method, setting): Variant) -> usize {
+        // `auto` and `lean` end in a maximum-likelihood step
+        let statistical = matches!(method, Method::Auto | Method::Lean) && setting.is_none();
+        if statistical {
+            self.seeds
+        } else {
+            (self.seeds / FEWER_SEEDS).max(2).min(self.seeds)
+        }
+    }
+}
+
+/// Score and seconds of one fit.
+fn run(problem: &Problem, (method, setting): Variant, shapes: ShapeModel, seed: u64) -> (Score, f64) {
     let frf = problem.measured(seed);
+    let frf = setting.map_or(frf.clone(), |setting| setting.data(frf));
     let modes = problem.truth.in_band_modes().count();
     // `lean` is for those who know the order
-    let options = FitOptions { method, shapes, modes: (method.as_str() == "lean").then_some(modes), ..FitOptions::default() };
+    let options = FitOptions { method, shapes, modes: (method == Method::Lean).then_some(modes), ..FitOptions::default() };
+    let options = setting.map_or(options.clone(), |setting| setting.options(options, modes));
     let start = Instant::now();
     let fitted = fit(&frf, &options, &|_| {});
     let time_s = start.elapsed().as_secs_f64();
-    (seed, fitted.map_or_else(|_| Score::failed(problem), |fitted| Score::new(&fitted.model, problem)), time_s)
+    (fitted.map_or_else(|_| Score::failed(problem), |fitted| Score::new(&fitted.model, problem)), time_s)
 }
 
 impl AccuracyRow {
-    fn new(case: &'static Case, method: Method, problem: &Problem, bounds: Option<&Bounds>, fits: &[(u64, Score, f64)]) -> Self {
+    fn new(
+        case: &'static Case,
+        (method, setting): Variant,
+        problem: &Problem,
+        bounds: Option<&Bounds>,
+        fits: &[(u64, Score, f64)],
+    ) -> Self {
         let (scores, times): (Vec<Score>, Vec<f64>) = fits.iter().map(|(_, score, time_s)| (score.clone(), *time_s)).unzip();
         let modes: Vec<ModeErrors> =
             problem.truth.in_band_modes().enumerate().map(|(n, known)| ModeErrors::new(n, known, bounds, &scores)).collect();
@@ -127,6 +173,7 @@ impl AccuracyRow {
         Self {
             case,
             method,
+            setting,
             seeds: scores.len(),
             time_s: [0.5, 0.25, 0.75].map(|share| quantile(&times, share)),
             over_free: [0, 1].map(|which| Spread::new(&modes, |mode| mode.over_free[which])),
@@ -146,6 +193,11 @@ impl AccuracyRow {
             bound_over_bandwidth: Spread::new(&modes, |mode| mode.bound_over_bandwidth).worst,
             modes,
         }
+    }
+
+    /// Method and setting.
+    pub fn name(&self) -> String {
+        variant_name((self.method, self.setting))
     }
 
     /// True where the case has a target and it is reached; `None` where it has none.

@@ -1,42 +1,59 @@
 //! Speed against accuracy: named cases with known truth, every method on each of them, and the time of each stage.
 //!
+//! * [`Solver`]: all methods of both kinds under their names
 //! * [`CASES`], [`Problem`]: the truth, the noise of a seed, the Cramér-Rao bounds
 //! * [`accuracy`]: errors over the bound, coverage of the error bars, missed and spurious modes, time; [`accuracy_figures`] draws
 //!   error against time with the Pareto front
 //! * [`profile`]: stage times, and the floor that no method can go below
 //!
+//! * [`stability`]: where methods fail, whether they know it, and whether error bars hold
 //! * [`scenes`]: rendering from noisy FRFs to a drive on the true plate, by every method
+//! * [`kernels`]: dense kernels at the sizes of a fit, every back end that is linked in
 //!
 //! `chladni bench` writes the files; `docs/accuracy.md` says what they show. Criterion's benches of single stages are in `benches/`.
 
 mod accuracy;
 mod accuracy_tables;
 mod cases;
+mod countdown;
 mod csv;
 mod demonstration;
-mod floor;
+mod journal;
+mod kernels;
+mod knobs;
 mod large;
-mod memory;
 mod mode_errors;
 mod pareto;
+mod peers;
 mod problem;
 mod profile;
 mod scene;
 mod score;
-mod stage_chart;
+mod solver;
+mod stability;
 mod statistics;
 
 pub use accuracy::{accuracy, AccuracyOptions, AccuracyRow};
 pub use accuracy_tables::{accuracy_csv, accuracy_modes_csv};
 pub use cases::{Case, Target, CASES};
 pub use demonstration::{corner_scene, panel_77x34_1997_lines};
-pub use floor::Floor;
+pub use journal::Journal;
+pub use kernels::{kernels, kernels_csv, kernels_figure, KernelRow};
+pub use knobs::Setting;
 pub use large::{large, Size};
 pub use mode_errors::{ModeErrors, Spread};
 pub use pareto::{accuracy_figures, front};
+pub use peers::PeerRow;
 pub use problem::{Bounds, Problem};
-pub use profile::{profile, profile_csv, ProfileCase, ProfileOptions, ProfileRow, PROFILE_CASES};
-pub use scene::{scene_csv, scenes, SceneCase, SceneOptions, ScenePanel, SceneRow, Served, SCENE_CASES};
+pub use profile::{
+    profile, profile_csv, profile_figure, scaling, scaling_csv, scaling_figure, Floor, ProfileCase, ProfileOptions, ProfileRow,
+    ProfileSource, ScalingRow, PROFILE_CASES,
+};
+pub use scene::{scene_csv, scene_figures, scenes, Means, SceneCase, SceneDrive, SceneOptions, ScenePanel, SceneRow, Served, SCENE_CASES};
 pub use score::{Match, Score};
-pub use stage_chart::profile_figure;
+pub use solver::Solver;
+pub use stability::{
+    calibration, calibration_csv, failures_csv, stability, stability_csv, stability_figures, Calibration, Map, MapAxis, StabilityOptions,
+    StabilityRow, Trial, MAPS,
+};
 pub use statistics::median;

@@ -2,6 +2,9 @@
 
 use crate::accuracy::AccuracyRow;
 use crate::cases::Case;
+use crate::knobs::KNOBS;
+use crate::peers::PeerRow;
+use crate::solver::Solver;
 use crate::statistics::root_mean_square;
 use chladni_report::{Anchor, Axis, Chart, Colour, Dash, Figure, Height, Layer, Mark, Place, Stroke};
 
@@ -22,48 +25,136 @@ pub fn front(points: &[Place]) -> Vec<bool> {
     points.iter().map(|point| point.iter().all(|v| v.is_finite()) && !points.iter().any(|other| beats(other, point))).collect()
 }
 
-/// One figure for each case with a bound: time of a fit against its error over the bound.
-pub fn accuracy_figures(rows: &[AccuracyRow]) -> Vec<Figure> {
-    let mut names: Vec<&str> = rows.iter().map(|row| row.case.name).collect();
-    names.dedup();
-    names.into_iter().filter_map(|name| figure(&rows.iter().filter(|row| row.case.name == name).collect::<Vec<_>>())).collect()
+/// A method on a chart of error against time.
+pub(crate) struct Entry {
+    /// Seconds, error.
+    pub(crate) at: Place,
+    /// What stands beside the mark.
+    pub(crate) label: String,
+    /// What runs unless told otherwise.
+    pub(crate) default: bool,
 }
 
-fn figure(rows: &[&AccuracyRow]) -> Option<Figure> {
-    let points: Vec<Place> = rows.iter().map(|row| [row.time_s[0], row.with_missed]).collect();
-    let case: &Case = rows.first()?.case;
-    let shown: Vec<usize> = (0..rows.len()).filter(|&k| points[k].iter().all(|value| value.is_finite() && *value > 0.0)).collect();
+/// Points joined by a line: one knob turned.
+pub(crate) struct Curve {
+    pub(crate) name: String,
+    pub(crate) points: Vec<Place>,
+}
+
+/// Error against time: the front drawn and named, what it dominates in grey, the default marked. `None` where nothing can be shown.
+pub(crate) fn pareto_chart(x: Axis, y: Axis, entries: &[Entry], limits: Vec<(f64, Layer)>, curves: &[Curve]) -> Option<Chart> {
+    let shown: Vec<&Entry> = entries.iter().filter(|entry| entry.at.iter().all(|value| value.is_finite() && *value > 0.0)).collect();
     if shown.is_empty() {
         return None;
     }
+    let points: Vec<Place> = shown.iter().map(|entry| entry.at).collect();
     let on_front = front(&points);
-    let mut best: Vec<Place> = shown.iter().filter(|&&k| on_front[k]).map(|&k| points[k]).collect();
+    let mut best: Vec<Place> = points.iter().zip(&on_front).filter(|(_, on)| **on).map(|(point, _)| *point).collect();
     best.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let structured = root_mean_square(rows[0].modes.iter().map(|mode| mode.bound_real[0] / mode.bound[0]));
-    let bounds = [1.0, structured];
-    let window = [0, 1].map(|axis| window(shown.iter().map(|&k| points[k][axis]).chain(bounds.into_iter().filter(|_| axis == 1))));
-    let [x, y] = window;
-    let place = |front: bool| shown.iter().filter(|&&k| on_front[k] == front).map(|&k| points[k]).collect::<Vec<_>>();
-    let mut chart =
-        Chart::new(Axis::log("Time of a fit, median", "s").range(x), Axis::log("Rms frequency error over the bound", "–").range(y))
-            .height(Height::Px(HEIGHT_PX))
-            .with(limit("bound of free residues", 1.0, Dash::Dashed))
-            .with(limit("bound of real shapes", structured, Dash::Dotted))
-            .line("Pareto front", best, Stroke::new(Colour::Series(0), 2.0))
-            .marks("on the front", place(true), Mark::Dot, Colour::Series(0), 10.0)
-            .marks("dominated", place(false), Mark::Ring, Colour::Muted, 9.0);
-    let labels: Vec<String> = shown.iter().map(|&k| label(rows[k])).collect();
-    let places = names(&shown.iter().map(|&k| points[k]).collect::<Vec<_>>(), &labels, x, y);
-    for ((&k, text), (at, anchor)) in shown.iter().zip(labels).zip(places) {
-        chart = chart.with(Layer::Words { at, text, anchor, bold: on_front[k] });
+    let limits_at = limits.iter().map(|(at, _)| *at);
+    let all = || points.iter().chain(curves.iter().flat_map(|curve| &curve.points)).filter(|p| p.iter().all(|v| *v > 0.0));
+    let ends = [window(all().map(|p| p[0])), window(all().map(|p| p[1]).chain(limits_at))];
+    let place = |on: bool, default: bool| {
+        let wanted = |(k, entry): &(usize, &&Entry)| on_front[*k] == on && entry.default == default;
+        shown.iter().enumerate().filter(wanted).map(|(_, entry)| entry.at).collect::<Vec<_>>()
+    };
+    let mut chart = Chart::new(x.range(ends[0]), y.range(ends[1])).height(Height::Px(HEIGHT_PX));
+    for (_, layer) in limits {
+        chart = chart.with(layer);
     }
+    chart = chart.line("Pareto front", best, Stroke::new(Colour::Series(0), 2.0));
+    for (k, curve) in curves.iter().enumerate() {
+        let colour = Colour::Series(1 + k as u8);
+        let dash = [Dash::Dashed, Dash::Dotted][k % 2];
+        let mark = [Mark::Square, Mark::Triangle, Mark::Cross][k % 3];
+        chart = chart.line("", curve.points.clone(), Stroke::new(colour, 1.6).dashed(dash));
+        chart = chart.marks(&curve.name, curve.points.clone(), mark, colour, 7.0);
+    }
+    for (name, on, mark, colour, size) in
+        [("on the front", true, Mark::Dot, Colour::Series(0), 10.0), ("dominated", false, Mark::Ring, Colour::Muted, 9.0)]
+    {
+        chart = chart.marks(name, place(on, false), mark, colour, size);
+        let defaults = place(on, true);
+        if !defaults.is_empty() {
+            chart = chart.marks(&format!("default, {name}"), defaults, Mark::Square, colour, 11.0);
+        }
+    }
+    let labels: Vec<String> = shown.iter().map(|entry| entry.label.clone()).collect();
+    let places = names(&points, &labels, ends[0], ends[1]);
+    // a name that found no room at the height of its mark is tied to it
+    let tied = places.iter().zip(&points).filter(|((at, _), point)| (at[1] / point[1]).ln().abs() > 1e-9);
+    let ties = tied.map(|((at, _), point)| vec![*point, *at]).collect();
+    chart = chart.with(Layer::Lines { name: None, lines: ties, stroke: Stroke::new(Colour::Muted, 0.8) });
+    for ((text, (at, anchor)), bold) in labels.into_iter().zip(places).zip(on_front) {
+        chart = chart.with(Layer::Words { at, text, anchor, bold });
+    }
+    Some(chart)
+}
+
+/// One figure for each case with a bound: time of a fit against its error over the bound; and one more where knobs were turned. `peers` stand
+/// beside our methods.
+pub fn accuracy_figures(rows: &[AccuracyRow], peers: &[PeerRow]) -> Vec<Figure> {
+    let mut names: Vec<&str> = rows.iter().map(|row| row.case.name).collect();
+    names.dedup();
+    let of_case = |name: &str| rows.iter().filter(|row| row.case.name == name).collect::<Vec<_>>();
+    names.into_iter().flat_map(|name| [figure(&of_case(name), peers, false), figure(&of_case(name), &[], true)]).flatten().collect()
+}
+
+fn figure(rows: &[&AccuracyRow], peers: &[PeerRow], knobs: bool) -> Option<Figure> {
+    let case: &Case = rows.first()?.case;
+    let place = |row: &AccuracyRow| [row.time_s[0], row.with_missed];
+    let entries: Vec<Entry> = rows
+        .iter()
+        .filter(|row| row.setting.is_none())
+        .map(|row| {
+            let [missed, sure, weak] = row.miscounts;
+            let default = Solver::Identify(row.method).is_default();
+            Entry { at: place(row), label: label(&row.method.to_string(), missed, sure + weak), default }
+        })
+        .chain(peers.iter().filter(|peer| peer.case == case.name).map(|peer| Entry {
+            at: [peer.time_s, peer.with_missed],
+            label: label(&peer.method, peer.missed, 0.0),
+            default: false,
+        }))
+        .collect();
+    let curves = if knobs { curves(rows, &place) } else { Vec::new() };
+    if knobs && curves.is_empty() {
+        return None;
+    }
+    let structured = root_mean_square(rows[0].modes.iter().map(|mode| mode.bound_real[0] / mode.bound[0]));
+    let limits = vec![
+        (1.0, limit("bound of free residues", 1.0, Dash::Dashed)),
+        (structured, limit("bound of real shapes", structured, Dash::Dotted)),
+    ];
+    let axes = [Axis::log("Time of a fit, median", "s"), Axis::log("Rms frequency error over the bound", "–")];
+    let [x, y] = axes;
+    let words = if knobs { " Dashed: one knob turned, from the least to the most." } else { "" };
     Some(Figure {
-        name: format!("accuracy-{}", case.name),
+        name: format!("accuracy-{}{}", case.name, if knobs { "-knobs" } else { "" }),
         title: format!("Error against time: {}", case.name),
-        caption: format!("{}. Errors of natural frequencies over the Cramér–Rao bound of free residues; a missed mode counts as half its bandwidth. Lower left is better.", case.about),
+        caption: format!("{}. Errors of natural frequencies over the Cramér–Rao bound of free residues; a missed mode counts as half its bandwidth. Lower left is better.{words}", case.about),
         width: WIDTH_PX,
-        charts: vec![chart],
+        charts: vec![pareto_chart(x, y, &entries, limits, &curves)?],
     })
+}
+
+/// One curve for each knob, through the method as it is where that is one of the settings.
+fn curves(rows: &[&AccuracyRow], place: &dyn Fn(&AccuracyRow) -> Place) -> Vec<Curve> {
+    KNOBS
+        .iter()
+        .filter_map(|knob| {
+            let mut points: Vec<(f64, Place)> = rows
+                .iter()
+                .filter(|row| row.method == knob.method)
+                .filter_map(|row| Some((knob.position(row.setting?)?, place(row))))
+                .collect();
+            let own = rows.iter().find(|row| row.method == knob.method && row.setting.is_none());
+            points.extend(own.filter(|_| !points.is_empty()).map(|row| (knob.as_it_is, place(row))));
+            points.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let name = format!("{}: {}", knob.method, knob.about);
+            (points.len() > 1).then(|| Curve { name, points: points.into_iter().map(|(_, point)| point).collect() })
+        })
+        .collect()
 }
 
 /// A Cramér-Rao bound.
@@ -72,16 +163,15 @@ fn limit(name: &str, at: f64, dash: Dash) -> Layer {
 }
 
 /// Method, and how its count of modes is wrong.
-fn label(row: &AccuracyRow) -> String {
-    let [missed, sure, weak] = row.miscounts;
-    let words: Vec<String> = [(missed, "missed"), (sure + weak, "spurious")]
+fn label(method: &str, missed: f64, spurious: f64) -> String {
+    let words: Vec<String> = [(missed, "missed"), (spurious, "spurious")]
         .into_iter()
         .filter(|(count, _)| *count > 0.0)
         .map(|(count, word)| format!("{} {word}", if count >= 10.0 { format!("{count:.0}") } else { format!("{count:.2}") }))
         .collect();
     match words.is_empty() {
-        true => row.method.to_string(),
-        false => format!("{} ({})", row.method, words.join(", ")),
+        true => method.to_owned(),
+        false => format!("{method} ({})", words.join(", ")),
     }
 }
 

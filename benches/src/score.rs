@@ -1,36 +1,44 @@
 //! One fit against its truth.
 
+use crate::journal::nan;
+use crate::problem::Problem;
 use chladni_frf::{FrfValues, ModalModel, Mode, Scaling, Trust};
 use chladni_plate::synthesise;
 use chladni_rfp::mac;
 use num_complex::Complex64;
-
-use crate::problem::Problem;
+use serde::{Deserialize, Serialize};
 
 /// 95 % of a normal distribution lie within so many standard deviations.
 const SIGMAS_95: f64 = 1.96;
 /// 95 % of a circular complex one lie within so many √E|z|²: √ln 20.
 const CIRCULAR_95: f64 = 1.730_818;
 
+/// An error that no bar explains, in bars.
+const NO_BAR: f64 = 1e9;
+
 /// A true mode that was found.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Match {
     /// Found minus true natural frequency, Hz.
     pub frequency_hz: f64,
     /// Found minus true loss factor.
     pub loss_factor: f64,
+    /// Both errors over the standard deviations that the fit states.
+    pub over_stated: [f64; 2],
     /// The 95 % interval of the natural frequency holds the truth.
     pub frequency_covered: bool,
     /// That of the loss factor does.
     pub loss_factor_covered: bool,
     /// Part of the shape's entries whose 95 % disc holds the truth.
+    #[serde(deserialize_with = "nan")]
     pub shape_covered: f64,
     /// Modal assurance criterion with the true shape.
+    #[serde(deserialize_with = "nan")]
     pub mac: f64,
 }
 
 /// What a fit made of a problem.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Score {
     /// One entry per in-band mode of the truth; `None`: missed.
     pub matches: Vec<Option<Match>>,
@@ -39,6 +47,7 @@ pub struct Score {
     /// The same, marked weak.
     pub spurious_weak: usize,
     /// Rms difference of the fit's FRFs from those without noise, over the rms of the latter.
+    #[serde(deserialize_with = "nan")]
     pub frf_error: f64,
     /// The damping law is not the true one: natural frequencies are off by about η²/4, loss factors by 0.3η².
     pub wrong_law: bool,
@@ -116,10 +125,20 @@ fn compare(known: &Mode, found: &Mode, scaling: Scaling) -> Match {
     Match {
         frequency_hz,
         loss_factor,
+        over_stated: [over(frequency_hz, found.frequency_std_hz), over(loss_factor, found.loss_factor_std)],
         frequency_covered: frequency_hz.abs() <= SIGMAS_95 * found.frequency_std_hz,
         loss_factor_covered: loss_factor.abs() <= SIGMAS_95 * found.loss_factor_std,
         shape_covered: shape_covered(known, found, scaling),
         mac: mac(&known.shape.0, &found.shape.0),
+    }
+}
+
+/// An error over the bar that the fit states; an error without a bar is beyond all of them.
+fn over(error: f64, stated: f64) -> f64 {
+    match (error / stated).clamp(-NO_BAR, NO_BAR) {
+        ratio if stated > 0.0 => ratio,
+        _ if error == 0.0 => 0.0,
+        _ => NO_BAR.copysign(error),
     }
 }
 

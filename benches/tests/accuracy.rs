@@ -1,6 +1,6 @@
 //! The default method on the named cases, few seeds and generous bounds; the full figures are in `docs/accuracy.md`.
 
-use chladni_bench::{accuracy, accuracy_csv, accuracy_figures, accuracy_modes_csv, AccuracyOptions, AccuracyRow, Case};
+use chladni_bench::{accuracy, accuracy_csv, accuracy_figures, accuracy_modes_csv, AccuracyOptions, AccuracyRow, Case, Journal};
 use chladni_rfp::{Method, ShapeModel};
 
 const SEEDS: usize = 8;
@@ -11,8 +11,8 @@ fn run(case: &str, seeds: usize) -> AccuracyRow {
 
 fn run_with(case: &str, seeds: usize, shapes: ShapeModel) -> AccuracyRow {
     let case = Case::named(case).expect("a named case");
-    let options = AccuracyOptions { cases: vec![case], methods: vec![Method::Auto], shapes, seeds, first_seed: 0 };
-    accuracy(&options, &|_| {}).expect("constant cases").remove(0)
+    let options = AccuracyOptions { cases: vec![case], methods: vec![Method::Auto], shapes, seeds, first_seed: 0, knobs: false };
+    accuracy(&options, &mut Journal::none(), &|_| {}).expect("constant cases").remove(0)
 }
 
 #[test]
@@ -53,12 +53,12 @@ fn the_same_seeds_give_the_same_errors_bit_by_bit() {
 #[test]
 fn a_case_with_a_bound_has_a_row_and_a_chart() {
     let rows = [run("few-lines", 2), run("only-noise", 2)];
-    let csv = accuracy_csv(&rows);
+    let csv = accuracy_csv(&rows, &[]);
     let lines: Vec<&str> = csv.lines().collect();
     assert!(lines[0].starts_with('#') && lines[1].starts_with("case,method,time_s,frequency_rmse_over_crlb,"));
     assert!(lines[2].starts_with("few-lines,auto,") && lines[3].starts_with("only-noise,auto,"));
     assert!(lines[1..].iter().all(|line| line.split(',').count() == lines[1].split(',').count()));
     assert_eq!(accuracy_modes_csv(&rows).lines().count(), 2 + 8);
-    let names: Vec<String> = accuracy_figures(&rows).into_iter().map(|figure| figure.name).collect();
+    let names: Vec<String> = accuracy_figures(&rows, &[]).into_iter().map(|figure| figure.name).collect();
     assert_eq!(names, ["accuracy-few-lines"], "noise alone has no bound to compare with");
 }

@@ -162,9 +162,18 @@ impl SceneCase {
 
     /// The scene on its measured panel.
     pub(crate) fn scene(&self, panel: &MeasuredPanel) -> Result<Scene> {
+        panel.scene(self.grid, self.hot, self.frequency_hz, self.transition_m)
+    }
+}
+
+impl MeasuredPanel {
+    /// One cell of a grid over the whole panel is hot.
+    pub(crate) fn scene(&self, grid: [usize; 2], hot: usize, frequency_hz: f64, transition_m: f64) -> Result<Scene> {
+        let [length_m, width_m] = self.sides_m;
         let text = format!(
-            "frequency_hz = {:?}\n[zones]\ngrid = {:?}\nhot = [{}]\narea_m = {:?}\ncells_m = [0.0, 0.0, {:?}, {:?}]\ntransition_m = {:?}\n",
-            self.frequency_hz, self.grid, self.hot, panel.area_m, panel.sides_m[0], panel.sides_m[1], self.transition_m
+            "frequency_hz = {frequency_hz:?}\n[zones]\ngrid = {grid:?}\nhot = [{hot}]\narea_m = {:?}\ncells_m = [0.0, 0.0, {length_m:?}, \
+             {width_m:?}]\ntransition_m = {transition_m:?}\n",
+            self.area_m
         );
         Scene::parse(&text, Path::new(""))
     }

@@ -1,19 +1,28 @@
-//! Rendering on virtual panels, from noisy FRFs through the fit to a drive that is judged by the true plate: success against time, modes and actuators.
+//! Rendering on virtual panels, from noisy FRFs through the fit to a drive that is judged by the true plate: success against time, modes, residual
+//! terms and actuators.
 
 mod cases;
+mod figures;
+mod tables;
 mod true_panel;
 
+pub(crate) use cases::MeasuredPanel;
 pub use cases::{SceneCase, ScenePanel, SCENE_CASES};
+pub use figures::scene_figures;
+pub(crate) use figures::scenes_on_front;
+pub use tables::scene_csv;
 pub use true_panel::Served;
 
-use crate::csv;
+use crate::countdown::Countdown;
+use crate::journal::{nan, Journal};
 use crate::statistics::{mean, median};
-use cases::MeasuredPanel;
-use chladni_frf::{Error, ErrorKind, ModalModel, Result};
-use chladni_render::{render_measured, Count, MethodChoice, RenderOptions, Rendering};
+use chladni_frf::{Error, ErrorKind, FrfKind, ModalModel, Result};
+use chladni_linalg::svd_thin;
+use chladni_render::{render_measured, Count, Finger, MethodChoice, RenderOptions};
 use chladni_rfp::{fit, FitOptions};
 use ndarray::Array1;
 use num_complex::Complex64;
+use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
 /// Drifts that each drive has to bear.
@@ -23,6 +32,23 @@ const SHORT_S: f64 = 0.05;
 /// How many.
 const REPETITIONS: usize = 5;
 
+/// How much of a model and of a panel a drive may use.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Means {
+    /// Modes summed explicitly.
+    pub modes: Count,
+    /// Actuators.
+    pub actuators: Count,
+    /// Residual terms of the model, the first so many; `None`: all.
+    pub residual_terms: Option<usize>,
+}
+
+impl Default for Means {
+    fn default() -> Self {
+        Self { modes: Count::All, actuators: Count::All, residual_terms: None }
+    }
+}
+
 /// What to run.
 #[derive(Debug, Clone)]
 pub struct SceneOptions {
@@ -30,10 +56,8 @@ pub struct SceneOptions {
     pub cases: Vec<&'static SceneCase>,
     /// Methods.
     pub methods: Vec<MethodChoice>,
-    /// Numbers of modes.
-    pub modes: Vec<Count>,
-    /// Numbers of actuators.
-    pub actuators: Vec<Count>,
+    /// Means, each of them with each method on each scene.
+    pub means: Vec<Means>,
     /// Judge `auto` numbers of modes by the measured line instead of the whole model.
     pub by_measured_line: bool,
 }
@@ -43,12 +67,43 @@ pub struct SceneOptions {
 pub struct SceneRow {
     /// The scene.
     pub case: &'static SceneCase,
-    /// What was asked for.
-    pub asked: [String; 3],
-    /// What came of it in the fitted model.
-    pub rendering: Rendering,
+    /// The method asked for.
+    pub asked: MethodChoice,
+    /// The means given.
+    pub means: Means,
+    /// What came of it.
+    pub drive: SceneDrive,
+}
+
+/// A drive, as the fitted model and as the true plate judge it.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct SceneDrive {
+    /// The method that ran.
+    pub method: String,
+    /// Modes summed explicitly.
+    pub modes: usize,
+    /// Actuators that move.
+    pub actuators: usize,
+    /// Residual terms of the model.
+    pub residual_terms: usize,
     /// Time, s.
     pub time_s: f64,
+    /// Every response keeps its limit in the model.
+    pub feasible: bool,
+    /// Standard deviations of model errors that every response bears.
+    #[serde(deserialize_with = "nan")]
+    pub kappa: f64,
+    /// Condition number of the mobility from the actuators to the responses.
+    #[serde(deserialize_with = "nan")]
+    pub condition: f64,
+    /// Largest force, N.
+    #[serde(deserialize_with = "nan")]
+    pub max_force_n: f64,
+    /// What physics allows, where it was proved, dB.
+    #[serde(deserialize_with = "nan")]
+    pub possible_db: f64,
+    /// Share of responses that silence serves.
+    pub silence: f64,
     /// Shares of measured responses served on the true plate.
     pub points: Served,
     /// Shares of the dense window served on the true plate.
@@ -59,11 +114,11 @@ pub struct SceneRow {
     pub touched: f64,
 }
 
-/// Renders every scene by every method with every number of modes and actuators.
+/// Renders every scene by every method with all means.
 ///
 /// # Errors
-/// None for the named scenes.
-pub fn scenes(options: &SceneOptions, progress: &dyn Fn(&str)) -> Result<Vec<SceneRow>> {
+/// None for the named scenes, but those of the journal.
+pub fn scenes(options: &SceneOptions, journal: &mut Journal, progress: &dyn Fn(&str)) -> Result<Vec<SceneRow>> {
     let mut rows = Vec::new();
     let mut panels: Vec<ScenePanel> = Vec::new();
     for case in &options.cases {
@@ -71,20 +126,29 @@ pub fn scenes(options: &SceneOptions, progress: &dyn Fn(&str)) -> Result<Vec<Sce
             panels.push(case.panel);
         }
     }
+    let mut countdown = Countdown::new(options.cases.len() * options.methods.len() * options.means.len(), progress);
     for kind in panels {
-        progress(&format!("measuring and fitting the panel {kind:?}"));
-        let panel = kind.measure()?;
-        let model = fit(&panel.frf, &FitOptions::default(), &|_| {})
-            .map_err(|error| Error::new(ErrorKind::Internal, format!("the fit of {kind:?} fails: {error}")))?
-            .model;
+        let mut stage: Option<(MeasuredPanel, ModalModel)> = None;
         for case in options.cases.iter().filter(|case| case.panel == kind) {
-            for &method in &options.methods {
-                for &modes in &options.modes {
-                    for &actuators in &options.actuators {
-                        progress(&format!("{}: {method}", case.name));
-                        let render = RenderOptions { method, modes, actuators, ..RenderOptions::default() };
-                        rows.push(row(case, &panel, &model, &render, options.by_measured_line)?);
+            for &asked in &options.methods {
+                for &means in &options.means {
+                    let name = format!("{}: {asked}, {means:?}, {}", case.name, options.by_measured_line);
+                    let done = journal.has(&name);
+                    if stage.is_none() && !done {
+                        progress(&format!("measuring and fitting the panel {kind:?}"));
+                        stage = Some(measured_and_fitted(kind)?);
                     }
+                    countdown.next(&format!("{}: {asked}", case.name), done);
+                    let drive = journal.once(&name, || {
+                        let (panel, model) = match &stage {
+                            Some((panel, model)) => (panel, model),
+                            None => return Err(Error::new(ErrorKind::Internal, "the journal forgot a finished scene")),
+                        };
+                        let render =
+                            RenderOptions { method: asked, modes: means.modes, actuators: means.actuators, ..RenderOptions::default() };
+                        drive(case, panel, &means.of(model), &render, options.by_measured_line)
+                    })?;
+                    rows.push(SceneRow { case, asked, means, drive });
                 }
             }
         }
@@ -92,7 +156,23 @@ pub fn scenes(options: &SceneOptions, progress: &dyn Fn(&str)) -> Result<Vec<Sce
     Ok(rows)
 }
 
-fn row(case: &'static SceneCase, panel: &MeasuredPanel, model: &ModalModel, options: &RenderOptions, by_line: bool) -> Result<SceneRow> {
+fn measured_and_fitted(kind: ScenePanel) -> Result<(MeasuredPanel, ModalModel)> {
+    let panel = kind.measure()?;
+    let fitted = fit(&panel.frf, &FitOptions::default(), &|_| {});
+    let model = fitted.map_err(|error| Error::new(ErrorKind::Internal, format!("the fit of {kind:?} fails: {error}")))?.model;
+    Ok((panel, model))
+}
+
+impl Means {
+    /// The model with so many residual terms.
+    fn of(&self, model: &ModalModel) -> ModalModel {
+        let mut model = model.clone();
+        model.residual_terms.terms.truncate(self.residual_terms.unwrap_or(usize::MAX));
+        model
+    }
+}
+
+fn drive(case: &SceneCase, panel: &MeasuredPanel, model: &ModalModel, options: &RenderOptions, by_line: bool) -> Result<SceneDrive> {
     let scene = case.scene(panel)?;
     let timed = || {
         let clock = Instant::now();
@@ -104,83 +184,37 @@ fn row(case: &'static SceneCase, panel: &MeasuredPanel, model: &ModalModel, opti
     while times.len() < REPETITIONS && first < SHORT_S {
         times.push(timed()?.1);
     }
-    times.sort_by(f64::total_cmp);
-    let drive: Array1<Complex64> = rendering.weights.weights.iter().map(|weight| weight.value()).collect();
+    let weights = &rendering.weights;
+    let drive: Array1<Complex64> = weights.weights.iter().map(|weight| weight.value()).collect();
     let (f, zones, limits, truth) = (case.frequency_hz, &rendering.zones, &rendering.limits, &panel.truth);
     let drifts: Vec<f64> = (1..=DRIFTS).map(|seed| truth.drifted(&drive, f, seed, zones, limits).total).collect();
     let mut touched = f64::INFINITY;
     for place in chladni_render::finger_places(&rendering.field) {
-        touched = touched.min(truth.touched(&drive, f, place, zones, limits)?.total);
+        touched = touched.min(truth.touched(&drive, f, &Finger::default(), place, zones, limits)?.total);
     }
-    Ok(SceneRow {
-        case,
-        asked: [options.method.to_string(), options.modes.to_string(), options.actuators.to_string()],
+    Ok(SceneDrive {
+        method: weights.method.clone(),
+        modes: weights.modes_used,
+        actuators: weights.actuators_used,
+        residual_terms: model.residual_terms.terms.len(),
         time_s: median(&times),
+        feasible: weights.feasible,
+        kappa: weights.kappa.unwrap_or(f64::NAN),
+        condition: condition(model, &drive, f),
+        max_force_n: weights.indices.points.max_force_n.unwrap_or(f64::NAN),
+        possible_db: weights.ceiling.map_or(f64::NAN, |ceiling| ceiling.possible_db),
+        silence: weights.indices.points.silence_ratio,
         points: truth.at(&drive, f, &rendering.field, limits)?,
         window: truth.free(&drive, f, zones, limits),
         drifted: [mean(drifts.iter().copied()), drifts.iter().copied().fold(f64::INFINITY, f64::min)],
         touched,
-        rendering,
     })
 }
 
-/// The table.
-pub fn scene_csv(rows: &[SceneRow]) -> String {
-    const HEADER: [&str; 23] = [
-        "scene",
-        "method",
-        "modes",
-        "actuators",
-        "asked_method",
-        "asked_modes",
-        "asked_actuators",
-        "frequency_hz",
-        "time_s",
-        "feasible",
-        "kappa",
-        "points_hot",
-        "points_cold",
-        "points_success",
-        "points_silence",
-        "window_hot",
-        "window_cold",
-        "window_total",
-        "drift_mean",
-        "drift_least",
-        "touched_least",
-        "max_force_n",
-        "possible_db",
-    ];
-    let cells = rows.iter().map(|row| {
-        let weights = &row.rendering.weights;
-        let points = &weights.indices.points;
-        let [method, modes, actuators] = row.asked.clone();
-        let words = [
-            row.case.name.to_owned(),
-            weights.method.clone(),
-            weights.modes_used.to_string(),
-            weights.actuators_used.to_string(),
-            method,
-            modes,
-            actuators,
-        ];
-        let numbers = [row.case.frequency_hz, row.time_s].map(csv::number);
-        let judged = [
-            weights.kappa.unwrap_or(f64::NAN),
-            row.points.hot,
-            row.points.cold,
-            row.points.total,
-            points.silence_ratio,
-            row.window.hot,
-            row.window.cold,
-            row.window.total,
-            row.drifted[0],
-            row.drifted[1],
-            row.touched,
-            points.max_force_n.unwrap_or(f64::NAN),
-            weights.ceiling.map_or(f64::NAN, |ceiling| ceiling.possible_db),
-        ];
-        words.into_iter().chain(numbers).chain([weights.feasible.to_string()]).chain(judged.map(csv::number)).collect()
-    });
-    csv::table("from 40 dB FRFs through the fit to the drive; judged on the true plate, window and drift on a 4 mm grid", &HEADER, cells)
+/// Condition number of the mobility from the actuators that move to all responses; NaN where none moves.
+pub(crate) fn condition(model: &ModalModel, drive: &Array1<Complex64>, frequency_hz: f64) -> f64 {
+    let moving: Vec<usize> = (0..drive.len()).filter(|&k| drive[k].norm() > 0.0).collect();
+    let mobility = model.frf_matrix(FrfKind::Mobility, frequency_hz).select(ndarray::Axis(1), &moving);
+    let values = svd_thin::<Complex64>(mobility.view()).map(|(_, values, _)| values);
+    values.ok().and_then(|values| Some(values.first()? / values.last()?)).unwrap_or(f64::NAN)
 }

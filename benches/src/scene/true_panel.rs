@@ -1,5 +1,6 @@
 //! The true plate under a drive: anywhere, drifted, and touched.
 
+use crate::journal::nan;
 use chladni_frf::Result;
 use chladni_plate::{DampedPlate, Panel};
 use chladni_render::{Field, Finger, Ground, Limits, ZoneMap};
@@ -8,6 +9,7 @@ use num_complex::Complex64;
 use rand_chacha::rand_core::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// Distance of the places on which drives are judged, m.
@@ -26,14 +28,24 @@ pub(crate) struct TruePanel {
 }
 
 /// Shares of places that are served.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Served {
     /// Of hot places.
+    #[serde(deserialize_with = "nan")]
     pub hot: f64,
     /// Of cold places.
+    #[serde(deserialize_with = "nan")]
     pub cold: f64,
     /// Of both.
+    #[serde(deserialize_with = "nan")]
     pub total: f64,
+}
+
+impl Served {
+    /// The smaller share of hot and cold.
+    pub fn least(&self) -> f64 {
+        self.hot.min(self.cold)
+    }
 }
 
 impl TruePanel {
@@ -69,7 +81,7 @@ impl TruePanel {
         self.served(&self.field(drive, &self.factors(frequency_hz, Some(seed))), zones, limits)
     }
 
-    /// The same with a finger at `place_m`: v − y_f (1/Z + Y_ff)⁻¹ v_f.
+    /// The same with `finger` at `place_m`: v − y_f (1/Z + Y_ff)⁻¹ v_f.
     ///
     /// # Errors
     /// The place lies off the plate.
@@ -77,6 +89,7 @@ impl TruePanel {
         &self,
         drive: &Array1<Complex64>,
         frequency_hz: f64,
+        finger: &Finger,
         place_m: [f64; 2],
         zones: &ZoneMap,
         limits: &Limits,
@@ -86,7 +99,7 @@ impl TruePanel {
         let weighted = &shape.mapv(Complex64::from) * &factors;
         let own: Complex64 = weighted.iter().zip(&shape).map(|(a, b)| a * b).sum();
         let free: Complex64 = self.modal_force(drive).iter().zip(&weighted).map(|(a, b)| a * b).sum();
-        let force = free / (Finger::default().impedance(frequency_hz).inv() + own);
+        let force = free / (finger.impedance(frequency_hz).inv() + own);
         let pressed = self.at_places.mapv(Complex64::from).dot(&weighted) * force;
         Ok(self.served(&(self.field(drive, &factors) - pressed), zones, limits))
     }

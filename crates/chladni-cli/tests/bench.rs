@@ -49,3 +49,36 @@ fn scenes_are_judged_on_the_true_plate() {
     assert!(value(3, "window_total") < 0.9, "{csv}");
     assert!(folder.run("bench scene -o out --case nowhere").exits(2).stderr.contains("quarter-1"));
 }
+
+#[test]
+fn stability_writes_cells_failures_calibration_and_a_page() {
+    let folder = Folder::new();
+    let line = "bench stability -o out --case spacing-references --method peak --seeds 1 --quick --export-silent --json";
+    let json = folder.run(line).exits(0).json();
+    assert_eq!(json["rows"], 9);
+    assert!(folder.text("out/stability.csv").contains("case,method,spacing_bandwidths,references,found,missed,spurious,announced,"));
+    assert!(folder.text("out/stability-calibration.csv").contains("wrong_silent"));
+    assert!(folder.text("out/stability.html").contains("stability-spacing-references-peak"));
+    assert!(!folder.path().join("out/stability.journal").exists());
+    // peaks closer than their width are one peak: what went wrong in silence can be fitted again
+    let silent = json["files"].as_array().unwrap().iter().filter(|file| file.as_str().unwrap().ends_with(".h5")).count();
+    assert!(silent > 0 && silent <= 20, "{json}");
+    let run = folder.run("bench stability -o out --case nowhere").exits(2);
+    assert!(run.stderr.contains("snr-overlap"), "{}", run.stderr);
+}
+
+#[test]
+fn solvers_and_profile_write_their_tables() {
+    let folder = Folder::new();
+    folder.run("bench solvers -o out --quick").exits(0);
+    let csv = folder.text("out/solvers.csv");
+    assert!(csv.contains("kernel,backend,size,time_s,") && csv.contains("\nsvd,"), "{csv}");
+    assert!(folder.path().join("out/solvers.svg").is_file());
+
+    folder.write("panel.toml", "[frf]\nstop_hz = 150\nstep_hz = 0.5\n");
+    folder.run("simulate panel.toml -o panel.h5").exits(0);
+    folder.run("bench profile -o out --input panel.h5").exits(0);
+    let csv = folder.text("out/profile.csv");
+    assert!(csv.lines().any(|line| line.starts_with("fit,") && line.contains(",panel.h5,auto,")), "{csv}");
+    assert!(folder.run("bench profile -o out --input nowhere.h5 --force").exits(66).stderr.contains("nowhere.h5"));
+}

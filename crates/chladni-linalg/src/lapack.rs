@@ -14,8 +14,8 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 pub const NAME: &str = "lapack";
 
-/// What ndarray-linalg asks of an element.
-pub trait Element: Lapack<Real = f64> {}
+/// What ndarray-linalg asks of an element, and what the other back end asks of it, so that both can be compared.
+pub trait Element: Lapack<Real = f64> + crate::beside::Element {}
 impl Element for f64 {}
 impl Element for Complex64 {}
 

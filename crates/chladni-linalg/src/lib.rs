@@ -7,14 +7,19 @@
 //!
 //! Every function runs on one thread; parallel work belongs outside, where it is deterministic.
 
+mod back_ends;
 #[cfg(not(feature = "system"))]
 #[path = "faer.rs"]
 mod backend;
 #[cfg(feature = "system")]
 #[path = "lapack.rs"]
 mod backend;
+#[cfg(feature = "system")]
+#[path = "faer.rs"]
+mod beside;
 mod scalar;
 
+pub use back_ends::{back_ends, BackEnd, Dense, Factors, Given};
 use ndarray::{Array1, Array2, ArrayView2, ArrayViewMut2, Axis};
 use num_complex::Complex64;
 pub use scalar::Scalar;

@@ -1,12 +1,15 @@
 //! `chladni bench accuracy`.
 
-use super::{shown, Methods, Place};
+use super::{shown, Place};
 use crate::console::Console;
 use crate::outcome::Outcome;
 use crate::output::{Output, FRF, MODEL};
 use crate::table::table;
-use chladni_bench::{accuracy, accuracy_csv, accuracy_figures, accuracy_modes_csv, AccuracyOptions, AccuracyRow, Case, CASES};
-use chladni_frf::io::{write_contents, write_model, Contents};
+use chladni_bench::{
+    accuracy, accuracy_csv, accuracy_figures, accuracy_modes_csv, scene_figures, scenes, AccuracyOptions, AccuracyRow, Case, Means,
+    PeerRow, SceneCase, SceneOptions, SceneRow, Solver, CASES, SCENE_CASES,
+};
+use chladni_frf::io::{read_text, write_contents, write_model, Contents};
 use chladni_frf::Result;
 use chladni_rfp::ShapeModel;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -21,19 +24,29 @@ const SEEDS: usize = 100;
 /// Seeds of a quick run.
 const QUICK_SEEDS: usize = 3;
 
+/// Scenes of a quick run: the panel is measured and fitted once for both.
+const QUICK_SCENES: [&str; 2] = ["quarter-1", "ninth-5"];
+/// Above the figures of the page.
+const WORDS: &str = "Each method on cases whose truth is known: error against time. Both scales are logarithmic, lower left is better, the line joins what \
+nothing else beats in both. Times are medians of this run; on a shared machine only their ratios mean something.";
+
 /// Arguments of `bench accuracy`.
 #[derive(Debug, clap::Args)]
 #[command(before_help = "Examples:
   chladni bench accuracy -o bench --quick
   chladni bench accuracy -o bench --case panel --method auto --seeds 100
+  chladni bench accuracy -o bench --case quarter-1
 
-Writes accuracy.csv (a row for each case and method), accuracy-modes.csv (a row for each of their modes) and
-accuracy-CASE.svg/png (error against time with the Pareto front).")]
+Writes accuracy.csv (a row for each case and method, scenes of rendering among them), accuracy-modes.csv (a row for each mode),
+accuracy-CASE.svg/png (error against time with the Pareto front), accuracy-CASE-knobs (one option turned), scene-CASE (ground lost against time) and
+accuracy.html. An interrupted run goes on where it stopped.")]
 pub struct Args {
     #[command(flatten)]
     place: Place,
-    #[command(flatten)]
-    methods: Methods,
+    /// Methods to run, of identification and of rendering; may be repeated [default: all]
+    #[arg(long = "method", value_name = "METHOD", value_parser = PossibleValuesParser::new(Solver::names())
+        .try_map(|name| Solver::named(&name).ok_or("no such method")))]
+    methods: Vec<Solver>,
     /// Noise seeds of each case for the methods that maximise the likelihood; others take a tenth of them [default: 100; quick: 3]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     seeds: Option<u32>,
@@ -47,10 +60,19 @@ pub struct Args {
     /// Also write the FRFs of the first fits whose count of modes or damping law is wrong, frf-CASE-SEED.h5, and truth-CASE.json
     #[arg(long)]
     export_wrong: bool,
-    /// Cases to run; may be repeated [default: all]
-    #[arg(long = "case", value_name = "CASE", value_parser = PossibleValuesParser::new(CASES.map(|case| case.name))
-        .try_map(|name| Case::named(&name).ok_or("no such case")))]
-    cases: Vec<&'static Case>,
+    /// Also write the FRFs of every case and seed, frf-CASE-SEED.h5, and truth-CASE.json: what benches/peers/peers.py reads
+    #[arg(long)]
+    export: bool,
+    /// A table of other tools on these cases, from benches/peers/peers.py, to stand on the charts
+    #[arg(long, value_name = "CSV")]
+    peers: Option<PathBuf>,
+    /// Leave every option as it is: no knobs
+    #[arg(long)]
+    no_knobs: bool,
+    /// Cases and scenes to run; may be repeated [default: all cases, and five scenes]
+    #[arg(long = "case", value_name = "CASE", value_parser = PossibleValuesParser::new(
+        CASES.iter().map(|case| case.name).chain(SCENE_CASES.iter().map(|case| case.name))))]
+    cases: Vec<String>,
 }
 
 /// Runs the command.
@@ -59,35 +81,66 @@ pub struct Args {
 /// Those of writing.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     args.place.prepare(&TABLES, console)?;
-    let cases =
-        if args.cases.is_empty() { CASES.iter().filter(|case| case.quick || !args.place.quick).collect() } else { args.cases.clone() };
-    let seeds = args.seeds.map_or(if args.place.quick { QUICK_SEEDS } else { SEEDS }, |seeds| seeds as usize);
-    let options = AccuracyOptions { cases, methods: args.methods.or_all(), shapes: args.shapes, seeds, first_seed: args.seed };
-    let rows = accuracy(&options, &|stage| console.stage(stage))?;
-    let tables = [(TABLES[0], accuracy_csv(&rows)), (TABLES[1], accuracy_modes_csv(&rows))];
-    let mut files = args.place.write(&tables, &accuracy_figures(&rows), console)?;
-    if args.export_wrong {
-        files.extend(export_wrong(&rows, &args.place.output, console)?);
+    let quick = args.place.quick;
+    let peers = match &args.peers {
+        Some(file) => PeerRow::parse(&read_text(file, "a table of other tools, CSV")?).map_err(|error| error.file(file))?,
+        None => Vec::new(),
+    };
+    let (cases, scene_cases): (Vec<&Case>, Vec<&SceneCase>) = match args.cases.is_empty() {
+        true => (
+            CASES.iter().filter(|case| case.quick || !quick).collect(),
+            SCENE_CASES.iter().filter(|case| case.quick && (!quick || QUICK_SCENES.contains(&case.name))).collect(),
+        ),
+        false => (
+            args.cases.iter().filter_map(|name| Case::named(name)).collect(),
+            args.cases.iter().filter_map(|name| SceneCase::named(name)).collect(),
+        ),
+    };
+    let chosen = if args.methods.is_empty() { Solver::all() } else { args.methods.clone() };
+    let of_fits = chosen.iter().filter_map(|solver| if let Solver::Identify(method) = solver { Some(*method) } else { None });
+    let of_scenes = chosen.iter().filter_map(|solver| if let Solver::Render(method) = solver { Some(*method) } else { None });
+    let seeds = args.seeds.map_or(if quick { QUICK_SEEDS } else { SEEDS }, |seeds| seeds as usize);
+    let knobs = !args.no_knobs && (!quick || !args.cases.is_empty());
+    let options = AccuracyOptions { cases, methods: of_fits.collect(), shapes: args.shapes, seeds, first_seed: args.seed, knobs };
+    let of_scenes =
+        SceneOptions { cases: scene_cases, methods: of_scenes.collect(), means: vec![Means::default()], by_measured_line: false };
+    let purpose = format!("{:?} {} {:?} {chosen:?}", options.shapes, options.first_seed, args.cases);
+    let mut journal = args.place.journal("accuracy", &purpose, console)?;
+    let rows = accuracy(&options, &mut journal, &|stage| console.stage(stage))?;
+    let drives = scenes(&of_scenes, &mut journal, &|stage| console.stage(stage))?;
+    let tables = [(TABLES[0], accuracy_csv(&rows, &drives)), (TABLES[1], accuracy_modes_csv(&rows))];
+    let figures = [accuracy_figures(&rows, &peers), scene_figures(&drives)].concat();
+    let mut files = args.place.write(&tables, &figures, console)?;
+    files.push(args.place.page("accuracy", "Speed against accuracy", WORDS, &figures, console)?);
+    journal.finish();
+    if args.export || args.export_wrong {
+        let all = (args.seed..args.seed + seeds as u64).collect::<Vec<_>>();
+        let wrong = |row: &AccuracyRow| [row.wrong_seeds.clone(), row.wrong_law_seeds.clone()].concat();
+        let seeds = |row: &AccuracyRow| if args.export { all.clone() } else { wrong(row) };
+        files.extend(export(&rows, &seeds, &args.place.output, console)?);
     }
     let wrong = |row: &AccuracyRow| row.on_target() == Some(false);
     let json = json!({
         "output": args.place.output.display().to_string(),
         "files": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
         "seeds": seeds,
-        "rows": rows.len(),
+        "rows": rows.len() + drives.len(),
         "off_target": rows.iter().filter(|row| wrong(row)).map(|row| json!({"case": row.case.name, "method": row.method.as_str()})).collect::<Vec<_>>(),
         "warnings": console.warnings(),
     });
     let folder = args.place.output.display();
-    Ok(Outcome::written(&args.place.output, json, format!("{}\nthe rest stands in {folder}/accuracy.csv\n", text(&rows))))
+    Ok(Outcome::written(
+        &args.place.output,
+        json,
+        format!("{}{}\nthe rest stands in {folder}/accuracy.csv\n", text(&rows), scene_text(&drives)),
+    ))
 }
 
-/// Writes the measurements that were counted wrong, so that they can be fitted and looked at as any other.
-fn export_wrong(rows: &[AccuracyRow], folder: &Path, console: &Console) -> Result<Vec<PathBuf>> {
+/// Writes the measurements of these seeds, so that they can be fitted and looked at as any other.
+fn export(rows: &[AccuracyRow], seeds: &dyn Fn(&AccuracyRow) -> Vec<u64>, folder: &Path, console: &Console) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for case in CASES {
-        let of_row = |row: &AccuracyRow| [row.wrong_seeds.clone(), row.wrong_law_seeds.clone()].concat();
-        let seeds: BTreeSet<u64> = rows.iter().filter(|row| row.case.name == case.name).flat_map(of_row).collect();
+        let seeds: BTreeSet<u64> = rows.iter().filter(|row| row.case.name == case.name).flat_map(seeds).collect();
         if seeds.is_empty() {
             continue;
         }
@@ -139,11 +192,26 @@ fn text(rows: &[AccuracyRow]) -> String {
                 shown(row.exact, 2),
                 shown(row.wrong_law, 2),
             ];
-            [row.case.name.to_owned(), row.method.to_string()].into_iter().chain(numbers).collect()
+            [row.case.name.to_owned(), row.name()].into_iter().chain(numbers).collect()
         })
         .collect();
     format!(
         "errors as root mean square over the Cramér-Rao bound of free residues (real: of one real shape per mode), by modes\n{}",
         table(&HEADER, &cells)
     )
+}
+
+/// Time and ground served of each rendering method.
+fn scene_text(drives: &[SceneRow]) -> String {
+    let cells: Vec<Vec<String>> = drives
+        .iter()
+        .map(|row| {
+            let numbers = [shown(row.drive.time_s, 4), shown(row.drive.window.least(), 3), shown(row.drive.drifted[0], 3)];
+            [row.case.name.to_owned(), row.asked.to_string()].into_iter().chain(numbers).collect()
+        })
+        .collect();
+    match cells.is_empty() {
+        true => String::new(),
+        false => format!("\n{}", table(&["scene", "method", "time, s", "ground served", "after drift"], &cells)),
+    }
 }

@@ -3,15 +3,16 @@
 mod accuracy;
 mod profile;
 mod scene;
+mod solvers;
+mod stability;
 
 use crate::console::Console;
 use crate::outcome::Outcome;
-use crate::output::{make_folder, Output, PICTURE, TABLE};
+use crate::output::{make_folder, Output, HTML, PICTURE, TABLE};
+use chladni_bench::Journal;
 use chladni_frf::io::write_atomically;
 use chladni_frf::Result;
 use chladni_report::Figure;
-use chladni_rfp::Method;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::path::PathBuf;
 
 /// Pixels of a PNG file per px of the picture.
@@ -26,6 +27,10 @@ pub enum Bench {
     Profile(profile::Args),
     /// Success against time: every rendering method on named scenes, from noisy FRFs to the true plate
     Scene(scene::Args),
+    /// Dense kernels at the sizes of a fit, every back end that is linked in, by turns
+    Solvers(solvers::Args),
+    /// Where methods fail and whether they know it: maps over two things at a time, calibration of warnings and error bars
+    Stability(stability::Args),
 }
 
 /// Runs the command.
@@ -37,6 +42,8 @@ pub fn run(what: &Bench, console: &Console) -> Result<Outcome> {
         Bench::Accuracy(args) => accuracy::run(args, console),
         Bench::Profile(args) => profile::run(args, console),
         Bench::Scene(args) => scene::run(args, console),
+        Bench::Solvers(args) => solvers::run(args, console),
+        Bench::Stability(args) => stability::run(args, console),
     }
 }
 
@@ -51,30 +58,29 @@ pub struct Place {
     quick: bool,
 }
 
-/// Which methods of identification to run.
-#[derive(Debug, clap::Args)]
-pub struct Methods {
-    /// Methods to run; may be repeated [default: all]
-    #[arg(long = "method", value_name = "METHOD", value_parser = PossibleValuesParser::new(Method::ALL.map(Method::as_str))
-        .try_map(|name| name.parse::<Method>()))]
-    methods: Vec<Method>,
-}
-
-impl Methods {
-    fn or_all(&self) -> Vec<Method> {
-        if self.methods.is_empty() {
-            Method::ALL.to_vec()
-        } else {
-            self.methods.clone()
-        }
-    }
-}
-
 impl Place {
     /// Makes the folder and refuses, before the work, tables that stand there already.
     fn prepare(&self, tables: &[&str], console: &Console) -> Result<()> {
         make_folder(&self.output)?;
         tables.iter().try_for_each(|name| Output::new(&self.output.join(name), TABLE, &[], console).map(drop))
+    }
+
+    /// What an interrupted run of the same `verb` with the same `purpose` has finished in this folder; a new build begins anew.
+    fn journal(&self, verb: &str, purpose: &str, console: &Console) -> Result<Journal> {
+        let built = std::env::current_exe().and_then(|program| program.metadata()).and_then(|file| file.modified());
+        let journal = Journal::open(&self.output.join(format!("{verb}.journal")), &format!("{verb} {purpose} {:?}", built.ok()))?;
+        if journal.resumed() > 0 {
+            console.note(&format!("going on with an interrupted run: {} pieces are finished", journal.resumed()));
+        }
+        Ok(journal)
+    }
+
+    /// Writes all figures as one page, `verb`.html.
+    fn page(&self, verb: &str, title: &str, words: &str, figures: &[Figure], console: &Console) -> Result<PathBuf> {
+        let path = self.output.join(format!("{verb}.html"));
+        let page = chladni_report::gallery(title, words, figures);
+        Output::new(&path, HTML, &[], console)?.write(|path, force| write_atomically(path, force, |out| out.write_all(page.as_bytes())))?;
+        Ok(path)
     }
 
     /// Writes tables, and figures as SVG and PNG; returns the files.

@@ -1,32 +1,44 @@
 //! `chladni bench profile`.
 
-use super::{shown, Methods, Place};
+use super::{shown, Place};
 use crate::console::Console;
+use crate::input::{expand, read_frf, Reading};
 use crate::outcome::Outcome;
 use crate::table::table;
-use chladni_bench::{profile, profile_csv, profile_figure, ProfileCase, ProfileOptions, ProfileRow, PROFILE_CASES};
-use chladni_frf::Result;
+use chladni_bench::{
+    profile, profile_csv, profile_figure, scaling, scaling_csv, scaling_figure, ProfileCase, ProfileOptions, ProfileRow, ProfileSource,
+    PROFILE_CASES,
+};
+use chladni_frf::{io, Result};
 use chladni_rfp::Method;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::json;
+use std::path::PathBuf;
 
-/// The table.
-const TABLE: &str = "profile.csv";
-/// Methods that a profile times unless told otherwise: those that stand beside the floor.
-const METHODS: [&str; 2] = ["lean", "auto"];
+/// The tables: stages, and how times grow.
+const TABLES: [&str; 2] = ["profile.csv", "profile-scaling.csv"];
 
 /// Arguments of `bench profile`.
 #[derive(Debug, clap::Args)]
 #[command(before_help = "Examples:
   chladni bench profile -o bench --quick
   chladni bench profile -o bench --case panel --method auto
+  chladni bench profile -o bench --input scan.uff --frf-kind mobility
 
-Writes profile.csv (a row for each stage) and profile.svg/png. The large sets take up to 3.2 GB of memory.")]
+Writes profile.csv (a row for each stage), profile.svg/png, and profile-scaling.csv/svg/png (how the time grows with FRFs, lines, modes and threads).
+The large sets take up to 3.2 GB of memory.")]
 pub struct Args {
     #[command(flatten)]
     place: Place,
+    /// Methods to run; may be repeated [default: lean, auto; with --input: auto]
+    #[arg(long = "method", value_name = "METHOD", value_parser = PossibleValuesParser::new(Method::ALL.map(Method::as_str))
+        .try_map(|name| name.parse::<Method>()))]
+    methods: Vec<Method>,
+    /// FRFs of your own to profile; may be repeated: one set
+    #[arg(long, value_name = "FILE")]
+    input: Vec<PathBuf>,
     #[command(flatten)]
-    methods: Methods,
+    reading: Reading,
     /// Sets to run; may be repeated [default: all]
     #[arg(long = "case", value_name = "CASE", value_parser = PossibleValuesParser::new(PROFILE_CASES.map(|case| case.name))
         .try_map(|name| PROFILE_CASES.iter().find(|case| case.name == name).ok_or("no such set")))]
@@ -38,25 +50,38 @@ pub struct Args {
 /// # Errors
 /// Those of writing.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
-    args.place.prepare(&[TABLE], console)?;
-    let cases = if args.cases.is_empty() {
-        PROFILE_CASES.iter().filter(|case| case.quick || !args.place.quick).collect()
-    } else {
-        args.cases.clone()
+    args.place.prepare(&TABLES, console)?;
+    let named: Vec<&ProfileCase> = match (args.cases.is_empty(), args.input.is_empty()) {
+        (true, true) => PROFILE_CASES.iter().filter(|case| case.quick || !args.place.quick).collect(),
+        _ => args.cases.clone(),
     };
-    let methods = match args.methods.methods.is_empty() {
-        true => Method::ALL.into_iter().filter(|method| METHODS.contains(&method.as_str())).collect(),
-        false => args.methods.methods.clone(),
+    let mut cases: Vec<ProfileSource> = named.into_iter().map(ProfileSource::Named).collect();
+    if !args.input.is_empty() {
+        let files = expand(&args.input, console)?;
+        let (frf, _) = read_frf(&files, &args.reading, console)?;
+        cases.push(ProfileSource::Given(io::file_name(&files[0]), frf));
+    }
+    let methods = match (args.methods.is_empty(), args.input.is_empty()) {
+        (true, true) => vec![Method::Lean, Method::Auto],
+        (true, false) => vec![Method::Auto],
+        _ => args.methods.clone(),
     };
-    let rows = profile(&ProfileOptions { cases, methods }, &|stage| console.stage(stage))?;
-    let files = args.place.write(&[(TABLE, profile_csv(&rows))], &[profile_figure(&rows)], console)?;
+    let rows = profile(&ProfileOptions { cases, methods: methods.clone() }, &|stage| console.stage(stage))?;
+    let mut tables = vec![(TABLES[0], profile_csv(&rows))];
+    let mut figures = vec![profile_figure(&rows)];
+    if args.cases.is_empty() && args.input.is_empty() {
+        let grown = scaling(&methods, args.place.quick, &|stage| console.stage(stage))?;
+        tables.push((TABLES[1], scaling_csv(&grown)));
+        figures.extend(scaling_figure(&grown));
+    }
+    let files = args.place.write(&tables, &figures, console)?;
     let fits = rows.iter().filter(|row| row.stage == "fit");
     let json = json!({
         "output": args.place.output.display().to_string(),
         "files": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
         "fits": fits.map(|row| json!({
             "case": row.case, "method": row.method.as_str(), "time_s": row.time_s, "over_floor": row.over_floor,
-            "target": row.target(), "memory_over_data": row.memory_over_data,
+            "target": row.target(), "memory_over_data": row.memory_over_data, "peak_bytes": row.peak_bytes,
         })).collect::<Vec<_>>(),
         "warnings": console.warnings(),
     });
@@ -67,9 +92,16 @@ fn text(rows: &[ProfileRow]) -> String {
     let cells: Vec<Vec<String>> = rows
         .iter()
         .map(|row| {
-            let numbers = [shown(row.time_s, 4), shown(row.part, 3), shown(row.over_floor, 2), shown(row.memory_over_data, 2)];
-            [row.case.to_owned(), row.method.to_string(), row.stage.clone()].into_iter().chain(numbers).collect()
+            let numbers = [
+                shown(row.time_s, 4),
+                shown(row.part, 3),
+                shown(row.over_floor, 2),
+                shown(1e-9 * row.rate[0], 1),
+                shown(1e-9 * row.rate[1], 1),
+                shown(row.memory_over_data, 2),
+            ];
+            [row.case.clone(), row.method.to_string(), row.stage.clone()].into_iter().chain(numbers).collect()
         })
         .collect();
-    table(&["set", "method", "stage", "time, s", "part of the fit", "over the floor", "memory over data"], &cells)
+    table(&["set", "method", "stage", "time, s", "part of the fit", "over the floor", "Gflop/s", "GB/s", "memory over data"], &cells)
 }

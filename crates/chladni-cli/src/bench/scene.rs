@@ -4,7 +4,7 @@ use super::{shown, Place};
 use crate::console::Console;
 use crate::outcome::Outcome;
 use crate::table::{significant, table};
-use chladni_bench::{scene_csv, scenes, SceneCase, SceneOptions, SceneRow, SCENE_CASES};
+use chladni_bench::{scene_csv, scene_figures, scenes, Means, SceneCase, SceneOptions, SceneRow, SCENE_CASES};
 use chladni_frf::Result;
 use chladni_render::{Count, Method, MethodChoice};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -12,6 +12,14 @@ use serde_json::json;
 
 /// The table.
 const TABLE: &str = "scene.csv";
+
+/// Numbers of modes, of actuators and of residual terms where they are turned.
+const MODES: [usize; 8] = [1, 2, 4, 6, 8, 11, 15, 20];
+const ACTUATORS: [usize; 8] = [2, 3, 5, 7, 9, 12, 17, 25];
+const RESIDUAL_TERMS: usize = 3;
+/// Above the figures of the page.
+const WORDS: &str = "From 40 dB FRFs through the fit to a drive that the true plate judges. Ground lost is the larger share of hot and of cold ground beyond \
+its limit, on a 4 mm grid.";
 
 /// Arguments of `bench scene`.
 #[derive(Debug, clap::Args)]
@@ -21,7 +29,8 @@ const TABLE: &str = "scene.csv";
   chladni bench scene -o bench --case quarter-1 --actuators 3,5,7,9,12,20,all
 
 Simulates panels with 40 dB of noise, fits them, renders every scene by every method, and judges the drives on the true plate: at the
-responses, on a 4 mm grid, after random drift, and with a finger in the hot zone. Writes scene.csv.")]
+responses, on a 4 mm grid, after random drift, and with a finger in the hot zone. Writes scene.csv,
+scene-CASE.svg/png (ground lost against time), scene-CASE-means (what each mode, residual term and actuator buys) and scene.html.")]
 pub struct Args {
     #[command(flatten)]
     place: Place,
@@ -33,12 +42,15 @@ pub struct Args {
     #[arg(long = "case", value_name = "CASE", value_parser = PossibleValuesParser::new(SCENE_CASES.map(|case| case.name))
         .try_map(|name| SceneCase::named(&name).ok_or("no such scene")))]
     cases: Vec<&'static SceneCase>,
-    /// Numbers of modes, with commas: all, auto, or numbers
-    #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "all")]
+    /// Numbers of modes, with commas: all, auto, or numbers [default: all]
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
     modes: Vec<Count>,
-    /// Numbers of actuators, with commas: all, auto, or numbers
-    #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "all")]
+    /// Numbers of actuators, with commas: all, auto, or numbers [default: all]
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
     actuators: Vec<Count>,
+    /// Also turn modes, actuators and residual terms, one at a time, on the first scene with the default method
+    #[arg(long)]
+    means: bool,
     /// Judge `--modes auto` by the measured line instead of the whole model
     #[arg(long)]
     measured: bool,
@@ -59,12 +71,25 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
             true => Method::ALL.map(MethodChoice::Only).into_iter().chain([MethodChoice::Best]).collect(),
             false => args.methods.clone(),
         },
-        modes: args.modes.clone(),
-        actuators: args.actuators.clone(),
+        means: product(&args.modes, &args.actuators),
         by_measured_line: args.measured,
     };
-    let rows = scenes(&options, &|stage| console.stage(stage))?;
-    let files = args.place.write(&[(TABLE, scene_csv(&rows))], &[], console)?;
+    let mut journal = args.place.journal("scene", &format!("{}", args.measured), console)?;
+    let mut rows = scenes(&options, &mut journal, &|stage| console.stage(stage))?;
+    let plain = args.modes.is_empty() && args.actuators.is_empty();
+    if args.means || (plain && !args.place.quick && args.cases.is_empty()) {
+        let turned = SceneOptions {
+            cases: options.cases[..1].to_vec(),
+            methods: vec![MethodChoice::Default],
+            means: turned(),
+            by_measured_line: false,
+        };
+        rows.extend(scenes(&turned, &mut journal, &|stage| console.stage(stage))?);
+    }
+    let figures = scene_figures(&rows);
+    let mut files = args.place.write(&[(TABLE, scene_csv(&rows))], &figures, console)?;
+    files.push(args.place.page("scene", "Scenes: speed, success, and what each means buys", WORDS, &figures, console)?);
+    journal.finish();
     let json = json!({
         "output": args.place.output.display().to_string(),
         "files": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
@@ -74,22 +99,36 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     Ok(Outcome::written(&args.place.output, json, text(&rows)))
 }
 
+/// Every number of modes with every number of actuators.
+fn product(modes: &[Count], actuators: &[Count]) -> Vec<Means> {
+    let or_all = |counts: &[Count]| if counts.is_empty() { vec![Count::All] } else { counts.to_vec() };
+    let (modes, actuators) = (or_all(modes), or_all(actuators));
+    modes.iter().flat_map(|&modes| actuators.iter().map(move |&actuators| Means { modes, actuators, ..Means::default() })).collect()
+}
+
+/// Modes, actuators and residual terms one at a time, the others all.
+fn turned() -> Vec<Means> {
+    let modes = MODES.map(|count| Means { modes: Count::Number(count), ..Means::default() });
+    let actuators = ACTUATORS.map(|count| Means { actuators: Count::Number(count), ..Means::default() });
+    let terms = (0..=RESIDUAL_TERMS).map(|count| Means { residual_terms: Some(count), ..Means::default() });
+    modes.into_iter().chain(actuators).chain(terms).chain([Means::default()]).collect()
+}
+
 fn text(rows: &[SceneRow]) -> String {
     const HEADER: [&str; 13] =
         ["scene", "method", "modes", "actuators", "time, ms", "kappa", "points", "hot", "cold", "total", "drifted", "touched", "force, mN"];
     let cells: Vec<Vec<String>> = rows
         .iter()
         .map(|row| {
-            let weights = &row.rendering.weights;
-            let method =
-                if row.asked[0] == weights.method { weights.method.clone() } else { format!("{} ({})", row.asked[0], weights.method) };
-            let force = weights.indices.points.max_force_n.map_or(f64::NAN, |force| 1e3 * force);
-            let ratios = [row.points.total, row.window.hot, row.window.cold, row.window.total, row.drifted[0], row.touched];
-            [row.case.name.to_owned(), method, weights.modes_used.to_string(), weights.actuators_used.to_string()]
+            let drive = &row.drive;
+            let asked = row.asked.to_string();
+            let method = if asked == drive.method { asked } else { format!("{asked} ({})", drive.method) };
+            let ratios = [drive.points.total, drive.window.hot, drive.window.cold, drive.window.total, drive.drifted[0], drive.touched];
+            [row.case.name.to_owned(), method, drive.modes.to_string(), drive.actuators.to_string()]
                 .into_iter()
-                .chain([significant(1e3 * row.time_s, 3), shown(weights.kappa.unwrap_or(f64::NAN), 2)])
+                .chain([significant(1e3 * drive.time_s, 3), shown(drive.kappa, 2)])
                 .chain(ratios.map(|ratio| shown(ratio, 3)))
-                .chain([significant(force, 3)])
+                .chain([significant(1e3 * drive.max_force_n, 3)])
                 .collect()
         })
         .collect();

@@ -1,13 +1,23 @@
 //! Where the time of a fit goes, stage by stage, against the floor measured in the same run.
 
+mod figures;
+mod floor;
+mod least_work;
+mod memory;
+mod scaling;
+
+pub use figures::{profile_figure, scaling_figure};
+pub use floor::Floor;
+pub use scaling::{scaling, scaling_csv, ScalingRow};
+
 use crate::cases::panel;
-use crate::floor::Floor;
+use crate::csv;
 use crate::large::{large, Size};
 use crate::problem::Problem;
 use crate::statistics::{largest, median};
-use crate::{csv, memory};
 use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result, Trust};
 use chladni_rfp::{fit, FitOptions, Method};
+use least_work::least_work;
 use std::cell::RefCell;
 use std::time::Instant;
 
@@ -68,24 +78,68 @@ pub struct ProfileRow {
     /// Median over the repeats, s.
     pub time_s: f64,
     /// Set.
-    pub case: &'static str,
+    pub case: String,
     /// Method.
     pub method: Method,
     /// Part of the fit.
     pub part: f64,
     /// Over the floor measured beside it; the median of the ratios.
     pub over_floor: f64,
-    /// Work per time where it is known: flop/s, bytes/s.
+    /// The least work that the stage cannot do without: flop, bytes; NaN where that is not known.
+    pub work: [f64; 2],
+    /// The same over the time.
     pub rate: [f64; 2],
     /// Largest resident memory during the fit, the data included, over the data; not known on all systems.
     pub memory_over_data: f64,
+    /// The same, bytes.
+    pub peak_bytes: f64,
+}
+
+/// A set of FRFs to profile.
+#[derive(Debug, Clone)]
+pub enum ProfileSource {
+    /// A named one.
+    Named(&'static ProfileCase),
+    /// One that was measured: its name, and its FRFs.
+    Given(String, FrfSet),
+}
+
+/// Fits of a set that somebody brings.
+const GIVEN_REPEATS: usize = 3;
+
+impl ProfileSource {
+    fn name(&self) -> &str {
+        match self {
+            Self::Named(case) => case.name,
+            Self::Given(name, _) => name,
+        }
+    }
+    fn repeats(&self) -> usize {
+        match self {
+            Self::Named(case) => case.repeats,
+            Self::Given(..) => GIVEN_REPEATS,
+        }
+    }
+    /// The modes that it holds, where that is known.
+    fn modes(&self) -> Option<usize> {
+        match self {
+            Self::Named(case) => Some(case.modes),
+            Self::Given(..) => None,
+        }
+    }
+    fn frf(&self) -> Result<FrfSet> {
+        match self {
+            Self::Named(case) => (case.make)(),
+            Self::Given(_, frf) => Ok(frf.clone()),
+        }
+    }
 }
 
 /// What to run.
 #[derive(Debug, Clone)]
 pub struct ProfileOptions {
     /// Sets.
-    pub cases: Vec<&'static ProfileCase>,
+    pub cases: Vec<ProfileSource>,
     /// Methods.
     pub methods: Vec<Method>,
 }
@@ -96,13 +150,13 @@ pub struct ProfileOptions {
 /// None for the sets of this crate.
 pub fn profile(options: &ProfileOptions, progress: &dyn Fn(&str)) -> Result<Vec<ProfileRow>> {
     let mut rows = Vec::new();
-    for &case in &options.cases {
-        progress(&format!("{}: making the FRFs", case.name));
-        let frf = (case.make)()?;
+    for source in &options.cases {
+        progress(&format!("{}: FRFs", source.name()));
+        let frf = source.frf()?;
         for &method in &options.methods {
-            progress(&format!("{}: {method}, {} times", case.name, case.repeats));
-            let runs: Vec<Run> = (0..case.repeats).map(|_| Run::new(case, method, &frf)).collect::<Result<_>>()?;
-            rows.extend(summary(case, method, &runs));
+            progress(&format!("{}: {method}, {} times", source.name(), source.repeats()));
+            let runs: Vec<Run> = (0..source.repeats()).map(|_| Run::new(source, method, &frf)).collect::<Result<_>>()?;
+            rows.extend(summary(source, method, &runs));
         }
     }
     Ok(rows)
@@ -113,29 +167,42 @@ struct Run {
     stages: Vec<(String, f64)>,
     fit_s: f64,
     floor: Floor,
+    /// Values, unknowns of one FRF.
+    size: [f64; 2],
     memory_over_data: f64,
+    peak_bytes: f64,
 }
 
 impl Run {
-    fn new(case: &ProfileCase, method: Method, frf: &FrfSet) -> Result<Self> {
-        let options = FitOptions { method, modes: (method.as_str() == "lean").then_some(case.modes), ..FitOptions::default() };
+    fn new(source: &ProfileSource, method: Method, frf: &FrfSet) -> Result<Self> {
+        let options = FitOptions { method, modes: source.modes().filter(|_| method == Method::Lean), ..FitOptions::default() };
         let before = memory::resident_bytes().filter(|_| memory::forget_peak());
         let marks = RefCell::new(vec![(FIRST_STAGE.to_owned(), Instant::now())]);
         let fitted = fit(frf, &options, &|stage| marks.borrow_mut().push((stage.to_owned(), Instant::now())));
         let end = Instant::now();
         let peak = memory::peak_bytes();
-        let model = fitted.map_err(|error| Error::new(ErrorKind::Internal, format!("{method} fails on {}: {error}", case.name)))?.model;
+        let model = fitted.map_err(|error| refused(source, method, &error.to_string()))?.model;
         let marks = marks.into_inner();
         let ends = marks.iter().skip(1).map(|mark| mark.1).chain([end]);
-        let floor = Floor::measure(frf, unknowns(&model));
+        let unknowns = unknowns(&model);
+        let (responses, references, lines) = frf.values.dim();
+        let floor = Floor::measure(frf, unknowns);
         let added = before.zip(peak).map_or(f64::NAN, |(before, peak)| peak - before);
         Ok(Self {
             fit_s: (end - marks[0].1).as_secs_f64(),
             stages: joined(marks.iter().zip(ends).map(|((stage, start), end)| (stage.clone(), (end - *start).as_secs_f64()))),
             memory_over_data: 1.0 + added / floor.bytes,
+            peak_bytes: floor.bytes + added,
+            size: [(responses * references * lines) as f64, unknowns as f64],
             floor,
         })
     }
+}
+
+/// A fit that was refused: our bug on our own sets, a matter of the data on others.
+fn refused(source: &ProfileSource, method: Method, why: &str) -> Error {
+    let kind = if let ProfileSource::Named(_) = source { ErrorKind::Internal } else { ErrorKind::BadData };
+    Error::new(kind, format!("{method} cannot fit {}: {why}", source.name()))
 }
 
 /// Stages of the same name together, in the order of their first appearance.
@@ -163,20 +230,22 @@ fn unknowns(model: &ModalModel) -> usize {
     poles.len() + model.residual_terms.terms.len()
 }
 
-fn summary(case: &'static ProfileCase, method: Method, runs: &[Run]) -> Vec<ProfileRow> {
+fn summary(source: &ProfileSource, method: Method, runs: &[Run]) -> Vec<ProfileRow> {
     let over_runs = |value: &dyn Fn(&Run) -> f64| median(&runs.iter().map(value).collect::<Vec<_>>());
     let fit_s = over_runs(&|run| run.fit_s);
-    let row = |stage: &str, value: &dyn Fn(&Run) -> f64, rate: [f64; 2]| ProfileRow {
+    let row = |stage: &str, value: &dyn Fn(&Run) -> f64, work: &dyn Fn(&Run) -> [f64; 2]| ProfileRow {
         stage: stage.to_owned(),
         time_s: over_runs(value),
-        case: case.name,
+        case: source.name().to_owned(),
         method,
         part: over_runs(value) / fit_s,
         over_floor: over_runs(&|run| value(run) / run.floor.total_s()),
-        rate,
+        work: [0, 1].map(|which| over_runs(&|run| work(run)[which])),
+        rate: [0, 1].map(|which| over_runs(&|run| work(run)[which] / value(run))),
         memory_over_data: f64::NAN,
+        peak_bytes: f64::NAN,
     };
-    let unknown = [f64::NAN; 2];
+    let unknown = |_: &Run| [f64::NAN; 2];
     let stage_s = |run: &Run, name: &str| run.stages.iter().find(|(stage, _)| stage == name).map_or(0.0, |(_, time_s)| *time_s);
     let mut names: Vec<&String> = runs.iter().flat_map(|run| run.stages.iter().map(|(name, _)| name)).collect();
     let mut seen = Vec::new();
@@ -186,13 +255,20 @@ fn summary(case: &'static ProfileCase, method: Method, runs: &[Run]) -> Vec<Prof
             true
         }
     });
-    let mut rows: Vec<ProfileRow> = names.into_iter().map(|name| row(name, &|run| stage_s(run, name), unknown)).collect();
-    let memory_over_data = largest(&runs.iter().map(|run| run.memory_over_data).collect::<Vec<_>>());
-    rows.push(ProfileRow { memory_over_data, ..row("fit", &|run| run.fit_s, unknown) });
-    let bandwidth = over_runs(&|run| run.floor.bytes / run.floor.memory_s);
-    rows.push(row("floor: one pass over memory", &|run| run.floor.memory_s, [f64::NAN, bandwidth]));
-    rows.push(row("floor: 16NMm flop", &|run| run.floor.flop_s(), [over_runs(&|run| run.floor.flop_per_s), f64::NAN]));
-    rows.push(row("floor", &|run| run.floor.total_s(), unknown));
+    let least = |name: &str| {
+        let name = name.to_owned();
+        move |run: &Run| least_work(&name, run.size, run.floor.bytes)
+    };
+    let mut rows: Vec<ProfileRow> = names.into_iter().map(|name| row(name, &|run| stage_s(run, name), &least(name))).collect();
+    let largest_of = |value: fn(&Run) -> f64| largest(&runs.iter().map(value).collect::<Vec<_>>());
+    rows.push(ProfileRow {
+        memory_over_data: largest_of(|run| run.memory_over_data),
+        peak_bytes: largest_of(|run| run.peak_bytes),
+        ..row("fit", &|run| run.fit_s, &unknown)
+    });
+    rows.push(row("floor: one pass over memory", &|run| run.floor.memory_s, &|run| [f64::NAN, run.floor.bytes]));
+    rows.push(row("floor: 16NMm flop", &|run| run.floor.flop_s(), &|run| [run.floor.flop, f64::NAN]));
+    rows.push(row("floor", &|run| run.floor.total_s(), &|run| [run.floor.flop, run.floor.bytes]));
     rows
 }
 
@@ -210,11 +286,28 @@ impl ProfileRow {
 
 /// The rows as CSV.
 pub fn profile_csv(rows: &[ProfileRow]) -> String {
-    let header = ["stage", "time_s", "case", "method", "part_of_fit", "over_floor", "gflop_per_s", "gbyte_per_s", "memory_over_data"];
-    let comment = "medians over the repeats; floor: one pass over memory and 16 N M m flop at the speed of the back end's complex product";
+    let header = [
+        "stage",
+        "time_s",
+        "case",
+        "method",
+        "part_of_fit",
+        "over_floor",
+        "least_gflop",
+        "least_gbyte",
+        "gflop_per_s",
+        "gbyte_per_s",
+        "memory_over_data",
+        "peak_gbyte",
+    ];
+    let comment =
+        "medians over the repeats; floor: one pass over memory and 16 N M m flop at the speed of the back end's complex product; \
+                   least: what a stage cannot do without, so that its rates are at least these";
     let cells = |row: &ProfileRow| {
-        let numbers = [row.part, row.over_floor, 1e-9 * row.rate[0], 1e-9 * row.rate[1], row.memory_over_data];
-        let names = [row.stage.clone(), csv::number(row.time_s), row.case.to_owned(), row.method.to_string()];
+        let giga = [row.work[0], row.work[1], row.rate[0], row.rate[1]].map(|value| 1e-9 * value);
+        let memory = [row.memory_over_data, 1e-9 * row.peak_bytes];
+        let numbers = [row.part, row.over_floor].into_iter().chain(giga).chain(memory);
+        let names = [row.stage.clone(), csv::number(row.time_s), row.case.clone(), row.method.to_string()];
         names.into_iter().chain(numbers.map(csv::number)).collect()
     };
     csv::table(comment, &header, rows.iter().map(cells))
@@ -235,7 +328,7 @@ mod tests {
 
     #[test]
     fn stages_add_up_to_the_fit_and_the_floor_to_its_parts() {
-        let rows = profile(&ProfileOptions { cases: vec![&SMALL], methods: vec![Method::Auto] }, &|_| {}).unwrap();
+        let rows = profile(&ProfileOptions { cases: vec![ProfileSource::Named(&SMALL)], methods: vec![Method::Auto] }, &|_| {}).unwrap();
         let time_s = |stage: &str| rows.iter().find(|row| row.stage == stage).unwrap().time_s;
         let stages = rows.iter().filter(|row| row.stage != "fit" && !row.stage.starts_with("floor"));
         assert!((stages.map(|row| row.time_s).sum::<f64>() / time_s("fit") - 1.0).abs() < 1e-9);

@@ -1,0 +1,104 @@
+//! Knobs: one option of a method turned from the least to the most, everything else as it is.
+
+use chladni_frf::{FrfSet, FrfValues};
+use chladni_rfp::{FitOptions, Method, ShapeModel};
+use num_complex::Complex32;
+use std::fmt;
+
+/// One setting of a knob.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Setting {
+    /// So many modes more than there are.
+    Order(i32),
+    /// Data in single precision.
+    Single,
+    /// What shapes may be while poles are refined.
+    Shapes(ShapeModel),
+}
+
+impl fmt::Display for Setting {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Order(more) => write!(f, "order {more:+}"),
+            Self::Single => f.write_str("f32"),
+            Self::Shapes(shapes) => write!(f, "shapes {}", shapes.as_str()),
+        }
+    }
+}
+
+/// A knob of a method.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Knob {
+    pub(crate) method: Method,
+    /// For the legend.
+    pub(crate) about: &'static str,
+    pub(crate) settings: &'static [Setting],
+    /// Where the method stands among them unless told otherwise.
+    pub(crate) as_it_is: f64,
+}
+
+/// Cases on which knobs are turned.
+pub(crate) const KNOB_CASES: [&str; 2] = ["panel", "overlap-1"];
+
+/// The knobs that options of a fit give: sketch columns, passes and iterations of vector fitting are constants of the identification.
+pub(crate) const KNOBS: [Knob; 4] = [
+    Knob {
+        method: Method::Lean,
+        about: "order, 4 less to 8 more than there are",
+        settings: &[Setting::Order(-4), Setting::Order(-1), Setting::Order(1), Setting::Order(3), Setting::Order(8)],
+        as_it_is: 0.0,
+    },
+    Knob {
+        method: Method::Auto,
+        about: "shapes free, of one phase, real",
+        settings: &[Setting::Shapes(ShapeModel::Free), Setting::Shapes(ShapeModel::Rank1), Setting::Shapes(ShapeModel::Real)],
+        as_it_is: 3.0,
+    },
+    Knob { method: Method::Auto, about: "data in f32, f64", settings: &[Setting::Single], as_it_is: 1.0 },
+    Knob { method: Method::Lean, about: "data in f32, f64", settings: &[Setting::Single], as_it_is: 1.0 },
+];
+
+impl Knob {
+    /// Place of a setting along the knob; `None` where it belongs to another one.
+    pub(crate) fn position(&self, setting: Setting) -> Option<f64> {
+        let place = self.settings.iter().position(|own| *own == setting)?;
+        Some(if let Setting::Order(more) = setting { f64::from(more) } else { place as f64 })
+    }
+}
+
+impl Setting {
+    /// The options with this setting, for data with so many modes.
+    pub(crate) fn options(self, options: FitOptions, modes: usize) -> FitOptions {
+        match self {
+            Self::Order(more) => FitOptions { modes: Some(modes.saturating_add_signed(more as isize)), ..options },
+            Self::Shapes(shapes) => FitOptions { shapes, ..options },
+            Self::Single => options,
+        }
+    }
+
+    /// The data with this setting.
+    pub(crate) fn data(self, frf: FrfSet) -> FrfSet {
+        match (self, &frf.values) {
+            (Self::Single, FrfValues::F64(values)) => {
+                let values = FrfValues::F32(values.mapv(|v| Complex32::new(v.re as f32, v.im as f32)));
+                FrfSet { values, ..frf }
+            }
+            _ => frf,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_turn_what_they_say() {
+        let options = Setting::Order(-4).options(FitOptions::default(), 34);
+        assert_eq!((options.modes, Setting::Order(-4).to_string()), (Some(30), "order -4".to_string()));
+        let order = KNOBS[0];
+        let places: Vec<f64> = order.settings.iter().filter_map(|&setting| order.position(setting)).collect();
+        assert!(places.windows(2).all(|pair| pair[0] < pair[1]) && !places.contains(&order.as_it_is));
+        assert_eq!(order.position(Setting::Single), None);
+    }
+}

@@ -1,0 +1,111 @@
+//! Charts of scenes: ground lost against time, and what each mode, residual term and actuator buys.
+
+use super::{Means, SceneRow};
+use crate::pareto::{front, pareto_chart, Entry};
+use crate::solver::Solver;
+use chladni_render::Count;
+use chladni_report::{Axis, Chart, Colour, Dash, Figure, Height, Mark, Place, Stroke};
+
+/// Width of a picture, px.
+const WIDTH_PX: f64 = 720.0;
+/// Height of a chart of means, px.
+const CHART_PX: f64 = 120.0;
+/// Ground lost that is drawn as nothing: half a place of the 4 mm grid.
+const NOTHING_LOST: f64 = 1e-3;
+
+/// For each scene one figure of its methods, and one where means were turned.
+pub fn scene_figures(rows: &[SceneRow]) -> Vec<Figure> {
+    let mut names: Vec<&str> = Vec::new();
+    rows.iter().for_each(|row| {
+        if !names.contains(&row.case.name) {
+            names.push(row.case.name)
+        }
+    });
+    let of = |name: &str| rows.iter().filter(|row| row.case.name == name).collect::<Vec<_>>();
+    names.into_iter().flat_map(|name| [methods(&of(name)), means(&of(name))]).flatten().collect()
+}
+
+/// Time, and ground lost.
+fn place(row: &SceneRow) -> Place {
+    [row.drive.time_s, (1.0 - row.drive.window.least()).max(NOTHING_LOST)]
+}
+
+/// Whether no other method beats a row on its scene in time and ground together.
+pub(crate) fn scenes_on_front(rows: &[SceneRow]) -> Vec<bool> {
+    let on = |row: &SceneRow| {
+        let others = rows.iter().filter(|other| other.case.name == row.case.name).map(place);
+        front(&std::iter::once(place(row)).chain(others).collect::<Vec<_>>())[0]
+    };
+    rows.iter().map(on).collect()
+}
+
+fn methods(rows: &[&SceneRow]) -> Option<Figure> {
+    let whole: Vec<&&SceneRow> = rows.iter().filter(|row| row.means == Means::default()).collect();
+    let entries: Vec<Entry> = whole
+        .iter()
+        .map(|row| Entry { at: place(row), label: row.asked.to_string(), default: Solver::Render(row.asked).is_default() })
+        .collect();
+    let case = whole.first().filter(|_| entries.len() > 1)?.case;
+    let axes = [Axis::log("Time of a rendering, median", "s"), Axis::log("Ground lost, the larger of hot and cold", "share")];
+    let [x, y] = axes;
+    Some(Figure {
+        name: format!("scene-{}", case.name),
+        title: format!("Ground lost against time: {}", case.name),
+        caption: "From 40 dB FRFs through the fit to the drive, judged on a 4 mm grid of the true plate. Lower left is better.".into(),
+        width: WIDTH_PX,
+        charts: vec![pareto_chart(x, y, &entries, Vec::new(), &[])?],
+    })
+}
+
+/// One thing that is turned: its axis, the number that a row has of it, and whether it is the only thing turned in the row.
+type Turned = (&'static str, fn(&SceneRow) -> f64, fn(&SceneRow) -> bool);
+
+const TURNED: [Turned; 3] = [
+    ("Explicit modes", |row| row.drive.modes as f64, |row| row.means.actuators == Count::All && row.means.residual_terms.is_none()),
+    ("Actuators", |row| row.drive.actuators as f64, |row| row.means.modes == Count::All && row.means.residual_terms.is_none()),
+    ("Residual terms", |row| row.drive.residual_terms as f64, |row| row.means.modes == Count::All && row.means.actuators == Count::All),
+];
+
+/// Two charts for each thing that was turned, for the first method with several settings.
+fn means(rows: &[&SceneRow]) -> Option<Figure> {
+    let method = rows.iter().find(|row| rows.iter().filter(|other| other.asked == row.asked).count() > 1)?.asked;
+    let own: Vec<&&SceneRow> = rows.iter().filter(|row| row.asked == method).collect();
+    let charts: Vec<Chart> = TURNED
+        .iter()
+        .filter_map(|(name, count, only)| {
+            let mut along: Vec<(f64, &SceneRow)> = own.iter().filter(|row| only(row)).map(|row| (count(row), **row)).collect();
+            along.sort_by(|a, b| a.0.total_cmp(&b.0));
+            along.dedup_by(|a, b| a.0 == b.0);
+            (along.len() > 1).then(|| charts(name, &along))
+        })
+        .flatten()
+        .collect();
+    (!charts.is_empty()).then(|| Figure {
+        name: format!("scene-{}-means", rows[0].case.name),
+        title: format!("What each mode, residual term and actuator buys: {}, {method}", rows[0].case.name),
+        caption: "Shares on a 4 mm grid of the true plate; largest force, condition of the mobility and time over those with all.".into(),
+        width: WIDTH_PX,
+        charts,
+    })
+}
+
+/// What is served, and what it costs over the cost with all means.
+fn charts(name: &str, along: &[(f64, &SceneRow)]) -> [Chart; 2] {
+    let curve = |value: &dyn Fn(&SceneRow) -> f64| along.iter().map(|(count, row)| [*count, value(row)]).collect::<Vec<Place>>();
+    let last = along.last().map(|(_, row)| *row);
+    let over = |value: fn(&SceneRow) -> f64| curve(&|row| value(row) / last.map_or(f64::NAN, value));
+    let x = || Axis::linear(name, "–").padded(0.03);
+    let served = Chart::new(x(), Axis::linear("Share served", "–").range([0.0, 1.05]).step(0.25))
+        .height(Height::Px(CHART_PX))
+        .line("ground, the smaller of hot and cold", curve(&|row| row.drive.window.least()), Stroke::new(Colour::Series(0), 2.0))
+        .marks("", curve(&|row| row.drive.window.least()), Mark::Dot, Colour::Series(0), 7.0)
+        .line("after drift, mean", curve(&|row| row.drive.drifted[0]), Stroke::new(Colour::Series(2), 1.6).dashed(Dash::Dashed));
+    let cost = Chart::new(x(), Axis::log("Over that with all", "–").padded(0.1))
+        .height(Height::Px(CHART_PX))
+        .line("largest force", over(|row| row.drive.max_force_n), Stroke::new(Colour::Series(1), 1.6))
+        .marks("", over(|row| row.drive.max_force_n), Mark::Square, Colour::Series(1), 6.0)
+        .line("condition", over(|row| row.drive.condition), Stroke::new(Colour::Ink, 1.4).dashed(Dash::Dotted))
+        .line("time", over(|row| row.drive.time_s), Stroke::new(Colour::Muted, 1.4))
+        .marks("", over(|row| row.drive.time_s), Mark::Triangle, Colour::Muted, 6.0);
+    [served, cost]
+}
