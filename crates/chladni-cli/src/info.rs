@@ -10,7 +10,7 @@ use chladni_frf::{Dof, Error, FrfKind, FrfSet, Result};
 use serde_json::{json, Value};
 use std::path::{Path, PathBuf};
 
-/// Alike datasets beyond this count are one line of the table, without `-v`.
+/// Alike datasets beyond this count are one line of the table, and files beyond it one line each, without `-v`.
 const SHOWN_ALIKE: usize = 6;
 
 /// Arguments of `info`.
@@ -54,7 +54,10 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     }
     let doubt = listings.iter().any(|listing| listing.damaged).then(|| "some of it cannot be read: see the warnings".to_owned());
     let json = json!({"files": listings.iter().map(Listing::json).collect::<Vec<_>>(), "warnings": left_out});
-    let text = listings.iter().map(|listing| listing.text(console.verbose)).collect::<Vec<_>>().join("\n");
+    let text = match listings.len() > SHOWN_ALIKE && !console.verbose {
+        true => listings.iter().map(Listing::headline).collect::<String>() + "every dataset of each: -v\n",
+        false => listings.iter().map(|listing| listing.text(console.verbose)).collect::<Vec<_>>().join("\n"),
+    };
     Ok(Outcome::shown(json, text).doubted(doubt))
 }
 
@@ -188,6 +191,11 @@ impl Listing {
             "warnings": self.warnings,
             "datasets": self.datasets,
         })
+    }
+
+    /// The first line of [`Self::text`].
+    fn headline(&self) -> String {
+        self.text(false).lines().next().unwrap_or_default().to_owned() + "\n"
     }
 
     fn text(&self, verbose: bool) -> String {

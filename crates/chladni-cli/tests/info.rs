@@ -64,3 +64,16 @@ fn an_unknown_kind_is_a_warning_here() {
     let run = folder.run("info one.csv").exits(0);
     assert!(run.stderr.contains("--frf-kind"), "{}", run.stderr);
 }
+
+#[test]
+fn many_files_are_a_line_each() {
+    let folder = Folder::with_panel();
+    folder.run("convert panel.h5 -o scan_1.uff -q").exits(0);
+    for k in 2..=8 {
+        std::fs::copy(folder.path().join("scan_1.uff"), folder.path().join(format!("scan_{k}.uff"))).unwrap();
+    }
+    let brief = folder.run("info scan_*.uff").exits(0).stdout;
+    assert_eq!(brief.lines().filter(|line| line.contains("scan_")).count(), 8, "{brief}");
+    assert!(brief.lines().count() < 12 && brief.contains("-v"), "{brief}");
+    assert!(folder.run("info -v scan_*.uff").exits(0).stdout.contains("function"));
+}
