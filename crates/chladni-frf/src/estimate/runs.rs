@@ -142,7 +142,7 @@ pub fn runs_of(document: &Document, said: &ChannelOverride) -> Result<Vec<Run>> 
     };
     let records: Vec<&Function> = document.functions.iter().filter(|function| function.function_type == TIME).collect();
     for (name, count) in [("--dofs", said.dofs.len()), ("--units", said.units.len()), ("--scales", said.scales.len())] {
-        if count > 0 && records.len() % count != 0 {
+        if count > 0 && !records.len().is_multiple_of(count) {
             return Err(Error::new(crate::ErrorKind::Usage, "the list does not fit the channels of the file")
                 .file(&document.file)
                 .field(name)

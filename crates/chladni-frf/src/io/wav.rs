@@ -40,7 +40,7 @@ pub(super) fn read(bytes: &[u8], file: &Path) -> Result<Document> {
             reader.samples::<i32>().map(scaled).collect::<std::result::Result<_, _>>().map_err(damaged)?
         }
     };
-    if samples.len() != declared || samples.len() % count != 0 {
+    if samples.len() != declared || !samples.len().is_multiple_of(count) {
         return Err(Error::bad_data("the sound file ends early")
             .file(file)
             .field("WAV data chunk")

@@ -1,6 +1,6 @@
 //! What is written reads back.
 
-use crate::{options, read_with, text_58, SI_164};
+use crate::{options, read_with, text_58, ONES, SI_164, TWO_COMPLEX};
 use chladni_frf::io::uff::{write, Plan, WriteOptions};
 use chladni_frf::io::{Abscissa, Contents, Document, Ordinate, ReadOptions};
 use chladni_frf::{FrfKind, FrfSet, FrfValues, Geometry, Node, ReferenceUnit};
@@ -80,6 +80,25 @@ fn a_set_written_as_text_reads_back_to_the_printed_digits() {
         }
         assert_eq!(function.abscissa.values(values.len()), even_axis(), "df= in ID line 4 keeps the axis exact");
         assert_eq!(function.warnings, Vec::<String>::new());
+    }
+}
+
+#[test]
+fn numbers_that_do_not_fit_their_columns_are_refused() {
+    let sound = read_with([SI_164, &text_58(TWO_COMPLEX, ONES)].concat(), &options()).functions.remove(0);
+    type Spoil = fn(&mut chladni_frf::io::Function);
+    let spoils: [(Spoil, &str); 4] = [
+        (|function| function.axes[1].exponents[0] = 999_999_999, "exponent"),
+        (|function| function.axes[2].quantity = i32::MIN, "quantity"),
+        (|function| function.ids[1] = 1_000_000, "version"),
+        (|function| function.function_type = -100_000, "function type"),
+    ];
+    for (spoil, word) in spoils {
+        let mut function = sound.clone();
+        spoil(&mut function);
+        let contents = Contents { functions: vec![function], ..Contents::default() };
+        let error = Plan::new(&contents, WriteOptions::default()).unwrap_err().to_string();
+        assert!(error.contains(word) && error.contains("does not fit its columns"), "{error}");
     }
 }
 

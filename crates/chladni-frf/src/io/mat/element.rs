@@ -132,7 +132,7 @@ impl Element<'_> {
                 .help("the file is damaged: save or copy it again"))
         };
         let Some(size) = self.number_bytes() else { return wrong(format!("type {}", self.kind), "a numeric type, 1 to 7, 9, 12 or 13") };
-        if self.bytes.len() % size != 0 {
+        if !self.bytes.len().is_multiple_of(size) {
             return wrong(format!("{} bytes", self.bytes.len()), &format!("a multiple of {size} bytes"));
         }
         let bytes = self.bytes;

@@ -17,12 +17,17 @@ pub(super) fn check(function: &Function, options: WriteOptions) -> Result<Vec<St
     let whose = || format!("function {} / {}", function.response, function.reference);
     let count = function.ordinate.len();
     let mut warnings = Vec::new();
-    for (name, number, limit) in [
+    let of_record_6 = [
         ("function type", i64::from(function.function_type), 99_999),
         ("function id", function.ids[0], 9_999_999_999),
         ("version", function.ids[1], 99_999),
         ("load case", function.ids[2], 9_999_999_999),
-    ] {
+    ];
+    let of_axes = function.axes.iter().flat_map(|axis| {
+        let exponents = axis.exponents.map(|exponent| ("exponent of an axis", i64::from(exponent), 99_999));
+        exponents.into_iter().chain([("quantity code of an axis", i64::from(axis.quantity), 9_999_999_999)])
+    });
+    for (name, number, limit) in of_record_6.into_iter().chain(of_axes) {
         if !(-limit / 10..=limit).contains(&number) {
             return Err(Error::bad_data("the number does not fit its columns")
                 .field(format!("{}: {name}", whose()))
