@@ -101,7 +101,7 @@ pub enum ProfileSource {
     /// A named one.
     Named(&'static ProfileCase),
     /// One that was measured: its name, and its FRFs.
-    Given(String, FrfSet),
+    Given(String, Box<FrfSet>),
 }
 
 /// Fits of a set that somebody brings.
@@ -130,7 +130,7 @@ impl ProfileSource {
     fn frf(&self) -> Result<FrfSet> {
         match self {
             Self::Named(case) => (case.make)(),
-            Self::Given(_, frf) => Ok(frf.clone()),
+            Self::Given(_, frf) => Ok((**frf).clone()),
         }
     }
 }

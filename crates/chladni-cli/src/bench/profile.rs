@@ -59,7 +59,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     if !args.input.is_empty() {
         let files = expand(&args.input, console)?;
         let (frf, _) = read_frf(&files, &args.reading, console)?;
-        cases.push(ProfileSource::Given(io::file_name(&files[0]), frf));
+        cases.push(ProfileSource::Given(io::file_name(&files[0]), Box::new(frf)));
     }
     let methods = match (args.methods.is_empty(), args.input.is_empty()) {
         (true, true) => vec![Method::Lean, Method::Auto],
