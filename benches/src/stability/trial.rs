@@ -225,7 +225,9 @@ mod tests {
     #[test]
     fn an_error_beyond_its_bar_is_wrong_and_a_refusal_is_announced() {
         let measured = measured(3);
-        let mut model = fit(&measured.frf, &FitOptions::default(), &|_| {}).unwrap().model;
+        // the law given: a notice that it cannot be known would announce errors
+        let options = FitOptions { damping: Some(Damping::Structural), ..FitOptions::default() };
+        let mut model = fit(&measured.frf, &options, &|_| {}).unwrap().model;
         model.modes.iter_mut().for_each(|mode| mode.frequency_std_hz /= 1e3);
         let trial = Trial::of_model(&model, &measured.problem, true);
         assert!(trial.wrong() && trial.beyond > 0 && !trial.announced(), "{trial:?}");
@@ -254,6 +256,7 @@ mod tests {
             let problem = Problem::of_modes(&spec).unwrap();
             condition(&problem.truth, &problem.clean.frequency_hz)
         };
-        assert!(of(40.01) > 10.0 * of(40.2) && of(40.2) > of(70.0));
+        // columns of poles that merge differ by their distance to first order
+        assert!((of(40.000_1) / of(40.001) - 10.0).abs() < 0.5 && of(40.001) > of(70.0), "{} {} {}", of(40.000_1), of(40.001), of(70.0));
     }
 }

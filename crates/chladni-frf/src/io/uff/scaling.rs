@@ -309,9 +309,16 @@ mod tests {
         let (scaling, warnings) = read(axis(0, ""), axis(0, ""), None);
         assert_eq!((scaling.kind, scaling.scale_to_si), (None, 1.0));
         assert!(warnings[0].contains("SI is assumed"));
+        let (scaling, warnings) = read(axis(12, ""), axis(11, ""), Some(Units::SI));
+        assert_eq!(scaling.kind, None);
+        assert!(warnings[0].contains("12 over 11"), "{warnings:?}");
+    }
+
+    #[test]
+    fn force_over_motion_is_named() {
         let (scaling, warnings) = read(axis(13, ""), axis(12, ""), Some(Units::SI));
         assert_eq!(scaling.kind, None);
-        assert!(warnings[0].contains("13 over 12"));
+        assert!(warnings[0].contains("swapped"), "{warnings:?}");
     }
 
     #[test]
