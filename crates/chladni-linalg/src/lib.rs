@@ -15,6 +15,7 @@ mod backend;
 #[path = "lapack.rs"]
 mod backend;
 #[cfg(feature = "system")]
+#[allow(dead_code)] // the bench needs only its kernels
 #[path = "faer.rs"]
 mod beside;
 mod scalar;
