@@ -100,14 +100,21 @@ fn relocate(work: &Work, lambda: &[Complex64], powers: &[i32], how: Products) ->
     let psi = basis(&ones, lambda, &[0]);
     let sums: Array1<Complex64> = psi.columns().into_iter().map(|c| c.sum()).collect();
     // M = Σ_l (D_lΨ)ᴴ(I − QQᴴ)(D_lΨ)
-    let (mut gram, inside) = match how {
-        Products::PartialFractions => by_partial_fractions(work, lambda, powers, &psi)?,
-        Products::Orthonormal => on_orthonormal_basis(work, lambda, powers, &psi)?,
+    let solved = |how: Products| -> Result<Vec<Complex64>, LinalgError> {
+        let (mut gram, inside) = match how {
+            Products::PartialFractions => by_partial_fractions(work, lambda, powers, &psi)?,
+            Products::Orthonormal => on_orthonormal_basis(work, lambda, powers, &psi)?,
+        };
+        let scale: Vec<f64> = gram.diag().iter().map(|v| 1.0 / v.re.max(f64::MIN_POSITIVE).sqrt()).collect();
+        let explained: Vec<_> = inside.into_par_iter().map(|inside| matmul_h(inside.view(), inside.view())).collect();
+        explained.iter().for_each(|part| gram -= part);
+        minimise(&gram, &scale, &sums, lines as f64)
     };
-    let scale: Vec<f64> = gram.diag().iter().map(|v| 1.0 / v.re.max(f64::MIN_POSITIVE).sqrt()).collect();
-    let explained: Vec<_> = inside.into_par_iter().map(|inside| matmul_h(inside.view(), inside.view())).collect();
-    explained.iter().for_each(|part| gram -= part);
-    let sigma = minimise(&gram, &scale, &sums, lines as f64)?;
+    let sigma = match how {
+        // exact data on an ill-conditioned basis: the digits that partial fractions lose are all that is left of M
+        Products::PartialFractions => solved(how).or_else(|_| solved(Products::Orthonormal))?,
+        Products::Orthonormal => solved(how)?,
+    };
     if sigma[n].norm() == 0.0 || !sigma[n].is_finite() {
         return Ok(lambda.to_vec());
     }
