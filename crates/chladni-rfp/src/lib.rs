@@ -7,6 +7,7 @@
 
 mod alternation;
 mod blocks;
+mod decide;
 mod error;
 mod family;
 mod faults;
