@@ -123,6 +123,8 @@ pub(crate) const GROWTH_MOST: usize = 12;
 /// Squared distance of two poles, in units of its variance, up to which they count as one repeated pole: equal poles lie
 /// farther apart in one set of a hundred.
 pub(crate) const REPEATED_SIGMAS: f64 = 4.6;
+/// Half-bandwidths beyond the ends of the band within which a pole is sought with those inside.
+pub(crate) const BESIDE_HALF_WIDTHS: f64 = 4.0;
 /// Regularisation of structured refinement relative to a derivative's own sum of squares: far below any information of
 /// interest, far above rounding.
 pub(crate) const STRUCTURED_RIDGE: f64 = 1e-11;

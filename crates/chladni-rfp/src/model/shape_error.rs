@@ -82,12 +82,12 @@ pub(super) struct ShapeBars {
     pub scale: Vec<f64>,
 }
 
-/// Error bars of every term, for shapes scaled as told. Modes of the band are judged with the poles outside left free,
-/// as they were found, and the other way round.
+/// Error bars of every term, for shapes scaled as told. Modes of the band, and those found together with them, are judged with the poles
+/// outside left free, as they were found, and the other way round.
 pub(super) fn shape_bars(noisy: &Noisy, scales: &[Scale]) -> Result<ShapeBars, LinalgError> {
     let Noisy { work, powers, poles, shapes, .. } = noisy;
     let twin = |n: usize| Complex64::new(1.0, poles[n].loss_factor) * poles[n].omega.powi(2);
-    let (inside, outside): (Vec<usize>, Vec<usize>) = (0..poles.len()).partition(|&n| work.in_band(twin(n)));
+    let (inside, outside): (Vec<usize>, Vec<usize>) = (0..poles.len()).partition(|&n| work.in_band(twin(n)) || poles[n].given.is_some());
     let mut out = ShapeBars { shape: Array2::zeros(shapes.shape.raw_dim()), scale: vec![0.0; scales.len()] };
     for (kept, others) in [(&inside, &outside), (&outside, &inside)] {
         let rows: Vec<usize> = (0..shapes.owner.len()).filter(|&row| kept.contains(&shapes.owner[row])).collect();
