@@ -1,0 +1,54 @@
+//! One exception with the fields of the error contract.
+
+use chladni_frf::{Error, ErrorKind};
+use chladni_rfp::FitError;
+use pyo3::create_exception;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+create_exception!(
+    chladni,
+    ChladniError,
+    PyValueError,
+    "What was found, what was expected and what to do, in the attributes code, kind, file, dataset, line, byte, field, found, expected and help \
+     (None where they do not apply)."
+);
+
+/// The exception of an error about files, options or data.
+pub fn raised(py: Python<'_>, error: &Error) -> PyErr {
+    let exception = ChladniError::new_err(error.to_string());
+    let value = exception.value(py);
+    let file = error.file.as_ref().map(|file| file.display().to_string());
+    let set = || -> PyResult<()> {
+        value.setattr("code", error.kind.exit_code())?;
+        value.setattr("kind", error.kind.as_str())?;
+        value.setattr("file", file)?;
+        value.setattr("dataset", error.dataset)?;
+        value.setattr("line", error.line)?;
+        value.setattr("byte", error.byte)?;
+        value.setattr("field", error.field.as_deref())?;
+        value.setattr("found", error.found.as_deref())?;
+        value.setattr("expected", error.expected.as_deref())?;
+        value.setattr("help", error.help.as_deref())
+    };
+    match set() {
+        Ok(()) => exception,
+        Err(other) => other,
+    }
+}
+
+/// The exception of a word that an option does not know: "`x` is no ...; write ...".
+pub fn wrong_word(py: Python<'_>, field: &str, found: &str, message: &str) -> PyErr {
+    let error = Error::bad_word(message, found);
+    raised(py, &Error { kind: ErrorKind::Usage, ..error }.field(field))
+}
+
+/// The exception of a fit that cannot be made.
+pub fn unfitted(py: Python<'_>, error: &FitError) -> PyErr {
+    let kind = match error {
+        FitError::UnknownKind => ErrorKind::UnknownFrfKind,
+        FitError::Kernel(_) => ErrorKind::Internal,
+        _ => ErrorKind::BadData,
+    };
+    raised(py, &Error::new(kind, error.to_string()))
+}

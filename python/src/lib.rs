@@ -1,0 +1,27 @@
+//! Python bindings: the four things the command line does with FRFs, models and scenes, on NumPy arrays.
+//!
+//! `read` and `simulate` give an [`frf::FrfSet`], `fit` a [`model::Model`] of it, `render` a [`rendering::Rendering`] for a scene, and
+//! `evaluate` judges weights on other data. Long work runs without the interpreter's lock.
+
+mod error;
+mod frf;
+mod model;
+mod rendering;
+
+use pyo3::prelude::*;
+
+/// The compiled half of the package `chladni`.
+#[pymodule]
+fn _chladni(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add("ChladniError", module.py().get_type::<error::ChladniError>())?;
+    module.add_class::<frf::FrfSet>()?;
+    module.add_class::<model::Model>()?;
+    module.add_class::<rendering::Rendering>()?;
+    module.add_function(wrap_pyfunction!(frf::read, module)?)?;
+    module.add_function(wrap_pyfunction!(frf::simulate, module)?)?;
+    module.add_function(wrap_pyfunction!(model::fit, module)?)?;
+    module.add_function(wrap_pyfunction!(model::load_model, module)?)?;
+    module.add_function(wrap_pyfunction!(rendering::render, module)?)?;
+    module.add_function(wrap_pyfunction!(rendering::evaluate, module)?)
+}

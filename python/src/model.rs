@@ -1,0 +1,249 @@
+//! Modal models: fitted, loaded, and what notebooks ask of them.
+
+use crate::error::{raised, unfitted, wrong_word};
+use crate::frf::FrfSet;
+use chladni_frf::io::{read_model, write_model};
+use chladni_frf::{Damping, ModalModel, Mode, Trust};
+use chladni_rfp::{mac_matrix, FitOptions, Method, ShapeModel, Window};
+use ndarray::{Array1, Array2};
+use num_complex::Complex64;
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1};
+use pyo3::prelude::*;
+use std::cell::RefCell;
+use std::path::PathBuf;
+
+/// A modal model. Arrays hold the modes of the band (sure and weak) by rising frequency; to_dict() holds all.
+#[pyclass(frozen, module = "chladni")]
+pub struct Model {
+    pub model: ModalModel,
+}
+
+impl Model {
+    pub fn new(model: ModalModel) -> Self {
+        Self { model }
+    }
+
+    fn modes(&self) -> Vec<&Mode> {
+        self.model.in_band_modes().collect()
+    }
+
+    fn numbers<'py>(&self, py: Python<'py>, of: impl Fn(&Mode) -> f64) -> Bound<'py, PyArray1<f64>> {
+        self.model.in_band_modes().map(of).collect::<Array1<f64>>().into_pyarray(py)
+    }
+
+    fn rows<'py>(&self, py: Python<'py>, columns: usize, of: impl Fn(&Mode) -> &Vec<Complex64>) -> Bound<'py, PyArray2<Complex64>> {
+        let modes = self.modes();
+        Array2::from_shape_fn((modes.len(), columns), |(n, i)| of(modes[n])[i]).into_pyarray(py)
+    }
+}
+
+/// Shapes of the modes of the band.
+fn shapes(model: &Model) -> Vec<&[Complex64]> {
+    model.model.in_band_modes().map(|mode| mode.shape.0.as_slice()).collect()
+}
+
+#[pymethods]
+impl Model {
+    /// Undamped natural frequencies, Hz: (mode,).
+    #[getter]
+    fn frequency_hz<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.numbers(py, |mode| mode.frequency_hz)
+    }
+
+    /// Their standard deviations, Hz: (mode,).
+    #[getter]
+    fn frequency_std_hz<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.numbers(py, |mode| mode.frequency_std_hz)
+    }
+
+    /// Loss factors: (mode,).
+    #[getter]
+    fn loss_factor<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.numbers(py, |mode| mode.loss_factor)
+    }
+
+    /// Their standard deviations: (mode,).
+    #[getter]
+    fn loss_factor_std<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.numbers(py, |mode| mode.loss_factor_std)
+    }
+
+    /// Damping ratios, half the loss factors: (mode,).
+    #[getter]
+    fn damping_ratio<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.numbers(py, |mode| mode.damping_ratio)
+    }
+
+    /// Mode shapes: (mode, response).
+    #[getter]
+    fn shapes<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<Complex64>> {
+        self.rows(py, self.model.responses.len(), |mode| &mode.shape.0)
+    }
+
+    /// Standard deviations of the shapes: (mode, response).
+    #[getter]
+    fn shapes_std<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        let modes = self.modes();
+        let value = |(n, i): (usize, usize)| modes[n].shape_std.get(i).copied().unwrap_or(f64::NAN);
+        Array2::from_shape_fn((modes.len(), self.model.responses.len()), value).into_pyarray(py)
+    }
+
+    /// Participations: (mode, reference).
+    #[getter]
+    fn participations<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<Complex64>> {
+        self.rows(py, self.model.references.len(), |mode| &mode.participation.0)
+    }
+
+    /// "sure" or "weak" of each mode.
+    #[getter]
+    fn trust(&self) -> Vec<&'static str> {
+        self.model.in_band_modes().map(|mode| if mode.trust == Trust::Sure { "sure" } else { "weak" }).collect()
+    }
+
+    /// Why a mode is not sure, a list for each.
+    #[getter]
+    fn reasons(&self) -> Vec<Vec<String>> {
+        self.model.in_band_modes().map(|mode| mode.reasons.clone()).collect()
+    }
+
+    /// False where no mode is sure, or the data as a whole contradict the model.
+    #[getter]
+    fn trusted(&self) -> bool {
+        self.model.quality.trusted
+    }
+
+    /// Rms residual over rms data.
+    #[getter]
+    fn relative_error(&self) -> f64 {
+        self.model.quality.relative_error
+    }
+
+    /// χ² per degree of freedom.
+    #[getter]
+    fn chi2_per_dof(&self) -> f64 {
+        self.model.quality.chi2_per_dof
+    }
+
+    /// structural or viscous.
+    #[getter]
+    fn damping(&self) -> &'static str {
+        match self.model.damping {
+            Damping::Structural => "structural",
+            Damping::Viscous => "viscous",
+        }
+    }
+
+    /// What the user must know.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.model.quality.warnings.clone()
+    }
+
+    /// Names of the response DOFs.
+    #[getter]
+    fn responses(&self) -> Vec<String> {
+        self.model.responses.iter().map(ToString::to_string).collect()
+    }
+
+    /// Names of the reference DOFs.
+    #[getter]
+    fn references(&self) -> Vec<String> {
+        self.model.references.iter().map(ToString::to_string).collect()
+    }
+
+    /// FRFs of the model on the lines given, in the kind it was fitted in: (response, reference, line).
+    fn synthesise<'py>(&self, py: Python<'py>, frequency_hz: PyReadonlyArray1<'py, f64>) -> Bound<'py, PyArray3<Complex64>> {
+        let lines = frequency_hz.as_array().to_owned();
+        py.detach(|| self.model.synthesise(&lines)).into_pyarray(py)
+    }
+
+    /// MAC between the shapes of this model and of another (of itself without one): (mode, mode of the other).
+    #[pyo3(signature = (other=None))]
+    fn mac<'py>(&self, py: Python<'py>, other: Option<&Self>) -> Bound<'py, PyArray2<f64>> {
+        mac_matrix(&shapes(self), &shapes(other.unwrap_or(self))).into_pyarray(py)
+    }
+
+    /// The model file's text.
+    fn to_json(&self) -> PyResult<String> {
+        serde_json::to_string(&self.model).map_err(|error| pyo3::exceptions::PyRuntimeError::new_err(error.to_string()))
+    }
+
+    /// Writes the model, .json or .h5.
+    #[pyo3(signature = (path, *, force=false))]
+    fn save(&self, py: Python<'_>, path: PathBuf, force: bool) -> PyResult<()> {
+        write_model(&path, &self.model, force).map_err(|error| raised(py, &error))
+    }
+
+    fn __len__(&self) -> usize {
+        self.modes().len()
+    }
+
+    fn __repr__(&self) -> String {
+        let [low, high] = self.model.band_hz;
+        let trusted = if self.model.quality.trusted { "trusted" } else { "not trusted" };
+        format!("Model({} modes from {low} to {high} Hz, {}, {trusted})", self.modes().len(), self.damping())
+    }
+}
+
+/// Reads a model file, .json or .h5.
+#[pyfunction]
+pub fn load_model(py: Python<'_>, path: PathBuf) -> PyResult<Model> {
+    read_model(&path).map(Model::new).map_err(|error| raised(py, &error))
+}
+
+/// Identifies the modes in an FRF set.
+///
+/// band: (low, high) in Hz. modes: their number; None: decided by evidence. damping: "structural" or "viscous"; None: decided.
+/// method: auto, lean, vf, lscf, plscf, aaa, rfp, grfp, peak or circle. shapes: auto, free, rank1 or real. window: of the records that the
+/// FRFs were averaged from. exponential_window_per_s: decay of a hammer test's window. progress: called with the name of each stage.
+#[pyfunction]
+#[pyo3(signature = (frf, *, band=None, modes=None, damping=None, method="auto", shapes="auto", window=None, exponential_window_per_s=None, seed=0, progress=None))]
+#[allow(clippy::too_many_arguments)] // keywords on the Python side
+pub fn fit(
+    py: Python<'_>,
+    frf: &FrfSet,
+    band: Option<(f64, f64)>,
+    modes: Option<usize>,
+    damping: Option<&str>,
+    method: &str,
+    shapes: &str,
+    window: Option<&str>,
+    exponential_window_per_s: Option<f64>,
+    seed: u64,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Model> {
+    let damping = match damping {
+        None => None,
+        Some("structural") => Some(Damping::Structural),
+        Some("viscous") => Some(Damping::Viscous),
+        Some(other) => return Err(wrong_word(py, "damping", other, "no damping law; write structural or viscous")),
+    };
+    let window = window.map(|text| text.parse::<Window>().map_err(|message| wrong_word(py, "window", text, &message)));
+    let options = FitOptions {
+        band_hz: band.map(|(low, high)| [low, high]),
+        modes,
+        damping,
+        method: method.parse::<Method>().map_err(|message| wrong_word(py, "method", method, &message))?,
+        shapes: shapes.parse::<ShapeModel>().map_err(|message| wrong_word(py, "shapes", shapes, &message))?,
+        window: window.transpose()?,
+        exponential_window_per_s,
+        seed,
+        ..FitOptions::default()
+    };
+    let (fitted, failed) = py.detach(|| {
+        let failed: RefCell<Option<PyErr>> = RefCell::new(None);
+        let tell = |stage: &str| {
+            let Some(callback) = &progress else { return };
+            if failed.borrow().is_none() {
+                if let Err(error) = Python::attach(|py| callback.call1(py, (stage,))) {
+                    *failed.borrow_mut() = Some(error);
+                }
+            }
+        };
+        (chladni_rfp::fit(&frf.set, &options, &tell), failed.into_inner())
+    });
+    if let Some(error) = failed {
+        return Err(error);
+    }
+    fitted.map(|fitted| Model::new(fitted.model)).map_err(|error| unfitted(py, &error))
+}

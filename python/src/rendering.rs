@@ -1,0 +1,152 @@
+//! Weights for a scene, and what they do on other data.
+
+use crate::error::{raised, wrong_word};
+use crate::frf::FrfSet;
+use crate::model::Model;
+use chladni_frf::io::write_atomically;
+use chladni_render::{Count, MethodChoice, On, RenderOptions, Scene, Weights};
+use ndarray::Array1;
+use num_complex::Complex64;
+use numpy::{IntoPyArray, PyArray1};
+use pyo3::prelude::*;
+use std::path::{Path, PathBuf};
+
+/// Actuator weights for a scene, and how they do in the model.
+#[pyclass(frozen, module = "chladni")]
+pub struct Rendering {
+    weights: Weights,
+    velocity: Vec<Complex64>,
+    responses: Vec<String>,
+}
+
+#[pymethods]
+impl Rendering {
+    /// Peak phasors of the weights in N or V: (actuator,).
+    #[getter]
+    fn weights<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<Complex64>> {
+        self.weights.weights.iter().map(|weight| weight.value()).collect::<Array1<_>>().into_pyarray(py)
+    }
+
+    /// Names of the actuators, as the weights.
+    #[getter]
+    fn references(&self) -> Vec<String> {
+        self.weights.weights.iter().map(|weight| weight.reference.to_string()).collect()
+    }
+
+    /// Drive frequency, Hz.
+    #[getter]
+    fn frequency_hz(&self) -> f64 {
+        self.weights.frequency_hz
+    }
+
+    /// Velocities along +Z in the model, m/s, peak phasors: (response,).
+    #[getter]
+    fn velocity_m_per_s<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<Complex64>> {
+        Array1::from(self.velocity.clone()).into_pyarray(py)
+    }
+
+    /// Names of the responses, as the velocities.
+    #[getter]
+    fn responses(&self) -> Vec<String> {
+        self.responses.clone()
+    }
+
+    /// The method that ran.
+    #[getter]
+    fn method(&self) -> &str {
+        &self.weights.method
+    }
+
+    /// True where every judged response keeps its limit within the force limits.
+    #[getter]
+    fn feasible(&self) -> bool {
+        self.weights.feasible
+    }
+
+    /// Model errors, in standard deviations, under which every judged response keeps its limit.
+    #[getter]
+    fn kappa(&self) -> Option<f64> {
+        self.weights.kappa
+    }
+
+    /// What the user must know.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.weights.warnings.clone()
+    }
+
+    /// The weights file's text.
+    fn to_json(&self, py: Python<'_>) -> PyResult<String> {
+        self.weights.to_json().map_err(|error| raised(py, &error))
+    }
+
+    /// Writes the weights file.
+    #[pyo3(signature = (path, *, force=false))]
+    fn save(&self, py: Python<'_>, path: PathBuf, force: bool) -> PyResult<()> {
+        let text = self.to_json(py)?;
+        write_atomically(&path, force, |out| out.write_all(text.as_bytes())).map_err(|error| raised(py, &error))
+    }
+
+    fn __repr__(&self) -> String {
+        let feasible = if self.weights.feasible { "feasible" } else { "not feasible" };
+        format!(
+            "Rendering({} actuators at {} Hz, {}, {feasible})",
+            self.weights.weights.len(),
+            self.weights.frequency_hz,
+            self.weights.method
+        )
+    }
+}
+
+/// A scene file, or the text of one (anything with a line end or an equals sign).
+fn scene_of(py: Python<'_>, scene: &Bound<'_, PyAny>) -> PyResult<Scene> {
+    let read = match scene.extract::<String>() {
+        Ok(text) if text.contains(['\n', '=']) => Scene::parse(&text, Path::new("")),
+        _ => Scene::read(&scene.extract::<PathBuf>()?),
+    };
+    read.map_err(|error| raised(py, &error))
+}
+
+/// Weights that move the panel in the hot zones of a scene and keep it quiet in the cold ones.
+///
+/// scene: a scene file or its TOML text. method: default, fast, best, or one of the methods of `chladni render`. modes, actuators: "all",
+/// "auto" or a number. measured: FRFs whose line at the drive frequency judges modes="auto".
+#[pyfunction]
+#[pyo3(signature = (model, scene, *, method="default", modes="all", actuators="all", measured=None))]
+pub fn render(
+    py: Python<'_>,
+    model: &Model,
+    scene: &Bound<'_, PyAny>,
+    method: &str,
+    modes: &str,
+    actuators: &str,
+    measured: Option<&FrfSet>,
+) -> PyResult<Rendering> {
+    let count = |field: &str, text: &str| text.parse::<Count>().map_err(|message| wrong_word(py, field, text, &message.to_string()));
+    let options = RenderOptions {
+        method: method.parse::<MethodChoice>().map_err(|message| wrong_word(py, "method", method, &message.to_string()))?,
+        modes: count("modes", modes)?,
+        actuators: count("actuators", actuators)?,
+        ..RenderOptions::default()
+    };
+    let scene = scene_of(py, scene)?;
+    let rendered = py.detach(|| chladni_render::render_measured(&model.model, &scene, &options, measured.map(|frf| &frf.set)));
+    let rendered = rendered.map_err(|error| raised(py, &error))?;
+    let responses = rendered.field.responses.iter().map(ToString::to_string).collect();
+    Ok(Rendering { weights: rendered.weights, velocity: rendered.field.velocity_m_per_s, responses })
+}
+
+/// The indices of weights on other data, as a JSON text: measured FRFs or a model.
+#[pyfunction]
+#[pyo3(signature = (rendering, scene, on))]
+pub fn evaluate(py: Python<'_>, rendering: &Rendering, scene: &Bound<'_, PyAny>, on: &Bound<'_, PyAny>) -> PyResult<String> {
+    let scene = scene_of(py, scene)?;
+    let judged = match (on.cast::<Model>(), on.cast::<FrfSet>()) {
+        (Ok(model), _) => chladni_render::evaluate(&rendering.weights, &scene, On::Model(&model.get().model)),
+        (_, Ok(frf)) => chladni_render::evaluate(&rendering.weights, &scene, On::Frf(&frf.get().set)),
+        _ => return Err(wrong_word(py, "on", &on.get_type().to_string(), "nothing to judge on; write an FrfSet or a Model")),
+    };
+    let judged = judged.map_err(|error| raised(py, &error))?;
+    let text = serde_json::json!({"frequency_hz": judged.frequency_hz, "indices": judged.indices, "warnings": judged.warnings});
+    Ok(text.to_string())
+}

@@ -1,0 +1,126 @@
+"""The package against numbers that it did not make: closed forms of single modes, NumPy's own sums, the command line's contract."""
+
+import json
+from pathlib import Path
+
+import chladni
+import numpy as np
+import pytest
+
+FIXTURES = Path(__file__).parents[2] / "fixtures"
+FREQUENCY_HZ = np.arange(20.0, 240.0, 0.1)
+NATURAL_HZ = np.array([52.0, 101.0, 160.0])
+LOSS = np.array([0.012, 0.01, 0.015])
+
+
+def mobility(shapes, participations):
+    """v/F of structurally damped modes of unit modal mass, and white noise 60 dB below."""
+    omega, omega_n = 2 * np.pi * FREQUENCY_HZ, 2 * np.pi * NATURAL_HZ
+    factor = 1 / (omega_n[:, None] ** 2 * (1 + 1j * LOSS[:, None]) - omega**2)
+    values = 1j * omega * np.einsum("ni,nj,nk->ijk", shapes, participations, factor)
+    noise = np.random.default_rng(1)
+    scale = 1e-3 * np.sqrt(np.mean(np.abs(values) ** 2) / 2)
+    return values + scale * (noise.standard_normal(values.shape) + 1j * noise.standard_normal(values.shape))
+
+
+@pytest.fixture(scope="module")
+def shapes():
+    return np.random.default_rng(7).standard_normal((3, 6))
+
+
+@pytest.fixture(scope="module")
+def frf(shapes):
+    names = [f"{node}:+Z" for node in range(1, 7)]
+    return chladni.FrfSet(FREQUENCY_HZ, mobility(shapes, shapes[:, :2]), responses=names, references=names[:2])
+
+
+@pytest.fixture(scope="module")
+def model(frf):
+    return chladni.fit(frf)
+
+
+def test_modes_of_a_numpy_array_are_the_closed_form_ones(model, shapes):
+    assert model.trusted and model.trust == ["sure"] * 3
+    assert np.all(np.abs(model.frequency_hz - NATURAL_HZ) < 5 * model.frequency_std_hz)
+    assert np.all(np.abs(model.loss_factor - LOSS) < 5 * model.loss_factor_std)
+    # unit modal mass, the sign of a shape free
+    signs = np.sign(np.sum(model.shapes.real * shapes, axis=1))[:, None]
+    assert np.allclose(signs * model.shapes, shapes, atol=2e-2)
+    assert np.allclose(model.damping_ratio, model.loss_factor / 2)
+
+
+def test_names_of_other_packages_mean_the_same(model, frf):
+    assert np.array_equal(model.nat_freq, model.frequency_hz) and np.array_equal(model.nat_xi, model.damping_ratio)
+    assert np.allclose(np.diag(model.autoMAC()), 1)
+    u = model.shapes
+    by_hand = np.abs(u.conj() @ u.T) ** 2 / np.outer(np.sum(abs(u) ** 2, 1), np.sum(abs(u) ** 2, 1))
+    assert np.allclose(model.mac(), by_hand)
+    rebuilt = model.FRF_reconstruct(FREQUENCY_HZ)
+    assert np.linalg.norm(rebuilt - frf.values) < 3e-3 * np.linalg.norm(frf.values)
+
+
+def test_arrays_out_are_views_and_read_only(frf):
+    assert frf.values.base is not None and not frf.values.flags.writeable
+    with pytest.raises(ValueError):
+        frf.values[0, 0, 0] = 0
+    kept = frf.values
+    assert np.shares_memory(kept, frf.values)
+    single = chladni.FrfSet(frf.frequency_hz, frf.values.astype(np.complex64))
+    assert single.values.dtype == np.complex64 and np.array_equal(single.values, frf.values.astype(np.complex64))
+
+
+def test_files_come_back_bit_by_bit(frf, model, tmp_path):
+    frf.save(tmp_path / "set.h5")
+    again = chladni.read(tmp_path / "set.h5")
+    assert np.array_equal(again.values, frf.values) and again.responses == frf.responses and again.kind == "mobility"
+    model.save(tmp_path / "model.json")
+    loaded = chladni.load_model(tmp_path / "model.json")
+    assert np.array_equal(loaded.frequency_hz, model.frequency_hz) and np.array_equal(loaded.shapes, model.shapes)
+    assert json.loads(model.to_json())["format"] == "chladni.model" == model.to_dict()["format"]
+    with pytest.raises(chladni.ChladniError) as refused:
+        frf.save(tmp_path / "set.h5")
+    assert refused.value.code == 73 and str(tmp_path / "set.h5") == refused.value.file
+
+
+def test_errors_carry_the_fields_of_the_contract(frf, tmp_path):
+    with pytest.raises(chladni.ChladniError) as missing:
+        chladni.read(tmp_path / "nothing.uff")
+    assert (missing.value.code, missing.value.kind) == (66, "no_input") and missing.value.dataset is None
+    (tmp_path / "bad.csv").write_text("frequency_hz,re,im\n1,2,3\n2,2,abc\n")
+    with pytest.raises(chladni.ChladniError) as bad:
+        chladni.read(tmp_path / "bad.csv", frf_kind="mobility")
+    assert bad.value.code == 65 and bad.value.line == 3 and "abc" in bad.value.found
+    with pytest.raises(chladni.ChladniError) as word:
+        chladni.fit(frf, method="magic")
+    assert word.value.field == "method" and word.value.found == "magic" and "auto" in word.value.expected
+    with pytest.raises(chladni.ChladniError, match="no line between"):
+        chladni.fit(frf, band=(1e4, 2e4))
+    with pytest.raises(chladni.ChladniError) as sizes:
+        chladni.FrfSet(FREQUENCY_HZ[:-1], frf.values)
+    assert sizes.value.field == "frequency_hz"
+
+
+def test_progress_is_told_and_its_errors_come_through(frf):
+    stages = []
+    chladni.fit(frf, progress=stages.append)
+    assert "sketch" in stages and "shapes" in stages
+
+    def fail(_):
+        raise KeyError("mine")
+
+    with pytest.raises(KeyError, match="mine"):
+        chladni.fit(frf, progress=fail)
+
+
+def test_a_panel_is_simulated_fitted_and_driven():
+    frf, truth = chladni.simulate(FIXTURES / "panel-driving-points.toml", seed=3)
+    model = chladni.fit(frf)
+    assert model.trusted and len(model) == len(truth)
+    assert np.allclose(model.frequency_hz, truth.frequency_hz, rtol=1e-4)
+    assert np.all(np.diag(model.mac(truth)) > 0.99)
+    scene = FIXTURES / "scene-corner.toml"
+    drive = chladni.render(model, scene, method="fast")
+    assert drive.weights.shape == (len(drive.references),) and drive.velocity_m_per_s.shape == (len(drive.responses),)
+    assert drive.to_dict()["format"] == "chladni.weights"
+    judged = chladni.evaluate(drive, scene.read_text(), frf)
+    assert 0 <= judged["indices"]["points"]["min_ratio"] <= 1
