@@ -49,6 +49,7 @@ fn reading_takes_at_most_eight_times_the_file() {
         kind: Some(FrfKind::Mobility),
         reference_unit: ReferenceUnit::Newton,
         coherence: None,
+        variance: None,
         geometry: Geometry::default(),
     };
     for extension in ["uff", "unv", "h5", "csv", "npz"] {

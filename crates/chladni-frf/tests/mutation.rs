@@ -138,6 +138,7 @@ fn set() -> FrfSet {
         kind: Some(chladni_frf::FrfKind::Mobility),
         reference_unit: ReferenceUnit::Newton,
         coherence: Some(Array3::from_elem((2, 1, 6), 0.9)),
+        variance: None,
         geometry: Geometry {
             nodes: [1, 2, 101].map(|label| Node { label, xyz_m: [0.1 * label as f64, 0.0, 0.0] }).to_vec(),
             lines: vec![vec![1, 2, 101]],

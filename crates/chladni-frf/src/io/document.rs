@@ -94,6 +94,9 @@ pub struct DatasetInfo {
     pub frequency_hz: Option<f64>,
     /// Shapes (55, 2414): viscous damping ratio.
     pub damping_ratio: Option<f64>,
+    /// 58: kind of FRF that codes or labels say.
+    #[serde(skip)]
+    pub frf_kind: Option<FrfKind>,
     /// What is odd about it, or the error that makes it unreadable.
     pub warnings: Vec<String>,
     /// True where nothing else in the document holds its content: `convert` cannot carry it over.

@@ -3,7 +3,7 @@
 //! Numbers are Fortran's: exponents with `E`, `e`, `D`, `d` or no letter at all (`1.234-101`), a blank field is 0, stars
 //! are an overflow. Adjacent numbers may touch, so that blanks alone do not separate them.
 
-use super::decimal::short_decimal;
+use super::decimal::{right_justified, short_decimal};
 use crate::{Error, Result};
 
 /// One line of the file.
@@ -59,6 +59,24 @@ pub(super) fn float(field: &[u8]) -> std::result::Result<f64, Fault> {
     } else {
         Err(Fault::NotFinite)
     }
+}
+
+/// The number in a field of 13 or 20 columns, in one of the forms that writers of dataset 58 use; `None` for what must be looked at
+/// more closely: a field that is blank, damaged, left-justified against its neighbour, or longer than its line.
+pub(super) fn usual_float(field: &[u8]) -> Option<f64> {
+    let usual = match field.len() {
+        13 => right_justified::<13, 3>(field.try_into().ok()?),
+        20 => {
+            let field = field.try_into().ok()?;
+            right_justified::<20, 3>(field).or_else(|| right_justified::<20, 4>(field))
+        }
+        _ => None,
+    };
+    usual.or_else(|| {
+        let alone = field.first() == Some(&b' ') || !field.iter().any(u8::is_ascii_whitespace);
+        let in_one_line = !field.contains(&b'\n') && !field.trim_ascii().is_empty();
+        float(field).ok().filter(|_| alone && in_one_line)
+    })
 }
 
 /// `1.2D+03` and `1.2+03` as `1.2E+03`, in `buffer`; `None` where it does not fit.
@@ -183,6 +201,11 @@ pub(super) fn count_fields(text: &[u8], widths: &[usize]) -> usize {
     let filled = column_spans(text, widths, &mut spans[..widths.len()]);
     let one_token_each = spans.iter().all(|&(start, end)| !text[start..end].trim_ascii().iter().any(u8::is_ascii_whitespace));
     filled.filter(|_| one_token_each).unwrap_or_else(|| token_spans(text, &mut spans))
+}
+
+/// Words between blanks.
+pub(super) fn count_tokens(bytes: &[u8]) -> u64 {
+    bytes.split(u8::is_ascii_whitespace).filter(|token| !token.is_empty()).count() as u64
 }
 
 /// As [`line_numbers`] where that fails: NaN in every field that is no number; how many those are.
