@@ -166,9 +166,10 @@ impl FrfSet {
             .map(|factor| if factor.is_finite() { factor } else { Complex64::new(f64::NAN, f64::NAN) })
             .collect();
         let values = Array3::from_shape_fn((responses, references, lines), |(i, j, k)| self.values.get(i, j, k) * factors[k]);
-        let variance = self.variance.as_ref().map(|variance| {
-            Array3::from_shape_fn(variance.dim(), |(i, j, k)| variance[[i, j, k]] * factors[k].norm_sqr())
-        });
+        let variance = self
+            .variance
+            .as_ref()
+            .map(|variance| Array3::from_shape_fn(variance.dim(), |(i, j, k)| variance[[i, j, k]] * factors[k].norm_sqr()));
         Ok(Self { values: FrfValues::F64(values), kind: Some(kind), variance, ..self.clone() })
     }
 

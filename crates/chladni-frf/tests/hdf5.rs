@@ -55,8 +55,8 @@ fn files_that_are_merged_keep_the_variance_of_each_pair_and_their_mean_has_less(
     let (mean, ..) = read_frf(&files, &options).unwrap();
     let variance = mean.variance.as_ref().unwrap();
     assert!((variance[[1, 0, 2]] - 0.5e-6 * 4.0).abs() < 1e-18, "two measurements: half the variance");
-    let uff = folder.path().join("out.uff");
-    let lost = write_contents(&uff, &Contents { frf: Some(mean), ..Contents::default() }, false).unwrap();
+    let table = folder.path().join("out.csv");
+    let lost = write_contents(&table, &Contents { frf: Some(mean), ..Contents::default() }, false).unwrap();
     assert!(lost.iter().any(|warning| warning.contains("no variances")), "{lost:?}");
 }
 

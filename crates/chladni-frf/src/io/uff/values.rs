@@ -5,7 +5,9 @@
 
 use super::binary::Payload;
 use super::container::Lines;
-use super::fields::{self, bad_field, count_fields, count_tokens, line_numbers, masked_numbers, warn_split, BadField, Fault, Found, Record};
+use super::fields::{
+    self, bad_field, count_fields, count_tokens, line_numbers, masked_numbers, warn_split, BadField, Fault, Found, Record,
+};
 use super::layout::Layout;
 use crate::io::Ordinate;
 use crate::{Error, Result};
