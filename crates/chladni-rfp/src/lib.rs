@@ -6,6 +6,8 @@
 //! in `docs/theory.md`; every constant is in `tolerances.rs`.
 
 mod alternation;
+mod blocks;
+mod decide;
 mod error;
 mod family;
 mod faults;
