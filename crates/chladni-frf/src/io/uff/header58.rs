@@ -8,8 +8,9 @@
 //! | 8–11 | I10,3I5,2(1X,20A1) | abscissa, numerator, denominator, z axis: quantity, exponents, label, unit |
 
 use super::container::{ends_in_header, Lines, HEADER_RECORDS};
-use super::fields::{bad_field, decode, float, label, line_numbers, warn_split, whole, BadField, Fault, Record};
+use super::fields::{bad_field, decode, label, line_numbers, warn_split, whole, BadField, Record};
 use super::layout::Record7;
+use super::number::{float, Fault};
 use crate::io::Axis;
 use crate::{Direction, Dof, Error, Result};
 

@@ -19,6 +19,7 @@ mod header58;
 mod layout;
 mod mesh;
 mod nodes;
+mod number;
 mod scaling;
 mod scan;
 mod shapes;
@@ -26,6 +27,7 @@ mod step;
 mod values;
 mod write;
 mod write58;
+mod write_function;
 mod write_mesh;
 mod write_shape;
 

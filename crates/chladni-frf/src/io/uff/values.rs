@@ -5,10 +5,9 @@
 
 use super::binary::Payload;
 use super::container::Lines;
-use super::fields::{
-    self, bad_field, count_fields, count_tokens, line_numbers, masked_numbers, warn_split, BadField, Fault, Found, Record,
-};
+use super::fields::{bad_field, count_fields, count_tokens, line_numbers, masked_numbers, warn_split, BadField, Found, Record};
 use super::layout::Layout;
+use super::number::{self, Fault};
 use crate::io::Ordinate;
 use crate::{Error, Result};
 use num_complex::{Complex32, Complex64};
@@ -77,7 +76,7 @@ fn usual_form(bytes: &[u8], layout: Layout) -> Option<Vec<f64>> {
     while numbers.len() < declared {
         for &width in &widths[..widths.len().min(declared - numbers.len())] {
             let (field, behind) = rest.split_at_checked(width)?;
-            let value = fields::usual_float(field)?;
+            let value = number::usual_float(field)?;
             if !layout.double && value.abs() > f64::from(f32::MAX) {
                 return None;
             }
@@ -146,7 +145,7 @@ impl TextReader {
         for record in data {
             for token in record.text.split(u8::is_ascii_whitespace).filter(|token| !token.is_empty()) {
                 let start = token.as_ptr() as usize - record.text.as_ptr() as usize;
-                let value = fields::float(token).map_err(|fault| BadField { index: 0, span: (start, start + token.len()), fault });
+                let value = number::float(token).map_err(|fault| BadField { index: 0, span: (start, start + token.len()), fault });
                 let value = value.map_err(|bad| bad_field(record, &self.name(0), bad)).and_then(|value| {
                     self.in_range(record, &[value])?;
                     Ok(value)
@@ -274,6 +273,12 @@ pub(super) fn read_binary(payload: &Payload<'_>, warnings: &mut Vec<String>) -> 
         (_, 4) => {
             let values = points().map(|p| Complex32::new(f32_at(p, at, big), f32_at(p, at + 4, big)));
             Ordinate::Complex32(masked(values, narrow(MASKED), |y| y.is_finite(), warnings))
+        }
+        // the usual FRF: points of one size are copied many at a time
+        (_, _) if at == 0 => {
+            let points = payload.bytes.as_chunks::<16>().0.iter();
+            let values = points.map(|p| Complex64::new(f64_at(p, 0, big), f64_at(p, 8, big)));
+            Ordinate::Complex64(masked(values, MASKED, |y| y.is_finite(), warnings))
         }
         (_, _) => {
             let values = points().map(|p| Complex64::new(f64_at(p, at, big), f64_at(p, at + 8, big)));
