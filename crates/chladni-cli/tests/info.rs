@@ -46,6 +46,7 @@ fn what_physics_denies_at_a_driving_point_is_said() {
     assert!(mirrored.contains("read the file with --time-sign -"), "{mirrored}");
 }
 
+#[cfg(unix)]
 #[test]
 fn a_file_larger_than_memory_is_listed_by_its_headers() {
     let folder = Folder::with_panel();

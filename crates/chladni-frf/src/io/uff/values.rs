@@ -54,6 +54,9 @@ pub(super) fn read_text(data: Lines<'_>, layout: Layout, lenient: bool, warnings
     Ok(split(reader.numbers, layout))
 }
 
+/// Columns of the narrowest field of data.
+const LEAST_WIDTH: usize = 13;
+
 /// The error about data from `line` on that hold another number of values than record 7 declares.
 pub(super) fn counts_disagree(line: u64, declared: u64, present: u64) -> Error {
     Error::bad_data("the declared number of values and the data disagree")
@@ -69,8 +72,8 @@ pub(super) fn counts_disagree(line: u64, declared: u64, present: u64) -> Error {
 fn usual_form(bytes: &[u8], layout: Layout) -> Option<Vec<f64>> {
     let widths = layout.widths();
     let declared = layout.count.checked_mul(layout.numbers_per_point() as u64)?;
-    // a field takes more than one byte: the file itself bounds the allocation
-    let declared = usize::try_from(declared).ok().filter(|&declared| declared <= bytes.len())?;
+    // the file itself bounds the allocation
+    let declared = usize::try_from(declared).ok().filter(|&declared| declared <= bytes.len() / LEAST_WIDTH)?;
     let mut numbers = Vec::with_capacity(declared);
     let mut rest = bytes;
     while numbers.len() < declared {
