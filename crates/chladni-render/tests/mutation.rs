@@ -9,7 +9,7 @@ use chladni_render::Scene;
 use std::path::Path;
 
 /// Bytes of FRFs that a panel may ask for here.
-const LARGEST_PANEL: usize = 1 << 28;
+const LARGEST_PANEL: u64 = 1 << 28;
 
 #[test]
 fn scene_and_panel_toml() {
