@@ -156,11 +156,11 @@ impl Identified {
         shifts.filter(|shift| shift.is_finite()).fold(0.0, f64::max)
     }
 
-    /// The poles of the band replaced by what structured refinement found for them; a mode seen only there is graded by its
+    /// Poles replaced by what structured refinement found for them; a mode seen only there is graded by its
     /// error bar.
     pub fn structured(mut self, structured: Structured) -> Self {
-        let known: Vec<Pole> = self.poles.iter().filter(|pole| self.work.in_band(pole.value)).cloned().collect();
-        self.poles.retain(|pole| !self.work.in_band(pole.value));
+        let (known, others): (Vec<Pole>, Vec<Pole>) = self.poles.into_iter().partition(|pole| structured.replaced.contains(&pole.value));
+        self.poles = others;
         for found in structured.poles {
             let mut pole = structural_pole(
                 found.lambda,

@@ -44,8 +44,10 @@ pub(crate) struct StructuredPole {
 /// What structured refinement found for the poles of the band.
 #[derive(Debug, Clone)]
 pub(crate) struct Structured {
-    /// Poles of the band.
+    /// Poles of the band, and of just beyond.
     pub poles: Vec<StructuredPole>,
+    /// The poles with free residues that they stand for.
+    pub replaced: Vec<Complex64>,
     /// True where shapes are real.
     pub real: bool,
     /// Sum of squares left of the compressed columns.
@@ -67,13 +69,33 @@ pub(crate) enum Search {
     Found(Structured),
 }
 
-/// Refines the poles of the band under the shape model asked for.
+/// Refines the poles of the band under the shape model asked for; where one just beyond its ends has one shape too, that one with them:
+/// left free it takes most of what is known of its neighbour inside.
 ///
 /// `fixed_order`: no mode may be added.
 pub(crate) fn structured(data: &Screened, found: &Found, asked: ShapeModel, fixed_order: bool) -> Result<Search, LinalgError> {
+    let (work, lambda) = (&found.work, &found.refined.lambda);
+    let (low, high) = work.range();
+    let beside = |l: &Complex64| (low - l.re).max(l.re - high) < tol::BESIDE_HALF_WIDTHS * l.im;
+    if asked == ShapeModel::Auto && lambda.iter().any(|l| beside(l) && !work.in_band(*l)) {
+        if let Search::Found(structured) = searched(data, found, asked, fixed_order, beside)? {
+            return Ok(Search::Found(structured));
+        }
+    }
+    searched(data, found, asked, fixed_order, |l| work.in_band(*l))
+}
+
+/// The search for the poles that `belongs` says; all others stay free.
+fn searched(
+    data: &Screened,
+    found: &Found,
+    asked: ShapeModel,
+    fixed_order: bool,
+    belongs: impl Fn(&Complex64) -> bool,
+) -> Result<Search, LinalgError> {
     let (responses, references) = (data.frf.responses.len(), data.frf.references.len());
     let work = &found.work;
-    let (inside, outside): (Vec<Complex64>, Vec<Complex64>) = found.refined.lambda.iter().partition(|l| work.in_band(**l));
+    let (inside, outside): (Vec<Complex64>, Vec<Complex64>) = found.refined.lambda.iter().partition(|l| belongs(l));
     if asked == ShapeModel::Free || inside.is_empty() || data.pairs.len() < responses * references {
         return Ok(Search::Inapplicable);
     }
@@ -125,7 +147,8 @@ pub(crate) fn structured(data: &Screened, found: &Found, asked: ShapeModel, fixe
         }
     }
     let (real, sse) = (state.real, state.sse);
-    Ok(Search::Found(Structured { poles: merged([target, &whole], state, variance, swapped)?, real, sse, added, evidence }))
+    let poles = merged([target, &whole], state, variance, swapped)?;
+    Ok(Search::Found(Structured { poles, replaced: inside, real, sse, added, evidence }))
 }
 
 /// Columns to pairs, (column, eliminated · other). Every pair is there, response by response.
