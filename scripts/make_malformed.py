@@ -477,9 +477,15 @@ def models():
 
 
 # ---------------------------------------------------------------------------------------------------------------- TOML
+def inputs(folder, command, named):
+    """One case for each (name, text) of a command's input."""
+    for name, text in named:
+        case(folder, name + ".toml", text, "", command=command)
+
+
 def scenes():
     good = "frequency_hz = 50.0\n[zones]\ngrid = [2, 1]\nhot = [1]\ncells_m = [0.0, 0.0, 0.1, 0.1]\n"
-    for name, text in (
+    named = (
         ("no-frequency", good.replace("frequency_hz = 50.0\n", "")),
         ("frequency-text", good.replace("50.0", '"fast"')),
         ("frequency-negative", good.replace("50.0", "-50.0")),
@@ -494,10 +500,10 @@ def scenes():
         ("profile", good + '[threshold]\nprofile = "loud"\n'),
         ("force", good + "[actuators]\nmax_force_n = -1.0\n"),
         ("not-text", "\x00\x01\x02"),
-    ):
-        case("scene", name + ".toml", text, "", command="render")
+    )
+    inputs("scene", "render", named)
     panel = "[plate]\nlength_m = 0.2\n[responses]\ngrid = [2, 2]\n[references]\nedge_count = [1, 1]\n[frf]\nstart_hz = 10.0\nstop_hz = 20.0\nstep_hz = 1.0\n"
-    for name, text in (
+    named = (
         ("length-negative", panel.replace("length_m = 0.2", "length_m = -0.2")),
         ("length-nan", panel.replace("length_m = 0.2", "length_m = nan")),
         ("unknown-key", panel.replace("length_m", "lenght_m")),
@@ -509,17 +515,17 @@ def scenes():
         ("band-turned", panel.replace("stop_hz = 20.0", "stop_hz = 5.0")),
         ("kind", panel + 'kind = "speed"\n'),
         ("syntax", panel.replace("[frf]", "[frf")),
-    ):
-        case("panel", name + ".toml", text, "", command="simulate")
-    for name, text in (
+    )
+    inputs("panel", "simulate", named)
+    named = (
         ("unknown-key", "dropp = [1]\n"),
         ("both", "drop = [1]\nkeep = [2]\n"),
         ("out-of-range", "drop = [99]\n"),
         ("zero", "drop = [0]\n"),
         ("text", 'drop = ["first"]\n'),
         ("near-nothing", "[[mode]]\nnear_hz = 500.0\nwithin_hz = 0.5\n"),
-    ):
-        case("selection", name + ".toml", text, "", command="select")
+    )
+    inputs("selection", "select", named)
 
 
 def strangers():

@@ -13,6 +13,7 @@ pub fn file(data: &[u8], extension: &str) {
     std::fs::File::create(&path).unwrap().write_all(data).unwrap();
     for lenient in [false, true] {
         let options = ReadOptions { lenient, snap_df: lenient, ..ReadOptions::default() };
+        let _ = uff::scan(&path, &options);
         let Ok(document) = read_document(&path, &options) else { continue };
         let Ok(contents) = assemble(vec![document], &options) else { continue };
         for binary in [true, false] {

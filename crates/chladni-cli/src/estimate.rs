@@ -127,7 +127,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     console.stage("writing");
     let (responses, references, lines) = frf.values.dim();
     let (kind, axis) = (frf.kind, [frf.frequency_hz[0], frf.frequency_hz[lines - 1]]);
-    let contents = Contents { frf: Some(frf), variance: Some(result.variance), sources, ..Contents::default() };
+    let contents = Contents { frf: Some(frf), sources, ..Contents::default() };
     console.warn_all(output.write(|path, force| write_contents(path, &contents, force))?);
     let json = json!({
         "output": args.output.display().to_string(),

@@ -5,9 +5,10 @@ use crate::input::{expand, read_weights, Reading};
 use crate::oddities;
 use crate::outcome::Outcome;
 use crate::table::{counted, shortened, significant, table};
-use chladni_frf::io::{assemble, read_document, read_model, DatasetInfo, Document, FileFormat, ReadOptions};
+use chladni_frf::io::{assemble, list_document, read_model, DatasetInfo, Document, FileFormat, ReadOptions};
 use chladni_frf::{Dof, Error, FrfKind, FrfSet, Result};
 use serde_json::{json, Value};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Alike datasets beyond this count are one line of the table, and files beyond it one line each, without `-v`.
@@ -38,7 +39,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let mut listings = Vec::new();
     let mut first_error = None;
     for file in &files {
-        let listing = match read_document(file, &args.reading.options()) {
+        let listing = match list_document(file, &args.reading.options()) {
             Ok(document) => Listing::new(document, &args.reading.options()),
             Err(error) => {
                 let listing = Listing::of_error(file, &error);
@@ -119,6 +120,8 @@ impl Listing {
         match document.format {
             _ if holds_model => listing.add_model(),
             FileFormat::Weights => listing.add_weights(),
+            // of a file whose headers alone were read
+            _ if document.sha256.is_empty() => listing.add_headers(),
             _ => listing.add_set(document, options),
         }
         listing
@@ -145,6 +148,20 @@ impl Listing {
             }
             Err(error) => self.refuse(&error),
         }
+    }
+
+    /// The FRFs of which headers were read.
+    fn add_headers(&mut self) {
+        let frfs: Vec<&DatasetInfo> = self.datasets.iter().filter(|info| info.function.as_deref() == Some("frf")).collect();
+        let dofs = |name: fn(&DatasetInfo) -> &Option<String>| {
+            let names: BTreeSet<&str> = frfs.iter().filter_map(|info| name(info).as_deref()).collect();
+            let mut dofs: Vec<Dof> = names.into_iter().filter_map(|name| name.parse().ok()).collect();
+            dofs.sort_unstable();
+            dofs
+        };
+        let (responses, references) = (dofs(|info| &info.response), dofs(|info| &info.reference));
+        self.frf_kind = frfs.first().and_then(|info| info.frf_kind).filter(|&kind| frfs.iter().all(|info| info.frf_kind == Some(kind)));
+        (self.responses, self.references) = (responses, references);
     }
 
     /// The file as a set of FRFs, as every other command would read it.

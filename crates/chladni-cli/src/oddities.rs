@@ -1,7 +1,7 @@
 //! What is odd about a set of FRFs although every number in it can be read. What only a fit can tell is in `chladni-rfp` (faults).
 
 use crate::table::counted;
-use chladni_frf::{Dof, FrfSet};
+use chladni_frf::{driving_point_faults, Dof, FrfSet};
 use num_complex::Complex64;
 
 /// No test of a structure that fits on a table ends so low, Hz; one whose kHz are called Hz does.
@@ -18,14 +18,16 @@ pub fn of_set(frf: &FrfSet) -> Vec<String> {
 }
 
 /// Oddities that may well be meant: for who asks what is inside.
-pub fn of_listing(frf: &FrfSet) -> Option<String> {
+pub fn of_listing(frf: &FrfSet) -> Vec<String> {
     let (responses, references) = (frf.responses.len(), frf.references.len());
-    (references > responses).then(|| {
+    let swapped = (references > responses).then(|| {
         format!(
             "more references ({references}) than responses ({responses}): right for a roving hammer; where the sensor roved, response and \
              reference are swapped in this file"
         )
-    })
+    });
+    // commands that fit say the same of the fitted model, and better
+    swapped.into_iter().chain(driving_point_faults(frf)).collect()
 }
 
 fn kilohertz(frf: &FrfSet) -> Option<String> {

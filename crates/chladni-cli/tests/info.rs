@@ -31,6 +31,45 @@ fn a_universal_file_is_listed_dataset_by_dataset() {
 }
 
 #[test]
+fn what_physics_denies_at_a_driving_point_is_said() {
+    let folder = Folder::new();
+    folder.write(
+        "panel.toml",
+        "[responses]\ngrid = [2, 2]\nspacing_m = 0.05\nat_references = true\n[references]\nedge_count = [1, 1]\n[frf]\nstart_hz = 20.0\nstop_hz = 400.0\n",
+    );
+    folder.run("simulate panel.toml -o panel.h5 -q").exits(0);
+    let warnings = |flags: &str| folder.run(&format!("info panel.h5 --json {flags}")).exits(0).json()["files"][0]["warnings"].to_string();
+    assert!(!warnings("").contains("driving point"), "{}", warnings(""));
+    let wrong = warnings("--frf-kind accelerance");
+    assert!(wrong.contains("driving point 101:+Z") && wrong.contains("--frf-kind mobility"), "{wrong}");
+    let mirrored = warnings("--time-sign -");
+    assert!(mirrored.contains("read the file with --time-sign -"), "{mirrored}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_file_larger_than_memory_is_listed_by_its_headers() {
+    let folder = Folder::with_panel();
+    folder.run("convert panel.h5 -o panel.uff -q").exits(0);
+    // the first function grows to 64 GiB: a hole in the file
+    let count = 1_u64 << 32;
+    let text = String::from_utf8_lossy(&folder.read("panel.uff")).into_owned();
+    let start = text.find("    -1\n    58b").unwrap();
+    let header: Vec<&str> = text[start..].split_inclusive('\n').take(13).collect();
+    let record_7 = format!("{}{count:>10}{}", &header[8][..10], &header[8][20..]);
+    let head = [&text[..start], &header[..8].concat(), &record_7, &header[9..].concat()].concat();
+    let file = std::fs::File::create(folder.path().join("huge.uff")).unwrap();
+    std::os::unix::fs::FileExt::write_all_at(&file, head.as_bytes(), 0).unwrap();
+    std::os::unix::fs::FileExt::write_all_at(&file, b"    -1\n", head.len() as u64 + 16 * count).unwrap();
+    let run = folder.run("info huge.uff --json").exits(0);
+    let listed = &run.json()["files"][0];
+    assert_eq!((&listed["frf_kind"], &listed["responses"][0], &listed["nodes"]), (&"mobility".into(), &"1:+Z".into(), &34.into()));
+    assert!(listed["sha256"].is_null() && listed["warnings"].to_string().contains("headers"), "{listed}");
+    let last = listed["datasets"].as_array().unwrap().last().unwrap();
+    assert_eq!((&last["number"], &last["values"]), (&58.into(), &count.into()));
+}
+
+#[test]
 fn what_is_damaged_is_listed_beside_what_is_sound() {
     let folder = Folder::with_panel();
     folder.run("convert panel.h5 -o panel.unv -q").exits(0);

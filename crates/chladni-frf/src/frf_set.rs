@@ -63,6 +63,8 @@ pub struct FrfSet {
     pub reference_unit: ReferenceUnit,
     /// Ordinary coherence γ², same axes as `values`, NaN where not given.
     pub coherence: Option<Array3<f32>>,
+    /// E|δH|² of each value, in its units squared, same axes; NaN where not known. Written by `estimate`.
+    pub variance: Option<Array3<f64>>,
     /// Nodes, where the file has them.
     pub geometry: Geometry,
 }
@@ -86,13 +88,21 @@ impl FrfSet {
                     .expected(format!("{expected}, as many as the FRF array has")));
             }
         }
-        if let Some(coherence) = &self.coherence {
-            if coherence.dim() != self.values.dim() {
+        let beside = [("coherence", self.coherence.as_ref().map(Array3::dim)), ("variance", self.variance.as_ref().map(Array3::dim))];
+        for (field, dim) in beside {
+            if let Some(dim) = dim.filter(|&dim| dim != self.values.dim()) {
                 return Err(Error::bad_data("sizes disagree")
-                    .field("coherence")
-                    .found(format!("{:?}", coherence.dim()))
+                    .field(field)
+                    .found(format!("{dim:?}"))
                     .expected(format!("{:?}", self.values.dim())));
             }
+        }
+        if let Some(negative) = self.variance.iter().flatten().find(|&&variance| variance < 0.0 || variance.is_infinite()) {
+            return Err(Error::bad_data("a variance must be finite and not negative")
+                .field("variance")
+                .found(negative)
+                .expected("E|δH|², or NaN where it is not known")
+                .help("correct it in the program that wrote the file"));
         }
         for (k, &f) in self.frequency_hz.iter().enumerate() {
             if !f.is_finite() || f < 0.0 || (k > 0 && f <= self.frequency_hz[k - 1]) {
@@ -156,7 +166,11 @@ impl FrfSet {
             .map(|factor| if factor.is_finite() { factor } else { Complex64::new(f64::NAN, f64::NAN) })
             .collect();
         let values = Array3::from_shape_fn((responses, references, lines), |(i, j, k)| self.values.get(i, j, k) * factors[k]);
-        Ok(Self { values: FrfValues::F64(values), kind: Some(kind), ..self.clone() })
+        let variance = self
+            .variance
+            .as_ref()
+            .map(|variance| Array3::from_shape_fn(variance.dim(), |(i, j, k)| variance[[i, j, k]] * factors[k].norm_sqr()));
+        Ok(Self { values: FrfValues::F64(values), kind: Some(kind), variance, ..self.clone() })
     }
 
     /// The kind, or the error that asks for it.
@@ -187,6 +201,7 @@ mod tests {
             kind: Some(kind),
             reference_unit: ReferenceUnit::Newton,
             coherence: None,
+            variance: Some(Array3::from_elem((1, 1, 2), 0.5)),
             geometry: Geometry::default(),
         }
     }
@@ -197,6 +212,7 @@ mod tests {
         let mobility = one_line(FrfKind::Receptance).to_kind(FrfKind::Mobility).unwrap();
         let expected = Complex64::new(0.0, omega) * Complex64::new(1.0, 2.0);
         assert!((mobility.values.get(0, 0, 1) - expected).norm() < 1e-12 * omega);
+        assert!((mobility.variance.as_ref().unwrap()[[0, 0, 1]] - 0.5 * omega * omega).abs() < 1e-9 * omega * omega);
         let back = mobility.to_kind(FrfKind::Receptance).unwrap();
         assert!((back.values.get(0, 0, 1) - Complex64::new(1.0, 2.0)).norm() < 1e-14);
         assert!(back.values.get(0, 0, 0).re.is_nan(), "0 Hz cannot be divided by j omega");

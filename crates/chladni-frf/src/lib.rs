@@ -7,6 +7,7 @@
 //! (response, reference, line), lines contiguous.
 
 mod dof;
+mod driving_point;
 mod error;
 pub mod estimate;
 mod frf_set;
@@ -19,6 +20,7 @@ pub mod toml_reader;
 mod words;
 
 pub use dof::{Direction, Dof};
+pub use driving_point::driving_point_faults;
 pub use error::{Error, ErrorKind, Result};
 pub use frf_set::{FrfSet, FrfValues};
 pub use geometry::{Geometry, Node};

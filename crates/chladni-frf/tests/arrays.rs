@@ -176,6 +176,7 @@ fn set(values: FrfValues) -> FrfSet {
         kind: Some(FrfKind::Accelerance),
         reference_unit: ReferenceUnit::Volt,
         coherence: Some(Array3::from_shape_fn((responses, references, lines), |(i, _, k)| 0.5 + 0.1 * i as f32 - 0.01 * k as f32)),
+        variance: None,
         geometry: Geometry::default(),
     }
 }

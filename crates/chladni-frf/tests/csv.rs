@@ -275,6 +275,7 @@ fn small_set(values: Array3<Complex64>, coherence: bool) -> FrfSet {
         kind: Some(FrfKind::Accelerance),
         reference_unit: ReferenceUnit::Volt,
         coherence: coherence.then(|| Array3::from_elem(dim, 1.0 / 3.0)),
+        variance: None,
         values: FrfValues::F64(values),
         geometry: Geometry::default(),
     }

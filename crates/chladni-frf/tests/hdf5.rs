@@ -20,6 +20,7 @@ fn set(responses: usize, references: usize, lines: usize) -> FrfSet {
         kind: Some(FrfKind::Mobility),
         reference_unit: ReferenceUnit::Volt,
         coherence: Some(Array3::from_elem((responses, references, lines), 0.75)),
+        variance: Some(Array3::from_shape_fn((responses, references, lines), |(i, j, k)| 1e-6 * (1 + i + j + k) as f64)),
         geometry: Geometry {
             nodes: vec![Node { label: 1, xyz_m: [0.1, 0.2, 0.3] }, Node { label: u64::MAX, xyz_m: [1e-9, -0.5, 7.0] }],
             lines: vec![vec![1, u64::MAX], vec![], vec![1]],
@@ -43,6 +44,20 @@ fn read_one(path: &Path, options: &ReadOptions) -> chladni_frf::Result<(FrfSet, 
     let (set, sources, warnings) = read_frf(&[path.to_path_buf()], options)?;
     assert_eq!(sources[0].sha256.len(), 64);
     Ok((set, warnings))
+}
+
+#[test]
+fn files_that_are_merged_keep_the_variance_of_each_pair_and_their_mean_has_less() {
+    let folder = tempfile::tempdir().unwrap();
+    let files = ["a.h5", "b.h5"].map(|name| folder.path().join(name));
+    files.iter().for_each(|file| drop(write_frf(file, &set(2, 1, 4), false).unwrap()));
+    let options = ReadOptions { duplicates: chladni_frf::io::Duplicates::Mean, ..ReadOptions::default() };
+    let (mean, ..) = read_frf(&files, &options).unwrap();
+    let variance = mean.variance.as_ref().unwrap();
+    assert!((variance[[1, 0, 2]] - 0.5e-6 * 4.0).abs() < 1e-18, "two measurements: half the variance");
+    let table = folder.path().join("out.csv");
+    let lost = write_contents(&table, &Contents { frf: Some(mean), ..Contents::default() }, false).unwrap();
+    assert!(lost.iter().any(|warning| warning.contains("no variances")), "{lost:?}");
 }
 
 #[test]
@@ -198,6 +213,7 @@ proptest! {
         }));
         if !with_coherence {
             set.coherence = None;
+            set.variance = None;
         }
         write_frf(&path, &set, false).unwrap();
         let (back, _) = read_one(&path, &ReadOptions::default()).unwrap();

@@ -1,12 +1,14 @@
-//! Nothing is allocated on a header's word: reading takes at most 8 × the file + 16 MiB, sound or damaged.
+//! Nothing is allocated on a header's word: reading takes at most 8 × the file + 16 MiB, sound or damaged; the list of a universal
+//! file that is too large to be held takes less than 1 MiB.
 //!
 //! Packed files (MATLAB 7, NPZ) are measured by what they hold; what they may unfold to is limited in the readers.
 
-use chladni_frf::io::{assemble, read_document, write_frf, ReadOptions};
+use chladni_frf::io::{assemble, list_document, read_document, uff, write_frf, ReadOptions};
 use chladni_frf::{FrfKind, FrfSet, FrfValues, Geometry, ReferenceUnit};
 use ndarray::{Array1, Array3};
 use num_complex::Complex64;
 use peak_alloc::PeakAlloc;
+use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 #[global_allocator]
@@ -14,6 +16,53 @@ static ALLOCATOR: PeakAlloc = PeakAlloc;
 
 const TIMES: usize = 8;
 const ROOM: usize = 16 << 20;
+
+/// Room for the list of a file whose values are passed over.
+const ROOM_FOR_LIST: usize = 1 << 20;
+
+/// A binary function of `count` complex doubles, all of them a hole in the file, and a header behind it.
+fn write_sparse(path: &Path, count: u64) {
+    let bytes = count * 16;
+    let before = format!(
+        "    -1\n    58b     1     2          11{bytes:>12}     0     0           0           0\n{}    4         0    0         0 NONE               7   3 NONE             101   3\n         6{count:>10}         1  1.00000E+00  5.00000E-01  0.00000E+00\n        18    0    0    0 Frequency            Hz\n        11    0    0    0 Velocity             m/s\n        13    0    0    0 Force                N\n         0    0    0    0 NONE                 NONE\n",
+        "NONE\n".repeat(5)
+    );
+    let mut file = std::fs::File::create(path).unwrap();
+    file.write_all(before.as_bytes()).unwrap();
+    file.seek(SeekFrom::Start(before.len() as u64 + bytes)).unwrap();
+    file.write_all(b"    -1\n    -1\n   151\nNONE\n    -1\n").unwrap();
+}
+
+fn lists_within_little_memory(folder: &Path) {
+    for (name, size) in [("large.uff", 4 << 20), ("large.unv", 12 << 20)] {
+        let path = folder.join(name);
+        assert!(std::fs::metadata(&path).unwrap().len() > size, "{name}: large enough to tell");
+        let before = ALLOCATOR.current_usage();
+        ALLOCATOR.reset_peak_usage();
+        let scanned = uff::scan(&path, &ReadOptions::default()).unwrap();
+        let peak = ALLOCATOR.peak_usage() - before;
+        assert!(peak < ROOM_FOR_LIST, "{name}: {peak} bytes");
+        let read = read_document(&path, &ReadOptions::default()).unwrap();
+        assert_eq!((scanned.datasets.len(), scanned.errors), (read.datasets.len(), vec![]));
+        for (listed, read) in scanned.datasets.iter().zip(&read.datasets) {
+            assert_eq!((listed.number, &listed.response, listed.values), (read.number, &read.response, read.values));
+            assert!(listed.line.is_none() || listed.line == read.line, "{name}");
+        }
+    }
+    // larger than the memory of any machine that runs this test
+    let path = folder.join("sparse.uff");
+    write_sparse(&path, 1 << 33);
+    let before = ALLOCATOR.current_usage();
+    ALLOCATOR.reset_peak_usage();
+    let started = std::time::Instant::now();
+    let listed = list_document(&path, &ReadOptions::default()).unwrap();
+    let (peak, elapsed) = (ALLOCATOR.peak_usage() - before, started.elapsed());
+    println!("128 GiB: listed in {elapsed:.1?} with {peak} bytes");
+    assert!(peak < ROOM_FOR_LIST && elapsed.as_secs() < 5);
+    assert_eq!(listed.datasets.iter().map(|info| info.number).collect::<Vec<_>>(), [Some(58), Some(151)]);
+    assert_eq!((listed.datasets[0].values, listed.datasets[0].frf_kind), (Some(1 << 33), Some(FrfKind::Mobility)));
+    assert!(listed.errors.is_empty() && listed.warnings.iter().any(|warning| warning.contains("headers")), "{:?}", listed.warnings);
+}
 
 /// Bytes that reading and merging `path` takes at most.
 fn peak_of(path: &Path, lenient: bool) -> usize {
@@ -49,6 +98,7 @@ fn reading_takes_at_most_eight_times_the_file() {
         kind: Some(FrfKind::Mobility),
         reference_unit: ReferenceUnit::Newton,
         coherence: None,
+        variance: None,
         geometry: Geometry::default(),
     };
     for extension in ["uff", "unv", "h5", "csv", "npz"] {
@@ -60,6 +110,7 @@ fn reading_takes_at_most_eight_times_the_file() {
         // large enough that the fixed room does not hide a factor
         assert!(peak <= TIMES * bytes, "{extension}: {peak} bytes for a file of {bytes}");
     }
+    lists_within_little_memory(folder.path());
     let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/malformed");
     let mut count = 0;
     for class in std::fs::read_dir(corpus).unwrap().flatten().filter(|entry| entry.path().is_dir()) {

@@ -60,6 +60,7 @@ pub fn simulate(panel: &Panel, seed: Option<u64>, snr_db: Option<f64>) -> Result
         kind: Some(panel.frf.kind),
         reference_unit: ReferenceUnit::Newton,
         coherence: None,
+        variance: None,
         geometry: layout.geometry,
     };
     Ok(Simulation { frf: frf.checked()?, truth, noise_variance, plate, warnings })

@@ -114,6 +114,7 @@ impl Synthetic {
             kind: Some(self.kind),
             reference_unit: ReferenceUnit::Newton,
             coherence: None,
+            variance: None,
             geometry: Geometry::default(),
         };
         let quality = Quality { relative_error, ..truth.quality.clone() };

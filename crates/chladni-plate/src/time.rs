@@ -124,6 +124,7 @@ impl TimeTest {
             kind: Some(truth.frf_kind),
             reference_unit: ReferenceUnit::Newton,
             coherence: None,
+            variance: None,
             geometry: Geometry::default(),
         };
         Ok(TimeSet { frf: frf.checked()?, truth })

@@ -55,11 +55,9 @@ pub const MOST_OVERLAP: f64 = 0.95;
 /// What was estimated.
 #[derive(Debug, Clone)]
 pub struct Estimate {
-    /// FRFs with their coherence (the multiple one where several references act at once); lines from the first above 0 Hz to the
-    /// last below half the sampling rate.
+    /// FRFs with their coherence (the multiple one where several references act at once) and their variance, NaN where too few blocks
+    /// were averaged to say; lines from the first above 0 Hz to the last below half the sampling rate.
     pub frf: FrfSet,
-    /// E|δH|² of each value, same axes; NaN where too few blocks were averaged to say.
-    pub variance: Array3<f64>,
     /// Blocks averaged, least and most of all FRFs.
     pub averages: [usize; 2],
     /// Window that was used.
@@ -114,9 +112,9 @@ pub fn estimate(runs: &[Run], options: &EstimateOptions) -> Result<Estimate> {
             kind,
             reference_unit,
             coherence: Some(Array3::from_elem(shape, f32::NAN)),
+            variance: Some(Array3::from_elem(shape, f64::NAN)),
             geometry: Geometry::default(),
         },
-        variance: Array3::from_elem(shape, f64::NAN),
         averages: [usize::MAX, 0],
         window: setting.window,
         block: setting.block,
@@ -266,7 +264,7 @@ impl Estimate {
             })
             .collect::<Result<_>>()?;
         let FrfValues::F64(values) = &mut self.frf.values else { return Ok(()) };
-        let Some(coherence) = &mut self.frf.coherence else { return Ok(()) };
+        let (Some(coherence), Some(variance)) = (&mut self.frf.coherence, &mut self.frf.variance) else { return Ok(()) };
         let mut dead = 0;
         for (row, averages, lines) in done {
             self.averages = [self.averages[0].min(averages.blocks), self.averages[1].max(averages.blocks)];
@@ -276,7 +274,7 @@ impl Estimate {
                 let gamma = if averages.blocks > references.len() { line.coherence as f32 } else { f32::NAN };
                 for (j, &column) in columns.iter().enumerate() {
                     values[[row, column, k]] = line.frf[j];
-                    self.variance[[row, column, k]] = line.variance[j];
+                    variance[[row, column, k]] = line.variance[j];
                     coherence[[row, column, k]] = gamma;
                 }
             }

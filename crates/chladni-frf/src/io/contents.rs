@@ -9,8 +9,6 @@ use crate::{FrfSet, Geometry, Source};
 pub struct Contents {
     /// All FRFs, where there are any.
     pub frf: Option<FrfSet>,
-    /// E|δH|² of each FRF value, axes as theirs, where it was estimated; only HDF5 holds it.
-    pub variance: Option<ndarray::Array3<f64>>,
     /// Nodes, lines and faces of files without FRFs; otherwise they are in `frf`.
     pub other_geometry: Geometry,
     /// Functions that are no FRFs of the set: time records, spectra, ...

@@ -1,7 +1,7 @@
 //! What a reader hands over: everything found in one file, FRF or not.
 
 use super::Shape;
-use crate::{Dof, Error, FrfKind, FrfSet, Geometry, ReferenceUnit};
+use crate::{Direction, Dof, Error, FrfKind, FrfSet, Geometry, ReferenceUnit};
 use num_complex::{Complex32, Complex64};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -94,6 +94,9 @@ pub struct DatasetInfo {
     pub frequency_hz: Option<f64>,
     /// Shapes (55, 2414): viscous damping ratio.
     pub damping_ratio: Option<f64>,
+    /// 58: kind of FRF that codes or labels say.
+    #[serde(skip)]
+    pub frf_kind: Option<FrfKind>,
     /// What is odd about it, or the error that makes it unreadable.
     pub warnings: Vec<String>,
     /// True where nothing else in the document holds its content: `convert` cannot carry it over.
@@ -202,6 +205,35 @@ pub struct Function {
     pub line: u64,
     /// What is odd about it.
     pub warnings: Vec<String>,
+}
+
+/// Function type and quantity code of dataset 58.
+const TIME_RECORD: i32 = 1;
+const TIME: i32 = 17;
+
+impl Function {
+    /// A time record of one channel, times in s, values as they are.
+    pub(super) fn time_record(response: Dof, times: Abscissa, channel: Axis, ordinate: Ordinate) -> Self {
+        let time = Axis { quantity: TIME, label: "Time".into(), unit: "s".into(), ..Axis::default() };
+        Self {
+            function_type: TIME_RECORD,
+            id_lines: Default::default(),
+            ids: [0; 3],
+            entity_names: Default::default(),
+            response,
+            reference: Dof::new(0, Direction::SCALAR),
+            abscissa: times,
+            z: 0.0,
+            axes: [time, channel, Axis::default(), Axis::default()],
+            ordinate,
+            kind: None,
+            reference_unit: ReferenceUnit::Newton,
+            scale_to_si: 1.0,
+            abscissa_to_si: 1.0,
+            line: 0,
+            warnings: Vec::new(),
+        }
+    }
 }
 
 /// How FRFs are to be read: the options common to all commands.

@@ -35,7 +35,7 @@ pub use json::{json_error, write_json};
 pub use model_file::{read_model, write_model};
 pub use model_shapes::{field_shape, model_shapes};
 pub use paths::{expand_paths, file_name, Inputs};
-pub use read::{read_contents, read_document, read_documents, read_frf, read_text, sha256_of};
+pub use read::{list_document, read_contents, read_document, read_documents, read_frf, read_text, sha256_of};
 pub use save::{write_contents, write_frf};
 pub use shape::{Analysis, Shape, ShapeForm, ShapeNumbers, TRANSLATION};
 

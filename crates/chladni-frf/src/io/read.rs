@@ -19,6 +19,25 @@ pub fn read_document(path: &Path, options: &ReadOptions) -> Result<Document> {
     read_numbered(path, options, &mut 1)
 }
 
+/// A universal file beyond this size is listed by its headers, bytes.
+const LISTED_BY_HEADERS: u64 = 256 << 20;
+
+/// As [`read_document`], for the list of what is inside: a large universal file is not held in memory. Its document has neither functions
+/// nor shapes nor `sha256`, and says so in a warning.
+///
+/// # Errors
+/// As [`read_document`].
+pub fn list_document(path: &Path, options: &ReadOptions) -> Result<Document> {
+    let is_large = fs::metadata(path).is_ok_and(|metadata| metadata.len() > LISTED_BY_HEADERS);
+    if !is_large || detect_format(path)? != FileFormat::Uff {
+        return read_document(path, options);
+    }
+    let mut document = uff::scan(path, options)?;
+    let size = LISTED_BY_HEADERS >> 20;
+    document.warnings.push(format!("larger than {size} MiB: its headers are listed; values and checksum were not read"));
+    Ok(document)
+}
+
 /// All files, in the order given. FRFs in tables that name no DOF become responses 1, 2, ... in that order.
 ///
 /// # Errors

@@ -72,6 +72,7 @@ fn left_out(format: &str, set: &FrfSet, contents: &Contents) -> Vec<String> {
     if !set.geometry.nodes.is_empty() {
         lost.push(format!("{format} holds no geometry: {} nodes are left out", set.geometry.nodes.len()));
     }
+    lost.extend(set.variance.as_ref().map(|_| lost_variance(format)));
     if !contents.functions.is_empty() {
         lost.push(format!("{format} holds FRFs only: {} other functions are left out", contents.functions.len()));
     }
@@ -79,6 +80,10 @@ fn left_out(format: &str, set: &FrfSet, contents: &Contents) -> Vec<String> {
         lost.push(format!("{format} holds FRFs only: {} shapes are left out", contents.shapes.len()));
     }
     lost
+}
+
+fn lost_variance(format: &str) -> String {
+    format!("{format} holds no variances: those of the FRFs are left out (HDF5 holds them)")
 }
 
 fn write_table(path: &Path, frf: Option<&FrfSet>, contents: &Contents, force: bool) -> Result<Vec<String>> {
@@ -113,7 +118,8 @@ fn write_universal(path: &Path, frf: Option<&FrfSet>, contents: &Contents, optio
     };
     let plan = uff::Plan::new(&whole, options).map_err(|error| error.file(path))?;
     write_atomically(path, force, |out| plan.write(out))?;
-    Ok(plan.warnings().to_vec())
+    let variance = whole.frf.as_ref().and_then(|set| set.variance.as_ref());
+    Ok(plan.warnings().iter().cloned().chain(variance.map(|_| lost_variance("a universal file"))).collect())
 }
 
 /// Extension of a path in lower case, without the dot.

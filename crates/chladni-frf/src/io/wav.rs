@@ -1,14 +1,10 @@
 //! WAV files: one time record per channel, DOFs 1:S, 2:S, ..., values as parts of full scale.
 
 use super::{Abscissa, Axis, DatasetInfo, Document, FileFormat, Function, Ordinate};
-use crate::{Direction, Dof, Error, ReferenceUnit, Result};
+use crate::{Direction, Dof, Error, Result};
 use hound::{SampleFormat, WavReader};
 use std::io::Cursor;
 use std::path::Path;
-
-/// Function type and quantity code of dataset 58.
-const TIME_RECORD: i32 = 1;
-const TIME: i32 = 17;
 
 /// Reads all channels; `sha256` is left empty.
 ///
@@ -71,29 +67,8 @@ pub(super) fn read(bytes: &[u8], file: &Path) -> Result<Document> {
             values: Some(ordinate.len()),
             ..DatasetInfo::default()
         });
-        document.functions.push(Function {
-            function_type: TIME_RECORD,
-            id_lines: Default::default(),
-            ids: [0; 3],
-            entity_names: Default::default(),
-            response,
-            reference: Dof::new(0, Direction::SCALAR),
-            abscissa: Abscissa::Even { start: 0.0, step: 1.0 / f64::from(spec.sample_rate) },
-            z: 0.0,
-            axes: [
-                Axis { quantity: TIME, label: "Time".into(), unit: "s".into(), ..Axis::default() },
-                Axis::default(),
-                Axis::default(),
-                Axis::default(),
-            ],
-            ordinate,
-            kind: None,
-            reference_unit: ReferenceUnit::Newton,
-            scale_to_si: 1.0,
-            abscissa_to_si: 1.0,
-            line: 0,
-            warnings: Vec::new(),
-        });
+        let times = Abscissa::Even { start: 0.0, step: 1.0 / f64::from(spec.sample_rate) };
+        document.functions.push(Function::time_record(response, times, Axis::default(), ordinate));
     }
     document.warnings.push("a sound file says no DOFs and no units: values are parts of full scale".into());
     Ok(document)

@@ -20,6 +20,7 @@ pub fn example_set(frequency_hz: Vec<f64>) -> FrfSet {
         kind: Some(FrfKind::Mobility),
         reference_unit: ReferenceUnit::Newton,
         coherence: None,
+        variance: None,
         geometry: Geometry { nodes: vec![Node { label: 1, xyz_m: [0.1, 1.0 / 3.0, -2e-9] }], ..Geometry::default() },
     }
 }
@@ -111,6 +112,7 @@ fn single_precision_and_coherence_round_trip() {
         responses: vec!["1:+Z".parse().unwrap()],
         references: vec!["101:+Z".parse().unwrap()],
         coherence: Some(coherence.clone()),
+        variance: None,
         ..example_set(vec![])
     };
     let contents = Contents { frf: Some(set.clone()), ..Contents::default() };

@@ -133,6 +133,7 @@ pub(crate) fn undo(frf: &FrfSet, window: Window) -> Result<Option<FrfSet>, FitEr
         kind: frf.kind,
         reference_unit: frf.reference_unit,
         coherence: None,
+        variance: None,
         geometry: frf.geometry.clone(),
     }))
 }

@@ -93,6 +93,7 @@ impl Structure {
             kind: Some(self.kind),
             reference_unit: ReferenceUnit::Newton,
             coherence: None,
+            variance: None,
             geometry: Geometry::default(),
         }
     }

@@ -76,6 +76,7 @@ mod tests {
             kind: Some(FrfKind::Mobility),
             reference_unit: ReferenceUnit::Newton,
             coherence: None,
+            variance: None,
             geometry: Geometry::default(),
         }
     }

@@ -62,6 +62,7 @@ fn random_test(window: Window, acting: f64, seed: u64) -> FrfSet {
         kind: Some(FrfKind::Mobility),
         reference_unit: ReferenceUnit::Newton,
         coherence: None,
+        variance: None,
         geometry: Geometry::default(),
     }
 }

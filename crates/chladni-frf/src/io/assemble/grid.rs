@@ -43,6 +43,7 @@ pub(super) fn build(
     let reference_unit = common_reference_unit(&records)?;
     let single = records.iter().all(|record| record.line.is_single());
     let has_coherence = records.iter().any(|record| record.coherence.is_some());
+    let has_variance = records.iter().any(|record| record.variance.is_some());
 
     let mut pairs: HashMap<(usize, usize), Vec<Record>> = HashMap::new();
     let measured = records.len();
@@ -64,6 +65,7 @@ pub(super) fn build(
         kind,
         reference_unit,
         coherence: has_coherence.then(|| Array3::from_elem(dim, f32::NAN)),
+        variance: has_variance.then(|| Array3::from_elem(dim, f64::NAN)),
         geometry: Geometry::default(),
     };
     let mut at: Vec<_> = pairs.into_iter().collect();
@@ -233,8 +235,14 @@ fn mean(records: Vec<Record>) -> Option<Record> {
         let average = |k: usize| coherences.iter().map(|values| values[k]).sum::<f32>() / coherences.len() as f32;
         (0..lines).map(average).collect()
     });
+    // of independent measurements; not known where one of them is not
+    let variances: Option<Vec<&Vec<f64>>> = records.iter().map(|record| record.variance.as_ref()).collect();
+    let variance = variances.map(|variances| {
+        let of_mean = |k: usize| variances.iter().map(|values| values[k]).sum::<f64>() / (variances.len() as f64).powi(2);
+        (0..lines).map(of_mean).collect()
+    });
     let first = records.into_iter().next()?;
-    Some(Record { line, coherence, ..first })
+    Some(Record { line, coherence, variance, ..first })
 }
 
 fn store(set: &mut FrfSet, (i, j): (usize, usize), record: Record) {
@@ -249,6 +257,9 @@ fn store(set: &mut FrfSet, (i, j): (usize, usize), record: Record) {
     }
     if let (Some(target), Some(coherence)) = (&mut set.coherence, record.coherence) {
         coherence.iter().take(count).enumerate().for_each(|(k, &value)| target[[i, j, k]] = value);
+    }
+    if let (Some(target), Some(variance)) = (&mut set.variance, record.variance) {
+        variance.iter().take(count).enumerate().for_each(|(k, &value)| target[[i, j, k]] = value);
     }
 }
 

@@ -290,6 +290,7 @@ pub(super) fn build_set(
         frequency_hz: axis.clone(),
         line: Line::Double(frf.values),
         coherence: frf.coherence,
+        variance: None,
         kind,
         reference_unit,
         document: 0,

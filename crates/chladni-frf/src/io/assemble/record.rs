@@ -72,6 +72,7 @@ pub(super) struct Record {
     pub(super) frequency_hz: Rc<[f64]>,
     pub(super) line: Line,
     pub(super) coherence: Option<Vec<f32>>,
+    pub(super) variance: Option<Vec<f64>>,
     pub(super) kind: Option<FrfKind>,
     pub(super) reference_unit: ReferenceUnit,
     /// Number of the document it stands in.
@@ -138,6 +139,7 @@ pub(super) fn from_function(
         frequency_hz: axis,
         line,
         coherence: None,
+        variance: None,
         kind: function.kind,
         reference_unit: function.reference_unit,
         document,
@@ -166,6 +168,7 @@ pub(super) fn from_set(set: &FrfSet, document: usize, place: &str, warnings: &mu
                 frequency_hz: axis.clone(),
                 line,
                 coherence: set.coherence.as_ref().map(|coherence| coherence.slice(s![i, j, ..]).to_vec()),
+                variance: set.variance.as_ref().map(|variance| variance.slice(s![i, j, ..]).to_vec()),
                 kind: set.kind,
                 reference_unit: set.reference_unit,
                 document,

@@ -4,14 +4,11 @@ use super::head::Head;
 use super::table::Table;
 use crate::io::unit_label;
 use crate::io::{Abscissa, Axis, DatasetInfo, Document, FileFormat, Function, Ordinate};
-use crate::{Direction, Dof, Error, ReferenceUnit, Result};
+use crate::{Direction, Dof, Error, Result};
 use std::path::Path;
 
 /// Names that a time axis goes by.
 const TIME_NAMES: [&str; 4] = ["t", "time", "zeit", "temps"];
-/// Function type and quantity codes of dataset 58.
-const TIME_RECORD: i32 = 1;
-const TIME: i32 = 17;
 
 /// Factor of the first column to seconds, where its name or unit says that it is time.
 pub(super) fn seconds(table: &Table) -> Option<f64> {
@@ -73,28 +70,11 @@ pub(super) fn document(table: &Table, to_seconds: f64, mut warnings: Vec<String>
             values: Some(samples.len()),
             ..DatasetInfo::default()
         });
+        let channel = Axis { label: table.names[column].clone(), unit: head.unit.clone(), ..Axis::default() };
         document.functions.push(Function {
-            function_type: TIME_RECORD,
-            id_lines: Default::default(),
-            ids: [0; 3],
-            entity_names: Default::default(),
-            response,
-            reference: Dof::new(0, Direction::SCALAR),
-            abscissa: Abscissa::Uneven(times.clone()),
-            z: 0.0,
-            axes: [
-                Axis { quantity: TIME, label: "Time".into(), unit: "s".into(), ..Axis::default() },
-                Axis { label: table.names[column].clone(), unit: head.unit.clone(), ..Axis::default() },
-                Axis::default(),
-                Axis::default(),
-            ],
-            ordinate: Ordinate::Real64(samples),
-            kind: None,
-            reference_unit: ReferenceUnit::Newton,
             scale_to_si: unit.map_or(1.0, |unit| unit.factor),
             abscissa_to_si: to_seconds,
-            line: 0,
-            warnings: Vec::new(),
+            ..Function::time_record(response, Abscissa::Uneven(times.clone()), channel, Ordinate::Real64(samples))
         });
     }
     if numbered > 0 {

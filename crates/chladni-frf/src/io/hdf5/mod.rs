@@ -109,6 +109,7 @@ fn dataset_info(entry: &Entry) -> DatasetInfo {
     let (function, nodes) = match (entry.path.as_str(), entry.element()) {
         ("/frf", _) => ("frf".to_owned(), None),
         ("/coherence", _) => ("coherence".to_owned(), None),
+        ("/variance", _) => ("variance".to_owned(), None),
         (_, Some(Element::Node)) => ("nodes".to_owned(), entry.shape().first().copied()),
         (_, element) => (element.map_or_else(String::new, Element::describe), None),
     };
@@ -130,9 +131,6 @@ pub(super) fn write(path: &Path, frf: Option<&FrfSet>, others: &Contents, force:
     let mut root = own::new_root();
     if let Some(set) = frf {
         own::add_frf(&mut root, set);
-        if let Some(variance) = others.variance.as_ref().filter(|variance| variance.dim() == set.values.dim()) {
-            own::add_variance(&mut root, variance);
-        }
     }
     own::add_geometry(&mut root, frf.map_or(&others.other_geometry, |set| &set.geometry));
     if !others.sources.is_empty() {

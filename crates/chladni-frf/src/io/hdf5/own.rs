@@ -28,7 +28,7 @@ const VERSION: i64 = 1;
 
 /// True for the datasets that [`Own`] reads into a document; a model is read by itself.
 pub(super) fn is_carried(path: &str) -> bool {
-    let known = ["/freq", "/frf", "/coherence", "/response", "/reference"];
+    let known = ["/freq", "/frf", "/coherence", "/variance", "/response", "/reference"];
     known.contains(&path) || path.starts_with("/geometry/") || path.starts_with("/functions/") || path.starts_with("/shapes/")
 }
 
@@ -102,7 +102,8 @@ impl Own<'_> {
             references: dofs(reference_entry, references)?,
             kind: self.kind()?,
             reference_unit: self.reference_unit()?,
-            coherence: self.coherence()?,
+            coherence: self.beside_frf("/coherence", |value| value as f32)?,
+            variance: self.beside_frf("/variance", |value| value)?,
             geometry: self.geometry()?,
         }
         .checked()?;
@@ -131,14 +132,15 @@ impl Own<'_> {
         self.attribute("time_sign")
     }
 
-    fn coherence(&self) -> Result<Option<Array3<f32>>> {
-        if self.find("/coherence").is_none() {
+    /// What stands beside each FRF value.
+    fn beside_frf<T>(&self, path: &str, convert: impl Fn(f64) -> T) -> Result<Option<Array3<T>>> {
+        if self.find(path).is_none() {
             return Ok(None);
         }
-        let (entry, values) = self.dataset("/coherence")?;
+        let (entry, values) = self.dataset(path)?;
         let array = real_array(entry, values)?;
         let array = array.into_dimensionality::<Ix3>().map_err(|_| wrong_type(entry, "three axes: response, reference, line"))?;
-        Ok(Some(array.mapv(|value| value as f32)))
+        Ok(Some(array.mapv(convert)))
     }
 
     pub(super) fn geometry(&self) -> Result<Geometry> {
@@ -209,14 +211,11 @@ pub(super) fn add_frf<'a>(root: &mut Group<'a>, set: &'a FrfSet) {
     if let Some(coherence) = &set.coherence {
         root.add("coherence", &shape, Values::Real32(contiguous(coherence)));
     }
+    if let Some(variance) = &set.variance {
+        root.add("variance", &shape, Values::Real64(contiguous(variance)));
+    }
     root.add("response", &[responses], Values::Dofs(set.responses.clone()));
     root.add("reference", &[references], Values::Dofs(set.references.clone()));
-}
-
-/// Adds E|δH|² of each FRF value.
-pub(super) fn add_variance<'a>(root: &mut Group<'a>, variance: &'a Array3<f64>) {
-    let (responses, references, lines) = variance.dim();
-    root.add("variance", &[responses, references, lines], Values::Real64(contiguous(variance)));
 }
 
 /// Adds nodes, lines and faces to the root, where there are any.

@@ -10,6 +10,7 @@ use super::container::{is_marker, Lines, HEADER_RECORDS};
 use super::fields::{numbers, whole, Record};
 use super::layout::{Layout, Record7};
 use crate::{Error, Result};
+use std::borrow::Cow;
 
 /// The identifier line.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -98,9 +99,8 @@ impl Form {
         self.x_bytes + self.parts * self.y_bytes
     }
     /// Bytes of `count` points, where that many lie within `available`.
-    fn bytes(self, count: u64, available: usize) -> Option<usize> {
-        let bytes = count.checked_mul(self.point_bytes() as u64)?;
-        usize::try_from(bytes).ok().filter(|&bytes| bytes <= available)
+    fn bytes(self, count: u64, available: u64) -> Option<u64> {
+        count.checked_mul(self.point_bytes() as u64).filter(|&bytes| bytes <= available)
     }
 }
 
@@ -130,44 +130,60 @@ enum Landing {
     FileEnd,
 }
 
+/// The file from the beginning of a payload on.
+pub(super) trait Rest {
+    /// Bytes to the end of the file.
+    fn length(&self) -> u64;
+    /// What stands `offset` bytes further: at least the lines that follow a payload.
+    fn behind(&self, offset: u64) -> Cow<'_, [u8]>;
+}
+
+impl Rest for &[u8] {
+    fn length(&self) -> u64 {
+        self.len() as u64
+    }
+    fn behind(&self, offset: u64) -> Cow<'_, [u8]> {
+        Cow::Borrowed(usize::try_from(offset).ok().and_then(|offset| self.get(offset..)).unwrap_or_default())
+    }
+}
+
 /// One past the closing marker behind `length` bytes of payload, where one stands there.
-fn lands(bytes: &[u8], length: usize, landing: Landing) -> Option<usize> {
-    let rest = bytes.get(length..)?;
+fn lands(file: &impl Rest, length: u64, landing: Landing) -> Option<u64> {
+    let rest = file.behind(length);
     // Writers put LF or CRLF between payload and marker, against the rule.
     let blanks = rest.iter().take_while(|b| b.is_ascii_whitespace()).count();
     let mut lines = Lines { bytes: &rest[blanks..], line: 0 };
     if landing == Landing::FileEnd {
-        return lines.bytes.is_empty().then_some(bytes.len());
+        return (length + blanks as u64 == file.length()).then_some(file.length());
     }
     lines.next().filter(|record| is_marker(record.text))?;
-    let end = bytes.len() - lines.bytes.len();
+    let end = length + (rest.len() - lines.bytes.len()) as u64;
     let next = lines.find(|record| !record.text.trim_ascii().is_empty());
     (landing == Landing::Loose || next.is_none_or(|record| is_marker(record.text))).then_some(end)
 }
 
-/// A form whose length lands: the payload's bytes, and one past the closing marker.
-#[derive(Clone, Copy)]
-struct Landed {
-    form: Form,
-    length: usize,
-    end: usize,
+/// A payload whose length lands: its form, its bytes, and one past the closing marker.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Landed {
+    pub form: Form,
+    pub length: u64,
+    pub end: u64,
 }
 
 /// Everything that is known about where a payload may end.
-struct Search<'a> {
-    /// The file from the payload on.
-    rest: &'a [u8],
+struct Search<'a, R> {
+    rest: &'a R,
     layout: Layout,
     /// Bytes stated by the identifier line.
     declared: u64,
 }
 
-impl Search<'_> {
+impl<R: Rest> Search<'_, R> {
     /// The first of `forms` whose length lands; the declared length is tried first.
     fn any_of(&self, forms: &[Form], landings: &[Landing]) -> Option<Landed> {
-        let mut sized: Vec<(Form, usize)> =
-            forms.iter().filter_map(|&form| Some((form, form.bytes(self.layout.count, self.rest.len())?))).collect();
-        sized.sort_by_key(|&(_, length)| length as u64 != self.declared);
+        let mut sized: Vec<(Form, u64)> =
+            forms.iter().filter_map(|&form| Some((form, form.bytes(self.layout.count, self.rest.length())?))).collect();
+        sized.sort_by_key(|&(_, length)| length != self.declared);
         landings.iter().find_map(|&landing| {
             sized.iter().find_map(|&(form, length)| Some(Landed { form, length, end: lands(self.rest, length, landing)? }))
         })
@@ -175,57 +191,55 @@ impl Search<'_> {
 
     /// The declared length, where it lands: then record 7 states the wrong number of values.
     fn declared_length(&self) -> Option<Landed> {
-        let length = usize::try_from(self.declared).ok().filter(|&length| length > 0)?;
+        let length = self.declared;
         let end = lands(self.rest, length, Landing::Loose)?;
-        let form = allowed(self.layout).into_iter().find(|form| length % form.point_bytes() == 0)?;
+        let form = allowed(self.layout).into_iter().find(|form| length > 0 && length.is_multiple_of(form.point_bytes() as u64))?;
         Some(Landed { form, length, end })
     }
 
     /// No length lands anywhere.
     fn nowhere(&self) -> String {
         let smallest = allowed(self.layout).iter().map(|form| form.point_bytes()).min().unwrap_or(1);
-        let (count, left) = (self.layout.count, self.rest.len());
+        let (count, left) = (self.layout.count, self.rest.length());
         let needed = count.saturating_mul(smallest as u64);
-        if needed > left as u64 {
-            format!("{count} values declared ({needed} bytes), {} present at most ({left} bytes left in the file)", left / smallest)
+        if needed > left {
+            format!("{count} values declared ({needed} bytes), {} present at most ({left} bytes left in the file)", left / smallest as u64)
         } else {
             format!("{count} values declared ({needed} bytes), {} bytes by the identifier line; neither ends on a -1 line", self.declared)
         }
     }
 }
 
-/// Finds the payload at the beginning of `rest`, which lies at `byte` in the file; also gives the length up to the line after
-/// the closing marker.
+/// Finds where the payload at the beginning of `rest`, which lies at `byte` in the file, ends.
 ///
 /// # Errors
 /// No length lands on a closing marker, or the one that does contradicts record 7.
-pub(super) fn locate<'a>(
-    rest: &'a [u8],
+pub(super) fn locate(
+    rest: &impl Rest,
     byte: u64,
     identifier: Identifier,
     record7: Record<'_>,
     lenient: bool,
     warnings: &mut Vec<String>,
-) -> Result<(Payload<'a>, usize)> {
+) -> Result<Landed> {
     let layout = Record7::read(record7, &mut Vec::new())?.layout;
     let search = Search { rest, layout, declared: identifier.declared_bytes };
-    let payload = |at: Landed| (Payload { bytes: &rest[..at.length], byte, form: at.form, big_endian: identifier.big_endian }, at.end);
     let wrong = |message: &str, field: &str| Error::bad_data(message).at_line(record7.line).at_byte(byte).field(field);
     const COUNT: &str = "record 7: number of values";
 
     if let Some(at) = search.any_of(&allowed(layout), &[Landing::Strict, Landing::Loose]) {
         let (declared, length) = (search.declared, at.length);
-        if declared != length as u64 {
+        if declared != length {
             warnings
                 .push(format!("the identifier line states {declared} bytes of data, the header {length}; {length} are there and are read"));
         }
-        return Ok(payload(at));
+        return Ok(at);
     }
     if let Some(at) = search.any_of(&contradicting(layout), &[Landing::Strict, Landing::Loose]) {
         let [said, written] = [layout.double, at.form.y_bytes == 8].map(|double| if double { "double" } else { "single" });
         if lenient {
             warnings.push(format!("the header says {said} precision, the data are in {written} precision and read so"));
-            return Ok(payload(at));
+            return Ok(at);
         }
         let message = format!("the header says {said} precision, but the data are written in {written} precision");
         return Err(wrong(&message, "record 7: ordinate type")
@@ -234,10 +248,10 @@ pub(super) fn locate<'a>(
             .help("read it with --lenient, which takes the data as they are written"));
     }
     if let Some(at) = search.declared_length() {
-        let present = at.length / at.form.point_bytes();
+        let present = at.length / at.form.point_bytes() as u64;
         if lenient {
             warnings.push(format!("the header declares {} values, the data hold {present}; these are read", layout.count));
-            return Ok(payload(at));
+            return Ok(at);
         }
         return Err(wrong("the declared number of values and the data disagree", COUNT)
             .found(format!("{} declared, {present} present", layout.count))
@@ -246,7 +260,7 @@ pub(super) fn locate<'a>(
     }
     if let Some(at) = search.any_of(&allowed(layout), &[Landing::FileEnd]).filter(|_| lenient) {
         warnings.push("the file ends behind the data, without a closing -1 line".into());
-        return Ok(payload(at));
+        return Ok(at);
     }
     Err(wrong("the binary data do not end where their length says", COUNT)
         .found(search.nowhere())
@@ -281,12 +295,12 @@ mod tests {
     fn a_payload_lands_on_a_marker_behind_any_line_end() {
         for rest in ["    -1", "    -1\n", "\n    -1\n    -1\n", "\r\n    -1\r\n"] {
             let bytes = [&[7; 16], rest.as_bytes()].concat();
-            assert!(lands(&bytes, 16, Landing::Strict).is_some(), "{rest:?}");
-            assert_eq!(lands(&bytes, 8, Landing::Loose), None);
+            assert!(lands(&bytes.as_slice(), 16, Landing::Strict).is_some(), "{rest:?}");
+            assert_eq!(lands(&bytes.as_slice(), 8, Landing::Loose), None);
         }
         let bytes = [&[7; 16], &b"    -1\nrubbish"[..]].concat();
-        assert_eq!(lands(&bytes, 16, Landing::Strict), None);
-        assert_eq!(lands(&bytes, 16, Landing::Loose), Some(23));
-        assert_eq!(lands(&bytes, 1000, Landing::Loose), None);
+        assert_eq!(lands(&bytes.as_slice(), 16, Landing::Strict), None);
+        assert_eq!(lands(&bytes.as_slice(), 16, Landing::Loose), Some(23));
+        assert_eq!(lands(&bytes.as_slice(), 1000, Landing::Loose), None);
     }
 }

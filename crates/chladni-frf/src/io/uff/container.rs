@@ -19,6 +19,10 @@ pub(super) struct Block<'a> {
     pub records: Lines<'a>,
     /// Data of a binary 58.
     pub payload: Option<Payload<'a>>,
+    /// 58 whose data were passed over: how many values are there.
+    pub passed_over: Option<u64>,
+    /// Too large to look into: its name is all that is known.
+    pub listed_only: bool,
     /// What makes the dataset unreadable as a whole.
     pub fault: Option<Error>,
     /// False where the file ends before the closing `-1`.
@@ -59,13 +63,17 @@ impl<'a> Lines<'a> {
     /// This position, `count` bytes further; lines are counted on.
     fn skip_bytes(self, count: usize) -> Lines<'a> {
         let (skipped, bytes) = self.bytes.split_at(count.min(self.bytes.len()));
-        Lines { bytes, line: self.line + skipped.iter().filter(|&&b| b == b'\n').count() as u64 }
+        Lines { bytes, line: self.line + memchr::memchr_iter(b'\n', skipped).count() as u64 }
     }
 }
 
 /// True for `    -1`, padded with blanks or not at all.
 pub(super) fn is_marker(text: &[u8]) -> bool {
     const LAST_COLUMN: usize = 6;
+    // most lines are data, and full there
+    if text.get(LAST_COLUMN).is_some_and(|b| !b.is_ascii_whitespace()) {
+        return false;
+    }
     match text.iter().position(|b| !b.is_ascii_whitespace()) {
         Some(start) if start + 2 <= LAST_COLUMN => text[start..].trim_ascii_end() == b"-1",
         _ => false,
@@ -73,7 +81,7 @@ pub(super) fn is_marker(text: &[u8]) -> bool {
 }
 
 /// Number of a dataset, and true for `58b`.
-fn number_line(text: &[u8]) -> Option<(u32, bool)> {
+pub(super) fn number_line(text: &[u8]) -> Option<(u32, bool)> {
     let text = text.trim_ascii_start();
     let digits = text.iter().take_while(|b| b.is_ascii_digit()).count();
     let number = std::str::from_utf8(&text[..digits]).ok()?.parse().ok().filter(|_| digits <= 6)?;
@@ -136,19 +144,38 @@ fn dataset<'a>(file: Lines<'a>, mut at: Lines<'a>, line: u64, lenient: bool) -> 
     let (number, binary) = number_line(number_record.text).unzip();
     let binary = binary.unwrap_or(false);
     let nothing = Lines { bytes: &[], line: at.line };
-    let mut block = Block { number, line, records: nothing, payload: None, fault: None, closed: true, warnings: Vec::new() };
-    if number.is_none() {
-        let error = Error::bad_data("no dataset number after the opening -1");
-        block.fault = Some(
-            error
-                .at_line(number_record.line)
-                .field("dataset number")
-                .found(String::from_utf8_lossy(number_record.text))
-                .expected("a number in columns 1 to 6"),
-        );
-    }
+    let mut block = Block {
+        number,
+        line,
+        records: nothing,
+        payload: None,
+        passed_over: None,
+        listed_only: false,
+        fault: number.is_none().then(|| no_number(number_record)),
+        closed: true,
+        warnings: Vec::new(),
+    };
     let after = if binary { binary_body(file, at, number_record, &mut block, lenient) } else { text_body(at, &mut block) };
     (Some(block), after)
+}
+
+/// The error about a dataset without number.
+pub(super) fn no_number(record: Record<'_>) -> Error {
+    Error::bad_data("no dataset number after the opening -1")
+        .at_line(record.line)
+        .field("dataset number")
+        .found(String::from_utf8_lossy(record.text))
+        .expected("a number in columns 1 to 6")
+}
+
+/// The error about a header of `records` records in place of `expected`.
+pub(super) fn ends_in_header(line: u64, records: usize, expected: usize) -> Error {
+    Error::bad_data("the dataset ends inside its header")
+        .at_line(line)
+        .field(format!("record {}", records + 1))
+        .found(format!("{records} records"))
+        .expected(format!("{expected} records before the data"))
+        .help("the file is cut short; copy or export it again")
 }
 
 fn text_body<'a>(start: Lines<'a>, block: &mut Block<'a>) -> Lines<'a> {
@@ -182,12 +209,7 @@ fn binary_body<'a>(file: Lines<'a>, start: Lines<'a>, number: Record<'a>, block:
             let before = at;
             let record = at.next().filter(|record| !is_marker(record.text)).ok_or_else(|| {
                 at = before;
-                Error::bad_data("the dataset ends inside its header")
-                    .at_line(before.line)
-                    .field(format!("record {k}"))
-                    .found(format!("{} records", k - 1))
-                    .expected(format!("{} records before the data", identifier.header_lines))
-                    .help("the file is cut short; copy or export it again")
+                ends_in_header(before.line, k - 1, identifier.header_lines)
             })?;
             if k == 7 {
                 record7 = Some(record);
@@ -197,12 +219,13 @@ fn binary_body<'a>(file: Lines<'a>, start: Lines<'a>, number: Record<'a>, block:
             }
         }
         let byte = (file.bytes.len() - at.bytes.len()) as u64;
-        binary::locate(at.bytes, byte, identifier, record7.unwrap_or(number), lenient, &mut block.warnings)
+        let landed = binary::locate(&at.bytes, byte, identifier, record7.unwrap_or(number), lenient, &mut block.warnings)?;
+        Ok((Payload { bytes: &at.bytes[..landed.length as usize], byte, form: landed.form, big_endian: identifier.big_endian }, landed.end))
     })();
     match located {
         Ok((payload, length)) => {
             block.payload = Some(payload);
-            at.skip_bytes(length)
+            at.skip_bytes(length as usize)
         }
         Err(error) => {
             block.fault = Some(error);

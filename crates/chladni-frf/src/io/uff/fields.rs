@@ -1,9 +1,7 @@
-//! Fixed-width fields: cut by column first, and only where that does not parse, split on blanks.
-//!
-//! Numbers are Fortran's: exponents with `E`, `e`, `D`, `d` or no letter at all (`1.234-101`), a blank field is 0, stars
-//! are an overflow. Adjacent numbers may touch, so that blanks alone do not separate them.
+//! Fixed-width fields: cut by column first, and only where that does not parse, split on blanks. Adjacent numbers may touch, so that
+//! blanks alone do not separate them.
 
-use super::decimal::short_decimal;
+use super::number::{float, Fault};
 use crate::{Error, Result};
 
 /// One line of the file.
@@ -13,71 +11,6 @@ pub(super) struct Record<'a> {
     pub line: u64,
     /// The line without its end.
     pub text: &'a [u8],
-}
-
-/// Why a field is no number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Fault {
-    /// `*****`: the writer's field was too narrow.
-    Stars,
-    /// NaN, Inf, or too large.
-    NotFinite,
-    /// Anything else.
-    NotANumber,
-}
-
-impl Fault {
-    pub(super) fn message(self) -> &'static str {
-        match self {
-            Self::Stars => "the number did not fit its field when the file was written",
-            Self::NotFinite => "the number is not finite",
-            Self::NotANumber => "text instead of a number",
-        }
-    }
-}
-
-/// A number as Fortran prints and reads it; a blank field is 0.
-pub(super) fn float(field: &[u8]) -> std::result::Result<f64, Fault> {
-    let text = field.trim_ascii();
-    if text.is_empty() {
-        return Ok(0.0);
-    }
-    if let Some(value) = short_decimal(text) {
-        return Ok(value);
-    }
-    let parse = |bytes: &[u8]| std::str::from_utf8(bytes).ok().and_then(|t| t.parse::<f64>().ok());
-    let value = match parse(text) {
-        Some(value) => value,
-        None if text.iter().all(|&c| c == b'*') => return Err(Fault::Stars),
-        None => {
-            let mut buffer = [0; 48];
-            with_exponent_letter(text, &mut buffer).and_then(parse).ok_or(Fault::NotANumber)?
-        }
-    };
-    if value.is_finite() {
-        Ok(value)
-    } else {
-        Err(Fault::NotFinite)
-    }
-}
-
-/// `1.2D+03` and `1.2+03` as `1.2E+03`, in `buffer`; `None` where it does not fit.
-fn with_exponent_letter<'b>(text: &[u8], buffer: &'b mut [u8; 48]) -> Option<&'b [u8]> {
-    let mut length = 0;
-    let mut previous = b' ';
-    let mut push = |c: u8| {
-        *buffer.get_mut(length)? = c;
-        length += 1;
-        Some(())
-    };
-    for &c in text {
-        if matches!(c, b'+' | b'-') && (previous.is_ascii_digit() || previous == b'.') {
-            push(b'E')?;
-        }
-        push(if matches!(c, b'D' | b'd') { b'E' } else { c })?;
-        previous = c;
-    }
-    buffer.get(..length)
 }
 
 /// Where a field stands in its line: first byte, and one past the last.
@@ -185,6 +118,11 @@ pub(super) fn count_fields(text: &[u8], widths: &[usize]) -> usize {
     filled.filter(|_| one_token_each).unwrap_or_else(|| token_spans(text, &mut spans))
 }
 
+/// Words between blanks.
+pub(super) fn count_tokens(bytes: &[u8]) -> u64 {
+    bytes.split(u8::is_ascii_whitespace).filter(|token| !token.is_empty()).count() as u64
+}
+
 /// As [`line_numbers`] where that fails: NaN in every field that is no number; how many those are.
 pub(super) fn masked_numbers(text: &[u8], widths: &[usize], values: &mut [f64]) -> usize {
     let mut spans = [(0, 0); MOST_FIELDS];
@@ -281,38 +219,6 @@ pub(super) fn label(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn every_fortran_exponent_is_read() {
-        for (text, value) in [
-            ("  1.5E+01", 15.0),
-            ("1.5e1", 15.0),
-            ("1.5D+01", 15.0),
-            ("-1.5d-01", -0.15),
-            ("1.234-101", 1.234e-101),
-            ("-1.234+101", -1.234e101),
-            ("1.+2", 100.0),
-            ("+7", 7.0),
-            ("   ", 0.0),
-        ] {
-            assert_eq!(float(text.as_bytes()), Ok(value), "{text}");
-        }
-    }
-
-    #[test]
-    fn stars_and_what_is_not_finite_are_faults() {
-        for (text, fault) in [
-            ("*****", Fault::Stars),
-            ("NaN", Fault::NotFinite),
-            ("-Inf", Fault::NotFinite),
-            ("1E999", Fault::NotFinite),
-            ("abc", Fault::NotANumber),
-            ("1 2", Fault::NotANumber),
-            ("--1", Fault::NotANumber),
-        ] {
-            assert_eq!(float(text.as_bytes()), Err(fault), "{text}");
-        }
-    }
 
     fn line(text: &str, widths: &[usize]) -> (Found, Vec<f64>) {
         let mut values = vec![0.0; widths.len()];

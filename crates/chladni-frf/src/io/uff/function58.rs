@@ -51,6 +51,7 @@ pub(super) fn read(block: &Block<'_>, units: Option<Units>, options: &ReadOption
     dofs_from_entities(&mut header, &mut warnings);
     let values = match (&block.fault, &block.payload) {
         (Some(fault), _) => Err(fault.clone()),
+        _ if block.passed_over.is_some() => closed(block, options, Values { x: Vec::new(), ordinate: Ordinate::Real32(Vec::new()) }),
         (None, Some(payload)) => read_binary(payload, &mut warnings),
         (None, None) => {
             read_text(data, header.record7.layout, options.lenient, &mut warnings).and_then(|values| closed(block, options, values))
@@ -88,7 +89,8 @@ fn assemble(
     let directions = [header.response.direction, header.reference.direction];
     let scaling = scaling(header.function_type, &header.axes, directions, units, warnings);
     let is_text = block.payload.is_none();
-    let abscissa = abscissa(header, values.x, values.ordinate.len(), is_text, options.snap_df, warnings);
+    let count = block.passed_over.map_or(values.ordinate.len(), |count| usize::try_from(count).unwrap_or(usize::MAX));
+    let abscissa = abscissa(header, values.x, count, is_text, options.snap_df, warnings);
     Function {
         function_type: header.function_type,
         id_lines: header.id_lines.clone(),
@@ -159,7 +161,8 @@ fn candidate_warning(step: f64, what: &str) -> String {
     format!("{what}; the exact step is probably {step}: --snap-df uses it")
 }
 
-/// Number of values of an ordinate, for the listing.
-pub(super) fn value_count(function: &Result<Function>) -> Option<usize> {
-    function.as_ref().ok().map(|function| Ordinate::len(&function.ordinate))
+/// Number of values of a function, for the listing.
+pub(super) fn value_count(block: &Block<'_>, function: &Result<Function>) -> Option<usize> {
+    let function = function.as_ref().ok()?;
+    block.passed_over.map_or(Some(function.ordinate.len()), |count| usize::try_from(count).ok())
 }

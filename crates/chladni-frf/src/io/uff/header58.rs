@@ -7,9 +7,10 @@
 //! | 7 | 3I10,3E13.5 | see `layout` |
 //! | 8–11 | I10,3I5,2(1X,20A1) | abscissa, numerator, denominator, z axis: quantity, exponents, label, unit |
 
-use super::container::{Lines, HEADER_RECORDS};
-use super::fields::{bad_field, decode, float, label, line_numbers, warn_split, whole, BadField, Fault, Record};
+use super::container::{ends_in_header, Lines, HEADER_RECORDS};
+use super::fields::{bad_field, decode, label, line_numbers, warn_split, whole, BadField, Record};
 use super::layout::Record7;
+use super::number::{float, Fault};
 use crate::io::Axis;
 use crate::{Direction, Dof, Error, Result};
 
@@ -34,14 +35,7 @@ impl Header {
     pub(super) fn read<'a>(mut lines: Lines<'a>, warnings: &mut Vec<String>) -> Result<(Self, Lines<'a>)> {
         let mut records = [Record { line: lines.line, text: b"".as_slice() }; HEADER_RECORDS];
         for (k, record) in records.iter_mut().enumerate() {
-            *record = lines.next().ok_or_else(|| {
-                Error::bad_data("the dataset ends inside its header")
-                    .at_line(lines.line)
-                    .field(format!("record {}", k + 1))
-                    .found(format!("{k} records"))
-                    .expected(format!("{HEADER_RECORDS} records before the data"))
-                    .help("the file is cut short; copy or export it again")
-            })?;
+            *record = lines.next().ok_or_else(|| ends_in_header(lines.line, k, HEADER_RECORDS))?;
         }
         let id_lines = [0, 1, 2, 3, 4].map(|k: usize| label(&decode(records[k].text)));
         let record6 = Record6::read(records[5], warnings)?;

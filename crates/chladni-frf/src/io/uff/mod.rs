@@ -19,15 +19,19 @@ mod header58;
 mod layout;
 mod mesh;
 mod nodes;
+mod number;
 mod scaling;
+mod scan;
 mod shapes;
 mod step;
 mod values;
 mod write;
 mod write58;
+mod write_function;
 mod write_mesh;
 mod write_shape;
 
+pub use scan::scan;
 pub use write::{write, Plan, WriteOptions};
 
 use super::{DatasetInfo, Document, FileFormat, Function, ReadOptions, Shape};
@@ -46,38 +50,57 @@ use std::path::Path;
 pub fn read(bytes: &[u8], file: &Path, options: &ReadOptions) -> Result<Document> {
     let mut warnings = Vec::new();
     let blocks = container::datasets(bytes, options.lenient, &mut warnings);
-    if blocks.is_empty() {
-        return Err(Error::bad_data("no dataset of a universal file is in here")
-            .file(file)
-            .at_line(1)
-            .found("no pair of -1 lines")
-            .expected("a line with -1 in columns 5 and 6, then a line with a dataset number")
-            .help("check that this is a universal file (.uff, .unv) and complete"));
-    }
     let units = units_in_force(&blocks);
     let parts: Vec<Part> = blocks.par_iter().zip(units.par_iter()).map(|(block, units)| part(block, units, options)).collect();
+    let mut collector = Collector::new(file);
+    collector.document.warnings = warnings;
+    parts.into_iter().for_each(|part| collector.add(part));
+    collector.finish(units.iter().any(|units| matches!(units, Ok(Some(_)))))
+}
 
-    let mut document = Document { warnings, ..Document::new(file, FileFormat::Uff) };
-    let mut nodes = Vec::new();
-    let mut systems = Vec::new();
-    let mut mesh = Mesh::default();
-    for part in parts {
+/// Parts of a file on their way into its document.
+struct Collector {
+    document: Document,
+    nodes: Vec<(Vec<FileNode>, Units)>,
+    systems: Vec<System>,
+    mesh: Mesh,
+}
+
+impl Collector {
+    fn new(file: &Path) -> Self {
+        Self { document: Document::new(file, FileFormat::Uff), nodes: Vec::new(), systems: Vec::new(), mesh: Mesh::default() }
+    }
+
+    fn add(&mut self, part: Part) {
+        let document = &mut self.document;
         document.datasets.push(part.info);
         document.functions.extend(part.function);
-        document.errors.extend(part.error.map(|error| error.file(file)));
-        systems.extend(part.systems);
-        nodes.extend(part.nodes);
+        document.errors.extend(part.error.map(|error| error.file(&document.file)));
         document.shapes.extend(part.shape);
-        mesh.lines.extend(part.mesh.lines);
-        mesh.faces.extend(part.mesh.faces);
+        self.systems.extend(part.systems);
+        self.nodes.extend(part.nodes);
+        self.mesh.lines.extend(part.mesh.lines);
+        self.mesh.faces.extend(part.mesh.faces);
     }
-    if !nodes.is_empty() && !units.iter().any(|units| matches!(units, Ok(Some(_)))) {
-        document.warnings.push("the file has nodes and no units dataset (164): metres are assumed".into());
+
+    fn finish(self, has_units: bool) -> Result<Document> {
+        let Self { mut document, nodes, systems, mesh } = self;
+        if document.datasets.is_empty() {
+            return Err(Error::bad_data("no dataset of a universal file is in here")
+                .file(&document.file)
+                .at_line(1)
+                .found("no pair of -1 lines")
+                .expected("a line with -1 in columns 5 and 6, then a line with a dataset number")
+                .help("check that this is a universal file (.uff, .unv) and complete"));
+        }
+        if !nodes.is_empty() && !has_units {
+            document.warnings.push("the file has nodes and no units dataset (164): metres are assumed".into());
+        }
+        document.geometry = nodes::geometry(&nodes, &systems, &mut document.warnings);
+        (document.geometry.lines, document.geometry.faces) = (mesh.lines, mesh.faces);
+        note_lost_nodes(&mut document);
+        Ok(document)
     }
-    document.geometry = nodes::geometry(&nodes, &systems, &mut document.warnings);
-    (document.geometry.lines, document.geometry.faces) = (mesh.lines, mesh.faces);
-    note_lost_nodes(&mut document);
-    Ok(document)
 }
 
 /// Units of one dataset: those of the last 164 before it, else of the first in the file. `Err` where that 164 is damaged.
@@ -157,7 +180,8 @@ fn fill(part: &mut Part, block: &Block<'_>, units: &UnitsInForce, options: &Read
             info.response = Some(header.response.to_string());
             info.reference = Some(header.reference.to_string());
         }
-        info.values = function58::value_count(&read.function);
+        info.values = function58::value_count(block, &read.function);
+        info.frf_kind = read.function.as_ref().ok().and_then(|function| function.kind);
         info.warnings = read.warnings;
         let function = read.function?;
         if units.is_err() {
@@ -169,6 +193,10 @@ fn fill(part: &mut Part, block: &Block<'_>, units: &UnitsInForce, options: &Read
     info.warnings = block.warnings.clone();
     if let Some(fault) = &block.fault {
         return Err(fault.clone());
+    }
+    if block.listed_only {
+        info.left_behind = true;
+        return Ok(());
     }
     if !block.closed && !options.lenient {
         return Err(function58::not_closed(block));

@@ -96,7 +96,9 @@ pub(super) fn even_behind(values: &[f64], tagged_step: Option<f64>) -> Option<(f
     let mut exact = true;
     for (k, &value) in values.iter().enumerate() {
         let difference = (start + step * k as f64 - value).abs();
-        if difference > half_unit_of_six_digits(value) * (1.0 + ROUNDING) {
+        // half a unit is more than that: most values need no logarithm
+        let surely_within = difference <= 0.5e-6 * value.abs();
+        if !surely_within && difference > half_unit_of_six_digits(value) * (1.0 + ROUNDING) {
             return None;
         }
         exact &= difference <= step.abs() * ROUNDING;

@@ -5,8 +5,9 @@
 
 use super::binary::Payload;
 use super::container::Lines;
-use super::fields::{self, bad_field, count_fields, line_numbers, masked_numbers, warn_split, BadField, Fault, Found, Record};
+use super::fields::{bad_field, count_fields, count_tokens, line_numbers, masked_numbers, warn_split, BadField, Found, Record};
 use super::layout::Layout;
+use super::number::{self, Fault};
 use crate::io::Ordinate;
 use crate::{Error, Result};
 use num_complex::{Complex32, Complex64};
@@ -24,6 +25,9 @@ pub(super) struct Values {
 /// A field that is no finite number (unless `lenient`, which masks it), or another number of values than declared.
 pub(super) fn read_text(data: Lines<'_>, layout: Layout, lenient: bool, warnings: &mut Vec<String>) -> Result<Values> {
     let data = Lines { bytes: data.bytes.trim_ascii_end(), ..data };
+    if let Some(numbers) = usual_form(data.bytes, layout) {
+        return Ok(split(numbers, layout));
+    }
     let widths = layout.widths();
     let per_point = layout.numbers_per_point() as u64;
     let present_lines = data.count() as u64;
@@ -42,17 +46,56 @@ pub(super) fn read_text(data: Lines<'_>, layout: Layout, lenient: bool, warnings
         warnings.push(format!("the header declares {} values, the data hold {}; {read} are read", layout.count, present / per_point));
         reader.lines(data, read * per_point, warnings)?;
     } else {
-        return Err(Error::bad_data("the declared number of values and the data disagree")
-            .at_line(data.line)
-            .field("record 7: number of values")
-            .found(format!("{} declared, {} present", layout.count, present / per_point))
-            .expected("equal numbers")
-            .help("the file is cut short or its header is wrong: export it again, or read what is there with --lenient"));
+        return Err(counts_disagree(data.line, layout.count, present / per_point));
     }
     if let Some((count, first)) = reader.masked {
         warnings.push(format!("{count} values that are no finite numbers are masked (first in line {first})"));
     }
     Ok(split(reader.numbers, layout))
+}
+
+/// Columns of the narrowest field of data.
+const LEAST_WIDTH: usize = 13;
+
+/// The error about data from `line` on that hold another number of values than record 7 declares.
+pub(super) fn counts_disagree(line: u64, declared: u64, present: u64) -> Error {
+    Error::bad_data("the declared number of values and the data disagree")
+        .at_line(line)
+        .field("record 7: number of values")
+        .found(format!("{declared} declared, {present} present"))
+        .expected("equal numbers")
+        .help("the file is cut short or its header is wrong: export it again, or read what is there with --lenient")
+}
+
+/// The numbers of data that stand wholly in the layout's columns, as many as declared: one pass, no lines. `None` leaves them to
+/// [`TextReader`], which knows every other form and what is wrong with it.
+fn usual_form(bytes: &[u8], layout: Layout) -> Option<Vec<f64>> {
+    let widths = layout.widths();
+    let declared = layout.count.checked_mul(layout.numbers_per_point() as u64)?;
+    // the file itself bounds the allocation
+    let declared = usize::try_from(declared).ok().filter(|&declared| declared <= bytes.len() / LEAST_WIDTH)?;
+    let mut numbers = Vec::with_capacity(declared);
+    let mut rest = bytes;
+    while numbers.len() < declared {
+        for &width in &widths[..widths.len().min(declared - numbers.len())] {
+            let (field, behind) = rest.split_at_checked(width)?;
+            let value = number::usual_float(field)?;
+            if !layout.double && value.abs() > f64::from(f32::MAX) {
+                return None;
+            }
+            numbers.push(value);
+            rest = behind;
+        }
+        while let [b' ', behind @ ..] = rest {
+            rest = behind;
+        }
+        rest = match rest {
+            [b'\n', behind @ ..] | [b'\r', b'\n', behind @ ..] => behind,
+            [] => rest,
+            _ => return None,
+        };
+    }
+    rest.is_empty().then_some(numbers)
 }
 
 struct TextReader {
@@ -105,7 +148,7 @@ impl TextReader {
         for record in data {
             for token in record.text.split(u8::is_ascii_whitespace).filter(|token| !token.is_empty()) {
                 let start = token.as_ptr() as usize - record.text.as_ptr() as usize;
-                let value = fields::float(token).map_err(|fault| BadField { index: 0, span: (start, start + token.len()), fault });
+                let value = number::float(token).map_err(|fault| BadField { index: 0, span: (start, start + token.len()), fault });
                 let value = value.map_err(|bad| bad_field(record, &self.name(0), bad)).and_then(|value| {
                     self.in_range(record, &[value])?;
                     Ok(value)
@@ -186,10 +229,6 @@ impl TextReader {
     }
 }
 
-fn count_tokens(bytes: &[u8]) -> u64 {
-    bytes.split(u8::is_ascii_whitespace).filter(|token| !token.is_empty()).count() as u64
-}
-
 /// Interleaved numbers as abscissa and ordinate; a value with one masked part is masked as a whole.
 fn split(numbers: Vec<f64>, layout: Layout) -> Values {
     let points = numbers.chunks_exact(layout.numbers_per_point());
@@ -230,51 +269,43 @@ pub(super) fn read_binary(payload: &Payload<'_>, warnings: &mut Vec<String>) -> 
                 .expected("a finite number"));
         }
     }
-    let mut masked = Masked::default();
     let at = form.x_bytes;
     let ordinate = match (form.parts, form.y_bytes) {
-        (1, 4) => {
-            Ordinate::Real32(points().map(|p| f32_at(p, at, big)).map(|y| if masked.check(y.is_finite()) { y } else { f32::NAN }).collect())
+        (1, 4) => Ordinate::Real32(masked(points().map(|p| f32_at(p, at, big)), f32::NAN, |y| y.is_finite(), warnings)),
+        (1, _) => Ordinate::Real64(masked(points().map(|p| f64_at(p, at, big)), f64::NAN, |y| y.is_finite(), warnings)),
+        (_, 4) => {
+            let values = points().map(|p| Complex32::new(f32_at(p, at, big), f32_at(p, at + 4, big)));
+            Ordinate::Complex32(masked(values, narrow(MASKED), |y| y.is_finite(), warnings))
         }
-        (1, _) => {
-            Ordinate::Real64(points().map(|p| f64_at(p, at, big)).map(|y| if masked.check(y.is_finite()) { y } else { f64::NAN }).collect())
+        // the usual FRF: points of one size are copied many at a time
+        (_, _) if at == 0 => {
+            let points = payload.bytes.as_chunks::<16>().0.iter();
+            let values = points.map(|p| Complex64::new(f64_at(p, 0, big), f64_at(p, 8, big)));
+            Ordinate::Complex64(masked(values, MASKED, |y| y.is_finite(), warnings))
         }
-        (_, 4) => Ordinate::Complex32(
-            points()
-                .map(|p| Complex32::new(f32_at(p, at, big), f32_at(p, at + 4, big)))
-                .map(|y| if masked.check(y.is_finite()) { y } else { narrow(MASKED) })
-                .collect(),
-        ),
-        (_, _) => Ordinate::Complex64(
-            points()
-                .map(|p| Complex64::new(f64_at(p, at, big), f64_at(p, at + 8, big)))
-                .map(|y| if masked.check(y.is_finite()) { y } else { MASKED })
-                .collect(),
-        ),
+        (_, _) => {
+            let values = points().map(|p| Complex64::new(f64_at(p, at, big), f64_at(p, at + 8, big)));
+            Ordinate::Complex64(masked(values, MASKED, |y| y.is_finite(), warnings))
+        }
     };
-    if let Some(first) = masked.first {
-        warnings.push(format!("{} values that are NaN or infinite are masked (first: value {first})", masked.count));
-    }
     Ok(Values { x, ordinate })
 }
 
-/// Counts values that are not finite.
-#[derive(Default)]
-struct Masked {
-    seen: usize,
-    count: usize,
-    first: Option<usize>,
-}
-
-impl Masked {
-    fn check(&mut self, finite: bool) -> bool {
-        self.seen += 1;
-        if !finite {
-            self.count += 1;
-            self.first.get_or_insert(self.seen);
-        }
-        finite
+/// The values, with `mask` in place of those that are not finite.
+fn masked<T: Copy>(values: impl Iterator<Item = T>, mask: T, is_finite: impl Fn(&T) -> bool, warnings: &mut Vec<String>) -> Vec<T> {
+    let mut values: Vec<T> = values.collect();
+    // without a way out of the loop, several values are looked at in one step
+    if values.iter().fold(true, |all, value| all & is_finite(value)) {
+        return values;
     }
+    let first = values.iter().position(|value| !is_finite(value)).map_or(0, |index| index + 1);
+    let mut count = 0;
+    for value in values.iter_mut().filter(|value| !is_finite(value)) {
+        *value = mask;
+        count += 1;
+    }
+    warnings.push(format!("{count} values that are NaN or infinite are masked (first: value {first})"));
+    values
 }
 
 fn f32_at(point: &[u8], at: usize, big_endian: bool) -> f32 {

@@ -133,6 +133,7 @@ impl<'a> Reader<'a> {
             kind,
             reference_unit,
             coherence: coherence.map(|entry| self.coherence(entry, [response, reference, Some(line)])).transpose()?,
+            variance: None,
             geometry: Geometry::default(),
         };
         let time_sign = self.text_near(frf, "time_sign").and_then(|sign| sign.parse().ok());
