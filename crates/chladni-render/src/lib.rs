@@ -44,6 +44,7 @@ mod frequency_sweep;
 mod gain;
 mod indices;
 mod interpolation;
+mod lattice;
 mod methods;
 mod modal_field;
 mod operator;

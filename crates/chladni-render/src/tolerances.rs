@@ -48,6 +48,10 @@ pub const GLOBAL_INTERPOLATION: usize = 150;
 /// rim of the scan, more only time.
 pub const NEAREST_RESPONSES: usize = 49;
 
+/// Coordinates nearer than this are the same, over the radius of the responses: rounding of grids. A thousand times more would still be
+/// below a micrometre.
+pub const SAME_COORDINATE: f64 = 1e-10;
+
 /// Level above the threshold from which strength is warned about, dB: at 300 Hz some 8 dB below the hand-arm action value
 /// of directive 2002/44/EC (2.5 m/s² weighted by ISO 5349-1, which is 25 mm/s rms there).
 pub const STRONG_DB: f64 = 35.0;
@@ -90,6 +94,10 @@ pub const MLS_LEADERS: usize = 2;
 /// Accuracy of conic programs (gap and feasibility, relative): a drive that keeps its limit to 1e-7 keeps it. Ten times less costs a step
 /// or two of the interior-point method, ten times more is still far below a hundredth of a decibel.
 pub const CONIC_GAP: f64 = 1e-7;
+
+/// Residual, relative and absolute, of the linear systems inside: a thousandth of [`CONIC_GAP`]. At the solver's own 1e-13 a third of its time
+/// goes into refining steps that are only directions; ten times more costs steps.
+pub const CONIC_REFINEMENT: f64 = 1e-10;
 
 /// Most steps of the interior-point method; 12 to 25 are usual.
 pub const CONIC_STEPS: u32 = 100;

@@ -17,7 +17,7 @@ use crate::gain::within_drive_limit;
 use crate::methods::pressure_matching::one_phase_target;
 use crate::methods::{contrast, Solution};
 use crate::plane::Rectangle;
-use crate::problem::{Drive, Problem, Rows};
+use crate::problem::{amplitude, Drive, Problem, Rows};
 use crate::tolerances;
 use chladni_frf::Result;
 use chladni_linalg::matmul;
@@ -157,7 +157,7 @@ fn iterate(problem: &Problem, inverse: &Array2<Complex64>, starts: &[(&Drive, f6
             let is_hot = k < problem.rows.hot;
             for (value, ratio) in row.iter_mut().zip(&ratios) {
                 let limit = if is_hot { problem.limits.hot_m_per_s * ratio } else { problem.limits.cold_m_per_s / ratio };
-                let amplitude = value.norm();
+                let amplitude = amplitude(value);
                 if (is_hot && amplitude < limit) || (!is_hot && amplitude > limit) {
                     *value = relaxed(*value, amplitude, limit);
                 }
@@ -170,8 +170,12 @@ fn iterate(problem: &Problem, inverse: &Array2<Complex64>, starts: &[(&Drive, f6
 
 /// `value` moved along its own phase to the magnitude `limit`, and beyond by the relaxation.
 fn relaxed(value: Complex64, amplitude: f64, limit: f64) -> Complex64 {
-    let phase = if amplitude > 0.0 { value / amplitude } else { Complex64::ONE };
-    phase * (amplitude + tolerances::MLS_RELAXATION * (limit - amplitude))
+    let moved = amplitude + tolerances::MLS_RELAXATION * (limit - amplitude);
+    if amplitude > 0.0 {
+        value * (moved / amplitude)
+    } else {
+        moved.into()
+    }
 }
 
 #[cfg(test)]
