@@ -15,23 +15,30 @@ impl Problem {
     /// Counts change only at the gains where one row meets its limit, so one gain between each two of them is tried; among
     /// the rows that are then inside, the least hot and the loudest cold one get the same slack.
     pub(crate) fn with_best_gain(&self, drive: &Drive) -> Drive {
-        let amplitudes = self.field(drive).map(amplitude);
+        let gain = self.best_gain(&self.field(drive).map(amplitude), drive);
+        drive.mapv(|weight| weight * gain)
+    }
+
+    /// That gain, of a drive whose field has these amplitudes.
+    pub(crate) fn best_gain(&self, amplitudes: &Array1<f64>, drive: &Drive) -> f64 {
         if drive.iter().all(|weight| weight.norm_sqr() == 0.0) {
-            return drive.clone();
+            return 1.0;
         }
         let allowed = self.drive_limits.allowed_gain(drive);
         let rank = |(hot, cold): (usize, usize)| (self.min_ratio(hot, cold), hot + cold);
         // an unlimited drive may take any of the other gains
         let start = if allowed.is_finite() { allowed } else { 1.0 };
-        let mut best = (start, rank(self.counts(&amplitudes, start)));
-        for (gain, counts) in self.steps(&amplitudes).into_iter().filter(|step| step.0 < allowed) {
+        let mut best = (start, rank(self.counts(amplitudes, start)));
+        for (gain, counts) in self.steps(amplitudes).into_iter().filter(|step| step.0 < allowed) {
             if rank(counts) > best.1 {
                 best = (gain, rank(counts));
             }
         }
-        let balanced = self.balanced_gain(&amplitudes, best.0).min(allowed);
-        let gain = if rank(self.counts(&amplitudes, balanced)) >= best.1 { balanced } else { best.0 };
-        drive.mapv(|weight| weight * gain)
+        let balanced = self.balanced_gain(amplitudes, best.0).min(allowed);
+        match rank(self.counts(amplitudes, balanced)) >= best.1 {
+            true => balanced,
+            false => best.0,
+        }
     }
 
     /// Every pair of counts that some gain leads to, hot and cold, with such a gain; rising.

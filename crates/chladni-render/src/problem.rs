@@ -159,14 +159,17 @@ impl Problem {
 
     /// How `drive` does.
     pub(crate) fn score(&self, drive: &Drive) -> Score {
-        let amplitudes = self.field(drive).map(amplitude);
-        let (hot, cold) = self.counts(&amplitudes, 1.0);
+        self.score_of(&self.field(drive).map(amplitude), self.covariance.deviation(drive))
+    }
+
+    /// How a drive does whose field has these amplitudes and this standard deviation, m/s.
+    pub(crate) fn score_of(&self, amplitudes: &Array1<f64>, deviation: f64) -> Score {
+        let (hot, cold) = self.counts(amplitudes, 1.0);
         let slack = |(k, &amplitude): (usize, &f64)| match k < self.rows.hot {
             true => (amplitude - self.limits.hot_m_per_s) * self.rows.levels[k],
             false => self.limits.cold_m_per_s - amplitude,
         };
         let least = amplitudes.iter().enumerate().map(slack).fold(f64::INFINITY, f64::min);
-        let deviation = self.covariance.deviation(drive);
         Score {
             min_ratio: self.min_ratio(hot, cold),
             success_ratio: (hot + cold) as f64 / amplitudes.len() as f64,

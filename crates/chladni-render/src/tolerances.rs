@@ -63,9 +63,9 @@ pub const AT_LIMIT: f64 = 1e-6;
 /// covariance of a good model to where the drive is little more than time reversal.
 pub const FORCE_RIDGES: [f64; 5] = [1e-4, 1e-3, 1e-2, 1e-1, 1.0];
 
-/// Steps of the magnitude iteration: from all starts on the responses; from their leaders with every margin; from the leaders of those with the
-/// ground between. Twice as many of each raise κ of the corner scene by a tenth; half as many leave hot ground of the 3×3 cells unserved.
-pub const MLS_STEPS: [usize; 3] = [30, 60, 40];
+/// Steps of the magnitude iteration, and how many drives go on after them: from all starts on the responses; from their leaders with every
+/// margin; from the leaders of those with the ground between. All drives to the end of every round cost twice the time for the same drives.
+pub const MLS_ROUNDS: [[(usize, usize); 2]; 3] = [[(12, 4), (18, 2)], [(20, 3), (40, 2)], [(10, 3), (30, 2)]];
 
 /// Overshoot of the magnitude iteration, below 2 for convergence; 1 is the plain one. Flat between 1.5 (κ 2.4) and 1.9 (2.6).
 pub const MLS_RELAXATION: f64 = 1.8;
@@ -86,10 +86,6 @@ pub const BETWEEN_SPACING: f64 = 0.5;
 /// κ above which more of it counts less than ground between the responses. Two standard deviations hold for most of some
 /// 70 responses at once.
 pub const KAPPA_ENOUGH: f64 = 2.0;
-
-/// Starts that go on from the responses alone to the problems with ground between them. With all of them the result is the
-/// same on the 2×2 and 3×3 cells of the study's panel, in 35 ms instead of 100.
-pub const MLS_LEADERS: usize = 2;
 
 /// Accuracy of conic programs (gap and feasibility, relative): a drive that keeps its limit to 1e-7 keeps it. Ten times less costs a step
 /// or two of the interior-point method, ten times more is still far below a hundredth of a decibel.

@@ -2,6 +2,7 @@
 
 mod choice;
 pub(crate) mod contrast;
+mod magnitudes;
 pub(crate) mod min_effort;
 pub(crate) mod mls;
 pub(crate) mod modal;
