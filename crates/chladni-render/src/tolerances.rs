@@ -135,6 +135,13 @@ pub const COST_GAIN: f64 = 0.02;
 /// Relative gap at which the search for the certified ceiling ends: 0.005 dB. Ten times less costs two more rounds of Newton steps.
 pub const CEILING_GAP: f64 = 1e-3;
 
+/// Below this distance from the certified ceiling, dB, nobody looks for a drive with still more contrast.
+pub const CEILING_REACHED_DB: f64 = 0.1;
+
+/// Drives drawn from the relaxed solution where it is not one drive, and how many of them, the best ones, are climbed from. On the study's
+/// panel scanned to its edges the best of 300 draws is within a decibel or two of where it leads.
+pub const CEILING_DRAWS: [usize; 2] = [300, 8];
+
 /// Factor by which the weight of the objective against the barrier rises from round to round.
 pub const BARRIER_RISE: f64 = 8.0;
 
@@ -156,8 +163,15 @@ pub const VAST_RANK: usize = 8;
 /// κ of `min-effort`.
 pub const KAPPA_EFFORT: f64 = 1.0;
 
-/// Starts of the method `best`; with more the result was the same on all cells of the study's panel.
-pub const BEST_STARTS: usize = 2;
+/// Most starts of conic programs.
+pub const MOST_STARTS: usize = 3;
+
+/// Share of ground, the smaller one of hot and cold, from which a drive of conic programs is good enough not to try another start. The 3×3
+/// centre of the study's panel ends at 0.7 or 0.99 by the start; where one start is enough, nothing changes.
+pub const GROUND_ENOUGH: f64 = 0.95;
+
+/// Likeness |aᴴb|/(‖a‖‖b‖) of drives that lead to the same place.
+pub const SAME_WAY: f64 = 0.95;
 
 /// Largest responses × actuators² for which the default method is `robust`: the panel of the study (77 for 34, 8.9e4) takes 0.3 s on two shared
 /// cores, its programs grow with this number.
@@ -191,3 +205,20 @@ pub const MOST_SWEPT: f64 = 500.0;
 
 /// Shares of responses nearer than this are equal to the frequency chooser: less than one response in a hundred.
 pub const SAME_SUCCESS: f64 = 0.005;
+
+/// Share of hot and of cold responses from which a drive serves, as in `chladni demo`.
+pub const SERVES: f64 = 0.95;
+
+/// Draws of natural frequencies that a drive must endure, all of them: one of eight fails where the chance is a tenth.
+pub const ENDURANCE_DRAWS: usize = 8;
+
+/// Least and most rms error of natural frequencies that is asked for, relative; what lies between is found to an eighth.
+pub const LEAST_FREQUENCY_ERROR: f64 = 2.5e-4;
+/// See [`LEAST_FREQUENCY_ERROR`].
+pub const MOST_FREQUENCY_ERROR: f64 = 0.032;
+
+/// Rms error of natural frequencies, relative, below which what a drive endures is called thin: ten times the drift that is assumed.
+pub const THIN_FREQUENCY_ERROR: f64 = 0.01;
+
+/// What a fit of a part of the band may leave out at the drive frequency, over the mobility: the isotropic error that drives are made to bear.
+pub const BAND_ERROR: f64 = 3e-3;

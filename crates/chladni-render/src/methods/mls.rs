@@ -32,16 +32,26 @@ pub(crate) fn solve(problem: &Problem, between: Option<&Rows>) -> Result<Solutio
     within_drive_limit(problem, |ridge| Ok(search(problem, between, ridge)?.0))
 }
 
-/// Up to `count` drives of different starts, the best first.
-pub(crate) fn leading_drives(problem: &Problem, between: Option<&Rows>, count: usize) -> Result<Vec<Drive>> {
+/// The best drive, and those of other starts that differ from it and from each other, the better ones first.
+pub(crate) fn leading_drives(problem: &Problem, between: Option<&Rows>) -> Result<Vec<Drive>> {
     let (best, others) = search(problem, between, 0.0)?;
     let mut drives = vec![best];
-    drives.extend(others);
-    drives.truncate(count);
+    for drive in others {
+        if drives.iter().all(|known| likeness(known, &drive) < tolerances::SAME_WAY) {
+            drives.push(drive);
+        }
+    }
     Ok(drives)
 }
 
-/// The best drive, and those that its rivals ended at.
+/// |aᴴb|/(‖a‖‖b‖).
+fn likeness(a: &Drive, b: &Drive) -> f64 {
+    let inner: Complex64 = a.iter().zip(b).map(|(a, b)| a.conj() * b).sum();
+    let square = |drive: &Drive| drive.iter().map(Complex64::norm_sqr).sum::<f64>();
+    (inner.norm_sqr() / (square(a) * square(b))).sqrt()
+}
+
+/// The best drive, and all that ended a part of the search.
 fn search(problem: &Problem, between: Option<&Rows>, ridge: f64) -> Result<(Drive, Vec<Drive>)> {
     let with_ground = between.map(|rows| problem.with_between(rows, tolerances::BETWEEN_WEIGHT));
     let ground = with_ground.as_ref().unwrap_or(problem);
@@ -50,12 +60,14 @@ fn search(problem: &Problem, between: Option<&Rows>, ridge: f64) -> Result<(Driv
     let inverse = problem.regularised_inverse(ridge)?;
     let starts = starts(problem, &inverse)?;
     let [first_margin, ..] = tolerances::MLS_MARGINS_DB;
-    let leaders = contest.enter(problem, &inverse, &starts.iter().map(|start| (start, first_margin)).collect::<Vec<_>>(), from_starts);
-    let mut leaders = contest.enter(problem, &inverse, &with_margins(&leaders), with_each_margin);
+    let first = contest.enter(problem, &inverse, &starts.iter().map(|start| (start, first_margin)).collect::<Vec<_>>(), from_starts);
+    let mut ended = contest.enter(problem, &inverse, &with_margins(&first), with_each_margin);
     if let Some(ground) = &with_ground {
-        leaders = contest.enter(ground, &ground.regularised_inverse(ridge)?, &with_margins(&leaders), on_ground);
+        let last = contest.enter(ground, &ground.regularised_inverse(ridge)?, &with_margins(&ended), on_ground);
+        ended.splice(..0, last);
     }
-    Ok((contest.into_best(), leaders))
+    ended.extend(first);
+    Ok((contest.into_best(), ended))
 }
 
 /// Each of the drives with each margin, dB.
@@ -80,6 +92,14 @@ impl<'a> Contest<'a> {
     /// On the responses of `points`, then on the rows of `ground`.
     pub(crate) fn new(points: &'a Problem, ground: &'a Problem, enough: f64) -> Self {
         Self { points, ground, enough, best: None }
+    }
+
+    /// Share of ground that the best drive serves, the smaller one of hot and cold, with every response inside its limit; 0 where some miss.
+    pub(crate) fn ground_served(&self) -> f64 {
+        match &self.best {
+            Some(([points, _, _, ground, ..], _)) if *points == 1.0 => *ground,
+            _ => 0.0,
+        }
     }
 
     /// The best drive that was offered; silence where none was.
