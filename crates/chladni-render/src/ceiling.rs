@@ -10,15 +10,12 @@
 //! these very multipliers, one eigenvalue of two matrices.
 
 use crate::climb::Climb;
-use crate::problem::{amplitude, internal, Drive, Problem};
+use crate::problem::{internal, Drive, Problem};
 use crate::tolerances;
 use chladni_frf::Result;
-use chladni_linalg::{cholesky, eigh, matmul, matmul_h, solve_hermitian, solve_lower, solve_lower_adjoint};
-use ndarray::{concatenate, s, Array1, Array2, ArrayView1, ArrayView2, Axis};
+use chladni_linalg::{cholesky, eigh, matmul_h, solve_hermitian, solve_lower, solve_lower_adjoint};
+use ndarray::{concatenate, s, Array1, Array2, ArrayView2, Axis};
 use num_complex::Complex64;
-use rand_chacha::rand_core::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
 /// The contrast that a scene asks for, that its panel can give at most, and that the drive reached.
@@ -44,7 +41,7 @@ impl Ceiling {
         let asked_db = db(problem.limits.hot_m_per_s / problem.limits.cold_m_per_s);
         let mut climb = Climb::new(problem)?;
         let mut reached = 0.0;
-        for start in [bound.drive, start.clone()].into_iter().chain(bound.draws) {
+        for start in [bound.drive, start.clone()] {
             reached = f64::max(reached, climb.raise_hot(start)?);
             if db(reached) > db(bound.factor) - tolerances::CEILING_REACHED_DB {
                 break;
@@ -65,8 +62,6 @@ pub(crate) struct Bound {
     pub(crate) factor: f64,
     /// The drive that the bound leans on, of arbitrary gain: the best one where the relaxation of the phases loses nothing.
     pub(crate) drive: Drive,
-    /// Drives drawn from the relaxed solution, which has a covariance where it is not one drive; those of most contrast first.
-    pub(crate) draws: Vec<Drive>,
 }
 
 /// The certified bound of a problem; `None` without force limits, where nothing bounds what noise-like drives could do.
@@ -90,7 +85,7 @@ pub(crate) fn certified_bound(problem: &Problem) -> Result<Option<Bound>> {
             (best, drive) = (bound, direction);
         }
     }
-    Ok(Some(Bound { factor: best.sqrt(), drive, draws: dual.draws()? }))
+    Ok(Some(Bound { factor: best.sqrt(), drive }))
 }
 
 /// Hot rows over their limits, and cold rows and unit rows of the actuators over theirs, all in drives of the force limit.
@@ -165,26 +160,6 @@ impl Dual {
         let lower = self.factor(&self.multipliers)?;
         let whitened = solve_lower(lower.view(), self.rows.t().mapv(|value| value.conj()).view()).ok()?;
         Some(matmul_h(whitened.view(), whitened.view()))
-    }
-
-    /// Drives of covariance S⁻¹, the relaxed solution on the central path (Luo et al., IEEE Signal Process. Mag. 27 (2010) 20).
-    fn draws(&self) -> Result<Vec<Drive>> {
-        let Some(lower) = self.factor(&self.multipliers) else { return Ok(Vec::new()) };
-        let [draws, kept] = tolerances::CEILING_DRAWS;
-        let mut random = ChaCha8Rng::seed_from_u64(0);
-        let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
-        let white = Array2::from_shape_simple_fn((lower.nrows(), draws), || Complex64::new(normal(), normal()));
-        let drives = solve_lower_adjoint(lower.view(), white.view()).map_err(internal)?;
-        let fields = matmul(self.rows.view(), drives.view());
-        let contrast = |field: ArrayView1<Complex64>| {
-            let (bounded, hot) = field.split_at(Axis(0), self.bounded);
-            let largest = bounded.iter().map(amplitude).fold(0.0, f64::max);
-            hot.iter().map(amplitude).fold(f64::INFINITY, f64::min) / largest
-        };
-        let contrasts: Vec<f64> = fields.columns().into_iter().map(contrast).collect();
-        let mut order: Vec<usize> = (0..draws).collect();
-        order.sort_by(|&a, &b| contrasts[b].total_cmp(&contrasts[a]).then(a.cmp(&b)));
-        Ok(order[..kept].iter().map(|&k| drives.column(k).to_owned()).collect())
     }
 
     fn factor(&self, multipliers: &Array1<f64>) -> Option<Array2<Complex64>> {

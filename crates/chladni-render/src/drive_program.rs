@@ -219,7 +219,13 @@ impl<'a> DriveProgram<'a> {
     }
 
     /// Solves `program` with rows, error bar and force limits besides, these only where they are met.
-    fn solve(&self, mut program: ConicProgram, phases: &Array1<Complex64>, active: &[usize], sides: &Sides) -> Result<Option<ConicSolution>> {
+    fn solve(
+        &self,
+        mut program: ConicProgram,
+        phases: &Array1<Complex64>,
+        active: &[usize],
+        sides: &Sides,
+    ) -> Result<Option<ConicSolution>> {
         self.constrain(&mut program, phases, active, sides);
         if !self.limited.get() {
             let solution = program.solve()?;

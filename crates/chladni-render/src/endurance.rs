@@ -58,7 +58,8 @@ impl Endurance {
             ));
         }
         if self.touched_min_ratio < tolerances::SERVES {
-            let how = if self.touch_is_known { "" } else { " (estimated: without a driving point the model does not know how much it moves)" };
+            let how =
+                if self.touch_is_known { "" } else { " (estimated: without a driving point the model does not know how much it moves)" };
             warnings.push(format!(
                 "a light finger in the hot zone leaves {:.0} % of the hot or of the cold responses inside their limit{how}: look for a frequency \
                  that bears it with --sweep",

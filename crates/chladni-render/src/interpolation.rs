@@ -64,7 +64,9 @@ impl Interpolation {
                     false => values[[k, column - fields]].im,
                 });
                 let parts = matmul(basis.view(), spline.solve(parts.view()).view());
-                Array2::from_shape_fn((basis.nrows(), fields), |(q, column)| Complex64::new(parts[[q, column]], parts[[q, fields + column]]))
+                Array2::from_shape_fn((basis.nrows(), fields), |(q, column)| {
+                    Complex64::new(parts[[q, column]], parts[[q, fields + column]])
+                })
             }
             Self::Patches { nodes, weights } => {
                 let mut fields = Array2::zeros((nodes.nrows(), values.ncols()));

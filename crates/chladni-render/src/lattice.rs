@@ -80,7 +80,8 @@ mod tests {
 
     #[test]
     fn a_grid_has_a_table_and_scattered_places_have_none() {
-        let grid = |n: usize, step: f64| -> Vec<Position> { (0..n * n).map(|k| [0.1 + step * (k % n) as f64, step * (k / n) as f64]).collect() };
+        let grid =
+            |n: usize, step: f64| -> Vec<Position> { (0..n * n).map(|k| [0.1 + step * (k % n) as f64, step * (k / n) as f64]).collect() };
         let (places, nodes) = (grid(9, 0.1), grid(5, 0.2));
         let mut matrix = Array2::zeros((81, 25));
         Lattice::of(&places, &nodes).expect("few distances").fill(&mut matrix, |squared| squared);

@@ -3,6 +3,7 @@
 use crate::finger::Finger;
 use crate::operator::Operator;
 use crate::problem::Drive;
+use crate::tolerances;
 use chladni_frf::{Damping, FrfKind, ModalModel, Mode, Scaling, Trust};
 use ndarray::Array1;
 use num_complex::Complex64;
@@ -67,7 +68,8 @@ impl<'a> ModalField<'a> {
         (self.model.scaling == Scaling::UnitModalMass).then(|| self.pressed(finger, row, |_| 1.0))
     }
 
-    /// The same with a guess where the model is not mass-scaled: that every mode moves the actuators as much as the responses, in the mean.
+    /// The same with a guess where the model is not mass-scaled: how much every mode moves the responses for what it moves the actuators
+    /// ([`tolerances::RESPONSES_OVER_ACTUATORS`]).
     pub(crate) fn perhaps_touched(&self, finger: &Finger, row: usize) -> Array1<Complex64> {
         let rms = |values: &[Complex64], picked: &[usize]| {
             (picked.iter().map(|&k| values[k].norm_sqr()).sum::<f64>() / picked.len() as f64).sqrt()
@@ -75,7 +77,7 @@ impl<'a> ModalField<'a> {
         let (rows, columns) = (&self.operator.response_rows, &self.operator.reference_columns);
         self.touched(finger, row).unwrap_or_else(|| {
             self.pressed(finger, row, |mode| match rms(&mode.shape.0, rows) {
-                size if size > 0.0 => rms(&mode.participation.0, columns) / size,
+                size if size > 0.0 => tolerances::RESPONSES_OVER_ACTUATORS * rms(&mode.participation.0, columns) / size,
                 _ => 0.0,
             })
         })

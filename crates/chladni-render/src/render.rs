@@ -107,6 +107,9 @@ pub fn render_with_others(
             setup.modes.len()
         ));
     }
+    warnings.extend(
+        indices.area.filter(|_| feasible && options.actuators != Count::All).and_then(|area| ground_lost(&area, chosen.columns.len())),
+    );
     // what is quick must stay so, and what is not met needs no limit of what it endures
     let endures = feasible && matches!(method, Method::Mls | Method::Robust | Method::MinEffort);
     let endurance = endures.then(|| Endurance::of(&setup, model, &drive));
@@ -170,6 +173,18 @@ fn shortfall(points: &PointIndices, ceiling: Option<&Ceiling>, scene: &Scene, me
             format!("the scene is not met: {served}, with {contrast} where {:.1} dB are needed; {help}{better}", 2.0 * scene.limen_db)
         }
     }
+}
+
+/// Warns where few actuators serve every response and not the ground between them.
+fn ground_lost(area: &AreaIndices, actuators: usize) -> Option<String> {
+    let least = [area.hot_ratio, area.cold_ratio].into_iter().flatten().fold(1.0, f64::min);
+    (least < tolerances::SERVES).then(|| {
+        format!(
+            "{actuators} actuators serve every response, but between the responses only {:.0} % of the hot or of the cold ground: a few more \
+             (--actuators N) serve that, too",
+            100.0 * least
+        )
+    })
 }
 
 /// Warns of motion far above the threshold.

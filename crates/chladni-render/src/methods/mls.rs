@@ -13,8 +13,8 @@
 //! the responses. Winner is who serves most responses, then has some κ, then serves most ground between the responses.
 
 use crate::gain::within_drive_limit;
-use crate::methods::pressure_matching::one_phase_target;
 use crate::methods::magnitudes::{better_first, Race, Round};
+use crate::methods::pressure_matching::one_phase_target;
 use crate::methods::{contrast, Solution};
 use crate::plane::Rectangle;
 use crate::problem::{Drive, Problem, Rows};
@@ -94,14 +94,6 @@ impl<'a> Contest<'a> {
         Self { points, ground, enough, best: None }
     }
 
-    /// Share of ground that the best drive serves, the smaller one of hot and cold, with every response inside its limit; 0 where some miss.
-    pub(crate) fn ground_served(&self) -> f64 {
-        match &self.best {
-            Some(([points, _, _, ground, ..], _)) if *points == 1.0 => *ground,
-            _ => 0.0,
-        }
-    }
-
     /// The best drive that was offered; silence where none was.
     pub(crate) fn into_best(self) -> Drive {
         self.best.map_or_else(|| Drive::zeros(self.points.rows.mobility.ncols()), |(_, drive)| drive)
@@ -131,7 +123,8 @@ impl<'a> Contest<'a> {
 
     fn judge(&mut self, drive: Drive) -> Key {
         let (points, ground) = (self.points.score(&drive), self.ground.score(&drive));
-        let robust = points.kappa.min(self.enough);
+        // conic programs that were asked for so much end a rounding above or below it
+        let robust = points.kappa.min(self.enough * (1.0 - tolerances::SAME_KAPPA));
         let key = [points.min_ratio, points.success_ratio, robust, ground.min_ratio, ground.success_ratio, ground.kappa];
         if self.best.as_ref().is_none_or(|(best, _)| key > *best) {
             self.best = Some((key, drive));

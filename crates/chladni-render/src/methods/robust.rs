@@ -16,20 +16,17 @@ use crate::problem::{Problem, Rows};
 use crate::tolerances;
 use chladni_frf::Result;
 
-/// The most robust drive found from the best drive of `mls`; where that leaves ground unserved, or with `every` start, from others as well.
+/// The most robust drive found from the best drive of `mls`; with `every` start from others that it found, too.
 pub(crate) fn solve(problem: &Problem, between: Option<&Rows>, every: bool) -> Result<Solution> {
     let ground = between.map(|rows| problem.with_between(rows, 1.0));
     let mut contest = mls::Contest::new(problem, ground.as_ref().unwrap_or(problem), tolerances::KAPPA_LEAST);
     let mut most = 0.0;
     let starts = mls::leading_drives(problem, between)?;
-    for (number, start) in starts.iter().take(tolerances::MOST_STARTS).enumerate() {
-        let served = contest.ground_served() >= tolerances::GROUND_ENOUGH;
-        if number > 0 && served && !every {
-            break;
-        }
+    for (number, start) in starts.iter().take(if every { tolerances::MOST_STARTS } else { 1 }).enumerate() {
         contest.offer(problem, start);
         let (kappa, on_points) = Climb::new(problem)?.raise_kappa(start)?;
-        if number > 0 && served && kappa <= most + tolerances::KAPPA_GAIN {
+        // another start counts where it leads to more than the first
+        if number > 0 && kappa <= most + tolerances::KAPPA_GAIN {
             continue;
         }
         most = f64::max(most, kappa);
