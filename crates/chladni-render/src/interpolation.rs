@@ -160,7 +160,7 @@ impl Spline {
     fn solve(&self, right: ArrayView2<f64>) -> Array2<f64> {
         let rotated = matmul_h(self.q.slice(s![..right.nrows(), ..]), right);
         let solved = solve_upper(self.r.view(), rotated.view()).expect("sizes of one system");
-        solved / &self.scales.view().insert_axis(Axis(1))
+        solved / self.scales.view().insert_axis(Axis(1))
     }
 }
 
