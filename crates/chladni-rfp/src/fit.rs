@@ -1,23 +1,24 @@
 //! The fit: screen, find poles, choose the damping law, residues, shapes, model.
 
+use crate::decide::decide;
 use crate::error::FitError;
 use crate::family::fit_by_method;
 use crate::faults;
-use crate::found::{uncertainty_grade, Found, Grade};
-use crate::law::{chance, choose, Law, UNDECIDABLE};
+use crate::found::{more_than_asked, uncertainty_grade, Found, Grade};
+use crate::law::Law;
 use crate::measured::measured_path;
 use crate::methods::{aaa, circle, grfp, lean, lscf, peak, plscf, rfp, vf, Stabilization, Survey};
-use crate::model::{common_shape_misfit, Identified, Shaped};
-use crate::options::{FitOptions, Method, ShapeModel};
+use crate::model::{Identified, Shaped};
+use crate::options::{FitOptions, Method};
 use crate::order::{fast_chain, Chain, Outcome, POWERS};
 use crate::project::project;
 use crate::refine::{refine, Projection, Refined};
 use crate::screen::Screened;
-use crate::structured::{structured, Structured};
 use crate::unequal::PairWeights;
 use crate::work::Work;
 use chladni_frf::{Damping, FrfSet, ModalModel, Trust};
-use chladni_linalg::{inverse_hermitian, LinalgError};
+use chladni_linalg::inverse_hermitian;
+use std::f64::consts::TAU;
 
 /// A fit with its history.
 #[derive(Debug, Clone)]
@@ -105,7 +106,7 @@ fn fit_lean(data: &Screened, options: &FitOptions, progress: &dyn Fn(&str)) -> R
     progress("poles");
     let found = lean(&survey, options, grades)?;
     progress("shapes");
-    let law = choose(&found.work, &found.refined, 0.0, None, Some(options.damping.unwrap_or(Damping::Structural)))?;
+    let law = Law::given(&found.work, &found.refined, options.damping.unwrap_or(Damping::Structural))?;
     let shaped = Shaped::new(data, Identified::new(found, law)?)?;
     let left = shaped.left(data);
     let model = shaped.model(data, options, &left);
@@ -116,43 +117,15 @@ fn fit_auto(data: &Screened, options: &FitOptions, sought: bool, progress: &dyn 
     let (found, history) = match fast_chain(data, options.seed, options.modes, progress)? {
         Outcome::White(chain) => {
             let history = chain.history.clone();
-            (from_chain(*chain), history)
+            (from_chain(*chain, options.modes, data.omega_max / TAU), history)
         }
         Outcome::Outliers(lines) if sought => return Ok(Attempt::Outliers(lines)),
         Outcome::Outliers(_) => (from_measured(data, options, "single lines stand out of the residual", progress)?, Vec::new()),
         Outcome::NotWhite(evidence) => (from_measured(data, options, &evidence, progress)?, Vec::new()),
         Outcome::Conjugated => (from_conjugated(data, options)?, Vec::new()),
     };
-    progress("damping law");
-    let chance = chance(&found.work, found.variance);
     let measured = found.spread.is_some();
-    let least_gain = if measured { chance.max(LAW_SHARE * found.refined.projection.sse) } else { chance };
-    let mut law = choose(&found.work, &found.refined, least_gain, measured.then(|| found.heaviest_sure()), options.damping)?;
-    progress("shapes");
-    let undecided = law.undecided.take();
-    let open = options.damping.is_none() && law.damping == Damping::Structural && !found.refined.lambda.is_empty();
-    let twin = undecided.map(|fit| Law { damping: Damping::Viscous, viscous: Some(fit), undecided: None });
-    let other = twin.map(|twin| Identified::new(found.clone(), twin)).transpose()?;
-    let refined = shape_search(data, &found, options, law.damping, measured)?;
-    let mut identified = Identified::new(found, law)?;
-    let mut warnings = Vec::new();
-    if let Some(other) = other {
-        // one shape for all references tells the laws apart where free residues absorb the difference; so does one real shape, which
-        // the wrong law does not admit. A mode that only structured refinement saw has to pay for itself
-        let real = refined.as_ref().filter(|structured| structured.real);
-        let own = real.map_or(f64::INFINITY, |structured| structured.sse + structured.added as f64 * chance);
-        let gain = own.min(common_shape_misfit(data, &identified)?) - common_shape_misfit(data, &other)?;
-        if gain > least_gain {
-            identified = other;
-        } else if gain > -least_gain {
-            warnings.push(UNDECIDABLE.to_string());
-        }
-    } else if open && measured {
-        warnings.push(UNDECIDABLE.to_string());
-    }
-    if let Some(structured) = refined.filter(|_| identified.damping == Damping::Structural) {
-        identified = identified.structured(structured);
-    }
+    let (identified, mut warnings) = decide(data, found, options, progress)?;
     let shaped = Shaped::new(data, identified)?;
     let left = shaped.left(data);
     let mut model = shaped.model(data, options, &left);
@@ -171,28 +144,10 @@ fn fit_auto(data: &Screened, options: &FitOptions, sought: bool, progress: &dyn 
     }
 }
 
-/// Structured refinement where it applies: asked for, or the residual is noise that chance can be judged by.
-fn shape_search(
-    data: &Screened,
-    found: &Found,
-    options: &FitOptions,
-    damping: Damping,
-    measured: bool,
-) -> Result<Option<Structured>, LinalgError> {
-    let forced = matches!(options.shapes, ShapeModel::Rank1 | ShapeModel::Real);
-    if damping == Damping::Viscous || (measured && !forced) {
-        return Ok(None);
-    }
-    structured(data, found, options.shapes, options.modes.is_some())
-}
-
 /// Residual over data beyond which the band as a whole is not explained, whatever single peaks are.
 const MOSTLY_LEFT: f64 = 0.5;
 
-/// Where the residual is not noise, one damping law must explain this share of it to be preferred.
-const LAW_SHARE: f64 = 0.05;
-
-fn from_chain(chain: Chain) -> Found {
+fn from_chain(chain: Chain, asked: Option<usize>, hz: f64) -> Found {
     Found {
         grades: grades(&chain.refined, &chain.projected.work, chain.variance),
         work: chain.projected.work,
@@ -200,7 +155,7 @@ fn from_chain(chain: Chain) -> Found {
         variance: chain.variance,
         spread: None,
         path: format!("fast chain: {}", chain.whiteness.evidence),
-        warnings: Vec::new(),
+        warnings: asked.and_then(|asked| more_than_asked(asked, &chain.dropped, hz)).into_iter().collect(),
         consistent: true,
         refined: chain.refined,
     }

@@ -1,7 +1,7 @@
 //! Poles as the model will show them, with their error bars and grades.
 
 use crate::found::{uncertainty_grade, Found, Grade};
-use crate::law::Law;
+use crate::law::{self, Law};
 use crate::structure::Given;
 use crate::structured::Structured;
 use crate::work::Work;
@@ -113,7 +113,7 @@ impl Identified {
                 Some(_) => None,
                 None => Some(inverse_hermitian(fit.information.view())? * (0.5 * variance)),
             };
-            let sources: Vec<usize> = (0..poles.len()).filter(|&n| crate::law::expressible_pole(refined.lambda[n])).collect();
+            let sources: Vec<usize> = (0..poles.len()).filter(|&n| law::expressible_pole(refined.lambda[n])).collect();
             poles = fit
                 .poles
                 .iter()
@@ -149,11 +149,18 @@ impl Identified {
         })
     }
 
-    /// The poles of the band replaced by what structured refinement found for them; a mode seen only there is graded by its
+    /// The most that a sure mode of the band would shift by under the other damping law, in error bars.
+    pub fn shift_by_other_law(&self) -> f64 {
+        let sure = self.poles.iter().filter(|pole| pole.grade.0 == Trust::Sure && self.work.in_band((pole.omega * pole.omega).into()));
+        let shifts = sure.map(|pole| law::shift(pole.loss_factor, pole.omega_std / pole.omega, pole.loss_factor_std));
+        shifts.filter(|shift| shift.is_finite()).fold(0.0, f64::max)
+    }
+
+    /// Poles replaced by what structured refinement found for them; a mode seen only there is graded by its
     /// error bar.
     pub fn structured(mut self, structured: Structured) -> Self {
-        let known: Vec<Pole> = self.poles.iter().filter(|pole| self.work.in_band(pole.value)).cloned().collect();
-        self.poles.retain(|pole| !self.work.in_band(pole.value));
+        let (known, others): (Vec<Pole>, Vec<Pole>) = self.poles.into_iter().partition(|pole| structured.replaced.contains(&pole.value));
+        self.poles = others;
         for found in structured.poles {
             let mut pole = structural_pole(
                 found.lambda,

@@ -16,6 +16,7 @@ use crate::found::{Found, UNCERTAIN};
 use crate::options::ShapeModel;
 use crate::prune::threshold;
 use crate::screen::Screened;
+use crate::structure::beyond_chance;
 use crate::tolerances as tol;
 use chladni_linalg::{svd_thin, LinalgError};
 use ndarray::{Array1, Array2, Axis, ShapeBuilder};
@@ -43,8 +44,10 @@ pub(crate) struct StructuredPole {
 /// What structured refinement found for the poles of the band.
 #[derive(Debug, Clone)]
 pub(crate) struct Structured {
-    /// Poles of the band.
+    /// Poles of the band, and of just beyond.
     pub poles: Vec<StructuredPole>,
+    /// The poles with free residues that they stand for.
+    pub replaced: Vec<Complex64>,
     /// True where shapes are real.
     pub real: bool,
     /// Sum of squares left of the compressed columns.
@@ -55,32 +58,46 @@ pub(crate) struct Structured {
     pub evidence: String,
 }
 
-/// A rise of the sum of squares over that of a wider model, against what chance allows.
-struct Ratio {
-    /// Standard deviations over the mean of χ² with `constraints` degrees of freedom.
-    sigmas: f64,
+/// What came of the search for structure.
+#[derive(Debug)]
+pub(crate) enum Search {
+    /// Not asked for, or nothing to hold against the data.
+    Inapplicable,
+    /// One shape per mode raises the sum of squares by so many standard deviations of chance, with all the modes that could be added.
+    Refused(f64),
+    /// It holds.
+    Found(Structured),
 }
 
-impl Ratio {
-    /// `rise` of complex data with noise variance `variance` under so many real constraints.
-    fn new(rise: f64, constraints: usize, variance: f64, rounding: f64) -> Self {
-        let k = constraints as f64;
-        Self { sigmas: ((rise - rounding).max(0.0) / (0.5 * variance) - k) / (2.0 * k).sqrt().max(1.0) }
-    }
-    fn chance(&self) -> bool {
-        self.sigmas <= tol::STRUCTURE_SIGMAS
-    }
-}
-
-/// Refines the poles of the band under the shape model asked for; `None` where it does not apply or does not hold.
+/// Refines the poles of the band under the shape model asked for; where one just beyond its ends has one shape too, that one with them:
+/// left free it takes most of what is known of its neighbour inside.
 ///
 /// `fixed_order`: no mode may be added.
-pub(crate) fn structured(data: &Screened, found: &Found, asked: ShapeModel, fixed_order: bool) -> Result<Option<Structured>, LinalgError> {
+pub(crate) fn structured(data: &Screened, found: &Found, asked: ShapeModel, fixed_order: bool) -> Result<Search, LinalgError> {
+    let (work, lambda) = (&found.work, &found.refined.lambda);
+    let (low, high) = work.range();
+    let beside = |l: &Complex64| (low - l.re).max(l.re - high) < tol::BESIDE_HALF_WIDTHS * l.im;
+    if asked == ShapeModel::Auto && lambda.iter().any(|l| beside(l) && !work.in_band(*l)) {
+        if let Search::Found(structured) = searched(data, found, asked, fixed_order, beside)? {
+            return Ok(Search::Found(structured));
+        }
+    }
+    searched(data, found, asked, fixed_order, |l| work.in_band(*l))
+}
+
+/// The search for the poles that `belongs` says; all others stay free.
+fn searched(
+    data: &Screened,
+    found: &Found,
+    asked: ShapeModel,
+    fixed_order: bool,
+    belongs: impl Fn(&Complex64) -> bool,
+) -> Result<Search, LinalgError> {
     let (responses, references) = (data.frf.responses.len(), data.frf.references.len());
     let work = &found.work;
-    let (inside, outside): (Vec<Complex64>, Vec<Complex64>) = found.refined.lambda.iter().partition(|l| work.in_band(**l));
+    let (inside, outside): (Vec<Complex64>, Vec<Complex64>) = found.refined.lambda.iter().partition(|l| belongs(l));
     if asked == ShapeModel::Free || inside.is_empty() || data.pairs.len() < responses * references {
-        return Ok(None);
+        return Ok(Search::Inapplicable);
     }
     // eliminated are the many DOFs, kept in the search the few
     let swapped = references > responses;
@@ -92,7 +109,8 @@ pub(crate) fn structured(data: &Screened, found: &Found, asked: ShapeModel, fixe
     let rounding = tol::STRUCTURE_ROUNDING * target.energy;
     let (residues, free_sse) = free_residues(target, &inside)?;
     let constraints = |n: usize| 2 * n * (sides[0] - 1) * (sides[1] - 1);
-    let rank_one = |state: &State| Ratio::new(state.sse - free_sse, constraints(state.lambda.len()), variance, rounding);
+    let rank_one = |state: &State| beyond_chance(state.sse - free_sse, constraints(state.lambda.len()), variance, rounding);
+    let chance = |sigmas: f64| sigmas <= tol::STRUCTURE_SIGMAS;
 
     let mut state = State::new(target, inside.clone(), leading_participations(&residues, target.sides)?, false)?;
     if sides[1] > 1 || asked == ShapeModel::Rank1 {
@@ -101,15 +119,15 @@ pub(crate) fn structured(data: &Screened, found: &Found, asked: ShapeModel, fixe
     let found_free = state.lambda.len();
     if asked == ShapeModel::Auto && !fixed_order && sides[1] > 1 {
         let limit = threshold(sides[0] + sides[1], work.lines()) * variance;
-        state = grown(target, state, limit, &|state| rank_one(state).chance())?;
+        state = grown(target, state, limit, &|state| chance(rank_one(state)))?;
         state = shed(target, state, variance, limit);
     }
-    let ratio = rank_one(&state);
-    if asked == ShapeModel::Auto && !ratio.chance() {
-        return Ok(None);
+    let sigmas = rank_one(&state);
+    if asked == ShapeModel::Auto && !chance(sigmas) {
+        return Ok(Search::Refused(sigmas));
     }
     let added = state.lambda.len().saturating_sub(found_free);
-    let mut evidence = format!("one shape per mode ({:+.1} sigma of chance", ratio.sigmas);
+    let mut evidence = format!("one shape per mode ({sigmas:+.1} sigma of chance");
     if added > 0 {
         evidence += &format!(", {added} of {} modes seen only so", state.lambda.len());
     }
@@ -120,16 +138,17 @@ pub(crate) fn structured(data: &Screened, found: &Found, asked: ShapeModel, fixe
     if asked != ShapeModel::Rank1 {
         let start = State::new(target, state.lambda.clone(), state.participation.clone(), true)?;
         let real = start.refined(target, tol::REFINE_FINE, tol::STRUCTURED_FINE_STEP);
-        let ratio = Ratio::new(real.sse - state.sse, phases, variance, rounding);
-        if asked == ShapeModel::Real || ratio.chance() {
-            evidence += &format!(", real ({:+.1} sigma)", ratio.sigmas);
+        let sigmas = beyond_chance(real.sse - state.sse, phases, variance, rounding);
+        if asked == ShapeModel::Real || chance(sigmas) {
+            evidence += &format!(", real ({sigmas:+.1} sigma)");
             state = real;
         } else if sides[1] == 1 {
-            return Ok(None);
+            return Ok(Search::Inapplicable);
         }
     }
     let (real, sse) = (state.real, state.sse);
-    Ok(Some(Structured { poles: merged([target, &whole], state, variance, swapped)?, real, sse, added, evidence }))
+    let poles = merged([target, &whole], state, variance, swapped)?;
+    Ok(Search::Found(Structured { poles, replaced: inside, real, sse, added, evidence }))
 }
 
 /// Columns to pairs, (column, eliminated · other). Every pair is there, response by response.
