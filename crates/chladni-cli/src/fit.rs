@@ -4,6 +4,7 @@ use crate::console::Console;
 use crate::input::{expand, read_frf, Reading};
 use crate::outcome::Outcome;
 use crate::output::{Output, MODEL};
+use crate::scene_band::SceneBand;
 use crate::table::{counted, significant, table, with_bound};
 use chladni_frf::io::write_model;
 use chladni_frf::{Damping, Error, ErrorKind, FrfSet, ModalModel, Mode, Result, Scaling, Source, Trust};
@@ -17,6 +18,7 @@ use std::path::{Path, PathBuf};
 #[command(before_help = "Examples:
   chladni fit panel.h5                                 a table of the modes
   chladni fit panel.h5 -o model.json --band 10:700     save the model of one band
+  chladni fit panel.h5 -o model.json --scene corner.toml     only the band that a scene needs
   chladni fit scan_*.uff --frf-kind mobility -o model.json")]
 pub struct Args {
     /// FRF files, folders of them, or patterns; all are merged into one set
@@ -28,6 +30,9 @@ pub struct Args {
     /// Band to fit, Hz [default: all lines]
     #[arg(long, value_name = "LO:HI", value_parser = parse_band, allow_hyphen_values = true)]
     band: Option<[f64; 2]>,
+    /// Scene that the model is for: only the band that it needs is fitted, the modes outside are residual terms
+    #[arg(long, value_name = "SCENE.toml", conflicts_with = "band")]
+    scene: Option<PathBuf>,
     /// Number of modes in the band; auto: decided by evidence
     #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = parse_modes, allow_negative_numbers = true)]
     modes: ModeCount,
@@ -95,11 +100,20 @@ fn parse_decay(text: &str) -> std::result::Result<f64, String> {
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let files = expand(&args.files, console)?;
     let output = args.output.as_deref().map(|path| Output::new(path, MODEL, &files, console)).transpose()?;
-    let (frf, sources) = read_frf(&files, &args.reading, console)?;
-    let options = args.fit_options();
+    let (frf, mut sources) = read_frf(&files, &args.reading, console)?;
+    let mut options = args.fit_options();
+    let scene = args.scene.as_deref().map(|file| SceneBand::of(file, &frf, &options)).transpose()?;
+    if let Some(scene) = &scene {
+        options.band_hz = Some(scene.band_hz());
+        sources.push(scene.source.clone());
+    }
     let mut echo = echo_of(&options);
     args.reading.echo(&mut echo);
-    let model = fit_model(&frf, &options, sources, echo, console.warnings(), &files[0], console)?;
+    let mut model = fit_model(&frf, &options, sources, echo, console.warnings(), &files[0], console)?;
+    if let Some(scene) = &scene {
+        let said = scene.said(&model, &frf);
+        model.quality.warnings.push(said);
+    }
     drop(frf);
     console.warn_all(model.quality.warnings.iter().cloned());
     if let Some(output) = &output {

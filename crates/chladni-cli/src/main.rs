@@ -20,6 +20,7 @@ mod output;
 mod progress;
 mod render;
 mod report;
+mod scene_band;
 mod select;
 mod shell;
 mod simulate;

@@ -9,7 +9,8 @@ use crate::table::{counted, significant};
 use chladni_frf::io::{read_model, write_atomically};
 use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result, Source};
 use chladni_render::{
-    signal_csv, stress, sweep, wav, Count, MethodChoice, RenderOptions, Rendering, Scene, SignalOptions, StressOptions, Weights,
+    render_with_others, signal_csv, stress, sweep, wav, Count, MethodChoice, RenderOptions, Rendering, Scene, SignalOptions, StressOptions,
+    Weights,
 };
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{json, Map, Value};
@@ -22,6 +23,7 @@ use std::path::{Path, PathBuf};
   chladni render model.json corner.toml -o weights.json
   chladni render model.json corner.toml --method fast
   chladni render model.json corner.toml --modes auto --actuators auto --measured panel.h5
+  chladni render model.json corner.toml --actuators auto --also centre.toml edge.toml
   chladni render model.json corner.toml --sweep 250:350 --stress
   chladni render model.json corner.toml -o weights.json --wav drive.wav")]
 pub struct Args {
@@ -44,6 +46,10 @@ pub struct Args {
     /// Actuators to use: all, as few as the scene needs, or so many
     #[arg(long, value_name = "all|auto|N", default_value = "all")]
     actuators: Count,
+    /// Other scenes that the actuators chosen by `--actuators auto` (or N) must serve too; each of the scenes rendered with the rest beside it
+    /// gets the same actuators
+    #[arg(long, value_name = "SCENE.toml", num_args = 1..)]
+    also: Vec<PathBuf>,
     /// Measured FRFs whose line at the drive frequency judges `--modes auto`; without them the whole model does
     #[arg(long, value_name = "FRF", num_args = 1..)]
     measured: Vec<PathBuf>,
@@ -82,7 +88,9 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     console.stage("reading");
     let model = read_model(&args.model)?;
     let scene = Scene::read(&args.scene)?;
+    let others = args.also.iter().map(|file| Scene::read(file)).collect::<Result<Vec<_>>>()?;
     let mut sources = vec![source(&args.model)?, source(&args.scene)?];
+    sources.extend(args.also.iter().map(|file| source(file)).collect::<Result<Vec<_>>>()?);
     let measured = match args.measured.is_empty() {
         true => None,
         false => {
@@ -94,7 +102,12 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
 
     console.stage("rendering");
     let options = RenderOptions { method: args.method, modes: args.modes, actuators: args.actuators, ..RenderOptions::default() };
-    let mut weights = render_scene(&model, &scene, &options, measured.as_ref(), sources)?.weights;
+    let rendered = render_with_others(&model, &scene, &others, &options, measured.as_ref()).map_err(|error| of_scene(error, &scene))?;
+    let mut weights = rendered.weights;
+    weights.source = sources;
+    if !others.is_empty() {
+        weights.options.insert("also".into(), others.iter().map(Scene::name).collect());
+    }
     args.reading.echo(&mut weights.options);
     if args.stress {
         console.stage("stress");
@@ -136,12 +149,17 @@ pub fn render_scene(
     measured: Option<&FrfSet>,
     sources: Vec<Source>,
 ) -> Result<Rendering> {
-    let mut rendering = chladni_render::render_measured(model, scene, options, measured).map_err(|error| match &scene.file {
-        Some(file) => error.file(file),
-        None => error,
-    })?;
+    let mut rendering = chladni_render::render_measured(model, scene, options, measured).map_err(|error| of_scene(error, scene))?;
     rendering.weights.source = sources;
     Ok(rendering)
+}
+
+/// The error with the scene's file.
+fn of_scene(error: Error, scene: &Scene) -> Error {
+    match &scene.file {
+        Some(file) => error.file(file),
+        None => error,
+    }
 }
 
 /// Writes drive signals, in the format that the extension names.
@@ -190,7 +208,7 @@ fn text(weights: &Weights) -> String {
         + &weights.sweep.as_ref().map(sweep_table).unwrap_or_default()
 }
 
-/// What κ and the ceiling mean, in words.
+/// What κ, the ceiling and what the drive endures mean, in words.
 fn certainty(weights: &Weights) -> String {
     let kappa = weights.kappa.map(|kappa| match kappa >= 0.0 {
         true => format!("every response keeps its limit under model errors of {kappa:.1} standard deviations\n"),
@@ -202,5 +220,13 @@ fn certainty(weights: &Weights) -> String {
             ceiling.possible_db, ceiling.asked_db, ceiling.reached_db
         )
     });
-    [kappa, ceiling].into_iter().flatten().collect()
+    let endurance = weights.endurance.map(|endurance| {
+        format!(
+            "it holds for natural frequencies up to {:.1} % off (all at random, rms); a light finger in the hot zone leaves {:.0} % inside{}\n",
+            100.0 * endurance.frequency_relative,
+            100.0 * endurance.touched_min_ratio,
+            if endurance.touch_is_known { "" } else { " (estimated)" }
+        )
+    });
+    [kappa, ceiling, endurance].into_iter().flatten().collect()
 }

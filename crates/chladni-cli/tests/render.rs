@@ -59,3 +59,41 @@ fn stress_sweep_and_signals() {
     assert!(folder.run("render model.json corner.toml --sweep 300").exits(2).stderr.contains("LO:HI"));
     folder.run("evaluate weights.json --scene corner.toml --on panel.h5 -q").exits(0);
 }
+
+#[test]
+fn a_fit_for_a_scene_takes_only_the_band_that_it_needs() {
+    let folder = Folder::new();
+    folder.write("panel.toml", "[responses]\ngrid = [6, 4]\nspacing_m = 0.04\n[references]\nedge_count = [3, 2]\n[frf]\nstop_hz = 700\n");
+    folder.write("corner.toml", scene(300, 1, ""));
+    folder.run("simulate panel.toml -o panel.h5 --truth truth.json -q").exits(0);
+    let json = folder.run("fit panel.h5 -o part.json --scene corner.toml --json").exits(0).json();
+    let band: Vec<f64> = json["options"]["band_hz"].as_array().unwrap().iter().map(|hz| hz.as_f64().unwrap()).collect();
+    assert!(band[0] > 20.0 && band[0] < 290.0 && band[1] > 310.0 && band[1] < 690.0, "{band:?}");
+    let said = json["warnings"].to_string();
+    assert!(said.contains("what corner.toml needs at 300 Hz") && said.contains("stand as residual terms"), "{said}");
+    assert_eq!(json["source"].as_array().unwrap().len(), 2, "the scene is named");
+    // the drive of the part serves on the whole truth what it serves in its own model
+    folder.run("render part.json corner.toml -o weights.json -q");
+    let on = |model: &str| folder.run(&format!("evaluate weights.json --scene corner.toml --on {model} --json")).exits(0).json();
+    let ratio = |json: &serde_json::Value| json["indices"]["points"]["success_ratio"].as_f64().unwrap();
+    let (own, truth) = (ratio(&on("part.json")), ratio(&on("truth.json")));
+    assert!((own - truth).abs() <= 0.1, "{own} in its model, {truth} in truth");
+    assert!(folder.run("fit panel.h5 --scene corner.toml --band 100:500").exits(2).stderr.contains("--band"));
+}
+
+#[test]
+fn actuators_are_chosen_for_several_scenes() {
+    let folder = prepared();
+    folder.write("other.toml", scene(330, 4, ""));
+    let weights = |line: &str| folder.run(&format!("render model.json {line} --actuators auto --json")).exits(0).json();
+    let used = |json: &serde_json::Value| -> Vec<String> {
+        let driven = json["weights"].as_array().unwrap().iter().filter(|weight| weight["amplitude"].as_f64().unwrap() > 0.0);
+        driven.map(|weight| weight["reference"].to_string()).collect()
+    };
+    let (first, second) = (weights("corner.toml --also other.toml"), weights("other.toml --also corner.toml"));
+    assert_eq!(used(&first), used(&second));
+    assert_eq!((&first["options"]["also"][0], first["source"].as_array().unwrap().len()), (&"other.toml".into(), 3));
+    folder.write("fewer.toml", scene(330, 4, "[actuators]\nuse = [\"101:+Z\", \"102:+Z\"]\n"));
+    let run = folder.run("render model.json corner.toml --also fewer.toml --actuators auto").exits(65);
+    assert!(run.stderr.contains("the scenes allow different actuators"), "{}", run.stderr);
+}

@@ -39,9 +39,13 @@ impl Ceiling {
         let Some(bound) = certified_bound(problem)? else { return Ok(None) };
         let db = |ratio: f64| 20.0 * ratio.log10();
         let asked_db = db(problem.limits.hot_m_per_s / problem.limits.cold_m_per_s);
+        let mut climb = Climb::new(problem)?;
         let mut reached = 0.0;
-        for start in [start, &bound.drive] {
-            reached = f64::max(reached, Climb::new(problem)?.raise_hot(start.clone())?);
+        for start in [bound.drive, start.clone()] {
+            reached = f64::max(reached, climb.raise_hot(start)?);
+            if db(reached) > db(bound.factor) - tolerances::CEILING_REACHED_DB {
+                break;
+            }
         }
         Ok(Some(Self { possible_db: asked_db + db(bound.factor), asked_db, reached_db: asked_db + db(reached) }))
     }

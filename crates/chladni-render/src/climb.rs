@@ -5,7 +5,7 @@
 //! within 0.0 to 0.2 dB of a certified bound.
 
 use crate::drive_program::{Asked, DriveProgram};
-use crate::problem::{Drive, Problem};
+use crate::problem::{amplitude, Drive, Problem};
 use crate::tolerances;
 use chladni_frf::Result;
 use ndarray::Array1;
@@ -51,7 +51,7 @@ impl<'a> Climb<'a> {
 
     /// Less peak force, inside by `asked`.
     fn lower_peak(&mut self, start: Drive, asked: Asked) -> Result<Drive> {
-        self.lower(start, asked, DriveProgram::least_peak, |drive| drive.iter().map(|weight| weight.norm()).fold(0.0, f64::max))
+        self.lower(start, asked, DriveProgram::least_peak, |drive| drive.iter().map(amplitude).fold(0.0, f64::max))
     }
 
     /// Less effort √Σ|A_i|², inside by `asked`.
@@ -161,7 +161,7 @@ impl<'a> Climb<'a> {
 
     /// Adds the rows that miss most of what was asked; false where none does.
     fn let_missed_join(&mut self, drive: &Drive, kappa: f64, factor: f64) -> bool {
-        let field = self.problem.field(drive).mapv(Complex64::norm);
+        let field = self.problem.field(drive).map(amplitude);
         let limits = self.problem.limits_m_per_s();
         let deviation = self.problem.covariance.deviation(drive);
         let slack = |k: usize| {

@@ -134,6 +134,8 @@ impl ConicProgram {
             tol_gap_abs: tolerances::CONIC_GAP,
             tol_gap_rel: tolerances::CONIC_GAP,
             tol_feas: tolerances::CONIC_GAP,
+            iterative_refinement_reltol: tolerances::CONIC_REFINEMENT,
+            iterative_refinement_abstol: tolerances::CONIC_REFINEMENT,
             ..DefaultSettings::default()
         };
         let quadratic = CscMatrix::zeros((columns, columns));

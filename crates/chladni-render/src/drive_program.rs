@@ -4,12 +4,13 @@
 //! limits V_k, forces by [`DriveProgram::unit_drive`], and the error bar ‖L·A‖ by the threshold, so that every number is of
 //! order one.
 
-use crate::conic::{Affine, ConicProgram};
+use crate::conic::{Affine, ConicProgram, ConicSolution};
 use crate::problem::{Drive, Problem};
 use crate::tolerances;
 use chladni_frf::Result;
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
+use std::cell::Cell;
 
 /// A problem scaled for conic programs.
 pub(crate) struct DriveProgram<'a> {
@@ -22,6 +23,8 @@ pub(crate) struct DriveProgram<'a> {
     error_scale: Array1<f64>,
     /// Square root of the covariance over the threshold, per unit drive.
     root: Array2<Complex64>,
+    /// True once a drive went beyond the force limits: most scenes stay far below, and do without their cones.
+    limited: Cell<bool>,
 }
 
 /// What stands at the right of the constraints, each an expression of the program's own variables.
@@ -74,7 +77,8 @@ impl<'a> DriveProgram<'a> {
         rows.mapv_inplace(|value| value * unit_drive);
         let threshold = problem.threshold_m_per_s;
         let root = problem.covariance.triangular_root()?.mapv(|value| value * (unit_drive / threshold));
-        Ok(Self { problem, unit_drive, rows, error_scale: limits.mapv(|limit| threshold / limit) / &problem.rows.levels, root })
+        let error_scale = limits.mapv(|limit| threshold / limit) / &problem.rows.levels;
+        Ok(Self { problem, unit_drive, rows, error_scale, root, limited: Cell::new(false) })
     }
 
     /// Number of actuators.
@@ -105,8 +109,7 @@ impl<'a> DriveProgram<'a> {
             drive: 1.0,
             drive_variable: Some(inverse),
         };
-        self.constrain(&mut program, phases, active, &sides);
-        let solution = program.solve()?.filter(|solution| solution.x[kappa] > tolerances::NO_KAPPA);
+        let solution = self.solve(program, phases, active, &sides)?.filter(|solution| solution.x[kappa] > tolerances::NO_KAPPA);
         Ok(match solution {
             Some(solution) if solution.x[inverse] > 0.0 => {
                 Robust { kappa: solution.x[kappa], drive: Some(self.drive(&solution.x, 1.0 / solution.x[inverse])) }
@@ -138,8 +141,7 @@ impl<'a> DriveProgram<'a> {
             drive: reached,
             drive_variable: None,
         };
-        self.constrain(&mut program, phases, active, &sides);
-        let solution = program.solve()?.filter(|solution| solution.x[contrast] > 0.0);
+        let solution = self.solve(program, phases, active, &sides)?.filter(|solution| solution.x[contrast] > 0.0);
         Ok(solution.map(|solution| {
             // cold rows stand at their limit and hot ones at `contrast` times theirs: share it
             let factor = solution.x[contrast].sqrt();
@@ -152,9 +154,8 @@ impl<'a> DriveProgram<'a> {
         let (deviation, effort) = (2 * self.actuators(), 2 * self.actuators() + 1);
         let mut program = ConicProgram::new(effort + 1);
         program.minimise(effort, 1.0);
-        self.constrain(&mut program, phases, active, &Sides::plain(deviation, asked));
         program.norm_at_most(Affine::of(effort, 1.0), (0..2 * self.actuators()).map(|i| Affine::of(i, 1.0)));
-        Ok(program.solve()?.map(|solution| self.drive(&solution.x, 1.0)))
+        Ok(self.solve(program, phases, active, &Sides::plain(deviation, asked))?.map(|solution| self.drive(&solution.x, 1.0)))
     }
 
     /// The drive of least max|A_i| that keeps every row inside by `asked`.
@@ -162,11 +163,10 @@ impl<'a> DriveProgram<'a> {
         let (deviation, peak) = (2 * self.actuators(), 2 * self.actuators() + 1);
         let mut program = ConicProgram::new(peak + 1);
         program.minimise(peak, 1.0);
-        self.constrain(&mut program, phases, active, &Sides::plain(deviation, asked));
         for i in 0..self.actuators() {
             program.norm_at_most(Affine::of(peak, 1.0), self.weight(i));
         }
-        Ok(program.solve()?.map(|solution| self.drive(&solution.x, 1.0)))
+        Ok(self.solve(program, phases, active, &Sides::plain(deviation, asked))?.map(|solution| self.drive(&solution.x, 1.0)))
     }
 
     /// The drive of least Σ price_i·|A_i| that keeps every row inside by `asked` (eq. 48).
@@ -174,12 +174,11 @@ impl<'a> DriveProgram<'a> {
         let deviation = 2 * self.actuators();
         let amplitude = |i: usize| deviation + 1 + i;
         let mut program = ConicProgram::new(amplitude(self.actuators()));
-        self.constrain(&mut program, phases, active, &Sides::plain(deviation, asked));
         for (i, &price) in prices.iter().enumerate() {
             program.minimise(amplitude(i), price);
             program.norm_at_most(Affine::of(amplitude(i), 1.0), self.weight(i));
         }
-        Ok(program.solve()?.map(|solution| self.drive(&solution.x, 1.0)))
+        Ok(self.solve(program, phases, active, &Sides::plain(deviation, asked))?.map(|solution| self.drive(&solution.x, 1.0)))
     }
 
     /// The drive that keeps the rows `sure` by `asked` and misses the limits of the rows `wished` by the least sum, each over its limit.
@@ -190,7 +189,6 @@ impl<'a> DriveProgram<'a> {
         let shortfall = |number: usize| deviation + 1 + number;
         let mut program = ConicProgram::new(shortfall(wished.len()));
         program.minimise(deviation, tolerances::DEVIATION_PRICE);
-        self.constrain(&mut program, phases, sure, &Sides::plain(deviation, asked));
         for (number, &k) in wished.iter().enumerate() {
             program.minimise(shortfall(number), 1.0);
             program.not_negative(Affine::of(shortfall(number), 1.0));
@@ -201,7 +199,7 @@ impl<'a> DriveProgram<'a> {
                 program.norm_at_most(bound, Affine::complex_row(self.rows.row(k)));
             }
         }
-        Ok(program.solve()?.map(|solution| self.drive(&solution.x, 1.0)))
+        Ok(self.solve(program, phases, sure, &Sides::plain(deviation, asked))?.map(|solution| self.drive(&solution.x, 1.0)))
     }
 
     /// Hot row `k` along its phase.
@@ -220,7 +218,34 @@ impl<'a> DriveProgram<'a> {
         Array1::from_shape_fn(count, |i| Complex64::new(x[i], x[count + i]) * (self.unit_drive * factor))
     }
 
-    /// Rows, force limits and error bar.
+    /// Solves `program` with rows, error bar and force limits besides, these only where they are met.
+    fn solve(
+        &self,
+        mut program: ConicProgram,
+        phases: &Array1<Complex64>,
+        active: &[usize],
+        sides: &Sides,
+    ) -> Result<Option<ConicSolution>> {
+        self.constrain(&mut program, phases, active, sides);
+        if !self.limited.get() {
+            let solution = program.solve()?;
+            if solution.as_ref().is_some_and(|solution| self.keeps_limits(&solution.x, sides)) {
+                return Ok(solution);
+            }
+            // without the limits there may be no largest or least value, or no drive that keeps them
+            self.limited.set(true);
+        }
+        self.limit_drive(&mut program, sides);
+        program.solve()
+    }
+
+    /// True where the drive of a solution is within the force limits.
+    fn keeps_limits(&self, x: &[f64], sides: &Sides) -> bool {
+        let factor = sides.drive * sides.drive_variable.map_or(1.0, |variable| x[variable]);
+        factor > 0.0 && self.problem.drive_limits.allowed_gain(&self.drive(x, 1.0 / factor)) >= 1.0
+    }
+
+    /// Rows and error bar.
     fn constrain(&self, program: &mut ConicProgram, phases: &Array1<Complex64>, active: &[usize], sides: &Sides) {
         let hot = self.problem.rows.hot;
         for &k in active.iter().filter(|&&k| k < hot) {
@@ -230,7 +255,6 @@ impl<'a> DriveProgram<'a> {
             let bound = sides.cold.clone().minus(&sides.slack, self.error_scale[k]);
             program.norm_at_most(bound, Affine::complex_row(self.rows.row(k)));
         }
-        self.limit_drive(program, sides);
         let parts = self.root.rows().into_iter().flat_map(Affine::complex_row);
         program.norm_at_most(sides.deviation.clone(), parts);
     }

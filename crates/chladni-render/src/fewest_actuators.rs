@@ -1,4 +1,4 @@
-//! The fewest actuators that serve a scene.
+//! The fewest actuators that serve a scene, or several.
 //!
 //! Which ones is a combinatorial question; its usual convex stand-in is the sum of amplitudes, reweighted by the amplitudes it
 //! led to (Candès, Wakin and Boyd 2008): min Σ|A_i|/(|A_i|′ + ε) with every response inside its limit by some κ (theory.md,
@@ -9,7 +9,7 @@ use crate::climb::Climb;
 use crate::count::Count;
 use crate::drive_program::{Asked, DriveProgram};
 use crate::methods::mls;
-use crate::problem::{Drive, Problem};
+use crate::problem::{amplitude, Drive, Problem};
 use crate::setup::Setup;
 use crate::tolerances;
 use chladni_frf::Result;
@@ -21,13 +21,12 @@ pub(crate) struct Choice {
     pub(crate) warning: Option<String>,
 }
 
-/// Chooses among the actuators of `setup`.
+/// Chooses among the actuators of `setups`, the same for all: those that serve every scene.
 ///
 /// # Errors
 /// Those of the kernels: a broken promise.
-pub(crate) fn choose(setup: &Setup, count: Count) -> Result<Choice> {
-    let problem = &setup.problem;
-    let all = problem.rows.mobility.ncols();
+pub(crate) fn choose(setups: &[&Setup], count: Count) -> Result<Choice> {
+    let all = setups[0].problem.rows.mobility.ncols();
     let target = match count {
         Count::All => return Ok(Choice { columns: (0..all).collect(), warning: None }),
         Count::Number(number) if number >= all => {
@@ -37,17 +36,19 @@ pub(crate) fn choose(setup: &Setup, count: Count) -> Result<Choice> {
         Count::Number(number) => number,
         Count::Auto => 1,
     };
-    let start = mls::leading_drives(problem, None, 1)?.swap_remove(0);
-    let (kappa, drive) = Climb::new(problem)?.raise_kappa(&start)?;
-    if kappa == 0.0 && count == Count::Auto {
-        let warning = "all actuators are used: not even all of them serve every response of the scene".to_owned();
+    let mut stages = setups.iter().map(|setup| Stage::new(&setup.problem)).collect::<Result<Vec<_>>>()?;
+    let possible = stages.iter().all(|stage| stage.kappa > 0.0);
+    if !possible && count == Count::Auto {
+        let which = if setups.len() == 1 { "the scene" } else { "every scene" };
+        let warning = format!("all actuators are used: not even all of them serve every response of {which}");
         return Ok(Choice { columns: (0..all).collect(), warning: Some(warning) });
     }
-    let asked = Asked { kappa: tolerances::KAPPA_EFFORT.min(tolerances::KEEP * kappa), factor: 1.0 };
-    let sparse = if kappa == 0.0 { drive } else { reweighted(problem, drive, asked)? };
-    let mut subset = Subset::strongest(&sparse, if count == Count::Auto { 1 } else { target });
-    subset.complete(problem, asked)?;
-    subset.prune(problem, asked, target)?;
+    if possible {
+        reweighted(&mut stages)?;
+    }
+    let mut subset = Subset::strongest(stages, if count == Count::Auto { 1 } else { target });
+    subset.complete()?;
+    subset.prune(target)?;
     let forced = subset.columns.len().saturating_sub(target);
     let warning = (count != Count::Auto && forced > 0).then(|| {
         format!(
@@ -62,60 +63,104 @@ pub(crate) fn choose(setup: &Setup, count: Count) -> Result<Choice> {
     Ok(Choice { columns: subset.columns, warning })
 }
 
-/// Rounds of the reweighted sum of amplitudes.
-fn reweighted(problem: &Problem, start: Drive, asked: Asked) -> Result<Drive> {
-    let program = DriveProgram::new(problem)?;
-    let rows: Vec<usize> = (0..problem.rows.mobility.nrows()).collect();
-    let mut drive = start;
-    let mut prices = vec![1.0; drive.len()];
-    for _ in 0..tolerances::REWEIGHTINGS {
-        let Some(next) = program.least_sum(&program.phases(&drive), &rows, asked, &prices)? else { break };
-        drive = next;
-        let largest = amplitudes(&drive).fold(0.0, f64::max);
-        prices = amplitudes(&drive).map(|a| tolerances::PRICE_FLOOR / (a / largest + tolerances::PRICE_FLOOR)).collect();
-    }
-    Ok(drive)
-}
-
-fn amplitudes(drive: &Drive) -> impl Iterator<Item = f64> + '_ {
-    drive.iter().map(|weight| weight.norm())
-}
-
-/// Actuators, the strongest first, and all of them in that order.
-struct Subset {
-    columns: Vec<usize>,
-    order: Vec<usize>,
+/// A scene on its way to few actuators.
+struct Stage<'a> {
+    problem: &'a Problem,
+    /// The largest κ with all actuators.
+    kappa: f64,
+    /// What every response must keep.
+    asked: Asked,
+    /// The last drive that kept it, of all actuators.
     drive: Drive,
 }
 
-impl Subset {
-    /// Those that `drive` uses, and at least so many.
-    fn strongest(drive: &Drive, least: usize) -> Self {
-        let size: Vec<f64> = amplitudes(drive).collect();
+impl<'a> Stage<'a> {
+    /// With all actuators.
+    fn new(problem: &'a Problem) -> Result<Self> {
+        let start = mls::leading_drives(problem, None)?.swap_remove(0);
+        let (kappa, drive) = Climb::new(problem)?.raise_kappa(&start)?;
+        let asked = Asked { kappa: tolerances::KAPPA_EFFORT.min(tolerances::KEEP * kappa), factor: 1.0 };
+        Ok(Self { problem, kappa, asked, drive })
+    }
+
+    /// The drive of the actuators `columns` that keeps what is asked, as one of all actuators; `None` where there is none.
+    fn served(&self, columns: &[usize]) -> Result<Option<Drive>> {
+        let fewer = self.problem.with_actuators(columns);
+        let start = Array1::from_shape_fn(columns.len(), |i| self.drive[columns[i]]);
+        let (kappa, drive) = Climb::new(&fewer)?.reach_kappa(&start, self.asked.kappa)?;
+        if kappa < self.asked.kappa * (1.0 - tolerances::KAPPA_GAIN) {
+            return Ok(None);
+        }
+        let mut whole = Drive::zeros(self.drive.len());
+        for (&column, &weight) in columns.iter().zip(&drive) {
+            whole[column] = weight;
+        }
+        Ok(Some(whole))
+    }
+}
+
+/// Amplitudes over the largest of each scene, summed over the scenes.
+fn shares(stages: &[Stage]) -> Vec<f64> {
+    let mut sum = vec![0.0; stages[0].drive.len()];
+    for stage in stages {
+        let largest = stage.drive.iter().map(amplitude).fold(f64::MIN_POSITIVE, f64::max);
+        sum.iter_mut().zip(&stage.drive).for_each(|(sum, weight)| *sum += amplitude(weight) / largest);
+    }
+    sum
+}
+
+/// Rounds of the reweighted sum of amplitudes. The scenes share their prices, so that an actuator which one of them needs is cheap for the
+/// others: the sum of logarithms over actuators of what all scenes together ask of each falls from round to round.
+fn reweighted(stages: &mut [Stage]) -> Result<()> {
+    let mut prices = vec![1.0; stages[0].drive.len()];
+    for _ in 0..tolerances::REWEIGHTINGS {
+        for stage in stages.iter_mut() {
+            let program = DriveProgram::new(stage.problem)?;
+            let rows: Vec<usize> = (0..stage.problem.rows.mobility.nrows()).collect();
+            if let Some(next) = program.least_sum(&program.phases(&stage.drive), &rows, stage.asked, &prices)? {
+                stage.drive = next;
+            }
+        }
+        prices = shares(stages).into_iter().map(|share| tolerances::PRICE_FLOOR / (share + tolerances::PRICE_FLOOR)).collect();
+    }
+    Ok(())
+}
+
+/// Actuators, the strongest first, and all of them in that order.
+struct Subset<'a> {
+    columns: Vec<usize>,
+    order: Vec<usize>,
+    stages: Vec<Stage<'a>>,
+}
+
+impl<'a> Subset<'a> {
+    /// Those that the drives use, and at least so many.
+    fn strongest(stages: Vec<Stage<'a>>, least: usize) -> Self {
+        let size = shares(&stages);
         let mut order: Vec<usize> = (0..size.len()).collect();
         order.sort_by(|&a, &b| size[b].total_cmp(&size[a]).then(a.cmp(&b)));
         let used = size.iter().filter(|&&a| a > tolerances::UNUSED * size[order[0]]).count();
-        Self { columns: order[..used.max(least)].to_vec(), order, drive: drive.clone() }
+        Self { columns: order[..used.max(least)].to_vec(), order, stages }
     }
 
-    /// Adds actuators until those in use serve the scene.
-    fn complete(&mut self, problem: &Problem, asked: Asked) -> Result<()> {
-        while self.columns.len() < self.order.len() && !self.serves(problem, &self.columns.clone(), asked)? {
+    /// Adds actuators until those in use serve every scene.
+    fn complete(&mut self) -> Result<()> {
+        while self.columns.len() < self.order.len() && !self.serves(&self.columns.clone())? {
             self.columns.push(self.order[self.columns.len()]);
         }
         Ok(())
     }
 
-    /// Drops actuators, the weakest first, while the others serve the scene and more than `target` are left.
-    fn prune(&mut self, problem: &Problem, asked: Asked, target: usize) -> Result<()> {
+    /// Drops actuators, the weakest first, while the others serve every scene and more than `target` are left.
+    fn prune(&mut self, target: usize) -> Result<()> {
         let mut tried = self.columns.len();
         while tried > 0 && self.columns.len() > target {
             tried -= 1;
             let mut fewer = self.columns.clone();
             fewer.remove(tried);
-            if self.serves(problem, &fewer, asked)? {
-                let drive = &self.drive;
-                fewer.sort_by(|&a, &b| drive[b].norm().total_cmp(&drive[a].norm()).then(a.cmp(&b)));
+            if self.serves(&fewer)? {
+                let size = shares(&self.stages);
+                fewer.sort_by(|&a, &b| size[b].total_cmp(&size[a]).then(a.cmp(&b)));
                 tried = fewer.len();
                 self.columns = fewer;
             }
@@ -123,18 +168,16 @@ impl Subset {
         Ok(())
     }
 
-    /// True where the actuators `columns` serve every response by `asked`; their drive is kept for the next start.
-    fn serves(&mut self, problem: &Problem, columns: &[usize], asked: Asked) -> Result<bool> {
-        let fewer = problem.with_actuators(columns);
-        let start = Array1::from_shape_fn(columns.len(), |i| self.drive[columns[i]]);
-        let (kappa, drive) = Climb::new(&fewer)?.reach_kappa(&start, asked.kappa)?;
-        if kappa < asked.kappa * (1.0 - tolerances::KAPPA_GAIN) {
-            return Ok(false);
+    /// True where the actuators `columns` serve every response of every scene; their drives are kept for the next start.
+    fn serves(&mut self, columns: &[usize]) -> Result<bool> {
+        let mut drives = Vec::with_capacity(self.stages.len());
+        for stage in &self.stages {
+            match stage.served(columns)? {
+                Some(drive) => drives.push(drive),
+                None => return Ok(false),
+            }
         }
-        self.drive = Array1::zeros(self.order.len());
-        for (&column, &weight) in columns.iter().zip(&drive) {
-            self.drive[column] = weight;
-        }
+        self.stages.iter_mut().zip(drives).for_each(|(stage, drive)| stage.drive = drive);
         Ok(true)
     }
 }

@@ -136,8 +136,8 @@ pub(crate) fn choose(setup: Setup, model: &ModalModel, judge: &Judge, method: Me
         }
         Count::Auto => {
             let solve = |setup: &Setup| -> Result<Drive> {
-                let Decision { method, starts, .. } = method.decide(&setup.problem);
-                Ok(method.solve(setup, model, starts)?.drive)
+                let Decision { method, every_start, .. } = method.decide(&setup.problem);
+                Ok(method.solve(setup, model, every_start)?.drive)
             };
             let whole = solve(&setup)?;
             let wanted = judge.served(&whole);

@@ -70,20 +70,17 @@ pub struct AreaGrid {
     /// Row and column, and position, of each grid point inside the hull of the responses.
     pub(crate) places: Vec<([usize; 2], Position)>,
     /// From the responses to `places`.
-    pub(crate) interpolation: Interpolation,
+    interpolation: Interpolation,
 }
 
 impl AreaGrid {
     /// The grid of at most `step_m` over `area`, inside the convex hull of the responses; `None` where they carry no plane, or
     /// lie outside the area.
     pub fn new(responses: &[Position], area: Rectangle, step_m: f64) -> Option<Self> {
-        let hull = convex_hull(responses);
-        let (x_m, y_m) = grid_axes(Rectangle::around(&hull)?, area, step_m)?;
-        let points = y_m.iter().enumerate().flat_map(|(row, &y)| x_m.iter().enumerate().map(move |(column, &x)| ([row, column], [x, y])));
-        let places: Vec<([usize; 2], Position)> = points.filter(|&(_, point)| polygon_contains(&hull, point)).collect();
-        let queries: Vec<Position> = places.iter().map(|place| place.1).collect();
+        let Places { x_m, y_m, inside } = Places::new(responses, area, step_m)?;
+        let queries: Vec<Position> = inside.iter().map(|place| place.1).collect();
         let interpolation = Interpolation::new(responses, &queries)?;
-        Some(Self { x_m, y_m, places, interpolation })
+        Some(Self { x_m, y_m, places: inside, interpolation })
     }
 
     /// The field between the responses from its values at them; axes (row, column), NaN outside their hull.
@@ -94,6 +91,25 @@ impl AreaGrid {
             field[place] = value;
         }
         field
+    }
+}
+
+/// The places of a grid inside the convex hull of the responses.
+pub(crate) struct Places {
+    x_m: Vec<f64>,
+    y_m: Vec<f64>,
+    /// Row and column, and position, of each.
+    pub(crate) inside: Vec<([usize; 2], Position)>,
+}
+
+impl Places {
+    /// At most `step_m` apart over `area`; `None` where the responses carry no plane, or lie outside the area.
+    pub(crate) fn new(responses: &[Position], area: Rectangle, step_m: f64) -> Option<Self> {
+        let hull = convex_hull(responses);
+        let (x_m, y_m) = grid_axes(Rectangle::around(&hull)?, area, step_m)?;
+        let points = y_m.iter().enumerate().flat_map(|(row, &y)| x_m.iter().enumerate().map(move |(column, &x)| ([row, column], [x, y])));
+        let inside = points.filter(|&(_, point)| polygon_contains(&hull, point)).collect();
+        Some(Self { x_m, y_m, inside })
     }
 }
 

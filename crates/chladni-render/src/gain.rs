@@ -4,11 +4,10 @@
 //! total of both silence would often win.
 
 use crate::methods::Solution;
-use crate::problem::{Drive, Problem};
+use crate::problem::{amplitude, Drive, Problem};
 use crate::tolerances;
 use chladni_frf::Result;
 use ndarray::{Array1, Axis};
-use num_complex::Complex64;
 
 impl Problem {
     /// Scales a drive by the gain that serves most rows, and by no more than its largest weight may be.
@@ -16,32 +15,52 @@ impl Problem {
     /// Counts change only at the gains where one row meets its limit, so one gain between each two of them is tried; among
     /// the rows that are then inside, the least hot and the loudest cold one get the same slack.
     pub(crate) fn with_best_gain(&self, drive: &Drive) -> Drive {
-        let amplitudes = self.field(drive).mapv(Complex64::norm);
-        if drive.iter().all(|weight| weight.norm() == 0.0) {
-            return drive.clone();
+        let gain = self.best_gain(&self.field(drive).map(amplitude), drive);
+        drive.mapv(|weight| weight * gain)
+    }
+
+    /// That gain, of a drive whose field has these amplitudes.
+    pub(crate) fn best_gain(&self, amplitudes: &Array1<f64>, drive: &Drive) -> f64 {
+        if drive.iter().all(|weight| weight.norm_sqr() == 0.0) {
+            return 1.0;
         }
-        let limit = |k: usize| if k < self.rows.hot { self.limits.hot_m_per_s } else { self.limits.cold_m_per_s };
-        let mut meets: Vec<f64> = (0..amplitudes.len()).map(|k| limit(k) / amplitudes[k]).filter(|gain| gain.is_finite()).collect();
-        meets.sort_by(f64::total_cmp);
-        let between = meets.windows(2).map(|pair| (pair[0] * pair[1]).sqrt());
-        let ends = [meets.first().map(|gain| 0.5 * gain), meets.last().map(|gain| 2.0 * gain)];
         let allowed = self.drive_limits.allowed_gain(drive);
-        let key = |gain: f64| {
-            let (hot, cold) = self.counts(&amplitudes, gain);
-            (self.min_ratio(hot, cold), hot + cold)
-        };
-        // An unlimited drive may take any of the other gains.
+        let rank = |(hot, cold): (usize, usize)| (self.min_ratio(hot, cold), hot + cold);
+        // an unlimited drive may take any of the other gains
         let start = if allowed.is_finite() { allowed } else { 1.0 };
-        let mut best = (start, key(start));
-        for gain in between.chain(ends.into_iter().flatten()).filter(|&gain| gain < allowed) {
-            let value = key(gain);
-            if value > best.1 {
-                best = (gain, value);
+        let mut best = (start, rank(self.counts(amplitudes, start)));
+        for (gain, counts) in self.steps(amplitudes).into_iter().filter(|step| step.0 < allowed) {
+            if rank(counts) > best.1 {
+                best = (gain, rank(counts));
             }
         }
-        let balanced = self.balanced_gain(&amplitudes, best.0).min(allowed);
-        let gain = if key(balanced) >= best.1 { balanced } else { best.0 };
-        drive.mapv(|weight| weight * gain)
+        let balanced = self.balanced_gain(amplitudes, best.0).min(allowed);
+        match rank(self.counts(amplitudes, balanced)) >= best.1 {
+            true => balanced,
+            false => best.0,
+        }
+    }
+
+    /// Every pair of counts that some gain leads to, hot and cold, with such a gain; rising.
+    fn steps(&self, amplitudes: &Array1<f64>) -> Vec<(f64, (usize, usize))> {
+        let limit = |k: usize| if k < self.rows.hot { self.limits.hot_m_per_s } else { self.limits.cold_m_per_s };
+        let mut meets: Vec<(f64, bool)> = (0..amplitudes.len()).map(|k| (limit(k) / amplitudes[k], k < self.rows.hot)).collect();
+        meets.retain(|meet| meet.0.is_finite());
+        meets.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (mut felt, mut quiet) = (0, self.rows.cold());
+        let mut steps = Vec::from_iter(meets.first().map(|first| (0.5 * first.0, (felt, quiet))));
+        for (k, &(gain, hot)) in meets.iter().enumerate() {
+            if hot {
+                felt += 1;
+            } else {
+                quiet -= 1;
+            }
+            let next = meets.get(k + 1).map_or(4.0 * gain, |next| next.0);
+            if next > gain {
+                steps.push(((gain * next).sqrt(), (felt, quiet)));
+            }
+        }
+        steps
     }
 
     /// The gain at which the least hot and the loudest cold row, of those inside at `gain`, have the same κ.

@@ -5,7 +5,7 @@
 
 use crate::field::{AreaField, Field};
 use crate::plane::Position;
-use crate::problem::Drive;
+use crate::problem::{amplitude, Drive};
 use crate::scene::Limits;
 use crate::zones::{Ground, ZoneMap};
 use chladni_frf::{Error, ReferenceUnit, Result};
@@ -63,8 +63,8 @@ fn amplitudes<'a>(
     wanted: Ground,
 ) -> Vec<f64> {
     let all = places.into_iter().zip(ground).zip(velocity);
-    let amplitude = |(place, v): (Position, &Complex64)| if wanted == Ground::Hot { v.norm() / zones.level_at(place) } else { v.norm() };
-    all.filter(|((_, ground), _)| **ground == wanted).map(|((place, _), v)| amplitude((place, v))).collect()
+    let over_level = |(place, v)| if wanted == Ground::Hot { amplitude(v) / zones.level_at(place) } else { amplitude(v) };
+    all.filter(|((_, ground), _)| **ground == wanted).map(|((place, _), v)| over_level((place, v))).collect()
 }
 
 impl PointIndices {

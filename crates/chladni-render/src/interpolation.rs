@@ -7,30 +7,37 @@
 //! 2.3 % and 1.00, m = 3 1.2 % and 1.01, m = 4 0.5 % and 1.15, m = 5 0.3 % and 1.57, m = 6 0.3 % and 2.43. Nothing is
 //! extrapolated: ask only inside the convex hull.
 
+use crate::lattice::Lattice;
 use crate::plane::Position;
 use crate::tolerances;
-use chladni_linalg::lstsq;
+use chladni_linalg::{matmul, matmul_h, qr_thin, solve_upper, RANK_TOLERANCE};
 use ndarray::{s, Array1, Array2, ArrayView2, Axis};
 use num_complex::Complex64;
 
 /// The orders m that are tried, the smoothest first.
 const ORDERS: [usize; 3] = [4, 3, 2];
 
-/// Interpolation from nodes to queries: each value is a weighted sum of the values at some nodes.
+/// Interpolation from nodes to queries.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Interpolation {
-    /// Nodes that each query's value is made of; axes (query, neighbour).
-    nodes: Array2<usize>,
-    /// Their weights; same axes.
-    weights: Array2<f64>,
+pub(crate) enum Interpolation {
+    /// One spline through all nodes, and its basis at the queries; axes (query, coefficient).
+    Whole(Spline, Array2<f64>),
+    /// A spline of its own around each query.
+    Patches {
+        /// Nodes that each query's value is made of; axes (query, neighbour).
+        nodes: Array2<usize>,
+        /// Their weights; same axes.
+        weights: Array2<f64>,
+    },
 }
 
 impl Interpolation {
     /// `None` where the nodes carry no plane (fewer than three, or all on one line).
     pub(crate) fn new(nodes: &[Position], queries: &[Position]) -> Option<Self> {
         if nodes.len() <= tolerances::GLOBAL_INTERPOLATION {
-            let all = Array2::from_shape_fn((queries.len(), nodes.len()), |(_, k)| k);
-            return Some(Self { nodes: all, weights: patch_matrix(nodes, queries)? });
+            let spline = Spline::through(nodes)?;
+            let basis = spline.basis(queries);
+            return Some(Self::Whole(spline, basis));
         }
         let shape = (queries.len(), tolerances::NEAREST_RESPONSES);
         let (mut neighbours, mut weights) = (Array2::zeros(shape), Array2::zeros(shape));
@@ -41,77 +48,129 @@ impl Interpolation {
             order.truncate(tolerances::NEAREST_RESPONSES);
             order.sort_unstable();
             let patch: Vec<Position> = order.iter().map(|&k| nodes[k]).collect();
-            weights.row_mut(q).assign(&patch_matrix(&patch, &[query])?.row(0));
+            weights.row_mut(q).assign(&Spline::through(&patch)?.weights(query));
             neighbours.row_mut(q).assign(&Array1::from(order));
         }
-        Some(Self { nodes: neighbours, weights })
+        Some(Self::Patches { nodes: neighbours, weights })
     }
 
     /// Fields at the queries from `values` at the nodes, axes (node, field); returns axes (query, field).
     pub(crate) fn apply(&self, values: ArrayView2<Complex64>) -> Array2<Complex64> {
-        let mut fields = Array2::zeros((self.nodes.nrows(), values.ncols()));
-        for (mut row, (nodes, weights)) in fields.rows_mut().into_iter().zip(self.nodes.rows().into_iter().zip(self.weights.rows())) {
-            for (&node, &weight) in nodes.iter().zip(weights) {
-                row.zip_mut_with(&values.row(node), |sum, &value| *sum += value * weight);
+        match self {
+            Self::Whole(spline, basis) => {
+                let fields = values.ncols();
+                let parts = Array2::from_shape_fn((values.nrows(), 2 * fields), |(k, column)| match column < fields {
+                    true => values[[k, column]].re,
+                    false => values[[k, column - fields]].im,
+                });
+                let parts = matmul(basis.view(), spline.solve(parts.view()).view());
+                Array2::from_shape_fn((basis.nrows(), fields), |(q, column)| {
+                    Complex64::new(parts[[q, column]], parts[[q, fields + column]])
+                })
+            }
+            Self::Patches { nodes, weights } => {
+                let mut fields = Array2::zeros((nodes.nrows(), values.ncols()));
+                for (mut row, (nodes, weights)) in fields.rows_mut().into_iter().zip(nodes.rows().into_iter().zip(weights.rows())) {
+                    for (&node, &weight) in nodes.iter().zip(weights) {
+                        row.zip_mut_with(&values.row(node), |sum, &value| *sum += value * weight);
+                    }
+                }
+                fields
             }
         }
-        fields
-    }
-
-    /// The interpolation to the queries `rows` alone.
-    pub(crate) fn select(&self, rows: &[usize]) -> Self {
-        Self { nodes: self.nodes.select(Axis(0), rows), weights: self.weights.select(Axis(0), rows) }
     }
 }
 
-/// The matrix S with v(queries) = S·v(nodes), from all nodes at once, by the highest order that they carry; axes (query, node).
-fn patch_matrix(nodes: &[Position], queries: &[Position]) -> Option<Array2<f64>> {
-    ORDERS.iter().find_map(|&order| spline_matrix(order, nodes, queries))
+/// A polyharmonic spline through nodes: the system M·[c; d] = [v; 0] for its coefficients, factorised.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Spline {
+    order: usize,
+    /// Scaled to coordinates of order one: powers of metres would differ by many orders of magnitude.
+    nodes: Vec<Position>,
+    centre: Position,
+    radius: f64,
+    /// M·diag(1/scales) = Q·R.
+    q: Array2<f64>,
+    r: Array2<f64>,
+    scales: Array1<f64>,
 }
 
-fn spline_matrix(order: usize, nodes: &[Position], queries: &[Position]) -> Option<Array2<f64>> {
-    let polynomials = order * (order + 1) / 2;
-    if nodes.len() < polynomials {
-        return None;
+impl Spline {
+    /// By the highest order that the nodes carry.
+    fn through(nodes: &[Position]) -> Option<Self> {
+        ORDERS.iter().find_map(|&order| Self::of_order(order, nodes))
     }
-    let scaled = scaling(nodes);
-    let nodes: Vec<Position> = nodes.iter().map(|&p| scaled(p)).collect();
-    let basis =
-        |point: Position| -> Vec<f64> { nodes.iter().map(|&node| phi(order, node, point)).chain(monomials(order, point)).collect() };
-    let size = nodes.len() + polynomials;
-    let mut system = Array2::zeros((size, size));
-    for (k, &node) in nodes.iter().enumerate() {
-        let row = basis(node);
-        for (j, &value) in row.iter().enumerate() {
-            system[[k, j]] = value;
-            system[[j, k]] = value;
+
+    fn of_order(order: usize, nodes: &[Position]) -> Option<Self> {
+        let polynomials = order * (order + 1) / 2;
+        if nodes.len() < polynomials {
+            return None;
         }
+        let count = nodes.len() as f64;
+        let centre = [0, 1].map(|axis| nodes.iter().map(|node| node[axis]).sum::<f64>() / count);
+        let radius = nodes.iter().map(|node| (node[0] - centre[0]).hypot(node[1] - centre[1])).fold(f64::MIN_POSITIVE, f64::max);
+        let empty = || Array2::zeros((0, 0));
+        let mut spline = Self { order, nodes: Vec::new(), centre, radius, q: empty(), r: empty(), scales: Array1::zeros(0) };
+        spline.nodes = nodes.iter().map(|&node| spline.scaled(node)).collect();
+        let size = nodes.len() + polynomials;
+        let mut system = Array2::zeros((size, size));
+        system.slice_mut(s![..nodes.len(), ..]).assign(&spline.basis(nodes));
+        for k in 0..nodes.len() {
+            for j in nodes.len()..size {
+                system[[j, k]] = system[[k, j]];
+            }
+        }
+        spline.scales = system.columns().into_iter().map(|column| column.dot(&column).sqrt().max(f64::MIN_POSITIVE)).collect();
+        let (q, r) = qr_thin((system / &spline.scales).view()).ok()?;
+        let carried = r.diag().iter().all(|value| value.abs() > RANK_TOLERANCE);
+        carried.then_some(Self { q, r, ..spline })
     }
-    let mut right = Array2::zeros((size, queries.len()));
-    for (q, &query) in queries.iter().enumerate() {
-        right.column_mut(q).assign(&Array1::from(basis(scaled(query))));
+
+    fn scaled(&self, point: Position) -> Position {
+        [0, 1].map(|axis| (point[axis] - self.centre[axis]) / self.radius)
     }
-    // The system is symmetric: v(query) = basis(query)ᵀ·M⁻¹·[v; 0] = (M⁻¹·basis(query))ᵀ·[v; 0].
-    let solution = lstsq(system.view(), right.view()).ok()?;
-    Some(solution.slice(s![..nodes.len(), ..]).t().to_owned())
+
+    /// Values of the basis functions; axes (query, coefficient).
+    fn basis(&self, queries: &[Position]) -> Array2<f64> {
+        let queries: Vec<Position> = queries.iter().map(|&query| self.scaled(query)).collect();
+        let count = self.nodes.len();
+        let mut basis = Array2::zeros((queries.len(), count + self.order * (self.order + 1) / 2));
+        match Lattice::of(&queries, &self.nodes) {
+            Some(lattice) => lattice.fill(&mut basis, |squared| phi(self.order, squared)),
+            None => {
+                for (mut row, query) in basis.rows_mut().into_iter().zip(&queries) {
+                    for (value, node) in row.iter_mut().zip(&self.nodes) {
+                        *value = phi(self.order, (node[0] - query[0]).powi(2) + (node[1] - query[1]).powi(2));
+                    }
+                }
+            }
+        }
+        for (mut row, &query) in basis.rows_mut().into_iter().zip(&queries) {
+            row.slice_mut(s![count..]).iter_mut().zip(monomials(self.order, query)).for_each(|(place, value)| *place = value);
+        }
+        basis
+    }
+
+    /// What each node counts at one query: the system is symmetric, so that basisᵀ·M⁻¹ = (M⁻¹·basis)ᵀ.
+    fn weights(&self, query: Position) -> Array1<f64> {
+        self.solve(self.basis(&[query]).t()).slice(s![..self.nodes.len(), 0]).to_owned()
+    }
+
+    /// M⁻¹·[right; 0], for values at the nodes the coefficients of the splines through them; axes (coefficient, field).
+    fn solve(&self, right: ArrayView2<f64>) -> Array2<f64> {
+        let rotated = matmul_h(self.q.slice(s![..right.nrows(), ..]), right);
+        let solved = solve_upper(self.r.view(), rotated.view()).expect("sizes of one system");
+        solved / self.scales.view().insert_axis(Axis(1))
+    }
 }
 
-/// To coordinates of order one: powers of metres would differ by many orders of magnitude.
-fn scaling(nodes: &[Position]) -> impl Fn(Position) -> Position {
-    let count = nodes.len() as f64;
-    let centre = [0, 1].map(|axis| nodes.iter().map(|node| node[axis]).sum::<f64>() / count);
-    let radius = nodes.iter().map(|node| (node[0] - centre[0]).hypot(node[1] - centre[1])).fold(f64::MIN_POSITIVE, f64::max);
-    move |point| [0, 1].map(|axis| (point[axis] - centre[axis]) / radius)
-}
-
-/// r^{2m−2}·ln r.
-fn phi(order: usize, a: Position, b: Position) -> f64 {
-    let squared = (a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2);
+/// r^{2m−2}·ln r of r².
+fn phi(order: usize, squared: f64) -> f64 {
     if squared == 0.0 {
-        0.0
-    } else {
-        0.5 * squared.powi(order as i32 - 1) * squared.ln()
+        return 0.0;
     }
+    let power = (2..order).fold(squared, |power, _| power * squared);
+    0.5 * power * squared.ln()
 }
 
 /// All monomials of degree below `order`.
@@ -142,7 +201,8 @@ mod tests {
     #[test]
     fn noise_of_the_responses_is_not_amplified() {
         let interpolation = Interpolation::new(&grid(11, 7, 0.02), &grid(41, 25, 0.005)).unwrap();
-        let largest = interpolation.weights.rows().into_iter().map(|row| row.dot(&row).sqrt()).fold(0.0, f64::max);
+        let weights = interpolation.apply(Array2::from_diag_elem(77, Complex64::ONE).view());
+        let largest = weights.rows().into_iter().map(|row| row.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt()).fold(0.0, f64::max);
         assert!(largest < 1.2, "{largest}");
     }
 

@@ -28,12 +28,14 @@
 
 // The one error type of the workspace is large and rare.
 
+mod band;
 mod ceiling;
 mod climb;
 mod conic;
 mod count;
 mod covariance;
 mod drive_program;
+mod endurance;
 mod evaluate;
 mod fewest_actuators;
 mod fewest_modes;
@@ -44,6 +46,7 @@ mod frequency_sweep;
 mod gain;
 mod indices;
 mod interpolation;
+mod lattice;
 mod methods;
 mod modal_field;
 mod operator;
@@ -60,9 +63,11 @@ pub mod tolerances;
 mod weights;
 mod zones;
 
+pub use band::{needed_band, NeededBand};
 pub use ceiling::Ceiling;
 pub use count::Count;
 pub use covariance::Covariance;
+pub use endurance::Endurance;
 pub use evaluate::{evaluate, Evaluation, On};
 pub use field::{AreaField, AreaGrid, Field};
 pub use finger::{finger_places, Finger};
@@ -72,7 +77,7 @@ pub use methods::{Method, MethodChoice};
 pub use operator::Operator;
 pub use options::{Drift, RenderOptions};
 pub use plane::{Position, Rectangle};
-pub use render::{render, render_measured, Rendering};
+pub use render::{render, render_measured, render_with_others, Rendering};
 pub use scene::{Actuators, Limits, Scene, DEFAULT_LIMEN_DB, DEFAULT_MAX_FORCE_N, DEFAULT_TRANSITION_M};
 pub use signals::{signal_csv, wav, SignalOptions};
 pub use stress::{stress, StressOptions, StressRow};

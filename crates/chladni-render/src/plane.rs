@@ -124,7 +124,7 @@ pub(crate) fn distance(metric: Metric, [x, y]: Position, a: Position, b: Positio
         Metric::Euclidean => {
             let (u, v) = (b[0] - a[0], b[1] - a[1]);
             let t = (((x - a[0]) * u + (y - a[1]) * v) / (u * u + v * v)).clamp(0.0, 1.0);
-            (x - a[0] - t * u).hypot(y - a[1] - t * v)
+            ((x - a[0] - t * u).powi(2) + (y - a[1] - t * v).powi(2)).sqrt()
         }
     }
 }

@@ -55,7 +55,7 @@ pub(crate) struct DriveLimits {
 impl DriveLimits {
     /// The largest factor by which `drive` may be multiplied; infinite for silence.
     pub(crate) fn allowed_gain(&self, drive: &Drive) -> f64 {
-        let largest = drive.iter().map(|weight| weight.norm()).fold(0.0, f64::max);
+        let largest = drive.iter().map(amplitude).fold(0.0, f64::max);
         let effort = drive.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt();
         (self.each / largest).min(self.effort / effort)
     }
@@ -159,14 +159,17 @@ impl Problem {
 
     /// How `drive` does.
     pub(crate) fn score(&self, drive: &Drive) -> Score {
-        let amplitudes = self.field(drive).mapv(Complex64::norm);
-        let (hot, cold) = self.counts(&amplitudes, 1.0);
+        self.score_of(&self.field(drive).map(amplitude), self.covariance.deviation(drive))
+    }
+
+    /// How a drive does whose field has these amplitudes and this standard deviation, m/s.
+    pub(crate) fn score_of(&self, amplitudes: &Array1<f64>, deviation: f64) -> Score {
+        let (hot, cold) = self.counts(amplitudes, 1.0);
         let slack = |(k, &amplitude): (usize, &f64)| match k < self.rows.hot {
             true => (amplitude - self.limits.hot_m_per_s) * self.rows.levels[k],
             false => self.limits.cold_m_per_s - amplitude,
         };
         let least = amplitudes.iter().enumerate().map(slack).fold(f64::INFINITY, f64::min);
-        let deviation = self.covariance.deviation(drive);
         Score {
             min_ratio: self.min_ratio(hot, cold),
             success_ratio: (hot + cold) as f64 / amplitudes.len() as f64,
@@ -212,6 +215,11 @@ impl Rows {
     pub(crate) fn cold_rows(&self) -> ArrayView2<'_, Complex64> {
         self.mobility.slice(s![self.hot.., ..])
     }
+}
+
+/// |v|. Velocities and forces are far from where squares overflow, and the safe norm takes ten times as long.
+pub(crate) fn amplitude(value: &Complex64) -> f64 {
+    value.norm_sqr().sqrt()
 }
 
 /// What a kernel refuses although everything given to it was checked: a broken promise of our own.

@@ -2,6 +2,7 @@
 
 use crate::ceiling::Ceiling;
 use crate::count::Count;
+use crate::endurance::Endurance;
 use crate::fewest_actuators;
 use crate::fewest_modes::{self, Judge, Reduced};
 use crate::field::{AreaField, Field};
@@ -14,7 +15,7 @@ use crate::setup::Setup;
 use crate::tolerances;
 use crate::weights::{weight_list, Weights, WEIGHTS_FORMAT, WEIGHTS_VERSION};
 use crate::zones::ZoneMap;
-use chladni_frf::{FrfSet, ModalModel, Result, CREATED_BY};
+use chladni_frf::{Error, FrfSet, ModalModel, Result, CREATED_BY};
 
 /// Weights, and the field that they make in the model.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,16 +48,38 @@ pub fn render(model: &ModalModel, scene: &Scene, options: &RenderOptions) -> Res
 /// [`chladni_frf::ErrorKind::BadData`]: no threshold at the drive frequency, an unknown actuator, no hot or no cold response, NaN
 /// in the model, a force limit for actuators in volts. A scene that cannot be met is no error: `feasible` says so.
 pub fn render_measured(model: &ModalModel, scene: &Scene, options: &RenderOptions, measured: Option<&FrfSet>) -> Result<Rendering> {
+    render_with_others(model, scene, &[], options, measured)
+}
+
+/// The same with actuators that, where they are counted, serve the scenes `others` as well: whichever of these scenes is rendered with the rest as
+/// `others`, in one order, the same actuators are chosen.
+///
+/// # Errors
+/// As [`render_measured`]; scenes that allow different actuators.
+pub fn render_with_others(
+    model: &ModalModel,
+    scene: &Scene,
+    others: &[Scene],
+    options: &RenderOptions,
+    measured: Option<&FrfSet>,
+) -> Result<Rendering> {
     let whole = Setup::new(model, scene, &options.drift)?;
+    let others = others.iter().map(|other| Setup::new(model, other, &options.drift)).collect::<Result<Vec<_>>>()?;
+    if let Some(other) = others.iter().find(|other| other.operator.references != whole.operator.references) {
+        return Err(Error::bad_data("the scenes allow different actuators")
+            .field("actuators.use")
+            .found(format!("{} and {} actuators", whole.operator.references.len(), other.operator.references.len()))
+            .expected("the same actuators in every scene"));
+    }
     let judge = match measured {
         Some(frf) => Judge::of_line(&whole, frf)?,
         None => Judge::of_model(&whole, options.modes == Count::Auto),
     };
     let Reduced { setup, warning: of_modes } = fewest_modes::choose(whole, model, &judge, options.method, options.modes)?;
-    let chosen = fewest_actuators::choose(&setup, options.actuators)?;
+    let chosen = fewest_actuators::choose(&std::iter::once(&setup).chain(&others).collect::<Vec<_>>(), options.actuators)?;
     let used = setup.with_actuators(&chosen.columns);
-    let Decision { method, starts, warning } = options.method.decide(&used.problem);
-    let Solution { drive, warnings: said } = method.solve(&used, model, starts)?;
+    let Decision { method, every_start, warning } = options.method.decide(&used.problem);
+    let Solution { drive, warnings: said } = method.solve(&used, model, every_start)?;
     let sparse = drive;
     let drive = spread(&sparse, &chosen.columns, setup.operator.references.len());
     let Setup { limits, operator, zones, problem, .. } = &setup;
@@ -84,6 +107,13 @@ pub fn render_measured(model: &ModalModel, scene: &Scene, options: &RenderOption
             setup.modes.len()
         ));
     }
+    warnings.extend(
+        indices.area.filter(|_| feasible && options.actuators != Count::All).and_then(|area| ground_lost(&area, chosen.columns.len())),
+    );
+    // what is quick must stay so, and what is not met needs no limit of what it endures
+    let endures = feasible && matches!(method, Method::Mls | Method::Robust | Method::MinEffort);
+    let endurance = endures.then(|| Endurance::of(&setup, model, &drive));
+    warnings.extend(endurance.iter().flat_map(Endurance::warnings));
     warnings.extend(judge.warnings);
     warnings.extend(strength(&field, limits));
     let weights = Weights {
@@ -101,6 +131,7 @@ pub fn render_measured(model: &ModalModel, scene: &Scene, options: &RenderOption
         feasible,
         ceiling,
         kappa: Some(problem.score(&drive).kappa).filter(|kappa| kappa.is_finite()),
+        endurance,
         indices,
         stress: None,
         sweep: None,
@@ -142,6 +173,18 @@ fn shortfall(points: &PointIndices, ceiling: Option<&Ceiling>, scene: &Scene, me
             format!("the scene is not met: {served}, with {contrast} where {:.1} dB are needed; {help}{better}", 2.0 * scene.limen_db)
         }
     }
+}
+
+/// Warns where few actuators serve every response and not the ground between them.
+fn ground_lost(area: &AreaIndices, actuators: usize) -> Option<String> {
+    let least = [area.hot_ratio, area.cold_ratio].into_iter().flatten().fold(1.0, f64::min);
+    (least < tolerances::SERVES).then(|| {
+        format!(
+            "{actuators} actuators serve every response, but between the responses only {:.0} % of the hot or of the cold ground: a few more \
+             (--actuators N) serve that, too",
+            100.0 * least
+        )
+    })
 }
 
 /// Warns of motion far above the threshold.

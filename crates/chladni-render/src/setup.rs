@@ -1,9 +1,10 @@
 //! A scene laid over a model: the problem that the methods solve, and what is to be said about it.
 
 use crate::covariance::Covariance;
-use crate::field::AreaGrid;
+use crate::field::Places;
 use crate::frequency_sweep::mode_on;
 use crate::indices::check_zones;
+use crate::interpolation::Interpolation;
 use crate::operator::Operator;
 use crate::options::Drift;
 use crate::plane::{Position, Rectangle};
@@ -119,11 +120,11 @@ fn between_rows(operator: &Operator, zones: &ZoneMap) -> Option<Rows> {
     let scanned = Rectangle::around(&operator.positions_m)?;
     let ground_m2 = (scanned.x_max - scanned.x_min) * (scanned.y_max - scanned.y_min);
     let step_m = tolerances::BETWEEN_SPACING * (ground_m2 / operator.responses.len() as f64).sqrt();
-    let grid = AreaGrid::new(&operator.positions_m, zones.area(), step_m)?;
-    let places: Vec<Position> = grid.places.iter().map(|place| place.1).collect();
+    let places: Vec<Position> = Places::new(&operator.positions_m, zones.area(), step_m)?.inside.into_iter().map(|place| place.1).collect();
     let (rows, hot) = hot_then_cold(&places, zones);
-    let mobility = grid.interpolation.select(&rows).apply(operator.mobility.view());
-    Some(Rows::new(mobility, hot, rows.iter().map(|&k| places[k]).collect(), zones))
+    let places: Vec<Position> = rows.into_iter().map(|k| places[k]).collect();
+    let mobility = Interpolation::new(&operator.positions_m, &places)?.apply(operator.mobility.view());
+    Some(Rows::new(mobility, hot, places, zones))
 }
 
 /// What is to be known of a scene on these responses, whatever the drive.

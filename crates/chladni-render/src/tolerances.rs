@@ -48,6 +48,10 @@ pub const GLOBAL_INTERPOLATION: usize = 150;
 /// rim of the scan, more only time.
 pub const NEAREST_RESPONSES: usize = 49;
 
+/// Coordinates nearer than this are the same, over the radius of the responses: rounding of grids. A thousand times more would still be
+/// below a micrometre.
+pub const SAME_COORDINATE: f64 = 1e-10;
+
 /// Level above the threshold from which strength is warned about, dB: at 300 Hz some 8 dB below the hand-arm action value
 /// of directive 2002/44/EC (2.5 m/s² weighted by ISO 5349-1, which is 25 mm/s rms there).
 pub const STRONG_DB: f64 = 35.0;
@@ -59,9 +63,10 @@ pub const AT_LIMIT: f64 = 1e-6;
 /// covariance of a good model to where the drive is little more than time reversal.
 pub const FORCE_RIDGES: [f64; 5] = [1e-4, 1e-3, 1e-2, 1e-1, 1.0];
 
-/// Steps of the magnitude iteration: from all starts on the responses; from their leaders with every margin; from the leaders of those with the
-/// ground between. Twice as many of each raise κ of the corner scene by a tenth; half as many leave hot ground of the 3×3 cells unserved.
-pub const MLS_STEPS: [usize; 3] = [30, 60, 40];
+/// Steps of the magnitude iteration, and how many drives go on after them: from all starts on the responses; from their leaders with every
+/// margin; from the leaders of those with the ground between. All drives to the end of every
+/// round cost twice the time for the same drives; two at the last end lose 4 % of the hot ground of the 3×3 edges.
+pub const MLS_ROUNDS: [[(usize, usize); 2]; 3] = [[(12, 4), (18, 2)], [(20, 3), (40, 2)], [(10, 4), (30, 4)]];
 
 /// Overshoot of the magnitude iteration, below 2 for convergence; 1 is the plain one. Flat between 1.5 (κ 2.4) and 1.9 (2.6).
 pub const MLS_RELAXATION: f64 = 1.8;
@@ -83,13 +88,13 @@ pub const BETWEEN_SPACING: f64 = 0.5;
 /// 70 responses at once.
 pub const KAPPA_ENOUGH: f64 = 2.0;
 
-/// Starts that go on from the responses alone to the problems with ground between them. With all of them the result is the
-/// same on the 2×2 and 3×3 cells of the study's panel, in 35 ms instead of 100.
-pub const MLS_LEADERS: usize = 2;
-
 /// Accuracy of conic programs (gap and feasibility, relative): a drive that keeps its limit to 1e-7 keeps it. Ten times less costs a step
 /// or two of the interior-point method, ten times more is still far below a hundredth of a decibel.
 pub const CONIC_GAP: f64 = 1e-7;
+
+/// Residual, relative and absolute, of the linear systems inside: a thousandth of [`CONIC_GAP`]. At the solver's own 1e-13 a third of its time
+/// goes into refining steps that are only directions; ten times more costs steps.
+pub const CONIC_REFINEMENT: f64 = 1e-10;
 
 /// Most steps of the interior-point method; 12 to 25 are usual.
 pub const CONIC_STEPS: u32 = 100;
@@ -106,6 +111,9 @@ pub const KAPPA_CAP: f64 = 3.0;
 
 /// κ on the responses below which rows between them are left out: less would give up sure responses for guessed ground.
 pub const KAPPA_LEAST: f64 = 1.0;
+
+/// κ that differ by less than this, relative, are the same: a thousand roundings of a conic program.
+pub const SAME_KAPPA: f64 = 1e-4;
 
 /// A round of conic programs that gains less κ than this was the last one.
 pub const KAPPA_GAIN: f64 = 0.02;
@@ -131,6 +139,9 @@ pub const COST_GAIN: f64 = 0.02;
 /// Relative gap at which the search for the certified ceiling ends: 0.005 dB. Ten times less costs two more rounds of Newton steps.
 pub const CEILING_GAP: f64 = 1e-3;
 
+/// Below this distance from the certified ceiling, dB, nobody looks for a drive with still more contrast.
+pub const CEILING_REACHED_DB: f64 = 0.1;
+
 /// Factor by which the weight of the objective against the barrier rises from round to round.
 pub const BARRIER_RISE: f64 = 8.0;
 
@@ -152,8 +163,11 @@ pub const VAST_RANK: usize = 8;
 /// κ of `min-effort`.
 pub const KAPPA_EFFORT: f64 = 1.0;
 
-/// Starts of the method `best`; with more the result was the same on all cells of the study's panel.
-pub const BEST_STARTS: usize = 2;
+/// Most starts of conic programs, with method `best`.
+pub const MOST_STARTS: usize = 3;
+
+/// Likeness |aᴴb|/(‖a‖‖b‖) of drives that lead to the same place.
+pub const SAME_WAY: f64 = 0.95;
 
 /// Largest responses × actuators² for which the default method is `robust`: the panel of the study (77 for 34, 8.9e4) takes 0.3 s on two shared
 /// cores, its programs grow with this number.
@@ -187,3 +201,24 @@ pub const MOST_SWEPT: f64 = 500.0;
 
 /// Shares of responses nearer than this are equal to the frequency chooser: less than one response in a hundred.
 pub const SAME_SUCCESS: f64 = 0.005;
+
+/// Share of hot and of cold responses from which a drive serves, as in `chladni demo`.
+pub const SERVES: f64 = 0.95;
+
+/// Draws of natural frequencies that a drive must endure, all of them: one of eight fails where the chance is a tenth.
+pub const ENDURANCE_DRAWS: usize = 8;
+
+/// Least and most rms error of natural frequencies that is asked for, relative; what lies between is found to an eighth.
+pub const LEAST_FREQUENCY_ERROR: f64 = 2.5e-4;
+/// See [`LEAST_FREQUENCY_ERROR`].
+pub const MOST_FREQUENCY_ERROR: f64 = 0.032;
+
+/// Rms error of natural frequencies, relative, below which what a drive endures is called thin: ten times the drift that is assumed.
+pub const THIN_FREQUENCY_ERROR: f64 = 0.01;
+
+/// What a fit of a part of the band may leave out at the drive frequency, over the mobility: the isotropic error that drives are made to bear.
+pub const BAND_ERROR: f64 = 3e-3;
+
+/// Rms of a mode over the responses, over its rms at the actuators, where no driving point tells. On the study's panel, with actuators at its free
+/// edges, 0.44 to 0.93 with a median of 0.58; where actuators stand among the responses it is 1, and a touch does twice to three times as much.
+pub const RESPONSES_OVER_ACTUATORS: f64 = 0.6;

@@ -1,6 +1,7 @@
 //! The weights file: what each actuator has to do, and what comes of it.
 
 use crate::ceiling::Ceiling;
+use crate::endurance::Endurance;
 use crate::frequency_sweep::FrequencySweep;
 use crate::indices::Indices;
 use crate::problem::Drive;
@@ -47,6 +48,9 @@ pub struct Weights {
     /// What physics allows, beside what was asked and found; where the scene is not met, or method `best` was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ceiling: Option<Ceiling>,
+    /// What the drive endures beyond the errors that κ speaks of; for drives that are feasible.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub endurance: Option<Endurance>,
     /// Indices in the model.
     pub indices: Indices,
     /// What becomes of the weights when the panel is not the model; where it was asked for.

@@ -2,10 +2,13 @@
 
 mod common;
 
-use chladni_frf::{ErrorKind, ModalModel};
+use chladni_frf::{ErrorKind, FrfKind, ModalModel};
 use chladni_plate::{simulate, Panel};
-use chladni_render::{evaluate, render, render_measured, Count, Method, On, RenderOptions, Rendering, Scene};
+use chladni_render::{
+    evaluate, needed_band, render, render_measured, render_with_others, Count, Method, On, RenderOptions, Rendering, Scene,
+};
 use common::{cell_scene, disturbed, panel, truth, FIT_40_DB};
+use num_complex::Complex64;
 
 fn at(frequency_hz: f64, grid: [usize; 2], cell: usize) -> Scene {
     Scene { frequency_hz, ..cell_scene(grid, cell, "") }
@@ -108,5 +111,51 @@ fn counts_are_words_or_numbers() {
     assert_eq!(["all", "auto", "12"].map(|text| text.parse::<Count>().unwrap()), [Count::All, Count::Auto, Count::Number(12)]);
     for text in ["0", "-1", "many", ""] {
         assert_eq!(text.parse::<Count>().unwrap_err().kind, ErrorKind::Usage, "{text}");
+    }
+}
+
+#[test]
+fn one_subset_of_actuators_serves_several_scenes() {
+    let scenes = [at(335.0, [2, 2], 1), at(335.0, [2, 2], 4)];
+    let options = RenderOptions { actuators: Count::Auto, ..Default::default() };
+    let used = |rendering: &Rendering| -> Vec<bool> { rendering.weights.weights.iter().map(|weight| weight.amplitude > 0.0).collect() };
+    let count = |used: &[bool]| used.iter().filter(|&&used| used).count();
+    let together = [0, 1].map(|k| render_with_others(truth(), &scenes[k], &scenes[1 - k..2 - k], &options, None).unwrap());
+    let alone = scenes.each_ref().map(|scene| with_actuators(truth(), scene, Count::Auto));
+    assert_eq!(used(&together[0]), used(&together[1]), "the same actuators, whichever scene is rendered");
+    assert!(together.iter().all(|rendering| rendering.weights.feasible));
+    // opposite corners alone take different actuators; a subset for both is smaller than the two together
+    let both: Vec<bool> = used(&alone[0]).iter().zip(used(&alone[1])).map(|(a, b)| *a || b).collect();
+    let shared = count(&used(&together[0]));
+    assert!(shared < count(&both) && shared >= count(&used(&alone[0])), "{shared} of {}", count(&both));
+}
+
+#[test]
+fn a_scene_needs_a_part_of_the_band() {
+    let whole = [2.0, 1000.0];
+    for frequency_hz in [150.0, 300.0, 335.0] {
+        let scene = at(frequency_hz, [2, 2], 1);
+        let needed = needed_band(truth(), &scene, whole).unwrap();
+        let [low, high] = needed.band_hz;
+        assert!(low < frequency_hz && frequency_hz < high && high < whole[1], "{frequency_hz} Hz: {needed:?}");
+        assert!(
+            needed.inside_hz.iter().all(|hz| (low..high).contains(hz)) && !needed.left_out_hz.iter().any(|hz| (low..high).contains(hz))
+        );
+        // modes alone, the others as the first terms of their series about zero and infinity
+        let omega = |hz: f64| std::f64::consts::TAU * hz;
+        let x = Complex64::from(omega(frequency_hz).powi(2));
+        let mut error = ndarray::Array2::<Complex64>::zeros((77, 34));
+        for mode in truth().modes.iter().filter(|mode| needed.left_out_hz.contains(&mode.frequency_hz)) {
+            let s = omega(mode.frequency_hz).powi(2) * Complex64::new(1.0, mode.loss_factor);
+            let series: Complex64 = match s.norm() > x.norm() {
+                true => (0..3).map(|p| x.powi(p) / s.powi(p + 1)).sum(),
+                false => (0..2).map(|p| -s.powi(p) / x.powi(p + 1)).sum(),
+            };
+            let rest = Complex64::new(0.0, omega(frequency_hz)) * ((s - x).inv() - series);
+            error.indexed_iter_mut().for_each(|((i, j), error)| *error += rest * mode.shape.0[i] * mode.participation.0[j]);
+        }
+        let norm = |matrix: &ndarray::Array2<Complex64>| matrix.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt();
+        let left_out = norm(&error) / norm(&truth().frf_matrix(FrfKind::Mobility, frequency_hz));
+        assert!(left_out <= 4e-3 && left_out <= 2.0 * needed.error_relative, "{frequency_hz} Hz: {left_out} of {}", needed.error_relative);
     }
 }

@@ -135,3 +135,31 @@ fn trials_do_what_they_are_called() {
     }
     assert_eq!(of(StressOptions::default()), of(StressOptions::default()), "the same seed, the same table");
 }
+
+#[test]
+fn what_a_drive_endures_is_told_and_true() {
+    let model = &simulation().truth;
+    let centre = Scene { frequency_hz: 300.0, ..cell_scene([3, 3], 5, "area_m = [0.034, 0.025, 0.234, 0.145]\n") };
+    let [on_a_mode, between_modes, hardest] = [corner(300.0), corner(335.0), centre].map(|scene| {
+        let weights = weights(&scene);
+        let endurance = weights.endurance.expect("a drive that is met");
+        assert!(endurance.touch_is_known);
+        // models that are off by half and by three times of what it endures
+        let served = |error: f64| {
+            let served = |seed| {
+                let errors = common::Errors { frequency: error, loss_factor: 0.0, shape: 0.0, residual: 0.0 };
+                let other = common::disturbed(model, errors, seed);
+                evaluate(&weights, &scene, On::Model(&other)).unwrap().indices.points.min_ratio >= 0.95
+            };
+            (100..120).filter(|&seed| served(seed)).count()
+        };
+        let [half, thrice] = [0.5, 3.0].map(|factor| served(factor * endurance.frequency_relative));
+        assert!(half >= 18, "{half} of 20 at half of {endurance:?}");
+        assert!(thrice <= 15, "{thrice} of 20 at three times {endurance:?}");
+        (endurance, weights.warnings.join("\n"))
+    });
+    // the finger breaks what hangs on the mode at 299.4 Hz
+    assert!(on_a_mode.0.touched_min_ratio < 0.8 && on_a_mode.1.contains("a light finger in the hot zone leaves"), "{on_a_mode:?}");
+    assert!(between_modes.0.touched_min_ratio > 0.9 && !between_modes.1.contains("the drive holds for"), "{between_modes:?}");
+    assert!(hardest.0.frequency_relative < 0.01 && hardest.1.contains("the drive holds for natural frequencies up to 0."), "{hardest:?}");
+}

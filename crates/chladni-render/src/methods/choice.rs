@@ -24,8 +24,8 @@ pub enum MethodChoice {
 /// What will run.
 pub(crate) struct Decision {
     pub(crate) method: Method,
-    /// Starts of `robust`.
-    pub(crate) starts: usize,
+    /// Whether `robust` climbs from every start.
+    pub(crate) every_start: bool,
     /// Why it is not what the user might expect.
     pub(crate) warning: Option<String>,
 }
@@ -40,16 +40,16 @@ impl MethodChoice {
 
     /// The method for a problem of this size.
     pub(crate) fn decide(self, problem: &Problem) -> Decision {
-        let decision = |method, starts| Decision { method, starts, warning: None };
+        let decision = |method, every_start| Decision { method, every_start, warning: None };
         match self {
-            Self::Only(method) => decision(method, 1),
-            Self::Fast => decision(Method::PressureMatching, 1),
-            Self::Best => decision(Method::Robust, tolerances::BEST_STARTS),
+            Self::Only(method) => decision(method, false),
+            Self::Fast => decision(Method::PressureMatching, false),
+            Self::Best => decision(Method::Robust, true),
             Self::Default => {
                 let rows = problem.rows.mobility.nrows();
                 let size = rows as f64 * (problem.rows.mobility.ncols() as f64).powi(2);
                 if size <= tolerances::ROBUST_SIZE {
-                    return decision(Method::Robust, 1);
+                    return decision(Method::Robust, false);
                 }
                 Decision {
                     warning: Some(format!(
@@ -57,7 +57,7 @@ impl MethodChoice {
                          ask for it with --method robust",
                         problem.rows.mobility.ncols()
                     )),
-                    ..decision(Method::Mls, 1)
+                    ..decision(Method::Mls, false)
                 }
             }
         }

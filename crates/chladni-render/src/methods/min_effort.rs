@@ -12,7 +12,7 @@ use chladni_frf::Result;
 
 /// The least drive found.
 pub(crate) fn solve(problem: &Problem, between: Option<&Rows>) -> Result<Solution> {
-    let start = mls::leading_drives(problem, between, 1)?.swap_remove(0);
+    let start = mls::leading_drives(problem, between)?.swap_remove(0);
     let mut climb = Climb::new(problem)?;
     let (kappa, drive) = climb.raise_kappa(&start)?;
     if kappa == 0.0 {

@@ -4,8 +4,7 @@
 //!
 //! minimise Σ_k w_k( dist(h_k·A, S_k)² + ‖L·A‖² ), S_k = {|v| ≥ V_h·10^{g/20}} on hot rows, {|v| ≤ V_c·10^{−g/20}} on cold ones.
 //!
-//! Majorisation: with p_k the nearest value of S_k to h_k·A (same phase, limited magnitude), A ← G·p, one factorisation for all
-//! steps; p overshoots by the factor [`tolerances::MLS_RELAXATION`]. The classic form (Kassakian 2006: hot rows pulled to
+//! The steps are those of [`super::magnitudes`]. The classic form (Kassakian 2006: hot rows pulled to
 //! one magnitude from both sides, cold ones to zero) spends its freedom on rows that are right already: on the study's 2×2
 //! corner it served 0.95 of the hot responses where this form serves all, at twice the force.
 //!
@@ -14,16 +13,15 @@
 //! the responses. Winner is who serves most responses, then has some κ, then serves most ground between the responses.
 
 use crate::gain::within_drive_limit;
+use crate::methods::magnitudes::{better_first, Race, Round};
 use crate::methods::pressure_matching::one_phase_target;
 use crate::methods::{contrast, Solution};
 use crate::plane::Rectangle;
 use crate::problem::{Drive, Problem, Rows};
 use crate::tolerances;
 use chladni_frf::Result;
-use chladni_linalg::matmul;
 use ndarray::Array2;
 use num_complex::Complex64;
-use std::cmp::Ordering;
 use std::f64::consts::PI;
 
 /// Phase differences across the hot zone, in x and in y, of the tilted starts: half waves.
@@ -34,30 +32,42 @@ pub(crate) fn solve(problem: &Problem, between: Option<&Rows>) -> Result<Solutio
     within_drive_limit(problem, |ridge| Ok(search(problem, between, ridge)?.0))
 }
 
-/// Up to `count` drives of different starts, the best first.
-pub(crate) fn leading_drives(problem: &Problem, between: Option<&Rows>, count: usize) -> Result<Vec<Drive>> {
+/// The best drive, and those of other starts that differ from it and from each other, the better ones first.
+pub(crate) fn leading_drives(problem: &Problem, between: Option<&Rows>) -> Result<Vec<Drive>> {
     let (best, others) = search(problem, between, 0.0)?;
     let mut drives = vec![best];
-    drives.extend(others);
-    drives.truncate(count);
+    for drive in others {
+        if drives.iter().all(|known| likeness(known, &drive) < tolerances::SAME_WAY) {
+            drives.push(drive);
+        }
+    }
     Ok(drives)
 }
 
-/// The best drive, and those that its rivals ended at.
+/// |aᴴb|/(‖a‖‖b‖).
+fn likeness(a: &Drive, b: &Drive) -> f64 {
+    let inner: Complex64 = a.iter().zip(b).map(|(a, b)| a.conj() * b).sum();
+    let square = |drive: &Drive| drive.iter().map(Complex64::norm_sqr).sum::<f64>();
+    (inner.norm_sqr() / (square(a) * square(b))).sqrt()
+}
+
+/// The best drive, and all that ended a part of the search.
 fn search(problem: &Problem, between: Option<&Rows>, ridge: f64) -> Result<(Drive, Vec<Drive>)> {
     let with_ground = between.map(|rows| problem.with_between(rows, tolerances::BETWEEN_WEIGHT));
     let ground = with_ground.as_ref().unwrap_or(problem);
     let mut contest = Contest::new(problem, ground, tolerances::KAPPA_ENOUGH);
-    let [first_steps, steps, ground_steps] = tolerances::MLS_STEPS;
+    let [from_starts, with_each_margin, on_ground] = tolerances::MLS_ROUNDS;
     let inverse = problem.regularised_inverse(ridge)?;
     let starts = starts(problem, &inverse)?;
     let [first_margin, ..] = tolerances::MLS_MARGINS_DB;
-    let leaders = contest.enter(problem, &inverse, &starts.iter().map(|start| (start, first_margin)).collect::<Vec<_>>(), first_steps);
-    let mut leaders = contest.enter(problem, &inverse, &with_margins(&leaders), steps);
+    let first = contest.enter(problem, &inverse, &starts.iter().map(|start| (start, first_margin)).collect::<Vec<_>>(), from_starts);
+    let mut ended = contest.enter(problem, &inverse, &with_margins(&first), with_each_margin);
     if let Some(ground) = &with_ground {
-        leaders = contest.enter(ground, &ground.regularised_inverse(ridge)?, &with_margins(&leaders), ground_steps);
+        let last = contest.enter(ground, &ground.regularised_inverse(ridge)?, &with_margins(&ended), on_ground);
+        ended.splice(..0, last);
     }
-    Ok((contest.into_best(), leaders))
+    ended.extend(first);
+    Ok((contest.into_best(), ended))
 }
 
 /// Each of the drives with each margin, dB.
@@ -89,12 +99,14 @@ impl<'a> Contest<'a> {
         self.best.map_or_else(|| Drive::zeros(self.points.rows.mobility.ncols()), |(_, drive)| drive)
     }
 
-    /// Iterates from all starts, each with its margin in dB; returns the leading drives.
-    fn enter(&mut self, problem: &Problem, inverse: &Array2<Complex64>, starts: &[(&Drive, f64)], steps: usize) -> Vec<Drive> {
-        let ended = iterate(problem, inverse, starts, steps);
-        let mut drives: Vec<(Key, Drive)> = ended.into_iter().map(|drive| (self.offer(problem, &drive), drive)).collect();
+    /// Iterates from all starts, each with its margin in dB, the best going on from round to round; returns the leading drives.
+    fn enter(&mut self, problem: &Problem, inverse: &Array2<Complex64>, starts: &[(&Drive, f64)], rounds: [Round; 2]) -> Vec<Drive> {
+        let mut race = Race::new(problem, starts);
+        for round in rounds {
+            race.run(inverse, round);
+        }
+        let mut drives: Vec<(Key, Drive)> = race.into_drives().into_iter().map(|drive| (self.judge(drive.clone()), drive)).collect();
         drives.sort_by(|(a, _), (b, _)| better_first(a, b));
-        drives.truncate(tolerances::MLS_LEADERS);
         drives.into_iter().map(|(_, drive)| drive).collect()
     }
 
@@ -111,18 +123,14 @@ impl<'a> Contest<'a> {
 
     fn judge(&mut self, drive: Drive) -> Key {
         let (points, ground) = (self.points.score(&drive), self.ground.score(&drive));
-        let robust = points.kappa.min(self.enough);
+        // conic programs that were asked for so much end a rounding above or below it
+        let robust = points.kappa.min(self.enough * (1.0 - tolerances::SAME_KAPPA));
         let key = [points.min_ratio, points.success_ratio, robust, ground.min_ratio, ground.success_ratio, ground.kappa];
         if self.best.as_ref().is_none_or(|(best, _)| key > *best) {
             self.best = Some((key, drive));
         }
         key
     }
-}
-
-/// The more important entries decide; equal ones hand over to the next.
-fn better_first(a: &Key, b: &Key) -> Ordering {
-    a.iter().zip(b).map(|(a, b)| b.total_cmp(a)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
 }
 
 /// Where the iteration starts: pressure matching, contrast control, tilted phases.
@@ -142,47 +150,4 @@ fn starts(problem: &Problem, inverse: &Array2<Complex64>) -> Result<Vec<Drive>> 
     let mut starts = vec![inverse.dot(&one_phase), contrast::direction(problem)?];
     starts.extend(TILTS.map(tilted));
     Ok(starts)
-}
-
-/// `steps` of the majorisation from all starts together, one column each: two products of matrices a step.
-fn iterate(problem: &Problem, inverse: &Array2<Complex64>, starts: &[(&Drive, f64)], steps: usize) -> Vec<Drive> {
-    let mut drives = Array2::zeros((inverse.nrows(), starts.len()));
-    for (mut column, (start, _)) in drives.columns_mut().into_iter().zip(starts) {
-        column.assign(&problem.with_best_gain(start));
-    }
-    let ratios: Vec<f64> = starts.iter().map(|(_, margin_db)| 10f64.powf(margin_db / 20.0)).collect();
-    for _ in 0..steps {
-        let mut target = matmul(problem.rows.mobility.view(), drives.view());
-        for (k, mut row) in target.rows_mut().into_iter().enumerate() {
-            let is_hot = k < problem.rows.hot;
-            for (value, ratio) in row.iter_mut().zip(&ratios) {
-                let limit = if is_hot { problem.limits.hot_m_per_s * ratio } else { problem.limits.cold_m_per_s / ratio };
-                let amplitude = value.norm();
-                if (is_hot && amplitude < limit) || (!is_hot && amplitude > limit) {
-                    *value = relaxed(*value, amplitude, limit);
-                }
-            }
-        }
-        drives = matmul(inverse.view(), target.view());
-    }
-    drives.columns().into_iter().map(|column| column.to_owned()).collect()
-}
-
-/// `value` moved along its own phase to the magnitude `limit`, and beyond by the relaxation.
-fn relaxed(value: Complex64, amplitude: f64, limit: f64) -> Complex64 {
-    let phase = if amplitude > 0.0 { value / amplitude } else { Complex64::ONE };
-    phase * (amplitude + tolerances::MLS_RELAXATION * (limit - amplitude))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_still_row_gets_some_phase_and_a_loud_one_is_reduced() {
-        assert_eq!(relaxed(Complex64::ZERO, 0.0, 1.0), Complex64::from(tolerances::MLS_RELAXATION));
-        let value = Complex64::new(0.0, 2.0);
-        let expected = 2.0 - tolerances::MLS_RELAXATION;
-        assert!((relaxed(value, 2.0, 1.0) - Complex64::new(0.0, expected)).norm() < 1e-15);
-    }
 }

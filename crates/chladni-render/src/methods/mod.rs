@@ -2,6 +2,7 @@
 
 mod choice;
 pub(crate) mod contrast;
+mod magnitudes;
 pub(crate) mod min_effort;
 pub(crate) mod mls;
 pub(crate) mod modal;
@@ -83,13 +84,13 @@ impl Method {
         !matches!(self, Self::PressureMatching | Self::Mls | Self::Robust | Self::MinEffort)
     }
 
-    /// The drive for a scene laid over `model`; `starts` is how many starts `robust` climbs from.
-    pub(crate) fn solve(self, setup: &Setup, model: &ModalModel, starts: usize) -> Result<Solution> {
+    /// The drive for a scene laid over `model`; `every_start`: whether `robust` climbs from all of them.
+    pub(crate) fn solve(self, setup: &Setup, model: &ModalModel, every_start: bool) -> Result<Solution> {
         let problem = &setup.problem;
         let mut solution = match self {
             Self::PressureMatching => pressure_matching::solve(problem)?,
             Self::Mls => mls::solve(problem, setup.between())?,
-            Self::Robust => robust::solve(problem, setup.between(), starts)?,
+            Self::Robust => robust::solve(problem, setup.between(), every_start)?,
             Self::MinEffort => min_effort::solve(problem, setup.between())?,
             Self::Modal => modal::solve(setup, model)?,
             Self::Tikhonov => Solution::of_direction(problem, &tikhonov::solve(problem)?),

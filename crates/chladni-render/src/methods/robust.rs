@@ -16,15 +16,20 @@ use crate::problem::{Problem, Rows};
 use crate::tolerances;
 use chladni_frf::Result;
 
-/// The most robust drive found from the `starts` best drives of `mls`.
-pub(crate) fn solve(problem: &Problem, between: Option<&Rows>, starts: usize) -> Result<Solution> {
+/// The most robust drive found from the best drive of `mls`; with `every` start from others that it found, too.
+pub(crate) fn solve(problem: &Problem, between: Option<&Rows>, every: bool) -> Result<Solution> {
     let ground = between.map(|rows| problem.with_between(rows, 1.0));
     let mut contest = mls::Contest::new(problem, ground.as_ref().unwrap_or(problem), tolerances::KAPPA_LEAST);
-    let mut possible = false;
-    for start in mls::leading_drives(problem, between, starts)? {
-        contest.offer(problem, &start);
-        let (kappa, on_points) = Climb::new(problem)?.raise_kappa(&start)?;
-        possible |= kappa > 0.0;
+    let mut most = 0.0;
+    let starts = mls::leading_drives(problem, between)?;
+    for (number, start) in starts.iter().take(if every { tolerances::MOST_STARTS } else { 1 }).enumerate() {
+        contest.offer(problem, start);
+        let (kappa, on_points) = Climb::new(problem)?.raise_kappa(start)?;
+        // another start counts where it leads to more than the first
+        if number > 0 && kappa <= most + tolerances::KAPPA_GAIN {
+            continue;
+        }
+        most = f64::max(most, kappa);
         contest.offer(problem, &on_points);
         let Some(ground) = ground.as_ref().filter(|_| kappa >= tolerances::KAPPA_LEAST) else { continue };
         let by_need = || Climb::by_need(ground, |k| ground.is_measured(problem, k));
@@ -35,7 +40,7 @@ pub(crate) fn solve(problem: &Problem, between: Option<&Rows>, starts: usize) ->
             contest.offer_as_is(&by_need()?.serve_ground(on_points, asked)?);
         }
     }
-    if possible && ground.is_none() {
+    if most > 0.0 && ground.is_none() {
         let drive = contest.into_best();
         return Ok(Solution { drive: Climb::new(problem)?.climb(&drive)?, warnings: Vec::new() });
     }

@@ -1,0 +1,109 @@
+//! The magnitude iteration of [`super::mls`], many drives at a time.
+//!
+//! Majorisation: with p_k the nearest value of S_k to h_k·A (same phase, limited magnitude), A ← G·p, one factorisation for all
+//! steps; p overshoots by the factor [`tolerances::MLS_RELAXATION`]. All drives take a step together, two products of matrices;
+//! after some steps only those go on that serve most.
+
+use crate::problem::{amplitude, Drive, Problem};
+use crate::tolerances;
+use chladni_linalg::matmul;
+use ndarray::{Array1, Array2, Axis};
+use num_complex::Complex64;
+use std::cmp::Ordering;
+
+/// So many steps, and so many drives that go on after them.
+pub(crate) type Round = (usize, usize);
+
+/// Drives on their way.
+pub(crate) struct Race<'a> {
+    problem: &'a Problem,
+    /// Axes (actuator, drive).
+    drives: Array2<Complex64>,
+    /// By what factor each wants its rows inside their limits.
+    margins: Vec<f64>,
+}
+
+impl<'a> Race<'a> {
+    /// From all starts, each with its margin in dB.
+    pub(crate) fn new(problem: &'a Problem, starts: &[(&Drive, f64)]) -> Self {
+        let mut drives = Array2::zeros((problem.rows.mobility.ncols(), starts.len()));
+        for (mut column, (start, _)) in drives.columns_mut().into_iter().zip(starts) {
+            column.assign(start);
+        }
+        let mut race = Self { problem, drives, margins: starts.iter().map(|(_, margin_db)| 10f64.powf(margin_db / 20.0)).collect() };
+        race.take_best_gains();
+        race
+    }
+
+    /// A round; those that serve most go on, with their best gain, the best first.
+    pub(crate) fn run(&mut self, inverse: &Array2<Complex64>, (steps, kept): Round) {
+        for _ in 0..steps {
+            self.step(inverse);
+        }
+        let keys = self.take_best_gains();
+        let mut order: Vec<usize> = (0..keys.len()).collect();
+        order.sort_by(|&a, &b| better_first(&keys[a], &keys[b]).then(a.cmp(&b)));
+        order.truncate(kept);
+        self.drives = self.drives.select(Axis(1), &order);
+        self.margins = order.iter().map(|&k| self.margins[k]).collect();
+    }
+
+    /// Those that are left.
+    pub(crate) fn into_drives(self) -> Vec<Drive> {
+        self.drives.columns().into_iter().map(|column| column.to_owned()).collect()
+    }
+
+    fn step(&mut self, inverse: &Array2<Complex64>) {
+        let Problem { limits, rows, .. } = self.problem;
+        let mut target = matmul(rows.mobility.view(), self.drives.view());
+        for (mut column, margin) in target.columns_mut().into_iter().zip(&self.margins) {
+            let (mut hot, mut cold) = column.view_mut().split_at(Axis(0), rows.hot);
+            let (felt, quiet) = (limits.hot_m_per_s * margin, limits.cold_m_per_s / margin);
+            hot.iter_mut().filter(|v| v.norm_sqr() < felt * felt).for_each(|v| *v = relaxed(*v, felt));
+            cold.iter_mut().filter(|v| v.norm_sqr() > quiet * quiet).for_each(|v| *v = relaxed(*v, quiet));
+        }
+        self.drives = matmul(inverse.view(), target.view());
+    }
+
+    /// Scales every drive by the gain that serves most rows; what each is judged by then: least zone, total, κ.
+    fn take_best_gains(&mut self) -> Vec<[f64; 3]> {
+        let amplitudes = matmul(self.problem.rows.mobility.view(), self.drives.view()).map(amplitude);
+        let of_column = |(mut column, amplitudes): (ndarray::ArrayViewMut1<Complex64>, ndarray::ArrayView1<f64>)| {
+            let drive: Array1<Complex64> = column.to_owned();
+            let gain = self.problem.best_gain(&amplitudes.to_owned(), &drive);
+            column.mapv_inplace(|weight| weight * gain);
+            let score = self.problem.score_of(&(&amplitudes * gain), self.problem.covariance.deviation(&drive) * gain);
+            [score.min_ratio, score.success_ratio, score.kappa]
+        };
+        self.drives.columns_mut().into_iter().zip(amplitudes.columns()).map(of_column).collect()
+    }
+}
+
+/// `value` moved along its own phase to the magnitude `limit`, and beyond by the relaxation.
+fn relaxed(value: Complex64, limit: f64) -> Complex64 {
+    let before = amplitude(&value);
+    let moved = before + tolerances::MLS_RELAXATION * (limit - before);
+    if before > 0.0 {
+        value * (moved / before)
+    } else {
+        moved.into()
+    }
+}
+
+/// The more important entries decide; equal ones hand over to the next.
+pub(crate) fn better_first<const N: usize>(a: &[f64; N], b: &[f64; N]) -> Ordering {
+    a.iter().zip(b).map(|(a, b)| b.total_cmp(a)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_still_row_gets_some_phase_and_a_loud_one_is_reduced() {
+        assert_eq!(relaxed(Complex64::ZERO, 1.0), Complex64::from(tolerances::MLS_RELAXATION));
+        let value = Complex64::new(0.0, 2.0);
+        let expected = 2.0 - tolerances::MLS_RELAXATION;
+        assert!((relaxed(value, 1.0) - Complex64::new(0.0, expected)).norm() < 1e-15);
+    }
+}
