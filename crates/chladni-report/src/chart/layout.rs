@@ -2,7 +2,7 @@
 
 use super::axis::{Ruler, ALONG_X, ALONG_Y};
 use super::layers::{draw_layer, draw_sample, extent, legend_name};
-use super::{Axis, Chart, ColourBar, Figure, Height, Layer, Scale};
+use super::{Axis, Chart, ColourBar, Figure, Height, Layer, RightAxis, Scale};
 use crate::drawing::{fitted, text_width, Anchor, Colour, Drawing, Image, Item, Stroke};
 
 /// Size of the title, px.
@@ -52,18 +52,27 @@ fn ends(axis: &Axis, chart: &Chart, which: usize) -> [f64; 2] {
 }
 
 fn left_margin(chart: &Chart) -> f64 {
-    let ticks = chart.y.ticks(ends(&chart.y, chart, 1), 260.0, ALONG_Y);
+    axis_width(&chart.y, ends(&chart.y, chart, 1))
+}
+
+fn right_margin(chart: &Chart) -> f64 {
+    match (&chart.colour_bar, &chart.right) {
+        (Some(_), _) => BAR + EDGE,
+        (None, Some(right)) => axis_width(&right.axis, right_ends(right)),
+        // half a number may stand beyond the right end of the x axis
+        (None, None) => EDGE + 14.0,
+    }
+}
+
+/// Room for the numbers and the label of a vertical axis.
+fn axis_width(axis: &Axis, ends: [f64; 2]) -> f64 {
+    let ticks = axis.ticks(ends, 260.0, ALONG_Y);
     let widest = ticks.iter().map(|tick| text_width(&tick.1, TICK)).fold(0.0, f64::max);
     EDGE + LABEL + 10.0 + widest + 6.0
 }
 
-fn right_margin(chart: &Chart) -> f64 {
-    // half a number may stand beyond the right end of the x axis
-    if chart.colour_bar.is_some() {
-        BAR + EDGE
-    } else {
-        EDGE + 14.0
-    }
+fn right_ends(right: &RightAxis) -> [f64; 2] {
+    right.axis.ends(extent(&right.layers, 1, right.axis.scale == Scale::Log))
 }
 
 /// Draws below `top` and returns where it ends.
@@ -90,6 +99,11 @@ fn draw_chart(drawing: &mut Drawing, chart: &Chart, [left, top, right]: [f64; 3]
     let below = draw_axes(drawing, chart, sides, &x, &y);
     for layer in &chart.layers {
         draw_layer(drawing, layer, sides, &x, &y);
+    }
+    if let Some(right) = &chart.right {
+        let y = Ruler { ends: right_ends(right), px: [bottom, top], log: right.axis.scale == Scale::Log };
+        right.layers.iter().for_each(|layer| draw_layer(drawing, layer, sides, &x, &y));
+        draw_right_axis(drawing, &right.axis, sides, &y);
     }
     drawing.rectangle(sides, None, Some(Stroke::new(Colour::Muted, 1.0)));
     if let Some(bar) = &chart.colour_bar {
@@ -142,13 +156,25 @@ fn draw_axes(drawing: &mut Drawing, chart: &Chart, [left, top, right, bottom]: [
     label_line + 5.0
 }
 
+/// Ticks, numbers and label right of the box.
+fn draw_right_axis(drawing: &mut Drawing, axis: &Axis, [_, top, right, bottom]: [f64; 4], y: &Ruler) {
+    for (value, name) in axis.ticks(y.ends, bottom - top, ALONG_Y) {
+        let place = y.place(value);
+        drawing.line(vec![[right, place], [right + if name.is_empty() { 3.0 } else { 5.0 }, place]], Stroke::new(Colour::Muted, 1.0));
+        drawing.text([right + 8.0, place + 0.36 * TICK], name, TICK, Anchor::Start, Colour::Ink);
+    }
+    let label = fitted(&axis.caption(), LABEL, (bottom - top + 40.0).max(60.0));
+    turned_text(drawing, [drawing.width - EDGE, (top + bottom) / 2.0], &label, LABEL, Anchor::Middle, Colour::Ink);
+}
+
 fn turned_text(drawing: &mut Drawing, at: [f64; 2], text: &str, size: f64, anchor: Anchor, colour: Colour) {
     drawing.items.push(Item::Text { at, text: text.into(), size, anchor, turned: true, bold: false, colour, halo: false });
 }
 
 /// The names of the layers with a sample of each, in as many lines as needed; returns where they end.
 fn draw_legend(drawing: &mut Drawing, chart: &Chart, [left, top, right]: [f64; 3]) -> f64 {
-    let entries: Vec<(&Layer, &str)> = chart.layers.iter().filter_map(|layer| Some((layer, legend_name(layer)?))).collect();
+    let on_right = chart.right.iter().flat_map(|right| &right.layers);
+    let entries: Vec<(&Layer, &str)> = chart.layers.iter().chain(on_right).filter_map(|layer| Some((layer, legend_name(layer)?))).collect();
     if entries.is_empty() {
         return top + 2.0;
     }

@@ -5,6 +5,9 @@ import { significant, ends } from "./numbers.js";
 import { ruler, ticks } from "./scale.js";
 
 const MARGIN = { left: 62, right: 14, top: 10, bottom: 42 };
+/** Width of a turned label with its gaps, and of a digit, px. */
+const LABEL_PX = 30;
+const LETTER_PX = 7;
 /** Part of the range that a key moves by, and factor that it zooms by. */
 const MOVE = 0.15;
 const ZOOM = 1.5;
@@ -41,7 +44,10 @@ export function chart(first) {
     svg.setAttribute("height", height);
     svg.setAttribute("aria-label", `${spec.title ?? "chart"}: ${spec.y.label} over ${spec.x.label}. Arrow keys move, plus and minus zoom, 0 shows all.`);
     const right = spec.right ? 52 : MARGIN.right;
-    const box = { left: MARGIN.left, right: wide - right, top: MARGIN.top, bottom: height - MARGIN.bottom };
+    // numbers that are wider than usual leave the label its place
+    const numbers = ticks(ruler(spec.y.range, [height - MARGIN.bottom, MARGIN.top], spec.y.log).ends, (height - MARGIN.bottom - MARGIN.top) / 45, spec.y.log, spec.y.step);
+    const left = Math.max(MARGIN.left, LABEL_PX + LETTER_PX * Math.max(0, ...numbers.map(([, text]) => text.length)));
+    const box = { left, right: wide - right, top: MARGIN.top, bottom: height - MARGIN.bottom };
     const x = ruler(zoom ?? spec.x.range, [box.left, box.right], spec.x.log);
     const y = ruler(spec.y.range, [box.bottom, box.top], spec.y.log);
     const y2 = spec.right ? ruler(spec.right.range, [box.bottom, box.top]) : y;

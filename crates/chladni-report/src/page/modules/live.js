@@ -1,7 +1,8 @@
 // The studio: band, number of modes, zones and drive frequency in the reader's hand; fit, weights and field follow.
 
 import { h, section, slider, tick, takeAway } from "./dom.js";
-import { reset, change } from "./store.js";
+import { array, split } from "./data.js";
+import { state, reset, change } from "./store.js";
 import { unpack, fitSections } from "./page.js";
 import { warningList, contents } from "./facts.js";
 import { sceneBody } from "./scenes.js";
@@ -40,12 +41,13 @@ class Asker {
   }
 }
 
-const fits = new Asker("/api/fit");
+const fits = { draft: new Asker("/api/fit"), full: new Asker("/api/fit"), asked: 1, shown: 1 };
 const drafts = new Asker("/api/scene");
 const finals = new Asker("/api/scene");
 
-/** The fit of the moment. */
+/** The fit of the moment: what is shown of it, and the last full one. */
 let here = null;
+let full = null;
 /** What was asked for last: answers to older questions are not shown. */
 let asked = 0;
 /** The last question whose best drive is shown. */
@@ -55,7 +57,7 @@ let best = 0;
 export function start() {
   const page = document.getElementById("page");
   page.replaceChildren(h("p", { role: "status" }, "Fitting …"));
-  fits.ask({}, (said) => {
+  fits.full.ask({ number: fits.asked }, (said) => {
     if (said.error) page.replaceChildren(h("p", { class: "error", role: "alert" }, said.error));
     else draw(page, said);
   });
@@ -79,20 +81,36 @@ function startZones({ box: [x0, y0, x1, y1] }) {
   return [{ kind: "hot", points: [[x0, y0], [x, y0], [x, y], [x0, y]].map((point) => point.map((value) => Math.round(1e3 * value) / 1e3)) }];
 }
 
-function showFit(said, fitted, head) {
+/** A draft as the data of a whole fit: what it does not change is that of the last full one. */
+function completed(said) {
+  if (!said.draft) return said;
+  const { data, model, terms } = full;
+  const { terms: own, ...changed } = said.draft;
+  const frfs = data.frfs && { ...data.frfs, terms: own, errors: null, sums: { measured: data.frfs.sums.measured }, base: { model, terms } };
+  return { ...said, data: { ...data, ...changed, frfs } };
+}
+
+function showFit(answer, fitted, head) {
+  const said = completed(answer);
+  const { pair } = state;
   reset();
+  // the DOFs of a studio are the same in every fit
+  state.pair = pair;
   const { model, geometry } = unpack(said.data);
   model.file = said.model_file;
-  here = { model, geometry, frfs: said.data.frfs };
+  here = { model, geometry };
+  if (!said.draft) full = { data: said.data, model, terms: said.data.frfs?.terms && split(array(said.data.frfs.terms)) };
   if (model.inBand.length) change({ mode: model.inBand[0] });
   const sections = fitSections(said.data, model, geometry);
   fitted.replaceChildren(...sections);
   const own = [...document.querySelectorAll("#studio, #scene")];
-  head.replaceChildren(h("h1", {}, said.data.title), warningList(said.data.warnings), contents([...own, ...sections]));
-  document.documentElement.dataset.fits = String(Number(document.documentElement.dataset.fits ?? 0) + 1);
+  // what stands above the hand that moves keeps its height
+  if (!said.draft) head.replaceChildren(h("h1", {}, said.data.title), warningList(said.data.warnings), contents([...own, ...sections]));
+  const counter = said.draft ? "drafts" : "fits";
+  document.documentElement.dataset[counter] = String(Number(document.documentElement.dataset[counter] ?? 0) + 1);
 }
 
-/** Band and number of modes; asks for a fit when the hand lets go. */
+/** Band and number of modes; asks for a draft while the hand moves, for a full fit when it lets go. */
 function fitControls(said, fitted, head) {
   const status = h("span", { class: "muted", role: "status", id: "fit-status" }, `${said.data.model.modes.filter((mode) => mode.in_band && mode.trust !== "rejected").length} modes`);
   const command = takeAway("The same fit again", "fit-command");
@@ -102,37 +120,38 @@ function fitControls(said, fitted, head) {
   const step = (high - low) / 1000;
   const words = (hz) => `${fixed(hz, 1)} Hz`;
   const band = said.data.model.band_hz;
-  const asks = (moving) => { if (!moving) ask(); };
-  const from = slider("Band from", { min: low, max: high, step, value: band[0], words }, (_, moving) => asks(moving));
-  const to = slider("to", { min: low, max: high, step, value: band[1], words }, (_, moving) => asks(moving));
+  const from = slider("Band from", { min: low, max: high, step, value: band[0], words }, (_, moving) => ask(moving));
+  const to = slider("to", { min: low, max: high, step, value: band[1], words }, (_, moving) => ask(moving));
   from.input.id = "band-from";
   to.input.id = "band-to";
-  const count = h("input", { type: "number", id: "modes", min: 1, max: 1000, step: 1, disabled: true, onchange: () => ask() });
+  const count = h("input", { type: "number", id: "modes", min: 1, max: 1000, step: 1, disabled: true, oninput: () => ask(true), onchange: () => ask(false) });
   count.value = said.data.model.modes.filter((mode) => mode.in_band && mode.trust !== "rejected").length;
   const auto = tick("decided by evidence", true, (checked) => {
     count.disabled = checked;
-    ask();
+    ask(false);
   });
 
-  function ask() {
+  function ask(moving) {
     const ends = [from.input.valueAsNumber, to.input.valueAsNumber].sort((a, b) => a - b);
     const whole = ends[0] <= low + step && ends[1] >= high - step;
-    const question = { band_hz: whole ? null : ends.map((hz) => Number(hz.toFixed(3))), modes: count.disabled ? null : count.valueAsNumber || null };
-    status.textContent = "fitting …";
-    fitted.classList.add("busy");
-    fits.ask(question, (answer, more) => {
-      if (more) return;
-      fitted.classList.remove("busy");
+    const number = ++fits.asked;
+    const question = { number, draft: moving, band_hz: whole ? null : ends.map((hz) => Number(hz.toFixed(3))), modes: count.disabled ? null : count.valueAsNumber || null };
+    const asker = moving ? fits.draft : fits.full;
+    if (!moving) status.textContent = "fitting …";
+    asker.ask(question, (answer, more) => {
+      // an older answer never takes the place of a newer one
+      if (number < fits.shown || (more && !moving)) return;
+      fits.shown = number;
       if (answer.error) {
         status.textContent = answer.error;
         return;
       }
       showFit(answer, fitted, head);
       const found = here.model.inBand.length;
-      status.textContent = `${found} modes`;
+      status.textContent = `${found} modes${moving ? ", draft" : ""}${number < fits.asked ? "; fitting …" : ""}`;
       if (count.disabled) count.value = found;
-      command.set(answer.command);
-      scenes.again?.();
+      if (!moving) command.set(answer.command);
+      scenes.again?.(moving);
     });
   }
 
@@ -190,17 +209,17 @@ function scenePanel(first, geometry) {
       status.textContent = said.error;
       return;
     }
-    const { model, geometry: places, frfs } = here;
+    const { model, geometry: places } = here;
     if (isBest) best = number;
     if (isBest || light) status.textContent = "";
-    const body = sceneBody(said.scene, 1, model, places, frfs, light);
+    const body = sceneBody(said.scene, 1, model, places, light);
     result.replaceChildren(said.warnings.length ? warningList(said.warnings.map((text) => ["Scene", text])) : "", ...body);
     result.dataset.method = said.scene.method;
     result.dataset.answers = String(Number(result.dataset.answers ?? 0) + 1);
     command.set(said.command);
   }
 
-  scenes.again = () => ask(false);
+  scenes.again = ask;
   // the first scene, as soon as the fit is shown
   queueMicrotask(() => ask(false));
   return h("div", {},

@@ -40,7 +40,7 @@ export function show(data) {
   if (model?.inBand.length) change({ mode: model.inBand[0] });
   const sections = [
     ...fitSections(data, model, geometry),
-    ...data.scenes.map((scene, k) => sceneSection(scene, k + 1, model, geometry, data.frfs)),
+    ...data.scenes.map((scene, k) => sceneSection(scene, k + 1, model, geometry)),
     zoneSection(geometry, data.scenes, model),
     ...tableSections(data.tables),
   ].filter(Boolean);
