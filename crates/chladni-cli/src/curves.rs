@@ -38,7 +38,7 @@ fn options() -> RenderOptions {
 /// 1 to `last`, at most about [`POINTS`] of them, the last one always among them.
 fn steps(last: usize) -> impl Iterator<Item = usize> {
     let step = last.div_ceil(POINTS).max(1);
-    (1..=last).filter(move |count| (last - count) % step == 0)
+    (1..=last).filter(move |count| (last - count).is_multiple_of(step))
 }
 
 /// Weights made with `options`, and what they do in the whole model.
