@@ -14,8 +14,9 @@ use std::f64::consts::TAU;
 
 /// An error beyond so many of its own standard deviations is a wrong result.
 pub(crate) const BEYOND: f64 = 5.0;
-/// Beginning of the warning that speaks of the damping law alone.
+/// Beginnings of the warnings that speak of the damping law alone, or of the scale of shapes alone.
 const LAW_ALONE: &str = "damping law undecidable";
+const SCALE_ALONE: [&str; 2] = ["the driving point lies near", "shapes are not mass-scaled"];
 /// Standard deviations of the noise that a mode must stand out by for the data to show it.
 const VISIBLE: f64 = 5.0;
 /// Powers of ω that stand for the world outside in what the data can show.
@@ -86,11 +87,12 @@ impl Trial {
         self.missed - self.hidden + self.spurious_sure + self.spurious_weak + self.beyond > 0
     }
 
-    /// A weak mode, a warning, a refusal, or a result that says it is not to be trusted. That the damping law is undecidable is said of nearly
-    /// every lightly damped structure: it counts where the law can be what is wrong, and tells nothing of missed or spurious modes.
+    /// A weak mode, a warning, a refusal, or a result that says it is not to be trusted. That the damping law is undecidable counts where the
+    /// law can be what is wrong, and tells nothing of missed or spurious modes; nor does what is said of the scale of shapes alone.
     pub fn announced(&self) -> bool {
         let of_law = self.beyond > 0 && self.missed + self.spurious_sure + self.spurious_weak == 0;
-        let tells = |text: &String| of_law || !text.starts_with(LAW_ALONE);
+        let of_scale = |text: &String| SCALE_ALONE.iter().any(|beginning| text.starts_with(beginning));
+        let tells = |text: &String| (of_law || !text.starts_with(LAW_ALONE)) && !of_scale(text);
         self.weak > 0 || !self.trusted || self.refused || self.warnings.iter().any(tells)
     }
 

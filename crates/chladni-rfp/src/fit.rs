@@ -3,8 +3,8 @@
 use crate::error::FitError;
 use crate::family::fit_by_method;
 use crate::faults;
-use crate::found::{uncertainty_grade, Found, Grade};
-use crate::law::{chance, choose, Law, UNDECIDABLE};
+use crate::found::{more_than_asked, uncertainty_grade, Found, Grade};
+use crate::law::{self, chance, choose, Law};
 use crate::measured::measured_path;
 use crate::methods::{aaa, circle, grfp, lean, lscf, peak, plscf, rfp, vf, Stabilization, Survey};
 use crate::model::{common_shape_misfit, Identified, Shaped};
@@ -14,10 +14,12 @@ use crate::project::project;
 use crate::refine::{refine, Projection, Refined};
 use crate::screen::Screened;
 use crate::structured::{structured, Structured};
+use crate::tolerances as tol;
 use crate::unequal::PairWeights;
 use crate::work::Work;
 use chladni_frf::{Damping, FrfSet, ModalModel, Trust};
 use chladni_linalg::{inverse_hermitian, LinalgError};
+use std::f64::consts::TAU;
 
 /// A fit with its history.
 #[derive(Debug, Clone)]
@@ -105,7 +107,7 @@ fn fit_lean(data: &Screened, options: &FitOptions, progress: &dyn Fn(&str)) -> R
     progress("poles");
     let found = lean(&survey, options, grades)?;
     progress("shapes");
-    let law = choose(&found.work, &found.refined, 0.0, None, Some(options.damping.unwrap_or(Damping::Structural)))?;
+    let law = Law::given(&found.work, &found.refined, options.damping.unwrap_or(Damping::Structural))?;
     let shaped = Shaped::new(data, Identified::new(found, law)?)?;
     let left = shaped.left(data);
     let model = shaped.model(data, options, &left);
@@ -116,7 +118,7 @@ fn fit_auto(data: &Screened, options: &FitOptions, sought: bool, progress: &dyn 
     let (found, history) = match fast_chain(data, options.seed, options.modes, progress)? {
         Outcome::White(chain) => {
             let history = chain.history.clone();
-            (from_chain(*chain), history)
+            (from_chain(*chain, options.modes, data.omega_max / TAU), history)
         }
         Outcome::Outliers(lines) if sought => return Ok(Attempt::Outliers(lines)),
         Outcome::Outliers(_) => (from_measured(data, options, "single lines stand out of the residual", progress)?, Vec::new()),
@@ -127,29 +129,31 @@ fn fit_auto(data: &Screened, options: &FitOptions, sought: bool, progress: &dyn 
     let chance = chance(&found.work, found.variance);
     let measured = found.spread.is_some();
     let least_gain = if measured { chance.max(LAW_SHARE * found.refined.projection.sse) } else { chance };
-    let mut law = choose(&found.work, &found.refined, least_gain, measured.then(|| found.heaviest_sure()), options.damping)?;
+    let choice = choose(&found.work, &found.refined, least_gain, measured.then(|| found.heaviest_sure()), options.damping)?;
     progress("shapes");
-    let undecided = law.undecided.take();
-    let open = options.damping.is_none() && law.damping == Damping::Structural && !found.refined.lambda.is_empty();
-    let twin = undecided.map(|fit| Law { damping: Damping::Viscous, viscous: Some(fit), undecided: None });
-    let other = twin.map(|twin| Identified::new(found.clone(), twin)).transpose()?;
+    let (law, mut contradicted) = (choice.law, choice.contradicted);
+    let alike = measured && found.heaviest_sure() < tol::LAW_ALIKE && !found.refined.lambda.is_empty();
+    let other = choice.rival.map(|rival| Identified::new(found.clone(), rival)).transpose()?;
     let refined = shape_search(data, &found, options, law.damping, measured)?;
     let mut identified = Identified::new(found, law)?;
-    let mut warnings = Vec::new();
+    let mut undecided = alike;
     if let Some(other) = other {
         // one shape for all references tells the laws apart where free residues absorb the difference; so does one real shape, which
         // the wrong law does not admit. A mode that only structured refinement saw has to pay for itself
         let real = refined.as_ref().filter(|structured| structured.real);
         let own = real.map_or(f64::INFINITY, |structured| structured.sse + structured.added as f64 * chance);
         let gain = own.min(common_shape_misfit(data, &identified)?) - common_shape_misfit(data, &other)?;
-        if gain > least_gain {
+        undecided = gain.abs() <= least_gain;
+        if gain > least_gain && options.damping.is_none() {
             identified = other;
-        } else if gain > -least_gain {
-            warnings.push(UNDECIDABLE.to_string());
+        } else {
+            contradicted |= gain > least_gain;
         }
-    } else if open && measured {
-        warnings.push(UNDECIDABLE.to_string());
     }
+    let mut warnings = Vec::new();
+    warnings.extend(contradicted.then(|| law::contradicted(identified.damping)));
+    let shift = identified.shift_by_other_law();
+    warnings.extend((undecided && shift > 1.0).then(|| law::undecidable(identified.damping, shift)));
     if let Some(structured) = refined.filter(|_| identified.damping == Damping::Structural) {
         identified = identified.structured(structured);
     }
@@ -192,7 +196,7 @@ const MOSTLY_LEFT: f64 = 0.5;
 /// Where the residual is not noise, one damping law must explain this share of it to be preferred.
 const LAW_SHARE: f64 = 0.05;
 
-fn from_chain(chain: Chain) -> Found {
+fn from_chain(chain: Chain, asked: Option<usize>, hz: f64) -> Found {
     Found {
         grades: grades(&chain.refined, &chain.projected.work, chain.variance),
         work: chain.projected.work,
@@ -200,7 +204,7 @@ fn from_chain(chain: Chain) -> Found {
         variance: chain.variance,
         spread: None,
         path: format!("fast chain: {}", chain.whiteness.evidence),
-        warnings: Vec::new(),
+        warnings: asked.and_then(|asked| more_than_asked(asked, &chain.dropped, hz)).into_iter().collect(),
         consistent: true,
         refined: chain.refined,
     }

@@ -40,6 +40,18 @@ impl Found {
     }
 }
 
+/// What is said where the data show more modes than were asked for; `hz`: of x = 1.
+pub(crate) fn more_than_asked(asked: usize, dropped: &[Complex64], hz: f64) -> Option<String> {
+    let places: Vec<String> = dropped.iter().map(|pole| format!("{:.2}", pole.re.max(0.0).sqrt() * hz)).collect();
+    (!places.is_empty()).then(|| {
+        format!(
+            "{asked} modes were asked for and the data show more: left out at {} Hz; the others and the shapes are off by what these leave \
+             (leave --modes out)",
+            places.join(", ")
+        )
+    })
+}
+
 /// Sure where the pole is known to a fraction of its half-bandwidth.
 pub(crate) fn uncertainty_grade(lambda: Complex64, variance: [f64; 2]) -> Grade {
     let deviation = (variance[0] + variance[1]).max(0.0).sqrt();

@@ -6,6 +6,7 @@
 //! in `docs/theory.md`; every constant is in `tolerances.rs`.
 
 mod alternation;
+mod blocks;
 mod error;
 mod family;
 mod faults;

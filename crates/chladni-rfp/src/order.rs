@@ -46,6 +46,8 @@ pub(crate) struct Chain {
     pub variance: f64,
     /// Whether the residual is white.
     pub whiteness: Whiteness,
+    /// Modes that the data show beyond the number asked for.
+    pub dropped: Vec<Complex64>,
     /// What was tried: (poles, residual variance), in order.
     pub history: Vec<(usize, f64)>,
 }
@@ -137,9 +139,7 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
     // what the second pass keeps depends on these poles: converged, they are the same to the last digits however they were found
     refined = refine(&sketch, &refined.lambda, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?;
     let mut pass = compressed(data, &sketch, &energy, &refined, asked.is_none(), &mut history)?;
-    if let Some(modes) = asked {
-        keep_strongest(&pass.projected.work, &mut pass.refined, modes)?;
-    }
+    let dropped = asked.map_or(Ok(Vec::new()), |modes| keep_strongest(&pass.projected.work, &mut pass.refined, modes))?;
     let Pass { refined, projected, variance, .. } = pass;
     let line_residual = projected.line_residual(&refined.projection.residual);
     let whiteness = judge(&projected.work, &refined.lambda, &line_residual, data.pairs.len(), &refined.projection.residual, hz);
@@ -149,7 +149,7 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
         let outliers = single_lines(&left, &fitted);
         return Ok(if outliers.is_empty() { Outcome::NotWhite(whiteness.evidence) } else { Outcome::Outliers(outliers) });
     }
-    Ok(Outcome::White(Box::new(Chain { refined, projected, variance, whiteness, history })))
+    Ok(Outcome::White(Box::new(Chain { refined, projected, variance, whiteness, dropped, history })))
 }
 
 /// Poles of a pool that noise alone cannot make, roughly refined.

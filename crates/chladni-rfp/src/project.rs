@@ -10,8 +10,9 @@ use crate::tolerances as tol;
 use crate::wide::{tree_sum, wide_h};
 use crate::work::Work;
 use chladni_linalg::{add_matmul, add_matmul_h, eigh, matmul, LinalgError};
-use ndarray::{Array1, Array2, ArrayView2, ArrayViewMut2, Axis, ShapeBuilder};
+use ndarray::{s, Array1, Array2, ArrayViewMut2, Axis, ShapeBuilder};
 use num_complex::Complex64;
+use std::ops::Range;
 
 /// What the second pass leaves.
 #[derive(Debug, Clone)]
@@ -67,29 +68,22 @@ pub(crate) fn real_basis(q: &Array2<Complex64>) -> Array2<f64> {
 /// Runs the pass with basis `q` on all FRFs; `line_energy` comes from the first pass.
 pub(crate) fn project(data: &Screened, q: &Array2<Complex64>, line_energy: &Array1<f64>) -> Result<Projected, LinalgError> {
     let (lines, total, m) = (data.lines.len(), data.pairs.len(), 2 * q.ncols());
-    // the factor from measured to work values waits until all is small
-    let factor = data.factor();
-    let basis = real_basis(&q.mapv(|v| v * factor.conj()));
+    let basis = measured_basis(data, q);
     let mut r0 = Array2::zeros((m, total).f());
-    let group = total.div_ceil(tol::PASS_GROUPS).max(1);
-    let groups: Vec<_> = r0.axis_chunks_iter_mut(Axis(1), group).enumerate().collect();
-    let sums = |(number, mut r0): (usize, ArrayViewMut2<f64>)| {
+    let groups: Vec<_> = data.groups().into_iter().zip(r0.axis_chunks_iter_mut(Axis(1), data.group_size())).collect();
+    let sums = |(group, mut r0): (Range<usize>, ArrayViewMut2<f64>)| {
         let (mut t, mut gram) = (Array2::zeros((2 * lines, m).f()), Array2::zeros((m, m).f()));
-        let mut scratch = vec![0.0; 2 * lines * tol::BLOCK_FRFS];
-        let mut first = number * group;
-        for mut inside in r0.axis_chunks_iter_mut(Axis(1), tol::BLOCK_FRFS) {
-            let count = inside.ncols();
-            let values = &mut scratch[..2 * lines * count];
-            data.read(first..first + count, values);
-            first += count;
-            let block = ArrayView2::from_shape((2 * lines, count).f(), values).expect("as many values as read");
-            add_matmul_h(inside.view_mut(), basis.view(), block);
-            add_matmul(t.view_mut(), block, inside.t());
+        let start = group.start;
+        data.each_block(group, |frfs, block| {
+            let mut inside = r0.slice_mut(s![.., frfs.start - start..frfs.end - start]);
+            add_matmul_h(inside.view_mut(), basis.view(), block.view());
+            add_matmul(t.view_mut(), block.view(), inside.t());
             add_matmul(gram.view_mut(), inside.view(), inside.t());
-        }
+        });
         (t, gram)
     };
     let (t, gram): (Array2<f64>, Array2<f64>) = tree_sum(groups, &sums, &|left, right| (left.0 + right.0, left.1 + right.1));
+    let factor = data.factor();
     // G^{-1/2} on the directions that carry anything
     let (values, vectors) = eigh(gram.view())?;
     let largest = values.last().copied().unwrap_or(0.0);
@@ -105,27 +99,23 @@ pub(crate) fn project(data: &Screened, q: &Array2<Complex64>, line_energy: &Arra
 
 /// Energy Σ|qᴴb|² that each column of `q` sees of all FRFs: a light pass.
 pub(crate) fn energies(data: &Screened, q: &Array2<Complex64>) -> Vec<f64> {
-    let (lines, total, m) = (data.lines.len(), data.pairs.len(), 2 * q.ncols());
-    let factor = data.factor();
-    let basis = real_basis(&q.mapv(|v| v * factor.conj()));
-    let group = total.div_ceil(tol::PASS_GROUPS).max(1);
-    let groups: Vec<usize> = (0..total).step_by(group).collect();
-    let sums = |start: usize| {
+    let basis = measured_basis(data, q);
+    let sums = |group: Range<usize>| {
         let mut energy = vec![0.0; q.ncols()];
-        let mut scratch = vec![0.0; 2 * lines * tol::BLOCK_FRFS];
-        let end = (start + group).min(total);
-        for first in (start..end).step_by(tol::BLOCK_FRFS) {
-            let count = tol::BLOCK_FRFS.min(end - first);
-            let values = &mut scratch[..2 * lines * count];
-            data.read(first..first + count, values);
-            let block = ArrayView2::from_shape((2 * lines, count).f(), values).expect("as many values as read");
-            let mut inside = Array2::zeros((m, count).f());
-            add_matmul_h(inside.view_mut(), basis.view(), block);
+        data.each_block(group, |frfs, block| {
+            let mut inside = Array2::zeros((basis.ncols(), frfs.len()).f());
+            add_matmul_h(inside.view_mut(), basis.view(), block.view());
             for column in inside.columns() {
                 column.iter().enumerate().for_each(|(c, value)| energy[c / 2] += value * value);
             }
-        }
+        });
         energy
     };
-    tree_sum(groups, &sums, &|left, right| left.iter().zip(&right).map(|(l, r)| l + r).collect())
+    tree_sum(data.groups(), &sums, &|left, right| left.iter().zip(&right).map(|(l, r)| l + r).collect())
+}
+
+/// The basis over the reals as it meets values in the measured kind: the factor to work units waits until all is small.
+fn measured_basis(data: &Screened, q: &Array2<Complex64>) -> Array2<f64> {
+    let factor = data.factor();
+    real_basis(&q.mapv(|v| v * factor.conj()))
 }

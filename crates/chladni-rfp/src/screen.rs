@@ -3,13 +3,11 @@
 use crate::error::FitError;
 use crate::faults::noisy::far_noisier;
 use crate::options::FitOptions;
-use crate::reading::{energy, squares, visit, Usable};
-use crate::tolerances as tol;
+use crate::reading::{energy, visit, Usable};
 use crate::unequal::{PairWeights, Weighting};
 use crate::work::Work;
-use chladni_frf::{FrfKind, FrfSet, FrfValues};
-use chladni_linalg::add_matmul;
-use ndarray::{Array2, ArrayView2, ArrayViewMut2, ShapeBuilder};
+use chladni_frf::{FrfKind, FrfSet};
+use ndarray::{Array2, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -107,45 +105,6 @@ impl<'a> Screened<'a> {
         Ok(screened)
     }
 
-    /// Sum of squares of each measured FRF less basis·coefficients, in one pass.
-    ///
-    /// * `basis`: (real and imaginary part of each line, column)
-    /// * `coefficients`: adds those of one FRF (position among the pairs), one per column
-    pub fn misfit(&self, basis: &Array2<f64>, coefficients: impl Fn(usize, &mut [f64]) + Sync) -> Vec<f64> {
-        let measured = self.weighting.map_or(self.frf, |weighting| weighting.measured);
-        let (rows, columns) = basis.dim();
-        let inverse = -self.factor().inv();
-        let mut model = basis.clone();
-        for mut column in model.columns_mut() {
-            for mut line in column.exact_chunks_mut(2) {
-                let value = inverse * Complex64::new(line[0], line[1]);
-                (line[0], line[1]) = (value.re, value.im);
-            }
-        }
-        let group = self.pairs.len().div_ceil(tol::PASS_GROUPS).max(1);
-        let groups: Vec<Range<usize>> = (0..self.pairs.len()).step_by(group).map(|a| a..(a + group).min(self.pairs.len())).collect();
-        let unit = self.factor().norm_sqr();
-        groups
-            .into_par_iter()
-            .flat_map_iter(|group| {
-                let (mut left, mut factors) = (vec![0.0; rows * tol::BLOCK_FRFS], vec![0.0; columns * tol::BLOCK_FRFS]);
-                let mut sums = Vec::with_capacity(group.len());
-                for a in group.clone().step_by(tol::BLOCK_FRFS) {
-                    let frfs = a..(a + tol::BLOCK_FRFS).min(group.end);
-                    let (left, factors) = (&mut left[..rows * frfs.len()], &mut factors[..columns * frfs.len()]);
-                    factors.fill(0.0);
-                    factors.chunks_exact_mut(columns.max(1)).zip(frfs.clone()).for_each(|(own, l)| coefficients(l, own));
-                    self.read_from(&measured.values, frfs.clone(), left);
-                    let shape = |rows: usize| (rows, frfs.len()).f();
-                    let factors = ArrayView2::from_shape(shape(columns), factors).expect("one per column and FRF");
-                    add_matmul(ArrayViewMut2::from_shape(shape(rows), left).expect("one per value"), model.view(), factors);
-                    sums.extend(left.chunks_exact(rows).map(|frf| unit * squares(frf)));
-                }
-                sums
-            })
-            .collect()
-    }
-
     /// Usual distance of neighbouring lines, Hz: the median, which gaps do not move.
     pub fn line_spacing_hz(&self) -> f64 {
         let mut gaps: Vec<f64> =
@@ -210,18 +169,6 @@ impl<'a> Screened<'a> {
             visit(&self.frf.values, pair, lines, column.iter_mut(), |out, value| *out = value * factor);
         }
         out
-    }
-
-    /// Writes the values of `pairs[columns]` on all lines one FRF after the other: real and imaginary part of each line, not yet in
-    /// work units.
-    pub fn read(&self, columns: Range<usize>, out: &mut [f64]) {
-        self.read_from(&self.frf.values, columns, out);
-    }
-
-    fn read_from(&self, values: &FrfValues, columns: Range<usize>, out: &mut [f64]) {
-        for (out, &pair) in out.chunks_exact_mut(2 * self.lines.len()).zip(&self.pairs[columns]) {
-            visit(values, pair, &self.lines, out.chunks_exact_mut(2), |out, value| (out[0], out[1]) = (value.re, value.im));
-        }
     }
 
     /// All columns at once; for sets of few FRFs.

@@ -62,17 +62,18 @@ fn dispensable(
     Ok(crutch(work, refined, limit, |_| true, needed)?.map(|(q, fewer)| (vec![lambda[q]], fewer)))
 }
 
-/// Keeps the `modes` in-band poles that matter most (an order given by the user).
-pub(crate) fn keep_strongest(work: &Work, refined: &mut Refined, modes: usize) -> Result<(), LinalgError> {
+/// Keeps the `modes` in-band poles that matter most (an order given by the user); returns the others.
+pub(crate) fn keep_strongest(work: &Work, refined: &mut Refined, modes: usize) -> Result<Vec<Complex64>, LinalgError> {
+    let mut dropped = Vec::new();
     loop {
         let inside: Vec<usize> = (0..refined.lambda.len()).filter(|&q| work.in_band(refined.lambda[q])).collect();
         if inside.len() <= modes {
-            return Ok(());
+            return Ok(dropped);
         }
         let rises = refined.significance()?;
         let weakest = inside.into_iter().min_by(|&a, &b| rises[a].total_cmp(&rises[b])).expect("more than `modes`");
         let mut fewer = refined.lambda.clone();
-        fewer.remove(weakest);
+        dropped.push(fewer.remove(weakest));
         *refined = refine(work, &fewer, &refined.powers, tol::REFINE_FINE, tol::FINE_STEP)?;
     }
 }

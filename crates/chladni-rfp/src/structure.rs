@@ -152,6 +152,13 @@ fn constraints(residues: &Residues, owner: &[usize]) -> usize {
     (2 * poles * present).saturating_sub(2 * used)
 }
 
+/// A rise of the sum of squares over that of a wider model, against what chance allows: standard deviations over the mean of χ² with
+/// `constraints` degrees of freedom, for complex data of noise variance `variance`. `rounding`: of the sums of squares.
+pub(crate) fn beyond_chance(rise: f64, constraints: usize, variance: f64, rounding: f64) -> f64 {
+    let k = constraints as f64;
+    ((rise - rounding).max(0.0) / (0.5 * variance).max(f64::MIN_POSITIVE) - k) / (2.0 * k).sqrt().max(1.0)
+}
+
 /// Rank that the residues of one pole need: singular values that noise of variance `variance` in the data cannot make
 /// (the largest of pure noise is about σ(√responses + √references)).
 pub(crate) fn significant_rank(residues: &Residues, pole: usize, variance: f64) -> Result<usize, LinalgError> {

@@ -52,7 +52,7 @@ pub(crate) fn delayed_reference(case: &Case) -> Option<Finding> {
         found.join(", "),
         modes.len()
     );
-    Some(Finding { words, contradiction: false })
+    Some(Finding::note(words))
 }
 
 /// Delay of reference `second` against `first` where the modes show one.

@@ -54,7 +54,7 @@ pub(crate) fn wrong_kind(case: &Case) -> Option<Finding> {
         }
     };
     // between a voltage and its force stands an amplifier, whose phase is nobody's fault
-    Some(Finding { words, contradiction: case.model.reference_unit == ReferenceUnit::Newton })
+    Some(Finding::new(words, case.model.reference_unit == ReferenceUnit::Newton))
 }
 
 /// Residues at the driving points over what they could be at most, one for each mode that shows there.
@@ -121,5 +121,5 @@ fn reversed(model: &ModalModel, modes: &[&Mode], driving: &[Complex64], evidence
             driving.len()
         ),
     };
-    Finding { words, contradiction: other.is_some() }
+    Finding::new(words, other.is_some())
 }

@@ -10,12 +10,14 @@
 
 mod delay;
 pub(crate) mod exponential;
+mod hidden;
 mod kind;
 mod line_shape;
 mod moving;
 pub(crate) mod noisy;
 pub(crate) mod outliers;
 mod reciprocal;
+mod split;
 pub(crate) mod window;
 
 use crate::options::FitOptions;
@@ -41,11 +43,37 @@ pub(crate) struct Finding {
     pub words: String,
     /// True where the data as a whole contradict the model: it cannot be trusted then.
     pub contradiction: bool,
+    /// Modes (positions in the model) that are weak for it.
+    pub weak: Vec<usize>,
+    /// Why.
+    pub reason: &'static str,
+}
+
+impl Finding {
+    fn new(words: String, contradiction: bool) -> Self {
+        Self { words, contradiction, weak: Vec::new(), reason: "" }
+    }
+    /// Words alone.
+    fn note(words: String) -> Self {
+        Self::new(words, false)
+    }
+    /// The data as a whole contradict the model.
+    fn contradiction(words: String) -> Self {
+        Self::new(words, true)
+    }
 }
 
 /// Every check that runs after a fit.
-const CHECKS: [fn(&Case) -> Option<Finding>; 5] =
-    [kind::wrong_kind, moving::moving_poles, delay::delayed_reference, reciprocal::not_reciprocal, window::possible_bias];
+const CHECKS: [fn(&Case) -> Option<Finding>; 8] = [
+    kind::wrong_kind,
+    moving::moving_poles,
+    split::split_modes,
+    hidden::single_frf,
+    hidden::between_modes,
+    delay::delayed_reference,
+    reciprocal::not_reciprocal,
+    window::possible_bias,
+];
 
 /// Runs all checks; their words join the model's warnings.
 pub(crate) fn examine(data: &Screened, options: &FitOptions, white: bool, model: &mut ModalModel) {
@@ -53,8 +81,15 @@ pub(crate) fn examine(data: &Screened, options: &FitOptions, white: bool, model:
     let found: Vec<Finding> = CHECKS.iter().filter_map(|check| check(&case)).collect();
     for finding in found {
         model.quality.trusted &= !finding.contradiction;
+        for &n in &finding.weak {
+            let mode = &mut model.modes[n];
+            mode.trust = Trust::Weak;
+            mode.reasons.push(finding.reason.into());
+        }
         model.quality.warnings.push(finding.words);
     }
+    let sure = model.in_band_modes().any(|mode| mode.trust == Trust::Sure);
+    model.quality.trusted &= sure;
 }
 
 impl Case<'_> {

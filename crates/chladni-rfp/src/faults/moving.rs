@@ -9,6 +9,7 @@ use chladni_frf::{Damping, ModalModel, Mode};
 use ndarray::{Array1, Array2, ShapeBuilder};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 /// FRFs looked at for each mode: the strongest.
 const FRFS_MOST: usize = 48;
@@ -39,7 +40,7 @@ pub(crate) fn moving_poles(case: &Case) -> Option<Finding> {
         moving.len(),
         scatter.len()
     );
-    Some(Finding { words, contradiction: true })
+    Some(Finding::contradiction(words))
 }
 
 /// Rms distance, in half-bandwidths along the frequency axis, of the FRFs' own poles from their mean, weighted by strength; noise
@@ -72,7 +73,7 @@ fn scatter(case: &Case, mode: &Mode) -> Option<f64> {
 }
 
 /// λ of a mode in the plane x = ω²/ω_max².
-fn pole(case: &Case, mode: &Mode) -> Complex64 {
+pub(super) fn pole(case: &Case, mode: &Mode) -> Complex64 {
     let ratio = TAU * mode.frequency_hz / case.data.omega_max;
     match case.model.damping {
         Damping::Structural => ratio * ratio * Complex64::new(1.0, mode.loss_factor),
@@ -83,10 +84,14 @@ fn pole(case: &Case, mode: &Mode) -> Complex64 {
     }
 }
 
+/// |residue| of a mode in an FRF, in the mode's own scaling.
+pub(super) fn strength(mode: &Mode, (i, j): (usize, usize)) -> f64 {
+    (mode.shape.0[i] * mode.participation.0[j]).norm()
+}
+
 /// (strength, position) of the FRFs that show a mode best.
 fn strongest(case: &Case, mode: &Mode, most: usize) -> Vec<(f64, usize)> {
-    let strength = |&(i, j): &(usize, usize)| (mode.shape.0[i] * mode.participation.0[j]).norm();
-    let mut frfs: Vec<(f64, usize)> = case.data.pairs.iter().map(strength).zip(0..).collect();
+    let mut frfs: Vec<(f64, usize)> = case.data.pairs.iter().map(|&pair| strength(mode, pair)).zip(0..).collect();
     frfs.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     frfs.truncate(most);
     frfs
@@ -95,21 +100,31 @@ fn strongest(case: &Case, mode: &Mode, most: usize) -> Vec<(f64, usize)> {
 /// Lines around a mode (`reach`: half-bandwidths, and at least so many lines, on both sides), and its strongest FRFs there without what
 /// the model says of all other modes and residual terms.
 pub(super) fn neighbourhood(case: &Case, mode: &Mode, reach: (f64, usize), frfs_most: usize) -> (Work, Array2<Complex64>) {
+    let rows = axis(case).window(pole(case, mode), reach.0, reach.1);
+    let frfs: Vec<usize> = strongest(case, mode, frfs_most).into_iter().map(|(_, l)| l).collect();
+    without_others(case, &[mode], rows, &frfs)
+}
+
+/// The lines used, without data.
+pub(super) fn axis(case: &Case) -> Work {
     let data = case.data;
-    let axis = Work { x: data.x.clone(), g: data.g.clone(), b: Array2::zeros((data.lines.len(), 0)) };
-    let rows = axis.window(pole(case, mode), reach.0, reach.1);
-    let alone = case.model.modes.iter().filter(|other| *other != mode).cloned().collect();
-    let others = ModalModel { modes: alone, ..case.model.clone() };
-    let frfs = strongest(case, mode, frfs_most);
+    Work { x: data.x.clone(), g: data.g.clone(), b: Array2::zeros((data.lines.len(), 0)) }
+}
+
+/// FRFs (positions among the pairs) on the lines `rows` without what the model says of all but `modes`.
+pub(super) fn without_others(case: &Case, modes: &[&Mode], rows: Range<usize>, frfs: &[usize]) -> (Work, Array2<Complex64>) {
+    let data = case.data;
+    let rest = case.model.modes.iter().filter(|other| !modes.contains(other)).cloned().collect();
+    let others = ModalModel { modes: rest, ..case.model.clone() };
     let mut own = Array2::zeros((rows.len(), frfs.len()).f());
-    for (column, &(_, l)) in frfs.iter().enumerate() {
+    for (column, &l) in frfs.iter().enumerate() {
         own.column_mut(column).assign(&data.block(l..l + 1, rows.clone()).column(0));
     }
     let factor = data.factor();
     for (row, k) in rows.clone().enumerate() {
         let rest = others.frf_matrix(data.kind, data.frf.frequency_hz[data.lines[k]]);
-        let rest: Array1<Complex64> = frfs.iter().map(|&(_, l)| rest[data.pairs[l]] * factor).collect();
+        let rest: Array1<Complex64> = frfs.iter().map(|&l| rest[data.pairs[l]] * factor).collect();
         own.row_mut(row).scaled_add(Complex64::new(-1.0, 0.0), &rest);
     }
-    (axis.select(&rows.collect::<Vec<_>>()), own)
+    (axis(case).select(&rows.collect::<Vec<_>>()), own)
 }

@@ -40,5 +40,5 @@ pub(crate) fn not_reciprocal(case: &Case) -> Option<Finding> {
         found.len(),
         pairs.len()
     );
-    Some(Finding { words, contradiction: false })
+    Some(Finding::note(words))
 }

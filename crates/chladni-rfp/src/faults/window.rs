@@ -167,7 +167,7 @@ pub(crate) fn possible_bias(case: &Case) -> Option<Finding> {
         worst.frequency_hz,
         1.0 / (PI * bias(worst))
     );
-    Some(Finding { words, contradiction: false })
+    Some(Finding::note(words))
 }
 
 #[cfg(test)]

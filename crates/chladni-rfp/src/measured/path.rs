@@ -6,7 +6,7 @@ use super::grade::{grade_all, Graded};
 use super::record::{padding_factor, windowed};
 use super::search::{Finished, Record, Search};
 use super::weights::{column_scales, normalised};
-use crate::found::Grade;
+use crate::found::{more_than_asked, Grade};
 use crate::order::POWERS;
 use crate::refine::{refine, Refined};
 use crate::screen::Screened;
@@ -97,7 +97,7 @@ pub(crate) fn measured_path(
     let sections = split(&work, &seen);
     let mut searches = sections.par_iter().map(|section| Search::run(&record, section, asked)).collect::<Result<Vec<_>, LinalgError>>()?;
     if let Some(modes) = asked {
-        keep_strongest(&mut searches, modes)?;
+        warnings.extend(more_than_asked(modes, &keep_strongest(&mut searches, modes)?, hz));
     }
     progress("error bars and grades");
     let finished = searches.into_par_iter().map(Search::finish).collect::<Result<Vec<_>, LinalgError>>()?;
@@ -132,16 +132,18 @@ fn join(work: &Work, finished: &[Finished]) -> (Vec<Evidence>, Vec<f64>) {
     (all, normalised(&variance))
 }
 
-/// Drops the in-band poles with the least local gain until `modes` are left in all sections together.
-fn keep_strongest(searches: &mut [Search], modes: usize) -> Result<(), LinalgError> {
+/// Drops the in-band poles with the least local gain until `modes` are left in all sections together; returns the dropped ones.
+fn keep_strongest(searches: &mut [Search], modes: usize) -> Result<Vec<Complex64>, LinalgError> {
+    let mut dropped = Vec::new();
     let mut weakest = searches.iter().map(Search::weakest).collect::<Result<Vec<_>, LinalgError>>()?;
     while weakest.iter().map(|w| w.0).sum::<usize>() > modes {
         let least = weakest.iter().enumerate().filter_map(|(s, (_, w))| w.map(|(q, gain)| (s, q, gain))).min_by(|a, b| a.2.total_cmp(&b.2));
-        let Some((s, q, _)) = least else { return Ok(()) };
+        let Some((s, q, _)) = least else { break };
+        dropped.push(searches[s].candidates.refined.lambda[q]);
         searches[s].drop(q)?;
         weakest[s] = searches[s].weakest()?;
     }
-    Ok(())
+    Ok(dropped)
 }
 
 /// Striking peaks beside which no accepted pole stands. A pole that is broad for the peak does not explain it.

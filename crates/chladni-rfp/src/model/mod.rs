@@ -9,7 +9,8 @@ pub(crate) use pole::{structural_pole, viscous_pole, Identified, Pole};
 
 use crate::options::FitOptions;
 use crate::screen::Screened;
-use crate::structure::{eliminated, low_rank, low_rank_around, significant_rank, Given, Residues, Shapes};
+use crate::structure::{beyond_chance, eliminated, low_rank, low_rank_around, significant_rank, Given, Residues, Shapes};
+use crate::tolerances as tol;
 use crate::wide::wide_mixed;
 use chladni_frf::{ComplexMatrix, Damping, ModalModel, Quality, ResidualTerm, ResidualTerms, Scaling, Trust, CREATED_BY, MODEL_FORMAT};
 use chladni_linalg::LinalgError;
@@ -20,6 +21,8 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 use shape_error::{shape_bars, Noisy, Scale, ShapeBars};
 
+/// χ² per degree of freedom beyond which one shape per mode does not hold, where the residual is not noise that chance can be judged by.
+const SHAPE_MISFIT: f64 = 1.5;
 /// FRFs per block of what is done FRF by FRF.
 const BLOCK: usize = 1024;
 
@@ -87,6 +90,8 @@ pub(crate) struct Shaped {
     terms: Array2<Complex64>,
     /// χ² per degree of freedom of the model as saved.
     pub chi2_per_dof: f64,
+    /// What one shape per mode costs over free residues, in standard deviations of what chance makes of it.
+    shape_sigmas: f64,
 }
 
 impl Shaped {
@@ -129,30 +134,31 @@ impl Shaped {
         } else {
             0
         };
-        let chi2_per_dof = if variance > 0.0 {
-            (linear.sse + shapes.rise) / (variance * (free_dof + 0.5 * (shapes.constraints + real) as f64))
-        } else {
-            1.0
-        };
+        let constraints = shapes.constraints + real;
+        let rounding = tol::STRUCTURE_ROUNDING * work.energy();
+        let shape_sigmas = beyond_chance(shapes.rise, constraints, variance, rounding);
+        let chi2_per_dof =
+            if variance > 0.0 { (linear.sse + shapes.rise) / (variance * (free_dof + 0.5 * constraints as f64)) } else { 1.0 };
         let (scales, scaling) = scales(data, identified.damping, &poles, &shapes);
         let noisy = Noisy { work, powers, poles: &poles, shapes: &shapes, present: &present, variance, real: *real_shapes };
         let bars = shape_bars(&noisy, &scales)?;
         let terms = linear.terms;
-        Ok(Self { identified, poles, shapes, scales, scaling, bars, terms, chi2_per_dof })
+        Ok(Self { identified, poles, shapes, scales, scaling, bars, terms, chi2_per_dof, shape_sigmas })
     }
 
     /// Builds the model; `left` as from [`Self::left`].
     pub fn model(self, data: &Screened, options: &FitOptions, left: &[f64]) -> ModalModel {
         let mean_square = left.iter().sum::<f64>() / (data.lines.len() * data.pairs.len()) as f64;
         let relative_error = mean_square.sqrt() / data.measured_over_used();
-        let Self { identified, poles, shapes, scales, scaling, bars, terms, chi2_per_dof } = self;
-        let Identified { damping, poles: all, powers, path, mut warnings, consistent, .. } = identified;
+        let Self { identified, poles, shapes, scales, scaling, bars, terms, chi2_per_dof, shape_sigmas } = self;
+        let Identified { damping, poles: all, powers, path, white, mut warnings, consistent, .. } = identified;
         let (responses, references) = (data.frf.responses.len(), data.frf.references.len());
-        if chi2_per_dof > 1.5 {
+        let unlike = if white { shape_sigmas > tol::STRUCTURE_SIGMAS } else { chi2_per_dof > SHAPE_MISFIT };
+        if unlike {
             warnings.push(format!(
-            "one shape per mode explains the references together worse than free residues (χ² per degree of freedom {chi2_per_dof:.1}): \
-             modes may be missing, or a reference is delayed or not reciprocal"
-        ));
+                "one shape per mode explains the references together worse than free residues (χ² per degree of freedom {chi2_per_dof:.2}, \
+                 {shape_sigmas:.0} sigma beyond chance): modes may be missing, or a reference is delayed or not reciprocal"
+            ));
         }
 
         let mut modes = modes(data, damping, &poles, &shapes, &scales, &bars.shape);

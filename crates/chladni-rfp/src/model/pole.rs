@@ -1,7 +1,7 @@
 //! Poles as the model will show them, with their error bars and grades.
 
 use crate::found::{uncertainty_grade, Found, Grade};
-use crate::law::Law;
+use crate::law::{self, Law};
 use crate::structure::Given;
 use crate::structured::Structured;
 use crate::work::Work;
@@ -46,6 +46,8 @@ pub(crate) struct Identified {
     pub variance: f64,
     /// Which path found them, and why.
     pub path: String,
+    /// True where the residual is noise that chance can be judged by.
+    pub white: bool,
     /// Warnings so far.
     pub warnings: Vec<String>,
     /// False where the data as a whole contradict the model.
@@ -94,6 +96,7 @@ impl Identified {
     /// `spread` = E|δλ|² per pole (measured-data path, where the residual decides).
     pub fn new(found: Found, law: Law) -> Result<Self, LinalgError> {
         let Found { refined, work, back, variance, spread, grades, path, warnings, consistent } = found;
+        let white = spread.is_none();
         let structural = match &spread {
             Some(spread) => spread.clone(),
             None => {
@@ -113,7 +116,7 @@ impl Identified {
                 Some(_) => None,
                 None => Some(inverse_hermitian(fit.information.view())? * (0.5 * variance)),
             };
-            let sources: Vec<usize> = (0..poles.len()).filter(|&n| crate::law::expressible_pole(refined.lambda[n])).collect();
+            let sources: Vec<usize> = (0..poles.len()).filter(|&n| law::expressible_pole(refined.lambda[n])).collect();
             poles = fit
                 .poles
                 .iter()
@@ -143,10 +146,18 @@ impl Identified {
             back,
             variance,
             path,
+            white,
             warnings,
             consistent,
             real_shapes: false,
         })
+    }
+
+    /// The most that a sure mode of the band would shift by under the other damping law, in error bars.
+    pub fn shift_by_other_law(&self) -> f64 {
+        let sure = self.poles.iter().filter(|pole| pole.grade.0 == Trust::Sure && self.work.in_band((pole.omega * pole.omega).into()));
+        let shifts = sure.map(|pole| law::shift(pole.loss_factor, pole.omega_std / pole.omega, pole.loss_factor_std));
+        shifts.filter(|shift| shift.is_finite()).fold(0.0, f64::max)
     }
 
     /// The poles of the band replaced by what structured refinement found for them; a mode seen only there is graded by its

@@ -16,6 +16,7 @@ use crate::found::{Found, UNCERTAIN};
 use crate::options::ShapeModel;
 use crate::prune::threshold;
 use crate::screen::Screened;
+use crate::structure::beyond_chance;
 use crate::tolerances as tol;
 use chladni_linalg::{svd_thin, LinalgError};
 use ndarray::{Array1, Array2, Axis, ShapeBuilder};
@@ -55,23 +56,6 @@ pub(crate) struct Structured {
     pub evidence: String,
 }
 
-/// A rise of the sum of squares over that of a wider model, against what chance allows.
-struct Ratio {
-    /// Standard deviations over the mean of χ² with `constraints` degrees of freedom.
-    sigmas: f64,
-}
-
-impl Ratio {
-    /// `rise` of complex data with noise variance `variance` under so many real constraints.
-    fn new(rise: f64, constraints: usize, variance: f64, rounding: f64) -> Self {
-        let k = constraints as f64;
-        Self { sigmas: ((rise - rounding).max(0.0) / (0.5 * variance) - k) / (2.0 * k).sqrt().max(1.0) }
-    }
-    fn chance(&self) -> bool {
-        self.sigmas <= tol::STRUCTURE_SIGMAS
-    }
-}
-
 /// Refines the poles of the band under the shape model asked for; `None` where it does not apply or does not hold.
 ///
 /// `fixed_order`: no mode may be added.
@@ -92,7 +76,8 @@ pub(crate) fn structured(data: &Screened, found: &Found, asked: ShapeModel, fixe
     let rounding = tol::STRUCTURE_ROUNDING * target.energy;
     let (residues, free_sse) = free_residues(target, &inside)?;
     let constraints = |n: usize| 2 * n * (sides[0] - 1) * (sides[1] - 1);
-    let rank_one = |state: &State| Ratio::new(state.sse - free_sse, constraints(state.lambda.len()), variance, rounding);
+    let rank_one = |state: &State| beyond_chance(state.sse - free_sse, constraints(state.lambda.len()), variance, rounding);
+    let chance = |sigmas: f64| sigmas <= tol::STRUCTURE_SIGMAS;
 
     let mut state = State::new(target, inside.clone(), leading_participations(&residues, target.sides)?, false)?;
     if sides[1] > 1 || asked == ShapeModel::Rank1 {
@@ -101,15 +86,15 @@ pub(crate) fn structured(data: &Screened, found: &Found, asked: ShapeModel, fixe
     let found_free = state.lambda.len();
     if asked == ShapeModel::Auto && !fixed_order && sides[1] > 1 {
         let limit = threshold(sides[0] + sides[1], work.lines()) * variance;
-        state = grown(target, state, limit, &|state| rank_one(state).chance())?;
+        state = grown(target, state, limit, &|state| chance(rank_one(state)))?;
         state = shed(target, state, variance, limit);
     }
-    let ratio = rank_one(&state);
-    if asked == ShapeModel::Auto && !ratio.chance() {
+    let sigmas = rank_one(&state);
+    if asked == ShapeModel::Auto && !chance(sigmas) {
         return Ok(None);
     }
     let added = state.lambda.len().saturating_sub(found_free);
-    let mut evidence = format!("one shape per mode ({:+.1} sigma of chance", ratio.sigmas);
+    let mut evidence = format!("one shape per mode ({sigmas:+.1} sigma of chance");
     if added > 0 {
         evidence += &format!(", {added} of {} modes seen only so", state.lambda.len());
     }
@@ -120,9 +105,9 @@ pub(crate) fn structured(data: &Screened, found: &Found, asked: ShapeModel, fixe
     if asked != ShapeModel::Rank1 {
         let start = State::new(target, state.lambda.clone(), state.participation.clone(), true)?;
         let real = start.refined(target, tol::REFINE_FINE, tol::STRUCTURED_FINE_STEP);
-        let ratio = Ratio::new(real.sse - state.sse, phases, variance, rounding);
-        if asked == ShapeModel::Real || ratio.chance() {
-            evidence += &format!(", real ({:+.1} sigma)", ratio.sigmas);
+        let sigmas = beyond_chance(real.sse - state.sse, phases, variance, rounding);
+        if asked == ShapeModel::Real || chance(sigmas) {
+            evidence += &format!(", real ({sigmas:+.1} sigma)");
             state = real;
         } else if sides[1] == 1 {
             return Ok(None);

@@ -3,6 +3,7 @@
 mod channels;
 #[path = "../common/mod.rs"]
 mod common;
+mod doubts;
 mod kinds;
 mod lines;
 mod windows;
