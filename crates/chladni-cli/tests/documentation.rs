@@ -122,7 +122,8 @@ fn the_tutorial_does_what_it_says() {
 /// Part 3, after the tutorial has been followed.
 fn the_beam_is_found(folder: &Folder) {
     let model = chladni_frf::io::read_model(&folder.path().join("beam.json")).unwrap();
-    let sure: Vec<f64> = model.in_band_modes().filter(|mode| mode.trust == chladni_frf::Trust::Sure).map(|mode| mode.frequency_hz).collect();
+    let sure: Vec<f64> =
+        model.in_band_modes().filter(|mode| mode.trust == chladni_frf::Trust::Sure).map(|mode| mode.frequency_hz).collect();
     assert_eq!(sure.len(), BEAM_HZ.len(), "{sure:?}");
     for (found, [known, spread]) in sure.iter().zip(BEAM_HZ) {
         assert!((found - known).abs() <= 2.0 * spread, "{found} Hz, known {known} Hz");

@@ -25,7 +25,8 @@ fn bash_completes_what_is_half_written() {
     let script = Folder::new().run("completions bash").exits(0).stdout;
     let ask = |words: &str, place: usize| {
         let line = format!("{script}\nCOMP_WORDS=({words}); COMP_CWORD={place}; _chladni chladni \"${{COMP_WORDS[{place}]}}\" ''; echo \"${{COMPREPLY[*]}}\"\n");
-        let mut bash = Command::new("bash").arg("--norc").stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let mut bash =
+            Command::new("bash").arg("--norc").stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         bash.stdin.take().unwrap().write_all(line.as_bytes()).unwrap();
         let output = bash.wait_with_output().unwrap();
         String::from_utf8(output.stdout).unwrap().trim().to_owned()

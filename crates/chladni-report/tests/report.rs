@@ -5,7 +5,9 @@ use base64::Engine;
 use chladni_frf::{FrfSet, ModalModel, Source, Trust};
 use chladni_plate::{simulate, Panel, Simulation};
 use chladni_render::{evaluate, render, stress, sweep, On, Rendering, Scene, StressOptions};
-use chladni_report::{charts, data, figures, gallery, html, scene_data, studio_html, ChartFormats, CurvePoint, Curves, RenderedScene, ReportInput, Table};
+use chladni_report::{
+    charts, data, figures, gallery, html, scene_data, studio_html, ChartFormats, CurvePoint, Curves, RenderedScene, ReportInput, Table,
+};
 use std::path::Path;
 use std::sync::OnceLock;
 
@@ -101,6 +103,14 @@ fn the_data_hold_every_part_of_the_report() {
     }
     assert_eq!(scene_data(&input), *scene);
     assert_eq!(all["tables"][0]["rows"][0][0], "panel");
+}
+
+#[test]
+fn of_many_sources_the_first_are_named() {
+    let mut model = small().truth.clone();
+    model.source = (1..=34).map(|k| Source { file: format!("scan_{k}.uff"), sha256: "ab".repeat(32) }).collect();
+    let facts = data(&ReportInput { model: Some(&model), ..Default::default() }).unwrap()["model"]["facts"].to_string();
+    assert!(facts.contains("scan_1.uff, scan_2.uff, scan_3.uff and 31 more") && !facts.contains("abab"), "{facts}");
 }
 
 #[test]

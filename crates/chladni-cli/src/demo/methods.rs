@@ -17,7 +17,14 @@ const RESIDUAL_POWERS: [i32; 4] = [-2, 0, 2, 4];
 ///
 /// # Errors
 /// None for the built-in panel: a fit that cannot be made has no row.
-pub fn speed_against_accuracy(frf: &FrfSet, truth: &ModalModel, snr_db: f64, model: &ModalModel, auto_s: f64, console: &Console) -> Result<Table> {
+pub fn speed_against_accuracy(
+    frf: &FrfSet,
+    truth: &ModalModel,
+    snr_db: f64,
+    model: &ModalModel,
+    auto_s: f64,
+    console: &Console,
+) -> Result<Table> {
     let FrfValues::F64(values) = &frf.values else { return Ok(Table::default()) };
     let variance = mean_square(values) * 10f64.powf(-snr_db / 10.0);
     let bounds_hz = cramer_rao(truth, &frf.frequency_hz, variance, &RESIDUAL_POWERS)?.frequency_std_hz;
@@ -25,12 +32,18 @@ pub fn speed_against_accuracy(frf: &FrfSet, truth: &ModalModel, snr_db: f64, mod
     let row = |method: Method, time_s: f64, model: &ModalModel| {
         let comparison = Comparison::new(model, truth);
         // a missed mode counts as half its bandwidth
-        let over_bound = comparison.frequency_hz.iter().zip(&known).zip(&bounds_hz).map(|((error, mode), bound)| {
-            error.unwrap_or(0.5 * mode.loss_factor * mode.frequency_hz) / bound
-        });
+        let over_bound = comparison
+            .frequency_hz
+            .iter()
+            .zip(&known)
+            .zip(&bounds_hz)
+            .map(|((error, mode), bound)| error.unwrap_or(0.5 * mode.loss_factor * mode.frequency_hz) / bound);
         let error = (over_bound.map(|ratio| ratio * ratio).sum::<f64>() / known.len() as f64).sqrt();
         let counts = [comparison.missed, comparison.spurious].map(|count| count.to_string());
-        ["panel of the demonstration".into(), method.to_string(), format!("{time_s:.3}"), format!("{error:.3}")].into_iter().chain(counts).collect()
+        ["panel of the demonstration".into(), method.to_string(), format!("{time_s:.3}"), format!("{error:.3}")]
+            .into_iter()
+            .chain(counts)
+            .collect()
     };
     let mut rows = vec![row(Method::Auto, auto_s, model)];
     for method in METHODS {

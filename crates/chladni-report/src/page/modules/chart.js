@@ -8,6 +8,8 @@ const MARGIN = { left: 62, right: 14, top: 10, bottom: 42 };
 /** Width of a turned label with its gaps, and of a digit, px. */
 const LABEL_PX = 30;
 const LETTER_PX = 7;
+/** Ticks along x in a narrow window. */
+const LEAST_TICKS = 5;
 /** Part of the range that a key moves by, and factor that it zooms by. */
 const MOVE = 0.15;
 const ZOOM = 1.5;
@@ -63,7 +65,7 @@ export function chart(first) {
 
   function frame(box, x, y, y2) {
     const parts = [];
-    for (const [value, text] of ticks(x.ends, (box.right - box.left) / 90, spec.x.log, spec.x.step)) {
+    for (const [value, text] of ticks(x.ends, Math.max(spec.x.names ? 1 : LEAST_TICKS, (box.right - box.left) / 90), spec.x.log, spec.x.step)) {
       const at = x.place(value);
       parts.push(s("line", { class: "grid", x1: at, x2: at, y1: box.top, y2: box.bottom }));
       parts.push(s("text", { x: at, y: box.bottom + 16, "text-anchor": "middle" }, spec.x.names ? (spec.x.names[value] ?? "") : text));
