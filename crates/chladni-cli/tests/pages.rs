@@ -278,6 +278,8 @@ fn fit_weights_and_field_follow_the_band_while_it_is_dragged() {
     let wanted = all.iter().filter(|&&hz| hz > low).count();
     page.wait(&format!("document.querySelector('#fit-status').textContent === '{wanted} modes, draft'"));
     page.wait("document.querySelector('#result').dataset.method === 'pressure-matching'");
+    // what is out of view is drawn when the hand rests
+    page.wait(&format!("document.querySelector('#poles table').tBodies[0].rows.length === {wanted}"));
     assert_eq!(page.eval("document.documentElement.dataset.fits"), "1", "no full fit while the hand holds on");
     let draft = shown_frequencies(&mut page);
     assert!(draft.iter().all(|&hz| hz > low) && draft.len() == wanted, "{draft:?}");

@@ -3,7 +3,7 @@
 import { h, section, slider, tick, takeAway } from "./dom.js";
 import { array, split } from "./data.js";
 import { state, reset, change } from "./store.js";
-import { unpack, fitSections } from "./page.js";
+import { unpack, fitParts } from "./page.js";
 import { warningList, contents } from "./facts.js";
 import { sceneBody } from "./scenes.js";
 import { zoneBoard, sceneNumbers, startOfScene, sceneToml } from "./zones.js";
@@ -63,15 +63,20 @@ export function start() {
   });
 }
 
+/** Where each part of the fit stands, by its anchor: the diagram beside the controls, the others below the scene. */
+const holders = new Map();
+
 function draw(page, said) {
   const head = h("div", {});
-  const fitted = h("div", {});
   const { model, geometry } = unpack(said.data);
   const first = { ...startOfScene([], model), zones: geometry ? startZones(geometry) : [] };
-  const control = fitControls(said, fitted, head);
+  for (const [id] of fitParts(said.data, model, geometry)) holders.set(id, h("div", {}));
+  const { controls, command } = fitControls(said, head);
   const scene = geometry ? scenePanel(first, geometry) : h("p", {}, "The file holds no positions of the nodes: no scene can be drawn.");
-  page.replaceChildren(head, h("main", {}, section("studio", "Studio", control), section("scene", "Scene", scene), fitted));
-  showFit(said, fitted, head);
+  const below = [...holders].filter(([id]) => id !== "stabilization").map(([, holder]) => holder);
+  const studio = section("studio", "Studio", controls, holders.get("stabilization"), command);
+  page.replaceChildren(head, h("main", {}, studio, section("scene", "Scene", scene), below));
+  showFit(said, head);
   document.documentElement.dataset.drawn = String(Math.round(performance.now()));
 }
 
@@ -90,32 +95,57 @@ function completed(said) {
   return { ...said, data: { ...data, ...changed, frfs } };
 }
 
-function showFit(answer, fitted, head) {
+/** What of a draft is still to be drawn. */
+let waiting = 0;
+
+function showFit(answer, head) {
   const said = completed(answer);
   const { pair } = state;
+  clearTimeout(waiting);
   reset();
   // the DOFs of a studio are the same in every fit
   state.pair = pair;
   const { model, geometry } = unpack(said.data);
   model.file = said.model_file;
   here = { model, geometry };
-  if (!said.draft) full = { data: said.data, model, terms: said.data.frfs?.terms && split(array(said.data.frfs.terms)) };
   if (model.inBand.length) change({ mode: model.inBand[0] });
-  const sections = fitSections(said.data, model, geometry);
-  fitted.replaceChildren(...sections);
-  const own = [...document.querySelectorAll("#studio, #scene")];
-  // what stands above the hand that moves keeps its height
-  if (!said.draft) head.replaceChildren(h("h1", {}, said.data.title), warningList(said.data.warnings), contents([...own, ...sections]));
-  const counter = said.draft ? "drafts" : "fits";
-  document.documentElement.dataset[counter] = String(Number(document.documentElement.dataset[counter] ?? 0) + 1);
+  const parts = fitParts(said.data, model, geometry);
+  const put = ([id, make]) => holders.get(id).replaceChildren(...[make()].filter(Boolean));
+  if (said.draft) {
+    // what is in view at once, the rest while the hand rests
+    const [now, later] = [true, false].map((wanted) => parts.filter(([id]) => isInView(holders.get(id)) === wanted));
+    now.forEach(put);
+    const next = () => {
+      if (!later.length) return count("drafts");
+      put(later.shift());
+      waiting = setTimeout(next);
+    };
+    waiting = setTimeout(next);
+    return;
+  }
+  full = { data: said.data, model, terms: said.data.frfs?.terms && split(array(said.data.frfs.terms)) };
+  parts.forEach(put);
+  const sections = ["studio", "scene", ...holders.keys()].map((id) => document.getElementById(id)).filter((one) => one?.tagName === "SECTION" && one.id !== "stabilization");
+  head.replaceChildren(h("h1", {}, said.data.title), warningList(said.data.warnings), contents(sections));
+  count("fits");
+}
+
+function isInView(element) {
+  const { top, bottom } = element.getBoundingClientRect();
+  return bottom > 0 && top < innerHeight;
+}
+
+/** Counts what was drawn, for who waits for it. */
+function count(what) {
+  document.documentElement.dataset[what] = String(Number(document.documentElement.dataset[what] ?? 0) + 1);
 }
 
 /** Band and number of modes; asks for a draft while the hand moves, for a full fit when it lets go. */
-function fitControls(said, fitted, head) {
+function fitControls(said, head) {
   const status = h("span", { class: "muted", role: "status", id: "fit-status" }, `${said.data.model.modes.filter((mode) => mode.in_band && mode.trust !== "rejected").length} modes`);
   const command = takeAway("The same fit again", "fit-command");
   command.set(said.command || "# the model was read from its file");
-  if (!said.refit) return h("div", {}, h("p", {}, "This is a model that was fitted before: band and number of modes are those of its file. Open the FRFs to change them. "), status);
+  if (!said.refit) return { controls: h("p", {}, "This is a model that was fitted before: band and number of modes are those of its file. Open the FRFs to change them. ", status), command: null };
   const [low, high] = said.lines_hz;
   const step = (high - low) / 1000;
   const words = (hz) => `${fixed(hz, 1)} Hz`;
@@ -146,7 +176,7 @@ function fitControls(said, fitted, head) {
         status.textContent = answer.error;
         return;
       }
-      showFit(answer, fitted, head);
+      showFit(answer, head);
       const found = here.model.inBand.length;
       status.textContent = `${found} modes${moving ? ", draft" : ""}${number < fits.asked ? "; fitting …" : ""}`;
       if (count.disabled) count.value = found;
@@ -156,7 +186,7 @@ function fitControls(said, fitted, head) {
   }
 
   const counts = h("label", { class: "control" }, "Modes ", count);
-  return h("div", {}, h("div", { class: "controls" }, from.element, to.element, counts, auto, status), command.element);
+  return { controls: h("div", { class: "controls" }, from.element, to.element, counts, auto, status), command: command.element };
 }
 
 /** Filled by the scene's panel: renders again after a fit. */
