@@ -4,7 +4,7 @@ use chladni_bench::{corner_scene, panel_77x34_1997_lines, Case};
 use chladni_frf::io::{read_frf, write_contents, Contents, ReadOptions};
 use chladni_frf::FrfSet;
 use chladni_render::{render, Method as RenderMethod, RenderOptions};
-use chladni_rfp::{fit, FitOptions, Method};
+use chladni_rfp::{fit, Effort, FitOptions, Method};
 use criterion::{criterion_group, criterion_main, Criterion, Throughput};
 use std::cell::Cell;
 use std::hint::black_box;
@@ -18,15 +18,18 @@ const STAGES: [(&str, &str); 4] = [
     ("shapes", "residues_and_shapes"),
 ];
 
+/// Modes of the panel in its band.
+const PANEL_MODES: usize = 25;
+
 fn panel() -> FrfSet {
     panel_77x34_1997_lines().expect("the committed panel").frf
 }
 
-/// Time that `fit` spends in the stage `name`.
-fn time_in(frf: &FrfSet, name: &str) -> Duration {
+/// Time that a fit spends in the stage `name`.
+fn time_in(frf: &FrfSet, options: &FitOptions, name: &str) -> Duration {
     let (inside, spent) = (Cell::new(None::<Instant>), Cell::new(Duration::ZERO));
     let leave = || spent.set(spent.get() + inside.take().map_or(Duration::ZERO, |start| start.elapsed()));
-    let fitted = fit(frf, &FitOptions::default(), &|stage| {
+    let fitted = fit(frf, options, &|stage| {
         leave();
         inside.set((stage == name).then(Instant::now));
     });
@@ -41,10 +44,31 @@ fn stages(c: &mut Criterion) {
     let (panel, easy) = (panel(), Case::named("easy").expect("a case of that name").problem().expect("a constant case").measured(0));
     for (case, frf) in [("panel_77x34_1997_lines", &panel), ("easy", &easy)] {
         for (stage, name) in STAGES {
-            let timed = |repeats: u64| (0..repeats).map(|_| time_in(frf, stage)).sum::<Duration>();
+            let timed = |repeats: u64| (0..repeats).map(|_| time_in(frf, &FitOptions::default(), stage)).sum::<Duration>();
             group.bench_function(format!("{case}/{name}"), |b| b.iter_custom(timed));
         }
     }
+    group.finish();
+}
+
+/// Time of one step: what two searches for poles that differ by some steps differ by.
+fn step(frf: &FrfSet, options: impl Fn(usize) -> FitOptions, [fewer, more]: [usize; 2]) -> Duration {
+    let [least, most] = [fewer, more].map(|steps| time_in(frf, &options(steps), "poles"));
+    most.saturating_sub(least).max(Duration::from_nanos(1)) / (more - fewer) as u32
+}
+
+fn steps(c: &mut Criterion) {
+    let mut group = c.benchmark_group("step");
+    group.sample_size(10);
+    let panel = panel();
+    let lean = |effort: Effort| FitOptions { method: Method::Lean, modes: Some(PANEL_MODES), effort, ..FitOptions::default() };
+    let pool = |pool_iterations| lean(Effort { pool_iterations, ..Effort::default() });
+    let likelihood = |likelihood_steps| lean(Effort { likelihood_steps, ..Effort::default() });
+    let timed = |options: &dyn Fn(usize) -> FitOptions, steps: [usize; 2], repeats: u64| {
+        (0..repeats).map(|_| step(&panel, options, steps)).sum::<Duration>()
+    };
+    group.bench_function("panel_77x34_1997_lines/vector_fitting", |b| b.iter_custom(|repeats| timed(&pool, [4, 104], repeats)));
+    group.bench_function("panel_77x34_1997_lines/varpro", |b| b.iter_custom(|repeats| timed(&likelihood, [0, 3], repeats)));
     group.finish();
 }
 
@@ -89,5 +113,5 @@ fn files(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(all, stages, identification, rendering, files);
+criterion_group!(all, stages, steps, identification, rendering, files);
 criterion_main!(all);

@@ -1,7 +1,7 @@
 //! Knobs: one option of a method turned from the least to the most, everything else as it is.
 
 use chladni_frf::{FrfSet, FrfValues};
-use chladni_rfp::{FitOptions, Method, ShapeModel};
+use chladni_rfp::{Effort, FitOptions, Method, ShapeModel};
 use num_complex::Complex32;
 use std::fmt;
 
@@ -14,6 +14,14 @@ pub enum Setting {
     Single,
     /// What shapes may be while poles are refined.
     Shapes(ShapeModel),
+    /// Columns of the count sketch.
+    SketchColumns(usize),
+    /// Steps of vector fitting.
+    PoolIterations(usize),
+    /// Passes over the data beyond the two.
+    ExtraPasses(usize),
+    /// Steps to the maximum-likelihood poles.
+    LikelihoodSteps(usize),
 }
 
 impl fmt::Display for Setting {
@@ -22,6 +30,10 @@ impl fmt::Display for Setting {
             Self::Order(more) => write!(f, "order {more:+}"),
             Self::Single => f.write_str("f32"),
             Self::Shapes(shapes) => write!(f, "shapes {}", shapes.as_str()),
+            Self::SketchColumns(columns) => write!(f, "sketch {columns}"),
+            Self::PoolIterations(steps) => write!(f, "pool steps {steps}"),
+            Self::ExtraPasses(passes) => write!(f, "extra passes {passes}"),
+            Self::LikelihoodSteps(steps) => write!(f, "likelihood steps {steps}"),
         }
     }
 }
@@ -40,8 +52,8 @@ pub(crate) struct Knob {
 /// Cases on which knobs are turned.
 pub(crate) const KNOB_CASES: [&str; 2] = ["panel", "overlap-1"];
 
-/// The knobs that options of a fit give: sketch columns, passes and iterations of vector fitting are constants of the identification.
-pub(crate) const KNOBS: [Knob; 4] = [
+/// The knobs that options of a fit give.
+pub(crate) const KNOBS: [Knob; 8] = [
     Knob {
         method: Method::Lean,
         about: "order, 4 less to 8 more than there are",
@@ -56,6 +68,30 @@ pub(crate) const KNOBS: [Knob; 4] = [
     },
     Knob { method: Method::Auto, about: "data in f32, f64", settings: &[Setting::Single], as_it_is: 1.0 },
     Knob { method: Method::Lean, about: "data in f32, f64", settings: &[Setting::Single], as_it_is: 1.0 },
+    Knob {
+        method: Method::Lean,
+        about: "0, 1, 2, 4, 30 likelihood steps",
+        settings: &[Setting::LikelihoodSteps(0), Setting::LikelihoodSteps(1), Setting::LikelihoodSteps(2), Setting::LikelihoodSteps(4)],
+        as_it_is: 4.0,
+    },
+    Knob {
+        method: Method::Auto,
+        about: "24, 40, 80, 160 columns of the sketch",
+        settings: &[Setting::SketchColumns(24), Setting::SketchColumns(40), Setting::SketchColumns(160)],
+        as_it_is: 1.5,
+    },
+    Knob {
+        method: Method::Auto,
+        about: "2, 4, 8, 16 steps of vector fitting",
+        settings: &[Setting::PoolIterations(2), Setting::PoolIterations(4), Setting::PoolIterations(16)],
+        as_it_is: 1.5,
+    },
+    Knob {
+        method: Method::Auto,
+        about: "at most 0, 1, 3 passes beyond two",
+        settings: &[Setting::ExtraPasses(0), Setting::ExtraPasses(1)],
+        as_it_is: 2.0,
+    },
 ];
 
 impl Knob {
@@ -72,6 +108,10 @@ impl Setting {
         match self {
             Self::Order(more) => FitOptions { modes: Some(modes.saturating_add_signed(more as isize)), ..options },
             Self::Shapes(shapes) => FitOptions { shapes, ..options },
+            Self::SketchColumns(sketch_columns) => FitOptions { effort: Effort { sketch_columns, ..options.effort }, ..options },
+            Self::PoolIterations(pool_iterations) => FitOptions { effort: Effort { pool_iterations, ..options.effort }, ..options },
+            Self::ExtraPasses(extra_passes) => FitOptions { effort: Effort { extra_passes, ..options.effort }, ..options },
+            Self::LikelihoodSteps(likelihood_steps) => FitOptions { effort: Effort { likelihood_steps, ..options.effort }, ..options },
             Self::Single => options,
         }
     }
@@ -100,5 +140,9 @@ mod tests {
         let places: Vec<f64> = order.settings.iter().filter_map(|&setting| order.position(setting)).collect();
         assert!(places.windows(2).all(|pair| pair[0] < pair[1]) && !places.contains(&order.as_it_is));
         assert_eq!(order.position(Setting::Single), None);
+        let turned = [Setting::SketchColumns(24), Setting::PoolIterations(2), Setting::ExtraPasses(0)]
+            .map(|setting| setting.options(FitOptions::default(), 34).effort);
+        assert!(turned.iter().all(|effort| *effort != Effort::default()));
+        assert_eq!(turned.map(|effort| (effort.sketch_columns, effort.pool_iterations, effort.extra_passes))[2].2, 0);
     }
 }

@@ -170,6 +170,7 @@ impl Args {
             window: self.window,
             exponential_window_per_s: self.exponential_window,
             seed: self.seed,
+            ..FitOptions::default()
         }
     }
 }

@@ -55,7 +55,6 @@ pub(crate) fn fit_by_method(data: &Screened, options: &FitOptions, method: Finde
         variance,
         path: format!("{}: {}, no maximum-likelihood step", options.method, found.how),
         warnings: found.warnings,
-        white: false,
         consistent: true,
         real_shapes: false,
     };

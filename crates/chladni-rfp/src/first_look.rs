@@ -44,7 +44,7 @@ pub(crate) fn first_look(sketch: &Work, peaks: &[Peak], seed: u64, hz: f64) -> R
 fn misfit(work: &Work, peaks: &[Peak], seed: u64, hz: f64) -> Result<Option<String>, LinalgError> {
     let seeds: Vec<Complex64> = peaks.iter().map(|p| p.lambda).collect();
     let size = pool_size(work, seeds.len(), None)?;
-    let Start { refined, .. } = started(work, &mixtures(work, tol::POOL_MIXTURES, seed), &seeds, size)?;
+    let Start { refined, .. } = started(work, &mixtures(work, tol::POOL_MIXTURES, seed), &seeds, size, tol::POOL_ITERATIONS)?;
     let stands_for = |pole: &Complex64, peak: &Peak| (pole.re - peak.lambda.re).abs() < 1.5 * peak.lambda.im;
     let strong: Vec<Complex64> =
         refined.lambda.iter().copied().filter(|pole| peaks.iter().any(|p| p.is_striking() && stands_for(pole, p))).collect();

@@ -1,24 +1,23 @@
 //! The fit: screen, find poles, choose the damping law, residues, shapes, model.
 
+use crate::decide::decide;
 use crate::error::FitError;
 use crate::family::fit_by_method;
 use crate::faults;
 use crate::found::{more_than_asked, uncertainty_grade, Found, Grade};
-use crate::law::{self, chance, choose, Law};
+use crate::law::Law;
 use crate::measured::measured_path;
 use crate::methods::{aaa, circle, grfp, lean, lscf, peak, plscf, rfp, vf, Stabilization, Survey};
-use crate::model::{common_shape_misfit, Identified, Shaped};
-use crate::options::{FitOptions, Method, ShapeModel};
+use crate::model::{Identified, Shaped};
+use crate::options::{FitOptions, Method};
 use crate::order::{fast_chain, Chain, Outcome, POWERS};
 use crate::project::project;
 use crate::refine::{refine, Projection, Refined};
 use crate::screen::Screened;
-use crate::structured::{structured, Structured};
-use crate::tolerances as tol;
 use crate::unequal::PairWeights;
 use crate::work::Work;
 use chladni_frf::{Damping, FrfSet, ModalModel, Trust};
-use chladni_linalg::{inverse_hermitian, LinalgError};
+use chladni_linalg::inverse_hermitian;
 use std::f64::consts::TAU;
 
 /// A fit with its history.
@@ -125,38 +124,8 @@ fn fit_auto(data: &Screened, options: &FitOptions, sought: bool, progress: &dyn 
         Outcome::NotWhite(evidence) => (from_measured(data, options, &evidence, progress)?, Vec::new()),
         Outcome::Conjugated => (from_conjugated(data, options)?, Vec::new()),
     };
-    progress("damping law");
-    let chance = chance(&found.work, found.variance);
     let measured = found.spread.is_some();
-    let least_gain = if measured { chance.max(LAW_SHARE * found.refined.projection.sse) } else { chance };
-    let choice = choose(&found.work, &found.refined, least_gain, measured.then(|| found.heaviest_sure()), options.damping)?;
-    progress("shapes");
-    let (law, mut contradicted) = (choice.law, choice.contradicted);
-    let alike = measured && found.heaviest_sure() < tol::LAW_ALIKE && !found.refined.lambda.is_empty();
-    let other = choice.rival.map(|rival| Identified::new(found.clone(), rival)).transpose()?;
-    let refined = shape_search(data, &found, options, law.damping, measured)?;
-    let mut identified = Identified::new(found, law)?;
-    let mut undecided = alike;
-    if let Some(other) = other {
-        // one shape for all references tells the laws apart where free residues absorb the difference; so does one real shape, which
-        // the wrong law does not admit. A mode that only structured refinement saw has to pay for itself
-        let real = refined.as_ref().filter(|structured| structured.real);
-        let own = real.map_or(f64::INFINITY, |structured| structured.sse + structured.added as f64 * chance);
-        let gain = own.min(common_shape_misfit(data, &identified)?) - common_shape_misfit(data, &other)?;
-        undecided = gain.abs() <= least_gain;
-        if gain > least_gain && options.damping.is_none() {
-            identified = other;
-        } else {
-            contradicted |= gain > least_gain;
-        }
-    }
-    let mut warnings = Vec::new();
-    warnings.extend(contradicted.then(|| law::contradicted(identified.damping)));
-    let shift = identified.shift_by_other_law();
-    warnings.extend((undecided && shift > 1.0).then(|| law::undecidable(identified.damping, shift)));
-    if let Some(structured) = refined.filter(|_| identified.damping == Damping::Structural) {
-        identified = identified.structured(structured);
-    }
+    let (identified, mut warnings) = decide(data, found, options, progress)?;
     let shaped = Shaped::new(data, identified)?;
     let left = shaped.left(data);
     let mut model = shaped.model(data, options, &left);
@@ -175,26 +144,8 @@ fn fit_auto(data: &Screened, options: &FitOptions, sought: bool, progress: &dyn 
     }
 }
 
-/// Structured refinement where it applies: asked for, or the residual is noise that chance can be judged by.
-fn shape_search(
-    data: &Screened,
-    found: &Found,
-    options: &FitOptions,
-    damping: Damping,
-    measured: bool,
-) -> Result<Option<Structured>, LinalgError> {
-    let forced = matches!(options.shapes, ShapeModel::Rank1 | ShapeModel::Real);
-    if damping == Damping::Viscous || (measured && !forced) {
-        return Ok(None);
-    }
-    structured(data, found, options.shapes, options.modes.is_some())
-}
-
 /// Residual over data beyond which the band as a whole is not explained, whatever single peaks are.
 const MOSTLY_LEFT: f64 = 0.5;
-
-/// Where the residual is not noise, one damping law must explain this share of it to be preferred.
-const LAW_SHARE: f64 = 0.05;
 
 fn from_chain(chain: Chain, asked: Option<usize>, hz: f64) -> Found {
     Found {

@@ -7,6 +7,7 @@
 
 mod alternation;
 mod blocks;
+mod decide;
 mod error;
 mod family;
 mod faults;
@@ -45,7 +46,7 @@ pub use error::FitError;
 pub use family::stabilization;
 pub use fit::{fit, Fit};
 pub use methods::{OrderPole, Stability, Stabilization};
-pub use options::{FitOptions, Method, ShapeModel, Window};
+pub use options::{Effort, FitOptions, Method, ShapeModel, Window};
 pub use validation::{
     auto_mac, cmif, mac, mac_matrix, mean_phase_deviation_deg, modal_complexity_factor, mpc, reciprocity, reconstruction_error,
     ReciprocalPair,

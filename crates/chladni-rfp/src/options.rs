@@ -1,6 +1,7 @@
 //! What a user may turn.
 
 pub use crate::faults::window::Window;
+use crate::tolerances as tol;
 use chladni_frf::Damping;
 use std::fmt;
 use std::str::FromStr;
@@ -106,6 +107,30 @@ impl FromStr for ShapeModel {
     }
 }
 
+/// How much is spent on finding poles: what moves a fit along the front of speed and accuracy.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Effort {
+    /// Columns of the count sketch, of the first pass over the data.
+    pub sketch_columns: usize,
+    /// Relaxed vector-fitting steps of the pole pool.
+    pub pool_iterations: usize,
+    /// Most passes over the data beyond the two.
+    pub extra_passes: usize,
+    /// Most steps of a final refinement to the maximum-likelihood poles.
+    pub likelihood_steps: usize,
+}
+
+impl Default for Effort {
+    fn default() -> Self {
+        Self {
+            sketch_columns: tol::SKETCH_COLUMNS,
+            pool_iterations: tol::POOL_ITERATIONS,
+            extra_passes: tol::EXTRA_PASSES,
+            likelihood_steps: tol::REFINE_FINE,
+        }
+    }
+}
+
 /// Options of a fit. `Default` is what the command line does without flags.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FitOptions {
@@ -126,4 +151,6 @@ pub struct FitOptions {
     pub exponential_window_per_s: Option<f64>,
     /// Seed of the random sketch and mixtures.
     pub seed: u64,
+    /// What is spent on finding poles.
+    pub effort: Effort,
 }

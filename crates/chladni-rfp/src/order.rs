@@ -99,7 +99,8 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
         return Ok(Outcome::NotWhite(evidence));
     }
     let mixed = mixtures(&sketch, tol::POOL_MIXTURES, seed);
-    let mut start = started(&sketch, &mixed, &seeds, size)?;
+    let iterations = data.effort.pool_iterations;
+    let mut start = started(&sketch, &mixed, &seeds, size, iterations)?;
     let look = |refined: &Refined| judge_columns(&sketch, &refined.lambda, &refined.projection.residual, hz);
     let spoilt = spoilt_lines(&sketch, &start.refined)?;
     if !spoilt.is_empty() {
@@ -110,7 +111,7 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
     let mut first = look(&start.refined);
     if first.misfit_share > tol::MISFIT_SHARE && asked.is_none() {
         // unless a larger pool takes it away: many modes hide behind few peaks, or few FRFs
-        let larger = started(&sketch, &mixed, &seeds, (2 * size).min(sketch.lines() / 3))?;
+        let larger = started(&sketch, &mixed, &seeds, (2 * size).min(sketch.lines() / 3), iterations)?;
         if larger.variance < tol::LARGER_POOL_GAIN * start.variance {
             start = larger;
             first = look(&start.refined);
@@ -137,7 +138,7 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
 
     progress("projection");
     // what the second pass keeps depends on these poles: converged, they are the same to the last digits however they were found
-    refined = refine(&sketch, &refined.lambda, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?;
+    refined = refine(&sketch, &refined.lambda, &POWERS, data.effort.likelihood_steps, tol::FINE_STEP)?;
     let mut pass = compressed(data, &sketch, &energy, &refined, asked.is_none(), &mut history)?;
     let dropped = asked.map_or(Ok(Vec::new()), |modes| keep_strongest(&pass.projected.work, &mut pass.refined, modes))?;
     let Pass { refined, projected, variance, .. } = pass;
@@ -159,9 +160,9 @@ pub(crate) struct Start {
     pub variance: f64,
 }
 
-/// Vector fitting with `size` poles on mixtures, pruning and rough refinement on the sketch.
-pub(crate) fn started(sketch: &Work, mixed: &Work, seeds: &[Complex64], size: usize) -> Result<Start, LinalgError> {
-    let pool = vector_fit(mixed, &starts(sketch, seeds, size), &POWERS, tol::POOL_ITERATIONS, Products::PartialFractions)?;
+/// `iterations` of vector fitting with `size` poles on mixtures, pruning and rough refinement on the sketch.
+pub(crate) fn started(sketch: &Work, mixed: &Work, seeds: &[Complex64], size: usize, iterations: usize) -> Result<Start, LinalgError> {
+    let pool = vector_fit(mixed, &starts(sketch, seeds, size), &POWERS, iterations, Products::PartialFractions)?;
     let stable: Vec<Complex64> = pool.lambda.iter().zip(&pool.flipped).filter(|(_, flipped)| !**flipped).map(|(pole, _)| *pole).collect();
     let variance = pool_variance(sketch, &stable)?;
     let kept = prune(sketch, &stable, &POWERS, variance)?;

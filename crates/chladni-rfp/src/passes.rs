@@ -38,7 +38,7 @@ pub(crate) fn compressed(
 ) -> Result<Pass, LinalgError> {
     let mut best = Pass::new(data, energy, start, history)?;
     let mut tried = Vec::new();
-    for _ in 0..if sought { tol::EXTRA_PASSES } else { 0 } {
+    for _ in 0..if sought { data.effort.extra_passes } else { 0 } {
         if let Some(pole) = best.missed(data, &tried) {
             tried.push(pole);
             let mut more = best.refined.lambda.clone();
@@ -67,10 +67,11 @@ impl Pass {
     fn new(data: &Screened, energy: &Array1<f64>, start: &Refined, history: &mut Vec<(usize, f64)>) -> Result<Self, LinalgError> {
         let projected = project_all(data, start, energy)?;
         let work = &projected.work;
-        let mut refined = refine(work, &start.lambda, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?;
+        let steps = data.effort.likelihood_steps;
+        let mut refined = refine(work, &start.lambda, &POWERS, steps, tol::FINE_STEP)?;
         let mut variance = full_variance(data, &projected, &refined);
         settle(work, &mut refined, &mut variance, data.pairs.len(), history)?;
-        refined = refine(work, &refined.lambda, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?;
+        refined = refine(work, &refined.lambda, &POWERS, steps, tol::FINE_STEP)?;
         let variance = full_variance(data, &projected, &refined);
         let lost = start.lambda.len().saturating_sub(refined.lambda.len());
         Ok(Self { projected, refined, variance, lost })

@@ -2,7 +2,7 @@
 
 use crate::error::FitError;
 use crate::faults::noisy::far_noisier;
-use crate::options::FitOptions;
+use crate::options::{Effort, FitOptions};
 use crate::reading::{energy, visit, Usable};
 use crate::unequal::{PairWeights, Weighting};
 use crate::work::Work;
@@ -36,6 +36,8 @@ pub(crate) struct Screened<'a> {
     pub g: Vec<f64>,
     /// What was left out, in words.
     pub warnings: Vec<String>,
+    /// What is spent on finding poles.
+    pub effort: Effort,
     /// Where `frf` is not the measurement itself but weighted by its noise.
     pub weighting: Option<Weighting<'a>>,
 }
@@ -91,6 +93,7 @@ impl<'a> Screened<'a> {
             omega_max,
             rms: 1.0,
             warnings,
+            effort: options.effort,
             weighting: None,
         };
         let sum: f64 = if bad.contains(&true) {
@@ -127,6 +130,7 @@ impl<'a> Screened<'a> {
             x: kept.iter().map(|&place| self.x[place]).collect(),
             g: kept.iter().map(|&place| self.g[place]).collect(),
             warnings: self.warnings.clone(),
+            effort: self.effort,
             weighting: self.weighting,
         }
     }

@@ -16,8 +16,8 @@ impl Screened<'_> {
     /// First pass: count sketch (each FRF added with a random sign to one of a few columns, scaled so that the noise
     /// keeps its variance) and the energy of each line over all FRFs.
     pub fn sketch(&self, seed: u64) -> (Work, Array1<f64>) {
-        let total = self.pairs.len();
-        if total <= tol::SKETCH_COLUMNS {
+        let (total, width) = (self.pairs.len(), self.effort.sketch_columns.max(1));
+        if total <= width {
             let work = self.work();
             let energy = line_energy(&work.b) * total as f64;
             return (work, energy);
@@ -27,7 +27,7 @@ impl Screened<'_> {
         order.shuffle(&mut rng);
         let mut bucket = vec![0; total];
         for (position, &l) in order.iter().enumerate() {
-            bucket[l] = position % tol::SKETCH_COLUMNS;
+            bucket[l] = position % width;
         }
         let sign: Vec<f64> = (0..total).map(|_| if rng.random::<bool>() { 1.0 } else { -1.0 }).collect();
         let chunks: Vec<Range<usize>> =
@@ -35,7 +35,7 @@ impl Screened<'_> {
         let parts: Vec<(Vec<Complex64>, Vec<f64>)> = chunks
             .par_iter()
             .map(|rows| {
-                let (mut sums, mut energy) = (vec![Complex64::default(); rows.len() * tol::SKETCH_COLUMNS], vec![0.0; rows.len()]);
+                let (mut sums, mut energy) = (vec![Complex64::default(); rows.len() * width], vec![0.0; rows.len()]);
                 let lines = &self.lines[rows.clone()];
                 for ((&pair, &bucket), &sign) in self.pairs.iter().zip(&bucket).zip(&sign) {
                     let sums = &mut sums[bucket * rows.len()..(bucket + 1) * rows.len()];
@@ -48,11 +48,11 @@ impl Screened<'_> {
             })
             .collect();
         let factor = self.factor();
-        let scale = (tol::SKETCH_COLUMNS as f64 / total as f64).sqrt() * factor;
-        let mut b = Array2::zeros((self.lines.len(), tol::SKETCH_COLUMNS).f());
+        let scale = (width as f64 / total as f64).sqrt() * factor;
+        let mut b = Array2::zeros((self.lines.len(), width).f());
         let mut energy = Array1::zeros(self.lines.len());
         for (rows, (sums, squares)) in chunks.into_iter().zip(parts) {
-            let sums = Array2::from_shape_vec((rows.len(), tol::SKETCH_COLUMNS).f(), sums).expect("one per line and column");
+            let sums = Array2::from_shape_vec((rows.len(), width).f(), sums).expect("one per line and column");
             b.slice_mut(s![rows.clone(), ..]).zip_mut_with(&sums, |value, sum| *value = sum * scale);
             energy.slice_mut(s![rows]).assign(&(Array1::from(squares) * factor.norm_sqr()));
         }

@@ -5,12 +5,12 @@ pub(crate) const STEPS_AHEAD: usize = 4;
 /// Noise variance of clean data relative to their mean square, at which rounding of the data and of the kernels begins to
 /// look like modes.
 pub(crate) const ROUNDING_VARIANCE: f64 = 1e-26;
-/// Columns of the count sketch. 64–96 keep every mode that stands out of the noise (study); fewer lose weak modes that
+/// Columns of the count sketch, unless told otherwise. 64–96 keep every mode that stands out of the noise (study); fewer lose weak modes that
 /// share a bucket, more only cost time.
 pub(crate) const SKETCH_COLUMNS: usize = 80;
 /// Random mixtures that vector fitting works on. 4 begins to miss modes, 16 doubles the time and finds none more.
 pub(crate) const POOL_MIXTURES: usize = 8;
-/// Relaxed vector-fitting steps; the poles stand still after five or six.
+/// Relaxed vector-fitting steps, unless told otherwise; the poles stand still after five or six.
 pub(crate) const POOL_ITERATIONS: usize = 8;
 /// The same for each of the nine voting runs of the measured-data path: they need agreement, not digits.
 pub(crate) const VOTE_ITERATIONS: usize = 6;

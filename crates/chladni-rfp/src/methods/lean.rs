@@ -47,7 +47,7 @@ pub(crate) fn lean(survey: &Survey, options: &FitOptions, grade: impl Fn(&Refine
     let data = survey.data;
     let all = Work { x: data.x.clone(), g: data.g.clone(), b: Array2::zeros((data.lines.len(), 0)) };
     let projected = project(data, &qr_thin(basis(&all, &rough, &POWERS).view())?.0, &survey.energy)?;
-    let refined = fine(&projected.work, &rough, options.modes.unwrap_or(usize::MAX))?;
+    let refined = fine(&projected.work, &rough, options.modes.unwrap_or(usize::MAX), options.effort.likelihood_steps)?;
     let freedom = data.lines.len().saturating_sub(refined.unknowns()).max(1) * data.pairs.len();
     let variance = (projected.line_residual(&refined.projection.residual).sum() / freedom as f64).max(1e-30);
     let found = inside(&projected.work, &refined.lambda);
@@ -70,21 +70,21 @@ pub(crate) fn lean(survey: &Survey, options: &FitOptions, grade: impl Fn(&Refine
 /// Poles that matter, at least as many in the band as asked for, out of a pool for `modes` modes. One too many may be an
 /// out-of-band mode that the pool puts just inside; the refinement will tell.
 fn start(survey: &Survey, modes: usize, options: &FitOptions) -> Result<Vec<Complex64>, LinalgError> {
-    let pool = pool(survey, &survey.sketch, tol::POOL_MIXTURES, survey.pool_size(modes), options.seed, Products::PartialFractions)?;
+    let pool = pool(survey, &survey.sketch, tol::POOL_MIXTURES, survey.pool_size(modes), options, Products::PartialFractions)?;
     let stable: Vec<Complex64> = signed(&pool).into_iter().filter(|pole| pole.im > 0.0).collect();
     select(&survey.sketch, &stable, variance_left(&survey.sketch, &stable)?, options.modes.unwrap_or(0)..=usize::MAX)
 }
 
 /// Refines to the last digit, and again without the weakest as long as more than `modes` poles are in the band.
-fn fine(work: &Work, start: &[Complex64], modes: usize) -> Result<Refined, LinalgError> {
-    let mut refined = refine(work, start, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?;
+fn fine(work: &Work, start: &[Complex64], modes: usize, steps: usize) -> Result<Refined, LinalgError> {
+    let mut refined = refine(work, start, &POWERS, steps, tol::FINE_STEP)?;
     while inside(work, &refined.lambda) > modes {
         let rises = refined.significance()?;
         let weakest = (0..rises.len()).filter(|&q| work.in_band(refined.lambda[q])).min_by(|&a, &b| rises[a].total_cmp(&rises[b]));
         let Some(weakest) = weakest else { break };
         let mut fewer = refined.lambda.clone();
         fewer.remove(weakest);
-        refined = refine(work, &fewer, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?;
+        refined = refine(work, &fewer, &POWERS, steps, tol::FINE_STEP)?;
     }
     Ok(refined)
 }

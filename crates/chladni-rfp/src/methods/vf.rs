@@ -32,16 +32,23 @@ const MIXTURES: usize = 2 * tol::POOL_MIXTURES;
 /// A decomposition that fails.
 pub(crate) fn vf(survey: &Survey, columns: &Columns, options: &FitOptions) -> Result<MethodPoles, FitError> {
     let size = survey.pool_size(survey.expected(columns, options));
-    let pool = pool(survey, &columns.work, MIXTURES, size, options.seed, Products::Orthonormal)?;
+    let pool = pool(survey, &columns.work, MIXTURES, size, options, Products::Orthonormal)?;
     Ok(modes_of(survey, &signed(&pool), options, "relaxed vector fitting, poles chosen by their residues")?)
 }
 
 /// `size` poles by vector fitting on some mixtures of `work`, from the visible peaks.
-pub(super) fn pool(survey: &Survey, work: &Work, count: usize, size: usize, seed: u64, how: Products) -> Result<Pool, LinalgError> {
+pub(super) fn pool(
+    survey: &Survey,
+    work: &Work,
+    count: usize,
+    size: usize,
+    options: &FitOptions,
+    how: Products,
+) -> Result<Pool, LinalgError> {
     let rows = survey.rows();
-    let mixed = mixtures(work, count, seed);
+    let mixed = mixtures(work, count, options.seed);
     let mixed = if rows.len() < mixed.lines() { mixed.select(&rows) } else { mixed };
-    vector_fit(&mixed, &starts(&mixed, &survey.seeds(), size), &POWERS, tol::POOL_ITERATIONS, how)
+    vector_fit(&mixed, &starts(&mixed, &survey.seeds(), size), &POWERS, options.effort.pool_iterations, how)
 }
 
 /// Poles of the pool with the sign of damping that they left with.

@@ -21,7 +21,7 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 use shape_error::{shape_bars, Noisy, Scale, ShapeBars};
 
-/// χ² per degree of freedom beyond which one shape per mode does not hold, where the residual is not noise that chance can be judged by.
+/// χ² per degree of freedom beyond which one shape per mode does not hold.
 const SHAPE_MISFIT: f64 = 1.5;
 /// FRFs per block of what is done FRF by FRF.
 const BLOCK: usize = 1024;
@@ -60,20 +60,29 @@ impl FreeFit {
     }
 }
 
-/// Sum of squares of the compressed columns with one shape per mode of the band, whatever lies outside left free: what two damping
-/// laws can be compared by. (An out-of-band pole that happens to need a high rank is no evidence on damping.)
-pub(crate) fn common_shape_misfit(data: &Screened, identified: &Identified) -> Result<f64, LinalgError> {
+/// One shape per mode of the band, whatever lies outside left free. (An out-of-band pole that happens to need a high rank is no evidence
+/// on damping.)
+pub(crate) struct CommonShapes {
+    /// Sum of squares of the compressed columns: what two damping laws can be compared by.
+    pub sse: f64,
+    /// Its rise over that of free residues, in standard deviations of what chance makes of it.
+    pub sigmas: f64,
+}
+
+/// Fits one shape per mode of the band at the poles as they stand.
+pub(crate) fn common_shapes(data: &Screened, identified: &Identified) -> Result<CommonShapes, LinalgError> {
     let FreeFit { poles, linear, all, present } = FreeFit::new(data, identified)?;
     let (low, high) = identified.work.range();
     let (inside, outside): (Vec<usize>, Vec<usize>) = (0..poles.len()).partition(|&n| (low..=high).contains(&poles[n].omega.powi(2)));
     if inside.is_empty() {
-        return Ok(linear.sse);
+        return Ok(CommonShapes { sse: linear.sse, sigmas: 0.0 });
     }
     let weight = eliminated(&linear.weight, &inside, &outside)?;
     let mut values = Array2::zeros((inside.len(), all.ncols()).f());
     values.assign(&all.select(Axis(0), &inside));
     let shapes = low_rank(&Residues { values: &values, weight: &weight, present: &present }, &vec![1; inside.len()])?;
-    Ok(linear.sse + shapes.rise)
+    let sigmas = beyond_chance(shapes.rise, shapes.constraints, identified.variance, tol::STRUCTURE_ROUNDING * identified.work.energy());
+    Ok(CommonShapes { sse: linear.sse + shapes.rise, sigmas })
 }
 
 /// Identified poles with the residues of every FRF brought into shapes: all but the scaling.
@@ -90,8 +99,6 @@ pub(crate) struct Shaped {
     terms: Array2<Complex64>,
     /// χ² per degree of freedom of the model as saved.
     pub chi2_per_dof: f64,
-    /// What one shape per mode costs over free residues, in standard deviations of what chance makes of it.
-    shape_sigmas: f64,
 }
 
 impl Shaped {
@@ -135,29 +142,26 @@ impl Shaped {
             0
         };
         let constraints = shapes.constraints + real;
-        let rounding = tol::STRUCTURE_ROUNDING * work.energy();
-        let shape_sigmas = beyond_chance(shapes.rise, constraints, variance, rounding);
         let chi2_per_dof =
             if variance > 0.0 { (linear.sse + shapes.rise) / (variance * (free_dof + 0.5 * constraints as f64)) } else { 1.0 };
         let (scales, scaling) = scales(data, identified.damping, &poles, &shapes);
         let noisy = Noisy { work, powers, poles: &poles, shapes: &shapes, present: &present, variance, real: *real_shapes };
         let bars = shape_bars(&noisy, &scales)?;
         let terms = linear.terms;
-        Ok(Self { identified, poles, shapes, scales, scaling, bars, terms, chi2_per_dof, shape_sigmas })
+        Ok(Self { identified, poles, shapes, scales, scaling, bars, terms, chi2_per_dof })
     }
 
     /// Builds the model; `left` as from [`Self::left`].
     pub fn model(self, data: &Screened, options: &FitOptions, left: &[f64]) -> ModalModel {
         let mean_square = left.iter().sum::<f64>() / (data.lines.len() * data.pairs.len()) as f64;
         let relative_error = mean_square.sqrt() / data.measured_over_used();
-        let Self { identified, poles, shapes, scales, scaling, bars, terms, chi2_per_dof, shape_sigmas } = self;
-        let Identified { damping, poles: all, powers, path, white, mut warnings, consistent, .. } = identified;
+        let Self { identified, poles, shapes, scales, scaling, bars, terms, chi2_per_dof } = self;
+        let Identified { damping, poles: all, powers, path, mut warnings, consistent, .. } = identified;
         let (responses, references) = (data.frf.responses.len(), data.frf.references.len());
-        let unlike = if white { shape_sigmas > tol::STRUCTURE_SIGMAS } else { chi2_per_dof > SHAPE_MISFIT };
-        if unlike {
+        if chi2_per_dof > SHAPE_MISFIT {
             warnings.push(format!(
-                "one shape per mode explains the references together worse than free residues (χ² per degree of freedom {chi2_per_dof:.2}, \
-                 {shape_sigmas:.0} sigma beyond chance): modes may be missing, or a reference is delayed or not reciprocal"
+                "one shape per mode explains the references together worse than free residues (χ² per degree of freedom {chi2_per_dof:.1}): \
+                 modes may be missing, or a reference is delayed or not reciprocal"
             ));
         }
 

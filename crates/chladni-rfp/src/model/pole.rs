@@ -46,8 +46,6 @@ pub(crate) struct Identified {
     pub variance: f64,
     /// Which path found them, and why.
     pub path: String,
-    /// True where the residual is noise that chance can be judged by.
-    pub white: bool,
     /// Warnings so far.
     pub warnings: Vec<String>,
     /// False where the data as a whole contradict the model.
@@ -96,7 +94,6 @@ impl Identified {
     /// `spread` = E|δλ|² per pole (measured-data path, where the residual decides).
     pub fn new(found: Found, law: Law) -> Result<Self, LinalgError> {
         let Found { refined, work, back, variance, spread, grades, path, warnings, consistent } = found;
-        let white = spread.is_none();
         let structural = match &spread {
             Some(spread) => spread.clone(),
             None => {
@@ -146,7 +143,6 @@ impl Identified {
             back,
             variance,
             path,
-            white,
             warnings,
             consistent,
             real_shapes: false,

@@ -9,7 +9,7 @@ use crate::structured::{background, overlapping, taken, unknowns, LineProducts, 
 use crate::tolerances as tol;
 use crate::work::{basis, basis_derivative, Work};
 use chladni_linalg::{eigh, inverse_hermitian, matmul, matmul_h, solve_hermitian, LinalgError};
-use ndarray::{s, Array1, Array2, ArrayView1, ArrayViewMut1, Axis};
+use ndarray::{s, Array2, ArrayViewMut1, Axis};
 use num_complex::Complex64;
 
 /// How a saved shape ψ = t·x answers errors of x and L: δt/t = Σ a_d δx_d + Σ c_j δL_j.
@@ -160,17 +160,18 @@ impl ShapeErrors {
 
     /// Writes the deviations of the terms into their `rows`.
     fn fill(&self, rows: &[usize], scales: &[Scale], out: &mut ShapeBars) -> Result<(), LinalgError> {
-        for cluster in overlapping(&self.lambda) {
+        for modes in overlapping(&self.lambda) {
             // poles first: where they come from free residues they have a covariance of their own
-            let mut unknowns = unknowns(&cluster, &self.participation, self.real);
+            let mut unknowns = unknowns(&modes, &self.participation, self.real);
             unknowns.sort_by_key(|unknown| unknown.other.is_some());
             let inside: Vec<Array2<Complex64>> = self.groups.iter().map(|group| self.tangent(group).inside(&unknowns)).collect();
-            let covariance = self.covariance(&cluster, &unknowns, &inside)?;
+            let covariance = self.covariance(&modes, &unknowns, &inside)?;
             let answers: Vec<Array2<Complex64>> =
                 self.groups.iter().zip(&inside).map(|(group, inside)| matmul(group.gram_inverse.view(), inside.view())).collect();
-            for &n in &cluster {
+            let cluster = Cluster { modes, unknowns, covariance };
+            for &n in &cluster.modes {
                 let row = rows[n];
-                out.scale[row] = self.fill_term(n, &scales[row], &unknowns, &covariance, &answers, out.shape.row_mut(row));
+                out.scale[row] = self.fill_term(n, &scales[row], &cluster, &answers, out.shape.row_mut(row));
             }
         }
         Ok(())
@@ -236,45 +237,52 @@ impl ShapeErrors {
     }
 
     /// The deviations of term `n`, and that of its scale; `answers`: J of each group, (term, unknown).
-    fn fill_term(
-        &self,
-        n: usize,
-        scale: &Scale,
-        unknowns: &[Unknown],
-        covariance: &Array2<Complex64>,
-        answers: &[Array2<Complex64>],
-        mut out: ArrayViewMut1<f64>,
-    ) -> f64 {
+    fn fill_term(&self, n: usize, scale: &Scale, cluster: &Cluster, answers: &[Array2<Complex64>], mut out: ArrayViewMut1<f64>) -> f64 {
+        let Cluster { modes, unknowns, covariance } = cluster;
         let x = &self.shape;
         let mut group_of = vec![0; x.ncols()];
         self.groups.iter().enumerate().for_each(|(g, group)| group.responses.iter().for_each(|&i| group_of[i] = g));
         let noise = |i: usize| self.groups[group_of[i]].gram_inverse[[n, n]].re * self.seen_variance();
-        let shift = |i: usize, a: usize| -answers[group_of[i]][[n, a]] * x[[unknowns[a].mode, i]];
         // relative change of the scale per unknown
-        let along: Vec<Complex64> = (0..unknowns.len())
-            .map(|a| {
-                let own = |&&(j, _): &&(usize, Complex64)| unknowns[a].mode == n && unknowns[a].other == Some(j);
-                let direct: Complex64 = scale.reference.iter().filter(own).map(|(_, c)| *c).sum();
-                direct + scale.response.iter().map(|&(d, weight)| weight * shift(d, a)).sum::<Complex64>()
-            })
-            .collect();
-        let scale_noise: f64 = scale.response.iter().map(|&(d, weight)| weight.norm_sqr() * noise(d)).sum();
-        let quadratic = |gradient: ArrayView1<Complex64>| {
-            let spread = covariance.t().dot(&gradient);
-            spread.iter().zip(gradient).map(|(s, g)| (s * g.conj()).re).sum::<f64>()
+        let along = |a: usize| {
+            let own = |&&(j, _): &&(usize, Complex64)| unknowns[a].mode == n && unknowns[a].other == Some(j);
+            let direct: Complex64 = scale.reference.iter().filter(own).map(|(_, c)| *c).sum();
+            let shift = |d: usize| -answers[group_of[d]][[n, a]] * x[[unknowns[a].mode, d]];
+            taken(self.real, direct + scale.response.iter().map(|&(d, weight)| weight * shift(d)).sum::<Complex64>())
         };
-        let of_unknowns = quadratic(along.iter().map(|v| taken(self.real, *v)).collect::<Array1<_>>().view());
+        let scale_noise: f64 = scale.response.iter().map(|&(d, weight)| weight.norm_sqr() * noise(d)).sum();
+        // a change of response i is Σ_m x_mi·(change along J of mode m) + x_ni·(change of the scale): few directions for all responses
+        let directions = modes.len() + 1;
+        let spread = |answer: &Array2<Complex64>| {
+            let along = Array2::from_shape_fn((directions, unknowns.len()), |(row, a)| match modes.get(row) {
+                Some(mode) if *mode == unknowns[a].mode => -taken(self.real, answer[[n, a]]),
+                Some(_) => Complex64::ZERO,
+                None => along(a),
+            });
+            let half = matmul(along.view(), covariance.view());
+            matmul(half.view(), along.t().mapv(|v| v.conj()).view())
+        };
+        let spreads: Vec<Array2<Complex64>> = answers.iter().map(spread).collect();
+        let of_unknowns = spreads.first().map_or(0.0, |spread| spread[[modes.len(), modes.len()]].re);
         let scale_variance = (scale_noise + of_unknowns).max(0.0);
         let beyond_first_order = scale.second_order(scale_variance) * scale_variance;
-        let gradient = Array2::from_shape_fn((x.ncols(), unknowns.len()), |(i, a)| taken(self.real, shift(i, a) + x[[n, i]] * along[a]));
         for (i, value) in out.iter_mut().enumerate() {
-            let through = quadratic(gradient.row(i));
+            let part = |row: usize| x[[modes.get(row).copied().unwrap_or(n), i]];
+            let spread = &spreads[group_of[i]];
+            let through: f64 = spread.indexed_iter().map(|((a, b), v)| (part(a) * v * part(b).conj()).re).sum();
             let shared: f64 = scale.response.iter().filter(|(d, _)| *d == i).map(|(_, weight)| 2.0 * (x[[n, i]] * weight).re).sum();
             let own = noise(i) * (1.0 + shared) + x[[n, i]].norm_sqr() * (scale_noise + beyond_first_order);
             *value = scale.factor.norm() * (own + through).max(0.0).sqrt();
         }
         scale_variance.sqrt()
     }
+}
+
+/// Terms that overlap, with the covariance of what they were found by.
+struct Cluster {
+    modes: Vec<usize>,
+    unknowns: Vec<Unknown>,
+    covariance: Array2<Complex64>,
 }
 
 fn finite(value: f64) -> f64 {

@@ -56,15 +56,26 @@ pub(crate) struct Structured {
     pub evidence: String,
 }
 
-/// Refines the poles of the band under the shape model asked for; `None` where it does not apply or does not hold.
+/// What came of the search for structure.
+#[derive(Debug)]
+pub(crate) enum Search {
+    /// Not asked for, or nothing to hold against the data.
+    Inapplicable,
+    /// One shape per mode raises the sum of squares by so many standard deviations of chance, with all the modes that could be added.
+    Refused(f64),
+    /// It holds.
+    Found(Structured),
+}
+
+/// Refines the poles of the band under the shape model asked for.
 ///
 /// `fixed_order`: no mode may be added.
-pub(crate) fn structured(data: &Screened, found: &Found, asked: ShapeModel, fixed_order: bool) -> Result<Option<Structured>, LinalgError> {
+pub(crate) fn structured(data: &Screened, found: &Found, asked: ShapeModel, fixed_order: bool) -> Result<Search, LinalgError> {
     let (responses, references) = (data.frf.responses.len(), data.frf.references.len());
     let work = &found.work;
     let (inside, outside): (Vec<Complex64>, Vec<Complex64>) = found.refined.lambda.iter().partition(|l| work.in_band(**l));
     if asked == ShapeModel::Free || inside.is_empty() || data.pairs.len() < responses * references {
-        return Ok(None);
+        return Ok(Search::Inapplicable);
     }
     // eliminated are the many DOFs, kept in the search the few
     let swapped = references > responses;
@@ -91,7 +102,7 @@ pub(crate) fn structured(data: &Screened, found: &Found, asked: ShapeModel, fixe
     }
     let sigmas = rank_one(&state);
     if asked == ShapeModel::Auto && !chance(sigmas) {
-        return Ok(None);
+        return Ok(Search::Refused(sigmas));
     }
     let added = state.lambda.len().saturating_sub(found_free);
     let mut evidence = format!("one shape per mode ({sigmas:+.1} sigma of chance");
@@ -110,11 +121,11 @@ pub(crate) fn structured(data: &Screened, found: &Found, asked: ShapeModel, fixe
             evidence += &format!(", real ({sigmas:+.1} sigma)");
             state = real;
         } else if sides[1] == 1 {
-            return Ok(None);
+            return Ok(Search::Inapplicable);
         }
     }
     let (real, sse) = (state.real, state.sse);
-    Ok(Some(Structured { poles: merged([target, &whole], state, variance, swapped)?, real, sse, added, evidence }))
+    Ok(Search::Found(Structured { poles: merged([target, &whole], state, variance, swapped)?, real, sse, added, evidence }))
 }
 
 /// Columns to pairs, (column, eliminated · other). Every pair is there, response by response.
