@@ -51,7 +51,8 @@ fn contrast(a: [u8; 3], b: [u8; 3]) -> f64 {
 /// The values of `names` in the light theme and in the dark one.
 fn themes(names: &[&str]) -> [Vec<[u8; 3]>; 2] {
     let of = |name: &str| -> Vec<[u8; 3]> {
-        let values = STYLE.split(&format!("--{name}: #")).skip(1).map(|rest| u32::from_str_radix(&rest[..6], 16).unwrap());
+        let key = format!("--{name}: #");
+        let values = STYLE.split(&key).skip(1).map(|rest| u32::from_str_radix(&rest[..6], 16).unwrap());
         values.map(|value| [value >> 16, value >> 8, value].map(|byte| (byte & 255) as u8)).collect()
     };
     [0, 1].map(|theme| names.iter().map(|name| of(name)[theme]).collect())
