@@ -19,11 +19,11 @@ pub fn curves(model: &ModalModel, scene: &Scene, weights: &Weights) -> Result<Cu
     let mut order: Vec<_> = weights.weights.iter().filter(|weight| weight.amplitude > 0.0).collect();
     order.sort_by(|a, b| b.amplitude.total_cmp(&a.amplitude));
     let order: Vec<Dof> = order.into_iter().map(|weight| weight.reference).collect();
-    let of_modes = |count: usize| {
+    let of_modes = |count: usize| -> Result<CurvePoint> {
         let weights = render(model, scene, &RenderOptions { modes: Count::Number(count), ..options() })?.weights;
         Ok(point(count, &evaluate(&weights, scene, On::Model(model))?.indices))
     };
-    let of_actuators = |count: usize| {
+    let of_actuators = |count: usize| -> Result<CurvePoint> {
         let mut fewer = scene.clone();
         fewer.actuators.only = Some(order[..count].to_vec());
         // all modes: the weights' own indices are those in the whole model
