@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs what the checks need beyond Rust and a C compiler: the C libraries of the `system` flavour, and a browser for the tests of the
-# report and the studio (without one they are skipped and say so). The default flavour needs nothing of this. OpenBLAS with threads on purpose: the build without them has no locks either, and our
-# threads would have to queue for it (crates/chladni-linalg/src/lapack.rs).
+# report and the studio (without one they are skipped and say so). The default flavour needs nothing of this. OpenBLAS with threads on
+# purpose: the build without them has no locks either, and our threads would have to queue for it (crates/chladni-linalg/src/lapack.rs).
 set -euo pipefail
 
 packages=(libopenblas-pthread-dev libhdf5-dev pkg-config)

@@ -80,7 +80,8 @@ pub(crate) fn pareto_chart(x: Axis, y: Axis, entries: &[Entry], limits: Vec<(f64
         }
     }
     let labels: Vec<String> = shown.iter().map(|entry| entry.label.clone()).collect();
-    let places = names(&points, &labels, ends[0], ends[1]);
+    let others: Vec<Place> = curves.iter().flat_map(|curve| curve.points.clone()).collect();
+    let places = names(&points, &others, &labels, ends[0], ends[1]);
     // a name that found no room at the height of its mark is tied to it
     let tied = places.iter().zip(&points).filter(|((at, _), point)| (at[1] / point[1]).ln().abs() > 1e-9);
     let ties = tied.map(|((at, _), point)| vec![*point, *at]).collect();
@@ -182,19 +183,21 @@ fn window(values: impl Iterator<Item = f64>) -> [f64; 2] {
     [low / room, high * room]
 }
 
-/// Where the `labels` of `points` stand: beside their marks, clear of other names and marks where there is room.
-fn names(points: &[Place], labels: &[String], x: [f64; 2], y: [f64; 2]) -> Vec<(Place, Anchor)> {
+/// Where the `labels` of `points` stand: beside their marks, clear of other names and marks and of `others` where there is room.
+fn names(points: &[Place], others: &[Place], labels: &[String], x: [f64; 2], y: [f64; 2]) -> Vec<(Place, Anchor)> {
     let part = |value: f64, ends: [f64; 2]| (value / ends[0]).ln() / (ends[1] / ends[0]).ln();
     let value = |part: f64, ends: [f64; 2]| ends[0] * (ends[1] / ends[0]).powf(part);
-    let marks: Vec<Place> = points.iter().map(|point| [part(point[0], x), part(point[1], y)]).collect();
+    let mark = |point: &Place| [part(point[0], x), part(point[1], y)];
+    let marks: Vec<Place> = points.iter().map(mark).collect();
     // taken stretches: left and right end, height, all as parts of the box
-    let mut taken: Vec<[f64; 3]> = marks.iter().map(|[across, up]| [across - 0.5 * NAME_GAP, across + 0.5 * NAME_GAP, *up]).collect();
+    let stretch = |[across, up]: Place| [across - 0.5 * NAME_GAP, across + 0.5 * NAME_GAP, up];
+    let mut taken: Vec<[f64; 3]> = marks.iter().copied().chain(others.iter().map(mark)).map(stretch).collect();
     let mut placed = Vec::new();
     for ([across, up], label) in marks.iter().zip(labels) {
         let width = LETTER * label.chars().count() as f64;
         let right = (Anchor::Start, [across + NAME_GAP, across + NAME_GAP + width]);
         let left = (Anchor::End, [across - NAME_GAP - width, across - NAME_GAP]);
-        let heights = [0.0, 1.0, -1.0, 2.0, -2.0].map(|steps| up + steps * NAME_STEP);
+        let heights = [0.0, 1.0, -1.0, 2.0, -2.0, 3.0, -3.0, 4.0, -4.0].map(|steps| up + steps * NAME_STEP);
         let places = heights.iter().flat_map(|&height| [right, left].map(|(anchor, ends)| (anchor, ends, height)));
         let free = |(_, [from, to], height): &(Anchor, [f64; 2], f64)| {
             let clear = |other: &[f64; 3]| (other[2] - height).abs() >= NAME_STEP || other[1] <= *from || *to <= other[0];
@@ -221,7 +224,7 @@ mod tests {
     #[test]
     fn names_stand_beside_their_marks_and_clear_of_each_other() {
         let labels = ["auto", "lean", "circle (7.00 missed)"].map(String::from);
-        let placed = names(&[[1.0, 1.0], [1.1, 1.0], [90.0, 50.0]], &labels, [0.5, 100.0], [0.5, 100.0]);
+        let placed = names(&[[1.0, 1.0], [1.1, 1.0], [90.0, 50.0]], &[], &labels, [0.5, 100.0], [0.5, 100.0]);
         let apart = (placed[1].0[1] / placed[0].0[1]).ln().abs() > 0.9 * NAME_STEP * 200f64.ln();
         assert!(apart || placed[0].1 != placed[1].1, "{placed:?}");
         assert_eq!((placed[2].1, placed[2].0[1].round()), (Anchor::End, 50.0), "no room at the right, room at its own height");

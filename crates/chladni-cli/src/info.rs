@@ -187,12 +187,21 @@ impl Listing {
         self.warnings.push(one_line(&Error { file: None, ..error.clone() }));
     }
 
-    /// Warnings of the file and of its datasets, with the place.
+    /// Warnings of the file and of its datasets, with the place; what is said of several datasets is said once, of the first.
     fn all_warnings(&self) -> Vec<String> {
         let file = self.file.display();
         let of_file = self.warnings.iter().map(|warning| format!("{file}: {warning}"));
-        let of_datasets =
-            self.datasets.iter().flat_map(|info| info.warnings.iter().map(|warning| format!("{file}: {}: {warning}", place(info))));
+        let mut alike: Vec<(&DatasetInfo, &String, usize)> = Vec::new();
+        for info in &self.datasets {
+            for warning in &info.warnings {
+                match alike.iter_mut().find(|(_, known, _)| *known == warning) {
+                    Some((.., count)) => *count += 1,
+                    None => alike.push((info, warning, 1)),
+                }
+            }
+        }
+        let more = |count: usize| if count > 1 { format!(" (and {})", counted(count - 1, "more dataset")) } else { String::new() };
+        let of_datasets = alike.iter().map(|(info, warning, count)| format!("{file}: {}: {warning}{}", place(info), more(*count)));
         of_file.chain(of_datasets).collect()
     }
 

@@ -6,6 +6,7 @@ mod args;
 mod bench;
 mod console;
 mod convert;
+mod curves;
 mod demo;
 mod estimate;
 mod evaluate;

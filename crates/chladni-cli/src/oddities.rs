@@ -17,13 +17,14 @@ pub fn of_set(frf: &FrfSet) -> Vec<String> {
     [kilohertz(frf), clipped(frf), directions(frf)].into_iter().flatten().collect()
 }
 
-/// Oddities that may well be meant: for who asks what is inside.
+/// What may well be meant, and how to tell: for who asks what is inside.
 pub fn of_listing(frf: &FrfSet) -> Vec<String> {
     let (responses, references) = (frf.responses.len(), frf.references.len());
     let swapped = (references > responses).then(|| {
         format!(
-            "more references ({references}) than responses ({responses}): right for a roving hammer; where the sensor roved, response and \
-             reference are swapped in this file"
+            "more references ({references}) than responses ({responses}): as a roving hammer gives them; if the sensor or the laser roved and the \
+             force stayed in its place, response and reference may be swapped: the references listed here are then the places of the sensor, \
+             and the export is to be corrected"
         )
     });
     // commands that fit say the same of the fitted model, and better

@@ -109,18 +109,8 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         weights.options.insert("also".into(), others.iter().map(Scene::name).collect());
     }
     args.reading.echo(&mut weights.options);
-    if args.stress {
-        console.stage("stress");
-        let (rows, warnings) = stress(&weights, &scene, &model, &StressOptions { seed: args.seed, ..StressOptions::default() })?;
-        weights.options.insert("stress_seed".into(), args.seed.into());
-        weights.stress = Some(rows);
-        weights.warnings.extend(warnings);
-    }
-    if let Some(range) = args.sweep {
-        console.stage("sweeping frequencies");
-        weights.options.insert("sweep_hz".into(), range.to_vec().into());
-        weights.sweep = Some(sweep(&model, &scene, &options, range)?);
-    }
+    let trials = Trials { stress_seed: args.stress.then_some(args.seed), sweep_hz: args.sweep };
+    trials.on(&mut weights, &model, &scene, &options, console)?;
     console.warn_all(weights.warnings.iter().cloned());
     if let Some(output) = &output {
         console.stage("writing");
@@ -159,6 +149,36 @@ fn of_scene(error: Error, scene: &Scene) -> Error {
     match &scene.file {
         Some(file) => error.file(file),
         None => error,
+    }
+}
+
+/// What weights go through beside the scene itself.
+pub struct Trials {
+    /// Seed of the stress table; `None`: no table.
+    pub stress_seed: Option<u64>,
+    /// Drive frequencies to try, Hz.
+    pub sweep_hz: Option<[f64; 2]>,
+}
+
+impl Trials {
+    /// Puts `weights` to the trials; they carry the outcome.
+    ///
+    /// # Errors
+    /// A range of frequencies that cannot be swept.
+    pub fn on(&self, weights: &mut Weights, model: &ModalModel, scene: &Scene, options: &RenderOptions, console: &Console) -> Result<()> {
+        if let Some(seed) = self.stress_seed {
+            console.stage("stress");
+            let (rows, warnings) = stress(weights, scene, model, &StressOptions { seed, ..StressOptions::default() })?;
+            weights.options.insert("stress_seed".into(), seed.into());
+            weights.stress = Some(rows);
+            weights.warnings.extend(warnings);
+        }
+        if let Some(range) = self.sweep_hz {
+            console.stage("sweeping frequencies");
+            weights.options.insert("sweep_hz".into(), range.to_vec().into());
+            weights.sweep = Some(sweep(model, scene, options, range)?);
+        }
+        Ok(())
     }
 }
 

@@ -1,6 +1,7 @@
 //! `chladni report`: models and weights as one HTML page, and its views as files.
 
 use crate::console::Console;
+use crate::curves::curves;
 use crate::input::{expand, read_frf, read_weights, source, Reading};
 use crate::outcome::Outcome;
 use crate::output::{make_folder, Output, HTML, PICTURE, TABLE};
@@ -8,7 +9,7 @@ use crate::table::{counted, shortened};
 use chladni_frf::io::{self, detect_format, write_atomically, FileFormat};
 use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result, Source};
 use chladni_render::{evaluate, Evaluation, On, Scene, Weights};
-use chladni_report::{charts, html, ChartFormats, RenderedScene, ReportInput, Table};
+use chladni_report::{charts, html, ChartFormats, Curves, RenderedScene, ReportInput, Table};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -46,6 +47,7 @@ pub struct Args {
 struct ShownWeights {
     weights: Weights,
     evaluation: Option<Evaluation>,
+    curves: Option<Curves>,
 }
 
 /// Runs the command.
@@ -269,24 +271,28 @@ fn measured_of(file: &Path, model: &ModalModel, console: &Console) -> Option<Frf
     }
 }
 
-/// Weights with their field, where the scene lies beside them.
+/// Weights with their field and curves, where the scene lies beside them.
 fn show(file: &Path, weights: Weights, model: Option<&ModalModel>, console: &Console) -> Result<ShownWeights> {
     let scene = beside(file, &weights.source).into_iter().find(|path| path.file_name().is_some_and(|name| *name == *weights.scene));
-    let evaluation = match (scene, model) {
-        (Some(scene), Some(model)) => Some(evaluate(&weights, &Scene::read(&scene)?, On::Model(model)).map_err(|error| error.file(file))?),
+    let (mut evaluation, mut shown_curves) = (None, None);
+    match (scene, model) {
+        (Some(scene), Some(model)) => {
+            let scene = Scene::read(&scene)?;
+            evaluation = Some(evaluate(&weights, &scene, On::Model(model)).map_err(|error| error.file(file))?);
+            shown_curves = Some(curves(model, &scene, &weights).map_err(|error| error.file(file))?);
+        }
         (None, _) => {
             console.warn(format!("{}: this scene does not lie beside the weights, unchanged: no field is shown", weights.scene));
-            None
         }
-        (Some(_), None) => None,
-    };
-    Ok(ShownWeights { weights, evaluation })
+        (Some(_), None) => {}
+    }
+    Ok(ShownWeights { weights, evaluation, curves: shown_curves })
 }
 
 impl ShownWeights {
     fn scene(&self) -> RenderedScene<'_> {
         match &self.evaluation {
-            Some(evaluation) => RenderedScene::of_evaluation(&self.weights, evaluation, "the model"),
+            Some(evaluation) => RenderedScene::of_evaluation(&self.weights, evaluation, "the model").with_curves(self.curves.as_ref()),
             None => RenderedScene::of_weights(&self.weights),
         }
     }

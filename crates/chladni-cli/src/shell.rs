@@ -2,9 +2,10 @@
 
 use crate::args::Cli;
 use crate::outcome::Outcome;
-use chladni_frf::{Error, ErrorKind, Result};
+use chladni_frf::{nearest_word, Error, ErrorKind, Result};
 use clap::CommandFactory;
 use clap_complete::Shell;
+use clap_mangen::roff::{roman, Roff};
 use serde_json::json;
 
 /// Arguments of `completions`.
@@ -46,11 +47,31 @@ pub fn man(args: &ManArgs) -> Result<Outcome> {
         None => cli,
         Some(name) => cli.find_subcommand(name).cloned().ok_or_else(|| {
             let known: Vec<&str> = cli.get_subcommands().map(clap::Command::get_name).collect();
-            Error::new(ErrorKind::Usage, "no such command").found(name).expected(known.join(", "))
+            let error = Error::new(ErrorKind::Usage, "no such command").found(name).expected(known.join(", "));
+            match nearest_word(name, &known) {
+                Some(near) => error.help(format!("write `chladni man {near}`")),
+                None => error,
+            }
         })?,
     };
+    let examples = page.get_before_help().map(ToString::to_string);
     let mut text = Vec::new();
-    clap_mangen::Man::new(page).render(&mut text).map_err(|error| Error::new(ErrorKind::Internal, error.to_string()))?;
+    let written = clap_mangen::Man::new(page).render(&mut text).and_then(|()| match examples {
+        Some(examples) => as_written("EXAMPLES", examples.trim_start_matches("Examples:\n")).to_writer(&mut text),
+        None => Ok(()),
+    });
+    written.map_err(|error| Error::new(ErrorKind::Internal, error.to_string()))?;
     let text = String::from_utf8_lossy(&text).into_owned();
     Ok(Outcome::shown(json!({"man": text}), text))
+}
+
+/// A section of a manual page whose lines stay as they are.
+fn as_written(heading: &str, lines: &str) -> Roff {
+    let mut section = Roff::new();
+    section.control("SH", [heading]).control("nf", []);
+    for line in lines.lines() {
+        section.text([roman(line)]);
+    }
+    section.control("fi", []);
+    section
 }

@@ -19,6 +19,8 @@ pub struct Comparison {
     pub missed: usize,
     /// Modes of the fit without a partner in the truth.
     pub spurious: usize,
+    /// Found minus known natural frequency of each known mode, Hz; `None`: missed.
+    pub frequency_hz: Vec<Option<f64>>,
     /// Relative errors of the natural frequencies, rising.
     pub frequency: Vec<f64>,
     /// Relative errors of the loss factors, rising.
@@ -49,6 +51,7 @@ impl Comparison {
             }
         }
         let matched: Vec<(&Mode, &Mode)> = known.iter().zip(&partners).filter_map(|(&known, partner)| Some((known, (*partner)?))).collect();
+        let frequency_hz = known.iter().zip(&partners).map(|(known, found)| found.map(|found| found.frequency_hz - known.frequency_hz));
         let sorted = |of: fn(&Mode, &Mode) -> f64| {
             let mut values: Vec<f64> = matched.iter().map(|(known, found)| of(known, found)).collect();
             values.sort_by(f64::total_cmp);
@@ -58,6 +61,7 @@ impl Comparison {
             known: known.len(),
             missed: known.len() - matched.len(),
             spurious: found.len() - matched.len(),
+            frequency_hz: frequency_hz.collect(),
             frequency: sorted(|known, found| (found.frequency_hz / known.frequency_hz - 1.0).abs()),
             loss_factor: sorted(|known, found| (found.loss_factor / known.loss_factor - 1.0).abs()),
             mac: sorted(|known, found| mac(&known.shape.0, &found.shape.0)),

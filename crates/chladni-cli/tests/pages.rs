@@ -22,6 +22,14 @@ fn folder_with_report() -> Folder {
     folder
 }
 
+/// That report in a window of 1280 × 800 px; `None` where there is no browser.
+fn report_in_a_browser() -> Option<(Folder, Page)> {
+    let mut page = Page::new(1280, 800, false)?;
+    let folder = folder_with_report();
+    page.open_file(&folder.path().join("report.html"));
+    Some((folder, page))
+}
+
 fn model_of(folder: &Folder) -> chladni_frf::ModalModel {
     chladni_frf::io::read_model(&folder.path().join("model.json")).unwrap()
 }
@@ -41,9 +49,7 @@ fn pole_mark(page: &mut Page, name: &str, k: usize) -> [f64; 2] {
 
 #[test]
 fn clicks_and_keys_pick_poles_and_the_selection_is_what_select_reads() {
-    let Some(mut page) = Page::new(1280, 800, false) else { return };
-    let folder = folder_with_report();
-    page.open_file(&folder.path().join("report.html"));
+    let Some((folder, mut page)) = report_in_a_browser() else { return };
     let modes = model_of(&folder).in_band_modes().count();
     let curve = "document.querySelector('#frf-magnitude path[data-name=synthesised]').getAttribute('d')";
     let before = page.eval(curve);
@@ -75,9 +81,7 @@ fn clicks_and_keys_pick_poles_and_the_selection_is_what_select_reads() {
 
 #[test]
 fn the_page_synthesises_and_measures_what_the_files_hold() {
-    let Some(mut page) = Page::new(1280, 800, false) else { return };
-    let folder = folder_with_report();
-    page.open_file(&folder.path().join("report.html"));
+    let Some((folder, mut page)) = report_in_a_browser() else { return };
     let model = model_of(&folder);
     let (frf, ..) = chladni_frf::io::read_frf(&[folder.path().join("panel.h5")], &Default::default()).unwrap();
     // a pair that the page carries as residuals, not in full
@@ -107,9 +111,7 @@ fn the_page_synthesises_and_measures_what_the_files_hold() {
 
 #[test]
 fn the_same_weights_at_another_frequency_score_what_evaluate_says() {
-    let Some(mut page) = Page::new(1280, 800, false) else { return };
-    let folder = folder_with_report();
-    page.open_file(&folder.path().join("report.html"));
+    let Some((folder, mut page)) = report_in_a_browser() else { return };
     let other = 303.0;
     page.eval(&format!("(() => {{ const s = document.querySelector('#scene-1 input[type=range]'); s.value = {other}; s.dispatchEvent(new Event('input')); }})()"));
     let said =
@@ -127,9 +129,7 @@ fn the_same_weights_at_another_frequency_score_what_evaluate_says() {
 
 #[test]
 fn a_scene_drawn_in_the_report_is_what_render_reads() {
-    let Some(mut page) = Page::new(1280, 800, false) else { return };
-    let folder = folder_with_report();
-    page.open_file(&folder.path().join("report.html"));
+    let Some((folder, mut page)) = report_in_a_browser() else { return };
     page.eval("[...document.querySelectorAll('#zones button')].find((b) => b.textContent === 'Clear').click()");
     assert!(!page.text("#scene-toml").contains("polygon"));
     let [x, y, width, height] = page.place("#zone-board");
@@ -138,34 +138,8 @@ fn a_scene_drawn_in_the_report_is_what_render_reads() {
     assert_eq!(drawn.matches("kind = \"hot\"").count(), 1, "{drawn}");
     // a cold one by keys
     page.eval("document.querySelector('input[value=cold]').click(); document.querySelector('#zone-board').focus()");
-    for key in [
-        "ArrowUp",
-        "ArrowRight",
-        "ArrowRight",
-        "ArrowRight",
-        "ArrowRight",
-        "ArrowRight",
-        "ArrowRight",
-        "ArrowRight",
-        "ArrowRight",
-        "ArrowRight",
-        "ArrowRight",
-        "ArrowRight",
-        "Enter",
-        "ArrowRight",
-        "ArrowRight",
-        "ArrowRight",
-        "ArrowRight",
-        "ArrowRight",
-        "ArrowRight",
-        "ArrowUp",
-        "ArrowUp",
-        "ArrowUp",
-        "ArrowUp",
-        "ArrowUp",
-        "Enter",
-    ] {
-        page.key(key);
+    for (key, times) in [("ArrowUp", 1), ("ArrowRight", 11), ("Enter", 1), ("ArrowRight", 6), ("ArrowUp", 5), ("Enter", 1)] {
+        page.keys(key, times);
     }
     let both = page.text("#scene-toml");
     assert!(both.contains("kind = \"cold\"") && both.contains("kind = \"hot\""), "{both}");
@@ -278,6 +252,51 @@ fn a_zone_drawn_in_the_studio_changes_the_weights_and_its_commands_do_the_same_a
     assert_eq!(page.complaints(), Vec::<String>::new());
 }
 
+/// Natural frequencies that the pole table shows, Hz.
+fn shown_frequencies(page: &mut Page) -> Vec<f64> {
+    let cells = page.eval("[...document.querySelector('#poles table').tBodies[0].rows].map((row) => parseFloat(row.cells[2].textContent))");
+    serde_json::from_value(cells).unwrap()
+}
+
+#[test]
+fn fit_weights_and_field_follow_the_band_while_it_is_dragged() {
+    const ROBUST: &str = "document.querySelector('#result')?.dataset.method === 'robust'";
+    let Some(mut page) = Page::new(1280, 800, false) else { return };
+    let folder = Folder::with_panel();
+    let studio = Studio::start(&folder, "panel.h5");
+    page.open(&studio.url);
+    page.wait(ROBUST);
+    let all = shown_frequencies(&mut page);
+    let measured = "document.querySelector('#frf-magnitude path[data-name=measured]')";
+
+    // the hand moves the lower end of the band and holds it
+    let [x, y, width, height] = page.place("#band-from");
+    let (from, to) = ([x + 6.0, y + height / 2.0], [x + 0.3 * width, y + height / 2.0]);
+    page.drag_and_hold(from, to);
+    let low: f64 = page.text("#band-from").parse().unwrap();
+    assert!(low > 80.0, "{low}");
+    let wanted = all.iter().filter(|&&hz| hz > low).count();
+    page.wait(&format!("document.querySelector('#fit-status').textContent === '{wanted} modes, draft'"));
+    page.wait("document.querySelector('#result').dataset.method === 'pressure-matching'");
+    // what is out of view is drawn when the hand rests
+    page.wait(&format!("document.querySelector('#poles table').tBodies[0].rows.length === {wanted}"));
+    assert_eq!(page.eval("document.documentElement.dataset.fits"), "1", "no full fit while the hand holds on");
+    let draft = shown_frequencies(&mut page);
+    assert!(draft.iter().all(|&hz| hz > low) && draft.len() == wanted, "{draft:?}");
+    assert!(page.eval(&format!("{measured}.getAttribute('d').length")).as_u64().unwrap() > 1000, "measured FRFs stay");
+    assert!(!page.text("#fit-command").contains("--band"), "{}", page.text("#fit-command"));
+
+    // and lets go
+    page.release(to);
+    page.wait("document.documentElement.dataset.fits === '2'");
+    page.wait(ROBUST);
+    assert!(page.text("#fit-command").contains("--band"), "{}", page.text("#fit-command"));
+    let full = shown_frequencies(&mut page);
+    assert_eq!(full.len(), draft.len());
+    assert!(full.iter().zip(&draft).all(|(full, draft)| (full / draft - 1.0).abs() < 1e-4), "{full:?} {draft:?}");
+    assert_eq!(page.complaints(), Vec::<String>::new());
+}
+
 #[test]
 fn foreign_words_stay_words() {
     const EVIL: &str = "</script><img src=x onerror=document.title=1>";
@@ -342,4 +361,21 @@ fn the_report_of_the_demonstration_panel_opens_quickly() {
     let worked_s = page.worked_s();
     assert!(worked_s > 0.0 && worked_s < OPENS_WITHIN_S, "{worked_s} s");
     assert_eq!(page.eval("document.querySelectorAll('section[id^=scene-]').length"), 4);
+    let titles = page.eval("[...document.querySelectorAll('.figure-title, .stress h3')].map((title) => title.textContent).join('; ')");
+    for view in [
+        "root mean square over all FRFs",
+        "Stabilization diagram over the CMIF",
+        "Loss factor with 95 % bounds",
+        "Field at 300.0 Hz",
+        "Weights around the panel",
+        "The scene at other drive frequencies",
+        "These weights at other frequencies",
+        "The scene with fewer modes",
+        "The scene with fewer actuators",
+        "When the panel is not the model",
+        "Speed against accuracy",
+    ] {
+        assert!(titles.as_str().unwrap().contains(view), "{view}: {titles}");
+    }
+    assert!(std::fs::metadata(&report).unwrap().len() < 8_000_000);
 }

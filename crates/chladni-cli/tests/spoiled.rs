@@ -56,6 +56,8 @@ fn wrong_units_in_a_universal_file_and_in_a_table() {
     assert_ne!(text, labelled);
     folder.write("spoiled.unv", labelled);
     named(&folder, "info", "spoiled.unv", "clean.unv", "contradicts");
+    let said = says(&folder, "info spoiled.unv");
+    assert_eq!((said.matches("contradicts").count(), said.matches("(and 219 more datasets)").count()), (1, 1), "{said}");
     let table = folder.text("clean.csv");
     let unit = table.replacen("m/s/N", "bar", usize::MAX);
     assert_ne!(table, unit, "{}", &table[..300]);

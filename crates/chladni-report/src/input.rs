@@ -39,6 +39,32 @@ pub struct RenderedScene<'a> {
     pub weights: &'a Weights,
     /// The field; weights files do not carry it.
     pub shown: Option<ShownField<'a>>,
+    /// The same scene with fewer modes or actuators.
+    pub curves: Option<&'a Curves>,
+}
+
+/// How a scene does over the number of modes and of actuators; every point has weights of its own.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Curves {
+    /// The method that made the weights of each point.
+    pub method: String,
+    /// Over the number of modes that are summed.
+    pub modes: Vec<CurvePoint>,
+    /// Over the number of actuators that are driven.
+    pub actuators: Vec<CurvePoint>,
+}
+
+/// A point of [`Curves`]: shares of the judged responses that keep their limits in the whole model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CurvePoint {
+    /// Modes or actuators.
+    pub count: usize,
+    /// Of the hot ones.
+    pub hot_ratio: f64,
+    /// Of the cold ones.
+    pub cold_ratio: f64,
+    /// Of both.
+    pub success_ratio: f64,
 }
 
 /// The field that weights make, and what was asked of it.
@@ -72,7 +98,7 @@ impl<'a> RenderedScene<'a> {
             indices: &rendering.weights.indices,
             warnings: &[],
         };
-        Self { weights: &rendering.weights, shown: Some(shown) }
+        Self { weights: &rendering.weights, shown: Some(shown), curves: None }
     }
 
     /// Weights and their field on other data; `on` names the data.
@@ -86,12 +112,17 @@ impl<'a> RenderedScene<'a> {
             indices: &evaluation.indices,
             warnings: &evaluation.warnings,
         };
-        Self { weights, shown: Some(shown) }
+        Self { weights, shown: Some(shown), curves: None }
     }
 
     /// Weights alone.
     pub fn of_weights(weights: &'a Weights) -> Self {
-        Self { weights, shown: None }
+        Self { weights, shown: None, curves: None }
+    }
+
+    /// The same with curves over the number of modes and actuators.
+    pub fn with_curves(self, curves: Option<&'a Curves>) -> Self {
+        Self { curves, ..self }
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! [`html`] puts the numbers of a [`ReportInput`] into a page whose own script draws them: FRFs of any pair, stabilization diagram, pole
 //! table, MAC, complexity, moving shapes, fields, weights, curves, stress. [`studio_html`] is the same page, live: its numbers come from
-//! [`data`] and [`scene_data`] over a local connection. [`charts`] draws the views as files: a [`Figure`] is plain data (axes with label
+//! [`data`], [`draft_data`] and [`scene_data`] over a local connection. [`charts`] draws the views as files: a [`Figure`] is plain data (axes with label
 //! and unit, layers, legend), [`Figure::draw`] makes a [`Drawing`], and that writes itself as SVG or PNG.
 //!
 //! The same input gives the same bytes: no clock, no host, no fonts of the machine.
@@ -20,12 +20,12 @@ mod sizes;
 mod surface;
 mod text;
 
-pub use chart::{Axis, Cell, Chart, ColourBar, Disc, Figure, Height, Layer, Mark, Place, Scale};
+pub use chart::{Axis, Cell, Chart, ColourBar, Disc, Figure, Height, Layer, Mark, Place, RightAxis, Scale};
 pub use drawing::{Anchor, Colour, ColourMap, Dash, Drawing, Image, Stroke, SERIES};
 pub use figures::all as figures;
-pub use input::{RenderedScene, ReportInput, ShownField, Table};
+pub use input::{CurvePoint, Curves, RenderedScene, ReportInput, ShownField, Table};
 
-use chladni_frf::Result;
+use chladni_frf::{ModalModel, Result};
 use serde_json::Value;
 
 /// The report as one HTML page.
@@ -48,6 +48,12 @@ pub fn gallery(title: &str, words: &str, figures: &[Figure]) -> String {
 /// Those of [`html`].
 pub fn data(input: &ReportInput) -> Result<Value> {
     data::of(input)
+}
+
+/// The parts of [`data`] that a fit of the same FRFs changes, `model`, `mac` and `geometry`, with the residual `terms` of the FRFs: what
+/// the studio shows while the band is being moved.
+pub fn draft_data(model: &ModalModel) -> Value {
+    data::of_draft(model)
 }
 
 /// The first scene of `input` alone, as it stands in [`data`]; null without a scene.

@@ -5,7 +5,9 @@ use base64::Engine;
 use chladni_frf::{FrfSet, ModalModel, Source, Trust};
 use chladni_plate::{simulate, Panel, Simulation};
 use chladni_render::{evaluate, render, stress, sweep, On, Rendering, Scene, StressOptions};
-use chladni_report::{charts, data, figures, gallery, html, scene_data, studio_html, ChartFormats, RenderedScene, ReportInput, Table};
+use chladni_report::{
+    charts, data, figures, gallery, html, scene_data, studio_html, ChartFormats, CurvePoint, Curves, RenderedScene, ReportInput, Table,
+};
 use std::path::Path;
 use std::sync::OnceLock;
 
@@ -104,6 +106,14 @@ fn the_data_hold_every_part_of_the_report() {
 }
 
 #[test]
+fn of_many_sources_the_first_are_named() {
+    let mut model = small().truth.clone();
+    model.source = (1..=34).map(|k| Source { file: format!("scan_{k}.uff"), sha256: "ab".repeat(32) }).collect();
+    let facts = data(&ReportInput { model: Some(&model), ..Default::default() }).unwrap()["model"]["facts"].to_string();
+    assert!(facts.contains("scan_1.uff, scan_2.uff, scan_3.uff and 31 more") && !facts.contains("abab"), "{facts}");
+}
+
+#[test]
 fn foreign_text_cannot_become_markup() {
     const EVIL: &str = "</script><script>alert(1)</script>\"'&";
     let mut model = small().truth.clone();
@@ -183,7 +193,7 @@ fn chart_files_are_sound_and_have_their_own_names() {
     let rendering = rendering(&model);
     let files = charts(&input(&model, Some(&small().frf), &rendering), BOTH).unwrap();
     let (pngs, svgs): (Vec<_>, Vec<_>) = files.iter().partition(|file| file.0.ends_with(".png"));
-    assert_eq!((pngs.len(), svgs.len()), (24, 24));
+    assert_eq!((pngs.len(), svgs.len()), (25, 25));
     for (name, bytes) in pngs {
         assert!(bytes.starts_with(b"\x89PNG\r\n\x1a\n") && bytes.ends_with(b"IEND\xaeB`\x82"), "{name}");
     }
@@ -214,7 +224,14 @@ fn every_axis_of_every_figure_has_a_label_and_a_unit() {
     let header = ["case", "method", "time_s", "frequency_rmse_over_crlb"].map(String::from).to_vec();
     let rows = vec![["panel", "auto", "1.5", "1.02"].map(String::from).to_vec()];
     let tables = vec![Table { name: "accuracy.csv".into(), header, rows }];
-    let figures = figures(&ReportInput { tables, ..input(&small().truth, Some(&small().frf), &rendering) }).unwrap();
+    let points = [(1, 0.2), (2, 0.9)].map(|(count, ratio)| CurvePoint { count, hot_ratio: ratio, cold_ratio: ratio, success_ratio: ratio });
+    let curves = Curves { method: "fast".into(), modes: points.to_vec(), actuators: points.to_vec() };
+    let mut input = ReportInput { tables, ..input(&small().truth, Some(&small().frf), &rendering) };
+    input.scenes = input.scenes.into_iter().map(|scene| scene.with_curves(Some(&curves))).collect();
+    assert_eq!(data(&input).unwrap()["scenes"][0]["curves"]["modes"][1]["both"], 0.9);
+    let figures = figures(&input).unwrap();
+    let diagram = figures.iter().find(|figure| figure.name == "stabilization").unwrap();
+    assert_eq!(diagram.charts[0].right.as_ref().map(|right| right.axis.label.as_str()), Some("Order of the denominator"));
     for name in [
         "frf-sum",
         "frf-12",
@@ -224,7 +241,9 @@ fn every_axis_of_every_figure_has_a_label_and_a_unit() {
         "auto-mac",
         "mode-01",
         "complexity",
+        "zones-1",
         "field-1",
+        "curves-1",
         "weights-1-panel",
         "weights-1-list",
         "sweep-1",
@@ -236,7 +255,8 @@ fn every_axis_of_every_figure_has_a_label_and_a_unit() {
     for figure in figures {
         assert!(!figure.title.is_empty(), "{}", figure.name);
         for chart in &figure.charts {
-            for axis in [&chart.x, &chart.y].into_iter().chain(chart.colour_bar.as_ref().map(|bar| &bar.axis)) {
+            let right = chart.right.as_ref().map(|right| &right.axis);
+            for axis in [&chart.x, &chart.y].into_iter().chain(right).chain(chart.colour_bar.as_ref().map(|bar| &bar.axis)) {
                 assert!(!axis.label.is_empty() && !axis.unit.is_empty(), "{}: {axis:?}", figure.name);
             }
         }

@@ -23,8 +23,8 @@ use std::sync::Arc;
   chladni studio scans/ --frf-kind mobility --port 8080
 
 Prints the address of a page that this machine alone can open, and serves it until Ctrl-C. On the page: band and number of
-modes, hot and cold zones, drive frequency; the fit, the weights and the field follow. While a zone or the frequency is
-being dragged the method is `fast`, afterwards `best`. The page shows the commands and the TOML that do the same again;
+modes, hot and cold zones, drive frequency; the fit, the weights and the field follow at once. While anything is being
+dragged the methods are `lean` and `fast`, afterwards `auto` and `best`. The page shows the commands and the TOML that do the same again;
 it writes no files.")]
 pub struct Args {
     /// FRFs of any format that `chladni fit` reads, or a model

@@ -1,13 +1,14 @@
 //! What the studio works on: the measured FRFs, and the model of the moment.
 
 use crate::console::Console;
+use crate::curves::curves;
 use crate::fit::{echo_of, explain};
 use crate::input::{expand, model_of, read_frf, Reading};
 use crate::report::Contents;
 use chladni_frf::{io, Error, ErrorKind, FrfSet, ModalModel, Result, Source};
 use chladni_render::{render, MethodChoice, RenderOptions, Scene};
-use chladni_report::{data, scene_data, RenderedScene, ReportInput};
-use chladni_rfp::FitOptions;
+use chladni_report::{data, draft_data, scene_data, RenderedScene, ReportInput};
+use chladni_rfp::{FitOptions, Method};
 use serde::Deserialize;
 use serde_json::{json, Value};
 use std::path::{Path, PathBuf};
@@ -28,13 +29,29 @@ pub struct Session {
     words: String,
     /// The model was in the file.
     from_model: bool,
-    model: RwLock<Option<Arc<ModalModel>>>,
+    fitted: RwLock<Fitted>,
+}
+
+/// The models of the moment.
+#[derive(Default)]
+struct Fitted {
+    /// The question that `latest` answers: an answer to an older one that comes later is not kept.
+    number: u64,
+    /// What scenes are rendered by.
+    latest: Option<Arc<ModalModel>>,
+    /// The last one whose number of modes was decided by evidence or by the reader, not by a draft.
+    settled: Option<Arc<ModalModel>>,
 }
 
 /// How to fit; of no account where a model was read.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FitRequest {
+    /// Rises from question to question.
+    number: u64,
+    /// The hand still moves: the model that is quickest to have, and what changes with it alone.
+    #[serde(default)]
+    draft: bool,
     /// Hz; all lines where it is missing.
     band_hz: Option<[f64; 2]>,
     /// Decided by evidence where it is missing.
@@ -81,11 +98,12 @@ impl Session {
             warnings: console.warnings(),
             words: words.join(" "),
             from_model: model.is_some(),
-            model: RwLock::new(model.map(Arc::new)),
+            fitted: RwLock::new(Fitted { latest: model.map(Arc::new), ..Fitted::default() }),
         })
     }
 
-    /// Fits anew, or hands over the model of the file; everything that the report would draw, and the command that does the same.
+    /// Fits anew, or hands over the model of the file; what the report would draw, all of it or the draft's part, and the command that
+    /// does the same.
     ///
     /// # Errors
     /// Those of a fit, and of drawing.
@@ -96,6 +114,9 @@ impl Session {
             (Some(frf), _) => self.fitted(frf, request)?,
             (None, _) => return Err(Error::new(ErrorKind::Internal, "neither FRFs nor a model")),
         };
+        if request.draft {
+            return Ok(json!({"draft": draft_data(&model), "model_file": self.model_file()}));
+        }
         let input = ReportInput {
             title: self.title.clone(),
             model: Some(&model),
@@ -109,17 +130,34 @@ impl Session {
     }
 
     fn fitted(&self, frf: &FrfSet, request: &FitRequest) -> Result<(Arc<ModalModel>, String)> {
-        let options = FitOptions { band_hz: request.band_hz, modes: request.modes, ..FitOptions::default() };
+        let mut options = FitOptions { band_hz: request.band_hz, modes: request.modes, ..FitOptions::default() };
+        if request.draft {
+            (options.method, options.modes) = (Method::Lean, request.modes.or_else(|| self.known_modes(request.band_hz)));
+        }
         let fit = chladni_rfp::fit(frf, &options, &|_| {}).map_err(|error| explain(&error, &options, Path::new(&self.title)))?;
         let mut model = fit.model;
         (model.source, model.options) = (self.sources.clone(), echo_of(&options));
         let model = Arc::new(model);
-        if let Ok(mut current) = self.model.write() {
-            *current = Some(model.clone());
+        if let Ok(mut fitted) = self.fitted.write() {
+            if request.number >= fitted.number {
+                (fitted.number, fitted.latest) = (request.number, Some(model.clone()));
+            }
+            if !request.draft {
+                fitted.settled = Some(model.clone());
+            }
         }
         let band = request.band_hz.map(|[low, high]| format!(" --band {low}:{high}")).unwrap_or_default();
         let modes = request.modes.map(|modes| format!(" --modes {modes}")).unwrap_or_default();
         Ok((model, format!("chladni fit {}{band}{modes} -o {MODEL}", self.words)))
+    }
+
+    /// Modes that the last full fit found in a band; `None` where the band goes beyond it, and visible peaks must do.
+    fn known_modes(&self, band_hz: Option<[f64; 2]>) -> Option<usize> {
+        let settled = self.fitted.read().ok()?.settled.clone()?;
+        let [low, high] = band_hz.unwrap_or(settled.band_hz);
+        let known = settled.band_hz[0] <= low && high <= settled.band_hz[1];
+        let inside = settled.in_band_modes().filter(|mode| (low..=high).contains(&mode.frequency_hz)).count();
+        (known && inside > 0).then_some(inside)
     }
 
     /// Renders a scene with the model of the moment.
@@ -131,14 +169,16 @@ impl Session {
         let method: MethodChoice = request.method.parse()?;
         let scene = Scene::parse(&request.toml, Path::new(""))?;
         let rendering = render(&model, &scene, &RenderOptions { method, ..RenderOptions::default() })?;
-        let scenes = vec![RenderedScene::of_rendering(&rendering)];
+        // curves for the drive that stays, not for those in passing
+        let curves = (method != MethodChoice::Fast).then(|| curves(&model, &scene, &rendering.weights)).transpose()?;
+        let scenes = vec![RenderedScene::of_rendering(&rendering).with_curves(curves.as_ref())];
         let input = ReportInput { model: Some(&model), scenes, ..ReportInput::default() };
         let command = format!("chladni render {} scene.toml --method {} -o weights.json", self.model_file(), request.method);
         Ok(json!({"scene": scene_data(&input), "command": command, "warnings": rendering.weights.warnings}))
     }
 
     fn current(&self) -> Option<Arc<ModalModel>> {
-        self.model.read().ok()?.clone()
+        self.fitted.read().ok()?.latest.clone()
     }
 
     /// The file of the model, in the words of the commands.

@@ -126,17 +126,34 @@ impl Page {
 
     /// Presses at one place, moves to another, lets go.
     pub fn drag(&mut self, from: [f64; 2], to: [f64; 2]) {
+        self.drag_and_hold(from, to);
+        self.release(to);
+    }
+
+    /// Presses at one place and moves to another.
+    pub fn drag_and_hold(&mut self, from: [f64; 2], to: [f64; 2]) {
         self.mouse("mouseMoved", from, 0);
         self.mouse("mousePressed", from, 1);
         for part in [0.3, 0.7, 1.0] {
             self.mouse("mouseMoved", [0, 1].map(|k| from[k] + part * (to[k] - from[k])), 1);
         }
-        self.mouse("mouseReleased", to, 0);
+    }
+
+    /// Lets go.
+    pub fn release(&mut self, at: [f64; 2]) {
+        self.mouse("mouseReleased", at, 0);
     }
 
     pub fn key(&mut self, key: &str) {
-        for kind in ["keyDown", "keyUp"] {
-            self.send("Input.dispatchKeyEvent", json!({"type": kind, "key": key}));
+        self.keys(key, 1);
+    }
+
+    /// Presses a key so many times.
+    pub fn keys(&mut self, key: &str, times: usize) {
+        for _ in 0..times {
+            for kind in ["keyDown", "keyUp"] {
+                self.send("Input.dispatchKeyEvent", json!({"type": kind, "key": key}));
+            }
         }
     }
 

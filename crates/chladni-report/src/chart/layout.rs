@@ -2,7 +2,7 @@
 
 use super::axis::{Ruler, ALONG_X, ALONG_Y};
 use super::layers::{draw_layer, draw_sample, extent, legend_name};
-use super::{Axis, Chart, ColourBar, Figure, Height, Layer, Scale};
+use super::{Axis, Chart, ColourBar, Figure, Height, Layer, RightAxis, Scale};
 use crate::drawing::{fitted, text_width, Anchor, Colour, Drawing, Image, Item, Stroke};
 
 /// Size of the title, px.
@@ -19,6 +19,10 @@ const BAR: f64 = 78.0;
 pub(super) const SAMPLE: f64 = 24.0;
 /// Height of a line of the legend, px.
 const LEGEND_LINE: f64 = 19.0;
+/// From one line of an axis label to the next, px.
+const LABEL_LINE: f64 = LABEL + 3.0;
+/// The label of a vertical axis may be longer than the box by so much, px.
+const LABEL_OVER: f64 = 20.0;
 /// From a sample in the legend to its name, px.
 const SAMPLE_GAP: f64 = 8.0;
 
@@ -52,18 +56,41 @@ fn ends(axis: &Axis, chart: &Chart, which: usize) -> [f64; 2] {
 }
 
 fn left_margin(chart: &Chart) -> f64 {
-    let ticks = chart.y.ticks(ends(&chart.y, chart, 1), 260.0, ALONG_Y);
-    let widest = ticks.iter().map(|tick| text_width(&tick.1, TICK)).fold(0.0, f64::max);
-    EDGE + LABEL + 10.0 + widest + 6.0
+    axis_width(&chart.y, ends(&chart.y, chart, 1), chart.height)
 }
 
 fn right_margin(chart: &Chart) -> f64 {
-    // half a number may stand beyond the right end of the x axis
-    if chart.colour_bar.is_some() {
-        BAR + EDGE
-    } else {
-        EDGE + 14.0
+    match (&chart.colour_bar, &chart.right) {
+        (Some(_), _) => BAR + EDGE,
+        (None, Some(right)) => axis_width(&right.axis, right_ends(right), chart.height),
+        // half a number may stand beyond the right end of the x axis
+        (None, None) => EDGE + 14.0,
     }
+}
+
+/// Room for the numbers and the label of a vertical axis.
+fn axis_width(axis: &Axis, ends: [f64; 2], height: Height) -> f64 {
+    let ticks = axis.ticks(ends, 260.0, ALONG_Y);
+    let widest = ticks.iter().map(|tick| text_width(&tick.1, TICK)).fold(0.0, f64::max);
+    let more_lines = label_lines(axis, height).len() - 1;
+    EDGE + LABEL + more_lines as f64 * LABEL_LINE + 10.0 + widest + 6.0
+}
+
+/// The label of a vertical axis: one line, or two where the box is low.
+fn label_lines(axis: &Axis, height: Height) -> Vec<String> {
+    let (Height::Px(height) | Height::EqualScales(height)) = height;
+    let (text, room) = (axis.caption(), (height + LABEL_OVER).max(60.0));
+    if text_width(&text, LABEL) <= room {
+        return vec![text];
+    }
+    let longer = |at: usize| text_width(&text[..at], LABEL).max(text_width(&text[at + 1..], LABEL));
+    let cut = text.match_indices(' ').map(|(at, _)| at).min_by(|&a, &b| longer(a).total_cmp(&longer(b)));
+    let lines = cut.map_or(vec![text.as_str()], |at| vec![&text[..at], &text[at + 1..]]);
+    lines.into_iter().map(|line| fitted(line, LABEL, room)).collect()
+}
+
+fn right_ends(right: &RightAxis) -> [f64; 2] {
+    right.axis.ends(extent(&right.layers, 1, right.axis.scale == Scale::Log))
 }
 
 /// Draws below `top` and returns where it ends.
@@ -90,6 +117,11 @@ fn draw_chart(drawing: &mut Drawing, chart: &Chart, [left, top, right]: [f64; 3]
     let below = draw_axes(drawing, chart, sides, &x, &y);
     for layer in &chart.layers {
         draw_layer(drawing, layer, sides, &x, &y);
+    }
+    if let Some(right) = &chart.right {
+        let y = Ruler { ends: right_ends(right), px: [bottom, top], log: right.axis.scale == Scale::Log };
+        right.layers.iter().for_each(|layer| draw_layer(drawing, layer, sides, &x, &y));
+        draw_right_axis(drawing, &right.axis, chart.height, sides, &y);
     }
     drawing.rectangle(sides, None, Some(Stroke::new(Colour::Muted, 1.0)));
     if let Some(bar) = &chart.colour_bar {
@@ -137,9 +169,24 @@ fn draw_axes(drawing: &mut Drawing, chart: &Chart, [left, top, right, bottom]: [
     let label_line = bottom + numbers + LABEL + 5.0;
     let room = right - left + 40.0;
     drawing.text([(left + right) / 2.0, label_line], fitted(&chart.x.caption(), LABEL, room), LABEL, Anchor::Middle, Colour::Ink);
-    let label = fitted(&chart.y.caption(), LABEL, (bottom - top + 40.0).max(60.0));
-    turned_text(drawing, [EDGE + LABEL - 2.0, (top + bottom) / 2.0], &label, LABEL, Anchor::Middle, Colour::Ink);
+    for (k, line) in label_lines(&chart.y, chart.height).iter().enumerate() {
+        let across = EDGE + LABEL - 2.0 + k as f64 * LABEL_LINE;
+        turned_text(drawing, [across, (top + bottom) / 2.0], line, LABEL, Anchor::Middle, Colour::Ink);
+    }
     label_line + 5.0
+}
+
+/// Ticks, numbers and label right of the box.
+fn draw_right_axis(drawing: &mut Drawing, axis: &Axis, height: Height, [_, top, right, bottom]: [f64; 4], y: &Ruler) {
+    for (value, name) in axis.ticks(y.ends, bottom - top, ALONG_Y) {
+        let place = y.place(value);
+        drawing.line(vec![[right, place], [right + if name.is_empty() { 3.0 } else { 5.0 }, place]], Stroke::new(Colour::Muted, 1.0));
+        drawing.text([right + 8.0, place + 0.36 * TICK], name, TICK, Anchor::Start, Colour::Ink);
+    }
+    for (k, line) in label_lines(axis, height).iter().rev().enumerate() {
+        let across = drawing.width - EDGE - k as f64 * LABEL_LINE;
+        turned_text(drawing, [across, (top + bottom) / 2.0], line, LABEL, Anchor::Middle, Colour::Ink);
+    }
 }
 
 fn turned_text(drawing: &mut Drawing, at: [f64; 2], text: &str, size: f64, anchor: Anchor, colour: Colour) {
@@ -148,7 +195,8 @@ fn turned_text(drawing: &mut Drawing, at: [f64; 2], text: &str, size: f64, ancho
 
 /// The names of the layers with a sample of each, in as many lines as needed; returns where they end.
 fn draw_legend(drawing: &mut Drawing, chart: &Chart, [left, top, right]: [f64; 3]) -> f64 {
-    let entries: Vec<(&Layer, &str)> = chart.layers.iter().filter_map(|layer| Some((layer, legend_name(layer)?))).collect();
+    let on_right = chart.right.iter().flat_map(|right| &right.layers);
+    let entries: Vec<(&Layer, &str)> = chart.layers.iter().chain(on_right).filter_map(|layer| Some((layer, legend_name(layer)?))).collect();
     if entries.is_empty() {
         return top + 2.0;
     }
@@ -199,4 +247,18 @@ fn draw_colour_bar(drawing: &mut Drawing, bar: &ColourBar, sides: [f64; 4]) {
     }
     let label = fitted(&bar.axis.caption(), LABEL, (bottom - top + 50.0).max(60.0));
     turned_text(drawing, [left + BAR - 14.0, (top + bottom) / 2.0], &label, LABEL, Anchor::Middle, Colour::Ink);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_label_longer_than_its_box_takes_two_lines_and_loses_no_word() {
+        let axis = Axis::linear("Regularisation over the error assumed", "–");
+        assert_eq!(label_lines(&axis, Height::Px(400.0)), ["Regularisation over the error assumed (–)"]);
+        let two = label_lines(&axis, Height::Px(140.0));
+        assert_eq!(two.join(" "), axis.caption());
+        assert!(two.iter().all(|line| text_width(line, LABEL) <= 140.0 + LABEL_OVER), "{two:?}");
+    }
 }

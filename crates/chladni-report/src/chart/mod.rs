@@ -118,12 +118,23 @@ pub struct Chart {
     pub height: Height,
     /// Grid lines at the ticks.
     pub grid: bool,
+    /// A second vertical axis with layers of its own.
+    pub right: Option<RightAxis>,
+}
+
+/// A vertical axis on the right, and the layers that it measures, above those of the left one. It has no grid.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RightAxis {
+    /// The axis.
+    pub axis: Axis,
+    /// Layers, the first one lowest.
+    pub layers: Vec<Layer>,
 }
 
 impl Chart {
     /// An empty chart of the usual height.
     pub fn new(x: Axis, y: Axis) -> Self {
-        Self { x, y, layers: Vec::new(), colour_bar: None, height: Height::Px(260.0), grid: true }
+        Self { x, y, layers: Vec::new(), colour_bar: None, height: Height::Px(260.0), grid: true, right: None }
     }
     /// With the plotted box so high.
     pub fn height(self, height: Height) -> Self {

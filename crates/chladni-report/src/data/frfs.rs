@@ -9,6 +9,7 @@ use super::array::{complex, f32s, f64s, i8s, u32s};
 use super::lines::thinned;
 use crate::comparison::{Comparison, Sums};
 use crate::sizes;
+use chladni_frf::ModalModel;
 use num_complex::Complex64;
 use rayon::prelude::*;
 use serde_json::{json, Value};
@@ -35,7 +36,7 @@ pub(crate) fn value(comparison: &Comparison) -> Value {
         "response_names": offered[0].iter().map(|&i| comparison.responses[i]).collect::<Vec<_>>(),
         "reference_names": offered[1].iter().map(|&j| comparison.references[j]).collect::<Vec<_>>(),
         "total_pairs": comparison.pair_count(),
-        "terms": terms(comparison, &offered),
+        "terms": comparison.model.map(|model| terms(model, &offered)),
         "errors": sums.error.as_ref().map(|error| f32s(pairs(&offered).map(|(i, j)| error[[i, j]]))),
         "residuals": comparison.measured.as_ref().map(|_| residuals(comparison, &offered)),
         "full": full(comparison, &sums, &lines),
@@ -57,11 +58,15 @@ fn sums_value(sums: &Sums, lines: &[usize]) -> Value {
     json!({"measured": curve(&sums.measured), "synthesis": curve(&sums.synthesis), "residual": curve(&sums.difference)})
 }
 
+/// Residual terms of the pairs that [`value`] offers.
+pub(crate) fn model_terms(model: &ModalModel) -> Value {
+    terms(model, &[offered(model.responses.len()), offered(model.references.len())])
+}
+
 /// Residual terms of the offered pairs: axes (term, response, reference).
-fn terms(comparison: &Comparison, offered: &[Vec<usize>; 2]) -> Option<Value> {
-    let terms = &comparison.model?.residual_terms.terms;
-    let values = terms.iter().flat_map(|term| pairs(offered).map(|(i, j)| &term.matrix.0[[i, j]]));
-    Some(complex(values))
+fn terms(model: &ModalModel, offered: &[Vec<usize>; 2]) -> Value {
+    let terms = &model.residual_terms.terms;
+    complex(terms.iter().flat_map(|term| pairs(offered).map(|(i, j)| &term.matrix.0[[i, j]])))
 }
 
 /// Residuals of all offered pairs: axes (pair, line, part) beside one scale per pair and block.

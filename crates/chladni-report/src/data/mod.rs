@@ -15,7 +15,7 @@ pub(crate) use diagrams::stabilization_options;
 
 use crate::comparison::Comparison;
 use crate::input::ReportInput;
-use chladni_frf::{Result, CREATED_BY};
+use chladni_frf::{ModalModel, Result, CREATED_BY};
 use serde_json::{json, Value};
 
 /// The whole object.
@@ -38,6 +38,18 @@ pub(crate) fn of(input: &ReportInput) -> Result<Value> {
         "scenes": input.scenes.iter().map(|scene| scenes::value(scene, input, geometry.as_ref())).collect::<Vec<_>>(),
         "tables": input.tables.iter().map(|table| json!({"name": table.name, "header": table.header, "rows": table.rows})).collect::<Vec<_>>(),
     }))
+}
+
+/// What a fit changes, without all that takes longer than the fit itself: the measured FRFs, sums, CMIF and diagram of a fit before
+/// stay as they are.
+pub(crate) fn of_draft(model: &ModalModel) -> Value {
+    let input = ReportInput { model: Some(model), ..ReportInput::default() };
+    json!({
+        "model": model::value(model),
+        "terms": frfs::model_terms(model),
+        "mac": diagrams::mac(model),
+        "geometry": geometry::Geometry::of(&input).as_ref().map(geometry::Geometry::value),
+    })
 }
 
 /// One scene alone, as an entry of `scenes`: what changes while zones are drawn in the studio.

@@ -2,9 +2,12 @@
 
 use super::array::{complex, f64s};
 use crate::text::{counted, plain, significant};
-use chladni_frf::{Damping, ModalModel, Mode, Scaling, Trust};
+use chladni_frf::{Damping, ModalModel, Mode, Scaling, Source, Trust};
 use chladni_rfp::{mean_phase_deviation_deg, modal_complexity_factor};
 use serde_json::{json, Value};
+
+/// Files that are named with their hashes.
+const SOURCES_LISTED: usize = 3;
 
 /// The model as the page sees it.
 pub(crate) fn value(model: &ModalModel) -> Value {
@@ -52,7 +55,6 @@ fn facts(model: &ModalModel) -> Vec<[String; 2]> {
     if outside > 0 {
         modes += &format!(", and {} outside the band", counted(outside, "pole"));
     }
-    let sources: Vec<String> = model.source.iter().map(|source| format!("{} (SHA-256 {})", source.file, source.sha256)).collect();
     let damping = match model.damping {
         Damping::Structural => "structural (hysteretic): loss factor η",
         Damping::Viscous => "viscous: η = 2ζ",
@@ -63,7 +65,7 @@ fn facts(model: &ModalModel) -> Vec<[String; 2]> {
     };
     let path = model.quality.path.as_ref().map(|path| format!("; {path}")).unwrap_or_default();
     let rows = [
-        ("Source", if sources.is_empty() { "not recorded".into() } else { sources.join(", ") }),
+        ("Source", sources(&model.source)),
         (
             "FRFs",
             format!(
@@ -90,6 +92,20 @@ fn facts(model: &ModalModel) -> Vec<[String; 2]> {
         ("Trust", if model.quality.trusted { "trusted" } else { "not trusted, see the warnings" }.into()),
     ];
     rows.map(|(word, text)| [word.to_owned(), text]).into()
+}
+
+/// The files in words: of many the first ones, without their hashes, which the model file has.
+fn sources(sources: &[Source]) -> String {
+    match sources {
+        [] => "not recorded".into(),
+        few if few.len() <= SOURCES_LISTED => {
+            few.iter().map(|source| format!("{} (SHA-256 {})", source.file, source.sha256)).collect::<Vec<_>>().join(", ")
+        }
+        many => {
+            let first: Vec<&str> = many.iter().take(SOURCES_LISTED).map(|source| source.file.as_str()).collect();
+            format!("{} and {} more", first.join(", "), many.len() - SOURCES_LISTED)
+        }
+    }
 }
 
 fn count(model: &ModalModel, trust: Trust) -> usize {

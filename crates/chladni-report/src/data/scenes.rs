@@ -3,7 +3,7 @@
 
 use super::array::{complex, u8s};
 use super::geometry::Geometry;
-use crate::input::{RenderedScene, ReportInput, ShownField};
+use crate::input::{CurvePoint, Curves, RenderedScene, ReportInput, ShownField};
 use crate::text::{counted, fixed, plain};
 use chladni_frf::{ModalModel, ReferenceUnit};
 use chladni_render::{Ground, Weights};
@@ -32,9 +32,18 @@ pub(crate) fn value(scene: &RenderedScene, input: &ReportInput, geometry: Option
             "place": geometry.and_then(|geometry| geometry.place(weight.reference))})).collect::<Vec<_>>(),
         "stress": weights.stress,
         "sweep": weights.sweep,
+        "curves": scene.curves.map(curves),
         "field": scene.shown.as_ref().map(|shown| field(shown, geometry)),
         "modal": input.model.zip(drive).map(|(model, drive)| modal(model, &drive, geometry)),
     })
+}
+
+fn curves(curves: &Curves) -> Value {
+    let points = |list: &[CurvePoint]| -> Value {
+        let point = |p: &CurvePoint| json!({"count": p.count, "hot": p.hot_ratio, "cold": p.cold_ratio, "both": p.success_ratio});
+        list.iter().map(point).collect::<Vec<_>>().into()
+    };
+    json!({"method": curves.method, "modes": points(&curves.modes), "actuators": points(&curves.actuators)})
 }
 
 /// The grounds as the page numbers them.

@@ -37,14 +37,11 @@ impl Cmif {
         let values = of_synthesis(model, &comparison.frequency_hz)?;
         Ok(Some(Self { values, quantity: comparison.quantity, of: "of the synthesis" }))
     }
-}
 
-/// The figure; `None` where there is no FRF matrix.
-///
-/// # Errors
-/// See [`Cmif::of`].
-pub(crate) fn cmif(comparison: &Comparison, measured: Option<&FrfSet>) -> Result<Option<Figure>> {
-    Ok(Cmif::of(comparison, measured)?.map(|cmif| figure(comparison, &cmif.values, cmif.quantity, cmif.of)))
+    /// Number of singular values that are shown.
+    fn shown(&self) -> usize {
+        self.values.ncols().min(sizes::SINGULAR_VALUES)
+    }
 }
 
 /// Singular values of the synthesis; axes (line, singular value), NaN where it has none, as at 0 Hz of a free body.
@@ -65,34 +62,41 @@ fn failed(error: chladni_linalg::LinalgError) -> Error {
     Error::new(ErrorKind::Internal, format!("the CMIF cannot be computed: {error}"))
 }
 
-fn figure(comparison: &Comparison, values: &Array2<f64>, quantity: Quantity, of: &str) -> Figure {
-    let shown = values.ncols().min(sizes::SINGULAR_VALUES);
-    let highest = values.iter().copied().fold(f64::NAN, f64::max);
-    let lowest = values.column(shown - 1).iter().copied().filter(|v| *v > 0.0).fold(f64::NAN, f64::min);
-    let top = level(highest);
-    // a level near the rounding of the largest value is no signal
-    let bottom = level(lowest.max(highest * 1e-12)).max(top - 1.4 * sizes::AMPLITUDE_RANGE_DB);
-    let axis = Axis::linear("Singular value", &quantity.level_unit()).range([bottom - 3.0, top + 5.0]);
-    let mut chart = Chart::new(frequency_axis(comparison), axis).height(Height::Px(300.0));
-    chart = chart.with(pole_lines(&natural_frequencies(comparison.model)));
-    if let Some(band) = band_lines(comparison) {
-        chart = chart.with(band);
-    }
-    let names = ["largest", "second", "third", "fourth", "fifth", "sixth"];
-    let dashes = [Dash::Solid, Dash::Solid, Dash::Dashed, Dash::Dashed, Dash::Dotted, Dash::Dotted];
-    for k in 0..shown {
-        let points: Vec<Place> = comparison.frequency_hz.iter().zip(values.column(k)).map(|(&f, &v)| [f, level(v)]).collect();
-        let stroke = Stroke::new(if k == 0 { Colour::Ink } else { Colour::Series(k as u8 - 1) }, if k == 0 { 1.6 } else { 1.2 });
-        chart = chart.line(names[k], points, stroke.dashed(dashes[k]));
-    }
+/// The figure.
+pub(crate) fn figure(comparison: &Comparison, cmif: &Cmif) -> Figure {
+    let shown = cmif.shown();
     Figure {
         name: "cmif".into(),
-        title: format!("Complex mode indicator function {of}"),
+        title: format!("Complex mode indicator function {}", cmif.of),
         caption: format!(
             "The {shown} largest singular values of the FRF matrix at each line. A peak of the first one is a mode; peaks of the first \
              and second at one frequency are two close modes."
         ),
         width: sizes::WIDE_PX,
-        charts: vec![chart],
+        charts: vec![chart(comparison, cmif).height(Height::Px(300.0))],
     }
+}
+
+/// The largest singular values over frequency, with the natural frequencies and the borders of the fitted band.
+pub(super) fn chart(comparison: &Comparison, cmif: &Cmif) -> Chart {
+    let values = &cmif.values;
+    let highest = values.iter().copied().fold(f64::NAN, f64::max);
+    let lowest = values.column(cmif.shown() - 1).iter().copied().filter(|v| *v > 0.0).fold(f64::NAN, f64::min);
+    let top = level(highest);
+    // a level near the rounding of the largest value is no signal
+    let bottom = level(lowest.max(highest * 1e-12)).max(top - 1.4 * sizes::AMPLITUDE_RANGE_DB);
+    let axis = Axis::linear("Singular value", &cmif.quantity.level_unit()).range([bottom - 3.0, top + 5.0]);
+    let mut chart = Chart::new(frequency_axis(comparison), axis);
+    chart = chart.with(pole_lines(&natural_frequencies(comparison.model)));
+    if let Some(band) = band_lines(comparison) {
+        chart = chart.with(band);
+    }
+    let names = ["largest singular value", "second", "third", "fourth", "fifth", "sixth"];
+    let dashes = [Dash::Solid, Dash::Solid, Dash::Dashed, Dash::Dashed, Dash::Dotted, Dash::Dotted];
+    for k in 0..cmif.shown() {
+        let points: Vec<Place> = comparison.frequency_hz.iter().zip(values.column(k)).map(|(&f, &v)| [f, level(v)]).collect();
+        let stroke = Stroke::new(if k == 0 { Colour::Ink } else { Colour::Series(k as u8 - 1) }, if k == 0 { 1.6 } else { 1.2 });
+        chart = chart.line(names[k], points, stroke.dashed(dashes[k]));
+    }
+    chart
 }

@@ -3,6 +3,7 @@
 mod auto_mac;
 mod cmif;
 mod complexity;
+mod curves;
 mod field_map;
 mod frf_overlay;
 mod mode_shape;
@@ -13,6 +14,7 @@ mod stabilization;
 mod stress;
 mod sweep;
 mod weights_around_edge;
+mod zones;
 
 pub(crate) use cmif::Cmif;
 pub(crate) use mode_shape::shown_responses;
@@ -35,10 +37,12 @@ pub fn all(input: &ReportInput) -> Result<Vec<Figure>> {
         figures.push(frf_overlay::frf_sum(&comparison, &sums));
         let pairs = comparison.pairs(&sums);
         figures.extend(pairs.iter().enumerate().map(|(k, pair)| frf_overlay::frf_overlay(&comparison, pair, k + 1)));
-        figures.extend(cmif::cmif(&comparison, input.measured)?);
-        // a set without an even grid has no diagram; the page says why
-        let diagram = input.measured.and_then(|set| chladni_rfp::stabilization(set, &stabilization_options(input.model)).ok());
-        figures.extend(diagram.map(|diagram| stabilization::stabilization(&comparison, &diagram)));
+        if let Some(cmif) = Cmif::of(&comparison, input.measured)? {
+            figures.push(cmif::figure(&comparison, &cmif));
+            // a set without an even grid has no diagram; the page says why
+            let diagram = input.measured.and_then(|set| chladni_rfp::stabilization(set, &stabilization_options(input.model)).ok());
+            figures.extend(diagram.map(|diagram| stabilization::stabilization(&comparison, &diagram, &cmif)));
+        }
     }
     if let Some(model) = input.model {
         figures.extend(poles::poles(model));
@@ -48,10 +52,12 @@ pub fn all(input: &ReportInput) -> Result<Vec<Figure>> {
     }
     for (k, scene) in input.scenes.iter().enumerate() {
         let (weights, number) = (scene.weights, k + 1);
+        figures.extend(scene.shown.as_ref().and_then(|shown| zones::zones(shown, input.model, number)));
         figures.extend(scene.shown.as_ref().and_then(|shown| field_map::field_map(shown, input.model, weights.frequency_hz, number)));
         figures.extend(input.model.and_then(|model| weights_around_edge::weights_around_edge(weights, model, number)));
         figures.push(weights_around_edge::weights_by_actuator(weights, number));
         figures.extend(sweep::sweep(weights, number));
+        figures.extend(curves::curves(scene, number));
         figures.extend(stress::stress(weights, number));
     }
     figures.extend(input.tables.iter().enumerate().filter_map(|(k, table)| speed::speed(table, k + 1)));

@@ -1,38 +1,47 @@
-//! Stabilization diagram.
+//! Stabilization diagram over the CMIF, with the poles of the model and their bounds.
 
-use super::frf_overlay::{band_lines, frequency_axis, pole_lines};
-use super::natural_frequencies;
-use crate::chart::{Axis, Chart, Figure, Height, Mark, Place};
+use super::cmif::{self, Cmif};
+use crate::chart::{Axis, Figure, Height, Layer, Mark, Place, RightAxis};
 use crate::comparison::Comparison;
-use crate::drawing::Colour;
+use crate::drawing::{Colour, Stroke};
 use crate::sizes;
 use chladni_rfp::{Stability, Stabilization};
 
-/// Poles of rising order over frequency.
-pub(crate) fn stabilization(comparison: &Comparison, diagram: &Stabilization) -> Figure {
-    let ends = [diagram.orders.first().copied().unwrap_or(0) as f64, diagram.orders.last().copied().unwrap_or(1) as f64];
-    let axis = Axis::linear("Order of the denominator", "poles").range([ends[0] - 1.0, ends[1] + 1.0]);
-    let mut chart = Chart::new(frequency_axis(comparison), axis).height(Height::Px(300.0));
-    chart = chart.with(pole_lines(&natural_frequencies(comparison.model)));
-    if let Some(band) = band_lines(comparison) {
-        chart = chart.with(band);
-    }
+/// Where the poles of the model stand, part of the highest order.
+const LANE: f64 = 1.06;
+
+/// Poles of rising order over frequency, above the singular values.
+pub(crate) fn stabilization(comparison: &Comparison, diagram: &Stabilization, cmif: &Cmif) -> Figure {
+    let top = diagram.orders.last().copied().unwrap_or(1) as f64;
     let kinds = [
         (Stability::New, "new at this order", Mark::Cross, Colour::Muted, 4.0),
         (Stability::Frequency, "stable in frequency", Mark::Ring, Colour::Series(0), 4.5),
         (Stability::Stable, "stable in frequency and damping", Mark::Dot, Colour::Series(1), 4.5),
     ];
-    for (stability, name, mark, colour, size) in kinds {
+    let marks = |(stability, name, mark, colour, size): (Stability, &str, Mark, Colour, f64)| {
         let poles = diagram.poles.iter().filter(|pole| pole.stability == stability);
-        let points: Vec<Place> = poles.map(|pole| [pole.frequency_hz, pole.order as f64]).collect();
-        chart = chart.marks(name, points, mark, colour, size);
-    }
+        let points = poles.map(|pole| [pole.frequency_hz, pole.order as f64]).collect();
+        Layer::Marks { name: Some(name.into()), points, mark, colour, size }
+    };
+    let mut layers: Vec<Layer> = kinds.into_iter().map(marks).collect();
+    layers.extend(comparison.model.into_iter().flat_map(|model| {
+        let place = |f: f64| -> Place { [f, LANE * top] };
+        let bar = |f: f64, std: f64| vec![place(f - sizes::SIGMAS * std), place(f + sizes::SIGMAS * std)];
+        let bars = model.in_band_modes().map(|mode| bar(mode.frequency_hz, mode.frequency_std_hz)).collect();
+        let points = model.in_band_modes().map(|mode| place(mode.frequency_hz)).collect();
+        [
+            Layer::Lines { name: None, lines: bars, stroke: Stroke::new(Colour::Ink, 1.6) },
+            Layer::Marks { name: Some("pole of the model".into()), points, mark: Mark::Triangle, colour: Colour::Series(2), size: 8.0 },
+        ]
+    }));
+    let mut chart = cmif::chart(comparison, cmif).height(Height::Px(380.0));
+    chart.right = Some(RightAxis { axis: Axis::linear("Order of the denominator", "poles").range([0.0, 1.12 * top]), layers });
     Figure {
         name: "stabilization".into(),
-        title: "Stabilization diagram of the measured FRFs".into(),
+        title: format!("Stabilization diagram over the CMIF {}", cmif.of),
         caption: "Damped poles of a common denominator (method lscf) at rising order. Those of the structure come back at every \
-                  order and make columns; those of the noise do not. The diagram is a display: the poles of the model were found by \
-                  its own method."
+                  order and make columns; those of the noise do not. The diagram is a display: the poles of the model at the top, with \
+                  95 % bounds of their natural frequencies, were found by its own method."
             .into(),
         width: sizes::WIDE_PX,
         charts: vec![chart],

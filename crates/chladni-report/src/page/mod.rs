@@ -2,6 +2,8 @@
 //! own runs: it is named by its hash.
 
 mod bundle;
+#[cfg(test)]
+mod colour_vision;
 
 use crate::chart::Figure;
 use crate::text::{base64, escape};

@@ -98,7 +98,11 @@ pub(super) fn modes(
 pub(super) fn unscaled(unit: ReferenceUnit) -> String {
     match unit {
         ReferenceUnit::Volt => "shapes are not mass-scaled: the references are voltages".into(),
-        ReferenceUnit::Newton => "shapes are not mass-scaled: no response is measured at a reference (driving point)".into(),
+        ReferenceUnit::Newton => {
+            "shapes are not mass-scaled: no response is measured at a reference (driving point); natural frequencies, \
+                                  damping and rendering do not need it, modal masses do: measure at one driver for them"
+                .into()
+        }
     }
 }
 

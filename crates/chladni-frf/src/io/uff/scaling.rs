@@ -210,8 +210,11 @@ fn frf(axes: &[Axis; 4], directions: [Direction; 2], units: Option<Units>, scali
         }
     };
     if numerator.quantity == EXCITATION_FORCE && motion(denominator.quantity).is_some() {
-        warnings
-            .push("the quantity codes say force over motion: response and reference are swapped, or this is the inverse of an FRF".into());
+        warnings.push(
+            "the quantity codes say force over motion: response and reference are swapped (correct the export), or these are dynamic \
+             stiffnesses (export the FRFs themselves)"
+                .into(),
+        );
     } else if scaling.kind.is_none() && (numerator.quantity > 1 || denominator.quantity > 1) {
         warnings.push(format!(
             "quantity codes {} over {} are no receptance (8/13), mobility (11/13) or accelerance (12/13)",

@@ -5,6 +5,11 @@ import { significant, ends } from "./numbers.js";
 import { ruler, ticks } from "./scale.js";
 
 const MARGIN = { left: 62, right: 14, top: 10, bottom: 42 };
+/** Width of a turned label with its gaps, and of a digit, px. */
+const LABEL_PX = 30;
+const LETTER_PX = 7;
+/** Ticks along x in a narrow window. */
+const LEAST_TICKS = 5;
 /** Part of the range that a key moves by, and factor that it zooms by. */
 const MOVE = 0.15;
 const ZOOM = 1.5;
@@ -41,7 +46,10 @@ export function chart(first) {
     svg.setAttribute("height", height);
     svg.setAttribute("aria-label", `${spec.title ?? "chart"}: ${spec.y.label} over ${spec.x.label}. Arrow keys move, plus and minus zoom, 0 shows all.`);
     const right = spec.right ? 52 : MARGIN.right;
-    const box = { left: MARGIN.left, right: wide - right, top: MARGIN.top, bottom: height - MARGIN.bottom };
+    // numbers that are wider than usual leave the label its place
+    const numbers = ticks(ruler(spec.y.range, [height - MARGIN.bottom, MARGIN.top], spec.y.log).ends, (height - MARGIN.bottom - MARGIN.top) / 45, spec.y.log, spec.y.step);
+    const left = Math.max(MARGIN.left, LABEL_PX + LETTER_PX * Math.max(0, ...numbers.map(([, text]) => text.length)));
+    const box = { left, right: wide - right, top: MARGIN.top, bottom: height - MARGIN.bottom };
     const x = ruler(zoom ?? spec.x.range, [box.left, box.right], spec.x.log);
     const y = ruler(spec.y.range, [box.bottom, box.top], spec.y.log);
     const y2 = spec.right ? ruler(spec.right.range, [box.bottom, box.top]) : y;
@@ -57,7 +65,7 @@ export function chart(first) {
 
   function frame(box, x, y, y2) {
     const parts = [];
-    for (const [value, text] of ticks(x.ends, (box.right - box.left) / 90, spec.x.log, spec.x.step)) {
+    for (const [value, text] of ticks(x.ends, Math.max(spec.x.names ? 1 : LEAST_TICKS, (box.right - box.left) / 90), spec.x.log, spec.x.step)) {
       const at = x.place(value);
       parts.push(s("line", { class: "grid", x1: at, x2: at, y1: box.top, y2: box.bottom }));
       parts.push(s("text", { x: at, y: box.bottom + 16, "text-anchor": "middle" }, spec.x.names ? (spec.x.names[value] ?? "") : text));

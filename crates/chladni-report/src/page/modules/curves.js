@@ -2,10 +2,8 @@
 
 import { h } from "./dom.js";
 import { chart } from "./chart.js";
-import { array, split } from "./data.js";
 import { fixed } from "./numbers.js";
 import { atResponses, shares } from "./field.js";
-import { times } from "./synthesis.js";
 
 /** Frequencies of the curve of unchanged weights, and how far it goes, part of the drive frequency. */
 const POINTS = 121;
@@ -25,10 +23,12 @@ function series(x, points) {
 }
 
 /** All curves that a scene's data allow. */
-export function curvesView(scene, model, frfs) {
+export function curvesView(scene, model) {
   const parts = [];
   if (scene.sweep) parts.push(sweepChart(scene));
-  if (scene.field && scene.modal) parts.push(overFrequency(scene, model), overModes(scene, model), overActuators(scene, model, frfs));
+  if (scene.field && scene.modal) parts.push(overFrequency(scene, model));
+  if (scene.curves?.modes.length) parts.push(overModes(scene.curves, scene));
+  if (scene.curves?.actuators.length) parts.push(overActuators(scene.curves, scene));
   return parts.length ? h("div", { class: "curves" }, parts) : null;
 }
 
@@ -59,66 +59,26 @@ function overFrequency(scene, model) {
   }).element;
 }
 
-/** Modes in the order in which they count at the drive frequency: the share of motion that goes with each. */
-function byImportance(scene, model) {
-  const rows = model.responses.length;
-  const omega = 2 * Math.PI * scene.frequency_hz;
-  const size = (n) => {
-    let square = 0;
-    for (let k = 0; k < rows; k++) square += model.shape.re[n * rows + k] ** 2 + model.shape.im[n * rows + k] ** 2;
-    const omegaN = 2 * Math.PI * model.frequency[n];
-    const force = Math.hypot(scene.modal.forces.re[n], scene.modal.forces.im[n]);
-    return (Math.sqrt(square) * force) / Math.hypot(omegaN ** 2 - omega ** 2, omegaN ** 2 * model.modes[n].loss_factor);
-  };
-  return [...model.inBand].sort((a, b) => size(b) - size(a));
-}
-
-function overModes(scene, model) {
-  const order = byImportance(scene, model);
-  const x = order.map((_, k) => k + 1);
-  const inBand = new Set(model.inBand);
-  const points = x.map((count) => {
-    const kept = new Set(order.slice(0, count));
-    return shares(scene.field, speeds(atResponses(scene, model, scene.frequency_hz, (n) => !inBand.has(n) || kept.has(n))));
-  });
+/** Over the number of modes or of actuators; `own` is what the scene's own weights have of them. */
+function overCount(points, label, title, caption, own, scene) {
+  const x = points.map((point) => point.count);
+  const served = scene.indices.points.success_ratio;
   return chart({
-    title: "The field from its strongest modes alone", height: 240,
-    caption: "The same weights; of the modes in the band only so many are summed, those that move most first. Weights made for fewer modes: render --modes N.",
-    x: { label: "Modes summed", unit: "number", range: [0.5, Math.max(2, x.length + 0.5)] }, y: percentAxis, series: series(x, points),
-    marks: [{ points: points.map((point, k) => [x[k], 100 * point.both]), style: "kept", sign: "dot" }],
+    title, caption, height: 240,
+    x: { label, unit: "number", range: [0.5, Math.max(2, x[x.length - 1] + 0.5)] }, y: percentAxis, series: series(x, points),
+    marks: [
+      { points: points.map((point) => [point.count, 100 * point.both]), style: "kept", sign: "dot" },
+      { name: `this scene's own weights (${scene.method})`, points: [[own, 100 * served]], style: "doubted", sign: "square" },
+    ],
   }).element;
 }
 
-/** `null` where the page does not carry the residual terms of every pair. */
-function overActuators(scene, model, frfs) {
-  const [rows, columns, powers] = [model.responses.length, model.references.length, model.powers.length];
-  if (!frfs || frfs.responses.length < rows || frfs.references.length < columns) return null;
-  const all = split(array(frfs.terms));
-  const column = (weight) => model.references.indexOf(weight.reference);
-  const order = [...scene.weights].filter((weight) => column(weight) >= 0).sort((a, b) => Math.hypot(b.re, b.im) - Math.hypot(a.re, a.im));
-  const x = order.map((_, k) => k + 1);
-  const zeros = (count) => ({ re: new Float64Array(count), im: new Float64Array(count) });
-  const [forces, mirrored, terms] = [zeros(model.modeCount), zeros(model.modeCount), zeros(powers * rows)];
-  const points = order.map((weight) => {
-    const j = column(weight);
-    const drive = [weight.re, weight.im];
-    for (let n = 0; n < model.modeCount; n++) {
-      const [a, b] = [model.participation.re[n * columns + j], model.participation.im[n * columns + j]];
-      add(forces, n, times([a, b], drive));
-      add(mirrored, n, times([a, -b], drive));
-    }
-    for (let k = 0; k < powers * rows; k++) add(terms, k, times([all.re[k * columns + j], all.im[k * columns + j]], drive));
-    return shares(scene.field, speeds(atResponses({ ...scene, modal: { forces, mirrored, terms } }, model, scene.frequency_hz)));
-  });
-  return chart({
-    title: "The field from the strongest actuators alone", height: 240,
-    caption: "The same weights, the strongest first, the others still. Weights made for fewer actuators: render --actuators N.",
-    x: { label: "Actuators driven", unit: "number", range: [0.5, Math.max(2, x.length + 0.5)] }, y: percentAxis, series: series(x, points),
-    marks: [{ points: points.map((point, k) => [x[k], 100 * point.both]), style: "kept", sign: "dot" }],
-  }).element;
+function overModes({ method, modes }, scene) {
+  const caption = `For each number weights of their own, made by method ${method} with the modes that count most at the drive frequency, the others folded into residual terms (render --modes N); judged in the whole model.`;
+  return overCount(modes, "Modes summed", "The scene with fewer modes", caption, scene.modes_used, scene);
 }
 
-function add(list, n, [re, im]) {
-  list.re[n] += re;
-  list.im[n] += im;
+function overActuators({ method, actuators }, scene) {
+  const caption = `For each number weights of their own, made by method ${method} for the actuators that are strongest in this scene's weights; render --actuators N chooses them better.`;
+  return overCount(actuators, "Actuators driven", "The scene with fewer actuators", caption, scene.actuators_used, scene);
 }

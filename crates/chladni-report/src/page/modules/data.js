@@ -2,11 +2,17 @@
 
 const TYPES = { f32: Float32Array, f64: Float64Array, u32: Uint32Array, i8: Int8Array, u8: Uint8Array };
 
-/** The numbers of `{"f32": "..."}`; null stays null. */
+/** What was unpacked before: views are drawn anew while the studio's controls move. */
+const known = new WeakMap();
+
+/** The numbers of `{"f32": "..."}`, to be read only; null stays null. */
 export function array(coded) {
   if (!coded) return null;
-  const [name, text] = Object.entries(coded)[0];
-  return new TYPES[name](bytes(text).buffer);
+  if (!known.has(coded)) {
+    const [name, text] = Object.entries(coded)[0];
+    known.set(coded, new TYPES[name](bytes(text).buffer));
+  }
+  return known.get(coded);
 }
 
 function bytes(text) {

@@ -80,6 +80,8 @@ class Source {
     this.pairs = frfs.responses.length * this.columns;
     this.lines = array(frfs.lines);
     this.terms = frfs.terms && split(array(frfs.terms));
+    // residuals belong to the model of their fit, which in the studio may be the one before
+    this.base = frfs.base ?? { model, terms: this.terms };
     this.errors = array(frfs.errors);
     if (frfs.residuals) {
       const coded = frfs.residuals;
@@ -98,8 +100,10 @@ class Source {
     const [i, j] = [this.frfs.responses[response], this.frfs.references[reference]];
     const full = this.full.get(`${i} ${j}`)?.measured;
     const frequency = full || !this.coarse ? this.lines : this.coarse.frequency;
-    const whole = this.model && this.synthesis(i, j, pair, frequency, new Set());
-    const synthesis = this.model && (state.dropped.size ? this.synthesis(i, j, pair, frequency, state.dropped) : whole);
+    const own = this.model && { model: this.model, terms: this.terms };
+    const whole = this.base.model && this.synthesis(this.base, i, j, pair, frequency, new Set());
+    const same = this.base.model === this.model && !state.dropped.size;
+    const synthesis = own && (same ? whole : this.synthesis(own, i, j, pair, frequency, state.dropped));
     let measured = null;
     if (full) measured = split(array(full));
     else if (this.coarse) measured = sum(this.residual(pair), whole);
@@ -107,10 +111,10 @@ class Source {
     return { frequency, measured, synthesis, residual, all: Boolean(full) };
   }
 
-  synthesis(i, j, pair, frequency, dropped) {
-    const powers = this.model.powers.length;
+  synthesis({ model, terms }, i, j, pair, frequency, dropped) {
+    const powers = model.powers.length;
     const pick = (part) => Array.from({ length: powers }, (_, k) => part[k * this.pairs + pair]);
-    return synthesise(this.model, i, j, { re: pick(this.terms.re), im: pick(this.terms.im) }, frequency, dropped);
+    return synthesise(model, i, j, { re: pick(terms.re), im: pick(terms.im) }, frequency, dropped);
   }
 
   residual(pair) {
@@ -141,7 +145,7 @@ function pairView(source, frfs, model) {
   const names = [frfs.response_names, frfs.reference_names];
   const first = frfs.full[0];
   const start = first ? [frfs.responses.indexOf(first.response), frfs.references.indexOf(first.reference)] : [0, 0];
-  state.pair = start.map((k) => Math.max(0, k));
+  state.pair ??= start.map((k) => Math.max(0, k));
   const ends = [source.lines[0], source.lines[source.lines.length - 1]];
   const x = { label: "Frequency", unit: "Hz", range: ends };
   const onrange = (zoom) => change({ range: zoom });

@@ -1,8 +1,9 @@
 // The studio: band, number of modes, zones and drive frequency in the reader's hand; fit, weights and field follow.
 
 import { h, section, slider, tick, takeAway } from "./dom.js";
-import { reset, change } from "./store.js";
-import { unpack, fitSections } from "./page.js";
+import { array, split } from "./data.js";
+import { state, reset, change } from "./store.js";
+import { unpack, fitParts } from "./page.js";
 import { warningList, contents } from "./facts.js";
 import { sceneBody } from "./scenes.js";
 import { zoneBoard, sceneNumbers, startOfScene, sceneToml } from "./zones.js";
@@ -40,12 +41,13 @@ class Asker {
   }
 }
 
-const fits = new Asker("/api/fit");
+const fits = { draft: new Asker("/api/fit"), full: new Asker("/api/fit"), asked: 1, shown: 1 };
 const drafts = new Asker("/api/scene");
 const finals = new Asker("/api/scene");
 
-/** The fit of the moment. */
+/** The fit of the moment: what is shown of it, and the last full one. */
 let here = null;
+let full = null;
 /** What was asked for last: answers to older questions are not shown. */
 let asked = 0;
 /** The last question whose best drive is shown. */
@@ -55,21 +57,26 @@ let best = 0;
 export function start() {
   const page = document.getElementById("page");
   page.replaceChildren(h("p", { role: "status" }, "Fitting …"));
-  fits.ask({}, (said) => {
+  fits.full.ask({ number: fits.asked }, (said) => {
     if (said.error) page.replaceChildren(h("p", { class: "error", role: "alert" }, said.error));
     else draw(page, said);
   });
 }
 
+/** Where each part of the fit stands, by its anchor: the diagram beside the controls, the others below the scene. */
+const holders = new Map();
+
 function draw(page, said) {
   const head = h("div", {});
-  const fitted = h("div", {});
   const { model, geometry } = unpack(said.data);
   const first = { ...startOfScene([], model), zones: geometry ? startZones(geometry) : [] };
-  const control = fitControls(said, fitted, head);
+  for (const [id] of fitParts(said.data, model, geometry)) holders.set(id, h("div", {}));
+  const { controls, command } = fitControls(said, head);
   const scene = geometry ? scenePanel(first, geometry) : h("p", {}, "The file holds no positions of the nodes: no scene can be drawn.");
-  page.replaceChildren(head, h("main", {}, section("studio", "Studio", control), section("scene", "Scene", scene), fitted));
-  showFit(said, fitted, head);
+  const below = [...holders].filter(([id]) => id !== "stabilization").map(([, holder]) => holder);
+  const studio = section("studio", "Studio", controls, holders.get("stabilization"), command);
+  page.replaceChildren(head, h("main", {}, studio, section("scene", "Scene", scene), below));
+  showFit(said, head);
   document.documentElement.dataset.drawn = String(Math.round(performance.now()));
 }
 
@@ -79,65 +86,107 @@ function startZones({ box: [x0, y0, x1, y1] }) {
   return [{ kind: "hot", points: [[x0, y0], [x, y0], [x, y], [x0, y]].map((point) => point.map((value) => Math.round(1e3 * value) / 1e3)) }];
 }
 
-function showFit(said, fitted, head) {
-  reset();
-  const { model, geometry } = unpack(said.data);
-  model.file = said.model_file;
-  here = { model, geometry, frfs: said.data.frfs };
-  if (model.inBand.length) change({ mode: model.inBand[0] });
-  const sections = fitSections(said.data, model, geometry);
-  fitted.replaceChildren(...sections);
-  const own = [...document.querySelectorAll("#studio, #scene")];
-  head.replaceChildren(h("h1", {}, said.data.title), warningList(said.data.warnings), contents([...own, ...sections]));
-  document.documentElement.dataset.fits = String(Number(document.documentElement.dataset.fits ?? 0) + 1);
+/** A draft as the data of a whole fit: what it does not change is that of the last full one. */
+function completed(said) {
+  if (!said.draft) return said;
+  const { data, model, terms } = full;
+  const { terms: own, ...changed } = said.draft;
+  const frfs = data.frfs && { ...data.frfs, terms: own, errors: null, sums: { measured: data.frfs.sums.measured }, base: { model, terms } };
+  return { ...said, data: { ...data, ...changed, frfs } };
 }
 
-/** Band and number of modes; asks for a fit when the hand lets go. */
-function fitControls(said, fitted, head) {
+/** What of a draft is still to be drawn. */
+let waiting = 0;
+
+function showFit(answer, head) {
+  const said = completed(answer);
+  const { pair } = state;
+  clearTimeout(waiting);
+  reset();
+  // the DOFs of a studio are the same in every fit
+  state.pair = pair;
+  const { model, geometry } = unpack(said.data);
+  model.file = said.model_file;
+  here = { model, geometry };
+  if (model.inBand.length) change({ mode: model.inBand[0] });
+  const parts = fitParts(said.data, model, geometry);
+  const put = ([id, make]) => holders.get(id).replaceChildren(...[make()].filter(Boolean));
+  if (said.draft) {
+    // what is in view at once, the rest while the hand rests
+    const [now, later] = [true, false].map((wanted) => parts.filter(([id]) => isInView(holders.get(id)) === wanted));
+    now.forEach(put);
+    const next = () => {
+      if (!later.length) return count("drafts");
+      put(later.shift());
+      waiting = setTimeout(next);
+    };
+    waiting = setTimeout(next);
+    return;
+  }
+  full = { data: said.data, model, terms: said.data.frfs?.terms && split(array(said.data.frfs.terms)) };
+  parts.forEach(put);
+  const sections = ["studio", "scene", ...holders.keys()].map((id) => document.getElementById(id)).filter((one) => one?.tagName === "SECTION" && one.id !== "stabilization");
+  head.replaceChildren(h("h1", {}, said.data.title), warningList(said.data.warnings), contents(sections));
+  count("fits");
+}
+
+function isInView(element) {
+  const { top, bottom } = element.getBoundingClientRect();
+  return bottom > 0 && top < innerHeight;
+}
+
+/** Counts what was drawn, for who waits for it. */
+function count(what) {
+  document.documentElement.dataset[what] = String(Number(document.documentElement.dataset[what] ?? 0) + 1);
+}
+
+/** Band and number of modes; asks for a draft while the hand moves, for a full fit when it lets go. */
+function fitControls(said, head) {
   const status = h("span", { class: "muted", role: "status", id: "fit-status" }, `${said.data.model.modes.filter((mode) => mode.in_band && mode.trust !== "rejected").length} modes`);
   const command = takeAway("The same fit again", "fit-command");
   command.set(said.command || "# the model was read from its file");
-  if (!said.refit) return h("div", {}, h("p", {}, "This is a model that was fitted before: band and number of modes are those of its file. Open the FRFs to change them. "), status);
+  if (!said.refit) return { controls: h("p", {}, "This is a model that was fitted before: band and number of modes are those of its file. Open the FRFs to change them. ", status), command: null };
   const [low, high] = said.lines_hz;
   const step = (high - low) / 1000;
   const words = (hz) => `${fixed(hz, 1)} Hz`;
   const band = said.data.model.band_hz;
-  const asks = (moving) => { if (!moving) ask(); };
-  const from = slider("Band from", { min: low, max: high, step, value: band[0], words }, (_, moving) => asks(moving));
-  const to = slider("to", { min: low, max: high, step, value: band[1], words }, (_, moving) => asks(moving));
+  const from = slider("Band from", { min: low, max: high, step, value: band[0], words }, (_, moving) => ask(moving));
+  const to = slider("to", { min: low, max: high, step, value: band[1], words }, (_, moving) => ask(moving));
   from.input.id = "band-from";
   to.input.id = "band-to";
-  const count = h("input", { type: "number", id: "modes", min: 1, max: 1000, step: 1, disabled: true, onchange: () => ask() });
+  const count = h("input", { type: "number", id: "modes", min: 1, max: 1000, step: 1, disabled: true, oninput: () => ask(true), onchange: () => ask(false) });
   count.value = said.data.model.modes.filter((mode) => mode.in_band && mode.trust !== "rejected").length;
   const auto = tick("decided by evidence", true, (checked) => {
     count.disabled = checked;
-    ask();
+    ask(false);
   });
 
-  function ask() {
+  function ask(moving) {
     const ends = [from.input.valueAsNumber, to.input.valueAsNumber].sort((a, b) => a - b);
     const whole = ends[0] <= low + step && ends[1] >= high - step;
-    const question = { band_hz: whole ? null : ends.map((hz) => Number(hz.toFixed(3))), modes: count.disabled ? null : count.valueAsNumber || null };
-    status.textContent = "fitting …";
-    fitted.classList.add("busy");
-    fits.ask(question, (answer, more) => {
-      if (more) return;
-      fitted.classList.remove("busy");
+    const number = ++fits.asked;
+    const question = { number, draft: moving, band_hz: whole ? null : ends.map((hz) => Number(hz.toFixed(3))), modes: count.disabled ? null : count.valueAsNumber || null };
+    const asker = moving ? fits.draft : fits.full;
+    if (!moving) status.textContent = "fitting …";
+    asker.ask(question, (answer, more) => {
+      // an older answer never takes the place of a newer one
+      if (number < fits.shown || (more && !moving)) return;
+      fits.shown = number;
       if (answer.error) {
         status.textContent = answer.error;
         return;
       }
-      showFit(answer, fitted, head);
+      showFit(answer, head);
       const found = here.model.inBand.length;
-      status.textContent = `${found} modes`;
+      status.textContent = `${found} modes${moving ? ", draft" : ""}${number < fits.asked ? "; fitting …" : ""}`;
       if (count.disabled) count.value = found;
-      command.set(answer.command);
-      scenes.again?.();
+      if (!moving) command.set(answer.command);
+      scenes.again?.(moving);
     });
   }
 
   const counts = h("label", { class: "control" }, "Modes ", count);
-  return h("div", {}, h("div", { class: "controls" }, from.element, to.element, counts, auto, status), command.element);
+  return { controls: h("div", { class: "controls" }, from.element, to.element, counts, auto, status), command: command.element };
 }
 
 /** Filled by the scene's panel: renders again after a fit. */
@@ -190,17 +239,17 @@ function scenePanel(first, geometry) {
       status.textContent = said.error;
       return;
     }
-    const { model, geometry: places, frfs } = here;
+    const { model, geometry: places } = here;
     if (isBest) best = number;
     if (isBest || light) status.textContent = "";
-    const body = sceneBody(said.scene, 1, model, places, frfs, light);
+    const body = sceneBody(said.scene, 1, model, places, light);
     result.replaceChildren(said.warnings.length ? warningList(said.warnings.map((text) => ["Scene", text])) : "", ...body);
     result.dataset.method = said.scene.method;
     result.dataset.answers = String(Number(result.dataset.answers ?? 0) + 1);
     command.set(said.command);
   }
 
-  scenes.again = () => ask(false);
+  scenes.again = ask;
   // the first scene, as soon as the fit is shown
   queueMicrotask(() => ask(false));
   return h("div", {},

@@ -20,17 +20,17 @@ export function unpack(data) {
   return { model, geometry: unpackGeometry(data.geometry) };
 }
 
-/** The sections of identification: all that depends on the fit and on no scene. */
-export function fitSections(data, model, geometry) {
+/** The sections of identification, all that depends on the fit and on no scene: pairs of an anchor and what makes its section, or null. */
+export function fitParts(data, model, geometry) {
   return [
-    model && modelFacts(model),
-    model && poleSection(model),
-    data.frfs && frfSection(data.frfs, model),
-    stabilizationSection(data, model)?.element,
-    model && macSection(data.mac, model),
-    model && shapeSection(model, geometry),
-    model && complexitySection(model),
-  ].filter(Boolean);
+    ["model", () => model && modelFacts(model)],
+    ["poles", () => model && poleSection(model)],
+    ["frfs", () => data.frfs && frfSection(data.frfs, model)],
+    ["stabilization", () => stabilizationSection(data, model)?.element],
+    ["mac", () => model && macSection(data.mac, model)],
+    ["shapes", () => model && shapeSection(model, geometry)],
+    ["complexity", () => model && complexitySection(model)],
+  ];
 }
 
 /** Draws the whole page. */
@@ -39,8 +39,8 @@ export function show(data) {
   const { model, geometry } = unpack(data);
   if (model?.inBand.length) change({ mode: model.inBand[0] });
   const sections = [
-    ...fitSections(data, model, geometry),
-    ...data.scenes.map((scene, k) => sceneSection(scene, k + 1, model, geometry, data.frfs)),
+    ...fitParts(data, model, geometry).map(([, make]) => make()),
+    ...data.scenes.map((scene, k) => sceneSection(scene, k + 1, model, geometry)),
     zoneSection(geometry, data.scenes, model),
     ...tableSections(data.tables),
   ].filter(Boolean);

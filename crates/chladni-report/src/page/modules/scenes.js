@@ -7,13 +7,13 @@ import { weightsView } from "./weights.js";
 import { curvesView } from "./curves.js";
 
 /** Section of one scene; `number` counts from 1. */
-export function sceneSection(scene, number, model, geometry, frfs) {
+export function sceneSection(scene, number, model, geometry) {
   const name = scene.name ? `Scene ${number}: ${scene.name}` : `Scene ${number}`;
-  return section(`scene-${number}`, name, ...sceneBody(scene, number, model, geometry, frfs));
+  return section(`scene-${number}`, name, ...sceneBody(scene, number, model, geometry));
 }
 
 /** What stands in it; `light` leaves the curves out, which take a moment. */
-export function sceneBody(coded, number, model, geometry, frfs, light = false) {
+export function sceneBody(coded, number, model, geometry, light = false) {
   const scene = { ...coded, field: unpackField(coded.field), modal: model && unpackModal(coded.modal) };
   return [
     factList(scene.facts),
@@ -21,7 +21,7 @@ export function sceneBody(coded, number, model, geometry, frfs, light = false) {
     levels(scene.indices.points),
     scene.field ? fieldView(scene, model, geometry, `field-${number}`).element : h("p", {}, "The field is not shown: weights alone do not carry it, and their scene and model do not lie beside them."),
     weightsView(scene, geometry, `weights-${number}`),
-    light ? null : curvesView(scene, model, frfs),
+    light ? null : curvesView(scene, model),
     stressView(scene),
   ].filter(Boolean);
 }

@@ -55,21 +55,28 @@ export function space(label) {
     const context = canvas.getContext("2d");
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.clearRect(0, 0, width, height);
-    const camera = view(shown.centre, shown.size, width, height);
+    const camera = view(shown, width, height);
     if (shown.surface) mesh(context, camera);
     else dots(context, camera);
   }
 
-  function view([cx, cy, cz], size, width, height) {
+  /** From m to px; the whole box around the motion is in view. */
+  function view({ centre: [cx, cy, cz], sides, size }, width, height) {
     const [ca, sa, ce, se] = [Math.cos(azimuth), Math.sin(azimuth), Math.cos(elevation), Math.sin(elevation)];
-    const zoom = (0.86 * Math.min(width, 1.5 * height)) / size;
-    return (x, y, z) => {
+    const seen = (x, y, z) => {
       const [u, v, w] = [x - cx, y - cy, z - cz];
       const [right, away] = [u * ca - v * sa, u * sa + v * ca];
-      const up = w * ce + away * se;
       const depth = away * ce - w * se;
       const near = 1 / (1 + (0.35 * depth) / size);
-      return [width / 2 + right * zoom * near, height / 2 - up * zoom * near, depth];
+      return [right * near, (w * ce + away * se) * near, depth];
+    };
+    const lift = HEIGHT * size;
+    const corners = sides[0].flatMap((x) => sides[1].flatMap((y) => [sides[2][0] - lift, sides[2][1] + lift].map((z) => seen(x, y, z))));
+    const [[left, right], [low, high]] = [0, 1].map((k) => [Math.min(...corners.map((corner) => corner[k])), Math.max(...corners.map((corner) => corner[k]))]);
+    const zoom = 0.97 * Math.min(width / (right - left), height / (high - low));
+    return (x, y, z) => {
+      const [across, up, depth] = seen(x, y, z);
+      return [width / 2 + (across - (left + right) / 2) * zoom, height / 2 - (up - (low + high) / 2) * zoom, depth];
     };
   }
 
@@ -163,7 +170,7 @@ export function space(label) {
       const sides = [0, 1, 2].map((k) => [Math.min(...axis(k)), Math.max(...axis(k))]);
       const { re, im } = surface ?? next;
       const largest = Array.from(re, (value, k) => Math.hypot(value, im[k])).reduce((most, value) => (value > most ? value : most), 0) || 1;
-      shown = { ...next, re, im, largest, centre: sides.map(([low, high]) => (low + high) / 2), size: Math.max(...sides.map(([low, high]) => high - low)) || 1 };
+      shown = { ...next, re, im, largest, sides, centre: sides.map(([low, high]) => (low + high) / 2), size: Math.max(...sides.map(([low, high]) => high - low)) || 1 };
       paint();
       schedule();
     },

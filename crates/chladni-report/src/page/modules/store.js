@@ -4,7 +4,7 @@
 const listeners = new Map();
 
 /** The state; write to it through `change`. */
-export const state = { dropped: new Set(), mode: 0, pair: [0, 0], range: null };
+export const state = { dropped: new Set(), mode: 0, pair: null, range: null };
 
 /** Calls `listener` whenever one of `keys` changes. */
 export function listen(keys, listener) {
@@ -28,5 +28,5 @@ export function toggleMode(index) {
 /** Forgets state and listeners: the page is drawn anew. */
 export function reset() {
   listeners.clear();
-  Object.assign(state, { dropped: new Set(), mode: 0, pair: [0, 0], range: null });
+  Object.assign(state, { dropped: new Set(), mode: 0, pair: null, range: null });
 }

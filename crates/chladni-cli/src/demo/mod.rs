@@ -1,11 +1,14 @@
 //! `chladni demo`: the whole way on the built-in panel, judged by its known truth.
 
+mod methods;
+
 use crate::console::Console;
+use crate::curves::curves;
 use crate::fit::{echo_of, fit_model};
 use crate::input::source;
 use crate::outcome::Outcome;
 use crate::output::{make_folder, Output, FRF, HTML, MODEL, SCENE, WEIGHTS};
-use crate::render::{render_scene, write_weights};
+use crate::render::{render_scene, write_weights, Trials};
 use crate::report::write_page;
 use crate::table::{counted, table};
 use crate::truth::Comparison;
@@ -14,19 +17,23 @@ use chladni_frf::io::{write_atomically, write_contents, write_model, Contents};
 use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result};
 use chladni_plate::{simulate, Panel};
 use chladni_render::{evaluate, On, PointIndices, RenderOptions, Rendering, Scene};
-use chladni_report::{html, RenderedScene, ReportInput};
+use chladni_report::{html, Curves, RenderedScene, ReportInput};
 use chladni_rfp::FitOptions;
 use serde_json::{json, Value};
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 /// The built-in panel.
-const PANEL: &str = include_str!("../../../fixtures/panel.toml");
+const PANEL: &str = include_str!("../../../../fixtures/panel.toml");
 /// More memory than the built-in panel needs.
 const MEMORY_BYTES: u64 = 2 << 30;
 /// Cells of the scenes, each hot in one of them.
 const SCENES: usize = 4;
 /// Least share of hot ground that is felt, and of cold ground that is quiet.
 const LEAST_RATIO: f64 = 0.95;
+
+/// What the first scene goes through beside being rendered, as by `chladni render --stress --sweep 280:320`.
+const TRIALS: Trials = Trials { stress_seed: Some(1), sweep_hz: Some([280.0, 320.0]) };
 
 /// Arguments of `demo`.
 #[derive(Debug, clap::Args)]
@@ -35,7 +42,8 @@ const LEAST_RATIO: f64 = 0.95;
   chladni demo -o /tmp/demo --force
 
 Simulates the FRFs of a glass panel with 40 dB of noise, fits them, renders four scenes at 300 Hz (one quarter of the
-panel is felt, the rest is quiet), and writes panel.h5, truth.json, model.json, scene-1..4.toml, weights-1..4.json and
+panel is felt, the rest is quiet), tries the first under stress and at other frequencies, fits once more by other methods
+for a chart of speed against accuracy, and writes panel.h5, truth.json, model.json, scene-1..4.toml, weights-1..4.json and
 report.html. Exit 1 where the known truth is missed or a scene is not met.")]
 pub struct Args {
     /// Folder to write into
@@ -56,6 +64,7 @@ struct Files {
 /// A scene rendered by the fitted model, in the model and on the panel itself.
 struct Judged {
     rendering: Rendering,
+    curves: Curves,
     on_panel: PointIndices,
 }
 
@@ -65,15 +74,18 @@ struct Judged {
 /// Those of writing; anything else is a bug.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let files = Files::new(&args.output, console)?;
-    let (frf, truth) = measure(&files, console)?;
-    let model = identify(&files, &frf, console)?;
+    let panel = Panel::from_toml(PANEL, MEMORY_BYTES)?;
+    let (frf, truth) = measure(&files, &panel, console)?;
+    let (model, time_s) = identify(&files, &frf, console)?;
     let scenes: Vec<Judged> = (0..SCENES).map(|k| render_one(&files, k, &model, &truth, console)).collect::<Result<_>>()?;
+    let methods = methods::speed_against_accuracy(&frf, &truth, panel.frf.snr_db, &model, time_s, console)?;
     console.stage("report");
     let page = html(&ReportInput {
         title: "Chladni demonstration".into(),
         model: Some(&model),
         measured: Some(&frf),
-        scenes: scenes.iter().map(|scene| RenderedScene::of_rendering(&scene.rendering)).collect(),
+        scenes: scenes.iter().map(|scene| RenderedScene::of_rendering(&scene.rendering).with_curves(Some(&scene.curves))).collect(),
+        tables: vec![methods],
         ..ReportInput::default()
     })?;
     write_page(&Output::new(&files.report, HTML, &[], console)?, &page)?;
@@ -112,10 +124,9 @@ impl Files {
 }
 
 /// Simulates the measurement and writes it with its truth.
-fn measure(files: &Files, console: &Console) -> Result<(FrfSet, ModalModel)> {
+fn measure(files: &Files, panel: &Panel, console: &Console) -> Result<(FrfSet, ModalModel)> {
     console.stage("simulating the panel");
-    let panel = Panel::from_toml(PANEL, MEMORY_BYTES)?;
-    let simulation = simulate(&panel, None, None)?;
+    let simulation = simulate(panel, None, None)?;
     console.warn_all(simulation.warnings);
     console.stage("writing the FRFs");
     let contents = Contents { frf: Some(simulation.frf), ..Contents::default() };
@@ -125,14 +136,16 @@ fn measure(files: &Files, console: &Console) -> Result<(FrfSet, ModalModel)> {
     Ok((frf, simulation.truth))
 }
 
-/// Fits the FRFs and writes the model, as `chladni fit panel.h5 -o model.json` does.
-fn identify(files: &Files, frf: &FrfSet, console: &Console) -> Result<ModalModel> {
+/// Fits the FRFs and writes the model, as `chladni fit panel.h5 -o model.json` does; the model, and the seconds that the fit took.
+fn identify(files: &Files, frf: &FrfSet, console: &Console) -> Result<(ModalModel, f64)> {
     let options = FitOptions::default();
     let sources = vec![source(&files.panel)?];
+    let start = Instant::now();
     let model = fit_model(frf, &options, sources, echo_of(&options), Vec::new(), &files.panel, console)?;
+    let time_s = start.elapsed().as_secs_f64();
     console.warn_all(model.quality.warnings.iter().cloned());
     Output::new(&files.model, MODEL, &[], console)?.write(|path, force| write_model(path, &model, force))?;
-    Ok(model)
+    Ok((model, time_s))
 }
 
 /// Writes a scene, renders it by the fitted model, and judges the weights on the panel itself.
@@ -142,11 +155,16 @@ fn render_one(files: &Files, k: usize, model: &ModalModel, truth: &ModalModel, c
     Output::new(&files.scenes[k], SCENE, &[], console)?
         .write(|path, force| write_atomically(path, force, |out| out.write_all(text.as_bytes())))?;
     let scene = Scene::read(&files.scenes[k])?;
-    let rendering = render_scene(model, &scene, &RenderOptions::default(), None, vec![source(&files.model)?, source(&files.scenes[k])?])?;
+    let options = RenderOptions::default();
+    let mut rendering = render_scene(model, &scene, &options, None, vec![source(&files.model)?, source(&files.scenes[k])?])?;
+    if k == 0 {
+        TRIALS.on(&mut rendering.weights, model, &scene, &options, console)?;
+    }
     console.warn_all(rendering.weights.warnings.iter().map(|warning| format!("scene-{}.toml: {warning}", k + 1)));
     write_weights(&Output::new(&files.weights[k], WEIGHTS, &[], console)?, &rendering.weights)?;
     let on_panel = evaluate(&rendering.weights, &scene, On::Model(truth))?.indices.points;
-    Ok(Judged { rendering, on_panel })
+    let curves = curves(model, &scene, &rendering.weights)?;
+    Ok(Judged { rendering, curves, on_panel })
 }
 
 fn scene_text(hot: usize) -> String {
