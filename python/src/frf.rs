@@ -87,6 +87,7 @@ impl FrfSet {
             kind: Some(kind.parse::<FrfKind>().map_err(|message| wrong_word(py, "kind", kind, &message.to_string()))?),
             reference_unit: unit(py, reference_unit)?,
             coherence: None,
+            variance: None,
             geometry: Geometry { nodes, ..Geometry::default() },
         };
         Ok(Self { set: set.checked().map_err(|error| raised(py, &error))?, warnings: Vec::new() })
