@@ -30,8 +30,8 @@ pub(crate) struct Setup {
     pub(crate) judged: Vec<usize>,
     /// Judged rows, limits and error bar.
     pub(crate) problem: Problem,
-    /// Rows between the responses, where these carry an area; found when a method asks for them.
-    between: OnceCell<Option<Rows>>,
+    /// Rows between the responses, where these carry an area, coarse and fine; found when a method asks for them.
+    between: [OnceCell<Option<Rows>>; 2],
     /// Modes of the model that are summed explicitly, rising.
     pub(crate) modes: Vec<usize>,
     /// What is to be known whatever the drive.
@@ -58,7 +58,7 @@ impl Setup {
         let covariance = Covariance::of_model(model, &operator, &judged, scene.drift.as_ref().unwrap_or(drift));
         let positions_m: Vec<Position> = judged.iter().map(|&row| operator.positions_m[row]).collect();
         let rows = Rows::new(operator.mobility.select(Axis(0), &judged), hot, positions_m, &zones);
-        let between = OnceCell::new();
+        let between = Default::default();
         let problem = Problem::new(rows, covariance, limits, drive_limits);
         let counts = |n: &usize| model.modes[*n].in_band && model.modes[*n].trust != Trust::Rejected;
         let modes = (0..model.modes.len()).filter(counts).collect();
@@ -72,7 +72,7 @@ impl Setup {
         let (measured, hot) = (&self.problem.rows, self.problem.rows.hot);
         let rows = Rows::new(setup.operator.mobility.select(Axis(0), &self.judged), hot, measured.positions_m.clone(), &self.zones);
         setup.problem = Problem { rows, covariance: self.problem.covariance.with_errors(errors), ..setup.problem };
-        setup.between = OnceCell::new();
+        setup.between = Default::default();
         modes.sort_unstable();
         setup.modes = modes;
         setup
@@ -80,7 +80,14 @@ impl Setup {
 
     /// Rows between the responses, where these carry an area.
     pub(crate) fn between(&self) -> Option<&Rows> {
-        self.between.get_or_init(|| between_rows(&self.operator, &self.zones)).as_ref()
+        let [coarse, _] = &self.between;
+        coarse.get_or_init(|| between_rows(&self.operator, &self.zones, tolerances::BETWEEN_SPACING)).as_ref()
+    }
+
+    /// The same, closer together.
+    pub(crate) fn finely_between(&self) -> Option<&Rows> {
+        let [_, fine] = &self.between;
+        fine.get_or_init(|| between_rows(&self.operator, &self.zones, tolerances::FINE_SPACING)).as_ref()
     }
 
     /// The same with the actuators `columns` of the operator alone.
@@ -90,7 +97,7 @@ impl Setup {
         setup.operator.references = columns.iter().map(|&column| self.operator.references[column]).collect();
         setup.operator.reference_columns = columns.iter().map(|&column| self.operator.reference_columns[column]).collect();
         setup.problem = self.problem.with_actuators(columns);
-        setup.between = OnceCell::new();
+        setup.between = Default::default();
         setup
     }
 }
@@ -115,11 +122,11 @@ fn hot_then_cold(places: &[Position], zones: &ZoneMap) -> (Vec<usize>, usize) {
     (on(Ground::Hot).chain(on(Ground::Cold)).collect(), hot)
 }
 
-/// Rows of the operator interpolated between the responses, for methods that also look there.
-fn between_rows(operator: &Operator, zones: &ZoneMap) -> Option<Rows> {
+/// Rows of the operator interpolated between the responses, for methods that also look there; `spacing` over that of the responses.
+fn between_rows(operator: &Operator, zones: &ZoneMap, spacing: f64) -> Option<Rows> {
     let scanned = Rectangle::around(&operator.positions_m)?;
     let ground_m2 = (scanned.x_max - scanned.x_min) * (scanned.y_max - scanned.y_min);
-    let step_m = tolerances::BETWEEN_SPACING * (ground_m2 / operator.responses.len() as f64).sqrt();
+    let step_m = spacing * (ground_m2 / operator.responses.len() as f64).sqrt();
     let places: Vec<Position> = Places::new(&operator.positions_m, zones.area(), step_m)?.inside.into_iter().map(|place| place.1).collect();
     let (rows, hot) = hot_then_cold(&places, zones);
     let places: Vec<Position> = rows.into_iter().map(|k| places[k]).collect();

@@ -84,6 +84,10 @@ pub const BETWEEN_WEIGHT: f64 = 0.3;
 /// twice the time for the same area ratios.
 pub const BETWEEN_SPACING: f64 = 0.5;
 
+/// The same for conic programs, where only those rows take part that are missed. With half the spacing of the responses 2 to 3 % of the cold ground of
+/// quarters is lost between them, with a third 0.1 to 1.5 %, in the same time.
+pub const FINE_SPACING: f64 = 0.33;
+
 /// κ above which more of it counts less than ground between the responses. Two standard deviations hold for most of some
 /// 70 responses at once.
 pub const KAPPA_ENOUGH: f64 = 2.0;

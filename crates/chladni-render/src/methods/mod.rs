@@ -90,7 +90,7 @@ impl Method {
         let mut solution = match self {
             Self::PressureMatching => pressure_matching::solve(problem)?,
             Self::Mls => mls::solve(problem, setup.between())?,
-            Self::Robust => robust::solve(problem, setup.between(), every_start)?,
+            Self::Robust => robust::solve(setup, every_start)?,
             Self::MinEffort => min_effort::solve(problem, setup.between())?,
             Self::Modal => modal::solve(setup, model)?,
             Self::Tikhonov => Solution::of_direction(problem, &tikhonov::solve(problem)?),

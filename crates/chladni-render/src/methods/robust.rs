@@ -12,16 +12,17 @@
 use crate::climb::Climb;
 use crate::drive_program::Asked;
 use crate::methods::{mls, Solution};
-use crate::problem::{Problem, Rows};
+use crate::setup::Setup;
 use crate::tolerances;
 use chladni_frf::Result;
 
 /// The most robust drive found from the best drive of `mls`; with `every` start from others that it found, too.
-pub(crate) fn solve(problem: &Problem, between: Option<&Rows>, every: bool) -> Result<Solution> {
-    let ground = between.map(|rows| problem.with_between(rows, 1.0));
+pub(crate) fn solve(setup: &Setup, every: bool) -> Result<Solution> {
+    let problem = &setup.problem;
+    let ground = setup.finely_between().map(|rows| problem.with_between(rows, 1.0));
     let mut contest = mls::Contest::new(problem, ground.as_ref().unwrap_or(problem), tolerances::KAPPA_LEAST);
     let mut most = 0.0;
-    let starts = mls::leading_drives(problem, between)?;
+    let starts = mls::leading_drives(problem, setup.between())?;
     for (number, start) in starts.iter().take(if every { tolerances::MOST_STARTS } else { 1 }).enumerate() {
         contest.offer(problem, start);
         let (kappa, on_points) = Climb::new(problem)?.raise_kappa(start)?;
