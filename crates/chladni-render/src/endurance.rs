@@ -57,7 +57,7 @@ impl Endurance {
                 100.0 * self.frequency_relative
             ));
         }
-        if self.touched_min_ratio < tolerances::SERVES {
+        if self.touched_min_ratio < tolerances::TOUCHED_SERVES {
             let how =
                 if self.touch_is_known { "" } else { " (estimated: without a driving point the model does not know how much it moves)" };
             warnings.push(format!(
