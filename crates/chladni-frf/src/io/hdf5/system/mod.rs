@@ -58,7 +58,9 @@ pub(super) struct File {
 impl File {
     pub(super) fn open(path: &Path) -> Result<Self> {
         let metadata = std::fs::metadata(path).map_err(|error| Error::from_read(&error, path))?;
-        let file = hdf5::File::open(path).map_err(|error| library_error(error, path))?;
+        // no lock: it fails on some network shares, and where a process that was started meanwhile still holds the writer's
+        let unlocked = hdf5::File::with_options().with_fapl(|access| access.file_locking(false)).open(path);
+        let file = unlocked.map_err(|error| library_error(error, path))?;
         Ok(Self { path: path.to_path_buf(), bytes: metadata.len(), file })
     }
 
