@@ -5,11 +5,10 @@ use super::{Case, Finding};
 use crate::options::ShapeModel;
 use crate::order::POWERS;
 use crate::prune::threshold;
+use crate::structured::background;
 use crate::wide::projected;
-use crate::work::{basis, basis_derivative, Work};
+use crate::work::{basis, Work};
 use chladni_frf::Mode;
-use chladni_linalg::qr_thin;
-use ndarray::{concatenate, Array2, Axis};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -64,19 +63,16 @@ fn could_hide(case: &Case, axis: &Work, pair: &[&Mode]) -> Option<bool> {
     // of unit height at its resonance
     let top = axis.x.partition_point(|x| *x < place.re).min(axis.lines() - 1);
     let mode = basis(&local, &[place], &[]) * Complex64::from(place.im / axis.g[top]);
-    let left = |columns: Array2<Complex64>| -> Option<f64> {
-        let (q, _) = qr_thin(of_unit_length(columns).view()).ok()?;
-        Some(projected(q.view(), mode.view()).1.iter().map(|v| v.norm_sqr()).sum())
+    let left = |poles: &[Complex64]| -> Option<f64> {
+        let taken = background(&local, poles, &POWERS).ok()?;
+        Some(projected(taken.view(), mode.view()).1.iter().map(|v| v.norm_sqr()).sum())
     };
-    let beside_terms = left(basis(&local, &[], &POWERS))?;
-    let all = concatenate(Axis(1), &[basis(&local, &around, &POWERS).view(), basis_derivative(&local, &around).view()]).ok()?;
-    let beside_all = left(all)?;
+    let (beside_terms, beside_all) = (left(&[])?, left(&around)?);
     let overlapping = around.iter().filter(|near| (near.re - place.re).abs() < near.im + place.im).count();
     let free = unshared(case, overlapping);
     let energy = height(case, pair[0]) * height(case, pair[1]) * (free * beside_terms + (1.0 - free) * beside_all);
     let frfs = case.data.pairs.len();
-    let variance = (case.model.quality.relative_error * case.data.measured_over_used()).powi(2);
-    Some(energy < (threshold(frfs, local.lines()) - frfs as f64) * variance)
+    Some(energy < (threshold(frfs, local.lines()) - frfs as f64) * case.noise_variance())
 }
 
 /// Part of the residues of one more mode that `modes` of rank one cannot take over, whatever their shapes do: what is left of the
@@ -97,12 +93,4 @@ fn height(case: &Case, mode: &Mode) -> f64 {
     let omega = TAU * mode.frequency_hz;
     let kind = data.kind.from_receptance(omega).norm();
     residue.sum::<f64>().sqrt() * kind * data.factor().norm() / (mode.loss_factor * omega * omega)
-}
-
-fn of_unit_length(mut columns: Array2<Complex64>) -> Array2<Complex64> {
-    for mut column in columns.columns_mut() {
-        let norm = column.iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
-        column.mapv_inplace(|v| v / norm);
-    }
-    columns
 }

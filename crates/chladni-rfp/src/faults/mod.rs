@@ -93,6 +93,11 @@ pub(crate) fn examine(data: &Screened, options: &FitOptions, white: bool, model:
 }
 
 impl Case<'_> {
+    /// Noise variance of one work value, where the residual is noise.
+    fn noise_variance(&self) -> f64 {
+        (self.model.quality.relative_error * self.data.measured_over_used()).powi(2)
+    }
+
     /// In-band modes without doubts.
     fn sure_modes(&self) -> Vec<&Mode> {
         self.model.in_band_modes().filter(|mode| mode.trust == Trust::Sure).collect()

@@ -66,8 +66,7 @@ fn one_moving(case: &Case, group: &[&Mode]) -> Result<bool, LinalgError> {
         let single = local.with_columns(own.select(Axis(1), &columns));
         moving += refine(&single, &[middle], &[0], tol::REFINE_FINE, tol::ROUGH_STEP)?.projection.sse;
     }
-    let variance = (case.model.quality.relative_error * case.data.measured_over_used()).powi(2);
-    Ok(moving < common + threshold(all.len(), local.lines()) * variance)
+    Ok(moving < common + threshold(all.len(), local.lines()) * case.noise_variance())
 }
 
 /// FRFs (positions among the pairs) that were measured together, if the side with more DOFs was moved: those of one DOF of it.
