@@ -81,8 +81,6 @@ pub(crate) const BLOCK_FRFS: usize = 64;
 pub(crate) const PASS_GROUPS: usize = 8;
 /// Least share of a line's noise that a model leaves: less, and the residual there tells rounding, not noise.
 pub(crate) const LEVERAGE_LEFT: f64 = 0.05;
-/// Lines per chunk of the sketch.
-pub(crate) const BLOCK_LINES: usize = 256;
 /// Records longer than this keep all lines near the peaks and thin out the rest.
 pub(crate) const DECIMATE_ABOVE_LINES: usize = 4000;
 /// Iterations of the alternating rank-one refit of residues; separated modes need two, close ones some tens.

@@ -1,0 +1,133 @@
+//! One block of FRFs, reduced.
+
+use super::partial::{Block, Partial, Run, Sums};
+use super::plan::Plan;
+use super::poles::{Matrix, Poles};
+use super::PieceError;
+use crate::error::FitError;
+use crate::head::Head;
+use crate::options::FitOptions;
+use crate::passes::on_all_lines;
+use crate::project::products;
+use crate::reading::{energy, Usable};
+use crate::screen::Screened;
+use crate::sketch::{self, Mixing};
+use chladni_frf::{Error, FrfSet, Source};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use std::collections::HashSet;
+
+/// Reduces the FRFs of one block: without `poles` the first pass, with them the second.
+///
+/// * `number`: of the block, its own
+/// * `sources`: the files that it came from
+///
+/// # Errors
+/// [`FitError`]: unknown kind, a band outside the data, no FRF with values; data that differ from those the poles were found on.
+pub fn reduce(
+    frf: &FrfSet,
+    options: &FitOptions,
+    number: u64,
+    sources: Vec<Source>,
+    poles: Option<&Poles>,
+) -> Result<Partial, PieceError> {
+    let plan = Plan::new(frf, options)?;
+    let (block, sums) = match poles {
+        None => first_pass(frf, &plan)?,
+        Some(poles) => {
+            poles.plan.same(&plan, &format!("block {number}"))?;
+            second_pass(frf, options, poles)?
+        }
+    };
+    let labels: HashSet<u64> = frf.responses.iter().chain(&frf.references).map(|dof| dof.node).collect();
+    let block = Block {
+        number,
+        responses: frf.responses.clone(),
+        references: frf.references.clone(),
+        nodes: frf.geometry.nodes.iter().filter(|node| labels.contains(&node.label)).copied().collect(),
+        sources,
+        ..block
+    };
+    Ok(Partial { plan, poles: poles.cloned(), blocks: vec![block], runs: vec![Run { first: number, length: 1, sums }] })
+}
+
+/// A block of which only the FRFs are known yet.
+fn of_pairs(pairs: Vec<(usize, usize)>) -> Block {
+    Block {
+        number: 0,
+        responses: Vec::new(),
+        references: Vec::new(),
+        nodes: Vec::new(),
+        pairs,
+        energy: Vec::new(),
+        r0: None,
+        sources: Vec::new(),
+    }
+}
+
+fn first_pass(frf: &FrfSet, plan: &Plan) -> Result<(Block, Sums), PieceError> {
+    let (lines, _) = plan.lines()?;
+    let run = |pairs: &[(usize, usize)]| {
+        let mixing = mixing(frf, pairs, plan);
+        (sketch::Sums::new(&frf.values, pairs, &lines, &mixing), mixing)
+    };
+    let mut pairs: Vec<(usize, usize)> = frf.all_pairs().collect();
+    let (mut sums, mut mixing) = run(&pairs);
+    if sums.flawed {
+        pairs = Usable::new(frf, &lines).pairs;
+        if pairs.is_empty() {
+            return Err(FitError::NoData.into());
+        }
+        (sums, mixing) = run(&pairs);
+    }
+    let bad: Vec<bool> = sums.line_energy.iter().map(|energy| !energy.is_finite()).collect();
+    for (k, _) in bad.iter().enumerate().filter(|(_, bad)| **bad) {
+        sums.columns.row_mut(k).fill(0.0.into());
+        sums.line_energy[k] = 0.0;
+    }
+    let mut counts = vec![0; mixing.width];
+    mixing.column.iter().for_each(|&column| counts[column] += 1);
+    let sums = Sums::Sketch { columns: Matrix::from(&sums.columns), counts, line_energy: sums.line_energy.to_vec(), bad };
+    Ok((of_pairs(pairs), sums))
+}
+
+/// A column and a sign for each FRF that depend on its DOFs and the seed alone, not on the block it lies in.
+fn mixing(frf: &FrfSet, pairs: &[(usize, usize)], plan: &Plan) -> Mixing {
+    let drawn = |&(i, j): &(usize, usize)| {
+        let (response, reference) = (frf.responses[i], frf.references[j]);
+        let directions = u64::from(response.direction.code() as u8) << 8 | u64::from(reference.direction.code() as u8);
+        let mut key = [0; 32];
+        for (bytes, word) in key.chunks_exact_mut(8).zip([plan.seed, response.node, reference.node, directions]) {
+            bytes.copy_from_slice(&word.to_le_bytes());
+        }
+        let mut random = ChaCha8Rng::from_seed(key);
+        (random.random_range(0..plan.columns), if random.random() { 1.0 } else { -1.0 })
+    };
+    let (column, sign) = pairs.iter().map(drawn).unzip();
+    Mixing { width: plan.columns, column, sign }
+}
+
+fn second_pass(frf: &FrfSet, options: &FitOptions, poles: &Poles) -> Result<(Block, Sums), PieceError> {
+    let head = poles.head(options.effort)?;
+    let Usable { pairs, bad, .. } = Usable::new(frf, &head.lines);
+    if pairs.is_empty() {
+        return Err(FitError::NoData.into());
+    }
+    let energy: Vec<f64> = pairs.par_iter().map(|&pair| energy(&frf.values, pair, &head.lines).0).collect();
+    if let Some(l) = energy.iter().position(|energy| !energy.is_finite()) {
+        let (i, j) = pairs[l];
+        let line = bad.iter().position(|bad| *bad).map_or(f64::NAN, |k| head.line_hz[k]);
+        return Err(Error::bad_data("a value that is not finite, where all were finite when the poles were found")
+            .field(format!("FRF {} from {} at {line} Hz", frf.responses[i], frf.references[j]))
+            .found("NaN or infinity")
+            .expected("the data that the first pass was run on")
+            .help("run both passes over the same data")
+            .into());
+    }
+    let head = Head { pairs: pairs.clone(), ..head };
+    let q = on_all_lines(&head, &poles.lambda)?;
+    let made = products(&Screened::part(frf, head), &q);
+    let block = Block { energy, r0: Some(Matrix::from(&made.r0)), ..of_pairs(pairs) };
+    Ok((block, Sums::Products { t: Matrix::from(&made.t), gram: Matrix::from(&made.gram) }))
+}
