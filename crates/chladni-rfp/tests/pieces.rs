@@ -159,7 +159,7 @@ fn missing_lines_and_frfs_are_left_out_as_in_memory() {
 #[test]
 fn outlier_lines_gain_noise_and_the_wrong_time_sign_take_their_paths() {
     let mut spoilt = set();
-    outliers(&mut spoilt.frf, 0.005, 30.0, 3);
+    outliers(&mut spoilt.frf, 1e-4, 30.0, 3);
     let (model, _) = in_pieces(&blocks(&spoilt.frf, 5));
     assert_eq!(model.in_band_modes().filter(|mode| mode.trust == Trust::Sure).count(), 8);
     assert!(model.quality.warnings.iter().any(|w| w.contains("outlier lines")), "{:?}", model.quality.warnings);
