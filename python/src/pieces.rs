@@ -169,8 +169,13 @@ pub fn solve_poles(
     exponential_window_per_s: Option<f64>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Py<PyAny>> {
-    let options =
-        FitOptions { modes, damping: law(py, damping)?, shapes: shape_model(py, shapes)?, exponential_window_per_s, ..FitOptions::default() };
+    let options = FitOptions {
+        modes,
+        damping: law(py, damping)?,
+        shapes: shape_model(py, shapes)?,
+        exponential_window_per_s,
+        ..FitOptions::default()
+    };
     let solved = telling(py, progress, |tell| pieces::solve(&partial.0, &options, tell))?;
     match solved.map_err(|error| unpieced(py, &error))? {
         Solved::Poles(poles) => Ok(Py::new(py, Poles(*poles))?.into_any()),

@@ -252,10 +252,8 @@ fn files_of_another_version_or_damaged_are_refused_by_name() {
 fn single_precision_and_both_axes_of_the_set_hold() {
     let set = set();
     let FrfValues::F64(values) = &set.frf.values else { panic!("double precision") };
-    let single = FrfSet {
-        values: FrfValues::F32(values.mapv(|v| num_complex::Complex32::new(v.re as f32, v.im as f32))),
-        ..set.frf.clone()
-    };
+    let single =
+        FrfSet { values: FrfValues::F32(values.mapv(|v| num_complex::Complex32::new(v.re as f32, v.im as f32))), ..set.frf.clone() };
     let model = in_pieces(&[(3, single)]).0;
     let double = in_pieces(&blocks(&set.frf, 1)).0;
     assert!(difference(&model, &double) < 1e-7);

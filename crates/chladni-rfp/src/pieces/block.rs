@@ -25,13 +25,7 @@ use std::collections::HashSet;
 ///
 /// # Errors
 /// [`FitError`]: unknown kind, a band outside the data, no FRF with values; data that differ from those the poles were found on.
-pub fn reduce(
-    frf: &FrfSet,
-    options: &FitOptions,
-    number: u64,
-    sources: Vec<Source>,
-    poles: Option<&Poles>,
-) -> Result<Partial, PieceError> {
+pub fn reduce(frf: &FrfSet, options: &FitOptions, number: u64, sources: Vec<Source>, poles: Option<&Poles>) -> Result<Partial, PieceError> {
     let plan = Plan::new(frf, options)?;
     let (block, sums) = match poles {
         None => first_pass(frf, &plan)?,

@@ -104,7 +104,8 @@ fn whole(partial: &Partial) -> Result<(Block, Vec<usize>), Error> {
 
 /// R₀ of all blocks, its columns in this order.
 fn in_order(blocks: &[Block], unknowns: usize, order: &[usize]) -> Array2<f64> {
-    let columns: Vec<&[f64]> = blocks.iter().filter_map(|block| block.r0.as_ref()).flat_map(|r0| r0.values.chunks_exact(unknowns.max(1))).collect();
+    let columns: Vec<&[f64]> =
+        blocks.iter().filter_map(|block| block.r0.as_ref()).flat_map(|r0| r0.values.chunks_exact(unknowns.max(1))).collect();
     let mut r0 = Array2::zeros((unknowns, order.len()).f());
     for (mut out, &l) in r0.columns_mut().into_iter().zip(order) {
         out.iter_mut().zip(columns[l]).for_each(|(out, value)| *out = *value);
@@ -277,7 +278,8 @@ fn of_products(
 }
 
 /// What no fit in pieces can look at.
-const UNCHECKED: &str = "fitted in pieces: whether poles move between FRFs, a reference is delayed or not reciprocal, or a window broadens \
+const UNCHECKED: &str =
+    "fitted in pieces: whether poles move between FRFs, a reference is delayed or not reciprocal, or a window broadens \
                          the lines was not looked at; fit some blocks by themselves to see";
 
 /// What the products come to.
