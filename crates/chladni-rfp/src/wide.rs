@@ -109,7 +109,7 @@ pub(crate) fn tall_r<T: Scalar>(a: ArrayView2<T>) -> Result<Array2<T>, LinalgErr
 
 /// Real and imaginary part of each line in turn.
 pub(crate) fn stacked(b: &Array2<Complex64>) -> Array2<f64> {
-    let part = |value: Complex64, row: usize| if row % 2 == 0 { value.re } else { value.im };
+    let part = |value: Complex64, row: usize| if row.is_multiple_of(2) { value.re } else { value.im };
     Array2::from_shape_fn((2 * b.nrows(), b.ncols()).f(), |(row, c)| part(b[[row / 2, c]], row))
 }
 

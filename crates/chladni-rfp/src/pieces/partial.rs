@@ -226,6 +226,6 @@ fn same_poles(a: &Option<Arc<Poles>>, b: &Option<Arc<Poles>>) -> bool {
 impl Run {
     /// True where `right` follows, and both together are a run.
     fn is_sibling(&self, right: &Self) -> bool {
-        self.length == right.length && self.first % (2 * self.length) == 0 && right.first == self.first + self.length
+        self.length == right.length && self.first.is_multiple_of(2 * self.length) && right.first == self.first + self.length
     }
 }

@@ -3,7 +3,7 @@
 use super::plan::Plan;
 use crate::found::Grade;
 use crate::head::Head;
-use crate::options::Effort;
+use crate::options::{Effort, FitOptions};
 use crate::FitError;
 use ndarray::Array2;
 use num_complex::Complex64;
@@ -69,6 +69,12 @@ impl Poles {
     /// Number of poles, those beside the band included.
     pub fn count(&self) -> usize {
         self.lambda.len()
+    }
+
+    /// Options to run the second pass with: band, seed and sketch of the first.
+    pub fn options(&self) -> FitOptions {
+        let effort = Effort { sketch_columns: self.plan.columns, ..Effort::default() };
+        FitOptions { band_hz: self.plan.band_hz, seed: self.plan.seed, effort, ..FitOptions::default() }
     }
 
     /// Natural frequencies and loss factors of the poles of the band, by rising frequency, as far as the sketch tells them.
