@@ -14,7 +14,7 @@ use crate::reading::Usable;
 use crate::screen::Screened;
 use crate::sketch::{self, Mixing};
 use chladni_frf::{Error, FrfSet, Source};
-use ndarray::Array2;
+use ndarray::{Array2, Axis};
 use num_complex::Complex64;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -150,14 +150,12 @@ fn mixing(frf: &FrfSet, pairs: &[(usize, usize)], plan: &Plan) -> Mixing {
 
 fn second_pass(frf: &FrfSet, second: &Second) -> Result<(Block, Sums), PieceError> {
     let head = &second.head;
-    let Usable { pairs, bad, energy: of_pair } = Usable::new(frf, &head.lines);
-    if pairs.is_empty() {
-        return Err(FitError::NoData.into());
-    }
-    let energy: Vec<f64> = pairs.iter().map(|&(i, j)| of_pair[i * frf.references.len() + j]).collect();
-    if let Some(l) = energy.iter().position(|energy| !energy.is_finite()) {
+    let missing = frf.missing_pairs();
+    let mut pairs: Vec<(usize, usize)> = frf.all_pairs().filter(|pair| missing.binary_search(pair).is_err()).collect();
+    let mut made = products(&Screened::part(frf, Head { pairs: pairs.clone(), ..head.clone() }), &second.q);
+    if let Some(l) = made.energy.iter().position(|energy| !energy.is_finite()) {
         let (i, j) = pairs[l];
-        let line = bad.iter().position(|bad| *bad).map_or(f64::NAN, |k| head.line_hz[k]);
+        let line = head.lines.iter().position(|&k| !frf.values.get(i, j, k).is_finite()).map_or(f64::NAN, |k| head.line_hz[k]);
         return Err(Error::bad_data("a value that is not finite, where all were finite when the poles were found")
             .field(format!("FRF {} from {} at {line} Hz", frf.responses[i], frf.references[j]))
             .found("NaN or infinity")
@@ -165,7 +163,16 @@ fn second_pass(frf: &FrfSet, second: &Second) -> Result<(Block, Sums), PieceErro
             .help("run both passes over the same data")
             .into());
     }
-    let made = products(&Screened::part(frf, Head { pairs: pairs.clone(), ..head.clone() }), &second.q);
-    let block = Block { energy, r0: Some(Matrix::from(&made.r0)), ..of_pairs(pairs) };
+    // FRFs of zeros add nothing to the products; the first pass has left them out
+    let used: Vec<usize> = (0..pairs.len()).filter(|&l| made.energy[l] > 0.0).collect();
+    if used.is_empty() {
+        return Err(FitError::NoData.into());
+    }
+    if used.len() < pairs.len() {
+        pairs = used.iter().map(|&l| pairs[l]).collect();
+        made.energy = used.iter().map(|&l| made.energy[l]).collect();
+        made.r0 = made.r0.select(Axis(1), &used);
+    }
+    let block = Block { energy: made.energy, r0: Some(Matrix::from(&made.r0)), ..of_pairs(pairs) };
     Ok((block, Sums::Products { t: Matrix::from(&made.t), gram: Matrix::from(&made.gram) }))
 }

@@ -74,7 +74,8 @@ impl Poles {
     /// Options to run the second pass with: band, seed and sketch of the first.
     pub fn options(&self) -> FitOptions {
         let effort = Effort { sketch_columns: self.plan.columns, ..Effort::default() };
-        FitOptions { band_hz: self.plan.band_hz, seed: self.plan.seed, effort, ..FitOptions::default() }
+        let window = self.plan.window.as_ref().and_then(|name| name.parse().ok());
+        FitOptions { band_hz: self.plan.band_hz, seed: self.plan.seed, effort, window, ..FitOptions::default() }
     }
 
     /// Natural frequencies and loss factors of the poles of the band, by rising frequency, as far as the sketch tells them.
