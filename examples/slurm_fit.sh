@@ -32,8 +32,8 @@ solve() { # DEPENDENCY NAME OUTPUT
 }
 
 first=$(pass "" first)
-poles=$(solve "$first" first parts/poles.chladni)
-second=$(pass "$poles" second --poles parts/poles.chladni)
+poles=$(solve "$first" first parts/found.poles)
+second=$(pass "$poles" second --poles parts/found.poles)
 model=$(solve "$second" second model.json)
 echo "model.json: job $model, after $second, $poles, $first (squeue --me; logs in parts/)"
 

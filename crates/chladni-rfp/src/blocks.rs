@@ -19,7 +19,7 @@ impl Screened<'_> {
 
     /// FRFs of a group; the last may have fewer.
     pub fn group_size(&self) -> usize {
-        self.pairs.len().div_ceil(tol::PASS_GROUPS).max(1)
+        self.pairs.len().div_ceil(tol::PASS_GROUPS).max(tol::GROUP_FRFS)
     }
 
     /// Reads a group: `see` is given a range of FRFs and their values, (real and imaginary part of each line in turn, FRF), not yet in work

@@ -79,6 +79,8 @@ pub(crate) const SEEDS_MOST: usize = 100;
 pub(crate) const BLOCK_FRFS: usize = 64;
 /// Partial sums of a streaming pass; fixed, so that the bits do not depend on the number of threads.
 pub(crate) const PASS_GROUPS: usize = 8;
+/// Least FRFs of one such sum: fewer, and adding the sums costs more than making them.
+pub(crate) const GROUP_FRFS: usize = 128;
 /// Least share of a line's noise that a model leaves: less, and the residual there tells rounding, not noise.
 pub(crate) const LEVERAGE_LEFT: f64 = 0.05;
 /// Records longer than this keep all lines near the peaks and thin out the rest.

@@ -5,51 +5,97 @@ use super::plan::Plan;
 use super::poles::{Matrix, Poles};
 use super::PieceError;
 use crate::error::FitError;
+use crate::faults::window;
 use crate::head::Head;
 use crate::options::FitOptions;
 use crate::passes::on_all_lines;
 use crate::project::products;
-use crate::reading::{energy, Usable};
+use crate::reading::Usable;
 use crate::screen::Screened;
 use crate::sketch::{self, Mixing};
 use chladni_frf::{Error, FrfSet, Source};
+use ndarray::Array2;
+use num_complex::Complex64;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 use std::collections::HashSet;
+use std::sync::Arc;
 
-/// Reduces the FRFs of one block: without `poles` the first pass, with them the second.
-///
-/// * `number`: of the block, its own
-/// * `sources`: the files that it came from
+/// A pass over blocks, with what all of them need.
+#[derive(Debug)]
+pub struct Reducer {
+    options: FitOptions,
+    second: Option<Second>,
+}
+
+/// Of a second pass.
+#[derive(Debug)]
+struct Second {
+    poles: Arc<Poles>,
+    head: Head,
+    /// Basis of the poles on the lines used.
+    q: Array2<Complex64>,
+}
+
+impl Reducer {
+    /// Without `poles` the first pass, with them the second.
+    ///
+    /// # Errors
+    /// Poles of an axis without lines in their band.
+    pub fn new(options: &FitOptions, poles: Option<&Poles>) -> Result<Self, PieceError> {
+        let second = |poles: &Poles| {
+            let head = poles.head(options.effort)?;
+            Ok::<_, PieceError>(Second { poles: Arc::new(poles.clone()), q: on_all_lines(&head, &poles.lambda)?, head })
+        };
+        Ok(Self { options: options.clone(), second: poles.map(second).transpose()? })
+    }
+
+    /// Reduces the FRFs of one block.
+    ///
+    /// * `number`: of the block, its own
+    /// * `sources`: the files that it came from
+    ///
+    /// # Errors
+    /// [`FitError`]: unknown kind, a band outside the data, no FRF with values, a window that cannot be undone; data that differ from
+    /// those the poles were found on.
+    pub fn block(&self, frf: &FrfSet, number: u64, sources: Vec<Source>) -> Result<Partial, PieceError> {
+        let plan = Plan::new(frf, &self.options)?;
+        let unbiased = self.options.window.map_or(Ok(None), |window| window::undo(frf, window))?;
+        let frf = unbiased.as_ref().unwrap_or(frf);
+        let (block, sums) = match &self.second {
+            None => first_pass(frf, &plan)?,
+            Some(second) => {
+                second.poles.plan.same(&plan, &format!("block {number}"))?;
+                second_pass(frf, second)?
+            }
+        };
+        let labels: HashSet<u64> = frf.responses.iter().chain(&frf.references).map(|dof| dof.node).collect();
+        let block = Block {
+            number,
+            responses: frf.responses.clone(),
+            references: frf.references.clone(),
+            nodes: frf.geometry.nodes.iter().filter(|node| labels.contains(&node.label)).copied().collect(),
+            sources,
+            ..block
+        };
+        let poles = self.second.as_ref().map(|second| second.poles.clone());
+        Ok(Partial { plan, poles, blocks: vec![block], runs: vec![Run { first: number, length: 1, sums }] })
+    }
+}
+
+/// Reduces the FRFs of one block: see [`Reducer`].
 ///
 /// # Errors
-/// [`FitError`]: unknown kind, a band outside the data, no FRF with values; data that differ from those the poles were found on.
+/// As [`Reducer::new`] and [`Reducer::block`].
 pub fn reduce(frf: &FrfSet, options: &FitOptions, number: u64, sources: Vec<Source>, poles: Option<&Poles>) -> Result<Partial, PieceError> {
-    let plan = Plan::new(frf, options)?;
-    let (block, sums) = match poles {
-        None => first_pass(frf, &plan)?,
-        Some(poles) => {
-            poles.plan.same(&plan, &format!("block {number}"))?;
-            second_pass(frf, options, poles)?
-        }
-    };
-    let labels: HashSet<u64> = frf.responses.iter().chain(&frf.references).map(|dof| dof.node).collect();
-    let block = Block {
-        number,
-        responses: frf.responses.clone(),
-        references: frf.references.clone(),
-        nodes: frf.geometry.nodes.iter().filter(|node| labels.contains(&node.label)).copied().collect(),
-        sources,
-        ..block
-    };
-    Ok(Partial { plan, poles: poles.cloned(), blocks: vec![block], runs: vec![Run { first: number, length: 1, sums }] })
+    Reducer::new(options, poles)?.block(frf, number, sources)
 }
 
 /// A block of which only the FRFs are known yet.
 fn of_pairs(pairs: Vec<(usize, usize)>) -> Block {
     Block {
         number: 0,
+        piece: 0,
         responses: Vec::new(),
         references: Vec::new(),
         nodes: Vec::new(),
@@ -102,13 +148,13 @@ fn mixing(frf: &FrfSet, pairs: &[(usize, usize)], plan: &Plan) -> Mixing {
     Mixing { width: plan.columns, column, sign }
 }
 
-fn second_pass(frf: &FrfSet, options: &FitOptions, poles: &Poles) -> Result<(Block, Sums), PieceError> {
-    let head = poles.head(options.effort)?;
-    let Usable { pairs, bad, .. } = Usable::new(frf, &head.lines);
+fn second_pass(frf: &FrfSet, second: &Second) -> Result<(Block, Sums), PieceError> {
+    let head = &second.head;
+    let Usable { pairs, bad, energy: of_pair } = Usable::new(frf, &head.lines);
     if pairs.is_empty() {
         return Err(FitError::NoData.into());
     }
-    let energy: Vec<f64> = pairs.par_iter().map(|&pair| energy(&frf.values, pair, &head.lines).0).collect();
+    let energy: Vec<f64> = pairs.iter().map(|&(i, j)| of_pair[i * frf.references.len() + j]).collect();
     if let Some(l) = energy.iter().position(|energy| !energy.is_finite()) {
         let (i, j) = pairs[l];
         let line = bad.iter().position(|bad| *bad).map_or(f64::NAN, |k| head.line_hz[k]);
@@ -119,9 +165,7 @@ fn second_pass(frf: &FrfSet, options: &FitOptions, poles: &Poles) -> Result<(Blo
             .help("run both passes over the same data")
             .into());
     }
-    let head = Head { pairs: pairs.clone(), ..head };
-    let q = on_all_lines(&head, &poles.lambda)?;
-    let made = products(&Screened::part(frf, head), &q);
+    let made = products(&Screened::part(frf, Head { pairs: pairs.clone(), ..head.clone() }), &second.q);
     let block = Block { energy, r0: Some(Matrix::from(&made.r0)), ..of_pairs(pairs) };
     Ok((block, Sums::Products { t: Matrix::from(&made.t), gram: Matrix::from(&made.gram) }))
 }

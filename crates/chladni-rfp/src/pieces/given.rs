@@ -1,6 +1,7 @@
 //! Residues of a block at the poles of a model.
 
 use super::PieceError;
+use crate::faults::window;
 use crate::model::{GivenPoles, Shaped};
 use crate::options::FitOptions;
 use crate::project::project;
@@ -16,7 +17,8 @@ use chladni_linalg::qr_thin;
 /// [`crate::FitError`]: the band of the model outside the data, no FRF with values.
 pub fn residues(frf: &FrfSet, model: &ModalModel, options: &FitOptions) -> Result<ModalModel, PieceError> {
     let options = FitOptions { band_hz: Some(model.band_hz), ..options.clone() };
-    let data = Screened::new(frf, &options)?;
+    let unbiased = options.window.map_or(Ok(None), |window| window::undo(frf, window))?;
+    let data = Screened::new(unbiased.as_ref().unwrap_or(frf), &options)?;
     let given = GivenPoles::new(model, data.omega_max);
     let given = if data.pairs.len() <= 2 * given.unknowns() {
         given.on(data.work(), None)?

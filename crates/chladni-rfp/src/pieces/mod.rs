@@ -1,4 +1,4 @@
-//! The fit in pieces, for data larger than memory and for many machines (theory.md, section 8).
+//! The fit in pieces, for data larger than memory and for many machines (theory.md, section 11).
 //!
 //! ```text
 //! block ── reduce ──> partial ─┐                       ┌─ reduce (with poles) ──> partial ─┐
@@ -21,7 +21,7 @@ mod plan;
 mod poles;
 mod solve;
 
-pub use block::reduce;
+pub use block::{reduce, Reducer};
 pub use given::residues;
 pub use partial::Partial;
 pub use poles::Poles;

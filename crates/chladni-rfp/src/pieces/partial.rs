@@ -6,13 +6,14 @@ use chladni_frf::{Dof, Error, Node, Source};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
+use std::sync::Arc;
 
 /// What is left of one or more blocks after a pass over them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Partial {
     pub(super) plan: Plan,
     /// Those that the pass was run with; `None`: the first pass.
-    pub(super) poles: Option<Poles>,
+    pub(super) poles: Option<Arc<Poles>>,
     /// By rising number.
     pub(super) blocks: Vec<Block>,
     /// By rising number; no two that could be one.
@@ -23,6 +24,8 @@ pub struct Partial {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Block {
     pub number: u64,
+    /// Of its pieces, where it was reduced piece by piece.
+    pub piece: u64,
     pub responses: Vec<Dof>,
     pub references: Vec<Dof>,
     /// Of these DOFs, where the data have them.
@@ -63,6 +66,12 @@ pub(super) enum Sums {
     Products { t: Matrix<f64>, gram: Matrix<f64> },
 }
 
+impl Block {
+    fn key(&self) -> (u64, u64) {
+        (self.number, self.piece)
+    }
+}
+
 impl Sums {
     fn add(&mut self, other: Self) {
         fn sum<T: std::ops::AddAssign>(left: &mut [T], right: Vec<T>) {
@@ -99,8 +108,9 @@ impl Partial {
         for other in partials {
             let whose = other.named();
             all.plan.same(&other.plan, &whose)?;
-            if all.poles != other.poles {
-                let pass = |poles: &Option<Poles>| poles.as_ref().map_or("no poles".into(), |poles| format!("{} poles", poles.count()));
+            if !same_poles(&all.poles, &other.poles) {
+                let pass =
+                    |poles: &Option<Arc<Poles>>| poles.as_ref().map_or("no poles".into(), |poles| format!("{} poles", poles.count()));
                 return Err(Error::bad_data(format!("{whose} was reduced with other poles"))
                     .field("poles")
                     .found(pass(&other.poles))
@@ -110,8 +120,8 @@ impl Partial {
             all.blocks.extend(other.blocks);
             all.runs.extend(other.runs);
         }
-        all.blocks.sort_by_key(|block| block.number);
-        if let Some(twice) = all.blocks.windows(2).find(|pair| pair[0].number == pair[1].number) {
+        all.blocks.sort_by_key(Block::key);
+        if let Some(twice) = all.blocks.windows(2).find(|pair| pair[0].key() == pair[1].key()) {
             return Err(Error::bad_data("a block stands twice")
                 .field("number of the block")
                 .found(twice[0].number)
@@ -136,9 +146,24 @@ impl Partial {
         Ok(all)
     }
 
+    /// All blocks as the pieces of one, with this number.
+    pub fn as_block(mut self, number: u64) -> Self {
+        for (piece, block) in self.blocks.iter_mut().enumerate() {
+            (block.number, block.piece) = (number, piece as u64);
+        }
+        self.runs = self.sums().map(|sums| Run { first: number, length: 1, sums }).into_iter().collect();
+        self
+    }
+
+    /// Where the FRFs came from.
+    pub fn with_sources(mut self, sources: &[Source]) -> Self {
+        self.blocks.iter_mut().for_each(|block| block.sources = sources.to_vec());
+        self
+    }
+
     /// Number of blocks.
     pub fn blocks(&self) -> usize {
-        self.blocks.len()
+        self.blocks.chunk_by(|a, b| a.number == b.number).count()
     }
 
     /// Number of FRFs.
@@ -153,7 +178,17 @@ impl Partial {
 
     /// The poles that the second pass was run with; `None` after the first.
     pub fn poles(&self) -> Option<&Poles> {
-        self.poles.as_ref()
+        self.poles.as_deref()
+    }
+
+    /// Band asked for, Hz; `None`: all lines.
+    pub fn band_hz(&self) -> Option<[f64; 2]> {
+        self.plan.band_hz
+    }
+
+    /// Seed of the mixtures.
+    pub fn seed(&self) -> u64 {
+        self.plan.seed
     }
 
     /// The files that the blocks came from, each once.
@@ -177,6 +212,14 @@ impl Partial {
             [first, .., last] => format!("the partial with blocks {} to {}", first.number, last.number),
             [] => "an empty partial".into(),
         }
+    }
+}
+
+/// Equal, or even the same.
+fn same_poles(a: &Option<Arc<Poles>>, b: &Option<Arc<Poles>>) -> bool {
+    match (a, b) {
+        (Some(a), Some(b)) => Arc::ptr_eq(a, b) || a == b,
+        (a, b) => a.is_none() && b.is_none(),
     }
 }
 

@@ -20,6 +20,8 @@ pub(super) struct Plan {
     pub seed: u64,
     /// Of the sketch.
     pub columns: usize,
+    /// Window whose bias is undone.
+    pub window: Option<String>,
 }
 
 impl Plan {
@@ -31,6 +33,7 @@ impl Plan {
             band_hz: options.band_hz,
             seed: options.seed,
             columns: options.effort.sketch_columns.max(1),
+            window: options.window.map(|window| window.as_str().into()),
         })
     }
 
@@ -76,6 +79,10 @@ impl Plan {
         }
         if self.columns != other.columns {
             return error("columns of the sketch", other.columns.to_string(), self.columns.to_string());
+        }
+        if self.window != other.window {
+            let words = |window: &Option<String>| window.clone().unwrap_or_else(|| "not said".into());
+            return error("window", words(&other.window), words(&self.window));
         }
         Ok(())
     }

@@ -91,6 +91,7 @@ fn whole(partial: &Partial) -> Result<(Block, Vec<usize>), Error> {
     }
     let set = Block {
         number: 0,
+        piece: 0,
         responses: responses.0,
         references: references.0,
         nodes,
