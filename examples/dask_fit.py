@@ -63,7 +63,7 @@ def fit(client, path, blocks):
     found = None
     while not isinstance(found, chladni.Model):
         start = perf_counter()
-        poles = client.scatter(found, broadcast=True) if found else None
+        poles = client.scatter(found, broadcast=True) if found is not None else None
         partials = [client.submit(reduce, path, *rows, number, poles) for number, rows in enumerate(blocks)]
         partial = merged(client, partials)
         del partials  # or the cluster keeps them

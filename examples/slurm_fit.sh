@@ -11,11 +11,12 @@ frf=$(realpath "$1")
 blocks=${2:-64}
 cd "$(dirname "$frf")"
 mkdir -p parts
+rm -f parts/*.part # of another number of blocks
 
 submit() { # DEPENDENCY ("" for none) NAME COMMAND [OPTION...]
     local after=$1 name=$2 command=$3
     shift 3
-    sbatch --parsable --job-name "$name" --output "parts/%x-%A_%a.log" --kill-on-invalid-dep=yes \
+    sbatch --parsable --job-name "$name" --output "parts/%x-%j.log" --kill-on-invalid-dep=yes \
         ${after:+--dependency=afterok:$after} "$@" --wrap "set -eu; $command"
 }
 pass() { # DEPENDENCY NAME [OPTION OF REDUCE...]

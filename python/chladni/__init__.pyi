@@ -169,7 +169,13 @@ def fit(
     progress: Callable[[str], object] | None = None,
 ) -> Model: ...
 def reduce_block(
-    frf: FrfSet, number: int, *, poles: Poles | None = None, band: tuple[float, float] | None = None, seed: int | None = None
+    frf: FrfSet,
+    number: int,
+    *,
+    poles: Poles | None = None,
+    band: tuple[float, float] | None = None,
+    window: str | None = None,
+    seed: int | None = None,
 ) -> Partial: ...
 def merge(partials: Iterable[Partial]) -> Partial: ...
 def solve_poles(
@@ -181,7 +187,7 @@ def solve_poles(
     exponential_window_per_s: float | None = None,
     progress: Callable[[str], object] | None = None,
 ) -> Poles | Model: ...
-def residues_block(frf: FrfSet, model: Model) -> Model: ...
+def residues_block(frf: FrfSet, model: Model, *, window: str | None = None) -> Model: ...
 def load_model(path: str | PathLike[str]) -> Model: ...
 def render(
     model: Model,

@@ -227,14 +227,13 @@ pub fn fit(
     seed: u64,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Model> {
-    let window = window.map(|text| text.parse::<Window>().map_err(|message| wrong_word(py, "window", text, &message)));
     let options = FitOptions {
         band_hz: band.map(|(low, high)| [low, high]),
         modes,
         damping: law(py, damping)?,
         method: method.parse::<Method>().map_err(|message| wrong_word(py, "method", method, &message))?,
         shapes: shape_model(py, shapes)?,
-        window: window.transpose()?,
+        window: window_of(py, window)?,
         exponential_window_per_s,
         seed,
         ..FitOptions::default()
@@ -256,4 +255,9 @@ pub fn law(py: Python<'_>, name: Option<&str>) -> PyResult<Option<Damping>> {
 /// What shapes may be, by its name.
 pub fn shape_model(py: Python<'_>, name: &str) -> PyResult<ShapeModel> {
     name.parse().map_err(|message: String| wrong_word(py, "shapes", name, &message))
+}
+
+/// A window by its name.
+pub fn window_of(py: Python<'_>, name: Option<&str>) -> PyResult<Option<Window>> {
+    name.map(|name| name.parse().map_err(|message: String| wrong_word(py, "window", name, &message))).transpose()
 }

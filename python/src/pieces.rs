@@ -2,7 +2,7 @@
 
 use crate::error::{raised, unpieced};
 use crate::frf::FrfSet;
-use crate::model::{law, shape_model, Model};
+use crate::model::{law, shape_model, window_of, Model};
 use crate::progress::telling;
 use chladni_rfp::pieces::{self, Solved};
 use chladni_rfp::FitOptions;
@@ -125,20 +125,23 @@ impl Poles {
 /// Reduces one block of FRFs to a partial: without poles for the first pass, with them for the second.
 ///
 /// A block is any part of the FRFs (some responses, some references) with all lines. number: its own, 0, 1, 2, ...: it fixes the order of
-/// sums. band: (low, high) in Hz. Band and seed are the same for all blocks; with poles, they are those of the first pass.
+/// sums. band: (low, high) in Hz. window: of the records that the FRFs were averaged from. Band, window and seed are the same for all
+/// blocks; with poles, they are those of the first pass.
 #[pyfunction]
-#[pyo3(signature = (frf, number, *, poles=None, band=None, seed=None))]
+#[pyo3(signature = (frf, number, *, poles=None, band=None, window=None, seed=None))]
 pub fn reduce_block(
     py: Python<'_>,
     frf: &FrfSet,
     number: u64,
     poles: Option<&Poles>,
     band: Option<(f64, f64)>,
+    window: Option<&str>,
     seed: Option<u64>,
 ) -> PyResult<Partial> {
     let poles = poles.map(|poles| &poles.0);
     let mut options = poles.map(pieces::Poles::options).unwrap_or_default();
     options.band_hz = band.map(|(low, high)| [low, high]).or(options.band_hz);
+    options.window = window_of(py, window)?.or(options.window);
     options.seed = seed.unwrap_or(options.seed);
     let reduced = py.detach(|| pieces::reduce(&frf.set, &options, number, Vec::new(), poles));
     reduced.map(Partial).map_err(|error| unpieced(py, &error))
@@ -184,9 +187,12 @@ pub fn solve_poles(
 }
 
 /// The model of a block's FRFs at the poles of another model: shapes and participations are fitted, poles and their error bars are taken as
-/// they are. For FRFs measured later or elsewhere, and for asking each block how well it fits (`relative_error`).
+/// they are. For FRFs measured later or elsewhere, and for asking each block how well it fits (`relative_error`). window: of the records
+/// that the FRFs were averaged from.
 #[pyfunction]
-pub fn residues_block(py: Python<'_>, frf: &FrfSet, model: &Model) -> PyResult<Model> {
-    let fitted = py.detach(|| pieces::residues(&frf.set, &model.model, &FitOptions::default()));
+#[pyo3(signature = (frf, model, *, window=None))]
+pub fn residues_block(py: Python<'_>, frf: &FrfSet, model: &Model, window: Option<&str>) -> PyResult<Model> {
+    let options = FitOptions { window: window_of(py, window)?, ..FitOptions::default() };
+    let fitted = py.detach(|| pieces::residues(&frf.set, &model.model, &options));
     fitted.map(Model::new).map_err(|error| unpieced(py, &error))
 }
