@@ -150,12 +150,19 @@ fn mixing(frf: &FrfSet, pairs: &[(usize, usize)], plan: &Plan) -> Mixing {
 
 fn second_pass(frf: &FrfSet, second: &Second) -> Result<(Block, Sums), PieceError> {
     let head = &second.head;
-    let missing = frf.missing_pairs();
-    let mut pairs: Vec<(usize, usize)> = frf.all_pairs().filter(|pair| missing.binary_search(pair).is_err()).collect();
+    // on the lines used, an FRF is there or it is not
+    let is_finite = |(i, j): (usize, usize), k: usize| frf.values.get(i, j, k).is_finite();
+    let (mut pairs, missing): (Vec<_>, Vec<_>) = frf.all_pairs().partition(|&pair| is_finite(pair, head.lines[0]));
     let mut made = products(&Screened::part(frf, Head { pairs: pairs.clone(), ..head.clone() }), &second.q);
-    if let Some(l) = made.energy.iter().position(|energy| !energy.is_finite()) {
-        let (i, j) = pairs[l];
-        let line = head.lines.iter().position(|&k| !frf.values.get(i, j, k).is_finite()).map_or(f64::NAN, |k| head.line_hz[k]);
+    let broken = pairs.iter().zip(&made.energy).find(|(_, energy)| !energy.is_finite()).map(|(&pair, _)| pair);
+    let partly = || {
+        missing
+            .iter()
+            .copied()
+            .find(|&pair| head.lines.iter().any(|&k| is_finite(pair, k) && frf.values.get(pair.0, pair.1, k).norm() > 0.0))
+    };
+    if let Some((i, j)) = broken.or_else(partly) {
+        let line = head.lines.iter().position(|&k| !is_finite((i, j), k)).map_or(f64::NAN, |k| head.line_hz[k]);
         return Err(Error::bad_data("a value that is not finite, where all were finite when the poles were found")
             .field(format!("FRF {} from {} at {line} Hz", frf.responses[i], frf.references[j]))
             .found("NaN or infinity")
