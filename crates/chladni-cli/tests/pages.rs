@@ -173,10 +173,7 @@ impl Studio {
 
     /// The answer to a question of the page.
     fn asked_about_fit(&self, question: &str) -> Value {
-        let head = format!(
-            "POST /api/fit HTTP/1.1\r\nHost: HERE\r\nContent-Type: application/json\r\nContent-Length: {}",
-            question.len()
-        );
+        let head = format!("POST /api/fit HTTP/1.1\r\nHost: HERE\r\nContent-Type: application/json\r\nContent-Length: {}", question.len());
         let answer = self.asked(&head, question);
         serde_json::from_str(answer.split("\r\n\r\n").nth(1).unwrap()).unwrap_or_else(|error| panic!("{error}: {answer}"))
     }

@@ -24,12 +24,17 @@ pub fn few_lines(axis_hz: &[f64], band_hz: Option<[f64; 2]>, known: &ModalModel)
         return None;
     }
     let others_hz = ONE_OF_OTHERS * (axis_hz[inside[inside.len() - 1]] - axis_hz[inside[0]]) / (inside.len() - 1) as f64;
-    let resonances: Vec<[f64; 2]> = known.modes.iter().map(|mode| [mode.frequency_hz, REACH * mode.loss_factor * mode.frequency_hz]).collect();
+    let resonances: Vec<[f64; 2]> =
+        known.modes.iter().map(|mode| [mode.frequency_hz, REACH * mode.loss_factor * mode.frequency_hz]).collect();
     // distance from one line to the next
     let gap_hz = |hz: f64| {
         let over = resonances.iter().filter(|[centre, reach]| (hz - centre).abs() <= *reach);
         let narrowest = over.map(|[_, reach]| 2.0 * reach / LINES_PER_RESONANCE).fold(others_hz, f64::min);
-        if (known.band_hz[0]..=known.band_hz[1]).contains(&hz) { narrowest } else { 0.0 }
+        if (known.band_hz[0]..=known.band_hz[1]).contains(&hz) {
+            narrowest
+        } else {
+            0.0
+        }
     };
     let mut last_hz = f64::NEG_INFINITY;
     let is_wanted = |line: &usize| {

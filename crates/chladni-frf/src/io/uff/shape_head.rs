@@ -19,7 +19,8 @@ const EIGHT_INTEGERS: [Column; 8] = [
     ("integer 7", 10),
     ("integer 8", 10),
 ];
-pub(super) const SIX_REALS: [Column; 6] = [("value 1", 13), ("value 2", 13), ("value 3", 13), ("value 4", 13), ("value 5", 13), ("value 6", 13)];
+pub(super) const SIX_REALS: [Column; 6] =
+    [("value 1", 13), ("value 2", 13), ("value 3", 13), ("value 4", 13), ("value 5", 13), ("value 6", 13)];
 /// More integers or reals than this before the values are none.
 const MOST_HEADER_NUMBERS: i64 = 100;
 
