@@ -134,6 +134,11 @@ impl FrfSet {
         self.responses.len() * self.references.len()
     }
 
+    /// Every pair (response index, reference index), response by response.
+    pub fn all_pairs(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        (0..self.responses.len()).flat_map(|i| (0..self.references.len()).map(move |j| (i, j)))
+    }
+
     /// Pairs (response index, reference index) that were not measured: NaN on every line.
     pub fn missing_pairs(&self) -> Vec<(usize, usize)> {
         let (responses, references, lines) = self.values.dim();

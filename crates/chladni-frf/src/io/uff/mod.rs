@@ -35,6 +35,7 @@ mod write_function;
 mod write_mesh;
 mod write_shape;
 
+pub(in crate::io) use scan::places;
 pub use scan::scan;
 pub use write::{write, Plan, WriteOptions};
 

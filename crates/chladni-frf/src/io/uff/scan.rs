@@ -15,6 +15,7 @@ use super::{part, Collector, UnitsInForce};
 use crate::io::{Document, ReadOptions};
 use crate::{Error, Result};
 use std::io;
+use std::ops::Range;
 use std::path::Path;
 
 /// Bytes of a dataset other than 58 that are read; a longer one is listed by its name.
@@ -43,6 +44,22 @@ pub fn scan(path: &Path, options: &ReadOptions) -> Result<Document> {
     }
     collector.document.warnings.append(&mut datasets.warnings);
     collector.finish(matches!(units, Ok(Some(Units { .. }))))
+}
+
+/// Number and bytes of each dataset, both markers included.
+///
+/// # Errors
+/// Those of reading.
+pub(in crate::io) fn places(path: &Path, lenient: bool) -> Result<Vec<(Option<u32>, Range<u64>)>> {
+    let on_read = |error: io::Error| Error::from_read(&error, path);
+    let mut datasets = Datasets::open(path).map_err(on_read)?;
+    let mut starts = Vec::new();
+    while let Some(passed) = datasets.next_dataset(lenient).map_err(on_read)? {
+        starts.push((passed.number, passed.byte));
+    }
+    let end = std::fs::metadata(path).map_err(on_read)?.len();
+    let ends = starts.iter().skip(1).map(|(_, byte)| *byte).chain([end]);
+    Ok(starts.iter().zip(ends).map(|(&(number, start), end)| (number, start..end)).collect())
 }
 
 /// The datasets of a file, one after the other.
