@@ -75,12 +75,7 @@ impl Poles {
     pub fn options(&self) -> FitOptions {
         let window = self.plan.window.as_deref().and_then(|name| name.parse().ok());
         let effort = Effort { sketch_columns: self.plan.columns, ..Effort::default() };
-<<<<<<< HEAD
-        let window = self.plan.window.as_ref().and_then(|name| name.parse().ok());
-        FitOptions { band_hz: self.plan.band_hz, seed: self.plan.seed, effort, window, ..FitOptions::default() }
-=======
         FitOptions { band_hz: self.plan.band_hz, seed: self.plan.seed, window, effort, ..FitOptions::default() }
->>>>>>> pages
     }
 
     /// Natural frequencies and loss factors of the poles of the band, by rising frequency, as far as the sketch tells them.
