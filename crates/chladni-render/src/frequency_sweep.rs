@@ -74,8 +74,8 @@ fn at(model: &ModalModel, scene: &Scene, options: &RenderOptions, frequency_hz: 
         MethodChoice::Default => MethodChoice::Only(crate::methods::Method::Mls),
         other => other,
     };
-    let Decision { method, every_start, .. } = method.decide(&setup.problem);
-    let drive = method.solve(&setup, model, every_start)?.drive;
+    let Decision { method, effort, .. } = method.decide(&setup.problem, options.effort);
+    let drive = method.solve(&setup, model, effort)?.drive;
     let score = setup.problem.score(&drive);
     Ok(SweptFrequency {
         frequency_hz,

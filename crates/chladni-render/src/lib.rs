@@ -75,7 +75,7 @@ pub use frequency_sweep::{sweep, FrequencySweep, SweptFrequency};
 pub use indices::{AreaIndices, Indices, PointIndices};
 pub use methods::{Method, MethodChoice};
 pub use operator::Operator;
-pub use options::{Drift, RenderOptions};
+pub use options::{Drift, Effort, RenderOptions};
 pub use plane::{Position, Rectangle};
 pub use render::{render, render_measured, render_with_others, Rendering};
 pub use scene::{Actuators, Limits, Scene, DEFAULT_LIMEN_DB, DEFAULT_MAX_FORCE_N, DEFAULT_TRANSITION_M};

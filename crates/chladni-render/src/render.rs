@@ -75,11 +75,11 @@ pub fn render_with_others(
         Some(frf) => Judge::of_line(&whole, frf)?,
         None => Judge::of_model(&whole, options.modes == Count::Auto),
     };
-    let Reduced { setup, warning: of_modes } = fewest_modes::choose(whole, model, &judge, options.method, options.modes)?;
+    let Reduced { setup, warning: of_modes } = fewest_modes::choose(whole, model, &judge, options)?;
     let chosen = fewest_actuators::choose(&std::iter::once(&setup).chain(&others).collect::<Vec<_>>(), options.actuators)?;
     let used = setup.with_actuators(&chosen.columns);
-    let Decision { method, every_start, warning } = options.method.decide(&used.problem);
-    let Solution { drive, warnings: said } = method.solve(&used, model, every_start)?;
+    let Decision { method, effort, warning } = options.method.decide(&used.problem, options.effort);
+    let Solution { drive, warnings: said } = method.solve(&used, model, effort)?;
     let sparse = drive;
     let drive = spread(&sparse, &chosen.columns, setup.operator.references.len());
     let Setup { limits, operator, zones, problem, .. } = &setup;

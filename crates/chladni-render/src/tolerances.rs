@@ -131,7 +131,7 @@ pub const ROWS_JOINING: usize = 12;
 /// How far, over its limit, a row must miss what was asked to join.
 pub const JOIN_SLACK: f64 = 1e-4;
 
-/// Most rounds of conic programs of each kind.
+/// Most rounds of conic programs of each kind, see [`crate::Effort`].
 pub const ROUNDS: usize = 10;
 
 /// Share of κ, and of the margin in dB, that is kept while the peak force is lowered.

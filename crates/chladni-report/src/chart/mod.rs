@@ -4,28 +4,15 @@ mod axis;
 mod clip;
 mod layers;
 mod layout;
+mod marks;
 
 pub use axis::{Axis, Scale};
+pub use marks::Mark;
 
 use crate::drawing::{Anchor, Colour, ColourMap, Image, Stroke};
 
 /// A place in data coordinates.
 pub type Place = [f64; 2];
-
-/// Signs for single points.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Mark {
-    /// Filled disc.
-    Dot,
-    /// Ring.
-    Ring,
-    /// ×.
-    Cross,
-    /// Filled square.
-    Square,
-    /// Filled triangle.
-    Triangle,
-}
 
 /// A disc whose size is data; with a hand that points to `hand` radians, counter-clockwise from the right.
 #[derive(Debug, Clone, PartialEq)]
