@@ -60,6 +60,7 @@ mod signals;
 mod stress;
 mod threshold;
 pub mod tolerances;
+mod tones;
 mod weights;
 mod zones;
 
@@ -82,5 +83,6 @@ pub use scene::{Actuators, Limits, Scene, DEFAULT_LIMEN_DB, DEFAULT_MAX_FORCE_N,
 pub use signals::{signal_csv, wav, SignalOptions};
 pub use stress::{stress, StressOptions, StressRow};
 pub use threshold::{Threshold, ThresholdTable};
+pub use tones::{Share, Tone};
 pub use weights::{Weight, Weights, WEIGHTS_FORMAT, WEIGHTS_VERSION};
 pub use zones::{Ground, PolygonKind, ZoneLayout, ZoneMap, ZonePolygon, Zones};
