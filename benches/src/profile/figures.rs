@@ -41,7 +41,7 @@ fn chart(rows: &[&ProfileRow]) -> Chart {
     )
     .height(Height::Px(HEIGHT_PX))
     .with(Layer::Horizontals { name: Some("floor".into()), at: floor, stroke: Stroke::new(Colour::Ink, 1.4).dashed(Dash::Dashed) })
-    .with(Layer::Stems { name: Some("stage".into()), points: points.collect(), colour: Colour::Series(0) });
+    .with(Layer::Stems { name: Some("stage".into()), points: points.collect(), mark: Mark::Dot, colour: Colour::Series(0) });
     chart.grid = false;
     chart
 }

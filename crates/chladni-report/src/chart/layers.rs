@@ -7,6 +7,9 @@ use super::marks::disc;
 use super::{Cell, Disc, Layer, Place};
 use crate::drawing::{is_dark, text_width, Anchor, Colour, Drawing, Item, Point, Stroke};
 
+/// Diameter of the mark at the end of a stem, px.
+const STEM_MARK: f64 = 7.0;
+
 /// Least and largest coordinate `which` (0: x, 1: y) of all data; infinite and swapped where there is none.
 pub(super) fn extent(layers: &[Layer], which: usize, positive: bool) -> [f64; 2] {
     let mut ends = [f64::INFINITY, f64::NEG_INFINITY];
@@ -54,7 +57,7 @@ pub(super) fn draw_layer(drawing: &mut Drawing, layer: &Layer, sides: [f64; 4], 
         }
         Layer::Marks { points, mark, colour, size, .. } => {
             for point in points.iter().map(place).filter(inside) {
-                mark.draw(drawing, point, *colour, *size);
+                mark.draw(drawing, point, *colour, *size, None);
             }
         }
         Layer::Verticals { at, stroke, .. } => {
@@ -65,14 +68,14 @@ pub(super) fn draw_layer(drawing: &mut Drawing, layer: &Layer, sides: [f64; 4], 
             let lines = at.iter().map(|&value| y.place(value)).filter(|&p| p >= top && p <= bottom);
             push_lines(drawing, lines.map(|p| vec![[left, p], [right, p]]).collect(), *stroke, None);
         }
-        Layer::Stems { points, colour, .. } => {
+        Layer::Stems { points, mark, colour, .. } => {
             let zero = y.place(0.0);
             let base = if zero.is_finite() { zero.clamp(top, bottom) } else { bottom };
             for (point, hint) in points {
                 let tip = place(point);
                 if inside(&tip) {
                     drawing.line(vec![[tip[0], base], tip], Stroke::new(*colour, 2.0));
-                    disc(drawing, tip, 3.5, Some(*colour), None, Some(hint.clone()));
+                    mark.draw(drawing, tip, *colour, STEM_MARK, Some(hint.clone()));
                 }
             }
         }
@@ -147,8 +150,8 @@ pub(super) fn draw_sample(drawing: &mut Drawing, layer: &Layer, [x, y]: Point) {
             drawing.line(vec![[x, y], [x + SAMPLE, y]], *stroke);
         }
         Layer::Verticals { stroke, .. } => drawing.line(vec![[middle[0], y - 8.0], [middle[0], y + 8.0]], *stroke),
-        Layer::Marks { mark, colour, size, .. } => mark.draw(drawing, middle, *colour, *size),
-        Layer::Stems { colour, .. } => disc(drawing, middle, 3.5, Some(*colour), None, None),
+        Layer::Marks { mark, colour, size, .. } => mark.draw(drawing, middle, *colour, *size, None),
+        Layer::Stems { mark, colour, .. } => mark.draw(drawing, middle, *colour, STEM_MARK, None),
         Layer::Pixels { .. } | Layer::Cells(_) | Layer::Discs(_) | Layer::Words { .. } => {}
     }
 }

@@ -37,13 +37,13 @@ impl Mark {
         SERIES_MARKS[k % SERIES_MARKS.len()]
     }
 
-    /// Draws it around `at`, `size` px across.
-    pub(super) fn draw(self, drawing: &mut Drawing, at: Point, colour: Colour, size: f64) {
+    /// Draws it around `at`, `size` px across; filled signs show the hint where the pointer rests on them.
+    pub(super) fn draw(self, drawing: &mut Drawing, at: Point, colour: Colour, size: f64, hint: Option<String>) {
         let half = size / 2.0;
         let corners = |places: &[Point]| places.iter().map(|[dx, dy]| [at[0] + dx * half, at[1] + dy * half]).collect::<Vec<_>>();
-        let mut filled = |places: &[Point]| drawing.polygon(corners(places), Some(colour), None, None);
+        let mut filled = |places: &[Point]| drawing.polygon(corners(places), Some(colour), None, hint.clone());
         match self {
-            Self::Dot => disc(drawing, at, half, Some(colour), None, None),
+            Self::Dot => disc(drawing, at, half, Some(colour), None, hint),
             Self::Ring => {
                 if matches!(colour, Colour::Rgb(_)) {
                     // seen on dark and on light ground
@@ -88,7 +88,7 @@ mod tests {
     fn darkness(mark: Mark) -> Vec<f64> {
         let mut drawing = Drawing::new(16.0, "", "");
         drawing.height = 16.0;
-        mark.draw(&mut drawing, [8.0, 8.0], Colour::Ink, 8.0);
+        mark.draw(&mut drawing, [8.0, 8.0], Colour::Ink, 8.0, None);
         let pixels = Pixmap::decode_png(&drawing.to_png(2.0)).unwrap();
         pixels.pixels().iter().map(|pixel| 1.0 - f64::from(pixel.red()) / 255.0).collect()
     }

@@ -54,8 +54,8 @@ pub enum Layer {
     Verticals { name: Option<String>, at: Vec<f64>, stroke: Stroke },
     /// Lines from left to right.
     Horizontals { name: Option<String>, at: Vec<f64>, stroke: Stroke },
-    /// Lines from the lower end of the y axis, or from zero where that lies inside, to each point.
-    Stems { name: Option<String>, points: Vec<(Place, String)>, colour: Colour },
+    /// Lines from the lower end of the y axis, or from zero where that lies inside, to each point, with a mark there.
+    Stems { name: Option<String>, points: Vec<(Place, String)>, mark: Mark, colour: Colour },
     /// A closed outline; `casing` puts paper around its line.
     Outline { name: Option<String>, points: Vec<Place>, stroke: Stroke, casing: bool },
     /// Pixels over x ends and y ends; the first row lies at the upper y end.
