@@ -4,7 +4,8 @@ use super::knobs::{SceneKnob, SCENE_KNOBS, SEARCHES};
 use super::{Means, SceneRow};
 use crate::pareto::{front, pareto_chart, Curve, Entry};
 use crate::solver::Solver;
-use chladni_render::{Count, Effort};
+use crate::statistics::mean;
+use chladni_render::{Count, Effort, MethodChoice};
 use chladni_report::{Axis, Chart, Colour, Dash, Figure, Height, Mark, Place, Stroke};
 
 /// Width of a picture, px.
@@ -31,9 +32,27 @@ fn place(row: &SceneRow) -> Place {
     [row.drive.time_s[0], (1.0 - row.drive.window.least()).max(NOTHING_LOST)]
 }
 
+/// The method by name that a word like `default` stood for in a row.
+fn stands_for(row: &SceneRow) -> Option<&str> {
+    matches!(row.asked, MethodChoice::Default | MethodChoice::Fast).then_some(row.drive.method.as_str())
+}
+
+/// True for two rows of one method under its name and under a word: their times differ by chance.
+fn same_method(a: &SceneRow, b: &SceneRow) -> bool {
+    let named = |word: &SceneRow, other: &SceneRow| stands_for(word).is_some_and(|method| other.asked.to_string() == method);
+    a.case.name == b.case.name && a.means == b.means && (named(a, b) || named(b, a))
+}
+
+/// The place of a row with the mean time of all rows of its method.
+fn common_place<'a>(row: &SceneRow, rows: impl Iterator<Item = &'a SceneRow>) -> Place {
+    let times = rows.filter(|other| same_method(row, other)).map(|other| other.drive.time_s[0]);
+    [mean(times.chain([row.drive.time_s[0]])), place(row)[1]]
+}
+
 /// Whether no other method beats a row on its scene in time and ground together; `None` where it turns a knob.
 pub(crate) fn scenes_on_front(rows: &[SceneRow]) -> Vec<Option<bool>> {
     let takes_part = |row: &SceneRow| row.means.effort == Effort::default();
+    let place = |row: &SceneRow| common_place(row, rows.iter());
     let on = |row: &SceneRow| {
         let others = rows.iter().filter(|other| other.case.name == row.case.name && takes_part(other)).map(place);
         front(&std::iter::once(place(row)).chain(others).collect::<Vec<_>>())[0]
@@ -48,9 +67,14 @@ fn methods(rows: &[&SceneRow], knobs: bool) -> Option<Figure> {
         return None;
     }
     let whole: Vec<&&SceneRow> = rows.iter().filter(|row| row.means == Means::default()).collect();
-    let entries: Vec<Entry> = whole
-        .iter()
-        .map(|row| Entry { at: place(row), label: row.asked.to_string(), default: Solver::Render(row.asked).is_default() })
+    // a method that also ran under a word stands there once
+    let drawn = whole.iter().filter(|row| stands_for(row).is_some() || !whole.iter().any(|other| same_method(row, other)));
+    let entries: Vec<Entry> = drawn
+        .map(|row| Entry {
+            at: common_place(row, whole.iter().map(|row| **row)),
+            label: stands_for(row).map_or_else(|| row.asked.to_string(), |method| format!("{} ({method})", row.asked)),
+            default: Solver::Render(row.asked).is_default(),
+        })
         .collect();
     let case = whole.first().filter(|_| knobs || entries.len() > 1)?.case;
     let words = if knobs { " Dashed: how far the largest κ is searched for." } else { "" };
