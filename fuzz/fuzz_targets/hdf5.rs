@@ -1,3 +1,4 @@
-//! Any bytes as a file: read, and where it could be read, written and read again.
+//! Any bytes as HDF5: FRFs or a model.
 #![no_main]
-libfuzzer_sys::fuzz_target!(|data: &[u8]| chladni_fuzz::file(data, "h5"));
+use chladni_fuzz::{on_file, targets};
+libfuzzer_sys::fuzz_target!(|data: &[u8]| on_file(data, "h5", targets::any_file_or_model));

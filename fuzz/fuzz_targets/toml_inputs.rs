@@ -1,3 +1,4 @@
 //! Any text as a scene, a panel or a selection.
 #![no_main]
-libfuzzer_sys::fuzz_target!(|data: &[u8]| chladni_fuzz::toml_inputs(data));
+use chladni_fuzz::{on_file, toml_inputs};
+libfuzzer_sys::fuzz_target!(|data: &[u8]| on_file(data, "toml", toml_inputs));

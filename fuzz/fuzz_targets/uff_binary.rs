@@ -1,3 +1,4 @@
-//! Any bytes as a file: read, and where it could be read, written and read again.
+//! Any bytes as a universal file, from binary functions.
 #![no_main]
-libfuzzer_sys::fuzz_target!(|data: &[u8]| chladni_fuzz::file(data, "uff"));
+use chladni_fuzz::{on_file, targets};
+libfuzzer_sys::fuzz_target!(|data: &[u8]| on_file(data, "uff", targets::universal));

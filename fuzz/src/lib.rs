@@ -1,41 +1,42 @@
-//! What every fuzz target does with its bytes.
+//! What every fuzz target does with its bytes: what the seeded mutations ask of a reader, on a file in memory.
 
-use chladni_frf::io::{assemble, read_document, read_model, uff, write_contents, ReadOptions};
-use chladni_frf::{ErrorKind, Selection};
-use std::io::Write;
-use std::path::Path;
+#[path = "../../crates/chladni-frf/tests/mutation/targets.rs"]
+pub mod targets;
 
-/// Reads bytes as a file, strictly and leniently. Where they could be read, universal files that are written of them must be read
-/// again without an error.
-pub fn file(data: &[u8], extension: &str) {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join(format!("input.{extension}"));
-    std::fs::File::create(&path).unwrap().write_all(data).unwrap();
-    for lenient in [false, true] {
-        let options = ReadOptions { lenient, snap_df: lenient, ..ReadOptions::default() };
-        let _ = uff::scan(&path, &options);
-        let Ok(document) = read_document(&path, &options) else { continue };
-        let Ok(contents) = assemble(vec![document], &options) else { continue };
-        for binary in [true, false] {
-            let written = uff::WriteOptions { binary, old_datasets: false };
-            let mut bytes = Vec::new();
-            if uff::write(&mut bytes, &contents, written).is_ok() {
-                let again = uff::read(&bytes, Path::new("again.uff"), &ReadOptions::default()).unwrap();
-                assert_eq!(again.errors, [], "what was written is read");
-            }
-        }
-        if let Err(error) = write_contents(&folder.path().join("again.h5"), &contents, true) {
-            assert_ne!(error.kind, ErrorKind::Internal, "{error}");
-        }
-    }
-    let _ = read_model(&path);
+use cpu_time::ThreadTime;
+use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
+use std::time::Duration;
+
+/// One folder for all executions of a process: making one takes longer than most readers need.
+static FOLDER: LazyLock<PathBuf> = LazyLock::new(|| {
+    // work handed to another thread and waited for takes longer, too
+    rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global().unwrap();
+    let memory = Path::new("/dev/shm");
+    let parent = if memory.is_dir() { memory.to_path_buf() } else { std::env::temp_dir() };
+    let folder = parent.join(format!("chladni-fuzz-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+});
+
+/// A reader that works longer hangs.
+const SLOWEST: Duration = Duration::from_secs(1);
+
+/// Runs `target` on `data` as a file with this extension. Processor time is what counts: on a busy machine any run may be held up.
+///
+/// # Panics
+/// Where it hangs.
+pub fn on_file(data: &[u8], extension: &str, target: impl Fn(&Path, &[u8])) {
+    let path = FOLDER.join("input").with_extension(extension);
+    let started = ThreadTime::now();
+    target(&path, data);
+    let worked = started.elapsed();
+    assert!(worked < SLOWEST, "{worked:?} of work");
 }
 
 /// Reads text as a scene, a panel and a selection.
-pub fn toml_inputs(data: &[u8]) {
-    let mut file = tempfile::NamedTempFile::new().unwrap();
-    file.write_all(data).unwrap();
-    let _ = chladni_render::Scene::read(file.path());
-    let _ = chladni_plate::Panel::read(file.path(), 1 << 28);
-    let _ = Selection::read(file.path());
+pub fn toml_inputs(path: &Path, data: &[u8]) {
+    targets::selection(path, data);
+    let _ = chladni_render::Scene::read(path);
+    let _ = chladni_plate::Panel::read(path, 1 << 28);
 }

@@ -6,6 +6,14 @@
     print(model.frequency_hz, model.loss_factor, model.trust)
     drive = chladni.render(model, "corner.toml")
 
+Data larger than memory, or many machines: the same fit in pieces. Reduce every block of the FRFs, merge, solve; the first pass gives
+`Poles`, a second pass with them the `Model`.
+
+    found = None
+    while not isinstance(found, chladni.Model):
+        partials = (chladni.reduce_block(frf, number, poles=found) for number, frf in enumerate(blocks()))
+        found = chladni.solve_poles(chladni.merge(partials))
+
 Arrays are NumPy's, in SI units; names carry theirs. Errors are `ChladniError`, with the fields of the command line's `--json`.
 """
 
@@ -13,21 +21,28 @@ import json as _json
 
 import numpy as _numpy
 
-from ._chladni import ChladniError, FrfSet, Model, Rendering, __version__, fit, load_model, read, render, simulate
+from ._chladni import ChladniError, FrfSet, Model, Partial, Poles, Rendering, __version__
+from ._chladni import fit, load_model, merge, read, reduce_block, render, residues_block, simulate, solve_poles
 from ._chladni import evaluate as _evaluate
 
 __all__ = [
     "ChladniError",
     "FrfSet",
     "Model",
+    "Partial",
+    "Poles",
     "Rendering",
     "__version__",
     "evaluate",
     "fit",
     "load_model",
+    "merge",
     "read",
+    "reduce_block",
     "render",
+    "residues_block",
     "simulate",
+    "solve_poles",
 ]
 
 

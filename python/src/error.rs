@@ -1,6 +1,7 @@
 //! One exception with the fields of the error contract.
 
 use chladni_frf::{Error, ErrorKind};
+use chladni_rfp::pieces::PieceError;
 use chladni_rfp::FitError;
 use pyo3::create_exception;
 use pyo3::exceptions::PyValueError;
@@ -51,4 +52,12 @@ pub fn unfitted(py: Python<'_>, error: &FitError) -> PyErr {
         _ => ErrorKind::BadData,
     };
     raised(py, &Error::new(kind, error.to_string()))
+}
+
+/// The exception of a piece that cannot be made, merged or solved.
+pub fn unpieced(py: Python<'_>, error: &PieceError) -> PyErr {
+    match error {
+        PieceError::Fit(error) => unfitted(py, error),
+        PieceError::Data(error) => raised(py, error),
+    }
 }

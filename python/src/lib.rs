@@ -1,11 +1,14 @@
 //! Python bindings: the four things the command line does with FRFs, models and scenes, on NumPy arrays.
 //!
 //! `read` and `simulate` give an [`frf::FrfSet`], `fit` a [`model::Model`] of it, `render` a [`rendering::Rendering`] for a scene, and
-//! `evaluate` judges weights on other data. Long work runs without the interpreter's lock.
+//! `evaluate` judges weights on other data. [`pieces`] is the same fit for data larger than memory and for many machines. Long work runs
+//! without the interpreter's lock.
 
 mod error;
 mod frf;
 mod model;
+mod pieces;
+mod progress;
 mod rendering;
 
 use pyo3::prelude::*;
@@ -18,10 +21,16 @@ fn _chladni(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<frf::FrfSet>()?;
     module.add_class::<model::Model>()?;
     module.add_class::<rendering::Rendering>()?;
+    module.add_class::<pieces::Partial>()?;
+    module.add_class::<pieces::Poles>()?;
     module.add_function(wrap_pyfunction!(frf::read, module)?)?;
     module.add_function(wrap_pyfunction!(frf::simulate, module)?)?;
     module.add_function(wrap_pyfunction!(model::fit, module)?)?;
     module.add_function(wrap_pyfunction!(model::load_model, module)?)?;
+    module.add_function(wrap_pyfunction!(pieces::reduce_block, module)?)?;
+    module.add_function(wrap_pyfunction!(pieces::merge, module)?)?;
+    module.add_function(wrap_pyfunction!(pieces::solve_poles, module)?)?;
+    module.add_function(wrap_pyfunction!(pieces::residues_block, module)?)?;
     module.add_function(wrap_pyfunction!(rendering::render, module)?)?;
     module.add_function(wrap_pyfunction!(rendering::evaluate, module)?)
 }

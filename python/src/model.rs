@@ -2,14 +2,15 @@
 
 use crate::error::{raised, unfitted, wrong_word};
 use crate::frf::FrfSet;
+use crate::progress::telling;
 use chladni_frf::io::{read_model, write_model};
-use chladni_frf::{Damping, ModalModel, Mode, Trust};
+use chladni_frf::{Damping, Error, ModalModel, Mode, Trust};
 use chladni_rfp::{mac_matrix, FitOptions, Method, ShapeModel, Window};
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1};
 use pyo3::prelude::*;
-use std::cell::RefCell;
+use pyo3::types::PyType;
 use std::path::PathBuf;
 
 /// A modal model. Arrays hold the modes of the band (sure and weak) by rising frequency; to_dict() holds all.
@@ -174,6 +175,20 @@ impl Model {
         write_model(&path, &self.model, force).map_err(|error| raised(py, &error))
     }
 
+    /// Pickled as the model file's text.
+    fn __reduce__(slf: &Bound<'_, Self>) -> PyResult<(Py<PyAny>, (String,))> {
+        Ok((slf.get_type().getattr("_from_json")?.unbind(), (slf.get().to_json()?,)))
+    }
+
+    /// The model of a text of `to_json`.
+    #[classmethod]
+    fn _from_json(class: &Bound<'_, PyType>, text: &str) -> PyResult<Self> {
+        serde_json::from_str(text).map(Self::new).map_err(|error| {
+            let error = Error::bad_data("no model, or a damaged one").found(error).expected("the text of a model file");
+            raised(class.py(), &error)
+        })
+    }
+
     fn __len__(&self) -> usize {
         self.modes().len()
     }
@@ -212,38 +227,33 @@ pub fn fit(
     seed: u64,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Model> {
-    let damping = match damping {
-        None => None,
-        Some("structural") => Some(Damping::Structural),
-        Some("viscous") => Some(Damping::Viscous),
-        Some(other) => return Err(wrong_word(py, "damping", other, "no damping law; write structural or viscous")),
-    };
     let window = window.map(|text| text.parse::<Window>().map_err(|message| wrong_word(py, "window", text, &message)));
     let options = FitOptions {
         band_hz: band.map(|(low, high)| [low, high]),
         modes,
-        damping,
+        damping: law(py, damping)?,
         method: method.parse::<Method>().map_err(|message| wrong_word(py, "method", method, &message))?,
-        shapes: shapes.parse::<ShapeModel>().map_err(|message| wrong_word(py, "shapes", shapes, &message))?,
+        shapes: shape_model(py, shapes)?,
         window: window.transpose()?,
         exponential_window_per_s,
         seed,
         ..FitOptions::default()
     };
-    let (fitted, failed) = py.detach(|| {
-        let failed: RefCell<Option<PyErr>> = RefCell::new(None);
-        let tell = |stage: &str| {
-            let Some(callback) = &progress else { return };
-            if failed.borrow().is_none() {
-                if let Err(error) = Python::attach(|py| callback.call1(py, (stage,))) {
-                    *failed.borrow_mut() = Some(error);
-                }
-            }
-        };
-        (chladni_rfp::fit(&frf.set, &options, &tell), failed.into_inner())
-    });
-    if let Some(error) = failed {
-        return Err(error);
-    }
+    let fitted = telling(py, progress, |tell| chladni_rfp::fit(&frf.set, &options, tell))?;
     fitted.map(|fitted| Model::new(fitted.model)).map_err(|error| unfitted(py, &error))
+}
+
+/// A damping law by its name.
+pub fn law(py: Python<'_>, name: Option<&str>) -> PyResult<Option<Damping>> {
+    match name {
+        None => Ok(None),
+        Some("structural") => Ok(Some(Damping::Structural)),
+        Some("viscous") => Ok(Some(Damping::Viscous)),
+        Some(other) => Err(wrong_word(py, "damping", other, "no damping law; write structural or viscous")),
+    }
+}
+
+/// What shapes may be, by its name.
+pub fn shape_model(py: Python<'_>, name: &str) -> PyResult<ShapeModel> {
+    name.parse().map_err(|message: String| wrong_word(py, "shapes", name, &message))
 }

@@ -1,6 +1,6 @@
 //! The commands, and the options that all of them have.
 
-use crate::{bench, convert, demo, estimate, evaluate, fit, info, render, report, select, shell, simulate, studio};
+use crate::{bench, block, convert, demo, estimate, evaluate, fit, info, render, report, select, shell, simulate, studio};
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 
 /// Modal identification of plates from measured FRFs, and vibration rendering with it
@@ -51,6 +51,9 @@ pub enum Command {
     /// Measure speed and accuracy on cases whose truth is known
     #[command(subcommand)]
     Bench(bench::Bench),
+    /// The same fit in pieces, for job arrays and clusters
+    #[command(subcommand)]
+    Block(block::Block),
     /// Print completions for a shell
     Completions(shell::CompletionsArgs),
     /// Print a manual page

@@ -39,6 +39,11 @@ impl Console {
         self.progress.stage(name);
     }
 
+    /// How far the stage is, 0 to 1, and how long it will still take.
+    pub fn so_far(&self, done: f64, left: std::time::Duration) {
+        self.progress.so_far(done, left);
+    }
+
     /// A warning: on stderr now, and in the result later; the same words count once.
     pub fn warn(&self, warning: impl Into<String>) {
         let warning = warning.into();

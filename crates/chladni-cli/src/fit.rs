@@ -2,11 +2,13 @@
 
 use crate::console::Console;
 use crate::input::{expand, read_frf, Reading};
+use crate::memory::{parse_memory, MEMORY};
 use crate::outcome::Outcome;
 use crate::output::{Output, MODEL};
 use crate::scene_band::SceneBand;
+use crate::streaming::{beside_checksums, too_large, Resume, Stream};
 use crate::table::{counted, significant, table, with_bound};
-use chladni_frf::io::write_model;
+use chladni_frf::io::{frf_bytes, write_model, FrfParts};
 use chladni_frf::{Damping, Error, ErrorKind, FrfSet, ModalModel, Mode, Result, Scaling, Source, Trust};
 use chladni_rfp::{FitError, FitOptions, Method, ShapeModel, Window};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -37,7 +39,7 @@ pub struct Args {
     #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = parse_modes, allow_negative_numbers = true)]
     modes: ModeCount,
     /// Damping law; auto: decided by evidence
-    #[arg(long, value_name = "LAW", default_value = "auto", value_parser = PossibleValuesParser::new(["auto", "structural", "viscous"]))]
+    #[arg(long, value_name = "LAW", default_value = "auto", value_parser = PossibleValuesParser::new(LAWS))]
     damping: String,
     /// What shapes may be while poles are refined: every pair by itself (free), one shape for all references (rank1), one real
     /// shape (real); auto: the narrowest that the data do not contradict
@@ -59,15 +61,33 @@ pub struct Args {
     /// Seed of the random mixtures inside the fit
     #[arg(long, value_name = "S", default_value_t = 0, allow_negative_numbers = true)]
     seed: u64,
+    /// Memory to keep within, bytes, or with K, M, G, T (powers of 1024): a larger set is read part by part, twice
+    #[arg(long, value_name = "SIZE", default_value = MEMORY, value_parser = parse_memory)]
+    memory: u64,
+    /// Go on where an interrupted fit with the same output ended (a set read part by part)
+    #[arg(long, requires = "output")]
+    resume: bool,
     #[command(flatten)]
     reading: Reading,
 }
 
+/// Values of `--damping`.
+pub const LAWS: [&str; 3] = ["auto", "structural", "viscous"];
+
+/// The law that one of them names.
+pub fn law(name: &str) -> Option<Damping> {
+    match name {
+        "structural" => Some(Damping::Structural),
+        "viscous" => Some(Damping::Viscous),
+        _ => None,
+    }
+}
+
 /// `--modes`: a number, or none for `auto`.
 #[derive(Debug, Clone, Copy)]
-struct ModeCount(Option<usize>);
+pub struct ModeCount(pub Option<usize>);
 
-fn parse_modes(text: &str) -> std::result::Result<ModeCount, String> {
+pub fn parse_modes(text: &str) -> std::result::Result<ModeCount, String> {
     match text {
         "auto" => Ok(ModeCount(None)),
         _ => match text.parse() {
@@ -77,7 +97,7 @@ fn parse_modes(text: &str) -> std::result::Result<ModeCount, String> {
     }
 }
 
-fn parse_band(text: &str) -> std::result::Result<[f64; 2], String> {
+pub fn parse_band(text: &str) -> std::result::Result<[f64; 2], String> {
     let ends = text.split_once(':').map(|(low, high)| (low.trim().parse::<f64>(), high.trim().parse::<f64>()));
     match ends {
         Some((Ok(low), Ok(high))) if low.is_finite() && high.is_finite() && 0.0 <= low && low < high => Ok([low, high]),
@@ -86,7 +106,7 @@ fn parse_band(text: &str) -> std::result::Result<[f64; 2], String> {
     }
 }
 
-fn parse_decay(text: &str) -> std::result::Result<f64, String> {
+pub fn parse_decay(text: &str) -> std::result::Result<f64, String> {
     match text.parse::<f64>() {
         Ok(decay) if decay.is_finite() && decay > 0.0 => Ok(decay),
         _ => Err("no decay in 1/s such as 3.7 (α = ln(1/end value)/record length)".into()),
@@ -100,8 +120,14 @@ fn parse_decay(text: &str) -> std::result::Result<f64, String> {
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let files = expand(&args.files, console)?;
     let output = args.output.as_deref().map(|path| Output::new(path, MODEL, &files, console)).transpose()?;
-    let (frf, mut sources) = read_frf(&files, &args.reading, console)?;
     let mut options = args.fit_options();
+    if too_large(frf_bytes(&files)?, args.memory) {
+        let (model, resume) = streamed(args, &files, &options, console)?;
+        let outcome = written(args, model, output.as_ref(), console)?;
+        resume.done();
+        return Ok(outcome);
+    }
+    let (frf, mut sources) = read_frf(&files, &args.reading, console)?;
     let scene = args.scene.as_deref().map(|file| SceneBand::of(file, &frf, &options)).transpose()?;
     if let Some(scene) = &scene {
         options.band_hz = Some(scene.band_hz());
@@ -115,8 +141,13 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         model.quality.warnings.push(said);
     }
     drop(frf);
+    written(args, model, output.as_ref(), console)
+}
+
+/// Writes the model, and says what came of it.
+fn written(args: &Args, model: ModalModel, output: Option<&Output>, console: &Console) -> Result<Outcome> {
     console.warn_all(model.quality.warnings.iter().cloned());
-    if let Some(output) = &output {
+    if let Some(output) = output {
         console.stage("writing");
         output.write(|path, force| write_model(path, &model, force))?;
     }
@@ -127,6 +158,35 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         None => Outcome::shown(whole(&model)?, text),
     };
     Ok(outcome.doubted(doubt))
+}
+
+/// Fits a set larger than memory part by part.
+fn streamed(args: &Args, files: &[PathBuf], options: &FitOptions, console: &Console) -> Result<(ModalModel, Resume)> {
+    let whole = |field: &str, found: &str| {
+        Err(Error::new(
+            ErrorKind::Usage,
+            "the set is larger than half of the memory allowed, and is read part by part: this needs it whole",
+        )
+        .field(field)
+        .found(found)
+        .expected("--method auto, and a band in place of a scene")
+        .help("raise --memory where the machine has it"))
+    };
+    if options.method != Method::Auto {
+        return whole("--method", options.method.as_str());
+    }
+    if let Some(scene) = &args.scene {
+        return whole("--scene", &scene.display().to_string());
+    }
+    let stream = Stream::new(FrfParts::open(files, &args.reading.options())?, args.memory, options, console)?;
+    let mut resume = Resume::new(args.output.as_deref(), files, stream.len(), args.resume)?;
+    let (fit, sources) = beside_checksums(files, || stream.fit(&mut resume))?;
+    let mut model = fit.model;
+    model.source = sources;
+    model.options = echo_of(options);
+    args.reading.echo(&mut model.options);
+    model.quality.warnings.splice(0..0, console.warnings());
+    Ok((model, resume))
 }
 
 /// Fits a set and completes the model with its sources, its options and the `warnings` of reading.
@@ -174,11 +234,7 @@ impl Args {
         FitOptions {
             band_hz: self.band,
             modes: self.modes.0,
-            damping: match self.damping.as_str() {
-                "structural" => Some(Damping::Structural),
-                "viscous" => Some(Damping::Viscous),
-                _ => None,
-            },
+            damping: law(&self.damping),
             method: self.method,
             shapes: self.shapes,
             window: self.window,

@@ -4,6 +4,7 @@
 
 mod args;
 mod bench;
+mod block;
 mod console;
 mod convert;
 mod curves;
@@ -15,6 +16,7 @@ mod indices;
 mod info;
 mod input;
 mod interrupt;
+mod memory;
 mod oddities;
 mod outcome;
 mod output;
@@ -25,6 +27,7 @@ mod scene_band;
 mod select;
 mod shell;
 mod simulate;
+mod streaming;
 mod studio;
 mod table;
 mod truth;
@@ -67,6 +70,7 @@ fn run(command: &Command, common: &Common, console: &Console) -> Result<Outcome>
         Command::Report(args) => report::run(args, console),
         Command::Studio(args) => studio::run(args, console),
         Command::Bench(what) => bench::run(what, console),
+        Command::Block(what) => block::run(what, console),
         Command::Completions(args) => Ok(shell::completions(args)),
         Command::Man(args) => shell::man(args),
     }

@@ -16,6 +16,10 @@ pub const SHAPES: &[&str] = &["unv", "uff", "ufb", "bunv", "uf", "vtu", "pvd"];
 pub const MODEL_OR_SHAPES: &[&str] = &["json", "h5", "hdf5", "unv", "uff", "ufb", "bunv", "uf", "vtu", "pvd"];
 /// Extensions of model files.
 pub const MODEL: &[&str] = &["json", "h5", "hdf5"];
+/// Extensions of what is left of blocks of FRFs.
+pub const PARTIAL: &[&str] = &["part"];
+/// Extensions of what `block solve` writes: poles, or a model.
+pub const POLES_OR_MODEL: &[&str] = &["poles", "json", "h5", "hdf5"];
 /// Extensions of weights files.
 pub const WEIGHTS: &[&str] = &["json"];
 /// Extensions of drive signals.

@@ -2,10 +2,12 @@
 
 use crate::args::ProgressChoice;
 use indicatif::{ProgressBar, ProgressStyle};
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
 
+/// Of a sum of shares, tenths.
+const ROUNDING: f64 = 1e-6;
 /// How often the bar moves.
 const TICK: Duration = Duration::from_millis(100);
 
@@ -13,6 +15,8 @@ const TICK: Duration = Duration::from_millis(100);
 pub struct Progress {
     display: Display,
     stages: RefCell<Vec<(String, Instant)>>,
+    /// Of the stage, said so far.
+    tenths: Cell<f64>,
 }
 
 enum Display {
@@ -31,12 +35,13 @@ impl Progress {
             ProgressChoice::Auto if std::io::stderr().is_terminal() && !dumb => Display::Bar(new_bar()),
             ProgressChoice::Auto | ProgressChoice::None => Display::None,
         };
-        Self { display, stages: RefCell::default() }
+        Self { display, stages: RefCell::default(), tenths: Cell::default() }
     }
 
     /// A stage begins, and the one before ends.
     pub fn stage(&self, name: &str) {
         self.stages.borrow_mut().push((name.to_owned(), Instant::now()));
+        self.tenths.set(0.0);
         match &self.display {
             Display::Bar(bar) => {
                 bar.set_message(name.to_owned());
@@ -44,6 +49,21 @@ impl Progress {
             }
             Display::Plain => drop(writeln!(std::io::stderr(), "{name}")),
             Display::None => {}
+        }
+    }
+
+    /// How far the stage is, 0 to 1, and how long it will still take; without a bar it is said at every tenth.
+    pub fn so_far(&self, done: f64, left: Duration) {
+        let stages = self.stages.borrow();
+        let stage = stages.last().map_or("", |(name, _)| name.as_str());
+        let words = format!("{stage}: {:.0} %, {} s left", 100.0 * done, left.as_secs_f64().ceil());
+        match &self.display {
+            Display::Bar(bar) => bar.set_message(words),
+            Display::Plain if (10.0 * done + ROUNDING).floor() > self.tenths.get() => {
+                self.tenths.set((10.0 * done + ROUNDING).floor());
+                drop(writeln!(std::io::stderr(), "{words}"));
+            }
+            Display::Plain | Display::None => {}
         }
     }
 

@@ -2,6 +2,7 @@
 
 use crate::console::Console;
 use crate::input::source;
+use crate::memory::{parse_memory, MEMORY};
 use crate::outcome::Outcome;
 use crate::output::{Output, FRF, MODEL};
 use crate::table::{counted, significant};
@@ -33,7 +34,7 @@ pub struct Args {
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     seed: Option<u64>,
     /// Refuse at once what needs more memory: bytes, or with K, M, G, T (powers of 1024)
-    #[arg(long, value_name = "SIZE", default_value = "2G", value_parser = parse_memory)]
+    #[arg(long, value_name = "SIZE", default_value = MEMORY, value_parser = parse_memory)]
     memory: u64,
 }
 
@@ -41,26 +42,6 @@ fn parse_snr(text: &str) -> std::result::Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() || value == f64::INFINITY => Ok(value),
         _ => Err("not a number of decibels".into()),
-    }
-}
-
-/// `500M`, `2G`, `2GiB` or a plain number of bytes.
-fn parse_memory(text: &str) -> std::result::Result<u64, String> {
-    let wrong = || "no size such as 500M or 2G".to_owned();
-    let number = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
-    let power = match text[number.len()..].to_ascii_lowercase().trim_end_matches('b').trim_end_matches('i') {
-        "" => 0,
-        "k" => 1,
-        "m" => 2,
-        "g" => 3,
-        "t" => 4,
-        _ => return Err(wrong()),
-    };
-    let number: f64 = number.parse().map_err(|_| wrong())?;
-    let bytes = number * 1024_f64.powi(power);
-    match bytes.is_finite() && (1.0..=2f64.powi(60)).contains(&bytes) {
-        true => Ok(bytes as u64),
-        false => Err(wrong()),
     }
 }
 
@@ -127,19 +108,4 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         snr_db
     );
     Ok(Outcome::written(&args.output, json, text))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sizes_are_read() {
-        for (text, bytes) in [("10", 10), ("1K", 1024), ("2G", 2 << 30), ("2GiB", 2 << 30), ("1.5m", 3 << 19), ("3kb", 3072)] {
-            assert_eq!(parse_memory(text), Ok(bytes), "{text}");
-        }
-        for text in ["", "G", "-1", "1X", "nan", "1e99", "0"] {
-            assert!(parse_memory(text).is_err(), "{text}");
-        }
-    }
 }

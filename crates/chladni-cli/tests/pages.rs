@@ -168,10 +168,21 @@ impl Studio {
 
     /// The answer to a request with another host than the studio's own.
     fn asked_as(&self, head: &str) -> String {
+        self.asked(head, "")
+    }
+
+    /// The answer to a question of the page.
+    fn asked_about_fit(&self, question: &str) -> Value {
+        let head = format!("POST /api/fit HTTP/1.1\r\nHost: HERE\r\nContent-Type: application/json\r\nContent-Length: {}", question.len());
+        let answer = self.asked(&head, question);
+        serde_json::from_str(answer.split("\r\n\r\n").nth(1).unwrap()).unwrap_or_else(|error| panic!("{error}: {answer}"))
+    }
+
+    fn asked(&self, head: &str, body: &str) -> String {
         let address = self.url.trim_start_matches("http://").trim_end_matches('/');
         let mut stream = TcpStream::connect(address).unwrap();
-        let host = address.to_owned();
-        write!(stream, "{}\r\nConnection: close\r\n\r\n", head.replace("HERE", &host)).unwrap();
+        let head = head.replace("HERE", address);
+        write!(stream, "{head}\r\nConnection: close\r\n\r\n{body}").unwrap();
         let mut answer = String::new();
         stream.read_to_string(&mut answer).unwrap();
         answer
@@ -195,6 +206,16 @@ fn the_studio_answers_this_machine_and_its_own_page_only() {
     assert!(studio.asked_as("GET / HTTP/1.1\r\nHost: HERE\r\nOrigin: http://elsewhere.example").starts_with("HTTP/1.1 403"));
     let form = "POST /api/fit HTTP/1.1\r\nHost: HERE\r\nContent-Type: text/plain\r\nContent-Length: 0";
     assert!(studio.asked_as(form).starts_with("HTTP/1.1 415"), "only the page's own kind of question");
+}
+
+#[test]
+fn a_fit_that_a_newer_question_has_overtaken_is_given_up() {
+    let folder = Folder::with_panel();
+    let studio = Studio::start(&folder, "panel.h5");
+    assert!(studio.asked_about_fit(r#"{"number": 5, "draft": true}"#)["draft"].is_object());
+    assert_eq!(studio.asked_about_fit(r#"{"number": 3}"#), serde_json::json!({"overtaken": true}));
+    // and what asks last is answered
+    assert!(studio.asked_about_fit(r#"{"number": 6}"#)["data"].is_object());
 }
 
 /// The weights that the studio shows, as its table has them.

@@ -1,7 +1,7 @@
 //! A set of measured FRFs on one frequency axis.
 
 use crate::{Dof, Error, FrfKind, Geometry, ReferenceUnit, Result};
-use ndarray::{Array1, Array3};
+use ndarray::{Array1, Array3, Axis};
 use num_complex::{Complex32, Complex64};
 
 /// FRF values in the precision of their source; axes (response, reference, line), lines contiguous.
@@ -37,6 +37,13 @@ impl FrfValues {
             Self::F32(values) => values.slice(ndarray::s![response, reference, ..]).mapv(widen),
         }
     }
+}
+
+/// Some lines of an array with the axes (response, reference, line).
+fn chosen<T: Copy>(values: &Array3<T>, lines: &[usize]) -> Array3<T> {
+    let (responses, references, _) = values.dim();
+    let chosen = values.lanes(Axis(2)).into_iter().flat_map(|frf| lines.iter().map(move |&line| frf[line])).collect();
+    Array3::from_shape_vec((responses, references, lines.len()), chosen).expect("as many as chosen")
 }
 
 fn widen(value: Complex32) -> Complex64 {
@@ -127,6 +134,11 @@ impl FrfSet {
         self.responses.len() * self.references.len()
     }
 
+    /// Every pair (response index, reference index), response by response.
+    pub fn all_pairs(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        (0..self.responses.len()).flat_map(|i| (0..self.references.len()).map(move |j| (i, j)))
+    }
+
     /// Pairs (response index, reference index) that were not measured: NaN on every line.
     pub fn missing_pairs(&self) -> Vec<(usize, usize)> {
         let (responses, references, lines) = self.values.dim();
@@ -139,6 +151,23 @@ impl FrfSet {
             }
         }
         missing
+    }
+
+    /// The same set on some of its lines (indices, rising).
+    pub fn on_lines(&self, lines: &[usize]) -> Self {
+        Self {
+            frequency_hz: self.frequency_hz.select(Axis(0), lines),
+            values: match &self.values {
+                FrfValues::F64(values) => FrfValues::F64(chosen(values, lines)),
+                FrfValues::F32(values) => FrfValues::F32(chosen(values, lines)),
+            },
+            responses: self.responses.clone(),
+            references: self.references.clone(),
+            coherence: self.coherence.as_ref().map(|coherence| chosen(coherence, lines)),
+            variance: self.variance.as_ref().map(|variance| chosen(variance, lines)),
+            geometry: self.geometry.clone(),
+            ..*self
+        }
     }
 
     /// Complex conjugate of every value: from e^{−jωt} to e^{+jωt} and back.

@@ -19,7 +19,7 @@ impl Screened<'_> {
 
     /// FRFs of a group; the last may have fewer.
     pub fn group_size(&self) -> usize {
-        self.pairs.len().div_ceil(tol::PASS_GROUPS).max(1)
+        self.pairs.len().div_ceil(tol::PASS_GROUPS).max(tol::GROUP_FRFS)
     }
 
     /// Reads a group: `see` is given a range of FRFs and their values, (real and imaginary part of each line in turn, FRF), not yet in work
@@ -46,7 +46,6 @@ impl Screened<'_> {
     /// * `basis`: (real and imaginary part of each line, column)
     /// * `coefficients`: adds those of one FRF (position among the pairs), one per column
     pub fn misfit(&self, basis: &Array2<f64>, coefficients: impl Fn(usize, &mut [f64]) + Sync) -> Vec<f64> {
-        let measured = self.weighting.map_or(self.frf, |weighting| weighting.measured);
         let columns = basis.ncols();
         let inverse = -self.factor().inv();
         let mut model = basis.clone();
@@ -60,7 +59,7 @@ impl Screened<'_> {
         let of_group = |group: Range<usize>| {
             let mut factors = vec![0.0; columns * tol::BLOCK_FRFS];
             let mut sums = Vec::with_capacity(group.len());
-            self.each_block_of(&measured.values, group, |frfs, mut left| {
+            self.each_block_of(&self.measured().values, group, |frfs, mut left| {
                 let factors = &mut factors[..columns * frfs.len()];
                 factors.fill(0.0);
                 factors.chunks_exact_mut(columns.max(1)).zip(frfs.clone()).for_each(|(own, l)| coefficients(l, own));

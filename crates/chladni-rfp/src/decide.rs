@@ -1,10 +1,10 @@
 //! What the poles found say of the structure: the damping law, and whether one shape per mode, real or not, serves all references.
 
 use crate::found::Found;
+use crate::head::Head;
 use crate::law::{self, chance, choose};
 use crate::model::{common_shapes, Identified};
 use crate::options::{FitOptions, ShapeModel};
-use crate::screen::Screened;
 use crate::structured::{structured, Search};
 use crate::tolerances as tol;
 use chladni_frf::Damping;
@@ -15,7 +15,7 @@ const LAW_SHARE: f64 = 0.05;
 
 /// Poles of the law that the data prefer, or that is asked for, structured where that holds; with what is to be said of it.
 pub(crate) fn decide(
-    data: &Screened,
+    data: &Head,
     found: Found,
     options: &FitOptions,
     progress: &dyn Fn(&str),
@@ -73,7 +73,7 @@ pub(crate) fn decide(
 }
 
 /// Structured refinement where it applies: asked for, or the residual is noise that chance can be judged by.
-fn shape_search(data: &Screened, found: &Found, options: &FitOptions, damping: Damping) -> Result<Search, LinalgError> {
+fn shape_search(data: &Head, found: &Found, options: &FitOptions, damping: Damping) -> Result<Search, LinalgError> {
     let forced = matches!(options.shapes, ShapeModel::Rank1 | ShapeModel::Real);
     if damping == Damping::Viscous || (found.spread.is_some() && !forced) {
         return Ok(Search::Inapplicable);

@@ -5,20 +5,20 @@ use crate::error::FitError;
 use crate::family::fit_by_method;
 use crate::faults;
 use crate::found::{more_than_asked, uncertainty_grade, Found, Grade};
+use crate::head::Head;
 use crate::law::Law;
 use crate::measured::measured_path;
 use crate::methods::{aaa, circle, grfp, lean, lscf, peak, plscf, rfp, vf, Stabilization, Survey};
 use crate::model::{Identified, Shaped};
 use crate::options::{FitOptions, Method};
-use crate::order::{fast_chain, Chain, Outcome, POWERS};
-use crate::project::project;
+use crate::order::{fast_chain, Chain, Doubt, Outcome, POWERS};
+use crate::project::{project, Projected};
 use crate::refine::{refine, Projection, Refined};
 use crate::screen::Screened;
 use crate::unequal::PairWeights;
 use crate::work::Work;
 use chladni_frf::{Damping, FrfSet, ModalModel, Trust};
-use chladni_linalg::inverse_hermitian;
-use std::f64::consts::TAU;
+use chladni_linalg::{inverse_hermitian, LinalgError};
 
 /// A fit with its history.
 #[derive(Debug, Clone)]
@@ -46,7 +46,7 @@ pub fn fit(frf: &FrfSet, options: &FitOptions, progress: &dyn Fn(&str)) -> Resul
     let (mut fit, white, left) = loop {
         match identify(&data, options, rounds < OUTLIER_ROUNDS, progress)? {
             Attempt::Outliers(places) => {
-                dropped.extend(places.iter().map(|&place| data.frf.frequency_hz[data.lines[place]]));
+                dropped.extend(places.iter().map(|&place| data.line_hz[place]));
                 data = data.without(&places);
                 rounds += 1;
             }
@@ -56,7 +56,7 @@ pub fn fit(frf: &FrfSet, options: &FitOptions, progress: &dyn Fn(&str)) -> Resul
     if let Some(weights) = PairWeights::new(&data, &left, fit.model.quality.relative_error).filter(|_| white) {
         progress("FRFs weighted by their noise");
         let weighted = weights.applied(data.frf);
-        if let Attempt::Fitted(mut again, true, _) = identify(&data.weighted(&weighted, &weights), options, false, progress)? {
+        if let Attempt::Fitted(mut again, true, _) = identify(&data.weighted(&weighted, weights.clone()), options, false, progress)? {
             again.model.quality.path = again.model.quality.path.map(|path| format!("{path}; {}", weights.words()));
             fit = *again;
         }
@@ -64,7 +64,7 @@ pub fn fit(frf: &FrfSet, options: &FitOptions, progress: &dyn Fn(&str)) -> Resul
     if !dropped.is_empty() {
         fit.model.quality.warnings.push(faults::outliers::words(&data, &mut dropped));
     }
-    faults::examine(&data, options, white, &mut fit.model);
+    faults::examine(&data, Some(&data), options, white, &mut fit.model);
     if let Some(alpha) = options.exponential_window_per_s {
         faults::exponential::undo(&mut fit.model, alpha);
     }
@@ -72,7 +72,7 @@ pub fn fit(frf: &FrfSet, options: &FitOptions, progress: &dyn Fn(&str)) -> Resul
 }
 
 /// Rounds of leaving out outlier lines and fitting again: the second finds those that hid beside the first.
-const OUTLIER_ROUNDS: usize = 5;
+pub(crate) const OUTLIER_ROUNDS: usize = 5;
 
 /// What a run of a method came to.
 enum Attempt {
@@ -117,17 +117,32 @@ fn fit_auto(data: &Screened, options: &FitOptions, sought: bool, progress: &dyn 
     let (found, history) = match fast_chain(data, options.seed, options.modes, progress)? {
         Outcome::White(chain) => {
             let history = chain.history.clone();
-            (from_chain(*chain, options.modes, data.omega_max / TAU), history)
+            (from_chain(*chain, options.modes, data.hz()), history)
         }
-        Outcome::Outliers(lines) if sought => return Ok(Attempt::Outliers(lines)),
-        Outcome::Outliers(_) => (from_measured(data, options, "single lines stand out of the residual", progress)?, Vec::new()),
-        Outcome::NotWhite(evidence) => (from_measured(data, options, &evidence, progress)?, Vec::new()),
-        Outcome::Conjugated => (from_conjugated(data, options)?, Vec::new()),
+        Outcome::Ended(Doubt::Outliers(lines)) if sought => return Ok(Attempt::Outliers(lines)),
+        Outcome::Ended(Doubt::Conjugated) => (from_conjugated(data, options)?, Vec::new()),
+        Outcome::Ended(doubt) => (from_measured(data, options, &doubt.words(), progress)?, Vec::new()),
     };
     let measured = found.spread.is_some();
+    let (model, left) = finished(data, found, options, progress, |shaped| shaped.left(data))?;
+    let outliers = if sought && measured { faults::outliers::outliers(data, &model) } else { Vec::new() };
+    match outliers.is_empty() {
+        true => Ok(Attempt::Fitted(Box::new(Fit { model, history, stabilization: None }), !measured, left)),
+        false => Ok(Attempt::Outliers(outliers)),
+    }
+}
+
+/// The model that poles lead to, and what it leaves of each FRF.
+pub(crate) fn finished(
+    data: &Head,
+    found: Found,
+    options: &FitOptions,
+    progress: &dyn Fn(&str),
+    left: impl Fn(&Shaped) -> Vec<f64>,
+) -> Result<(ModalModel, Vec<f64>), LinalgError> {
     let (identified, mut warnings) = decide(data, found, options, progress)?;
     let shaped = Shaped::new(data, identified)?;
-    let left = shaped.left(data);
+    let left = left(&shaped);
     let mut model = shaped.model(data, options, &left);
     if model.quality.relative_error > MOSTLY_LEFT {
         warnings.push(format!(
@@ -137,17 +152,13 @@ fn fit_auto(data: &Screened, options: &FitOptions, sought: bool, progress: &dyn 
         ));
     }
     model.quality.warnings.append(&mut warnings);
-    let outliers = if sought && measured { faults::outliers::outliers(data, &model) } else { Vec::new() };
-    match outliers.is_empty() {
-        true => Ok(Attempt::Fitted(Box::new(Fit { model, history, stabilization: None }), !measured, left)),
-        false => Ok(Attempt::Outliers(outliers)),
-    }
+    Ok((model, left))
 }
 
 /// Residual over data beyond which the band as a whole is not explained, whatever single peaks are.
 const MOSTLY_LEFT: f64 = 0.5;
 
-fn from_chain(chain: Chain, asked: Option<usize>, hz: f64) -> Found {
+pub(crate) fn from_chain(chain: Chain, asked: Option<usize>, hz: f64) -> Found {
     Found {
         grades: grades(&chain.refined, &chain.projected.work, chain.variance),
         work: chain.projected.work,
@@ -177,10 +188,13 @@ fn grades(refined: &Refined, work: &Work, variance: f64) -> Vec<Grade> {
         .collect()
 }
 
-/// No modes: the data contradict any passive structure in e^{+jωt}; they are not corrected without being told.
 fn from_conjugated(data: &Screened, options: &FitOptions) -> Result<Found, FitError> {
     let (sketch, energy) = data.sketch(options.seed);
-    let projected = project(data, &Projection::new(&sketch, &[], &POWERS)?.q, &energy)?;
+    Ok(conjugated(project(data, &Projection::new(&sketch, &[], &POWERS)?.q, &energy)?)?)
+}
+
+/// No modes: the data contradict any passive structure in e^{+jωt}; they are not corrected without being told.
+pub(crate) fn conjugated(projected: Projected) -> Result<Found, LinalgError> {
     let refined = refine(&projected.work, &[], &POWERS, 0, 0.0)?;
     let variance = refined.variance(&projected.work);
     Ok(Found {

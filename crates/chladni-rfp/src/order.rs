@@ -5,6 +5,7 @@
 
 use crate::faults::outliers::single_lines;
 use crate::first_look::first_look;
+use crate::head::Head;
 use crate::passes::{compressed, Pass};
 use crate::pool::{mixtures, starts, vector_fit, Products};
 use crate::project::Projected;
@@ -17,6 +18,7 @@ use crate::tolerances as tol;
 use crate::whiteness::{judge, judge_columns, Whiteness};
 use crate::work::{line_energy, Work};
 use chladni_linalg::{svd_thin, LinalgError};
+use ndarray::Array1;
 use num_complex::Complex64;
 
 /// Powers of x of the residual terms: one lower (1/ω²), three upper (constant, ω², ω⁴).
@@ -27,12 +29,50 @@ pub(crate) const POWERS: [i32; 4] = [-1, 0, 1, 2];
 pub(crate) enum Outcome {
     /// The residual is white: poles at the statistical limit.
     White(Box<Chain>),
-    /// It is not; the evidence in words.
+    /// It did not come to that.
+    Ended(Doubt),
+}
+
+/// What speaks against the fast chain.
+#[derive(Debug)]
+pub(crate) enum Doubt {
+    /// The residual is not white; the evidence in words.
     NotWhite(String),
     /// It is not, and single lines that no neighbour supports are to blame.
     Outliers(Vec<usize>),
     /// The conjugate of the data is explained far better: they follow e^{−jωt}.
     Conjugated,
+}
+
+impl Doubt {
+    /// The evidence.
+    pub fn words(&self) -> String {
+        match self {
+            Self::NotWhite(evidence) => evidence.clone(),
+            Self::Outliers(_) => "single lines stand out of the residual".into(),
+            Self::Conjugated => "every resonance turns the wrong way".into(),
+        }
+    }
+}
+
+/// What the sketch alone tells.
+#[derive(Debug)]
+pub(crate) enum First {
+    /// Poles to project on.
+    Poles(Box<Sketched>),
+    /// What need not be projected.
+    Ended(Doubt),
+}
+
+/// Poles of the sketch with what they were found on.
+#[derive(Debug)]
+pub(crate) struct Sketched {
+    /// The sketch on the lines that were looked at: all, or on long records some.
+    pub sketch: Work,
+    /// Poles, as sharp as the sketch shows them.
+    pub refined: Refined,
+    /// What was tried: (poles, residual variance), in order.
+    pub history: Vec<(usize, f64)>,
 }
 
 /// What the fast chain found.
@@ -85,8 +125,20 @@ pub(crate) fn pool_size(work: &Work, seeds: usize, asked: Option<usize>) -> Resu
 /// Runs the chain. `asked` fixes the number of in-band modes.
 pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progress: &dyn Fn(&str)) -> Result<Outcome, LinalgError> {
     progress("sketch");
-    let hz = data.omega_max / std::f64::consts::TAU;
     let (sketch, energy) = data.sketch(seed);
+    let Sketched { sketch, refined, mut history } = match of_sketch(data, sketch, seed, asked, progress)? {
+        First::Poles(sketched) => *sketched,
+        First::Ended(doubt) => return Ok(Outcome::Ended(doubt)),
+    };
+    progress("projection");
+    let pass = compressed(data, &sketch, &energy, &refined, asked.is_none(), &mut history)?;
+    of_columns(data, pass, &energy, asked, history)
+}
+
+/// The chain up to the second pass over the data.
+pub(crate) fn of_sketch(data: &Head, sketch: Work, seed: u64, asked: Option<usize>, progress: &dyn Fn(&str)) -> Result<First, LinalgError> {
+    let hz = data.hz();
+    let ended = |doubt| Ok(First::Ended(doubt));
     let noise = fourth_difference_noise(&sketch.b, 40);
     let peaks = peaks(&sketch, &line_energy(&sketch.b), &noise);
     let seeds: Vec<Complex64> = peaks.iter().map(|p| p.lambda).collect();
@@ -96,7 +148,7 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
     let rows = thinned(&sketch, &peaks);
     let sketch = if rows.len() < sketch.lines() { sketch.select(&rows) } else { sketch };
     if let Some(evidence) = first_look(&sketch, &peaks, seed, hz)? {
-        return Ok(Outcome::NotWhite(evidence));
+        return ended(Doubt::NotWhite(evidence));
     }
     let mixed = mixtures(&sketch, tol::POOL_MIXTURES, seed);
     let iterations = data.effort.pool_iterations;
@@ -104,7 +156,7 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
     let look = |refined: &Refined| judge_columns(&sketch, &refined.lambda, &refined.projection.residual, hz);
     let spoilt = spoilt_lines(&sketch, &start.refined)?;
     if !spoilt.is_empty() {
-        return Ok(Outcome::Outliers(spoilt.into_iter().map(|row| rows[row]).collect()));
+        return ended(Doubt::Outliers(spoilt.into_iter().map(|row| rows[row]).collect()));
     }
     // a missing mode leaves its mark in one place and in the shape of the residual; misfit around most modes, or misfit without
     // shape, is no question of order
@@ -121,34 +173,43 @@ pub(crate) fn fast_chain(data: &Screened, seed: u64, asked: Option<usize>, progr
     let mut history = vec![(refined.lambda.len(), refined.variance(&sketch))];
     if first.misfit_share > tol::MISFIT_SHARE || refined.lambda.is_empty() {
         if conjugate_fits_better(&mixed, &seeds, size)? {
-            return Ok(Outcome::Conjugated);
+            return ended(Doubt::Conjugated);
         }
         if first.misfit_share > tol::MISFIT_SHARE {
-            return Ok(Outcome::NotWhite(first.evidence));
+            return ended(Doubt::NotWhite(first.evidence));
         }
     }
     if first.shapeless {
-        return Ok(Outcome::NotWhite(first.evidence));
+        return ended(Doubt::NotWhite(first.evidence));
     }
     settle(&sketch, &mut refined, &mut variance, sketch.columns(), &mut history)?;
     let settled = look(&refined);
     if settled.shapeless {
-        return Ok(Outcome::NotWhite(settled.evidence));
+        return ended(Doubt::NotWhite(settled.evidence));
     }
 
-    progress("projection");
     // what the second pass keeps depends on these poles: converged, they are the same to the last digits however they were found
     refined = refine(&sketch, &refined.lambda, &POWERS, data.effort.likelihood_steps, tol::FINE_STEP)?;
-    let mut pass = compressed(data, &sketch, &energy, &refined, asked.is_none(), &mut history)?;
+    Ok(First::Poles(Box::new(Sketched { sketch, refined, history })))
+}
+
+/// The chain from the second pass on; `energy`: of each line over all FRFs.
+pub(crate) fn of_columns(
+    data: &Head,
+    mut pass: Pass,
+    energy: &Array1<f64>,
+    asked: Option<usize>,
+    history: Vec<(usize, f64)>,
+) -> Result<Outcome, LinalgError> {
     let dropped = asked.map_or(Ok(Vec::new()), |modes| keep_strongest(&pass.projected.work, &mut pass.refined, modes))?;
     let Pass { refined, projected, variance, .. } = pass;
     let line_residual = projected.line_residual(&refined.projection.residual);
-    let whiteness = judge(&projected.work, &refined.lambda, &line_residual, data.pairs.len(), &refined.projection.residual, hz);
+    let whiteness = judge(&projected.work, &refined.lambda, &line_residual, data.pairs.len(), &refined.projection.residual, data.hz());
     if !whiteness.white {
         let left = line_residual.to_vec();
         let fitted: Vec<f64> = energy.iter().zip(&left).map(|(all, left)| (all - left).max(0.0)).collect();
         let outliers = single_lines(&left, &fitted);
-        return Ok(if outliers.is_empty() { Outcome::NotWhite(whiteness.evidence) } else { Outcome::Outliers(outliers) });
+        return Ok(Outcome::Ended(if outliers.is_empty() { Doubt::NotWhite(whiteness.evidence) } else { Doubt::Outliers(outliers) }));
     }
     Ok(Outcome::White(Box::new(Chain { refined, projected, variance, whiteness, dropped, history })))
 }

@@ -1,5 +1,6 @@
 //! Passes over all FRFs: the second one, and those few that a mode may need that no sketch shows.
 
+use crate::head::Head;
 use crate::order::POWERS;
 use crate::project::{energies, project, Projected};
 use crate::prune::threshold;
@@ -59,29 +60,39 @@ pub(crate) fn compressed(
 }
 
 /// True where both are the same poles, to a part of a half-bandwidth.
-fn same(these: &[Complex64], those: &[Complex64]) -> bool {
+pub(crate) fn same(these: &[Complex64], those: &[Complex64]) -> bool {
     these.len() == those.len() && these.iter().all(|a| those.iter().any(|b| (a - b).norm() < tol::SAME_POLE * a.im))
 }
 
 impl Pass {
     fn new(data: &Screened, energy: &Array1<f64>, start: &Refined, history: &mut Vec<(usize, f64)>) -> Result<Self, LinalgError> {
-        let projected = project_all(data, start, energy)?;
+        Self::of(data, project(data, &basis_of(data, start)?, energy)?, &start.lambda, history)
+    }
+
+    /// The order settled on columns that were compressed with the poles `start`.
+    pub fn of(data: &Head, projected: Projected, start: &[Complex64], history: &mut Vec<(usize, f64)>) -> Result<Self, LinalgError> {
         let work = &projected.work;
         let steps = data.effort.likelihood_steps;
-        let mut refined = refine(work, &start.lambda, &POWERS, steps, tol::FINE_STEP)?;
+        let mut refined = refine(work, start, &POWERS, steps, tol::FINE_STEP)?;
         let mut variance = full_variance(data, &projected, &refined);
         settle(work, &mut refined, &mut variance, data.pairs.len(), history)?;
         refined = refine(work, &refined.lambda, &POWERS, steps, tol::FINE_STEP)?;
         let variance = full_variance(data, &projected, &refined);
-        let lost = start.lambda.len().saturating_sub(refined.lambda.len());
+        let lost = start.len().saturating_sub(refined.lambda.len());
         Ok(Self { projected, refined, variance, lost })
+    }
+
+    /// Where a mode that the sketch did not show stands out of the residual over all FRFs.
+    pub fn stands_out(&self, data: &Head) -> Option<Complex64> {
+        let Self { projected, refined, .. } = self;
+        residual_peak(&projected.work, &projected.line_noise(&refined.projection), data.pairs.len(), &refined.lambda)
     }
 
     /// Where a mode that the sketch did not show stands out of the residual over all FRFs, or out of the compressed columns.
     fn missed(&self, data: &Screened, tried: &[Complex64]) -> Option<Complex64> {
         let Self { projected, refined, variance, .. } = self;
         let (work, frfs) = (&projected.work, data.pairs.len());
-        let peak = residual_peak(work, &projected.line_noise(&refined.projection), frfs, &refined.lambda);
+        let peak = self.stands_out(data);
         if peak.is_some() || work.columns() >= frfs {
             return peak;
         }
@@ -91,17 +102,21 @@ impl Pass {
     }
 }
 
-/// The second pass on all lines, whether or not the poles were found on a thinned record.
-fn project_all(data: &Screened, refined: &Refined, energy: &Array1<f64>) -> Result<Projected, LinalgError> {
+/// The basis of the second pass on all lines, whether or not the poles were found on a thinned record.
+fn basis_of(data: &Head, refined: &Refined) -> Result<Array2<Complex64>, LinalgError> {
     if refined.projection.q.nrows() == data.lines.len() {
-        return project(data, &refined.projection.q, energy);
+        return Ok(refined.projection.q.clone());
     }
-    let all = Work { x: data.x.clone(), g: data.g.clone(), b: Array2::zeros((data.lines.len(), 0)) };
-    project(data, &qr_thin(basis(&all, &refined.lambda, &refined.powers).view())?.0, energy)
+    on_all_lines(data, &refined.lambda)
+}
+
+/// Orthonormal basis of a model with the poles `lambda` on all lines.
+pub(crate) fn on_all_lines(data: &Head, lambda: &[Complex64]) -> Result<Array2<Complex64>, LinalgError> {
+    Ok(qr_thin(basis(&data.axis(), lambda, &POWERS).view())?.0)
 }
 
 /// Noise variance from the residual of all FRFs.
-fn full_variance(data: &Screened, projected: &Projected, refined: &Refined) -> f64 {
+fn full_variance(data: &Head, projected: &Projected, refined: &Refined) -> f64 {
     let dof = (data.lines.len() - refined.unknowns().min(data.lines.len() - 1)) * data.pairs.len();
     let left = projected.line_residual(&refined.projection.residual).sum();
     (left / (dof as f64 - refined.lambda.len() as f64).max(1.0)).max(1e-30)

@@ -4,6 +4,8 @@
 //! of FRFs stays real and both damping laws can use it): the columns of T·(R₀R₀ᵀ)^{-1/2} carry what the poles need at the
 //! signal-to-noise ratio of the whole set, and the residues of any nearby poles follow from them.
 
+use crate::head::Head;
+use crate::reading::squares;
 use crate::refine::Projection;
 use crate::screen::Screened;
 use crate::tolerances as tol;
@@ -26,6 +28,28 @@ pub(crate) struct Projected {
 }
 
 impl Projected {
+    /// The columns of T·G^{-1/2} with the way back to FRFs; `line_energy`: of each line over all FRFs.
+    ///
+    /// # Errors
+    /// A decomposition that fails.
+    pub fn new(data: &Head, products: Products, line_energy: &Array1<f64>) -> Result<Self, LinalgError> {
+        let Products { t, gram, r0, .. } = products;
+        let (lines, m) = (data.lines.len(), gram.nrows());
+        let factor = data.factor();
+        // G^{-1/2} on the directions that carry anything
+        let (values, vectors) = eigh(gram.view())?;
+        let largest = values.last().copied().unwrap_or(0.0);
+        let kept: Vec<usize> = (0..m).filter(|&i| values[i] > tol::GRAM_ROUNDING * largest).collect();
+        let half = Array2::from_shape_fn((m, kept.len()).f(), |(i, c)| vectors[[i, kept[c]]] / values[kept[c]].sqrt());
+        let columns = matmul(t.view(), half.view());
+        let b =
+            Array2::from_shape_fn((lines, kept.len()).f(), |(k, c)| factor * Complex64::new(columns[[2 * k, c]], columns[[2 * k + 1, c]]));
+        let mut beyond = line_energy.clone();
+        add_energy(&mut beyond, &b, -1.0);
+        beyond.mapv_inplace(|energy| energy.max(0.0));
+        Ok(Projected { work: Work { x: data.x.clone(), g: data.g.clone(), b }, back: wide_h(half.view(), r0.view()), beyond })
+    }
+
     /// What each line's residual energy over all FRFs would be without a model, if noise is all there is: a model takes up the share of
     /// noise that its leverage Σ|Q_k|² says, most of it at its poles.
     pub fn line_noise(&self, projection: &Projection) -> Array1<f64> {
@@ -65,36 +89,48 @@ pub(crate) fn real_basis(q: &Array2<Complex64>) -> Array2<f64> {
     })
 }
 
+/// What the pass leaves: all that the compressed columns are made of.
+#[derive(Debug, Clone)]
+pub(crate) struct Products {
+    /// T = B·R₀ᵀ, (real and imaginary part of each line, unknown).
+    pub t: Array2<f64>,
+    /// R₀R₀ᵀ.
+    pub gram: Array2<f64>,
+    /// R₀ = QᴴB over the reals, (unknown, FRF).
+    pub r0: Array2<f64>,
+    /// Sum of squares of each FRF, in units of the measured values.
+    pub energy: Vec<f64>,
+}
+
 /// Runs the pass with basis `q` on all FRFs; `line_energy` comes from the first pass.
 pub(crate) fn project(data: &Screened, q: &Array2<Complex64>, line_energy: &Array1<f64>) -> Result<Projected, LinalgError> {
+    Projected::new(data, products(data, q), line_energy)
+}
+
+/// The pass itself.
+pub(crate) fn products(data: &Screened, q: &Array2<Complex64>) -> Products {
     let (lines, total, m) = (data.lines.len(), data.pairs.len(), 2 * q.ncols());
     let basis = measured_basis(data, q);
     let mut r0 = Array2::zeros((m, total).f());
     let groups: Vec<_> = data.groups().into_iter().zip(r0.axis_chunks_iter_mut(Axis(1), data.group_size())).collect();
     let sums = |(group, mut r0): (Range<usize>, ArrayViewMut2<f64>)| {
         let (mut t, mut gram) = (Array2::zeros((2 * lines, m).f()), Array2::zeros((m, m).f()));
+        let mut energy = Vec::with_capacity(group.len());
         let start = group.start;
         data.each_block(group, |frfs, block| {
             let mut inside = r0.slice_mut(s![.., frfs.start - start..frfs.end - start]);
             add_matmul_h(inside.view_mut(), basis.view(), block.view());
             add_matmul(t.view_mut(), block.view(), inside.t());
             add_matmul(gram.view_mut(), inside.view(), inside.t());
+            energy.extend(block.columns().into_iter().map(|frf| squares(frf.to_slice().expect("one FRF after the other"))));
         });
-        (t, gram)
+        (t, gram, energy)
     };
-    let (t, gram): (Array2<f64>, Array2<f64>) = tree_sum(groups, &sums, &|left, right| (left.0 + right.0, left.1 + right.1));
-    let factor = data.factor();
-    // G^{-1/2} on the directions that carry anything
-    let (values, vectors) = eigh(gram.view())?;
-    let largest = values.last().copied().unwrap_or(0.0);
-    let kept: Vec<usize> = (0..m).filter(|&i| values[i] > tol::GRAM_ROUNDING * largest).collect();
-    let half = Array2::from_shape_fn((m, kept.len()).f(), |(i, c)| vectors[[i, kept[c]]] / values[kept[c]].sqrt());
-    let columns = matmul(t.view(), half.view());
-    let b = Array2::from_shape_fn((lines, kept.len()).f(), |(k, c)| factor * Complex64::new(columns[[2 * k, c]], columns[[2 * k + 1, c]]));
-    let mut beyond = line_energy.clone();
-    add_energy(&mut beyond, &b, -1.0);
-    beyond.mapv_inplace(|energy| energy.max(0.0));
-    Ok(Projected { work: Work { x: data.x.clone(), g: data.g.clone(), b }, back: wide_h(half.view(), r0.view()), beyond })
+    let add = |left: (Array2<f64>, Array2<f64>, Vec<f64>), right: (Array2<f64>, Array2<f64>, Vec<f64>)| {
+        (left.0 + right.0, left.1 + right.1, [left.2, right.2].concat())
+    };
+    let (t, gram, energy) = tree_sum(groups, &sums, &add);
+    Products { t, gram, r0, energy }
 }
 
 /// Energy Σ|qᴴb|² that each column of `q` sees of all FRFs: a light pass.
@@ -115,7 +151,7 @@ pub(crate) fn energies(data: &Screened, q: &Array2<Complex64>) -> Vec<f64> {
 }
 
 /// The basis over the reals as it meets values in the measured kind: the factor to work units waits until all is small.
-fn measured_basis(data: &Screened, q: &Array2<Complex64>) -> Array2<f64> {
+fn measured_basis(data: &Head, q: &Array2<Complex64>) -> Array2<f64> {
     let factor = data.factor();
     real_basis(&q.mapv(|v| v * factor.conj()))
 }

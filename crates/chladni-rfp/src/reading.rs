@@ -85,8 +85,7 @@ pub(crate) struct Usable {
 impl Usable {
     /// Looks at `lines` of all pairs.
     pub fn new(frf: &FrfSet, lines: &[usize]) -> Self {
-        let (responses, references, _) = frf.values.dim();
-        let all: Vec<(usize, usize)> = (0..responses).flat_map(|i| (0..references).map(move |j| (i, j))).collect();
+        let all: Vec<(usize, usize)> = frf.all_pairs().collect();
         let sums: Vec<(f64, bool)> = all.par_iter().map(|&pair| energy(&frf.values, pair, lines)).collect();
         let mut bad = vec![false; lines.len()];
         let mut zeros = vec![0; lines.len()];

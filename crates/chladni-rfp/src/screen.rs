@@ -2,44 +2,35 @@
 
 use crate::error::FitError;
 use crate::faults::noisy::far_noisier;
-use crate::options::{Effort, FitOptions};
+use crate::head::{Head, Weighting};
+use crate::options::FitOptions;
 use crate::reading::{energy, visit, Usable};
-use crate::unequal::{PairWeights, Weighting};
-use crate::work::Work;
-use chladni_frf::{FrfKind, FrfSet};
-use ndarray::{Array2, ShapeBuilder};
+use crate::sketch::{Mixing, Sums};
+use crate::unequal::PairWeights;
+use crate::work::{line_energy, Work};
+use chladni_frf::FrfSet;
+use ndarray::{Array1, Array2, ArrayView1, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
-use std::f64::consts::TAU;
-use std::ops::Range;
+use std::ops::{Deref, Range};
 
 /// The usable part of an FRF set: selected lines and pairs, unit rms, no copy of the data.
 #[derive(Debug)]
 pub(crate) struct Screened<'a> {
-    /// The measurement.
+    head: Head,
+    /// The data.
     pub frf: &'a FrfSet,
-    /// Its kind.
-    pub kind: FrfKind,
-    /// Indices of the lines used.
-    pub lines: Vec<usize>,
-    /// Pairs (response, reference) used, row by row.
-    pub pairs: Vec<(usize, usize)>,
-    /// Band, Hz.
-    pub band_hz: [f64; 2],
-    /// ω of the last line, rad/s.
-    pub omega_max: f64,
-    /// Root mean square of the data used, in SI units of the kind.
-    pub rms: f64,
-    /// x_k.
-    pub x: Vec<f64>,
-    /// g_k.
-    pub g: Vec<f64>,
-    /// What was left out, in words.
-    pub warnings: Vec<String>,
-    /// What is spent on finding poles.
-    pub effort: Effort,
-    /// Where `frf` is not the measurement itself but weighted by its noise.
-    pub weighting: Option<Weighting<'a>>,
+    /// The FRFs as they were measured, where `frf` is not the measurement itself but weighted by its noise.
+    measured: Option<&'a FrfSet>,
+    /// The first pass with the seed that it was drawn with, where it is done already.
+    sums: Option<(u64, Sums)>,
+}
+
+impl Deref for Screened<'_> {
+    type Target = Head;
+    fn deref(&self) -> &Head {
+        &self.head
+    }
 }
 
 impl<'a> Screened<'a> {
@@ -49,15 +40,17 @@ impl<'a> Screened<'a> {
     /// A band outside the data, too few lines, nothing but zeros.
     pub fn new(frf: &'a FrfSet, options: &FitOptions) -> Result<Self, FitError> {
         let kind = frf.kind.ok_or(FitError::UnknownKind)?;
-        let f = &frf.frequency_hz;
-        let (first, last) = (f.first().copied().unwrap_or(0.0), f.last().copied().unwrap_or(0.0));
-        let [low, high] = options.band_hz.unwrap_or([first, last]);
-        let mut lines: Vec<usize> = (0..f.len()).filter(|&k| f[k] >= low && f[k] <= high && f[k] > 0.0).collect();
-        if lines.is_empty() {
-            return Err(FitError::BandOutsideData { low_hz: low, high_hz: high, data_low_hz: first, data_high_hz: last });
-        }
+        let (mut lines, [low, high]) = lines_in_band(frf.frequency_hz.view(), options.band_hz)?;
         let mut warnings = Vec::new();
-        let Usable { mut pairs, bad, energy: sums } = Usable::new(frf, &lines);
+        // one look for all where nothing is missing: the usual case
+        let width = options.effort.sketch_columns.max(1);
+        let all: Vec<(usize, usize)> = frf.all_pairs().collect();
+        let sums = (all.len() > width).then(|| Sums::new(&frf.values, &all, &lines, &Mixing::even(all.len(), width, options.seed)));
+        let sums = sums.filter(|sums| !sums.flawed);
+        let Usable { mut pairs, bad, energy: sum_of_pair } = match &sums {
+            Some(sums) => Usable { pairs: all, bad: vec![false; lines.len()], energy: sums.frf_energy.clone() },
+            None => Usable::new(frf, &lines),
+        };
         if pairs.is_empty() {
             return Err(FitError::NoData);
         }
@@ -67,7 +60,7 @@ impl<'a> Screened<'a> {
         if bad.iter().any(|b| *b) {
             let dropped = bad.iter().filter(|b| **b).count();
             lines = lines.into_iter().zip(&bad).filter(|(_, bad)| !**bad).map(|(k, _)| k).collect();
-            warnings.push(format!("{dropped} lines hold no finite value in at least one FRF, or zeros in all, and are left out"));
+            warnings.push(lines_left_out(dropped));
         }
         let noisy: Vec<(usize, usize)> = far_noisier(frf, &pairs, &lines).into_iter().map(|l| pairs[l]).collect();
         if !noisy.is_empty() {
@@ -75,93 +68,70 @@ impl<'a> Screened<'a> {
             warnings
                 .push(format!("far noisier than the other FRFs and left out, their values follow from the shapes: {}", named(frf, &noisy)));
         }
-        let modes = options.modes.unwrap_or(1);
-        let needed = modes + 8;
-        if lines.len() < needed {
-            return Err(FitError::TooFewLines { lines: lines.len(), low_hz: low, high_hz: high, modes, needed });
-        }
-        let omega_max = TAU * f[lines[lines.len() - 1]];
-        let ratio: Vec<f64> = lines.iter().map(|&k| TAU * f[k] / omega_max).collect();
-        let mut screened = Self {
-            frf,
-            kind,
-            x: ratio.iter().map(|r| r * r).collect(),
-            g: ratio.iter().map(|r| r.powi(kind.omega_power())).collect(),
-            band_hz: [f[lines[0]].max(low), f[lines[lines.len() - 1]].min(high)],
-            lines,
-            pairs,
-            omega_max,
-            rms: 1.0,
-            warnings,
-            effort: options.effort,
-            weighting: None,
-        };
-        let sum: f64 = if bad.contains(&true) {
-            screened.pairs.par_iter().map(|&pair| energy(&frf.values, pair, &screened.lines).0).collect::<Vec<_>>().iter().sum()
+        enough(lines.len(), [low, high], options.modes)?;
+        let mut head = Head { pairs, warnings, ..Head::new(frf, kind, lines, [low, high], options.effort) };
+        head.energy = if bad.contains(&true) {
+            head.pairs.par_iter().map(|&pair| energy(&frf.values, pair, &head.lines).0).collect()
         } else {
-            screened.pairs.iter().map(|&(i, j)| sums[i * frf.references.len() + j]).sum()
+            head.pairs.iter().map(|&(i, j)| sum_of_pair[i * frf.references.len() + j]).collect()
         };
-        screened.rms = (sum / (screened.lines.len() * screened.pairs.len()) as f64).sqrt();
-        if screened.rms == 0.0 || !screened.rms.is_finite() {
+        head.rms = head.mean_square().sqrt();
+        if head.rms == 0.0 || !head.rms.is_finite() {
             return Err(FitError::NoData);
         }
-        Ok(screened)
+        let sums = sums.filter(|sums| sums.frf_energy.len() == head.pairs.len()).map(|sums| (options.seed, sums));
+        Ok(Self { head, frf, measured: None, sums })
     }
 
-    /// Usual distance of neighbouring lines, Hz: the median, which gaps do not move.
-    pub fn line_spacing_hz(&self) -> f64 {
-        let mut gaps: Vec<f64> =
-            self.lines.windows(2).map(|pair| self.frf.frequency_hz[pair[1]] - self.frf.frequency_hz[pair[0]]).collect();
-        gaps.sort_by(f64::total_cmp);
-        gaps.get(gaps.len() / 2).copied().unwrap_or(0.0)
+    /// Lines, pairs and scale that were chosen elsewhere, in a part of the data.
+    pub fn part(frf: &'a FrfSet, head: Head) -> Self {
+        Self { head, frf, measured: None, sums: None }
     }
 
     /// The same data without the lines at `places` (among the lines used); the scale stays.
     pub fn without(&self, places: &[usize]) -> Self {
         let kept: Vec<usize> = (0..self.lines.len()).filter(|place| !places.contains(place)).collect();
-        Self {
-            frf: self.frf,
-            kind: self.kind,
-            lines: kept.iter().map(|&place| self.lines[place]).collect(),
-            pairs: self.pairs.clone(),
-            band_hz: self.band_hz,
-            omega_max: self.omega_max,
-            rms: self.rms,
-            x: kept.iter().map(|&place| self.x[place]).collect(),
-            g: kept.iter().map(|&place| self.g[place]).collect(),
-            warnings: self.warnings.clone(),
-            effort: self.effort,
-            weighting: self.weighting,
-        }
+        let sums = self.sums.as_ref().map(|(seed, sums)| (*seed, sums.select(&kept)));
+        Self { head: self.head.select(&kept), frf: self.frf, measured: self.measured, sums }
     }
 
     /// The same lines and pairs of `frf`, the data times `weights`.
-    pub fn weighted<'b>(&self, frf: &'b FrfSet, weights: &'b PairWeights) -> Screened<'b>
+    pub fn weighted<'b>(&self, frf: &'b FrfSet, weights: PairWeights) -> Screened<'b>
     where
         'a: 'b,
     {
-        let mut out: Screened<'b> = self.without(&[]);
-        let sums: Vec<f64> = out.pairs.par_iter().map(|&pair| energy(&frf.values, pair, &out.lines).0).collect();
-        out.weighting = Some(Weighting { weights, measured: out.frf, rms: out.rms });
-        out.rms = (sums.iter().sum::<f64>() / (out.lines.len() * out.pairs.len()) as f64).sqrt();
-        out.frf = frf;
-        out
+        let mut head = self.head.clone();
+        head.energy = head.pairs.par_iter().map(|&pair| energy(&frf.values, pair, &head.lines).0).collect();
+        head.weighting = Some(Weighting { weights, rms: head.rms });
+        head.rms = head.mean_square().sqrt();
+        Screened { head, frf, measured: Some(self.frf), sums: None }
     }
 
-    /// What FRFs of response i and of reference j were multiplied by.
-    pub fn weight(&self, i: usize, j: usize) -> [f64; 2] {
-        self.weighting.map_or([1.0; 2], |weighting| [weighting.weights.response[i], weighting.weights.reference[j]])
+    /// The FRFs as they were measured.
+    pub fn measured(&self) -> &FrfSet {
+        self.measured.unwrap_or(self.frf)
     }
 
-    /// Root mean square of the measured data over that of the data used.
-    pub fn measured_over_used(&self) -> f64 {
-        self.weighting.map_or(1.0, |weighting| weighting.rms / self.rms)
-    }
-
-    /// Factor that takes a measured value to a work value: the kind's phase undone, unit rms.
-    pub fn factor(&self) -> Complex64 {
-        let phase = self.kind.from_receptance(1.0);
-        phase.conj() / (phase.norm() * self.rms)
+    /// First pass: count sketch (each FRF added with a random sign to one of a few columns, scaled so that the noise keeps its variance)
+    /// and the energy of each line over all FRFs. Few FRFs are left as they are.
+    pub fn sketch(&self, seed: u64) -> (Work, Array1<f64>) {
+        let (total, width) = (self.pairs.len(), self.effort.sketch_columns.max(1));
+        if total <= width {
+            let work = self.work();
+            let energy = line_energy(&work.b) * total as f64;
+            return (work, energy);
+        }
+        let made;
+        let sums = match &self.sums {
+            Some((drawn, sums)) if *drawn == seed => sums,
+            _ => {
+                made = Sums::new(&self.frf.values, &self.pairs, &self.lines, &Mixing::even(total, width, seed));
+                &made
+            }
+        };
+        let scale = (width as f64 / total as f64).sqrt() * self.factor();
+        let work = Work { x: self.x.clone(), g: self.g.clone(), b: sums.columns.mapv(|sum| sum * scale) };
+        (work, &sums.line_energy * self.factor().norm_sqr())
     }
 
     /// Writes the values of `pairs[range]` on lines `lines[rows]` into a (line, column) array.
@@ -180,6 +150,42 @@ impl<'a> Screened<'a> {
         Work { x: self.x.clone(), g: self.g.clone(), b: self.block(0..self.pairs.len(), 0..self.lines.len()) }
     }
 }
+
+/// Indices of the lines above 0 Hz of a band (all, where none is asked for), and the band.
+///
+/// # Errors
+/// [`FitError::BandOutsideData`].
+pub(crate) fn lines_in_band(frequency_hz: ArrayView1<f64>, band_hz: Option<[f64; 2]>) -> Result<(Vec<usize>, [f64; 2]), FitError> {
+    let f = frequency_hz;
+    let (first, last) = (f.first().copied().unwrap_or(0.0), f.last().copied().unwrap_or(0.0));
+    let [low, high] = band_hz.unwrap_or([first, last]);
+    let lines: Vec<usize> = (0..f.len()).filter(|&k| f[k] >= low && f[k] <= high && f[k] > 0.0).collect();
+    match lines.is_empty() {
+        true => Err(FitError::BandOutsideData { low_hz: low, high_hz: high, data_low_hz: first, data_high_hz: last }),
+        false => Ok((lines, [low, high])),
+    }
+}
+
+/// What is said of lines without values.
+pub(crate) fn lines_left_out(dropped: usize) -> String {
+    format!("{dropped} lines hold no finite value in at least one FRF, or zeros in all, and are left out")
+}
+
+/// Whether so many lines can bear the modes asked for, one where none are.
+///
+/// # Errors
+/// [`FitError::TooFewLines`].
+pub(crate) fn enough(lines: usize, [low_hz, high_hz]: [f64; 2], modes: Option<usize>) -> Result<(), FitError> {
+    let modes = modes.unwrap_or(1);
+    let needed = modes + LINES_TO_SPARE;
+    match lines < needed {
+        true => Err(FitError::TooFewLines { lines, low_hz, high_hz, modes, needed }),
+        false => Ok(()),
+    }
+}
+
+/// Lines needed beyond the number of modes.
+const LINES_TO_SPARE: usize = 8;
 
 /// The first of a list of pairs, in words.
 fn named(frf: &FrfSet, pairs: &[(usize, usize)]) -> String {

@@ -1,61 +1,110 @@
-//! First pass over the data: the count sketch (theory.md, eq. 6).
+//! First pass over the data: the count sketch (theory.md, eq. 6), and with it the energy of each line and each FRF.
 
 use crate::reading::visit;
-use crate::screen::Screened;
-use crate::tolerances as tol;
-use crate::work::{line_energy, Work};
-use ndarray::{s, Array1, Array2, ShapeBuilder};
+use chladni_frf::FrfValues;
+use ndarray::{Array1, Array2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rand::seq::SliceRandom;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use std::ops::Range;
 
-impl Screened<'_> {
-    /// First pass: count sketch (each FRF added with a random sign to one of a few columns, scaled so that the noise
-    /// keeps its variance) and the energy of each line over all FRFs.
-    pub fn sketch(&self, seed: u64) -> (Work, Array1<f64>) {
-        let (total, width) = (self.pairs.len(), self.effort.sketch_columns.max(1));
-        if total <= width {
-            let work = self.work();
-            let energy = line_energy(&work.b) * total as f64;
-            return (work, energy);
-        }
+/// Which column of the sketch each FRF is added to, and with which sign.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Mixing {
+    /// Columns.
+    pub width: usize,
+    /// Of each FRF.
+    pub column: Vec<usize>,
+    /// Of each FRF: 1 or −1.
+    pub sign: Vec<f64>,
+}
+
+impl Mixing {
+    /// As many FRFs in one column as in another, at random.
+    pub fn even(frfs: usize, width: usize, seed: u64) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let mut order: Vec<usize> = (0..total).collect();
+        let mut order: Vec<usize> = (0..frfs).collect();
         order.shuffle(&mut rng);
-        let mut bucket = vec![0; total];
+        let mut column = vec![0; frfs];
         for (position, &l) in order.iter().enumerate() {
-            bucket[l] = position % width;
+            column[l] = position % width;
         }
-        let sign: Vec<f64> = (0..total).map(|_| if rng.random::<bool>() { 1.0 } else { -1.0 }).collect();
-        let chunks: Vec<Range<usize>> =
-            (0..self.lines.len()).step_by(tol::BLOCK_LINES).map(|a| a..(a + tol::BLOCK_LINES).min(self.lines.len())).collect();
-        let parts: Vec<(Vec<Complex64>, Vec<f64>)> = chunks
-            .par_iter()
-            .map(|rows| {
-                let (mut sums, mut energy) = (vec![Complex64::default(); rows.len() * width], vec![0.0; rows.len()]);
-                let lines = &self.lines[rows.clone()];
-                for ((&pair, &bucket), &sign) in self.pairs.iter().zip(&bucket).zip(&sign) {
-                    let sums = &mut sums[bucket * rows.len()..(bucket + 1) * rows.len()];
-                    visit(&self.frf.values, pair, lines, sums.iter_mut().zip(&mut energy), |(sum, energy), value| {
-                        *sum += sign * value;
-                        *energy += value.norm_sqr();
-                    });
-                }
-                (sums, energy)
-            })
-            .collect();
-        let factor = self.factor();
-        let scale = (width as f64 / total as f64).sqrt() * factor;
-        let mut b = Array2::zeros((self.lines.len(), width).f());
-        let mut energy = Array1::zeros(self.lines.len());
-        for (rows, (sums, squares)) in chunks.into_iter().zip(parts) {
-            let sums = Array2::from_shape_vec((rows.len(), width).f(), sums).expect("one per line and column");
-            b.slice_mut(s![rows.clone(), ..]).zip_mut_with(&sums, |value, sum| *value = sum * scale);
-            energy.slice_mut(s![rows]).assign(&(Array1::from(squares) * factor.norm_sqr()));
+        let sign = (0..frfs).map(|_| if rng.random::<bool>() { 1.0 } else { -1.0 }).collect();
+        Self { width, column, sign }
+    }
+}
+
+/// What the pass leaves, in units of the measured values.
+#[derive(Debug, Clone)]
+pub(crate) struct Sums {
+    /// (line, column): signed sums of FRFs.
+    pub columns: Array2<Complex64>,
+    /// Sum of squares of each line.
+    pub line_energy: Array1<f64>,
+    /// Sum of squares of each FRF.
+    pub frf_energy: Vec<f64>,
+    /// True where an FRF holds a value that is not finite, or an FRF or a line nothing but zeros.
+    pub flawed: bool,
+}
+
+/// Sums that need not wait for each other.
+const LANES: usize = 8;
+
+/// Adds `sign` times an FRF to its column and its squares to the energy of the lines; their sum. Inlined, the compiler would no longer
+/// know that the three do not overlap, and add one value at a time.
+#[inline(never)]
+fn add(column: &mut [f64], energy: &mut [f64], frf: &[f64], sign: f64) -> f64 {
+    let mut sums = [0.0; LANES];
+    let (columns, energies) = (column.as_chunks_mut::<LANES>().0, energy.as_chunks_mut::<LANES>().0);
+    for ((column, energy), frf) in columns.iter_mut().zip(energies).zip(frf.as_chunks::<LANES>().0) {
+        for i in 0..LANES {
+            let square = frf[i] * frf[i];
+            column[i] += sign * frf[i];
+            energy[i] += square;
+            sums[i] += square;
         }
-        (Work { x: self.x.clone(), g: self.g.clone(), b }, energy)
+    }
+    sums.iter().sum()
+}
+
+impl Sums {
+    /// Runs the pass over `pairs` on `lines`: column by column, so that every FRF is read in one stretch.
+    pub fn new(values: &FrfValues, pairs: &[(usize, usize)], lines: &[usize], mixing: &Mixing) -> Self {
+        let mut frfs_of = vec![Vec::new(); mixing.width];
+        mixing.column.iter().enumerate().for_each(|(l, &column)| frfs_of[column].push(l));
+        // real and imaginary parts in turn, filled up with zeros
+        let size = (2 * lines.len()).next_multiple_of(LANES);
+        let of_column = |frfs: &Vec<usize>| {
+            let (mut column, mut energy, mut frf) = (vec![0.0; size], vec![0.0; size], vec![0.0; size]);
+            let mut of_frfs = Vec::with_capacity(frfs.len());
+            for &l in frfs {
+                visit(values, pairs[l], lines, frf.chunks_exact_mut(2), |out, value| (out[0], out[1]) = (value.re, value.im));
+                of_frfs.push((l, add(&mut column, &mut energy, &frf, mixing.sign[l])));
+            }
+            (column, energy, of_frfs)
+        };
+        let parts: Vec<_> = frfs_of.par_iter().map(of_column).collect();
+        let mut sums = Self {
+            columns: Array2::zeros((lines.len(), mixing.width).f()),
+            line_energy: Array1::zeros(lines.len()),
+            frf_energy: vec![0.0; pairs.len()],
+            flawed: false,
+        };
+        for (mut out, (column, energy, of_frfs)) in sums.columns.columns_mut().into_iter().zip(parts) {
+            out.iter_mut().zip(column.chunks_exact(2)).for_each(|(out, value)| *out = Complex64::new(value[0], value[1]));
+            sums.line_energy.iter_mut().zip(energy.chunks_exact(2)).for_each(|(sum, parts)| *sum += parts[0] + parts[1]);
+            of_frfs.into_iter().for_each(|(l, energy)| sums.frf_energy[l] = energy);
+        }
+        let sound = |energy: &f64| energy.is_finite() && *energy > 0.0;
+        sums.flawed = !sums.frf_energy.iter().chain(&sums.line_energy).all(sound);
+        sums
+    }
+
+    /// Only the lines at `places`; the energies of the FRFs are lost.
+    pub fn select(&self, places: &[usize]) -> Self {
+        let mut columns = Array2::zeros((places.len(), self.columns.ncols()).f());
+        columns.assign(&self.columns.select(Axis(0), places));
+        Self { columns, line_energy: self.line_energy.select(Axis(0), places), frf_energy: Vec::new(), flawed: self.flawed }
     }
 }

@@ -79,10 +79,10 @@ pub(crate) const SEEDS_MOST: usize = 100;
 pub(crate) const BLOCK_FRFS: usize = 64;
 /// Partial sums of a streaming pass; fixed, so that the bits do not depend on the number of threads.
 pub(crate) const PASS_GROUPS: usize = 8;
+/// Least FRFs of one such sum: fewer, and adding the sums costs more than making them.
+pub(crate) const GROUP_FRFS: usize = 128;
 /// Least share of a line's noise that a model leaves: less, and the residual there tells rounding, not noise.
 pub(crate) const LEVERAGE_LEFT: f64 = 0.05;
-/// Lines per chunk of the sketch.
-pub(crate) const BLOCK_LINES: usize = 256;
 /// Records longer than this keep all lines near the peaks and thin out the rest.
 pub(crate) const DECIMATE_ABOVE_LINES: usize = 4000;
 /// Iterations of the alternating rank-one refit of residues; separated modes need two, close ones some tens.

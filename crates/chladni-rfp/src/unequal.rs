@@ -4,7 +4,7 @@
 //! Noise is taken as σ·s_i·t_j, the product of a sensor's (or a point's, under a laser) and an exciter's. Weights of that form keep one
 //! shape per mode what it is: ψ_i/s_i and L_j/t_j.
 
-use crate::screen::Screened;
+use crate::head::Head;
 use chladni_frf::{FrfSet, FrfValues};
 
 /// Loss of variance by equal weights, mean(σ²)·mean(1/σ²) − 1, from which FRFs are weighted. Noise within a factor 1.5 stays below.
@@ -23,7 +23,7 @@ pub(crate) struct PairWeights {
 
 impl PairWeights {
     /// From the sum of squares `left` of each pair used; `None` where equal weights are good enough, or nothing is known.
-    pub fn new(data: &Screened, left: &[f64], relative_error: f64) -> Option<Self> {
+    pub fn new(data: &Head, left: &[f64], relative_error: f64) -> Option<Self> {
         if left.is_empty() {
             return None;
         }
@@ -33,7 +33,7 @@ impl PairWeights {
             return None;
         }
         let mean = log.iter().sum::<f64>() / log.len() as f64;
-        let (mut s, mut t) = (vec![0.0; data.frf.responses.len()], vec![0.0; data.frf.references.len()]);
+        let (mut s, mut t) = (vec![0.0; data.responses.len()], vec![0.0; data.references.len()]);
         for _ in 0..SWEEPS {
             s = means(s.len(), data.pairs.iter().zip(&log).map(|(&(i, j), level)| (i, level - mean - t[j])));
             t = means(t.len(), data.pairs.iter().zip(&log).map(|(&(i, j), level)| (j, level - mean - s[i])));
@@ -42,7 +42,7 @@ impl PairWeights {
         (weights.loss(data) > WORTH_WEIGHING).then_some(weights)
     }
 
-    fn loss(&self, data: &Screened) -> f64 {
+    fn loss(&self, data: &Head) -> f64 {
         let squares = || data.pairs.iter().map(|&pair| self.of(pair).powi(2));
         squares().sum::<f64>() * squares().map(f64::recip).sum::<f64>() / (data.pairs.len() as f64).powi(2) - 1.0
     }
@@ -64,12 +64,13 @@ impl PairWeights {
 
     /// What was done, for the path.
     pub fn words(&self) -> String {
+        format!("FRFs weighted by their noise, which {}", self.spread_in_words())
+    }
+
+    /// How the noise differs.
+    pub fn spread_in_words(&self) -> String {
         let range = |values: &[f64]| values.iter().cloned().fold(f64::MIN, f64::max) / values.iter().cloned().fold(f64::MAX, f64::min);
-        format!(
-            "FRFs weighted by their noise, which differs {:.1} times between responses and {:.1} times between references",
-            range(&self.response),
-            range(&self.reference)
-        )
+        format!("differs {:.1} times between responses and {:.1} times between references", range(&self.response), range(&self.reference))
     }
 }
 
@@ -81,15 +82,4 @@ fn means(count: usize, values: impl Iterator<Item = (usize, f64)>) -> Vec<f64> {
         sums[group].1 += 1.0;
     }
     sums.into_iter().map(|(sum, number)| if number > 0.0 { sum / number } else { 0.0 }).collect()
-}
-
-/// What takes weighted data back to what was measured.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Weighting<'a> {
-    /// What the FRFs were multiplied by.
-    pub weights: &'a PairWeights,
-    /// The FRFs as they were measured.
-    pub measured: &'a FrfSet,
-    /// Their root mean square.
-    pub rms: f64,
 }

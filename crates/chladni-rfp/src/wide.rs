@@ -107,16 +107,15 @@ pub(crate) fn tall_r<T: Scalar>(a: ArrayView2<T>) -> Result<Array2<T>, LinalgErr
     qr_r(ndarray::concatenate(Axis(0), &factors).expect("as many columns").view())
 }
 
+/// Real and imaginary part of each line in turn.
+pub(crate) fn stacked(b: &Array2<Complex64>) -> Array2<f64> {
+    let part = |value: Complex64, row: usize| if row.is_multiple_of(2) { value.re } else { value.im };
+    Array2::from_shape_fn((2 * b.nrows(), b.ncols()).f(), |(row, c)| part(b[[row / 2, c]], row))
+}
+
 /// a·b for complex a and real b, as a real product of twice the rows.
 pub(crate) fn wide_mixed(a: &Array2<Complex64>, b: ArrayView2<f64>) -> Array2<Complex64> {
-    let parts = Array2::from_shape_fn((2 * a.nrows(), a.ncols()).f(), |(i, k)| {
-        let value = a[[i / 2, k]];
-        if i % 2 == 0 {
-            value.re
-        } else {
-            value.im
-        }
-    });
+    let parts = stacked(a);
     let mut out = Array2::zeros((a.nrows(), b.ncols()).f());
     let size = block(b.ncols(), 2 * a.len() * b.ncols());
     let blocks: Vec<_> = out.axis_chunks_iter_mut(Axis(1), size).zip(b.axis_chunks_iter(Axis(1), size)).collect();

@@ -1,7 +1,8 @@
 //! `chladni studio`: the report, live, on a page that only this machine can open.
 //!
-//! `session.rs` fits and renders, `server.rs` answers the page, which lives in `chladni-report` and shares the report's views.
+//! `session.rs` fits and renders, on the lines that `draft.rs` chooses while a hand moves; `server.rs` answers the page, which lives in `chladni-report` and shares the report's views.
 
+mod draft;
 mod server;
 mod session;
 

@@ -1,5 +1,6 @@
 //! What the studio works on: the measured FRFs, and the model of the moment.
 
+use super::draft::few_lines;
 use crate::console::Console;
 use crate::curves::curves;
 use crate::fit::{echo_of, explain};
@@ -8,10 +9,12 @@ use crate::report::Contents;
 use chladni_frf::{io, Error, ErrorKind, FrfSet, ModalModel, Result, Source};
 use chladni_render::{render, MethodChoice, RenderOptions, Scene};
 use chladni_report::{data, draft_data, scene_data, RenderedScene, ReportInput};
-use chladni_rfp::{FitOptions, Method};
+use chladni_rfp::{Fit, FitOptions, Method};
 use serde::Deserialize;
 use serde_json::{json, Value};
+use std::panic::{catch_unwind, resume_unwind, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, RwLock};
 
 /// Name that the commands on the page give to the model.
@@ -30,7 +33,12 @@ pub struct Session {
     /// The model was in the file.
     from_model: bool,
     fitted: RwLock<Fitted>,
+    /// The newest question about a fit: an older one is not worth going on with.
+    newest: AtomicU64,
 }
+
+/// What a fit that another question has overtaken unwinds with.
+struct Overtaken;
 
 /// The models of the moment.
 #[derive(Default)]
@@ -99,6 +107,7 @@ impl Session {
             words: words.join(" "),
             from_model: model.is_some(),
             fitted: RwLock::new(Fitted { latest: model.map(Arc::new), ..Fitted::default() }),
+            newest: AtomicU64::new(0),
         })
     }
 
@@ -111,7 +120,10 @@ impl Session {
         // a model that was read is the model; FRFs are fitted as they are asked to be
         let (model, command) = match (&self.frf, self.current()) {
             (_, Some(model)) if self.from_model => (model, String::new()),
-            (Some(frf), _) => self.fitted(frf, request)?,
+            (Some(frf), _) => match self.fitted(frf, request)? {
+                Some(fitted) => fitted,
+                None => return Ok(json!({"overtaken": true})),
+            },
             (None, _) => return Err(Error::new(ErrorKind::Internal, "neither FRFs nor a model")),
         };
         if request.draft {
@@ -129,12 +141,16 @@ impl Session {
         Ok(json!({"data": data(&input)?, "command": command, "lines_hz": lines, "model_file": self.model_file(), "refit": refit}))
     }
 
-    fn fitted(&self, frf: &FrfSet, request: &FitRequest) -> Result<(Arc<ModalModel>, String)> {
+    /// `None` where a newer question has overtaken this one.
+    fn fitted(&self, frf: &FrfSet, request: &FitRequest) -> Result<Option<(Arc<ModalModel>, String)>> {
         let mut options = FitOptions { band_hz: request.band_hz, modes: request.modes, ..FitOptions::default() };
+        let mut thinned = None;
         if request.draft {
             (options.method, options.modes) = (Method::Lean, request.modes.or_else(|| self.known_modes(request.band_hz)));
+            let lines = self.settled().and_then(|settled| few_lines(frf.frequency_hz.as_slice()?, request.band_hz, &settled));
+            thinned = lines.map(|lines| frf.on_lines(&lines));
         }
-        let fit = chladni_rfp::fit(frf, &options, &|_| {}).map_err(|error| explain(&error, &options, Path::new(&self.title)))?;
+        let Some(fit) = self.unless_overtaken(thinned.as_ref().unwrap_or(frf), &options, request.number)? else { return Ok(None) };
         let mut model = fit.model;
         (model.source, model.options) = (self.sources.clone(), echo_of(&options));
         let model = Arc::new(model);
@@ -148,12 +164,33 @@ impl Session {
         }
         let band = request.band_hz.map(|[low, high]| format!(" --band {low}:{high}")).unwrap_or_default();
         let modes = request.modes.map(|modes| format!(" --modes {modes}")).unwrap_or_default();
-        Ok((model, format!("chladni fit {}{band}{modes} -o {MODEL}", self.words)))
+        Ok(Some((model, format!("chladni fit {}{band}{modes} -o {MODEL}", self.words))))
+    }
+
+    /// Fits, and gives up at the next stage once a newer question has come; drafts, which are over in a moment, go on.
+    ///
+    /// A fit says where it is and asks nothing, so that it is left by unwinding: it holds no lock and nothing of it is used afterwards.
+    fn unless_overtaken(&self, frf: &FrfSet, options: &FitOptions, number: u64) -> Result<Option<Fit>> {
+        self.newest.fetch_max(number, Ordering::Relaxed);
+        let look_around = |_: &str| {
+            if options.method == Method::Auto && self.newest.load(Ordering::Relaxed) > number {
+                resume_unwind(Box::new(Overtaken));
+            }
+        };
+        match catch_unwind(AssertUnwindSafe(|| chladni_rfp::fit(frf, options, &look_around))) {
+            Ok(fit) => fit.map(Some).map_err(|error| explain(&error, options, Path::new(&self.title))),
+            Err(reason) if reason.is::<Overtaken>() => Ok(None),
+            Err(bug) => resume_unwind(bug),
+        }
+    }
+
+    fn settled(&self) -> Option<Arc<ModalModel>> {
+        self.fitted.read().ok()?.settled.clone()
     }
 
     /// Modes that the last full fit found in a band; `None` where the band goes beyond it, and visible peaks must do.
     fn known_modes(&self, band_hz: Option<[f64; 2]>) -> Option<usize> {
-        let settled = self.fitted.read().ok()?.settled.clone()?;
+        let settled = self.settled()?;
         let [low, high] = band_hz.unwrap_or(settled.band_hz);
         let known = settled.band_hz[0] <= low && high <= settled.band_hz[1];
         let inside = settled.in_band_modes().filter(|mode| (low..=high).contains(&mode.frequency_hz)).count();

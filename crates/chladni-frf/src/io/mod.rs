@@ -16,6 +16,7 @@ mod mat;
 mod model_file;
 mod model_shapes;
 mod numpy;
+mod parts;
 mod paths;
 mod read;
 mod save;
@@ -34,6 +35,7 @@ pub use document::{Abscissa, Axis, DatasetInfo, Document, Duplicates, FileFormat
 pub use json::{json_error, write_json};
 pub use model_file::{read_model, write_model};
 pub use model_shapes::{field_shape, model_shapes};
+pub use parts::{frf_bytes, FrfParts, Part};
 pub use paths::{expand_paths, file_name, Inputs};
 pub use read::{list_document, read_contents, read_document, read_documents, read_frf, read_text, sha256_of};
 pub use save::{write_contents, write_frf};

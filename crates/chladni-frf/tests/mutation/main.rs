@@ -5,13 +5,14 @@
 //! mutation -- --nocapture uff_text` runs one for long.
 
 mod engine;
+mod targets;
 
-use chladni_frf::io::{assemble, read_document, read_model, uff, write_frf, write_json, Contents, Document, ReadOptions};
-use chladni_frf::{ErrorKind, FrfSet, FrfValues, Geometry, Node, ReferenceUnit, Selection};
-use engine::run_files;
+use chladni_frf::io::write_frf;
+use chladni_frf::{FrfSet, FrfValues, Geometry, Node, ReferenceUnit};
 use ndarray::{Array1, Array3};
 use num_complex::Complex64;
 use std::path::{Path, PathBuf};
+use targets::{any_file, any_file_or_model, selection, universal};
 
 fn set() -> FrfSet {
     FrfSet {
@@ -59,72 +60,10 @@ fn seeds(extensions: &[&str], folders: &[&str]) -> Vec<Vec<u8>> {
     seeds
 }
 
-/// The count that record 7 declares is the count that was read, whatever else is wrong with the file.
-fn declared_is_read(bytes: &[u8], document: &Document) {
-    let lines: Vec<&[u8]> = bytes.split(|&byte| byte == b'\n').collect();
-    for function in &document.functions {
-        // marker, number, five ID lines, record 6, record 7; blank lines may stand before the number
-        let Some(number) = (function.line as usize..lines.len()).find(|&k| !lines[k].trim_ascii().is_empty()) else { continue };
-        let Some(record) = lines.get(number + 7).filter(|_| lines[number].trim_ascii().starts_with(b"58")) else { continue };
-        let count = |field: &[u8]| std::str::from_utf8(field).ok().and_then(|text| text.trim().parse::<usize>().ok());
-        // by column, or between blanks where a change has moved the columns
-        let by_column = record.get(10..20).and_then(count);
-        let by_blanks = record.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()).nth(1).and_then(count);
-        if let (Some(by_column), Some(by_blanks)) = (by_column, by_blanks) {
-            let read = function.ordinate.len();
-            assert!(by_column == read || by_blanks == read, "declared {by_column} or {by_blanks}, read {read}, line {}", function.line);
-        }
-    }
-}
-
-/// The list of a file whose values are passed over is that of the file; it finds no fault where there is none.
-fn listed_is_read(scanned: &Document, read: &Document) {
-    if read.errors.is_empty() {
-        let listed = |document: &Document| document.datasets.iter().map(|info| (info.number, info.values, info.nodes)).collect::<Vec<_>>();
-        assert_eq!(scanned.errors, []);
-        assert_eq!(listed(scanned), listed(read));
-        assert_eq!(scanned.geometry, read.geometry);
-    }
-}
-
-fn universal(path: &Path, bytes: &[u8]) {
-    std::fs::write(path, bytes).unwrap();
-    let scanned = uff::scan(path, &ReadOptions::default());
-    if let Ok(document) = uff::read(bytes, path, &ReadOptions::default()) {
-        declared_is_read(bytes, &document);
-        listed_is_read(scanned.as_ref().unwrap(), &document);
-        let functions = document.functions;
-        let contents = Contents { functions, shapes: document.shapes, other_geometry: document.geometry, ..Contents::default() };
-        for binary in [true, false] {
-            let mut again = Vec::new();
-            if uff::write(&mut again, &contents, uff::WriteOptions { binary, old_datasets: false }).is_ok() {
-                let read = uff::read(&again, path, &ReadOptions::default()).unwrap();
-                assert_eq!(read.errors, [], "what was written is read");
-                assert_eq!((read.functions.len(), read.shapes.len()), (contents.functions.len(), contents.shapes.len()));
-            }
-        }
-    }
-    let lenient = ReadOptions { lenient: true, snap_df: true, ..ReadOptions::default() };
-    let _ = uff::read(bytes, path, &lenient);
-    let _ = uff::scan(path, &lenient);
-}
-
-/// Reads bytes as any file, merges them, and writes what came of it.
-fn any_file(path: &Path, bytes: &[u8]) {
-    std::fs::write(path, bytes).unwrap();
-    for lenient in [false, true] {
-        let options = ReadOptions { lenient, ..ReadOptions::default() };
-        let Ok(document) = read_document(path, &options) else { continue };
-        for error in &document.errors {
-            assert!(!error.message.is_empty());
-        }
-        if let Ok(contents) = assemble(vec![document], &options) {
-            let mut again = Vec::new();
-            if let Err(error) = uff::write(&mut again, &contents, uff::WriteOptions { binary: true, old_datasets: false }) {
-                assert_ne!(error.kind, ErrorKind::Internal, "{error}");
-            }
-        }
-    }
+/// Runs a target on the thread of its test alone: handing work to others takes longer than most readers need.
+fn run_files(name: &str, extension: &str, seeds: &[Vec<u8>], target: impl Fn(&Path, &[u8])) {
+    let _alone = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build().unwrap();
+    engine::run_files(name, extension, seeds, target);
 }
 
 #[test]
@@ -146,10 +85,7 @@ fn csv() {
 #[cfg(not(feature = "system"))]
 #[test]
 fn hdf5() {
-    run_files("hdf5", "h5", &seeds(&["h5"], &["h5"]), |path, bytes| {
-        any_file(path, bytes);
-        let _ = read_model(path);
-    });
+    run_files("hdf5", "h5", &seeds(&["h5"], &["h5"]), any_file_or_model);
 }
 
 #[test]
@@ -169,21 +105,10 @@ fn wav() {
 
 #[test]
 fn model_and_weights_json() {
-    run_files("model_and_weights_json", "json", &seeds(&[], &["model", "weights", "base"]), |path, bytes| {
-        any_file(path, bytes);
-        if let Ok(model) = read_model(path) {
-            let mut again = Vec::new();
-            write_json(&mut again, &model).unwrap();
-            std::fs::write(path, again).unwrap();
-            assert_eq!(read_model(path).unwrap(), model, "what was written is read");
-        }
-    });
+    run_files("model_and_weights_json", "json", &seeds(&[], &["model", "weights", "base"]), any_file_or_model);
 }
 
 #[test]
 fn selection_toml() {
-    run_files("selection_toml", "toml", &seeds(&[], &["selection"]), |path, bytes| {
-        std::fs::write(path, bytes).unwrap();
-        let _ = Selection::read(path);
-    });
+    run_files("selection_toml", "toml", &seeds(&[], &["selection"]), selection);
 }

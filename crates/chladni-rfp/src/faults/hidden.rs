@@ -1,6 +1,6 @@
 //! What these data could not show: a mode at a node of the only FRF, or between modes that overlap (theory.md, eq. F7).
 
-use super::moving::{axis, pole, strength};
+use super::moving::{pole, strength};
 use super::{Case, Finding};
 use crate::options::ShapeModel;
 use crate::order::POWERS;
@@ -35,7 +35,7 @@ pub(crate) fn between_modes(case: &Case) -> Option<Finding> {
     }
     let mut modes: Vec<&Mode> = case.model.in_band_modes().collect();
     modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
-    let axis = axis(case);
+    let axis = case.data.axis();
     let hides = |pair: &&[&Mode]| could_hide(case, &axis, pair).unwrap_or(false);
     let gaps: Vec<&[&Mode]> = modes.windows(2).filter(hides).collect();
     if gaps.is_empty() {
@@ -78,7 +78,7 @@ fn could_hide(case: &Case, axis: &Work, pair: &[&Mode]) -> Option<bool> {
 /// Part of the residues of one more mode that `modes` of rank one cannot take over, whatever their shapes do: what is left of the
 /// responses · references directions.
 fn unshared(case: &Case, modes: usize) -> f64 {
-    let (responses, references) = (case.data.frf.responses.len(), case.data.frf.references.len());
+    let (responses, references) = (case.data.responses.len(), case.data.references.len());
     let all = responses * references;
     if case.options.shapes == ShapeModel::Free || case.data.pairs.len() < all {
         return 0.0;

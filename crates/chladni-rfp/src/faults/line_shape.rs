@@ -56,7 +56,7 @@ fn mode_scores(case: &Case, mode: &Mode, modes: &[&Mode]) -> Option<[f64; Window
         return None;
     }
     let record_s = 1.0 / case.data.line_spacing_hz();
-    let (work, own) = neighbourhood(case, mode, REACH, FRFS_MOST);
+    let (work, own) = neighbourhood(case, mode, REACH, FRFS_MOST)?;
     if work.lines() < 2 * UNKNOWNS {
         return None;
     }

@@ -20,14 +20,17 @@ mod reciprocal;
 mod split;
 pub(crate) mod window;
 
+use crate::head::Head;
 use crate::options::FitOptions;
 use crate::screen::Screened;
 use chladni_frf::{ModalModel, Mode, Trust};
 
 /// What a check may look at.
 pub(crate) struct Case<'a> {
-    /// The data that were fitted.
-    pub data: &'a Screened<'a>,
+    /// What is known of the data that were fitted.
+    pub data: &'a Head,
+    /// The data themselves, where they are at hand: checks that look at single FRFs are left out where they are not.
+    pub values: Option<&'a Screened<'a>>,
     /// What came of it.
     pub model: &'a ModalModel,
     /// How it was asked for.
@@ -76,8 +79,8 @@ const CHECKS: [fn(&Case) -> Option<Finding>; 8] = [
 ];
 
 /// Runs all checks; their words join the model's warnings.
-pub(crate) fn examine(data: &Screened, options: &FitOptions, white: bool, model: &mut ModalModel) {
-    let case = Case { data, model, options, white };
+pub(crate) fn examine(data: &Head, values: Option<&Screened>, options: &FitOptions, white: bool, model: &mut ModalModel) {
+    let case = Case { data, values, model, options, white };
     let found: Vec<Finding> = CHECKS.iter().filter_map(|check| check(&case)).collect();
     for finding in found {
         model.quality.trusted &= !finding.contradiction;

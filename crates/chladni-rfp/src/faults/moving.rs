@@ -2,13 +2,13 @@
 //! poles then contradicts the data as a whole, however well each FRF could be fitted by itself.
 
 use super::{Case, Finding};
+use crate::model::value_of;
 use crate::refine::refine;
 use crate::tolerances as tol;
 use crate::work::Work;
 use chladni_frf::{Damping, ModalModel, Mode};
 use ndarray::{Array1, Array2, ShapeBuilder};
 use num_complex::Complex64;
-use std::f64::consts::TAU;
 use std::ops::Range;
 
 /// FRFs looked at for each mode: the strongest.
@@ -52,7 +52,7 @@ fn scatter(case: &Case, mode: &Mode) -> Option<f64> {
         return None;
     }
     let frfs = strongest(case, mode, FRFS_MOST);
-    let (local, own) = neighbourhood(case, mode, WINDOW, FRFS_MOST);
+    let (local, own) = neighbourhood(case, mode, WINDOW, FRFS_MOST)?;
     let (mut places, mut noise, mut total) = (Vec::new(), 0.0, 0.0);
     for (column, &(strength, _)) in frfs.iter().enumerate() {
         let single = local.with_columns(own.slice(ndarray::s![.., column..column + 1]).to_owned());
@@ -74,13 +74,10 @@ fn scatter(case: &Case, mode: &Mode) -> Option<f64> {
 
 /// λ of a mode in the plane x = ω²/ω_max².
 pub(super) fn pole(case: &Case, mode: &Mode) -> Complex64 {
-    let ratio = TAU * mode.frequency_hz / case.data.omega_max;
+    let value = value_of(mode, case.model.damping, case.data.omega_max);
     match case.model.damping {
-        Damping::Structural => ratio * ratio * Complex64::new(1.0, mode.loss_factor),
-        Damping::Viscous => {
-            let s = mode.viscous_pole() / case.data.omega_max;
-            -s * s
-        }
+        Damping::Structural => value,
+        Damping::Viscous => -value * value,
     }
 }
 
@@ -98,22 +95,16 @@ fn strongest(case: &Case, mode: &Mode, most: usize) -> Vec<(f64, usize)> {
 }
 
 /// Lines around a mode (`reach`: half-bandwidths, and at least so many lines, on both sides), and its strongest FRFs there without what
-/// the model says of all other modes and residual terms.
-pub(super) fn neighbourhood(case: &Case, mode: &Mode, reach: (f64, usize), frfs_most: usize) -> (Work, Array2<Complex64>) {
-    let rows = axis(case).window(pole(case, mode), reach.0, reach.1);
+/// the model says of all other modes and residual terms; `None` without the data.
+pub(super) fn neighbourhood(case: &Case, mode: &Mode, reach: (f64, usize), frfs_most: usize) -> Option<(Work, Array2<Complex64>)> {
+    let rows = case.data.axis().window(pole(case, mode), reach.0, reach.1);
     let frfs: Vec<usize> = strongest(case, mode, frfs_most).into_iter().map(|(_, l)| l).collect();
     without_others(case, &[mode], rows, &frfs)
 }
 
-/// The lines used, without data.
-pub(super) fn axis(case: &Case) -> Work {
-    let data = case.data;
-    Work { x: data.x.clone(), g: data.g.clone(), b: Array2::zeros((data.lines.len(), 0)) }
-}
-
-/// FRFs (positions among the pairs) on the lines `rows` without what the model says of all but `modes`.
-pub(super) fn without_others(case: &Case, modes: &[&Mode], rows: Range<usize>, frfs: &[usize]) -> (Work, Array2<Complex64>) {
-    let data = case.data;
+/// FRFs (positions among the pairs) on the lines `rows` without what the model says of all but `modes`; `None` without the data.
+pub(super) fn without_others(case: &Case, modes: &[&Mode], rows: Range<usize>, frfs: &[usize]) -> Option<(Work, Array2<Complex64>)> {
+    let data = case.values?;
     let rest = case.model.modes.iter().filter(|other| !modes.contains(other)).cloned().collect();
     let others = ModalModel { modes: rest, ..case.model.clone() };
     let mut own = Array2::zeros((rows.len(), frfs.len()).f());
@@ -122,9 +113,9 @@ pub(super) fn without_others(case: &Case, modes: &[&Mode], rows: Range<usize>, f
     }
     let factor = data.factor();
     for (row, k) in rows.clone().enumerate() {
-        let rest = others.frf_matrix(data.kind, data.frf.frequency_hz[data.lines[k]]);
+        let rest = others.frf_matrix(data.kind, data.line_hz[k]);
         let rest: Array1<Complex64> = frfs.iter().map(|&l| rest[data.pairs[l]] * factor).collect();
         own.row_mut(row).scaled_add(Complex64::new(-1.0, 0.0), &rest);
     }
-    (axis(case).select(&rows.collect::<Vec<_>>()), own)
+    Some((data.axis().select(&rows.collect::<Vec<_>>()), own))
 }

@@ -4,6 +4,7 @@
 //! outlier where what is left of it exceeds many times the level around it while its neighbours are sound. A resonance,
 //! however narrow, has tails on the lines beside it.
 
+use crate::head::Head;
 use crate::screen::Screened;
 use crate::seeds::running_median;
 use crate::tolerances as tol;
@@ -80,7 +81,7 @@ fn level(left: &[f64], fitted: &[f64]) -> Vec<f64> {
 }
 
 /// What is said of the lines left out (Hz).
-pub(crate) fn words(data: &Screened, dropped: &mut [f64]) -> String {
+pub(crate) fn words(data: &Head, dropped: &mut [f64]) -> String {
     const SHOWN: usize = 8;
     dropped.sort_by(f64::total_cmp);
     let mut names: Vec<String> = dropped.iter().take(SHOWN).map(|f| format!("{f:.2}")).collect();

@@ -13,7 +13,7 @@ const UNLIKE: f64 = 0.3;
 
 /// Compares every pair of FRFs that reciprocity makes equal.
 pub(crate) fn not_reciprocal(case: &Case) -> Option<Finding> {
-    let pairs = reciprocity(case.data.frf, case.data.band_hz);
+    let pairs = reciprocity(case.values?.frf, case.data.band_hz);
     let lines = case.data.lines.len() as f64;
     let noise = case.model.quality.relative_error;
     // neighbouring lines of a resonance carry one piece of evidence together

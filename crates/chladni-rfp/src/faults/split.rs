@@ -4,7 +4,7 @@
 //! rules it out where each DOF of one side was measured under its own conditions (a roving sensor or hammer) and there are several on the
 //! other; with one reference nothing but the second order does.
 
-use super::moving::{axis, pole, strength, without_others};
+use super::moving::{pole, strength, without_others};
 use super::{Case, Finding};
 use crate::prune::threshold;
 use crate::refine::{refine, Projection};
@@ -53,11 +53,11 @@ fn one_moving(case: &Case, group: &[&Mode]) -> Result<bool, LinalgError> {
     let frfs = by_set_up(case, group);
     let poles: Vec<Complex64> = group.iter().map(|mode| pole(case, mode)).collect();
     let middle = poles.iter().sum::<Complex64>() / poles.len() as f64;
-    let axis = axis(case);
+    let axis = case.data.axis();
     let rows = poles.iter().map(|&pole| axis.window(pole, WINDOW.0, WINDOW.1));
     let rows = rows.reduce(|all, own| Range { start: all.start.min(own.start), end: all.end.max(own.end) }).expect("two modes");
     let all: Vec<usize> = frfs.concat();
-    let (local, own) = without_others(case, group, rows, &all);
+    let Some((local, own)) = without_others(case, group, rows, &all) else { return Ok(false) };
     let common = Projection::new(&local.with_columns(own.clone()), &poles, &[0])?.sse;
     let (mut moving, mut first) = (0.0, 0);
     for set in &frfs {
@@ -71,7 +71,7 @@ fn one_moving(case: &Case, group: &[&Mode]) -> Result<bool, LinalgError> {
 
 /// FRFs (positions among the pairs) that were measured together, if the side with more DOFs was moved: those of one DOF of it.
 fn by_set_up(case: &Case, group: &[&Mode]) -> Vec<Vec<usize>> {
-    let (responses, references) = (case.data.frf.responses.len(), case.data.frf.references.len());
+    let (responses, references) = (case.data.responses.len(), case.data.references.len());
     let moved = |(i, j): (usize, usize)| if responses >= references { i } else { j };
     let mut sets: Vec<(f64, Vec<usize>)> = vec![(0.0, Vec::new()); responses.max(references)];
     for (l, &pair) in case.data.pairs.iter().enumerate() {

@@ -17,4 +17,4 @@ mod search;
 mod twins;
 mod weights;
 
-pub(crate) use path::measured_path;
+pub(crate) use path::{measured_path, on_columns, strongest};

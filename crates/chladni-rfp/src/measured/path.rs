@@ -7,6 +7,7 @@ use super::record::{padding_factor, windowed};
 use super::search::{Finished, Record, Search};
 use super::weights::{column_scales, normalised};
 use crate::found::{more_than_asked, Grade};
+use crate::head::Head;
 use crate::order::POWERS;
 use crate::refine::{refine, Refined};
 use crate::screen::Screened;
@@ -19,7 +20,6 @@ use chladni_linalg::{matmul, svd_thin, LinalgError};
 use ndarray::{s, Array1, Array2};
 use num_complex::Complex64;
 use rayon::prelude::*;
-use std::f64::consts::TAU;
 
 /// Most columns the path works on; more FRFs than that are compressed.
 const COLUMNS_MOST: usize = 24;
@@ -52,11 +52,14 @@ fn columns(data: &Screened, seed: u64) -> Result<(Work, Option<Array2<f64>>), Li
         }
         return Ok((raw.with_columns(b), Some(Array2::from_diag(&Array1::from(scales)))));
     }
-    let (sketch, _) = data.sketch(seed);
+    Ok((strongest(&data.sketch(seed).0)?, None))
+}
+
+/// The strongest mixtures of the columns of a sketch.
+pub(crate) fn strongest(sketch: &Work) -> Result<Work, LinalgError> {
     let (_, _, vh) = svd_thin(sketch.b.view())?;
     let mixing = vh.slice(s![..COLUMNS_MOST.min(vh.nrows()), ..]).mapv(|v| v.conj());
-    let b = matmul(sketch.b.view(), mixing.t());
-    Ok((sketch.with_columns(b), None))
+    Ok(sketch.with_columns(matmul(sketch.b.view(), mixing.t())))
 }
 
 /// Runs the path. `asked` fixes the number of modes.
@@ -66,19 +69,29 @@ pub(crate) fn measured_path(
     asked: Option<usize>,
     progress: &dyn Fn(&str),
 ) -> Result<MeasuredPoles, LinalgError> {
+    let (work, back) = columns(data, seed)?;
+    on_columns(data, work, back, asked, progress)
+}
+
+/// The path on columns that are made already; `back` where they are scaled FRFs.
+pub(crate) fn on_columns(
+    data: &Head,
+    mut work: Work,
+    back: Option<Array2<f64>>,
+    asked: Option<usize>,
+    progress: &dyn Fn(&str),
+) -> Result<MeasuredPoles, LinalgError> {
     progress("screening");
     let mut warnings = Vec::new();
-    let (mut work, back) = columns(data, seed)?;
-    let hz = data.omega_max / TAU;
-    let frequency: Vec<f64> = data.lines.iter().map(|&k| data.frf.frequency_hz[k]).collect();
-    let factor = padding_factor(&work, &frequency);
+    let hz = data.hz();
+    let factor = padding_factor(&work, &data.line_hz);
     if factor > 1 {
         warnings.push(format!(
             "the impulse response ends at 1/{factor} of the record: zero-padded; every {factor}th line is used (the others are interpolation)"
         ));
         work = work.select(&(0..work.lines()).step_by(factor).collect::<Vec<_>>());
     }
-    let windowed = windowed(&work, &frequency.into_iter().step_by(factor).collect::<Vec<_>>());
+    let windowed = windowed(&work, &data.line_hz.iter().copied().step_by(factor).collect::<Vec<_>>());
     if windowed {
         warnings.push(
             "the impulse response decays ever faster: the records went through a window (Hann or similar) that broadens every line; \

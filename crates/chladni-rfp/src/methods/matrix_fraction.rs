@@ -64,7 +64,7 @@ impl Circle {
     /// [`FitError::UnevenAxis`] where they lie on no even grid.
     pub fn new(survey: &Survey, method: Method) -> Result<Self, FitError> {
         let data = survey.data;
-        let f: Vec<f64> = data.lines.iter().map(|&k| data.frf.frequency_hz[k]).collect();
+        let f = &data.line_hz;
         let (low_hz, high_hz) = (f[0], f[f.len() - 1]);
         let smallest = f.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
         let steps = ((high_hz - low_hz) / smallest).round();

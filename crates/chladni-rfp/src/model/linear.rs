@@ -1,7 +1,7 @@
 //! What is linear at given poles: residues, residual terms, and how the one answers a change of the other.
 
+use crate::head::Head;
 use crate::project::real_basis;
-use crate::screen::Screened;
 use crate::structure::schur_weight;
 use crate::viscous::viscous_basis;
 use crate::wide::wide;
@@ -91,8 +91,8 @@ impl Answer {
 
 /// What the complex coefficients of poles and residual terms multiply, over the reals: (real and imaginary part of each line, real
 /// and imaginary part of each coefficient), both in turn, in work units.
-pub(super) fn synthesis(data: &Screened, damping: Damping, poles: &[Complex64], powers: &[i32]) -> Array2<f64> {
-    let axis = Work { x: data.x.clone(), g: data.g.clone(), b: Array2::zeros((data.x.len(), 0)) };
+pub(super) fn synthesis(data: &Head, damping: Damping, poles: &[Complex64], powers: &[i32]) -> Array2<f64> {
+    let axis = data.axis();
     match damping {
         Damping::Structural => real_basis(&basis(&axis, poles, powers)),
         Damping::Viscous => {

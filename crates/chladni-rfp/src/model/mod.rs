@@ -1,12 +1,16 @@
 //! From poles to the model file: residues of every FRF, shapes, scaling, error bars.
 
+mod given;
+mod left;
 mod linear;
 mod modes;
 mod pole;
 mod shape_error;
 
+pub(crate) use given::{value_of, GivenPoles};
 pub(crate) use pole::{structural_pole, viscous_pole, Identified, Pole};
 
+use crate::head::Head;
 use crate::options::FitOptions;
 use crate::screen::Screened;
 use crate::structure::{beyond_chance, eliminated, low_rank, low_rank_around, significant_rank, Given, Residues, Shapes};
@@ -38,7 +42,7 @@ struct FreeFit {
 }
 
 impl FreeFit {
-    fn new(data: &Screened, identified: &Identified) -> Result<Self, LinalgError> {
+    fn new(data: &Head, identified: &Identified) -> Result<Self, LinalgError> {
         let Identified { damping, powers, work, back, .. } = identified;
         let holds = |pole: &&Pole| pole.grade.0 != Trust::Rejected && expressible(*damping, pole);
         let mut poles: Vec<Pole> = identified.poles.iter().filter(holds).cloned().collect();
@@ -49,7 +53,7 @@ impl FreeFit {
             linear.residues = wide_mixed(&linear.residues, back.view());
             linear.terms = wide_mixed(&linear.terms, back.view());
         }
-        let (responses, references) = (data.frf.responses.len(), data.frf.references.len());
+        let (responses, references) = (data.responses.len(), data.references.len());
         let mut all = Array2::zeros((values.len(), responses * references).f());
         let mut present = Array2::from_elem((responses, references), false);
         for (l, &(i, j)) in data.pairs.iter().enumerate() {
@@ -70,7 +74,7 @@ pub(crate) struct CommonShapes {
 }
 
 /// Fits one shape per mode of the band at the poles as they stand.
-pub(crate) fn common_shapes(data: &Screened, identified: &Identified) -> Result<CommonShapes, LinalgError> {
+pub(crate) fn common_shapes(data: &Head, identified: &Identified) -> Result<CommonShapes, LinalgError> {
     let FreeFit { poles, linear, all, present } = FreeFit::new(data, identified)?;
     let (low, high) = identified.work.range();
     let (inside, outside): (Vec<usize>, Vec<usize>) = (0..poles.len()).partition(|&n| (low..=high).contains(&poles[n].omega.powi(2)));
@@ -106,7 +110,7 @@ impl Shaped {
     ///
     /// # Errors
     /// A kernel that fails.
-    pub fn new(data: &Screened, identified: Identified) -> Result<Self, LinalgError> {
+    pub fn new(data: &Head, identified: Identified) -> Result<Self, LinalgError> {
         let FreeFit { poles, mut linear, all, present } = FreeFit::new(data, &identified)?;
         let Identified { work, powers, variance, real_shapes, .. } = &identified;
         let variance = *variance;
@@ -152,12 +156,12 @@ impl Shaped {
     }
 
     /// Builds the model; `left` as from [`Self::left`].
-    pub fn model(self, data: &Screened, options: &FitOptions, left: &[f64]) -> ModalModel {
+    pub fn model(self, data: &Head, options: &FitOptions, left: &[f64]) -> ModalModel {
         let mean_square = left.iter().sum::<f64>() / (data.lines.len() * data.pairs.len()) as f64;
         let relative_error = mean_square.sqrt() / data.measured_over_used();
         let Self { identified, poles, shapes, scales, scaling, bars, terms, chi2_per_dof } = self;
         let Identified { damping, poles: all, powers, path, mut warnings, consistent, .. } = identified;
-        let (responses, references) = (data.frf.responses.len(), data.frf.references.len());
+        let (responses, references) = (data.responses.len(), data.references.len());
         if chi2_per_dof > SHAPE_MISFIT {
             warnings.push(format!(
                 "one shape per mode explains the references together worse than free residues (χ² per degree of freedom {chi2_per_dof:.1}): \
@@ -167,7 +171,7 @@ impl Shaped {
 
         let mut modes = modes(data, damping, &poles, &shapes, &scales, &bars);
         if scaling == Scaling::Unscaled {
-            warnings.push(unscaled(data.frf.reference_unit));
+            warnings.push(unscaled(data.reference_unit));
         }
         let unknown = (0..scales.len()).filter(|&term| scales[term].unknown(bars.scale[term])).map(|term| &poles[shapes.owner[term]]);
         warnings.extend(scale_unknown(data, unknown));
@@ -206,13 +210,13 @@ impl Shaped {
             source: Vec::new(),
             options: serde_json::Map::new(),
             frf_kind: data.kind,
-            reference_unit: data.frf.reference_unit,
+            reference_unit: data.reference_unit,
             band_hz: data.band_hz,
             damping,
             scaling,
-            responses: data.frf.responses.clone(),
-            references: data.frf.references.clone(),
-            nodes: data.frf.geometry.nodes.clone(),
+            responses: data.responses.clone(),
+            references: data.references.clone(),
+            nodes: data.nodes.clone(),
             method: options.method.to_string(),
             modes,
             residual_terms,
@@ -220,22 +224,45 @@ impl Shaped {
         }
     }
 
-    /// Sum of squares, in work units, that the model as saved leaves of each FRF in the measured kind, over the lines used: one more
-    /// pass.
+    /// Sum of squares, in work units, that the model as saved leaves of each FRF in the measured kind, over the lines used: from what is
+    /// known already, or by one more pass where rounding would decide.
     pub fn left(&self, data: &Screened) -> Vec<f64> {
-        let values: Vec<Complex64> = self.poles.iter().map(|pole| pole.value).collect();
-        let basis = synthesis(data, self.identified.damping, &values, &self.identified.powers);
-        let Shapes { owner, shape, participation, .. } = &self.shapes;
-        data.misfit(&basis, |l, factors| {
-            let (i, j) = data.pairs[l];
-            let weight: f64 = data.weight(i, j).iter().product();
-            let mut add = |n: usize, value: Complex64| {
-                factors[2 * n] += value.re / weight;
-                factors[2 * n + 1] += value.im / weight;
+        match self.identified.damping {
+            Damping::Structural => left::above_rounding(self, data),
+            Damping::Viscous => None,
+        }
+        .unwrap_or_else(|| {
+            let of_frf = |l: usize, factors: &mut [f64]| {
+                let (i, j) = data.pairs[l];
+                let weight: f64 = data.weight(i, j).iter().product();
+                self.coefficients(data, l, factors);
+                factors.iter_mut().for_each(|factor| *factor /= weight);
             };
-            owner.iter().enumerate().for_each(|(term, &n)| add(n, shape[[term, i]] * participation[[term, j]]));
-            self.terms.column(l).iter().enumerate().for_each(|(p, &value)| add(values.len() + p, value));
+            data.misfit(&self.synthesis(data), of_frf)
         })
+    }
+
+    /// The same without another look at the data.
+    pub fn left_by_sums(&self, data: &Head) -> Vec<f64> {
+        left::by_sums(self, data)
+    }
+
+    /// What the coefficients multiply, over the reals: see [`synthesis`].
+    fn synthesis(&self, data: &Head) -> Array2<f64> {
+        let values: Vec<Complex64> = self.poles.iter().map(|pole| pole.value).collect();
+        synthesis(data, self.identified.damping, &values, &self.identified.powers)
+    }
+
+    /// Adds the coefficients of one FRF (position among the pairs), real and imaginary part in turn, poles before residual terms.
+    fn coefficients(&self, data: &Head, l: usize, factors: &mut [f64]) {
+        let (i, j) = data.pairs[l];
+        let Shapes { owner, shape, participation, .. } = &self.shapes;
+        let mut add = |n: usize, value: Complex64| {
+            factors[2 * n] += value.re;
+            factors[2 * n + 1] += value.im;
+        };
+        owner.iter().enumerate().for_each(|(term, &n)| add(n, shape[[term, i]] * participation[[term, j]]));
+        self.terms.column(l).iter().enumerate().for_each(|(p, &value)| add(self.poles.len() + p, value));
     }
 }
 

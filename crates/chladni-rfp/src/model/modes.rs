@@ -2,7 +2,7 @@
 
 use super::pole::Pole;
 use super::shape_error::{Scale, ShapeBars};
-use crate::screen::Screened;
+use crate::head::Head;
 use crate::structure::Shapes;
 use crate::validation::mpc;
 use chladni_frf::{ComplexVector, Damping, Mode, ReferenceUnit, Scaling};
@@ -11,7 +11,7 @@ use num_complex::Complex64;
 use std::f64::consts::TAU;
 
 /// Factor that takes a participation in work units to SI units of receptance residues.
-fn to_si(data: &Screened, damping: Damping, pole: &Pole) -> Complex64 {
+fn to_si(data: &Head, damping: Damping, pole: &Pole) -> Complex64 {
     let size = data.rms * data.omega_max.powi(2 - data.kind.omega_power());
     match damping {
         // R = ω_max²(λ − x) × receptance
@@ -22,18 +22,17 @@ fn to_si(data: &Screened, damping: Damping, pole: &Pole) -> Complex64 {
 }
 
 /// Shape and participations of one term as the measured FRFs have them, weights undone.
-fn measured(data: &Screened, shapes: &Shapes, n: usize) -> (Array1<Complex64>, Array1<Complex64>) {
+fn measured(data: &Head, shapes: &Shapes, n: usize) -> (Array1<Complex64>, Array1<Complex64>) {
     let (shape, participation) = (shapes.shape.row(n), shapes.participation.row(n));
     let of_responses = Array1::from_shape_fn(shape.len(), |i| shape[i] / data.weight(i, 0)[0]);
     (of_responses, Array1::from_shape_fn(participation.len(), |j| participation[j] / data.weight(0, j)[1]))
 }
 
 /// Scale of the shapes: of unit modal mass where the set has driving points and forces, one at the largest response otherwise.
-pub(super) fn scales(data: &Screened, damping: Damping, poles: &[Pole], shapes: &Shapes) -> (Vec<Scale>, Scaling) {
+pub(super) fn scales(data: &Head, damping: Damping, poles: &[Pole], shapes: &Shapes) -> (Vec<Scale>, Scaling) {
     // (response index, reference index, sign) of driving points
-    let references = || data.frf.references.iter().enumerate();
+    let references = || data.references.iter().enumerate();
     let driving: Vec<(usize, usize, f64)> = data
-        .frf
         .responses
         .iter()
         .enumerate()
@@ -41,7 +40,7 @@ pub(super) fn scales(data: &Screened, damping: Damping, poles: &[Pole], shapes: 
             references().filter(move |(_, f)| r.same_axis(**f)).map(move |(j, f)| (i, j, r.direction.sign() * f.direction.sign()))
         })
         .collect();
-    let massed = !driving.is_empty() && data.frf.reference_unit == ReferenceUnit::Newton;
+    let massed = !driving.is_empty() && data.reference_unit == ReferenceUnit::Newton;
     let of_term = |n: usize| {
         let (shape, participation) = measured(data, shapes, n);
         if massed {
@@ -71,7 +70,7 @@ pub(super) fn scales(data: &Screened, damping: Damping, poles: &[Pole], shapes: 
 }
 
 /// Modes in SI units with the error `bars` of their terms.
-pub(super) fn modes(data: &Screened, damping: Damping, poles: &[Pole], shapes: &Shapes, scales: &[Scale], bars: &ShapeBars) -> Vec<Mode> {
+pub(super) fn modes(data: &Head, damping: Damping, poles: &[Pole], shapes: &Shapes, scales: &[Scale], bars: &ShapeBars) -> Vec<Mode> {
     (0..shapes.owner.len())
         .map(|n| {
             let pole = &poles[shapes.owner[n]];
@@ -101,7 +100,7 @@ pub(super) fn unscaled(unit: ReferenceUnit) -> String {
 }
 
 /// Modes of the band whose driving points say nothing of their scale.
-pub(super) fn scale_unknown<'a>(data: &Screened, poles: impl Iterator<Item = &'a Pole>) -> Option<String> {
+pub(super) fn scale_unknown<'a>(data: &Head, poles: impl Iterator<Item = &'a Pole>) -> Option<String> {
     let hz = data.omega_max / TAU;
     let inside = poles.map(|pole| pole.omega * hz).filter(|f| (data.band_hz[0]..=data.band_hz[1]).contains(f));
     let named: Vec<String> = inside.map(|f| format!("{f:.1}")).collect();
@@ -115,14 +114,14 @@ pub(super) fn scale_unknown<'a>(data: &Screened, poles: impl Iterator<Item = &'a
 }
 
 /// A rejected pole as it is listed: no shape, no part in the synthesis.
-pub(super) fn rejected_mode(data: &Screened, pole: &Pole) -> Mode {
+pub(super) fn rejected_mode(data: &Head, pole: &Pole) -> Mode {
     let zeros = |count| ComplexVector(vec![Complex64::default(); count]);
-    let (responses, references) = (data.frf.responses.len(), data.frf.references.len());
+    let (responses, references) = (data.responses.len(), data.references.len());
     mode(data, pole, zeros(responses), vec![0.0; responses], zeros(references))
 }
 
 /// A pole in Hz with its shape.
-fn mode(data: &Screened, pole: &Pole, shape: ComplexVector, shape_std: Vec<f64>, participation: ComplexVector) -> Mode {
+fn mode(data: &Head, pole: &Pole, shape: ComplexVector, shape_std: Vec<f64>, participation: ComplexVector) -> Mode {
     let hz = data.omega_max / TAU;
     let frequency_hz = pole.omega * hz;
     Mode {

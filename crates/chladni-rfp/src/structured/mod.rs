@@ -13,9 +13,9 @@ mod tangent;
 mod target;
 
 use crate::found::{Found, UNCERTAIN};
+use crate::head::Head;
 use crate::options::ShapeModel;
 use crate::prune::threshold;
-use crate::screen::Screened;
 use crate::structure::beyond_chance;
 use crate::tolerances as tol;
 use chladni_linalg::{svd_thin, LinalgError};
@@ -73,7 +73,7 @@ pub(crate) enum Search {
 /// left free it takes most of what is known of its neighbour inside.
 ///
 /// `fixed_order`: no mode may be added.
-pub(crate) fn structured(data: &Screened, found: &Found, asked: ShapeModel, fixed_order: bool) -> Result<Search, LinalgError> {
+pub(crate) fn structured(data: &Head, found: &Found, asked: ShapeModel, fixed_order: bool) -> Result<Search, LinalgError> {
     let (work, lambda) = (&found.work, &found.refined.lambda);
     let (low, high) = work.range();
     let beside = |l: &Complex64| (low - l.re).max(l.re - high) < tol::BESIDE_HALF_WIDTHS * l.im;
@@ -87,13 +87,13 @@ pub(crate) fn structured(data: &Screened, found: &Found, asked: ShapeModel, fixe
 
 /// The search for the poles that `belongs` says; all others stay free.
 fn searched(
-    data: &Screened,
+    data: &Head,
     found: &Found,
     asked: ShapeModel,
     fixed_order: bool,
     belongs: impl Fn(&Complex64) -> bool,
 ) -> Result<Search, LinalgError> {
-    let (responses, references) = (data.frf.responses.len(), data.frf.references.len());
+    let (responses, references) = (data.responses.len(), data.references.len());
     let work = &found.work;
     let (inside, outside): (Vec<Complex64>, Vec<Complex64>) = found.refined.lambda.iter().partition(|l| belongs(l));
     if asked == ShapeModel::Free || inside.is_empty() || data.pairs.len() < responses * references {
@@ -152,8 +152,8 @@ fn searched(
 }
 
 /// Columns to pairs, (column, eliminated · other). Every pair is there, response by response.
-fn by_pair<'a>(data: &Screened, found: &'a Found, swapped: bool) -> Cow<'a, Array2<f64>> {
-    let (responses, references) = (data.frf.responses.len(), data.frf.references.len());
+fn by_pair<'a>(data: &Head, found: &'a Found, swapped: bool) -> Cow<'a, Array2<f64>> {
+    let (responses, references) = (data.responses.len(), data.references.len());
     let back = match &found.back {
         Some(back) => Cow::Borrowed(back),
         None => Cow::Owned(Array2::eye(found.work.columns())),

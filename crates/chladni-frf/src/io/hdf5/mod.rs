@@ -12,6 +12,7 @@ mod backend;
 mod functions;
 mod model;
 mod own;
+mod rows;
 mod shapes;
 
 use super::arrays::foreign::{self, Found};
@@ -20,9 +21,12 @@ use super::arrays::ArrayFile;
 use super::atomic::create_atomically;
 use super::time_sign::to_plus;
 use super::{Contents, DatasetInfo, Document, FileFormat, ReadOptions};
-use crate::{Error, FrfSet, ModalModel, Result};
+use crate::{Error, FrfSet, FrfValues, ModalModel, Result};
 use backend::File;
+use ndarray::Array3;
+use num_complex::ComplexFloat;
 use own::Own;
+pub(super) use rows::Rows;
 use std::path::Path;
 
 impl ArrayFile for File {
@@ -94,12 +98,14 @@ fn read_own(own: &Own<'_>, document: &mut Document) -> Result<Option<Found>> {
 
 /// Lines that are NaN in a pair that was measured; pairs that are NaN throughout are missing, and listed later.
 fn report_masked(set: &FrfSet, warnings: &mut Vec<String>) {
-    let (responses, references, lines) = set.values.dim();
-    let mut masked = 0;
-    for (i, j) in (0..responses).flat_map(|i| (0..references).map(move |j| (i, j))) {
-        let count = (0..lines).filter(|&k| set.values.get(i, j, k).is_nan()).count();
-        masked += if count < lines { count } else { 0 };
+    fn masked<C: ComplexFloat>(values: &Array3<C>) -> usize {
+        let counts = values.rows().into_iter().map(|frf| (frf.iter().filter(|value| value.is_nan()).count(), frf.len()));
+        counts.map(|(count, lines)| if count < lines { count } else { 0 }).sum()
     }
+    let masked = match &set.values {
+        FrfValues::F64(values) => masked(values),
+        FrfValues::F32(values) => masked(values),
+    };
     if masked > 0 {
         warnings.push(format!("{masked} lines are NaN in the file: masked"));
     }

@@ -63,9 +63,7 @@ impl Own<'_> {
 
     /// The dataset at `path`, or the error that misses it.
     pub(super) fn dataset(&self, path: &str) -> Result<(&Entry, Values<'static>)> {
-        let entry = self
-            .find(path)
-            .ok_or_else(|| Error::bad_data("a dataset is missing").field(path).found("nothing").expected("a dataset of this layout"))?;
+        let entry = self.find(path).ok_or_else(|| missing(path))?;
         Ok((entry, self.file.read(entry)?))
     }
 
@@ -88,26 +86,39 @@ impl Own<'_> {
             return Ok(None);
         }
         let (entry, values) = self.dataset("/frf")?;
-        if entry.shape().len() != 3 {
-            return Err(wrong_type(entry, "three axes: response, reference, line"));
+        let set = FrfSet {
+            coherence: self.beside_frf("/coherence", |value| value as f32)?,
+            variance: self.beside_frf("/variance", |value| value)?,
+            ..self.set_of(own_array(ComplexArray::new(self.frf_entry()?, values)?, entry)?)?
+        };
+        Ok(Some(set.checked()?))
+    }
+
+    /// The entry of the FRFs, which have three axes.
+    pub(super) fn frf_entry(&self) -> Result<&Entry> {
+        let entry = self.find("/frf").ok_or_else(|| missing("/frf"))?;
+        match entry.shape().len() {
+            3 => Ok(entry),
+            _ => Err(wrong_type(entry, "three axes: response, reference, line")),
         }
-        let values = own_array(ComplexArray::new(entry, values)?, entry)?;
+    }
+
+    /// A set of these values.
+    pub(super) fn set_of(&self, values: FrfValues) -> Result<FrfSet> {
         let (freq_entry, freq) = self.dataset("/freq")?;
         let (response_entry, responses) = self.dataset("/response")?;
         let (reference_entry, references) = self.dataset("/reference")?;
-        let set = FrfSet {
+        Ok(FrfSet {
             frequency_hz: Array1::from(reals(freq_entry, freq)?),
             values,
             responses: dofs(response_entry, responses)?,
             references: dofs(reference_entry, references)?,
             kind: self.kind()?,
             reference_unit: self.reference_unit()?,
-            coherence: self.beside_frf("/coherence", |value| value as f32)?,
-            variance: self.beside_frf("/variance", |value| value)?,
+            coherence: None,
+            variance: None,
             geometry: self.geometry()?,
-        }
-        .checked()?;
-        Ok(Some(set))
+        })
     }
 
     fn attribute<T: std::str::FromStr<Err = String>>(&self, name: &str) -> Result<Option<T>> {
@@ -175,8 +186,12 @@ impl Own<'_> {
     }
 }
 
+fn missing(path: &str) -> Error {
+    Error::bad_data("a dataset is missing").field(path).found("nothing").expected("a dataset of this layout")
+}
+
 /// Three axes as they stand, without copying.
-fn own_array(array: ComplexArray, entry: &Entry) -> Result<FrfValues> {
+pub(super) fn own_array(array: ComplexArray, entry: &Entry) -> Result<FrfValues> {
     let wrong = || wrong_type(entry, "three axes: response, reference, line");
     Ok(match array {
         ComplexArray::Double(array) => FrfValues::F64(array.into_dimensionality().map_err(|_| wrong())?),

@@ -3,8 +3,9 @@
 //! The way of the data: `container` cuts the file into datasets. `function58` reads one function: its header in
 //! `header58`, its layout in `layout`, its numbers in `values`, where a binary one has them in `binary`. `scaling`
 //! learns kind and units from codes, labels (`unit_label`) and dataset 164 (`header`); `step` finds the exact step of an axis.
-//! `nodes` and `mesh` collect the geometry, `shapes` mode shapes and fields. `write` goes the other way, with `write58`,
-//! `write_mesh` and `write_shape` for what their names say.
+//! `nodes` and `mesh` collect the geometry, `shapes` mode shapes and fields, whose codes `shape_head` reads. `scan` lists a file
+//! without holding it: its lines come from `stream`, what is kept of a dataset is in `passed`. `write` goes the other way, with
+//! `write58`, `write_mesh` and `write_shape` for what their names say.
 //!
 //! Definitions: universal file format pages of UC-SDRL; the binary 58 of the same. Field experience is written beside the
 //! code that needs it. A damaged dataset never hides the sound ones.
@@ -20,10 +21,13 @@ mod layout;
 mod mesh;
 mod nodes;
 mod number;
+mod passed;
 mod scaling;
 mod scan;
+mod shape_head;
 mod shapes;
 mod step;
+mod stream;
 mod values;
 mod write;
 mod write58;
@@ -31,6 +35,7 @@ mod write_function;
 mod write_mesh;
 mod write_shape;
 
+pub(in crate::io) use scan::places;
 pub use scan::scan;
 pub use write::{write, Plan, WriteOptions};
 

@@ -1,13 +1,15 @@
 // A chart of curves, marks and error bars in SVG: zoom, move, read values, pick points, by pointer and by keys.
 
-import { s, h } from "./dom.js";
+import { s, h, unbroken } from "./dom.js";
 import { significant, ends } from "./numbers.js";
 import { ruler, ticks } from "./scale.js";
 
-const MARGIN = { left: 62, right: 14, top: 10, bottom: 42 };
+const MARGIN = { left: 62, right: 18, top: 10, bottom: 42 };
 /** Width of a turned label with its gaps, and of a digit, px. */
 const LABEL_PX = 30;
 const LETTER_PX = 7;
+/** Size of a letter in the label of a point, px. */
+const SMALL_PX = [6.5, 12];
 /** Ticks along x in a narrow window. */
 const LEAST_TICKS = 5;
 /** Part of the range that a key moves by, and factor that it zooms by. */
@@ -37,8 +39,8 @@ export function chart(first) {
   let axes = null;
 
   function draw() {
-    title.textContent = spec.title ?? "";
-    caption.textContent = spec.caption ?? "";
+    title.replaceChildren(...unbroken(spec.title ?? ""));
+    caption.replaceChildren(...unbroken(spec.caption ?? ""));
     const height = spec.square ? Math.min(width, 460) : spec.height ?? 300;
     const wide = spec.square ? Math.min(width, 460) : width;
     svg.setAttribute("viewBox", `0 0 ${wide} ${height}`);
@@ -116,10 +118,23 @@ export function chart(first) {
       const d = group.points.map(([px, py]) => sign(group.sign, x.place(px), (group.right ? y2 : y).place(py)));
       parts.push(s("path", { class: `mark ${group.style}`, d: d.join(""), "data-name": group.name }));
     }
-    for (const { x: px, y: py, text } of spec.labels ?? []) {
-      parts.push(s("text", { class: "label", x: x.place(px) + 7, y: y.place(py) - 5 }, text));
-    }
+    const places = placed(spec.labels ?? [], box, x, y);
+    parts.push(...(spec.labels ?? []).map(({ text }, k) => s("text", { class: "label", ...places[k] }, text)));
     return parts;
+  }
+
+  /** Labels beside their points, where the frame and the labels before them leave room; right above if nowhere. */
+  function placed(labels, box, x, y) {
+    const taken = [];
+    return labels.map(({ x: px, y: py, text }) => {
+      const [wide, high] = [text.length * SMALL_PX[0], SMALL_PX[1]];
+      const corners = [[7, -5], [7, 5 + high], [-7 - wide, -5], [-7 - wide, 5 + high]].map(([dx, dy]) => ({ x: x.place(px) + dx, y: y.place(py) + dy }));
+      const isFree = (at) => at.x > box.left && at.x + wide < box.right && at.y - high > box.top && at.y < box.bottom
+        && taken.every((other) => at.x > other.x + other.wide || other.x > at.x + wide || Math.abs(at.y - other.y) > high);
+      const at = corners.find(isFree) ?? corners[0];
+      taken.push({ ...at, wide });
+      return at;
+    });
   }
 
   function drawLegend() {

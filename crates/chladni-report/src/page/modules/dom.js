@@ -22,6 +22,11 @@ export function s(tag, attributes, ...children) {
   return filled(document.createElementNS(SVG, tag), attributes, children);
 }
 
+/** Words whose options (`--sweep`) are not broken at the end of a line. */
+export function unbroken(text) {
+  return text.split(/(--[a-z][a-z-]*)/).map((part, k) => (k % 2 ? h("span", { class: "option" }, part) : part));
+}
+
 /** A section of the page with its heading, anchored for the list of contents. */
 export function section(id, heading, ...children) {
   return h("section", { id, "aria-labelledby": `${id}-heading` }, h("h2", { id: `${id}-heading` }, heading), ...children);

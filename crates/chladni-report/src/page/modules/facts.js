@@ -1,12 +1,12 @@
 // The head of the page: title, warnings, contents, facts of the model.
 
-import { h, section, factList } from "./dom.js";
+import { h, section, factList, unbroken } from "./dom.js";
 import { counted } from "./numbers.js";
 
 /** Warnings, each with what it is about. */
 export function warningList(warnings) {
   if (!warnings.length) return h("p", { class: "calm" }, "No warnings.");
-  const items = warnings.map(([about, text]) => h("li", {}, h("b", {}, `${about}: `), text));
+  const items = warnings.map(([about, text]) => h("li", {}, h("b", {}, `${about}: `), unbroken(text)));
   return h("section", { class: "warnings", "aria-label": "Warnings" }, h("h2", {}, counted(warnings.length, "warning")), h("ul", {}, items));
 }
 

@@ -41,7 +41,8 @@ class Asker {
   }
 }
 
-const fits = { draft: new Asker("/api/fit"), full: new Asker("/api/fit"), asked: 1, shown: 1 };
+/** Questions about fits are numbered by the clock, so that those of a page that is opened again are newer too. */
+const fits = { draft: new Asker("/api/fit"), full: new Asker("/api/fit"), asked: Date.now(), shown: 0 };
 const drafts = new Asker("/api/scene");
 const finals = new Asker("/api/scene");
 
@@ -58,7 +59,8 @@ export function start() {
   const page = document.getElementById("page");
   page.replaceChildren(h("p", { role: "status" }, "Fitting …"));
   fits.full.ask({ number: fits.asked }, (said) => {
-    if (said.error) page.replaceChildren(h("p", { class: "error", role: "alert" }, said.error));
+    const trouble = said.overtaken ? "Another page of this studio asked for a fit; reload this one to go on here." : said.error;
+    if (trouble) page.replaceChildren(h("p", { class: "error", role: "alert" }, trouble));
     else draw(page, said);
   });
 }
@@ -170,7 +172,7 @@ function fitControls(said, head) {
     if (!moving) status.textContent = "fitting …";
     asker.ask(question, (answer, more) => {
       // an older answer never takes the place of a newer one
-      if (number < fits.shown || (more && !moving)) return;
+      if (number < fits.shown || answer.overtaken || (more && !moving)) return;
       fits.shown = number;
       if (answer.error) {
         status.textContent = answer.error;

@@ -7,6 +7,10 @@ import { colourAt, isDark } from "./colour.js";
 import { fixed } from "./numbers.js";
 import { colourBar } from "./panel_map.js";
 
+/** Widest matrix, what stands beside it, and the least distance of two numbers on its edge, px. */
+const WIDEST = 620;
+const BESIDE = 100;
+const NUMBER_GAP = 18;
 /** Two shapes that agree so far are hardly two modes. */
 const HIGH = 0.5;
 
@@ -15,7 +19,8 @@ export function macSection(mac, model) {
   if (!mac) return null;
   const values = array(mac.values);
   const count = mac.count;
-  const side = Math.max(7, Math.min(30, 620 / count));
+  const room = Math.min(WIDEST, document.documentElement.clientWidth - BESIDE);
+  const side = Math.min(30, room / count);
   const size = side * count;
   const cells = Array.from(values, (value, k) => {
     const [row, column] = [Math.floor(k / count), k % count];
@@ -28,7 +33,7 @@ export function macSection(mac, model) {
     }
     return parts;
   });
-  const every = [1, 2, 5, 10, 20].find((step) => count / step <= 26) ?? 50;
+  const every = [1, 2, 5, 10, 20].find((step) => step * side >= NUMBER_GAP) ?? 50;
   const numbers = Array.from({ length: count }, (_, k) => k + 1).filter((number) => number % every === 0).flatMap((number) => [
     s("text", { x: (number - 0.5) * side, y: size + 15, "text-anchor": "middle" }, number),
     s("text", { x: -6, y: size - (number - 0.5) * side + 4, "text-anchor": "end" }, number),

@@ -11,6 +11,7 @@ use crate::{Direction, Dof, Error, Node, Result};
 use hdf5::types::{FixedAscii, FixedUnicode, FloatSize, TypeDescriptor, VarLenAscii, VarLenUnicode};
 use hdf5::{Container, H5Type, Location, LocationType};
 use num_complex::{Complex, Complex32, Complex64};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// Longest fixed-length text that is read.
@@ -116,6 +117,38 @@ impl File {
                 .field(&entry.path)
                 .found(element_of(&descriptor).describe())
         })
+    }
+}
+
+impl File {
+    /// The values of some rows (along the first axis) of a dataset {r, i} with three axes.
+    pub(super) fn read_rows(&self, entry: &Entry, rows: Range<usize>) -> Result<Values<'static>> {
+        let fail = |error| library_error(error, &self.path).field(&entry.path);
+        let dataset = self.file.dataset(&entry.path).map_err(fail)?;
+        let datatype = dataset.dtype().map_err(fail)?;
+        let descriptor = datatype.to_descriptor().map_err(fail)?;
+        check_size(&entry.path, entry.shape(), datatype.size(), !dataset.filters().is_empty(), self.bytes)
+            .map_err(|error| error.file(&self.path))?;
+        let is_own = matches!(&descriptor, TypeDescriptor::Compound(compound) if compound.fields.iter().map(|field| field.name.as_str()).eq(["r", "i"]));
+        match element_of(&descriptor) {
+            Element::Complex { single } if is_own => {
+                let window = ndarray::s![rows, .., ..];
+                Ok(if single {
+                    Values::Complex32(
+                        dataset.read_slice::<Complex32, _, ndarray::Ix3>(window).map_err(fail)?.into_raw_vec_and_offset().0.into(),
+                    )
+                } else {
+                    Values::Complex64(
+                        dataset.read_slice::<Complex64, _, ndarray::Ix3>(window).map_err(fail)?.into_raw_vec_and_offset().0.into(),
+                    )
+                })
+            }
+            other => Err(Error::bad_data("values of a type that cannot be read")
+                .file(&self.path)
+                .field(&entry.path)
+                .found(other.describe())
+                .expected("complex numbers, a compound {r, i}")),
+        }
     }
 }
 

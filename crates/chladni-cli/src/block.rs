@@ -1,0 +1,297 @@
+//! `chladni block`: the fit in pieces.
+
+use crate::console::Console;
+use crate::fit::{distrust, echo_of, parse_band, parse_decay, parse_modes, summary, text, ModeCount, LAWS};
+use crate::input::{expand, model_of, read_frf, Reading};
+use crate::memory::{parse_memory, MEMORY};
+use crate::outcome::Outcome;
+use crate::output::{Output, MODEL, PARTIAL, POLES_OR_MODEL};
+use crate::streaming::{beside_checksums, explain_piece, Resume, Stream};
+use crate::table::{counted, significant, table};
+use chladni_frf::io::{write_atomically, write_model, FrfParts};
+use chladni_frf::{Error, ErrorKind, Result};
+use chladni_rfp::pieces::{residues, solve, Partial, Poles, Solved};
+use chladni_rfp::{FitOptions, ShapeModel, Window};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::Subcommand;
+use serde_json::{json, Value};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The verbs.
+#[derive(Debug, Subcommand)]
+#[command(before_help = "Examples:
+  chladni block reduce scan.h5 --block 3 --blocks 64 -o 3.part     first pass over a part of the data: one of these for each block
+  chladni block merge *.part -o all.part
+  chladni block solve all.part -o found.poles
+  chladni block reduce scan.h5 --block 3 --blocks 64 --poles found.poles -o 3.second.part      second pass
+  chladni block merge *.second.part -o second.part
+  chladni block solve second.part -o model.json                    the model, as `chladni fit` finds it")]
+pub enum Block {
+    /// Run a pass over a block of FRFs: a small partial is left
+    Reduce(Reduce),
+    /// Merge partials, in any order and grouping
+    Merge(Merge),
+    /// Poles of the merged first pass; the model of the merged second
+    Solve(Solve),
+    /// Shapes of a block of FRFs at the poles of a model
+    Residues(Residues),
+}
+
+/// Arguments of `block reduce`.
+#[derive(Debug, clap::Args)]
+pub struct Reduce {
+    /// FRF files, folders of them, or patterns
+    #[arg(required = true, value_name = "FRF")]
+    files: Vec<PathBuf>,
+    /// Partial to write, .part
+    #[arg(short, value_name = "PART")]
+    output: PathBuf,
+    /// Poles that the first pass led to: run the second
+    #[arg(long, value_name = "POLES")]
+    poles: Option<PathBuf>,
+    /// Number of this block, from 0: each has one of its own
+    #[arg(long, value_name = "I", default_value_t = 0)]
+    block: usize,
+    /// Blocks that the files are cut into, of which this is one [default: the files are this block]
+    #[arg(long, value_name = "N")]
+    blocks: Option<usize>,
+    /// Band to fit, Hz, the same for all blocks [default: all lines]
+    #[arg(long, value_name = "LO:HI", value_parser = parse_band, allow_hyphen_values = true)]
+    band: Option<[f64; 2]>,
+    /// Seed of the random mixtures, the same for all blocks
+    #[arg(long, value_name = "S", default_value_t = 0, allow_negative_numbers = true)]
+    seed: u64,
+    /// Window of the records that the FRFs were averaged from: its bias is undone
+    #[arg(long, value_name = "WINDOW", value_parser = PossibleValuesParser::new(Window::ALL.map(Window::as_str))
+        .try_map(|name| name.parse::<Window>()))]
+    window: Option<Window>,
+    /// Memory to keep within: bytes, or with K, M, G, T (powers of 1024)
+    #[arg(long, value_name = "SIZE", default_value = MEMORY, value_parser = parse_memory)]
+    memory: u64,
+    /// Go on where an interrupted run with the same output ended
+    #[arg(long)]
+    resume: bool,
+    #[command(flatten)]
+    reading: Reading,
+}
+
+/// Arguments of `block merge`.
+#[derive(Debug, clap::Args)]
+pub struct Merge {
+    /// Partials of one pass
+    #[arg(required = true, value_name = "PART")]
+    files: Vec<PathBuf>,
+    /// Partial to write, .part
+    #[arg(short, value_name = "PART")]
+    output: PathBuf,
+}
+
+/// Arguments of `block solve`.
+#[derive(Debug, clap::Args)]
+pub struct Solve {
+    /// Merged partial of all blocks
+    #[arg(value_name = "PART")]
+    file: PathBuf,
+    /// Poles file (.poles) of a first pass, model (.json, .h5) of a second
+    #[arg(short, value_name = "POLES|MODEL")]
+    output: PathBuf,
+    /// Number of modes in the band (first pass); auto: decided by evidence
+    #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = parse_modes, allow_negative_numbers = true)]
+    modes: ModeCount,
+    /// Damping law (second pass); auto: decided by evidence
+    #[arg(long, value_name = "LAW", default_value = "auto", value_parser = PossibleValuesParser::new(LAWS))]
+    damping: String,
+    /// What shapes may be while poles are refined (second pass)
+    #[arg(long, value_name = "SHAPES", default_value = "auto", value_parser = PossibleValuesParser::new(ShapeModel::ALL.map(ShapeModel::as_str))
+        .try_map(|name| name.parse::<ShapeModel>()))]
+    shapes: ShapeModel,
+    /// Decay α of the exponential window e^(-αt) on the responses, 1/s: taken off the poles (second pass)
+    #[arg(long, value_name = "1/S", value_parser = parse_decay)]
+    exponential_window: Option<f64>,
+}
+
+/// Arguments of `block residues`.
+#[derive(Debug, clap::Args)]
+pub struct Residues {
+    /// FRF files, folders of them, or patterns
+    #[arg(required = true, value_name = "FRF")]
+    files: Vec<PathBuf>,
+    /// Model whose poles are taken
+    #[arg(long, value_name = "MODEL")]
+    model: PathBuf,
+    /// Model to write, .json or .h5
+    #[arg(short, value_name = "MODEL")]
+    output: PathBuf,
+    #[command(flatten)]
+    reading: Reading,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Those of reading and writing, of pieces that do not belong together, and of a fit that cannot be made.
+pub fn run(block: &Block, console: &Console) -> Result<Outcome> {
+    match block {
+        Block::Reduce(args) => reduce(args, console),
+        Block::Merge(args) => merge(args, console),
+        Block::Solve(args) => solved(args, console),
+        Block::Residues(args) => residues_of(args, console),
+    }
+}
+
+fn reduce(args: &Reduce, console: &Console) -> Result<Outcome> {
+    let files = expand(&args.files, console)?;
+    let output = Output::new(&args.output, PARTIAL, &files, console)?;
+    let poles = args.poles.as_deref().map(|path| Poles::from_bytes(&bytes_of(path)?).map_err(|error| error.file(path))).transpose()?;
+    let options = FitOptions { band_hz: args.band, seed: args.seed, window: args.window, ..FitOptions::default() };
+    let mut data = FrfParts::open(&files, &args.reading.options())?;
+    if let Some(blocks) = args.blocks {
+        if args.block >= blocks {
+            return Err(Error::new(ErrorKind::Usage, "there is no such block")
+                .field("--block")
+                .found(args.block)
+                .expected(format!("0 to {}, of {blocks} blocks", blocks.saturating_sub(1)))
+                .help("blocks are counted from 0"));
+        }
+        data = data.share(args.block, blocks)?;
+    }
+    let stream = Stream::new(data, args.memory, &options, console)?;
+    let mut resume = Resume::new(Some(&args.output), &files, stream.len(), args.resume)?;
+    let stage = if poles.is_some() { "second pass" } else { "first pass" };
+    let before = resume.take();
+    let (partial, sources) = beside_checksums(&files, || stream.pass(stage, poles.as_ref(), before, &mut resume))?;
+    let partial = partial.as_block(args.block as u64).with_sources(&sources);
+    write(&output, &partial.to_bytes())?;
+    resume.done();
+    let said = format!("{}: block {}, {}, {stage}\n", args.output.display(), args.block, counted(partial.frfs(), "FRF"));
+    let json = json!({"output": shown(&args.output), "block": args.block, "frfs": partial.frfs(), "pass": pass(&partial), "warnings": console.warnings()});
+    Ok(Outcome::written(&args.output, json, said))
+}
+
+fn merge(args: &Merge, console: &Console) -> Result<Outcome> {
+    let output = Output::new(&args.output, PARTIAL, &args.files, console)?;
+    let mut merged: Option<Partial> = None;
+    for path in &args.files {
+        let partial = partial_of(path)?;
+        merged = Some(match merged {
+            Some(merged) => Partial::merge([merged, partial]).map_err(|error| error.file(path))?,
+            None => partial,
+        });
+    }
+    let merged = merged.expect("the command line asks for one");
+    write(&output, &merged.to_bytes())?;
+    let said = format!("{}: {}, {}\n", args.output.display(), counted(merged.blocks(), "block"), counted(merged.frfs(), "FRF"));
+    let json = json!({"output": shown(&args.output), "blocks": merged.blocks(), "frfs": merged.frfs(), "pass": pass(&merged), "warnings": console.warnings()});
+    Ok(Outcome::written(&args.output, json, said))
+}
+
+fn solved(args: &Solve, console: &Console) -> Result<Outcome> {
+    let output = Output::new(&args.output, POLES_OR_MODEL, std::slice::from_ref(&args.file), console)?;
+    let partial = partial_of(&args.file)?;
+    let wants_poles = args.output.extension().is_some_and(|extension| extension == "poles");
+    if wants_poles && partial.poles().is_some() || !wants_poles && partial.poles().is_none() {
+        let (pass, expected) = if wants_poles { ("second", ".json or .h5, a model") } else { ("first", ".poles") };
+        return Err(Error::new(ErrorKind::Usage, format!("the partial is of the {pass} pass"))
+            .file(&args.file)
+            .field("-o")
+            .found(args.output.display())
+            .expected(expected)
+            .help("a first pass leads to poles, a second to a model"));
+    }
+    let options = FitOptions {
+        modes: args.modes.0,
+        damping: crate::fit::law(&args.damping),
+        shapes: args.shapes,
+        exponential_window_per_s: args.exponential_window,
+        band_hz: partial.band_hz(),
+        seed: partial.seed(),
+        ..FitOptions::default()
+    };
+    let solved = solve(&partial, &options, &|stage| console.stage(stage)).map_err(|error| explain_piece(error, &options, &args.file))?;
+    match solved {
+        Solved::Poles(poles) if wants_poles => {
+            write(&output, &poles.to_bytes())?;
+            Ok(Outcome::written(&args.output, poles_json(&poles, &args.output, console), poles_text(&poles, &args.output)))
+        }
+        Solved::Poles(poles) => {
+            let path = args.output.with_extension("poles");
+            write(&Output::new(&path, POLES_OR_MODEL, std::slice::from_ref(&args.file), console)?, &poles.to_bytes())?;
+            let doubt = format!(
+                "the second pass shows what the first could not: reduce all blocks once more, with --poles {}, then merge and solve",
+                path.display()
+            );
+            Ok(Outcome::written(&path, poles_json(&poles, &path, console), poles_text(&poles, &path)).doubted(Some(doubt)))
+        }
+        Solved::Fit(fit) => {
+            let mut model = fit.model;
+            model.source = partial.sources();
+            model.options = echo_of(&options);
+            console.warn_all(model.quality.warnings.iter().cloned());
+            output.write(|path, force| write_model(path, &model, force))?;
+            let doubt = (!model.quality.trusted).then(|| distrust(&model));
+            Ok(Outcome::written(&args.output, summary(&model, &args.output)?, text(&model, console.verbose)).doubted(doubt))
+        }
+    }
+}
+
+fn residues_of(args: &Residues, console: &Console) -> Result<Outcome> {
+    let files = expand(&args.files, console)?;
+    let output = Output::new(&args.output, MODEL, &files, console)?;
+    let given = model_of(&args.model)?.ok_or_else(|| {
+        Error::bad_data("the file holds no model").file(&args.model).field("--model").found("measured data").expected("a model")
+    })?;
+    let (frf, mut sources) = read_frf(&files, &args.reading, console)?;
+    let options = FitOptions::default();
+    let mut model = residues(&frf, &given, &options).map_err(|error| explain_piece(error, &options, &files[0]))?;
+    sources.push(crate::input::source(&args.model)?);
+    model.source = sources;
+    args.reading.echo(&mut model.options);
+    console.warn_all(model.quality.warnings.iter().cloned());
+    output.write(|path, force| write_model(path, &model, force))?;
+    let doubt = (!model.quality.trusted).then(|| distrust(&model));
+    Ok(Outcome::written(&args.output, summary(&model, &args.output)?, text(&model, console.verbose)).doubted(doubt))
+}
+
+fn bytes_of(path: &Path) -> Result<Vec<u8>> {
+    fs::read(path).map_err(|error| Error::from_read(&error, path))
+}
+
+fn partial_of(path: &Path) -> Result<Partial> {
+    Partial::from_bytes(&bytes_of(path)?).map_err(|error| error.file(path))
+}
+
+fn write(output: &Output, bytes: &[u8]) -> Result<()> {
+    output.write(|path, force| write_atomically(path, force, |file| file.write_all(bytes)))
+}
+
+fn shown(path: &Path) -> String {
+    path.display().to_string()
+}
+
+/// The pass that a partial is of.
+fn pass(partial: &Partial) -> u8 {
+    if partial.poles().is_some() {
+        2
+    } else {
+        1
+    }
+}
+
+fn poles_json(poles: &Poles, path: &Path, console: &Console) -> Value {
+    let modes: Vec<Value> = poles.modes().iter().map(|(f, eta)| json!({"frequency_hz": f, "loss_factor": eta})).collect();
+    json!({"output": shown(path), "poles": poles.count(), "modes": modes, "evidence": poles.evidence(), "warnings": console.warnings()})
+}
+
+fn poles_text(poles: &Poles, path: &Path) -> String {
+    let rows: Vec<Vec<String>> = poles.modes().iter().map(|(f, eta)| vec![significant(*f, 7), significant(*eta, 3)]).collect();
+    let modes = rows.len();
+    let listed = if rows.is_empty() { String::new() } else { table(&["frequency, Hz", "loss factor"], &rows) };
+    format!(
+        "{listed}{}: {} in the band, {} beside it, as far as the first pass tells; {}\n",
+        path.display(),
+        counted(modes, "mode"),
+        counted(poles.count() - modes, "pole"),
+        poles.evidence()
+    )
+}

@@ -1,0 +1,138 @@
+//! Fits of data larger than memory: passes over the files part by part, each part reduced and forgotten.
+
+mod resume;
+
+use crate::console::Console;
+use crate::fit::explain;
+use chladni_frf::io::{self, FrfParts, Part};
+use chladni_frf::{Error, FrfSet, Result, Source};
+use chladni_rfp::pieces::{solve, Partial, PieceError, Poles, Reducer, Solved};
+use chladni_rfp::{Fit, FitOptions};
+pub use resume::Resume;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::sync_channel;
+use std::thread;
+use std::time::Instant;
+
+/// Parts that fit into the memory allowed: two are held at a time, and what the passes leave needs room beside them.
+const PARTS_OF_MEMORY: u64 = 32;
+/// Bytes of a part beyond which larger ones are slower: memory of more is given back to the system after each, and cleared for the next.
+const PART_MOST: u64 = 16 << 20;
+/// What a fit of a set held in memory needs, over the set.
+const FIT_OVER_SET: u64 = 2;
+
+/// True where FRFs of so many bytes are fitted part by part.
+pub fn too_large(bytes: u64, memory: u64) -> bool {
+    bytes.saturating_mul(FIT_OVER_SET) > memory
+}
+
+/// Files that are read part by part.
+pub struct Stream<'a> {
+    data: FrfParts,
+    parts: Vec<Part>,
+    options: &'a FitOptions,
+    console: &'a Console,
+}
+
+impl<'a> Stream<'a> {
+    /// Cuts files so that `memory` bytes are enough.
+    ///
+    /// # Errors
+    /// Those of reading; a file that cannot be cut.
+    pub fn new(data: FrfParts, memory: u64, options: &'a FitOptions, console: &'a Console) -> Result<Self> {
+        let parts = data.parts((memory / PARTS_OF_MEMORY).min(PART_MOST))?;
+        Ok(Self { data, parts, options, console })
+    }
+
+    /// Number of parts.
+    pub fn len(&self) -> usize {
+        self.parts.len()
+    }
+
+    /// One pass, where `before` is what an interrupted one had left.
+    ///
+    /// # Errors
+    /// Those of reading, of a fit that cannot be made, and of keeping what was done.
+    pub fn pass(&self, stage: &str, poles: Option<&Poles>, before: Option<Partial>, resume: &mut Resume) -> Result<Partial> {
+        self.console.stage(stage);
+        let held = |number: usize| before.as_ref().is_some_and(|before| before.holds(number as u64));
+        let open: Vec<(usize, &Part)> = self.parts.iter().enumerate().filter(|(number, _)| !held(*number)).collect();
+        let all: f64 = open.iter().map(|(_, part)| self.data.part_bytes(part) as f64).sum();
+        let (start, mut done) = (Instant::now(), 0.0);
+        let mut merged = before;
+        let reducer = Reducer::new(self.options, poles).map_err(|error| self.explained(error, self.data.file(&self.parts[0])))?;
+        thread::scope(|scope| {
+            let (sender, receiver) = sync_channel::<(usize, &Part, Result<(FrfSet, Vec<String>)>)>(0);
+            let data = &self.data;
+            scope.spawn(move || {
+                for (number, part) in open {
+                    if sender.send((number, part, data.read(part))).is_err() {
+                        break;
+                    }
+                }
+            });
+            for (number, part, read) in receiver {
+                let file = self.data.file(part);
+                let (frf, warnings) = read?;
+                self.console.warn_all(warnings);
+                frf.known_kind().map_err(|error| error.file(file))?;
+                let partial = reducer.block(&frf, number as u64, Vec::new()).map_err(|error| self.explained(error, file))?;
+                drop(frf);
+                merged = Some(match merged.take() {
+                    Some(merged) => Partial::merge([merged, partial]).map_err(|error| error.file(file))?,
+                    None => partial,
+                });
+                done += self.data.part_bytes(part) as f64 / all;
+                self.console.so_far(done, start.elapsed().mul_f64((1.0 - done).max(0.0) / done));
+                resume.keep(merged.as_ref().expect("one was merged"))?;
+            }
+            Ok::<(), Error>(())
+        })?;
+        merged.ok_or_else(|| Error::bad_data("the input holds no FRF").field("files").found("none").expected("at least one FRF"))
+    }
+
+    /// Both passes, and once more where they ask for it.
+    ///
+    /// # Errors
+    /// As [`Self::pass`].
+    pub fn fit(&self, resume: &mut Resume) -> Result<Fit> {
+        let mut before = resume.take();
+        let mut poles: Option<Poles> = before.as_ref().and_then(|partial| partial.poles().cloned());
+        loop {
+            let stage = if poles.is_some() { "second pass over the data" } else { "first pass over the data" };
+            let partial = self.pass(stage, poles.as_ref(), before.take(), resume)?;
+            let file = self.data.file(&self.parts[0]);
+            match solve(&partial, self.options, &|stage| self.console.stage(stage)).map_err(|error| self.explained(error, file))? {
+                Solved::Fit(fit) => return Ok(*fit),
+                Solved::Poles(found) => poles = Some(*found),
+            }
+        }
+    }
+
+    fn explained(&self, error: PieceError, file: &Path) -> Error {
+        explain_piece(error, self.options, file)
+    }
+}
+
+/// A piece that cannot be made or solved, in words of the file and the options.
+pub fn explain_piece(error: PieceError, options: &FitOptions, file: &Path) -> Error {
+    match error {
+        PieceError::Fit(error) => explain(&error, options, file),
+        PieceError::Data(error) if error.file.is_none() => error.file(file),
+        PieceError::Data(error) => error,
+    }
+}
+
+/// Runs `work`, and beside it reads all files once more for their checksums.
+///
+/// # Errors
+/// Those of either.
+pub fn beside_checksums<T>(files: &[PathBuf], work: impl FnOnce() -> Result<T>) -> Result<(T, Vec<Source>)> {
+    thread::scope(|scope| {
+        let source = |file: &PathBuf| Ok(Source { file: io::file_name(file), sha256: io::sha256_of(file)? });
+        let sources = scope.spawn(move || files.iter().map(source).collect::<Result<Vec<_>>>());
+        let made = work()?;
+        let sources = sources.join().map_err(|_| Error::new(chladni_frf::ErrorKind::Internal, "the thread of the checksums failed"))?;
+        Ok((made, sources?))
+    })
+}

@@ -1,0 +1,82 @@
+//! Poles of a model, to be fitted to other FRFs of the same structure.
+
+use super::linear::linear;
+use super::{Identified, Pole};
+use crate::work::Work;
+use chladni_frf::{Damping, ModalModel, Mode, Trust};
+use chladni_linalg::LinalgError;
+use ndarray::Array2;
+use num_complex::Complex64;
+use std::f64::consts::TAU;
+
+/// Poles with their error bars and grades, and the residual terms that go with them.
+pub(crate) struct GivenPoles {
+    damping: Damping,
+    poles: Vec<Pole>,
+    /// Powers of x of the residual terms.
+    pub powers: Vec<i32>,
+}
+
+/// λ (structural) or s (viscous) of a mode in units of `omega_max`² or `omega_max`.
+pub(crate) fn value_of(mode: &Mode, damping: Damping, omega_max: f64) -> Complex64 {
+    let ratio = TAU * mode.frequency_hz / omega_max;
+    match damping {
+        Damping::Structural => ratio * ratio * Complex64::new(1.0, mode.loss_factor),
+        Damping::Viscous => mode.viscous_pole() / omega_max,
+    }
+}
+
+impl GivenPoles {
+    /// Those that the model takes for modes, or for what lies outside its band.
+    pub fn new(model: &ModalModel, omega_max: f64) -> Self {
+        let pole = |mode: &Mode| Pole {
+            value: value_of(mode, model.damping, omega_max),
+            omega: TAU * mode.frequency_hz / omega_max,
+            loss_factor: mode.loss_factor,
+            omega_std: TAU * mode.frequency_std_hz / omega_max,
+            loss_factor_std: mode.loss_factor_std,
+            grade: (mode.trust, mode.reasons.clone()),
+            given: None,
+        };
+        let mut poles: Vec<Pole> = model.modes.iter().filter(|mode| mode.trust != Trust::Rejected).map(pole).collect();
+        // a pole beside the band may stand for several modes, each of which the model lists
+        poles.dedup_by(|b, a| a.value == b.value);
+        Self { damping: model.damping, poles, powers: model.residual_terms.terms.iter().map(|term| term.power / 2).collect() }
+    }
+
+    /// Poles in the x plane.
+    pub fn lambda(&self) -> Vec<Complex64> {
+        let of = |pole: &Pole| match self.damping {
+            Damping::Structural => pole.value,
+            Damping::Viscous => -pole.value * pole.value,
+        };
+        self.poles.iter().map(of).collect()
+    }
+
+    /// Number of columns of the model.
+    pub fn unknowns(&self) -> usize {
+        self.poles.len() + self.powers.len()
+    }
+
+    /// With the data that residues are to be found on.
+    ///
+    /// # Errors
+    /// A kernel that fails.
+    pub fn on(self, work: Work, back: Option<Array2<f64>>) -> Result<Identified, LinalgError> {
+        let values: Vec<Complex64> = self.poles.iter().map(|pole| pole.value).collect();
+        let dof = work.lines().saturating_sub(self.unknowns()).max(1) * work.columns().max(1);
+        let variance = linear(&work, self.damping, &values, &self.powers)?.sse / dof as f64;
+        Ok(Identified {
+            damping: self.damping,
+            poles: self.poles,
+            powers: self.powers,
+            work,
+            back,
+            variance,
+            path: "residues at the poles of a model".into(),
+            warnings: Vec::new(),
+            consistent: true,
+            real_shapes: false,
+        })
+    }
+}

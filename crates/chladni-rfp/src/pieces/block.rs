@@ -1,0 +1,178 @@
+//! One block of FRFs, reduced.
+
+use super::partial::{Block, Partial, Run, Sums};
+use super::plan::Plan;
+use super::poles::{Matrix, Poles};
+use super::PieceError;
+use crate::error::FitError;
+use crate::faults::window;
+use crate::head::Head;
+use crate::options::FitOptions;
+use crate::passes::on_all_lines;
+use crate::project::products;
+use crate::reading::Usable;
+use crate::screen::Screened;
+use crate::sketch::{self, Mixing};
+use chladni_frf::{Error, FrfSet, Source};
+use ndarray::{Array2, Axis};
+use num_complex::Complex64;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::collections::HashSet;
+use std::sync::Arc;
+
+/// A pass over blocks, with what all of them need.
+#[derive(Debug)]
+pub struct Reducer {
+    options: FitOptions,
+    second: Option<Second>,
+}
+
+/// Of a second pass.
+#[derive(Debug)]
+struct Second {
+    poles: Arc<Poles>,
+    head: Head,
+    /// Basis of the poles on the lines used.
+    q: Array2<Complex64>,
+}
+
+impl Reducer {
+    /// Without `poles` the first pass, with them the second.
+    ///
+    /// # Errors
+    /// Poles of an axis without lines in their band.
+    pub fn new(options: &FitOptions, poles: Option<&Poles>) -> Result<Self, PieceError> {
+        let second = |poles: &Poles| {
+            let head = poles.head(options.effort)?;
+            Ok::<_, PieceError>(Second { poles: Arc::new(poles.clone()), q: on_all_lines(&head, &poles.lambda)?, head })
+        };
+        Ok(Self { options: options.clone(), second: poles.map(second).transpose()? })
+    }
+
+    /// Reduces the FRFs of one block.
+    ///
+    /// * `number`: of the block, its own
+    /// * `sources`: the files that it came from
+    ///
+    /// # Errors
+    /// [`FitError`]: unknown kind, a band outside the data, no FRF with values, a window that cannot be undone; data that differ from
+    /// those the poles were found on.
+    pub fn block(&self, frf: &FrfSet, number: u64, sources: Vec<Source>) -> Result<Partial, PieceError> {
+        let plan = Plan::new(frf, &self.options)?;
+        let unbiased = self.options.window.map_or(Ok(None), |window| window::undo(frf, window))?;
+        let frf = unbiased.as_ref().unwrap_or(frf);
+        let (block, sums) = match &self.second {
+            None => first_pass(frf, &plan)?,
+            Some(second) => {
+                second.poles.plan.same(&plan, &format!("block {number}"))?;
+                second_pass(frf, second)?
+            }
+        };
+        let labels: HashSet<u64> = frf.responses.iter().chain(&frf.references).map(|dof| dof.node).collect();
+        let block = Block {
+            number,
+            responses: frf.responses.clone(),
+            references: frf.references.clone(),
+            nodes: frf.geometry.nodes.iter().filter(|node| labels.contains(&node.label)).copied().collect(),
+            sources,
+            ..block
+        };
+        let poles = self.second.as_ref().map(|second| second.poles.clone());
+        Ok(Partial { plan, poles, blocks: vec![block], runs: vec![Run { first: number, length: 1, sums }] })
+    }
+}
+
+/// Reduces the FRFs of one block: see [`Reducer`].
+///
+/// # Errors
+/// As [`Reducer::new`] and [`Reducer::block`].
+pub fn reduce(frf: &FrfSet, options: &FitOptions, number: u64, sources: Vec<Source>, poles: Option<&Poles>) -> Result<Partial, PieceError> {
+    Reducer::new(options, poles)?.block(frf, number, sources)
+}
+
+/// A block of which only the FRFs are known yet.
+fn of_pairs(pairs: Vec<(usize, usize)>) -> Block {
+    Block {
+        number: 0,
+        piece: 0,
+        responses: Vec::new(),
+        references: Vec::new(),
+        nodes: Vec::new(),
+        pairs,
+        energy: Vec::new(),
+        r0: None,
+        sources: Vec::new(),
+    }
+}
+
+fn first_pass(frf: &FrfSet, plan: &Plan) -> Result<(Block, Sums), PieceError> {
+    let (lines, _) = plan.lines()?;
+    let run = |pairs: &[(usize, usize)]| {
+        let mixing = mixing(frf, pairs, plan);
+        (sketch::Sums::new(&frf.values, pairs, &lines, &mixing), mixing)
+    };
+    let mut pairs: Vec<(usize, usize)> = frf.all_pairs().collect();
+    let (mut sums, mut mixing) = run(&pairs);
+    if sums.flawed {
+        pairs = Usable::new(frf, &lines).pairs;
+        if pairs.is_empty() {
+            return Err(FitError::NoData.into());
+        }
+        (sums, mixing) = run(&pairs);
+    }
+    let bad: Vec<bool> = sums.line_energy.iter().map(|energy| !energy.is_finite()).collect();
+    for (k, _) in bad.iter().enumerate().filter(|(_, bad)| **bad) {
+        sums.columns.row_mut(k).fill(0.0.into());
+        sums.line_energy[k] = 0.0;
+    }
+    let mut counts = vec![0; mixing.width];
+    mixing.column.iter().for_each(|&column| counts[column] += 1);
+    let sums = Sums::Sketch { columns: Matrix::from(&sums.columns), counts, line_energy: sums.line_energy.to_vec(), bad };
+    Ok((of_pairs(pairs), sums))
+}
+
+/// A column and a sign for each FRF that depend on its DOFs and the seed alone, not on the block it lies in.
+fn mixing(frf: &FrfSet, pairs: &[(usize, usize)], plan: &Plan) -> Mixing {
+    let drawn = |&(i, j): &(usize, usize)| {
+        let (response, reference) = (frf.responses[i], frf.references[j]);
+        let directions = u64::from(response.direction.code() as u8) << 8 | u64::from(reference.direction.code() as u8);
+        let mut key = [0; 32];
+        for (bytes, word) in key.chunks_exact_mut(8).zip([plan.seed, response.node, reference.node, directions]) {
+            bytes.copy_from_slice(&word.to_le_bytes());
+        }
+        let mut random = ChaCha8Rng::from_seed(key);
+        (random.random_range(0..plan.columns), if random.random() { 1.0 } else { -1.0 })
+    };
+    let (column, sign) = pairs.iter().map(drawn).unzip();
+    Mixing { width: plan.columns, column, sign }
+}
+
+fn second_pass(frf: &FrfSet, second: &Second) -> Result<(Block, Sums), PieceError> {
+    let head = &second.head;
+    let missing = frf.missing_pairs();
+    let mut pairs: Vec<(usize, usize)> = frf.all_pairs().filter(|pair| missing.binary_search(pair).is_err()).collect();
+    let mut made = products(&Screened::part(frf, Head { pairs: pairs.clone(), ..head.clone() }), &second.q);
+    if let Some(l) = made.energy.iter().position(|energy| !energy.is_finite()) {
+        let (i, j) = pairs[l];
+        let line = head.lines.iter().position(|&k| !frf.values.get(i, j, k).is_finite()).map_or(f64::NAN, |k| head.line_hz[k]);
+        return Err(Error::bad_data("a value that is not finite, where all were finite when the poles were found")
+            .field(format!("FRF {} from {} at {line} Hz", frf.responses[i], frf.references[j]))
+            .found("NaN or infinity")
+            .expected("the data that the first pass was run on")
+            .help("run both passes over the same data")
+            .into());
+    }
+    // FRFs of zeros add nothing to the products; the first pass has left them out
+    let used: Vec<usize> = (0..pairs.len()).filter(|&l| made.energy[l] > 0.0).collect();
+    if used.is_empty() {
+        return Err(FitError::NoData.into());
+    }
+    if used.len() < pairs.len() {
+        pairs = used.iter().map(|&l| pairs[l]).collect();
+        made.energy = used.iter().map(|&l| made.energy[l]).collect();
+        made.r0 = made.r0.select(Axis(1), &used);
+    }
+    let block = Block { energy: made.energy, r0: Some(Matrix::from(&made.r0)), ..of_pairs(pairs) };
+    Ok((block, Sums::Products { t: Matrix::from(&made.t), gram: Matrix::from(&made.gram) }))
+}

@@ -1,0 +1,101 @@
+//! Partials and poles as bytes: one line of JSON that says what follows, then the content.
+//!
+//! ```text
+//! {"format":"chladni.partial","version":1,"created_by":"chladni 0.1.0","bytes":1234,"sha256":"..."}
+//! ```
+
+use super::{Partial, Poles};
+use chladni_frf::{Error, CREATED_BY};
+use serde::{de::DeserializeOwned, Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+/// Version of the content; another one is refused.
+const VERSION: u64 = 1;
+/// Most bytes of the first line.
+const HEAD_MOST: usize = 1024;
+
+/// The first line.
+#[derive(Debug, Serialize, Deserialize)]
+struct Head {
+    format: String,
+    version: u64,
+    created_by: String,
+    bytes: usize,
+    sha256: String,
+}
+
+impl Partial {
+    const FORMAT: &'static str = "chladni.partial";
+
+    /// The bytes of a partial file.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        to_bytes(Self::FORMAT, self)
+    }
+
+    /// Reads them.
+    ///
+    /// # Errors
+    /// [`chladni_frf::ErrorKind::BadData`]: not such a file, another version, damaged.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, Error> {
+        from_bytes(Self::FORMAT, bytes)
+    }
+}
+
+impl Poles {
+    const FORMAT: &'static str = "chladni.poles";
+
+    /// The bytes of a poles file.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        to_bytes(Self::FORMAT, self)
+    }
+
+    /// Reads them.
+    ///
+    /// # Errors
+    /// As [`Partial::from_bytes`].
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, Error> {
+        from_bytes(Self::FORMAT, bytes)
+    }
+}
+
+fn digest(content: &[u8]) -> String {
+    Sha256::digest(content).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+fn to_bytes(format: &str, content: &impl Serialize) -> Vec<u8> {
+    let content = postcard::to_allocvec(content).expect("plain data of known length");
+    let head =
+        Head { format: format.into(), version: VERSION, created_by: CREATED_BY.into(), bytes: content.len(), sha256: digest(&content) };
+    let mut bytes = serde_json::to_vec(&head).expect("plain data");
+    bytes.push(b'\n');
+    bytes.extend(content);
+    bytes
+}
+
+fn from_bytes<T: DeserializeOwned>(format: &str, bytes: &[u8]) -> Result<T, Error> {
+    let end = bytes.iter().take(HEAD_MOST).position(|byte| *byte == b'\n');
+    let head: Option<Head> = end.and_then(|end| serde_json::from_slice(&bytes[..end]).ok());
+    let (Some(end), Some(head)) = (end, head) else {
+        let expected = format!("one line of JSON with \"format\":\"{format}\"");
+        return Err(Error::bad_data(format!("no {format} file")).field("first line").found("something else").expected(expected));
+    };
+    if head.format != format {
+        return Err(Error::bad_data("a file of another kind").field("format").found(head.format).expected(format));
+    }
+    if head.version != VERSION {
+        return Err(Error::bad_data("a file of another version")
+            .field("version")
+            .found(format!("{} (written by {})", head.version, head.created_by))
+            .expected(VERSION)
+            .help("make it anew: the versions of all machines must agree"));
+    }
+    let content = &bytes[end + 1..];
+    if content.len() != head.bytes {
+        return Err(Error::bad_data("the file is cut off or too long").field("bytes").found(content.len()).expected(head.bytes));
+    }
+    if digest(content) != head.sha256 {
+        return Err(Error::bad_data("the file is damaged").field("sha256").found(digest(content)).expected(head.sha256));
+    }
+    postcard::from_bytes(content)
+        .map_err(|error| Error::bad_data("the content cannot be read").field("content").found(error).expected("what its first line says"))
+}

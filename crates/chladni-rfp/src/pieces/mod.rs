@@ -1,0 +1,49 @@
+//! The fit in pieces, for data larger than memory and for many machines (theory.md, section 11).
+//!
+//! ```text
+//! block ── reduce ──> partial ─┐                       ┌─ reduce (with poles) ──> partial ─┐
+//! block ── reduce ──> partial ─┴─ merge ── solve ──> poles                                 ├─ merge ── solve ──> fit
+//! block ── ...                                         └─ reduce (with poles) ──> partial ─┘
+//! ```
+//!
+//! A block is any part of the FRFs with a number of its own. The first pass leaves a count sketch, the second the products with the basis of
+//! the poles that the sketch showed; both are sums over FRFs, a few megabytes whatever the size of the data. Sums are made in an order that
+//! the numbers of the blocks fix: the same blocks give the same bits in whatever order and grouping they arrive.
+//!
+//! What needs the FRFs themselves again is left out, and a fit says so: weighing FRFs by their noise, and the checks for poles that move
+//! between FRFs, delayed references and windows.
+
+mod block;
+mod file;
+mod given;
+mod partial;
+mod plan;
+mod poles;
+mod solve;
+
+pub use block::{reduce, Reducer};
+pub use given::residues;
+pub use partial::Partial;
+pub use poles::Poles;
+pub use solve::{solve, Solved};
+
+use crate::error::FitError;
+use chladni_linalg::LinalgError;
+use thiserror::Error;
+
+/// Why a piece could not be made, merged or solved.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum PieceError {
+    /// What stops every fit.
+    #[error(transparent)]
+    Fit(#[from] FitError),
+    /// Pieces or files that do not fit together.
+    #[error(transparent)]
+    Data(#[from] chladni_frf::Error),
+}
+
+impl From<LinalgError> for PieceError {
+    fn from(error: LinalgError) -> Self {
+        Self::Fit(error.into())
+    }
+}

@@ -1,0 +1,231 @@
+//! What is left of blocks of FRFs, and how it is merged.
+
+use super::plan::Plan;
+use super::poles::{Matrix, Poles};
+use chladni_frf::{Dof, Error, Node, Source};
+use num_complex::Complex64;
+use serde::{Deserialize, Serialize};
+use std::collections::HashSet;
+use std::sync::Arc;
+
+/// What is left of one or more blocks after a pass over them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Partial {
+    pub(super) plan: Plan,
+    /// Those that the pass was run with; `None`: the first pass.
+    pub(super) poles: Option<Arc<Poles>>,
+    /// By rising number.
+    pub(super) blocks: Vec<Block>,
+    /// By rising number; no two that could be one.
+    pub(super) runs: Vec<Run>,
+}
+
+/// The FRFs of a block.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Block {
+    pub number: u64,
+    /// Of its pieces, where it was reduced piece by piece.
+    pub piece: u64,
+    pub responses: Vec<Dof>,
+    pub references: Vec<Dof>,
+    /// Of these DOFs, where the data have them.
+    pub nodes: Vec<Node>,
+    /// (response, reference) of the FRFs used.
+    pub pairs: Vec<(usize, usize)>,
+    /// Sum of squares of each FRF on the lines used, in SI units of the kind (second pass).
+    pub energy: Vec<f64>,
+    /// R₀, (unknown, FRF) (second pass).
+    pub r0: Option<Matrix<f64>>,
+    /// Files that it came from.
+    pub sources: Vec<Source>,
+}
+
+/// Sums over the blocks `first..first + length`, where `length` is a power of two that divides `first`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Run {
+    pub first: u64,
+    pub length: u64,
+    pub sums: Sums,
+}
+
+/// Sums over FRFs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) enum Sums {
+    /// Of the first pass, in units of the measured values.
+    Sketch {
+        /// (line, column).
+        columns: Matrix<Complex64>,
+        /// FRFs in each column.
+        counts: Vec<u64>,
+        /// Sum of squares of each line.
+        line_energy: Vec<f64>,
+        /// Lines on which an FRF is not finite.
+        bad: Vec<bool>,
+    },
+    /// Of the second.
+    Products { t: Matrix<f64>, gram: Matrix<f64> },
+}
+
+impl Block {
+    fn key(&self) -> (u64, u64) {
+        (self.number, self.piece)
+    }
+}
+
+impl Sums {
+    fn add(&mut self, other: Self) {
+        fn sum<T: std::ops::AddAssign>(left: &mut [T], right: Vec<T>) {
+            left.iter_mut().zip(right).for_each(|(left, right)| *left += right);
+        }
+        match (self, other) {
+            (
+                Self::Sketch { columns, counts, line_energy, bad },
+                Self::Sketch { columns: other, counts: more, line_energy: energy, bad: worse },
+            ) => {
+                sum(&mut columns.values, other.values);
+                sum(counts, more);
+                sum(line_energy, energy);
+                bad.iter_mut().zip(worse).for_each(|(bad, worse)| *bad |= worse);
+            }
+            (Self::Products { t, gram }, Self::Products { t: other, gram: product }) => {
+                sum(&mut t.values, other.values);
+                sum(&mut gram.values, product.values);
+            }
+            _ => unreachable!("runs of one partial are of one pass: `merge` has compared the poles"),
+        }
+    }
+}
+
+impl Partial {
+    /// One partial of many, in whatever order: the bits depend on the blocks alone.
+    ///
+    /// # Errors
+    /// Nothing to merge, pieces of different fits, a block or an FRF that stands twice.
+    pub fn merge(partials: impl IntoIterator<Item = Self>) -> Result<Self, Error> {
+        let mut partials = partials.into_iter();
+        let nothing = || Error::bad_data("nothing to merge").field("partials").found("none").expected("at least one");
+        let mut all = partials.next().ok_or_else(nothing)?;
+        for other in partials {
+            let whose = other.named();
+            all.plan.same(&other.plan, &whose)?;
+            if !same_poles(&all.poles, &other.poles) {
+                let pass =
+                    |poles: &Option<Arc<Poles>>| poles.as_ref().map_or("no poles".into(), |poles| format!("{} poles", poles.count()));
+                return Err(Error::bad_data(format!("{whose} was reduced with other poles"))
+                    .field("poles")
+                    .found(pass(&other.poles))
+                    .expected(format!("the same {}, as in the others", pass(&all.poles)))
+                    .help("reduce every block with the same poles"));
+            }
+            all.blocks.extend(other.blocks);
+            all.runs.extend(other.runs);
+        }
+        all.blocks.sort_by_key(Block::key);
+        if let Some(twice) = all.blocks.windows(2).find(|pair| pair[0].key() == pair[1].key()) {
+            return Err(Error::bad_data("a block stands twice")
+                .field("number of the block")
+                .found(twice[0].number)
+                .expected("every block once")
+                .help("give every block a number of its own, and merge each once"));
+        }
+        all.runs.sort_by_key(|run| run.first);
+        let mut joined: Vec<Run> = Vec::new();
+        for run in all.runs {
+            joined.push(run);
+            while let [.., left, right] = &joined[..] {
+                if !left.is_sibling(right) {
+                    break;
+                }
+                let right = joined.pop().expect("two are left").sums;
+                let left = joined.last_mut().expect("one is left");
+                left.sums.add(right);
+                left.length *= 2;
+            }
+        }
+        all.runs = joined;
+        Ok(all)
+    }
+
+    /// All blocks as the pieces of one, with this number.
+    pub fn as_block(mut self, number: u64) -> Self {
+        for (piece, block) in self.blocks.iter_mut().enumerate() {
+            (block.number, block.piece) = (number, piece as u64);
+        }
+        self.runs = self.sums().map(|sums| Run { first: number, length: 1, sums }).into_iter().collect();
+        self
+    }
+
+    /// Where the FRFs came from.
+    pub fn with_sources(mut self, sources: &[Source]) -> Self {
+        self.blocks.iter_mut().for_each(|block| block.sources = sources.to_vec());
+        self
+    }
+
+    /// Number of blocks.
+    pub fn blocks(&self) -> usize {
+        self.blocks.chunk_by(|a, b| a.number == b.number).count()
+    }
+
+    /// Number of FRFs.
+    pub fn frfs(&self) -> usize {
+        self.blocks.iter().map(|block| block.pairs.len()).sum()
+    }
+
+    /// True where the block with this number is in it.
+    pub fn holds(&self, number: u64) -> bool {
+        self.blocks.binary_search_by_key(&number, |block| block.number).is_ok()
+    }
+
+    /// The poles that the second pass was run with; `None` after the first.
+    pub fn poles(&self) -> Option<&Poles> {
+        self.poles.as_deref()
+    }
+
+    /// Band asked for, Hz; `None`: all lines.
+    pub fn band_hz(&self) -> Option<[f64; 2]> {
+        self.plan.band_hz
+    }
+
+    /// Seed of the mixtures.
+    pub fn seed(&self) -> u64 {
+        self.plan.seed
+    }
+
+    /// The files that the blocks came from, each once.
+    pub fn sources(&self) -> Vec<Source> {
+        let mut seen = HashSet::new();
+        let all = self.blocks.iter().flat_map(|block| &block.sources);
+        all.filter(|source| seen.insert((&source.file, &source.sha256))).cloned().collect()
+    }
+
+    /// The sums over all blocks.
+    pub(super) fn sums(&self) -> Option<Sums> {
+        let mut runs = self.runs.iter();
+        let mut all = runs.next()?.sums.clone();
+        runs.for_each(|run| all.add(run.sums.clone()));
+        Some(all)
+    }
+
+    fn named(&self) -> String {
+        match self.blocks.as_slice() {
+            [block] => format!("block {}", block.number),
+            [first, .., last] => format!("the partial with blocks {} to {}", first.number, last.number),
+            [] => "an empty partial".into(),
+        }
+    }
+}
+
+/// Equal, or even the same.
+fn same_poles(a: &Option<Arc<Poles>>, b: &Option<Arc<Poles>>) -> bool {
+    match (a, b) {
+        (Some(a), Some(b)) => Arc::ptr_eq(a, b) || a == b,
+        (a, b) => a.is_none() && b.is_none(),
+    }
+}
+
+impl Run {
+    /// True where `right` follows, and both together are a run.
+    fn is_sibling(&self, right: &Self) -> bool {
+        self.length == right.length && self.first.is_multiple_of(2 * self.length) && right.first == self.first + self.length
+    }
+}

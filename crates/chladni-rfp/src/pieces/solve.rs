@@ -1,0 +1,319 @@
+//! Poles of a merged sketch; the fit of merged products.
+
+use super::partial::{Block, Partial, Sums};
+use super::plan::Plan;
+use super::poles::{Matrix, Path, Poles};
+use super::PieceError;
+use crate::error::FitError;
+use crate::faults;
+use crate::fit::{conjugated, finished, from_chain, Fit, OUTLIER_ROUNDS};
+use crate::found::Found;
+use crate::head::Head;
+use crate::measured::{on_columns, strongest};
+use crate::options::FitOptions;
+use crate::order::{of_columns, of_sketch, Chain, Doubt, First, Outcome, POWERS};
+use crate::passes::{same, Pass};
+use crate::project::{Products, Projected};
+use crate::refine::refine;
+use crate::screen::{enough, lines_left_out};
+use crate::tolerances as tol;
+use crate::unequal::PairWeights;
+use crate::work::Work;
+use chladni_frf::{Dof, Error, Node};
+use chladni_linalg::LinalgError;
+use ndarray::{Array1, Array2, Axis, ShapeBuilder};
+use num_complex::Complex64;
+use std::collections::{HashMap, HashSet};
+
+/// What merged partials lead to.
+#[derive(Debug, Clone)]
+pub enum Solved {
+    /// Poles to reduce every block with: of a sketch; or anew, where the second pass showed that those it was run with do not do.
+    Poles(Box<Poles>),
+    /// The fit.
+    Fit(Box<Fit>),
+}
+
+/// Most times that poles are sought.
+const ROUNDS: usize = 3;
+
+/// Solves merged partials: those of a first pass for poles, those of a second for the fit.
+///
+/// `progress` is told the name of each stage as it begins. Of `options` a first pass needs `modes`, a second `damping`, `shapes` and
+/// `exponential_window_per_s`.
+///
+/// # Errors
+/// [`FitError`] as for [`crate::fit()`]; no block, an FRF that stands in two, a second pass over other FRFs than the first.
+pub fn solve(partial: &Partial, options: &FitOptions, progress: &dyn Fn(&str)) -> Result<Solved, PieceError> {
+    let none = || Error::bad_data("nothing to solve").field("blocks").found("none").expected("at least one");
+    let (set, order) = whole(partial)?;
+    match (partial.sums().ok_or_else(none)?, partial.poles()) {
+        (Sums::Products { t, gram }, Some(poles)) => {
+            let head = with_dofs(poles.head(options.effort)?, set);
+            let r0 = in_order(&partial.blocks, gram.rows, &order);
+            of_products(poles, head, Products { t: t.array(), gram: gram.array(), r0, energy: Vec::new() }, options, progress)
+        }
+        (sums, _) => {
+            let sketch = Sketch::of_sums(&partial.plan, set, &sums, options)?;
+            Ok(Solved::Poles(Box::new(sketch.poles(&partial.plan, options.modes, 0, progress)?)))
+        }
+    }
+}
+
+/// DOFs and FRFs of all blocks, row by row; for each FRF its place among those of the blocks one after another.
+fn whole(partial: &Partial) -> Result<(Block, Vec<usize>), Error> {
+    fn place(all: &mut Vec<Dof>, known: &mut HashMap<Dof, usize>, dof: Dof) -> usize {
+        *known.entry(dof).or_insert_with(|| {
+            all.push(dof);
+            all.len() - 1
+        })
+    }
+    let (mut responses, mut references) = ((Vec::new(), HashMap::new()), (Vec::new(), HashMap::new()));
+    let mut nodes: Vec<Node> = Vec::new();
+    let mut labels = HashSet::new();
+    let (mut pairs, mut energy) = (Vec::new(), Vec::new());
+    for block in &partial.blocks {
+        let rows: Vec<usize> = block.responses.iter().map(|&dof| place(&mut responses.0, &mut responses.1, dof)).collect();
+        let columns: Vec<usize> = block.references.iter().map(|&dof| place(&mut references.0, &mut references.1, dof)).collect();
+        pairs.extend(block.pairs.iter().map(|&(i, j)| (rows[i], columns[j])));
+        energy.extend(&block.energy);
+        nodes.extend(block.nodes.iter().filter(|node| labels.insert(node.label)));
+    }
+    let mut order: Vec<usize> = (0..pairs.len()).collect();
+    order.sort_by_key(|&l| pairs[l]);
+    if let Some(twice) = order.windows(2).find(|two| pairs[two[0]] == pairs[two[1]]) {
+        let (i, j) = pairs[twice[0]];
+        return Err(Error::bad_data("an FRF stands in two blocks")
+            .field("response and reference")
+            .found(format!("{} from {}", responses.0[i], references.0[j]))
+            .expected("every FRF once")
+            .help("cut the data into blocks that share no FRF"));
+    }
+    let set = Block {
+        number: 0,
+        piece: 0,
+        responses: responses.0,
+        references: references.0,
+        nodes,
+        pairs: order.iter().map(|&l| pairs[l]).collect(),
+        energy: if energy.is_empty() { energy } else { order.iter().map(|&l| energy[l]).collect() },
+        r0: None,
+        sources: Vec::new(),
+    };
+    Ok((set, order))
+}
+
+/// R₀ of all blocks, its columns in this order.
+fn in_order(blocks: &[Block], unknowns: usize, order: &[usize]) -> Array2<f64> {
+    let columns: Vec<&[f64]> =
+        blocks.iter().filter_map(|block| block.r0.as_ref()).flat_map(|r0| r0.values.chunks_exact(unknowns.max(1))).collect();
+    let mut r0 = Array2::zeros((unknowns, order.len()).f());
+    for (mut out, &l) in r0.columns_mut().into_iter().zip(order) {
+        out.iter_mut().zip(columns[l]).for_each(|(out, value)| *out = *value);
+    }
+    r0
+}
+
+/// The head of all FRFs.
+fn with_dofs(head: Head, set: Block) -> Head {
+    let Block { responses, references, nodes, pairs, energy, .. } = set;
+    Head { responses, references, nodes, pairs, energy, ..head }
+}
+
+/// A merged sketch.
+struct Sketch {
+    head: Head,
+    /// In work units, all columns of one noise level.
+    work: Work,
+    /// Energy of each line over all FRFs.
+    energy: Array1<f64>,
+    /// Outlier lines left out, Hz.
+    dropped_hz: Vec<f64>,
+}
+
+impl Sketch {
+    fn of_sums(plan: &Plan, set: Block, sums: &Sums, options: &FitOptions) -> Result<Self, PieceError> {
+        let Sums::Sketch { columns, counts, line_energy, bad } = sums else {
+            unreachable!("products come with poles");
+        };
+        let (lines, band_hz) = plan.lines()?;
+        let kept: Vec<usize> = (0..lines.len()).filter(|&k| !bad[k] && line_energy[k] > 0.0).collect();
+        if kept.is_empty() {
+            return Err(FitError::NoData.into());
+        }
+        enough(kept.len(), band_hz, options.modes)?;
+        let mut head = with_dofs(plan.head(kept.iter().map(|&k| lines[k]).collect(), options.effort)?, set);
+        let energy: Array1<f64> = kept.iter().map(|&k| line_energy[k]).collect();
+        head.rms = (energy.sum() / (kept.len() * head.pairs.len()) as f64).sqrt();
+        let factor = head.factor();
+        let filled: Vec<usize> = (0..counts.len()).filter(|&c| counts[c] > 0).collect();
+        let sums = columns.array();
+        let scaled = |(k, c): (usize, usize)| sums[[kept[k], filled[c]]] * factor / (counts[filled[c]] as f64).sqrt();
+        let b = Array2::from_shape_fn((kept.len(), filled.len()).f(), scaled);
+        Ok(Self { work: Work { b, ..head.axis() }, energy: energy * factor.norm_sqr(), head, dropped_hz: Vec::new() })
+    }
+
+    /// The sketch that poles were found on.
+    fn of_poles(poles: &Poles, head: Head) -> Self {
+        let work = Work { b: poles.sketch.array(), ..head.axis() };
+        Self { work, energy: Array1::from(poles.line_energy.clone()), head, dropped_hz: poles.dropped_hz.clone() }
+    }
+
+    fn without(self, places: &[usize]) -> Self {
+        let kept: Vec<usize> = (0..self.work.lines()).filter(|place| !places.contains(place)).collect();
+        let mut dropped_hz = self.dropped_hz;
+        dropped_hz.extend(places.iter().map(|&place| self.head.line_hz[place]));
+        Self { head: self.head.select(&kept), work: self.work.select(&kept), energy: self.energy.select(Axis(0), &kept), dropped_hz }
+    }
+
+    /// Poles by the fast chain, or by the measured-data path where its residual is not white.
+    fn poles(mut self, plan: &Plan, modes: Option<usize>, rounds: usize, progress: &dyn Fn(&str)) -> Result<Poles, LinalgError> {
+        for left in (0..=OUTLIER_ROUNDS).rev() {
+            match of_sketch(&self.head, self.work.clone(), plan.seed, modes, progress)? {
+                First::Poles(found) => {
+                    return Ok(self.found(plan, modes, rounds, found.refined.lambda, Path::Fast { history: found.history }))
+                }
+                First::Ended(Doubt::Outliers(places)) if left > 0 => self = self.without(&places),
+                First::Ended(Doubt::Conjugated) => return Ok(self.found(plan, modes, rounds, Vec::new(), Path::Conjugated)),
+                First::Ended(doubt) => return self.measured(plan, modes, rounds, &doubt.words(), progress),
+            }
+        }
+        unreachable!("the last round ends")
+    }
+
+    /// Poles by the measured-data path.
+    fn measured(
+        self,
+        plan: &Plan,
+        modes: Option<usize>,
+        rounds: usize,
+        evidence: &str,
+        progress: &dyn Fn(&str),
+    ) -> Result<Poles, LinalgError> {
+        let found = on_columns(&self.head, strongest(&self.work)?, None, modes, progress)?;
+        let path = Path::Measured { evidence: evidence.into(), spread: found.variance, grades: found.grades, warnings: found.warnings };
+        Ok(self.found(plan, modes, rounds, found.refined.lambda, path))
+    }
+
+    fn found(self, plan: &Plan, modes: Option<usize>, rounds: usize, lambda: Vec<Complex64>, path: Path) -> Poles {
+        Poles {
+            plan: plan.clone(),
+            lines: self.head.lines,
+            lambda,
+            rms: self.head.rms,
+            line_energy: self.energy.to_vec(),
+            sketch: Matrix::from(&self.work.b),
+            frfs: self.head.pairs.len(),
+            modes,
+            dropped_hz: self.dropped_hz,
+            rounds: rounds + 1,
+            path,
+        }
+    }
+}
+
+/// The fit; or poles anew, where these do not do.
+fn of_products(
+    poles: &Poles,
+    mut head: Head,
+    products: Products,
+    options: &FitOptions,
+    progress: &dyn Fn(&str),
+) -> Result<Solved, PieceError> {
+    if head.pairs.len() != poles.frfs {
+        return Err(Error::bad_data("the second pass was not run over the FRFs of the first")
+            .field("number of FRFs")
+            .found(head.pairs.len())
+            .expected(format!("{}, as many as the poles were found on", poles.frfs))
+            .help("reduce every block again with the poles, and merge all of them")
+            .into());
+    }
+    let (lines, _) = poles.plan.lines()?;
+    let silent = lines.len() - poles.lines.len() - poles.dropped_hz.len();
+    if silent > 0 {
+        head.warnings.push(lines_left_out(silent));
+    }
+    let energy = Array1::from(poles.line_energy.clone());
+    progress("projection");
+    let projected = Projected::new(&head, products, &energy)?;
+    let (found, history) = match &poles.path {
+        Path::Conjugated => (conjugated(projected)?, Vec::new()),
+        Path::Measured { evidence, spread, grades, warnings } => {
+            let refined = refine(&projected.work, &poles.lambda, &POWERS, 0, 0.0)?;
+            let found = Found {
+                variance: refined.projection.sse / (projected.work.lines() * projected.work.columns()) as f64,
+                refined,
+                work: projected.work,
+                back: Some(projected.back),
+                spread: Some(spread.clone()),
+                grades: grades.clone(),
+                path: format!("measured-data path: {evidence}"),
+                warnings: warnings.clone(),
+                consistent: true,
+            };
+            (found, Vec::new())
+        }
+        Path::Fast { history } => match settled(poles, &head, projected, &energy, history.clone(), progress)? {
+            Settled::Chain(chain) => {
+                let history = chain.history.clone();
+                (from_chain(*chain, poles.modes, head.hz()), history)
+            }
+            Settled::Again(poles) => return Ok(Solved::Poles(poles)),
+        },
+    };
+    let white = found.spread.is_none();
+    let (mut model, left) = finished(&head, found, options, progress, |shaped| shaped.left_by_sums(&head))?;
+    if let Some(weights) = PairWeights::new(&head, &left, model.quality.relative_error).filter(|_| white) {
+        let words = weights.spread_in_words();
+        model.quality.warnings.push(format!("noise {words}, and a fit in pieces weighs all FRFs alike: fit the whole set in memory"));
+    }
+    if !poles.dropped_hz.is_empty() {
+        model.quality.warnings.push(faults::outliers::words(&head, &mut poles.dropped_hz.clone()));
+    }
+    faults::examine(&head, None, options, white, &mut model);
+    model.quality.warnings.push(UNCHECKED.into());
+    if let Some(alpha) = options.exponential_window_per_s {
+        faults::exponential::undo(&mut model, alpha);
+    }
+    Ok(Solved::Fit(Box::new(Fit { model, history, stabilization: None })))
+}
+
+/// What no fit in pieces can look at.
+const UNCHECKED: &str =
+    "fitted in pieces: whether poles move between FRFs, a reference is delayed or not reciprocal, or a window broadens \
+                         the lines was not looked at; fit some blocks by themselves to see";
+
+/// What the products come to.
+enum Settled {
+    Chain(Box<Chain>),
+    Again(Box<Poles>),
+}
+
+/// The fast chain from the second pass on. Where it shows a mode, or spoilt lines, that the sketch did not, or no white residual, poles are
+/// sought again.
+fn settled(
+    poles: &Poles,
+    head: &Head,
+    projected: Projected,
+    energy: &Array1<f64>,
+    mut history: Vec<(usize, f64)>,
+    progress: &dyn Fn(&str),
+) -> Result<Settled, LinalgError> {
+    let (plan, modes, rounds) = (&poles.plan, poles.modes, poles.rounds);
+    let sketch = || Sketch::of_poles(poles, head.clone());
+    let pass = Pass::of(head, projected, &poles.lambda, &mut history)?;
+    if let Some(pole) = pass.stands_out(head).filter(|_| modes.is_none() && rounds < ROUNDS) {
+        let more: Vec<Complex64> = pass.refined.lambda.iter().copied().chain([pole]).collect();
+        let sketch = sketch();
+        let more = refine(&sketch.work, &more, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?.lambda;
+        if !same(&more, &poles.lambda) {
+            return Ok(Settled::Again(Box::new(sketch.found(plan, modes, rounds, more, Path::Fast { history }))));
+        }
+    }
+    let again = match of_columns(head, pass, energy, modes, history)? {
+        Outcome::White(chain) => return Ok(Settled::Chain(chain)),
+        Outcome::Ended(Doubt::Outliers(places)) if rounds < ROUNDS => sketch().without(&places).poles(plan, modes, rounds, progress)?,
+        Outcome::Ended(doubt) => sketch().measured(plan, modes, rounds, &doubt.words(), progress)?,
+    };
+    Ok(Settled::Again(Box::new(again)))
+}
