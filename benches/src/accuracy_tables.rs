@@ -59,9 +59,10 @@ pub fn accuracy_csv(rows: &[AccuracyRow], scenes: &[SceneRow]) -> String {
         let mut cells = vec![String::new(); HEADER.len()];
         let known = [
             ("case", row.case.name.to_owned()),
-            ("method", row.asked.to_string()),
-            ("time_s", csv::number(row.drive.time_s)),
-            ("on_front", on.to_string()),
+            ("method", row.name()),
+            ("time_s", csv::number(row.drive.time_s[0])),
+            ("time_quartiles_s", csv::quartiles(&row.drive.time_s)),
+            ("on_front", on.map_or(String::new(), |on| on.to_string())),
             ("backend", backend.clone()),
             ("ground_served", csv::number(row.drive.window.least())),
         ];
@@ -95,7 +96,7 @@ fn cells(row: &AccuracyRow) -> Vec<String> {
         .chain(row.miscounts.into_iter().chain([row.exact]).map(csv::number))
         .chain([row.silent.to_string(), seeds(&row.wrong_seeds), csv::number(row.wrong_law), seeds(&row.wrong_law_seeds)])
         .chain(row.mac.into_iter().chain([row.frf_error_db, row.frequency_error, row.bound_over_bandwidth]).map(csv::number))
-        .chain([row.seeds.to_string(), format!("{} {}", csv::number(row.time_s[1]), csv::number(row.time_s[2]))])
+        .chain([row.seeds.to_string(), csv::quartiles(&row.time_s)])
         .collect()
 }
 

@@ -12,6 +12,11 @@ pub(crate) fn number(value: f64) -> String {
     }
 }
 
+/// First and third quartile of what is given as median, first and third quartile.
+pub(crate) fn quartiles([_, first, third]: &[f64; 3]) -> String {
+    format!("{} {}", number(*first), number(*third))
+}
+
 /// The file: `comment` above the header, one line per row.
 pub(crate) fn table<'a>(comment: &str, header: &[&str], rows: impl IntoIterator<Item = Vec<String>> + 'a) -> String {
     let line = |cells: Vec<String>| cells.iter().map(|cell| quoted(cell)).collect::<Vec<_>>().join(",") + "\n";

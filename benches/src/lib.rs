@@ -49,7 +49,9 @@ pub use profile::{
     profile, profile_csv, profile_figure, scaling, scaling_csv, scaling_figure, Floor, ProfileCase, ProfileOptions, ProfileRow,
     ProfileSource, ScalingRow, PROFILE_CASES,
 };
-pub use scene::{scene_csv, scene_figures, scenes, Means, SceneCase, SceneDrive, SceneOptions, ScenePanel, SceneRow, Served, SCENE_CASES};
+pub use scene::{
+    scene_csv, scene_figures, scene_knobs, scenes, Means, SceneCase, SceneDrive, SceneOptions, ScenePanel, SceneRow, Served, SCENE_CASES,
+};
 pub use score::{Match, Score};
 pub use solver::Solver;
 pub use stability::{

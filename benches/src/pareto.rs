@@ -2,16 +2,25 @@
 
 use crate::accuracy::AccuracyRow;
 use crate::cases::Case;
-use crate::knobs::KNOBS;
+use crate::knobs::{Knob, KNOBS};
 use crate::peers::PeerRow;
 use crate::solver::Solver;
 use crate::statistics::root_mean_square;
-use chladni_report::{Anchor, Axis, Chart, Colour, Dash, Figure, Height, Layer, Mark, Place, Stroke};
+use chladni_report::{Anchor, Axis, Chart, Colour, Dash, Figure, Height, Layer, Mark, Place, Stroke, SERIES};
+use chladni_rfp::Method;
 
 /// Width of the picture, px.
 const WIDTH_PX: f64 = 720.0;
 /// Height of the plotted box, px.
 const HEIGHT_PX: f64 = 360.0;
+/// Signs of series for methods; those of the curves follow them.
+const ON_FRONT: usize = 0;
+/// See [`ON_FRONT`].
+const DEFAULT: usize = 1;
+/// See [`ON_FRONT`].
+const DOMINATED: usize = 2;
+/// See [`ON_FRONT`].
+const FIRST_OF_CURVES: usize = 3;
 /// Distance of two names, part of the plotted box's height.
 const NAME_STEP: f64 = 0.055;
 /// From a mark to its name, part of the plotted box's width.
@@ -64,19 +73,19 @@ pub(crate) fn pareto_chart(x: Axis, y: Axis, entries: &[Entry], limits: Vec<(f64
     }
     chart = chart.line("Pareto front", best, Stroke::new(Colour::Series(0), 2.0));
     for (k, curve) in curves.iter().enumerate() {
-        let colour = Colour::Series(1 + k as u8);
+        let colour = Colour::Series(1 + k as u8 % (SERIES - 1));
         let dash = [Dash::Dashed, Dash::Dotted][k % 2];
-        let mark = [Mark::Square, Mark::Triangle, Mark::Cross][k % 3];
+        let mark = Mark::of_series(FIRST_OF_CURVES + k);
         chart = chart.line("", curve.points.clone(), Stroke::new(colour, 1.6).dashed(dash));
         chart = chart.marks(&curve.name, curve.points.clone(), mark, colour, 7.0);
     }
     for (name, on, mark, colour, size) in
-        [("on the front", true, Mark::Dot, Colour::Series(0), 10.0), ("dominated", false, Mark::Ring, Colour::Muted, 9.0)]
+        [("on the front", true, ON_FRONT, Colour::Series(0), 10.0), ("dominated", false, DOMINATED, Colour::Muted, 9.0)]
     {
-        chart = chart.marks(name, place(on, false), mark, colour, size);
+        chart = chart.marks(name, place(on, false), Mark::of_series(mark), colour, size);
         let defaults = place(on, true);
         if !defaults.is_empty() {
-            chart = chart.marks(&format!("default, {name}"), defaults, Mark::Square, colour, 11.0);
+            chart = chart.marks(&format!("default, {name}"), defaults, Mark::of_series(DEFAULT), colour, 11.0);
         }
     }
     let labels: Vec<String> = shown.iter().map(|entry| entry.label.clone()).collect();
@@ -118,32 +127,42 @@ fn figure(rows: &[&AccuracyRow], peers: &[PeerRow], knobs: bool) -> Option<Figur
             default: false,
         }))
         .collect();
-    let curves = if knobs { curves(rows, &place) } else { Vec::new() };
-    if knobs && curves.is_empty() {
-        return None;
-    }
+    let curves = if knobs { curves(rows, &place) } else { vec![Vec::new()] };
     let structured = root_mean_square(rows[0].modes.iter().map(|mode| mode.bound_real[0] / mode.bound[0]));
     let limits = vec![
         (1.0, limit("bound of free residues", 1.0, Dash::Dashed)),
         (structured, limit("bound of real shapes", structured, Dash::Dotted)),
     ];
-    let axes = [Axis::log("Time of a fit, median", "s"), Axis::log("Rms frequency error over the bound", "–")];
-    let [x, y] = axes;
+    let axes = || [Axis::log("Time of a fit, median", "s"), Axis::log("Rms frequency error over the bound", "–")];
+    let charts = curves.iter().filter_map(|curves| {
+        let [x, y] = axes();
+        pareto_chart(x, y, &entries, limits.clone(), curves)
+    });
+    let charts: Vec<Chart> = charts.collect();
+    if charts.is_empty() {
+        return None;
+    }
     let words = if knobs { " Dashed: one knob turned, from the least to the most." } else { "" };
     Some(Figure {
         name: format!("accuracy-{}{}", case.name, if knobs { "-knobs" } else { "" }),
         title: format!("Error against time: {}", case.name),
         caption: format!("{}. Errors of natural frequencies over the Cramér–Rao bound of free residues; a missed mode counts as half its bandwidth. Lower left is better.{words}", case.about),
         width: WIDTH_PX,
-        charts: vec![pareto_chart(x, y, &entries, limits, &curves)?],
+        charts,
     })
 }
 
-/// One curve for each knob, through the method as it is where that is one of the settings.
-fn curves(rows: &[&AccuracyRow], place: &dyn Fn(&AccuracyRow) -> Place) -> Vec<Curve> {
-    KNOBS
-        .iter()
-        .filter_map(|knob| {
+/// The curves of each method whose knobs were turned: one for each knob, through the method as it is where that is one of the settings.
+fn curves(rows: &[&AccuracyRow], place: &dyn Fn(&AccuracyRow) -> Place) -> Vec<Vec<Curve>> {
+    let mut methods: Vec<Method> = Vec::new();
+    rows.iter().for_each(|row| {
+        if !methods.contains(&row.method) {
+            methods.push(row.method)
+        }
+    });
+    let of_method = |method: Method| {
+        let knobs = KNOBS.iter().filter(|knob| knob.method == method);
+        let curve = |knob: &Knob| {
             let mut points: Vec<(f64, Place)> = rows
                 .iter()
                 .filter(|row| row.method == knob.method)
@@ -154,8 +173,10 @@ fn curves(rows: &[&AccuracyRow], place: &dyn Fn(&AccuracyRow) -> Place) -> Vec<C
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
             let name = format!("{}: {}", knob.method, knob.about);
             (points.len() > 1).then(|| Curve { name, points: points.into_iter().map(|(_, point)| point).collect() })
-        })
-        .collect()
+        };
+        knobs.filter_map(curve).collect::<Vec<Curve>>()
+    };
+    methods.into_iter().map(of_method).filter(|curves| !curves.is_empty()).collect()
 }
 
 /// A Cramér-Rao bound.

@@ -13,10 +13,23 @@ use std::path::{Path, PathBuf};
 
 /// Actuator weights for a scene, and how they do in the model.
 #[pyclass(frozen, module = "chladni")]
+#[derive(Clone)]
 pub struct Rendering {
     weights: Weights,
     velocity: Vec<Complex64>,
     responses: Vec<String>,
+    other_tones: Vec<Rendering>,
+}
+
+impl From<chladni_render::Rendering> for Rendering {
+    fn from(rendered: chladni_render::Rendering) -> Self {
+        Self {
+            responses: rendered.field.responses.iter().map(ToString::to_string).collect(),
+            weights: rendered.weights,
+            velocity: rendered.field.velocity_m_per_s,
+            other_tones: rendered.other_tones.into_iter().map(Self::from).collect(),
+        }
+    }
 }
 
 #[pymethods]
@@ -31,6 +44,12 @@ impl Rendering {
     #[getter]
     fn references(&self) -> Vec<String> {
         self.weights.weights.iter().map(|weight| weight.reference.to_string()).collect()
+    }
+
+    /// The same for what sounds with it at other frequencies.
+    #[getter]
+    fn other_tones(&self) -> Vec<Self> {
+        self.other_tones.clone()
     }
 
     /// Drive frequency, Hz.
@@ -131,9 +150,7 @@ pub fn render(
     };
     let scene = scene_of(py, scene)?;
     let rendered = py.detach(|| chladni_render::render_measured(&model.model, &scene, &options, measured.map(|frf| &frf.set)));
-    let rendered = rendered.map_err(|error| raised(py, &error))?;
-    let responses = rendered.field.responses.iter().map(ToString::to_string).collect();
-    Ok(Rendering { weights: rendered.weights, velocity: rendered.field.velocity_m_per_s, responses })
+    rendered.map(Rendering::from).map_err(|error| raised(py, &error))
 }
 
 /// The indices of weights on other data, as a JSON text: measured FRFs or a model.
@@ -147,6 +164,10 @@ pub fn evaluate(py: Python<'_>, rendering: &Rendering, scene: &Bound<'_, PyAny>,
         _ => return Err(wrong_word(py, "on", &on.get_type().to_string(), "nothing to judge on; write an FrfSet or a Model")),
     };
     let judged = judged.map_err(|error| raised(py, &error))?;
-    let text = serde_json::json!({"frequency_hz": judged.frequency_hz, "indices": judged.indices, "warnings": judged.warnings});
-    Ok(text.to_string())
+    let of = |tone: &chladni_render::Evaluation| serde_json::json!({"frequency_hz": tone.frequency_hz, "indices": tone.indices, "warnings": tone.warnings});
+    let mut all = of(&judged);
+    if !judged.other_tones.is_empty() {
+        all["other_tones"] = judged.other_tones.iter().map(of).collect();
+    }
+    Ok(all.to_string())
 }

@@ -41,7 +41,7 @@ fn chart(rows: &[&ProfileRow]) -> Chart {
     )
     .height(Height::Px(HEIGHT_PX))
     .with(Layer::Horizontals { name: Some("floor".into()), at: floor, stroke: Stroke::new(Colour::Ink, 1.4).dashed(Dash::Dashed) })
-    .with(Layer::Stems { name: Some("stage".into()), points: points.collect(), colour: Colour::Series(0) });
+    .with(Layer::Stems { name: Some("stage".into()), points: points.collect(), mark: Mark::Dot, colour: Colour::Series(0) });
     chart.grid = false;
     chart
 }
@@ -60,7 +60,7 @@ pub fn scaling_figure(rows: &[ScalingRow]) -> Option<Figure> {
         for (k, method) in methods.iter().enumerate() {
             let of_method: Vec<&&ScalingRow> = own.iter().filter(|row| row.method == *method).collect();
             let points: Vec<Place> = of_method.iter().map(|row| [row.value as f64, row.time_s]).collect();
-            let (colour, mark) = (Colour::Series(k as u8), [Mark::Dot, Mark::Square, Mark::Triangle][k % 3]);
+            let (colour, mark) = (Colour::Series(k as u8), Mark::of_series(k));
             chart = chart.line("", points.clone(), Stroke::new(colour, 1.6));
             chart = chart.marks(&format!("{method}: exponent {:.2}", of_method[0].exponent), points, mark, colour, 8.0);
         }

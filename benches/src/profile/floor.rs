@@ -9,6 +9,7 @@ use chladni_linalg::matmul;
 use ndarray::Array2;
 use num_complex::Complex64;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
 /// Side of the product that the speed is measured on: large enough for full speed, some tens of milliseconds.
@@ -19,7 +20,7 @@ const CHUNK: usize = 1 << 18;
 const LANES: usize = 8;
 
 /// Time of both parts.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Floor {
     /// One pass over the data, s.
     pub memory_s: f64,

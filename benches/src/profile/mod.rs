@@ -11,13 +11,16 @@ pub use floor::Floor;
 pub use scaling::{scaling, scaling_csv, ScalingRow};
 
 use crate::cases::panel;
+use crate::countdown::Countdown;
 use crate::csv;
+use crate::journal::{nan, Journal};
 use crate::large::{large, Size};
 use crate::problem::Problem;
 use crate::statistics::{largest, median};
 use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result, Trust};
 use chladni_rfp::{fit, FitOptions, Method};
 use least_work::least_work;
+use serde::{Deserialize, Serialize};
 use std::cell::RefCell;
 use std::time::Instant;
 
@@ -147,15 +150,28 @@ pub struct ProfileOptions {
 /// Times each method on each set; `progress` hears what is being done.
 ///
 /// # Errors
-/// None for the sets of this crate.
-pub fn profile(options: &ProfileOptions, progress: &dyn Fn(&str)) -> Result<Vec<ProfileRow>> {
+/// None for the sets of this crate, but those of the journal.
+pub fn profile(options: &ProfileOptions, journal: &mut Journal, progress: &dyn Fn(&str)) -> Result<Vec<ProfileRow>> {
+    let fits = options.cases.iter().map(|source| source.repeats() * options.methods.len()).sum();
+    let mut countdown = Countdown::new(fits, progress);
     let mut rows = Vec::new();
     for source in &options.cases {
-        progress(&format!("{}: FRFs", source.name()));
-        let frf = source.frf()?;
+        let mut frf = None;
         for &method in &options.methods {
-            progress(&format!("{}: {method}, {} times", source.name(), source.repeats()));
-            let runs: Vec<Run> = (0..source.repeats()).map(|_| Run::new(source, method, &frf)).collect::<Result<_>>()?;
+            let mut runs: Vec<Run> = Vec::new();
+            for repeat in 1..=source.repeats() {
+                let name = format!("{}: {method}, {repeat} of {}", source.name(), source.repeats());
+                let done = journal.has(&name);
+                if frf.is_none() && !done {
+                    progress(&format!("{}: FRFs", source.name()));
+                    frf = Some(source.frf()?);
+                }
+                countdown.next(&name, done);
+                runs.push(journal.once(&name, || match &frf {
+                    Some(frf) => Run::new(source, method, frf),
+                    None => Err(Error::new(ErrorKind::Internal, "the journal forgot a finished fit")),
+                })?);
+            }
             rows.extend(summary(source, method, &runs));
         }
     }
@@ -163,13 +179,16 @@ pub fn profile(options: &ProfileOptions, progress: &dyn Fn(&str)) -> Result<Vec<
 }
 
 /// One fit with its floor.
+#[derive(Serialize, Deserialize)]
 struct Run {
     stages: Vec<(String, f64)>,
     fit_s: f64,
     floor: Floor,
     /// Values, unknowns of one FRF.
     size: [f64; 2],
+    #[serde(deserialize_with = "nan")]
     memory_over_data: f64,
+    #[serde(deserialize_with = "nan")]
     peak_bytes: f64,
 }
 
@@ -328,7 +347,8 @@ mod tests {
 
     #[test]
     fn stages_add_up_to_the_fit_and_the_floor_to_its_parts() {
-        let rows = profile(&ProfileOptions { cases: vec![ProfileSource::Named(&SMALL)], methods: vec![Method::Auto] }, &|_| {}).unwrap();
+        let options = ProfileOptions { cases: vec![ProfileSource::Named(&SMALL)], methods: vec![Method::Auto] };
+        let rows = profile(&options, &mut Journal::none(), &|_| {}).unwrap();
         let time_s = |stage: &str| rows.iter().find(|row| row.stage == stage).unwrap().time_s;
         let stages = rows.iter().filter(|row| row.stage != "fit" && !row.stage.starts_with("floor"));
         assert!((stages.map(|row| row.time_s).sum::<f64>() / time_s("fit") - 1.0).abs() < 1e-9);

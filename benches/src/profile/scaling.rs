@@ -2,6 +2,7 @@
 
 use crate::countdown::Countdown;
 use crate::csv;
+use crate::journal::Journal;
 use crate::large::{large, Size};
 use chladni_frf::{Error, ErrorKind, Result};
 use chladni_rfp::{fit, FitOptions, Method};
@@ -34,8 +35,8 @@ pub struct ScalingRow {
 /// Times each method along each axis.
 ///
 /// # Errors
-/// None for these sets.
-pub fn scaling(methods: &[Method], quick: bool, progress: &dyn Fn(&str)) -> Result<Vec<ScalingRow>> {
+/// None for these sets, but those of the journal.
+pub fn scaling(methods: &[Method], quick: bool, journal: &mut Journal, progress: &dyn Fn(&str)) -> Result<Vec<ScalingRow>> {
     let (base, repeats) = if quick { (QUICK_BASE, QUICK_REPEATS) } else { (BASE, REPEATS) };
     let doublings = |first: usize, count: usize| (0..if quick { count.min(3) } else { count }).map(|k| first << k).collect::<Vec<_>>();
     let first = if quick { 250 } else { 500 };
@@ -50,8 +51,9 @@ pub fn scaling(methods: &[Method], quick: bool, progress: &dyn Fn(&str)) -> Resu
         for &method in methods {
             let mut times = Vec::new();
             for &value in &values {
-                countdown.next(&format!("{method}: {value} {axis}"), false);
-                times.push((value, least_time(axis, value, method, base, repeats)?));
+                let name = format!("{method}: {value} {axis}");
+                countdown.next(&name, journal.has(&name));
+                times.push((value, journal.once(&name, || least_time(axis, value, method, base, repeats))?));
             }
             let exponent = slope(&times);
             rows.extend(times.into_iter().map(|(value, time_s)| ScalingRow { axis, value, method, time_s, exponent }));

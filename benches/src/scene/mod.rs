@@ -3,6 +3,7 @@
 
 mod cases;
 mod figures;
+mod knobs;
 mod tables;
 mod true_panel;
 
@@ -15,24 +16,24 @@ pub use true_panel::Served;
 
 use crate::countdown::Countdown;
 use crate::journal::{nan, Journal};
-use crate::statistics::{mean, median};
+use crate::statistics::{mean, quantile};
 use chladni_frf::{Error, ErrorKind, FrfKind, ModalModel, Result};
 use chladni_linalg::svd_thin;
-use chladni_render::{render_measured, Count, Finger, MethodChoice, RenderOptions};
+use chladni_render::{render_measured, Count, Effort, Finger, MethodChoice, RenderOptions};
 use chladni_rfp::{fit, FitOptions};
 use ndarray::Array1;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
+/// Scenes on which the search for κ is turned: one that is easy, one near what is possible.
+const KNOB_SCENES: [&str; 2] = ["quarter-1", "ninth-5"];
 /// Drifts that each drive has to bear.
 const DRIFTS: u64 = 10;
-/// Repetitions of the clock for methods that take less than this, s.
-const SHORT_S: f64 = 0.05;
-/// How many.
-const REPETITIONS: usize = 5;
+/// Repetitions of the clock for methods that take less than so long, s.
+const REPETITIONS: [(f64, usize); 3] = [(0.05, 5), (2.0, 3), (f64::INFINITY, 1)];
 
-/// How much of a model and of a panel a drive may use.
+/// How much of a model and of a panel a drive may use, and how long it is looked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Means {
     /// Modes summed explicitly.
@@ -41,11 +42,13 @@ pub struct Means {
     pub actuators: Count,
     /// Residual terms of the model, the first so many; `None`: all.
     pub residual_terms: Option<usize>,
+    /// What is spent on the search.
+    pub effort: Effort,
 }
 
 impl Default for Means {
     fn default() -> Self {
-        Self { modes: Count::All, actuators: Count::All, residual_terms: None }
+        Self { modes: Count::All, actuators: Count::All, residual_terms: None, effort: Effort::default() }
     }
 }
 
@@ -75,6 +78,14 @@ pub struct SceneRow {
     pub drive: SceneDrive,
 }
 
+impl SceneRow {
+    /// Method, and the knob of its search that is turned.
+    pub fn name(&self) -> String {
+        let setting = knobs::words(&self.means.effort);
+        setting.map_or_else(|| self.asked.to_string(), |setting| format!("{}, {setting}", self.asked))
+    }
+}
+
 /// A drive, as the fitted model and as the true plate judge it.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SceneDrive {
@@ -86,8 +97,8 @@ pub struct SceneDrive {
     pub actuators: usize,
     /// Residual terms of the model.
     pub residual_terms: usize,
-    /// Time, s.
-    pub time_s: f64,
+    /// Time, s: median, first and third quartile.
+    pub time_s: [f64; 3],
     /// Every response keeps its limit in the model.
     pub feasible: bool,
     /// Standard deviations of model errors that every response bears.
@@ -112,6 +123,16 @@ pub struct SceneDrive {
     pub drifted: [f64; 2],
     /// The same with a finger at each of three places: least of the total.
     pub touched: f64,
+}
+
+/// Turns the knobs of the search for κ on those scenes of `options` that are meant for it, where its method takes part.
+///
+/// # Errors
+/// As [`scenes`].
+pub fn scene_knobs(options: &SceneOptions, journal: &mut Journal, progress: &dyn Fn(&str)) -> Result<Vec<SceneRow>> {
+    let cases = options.cases.iter().copied().filter(|case| KNOB_SCENES.contains(&case.name)).collect();
+    let methods = options.methods.iter().copied().filter(|method| *method == knobs::SEARCHES).collect();
+    scenes(&SceneOptions { cases, methods, means: knobs::settings(), ..*options }, journal, progress)
 }
 
 /// Renders every scene by every method with all means.
@@ -144,8 +165,8 @@ pub fn scenes(options: &SceneOptions, journal: &mut Journal, progress: &dyn Fn(&
                             Some((panel, model)) => (panel, model),
                             None => return Err(Error::new(ErrorKind::Internal, "the journal forgot a finished scene")),
                         };
-                        let render =
-                            RenderOptions { method: asked, modes: means.modes, actuators: means.actuators, ..RenderOptions::default() };
+                        let Means { modes, actuators, effort, .. } = means;
+                        let render = RenderOptions { method: asked, modes, actuators, effort, ..RenderOptions::default() };
                         drive(case, panel, &means.of(model), &render, options.by_measured_line)
                     })?;
                     rows.push(SceneRow { case, asked, means, drive });
@@ -181,7 +202,8 @@ fn drive(case: &SceneCase, panel: &MeasuredPanel, model: &ModalModel, options: &
     };
     let (rendering, first) = timed()?;
     let mut times = vec![first];
-    while times.len() < REPETITIONS && first < SHORT_S {
+    let repetitions = REPETITIONS.iter().find(|(longest_s, _)| first < *longest_s).map_or(1, |(_, count)| *count);
+    while times.len() < repetitions {
         times.push(timed()?.1);
     }
     let weights = &rendering.weights;
@@ -197,7 +219,7 @@ fn drive(case: &SceneCase, panel: &MeasuredPanel, model: &ModalModel, options: &
         modes: weights.modes_used,
         actuators: weights.actuators_used,
         residual_terms: model.residual_terms.terms.len(),
-        time_s: median(&times),
+        time_s: [0.5, 0.25, 0.75].map(|share| quantile(&times, share)),
         feasible: weights.feasible,
         kappa: weights.kappa.unwrap_or(f64::NAN),
         condition: condition(model, &drive, f),

@@ -3,7 +3,7 @@
 use super::SceneRow;
 use crate::csv;
 
-const HEADER: [&str; 25] = [
+const HEADER: [&str; 26] = [
     "scene",
     "method",
     "modes",
@@ -29,6 +29,7 @@ const HEADER: [&str; 25] = [
     "touched_least",
     "max_force_n",
     "possible_db",
+    "time_quartiles_s",
 ];
 
 /// A row for each drive, as CSV.
@@ -36,8 +37,8 @@ pub fn scene_csv(rows: &[SceneRow]) -> String {
     let cells = rows.iter().map(|row| {
         let drive = &row.drive;
         let counts = [drive.modes, drive.actuators, drive.residual_terms].map(|count| count.to_string());
-        let asked = [row.asked.to_string(), row.means.modes.to_string(), row.means.actuators.to_string()];
-        let numbers = [row.case.frequency_hz, drive.time_s].map(csv::number);
+        let asked = [row.name(), row.means.modes.to_string(), row.means.actuators.to_string()];
+        let numbers = [row.case.frequency_hz, drive.time_s[0]].map(csv::number);
         let judged = [
             drive.kappa,
             drive.condition,
@@ -61,6 +62,7 @@ pub fn scene_csv(rows: &[SceneRow]) -> String {
             .chain(numbers)
             .chain([drive.feasible.to_string()])
             .chain(judged.map(csv::number))
+            .chain([csv::quartiles(&drive.time_s)])
             .collect()
     });
     csv::table("from 40 dB FRFs through the fit to the drive; judged on the true plate, window and drift on a 4 mm grid", &HEADER, cells)

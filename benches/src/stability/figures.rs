@@ -41,7 +41,7 @@ fn map_figure(map: &Map, solver: Solver, rows: &[StabilityRow]) -> Figure {
     };
     let first = match map.identifies() {
         true => "Modes missed / spurious per fit",
-        false => "Share of hot or cold ground served, the smaller",
+        false => "Hot or cold ground served",
     };
     let share = |label: &str| ColourBar {
         axis: Axis::linear(label, "share").range([0.0, 1.0]).step(0.25),
@@ -168,8 +168,18 @@ fn ranks_figure(c: &Calibration) -> Figure {
     .height(Height::Px(220.0))
     .with(limit("bars that are right", vec![1.0], Dash::Dashed))
     .with(limit("and their chance", vec![1.0 - spread, 1.0 + spread], Dash::Dotted))
-    .with(Layer::Stems { name: Some("natural frequencies".into()), points: stems(&c.frequency_ranks, -0.12), colour: Colour::Series(0) })
-    .with(Layer::Stems { name: Some("loss factors".into()), points: stems(&c.loss_factor_ranks, 0.12), colour: Colour::Series(1) });
+    .with(Layer::Stems {
+        name: Some("natural frequencies".into()),
+        points: stems(&c.frequency_ranks, -0.12),
+        mark: Mark::of_series(0),
+        colour: Colour::Series(0),
+    })
+    .with(Layer::Stems {
+        name: Some("loss factors".into()),
+        points: stems(&c.loss_factor_ranks, 0.12),
+        mark: Mark::of_series(1),
+        colour: Colour::Series(1),
+    });
     Figure {
         name: format!("stability-ranks-{}", c.solver),
         title: format!("Rank histogram of the error bars: {}", c.solver),

@@ -7,7 +7,7 @@ use crate::outcome::Outcome;
 use crate::table::significant;
 use chladni_frf::Result;
 use chladni_render::{Evaluation, On, Scene};
-use serde_json::json;
+use serde_json::{json, Map, Value};
 use std::path::PathBuf;
 
 /// Arguments of `evaluate`.
@@ -59,21 +59,36 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         }
     };
     console.warn_all(evaluation.warnings.iter().cloned());
+    for tone in &evaluation.other_tones {
+        console.warn_all(tone.warnings.iter().filter(|warning| !evaluation.warnings.contains(warning)).cloned());
+    }
     let json = json!({
         "weights": args.weights.display().to_string(),
         "scene": args.scene.display().to_string(),
         "on": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
         "source": sources,
-        "frequency_hz": evaluation.frequency_hz,
-        "limits_m_per_s": {
-            "hot": evaluation.limits.hot_m_per_s,
-            "threshold": evaluation.limits.threshold_m_per_s,
-            "cold": evaluation.limits.cold_m_per_s,
-        },
-        "indices": evaluation.indices,
         "warnings": console.warnings(),
     });
-    Ok(Outcome::shown(json, text(&evaluation)))
+    let mut summary = judged(&evaluation);
+    if !evaluation.other_tones.is_empty() {
+        summary.insert("other_tones".into(), evaluation.other_tones.iter().map(judged).map(Value::Object).collect());
+    }
+    if let Value::Object(fields) = json {
+        summary.extend(fields);
+    }
+    let tones = std::iter::once(&evaluation).chain(&evaluation.other_tones);
+    Ok(Outcome::shown(summary.into(), tones.map(text).collect::<Vec<_>>().join("\n")))
+}
+
+/// Frequency, limits and indices of a tone.
+fn judged(evaluation: &Evaluation) -> Map<String, Value> {
+    let limits = json!({
+        "hot": evaluation.limits.hot_m_per_s,
+        "threshold": evaluation.limits.threshold_m_per_s,
+        "cold": evaluation.limits.cold_m_per_s,
+    });
+    let fields = [("frequency_hz", json!(evaluation.frequency_hz)), ("limits_m_per_s", limits), ("indices", json!(evaluation.indices))];
+    fields.map(|(key, value)| (key.to_owned(), value)).into_iter().collect()
 }
 
 fn text(evaluation: &Evaluation) -> String {

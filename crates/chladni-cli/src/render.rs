@@ -111,6 +111,9 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     args.reading.echo(&mut weights.options);
     let trials = Trials { stress_seed: args.stress.then_some(args.seed), sweep_hz: args.sweep };
     trials.on(&mut weights, &model, &scene, &options, console)?;
+    for tone in &mut weights.other_tones {
+        trials.on(tone, &model, &scene, &options, console)?;
+    }
     console.warn_all(weights.warnings.iter().cloned());
     if let Some(output) = &output {
         console.stage("writing");
@@ -206,13 +209,29 @@ fn value_of(weights: &Weights) -> Result<Value> {
 fn summary(weights: &Weights, output: &Path) -> Result<Value> {
     let mut summary = Map::from_iter([("output".to_owned(), json!(output.display().to_string()))]);
     if let Value::Object(fields) = value_of(weights)? {
-        let heavy = ["format", "version", "created_by", "weights"];
-        summary.extend(fields.into_iter().filter(|(key, _)| !heavy.contains(&key.as_str())));
+        summary.extend(light(fields));
+        if let Some(Value::Array(tones)) = summary.get_mut("other_tones") {
+            tones.iter_mut().for_each(|tone| {
+                if let Value::Object(fields) = tone {
+                    *fields = light(std::mem::take(fields)).collect();
+                }
+            });
+        }
     }
     Ok(summary.into())
 }
 
+/// The fields of weights without the heavy ones.
+fn light(fields: Map<String, Value>) -> impl Iterator<Item = (String, Value)> {
+    const HEAVY: [&str; 4] = ["format", "version", "created_by", "weights"];
+    fields.into_iter().filter(|(key, _)| !HEAVY.contains(&key.as_str()))
+}
+
 fn text(weights: &Weights) -> String {
+    weights.tones().map(tone_text).collect::<Vec<_>>().join("\n")
+}
+
+fn tone_text(weights: &Weights) -> String {
     let scene = if weights.scene.is_empty() { "scene" } else { &weights.scene };
     format!(
         "{scene} at {} Hz, method {}, {}, {}: {}\n{}{}\n{}",

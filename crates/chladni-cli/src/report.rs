@@ -122,7 +122,10 @@ impl Contents {
             (Some(file), Some(model)) => measured_of(file, model, console),
             _ => None,
         };
-        let shown = weights.into_iter().map(|(file, weights)| show(&file, weights, model.as_ref(), console)).collect::<Result<_>>()?;
+        let mut shown = Vec::new();
+        for (file, weights) in weights {
+            shown.extend(show(&file, weights, model.as_ref(), console)?);
+        }
         Ok(Self { model, measured, shown, tables })
     }
 
@@ -271,22 +274,31 @@ fn measured_of(file: &Path, model: &ModalModel, console: &Console) -> Option<Frf
     }
 }
 
-/// Weights with their field and curves, where the scene lies beside them.
-fn show(file: &Path, weights: Weights, model: Option<&ModalModel>, console: &Console) -> Result<ShownWeights> {
+/// Weights with their field and curves, where the scene lies beside them; each tone by itself.
+fn show(file: &Path, mut weights: Weights, model: Option<&ModalModel>, console: &Console) -> Result<Vec<ShownWeights>> {
     let scene = beside(file, &weights.source).into_iter().find(|path| path.file_name().is_some_and(|name| *name == *weights.scene));
-    let (mut evaluation, mut shown_curves) = (None, None);
+    let other_tones = std::mem::take(&mut weights.other_tones);
+    let several = !other_tones.is_empty();
+    let tones = std::iter::once(weights).chain(other_tones);
+    let without_field = |weights: Weights| ShownWeights { weights, evaluation: None, curves: None };
     match (scene, model) {
         (Some(scene), Some(model)) => {
             let scene = Scene::read(&scene)?;
-            evaluation = Some(evaluate(&weights, &scene, On::Model(model)).map_err(|error| error.file(file))?);
-            shown_curves = Some(curves(model, &scene, &weights).map_err(|error| error.file(file))?);
+            let show_tone = |weights: Weights| {
+                let evaluation = Some(evaluate(&weights, &scene, On::Model(model))?);
+                let curves = Some(curves(model, scene.tone_at(weights.frequency_hz).as_ref().unwrap_or(&scene), &weights)?);
+                let scene = if several { format!("{}, {} Hz", weights.scene, weights.frequency_hz) } else { weights.scene };
+                Ok(ShownWeights { weights: Weights { scene, ..weights }, evaluation, curves })
+            };
+            tones.map(show_tone).collect::<Result<_>>().map_err(|error| error.file(file))
         }
         (None, _) => {
-            console.warn(format!("{}: this scene does not lie beside the weights, unchanged: no field is shown", weights.scene));
+            let shown: Vec<ShownWeights> = tones.map(without_field).collect();
+            console.warn(format!("{}: this scene does not lie beside the weights, unchanged: no field is shown", shown[0].weights.scene));
+            Ok(shown)
         }
-        (Some(_), None) => {}
+        (Some(_), None) => Ok(tones.map(without_field).collect()),
     }
-    Ok(ShownWeights { weights, evaluation, curves: shown_curves })
 }
 
 impl ShownWeights {

@@ -1,7 +1,7 @@
 //! `chladni fit --scene`: fits only the band that a scene needs, and says what was left out.
 
 use crate::input::source;
-use crate::table::{counted, significant};
+use crate::table::{counted, shortened, significant};
 use chladni_frf::{FrfKind, FrfSet, ModalModel, Result, Source};
 use chladni_render::{needed_band, NeededBand, Operator, Scene};
 use chladni_rfp::{FitOptions, Method};
@@ -10,6 +10,8 @@ use std::path::Path;
 
 /// How many left-out modes a message lists.
 const MODES_SHOWN: usize = 6;
+/// How many tones.
+const TONES_SHOWN: usize = 4;
 
 /// A scene and the band that it needs.
 pub struct SceneBand {
@@ -44,7 +46,8 @@ impl SceneBand {
     /// What was left out, what that costs by the proven remainder, and what the model then misses of the measured line.
     pub fn said(&self, model: &ModalModel, frf: &FrfSet) -> String {
         let NeededBand { band_hz: [low, high], inside_hz, left_out_hz, error_relative } = &self.needed;
-        let drive = significant(self.scene.frequency_hz, 6);
+        let tones: Vec<String> = self.scene.tones().iter().map(|tone| significant(tone.frequency_hz, 6)).collect();
+        let drive = shortened(&tones, TONES_SHOWN);
         let left_out = match left_out_hz.is_empty() {
             true => "nothing was left out".into(),
             false => {
@@ -71,17 +74,22 @@ impl SceneBand {
         )
     }
 
-    /// Rms of model less measured line at the drive frequency, over the rms of the line; `None` where there is no such line.
+    /// Rms of model less measured line at the drive frequency, over the rms of the line, the largest of all tones; `None` where a line is missing.
     fn missed(&self, model: &ModalModel, frf: &FrfSet) -> Option<f64> {
-        let line = Operator::of_line(frf, self.scene.frequency_hz, self.scene.actuators.only.as_deref()).ok()?;
-        let modelled = model.frf_matrix(FrfKind::Mobility, line.frequency_hz);
-        let (mut missed, mut all) = (0.0, 0.0);
-        for ((i, j), &value) in line.mobility.indexed_iter() {
-            let row = model.responses.iter().position(|dof| *dof == line.responses[i])?;
-            let column = model.references.iter().position(|dof| *dof == line.references[j])?;
-            missed += (modelled[[row, column]] * line.responses[i].direction.sign() - value).norm_sqr();
-            all += Complex64::norm_sqr(&value);
-        }
-        (all > 0.0).then(|| (missed / all).sqrt())
+        self.scene.tones().iter().try_fold(0.0, |most: f64, tone| Some(most.max(missed(tone, model, frf)?)))
     }
+}
+
+/// The same of a scene with one tone.
+fn missed(scene: &Scene, model: &ModalModel, frf: &FrfSet) -> Option<f64> {
+    let line = Operator::of_line(frf, scene.frequency_hz, scene.actuators.only.as_deref()).ok()?;
+    let modelled = model.frf_matrix(FrfKind::Mobility, line.frequency_hz);
+    let (mut missed, mut all) = (0.0, 0.0);
+    for ((i, j), &value) in line.mobility.indexed_iter() {
+        let row = model.responses.iter().position(|dof| *dof == line.responses[i])?;
+        let column = model.references.iter().position(|dof| *dof == line.references[j])?;
+        missed += (modelled[[row, column]] * line.responses[i].direction.sign() - value).norm_sqr();
+        all += Complex64::norm_sqr(&value);
+    }
+    (all > 0.0).then(|| (missed / all).sqrt())
 }

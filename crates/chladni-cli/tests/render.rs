@@ -97,3 +97,25 @@ fn actuators_are_chosen_for_several_scenes() {
     let run = folder.run("render model.json corner.toml --also fewer.toml --actuators auto").exits(65);
     assert!(run.stderr.contains("the scenes allow different actuators"), "{}", run.stderr);
 }
+
+#[test]
+fn several_tones_are_rendered_judged_and_reported_one_by_one() {
+    let folder = prepared();
+    folder.write("chord.toml", scene(330, 1, "").replace("330", "[330, 350]"));
+    let json = folder.run("render model.json chord.toml -o weights.json --method mls --wav drive.csv --json").json();
+    assert_eq!((json["frequency_hz"].as_f64(), json["other_tones"][0]["frequency_hz"].as_f64()), (Some(330.0), Some(350.0)));
+    assert_eq!(folder.text("drive.csv").lines().count(), 1 + 2 * 34);
+    folder.run("evaluate weights.json --scene chord.toml --on panel.h5 -q").exits(0);
+    let judged = folder.run("evaluate weights.json --scene chord.toml --on model.json --json").exits(0).json();
+    let limit = |tone: &serde_json::Value, name: &str| tone["limits_m_per_s"][name].as_f64().unwrap();
+    // two tones share what quiet ground may have; each is felt by itself
+    for (tone, rendered) in [(&judged, &json), (&judged["other_tones"][0], &json["other_tones"][0])] {
+        let ratio = limit(tone, "hot") / limit(tone, "cold");
+        assert!((20.0 * ratio.log10() - 4.0 - 10.0 * 2f64.log10()).abs() < 1e-9, "{tone}");
+        assert_eq!(tone["indices"]["points"]["success_ratio"], rendered["indices"]["points"]["success_ratio"]);
+    }
+    let report = folder.run("report model.json weights.json -o report.html --json").exits(0).json();
+    assert_eq!(report["scenes"], 2);
+    assert!(folder.text("report.html").contains("chord.toml, 350 Hz"));
+    assert!(folder.run("render model.json chord.toml --sweep 300:310").exits(2).stderr.contains("one frequency"));
+}

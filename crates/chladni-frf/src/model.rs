@@ -126,8 +126,20 @@ pub struct Mode {
     pub shape: ComplexVector,
     /// √E|δψ|² per response, in the shape's scaling.
     pub shape_std: Vec<f64>,
+    /// Relative standard deviation of the scale to unit modal mass, which `shape_std` includes: shape and participation share it, so that it is no error of
+    /// their product. `None` where shapes are not scaled, or it is not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scale_std: Option<f64>,
     /// ψ_n at the references, times whatever scale the shape does not carry.
     pub participation: ComplexVector,
+}
+
+impl Mode {
+    /// `shape_std` of a response without the error of the scale: what is left of it in FRFs, where the participation has the scale's inverse.
+    pub fn shape_std_at_known_scale(&self, response: usize) -> f64 {
+        let of_scale = self.scale_std.unwrap_or(0.0) * self.shape.0[response].norm();
+        (self.shape_std[response].powi(2) - of_scale.powi(2)).max(0.0).sqrt()
+    }
 }
 
 /// One residual term: receptance += matrix·(ω/omega_scale)^power.

@@ -123,6 +123,11 @@ impl<'a> Value<'a> {
         self.value.get_ref().is_str()
     }
 
+    /// True for a list.
+    pub fn is_list(&self) -> bool {
+        self.value.get_ref().is_array()
+    }
+
     /// The entries of a list, named `path[1]`, `path[2]`, ...
     pub fn list(&self) -> Result<Vec<Value<'a>>> {
         let array = self.value.get_ref().as_array().ok_or_else(|| self.error("not a list", "a list in [ ]"))?;

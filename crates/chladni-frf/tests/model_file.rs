@@ -27,6 +27,7 @@ fn mode(frequency_hz: f64, trust: Trust) -> Mode {
         mpc: 0.999,
         shape: vector(&[(0.1, -1e-300), (1.0 / 3.0, 2.0), (0.0, 0.0)]),
         shape_std: vec![1e-4, 0.0, 5.0],
+        scale_std: (trust == Trust::Sure).then_some(0.01),
         participation: vector(&[(0.1, 0.0), (-4.0, 1e22)]),
     }
 }

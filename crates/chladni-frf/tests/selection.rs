@@ -21,6 +21,7 @@ fn mode(frequency_hz: f64, in_band: bool, trust: Trust) -> Mode {
         mpc: 1.0,
         shape: one(()),
         shape_std: vec![0.0],
+        scale_std: None,
         participation: one(()),
     }
 }

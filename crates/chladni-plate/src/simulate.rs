@@ -86,6 +86,7 @@ fn truth(panel: &Panel, layout: &Layout, plate: &DampedPlate, relative_error: f6
             mpc: 1.0,
             shape: column(&shapes, n),
             shape_std: vec![0.0; shapes.nrows()],
+            scale_std: None,
             participation: column(&participations, n),
         })
         .collect();

@@ -206,6 +206,7 @@ impl Synthetic {
             mpc: phase_collinearity(&shape[..self.responses]),
             shape: ComplexVector(shape[..self.responses].to_vec()),
             shape_std: vec![0.0; self.responses],
+            scale_std: None,
             participation: ComplexVector(shape[..self.references].to_vec()),
         }
     }

@@ -20,15 +20,31 @@ pub struct NeededBand {
     pub inside_hz: Vec<f64>,
     /// Modes outside, Hz, rising.
     pub left_out_hz: Vec<f64>,
-    /// What their residual terms leave out at the drive frequency, rms over the mobility of responses and actuators.
+    /// What their residual terms leave out at the drive frequency (the largest of several), rms over the mobility of responses and actuators.
     pub error_relative: f64,
 }
 
-/// The band that `scene` needs, by a quick look at the modes between `whole_hz`.
+/// The band that `scene` needs, by a quick look at the modes between `whole_hz`: what its tones need, and all between them.
 ///
 /// # Errors
 /// As [`Operator::of_model`].
 pub fn needed_band(quick: &ModalModel, scene: &Scene, whole_hz: [f64; 2]) -> Result<NeededBand> {
+    let mut needed = scene.tones().iter().map(|tone| of_tone(quick, tone, whole_hz)).collect::<Result<Vec<_>>>()?;
+    let first = needed.swap_remove(0);
+    let mut all = needed.into_iter().fold(first, |all, tone| NeededBand {
+        band_hz: [all.band_hz[0].min(tone.band_hz[0]), all.band_hz[1].max(tone.band_hz[1])],
+        error_relative: all.error_relative.max(tone.error_relative),
+        ..all
+    });
+    let [low, high] = all.band_hz;
+    let mut seen: Vec<f64> = all.inside_hz.drain(..).chain(all.left_out_hz.drain(..)).collect();
+    seen.sort_by(f64::total_cmp);
+    (all.inside_hz, all.left_out_hz) = seen.into_iter().partition(|hz| (low..=high).contains(hz));
+    Ok(all)
+}
+
+/// The same of a scene with one tone.
+fn of_tone(quick: &ModalModel, scene: &Scene, whole_hz: [f64; 2]) -> Result<NeededBand> {
     let operator = Operator::of_model(quick, scene.frequency_hz, scene.actuators.only.as_deref())?;
     let rms = (operator.mobility.iter().map(Complex64::norm_sqr).sum::<f64>() / operator.mobility.len() as f64).sqrt();
     let mut modes: Vec<Foldable> = ranked(quick, &operator);

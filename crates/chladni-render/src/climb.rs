@@ -17,20 +17,26 @@ pub(crate) struct Climb<'a> {
     program: DriveProgram<'a>,
     /// Rows that take part.
     active: Vec<usize>,
+    /// Most programs in a row for each thing that is sought.
+    rounds: usize,
 }
 
 impl<'a> Climb<'a> {
     /// Over all rows of `problem`.
     pub(crate) fn new(problem: &'a Problem) -> Result<Self> {
         let active = (0..problem.rows.mobility.nrows()).collect();
-        Ok(Self { problem, program: DriveProgram::new(problem)?, active })
+        Ok(Self { problem, program: DriveProgram::new(problem)?, active, rounds: tolerances::ROUNDS })
     }
 
-    /// Over the rows of weight 1, measured responses; others join where they are missed.
-    pub(crate) fn by_need(problem: &'a Problem, measured: impl Fn(usize) -> bool) -> Result<Self> {
-        let mut climb = Self::new(problem)?;
-        climb.active.retain(|&k| measured(k));
-        Ok(climb)
+    /// The same with at most so many programs in a row.
+    pub(crate) fn rounds(self, rounds: usize) -> Self {
+        Self { rounds, ..self }
+    }
+
+    /// The same over the `measured` rows alone at first; others join where they are missed.
+    pub(crate) fn by_need(mut self, measured: impl Fn(usize) -> bool) -> Self {
+        self.active.retain(|&k| measured(k));
+        self
     }
 
     /// The most robust drive that `start` leads to: largest κ, then largest margin at that κ, then the least peak force that keeps
@@ -68,7 +74,7 @@ impl<'a> Climb<'a> {
         cost: impl Fn(&Drive) -> f64,
     ) -> Result<Drive> {
         let mut drive = start;
-        for _ in 0..tolerances::ROUNDS {
+        for _ in 0..self.rounds {
             let Some(next) = program(&self.program, &self.program.phases(&drive), &self.active, asked)? else { break };
             let before = cost(&drive);
             drive = next;
@@ -89,7 +95,7 @@ impl<'a> Climb<'a> {
     pub(crate) fn reach_kappa(&mut self, start: &Drive, cap: f64) -> Result<(f64, Drive)> {
         let (mut kappa, mut drive) = (0.0, start.clone());
         let mut feasible = false;
-        for _ in 0..tolerances::ROUNDS {
+        for _ in 0..self.rounds {
             let found = self.program.largest_kappa(&self.program.phases(&drive), &self.active, cap)?;
             let Some(next) = found.drive else {
                 if feasible {
@@ -127,7 +133,7 @@ impl<'a> Climb<'a> {
 
     fn raise_contrast(&mut self, start: Drive, kappa: f64, larger_drive: impl Fn(f64) -> f64) -> Result<(f64, Drive)> {
         let (mut factor, mut drive) = (0.0, start);
-        for _ in 0..tolerances::ROUNDS {
+        for _ in 0..self.rounds {
             let phases = self.program.phases(&drive);
             let Some((found, next)) = self.program.largest_margin(&phases, &self.active, kappa, larger_drive(factor))? else { break };
             drive = next;
@@ -145,7 +151,7 @@ impl<'a> Climb<'a> {
     pub(crate) fn serve_ground(&mut self, start: Drive, asked: Asked) -> Result<Drive> {
         let sure = self.active.clone();
         let mut drive = start;
-        for _ in 0..tolerances::ROUNDS {
+        for _ in 0..self.rounds {
             let joined = self.let_missed_join(&drive, 0.0, 1.0);
             let wished: Vec<usize> = self.active.iter().copied().filter(|k| !sure.contains(k)).collect();
             let Some(next) = self.program.least_missed(&self.program.phases(&drive), &sure, &wished, asked)? else { break };

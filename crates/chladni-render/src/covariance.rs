@@ -117,7 +117,7 @@ impl RowDeviation {
             let row = operator.response_rows[k];
             let size = mode.shape.0[row].norm();
             of_pole += (size * sigma_gamma).powi(2);
-            of_shape += gamma.powi(2) * ((own * mode.shape_std[row]).powi(2) + (drift.shape_relative * size).powi(2));
+            of_shape += gamma.powi(2) * ((own * mode.shape_std_at_known_scale(row)).powi(2) + (drift.shape_relative * size).powi(2));
         }
         let count = judged.len() as f64;
         Self { common: ((of_pole + of_shape) / count).sqrt(), each: (of_shape / count).sqrt() }

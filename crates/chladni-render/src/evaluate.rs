@@ -38,14 +38,23 @@ pub struct Evaluation {
     pub limits: Limits,
     /// What the user must know.
     pub warnings: Vec<String>,
+    /// The same of the other tones of the weights.
+    pub other_tones: Vec<Evaluation>,
 }
 
-/// The indices of `weights` in `scene` on other data. Only reports: weights that fail are no error.
+/// The indices of `weights` in `scene` on other data, tone by tone. Only reports: weights that fail are no error.
 ///
 /// # Errors
 /// [`chladni_frf::ErrorKind::BadData`]: a driven actuator that the data lack, other units, no line at the drive frequency, no hot or
 /// no cold response; [`chladni_frf::ErrorKind::UnknownFrfKind`].
 pub fn evaluate(weights: &Weights, scene: &Scene, on: On) -> Result<Evaluation> {
+    let first = evaluate_tone(weights, scene, on)?;
+    let other_tones = weights.other_tones.iter().map(|tone| evaluate_tone(tone, scene, on)).collect::<Result<_>>()?;
+    Ok(Evaluation { other_tones, ..first })
+}
+
+/// The same of one tone.
+fn evaluate_tone(weights: &Weights, scene: &Scene, on: On) -> Result<Evaluation> {
     let Laid { operator, drive, limits, zones, mut warnings } = laid(weights, scene, on)?;
     let field = Field::new(&operator, &zones, &drive);
     let points = PointIndices::of_field(&field, &zones, &limits, &drive, operator.unit)?;
@@ -59,6 +68,7 @@ pub fn evaluate(weights: &Weights, scene: &Scene, on: On) -> Result<Evaluation> 
         zones,
         limits,
         warnings,
+        other_tones: Vec::new(),
     })
 }
 
@@ -77,9 +87,15 @@ pub(crate) struct Laid {
 /// As [`evaluate`].
 pub(crate) fn laid(weights: &Weights, scene: &Scene, on: On) -> Result<Laid> {
     let frequency_hz = weights.frequency_hz;
-    let other_frequency = (scene.frequency_hz != frequency_hz)
-        .then(|| format!("the weights are for {frequency_hz} Hz and are judged there, not at the scene's {} Hz", scene.frequency_hz));
-    let scene = Scene { frequency_hz, ..scene.clone() };
+    let (scene, other_frequency) = match scene.tone_at(frequency_hz) {
+        Some(tone) => (tone, None),
+        None => {
+            let frequencies: Vec<String> = scene.tones().iter().map(|tone| tone.frequency_hz.to_string()).collect();
+            let asked = frequencies.join(", ");
+            let words = format!("the weights are for {frequency_hz} Hz and are judged there, not at the scene's {asked} Hz");
+            (Scene { frequency_hz, ..scene.clone() }, Some(words))
+        }
+    };
     let driven: Vec<Dof> = weights.weights.iter().filter(|weight| weight.value().norm() > 0.0).map(|weight| weight.reference).collect();
     // Silence is judged with any actuator: its column does not matter.
     let only = (!driven.is_empty()).then_some(driven.as_slice());

@@ -4,6 +4,9 @@
 //! led to (Candès, Wakin and Boyd 2008): min Σ|A_i|/(|A_i|′ + ε) with every response inside its limit by some κ (theory.md,
 //! eq. 48). What is left is pruned: an actuator goes, the weakest first, while the others still serve the scene without it. The
 //! study compared: forward and backward searches by least squares need one to six more, evenly spread ones three to five.
+//!
+//! Many subsets of one size serve every response, and not all of them the ground between: where that is lost, actuators are exchanged one by one for
+//! others with which less of it is.
 
 use crate::climb::Climb;
 use crate::count::Count;
@@ -14,6 +17,7 @@ use crate::setup::Setup;
 use crate::tolerances;
 use chladni_frf::Result;
 use ndarray::Array1;
+use rayon::prelude::*;
 
 /// Columns of the operator to use, rising, and what must be said about them.
 pub(crate) struct Choice {
@@ -36,7 +40,7 @@ pub(crate) fn choose(setups: &[&Setup], count: Count) -> Result<Choice> {
         Count::Number(number) => number,
         Count::Auto => 1,
     };
-    let mut stages = setups.iter().map(|setup| Stage::new(&setup.problem)).collect::<Result<Vec<_>>>()?;
+    let mut stages = setups.iter().map(|setup| Stage::new(setup)).collect::<Result<Vec<_>>>()?;
     let possible = stages.iter().all(|stage| stage.kappa > 0.0);
     if !possible && count == Count::Auto {
         let which = if setups.len() == 1 { "the scene" } else { "every scene" };
@@ -49,6 +53,9 @@ pub(crate) fn choose(setups: &[&Setup], count: Count) -> Result<Choice> {
     let mut subset = Subset::strongest(stages, if count == Count::Auto { 1 } else { target });
     subset.complete()?;
     subset.prune(target)?;
+    if possible && (count == Count::Auto || subset.columns.len() == target) {
+        subset.exchange()?;
+    }
     let forced = subset.columns.len().saturating_sub(target);
     let warning = (count != Count::Auto && forced > 0).then(|| {
         format!(
@@ -66,6 +73,8 @@ pub(crate) fn choose(setups: &[&Setup], count: Count) -> Result<Choice> {
 /// A scene on its way to few actuators.
 struct Stage<'a> {
     problem: &'a Problem,
+    /// Responses, and the ground between them where they carry an area.
+    ground: Option<Problem>,
     /// The largest κ with all actuators.
     kappa: f64,
     /// What every response must keep.
@@ -76,11 +85,13 @@ struct Stage<'a> {
 
 impl<'a> Stage<'a> {
     /// With all actuators.
-    fn new(problem: &'a Problem) -> Result<Self> {
+    fn new(setup: &'a Setup) -> Result<Self> {
+        let problem = &setup.problem;
+        let ground = setup.finely_between().map(|rows| problem.with_between(rows, 1.0));
         let start = mls::leading_drives(problem, None)?.swap_remove(0);
         let (kappa, drive) = Climb::new(problem)?.raise_kappa(&start)?;
         let asked = Asked { kappa: tolerances::KAPPA_EFFORT.min(tolerances::KEEP * kappa), factor: 1.0 };
-        Ok(Self { problem, kappa, asked, drive })
+        Ok(Self { problem, ground, kappa, asked, drive })
     }
 
     /// The drive of the actuators `columns` that keeps what is asked, as one of all actuators; `None` where there is none.
@@ -96,6 +107,15 @@ impl<'a> Stage<'a> {
             whole[column] = weight;
         }
         Ok(Some(whole))
+    }
+
+    /// The share of hot or of cold ground, the smaller, that the actuators `columns` can serve while they serve every response from `drive`.
+    fn ground_served(&self, columns: &[usize], drive: &Drive) -> Result<f64> {
+        let Some(ground) = &self.ground else { return Ok(1.0) };
+        let fewer = ground.with_actuators(columns);
+        let start = Array1::from_shape_fn(columns.len(), |i| drive[columns[i]]);
+        let mut climb = Climb::new(&fewer)?.by_need(|k| ground.is_measured(self.problem, k)).rounds(tolerances::EXCHANGE_ROUNDS);
+        Ok(fewer.score(&climb.serve_ground(start, self.asked)?).min_ratio)
     }
 }
 
@@ -168,15 +188,46 @@ impl<'a> Subset<'a> {
         Ok(())
     }
 
+    /// Exchanges one actuator for another, the exchange by which most ground is served first, until all scenes serve enough of it or nothing is gained.
+    fn exchange(&mut self) -> Result<()> {
+        let mut served = self.ground_served(&self.columns)?.unwrap_or(0.0);
+        for _ in 0..tolerances::MOST_EXCHANGES {
+            if served >= tolerances::SERVES {
+                break;
+            }
+            let others: Vec<usize> = self.order.iter().copied().filter(|column| !self.columns.contains(column)).collect();
+            let exchanges: Vec<(usize, usize)> =
+                (0..self.columns.len()).flat_map(|place| others.iter().map(move |&other| (place, other))).collect();
+            let tried = exchanges.into_par_iter().map(|(place, other)| {
+                let mut columns = self.columns.clone();
+                columns[place] = other;
+                Ok((self.ground_served(&columns)?.unwrap_or(0.0), columns))
+            });
+            let tried = tried.collect::<Result<Vec<_>>>()?;
+            let Some((more, columns)) = tried.into_iter().reduce(|best, other| if other.0 > best.0 { other } else { best }) else { break };
+            if more <= served {
+                break;
+            }
+            (served, self.columns) = (more, columns);
+        }
+        Ok(())
+    }
+
+    /// The least share of ground that the actuators `columns` serve in all scenes; `None` where they do not serve every response.
+    fn ground_served(&self, columns: &[usize]) -> Result<Option<f64>> {
+        let Some(drives) = self.drives(columns)? else { return Ok(None) };
+        let shares = self.stages.iter().zip(&drives).map(|(stage, drive)| stage.ground_served(columns, drive));
+        Ok(Some(shares.collect::<Result<Vec<_>>>()?.into_iter().fold(1.0, f64::min)))
+    }
+
+    /// Drives of the actuators `columns` that serve every response of every scene; `None` where one has none.
+    fn drives(&self, columns: &[usize]) -> Result<Option<Vec<Drive>>> {
+        self.stages.iter().map(|stage| stage.served(columns)).collect()
+    }
+
     /// True where the actuators `columns` serve every response of every scene; their drives are kept for the next start.
     fn serves(&mut self, columns: &[usize]) -> Result<bool> {
-        let mut drives = Vec::with_capacity(self.stages.len());
-        for stage in &self.stages {
-            match stage.served(columns)? {
-                Some(drive) => drives.push(drive),
-                None => return Ok(false),
-            }
-        }
+        let Some(drives) = self.drives(columns)? else { return Ok(false) };
         self.stages.iter_mut().zip(drives).for_each(|(stage, drive)| stage.drive = drive);
         Ok(true)
     }

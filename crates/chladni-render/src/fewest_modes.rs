@@ -8,8 +8,9 @@
 
 use crate::count::Count;
 use crate::folding::{self, Foldable};
-use crate::methods::{Decision, MethodChoice};
+use crate::methods::Decision;
 use crate::operator::Operator;
+use crate::options::RenderOptions;
 use crate::problem::{Drive, Problem, Rows};
 use crate::setup::Setup;
 use crate::tolerances;
@@ -125,10 +126,10 @@ pub(crate) struct Reduced {
 ///
 /// # Errors
 /// Those of the methods.
-pub(crate) fn choose(setup: Setup, model: &ModalModel, judge: &Judge, method: MethodChoice, count: Count) -> Result<Reduced> {
+pub(crate) fn choose(setup: Setup, model: &ModalModel, judge: &Judge, options: &RenderOptions) -> Result<Reduced> {
     let ranked = folding::ranked(model, &setup.operator);
     let reduce = |explicit: usize| reduced(&setup, model, &ranked, explicit);
-    match count {
+    match options.modes {
         Count::All => Ok(Reduced { setup, warning: None }),
         Count::Number(number) => {
             let warning = (number > ranked.len()).then(|| format!("{number} modes were asked for, the model has {}", ranked.len()));
@@ -136,8 +137,8 @@ pub(crate) fn choose(setup: Setup, model: &ModalModel, judge: &Judge, method: Me
         }
         Count::Auto => {
             let solve = |setup: &Setup| -> Result<Drive> {
-                let Decision { method, every_start, .. } = method.decide(&setup.problem);
-                Ok(method.solve(setup, model, every_start)?.drive)
+                let Decision { method, effort, .. } = options.method.decide(&setup.problem, options.effort);
+                Ok(method.solve(setup, model, effort)?.drive)
             };
             let whole = solve(&setup)?;
             let wanted = judge.served(&whole);

@@ -110,6 +110,7 @@ mod tests {
             mpc: 1.0,
             shape: Default::default(),
             shape_std: Vec::new(),
+            scale_std: None,
             participation: Default::default(),
         }
     }

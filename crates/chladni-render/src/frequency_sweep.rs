@@ -43,8 +43,15 @@ pub struct FrequencySweep {
 /// Renders `scene` at frequencies from `low_hz` to `high_hz`, [`tolerances::SWEEP_STEP_HZ`] apart, by `mls` unless another method is asked for.
 ///
 /// # Errors
-/// As [`crate::render`]; an empty range, or one with more than [`tolerances::MOST_SWEPT`] frequencies.
+/// As [`crate::render`]; an empty range, or one with more than [`tolerances::MOST_SWEPT`] frequencies; a scene with several tones.
 pub fn sweep(model: &ModalModel, scene: &Scene, options: &RenderOptions, [low_hz, high_hz]: [f64; 2]) -> Result<FrequencySweep> {
+    if !scene.other_tones.is_empty() {
+        return Err(Error::new(ErrorKind::Usage, "a sweep looks for one frequency")
+            .field("frequency_hz")
+            .found(format!("{} tones in the scene", scene.tones().len()))
+            .expected("one frequency")
+            .help("sweep a scene with one of them"));
+    }
     let steps = ((high_hz - low_hz) / tolerances::SWEEP_STEP_HZ).floor();
     if !(low_hz > 0.0 && (0.0..tolerances::MOST_SWEPT).contains(&steps)) {
         return Err(Error::new(ErrorKind::Usage, "no usable range of frequencies")
@@ -74,8 +81,8 @@ fn at(model: &ModalModel, scene: &Scene, options: &RenderOptions, frequency_hz: 
         MethodChoice::Default => MethodChoice::Only(crate::methods::Method::Mls),
         other => other,
     };
-    let Decision { method, every_start, .. } = method.decide(&setup.problem);
-    let drive = method.solve(&setup, model, every_start)?.drive;
+    let Decision { method, effort, .. } = method.decide(&setup.problem, options.effort);
+    let drive = method.solve(&setup, model, effort)?.drive;
     let score = setup.problem.score(&drive);
     Ok(SweptFrequency {
         frequency_hz,

@@ -234,7 +234,8 @@ fn check_model(model: &ModalModel) -> Result<()> {
         }
         let vectors = mode.shape.0.iter().chain(&mode.participation.0);
         let scalars = [mode.frequency_hz, mode.frequency_std_hz, mode.loss_factor, mode.loss_factor_std];
-        let finite = vectors.flat_map(|value| [value.re, value.im]).chain(scalars).chain(mode.shape_std.iter().copied());
+        let finite =
+            vectors.flat_map(|value| [value.re, value.im]).chain(scalars).chain(mode.shape_std.iter().copied()).chain(mode.scale_std);
         if finite.into_iter().any(|value| !value.is_finite()) {
             return Err(Error::bad_data("NaN or infinity in a mode")
                 .field(format!("modes[{}]", k + 1))

@@ -2,6 +2,7 @@
 
 use crate::count::Count;
 use crate::methods::MethodChoice;
+use crate::tolerances;
 
 /// Options of [`crate::render`].
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -14,20 +15,40 @@ pub struct RenderOptions {
     pub actuators: Count,
     /// How far the panel may move away from its model.
     pub drift: Drift,
+    /// What is spent on finding weights.
+    pub effort: Effort,
+}
+
+/// How much is spent on the search for the largest κ: what moves the conic methods along the front of speed and success.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Effort {
+    /// Most drives that `robust` climbs from, the best first; `best` takes [`tolerances::MOST_STARTS`] or more.
+    pub starts: usize,
+    /// Most conic programs in a row for each thing that is sought: κ, then margin, then peak force or effort.
+    pub conic_rounds: usize,
+}
+
+impl Default for Effort {
+    fn default() -> Self {
+        Self { starts: 1, conic_rounds: tolerances::ROUNDS }
+    }
 }
 
 impl RenderOptions {
     /// The options as results echo them, with the drift that held.
     pub(crate) fn to_json(&self, drift: &Drift) -> serde_json::Map<String, serde_json::Value> {
         let drift = drift.named().map(|(key, value)| (key.to_owned(), value.into())).into_iter().collect::<serde_json::Map<_, _>>();
+        let effort = (self.effort != Effort::default())
+            .then(|| ("effort", serde_json::json!({"starts": self.effort.starts, "conic_rounds": self.effort.conic_rounds})));
         [
             ("method", self.method.to_string().into()),
             ("modes", self.modes.to_string().into()),
             ("actuators", self.actuators.to_string().into()),
             ("drift", drift.into()),
         ]
-        .map(|(key, value): (&str, serde_json::Value)| (key.to_owned(), value))
         .into_iter()
+        .chain(effort)
+        .map(|(key, value): (&str, serde_json::Value)| (key.to_owned(), value))
         .collect()
     }
 }

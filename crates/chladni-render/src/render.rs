@@ -30,6 +30,8 @@ pub struct Rendering {
     pub zones: ZoneMap,
     /// Velocity limits.
     pub limits: Limits,
+    /// The same of the other tones of the scene.
+    pub other_tones: Vec<Rendering>,
 }
 
 /// As [`render_measured`], judged by the model alone.
@@ -40,7 +42,8 @@ pub fn render(model: &ModalModel, scene: &Scene, options: &RenderOptions) -> Res
     render_measured(model, scene, options, None)
 }
 
-/// Finds the weights that move the hot zone of `scene` and keep the cold one quiet.
+/// Finds the weights that move the hot zone of `scene` and keep the cold one quiet; of a scene with several tones those of each, and where they are
+/// counted the same actuators for all.
 ///
 /// * `measured`: FRFs whose line at the drive frequency judges how many modes are enough; without them the whole model does
 ///
@@ -63,6 +66,24 @@ pub fn render_with_others(
     options: &RenderOptions,
     measured: Option<&FrfSet>,
 ) -> Result<Rendering> {
+    let (tones, of_others): (Vec<Scene>, Vec<Scene>) = (scene.tones(), others.iter().flat_map(Scene::tones).collect());
+    let render_one = |k: usize| {
+        let beside: Vec<Scene> = tones[..k].iter().chain(&tones[k + 1..]).chain(&of_others).cloned().collect();
+        render_tone(model, &tones[k], &beside, options, measured)
+    };
+    let first = render_one(0)?;
+    let other_tones = (1..tones.len()).map(render_one).collect::<Result<Vec<_>>>()?;
+    Ok(first.with_tones(other_tones))
+}
+
+/// A scene with one tone.
+fn render_tone(
+    model: &ModalModel,
+    scene: &Scene,
+    others: &[Scene],
+    options: &RenderOptions,
+    measured: Option<&FrfSet>,
+) -> Result<Rendering> {
     let whole = Setup::new(model, scene, &options.drift)?;
     let others = others.iter().map(|other| Setup::new(model, other, &options.drift)).collect::<Result<Vec<_>>>()?;
     if let Some(other) = others.iter().find(|other| other.operator.references != whole.operator.references) {
@@ -75,11 +96,11 @@ pub fn render_with_others(
         Some(frf) => Judge::of_line(&whole, frf)?,
         None => Judge::of_model(&whole, options.modes == Count::Auto),
     };
-    let Reduced { setup, warning: of_modes } = fewest_modes::choose(whole, model, &judge, options.method, options.modes)?;
+    let Reduced { setup, warning: of_modes } = fewest_modes::choose(whole, model, &judge, options)?;
     let chosen = fewest_actuators::choose(&std::iter::once(&setup).chain(&others).collect::<Vec<_>>(), options.actuators)?;
     let used = setup.with_actuators(&chosen.columns);
-    let Decision { method, every_start, warning } = options.method.decide(&used.problem);
-    let Solution { drive, warnings: said } = method.solve(&used, model, every_start)?;
+    let Decision { method, effort, warning } = options.method.decide(&used.problem, options.effort);
+    let Solution { drive, warnings: said } = method.solve(&used, model, effort)?;
     let sparse = drive;
     let drive = spread(&sparse, &chosen.columns, setup.operator.references.len());
     let Setup { limits, operator, zones, problem, .. } = &setup;
@@ -95,7 +116,7 @@ pub fn render_with_others(
     let proves = options.method == MethodChoice::Best || (!feasible && matches!(method, Method::Robust | Method::MinEffort));
     let ceiling = if proves { Ceiling::of(&used.problem, &sparse)? } else { None };
     if !feasible {
-        warnings.push(shortfall(&points, ceiling.as_ref(), scene, method));
+        warnings.push(shortfall(&points, ceiling.as_ref(), limits, method));
     }
     let [_, replayed, _] = judge.served(&drive);
     if replayed < points.success_ratio {
@@ -136,8 +157,24 @@ pub fn render_with_others(
         stress: None,
         sweep: None,
         warnings,
+        other_tones: Vec::new(),
     };
-    Ok(Rendering { weights, field, area, zones: setup.zones, limits: setup.limits })
+    Ok(Rendering { weights, field, area, zones: setup.zones, limits: setup.limits, other_tones: Vec::new() })
+}
+
+impl Rendering {
+    /// The same with what sounds at other frequencies.
+    fn with_tones(mut self, other_tones: Vec<Self>) -> Self {
+        let weights = &mut self.weights;
+        for Self { weights: tone, .. } in &other_tones {
+            weights.feasible &= tone.feasible;
+            let new: Vec<&String> = tone.warnings.iter().filter(|warning| !weights.warnings.contains(warning)).collect();
+            let said: Vec<String> = new.into_iter().map(|warning| format!("at {} Hz: {warning}", tone.frequency_hz)).collect();
+            weights.warnings.extend(said);
+        }
+        weights.other_tones = other_tones.iter().map(|tone| tone.weights.clone()).collect();
+        Self { other_tones, ..self }
+    }
 }
 
 /// The drive of some actuators as a drive of all, the others still.
@@ -150,7 +187,7 @@ fn spread(drive: &Drive, columns: &[usize], actuators: usize) -> Drive {
 }
 
 /// What an infeasible scene got instead, what physics would allow, and what could help.
-fn shortfall(points: &PointIndices, ceiling: Option<&Ceiling>, scene: &Scene, method: Method) -> String {
+fn shortfall(points: &PointIndices, ceiling: Option<&Ceiling>, limits: &Limits, method: Method) -> String {
     let contrast = points.contrast_db.map_or("no contrast".into(), |db| format!("a contrast of {db:.1} dB"));
     let served = format!(
         "{:.1} % of the hot and {:.1} % of the cold responses keep their limit",
@@ -170,7 +207,7 @@ fn shortfall(points: &PointIndices, ceiling: Option<&Ceiling>, scene: &Scene, me
         ),
         None => {
             let better = if method == Method::Robust { "" } else { ", or take method `robust`, which also says what is possible" };
-            format!("the scene is not met: {served}, with {contrast} where {:.1} dB are needed; {help}{better}", 2.0 * scene.limen_db)
+            format!("the scene is not met: {served}, with {contrast} where {:.1} dB are needed; {help}{better}", limits.apart_db())
         }
     }
 }

@@ -4,6 +4,7 @@ use crate::options::Drift;
 use crate::plane::Position;
 use crate::threshold::{Threshold, ThresholdTable};
 use crate::tolerances;
+use crate::tones::{is_same, read_tones, Share, Tone};
 use crate::zones::{PolygonKind, ZoneLayout, ZonePolygon, Zones};
 use chladni_frf::io::read_text;
 use chladni_frf::toml_reader::{parse, Keys, Table, Value};
@@ -32,8 +33,12 @@ pub const DEFAULT_MAX_FORCE_N: f64 = 0.1;
 pub struct Scene {
     /// The file it was read from; results carry its name.
     pub file: Option<PathBuf>,
-    /// Drive frequency, Hz.
+    /// Drive frequency, Hz; the first of several.
     pub frequency_hz: f64,
+    /// What the tone of that frequency may have of what all tones share.
+    pub share: Share,
+    /// Tones that sound with it.
+    pub other_tones: Vec<Tone>,
     /// Threshold profile.
     pub threshold: Threshold,
     /// Distance of the limits from the threshold, dB: hot at least threshold + limen, cold at most threshold − limen.
@@ -62,11 +67,11 @@ pub struct Actuators {
 /// Velocity limits of a scene, m/s peak.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Threshold + limen: hot ground moves at least so fast.
+    /// Threshold + limen, or the part of it that a line of a band owes: hot ground moves at least so fast.
     pub hot_m_per_s: f64,
     /// Threshold.
     pub threshold_m_per_s: f64,
-    /// Threshold − limen: cold ground moves at most so fast.
+    /// Threshold − limen, or the part of it that one of several tones may have: cold ground moves at most so fast.
     pub cold_m_per_s: f64,
 }
 
@@ -78,6 +83,10 @@ impl Limits {
     /// True where ground that moves at `velocity_m_per_s` is quiet.
     pub fn is_quiet(&self, velocity_m_per_s: f64) -> bool {
         velocity_m_per_s <= self.cold_m_per_s * (1.0 + tolerances::LIMIT)
+    }
+    /// Hot limit over cold limit, dB.
+    pub fn apart_db(&self) -> f64 {
+        20.0 * (self.hot_m_per_s / self.cold_m_per_s).log10()
     }
 }
 
@@ -106,9 +115,13 @@ impl Scene {
             Some(table) => read_threshold(&table, folder)?,
             None => (Threshold::Paper, DEFAULT_LIMEN_DB),
         };
+        let mut tones = read_tones(&root.require("frequency_hz", "the drive frequency in Hz")?)?;
+        let Tone { frequency_hz, share } = tones.remove(0);
         Ok(Self {
             file: None,
-            frequency_hz: root.require("frequency_hz", "the drive frequency in Hz")?.positive()?,
+            frequency_hz,
+            share,
+            other_tones: tones,
             threshold,
             limen_db,
             zones: read_zones(&root.require("zones", "a table [zones] with grid and hot, or [[zones.polygon]]")?.table()?)?,
@@ -120,6 +133,18 @@ impl Scene {
         })
     }
 
+    /// The scene of each tone by itself.
+    pub fn tones(&self) -> Vec<Self> {
+        let first = Tone { frequency_hz: self.frequency_hz, share: self.share };
+        let alone = |tone: &Tone| Self { frequency_hz: tone.frequency_hz, share: tone.share, other_tones: Vec::new(), ..self.clone() };
+        std::iter::once(&first).chain(&self.other_tones).map(alone).collect()
+    }
+
+    /// The scene of the tone at `frequency_hz`; `None` where there is none.
+    pub fn tone_at(&self, frequency_hz: f64) -> Option<Self> {
+        self.tones().into_iter().find(|tone| is_same(tone.frequency_hz, frequency_hz))
+    }
+
     /// Velocity limits at the drive frequency.
     ///
     /// # Errors
@@ -127,7 +152,8 @@ impl Scene {
     pub fn limits(&self) -> Result<Limits> {
         let threshold = self.threshold.velocity_m_per_s(self.frequency_hz)?;
         let ratio = 10f64.powf(self.limen_db / 20.0);
-        Ok(Limits { hot_m_per_s: threshold * ratio, threshold_m_per_s: threshold, cold_m_per_s: threshold / ratio })
+        let [hot, cold] = [self.share.hot, self.share.cold].map(f64::sqrt);
+        Ok(Limits { hot_m_per_s: threshold * ratio * hot, threshold_m_per_s: threshold, cold_m_per_s: threshold / ratio * cold })
     }
 
     /// File name without its folder, as results carry it; empty for a scene that is no file.

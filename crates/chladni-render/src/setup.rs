@@ -160,9 +160,10 @@ pub(crate) fn scene_warnings(scene: &Scene, operator: &Operator, zones: &ZoneMap
 /// The limits of the drive that the scene gives, N or V.
 fn drive_limits(scene: &Scene, unit: ReferenceUnit) -> Result<(DriveLimits, Option<String>)> {
     let actuators = &scene.actuators;
-    let effort = actuators.max_effort.unwrap_or(f64::INFINITY);
     let (each, warning) = largest_weight(scene, unit)?;
-    Ok((DriveLimits { each, effort }, warning))
+    // peaks of tones add, their efforts add as squares
+    let effort = actuators.max_effort.unwrap_or(f64::INFINITY) * scene.share.peak.sqrt();
+    Ok((DriveLimits { each: each * scene.share.peak, effort }, warning))
 }
 
 /// The largest |A_i| that the scene allows, N or V.

@@ -1,11 +1,14 @@
 //! What to play: drive signals of given weights.
 //!
-//! Channel i is gain_i · Re(A_i e^{jωt}) times an envelope: bursts with raised-cosine ramps, so that nothing clicks, or one long burst. The samples
-//! are in newtons (or volts where the references are volts), not scaled to ±1: 32-bit floats carry that.
+//! Channel i is gain_i · Re(Σ_k A_ik e^{jω_k t}) over the tones k, times an envelope: bursts with raised-cosine ramps, so that nothing clicks, or one long burst. The samples
+//! are in newtons (or volts where the references are volts), not scaled to ±1: 32-bit floats carry that. Phases of one tone against another
+//! mean nothing to the field; from the third tone on they are Schroeder's (IEEE Trans. Inf. Theory 16, 1970), which keep the lines of a band from
+//! adding up to pulses.
 
-use crate::weights::Weights;
-use chladni_frf::{Error, ErrorKind, Result};
+use crate::weights::{Weight, Weights};
+use chladni_frf::{Dof, Error, ErrorKind, Result};
 use hound::{SampleFormat, WavSpec, WavWriter};
+use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 use std::io::Cursor;
 
@@ -49,8 +52,9 @@ impl SignalOptions {
             Err(Error::new(ErrorKind::Usage, "no usable signal").field(field).found(found).expected(expected))
         };
         let rate = f64::from(self.sample_rate_hz);
-        if rate <= 2.0 * weights.frequency_hz {
-            let least = format!("more than {} Hz, twice the drive frequency", 2.0 * weights.frequency_hz);
+        let highest_hz = weights.tones().map(|tone| tone.frequency_hz).fold(0.0, f64::max);
+        if rate <= 2.0 * highest_hz {
+            let least = format!("more than {} Hz, twice the drive frequency", 2.0 * highest_hz);
             return refuse("sample_rate_hz", rate.to_string(), &least);
         }
         if !(self.duration_s > 0.0 && self.duration_s * rate * weights.weights.len() as f64 * 4.0 < f64::from(u32::MAX)) {
@@ -66,7 +70,26 @@ impl SignalOptions {
     }
 }
 
-/// A WAV file with one channel per weight, 32-bit floats.
+/// A tone as it is played.
+struct Played {
+    frequency_hz: f64,
+    /// Phasor of each channel.
+    channels: Vec<Complex64>,
+}
+
+/// The tones of `weights`, channels in the order of the first one's weights.
+fn played(weights: &Weights) -> Vec<Played> {
+    let count = weights.tones().count() as f64;
+    let tone = |(k, tone): (usize, &Weights)| {
+        let turn = Complex64::from_polar(1.0, PI * (k * k.saturating_sub(1)) as f64 / count);
+        let weight_of = |dof: Dof| tone.weights.iter().find(|weight| weight.reference == dof).map_or(Complex64::ZERO, Weight::value);
+        let channels = weights.weights.iter().map(|weight| turn * weight_of(weight.reference)).collect();
+        Played { frequency_hz: tone.frequency_hz, channels }
+    };
+    weights.tones().enumerate().map(tone).collect()
+}
+
+/// A WAV file with one channel per weight, 32-bit floats; several tones sound together.
 ///
 /// # Errors
 /// [`ErrorKind::Usage`]: a rate below twice the drive frequency, lengths that make no signal, gains of another number.
@@ -79,24 +102,27 @@ pub fn wav(weights: &Weights, options: &SignalOptions) -> Result<Vec<u8>> {
     let mut bytes = Cursor::new(Vec::new());
     let mut writer = WavWriter::new(&mut bytes, spec).map_err(failed)?;
     let rate = f64::from(options.sample_rate_hz);
+    let tones = played(weights);
     for n in 0..(options.duration_s * rate).round() as u64 {
         let time_s = n as f64 / rate;
         let envelope = options.envelope(time_s);
         // whole periods are taken off first: the phase keeps its digits in long signals
-        let (sin, cos) = (TAU * (weights.frequency_hz * time_s).fract()).sin_cos();
-        for (k, weight) in weights.weights.iter().enumerate() {
-            let gain = options.gains.get(k).copied().unwrap_or(1.0);
-            writer.write_sample((envelope * gain * (weight.re * cos - weight.im * sin)) as f32).map_err(failed)?;
+        let turns: Vec<Complex64> =
+            tones.iter().map(|tone| Complex64::from_polar(1.0, TAU * (tone.frequency_hz * time_s).fract())).collect();
+        for channel in 0..usize::from(channels) {
+            let gain = options.gains.get(channel).copied().unwrap_or(1.0);
+            let force: f64 = tones.iter().zip(&turns).map(|(tone, turn)| (tone.channels[channel] * turn).re).sum();
+            writer.write_sample((envelope * gain * force) as f32).map_err(failed)?;
         }
     }
     writer.finalize().map_err(failed)?;
     Ok(bytes.into_inner())
 }
 
-/// A table of amplitude and phase, one line per weight.
+/// A table of amplitude and phase, one line per weight and tone.
 pub fn signal_csv(weights: &Weights) -> String {
-    let rows =
-        weights.weights.iter().map(|w| format!("{},{},{},{},{}\n", w.reference, weights.frequency_hz, w.amplitude, w.phase_deg, w.unit));
+    let line = |tone: &Weights, w: &Weight| format!("{},{},{},{},{}\n", w.reference, tone.frequency_hz, w.amplitude, w.phase_deg, w.unit);
+    let rows = weights.tones().flat_map(|tone| tone.weights.iter().map(move |weight| line(tone, weight)));
     format!("reference,frequency_hz,amplitude_peak,phase_deg,unit\n{}", rows.collect::<String>())
 }
 

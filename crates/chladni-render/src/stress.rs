@@ -172,8 +172,9 @@ impl Draw {
         }
         mode.frequency_hz += mode.frequency_std_hz * self.normal();
         mode.loss_factor += mode.loss_factor_std * self.normal();
-        for (value, &deviation) in mode.shape.0.iter_mut().zip(&mode.shape_std) {
-            *value += Complex64::new(self.normal(), self.normal()) * (FRAC_1_SQRT_2 * deviation);
+        for response in 0..mode.shape.0.len() {
+            let deviation = mode.shape_std_at_known_scale(response);
+            mode.shape.0[response] += Complex64::new(self.normal(), self.normal()) * (FRAC_1_SQRT_2 * deviation);
         }
     }
 

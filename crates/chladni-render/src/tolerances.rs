@@ -15,6 +15,12 @@ pub const MAX_POLYGON_POINTS: usize = 2000;
 /// single-precision axis another one, ten times more is a fifth of a bandwidth at 0.005 % loss.
 pub const SAME_FREQUENCY: f64 = 1e-6;
 
+/// Distance of the tones that a band of a drive is made of, Hz: half of a narrow mode's bandwidth on a glass panel, so that none falls between them.
+pub const BAND_STEP_HZ: f64 = 2.0;
+
+/// Most tones of one drive. Each costs a rendering of its own, and has so small a part of what all share.
+pub const MOST_TONES: usize = 64;
+
 /// How many DOFs a message lists.
 pub const DOFS_SHOWN: usize = 8;
 
@@ -131,7 +137,7 @@ pub const ROWS_JOINING: usize = 12;
 /// How far, over its limit, a row must miss what was asked to join.
 pub const JOIN_SLACK: f64 = 1e-4;
 
-/// Most rounds of conic programs of each kind.
+/// Most rounds of conic programs of each kind, see [`crate::Effort`].
 pub const ROUNDS: usize = 10;
 
 /// Share of κ, and of the margin in dB, that is kept while the peak force is lowered.
@@ -189,6 +195,12 @@ pub const PRICE_FLOOR: f64 = 0.01;
 
 /// Amplitude over the largest below which an actuator counts as unused.
 pub const UNUSED: f64 = 1e-3;
+
+/// Rounds of conic programs by which the ground is judged that a subset of actuators could serve. One does not yet see the rows that are missed next.
+pub const EXCHANGE_ROUNDS: usize = 3;
+
+/// Most exchanges of one actuator for another.
+pub const MOST_EXCHANGES: usize = 4;
 
 /// Terms of the series of a folded mode, above and below the drive frequency: powers 0, 2, 4 and −2, −4 of ω, as in the residual terms that
 /// fits use.

@@ -6,6 +6,7 @@ use crate::frequency_sweep::FrequencySweep;
 use crate::indices::Indices;
 use crate::problem::Drive;
 use crate::stress::StressRow;
+use crate::tones::is_same;
 use chladni_frf::io::json_error;
 use chladni_frf::{Dof, Error, ReferenceUnit, Result, Source};
 use num_complex::Complex64;
@@ -29,7 +30,7 @@ pub struct Weights {
     pub source: Vec<Source>,
     /// Options that can change the result.
     pub options: serde_json::Map<String, serde_json::Value>,
-    /// Drive frequency, Hz.
+    /// Drive frequency, Hz; the first of several.
     pub frequency_hz: f64,
     /// The method that ran.
     pub method: String,
@@ -41,7 +42,7 @@ pub struct Weights {
     pub modes_used: usize,
     /// Weights that are not zero.
     pub actuators_used: usize,
-    /// No judged response misses its limit in the model, within the force limits.
+    /// No judged response misses its limit in the model, within the force limits, at this frequency and all others.
     pub feasible: bool,
     /// Every judged response keeps its limit under model errors of so many standard deviations; negative where one misses.
     pub kappa: Option<f64>,
@@ -61,6 +62,9 @@ pub struct Weights {
     pub sweep: Option<FrequencySweep>,
     /// What the user must know.
     pub warnings: Vec<String>,
+    /// What is driven at the same time at other frequencies: each a set of weights of its own.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub other_tones: Vec<Weights>,
 }
 
 /// The weight of one actuator: a peak phasor of e^{+jωt}.
@@ -111,7 +115,7 @@ impl Weights {
         text.map(|text| text + "\n").map_err(|error| Error::new(chladni_frf::ErrorKind::Internal, error.to_string()))
     }
 
-    fn checked(self) -> Result<Self> {
+    fn checked(mut self) -> Result<Self> {
         if self.format != WEIGHTS_FORMAT || self.version != WEIGHTS_VERSION {
             return Err(Error::bad_data("not a weights file that this version reads")
                 .field("format")
@@ -142,7 +146,25 @@ impl Weights {
                     .expected(format!("{}, as of the first actuator", self.weights[0].unit)));
             }
         }
+        let mut known = vec![self.frequency_hz];
+        for tone in &self.other_tones {
+            let references = |weights: &Self| weights.weights.iter().map(|weight| weight.reference).collect::<Vec<_>>();
+            let twice = known.iter().any(|&hz| is_same(hz, tone.frequency_hz));
+            if twice || !tone.other_tones.is_empty() || tone.unit() != self.unit() || references(tone) != references(&self) {
+                return Err(Error::bad_data("tones that cannot sound together")
+                    .field("other_tones")
+                    .found(format!("{} actuators at {} Hz, in {}", tone.weights.len(), tone.frequency_hz, tone.unit()))
+                    .expected("each frequency once, without tones of its own, the actuators and the unit of the first"));
+            }
+            known.push(tone.frequency_hz);
+        }
+        self.other_tones = self.other_tones.into_iter().map(Self::checked).collect::<Result<_>>()?;
         Ok(self)
+    }
+
+    /// The weights of every frequency that is driven.
+    pub fn tones(&self) -> impl Iterator<Item = &Self> {
+        std::iter::once(self).chain(&self.other_tones)
     }
 
     /// Unit of the weights.

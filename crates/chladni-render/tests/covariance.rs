@@ -59,6 +59,34 @@ fn the_models_own_error_bars_count_as_drift_does() {
 }
 
 #[test]
+fn an_error_of_the_modal_masses_is_none_of_the_mobility() {
+    let none =
+        Drift { frequency_relative: 0.0, loss_factor_relative: 0.0, shape_relative: 0.0, isotropic_relative: 0.0, drive_relative: 0.0 };
+    let judged: Vec<usize> = (0..77).collect();
+    let gram = |model: &chladni_frf::ModalModel| {
+        let operator = Operator::of_model(model, 300.0, None).unwrap();
+        (Covariance::of_model(model, &operator, &judged, &none).gram(), operator.mobility)
+    };
+    let with = |shape: f64, scale: f64, stated: Option<f64>| {
+        let mut model = truth().clone();
+        for mode in &mut model.modes {
+            // the scale is off by as much as is stated: the participation has its inverse
+            mode.shape.0.iter_mut().for_each(|value| *value *= 1.0 + scale);
+            mode.participation.0.iter_mut().for_each(|value| *value /= 1.0 + scale);
+            mode.shape_std = mode.shape.0.iter().map(|value| shape.hypot(scale) * value.norm()).collect();
+            mode.scale_std = stated;
+        }
+        gram(&model)
+    };
+    let norm = |matrix: &ndarray::Array2<Complex64>| matrix.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt();
+    let ((right, mobility), (off, other_mobility)) = (with(1e-3, 0.0, Some(0.0)), with(1e-3, 0.05, Some(0.05)));
+    assert!(norm(&(&mobility - &other_mobility)) < 1e-12 * norm(&mobility), "the scale cancels in FRFs");
+    assert!(norm(&(&right - &off)) < 1e-8 * norm(&right), "{} {}", norm(&right), norm(&off));
+    let (as_shape, _) = with(1e-3, 0.05, None);
+    assert!(norm(&as_shape) > 1e3 * norm(&right), "taken for an error of the shape it would drown the others");
+}
+
+#[test]
 fn the_isotropic_part_is_an_error_of_each_entry() {
     let drift =
         Drift { frequency_relative: 0.0, loss_factor_relative: 0.0, shape_relative: 0.0, isotropic_relative: 0.01, drive_relative: 0.0 };

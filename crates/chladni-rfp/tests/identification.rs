@@ -95,6 +95,30 @@ fn shapes_scale_to_unit_modal_mass_through_a_driving_point() {
 }
 
 #[test]
+fn what_the_mass_scale_errs_by_is_stated_apart_from_the_rest_of_the_shape() {
+    // 12 seeds x 8 modes; the part of six shape values along the truth is not the scale alone, so that the bounds are wide
+    let (mut of_scale, mut of_rest, mut stated_rest, mut count) = (0.0, 0.0, 0.0, 0.0);
+    for seed in 0..12 {
+        let set = easy(30.0, 300 + seed).build().unwrap();
+        let model = fitted(&set.frf, &FitOptions::default());
+        for (mode, truth) in model.in_band_modes().zip(set.truth.in_band_modes()) {
+            let (found, known) = (&mode.shape.0, &truth.shape.0);
+            let size: f64 = known.iter().map(|value| value.norm_sqr()).sum();
+            let factor = known.iter().zip(found).map(|(known, found)| known.conj() * found).sum::<num_complex::Complex64>() / size;
+            let scale_std = mode.scale_std.expect("driving points were measured");
+            of_scale += ((factor.norm() - 1.0) / scale_std).powi(2);
+            let left = known.iter().zip(found).map(|(known, found)| (found / factor - known).norm_sqr());
+            of_rest += left.sum::<f64>() / size;
+            stated_rest += (0..known.len()).map(|i| mode.shape_std_at_known_scale(i).powi(2)).sum::<f64>() / size;
+            count += 1.0;
+        }
+    }
+    let (scale, rest) = ((of_scale / count).sqrt(), (of_rest / stated_rest).sqrt());
+    assert!((0.5..2.0).contains(&scale), "error of the scale over what is stated: {scale}");
+    assert!((0.6..1.5).contains(&rest), "error of the rest over what is stated: {rest}");
+}
+
+#[test]
 fn receptance_and_accelerance_of_the_same_structure_give_the_same_modes() {
     for kind in [FrfKind::Receptance, FrfKind::Accelerance] {
         let set = Synthetic { kind, ..easy(50.0, 3) }.build().unwrap();

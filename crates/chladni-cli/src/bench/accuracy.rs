@@ -6,8 +6,8 @@ use crate::outcome::Outcome;
 use crate::output::{Output, FRF, MODEL};
 use crate::table::table;
 use chladni_bench::{
-    accuracy, accuracy_csv, accuracy_figures, accuracy_modes_csv, scene_figures, scenes, AccuracyOptions, AccuracyRow, Case, Means,
-    PeerRow, SceneCase, SceneOptions, SceneRow, Solver, CASES, SCENE_CASES,
+    accuracy, accuracy_csv, accuracy_figures, accuracy_modes_csv, scene_figures, scene_knobs, scenes, AccuracyOptions, AccuracyRow, Case,
+    Means, PeerRow, SceneCase, SceneOptions, SceneRow, Solver, CASES, SCENE_CASES,
 };
 use chladni_frf::io::{read_text, write_contents, write_model, Contents};
 use chladni_frf::Result;
@@ -38,8 +38,8 @@ nothing else beats in both. Times are medians of this run; on a shared machine o
   chladni bench accuracy -o bench --case quarter-1
 
 Writes accuracy.csv (a row for each case and method, scenes of rendering among them), accuracy-modes.csv (a row for each mode),
-accuracy-CASE.svg/png (error against time with the Pareto front), accuracy-CASE-knobs (one option turned), scene-CASE (ground lost against time) and
-accuracy.html. An interrupted run goes on where it stopped.")]
+accuracy-CASE.svg/png (error against time with the Pareto front), accuracy-CASE-knobs (one option turned), scene-CASE (ground lost against time),
+scene-CASE-knobs (how far κ is searched for) and accuracy.html. An interrupted run goes on where it stopped.")]
 pub struct Args {
     #[command(flatten)]
     place: Place,
@@ -107,7 +107,10 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let purpose = format!("{:?} {} {:?} {chosen:?}", options.shapes, options.first_seed, args.cases);
     let mut journal = args.place.journal("accuracy", &purpose, console)?;
     let rows = accuracy(&options, &mut journal, &|stage| console.stage(stage))?;
-    let drives = scenes(&of_scenes, &mut journal, &|stage| console.stage(stage))?;
+    let mut drives = scenes(&of_scenes, &mut journal, &|stage| console.stage(stage))?;
+    if knobs {
+        drives.extend(scene_knobs(&of_scenes, &mut journal, &|stage| console.stage(stage))?);
+    }
     let tables = [(TABLES[0], accuracy_csv(&rows, &drives)), (TABLES[1], accuracy_modes_csv(&rows))];
     let figures = [accuracy_figures(&rows, &peers), scene_figures(&drives)].concat();
     let mut files = args.place.write(&tables, &figures, console)?;
@@ -206,8 +209,8 @@ fn scene_text(drives: &[SceneRow]) -> String {
     let cells: Vec<Vec<String>> = drives
         .iter()
         .map(|row| {
-            let numbers = [shown(row.drive.time_s, 4), shown(row.drive.window.least(), 3), shown(row.drive.drifted[0], 3)];
-            [row.case.name.to_owned(), row.asked.to_string()].into_iter().chain(numbers).collect()
+            let numbers = [shown(row.drive.time_s[0], 4), shown(row.drive.window.least(), 3), shown(row.drive.drifted[0], 3)];
+            [row.case.name.to_owned(), row.name()].into_iter().chain(numbers).collect()
         })
         .collect();
     match cells.is_empty() {

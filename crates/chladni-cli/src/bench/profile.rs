@@ -7,7 +7,7 @@ use crate::outcome::Outcome;
 use crate::table::table;
 use chladni_bench::{
     profile, profile_csv, profile_figure, scaling, scaling_csv, scaling_figure, ProfileCase, ProfileOptions, ProfileRow, ProfileSource,
-    PROFILE_CASES,
+    ScalingRow, PROFILE_CASES,
 };
 use chladni_frf::{io, Result};
 use chladni_rfp::Method;
@@ -24,9 +24,10 @@ const TABLES: [&str; 2] = ["profile.csv", "profile-scaling.csv"];
   chladni bench profile -o bench --quick
   chladni bench profile -o bench --case panel --method auto
   chladni bench profile -o bench --input scan.uff --frf-kind mobility
+  chladni bench profile -o bench --growth
 
 Writes profile.csv (a row for each stage), profile.svg/png, and profile-scaling.csv/svg/png (how the time grows with FRFs, lines, modes and threads).
-The large sets take up to 3.2 GB of memory.")]
+The large sets take up to 3.2 GB of memory. An interrupted run goes on where it stopped.")]
 pub struct Args {
     #[command(flatten)]
     place: Place,
@@ -39,6 +40,9 @@ pub struct Args {
     input: Vec<PathBuf>,
     #[command(flatten)]
     reading: Reading,
+    /// Only how the time grows with FRFs, lines, modes and threads
+    #[arg(long, conflicts_with_all = ["cases", "input"])]
+    growth: bool,
     /// Sets to run; may be repeated [default: all]
     #[arg(long = "case", value_name = "CASE", value_parser = PossibleValuesParser::new(PROFILE_CASES.map(|case| case.name))
         .try_map(|name| PROFILE_CASES.iter().find(|case| case.name == name).ok_or("no such set")))]
@@ -52,6 +56,7 @@ pub struct Args {
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     args.place.prepare(&TABLES, console)?;
     let named: Vec<&ProfileCase> = match (args.cases.is_empty(), args.input.is_empty()) {
+        (true, true) if args.growth => Vec::new(),
         (true, true) => PROFILE_CASES.iter().filter(|case| case.quick || !args.place.quick).collect(),
         _ => args.cases.clone(),
     };
@@ -66,15 +71,22 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         (true, false) => vec![Method::Auto],
         _ => args.methods.clone(),
     };
-    let rows = profile(&ProfileOptions { cases, methods: methods.clone() }, &|stage| console.stage(stage))?;
-    let mut tables = vec![(TABLES[0], profile_csv(&rows))];
-    let mut figures = vec![profile_figure(&rows)];
+    let purpose = format!("{} {methods:?} {:?} {}", args.place.quick, args.input, args.growth);
+    let mut journal = args.place.journal("profile", &purpose, console)?;
+    let rows = profile(&ProfileOptions { cases, methods: methods.clone() }, &mut journal, &|stage| console.stage(stage))?;
+    let (mut tables, mut figures) = (Vec::new(), Vec::new());
+    if !args.growth {
+        tables.push((TABLES[0], profile_csv(&rows)));
+        figures.push(profile_figure(&rows));
+    }
+    let mut grown = Vec::new();
     if args.cases.is_empty() && args.input.is_empty() {
-        let grown = scaling(&methods, args.place.quick, &|stage| console.stage(stage))?;
+        grown = scaling(&methods, args.place.quick, &mut journal, &|stage| console.stage(stage))?;
         tables.push((TABLES[1], scaling_csv(&grown)));
         figures.extend(scaling_figure(&grown));
     }
     let files = args.place.write(&tables, &figures, console)?;
+    journal.finish();
     let fits = rows.iter().filter(|row| row.stage == "fit");
     let json = json!({
         "output": args.place.output.display().to_string(),
@@ -85,10 +97,24 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         })).collect::<Vec<_>>(),
         "warnings": console.warnings(),
     });
-    Ok(Outcome::written(&args.place.output, json, text(&rows)))
+    Ok(Outcome::written(&args.place.output, json, stages_text(&rows) + &growth_text(&grown)))
 }
 
-fn text(rows: &[ProfileRow]) -> String {
+/// Exponent of each method along each axis.
+fn growth_text(rows: &[ScalingRow]) -> String {
+    let mut lines: Vec<Vec<String>> =
+        rows.iter().map(|row| vec![row.axis.to_owned(), row.method.to_string(), shown(row.exponent, 2)]).collect();
+    lines.dedup();
+    match lines.is_empty() {
+        true => String::new(),
+        false => format!("\n{}", table(&["time over number of", "method", "exponent"], &lines)),
+    }
+}
+
+fn stages_text(rows: &[ProfileRow]) -> String {
+    if rows.is_empty() {
+        return String::new();
+    }
     let cells: Vec<Vec<String>> = rows
         .iter()
         .map(|row| {

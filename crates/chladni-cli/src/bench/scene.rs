@@ -121,12 +121,12 @@ fn text(rows: &[SceneRow]) -> String {
         .iter()
         .map(|row| {
             let drive = &row.drive;
-            let asked = row.asked.to_string();
-            let method = if asked == drive.method { asked } else { format!("{asked} ({})", drive.method) };
+            let asked = row.name();
+            let method = if row.asked.to_string() == drive.method { asked } else { format!("{asked} ({})", drive.method) };
             let ratios = [drive.points.total, drive.window.hot, drive.window.cold, drive.window.total, drive.drifted[0], drive.touched];
             [row.case.name.to_owned(), method, drive.modes.to_string(), drive.actuators.to_string()]
                 .into_iter()
-                .chain([significant(1e3 * drive.time_s, 3), shown(drive.kappa, 2)])
+                .chain([significant(1e3 * drive.time_s[0], 3), shown(drive.kappa, 2)])
                 .chain(ratios.map(|ratio| shown(ratio, 3)))
                 .chain([significant(1e3 * drive.max_force_n, 3)])
                 .collect()

@@ -143,6 +143,7 @@ fn check_mode(model: &ModalModel, index: usize, mode: &Mode) -> Result<()> {
     }
     finite_complex(&field("shape"), &mode.shape.0)?;
     finite(&field("shape_std"), mode.shape_std.iter().copied())?;
+    finite(&field("scale_std"), mode.scale_std)?;
     finite_complex(&field("participation"), &mode.participation.0)
 }
 

@@ -1,6 +1,7 @@
 //! Which method runs: one by name, or one along the front of speed against accuracy.
 
 use crate::methods::Method;
+use crate::options::Effort;
 use crate::problem::Problem;
 use crate::tolerances;
 use chladni_frf::{Error, Result};
@@ -24,8 +25,8 @@ pub enum MethodChoice {
 /// What will run.
 pub(crate) struct Decision {
     pub(crate) method: Method,
-    /// Whether `robust` climbs from every start.
-    pub(crate) every_start: bool,
+    /// What it spends.
+    pub(crate) effort: Effort,
     /// Why it is not what the user might expect.
     pub(crate) warning: Option<String>,
 }
@@ -38,18 +39,21 @@ impl MethodChoice {
         Self::WORDS.iter().map(|word| word.0).chain(Method::ALL.map(Method::as_str))
     }
 
-    /// The method for a problem of this size.
-    pub(crate) fn decide(self, problem: &Problem) -> Decision {
-        let decision = |method, every_start| Decision { method, every_start, warning: None };
+    /// The method for a problem of this size, and its effort where `effort` was asked for.
+    pub(crate) fn decide(self, problem: &Problem, effort: Effort) -> Decision {
+        let decision = |method| Decision { method, effort, warning: None };
         match self {
-            Self::Only(method) => decision(method, false),
-            Self::Fast => decision(Method::PressureMatching, false),
-            Self::Best => decision(Method::Robust, true),
+            Self::Only(method) => decision(method),
+            Self::Fast => decision(Method::PressureMatching),
+            Self::Best => {
+                let starts = effort.starts.max(tolerances::MOST_STARTS);
+                Decision { effort: Effort { starts, ..effort }, ..decision(Method::Robust) }
+            }
             Self::Default => {
                 let rows = problem.rows.mobility.nrows();
                 let size = rows as f64 * (problem.rows.mobility.ncols() as f64).powi(2);
                 if size <= tolerances::ROBUST_SIZE {
-                    return decision(Method::Robust, false);
+                    return decision(Method::Robust);
                 }
                 Decision {
                     warning: Some(format!(
@@ -57,7 +61,7 @@ impl MethodChoice {
                          ask for it with --method robust",
                         problem.rows.mobility.ncols()
                     )),
-                    ..decision(Method::Mls, false)
+                    ..decision(Method::Mls)
                 }
             }
         }

@@ -6,14 +6,15 @@
 use crate::climb::Climb;
 use crate::drive_program::Asked;
 use crate::methods::{mls, Solution};
+use crate::options::Effort;
 use crate::problem::{Problem, Rows};
 use crate::tolerances;
 use chladni_frf::Result;
 
 /// The least drive found.
-pub(crate) fn solve(problem: &Problem, between: Option<&Rows>) -> Result<Solution> {
+pub(crate) fn solve(problem: &Problem, between: Option<&Rows>, effort: Effort) -> Result<Solution> {
     let start = mls::leading_drives(problem, between)?.swap_remove(0);
-    let mut climb = Climb::new(problem)?;
+    let mut climb = Climb::new(problem)?.rounds(effort.conic_rounds);
     let (kappa, drive) = climb.raise_kappa(&start)?;
     if kappa == 0.0 {
         // nothing keeps every limit: whoever serves more responses

@@ -16,6 +16,7 @@ pub(crate) mod vast;
 pub(crate) use choice::Decision;
 pub use choice::MethodChoice;
 
+use crate::options::Effort;
 use crate::problem::{Drive, Problem};
 use crate::setup::Setup;
 use crate::tolerances;
@@ -84,14 +85,14 @@ impl Method {
         !matches!(self, Self::PressureMatching | Self::Mls | Self::Robust | Self::MinEffort)
     }
 
-    /// The drive for a scene laid over `model`; `every_start`: whether `robust` climbs from all of them.
-    pub(crate) fn solve(self, setup: &Setup, model: &ModalModel, every_start: bool) -> Result<Solution> {
+    /// The drive for a scene laid over `model`.
+    pub(crate) fn solve(self, setup: &Setup, model: &ModalModel, effort: Effort) -> Result<Solution> {
         let problem = &setup.problem;
         let mut solution = match self {
             Self::PressureMatching => pressure_matching::solve(problem)?,
             Self::Mls => mls::solve(problem, setup.between())?,
-            Self::Robust => robust::solve(setup, every_start)?,
-            Self::MinEffort => min_effort::solve(problem, setup.between())?,
+            Self::Robust => robust::solve(setup, effort)?,
+            Self::MinEffort => min_effort::solve(problem, setup.between(), effort)?,
             Self::Modal => modal::solve(setup, model)?,
             Self::Tikhonov => Solution::of_direction(problem, &tikhonov::solve(problem)?),
             Self::Tsvd => Solution::of_direction(problem, &tsvd::solve(problem)?),

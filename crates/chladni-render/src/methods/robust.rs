@@ -12,20 +12,22 @@
 use crate::climb::Climb;
 use crate::drive_program::Asked;
 use crate::methods::{mls, Solution};
+use crate::options::Effort;
 use crate::setup::Setup;
 use crate::tolerances;
 use chladni_frf::Result;
 
-/// The most robust drive found from the best drive of `mls`; with `every` start from others that it found, too.
-pub(crate) fn solve(setup: &Setup, every: bool) -> Result<Solution> {
+/// The most robust drive found from the best drive of `mls`; with more than one start from others that it found, too.
+pub(crate) fn solve(setup: &Setup, effort: Effort) -> Result<Solution> {
     let problem = &setup.problem;
+    let climb_on = |rows| Climb::new(rows).map(|climb| climb.rounds(effort.conic_rounds));
     let ground = setup.finely_between().map(|rows| problem.with_between(rows, 1.0));
     let mut contest = mls::Contest::new(problem, ground.as_ref().unwrap_or(problem), tolerances::KAPPA_LEAST);
     let mut most = 0.0;
     let starts = mls::leading_drives(problem, setup.between())?;
-    for (number, start) in starts.iter().take(if every { tolerances::MOST_STARTS } else { 1 }).enumerate() {
+    for (number, start) in starts.iter().take(effort.starts.max(1)).enumerate() {
         contest.offer(problem, start);
-        let (kappa, on_points) = Climb::new(problem)?.raise_kappa(start)?;
+        let (kappa, on_points) = climb_on(problem)?.raise_kappa(start)?;
         // another start counts where it leads to more than the first
         if number > 0 && kappa <= most + tolerances::KAPPA_GAIN {
             continue;
@@ -33,7 +35,7 @@ pub(crate) fn solve(setup: &Setup, every: bool) -> Result<Solution> {
         most = f64::max(most, kappa);
         contest.offer(problem, &on_points);
         let Some(ground) = ground.as_ref().filter(|_| kappa >= tolerances::KAPPA_LEAST) else { continue };
-        let by_need = || Climb::by_need(ground, |k| ground.is_measured(problem, k));
+        let by_need = || climb_on(ground).map(|climb| climb.by_need(|k| ground.is_measured(problem, k)));
         let drive = by_need()?.climb(&on_points)?;
         contest.offer(ground, &drive);
         if problem.score(&drive).kappa < tolerances::KAPPA_LEAST {
@@ -43,7 +45,7 @@ pub(crate) fn solve(setup: &Setup, every: bool) -> Result<Solution> {
     }
     if most > 0.0 && ground.is_none() {
         let drive = contest.into_best();
-        return Ok(Solution { drive: Climb::new(problem)?.climb(&drive)?, warnings: Vec::new() });
+        return Ok(Solution { drive: climb_on(problem)?.climb(&drive)?, warnings: Vec::new() });
     }
     Ok(Solution { drive: contest.into_best(), warnings: Vec::new() })
 }

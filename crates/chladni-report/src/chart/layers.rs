@@ -3,8 +3,12 @@
 use super::axis::Ruler;
 use super::clip::{clip_line, thinned};
 use super::layout::SAMPLE;
-use super::{Cell, Disc, Layer, Mark, Place};
+use super::marks::disc;
+use super::{Cell, Disc, Layer, Place};
 use crate::drawing::{is_dark, text_width, Anchor, Colour, Drawing, Item, Point, Stroke};
+
+/// Diameter of the mark at the end of a stem, px.
+const STEM_MARK: f64 = 7.0;
 
 /// Least and largest coordinate `which` (0: x, 1: y) of all data; infinite and swapped where there is none.
 pub(super) fn extent(layers: &[Layer], which: usize, positive: bool) -> [f64; 2] {
@@ -53,7 +57,7 @@ pub(super) fn draw_layer(drawing: &mut Drawing, layer: &Layer, sides: [f64; 4], 
         }
         Layer::Marks { points, mark, colour, size, .. } => {
             for point in points.iter().map(place).filter(inside) {
-                draw_mark(drawing, point, *mark, *colour, *size);
+                mark.draw(drawing, point, *colour, *size, None);
             }
         }
         Layer::Verticals { at, stroke, .. } => {
@@ -64,14 +68,14 @@ pub(super) fn draw_layer(drawing: &mut Drawing, layer: &Layer, sides: [f64; 4], 
             let lines = at.iter().map(|&value| y.place(value)).filter(|&p| p >= top && p <= bottom);
             push_lines(drawing, lines.map(|p| vec![[left, p], [right, p]]).collect(), *stroke, None);
         }
-        Layer::Stems { points, colour, .. } => {
+        Layer::Stems { points, mark, colour, .. } => {
             let zero = y.place(0.0);
             let base = if zero.is_finite() { zero.clamp(top, bottom) } else { bottom };
             for (point, hint) in points {
                 let tip = place(point);
                 if inside(&tip) {
                     drawing.line(vec![[tip[0], base], tip], Stroke::new(*colour, 2.0));
-                    disc(drawing, tip, 3.5, Some(*colour), None, Some(hint.clone()));
+                    mark.draw(drawing, tip, *colour, STEM_MARK, Some(hint.clone()));
                 }
             }
         }
@@ -113,35 +117,6 @@ fn push_lines(drawing: &mut Drawing, lines: Vec<Vec<Point>>, stroke: Stroke, nam
     }
 }
 
-fn disc(drawing: &mut Drawing, centre: Point, radius: f64, fill: Option<Colour>, stroke: Option<Stroke>, hint: Option<String>) {
-    drawing.items.push(Item::Disc { centre, radius, fill, stroke, hint });
-}
-
-fn draw_mark(drawing: &mut Drawing, at: Point, mark: Mark, colour: Colour, size: f64) {
-    let half = size / 2.0;
-    let corner = |dx: f64, dy: f64| [at[0] + dx * half, at[1] + dy * half];
-    match mark {
-        Mark::Dot => disc(drawing, at, half, Some(colour), None, None),
-        Mark::Ring => {
-            if matches!(colour, Colour::Rgb(_)) {
-                // seen on dark and on light ground
-                disc(drawing, at, half, None, Some(Stroke::new(Colour::Rgb([60, 64, 70]), 3.0)), None);
-            }
-            disc(drawing, at, half, None, Some(Stroke::new(colour, 1.4)), None);
-        }
-        Mark::Cross => {
-            let lines = vec![vec![corner(-1.0, -1.0), corner(1.0, 1.0)], vec![corner(-1.0, 1.0), corner(1.0, -1.0)]];
-            push_lines(drawing, lines.clone(), Stroke::new(Colour::Rgb([255, 255, 255]), 5.0), None);
-            push_lines(drawing, lines, Stroke::new(colour, 2.2), None);
-        }
-        Mark::Square => {
-            let corners = vec![corner(-0.9, -0.9), corner(0.9, -0.9), corner(0.9, 0.9), corner(-0.9, 0.9)];
-            drawing.polygon(corners, Some(colour), None, None);
-        }
-        Mark::Triangle => drawing.polygon(vec![corner(0.0, -1.1), corner(1.1, 0.8), corner(-1.1, 0.8)], Some(colour), None, None),
-    }
-}
-
 fn draw_cell(drawing: &mut Drawing, cell: &Cell, x: &Ruler, y: &Ruler) {
     let ([x0, x1], [y0, y1]) = (cell.sides[0].map(|value| x.place(value)), cell.sides[1].map(|value| y.place(value)));
     let hint = (!cell.hint.is_empty()).then(|| cell.hint.clone());
@@ -175,8 +150,8 @@ pub(super) fn draw_sample(drawing: &mut Drawing, layer: &Layer, [x, y]: Point) {
             drawing.line(vec![[x, y], [x + SAMPLE, y]], *stroke);
         }
         Layer::Verticals { stroke, .. } => drawing.line(vec![[middle[0], y - 8.0], [middle[0], y + 8.0]], *stroke),
-        Layer::Marks { mark, colour, size, .. } => draw_mark(drawing, middle, *mark, *colour, *size),
-        Layer::Stems { colour, .. } => disc(drawing, middle, 3.5, Some(*colour), None, None),
+        Layer::Marks { mark, colour, size, .. } => mark.draw(drawing, middle, *colour, *size, None),
+        Layer::Stems { mark, colour, .. } => mark.draw(drawing, middle, *colour, STEM_MARK, None),
         Layer::Pixels { .. } | Layer::Cells(_) | Layer::Discs(_) | Layer::Words { .. } => {}
     }
 }

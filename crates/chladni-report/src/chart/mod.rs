@@ -4,28 +4,15 @@ mod axis;
 mod clip;
 mod layers;
 mod layout;
+mod marks;
 
 pub use axis::{Axis, Scale};
+pub use marks::Mark;
 
 use crate::drawing::{Anchor, Colour, ColourMap, Image, Stroke};
 
 /// A place in data coordinates.
 pub type Place = [f64; 2];
-
-/// Signs for single points.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Mark {
-    /// Filled disc.
-    Dot,
-    /// Ring.
-    Ring,
-    /// ×.
-    Cross,
-    /// Filled square.
-    Square,
-    /// Filled triangle.
-    Triangle,
-}
 
 /// A disc whose size is data; with a hand that points to `hand` radians, counter-clockwise from the right.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,8 +54,8 @@ pub enum Layer {
     Verticals { name: Option<String>, at: Vec<f64>, stroke: Stroke },
     /// Lines from left to right.
     Horizontals { name: Option<String>, at: Vec<f64>, stroke: Stroke },
-    /// Lines from the lower end of the y axis, or from zero where that lies inside, to each point.
-    Stems { name: Option<String>, points: Vec<(Place, String)>, colour: Colour },
+    /// Lines from the lower end of the y axis, or from zero where that lies inside, to each point, with a mark there.
+    Stems { name: Option<String>, points: Vec<(Place, String)>, mark: Mark, colour: Colour },
     /// A closed outline; `casing` puts paper around its line.
     Outline { name: Option<String>, points: Vec<Place>, stroke: Stroke, casing: bool },
     /// Pixels over x ends and y ends; the first row lies at the upper y end.

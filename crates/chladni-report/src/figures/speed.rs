@@ -18,7 +18,6 @@ pub(crate) fn speed(table: &Table, number: usize) -> Option<Figure> {
     let mut chart =
         Chart::new(Axis::log("Time of a fit", "s").padded(0.1), Axis::log("Rms frequency error over the bound", "–").padded(0.1));
     chart = chart.height(Height::Px(380.0));
-    let marks = [Mark::Dot, Mark::Square, Mark::Triangle, Mark::Ring];
     let mut any = false;
     for (k, name) in cases.iter().enumerate() {
         let rows = table.rows.iter().filter(|row| row.get(case).is_some_and(|cell| cell == name));
@@ -30,7 +29,7 @@ pub(crate) fn speed(table: &Table, number: usize) -> Option<Figure> {
             chart = chart.with(Layer::Words { at: [at[0] * 1.05, at[1]], text: (*method).to_owned(), anchor: Anchor::Start, bold: false });
         }
         let points = shown.into_iter().map(|(at, _)| at).collect();
-        chart = chart.marks(name, points, marks[k % marks.len()], Colour::Series(k as u8), 7.0);
+        chart = chart.marks(name, points, Mark::of_series(k), Colour::Series(k as u8), 7.0);
     }
     any.then(|| Figure {
         name: format!("speed-{number}"),

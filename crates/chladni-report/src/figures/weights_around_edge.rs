@@ -1,7 +1,7 @@
 //! Weights: phasors at the places of the actuators, and amplitude and phase one by one.
 
 use super::plane::{corners_mm, mm, Plane};
-use crate::chart::{named, Axis, Chart, ColourBar, Disc, Figure, Height, Layer, Place};
+use crate::chart::{named, Axis, Chart, ColourBar, Disc, Figure, Height, Layer, Mark, Place};
 use crate::drawing::{Colour, ColourMap, Dash, Stroke};
 use crate::sizes;
 use crate::text::fixed;
@@ -109,12 +109,20 @@ pub(crate) fn weights_by_actuator(weights: &Weights, number: usize) -> Figure {
         list.map(|(k, weight)| ([k as f64 + 1.0, value(weight)], hint(weight, &scale))).collect()
     };
     let top = (largest(weights) * scale.factor * 1.08).max(f64::MIN_POSITIVE);
-    let amplitude = Chart::new(x.clone(), Axis::linear("Amplitude", &scale.unit).range([0.0, top]))
-        .height(Height::Px(150.0))
-        .with(Layer::Stems { name: None, points: stems(&|weight| weight.value().norm() * scale.factor), colour: Colour::Series(0) });
-    let phase = Chart::new(x, Axis::linear("Phase", "degrees").range([-190.0, 190.0]).step(90.0))
-        .height(Height::Px(150.0))
-        .with(Layer::Stems { name: None, points: stems(&|weight| weight.value().arg().to_degrees()), colour: Colour::Series(1) });
+    let amplitude =
+        Chart::new(x.clone(), Axis::linear("Amplitude", &scale.unit).range([0.0, top])).height(Height::Px(150.0)).with(Layer::Stems {
+            name: None,
+            points: stems(&|weight| weight.value().norm() * scale.factor),
+            mark: Mark::Dot,
+            colour: Colour::Series(0),
+        });
+    let phase =
+        Chart::new(x, Axis::linear("Phase", "degrees").range([-190.0, 190.0]).step(90.0)).height(Height::Px(150.0)).with(Layer::Stems {
+            name: None,
+            points: stems(&|weight| weight.value().arg().to_degrees()),
+            mark: Mark::Square,
+            colour: Colour::Series(1),
+        });
     Figure {
         name: format!("weights-{number}-list"),
         title: format!("Weights by actuator at {} Hz", fixed(weights.frequency_hz, 1)),

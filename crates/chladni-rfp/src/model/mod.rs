@@ -169,7 +169,7 @@ impl Shaped {
             ));
         }
 
-        let mut modes = modes(data, damping, &poles, &shapes, &scales, &bars.shape);
+        let mut modes = modes(data, damping, &poles, &shapes, &scales, &bars);
         if scaling == Scaling::Unscaled {
             warnings.push(unscaled(data.reference_unit));
         }

@@ -1,12 +1,12 @@
 //! Modes in SI units, scaled.
 
 use super::pole::Pole;
-use super::shape_error::Scale;
+use super::shape_error::{Scale, ShapeBars};
 use crate::head::Head;
 use crate::structure::Shapes;
 use crate::validation::mpc;
 use chladni_frf::{ComplexVector, Damping, Mode, ReferenceUnit, Scaling};
-use ndarray::{Array1, Array2};
+use ndarray::Array1;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -69,15 +69,8 @@ pub(super) fn scales(data: &Head, damping: Damping, poles: &[Pole], shapes: &Sha
     ((0..shapes.owner.len()).map(of_term).collect(), if massed { Scaling::UnitModalMass } else { Scaling::Unscaled })
 }
 
-/// Modes in SI units; `deviations`: √E|δψ|² of each term and response.
-pub(super) fn modes(
-    data: &Head,
-    damping: Damping,
-    poles: &[Pole],
-    shapes: &Shapes,
-    scales: &[Scale],
-    deviations: &Array2<f64>,
-) -> Vec<Mode> {
+/// Modes in SI units with the error `bars` of their terms.
+pub(super) fn modes(data: &Head, damping: Damping, poles: &[Pole], shapes: &Shapes, scales: &[Scale], bars: &ShapeBars) -> Vec<Mode> {
     (0..shapes.owner.len())
         .map(|n| {
             let pole = &poles[shapes.owner[n]];
@@ -87,8 +80,9 @@ pub(super) fn modes(
             let shape = shape.iter().map(|v| v * factor).collect();
             let participation = participation.iter().map(|v| v * si / factor).collect();
             let deviation = |(i, v): (usize, &f64)| if v.is_finite() { v / data.weight(i, 0)[0] } else { 0.0 };
-            let deviation = deviations.row(n).iter().enumerate().map(deviation).collect();
-            mode(data, pole, ComplexVector(shape), deviation, ComplexVector(participation))
+            let deviation = bars.shape.row(n).iter().enumerate().map(deviation).collect();
+            let scale_std = scales[n].stated(bars.scale[n]);
+            Mode { scale_std, ..mode(data, pole, ComplexVector(shape), deviation, ComplexVector(participation)) }
         })
         .collect()
 }
@@ -142,6 +136,7 @@ fn mode(data: &Head, pole: &Pole, shape: ComplexVector, shape_std: Vec<f64>, par
         mpc: mpc(&shape.0),
         shape,
         shape_std,
+        scale_std: None,
         participation,
     }
 }

@@ -35,6 +35,12 @@ impl Scale {
         u2 / (1.0 - u2)
     }
 
+    /// The relative standard deviation of a mass scale as it enters error bars of shapes; `None` for other scales, and where it is not known.
+    pub fn stated(&self, deviation: f64) -> Option<f64> {
+        let stated = deviation * (1.0 + self.second_order(deviation.powi(2))).sqrt();
+        Some(stated).filter(|value| !self.reference.is_empty() && value.is_finite())
+    }
+
     /// Relative 95 % half-width of what a mass scale is the root of, from the relative standard deviation of the scale.
     fn half_width(&self, deviation: f64) -> f64 {
         2.0 * tol::SIGMAS_95 * deviation

@@ -70,6 +70,9 @@ fn modes_group(model: &ModalModel) -> Group<'static> {
     let complex = |part: fn(&Mode) -> &ComplexVector| Values::Complex64(modes.iter().flat_map(|mode| part(mode).0.clone()).collect());
     group.add("shape", &[count, responses], complex(|mode| &mode.shape));
     group.add_reals("shape_std", &[count, responses], modes.iter().flat_map(|mode| mode.shape_std.clone()).collect());
+    if modes.iter().any(|mode| mode.scale_std.is_some()) {
+        group.add_reals("scale_std", &[count], modes.iter().map(|mode| mode.scale_std.unwrap_or(f64::NAN)).collect());
+    }
     group.add("participation", &[count, references], complex(|mode| &mode.participation));
     group
 }
@@ -121,6 +124,9 @@ impl<'a> Part<'a> {
     /// A word that serde reads: `mobility`, `structural`, ...
     fn word<T: DeserializeOwned>(&self, name: &str) -> Result<T> {
         parse_word(&self.text(name)?, &format!("{name} of {}", self.group.path))
+    }
+    fn has(&self, name: &str) -> bool {
+        self.own.find(&format!("{}/{name}", self.group.path)).is_some()
     }
     fn dataset(&self, name: &str) -> Result<(&'a Entry, Values<'static>)> {
         self.own.dataset(&format!("{}/{name}", self.group.path))
@@ -219,6 +225,11 @@ fn read_modes(own: &Own<'_>) -> Result<Vec<Mode>> {
     let (shape, participation) = (part.matrix("shape", count)?, part.matrix("participation", count)?);
     let shape_std = part.reals("shape_std")?;
     part.expect_count("shape_std", shape_std.len(), shape.len())?;
+    let scale_std = match part.has("scale_std") {
+        true => part.reals("scale_std")?,
+        false => vec![f64::NAN; count],
+    };
+    part.expect_count("scale_std", scale_std.len(), count)?;
     (0..count)
         .map(|k| {
             let field = |name: &str| format!("{name} of mode {}", k + 1);
@@ -234,6 +245,7 @@ fn read_modes(own: &Own<'_>) -> Result<Vec<Mode>> {
                 reasons: parse_word(&reasons[k], &field("reasons"))?,
                 shape: ComplexVector(shape.row(k).to_vec()),
                 shape_std: shape_std[k * shape.ncols()..(k + 1) * shape.ncols()].to_vec(),
+                scale_std: Some(scale_std[k]).filter(|value| !value.is_nan()),
                 participation: ComplexVector(participation.row(k).to_vec()),
             })
         })
