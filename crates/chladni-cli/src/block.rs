@@ -56,13 +56,13 @@ pub struct Reduce {
     /// Blocks that the files are cut into, of which this is one [default: the files are this block]
     #[arg(long, value_name = "N")]
     blocks: Option<usize>,
-    /// Band to fit, Hz, the same for all blocks [default: all lines]
+    /// Band to fit, Hz, the same for all blocks [default: all lines; in the second pass that of the first]
     #[arg(long, value_name = "LO:HI", value_parser = parse_band, allow_hyphen_values = true)]
     band: Option<[f64; 2]>,
-    /// Seed of the random mixtures, the same for all blocks
-    #[arg(long, value_name = "S", default_value_t = 0, allow_negative_numbers = true)]
-    seed: u64,
-    /// Window of the records that the FRFs were averaged from: its bias is undone
+    /// Seed of the random mixtures, the same for all blocks [default: 0; in the second pass that of the first]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    seed: Option<u64>,
+    /// Window of the records that the FRFs were averaged from: its bias is undone [default: not said; in the second pass as in the first]
     #[arg(long, value_name = "WINDOW", value_parser = PossibleValuesParser::new(Window::ALL.map(Window::as_str))
         .try_map(|name| name.parse::<Window>()))]
     window: Option<Window>,
@@ -144,7 +144,13 @@ fn reduce(args: &Reduce, console: &Console) -> Result<Outcome> {
     let files = expand(&args.files, console)?;
     let output = Output::new(&args.output, PARTIAL, &files, console)?;
     let poles = args.poles.as_deref().map(|path| Poles::from_bytes(&bytes_of(path)?).map_err(|error| error.file(path))).transpose()?;
-    let options = FitOptions { band_hz: args.band, seed: args.seed, window: args.window, ..FitOptions::default() };
+    let first = poles.as_ref().map(Poles::options).unwrap_or_default();
+    let options = FitOptions {
+        band_hz: args.band.or(first.band_hz),
+        seed: args.seed.unwrap_or(first.seed),
+        window: args.window.or(first.window),
+        ..first
+    };
     let mut data = FrfParts::open(&files, &args.reading.options())?;
     if let Some(blocks) = args.blocks {
         if args.block >= blocks {

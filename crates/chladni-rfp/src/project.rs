@@ -5,6 +5,7 @@
 //! signal-to-noise ratio of the whole set, and the residues of any nearby poles follow from them.
 
 use crate::head::Head;
+use crate::reading::squares;
 use crate::refine::Projection;
 use crate::screen::Screened;
 use crate::tolerances as tol;
@@ -32,7 +33,7 @@ impl Projected {
     /// # Errors
     /// A decomposition that fails.
     pub fn new(data: &Head, products: Products, line_energy: &Array1<f64>) -> Result<Self, LinalgError> {
-        let Products { t, gram, r0 } = products;
+        let Products { t, gram, r0, .. } = products;
         let (lines, m) = (data.lines.len(), gram.nrows());
         let factor = data.factor();
         // G^{-1/2} on the directions that carry anything
@@ -97,6 +98,8 @@ pub(crate) struct Products {
     pub gram: Array2<f64>,
     /// R₀ = QᴴB over the reals, (unknown, FRF).
     pub r0: Array2<f64>,
+    /// Sum of squares of each FRF, in units of the measured values.
+    pub energy: Vec<f64>,
 }
 
 /// Runs the pass with basis `q` on all FRFs; `line_energy` comes from the first pass.
@@ -112,17 +115,22 @@ pub(crate) fn products(data: &Screened, q: &Array2<Complex64>) -> Products {
     let groups: Vec<_> = data.groups().into_iter().zip(r0.axis_chunks_iter_mut(Axis(1), data.group_size())).collect();
     let sums = |(group, mut r0): (Range<usize>, ArrayViewMut2<f64>)| {
         let (mut t, mut gram) = (Array2::zeros((2 * lines, m).f()), Array2::zeros((m, m).f()));
+        let mut energy = Vec::with_capacity(group.len());
         let start = group.start;
         data.each_block(group, |frfs, block| {
             let mut inside = r0.slice_mut(s![.., frfs.start - start..frfs.end - start]);
             add_matmul_h(inside.view_mut(), basis.view(), block.view());
             add_matmul(t.view_mut(), block.view(), inside.t());
             add_matmul(gram.view_mut(), inside.view(), inside.t());
+            energy.extend(block.columns().into_iter().map(|frf| squares(frf.to_slice().expect("one FRF after the other"))));
         });
-        (t, gram)
+        (t, gram, energy)
     };
-    let (t, gram): (Array2<f64>, Array2<f64>) = tree_sum(groups, &sums, &|left, right| (left.0 + right.0, left.1 + right.1));
-    Products { t, gram, r0 }
+    let add = |left: (Array2<f64>, Array2<f64>, Vec<f64>), right: (Array2<f64>, Array2<f64>, Vec<f64>)| {
+        (left.0 + right.0, left.1 + right.1, [left.2, right.2].concat())
+    };
+    let (t, gram, energy) = tree_sum(groups, &sums, &add);
+    Products { t, gram, r0, energy }
 }
 
 /// Energy Σ|qᴴb|² that each column of `q` sees of all FRFs: a light pass.

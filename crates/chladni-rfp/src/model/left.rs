@@ -14,7 +14,7 @@ const KNOWN: f64 = 1e-9;
 const BLOCK: usize = 256;
 
 /// Sum of squares left of each FRF in work units of the measured data. `None` where no energies are known, where the columns are the FRFs
-/// themselves, or where a residual lies in the rounding of these sums.
+/// themselves or not all lines, or where a residual lies in the rounding of these sums.
 pub(super) fn above_rounding(shaped: &Shaped, data: &Head) -> Option<Vec<f64>> {
     let sums = sums(shaped, data)?;
     sums.iter().all(|(left, energy)| left > &(KNOWN * energy)).then(|| sums.into_iter().map(|(left, _)| left).collect())
@@ -28,11 +28,13 @@ pub(super) fn by_sums(shaped: &Shaped, data: &Head) -> Vec<f64> {
 /// (left, energy) of each FRF, in work units of the measured data.
 fn sums(shaped: &Shaped, data: &Head) -> Option<Vec<(f64, f64)>> {
     let back = shaped.identified.back.as_ref()?;
-    if data.energy.len() != data.pairs.len() {
+    let work = &shaped.identified.work;
+    // the measured-data path looks at some lines, or weighs them
+    if data.energy.len() != data.pairs.len() || work.x != data.x || work.g != data.g {
         return None;
     }
     let basis = shaped.synthesis(data);
-    let (gram, against) = (wide_h(basis.view(), basis.view()), wide_h(basis.view(), stacked(&shaped.identified.work.b).view()));
+    let (gram, against) = (wide_h(basis.view(), basis.view()), wide_h(basis.view(), stacked(&work.b).view()));
     let unit = data.factor().norm_sqr();
     let starts: Vec<usize> = (0..data.pairs.len()).step_by(BLOCK).collect();
     let of_block = |first: usize| {

@@ -14,7 +14,7 @@ use crate::reading::Usable;
 use crate::screen::Screened;
 use crate::sketch::{self, Mixing};
 use chladni_frf::{Error, FrfSet, Source};
-use ndarray::Array2;
+use ndarray::{Array2, Axis};
 use num_complex::Complex64;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -150,14 +150,19 @@ fn mixing(frf: &FrfSet, pairs: &[(usize, usize)], plan: &Plan) -> Mixing {
 
 fn second_pass(frf: &FrfSet, second: &Second) -> Result<(Block, Sums), PieceError> {
     let head = &second.head;
-    let Usable { pairs, bad, energy: of_pair } = Usable::new(frf, &head.lines);
-    if pairs.is_empty() {
-        return Err(FitError::NoData.into());
-    }
-    let energy: Vec<f64> = pairs.iter().map(|&(i, j)| of_pair[i * frf.references.len() + j]).collect();
-    if let Some(l) = energy.iter().position(|energy| !energy.is_finite()) {
-        let (i, j) = pairs[l];
-        let line = bad.iter().position(|bad| *bad).map_or(f64::NAN, |k| head.line_hz[k]);
+    // on the lines used, an FRF is there or it is not
+    let is_finite = |(i, j): (usize, usize), k: usize| frf.values.get(i, j, k).is_finite();
+    let (mut pairs, missing): (Vec<_>, Vec<_>) = frf.all_pairs().partition(|&pair| is_finite(pair, head.lines[0]));
+    let mut made = products(&Screened::part(frf, Head { pairs: pairs.clone(), ..head.clone() }), &second.q);
+    let broken = pairs.iter().zip(&made.energy).find(|(_, energy)| !energy.is_finite()).map(|(&pair, _)| pair);
+    let partly = || {
+        missing
+            .iter()
+            .copied()
+            .find(|&pair| head.lines.iter().any(|&k| is_finite(pair, k) && frf.values.get(pair.0, pair.1, k).norm() > 0.0))
+    };
+    if let Some((i, j)) = broken.or_else(partly) {
+        let line = head.lines.iter().position(|&k| !is_finite((i, j), k)).map_or(f64::NAN, |k| head.line_hz[k]);
         return Err(Error::bad_data("a value that is not finite, where all were finite when the poles were found")
             .field(format!("FRF {} from {} at {line} Hz", frf.responses[i], frf.references[j]))
             .found("NaN or infinity")
@@ -165,7 +170,16 @@ fn second_pass(frf: &FrfSet, second: &Second) -> Result<(Block, Sums), PieceErro
             .help("run both passes over the same data")
             .into());
     }
-    let made = products(&Screened::part(frf, Head { pairs: pairs.clone(), ..head.clone() }), &second.q);
-    let block = Block { energy, r0: Some(Matrix::from(&made.r0)), ..of_pairs(pairs) };
+    // FRFs of zeros add nothing to the products; the first pass has left them out
+    let used: Vec<usize> = (0..pairs.len()).filter(|&l| made.energy[l] > 0.0).collect();
+    if used.is_empty() {
+        return Err(FitError::NoData.into());
+    }
+    if used.len() < pairs.len() {
+        pairs = used.iter().map(|&l| pairs[l]).collect();
+        made.energy = used.iter().map(|&l| made.energy[l]).collect();
+        made.r0 = made.r0.select(Axis(1), &used);
+    }
+    let block = Block { energy: made.energy, r0: Some(Matrix::from(&made.r0)), ..of_pairs(pairs) };
     Ok((block, Sums::Products { t: Matrix::from(&made.t), gram: Matrix::from(&made.gram) }))
 }

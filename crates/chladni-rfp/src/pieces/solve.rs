@@ -51,7 +51,7 @@ pub fn solve(partial: &Partial, options: &FitOptions, progress: &dyn Fn(&str)) -
         (Sums::Products { t, gram }, Some(poles)) => {
             let head = with_dofs(poles.head(options.effort)?, set);
             let r0 = in_order(&partial.blocks, gram.rows, &order);
-            of_products(poles, head, Products { t: t.array(), gram: gram.array(), r0 }, options, progress)
+            of_products(poles, head, Products { t: t.array(), gram: gram.array(), r0, energy: Vec::new() }, options, progress)
         }
         (sums, _) => {
             let sketch = Sketch::of_sums(&partial.plan, set, &sums, options)?;

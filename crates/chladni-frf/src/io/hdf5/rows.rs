@@ -2,7 +2,6 @@
 
 use super::backend::File;
 use super::own::{own_array, Own, FORMAT};
-use super::report_masked;
 use crate::io::arrays::tree::{Element, Entry};
 use crate::io::arrays::values::ComplexArray;
 use crate::io::time_sign::to_plus;
@@ -61,7 +60,6 @@ impl Rows {
         let mut document = Document::new(&self.path, FileFormat::Hdf5);
         let mut set = self.set(rows).map_err(|error| error.file(&self.path))?;
         to_plus(&mut set, self.time_sign, options.time_sign, &mut document.warnings);
-        report_masked(&set, &mut document.warnings);
         document.frf = Some(set);
         Ok(document)
     }
