@@ -14,8 +14,9 @@ EXAMPLE = Path(__file__).parents[2] / "examples" / "dask_fit.py"
 
 
 def test_a_dask_cluster_of_any_size_fits_what_one_machine_fits(tmp_path):
-    command = [sys.executable, EXAMPLE, "--gigabytes", "0.02", "--blocks", "19", "--workers", "1", "2", "--compare"]
-    run = subprocess.run([*map(str, command)], cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    command = [sys.executable, str(EXAMPLE), "--gigabytes", "0.02", "--blocks", "19", "--workers", "1", "2", "--compare"]
+    run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=300)
     assert run.returncode == 0, run.stdout + run.stderr
     assert len(re.search("sha256 of the model: (.*)", run.stdout)[1].split(", ")) == 1
-    assert "2 workers against 1" in run.stdout and "least MAC 1.0000" in run.stdout
+    assert "2 workers against 1" in run.stdout
+    assert float(re.search("least MAC (.*)", run.stdout)[1]) > 0.9999
