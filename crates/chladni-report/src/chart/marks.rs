@@ -53,7 +53,8 @@ impl Mark {
             }
             Self::Cross => strokes(drawing, &[corners(&[[-1.0, -1.0], [1.0, 1.0]]), corners(&[[-1.0, 1.0], [1.0, -1.0]])], colour),
             Self::Plus => strokes(drawing, &[corners(&[[-1.2, 0.0], [1.2, 0.0]]), corners(&[[0.0, -1.2], [0.0, 1.2]])], colour),
-            Self::Square => filled(&[[-0.9, -0.9], [0.9, -0.9], [0.9, 0.9], [-0.9, 0.9]]),
+            // larger than a disc, which it would else be taken for
+            Self::Square => filled(&[[-1.05, -1.05], [1.05, -1.05], [1.05, 1.05], [-1.05, 1.05]]),
             Self::Triangle => filled(&[[0.0, -1.1], [1.1, 0.8], [-1.1, 0.8]]),
             Self::Inverted => filled(&[[0.0, 1.1], [1.1, -0.8], [-1.1, -0.8]]),
             Self::Diamond => filled(&[[0.0, -1.25], [0.9, 0.0], [0.0, 1.25], [-0.9, 0.0]]),

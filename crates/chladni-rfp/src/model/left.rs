@@ -1,5 +1,5 @@
 //! What a model leaves of each FRF, without another look at the data: ‖b − A·c‖² = ‖b‖² − 2cᵀAᵀb + cᵀAᵀA·c over the reals, where the
-//! compressed columns stand for b in the product with A (theory.md, eq. 54).
+//! compressed columns stand for b in the product with A (theory.md, eq. 55).
 
 use super::Shaped;
 use crate::head::Head;
