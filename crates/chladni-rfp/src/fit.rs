@@ -40,7 +40,15 @@ pub struct Fit {
 /// A fit that was made but cannot be trusted is no error: `model.quality.trusted` says so, with the reasons in its warnings.
 pub fn fit(frf: &FrfSet, options: &FitOptions, progress: &dyn Fn(&str)) -> Result<Fit, FitError> {
     let unbiased = options.window.map_or(Ok(None), |window| faults::window::undo(frf, window))?;
-    let mut data = Screened::new(unbiased.as_ref().unwrap_or(frf), options)?;
+    let frf = unbiased.as_ref().unwrap_or(frf);
+    let screened = Screened::new(frf, options)?;
+    let given = given_noise(&screened);
+    let known = PairWeights::new(&screened, &given, 1.0);
+    let weighted = known.as_ref().map(|weights| weights.applied(frf));
+    let mut data = match (known, &weighted) {
+        (Some(weights), Some(weighted)) => screened.weighted(weighted, weights),
+        _ => screened,
+    };
     let mut dropped = Vec::new();
     let mut rounds = 0;
     let (mut fit, white, left) = loop {
@@ -53,7 +61,10 @@ pub fn fit(frf: &FrfSet, options: &FitOptions, progress: &dyn Fn(&str)) -> Resul
             Attempt::Fitted(fit, white, left) => break (*fit, white, left),
         }
     };
-    if let Some(weights) = PairWeights::new(&data, &left, fit.model.quality.relative_error).filter(|_| white) {
+    if let Some(known) = &data.weighting {
+        fit.model.quality.path =
+            fit.model.quality.path.map(|path| format!("{path}; {}, as the variances of the set say", known.weights.words()));
+    } else if let Some(weights) = PairWeights::new(&data, &left, fit.model.quality.relative_error).filter(|_| white) {
         progress("FRFs weighted by their noise");
         let weighted = weights.applied(data.frf);
         if let Attempt::Fitted(mut again, true, _) = identify(&data.weighted(&weighted, weights.clone()), options, false, progress)? {
@@ -69,6 +80,24 @@ pub fn fit(frf: &FrfSet, options: &FitOptions, progress: &dyn Fn(&str)) -> Resul
         faults::exponential::undo(&mut fit.model, alpha);
     }
     Ok(fit)
+}
+
+/// Noise energy of each FRF on the lines used, in work units, where the set gives the variance of every value: from averages, as
+/// `estimate` writes it. Empty otherwise. The median line speaks for all: leakage raises the variance of those at the peaks.
+fn given_noise(data: &Screened) -> Vec<f64> {
+    let Some(variance) = &data.frf.variance else { return Vec::new() };
+    let unit = data.factor().norm_sqr();
+    let of = |&(i, j): &(usize, usize)| {
+        let mut values: Vec<f64> = data.lines.iter().map(|&k| variance[[i, j, k]]).collect();
+        let (middle, lines) = (values.len() / 2, values.len() as f64);
+        *values.select_nth_unstable_by(middle, f64::total_cmp).1 * lines * unit
+    };
+    let noise: Vec<f64> = data.pairs.iter().map(of).collect();
+    if noise.iter().all(|sum| sum.is_finite() && *sum > 0.0) {
+        noise
+    } else {
+        Vec::new()
+    }
 }
 
 /// Rounds of leaving out outlier lines and fitting again: the second finds those that hid beside the first.

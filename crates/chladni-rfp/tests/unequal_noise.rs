@@ -32,6 +32,28 @@ fn unequal(seed: u64) -> (SyntheticSet, CramerRao) {
     (set, bound)
 }
 
+#[test]
+fn variances_that_the_set_gives_are_the_weights_from_the_start() {
+    let (set, _) = unequal(3);
+    let learnt = fitted(&set.frf, &FitOptions::default());
+    let mut given = set.frf.clone();
+    let noise = Array3::from_shape_fn(given.values.dim(), |(i, j, _)| (1e-3 * RESPONSES[i] * REFERENCES[j]).powi(2));
+    given.variance = Some(noise);
+    let model = fitted(&given, &FitOptions::default());
+    assert!(path(&model).ends_with("as the variances of the set say"), "{}", path(&model));
+    assert!(path(&model).contains("differs 6.0 times between responses and 2.0 times between references"), "{}", path(&model));
+    for (mode, other) in model.in_band_modes().zip(learnt.in_band_modes()) {
+        assert!((mode.frequency_hz - other.frequency_hz).abs() < 0.2 * other.frequency_std_hz);
+        assert!((mode.frequency_std_hz / other.frequency_std_hz - 1.0).abs() < 0.05);
+    }
+    // equal ones change nothing, and where one is not known the data tell
+    given.variance = Some(Array3::from_elem(given.values.dim(), 1e-6));
+    let equal = fitted(&given, &FitOptions::default());
+    assert!(!path(&equal).contains("as the variances of the set say"), "{}", path(&equal));
+    given.variance.as_mut().unwrap()[[0, 0, 700]] = f64::NAN;
+    assert_eq!(path(&fitted(&given, &FitOptions::default())), path(&learnt));
+}
+
 fn path(model: &ModalModel) -> &str {
     model.quality.path.as_deref().unwrap()
 }
