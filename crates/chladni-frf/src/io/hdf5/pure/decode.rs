@@ -227,6 +227,8 @@ impl<'a> Windows<'a> {
         let step = (WINDOW_BYTES / row_bytes).max(1).checked_next_multiple_of(chunk_rows).unwrap_or(all);
         let rows = (rows.start as u64).min(all)..(rows.end as u64).min(all);
         let count = count.checked_div(all).unwrap_or(0) * (rows.end - rows.start);
+        // rows without elements would be looked for one after the other, however many a header claims
+        let rows = if count == 0 { 0..0 } else { rows };
         let count = usize::try_from(count).ok().filter(|_| element_bytes > 0);
         Ok(count.map(|count| Self { dataset, element_bytes, count, rows, step }))
     }
