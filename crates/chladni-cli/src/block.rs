@@ -205,14 +205,14 @@ fn solved(args: &Solve, console: &Console) -> Result<Outcome> {
             .expected(expected)
             .help("a first pass leads to poles, a second to a model"));
     }
-    let options = FitOptions {
-        modes: args.modes.0,
-        damping: crate::fit::law(&args.damping),
-        shapes: args.shapes,
-        exponential_window_per_s: args.exponential_window,
-        band_hz: partial.band_hz(),
-        seed: partial.seed(),
-        ..FitOptions::default()
+    let options = match partial.poles() {
+        Some(poles) => FitOptions {
+            damping: crate::fit::law(&args.damping),
+            shapes: args.shapes,
+            exponential_window_per_s: args.exponential_window,
+            ..poles.options()
+        },
+        None => FitOptions { modes: args.modes.0, ..FitOptions::default() },
     };
     let solved = solve(&partial, &options, &|stage| console.stage(stage)).map_err(|error| explain_piece(error, &options, &args.file))?;
     match solved {

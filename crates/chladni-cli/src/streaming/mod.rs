@@ -4,8 +4,9 @@ mod resume;
 
 use crate::console::Console;
 use crate::fit::explain;
-use chladni_frf::io::{self, FrfParts, Part};
-use chladni_frf::{Error, FrfSet, Result, Source};
+use crate::input::source;
+use chladni_frf::io::{FrfParts, Part};
+use chladni_frf::{Error, ErrorKind, FrfSet, Result, Source};
 use chladni_rfp::pieces::{solve, Partial, PieceError, Poles, Reducer, Solved};
 use chladni_rfp::{Fit, FitOptions};
 pub use resume::Resume;
@@ -88,7 +89,13 @@ impl<'a> Stream<'a> {
             }
             Ok::<(), Error>(())
         })?;
-        merged.ok_or_else(|| Error::bad_data("the input holds no FRF").field("files").found("none").expected("at least one FRF"))
+        merged.ok_or_else(|| {
+            Error::bad_data("the input holds no FRF")
+                .field("files")
+                .found("none")
+                .expected("at least one FRF")
+                .help("look at the files with `chladni info`")
+        })
     }
 
     /// Both passes, and once more where they ask for it.
@@ -128,11 +135,10 @@ pub fn explain_piece(error: PieceError, options: &FitOptions, file: &Path) -> Er
 /// # Errors
 /// Those of either.
 pub fn beside_checksums<T>(files: &[PathBuf], work: impl FnOnce() -> Result<T>) -> Result<(T, Vec<Source>)> {
-    thread::scope(|scope| {
-        let source = |file: &PathBuf| Ok(Source { file: io::file_name(file), sha256: io::sha256_of(file)? });
-        let sources = scope.spawn(move || files.iter().map(source).collect::<Result<Vec<_>>>());
-        let made = work()?;
-        let sources = sources.join().map_err(|_| Error::new(chladni_frf::ErrorKind::Internal, "the thread of the checksums failed"))?;
-        Ok((made, sources?))
-    })
+    let files = files.to_vec();
+    // not scoped: an error of `work` need not wait for the end of the files
+    let sources = thread::spawn(move || files.iter().map(|file| source(file)).collect::<Result<Vec<_>>>());
+    let made = work()?;
+    let sources = sources.join().map_err(|_| Error::new(ErrorKind::Internal, "the thread of the checksums failed"))?;
+    Ok((made, sources?))
 }

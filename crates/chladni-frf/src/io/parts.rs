@@ -160,16 +160,27 @@ impl FrfParts {
         if options.references.len() > 1 {
             options.references = options.references.get(file.number).copied().into_iter().collect();
         }
+        Self::read_of(file, &options, &part.units).map_err(|mut error| {
+            // lines of a part are not those of the file
+            if let Cut::Functions { functions, .. } = &file.cut {
+                error.line = None;
+                error.byte.get_or_insert(functions[part.units.start].start);
+            }
+            error
+        })
+    }
+
+    fn read_of(file: &Parted, options: &ReadOptions, units: &Range<usize>) -> Result<(FrfSet, Vec<String>)> {
         let documents = match &file.cut {
-            Cut::Nowhere => read_documents(std::slice::from_ref(&file.path), &options)?,
-            Cut::Responses(rows) => vec![rows.read(&options, part.units.clone())?],
+            Cut::Nowhere => read_documents(std::slice::from_ref(&file.path), options)?,
+            Cut::Responses(rows) => vec![rows.read(options, units.clone())?],
             Cut::Functions { beside, functions } => {
-                let wanted: Vec<&Range<u64>> = beside.iter().chain(&functions[part.units.clone()]).collect();
+                let wanted: Vec<&Range<u64>> = beside.iter().chain(&functions[units.clone()]).collect();
                 let bytes = stretches(&file.path, wanted).map_err(|error| Error::from_read(&error, &file.path))?;
-                vec![uff::read(&bytes, &file.path, &options)?]
+                vec![uff::read(&bytes, &file.path, options)?]
             }
         };
-        let mut contents = assemble(documents, &options)?;
+        let mut contents = assemble(documents, options)?;
         let nothing = || Error::bad_data("no FRF in this part of the file").file(&file.path).found("other functions").expected("FRFs");
         Ok((contents.frf.take().ok_or_else(nothing)?, contents.warnings))
     }
@@ -180,13 +191,14 @@ fn size(path: &Path) -> Result<u64> {
     Ok(fs::metadata(path).map_err(|error| Error::from_read(&error, path))?.len())
 }
 
-/// Bytes that the FRFs of files take in memory, about, from what their heads say.
+/// Bytes that the FRFs of files take in memory, about: from what their heads say, else the size of the file. Damage is for the reader to
+/// report.
 ///
 /// # Errors
 /// Those of reading.
 pub fn frf_bytes(files: &[PathBuf]) -> Result<u64> {
     let of = |path: &PathBuf| match detect_format(path)? {
-        FileFormat::Hdf5 => Ok(hdf5::Rows::open(path)?.map_or(size(path)?, |rows| rows.bytes())),
+        FileFormat::Hdf5 => hdf5::Rows::open(path).ok().flatten().map_or_else(|| size(path), |rows| Ok(rows.bytes())),
         _ => size(path),
     };
     files.iter().map(of).try_fold(0_u64, |sum, bytes| Ok(sum.saturating_add(bytes?)))

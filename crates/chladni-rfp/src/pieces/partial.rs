@@ -103,7 +103,13 @@ impl Partial {
     /// Nothing to merge, pieces of different fits, a block or an FRF that stands twice.
     pub fn merge(partials: impl IntoIterator<Item = Self>) -> Result<Self, Error> {
         let mut partials = partials.into_iter();
-        let nothing = || Error::bad_data("nothing to merge").field("partials").found("none").expected("at least one");
+        let nothing = || {
+            Error::bad_data("nothing to merge")
+                .field("partials")
+                .found("none")
+                .expected("at least one")
+                .help("name the partials of all blocks")
+        };
         let mut all = partials.next().ok_or_else(nothing)?;
         for other in partials {
             let whose = other.named();
@@ -179,16 +185,6 @@ impl Partial {
     /// The poles that the second pass was run with; `None` after the first.
     pub fn poles(&self) -> Option<&Poles> {
         self.poles.as_deref()
-    }
-
-    /// Band asked for, Hz; `None`: all lines.
-    pub fn band_hz(&self) -> Option<[f64; 2]> {
-        self.plan.band_hz
-    }
-
-    /// Seed of the mixtures.
-    pub fn seed(&self) -> u64 {
-        self.plan.seed
     }
 
     /// The files that the blocks came from, each once.

@@ -71,11 +71,11 @@ impl Poles {
         self.lambda.len()
     }
 
-    /// Options to run the second pass with: band, seed, window and sketch of the first.
+    /// Options of the first pass, to run the second with: band, seed, window, sketch, and the number of modes asked for.
     pub fn options(&self) -> FitOptions {
         let window = self.plan.window.as_deref().and_then(|name| name.parse().ok());
         let effort = Effort { sketch_columns: self.plan.columns, ..Effort::default() };
-        FitOptions { band_hz: self.plan.band_hz, seed: self.plan.seed, window, effort, ..FitOptions::default() }
+        FitOptions { band_hz: self.plan.band_hz, modes: self.modes, seed: self.plan.seed, window, effort, ..FitOptions::default() }
     }
 
     /// Natural frequencies and loss factors of the poles of the band, by rising frequency, as far as the sketch tells them.

@@ -45,18 +45,26 @@ const ROUNDS: usize = 3;
 /// # Errors
 /// [`FitError`] as for [`crate::fit()`]; no block, an FRF that stands in two, a second pass over other FRFs than the first.
 pub fn solve(partial: &Partial, options: &FitOptions, progress: &dyn Fn(&str)) -> Result<Solved, PieceError> {
-    let none = || Error::bad_data("nothing to solve").field("blocks").found("none").expected("at least one");
+    let none = || Error::bad_data("nothing to solve").field("blocks").found("none").expected("at least one").help("reduce a block first");
     let (set, order) = whole(partial)?;
     match (partial.sums().ok_or_else(none)?, partial.poles()) {
         (Sums::Products { t, gram }, Some(poles)) => {
             let head = with_dofs(poles.head(options.effort)?, set);
             let r0 = in_order(&partial.blocks, gram.rows, &order);
+            // the number of modes was settled with the poles
+            let options = &FitOptions { modes: poles.modes, ..options.clone() };
             of_products(poles, head, Products { t: t.array(), gram: gram.array(), r0, energy: Vec::new() }, options, progress)
         }
-        (sums, _) => {
+        (sums @ Sums::Sketch { .. }, None) => {
             let sketch = Sketch::of_sums(&partial.plan, set, &sums, options)?;
             Ok(Solved::Poles(Box::new(sketch.poles(&partial.plan, options.modes, 0, progress)?)))
         }
+        _ => Err(Error::bad_data("the partial contradicts itself")
+            .field("poles")
+            .found("those of one pass with the sums of the other")
+            .expected("sums of a second pass with its poles, or of a first without")
+            .help("reduce and merge the blocks anew")
+            .into()),
     }
 }
 
