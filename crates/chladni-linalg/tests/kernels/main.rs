@@ -1,0 +1,4 @@
+//! The kernels of either flavour, against identities.
+
+mod nist;
+mod scaled_residuals;

@@ -1,0 +1,8 @@
+//! The simulated panel, against closed forms and tables.
+
+mod cramer_rao;
+mod estimate;
+mod fixtures;
+mod frequencies;
+mod response;
+mod time;

@@ -1,0 +1,15 @@
+//! Rendering, against its definitions, bounds and a dense panel.
+
+mod area;
+mod common;
+mod covariance;
+mod evaluate;
+mod fewest;
+mod methods;
+mod robust;
+mod scene_file;
+mod signals;
+mod stress;
+mod tones;
+mod weights_file;
+mod zones;

@@ -1,0 +1,15 @@
+//! The fit, against closed forms, bounds and measured sets.
+
+mod common;
+mod family;
+mod faults;
+mod identification;
+mod limits;
+mod measured;
+mod measured_faults;
+mod noise_only;
+mod pieces;
+mod simulated_in_time;
+mod structure;
+mod unequal_noise;
+mod validation;

@@ -1,0 +1,102 @@
+//! FRFs that are not equally noisy: weighted, the fit stands at the bound of weighted data, and comes back in measured units.
+
+use crate::common::{easy, fitted, resynthesis_error};
+use chladni_frf::{FrfValues, ModalModel};
+use chladni_plate::{add_noise_of_variance, cramer_rao_real, CramerRao, SyntheticSet};
+use chladni_rfp::FitOptions;
+use ndarray::Array3;
+
+/// Noise of each response and reference, in units of the quietest.
+const RESPONSES: [f64; 6] = [1.0, 4.0, 1.0, 6.0, 5.0, 2.0];
+const REFERENCES: [f64; 2] = [2.0, 1.0];
+
+/// The easy set with noise 45 dB below the data, times what the sensor and the exciter make of it; and the bound: that of equal noise
+/// on FRFs divided by the same factors.
+fn unequal(seed: u64) -> (SyntheticSet, CramerRao) {
+    let mut set = easy(f64::INFINITY, seed).build().unwrap();
+    let FrfValues::F64(values) = &mut set.frf.values else { panic!("synthetic sets are in double precision") };
+    let variance = 10f64.powf(-4.5) * values.iter().map(|v| v.norm_sqr()).sum::<f64>() / values.len() as f64;
+    let mut noise = Array3::zeros(values.dim());
+    add_noise_of_variance(&mut noise, variance, 100 + seed);
+    for (((i, j, _), value), noise) in values.indexed_iter_mut().zip(&noise) {
+        *value += noise * RESPONSES[i] * REFERENCES[j];
+    }
+    let mut even = set.truth.clone();
+    for mode in &mut even.modes {
+        mode.shape.0.iter_mut().zip(RESPONSES).for_each(|(value, level)| *value /= level);
+        mode.participation.0.iter_mut().zip(REFERENCES).for_each(|(value, level)| *value /= level);
+    }
+    let bound = cramer_rao_real(&even, &set.frf.frequency_hz, variance, &[-2, 0, 2, 4]).unwrap();
+    (set, bound)
+}
+
+#[test]
+fn variances_that_the_set_gives_are_the_weights_from_the_start() {
+    let (set, _) = unequal(3);
+    let learnt = fitted(&set.frf, &FitOptions::default());
+    let mut given = set.frf.clone();
+    let noise = Array3::from_shape_fn(given.values.dim(), |(i, j, _)| (1e-3 * RESPONSES[i] * REFERENCES[j]).powi(2));
+    given.variance = Some(noise);
+    let model = fitted(&given, &FitOptions::default());
+    assert!(path(&model).ends_with("as the variances of the set say"), "{}", path(&model));
+    assert!(path(&model).contains("differs 6.0 times between responses and 2.0 times between references"), "{}", path(&model));
+    for (mode, other) in model.in_band_modes().zip(learnt.in_band_modes()) {
+        assert!((mode.frequency_hz - other.frequency_hz).abs() < 0.2 * other.frequency_std_hz);
+        assert!((mode.frequency_std_hz / other.frequency_std_hz - 1.0).abs() < 0.05);
+    }
+    // equal ones change nothing, and where one is not known the data tell
+    given.variance = Some(Array3::from_elem(given.values.dim(), 1e-6));
+    let equal = fitted(&given, &FitOptions::default());
+    assert!(!path(&equal).contains("as the variances of the set say"), "{}", path(&equal));
+    given.variance.as_mut().unwrap()[[0, 0, 700]] = f64::NAN;
+    assert_eq!(path(&fitted(&given, &FitOptions::default())), path(&learnt));
+}
+
+fn path(model: &ModalModel) -> &str {
+    model.quality.path.as_deref().unwrap()
+}
+
+#[test]
+fn weighted_frfs_reach_the_bound_of_weighted_data_and_their_bars_are_honest() {
+    let (mut squares, mut count) = ([0.0; 2], 0);
+    let (mut poles_covered, mut shapes_covered, mut entries) = (0, 0, 0);
+    for seed in 0..10 {
+        let (set, bound) = unequal(seed);
+        let model = fitted(&set.frf, &FitOptions::default());
+        assert!(path(&model).contains("weighted by their noise"), "{}", path(&model));
+        assert_eq!(model.in_band_modes().count(), 8);
+        for (n, (mode, truth)) in model.in_band_modes().zip(set.truth.in_band_modes()).enumerate() {
+            let error = [mode.frequency_hz - truth.frequency_hz, mode.loss_factor - truth.loss_factor];
+            let over = [error[0] / bound.frequency_std_hz[n], error[1] / bound.loss_factor_std[n]];
+            (0..2).for_each(|e| squares[e] += over[e] * over[e]);
+            count += 1;
+            poles_covered += usize::from(error[0].abs() < 1.96 * mode.frequency_std_hz);
+            poles_covered += usize::from(error[1].abs() < 1.96 * mode.loss_factor_std);
+            let sign = (mode.shape.0[0] * truth.shape.0[0]).re.signum();
+            for ((a, b), std) in mode.shape.0.iter().zip(&truth.shape.0).zip(&mode.shape_std) {
+                shapes_covered += usize::from((a * sign - b).norm() < 1.96 * std);
+                entries += 1;
+            }
+        }
+    }
+    for (what, sum) in ["frequency", "loss factor"].into_iter().zip(squares) {
+        let over = (sum / f64::from(count)).sqrt();
+        assert!((0.8..1.2).contains(&over), "{what}: error over bound {over}");
+    }
+    let share = f64::from(u32::try_from(poles_covered).unwrap()) / f64::from(2 * count);
+    assert!((0.88..0.995).contains(&share), "95 % bars of poles hold {share}");
+    let share = shapes_covered as f64 / entries as f64;
+    assert!((0.9..0.99).contains(&share), "95 % bars of shapes hold {share}");
+}
+
+#[test]
+fn a_weighted_model_is_in_measured_units_and_equal_noise_is_not_weighted() {
+    let (set, _) = unequal(3);
+    let model = fitted(&set.frf, &FitOptions::default());
+    let relative = resynthesis_error(&model, &set.frf);
+    // the model takes it from sums over the data: its digits are those of the square of the residual
+    let told = model.quality.relative_error;
+    assert!((relative / told - 1.0).abs() < 1e-9, "{relative} {told}");
+    let even = easy(40.0, 3).build().unwrap();
+    assert!(!path(&fitted(&even.frf, &FitOptions::default())).contains("weighted"));
+}
