@@ -38,4 +38,5 @@ model=$(solve "$second" second model.json)
 echo "model.json: job $model, after $second, $poles, $first (squeue --me; logs in parts/)"
 
 # Afterwards, for FRFs that were not part of it:   chladni block residues MORE.h5 --model model.json -o more.json
-# A job `solve-second` that fails with exit code 1 has written model.json, which is not to be trusted: its log says why.
+# A job `solve-second` that fails with exit code 1 has written model.json, which is not to be trusted, or model.poles: poles that the
+# second pass asks for, to be given to a further one (--poles). Its log says which, and why.

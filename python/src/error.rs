@@ -2,7 +2,7 @@
 
 use chladni_frf::{Error, ErrorKind};
 use chladni_rfp::pieces::PieceError;
-use chladni_rfp::FitError;
+use chladni_rfp::{FitError, FitOptions};
 use pyo3::create_exception;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -45,19 +45,15 @@ pub fn wrong_word(py: Python<'_>, field: &str, found: &str, message: &str) -> Py
 }
 
 /// The exception of a fit that cannot be made.
-pub fn unfitted(py: Python<'_>, error: &FitError) -> PyErr {
-    let kind = match error {
-        FitError::UnknownKind => ErrorKind::UnknownFrfKind,
-        FitError::Kernel(_) => ErrorKind::Internal,
-        _ => ErrorKind::BadData,
-    };
-    raised(py, &Error::new(kind, error.to_string()))
+pub fn unfitted(py: Python<'_>, error: &FitError, options: &FitOptions) -> PyErr {
+    let keyword = |name: &str| if name == "frf-kind" { "kind" } else { name }.to_owned();
+    raised(py, &error.told(options, keyword))
 }
 
 /// The exception of a piece that cannot be made, merged or solved.
-pub fn unpieced(py: Python<'_>, error: &PieceError) -> PyErr {
+pub fn unpieced(py: Python<'_>, error: &PieceError, options: &FitOptions) -> PyErr {
     match error {
-        PieceError::Fit(error) => unfitted(py, error),
+        PieceError::Fit(error) => unfitted(py, error, options),
         PieceError::Data(error) => raised(py, error),
     }
 }

@@ -239,7 +239,7 @@ pub fn fit(
         ..FitOptions::default()
     };
     let fitted = telling(py, progress, |tell| chladni_rfp::fit(&frf.set, &options, tell))?;
-    fitted.map(|fitted| Model::new(fitted.model)).map_err(|error| unfitted(py, &error))
+    fitted.map(|fitted| Model::new(fitted.model)).map_err(|error| unfitted(py, &error, &options))
 }
 
 /// A damping law by its name.

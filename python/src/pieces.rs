@@ -144,7 +144,7 @@ pub fn reduce_block(
     options.window = window_of(py, window)?.or(options.window);
     options.seed = seed.unwrap_or(options.seed);
     let reduced = py.detach(|| pieces::reduce(&frf.set, &options, number, Vec::new(), poles));
-    reduced.map(Partial).map_err(|error| unpieced(py, &error))
+    reduced.map(Partial).map_err(|error| unpieced(py, &error, &options))
 }
 
 /// One partial of many (a list, a generator), in whatever order and grouping: the same blocks give the same bits.
@@ -159,8 +159,9 @@ pub fn merge(py: Python<'_>, partials: &Bound<'_, PyAny>) -> PyResult<Partial> {
 /// the Model. Now and then the second pass shows that poles must be sought once more, and its result is Poles again: repeat until it is a
 /// Model.
 ///
-/// modes: their number; None: decided by evidence. damping: "structural" or "viscous"; None: decided. shapes: auto, free, rank1 or real.
-/// exponential_window_per_s: decay of a hammer test's window. progress: called with the name of each stage.
+/// First pass, modes: their number; None: decided by evidence. Second pass (the first passes over them), damping: "structural" or
+/// "viscous"; None: decided; shapes: auto, free, rank1 or real; exponential_window_per_s: decay of a hammer test's window. The number of
+/// modes stays that of the first pass. progress: called with the name of each stage.
 #[pyfunction]
 #[pyo3(signature = (partial, *, modes=None, damping=None, shapes="auto", exponential_window_per_s=None, progress=None))]
 pub fn solve_poles(
@@ -180,7 +181,7 @@ pub fn solve_poles(
         ..FitOptions::default()
     };
     let solved = telling(py, progress, |tell| pieces::solve(&partial.0, &options, tell))?;
-    match solved.map_err(|error| unpieced(py, &error))? {
+    match solved.map_err(|error| unpieced(py, &error, &options))? {
         Solved::Poles(poles) => Ok(Py::new(py, Poles(*poles))?.into_any()),
         Solved::Fit(fit) => Ok(Py::new(py, Model::new(fit.model))?.into_any()),
     }
@@ -194,5 +195,5 @@ pub fn solve_poles(
 pub fn residues_block(py: Python<'_>, frf: &FrfSet, model: &Model, window: Option<&str>) -> PyResult<Model> {
     let options = FitOptions { window: window_of(py, window)?, ..FitOptions::default() };
     let fitted = py.detach(|| pieces::residues(&frf.set, &model.model, &options));
-    fitted.map(Model::new).map_err(|error| unpieced(py, &error))
+    fitted.map(Model::new).map_err(|error| unpieced(py, &error, &options))
 }

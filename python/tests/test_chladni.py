@@ -93,8 +93,10 @@ def test_errors_carry_the_fields_of_the_contract(frf, tmp_path):
     with pytest.raises(chladni.ChladniError) as word:
         chladni.fit(frf, method="magic")
     assert word.value.field == "method" and word.value.found == "magic" and "auto" in word.value.expected
-    with pytest.raises(chladni.ChladniError, match="no line between"):
+    with pytest.raises(chladni.ChladniError, match="no line of the data lies in the band") as outside:
         chladni.fit(frf, band=(1e4, 2e4))
+    assert (outside.value.field, outside.value.found) == ("band", "10000:20000 Hz")
+    assert "overlaps the data" in outside.value.expected and "within the data" in outside.value.help
     with pytest.raises(chladni.ChladniError) as sizes:
         chladni.FrfSet(FREQUENCY_HZ[:-1], frf.values)
     assert sizes.value.field == "frequency_hz"

@@ -1,7 +1,8 @@
 //! `chladni block`: the fit in pieces.
 
+use crate::asked_model::AskedModel;
 use crate::console::Console;
-use crate::fit::{distrust, echo_of, parse_band, parse_decay, parse_modes, summary, text, ModeCount, LAWS};
+use crate::fit::{distrust, echo_of, parse_band, summary, text};
 use crate::input::{expand, model_of, read_frf, Reading};
 use crate::memory::{parse_memory, MEMORY};
 use crate::outcome::Outcome;
@@ -11,7 +12,7 @@ use crate::table::{counted, significant, table};
 use chladni_frf::io::{write_atomically, write_model, FrfParts};
 use chladni_frf::{Error, ErrorKind, Result};
 use chladni_rfp::pieces::{residues, solve, Partial, Poles, Solved};
-use chladni_rfp::{FitOptions, ShapeModel, Window};
+use chladni_rfp::{FitOptions, Window};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::Subcommand;
 use serde_json::{json, Value};
@@ -89,6 +90,7 @@ pub struct Merge {
 
 /// Arguments of `block solve`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "--modes is decided in the first pass; --damping, --shapes and --exponential-window in the second.")]
 pub struct Solve {
     /// Merged partial of all blocks
     #[arg(value_name = "PART")]
@@ -96,19 +98,8 @@ pub struct Solve {
     /// Poles file (.poles) of a first pass, model (.json, .h5) of a second
     #[arg(short, value_name = "POLES|MODEL")]
     output: PathBuf,
-    /// Number of modes in the band (first pass); auto: decided by evidence
-    #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = parse_modes, allow_negative_numbers = true)]
-    modes: ModeCount,
-    /// Damping law (second pass); auto: decided by evidence
-    #[arg(long, value_name = "LAW", default_value = "auto", value_parser = PossibleValuesParser::new(LAWS))]
-    damping: String,
-    /// What shapes may be while poles are refined (second pass)
-    #[arg(long, value_name = "SHAPES", default_value = "auto", value_parser = PossibleValuesParser::new(ShapeModel::ALL.map(ShapeModel::as_str))
-        .try_map(|name| name.parse::<ShapeModel>()))]
-    shapes: ShapeModel,
-    /// Decay α of the exponential window e^(-αt) on the responses, 1/s: taken off the poles (second pass)
-    #[arg(long, value_name = "1/S", value_parser = parse_decay)]
-    exponential_window: Option<f64>,
+    #[command(flatten)]
+    asked: AskedModel,
 }
 
 /// Arguments of `block residues`.
@@ -205,15 +196,7 @@ fn solved(args: &Solve, console: &Console) -> Result<Outcome> {
             .expected(expected)
             .help("a first pass leads to poles, a second to a model"));
     }
-    let options = match partial.poles() {
-        Some(poles) => FitOptions {
-            damping: crate::fit::law(&args.damping),
-            shapes: args.shapes,
-            exponential_window_per_s: args.exponential_window,
-            ..poles.options()
-        },
-        None => FitOptions { modes: args.modes.0, ..FitOptions::default() },
-    };
+    let options = options_of(&args.asked, partial.poles())?;
     let solved = solve(&partial, &options, &|stage| console.stage(stage)).map_err(|error| explain_piece(error, &options, &args.file))?;
     match solved {
         Solved::Poles(poles) if wants_poles => {
@@ -239,6 +222,38 @@ fn solved(args: &Solve, console: &Console) -> Result<Outcome> {
             Ok(Outcome::written(&args.output, summary(&model, &args.output)?, text(&model, console.verbose)).doubted(doubt))
         }
     }
+}
+
+/// The options that the pass of a partial takes; one that belongs to the other pass is refused, not ignored.
+fn options_of(asked: &AskedModel, poles: Option<&Poles>) -> Result<FitOptions> {
+    let (given, pass, other) = match poles {
+        Some(_) => (asked.modes.map(|_| "--modes"), "second", "first"),
+        None => {
+            let of_second = [
+                ("--damping", asked.damping.is_some()),
+                ("--shapes", asked.shapes.is_some()),
+                ("--exponential-window", asked.exponential_window.is_some()),
+            ];
+            (of_second.iter().find(|(_, given)| *given).map(|(name, _)| *name), "first", "second")
+        }
+    };
+    if let Some(name) = given {
+        return Err(Error::new(ErrorKind::Usage, format!("{name} changes nothing in a {pass} pass"))
+            .field(name)
+            .found(format!("a partial of the {pass} pass"))
+            .expected(format!("a partial of the {other} pass"))
+            .help(format!("give {name} where the {other} pass is solved")));
+    }
+    let asked = asked.options();
+    Ok(match poles {
+        Some(poles) => FitOptions {
+            damping: asked.damping,
+            shapes: asked.shapes,
+            exponential_window_per_s: asked.exponential_window_per_s,
+            ..poles.options()
+        },
+        None => asked,
+    })
 }
 
 fn residues_of(args: &Residues, console: &Console) -> Result<Outcome> {

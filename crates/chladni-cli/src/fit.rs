@@ -1,5 +1,6 @@
 //! `chladni fit`: modes from FRFs.
 
+use crate::asked_model::AskedModel;
 use crate::console::Console;
 use crate::input::{expand, read_frf, Reading};
 use crate::memory::{parse_memory, MEMORY};
@@ -10,7 +11,7 @@ use crate::streaming::{beside_checksums, too_large, Resume, Stream};
 use crate::table::{counted, significant, table, with_bound};
 use chladni_frf::io::{frf_bytes, write_model, FrfParts};
 use chladni_frf::{Damping, Error, ErrorKind, FrfSet, ModalModel, Mode, Result, Scaling, Source, Trust};
-use chladni_rfp::{FitError, FitOptions, Method, ShapeModel, Window};
+use chladni_rfp::{FitError, FitOptions, Method, Window};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{json, Map, Value};
 use std::path::{Path, PathBuf};
@@ -35,17 +36,6 @@ pub struct Args {
     /// Scene that the model is for: only the band that it needs is fitted, the modes outside are residual terms
     #[arg(long, value_name = "SCENE.toml", conflicts_with = "band")]
     scene: Option<PathBuf>,
-    /// Number of modes in the band; auto: decided by evidence
-    #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = parse_modes, allow_negative_numbers = true)]
-    modes: ModeCount,
-    /// Damping law; auto: decided by evidence
-    #[arg(long, value_name = "LAW", default_value = "auto", value_parser = PossibleValuesParser::new(LAWS))]
-    damping: String,
-    /// What shapes may be while poles are refined: every pair by itself (free), one shape for all references (rank1), one real
-    /// shape (real); auto: the narrowest that the data do not contradict
-    #[arg(long, value_name = "SHAPES", default_value = "auto", value_parser = PossibleValuesParser::new(ShapeModel::ALL.map(ShapeModel::as_str))
-        .try_map(|name| name.parse::<ShapeModel>()))]
-    shapes: ShapeModel,
     /// Identification method
     #[arg(long, value_name = "METHOD", default_value = "auto", value_parser = PossibleValuesParser::new(Method::ALL.map(Method::as_str))
         .try_map(|name| name.parse::<Method>()))]
@@ -55,9 +45,6 @@ pub struct Args {
     #[arg(long, value_name = "WINDOW", value_parser = PossibleValuesParser::new(Window::ALL.map(Window::as_str))
         .try_map(|name| name.parse::<Window>()))]
     window: Option<Window>,
-    /// Decay α of the exponential window e^(-αt) on the responses of a hammer test, 1/s: taken off the poles
-    #[arg(long, value_name = "1/S", value_parser = parse_decay)]
-    exponential_window: Option<f64>,
     /// Seed of the random mixtures inside the fit
     #[arg(long, value_name = "S", default_value_t = 0, allow_negative_numbers = true)]
     seed: u64,
@@ -68,33 +55,9 @@ pub struct Args {
     #[arg(long, requires = "output")]
     resume: bool,
     #[command(flatten)]
+    asked: AskedModel,
+    #[command(flatten)]
     reading: Reading,
-}
-
-/// Values of `--damping`.
-pub const LAWS: [&str; 3] = ["auto", "structural", "viscous"];
-
-/// The law that one of them names.
-pub fn law(name: &str) -> Option<Damping> {
-    match name {
-        "structural" => Some(Damping::Structural),
-        "viscous" => Some(Damping::Viscous),
-        _ => None,
-    }
-}
-
-/// `--modes`: a number, or none for `auto`.
-#[derive(Debug, Clone, Copy)]
-pub struct ModeCount(pub Option<usize>);
-
-pub fn parse_modes(text: &str) -> std::result::Result<ModeCount, String> {
-    match text {
-        "auto" => Ok(ModeCount(None)),
-        _ => match text.parse() {
-            Ok(count) if (1..=10_000).contains(&count) => Ok(ModeCount(Some(count))),
-            _ => Err("neither auto nor a number of modes from 1 to 10000".into()),
-        },
-    }
 }
 
 pub fn parse_band(text: &str) -> std::result::Result<[f64; 2], String> {
@@ -103,13 +66,6 @@ pub fn parse_band(text: &str) -> std::result::Result<[f64; 2], String> {
         Some((Ok(low), Ok(high))) if low.is_finite() && high.is_finite() && 0.0 <= low && low < high => Ok([low, high]),
         Some((Ok(low), Ok(high))) if low >= high => Err("the band ends before it begins".into()),
         _ => Err("no band in Hz such as 10:700".into()),
-    }
-}
-
-pub fn parse_decay(text: &str) -> std::result::Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(decay) if decay.is_finite() && decay > 0.0 => Ok(decay),
-        _ => Err("no decay in 1/s such as 3.7 (α = ln(1/end value)/record length)".into()),
     }
 }
 
@@ -231,61 +187,13 @@ pub fn echo_of(options: &FitOptions) -> Map<String, Value> {
 
 impl Args {
     fn fit_options(&self) -> FitOptions {
-        FitOptions {
-            band_hz: self.band,
-            modes: self.modes.0,
-            damping: law(&self.damping),
-            method: self.method,
-            shapes: self.shapes,
-            window: self.window,
-            exponential_window_per_s: self.exponential_window,
-            seed: self.seed,
-            ..FitOptions::default()
-        }
+        FitOptions { band_hz: self.band, method: self.method, window: self.window, seed: self.seed, ..self.asked.options() }
     }
 }
 
-/// A fit that cannot be made, in words of the file and the options.
+/// A fit that cannot be made, in words of the file and the command line.
 pub fn explain(error: &FitError, options: &FitOptions, file: &Path) -> Error {
-    let bad = |message: &str| Error::bad_data(message).file(file);
-    match error {
-        FitError::UnknownKind => Error::new(ErrorKind::UnknownFrfKind, "the FRF kind is not known")
-            .file(file)
-            .field("FRF kind")
-            .expected("receptance, mobility or accelerance")
-            .help("say it with --frf-kind receptance|mobility|accelerance"),
-        &FitError::BandOutsideData { low_hz, high_hz, data_low_hz, data_high_hz } => bad("no line of the data lies in the band")
-            .field("--band")
-            .found(format!("{low_hz}:{high_hz} Hz"))
-            .expected(format!("a band that overlaps the data, {data_low_hz} to {data_high_hz} Hz"))
-            .help("give --band LO:HI within the data, or leave it out"),
-        &FitError::TooFewLines { lines, low_hz, high_hz, modes, needed } => bad("too few usable spectral lines in the band")
-            .field(if options.band_hz.is_some() { "--band" } else { "frequency axis" })
-            .found(format!("{} between {low_hz} and {high_hz} Hz", counted(lines, "line")))
-            .expected(format!("at least {} for {}", counted(needed, "line"), counted(modes, "mode")))
-            .help("widen --band, or ask for fewer --modes"),
-        FitError::WindowAxis { found } => bad("the bias of a window is undone in the time domain, which needs whole records")
-            .field("--window")
-            .found(found)
-            .expected("FRFs without gaps on evenly spaced lines from 0 Hz on")
-            .help("export all lines, or leave --window out: the possible bias is named then"),
-        FitError::NoData => bad("no FRF holds a finite, non-zero value in the band")
-            .field("FRF values")
-            .found("zeros or NaN only")
-            .expected("measured values")
-            .help("look at the file with `chladni info`"),
-        &FitError::UnevenAxis { method, low_hz, high_hz } => bad("the lines lie on no even frequency grid")
-            .field("frequency axis")
-            .found(format!("uneven steps between {low_hz} and {high_hz} Hz"))
-            .expected(format!("one step for all lines (some may be missing): the method {method} works in the z plane"))
-            .help("take --method auto, vf or aaa, which need no even grid"),
-        &FitError::IncompleteMatrix { method, present, total } => bad("the FRF matrix is not whole")
-            .field("FRF matrix")
-            .found(format!("{present} of {total} FRFs"))
-            .expected(format!("every response from every reference: the method {method} fits them together"))
-            .help("take --method auto, lscf or vf, which need no whole matrix"),
-        FitError::Kernel(error) => Error::new(ErrorKind::Internal, format!("internal error: {error}")),
-    }
+    error.told(options, |name| format!("--{name}")).file(file)
 }
 
 /// Why a model is not to be trusted.

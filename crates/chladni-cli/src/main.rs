@@ -3,6 +3,7 @@
 // the error carries file, line, field and advice; it is built once, where a run ends
 
 mod args;
+mod asked_model;
 mod bench;
 mod block;
 mod console;

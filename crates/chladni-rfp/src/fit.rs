@@ -43,6 +43,7 @@ pub fn fit(frf: &FrfSet, options: &FitOptions, progress: &dyn Fn(&str)) -> Resul
     let frf = unbiased.as_ref().unwrap_or(frf);
     let screened = Screened::new(frf, options)?;
     let given = given_noise(&screened);
+    // variances that are given are no rounding, however small: their share in the data counts as all of it
     let known = PairWeights::new(&screened, &given, 1.0);
     let weighted = known.as_ref().map(|weights| weights.applied(frf));
     let mut data = match (known, &weighted) {

@@ -1,6 +1,6 @@
 //! One block of FRFs, reduced.
 
-use super::partial::{Block, Partial, Run, Sums};
+use super::partial::{Block, Partial, Run, SketchSums, Sums};
 use super::plan::Plan;
 use super::poles::{Matrix, Poles};
 use super::PieceError;
@@ -128,8 +128,8 @@ fn first_pass(frf: &FrfSet, plan: &Plan) -> Result<(Block, Sums), PieceError> {
     }
     let mut counts = vec![0; mixing.width];
     mixing.column.iter().for_each(|&column| counts[column] += 1);
-    let sums = Sums::Sketch { columns: Matrix::from(&sums.columns), counts, line_energy: sums.line_energy.to_vec(), bad };
-    Ok((of_pairs(pairs), sums))
+    let sums = SketchSums { columns: Matrix::from(&sums.columns), counts, line_energy: sums.line_energy.to_vec(), bad };
+    Ok((of_pairs(pairs), Sums::Sketch(sums)))
 }
 
 /// A column and a sign for each FRF that depend on its DOFs and the seed alone, not on the block it lies in.

@@ -51,19 +51,23 @@ pub(super) struct Run {
 /// Sums over FRFs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) enum Sums {
-    /// Of the first pass, in units of the measured values.
-    Sketch {
-        /// (line, column).
-        columns: Matrix<Complex64>,
-        /// FRFs in each column.
-        counts: Vec<u64>,
-        /// Sum of squares of each line.
-        line_energy: Vec<f64>,
-        /// Lines on which an FRF is not finite.
-        bad: Vec<bool>,
-    },
+    /// Of the first pass.
+    Sketch(SketchSums),
     /// Of the second.
     Products { t: Matrix<f64>, gram: Matrix<f64> },
+}
+
+/// Sums of the first pass, in units of the measured values.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct SketchSums {
+    /// (line, column).
+    pub columns: Matrix<Complex64>,
+    /// FRFs in each column.
+    pub counts: Vec<u64>,
+    /// Sum of squares of each line.
+    pub line_energy: Vec<f64>,
+    /// Lines on which an FRF is not finite.
+    pub bad: Vec<bool>,
 }
 
 impl Block {
@@ -78,14 +82,11 @@ impl Sums {
             left.iter_mut().zip(right).for_each(|(left, right)| *left += right);
         }
         match (self, other) {
-            (
-                Self::Sketch { columns, counts, line_energy, bad },
-                Self::Sketch { columns: other, counts: more, line_energy: energy, bad: worse },
-            ) => {
-                sum(&mut columns.values, other.values);
-                sum(counts, more);
-                sum(line_energy, energy);
-                bad.iter_mut().zip(worse).for_each(|(bad, worse)| *bad |= worse);
+            (Self::Sketch(sketch), Self::Sketch(other)) => {
+                sum(&mut sketch.columns.values, other.columns.values);
+                sum(&mut sketch.counts, other.counts);
+                sum(&mut sketch.line_energy, other.line_energy);
+                sketch.bad.iter_mut().zip(other.bad).for_each(|(bad, other)| *bad |= other);
             }
             (Self::Products { t, gram }, Self::Products { t: other, gram: product }) => {
                 sum(&mut t.values, other.values);

@@ -1,6 +1,6 @@
 //! Poles of a merged sketch; the fit of merged products.
 
-use super::partial::{Block, Partial, Sums};
+use super::partial::{Block, Partial, SketchSums, Sums};
 use super::plan::Plan;
 use super::poles::{Matrix, Path, Poles};
 use super::PieceError;
@@ -55,7 +55,7 @@ pub fn solve(partial: &Partial, options: &FitOptions, progress: &dyn Fn(&str)) -
             let options = &FitOptions { modes: poles.modes, ..options.clone() };
             of_products(poles, head, Products { t: t.array(), gram: gram.array(), r0, energy: Vec::new() }, options, progress)
         }
-        (sums @ Sums::Sketch { .. }, None) => {
+        (Sums::Sketch(sums), None) => {
             let sketch = Sketch::of_sums(&partial.plan, set, &sums, options)?;
             Ok(Solved::Poles(Box::new(sketch.poles(&partial.plan, options.modes, 0, progress)?)))
         }
@@ -140,10 +140,8 @@ struct Sketch {
 }
 
 impl Sketch {
-    fn of_sums(plan: &Plan, set: Block, sums: &Sums, options: &FitOptions) -> Result<Self, PieceError> {
-        let Sums::Sketch { columns, counts, line_energy, bad } = sums else {
-            unreachable!("products come with poles");
-        };
+    fn of_sums(plan: &Plan, set: Block, sums: &SketchSums, options: &FitOptions) -> Result<Self, PieceError> {
+        let SketchSums { columns, counts, line_energy, bad } = sums;
         let (lines, band_hz) = plan.lines()?;
         let kept: Vec<usize> = (0..lines.len()).filter(|&k| !bad[k] && line_energy[k] > 0.0).collect();
         if kept.is_empty() {

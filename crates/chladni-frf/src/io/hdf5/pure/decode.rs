@@ -135,13 +135,8 @@ impl Member {
     }
 }
 
-/// The values of a dataset; `None` for types that are not understood.
-pub(super) fn values_of(dataset: &Dataset, datatype: &Datatype) -> Result<Option<Values<'static>>, Error> {
-    values_of_rows(dataset, datatype, 0..usize::MAX)
-}
-
-/// The same of some rows (along the first axis).
-pub(super) fn values_of_rows(dataset: &Dataset, datatype: &Datatype, rows: Range<usize>) -> Result<Option<Values<'static>>, Error> {
+/// The values of some rows (along the first axis) of a dataset; `None` for types that are not understood.
+pub(super) fn values_of(dataset: &Dataset, datatype: &Datatype, rows: Range<usize>) -> Result<Option<Values<'static>>, Error> {
     let Some(windows) = Windows::new(dataset, datatype, rows)? else { return Ok(None) };
     let (number, member) = (Number::of(datatype), |index| Member::of(datatype, index));
     Ok(match (element_of(datatype), number) {
@@ -233,32 +228,33 @@ impl<'a> Windows<'a> {
         Ok(count.map(|count| Self { dataset, element_bytes, count, rows, step }))
     }
 
+    /// The raw bytes of each window to `take`, until it says that it understands them no more; true where it never does.
+    fn each(&self, mut take: impl FnMut(&[u8]) -> bool) -> Result<bool, Error> {
+        let mut row = self.rows.start;
+        while row < self.rows.end {
+            if !take(&self.dataset.read_raw_rows(row, self.step.min(self.rows.end - row))?) {
+                return Ok(false);
+            }
+            row = row.saturating_add(self.step);
+        }
+        Ok(true)
+    }
+
     /// Every element of `N` bytes through `read`.
     fn collect_plain<const N: usize, T>(&self, read: impl Fn(&[u8; N]) -> T) -> Result<Vec<T>, Error> {
         let mut values = Vec::with_capacity(self.count);
-        let mut row = self.rows.start;
-        while row < self.rows.end {
-            let raw = self.dataset.read_raw_rows(row, self.step.min(self.rows.end - row))?;
+        self.each(|raw| {
             values.extend(raw.as_chunks::<N>().0.iter().map(&read));
-            row = row.saturating_add(self.step);
-        }
+            true
+        })?;
         Ok(values)
     }
 
     /// Every element through `read`; `None` where one is not understood.
     fn collect<T>(&self, read: impl Fn(&[u8]) -> Option<T>) -> Result<Option<Vec<T>>, Error> {
         let mut values = Vec::with_capacity(self.count);
-        let mut row = self.rows.start;
-        while row < self.rows.end {
-            let raw = self.dataset.read_raw_rows(row, self.step.min(self.rows.end - row))?;
-            for bytes in raw.chunks(self.element_bytes) {
-                match read(bytes) {
-                    Some(value) => values.push(value),
-                    None => return Ok(None),
-                }
-            }
-            row = row.saturating_add(self.step);
-        }
-        Ok(Some(values))
+        let understood =
+            self.each(|raw| raw.chunks(self.element_bytes).all(|bytes| read(bytes).map(|value| values.push(value)).is_some()))?;
+        Ok(understood.then_some(values))
     }
 }

@@ -7,7 +7,7 @@ pub(super) use write::write;
 
 use crate::io::arrays::tree::{check_nesting, check_size, library_error, Attribute, Attributes, Element, Entry, Values};
 use crate::{Error, Result};
-use decode::{element_of, values_of, values_of_rows};
+use decode::{element_of, values_of};
 use hdf5_pure::{AttrValue, Datatype};
 use std::collections::HashMap;
 use std::ops::Range;
@@ -67,6 +67,11 @@ impl File {
 
     /// All values of a dataset.
     pub(super) fn read(&self, entry: &Entry) -> Result<Values<'static>> {
+        self.read_rows(entry, 0..usize::MAX)
+    }
+
+    /// The values of some rows (along the first axis) of a dataset; all of a text.
+    pub(super) fn read_rows(&self, entry: &Entry, rows: Range<usize>) -> Result<Values<'static>> {
         let fail = |error| library_error(error, &self.path).field(&entry.path);
         let dataset = self.file.dataset(&entry.path).map_err(fail)?;
         let datatype = dataset.datatype().map_err(fail)?;
@@ -75,21 +80,7 @@ impl File {
         if matches!(element_of(&datatype), Element::Text) {
             return Ok(Values::Text(dataset.read_string().map_err(fail)?));
         }
-        values_of(&dataset, &datatype).map_err(fail)?.ok_or_else(|| not_understood(&datatype).file(&self.path).field(&entry.path))
-    }
-}
-
-impl File {
-    /// The values of some rows (along the first axis) of a dataset of complex numbers.
-    pub(super) fn read_rows(&self, entry: &Entry, rows: Range<usize>) -> Result<Values<'static>> {
-        let fail = |error| library_error(error, &self.path).field(&entry.path);
-        let dataset = self.file.dataset(&entry.path).map_err(fail)?;
-        let datatype = dataset.datatype().map_err(fail)?;
-        check_size(&entry.path, entry.shape(), datatype.type_size() as usize, !dataset.filters().is_empty(), self.bytes)
-            .map_err(|error| error.file(&self.path))?;
-        values_of_rows(&dataset, &datatype, rows)
-            .map_err(fail)?
-            .ok_or_else(|| not_understood(&datatype).file(&self.path).field(&entry.path))
+        values_of(&dataset, &datatype, rows).map_err(fail)?.ok_or_else(|| not_understood(&datatype).file(&self.path).field(&entry.path))
     }
 }
 
