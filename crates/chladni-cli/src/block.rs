@@ -11,7 +11,7 @@ use crate::streaming::{beside_checksums, explain_piece, Resume, Stream};
 use crate::table::{counted, significant, table};
 use chladni_frf::io::{write_atomically, write_model, FrfParts};
 use chladni_frf::{Error, ErrorKind, Result};
-use chladni_rfp::pieces::{residues, solve, Partial, Poles, Solved};
+use chladni_rfp::pieces::{residues, solve, Partial, Poles, Reducer, Solved};
 use chladni_rfp::{FitOptions, Window};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::Subcommand;
@@ -155,9 +155,10 @@ fn reduce(args: &Reduce, console: &Console) -> Result<Outcome> {
     }
     let stream = Stream::new(data, args.memory, &options, console)?;
     let mut resume = Resume::new(Some(&args.output), &files, stream.len(), args.resume)?;
-    let stage = if poles.is_some() { "second pass" } else { "first pass" };
+    let reducer = Reducer::new(&options, poles.as_ref()).map_err(|error| explain_piece(error, &options, &files[0]))?;
+    let stage = if reducer.is_second() { "second pass" } else { "first pass" };
     let before = resume.take();
-    let (partial, sources) = beside_checksums(&files, || stream.pass(stage, poles.as_ref(), before, &mut resume))?;
+    let (partial, sources) = beside_checksums(&files, || stream.pass(&reducer, before, &mut resume))?;
     let partial = partial.as_block(args.block as u64).with_sources(&sources);
     write(&output, &partial.to_bytes())?;
     resume.done();

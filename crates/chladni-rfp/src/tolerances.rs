@@ -43,6 +43,9 @@ pub(crate) const CONFIRMED: f64 = 0.5;
 pub(crate) const PLACES: usize = 16;
 /// Distance in half-bandwidths within which two passes found the same pole.
 pub(crate) const SAME_POLE: f64 = 0.3;
+/// Largest share of a pole's column (its square) outside the basis of a pilot with which one pass is enough: so much of what the data say
+/// of that pole is lost at most.
+pub(crate) const PILOT_SHARE: f64 = 0.01;
 /// Most passes over the data beyond the two, for modes that only all FRFs together show and for columns without the noise of
 /// poles that are gone.
 pub(crate) const EXTRA_PASSES: usize = 3;

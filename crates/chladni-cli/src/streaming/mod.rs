@@ -19,6 +19,9 @@ use std::time::Instant;
 const PARTS_OF_MEMORY: u64 = 32;
 /// Bytes of a part beyond which larger ones are slower: memory of more is given back to the system after each, and cleared for the next.
 const PART_MOST: u64 = 16 << 20;
+/// Most parts of a pilot, and of how many parts it takes one.
+const PILOT_PARTS: usize = 16;
+const PILOT_SHARE: usize = 16;
 /// What a fit of a set held in memory needs, over the set.
 const FIT_OVER_SET: u64 = 2;
 
@@ -54,14 +57,13 @@ impl<'a> Stream<'a> {
     ///
     /// # Errors
     /// Those of reading, of a fit that cannot be made, and of keeping what was done.
-    pub fn pass(&self, stage: &str, poles: Option<&Poles>, before: Option<Partial>, resume: &mut Resume) -> Result<Partial> {
-        self.console.stage(stage);
+    pub fn pass(&self, reducer: &Reducer, before: Option<Partial>, resume: &mut Resume) -> Result<Partial> {
+        self.console.stage(if reducer.is_second() { "second pass over the data" } else { "first pass over the data" });
         let held = |number: usize| before.as_ref().is_some_and(|before| before.holds(number as u64));
         let open: Vec<(usize, &Part)> = self.parts.iter().enumerate().filter(|(number, _)| !held(*number)).collect();
         let all: f64 = open.iter().map(|(_, part)| self.data.part_bytes(part) as f64).sum();
         let (start, mut done) = (Instant::now(), 0.0);
         let mut merged = before;
-        let reducer = Reducer::new(self.options, poles).map_err(|error| self.explained(error, self.data.file(&self.parts[0])))?;
         thread::scope(|scope| {
             let (sender, receiver) = sync_channel::<(usize, &Part, Result<(FrfSet, Vec<String>)>)>(0);
             let data = &self.data;
@@ -98,21 +100,39 @@ impl<'a> Stream<'a> {
         })
     }
 
-    /// Both passes, and once more where they ask for it.
+    /// Both passes, or the first alone where the poles of a pilot will do; and once more where they ask for it.
     ///
     /// # Errors
     /// As [`Self::pass`].
     pub fn fit(&self, resume: &mut Resume) -> Result<Fit> {
+        let file = self.data.file(&self.parts[0]);
+        let explained = |error| self.explained(error, file);
         let mut before = resume.take();
-        let mut poles: Option<Poles> = before.as_ref().and_then(|partial| partial.poles().cloned());
+        let mut reducer = match (&before, before.is_none().then(|| self.pilot()).flatten()) {
+            (Some(partial), _) => Reducer::of(self.options, partial),
+            (None, Some(pilot)) => Reducer::with_pilot(self.options, &pilot),
+            (None, None) => Reducer::new(self.options, None),
+        }
+        .map_err(explained)?;
         loop {
-            let stage = if poles.is_some() { "second pass over the data" } else { "first pass over the data" };
-            let partial = self.pass(stage, poles.as_ref(), before.take(), resume)?;
-            let file = self.data.file(&self.parts[0]);
-            match solve(&partial, self.options, &|stage| self.console.stage(stage)).map_err(|error| self.explained(error, file))? {
+            let partial = self.pass(&reducer, before.take(), resume)?;
+            match solve(&partial, self.options, &|stage| self.console.stage(stage)).map_err(explained)? {
                 Solved::Fit(fit) => return Ok(*fit),
-                Solved::Poles(found) => poles = Some(*found),
+                Solved::Poles(found) => reducer = Reducer::new(self.options, Some(&found)).map_err(explained)?,
             }
+        }
+    }
+
+    /// Poles as a few parts from all over the data show them. What goes wrong is for the passes to tell.
+    fn pilot(&self) -> Option<Poles> {
+        self.console.stage("pilot");
+        let reducer = Reducer::new(self.options, None).ok()?;
+        let step = self.parts.len().div_ceil(PILOT_PARTS).max(PILOT_SHARE);
+        let reduced = |(number, part): (usize, &Part)| reducer.block(&self.data.read(part).ok()?.0, number as u64, Vec::new()).ok();
+        let partials: Option<Vec<Partial>> = self.parts.iter().enumerate().skip(step / 2).step_by(step).map(reduced).collect();
+        match solve(&Partial::merge(partials?).ok()?, self.options, &|_| ()).ok()? {
+            Solved::Poles(poles) => Some(*poles),
+            Solved::Fit(_) => None,
         }
     }
 

@@ -1,6 +1,6 @@
 //! One block of FRFs, reduced.
 
-use super::partial::{Block, Partial, Run, SketchSums, Sums};
+use super::partial::{Block, Partial, ProductSums, Run, SketchSums, Sums};
 use super::plan::Plan;
 use super::poles::{Matrix, Poles};
 use super::PieceError;
@@ -25,16 +25,34 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub struct Reducer {
     options: FitOptions,
-    second: Option<Second>,
+    /// Of the products.
+    basis: Option<Basis>,
+    pass: Pass,
 }
 
-/// Of a second pass.
+/// What a pass leaves.
+#[derive(Debug, PartialEq)]
+enum Pass {
+    /// A sketch, and the products too where there is a basis and nothing is missing.
+    First,
+    /// The products.
+    Second,
+}
+
+/// What products are made with.
 #[derive(Debug)]
-struct Second {
+struct Basis {
     poles: Arc<Poles>,
     head: Head,
-    /// Basis of the poles on the lines used.
+    /// Orthonormal, on the lines used.
     q: Array2<Complex64>,
+}
+
+impl Basis {
+    fn new(poles: &Poles, options: &FitOptions) -> Result<Self, PieceError> {
+        let head = poles.head(options.effort)?;
+        Ok(Self { poles: Arc::new(poles.clone()), q: on_all_lines(&head, &poles.lambda)?, head })
+    }
 }
 
 impl Reducer {
@@ -43,11 +61,33 @@ impl Reducer {
     /// # Errors
     /// Poles of an axis without lines in their band.
     pub fn new(options: &FitOptions, poles: Option<&Poles>) -> Result<Self, PieceError> {
-        let second = |poles: &Poles| {
-            let head = poles.head(options.effort)?;
-            Ok::<_, PieceError>(Second { poles: Arc::new(poles.clone()), q: on_all_lines(&head, &poles.lambda)?, head })
-        };
-        Ok(Self { options: options.clone(), second: poles.map(second).transpose()? })
+        let pass = if poles.is_some() { Pass::Second } else { Pass::First };
+        Ok(Self { options: options.clone(), basis: poles.map(|poles| Basis::new(poles, options)).transpose()?, pass })
+    }
+
+    /// The first pass, and with the poles of a `pilot` (those of a part of the data) the products of the second as well: where the whole
+    /// sketch shows the same poles, one pass is enough.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_pilot(options: &FitOptions, pilot: &Poles) -> Result<Self, PieceError> {
+        Ok(Self { options: options.clone(), basis: Some(Basis::new(pilot, options)?), pass: Pass::First })
+    }
+
+    /// The pass that left `partial`, to go on with it.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn of(options: &FitOptions, partial: &Partial) -> Result<Self, PieceError> {
+        match partial.pilot() {
+            Some(pilot) => Self::with_pilot(options, pilot),
+            None => Self::new(options, partial.poles()),
+        }
+    }
+
+    /// True for the second pass.
+    pub fn is_second(&self) -> bool {
+        self.pass == Pass::Second
     }
 
     /// Reduces the FRFs of one block.
@@ -62,11 +102,21 @@ impl Reducer {
         let plan = Plan::new(frf, &self.options)?;
         let unbiased = self.options.window.map_or(Ok(None), |window| window::undo(frf, window))?;
         let frf = unbiased.as_ref().unwrap_or(frf);
-        let (block, sums) = match &self.second {
-            None => first_pass(frf, &plan)?,
-            Some(second) => {
-                second.poles.plan.same(&plan, &format!("block {number}"))?;
-                second_pass(frf, second)?
+        if let Some(basis) = &self.basis {
+            basis.poles.plan.same(&plan, &format!("block {number}"))?;
+        }
+        let (block, sums) = match (&self.basis, &self.pass) {
+            (Some(basis), Pass::Second) => {
+                let (block, products) = second_pass(frf, basis)?;
+                (block, Sums { sketch: None, products: Some(products) })
+            }
+            (basis, _) => {
+                let (block, sketch) = first_pass(frf, &plan)?;
+                let both = basis.as_ref().and_then(|basis| second_pass(frf, basis).ok()).filter(|(other, _)| other.pairs == block.pairs);
+                match both {
+                    Some((block, products)) => (block, Sums { sketch: Some(sketch), products: Some(products) }),
+                    None => (block, Sums { sketch: Some(sketch), products: None }),
+                }
             }
         };
         let labels: HashSet<u64> = frf.responses.iter().chain(&frf.references).map(|dof| dof.node).collect();
@@ -78,7 +128,7 @@ impl Reducer {
             sources,
             ..block
         };
-        let poles = self.second.as_ref().map(|second| second.poles.clone());
+        let poles = self.basis.as_ref().map(|basis| basis.poles.clone());
         Ok(Partial { plan, poles, blocks: vec![block], runs: vec![Run { first: number, length: 1, sums }] })
     }
 }
@@ -106,7 +156,7 @@ fn of_pairs(pairs: Vec<(usize, usize)>) -> Block {
     }
 }
 
-fn first_pass(frf: &FrfSet, plan: &Plan) -> Result<(Block, Sums), PieceError> {
+fn first_pass(frf: &FrfSet, plan: &Plan) -> Result<(Block, SketchSums), PieceError> {
     let (lines, _) = plan.lines()?;
     let run = |pairs: &[(usize, usize)]| {
         let mixing = mixing(frf, pairs, plan);
@@ -129,7 +179,7 @@ fn first_pass(frf: &FrfSet, plan: &Plan) -> Result<(Block, Sums), PieceError> {
     let mut counts = vec![0; mixing.width];
     mixing.column.iter().for_each(|&column| counts[column] += 1);
     let sums = SketchSums { columns: Matrix::from(&sums.columns), counts, line_energy: sums.line_energy.to_vec(), bad };
-    Ok((of_pairs(pairs), Sums::Sketch(sums)))
+    Ok((of_pairs(pairs), sums))
 }
 
 /// A column and a sign for each FRF that depend on its DOFs and the seed alone, not on the block it lies in.
@@ -148,12 +198,12 @@ fn mixing(frf: &FrfSet, pairs: &[(usize, usize)], plan: &Plan) -> Mixing {
     Mixing { width: plan.columns, column, sign }
 }
 
-fn second_pass(frf: &FrfSet, second: &Second) -> Result<(Block, Sums), PieceError> {
-    let head = &second.head;
+fn second_pass(frf: &FrfSet, basis: &Basis) -> Result<(Block, ProductSums), PieceError> {
+    let head = &basis.head;
     // on the lines used, an FRF is there or it is not
     let is_finite = |(i, j): (usize, usize), k: usize| frf.values.get(i, j, k).is_finite();
     let (mut pairs, missing): (Vec<_>, Vec<_>) = frf.all_pairs().partition(|&pair| is_finite(pair, head.lines[0]));
-    let mut made = products(&Screened::part(frf, Head { pairs: pairs.clone(), ..head.clone() }), &second.q);
+    let mut made = products(&Screened::part(frf, Head { pairs: pairs.clone(), ..head.clone() }), &basis.q);
     let broken = pairs.iter().zip(&made.energy).find(|(_, energy)| !energy.is_finite()).map(|(&pair, _)| pair);
     let partly = || {
         missing
@@ -181,5 +231,5 @@ fn second_pass(frf: &FrfSet, second: &Second) -> Result<(Block, Sums), PieceErro
         made.r0 = made.r0.select(Axis(1), &used);
     }
     let block = Block { energy: made.energy, r0: Some(Matrix::from(&made.r0)), ..of_pairs(pairs) };
-    Ok((block, Sums::Products { t: Matrix::from(&made.t), gram: Matrix::from(&made.gram) }))
+    Ok((block, ProductSums { t: Matrix::from(&made.t), gram: Matrix::from(&made.gram) }))
 }

@@ -12,7 +12,7 @@ use std::sync::Arc;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Partial {
     pub(super) plan: Plan,
-    /// Those that the pass was run with; `None`: the first pass.
+    /// Those that the pass was run with, or a pilot's; `None`: the first pass.
     pub(super) poles: Option<Arc<Poles>>,
     /// By rising number.
     pub(super) blocks: Vec<Block>,
@@ -48,13 +48,11 @@ pub(super) struct Run {
     pub sums: Sums,
 }
 
-/// Sums over FRFs.
+/// Sums over FRFs: the sketch of a first pass, the products of a second, or both of a first pass with the poles of a pilot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) enum Sums {
-    /// Of the first pass.
-    Sketch(SketchSums),
-    /// Of the second.
-    Products { t: Matrix<f64>, gram: Matrix<f64> },
+pub(super) struct Sums {
+    pub sketch: Option<SketchSums>,
+    pub products: Option<ProductSums>,
 }
 
 /// Sums of the first pass, in units of the measured values.
@@ -70,6 +68,13 @@ pub(super) struct SketchSums {
     pub bad: Vec<bool>,
 }
 
+/// Sums of the second.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct ProductSums {
+    pub t: Matrix<f64>,
+    pub gram: Matrix<f64>,
+}
+
 impl Block {
     fn key(&self) -> (u64, u64) {
         (self.number, self.piece)
@@ -77,23 +82,23 @@ impl Block {
 }
 
 impl Sums {
+    /// What only one of both holds is lost.
     fn add(&mut self, other: Self) {
         fn sum<T: std::ops::AddAssign>(left: &mut [T], right: Vec<T>) {
             left.iter_mut().zip(right).for_each(|(left, right)| *left += right);
         }
-        match (self, other) {
-            (Self::Sketch(sketch), Self::Sketch(other)) => {
-                sum(&mut sketch.columns.values, other.columns.values);
-                sum(&mut sketch.counts, other.counts);
-                sum(&mut sketch.line_energy, other.line_energy);
-                sketch.bad.iter_mut().zip(other.bad).for_each(|(bad, other)| *bad |= other);
-            }
-            (Self::Products { t, gram }, Self::Products { t: other, gram: product }) => {
-                sum(&mut t.values, other.values);
-                sum(&mut gram.values, product.values);
-            }
-            _ => unreachable!("runs of one partial are of one pass: `merge` has compared the poles"),
-        }
+        self.sketch = self.sketch.take().zip(other.sketch).map(|(mut sketch, other)| {
+            sum(&mut sketch.columns.values, other.columns.values);
+            sum(&mut sketch.counts, other.counts);
+            sum(&mut sketch.line_energy, other.line_energy);
+            sketch.bad.iter_mut().zip(other.bad).for_each(|(bad, other)| *bad |= other);
+            sketch
+        });
+        self.products = self.products.take().zip(other.products).map(|(mut products, other)| {
+            sum(&mut products.t.values, other.t.values);
+            sum(&mut products.gram.values, other.gram.values);
+            products
+        });
     }
 }
 
@@ -185,7 +190,16 @@ impl Partial {
 
     /// The poles that the second pass was run with; `None` after the first.
     pub fn poles(&self) -> Option<&Poles> {
-        self.poles.as_deref()
+        self.poles.as_deref().filter(|_| !self.is_first())
+    }
+
+    /// The poles of the pilot that the first pass was run with, if any.
+    pub fn pilot(&self) -> Option<&Poles> {
+        self.poles.as_deref().filter(|_| self.is_first())
+    }
+
+    fn is_first(&self) -> bool {
+        self.runs.iter().all(|run| run.sums.sketch.is_some())
     }
 
     /// The files that the blocks came from, each once.

@@ -1,6 +1,6 @@
 //! Poles of a merged sketch; the fit of merged products.
 
-use super::partial::{Block, Partial, SketchSums, Sums};
+use super::partial::{Block, Partial, ProductSums, SketchSums, Sums};
 use super::plan::Plan;
 use super::poles::{Matrix, Path, Poles};
 use super::PieceError;
@@ -12,16 +12,17 @@ use crate::head::Head;
 use crate::measured::{on_columns, strongest};
 use crate::options::FitOptions;
 use crate::order::{of_columns, of_sketch, Chain, Doubt, First, Outcome, POWERS};
-use crate::passes::{same, Pass};
+use crate::passes::{on_all_lines, same, Pass};
 use crate::project::{Products, Projected};
 use crate::refine::refine;
 use crate::screen::{enough, lines_left_out};
 use crate::tolerances as tol;
 use crate::unequal::PairWeights;
-use crate::work::Work;
+use crate::wide::projected;
+use crate::work::{basis, Work};
 use chladni_frf::{Dof, Error, Node};
 use chladni_linalg::LinalgError;
-use ndarray::{Array1, Array2, Axis, ShapeBuilder};
+use ndarray::{Array1, Array2, ArrayView1, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use std::collections::{HashMap, HashSet};
 
@@ -37,35 +38,50 @@ pub enum Solved {
 /// Most times that poles are sought.
 const ROUNDS: usize = 3;
 
-/// Solves merged partials: those of a first pass for poles, those of a second for the fit.
+/// Solves merged partials: those of a first pass for poles, those of a second for the fit; those of a first pass with a pilot for the fit
+/// where the pilot's poles will do.
 ///
 /// `progress` is told the name of each stage as it begins. Of `options` a first pass needs `modes`, a second `damping`, `shapes` and
 /// `exponential_window_per_s`.
 ///
 /// # Errors
-/// [`FitError`] as for [`crate::fit()`]; no block, an FRF that stands in two, a second pass over other FRFs than the first.
+/// [`FitError`] as for [`crate::fit()`]; no block, no sums, an FRF that stands in two, a second pass over other FRFs than the first.
 pub fn solve(partial: &Partial, options: &FitOptions, progress: &dyn Fn(&str)) -> Result<Solved, PieceError> {
     let none = || Error::bad_data("nothing to solve").field("blocks").found("none").expected("at least one").help("reduce a block first");
     let (set, order) = whole(partial)?;
-    match (partial.sums().ok_or_else(none)?, partial.poles()) {
-        (Sums::Products { t, gram }, Some(poles)) => {
-            let head = with_dofs(poles.head(options.effort)?, set);
-            let r0 = in_order(&partial.blocks, gram.rows, &order);
-            // the number of modes was settled with the poles
-            let options = &FitOptions { modes: poles.modes, ..options.clone() };
-            of_products(poles, head, Products { t: t.array(), gram: gram.array(), r0, energy: Vec::new() }, options, progress)
+    let Sums { sketch, products } = partial.sums().ok_or_else(none)?;
+    let poles = match (sketch, partial.poles.as_deref()) {
+        (Some(sums), pilot) => {
+            let sketch = Sketch::of_sums(&partial.plan, set.clone(), &sums, options)?;
+            let found = sketch.poles(&partial.plan, options.modes, 0, progress)?;
+            if products.is_none() || !pilot.map_or(Ok(false), |pilot| serves(pilot, &found, options))? {
+                return Ok(Solved::Poles(Box::new(found)));
+            }
+            found
         }
-        (Sums::Sketch(sums), None) => {
-            let sketch = Sketch::of_sums(&partial.plan, set, &sums, options)?;
-            Ok(Solved::Poles(Box::new(sketch.poles(&partial.plan, options.modes, 0, progress)?)))
-        }
-        _ => Err(Error::bad_data("the partial contradicts itself")
-            .field("poles")
-            .found("those of one pass with the sums of the other")
-            .expected("sums of a second pass with its poles, or of a first without")
-            .help("reduce and merge the blocks anew")
-            .into()),
+        (None, Some(poles)) => poles.clone(),
+        (None, None) => return Err(none().into()),
+    };
+    let Some(ProductSums { t, gram }) = products else { return Err(none().into()) };
+    let head = with_dofs(poles.head(options.effort)?, set);
+    let r0 = in_order(&partial.blocks, gram.rows, &order);
+    // the number of modes was settled with the poles
+    let options = &FitOptions { modes: poles.modes, ..options.clone() };
+    of_products(&poles, head, Products { t: t.array(), gram: gram.array(), r0, energy: Vec::new() }, options, progress)
+}
+
+/// True where products with the basis of the `pilot` compress the data for the poles `found` as well: on the same lines, as many poles, each
+/// within that basis but for a small share. What lies outside costs a share of the information, and no bias: compressed columns are
+/// mixtures of whole FRFs, and the basis only says how they are mixed.
+fn serves(pilot: &Poles, found: &Poles, options: &FitOptions) -> Result<bool, PieceError> {
+    if pilot.lines != found.lines || pilot.lambda.len() != found.lambda.len() {
+        return Ok(false);
     }
+    let head = found.head(options.effort)?;
+    let columns = basis(&head.axis(), &found.lambda, &[]);
+    let (_, outside) = projected(on_all_lines(&head, &pilot.lambda)?.view(), columns.view());
+    let energy = |column: ArrayView1<Complex64>| column.iter().map(|value| value.norm_sqr()).sum::<f64>();
+    Ok(outside.columns().into_iter().zip(columns.columns()).all(|(outside, all)| energy(outside) < tol::PILOT_SHARE * energy(all)))
 }
 
 /// DOFs and FRFs of all blocks, row by row; for each FRF its place among those of the blocks one after another.

@@ -4,7 +4,7 @@
 use crate::common::{easy, fitted, resynthesis_error};
 use chladni_frf::{FrfSet, FrfValues, ModalModel, Trust};
 use chladni_plate::{add_noise_of_variance, gain_noise, outliers, SyntheticSet};
-use chladni_rfp::pieces::{reduce, residues, solve, Partial, Poles, Solved};
+use chladni_rfp::pieces::{reduce, residues, solve, Partial, Poles, Reducer, Solved};
 use chladni_rfp::{Effort, FitOptions};
 use ndarray::{s, Array3, Axis};
 use num_complex::Complex64;
@@ -81,6 +81,40 @@ fn blocks_find_what_the_whole_finds() {
     }
     assert!((whole.quality.relative_error / memory.quality.relative_error - 1.0).abs() < 1e-3);
     assert!((resynthesis_error(&whole, &set.frf) / whole.quality.relative_error - 1.0).abs() < 1e-6);
+}
+
+/// What one pass over the blocks comes to with the poles that a pilot of some responses shows.
+fn piloted(blocks: &[(u64, FrfSet)], pilot: &FrfSet, modes: Option<usize>) -> Solved {
+    let options = FitOptions { modes, ..FitOptions::default() };
+    let partial = reduce(pilot, &options, 0, Vec::new(), None).unwrap();
+    let Solved::Poles(pilot) = solve(&partial, &options, &|_| {}).unwrap() else { panic!("poles") };
+    let reducer = Reducer::with_pilot(&FitOptions::default(), &pilot).unwrap();
+    let merged = Partial::merge(blocks.iter().map(|(number, frf)| reducer.block(frf, *number, Vec::new()).unwrap())).unwrap();
+    assert!(merged.poles().is_none() && merged.pilot() == Some(&*pilot));
+    solve(&merged, &FitOptions::default(), &|_| {}).unwrap()
+}
+
+#[test]
+fn one_pass_is_enough_where_a_pilot_showed_the_same_poles() {
+    let set = set();
+    let mut blocks = blocks(&set.frf, 7);
+    let Solved::Fit(fit) = piloted(&blocks, &rows(&set.frf, 20..36), None) else { panic!("a fit") };
+    let memory = fitted(&set.frf, &FitOptions::default());
+    for (mode, other) in fit.model.in_band_modes().zip(memory.in_band_modes()) {
+        assert!((mode.frequency_hz - other.frequency_hz).abs() < 0.05 * other.frequency_std_hz);
+        assert!((mode.loss_factor - other.loss_factor).abs() < 0.05 * other.loss_factor_std);
+        assert!((mode.frequency_std_hz / other.frequency_std_hz - 1.0).abs() < 0.01);
+    }
+    assert!((resynthesis_error(&fit.model, &set.frf) / memory.quality.relative_error - 1.0).abs() < 1e-3);
+    // a pilot that saw less, and values missing where products are made: poles for a second pass, those that no pilot would change
+    let Solved::Poles(unled) = solve(&Partial::merge(reduced(&blocks, None)).unwrap(), &FitOptions::default(), &|_| {}).unwrap() else {
+        panic!("poles")
+    };
+    let Solved::Poles(found) = piloted(&blocks, &rows(&set.frf, 20..36), Some(3)) else { panic!("poles") };
+    assert_eq!(found, unled);
+    let FrfValues::F64(values) = &mut blocks[4].1.values else { panic!("double precision") };
+    values[[1, 1, 300]].re = f64::NAN;
+    assert!(matches!(piloted(&blocks, &rows(&set.frf, 20..36), None), Solved::Poles(_)));
 }
 
 #[test]
