@@ -239,7 +239,7 @@ fn options_of(asked: &AskedModel, poles: Option<&Poles>) -> Result<FitOptions> {
         }
     };
     if let Some(name) = given {
-        return Err(Error::new(ErrorKind::Usage, format!("{name} changes nothing in a {pass} pass"))
+        return Err(Error::new(ErrorKind::Usage, format!("the option changes nothing in a {pass} pass"))
             .field(name)
             .found(format!("a partial of the {pass} pass"))
             .expected(format!("a partial of the {other} pass"))

@@ -91,8 +91,8 @@ impl FitError {
             Self::TooFewLines { lines, low_hz, high_hz, modes: asked, needed } => {
                 FileError::bad_data("too few usable spectral lines in the band")
                     .field(if options.band_hz.is_some() { &band } else { "frequency axis" })
-                    .found(format!("{lines} between {low_hz} and {high_hz} Hz"))
-                    .expected(format!("at least {needed} for a model of {asked}"))
+                    .found(format!("{lines} lines between {low_hz} and {high_hz} Hz"))
+                    .expected(format!("at least {needed} lines for {asked} modes"))
                     .help(format!("widen {band}, or ask for fewer {modes}"))
             }
             Self::WindowAxis { found } => {

@@ -120,7 +120,8 @@ fn whole(partial: &Partial) -> Result<(Block, Vec<usize>), Error> {
         references: references.0,
         nodes,
         pairs: order.iter().map(|&l| pairs[l]).collect(),
-        energy: if energy.is_empty() { energy } else { order.iter().map(|&l| energy[l]).collect() },
+        // without products of every block there are no energies of every FRF
+        energy: if energy.len() == order.len() { order.iter().map(|&l| energy[l]).collect() } else { Vec::new() },
         r0: None,
         sources: Vec::new(),
     };
