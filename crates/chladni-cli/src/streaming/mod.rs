@@ -20,7 +20,7 @@ const PARTS_OF_MEMORY: u64 = 32;
 /// Bytes of a part beyond which larger ones are slower: memory of more is given back to the system after each, and cleared for the next.
 const PART_MOST: u64 = 16 << 20;
 /// Most parts of a pilot, and of how many parts it takes one.
-const PILOT_PARTS: usize = 16;
+const PILOT_PARTS: usize = 8;
 const PILOT_SHARE: usize = 16;
 /// What a fit of a set held in memory needs, over the set.
 const FIT_OVER_SET: u64 = 2;

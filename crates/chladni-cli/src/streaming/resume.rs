@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, UNIX_EPOCH};
 
 /// Keeping what was done may cost one part in so many of the time.
-const SHARE: u32 = 20;
+const SHARE: u32 = 40;
 
 /// What is kept, and where.
 pub struct Resume {

@@ -168,7 +168,7 @@ pub fn sha256_of(path: &Path) -> Result<String> {
     let on_read = |error: std::io::Error| Error::from_read(&error, path);
     let mut file = fs::File::open(path).map_err(on_read)?;
     let mut hash = Sha256::new();
-    let mut block = vec![0; 1 << 20];
+    let mut block = vec![0; 1 << 17]; // stays in the cache next to a core
     loop {
         match file.read(&mut block).map_err(on_read)? {
             0 => return Ok(hexadecimal(hash.finalize())),

@@ -54,7 +54,9 @@ pub(super) struct Matrix<T> {
 
 impl<T: Copy> From<&Array2<T>> for Matrix<T> {
     fn from(array: &Array2<T>) -> Self {
-        Self { rows: array.nrows(), values: array.columns().into_iter().flat_map(|column| column.to_vec()).collect() }
+        let by_columns = array.t();
+        let values = by_columns.as_slice().map_or_else(|| by_columns.iter().copied().collect(), <[T]>::to_vec);
+        Self { rows: array.nrows(), values }
     }
 }
 
