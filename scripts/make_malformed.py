@@ -583,6 +583,10 @@ def hdf5():
         case("h5-sizes", name + ".h5", file(lambda h5: own(h5, set=arrays)), "")
     endless = np.zeros((2**44, 0, 8), dtype=complex)
     case("h5-sizes", "endless.h5", file(lambda h5: own(h5, set=dict(frf=endless))), "sizes disagree")
+    # bits of a whole number that no register counts
+    node = bytes([0x10, 0, 0, 0, 8, 0, 0, 0, 0, 0, 64, 0])
+    wide = file(own).replace(node, bytes([0x10, 0, 0, 0, 8, 0, 0, 0x54, 0, 0, 64, 0]), 1)
+    case("h5-sizes", "wide-number.h5", wide, "values of a type that cannot be read")
     def two(h5):
         h5["a"], h5["b"], h5["freq"] = values, values, axis
     case("h5-choice", "two-frfs.h5", file(two), "not clear which datasets")

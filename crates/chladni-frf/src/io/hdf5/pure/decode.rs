@@ -64,7 +64,7 @@ impl Number {
                 Some(Self::Float64 { big: is_big(byte_order)? })
             }
             Datatype::FixedPoint { size, byte_order, layout }
-                if layout.bit_offset == 0 && u32::from(layout.bit_precision) == 8 * size && matches!(size, 1 | 2 | 4 | 8) =>
+                if matches!(size, 1 | 2 | 4 | 8) && layout.bit_offset == 0 && u32::from(layout.bit_precision) == 8 * size =>
             {
                 Some(Self::Integer { size: *size as usize, signed: layout.signed, big: is_big(byte_order)? })
             }
