@@ -5,6 +5,7 @@ use crate::error::FitError;
 use crate::family::fit_by_method;
 use crate::faults;
 use crate::found::{more_than_asked, uncertainty_grade, Found, Grade};
+use crate::given_noise::{given_noise, Giver};
 use crate::head::Head;
 use crate::law::Law;
 use crate::measured::measured_path;
@@ -42,13 +43,21 @@ pub fn fit(frf: &FrfSet, options: &FitOptions, progress: &dyn Fn(&str)) -> Resul
     let unbiased = options.window.map_or(Ok(None), |window| faults::window::undo(frf, window))?;
     let frf = unbiased.as_ref().unwrap_or(frf);
     let screened = Screened::new(frf, options)?;
-    let given = given_noise(&screened);
-    // variances that are given are no rounding, however small: their share in the data counts as all of it
-    let known = PairWeights::new(&screened, &given, 1.0);
-    let weighted = known.as_ref().map(|weights| weights.applied(frf));
-    let mut data = match (known, &weighted) {
-        (Some(weights), Some(weighted)) => screened.weighted(weighted, weights),
-        _ => screened,
+    let known = given_noise(&screened).and_then(|(noise, giver)| Some((PairWeights::of_given(&screened, &noise)?, giver)));
+    weighted_fit(screened, known, options, progress)
+}
+
+/// Fits data whose noise is `known`, or with weights as the residual tells them.
+fn weighted_fit(
+    screened: Screened,
+    known: Option<(PairWeights, Giver)>,
+    options: &FitOptions,
+    progress: &dyn Fn(&str),
+) -> Result<Fit, FitError> {
+    let weighted = known.as_ref().map(|(weights, _)| weights.applied(screened.frf));
+    let mut data = match (&known, &weighted) {
+        (Some((weights, _)), Some(weighted)) => screened.weighted(weighted, weights.clone()),
+        _ => screened.clone(),
     };
     let mut dropped = Vec::new();
     let mut rounds = 0;
@@ -62,16 +71,25 @@ pub fn fit(frf: &FrfSet, options: &FitOptions, progress: &dyn Fn(&str)) -> Resul
             Attempt::Fitted(fit, white, left) => break (*fit, white, left),
         }
     };
-    if let Some(known) = &data.weighting {
-        fit.model.quality.path =
-            fit.model.quality.path.map(|path| format!("{path}; {}, as the variances of the set say", known.weights.words()));
-    } else if let Some(weights) = PairWeights::new(&data, &left, fit.model.quality.relative_error).filter(|_| white) {
-        progress("FRFs weighted by their noise");
-        let weighted = weights.applied(data.frf);
-        if let Attempt::Fitted(mut again, true, _) = identify(&data.weighted(&weighted, weights.clone()), options, false, progress)? {
-            again.model.quality.path = again.model.quality.path.map(|path| format!("{path}; {}", weights.words()));
-            fit = *again;
+    let still_unequal = PairWeights::new(&data, &left, fit.model.quality.relative_error).filter(|_| white);
+    match (known, still_unequal) {
+        (Some((_, Giver::Coherence)), Some(_)) => {
+            let mut fit = weighted_fit(screened, None, options, progress)?;
+            fit.model.quality.warnings.push(COHERENCE_CONTRADICTED.into());
+            return Ok(fit);
         }
+        (Some((weights, giver)), _) => {
+            fit.model.quality.path = fit.model.quality.path.map(|path| format!("{path}; {}, as {}", weights.words(), giver.words()));
+        }
+        (None, Some(weights)) => {
+            progress("FRFs weighted by their noise");
+            let weighted = weights.applied(data.frf);
+            if let Attempt::Fitted(mut again, true, _) = identify(&data.weighted(&weighted, weights.clone()), options, false, progress)? {
+                again.model.quality.path = again.model.quality.path.map(|path| format!("{path}; {}", weights.words()));
+                fit = *again;
+            }
+        }
+        (None, None) => {}
     }
     if !dropped.is_empty() {
         fit.model.quality.warnings.push(faults::outliers::words(&data, &mut dropped));
@@ -83,23 +101,9 @@ pub fn fit(frf: &FrfSet, options: &FitOptions, progress: &dyn Fn(&str)) -> Resul
     Ok(fit)
 }
 
-/// Noise energy of each FRF on the lines used, in work units, where the set gives the variance of every value: from averages, as
-/// `estimate` writes it. Empty otherwise. The median line speaks for all: leakage raises the variance of those at the peaks.
-fn given_noise(data: &Screened) -> Vec<f64> {
-    let Some(variance) = &data.frf.variance else { return Vec::new() };
-    let unit = data.factor().norm_sqr();
-    let of = |&(i, j): &(usize, usize)| {
-        let mut values: Vec<f64> = data.lines.iter().map(|&k| variance[[i, j, k]]).collect();
-        let (middle, lines) = (values.len() / 2, values.len() as f64);
-        *values.select_nth_unstable_by(middle, f64::total_cmp).1 * lines * unit
-    };
-    let noise: Vec<f64> = data.pairs.iter().map(of).collect();
-    if noise.iter().all(|sum| sum.is_finite() && *sum > 0.0) {
-        noise
-    } else {
-        Vec::new()
-    }
-}
+/// Said where a coherence was given and not used.
+const COHERENCE_CONTRADICTED: &str =
+    "the coherence of the set does not tell its noise: what the model leaves of the FRFs differs otherwise; weighted by that instead";
 
 /// Rounds of leaving out outlier lines and fitting again: the second finds those that hid beside the first.
 pub(crate) const OUTLIER_ROUNDS: usize = 5;

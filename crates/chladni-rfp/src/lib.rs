@@ -14,6 +14,7 @@ mod faults;
 mod first_look;
 mod fit;
 mod found;
+mod given_noise;
 mod head;
 mod law;
 mod measured;

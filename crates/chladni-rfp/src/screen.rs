@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use std::ops::{Deref, Range};
 
 /// The usable part of an FRF set: selected lines and pairs, unit rms, no copy of the data.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Screened<'a> {
     head: Head,
     /// The data.

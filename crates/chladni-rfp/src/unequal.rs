@@ -22,14 +22,16 @@ pub(crate) struct PairWeights {
 }
 
 impl PairWeights {
-    /// From the sum of squares `left` of each pair used; `None` where equal weights are good enough, or nothing is known.
+    /// From the sum of squares `left` of each pair used by a model; `None` where equal weights are good enough, or nothing is known.
     pub fn new(data: &Head, left: &[f64], relative_error: f64) -> Option<Self> {
-        if left.is_empty() {
-            return None;
-        }
+        (relative_error >= ROUNDING).then(|| Self::of_given(data, left)).flatten()
+    }
+
+    /// From the noise energy of each pair used; `None` as in [`Self::new`].
+    pub fn of_given(data: &Head, noise: &[f64]) -> Option<Self> {
         let lines = data.lines.len() as f64;
-        let log: Vec<f64> = left.iter().map(|sum| 0.5 * (sum / lines).ln()).collect();
-        if relative_error < ROUNDING || log.iter().any(|level| !level.is_finite()) {
+        let log: Vec<f64> = noise.iter().map(|sum| 0.5 * (sum / lines).ln()).collect();
+        if log.is_empty() || log.iter().any(|level| !level.is_finite()) {
             return None;
         }
         let mean = log.iter().sum::<f64>() / log.len() as f64;

@@ -1,10 +1,11 @@
 //! FRFs that are not equally noisy: weighted, the fit stands at the bound of weighted data, and comes back in measured units.
 
 use crate::common::{easy, fitted, resynthesis_error};
-use chladni_frf::{FrfValues, ModalModel};
+use chladni_frf::{FrfSet, FrfValues, ModalModel};
 use chladni_plate::{add_noise_of_variance, cramer_rao_real, CramerRao, SyntheticSet};
 use chladni_rfp::FitOptions;
 use ndarray::Array3;
+use num_complex::Complex64;
 
 /// Noise of each response and reference, in units of the quietest.
 const RESPONSES: [f64; 6] = [1.0, 4.0, 1.0, 6.0, 5.0, 2.0];
@@ -50,6 +51,37 @@ fn variances_that_the_set_gives_are_the_weights_from_the_start() {
     assert!(!path(&equal).contains("as the variances of the set say"), "{}", path(&equal));
     given.variance.as_mut().unwrap()[[0, 0, 700]] = f64::NAN;
     assert_eq!(path(&fitted(&given, &FitOptions::default())), path(&learnt));
+}
+
+/// The coherence of 1/(1 + noise over signal) where `level` times 1e-3 is the noise of a pair.
+fn with_coherence(set: &SyntheticSet, level: impl Fn(usize, usize) -> f64) -> FrfSet {
+    let mut frf = set.frf.clone();
+    let FrfValues::F64(values) = &frf.values else { panic!("synthetic sets are in double precision") };
+    let squared = |((i, j, _), value): ((usize, usize, usize), &Complex64)| 1.0 / (1.0 + (1e-3 * level(i, j)).powi(2) / value.norm_sqr());
+    let coherence = Array3::from_shape_vec(values.dim(), values.indexed_iter().map(|value| squared(value) as f32).collect()).unwrap();
+    frf.coherence = Some(coherence);
+    frf
+}
+
+#[test]
+fn coherence_gives_the_weights_where_the_residual_does_not_contradict_it() {
+    let (set, _) = unequal(3);
+    let learnt = fitted(&set.frf, &FitOptions::default());
+    let told = fitted(&with_coherence(&set, |i, j| RESPONSES[i] * REFERENCES[j]), &FitOptions::default());
+    assert!(path(&told).ends_with("as the coherence of the set says"), "{}", path(&told));
+    for (mode, other) in told.in_band_modes().zip(learnt.in_band_modes()) {
+        assert!((mode.frequency_hz - other.frequency_hz).abs() < 0.2 * other.frequency_std_hz);
+        assert!((mode.frequency_std_hz / other.frequency_std_hz - 1.0).abs() < 0.05);
+    }
+    // the noise of other sensors: named, and the fit is the one without coherence
+    let wrong = fitted(&with_coherence(&set, |i, j| RESPONSES[5 - i] * REFERENCES[j]), &FitOptions::default());
+    assert_eq!(path(&wrong), path(&learnt));
+    assert!(wrong.quality.warnings.iter().any(|warning| warning.contains("coherence of the set does not tell its noise")));
+    assert_eq!(wrong.modes, learnt.modes);
+    // one that is 1 everywhere tells nothing
+    let mut flat = set.frf.clone();
+    flat.coherence = Some(Array3::ones(flat.values.dim()));
+    assert_eq!(fitted(&flat, &FitOptions::default()), learnt);
 }
 
 fn path(model: &ModalModel) -> &str {
