@@ -71,7 +71,10 @@ fn weighted_fit(
             Attempt::Fitted(fit, white, left) => break (*fit, white, left),
         }
     };
-    let still_unequal = PairWeights::new(&data, &left, fit.model.quality.relative_error).filter(|_| white);
+    // what is left in measured units, seen with the weights
+    let seen: Vec<f64> =
+        data.pairs.iter().zip(&left).map(|(&(i, j), left)| left * data.weight(i, j).iter().product::<f64>().powi(2)).collect();
+    let still_unequal = PairWeights::new(&data, &seen, fit.model.quality.relative_error).filter(|_| white);
     match (known, still_unequal) {
         (Some((_, Giver::Coherence)), Some(_)) => {
             let mut fit = weighted_fit(screened, None, options, progress)?;

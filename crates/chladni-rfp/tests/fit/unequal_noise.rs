@@ -53,11 +53,12 @@ fn variances_that_the_set_gives_are_the_weights_from_the_start() {
     assert_eq!(path(&fitted(&given, &FitOptions::default())), path(&learnt));
 }
 
-/// The coherence of 1/(1 + noise over signal) where `level` times 1e-3 is the noise of a pair.
+/// The coherence of 1/(1 + noise over signal), where the noise of a pair stands 45 dB below the data, times `level`.
 fn with_coherence(set: &SyntheticSet, level: impl Fn(usize, usize) -> f64) -> FrfSet {
     let mut frf = set.frf.clone();
     let FrfValues::F64(values) = &frf.values else { panic!("synthetic sets are in double precision") };
-    let squared = |((i, j, _), value): ((usize, usize, usize), &Complex64)| 1.0 / (1.0 + (1e-3 * level(i, j)).powi(2) / value.norm_sqr());
+    let variance = 10f64.powf(-4.5) * values.iter().map(|v| v.norm_sqr()).sum::<f64>() / values.len() as f64;
+    let squared = |((i, j, _), value): ((usize, usize, usize), &Complex64)| 1.0 / (1.0 + variance * level(i, j).powi(2) / value.norm_sqr());
     let coherence = Array3::from_shape_vec(values.dim(), values.indexed_iter().map(|value| squared(value) as f32).collect()).unwrap();
     frf.coherence = Some(coherence);
     frf
