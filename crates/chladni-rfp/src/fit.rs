@@ -76,9 +76,10 @@ fn weighted_fit(
         data.pairs.iter().zip(&left).map(|(&(i, j), left)| left * data.weight(i, j).iter().product::<f64>().powi(2)).collect();
     let still_unequal = PairWeights::new(&data, &seen, fit.model.quality.relative_error).filter(|_| white);
     match (known, still_unequal) {
-        (Some((_, Giver::Coherence)), Some(_)) => {
+        // the measured-data path has an error model of its own
+        (Some((_, Giver::Coherence)), unequal) if !white || unequal.is_some() => {
             let mut fit = weighted_fit(screened, None, options, progress)?;
-            fit.model.quality.warnings.push(COHERENCE_CONTRADICTED.into());
+            fit.model.quality.warnings.extend(unequal.map(|_| COHERENCE_CONTRADICTED.into()));
             return Ok(fit);
         }
         (Some((weights, giver)), _) => {
