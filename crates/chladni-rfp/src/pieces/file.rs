@@ -1,7 +1,7 @@
 //! Partials and poles as bytes: one line of JSON that says what follows, then the content.
 //!
 //! ```text
-//! {"format":"chladni.partial","version":1,"created_by":"chladni 0.1.0","bytes":1234,"sha256":"..."}
+//! {"format":"chladni.partial","version":2,"created_by":"chladni 0.1.0","bytes":1234,"sha256":"..."}
 //! ```
 
 use super::{Partial, Poles};
@@ -10,7 +10,7 @@ use serde::{de::DeserializeOwned, Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 /// Version of the content; another one is refused.
-const VERSION: u64 = 1;
+const VERSION: u64 = 2;
 /// Most bytes of the first line.
 const HEAD_MOST: usize = 1024;
 
