@@ -269,8 +269,8 @@ fn files_of_another_version_or_damaged_are_refused_by_name() {
     let end = bytes.iter().position(|byte| *byte == b'\n').unwrap();
     let head = String::from_utf8(bytes[..end].to_vec()).unwrap();
     let with_head = |head: String| [head.as_bytes(), &bytes[end..]].concat();
-    let other = error(&with_head(head.replace("\"version\":1", "\"version\":2")));
-    assert!(other.contains("another version") && other.contains("2 (written by chladni"), "{other}");
+    let other = error(&with_head(head.replace("\"version\":2", "\"version\":1")));
+    assert!(other.contains("another version") && other.contains("1 (written by chladni"), "{other}");
     assert!(error(&with_head(head.replace("partial", "poles"))).contains("chladni.poles"));
     assert!(error(&bytes[..bytes.len() - 1]).contains("cut off"));
     let mut damaged = bytes.clone();
