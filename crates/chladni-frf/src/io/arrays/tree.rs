@@ -219,7 +219,8 @@ const BEST_COMPRESSION: u64 = 1032;
 
 /// Refuses a shape whose values cannot stand in the file, before anything is allocated.
 pub(in crate::io) fn check_size(path: &str, shape: &[usize], element_bytes: usize, filtered: bool, file_bytes: u64) -> Result<()> {
-    let claimed = shape.iter().try_fold(element_bytes as u64, |product, &extent| product.checked_mul(extent as u64));
+    // an extent of 0 excuses no other: names and axes are made as long as the others say
+    let claimed = shape.iter().try_fold(element_bytes as u64, |product, &extent| product.checked_mul(extent.max(1) as u64));
     let room = if filtered { file_bytes.saturating_mul(BEST_COMPRESSION) } else { file_bytes };
     if claimed.is_some_and(|bytes| bytes <= room) {
         return Ok(());
