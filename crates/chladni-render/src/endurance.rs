@@ -6,6 +6,7 @@
 use crate::field::Field;
 use crate::finger::{finger_rows, Finger};
 use crate::modal_field::ModalField;
+use crate::options::Drift;
 use crate::problem::{amplitude, Drive};
 use crate::setup::Setup;
 use crate::tolerances;
@@ -47,27 +48,37 @@ impl Endurance {
         }
     }
 
-    /// What must be said of it.
-    pub(crate) fn warnings(&self) -> Vec<String> {
+    /// What must be said of it, where natural frequencies are expected to err by `expected` (relative, rms) and `on_mode_hz` lies on the drive.
+    pub(crate) fn warnings(&self, expected: f64, on_mode_hz: Option<f64>) -> Vec<String> {
         let mut warnings = Vec::new();
-        if self.frequency_relative < tolerances::THIN_FREQUENCY_ERROR {
+        if self.frequency_relative < tolerances::THIN * expected {
             warnings.push(format!(
-                "the drive holds for natural frequencies up to {:.1} % off: a model of another day or temperature may be further off; check with \
-                 --measured or `chladni evaluate`, or look for another frequency with --sweep",
-                100.0 * self.frequency_relative
+                "the drive holds for natural frequencies up to {:.2} % off, and {:.2} % are expected: check with --measured or `chladni evaluate`, \
+                 or look for another frequency with --sweep",
+                100.0 * self.frequency_relative,
+                100.0 * expected
             ));
         }
         if self.touched_min_ratio < tolerances::TOUCHED_SERVES {
             let how =
                 if self.touch_is_known { "" } else { " (estimated: without a driving point the model does not know how much it moves)" };
+            let why = on_mode_hz.map_or_else(String::new, |hz| format!("; the mode at {hz:.1} Hz sits on the drive frequency"));
             warnings.push(format!(
-                "a light finger in the hot zone leaves {:.0} % of the hot or of the cold responses inside their limit{how}: look for a frequency \
-                 that bears it with --sweep",
+                "a light finger in the hot zone leaves {:.0} % of the hot or of the cold responses inside their limit{how}{why}: look for a \
+                 frequency that bears it with --sweep",
                 100.0 * self.touched_min_ratio
             ));
         }
         warnings
     }
+}
+
+/// Error of natural frequencies that is expected, rms over the modes in the band, relative: that of the fit, and the drift.
+pub(crate) fn expected_error(model: &ModalModel, drift: &Drift) -> f64 {
+    let squares = model.in_band_modes().filter(|mode| mode.frequency_hz > 0.0);
+    let squares: Vec<f64> =
+        squares.map(|mode| drift.frequency_relative.powi(2) + (mode.frequency_std_hz / mode.frequency_hz).powi(2)).collect();
+    (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
 }
 
 /// The largest rms error of natural frequencies, relative, at which all draws are served.
@@ -92,4 +103,25 @@ fn largest_error(modal: &ModalField, serves: impl Fn(Array1<Complex64>) -> bool)
         }
     }
     low
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_warning_is_said_where_something_is_lost_and_only_there() {
+        let said = |frequency_relative: f64, touched_min_ratio: f64, on_mode_hz: Option<f64>| {
+            let endurance = Endurance { frequency_relative, touched_min_ratio, touch_is_known: true };
+            endurance.warnings(1e-3, on_mode_hz)
+        };
+        // a mode on the drive that neither a finger nor the expected error moves enough is no matter
+        assert!(said(3.1e-3, 1.0, Some(299.4)).is_empty());
+        let [thin] = &said(2.9e-3, 1.0, Some(299.4))[..] else { panic!("one warning") };
+        assert!(thin.contains("0.29 % off, and 0.10 % are expected"), "{thin}");
+        let [touched] = &said(3.1e-3, 0.9, Some(299.4))[..] else { panic!("one warning") };
+        assert!(touched.contains("leaves 90 %") && touched.contains("299.4 Hz sits on the drive"), "{touched}");
+        let [touched] = &said(3.1e-3, 0.9, None)[..] else { panic!("one warning") };
+        assert!(!touched.contains("sits on"), "{touched}");
+    }
 }

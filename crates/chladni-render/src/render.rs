@@ -2,10 +2,11 @@
 
 use crate::ceiling::Ceiling;
 use crate::count::Count;
-use crate::endurance::Endurance;
+use crate::endurance::{expected_error, Endurance};
 use crate::fewest_actuators;
 use crate::fewest_modes::{self, Judge, Reduced};
 use crate::field::{AreaField, Field};
+use crate::frequency_sweep::mode_on;
 use crate::indices::{AreaIndices, Indices, PointIndices};
 use crate::methods::{Decision, Method, MethodChoice, Solution};
 use crate::options::RenderOptions;
@@ -16,6 +17,7 @@ use crate::tolerances;
 use crate::weights::{weight_list, Weights, WEIGHTS_FORMAT, WEIGHTS_VERSION};
 use crate::zones::ZoneMap;
 use chladni_frf::{Error, FrfSet, ModalModel, Result, CREATED_BY};
+use std::borrow::Cow;
 
 /// Weights, and the field that they make in the model.
 #[derive(Debug, Clone, PartialEq)]
@@ -84,6 +86,7 @@ fn render_tone(
     options: &RenderOptions,
     measured: Option<&FrfSet>,
 ) -> Result<Rendering> {
+    let drift = scene.drift.as_ref().unwrap_or(&options.drift);
     let whole = Setup::new(model, scene, &options.drift)?;
     let others = others.iter().map(|other| Setup::new(model, other, &options.drift)).collect::<Result<Vec<_>>>()?;
     if let Some(other) = others.iter().find(|other| other.operator.references != whole.operator.references) {
@@ -98,7 +101,10 @@ fn render_tone(
     };
     let Reduced { setup, warning: of_modes } = fewest_modes::choose(whole, model, &judge, options)?;
     let chosen = fewest_actuators::choose(&std::iter::once(&setup).chain(&others).collect::<Vec<_>>(), options.actuators)?;
-    let used = setup.with_actuators(&chosen.columns);
+    let used = match chosen.columns.len() < setup.operator.references.len() {
+        true => Cow::Owned(setup.with_actuators(&chosen.columns)),
+        false => Cow::Borrowed(&setup),
+    };
     let Decision { method, effort, warning } = options.method.decide(&used.problem, options.effort);
     let Solution { drive, warnings: said } = method.solve(&used, model, effort)?;
     let sparse = drive;
@@ -108,7 +114,7 @@ fn render_tone(
         [setup.warnings.clone(), Vec::from_iter(of_modes), Vec::from_iter(chosen.warning), Vec::from_iter(warning), said].concat();
 
     let field = Field::new(operator, zones, &drive);
-    let area = field.area(zones);
+    let area = setup.nodes().and_then(|nodes| field.area_from(nodes, zones));
     let points = PointIndices::of_field(&field, zones, limits, &drive, operator.unit)?;
     let indices = Indices { points, area: area.as_ref().map(|area| AreaIndices::of_area(area, zones, limits)) };
     let feasible = points.min_ratio == 1.0;
@@ -134,7 +140,13 @@ fn render_tone(
     // what is quick must stay so, and what is not met needs no limit of what it endures
     let endures = feasible && matches!(method, Method::Mls | Method::Robust | Method::MinEffort);
     let endurance = endures.then(|| Endurance::of(&setup, model, &drive));
-    warnings.extend(endurance.iter().flat_map(Endurance::warnings));
+    let on_mode_hz = mode_on(model, scene.frequency_hz);
+    match &endurance {
+        Some(endurance) => warnings.extend(endurance.warnings(expected_error(model, drift), on_mode_hz)),
+        None => warnings.extend(on_mode_hz.map(|hz| {
+            format!("the mode at {hz:.1} Hz sits on the drive frequency: a finger or a little warming may break the field; --sweep finds a better one")
+        })),
+    }
     warnings.extend(judge.warnings);
     warnings.extend(strength(&field, limits));
     let weights = Weights {
@@ -142,7 +154,7 @@ fn render_tone(
         version: WEIGHTS_VERSION,
         created_by: CREATED_BY.into(),
         source: Vec::new(),
-        options: options.to_json(scene.drift.as_ref().unwrap_or(&options.drift)),
+        options: options.to_json(drift),
         frequency_hz: scene.frequency_hz,
         method: method.to_string(),
         scene: scene.name(),
@@ -159,7 +171,7 @@ fn render_tone(
         warnings,
         other_tones: Vec::new(),
     };
-    Ok(Rendering { weights, field, area, zones: setup.zones, limits: setup.limits, other_tones: Vec::new() })
+    Ok(Rendering { weights, field, area, zones: zones.clone(), limits: *limits, other_tones: Vec::new() })
 }
 
 impl Rendering {
