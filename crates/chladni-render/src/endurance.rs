@@ -116,12 +116,12 @@ mod tests {
             endurance.warnings(1e-3, on_mode_hz)
         };
         // a mode on the drive that neither a finger nor the expected error moves enough is no matter
-        assert!(said(3.1e-3, 1.0, Some(299.4)).is_empty());
-        let [thin] = &said(2.9e-3, 1.0, Some(299.4))[..] else { panic!("one warning") };
-        assert!(thin.contains("0.29 % off, and 0.10 % are expected"), "{thin}");
-        let [touched] = &said(3.1e-3, 0.9, Some(299.4))[..] else { panic!("one warning") };
+        assert!(said(2.1e-3, 1.0, Some(299.4)).is_empty());
+        let [thin] = &said(1.9e-3, 1.0, Some(299.4))[..] else { panic!("one warning") };
+        assert!(thin.contains("0.19 % off, and 0.10 % are expected"), "{thin}");
+        let [touched] = &said(2.1e-3, 0.9, Some(299.4))[..] else { panic!("one warning") };
         assert!(touched.contains("leaves 90 %") && touched.contains("299.4 Hz sits on the drive"), "{touched}");
-        let [touched] = &said(3.1e-3, 0.9, None)[..] else { panic!("one warning") };
+        let [touched] = &said(2.1e-3, 0.9, None)[..] else { panic!("one warning") };
         assert!(!touched.contains("sits on"), "{touched}");
     }
 }

@@ -149,7 +149,8 @@ impl Spline {
             return None;
         }
         let beyond = past(&q, past(&q, kernel).t()) * spline.sign();
-        let mean = beyond.diag().sum() / count;
+        // as many nodes as polynomials leave nothing but rounding
+        let mean = f64::max(beyond.diag().sum() / count, RANK_TOLERANCE);
         let lower = cholesky((beyond + matmul(q.view(), q.t()) * mean).view()).ok()?;
         Some(Self { kernel: kernel.to_owned(), q, r, lower, ..spline })
     }

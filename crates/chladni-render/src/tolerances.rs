@@ -232,9 +232,9 @@ pub const LEAST_FREQUENCY_ERROR: f64 = 2.5e-4;
 /// See [`LEAST_FREQUENCY_ERROR`].
 pub const MOST_FREQUENCY_ERROR: f64 = 0.032;
 
-/// What a drive endures of errors of natural frequencies is thin below so many times what is expected of them. What is endured held in all draws of
-/// that rms error, so that a third of it is far inside; at ten, most drives that serve are called thin.
-pub const THIN: f64 = 3.0;
+/// What a drive endures of errors of natural frequencies is thin below so many times what is expected of them: at half of what it endures nine of ten
+/// draws and more serve. At ten, nearly every drive that serves is called thin.
+pub const THIN: f64 = 2.0;
 
 /// What a fit of a part of the band may leave out at the drive frequency, over the mobility: the isotropic error that drives are made to bear.
 pub const BAND_ERROR: f64 = 3e-3;
