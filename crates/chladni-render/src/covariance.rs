@@ -19,47 +19,57 @@ use crate::options::Drift;
 use crate::problem::internal;
 use crate::tolerances;
 use chladni_frf::{ModalModel, Mode, Result, Trust};
-use ndarray::{Array1, Array2};
+use ndarray::{concatenate, Array1, Array2, Axis};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// The root L of the mean error covariance of the mobility rows, (m/s)/N or (m/s)/V; axes (any, reference).
+/// The mean error covariance LᴴL of the mobility rows, ((m/s)/N)² or ((m/s)/V)², by the parts of its root L.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Covariance {
-    root: Array2<Complex64>,
+    /// Rows of L that errors of the model fill; axes (any, reference).
+    rows: Array2<Complex64>,
+    /// The others, a diagonal: what errs at each actuator by itself.
+    own: Array1<f64>,
+    /// LᴴL.
+    gram: Array2<Complex64>,
 }
 
 impl Covariance {
     /// From the model's standard deviations and the drift, averaged over the rows `judged` of the operator.
     pub fn of_model(model: &ModalModel, operator: &Operator, judged: &[usize], drift: &Drift) -> Self {
         let modes: Vec<&Mode> = model.modes.iter().filter(|mode| mode.trust != Trust::Rejected).collect();
-        let actuators = operator.references.len();
         let isotropic = drift.isotropic_relative * rms(&operator.mobility);
-        let mut own = vec![isotropic * isotropic; actuators];
-        let mut root = Array2::zeros((modes.len() + actuators, actuators));
-        for (n, mode) in modes.iter().enumerate() {
+        let mut squares = Array1::from_elem(operator.references.len(), isotropic * isotropic);
+        let mut rows = Array2::zeros((modes.len(), operator.references.len()));
+        for (mode, mut row) in modes.iter().zip(rows.rows_mut()) {
             let deviation = RowDeviation::of(mode, operator, judged, drift);
-            for (j, &column) in operator.reference_columns.iter().enumerate() {
+            for ((&column, value), square) in operator.reference_columns.iter().zip(&mut row).zip(&mut squares) {
                 let participation = mode.participation.0[column];
-                root[[n, j]] = participation * deviation.common;
-                own[j] += (participation.norm() * deviation.each).powi(2);
+                *value = participation * deviation.common;
+                *square += participation.norm_sqr() * deviation.each.powi(2);
             }
         }
-        for (j, column) in operator.mobility.columns().into_iter().enumerate() {
-            let path = (judged.iter().map(|&k| column[k].norm_sqr()).sum::<f64>() / judged.len() as f64).sqrt();
-            root[[modes.len() + j, j]] = (own[j] + (drift.drive_relative * path).powi(2)).sqrt().into();
+        if drift.drive_relative > 0.0 {
+            for (square, column) in squares.iter_mut().zip(operator.mobility.columns()) {
+                let path = judged.iter().map(|&k| column[k].norm_sqr()).sum::<f64>() / judged.len() as f64;
+                *square += drift.drive_relative.powi(2) * path;
+            }
         }
-        Self { root }
+        let mut gram = chladni_linalg::matmul_h(rows.view(), rows.view());
+        gram.diag_mut().zip_mut_with(&squares, |value, &square| *value += square);
+        Self { rows, own: squares.mapv(f64::sqrt), gram }
     }
 
     /// LᴴL, ((m/s)/N)².
-    pub fn gram(&self) -> Array2<Complex64> {
-        chladni_linalg::matmul_h(self.root.view(), self.root.view())
+    pub fn gram(&self) -> &Array2<Complex64> {
+        &self.gram
     }
 
     /// ‖L·A‖: one standard deviation of the velocity at a response under the drive A, m/s.
     pub fn deviation(&self, drive: &Array1<Complex64>) -> f64 {
-        self.root.dot(drive).iter().map(Complex64::norm_sqr).sum::<f64>().sqrt()
+        let of_model = self.rows.dot(drive).iter().map(Complex64::norm_sqr).sum::<f64>();
+        let own = drive.iter().zip(&self.own).map(|(weight, own)| weight.norm_sqr() * own * own).sum::<f64>();
+        (of_model + own).sqrt()
     }
 
     /// A square L with the same LᴴL, upper triangular; no row where there is no error at all.
@@ -67,7 +77,7 @@ impl Covariance {
     /// # Errors
     /// Those of the factorisation: a broken promise.
     pub(crate) fn triangular_root(&self) -> Result<Array2<Complex64>> {
-        let mut gram = self.gram();
+        let mut gram = self.gram.clone();
         let mean = gram.diag().iter().map(|value| value.re).sum::<f64>() / gram.nrows() as f64;
         if mean == 0.0 {
             return Ok(Array2::zeros((0, gram.ncols())));
@@ -79,17 +89,17 @@ impl Covariance {
 
     /// The same with further rows of errors.
     pub(crate) fn with_errors(&self, errors: Array2<Complex64>) -> Self {
-        Self { root: ndarray::concatenate![ndarray::Axis(0), self.root, errors] }
+        let gram = &self.gram + &chladni_linalg::matmul_h(errors.view(), errors.view());
+        Self { rows: concatenate![Axis(0), self.rows, errors], gram, ..self.clone() }
     }
 
     /// The error of the columns `actuators` alone.
     pub(crate) fn with_actuators(&self, actuators: &[usize]) -> Self {
-        Self { root: self.root.select(ndarray::Axis(1), actuators) }
-    }
-
-    /// L itself.
-    pub fn root(&self) -> &Array2<Complex64> {
-        &self.root
+        Self {
+            rows: self.rows.select(Axis(1), actuators),
+            own: self.own.select(Axis(0), actuators),
+            gram: self.gram.select(Axis(0), actuators).select(Axis(1), actuators),
+        }
     }
 }
 
@@ -115,9 +125,9 @@ impl RowDeviation {
         let (mut of_pole, mut of_shape) = (0.0, 0.0);
         for &k in judged {
             let row = operator.response_rows[k];
-            let size = mode.shape.0[row].norm();
-            of_pole += (size * sigma_gamma).powi(2);
-            of_shape += gamma.powi(2) * ((own * mode.shape_std_at_known_scale(row)).powi(2) + (drift.shape_relative * size).powi(2));
+            let energy = mode.shape.0[row].norm_sqr();
+            of_pole += energy * sigma_gamma.powi(2);
+            of_shape += gamma.powi(2) * ((own * mode.shape_std_at_known_scale(row)).powi(2) + drift.shape_relative.powi(2) * energy);
         }
         let count = judged.len() as f64;
         Self { common: ((of_pole + of_shape) / count).sqrt(), each: (of_shape / count).sqrt() }

@@ -127,23 +127,23 @@ pub(crate) struct Reduced {
 /// # Errors
 /// Those of the methods.
 pub(crate) fn choose(setup: Setup, model: &ModalModel, judge: &Judge, options: &RenderOptions) -> Result<Reduced> {
-    let ranked = folding::ranked(model, &setup.operator);
-    let reduce = |explicit: usize| reduced(&setup, model, &ranked, explicit);
+    let ranked = || folding::ranked(model, &setup.operator);
     match options.modes {
         Count::All => Ok(Reduced { setup, warning: None }),
         Count::Number(number) => {
+            let ranked = ranked();
             let warning = (number > ranked.len()).then(|| format!("{number} modes were asked for, the model has {}", ranked.len()));
-            Ok(Reduced { setup: reduce(number.min(ranked.len())), warning })
+            Ok(Reduced { setup: reduced(&setup, model, &ranked, number.min(ranked.len())), warning })
         }
         Count::Auto => {
             let solve = |setup: &Setup| -> Result<Drive> {
                 let Decision { method, effort, .. } = options.method.decide(&setup.problem, options.effort);
                 Ok(method.solve(setup, model, effort)?.drive)
             };
-            let whole = solve(&setup)?;
+            let (ranked, whole) = (ranked(), solve(&setup)?);
             let wanted = judge.served(&whole);
             for explicit in 0..ranked.len() {
-                let smaller = reduce(explicit);
+                let smaller = reduced(&setup, model, &ranked, explicit);
                 // the whole model's own drive tells cheaply where the search cannot end yet
                 if wanted[0] == 1.0 && !judge.error_fits(&smaller.problem, &whole) {
                     continue;

@@ -1,6 +1,6 @@
 //! What a drive does: velocities at the responses, and on a fine grid between them.
 
-use crate::interpolation::Interpolation;
+use crate::interpolation::{Interpolation, Nodes};
 use crate::operator::Operator;
 use crate::plane::{convex_hull, polygon_contains, Position, Rectangle};
 use crate::problem::Drive;
@@ -50,7 +50,12 @@ impl Field {
     /// Interpolates the complex field between the responses, on a grid of at most [`tolerances::AREA_STEP_M`] over what is
     /// judged, inside the convex hull of the responses. `None` where they carry no plane, or lie outside the area.
     pub fn area(&self, zones: &ZoneMap) -> Option<AreaField> {
-        let grid = AreaGrid::new(&self.positions_m, zones.area(), tolerances::AREA_STEP_M)?;
+        self.area_from(&Nodes::new(&self.positions_m)?, zones)
+    }
+
+    /// The same with the responses made ready before.
+    pub(crate) fn area_from(&self, nodes: &Nodes, zones: &ZoneMap) -> Option<AreaField> {
+        let grid = AreaGrid::from_nodes(nodes, &self.positions_m, zones.area(), tolerances::AREA_STEP_M)?;
         let velocity_m_per_s = grid.field(&self.velocity_m_per_s);
         let mut ground = Array2::from_elem(velocity_m_per_s.dim(), Ground::Ignored);
         for &(place, point) in &grid.places {
@@ -77,9 +82,13 @@ impl AreaGrid {
     /// The grid of at most `step_m` over `area`, inside the convex hull of the responses; `None` where they carry no plane, or
     /// lie outside the area.
     pub fn new(responses: &[Position], area: Rectangle, step_m: f64) -> Option<Self> {
+        Self::from_nodes(&Nodes::new(responses)?, responses, area, step_m)
+    }
+
+    fn from_nodes(nodes: &Nodes, responses: &[Position], area: Rectangle, step_m: f64) -> Option<Self> {
         let Places { x_m, y_m, inside } = Places::new(responses, area, step_m)?;
         let queries: Vec<Position> = inside.iter().map(|place| place.1).collect();
-        let interpolation = Interpolation::new(responses, &queries)?;
+        let interpolation = nodes.onto(&queries)?;
         Some(Self { x_m, y_m, places: inside, interpolation })
     }
 

@@ -10,18 +10,28 @@
 use crate::lattice::Lattice;
 use crate::plane::Position;
 use crate::tolerances;
-use chladni_linalg::{matmul, matmul_h, qr_thin, solve_upper, RANK_TOLERANCE};
-use ndarray::{s, Array1, Array2, ArrayView2, Axis};
+use chladni_linalg::{cholesky, matmul, matmul_h, qr_thin, solve_lower, solve_lower_adjoint, solve_upper, RANK_TOLERANCE};
+use ndarray::{concatenate, s, stack, Array1, Array2, ArrayView2, Axis};
 use num_complex::Complex64;
+use std::sync::Arc;
 
 /// The orders m that are tried, the smoothest first.
 const ORDERS: [usize; 3] = [4, 3, 2];
+
+/// Places where a field is known, made ready for interpolation: once for any number of queries and fields.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Nodes {
+    /// One spline through all of them.
+    Whole(Arc<Spline>),
+    /// Many: a spline of its own around each query.
+    Many(Vec<Position>),
+}
 
 /// Interpolation from nodes to queries.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Interpolation {
     /// One spline through all nodes, and its basis at the queries; axes (query, coefficient).
-    Whole(Spline, Array2<f64>),
+    Whole(Arc<Spline>, Array2<f64>),
     /// A spline of its own around each query.
     Patches {
         /// Nodes that each query's value is made of; axes (query, neighbour).
@@ -31,14 +41,21 @@ pub(crate) enum Interpolation {
     },
 }
 
-impl Interpolation {
+impl Nodes {
     /// `None` where the nodes carry no plane (fewer than three, or all on one line).
-    pub(crate) fn new(nodes: &[Position], queries: &[Position]) -> Option<Self> {
-        if nodes.len() <= tolerances::GLOBAL_INTERPOLATION {
-            let spline = Spline::through(nodes)?;
-            let basis = spline.basis(queries);
-            return Some(Self::Whole(spline, basis));
+    pub(crate) fn new(nodes: &[Position]) -> Option<Self> {
+        if nodes.len() > tolerances::GLOBAL_INTERPOLATION {
+            return Some(Self::Many(nodes.to_vec()));
         }
+        Spline::through(nodes).map(|spline| Self::Whole(Arc::new(spline)))
+    }
+
+    /// `None` where the nodes around a query carry no plane.
+    pub(crate) fn onto(&self, queries: &[Position]) -> Option<Interpolation> {
+        let nodes = match self {
+            Self::Whole(spline) => return Some(Interpolation::Whole(spline.clone(), spline.basis(queries))),
+            Self::Many(nodes) => nodes,
+        };
         let shape = (queries.len(), tolerances::NEAREST_RESPONSES);
         let (mut neighbours, mut weights) = (Array2::zeros(shape), Array2::zeros(shape));
         for (q, &query) in queries.iter().enumerate() {
@@ -51,9 +68,11 @@ impl Interpolation {
             weights.row_mut(q).assign(&Spline::through(&patch)?.weights(query));
             neighbours.row_mut(q).assign(&Array1::from(order));
         }
-        Some(Self::Patches { nodes: neighbours, weights })
+        Some(Interpolation::Patches { nodes: neighbours, weights })
     }
+}
 
+impl Interpolation {
     /// Fields at the queries from `values` at the nodes, axes (node, field); returns axes (query, field).
     pub(crate) fn apply(&self, values: ArrayView2<Complex64>) -> Array2<Complex64> {
         match self {
@@ -63,7 +82,12 @@ impl Interpolation {
                     true => values[[k, column]].re,
                     false => values[[k, column - fields]].im,
                 });
-                let parts = matmul(basis.view(), spline.solve(parts.view()).view());
+                let coefficients = spline.solve(parts.view());
+                // for a single field a product of matrices would spend its time on packing the basis
+                let parts = match fields {
+                    1 => stack![Axis(1), basis.dot(&coefficients.column(0)), basis.dot(&coefficients.column(1))],
+                    _ => matmul(basis.view(), coefficients.view()),
+                };
                 Array2::from_shape_fn((basis.nrows(), fields), |(q, column)| {
                     Complex64::new(parts[[q, column]], parts[[q, fields + column]])
                 })
@@ -81,7 +105,10 @@ impl Interpolation {
     }
 }
 
-/// A polyharmonic spline through nodes: the system M·[c; d] = [v; 0] for its coefficients, factorised.
+/// A polyharmonic spline through nodes, factorised.
+///
+/// With the polynomials at the nodes P = Q·R and the projection Π = I − Q·Qᵀ past them, (−1)^m·Π·Φ·Π is positive definite on the range of Π
+/// (Wendland, section 8.1): c = Π·c solves Π·Φ·Π·c = Π·v, and R·d = Qᵀ·(v − Φ·c).
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Spline {
     order: usize,
@@ -89,10 +116,12 @@ pub(crate) struct Spline {
     nodes: Vec<Position>,
     centre: Position,
     radius: f64,
-    /// M·diag(1/scales) = Q·R.
+    /// Φ; axes (node, node).
+    kernel: Array2<f64>,
     q: Array2<f64>,
     r: Array2<f64>,
-    scales: Array1<f64>,
+    /// L·Lᵀ = (−1)^m·Π·Φ·Π + τ·Q·Qᵀ with some τ > 0.
+    lower: Array2<f64>,
 }
 
 impl Spline {
@@ -110,20 +139,29 @@ impl Spline {
         let centre = [0, 1].map(|axis| nodes.iter().map(|node| node[axis]).sum::<f64>() / count);
         let radius = nodes.iter().map(|node| (node[0] - centre[0]).hypot(node[1] - centre[1])).fold(f64::MIN_POSITIVE, f64::max);
         let empty = || Array2::zeros((0, 0));
-        let mut spline = Self { order, nodes: Vec::new(), centre, radius, q: empty(), r: empty(), scales: Array1::zeros(0) };
+        let mut spline = Self { order, nodes: Vec::new(), centre, radius, kernel: empty(), q: empty(), r: empty(), lower: empty() };
         spline.nodes = nodes.iter().map(|&node| spline.scaled(node)).collect();
-        let size = nodes.len() + polynomials;
-        let mut system = Array2::zeros((size, size));
-        system.slice_mut(s![..nodes.len(), ..]).assign(&spline.basis(nodes));
-        for k in 0..nodes.len() {
-            for j in nodes.len()..size {
-                system[[j, k]] = system[[k, j]];
-            }
+        let basis = spline.basis(nodes);
+        let (kernel, polynomial) = basis.view().split_at(Axis(1), nodes.len());
+        let (q, r) = qr_thin(polynomial).ok()?;
+        // coordinates are of order one, and so is the mean square of a monomial
+        if r.diag().iter().any(|value| value.abs() <= RANK_TOLERANCE * count.sqrt()) {
+            return None;
         }
-        spline.scales = system.columns().into_iter().map(|column| column.dot(&column).sqrt().max(f64::MIN_POSITIVE)).collect();
-        let (q, r) = qr_thin((system / &spline.scales).view()).ok()?;
-        let carried = r.diag().iter().all(|value| value.abs() > RANK_TOLERANCE);
-        carried.then_some(Self { q, r, ..spline })
+        let beyond = past(&q, past(&q, kernel).t()) * spline.sign();
+        // as many nodes as polynomials leave nothing but rounding
+        let mean = f64::max(beyond.diag().sum() / count, RANK_TOLERANCE);
+        let lower = cholesky((beyond + matmul(q.view(), q.t()) * mean).view()).ok()?;
+        Some(Self { kernel: kernel.to_owned(), q, r, lower, ..spline })
+    }
+
+    /// (−1)^m.
+    fn sign(&self) -> f64 {
+        if self.order.is_multiple_of(2) {
+            1.0
+        } else {
+            -1.0
+        }
     }
 
     fn scaled(&self, point: Position) -> Position {
@@ -151,17 +189,35 @@ impl Spline {
         basis
     }
 
-    /// What each node counts at one query: the system is symmetric, so that basisᵀ·M⁻¹ = (M⁻¹·basis)ᵀ.
+    /// What each node counts at one query: the transpose of [`Self::solve`] on its basis.
     fn weights(&self, query: Position) -> Array1<f64> {
-        self.solve(self.basis(&[query]).t()).slice(s![..self.nodes.len(), 0]).to_owned()
+        let basis = self.basis(&[query]);
+        let (kernel, polynomial) = basis.view().split_at(Axis(1), self.nodes.len());
+        let of_polynomial = solve_lower(self.r.t(), polynomial.t()).expect("sizes of one system");
+        let of_polynomial = matmul(self.q.view(), of_polynomial.view());
+        let of_kernel = self.coefficients((&kernel.t() - &matmul(self.kernel.view(), of_polynomial.view())).view());
+        (of_kernel + of_polynomial).column(0).to_owned()
     }
 
-    /// M⁻¹·[right; 0], for values at the nodes the coefficients of the splines through them; axes (coefficient, field).
-    fn solve(&self, right: ArrayView2<f64>) -> Array2<f64> {
-        let rotated = matmul_h(self.q.slice(s![..right.nrows(), ..]), right);
-        let solved = solve_upper(self.r.view(), rotated.view()).expect("sizes of one system");
-        solved / self.scales.view().insert_axis(Axis(1))
+    /// For values at the nodes the coefficients of the splines through them; axes (coefficient, field).
+    fn solve(&self, values: ArrayView2<f64>) -> Array2<f64> {
+        let of_kernel = self.coefficients(values);
+        let left = &values - &matmul(self.kernel.view(), of_kernel.view());
+        let of_polynomial = solve_upper(self.r.view(), matmul_h(self.q.view(), left.view()).view()).expect("sizes of one system");
+        concatenate![Axis(0), of_kernel, of_polynomial]
     }
+
+    /// c of `values` at the nodes.
+    fn coefficients(&self, values: ArrayView2<f64>) -> Array2<f64> {
+        let half = solve_lower(self.lower.view(), (past(&self.q, values) * self.sign()).view());
+        let solved = half.and_then(|half| solve_lower_adjoint(self.lower.view(), half.view())).expect("sizes of one system");
+        past(&self.q, solved.view())
+    }
+}
+
+/// The part of `columns` that is orthogonal to the columns of `q`.
+fn past(q: &Array2<f64>, columns: ArrayView2<f64>) -> Array2<f64> {
+    &columns - &matmul(q.view(), matmul_h(q.view(), columns).view())
 }
 
 /// r^{2m−2}·ln r of r².
@@ -188,7 +244,7 @@ mod tests {
 
     fn largest_error(nodes: &[Position], queries: &[Position], field: impl Fn(Position) -> f64) -> f64 {
         let values = Array2::from_shape_fn((nodes.len(), 1), |(k, _)| Complex64::from(field(nodes[k])));
-        let found = Interpolation::new(nodes, queries).unwrap().apply(values.view());
+        let found = Nodes::new(nodes).unwrap().onto(queries).unwrap().apply(values.view());
         found.iter().zip(queries).map(|(value, &query)| (value - field(query)).norm()).fold(0.0, f64::max)
     }
 
@@ -200,7 +256,7 @@ mod tests {
 
     #[test]
     fn noise_of_the_responses_is_not_amplified() {
-        let interpolation = Interpolation::new(&grid(11, 7, 0.02), &grid(41, 25, 0.005)).unwrap();
+        let interpolation = Nodes::new(&grid(11, 7, 0.02)).unwrap().onto(&grid(41, 25, 0.005)).unwrap();
         let weights = interpolation.apply(Array2::from_diag_elem(77, Complex64::ONE).view());
         let largest = weights.rows().into_iter().map(|row| row.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt()).fold(0.0, f64::max);
         assert!(largest < 1.2, "{largest}");
@@ -217,7 +273,6 @@ mod tests {
     fn few_responses_take_a_lower_order_and_a_line_none() {
         let plane = |[x, y]: Position| 3.0 * x - y;
         assert!(largest_error(&[[0.0, 0.0], [0.1, 0.0], [0.0, 0.1]], &[[0.03, 0.03]], plane) < 1e-12);
-        assert!(Interpolation::new(&grid(7, 1, 0.02), &[[0.05, 0.025]]).is_none());
-        assert!(Interpolation::new(&grid(2, 1, 0.02), &[[0.05, 0.025]]).is_none());
+        assert!(Nodes::new(&grid(7, 1, 0.02)).is_none() && Nodes::new(&grid(2, 1, 0.02)).is_none());
     }
 }

@@ -47,6 +47,7 @@ mod gain;
 mod indices;
 mod interpolation;
 mod lattice;
+mod least_squares;
 mod methods;
 mod modal_field;
 mod operator;

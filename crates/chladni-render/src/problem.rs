@@ -3,12 +3,10 @@
 use crate::covariance::Covariance;
 use crate::plane::Position;
 use crate::scene::Limits;
-use crate::tolerances;
 use crate::zones::ZoneMap;
-use chladni_frf::{Error, ErrorKind, Result};
+use chladni_frf::{Error, ErrorKind};
 use ndarray::{concatenate, s, Array1, Array2, ArrayView2, Axis};
 use num_complex::Complex64;
-use std::ops::Range;
 
 /// Actuator drive, peak phasors, one per actuator in use, N or V.
 pub(crate) type Drive = Array1<Complex64>;
@@ -127,29 +125,6 @@ impl Problem {
         let is_measured = |k: usize| k < measured.hot || (rows.hot..rows.hot + measured.cold()).contains(&k);
         let row_weights = Array1::from_shape_fn(rows.mobility.nrows(), |k| if is_measured(k) { 1.0 } else { weight });
         Self { rows, row_weights, ..self.clone() }
-    }
-
-    /// Σ_k w_k h_kᴴh_k + Σ_k w_k·LᴴL + ridge over the rows `range`: the normal matrix of every regularised least-squares method.
-    pub(crate) fn normal_matrix(&self, range: Range<usize>, extra_ridge: f64) -> Array2<Complex64> {
-        let weights = self.row_weights.slice(s![range.clone()]);
-        let mut scaled = self.rows.mobility.slice(s![range, ..]).to_owned();
-        for (mut row, &weight) in scaled.rows_mut().into_iter().zip(weights) {
-            row.mapv_inplace(|value| value * weight.sqrt());
-        }
-        let mut normal = chladni_linalg::matmul_h(scaled.view(), scaled.view()) + self.covariance.gram() * Complex64::from(weights.sum());
-        let mean = normal.diag().iter().map(|value| value.re).sum::<f64>() / normal.nrows() as f64;
-        normal.diag_mut().mapv_inplace(|value| value + mean * (tolerances::RIDGE + extra_ridge));
-        normal
-    }
-
-    /// The matrix G with A = G·target minimising Σ_k w_k(|h_k·A − target_k|² + ‖L·A‖²), with an extra ridge.
-    pub(crate) fn regularised_inverse(&self, extra_ridge: f64) -> Result<Array2<Complex64>> {
-        let mut adjoint = self.rows.mobility.t().mapv(|value| value.conj());
-        for (mut column, &weight) in adjoint.columns_mut().into_iter().zip(&self.row_weights) {
-            column.mapv_inplace(|value| value * weight);
-        }
-        let normal = self.normal_matrix(0..self.rows.mobility.nrows(), extra_ridge);
-        chladni_linalg::solve_hermitian(normal.view(), adjoint.view()).map_err(internal)
     }
 
     /// Velocity on the rows, m/s.

@@ -16,6 +16,7 @@ use crate::tolerances;
 use crate::weights::{weight_list, Weights, WEIGHTS_FORMAT, WEIGHTS_VERSION};
 use crate::zones::ZoneMap;
 use chladni_frf::{Error, FrfSet, ModalModel, Result, CREATED_BY};
+use std::borrow::Cow;
 
 /// Weights, and the field that they make in the model.
 #[derive(Debug, Clone, PartialEq)]
@@ -98,7 +99,10 @@ fn render_tone(
     };
     let Reduced { setup, warning: of_modes } = fewest_modes::choose(whole, model, &judge, options)?;
     let chosen = fewest_actuators::choose(&std::iter::once(&setup).chain(&others).collect::<Vec<_>>(), options.actuators)?;
-    let used = setup.with_actuators(&chosen.columns);
+    let used = match chosen.columns.len() < setup.operator.references.len() {
+        true => Cow::Owned(setup.with_actuators(&chosen.columns)),
+        false => Cow::Borrowed(&setup),
+    };
     let Decision { method, effort, warning } = options.method.decide(&used.problem, options.effort);
     let Solution { drive, warnings: said } = method.solve(&used, model, effort)?;
     let sparse = drive;
@@ -108,7 +112,7 @@ fn render_tone(
         [setup.warnings.clone(), Vec::from_iter(of_modes), Vec::from_iter(chosen.warning), Vec::from_iter(warning), said].concat();
 
     let field = Field::new(operator, zones, &drive);
-    let area = field.area(zones);
+    let area = setup.nodes().and_then(|nodes| field.area_from(nodes, zones));
     let points = PointIndices::of_field(&field, zones, limits, &drive, operator.unit)?;
     let indices = Indices { points, area: area.as_ref().map(|area| AreaIndices::of_area(area, zones, limits)) };
     let feasible = points.min_ratio == 1.0;
@@ -159,7 +163,7 @@ fn render_tone(
         warnings,
         other_tones: Vec::new(),
     };
-    Ok(Rendering { weights, field, area, zones: setup.zones, limits: setup.limits, other_tones: Vec::new() })
+    Ok(Rendering { weights, field, area, zones: zones.clone(), limits: *limits, other_tones: Vec::new() })
 }
 
 impl Rendering {

@@ -4,7 +4,7 @@ use crate::covariance::Covariance;
 use crate::field::Places;
 use crate::frequency_sweep::mode_on;
 use crate::indices::check_zones;
-use crate::interpolation::Interpolation;
+use crate::interpolation::Nodes;
 use crate::operator::Operator;
 use crate::options::Drift;
 use crate::plane::{Position, Rectangle};
@@ -30,7 +30,9 @@ pub(crate) struct Setup {
     pub(crate) judged: Vec<usize>,
     /// Judged rows, limits and error bar.
     pub(crate) problem: Problem,
-    /// Rows between the responses, where these carry an area, coarse and fine; found when a method asks for them.
+    /// The responses as nodes of interpolation, where they carry an area; found when a method asks for them.
+    nodes: OnceCell<Option<Nodes>>,
+    /// Rows between them, coarse and fine; the same.
     between: [OnceCell<Option<Rows>>; 2],
     /// Modes of the model that are summed explicitly, rising.
     pub(crate) modes: Vec<usize>,
@@ -58,11 +60,11 @@ impl Setup {
         let covariance = Covariance::of_model(model, &operator, &judged, scene.drift.as_ref().unwrap_or(drift));
         let positions_m: Vec<Position> = judged.iter().map(|&row| operator.positions_m[row]).collect();
         let rows = Rows::new(operator.mobility.select(Axis(0), &judged), hot, positions_m, &zones);
-        let between = Default::default();
         let problem = Problem::new(rows, covariance, limits, drive_limits);
         let counts = |n: &usize| model.modes[*n].in_band && model.modes[*n].trust != Trust::Rejected;
         let modes = (0..model.modes.len()).filter(counts).collect();
-        Ok(Self { limits, operator, zones, judged, problem, between, modes, warnings })
+        let (nodes, between) = Default::default();
+        Ok(Self { limits, operator, zones, judged, problem, nodes, between, modes, warnings })
     }
 
     /// The same with another mobility of the same responses and actuators, whose errors `errors` (any × actuators) come on top.
@@ -78,16 +80,35 @@ impl Setup {
         setup
     }
 
+    /// The responses as nodes of interpolation, where they carry an area.
+    pub(crate) fn nodes(&self) -> Option<&Nodes> {
+        self.nodes.get_or_init(|| Nodes::new(&self.operator.positions_m)).as_ref()
+    }
+
     /// Rows between the responses, where these carry an area.
     pub(crate) fn between(&self) -> Option<&Rows> {
         let [coarse, _] = &self.between;
-        coarse.get_or_init(|| between_rows(&self.operator, &self.zones, tolerances::BETWEEN_SPACING)).as_ref()
+        coarse.get_or_init(|| self.between_rows(tolerances::BETWEEN_SPACING)).as_ref()
     }
 
     /// The same, closer together.
     pub(crate) fn finely_between(&self) -> Option<&Rows> {
         let [_, fine] = &self.between;
-        fine.get_or_init(|| between_rows(&self.operator, &self.zones, tolerances::FINE_SPACING)).as_ref()
+        fine.get_or_init(|| self.between_rows(tolerances::FINE_SPACING)).as_ref()
+    }
+
+    /// Rows of the operator interpolated between the responses, for methods that also look there; `spacing` over that of the responses.
+    fn between_rows(&self, spacing: f64) -> Option<Rows> {
+        let Self { operator, zones, .. } = self;
+        let scanned = Rectangle::around(&operator.positions_m)?;
+        let ground_m2 = (scanned.x_max - scanned.x_min) * (scanned.y_max - scanned.y_min);
+        let step_m = spacing * (ground_m2 / operator.responses.len() as f64).sqrt();
+        let places: Vec<Position> =
+            Places::new(&operator.positions_m, zones.area(), step_m)?.inside.into_iter().map(|place| place.1).collect();
+        let (rows, hot) = hot_then_cold(&places, zones);
+        let places: Vec<Position> = rows.into_iter().map(|k| places[k]).collect();
+        let mobility = self.nodes()?.onto(&places)?.apply(operator.mobility.view());
+        Some(Rows::new(mobility, hot, places, zones))
     }
 
     /// The same with the actuators `columns` of the operator alone.
@@ -117,21 +138,11 @@ fn judged_rows(operator: &Operator, zones: &ZoneMap) -> Result<(Vec<usize>, usiz
 
 /// Indices of the hot places, then of the cold ones, and the number of hot ones.
 fn hot_then_cold(places: &[Position], zones: &ZoneMap) -> (Vec<usize>, usize) {
-    let on = |wanted| (0..places.len()).filter(move |&k| zones.classify(places[k]) == wanted);
-    let hot = on(Ground::Hot).count();
-    (on(Ground::Hot).chain(on(Ground::Cold)).collect(), hot)
-}
-
-/// Rows of the operator interpolated between the responses, for methods that also look there; `spacing` over that of the responses.
-fn between_rows(operator: &Operator, zones: &ZoneMap, spacing: f64) -> Option<Rows> {
-    let scanned = Rectangle::around(&operator.positions_m)?;
-    let ground_m2 = (scanned.x_max - scanned.x_min) * (scanned.y_max - scanned.y_min);
-    let step_m = spacing * (ground_m2 / operator.responses.len() as f64).sqrt();
-    let places: Vec<Position> = Places::new(&operator.positions_m, zones.area(), step_m)?.inside.into_iter().map(|place| place.1).collect();
-    let (rows, hot) = hot_then_cold(&places, zones);
-    let places: Vec<Position> = rows.into_iter().map(|k| places[k]).collect();
-    let mobility = Interpolation::new(&operator.positions_m, &places)?.apply(operator.mobility.view());
-    Some(Rows::new(mobility, hot, places, zones))
+    let ground: Vec<Ground> = places.iter().map(|&place| zones.classify(place)).collect();
+    let on = |wanted| (0..places.len()).filter(|&k| ground[k] == wanted).collect::<Vec<_>>();
+    let (hot, cold) = (on(Ground::Hot), on(Ground::Cold));
+    let count = hot.len();
+    ([hot, cold].concat(), count)
 }
 
 /// What is to be known of a scene on these responses, whatever the drive.

@@ -3,6 +3,7 @@
 //! max over A of ‖H_h·A‖² / (‖H_c·A‖² + K_c‖L·A‖²): the largest eigenvector of H_h B⁻¹ H_hᴴ, B = H_cᴴH_c + K_c LᴴL, mapped
 //! back by A = B⁻¹ H_hᴴ z (Choi and Kim 2002). Serves as a start of [`super::mls`]; alone it lets the hot zone have nodal lines.
 
+use crate::least_squares::normal_matrix;
 use crate::problem::{internal, Drive, Problem};
 use chladni_frf::Result;
 use chladni_linalg::{eigh, matmul, solve_hermitian};
@@ -10,7 +11,7 @@ use chladni_linalg::{eigh, matmul, solve_hermitian};
 /// The contrast-control direction, of arbitrary gain and phase.
 pub(crate) fn direction(problem: &Problem) -> Result<Drive> {
     let rows = &problem.rows;
-    let cold = problem.normal_matrix(rows.hot..rows.mobility.nrows(), 0.0);
+    let cold = normal_matrix(problem, rows.hot..rows.mobility.nrows());
     let adjoint = rows.hot_rows().t().mapv(|value| value.conj());
     let back = solve_hermitian(cold.view(), adjoint.view()).map_err(internal)?;
     let (_, vectors) = eigh(matmul(rows.hot_rows(), back.view()).view()).map_err(internal)?;

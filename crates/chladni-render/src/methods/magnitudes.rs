@@ -1,12 +1,14 @@
 //! The magnitude iteration of [`super::mls`], many drives at a time.
 //!
-//! Majorisation: with p_k the nearest value of S_k to h_k·A (same phase, limited magnitude), A ← G·p, one factorisation for all
-//! steps; p overshoots by the factor [`tolerances::MLS_RELAXATION`]. All drives take a step together, two products of matrices;
-//! after some steps only those go on that serve most.
+//! Majorisation: with p_k the nearest value of S_k to h_k·A (same phase, limited magnitude), A becomes the least-squares fit to p; p overshoots by
+//! the factor [`tolerances::MLS_RELAXATION`]. Rows that keep their limits have p_k = h_k·A, so that a step is the fit to the own field of A and the pull
+//! of the others alone. All drives take a step together; after some steps only those go on that serve most.
 
+use crate::least_squares::LeastSquares;
 use crate::problem::{amplitude, Drive, Problem};
 use crate::tolerances;
-use chladni_linalg::matmul;
+use chladni_frf::Result;
+use chladni_linalg::{matmul, matmul_h};
 use ndarray::{Array1, Array2, Axis};
 use num_complex::Complex64;
 use std::cmp::Ordering;
@@ -14,9 +16,28 @@ use std::cmp::Ordering;
 /// So many steps, and so many drives that go on after them.
 pub(crate) type Round = (usize, usize);
 
+/// What every step over the rows of a problem takes, found once.
+pub(crate) struct Steps<'a> {
+    problem: &'a Problem,
+    /// From pulls of rows to a change of the drive; see [`LeastSquares::inverse_and_own_fit`].
+    inverse: Array2<Complex64>,
+    own_fit: Array2<Complex64>,
+}
+
+impl<'a> Steps<'a> {
+    /// Of a factorised problem.
+    ///
+    /// # Errors
+    /// None: sizes fit.
+    pub(crate) fn new(least_squares: &LeastSquares<'a>) -> Result<Self> {
+        let [inverse, own_fit] = least_squares.inverse_and_own_fit()?;
+        Ok(Self { problem: least_squares.problem, inverse, own_fit })
+    }
+}
+
 /// Drives on their way.
 pub(crate) struct Race<'a> {
-    problem: &'a Problem,
+    steps: &'a Steps<'a>,
     /// Axes (actuator, drive).
     drives: Array2<Complex64>,
     /// By what factor each wants its rows inside their limits.
@@ -25,20 +46,20 @@ pub(crate) struct Race<'a> {
 
 impl<'a> Race<'a> {
     /// From all starts, each with its margin in dB.
-    pub(crate) fn new(problem: &'a Problem, starts: &[(&Drive, f64)]) -> Self {
-        let mut drives = Array2::zeros((problem.rows.mobility.ncols(), starts.len()));
+    pub(crate) fn new(steps: &'a Steps<'a>, starts: &[(&Drive, f64)]) -> Self {
+        let mut drives = Array2::zeros((steps.problem.rows.mobility.ncols(), starts.len()));
         for (mut column, (start, _)) in drives.columns_mut().into_iter().zip(starts) {
             column.assign(start);
         }
-        let mut race = Self { problem, drives, margins: starts.iter().map(|(_, margin_db)| 10f64.powf(margin_db / 20.0)).collect() };
+        let mut race = Self { steps, drives, margins: starts.iter().map(|(_, margin_db)| 10f64.powf(margin_db / 20.0)).collect() };
         race.take_best_gains();
         race
     }
 
     /// A round; those that serve most go on, with their best gain, the best first.
-    pub(crate) fn run(&mut self, inverse: &Array2<Complex64>, (steps, kept): Round) {
+    pub(crate) fn run(&mut self, (steps, kept): Round) {
         for _ in 0..steps {
-            self.step(inverse);
+            self.step();
         }
         let keys = self.take_best_gains();
         let mut order: Vec<usize> = (0..keys.len()).collect();
@@ -53,26 +74,32 @@ impl<'a> Race<'a> {
         self.drives.columns().into_iter().map(|column| column.to_owned()).collect()
     }
 
-    fn step(&mut self, inverse: &Array2<Complex64>) {
-        let Problem { limits, rows, .. } = self.problem;
-        let mut target = matmul(rows.mobility.view(), self.drives.view());
-        for (mut column, margin) in target.columns_mut().into_iter().zip(&self.margins) {
-            let (mut hot, mut cold) = column.view_mut().split_at(Axis(0), rows.hot);
+    fn step(&mut self) {
+        let Steps { problem: Problem { limits, rows, row_weights, .. }, inverse, own_fit } = self.steps;
+        let mut pulls = matmul(rows.mobility.view(), self.drives.view());
+        for (mut column, margin) in pulls.columns_mut().into_iter().zip(&self.margins) {
             let (felt, quiet) = (limits.hot_m_per_s * margin, limits.cold_m_per_s / margin);
-            hot.iter_mut().filter(|v| v.norm_sqr() < felt * felt).for_each(|v| *v = relaxed(*v, felt));
-            cold.iter_mut().filter(|v| v.norm_sqr() > quiet * quiet).for_each(|v| *v = relaxed(*v, quiet));
+            for (k, value) in column.iter_mut().enumerate() {
+                let (keeps, limit) = match k < rows.hot {
+                    true => (value.norm_sqr() >= felt * felt, felt),
+                    false => (value.norm_sqr() <= quiet * quiet, quiet),
+                };
+                *value = if keeps { Complex64::ZERO } else { (relaxed(*value, limit) - *value) * row_weights[k] };
+            }
         }
-        self.drives = matmul(inverse.view(), target.view());
+        let pulled = matmul_h(rows.mobility.view(), pulls.view());
+        self.drives = matmul(own_fit.view(), self.drives.view()) + matmul(inverse.view(), pulled.view());
     }
 
     /// Scales every drive by the gain that serves most rows; what each is judged by then: least zone, total, κ.
     fn take_best_gains(&mut self) -> Vec<[f64; 3]> {
-        let amplitudes = matmul(self.problem.rows.mobility.view(), self.drives.view()).map(amplitude);
+        let problem = self.steps.problem;
+        let amplitudes = matmul(problem.rows.mobility.view(), self.drives.view()).map(amplitude);
         let of_column = |(mut column, amplitudes): (ndarray::ArrayViewMut1<Complex64>, ndarray::ArrayView1<f64>)| {
             let drive: Array1<Complex64> = column.to_owned();
-            let gain = self.problem.best_gain(&amplitudes.to_owned(), &drive);
+            let gain = problem.best_gain(&amplitudes.to_owned(), &drive);
             column.mapv_inplace(|weight| weight * gain);
-            let score = self.problem.score_of(&(&amplitudes * gain), self.problem.covariance.deviation(&drive) * gain);
+            let score = problem.score_of(&(&amplitudes * gain), problem.covariance.deviation(&drive) * gain);
             [score.min_ratio, score.success_ratio, score.kappa]
         };
         self.drives.columns_mut().into_iter().zip(amplitudes.columns()).map(of_column).collect()

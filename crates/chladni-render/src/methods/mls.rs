@@ -13,8 +13,8 @@
 //! the responses. Winner is who serves most responses, then has some κ, then serves most ground between the responses.
 
 use crate::gain::within_drive_limit;
-use crate::methods::magnitudes::{better_first, Race, Round};
-use crate::methods::pressure_matching::one_phase_target;
+use crate::least_squares::LeastSquares;
+use crate::methods::magnitudes::{better_first, Race, Round, Steps};
 use crate::methods::{contrast, Solution};
 use crate::plane::Rectangle;
 use crate::problem::{Drive, Problem, Rows};
@@ -57,13 +57,14 @@ fn search(problem: &Problem, between: Option<&Rows>, ridge: f64) -> Result<(Driv
     let ground = with_ground.as_ref().unwrap_or(problem);
     let mut contest = Contest::new(problem, ground, tolerances::KAPPA_ENOUGH);
     let [from_starts, with_each_margin, on_ground] = tolerances::MLS_ROUNDS;
-    let inverse = problem.regularised_inverse(ridge)?;
-    let starts = starts(problem, &inverse)?;
+    let on_points = LeastSquares::new(problem, ridge)?;
+    let starts = starts(&on_points)?;
+    let steps = Steps::new(&on_points)?;
     let [first_margin, ..] = tolerances::MLS_MARGINS_DB;
-    let first = contest.enter(problem, &inverse, &starts.iter().map(|start| (start, first_margin)).collect::<Vec<_>>(), from_starts);
-    let mut ended = contest.enter(problem, &inverse, &with_margins(&first), with_each_margin);
+    let first = contest.enter(&steps, &starts.iter().map(|start| (start, first_margin)).collect::<Vec<_>>(), from_starts);
+    let mut ended = contest.enter(&steps, &with_margins(&first), with_each_margin);
     if let Some(ground) = &with_ground {
-        let last = contest.enter(ground, &ground.regularised_inverse(ridge)?, &with_margins(&ended), on_ground);
+        let last = contest.enter(&Steps::new(&LeastSquares::new(ground, ridge)?)?, &with_margins(&ended), on_ground);
         ended.splice(..0, last);
     }
     ended.extend(first);
@@ -100,10 +101,10 @@ impl<'a> Contest<'a> {
     }
 
     /// Iterates from all starts, each with its margin in dB, the best going on from round to round; returns the leading drives.
-    fn enter(&mut self, problem: &Problem, inverse: &Array2<Complex64>, starts: &[(&Drive, f64)], rounds: [Round; 2]) -> Vec<Drive> {
-        let mut race = Race::new(problem, starts);
+    fn enter(&mut self, steps: &Steps, starts: &[(&Drive, f64)], rounds: [Round; 2]) -> Vec<Drive> {
+        let mut race = Race::new(steps, starts);
         for round in rounds {
-            race.run(inverse, round);
+            race.run(round);
         }
         let mut drives: Vec<(Key, Drive)> = race.into_drives().into_iter().map(|drive| (self.judge(drive.clone()), drive)).collect();
         drives.sort_by(|(a, _), (b, _)| better_first(a, b));
@@ -134,20 +135,17 @@ impl<'a> Contest<'a> {
 }
 
 /// Where the iteration starts: pressure matching, contrast control, tilted phases.
-fn starts(problem: &Problem, inverse: &Array2<Complex64>) -> Result<Vec<Drive>> {
-    let one_phase = one_phase_target(problem);
+fn starts(least_squares: &LeastSquares) -> Result<Vec<Drive>> {
+    let problem = least_squares.problem;
     let hot_m = &problem.rows.positions_m[..problem.rows.hot];
     let zone = Rectangle::around(hot_m).expect("a problem has a hot row");
     let across = |value: f64, low: f64, high: f64| (value - low) / (high - low).max(tolerances::POSITION_M);
-    let tilted = |[half_waves_x, half_waves_y]: [f64; 2]| {
-        let mut target = one_phase.clone();
-        for (value, [x, y]) in target.iter_mut().zip(hot_m) {
-            let phase = half_waves_x * across(*x, zone.x_min, zone.x_max) + half_waves_y * across(*y, zone.y_min, zone.y_max);
-            *value = Complex64::from_polar(1.0, PI * phase);
-        }
-        inverse.dot(&target)
-    };
-    let mut starts = vec![inverse.dot(&one_phase), contrast::direction(problem)?];
-    starts.extend(TILTS.map(tilted));
+    let targets = Array2::from_shape_fn((hot_m.len(), 1 + TILTS.len()), |(k, column)| {
+        let ([x, y], [half_waves_x, half_waves_y]) = (hot_m[k], column.checked_sub(1).map_or([0.0; 2], |tilt| TILTS[tilt]));
+        let phase = half_waves_x * across(x, zone.x_min, zone.x_max) + half_waves_y * across(y, zone.y_min, zone.y_max);
+        Complex64::from_polar(1.0, PI * phase)
+    });
+    let mut starts: Vec<Drive> = least_squares.drives(targets.view())?.columns().into_iter().map(|column| column.to_owned()).collect();
+    starts.insert(1, contrast::direction(problem)?);
     Ok(starts)
 }

@@ -8,17 +8,19 @@
 //! over the hot zone costs 7 to 20 points of hot success against [`super::mls`].
 
 use crate::gain::within_drive_limit;
+use crate::least_squares::LeastSquares;
 use crate::methods::Solution;
 use crate::problem::Problem;
 use chladni_frf::Result;
-use ndarray::Array1;
+use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 
 /// The drive of pressure matching.
 pub(crate) fn solve(problem: &Problem) -> Result<Solution> {
     within_drive_limit(problem, |ridge| {
-        let drive = problem.regularised_inverse(ridge)?.dot(&one_phase_target(problem));
-        Ok(problem.with_best_gain(&drive))
+        let hot = Array2::from_elem((problem.rows.hot, 1), Complex64::ONE);
+        let drives = LeastSquares::new(problem, ridge)?.drives(hot.view())?;
+        Ok(problem.with_best_gain(&drives.column(0).to_owned()))
     })
 }
 

@@ -3,6 +3,7 @@
 //! With R_h U = R_c U diag(λ), UᴴR_cU = I, the [`tolerances::VAST_RANK`] directions of largest λ carry the target:
 //! A = Σ_v u_v (u_vᴴ H_hᴴ 1)/(λ_v + 1) (Lee, Nielsen, Jensen and Christensen 2018). R_c holds the error of the model, as in contrast control.
 
+use crate::least_squares::normal_matrix;
 use crate::problem::{internal, Drive, Problem};
 use crate::tolerances;
 use chladni_frf::Result;
@@ -13,7 +14,7 @@ use num_complex::Complex64;
 /// The drive in the span of the directions of largest contrast.
 pub(crate) fn solve(problem: &Problem) -> Result<Drive> {
     let rows = &problem.rows;
-    let lower = cholesky(problem.normal_matrix(rows.hot..rows.mobility.nrows(), 0.0).view()).map_err(internal)?;
+    let lower = cholesky(normal_matrix(problem, rows.hot..rows.mobility.nrows()).view()).map_err(internal)?;
     let adjoint = |matrix: &Array2<Complex64>| matrix.t().mapv(|value| value.conj());
     // columns L⁻¹·h_hᴴ: whitened hot rows
     let hot = solve_lower(lower.view(), adjoint(&rows.hot_rows().to_owned()).view()).map_err(internal)?;

@@ -49,7 +49,7 @@ fn the_models_own_error_bars_count_as_drift_does() {
     let judged: Vec<usize> = (0..77).collect();
     let gram = |model, drift: &Drift| {
         let operator = Operator::of_model(model, 300.0, None).unwrap();
-        Covariance::of_model(model, &operator, &judged, drift).gram()
+        Covariance::of_model(model, &operator, &judged, drift).gram().clone()
     };
     let (own, from_drift) = (gram(&stated, &none), gram(&bare, &drift));
     let largest = |matrix: &ndarray::Array2<Complex64>| matrix.iter().map(|value| value.norm()).fold(0.0, f64::max);
@@ -63,7 +63,7 @@ fn an_error_of_the_modal_masses_is_none_of_the_mobility() {
     let judged: Vec<usize> = (0..77).collect();
     let gram = |model: &chladni_frf::ModalModel| {
         let operator = Operator::of_model(model, 300.0, None).unwrap();
-        (Covariance::of_model(model, &operator, &judged, &none).gram(), operator.mobility)
+        (Covariance::of_model(model, &operator, &judged, &none).gram().clone(), operator.mobility)
     };
     let with = |shape: f64, scale: f64, stated: Option<f64>| {
         let mut model = truth().clone();
