@@ -28,14 +28,26 @@ const LARGEST_DATASET: usize = 16 << 20;
 /// # Errors
 /// Those of reading, and as [`super::read`].
 pub fn scan(path: &Path, options: &ReadOptions) -> Result<Document> {
+    // the first units hold for what stands before them too: with such, the file is passed over once more
+    match listed(path, options, Ok(None))? {
+        (document, None) => Ok(document),
+        (_, Some(first)) => Ok(listed(path, options, first)?.0),
+    }
+}
+
+/// The list with the units that are in force at the beginning, and the first units of the file where other datasets stand before them.
+fn listed(path: &Path, options: &ReadOptions, start: UnitsInForce) -> Result<(Document, Option<UnitsInForce>)> {
     let on_read = |error: io::Error| Error::from_read(&error, path);
     let mut datasets = Datasets::open(path).map_err(on_read)?;
     let mut collector = Collector::new(path);
-    let mut units: UnitsInForce = Ok(None);
+    let (mut units, mut first, mut late) = (start, true, None);
     while let Some(passed) = datasets.next_dataset(options.lenient).map_err(on_read)? {
         let block = passed.block();
         if block.number == Some(164) {
             units = header::read_units(block.records, &mut Vec::new()).map(Some).map_err(|_| ());
+            let stands_behind = collector.document.datasets.iter().any(|info| info.number != Some(151));
+            late = late.or((first && stands_behind).then_some(units));
+            first = false;
         }
         let mut part = part(&block, &units, options);
         (part.function, part.shape) = (None, None);
@@ -43,7 +55,7 @@ pub fn scan(path: &Path, options: &ReadOptions) -> Result<Document> {
         collector.add(part);
     }
     collector.document.warnings.append(&mut datasets.warnings);
-    collector.finish(matches!(units, Ok(Some(Units { .. }))))
+    Ok((collector.finish(matches!(units, Ok(Some(Units { .. }))))?, late))
 }
 
 /// Number and bytes of each dataset, both markers included.

@@ -1,7 +1,7 @@
 //! What codes and labels say: kinds, units, exact steps.
 
 use super::{only_function, options, read_with, text_58, ONES, SI_164, TWO_COMPLEX};
-use chladni_frf::io::{Abscissa, Function, ReadOptions};
+use chladni_frf::io::{uff, Abscissa, Function, ReadOptions};
 use chladni_frf::{FrfKind, Node, ReferenceUnit};
 
 fn with_axes(numerator: &str, denominator: &str, units: &str) -> Function {
@@ -35,6 +35,19 @@ fn millimetres_are_divided_by_their_factor() {
     let function = with_axes("        11    0    0    0 NONE                 mm/s                ", volt, &units);
     assert_eq!((function.scale_to_si, function.reference_unit), (1e-3, ReferenceUnit::Volt));
     assert_eq!(function.warnings, Vec::<String>::new());
+}
+
+#[test]
+fn units_behind_the_nodes_hold_for_them_in_the_list_as_in_the_file() {
+    let units = SI_164.replacen("         1SI", "        10mm", 1).replacen("1.00000000000000000D+00", "1.00000000000000000D+03", 1);
+    let nodes = "    -1\n  2411\n         7         0         0        11\n   1.7100000000000000D+02   0.0000000000000000D+00  -5.0000000000000000D+00\n    -1\n";
+    let file = tempfile::NamedTempFile::new().unwrap();
+    for text in [[nodes, &units].concat(), [&units, nodes].concat()] {
+        std::fs::write(file.path(), &text).unwrap();
+        let listed = uff::scan(file.path(), &options()).unwrap().geometry;
+        assert_eq!(listed.nodes, [Node { label: 7, xyz_m: [0.171, 0.0, -0.005] }]);
+        assert_eq!(listed, read_with(&text, &options()).geometry);
+    }
 }
 
 #[test]
