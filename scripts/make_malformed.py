@@ -582,7 +582,7 @@ def hdf5():
     ):
         case("h5-sizes", name + ".h5", file(lambda h5: own(h5, set=arrays)), "")
     endless = np.zeros((2**44, 0, 8), dtype=complex)
-    case("h5-sizes", "endless.h5", file(lambda h5: own(h5, set=dict(frf=endless))), "sizes disagree")
+    case("h5-sizes", "endless.h5", file(lambda h5: own(h5, set=dict(frf=endless))), "claims more values than the file can hold")
     def foreign(h5):
         h5["frf"], h5["freq"] = endless, axis
     case("h5-sizes", "endless-foreign.h5", file(foreign), "claims more values than the file can hold")
