@@ -45,8 +45,8 @@ fn listed(path: &Path, options: &ReadOptions, start: UnitsInForce) -> Result<(Do
         let block = passed.block();
         if block.number == Some(164) {
             units = header::read_units(block.records, &mut Vec::new()).map(Some).map_err(|_| ());
-            let stands_behind = collector.document.datasets.iter().any(|info| info.number != Some(151));
-            late = late.or((first && stands_behind).then_some(units));
+            let others_before = collector.document.datasets.iter().any(|info| info.number != Some(151));
+            late = late.or((first && others_before).then_some(units));
             first = false;
         }
         let mut part = part(&block, &units, options);
