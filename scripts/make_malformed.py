@@ -559,6 +559,14 @@ def hdf5():
     good = file(own)
     for k, cut in enumerate((1, 100, len(good) // 2, len(good) - 600)):
         case("h5-cut", f"{k}.h5", good[:-cut], "")
+    # keys of the index of chunks (stored bytes, filters left out, place along each axis and within the element) with the address of each between
+    def packed(h5):
+        own(h5, frf=None)
+        h5.create_dataset("frf", data=values.reshape(1, 1, 8), chunks=(1, 1, 4), compression="gzip", track_times=False)
+    whole = bytearray(file(packed))
+    first = whole.index(struct.pack("<IQQQQ", 0, 0, 0, 4, 0)) - 4 - (40 + 8)
+    whole[first:first + 4] = struct.pack("<I", 0xFFFF_FFF0)
+    case("h5-cut", "chunk.h5", bytes(whole), "a piece of the dataset ends beyond the file", found="4294967280 bytes")
     for name in ("freq", "frf", "response", "reference"):
         if name != "frf":
             case("h5-missing", f"{name}.h5", file(lambda h5: own(h5, **{name: None})), "a dataset is missing", field=name)

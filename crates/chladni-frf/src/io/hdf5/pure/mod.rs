@@ -8,7 +8,7 @@ pub(super) use write::write;
 use crate::io::arrays::tree::{check_nesting, check_size, library_error, Attribute, Attributes, Element, Entry, Values};
 use crate::{Error, Result};
 use decode::{element_of, values_of};
-use hdf5_pure::{AttrValue, Datatype};
+use hdf5_pure::{AttrValue, Dataset, Datatype};
 use std::collections::HashMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -76,11 +76,29 @@ impl File {
         let dataset = self.file.dataset(&entry.path).map_err(fail)?;
         let datatype = dataset.datatype().map_err(fail)?;
         check_size(&entry.path, entry.shape(), datatype.type_size() as usize, !dataset.filters().is_empty(), self.bytes)
-            .map_err(|error| error.file(&self.path))?;
+            .and_then(|()| self.check_chunks(&dataset))
+            .map_err(|error| error.field(&entry.path).file(&self.path))?;
         if matches!(element_of(&datatype), Element::Text) {
             return Ok(Values::Text(dataset.read_string().map_err(fail)?));
         }
         values_of(&dataset, &datatype, rows).map_err(fail)?.ok_or_else(|| not_understood(&datatype).file(&self.path).field(&entry.path))
+    }
+}
+
+impl File {
+    /// Refuses a dataset of which a piece ends beyond the file: the library makes room for pieces that touch before it reads them.
+    fn check_chunks(&self, dataset: &Dataset) -> Result<()> {
+        if !dataset.is_chunked() {
+            return Ok(());
+        }
+        let chunks = dataset.chunks().map_err(|error| library_error(error, &self.path))?;
+        match chunks.iter().find(|chunk| chunk.address.checked_add(chunk.storage_size).is_none_or(|end| end > self.bytes)) {
+            None => Ok(()),
+            Some(chunk) => Err(Error::bad_data("a piece of the dataset ends beyond the file")
+                .found(format!("{} bytes from byte {} on", chunk.storage_size, chunk.address))
+                .expected(format!("an end within the file, which has {} bytes", self.bytes))
+                .help("the file is cut or damaged; copy or write it again")),
+        }
     }
 }
 
