@@ -3,7 +3,7 @@
 //! The fields are those of the model file (`docs/formats.md`); the file alone reproduces the fit.
 
 use crate::{Dof, FrfKind, Node, ReferenceUnit};
-use ndarray::{Array1, Array2, Array3};
+use ndarray::{Array1, Array2, Array3, Axis};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -274,6 +274,38 @@ impl ModalModel {
     pub fn frf_matrix(&self, kind: FrfKind, frequency_hz: f64) -> Array2<Complex64> {
         let factor = kind.from_receptance(TAU * frequency_hz);
         self.receptance(frequency_hz).mapv(|alpha| factor * alpha)
+    }
+
+    /// The model at some of its DOFs alone, by their places: what few FRFs need costs as much as they are.
+    pub fn at_dofs(&self, responses: &[usize], references: &[usize]) -> Self {
+        fn of<T: Clone>(all: &[T], places: &[usize]) -> Vec<T> {
+            places.iter().map(|&place| all[place].clone()).collect()
+        }
+        let mode = |mode: &Mode| Mode {
+            shape: ComplexVector(of(&mode.shape.0, responses)),
+            shape_std: of(&mode.shape_std, responses),
+            participation: ComplexVector(of(&mode.participation.0, references)),
+            reasons: mode.reasons.clone(),
+            ..*mode
+        };
+        let term = |term: &ResidualTerm| {
+            let matrix = term.matrix.0.select(Axis(0), responses).select(Axis(1), references);
+            ResidualTerm { power: term.power, matrix: ComplexMatrix(matrix) }
+        };
+        Self {
+            responses: of(&self.responses, responses),
+            references: of(&self.references, references),
+            modes: self.modes.iter().map(mode).collect(),
+            residual_terms: ResidualTerms { terms: self.residual_terms.terms.iter().map(term).collect(), ..self.residual_terms },
+            source: self.source.clone(),
+            options: self.options.clone(),
+            format: self.format.clone(),
+            created_by: self.created_by.clone(),
+            nodes: self.nodes.clone(),
+            method: self.method.clone(),
+            quality: self.quality.clone(),
+            ..*self
+        }
     }
 
     /// FRFs in the measured kind on a frequency axis; axes (response, reference, line).

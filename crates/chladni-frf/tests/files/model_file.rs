@@ -96,6 +96,17 @@ fn every_field_returns_from_both_formats_and_the_bytes_repeat() {
 }
 
 #[test]
+fn at_some_dofs_a_model_says_what_it_says_there() {
+    for damping in [Damping::Viscous, Damping::Structural] {
+        let whole = ModalModel { damping, ..model() };
+        let part = whole.at_dofs(&[2, 0], &[1]);
+        assert_eq!((part.responses[1], part.references[0]), (whole.responses[0], whole.references[1]));
+        let (of_whole, of_part) = (whole.frf_matrix(FrfKind::Mobility, 60.0), part.frf_matrix(FrfKind::Mobility, 60.0));
+        assert_eq!(of_part, ndarray::array![[of_whole[[2, 1]]], [of_whole[[0, 1]]]]);
+    }
+}
+
+#[test]
 fn info_lists_the_modes() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("model.json");

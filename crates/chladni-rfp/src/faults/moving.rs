@@ -6,7 +6,7 @@ use crate::model::value_of;
 use crate::refine::refine;
 use crate::tolerances as tol;
 use crate::work::Work;
-use chladni_frf::{Damping, ModalModel, Mode};
+use chladni_frf::{Damping, Mode};
 use ndarray::{Array1, Array2, ShapeBuilder};
 use num_complex::Complex64;
 use std::ops::Range;
@@ -105,8 +105,11 @@ pub(super) fn neighbourhood(case: &Case, mode: &Mode, reach: (f64, usize), frfs_
 /// FRFs (positions among the pairs) on the lines `rows` without what the model says of all but `modes`; `None` without the data.
 pub(super) fn without_others(case: &Case, modes: &[&Mode], rows: Range<usize>, frfs: &[usize]) -> Option<(Work, Array2<Complex64>)> {
     let data = case.values?;
-    let rest = case.model.modes.iter().filter(|other| !modes.contains(other)).cloned().collect();
-    let others = ModalModel { modes: rest, ..case.model.clone() };
+    let (responses, of_response) = numbered(frfs.iter().map(|&l| data.pairs[l].0));
+    let (references, of_reference) = numbered(frfs.iter().map(|&l| data.pairs[l].1));
+    let mut others = case.model.at_dofs(&responses, &references);
+    let mut is_other = case.model.modes.iter().map(|mode| !modes.contains(&mode));
+    others.modes.retain(|_| is_other.next() == Some(true));
     let mut own = Array2::zeros((rows.len(), frfs.len()).f());
     for (column, &l) in frfs.iter().enumerate() {
         own.column_mut(column).assign(&data.block(l..l + 1, rows.clone()).column(0));
@@ -114,8 +117,18 @@ pub(super) fn without_others(case: &Case, modes: &[&Mode], rows: Range<usize>, f
     let factor = data.factor();
     for (row, k) in rows.clone().enumerate() {
         let rest = others.frf_matrix(data.kind, data.line_hz[k]);
-        let rest: Array1<Complex64> = frfs.iter().map(|&l| rest[data.pairs[l]] * factor).collect();
+        let rest: Array1<Complex64> = of_response.iter().zip(&of_reference).map(|(&i, &j)| rest[[i, j]] * factor).collect();
         own.row_mut(row).scaled_add(Complex64::new(-1.0, 0.0), &rest);
     }
     Some((data.axis().select(&rows.collect::<Vec<_>>()), own))
+}
+
+/// Each of `places` once, rising, and where each of them stands there.
+fn numbered(places: impl Iterator<Item = usize> + Clone) -> (Vec<usize>, Vec<usize>) {
+    let mut each: Vec<usize> = places.clone().collect();
+    each.sort_unstable();
+    each.dedup();
+    let place = |place: usize| each.partition_point(|&other| other < place);
+    let of = places.map(place).collect();
+    (each, of)
 }
