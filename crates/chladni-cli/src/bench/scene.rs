@@ -1,6 +1,6 @@
 //! `chladni bench scene`.
 
-use super::{shown, Place};
+use super::{paper, shown, Place};
 use crate::console::Console;
 use crate::outcome::Outcome;
 use crate::table::{significant, table};
@@ -54,6 +54,9 @@ pub struct Args {
     /// Judge `--modes auto` by the measured line instead of the whole model
     #[arg(long)]
     measured: bool,
+    /// Reproduce the seed paper: its two steps with the lowest modes, for every place of the hot zone, beside the default method
+    #[arg(long, conflicts_with_all = ["methods", "cases", "modes", "actuators", "means", "measured"])]
+    paper: bool,
 }
 
 /// Runs the command.
@@ -61,6 +64,9 @@ pub struct Args {
 /// # Errors
 /// Those of writing.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
+    if args.paper {
+        return paper::run(&args.place, console);
+    }
     args.place.prepare(&[TABLE], console)?;
     let options = SceneOptions {
         cases: match args.cases.is_empty() {
