@@ -5,6 +5,7 @@ mod cases;
 mod figures;
 mod knobs;
 mod paper;
+mod paper_figures;
 mod tables;
 mod true_panel;
 
@@ -13,6 +14,7 @@ pub use cases::{SceneCase, ScenePanel, SCENE_CASES};
 pub use figures::scene_figures;
 pub(crate) use figures::scenes_on_front;
 pub use paper::{paper, PaperModes, PaperRow, PaperRun, PAPER_MODES};
+pub use paper_figures::paper_figures;
 pub use tables::{paper_csv, scene_csv};
 pub use true_panel::Served;
 

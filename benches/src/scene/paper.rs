@@ -46,6 +46,7 @@ pub struct PaperRow {
     pub case: SceneCase,
     /// The method asked for.
     pub asked: MethodChoice,
+    scene: Scene,
     /// Whose modes it was made with.
     pub modes_of: PaperModes,
     /// What the drive is, and how the model judges it.
@@ -58,14 +59,13 @@ pub struct PaperRow {
     pub window: Served,
 }
 
-/// All drives, and the field that each of the first place makes on the true plate.
+/// All drives, and the panel that judges them.
 #[derive(Debug, Clone)]
 pub struct PaperRun {
     /// All drives.
     pub rows: Vec<PaperRow>,
     /// The panel with its exact modes.
     pub exact: ModalModel,
-    scenes: Vec<(SceneCase, Scene)>,
 }
 
 impl PaperRow {
@@ -76,7 +76,7 @@ impl PaperRow {
 }
 
 impl PaperRun {
-    /// The two steps with so many modes on a scene.
+    /// The two steps on a scene, by rising number of modes.
     pub(crate) fn two_steps<'a>(&'a self, scene: &'a str, modes_of: PaperModes) -> impl Iterator<Item = &'a PaperRow> {
         self.rows.iter().filter(move |row| row.case.name == scene && row.modes_of == modes_of && row.steps().is_some())
     }
@@ -86,13 +86,12 @@ impl PaperRun {
         self.rows.iter().find(|row| row.case.name == scene && row.asked == MethodChoice::Default)
     }
 
-    /// The field of a drive on the true plate.
+    /// A drive on the true plate.
     ///
     /// # Errors
     /// None for rows of this run.
-    pub(crate) fn field(&self, row: &PaperRow) -> Option<Result<Evaluation>> {
-        let (_, scene) = self.scenes.iter().find(|(case, _)| case.name == row.case.name)?;
-        Some(evaluate(&row.weights, scene, On::Model(&self.exact)))
+    pub(crate) fn on_the_panel(&self, row: &PaperRow) -> Result<Evaluation> {
+        evaluate(&row.weights, &row.scene, On::Model(&self.exact))
     }
 }
 
@@ -106,7 +105,7 @@ pub fn paper(progress: &dyn Fn(&str)) -> Result<PaperRun> {
     let exact = with_rigid_modes(&panel)?;
     let cases: Vec<SceneCase> = places().chain([NO_TRANSITION]).collect();
     let mut countdown = Countdown::new(cases.len(), progress);
-    let (mut rows, mut scenes) = (Vec::new(), Vec::new());
+    let mut rows = Vec::new();
     for case in cases {
         countdown.next(case.name, false);
         let scene = case.scene(&panel)?;
@@ -122,9 +121,8 @@ pub fn paper(progress: &dyn Fn(&str)) -> Result<PaperRun> {
         for asked in steps.chain([MethodChoice::Default]) {
             rows.push(judged(case, &panel, &fitted, PaperModes::Fitted, &scene, asked)?);
         }
-        scenes.push((case, scene));
     }
-    Ok(PaperRun { rows, exact, scenes })
+    Ok(PaperRun { rows, exact })
 }
 
 /// The four quarters and nine ninths of the paper's panel.
@@ -188,6 +186,7 @@ fn judged(
     let (zones, limits) = (&rendering.zones, &rendering.limits);
     Ok(PaperRow {
         case,
+        scene: scene.clone(),
         asked,
         modes_of,
         highest_hz: model.in_band_modes().map(|mode| mode.frequency_hz).fold(0.0, f64::max),
