@@ -140,7 +140,8 @@ fn over_modes(run: &PaperRun, ours: &PaperRow) -> Figure {
     let name = ours.case.name;
     let x = || Axis::linear("Modes summed, from the lowest", "number").range([0.0, PAPER_MODES as f64 + 1.0]).step(2.0);
     let curve = |modes_of: PaperModes, value: &dyn Fn(&PaperRow) -> f64| -> Vec<Place> {
-        run.two_steps(name, modes_of).map(|row| [row.weights.modes_used as f64, value(row)]).collect()
+        let rows = run.two_steps(name, modes_of).filter(|row| row.weights.modes_used <= PAPER_MODES);
+        rows.map(|row| [row.weights.modes_used as f64, value(row)]).collect()
     };
     let level = |name: &str, value: f64, stroke: Stroke| Layer::Horizontals { name: Some(name.into()), at: vec![value], stroke };
     let shares = |modes_of: PaperModes| {
@@ -211,7 +212,7 @@ fn over_places(run: &PaperRun) -> Figure {
                 .marks("silence", points(2, &|row| row.weights.indices.points.silence_ratio), Mark::Bar, Colour::Muted, 9.0);
         }
         chart
-            .marks("two steps, 34 exact modes", points(0, &share), Mark::Ring, Colour::Ink, 8.0)
+            .marks("two steps, 34 exact modes", points(0, &share), Mark::Ring, Colour::Ink, 11.0)
             .marks("two steps, 34 fitted modes", points(1, &share), Mark::Cross, Colour::Series(1), 8.0)
             .marks("default method", points(2, &share), Mark::Triangle, Colour::Series(0), 8.0)
     };
