@@ -27,10 +27,12 @@ its limit, on a 4 mm grid.";
   chladni bench scene -o bench --quick
   chladni bench scene -o bench --case quarter-1 --method robust --modes 4,6,8,10,14,all
   chladni bench scene -o bench --case quarter-1 --actuators 3,5,7,9,12,20,all
+  chladni bench scene -o bench --paper
 
 Simulates panels with 40 dB of noise, fits them, renders every scene by every method, and judges the drives on the true plate: at the
 responses, on a 4 mm grid, after random drift, and with a finger in the hot zone. Writes scene.csv,
-scene-CASE.svg/png (ground lost against time), scene-CASE-means (what each mode, residual term and actuator buys) and scene.html.")]
+scene-CASE.svg/png (ground lost against time), scene-CASE-means (what each mode, residual term and actuator buys) and scene.html.
+With --paper: paper.csv, paper-NAME.svg/png and paper.html (docs/paper.md).")]
 pub struct Args {
     #[command(flatten)]
     place: Place,
