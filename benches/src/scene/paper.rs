@@ -7,7 +7,7 @@
 use super::{measured_and_fitted, MeasuredPanel, SceneCase, ScenePanel, Served, SCENE_CASES};
 use crate::countdown::Countdown;
 use chladni_frf::{ComplexVector, ModalModel, Mode, Result, Trust};
-use chladni_render::{evaluate, render, Evaluation, Method, MethodChoice, ModalSteps, On, RenderOptions, Scene, Weights};
+use chladni_render::{evaluate, render, Evaluation, Method, MethodChoice, ModalSteps, On, PointIndices, RenderOptions, Scene, Weights};
 use ndarray::Array1;
 use num_complex::Complex64;
 
@@ -51,6 +51,8 @@ pub struct PaperRow {
     pub modes_of: PaperModes,
     /// What the drive is, and how the model judges it.
     pub weights: Weights,
+    /// How the two steps do where no other mode than those that were summed moves.
+    pub alone: Option<PointIndices>,
     /// Highest natural frequency among the modes that were summed, Hz.
     pub highest_hz: f64,
     /// Shares of responses served on the true plate.
@@ -114,7 +116,9 @@ pub fn paper(progress: &dyn Fn(&str)) -> Result<PaperRun> {
             let more = MORE_MODES.iter().copied().filter(|_| modes_of == PaperModes::Exact);
             for count in (1..=PAPER_MODES).chain(more) {
                 let lowest = lowest_modes(model, count);
-                rows.push(judged(case, &panel, &lowest, modes_of, &unlimited, Method::Modal.into())?);
+                let row = judged(case, &panel, &lowest, modes_of, &unlimited, Method::Modal.into())?;
+                let alone = render(&without_others(lowest), &unlimited, &options(Method::Modal.into()))?.weights.indices.points;
+                rows.push(PaperRow { alone: Some(alone), ..row });
             }
         }
         let steps = STEPS.map(MethodChoice::Only).into_iter().filter(|_| case.name == SCENE_CASES[0].name);
@@ -173,6 +177,17 @@ fn lowest_modes(model: &ModalModel, count: usize) -> ModalModel {
     model
 }
 
+/// The model with nothing but its counted modes.
+fn without_others(mut model: ModalModel) -> ModalModel {
+    model.modes.retain(|mode| mode.in_band);
+    model.residual_terms.terms.clear();
+    model
+}
+
+fn options(method: MethodChoice) -> RenderOptions {
+    RenderOptions { method, ..RenderOptions::default() }
+}
+
 fn judged(
     case: SceneCase,
     panel: &MeasuredPanel,
@@ -181,7 +196,7 @@ fn judged(
     scene: &Scene,
     asked: MethodChoice,
 ) -> Result<PaperRow> {
-    let rendering = render(model, scene, &RenderOptions { method: asked, ..RenderOptions::default() })?;
+    let rendering = render(model, scene, &options(asked))?;
     let drive: Array1<Complex64> = rendering.weights.weights.iter().map(|weight| weight.value()).collect();
     let (zones, limits) = (&rendering.zones, &rendering.limits);
     Ok(PaperRow {
@@ -189,6 +204,7 @@ fn judged(
         scene: scene.clone(),
         asked,
         modes_of,
+        alone: None,
         highest_hz: model.in_band_modes().map(|mode| mode.frequency_hz).fold(0.0, f64::max),
         points: panel.truth.at(&drive, case.frequency_hz, &rendering.field, limits)?,
         window: panel.truth.free(&drive, case.frequency_hz, zones, limits),

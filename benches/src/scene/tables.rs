@@ -68,7 +68,7 @@ pub fn scene_csv(rows: &[SceneRow]) -> String {
     csv::table("from 40 dB FRFs through the fit to the drive; judged on the true plate, window and drift on a 4 mm grid", &HEADER, cells)
 }
 
-const PAPER_HEADER: [&str; 18] = [
+const PAPER_HEADER: [&str; 20] = [
     "scene",
     "method",
     "modes_of",
@@ -87,6 +87,8 @@ const PAPER_HEADER: [&str; 18] = [
     "max_force_n",
     "predicted_hot",
     "predicted_cold",
+    "alone_hot",
+    "alone_cold",
 ];
 
 /// A row for each drive of the seed paper's reproduction, as CSV.
@@ -106,6 +108,8 @@ pub fn paper_csv(rows: &[PaperRow]) -> String {
             indices.max_force_n.unwrap_or(f64::NAN),
             indices.hot_ratio,
             indices.cold_ratio,
+            row.alone.map_or(f64::NAN, |alone| alone.hot_ratio),
+            row.alone.map_or(f64::NAN, |alone| alone.cold_ratio),
         ];
         [row.case.name.to_owned(), row.weights.method.clone(), row.modes_of.as_str().to_owned()]
             .into_iter()

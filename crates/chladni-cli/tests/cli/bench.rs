@@ -89,6 +89,10 @@ fn the_paper_is_reproduced_by_one_command() {
     assert!(quarters().all(|row| (value(row, "points_silence") - 53.0 / 68.0).abs() < 1e-4), "{csv}");
     assert!(quarters().all(|row| value(row, "points_success") < value(row, "points_silence")), "{csv}");
 
+    // and it is the modes that no equation has which spoil it: without them 28 modes serve everything
+    let alone = quarters().find(|row| cell(row, "modes_of") == "exact" && cell(row, "modes") == "28").unwrap();
+    assert_eq!((value(alone, "alone_hot"), value(alone, "alone_cold")), (1.0, 1.0));
+
     assert!(folder.run("bench scene --paper -o out --case quarter-1").exits(2).stderr.contains("--case"));
 }
 
