@@ -50,7 +50,8 @@ pub use profile::{
     ProfileSource, ScalingRow, PROFILE_CASES,
 };
 pub use scene::{
-    scene_csv, scene_figures, scene_knobs, scenes, Means, SceneCase, SceneDrive, SceneOptions, ScenePanel, SceneRow, Served, SCENE_CASES,
+    paper, paper_csv, paper_figures, scene_csv, scene_figures, scene_knobs, scenes, Means, PaperModes, PaperRow, PaperRun, SceneCase,
+    SceneDrive, SceneOptions, ScenePanel, SceneRow, Served, PAPER_MODES, SCENE_CASES,
 };
 pub use score::{Match, Score};
 pub use solver::Solver;

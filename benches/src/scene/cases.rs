@@ -1,7 +1,7 @@
 //! Named scenes on virtual panels.
 
 use crate::scene::true_panel::TruePanel;
-use chladni_frf::{Direction, Dof, FrfSet, FrfValues, Node, Result};
+use chladni_frf::{Direction, Dof, FrfSet, FrfValues, ModalModel, Node, Result};
 use chladni_plate::{add_white_noise, simulate, Panel};
 use chladni_render::Scene;
 use std::path::Path;
@@ -17,6 +17,8 @@ pub enum ScenePanel {
     Rim,
     /// The glass panel with driving points, so that the model can be mass-scaled.
     DrivingPoints,
+    /// The glass panel, measured so far up that a fit finds 34 modes, as many as there are actuators.
+    ManyModes,
 }
 
 /// A scene on a panel: cells of the whole panel are hot.
@@ -83,6 +85,8 @@ pub const SCENE_CASES: [SceneCase; 33] = [
 pub(crate) struct MeasuredPanel {
     pub(crate) frf: FrfSet,
     pub(crate) truth: TruePanel,
+    /// Its exact modes.
+    pub(crate) exact: ModalModel,
     sides_m: [f64; 2],
     area_m: [f64; 4],
 }
@@ -93,6 +97,8 @@ impl ScenePanel {
         match self {
             Self::Glass | Self::Rim => {}
             Self::DrivingPoints => panel.responses.at_references = true,
+            // between the elastic modes 34 and 35, at 1297.5 and 1306.8 Hz
+            Self::ManyModes => panel.frf.stop_hz = 1302.0,
             Self::Aluminium => {
                 (panel.plate.length_m, panel.plate.width_m, panel.plate.thickness_m) = (0.300, 0.200, 0.001);
                 (panel.plate.youngs_modulus_pa, panel.plate.poisson_ratio, panel.plate.density_kg_per_m3) = (70.0e9, 0.33, 2700.0);
@@ -117,7 +123,8 @@ impl ScenePanel {
             area_m = [0.0, 0.0, sides_m[0], sides_m[1]];
             add_rim(&panel, &mut simulation.frf, &simulation.plate, sides_m)?;
         }
-        Ok(MeasuredPanel { truth: TruePanel::new(&panel, simulation.plate, area_m)?, frf: simulation.frf, sides_m, area_m })
+        let truth = TruePanel::new(&panel, simulation.plate, area_m)?;
+        Ok(MeasuredPanel { truth, exact: simulation.truth, frf: simulation.frf, sides_m, area_m })
     }
 }
 

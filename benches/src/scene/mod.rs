@@ -4,6 +4,8 @@
 mod cases;
 mod figures;
 mod knobs;
+mod paper;
+mod paper_figures;
 mod tables;
 mod true_panel;
 
@@ -11,7 +13,9 @@ pub(crate) use cases::MeasuredPanel;
 pub use cases::{SceneCase, ScenePanel, SCENE_CASES};
 pub use figures::scene_figures;
 pub(crate) use figures::scenes_on_front;
-pub use tables::scene_csv;
+pub use paper::{paper, PaperModes, PaperRow, PaperRun, PAPER_MODES};
+pub use paper_figures::paper_figures;
+pub use tables::{paper_csv, scene_csv};
 pub use true_panel::Served;
 
 use crate::countdown::Countdown;

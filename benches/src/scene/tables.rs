@@ -1,6 +1,6 @@
 //! The table of scenes.
 
-use super::SceneRow;
+use super::{PaperRow, SceneRow};
 use crate::csv;
 
 const HEADER: [&str; 26] = [
@@ -66,4 +66,59 @@ pub fn scene_csv(rows: &[SceneRow]) -> String {
             .collect()
     });
     csv::table("from 40 dB FRFs through the fit to the drive; judged on the true plate, window and drift on a 4 mm grid", &HEADER, cells)
+}
+
+const PAPER_HEADER: [&str; 20] = [
+    "scene",
+    "method",
+    "modes_of",
+    "modes",
+    "highest_hz",
+    "gamma_condition",
+    "psi_rank",
+    "psi_condition",
+    "points_hot",
+    "points_cold",
+    "points_success",
+    "points_silence",
+    "window_hot",
+    "window_cold",
+    "window_total",
+    "max_force_n",
+    "predicted_hot",
+    "predicted_cold",
+    "alone_hot",
+    "alone_cold",
+];
+
+/// A row for each drive of the seed paper's reproduction, as CSV.
+pub fn paper_csv(rows: &[PaperRow]) -> String {
+    let cells = rows.iter().map(|row| {
+        let (indices, steps) = (&row.weights.indices.points, row.steps());
+        let condition = |value: Option<f64>| csv::number(value.unwrap_or(f64::NAN));
+        let counts = [row.weights.modes_used.to_string(), csv::number(row.highest_hz)];
+        let judged = [
+            row.points.hot,
+            row.points.cold,
+            row.points.total,
+            indices.silence_ratio,
+            row.window.hot,
+            row.window.cold,
+            row.window.total,
+            indices.max_force_n.unwrap_or(f64::NAN),
+            indices.hot_ratio,
+            indices.cold_ratio,
+            row.alone.map_or(f64::NAN, |alone| alone.hot_ratio),
+            row.alone.map_or(f64::NAN, |alone| alone.cold_ratio),
+        ];
+        [row.case.name.to_owned(), row.weights.method.clone(), row.modes_of.as_str().to_owned()]
+            .into_iter()
+            .chain(counts)
+            .chain([condition(steps.map(|steps| steps.gamma.condition()))])
+            .chain([steps.map_or_else(String::new, |steps| steps.psi.rank.to_string())])
+            .chain([condition(steps.map(|steps| steps.psi.condition()))])
+            .chain(judged.map(csv::number))
+            .collect()
+    });
+    csv::table("the seed paper's two steps with the lowest modes, and the default method; judged on the true plate at the responses and on a 4 mm grid", &PAPER_HEADER, cells)
 }

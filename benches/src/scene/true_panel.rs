@@ -2,7 +2,7 @@
 
 use crate::journal::nan;
 use chladni_frf::Result;
-use chladni_plate::{DampedPlate, Panel};
+use chladni_plate::{DampedPlate, Panel, PlateModes};
 use chladni_render::{Field, Finger, Ground, Limits, ZoneMap};
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
@@ -59,6 +59,11 @@ impl TruePanel {
         let at_places = plate.modes.evaluate(&places_m)?;
         let at_actuators = plate.modes.evaluate(&panel.layout().references_m)?;
         Ok(Self { plate, places_m, at_places, at_actuators })
+    }
+
+    /// The modes of the plate.
+    pub(crate) fn modes(&self) -> &PlateModes {
+        &self.plate.modes
     }
 
     /// What the drive serves on the plate as it is.

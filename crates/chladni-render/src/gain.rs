@@ -82,7 +82,7 @@ impl Problem {
 /// * `solve`: the drive for a ridge relative to the mean diagonal of the normal matrix
 pub(crate) fn within_drive_limit(problem: &Problem, solve: impl Fn(f64) -> Result<Drive>) -> Result<Solution> {
     let mut drive = solve(0.0)?;
-    let mut solution = Solution { drive: drive.clone(), warnings: Vec::new() };
+    let mut solution = Solution::of_drive(drive.clone());
     let mut score = problem.score(&drive);
     let at_limit = |drive: &Drive| problem.drive_limits.allowed_gain(drive) <= 1.0 + tolerances::AT_LIMIT;
     if score.min_ratio == 1.0 || !at_limit(&drive) {

@@ -75,7 +75,7 @@ pub use field::{AreaField, AreaGrid, Field};
 pub use finger::{finger_places, Finger};
 pub use frequency_sweep::{sweep, FrequencySweep, SweptFrequency};
 pub use indices::{AreaIndices, Indices, PointIndices};
-pub use methods::{Method, MethodChoice};
+pub use methods::{Method, MethodChoice, ModalSteps, StepMatrix};
 pub use operator::Operator;
 pub use options::{Drift, Effort, RenderOptions};
 pub use plane::{Position, Rectangle};

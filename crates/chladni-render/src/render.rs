@@ -104,7 +104,7 @@ fn render_tone(
         false => Cow::Borrowed(&setup),
     };
     let Decision { method, effort, warning } = options.method.decide(&used.problem, options.effort);
-    let Solution { drive, warnings: said } = method.solve(&used, model, effort)?;
+    let Solution { drive, warnings: said, modal } = method.solve(&used, model, effort)?;
     let sparse = drive;
     let drive = spread(&sparse, &chosen.columns, setup.operator.references.len());
     let Setup { limits, operator, zones, problem, .. } = &setup;
@@ -157,6 +157,7 @@ fn render_tone(
         ceiling,
         kappa: Some(problem.score(&drive).kappa).filter(|kappa| kappa.is_finite()),
         endurance,
+        modal,
         indices,
         stress: None,
         sweep: None,

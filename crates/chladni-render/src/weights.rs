@@ -4,6 +4,7 @@ use crate::ceiling::Ceiling;
 use crate::endurance::Endurance;
 use crate::frequency_sweep::FrequencySweep;
 use crate::indices::Indices;
+use crate::methods::ModalSteps;
 use crate::problem::Drive;
 use crate::stress::StressRow;
 use crate::tones::is_same;
@@ -52,6 +53,9 @@ pub struct Weights {
     /// What the drive endures beyond the errors that κ speaks of; for drives that are feasible.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub endurance: Option<Endurance>,
+    /// Modal coefficients; of method `modal`, which goes through them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub modal: Option<ModalSteps>,
     /// Indices in the model.
     pub indices: Indices,
     /// What becomes of the weights when the panel is not the model; where it was asked for.

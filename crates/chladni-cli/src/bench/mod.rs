@@ -1,6 +1,7 @@
 //! `chladni bench`: speed and accuracy on cases whose truth is known.
 
 mod accuracy;
+mod paper;
 mod profile;
 mod scene;
 mod solvers;

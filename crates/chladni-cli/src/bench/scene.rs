@@ -1,6 +1,6 @@
 //! `chladni bench scene`.
 
-use super::{shown, Place};
+use super::{paper, shown, Place};
 use crate::console::Console;
 use crate::outcome::Outcome;
 use crate::table::{significant, table};
@@ -27,10 +27,12 @@ its limit, on a 4 mm grid.";
   chladni bench scene -o bench --quick
   chladni bench scene -o bench --case quarter-1 --method robust --modes 4,6,8,10,14,all
   chladni bench scene -o bench --case quarter-1 --actuators 3,5,7,9,12,20,all
+  chladni bench scene -o bench --paper
 
 Simulates panels with 40 dB of noise, fits them, renders every scene by every method, and judges the drives on the true plate: at the
 responses, on a 4 mm grid, after random drift, and with a finger in the hot zone. Writes scene.csv,
-scene-CASE.svg/png (ground lost against time), scene-CASE-means (what each mode, residual term and actuator buys) and scene.html.")]
+scene-CASE.svg/png (ground lost against time), scene-CASE-means (what each mode, residual term and actuator buys) and scene.html.
+With --paper: paper.csv, paper-NAME.svg/png and paper.html (docs/paper.md).")]
 pub struct Args {
     #[command(flatten)]
     place: Place,
@@ -54,6 +56,9 @@ pub struct Args {
     /// Judge `--modes auto` by the measured line instead of the whole model
     #[arg(long)]
     measured: bool,
+    /// Reproduce the seed paper: its two steps with the lowest modes, for every place of the hot zone, beside the default method
+    #[arg(long, conflicts_with_all = ["methods", "cases", "modes", "actuators", "means", "measured"])]
+    paper: bool,
 }
 
 /// Runs the command.
@@ -61,6 +66,9 @@ pub struct Args {
 /// # Errors
 /// Those of writing.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
+    if args.paper {
+        return paper::run(&args.place, console);
+    }
     args.place.prepare(&[TABLE], console)?;
     let options = SceneOptions {
         cases: match args.cases.is_empty() {

@@ -49,6 +49,54 @@ fn scenes_are_judged_on_the_true_plate() {
 }
 
 #[test]
+fn the_paper_is_reproduced_by_one_command() {
+    let folder = Folder::new();
+    let json = folder.run("bench scene --paper -o out --json").exits(0).json();
+    let files = json["files"].as_array().unwrap();
+    let figures = ["coefficients", "weightings", "levels", "field", "field-default", "modes", "places"];
+    for name in figures.iter().flat_map(|name| ["svg", "png"].map(|end| format!("paper-{name}.{end}"))) {
+        assert!(files.iter().any(|file| file.as_str().unwrap().ends_with(&name)), "{name} of {files:?}");
+        assert!(folder.path().join("out").join(&name).is_file(), "{name}");
+    }
+    assert!(folder.text("out/paper.html").contains("paper-coefficients"));
+
+    let csv = folder.text("out/paper.csv");
+    let mut lines = csv.lines().filter(|line| !line.starts_with('#')).map(|line| line.split(',').collect::<Vec<_>>());
+    let header = lines.next().unwrap();
+    let rows: Vec<Vec<&str>> = lines.collect();
+    assert_eq!(json["rows"], rows.len());
+    let column = |name: &str| header.iter().position(|cell| *cell == name).unwrap();
+    let cell = |row: &[&str], name: &str| row[column(name)].to_owned();
+    let value = |row: &[&str], name: &str| cell(row, name).parse::<f64>().unwrap();
+    // the default method serves every response at every place
+    let ours: Vec<_> = rows.iter().filter(|row| cell(row, "method") == "robust").collect();
+    assert_eq!(ours.len(), 14);
+    assert!(ours.iter().all(|row| value(row, "points_success") >= 0.99 && value(row, "max_force_n") < 0.01), "{csv}");
+    // what symmetry leaves of the rank of 34 modes at 34 actuators; on the exact panel the same in every quarter
+    let is_paper = |row: &[&str]| cell(row, "modes_of") == "exact" && cell(row, "modes") == "34";
+    let paper: Vec<_> =
+        rows.iter().filter(|row| is_paper(row) && cell(row, "scene").starts_with("quarter") && cell(row, "scene").len() == 9).collect();
+    assert_eq!(paper.len(), 4);
+    for row in &paper {
+        assert_eq!((cell(row, "psi_rank"), cell(row, "psi_condition")), ("31".into(), String::new()));
+        for name in ["points_hot", "points_cold", "points_success", "window_total"] {
+            assert!((value(row, name) - value(paper[0], name)).abs() < 1e-9, "{name}: {row:?}");
+        }
+    }
+    // no number of modes makes the two steps of a quarter worth more than silence, 53 of 68 judged responses
+    let quarters = || rows.iter().filter(|row| cell(row, "scene") == "quarter-1" && cell(row, "method") == "modal");
+    assert!(quarters().count() > 68);
+    assert!(quarters().all(|row| (value(row, "points_silence") - 53.0 / 68.0).abs() < 1e-4), "{csv}");
+    assert!(quarters().all(|row| value(row, "points_success") < value(row, "points_silence")), "{csv}");
+
+    // and it is the modes that no equation has which spoil it: without them 28 modes serve everything
+    let alone = quarters().find(|row| cell(row, "modes_of") == "exact" && cell(row, "modes") == "28").unwrap();
+    assert_eq!((value(alone, "alone_hot"), value(alone, "alone_cold")), (1.0, 1.0));
+
+    assert!(folder.run("bench scene --paper -o out --case quarter-1").exits(2).stderr.contains("--case"));
+}
+
+#[test]
 fn stability_writes_cells_failures_calibration_and_a_page() {
     let folder = Folder::new();
     let line = "bench stability -o out --case spacing-references --method peak --seeds 1 --quick --export-silent --json";

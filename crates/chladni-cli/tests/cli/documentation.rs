@@ -9,6 +9,7 @@ const TUTORIAL: &str = include_str!("../../../../docs/tutorial.md");
 const TROUBLESHOOTING: &str = include_str!("../../../../docs/troubleshooting.md");
 const FIRST_HOUR: &str = include_str!("../../../../docs/first-hour.md");
 const ACCURACY: &str = include_str!("../../../../docs/accuracy.md");
+const PAPER: &str = include_str!("../../../../docs/paper.md");
 const README: &str = include_str!("../../../../README.md");
 
 #[test]
@@ -150,7 +151,7 @@ fn commands_of_the_other_pages_are_run() {
     // a bench would take hours: with a file in the way of its folder it ends after its arguments were read
     folder.write("bench", "");
     let mut seen = 0;
-    for page in [README, TROUBLESHOOTING, ACCURACY] {
+    for page in [README, TROUBLESHOOTING, ACCURACY, PAPER] {
         for step in steps(page) {
             let Step::Run(line) = step else { continue };
             if line.starts_with("studio") {

@@ -21,8 +21,8 @@ pub(crate) fn solve(problem: &Problem, between: Option<&Rows>, effort: Effort) -
         let mut contest = mls::Contest::new(problem, problem, tolerances::KAPPA_LEAST);
         contest.offer(problem, &start);
         contest.offer(problem, &drive);
-        return Ok(Solution { drive: contest.into_best(), warnings: Vec::new() });
+        return Ok(Solution::of_drive(contest.into_best()));
     }
     let asked = Asked { kappa: tolerances::KAPPA_EFFORT.min(tolerances::KEEP * kappa), factor: 1.0 };
-    Ok(Solution { drive: climb.lower_effort(drive, asked)?, warnings: Vec::new() })
+    Ok(Solution::of_drive(climb.lower_effort(drive, asked)?))
 }

@@ -15,6 +15,7 @@ pub(crate) mod vast;
 
 pub(crate) use choice::Decision;
 pub use choice::MethodChoice;
+pub use modal::{ModalSteps, StepMatrix};
 
 use crate::options::Effort;
 use crate::problem::{Drive, Problem};
@@ -128,9 +129,16 @@ impl FromStr for Method {
 pub(crate) struct Solution {
     pub(crate) drive: Drive,
     pub(crate) warnings: Vec<String>,
+    /// What lies between target and drive, of the method that goes through modal coefficients.
+    pub(crate) modal: Option<ModalSteps>,
 }
 
 impl Solution {
+    /// A drive about which nothing must be said.
+    pub(crate) fn of_drive(drive: Drive) -> Self {
+        Self { drive, warnings: Vec::new(), modal: None }
+    }
+
     /// A drive of arbitrary gain, with the best one.
     fn of_direction(problem: &Problem, direction: &Drive) -> Self {
         let drive = problem.with_best_gain(direction);
@@ -138,6 +146,6 @@ impl Solution {
         if problem.drive_limits.allowed_gain(&drive) <= 1.0 + tolerances::AT_LIMIT {
             warnings.push(format!("{} binds", problem.drive_limits.binding(&drive)));
         }
-        Self { drive, warnings }
+        Self { warnings, ..Self::of_drive(drive) }
     }
 }

@@ -3,19 +3,47 @@
 //! 1. W by the pseudo-inverse of Γ, the γ_n at the responses, from the target field v_d = Γ·W (seed paper, eq. 10);
 //! 2. A = Ψ⁺·W, Ψ the modes at the actuators (eq. 12 and 13).
 //!
-//! Not for use: with the exact modes of the study's panel it serves 30 to 53 % of the points at any number of modes, because
+//! Not for use: with the exact modes of the paper's panel it serves 29 to 66 % of the points at any number of modes (docs/paper.md), because
 //! what the first step does not model the second one drives hard, and 34 modes of a symmetric panel cannot be set
-//! independently by 34 actuators on its edge (rank 32 at most). Both are said in the warnings, with the singular values. The
-//! target is 1 on hot and 0 on cold responses; as everywhere, the transition is left out. Only modes that are summed
+//! independently by 34 actuators on its edge (rank 31). Both are said in the warnings, with the singular values, and stand in
+//! [`ModalSteps`]. The target is 1 on hot and 0 on cold responses; as everywhere, the transition is left out. Only modes that are summed
 //! explicitly are used (all in band, unless fewer are asked for): poles outside and residual terms have no place in the equations.
 
 use crate::methods::{pressure_matching::one_phase_target, Solution};
-use crate::problem::{internal, Drive};
+use crate::problem::{amplitude, internal, Drive};
 use crate::setup::Setup;
-use chladni_frf::{Damping, Error, ModalModel, Mode, Result};
+use chladni_frf::{ComplexVector, Damping, Error, ModalModel, Mode, Result};
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
+
+/// What lies between the target field and the drive of the two steps.
+///
+/// `asked` and `driven` are modal forces with the gain of the drive: N times the unit of the participations (N/√kg where the model is mass-scaled).
+/// They are the same where Ψ has full row rank; where they are not, the actuators cannot set these modes independently.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ModalSteps {
+    /// Natural frequencies of the modes that take part, Hz, in the order of the model.
+    pub frequency_hz: Vec<f64>,
+    /// W_n,d of the first step, one per mode (seed paper, eq. 10).
+    pub asked: ComplexVector,
+    /// Σ_i A_i ψ_n^i of the drive, one per mode (eq. 11).
+    pub driven: ComplexVector,
+    /// Γ, the γ_n at the judged responses; axes (response, mode).
+    pub gamma: StepMatrix,
+    /// Ψ, the modes at the actuators; axes (mode, actuator).
+    pub psi: StepMatrix,
+}
+
+/// What is to be known of a matrix that a step inverts.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StepMatrix {
+    /// Singular values, falling.
+    pub singular_values: Vec<f64>,
+    /// How many of them lie above rounding; the others are taken for zero.
+    pub rank: usize,
+}
 
 /// The drive of the two-step inverse with the modes that `setup` sums.
 pub(crate) fn solve(setup: &Setup, model: &ModalModel) -> Result<Solution> {
@@ -37,10 +65,21 @@ pub(crate) fn solve(setup: &Setup, model: &ModalModel) -> Result<Solution> {
     let psi =
         Array2::from_shape_fn((modes.len(), operator.references.len()), |(n, j)| modes[n].participation.0[operator.reference_columns[j]]);
 
-    let mut warnings = Vec::new();
-    let modal_weights = pseudo_inverse_times(&gamma, &one_phase_target(problem), "Gamma (modes at the responses)", &mut warnings)?;
-    let drive: Drive = pseudo_inverse_times(&psi, &modal_weights, "Psi (modes at the actuators)", &mut warnings)?;
-    Ok(Solution { drive: problem.with_best_gain(&drive), warnings })
+    let (gamma, asked) = pseudo_inverse_times(&gamma, &one_phase_target(problem))?;
+    let (of_psi, drive): (_, Drive) = pseudo_inverse_times(&psi, &asked)?;
+    let gain = Complex64::from(problem.best_gain(&problem.field(&drive).map(amplitude), &drive));
+    let drive = drive * gain;
+    let sizes = [[judged.len(), modes.len()], [modes.len(), operator.references.len()]];
+    let matrices = [("Gamma (modes at the responses)", &gamma), ("Psi (modes at the actuators)", &of_psi)];
+    let warnings = matrices.iter().zip(sizes).filter_map(|((name, matrix), size)| matrix.warning(name, size)).collect();
+    let modal = ModalSteps {
+        frequency_hz: modes.iter().map(|mode| mode.frequency_hz).collect(),
+        asked: ComplexVector((asked * gain).to_vec()),
+        driven: ComplexVector(psi.dot(&drive).to_vec()),
+        gamma,
+        psi: of_psi,
+    };
+    Ok(Solution { drive, warnings, modal: Some(modal) })
 }
 
 /// γ_n = jω/(ω_n²(1+jη_n) − ω²), (m/s)/N·kg; in the viscous law, for real shapes, jω/(ω_n² − ω² + jη_nω_nω).
@@ -53,30 +92,41 @@ fn gamma(mode: &Mode, damping: Damping, omega: f64) -> Complex64 {
     Complex64::new(0.0, omega) / Complex64::new(omega_n * omega_n - omega * omega, loss)
 }
 
-/// matrix⁺·right by the SVD; says so where the rank is short.
-fn pseudo_inverse_times(
-    matrix: &Array2<Complex64>,
-    right: &Array1<Complex64>,
-    name: &str,
-    warnings: &mut Vec<String>,
-) -> Result<Array1<Complex64>> {
+/// matrix⁺·right by the SVD.
+fn pseudo_inverse_times(matrix: &Array2<Complex64>, right: &Array1<Complex64>) -> Result<(StepMatrix, Array1<Complex64>)> {
     let (u, s, vh) = chladni_linalg::svd_thin(matrix.view()).map_err(internal)?;
     let largest = s.first().copied().unwrap_or(0.0);
     let noise = largest * f64::EPSILON * matrix.nrows().max(matrix.ncols()) as f64;
     let rank = s.iter().filter(|&&value| value > noise).count();
-    if rank < s.len() {
-        let values: Vec<String> = s.iter().map(|value| format!("{value:.1e}")).collect();
-        warnings.push(format!(
-            "{name} is rank deficient: {} x {}, rank {rank} of {}; singular values {}",
-            matrix.nrows(),
-            matrix.ncols(),
-            s.len(),
-            values.join(", ")
-        ));
-    } else if largest / s[s.len() - 1] > crate::tolerances::ILL_CONDITIONED {
-        warnings.push(format!("{name} is ill conditioned: singular values from {:.1e} down to {:.1e}", largest, s[s.len() - 1]));
-    }
     let coordinates = u.t().mapv(|value| value.conj()).dot(right);
     let scaled = Array1::from_shape_fn(s.len(), |k| if k < rank { coordinates[k] / s[k] } else { Complex64::ZERO });
-    Ok(vh.t().mapv(|value| value.conj()).dot(&scaled))
+    Ok((StepMatrix { singular_values: s.to_vec(), rank }, vh.t().mapv(|value| value.conj()).dot(&scaled)))
+}
+
+impl StepMatrix {
+    /// Largest over least singular value; infinite where the rank is short.
+    pub fn condition(&self) -> f64 {
+        match self.singular_values.as_slice() {
+            [first, .., last] if self.rank == self.singular_values.len() => first / last,
+            [_] if self.rank == 1 => 1.0,
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// What is to be said of an inverse that cannot be trusted.
+    fn warning(&self, name: &str, [rows, columns]: [usize; 2]) -> Option<String> {
+        let Self { singular_values, rank } = self;
+        if *rank < singular_values.len() {
+            let values: Vec<String> = singular_values.iter().map(|value| format!("{value:.1e}")).collect();
+            return Some(format!(
+                "{name} is rank deficient: {rows} x {columns}, rank {rank} of {}; singular values {}",
+                values.len(),
+                values.join(", ")
+            ));
+        }
+        (self.condition() > crate::tolerances::ILL_CONDITIONED).then(|| {
+            let [first, last] = [singular_values[0], singular_values[singular_values.len() - 1]];
+            format!("{name} is ill conditioned: singular values from {first:.1e} down to {last:.1e}")
+        })
+    }
 }

@@ -45,7 +45,7 @@ pub(crate) fn solve(setup: &Setup, effort: Effort) -> Result<Solution> {
     }
     if most > 0.0 && ground.is_none() {
         let drive = contest.into_best();
-        return Ok(Solution { drive: climb_on(problem)?.climb(&drive)?, warnings: Vec::new() });
+        return Ok(Solution::of_drive(climb_on(problem)?.climb(&drive)?));
     }
-    Ok(Solution { drive: contest.into_best(), warnings: Vec::new() })
+    Ok(Solution::of_drive(contest.into_best()))
 }

@@ -6,6 +6,7 @@ mod covariance;
 mod evaluate;
 mod fewest;
 mod methods;
+mod modal;
 mod robust;
 mod scene_file;
 mod signals;

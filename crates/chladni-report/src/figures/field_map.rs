@@ -16,8 +16,9 @@ use ndarray::Array2;
 const BLACK: Colour = Colour::Rgb([0, 0, 0]);
 const WHITE: Colour = Colour::Rgb([255, 255, 255]);
 
-/// `None` where the responses carry no plane.
-pub(crate) fn field_map(shown: &ShownField, model: Option<&ModalModel>, frequency_hz: f64, number: usize) -> Option<Figure> {
+/// The map `field-NUMBER` of a field, as [`super::all`] makes it; `model` gives the plane and the ground around the responses. `None` where these
+/// carry no plane.
+pub fn field_map(shown: &ShownField, model: Option<&ModalModel>, frequency_hz: f64, number: usize) -> Option<Figure> {
     let plane = model.and_then(Plane::of).or_else(|| Plane::around(&shown.field.positions_m))?;
     let mut chart = plane.chart(460.0);
     let threshold = shown.limits.threshold_m_per_s;

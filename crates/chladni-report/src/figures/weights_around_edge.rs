@@ -38,8 +38,8 @@ fn hint(weight: &Weight, scale: &Scaled) -> String {
     format!("{}: {amplitude} {}, {}°", weight.reference, scale.unit, fixed(value.arg().to_degrees(), 1))
 }
 
-/// Phasors around the panel; `None` where the positions of the actuators are not known.
-pub(crate) fn weights_around_edge(weights: &Weights, model: &ModalModel, number: usize) -> Option<Figure> {
+/// Phasors around the panel, `weights-NUMBER-panel`, as [`super::all`] makes them; `None` where the positions of the actuators are not known.
+pub fn weights_around_edge(weights: &Weights, model: &ModalModel, number: usize) -> Option<Figure> {
     let plane = Plane::of(model)?;
     let places: Vec<Position> =
         weights.weights.iter().map(|weight| plane.position(&model.nodes, &weight.reference)).collect::<Option<_>>()?;
