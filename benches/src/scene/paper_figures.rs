@@ -147,6 +147,7 @@ fn over_modes(run: &PaperRun, ours: &PaperRow) -> Figure {
     let shares = |modes_of: PaperModes| {
         let label = format!("Share, {} modes", modes_of.as_str());
         let both = curve(modes_of, &|row| row.points.total);
+        let alone = curve(modes_of, &|row| row.alone.map_or(f64::NAN, |alone| alone.success_ratio));
         Chart::new(x(), Axis::linear(&label, "–").range(SHARES).step(0.25))
             .height(Height::Px(1.3 * CHART_PX))
             .with(level("default method", ours.points.total, Stroke::new(Colour::Series(2), 2.4)))
@@ -154,6 +155,8 @@ fn over_modes(run: &PaperRun, ours: &PaperRow) -> Figure {
             .with(level("silence", ours.weights.indices.points.silence_ratio, Stroke::new(Colour::Muted, 1.6).dashed(Dash::Dotted)))
             .line("hot", curve(modes_of, &|row| row.points.hot), Stroke::new(Colour::Series(1), 1.6))
             .line("cold", curve(modes_of, &|row| row.points.cold), Stroke::new(Colour::Series(0), 1.6).dashed(Dash::Dashed))
+            .line("", alone.clone(), Stroke::new(Colour::Series(4), 1.2))
+            .marks("both, were there no other modes", alone, Mark::Ring, Colour::Series(4), 6.0)
             .line("both", both.clone(), Stroke::new(Colour::Ink, 2.0))
             .marks("", both, Mark::Dot, Colour::Ink, 4.0)
     };

@@ -3,7 +3,7 @@
 //! 1. W by the pseudo-inverse of Γ, the γ_n at the responses, from the target field v_d = Γ·W (seed paper, eq. 10);
 //! 2. A = Ψ⁺·W, Ψ the modes at the actuators (eq. 12 and 13).
 //!
-//! Not for use: with the exact modes of the paper's panel it serves 29 to 66 % of the points at any number of modes (docs/paper.md), because
+//! Not for use: with the exact modes of the paper's panel it serves 29 to 66 % of the points of a quarter at any number of modes (docs/paper.md), because
 //! what the first step does not model the second one drives hard, and 34 modes of a symmetric panel cannot be set
 //! independently by 34 actuators on its edge (rank 31). Both are said in the warnings, with the singular values, and stand in
 //! [`ModalSteps`]. The target is 1 on hot and 0 on cold responses; as everywhere, the transition is left out. Only modes that are summed

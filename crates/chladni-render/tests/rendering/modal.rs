@@ -28,7 +28,7 @@ fn gamma(mode: &Mode) -> Complex64 {
 
 /// The k-th Walsh function of eight: ±1, any two orthogonal.
 fn walsh(k: usize) -> impl Fn(usize) -> f64 {
-    move |place| if (k & place).count_ones() % 2 == 0 { 1.0 } else { -1.0 }
+    move |place| if (k & place).count_ones().is_multiple_of(2) { 1.0 } else { -1.0 }
 }
 
 /// Eight responses on two rows and four actuators; three modes with Walsh functions for shapes, at both.
