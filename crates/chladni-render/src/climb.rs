@@ -39,25 +39,47 @@ impl<'a> Climb<'a> {
         self
     }
 
-    /// The most robust drive that `start` leads to: largest κ, then largest margin at that κ, then the least peak force that keeps
-    /// most of both.
-    pub(crate) fn climb(&mut self, start: &Drive) -> Result<Drive> {
-        let (kappa, mut drive) = self.raise_kappa(start)?;
+    /// The most robust drive that `start` leads to at little force: the largest κ up to `enough`, most of it at the least peak
+    /// force; then the largest margin that little force gives, most of it at the least peak force, too.
+    pub(crate) fn climb(&mut self, start: &Drive, enough: f64) -> Result<Drive> {
+        let most = enough / tolerances::KEEP;
+        let (kappa, drive) = self.reach_kappa(start, most)?;
         if kappa == 0.0 {
             return Ok(drive);
         }
-        let mut asked = Asked { kappa: f64::max(kappa * tolerances::KEEP, kappa.min(tolerances::KAPPA_LEAST)), factor: 1.0 };
-        if kappa >= tolerances::KAPPA_CAP * (1.0 - tolerances::KAPPA_GAIN) {
-            let (factor, wider) = self.raise_margin(drive, tolerances::KAPPA_CAP)?;
-            drive = wider;
-            asked.factor = factor.max(1.0).powf(tolerances::KEEP);
+        let asked = Asked { kappa: f64::max(kappa * tolerances::KEEP, kappa.min(tolerances::KAPPA_LEAST)), factor: 1.0 };
+        let drive = self.lower_peak(drive, asked)?;
+        if kappa < most * (1.0 - tolerances::KAPPA_GAIN) {
+            return Ok(drive);
         }
-        self.lower_peak(drive, asked)
+        let given = self.problem.drive_limits.each;
+        let little = if given.is_finite() { tolerances::LITTLE_FORCE * given } else { tolerances::MARGIN_RISE * peak(&drive) };
+        self.program.limit_each(f64::max(little, peak(&drive)).min(given));
+        let (factor, drive) = self.widen(drive, asked.kappa)?;
+        let drive = self.lower_peak(drive, Asked { factor: factor.powf(tolerances::KEEP), ..asked })?;
+        self.program.limit_each(given);
+        Ok(drive)
+    }
+
+    /// The largest margin within the limits of the drive, inside by `kappa` standard deviations besides; and its factor.
+    fn widen(&mut self, start: Drive, kappa: f64) -> Result<(f64, Drive)> {
+        let (mut factor, mut drive) = (1.0, start);
+        for _ in 0..self.rounds {
+            let Some((found, next)) = self.program.wider(&self.program.phases(&drive), &self.active, kappa, factor)? else { break };
+            drive = next;
+            let joined = self.let_missed_join(&drive, kappa, found);
+            let gained = found / factor - 1.0;
+            factor = found;
+            if !joined && gained < tolerances::MARGIN_GAIN {
+                break;
+            }
+        }
+        Ok((factor, drive))
     }
 
     /// Less peak force, inside by `asked`.
     fn lower_peak(&mut self, start: Drive, asked: Asked) -> Result<Drive> {
-        self.lower(start, asked, DriveProgram::least_peak, |drive| drive.iter().map(amplitude).fold(0.0, f64::max))
+        self.lower(start, asked, DriveProgram::least_peak, peak)
     }
 
     /// Less effort √Σ|A_i|², inside by `asked`.
@@ -86,12 +108,7 @@ impl<'a> Climb<'a> {
         Ok(drive)
     }
 
-    /// The largest κ, up to the cap; 0 where no row set of these phases can be kept, with the drive that comes nearest.
-    pub(crate) fn raise_kappa(&mut self, start: &Drive) -> Result<(f64, Drive)> {
-        self.reach_kappa(start, tolerances::KAPPA_CAP)
-    }
-
-    /// The same up to `cap`.
+    /// The largest κ, up to `cap`; 0 where no row set of these phases can be kept, with the drive that comes nearest.
     pub(crate) fn reach_kappa(&mut self, start: &Drive, cap: f64) -> Result<(f64, Drive)> {
         let (mut kappa, mut drive) = (0.0, start.clone());
         let mut feasible = false;
@@ -101,7 +118,7 @@ impl<'a> Climb<'a> {
                 if feasible {
                     break;
                 }
-                let (factor, nearer) = self.raise_margin(drive.clone(), 0.0)?;
+                let (factor, nearer) = self.raise_margin(drive.clone())?;
                 drive = nearer;
                 if factor < 1.0 {
                     return Ok((0.0, drive));
@@ -120,24 +137,24 @@ impl<'a> Climb<'a> {
         Ok((kappa, drive))
     }
 
-    /// The largest factor between every row and its limit, inside by `kappa` standard deviations besides; below 1 where some miss.
-    pub(crate) fn raise_margin(&mut self, start: Drive, kappa: f64) -> Result<(f64, Drive)> {
+    /// The largest factor between every row and its limit; below 1 where some miss.
+    fn raise_margin(&mut self, start: Drive) -> Result<(f64, Drive)> {
         // both sides share the margin: the drive is divided by it in the end, and may be that much larger before
-        self.raise_contrast(start, kappa, |factor| factor.max(1.0))
+        self.raise_contrast(start, |factor| factor.max(1.0))
     }
 
     /// The same with cold rows at their limit and all of the margin on the hot side: its square is the largest hot over limit.
     pub(crate) fn raise_hot(&mut self, start: Drive) -> Result<f64> {
-        Ok(self.raise_contrast(start, 0.0, |_| 1.0)?.0.powi(2))
+        Ok(self.raise_contrast(start, |_| 1.0)?.0.powi(2))
     }
 
-    fn raise_contrast(&mut self, start: Drive, kappa: f64, larger_drive: impl Fn(f64) -> f64) -> Result<(f64, Drive)> {
+    fn raise_contrast(&mut self, start: Drive, larger_drive: impl Fn(f64) -> f64) -> Result<(f64, Drive)> {
         let (mut factor, mut drive) = (0.0, start);
         for _ in 0..self.rounds {
             let phases = self.program.phases(&drive);
-            let Some((found, next)) = self.program.largest_margin(&phases, &self.active, kappa, larger_drive(factor))? else { break };
+            let Some((found, next)) = self.program.largest_margin(&phases, &self.active, larger_drive(factor))? else { break };
             drive = next;
-            let joined = self.let_missed_join(&drive, kappa, found);
+            let joined = self.let_missed_join(&drive, 0.0, found);
             let gained = found / factor - 1.0;
             factor = found;
             if !joined && gained < tolerances::MARGIN_GAIN {
@@ -188,4 +205,9 @@ impl<'a> Climb<'a> {
         self.active.sort_unstable();
         !missed.is_empty()
     }
+}
+
+/// Largest |A_i|.
+pub(crate) fn peak(drive: &Drive) -> f64 {
+    drive.iter().map(amplitude).fold(0.0, f64::max)
 }

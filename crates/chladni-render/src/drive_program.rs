@@ -5,7 +5,7 @@
 //! order one.
 
 use crate::conic::{Affine, ConicProgram, ConicSolution};
-use crate::problem::{Drive, Problem};
+use crate::problem::{Drive, DriveLimits, Problem};
 use crate::tolerances;
 use chladni_frf::Result;
 use ndarray::{Array1, Array2};
@@ -23,6 +23,8 @@ pub(crate) struct DriveProgram<'a> {
     error_scale: Array1<f64>,
     /// Square root of the covariance over the threshold, per unit drive.
     root: Array2<Complex64>,
+    /// Force or voltage limits.
+    limits: DriveLimits,
     /// True once a drive went beyond the force limits: most scenes stay far below, and do without their cones.
     limited: Cell<bool>,
 }
@@ -78,12 +80,18 @@ impl<'a> DriveProgram<'a> {
         let threshold = problem.threshold_m_per_s;
         let root = problem.covariance.triangular_root()?.mapv(|value| value * (unit_drive / threshold));
         let error_scale = limits.mapv(|limit| threshold / limit) / &problem.rows.levels;
-        Ok(Self { problem, unit_drive, rows, error_scale, root, limited: Cell::new(false) })
+        Ok(Self { problem, unit_drive, rows, error_scale, root, limits: problem.drive_limits, limited: Cell::new(false) })
     }
 
     /// Number of actuators.
     fn actuators(&self) -> usize {
         self.rows.ncols()
+    }
+
+    /// Sets the largest |A_i|.
+    pub(crate) fn limit_each(&mut self, each: f64) {
+        self.limited.set(true);
+        self.limits.each = each;
     }
 
     /// Phases of the hot rows under `drive`, as e^{−jφ}.
@@ -118,17 +126,11 @@ impl<'a> DriveProgram<'a> {
         })
     }
 
-    /// The drive with the largest margin g, hot rows at least and cold ones at most their limit by the same factor 10^{g/20}, and
-    /// inside by `kappa` standard deviations besides (eq. 46); and that factor, below 1 where not all can be had.
+    /// The drive of most contrast, hot rows at least and cold ones at most their limit by the same factor; and that factor, below 1 where not
+    /// all can be had.
     ///
     /// * `reached`: a factor that is known to be possible, for the force limits; 1 where none is
-    pub(crate) fn largest_margin(
-        &self,
-        phases: &Array1<Complex64>,
-        active: &[usize],
-        kappa: f64,
-        reached: f64,
-    ) -> Result<Option<(f64, Drive)>> {
+    pub(crate) fn largest_margin(&self, phases: &Array1<Complex64>, active: &[usize], reached: f64) -> Result<Option<(f64, Drive)>> {
         let (deviation, contrast) = (2 * self.actuators(), 2 * self.actuators() + 1);
         let mut program = ConicProgram::new(contrast + 1);
         program.minimise(contrast, -1.0);
@@ -136,7 +138,7 @@ impl<'a> DriveProgram<'a> {
         let sides = Sides {
             hot: Affine::of(contrast, 1.0),
             cold: Affine::constant(1.0),
-            slack: Affine::of(deviation, kappa),
+            slack: Affine::constant(0.0),
             deviation: Affine::of(deviation, 1.0),
             drive: reached,
             drive_variable: None,
@@ -147,6 +149,23 @@ impl<'a> DriveProgram<'a> {
             let factor = solution.x[contrast].sqrt();
             (factor, self.drive(&solution.x, 1.0 / factor))
         }))
+    }
+
+    /// The drive with the largest margin that its force limits allow, inside by `kappa` standard deviations besides (eq. 46); and that factor.
+    ///
+    /// Hot rows stand at f times their limit, cold ones at 1/f of it, replaced by its tangent at `factor`: at most as much, and the same where f ends.
+    pub(crate) fn wider(&self, phases: &Array1<Complex64>, active: &[usize], kappa: f64, factor: f64) -> Result<Option<(f64, Drive)>> {
+        let (deviation, margin) = (2 * self.actuators(), 2 * self.actuators() + 1);
+        let mut program = ConicProgram::new(margin + 1);
+        program.minimise(margin, -1.0);
+        program.minimise(deviation, tolerances::DEVIATION_PRICE);
+        let sides = Sides {
+            hot: Affine::of(margin, 1.0),
+            cold: Affine::of(margin, -factor.powi(-2)).plus_constant(2.0 / factor),
+            ..Sides::plain(deviation, Asked { kappa, factor })
+        };
+        let solution = self.solve(program, phases, active, &sides)?;
+        Ok(solution.map(|solution| (solution.x[margin], self.drive(&solution.x, 1.0))))
     }
 
     /// The drive of least √Σ|A_i|² that keeps every row inside by `asked` (eq. 47).
@@ -242,7 +261,7 @@ impl<'a> DriveProgram<'a> {
     /// True where the drive of a solution is within the force limits.
     fn keeps_limits(&self, x: &[f64], sides: &Sides) -> bool {
         let factor = sides.drive * sides.drive_variable.map_or(1.0, |variable| x[variable]);
-        factor > 0.0 && self.problem.drive_limits.allowed_gain(&self.drive(x, 1.0 / factor)) >= 1.0
+        factor > 0.0 && self.limits.allowed_gain(&self.drive(x, 1.0 / factor)) >= 1.0
     }
 
     /// Rows and error bar.
@@ -264,14 +283,14 @@ impl<'a> DriveProgram<'a> {
             Some(variable) => Affine::of(variable, limit * sides.drive / self.unit_drive),
             None => Affine::constant(limit * sides.drive / self.unit_drive),
         };
-        if self.problem.drive_limits.each.is_finite() {
+        if self.limits.each.is_finite() {
             for i in 0..self.actuators() {
-                program.norm_at_most(bound(self.problem.drive_limits.each), self.weight(i));
+                program.norm_at_most(bound(self.limits.each), self.weight(i));
             }
         }
-        if self.problem.drive_limits.effort.is_finite() {
+        if self.limits.effort.is_finite() {
             let all = (0..self.actuators()).flat_map(|i| self.weight(i));
-            program.norm_at_most(bound(self.problem.drive_limits.effort), all);
+            program.norm_at_most(bound(self.limits.effort), all);
         }
     }
 }

@@ -89,7 +89,7 @@ impl<'a> Stage<'a> {
         let problem = &setup.problem;
         let ground = setup.finely_between().map(|rows| problem.with_between(rows, 1.0));
         let start = mls::leading_drives(problem, None)?.swap_remove(0);
-        let (kappa, drive) = Climb::new(problem)?.raise_kappa(&start)?;
+        let (kappa, drive) = Climb::new(problem)?.reach_kappa(&start, problem.kappa_of_confidence())?;
         let asked = Asked { kappa: tolerances::KAPPA_EFFORT.min(tolerances::KEEP * kappa), factor: 1.0 };
         Ok(Self { problem, ground, kappa, asked, drive })
     }

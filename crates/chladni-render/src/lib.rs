@@ -29,12 +29,14 @@
 // The one error type of the workspace is large and rare.
 
 mod band;
+mod branches;
 mod ceiling;
 mod climb;
 mod conic;
 mod count;
 mod covariance;
 mod drive_program;
+mod dual;
 mod endurance;
 mod evaluate;
 mod fewest_actuators;

@@ -3,6 +3,7 @@
 use crate::covariance::Covariance;
 use crate::plane::Position;
 use crate::scene::Limits;
+use crate::tolerances;
 use crate::zones::ZoneMap;
 use chladni_frf::{Error, ErrorKind};
 use ndarray::{concatenate, s, Array1, Array2, ArrayView2, Axis};
@@ -135,6 +136,12 @@ impl Problem {
     /// How `drive` does.
     pub(crate) fn score(&self, drive: &Drive) -> Score {
         self.score_of(&self.field(drive).map(amplitude), self.covariance.deviation(drive))
+    }
+
+    /// κ at which every row keeps its limit with [`tolerances::CONFIDENCE`], or more (theory.md, section 10).
+    pub(crate) fn kappa_of_confidence(&self) -> f64 {
+        let each = (1.0 - tolerances::CONFIDENCE) / self.rows.mobility.nrows() as f64;
+        (0.5 / each).ln().sqrt()
     }
 
     /// How a drive does whose field has these amplitudes and this standard deviation, m/s.

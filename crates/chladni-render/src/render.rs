@@ -118,7 +118,8 @@ fn render_tone(
     let feasible = points.min_ratio == 1.0;
     // a proof takes as long as a conic program: who asked for less does not wait for it
     let proves = options.method == MethodChoice::Best || (!feasible && matches!(method, Method::Robust | Method::MinEffort));
-    let ceiling = if proves { Ceiling::of(&used.problem, &sparse)? } else { None };
+    let thorough = options.method == MethodChoice::Best && !feasible;
+    let ceiling = if proves { Ceiling::of(&used.problem, &sparse, thorough)? } else { None };
     if !feasible {
         warnings.push(shortfall(&points, ceiling.as_ref(), limits, method));
     }

@@ -15,7 +15,7 @@ use chladni_frf::Result;
 pub(crate) fn solve(problem: &Problem, between: Option<&Rows>, effort: Effort) -> Result<Solution> {
     let start = mls::leading_drives(problem, between)?.swap_remove(0);
     let mut climb = Climb::new(problem)?.rounds(effort.conic_rounds);
-    let (kappa, drive) = climb.raise_kappa(&start)?;
+    let (kappa, drive) = climb.reach_kappa(&start, problem.kappa_of_confidence())?;
     if kappa == 0.0 {
         // nothing keeps every limit: whoever serves more responses
         let mut contest = mls::Contest::new(problem, problem, tolerances::KAPPA_LEAST);

@@ -12,6 +12,7 @@
 //! runs across; first on the responses alone, their leaders with several margins, and the leaders of these also with rows interpolated between
 //! the responses. Winner is who serves most responses, then has some κ, then serves most ground between the responses.
 
+use crate::climb::peak;
 use crate::gain::within_drive_limit;
 use crate::least_squares::LeastSquares;
 use crate::methods::magnitudes::{better_first, Race, Round, Steps};
@@ -77,8 +78,8 @@ fn with_margins(drives: &[Drive]) -> Vec<(&Drive, f64)> {
 }
 
 /// What a drive is judged by, the more important first: responses served (least zone, total), κ up to what is enough, ground
-/// served (least zone, total), κ over all ground.
-type Key = [f64; 6];
+/// served (least zone, total), κ over all ground up to what is asked of it, little force.
+type Key = [f64; 7];
 
 /// Keeps the best drive of all that are offered.
 pub(crate) struct Contest<'a> {
@@ -86,18 +87,31 @@ pub(crate) struct Contest<'a> {
     ground: &'a Problem,
     /// κ on the responses of which more counts less than ground between them.
     enough: f64,
+    /// κ over all ground of which more counts less than a smaller force.
+    asked: f64,
     best: Option<(Key, Drive)>,
 }
 
 impl<'a> Contest<'a> {
     /// On the responses of `points`, then on the rows of `ground`.
     pub(crate) fn new(points: &'a Problem, ground: &'a Problem, enough: f64) -> Self {
-        Self { points, ground, enough, best: None }
+        Self { points, ground, enough, asked: f64::INFINITY, best: None }
     }
 
-    /// The best drive that was offered; silence where none was.
+    /// The same where more κ than `asked` over all ground counts less than a smaller force.
+    pub(crate) fn at_least_force(self, asked: f64) -> Self {
+        Self { asked, ..self }
+    }
+
+    /// The best drive that was offered.
+    pub(crate) fn best(self) -> Option<Drive> {
+        self.best.map(|(_, drive)| drive)
+    }
+
+    /// The same; silence where none was.
     pub(crate) fn into_best(self) -> Drive {
-        self.best.map_or_else(|| Drive::zeros(self.points.rows.mobility.ncols()), |(_, drive)| drive)
+        let actuators = self.points.rows.mobility.ncols();
+        self.best().unwrap_or_else(|| Drive::zeros(actuators))
     }
 
     /// Iterates from all starts, each with its margin in dB, the best going on from round to round; returns the leading drives.
@@ -125,8 +139,9 @@ impl<'a> Contest<'a> {
     fn judge(&mut self, drive: Drive) -> Key {
         let (points, ground) = (self.points.score(&drive), self.ground.score(&drive));
         // conic programs that were asked for so much end a rounding above or below it
-        let robust = points.kappa.min(self.enough * (1.0 - tolerances::SAME_KAPPA));
-        let key = [points.min_ratio, points.success_ratio, robust, ground.min_ratio, ground.success_ratio, ground.kappa];
+        let up_to = |kappa: f64, enough: f64| kappa.min(enough * (1.0 - tolerances::SAME_KAPPA));
+        let robust = [up_to(points.kappa, self.enough), up_to(ground.kappa, self.asked)];
+        let key = [points.min_ratio, points.success_ratio, robust[0], ground.min_ratio, ground.success_ratio, robust[1], -peak(&drive)];
         if self.best.as_ref().is_none_or(|(best, _)| key > *best) {
             self.best = Some((key, drive));
         }

@@ -1,9 +1,9 @@
 //! Robust drives by second-order cones (method `robust`, the default).
 //!
-//! The largest κ, so that every row keeps its limit under errors of κ standard deviations of the model; once κ is enough
-//! ([`tolerances::KAPPA_CAP`]), the largest margin in dB at that κ; then the least peak force that keeps most of both (theory.md,
-//! eq. 44 to 47). Largest margin alone is no method: it spends every force that is allowed on the last tenth of a
-//! decibel and falls with the first error of the model.
+//! The largest κ, so that every row keeps its limit under errors of κ standard deviations of the model, up to the κ at which all responses keep theirs
+//! with [`tolerances::CONFIDENCE`], and the least peak force that keeps most of it; then the largest margin in dB that a little force gives
+//! ([`tolerances::LITTLE_FORCE`]), and again the least that keeps most of it (theory.md, eq. 44 to 47). Largest margin alone is no method: it spends
+//! every force that is allowed on the last tenth of a decibel and falls with the first error of the model.
 //!
 //! Rows interpolated between the responses take part, too. Where κ would fall below [`tolerances::KAPPA_LEAST`] with all of them, the
 //! responses keep that much, and as much of the ground between them is served as that leaves. The climb starts from `mls`, and
@@ -20,32 +20,38 @@ use chladni_frf::Result;
 /// The most robust drive found from the best drive of `mls`; with more than one start from others that it found, too.
 pub(crate) fn solve(setup: &Setup, effort: Effort) -> Result<Solution> {
     let problem = &setup.problem;
+    let enough = problem.kappa_of_confidence();
     let climb_on = |rows| Climb::new(rows).map(|climb| climb.rounds(effort.conic_rounds));
     let ground = setup.finely_between().map(|rows| problem.with_between(rows, 1.0));
-    let mut contest = mls::Contest::new(problem, ground.as_ref().unwrap_or(problem), tolerances::KAPPA_LEAST);
+    let on = ground.as_ref().unwrap_or(problem);
+    let contest = |most| mls::Contest::new(problem, on, tolerances::KAPPA_LEAST).at_least_force(most);
+    let (mut served, mut others) = (contest(enough), contest(f64::INFINITY));
+    let serves = |kappa: f64| kappa >= tolerances::KAPPA_LEAST * (1.0 - tolerances::SAME_KAPPA);
     let mut most = 0.0;
     let starts = mls::leading_drives(problem, setup.between())?;
     for (number, start) in starts.iter().take(effort.starts.max(1)).enumerate() {
-        contest.offer(problem, start);
-        let (kappa, on_points) = climb_on(problem)?.raise_kappa(start)?;
+        others.offer(problem, start);
+        let (kappa, on_points) = climb_on(problem)?.reach_kappa(start, enough / tolerances::KEEP)?;
         // another start counts where it leads to more than the first
         if number > 0 && kappa <= most + tolerances::KAPPA_GAIN {
             continue;
         }
         most = f64::max(most, kappa);
-        contest.offer(problem, &on_points);
-        let Some(ground) = ground.as_ref().filter(|_| kappa >= tolerances::KAPPA_LEAST) else { continue };
-        let by_need = || climb_on(ground).map(|climb| climb.by_need(|k| ground.is_measured(problem, k)));
-        let drive = by_need()?.climb(&on_points)?;
-        contest.offer(ground, &drive);
-        if problem.score(&drive).kappa < tolerances::KAPPA_LEAST {
+        others.offer(problem, &on_points);
+        if ground.is_some() && !serves(kappa) {
+            continue;
+        }
+        let by_need = || climb_on(on).map(|climb| climb.by_need(|k| ground.is_none() || on.is_measured(problem, k)));
+        let drive = by_need()?.climb(&on_points, enough)?;
+        if serves(problem.score(&drive).kappa) && on.score(&drive).min_ratio == 1.0 {
+            served.offer(on, &drive);
+            continue;
+        }
+        others.offer(on, &drive);
+        if ground.is_some() {
             let asked = Asked { kappa: tolerances::KAPPA_LEAST, factor: 1.0 };
-            contest.offer_as_is(&by_need()?.serve_ground(on_points, asked)?);
+            others.offer_as_is(&by_need()?.serve_ground(on_points, asked)?);
         }
     }
-    if most > 0.0 && ground.is_none() {
-        let drive = contest.into_best();
-        return Ok(Solution::of_drive(climb_on(problem)?.climb(&drive)?));
-    }
-    Ok(Solution::of_drive(contest.into_best()))
+    Ok(Solution::of_drive(served.best().unwrap_or_else(|| others.into_best())))
 }
