@@ -281,31 +281,17 @@ impl ModalModel {
         fn of<T: Clone>(all: &[T], places: &[usize]) -> Vec<T> {
             places.iter().map(|&place| all[place].clone()).collect()
         }
-        let mode = |mode: &Mode| Mode {
-            shape: ComplexVector(of(&mode.shape.0, responses)),
-            shape_std: of(&mode.shape_std, responses),
-            participation: ComplexVector(of(&mode.participation.0, references)),
-            reasons: mode.reasons.clone(),
-            ..*mode
-        };
-        let term = |term: &ResidualTerm| {
-            let matrix = term.matrix.0.select(Axis(0), responses).select(Axis(1), references);
-            ResidualTerm { power: term.power, matrix: ComplexMatrix(matrix) }
-        };
-        Self {
-            responses: of(&self.responses, responses),
-            references: of(&self.references, references),
-            modes: self.modes.iter().map(mode).collect(),
-            residual_terms: ResidualTerms { terms: self.residual_terms.terms.iter().map(term).collect(), ..self.residual_terms },
-            source: self.source.clone(),
-            options: self.options.clone(),
-            format: self.format.clone(),
-            created_by: self.created_by.clone(),
-            nodes: self.nodes.clone(),
-            method: self.method.clone(),
-            quality: self.quality.clone(),
-            ..*self
+        let mut part = self.clone();
+        (part.responses, part.references) = (of(&self.responses, responses), of(&self.references, references));
+        for mode in &mut part.modes {
+            mode.shape.0 = of(&mode.shape.0, responses);
+            mode.shape_std = of(&mode.shape_std, responses);
+            mode.participation.0 = of(&mode.participation.0, references);
         }
+        for term in &mut part.residual_terms.terms {
+            term.matrix.0 = term.matrix.0.select(Axis(0), responses).select(Axis(1), references);
+        }
+        part
     }
 
     /// FRFs in the measured kind on a frequency axis; axes (response, reference, line).

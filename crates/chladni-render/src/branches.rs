@@ -36,6 +36,9 @@ pub(crate) fn tighten(
     let kept: Vec<usize> = (0..of_bounded.len()).filter(|&k| of_bounded[k] > least).collect();
     let bounded = bounded.select(Axis(0), &kept);
     let weights = root.of_hot();
+    if weights.len() < 2 {
+        return Ok(bound); // one row has no phase difference to hold
+    }
     let common = (0..weights.len()).max_by(|&a, &b| weights[a].total_cmp(&weights[b])).unwrap_or(0);
     let mut open = vec![Case { star: Vec::new(), bound }];
     let (mut proven, mut enough) = (0.0, 0.0);
@@ -78,7 +81,7 @@ fn cut(star: &[Sector], common: usize, products: &Array2<Complex64>, weights: &[
         weights[row] * (1.0 - products[[common, row]].norm() / size)
     };
     let rows = (0..weights.len()).filter(|&row| row != common);
-    let Some(row) = rows.max_by(|&a, &b| openness(a).total_cmp(&openness(b))) else { return vec![star.to_vec()] };
+    let row = rows.max_by(|&a, &b| openness(a).total_cmp(&openness(b))).expect("two hot rows");
     let with = |sector: Sector| star.iter().copied().filter(|known| known.rows != sector.rows).chain([sector]).collect();
     match star.iter().find(|sector| sector.rows == [common, row]) {
         Some(&sector) => {

@@ -83,9 +83,7 @@ impl File {
         }
         values_of(&dataset, &datatype, rows).map_err(fail)?.ok_or_else(|| not_understood(&datatype).file(&self.path).field(&entry.path))
     }
-}
 
-impl File {
     /// Refuses a dataset of which a piece ends beyond the file: the library makes room for pieces that touch before it reads them.
     fn check_chunks(&self, dataset: &Dataset) -> Result<()> {
         if !dataset.is_chunked() {
