@@ -8,8 +8,8 @@ use ndarray::{s, Array2, ArrayView2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-/// Responses per block: some hundred kilobytes of residues.
-const BLOCK: usize = 64;
+/// Responses per block: some hundred kilobytes of residues, and several blocks for each thread where there are few responses.
+const BLOCK: usize = 16;
 
 /// One row per term, with the weights and right-hand sides that do not change.
 pub(crate) struct Problem<'a> {
@@ -103,8 +103,8 @@ impl<'a> Halves<'a> {
         self.solved(participation, &rights, partners)
     }
 
-    /// Best participations (row, reference) for given shapes.
-    pub fn participations(&self, shape: &Array2<Complex64>) -> Result<Array2<Complex64>, LinalgError> {
+    /// Best participations (row, reference) for given shapes, and what both together explain of [`Self::total`].
+    pub fn participations(&self, shape: &Array2<Complex64>) -> Result<(Array2<Complex64>, f64), LinalgError> {
         let (responses, references) = self.problem.residues.present.dim();
         let parts: Vec<Array2<Complex64>> = self
             .blocks()
@@ -123,7 +123,9 @@ impl<'a> Halves<'a> {
         let mut rights = Array2::zeros((self.problem.owner.len(), references).f());
         parts.iter().for_each(|part| rights += part);
         let partners = |j: usize| (0..responses).filter(|&i| self.problem.residues.present[[i, j]]).collect();
-        self.solved(shape, &rights, partners)
+        let best = self.solved(shape, &rights, partners)?;
+        let explained = energy(rights.view(), best.view());
+        Ok((best, explained))
     }
 
     /// One small normal system per DOF; where every pair was measured, one for all.

@@ -16,6 +16,7 @@ use crate::prune::threshold;
 use crate::refine::{refine, Projection, Refined};
 use crate::screen::Screened;
 use crate::tolerances as tol;
+use crate::work::Work;
 use chladni_frf::{Damping, FrfSet, Trust};
 use chladni_linalg::{inverse_hermitian, LinalgError};
 use num_complex::Complex64;
@@ -99,7 +100,7 @@ fn graded(survey: &Survey, columns: &Columns, found: &MethodPoles, damping: Damp
     let sse = Projection::new(work, &lambda, &POWERS)?.sse;
     let variance = columns.variance(survey.data, sse, lambda.len() + POWERS.len());
     let ahead = refine(work, &lambda, &POWERS, tol::STEPS_AHEAD, tol::ROUGH_STEP)?;
-    let spread = spread(&ahead, &lambda, variance);
+    let spread = spread(work, &ahead, &lambda, variance);
     let rises = rises(&survey.sketch, &lambda)?;
     let limit = threshold(survey.sketch.columns(), survey.sketch.lines()) * variance_left(&survey.sketch, &lambda)?;
     let poles = (0..lambda.len())
@@ -136,8 +137,8 @@ fn grade(pole: &Pole, insignificant: bool) -> Grade {
 }
 
 /// E|δλ|² per pole: the inverse information at this variance, and the square of the way to the likelier pole.
-fn spread(ahead: &Refined, lambda: &[Complex64], variance: f64) -> Vec<f64> {
-    let inverse = inverse_hermitian(ahead.information.view()).ok();
+fn spread(work: &Work, ahead: &Refined, lambda: &[Complex64], variance: f64) -> Vec<f64> {
+    let inverse = inverse_hermitian(ahead.information(work).view()).ok();
     let scatter = |n: usize| inverse.as_ref().map_or(f64::INFINITY, |inverse| variance * inverse[[n, n]].re.max(0.0));
     (0..lambda.len()).map(|n| scatter(n) + (ahead.lambda[n] - lambda[n]).norm_sqr()).collect()
 }

@@ -212,7 +212,7 @@ pub(crate) fn from_chain(chain: Chain, asked: Option<usize>, hz: f64) -> Found {
 
 /// Grades by the linearised standard deviation.
 fn grades(refined: &Refined, work: &Work, variance: f64) -> Vec<Grade> {
-    let inverse = inverse_hermitian(refined.information.view()).ok();
+    let inverse = inverse_hermitian(refined.information(work).view()).ok();
     (0..refined.lambda.len())
         .map(|q| {
             let pole = refined.lambda[q];

@@ -7,7 +7,9 @@
 
 mod alternation;
 mod blocks;
+mod cauchy;
 mod decide;
+mod descent;
 mod error;
 mod family;
 mod faults;
@@ -20,6 +22,7 @@ mod law;
 mod measured;
 mod methods;
 mod model;
+mod normal;
 mod options;
 mod order;
 mod passes;
@@ -29,6 +32,7 @@ mod project;
 mod prune;
 mod reading;
 mod refine;
+mod removal;
 mod scan;
 mod screen;
 mod section;

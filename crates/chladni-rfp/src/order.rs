@@ -225,8 +225,9 @@ pub(crate) struct Start {
 pub(crate) fn started(sketch: &Work, mixed: &Work, seeds: &[Complex64], size: usize, iterations: usize) -> Result<Start, LinalgError> {
     let pool = vector_fit(mixed, &starts(sketch, seeds, size), &POWERS, iterations, Products::PartialFractions)?;
     let stable: Vec<Complex64> = pool.lambda.iter().zip(&pool.flipped).filter(|(_, flipped)| !**flipped).map(|(pole, _)| *pole).collect();
-    let variance = pool_variance(sketch, &stable)?;
-    let kept = prune(sketch, &stable, &POWERS, variance)?;
+    let projection = Projection::new(sketch, &stable, &POWERS)?;
+    let variance = pool_variance(sketch, &projection);
+    let kept = prune(sketch, &projection, &stable, &POWERS, variance)?;
     Ok(Start { refined: refine(sketch, &kept, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?, variance })
 }
 
@@ -253,8 +254,7 @@ fn conjugate_fits_better(mixed: &Work, seeds: &[Complex64], size: usize) -> Resu
 }
 
 /// Noise variance of the sketch from the over-fitted pool.
-pub(crate) fn pool_variance(work: &Work, lambda: &[Complex64]) -> Result<f64, LinalgError> {
-    let projection = Projection::new(work, lambda, &POWERS)?;
-    let dof = (work.lines() - (lambda.len() + POWERS.len()).min(work.lines() - 1)) * work.columns();
-    Ok((projection.sse / dof as f64).max(1e-30 * work.energy() / (work.lines() * work.columns()) as f64))
+fn pool_variance(work: &Work, projection: &Projection) -> f64 {
+    let dof = (work.lines() - projection.r.ncols().min(work.lines() - 1)) * work.columns();
+    (projection.sse / dof as f64).max(1e-30 * work.energy() / (work.lines() * work.columns()) as f64)
 }

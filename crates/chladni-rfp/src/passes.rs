@@ -5,7 +5,7 @@ use crate::order::POWERS;
 use crate::project::{energies, project, Projected};
 use crate::prune::threshold;
 use crate::refine::{refine, Refined};
-use crate::scan::{residual_peak, scan};
+use crate::scan::{residual_peak, Scan};
 use crate::screen::Screened;
 use crate::settle::settle;
 use crate::tolerances as tol;
@@ -23,6 +23,8 @@ pub(crate) struct Pass {
     pub refined: Refined,
     /// Noise variance of one work value.
     pub variance: f64,
+    /// The residual of the compressed columns, looked at for more.
+    scanned: Scan,
     /// Poles that the columns were made with and that are gone: their noise is still in the columns.
     lost: usize,
 }
@@ -75,11 +77,14 @@ impl Pass {
         let steps = data.effort.likelihood_steps;
         let mut refined = refine(work, start, &POWERS, steps, tol::FINE_STEP)?;
         let mut variance = full_variance(data, &projected, &refined);
-        settle(work, &mut refined, &mut variance, data.pairs.len(), history)?;
-        refined = refine(work, &refined.lambda, &POWERS, steps, tol::FINE_STEP)?;
-        let variance = full_variance(data, &projected, &refined);
+        let before = history.len();
+        let scanned = settle(work, &mut refined, &mut variance, data.pairs.len(), history)?;
+        if history.len() > before {
+            refined = refine(work, &refined.lambda, &POWERS, steps, tol::FINE_STEP)?;
+            variance = full_variance(data, &projected, &refined);
+        }
         let lost = start.len().saturating_sub(refined.lambda.len());
-        Ok(Self { projected, refined, variance, lost })
+        Ok(Self { projected, refined, variance, scanned, lost })
     }
 
     /// Where a mode that the sketch did not show stands out of the residual over all FRFs.
@@ -90,13 +95,13 @@ impl Pass {
 
     /// Where a mode that the sketch did not show stands out of the residual over all FRFs, or out of the compressed columns.
     fn missed(&self, data: &Screened, tried: &[Complex64]) -> Option<Complex64> {
-        let Self { projected, refined, variance, .. } = self;
+        let Self { projected, refined, variance, scanned, .. } = self;
         let (work, frfs) = (&projected.work, data.pairs.len());
         let peak = self.stands_out(data);
         if peak.is_some() || work.columns() >= frfs {
             return peak;
         }
-        let mut places = scan(work, refined, threshold(work.columns(), work.lines()) * variance, tried);
+        let mut places = scanned.beyond(threshold(work.columns(), work.lines()) * variance, tried);
         places.truncate(tol::PLACES);
         confirmed(data, work, refined, *variance, &places)
     }

@@ -5,9 +5,11 @@
 //! The only starter after which the maximum-likelihood step lost no mode in our study; as an estimator on its own it is
 //! one to five times above the bound.
 
+use crate::cauchy::Cauchy;
+use crate::tolerances as tol;
 use crate::wide::{tall_qr, tall_r, wide_h};
 use crate::work::{basis, line_energy, Work};
-use chladni_linalg::{eigenvalues, matmul, matmul_h, solve_hermitian, solve_lower, LinalgError};
+use chladni_linalg::{cholesky, eigenvalues, matmul, matmul_h, solve_hermitian, solve_lower, LinalgError};
 use ndarray::{s, Array1, Array2, ArrayView2, ShapeBuilder};
 use num_complex::Complex64;
 use rand::{Rng, SeedableRng};
@@ -136,12 +138,28 @@ fn on_orthonormal_basis(work: &Work, lambda: &[Complex64], powers: &[i32], psi: 
 }
 
 fn by_partial_fractions(work: &Work, lambda: &[Complex64], powers: &[i32], psi: &Array2<Complex64>) -> Result<Step, LinalgError> {
-    let lower = sound_adjoint(&tall_r(basis(work, lambda, powers).view())?);
+    let lower = match well_conditioned(work, lambda, powers) {
+        Some(lower) => lower,
+        None => sound_adjoint(&tall_r(basis(work, lambda, powers).view())?),
+    };
     let cauchy = psi.slice(s![.., ..lambda.len()]);
     let moments = Moments::new(work, cauchy, powers);
     let inside = (0..work.columns()).into_par_iter().map(|l| solve_lower(lower.view(), moments.products(l, lambda).view()));
     let energy = line_energy(&work.b) * work.columns() as f64;
     Ok((weighted_gram(lambda, cauchy, &energy), inside.collect::<Result<_, _>>()?))
+}
+
+/// Rᴴ of a basis by Cholesky from partial fractions, where all its columns stand well outside each other.
+fn well_conditioned(work: &Work, lambda: &[Complex64], powers: &[i32]) -> Option<Array2<Complex64>> {
+    let m = lambda.len() + powers.len();
+    let gram = Cauchy::new(work, lambda, powers).gram();
+    let norms: Vec<f64> = gram.diag().iter().take(m).map(|v| v.re.sqrt()).collect();
+    let mut lower = cholesky(Array2::from_shape_fn((m, m).f(), |(i, j)| gram[[i, j]] / (norms[i] * norms[j])).view()).ok()?;
+    if lower.diag().iter().any(|pivot| pivot.re < tol::OUTSTANDING) {
+        return None;
+    }
+    lower.rows_mut().into_iter().zip(norms).for_each(|(mut row, norm)| row.mapv_inplace(|v| v * norm));
+    Some(lower)
 }
 
 /// Rᴴ of a basis, where columns that add nothing to those before them are made to explain nothing: solved with rounding for a

@@ -1,5 +1,7 @@
 //! Which poles the data can tell from noise (theory.md, eq. 8).
 
+use crate::descent::Descent;
+use crate::normal::Normal;
 use crate::refine::{refine, Projection, Refined};
 use crate::tolerances as tol;
 use crate::work::Work;
@@ -20,49 +22,41 @@ pub(crate) fn unphysical(work: &Work, lambda: Complex64) -> bool {
 
 /// Takes poles out one by one, the least significant first, residues refitted exactly after each, until all that are left
 /// matter. Out-of-band poles have to earn their place in the same way.
-pub(crate) fn prune(work: &Work, lambda: &[Complex64], powers: &[i32], variance: f64) -> Result<Vec<Complex64>, LinalgError> {
-    let limit = threshold(work.columns(), work.lines()) * variance;
-    thin_out(&Projection::new(work, lambda, powers)?, lambda, |_, _, rise, _| rise < limit)
-}
-
-/// The same with a rule of its own: `may_go(kept, q, rise, inflation)` says whether pole q may be taken out of those `kept`,
-/// where that makes the sum of squares rise by `rise`; `inflation` is the variance of its residue relative to that of a pole
-/// alone. A pole whose rise is not finite always goes.
-pub(crate) fn thin_out(
+///
+/// `projection`: on the basis of `lambda` and `powers`; `variance`: of the noise.
+pub(crate) fn prune(
+    work: &Work,
     projection: &Projection,
     lambda: &[Complex64],
-    may_go: impl Fn(&[usize], usize, f64, f64) -> bool,
+    powers: &[i32],
+    variance: f64,
 ) -> Result<Vec<Complex64>, LinalgError> {
-    let mut inverse = projection.gram_inverse()?;
-    let mut coefficients = projection.coefficients()?;
-    let alone: Vec<f64> = projection.r.columns().into_iter().map(|column| column.iter().map(|v| v.norm_sqr()).sum()).collect();
-    let mut kept: Vec<usize> = (0..lambda.len()).collect();
-    loop {
-        let weakest = kept
-            .iter()
-            .map(|&q| (q, coefficients.row(q).iter().map(|v| v.norm_sqr()).sum::<f64>() / inverse[[q, q]].re))
-            .filter(|&(q, rise)| !rise.is_finite() || may_go(&kept, q, rise, inverse[[q, q]].re * alone[q]))
-            .min_by(|a, b| a.1.total_cmp(&b.1));
-        let Some((q, _)) = weakest else {
-            return Ok(kept.into_iter().map(|q| lambda[q]).collect());
-        };
-        // exact removal of column q: Schur complement of the inverse Gram
-        let pivot = inverse[[q, q]];
-        let column = inverse.column(q).to_owned();
-        let row = inverse.row(q).to_owned();
-        let own = coefficients.row(q).to_owned();
-        for i in 0..inverse.nrows() {
-            let factor = column[i] / pivot;
-            if factor.norm() == 0.0 {
-                continue;
-            }
-            for j in 0..inverse.ncols() {
-                inverse[[i, j]] -= factor * row[j];
-            }
-            coefficients.row_mut(i).zip_mut_with(&own, |v, o| *v -= factor * o);
+    let limit = threshold(work.columns(), work.lines()) * variance;
+    let kept = projection.removable()?.thin_out(lambda, |_, _, rise, _| rise < limit);
+    Ok(thinned(work, &kept, powers, limit))
+}
+
+/// The same for the poles as they stand after some steps, as long as that takes any out: each that is gone spares its part of all steps
+/// to come.
+fn thinned(work: &Work, lambda: &[Complex64], powers: &[i32], limit: f64) -> Vec<Complex64> {
+    let mut descent = Descent::new(work, lambda, powers, 0);
+    let mut rounds = 0;
+    let mut here = None;
+    while rounds < tol::THINNING_ROUNDS && !descent.lambda.is_empty() {
+        let Some(mut point) = here.take().or_else(|| descent.here::<Normal>()) else { break };
+        descent.steps = tol::THINNING_STEPS;
+        let ended = descent.go(&mut point, tol::ROUGH_STEP);
+        let Some(removable) = point.removable() else { break };
+        let kept = removable.thin_out(&descent.lambda, |_, _, rise, _| rise < limit);
+        if kept.len() < descent.lambda.len() {
+            (descent.lambda, rounds) = (kept, 0);
+        } else if ended {
+            break;
+        } else {
+            (here, rounds) = (Some(point), rounds + 1);
         }
-        kept.retain(|&k| k != q);
     }
+    descent.lambda
 }
 
 /// Poles by what the fit loses without them, the least first.

@@ -7,11 +7,14 @@
 //! Golub & Pereyra, SIAM J. Numer. Anal. 10 (1973) 413; Kaufman, BIT 15 (1975) 49. Cost per step ≈ 8Nm(5m + 3r) flop.
 //! Not for finding poles: it needs a start within about a bandwidth.
 
+use crate::descent::{Descent, Point};
+use crate::normal::Normal;
+use crate::removal::Removable;
 use crate::tolerances as tol;
 use crate::wide::{projected, tall_qr, wide_h};
 use crate::work::{basis, basis_derivative, Work};
-use chladni_linalg::{matmul, solve_hermitian, solve_upper, LinalgError};
-use ndarray::{Array2, Axis};
+use chladni_linalg::{matmul, solve_upper, LinalgError};
+use ndarray::Array2;
 use num_complex::Complex64;
 
 /// Linear part at fixed poles.
@@ -41,6 +44,11 @@ impl Projection {
     pub fn coefficients(&self) -> Result<Array2<Complex64>, LinalgError> {
         solve_upper(self.r.view(), self.qb.view())
     }
+    /// What taking columns out needs to know.
+    pub fn removable(&self) -> Result<Removable, LinalgError> {
+        let alone = self.r.columns().into_iter().map(|column| column.iter().map(|v| v.norm_sqr()).sum()).collect();
+        Ok(Removable { inverse: self.gram_inverse()?, coefficients: self.coefficients()?, alone })
+    }
     /// (AᴴA)⁻¹ of the basis A.
     pub fn gram_inverse(&self) -> Result<Array2<Complex64>, LinalgError> {
         let inverse = solve_upper(self.r.view(), Array2::from_diag_elem(self.r.nrows(), Complex64::new(1.0, 0.0)).view())?;
@@ -59,8 +67,6 @@ pub(crate) struct Refined {
     pub projection: Projection,
     /// Residues and residual coefficients, (m, column).
     pub coefficients: Array2<Complex64>,
-    /// Gauss–Newton matrix (DᴴP⊥D)∘(R̄Rᵀ), (n, n).
-    pub information: Array2<Complex64>,
 }
 
 /// Gauss–Newton matrix and gradient at one set of poles.
@@ -82,77 +88,58 @@ fn newton_system(
     (information, gradient)
 }
 
-/// Largest step a pole may take at once: half a bandwidth, and more the farther it lies outside the band.
-fn step_cap(work: &Work, lambda: Complex64) -> f64 {
-    let (low, high) = work.range();
-    let outside = (low - lambda.re).max(lambda.re - high).max(0.0);
-    0.5 * lambda.im + 0.3 * outside
+/// On an orthonormal basis: the last digits.
+struct Exact {
+    projection: Projection,
+    coefficients: Array2<Complex64>,
 }
 
-/// Refines `start` until the largest step is `tolerance` of a half-bandwidth, at most `iterations` steps.
+impl Exact {
+    fn new(work: &Work, lambda: &[Complex64], powers: &[i32]) -> Result<Self, LinalgError> {
+        let projection = Projection::new(work, lambda, powers)?;
+        Ok(Self { coefficients: projection.coefficients()?, projection })
+    }
+}
+
+impl Point for Exact {
+    const LAST: bool = true;
+    fn at(work: &Work, _: f64, lambda: &[Complex64], powers: &[i32]) -> Option<Self> {
+        Self::new(work, lambda, powers).ok()
+    }
+    fn sse(&self) -> f64 {
+        self.projection.sse
+    }
+    fn rounding(&self, energy: f64) -> f64 {
+        tol::STEP_ROUNDING * (energy * self.projection.sse).sqrt()
+    }
+    fn system(&self, work: &Work, lambda: &[Complex64]) -> (Array2<Complex64>, Array2<Complex64>) {
+        newton_system(work, lambda, &self.projection, &self.coefficients)
+    }
+}
+
+/// Refines `start` until the largest step is `tolerance` of a half-bandwidth, at most `iterations` steps: by normal equations as far as
+/// they go, the last digits on an orthonormal basis.
 pub(crate) fn refine(work: &Work, start: &[Complex64], powers: &[i32], iterations: usize, tolerance: f64) -> Result<Refined, LinalgError> {
-    let mut lambda = start.to_vec();
-    let mut projection = Projection::new(work, &lambda, powers)?;
-    let mut damping = tol::LM_START;
-    let energy = work.energy();
-    let mut system = None;
-    let mut coefficients = projection.coefficients()?;
-    for _ in 0..iterations {
-        if lambda.is_empty() {
-            break;
-        }
-        let (information, gradient) = system.take().unwrap_or_else(|| newton_system(work, &lambda, &projection, &coefficients));
-        let mut damped = information.clone();
-        for i in 0..lambda.len() {
-            let diagonal = information[[i, i]].re;
-            damped[[i, i]] = Complex64::new(diagonal * (1.0 + damping) + f64::MIN_POSITIVE, 0.0);
-        }
-        let Ok(step) = solve_hermitian(damped.view(), gradient.view()) else {
-            damping = (damping * 10.0).max(1e-8);
-            system = Some((information, gradient));
-            if damping > tol::LM_GIVE_UP {
-                break;
-            }
-            continue;
-        };
-        let mut largest = 0.0_f64;
-        let trial: Vec<Complex64> = lambda
-            .iter()
-            .zip(step.index_axis(Axis(1), 0))
-            .map(|(&pole, &delta)| {
-                let cap = step_cap(work, pole);
-                let delta = if delta.norm() > cap { delta * (cap / delta.norm()) } else { delta };
-                largest = largest.max(delta.norm() / pole.im);
-                pole + delta
-            })
-            .collect();
-        let candidate = Projection::new(work, &trial, powers);
-        match candidate {
-            // near the end rounding decides which sum of squares is the smaller: it must not refuse good steps
-            Ok(candidate) if candidate.sse <= projection.sse + tol::STEP_ROUNDING * (energy * projection.sse).sqrt() => {
-                lambda = trial;
-                projection = candidate;
-                coefficients = projection.coefficients()?;
-                damping *= 0.1;
-                if largest < tolerance {
-                    break;
-                }
-            }
-            _ if largest < tolerance => break,
-            _ => {
-                damping = (damping * 10.0).max(1e-6);
-                system = Some((information, gradient));
-                if damping > tol::LM_GIVE_UP {
-                    break;
-                }
-            }
+    let mut descent = Descent::new(work, start, powers, iterations);
+    let mut ended = false;
+    if descent.steps > 0 {
+        if let Some(mut point) = descent.here::<Normal>() {
+            ended = descent.go(&mut point, tolerance);
         }
     }
-    let (information, _) = newton_system(work, &lambda, &projection, &coefficients);
-    Ok(Refined { lambda, powers: powers.to_vec(), projection, coefficients, information })
+    let mut point = Exact::new(work, &descent.lambda, powers)?;
+    if !ended {
+        descent.go(&mut point, tolerance);
+    }
+    let Exact { projection, coefficients } = point;
+    Ok(Refined { lambda: descent.lambda, powers: powers.to_vec(), projection, coefficients })
 }
 
 impl Refined {
+    /// Gauss–Newton matrix (DᴴP⊥D)∘(R̄Rᵀ), (n, n), on the lines and columns of the refinement.
+    pub fn information(&self, work: &Work) -> Array2<Complex64> {
+        newton_system(work, &self.lambda, &self.projection, &self.coefficients).0
+    }
     /// Number of unknown columns m.
     pub fn unknowns(&self) -> usize {
         self.lambda.len() + self.powers.len()

@@ -33,8 +33,11 @@ pub(crate) fn resonance_grid(work: &Work, lambda: &[Complex64]) -> Vec<Complex64
     grid
 }
 
-/// Places where one more pole would take more than `limit` of energy out of the residual, the best first, a half-bandwidth apart.
-pub(crate) fn scan(work: &Work, refined: &Refined, limit: f64, tried: &[Complex64]) -> Vec<Complex64> {
+/// What one more pole would take out of the residual, place by place, the best first.
+pub(crate) struct Scan(Vec<(f64, Complex64)>);
+
+/// Looks at all places of a grid.
+pub(crate) fn scan(work: &Work, refined: &Refined) -> Scan {
     let grid = resonance_grid(work, &refined.lambda);
     let gains = |chunk: &[Complex64]| -> Vec<(f64, Complex64)> {
         let columns = basis(work, chunk, &[]);
@@ -46,19 +49,26 @@ pub(crate) fn scan(work: &Work, refined: &Refined, limit: f64, tried: &[Complex6
             let whole = squares(columns.column(i));
             let norm = whole - squares(inside.column(i));
             let gain = squares(matched.row(i)) / norm;
-            (norm >= 1e-6 * whole && gain > limit).then_some((gain, pole))
+            (norm >= 1e-6 * whole).then_some((gain, pole))
         };
         chunk.iter().enumerate().filter_map(gain).collect()
     };
     let mut found: Vec<(f64, Complex64)> = grid.par_chunks(BLOCK).map(gains).collect::<Vec<_>>().concat();
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let mut places: Vec<Complex64> = Vec::new();
-    for (_, pole) in found {
-        if !tried.iter().chain(&places).any(|known| (known - pole).norm() < pole.im) {
-            places.push(pole);
+    Scan(found)
+}
+
+impl Scan {
+    /// Places where that is more than `limit`, a half-bandwidth apart and from those `tried`.
+    pub fn beyond(&self, limit: f64, tried: &[Complex64]) -> Vec<Complex64> {
+        let mut places: Vec<Complex64> = Vec::new();
+        for &(_, pole) in self.0.iter().take_while(|(gain, _)| *gain > limit) {
+            if !tried.iter().chain(&places).any(|known| (known - pole).norm() < pole.im) {
+                places.push(pole);
+            }
         }
+        places
     }
-    places
 }
 
 /// A stretch of lines, about a bandwidth wide, whose residual energy over all FRFs stands out of the rest.

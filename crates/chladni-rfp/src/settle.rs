@@ -1,8 +1,8 @@
 //! The loop that settles the order: what cannot be a mode goes, what the residual shows comes, until neither changes anything.
 
-use crate::prune::{crutch, thin_out, threshold, unphysical};
+use crate::prune::{crutch, threshold, unphysical};
 use crate::refine::{refine, Refined};
-use crate::scan::scan;
+use crate::scan::{scan, Scan};
 use crate::tolerances as tol;
 use crate::work::Work;
 use chladni_linalg::LinalgError;
@@ -11,14 +11,14 @@ use num_complex::Complex64;
 /// Drops what cannot be a mode, adds what the residual shows, until neither changes anything.
 ///
 /// `frfs`: FRFs whose noise a pole of the model takes along. On a sketch these are its columns; compressed columns hold all that
-/// the basis they were made with takes out of *all* FRFs, noise included.
+/// the basis they were made with takes out of *all* FRFs, noise included. Returns the last look at the residual.
 pub(crate) fn settle(
     work: &Work,
     refined: &mut Refined,
     variance: &mut f64,
     frfs: usize,
     history: &mut Vec<(usize, f64)>,
-) -> Result<(), LinalgError> {
+) -> Result<Scan, LinalgError> {
     let limit = threshold(frfs, work.lines());
     let (mut tried, mut needed): (Vec<Complex64>, Vec<Complex64>) = (Vec::new(), Vec::new());
     for _ in 0..tol::SCAN_ROUNDS * 3 {
@@ -28,7 +28,8 @@ pub(crate) fn settle(
             history.push((refined.lambda.len(), refined.variance(work)));
             continue;
         }
-        let Some(&pole) = scan(work, refined, limit * *variance, &tried).first() else { break };
+        let scanned = scan(work, refined);
+        let Some(&pole) = scanned.beyond(limit * *variance, &tried).first() else { return Ok(scanned) };
         tried.push(pole);
         let mut more = refined.lambda.clone();
         more.push(pole);
@@ -42,7 +43,7 @@ pub(crate) fn settle(
             history.push((refined.lambda.len(), refined.variance(work)));
         }
     }
-    Ok(())
+    Ok(scan(work, refined))
 }
 
 /// Poles that the data do not need, and the fit without them: all that stand for no mode or without which the sum of squares rises by
@@ -54,7 +55,7 @@ fn dispensable(
     needed: &mut Vec<Complex64>,
 ) -> Result<Option<(Vec<Complex64>, Refined)>, LinalgError> {
     let lambda = &refined.lambda;
-    let kept = thin_out(&refined.projection, lambda, |_, q, rise, _| rise < limit || unphysical(work, lambda[q]))?;
+    let kept = refined.projection.removable()?.thin_out(lambda, |_, q, rise, _| rise < limit || unphysical(work, lambda[q]));
     if kept.len() < lambda.len() {
         let gone = lambda.iter().copied().filter(|pole| !kept.contains(pole)).collect();
         return Ok(Some((gone, refine(work, &kept, &refined.powers, tol::REFINE_ROUGH, tol::ROUGH_STEP)?)));

@@ -9,7 +9,7 @@ use crate::alternation::{Halves, Problem};
 use crate::tolerances as tol;
 use crate::wide::wide;
 use chladni_linalg::{inverse_hermitian, matmul, matmul_h, solve_hermitian, svd_thin, LinalgError};
-use ndarray::{Array2, Axis, ShapeBuilder};
+use ndarray::{Array1, Array2, ArrayView1, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -51,37 +51,53 @@ impl Residues<'_> {
 pub(crate) fn low_rank(residues: &Residues, ranks: &[usize]) -> Result<Shapes, LinalgError> {
     let (poles, (responses, references)) = (residues.values.nrows(), residues.present.dim());
     let owner: Vec<usize> = (0..poles).flat_map(|n| std::iter::repeat_n(n, ranks[n])).collect();
-    let mut shape = Array2::zeros((owner.len(), responses));
-    let mut participation = Array2::zeros((owner.len(), references));
-    let mut row = 0;
-    let decomposed = (0..poles).into_par_iter().map(|n| svd_thin(residues.of_pole(n).view())).collect::<Result<Vec<_>, LinalgError>>()?;
-    for ((u, sv, vh), &rank) in decomposed.iter().zip(ranks) {
-        for c in 0..rank {
-            let root = Complex64::new(sv[c].sqrt(), 0.0);
-            shape.row_mut(row).assign(&(&u.column(c) * root));
-            participation.row_mut(row).assign(&(&vh.row(c) * root));
-            row += 1;
-        }
+    let (mut shape, mut participation) = (Array2::zeros((owner.len(), responses).f()), Array2::zeros((owner.len(), references).f()));
+    let start = |n: usize| strongest(&residues.of_pole(n), ranks[n]);
+    let starts = (0..poles).into_par_iter().map(start).collect::<Result<Vec<_>, LinalgError>>()?;
+    for (row, (own, other)) in starts.into_iter().flatten().enumerate() {
+        shape.row_mut(row).assign(&own);
+        participation.row_mut(row).assign(&other);
     }
+    balance(&mut shape, &mut participation);
     let problem = Problem::new(residues, &owner);
-    let mut rise = f64::MAX;
+    let mut rise = 0.0;
     if references > 1 || residues.present.iter().any(|p| !p) {
         let halves = Halves::new(&problem);
+        let mut before = f64::MAX;
         for _ in 0..tol::RANK_ONE_ITERATIONS {
             shape = halves.shapes(&participation)?;
-            participation = halves.participations(&shape)?;
+            let (next, explained) = halves.participations(&shape)?;
+            participation = next;
             balance(&mut shape, &mut participation);
-            let now = problem.misfit(&shape, &participation);
-            let settled = rise - now <= tol::RANK_ONE_CHANGE * now.max(1e-12 * halves.total);
-            rise = now;
+            // of exact data the difference of two sums is rounding
+            let known = halves.total - explained;
+            rise = if known > tol::RANK_ONE_KNOWN * halves.total { known } else { problem.misfit(&shape, &participation) };
+            let settled = before - rise <= tol::RANK_ONE_CHANGE * rise.max(1e-12 * halves.total);
+            before = rise;
             if settled {
                 break;
             }
         }
-    } else {
-        rise = 0.0;
     }
     Ok(Shapes { constraints: constraints(residues, &owner), owner, shape, participation, rise })
+}
+
+/// The strongest terms u·vᵀ of a matrix, as [(u, v)]. One alone comes from a few power steps: it is where a search starts.
+pub(crate) fn strongest(matrix: &Array2<Complex64>, count: usize) -> Result<Vec<(Array1<Complex64>, Array1<Complex64>)>, LinalgError> {
+    if count > 1 {
+        let (u, sv, vh) = svd_thin(matrix.view())?;
+        return Ok((0..count).map(|c| (&u.column(c) * Complex64::from(sv[c]), vh.row(c).to_owned())).collect());
+    }
+    let squares = |values: ArrayView1<Complex64>| values.iter().map(|v| v.norm_sqr()).sum::<f64>();
+    let along = |v: &Array1<Complex64>| matrix.dot(&v.mapv(|v| v.conj()));
+    let rows = matrix.rows().into_iter();
+    let largest = rows.max_by(|a, b| squares(a.view()).total_cmp(&squares(b.view())));
+    let unit = |v: Array1<Complex64>| &v / Complex64::from(squares(v.view()).sqrt().max(f64::MIN_POSITIVE));
+    let mut v = unit(largest.expect("a response at least").to_owned());
+    for _ in 0..tol::POWER_STEPS {
+        v = unit(along(&v).mapv(|u| u.conj()).dot(matrix));
+    }
+    Ok(vec![(along(&v), v)])
 }
 
 /// Shapes and participations of some poles that are given: (row, response) and (row, reference).

@@ -8,6 +8,9 @@ pub(crate) const ROUNDING_VARIANCE: f64 = 1e-26;
 /// Columns of the count sketch, unless told otherwise. 64–96 keep every mode that stands out of the noise (study); fewer lose weak modes that
 /// share a bucket, more only cost time.
 pub(crate) const SKETCH_COLUMNS: usize = 80;
+/// Part of a basis column of unit norm outside those before it from which on their Gram matrix serves as well as the columns: it costs
+/// four digits of sixteen. The pools of a panel stand at 0.05.
+pub(crate) const OUTSTANDING: f64 = 1e-2;
 /// Random mixtures that vector fitting works on. 4 begins to miss modes, 16 doubles the time and finds none more.
 pub(crate) const POOL_MIXTURES: usize = 8;
 /// Relaxed vector-fitting steps, unless told otherwise; the poles stand still after five or six.
@@ -34,6 +37,13 @@ pub(crate) const REFINE_FINE: usize = 30;
 pub(crate) const ROUGH_STEP: f64 = 1e-3;
 /// The same for the final one. With quadratic convergence the error left is the square of it.
 pub(crate) const FINE_STEP: f64 = 1e-7;
+/// Part of the residual's energy that the rounding of normal equations may reach: a thousandth of the noise of one value in a set of
+/// some 10⁵.
+pub(crate) const NORMAL_ROUNDING: f64 = 1e-8;
+/// Steps after which a pool is thinned again: poles of noise are told from others long before they stand still.
+pub(crate) const THINNING_STEPS: usize = 2;
+/// Times that this may take none out before the pool counts as thinned.
+pub(crate) const THINNING_ROUNDS: usize = 3;
 /// A pole narrower than this part of the line spacing is one line's error, not a resonance.
 pub(crate) const SPIKE_SPACINGS: f64 = 0.2;
 /// What a place must take out of all FRFs beyond their noise, as part of what a pole there would have to, before a pass is spent on it:
@@ -92,6 +102,10 @@ pub(crate) const DECIMATE_ABOVE_LINES: usize = 4000;
 pub(crate) const RANK_ONE_ITERATIONS: usize = 60;
 /// Relative change of the structured sum of squares that ends the rank-one refit.
 pub(crate) const RANK_ONE_CHANGE: f64 = 1e-9;
+/// Part of the energy of free residues above which the misfit of low rank is told by a difference of sums.
+pub(crate) const RANK_ONE_KNOWN: f64 = 1e-6;
+/// Power steps towards the strongest term of one mode's residues: its next singular value is noise, or the search that follows finds it.
+pub(crate) const POWER_STEPS: usize = 4;
 /// Singular values of an out-of-band pole's residues count where they exceed this times the largest that noise makes;
 /// below it the weak direction costs more in noise than it explains.
 pub(crate) const RANK_OVER_NOISE: f64 = 1.5;
@@ -145,6 +159,8 @@ pub(crate) const STEP_ROUNDING: f64 = 1e-14;
 /// Eigenvalue of a correlation-like information matrix below which a direction is not known at all: far above rounding, far below
 /// the 1e-5 of modes that overlap threefold.
 pub(crate) const UNINFORMED: f64 = 1e-10;
+/// Square of the least pivot of such a matrix from which on every direction counts as known.
+pub(crate) const WELL_INFORMED: f64 = 1e-5;
 /// 95 % of a normal distribution lie within so many standard deviations.
 pub(crate) const SIGMAS_95: f64 = 1.96;
 /// Square of the relative half-width of a driving-point residue beyond which its mode's scale is called no less known: the error bars

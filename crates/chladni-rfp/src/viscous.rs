@@ -18,8 +18,15 @@ pub(crate) struct ViscousFit {
     pub poles: Vec<Complex64>,
     /// Sum of squares of the residual.
     pub sse: f64,
-    /// Gauss–Newton matrix of (Re s, Im s) per mode, (2n, 2n).
-    pub information: Array2<f64>,
+}
+
+impl ViscousFit {
+    /// Gauss–Newton matrix of (Re s, Im s) per mode, (2n, 2n), on the data of the fit.
+    pub fn information(&self, work: &Work, powers: &[i32]) -> Result<Array2<f64>, LinalgError> {
+        let linear = linear(work, &stacked_data(work), &self.poles, powers)?;
+        let coefficients = solve_upper(linear.r.view(), linear.qb.view())?;
+        Ok(newton_system(work, &self.poles, &linear, &coefficients).0)
+    }
 }
 
 /// s = j√λ: the viscous pole of the same resonance. Using √Re λ instead is wrong by ζ².
@@ -201,6 +208,5 @@ pub(crate) fn refine_viscous(
             }
         }
     }
-    let (information, _) = newton_system(work, &poles, &current, &coefficients);
-    Ok(ViscousFit { poles, sse: current.sse, information })
+    Ok(ViscousFit { poles, sse: current.sse })
 }

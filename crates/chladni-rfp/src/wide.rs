@@ -1,8 +1,8 @@
 //! Products whose right side has many columns, on all threads: blocks of columns whose size depends on nothing but their number,
 //! so that the bits are the same on any number of threads.
 
-use chladni_linalg::{add_matmul, add_matmul_h, matmul, qr_r, qr_thin, LinalgError, Scalar};
-use ndarray::{s, Array2, ArrayView2, Axis, ShapeBuilder};
+use chladni_linalg::{add_matmul, add_matmul_h, matmul, qr_r, qr_thin, svd_thin, LinalgError, Scalar};
+use ndarray::{s, Array1, Array2, ArrayView2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -92,7 +92,20 @@ pub(crate) fn tall_qr<T: Scalar>(a: ArrayView2<T>) -> Result<(Array2<T>, Array2<
     Ok((q, r))
 }
 
-/// R of the same.
+/// Left singular vectors and singular values, of a tall matrix by way of its QR.
+///
+/// # Errors
+/// As [`svd_thin`].
+pub(crate) fn tall_svd<T: Scalar>(a: ArrayView2<T>) -> Result<(Array2<T>, Array1<f64>), LinalgError> {
+    if a.nrows() < a.ncols() {
+        return svd_thin(a).map(|(u, s, _)| (u, s));
+    }
+    let (q, r) = tall_qr(a)?;
+    let (u, s, _) = svd_thin(r.view())?;
+    Ok((wide(q.view(), u.view()), s))
+}
+
+/// R of the QR alone.
 ///
 /// # Errors
 /// As [`qr_thin`].

@@ -59,7 +59,7 @@ fn scatter(case: &Case, mode: &Mode) -> Option<f64> {
         let Ok(fit) = refine(&single, &[lambda], &[0], tol::REFINE_FINE, tol::ROUGH_STEP) else { continue };
         let weight = strength * strength;
         // half of E|δλ|² lies along the frequency axis
-        noise += weight * 0.5 * fit.variance(&single) / fit.information[[0, 0]].re.max(f64::MIN_POSITIVE);
+        noise += weight * 0.5 * fit.variance(&single) / fit.information(&single)[[0, 0]].re.max(f64::MIN_POSITIVE);
         places.push((weight, ((fit.lambda[0].re - lambda.re) / lambda.im).clamp(-4.0, 4.0)));
         total += weight;
     }

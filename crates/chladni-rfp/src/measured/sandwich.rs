@@ -19,7 +19,7 @@ pub(crate) fn variances(work: &Work, refined: &Refined) -> Result<(Vec<f64>, Vec
     let er = matmul(refined.projection.residual.view(), refined.coefficients.slice(ndarray::s![..n, ..]).mapv(|v| v.conj()).t());
     let kept = kept_share(&refined.projection.q, &outside);
     let scores = Array2::from_shape_fn((work.lines(), n), |(k, q)| outside[[k, q]].conj() * er[[k, q]] / kept[k]);
-    let inverse = inverse_hermitian(refined.information.view())?;
+    let inverse = inverse_hermitian(refined.information(work).view())?;
     let influence = matmul(scores.view(), inverse.t());
     let white = refined.variance(work);
     let robust = (0..n)

@@ -13,7 +13,7 @@
 //!
 //! Equations: theory.md, section 2.
 
-use super::selection::{fewer, inside, select, variance_left};
+use super::selection::{fewer, inside, select};
 use super::vf::{pool, signed};
 use super::Survey;
 use crate::error::FitError;
@@ -72,7 +72,7 @@ pub(crate) fn lean(survey: &Survey, options: &FitOptions, grade: impl Fn(&Refine
 fn start(survey: &Survey, modes: usize, options: &FitOptions) -> Result<Vec<Complex64>, LinalgError> {
     let pool = pool(survey, &survey.sketch, tol::POOL_MIXTURES, survey.pool_size(modes), options, Products::PartialFractions)?;
     let stable: Vec<Complex64> = signed(&pool).into_iter().filter(|pole| pole.im > 0.0).collect();
-    select(&survey.sketch, &stable, variance_left(&survey.sketch, &stable)?, options.modes.unwrap_or(0)..=usize::MAX)
+    Ok(select(&survey.sketch, &stable, options.modes.unwrap_or(0)..=usize::MAX)?.0)
 }
 
 /// Refines to the last digit, and again without the weakest as long as more than `modes` poles are in the band.

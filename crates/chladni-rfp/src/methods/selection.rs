@@ -3,7 +3,7 @@
 use super::{MethodPoles, Survey};
 use crate::options::FitOptions;
 use crate::order::POWERS;
-use crate::prune::{crutch, thin_out, threshold, unphysical};
+use crate::prune::{crutch, threshold, unphysical};
 use crate::refine::{refine, Projection};
 use crate::tolerances as tol;
 use crate::viscous::from_structural;
@@ -19,29 +19,31 @@ const MOST_INFLATION: f64 = 1e10;
 
 /// Noise variance that so many poles leave unexplained.
 pub(crate) fn variance_left(work: &Work, lambda: &[Complex64]) -> Result<f64, LinalgError> {
-    let projection = Projection::new(work, lambda, &POWERS)?;
-    let freedom = work.lines().saturating_sub(lambda.len() + POWERS.len()).max(1) * work.columns();
-    Ok((projection.sse / freedom as f64).max(tol::ROUNDING_VARIANCE * work.energy() / (work.lines() * work.columns()) as f64))
+    Ok(left_by(work, &Projection::new(work, lambda, &POWERS)?))
+}
+
+fn left_by(work: &Work, projection: &Projection) -> f64 {
+    let freedom = work.lines().saturating_sub(projection.r.ncols()).max(1) * work.columns();
+    (projection.sse / freedom as f64).max(tol::ROUNDING_VARIANCE * work.energy() / (work.lines() * work.columns()) as f64)
 }
 
 /// Takes poles out, the least significant first, until every one left matters (theory.md, eq. 8); of those in the band as many
-/// stay as `modes` allows, whatever they matter.
-pub(super) fn select(
-    work: &Work,
-    lambda: &[Complex64],
-    variance: f64,
-    modes: RangeInclusive<usize>,
-) -> Result<Vec<Complex64>, LinalgError> {
+/// stay as `modes` allows, whatever they matter. With the noise variance that all of them together leave.
+pub(super) fn select(work: &Work, lambda: &[Complex64], modes: RangeInclusive<usize>) -> Result<(Vec<Complex64>, f64), LinalgError> {
+    let all = Projection::new(work, lambda, &POWERS)?;
+    let variance = left_by(work, &all);
     let limit = threshold(work.columns(), work.lines()) * variance;
-    let lambda: Vec<Complex64> = lambda.iter().copied().filter(|pole| !unphysical(work, *pole)).collect();
-    thin_out(&Projection::new(work, &lambda, &POWERS)?, &lambda, |kept, q, rise, inflation| {
-        let inside = kept.iter().filter(|&&k| work.in_band(lambda[k])).count();
-        match work.in_band(lambda[q]) {
+    let physical: Vec<Complex64> = lambda.iter().copied().filter(|pole| !unphysical(work, *pole)).collect();
+    let projection = if physical.len() == lambda.len() { all } else { Projection::new(work, &physical, &POWERS)? };
+    let kept = projection.removable()?.thin_out(&physical, |kept, q, rise, inflation| {
+        let inside = kept.iter().filter(|&&k| work.in_band(physical[k])).count();
+        match work.in_band(physical[q]) {
             _ if inflation > MOST_INFLATION => true,
             true => inside > *modes.end() || (inside > *modes.start() && rise < limit),
             false => rise < limit,
         }
-    })
+    });
+    Ok((kept, variance))
 }
 
 /// The poles as the method found them, but those of the band that only prop up the others.
@@ -70,8 +72,7 @@ pub(super) fn wanted(options: &FitOptions) -> RangeInclusive<usize> {
 pub(super) fn modes_of(survey: &Survey, lambda: &[Complex64], options: &FitOptions, how: &'static str) -> Result<MethodPoles, LinalgError> {
     let work = &survey.sketch;
     let (stable, unstable): (Vec<Complex64>, Vec<Complex64>) = lambda.iter().partition(|pole| pole.im > 0.0);
-    let variance = variance_left(work, &stable)?;
-    let mut chosen = select(work, &stable, variance, wanted(options))?;
+    let (mut chosen, variance) = select(work, &stable, wanted(options))?;
     if options.modes.is_none() {
         chosen = without_crutches(work, chosen, variance)?;
     }

@@ -2,6 +2,7 @@
 
 use crate::head::Head;
 use crate::project::real_basis;
+use crate::refine::Projection;
 use crate::structure::schur_weight;
 use crate::viscous::viscous_basis;
 use crate::wide::wide;
@@ -32,16 +33,16 @@ pub(super) fn linear(work: &Work, damping: Damping, poles: &[Complex64], powers:
     let (n, p) = (poles.len(), powers.len());
     match damping {
         Damping::Structural => {
+            let projection = Projection::new(work, poles, powers)?;
+            let solution = projection.coefficients()?;
             let a = basis(work, poles, powers);
-            let solution = lstsq(a.view(), work.b.view())?;
-            let sse = (&work.b - &matmul(a.view(), solution.view())).iter().map(|v| v.norm_sqr()).sum();
             let (modes, others) = (a.slice(s![.., ..n]).to_owned(), a.slice(s![.., n..]).to_owned());
             Ok(Linear {
                 residues: solution.slice(s![..n, ..]).to_owned(),
                 terms: solution.slice(s![n.., ..]).to_owned(),
                 weight: schur_weight(&modes, &others)?,
                 answer: Answer::Structural(lstsq(others.view(), modes.view())?),
-                sse,
+                sse: projection.sse,
             })
         }
         Damping::Viscous => {

@@ -97,7 +97,7 @@ impl Identified {
         let structural = match &spread {
             Some(spread) => spread.clone(),
             None => {
-                let covariance = inverse_hermitian(refined.information.view())?;
+                let covariance = inverse_hermitian(refined.information(&work).view())?;
                 covariance.diag().iter().map(|c| variance * c.re).collect()
             }
         };
@@ -111,7 +111,7 @@ impl Identified {
         if let Some(fit) = law.viscous {
             let own = match spread {
                 Some(_) => None,
-                None => Some(inverse_hermitian(fit.information.view())? * (0.5 * variance)),
+                None => Some(inverse_hermitian(fit.information(&work, &refined.powers)?.view())? * (0.5 * variance)),
             };
             let sources: Vec<usize> = (0..poles.len()).filter(|&n| law::expressible_pole(refined.lambda[n])).collect();
             poles = fit

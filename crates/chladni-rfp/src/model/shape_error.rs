@@ -4,13 +4,15 @@
 //! moves them by −Jδθ, and independent of it is the noise of x_i itself. Last comes the scale, which hangs on the same numbers.
 
 use super::pole::Pole;
+use crate::cauchy::Cauchy;
 use crate::structure::Shapes;
 use crate::structured::{background, overlapping, taken, unknowns, LineProducts, Tangent, Unknown};
 use crate::tolerances as tol;
-use crate::work::{basis, basis_derivative, Work};
-use chladni_linalg::{eigh, inverse_hermitian, matmul, matmul_h, solve_hermitian, LinalgError};
-use ndarray::{s, Array2, ArrayViewMut1, Axis};
+use crate::work::Work;
+use chladni_linalg::{cholesky, eigh, inverse_hermitian, matmul, matmul_h, solve_hermitian, solve_lower, LinalgError};
+use ndarray::{s, Array1, Array2, Axis};
 use num_complex::Complex64;
+use rayon::prelude::*;
 
 /// How a saved shape ψ = t·x answers errors of x and L: δt/t = Σ a_d δx_d + Σ c_j δL_j.
 pub(super) struct Scale {
@@ -134,11 +136,9 @@ impl ShapeErrors {
         let lambda: Vec<Complex64> = of_terms.iter().map(|p| Complex64::new(1.0, p.loss_factor) * p.omega.powi(2)).collect();
         let variance_of = |p: &&Pole| (2.0 * p.omega * p.omega_std).powi(2) + (p.omega.powi(2) * p.loss_factor_std).powi(2);
         let stated = of_terms.iter().map(variance_of).collect();
-        let outside = |columns: Array2<Complex64>| &columns - &matmul(free.view(), matmul_h(free.view(), columns.view()).view());
-        let (f, d) = (outside(basis(work, &lambda, &[])), outside(basis_derivative(work, &lambda)));
         let joint = of_terms.iter().any(|pole| pole.given.is_some());
         let (shape, participation) = (shapes.shape.select(Axis(0), rows), shapes.participation.select(Axis(0), rows));
-        let lines = LineProducts::new(&f, &d);
+        let lines = LineProducts::new(&Cauchy::new(work, &lambda, &[]), free);
         let mut errors = Self { shape, participation, lines, groups: Vec::new(), lambda, stated, variance, real: real && joint, joint };
         let mut kinds: Vec<(Vec<bool>, Vec<usize>)> = Vec::new();
         for (i, row) in present.rows().into_iter().enumerate() {
@@ -166,21 +166,29 @@ impl ShapeErrors {
 
     /// Writes the deviations of the terms into their `rows`.
     fn fill(&self, rows: &[usize], scales: &[Scale], out: &mut ShapeBars) -> Result<(), LinalgError> {
-        for modes in overlapping(&self.lambda) {
-            // poles first: where they come from free residues they have a covariance of their own
-            let mut unknowns = unknowns(&modes, &self.participation, self.real);
-            unknowns.sort_by_key(|unknown| unknown.other.is_some());
-            let inside: Vec<Array2<Complex64>> = self.groups.iter().map(|group| self.tangent(group).inside(&unknowns)).collect();
-            let covariance = self.covariance(&modes, &unknowns, &inside)?;
-            let answers: Vec<Array2<Complex64>> =
-                self.groups.iter().zip(&inside).map(|(group, inside)| matmul(group.gram_inverse.view(), inside.view())).collect();
-            let cluster = Cluster { modes, unknowns, covariance };
-            for &n in &cluster.modes {
-                let row = rows[n];
-                out.scale[row] = self.fill_term(n, &scales[row], &cluster, &answers, out.shape.row_mut(row));
-            }
+        let clusters = overlapping(&self.lambda).into_par_iter().map(|modes| self.of_cluster(modes, rows, scales));
+        for (n, shape, scale) in clusters.collect::<Result<Vec<_>, _>>()?.into_iter().flatten() {
+            out.shape.row_mut(rows[n]).assign(&shape);
+            out.scale[rows[n]] = scale;
         }
         Ok(())
+    }
+
+    /// The terms of a cluster, with their deviations and those of their scales.
+    fn of_cluster(&self, modes: Vec<usize>, rows: &[usize], scales: &[Scale]) -> Result<Vec<(usize, Array1<f64>, f64)>, LinalgError> {
+        // poles first: where they come from free residues they have a covariance of their own
+        let mut unknowns = unknowns(&modes, &self.participation, self.real);
+        unknowns.sort_by_key(|unknown| unknown.other.is_some());
+        let inside: Vec<Array2<Complex64>> = self.groups.iter().map(|group| self.tangent(group).inside(&unknowns)).collect();
+        let covariance = self.covariance(&modes, &unknowns, &inside)?;
+        let answers: Vec<Array2<Complex64>> =
+            self.groups.iter().zip(&inside).map(|(group, inside)| matmul(group.gram_inverse.view(), inside.view())).collect();
+        let cluster = Cluster { modes, unknowns, covariance };
+        let of_term = |&n: &usize| {
+            let (shape, scale) = self.term(n, &scales[rows[n]], &cluster, &answers);
+            (n, shape, scale)
+        };
+        Ok(cluster.modes.iter().map(of_term).collect())
     }
 
     fn tangent<'a>(&'a self, group: &'a Group) -> Tangent<'a> {
@@ -243,7 +251,7 @@ impl ShapeErrors {
     }
 
     /// The deviations of term `n`, and that of its scale; `answers`: J of each group, (term, unknown).
-    fn fill_term(&self, n: usize, scale: &Scale, cluster: &Cluster, answers: &[Array2<Complex64>], mut out: ArrayViewMut1<f64>) -> f64 {
+    fn term(&self, n: usize, scale: &Scale, cluster: &Cluster, answers: &[Array2<Complex64>]) -> (Array1<f64>, f64) {
         let Cluster { modes, unknowns, covariance } = cluster;
         let x = &self.shape;
         let mut group_of = vec![0; x.ncols()];
@@ -272,15 +280,15 @@ impl ShapeErrors {
         let of_unknowns = spreads.first().map_or(0.0, |spread| spread[[modes.len(), modes.len()]].re);
         let scale_variance = (scale_noise + of_unknowns).max(0.0);
         let beyond_first_order = scale.second_order(scale_variance) * scale_variance;
-        for (i, value) in out.iter_mut().enumerate() {
+        let of_response = |i: usize| {
             let part = |row: usize| x[[modes.get(row).copied().unwrap_or(n), i]];
             let spread = &spreads[group_of[i]];
             let through: f64 = spread.indexed_iter().map(|((a, b), v)| (part(a) * v * part(b).conj()).re).sum();
             let shared: f64 = scale.response.iter().filter(|(d, _)| *d == i).map(|(_, weight)| 2.0 * (x[[n, i]] * weight).re).sum();
             let own = noise(i) * (1.0 + shared) + x[[n, i]].norm_sqr() * (scale_noise + beyond_first_order);
-            *value = scale.factor.norm() * (own + through).max(0.0).sqrt();
-        }
-        scale_variance.sqrt()
+            scale.factor.norm() * (own + through).max(0.0).sqrt()
+        };
+        ((0..x.ncols()).map(of_response).collect(), scale_variance.sqrt())
     }
 }
 
@@ -303,6 +311,13 @@ fn finite(value: f64) -> f64 {
 fn pseudo_inverse(matrix: &Array2<Complex64>) -> Result<Array2<Complex64>, LinalgError> {
     let size: Vec<f64> = matrix.diag().iter().map(|d| finite(d.re.max(0.0).sqrt().recip())).collect();
     let even = Array2::from_shape_fn(matrix.raw_dim(), |(a, b)| matrix[[a, b]] * size[a] * size[b]);
+    if let Ok(lower) = cholesky(even.view()) {
+        if lower.diag().iter().all(|pivot| pivot.norm_sqr() > tol::WELL_INFORMED) {
+            let sizes: Array1<Complex64> = size.iter().map(|size| Complex64::from(*size)).collect();
+            let half = solve_lower(lower.view(), Array2::from_diag(&sizes).view())?;
+            return Ok(matmul_h(half.view(), half.view()));
+        }
+    }
     let (values, vectors) = eigh(even.view())?;
     let kept: Vec<usize> = (0..values.len()).filter(|&c| values[c] > tol::UNINFORMED).collect();
     let half = Array2::from_shape_fn((values.len(), kept.len()), |(a, c)| vectors[[a, kept[c]]] * size[a] / values[kept[c]].sqrt());

@@ -16,9 +16,9 @@ use crate::found::{Found, UNCERTAIN};
 use crate::head::Head;
 use crate::options::ShapeModel;
 use crate::prune::threshold;
-use crate::structure::beyond_chance;
+use crate::structure::{beyond_chance, strongest};
 use crate::tolerances as tol;
-use chladni_linalg::{svd_thin, LinalgError};
+use chladni_linalg::LinalgError;
 use ndarray::{Array1, Array2, Axis, ShapeBuilder};
 use newton::State;
 use num_complex::Complex64;
@@ -168,11 +168,11 @@ fn by_pair<'a>(data: &Head, found: &'a Found, swapped: bool) -> Cow<'a, Array2<f
     Cow::Owned(turned)
 }
 
-/// Right singular vectors of free residues, as participations: (mode, other).
+/// Participations that come nearest to free residues: (mode, other).
 fn leading_participations(residues: &Array2<Complex64>, sides: [usize; 2]) -> Result<Array2<Complex64>, LinalgError> {
     let leading = |n: usize| -> Result<Array1<Complex64>, LinalgError> {
-        let matrix = Array2::from_shape_fn(sides.f(), |(i, j)| residues[[n, i * sides[1] + j]]);
-        Ok(svd_thin(matrix.view())?.2.row(0).to_owned())
+        let matrix = Array2::from_shape_fn(sides, |(i, j)| residues[[n, i * sides[1] + j]]);
+        Ok(strongest(&matrix, 1)?.swap_remove(0).1)
     };
     let rows = (0..residues.nrows()).into_par_iter().map(leading).collect::<Result<Vec<_>, LinalgError>>()?;
     let mut out = Array2::zeros((residues.nrows(), sides[1]));

@@ -10,6 +10,7 @@ use crate::tolerances as tol;
 use chladni_linalg::{cholesky, inverse_hermitian, matmul, solve_lower, solve_lower_adjoint, LinalgError};
 use ndarray::{Array2, ShapeBuilder};
 use num_complex::Complex64;
+use rayon::prelude::*;
 
 fn conjugate(a: &Array2<Complex64>) -> Array2<Complex64> {
     a.mapv(|v| v.conj())
@@ -116,8 +117,8 @@ impl State {
 
     /// The damped Gauss–Newton matrices of all clusters.
     fn factored(&self, damping: f64) -> Result<Vec<Factored>, LinalgError> {
-        let clusters = overlapping(&self.lambda).into_iter();
-        clusters
+        overlapping(&self.lambda)
+            .into_par_iter()
             .map(|modes| {
                 let unknowns = unknowns(&modes, &self.participation, self.real);
                 let mut matrix = self.information(&unknowns);
@@ -182,10 +183,14 @@ impl State {
 
     /// Variances of Re λ and Im λ per mode for unit noise variance.
     pub fn spread(&self) -> Vec<[f64; 2]> {
-        let mut spread = vec![[f64::INFINITY; 2]; self.lambda.len()];
-        for cluster in overlapping(&self.lambda) {
+        let of_cluster = |cluster: Vec<usize>| {
             let unknowns = unknowns(&cluster, &self.participation, self.real);
-            let Ok(inverse) = inverse_hermitian(self.information(&unknowns).view()) else { continue };
+            let inverse = inverse_hermitian(self.information(&unknowns).view()).ok()?;
+            Some((unknowns, inverse))
+        };
+        let mut spread = vec![[f64::INFINITY; 2]; self.lambda.len()];
+        let clusters: Vec<_> = overlapping(&self.lambda).into_par_iter().filter_map(of_cluster).collect();
+        for (unknowns, inverse) in &clusters {
             for (a, unknown) in unknowns.iter().enumerate().filter(|(_, u)| u.other.is_none()) {
                 let half = 0.5 * inverse[[a, a]].re.max(0.0);
                 match (self.real, unknown.unit.im != 0.0) {

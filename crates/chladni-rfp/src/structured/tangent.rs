@@ -1,11 +1,13 @@
 //! The tangent of the columns φ_n⊗L_n: what a step of a pole or of a participation does to them, and the Gauss–Newton matrix of such
 //! steps with the shapes eliminated (theory.md, eq. 28). Structured refinement steps along it, error bars of shapes are read off it.
 
+use crate::cauchy::Cauchy;
 use crate::tolerances as tol;
 use crate::wide::wide_h;
 use chladni_linalg::{matmul, matmul_h};
-use ndarray::Array2;
+use ndarray::{s, Array2};
 use num_complex::Complex64;
+use std::ops::Range;
 
 /// One unknown: its mode, whether the pole or which participation, and the unit it moves along.
 #[derive(Clone, Copy)]
@@ -23,8 +25,13 @@ pub(crate) struct LineProducts {
 }
 
 impl LineProducts {
-    pub fn new(f: &Array2<Complex64>, d: &Array2<Complex64>) -> Self {
-        Self { ff: wide_h(f.view(), f.view()), fd: wide_h(f.view(), d.view()), dd: wide_h(d.view(), d.view()) }
+    /// `free`: orthonormal basis of what stays free in every pair, (line, ·).
+    pub fn new(cauchy: &Cauchy, free: &Array2<Complex64>) -> Self {
+        let inside = wide_h(free.view(), cauchy.columns.view());
+        let all = cauchy.gram() - wide_h(inside.view(), inside.view());
+        let n = all.nrows() / 2;
+        let part = |rows: Range<usize>, columns: Range<usize>| all.slice(s![rows, columns]).to_owned();
+        Self { ff: part(0..n, 0..n), fd: part(0..n, n..2 * n), dd: part(n..2 * n, n..2 * n) }
     }
 }
 

@@ -3,17 +3,18 @@
 
 use super::tangent::LineProducts;
 use crate::alternation::add_product;
+use crate::cauchy::Cauchy;
 use crate::tolerances as tol;
-use crate::wide::{projected, wide_h, wide_mixed};
+use crate::wide::{projected, tall_svd, wide_h, wide_mixed};
 use crate::work::{basis, basis_derivative, Work};
-use chladni_linalg::{cholesky, matmul, solve_hermitian, svd_thin, LinalgError};
+use chladni_linalg::{cholesky, matmul, solve_hermitian, LinalgError};
 use ndarray::{s, Array2, ArrayView2, Axis, Order, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
-/// DOFs of the eliminated side per block.
-const BLOCK: usize = 64;
+/// DOFs of the eliminated side per block: several for each thread where there are few.
+const BLOCK: usize = 8;
 
 /// The data once residual terms and out-of-band poles are taken out: what the modes of the band must explain.
 pub(super) struct Target<'a> {
@@ -84,7 +85,7 @@ pub(crate) fn background(work: &Work, outside: &[Complex64], powers: &[i32]) -> 
         let norm = column.iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
         column.mapv_inplace(|v| v / norm);
     }
-    let (u, s, _) = svd_thin(all.view())?;
+    let (u, s) = tall_svd(all.view())?;
     let kept: Vec<usize> = (0..s.len()).filter(|&i| s[i] > tol::FREE_RANK * s[0]).collect();
     Ok(u.select(Axis(1), &kept))
 }
@@ -110,13 +111,9 @@ pub(super) struct Shapes {
 
 impl Products {
     pub fn new(target: &Target, lambda: &[Complex64]) -> Self {
-        let n = lambda.len();
-        let f = target.outside(&basis(target.work, lambda, &[]));
-        let d = target.outside(&basis_derivative(target.work, lambda));
-        let mut against = Array2::zeros((2 * n, target.data.ncols()).f());
-        against.slice_mut(s![..n, ..]).assign(&wide_h(f.view(), target.data.view()));
-        against.slice_mut(s![n.., ..]).assign(&wide_h(d.view(), target.data.view()));
-        Self { lines: LineProducts::new(&f, &d), against }
+        // the data have nothing inside what is free
+        let cauchy = Cauchy::new(target.work, lambda, &[]);
+        Self { against: wide_h(cauchy.columns.view(), target.data.view()), lines: LineProducts::new(&cauchy, &target.free) }
     }
 
     /// Shapes ψ = G⁻¹·Σ_j L̄_j(FᴴB)_j with their sums, block by block of the eliminated side: no product with all pairs is kept.

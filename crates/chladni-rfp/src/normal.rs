@@ -1,0 +1,95 @@
+//! A point of the search for poles by normal equations: everything a step needs follows from one product CᴴB, where C holds the pole
+//! columns, the residual terms and the derivatives (theory.md, eq. 9–11 with QQᴴ = A(AᴴA)⁻¹Aᴴ).
+//!
+//! A third of the flops of [`crate::refine`]'s orthonormal basis, all of them in one large product. It squares the condition of the
+//! basis, and so is left where rounding comes near the residual: for data of some 100 dB, and for poles that nearly coincide.
+
+use crate::cauchy::Cauchy;
+use crate::descent::Point;
+use crate::removal::Removable;
+use crate::tolerances as tol;
+use crate::wide::wide_h;
+use crate::work::Work;
+use chladni_linalg::{cholesky, inverse_hermitian, matmul, matmul_h, solve_lower, solve_lower_adjoint};
+use ndarray::{s, Array2, ArrayViewMut2};
+use num_complex::Complex64;
+
+/// What the normal equations tell at one set of poles.
+pub(crate) struct Normal {
+    /// Gram matrix of the columns brought to unit norm, (m, m), and their norms.
+    gram: Array2<Complex64>,
+    norms: Vec<f64>,
+    /// Residues and residual coefficients, (m, column).
+    coefficients: Array2<Complex64>,
+    sse: f64,
+    rounding: f64,
+    /// DᴴP⊥D, (n, n), and Dᴴ(residual), (n, column).
+    outside: Array2<Complex64>,
+    along: Array2<Complex64>,
+}
+
+impl Normal {
+    /// What taking columns out needs to know.
+    pub fn removable(&self) -> Option<Removable> {
+        let mut inverse = inverse_hermitian(self.gram.view()).ok()?;
+        for ((i, j), value) in inverse.indexed_iter_mut() {
+            *value /= self.norms[i] * self.norms[j];
+        }
+        let alone = self.norms.iter().map(|norm| norm * norm).collect();
+        Some(Removable { inverse, coefficients: self.coefficients.clone(), alone })
+    }
+}
+
+impl Point for Normal {
+    const LAST: bool = false;
+
+    /// `None` where the columns are too alike, or the residual lies too near rounding.
+    fn at(work: &Work, energy: f64, lambda: &[Complex64], powers: &[i32]) -> Option<Self> {
+        let m = lambda.len() + powers.len();
+        let cauchy = Cauchy::new(work, lambda, powers);
+        let products = cauchy.gram();
+        let against = wide_h(cauchy.columns.view(), work.b.view());
+        let norms: Vec<f64> = products.diag().iter().take(m).map(|v| v.re.sqrt()).collect();
+        let unit = |mut rows: ArrayViewMut2<Complex64>| {
+            rows.rows_mut().into_iter().zip(&norms).for_each(|(mut row, norm)| row.mapv_inplace(|v| v / norm));
+        };
+        let (mut gram, mut of_derivatives) = (products.slice(s![..m, ..m]).to_owned(), products.slice(s![..m, m..]).to_owned());
+        let mut right = against.slice(s![..m, ..]).to_owned();
+        unit(gram.view_mut());
+        unit(gram.view_mut().reversed_axes());
+        unit(of_derivatives.view_mut());
+        unit(right.view_mut());
+        let lower = cholesky(gram.view()).ok()?;
+        let half = solve_lower(lower.view(), right.view()).ok()?;
+        let mut coefficients = solve_lower_adjoint(lower.view(), half.view()).ok()?;
+        let sse = energy - half.iter().map(|v| v.norm_sqr()).sum::<f64>();
+        // an error of the Gram matrix in its last digit
+        let rounding =
+            f64::EPSILON * coefficients.columns().into_iter().map(|c| c.iter().map(|v| v.norm()).sum::<f64>().powi(2)).sum::<f64>();
+        if !(rounding <= tol::NORMAL_ROUNDING * sse) {
+            return None;
+        }
+        unit(coefficients.view_mut());
+        let inside = solve_lower(lower.view(), of_derivatives.view()).ok()?;
+        let outside = &products.slice(s![m.., m..]) - &matmul_h(inside.view(), inside.view());
+        let along = &against.slice(s![m.., ..]) - &matmul_h(inside.view(), half.view());
+        Some(Self { gram, norms, coefficients, sse, rounding, outside, along })
+    }
+
+    fn sse(&self) -> f64 {
+        self.sse
+    }
+
+    fn rounding(&self, _: f64) -> f64 {
+        self.rounding
+    }
+
+    fn system(&self, _: &Work, lambda: &[Complex64]) -> (Array2<Complex64>, Array2<Complex64>) {
+        let residues = self.coefficients.slice(s![..lambda.len(), ..]);
+        let products = matmul(residues, residues.t().mapv(|v| v.conj()).view());
+        let information = &self.outside * &products.t();
+        let along = self.along.rows().into_iter().zip(residues.rows());
+        let gradient = along.map(|(along, residues)| along.iter().zip(residues).map(|(d, r)| d * r.conj()).sum());
+        (information, Array2::from_shape_vec((lambda.len(), 1), gradient.collect()).expect("one value per pole"))
+    }
+}
