@@ -30,8 +30,8 @@ fn step_cap(work: &Work, lambda: Complex64) -> f64 {
 
 /// A search under way.
 pub(crate) struct Descent<'a> {
-    work: &'a Work,
-    powers: &'a [i32],
+    pub work: &'a Work,
+    pub powers: &'a [i32],
     energy: f64,
     /// Poles as they stand.
     pub lambda: Vec<Complex64>,
@@ -50,7 +50,8 @@ impl<'a> Descent<'a> {
         P::at(self.work, self.energy, &self.lambda, self.powers)
     }
 
-    /// Steps until the largest is `tolerance` of a half-bandwidth; true where it came to that, or nothing helps any more.
+    /// Steps until the largest is `tolerance` of a half-bandwidth, or what one promises is far below the noise of one value: a pole that
+    /// the data hardly tell goes on for ever. True where it came to that, or nothing helps any more.
     pub fn go<P: Point>(&mut self, point: &mut P, tolerance: f64) -> bool {
         let mut system = None;
         while self.steps > 0 {
@@ -70,18 +71,20 @@ impl<'a> Descent<'a> {
                 continue;
             };
             let (trial, largest) = self.moved(step.index_axis(Axis(1), 0));
+            let promised: f64 = step.iter().zip(&gradient).map(|(step, along)| (step.conj() * along).re).sum();
+            let enough = largest < tolerance || promised < tol::PROMISED * point.sse() / self.work.b.len() as f64;
             match P::at(self.work, self.energy, &trial, self.powers) {
                 // near the end rounding decides which sum of squares is the smaller: it must not refuse good steps
                 Some(next) if next.sse() <= point.sse() + point.rounding(self.energy) => {
                     self.lambda = trial;
                     *point = next;
                     self.damping *= 0.1;
-                    if largest < tolerance {
+                    if enough {
                         return true;
                     }
                 }
                 None if !P::LAST => return false,
-                _ if largest < tolerance => return true,
+                _ if enough => return true,
                 _ => {
                     self.damping = (self.damping * 10.0).max(1e-6);
                     system = Some((information, gradient));

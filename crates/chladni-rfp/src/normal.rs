@@ -10,7 +10,7 @@ use crate::removal::Removable;
 use crate::tolerances as tol;
 use crate::wide::wide_h;
 use crate::work::Work;
-use chladni_linalg::{cholesky, inverse_hermitian, matmul, matmul_h, solve_lower, solve_lower_adjoint};
+use chladni_linalg::{cholesky, inverse_hermitian, matmul, matmul_h, solve_lower, solve_lower_adjoint, LinalgError};
 use ndarray::{s, Array2, ArrayViewMut2};
 use num_complex::Complex64;
 
@@ -30,13 +30,13 @@ pub(crate) struct Normal {
 
 impl Normal {
     /// What taking columns out needs to know.
-    pub fn removable(&self) -> Option<Removable> {
-        let mut inverse = inverse_hermitian(self.gram.view()).ok()?;
+    pub fn removable(&self) -> Result<Removable, LinalgError> {
+        let mut inverse = inverse_hermitian(self.gram.view())?;
         for ((i, j), value) in inverse.indexed_iter_mut() {
             *value /= self.norms[i] * self.norms[j];
         }
         let alone = self.norms.iter().map(|norm| norm * norm).collect();
-        Some(Removable { inverse, coefficients: self.coefficients.clone(), alone })
+        Ok(Removable { inverse, coefficients: self.coefficients.clone(), alone, sse: self.sse })
     }
 }
 

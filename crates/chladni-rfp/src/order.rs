@@ -10,7 +10,8 @@ use crate::passes::{compressed, Pass};
 use crate::pool::{mixtures, starts, vector_fit, Products};
 use crate::project::Projected;
 use crate::prune::{prune, unphysical};
-use crate::refine::{refine, Projection, Refined};
+use crate::refine::{refine, removable, Projection, Refined};
+use crate::removal::Removable;
 use crate::screen::Screened;
 use crate::seeds::{fourth_difference_noise, peaks, thinned};
 use crate::settle::{keep_strongest, settle};
@@ -225,9 +226,9 @@ pub(crate) struct Start {
 pub(crate) fn started(sketch: &Work, mixed: &Work, seeds: &[Complex64], size: usize, iterations: usize) -> Result<Start, LinalgError> {
     let pool = vector_fit(mixed, &starts(sketch, seeds, size), &POWERS, iterations, Products::PartialFractions)?;
     let stable: Vec<Complex64> = pool.lambda.iter().zip(&pool.flipped).filter(|(_, flipped)| !**flipped).map(|(pole, _)| *pole).collect();
-    let projection = Projection::new(sketch, &stable, &POWERS)?;
-    let variance = pool_variance(sketch, &projection);
-    let kept = prune(sketch, &projection, &stable, &POWERS, variance)?;
+    let all = removable(sketch, &stable, &POWERS)?;
+    let variance = pool_variance(sketch, &all);
+    let kept = prune(sketch, all, &stable, &POWERS, variance);
     Ok(Start { refined: refine(sketch, &kept, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?, variance })
 }
 
@@ -254,7 +255,7 @@ fn conjugate_fits_better(mixed: &Work, seeds: &[Complex64], size: usize) -> Resu
 }
 
 /// Noise variance of the sketch from the over-fitted pool.
-fn pool_variance(work: &Work, projection: &Projection) -> f64 {
-    let dof = (work.lines() - projection.r.ncols().min(work.lines() - 1)) * work.columns();
-    (projection.sse / dof as f64).max(1e-30 * work.energy() / (work.lines() * work.columns()) as f64)
+fn pool_variance(work: &Work, pool: &Removable) -> f64 {
+    let dof = (work.lines() - pool.alone.len().min(work.lines() - 1)) * work.columns();
+    (pool.sse / dof as f64).max(1e-30 * work.energy() / (work.lines() * work.columns()) as f64)
 }

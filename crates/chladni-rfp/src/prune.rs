@@ -2,7 +2,8 @@
 
 use crate::descent::Descent;
 use crate::normal::Normal;
-use crate::refine::{refine, Projection, Refined};
+use crate::refine::{refine, Refined};
+use crate::removal::Removable;
 use crate::tolerances as tol;
 use crate::work::Work;
 use chladni_linalg::LinalgError;
@@ -23,17 +24,10 @@ pub(crate) fn unphysical(work: &Work, lambda: Complex64) -> bool {
 /// Takes poles out one by one, the least significant first, residues refitted exactly after each, until all that are left
 /// matter. Out-of-band poles have to earn their place in the same way.
 ///
-/// `projection`: on the basis of `lambda` and `powers`; `variance`: of the noise.
-pub(crate) fn prune(
-    work: &Work,
-    projection: &Projection,
-    lambda: &[Complex64],
-    powers: &[i32],
-    variance: f64,
-) -> Result<Vec<Complex64>, LinalgError> {
+/// `removable`: of `lambda` and `powers`; `variance`: of the noise.
+pub(crate) fn prune(work: &Work, removable: Removable, lambda: &[Complex64], powers: &[i32], variance: f64) -> Vec<Complex64> {
     let limit = threshold(work.columns(), work.lines()) * variance;
-    let kept = projection.removable()?.thin_out(lambda, |_, _, rise, _| rise < limit);
-    Ok(thinned(work, &kept, powers, limit))
+    thinned(work, &removable.thin_out(lambda, |_, _, rise, _| rise < limit), powers, limit)
 }
 
 /// The same for the poles as they stand after some steps, as long as that takes any out: each that is gone spares its part of all steps
@@ -46,7 +40,7 @@ fn thinned(work: &Work, lambda: &[Complex64], powers: &[i32], limit: f64) -> Vec
         let Some(mut point) = here.take().or_else(|| descent.here::<Normal>()) else { break };
         descent.steps = tol::THINNING_STEPS;
         let ended = descent.go(&mut point, tol::ROUGH_STEP);
-        let Some(removable) = point.removable() else { break };
+        let Ok(removable) = point.removable() else { break };
         let kept = removable.thin_out(&descent.lambda, |_, _, rise, _| rise < limit);
         if kept.len() < descent.lambda.len() {
             (descent.lambda, rounds) = (kept, 0);

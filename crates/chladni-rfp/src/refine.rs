@@ -47,12 +47,20 @@ impl Projection {
     /// What taking columns out needs to know.
     pub fn removable(&self) -> Result<Removable, LinalgError> {
         let alone = self.r.columns().into_iter().map(|column| column.iter().map(|v| v.norm_sqr()).sum()).collect();
-        Ok(Removable { inverse: self.gram_inverse()?, coefficients: self.coefficients()?, alone })
+        Ok(Removable { inverse: self.gram_inverse()?, coefficients: self.coefficients()?, alone, sse: self.sse })
     }
     /// (AᴴA)⁻¹ of the basis A.
     pub fn gram_inverse(&self) -> Result<Array2<Complex64>, LinalgError> {
         let inverse = solve_upper(self.r.view(), Array2::from_diag_elem(self.r.nrows(), Complex64::new(1.0, 0.0)).view())?;
         Ok(matmul(inverse.view(), inverse.t().mapv(|v| v.conj()).view()))
+    }
+}
+
+/// What taking poles out one by one needs to know.
+pub(crate) fn removable(work: &Work, lambda: &[Complex64], powers: &[i32]) -> Result<Removable, LinalgError> {
+    match Normal::at(work, work.energy(), lambda, powers) {
+        Some(normal) => normal.removable(),
+        None => Projection::new(work, lambda, powers)?.removable(),
     }
 }
 
@@ -118,15 +126,43 @@ impl Point for Exact {
 }
 
 /// Refines `start` until the largest step is `tolerance` of a half-bandwidth, at most `iterations` steps: by normal equations as far as
-/// they go, the last digits on an orthonormal basis.
+/// they go, then on an orthonormal basis.
 pub(crate) fn refine(work: &Work, start: &[Complex64], powers: &[i32], iterations: usize, tolerance: f64) -> Result<Refined, LinalgError> {
-    let mut descent = Descent::new(work, start, powers, iterations);
-    let mut ended = false;
-    if descent.steps > 0 {
-        if let Some(mut point) = descent.here::<Normal>() {
-            ended = descent.go(&mut point, tolerance);
-        }
+    let (descent, ended) = by_normal_equations(work, start, powers, iterations, tolerance);
+    on_orthonormal_basis(descent, ended, tolerance)
+}
+
+/// The poles alone.
+pub(crate) fn refined_poles(
+    work: &Work,
+    start: &[Complex64],
+    powers: &[i32],
+    iterations: usize,
+    tolerance: f64,
+) -> Result<Vec<Complex64>, LinalgError> {
+    let (descent, ended) = by_normal_equations(work, start, powers, iterations, tolerance);
+    if ended || descent.steps == 0 {
+        return Ok(descent.lambda);
     }
+    Ok(on_orthonormal_basis(descent, ended, tolerance)?.lambda)
+}
+
+/// As far as they go; true where that is the end.
+fn by_normal_equations<'a>(
+    work: &'a Work,
+    start: &[Complex64],
+    powers: &'a [i32],
+    iterations: usize,
+    tolerance: f64,
+) -> (Descent<'a>, bool) {
+    let mut descent = Descent::new(work, start, powers, iterations);
+    let point = if descent.steps > 0 { descent.here::<Normal>() } else { None };
+    let ended = point.is_some_and(|mut point| descent.go(&mut point, tolerance));
+    (descent, ended)
+}
+
+fn on_orthonormal_basis(mut descent: Descent, ended: bool, tolerance: f64) -> Result<Refined, LinalgError> {
+    let Descent { work, powers, .. } = descent;
     let mut point = Exact::new(work, &descent.lambda, powers)?;
     if !ended {
         descent.go(&mut point, tolerance);

@@ -11,6 +11,8 @@ pub(crate) struct Removable {
     pub coefficients: Array2<Complex64>,
     /// Sums of squares of the columns of the basis.
     pub alone: Vec<f64>,
+    /// Sum of squares left with all of them.
+    pub sse: f64,
 }
 
 impl Removable {
@@ -19,7 +21,7 @@ impl Removable {
     /// by `rise`; `inflation` is the variance of its residue relative to that of a pole alone. A pole whose rise is not finite always
     /// goes.
     pub fn thin_out(self, lambda: &[Complex64], may_go: impl Fn(&[usize], usize, f64, f64) -> bool) -> Vec<Complex64> {
-        let Removable { mut inverse, mut coefficients, alone } = self;
+        let Removable { mut inverse, mut coefficients, alone, .. } = self;
         let mut kept: Vec<usize> = (0..lambda.len()).collect();
         loop {
             let weakest = kept

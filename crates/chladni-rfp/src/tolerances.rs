@@ -37,6 +37,9 @@ pub(crate) const REFINE_FINE: usize = 30;
 pub(crate) const ROUGH_STEP: f64 = 1e-3;
 /// The same for the final one. With quadratic convergence the error left is the square of it.
 pub(crate) const FINE_STEP: f64 = 1e-7;
+/// What a step promises to take off the sum of squares, in units of the noise variance, below which it is the last: no pole moves by
+/// more than some 1e-4 of its error bar.
+pub(crate) const PROMISED: f64 = 1e-8;
 /// Part of the residual's energy that the rounding of normal equations may reach: a thousandth of the noise of one value in a set of
 /// some 10⁵.
 pub(crate) const NORMAL_ROUNDING: f64 = 1e-8;

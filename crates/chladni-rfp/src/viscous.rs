@@ -11,6 +11,9 @@ use chladni_linalg::{matmul, solve_hermitian, solve_upper, LinalgError};
 use ndarray::{s, Array2, ShapeBuilder};
 use num_complex::Complex64;
 
+/// No more than this times what a step promises is expected of it and all that follow.
+const PROMISE_KEPT: f64 = 2.0;
+
 /// Poles with what their neighbourhood looks like.
 #[derive(Debug, Clone)]
 pub(crate) struct ViscousFit {
@@ -164,6 +167,10 @@ pub(crate) fn refine_viscous(
         let mut damped = information.clone();
         damped.diag_mut().mapv_inplace(|v| v * (1.0 + damping) + f64::MIN_POSITIVE);
         let solution = solve_hermitian(damped.view(), gradient.view()).ok();
+        let promised = solution.as_ref().map(|step| step.iter().zip(&gradient).map(|(step, along)| step * along).sum::<f64>());
+        if promised.is_some_and(|promised| enough(current.sse, PROMISE_KEPT * promised, 1)) {
+            break;
+        }
         let mut largest = 0.0_f64;
         let trial: Option<Vec<Complex64>> = solution.map(|solution| {
             poles

@@ -92,17 +92,23 @@ pub(crate) fn tall_qr<T: Scalar>(a: ArrayView2<T>) -> Result<(Array2<T>, Array2<
     Ok((q, r))
 }
 
-/// Left singular vectors and singular values, of a tall matrix by way of its QR.
+/// Orthonormal basis of the range of a matrix with columns of unit norm: of singular values beyond `least` of the largest.
 ///
 /// # Errors
 /// As [`svd_thin`].
-pub(crate) fn tall_svd<T: Scalar>(a: ArrayView2<T>) -> Result<(Array2<T>, Array1<f64>), LinalgError> {
+pub(crate) fn range<T: Scalar>(a: ArrayView2<T>, least: f64) -> Result<Array2<T>, LinalgError> {
+    let kept = |s: &Array1<f64>| -> Vec<usize> { (0..s.len()).filter(|&i| s[i] > least * s[0]).collect() };
     if a.nrows() < a.ncols() {
-        return svd_thin(a).map(|(u, s, _)| (u, s));
+        let (u, s, _) = svd_thin(a)?;
+        return Ok(u.select(Axis(1), &kept(&s)));
     }
     let (q, r) = tall_qr(a)?;
+    // columns that stand well outside those before them: no direction is missing
+    if r.diag().iter().all(|pivot| pivot.modulus() > least.sqrt()) {
+        return Ok(q);
+    }
     let (u, s, _) = svd_thin(r.view())?;
-    Ok((wide(q.view(), u.view()), s))
+    Ok(wide(q.view(), u.select(Axis(1), &kept(&s)).view()))
 }
 
 /// R of the QR alone.

@@ -22,7 +22,7 @@ use crate::options::FitOptions;
 use crate::order::POWERS;
 use crate::pool::Products;
 use crate::project::project;
-use crate::refine::{refine, Refined};
+use crate::refine::{refine, refined_poles, Refined};
 use crate::tolerances as tol;
 use crate::work::{basis, Work};
 use chladni_linalg::{qr_thin, LinalgError};
@@ -42,7 +42,7 @@ pub(crate) fn lean(survey: &Survey, options: &FitOptions, grade: impl Fn(&Refine
     }
     let rows = survey.rows();
     let thinned = if rows.len() < sketch.lines() { Some(sketch.select(&rows)) } else { None };
-    let rough = refine(thinned.as_ref().unwrap_or(sketch), &start, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?.lambda;
+    let rough = refined_poles(thinned.as_ref().unwrap_or(sketch), &start, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
 
     let data = survey.data;
     let all = Work { x: data.x.clone(), g: data.g.clone(), b: Array2::zeros((data.lines.len(), 0)) };

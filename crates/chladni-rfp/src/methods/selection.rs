@@ -4,7 +4,7 @@ use super::{MethodPoles, Survey};
 use crate::options::FitOptions;
 use crate::order::POWERS;
 use crate::prune::{crutch, threshold, unphysical};
-use crate::refine::{refine, Projection};
+use crate::refine::{refine, removable, Projection};
 use crate::tolerances as tol;
 use crate::viscous::from_structural;
 use crate::work::Work;
@@ -19,23 +19,23 @@ const MOST_INFLATION: f64 = 1e10;
 
 /// Noise variance that so many poles leave unexplained.
 pub(crate) fn variance_left(work: &Work, lambda: &[Complex64]) -> Result<f64, LinalgError> {
-    Ok(left_by(work, &Projection::new(work, lambda, &POWERS)?))
+    Ok(left_by(work, Projection::new(work, lambda, &POWERS)?.sse, lambda.len() + POWERS.len()))
 }
 
-fn left_by(work: &Work, projection: &Projection) -> f64 {
-    let freedom = work.lines().saturating_sub(projection.r.ncols()).max(1) * work.columns();
-    (projection.sse / freedom as f64).max(tol::ROUNDING_VARIANCE * work.energy() / (work.lines() * work.columns()) as f64)
+fn left_by(work: &Work, sse: f64, unknowns: usize) -> f64 {
+    let freedom = work.lines().saturating_sub(unknowns).max(1) * work.columns();
+    (sse / freedom as f64).max(tol::ROUNDING_VARIANCE * work.energy() / (work.lines() * work.columns()) as f64)
 }
 
 /// Takes poles out, the least significant first, until every one left matters (theory.md, eq. 8); of those in the band as many
 /// stay as `modes` allows, whatever they matter. With the noise variance that all of them together leave.
 pub(super) fn select(work: &Work, lambda: &[Complex64], modes: RangeInclusive<usize>) -> Result<(Vec<Complex64>, f64), LinalgError> {
-    let all = Projection::new(work, lambda, &POWERS)?;
-    let variance = left_by(work, &all);
+    let all = removable(work, lambda, &POWERS)?;
+    let variance = left_by(work, all.sse, all.alone.len());
     let limit = threshold(work.columns(), work.lines()) * variance;
     let physical: Vec<Complex64> = lambda.iter().copied().filter(|pole| !unphysical(work, *pole)).collect();
-    let projection = if physical.len() == lambda.len() { all } else { Projection::new(work, &physical, &POWERS)? };
-    let kept = projection.removable()?.thin_out(&physical, |kept, q, rise, inflation| {
+    let all = if physical.len() == lambda.len() { all } else { removable(work, &physical, &POWERS)? };
+    let kept = all.thin_out(&physical, |kept, q, rise, inflation| {
         let inside = kept.iter().filter(|&&k| work.in_band(physical[k])).count();
         match work.in_band(physical[q]) {
             _ if inflation > MOST_INFLATION => true,

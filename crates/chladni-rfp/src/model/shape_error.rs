@@ -9,7 +9,7 @@ use crate::structure::Shapes;
 use crate::structured::{background, overlapping, taken, unknowns, LineProducts, Tangent, Unknown};
 use crate::tolerances as tol;
 use crate::work::Work;
-use chladni_linalg::{cholesky, eigh, inverse_hermitian, matmul, matmul_h, solve_hermitian, solve_lower, LinalgError};
+use chladni_linalg::{cholesky, eigh, inverse_hermitian, matmul, matmul_h, solve_lower_adjoint, LinalgError};
 use ndarray::{s, Array1, Array2, Axis};
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -120,6 +120,8 @@ struct ShapeErrors {
     lambda: Vec<Complex64>,
     /// E|δλ|² as stated with the pole of each term.
     stated: Vec<f64>,
+    /// DᴴP⊥D of free residues, (term, term).
+    outside: Array2<Complex64>,
     /// Noise variance of a work value.
     variance: f64,
     /// True where shapes and participations are real.
@@ -139,7 +141,9 @@ impl ShapeErrors {
         let joint = of_terms.iter().any(|pole| pole.given.is_some());
         let (shape, participation) = (shapes.shape.select(Axis(0), rows), shapes.participation.select(Axis(0), rows));
         let lines = LineProducts::new(&Cauchy::new(work, &lambda, &[]), free);
-        let mut errors = Self { shape, participation, lines, groups: Vec::new(), lambda, stated, variance, real: real && joint, joint };
+        let outside = lines.outside()?;
+        let real = real && joint;
+        let mut errors = Self { shape, participation, lines, groups: Vec::new(), lambda, stated, outside, variance, real, joint };
         let mut kinds: Vec<(Vec<bool>, Vec<usize>)> = Vec::new();
         for (i, row) in present.rows().into_iter().enumerate() {
             match kinds.iter_mut().find(|(kept, _)| *kept == row.to_vec()) {
@@ -180,10 +184,10 @@ impl ShapeErrors {
         let mut unknowns = unknowns(&modes, &self.participation, self.real);
         unknowns.sort_by_key(|unknown| unknown.other.is_some());
         let inside: Vec<Array2<Complex64>> = self.groups.iter().map(|group| self.tangent(group).inside(&unknowns)).collect();
-        let covariance = self.covariance(&modes, &unknowns, &inside)?;
+        let root = self.root(&modes, &unknowns, &inside)?;
         let answers: Vec<Array2<Complex64>> =
             self.groups.iter().zip(&inside).map(|(group, inside)| matmul(group.gram_inverse.view(), inside.view())).collect();
-        let cluster = Cluster { modes, unknowns, covariance };
+        let cluster = Cluster { modes, unknowns, root };
         let of_term = |&n: &usize| {
             let (shape, scale) = self.term(n, &scales[rows[n]], &cluster, &answers);
             (n, shape, scale)
@@ -212,47 +216,41 @@ impl ShapeErrors {
         }
     }
 
-    /// Covariance of the unknowns of one cluster.
-    fn covariance(&self, cluster: &[usize], unknowns: &[Unknown], inside: &[Array2<Complex64>]) -> Result<Array2<Complex64>, LinalgError> {
+    /// A root V of the covariance VVᴴ of the unknowns of one cluster, poles first.
+    fn root(&self, cluster: &[usize], unknowns: &[Unknown], inside: &[Array2<Complex64>]) -> Result<Array2<Complex64>, LinalgError> {
         let of_groups = self.groups.iter().zip(inside).map(|(group, inside)| self.tangent(group).information(unknowns, inside, 0.0));
         let information = of_groups.fold(Array2::zeros((unknowns.len(), unknowns.len())), |sum, one| sum + one);
         if self.joint {
-            return Ok(pseudo_inverse(&information)? * Complex64::from(self.seen_variance()));
+            return Ok(inverse_root(&information)? * Complex64::from(self.seen_variance().sqrt()));
         }
         // poles came from free residues; participations follow them, and have an error of their own besides
         let poles = cluster.len();
-        let of_poles = self.free_pole_covariance(cluster)?;
-        let own = pseudo_inverse(&information.slice(s![poles.., poles..]).to_owned())?;
-        let follow = matmul(own.view(), information.slice(s![poles.., ..poles]));
-        let crossed = matmul(follow.view(), of_poles.view());
-        let mut all = Array2::zeros(information.raw_dim());
-        all.slice_mut(s![..poles, ..poles]).assign(&of_poles);
-        all.slice_mut(s![poles.., ..poles]).assign(&crossed.mapv(|v| -v));
-        all.slice_mut(s![..poles, poles..]).assign(&crossed.t().mapv(|v| -v.conj()));
-        let through_poles = matmul(crossed.view(), follow.t().mapv(|v| v.conj()).view());
-        all.slice_mut(s![poles.., poles..]).assign(&(through_poles + own * Complex64::from(self.variance)));
-        Ok(all)
+        let of_poles = self.free_pole_root(cluster)?;
+        let own = inverse_root(&information.slice(s![poles.., poles..]).to_owned())?;
+        let answer = matmul(own.view(), matmul_h(own.view(), information.slice(s![poles.., ..poles])).view());
+        let mut root = Array2::zeros((unknowns.len(), of_poles.ncols() + own.ncols()));
+        root.slice_mut(s![..poles, ..of_poles.ncols()]).assign(&of_poles);
+        root.slice_mut(s![poles.., ..of_poles.ncols()]).assign(&matmul(answer.view(), of_poles.view()).mapv(|v| -v));
+        root.slice_mut(s![poles.., of_poles.ncols()..]).assign(&(own * Complex64::from(self.variance.sqrt())));
+        Ok(root)
     }
 
-    /// E δλ_m δλ_n* of poles found from free residues: the correlations of (33), the sizes that the poles themselves state.
-    fn free_pole_covariance(&self, cluster: &[usize]) -> Result<Array2<Complex64>, LinalgError> {
+    /// The same of E δλ_m δλ_n* of poles found from free residues: the correlations of (33), the sizes that the poles themselves state.
+    fn free_pole_root(&self, cluster: &[usize]) -> Result<Array2<Complex64>, LinalgError> {
         let part = |a: &Array2<Complex64>| a.select(Axis(0), cluster).select(Axis(1), cluster);
-        let LineProducts { ff, fd, dd } = &self.lines;
-        let mut free = ff.clone();
-        free.diag_mut().mapv_inplace(|v| v * (1.0 + tol::STRUCTURED_RIDGE) + f64::MIN_POSITIVE);
-        let outside = dd - &matmul_h(fd.view(), solve_hermitian(free.view(), fd.view())?.view());
-        let mut information = part(&outside);
-        let products = self.groups.iter().map(|group| &group.across * &group.along).fold(Array2::zeros(ff.raw_dim()), |sum, one| sum + one);
-        information *= &part(&products);
-        let mut covariance = pseudo_inverse(&information)?;
-        let size: Vec<f64> = cluster.iter().enumerate().map(|(c, &n)| (self.stated[n] / covariance[[c, c]].re).sqrt()).collect();
-        covariance.indexed_iter_mut().for_each(|((a, b), v)| *v *= finite(size[a]) * finite(size[b]));
-        Ok(covariance)
+        let none = Array2::zeros(self.outside.raw_dim());
+        let products = self.groups.iter().map(|group| &group.across * &group.along).fold(none, |sum, one| sum + one);
+        let mut root = inverse_root(&(part(&self.outside) * part(&products)))?;
+        for (mut row, &n) in root.rows_mut().into_iter().zip(cluster) {
+            let size = (self.stated[n] / row.iter().map(|v| v.norm_sqr()).sum::<f64>()).sqrt();
+            row.mapv_inplace(|v| v * finite(size));
+        }
+        Ok(root)
     }
 
     /// The deviations of term `n`, and that of its scale; `answers`: J of each group, (term, unknown).
     fn term(&self, n: usize, scale: &Scale, cluster: &Cluster, answers: &[Array2<Complex64>]) -> (Array1<f64>, f64) {
-        let Cluster { modes, unknowns, covariance } = cluster;
+        let Cluster { modes, unknowns, root } = cluster;
         let x = &self.shape;
         let mut group_of = vec![0; x.ncols()];
         self.groups.iter().enumerate().for_each(|(g, group)| group.responses.iter().for_each(|&i| group_of[i] = g));
@@ -273,8 +271,8 @@ impl ShapeErrors {
                 Some(_) => Complex64::ZERO,
                 None => along(a),
             });
-            let half = matmul(along.view(), covariance.view());
-            matmul(half.view(), along.t().mapv(|v| v.conj()).view())
+            let half = matmul(along.view(), root.view());
+            matmul(half.view(), half.t().mapv(|v| v.conj()).view())
         };
         let spreads: Vec<Array2<Complex64>> = answers.iter().map(spread).collect();
         let of_unknowns = spreads.first().map_or(0.0, |spread| spread[[modes.len(), modes.len()]].re);
@@ -296,7 +294,8 @@ impl ShapeErrors {
 struct Cluster {
     modes: Vec<usize>,
     unknowns: Vec<Unknown>,
-    covariance: Array2<Complex64>,
+    /// V with covariance VVᴴ.
+    root: Array2<Complex64>,
 }
 
 fn finite(value: f64) -> f64 {
@@ -307,19 +306,20 @@ fn finite(value: f64) -> f64 {
     }
 }
 
-/// Inverse on the directions that carry information; terms of a repeated pole may mix in any way, and no error is meant by that.
-fn pseudo_inverse(matrix: &Array2<Complex64>) -> Result<Array2<Complex64>, LinalgError> {
+/// A root V of the inverse VVᴴ on the directions that carry information; terms of a repeated pole may mix in any way, and no error is
+/// meant by that.
+fn inverse_root(matrix: &Array2<Complex64>) -> Result<Array2<Complex64>, LinalgError> {
     let size: Vec<f64> = matrix.diag().iter().map(|d| finite(d.re.max(0.0).sqrt().recip())).collect();
     let even = Array2::from_shape_fn(matrix.raw_dim(), |(a, b)| matrix[[a, b]] * size[a] * size[b]);
-    if let Ok(lower) = cholesky(even.view()) {
-        if lower.diag().iter().all(|pivot| pivot.norm_sqr() > tol::WELL_INFORMED) {
-            let sizes: Array1<Complex64> = size.iter().map(|size| Complex64::from(*size)).collect();
-            let half = solve_lower(lower.view(), Array2::from_diag(&sizes).view())?;
-            return Ok(matmul_h(half.view(), half.view()));
+    let well_known = |lower: &Array2<Complex64>| lower.diag().iter().all(|pivot| pivot.norm_sqr() > tol::WELL_INFORMED);
+    let mut root = match cholesky(even.view()).ok().filter(well_known) {
+        Some(lower) => solve_lower_adjoint(lower.view(), Array2::eye(size.len()).view())?,
+        None => {
+            let (values, vectors) = eigh(even.view())?;
+            let kept: Vec<usize> = (0..values.len()).filter(|&c| values[c] > tol::UNINFORMED).collect();
+            Array2::from_shape_fn((values.len(), kept.len()), |(a, c)| vectors[[a, kept[c]]] / values[kept[c]].sqrt())
         }
-    }
-    let (values, vectors) = eigh(even.view())?;
-    let kept: Vec<usize> = (0..values.len()).filter(|&c| values[c] > tol::UNINFORMED).collect();
-    let half = Array2::from_shape_fn((values.len(), kept.len()), |(a, c)| vectors[[a, kept[c]]] * size[a] / values[kept[c]].sqrt());
-    Ok(matmul(half.view(), half.t().mapv(|v| v.conj()).view()))
+    };
+    root.rows_mut().into_iter().zip(size).for_each(|(mut row, size)| row.mapv_inplace(|v| v * size));
+    Ok(root)
 }

@@ -4,7 +4,7 @@
 use crate::cauchy::Cauchy;
 use crate::tolerances as tol;
 use crate::wide::wide_h;
-use chladni_linalg::{matmul, matmul_h};
+use chladni_linalg::{matmul, matmul_h, solve_hermitian, LinalgError};
 use ndarray::{s, Array2};
 use num_complex::Complex64;
 use std::ops::Range;
@@ -32,6 +32,17 @@ impl LineProducts {
         let n = all.nrows() / 2;
         let part = |rows: Range<usize>, columns: Range<usize>| all.slice(s![rows, columns]).to_owned();
         Self { ff: part(0..n, 0..n), fd: part(0..n, n..2 * n), dd: part(n..2 * n, n..2 * n) }
+    }
+
+    /// Inner products of the derivatives outside the columns.
+    ///
+    /// # Errors
+    /// A kernel that fails.
+    pub fn outside(&self) -> Result<Array2<Complex64>, LinalgError> {
+        let Self { ff, fd, dd } = self;
+        let mut free = ff.clone();
+        free.diag_mut().mapv_inplace(|v| v * (1.0 + tol::STRUCTURED_RIDGE) + f64::MIN_POSITIVE);
+        Ok(dd - &matmul_h(fd.view(), solve_hermitian(free.view(), fd.view())?.view()))
     }
 }
 

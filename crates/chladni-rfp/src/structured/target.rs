@@ -5,7 +5,7 @@ use super::tangent::LineProducts;
 use crate::alternation::add_product;
 use crate::cauchy::Cauchy;
 use crate::tolerances as tol;
-use crate::wide::{projected, tall_svd, wide_h, wide_mixed};
+use crate::wide::{projected, range, wide_h, wide_mixed};
 use crate::work::{basis, basis_derivative, Work};
 use chladni_linalg::{cholesky, matmul, solve_hermitian, LinalgError};
 use ndarray::{s, Array2, ArrayView2, Axis, Order, ShapeBuilder};
@@ -85,9 +85,7 @@ pub(crate) fn background(work: &Work, outside: &[Complex64], powers: &[i32]) -> 
         let norm = column.iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
         column.mapv_inplace(|v| v / norm);
     }
-    let (u, s) = tall_svd(all.view())?;
-    let kept: Vec<usize> = (0..s.len()).filter(|&i| s[i] > tol::FREE_RANK * s[0]).collect();
-    Ok(u.select(Axis(1), &kept))
+    range(all.view(), tol::FREE_RANK)
 }
 
 /// Products over lines at one set of poles: F the pole columns, D their derivatives, B the compressed data.
