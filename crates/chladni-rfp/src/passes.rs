@@ -42,11 +42,15 @@ pub(crate) fn compressed(
     let mut best = Pass::new(data, energy, start, history)?;
     let mut tried = Vec::new();
     for _ in 0..if sought { data.effort.extra_passes } else { 0 } {
-        if let Some(pole) = best.missed(data, &tried) {
+        if let Some((pole, vague)) = best.missed(data, &tried) {
             tried.push(pole);
             let mut more = best.refined.lambda.clone();
             more.push(pole);
             let more = refine(sketch, &more, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
+            let there = [pole, *more.lambda.last().expect("one was added")];
+            if vague && !best.shares(data, &there).iter().any(|share| *share > tol::CONFIRMED_REFINED) {
+                continue;
+            }
             let with = Pass::new(data, energy, &more, history)?;
             // the same poles on columns that one more pole helped to choose: nothing is learned
             if !same(&with.refined.lambda, &best.refined.lambda) {
@@ -94,16 +98,33 @@ impl Pass {
     }
 
     /// Where a mode that the sketch did not show stands out of the residual over all FRFs, or out of the compressed columns.
-    fn missed(&self, data: &Screened, tried: &[Complex64]) -> Option<Complex64> {
-        let Self { projected, refined, variance, scanned, .. } = self;
+    /// True where the whole of it is still to be confirmed.
+    fn missed(&self, data: &Screened, tried: &[Complex64]) -> Option<(Complex64, bool)> {
+        let Self { projected, variance, scanned, .. } = self;
         let (work, frfs) = (&projected.work, data.pairs.len());
         let peak = self.stands_out(data);
         if peak.is_some() || work.columns() >= frfs {
-            return peak;
+            return peak.map(|peak| (peak, false));
         }
         let mut places = scanned.beyond(threshold(work.columns(), work.lines()) * variance, tried);
         places.truncate(tol::PLACES);
-        confirmed(data, work, refined, *variance, &places)
+        places.iter().zip(self.shares(data, &places)).find(|(_, share)| *share > tol::CONFIRMED).map(|(pole, _)| (*pole, true))
+    }
+
+    /// What a pole at each of the `places` takes out of all FRFs beyond their noise, as part of what a pole of the model must. A pass with
+    /// that pole in the basis would have the last word, and costs far more.
+    fn shares(&self, data: &Screened, places: &[Complex64]) -> Vec<f64> {
+        if places.is_empty() {
+            return Vec::new();
+        }
+        let (_, mut outside) = projected(self.refined.projection.q.view(), basis(&self.projected.work, places, &[]).view());
+        for mut column in outside.columns_mut() {
+            let norm = column.iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt();
+            column.mapv_inplace(|v| v / norm);
+        }
+        let frfs = data.pairs.len();
+        let needed = threshold(frfs, data.lines.len()) - frfs as f64;
+        energies(data, &outside).into_iter().map(|energy| (energy / self.variance - frfs as f64) / needed).collect()
     }
 }
 
@@ -125,21 +146,4 @@ fn full_variance(data: &Head, projected: &Projected, refined: &Refined) -> f64 {
     let dof = (data.lines.len() - refined.unknowns().min(data.lines.len() - 1)) * data.pairs.len();
     let left = projected.line_residual(&refined.projection.residual).sum();
     (left / (dof as f64 - refined.lambda.len() as f64).max(1.0)).max(1e-30)
-}
-
-/// The first of the `places` where compressed columns show a pole that all FRFs may confirm: with their noise, what it takes out of
-/// them comes near what a pole of the model must. A pass with that pole in the basis would have the last word, and costs far more.
-fn confirmed(data: &Screened, work: &Work, refined: &Refined, variance: f64, places: &[Complex64]) -> Option<Complex64> {
-    if places.is_empty() {
-        return None;
-    }
-    let (_, mut outside) = projected(refined.projection.q.view(), basis(work, places, &[]).view());
-    for mut column in outside.columns_mut() {
-        let norm = column.iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt();
-        column.mapv_inplace(|v| v / norm);
-    }
-    let frfs = data.pairs.len();
-    let over_noise = |energy: f64| energy / variance - frfs as f64;
-    let needed = tol::CONFIRMED * (threshold(frfs, work.lines()) - frfs as f64);
-    places.iter().zip(energies(data, &outside)).find(|(_, energy)| over_noise(*energy) > needed).map(|(pole, _)| *pole)
 }

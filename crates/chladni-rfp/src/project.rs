@@ -9,9 +9,9 @@ use crate::reading::squares;
 use crate::refine::Projection;
 use crate::screen::Screened;
 use crate::tolerances as tol;
-use crate::wide::{tree_sum, wide_h};
+use crate::wide::{tree_sum, wide, wide_h};
 use crate::work::Work;
-use chladni_linalg::{add_matmul, add_matmul_h, eigh, matmul, LinalgError};
+use chladni_linalg::{add_matmul, add_matmul_h, cholesky, eigh, solve_lower_adjoint, LinalgError};
 use ndarray::{s, Array1, Array2, ArrayViewMut2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use std::ops::Range;
@@ -34,16 +34,12 @@ impl Projected {
     /// A decomposition that fails.
     pub fn new(data: &Head, products: Products, line_energy: &Array1<f64>) -> Result<Self, LinalgError> {
         let Products { t, gram, r0, .. } = products;
-        let (lines, m) = (data.lines.len(), gram.nrows());
+        let lines = data.lines.len();
         let factor = data.factor();
-        // G^{-1/2} on the directions that carry anything
-        let (values, vectors) = eigh(gram.view())?;
-        let largest = values.last().copied().unwrap_or(0.0);
-        let kept: Vec<usize> = (0..m).filter(|&i| values[i] > tol::GRAM_ROUNDING * largest).collect();
-        let half = Array2::from_shape_fn((m, kept.len()).f(), |(i, c)| vectors[[i, kept[c]]] / values[kept[c]].sqrt());
-        let columns = matmul(t.view(), half.view());
-        let b =
-            Array2::from_shape_fn((lines, kept.len()).f(), |(k, c)| factor * Complex64::new(columns[[2 * k, c]], columns[[2 * k + 1, c]]));
+        let half = inverse_root(&gram)?;
+        let columns = wide(t.view(), half.view());
+        let complex = |(k, c): (usize, usize)| factor * Complex64::new(columns[[2 * k, c]], columns[[2 * k + 1, c]]);
+        let b = Array2::from_shape_fn((lines, half.ncols()).f(), complex);
         let mut beyond = line_energy.clone();
         add_energy(&mut beyond, &b, -1.0);
         beyond.mapv_inplace(|energy| energy.max(0.0));
@@ -66,6 +62,18 @@ impl Projected {
         add_energy(&mut energy, residual, 1.0);
         energy
     }
+}
+
+/// G^{-1/2} in the directions that carry anything, turned in whatever way comes cheapest.
+fn inverse_root(gram: &Array2<f64>) -> Result<Array2<f64>, LinalgError> {
+    let carries_all = |lower: &Array2<f64>| lower.diag().iter().zip(gram.diag()).all(|(pivot, all)| pivot * pivot > tol::GRAM_SOUND * all);
+    if let Some(lower) = cholesky(gram.view()).ok().filter(carries_all) {
+        return solve_lower_adjoint(lower.view(), Array2::eye(gram.nrows()).view());
+    }
+    let (values, vectors) = eigh(gram.view())?;
+    let largest = values.last().copied().unwrap_or(0.0);
+    let kept: Vec<usize> = (0..values.len()).filter(|&i| values[i] > tol::GRAM_ROUNDING * largest).collect();
+    Ok(Array2::from_shape_fn((values.len(), kept.len()).f(), |(i, c)| vectors[[i, kept[c]]] / values[kept[c]].sqrt()))
 }
 
 /// Adds `sign` times the energy of each row.

@@ -174,7 +174,10 @@ fn on_orthonormal_basis(mut descent: Descent, ended: bool, tolerance: f64) -> Re
 impl Refined {
     /// Gauss–Newton matrix (DᴴP⊥D)∘(R̄Rᵀ), (n, n), on the lines and columns of the refinement.
     pub fn information(&self, work: &Work) -> Array2<Complex64> {
-        newton_system(work, &self.lambda, &self.projection, &self.coefficients).0
+        match Normal::at(work, work.energy(), &self.lambda, &self.powers) {
+            Some(normal) => normal.system(work, &self.lambda).0,
+            None => newton_system(work, &self.lambda, &self.projection, &self.coefficients).0,
+        }
     }
     /// Number of unknown columns m.
     pub fn unknowns(&self) -> usize {

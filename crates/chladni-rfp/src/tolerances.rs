@@ -43,6 +43,8 @@ pub(crate) const PROMISED: f64 = 1e-8;
 /// Part of the residual's energy that the rounding of normal equations may reach: a thousandth of the noise of one value in a set of
 /// some 10⁵.
 pub(crate) const NORMAL_ROUNDING: f64 = 1e-8;
+/// Part of a derivative outside the columns (its square) that normal equations still tell from rounding.
+pub(crate) const DERIVATIVE_OUTSIDE: f64 = 1e-9;
 /// Steps after which a pool is thinned again: poles of noise are told from others long before they stand still.
 pub(crate) const THINNING_STEPS: usize = 2;
 /// Times that this may take none out before the pool counts as thinned.
@@ -52,6 +54,8 @@ pub(crate) const SPIKE_SPACINGS: f64 = 0.2;
 /// What a place must take out of all FRFs beyond their noise, as part of what a pole there would have to, before a pass is spent on it:
 /// the place is not refined yet, and sees at least this much of a mode next to it.
 pub(crate) const CONFIRMED: f64 = 0.5;
+/// The same of a place that the sketch has refined, before a whole pass is made for it: it sees nearly all of a mode.
+pub(crate) const CONFIRMED_REFINED: f64 = 0.9;
 /// Most places that one such look asks for.
 pub(crate) const PLACES: usize = 16;
 /// Distance in half-bandwidths within which two passes found the same pole.
@@ -123,6 +127,8 @@ pub(crate) const CONJUGATE_SHARE: f64 = 0.25;
 /// Directions of the second pass weaker than this part of the strongest (in energy) are rounding: the Gram matrix holds
 /// them to about 1e-16 of it.
 pub(crate) const GRAM_ROUNDING: f64 = 1e-13;
+/// Part of a direction of the second pass outside those before it from which on none is near rounding.
+pub(crate) const GRAM_SOUND: f64 = 1e-6;
 /// Singular values of the columns that stay free in every pair, relative to the largest, below which a direction is rounding.
 pub(crate) const FREE_RANK: f64 = 1e-10;
 /// Modes farther apart than this many half-bandwidths are stepped apart: their columns share a tenth of their energy, which
@@ -153,6 +159,8 @@ pub(crate) const STRUCTURED_RIDGE: f64 = 1e-11;
 pub(crate) const LARGER_POOL_GAIN: f64 = 1e-2;
 /// Share of the data's energy below which a residual is rounding and need not be white: −140 dB, what no converter resolves.
 pub(crate) const EXPLAINED: f64 = 1e-14;
+/// The same where only a sum of squares is asked for.
+pub(crate) const STRUCTURED_ROUGH_STEP: f64 = 1e-4;
 /// Step, in half-bandwidths, that ends structured refinement: clusters stepped apart converge linearly, so the error left is of
 /// the step's own size.
 pub(crate) const STRUCTURED_FINE_STEP: f64 = 1e-11;

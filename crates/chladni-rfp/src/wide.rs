@@ -6,7 +6,7 @@ use ndarray::{s, Array1, Array2, ArrayView2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-/// Least columns per block: fewer, and packing the left side again for each block costs more than the threads bring.
+/// Columns of a block, about: fewer, and packing the left side again for each block costs more than the threads bring.
 const LEAST: usize = 24;
 /// Most blocks.
 const MOST: usize = 64;
@@ -15,12 +15,12 @@ const ROW_BLOCKS: usize = 4;
 /// Multiplications below which one thread is faster than many.
 const SMALL: usize = 1 << 16;
 
-/// Columns per block of a product with `columns` columns and so many multiplications in all.
+/// Columns per block of a product with `columns` columns and so many multiplications in all: blocks of nearly one size.
 fn block(columns: usize, multiplications: usize) -> usize {
     if multiplications < SMALL {
         columns.max(1)
     } else {
-        columns.div_ceil(MOST).max(LEAST)
+        columns.div_ceil(columns.div_ceil(LEAST).clamp(1, MOST)).max(1)
     }
 }
 

@@ -15,7 +15,7 @@ const FAR: f64 = 8.0;
 const SHARE_MOST: f64 = 0.25;
 /// Stencils of five lines that the noise is estimated from: in all, and of one FRF. 16 give it to a quarter, and many FRFs together
 /// still cost far less than a pass over the data.
-const STENCILS_IN_ALL: usize = 200_000;
+const STENCILS_IN_ALL: usize = 50_000;
 const STENCILS: (usize, usize) = (16, 200);
 
 /// Positions in `pairs` of FRFs far noisier than the others on `lines`.

@@ -20,7 +20,7 @@ use crate::structure::{beyond_chance, strongest};
 use crate::tolerances as tol;
 use chladni_linalg::LinalgError;
 use ndarray::{Array1, Array2, Axis, ShapeBuilder};
-use newton::State;
+use newton::{Enough, State};
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -114,12 +114,12 @@ fn searched(
 
     let mut state = State::new(target, inside.clone(), leading_participations(&residues, target.sides)?, false)?;
     if sides[1] > 1 || asked == ShapeModel::Rank1 {
-        state = state.refined(target, tol::REFINE_FINE, tol::STRUCTURED_FINE_STEP);
+        state = state.refined(target, Enough::SumOfSquares(variance));
     }
     let found_free = state.lambda.len();
     if asked == ShapeModel::Auto && !fixed_order && sides[1] > 1 {
         let limit = threshold(sides[0] + sides[1], work.lines()) * variance;
-        state = grown(target, state, limit, &|state| chance(rank_one(state)))?;
+        state = grown(target, state, limit, Enough::SumOfSquares(variance), &|state| chance(rank_one(state)))?;
         state = shed(target, state, variance, limit);
     }
     let sigmas = rank_one(&state);
@@ -137,7 +137,7 @@ fn searched(
     let phases = state.lambda.len() * (sides[0] + sides[1] - 1);
     if asked != ShapeModel::Rank1 {
         let start = State::new(target, state.lambda.clone(), state.participation.clone(), true)?;
-        let real = start.refined(target, tol::REFINE_FINE, tol::STRUCTURED_FINE_STEP);
+        let real = start.refined(target, Enough::Fine);
         let sigmas = beyond_chance(real.sse - state.sse, phases, variance, rounding);
         if asked == ShapeModel::Real || chance(sigmas) {
             evidence += &format!(", real ({sigmas:+.1} sigma)");
@@ -145,6 +145,9 @@ fn searched(
         } else if sides[1] == 1 {
             return Ok(Search::Inapplicable);
         }
+    }
+    if !state.real {
+        state = state.refined(target, Enough::Fine);
     }
     let (real, sse) = (state.real, state.sse);
     let poles = merged([target, &whole], state, variance, swapped)?;
@@ -181,7 +184,7 @@ fn leading_participations(residues: &Array2<Complex64>, sides: [usize; 2]) -> Re
 }
 
 /// Adds modes while the structure does not hold and one more takes more than `limit` out of the sum of squares.
-fn grown(target: &Target, mut state: State, limit: f64, holds: &dyn Fn(&State) -> bool) -> Result<State, LinalgError> {
+fn grown(target: &Target, mut state: State, limit: f64, settled: Enough, holds: &dyn Fn(&State) -> bool) -> Result<State, LinalgError> {
     for _ in 0..tol::GROWTH_MOST {
         if holds(&state) {
             break;
@@ -192,14 +195,14 @@ fn grown(target: &Target, mut state: State, limit: f64, holds: &dyn Fn(&State) -
         let mut participation = state.participation.clone();
         participation.push(Axis(0), along.view()).expect("one value per reference");
         let Ok(more) = State::new(target, lambda, participation, false) else { break };
-        let more = more.refined(target, tol::REFINE_FINE, tol::ROUGH_STEP);
+        let more = more.refined(target, Enough::Rough);
         let physical = more.lambda.iter().all(|l| l.im > tol::SPIKE_SPACINGS * target.work.spacing(l.re));
         if !physical || state.sse - more.sse < limit {
             break;
         }
         state = more;
     }
-    Ok(state.refined(target, tol::REFINE_FINE, tol::STRUCTURED_FINE_STEP))
+    Ok(state.refined(target, settled))
 }
 
 /// Takes out modes that are uncertain because the others explain the data as well without them: to `limit` of the sum of squares.
@@ -212,7 +215,7 @@ fn shed(target: &Target, mut state: State, variance: f64, limit: f64) -> State {
         let kept: Vec<usize> = (0..state.lambda.len()).filter(|&m| m != n).collect();
         let lambda = kept.iter().map(|&m| state.lambda[m]).collect();
         let Ok(fewer) = State::new(target, lambda, state.participation.select(Axis(0), &kept), state.real) else { continue };
-        let fewer = fewer.refined(target, tol::REFINE_FINE, tol::STRUCTURED_FINE_STEP);
+        let fewer = fewer.refined(target, Enough::Fine);
         if fewer.sse - state.sse < limit {
             spread = fewer.spread();
             state = fewer;

@@ -16,6 +16,29 @@ fn conjugate(a: &Array2<Complex64>) -> Array2<Complex64> {
     a.mapv(|v| v.conj())
 }
 
+/// Where a search ends.
+#[derive(Clone, Copy)]
+pub(super) enum Enough {
+    /// At the last digits.
+    Fine,
+    /// Where it is known whether the structure holds: the sum of squares, to this much.
+    SumOfSquares(f64),
+    /// Where a mode shows, or does not.
+    Rough,
+}
+
+impl Enough {
+    /// `largest`: step in half-bandwidths; `drop`: of the sum of squares by it.
+    fn is_reached(self, largest: f64, drop: f64) -> bool {
+        let step = match self {
+            Self::SumOfSquares(least) if drop < least => tol::STRUCTURED_ROUGH_STEP,
+            Self::Fine | Self::SumOfSquares(_) => tol::STRUCTURED_FINE_STEP,
+            Self::Rough => tol::ROUGH_STEP,
+        };
+        largest < step
+    }
+}
+
 /// A point of the search.
 pub(super) struct State {
     /// Poles, rising in Re λ is not required.
@@ -151,25 +174,26 @@ impl State {
         Ok((Self::new(target, lambda, participation, self.real)?, largest))
     }
 
-    /// Gauss–Newton with Levenberg–Marquardt damping until the largest step is `tolerance` of a half-bandwidth. Short steps keep the
-    /// matrices of the step before: they hardly change, and cost more than all else.
-    pub fn refined(mut self, target: &Target, iterations: usize, tolerance: f64) -> Self {
+    /// Gauss–Newton with Levenberg–Marquardt damping until it is [`Enough`]. Short steps keep the matrices of the step before: they
+    /// hardly change, and cost more than all else.
+    pub fn refined(mut self, target: &Target, enough: Enough) -> Self {
         let mut damping = tol::LM_START;
         let mut clusters = None;
         // the sum of squares is a difference of large numbers: near the end its rounding must not refuse good steps
         let rounding = tol::STEP_ROUNDING * target.energy;
-        for _ in 0..iterations {
+        for _ in 0..tol::REFINE_FINE {
             let factored = clusters.take().map_or_else(|| self.factored(damping), Ok);
             match factored.and_then(|clusters| Ok((self.stepped(target, &clusters)?, clusters))) {
                 Ok(((next, largest), kept)) if next.sse <= self.sse + rounding => {
+                    let drop = self.sse - next.sse;
                     clusters = (largest < tol::MATRIX_KEPT && next.pivot == self.pivot).then_some(kept);
                     self = next;
                     damping *= 0.1;
-                    if largest < tolerance {
+                    if enough.is_reached(largest, drop) {
                         break;
                     }
                 }
-                Ok(((_, largest), _)) if largest < tolerance => break,
+                Ok(((_, largest), _)) if largest < tol::STRUCTURED_FINE_STEP => break,
                 _ => {
                     damping = (damping * 10.0).max(1e-6);
                     if damping > tol::LM_GIVE_UP {
