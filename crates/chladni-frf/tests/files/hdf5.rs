@@ -83,8 +83,8 @@ fn parts_hold_the_values_of_their_rows_whatever_memory_they_are_read_into() {
         let (_folder, path) = folder_with("set.h5");
         write_frf(&path, &set, false).unwrap();
         let data = FrfParts::open(&[path], &ReadOptions::default()).unwrap();
-        let parts = data.parts(400_000).unwrap();
-        assert!(parts.len() > 1 && 41 % parts.len() > 0, "{}", parts.len());
+        let parts = data.parts(300_000).unwrap();
+        assert!(parts.len() > 1, "{}", parts.len());
         let of_other_kinds = [FrfValues::F64(Array3::zeros((1, 1, 7))), FrfValues::F32(Array3::zeros((50, 2, 500)))].map(Some);
         for mut spare in of_other_kinds.into_iter().chain([None]) {
             let mut first = 0;
