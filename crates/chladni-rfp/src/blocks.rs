@@ -1,6 +1,6 @@
 //! Passes over the data, FRF by FRF: groups that run side by side, each read block by block.
 
-use crate::reading::{squares, visit};
+use crate::reading::{in_place, squares, visit};
 use crate::screen::Screened;
 use crate::tolerances as tol;
 use chladni_frf::FrfValues;
@@ -24,11 +24,18 @@ impl Screened<'_> {
 
     /// Reads a group: `see` is given a range of FRFs and their values, (real and imaginary part of each line in turn, FRF), not yet in work
     /// units.
-    pub fn each_block(&self, group: Range<usize>, see: impl FnMut(Range<usize>, ArrayViewMut2<f64>)) {
-        self.each_block_of(&self.frf.values, group, see);
+    pub fn each_block(&self, group: Range<usize>, mut see: impl FnMut(Range<usize>, ArrayView2<f64>)) {
+        for first in group.clone().step_by(tol::BLOCK_FRFS) {
+            let frfs = first..(first + tol::BLOCK_FRFS).min(group.end);
+            match in_place(&self.frf.values, &self.pairs[frfs.clone()], &self.lines) {
+                Some(block) => see(frfs, block),
+                None => self.each_copy(&self.frf.values, frfs, |frfs, block| see(frfs, block.view())),
+            }
+        }
     }
 
-    fn each_block_of(&self, values: &FrfValues, group: Range<usize>, mut see: impl FnMut(Range<usize>, ArrayViewMut2<f64>)) {
+    /// The same with blocks that can be changed.
+    fn each_copy(&self, values: &FrfValues, group: Range<usize>, mut see: impl FnMut(Range<usize>, ArrayViewMut2<f64>)) {
         let rows = 2 * self.lines.len();
         let mut scratch = vec![0.0; rows * tol::BLOCK_FRFS.min(group.len())];
         for first in group.clone().step_by(tol::BLOCK_FRFS) {
@@ -59,7 +66,7 @@ impl Screened<'_> {
         let of_group = |group: Range<usize>| {
             let mut factors = vec![0.0; columns * tol::BLOCK_FRFS];
             let mut sums = Vec::with_capacity(group.len());
-            self.each_block_of(&self.measured().values, group, |frfs, mut left| {
+            self.each_copy(&self.measured().values, group, |frfs, mut left| {
                 let factors = &mut factors[..columns * frfs.len()];
                 factors.fill(0.0);
                 factors.chunks_exact_mut(columns.max(1)).zip(frfs.clone()).for_each(|(own, l)| coefficients(l, own));

@@ -5,7 +5,6 @@
 //! signal-to-noise ratio of the whole set, and the residues of any nearby poles follow from them.
 
 use crate::head::Head;
-use crate::reading::squares;
 use crate::refine::Projection;
 use crate::screen::Screened;
 use crate::tolerances as tol;
@@ -33,7 +32,7 @@ impl Projected {
     /// # Errors
     /// A decomposition that fails.
     pub fn new(data: &Head, products: Products, line_energy: &Array1<f64>) -> Result<Self, LinalgError> {
-        let Products { t, gram, r0, .. } = products;
+        let Products { t, gram, r0 } = products;
         let lines = data.lines.len();
         let factor = data.factor();
         let half = inverse_root(&gram)?;
@@ -106,39 +105,32 @@ pub(crate) struct Products {
     pub gram: Array2<f64>,
     /// R₀ = QᴴB over the reals, (unknown, FRF).
     pub r0: Array2<f64>,
-    /// Sum of squares of each FRF, in units of the measured values.
-    pub energy: Vec<f64>,
 }
 
 /// Runs the pass with basis `q` on all FRFs; `line_energy` comes from the first pass.
 pub(crate) fn project(data: &Screened, q: &Array2<Complex64>, line_energy: &Array1<f64>) -> Result<Projected, LinalgError> {
-    Projected::new(data, products(data, q), line_energy)
+    Projected::new(data, products(data, &measured_basis(data, q)), line_energy)
 }
 
-/// The pass itself.
-pub(crate) fn products(data: &Screened, q: &Array2<Complex64>) -> Products {
-    let (lines, total, m) = (data.lines.len(), data.pairs.len(), 2 * q.ncols());
-    let basis = measured_basis(data, q);
+/// The pass itself, with a [`measured_basis`].
+pub(crate) fn products(data: &Screened, basis: &Array2<f64>) -> Products {
+    let (lines, total, m) = (data.lines.len(), data.pairs.len(), basis.ncols());
     let mut r0 = Array2::zeros((m, total).f());
     let groups: Vec<_> = data.groups().into_iter().zip(r0.axis_chunks_iter_mut(Axis(1), data.group_size())).collect();
     let sums = |(group, mut r0): (Range<usize>, ArrayViewMut2<f64>)| {
         let (mut t, mut gram) = (Array2::zeros((2 * lines, m).f()), Array2::zeros((m, m).f()));
-        let mut energy = Vec::with_capacity(group.len());
         let start = group.start;
         data.each_block(group, |frfs, block| {
             let mut inside = r0.slice_mut(s![.., frfs.start - start..frfs.end - start]);
             add_matmul_h(inside.view_mut(), basis.view(), block.view());
             add_matmul(t.view_mut(), block.view(), inside.t());
             add_matmul(gram.view_mut(), inside.view(), inside.t());
-            energy.extend(block.columns().into_iter().map(|frf| squares(frf.to_slice().expect("one FRF after the other"))));
         });
-        (t, gram, energy)
+        (t, gram)
     };
-    let add = |left: (Array2<f64>, Array2<f64>, Vec<f64>), right: (Array2<f64>, Array2<f64>, Vec<f64>)| {
-        (left.0 + right.0, left.1 + right.1, [left.2, right.2].concat())
-    };
-    let (t, gram, energy) = tree_sum(groups, &sums, &add);
-    Products { t, gram, r0, energy }
+    let add = |left: (Array2<f64>, Array2<f64>), right: (Array2<f64>, Array2<f64>)| (left.0 + right.0, left.1 + right.1);
+    let (t, gram) = tree_sum(groups, &sums, &add);
+    Products { t, gram, r0 }
 }
 
 /// Energy Σ|qᴴb|² that each column of `q` sees of all FRFs: a light pass.
@@ -159,7 +151,7 @@ pub(crate) fn energies(data: &Screened, q: &Array2<Complex64>) -> Vec<f64> {
 }
 
 /// The basis over the reals as it meets values in the measured kind: the factor to work units waits until all is small.
-fn measured_basis(data: &Head, q: &Array2<Complex64>) -> Array2<f64> {
+pub(crate) fn measured_basis(data: &Head, q: &Array2<Complex64>) -> Array2<f64> {
     let factor = data.factor();
     real_basis(&q.mapv(|v| v * factor.conj()))
 }

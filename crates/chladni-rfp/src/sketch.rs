@@ -1,6 +1,6 @@
 //! First pass over the data: the count sketch (theory.md, eq. 6), and with it the energy of each line and each FRF.
 
-use crate::reading::visit;
+use crate::reading::{in_place, visit};
 use chladni_frf::FrfValues;
 use ndarray::{Array1, Array2, Axis, ShapeBuilder};
 use num_complex::Complex64;
@@ -56,15 +56,20 @@ const LANES: usize = 8;
 #[inline(never)]
 fn add(column: &mut [f64], energy: &mut [f64], frf: &[f64], sign: f64) -> f64 {
     let mut sums = [0.0; LANES];
-    let (columns, energies) = (column.as_chunks_mut::<LANES>().0, energy.as_chunks_mut::<LANES>().0);
-    for ((column, energy), frf) in columns.iter_mut().zip(energies).zip(frf.as_chunks::<LANES>().0) {
-        for i in 0..LANES {
-            let square = frf[i] * frf[i];
-            column[i] += sign * frf[i];
-            energy[i] += square;
-            sums[i] += square;
+    let mut lanes = |column: &mut [f64], energy: &mut [f64], frf: &[f64]| {
+        for (((sum, column), energy), value) in sums.iter_mut().zip(column).zip(energy).zip(frf) {
+            let square = value * value;
+            *column += sign * value;
+            *energy += square;
+            *sum += square;
         }
+    };
+    let ((columns, last_column), (energies, last_energy)) = (column.as_chunks_mut::<LANES>(), energy.as_chunks_mut::<LANES>());
+    let (frfs, last_frf) = frf.as_chunks::<LANES>();
+    for ((column, energy), frf) in columns.iter_mut().zip(energies).zip(frfs) {
+        lanes(column, energy, frf);
     }
+    lanes(last_column, last_energy, last_frf);
     sums.iter().sum()
 }
 
@@ -73,14 +78,20 @@ impl Sums {
     pub fn new(values: &FrfValues, pairs: &[(usize, usize)], lines: &[usize], mixing: &Mixing) -> Self {
         let mut frfs_of = vec![Vec::new(); mixing.width];
         mixing.column.iter().enumerate().for_each(|(l, &column)| frfs_of[column].push(l));
-        // real and imaginary parts in turn, filled up with zeros
-        let size = (2 * lines.len()).next_multiple_of(LANES);
+        // real and imaginary parts in turn
+        let size = 2 * lines.len();
         let of_column = |frfs: &Vec<usize>| {
-            let (mut column, mut energy, mut frf) = (vec![0.0; size], vec![0.0; size], vec![0.0; size]);
+            let (mut column, mut energy, mut copy) = (vec![0.0; size], vec![0.0; size], vec![0.0; size]);
             let mut of_frfs = Vec::with_capacity(frfs.len());
             for &l in frfs {
-                visit(values, pairs[l], lines, frf.chunks_exact_mut(2), |out, value| (out[0], out[1]) = (value.re, value.im));
-                of_frfs.push((l, add(&mut column, &mut energy, &frf, mixing.sign[l])));
+                let frf = match in_place(values, &pairs[l..=l], lines).and_then(|frf| frf.to_slice_memory_order()) {
+                    Some(frf) => frf,
+                    None => {
+                        visit(values, pairs[l], lines, copy.chunks_exact_mut(2), |out, value| (out[0], out[1]) = (value.re, value.im));
+                        &copy
+                    }
+                };
+                of_frfs.push((l, add(&mut column, &mut energy, frf, mixing.sign[l])));
             }
             (column, energy, of_frfs)
         };

@@ -6,7 +6,7 @@ use crate::console::Console;
 use crate::fit::explain;
 use crate::input::source;
 use chladni_frf::io::{FrfParts, Part};
-use chladni_frf::{Error, ErrorKind, FrfSet, Result, Source};
+use chladni_frf::{Error, ErrorKind, FrfValues, Result, Source};
 use chladni_rfp::pieces::{solve, Partial, PieceError, Poles, Reducer, Solved};
 use chladni_rfp::{Fit, FitOptions};
 pub use resume::Resume;
@@ -15,10 +15,12 @@ use std::sync::mpsc::sync_channel;
 use std::thread;
 use std::time::Instant;
 
-/// Parts that fit into the memory allowed: two are held at a time, and what the passes leave needs room beside them.
+/// Parts that fit into the memory allowed: as many as there are lanes are held, and what the passes leave needs room beside them.
 const PARTS_OF_MEMORY: u64 = 32;
-/// Bytes of a part beyond which larger ones are slower: memory of more is given back to the system after each, and cleared for the next.
+/// Bytes of a part beyond which larger ones are no faster: merging costs less, memory that no part was in yet more (16, 32 and 64 MiB).
 const PART_MOST: u64 = 16 << 20;
+/// Parts at work at a time: while one is read or merged, the other is reduced.
+const LANES: usize = 2;
 /// Most parts of a pilot, and of how many parts it takes one.
 const PILOT_PARTS: usize = 8;
 const PILOT_SHARE: usize = 16;
@@ -59,28 +61,33 @@ impl<'a> Stream<'a> {
     /// Those of reading, of a fit that cannot be made, and of keeping what was done.
     pub fn pass(&self, reducer: &Reducer, before: Option<Partial>, resume: &mut Resume) -> Result<Partial> {
         self.console.stage(if reducer.is_second() { "second pass over the data" } else { "first pass over the data" });
-        let held = |number: usize| before.as_ref().is_some_and(|before| before.holds(number as u64));
-        let open: Vec<(usize, &Part)> = self.parts.iter().enumerate().filter(|(number, _)| !held(*number)).collect();
+        let held = |number: u64| before.as_ref().is_some_and(|before| before.holds(number));
+        let open: Vec<(u64, &Part)> = (0..).zip(&self.parts).filter(|(number, _)| !held(*number)).collect();
         let all: f64 = open.iter().map(|(_, part)| self.data.part_bytes(part) as f64).sum();
         let (start, mut done) = (Instant::now(), 0.0);
         let mut merged = before;
         thread::scope(|scope| {
-            let (sender, receiver) = sync_channel::<(usize, &Part, Result<(FrfSet, Vec<String>)>)>(0);
-            let data = &self.data;
-            scope.spawn(move || {
-                for (number, part) in open {
-                    if sender.send((number, part, data.read(part))).is_err() {
-                        break;
+            let lane = |first: usize| {
+                let (sender, receiver) = sync_channel(1);
+                let (open, data, options) = (&open, &self.data, self.options);
+                scope.spawn(move || {
+                    let mut spare = None;
+                    for part in open.iter().skip(first).step_by(LANES) {
+                        if sender.send(reduced(data, options, reducer, part, &mut spare)).is_err() {
+                            break;
+                        }
                     }
-                }
-            });
-            for (number, part, read) in receiver {
+                });
+                receiver
+            };
+            let lanes: [_; LANES] = std::array::from_fn(lane);
+            // taken in turn: what is said comes in the order of the data
+            for ((_, part), lane) in open.iter().zip(lanes.iter().cycle()) {
                 let file = self.data.file(part);
-                let (frf, warnings) = read?;
+                let Ok(made) = lane.recv() else { break }; // it panicked: so does the scope
+                let (partial, warnings) = made?;
                 self.console.warn_all(warnings);
-                frf.known_kind().map_err(|error| error.file(file))?;
-                let partial = reducer.block(&frf, number as u64, Vec::new()).map_err(|error| self.explained(error, file))?;
-                drop(frf);
+                let partial = partial?;
                 merged = Some(match merged.take() {
                     Some(merged) => Partial::merge([merged, partial]).map_err(|error| error.file(file))?,
                     None => partial,
@@ -128,8 +135,9 @@ impl<'a> Stream<'a> {
         self.console.stage("pilot");
         let reducer = Reducer::new(self.options, None).ok()?;
         let step = self.parts.len().div_ceil(PILOT_PARTS).max(PILOT_SHARE);
-        let reduced = |(number, part): (usize, &Part)| reducer.block(&self.data.read(part).ok()?.0, number as u64, Vec::new()).ok();
-        let partials: Option<Vec<Partial>> = self.parts.iter().enumerate().skip(step / 2).step_by(step).map(reduced).collect();
+        let mut spare = None;
+        let mut partial = |part: (u64, &Part)| reduced(&self.data, self.options, &reducer, &part, &mut spare).ok()?.0.ok();
+        let partials: Option<Vec<Partial>> = (0..).zip(&self.parts).skip(step / 2).step_by(step).map(&mut partial).collect();
         match solve(&Partial::merge(partials?).ok()?, self.options, &|_| ()).ok()? {
             Solved::Poles(poles) => Some(*poles),
             Solved::Fit(_) => None,
@@ -139,6 +147,24 @@ impl<'a> Stream<'a> {
     fn explained(&self, error: PieceError, file: &Path) -> Error {
         explain_piece(error, self.options, file)
     }
+}
+
+/// Reads a part and reduces it, and what is to be said of it; `spare` goes from part to part, so that memory need not be cleared for each.
+fn reduced(
+    data: &FrfParts,
+    options: &FitOptions,
+    reducer: &Reducer,
+    (number, part): &(u64, &Part),
+    spare: &mut Option<FrfValues>,
+) -> Result<(Result<Partial>, Vec<String>)> {
+    let (frf, warnings) = data.read(part, spare.take())?;
+    let file = data.file(part);
+    let partial = match frf.known_kind() {
+        Ok(_) => reducer.block(&frf, *number, Vec::new()).map_err(|error| explain_piece(error, options, file)),
+        Err(error) => Err(error.file(file)),
+    };
+    *spare = Some(frf.values);
+    Ok((partial, warnings))
 }
 
 /// A piece that cannot be made or solved, in words of the file and the options.

@@ -5,7 +5,7 @@
 
 use super::assemble;
 use super::{detect_format, hdf5, read_documents, uff, FileFormat, ReadOptions};
-use crate::{Error, FrfSet, Result};
+use crate::{Error, FrfSet, FrfValues, Result};
 use std::fs;
 use std::io::{Read, Seek, SeekFrom};
 use std::ops::Range;
@@ -152,15 +152,17 @@ impl FrfParts {
 
     /// The FRFs of a part, and what is to be said of them.
     ///
+    /// * `spare`: values of another part that is done with: their memory is read into where that is possible, and need not be cleared
+    ///
     /// # Errors
     /// Those of reading; [`crate::ErrorKind::BadData`] where it holds no FRF.
-    pub fn read(&self, part: &Part) -> Result<(FrfSet, Vec<String>)> {
+    pub fn read(&self, part: &Part, spare: Option<FrfValues>) -> Result<(FrfSet, Vec<String>)> {
         let file = &self.files[part.file];
         let mut options = self.options.clone();
         if options.references.len() > 1 {
             options.references = options.references.get(file.number).copied().into_iter().collect();
         }
-        Self::read_of(file, &options, &part.units).map_err(|mut error| {
+        Self::read_of(file, &options, &part.units, spare).map_err(|mut error| {
             // lines of a part are not those of the file
             if let Cut::Functions { functions, .. } = &file.cut {
                 error.line = None;
@@ -170,10 +172,10 @@ impl FrfParts {
         })
     }
 
-    fn read_of(file: &Parted, options: &ReadOptions, units: &Range<usize>) -> Result<(FrfSet, Vec<String>)> {
+    fn read_of(file: &Parted, options: &ReadOptions, units: &Range<usize>, spare: Option<FrfValues>) -> Result<(FrfSet, Vec<String>)> {
         let documents = match &file.cut {
             Cut::Nowhere => read_documents(std::slice::from_ref(&file.path), options)?,
-            Cut::Responses(rows) => vec![rows.read(options, units.clone())?],
+            Cut::Responses(rows) => vec![rows.read(options, units.clone(), spare)?],
             Cut::Functions { beside, functions } => {
                 let wanted: Vec<&Range<u64>> = beside.iter().chain(&functions[units.clone()]).collect();
                 let bytes = stretches(&file.path, wanted).map_err(|error| Error::from_read(&error, &file.path))?;

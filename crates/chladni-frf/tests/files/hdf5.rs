@@ -1,6 +1,6 @@
 //! HDF5 through the public door: round trips, damaged files, files of others.
 use chladni_frf::io::{
-    read_contents, read_document, read_frf, write_contents, write_frf, Abscissa, Axis, Contents, Function, Ordinate, ReadOptions,
+    read_contents, read_document, read_frf, write_contents, write_frf, Abscissa, Axis, Contents, FrfParts, Function, Ordinate, ReadOptions,
 };
 use chladni_frf::{ErrorKind, FrfKind, FrfSet, FrfValues, Geometry, Node, ReferenceUnit, TimeSign};
 use ndarray::{Array1, Array3};
@@ -69,6 +69,37 @@ fn a_set_returns_as_it_was_written_and_twice_the_same_bytes() {
     let again = folder.path().join("again.hdf5");
     write_frf(&again, &set, false).unwrap();
     assert_eq!(std::fs::read(&path).unwrap(), std::fs::read(&again).unwrap());
+}
+
+#[test]
+fn parts_hold_the_values_of_their_rows_whatever_memory_they_are_read_into() {
+    // more than the bytes that are read at a time, and fewer rows in the last part
+    let double = set(41, 2, 500);
+    let single = FrfSet {
+        values: FrfValues::F32(Array3::from_shape_fn((41, 2, 500), |(i, j, k)| Complex32::new((i + j) as f32 + 0.1, k as f32))),
+        ..double.clone()
+    };
+    for set in [double, single] {
+        let (_folder, path) = folder_with("set.h5");
+        write_frf(&path, &set, false).unwrap();
+        let data = FrfParts::open(&[path], &ReadOptions::default()).unwrap();
+        let parts = data.parts(300_000).unwrap();
+        assert!(parts.len() > 1, "{}", parts.len());
+        let of_other_kinds = [FrfValues::F64(Array3::zeros((1, 1, 7))), FrfValues::F32(Array3::zeros((50, 2, 500)))].map(Some);
+        for mut spare in of_other_kinds.into_iter().chain([None]) {
+            let mut first = 0;
+            for part in &parts {
+                let (frf, _) = data.read(part, spare.take()).unwrap();
+                assert_eq!(frf.responses, set.responses[first..first + frf.responses.len()]);
+                for (i, j) in frf.all_pairs() {
+                    assert!((0..500).all(|k| frf.values.get(i, j, k) == set.values.get(first + i, j, k)), "{i} {j}");
+                }
+                first += frf.responses.len();
+                spare = Some(frf.values);
+            }
+            assert_eq!(first, 41);
+        }
+    }
 }
 
 #[test]

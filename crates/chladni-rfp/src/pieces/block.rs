@@ -9,15 +9,15 @@ use crate::faults::window;
 use crate::head::Head;
 use crate::options::FitOptions;
 use crate::passes::on_all_lines;
-use crate::project::products;
-use crate::reading::Usable;
+use crate::project::{measured_basis, products};
+use crate::reading::{squares_of, Usable};
 use crate::screen::Screened;
 use crate::sketch::{self, Mixing};
 use chladni_frf::{Error, FrfSet, Source};
 use ndarray::{Array2, Axis};
-use num_complex::Complex64;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 use std::collections::HashSet;
 use std::sync::Arc;
 
@@ -44,14 +44,15 @@ enum Pass {
 struct Basis {
     poles: Arc<Poles>,
     head: Head,
-    /// Orthonormal, on the lines used.
-    q: Array2<Complex64>,
+    /// Orthonormal on the lines used, as it meets measured values: (real and imaginary part of each line, unknown).
+    measured: Array2<f64>,
 }
 
 impl Basis {
     fn new(poles: &Poles, options: &FitOptions) -> Result<Self, PieceError> {
         let head = poles.head(options.effort)?;
-        Ok(Self { poles: Arc::new(poles.clone()), q: on_all_lines(&head, &poles.lambda)?, head })
+        let measured = measured_basis(&head, &on_all_lines(&head, &poles.lambda)?);
+        Ok(Self { poles: Arc::new(poles.clone()), measured, head })
     }
 }
 
@@ -107,13 +108,15 @@ impl Reducer {
         }
         let (block, sums) = match (&self.basis, &self.pass) {
             (Some(basis), Pass::Second) => {
-                let (block, products) = second_pass(frf, basis)?;
+                let (block, products) = second_pass(frf, basis, None)?;
                 (block, Sums { sketch: None, products: Some(products) })
             }
             (basis, _) => {
-                let (block, sketch) = first_pass(frf, &plan)?;
-                let both = basis.as_ref().and_then(|basis| second_pass(frf, basis).ok()).filter(|(other, _)| other.pairs == block.pairs);
-                match both {
+                let (lines, _) = plan.lines()?;
+                let (block, sketch, energy) = first_pass(frf, &plan, &lines)?;
+                let known = |basis: &Basis| energy.filter(|_| basis.head.lines == lines);
+                let both = basis.as_ref().and_then(|basis| second_pass(frf, basis, known(basis)).ok());
+                match both.filter(|(other, _)| other.pairs == block.pairs) {
                     Some((block, products)) => (block, Sums { sketch: Some(sketch), products: Some(products) }),
                     None => (block, Sums { sketch: Some(sketch), products: None }),
                 }
@@ -156,16 +159,17 @@ fn of_pairs(pairs: Vec<(usize, usize)>) -> Block {
     }
 }
 
-fn first_pass(frf: &FrfSet, plan: &Plan) -> Result<(Block, SketchSums), PieceError> {
-    let (lines, _) = plan.lines()?;
+/// The sketch; and the sum of squares of each FRF, where none is flawed.
+fn first_pass(frf: &FrfSet, plan: &Plan, lines: &[usize]) -> Result<(Block, SketchSums, Option<Vec<f64>>), PieceError> {
     let run = |pairs: &[(usize, usize)]| {
         let mixing = mixing(frf, pairs, plan);
-        (sketch::Sums::new(&frf.values, pairs, &lines, &mixing), mixing)
+        (sketch::Sums::new(&frf.values, pairs, lines, &mixing), mixing)
     };
     let mut pairs: Vec<(usize, usize)> = frf.all_pairs().collect();
     let (mut sums, mut mixing) = run(&pairs);
-    if sums.flawed {
-        pairs = Usable::new(frf, &lines).pairs;
+    let energy = (!sums.flawed).then(|| std::mem::take(&mut sums.frf_energy));
+    if energy.is_none() {
+        pairs = Usable::new(frf, lines).pairs;
         if pairs.is_empty() {
             return Err(FitError::NoData.into());
         }
@@ -178,8 +182,8 @@ fn first_pass(frf: &FrfSet, plan: &Plan) -> Result<(Block, SketchSums), PieceErr
     }
     let mut counts = vec![0; mixing.width];
     mixing.column.iter().for_each(|&column| counts[column] += 1);
-    let sums = SketchSums { columns: Matrix::from(&sums.columns), counts, line_energy: sums.line_energy.to_vec(), bad };
-    Ok((of_pairs(pairs), sums))
+    let sums = SketchSums { columns: Matrix::from(sums.columns), counts, line_energy: sums.line_energy.to_vec(), bad };
+    Ok((of_pairs(pairs), sums, energy))
 }
 
 /// A column and a sign for each FRF that depend on its DOFs and the seed alone, not on the block it lies in.
@@ -198,13 +202,17 @@ fn mixing(frf: &FrfSet, pairs: &[(usize, usize)], plan: &Plan) -> Mixing {
     Mixing { width: plan.columns, column, sign }
 }
 
-fn second_pass(frf: &FrfSet, basis: &Basis) -> Result<(Block, ProductSums), PieceError> {
+/// The products. `energy`: sum of squares of each FRF, where it is known.
+fn second_pass(frf: &FrfSet, basis: &Basis, energy: Option<Vec<f64>>) -> Result<(Block, ProductSums), PieceError> {
     let head = &basis.head;
     // on the lines used, an FRF is there or it is not
     let is_finite = |(i, j): (usize, usize), k: usize| frf.values.get(i, j, k).is_finite();
     let (mut pairs, missing): (Vec<_>, Vec<_>) = frf.all_pairs().partition(|&pair| is_finite(pair, head.lines[0]));
-    let mut made = products(&Screened::part(frf, Head { pairs: pairs.clone(), ..head.clone() }), &basis.q);
-    let broken = pairs.iter().zip(&made.energy).find(|(_, energy)| !energy.is_finite()).map(|(&pair, _)| pair);
+    let mut made = products(&Screened::part(frf, Head { pairs: pairs.clone(), ..head.clone() }), &basis.measured);
+    let mut energy = energy
+        .filter(|energy| energy.len() == pairs.len())
+        .unwrap_or_else(|| pairs.par_iter().map(|&pair| squares_of(&frf.values, pair, &head.lines)).collect());
+    let broken = pairs.iter().zip(&energy).find(|(_, energy)| !energy.is_finite()).map(|(&pair, _)| pair);
     let partly = || {
         missing
             .iter()
@@ -221,15 +229,15 @@ fn second_pass(frf: &FrfSet, basis: &Basis) -> Result<(Block, ProductSums), Piec
             .into());
     }
     // FRFs of zeros add nothing to the products; the first pass has left them out
-    let used: Vec<usize> = (0..pairs.len()).filter(|&l| made.energy[l] > 0.0).collect();
+    let used: Vec<usize> = (0..pairs.len()).filter(|&l| energy[l] > 0.0).collect();
     if used.is_empty() {
         return Err(FitError::NoData.into());
     }
     if used.len() < pairs.len() {
         pairs = used.iter().map(|&l| pairs[l]).collect();
-        made.energy = used.iter().map(|&l| made.energy[l]).collect();
+        energy = used.iter().map(|&l| energy[l]).collect();
         made.r0 = made.r0.select(Axis(1), &used);
     }
-    let block = Block { energy: made.energy, r0: Some(Matrix::from(&made.r0)), ..of_pairs(pairs) };
-    Ok((block, ProductSums { t: Matrix::from(&made.t), gram: Matrix::from(&made.gram) }))
+    let block = Block { energy, r0: Some(Matrix::from(made.r0)), ..of_pairs(pairs) };
+    Ok((block, ProductSums { t: Matrix::from(made.t), gram: Matrix::from(made.gram) }))
 }

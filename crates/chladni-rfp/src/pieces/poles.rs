@@ -52,11 +52,16 @@ pub(super) struct Matrix<T> {
     pub values: Vec<T>,
 }
 
-impl<T: Copy> From<&Array2<T>> for Matrix<T> {
-    fn from(array: &Array2<T>) -> Self {
-        let by_columns = array.t();
-        let values = by_columns.as_slice().map_or_else(|| by_columns.iter().copied().collect(), <[T]>::to_vec);
-        Self { rows: array.nrows(), values }
+impl<T: Copy> From<Array2<T>> for Matrix<T> {
+    fn from(array: Array2<T>) -> Self {
+        let (rows, size) = (array.nrows(), array.len());
+        let by_columns = array.reversed_axes();
+        let values = match by_columns.is_standard_layout() {
+            true => by_columns.into_raw_vec_and_offset().0,
+            false => by_columns.iter().copied().collect(),
+        };
+        assert_eq!(values.len(), size, "no part of a larger array");
+        Self { rows, values }
     }
 }
 

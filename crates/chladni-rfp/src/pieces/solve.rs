@@ -67,7 +67,7 @@ pub fn solve(partial: &Partial, options: &FitOptions, progress: &dyn Fn(&str)) -
     let r0 = in_order(&partial.blocks, gram.rows, &order);
     // the number of modes was settled with the poles
     let options = &FitOptions { modes: poles.modes, ..options.clone() };
-    of_products(&poles, head, Products { t: t.array(), gram: gram.array(), r0, energy: Vec::new() }, options, progress)
+    of_products(&poles, head, Products { t: t.array(), gram: gram.array(), r0 }, options, progress)
 }
 
 /// True where products with the basis of the `pilot` compress the data for the poles `found` as well: on the same lines, as many poles, each
@@ -225,7 +225,7 @@ impl Sketch {
             lambda,
             rms: self.head.rms,
             line_energy: self.energy.to_vec(),
-            sketch: Matrix::from(&self.work.b),
+            sketch: Matrix::from(self.work.b.clone()),
             frfs: self.head.pairs.len(),
             modes,
             dropped_hz: self.dropped_hz,

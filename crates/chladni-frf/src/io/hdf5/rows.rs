@@ -2,7 +2,7 @@
 
 use super::backend::File;
 use super::own::{own_array, Own, FORMAT};
-use crate::io::arrays::tree::{Element, Entry};
+use crate::io::arrays::tree::{Element, Entry, Values};
 use crate::io::arrays::values::ComplexArray;
 use crate::io::time_sign::to_plus;
 use crate::io::{Document, FileFormat, ReadOptions};
@@ -55,17 +55,21 @@ impl Rows {
         self.entry.shape().iter().fold(value, |bytes: u64, &extent| bytes.saturating_mul(extent as u64))
     }
 
-    /// The FRFs of some responses, without coherence and variance; `sha256` is left empty.
-    pub fn read(&self, options: &ReadOptions, rows: Range<usize>) -> Result<Document> {
+    /// The FRFs of some responses, without coherence and variance, in `spare` memory if possible; `sha256` is left empty.
+    pub fn read(&self, options: &ReadOptions, rows: Range<usize>, spare: Option<FrfValues>) -> Result<Document> {
         let mut document = Document::new(&self.path, FileFormat::Hdf5);
-        let mut set = self.set(rows).map_err(|error| error.file(&self.path))?;
+        let mut set = self.set(rows, spare).map_err(|error| error.file(&self.path))?;
         to_plus(&mut set, self.time_sign, options.time_sign, &mut document.warnings);
         document.frf = Some(set);
         Ok(document)
     }
 
-    fn set(&self, rows: Range<usize>) -> Result<FrfSet> {
-        let values = File::open(&self.path)?.read_rows(&self.entry, rows.clone())?;
+    fn set(&self, rows: Range<usize>, spare: Option<FrfValues>) -> Result<FrfSet> {
+        let spare = spare.map(|spare| match spare {
+            FrfValues::F64(spare) => Values::Complex64(spare.into_raw_vec_and_offset().0.into()),
+            FrfValues::F32(spare) => Values::Complex32(spare.into_raw_vec_and_offset().0.into()),
+        });
+        let values = File::open(&self.path)?.read_rows(&self.entry, rows.clone(), spare)?;
         let mut entry = self.entry.clone();
         if let Some((shape, _)) = &mut entry.dataset {
             shape[0] = rows.len();

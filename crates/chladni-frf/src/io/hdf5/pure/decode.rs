@@ -3,14 +3,20 @@
 //! A member name or byte order which is not understood is an error and never a row of zeros. Large datasets are decoded row
 //! window by row window, so that the raw bytes of all never stand beside the values of all.
 
+use super::File;
 use crate::io::arrays::tree::{Element, Values};
 use crate::{Direction, Dof, Node};
-use hdf5_pure::{Dataset, Datatype, DatatypeByteOrder, Error};
+use bytemuck::Pod;
+use hdf5_pure::{Dataset, Datatype, DatatypeByteOrder, Error, Layout};
 use num_complex::{Complex32, Complex64};
+use std::borrow::Cow;
+use std::io::{Read, Seek, SeekFrom};
 use std::ops::Range;
 
 /// Raw bytes read at a time; at 1 MiB and at 16 MiB the panel of the demonstration is read equally fast.
 const WINDOW_BYTES: u64 = 4 << 20;
+/// Bytes read at a time of values that lie in the file as they do in memory: fresh memory is cleared in the cache next to a core.
+const STRETCH_BYTES: usize = 256 << 10;
 
 /// Element type, as both back ends name it.
 pub(super) fn element_of(datatype: &Datatype) -> Element {
@@ -135,8 +141,15 @@ impl Member {
     }
 }
 
-/// The values of some rows (along the first axis) of a dataset; `None` for types that are not understood.
-pub(super) fn values_of(dataset: &Dataset, datatype: &Datatype, rows: Range<usize>) -> Result<Option<Values<'static>>, Error> {
+/// The values of some rows (along the first axis) of a dataset, in `spare` memory where it is of their kind; `None` for types that are not
+/// understood.
+pub(super) fn values_of(
+    file: &File,
+    dataset: &Dataset,
+    datatype: &Datatype,
+    rows: Range<usize>,
+    spare: Option<Values<'static>>,
+) -> Result<Option<Values<'static>>, Error> {
     let Some(windows) = Windows::new(dataset, datatype, rows)? else { return Ok(None) };
     let (number, member) = (Number::of(datatype), |index| Member::of(datatype, index));
     Ok(match (element_of(datatype), number) {
@@ -156,20 +169,16 @@ pub(super) fn values_of(dataset: &Dataset, datatype: &Datatype, rows: Range<usiz
         (Element::Complex { single }, _) => {
             let (Some(re), Some(im)) = (member(0), member(1)) else { return Ok(None) };
             let half = if single { 4 } else { 8 };
-            if re.is_plain(0, single) && im.is_plain(half, single) && datatype.type_size() as usize == 2 * half {
+            let is_plain = re.is_plain(0, single) && im.is_plain(half, single) && datatype.type_size() as usize == 2 * half;
+            if cfg!(target_endian = "little") && is_plain {
                 // as this program and h5py write them on most machines: no look at each value
-                if single {
-                    let value = |bytes: &[u8; 8]| {
-                        let [re, im] = [0, 4].map(|at| f32::from_le_bytes(std::array::from_fn(|k| bytes[at + k])));
-                        Complex32::new(re, im)
-                    };
-                    return Ok(Some(Values::Complex32(windows.collect_plain(value)?.into())));
-                }
-                let value = |bytes: &[u8; 16]| {
-                    let [re, im] = [0, 8].map(|at| f64::from_le_bytes(std::array::from_fn(|k| bytes[at + k])));
-                    Complex64::new(re, im)
-                };
-                return Ok(Some(Values::Complex64(windows.collect_plain(value)?.into())));
+                return Ok(Some(if single {
+                    let spare = if let Some(Values::Complex32(Cow::Owned(spare))) = spare { spare } else { Vec::new() };
+                    Values::Complex32(windows.collect_plain(file, spare)?.into())
+                } else {
+                    let spare = if let Some(Values::Complex64(Cow::Owned(spare))) = spare { spare } else { Vec::new() };
+                    Values::Complex64(windows.collect_plain(file, spare)?.into())
+                }));
             }
             if single {
                 let values = windows.collect(|bytes| Some(Complex32::new(re.single(bytes)?, im.single(bytes)?)))?;
@@ -205,6 +214,7 @@ struct Windows<'a> {
     /// Elements in all.
     count: usize,
     rows: Range<u64>,
+    row_bytes: u64,
     /// Rows of one window: whole chunks, so that none is unpacked twice.
     step: u64,
 }
@@ -225,7 +235,7 @@ impl<'a> Windows<'a> {
         // rows without elements would be looked for one after the other, however many a header claims
         let rows = if count == 0 { 0..0 } else { rows };
         let count = usize::try_from(count).ok().filter(|_| element_bytes > 0);
-        Ok(count.map(|count| Self { dataset, element_bytes, count, rows, step }))
+        Ok(count.map(|count| Self { dataset, element_bytes, count, rows, row_bytes, step }))
     }
 
     /// The raw bytes of each window to `take`, until it says that it understands them no more; true where it never does.
@@ -240,13 +250,36 @@ impl<'a> Windows<'a> {
         Ok(true)
     }
 
-    /// Every element of `N` bytes through `read`.
-    fn collect_plain<const N: usize, T>(&self, read: impl Fn(&[u8; N]) -> T) -> Result<Vec<T>, Error> {
-        let mut values = Vec::with_capacity(self.count);
-        self.each(|raw| {
-            values.extend(raw.as_chunks::<N>().0.iter().map(&read));
-            true
-        })?;
+    /// Where the rows begin in the file, of a dataset that lies there in one stretch.
+    fn stretch(&self, file: &File) -> Result<Option<u64>, Error> {
+        let Layout::Contiguous { address: Some(address), size } = self.dataset.layout()? else { return Ok(None) };
+        let is_whole = self.rows.end.checked_mul(self.row_bytes).is_some_and(|end| end <= size);
+        let is_inside = address.checked_add(size).is_some_and(|end| end <= file.bytes);
+        Ok((is_whole && is_inside).then(|| address + self.rows.start * self.row_bytes))
+    }
+
+    /// Every element of a type that lies in the file as it does in memory, into the memory of `values`.
+    fn collect_plain<T: Pod>(&self, file: &File, mut values: Vec<T>) -> Result<Vec<T>, Error> {
+        let Some(start) = self.stretch(file)? else {
+            values.clear();
+            values.reserve_exact(self.count);
+            self.each(|raw| {
+                values.extend(raw.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned::<T>));
+                true
+            })?;
+            return Ok(values);
+        };
+        let mut file = std::fs::File::open(&file.path)?;
+        file.seek(SeekFrom::Start(start))?;
+        values.truncate(self.count);
+        values.reserve_exact(self.count - values.len());
+        for at in (0..self.count).step_by(STRETCH_BYTES / size_of::<T>()) {
+            let end = (at + STRETCH_BYTES / size_of::<T>()).min(self.count);
+            if values.len() < end {
+                values.resize(end, T::zeroed());
+            }
+            file.read_exact(bytemuck::cast_slice_mut(&mut values[at..end]))?;
+        }
         Ok(values)
     }
 

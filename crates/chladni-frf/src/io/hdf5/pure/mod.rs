@@ -67,11 +67,11 @@ impl File {
 
     /// All values of a dataset.
     pub(super) fn read(&self, entry: &Entry) -> Result<Values<'static>> {
-        self.read_rows(entry, 0..usize::MAX)
+        self.read_rows(entry, 0..usize::MAX, None)
     }
 
-    /// The values of some rows (along the first axis) of a dataset; all of a text.
-    pub(super) fn read_rows(&self, entry: &Entry, rows: Range<usize>) -> Result<Values<'static>> {
+    /// The values of some rows (along the first axis) of a dataset; all of a text. `spare`: memory to read into, where it is of this kind.
+    pub(super) fn read_rows(&self, entry: &Entry, rows: Range<usize>, spare: Option<Values<'static>>) -> Result<Values<'static>> {
         let fail = |error| library_error(error, &self.path).field(&entry.path);
         let dataset = self.file.dataset(&entry.path).map_err(fail)?;
         let datatype = dataset.datatype().map_err(fail)?;
@@ -81,7 +81,9 @@ impl File {
         if matches!(element_of(&datatype), Element::Text) {
             return Ok(Values::Text(dataset.read_string().map_err(fail)?));
         }
-        values_of(&dataset, &datatype, rows).map_err(fail)?.ok_or_else(|| not_understood(&datatype).file(&self.path).field(&entry.path))
+        values_of(self, &dataset, &datatype, rows, spare)
+            .map_err(fail)?
+            .ok_or_else(|| not_understood(&datatype).file(&self.path).field(&entry.path))
     }
 
     /// Refuses a dataset of which a piece ends beyond the file: the library makes room for pieces that touch before it reads them.

@@ -121,8 +121,8 @@ impl File {
 }
 
 impl File {
-    /// The values of some rows (along the first axis) of a dataset {r, i} with three axes.
-    pub(super) fn read_rows(&self, entry: &Entry, rows: Range<usize>) -> Result<Values<'static>> {
+    /// The values of some rows (along the first axis) of a dataset {r, i} with three axes. The library takes its own memory.
+    pub(super) fn read_rows(&self, entry: &Entry, rows: Range<usize>, _spare: Option<Values<'static>>) -> Result<Values<'static>> {
         let fail = |error| library_error(error, &self.path).field(&entry.path);
         let dataset = self.file.dataset(&entry.path).map_err(fail)?;
         let datatype = dataset.dtype().map_err(fail)?;
