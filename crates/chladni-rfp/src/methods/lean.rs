@@ -6,7 +6,7 @@
 //! asked for: nothing is decided here that the user can say.
 //!
 //! Cost: two passes over the data (16·N·M·m flop for N lines, M FRFs, m unknowns), vector fitting as in [`super::vf()`]
-//! with half the mixtures, and some ten steps of 8Nm(5m + 3r).
+//! with half the mixtures, and some ten steps of 8Nr(2m) for r columns.
 //!
 //! When not to use it: where the number of modes is not known (a missed mode biases its neighbours, and nothing looks for
 //! it), or where the residual is not white noise: the bars are then too small. Both are the business of `auto`.
