@@ -66,7 +66,8 @@ impl Point for Normal {
         // an error of the Gram matrix in its last digit
         let rounding =
             f64::EPSILON * coefficients.columns().into_iter().map(|c| c.iter().map(|v| v.norm()).sum::<f64>().powi(2)).sum::<f64>();
-        if !(rounding <= tol::NORMAL_ROUNDING * sse) {
+        let sound = rounding <= tol::NORMAL_ROUNDING * sse;
+        if !sound {
             return None;
         }
         unit(coefficients.view_mut());

@@ -82,8 +82,11 @@ pub(crate) fn low_rank(residues: &Residues, ranks: &[usize]) -> Result<Shapes, L
     Ok(Shapes { constraints: constraints(residues, &owner), owner, shape, participation, rise })
 }
 
-/// The strongest terms u·vᵀ of a matrix, as [(u, v)]. One alone comes from a few power steps: it is where a search starts.
-pub(crate) fn strongest(matrix: &Array2<Complex64>, count: usize) -> Result<Vec<(Array1<Complex64>, Array1<Complex64>)>, LinalgError> {
+/// u and v of a term u·vᵀ.
+pub(crate) type Term = (Array1<Complex64>, Array1<Complex64>);
+
+/// The strongest terms of a matrix. One alone comes from a few power steps: it is where a search starts.
+pub(crate) fn strongest(matrix: &Array2<Complex64>, count: usize) -> Result<Vec<Term>, LinalgError> {
     if count > 1 {
         let (u, sv, vh) = svd_thin(matrix.view())?;
         return Ok((0..count).map(|c| (&u.column(c) * Complex64::from(sv[c]), vh.row(c).to_owned())).collect());
