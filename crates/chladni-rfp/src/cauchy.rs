@@ -6,7 +6,7 @@
 
 use crate::work::{inverse, Work};
 use chladni_linalg::matmul_h;
-use ndarray::{s, Array2, Axis, ShapeBuilder};
+use ndarray::{s, Array2, ArrayViewMut1, Axis, ShapeBuilder};
 use num_complex::Complex64;
 
 /// The columns of one set of poles, all above the real axis.
@@ -19,24 +19,25 @@ pub(crate) struct Cauchy<'a> {
 }
 
 impl<'a> Cauchy<'a> {
+    /// On the lines of `work`, with its weights.
     pub fn new(work: &Work, lambda: &'a [Complex64], powers: &[i32]) -> Self {
         let (n, m) = (lambda.len(), lambda.len() + powers.len());
         let mut columns = Array2::zeros((work.lines(), m + n).f());
         let (mut plain, mut derivatives) = columns.view_mut().split_at(Axis(1), m);
         let poles = plain.columns_mut().into_iter().zip(derivatives.columns_mut()).zip(lambda);
-        let of_pole =
-            |((mut column, mut derivative), &pole): ((ndarray::ArrayViewMut1<Complex64>, ndarray::ArrayViewMut1<Complex64>), _)| {
-                let mut sums = [Complex64::ZERO; 2];
-                let values = column.iter_mut().zip(derivative.iter_mut());
-                for ((value, slope), (&x, &g)) in values.zip(work.x.iter().zip(&work.g)) {
-                    let inverse = inverse(pole - x);
-                    *value = inverse * g;
-                    *slope = -(inverse * *value);
-                    sums[0] += *value * g;
-                    sums[1] -= *slope * g;
-                }
-                sums
-            };
+        type Pair<'c> = (ArrayViewMut1<'c, Complex64>, ArrayViewMut1<'c, Complex64>);
+        let of_pole = |((mut column, mut derivative), &pole): (Pair, _)| {
+            let mut sums = [Complex64::ZERO; 2];
+            let values = column.iter_mut().zip(derivative.iter_mut());
+            for ((value, slope), (&x, &g)) in values.zip(work.x.iter().zip(&work.g)) {
+                let inverse = inverse(pole - x);
+                *value = inverse * g;
+                *slope = -(inverse * *value);
+                sums[0] += *value * g;
+                sums[1] -= *slope * g;
+            }
+            sums
+        };
         let sums = poles.map(of_pole).collect();
         for (column, &power) in plain.columns_mut().into_iter().skip(n).zip(powers) {
             let lines = work.x.iter().zip(&work.g);

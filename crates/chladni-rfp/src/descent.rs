@@ -30,8 +30,11 @@ fn step_cap(work: &Work, lambda: Complex64) -> f64 {
 
 /// A search under way.
 pub(crate) struct Descent<'a> {
+    /// Data.
     pub work: &'a Work,
+    /// Powers of x of the residual terms.
     pub powers: &'a [i32],
+    /// Sum of squares of the data.
     energy: f64,
     /// Poles as they stand.
     pub lambda: Vec<Complex64>,
@@ -41,11 +44,13 @@ pub(crate) struct Descent<'a> {
 }
 
 impl<'a> Descent<'a> {
+    /// From the poles `start`, for so many steps.
     pub fn new(work: &'a Work, start: &[Complex64], powers: &'a [i32], steps: usize) -> Self {
         let steps = if start.is_empty() { 0 } else { steps };
         Self { work, powers, energy: work.energy(), lambda: start.to_vec(), damping: tol::LM_START, steps }
     }
 
+    /// The point where the search stands; `None` where it cannot be told.
     pub fn here<P: Point>(&self) -> Option<P> {
         P::at(self.work, self.energy, &self.lambda, self.powers)
     }
