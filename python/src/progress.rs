@@ -1,22 +1,21 @@
 //! Long work without the interpreter's lock, which tells of its stages.
 
 use pyo3::prelude::*;
-use std::cell::RefCell;
+use std::sync::Mutex;
 
 /// Runs `work` without the lock. It is given a function that hands the name of each stage to `callback`; the first error of the callback is
 /// raised in the end.
-pub fn telling<T: Send>(py: Python<'_>, callback: Option<Py<PyAny>>, work: impl FnOnce(&dyn Fn(&str)) -> T + Send) -> PyResult<T> {
+pub fn telling<T: Send>(py: Python<'_>, callback: Option<Py<PyAny>>, work: impl FnOnce(&(dyn Fn(&str) + Sync)) -> T + Send) -> PyResult<T> {
     let (done, failed) = py.detach(|| {
-        let failed: RefCell<Option<PyErr>> = RefCell::new(None);
+        let failed: Mutex<Option<PyErr>> = Mutex::new(None);
         let tell = |stage: &str| {
             let Some(callback) = &callback else { return };
-            if failed.borrow().is_none() {
-                if let Err(error) = Python::attach(|py| callback.call1(py, (stage,))) {
-                    *failed.borrow_mut() = Some(error);
-                }
+            let mut failed = failed.lock().expect("nothing panics while it is held");
+            if failed.is_none() {
+                *failed = Python::attach(|py| callback.call1(py, (stage,))).err();
             }
         };
-        (work(&tell), failed.into_inner())
+        (work(&tell), failed.into_inner().expect("nothing panics while it is held"))
     });
     failed.map_or(Ok(done), Err)
 }

@@ -21,7 +21,7 @@ use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result, Trust};
 use chladni_rfp::{fit, FitOptions, Method};
 use least_work::least_work;
 use serde::{Deserialize, Serialize};
-use std::cell::RefCell;
+use std::sync::Mutex;
 use std::time::Instant;
 
 /// Before the first stage names itself: selection of lines and FRFs, their scale.
@@ -196,12 +196,12 @@ impl Run {
     fn new(source: &ProfileSource, method: Method, frf: &FrfSet) -> Result<Self> {
         let options = FitOptions { method, modes: source.modes().filter(|_| method == Method::Lean), ..FitOptions::default() };
         let before = memory::resident_bytes().filter(|_| memory::forget_peak());
-        let marks = RefCell::new(vec![(FIRST_STAGE.to_owned(), Instant::now())]);
-        let fitted = fit(frf, &options, &|stage| marks.borrow_mut().push((stage.to_owned(), Instant::now())));
+        let marks = Mutex::new(vec![(FIRST_STAGE.to_owned(), Instant::now())]);
+        let fitted = fit(frf, &options, &|stage| marks.lock().expect("no other thread").push((stage.to_owned(), Instant::now())));
         let end = Instant::now();
         let peak = memory::peak_bytes();
         let model = fitted.map_err(|error| refused(source, method, &error.to_string()))?.model;
-        let marks = marks.into_inner();
+        let marks = marks.into_inner().expect("no other thread");
         let ends = marks.iter().skip(1).map(|mark| mark.1).chain([end]);
         let unknowns = unknowns(&model);
         let (responses, references, lines) = frf.values.dim();

@@ -2,8 +2,8 @@
 
 use crate::args::Common;
 use crate::progress::Progress;
-use std::cell::RefCell;
 use std::io::{IsTerminal, Write};
+use std::sync::{Mutex, MutexGuard};
 
 /// The user's wishes about output, and everything said so far.
 pub struct Console {
@@ -17,7 +17,7 @@ pub struct Console {
     pub force: bool,
     progress: Progress,
     colour: bool,
-    warnings: RefCell<Vec<String>>,
+    warnings: Mutex<Vec<String>>,
 }
 
 impl Console {
@@ -30,7 +30,7 @@ impl Console {
             force: common.force,
             progress: Progress::new(common.progress, common.quiet),
             colour: std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty()) && std::io::stderr().is_terminal(),
-            warnings: RefCell::default(),
+            warnings: Mutex::default(),
         }
     }
 
@@ -47,13 +47,13 @@ impl Console {
     /// A warning: on stderr now, and in the result later; the same words count once.
     pub fn warn(&self, warning: impl Into<String>) {
         let warning = warning.into();
-        if self.warnings.borrow().contains(&warning) {
+        if self.said().contains(&warning) {
             return;
         }
         if !self.quiet {
             self.line("33", "warning: ", &warning);
         }
-        self.warnings.borrow_mut().push(warning);
+        self.said().push(warning);
     }
 
     /// Several warnings.
@@ -61,9 +61,13 @@ impl Console {
         warnings.into_iter().for_each(|warning| self.warn(warning));
     }
 
+    fn said(&self) -> MutexGuard<'_, Vec<String>> {
+        self.warnings.lock().expect("nothing panics while it is held")
+    }
+
     /// All warnings so far, in order.
     pub fn warnings(&self) -> Vec<String> {
-        self.warnings.borrow().clone()
+        self.said().clone()
     }
 
     /// Something good to know that belongs into no result.

@@ -2,8 +2,8 @@
 
 use crate::args::ProgressChoice;
 use indicatif::{ProgressBar, ProgressStyle};
-use std::cell::{Cell, RefCell};
 use std::io::{IsTerminal, Write};
+use std::sync::{Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
 /// Of a sum of shares, tenths.
@@ -14,9 +14,15 @@ const TICK: Duration = Duration::from_millis(100);
 /// The display, and the time that each stage took.
 pub struct Progress {
     display: Display,
-    stages: RefCell<Vec<(String, Instant)>>,
-    /// Of the stage, said so far.
-    tenths: Cell<f64>,
+    course: Mutex<Course>,
+}
+
+#[derive(Default)]
+struct Course {
+    /// Stages, and when they began.
+    stages: Vec<(String, Instant)>,
+    /// Of the last stage, said so far.
+    tenths: f64,
 }
 
 enum Display {
@@ -35,13 +41,18 @@ impl Progress {
             ProgressChoice::Auto if std::io::stderr().is_terminal() && !dumb => Display::Bar(new_bar()),
             ProgressChoice::Auto | ProgressChoice::None => Display::None,
         };
-        Self { display, stages: RefCell::default(), tenths: Cell::default() }
+        Self { display, course: Mutex::default() }
+    }
+
+    fn course(&self) -> MutexGuard<'_, Course> {
+        self.course.lock().expect("nothing panics while it is held")
     }
 
     /// A stage begins, and the one before ends.
     pub fn stage(&self, name: &str) {
-        self.stages.borrow_mut().push((name.to_owned(), Instant::now()));
-        self.tenths.set(0.0);
+        let mut course = self.course();
+        course.stages.push((name.to_owned(), Instant::now()));
+        course.tenths = 0.0;
         match &self.display {
             Display::Bar(bar) => {
                 bar.set_message(name.to_owned());
@@ -54,13 +65,13 @@ impl Progress {
 
     /// How far the stage is, 0 to 1, and how long it will still take; without a bar it is said at every tenth.
     pub fn so_far(&self, done: f64, left: Duration) {
-        let stages = self.stages.borrow();
-        let stage = stages.last().map_or("", |(name, _)| name.as_str());
+        let mut course = self.course();
+        let stage = course.stages.last().map_or("", |(name, _)| name.as_str());
         let words = format!("{stage}: {:.0} %, {} s left", 100.0 * done, left.as_secs_f64().ceil());
         match &self.display {
             Display::Bar(bar) => bar.set_message(words),
-            Display::Plain if (10.0 * done + ROUNDING).floor() > self.tenths.get() => {
-                self.tenths.set((10.0 * done + ROUNDING).floor());
+            Display::Plain if (10.0 * done + ROUNDING).floor() > course.tenths => {
+                course.tenths = (10.0 * done + ROUNDING).floor();
                 drop(writeln!(std::io::stderr(), "{words}"));
             }
             Display::Plain | Display::None => {}
@@ -77,7 +88,7 @@ impl Progress {
 
     /// The last stage ends.
     pub fn finish(&self) {
-        self.stages.borrow_mut().push((String::new(), Instant::now()));
+        self.course().stages.push((String::new(), Instant::now()));
         if let Display::Bar(bar) = &self.display {
             bar.finish_and_clear();
         }
@@ -85,7 +96,7 @@ impl Progress {
 
     /// Seconds that each stage took, those of the same name together; forgets them.
     pub fn take_times(&self) -> Vec<(String, f64)> {
-        let stages = self.stages.take();
+        let stages = std::mem::take(&mut self.course().stages);
         let mut times: Vec<(String, f64)> = Vec::new();
         for pair in stages.windows(2).filter(|pair| !pair[0].0.is_empty()) {
             let seconds = (pair[1].1 - pair[0].1).as_secs_f64();

@@ -17,6 +17,7 @@ use crate::project::{project, Projected};
 use crate::refine::{refine, Projection, Refined};
 use crate::screen::Screened;
 use crate::unequal::PairWeights;
+use crate::wide::in_pool;
 use crate::work::Work;
 use chladni_frf::{Damping, FrfSet, ModalModel, Trust};
 use chladni_linalg::{inverse_hermitian, LinalgError};
@@ -39,7 +40,11 @@ pub struct Fit {
 /// # Errors
 /// [`FitError`]: unknown kind, a band outside the data, too few lines, no data, a window that cannot be undone on these lines.
 /// A fit that was made but cannot be trusted is no error: `model.quality.trusted` says so, with the reasons in its warnings.
-pub fn fit(frf: &FrfSet, options: &FitOptions, progress: &dyn Fn(&str)) -> Result<Fit, FitError> {
+pub fn fit(frf: &FrfSet, options: &FitOptions, progress: &(dyn Fn(&str) + Sync)) -> Result<Fit, FitError> {
+    in_pool(|| fit_here(frf, options, progress))
+}
+
+fn fit_here(frf: &FrfSet, options: &FitOptions, progress: &dyn Fn(&str)) -> Result<Fit, FitError> {
     let unbiased = options.window.map_or(Ok(None), |window| faults::window::undo(frf, window))?;
     let frf = unbiased.as_ref().unwrap_or(frf);
     let screened = Screened::new(frf, options)?;

@@ -24,6 +24,11 @@ fn block(columns: usize, multiplications: usize) -> usize {
     }
 }
 
+/// Runs `work` on a thread of the pool: each of its many short products would otherwise wait for two of them to wake.
+pub(crate) fn in_pool<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+    rayon::scope(|_| work())
+}
+
 /// a·b.
 pub(crate) fn wide<T: Scalar>(a: ArrayView2<T>, b: ArrayView2<T>) -> Array2<T> {
     blocked(a.nrows(), a.len(), b, |c, b| add_matmul(c, a, b))

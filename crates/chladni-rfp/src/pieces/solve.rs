@@ -18,7 +18,7 @@ use crate::refine::refine;
 use crate::screen::{enough, lines_left_out};
 use crate::tolerances as tol;
 use crate::unequal::PairWeights;
-use crate::wide::projected;
+use crate::wide::{in_pool, projected};
 use crate::work::{basis, Work};
 use chladni_frf::{Dof, Error, Node};
 use chladni_linalg::LinalgError;
@@ -46,7 +46,11 @@ const ROUNDS: usize = 3;
 ///
 /// # Errors
 /// [`FitError`] as for [`crate::fit()`]; no block, no sums, an FRF that stands in two, a second pass over other FRFs than the first.
-pub fn solve(partial: &Partial, options: &FitOptions, progress: &dyn Fn(&str)) -> Result<Solved, PieceError> {
+pub fn solve(partial: &Partial, options: &FitOptions, progress: &(dyn Fn(&str) + Sync)) -> Result<Solved, PieceError> {
+    in_pool(|| solve_here(partial, options, progress))
+}
+
+fn solve_here(partial: &Partial, options: &FitOptions, progress: &dyn Fn(&str)) -> Result<Solved, PieceError> {
     let none = || Error::bad_data("nothing to solve").field("blocks").found("none").expected("at least one").help("reduce a block first");
     let (set, order) = whole(partial)?;
     let Sums { sketch, products } = partial.sums().ok_or_else(none)?;
