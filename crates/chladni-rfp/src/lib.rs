@@ -5,6 +5,7 @@
 //! measured-data path where the residual is not white, choose the damping law, turn residues into shapes. The equations are
 //! in `docs/theory.md`; every constant is in `tolerances.rs`.
 
+mod acceleration;
 mod alternation;
 mod blocks;
 mod cauchy;

@@ -65,11 +65,12 @@ fn separate(poles: &mut [Complex64]) {
     }
 }
 
-/// Relaxed vector fitting from `start`, `iterations` steps.
+/// Relaxed vector fitting from `start`, at most `iterations` steps: of poles that will be refined, no more than change what they leave.
 pub(crate) fn vector_fit(work: &Work, start: &[Complex64], powers: &[i32], iterations: usize, how: Products) -> Result<Pool, LinalgError> {
     let mut pool = Pool { lambda: start.to_vec(), flipped: vec![false; start.len()] };
+    let mut before = f64::INFINITY;
     for _ in 0..iterations {
-        let next = relocate(work, &pool.lambda, powers, how)?;
+        let (next, left) = relocate(work, &pool.lambda, powers, how)?;
         pool.flipped = next.iter().map(|p| p.im <= 0.0).collect();
         pool.lambda = next
             .into_iter()
@@ -82,6 +83,10 @@ pub(crate) fn vector_fit(work: &Work, start: &[Complex64], powers: &[i32], itera
         order.sort_by(|&a, &b| pool.lambda[a].re.total_cmp(&pool.lambda[b].re));
         pool = Pool { lambda: order.iter().map(|&i| pool.lambda[i]).collect(), flipped: order.iter().map(|&i| pool.flipped[i]).collect() };
         separate(&mut pool.lambda);
+        if matches!(how, Products::PartialFractions) && (before - left).abs() < tol::POOL_SETTLED * left {
+            break;
+        }
+        before = left;
     }
     Ok(pool)
 }
@@ -95,14 +100,14 @@ pub(crate) enum Products {
     Orthonormal,
 }
 
-/// One step: zeros of σ.
-fn relocate(work: &Work, lambda: &[Complex64], powers: &[i32], how: Products) -> Result<Vec<Complex64>, LinalgError> {
+/// One step: zeros of σ, and the sum of squares that σ times the data leaves.
+fn relocate(work: &Work, lambda: &[Complex64], powers: &[i32], how: Products) -> Result<(Vec<Complex64>, f64), LinalgError> {
     let (n, lines) = (lambda.len(), work.lines());
     let ones = Work { x: work.x.clone(), g: vec![1.0; lines], b: Array2::zeros((lines, 0)) };
     let psi = basis(&ones, lambda, &[0]);
     let sums: Array1<Complex64> = psi.columns().into_iter().map(|c| c.sum()).collect();
     // M = Σ_l (D_lΨ)ᴴ(I − QQᴴ)(D_lΨ)
-    let solved = |how: Products| -> Result<Vec<Complex64>, LinalgError> {
+    let solved = |how: Products| {
         let (mut gram, inside) = match how {
             Products::PartialFractions => by_partial_fractions(work, lambda, powers, &psi)?,
             Products::Orthonormal => on_orthonormal_basis(work, lambda, powers, &psi)?,
@@ -112,15 +117,15 @@ fn relocate(work: &Work, lambda: &[Complex64], powers: &[i32], how: Products) ->
         explained.iter().for_each(|part| gram -= part);
         minimise(&gram, &scale, &sums, lines as f64)
     };
-    let sigma = match how {
+    let (sigma, left) = match how {
         // exact data on an ill-conditioned basis: the digits that partial fractions lose are all that is left of M
         Products::PartialFractions => solved(how).or_else(|_| solved(Products::Orthonormal))?,
         Products::Orthonormal => solved(how)?,
     };
     if sigma[n].norm() == 0.0 || !sigma[n].is_finite() {
-        return Ok(lambda.to_vec());
+        return Ok((lambda.to_vec(), left));
     }
-    zeros(lambda, &sigma[..n], sigma[n])
+    Ok((zeros(lambda, &sigma[..n], sigma[n])?, left))
 }
 
 /// Σ_l (D_lΨ)ᴴ(D_lΨ), and QᴴD_lΨ for every column l.
@@ -237,8 +242,8 @@ pub(crate) fn zeros(lambda: &[Complex64], c: &[Complex64], d: Complex64) -> Resu
     Ok(eigenvalues(companion.view())?.to_vec())
 }
 
-/// Minimises vᴴMv under Σ_k σ(x_k) = `total` (the relaxation that keeps σ from vanishing).
-fn minimise(gram: &Array2<Complex64>, scale: &[f64], sums: &Array1<Complex64>, total: f64) -> Result<Vec<Complex64>, LinalgError> {
+/// Minimises vᴴMv under Σ_k σ(x_k) = `total` (the relaxation that keeps σ from vanishing): v, and the minimum.
+fn minimise(gram: &Array2<Complex64>, scale: &[f64], sums: &Array1<Complex64>, total: f64) -> Result<(Vec<Complex64>, f64), LinalgError> {
     let size = gram.nrows();
     let right = Array2::from_shape_fn((size, 1), |(i, _)| sums[i].conj() * scale[i]);
     let mut ridge = 1e-14;
@@ -254,7 +259,8 @@ fn minimise(gram: &Array2<Complex64>, scale: &[f64], sums: &Array1<Complex64>, t
         match solve_hermitian(matrix.view(), right.view()) {
             Ok(solution) => {
                 let along: Complex64 = (0..size).map(|i| sums[i] * scale[i] * solution[[i, 0]]).sum();
-                return Ok((0..size).map(|i| solution[[i, 0]] * scale[i] * total / along).collect());
+                let sigma = (0..size).map(|i| solution[[i, 0]] * scale[i] * total / along).collect();
+                return Ok((sigma, total * total / along.norm()));
             }
             Err(error) if ridge > 1e-4 => return Err(error),
             Err(_) => ridge *= 100.0,

@@ -5,6 +5,7 @@
 //! modes share their error correctly; it alternates between all shapes and all participations, each an exact linear
 //! problem. The model file holds the result, and with it the whole fit.
 
+use crate::acceleration::Acceleration;
 use crate::alternation::{Halves, Problem};
 use crate::tolerances as tol;
 use crate::wide::wide;
@@ -63,20 +64,29 @@ pub(crate) fn low_rank(residues: &Residues, ranks: &[usize]) -> Result<Shapes, L
     let mut rise = 0.0;
     if references > 1 || residues.present.iter().any(|p| !p) {
         let halves = Halves::new(&problem);
+        let (mut from, mut acceleration) = (participation.clone(), Acceleration::default());
         let mut before = f64::MAX;
         for _ in 0..tol::RANK_ONE_ITERATIONS {
-            shape = halves.shapes(&participation)?;
-            let (next, explained) = halves.participations(&shape)?;
-            participation = next;
-            balance(&mut shape, &mut participation);
+            let mut next = halves.shapes(&from)?;
+            let (mut made, explained) = halves.participations(&next)?;
+            balance(&mut next, &mut made);
             // of exact data the difference of two sums is rounding
             let known = halves.total - explained;
-            rise = if known > tol::RANK_ONE_KNOWN * halves.total { known } else { problem.misfit(&shape, &participation) };
-            let settled = before - rise <= tol::RANK_ONE_CHANGE * rise.max(1e-12 * halves.total);
-            before = rise;
-            if settled {
+            let risen = if known > tol::RANK_ONE_KNOWN * halves.total { known } else { problem.misfit(&next, &made) };
+            let change = tol::RANK_ONE_CHANGE * risen.max(1e-12 * halves.total);
+            if risen > before + change {
+                // too far: on from the best, one step at a time
+                acceleration = Acceleration::default();
+                from.assign(&participation);
+                before = f64::MAX;
+                continue;
+            }
+            (shape, participation, rise) = (next, made, risen);
+            if before - rise <= change {
                 break;
             }
+            before = rise;
+            from = acceleration.next(&from, &participation);
         }
     }
     Ok(Shapes { constraints: constraints(residues, &owner), owner, shape, participation, rise })

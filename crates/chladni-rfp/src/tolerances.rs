@@ -13,9 +13,12 @@ pub(crate) const SKETCH_COLUMNS: usize = 80;
 pub(crate) const OUTSTANDING: f64 = 1e-2;
 /// Random mixtures that vector fitting works on. 4 begins to miss modes, 16 doubles the time and finds none more.
 pub(crate) const POOL_MIXTURES: usize = 8;
-/// Relaxed vector-fitting steps, unless told otherwise; the poles stand still after five or six.
+/// Most relaxed vector-fitting steps, unless told otherwise.
 pub(crate) const POOL_ITERATIONS: usize = 8;
-/// The same for each of the nine voting runs of the measured-data path: they need agreement, not digits.
+/// Change of what a step leaves, as part of it, after which there is no further one: a panel then stands still after four, heavy overlap and
+/// wide bands take all eight.
+pub(crate) const POOL_SETTLED: f64 = 2e-3;
+/// Most steps for each of the nine voting runs of the measured-data path: they need agreement, not digits.
 pub(crate) const VOTE_ITERATIONS: usize = 6;
 /// Loss factor below which the two damping laws differ by less (about η²/4 in frequency) than measured line shapes can tell.
 pub(crate) const LAW_ALIKE: f64 = 0.02;
@@ -109,6 +112,8 @@ pub(crate) const DECIMATE_ABOVE_LINES: usize = 4000;
 pub(crate) const RANK_ONE_ITERATIONS: usize = 60;
 /// Relative change of the structured sum of squares that ends the rank-one refit.
 pub(crate) const RANK_ONE_CHANGE: f64 = 1e-9;
+/// Steps that the rank-one refit remembers: three slow rates at a time and one to spare.
+pub(crate) const STEPS_REMEMBERED: usize = 4;
 /// Part of the energy of free residues above which the misfit of low rank is told by a difference of sums.
 pub(crate) const RANK_ONE_KNOWN: f64 = 1e-6;
 /// Power steps towards the strongest term of one mode's residues: its next singular value is noise, or the search that follows finds it.

@@ -42,7 +42,12 @@ pub(crate) fn lean(survey: &Survey, options: &FitOptions, grade: impl Fn(&Refine
     }
     let rows = survey.rows();
     let thinned = if rows.len() < sketch.lines() { Some(sketch.select(&rows)) } else { None };
-    let rough = refined_poles(thinned.as_ref().unwrap_or(sketch), &start, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
+    let work = thinned.as_ref().unwrap_or(sketch);
+    let mut rough = refined_poles(work, &start, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
+    if inside(work, &rough) > modes {
+        // what only leaned on a neighbour that stood beside its place
+        rough = select(work, &rough, modes..=usize::MAX)?.0;
+    }
 
     let data = survey.data;
     let all = Work { x: data.x.clone(), g: data.g.clone(), b: Array2::zeros((data.lines.len(), 0)) };
