@@ -10,7 +10,7 @@ use crate::removal::Removable;
 use crate::tolerances as tol;
 use crate::wide::wide_h;
 use crate::work::Work;
-use chladni_linalg::{cholesky, inverse_hermitian, matmul, matmul_h, solve_lower, solve_lower_adjoint, LinalgError};
+use chladni_linalg::{cholesky, inverse_hermitian, matmul, matmul_h, solve_hermitian, solve_lower, solve_lower_adjoint, LinalgError};
 use ndarray::{s, Array2, ArrayViewMut2};
 use num_complex::Complex64;
 
@@ -28,7 +28,31 @@ pub(crate) struct Normal {
     along: Array2<Complex64>,
 }
 
+/// What is linear at given poles.
+pub(crate) struct Parted {
+    /// Residues and residual coefficients, (m, column).
+    pub coefficients: Array2<Complex64>,
+    /// Weight of the residues with the residual terms eliminated, (n, n).
+    pub weight: Array2<Complex64>,
+    /// How the residual terms answer a change of the residues, (term, n).
+    pub answer: Array2<Complex64>,
+    /// Sum of squares left.
+    pub sse: f64,
+}
+
 impl Normal {
+    /// Residues apart from residual terms: the first `n` columns from the others.
+    pub fn parted(self, n: usize) -> Result<Parted, LinalgError> {
+        let Self { mut gram, norms, coefficients, sse, .. } = self;
+        for ((i, j), value) in gram.indexed_iter_mut() {
+            *value *= norms[i] * norms[j];
+        }
+        let across = gram.slice(s![n.., ..n]);
+        let answer = solve_hermitian(gram.slice(s![n.., n..]), across)?;
+        let weight = &gram.slice(s![..n, ..n]) - &matmul_h(across, answer.view());
+        Ok(Parted { coefficients, weight, answer, sse })
+    }
+
     /// What taking columns out needs to know.
     pub fn removable(&self) -> Result<Removable, LinalgError> {
         let mut inverse = inverse_hermitian(self.gram.view())?;

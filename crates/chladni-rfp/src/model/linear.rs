@@ -1,6 +1,8 @@
 //! What is linear at given poles: residues, residual terms, and how the one answers a change of the other.
 
+use crate::descent::Point;
 use crate::head::Head;
+use crate::normal::{Normal, Parted};
 use crate::project::real_basis;
 use crate::refine::Projection;
 use crate::structure::schur_weight;
@@ -33,16 +35,16 @@ pub(super) fn linear(work: &Work, damping: Damping, poles: &[Complex64], powers:
     let (n, p) = (poles.len(), powers.len());
     match damping {
         Damping::Structural => {
-            let projection = Projection::new(work, poles, powers)?;
-            let solution = projection.coefficients()?;
-            let a = basis(work, poles, powers);
-            let (modes, others) = (a.slice(s![.., ..n]).to_owned(), a.slice(s![.., n..]).to_owned());
+            let Parted { coefficients, weight, answer, sse } = match Normal::at(work, work.energy(), poles, powers) {
+                Some(normal) => normal.parted(n)?,
+                None => on_orthonormal_basis(work, poles, powers)?,
+            };
             Ok(Linear {
-                residues: solution.slice(s![..n, ..]).to_owned(),
-                terms: solution.slice(s![n.., ..]).to_owned(),
-                weight: schur_weight(&modes, &others)?,
-                answer: Answer::Structural(lstsq(others.view(), modes.view())?),
-                sse: projection.sse,
+                residues: coefficients.slice(s![..n, ..]).to_owned(),
+                terms: coefficients.slice(s![n.., ..]).to_owned(),
+                weight,
+                answer: Answer::Structural(answer),
+                sse,
             })
         }
         Damping::Viscous => {
@@ -70,6 +72,19 @@ pub(super) fn linear(work: &Work, damping: Damping, poles: &[Complex64], powers:
             })
         }
     }
+}
+
+/// Where the normal equations of the structural law lose too many digits.
+fn on_orthonormal_basis(work: &Work, poles: &[Complex64], powers: &[i32]) -> Result<Parted, LinalgError> {
+    let projection = Projection::new(work, poles, powers)?;
+    let all = basis(work, poles, powers);
+    let (modes, others) = (all.slice(s![.., ..poles.len()]).to_owned(), all.slice(s![.., poles.len()..]).to_owned());
+    Ok(Parted {
+        coefficients: projection.coefficients()?,
+        weight: schur_weight(&modes, &others)?,
+        answer: lstsq(others.view(), modes.view())?,
+        sse: projection.sse,
+    })
 }
 
 impl Answer {

@@ -4,13 +4,12 @@
 //! moves them by −Jδθ, and independent of it is the noise of x_i itself. Last comes the scale, which hangs on the same numbers.
 
 use super::pole::Pole;
-use crate::cauchy::Cauchy;
 use crate::structure::Shapes;
-use crate::structured::{background, overlapping, taken, unknowns, LineProducts, Tangent, Unknown};
+use crate::structured::{overlapping, taken, unknowns, LineProducts, Tangent, Unknown};
 use crate::tolerances as tol;
 use crate::work::Work;
-use chladni_linalg::{cholesky, eigh, inverse_hermitian, matmul, matmul_h, solve_lower_adjoint, LinalgError};
-use ndarray::{s, Array1, Array2, Axis};
+use chladni_linalg::{cholesky, eigh, inverse_hermitian, matmul, matmul_h, solve_lower, LinalgError, Scalar};
+use ndarray::{concatenate, Array1, Array2, ArrayView2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -93,7 +92,7 @@ pub(super) struct ShapeBars {
 /// Error bars of every term, for shapes scaled as told. Modes of the band, and those found together with them, are judged with the poles
 /// outside left free, as they were found, and the other way round.
 pub(super) fn shape_bars(noisy: &Noisy, scales: &[Scale]) -> Result<ShapeBars, LinalgError> {
-    let Noisy { work, powers, poles, shapes, .. } = noisy;
+    let Noisy { work, poles, shapes, .. } = noisy;
     let twin = |n: usize| Complex64::new(1.0, poles[n].loss_factor) * poles[n].omega.powi(2);
     let (inside, outside): (Vec<usize>, Vec<usize>) = (0..poles.len()).partition(|&n| work.in_band(twin(n)) || poles[n].given.is_some());
     let mut out = ShapeBars { shape: Array2::zeros(shapes.shape.raw_dim()), scale: vec![0.0; scales.len()] };
@@ -103,7 +102,7 @@ pub(super) fn shape_bars(noisy: &Noisy, scales: &[Scale]) -> Result<ShapeBars, L
             continue;
         }
         let others: Vec<Complex64> = others.iter().map(|&n| twin(n)).collect();
-        ShapeErrors::new(noisy, &rows, &background(work, &others, powers)?)?.fill(&rows, scales, &mut out)?;
+        ShapeErrors::new(noisy, &rows, &others)?.fill(&rows, scales, &mut out)?;
     }
     Ok(out)
 }
@@ -131,16 +130,16 @@ struct ShapeErrors {
 }
 
 impl ShapeErrors {
-    /// `rows`: the terms; `free`: orthonormal basis of what else is fitted to every pair.
-    fn new(noisy: &Noisy, rows: &[usize], free: &Array2<Complex64>) -> Result<Self, LinalgError> {
-        let Noisy { work, poles, shapes, present, variance, real, .. } = *noisy;
+    /// `rows`: the terms; `others`: the poles that are fitted freely beside them.
+    fn new(noisy: &Noisy, rows: &[usize], others: &[Complex64]) -> Result<Self, LinalgError> {
+        let Noisy { work, powers, poles, shapes, present, variance, real, .. } = *noisy;
         let of_terms: Vec<&Pole> = rows.iter().map(|&row| &poles[shapes.owner[row]]).collect();
         let lambda: Vec<Complex64> = of_terms.iter().map(|p| Complex64::new(1.0, p.loss_factor) * p.omega.powi(2)).collect();
         let variance_of = |p: &&Pole| (2.0 * p.omega * p.omega_std).powi(2) + (p.omega.powi(2) * p.loss_factor_std).powi(2);
         let stated = of_terms.iter().map(variance_of).collect();
         let joint = of_terms.iter().any(|pole| pole.given.is_some());
         let (shape, participation) = (shapes.shape.select(Axis(0), rows), shapes.participation.select(Axis(0), rows));
-        let lines = LineProducts::new(&Cauchy::new(work, &lambda, &[]), free);
+        let lines = LineProducts::beside(work, &lambda, others, powers)?;
         let outside = lines.outside()?;
         let real = real && joint;
         let mut errors = Self { shape, participation, lines, groups: Vec::new(), lambda, stated, outside, variance, real, joint };
@@ -184,15 +183,21 @@ impl ShapeErrors {
         let mut unknowns = unknowns(&modes, &self.participation, self.real);
         unknowns.sort_by_key(|unknown| unknown.other.is_some());
         let inside: Vec<Array2<Complex64>> = self.groups.iter().map(|group| self.tangent(group).inside(&unknowns)).collect();
-        let root = self.root(&modes, &unknowns, &inside)?;
         let answers: Vec<Array2<Complex64>> =
             self.groups.iter().zip(&inside).map(|(group, inside)| matmul(group.gram_inverse.view(), inside.view())).collect();
-        let cluster = Cluster { modes, unknowns, root };
-        let of_term = |&n: &usize| {
-            let (shape, scale) = self.term(n, &scales[rows[n]], &cluster, &answers);
+        let cluster = Cluster { modes, unknowns };
+        let directions: Vec<Array2<Complex64>> =
+            cluster.modes.iter().flat_map(|&n| self.directions(n, &scales[rows[n]], &cluster, &answers)).collect();
+        let all: Vec<_> = directions.iter().map(|columns| columns.view()).collect();
+        let halves = self.halves(&cluster, &inside, &concatenate(Axis(1), &all).expect("as many unknowns"))?;
+        // (term, group) by turns, as they were stacked
+        let spreads: Vec<Array2<Complex64>> =
+            halves.axis_chunks_iter(Axis(1), cluster.modes.len() + 1).map(|half| matmul_h(half, half)).collect();
+        let of_term = |(&n, spreads): (&usize, &[Array2<Complex64>])| {
+            let (shape, scale) = self.term(n, &scales[rows[n]], &cluster.modes, spreads);
             (n, shape, scale)
         };
-        Ok(cluster.modes.iter().map(of_term).collect())
+        Ok(cluster.modes.iter().zip(spreads.chunks(self.groups.len())).map(of_term).collect())
     }
 
     fn tangent<'a>(&'a self, group: &'a Group) -> Tangent<'a> {
@@ -216,45 +221,58 @@ impl ShapeErrors {
         }
     }
 
-    /// A root V of the covariance VVᴴ of the unknowns of one cluster, poles first.
-    fn root(&self, cluster: &[usize], unknowns: &[Unknown], inside: &[Array2<Complex64>]) -> Result<Array2<Complex64>, LinalgError> {
+    /// Vᴴ·`columns`, where VVᴴ is the covariance of the unknowns of one cluster, poles first.
+    fn halves(
+        &self,
+        cluster: &Cluster,
+        inside: &[Array2<Complex64>],
+        columns: &Array2<Complex64>,
+    ) -> Result<Array2<Complex64>, LinalgError> {
+        let Cluster { modes, unknowns } = cluster;
         let of_groups = self.groups.iter().zip(inside).map(|(group, inside)| self.tangent(group).information(unknowns, inside, 0.0));
         let information = of_groups.fold(Array2::zeros((unknowns.len(), unknowns.len())), |sum, one| sum + one);
+        let deviation = self.seen_variance().sqrt();
+        if self.joint && self.real {
+            let real = |a: &Array2<Complex64>| a.mapv(|v| v.re);
+            return Ok(inverse_root(real(&information).view(), real(columns).view())?.mapv(|v| (v * deviation).into()));
+        }
         if self.joint {
-            return Ok(inverse_root(&information)? * Complex64::from(self.seen_variance().sqrt()));
+            return Ok(inverse_root(information.view(), columns.view())?.mapv(|v| v * deviation));
         }
         // poles came from free residues; participations follow them, and have an error of their own besides
-        let poles = cluster.len();
-        let of_poles = self.free_pole_root(cluster)?;
-        let own = inverse_root(&information.slice(s![poles.., poles..]).to_owned())?;
-        let answer = matmul(own.view(), matmul_h(own.view(), information.slice(s![poles.., ..poles])).view());
-        let mut root = Array2::zeros((unknowns.len(), of_poles.ncols() + own.ncols()));
-        root.slice_mut(s![..poles, ..of_poles.ncols()]).assign(&of_poles);
-        root.slice_mut(s![poles.., ..of_poles.ncols()]).assign(&matmul(answer.view(), of_poles.view()).mapv(|v| -v));
-        root.slice_mut(s![poles.., of_poles.ncols()..]).assign(&(own * Complex64::from(self.variance.sqrt())));
-        Ok(root)
+        let (of_poles, of_others) = columns.view().split_at(Axis(0), modes.len());
+        let (of_all, own) = information.view().split_at(Axis(0), modes.len()).1.split_at(Axis(1), modes.len());
+        let both = inverse_root(own, concatenate(Axis(1), &[of_others, of_all]).expect("as many participations").view())?;
+        let (own, follow) = both.view().split_at(Axis(1), columns.ncols());
+        let through = matmul(self.free_pole_root(modes)?.view(), (&of_poles - &matmul_h(follow, own)).view());
+        Ok(concatenate(Axis(0), &[through.view(), own.mapv(|v| v * deviation).view()]).expect("as many directions"))
     }
 
-    /// The same of E δλ_m δλ_n* of poles found from free residues: the correlations of (33), the sizes that the poles themselves state.
+    /// The same Vᴴ of E δλ_m δλ_n* of poles found from free residues: the correlations of (33), the sizes that the poles themselves state.
     fn free_pole_root(&self, cluster: &[usize]) -> Result<Array2<Complex64>, LinalgError> {
         let part = |a: &Array2<Complex64>| a.select(Axis(0), cluster).select(Axis(1), cluster);
         let none = Array2::zeros(self.outside.raw_dim());
         let products = self.groups.iter().map(|group| &group.across * &group.along).fold(none, |sum, one| sum + one);
-        let mut root = inverse_root(&(part(&self.outside) * part(&products)))?;
-        for (mut row, &n) in root.rows_mut().into_iter().zip(cluster) {
-            let size = (self.stated[n] / row.iter().map(|v| v.norm_sqr()).sum::<f64>()).sqrt();
-            row.mapv_inplace(|v| v * finite(size));
+        let information = part(&self.outside) * part(&products);
+        let mut root = inverse_root(information.view(), Array2::eye(cluster.len()).view())?;
+        for (mut column, &n) in root.columns_mut().into_iter().zip(cluster) {
+            let size = (self.stated[n] / column.iter().map(|v| v.norm_sqr()).sum::<f64>()).sqrt();
+            column.mapv_inplace(|v| v * finite(size));
         }
         Ok(root)
     }
 
-    /// The deviations of term `n`, and that of its scale; `answers`: J of each group, (term, unknown).
-    fn term(&self, n: usize, scale: &Scale, cluster: &Cluster, answers: &[Array2<Complex64>]) -> (Array1<f64>, f64) {
-        let Cluster { modes, unknowns, root } = cluster;
-        let x = &self.shape;
-        let mut group_of = vec![0; x.ncols()];
+    fn group_of(&self) -> Vec<usize> {
+        let mut group_of = vec![0; self.shape.ncols()];
         self.groups.iter().enumerate().for_each(|(g, group)| group.responses.iter().for_each(|&i| group_of[i] = g));
-        let noise = |i: usize| self.groups[group_of[i]].gram_inverse[[n, n]].re * self.seen_variance();
+        group_of
+    }
+
+    /// What term `n` sees of the unknowns in each group, conjugate, (unknown, direction): a change of response i is Σ_m x_mi·(change along J of mode m)
+    /// + x_ni·(change of the scale), few directions for all responses. `answers`: J of each group, (term, unknown).
+    fn directions(&self, n: usize, scale: &Scale, cluster: &Cluster, answers: &[Array2<Complex64>]) -> Vec<Array2<Complex64>> {
+        let Cluster { modes, unknowns } = cluster;
+        let (x, group_of) = (&self.shape, self.group_of());
         // relative change of the scale per unknown
         let along = |a: usize| {
             let own = |&&(j, _): &&(usize, Complex64)| unknowns[a].mode == n && unknowns[a].other == Some(j);
@@ -262,19 +280,21 @@ impl ShapeErrors {
             let shift = |d: usize| -answers[group_of[d]][[n, a]] * x[[unknowns[a].mode, d]];
             taken(self.real, direct + scale.response.iter().map(|&(d, weight)| weight * shift(d)).sum::<Complex64>())
         };
-        let scale_noise: f64 = scale.response.iter().map(|&(d, weight)| weight.norm_sqr() * noise(d)).sum();
-        // a change of response i is Σ_m x_mi·(change along J of mode m) + x_ni·(change of the scale): few directions for all responses
-        let directions = modes.len() + 1;
-        let spread = |answer: &Array2<Complex64>| {
-            let along = Array2::from_shape_fn((directions, unknowns.len()), |(row, a)| match modes.get(row) {
-                Some(mode) if *mode == unknowns[a].mode => -taken(self.real, answer[[n, a]]),
+        let of_group = |answer: &Array2<Complex64>| {
+            Array2::from_shape_fn((unknowns.len(), modes.len() + 1), |(a, direction)| match modes.get(direction) {
+                Some(mode) if *mode == unknowns[a].mode => -taken(self.real, answer[[n, a]]).conj(),
                 Some(_) => Complex64::ZERO,
-                None => along(a),
-            });
-            let half = matmul(along.view(), root.view());
-            matmul(half.view(), half.t().mapv(|v| v.conj()).view())
+                None => along(a).conj(),
+            })
         };
-        let spreads: Vec<Array2<Complex64>> = answers.iter().map(spread).collect();
+        answers.iter().map(of_group).collect()
+    }
+
+    /// The deviations of term `n`, and that of its scale; `spreads`: covariance of its [`Self::directions`] in each group.
+    fn term(&self, n: usize, scale: &Scale, modes: &[usize], spreads: &[Array2<Complex64>]) -> (Array1<f64>, f64) {
+        let (x, group_of) = (&self.shape, self.group_of());
+        let noise = |i: usize| self.groups[group_of[i]].gram_inverse[[n, n]].re * self.seen_variance();
+        let scale_noise: f64 = scale.response.iter().map(|&(d, weight)| weight.norm_sqr() * noise(d)).sum();
         let of_unknowns = spreads.first().map_or(0.0, |spread| spread[[modes.len(), modes.len()]].re);
         let scale_variance = (scale_noise + of_unknowns).max(0.0);
         let beyond_first_order = scale.second_order(scale_variance) * scale_variance;
@@ -290,12 +310,10 @@ impl ShapeErrors {
     }
 }
 
-/// Terms that overlap, with the covariance of what they were found by.
+/// Terms that overlap, and what they were found by.
 struct Cluster {
     modes: Vec<usize>,
     unknowns: Vec<Unknown>,
-    /// V with covariance VVᴴ.
-    root: Array2<Complex64>,
 }
 
 fn finite(value: f64) -> f64 {
@@ -306,20 +324,19 @@ fn finite(value: f64) -> f64 {
     }
 }
 
-/// A root V of the inverse VVᴴ on the directions that carry information; terms of a repeated pole may mix in any way, and no error is
-/// meant by that.
-fn inverse_root(matrix: &Array2<Complex64>) -> Result<Array2<Complex64>, LinalgError> {
-    let size: Vec<f64> = matrix.diag().iter().map(|d| finite(d.re.max(0.0).sqrt().recip())).collect();
-    let even = Array2::from_shape_fn(matrix.raw_dim(), |(a, b)| matrix[[a, b]] * size[a] * size[b]);
-    let well_known = |lower: &Array2<Complex64>| lower.diag().iter().all(|pivot| pivot.norm_sqr() > tol::WELL_INFORMED);
-    let mut root = match cholesky(even.view()).ok().filter(well_known) {
-        Some(lower) => solve_lower_adjoint(lower.view(), Array2::eye(size.len()).view())?,
-        None => {
-            let (values, vectors) = eigh(even.view())?;
-            let kept: Vec<usize> = (0..values.len()).filter(|&c| values[c] > tol::UNINFORMED).collect();
-            Array2::from_shape_fn((values.len(), kept.len()), |(a, c)| vectors[[a, kept[c]]] / values[kept[c]].sqrt())
-        }
-    };
-    root.rows_mut().into_iter().zip(size).for_each(|(mut row, size)| row.mapv_inplace(|v| v * size));
-    Ok(root)
+/// Vᴴ·`columns`, where VVᴴ is the inverse of a matrix on the directions that carry information; terms of a repeated pole may mix in any
+/// way, and no error is meant by that.
+fn inverse_root<T: Scalar>(matrix: ArrayView2<T>, columns: ArrayView2<T>) -> Result<Array2<T>, LinalgError> {
+    let size: Vec<f64> = matrix.diag().iter().map(|d| finite(d.modulus().sqrt().recip())).collect();
+    let even = Array2::from_shape_fn(matrix.raw_dim(), |(a, b)| matrix[[a, b]] * T::of_real(size[a] * size[b]));
+    let columns = Array2::from_shape_fn(columns.raw_dim().f(), |(a, c)| columns[[a, c]] * T::of_real(size[a]));
+    let well_known = |lower: &Array2<T>| lower.diag().iter().all(|pivot| pivot.modulus().powi(2) > tol::WELL_INFORMED);
+    if let Some(lower) = cholesky(even.view()).ok().filter(well_known) {
+        return solve_lower(lower.view(), columns.view());
+    }
+    let (values, vectors) = eigh(even.view())?;
+    let kept: Vec<usize> = (0..values.len()).filter(|&c| values[c] > tol::UNINFORMED).collect();
+    let mut half = matmul_h(vectors.select(Axis(1), &kept).view(), columns.view());
+    half.rows_mut().into_iter().zip(kept).for_each(|(mut row, c)| row.mapv_inplace(|v| v.divided_by(values[c].sqrt())));
+    Ok(half)
 }

@@ -7,6 +7,7 @@
 //!
 //! Needs every pair of response and reference, and the structural law (complex-analytic poles).
 
+mod factor;
 mod growth;
 mod newton;
 mod tangent;

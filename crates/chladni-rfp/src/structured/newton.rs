@@ -4,10 +4,11 @@
 //! columns φ_n⊗L_n factors into a product over lines and one over references. One step costs the line products, 16Nn(2n + r),
 //! and one small Hermitian solve per cluster of overlapping modes.
 
+use super::factor::Factor;
 use super::tangent::{overlapping, pivot, taken, unknowns, LineProducts, Tangent, Unknown};
 use super::target::{Products, Shapes, Target};
 use crate::tolerances as tol;
-use chladni_linalg::{cholesky, inverse_hermitian, matmul, solve_lower, solve_lower_adjoint, LinalgError};
+use chladni_linalg::{inverse_hermitian, matmul, LinalgError};
 use ndarray::{Array2, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -60,11 +61,11 @@ pub(super) struct State {
     across: Array2<Complex64>,
 }
 
-/// The damped Gauss–Newton matrix of one cluster of modes, LLᴴ.
+/// The damped Gauss–Newton matrix of one cluster of modes.
 struct Factored {
     modes: Vec<usize>,
     unknowns: Vec<Unknown>,
-    lower: Array2<Complex64>,
+    matrix: Factor,
 }
 
 impl State {
@@ -146,7 +147,7 @@ impl State {
                 let unknowns = unknowns(&modes, &self.participation, self.real);
                 let mut matrix = self.information(&unknowns);
                 matrix.diag_mut().mapv_inplace(|d| Complex64::new(d.re * (1.0 + damping) + f64::MIN_POSITIVE, 0.0));
-                Ok(Factored { lower: cholesky(matrix.view())?, modes, unknowns })
+                Ok(Factored { matrix: Factor::new(&matrix, self.real)?, modes, unknowns })
             })
             .collect()
     }
@@ -155,8 +156,8 @@ impl State {
     fn stepped(&self, target: &Target, clusters: &[Factored]) -> Result<(Self, f64), LinalgError> {
         let (mut lambda, mut participation) = (self.lambda.clone(), self.participation.clone());
         let mut largest = 0.0_f64;
-        for Factored { modes, unknowns, lower } in clusters {
-            let step = solve_lower_adjoint(lower.view(), solve_lower(lower.view(), self.gradient(unknowns).view())?.view())?;
+        for Factored { modes, unknowns, matrix } in clusters {
+            let step = matrix.solve(&self.gradient(unknowns))?;
             let mut moves = vec![Complex64::default(); self.lambda.len()];
             for (unknown, &value) in unknowns.iter().zip(&step) {
                 match unknown.other {
@@ -209,18 +210,17 @@ impl State {
     pub fn spread(&self) -> Vec<[f64; 2]> {
         let of_cluster = |cluster: Vec<usize>| {
             let unknowns = unknowns(&cluster, &self.participation, self.real);
-            let inverse = inverse_hermitian(self.information(&unknowns).view()).ok()?;
-            Some((unknowns, inverse))
+            let poles: Vec<usize> = (0..unknowns.len()).filter(|&a| unknowns[a].other.is_none()).collect();
+            let variances = Factor::new(&self.information(&unknowns), self.real).ok()?.inverse_diagonal(&poles).ok()?;
+            Some(poles.into_iter().map(|a| unknowns[a]).zip(variances).collect::<Vec<_>>())
         };
         let mut spread = vec![[f64::INFINITY; 2]; self.lambda.len()];
         let clusters: Vec<_> = overlapping(&self.lambda).into_par_iter().filter_map(of_cluster).collect();
-        for (unknowns, inverse) in &clusters {
-            for (a, unknown) in unknowns.iter().enumerate().filter(|(_, u)| u.other.is_none()) {
-                let half = 0.5 * inverse[[a, a]].re.max(0.0);
-                match (self.real, unknown.unit.im != 0.0) {
-                    (false, _) => spread[unknown.mode] = [half; 2],
-                    (true, imaginary) => spread[unknown.mode][usize::from(imaginary)] = half,
-                }
+        for (unknown, variance) in clusters.into_iter().flatten() {
+            let half = 0.5 * variance;
+            match (self.real, unknown.unit.im != 0.0) {
+                (false, _) => spread[unknown.mode] = [half; 2],
+                (true, imaginary) => spread[unknown.mode][usize::from(imaginary)] = half,
             }
         }
         spread

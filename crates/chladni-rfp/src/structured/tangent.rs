@@ -1,11 +1,13 @@
 //! The tangent of the columns φ_n⊗L_n: what a step of a pole or of a participation does to them, and the Gauss–Newton matrix of such
 //! steps with the shapes eliminated (theory.md, eq. 28). Structured refinement steps along it, error bars of shapes are read off it.
 
+use super::target::background;
 use crate::cauchy::Cauchy;
 use crate::tolerances as tol;
 use crate::wide::wide_h;
-use chladni_linalg::{matmul, matmul_h, solve_hermitian, LinalgError};
-use ndarray::{s, Array2};
+use crate::work::Work;
+use chladni_linalg::{cholesky, matmul, matmul_h, solve_hermitian, solve_lower, LinalgError};
+use ndarray::{s, Array2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use std::ops::Range;
 
@@ -28,7 +30,33 @@ impl LineProducts {
     /// `free`: orthonormal basis of what stays free in every pair, (line, ·).
     pub fn new(cauchy: &Cauchy, free: &Array2<Complex64>) -> Self {
         let inside = wide_h(free.view(), cauchy.columns.view());
-        let all = cauchy.gram() - wide_h(inside.view(), inside.view());
+        Self::parts(&(cauchy.gram() - wide_h(inside.view(), inside.view())))
+    }
+
+    /// Those of the poles `lambda`, where what stays free are residual terms and the `others`, their residues and, to first order, their
+    /// positions.
+    ///
+    /// # Errors
+    /// A kernel that fails.
+    pub fn beside(work: &Work, lambda: &[Complex64], others: &[Complex64], powers: &[i32]) -> Result<Self, LinalgError> {
+        let all = [lambda, others].concat();
+        let gram = Cauchy::new(work, &all, powers).gram();
+        let (n, m) = (lambda.len(), all.len() + powers.len());
+        let (own, free): (Vec<usize>, Vec<usize>) = (0..gram.nrows()).partition(|&i| i < n || (m..m + n).contains(&i));
+        let norm = |i: usize| gram[[i, i]].re.sqrt();
+        let unit = |i: usize, j: usize| gram[[free[i], free[j]]] / (norm(free[i]) * norm(free[j]));
+        let size = free.len();
+        let outstanding = |lower: &Array2<Complex64>| lower.diag().iter().all(|pivot| pivot.re > tol::OUTSTANDING);
+        let Some(lower) = cholesky(Array2::from_shape_fn((size, size).f(), |(i, j)| unit(i, j)).view()).ok().filter(outstanding) else {
+            return Ok(Self::new(&Cauchy::new(work, lambda, &[]), &background(work, others, powers)?));
+        };
+        let across = Array2::from_shape_fn((size, own.len()).f(), |(i, j)| gram[[free[i], own[j]]] / norm(free[i]));
+        let inside = solve_lower(lower.view(), across.view())?;
+        let left = gram.select(Axis(0), &own).select(Axis(1), &own) - matmul_h(inside.view(), inside.view());
+        Ok(Self::parts(&left))
+    }
+
+    fn parts(all: &Array2<Complex64>) -> Self {
         let n = all.nrows() / 2;
         let part = |rows: Range<usize>, columns: Range<usize>| all.slice(s![rows, columns]).to_owned();
         Self { ff: part(0..n, 0..n), fd: part(0..n, n..2 * n), dd: part(n..2 * n, n..2 * n) }
