@@ -147,13 +147,18 @@ impl<'a> Halves<'a> {
     }
 }
 
-/// sum += conj(factor)·value, term by term.
+/// sum += conj(factor)·value, term by term; fast where all lie in memory in turn.
 pub(crate) fn add_product(
     mut sum: ndarray::ArrayViewMut1<Complex64>,
     factor: ndarray::ArrayView1<Complex64>,
     value: ndarray::ArrayView1<Complex64>,
 ) {
-    sum.iter_mut().zip(factor).zip(value).for_each(|((sum, factor), value)| *sum += factor.conj() * value);
+    match (sum.as_slice_mut(), factor.to_slice(), value.to_slice()) {
+        (Some(sum), Some(factor), Some(value)) => {
+            sum.iter_mut().zip(factor).zip(value).for_each(|((sum, factor), value)| *sum += factor.conj() * value);
+        }
+        _ => sum.iter_mut().zip(factor).zip(value).for_each(|((sum, factor), value)| *sum += factor.conj() * value),
+    }
 }
 
 /// Σ Re r̄·w.

@@ -22,7 +22,7 @@ pub(crate) fn decide(
 ) -> Result<(Identified, Vec<String>), LinalgError> {
     progress("damping law");
     let chance = chance(&found.work, found.variance);
-    let measured = found.spread.is_some();
+    let measured = found.measured;
     let least_gain = if measured { chance.max(LAW_SHARE * found.refined.projection.sse) } else { chance };
     let choice = choose(&found.work, &found.refined, least_gain, measured.then(|| found.heaviest_sure()), options.damping)?;
     progress("shapes");
@@ -75,7 +75,7 @@ pub(crate) fn decide(
 /// Structured refinement where it applies: asked for, or the residual is noise that chance can be judged by.
 fn shape_search(data: &Head, found: &Found, options: &FitOptions, damping: Damping) -> Result<Search, LinalgError> {
     let forced = matches!(options.shapes, ShapeModel::Rank1 | ShapeModel::Real);
-    if damping == Damping::Viscous || (found.spread.is_some() && !forced) {
+    if damping == Damping::Viscous || (found.measured && !forced) {
         return Ok(Search::Inapplicable);
     }
     structured(data, found, options.shapes, options.modes.is_some())

@@ -21,6 +21,7 @@ use crate::wide::in_pool;
 use crate::work::Work;
 use chladni_frf::{Damping, FrfSet, ModalModel, Trust};
 use chladni_linalg::{inverse_hermitian, LinalgError};
+use num_complex::Complex64;
 
 /// A fit with its history.
 #[derive(Debug, Clone)]
@@ -147,7 +148,7 @@ fn fit_lean(data: &Screened, options: &FitOptions, progress: &dyn Fn(&str)) -> R
     progress("sketch");
     let survey = Survey::new(data, options.seed);
     progress("poles");
-    let found = lean(&survey, options, grades)?;
+    let found = lean(&survey, options, graded)?;
     progress("shapes");
     let law = Law::given(&found.work, &found.refined, options.damping.unwrap_or(Damping::Structural))?;
     let shaped = Shaped::new(data, Identified::new(found, law)?)?;
@@ -166,7 +167,7 @@ fn fit_auto(data: &Screened, options: &FitOptions, sought: bool, progress: &dyn 
         Outcome::Ended(Doubt::Conjugated) => (from_conjugated(data, options)?, Vec::new()),
         Outcome::Ended(doubt) => (from_measured(data, options, &doubt.words(), progress)?, Vec::new()),
     };
-    let measured = found.spread.is_some();
+    let measured = found.measured;
     let (model, left) = finished(data, found, options, progress, |shaped| shaped.left(data))?;
     let outliers = if sought && measured { faults::outliers::outliers(data, &model) } else { Vec::new() };
     match outliers.is_empty() {
@@ -202,12 +203,14 @@ pub(crate) fn finished(
 const MOSTLY_LEFT: f64 = 0.5;
 
 pub(crate) fn from_chain(chain: Chain, asked: Option<usize>, hz: f64) -> Found {
+    let (grades, spread) = graded(&chain.refined, &chain.projected.work, chain.variance);
     Found {
-        grades: grades(&chain.refined, &chain.projected.work, chain.variance),
+        grades,
+        spread,
+        measured: false,
         work: chain.projected.work,
         back: Some(chain.projected.back),
         variance: chain.variance,
-        spread: None,
         path: format!("fast chain: {}", chain.whiteness.evidence),
         warnings: asked.and_then(|asked| more_than_asked(asked, &chain.dropped, hz)).into_iter().collect(),
         consistent: true,
@@ -215,20 +218,16 @@ pub(crate) fn from_chain(chain: Chain, asked: Option<usize>, hz: f64) -> Found {
     }
 }
 
-/// Grades by the linearised standard deviation.
-fn grades(refined: &Refined, work: &Work, variance: f64) -> Vec<Grade> {
+/// Linearised variances E|δλ|² of the poles, and grades by them.
+fn graded(refined: &Refined, work: &Work, variance: f64) -> (Vec<Grade>, Vec<f64>) {
     let inverse = inverse_hermitian(refined.information(work).view()).ok();
-    (0..refined.lambda.len())
-        .map(|q| {
-            let pole = refined.lambda[q];
-            let deviation = inverse.as_ref().map_or(f64::INFINITY, |c| (variance * c[[q, q]].re).max(0.0).sqrt());
-            if work.in_band(pole) {
-                uncertainty_grade(pole, [0.5 * deviation.powi(2); 2])
-            } else {
-                (Trust::Sure, Vec::new())
-            }
-        })
-        .collect()
+    let spread_of = |q: usize| inverse.as_ref().map_or(f64::INFINITY, |inverse| (variance * inverse[[q, q]].re).max(0.0));
+    let grade_of = |(&pole, &spread): (&Complex64, &f64)| match work.in_band(pole) {
+        true => uncertainty_grade(pole, [0.5 * spread; 2]),
+        false => (Trust::Sure, Vec::new()),
+    };
+    let spread: Vec<f64> = (0..refined.lambda.len()).map(spread_of).collect();
+    (refined.lambda.iter().zip(&spread).map(grade_of).collect(), spread)
 }
 
 fn from_conjugated(data: &Screened, options: &FitOptions) -> Result<Found, FitError> {
@@ -245,7 +244,8 @@ pub(crate) fn conjugated(projected: Projected) -> Result<Found, LinalgError> {
         work: projected.work,
         back: Some(projected.back),
         variance,
-        spread: Some(Vec::new()),
+        spread: Vec::new(),
+        measured: true,
         grades: Vec::new(),
         path: "stopped after the pole pool".into(),
         warnings: vec!["every resonance turns the wrong way: the data follow e^(-jwt); read them with --time-sign -".into()],
@@ -276,7 +276,8 @@ fn from_measured(data: &Screened, options: &FitOptions, evidence: &str, progress
         work,
         back,
         variance,
-        spread: Some(found.variance),
+        spread: found.variance,
+        measured: true,
         grades: found.grades,
         path: format!("measured-data path: {evidence}"),
         warnings: found.warnings,

@@ -20,8 +20,10 @@ pub(crate) struct Found {
     pub back: Option<Array2<f64>>,
     /// Noise variance of a work value.
     pub variance: f64,
-    /// E|δλ|² per pole where the residual decides; `None`: from the information matrix.
-    pub spread: Option<Vec<f64>>,
+    /// E|δλ|² per pole.
+    pub spread: Vec<f64>,
+    /// True where that and the grades come from the residual, which is no noise; else from the information matrix.
+    pub measured: bool,
     /// Grades.
     pub grades: Vec<Grade>,
     /// Which path, and why.

@@ -1,8 +1,9 @@
 //! First pass over the data: the count sketch (theory.md, eq. 6), and with it the energy of each line and each FRF.
 
 use crate::reading::{in_place, visit};
+use crate::tolerances as tol;
 use chladni_frf::FrfValues;
-use ndarray::{Array1, Array2, Axis, ShapeBuilder};
+use ndarray::{Array1, Array2, ArrayViewMut2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rand::seq::SliceRandom;
 use rand::{Rng, SeedableRng};
@@ -73,37 +74,45 @@ fn add(column: &mut [f64], energy: &mut [f64], frf: &[f64], sign: f64) -> f64 {
     sums.iter().sum()
 }
 
+/// Sums FRFs into some of the columns: squares of each line, real and imaginary part in turn, and of each FRF.
+fn summed(
+    values: &FrfValues,
+    pairs: &[(usize, usize)],
+    lines: &[usize],
+    mixing: &Mixing,
+    mut columns: ArrayViewMut2<Complex64>,
+    frfs_of: &[Vec<usize>],
+) -> (Vec<f64>, Vec<(usize, f64)>) {
+    let (mut energy, mut copy, mut of_frfs) = (vec![0.0; 2 * lines.len()], Vec::new(), Vec::new());
+    for (mut column, frfs) in columns.columns_mut().into_iter().zip(frfs_of) {
+        let column: &mut [f64] = bytemuck::cast_slice_mut(column.as_slice_mut().expect("column-major"));
+        for &l in frfs {
+            let frf = match in_place(values, &pairs[l..=l], lines).and_then(|frf| frf.to_slice_memory_order()) {
+                Some(frf) => frf,
+                None => {
+                    copy.resize(energy.len(), 0.0);
+                    visit(values, pairs[l], lines, copy.chunks_exact_mut(2), |out, value| (out[0], out[1]) = (value.re, value.im));
+                    &copy
+                }
+            };
+            of_frfs.push((l, add(column, &mut energy, frf, mixing.sign[l])));
+        }
+    }
+    (energy, of_frfs)
+}
+
 impl Sums {
     /// Runs the pass over `pairs` on `lines`: column by column, so that every FRF is read in one stretch.
     pub fn new(values: &FrfValues, pairs: &[(usize, usize)], lines: &[usize], mixing: &Mixing) -> Self {
         let mut frfs_of = vec![Vec::new(); mixing.width];
         mixing.column.iter().enumerate().for_each(|(l, &column)| frfs_of[column].push(l));
-        // real and imaginary parts in turn
-        let size = 2 * lines.len();
-        let of_column = |frfs: &Vec<usize>| {
-            let (mut column, mut energy, mut copy) = (vec![0.0; size], vec![0.0; size], vec![0.0; size]);
-            let mut of_frfs = Vec::with_capacity(frfs.len());
-            for &l in frfs {
-                let frf = match in_place(values, &pairs[l..=l], lines).and_then(|frf| frf.to_slice_memory_order()) {
-                    Some(frf) => frf,
-                    None => {
-                        visit(values, pairs[l], lines, copy.chunks_exact_mut(2), |out, value| (out[0], out[1]) = (value.re, value.im));
-                        &copy
-                    }
-                };
-                of_frfs.push((l, add(&mut column, &mut energy, frf, mixing.sign[l])));
-            }
-            (column, energy, of_frfs)
-        };
-        let parts: Vec<_> = frfs_of.par_iter().map(of_column).collect();
-        let mut sums = Self {
-            columns: Array2::zeros((lines.len(), mixing.width).f()),
-            line_energy: Array1::zeros(lines.len()),
-            frf_energy: vec![0.0; pairs.len()],
-            flawed: false,
-        };
-        for (mut out, (column, energy, of_frfs)) in sums.columns.columns_mut().into_iter().zip(parts) {
-            out.iter_mut().zip(column.chunks_exact(2)).for_each(|(out, value)| *out = Complex64::new(value[0], value[1]));
+        let mut columns = Array2::zeros((lines.len(), mixing.width).f());
+        let size = mixing.width.div_ceil(tol::PASS_GROUPS);
+        let groups: Vec<_> = columns.axis_chunks_iter_mut(Axis(1), size).zip(frfs_of.chunks(size)).collect();
+        let parts: Vec<_> =
+            groups.into_par_iter().map(|(columns, frfs_of)| summed(values, pairs, lines, mixing, columns, frfs_of)).collect();
+        let mut sums = Self { columns, line_energy: Array1::zeros(lines.len()), frf_energy: vec![0.0; pairs.len()], flawed: false };
+        for (energy, of_frfs) in parts {
             sums.line_energy.iter_mut().zip(energy.chunks_exact(2)).for_each(|(sum, parts)| *sum += parts[0] + parts[1]);
             of_frfs.into_iter().for_each(|(l, energy)| sums.frf_energy[l] = energy);
         }

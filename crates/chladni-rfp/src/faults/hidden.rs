@@ -10,6 +10,7 @@ use crate::wide::projected;
 use crate::work::{basis, Work};
 use chladni_frf::Mode;
 use num_complex::Complex64;
+use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
@@ -37,7 +38,7 @@ pub(crate) fn between_modes(case: &Case) -> Option<Finding> {
     modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
     let axis = case.data.axis();
     let hides = |pair: &&[&Mode]| could_hide(case, &axis, pair).unwrap_or(false);
-    let gaps: Vec<&[&Mode]> = modes.windows(2).filter(hides).collect();
+    let gaps: Vec<&[&Mode]> = modes.par_windows(2).filter(hides).collect();
     if gaps.is_empty() {
         return None;
     }

@@ -24,6 +24,7 @@ use crate::head::Head;
 use crate::options::FitOptions;
 use crate::screen::Screened;
 use chladni_frf::{ModalModel, Mode, Trust};
+use rayon::prelude::*;
 
 /// What a check may look at.
 pub(crate) struct Case<'a> {
@@ -81,7 +82,7 @@ const CHECKS: [fn(&Case) -> Option<Finding>; 8] = [
 /// Runs all checks; their words join the model's warnings.
 pub(crate) fn examine(data: &Head, values: Option<&Screened>, options: &FitOptions, white: bool, model: &mut ModalModel) {
     let case = Case { data, values, model, options, white };
-    let found: Vec<Finding> = CHECKS.iter().filter_map(|check| check(&case)).collect();
+    let found: Vec<Finding> = CHECKS.par_iter().filter_map(|check| check(&case)).collect();
     for finding in found {
         model.quality.trusted &= !finding.contradiction;
         for &n in &finding.weak {

@@ -29,11 +29,15 @@ use chladni_linalg::{qr_thin, LinalgError};
 use ndarray::Array2;
 use num_complex::Complex64;
 
-/// Poles at the maximum of the likelihood; `grade` says how sure each of them is.
+/// Poles at the maximum of the likelihood; `graded` says how sure each of them is, and its E|δλ|².
 ///
 /// # Errors
 /// A decomposition that fails.
-pub(crate) fn lean(survey: &Survey, options: &FitOptions, grade: impl Fn(&Refined, &Work, f64) -> Vec<Grade>) -> Result<Found, FitError> {
+pub(crate) fn lean(
+    survey: &Survey,
+    options: &FitOptions,
+    graded: impl Fn(&Refined, &Work, f64) -> (Vec<Grade>, Vec<f64>),
+) -> Result<Found, FitError> {
     let sketch = &survey.sketch;
     let modes = options.modes.unwrap_or(survey.peaks.len());
     let mut start = start(survey, modes, options)?;
@@ -56,12 +60,14 @@ pub(crate) fn lean(survey: &Survey, options: &FitOptions, grade: impl Fn(&Refine
     let freedom = data.lines.len().saturating_sub(refined.unknowns()).max(1) * data.pairs.len();
     let variance = (projected.line_residual(&refined.projection.residual).sum() / freedom as f64).max(1e-30);
     let found = inside(&projected.work, &refined.lambda);
+    let (grades, spread) = graded(&refined, &projected.work, variance);
     Ok(Found {
-        grades: grade(&refined, &projected.work, variance),
+        grades,
+        spread,
+        measured: false,
         work: projected.work,
         back: Some(projected.back),
         variance,
-        spread: None,
         path: match options.modes {
             Some(modes) => format!("fast chain for {modes} modes, its residual not judged"),
             None => format!("fast chain from {modes} visible peaks, its residual not judged"),

@@ -90,28 +90,20 @@ pub(crate) fn viscous_pole(s: Complex64, covariance: [[f64; 2]; 2], grade: Grade
 }
 
 impl Identified {
-    /// Poles of the chosen law with their deviations: from the information matrix and `variance` (fast chain), or as given by
-    /// `spread` = E|δλ|² per pole (measured-data path, where the residual decides).
+    /// Poles of the chosen law with their deviations: in the viscous law from its own information matrix, where the residual is noise.
     pub fn new(found: Found, law: Law) -> Result<Self, LinalgError> {
-        let Found { refined, work, back, variance, spread, grades, path, warnings, consistent } = found;
-        let structural = match &spread {
-            Some(spread) => spread.clone(),
-            None => {
-                let covariance = inverse_hermitian(refined.information(&work).view())?;
-                covariance.diag().iter().map(|c| variance * c.re).collect()
-            }
-        };
+        let Found { refined, work, back, variance, spread, measured, grades, path, warnings, consistent } = found;
         let mut poles: Vec<Pole> = refined
             .lambda
             .iter()
-            .zip(&structural)
+            .zip(&spread)
             .zip(grades)
             .map(|((&lambda, &c), grade)| structural_pole(lambda, [0.5 * c; 2], grade))
             .collect();
         if let Some(fit) = law.viscous {
-            let own = match spread {
-                Some(_) => None,
-                None => Some(inverse_hermitian(fit.information(&work, &refined.powers)?.view())? * (0.5 * variance)),
+            let own = match measured {
+                true => None,
+                false => Some(inverse_hermitian(fit.information(&work, &refined.powers)?.view())? * (0.5 * variance)),
             };
             let sources: Vec<usize> = (0..poles.len()).filter(|&n| law::expressible_pole(refined.lambda[n])).collect();
             poles = fit
@@ -127,7 +119,7 @@ impl Identified {
                         }
                         // |ds| = |dλ|/(2|√λ|), alike in all directions
                         None => {
-                            let c = 0.5 * structural[source] / (4.0 * refined.lambda[source].norm());
+                            let c = 0.5 * spread[source] / (4.0 * refined.lambda[source].norm());
                             [[c, 0.0], [0.0, c]]
                         }
                     };

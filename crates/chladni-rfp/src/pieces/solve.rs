@@ -272,7 +272,8 @@ fn of_products(
                 refined,
                 work: projected.work,
                 back: Some(projected.back),
-                spread: Some(spread.clone()),
+                spread: spread.clone(),
+                measured: true,
                 grades: grades.clone(),
                 path: format!("measured-data path: {evidence}"),
                 warnings: warnings.clone(),
@@ -288,7 +289,7 @@ fn of_products(
             Settled::Again(poles) => return Ok(Solved::Poles(poles)),
         },
     };
-    let white = found.spread.is_none();
+    let white = !found.measured;
     let (mut model, left) = finished(&head, found, options, progress, |shaped| shaped.left_by_sums(&head))?;
     if let Some(weights) = PairWeights::new(&head, &left, model.quality.relative_error).filter(|_| white) {
         let words = weights.spread_in_words();
