@@ -52,26 +52,29 @@ pub(crate) struct Sums {
 /// Sums that need not wait for each other.
 const LANES: usize = 8;
 
-/// Adds `sign` times an FRF to its column and its squares to the energy of the lines; their sum. Inlined, the compiler would no longer
-/// know that the three do not overlap, and add one value at a time.
+/// Adds `signs` times two FRFs to their column and their squares to the energy of the lines; the sum of squares of each. Two at a time are
+/// waited for together. Inlined, the compiler would no longer know that the slices do not overlap, and add one value at a time.
 #[inline(never)]
-fn add(column: &mut [f64], energy: &mut [f64], frf: &[f64], sign: f64) -> f64 {
-    let mut sums = [0.0; LANES];
-    let mut lanes = |column: &mut [f64], energy: &mut [f64], frf: &[f64]| {
-        for (((sum, column), energy), value) in sums.iter_mut().zip(column).zip(energy).zip(frf) {
-            let square = value * value;
-            *column += sign * value;
-            *energy += square;
-            *sum += square;
+fn add(column: &mut [f64], energy: &mut [f64], one: &[f64], other: &[f64], signs: [f64; 2]) -> [f64; 2] {
+    let mut sums = [[0.0; LANES]; 2];
+    let mut lanes = |column: &mut [f64], energy: &mut [f64], one: &[f64], other: &[f64]| {
+        let [first, second] = &mut sums;
+        let sums = first.iter_mut().zip(second);
+        for ((((first, second), column), energy), (one, other)) in sums.zip(column).zip(energy).zip(one.iter().zip(other)) {
+            let squares = [one * one, other * other];
+            *column += signs[0] * one + signs[1] * other;
+            *energy += squares[0] + squares[1];
+            *first += squares[0];
+            *second += squares[1];
         }
     };
     let ((columns, last_column), (energies, last_energy)) = (column.as_chunks_mut::<LANES>(), energy.as_chunks_mut::<LANES>());
-    let (frfs, last_frf) = frf.as_chunks::<LANES>();
-    for ((column, energy), frf) in columns.iter_mut().zip(energies).zip(frfs) {
-        lanes(column, energy, frf);
+    let ((ones, last_one), (others, last_other)) = (one.as_chunks::<LANES>(), other.as_chunks::<LANES>());
+    for ((column, energy), (one, other)) in columns.iter_mut().zip(energies).zip(ones.iter().zip(others)) {
+        lanes(column, energy, one, other);
     }
-    lanes(last_column, last_energy, last_frf);
-    sums.iter().sum()
+    lanes(last_column, last_energy, last_one, last_other);
+    sums.map(|sums| sums.iter().sum())
 }
 
 /// Sums FRFs into some of the columns: squares of each line, real and imaginary part in turn, and of each FRF.
@@ -83,22 +86,30 @@ fn summed(
     mut columns: ArrayViewMut2<Complex64>,
     frfs_of: &[Vec<usize>],
 ) -> (Vec<f64>, Vec<(usize, f64)>) {
-    let (mut energy, mut copy, mut of_frfs) = (vec![0.0; 2 * lines.len()], Vec::new(), Vec::new());
+    let size = 2 * lines.len();
+    let (mut energy, mut copies, mut of_frfs) = (vec![0.0; size], [Vec::new(), Vec::new()], Vec::new());
+    let nothing = vec![0.0; size];
     for (mut column, frfs) in columns.columns_mut().into_iter().zip(frfs_of) {
         let column: &mut [f64] = bytemuck::cast_slice_mut(column.as_slice_mut().expect("column-major"));
-        for &l in frfs {
-            let frf = match in_place(values, &pairs[l..=l], lines).and_then(|frf| frf.to_slice_memory_order()) {
-                Some(frf) => frf,
-                None => {
-                    copy.resize(energy.len(), 0.0);
-                    visit(values, pairs[l], lines, copy.chunks_exact_mut(2), |out, value| (out[0], out[1]) = (value.re, value.im));
-                    &copy
-                }
-            };
-            of_frfs.push((l, add(column, &mut energy, frf, mixing.sign[l])));
+        for two in frfs.chunks(2) {
+            let [first, second] = &mut copies;
+            let one = stretch(values, pairs[two[0]], lines, first);
+            let other = two.get(1).map_or(nothing.as_slice(), |&l| stretch(values, pairs[l], lines, second));
+            let signs = [mixing.sign[two[0]], two.get(1).map_or(0.0, |&l| mixing.sign[l])];
+            let sums = add(column, &mut energy, one, other, signs);
+            of_frfs.extend(two.iter().copied().zip(sums));
         }
     }
     (energy, of_frfs)
+}
+
+/// An FRF where it lies, or copied into `copy`.
+fn stretch<'a>(values: &'a FrfValues, pair: (usize, usize), lines: &[usize], copy: &'a mut Vec<f64>) -> &'a [f64] {
+    in_place(values, &[pair], lines).and_then(|frf| frf.to_slice_memory_order()).unwrap_or_else(|| {
+        copy.resize(2 * lines.len(), 0.0);
+        visit(values, pair, lines, copy.chunks_exact_mut(2), |out, value| (out[0], out[1]) = (value.re, value.im));
+        copy
+    })
 }
 
 impl Sums {
