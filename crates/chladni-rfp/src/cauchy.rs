@@ -8,6 +8,10 @@ use crate::work::{inverse, Work};
 use chladni_linalg::matmul_h;
 use ndarray::{s, Array2, ArrayViewMut1, Axis, ShapeBuilder};
 use num_complex::Complex64;
+use rayon::prelude::*;
+
+/// Columns that a thread makes at a time: fewer take less time than to share them out.
+const POLES_AT_A_TIME: usize = 8;
 
 /// The columns of one set of poles, all above the real axis.
 pub(crate) struct Cauchy<'a> {
@@ -38,7 +42,8 @@ impl<'a> Cauchy<'a> {
             }
             sums
         };
-        let sums = poles.map(of_pole).collect();
+        let poles: Vec<_> = poles.collect();
+        let sums = poles.into_par_iter().with_min_len(POLES_AT_A_TIME).map(of_pole).collect();
         for (column, &power) in plain.columns_mut().into_iter().skip(n).zip(powers) {
             let lines = work.x.iter().zip(&work.g);
             column.into_iter().zip(lines).for_each(|(value, (&x, &g))| *value = (g * x.powi(power)).into());

@@ -143,12 +143,12 @@ fn on_orthonormal_basis(work: &Work, lambda: &[Complex64], powers: &[i32], psi: 
 }
 
 fn by_partial_fractions(work: &Work, lambda: &[Complex64], powers: &[i32], psi: &Array2<Complex64>) -> Result<Step, LinalgError> {
-    let lower = match well_conditioned(work, lambda, powers) {
+    let cauchy = psi.slice(s![.., ..lambda.len()]);
+    let (lower, moments) = rayon::join(|| well_conditioned(work, lambda, powers), || Moments::new(work, cauchy, powers));
+    let lower = match lower {
         Some(lower) => lower,
         None => sound_adjoint(&tall_r(basis(work, lambda, powers).view())?),
     };
-    let cauchy = psi.slice(s![.., ..lambda.len()]);
-    let moments = Moments::new(work, cauchy, powers);
     let inside = (0..work.columns()).into_par_iter().map(|l| solve_lower(lower.view(), moments.products(l, lambda).view()));
     let energy = line_energy(&work.b) * work.columns() as f64;
     Ok((weighted_gram(lambda, cauchy, &energy), inside.collect::<Result<_, _>>()?))
@@ -215,7 +215,7 @@ impl Moments {
             above: against(&data),
             below: conjugate(&against(&conjugate(&data))),
             plain: Array2::from_shape_fn((powers.len(), work.columns()), |(p, l)| of_terms[p].column(l).sum()),
-            terms: of_terms.iter().map(against).collect(),
+            terms: of_terms.par_iter().map(against).collect(),
         }
     }
 
