@@ -7,7 +7,7 @@ use crate::input::{expand, model_of, read_frf, Reading};
 use crate::memory::{parse_memory, MEMORY};
 use crate::outcome::Outcome;
 use crate::output::{Output, MODEL, PARTIAL, POLES_OR_MODEL};
-use crate::streaming::{beside_checksums, explain_piece, Resume, Stream};
+use crate::streaming::{explain_piece, Resume, Stream};
 use crate::table::{counted, significant, table};
 use chladni_frf::io::{write_atomically, write_model, FrfParts};
 use chladni_frf::{Error, ErrorKind, Result};
@@ -153,12 +153,12 @@ fn reduce(args: &Reduce, console: &Console) -> Result<Outcome> {
         }
         data = data.share(args.block, blocks)?;
     }
-    let stream = Stream::new(data, args.memory, &options, console)?;
+    let stream = Stream::new(data, &files, args.memory, &options, console)?;
     let mut resume = Resume::new(Some(&args.output), &files, stream.len(), args.resume)?;
     let reducer = Reducer::new(&options, poles.as_ref()).map_err(|error| explain_piece(error, &options, &files[0]))?;
     let stage = if reducer.is_second() { "second pass" } else { "first pass" };
     let before = resume.take();
-    let (partial, sources) = beside_checksums(&files, || stream.pass(&reducer, before, &mut resume))?;
+    let (partial, sources) = stream.with_sources(|| stream.pass(&reducer, before, &mut resume))?;
     let partial = partial.as_block(args.block as u64).with_sources(&sources);
     write(&output, &partial.to_bytes())?;
     resume.done();

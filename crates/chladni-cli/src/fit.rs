@@ -7,7 +7,7 @@ use crate::memory::{parse_memory, MEMORY};
 use crate::outcome::Outcome;
 use crate::output::{Output, MODEL};
 use crate::scene_band::SceneBand;
-use crate::streaming::{beside_checksums, too_large, Resume, Stream};
+use crate::streaming::{too_large, Resume, Stream};
 use crate::table::{counted, significant, table, with_bound};
 use chladni_frf::io::{frf_bytes, write_model, FrfParts};
 use chladni_frf::{Damping, Error, ErrorKind, FrfSet, ModalModel, Mode, Result, Scaling, Source, Trust};
@@ -134,9 +134,9 @@ fn streamed(args: &Args, files: &[PathBuf], options: &FitOptions, console: &Cons
     if let Some(scene) = &args.scene {
         return whole("--scene", &scene.display().to_string());
     }
-    let stream = Stream::new(FrfParts::open(files, &args.reading.options())?, args.memory, options, console)?;
+    let stream = Stream::new(FrfParts::open(files, &args.reading.options())?, files, args.memory, options, console)?;
     let mut resume = Resume::new(args.output.as_deref(), files, stream.len(), args.resume)?;
-    let (fit, sources) = beside_checksums(files, || stream.fit(&mut resume))?;
+    let (fit, sources) = stream.with_sources(|| stream.fit(&mut resume))?;
     let mut model = fit.model;
     model.source = sources;
     model.options = echo_of(options);

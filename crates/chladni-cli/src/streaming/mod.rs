@@ -5,7 +5,7 @@ mod resume;
 use crate::console::Console;
 use crate::fit::explain;
 use crate::input::source;
-use chladni_frf::io::{FrfParts, Part};
+use chladni_frf::io::{Checksums, FrfParts, Part, Turn};
 use chladni_frf::{Error, ErrorKind, FrfValues, Result, Source};
 use chladni_rfp::pieces::{solve, Partial, PieceError, Poles, Reducer, Solved};
 use chladni_rfp::{Fit, FitOptions};
@@ -19,8 +19,8 @@ use std::time::Instant;
 const PARTS_OF_MEMORY: u64 = 32;
 /// Bytes of a part beyond which larger ones are no faster: merging costs less, memory that no part was in yet more (16, 32 and 64 MiB).
 const PART_MOST: u64 = 16 << 20;
-/// Parts at work at a time: while one is read or merged, the other is reduced.
-const LANES: usize = 2;
+/// Parts at work at a time: while one waits for the disk, the others are reduced (2, 3 and 4: the third is worth a tenth on two cores).
+const LANES: usize = 3;
 /// Most parts of a pilot, and of how many parts it takes one.
 const PILOT_PARTS: usize = 8;
 const PILOT_SHARE: usize = 16;
@@ -36,6 +36,9 @@ pub fn too_large(bytes: u64, memory: u64) -> bool {
 pub struct Stream<'a> {
     data: FrfParts,
     parts: Vec<Part>,
+    files: Vec<PathBuf>,
+    /// Made by the first pass, where it can.
+    checksums: Option<Checksums>,
     options: &'a FitOptions,
     console: &'a Console,
 }
@@ -45,9 +48,27 @@ impl<'a> Stream<'a> {
     ///
     /// # Errors
     /// Those of reading; a file that cannot be cut.
-    pub fn new(data: FrfParts, memory: u64, options: &'a FitOptions, console: &'a Console) -> Result<Self> {
+    pub fn new(data: FrfParts, files: &[PathBuf], memory: u64, options: &'a FitOptions, console: &'a Console) -> Result<Self> {
         let parts = data.parts((memory / PARTS_OF_MEMORY).min(PART_MOST))?;
-        Ok(Self { data, parts, options, console })
+        let checksums = data.checksums(files);
+        Ok(Self { data, parts, files: files.to_vec(), checksums, options, console })
+    }
+
+    /// Runs `work`, which makes passes, and with it or beside it the checksums of the files.
+    ///
+    /// # Errors
+    /// Those of either.
+    pub fn with_sources<T>(&self, work: impl FnOnce() -> Result<T>) -> Result<(T, Vec<Source>)> {
+        if let Some(checksums) = &self.checksums {
+            let made = work()?;
+            return Ok((made, checksums.sources()?));
+        }
+        let files = self.files.clone();
+        // not scoped: an error of `work` need not wait for the end of the files
+        let sources = thread::spawn(move || files.iter().map(|file| source(file)).collect::<Result<Vec<_>>>());
+        let made = work()?;
+        let sources = sources.join().map_err(|_| Error::new(ErrorKind::Internal, "the thread of the checksums failed"))?;
+        Ok((made, sources?))
     }
 
     /// Number of parts.
@@ -66,14 +87,16 @@ impl<'a> Stream<'a> {
         let all: f64 = open.iter().map(|(_, part)| self.data.part_bytes(part) as f64).sum();
         let (start, mut done) = (Instant::now(), 0.0);
         let mut merged = before;
+        let checksums = self.checksums.as_ref().filter(|checksums| checksums.begin());
         thread::scope(|scope| {
             let lane = |first: usize| {
                 let (sender, receiver) = sync_channel(1);
                 let (open, data, options) = (&open, &self.data, self.options);
                 scope.spawn(move || {
                     let mut spare = None;
-                    for part in open.iter().skip(first).step_by(LANES) {
-                        if sender.send(reduced(data, options, reducer, part, &mut spare)).is_err() {
+                    for (number, part) in open.iter().enumerate().skip(first).step_by(LANES) {
+                        let turn = checksums.map(|checksums| data.turn(checksums, number, part.1));
+                        if sender.send(reduced(data, options, reducer, part, turn, &mut spare)).is_err() {
                             break;
                         }
                     }
@@ -82,21 +105,29 @@ impl<'a> Stream<'a> {
             };
             let lanes: [_; LANES] = std::array::from_fn(lane);
             // taken in turn: what is said comes in the order of the data
-            for ((_, part), lane) in open.iter().zip(lanes.iter().cycle()) {
-                let file = self.data.file(part);
-                let Ok(made) = lane.recv() else { break }; // it panicked: so does the scope
-                let (partial, warnings) = made?;
-                self.console.warn_all(warnings);
-                let partial = partial?;
-                merged = Some(match merged.take() {
-                    Some(merged) => Partial::merge([merged, partial]).map_err(|error| error.file(file))?,
-                    None => partial,
-                });
-                done += self.data.part_bytes(part) as f64 / all;
-                self.console.so_far(done, start.elapsed().mul_f64((1.0 - done).max(0.0) / done));
-                resume.keep(merged.as_ref().expect("one was merged"))?;
+            let mut take_all = || {
+                for ((_, part), lane) in open.iter().zip(lanes.iter().cycle()) {
+                    let file = self.data.file(part);
+                    let Ok(made) = lane.recv() else { return Ok(false) }; // it panicked: so does the scope
+                    let (partial, warnings) = made?;
+                    self.console.warn_all(warnings);
+                    let partial = partial?;
+                    merged = Some(match merged.take() {
+                        Some(merged) => Partial::merge([merged, partial]).map_err(|error| error.file(file))?,
+                        None => partial,
+                    });
+                    done += self.data.part_bytes(part) as f64 / all;
+                    self.console.so_far(done, start.elapsed().mul_f64((1.0 - done).max(0.0) / done));
+                    resume.keep(merged.as_ref().expect("one was merged"))?;
+                }
+                Ok::<bool, Error>(true)
+            };
+            let taken = take_all();
+            // no lane may wait for a part that will not come
+            if let Some(checksums) = checksums.filter(|_| !matches!(taken, Ok(true))) {
+                checksums.give_up();
             }
-            Ok::<(), Error>(())
+            taken.map(drop)
         })?;
         merged.ok_or_else(|| {
             Error::bad_data("the input holds no FRF")
@@ -136,7 +167,7 @@ impl<'a> Stream<'a> {
         let reducer = Reducer::new(self.options, None).ok()?;
         let step = self.parts.len().div_ceil(PILOT_PARTS).max(PILOT_SHARE);
         let mut spare = None;
-        let mut partial = |part: (u64, &Part)| reduced(&self.data, self.options, &reducer, &part, &mut spare).ok()?.0.ok();
+        let mut partial = |part: (u64, &Part)| reduced(&self.data, self.options, &reducer, &part, None, &mut spare).ok()?.0.ok();
         let partials: Option<Vec<Partial>> = (0..).zip(&self.parts).skip(step / 2).step_by(step).map(&mut partial).collect();
         match solve(&Partial::merge(partials?).ok()?, self.options, &|_| ()).ok()? {
             Solved::Poles(poles) => Some(*poles),
@@ -149,15 +180,16 @@ impl<'a> Stream<'a> {
     }
 }
 
-/// Reads a part and reduces it, and what is to be said of it; `spare` goes from part to part, so that memory need not be cleared for each.
+/// Reads a part in its `turn` and reduces it, and what is to be said of it; `spare` goes from part to part, so that memory need not be cleared for each.
 fn reduced(
     data: &FrfParts,
     options: &FitOptions,
     reducer: &Reducer,
     (number, part): &(u64, &Part),
+    turn: Option<Turn>,
     spare: &mut Option<FrfValues>,
 ) -> Result<(Result<Partial>, Vec<String>)> {
-    let (frf, warnings) = data.read(part, spare.take())?;
+    let (frf, warnings) = data.read(part, turn, spare.take())?;
     let file = data.file(part);
     let partial = match frf.known_kind() {
         Ok(_) => reducer.block(&frf, *number, Vec::new()).map_err(|error| explain_piece(error, options, file)),
@@ -174,17 +206,4 @@ pub fn explain_piece(error: PieceError, options: &FitOptions, file: &Path) -> Er
         PieceError::Data(error) if error.file.is_none() => error.file(file),
         PieceError::Data(error) => error,
     }
-}
-
-/// Runs `work`, and beside it reads all files once more for their checksums.
-///
-/// # Errors
-/// Those of either.
-pub fn beside_checksums<T>(files: &[PathBuf], work: impl FnOnce() -> Result<T>) -> Result<(T, Vec<Source>)> {
-    let files = files.to_vec();
-    // not scoped: an error of `work` need not wait for the end of the files
-    let sources = thread::spawn(move || files.iter().map(|file| source(file)).collect::<Result<Vec<_>>>());
-    let made = work()?;
-    let sources = sources.join().map_err(|_| Error::new(ErrorKind::Internal, "the thread of the checksums failed"))?;
-    Ok((made, sources?))
 }

@@ -6,6 +6,8 @@
 mod arrays;
 mod assemble;
 mod atomic;
+mod bulk;
+mod checksums;
 mod contents;
 mod csv;
 mod detect;
@@ -29,6 +31,7 @@ mod wav;
 
 pub use assemble::assemble;
 pub use atomic::{create_atomically, refuse_output_among_inputs, write_atomically};
+pub use checksums::{sha256_of, Checksums, Turn};
 pub use contents::Contents;
 pub use detect::detect_format;
 pub use document::{Abscissa, Axis, DatasetInfo, Document, Duplicates, FileFormat, Function, Ordinate, ReadOptions};
@@ -37,7 +40,7 @@ pub use model_file::{read_model, write_model};
 pub use model_shapes::{field_shape, model_shapes};
 pub use parts::{frf_bytes, FrfParts, Part};
 pub use paths::{expand_paths, file_name, Inputs};
-pub use read::{list_document, read_contents, read_document, read_documents, read_frf, read_text, sha256_of};
+pub use read::{list_document, read_contents, read_document, read_documents, read_frf, read_text};
 pub use save::{write_contents, write_frf};
 pub use shape::{Analysis, Shape, ShapeForm, ShapeNumbers, TRANSLATION};
 

@@ -4,7 +4,7 @@
 //! checked like a file of its own.
 
 use super::assemble;
-use super::{detect_format, hdf5, read_documents, uff, FileFormat, ReadOptions};
+use super::{detect_format, hdf5, read_documents, uff, Checksums, FileFormat, ReadOptions, Turn};
 use crate::{Error, FrfSet, FrfValues, Result};
 use std::fs;
 use std::io::{Read, Seek, SeekFrom};
@@ -139,6 +139,19 @@ impl FrfParts {
         Ok(parts)
     }
 
+    /// Checksums of `files` as their parts pass; `None` where not all of them have a part here, or parts are not read as they lie in the
+    /// files.
+    pub fn checksums(&self, files: &[PathBuf]) -> Option<Checksums> {
+        let in_stretches = |file: &Parted| matches!(&file.cut, Cut::Responses(rows) if rows.lie_in_one_stretch());
+        let all = self.files.iter().map(|file| &file.path).eq(files) && self.files.iter().all(in_stretches);
+        all.then(|| Checksums::new(files))
+    }
+
+    /// The turn of a part, the `number`th that is read.
+    pub fn turn<'a>(&self, checksums: &'a Checksums, number: usize, part: &Part) -> Turn<'a> {
+        checksums.turn(number, part.file)
+    }
+
     /// Bytes of a part in memory, about.
     pub fn part_bytes(&self, part: &Part) -> u64 {
         let file = &self.files[part.file];
@@ -152,17 +165,18 @@ impl FrfParts {
 
     /// The FRFs of a part, and what is to be said of them.
     ///
+    /// * `turn`: of the part, where checksums of the files are made as they pass; the file is then read past the system's cache
     /// * `spare`: values of another part that is done with: their memory is read into where that is possible, and need not be cleared
     ///
     /// # Errors
     /// Those of reading; [`crate::ErrorKind::BadData`] where it holds no FRF.
-    pub fn read(&self, part: &Part, spare: Option<FrfValues>) -> Result<(FrfSet, Vec<String>)> {
+    pub fn read(&self, part: &Part, turn: Option<Turn>, spare: Option<FrfValues>) -> Result<(FrfSet, Vec<String>)> {
         let file = &self.files[part.file];
         let mut options = self.options.clone();
         if options.references.len() > 1 {
             options.references = options.references.get(file.number).copied().into_iter().collect();
         }
-        Self::read_of(file, &options, &part.units, spare).map_err(|mut error| {
+        Self::read_of(file, &options, &part.units, turn, spare).map_err(|mut error| {
             // lines of a part are not those of the file
             if let Cut::Functions { functions, .. } = &file.cut {
                 error.line = None;
@@ -172,10 +186,16 @@ impl FrfParts {
         })
     }
 
-    fn read_of(file: &Parted, options: &ReadOptions, units: &Range<usize>, spare: Option<FrfValues>) -> Result<(FrfSet, Vec<String>)> {
+    fn read_of(
+        file: &Parted,
+        options: &ReadOptions,
+        units: &Range<usize>,
+        turn: Option<Turn>,
+        spare: Option<FrfValues>,
+    ) -> Result<(FrfSet, Vec<String>)> {
         let documents = match &file.cut {
             Cut::Nowhere => read_documents(std::slice::from_ref(&file.path), options)?,
-            Cut::Responses(rows) => vec![rows.read(options, units.clone(), spare)?],
+            Cut::Responses(rows) => vec![rows.read(options, units.clone(), turn, spare)?],
             Cut::Functions { beside, functions } => {
                 let wanted: Vec<&Range<u64>> = beside.iter().chain(&functions[units.clone()]).collect();
                 let bytes = stretches(&file.path, wanted).map_err(|error| Error::from_read(&error, &file.path))?;

@@ -1,14 +1,13 @@
 //! From paths to documents, and from documents to one set.
 
+use super::checksums::{sha256_of, sha256_of_bytes};
 use super::paths::{shortened, NAMES_LISTED};
 use super::{
     assemble, csv, detect_format, expand_paths, function_name, hdf5, json_error, mat, numpy, read_model, uff, wav, Contents, DatasetInfo,
     Document, FileFormat, ReadOptions,
 };
 use crate::{Error, FrfSet, Geometry, Result, Source, Trust};
-use sha2::{Digest, Sha256};
 use std::fs;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Everything in one file, by content; damaged datasets are in its `errors`.
@@ -119,13 +118,13 @@ fn read_numbered(path: &Path, options: &ReadOptions, next_node: &mut u64) -> Res
         FileFormat::Uff => {
             let bytes = bytes()?;
             let mut document = uff::read(&bytes, path, options)?;
-            document.sha256 = hexadecimal(Sha256::digest(&bytes));
+            document.sha256 = sha256_of_bytes(&bytes);
             document
         }
         FileFormat::Csv => {
             let bytes = bytes()?;
             let mut document = csv::read(&bytes, path, options, next_node)?;
-            document.sha256 = hexadecimal(Sha256::digest(&bytes));
+            document.sha256 = sha256_of_bytes(&bytes);
             document
         }
         FileFormat::Hdf5 => hdf5::read(path, options)?,
@@ -158,27 +157,6 @@ pub fn read_text(path: &Path, expected: &str) -> Result<String> {
         error.help("check that the right file is named; save text with special characters as UTF-8")
     })?;
     Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
-}
-
-/// SHA-256 of a file, hexadecimal.
-///
-/// # Errors
-/// Those of reading.
-pub fn sha256_of(path: &Path) -> Result<String> {
-    let on_read = |error: std::io::Error| Error::from_read(&error, path);
-    let mut file = fs::File::open(path).map_err(on_read)?;
-    let mut hash = Sha256::new();
-    let mut block = vec![0; 1 << 17]; // stays in the cache next to a core
-    loop {
-        match file.read(&mut block).map_err(on_read)? {
-            0 => return Ok(hexadecimal(hash.finalize())),
-            count => hash.update(&block[..count]),
-        }
-    }
-}
-
-fn hexadecimal(bytes: impl AsRef<[u8]>) -> String {
-    bytes.as_ref().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// A model file as `info` lists it: one entry per mode.

@@ -5,7 +5,7 @@ use super::own::{own_array, Own, FORMAT};
 use crate::io::arrays::tree::{Element, Entry, Values};
 use crate::io::arrays::values::ComplexArray;
 use crate::io::time_sign::to_plus;
-use crate::io::{Document, FileFormat, ReadOptions};
+use crate::io::{Document, FileFormat, ReadOptions, Turn};
 use crate::{Error, FrfSet, FrfValues, Geometry, Result, TimeSign};
 use ndarray::Array3;
 use std::collections::HashSet;
@@ -44,6 +44,11 @@ impl Rows {
         Ok(Some(Self { path: path.to_path_buf(), entry, head, time_sign }))
     }
 
+    /// True where the values lie in the file as they do in memory, one after the other.
+    pub fn lie_in_one_stretch(&self) -> bool {
+        File::open(&self.path).is_ok_and(|file| file.lies_in_one_stretch(&self.entry))
+    }
+
     /// Number of responses.
     pub fn count(&self) -> usize {
         self.entry.shape()[0]
@@ -56,20 +61,20 @@ impl Rows {
     }
 
     /// The FRFs of some responses, without coherence and variance, in `spare` memory if possible; `sha256` is left empty.
-    pub fn read(&self, options: &ReadOptions, rows: Range<usize>, spare: Option<FrfValues>) -> Result<Document> {
+    pub fn read(&self, options: &ReadOptions, rows: Range<usize>, turn: Option<Turn>, spare: Option<FrfValues>) -> Result<Document> {
         let mut document = Document::new(&self.path, FileFormat::Hdf5);
-        let mut set = self.set(rows, spare).map_err(|error| error.file(&self.path))?;
+        let mut set = self.set(rows, turn, spare).map_err(|error| error.file(&self.path))?;
         to_plus(&mut set, self.time_sign, options.time_sign, &mut document.warnings);
         document.frf = Some(set);
         Ok(document)
     }
 
-    fn set(&self, rows: Range<usize>, spare: Option<FrfValues>) -> Result<FrfSet> {
+    fn set(&self, rows: Range<usize>, turn: Option<Turn>, spare: Option<FrfValues>) -> Result<FrfSet> {
         let spare = spare.map(|spare| match spare {
             FrfValues::F64(spare) => Values::Complex64(spare.into_raw_vec_and_offset().0.into()),
             FrfValues::F32(spare) => Values::Complex32(spare.into_raw_vec_and_offset().0.into()),
         });
-        let values = File::open(&self.path)?.read_rows(&self.entry, rows.clone(), spare)?;
+        let values = File::open(&self.path)?.read_rows(&self.entry, rows.clone(), turn, spare)?;
         let mut entry = self.entry.clone();
         if let Some((shape, _)) = &mut entry.dataset {
             shape[0] = rows.len();

@@ -5,6 +5,8 @@
 
 use super::File;
 use crate::io::arrays::tree::{Element, Values};
+use crate::io::bulk::read_past_cache;
+use crate::io::Turn;
 use crate::{Direction, Dof, Node};
 use bytemuck::Pod;
 use hdf5_pure::{Dataset, Datatype, DatatypeByteOrder, Error, Layout};
@@ -15,6 +17,7 @@ use std::ops::Range;
 
 /// Raw bytes read at a time; at 1 MiB and at 16 MiB the panel of the demonstration is read equally fast.
 const WINDOW_BYTES: u64 = 4 << 20;
+
 /// Bytes read at a time of values that lie in the file as they do in memory: fresh memory is cleared in the cache next to a core.
 const STRETCH_BYTES: usize = 256 << 10;
 
@@ -148,6 +151,7 @@ pub(super) fn values_of(
     dataset: &Dataset,
     datatype: &Datatype,
     rows: Range<usize>,
+    turn: Option<Turn>,
     spare: Option<Values<'static>>,
 ) -> Result<Option<Values<'static>>, Error> {
     let Some(windows) = Windows::new(dataset, datatype, rows)? else { return Ok(None) };
@@ -168,16 +172,14 @@ pub(super) fn values_of(
         }
         (Element::Complex { single }, _) => {
             let (Some(re), Some(im)) = (member(0), member(1)) else { return Ok(None) };
-            let half = if single { 4 } else { 8 };
-            let is_plain = re.is_plain(0, single) && im.is_plain(half, single) && datatype.type_size() as usize == 2 * half;
-            if cfg!(target_endian = "little") && is_plain {
+            if is_plain(datatype, single) {
                 // as this program and h5py write them on most machines: no look at each value
                 return Ok(Some(if single {
                     let spare = if let Some(Values::Complex32(Cow::Owned(spare))) = spare { spare } else { Vec::new() };
-                    Values::Complex32(windows.collect_plain(file, spare)?.into())
+                    Values::Complex32(windows.collect_plain(file, turn, spare)?.into())
                 } else {
                     let spare = if let Some(Values::Complex64(Cow::Owned(spare))) = spare { spare } else { Vec::new() };
-                    Values::Complex64(windows.collect_plain(file, spare)?.into())
+                    Values::Complex64(windows.collect_plain(file, turn, spare)?.into())
                 }));
             }
             if single {
@@ -205,6 +207,21 @@ pub(super) fn values_of(
         }
         _ => None,
     })
+}
+
+/// True where complex numbers lie in the file as they do in memory.
+fn is_plain(datatype: &Datatype, single: bool) -> bool {
+    let half = if single { 4 } else { 8 };
+    let part = |index, offset| Member::of(datatype, index).is_some_and(|part| part.is_plain(offset, single));
+    cfg!(target_endian = "little") && part(0, 0) && part(1, half) && datatype.type_size() as usize == 2 * half
+}
+
+/// True where all of a dataset of complex numbers lies in the file as it does in memory, one value after the other.
+pub(super) fn lies_in_one_stretch(file: &File, dataset: &Dataset) -> Result<bool, Error> {
+    let datatype = dataset.datatype()?;
+    let Element::Complex { single } = element_of(&datatype) else { return Ok(false) };
+    let Some(windows) = Windows::new(dataset, &datatype, 0..usize::MAX)? else { return Ok(false) };
+    Ok(is_plain(&datatype, single) && windows.stretch(file)?.is_some())
 }
 
 /// A dataset cut along its first axis.
@@ -259,7 +276,7 @@ impl<'a> Windows<'a> {
     }
 
     /// Every element of a type that lies in the file as it does in memory, into the memory of `values`.
-    fn collect_plain<T: Pod>(&self, file: &File, mut values: Vec<T>) -> Result<Vec<T>, Error> {
+    fn collect_plain<T: Pod>(&self, file: &File, turn: Option<Turn>, mut values: Vec<T>) -> Result<Vec<T>, Error> {
         let Some(start) = self.stretch(file)? else {
             values.clear();
             values.reserve_exact(self.count);
@@ -269,9 +286,16 @@ impl<'a> Windows<'a> {
             })?;
             return Ok(values);
         };
+        values.truncate(self.count);
+        if let Some(mut turn) = turn {
+            values.resize(self.count, T::zeroed());
+            let bytes = bytemuck::cast_slice_mut(&mut values);
+            read_past_cache(&file.path, start, bytes)?;
+            turn.pass(start, bytes);
+            return Ok(values);
+        }
         let mut file = std::fs::File::open(&file.path)?;
         file.seek(SeekFrom::Start(start))?;
-        values.truncate(self.count);
         values.reserve_exact(self.count - values.len());
         for at in (0..self.count).step_by(STRETCH_BYTES / size_of::<T>()) {
             let end = (at + STRETCH_BYTES / size_of::<T>()).min(self.count);

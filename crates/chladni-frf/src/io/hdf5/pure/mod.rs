@@ -6,8 +6,9 @@ mod write;
 pub(super) use write::write;
 
 use crate::io::arrays::tree::{check_nesting, check_size, library_error, Attribute, Attributes, Element, Entry, Values};
+use crate::io::Turn;
 use crate::{Error, Result};
-use decode::{element_of, values_of};
+use decode::{element_of, lies_in_one_stretch, values_of};
 use hdf5_pure::{AttrValue, Dataset, Datatype};
 use std::collections::HashMap;
 use std::ops::Range;
@@ -67,11 +68,18 @@ impl File {
 
     /// All values of a dataset.
     pub(super) fn read(&self, entry: &Entry) -> Result<Values<'static>> {
-        self.read_rows(entry, 0..usize::MAX, None)
+        self.read_rows(entry, 0..usize::MAX, None, None)
     }
 
-    /// The values of some rows (along the first axis) of a dataset; all of a text. `spare`: memory to read into, where it is of this kind.
-    pub(super) fn read_rows(&self, entry: &Entry, rows: Range<usize>, spare: Option<Values<'static>>) -> Result<Values<'static>> {
+    /// The values of some rows (along the first axis) of a dataset; all of a text. `turn`: where the bytes are to be
+    /// handed over for a checksum; `spare`: memory to read into, where it is of this kind.
+    pub(super) fn read_rows(
+        &self,
+        entry: &Entry,
+        rows: Range<usize>,
+        turn: Option<Turn>,
+        spare: Option<Values<'static>>,
+    ) -> Result<Values<'static>> {
         let fail = |error| library_error(error, &self.path).field(&entry.path);
         let dataset = self.file.dataset(&entry.path).map_err(fail)?;
         let datatype = dataset.datatype().map_err(fail)?;
@@ -81,9 +89,14 @@ impl File {
         if matches!(element_of(&datatype), Element::Text) {
             return Ok(Values::Text(dataset.read_string().map_err(fail)?));
         }
-        values_of(self, &dataset, &datatype, rows, spare)
+        values_of(self, &dataset, &datatype, rows, turn, spare)
             .map_err(fail)?
             .ok_or_else(|| not_understood(&datatype).file(&self.path).field(&entry.path))
+    }
+
+    /// True where a dataset of complex numbers lies in the file as it does in memory, one value after the other.
+    pub(super) fn lies_in_one_stretch(&self, entry: &Entry) -> bool {
+        self.file.dataset(&entry.path).and_then(|dataset| lies_in_one_stretch(self, &dataset)).unwrap_or(false)
     }
 
     /// Refuses a dataset of which a piece ends beyond the file: the library makes room for pieces that touch before it reads them.

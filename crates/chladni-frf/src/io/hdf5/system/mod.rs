@@ -7,6 +7,7 @@
 //! end refuses them.
 
 use crate::io::arrays::tree::{check_nesting, check_size, library_error, Attribute, Attributes, Element, Entry, Group, Values};
+use crate::io::Turn;
 use crate::{Direction, Dof, Error, Node, Result};
 use hdf5::types::{FixedAscii, FixedUnicode, FloatSize, TypeDescriptor, VarLenAscii, VarLenUnicode};
 use hdf5::{Container, H5Type, Location, LocationType};
@@ -122,7 +123,17 @@ impl File {
 
 impl File {
     /// The values of some rows (along the first axis) of a dataset {r, i} with three axes. The library takes its own memory.
-    pub(super) fn read_rows(&self, entry: &Entry, rows: Range<usize>, _spare: Option<Values<'static>>) -> Result<Values<'static>> {
+    pub(super) fn lies_in_one_stretch(&self, _: &Entry) -> bool {
+        false
+    }
+
+    pub(super) fn read_rows(
+        &self,
+        entry: &Entry,
+        rows: Range<usize>,
+        _turn: Option<Turn>,
+        _spare: Option<Values<'static>>,
+    ) -> Result<Values<'static>> {
         let fail = |error| library_error(error, &self.path).field(&entry.path);
         let dataset = self.file.dataset(&entry.path).map_err(fail)?;
         let datatype = dataset.dtype().map_err(fail)?;
