@@ -1,6 +1,7 @@
 //! HDF5 through the public door: round trips, damaged files, files of others.
 use chladni_frf::io::{
-    read_contents, read_document, read_frf, write_contents, write_frf, Abscissa, Axis, Contents, FrfParts, Function, Ordinate, ReadOptions,
+    read_contents, read_document, read_frf, sha256_of, write_contents, write_frf, Abscissa, Axis, Contents, FrfParts, Function, Ordinate,
+    ReadOptions,
 };
 use chladni_frf::{ErrorKind, FrfKind, FrfSet, FrfValues, Geometry, Node, ReferenceUnit, TimeSign};
 use ndarray::{Array1, Array3};
@@ -82,14 +83,16 @@ fn parts_hold_the_values_of_their_rows_whatever_memory_they_are_read_into() {
     for set in [double, single] {
         let (_folder, path) = folder_with("set.h5");
         write_frf(&path, &set, false).unwrap();
-        let data = FrfParts::open(&[path], &ReadOptions::default()).unwrap();
+        let data = FrfParts::open(std::slice::from_ref(&path), &ReadOptions::default()).unwrap();
         let parts = data.parts(300_000).unwrap();
         assert!(parts.len() > 1, "{}", parts.len());
         let of_other_kinds = [FrfValues::F64(Array3::zeros((1, 1, 7))), FrfValues::F32(Array3::zeros((50, 2, 500)))].map(Some);
         for mut spare in of_other_kinds.into_iter().chain([None]) {
             let mut first = 0;
-            for part in &parts {
-                let (frf, _) = data.read(part, spare.take()).unwrap();
+            let checksums = data.checksums(std::slice::from_ref(&path));
+            for (number, part) in parts.iter().enumerate() {
+                let turn = checksums.as_ref().map(|checksums| data.turn(checksums, number, part));
+                let (frf, _) = data.read(part, turn, spare.take()).unwrap();
                 assert_eq!(frf.responses, set.responses[first..first + frf.responses.len()]);
                 for (i, j) in frf.all_pairs() {
                     assert!((0..500).all(|k| frf.values.get(i, j, k) == set.values.get(first + i, j, k)), "{i} {j}");
@@ -98,6 +101,10 @@ fn parts_hold_the_values_of_their_rows_whatever_memory_they_are_read_into() {
                 spare = Some(frf.values);
             }
             assert_eq!(first, 41);
+            if let Some(checksums) = &checksums {
+                assert_eq!(checksums.sources().unwrap()[0].sha256, sha256_of(&path).unwrap());
+            }
+            assert_eq!(checksums.is_some(), !cfg!(feature = "system"), "no library hands over bytes of a file");
         }
     }
 }
