@@ -140,7 +140,7 @@ impl State {
 
 impl Turn<'_> {
     /// Hands over the bytes that lie at `start` of the file, once all before have been.
-    pub(super) fn pass(&mut self, start: u64, bytes: &[u8]) {
+    pub fn pass(&mut self, start: u64, bytes: &[u8]) {
         let Checksums { files, changed, .. } = self.checksums;
         let state = self.checksums.state();
         let mut state =

@@ -6,6 +6,7 @@
 mod arrays;
 mod assemble;
 mod atomic;
+#[cfg(not(feature = "system"))] // a library reads the file there
 mod bulk;
 mod checksums;
 mod contents;
