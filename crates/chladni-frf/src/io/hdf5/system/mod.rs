@@ -122,11 +122,12 @@ impl File {
 }
 
 impl File {
-    /// The values of some rows (along the first axis) of a dataset {r, i} with three axes. The library takes its own memory.
+    /// False: the library hands over values, not the bytes of the file.
     pub(super) fn lies_in_one_stretch(&self, _: &Entry) -> bool {
         false
     }
 
+    /// The values of some rows (along the first axis) of a dataset {r, i} with three axes. The library takes its own memory.
     pub(super) fn read_rows(
         &self,
         entry: &Entry,
