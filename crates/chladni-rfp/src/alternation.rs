@@ -153,11 +153,10 @@ pub(crate) fn add_product(
     factor: ndarray::ArrayView1<Complex64>,
     value: ndarray::ArrayView1<Complex64>,
 ) {
+    let add = |((sum, factor), value): ((&mut Complex64, &Complex64), &Complex64)| *sum += factor.conj() * value;
     match (sum.as_slice_mut(), factor.to_slice(), value.to_slice()) {
-        (Some(sum), Some(factor), Some(value)) => {
-            sum.iter_mut().zip(factor).zip(value).for_each(|((sum, factor), value)| *sum += factor.conj() * value);
-        }
-        _ => sum.iter_mut().zip(factor).zip(value).for_each(|((sum, factor), value)| *sum += factor.conj() * value),
+        (Some(sum), Some(factor), Some(value)) => sum.iter_mut().zip(factor).zip(value).for_each(add),
+        _ => sum.iter_mut().zip(factor).zip(value).for_each(add),
     }
 }
 

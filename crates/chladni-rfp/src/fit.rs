@@ -161,7 +161,7 @@ fn fit_auto(data: &Screened, options: &FitOptions, sought: bool, progress: &dyn 
     let (found, history) = match fast_chain(data, options.seed, options.modes, progress)? {
         Outcome::White(chain) => {
             let history = chain.history.clone();
-            (from_chain(*chain, options.modes, data.hz()), history)
+            (from_chain(*chain, options.modes, data.hz())?, history)
         }
         Outcome::Ended(Doubt::Outliers(lines)) if sought => return Ok(Attempt::Outliers(lines)),
         Outcome::Ended(Doubt::Conjugated) => (from_conjugated(data, options)?, Vec::new()),
@@ -202,9 +202,9 @@ pub(crate) fn finished(
 /// Residual over data beyond which the band as a whole is not explained, whatever single peaks are.
 const MOSTLY_LEFT: f64 = 0.5;
 
-pub(crate) fn from_chain(chain: Chain, asked: Option<usize>, hz: f64) -> Found {
-    let (grades, spread) = graded(&chain.refined, &chain.projected.work, chain.variance);
-    Found {
+pub(crate) fn from_chain(chain: Chain, asked: Option<usize>, hz: f64) -> Result<Found, LinalgError> {
+    let (grades, spread) = graded(&chain.refined, &chain.projected.work, chain.variance)?;
+    Ok(Found {
         grades,
         spread,
         measured: false,
@@ -215,19 +215,18 @@ pub(crate) fn from_chain(chain: Chain, asked: Option<usize>, hz: f64) -> Found {
         warnings: asked.and_then(|asked| more_than_asked(asked, &chain.dropped, hz)).into_iter().collect(),
         consistent: true,
         refined: chain.refined,
-    }
+    })
 }
 
 /// Linearised variances E|δλ|² of the poles, and grades by them.
-fn graded(refined: &Refined, work: &Work, variance: f64) -> (Vec<Grade>, Vec<f64>) {
-    let inverse = inverse_hermitian(refined.information(work).view()).ok();
-    let spread_of = |q: usize| inverse.as_ref().map_or(f64::INFINITY, |inverse| (variance * inverse[[q, q]].re).max(0.0));
+fn graded(refined: &Refined, work: &Work, variance: f64) -> Result<(Vec<Grade>, Vec<f64>), LinalgError> {
+    let inverse = inverse_hermitian(refined.information(work).view())?;
     let grade_of = |(&pole, &spread): (&Complex64, &f64)| match work.in_band(pole) {
         true => uncertainty_grade(pole, [0.5 * spread; 2]),
         false => (Trust::Sure, Vec::new()),
     };
-    let spread: Vec<f64> = (0..refined.lambda.len()).map(spread_of).collect();
-    (refined.lambda.iter().zip(&spread).map(grade_of).collect(), spread)
+    let spread: Vec<f64> = inverse.diag().iter().map(|own| (variance * own.re).max(0.0)).collect();
+    Ok((refined.lambda.iter().zip(&spread).map(grade_of).collect(), spread))
 }
 
 fn from_conjugated(data: &Screened, options: &FitOptions) -> Result<Found, FitError> {

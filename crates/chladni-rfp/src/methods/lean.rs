@@ -36,7 +36,7 @@ use num_complex::Complex64;
 pub(crate) fn lean(
     survey: &Survey,
     options: &FitOptions,
-    graded: impl Fn(&Refined, &Work, f64) -> (Vec<Grade>, Vec<f64>),
+    graded: impl Fn(&Refined, &Work, f64) -> Result<(Vec<Grade>, Vec<f64>), LinalgError>,
 ) -> Result<Found, FitError> {
     let sketch = &survey.sketch;
     let modes = options.modes.unwrap_or(survey.peaks.len());
@@ -60,7 +60,7 @@ pub(crate) fn lean(
     let freedom = data.lines.len().saturating_sub(refined.unknowns()).max(1) * data.pairs.len();
     let variance = (projected.line_residual(&refined.projection.residual).sum() / freedom as f64).max(1e-30);
     let found = inside(&projected.work, &refined.lambda);
-    let (grades, spread) = graded(&refined, &projected.work, variance);
+    let (grades, spread) = graded(&refined, &projected.work, variance)?;
     Ok(Found {
         grades,
         spread,

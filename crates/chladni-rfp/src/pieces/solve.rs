@@ -284,7 +284,7 @@ fn of_products(
         Path::Fast { history } => match settled(poles, &head, projected, &energy, history.clone(), progress)? {
             Settled::Chain(chain) => {
                 let history = chain.history.clone();
-                (from_chain(*chain, poles.modes, head.hz()), history)
+                (from_chain(*chain, poles.modes, head.hz())?, history)
             }
             Settled::Again(poles) => return Ok(Solved::Poles(poles)),
         },
