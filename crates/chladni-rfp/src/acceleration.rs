@@ -4,8 +4,8 @@
 //! (1965) 547; H. F. Walker, P. Ni, SIAM J. Numer. Anal. 49 (2011) 1715.
 
 use crate::tolerances as tol;
-use chladni_linalg::lstsq;
-use ndarray::{Array2, ShapeBuilder};
+use chladni_linalg::solve_hermitian;
+use ndarray::Array2;
 use num_complex::Complex64;
 use std::collections::VecDeque;
 
@@ -28,16 +28,19 @@ impl Acceleration {
         if self.changes.len() > tol::STEPS_REMEMBERED {
             self.changes.pop_front();
         }
-        let mut columns = Array2::zeros((change.len(), self.changes.len()).f());
-        for (mut column, (of_change, _)) in columns.columns_mut().into_iter().zip(&self.changes) {
-            column.iter_mut().zip(of_change).for_each(|(value, part)| *value = *part);
-        }
-        let right = Array2::from_shape_vec((change.len(), 1), change.iter().copied().collect()).expect("one column");
+        let along = |a: &Array2<Complex64>, b: &Array2<Complex64>| a.iter().zip(b).map(|(a, b)| a.conj() * b).sum::<Complex64>();
+        let size: Vec<f64> = self.changes.iter().map(|(step, _)| along(step, step).re.sqrt().max(f64::MIN_POSITIVE)).collect();
+        let steps = &self.changes;
+        let gram = Array2::from_shape_fn((size.len(), size.len()), |(i, j)| {
+            // steps that tell nearly the same twice share what they explain
+            let ridge = if i == j { tol::STEPS_RIDGE } else { 0.0 };
+            along(&steps[i].0, &steps[j].0) / (size[i] * size[j]) + ridge
+        });
+        let right = Array2::from_shape_fn((size.len(), 1), |(i, _)| along(&steps[i].0, &change) / size[i]);
         let mut next = made.clone();
-        // steps that tell the same twice: the next will differ
-        if let Ok(shares) = lstsq(columns.view(), right.view()) {
-            for ((_, of_made), &share) in self.changes.iter().zip(&shares) {
-                next.zip_mut_with(of_made, |value, part| *value -= share * part);
+        if let Ok(shares) = solve_hermitian(gram.view(), right.view()) {
+            for (((_, of_made), &share), size) in steps.iter().zip(&shares).zip(&size) {
+                next.zip_mut_with(of_made, |value, part| *value -= share * part / size);
             }
         }
         next

@@ -75,6 +75,8 @@ pub(crate) struct Refined {
     pub projection: Projection,
     /// Residues and residual coefficients, (m, column).
     pub coefficients: Array2<Complex64>,
+    /// Gauss–Newton matrix, where normal equations told it.
+    information: Option<Array2<Complex64>>,
 }
 
 /// Gauss–Newton matrix and gradient at one set of poles.
@@ -128,8 +130,8 @@ impl Point for Exact {
 /// Refines `start` until the largest step is `tolerance` of a half-bandwidth, at most `iterations` steps: by normal equations as far as
 /// they go, then on an orthonormal basis.
 pub(crate) fn refine(work: &Work, start: &[Complex64], powers: &[i32], iterations: usize, tolerance: f64) -> Result<Refined, LinalgError> {
-    let (descent, ended) = by_normal_equations(work, start, powers, iterations, tolerance);
-    on_orthonormal_basis(descent, ended, tolerance)
+    let (descent, last) = by_normal_equations(work, start, powers, iterations, tolerance);
+    on_orthonormal_basis(descent, last, tolerance)
 }
 
 /// The poles alone.
@@ -140,44 +142,45 @@ pub(crate) fn refined_poles(
     iterations: usize,
     tolerance: f64,
 ) -> Result<Vec<Complex64>, LinalgError> {
-    let (descent, ended) = by_normal_equations(work, start, powers, iterations, tolerance);
-    if ended || descent.steps == 0 {
+    let (descent, last) = by_normal_equations(work, start, powers, iterations, tolerance);
+    if last.is_some() || descent.steps == 0 {
         return Ok(descent.lambda);
     }
-    Ok(on_orthonormal_basis(descent, ended, tolerance)?.lambda)
+    Ok(on_orthonormal_basis(descent, last, tolerance)?.lambda)
 }
 
-/// As far as they go; true where that is the end.
+/// As far as they go; where that is the end, with the last point.
 fn by_normal_equations<'a>(
     work: &'a Work,
     start: &[Complex64],
     powers: &'a [i32],
     iterations: usize,
     tolerance: f64,
-) -> (Descent<'a>, bool) {
+) -> (Descent<'a>, Option<Normal>) {
     let mut descent = Descent::new(work, start, powers, iterations);
     let point = if descent.steps > 0 { descent.here::<Normal>() } else { None };
-    let ended = point.is_some_and(|mut point| descent.go(&mut point, tolerance));
-    (descent, ended)
+    let last = point.and_then(|mut point| descent.go(&mut point, tolerance).then_some(point));
+    (descent, last)
 }
 
-fn on_orthonormal_basis(mut descent: Descent, ended: bool, tolerance: f64) -> Result<Refined, LinalgError> {
+fn on_orthonormal_basis(mut descent: Descent, last: Option<Normal>, tolerance: f64) -> Result<Refined, LinalgError> {
     let Descent { work, powers, .. } = descent;
+    let information = last.map(|point| point.system(work, &descent.lambda).0);
     let mut point = Exact::new(work, &descent.lambda, powers)?;
-    if !ended {
+    if information.is_none() {
         descent.go(&mut point, tolerance);
     }
     let Exact { projection, coefficients } = point;
-    Ok(Refined { lambda: descent.lambda, powers: powers.to_vec(), projection, coefficients })
+    Ok(Refined { lambda: descent.lambda, powers: powers.to_vec(), projection, coefficients, information })
 }
 
 impl Refined {
     /// Gauss–Newton matrix (DᴴP⊥D)∘(R̄Rᵀ), (n, n), on the lines and columns of the refinement.
     pub fn information(&self, work: &Work) -> Array2<Complex64> {
-        match Normal::at(work, work.energy(), &self.lambda, &self.powers) {
+        self.information.clone().unwrap_or_else(|| match Normal::at(work, work.energy(), &self.lambda, &self.powers) {
             Some(normal) => normal.system(work, &self.lambda).0,
             None => newton_system(work, &self.lambda, &self.projection, &self.coefficients).0,
-        }
+        })
     }
     /// Number of unknown columns m.
     pub fn unknowns(&self) -> usize {

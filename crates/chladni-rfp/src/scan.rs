@@ -13,7 +13,7 @@ const BLOCK: usize = 64;
 const UNKNOWN_LOSS: f64 = 0.01;
 
 /// Median loss factor of the poles of the band.
-fn usual_loss(work: &Work, lambda: &[Complex64]) -> f64 {
+pub(crate) fn usual_loss(work: &Work, lambda: &[Complex64]) -> f64 {
     let mut losses: Vec<f64> = lambda.iter().filter(|p| work.in_band(**p)).map(|p| p.im / p.re.max(1e-12)).collect();
     losses.sort_by(f64::total_cmp);
     losses.get(losses.len() / 2).copied().unwrap_or(UNKNOWN_LOSS)

@@ -41,8 +41,8 @@ pub(crate) const ROUGH_STEP: f64 = 1e-3;
 /// The same for the final one. With quadratic convergence the error left is the square of it.
 pub(crate) const FINE_STEP: f64 = 1e-7;
 /// What a step promises to take off the sum of squares, in units of the noise variance, below which it is the last: no pole moves by
-/// more than some 1e-4 of its error bar.
-pub(crate) const PROMISED: f64 = 1e-8;
+/// more than 1e-3 of its error bar in it, and what is left after it is a tenth and less of that.
+pub(crate) const PROMISED: f64 = 1e-6;
 /// Part of the residual's energy that the rounding of normal equations may reach: a thousandth of the noise of one value in a set of
 /// some 10⁵.
 pub(crate) const NORMAL_ROUNDING: f64 = 1e-8;
@@ -115,6 +115,8 @@ pub(crate) const RANK_ONE_CHANGE: f64 = 1e-9;
 /// Steps that the rank-one refit remembers: three slow rates at a time and one to spare. On the panel 1, 2 and 8 took 20 sweeps, 4 took 25,
 /// none 39.
 pub(crate) const STEPS_REMEMBERED: usize = 4;
+/// Ridge on the correlations of the steps remembered: far above the rounding of their products.
+pub(crate) const STEPS_RIDGE: f64 = 1e-13;
 /// Part of the energy of free residues above which the misfit of low rank is told by a difference of sums.
 pub(crate) const RANK_ONE_KNOWN: f64 = 1e-6;
 /// Power steps towards the strongest term of one mode's residues: its next singular value is noise, or the search that follows finds it.

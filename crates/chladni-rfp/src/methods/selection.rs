@@ -22,7 +22,7 @@ pub(crate) fn variance_left(work: &Work, lambda: &[Complex64]) -> Result<f64, Li
     Ok(left_by(work, Projection::new(work, lambda, &POWERS)?.sse, lambda.len() + POWERS.len()))
 }
 
-fn left_by(work: &Work, sse: f64, unknowns: usize) -> f64 {
+pub(super) fn left_by(work: &Work, sse: f64, unknowns: usize) -> f64 {
     let freedom = work.lines().saturating_sub(unknowns).max(1) * work.columns();
     (sse / freedom as f64).max(tol::ROUNDING_VARIANCE * work.energy() / (work.lines() * work.columns()) as f64)
 }

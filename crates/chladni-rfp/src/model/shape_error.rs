@@ -95,17 +95,25 @@ pub(super) fn shape_bars(noisy: &Noisy, scales: &[Scale]) -> Result<ShapeBars, L
     let Noisy { work, poles, shapes, .. } = noisy;
     let twin = |n: usize| Complex64::new(1.0, poles[n].loss_factor) * poles[n].omega.powi(2);
     let (inside, outside): (Vec<usize>, Vec<usize>) = (0..poles.len()).partition(|&n| work.in_band(twin(n)) || poles[n].given.is_some());
-    let mut out = ShapeBars { shape: Array2::zeros(shapes.shape.raw_dim()), scale: vec![0.0; scales.len()] };
-    for (kept, others) in [(&inside, &outside), (&outside, &inside)] {
+    let of_rows = |kept: &[usize], others: &[usize]| {
         let rows: Vec<usize> = (0..shapes.owner.len()).filter(|&row| kept.contains(&shapes.owner[row])).collect();
         if rows.is_empty() {
-            continue;
+            return Ok(Vec::new());
         }
         let others: Vec<Complex64> = others.iter().map(|&n| twin(n)).collect();
-        ShapeErrors::new(noisy, &rows, &others)?.fill(&rows, scales, &mut out)?;
+        ShapeErrors::new(noisy, &rows, &others)?.all(&rows, scales)
+    };
+    let (of_inside, of_outside) = rayon::join(|| of_rows(&inside, &outside), || of_rows(&outside, &inside));
+    let mut out = ShapeBars { shape: Array2::zeros(shapes.shape.raw_dim()), scale: vec![0.0; scales.len()] };
+    for (row, shape, scale) in of_inside?.into_iter().chain(of_outside?) {
+        out.shape.row_mut(row).assign(&shape);
+        out.scale[row] = scale;
     }
     Ok(out)
 }
+
+/// A term (its row), its deviations, and that of its scale.
+type Bars = (usize, Array1<f64>, f64);
 
 /// What the error bars of some terms are made from.
 struct ShapeErrors {
@@ -167,18 +175,14 @@ impl ShapeErrors {
         Ok(Group { responses, kept, along, across, gram_inverse: inverse_hermitian(normal.view())? })
     }
 
-    /// Writes the deviations of the terms into their `rows`.
-    fn fill(&self, rows: &[usize], scales: &[Scale], out: &mut ShapeBars) -> Result<(), LinalgError> {
+    /// Error bars of the terms, which are `rows` of all.
+    fn all(&self, rows: &[usize], scales: &[Scale]) -> Result<Vec<Bars>, LinalgError> {
         let clusters = overlapping(&self.lambda).into_par_iter().map(|modes| self.of_cluster(modes, rows, scales));
-        for (n, shape, scale) in clusters.collect::<Result<Vec<_>, _>>()?.into_iter().flatten() {
-            out.shape.row_mut(rows[n]).assign(&shape);
-            out.scale[rows[n]] = scale;
-        }
-        Ok(())
+        Ok(clusters.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
     }
 
-    /// The terms of a cluster, with their deviations and those of their scales.
-    fn of_cluster(&self, modes: Vec<usize>, rows: &[usize], scales: &[Scale]) -> Result<Vec<(usize, Array1<f64>, f64)>, LinalgError> {
+    /// Those of a cluster.
+    fn of_cluster(&self, modes: Vec<usize>, rows: &[usize], scales: &[Scale]) -> Result<Vec<Bars>, LinalgError> {
         // poles first: where they come from free residues they have a covariance of their own
         let mut unknowns = unknowns(&modes, &self.participation, self.real);
         unknowns.sort_by_key(|unknown| unknown.other.is_some());
@@ -195,7 +199,7 @@ impl ShapeErrors {
             halves.axis_chunks_iter(Axis(1), cluster.modes.len() + 1).map(|half| matmul_h(half, half)).collect();
         let of_term = |(&n, spreads): (&usize, &[Array2<Complex64>])| {
             let (shape, scale) = self.term(n, &scales[rows[n]], &cluster.modes, spreads);
-            (n, shape, scale)
+            (rows[n], shape, scale)
         };
         Ok(cluster.modes.iter().zip(spreads.chunks(self.groups.len())).map(of_term).collect())
     }
