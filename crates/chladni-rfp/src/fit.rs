@@ -254,26 +254,21 @@ pub(crate) fn conjugated(projected: Projected) -> Result<Found, LinalgError> {
 
 fn from_measured(data: &Screened, options: &FitOptions, evidence: &str, progress: &dyn Fn(&str)) -> Result<Found, FitError> {
     let found = measured_path(data, options.seed, options.modes, progress)?;
-    let variance = found.refined.variance(&found.work);
-    let (work, back) = match found.back {
-        Some(back) => (found.work, Some(back)),
+    let (refined, work, back) = match found.back {
+        Some(back) => (found.refined, found.work, back),
         None => {
             // the path ran on mixtures: residues come from one pass over all FRFs
+            let Refined { lambda, powers, .. } = &found.refined;
             let (sketch, energy) = data.sketch(options.seed);
-            let all = Projection::new(&sketch, &found.refined.lambda, &found.refined.powers)?;
-            let projected = project(data, &all.q, &energy)?;
-            (projected.work, Some(projected.back))
+            let projected = project(data, &Projection::new(&sketch, lambda, powers)?.q, &energy)?;
+            (refine(&projected.work, lambda, powers, 0, 0.0)?, projected.work, projected.back)
         }
     };
-    let variance = if work.columns() == found.refined.projection.residual.ncols() {
-        variance
-    } else {
-        Projection::new(&work, &found.refined.lambda, &found.refined.powers)?.sse / (work.lines() * work.columns()) as f64
-    };
+    let variance = refined.variance(&work);
     Ok(Found {
-        refined: found.refined,
+        refined,
         work,
-        back,
+        back: Some(back),
         variance,
         spread: found.variance,
         measured: true,

@@ -4,7 +4,7 @@ use super::candidates::Origin;
 use super::search::Record;
 use crate::refine::Refined;
 use crate::work::{basis, Work};
-use ndarray::{s, Array2};
+use ndarray::{s, Array1, Array2};
 use num_complex::Complex64;
 
 /// Evidence about one pole.
@@ -36,6 +36,11 @@ pub(crate) struct Evidence {
     pub edge: f64,
     /// Highest response within its half-width, dB.
     pub level_db: f64,
+    /// Largest residue over the next, dB; `None` where they are too few to say, or of mixtures.
+    pub alone_db: Option<f64>,
+    /// Σr²/Σ|r|² of its residues r: twice the angle at which they stand, and the root of their modal phase collinearity. `None` where they
+    /// do not belong to one shape.
+    pub stand: Option<Complex64>,
 }
 
 impl Evidence {
@@ -64,6 +69,8 @@ pub(crate) fn look(record: &Record, plain: &Work, residual: &Array2<Complex64>, 
     let misfit: f64 = residual.slice(s![window, ..]).iter().map(|v| v.norm_sqr()).sum();
     let response: f64 = local.b.iter().map(|v| v.norm_sqr()).sum();
     let (low, high) = record.work.range();
+    let unscaled = |scales: &Array1<f64>| refined.coefficients.row(q).iter().zip(scales).map(|(x, scale)| x * scale).collect();
+    let residues: Option<Vec<Complex64>> = record.scales.as_ref().filter(|scales| scales.len() >= FEWEST).map(unscaled);
     let (level_db, stands_out_db) = height(record.work, lambda);
     Evidence {
         lambda,
@@ -79,7 +86,23 @@ pub(crate) fn look(record: &Record, plain: &Work, residual: &Array2<Complex64>, 
         stands_out_db,
         edge: (lambda.re - low).min(high - lambda.re) / lambda.im,
         level_db,
+        alone_db: residues.as_deref().map(alone_db),
+        stand: residues.filter(|_| record.one_reference).map(|residues| stand(&residues)),
     }
+}
+
+/// Least FRFs from which one that stands alone, or has another phase than all others, tells anything.
+const FEWEST: usize = 3;
+
+fn alone_db(residues: &[Complex64]) -> f64 {
+    let mut squares: Vec<f64> = residues.iter().map(|r| r.norm_sqr()).collect();
+    squares.sort_by(|a, b| b.total_cmp(a));
+    10.0 * (squares[0] / squares[1].max(1e-300)).log10()
+}
+
+fn stand(residues: &[Complex64]) -> Complex64 {
+    let whole: f64 = residues.iter().map(|r| r.norm_sqr()).sum();
+    residues.iter().map(|r| r * r).sum::<Complex64>() / whole.max(1e-300)
 }
 
 /// Response at the pole, dB, and the same over the median of the lines within 30 widths (at least 30 lines).

@@ -5,6 +5,7 @@ use super::evidence::Evidence;
 use super::search::Record;
 use crate::found::Grade;
 use chladni_frf::Trust;
+use num_complex::Complex64;
 
 /// Median loss of the six modes nearest to candidate q among those that are `sure`; `None` below three.
 fn usual_loss(all: &[Evidence], sure: &[bool], q: usize) -> Option<f64> {
@@ -20,6 +21,42 @@ fn usual_loss(all: &[Evidence], sure: &[bool], q: usize) -> Option<f64> {
     losses.sort_by(f64::total_cmp);
     (losses.len() >= 3).then(|| losses[losses.len() / 2])
 }
+
+/// Where the residues of the `sure` modes but q stand, each weighted by how well it is known; `None` where they are few, or stand
+/// everywhere.
+fn usual_stand(all: &[Evidence], sure: &[bool], q: usize) -> Option<Complex64> {
+    let others = all.iter().zip(sure).enumerate().filter(|(other, (_, sure))| *other != q && **sure);
+    let (mut sum, mut weights, mut squares) = (Complex64::ZERO, 0.0, 0.0);
+    for (stand, deviation) in others.filter_map(|(_, (e, _))| Some((e.stand?, e.deviation))) {
+        let weight = deviation.max(BEST_KNOWN).powi(-2);
+        sum += weight * stand;
+        weights += weight;
+        squares += weight * weight;
+    }
+    (weights * weights >= FEW * squares && sum.norm() > COMMON * weights).then_some(sum)
+}
+
+/// What the sure modes have in common.
+#[derive(Clone, Copy, Default)]
+struct Usual {
+    loss: Option<f64>,
+    stand: Option<Complex64>,
+}
+
+/// Error bar, in half-bandwidths, below which modes count as equally well known.
+const BEST_KNOWN: f64 = 0.01;
+/// Modes, of equal weight, that it takes to tell where residues usually stand; and the least share of them that agrees.
+const FEW: f64 = 3.0;
+/// See above.
+const COMMON: f64 = 0.9;
+/// Degrees off the others from which residues do not stand with them.
+const OFF_DEGREES: f64 = 45.0;
+/// Largest residue over the next, dB, beyond which one FRF alone shows a mode.
+const ALONE_DB: f64 = 20.0;
+/// Modal phase collinearity below which a shape is none that one mode alone makes, and half-bandwidths within which another has a part in it.
+const NO_COMMON_PHASE: f64 = 0.5;
+/// See above.
+const ISOLATED: f64 = 6.0;
 
 /// Loss factor beyond which a pole is no resonance.
 const BACKGROUND_LOSS: f64 = 0.4;
@@ -45,16 +82,17 @@ pub(crate) type Graded = (Grade, Option<&'static str>);
 
 /// Grades every pole of `all` (in order of frequency); poles outside the band pass ungraded.
 pub(crate) fn grade_all(all: &[Evidence], record: &Record) -> Vec<Graded> {
-    let grade = |list: &[Evidence], q: usize, usual| grade(list, q, record.frfs, record.windowed, usual);
+    let grade = |list: &[Evidence], q: usize, usual: Usual| grade(list, q, record.frfs, record.windowed, usual);
     let inside: Vec<Evidence> = all.iter().filter(|e| e.in_band()).cloned().collect();
-    let sure: Vec<bool> = (0..inside.len()).map(|q| grade(&inside, q, None).0 .0 == Trust::Sure).collect();
-    let mut graded = (0..inside.len()).map(|q| grade(&inside, q, usual_loss(&inside, &sure, q)));
+    let sure: Vec<bool> = (0..inside.len()).map(|q| grade(&inside, q, Usual::default()).0 .0 == Trust::Sure).collect();
+    let usual = |q: usize| Usual { loss: usual_loss(&inside, &sure, q), stand: usual_stand(&inside, &sure, q) };
+    let mut graded = (0..inside.len()).map(|q| grade(&inside, q, usual(q)));
     all.iter().map(|e| if e.in_band() { graded.next() } else { None }.unwrap_or(((Trust::Weak, Vec::new()), None))).collect()
 }
 
-/// Sees neighbours: `all` holds the evidence of every candidate in order of frequency, `usual_loss` the damping of the sure
-/// modes around it, once they are known.
-fn grade(all: &[Evidence], q: usize, frfs: usize, windowed: bool, usual_loss: Option<f64>) -> Graded {
+/// Sees neighbours: `all` holds the evidence of every candidate in order of frequency, `usual` what the sure modes have in common, once
+/// they are known.
+fn grade(all: &[Evidence], q: usize, frfs: usize, windowed: bool, usual: Usual) -> Graded {
     let e = &all[q];
     // a broad in-band pole serves the background
     if e.lambda.im > BACKGROUND_LOSS * e.lambda.re {
@@ -108,7 +146,7 @@ fn grade(all: &[Evidence], q: usize, frfs: usize, windowed: bool, usual_loss: Op
         "side lobe of the stronger peak beside it (leakage)".into(),
     );
     note(windowed && beside(SIDE_LOBE_LINES, 0.0), false, "beside a stronger peak of windowed records: may be its side lobe".into());
-    if let Some(usual) = usual_loss {
+    if let Some(usual) = usual.loss {
         note(
             e.lambda.im / e.lambda.re < 0.12 * usual,
             true,
@@ -117,10 +155,27 @@ fn grade(all: &[Evidence], q: usize, frfs: usize, windowed: bool, usual_loss: Op
     }
     let convincing = (e.misfit < 0.1 && e.deviation < 0.05 && e.part > 0.5) || (e.deviation < 0.03 && e.misfit < 0.25);
     note(e.stands_out_db < 10.0 && !convincing, true, format!("does not stand out of its surroundings ({:.0} dB)", e.stands_out_db));
+    let near = |reach: f64| {
+        let close = |o: &Evidence| (o.lambda.re - e.lambda.re).abs() < reach * o.lambda.im.max(e.lambda.im);
+        all.iter().enumerate().any(|(other, o)| other != q && close(o))
+    };
+    note(
+        e.alone_db.is_some_and(|db| db > ALONE_DB),
+        false,
+        "one FRF alone shows it (20 dB over all others): a disturbance of that measurement, or nodes at all other points".into(),
+    );
+    if let Some(stand) = e.stand {
+        let mpc = stand.norm_sqr();
+        note(
+            mpc < NO_COMMON_PHASE && !near(ISOLATED),
+            false,
+            format!("its points have no common phase (MPC {mpc:.2}), and no mode stands near"),
+        );
+        let off = usual.stand.map_or(0.0, |usual| 0.5 * (stand * usual.conj()).arg().abs().to_degrees());
+        note(off > OFF_DEGREES, false, format!("its residues stand {off:.0} degrees off those of the sure modes"));
+    }
     if frfs == 1 {
-        let pair =
-            all.iter().enumerate().any(|(other, o)| other != q && (o.lambda.re - e.lambda.re).abs() < 2.0 * o.lambda.im.max(e.lambda.im));
-        note(pair, false, "half of a close pair that one FRF alone cannot tell from one mode".into());
+        note(near(2.0), false, "half of a close pair that one FRF alone cannot tell from one mode".into());
     }
 
     let visible_line = e.stands_out_db > 20.0 && e.half_width_lines < 0.5;
@@ -144,7 +199,6 @@ fn grade(all: &[Evidence], q: usize, frfs: usize, windowed: bool, usual_loss: Op
 #[cfg(test)]
 mod tests {
     use super::*;
-    use num_complex::Complex64;
 
     /// A mode beyond doubt at x = 0.3, 4 lines wide.
     fn good(x: f64) -> Evidence {
@@ -162,6 +216,8 @@ mod tests {
             stands_out_db: 30.0,
             edge: 50.0,
             level_db: 0.0,
+            alone_db: Some(3.0),
+            stand: Some(Complex64::new(0.99, 0.05)),
         }
     }
 
@@ -169,7 +225,8 @@ mod tests {
         let mut all = vec![good(0.3)];
         change(&mut all[0]);
         all.extend(neighbours.iter().cloned());
-        grade(&all, 0, frfs, windowed, Some(0.007)).0
+        let usual = Usual { loss: Some(0.007), stand: Some(Complex64::new(5.0, 0.0)) };
+        grade(&all, 0, frfs, windowed, usual).0
     }
 
     #[test]
@@ -177,7 +234,7 @@ mod tests {
         let (trust, reasons) = graded(|_| (), 3, false, &[]);
         assert_eq!((trust, reasons.len()), (Trust::Sure, 0));
         type Doubt = (&'static str, fn(&mut Evidence));
-        let doubts: [Doubt; 14] = [
+        let doubts: [Doubt; 17] = [
             ("model orders and line halves", |e| e.origin = Origin::Agreed { score: 0.6, odd_even: None }),
             ("model orders had left", |e| e.origin = Origin::Added),
             ("wandered in", |e| e.origin = Origin::Nuisance),
@@ -191,6 +248,9 @@ mod tests {
             ("one-line spike", |e| (e.half_width_lines, e.gain_without_nearest) = (0.3, 0.5)),
             ("no skirts", |e| (e.half_width_lines, e.gain_of_skirts) = (0.7, 0.5)),
             ("a tone", |e| e.lambda.im = 0.0001),
+            ("one FRF alone", |e| e.alone_db = Some(25.0)),
+            ("no common phase", |e| e.stand = Some(Complex64::new(0.5, 0.1))),
+            ("degrees off", |e| e.stand = Some(Complex64::new(-0.6, 0.7))),
             ("stand out", |e| (e.stands_out_db, e.deviation, e.misfit) = (5.0, 0.1, 0.3)),
         ];
         for (words, change) in doubts {

@@ -104,7 +104,9 @@ pub(crate) fn on_columns(
     let rows = thinned(&work, &seen);
     let noise: Array1<f64> = rows.iter().map(|&k| noise[k]).collect();
     let work = work.select(&rows);
-    let record = Record { work: &work, noise: &noise, seen: &seen, frfs: data.pairs.len(), columns_are_frfs: back.is_some(), windowed, hz };
+    let (frfs, one_reference) = (data.pairs.len(), data.references.len() == 1);
+    let scales = back.as_ref().map(|back| back.diag().to_owned());
+    let record = Record { work: &work, noise: &noise, seen: &seen, frfs, scales, one_reference, windowed, hz };
 
     progress("pole pool and local tests");
     let sections = split(&work, &seen);

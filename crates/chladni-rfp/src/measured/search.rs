@@ -37,8 +37,10 @@ pub(crate) struct Record<'a> {
     pub seen: &'a [Peak],
     /// Number of FRFs.
     pub frfs: usize,
-    /// True where columns are FRFs, false where they are mixtures.
-    pub columns_are_frfs: bool,
+    /// Factors from columns to FRFs; `None` where the columns are mixtures.
+    pub scales: Option<Array1<f64>>,
+    /// True where all FRFs were measured from one reference.
+    pub one_reference: bool,
     /// True where the records went through a window that broadens lines.
     pub windowed: bool,
     /// Hz per √x.
@@ -208,7 +210,7 @@ impl<'a> Search<'a> {
             e.gain_without_nearest = without_two[q];
             e.gain_of_skirts = without_four[q];
             let mut deviation = local[q].unwrap_or(robust[q].max(white[q])).sqrt();
-            if self.weighted.columns() > 1 && self.weighted.in_band(pole) && self.record.columns_are_frfs {
+            if self.weighted.columns() > 1 && self.weighted.in_band(pole) && self.record.scales.is_some() {
                 let (own, _, _) = own_poles(&self.weighted, refined, &[q])?;
                 let scatter = weighted_scatter(refined, q, &own);
                 e.scatter = Some(scatter / pole.im);

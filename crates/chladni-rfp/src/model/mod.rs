@@ -20,7 +20,7 @@ use chladni_frf::{ComplexMatrix, Damping, ModalModel, Quality, ResidualTerm, Res
 use chladni_linalg::LinalgError;
 use linear::{linear, synthesis, Linear};
 use modes::{modes, rejected_mode, scale_unknown, scales, unscaled};
-use ndarray::{Array2, Axis, ShapeBuilder};
+use ndarray::{Array1, Array2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
 use shape_error::{shape_bars, Noisy, Scale, ShapeBars};
@@ -39,6 +39,10 @@ struct FreeFit {
     all: Array2<Complex64>,
     /// False where a pair was not measured.
     present: Array2<bool>,
+    /// Noise variance of a value of an FRF, the mean of all, over that of a work value.
+    noise: f64,
+    /// That of each response over the mean.
+    noise_of_response: Array1<f64>,
 }
 
 impl FreeFit {
@@ -56,11 +60,16 @@ impl FreeFit {
         let (responses, references) = (data.responses.len(), data.references.len());
         let mut all = Array2::zeros((values.len(), responses * references).f());
         let mut present = Array2::from_elem((responses, references), false);
+        let noise = identified.noise_of_frfs().unwrap_or_else(|| Array1::ones(data.pairs.len()));
+        let mean = noise.mean().unwrap_or(1.0);
+        let mut of_response = vec![(0.0, 0.0); responses];
         for (l, &(i, j)) in data.pairs.iter().enumerate() {
             present[[i, j]] = true;
             all.column_mut(i * references + j).assign(&linear.residues.column(l));
+            of_response[i] = (of_response[i].0 + noise[l] / mean, of_response[i].1 + 1.0);
         }
-        Ok(Self { poles, linear, all, present })
+        let noise_of_response = of_response.into_iter().map(|(sum, count)| if count > 0.0 { sum / count } else { 1.0 }).collect();
+        Ok(Self { poles, linear, all, present, noise: mean, noise_of_response })
     }
 }
 
@@ -75,7 +84,7 @@ pub(crate) struct CommonShapes {
 
 /// Fits one shape per mode of the band at the poles as they stand.
 pub(crate) fn common_shapes(data: &Head, identified: &Identified) -> Result<CommonShapes, LinalgError> {
-    let FreeFit { poles, linear, all, present } = FreeFit::new(data, identified)?;
+    let FreeFit { poles, linear, all, present, noise, .. } = FreeFit::new(data, identified)?;
     let (low, high) = identified.work.range();
     let (inside, outside): (Vec<usize>, Vec<usize>) = (0..poles.len()).partition(|&n| (low..=high).contains(&poles[n].omega.powi(2)));
     if inside.is_empty() {
@@ -85,8 +94,9 @@ pub(crate) fn common_shapes(data: &Head, identified: &Identified) -> Result<Comm
     let mut values = Array2::zeros((inside.len(), all.ncols()).f());
     values.assign(&all.select(Axis(0), &inside));
     let shapes = low_rank(&Residues { values: &values, weight: &weight, present: &present }, &vec![1; inside.len()])?;
-    let sigmas = beyond_chance(shapes.rise, shapes.constraints, identified.variance, tol::STRUCTURE_ROUNDING * identified.work.energy());
-    Ok(CommonShapes { sse: linear.sse + shapes.rise, sigmas })
+    let rise = shapes.rise / noise;
+    let sigmas = beyond_chance(rise, shapes.constraints, identified.variance, tol::STRUCTURE_ROUNDING * identified.work.energy());
+    Ok(CommonShapes { sse: linear.sse + rise, sigmas })
 }
 
 /// Identified poles with the residues of every FRF brought into shapes: all but the scaling.
@@ -111,9 +121,9 @@ impl Shaped {
     /// # Errors
     /// A kernel that fails.
     pub fn new(data: &Head, identified: Identified) -> Result<Self, LinalgError> {
-        let FreeFit { poles, mut linear, all, present } = FreeFit::new(data, &identified)?;
-        let Identified { work, powers, variance, real_shapes, .. } = &identified;
-        let variance = *variance;
+        let FreeFit { poles, mut linear, all, present, noise, noise_of_response } = FreeFit::new(data, &identified)?;
+        let Identified { work, powers, real_shapes, .. } = &identified;
+        let variance = identified.variance * noise;
         let (responses, references) = present.dim();
         let free = Residues { values: &all, weight: &linear.weight, present: &present };
         let (low, high) = work.range();
@@ -147,9 +157,11 @@ impl Shaped {
         };
         let constraints = shapes.constraints + real;
         let chi2_per_dof =
-            if variance > 0.0 { (linear.sse + shapes.rise) / (variance * (free_dof + 0.5 * constraints as f64)) } else { 1.0 };
+            if variance > 0.0 { (linear.sse * noise + shapes.rise) / (variance * (free_dof + 0.5 * constraints as f64)) } else { 1.0 };
         let (scales, scaling) = scales(data, identified.damping, &poles, &shapes);
-        let noisy = Noisy { work, powers, poles: &poles, shapes: &shapes, present: &present, variance, real: *real_shapes };
+        let noise_of_response = &noise_of_response;
+        let noisy =
+            Noisy { work, powers, poles: &poles, shapes: &shapes, present: &present, variance, noise_of_response, real: *real_shapes };
         let bars = shape_bars(&noisy, &scales)?;
         let terms = linear.terms;
         Ok(Self { identified, poles, shapes, scales, scaling, bars, terms, chi2_per_dof })

@@ -7,7 +7,7 @@ use crate::structured::Structured;
 use crate::work::Work;
 use chladni_frf::{Damping, Trust};
 use chladni_linalg::{inverse_hermitian, LinalgError};
-use ndarray::Array2;
+use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 
 /// One pole as the model will show it, in units of ω_max.
@@ -52,6 +52,15 @@ pub(crate) struct Identified {
     pub consistent: bool,
     /// True where shapes and participations given with poles are real.
     pub real_shapes: bool,
+}
+
+impl Identified {
+    /// Noise variance of each FRF over that of a work value: columns that are scaled FRFs have each its own, mixtures share theirs.
+    pub fn noise_of_frfs(&self) -> Option<Array1<f64>> {
+        let back = self.back.as_ref()?;
+        let scaled = back.is_square() && back.indexed_iter().all(|((a, b), value)| a == b || *value == 0.0);
+        scaled.then(|| back.diag().mapv(|scale| scale * scale))
+    }
 }
 
 /// Undamped frequency, loss factor and their deviations of a structural pole with the variances of Re λ and Im λ.

@@ -75,8 +75,9 @@ pub(super) struct Noisy<'a> {
     pub shapes: &'a Shapes,
     /// (response, reference): false where not measured.
     pub present: &'a Array2<bool>,
-    /// Noise variance of a work value.
+    /// Noise variance of a value of an FRF, and that of each response over it.
     pub variance: f64,
+    pub noise_of_response: &'a Array1<f64>,
     /// True where shapes and participations that came with poles are real.
     pub real: bool,
 }
@@ -129,8 +130,9 @@ struct ShapeErrors {
     stated: Vec<f64>,
     /// DᴴP⊥D of free residues, (term, term).
     outside: Array2<Complex64>,
-    /// Noise variance of a work value.
+    /// Noise variance of a value, and that of each response over it.
     variance: f64,
+    noise_of_response: Array1<f64>,
     /// True where shapes and participations are real.
     real: bool,
     /// True where poles were found with their participations, not from free residues.
@@ -140,7 +142,7 @@ struct ShapeErrors {
 impl ShapeErrors {
     /// `rows`: the terms; `others`: the poles that are fitted freely beside them.
     fn new(noisy: &Noisy, rows: &[usize], others: &[Complex64]) -> Result<Self, LinalgError> {
-        let Noisy { work, powers, poles, shapes, present, variance, real, .. } = *noisy;
+        let Noisy { work, powers, poles, shapes, present, variance, noise_of_response, real } = *noisy;
         let of_terms: Vec<&Pole> = rows.iter().map(|&row| &poles[shapes.owner[row]]).collect();
         let lambda: Vec<Complex64> = of_terms.iter().map(|p| Complex64::new(1.0, p.loss_factor) * p.omega.powi(2)).collect();
         let variance_of = |p: &&Pole| (2.0 * p.omega * p.omega_std).powi(2) + (p.omega.powi(2) * p.loss_factor_std).powi(2);
@@ -150,7 +152,9 @@ impl ShapeErrors {
         let lines = LineProducts::beside(work, &lambda, others, powers)?;
         let outside = lines.outside()?;
         let real = real && joint;
-        let mut errors = Self { shape, participation, lines, groups: Vec::new(), lambda, stated, outside, variance, real, joint };
+        let noise_of_response = noise_of_response.clone();
+        let groups = Vec::new();
+        let mut errors = Self { shape, participation, lines, groups, lambda, stated, outside, variance, noise_of_response, real, joint };
         let mut kinds: Vec<(Vec<bool>, Vec<usize>)> = Vec::new();
         for (i, row) in present.rows().into_iter().enumerate() {
             match kinds.iter_mut().find(|(kept, _)| *kept == row.to_vec()) {
@@ -297,7 +301,7 @@ impl ShapeErrors {
     /// The deviations of term `n`, and that of its scale; `spreads`: covariance of its [`Self::directions`] in each group.
     fn term(&self, n: usize, scale: &Scale, modes: &[usize], spreads: &[Array2<Complex64>]) -> (Array1<f64>, f64) {
         let (x, group_of) = (&self.shape, self.group_of());
-        let noise = |i: usize| self.groups[group_of[i]].gram_inverse[[n, n]].re * self.seen_variance();
+        let noise = |i: usize| self.groups[group_of[i]].gram_inverse[[n, n]].re * self.seen_variance() * self.noise_of_response[i];
         let scale_noise: f64 = scale.response.iter().map(|&(d, weight)| weight.norm_sqr() * noise(d)).sum();
         let of_unknowns = spreads.first().map_or(0.0, |spread| spread[[modes.len(), modes.len()]].re);
         let scale_variance = (scale_noise + of_unknowns).max(0.0);

@@ -268,7 +268,7 @@ fn of_products(
         Path::Measured { evidence, spread, grades, warnings } => {
             let refined = refine(&projected.work, &poles.lambda, &POWERS, 0, 0.0)?;
             let found = Found {
-                variance: refined.projection.sse / (projected.work.lines() * projected.work.columns()) as f64,
+                variance: refined.variance(&projected.work),
                 refined,
                 work: projected.work,
                 back: Some(projected.back),
