@@ -64,15 +64,12 @@ fn array<T: Scalar>(m: MatRef<'_, T>) -> Array2<T> {
 pub fn matmul<T: Scalar>(a: ArrayView2<T>, adjoint: bool, b: ArrayView2<T>) -> Array2<T> {
     let rows = if adjoint { a.ncols() } else { a.nrows() };
     let mut c = Array2::<T>::zeros((rows, b.ncols()).f());
-    product(c.view_mut(), Accum::Replace, a, adjoint, b);
+    product(c.view_mut(), false, a, adjoint, b);
     c
 }
 
-pub fn add_matmul<T: Scalar>(c: ArrayViewMut2<T>, a: ArrayView2<T>, adjoint: bool, b: ArrayView2<T>) {
-    product(c, Accum::Add, a, adjoint, b);
-}
-
-fn product<T: Scalar>(c: ArrayViewMut2<T>, accum: Accum, a: ArrayView2<T>, adjoint: bool, b: ArrayView2<T>) {
+pub fn product<T: Scalar>(c: ArrayViewMut2<T>, add: bool, a: ArrayView2<T>, adjoint: bool, b: ArrayView2<T>) {
+    let accum = if add { Accum::Add } else { Accum::Replace };
     let (va, vb) = (viewed(&a), viewed(&b));
     let (rows, columns) = c.dim();
     let data = c.reversed_axes().into_slice().expect("column-major");

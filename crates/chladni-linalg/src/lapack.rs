@@ -73,12 +73,12 @@ pub fn matmul<T: Scalar>(a: ArrayView2<T>, conjugate: bool, b: ArrayView2<T>) ->
     }
 }
 
-pub fn add_matmul<T: Scalar>(mut c: ArrayViewMut2<T>, a: ArrayView2<T>, conjugate: bool, b: ArrayView2<T>) {
-    let one = <T as Scalar>::of_real(1.0);
+pub fn product<T: Scalar>(mut c: ArrayViewMut2<T>, add: bool, a: ArrayView2<T>, conjugate: bool, b: ArrayView2<T>) {
+    let (one, kept) = (<T as Scalar>::of_real(1.0), <T as Scalar>::of_real(if add { 1.0 } else { 0.0 }));
     if conjugate {
-        general_mat_mul(one, &adjoint(a), &b, one, &mut c);
+        general_mat_mul(one, &adjoint(a), &b, kept, &mut c);
     } else {
-        general_mat_mul(one, &a, &b, one, &mut c);
+        general_mat_mul(one, &a, &b, kept, &mut c);
     }
 }
 

@@ -124,7 +124,7 @@ pub fn matmul_h<T: Scalar>(a: ArrayView2<T>, b: ArrayView2<T>) -> Array2<T> {
 pub fn add_matmul<T: Scalar>(c: ArrayViewMut2<T>, a: ArrayView2<T>, b: ArrayView2<T>) {
     assert_eq!((a.ncols(), a.nrows(), b.ncols()), (b.nrows(), c.nrows(), c.ncols()), "add_matmul: sizes");
     if !(a.is_empty() || b.is_empty()) {
-        backend::add_matmul(c, a, false, b);
+        backend::product(c, true, a, false, b);
     }
 }
 
@@ -135,7 +135,32 @@ pub fn add_matmul<T: Scalar>(c: ArrayViewMut2<T>, a: ArrayView2<T>, b: ArrayView
 pub fn add_matmul_h<T: Scalar>(c: ArrayViewMut2<T>, a: ArrayView2<T>, b: ArrayView2<T>) {
     assert_eq!((a.nrows(), a.ncols(), b.ncols()), (b.nrows(), c.nrows(), c.ncols()), "add_matmul_h: sizes");
     if !(a.is_empty() || b.is_empty()) {
-        backend::add_matmul(c, a, true, b);
+        backend::product(c, true, a, true, b);
+    }
+}
+
+/// c ← a·b for column-major c, whatever it held. Of zeros that the system has promised but not yet written this touches each page once;
+/// [`add_matmul`] reads before it writes, and a page is mapped twice.
+///
+/// # Panics
+/// Where sizes differ, or c is not column-major.
+pub fn set_matmul<T: Scalar>(mut c: ArrayViewMut2<T>, a: ArrayView2<T>, b: ArrayView2<T>) {
+    assert_eq!((a.ncols(), a.nrows(), b.ncols()), (b.nrows(), c.nrows(), c.ncols()), "set_matmul: sizes");
+    match a.is_empty() || b.is_empty() {
+        true => c.fill(T::zero()),
+        false => backend::product(c, false, a, false, b),
+    }
+}
+
+/// c ← aᴴ·b, as [`set_matmul`].
+///
+/// # Panics
+/// Where sizes differ, or c is not column-major.
+pub fn set_matmul_h<T: Scalar>(mut c: ArrayViewMut2<T>, a: ArrayView2<T>, b: ArrayView2<T>) {
+    assert_eq!((a.nrows(), a.ncols(), b.ncols()), (b.nrows(), c.nrows(), c.ncols()), "set_matmul_h: sizes");
+    match a.is_empty() || b.is_empty() {
+        true => c.fill(T::zero()),
+        false => backend::product(c, false, a, true, b),
     }
 }
 

@@ -8,9 +8,9 @@ use crate::head::Head;
 use crate::refine::Projection;
 use crate::screen::Screened;
 use crate::tolerances as tol;
-use crate::wide::{tree_sum, wide, wide_h};
+use crate::wide::{cleared, tree_sum, wide, wide_h};
 use crate::work::Work;
-use chladni_linalg::{add_matmul, add_matmul_h, cholesky, eigh, solve_lower_adjoint, LinalgError};
+use chladni_linalg::{add_matmul, cholesky, eigh, set_matmul_h, solve_lower_adjoint, LinalgError};
 use ndarray::{s, Array1, Array2, ArrayViewMut2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use std::ops::Range;
@@ -118,11 +118,11 @@ pub(crate) fn products(data: &Screened, basis: &Array2<f64>) -> Products {
     let mut r0 = Array2::zeros((m, total).f());
     let groups: Vec<_> = data.groups().into_iter().zip(r0.axis_chunks_iter_mut(Axis(1), data.group_size())).collect();
     let sums = |(group, mut r0): (Range<usize>, ArrayViewMut2<f64>)| {
-        let (mut t, mut gram) = (Array2::zeros((2 * lines, m).f()), Array2::zeros((m, m).f()));
+        let (mut t, mut gram) = (cleared(2 * lines, m), cleared(m, m));
         let start = group.start;
         data.each_block(group, |frfs, block| {
             let mut inside = r0.slice_mut(s![.., frfs.start - start..frfs.end - start]);
-            add_matmul_h(inside.view_mut(), basis.view(), block.view());
+            set_matmul_h(inside.view_mut(), basis.view(), block.view());
             add_matmul(t.view_mut(), block.view(), inside.t());
             add_matmul(gram.view_mut(), inside.view(), inside.t());
         });
@@ -140,7 +140,7 @@ pub(crate) fn energies(data: &Screened, q: &Array2<Complex64>) -> Vec<f64> {
         let mut energy = vec![0.0; q.ncols()];
         data.each_block(group, |frfs, block| {
             let mut inside = Array2::zeros((basis.ncols(), frfs.len()).f());
-            add_matmul_h(inside.view_mut(), basis.view(), block.view());
+            set_matmul_h(inside.view_mut(), basis.view(), block.view());
             for column in inside.columns() {
                 column.iter().enumerate().for_each(|(c, value)| energy[c / 2] += value * value);
             }

@@ -1,7 +1,7 @@
 //! Products whose right side has many columns, on all threads: blocks of columns whose size depends on nothing but their number,
 //! so that the bits are the same on any number of threads.
 
-use chladni_linalg::{add_matmul, add_matmul_h, matmul, qr_r, qr_thin, svd_thin, LinalgError, Scalar};
+use chladni_linalg::{add_matmul, matmul, qr_r, qr_thin, set_matmul, set_matmul_h, svd_thin, LinalgError, Scalar};
 use ndarray::{s, Array1, Array2, ArrayView2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -31,12 +31,12 @@ pub(crate) fn in_pool<T: Send>(work: impl FnOnce() -> T + Send) -> T {
 
 /// a·b.
 pub(crate) fn wide<T: Scalar>(a: ArrayView2<T>, b: ArrayView2<T>) -> Array2<T> {
-    blocked(a.nrows(), a.len(), b, |c, b| add_matmul(c, a, b))
+    blocked(a.nrows(), a.len(), b, |c, b| set_matmul(c, a, b))
 }
 
 /// aᴴ·b.
 pub(crate) fn wide_h<T: Scalar>(a: ArrayView2<T>, b: ArrayView2<T>) -> Array2<T> {
-    blocked(a.ncols(), a.len(), b, |c, b| add_matmul_h(c, a, b))
+    blocked(a.ncols(), a.len(), b, |c, b| set_matmul_h(c, a, b))
 }
 
 fn blocked<T: Scalar>(
@@ -50,6 +50,15 @@ fn blocked<T: Scalar>(
     let blocks: Vec<_> = out.axis_chunks_iter_mut(Axis(1), size).zip(b.axis_chunks_iter(Axis(1), size)).collect();
     blocks.into_par_iter().for_each(|(out, b)| product(out, b));
     out
+}
+
+/// Zeros to add products to, (row, column) by columns: written, for of memory that the system has only promised each page would be mapped
+/// twice, once where a product reads what it adds to.
+pub(crate) fn cleared(rows: usize, columns: usize) -> Array2<f64> {
+    // the compiler must not make it a promise again
+    let mut values = std::hint::black_box(Vec::with_capacity(rows * columns));
+    values.resize(rows * columns, 0.0);
+    Array2::from_shape_vec((rows, columns).f(), values).expect("as many values")
 }
 
 /// Sum of what `part` makes of each of `items` (at least one), by a tree that their number fixes: few parts are alive at once.
@@ -69,7 +78,7 @@ pub(crate) fn projected<T: Scalar>(q: ArrayView2<T>, b: ArrayView2<T>) -> (Array
     let blocks = inside.axis_chunks_iter_mut(Axis(1), size).zip(outside.axis_chunks_iter_mut(Axis(1), size));
     let blocks: Vec<_> = blocks.zip(b.axis_chunks_iter(Axis(1), size)).collect();
     blocks.into_par_iter().for_each(|((mut inside, mut outside), b)| {
-        add_matmul_h(inside.view_mut(), q, b);
+        set_matmul_h(inside.view_mut(), q, b);
         outside.assign(&b);
         add_matmul(outside, q, inside.mapv(|v| T::zero() - v).view());
     });
