@@ -19,9 +19,11 @@ use std::time::Instant;
 const PARTS_OF_MEMORY: u64 = 32;
 /// Bytes of a part beyond which larger ones are no faster: merging costs less, memory that no part was in yet more (16, 32 and 64 MiB).
 const PART_MOST: u64 = 16 << 20;
-/// Parts at work at a time: while one waits for the disk or for its turn, the others are reduced. A fourth took a fit of 3 GiB on two cores from
-/// 6.1 to 5.6 s; more were not tried.
-const LANES: usize = 4;
+/// Parts at work at a time beyond one for each thread: while one waits for the disk or for its turn, the others are reduced. A fit of 3 GiB on two
+/// cores took 6.1 to 6.6 s with two parts in all, 5.6 to 5.7 with four, 5.0 to 5.4 with five, 5.1 to 5.6 with six.
+const LANES_WAITING: usize = 3;
+/// Most parts at work at a time.
+const LANES_MOST: usize = 16;
 /// Most parts of a pilot, and of how many parts it takes one.
 const PILOT_PARTS: usize = 8;
 const PILOT_SHARE: usize = 16;
@@ -89,22 +91,30 @@ impl<'a> Stream<'a> {
         let (start, mut done) = (Instant::now(), 0.0);
         let mut merged = before;
         let checksums = self.checksums.as_ref().filter(|checksums| checksums.begin());
+        let count = (rayon::current_num_threads() + LANES_WAITING).min(LANES_MOST);
         thread::scope(|scope| {
             let lane = |first: usize| {
                 let (sender, receiver) = sync_channel(1);
                 let (open, data, options) = (&open, &self.data, self.options);
                 scope.spawn(move || {
                     let mut spare = None;
-                    for (number, part) in open.iter().enumerate().skip(first).step_by(LANES) {
-                        let turn = checksums.map(|checksums| data.turn(checksums, number, part.1));
-                        if sender.send(reduced(data, options, reducer, part, turn, &mut spare)).is_err() {
-                            break;
+                    let mut run = || {
+                        for (number, part) in open.iter().enumerate().skip(first).step_by(count) {
+                            let turn = checksums.map(|checksums| data.turn(checksums, number, part.1));
+                            if sender.send(reduced(data, options, reducer, part, turn, &mut spare)).is_err() {
+                                break;
+                            }
                         }
+                    };
+                    // a part to each thread: shared out, its short products would wait for others to wake
+                    match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
+                        Ok(alone) => alone.install(run),
+                        Err(_) => run(),
                     }
                 });
                 receiver
             };
-            let lanes: [_; LANES] = std::array::from_fn(lane);
+            let lanes: Vec<_> = (0..count).map(lane).collect();
             // taken in turn: what is said comes in the order of the data
             let mut take_all = || {
                 for ((_, part), lane) in open.iter().zip(lanes.iter().cycle()) {
