@@ -171,7 +171,7 @@ fn run(seed: u64) -> Tally {
 }
 
 /// Rounds of the table with other structures: 1 in the suite, more for the figures of docs/theory.md, section 3, by
-/// `CHLADNI_ROUNDS=10 cargo test --release --test simulated_in_time -- --nocapture`.
+/// `CHLADNI_ROUNDS=10 cargo test --release --test fit simulated_in_time -- --nocapture`.
 fn rounds() -> u64 {
     std::env::var("CHLADNI_ROUNDS").map_or(1, |text| text.parse().expect("CHLADNI_ROUNDS is a number"))
 }
