@@ -16,24 +16,44 @@ const POLES_AT_A_TIME: usize = 8;
 /// The columns of one set of poles, all above the real axis.
 pub(crate) struct Cauchy<'a> {
     lambda: &'a [Complex64],
-    /// Pole columns A, residual terms, derivatives D of the pole columns, (line, n + terms + n): see [`crate::work::basis`].
+    /// Pole columns A, residual terms, and, unless left out, derivatives D of the pole columns, (line, n + terms + n): see
+    /// [`crate::work::basis`].
     pub columns: Array2<Complex64>,
-    /// Σ g²/(λ − x) and Σ g²/(λ − x)².
+    /// Number of residual terms.
+    terms: usize,
+    /// Σ g²/(λ − x) and, with derivatives, Σ g²/(λ − x)².
     sums: Vec<[Complex64; 2]>,
 }
 
 impl<'a> Cauchy<'a> {
     /// On the lines of `work`, with its weights.
     pub fn new(work: &Work, lambda: &'a [Complex64], powers: &[i32]) -> Self {
+        Self::with(work, lambda, powers, lambda.len())
+    }
+
+    /// The same without derivatives, at half the cost.
+    pub fn without_derivatives(work: &Work, lambda: &'a [Complex64], powers: &[i32]) -> Self {
+        Self::with(work, lambda, powers, 0)
+    }
+
+    /// With the derivatives of all poles, or of none.
+    fn with(work: &Work, lambda: &'a [Complex64], powers: &[i32], derivatives: usize) -> Self {
         let (n, m) = (lambda.len(), lambda.len() + powers.len());
-        let mut columns = Array2::zeros((work.lines(), m + n).f());
+        let mut columns = Array2::zeros((work.lines(), m + derivatives).f());
         let (mut plain, mut derivatives) = columns.view_mut().split_at(Axis(1), m);
-        let poles = plain.columns_mut().into_iter().zip(derivatives.columns_mut()).zip(lambda);
-        type Pair<'c> = (ArrayViewMut1<'c, Complex64>, ArrayViewMut1<'c, Complex64>);
-        let of_pole = |((mut column, mut derivative), &pole): (Pair, _)| {
+        let slopes = derivatives.columns_mut().into_iter().map(Some).chain(std::iter::repeat_with(|| None));
+        type Pair<'c> = (ArrayViewMut1<'c, Complex64>, Option<ArrayViewMut1<'c, Complex64>>);
+        let of_pole = |((mut column, derivative), &pole): (Pair, _)| {
             let mut sums = [Complex64::ZERO; 2];
-            let values = column.iter_mut().zip(derivative.iter_mut());
-            for ((value, slope), (&x, &g)) in values.zip(work.x.iter().zip(&work.g)) {
+            let lines = work.x.iter().zip(&work.g);
+            let Some(mut derivative) = derivative else {
+                for (value, (&x, &g)) in column.iter_mut().zip(lines) {
+                    *value = inverse(pole - x) * g;
+                    sums[0] += *value * g;
+                }
+                return sums;
+            };
+            for ((value, slope), (&x, &g)) in column.iter_mut().zip(derivative.iter_mut()).zip(lines) {
                 let inverse = inverse(pole - x);
                 *value = inverse * g;
                 *slope = -(inverse * *value);
@@ -42,19 +62,19 @@ impl<'a> Cauchy<'a> {
             }
             sums
         };
-        let poles: Vec<_> = poles.collect();
+        let poles: Vec<_> = plain.columns_mut().into_iter().zip(slopes).zip(lambda).collect();
         let sums = poles.into_par_iter().with_min_len(POLES_AT_A_TIME).map(of_pole).collect();
         for (column, &power) in plain.columns_mut().into_iter().skip(n).zip(powers) {
             let lines = work.x.iter().zip(&work.g);
             column.into_iter().zip(lines).for_each(|(value, (&x, &g))| *value = (g * x.powi(power)).into());
         }
-        Self { lambda, columns, sums }
+        Self { lambda, columns, terms: powers.len(), sums }
     }
 
     /// Inner products of all columns.
     pub fn gram(&self) -> Array2<Complex64> {
         let (n, all) = (self.lambda.len(), self.columns.ncols());
-        let m = all - n;
+        let m = n + self.terms;
         let mut gram = Array2::zeros((all, all).f());
         for (q, (&b, of_b)) in self.lambda.iter().zip(&self.sums).enumerate() {
             for (p, (a, of_a)) in self.lambda.iter().zip(&self.sums).enumerate() {
@@ -62,6 +82,9 @@ impl<'a> Cauchy<'a> {
                 let [first, second] = of_a.map(|sum| sum.conj());
                 let plain = (first - of_b[0]) * over;
                 gram[[p, q]] = plain;
+                if all == m {
+                    continue;
+                }
                 gram[[p, m + q]] = (of_b[1] - plain) * over;
                 gram[[m + q, p]] = gram[[p, m + q]].conj();
                 gram[[m + p, m + q]] = (second + of_b[1] - 2.0 * plain) * over * over;
@@ -92,5 +115,9 @@ mod tests {
             let size = (direct[[i, i]].re * direct[[j, j]].re).sqrt();
             assert!((value - direct[[i, j]]).norm() < 1e-13 * size, "({i}, {j}): {value} for {}", direct[[i, j]]);
         }
+        let plain = Cauchy::without_derivatives(&work, &lambda, &[-1, 0, 2]);
+        assert_eq!(plain.columns, cauchy.columns.slice(s![.., ..8]));
+        let size = |i: usize| direct[[i, i]].re.sqrt();
+        assert!(plain.gram().indexed_iter().all(|((i, j), value)| (value - gram[[i, j]]).norm() < 1e-13 * size(i) * size(j)));
     }
 }

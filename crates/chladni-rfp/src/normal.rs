@@ -14,8 +14,8 @@ use chladni_linalg::{cholesky, inverse_hermitian, matmul, matmul_h, solve_hermit
 use ndarray::{s, Array2, ArrayViewMut2};
 use num_complex::Complex64;
 
-/// What the normal equations tell at one set of poles.
-pub(crate) struct Normal {
+/// What the normal equations tell of all that is linear at one set of poles.
+pub(crate) struct Plain {
     /// Gram matrix of the columns brought to unit norm, (m, m), and their norms.
     gram: Array2<Complex64>,
     norms: Vec<f64>,
@@ -23,6 +23,12 @@ pub(crate) struct Normal {
     coefficients: Array2<Complex64>,
     sse: f64,
     rounding: f64,
+}
+
+/// The same with what a step of the poles needs to know.
+pub(crate) struct Normal {
+    /// All that is linear.
+    pub plain: Plain,
     /// DᴴP⊥D, (n, n), and Dᴴ(residual), (n, column).
     outside: Array2<Complex64>,
     along: Array2<Complex64>,
@@ -40,7 +46,44 @@ pub(crate) struct Parted {
     pub sse: f64,
 }
 
-impl Normal {
+/// Rows over the norms of their columns.
+fn unit(mut rows: ArrayViewMut2<Complex64>, norms: &[f64]) {
+    rows.rows_mut().into_iter().zip(norms).for_each(|(mut row, norm)| row.mapv_inplace(|v| v / norm));
+}
+
+impl Plain {
+    /// `None` as for [`Normal`].
+    pub fn at(work: &Work, energy: f64, lambda: &[Complex64], powers: &[i32]) -> Option<Self> {
+        let cauchy = Cauchy::without_derivatives(work, lambda, powers);
+        let against = wide_h(cauchy.columns.view(), work.b.view());
+        Some(Self::solved(cauchy.gram(), against, energy)?.0)
+    }
+
+    /// From AᴴA and AᴴB; with L of the Gram matrix of unit columns, and L⁻¹ times their products with B.
+    fn solved(
+        mut gram: Array2<Complex64>,
+        mut right: Array2<Complex64>,
+        energy: f64,
+    ) -> Option<(Self, Array2<Complex64>, Array2<Complex64>)> {
+        let norms: Vec<f64> = gram.diag().iter().map(|v| v.re.sqrt()).collect();
+        unit(gram.view_mut(), &norms);
+        unit(gram.view_mut().reversed_axes(), &norms);
+        unit(right.view_mut(), &norms);
+        let lower = cholesky(gram.view()).ok()?;
+        let half = solve_lower(lower.view(), right.view()).ok()?;
+        let mut coefficients = solve_lower_adjoint(lower.view(), half.view()).ok()?;
+        let sse = energy - half.iter().map(|v| v.norm_sqr()).sum::<f64>();
+        // an error of the Gram matrix in its last digit
+        let rounding =
+            f64::EPSILON * coefficients.columns().into_iter().map(|c| c.iter().map(|v| v.norm()).sum::<f64>().powi(2)).sum::<f64>();
+        let sound = rounding <= tol::NORMAL_ROUNDING * sse;
+        if !sound {
+            return None;
+        }
+        unit(coefficients.view_mut(), &norms);
+        Some((Self { gram, norms, coefficients, sse, rounding }, lower, half))
+    }
+
     /// Residues apart from residual terms: the first `n` columns from the others.
     pub fn parted(self, n: usize) -> Result<Parted, LinalgError> {
         let Self { mut gram, norms, coefficients, sse, .. } = self;
@@ -73,28 +116,10 @@ impl Point for Normal {
         let cauchy = Cauchy::new(work, lambda, powers);
         let products = cauchy.gram();
         let against = wide_h(cauchy.columns.view(), work.b.view());
-        let norms: Vec<f64> = products.diag().iter().take(m).map(|v| v.re.sqrt()).collect();
-        let unit = |mut rows: ArrayViewMut2<Complex64>| {
-            rows.rows_mut().into_iter().zip(&norms).for_each(|(mut row, norm)| row.mapv_inplace(|v| v / norm));
-        };
-        let (mut gram, mut of_derivatives) = (products.slice(s![..m, ..m]).to_owned(), products.slice(s![..m, m..]).to_owned());
-        let mut right = against.slice(s![..m, ..]).to_owned();
-        unit(gram.view_mut());
-        unit(gram.view_mut().reversed_axes());
-        unit(of_derivatives.view_mut());
-        unit(right.view_mut());
-        let lower = cholesky(gram.view()).ok()?;
-        let half = solve_lower(lower.view(), right.view()).ok()?;
-        let mut coefficients = solve_lower_adjoint(lower.view(), half.view()).ok()?;
-        let sse = energy - half.iter().map(|v| v.norm_sqr()).sum::<f64>();
-        // an error of the Gram matrix in its last digit
-        let rounding =
-            f64::EPSILON * coefficients.columns().into_iter().map(|c| c.iter().map(|v| v.norm()).sum::<f64>().powi(2)).sum::<f64>();
-        let sound = rounding <= tol::NORMAL_ROUNDING * sse;
-        if !sound {
-            return None;
-        }
-        unit(coefficients.view_mut());
+        let (of_columns, right) = (products.slice(s![..m, ..m]).to_owned(), against.slice(s![..m, ..]).to_owned());
+        let (plain, lower, half) = Plain::solved(of_columns, right, energy)?;
+        let mut of_derivatives = products.slice(s![..m, m..]).to_owned();
+        unit(of_derivatives.view_mut(), &plain.norms);
         let inside = solve_lower(lower.view(), of_derivatives.view()).ok()?;
         let outside = &products.slice(s![m.., m..]) - &matmul_h(inside.view(), inside.view());
         // a derivative that is a mixture of columns but for its last digits tells nothing of its pole
@@ -102,19 +127,19 @@ impl Point for Normal {
             return None;
         }
         let along = &against.slice(s![m.., ..]) - &matmul_h(inside.view(), half.view());
-        Some(Self { gram, norms, coefficients, sse, rounding, outside, along })
+        Some(Self { plain, outside, along })
     }
 
     fn sse(&self) -> f64 {
-        self.sse
+        self.plain.sse
     }
 
     fn rounding(&self, _: f64) -> f64 {
-        self.rounding
+        self.plain.rounding
     }
 
     fn system(&self, _: &Work, lambda: &[Complex64]) -> (Array2<Complex64>, Array2<Complex64>) {
-        let residues = self.coefficients.slice(s![..lambda.len(), ..]);
+        let residues = self.plain.coefficients.slice(s![..lambda.len(), ..]);
         let products = matmul(residues, residues.t().mapv(|v| v.conj()).view());
         let information = &self.outside * &products.t();
         let along = self.along.rows().into_iter().zip(residues.rows());

@@ -157,7 +157,7 @@ fn by_partial_fractions(work: &Work, lambda: &[Complex64], powers: &[i32], psi: 
 /// Rᴴ of a basis by Cholesky from partial fractions, where all its columns stand well outside each other.
 fn well_conditioned(work: &Work, lambda: &[Complex64], powers: &[i32]) -> Option<Array2<Complex64>> {
     let m = lambda.len() + powers.len();
-    let gram = Cauchy::new(work, lambda, powers).gram();
+    let gram = Cauchy::without_derivatives(work, lambda, powers).gram();
     let norms: Vec<f64> = gram.diag().iter().take(m).map(|v| v.re.sqrt()).collect();
     let mut lower = cholesky(Array2::from_shape_fn((m, m).f(), |(i, j)| gram[[i, j]] / (norms[i] * norms[j])).view()).ok()?;
     if lower.diag().iter().any(|pivot| pivot.re < tol::OUTSTANDING) {

@@ -40,7 +40,7 @@ fn thinned(work: &Work, lambda: &[Complex64], powers: &[i32], limit: f64) -> Vec
         let Some(mut point) = here.take().or_else(|| descent.here::<Normal>()) else { break };
         descent.steps = tol::THINNING_STEPS;
         let ended = descent.go(&mut point, tol::ROUGH_STEP);
-        let Ok(removable) = point.removable() else { break };
+        let Ok(removable) = point.plain.removable() else { break };
         let kept = removable.thin_out(&descent.lambda, |_, _, rise, _| rise < limit);
         if kept.len() < descent.lambda.len() {
             (descent.lambda, rounds) = (kept, 0);

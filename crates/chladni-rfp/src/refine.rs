@@ -8,7 +8,7 @@
 //! Not for finding poles: it needs a start within about a bandwidth.
 
 use crate::descent::{Descent, Point};
-use crate::normal::Normal;
+use crate::normal::{Normal, Plain};
 use crate::removal::Removable;
 use crate::tolerances as tol;
 use crate::wide::{projected, tall_qr, wide_h};
@@ -58,8 +58,8 @@ impl Projection {
 
 /// What taking poles out one by one needs to know.
 pub(crate) fn removable(work: &Work, lambda: &[Complex64], powers: &[i32]) -> Result<Removable, LinalgError> {
-    match Normal::at(work, work.energy(), lambda, powers) {
-        Some(normal) => normal.removable(),
+    match Plain::at(work, work.energy(), lambda, powers) {
+        Some(plain) => plain.removable(),
         None => Projection::new(work, lambda, powers)?.removable(),
     }
 }

@@ -1,8 +1,7 @@
 //! What is linear at given poles: residues, residual terms, and how the one answers a change of the other.
 
-use crate::descent::Point;
 use crate::head::Head;
-use crate::normal::{Normal, Parted};
+use crate::normal::{Parted, Plain};
 use crate::project::real_basis;
 use crate::refine::Projection;
 use crate::structure::schur_weight;
@@ -35,8 +34,8 @@ pub(super) fn linear(work: &Work, damping: Damping, poles: &[Complex64], powers:
     let (n, p) = (poles.len(), powers.len());
     match damping {
         Damping::Structural => {
-            let Parted { coefficients, weight, answer, sse } = match Normal::at(work, work.energy(), poles, powers) {
-                Some(normal) => normal.parted(n)?,
+            let Parted { coefficients, weight, answer, sse } = match Plain::at(work, work.energy(), poles, powers) {
+                Some(plain) => plain.parted(n)?,
                 None => on_orthonormal_basis(work, poles, powers)?,
             };
             Ok(Linear {
