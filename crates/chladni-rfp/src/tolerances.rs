@@ -115,8 +115,8 @@ pub(crate) const RANK_ONE_CHANGE: f64 = 1e-9;
 /// Steps that the rank-one refit remembers: three slow rates at a time and one to spare. On the panel 1, 2 and 8 took 20 sweeps, 4 took 25,
 /// none 39.
 pub(crate) const STEPS_REMEMBERED: usize = 4;
-/// Ridge on the correlations of the steps remembered: far above the rounding of their products.
-pub(crate) const STEPS_RIDGE: f64 = 1e-13;
+/// Ridge on the correlations of the steps remembered: what rounding makes of them.
+pub(crate) const STEPS_RIDGE: f64 = 1e-15;
 /// Part of the energy of free residues above which the misfit of low rank is told by a difference of sums.
 pub(crate) const RANK_ONE_KNOWN: f64 = 1e-6;
 /// Power steps towards the strongest term of one mode's residues: its next singular value is noise, or the search that follows finds it.
