@@ -128,17 +128,6 @@ pub fn add_matmul<T: Scalar>(c: ArrayViewMut2<T>, a: ArrayView2<T>, b: ArrayView
     }
 }
 
-/// c ← c + aᴴ·b for column-major c.
-///
-/// # Panics
-/// Where sizes differ, or c is not column-major.
-pub fn add_matmul_h<T: Scalar>(c: ArrayViewMut2<T>, a: ArrayView2<T>, b: ArrayView2<T>) {
-    assert_eq!((a.nrows(), a.ncols(), b.ncols()), (b.nrows(), c.nrows(), c.ncols()), "add_matmul_h: sizes");
-    if !(a.is_empty() || b.is_empty()) {
-        backend::product(c, true, a, true, b);
-    }
-}
-
 /// c ← a·b for column-major c, whatever it held. Of zeros that the system has promised but not yet written this touches each page once;
 /// [`add_matmul`] reads before it writes, and a page is mapped twice.
 ///

@@ -28,20 +28,20 @@ pub(crate) struct Cauchy<'a> {
 impl<'a> Cauchy<'a> {
     /// On the lines of `work`, with its weights.
     pub fn new(work: &Work, lambda: &'a [Complex64], powers: &[i32]) -> Self {
-        Self::with(work, lambda, powers, lambda.len())
+        Self::with(work, lambda, powers, true)
     }
 
     /// The same without derivatives, at half the cost.
     pub fn without_derivatives(work: &Work, lambda: &'a [Complex64], powers: &[i32]) -> Self {
-        Self::with(work, lambda, powers, 0)
+        Self::with(work, lambda, powers, false)
     }
 
     /// With the derivatives of all poles, or of none.
-    fn with(work: &Work, lambda: &'a [Complex64], powers: &[i32], derivatives: usize) -> Self {
+    fn with(work: &Work, lambda: &'a [Complex64], powers: &[i32], derivatives: bool) -> Self {
         let (n, m) = (lambda.len(), lambda.len() + powers.len());
-        let mut columns = Array2::zeros((work.lines(), m + derivatives).f());
-        let (mut plain, mut derivatives) = columns.view_mut().split_at(Axis(1), m);
-        let slopes = derivatives.columns_mut().into_iter().map(Some).chain(std::iter::repeat_with(|| None));
+        let mut columns = Array2::zeros((work.lines(), if derivatives { m + n } else { m }).f());
+        let (mut plain, mut slopes) = columns.view_mut().split_at(Axis(1), m);
+        let slopes = slopes.columns_mut().into_iter().map(Some).chain(std::iter::repeat_with(|| None));
         type Pair<'c> = (ArrayViewMut1<'c, Complex64>, Option<ArrayViewMut1<'c, Complex64>>);
         let of_pole = |((mut column, derivative), &pole): (Pair, _)| {
             let mut sums = [Complex64::ZERO; 2];

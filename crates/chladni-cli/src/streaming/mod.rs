@@ -22,7 +22,7 @@ const PART_MOST: u64 = 16 << 20;
 /// Parts at work at a time beyond one for each thread: while one waits for the disk or for its turn, the others are reduced. A fit of 3 GiB on two
 /// cores took 6.1 to 6.6 s with two parts in all, 5.6 to 5.7 with four, 5.0 to 5.4 with five, 5.1 to 5.6 with six.
 const LANES_WAITING: usize = 3;
-/// Most parts at work at a time.
+/// Most parts at work at a time: half of [`PARTS_OF_MEMORY`], whatever the number of threads.
 const LANES_MOST: usize = 16;
 /// Most parts of a pilot, and of how many parts it takes one.
 const PILOT_PARTS: usize = 8;

@@ -104,8 +104,17 @@ fn every_memory_layout_gives_the_same_product() {
     }
     let mut sum = Array2::zeros((7, 9).f());
     add_matmul(sum.view_mut(), strided.slice(s![.., ..;2]), b.view());
-    add_matmul_h(sum.view_mut(), adjoint(&a).view(), b.view());
+    add_matmul(sum.view_mut(), a.view(), b.view());
     assert!(scaled((&sum / Complex64::new(2.0, 0.0) - &expected).view(), expected.view()) < BOUND);
+    // what stood there before leaves no trace, NaN included
+    let mut set = Array2::from_elem((7, 9).f(), Complex64::new(f64::NAN, 3.0));
+    set_matmul(set.view_mut(), strided.slice(s![.., ..;2]), b.view());
+    assert!(scaled((&set - &expected).view(), expected.view()) < BOUND);
+    set.fill(Complex64::new(f64::NAN, 3.0));
+    set_matmul_h(set.view_mut(), adjoint(&a).view(), b.view());
+    assert!(scaled((&set - &expected).view(), expected.view()) < BOUND);
+    set_matmul(set.view_mut(), wide.slice(s![.., ..0]), b.slice(s![..0, ..]));
+    assert!(set.iter().all(|v| v.norm() == 0.0));
     for column in [wide.slice(s![..0, ..]), wide.slice(s![.., ..0])] {
         assert!(matmul(column, Array2::zeros((column.ncols(), 2)).view()).iter().all(|v| v.norm() == 0.0));
     }
