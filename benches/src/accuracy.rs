@@ -1,4 +1,5 @@
-//! Accuracy against time: every method on every case, over many noise seeds, measured by the Cramér-Rao bound.
+//! Accuracy against time: every method on every case, over many noise seeds, measured by
+//! the Cramér-Rao bound.
 
 use crate::cases::Case;
 use crate::countdown::Countdown;
@@ -12,7 +13,8 @@ use chladni_frf::Result;
 use chladni_rfp::{fit, FitOptions, Method, ShapeModel};
 use std::time::Instant;
 
-/// Methods that do not maximise a likelihood scatter so far above the bound that one seed in so many tells as much.
+/// Methods that do not maximise a likelihood scatter so far above the bound that one seed
+/// in so many tells as much.
 const FEWER_SEEDS: usize = 10;
 /// Seeds of the worst outcomes that a row names.
 const NAMED_SEEDS: usize = 5;
@@ -26,11 +28,13 @@ pub struct AccuracyOptions {
     pub methods: Vec<Method>,
     /// What shapes may be while poles are refined.
     pub shapes: ShapeModel,
-    /// Number of noise seeds of the methods that maximise the likelihood; others take a tenth of them, two at least.
+    /// Number of noise seeds of the methods that maximise the likelihood; others take a
+    /// tenth of them, two at least.
     pub seeds: usize,
     /// The first of them; the others follow it.
     pub first_seed: u64,
-    /// Also turn the knobs of the methods, on the cases meant for it, with a tenth of the seeds.
+    /// Also turn the knobs of the methods, on the cases meant for it, with a tenth of the
+    /// seeds.
     pub knobs: bool,
 }
 
@@ -47,16 +51,18 @@ pub struct AccuracyRow {
     pub seeds: usize,
     /// Seconds of each fit: median, first and third quartile.
     pub time_s: [f64; 3],
-    /// Root mean square error over the bound of free residues: natural frequencies and loss factors.
+    /// Root mean square error over the bound of free residues: natural frequencies and
+    /// loss factors.
     pub over_free: [Spread; 2],
     /// The same over the bound with one shape per mode.
     pub over_rank_one: [Spread; 2],
     /// The same over the bound with one real shape per mode.
     pub over_real: [Spread; 2],
-    /// Root mean square error of all natural frequencies over the bound of free residues, a missed mode counting as half its
-    /// bandwidth.
+    /// Root mean square error of all natural frequencies over the bound of free residues,
+    /// a missed mode counting as half its bandwidth.
     pub with_missed: f64,
-    /// Share of the 95 % intervals that hold the truth: natural frequencies, loss factors, shape entries.
+    /// Share of the 95 % intervals that hold the truth: natural frequencies, loss
+    /// factors, shape entries.
     pub coverage: [f64; 3],
     /// Each mode in the band.
     pub modes: Vec<ModeErrors>,
@@ -64,7 +70,8 @@ pub struct AccuracyRow {
     pub miscounts: [f64; 3],
     /// Share of the fits with the exact count.
     pub exact: f64,
-    /// Fits that went wrong (missed or spurious modes) though they say that they can be trusted and all modes are sure.
+    /// Fits that went wrong (missed or spurious modes) though they say that they can be
+    /// trusted and all modes are sure.
     pub silent: usize,
     /// First seeds whose count is not exact.
     pub wrong_seeds: Vec<u64>,
@@ -85,10 +92,23 @@ pub struct AccuracyRow {
 /// Runs every method on every case; `progress` hears what is being done.
 ///
 /// # Errors
-/// None for the cases of this crate, but those of the journal: a fit that cannot be made counts as one that found nothing.
-pub fn accuracy(options: &AccuracyOptions, journal: &mut Journal, progress: &dyn Fn(&str)) -> Result<Vec<AccuracyRow>> {
-    let variants: Vec<(&'static Case, Vec<Variant>)> = options.cases.iter().map(|&case| (case, options.variants(case))).collect();
-    let pieces = variants.iter().flat_map(|(_, variants)| variants).map(|variant| options.seeds_of(*variant)).sum();
+/// None for the cases of this crate, but those of the journal: a fit that cannot be made
+/// counts as one that found nothing.
+pub fn accuracy(
+    options: &AccuracyOptions,
+    journal: &mut Journal,
+    progress: &dyn Fn(&str),
+) -> Result<Vec<AccuracyRow>> {
+    let variants: Vec<(&'static Case, Vec<Variant>)> = options
+        .cases
+        .iter()
+        .map(|&case| (case, options.variants(case)))
+        .collect();
+    let pieces = variants
+        .iter()
+        .flat_map(|(_, variants)| variants)
+        .map(|variant| options.seeds_of(*variant))
+        .sum();
     let mut countdown = Countdown::new(pieces, progress);
     let mut rows = Vec::new();
     for (case, variants) in variants {
@@ -100,10 +120,17 @@ pub fn accuracy(options: &AccuracyOptions, journal: &mut Journal, progress: &dyn
             for seed in (options.first_seed..).take(options.seeds_of(variant)) {
                 let name = format!("{} {} {seed}", case.name, variant_name(variant));
                 countdown.next(&name, journal.has(&name));
-                let (score, time_s) = journal.once(&name, || Ok(run(&problem, variant, options.shapes, seed)))?;
+                let (score, time_s) =
+                    journal.once(&name, || Ok(run(&problem, variant, options.shapes, seed)))?;
                 fits.push((seed, score, time_s));
             }
-            rows.push(AccuracyRow::new(case, variant, &problem, bounds.as_ref(), &fits));
+            rows.push(AccuracyRow::new(
+                case,
+                variant,
+                &problem,
+                bounds.as_ref(),
+                &fits,
+            ));
         }
     }
     Ok(rows)
@@ -114,16 +141,26 @@ type Variant = (Method, Option<Setting>);
 
 /// As tables name it.
 fn variant_name((method, setting): Variant) -> String {
-    setting.map_or_else(|| method.to_string(), |setting| format!("{method}, {setting}"))
+    setting.map_or_else(
+        || method.to_string(),
+        |setting| format!("{method}, {setting}"),
+    )
 }
 
 impl AccuracyOptions {
     /// What is run on a case.
     fn variants(&self, case: &Case) -> Vec<Variant> {
-        let mut variants: Vec<Variant> = self.methods.iter().map(|&method| (method, None)).collect();
+        let mut variants: Vec<Variant> =
+            self.methods.iter().map(|&method| (method, None)).collect();
         if self.knobs && KNOB_CASES.contains(&case.name) {
-            let own = KNOBS.iter().filter(|knob| self.methods.contains(&knob.method));
-            variants.extend(own.flat_map(|knob| knob.settings.iter().map(|&setting| (knob.method, Some(setting)))));
+            let own = KNOBS
+                .iter()
+                .filter(|knob| self.methods.contains(&knob.method));
+            variants.extend(own.flat_map(|knob| {
+                knob.settings
+                    .iter()
+                    .map(|&setting| (knob.method, Some(setting)))
+            }));
         }
         variants
     }
@@ -140,17 +177,33 @@ impl AccuracyOptions {
 }
 
 /// Score and seconds of one fit.
-fn run(problem: &Problem, (method, setting): Variant, shapes: ShapeModel, seed: u64) -> (Score, f64) {
+fn run(
+    problem: &Problem,
+    (method, setting): Variant,
+    shapes: ShapeModel,
+    seed: u64,
+) -> (Score, f64) {
     let frf = problem.measured(seed);
     let frf = setting.map_or(frf.clone(), |setting| setting.data(frf));
     let modes = problem.truth.in_band_modes().count();
     // `lean` is for those who know the order
-    let options = FitOptions { method, shapes, modes: (method == Method::Lean).then_some(modes), ..FitOptions::default() };
+    let options = FitOptions {
+        method,
+        shapes,
+        modes: (method == Method::Lean).then_some(modes),
+        ..FitOptions::default()
+    };
     let options = setting.map_or(options.clone(), |setting| setting.options(options, modes));
     let start = Instant::now();
     let fitted = fit(&frf, &options, &|_| {});
     let time_s = start.elapsed().as_secs_f64();
-    (fitted.map_or_else(|_| Score::failed(problem), |fitted| Score::new(&fitted.model, problem)), time_s)
+    (
+        fitted.map_or_else(
+            |_| Score::failed(problem),
+            |fitted| Score::new(&fitted.model, problem),
+        ),
+        time_s,
+    )
 }
 
 impl AccuracyRow {
@@ -161,12 +214,31 @@ impl AccuracyRow {
         bounds: Option<&Bounds>,
         fits: &[(u64, Score, f64)],
     ) -> Self {
-        let (scores, times): (Vec<Score>, Vec<f64>) = fits.iter().map(|(_, score, time_s)| (score.clone(), *time_s)).unzip();
-        let modes: Vec<ModeErrors> =
-            problem.truth.in_band_modes().enumerate().map(|(n, known)| ModeErrors::new(n, known, bounds, &scores)).collect();
-        let per_fit = |count: fn(&Score) -> usize| mean(scores.iter().map(|score| count(score) as f64));
-        let found = || scores.iter().flat_map(|score| score.matches.iter().flatten());
-        let covered = |which: usize| mean(modes.iter().map(|mode| mode.coverage[which]).filter(|share| !share.is_nan()));
+        let (scores, times): (Vec<Score>, Vec<f64>) = fits
+            .iter()
+            .map(|(_, score, time_s)| (score.clone(), *time_s))
+            .unzip();
+        let modes: Vec<ModeErrors> = problem
+            .truth
+            .in_band_modes()
+            .enumerate()
+            .map(|(n, known)| ModeErrors::new(n, known, bounds, &scores))
+            .collect();
+        let per_fit =
+            |count: fn(&Score) -> usize| mean(scores.iter().map(|score| count(score) as f64));
+        let found = || {
+            scores
+                .iter()
+                .flat_map(|score| score.matches.iter().flatten())
+        };
+        let covered = |which: usize| {
+            mean(
+                modes
+                    .iter()
+                    .map(|mode| mode.coverage[which])
+                    .filter(|share| !share.is_nan()),
+            )
+        };
         let macs: Vec<f64> = found().map(|found| found.mac).collect();
         let wrong = || fits.iter().filter(|(_, score, _)| !score.exact());
         let wrong_law = || fits.iter().filter(|(_, score, _)| score.wrong_law);
@@ -177,18 +249,37 @@ impl AccuracyRow {
             seeds: scores.len(),
             time_s: [0.5, 0.25, 0.75].map(|share| quantile(&times, share)),
             over_free: [0, 1].map(|which| Spread::new(&modes, |mode| mode.over_free[which])),
-            over_rank_one: [0, 1].map(|which| Spread::new(&modes, |mode| mode.over_rank_one[which])),
+            over_rank_one: [0, 1]
+                .map(|which| Spread::new(&modes, |mode| mode.over_rank_one[which])),
             over_real: [0, 1].map(|which| Spread::new(&modes, |mode| mode.over_real[which])),
             with_missed: root_mean_square(modes.iter().map(ModeErrors::with_missed)),
-            coverage: [covered(0), covered(1), mean(found().map(|found| found.shape_covered))],
-            miscounts: [per_fit(Score::missed), per_fit(|score| score.spurious_sure), per_fit(|score| score.spurious_weak)],
+            coverage: [
+                covered(0),
+                covered(1),
+                mean(found().map(|found| found.shape_covered)),
+            ],
+            miscounts: [
+                per_fit(Score::missed),
+                per_fit(|score| score.spurious_sure),
+                per_fit(|score| score.spurious_weak),
+            ],
             exact: 1.0 - wrong().count() as f64 / scores.len() as f64,
             silent: wrong().filter(|(_, score, _)| score.confident).count(),
             wrong_seeds: wrong().map(|(seed, ..)| *seed).take(NAMED_SEEDS).collect(),
             wrong_law: wrong_law().count() as f64 / scores.len() as f64,
-            wrong_law_seeds: wrong_law().map(|(seed, ..)| *seed).take(NAMED_SEEDS).collect(),
+            wrong_law_seeds: wrong_law()
+                .map(|(seed, ..)| *seed)
+                .take(NAMED_SEEDS)
+                .collect(),
             mac: [median(&macs), quantile(&macs, 0.0)],
-            frf_error_db: 20.0 * median(&scores.iter().map(|score| score.frf_error).collect::<Vec<_>>()).log10(),
+            frf_error_db: 20.0
+                * median(
+                    &scores
+                        .iter()
+                        .map(|score| score.frf_error)
+                        .collect::<Vec<_>>(),
+                )
+                .log10(),
             frequency_error: Spread::new(&modes, |mode| mode.relative_error).worst,
             bound_over_bandwidth: Spread::new(&modes, |mode| mode.bound_over_bandwidth).worst,
             modes,
@@ -203,6 +294,10 @@ impl AccuracyRow {
     /// True where the case has a target and it is reached; `None` where it has none.
     pub fn on_target(&self) -> Option<bool> {
         let target = self.case.target?;
-        Some(self.over_free.iter().all(|spread| spread.median <= target.median && spread.worst <= target.worst))
+        Some(
+            self.over_free
+                .iter()
+                .all(|spread| spread.median <= target.median && spread.worst <= target.worst),
+        )
     }
 }

@@ -14,7 +14,13 @@ pub(crate) struct Countdown<'a> {
 
 impl<'a> Countdown<'a> {
     pub(crate) fn new(total: usize, say: &'a dyn Fn(&str)) -> Self {
-        Self { say, start: Instant::now(), total, begun: 0, fresh: 0 }
+        Self {
+            say,
+            start: Instant::now(),
+            total,
+            begun: 0,
+            fresh: 0,
+        }
     }
 
     /// The next piece begins, unless it is `done` already.
@@ -25,7 +31,11 @@ impl<'a> Countdown<'a> {
         }
         let left = self.total - (self.begun - 1).min(self.total);
         let seconds = self.start.elapsed().as_secs_f64() / self.fresh as f64 * left as f64;
-        let time = if self.fresh > 0 { format!(", {} left", duration(seconds)) } else { String::new() };
+        let time = if self.fresh > 0 {
+            format!(", {} left", duration(seconds))
+        } else {
+            String::new()
+        };
         (self.say)(&format!("{what} ({} of {}{time})", self.begun, self.total));
         self.fresh += 1;
     }
@@ -55,7 +65,13 @@ mod tests {
         countdown.next("c", false);
         let said = said.borrow();
         assert_eq!((said.len(), said[0].as_str()), (2, "b (2 of 3)"));
-        assert!(said[1].starts_with("c (3 of 3, ") && said[1].ends_with("left)"), "{said:?}");
-        assert_eq!([80.0, 600.0, 7200.0].map(duration), ["80 s", "10 min", "2.0 h"]);
+        assert!(
+            said[1].starts_with("c (3 of 3, ") && said[1].ends_with("left)"),
+            "{said:?}"
+        );
+        assert_eq!(
+            [80.0, 600.0, 7200.0].map(duration),
+            ["80 s", "10 min", "2.0 h"]
+        );
     }
 }

@@ -8,7 +8,8 @@ use std::path::Path;
 /// Memory that the committed panel may take.
 const MEMORY_BYTES: u64 = 2 << 30;
 
-/// The glass panel of the demonstration: 77 responses, 34 references, 1997 lines, 40 dB, 25 modes in the band.
+/// The glass panel of the demonstration: 77 responses, 34 references, 1997 lines, 40 dB,
+/// 25 modes in the band.
 ///
 /// # Errors
 /// None for the committed file.
@@ -22,5 +23,8 @@ pub fn panel_77x34_1997_lines() -> Result<Simulation> {
 /// # Errors
 /// None for the committed file.
 pub fn corner_scene() -> Result<Scene> {
-    Scene::parse(include_str!("../../fixtures/scene-corner.toml"), Path::new(""))
+    Scene::parse(
+        include_str!("../../fixtures/scene-corner.toml"),
+        Path::new(""),
+    )
 }

@@ -1,6 +1,8 @@
-//! What a long run has finished, kept on disk line by line: an interrupted run goes on where it stopped.
+//! What a long run has finished, kept on disk line by line: an interrupted run goes on
+//! where it stopped.
 //!
-//! The first line says what is being run; a journal of something else is begun anew. A line that was cut off counts as not written.
+//! The first line says what is being run; a journal of something else is begun anew. A
+//! line that was cut off counts as not written.
 
 use chladni_frf::{Error, ErrorKind, Result};
 use serde::de::DeserializeOwned;
@@ -20,10 +22,14 @@ pub struct Journal {
 impl Journal {
     /// Keeps nothing.
     pub fn none() -> Self {
-        Self { file: None, done: HashMap::new() }
+        Self {
+            file: None,
+            done: HashMap::new(),
+        }
     }
 
-    /// Opens the journal at `path` of a run that is described by `purpose` in full: what does not stand there must not change results.
+    /// Opens the journal at `path` of a run that is described by `purpose` in full: what
+    /// does not stand there must not change results.
     ///
     /// # Errors
     /// A file that can be neither read nor made.
@@ -42,8 +48,14 @@ impl Journal {
             false => whole.to_owned(),
         };
         fs::write(path, kept).map_err(|error| failed(path, &error))?;
-        let file = OpenOptions::new().append(true).open(path).map_err(|error| failed(path, &error))?;
-        Ok(Self { file: Some((file, path.to_path_buf())), done })
+        let file = OpenOptions::new()
+            .append(true)
+            .open(path)
+            .map_err(|error| failed(path, &error))?;
+        Ok(Self {
+            file: Some((file, path.to_path_buf())),
+            done,
+        })
     }
 
     /// Pieces that an earlier run has finished.
@@ -60,14 +72,24 @@ impl Journal {
     ///
     /// # Errors
     /// Those of `work`; a disk that is full.
-    pub fn once<T: Serialize + DeserializeOwned>(&mut self, name: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
-        if let Some(value) = self.done.get(name).and_then(|value| serde_json::from_value(value.clone()).ok()) {
+    pub fn once<T: Serialize + DeserializeOwned>(
+        &mut self,
+        name: &str,
+        work: impl FnOnce() -> Result<T>,
+    ) -> Result<T> {
+        if let Some(value) = self
+            .done
+            .get(name)
+            .and_then(|value| serde_json::from_value(value.clone()).ok())
+        {
             return Ok(value);
         }
         let value = work()?;
         if let Some((file, path)) = &mut self.file {
-            let line = serde_json::to_string(&(name, &value)).map_err(|error| Error::new(ErrorKind::Internal, error.to_string()))?;
-            file.write_all(format!("{line}\n").as_bytes()).map_err(|error| failed(path, &error))?;
+            let line = serde_json::to_string(&(name, &value))
+                .map_err(|error| Error::new(ErrorKind::Internal, error.to_string()))?;
+            file.write_all(format!("{line}\n").as_bytes())
+                .map_err(|error| failed(path, &error))?;
         }
         Ok(value)
     }
@@ -83,10 +105,15 @@ impl Journal {
 }
 
 fn failed(path: &Path, error: &std::io::Error) -> Error {
-    Error::new(ErrorKind::Io, format!("cannot keep what is finished: {error}")).file(path)
+    Error::new(
+        ErrorKind::Io,
+        format!("cannot keep what is finished: {error}"),
+    )
+    .file(path)
 }
 
-/// A number as JSON can hold it: what is not finite stands there as null, and comes back as NaN.
+/// A number as JSON can hold it: what is not finite stands there as null, and comes back
+/// as NaN.
 pub(crate) fn nan<'de, D: Deserializer<'de>>(input: D) -> std::result::Result<f64, D::Error> {
     Ok(Option::<f64>::deserialize(input)?.unwrap_or(f64::NAN))
 }
@@ -113,7 +140,12 @@ mod tests {
 
         let mut second = Journal::open(&path, "a run").unwrap();
         assert_eq!((second.resumed(), second.has("cut")), (2, false));
-        let kept = |journal: &mut Journal, name: &str| journal.once::<Number>(name, || panic!("done already")).unwrap().0;
+        let kept = |journal: &mut Journal, name: &str| {
+            journal
+                .once::<Number>(name, || panic!("done already"))
+                .unwrap()
+                .0
+        };
         assert_eq!(kept(&mut second, "one").to_bits(), third.to_bits());
         assert!(kept(&mut second, "none").is_nan());
         second.once("cut", || Ok(Number(2.0))).unwrap();

@@ -1,4 +1,5 @@
-//! Knobs: one option of a method turned from the least to the most, everything else as it is.
+//! Knobs: one option of a method turned from the least to the most, everything else as it
+//! is.
 
 use chladni_frf::{FrfSet, FrfValues};
 use chladni_rfp::{Effort, FitOptions, Method, ShapeModel};
@@ -57,33 +58,66 @@ pub(crate) const KNOBS: [Knob; 8] = [
     Knob {
         method: Method::Lean,
         about: "order, 4 less to 8 more than there are",
-        settings: &[Setting::Order(-4), Setting::Order(-1), Setting::Order(1), Setting::Order(3), Setting::Order(8)],
+        settings: &[
+            Setting::Order(-4),
+            Setting::Order(-1),
+            Setting::Order(1),
+            Setting::Order(3),
+            Setting::Order(8),
+        ],
         as_it_is: 0.0,
     },
     Knob {
         method: Method::Auto,
         about: "shapes free, of one phase, real",
-        settings: &[Setting::Shapes(ShapeModel::Free), Setting::Shapes(ShapeModel::Rank1), Setting::Shapes(ShapeModel::Real)],
+        settings: &[
+            Setting::Shapes(ShapeModel::Free),
+            Setting::Shapes(ShapeModel::Rank1),
+            Setting::Shapes(ShapeModel::Real),
+        ],
         as_it_is: 3.0,
     },
-    Knob { method: Method::Auto, about: "data in f32, f64", settings: &[Setting::Single], as_it_is: 1.0 },
-    Knob { method: Method::Lean, about: "data in f32, f64", settings: &[Setting::Single], as_it_is: 1.0 },
+    Knob {
+        method: Method::Auto,
+        about: "data in f32, f64",
+        settings: &[Setting::Single],
+        as_it_is: 1.0,
+    },
+    Knob {
+        method: Method::Lean,
+        about: "data in f32, f64",
+        settings: &[Setting::Single],
+        as_it_is: 1.0,
+    },
     Knob {
         method: Method::Lean,
         about: "0, 1, 2, 4, 30 likelihood steps",
-        settings: &[Setting::LikelihoodSteps(0), Setting::LikelihoodSteps(1), Setting::LikelihoodSteps(2), Setting::LikelihoodSteps(4)],
+        settings: &[
+            Setting::LikelihoodSteps(0),
+            Setting::LikelihoodSteps(1),
+            Setting::LikelihoodSteps(2),
+            Setting::LikelihoodSteps(4),
+        ],
         as_it_is: 4.0,
     },
     Knob {
         method: Method::Auto,
         about: "24, 40, 80, 160 columns of the sketch",
-        settings: &[Setting::SketchColumns(24), Setting::SketchColumns(40), Setting::SketchColumns(160)],
+        settings: &[
+            Setting::SketchColumns(24),
+            Setting::SketchColumns(40),
+            Setting::SketchColumns(160),
+        ],
         as_it_is: 1.5,
     },
     Knob {
         method: Method::Auto,
         about: "2, 4, 8, 16 steps of vector fitting",
-        settings: &[Setting::PoolIterations(2), Setting::PoolIterations(4), Setting::PoolIterations(16)],
+        settings: &[
+            Setting::PoolIterations(2),
+            Setting::PoolIterations(4),
+            Setting::PoolIterations(16),
+        ],
         as_it_is: 1.5,
     },
     Knob {
@@ -98,7 +132,11 @@ impl Knob {
     /// Place of a setting along the knob; `None` where it belongs to another one.
     pub(crate) fn position(&self, setting: Setting) -> Option<f64> {
         let place = self.settings.iter().position(|own| *own == setting)?;
-        Some(if let Setting::Order(more) = setting { f64::from(more) } else { place as f64 })
+        Some(if let Setting::Order(more) = setting {
+            f64::from(more)
+        } else {
+            place as f64
+        })
     }
 }
 
@@ -106,12 +144,39 @@ impl Setting {
     /// The options with this setting, for data with so many modes.
     pub(crate) fn options(self, options: FitOptions, modes: usize) -> FitOptions {
         match self {
-            Self::Order(more) => FitOptions { modes: Some(modes.saturating_add_signed(more as isize)), ..options },
+            Self::Order(more) => FitOptions {
+                modes: Some(modes.saturating_add_signed(more as isize)),
+                ..options
+            },
             Self::Shapes(shapes) => FitOptions { shapes, ..options },
-            Self::SketchColumns(sketch_columns) => FitOptions { effort: Effort { sketch_columns, ..options.effort }, ..options },
-            Self::PoolIterations(pool_iterations) => FitOptions { effort: Effort { pool_iterations, ..options.effort }, ..options },
-            Self::ExtraPasses(extra_passes) => FitOptions { effort: Effort { extra_passes, ..options.effort }, ..options },
-            Self::LikelihoodSteps(likelihood_steps) => FitOptions { effort: Effort { likelihood_steps, ..options.effort }, ..options },
+            Self::SketchColumns(sketch_columns) => FitOptions {
+                effort: Effort {
+                    sketch_columns,
+                    ..options.effort
+                },
+                ..options
+            },
+            Self::PoolIterations(pool_iterations) => FitOptions {
+                effort: Effort {
+                    pool_iterations,
+                    ..options.effort
+                },
+                ..options
+            },
+            Self::ExtraPasses(extra_passes) => FitOptions {
+                effort: Effort {
+                    extra_passes,
+                    ..options.effort
+                },
+                ..options
+            },
+            Self::LikelihoodSteps(likelihood_steps) => FitOptions {
+                effort: Effort {
+                    likelihood_steps,
+                    ..options.effort
+                },
+                ..options
+            },
             Self::Single => options,
         }
     }
@@ -120,7 +185,8 @@ impl Setting {
     pub(crate) fn data(self, frf: FrfSet) -> FrfSet {
         match (self, &frf.values) {
             (Self::Single, FrfValues::F64(values)) => {
-                let values = FrfValues::F32(values.mapv(|v| Complex32::new(v.re as f32, v.im as f32)));
+                let values =
+                    FrfValues::F32(values.mapv(|v| Complex32::new(v.re as f32, v.im as f32)));
                 FrfSet { values, ..frf }
             }
             _ => frf,
@@ -135,14 +201,35 @@ mod tests {
     #[test]
     fn settings_turn_what_they_say() {
         let options = Setting::Order(-4).options(FitOptions::default(), 34);
-        assert_eq!((options.modes, Setting::Order(-4).to_string()), (Some(30), "order -4".to_string()));
+        assert_eq!(
+            (options.modes, Setting::Order(-4).to_string()),
+            (Some(30), "order -4".to_string())
+        );
         let order = KNOBS[0];
-        let places: Vec<f64> = order.settings.iter().filter_map(|&setting| order.position(setting)).collect();
-        assert!(places.windows(2).all(|pair| pair[0] < pair[1]) && !places.contains(&order.as_it_is));
+        let places: Vec<f64> = order
+            .settings
+            .iter()
+            .filter_map(|&setting| order.position(setting))
+            .collect();
+        assert!(
+            places.windows(2).all(|pair| pair[0] < pair[1]) && !places.contains(&order.as_it_is)
+        );
         assert_eq!(order.position(Setting::Single), None);
-        let turned = [Setting::SketchColumns(24), Setting::PoolIterations(2), Setting::ExtraPasses(0)]
-            .map(|setting| setting.options(FitOptions::default(), 34).effort);
+        let turned = [
+            Setting::SketchColumns(24),
+            Setting::PoolIterations(2),
+            Setting::ExtraPasses(0),
+        ]
+        .map(|setting| setting.options(FitOptions::default(), 34).effort);
         assert!(turned.iter().all(|effort| *effort != Effort::default()));
-        assert_eq!(turned.map(|effort| (effort.sketch_columns, effort.pool_iterations, effort.extra_passes))[2].2, 0);
+        assert_eq!(
+            turned.map(|effort| (
+                effort.sketch_columns,
+                effort.pool_iterations,
+                effort.extra_passes
+            ))[2]
+                .2,
+            0
+        );
     }
 }

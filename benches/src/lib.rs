@@ -1,16 +1,18 @@
-//! Speed against accuracy: named cases with known truth, every method on each of them, and the time of each stage.
+//! Speed against accuracy: named cases with known truth, every method on each of them,
+//! and the time of each stage.
 //!
 //! * [`Solver`]: all methods of both kinds under their names
 //! * [`CASES`], [`Problem`]: the truth, the noise of a seed, the Cramér-Rao bounds
-//! * [`accuracy`]: errors over the bound, coverage of the error bars, missed and spurious modes, time; [`accuracy_figures`] draws
-//!   error against time with the Pareto front
+//! * [`accuracy`]: errors over the bound, coverage of the error bars, missed and spurious
+//!   modes, time; [`accuracy_figures`] draws error against time with the Pareto front
 //! * [`profile`]: stage times, and the floor that no method can go below
 //!
 //! * [`stability`]: where methods fail, whether they know it, and whether error bars hold
 //! * [`scenes`]: rendering from noisy FRFs to a drive on the true plate, by every method
 //! * [`kernels`]: dense kernels at the sizes of a fit, every back end that is linked in
 //!
-//! `chladni bench` writes the files; `docs/accuracy.md` says what they show. Criterion's benches of single stages are in `benches/`.
+//! `chladni bench` writes the files; `docs/accuracy.md` says what they show. Criterion's
+//! benches of single stages are in `benches/`.
 
 mod accuracy;
 mod accuracy_tables;
@@ -46,17 +48,18 @@ pub use pareto::{accuracy_figures, front};
 pub use peers::PeerRow;
 pub use problem::{Bounds, Problem};
 pub use profile::{
-    profile, profile_csv, profile_figure, scaling, scaling_csv, scaling_figure, Floor, ProfileCase, ProfileOptions, ProfileRow,
-    ProfileSource, ScalingRow, PROFILE_CASES,
+    profile, profile_csv, profile_figure, scaling, scaling_csv, scaling_figure, Floor, ProfileCase,
+    ProfileOptions, ProfileRow, ProfileSource, ScalingRow, PROFILE_CASES,
 };
 pub use scene::{
-    paper, paper_csv, paper_figures, scene_csv, scene_figures, scene_knobs, scenes, Means, PaperModes, PaperRow, PaperRun, SceneCase,
-    SceneDrive, SceneOptions, ScenePanel, SceneRow, Served, PAPER_MODES, SCENE_CASES,
+    paper, paper_csv, paper_figures, scene_csv, scene_figures, scene_knobs, scenes, Means,
+    PaperModes, PaperRow, PaperRun, SceneCase, SceneDrive, SceneOptions, ScenePanel, SceneRow,
+    Served, PAPER_MODES, SCENE_CASES,
 };
 pub use score::{Match, Score};
 pub use solver::Solver;
 pub use stability::{
-    calibration, calibration_csv, failures_csv, stability, stability_csv, stability_figures, Calibration, Map, MapAxis, StabilityOptions,
-    StabilityRow, Trial, MAPS,
+    calibration, calibration_csv, failures_csv, stability, stability_csv, stability_figures,
+    Calibration, Map, MapAxis, StabilityOptions, StabilityRow, Trial, MAPS,
 };
 pub use statistics::median;

@@ -38,15 +38,33 @@ pub struct ModeErrors {
 const ERRORS: [fn(&Match) -> f64; 2] = [|found| found.frequency_hz, |found| found.loss_factor];
 
 impl ModeErrors {
-    /// Errors of in-band mode number `n` of the truth, `known`; without bounds what is measured by them is NaN.
+    /// Errors of in-band mode number `n` of the truth, `known`; without bounds what is
+    /// measured by them is NaN.
     pub(crate) fn new(n: usize, known: &Mode, bounds: Option<&Bounds>, scores: &[Score]) -> Self {
-        let found: Vec<&Match> = scores.iter().filter_map(|score| score.matches[n].as_ref()).collect();
+        let found: Vec<&Match> = scores
+            .iter()
+            .filter_map(|score| score.matches[n].as_ref())
+            .collect();
         let bound = |pick: fn(&Bounds) -> &chladni_plate::CramerRao| {
-            bounds.map(pick).map_or([f64::NAN; 2], |bound| [bound.frequency_std_hz[n], bound.loss_factor_std[n]])
+            bounds.map(pick).map_or([f64::NAN; 2], |bound| {
+                [bound.frequency_std_hz[n], bound.loss_factor_std[n]]
+            })
         };
-        let [free, rank_one, real] = [bound(|bounds| &bounds.free), bound(|bounds| &bounds.rank_one), bound(|bounds| &bounds.real)];
-        let over = |e: usize, bound: f64| root_mean_square(found.iter().map(|found| ERRORS[e](found) / bound));
-        let share = |covered: fn(&Match) -> bool| mean(found.iter().map(|found| f64::from(u8::from(covered(found)))));
+        let [free, rank_one, real] = [
+            bound(|bounds| &bounds.free),
+            bound(|bounds| &bounds.rank_one),
+            bound(|bounds| &bounds.real),
+        ];
+        let over = |e: usize, bound: f64| {
+            root_mean_square(found.iter().map(|found| ERRORS[e](found) / bound))
+        };
+        let share = |covered: fn(&Match) -> bool| {
+            mean(
+                found
+                    .iter()
+                    .map(|found| f64::from(u8::from(covered(found)))),
+            )
+        };
         Self {
             frequency_hz: known.frequency_hz,
             loss_factor: known.loss_factor,
@@ -54,19 +72,31 @@ impl ModeErrors {
             bound: free,
             bound_real: real,
             over_free: [0, 1].map(|e| over(e, free[e])),
-            bias_over_free: [0, 1].map(|e| mean(found.iter().map(|found| ERRORS[e](found) / free[e]))),
+            bias_over_free: [0, 1]
+                .map(|e| mean(found.iter().map(|found| ERRORS[e](found) / free[e]))),
             over_rank_one: [0, 1].map(|e| over(e, rank_one[e])),
             over_real: [0, 1].map(|e| over(e, real[e])),
-            coverage: [share(|found| found.frequency_covered), share(|found| found.loss_factor_covered)],
-            relative_error: found.iter().map(|found| found.frequency_hz.abs() / known.frequency_hz).fold(f64::NAN, f64::max),
+            coverage: [
+                share(|found| found.frequency_covered),
+                share(|found| found.loss_factor_covered),
+            ],
+            relative_error: found
+                .iter()
+                .map(|found| found.frequency_hz.abs() / known.frequency_hz)
+                .fold(f64::NAN, f64::max),
             bound_over_bandwidth: free[0] / (2.0 * half_half_width_hz(known)),
         }
     }
 
-    /// Root mean square of the frequency error over the bound, each miss counting as half the bandwidth.
+    /// Root mean square of the frequency error over the bound, each miss counting as half
+    /// the bandwidth.
     pub(crate) fn with_missed(&self) -> f64 {
         let missed = 0.25 / self.bound_over_bandwidth.powi(2);
-        let found = if self.found > 0.0 { self.over_free[0].powi(2) } else { 0.0 };
+        let found = if self.found > 0.0 {
+            self.over_free[0].powi(2)
+        } else {
+            0.0
+        };
         (self.found * found + (1.0 - self.found) * missed).sqrt()
     }
 }
@@ -84,7 +114,10 @@ impl Spread {
     /// Of one number per mode; modes without it are left out.
     pub(crate) fn new(modes: &[ModeErrors], value: impl Fn(&ModeErrors) -> f64) -> Self {
         let values: Vec<f64> = modes.iter().map(value).collect();
-        Self { median: median(&values), worst: quantile(&values, 1.0) }
+        Self {
+            median: median(&values),
+            worst: quantile(&values, 1.0),
+        }
     }
 }
 
@@ -106,10 +139,19 @@ mod tests {
         };
         let known = problem.truth.modes[1].clone();
         let errors = ModeErrors::new(1, &known, bounds.as_ref(), &[fitted(3.0), fitted(-1.0)]);
-        assert!((errors.bias_over_free[0] - 1.0).abs() < 1e-6 && (errors.over_free[0] - 5f64.sqrt()).abs() < 1e-6, "{errors:?}");
+        assert!(
+            (errors.bias_over_free[0] - 1.0).abs() < 1e-6
+                && (errors.over_free[0] - 5f64.sqrt()).abs() < 1e-6,
+            "{errors:?}"
+        );
         assert!((errors.with_missed() - errors.over_free[0]).abs() < 1e-12);
         let missed = ModeErrors::new(1, &known, bounds.as_ref(), &[Score::failed(&problem)]);
-        assert!((missed.with_missed() * bound_hz / (0.5 * known.loss_factor * known.frequency_hz) - 1.0).abs() < 1e-12);
+        assert!(
+            (missed.with_missed() * bound_hz / (0.5 * known.loss_factor * known.frequency_hz)
+                - 1.0)
+                .abs()
+                < 1e-12
+        );
         assert!(missed.over_free[0].is_nan() && missed.found == 0.0);
     }
 }

@@ -1,4 +1,5 @@
-//! The chart of error against time, with the Pareto front: the methods that no other beats in both.
+//! The chart of error against time, with the Pareto front: the methods that no other
+//! beats in both.
 
 use crate::accuracy::AccuracyRow;
 use crate::cases::Case;
@@ -6,7 +7,9 @@ use crate::knobs::{Knob, KNOBS};
 use crate::peers::PeerRow;
 use crate::solver::Solver;
 use crate::statistics::root_mean_square;
-use chladni_report::{Anchor, Axis, Chart, Colour, Dash, Figure, Height, Layer, Mark, Place, Stroke, SERIES};
+use chladni_report::{
+    Anchor, Axis, Chart, Colour, Dash, Figure, Height, Layer, Mark, Place, Stroke, SERIES,
+};
 use chladni_rfp::Method;
 
 /// Width of the picture, px.
@@ -28,10 +31,16 @@ const NAME_GAP: f64 = 0.014;
 /// Width of a letter of a name, part of the plotted box's width.
 const LETTER: f64 = 0.0115;
 
-/// True for each point that no other beats in one coordinate without losing in the other (smaller is better; NaN never counts).
+/// True for each point that no other beats in one coordinate without losing in the other
+/// (smaller is better; NaN never counts).
 pub fn front(points: &[Place]) -> Vec<bool> {
     let beats = |a: &Place, b: &Place| a[0] <= b[0] && a[1] <= b[1] && a != b;
-    points.iter().map(|point| point.iter().all(|v| v.is_finite()) && !points.iter().any(|other| beats(other, point))).collect()
+    points
+        .iter()
+        .map(|point| {
+            point.iter().all(|v| v.is_finite()) && !points.iter().any(|other| beats(other, point))
+        })
+        .collect()
 }
 
 /// A method on a chart of error against time.
@@ -50,22 +59,55 @@ pub(crate) struct Curve {
     pub(crate) points: Vec<Place>,
 }
 
-/// Error against time: the front drawn and named, what it dominates in grey, the default marked. `None` where nothing can be shown.
-pub(crate) fn pareto_chart(x: Axis, y: Axis, entries: &[Entry], limits: Vec<(f64, Layer)>, curves: &[Curve]) -> Option<Chart> {
-    let shown: Vec<&Entry> = entries.iter().filter(|entry| entry.at.iter().all(|value| value.is_finite() && *value > 0.0)).collect();
+/// Error against time: the front drawn and named, what it dominates in grey, the default
+/// marked. `None` where nothing can be shown.
+pub(crate) fn pareto_chart(
+    x: Axis,
+    y: Axis,
+    entries: &[Entry],
+    limits: Vec<(f64, Layer)>,
+    curves: &[Curve],
+) -> Option<Chart> {
+    let shown: Vec<&Entry> = entries
+        .iter()
+        .filter(|entry| {
+            entry
+                .at
+                .iter()
+                .all(|value| value.is_finite() && *value > 0.0)
+        })
+        .collect();
     if shown.is_empty() {
         return None;
     }
     let points: Vec<Place> = shown.iter().map(|entry| entry.at).collect();
     let on_front = front(&points);
-    let mut best: Vec<Place> = points.iter().zip(&on_front).filter(|(_, on)| **on).map(|(point, _)| *point).collect();
+    let mut best: Vec<Place> = points
+        .iter()
+        .zip(&on_front)
+        .filter(|(_, on)| **on)
+        .map(|(point, _)| *point)
+        .collect();
     best.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let limits_at = limits.iter().map(|(at, _)| *at);
-    let all = || points.iter().chain(curves.iter().flat_map(|curve| &curve.points)).filter(|p| p.iter().all(|v| *v > 0.0));
-    let ends = [window(all().map(|p| p[0])), window(all().map(|p| p[1]).chain(limits_at))];
+    let all = || {
+        points
+            .iter()
+            .chain(curves.iter().flat_map(|curve| &curve.points))
+            .filter(|p| p.iter().all(|v| *v > 0.0))
+    };
+    let ends = [
+        window(all().map(|p| p[0])),
+        window(all().map(|p| p[1]).chain(limits_at)),
+    ];
     let place = |on: bool, default: bool| {
         let wanted = |(k, entry): &(usize, &&Entry)| on_front[*k] == on && entry.default == default;
-        shown.iter().enumerate().filter(wanted).map(|(_, entry)| entry.at).collect::<Vec<_>>()
+        shown
+            .iter()
+            .enumerate()
+            .filter(wanted)
+            .map(|(_, entry)| entry.at)
+            .collect::<Vec<_>>()
     };
     let mut chart = Chart::new(x.range(ends[0]), y.range(ends[1])).height(Height::Px(HEIGHT_PX));
     for (_, layer) in limits {
@@ -76,38 +118,77 @@ pub(crate) fn pareto_chart(x: Axis, y: Axis, entries: &[Entry], limits: Vec<(f64
         let colour = Colour::Series(1 + k as u8 % (SERIES - 1));
         let dash = [Dash::Dashed, Dash::Dotted][k % 2];
         let mark = Mark::of_series(FIRST_OF_CURVES + k);
-        chart = chart.line("", curve.points.clone(), Stroke::new(colour, 1.6).dashed(dash));
+        chart = chart.line(
+            "",
+            curve.points.clone(),
+            Stroke::new(colour, 1.6).dashed(dash),
+        );
         chart = chart.marks(&curve.name, curve.points.clone(), mark, colour, 7.0);
     }
-    for (name, on, mark, colour, size) in
-        [("on the front", true, ON_FRONT, Colour::Series(0), 10.0), ("dominated", false, DOMINATED, Colour::Muted, 9.0)]
-    {
+    for (name, on, mark, colour, size) in [
+        ("on the front", true, ON_FRONT, Colour::Series(0), 10.0),
+        ("dominated", false, DOMINATED, Colour::Muted, 9.0),
+    ] {
         chart = chart.marks(name, place(on, false), Mark::of_series(mark), colour, size);
         let defaults = place(on, true);
         if !defaults.is_empty() {
-            chart = chart.marks(&format!("default, {name}"), defaults, Mark::of_series(DEFAULT), colour, 11.0);
+            chart = chart.marks(
+                &format!("default, {name}"),
+                defaults,
+                Mark::of_series(DEFAULT),
+                colour,
+                11.0,
+            );
         }
     }
     let labels: Vec<String> = shown.iter().map(|entry| entry.label.clone()).collect();
-    let others: Vec<Place> = curves.iter().flat_map(|curve| curve.points.clone()).collect();
+    let others: Vec<Place> = curves
+        .iter()
+        .flat_map(|curve| curve.points.clone())
+        .collect();
     let places = names(&points, &others, &labels, ends[0], ends[1]);
     // a name that found no room at the height of its mark is tied to it
-    let tied = places.iter().zip(&points).filter(|((at, _), point)| (at[1] / point[1]).ln().abs() > 1e-9);
+    let tied = places
+        .iter()
+        .zip(&points)
+        .filter(|((at, _), point)| (at[1] / point[1]).ln().abs() > 1e-9);
     let ties = tied.map(|((at, _), point)| vec![*point, *at]).collect();
-    chart = chart.with(Layer::Lines { name: None, lines: ties, stroke: Stroke::new(Colour::Muted, 0.8) });
+    chart = chart.with(Layer::Lines {
+        name: None,
+        lines: ties,
+        stroke: Stroke::new(Colour::Muted, 0.8),
+    });
     for ((text, (at, anchor)), bold) in labels.into_iter().zip(places).zip(on_front) {
-        chart = chart.with(Layer::Words { at, text, anchor, bold });
+        chart = chart.with(Layer::Words {
+            at,
+            text,
+            anchor,
+            bold,
+        });
     }
     Some(chart)
 }
 
-/// One figure for each case with a bound: time of a fit against its error over the bound; and one more where knobs were turned. `peers` stand
-/// beside our methods.
+/// One figure for each case with a bound: time of a fit against its error over the bound;
+/// and one more where knobs were turned. `peers` stand beside our methods.
 pub fn accuracy_figures(rows: &[AccuracyRow], peers: &[PeerRow]) -> Vec<Figure> {
     let mut names: Vec<&str> = rows.iter().map(|row| row.case.name).collect();
     names.dedup();
-    let of_case = |name: &str| rows.iter().filter(|row| row.case.name == name).collect::<Vec<_>>();
-    names.into_iter().flat_map(|name| [figure(&of_case(name), peers, false), figure(&of_case(name), &[], true)]).flatten().collect()
+    let of_case = |name: &str| {
+        rows.iter()
+            .filter(|row| row.case.name == name)
+            .collect::<Vec<_>>()
+    };
+    names
+        .into_iter()
+        .flat_map(|name| {
+            [
+                figure(&of_case(name), peers, false),
+                figure(&of_case(name), &[], true),
+            ]
+        })
+        .flatten()
+        .collect()
 }
 
 fn figure(rows: &[&AccuracyRow], peers: &[PeerRow], knobs: bool) -> Option<Figure> {
@@ -119,21 +200,47 @@ fn figure(rows: &[&AccuracyRow], peers: &[PeerRow], knobs: bool) -> Option<Figur
         .map(|row| {
             let [missed, sure, weak] = row.miscounts;
             let default = Solver::Identify(row.method).is_default();
-            Entry { at: place(row), label: label(&row.method.to_string(), missed, sure + weak), default }
+            Entry {
+                at: place(row),
+                label: label(&row.method.to_string(), missed, sure + weak),
+                default,
+            }
         })
-        .chain(peers.iter().filter(|peer| peer.case == case.name).map(|peer| Entry {
-            at: [peer.time_s, peer.with_missed],
-            label: label(&peer.method, peer.missed, 0.0),
-            default: false,
-        }))
+        .chain(
+            peers
+                .iter()
+                .filter(|peer| peer.case == case.name)
+                .map(|peer| Entry {
+                    at: [peer.time_s, peer.with_missed],
+                    label: label(&peer.method, peer.missed, 0.0),
+                    default: false,
+                }),
+        )
         .collect();
-    let curves = if knobs { curves(rows, &place) } else { vec![Vec::new()] };
-    let structured = root_mean_square(rows[0].modes.iter().map(|mode| mode.bound_real[0] / mode.bound[0]));
+    let curves = if knobs {
+        curves(rows, &place)
+    } else {
+        vec![Vec::new()]
+    };
+    let structured = root_mean_square(
+        rows[0]
+            .modes
+            .iter()
+            .map(|mode| mode.bound_real[0] / mode.bound[0]),
+    );
     let limits = vec![
         (1.0, limit("bound of free residues", 1.0, Dash::Dashed)),
-        (structured, limit("bound of real shapes", structured, Dash::Dotted)),
+        (
+            structured,
+            limit("bound of real shapes", structured, Dash::Dotted),
+        ),
     ];
-    let axes = || [Axis::log("Time of a fit, median", "s"), Axis::log("Rms frequency error over the bound", "–")];
+    let axes = || {
+        [
+            Axis::log("Time of a fit, median", "s"),
+            Axis::log("Rms frequency error over the bound", "–"),
+        ]
+    };
     let charts = curves.iter().filter_map(|curves| {
         let [x, y] = axes();
         pareto_chart(x, y, &entries, limits.clone(), curves)
@@ -142,17 +249,31 @@ fn figure(rows: &[&AccuracyRow], peers: &[PeerRow], knobs: bool) -> Option<Figur
     if charts.is_empty() {
         return None;
     }
-    let words = if knobs { " Dashed: one knob turned, from the least to the most." } else { "" };
+    let words = if knobs {
+        " Dashed: one knob turned, from the least to the most."
+    } else {
+        ""
+    };
     Some(Figure {
-        name: format!("accuracy-{}{}", case.name, if knobs { "-knobs" } else { "" }),
+        name: format!(
+            "accuracy-{}{}",
+            case.name,
+            if knobs { "-knobs" } else { "" }
+        ),
         title: format!("Error against time: {}", case.name),
-        caption: format!("{}. Errors of natural frequencies over the Cramér–Rao bound of free residues; a missed mode counts as half its bandwidth. Lower left is better.{words}", case.about),
+        caption: format!(
+            "{}. Errors of natural frequencies over the Cramér–Rao bound of free \
+                          residues; a missed mode counts as half its bandwidth. Lower left is \
+                          better.{words}",
+            case.about
+        ),
         width: WIDTH_PX,
         charts,
     })
 }
 
-/// The curves of each method whose knobs were turned: one for each knob, through the method as it is where that is one of the settings.
+/// The curves of each method whose knobs were turned: one for each knob, through the
+/// method as it is where that is one of the settings.
 fn curves(rows: &[&AccuracyRow], place: &dyn Fn(&AccuracyRow) -> Place) -> Vec<Vec<Curve>> {
     let mut methods: Vec<Method> = Vec::new();
     rows.iter().for_each(|row| {
@@ -168,20 +289,36 @@ fn curves(rows: &[&AccuracyRow], place: &dyn Fn(&AccuracyRow) -> Place) -> Vec<V
                 .filter(|row| row.method == knob.method)
                 .filter_map(|row| Some((knob.position(row.setting?)?, place(row))))
                 .collect();
-            let own = rows.iter().find(|row| row.method == knob.method && row.setting.is_none());
-            points.extend(own.filter(|_| !points.is_empty()).map(|row| (knob.as_it_is, place(row))));
+            let own = rows
+                .iter()
+                .find(|row| row.method == knob.method && row.setting.is_none());
+            points.extend(
+                own.filter(|_| !points.is_empty())
+                    .map(|row| (knob.as_it_is, place(row))),
+            );
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
             let name = format!("{}: {}", knob.method, knob.about);
-            (points.len() > 1).then(|| Curve { name, points: points.into_iter().map(|(_, point)| point).collect() })
+            (points.len() > 1).then(|| Curve {
+                name,
+                points: points.into_iter().map(|(_, point)| point).collect(),
+            })
         };
         knobs.filter_map(curve).collect::<Vec<Curve>>()
     };
-    methods.into_iter().map(of_method).filter(|curves| !curves.is_empty()).collect()
+    methods
+        .into_iter()
+        .map(of_method)
+        .filter(|curves| !curves.is_empty())
+        .collect()
 }
 
 /// A Cramér-Rao bound.
 fn limit(name: &str, at: f64, dash: Dash) -> Layer {
-    Layer::Horizontals { name: Some(name.into()), at: vec![at], stroke: Stroke::new(Colour::Ink, 1.4).dashed(dash) }
+    Layer::Horizontals {
+        name: Some(name.into()),
+        at: vec![at],
+        stroke: Stroke::new(Colour::Ink, 1.4).dashed(dash),
+    }
 }
 
 /// Method, and how its count of modes is wrong.
@@ -189,7 +326,16 @@ fn label(method: &str, missed: f64, spurious: f64) -> String {
     let words: Vec<String> = [(missed, "missed"), (spurious, "spurious")]
         .into_iter()
         .filter(|(count, _)| *count > 0.0)
-        .map(|(count, word)| format!("{} {word}", if count >= 10.0 { format!("{count:.0}") } else { format!("{count:.2}") }))
+        .map(|(count, word)| {
+            format!(
+                "{} {word}",
+                if count >= 10.0 {
+                    format!("{count:.0}")
+                } else {
+                    format!("{count:.2}")
+                }
+            )
+        })
         .collect();
     match words.is_empty() {
         true => method.to_owned(),
@@ -199,34 +345,68 @@ fn label(method: &str, missed: f64, spurious: f64) -> String {
 
 /// Ends of a logarithmic axis with room around the values.
 fn window(values: impl Iterator<Item = f64>) -> [f64; 2] {
-    let [low, high] = values.fold([f64::INFINITY, 0.0f64], |[low, high], value| [low.min(value), high.max(value)]);
+    let [low, high] = values.fold([f64::INFINITY, 0.0f64], |[low, high], value| {
+        [low.min(value), high.max(value)]
+    });
     let room = (high / low).powf(0.12).max(2.0);
     [low / room, high * room]
 }
 
-/// Where the `labels` of `points` stand: beside their marks, clear of other names and marks and of `others` where there is room.
-fn names(points: &[Place], others: &[Place], labels: &[String], x: [f64; 2], y: [f64; 2]) -> Vec<(Place, Anchor)> {
+/// Where the `labels` of `points` stand: beside their marks, clear of other names and
+/// marks and of `others` where there is room.
+fn names(
+    points: &[Place],
+    others: &[Place],
+    labels: &[String],
+    x: [f64; 2],
+    y: [f64; 2],
+) -> Vec<(Place, Anchor)> {
     let part = |value: f64, ends: [f64; 2]| (value / ends[0]).ln() / (ends[1] / ends[0]).ln();
     let value = |part: f64, ends: [f64; 2]| ends[0] * (ends[1] / ends[0]).powf(part);
     let mark = |point: &Place| [part(point[0], x), part(point[1], y)];
     let marks: Vec<Place> = points.iter().map(mark).collect();
     // taken stretches: left and right end, height, all as parts of the box
     let stretch = |[across, up]: Place| [across - 0.5 * NAME_GAP, across + 0.5 * NAME_GAP, up];
-    let mut taken: Vec<[f64; 3]> = marks.iter().copied().chain(others.iter().map(mark)).map(stretch).collect();
+    let mut taken: Vec<[f64; 3]> = marks
+        .iter()
+        .copied()
+        .chain(others.iter().map(mark))
+        .map(stretch)
+        .collect();
     let mut placed = Vec::new();
     for ([across, up], label) in marks.iter().zip(labels) {
         let width = LETTER * label.chars().count() as f64;
-        let right = (Anchor::Start, [across + NAME_GAP, across + NAME_GAP + width]);
+        let right = (
+            Anchor::Start,
+            [across + NAME_GAP, across + NAME_GAP + width],
+        );
         let left = (Anchor::End, [across - NAME_GAP - width, across - NAME_GAP]);
-        let heights = [0.0, 1.0, -1.0, 2.0, -2.0, 3.0, -3.0, 4.0, -4.0].map(|steps| up + steps * NAME_STEP);
-        let places = heights.iter().flat_map(|&height| [right, left].map(|(anchor, ends)| (anchor, ends, height)));
+        let heights =
+            [0.0, 1.0, -1.0, 2.0, -2.0, 3.0, -3.0, 4.0, -4.0].map(|steps| up + steps * NAME_STEP);
+        let places = heights
+            .iter()
+            .flat_map(|&height| [right, left].map(|(anchor, ends)| (anchor, ends, height)));
         let free = |(_, [from, to], height): &(Anchor, [f64; 2], f64)| {
-            let clear = |other: &[f64; 3]| (other[2] - height).abs() >= NAME_STEP || other[1] <= *from || *to <= other[0];
-            *from >= 0.0 && *to <= 1.0 && (0.5 * NAME_STEP..=1.0 - 0.5 * NAME_STEP).contains(height) && taken.iter().all(clear)
+            let clear = |other: &[f64; 3]| {
+                (other[2] - height).abs() >= NAME_STEP || other[1] <= *from || *to <= other[0]
+            };
+            *from >= 0.0
+                && *to <= 1.0
+                && (0.5 * NAME_STEP..=1.0 - 0.5 * NAME_STEP).contains(height)
+                && taken.iter().all(clear)
         };
-        let (anchor, [from, to], height) = places.into_iter().find(free).unwrap_or((right.0, right.1, *up));
+        let (anchor, [from, to], height) = places
+            .into_iter()
+            .find(free)
+            .unwrap_or((right.0, right.1, *up));
         taken.push([from, to, height]);
-        placed.push(([value(if anchor == Anchor::Start { from } else { to }, x), value(height, y)], anchor));
+        placed.push((
+            [
+                value(if anchor == Anchor::Start { from } else { to }, x),
+                value(height, y),
+            ],
+            anchor,
+        ));
     }
     placed
 }
@@ -237,17 +417,38 @@ mod tests {
 
     #[test]
     fn the_front_holds_what_nothing_beats() {
-        let points = [[1.0, 10.0], [2.0, 5.0], [3.0, 5.0], [4.0, 1.0], [5.0, 2.0], [0.5, f64::NAN]];
+        let points = [
+            [1.0, 10.0],
+            [2.0, 5.0],
+            [3.0, 5.0],
+            [4.0, 1.0],
+            [5.0, 2.0],
+            [0.5, f64::NAN],
+        ];
         assert_eq!(front(&points), [true, true, false, true, false, false]);
-        assert_eq!(front(&[[1.0, 1.0], [1.0, 1.0]]), [true, true], "equals do not beat each other");
+        assert_eq!(
+            front(&[[1.0, 1.0], [1.0, 1.0]]),
+            [true, true],
+            "equals do not beat each other"
+        );
     }
 
     #[test]
     fn names_stand_beside_their_marks_and_clear_of_each_other() {
         let labels = ["auto", "lean", "circle (7.00 missed)"].map(String::from);
-        let placed = names(&[[1.0, 1.0], [1.1, 1.0], [90.0, 50.0]], &[], &labels, [0.5, 100.0], [0.5, 100.0]);
+        let placed = names(
+            &[[1.0, 1.0], [1.1, 1.0], [90.0, 50.0]],
+            &[],
+            &labels,
+            [0.5, 100.0],
+            [0.5, 100.0],
+        );
         let apart = (placed[1].0[1] / placed[0].0[1]).ln().abs() > 0.9 * NAME_STEP * 200f64.ln();
         assert!(apart || placed[0].1 != placed[1].1, "{placed:?}");
-        assert_eq!((placed[2].1, placed[2].0[1].round()), (Anchor::End, 50.0), "no room at the right, room at its own height");
+        assert_eq!(
+            (placed[2].1, placed[2].0[1].round()),
+            (Anchor::End, 50.0),
+            "no room at the right, room at its own height"
+        );
     }
 }

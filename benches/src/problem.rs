@@ -1,13 +1,17 @@
-//! A measurement whose truth is known: clean FRFs, the model behind them, and the noise that a seed adds.
+//! A measurement whose truth is known: clean FRFs, the model behind them, and the noise
+//! that a seed adds.
 
 use chladni_frf::{FrfSet, FrfValues, ModalModel, Result};
 use chladni_plate::{
-    add_noise_of_variance, cramer_rao, cramer_rao_rank_one, cramer_rao_real, gain_noise, mean_square, simulate, CramerRao, Panel, Synthetic,
+    add_noise_of_variance, cramer_rao, cramer_rao_rank_one, cramer_rao_real, gain_noise,
+    mean_square, simulate, CramerRao, Panel, Synthetic,
 };
 
-/// Powers of ω of the residual terms that any fit of a band must leave free (`docs/theory.md`, eq. 5).
+/// Powers of ω of the residual terms that any fit of a band must leave free
+/// (`docs/theory.md`, eq. 5).
 const RESIDUAL_POWERS: [i32; 4] = [-2, 0, 2, 4];
-/// Modes so many half-power bandwidths outside the band bend its edge: their poles are unknowns of the bound as well.
+/// Modes so many half-power bandwidths outside the band bend its edge: their poles are
+/// unknowns of the bound as well.
 const NEAR_BANDWIDTHS: f64 = 5.0;
 
 /// FRFs without noise, their truth, and the noise.
@@ -40,7 +44,11 @@ impl Problem {
     /// # Errors
     /// As [`Synthetic::build`].
     pub fn of_modes(spec: &Synthetic) -> Result<Self> {
-        let set = Synthetic { snr_db: f64::INFINITY, ..spec.clone() }.build()?;
+        let set = Synthetic {
+            snr_db: f64::INFINITY,
+            ..spec.clone()
+        }
+        .build()?;
         Ok(Self::new(set.frf, set.truth, spec.snr_db))
     }
 
@@ -50,20 +58,33 @@ impl Problem {
     /// As [`simulate`].
     pub fn of_panel(panel: &Panel) -> Result<Self> {
         let simulation = simulate(panel, None, Some(f64::INFINITY))?;
-        Ok(Self::new(simulation.frf, simulation.truth, panel.frf.snr_db))
+        Ok(Self::new(
+            simulation.frf,
+            simulation.truth,
+            panel.frf.snr_db,
+        ))
     }
 
     fn new(clean: FrfSet, truth: ModalModel, snr_db: f64) -> Self {
-        let mut problem = Self { clean, truth, noise_variance: 0.0, common_gain: 0.0 };
+        let mut problem = Self {
+            clean,
+            truth,
+            noise_variance: 0.0,
+            common_gain: 0.0,
+        };
         if let FrfValues::F64(values) = &problem.clean.values {
             problem.noise_variance = mean_square(values) * 10f64.powf(-snr_db / 10.0);
         }
         problem
     }
 
-    /// The same with a gain error of this standard deviation per line, common to all FRFs.
+    /// The same with a gain error of this standard deviation per line, common to all
+    /// FRFs.
     pub fn with_common_gain(self, common_gain: f64) -> Self {
-        Self { common_gain, ..self }
+        Self {
+            common_gain,
+            ..self
+        }
     }
 
     /// The same noise without any structure.
@@ -88,7 +109,8 @@ impl Problem {
         frf
     }
 
-    /// Bounds of the in-band modes; `None` where white noise is absent or not the only one.
+    /// Bounds of the in-band modes; `None` where white noise is absent or not the only
+    /// one.
     ///
     /// # Errors
     /// As [`cramer_rao`].
@@ -101,19 +123,37 @@ impl Problem {
         let mut wanted = Vec::new();
         for mode in &mut model.modes {
             let outside_hz = (low - mode.frequency_hz).max(mode.frequency_hz - high);
-            let in_band = std::mem::replace(&mut mode.in_band, outside_hz < NEAR_BANDWIDTHS * mode.loss_factor * mode.frequency_hz);
+            let in_band = std::mem::replace(
+                &mut mode.in_band,
+                outside_hz < NEAR_BANDWIDTHS * mode.loss_factor * mode.frequency_hz,
+            );
             if mode.in_band {
                 wanted.push(in_band);
             }
         }
         let only_wanted = |bound: CramerRao| {
-            let keep = |values: Vec<f64>| values.into_iter().zip(&wanted).filter(|(_, wanted)| **wanted).map(|(value, _)| value).collect();
-            CramerRao { frequency_std_hz: keep(bound.frequency_std_hz), loss_factor_std: keep(bound.loss_factor_std) }
+            let keep = |values: Vec<f64>| {
+                values
+                    .into_iter()
+                    .zip(&wanted)
+                    .filter(|(_, wanted)| **wanted)
+                    .map(|(value, _)| value)
+                    .collect()
+            };
+            CramerRao {
+                frequency_std_hz: keep(bound.frequency_std_hz),
+                loss_factor_std: keep(bound.loss_factor_std),
+            }
         };
         let (axis, variance) = (&self.clean.frequency_hz, self.noise_variance);
         Ok(Some(Bounds {
             free: only_wanted(cramer_rao(&model, axis, variance, &RESIDUAL_POWERS)?),
-            rank_one: only_wanted(cramer_rao_rank_one(&model, axis, variance, &RESIDUAL_POWERS)?),
+            rank_one: only_wanted(cramer_rao_rank_one(
+                &model,
+                axis,
+                variance,
+                &RESIDUAL_POWERS,
+            )?),
             real: only_wanted(cramer_rao_real(&model, axis, variance, &RESIDUAL_POWERS)?),
         }))
     }

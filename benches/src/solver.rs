@@ -1,4 +1,5 @@
-//! The registry: every method of identification and of rendering under one name and one kind, over the back end that was built in.
+//! The registry: every method of identification and of rendering under one name and one
+//! kind, over the back end that was built in.
 
 use chladni_render::MethodChoice;
 use chladni_rfp::Method;
@@ -14,9 +15,13 @@ pub enum Solver {
 }
 
 impl Solver {
-    /// Names of all methods: those of identification, then those of rendering, each kind's default first. No name stands for both.
+    /// Names of all methods: those of identification, then those of rendering, each
+    /// kind's default first. No name stands for both.
     pub fn names() -> impl Iterator<Item = &'static str> {
-        Method::ALL.into_iter().map(Method::as_str).chain(MethodChoice::names())
+        Method::ALL
+            .into_iter()
+            .map(Method::as_str)
+            .chain(MethodChoice::names())
     }
 
     /// All methods in the order of their names.
@@ -26,7 +31,10 @@ impl Solver {
 
     /// The method of that name.
     pub fn named(name: &str) -> Option<Self> {
-        name.parse().map(Self::Identify).or_else(|_| name.parse().map(Self::Render)).ok()
+        name.parse()
+            .map(Self::Identify)
+            .or_else(|_| name.parse().map(Self::Render))
+            .ok()
     }
 
     /// What `fit` and `render` take unless told otherwise.
@@ -63,7 +71,17 @@ mod tests {
         let all = Solver::all();
         let rendering = all.iter().filter(|solver| !solver.identifies()).count();
         assert!(all.len() - rendering >= 9 && rendering >= 8, "{all:?}");
-        assert!(all.iter().all(|solver| Solver::named(&solver.to_string()) == Some(*solver)), "{all:?}");
-        assert_eq!(all.iter().filter(|solver| solver.is_default()).map(ToString::to_string).collect::<Vec<_>>(), ["auto", "default"]);
+        assert!(
+            all.iter()
+                .all(|solver| Solver::named(&solver.to_string()) == Some(*solver)),
+            "{all:?}"
+        );
+        assert_eq!(
+            all.iter()
+                .filter(|solver| solver.is_default())
+                .map(ToString::to_string)
+                .collect::<Vec<_>>(),
+            ["auto", "default"]
+        );
     }
 }

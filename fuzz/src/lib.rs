@@ -1,4 +1,5 @@
-//! What every fuzz target does with its bytes: what the seeded mutations ask of a reader, on a file in memory.
+//! What every fuzz target does with its bytes: what the seeded mutations ask of a reader,
+//! on a file in memory.
 
 #[path = "../../crates/chladni-frf/tests/mutation/targets.rs"]
 pub mod targets;
@@ -8,7 +9,8 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 use std::time::Duration;
 
-/// One folder for all executions of a process: making one takes longer than most readers need.
+/// One folder for all executions of a process: making one takes longer than most readers
+/// need.
 static FOLDER: LazyLock<PathBuf> = LazyLock::new(|| {
     // work handed to another thread and waited for takes longer, too
     rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global().unwrap();
@@ -22,7 +24,8 @@ static FOLDER: LazyLock<PathBuf> = LazyLock::new(|| {
 /// A reader that works longer hangs.
 const SLOWEST: Duration = Duration::from_secs(1);
 
-/// Runs `target` on `data` as a file with this extension. Processor time is what counts: on a busy machine any run may be held up.
+/// Runs `target` on `data` as a file with this extension. Processor time is what counts:
+/// on a busy machine any run may be held up.
 ///
 /// # Panics
 /// Where it hangs.

@@ -41,7 +41,14 @@ pub fn raised(py: Python<'_>, error: &Error) -> PyErr {
 /// The exception of a word that an option does not know: "`x` is no ...; write ...".
 pub fn wrong_word(py: Python<'_>, field: &str, found: &str, message: &str) -> PyErr {
     let error = Error::bad_word(message, found);
-    raised(py, &Error { kind: ErrorKind::Usage, ..error }.field(field))
+    raised(
+        py,
+        &Error {
+            kind: ErrorKind::Usage,
+            ..error
+        }
+        .field(field),
+    )
 }
 
 /// The exception of a fit that cannot be made.

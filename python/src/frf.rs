@@ -3,21 +3,29 @@
 use crate::error::{raised, wrong_word};
 use crate::model::Model;
 use chladni_frf::io::{read_frf, write_frf, ReadOptions};
-use chladni_frf::{Direction, Dof, Error, ErrorKind, FrfKind, FrfValues, Geometry, Node, ReferenceUnit, TimeSign};
+use chladni_frf::{
+    Direction, Dof, Error, ErrorKind, FrfKind, FrfValues, Geometry, Node, ReferenceUnit, TimeSign,
+};
 use chladni_plate::Panel;
 use ndarray::Array3;
 use num_complex::{Complex32, Complex64};
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
+use numpy::{
+    IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
+    PyReadonlyArray3,
+};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 
-/// FRFs of a structure: values[response, reference, line] on frequency_hz, SI units of the kind per N or V.
+/// FRFs of a structure: values[response, reference, line] on frequency_hz, SI units of
+/// the kind per N or V.
 ///
-/// FrfSet(frequency_hz, values, *, responses=None, references=None, kind="mobility", reference_unit="N", nodes_m=None)
+/// FrfSet(frequency_hz, values, *, responses=None, references=None, kind="mobility",
+/// reference_unit="N", nodes_m=None)
 ///
-/// responses, references: names such as "12:+Z" (node 12, +Z); without them responses are nodes 1, 2, ... and references the
-/// nodes after those. Where a reference is also a response (a driving point), shapes are scaled to unit modal mass.
-/// nodes_m: positions of nodes 1, 2, ..., shape (node, 3), m.
+/// responses, references: names such as "12:+Z" (node 12, +Z); without them responses are
+/// nodes 1, 2, ... and references the nodes after those. Where a reference is also a
+/// response (a driving point), shapes are scaled to unit modal mass. nodes_m: positions
+/// of nodes 1, 2, ..., shape (node, 3), m.
 #[pyclass(frozen, module = "chladni")]
 pub struct FrfSet {
     pub set: chladni_frf::FrfSet,
@@ -26,12 +34,25 @@ pub struct FrfSet {
     warnings: Vec<String>,
 }
 
-fn dofs(py: Python<'_>, field: &str, names: Option<Vec<String>>, first: u64, count: usize) -> PyResult<Vec<Dof>> {
+fn dofs(
+    py: Python<'_>,
+    field: &str,
+    names: Option<Vec<String>>,
+    first: u64,
+    count: usize,
+) -> PyResult<Vec<Dof>> {
     match names {
-        None => Ok((first..first + count as u64).map(|node| Dof::new(node, Direction::PLUS_Z)).collect()),
+        None => Ok((first..first + count as u64)
+            .map(|node| Dof::new(node, Direction::PLUS_Z))
+            .collect()),
         Some(names) => names
             .iter()
-            .map(|name| name.parse().map_err(|message: <Dof as std::str::FromStr>::Err| wrong_word(py, field, name, &message.to_string())))
+            .map(|name| {
+                name.parse()
+                    .map_err(|message: <Dof as std::str::FromStr>::Err| {
+                        wrong_word(py, field, name, &message.to_string())
+                    })
+            })
             .collect(),
     }
 }
@@ -40,7 +61,12 @@ fn unit(py: Python<'_>, text: &str) -> PyResult<ReferenceUnit> {
     match text {
         "N" => Ok(ReferenceUnit::Newton),
         "V" => Ok(ReferenceUnit::Volt),
-        _ => Err(wrong_word(py, "reference_unit", text, "no unit of a reference; write N or V")),
+        _ => Err(wrong_word(
+            py,
+            "reference_unit",
+            text,
+            "no unit of a reference; write N or V",
+        )),
     }
 }
 
@@ -63,19 +89,40 @@ impl FrfSet {
             Ok(values) => FrfValues::F32(standard(values.as_array().to_owned())),
             Err(_) => {
                 let values: PyReadonlyArray3<'_, Complex64> = values.extract().map_err(|_| {
-                    let error = Error::new(ErrorKind::Usage, "values are no FRF array").field("values");
-                    raised(py, &error.expected("complex128 or complex64, three axes: response, reference, line"))
+                    let error =
+                        Error::new(ErrorKind::Usage, "values are no FRF array").field("values");
+                    raised(
+                        py,
+                        &error.expected(
+                            "complex128 or complex64, three axes: response, reference, line",
+                        ),
+                    )
                 })?;
                 FrfValues::F64(standard(values.as_array().to_owned()))
             }
         };
         let (rows, columns, _) = values.dim();
-        let node = |(n, row): (usize, ndarray::ArrayView1<f64>)| Node { label: n as u64 + 1, xyz_m: [row[0], row[1], row[2]] };
+        let node = |(n, row): (usize, ndarray::ArrayView1<f64>)| Node {
+            label: n as u64 + 1,
+            xyz_m: [row[0], row[1], row[2]],
+        };
         let nodes = match &nodes_m {
-            Some(places) if places.as_array().ncols() == 3 => places.as_array().rows().into_iter().enumerate().map(node).collect(),
+            Some(places) if places.as_array().ncols() == 3 => places
+                .as_array()
+                .rows()
+                .into_iter()
+                .enumerate()
+                .map(node)
+                .collect(),
             Some(places) => {
-                let error = Error::new(ErrorKind::Usage, "positions have three coordinates").field("nodes_m");
-                return Err(raised(py, &error.found(format!("{} columns", places.as_array().ncols())).expected("x, y, z in m")));
+                let error = Error::new(ErrorKind::Usage, "positions have three coordinates")
+                    .field("nodes_m");
+                return Err(raised(
+                    py,
+                    &error
+                        .found(format!("{} columns", places.as_array().ncols()))
+                        .expected("x, y, z in m"),
+                ));
             }
             None => Vec::new(),
         };
@@ -84,25 +131,38 @@ impl FrfSet {
             values,
             responses: dofs(py, "responses", responses, 1, rows)?,
             references: dofs(py, "references", references, rows as u64 + 1, columns)?,
-            kind: Some(kind.parse::<FrfKind>().map_err(|message| wrong_word(py, "kind", kind, &message.to_string()))?),
+            kind: Some(
+                kind.parse::<FrfKind>()
+                    .map_err(|message| wrong_word(py, "kind", kind, &message.to_string()))?,
+            ),
             reference_unit: unit(py, reference_unit)?,
             coherence: None,
             variance: None,
-            geometry: Geometry { nodes, ..Geometry::default() },
+            geometry: Geometry {
+                nodes,
+                ..Geometry::default()
+            },
         };
-        Ok(Self { set: set.checked().map_err(|error| raised(py, &error))?, warnings: Vec::new() })
+        Ok(Self {
+            set: set.checked().map_err(|error| raised(py, &error))?,
+            warnings: Vec::new(),
+        })
     }
 
     /// Lines, Hz: (line,).
     #[getter]
     fn frequency_hz<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<f64>> {
-        // SAFETY: the set is frozen and lives as long as the array, which holds a reference to it
-        let array = unsafe { PyArray1::borrow_from_array(&slf.get().set.frequency_hz, slf.clone().into_any()) };
+        // SAFETY: the set is frozen and lives as long as the array, which holds a
+        // reference to it
+        let array = unsafe {
+            PyArray1::borrow_from_array(&slf.get().set.frequency_hz, slf.clone().into_any())
+        };
         array.readwrite().make_nonwriteable();
         array
     }
 
-    /// FRFs without a copy, read-only: (response, reference, line), complex128 or complex64.
+    /// FRFs without a copy, read-only: (response, reference, line), complex128 or
+    /// complex64.
     #[getter]
     fn values<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyAny> {
         // SAFETY: as above
@@ -129,7 +189,11 @@ impl FrfSet {
     /// Names of the reference DOFs.
     #[getter]
     fn references(&self) -> Vec<String> {
-        self.set.references.iter().map(ToString::to_string).collect()
+        self.set
+            .references
+            .iter()
+            .map(ToString::to_string)
+            .collect()
     }
 
     /// receptance, mobility or accelerance; None where the file does not say.
@@ -148,18 +212,23 @@ impl FrfSet {
     #[getter]
     fn nodes_m<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         let nodes = &self.set.geometry.nodes;
-        ndarray::Array2::from_shape_fn((nodes.len(), 3), |(n, axis)| nodes[n].xyz_m[axis]).into_pyarray(py)
+        ndarray::Array2::from_shape_fn((nodes.len(), 3), |(n, axis)| nodes[n].xyz_m[axis])
+            .into_pyarray(py)
     }
 
     /// Writes the set; the format follows from the name (.h5, .uff, .unv, .csv, .npz).
     #[pyo3(signature = (path, *, force=false))]
     fn save(&self, py: Python<'_>, path: PathBuf, force: bool) -> PyResult<Vec<String>> {
-        py.detach(|| write_frf(&path, &self.set, force)).map_err(|error| raised(py, &error))
+        py.detach(|| write_frf(&path, &self.set, force))
+            .map_err(|error| raised(py, &error))
     }
 
     fn __repr__(&self) -> String {
         let (responses, references, lines) = self.set.values.dim();
-        format!("FrfSet({responses} responses, {references} references, {lines} lines, {})", self.kind().unwrap_or("kind unknown"))
+        format!(
+            "FrfSet({responses} responses, {references} references, {lines} lines, {})",
+            self.kind().unwrap_or("kind unknown")
+        )
     }
 }
 
@@ -173,7 +242,8 @@ fn standard<T: Clone>(values: Array3<T>) -> Array3<T> {
 
 /// Reads files, a folder or a pattern as one FRF set.
 ///
-/// frf_kind: needed where the files do not say. time_sign: "-" for data in e^{-jωt}. map: HDF5 or MATLAB names, {"frf": "/data/H"}.
+/// frf_kind: needed where the files do not say. time_sign: "-" for data in e^{-jωt}. map:
+/// HDF5 or MATLAB names, {"frf": "/data/H"}.
 #[pyfunction]
 #[pyo3(signature = (paths, *, frf_kind=None, time_sign="+", references=None, map=None, lenient=false))]
 pub fn read(
@@ -189,25 +259,53 @@ pub fn read(
         Ok(one) => vec![one],
         Err(_) => paths.extract()?,
     };
-    let kind = frf_kind.map(|text| text.parse::<FrfKind>().map_err(|message| wrong_word(py, "frf_kind", text, &message.to_string())));
+    let kind = frf_kind.map(|text| {
+        text.parse::<FrfKind>()
+            .map_err(|message| wrong_word(py, "frf_kind", text, &message.to_string()))
+    });
     let options = ReadOptions {
         frf_kind: kind.transpose()?,
-        time_sign: time_sign.parse::<TimeSign>().map_err(|message| wrong_word(py, "time_sign", time_sign, &message.to_string()))?,
+        time_sign: time_sign
+            .parse::<TimeSign>()
+            .map_err(|message| wrong_word(py, "time_sign", time_sign, &message.to_string()))?,
         references: references.unwrap_or_default(),
         map: map.unwrap_or_default().into_iter().collect(),
         lenient,
         ..ReadOptions::default()
     };
-    let (set, _, warnings) = py.detach(|| read_frf(&paths, &options)).map_err(|error| raised(py, &error))?;
+    let (set, _, warnings) = py
+        .detach(|| read_frf(&paths, &options))
+        .map_err(|error| raised(py, &error))?;
     Ok(FrfSet { set, warnings })
 }
 
 /// FRFs of a virtual panel and the model behind them, from a panel file (TOML).
 #[pyfunction]
 #[pyo3(signature = (panel, *, snr_db=None, seed=None, memory_bytes=2 << 30))]
-pub fn simulate(py: Python<'_>, panel: PathBuf, snr_db: Option<f64>, seed: Option<u64>, memory_bytes: u64) -> PyResult<(FrfSet, Model)> {
+pub fn simulate(
+    py: Python<'_>,
+    panel: PathBuf,
+    snr_db: Option<f64>,
+    seed: Option<u64>,
+    memory_bytes: u64,
+) -> PyResult<(FrfSet, Model)> {
     let simulation = py
         .detach(|| chladni_plate::simulate(&Panel::read(&panel, memory_bytes)?, seed, snr_db))
-        .map_err(|error| raised(py, &if error.file.is_none() { error.file(&panel) } else { error }))?;
-    Ok((FrfSet { set: simulation.frf, warnings: simulation.warnings }, Model::new(simulation.truth)))
+        .map_err(|error| {
+            raised(
+                py,
+                &if error.file.is_none() {
+                    error.file(&panel)
+                } else {
+                    error
+                },
+            )
+        })?;
+    Ok((
+        FrfSet {
+            set: simulation.frf,
+            warnings: simulation.warnings,
+        },
+        Model::new(simulation.truth),
+    ))
 }

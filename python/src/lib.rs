@@ -1,8 +1,10 @@
-//! Python bindings: the four things the command line does with FRFs, models and scenes, on NumPy arrays.
+//! Python bindings: the four things the command line does with FRFs, models and scenes,
+//! on NumPy arrays.
 //!
-//! `read` and `simulate` give an [`frf::FrfSet`], `fit` a [`model::Model`] of it, `render` a [`rendering::Rendering`] for a scene, and
-//! `evaluate` judges weights on other data. [`pieces`] is the same fit for data larger than memory and for many machines. Long work runs
-//! without the interpreter's lock.
+//! `read` and `simulate` give an [`frf::FrfSet`], `fit` a [`model::Model`] of it,
+//! `render` a [`rendering::Rendering`] for a scene, and `evaluate` judges weights on
+//! other data. [`pieces`] is the same fit for data larger than memory and for many
+//! machines. Long work runs without the interpreter's lock.
 
 mod error;
 mod frf;
@@ -17,7 +19,10 @@ use pyo3::prelude::*;
 #[pymodule]
 fn _chladni(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    module.add("ChladniError", module.py().get_type::<error::ChladniError>())?;
+    module.add(
+        "ChladniError",
+        module.py().get_type::<error::ChladniError>(),
+    )?;
     module.add_class::<frf::FrfSet>()?;
     module.add_class::<model::Model>()?;
     module.add_class::<rendering::Rendering>()?;

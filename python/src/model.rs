@@ -13,7 +13,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyType;
 use std::path::PathBuf;
 
-/// A modal model. Arrays hold the modes of the band (sure and weak) by rising frequency; to_dict() holds all.
+/// A modal model. Arrays hold the modes of the band (sure and weak) by rising frequency;
+/// to_dict() holds all.
 #[pyclass(frozen, module = "chladni")]
 pub struct Model {
     pub model: ModalModel,
@@ -28,11 +29,24 @@ impl Model {
         self.model.in_band_modes().collect()
     }
 
-    fn numbers<'py>(&self, py: Python<'py>, of: impl Fn(&Mode) -> f64) -> Bound<'py, PyArray1<f64>> {
-        self.model.in_band_modes().map(of).collect::<Array1<f64>>().into_pyarray(py)
+    fn numbers<'py>(
+        &self,
+        py: Python<'py>,
+        of: impl Fn(&Mode) -> f64,
+    ) -> Bound<'py, PyArray1<f64>> {
+        self.model
+            .in_band_modes()
+            .map(of)
+            .collect::<Array1<f64>>()
+            .into_pyarray(py)
     }
 
-    fn rows<'py>(&self, py: Python<'py>, columns: usize, of: impl Fn(&Mode) -> &Vec<Complex64>) -> Bound<'py, PyArray2<Complex64>> {
+    fn rows<'py>(
+        &self,
+        py: Python<'py>,
+        columns: usize,
+        of: impl Fn(&Mode) -> &Vec<Complex64>,
+    ) -> Bound<'py, PyArray2<Complex64>> {
         let modes = self.modes();
         Array2::from_shape_fn((modes.len(), columns), |(n, i)| of(modes[n])[i]).into_pyarray(py)
     }
@@ -40,7 +54,11 @@ impl Model {
 
 /// Shapes of the modes of the band.
 fn shapes(model: &Model) -> Vec<&[Complex64]> {
-    model.model.in_band_modes().map(|mode| mode.shape.0.as_slice()).collect()
+    model
+        .model
+        .in_band_modes()
+        .map(|mode| mode.shape.0.as_slice())
+        .collect()
 }
 
 #[pymethods]
@@ -92,19 +110,33 @@ impl Model {
     /// Participations: (mode, reference).
     #[getter]
     fn participations<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<Complex64>> {
-        self.rows(py, self.model.references.len(), |mode| &mode.participation.0)
+        self.rows(py, self.model.references.len(), |mode| {
+            &mode.participation.0
+        })
     }
 
     /// "sure" or "weak" of each mode.
     #[getter]
     fn trust(&self) -> Vec<&'static str> {
-        self.model.in_band_modes().map(|mode| if mode.trust == Trust::Sure { "sure" } else { "weak" }).collect()
+        self.model
+            .in_band_modes()
+            .map(|mode| {
+                if mode.trust == Trust::Sure {
+                    "sure"
+                } else {
+                    "weak"
+                }
+            })
+            .collect()
     }
 
     /// Why a mode is not sure, a list for each.
     #[getter]
     fn reasons(&self) -> Vec<Vec<String>> {
-        self.model.in_band_modes().map(|mode| mode.reasons.clone()).collect()
+        self.model
+            .in_band_modes()
+            .map(|mode| mode.reasons.clone())
+            .collect()
     }
 
     /// False where no mode is sure, or the data as a whole contradict the model.
@@ -143,22 +175,36 @@ impl Model {
     /// Names of the response DOFs.
     #[getter]
     fn responses(&self) -> Vec<String> {
-        self.model.responses.iter().map(ToString::to_string).collect()
+        self.model
+            .responses
+            .iter()
+            .map(ToString::to_string)
+            .collect()
     }
 
     /// Names of the reference DOFs.
     #[getter]
     fn references(&self) -> Vec<String> {
-        self.model.references.iter().map(ToString::to_string).collect()
+        self.model
+            .references
+            .iter()
+            .map(ToString::to_string)
+            .collect()
     }
 
-    /// FRFs of the model on the lines given, in the kind it was fitted in: (response, reference, line).
-    fn synthesise<'py>(&self, py: Python<'py>, frequency_hz: PyReadonlyArray1<'py, f64>) -> Bound<'py, PyArray3<Complex64>> {
+    /// FRFs of the model on the lines given, in the kind it was fitted in: (response,
+    /// reference, line).
+    fn synthesise<'py>(
+        &self,
+        py: Python<'py>,
+        frequency_hz: PyReadonlyArray1<'py, f64>,
+    ) -> Bound<'py, PyArray3<Complex64>> {
         let lines = frequency_hz.as_array().to_owned();
         py.detach(|| self.model.synthesise(&lines)).into_pyarray(py)
     }
 
-    /// MAC between the shapes of this model and of another (of itself without one): (mode, mode of the other).
+    /// MAC between the shapes of this model and of another (of itself without one):
+    /// (mode, mode of the other).
     #[pyo3(signature = (other=None))]
     fn mac<'py>(&self, py: Python<'py>, other: Option<&Self>) -> Bound<'py, PyArray2<f64>> {
         mac_matrix(&shapes(self), &shapes(other.unwrap_or(self))).into_pyarray(py)
@@ -166,7 +212,8 @@ impl Model {
 
     /// The model file's text.
     fn to_json(&self) -> PyResult<String> {
-        serde_json::to_string(&self.model).map_err(|error| pyo3::exceptions::PyRuntimeError::new_err(error.to_string()))
+        serde_json::to_string(&self.model)
+            .map_err(|error| pyo3::exceptions::PyRuntimeError::new_err(error.to_string()))
     }
 
     /// Writes the model, .json or .h5.
@@ -177,14 +224,19 @@ impl Model {
 
     /// Pickled as the model file's text.
     fn __reduce__(slf: &Bound<'_, Self>) -> PyResult<(Py<PyAny>, (String,))> {
-        Ok((slf.get_type().getattr("_from_json")?.unbind(), (slf.get().to_json()?,)))
+        Ok((
+            slf.get_type().getattr("_from_json")?.unbind(),
+            (slf.get().to_json()?,),
+        ))
     }
 
     /// The model of a text of `to_json`.
     #[classmethod]
     fn _from_json(class: &Bound<'_, PyType>, text: &str) -> PyResult<Self> {
         serde_json::from_str(text).map(Self::new).map_err(|error| {
-            let error = Error::bad_data("no model, or a damaged one").found(error).expected("the text of a model file");
+            let error = Error::bad_data("no model, or a damaged one")
+                .found(error)
+                .expected("the text of a model file");
             raised(class.py(), &error)
         })
     }
@@ -195,22 +247,34 @@ impl Model {
 
     fn __repr__(&self) -> String {
         let [low, high] = self.model.band_hz;
-        let trusted = if self.model.quality.trusted { "trusted" } else { "not trusted" };
-        format!("Model({} modes from {low} to {high} Hz, {}, {trusted})", self.modes().len(), self.damping())
+        let trusted = if self.model.quality.trusted {
+            "trusted"
+        } else {
+            "not trusted"
+        };
+        format!(
+            "Model({} modes from {low} to {high} Hz, {}, {trusted})",
+            self.modes().len(),
+            self.damping()
+        )
     }
 }
 
 /// Reads a model file, .json or .h5.
 #[pyfunction]
 pub fn load_model(py: Python<'_>, path: PathBuf) -> PyResult<Model> {
-    read_model(&path).map(Model::new).map_err(|error| raised(py, &error))
+    read_model(&path)
+        .map(Model::new)
+        .map_err(|error| raised(py, &error))
 }
 
 /// Identifies the modes in an FRF set.
 ///
-/// band: (low, high) in Hz. modes: their number; None: decided by evidence. damping: "structural" or "viscous"; None: decided.
-/// method: auto, lean, vf, lscf, plscf, aaa, rfp, grfp, peak or circle. shapes: auto, free, rank1 or real. window: of the records that the
-/// FRFs were averaged from. exponential_window_per_s: decay of a hammer test's window. progress: called with the name of each stage.
+/// band: (low, high) in Hz. modes: their number; None: decided by evidence. damping:
+/// "structural" or "viscous"; None: decided. method: auto, lean, vf, lscf, plscf, aaa,
+/// rfp, grfp, peak or circle. shapes: auto, free, rank1 or real. window: of the records
+/// that the FRFs were averaged from. exponential_window_per_s: decay of a hammer test's
+/// window. progress: called with the name of each stage.
 #[pyfunction]
 #[pyo3(signature = (frf, *, band=None, modes=None, damping=None, method="auto", shapes="auto", window=None, exponential_window_per_s=None, seed=0, progress=None))]
 #[allow(clippy::too_many_arguments)] // keywords on the Python side
@@ -231,15 +295,21 @@ pub fn fit(
         band_hz: band.map(|(low, high)| [low, high]),
         modes,
         damping: law(py, damping)?,
-        method: method.parse::<Method>().map_err(|message| wrong_word(py, "method", method, &message))?,
+        method: method
+            .parse::<Method>()
+            .map_err(|message| wrong_word(py, "method", method, &message))?,
         shapes: shape_model(py, shapes)?,
         window: window_of(py, window)?,
         exponential_window_per_s,
         seed,
         ..FitOptions::default()
     };
-    let fitted = telling(py, progress, |tell| chladni_rfp::fit(&frf.set, &options, tell))?;
-    fitted.map(|fitted| Model::new(fitted.model)).map_err(|error| unfitted(py, &error, &options))
+    let fitted = telling(py, progress, |tell| {
+        chladni_rfp::fit(&frf.set, &options, tell)
+    })?;
+    fitted
+        .map(|fitted| Model::new(fitted.model))
+        .map_err(|error| unfitted(py, &error, &options))
 }
 
 /// A damping law by its name.
@@ -248,16 +318,26 @@ pub fn law(py: Python<'_>, name: Option<&str>) -> PyResult<Option<Damping>> {
         None => Ok(None),
         Some("structural") => Ok(Some(Damping::Structural)),
         Some("viscous") => Ok(Some(Damping::Viscous)),
-        Some(other) => Err(wrong_word(py, "damping", other, "no damping law; write structural or viscous")),
+        Some(other) => Err(wrong_word(
+            py,
+            "damping",
+            other,
+            "no damping law; write structural or viscous",
+        )),
     }
 }
 
 /// What shapes may be, by its name.
 pub fn shape_model(py: Python<'_>, name: &str) -> PyResult<ShapeModel> {
-    name.parse().map_err(|message: String| wrong_word(py, "shapes", name, &message))
+    name.parse()
+        .map_err(|message: String| wrong_word(py, "shapes", name, &message))
 }
 
 /// A window by its name.
 pub fn window_of(py: Python<'_>, name: Option<&str>) -> PyResult<Option<Window>> {
-    name.map(|name| name.parse().map_err(|message: String| wrong_word(py, "window", name, &message))).transpose()
+    name.map(|name| {
+        name.parse()
+            .map_err(|message: String| wrong_word(py, "window", name, &message))
+    })
+    .transpose()
 }

@@ -1,4 +1,5 @@
-//! The fit in pieces, with partials and poles that pickle: what Dask and its like carry from one worker to the next.
+//! The fit in pieces, with partials and poles that pickle: what Dask and its like carry
+//! from one worker to the next.
 
 use crate::error::{raised, unpieced};
 use crate::frf::FrfSet;
@@ -12,8 +13,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyType};
 use std::borrow::Cow;
 
-/// What is left of one or more blocks of FRFs after a pass over them: a few megabytes whatever the size of the blocks. Made by
-/// `reduce_block` and `merge`; pickles.
+/// What is left of one or more blocks of FRFs after a pass over them: a few megabytes
+/// whatever the size of the blocks. Made by `reduce_block` and `merge`; pickles.
 #[pyclass(frozen, module = "chladni")]
 pub struct Partial(pieces::Partial);
 
@@ -37,7 +38,8 @@ impl Partial {
         self.0.poles().cloned().map(Poles)
     }
 
-    /// The bytes of a partial file: the same blocks give the same bytes, whoever reduced and merged them in whatever order.
+    /// The bytes of a partial file: the same blocks give the same bytes, whoever reduced
+    /// and merged them in whatever order.
     fn to_bytes<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
         PyBytes::new(py, &py.detach(|| self.0.to_bytes()))
     }
@@ -46,11 +48,18 @@ impl Partial {
     #[classmethod]
     fn from_bytes(class: &Bound<'_, PyType>, data: Cow<'_, [u8]>) -> PyResult<Self> {
         let py = class.py();
-        py.detach(|| pieces::Partial::from_bytes(&data)).map(Self).map_err(|error| raised(py, &error))
+        py.detach(|| pieces::Partial::from_bytes(&data))
+            .map(Self)
+            .map_err(|error| raised(py, &error))
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
-        Ok((slf.get_type().getattr("from_bytes")?, (slf.get().to_bytes(slf.py()),)))
+    fn __reduce__<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
+        Ok((
+            slf.get_type().getattr("from_bytes")?,
+            (slf.get().to_bytes(slf.py()),),
+        ))
     }
 
     /// `7 in partial`: whether block 7 is in it.
@@ -59,20 +68,39 @@ impl Partial {
     }
 
     fn __repr__(&self) -> String {
-        let pass = self.0.poles().map_or("first pass".into(), |poles| format!("second pass with {} poles", poles.count()));
-        let blocks = if self.blocks() == 1 { "block" } else { "blocks" };
-        format!("Partial({} {blocks}, {} FRFs, {pass})", self.blocks(), self.frfs())
+        let pass = self.0.poles().map_or("first pass".into(), |poles| {
+            format!("second pass with {} poles", poles.count())
+        });
+        let blocks = if self.blocks() == 1 {
+            "block"
+        } else {
+            "blocks"
+        };
+        format!(
+            "Partial({} {blocks}, {} FRFs, {pass})",
+            self.blocks(),
+            self.frfs()
+        )
     }
 }
 
-/// Poles to run the second pass with. Arrays hold those of the band by rising frequency, as far as the first pass tells them. Made by
-/// `solve_poles`; pickles.
+/// Poles to run the second pass with. Arrays hold those of the band by rising frequency,
+/// as far as the first pass tells them. Made by `solve_poles`; pickles.
 #[pyclass(frozen, module = "chladni")]
 pub struct Poles(pieces::Poles);
 
 impl Poles {
-    fn numbers<'py>(&self, py: Python<'py>, of: impl Fn(&(f64, f64)) -> f64) -> Bound<'py, PyArray1<f64>> {
-        self.0.modes().iter().map(of).collect::<Array1<f64>>().into_pyarray(py)
+    fn numbers<'py>(
+        &self,
+        py: Python<'py>,
+        of: impl Fn(&(f64, f64)) -> f64,
+    ) -> Bound<'py, PyArray1<f64>> {
+        self.0
+            .modes()
+            .iter()
+            .map(of)
+            .collect::<Array1<f64>>()
+            .into_pyarray(py)
     }
 }
 
@@ -105,11 +133,18 @@ impl Poles {
     #[classmethod]
     fn from_bytes(class: &Bound<'_, PyType>, data: Cow<'_, [u8]>) -> PyResult<Self> {
         let py = class.py();
-        py.detach(|| pieces::Poles::from_bytes(&data)).map(Self).map_err(|error| raised(py, &error))
+        py.detach(|| pieces::Poles::from_bytes(&data))
+            .map(Self)
+            .map_err(|error| raised(py, &error))
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
-        Ok((slf.get_type().getattr("from_bytes")?, (slf.get().to_bytes(slf.py()),)))
+    fn __reduce__<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
+        Ok((
+            slf.get_type().getattr("from_bytes")?,
+            (slf.get().to_bytes(slf.py()),),
+        ))
     }
 
     fn __repr__(&self) -> String {
@@ -118,15 +153,21 @@ impl Poles {
             (Some(first), Some(last)) => format!(" from {:.6} to {:.6} Hz", first.0, last.0),
             _ => String::new(),
         };
-        format!("Poles({} in the band{band}, {})", modes.len(), self.evidence())
+        format!(
+            "Poles({} in the band{band}, {})",
+            modes.len(),
+            self.evidence()
+        )
     }
 }
 
-/// Reduces one block of FRFs to a partial: without poles for the first pass, with them for the second.
+/// Reduces one block of FRFs to a partial: without poles for the first pass, with them
+/// for the second.
 ///
-/// A block is any part of the FRFs (some responses, some references) with all lines. number: its own, 0, 1, 2, ...: it fixes the order of
-/// sums. band: (low, high) in Hz. window: of the records that the FRFs were averaged from. Band, window and seed are the same for all
-/// blocks; with poles, they are those of the first pass.
+/// A block is any part of the FRFs (some responses, some references) with all lines.
+/// number: its own, 0, 1, 2, ...: it fixes the order of sums. band: (low, high) in Hz.
+/// window: of the records that the FRFs were averaged from. Band, window and seed are the
+/// same for all blocks; with poles, they are those of the first pass.
 #[pyfunction]
 #[pyo3(signature = (frf, number, *, poles=None, band=None, window=None, seed=None))]
 pub fn reduce_block(
@@ -144,24 +185,34 @@ pub fn reduce_block(
     options.window = window_of(py, window)?.or(options.window);
     options.seed = seed.unwrap_or(options.seed);
     let reduced = py.detach(|| pieces::reduce(&frf.set, &options, number, Vec::new(), poles));
-    reduced.map(Partial).map_err(|error| unpieced(py, &error, &options))
+    reduced
+        .map(Partial)
+        .map_err(|error| unpieced(py, &error, &options))
 }
 
-/// One partial of many (a list, a generator), in whatever order and grouping: the same blocks give the same bits.
+/// One partial of many (a list, a generator), in whatever order and grouping: the same
+/// blocks give the same bits.
 #[pyfunction]
 pub fn merge(py: Python<'_>, partials: &Bound<'_, PyAny>) -> PyResult<Partial> {
-    let partials: Vec<Py<Partial>> = partials.try_iter()?.map(|partial| Ok(partial?.extract()?)).collect::<PyResult<_>>()?;
-    let merged = py.detach(|| pieces::Partial::merge(partials.iter().map(|partial| partial.get().0.clone())));
+    let partials: Vec<Py<Partial>> = partials
+        .try_iter()?
+        .map(|partial| Ok(partial?.extract()?))
+        .collect::<PyResult<_>>()?;
+    let merged = py
+        .detach(|| pieces::Partial::merge(partials.iter().map(|partial| partial.get().0.clone())));
     merged.map(Partial).map_err(|error| raised(py, &error))
 }
 
-/// Solves the merged partials of all blocks: those of the first pass for Poles to reduce every block with again, those of the second for
-/// the Model. Now and then the second pass shows that poles must be sought once more, and its result is Poles again: repeat until it is a
-/// Model.
+/// Solves the merged partials of all blocks: those of the first pass for Poles to reduce
+/// every block with again, those of the second for the Model. Now and then the second
+/// pass shows that poles must be sought once more, and its result is Poles again: repeat
+/// until it is a Model.
 ///
-/// First pass, modes: their number; None: decided by evidence. Second pass (the first passes over them), damping: "structural" or
-/// "viscous"; None: decided; shapes: auto, free, rank1 or real; exponential_window_per_s: decay of a hammer test's window. The number of
-/// modes stays that of the first pass. progress: called with the name of each stage.
+/// First pass, modes: their number; None: decided by evidence. Second pass (the first
+/// passes over them), damping: "structural" or "viscous"; None: decided; shapes: auto,
+/// free, rank1 or real; exponential_window_per_s: decay of a hammer test's window. The
+/// number of modes stays that of the first pass. progress: called with the name of each
+/// stage.
 #[pyfunction]
 #[pyo3(signature = (partial, *, modes=None, damping=None, shapes="auto", exponential_window_per_s=None, progress=None))]
 pub fn solve_poles(
@@ -180,20 +231,33 @@ pub fn solve_poles(
         exponential_window_per_s,
         ..FitOptions::default()
     };
-    let solved = telling(py, progress, |tell| pieces::solve(&partial.0, &options, tell))?;
+    let solved = telling(py, progress, |tell| {
+        pieces::solve(&partial.0, &options, tell)
+    })?;
     match solved.map_err(|error| unpieced(py, &error, &options))? {
         Solved::Poles(poles) => Ok(Py::new(py, Poles(*poles))?.into_any()),
         Solved::Fit(fit) => Ok(Py::new(py, Model::new(fit.model))?.into_any()),
     }
 }
 
-/// The model of a block's FRFs at the poles of another model: shapes and participations are fitted, poles and their error bars are taken as
-/// they are. For FRFs measured later or elsewhere, and for asking each block how well it fits (`relative_error`). window: of the records
-/// that the FRFs were averaged from.
+/// The model of a block's FRFs at the poles of another model: shapes and participations
+/// are fitted, poles and their error bars are taken as they are. For FRFs measured later
+/// or elsewhere, and for asking each block how well it fits (`relative_error`). window:
+/// of the records that the FRFs were averaged from.
 #[pyfunction]
 #[pyo3(signature = (frf, model, *, window=None))]
-pub fn residues_block(py: Python<'_>, frf: &FrfSet, model: &Model, window: Option<&str>) -> PyResult<Model> {
-    let options = FitOptions { window: window_of(py, window)?, ..FitOptions::default() };
+pub fn residues_block(
+    py: Python<'_>,
+    frf: &FrfSet,
+    model: &Model,
+    window: Option<&str>,
+) -> PyResult<Model> {
+    let options = FitOptions {
+        window: window_of(py, window)?,
+        ..FitOptions::default()
+    };
     let fitted = py.detach(|| pieces::residues(&frf.set, &model.model, &options));
-    fitted.map(Model::new).map_err(|error| unpieced(py, &error, &options))
+    fitted
+        .map(Model::new)
+        .map_err(|error| unpieced(py, &error, &options))
 }

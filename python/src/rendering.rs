@@ -24,7 +24,12 @@ pub struct Rendering {
 impl From<chladni_render::Rendering> for Rendering {
     fn from(rendered: chladni_render::Rendering) -> Self {
         Self {
-            responses: rendered.field.responses.iter().map(ToString::to_string).collect(),
+            responses: rendered
+                .field
+                .responses
+                .iter()
+                .map(ToString::to_string)
+                .collect(),
             weights: rendered.weights,
             velocity: rendered.field.velocity_m_per_s,
             other_tones: rendered.other_tones.into_iter().map(Self::from).collect(),
@@ -37,13 +42,22 @@ impl Rendering {
     /// Peak phasors of the weights in N or V: (actuator,).
     #[getter]
     fn weights<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<Complex64>> {
-        self.weights.weights.iter().map(|weight| weight.value()).collect::<Array1<_>>().into_pyarray(py)
+        self.weights
+            .weights
+            .iter()
+            .map(|weight| weight.value())
+            .collect::<Array1<_>>()
+            .into_pyarray(py)
     }
 
     /// Names of the actuators, as the weights.
     #[getter]
     fn references(&self) -> Vec<String> {
-        self.weights.weights.iter().map(|weight| weight.reference.to_string()).collect()
+        self.weights
+            .weights
+            .iter()
+            .map(|weight| weight.reference.to_string())
+            .collect()
     }
 
     /// The same for what sounds with it at other frequencies.
@@ -82,7 +96,8 @@ impl Rendering {
         self.weights.feasible
     }
 
-    /// Model errors, in standard deviations, under which every judged response keeps its limit.
+    /// Model errors, in standard deviations, under which every judged response keeps its
+    /// limit.
     #[getter]
     fn kappa(&self) -> Option<f64> {
         self.weights.kappa
@@ -103,11 +118,16 @@ impl Rendering {
     #[pyo3(signature = (path, *, force=false))]
     fn save(&self, py: Python<'_>, path: PathBuf, force: bool) -> PyResult<()> {
         let text = self.to_json(py)?;
-        write_atomically(&path, force, |out| out.write_all(text.as_bytes())).map_err(|error| raised(py, &error))
+        write_atomically(&path, force, |out| out.write_all(text.as_bytes()))
+            .map_err(|error| raised(py, &error))
     }
 
     fn __repr__(&self) -> String {
-        let feasible = if self.weights.feasible { "feasible" } else { "not feasible" };
+        let feasible = if self.weights.feasible {
+            "feasible"
+        } else {
+            "not feasible"
+        };
         format!(
             "Rendering({} actuators at {} Hz, {}, {feasible})",
             self.weights.weights.len(),
@@ -126,10 +146,12 @@ fn scene_of(py: Python<'_>, scene: &Bound<'_, PyAny>) -> PyResult<Scene> {
     read.map_err(|error| raised(py, &error))
 }
 
-/// Weights that move the panel in the hot zones of a scene and keep it quiet in the cold ones.
+/// Weights that move the panel in the hot zones of a scene and keep it quiet in the cold
+/// ones.
 ///
-/// scene: a scene file or its TOML text. method: default, fast, best, or one of the methods of `chladni render`. modes, actuators: "all",
-/// "auto" or a number. measured: FRFs whose line at the drive frequency judges modes="auto".
+/// scene: a scene file or its TOML text. method: default, fast, best, or one of the
+/// methods of `chladni render`. modes, actuators: "all", "auto" or a number. measured:
+/// FRFs whose line at the drive frequency judges modes="auto".
 #[pyfunction]
 #[pyo3(signature = (model, scene, *, method="default", modes="all", actuators="all", measured=None))]
 pub fn render(
@@ -141,27 +163,57 @@ pub fn render(
     actuators: &str,
     measured: Option<&FrfSet>,
 ) -> PyResult<Rendering> {
-    let count = |field: &str, text: &str| text.parse::<Count>().map_err(|message| wrong_word(py, field, text, &message.to_string()));
+    let count = |field: &str, text: &str| {
+        text.parse::<Count>()
+            .map_err(|message| wrong_word(py, field, text, &message.to_string()))
+    };
     let options = RenderOptions {
-        method: method.parse::<MethodChoice>().map_err(|message| wrong_word(py, "method", method, &message.to_string()))?,
+        method: method
+            .parse::<MethodChoice>()
+            .map_err(|message| wrong_word(py, "method", method, &message.to_string()))?,
         modes: count("modes", modes)?,
         actuators: count("actuators", actuators)?,
         ..RenderOptions::default()
     };
     let scene = scene_of(py, scene)?;
-    let rendered = py.detach(|| chladni_render::render_measured(&model.model, &scene, &options, measured.map(|frf| &frf.set)));
-    rendered.map(Rendering::from).map_err(|error| raised(py, &error))
+    let rendered = py.detach(|| {
+        chladni_render::render_measured(
+            &model.model,
+            &scene,
+            &options,
+            measured.map(|frf| &frf.set),
+        )
+    });
+    rendered
+        .map(Rendering::from)
+        .map_err(|error| raised(py, &error))
 }
 
 /// The indices of weights on other data, as a JSON text: measured FRFs or a model.
 #[pyfunction]
 #[pyo3(signature = (rendering, scene, on))]
-pub fn evaluate(py: Python<'_>, rendering: &Rendering, scene: &Bound<'_, PyAny>, on: &Bound<'_, PyAny>) -> PyResult<String> {
+pub fn evaluate(
+    py: Python<'_>,
+    rendering: &Rendering,
+    scene: &Bound<'_, PyAny>,
+    on: &Bound<'_, PyAny>,
+) -> PyResult<String> {
     let scene = scene_of(py, scene)?;
     let judged = match (on.cast::<Model>(), on.cast::<FrfSet>()) {
-        (Ok(model), _) => chladni_render::evaluate(&rendering.weights, &scene, On::Model(&model.get().model)),
-        (_, Ok(frf)) => chladni_render::evaluate(&rendering.weights, &scene, On::Frf(&frf.get().set)),
-        _ => return Err(wrong_word(py, "on", &on.get_type().to_string(), "nothing to judge on; write an FrfSet or a Model")),
+        (Ok(model), _) => {
+            chladni_render::evaluate(&rendering.weights, &scene, On::Model(&model.get().model))
+        }
+        (_, Ok(frf)) => {
+            chladni_render::evaluate(&rendering.weights, &scene, On::Frf(&frf.get().set))
+        }
+        _ => {
+            return Err(wrong_word(
+                py,
+                "on",
+                &on.get_type().to_string(),
+                "nothing to judge on; write an FrfSet or a Model",
+            ))
+        }
     };
     let judged = judged.map_err(|error| raised(py, &error))?;
     let of = |tone: &chladni_render::Evaluation| serde_json::json!({"frequency_hz": tone.frequency_hz, "indices": tone.indices, "warnings": tone.warnings});

@@ -1,8 +1,10 @@
-//! The floor of a fit: what no method that looks at all data can do without, measured in the same run.
+//! The floor of a fit: what no method that looks at all data can do without, measured in
+//! the same run.
 //!
-//! One pass over memory, and 16·N·M·m flop (N lines, M FRFs, m unknowns of one FRF): the residues of all FRFs, QᴴB, and the
-//! compressed data, B(QᴴB)ᵀ, are two complex products of 8·N·M·m flop each. The flops are charged at the speed of the back end's
-//! own complex product on all threads.
+//! One pass over memory, and 16·N·M·m flop (N lines, M FRFs, m unknowns of one FRF): the
+//! residues of all FRFs, QᴴB, and the compressed data, B(QᴴB)ᵀ, are two complex products
+//! of 8·N·M·m flop each. The flops are charged at the speed of the back end's own complex
+//! product on all threads.
 
 use chladni_frf::{FrfSet, FrfValues};
 use chladni_linalg::matmul;
@@ -12,7 +14,8 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
-/// Side of the product that the speed is measured on: large enough for full speed, some tens of milliseconds.
+/// Side of the product that the speed is measured on: large enough for full speed, some
+/// tens of milliseconds.
 const SIDE: usize = 448;
 /// Values per task of the memory pass: some megabytes.
 const CHUNK: usize = 1 << 18;
@@ -33,7 +36,8 @@ pub struct Floor {
 }
 
 impl Floor {
-    /// Measures both parts for a set whose fit has `unknowns` unknowns per FRF (poles and residual terms).
+    /// Measures both parts for a set whose fit has `unknowns` unknowns per FRF (poles and
+    /// residual terms).
     pub fn measure(frf: &FrfSet, unknowns: usize) -> Self {
         let (responses, references, lines) = frf.values.dim();
         let values = (responses * references * lines) as f64;
@@ -41,7 +45,12 @@ impl Floor {
             FrfValues::F64(_) => 16.0 * values,
             FrfValues::F32(_) => 8.0 * values,
         };
-        Self { memory_s: memory_pass(frf), bytes, flop: 16.0 * values * unknowns as f64, flop_per_s: product_speed() }
+        Self {
+            memory_s: memory_pass(frf),
+            bytes,
+            flop: 16.0 * values * unknowns as f64,
+            flop_per_s: product_speed(),
+        }
     }
 
     /// Seconds of the flops.
@@ -59,8 +68,12 @@ impl Floor {
 fn memory_pass(frf: &FrfSet) -> f64 {
     let start = Instant::now();
     let sum = match &frf.values {
-        FrfValues::F64(values) => values.as_slice_memory_order().map(|values| sum(values, |value| value)),
-        FrfValues::F32(values) => values.as_slice_memory_order().map(|values| sum(values, |v| Complex64::new(v.re.into(), v.im.into()))),
+        FrfValues::F64(values) => values
+            .as_slice_memory_order()
+            .map(|values| sum(values, |value| value)),
+        FrfValues::F32(values) => values
+            .as_slice_memory_order()
+            .map(|values| sum(values, |v| Complex64::new(v.re.into(), v.im.into()))),
     };
     std::hint::black_box(sum);
     start.elapsed().as_secs_f64()
@@ -84,7 +97,9 @@ fn sum<T: Copy + Sync>(values: &[T], widen: impl Fn(T) -> Complex64 + Sync) -> C
 /// flop/s of one complex product per thread, all threads at once.
 fn product_speed() -> f64 {
     let threads = rayon::current_num_threads();
-    let a = Array2::from_shape_fn((SIDE, SIDE), |(i, j)| Complex64::new((i + 2 * j) as f64 % 7.0, (3 * i + j) as f64 % 5.0));
+    let a = Array2::from_shape_fn((SIDE, SIDE), |(i, j)| {
+        Complex64::new((i + 2 * j) as f64 % 7.0, (3 * i + j) as f64 % 5.0)
+    });
     let start = Instant::now();
     (0..threads).into_par_iter().for_each(|_| {
         std::hint::black_box(matmul(a.view(), a.view()));

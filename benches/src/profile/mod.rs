@@ -1,4 +1,5 @@
-//! Where the time of a fit goes, stage by stage, against the floor measured in the same run.
+//! Where the time of a fit goes, stage by stage, against the floor measured in the same
+//! run.
 
 mod figures;
 mod floor;
@@ -42,7 +43,13 @@ pub struct ProfileCase {
 }
 
 /// 5 000 responses from 20 references: 100 000 FRFs of 2001 lines and 20 modes.
-const LARGE: Size = Size { responses: 5000, references: 20, lines: 2001, modes: 20, single: false };
+const LARGE: Size = Size {
+    responses: 5000,
+    references: 20,
+    lines: 2001,
+    modes: 20,
+    single: false,
+};
 
 /// All sets.
 pub const PROFILE_CASES: [ProfileCase; 4] = [
@@ -60,7 +67,12 @@ pub const PROFILE_CASES: [ProfileCase; 4] = [
         target: [2.5, 2.5],
         modes: 20,
         repeats: 3,
-        make: || large(Size { responses: 500, ..LARGE }),
+        make: || {
+            large(Size {
+                responses: 500,
+                ..LARGE
+            })
+        },
     },
     ProfileCase {
         name: "100000-frfs-f32",
@@ -68,9 +80,21 @@ pub const PROFILE_CASES: [ProfileCase; 4] = [
         target: [2.5, 2.5],
         modes: 20,
         repeats: 2,
-        make: || large(Size { single: true, ..LARGE }),
+        make: || {
+            large(Size {
+                single: true,
+                ..LARGE
+            })
+        },
     },
-    ProfileCase { name: "100000-frfs", quick: false, target: [2.5, 2.5], modes: 20, repeats: 2, make: || large(LARGE) },
+    ProfileCase {
+        name: "100000-frfs",
+        quick: false,
+        target: [2.5, 2.5],
+        modes: 20,
+        repeats: 2,
+        make: || large(LARGE),
+    },
 ];
 
 /// One timed stage, or a sum.
@@ -88,11 +112,13 @@ pub struct ProfileRow {
     pub part: f64,
     /// Over the floor measured beside it; the median of the ratios.
     pub over_floor: f64,
-    /// The least work that the stage cannot do without: flop, bytes; NaN where that is not known.
+    /// The least work that the stage cannot do without: flop, bytes; NaN where that is
+    /// not known.
     pub work: [f64; 2],
     /// The same over the time.
     pub rate: [f64; 2],
-    /// Largest resident memory during the fit, the data included, over the data; not known on all systems.
+    /// Largest resident memory during the fit, the data included, over the data; not
+    /// known on all systems.
     pub memory_over_data: f64,
     /// The same, bytes.
     pub peak_bytes: f64,
@@ -151,8 +177,16 @@ pub struct ProfileOptions {
 ///
 /// # Errors
 /// None for the sets of this crate, but those of the journal.
-pub fn profile(options: &ProfileOptions, journal: &mut Journal, progress: &dyn Fn(&str)) -> Result<Vec<ProfileRow>> {
-    let fits = options.cases.iter().map(|source| source.repeats() * options.methods.len()).sum();
+pub fn profile(
+    options: &ProfileOptions,
+    journal: &mut Journal,
+    progress: &dyn Fn(&str),
+) -> Result<Vec<ProfileRow>> {
+    let fits = options
+        .cases
+        .iter()
+        .map(|source| source.repeats() * options.methods.len())
+        .sum();
     let mut countdown = Countdown::new(fits, progress);
     let mut rows = Vec::new();
     for source in &options.cases {
@@ -160,7 +194,11 @@ pub fn profile(options: &ProfileOptions, journal: &mut Journal, progress: &dyn F
         for &method in &options.methods {
             let mut runs: Vec<Run> = Vec::new();
             for repeat in 1..=source.repeats() {
-                let name = format!("{}: {method}, {repeat} of {}", source.name(), source.repeats());
+                let name = format!(
+                    "{}: {method}, {repeat} of {}",
+                    source.name(),
+                    source.repeats()
+                );
                 let done = journal.has(&name);
                 if frf.is_none() && !done {
                     progress(&format!("{}: FRFs", source.name()));
@@ -169,7 +207,10 @@ pub fn profile(options: &ProfileOptions, journal: &mut Journal, progress: &dyn F
                 countdown.next(&name, done);
                 runs.push(journal.once(&name, || match &frf {
                     Some(frf) => Run::new(source, method, frf),
-                    None => Err(Error::new(ErrorKind::Internal, "the journal forgot a finished fit")),
+                    None => Err(Error::new(
+                        ErrorKind::Internal,
+                        "the journal forgot a finished fit",
+                    )),
                 })?);
             }
             rows.extend(summary(source, method, &runs));
@@ -194,22 +235,40 @@ struct Run {
 
 impl Run {
     fn new(source: &ProfileSource, method: Method, frf: &FrfSet) -> Result<Self> {
-        let options = FitOptions { method, modes: source.modes().filter(|_| method == Method::Lean), ..FitOptions::default() };
+        let options = FitOptions {
+            method,
+            modes: source.modes().filter(|_| method == Method::Lean),
+            ..FitOptions::default()
+        };
         let before = memory::resident_bytes().filter(|_| memory::forget_peak());
         let marks = Mutex::new(vec![(FIRST_STAGE.to_owned(), Instant::now())]);
-        let fitted = fit(frf, &options, &|stage| marks.lock().expect("no other thread").push((stage.to_owned(), Instant::now())));
+        let fitted = fit(frf, &options, &|stage| {
+            marks
+                .lock()
+                .expect("no other thread")
+                .push((stage.to_owned(), Instant::now()))
+        });
         let end = Instant::now();
         let peak = memory::peak_bytes();
-        let model = fitted.map_err(|error| refused(source, method, &error.to_string()))?.model;
+        let model = fitted
+            .map_err(|error| refused(source, method, &error.to_string()))?
+            .model;
         let marks = marks.into_inner().expect("no other thread");
         let ends = marks.iter().skip(1).map(|mark| mark.1).chain([end]);
         let unknowns = unknowns(&model);
         let (responses, references, lines) = frf.values.dim();
         let floor = Floor::measure(frf, unknowns);
-        let added = before.zip(peak).map_or(f64::NAN, |(before, peak)| peak - before);
+        let added = before
+            .zip(peak)
+            .map_or(f64::NAN, |(before, peak)| peak - before);
         Ok(Self {
             fit_s: (end - marks[0].1).as_secs_f64(),
-            stages: joined(marks.iter().zip(ends).map(|((stage, start), end)| (stage.clone(), (end - *start).as_secs_f64()))),
+            stages: joined(
+                marks
+                    .iter()
+                    .zip(ends)
+                    .map(|((stage, start), end)| (stage.clone(), (end - *start).as_secs_f64())),
+            ),
             memory_over_data: 1.0 + added / floor.bytes,
             peak_bytes: floor.bytes + added,
             size: [(responses * references * lines) as f64, unknowns as f64],
@@ -220,8 +279,15 @@ impl Run {
 
 /// A fit that was refused: our bug on our own sets, a matter of the data on others.
 fn refused(source: &ProfileSource, method: Method, why: &str) -> Error {
-    let kind = if let ProfileSource::Named(_) = source { ErrorKind::Internal } else { ErrorKind::BadData };
-    Error::new(kind, format!("{method} cannot fit {}: {why}", source.name()))
+    let kind = if let ProfileSource::Named(_) = source {
+        ErrorKind::Internal
+    } else {
+        ErrorKind::BadData
+    };
+    Error::new(
+        kind,
+        format!("{method} cannot fit {}: {why}", source.name()),
+    )
 }
 
 /// Stages of the same name together, in the order of their first appearance.
@@ -250,23 +316,33 @@ fn unknowns(model: &ModalModel) -> usize {
 }
 
 fn summary(source: &ProfileSource, method: Method, runs: &[Run]) -> Vec<ProfileRow> {
-    let over_runs = |value: &dyn Fn(&Run) -> f64| median(&runs.iter().map(value).collect::<Vec<_>>());
+    let over_runs =
+        |value: &dyn Fn(&Run) -> f64| median(&runs.iter().map(value).collect::<Vec<_>>());
     let fit_s = over_runs(&|run| run.fit_s);
-    let row = |stage: &str, value: &dyn Fn(&Run) -> f64, work: &dyn Fn(&Run) -> [f64; 2]| ProfileRow {
-        stage: stage.to_owned(),
-        time_s: over_runs(value),
-        case: source.name().to_owned(),
-        method,
-        part: over_runs(value) / fit_s,
-        over_floor: over_runs(&|run| value(run) / run.floor.total_s()),
-        work: [0, 1].map(|which| over_runs(&|run| work(run)[which])),
-        rate: [0, 1].map(|which| over_runs(&|run| work(run)[which] / value(run))),
-        memory_over_data: f64::NAN,
-        peak_bytes: f64::NAN,
-    };
+    let row =
+        |stage: &str, value: &dyn Fn(&Run) -> f64, work: &dyn Fn(&Run) -> [f64; 2]| ProfileRow {
+            stage: stage.to_owned(),
+            time_s: over_runs(value),
+            case: source.name().to_owned(),
+            method,
+            part: over_runs(value) / fit_s,
+            over_floor: over_runs(&|run| value(run) / run.floor.total_s()),
+            work: [0, 1].map(|which| over_runs(&|run| work(run)[which])),
+            rate: [0, 1].map(|which| over_runs(&|run| work(run)[which] / value(run))),
+            memory_over_data: f64::NAN,
+            peak_bytes: f64::NAN,
+        };
     let unknown = |_: &Run| [f64::NAN; 2];
-    let stage_s = |run: &Run, name: &str| run.stages.iter().find(|(stage, _)| stage == name).map_or(0.0, |(_, time_s)| *time_s);
-    let mut names: Vec<&String> = runs.iter().flat_map(|run| run.stages.iter().map(|(name, _)| name)).collect();
+    let stage_s = |run: &Run, name: &str| {
+        run.stages
+            .iter()
+            .find(|(stage, _)| stage == name)
+            .map_or(0.0, |(_, time_s)| *time_s)
+    };
+    let mut names: Vec<&String> = runs
+        .iter()
+        .flat_map(|run| run.stages.iter().map(|(name, _)| name))
+        .collect();
     let mut seen = Vec::new();
     names.retain(|name| {
         !seen.contains(name) && {
@@ -278,23 +354,40 @@ fn summary(source: &ProfileSource, method: Method, runs: &[Run]) -> Vec<ProfileR
         let name = name.to_owned();
         move |run: &Run| least_work(&name, run.size, run.floor.bytes)
     };
-    let mut rows: Vec<ProfileRow> = names.into_iter().map(|name| row(name, &|run| stage_s(run, name), &least(name))).collect();
+    let mut rows: Vec<ProfileRow> = names
+        .into_iter()
+        .map(|name| row(name, &|run| stage_s(run, name), &least(name)))
+        .collect();
     let largest_of = |value: fn(&Run) -> f64| largest(&runs.iter().map(value).collect::<Vec<_>>());
     rows.push(ProfileRow {
         memory_over_data: largest_of(|run| run.memory_over_data),
         peak_bytes: largest_of(|run| run.peak_bytes),
         ..row("fit", &|run| run.fit_s, &unknown)
     });
-    rows.push(row("floor: one pass over memory", &|run| run.floor.memory_s, &|run| [f64::NAN, run.floor.bytes]));
-    rows.push(row("floor: 16NMm flop", &|run| run.floor.flop_s(), &|run| [run.floor.flop, f64::NAN]));
-    rows.push(row("floor", &|run| run.floor.total_s(), &|run| [run.floor.flop, run.floor.bytes]));
+    rows.push(row(
+        "floor: one pass over memory",
+        &|run| run.floor.memory_s,
+        &|run| [f64::NAN, run.floor.bytes],
+    ));
+    rows.push(row(
+        "floor: 16NMm flop",
+        &|run| run.floor.flop_s(),
+        &|run| [run.floor.flop, f64::NAN],
+    ));
+    rows.push(row("floor", &|run| run.floor.total_s(), &|run| {
+        [run.floor.flop, run.floor.bytes]
+    }));
     rows
 }
 
 impl ProfileRow {
-    /// The most that `fit` may take over the floor; `None` for stages, and for methods without such a target.
+    /// The most that `fit` may take over the floor; `None` for stages, and for methods
+    /// without such a target.
     pub fn target(&self) -> Option<f64> {
-        let case = PROFILE_CASES.iter().find(|case| case.name == self.case).filter(|_| self.stage == "fit")?;
+        let case = PROFILE_CASES
+            .iter()
+            .find(|case| case.name == self.case)
+            .filter(|_| self.stage == "fit")?;
         match self.method.as_str() {
             "lean" => Some(case.target[0]),
             "auto" => Some(case.target[1]),
@@ -325,8 +418,16 @@ pub fn profile_csv(rows: &[ProfileRow]) -> String {
     let cells = |row: &ProfileRow| {
         let giga = [row.work[0], row.work[1], row.rate[0], row.rate[1]].map(|value| 1e-9 * value);
         let memory = [row.memory_over_data, 1e-9 * row.peak_bytes];
-        let numbers = [row.part, row.over_floor].into_iter().chain(giga).chain(memory);
-        let names = [row.stage.clone(), csv::number(row.time_s), row.case.clone(), row.method.to_string()];
+        let numbers = [row.part, row.over_floor]
+            .into_iter()
+            .chain(giga)
+            .chain(memory);
+        let names = [
+            row.stage.clone(),
+            csv::number(row.time_s),
+            row.case.clone(),
+            row.method.to_string(),
+        ];
         names.into_iter().chain(numbers.map(csv::number)).collect()
     };
     csv::table(comment, &header, rows.iter().map(cells))
@@ -342,21 +443,45 @@ mod tests {
         target: [1.0, 1.0],
         modes: 3,
         repeats: 1,
-        make: || large(Size { responses: 60, references: 2, lines: 400, modes: 3, single: true }),
+        make: || {
+            large(Size {
+                responses: 60,
+                references: 2,
+                lines: 400,
+                modes: 3,
+                single: true,
+            })
+        },
     };
 
     #[test]
     fn stages_add_up_to_the_fit_and_the_floor_to_its_parts() {
-        let options = ProfileOptions { cases: vec![ProfileSource::Named(&SMALL)], methods: vec![Method::Auto] };
+        let options = ProfileOptions {
+            cases: vec![ProfileSource::Named(&SMALL)],
+            methods: vec![Method::Auto],
+        };
         let rows = profile(&options, &mut Journal::none(), &|_| {}).unwrap();
         let time_s = |stage: &str| rows.iter().find(|row| row.stage == stage).unwrap().time_s;
-        let stages = rows.iter().filter(|row| row.stage != "fit" && !row.stage.starts_with("floor"));
+        let stages = rows
+            .iter()
+            .filter(|row| row.stage != "fit" && !row.stage.starts_with("floor"));
         assert!((stages.map(|row| row.time_s).sum::<f64>() / time_s("fit") - 1.0).abs() < 1e-9);
         let parts = time_s("floor: one pass over memory") + time_s("floor: 16NMm flop");
         assert!((parts / time_s("floor") - 1.0).abs() < 1e-9);
         // three modes and at least one residual term: 16 flop each per value
-        let [flop_per_s, _] = rows.iter().find(|row| row.stage == "floor: 16NMm flop").unwrap().rate;
-        assert!(time_s("floor: 16NMm flop") * flop_per_s >= 16.0 * 4.0 * (120 * 400) as f64 * (1.0 - 1e-9));
-        assert!(profile_csv(&rows).lines().nth(1).unwrap().starts_with("stage,time_s,"));
+        let [flop_per_s, _] = rows
+            .iter()
+            .find(|row| row.stage == "floor: 16NMm flop")
+            .unwrap()
+            .rate;
+        assert!(
+            time_s("floor: 16NMm flop") * flop_per_s
+                >= 16.0 * 4.0 * (120 * 400) as f64 * (1.0 - 1e-9)
+        );
+        assert!(profile_csv(&rows)
+            .lines()
+            .nth(1)
+            .unwrap()
+            .starts_with("stage,time_s,"));
     }
 }

@@ -20,13 +20,19 @@ pub(crate) const SCENE_KNOBS: [SceneKnob; 2] = [
     SceneKnob {
         about: "0, 1, 2, 3, 5, 10 conic programs",
         settings: &[0, 1, 2, 3, 5],
-        effort: |conic_rounds| Effort { conic_rounds, ..Effort::default() },
+        effort: |conic_rounds| Effort {
+            conic_rounds,
+            ..Effort::default()
+        },
         value: |effort| effort.conic_rounds,
     },
     SceneKnob {
         about: "1, 2, 3 starts",
         settings: &[2, 3],
-        effort: |starts| Effort { starts, ..Effort::default() },
+        effort: |starts| Effort {
+            starts,
+            ..Effort::default()
+        },
         value: |effort| effort.starts,
     },
 ];
@@ -41,8 +47,15 @@ impl SceneKnob {
 
 /// Every setting of every knob, with all means.
 pub(crate) fn settings() -> Vec<Means> {
-    let efforts = SCENE_KNOBS.iter().flat_map(|knob| knob.settings.iter().map(|&setting| (knob.effort)(setting)));
-    efforts.map(|effort| Means { effort, ..Means::default() }).collect()
+    let efforts = SCENE_KNOBS
+        .iter()
+        .flat_map(|knob| knob.settings.iter().map(|&setting| (knob.effort)(setting)));
+    efforts
+        .map(|effort| Means {
+            effort,
+            ..Means::default()
+        })
+        .collect()
 }
 
 /// As tables name an effort that is not the usual one.
@@ -62,9 +75,15 @@ mod tests {
     #[test]
     fn settings_turn_one_knob_and_the_method_as_it_is_lies_on_each() {
         let usual = Effort::default();
-        assert_eq!(SCENE_KNOBS.map(|knob| knob.position(&usual)), [Some(tolerances::ROUNDS as f64), Some(1.0)]);
+        assert_eq!(
+            SCENE_KNOBS.map(|knob| knob.position(&usual)),
+            [Some(tolerances::ROUNDS as f64), Some(1.0)]
+        );
         for means in settings() {
-            let on = SCENE_KNOBS.iter().filter(|knob| knob.position(&means.effort).is_some()).count();
+            let on = SCENE_KNOBS
+                .iter()
+                .filter(|knob| knob.position(&means.effort).is_some())
+                .count();
             assert!(on == 1 && words(&means.effort).is_some(), "{means:?}");
         }
         assert_eq!(words(&usual), None);

@@ -1,5 +1,5 @@
-//! Rendering on virtual panels, from noisy FRFs through the fit to a drive that is judged by the true plate: success against time, modes, residual
-//! terms and actuators.
+//! Rendering on virtual panels, from noisy FRFs through the fit to a drive that is judged
+//! by the true plate: success against time, modes, residual terms and actuators.
 
 mod cases;
 mod figures;
@@ -30,7 +30,8 @@ use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
-/// Scenes on which the search for κ is turned: one that is easy, one near what is possible.
+/// Scenes on which the search for κ is turned: one that is easy, one near what is
+/// possible.
 const KNOB_SCENES: [&str; 2] = ["quarter-1", "ninth-5"];
 /// Drifts that each drive has to bear.
 const DRIFTS: u64 = 10;
@@ -52,7 +53,12 @@ pub struct Means {
 
 impl Default for Means {
     fn default() -> Self {
-        Self { modes: Count::All, actuators: Count::All, residual_terms: None, effort: Effort::default() }
+        Self {
+            modes: Count::All,
+            actuators: Count::All,
+            residual_terms: None,
+            effort: Effort::default(),
+        }
     }
 }
 
@@ -86,7 +92,10 @@ impl SceneRow {
     /// Method, and the knob of its search that is turned.
     pub fn name(&self) -> String {
         let setting = knobs::words(&self.means.effort);
-        setting.map_or_else(|| self.asked.to_string(), |setting| format!("{}, {setting}", self.asked))
+        setting.map_or_else(
+            || self.asked.to_string(),
+            |setting| format!("{}, {setting}", self.asked),
+        )
     }
 }
 
@@ -129,21 +138,49 @@ pub struct SceneDrive {
     pub touched: f64,
 }
 
-/// Turns the knobs of the search for κ on those scenes of `options` that are meant for it, where its method takes part.
+/// Turns the knobs of the search for κ on those scenes of `options` that are meant for
+/// it, where its method takes part.
 ///
 /// # Errors
 /// As [`scenes`].
-pub fn scene_knobs(options: &SceneOptions, journal: &mut Journal, progress: &dyn Fn(&str)) -> Result<Vec<SceneRow>> {
-    let cases = options.cases.iter().copied().filter(|case| KNOB_SCENES.contains(&case.name)).collect();
-    let methods = options.methods.iter().copied().filter(|method| *method == knobs::SEARCHES).collect();
-    scenes(&SceneOptions { cases, methods, means: knobs::settings(), ..*options }, journal, progress)
+pub fn scene_knobs(
+    options: &SceneOptions,
+    journal: &mut Journal,
+    progress: &dyn Fn(&str),
+) -> Result<Vec<SceneRow>> {
+    let cases = options
+        .cases
+        .iter()
+        .copied()
+        .filter(|case| KNOB_SCENES.contains(&case.name))
+        .collect();
+    let methods = options
+        .methods
+        .iter()
+        .copied()
+        .filter(|method| *method == knobs::SEARCHES)
+        .collect();
+    scenes(
+        &SceneOptions {
+            cases,
+            methods,
+            means: knobs::settings(),
+            ..*options
+        },
+        journal,
+        progress,
+    )
 }
 
 /// Renders every scene by every method with all means.
 ///
 /// # Errors
 /// None for the named scenes, but those of the journal.
-pub fn scenes(options: &SceneOptions, journal: &mut Journal, progress: &dyn Fn(&str)) -> Result<Vec<SceneRow>> {
+pub fn scenes(
+    options: &SceneOptions,
+    journal: &mut Journal,
+    progress: &dyn Fn(&str),
+) -> Result<Vec<SceneRow>> {
     let mut rows = Vec::new();
     let mut panels: Vec<ScenePanel> = Vec::new();
     for case in &options.cases {
@@ -151,13 +188,19 @@ pub fn scenes(options: &SceneOptions, journal: &mut Journal, progress: &dyn Fn(&
             panels.push(case.panel);
         }
     }
-    let mut countdown = Countdown::new(options.cases.len() * options.methods.len() * options.means.len(), progress);
+    let mut countdown = Countdown::new(
+        options.cases.len() * options.methods.len() * options.means.len(),
+        progress,
+    );
     for kind in panels {
         let mut stage: Option<(MeasuredPanel, ModalModel)> = None;
         for case in options.cases.iter().filter(|case| case.panel == kind) {
             for &asked in &options.methods {
                 for &means in &options.means {
-                    let name = format!("{}: {asked}, {means:?}, {}", case.name, options.by_measured_line);
+                    let name = format!(
+                        "{}: {asked}, {means:?}, {}",
+                        case.name, options.by_measured_line
+                    );
                     let done = journal.has(&name);
                     if stage.is_none() && !done {
                         progress(&format!("measuring and fitting the panel {kind:?}"));
@@ -167,13 +210,40 @@ pub fn scenes(options: &SceneOptions, journal: &mut Journal, progress: &dyn Fn(&
                     let drive = journal.once(&name, || {
                         let (panel, model) = match &stage {
                             Some((panel, model)) => (panel, model),
-                            None => return Err(Error::new(ErrorKind::Internal, "the journal forgot a finished scene")),
+                            None => {
+                                return Err(Error::new(
+                                    ErrorKind::Internal,
+                                    "the journal forgot a finished scene",
+                                ))
+                            }
                         };
-                        let Means { modes, actuators, effort, .. } = means;
-                        let render = RenderOptions { method: asked, modes, actuators, effort, ..RenderOptions::default() };
-                        drive(case, panel, &means.of(model), &render, options.by_measured_line)
+                        let Means {
+                            modes,
+                            actuators,
+                            effort,
+                            ..
+                        } = means;
+                        let render = RenderOptions {
+                            method: asked,
+                            modes,
+                            actuators,
+                            effort,
+                            ..RenderOptions::default()
+                        };
+                        drive(
+                            case,
+                            panel,
+                            &means.of(model),
+                            &render,
+                            options.by_measured_line,
+                        )
                     })?;
-                    rows.push(SceneRow { case, asked, means, drive });
+                    rows.push(SceneRow {
+                        case,
+                        asked,
+                        means,
+                        drive,
+                    });
                 }
             }
         }
@@ -184,7 +254,14 @@ pub fn scenes(options: &SceneOptions, journal: &mut Journal, progress: &dyn Fn(&
 fn measured_and_fitted(kind: ScenePanel) -> Result<(MeasuredPanel, ModalModel)> {
     let panel = kind.measure()?;
     let fitted = fit(&panel.frf, &FitOptions::default(), &|_| {});
-    let model = fitted.map_err(|error| Error::new(ErrorKind::Internal, format!("the fit of {kind:?} fails: {error}")))?.model;
+    let model = fitted
+        .map_err(|error| {
+            Error::new(
+                ErrorKind::Internal,
+                format!("the fit of {kind:?} fails: {error}"),
+            )
+        })?
+        .model;
     Ok((panel, model))
 }
 
@@ -192,12 +269,21 @@ impl Means {
     /// The model with so many residual terms.
     fn of(&self, model: &ModalModel) -> ModalModel {
         let mut model = model.clone();
-        model.residual_terms.terms.truncate(self.residual_terms.unwrap_or(usize::MAX));
+        model
+            .residual_terms
+            .terms
+            .truncate(self.residual_terms.unwrap_or(usize::MAX));
         model
     }
 }
 
-fn drive(case: &SceneCase, panel: &MeasuredPanel, model: &ModalModel, options: &RenderOptions, by_line: bool) -> Result<SceneDrive> {
+fn drive(
+    case: &SceneCase,
+    panel: &MeasuredPanel,
+    model: &ModalModel,
+    options: &RenderOptions,
+    by_line: bool,
+) -> Result<SceneDrive> {
     let scene = case.scene(panel)?;
     let timed = || {
         let clock = Instant::now();
@@ -206,17 +292,35 @@ fn drive(case: &SceneCase, panel: &MeasuredPanel, model: &ModalModel, options: &
     };
     let (rendering, first) = timed()?;
     let mut times = vec![first];
-    let repetitions = REPETITIONS.iter().find(|(longest_s, _)| first < *longest_s).map_or(1, |(_, count)| *count);
+    let repetitions = REPETITIONS
+        .iter()
+        .find(|(longest_s, _)| first < *longest_s)
+        .map_or(1, |(_, count)| *count);
     while times.len() < repetitions {
         times.push(timed()?.1);
     }
     let weights = &rendering.weights;
-    let drive: Array1<Complex64> = weights.weights.iter().map(|weight| weight.value()).collect();
-    let (f, zones, limits, truth) = (case.frequency_hz, &rendering.zones, &rendering.limits, &panel.truth);
-    let drifts: Vec<f64> = (1..=DRIFTS).map(|seed| truth.drifted(&drive, f, seed, zones, limits).total).collect();
+    let drive: Array1<Complex64> = weights
+        .weights
+        .iter()
+        .map(|weight| weight.value())
+        .collect();
+    let (f, zones, limits, truth) = (
+        case.frequency_hz,
+        &rendering.zones,
+        &rendering.limits,
+        &panel.truth,
+    );
+    let drifts: Vec<f64> = (1..=DRIFTS)
+        .map(|seed| truth.drifted(&drive, f, seed, zones, limits).total)
+        .collect();
     let mut touched = f64::INFINITY;
     for place in chladni_render::finger_places(&rendering.field) {
-        touched = touched.min(truth.touched(&drive, f, &Finger::default(), place, zones, limits)?.total);
+        touched = touched.min(
+            truth
+                .touched(&drive, f, &Finger::default(), place, zones, limits)?
+                .total,
+        );
     }
     Ok(SceneDrive {
         method: weights.method.clone(),
@@ -228,19 +332,32 @@ fn drive(case: &SceneCase, panel: &MeasuredPanel, model: &ModalModel, options: &
         kappa: weights.kappa.unwrap_or(f64::NAN),
         condition: condition(model, &drive, f),
         max_force_n: weights.indices.points.max_force_n.unwrap_or(f64::NAN),
-        possible_db: weights.ceiling.map_or(f64::NAN, |ceiling| ceiling.possible_db),
+        possible_db: weights
+            .ceiling
+            .map_or(f64::NAN, |ceiling| ceiling.possible_db),
         silence: weights.indices.points.silence_ratio,
         points: truth.at(&drive, f, &rendering.field, limits)?,
         window: truth.free(&drive, f, zones, limits),
-        drifted: [mean(drifts.iter().copied()), drifts.iter().copied().fold(f64::INFINITY, f64::min)],
+        drifted: [
+            mean(drifts.iter().copied()),
+            drifts.iter().copied().fold(f64::INFINITY, f64::min),
+        ],
         touched,
     })
 }
 
-/// Condition number of the mobility from the actuators that move to all responses; NaN where none moves.
+/// Condition number of the mobility from the actuators that move to all responses; NaN
+/// where none moves.
 pub(crate) fn condition(model: &ModalModel, drive: &Array1<Complex64>, frequency_hz: f64) -> f64 {
-    let moving: Vec<usize> = (0..drive.len()).filter(|&k| drive[k].norm() > 0.0).collect();
-    let mobility = model.frf_matrix(FrfKind::Mobility, frequency_hz).select(ndarray::Axis(1), &moving);
+    let moving: Vec<usize> = (0..drive.len())
+        .filter(|&k| drive[k].norm() > 0.0)
+        .collect();
+    let mobility = model
+        .frf_matrix(FrfKind::Mobility, frequency_hz)
+        .select(ndarray::Axis(1), &moving);
     let values = svd_thin::<Complex64>(mobility.view()).map(|(_, values, _)| values);
-    values.ok().and_then(|values| Some(values.first()? / values.last()?)).unwrap_or(f64::NAN)
+    values
+        .ok()
+        .and_then(|values| Some(values.first()? / values.last()?))
+        .unwrap_or(f64::NAN)
 }

@@ -1,13 +1,18 @@
-//! The seed paper on the virtual panel: its two steps (method `modal`) with the lowest modes of the plate, for every place of the hot zone, beside the
-//! default method.
+//! The seed paper on the virtual panel: its two steps (method `modal`) with the lowest
+//! modes of the plate, for every place of the hot zone, beside the default method.
 //!
-//! The modes are exact, the three rigid-body modes among them, or those of a fit to FRFs of 40 dB, which finds the elastic ones. The gain of each drive is the
-//! one that serves most responses in the model, and the paper's drive has no limit of force. Where the modes are exact the panel itself is the model.
+//! The modes are exact, the three rigid-body modes among them, or those of a fit to FRFs
+//! of 40 dB, which finds the elastic ones. The gain of each drive is the one that serves
+//! most responses in the model, and the paper's drive has no limit of force. Where the
+//! modes are exact the panel itself is the model.
 
 use super::{measured_and_fitted, MeasuredPanel, SceneCase, ScenePanel, Served, SCENE_CASES};
 use crate::countdown::Countdown;
 use chladni_frf::{ComplexVector, ModalModel, Mode, Result, Trust};
-use chladni_render::{evaluate, render, Evaluation, Method, MethodChoice, ModalSteps, On, PointIndices, RenderOptions, Scene, Weights};
+use chladni_render::{
+    evaluate, render, Evaluation, Method, MethodChoice, ModalSteps, On, PointIndices,
+    RenderOptions, Scene, Weights,
+};
 use ndarray::Array1;
 use num_complex::Complex64;
 
@@ -18,7 +23,11 @@ const MORE_MODES: [usize; 4] = [40, 50, 60, 80];
 /// Methods on the first place, each of which takes one step away from the paper.
 const STEPS: [Method; 3] = [Method::Tikhonov, Method::PressureMatching, Method::Mls];
 /// The first place with every response judged, those on the border of the zones too.
-const NO_TRANSITION: SceneCase = SceneCase { name: "quarter-1-no-transition", transition_m: 0.0, ..SCENE_CASES[0] };
+const NO_TRANSITION: SceneCase = SceneCase {
+    name: "quarter-1-no-transition",
+    transition_m: 0.0,
+    ..SCENE_CASES[0]
+};
 
 /// Whose modes a drive was made with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -79,13 +88,21 @@ impl PaperRow {
 
 impl PaperRun {
     /// The two steps on a scene, by rising number of modes.
-    pub(crate) fn two_steps<'a>(&'a self, scene: &'a str, modes_of: PaperModes) -> impl Iterator<Item = &'a PaperRow> {
-        self.rows.iter().filter(move |row| row.case.name == scene && row.modes_of == modes_of && row.steps().is_some())
+    pub(crate) fn two_steps<'a>(
+        &'a self,
+        scene: &'a str,
+        modes_of: PaperModes,
+    ) -> impl Iterator<Item = &'a PaperRow> {
+        self.rows.iter().filter(move |row| {
+            row.case.name == scene && row.modes_of == modes_of && row.steps().is_some()
+        })
     }
 
     /// The default method on a scene.
     pub(crate) fn ours(&self, scene: &str) -> Option<&PaperRow> {
-        self.rows.iter().find(|row| row.case.name == scene && row.asked == MethodChoice::Default)
+        self.rows
+            .iter()
+            .find(|row| row.case.name == scene && row.asked == MethodChoice::Default)
     }
 
     /// A drive on the true plate.
@@ -97,7 +114,8 @@ impl PaperRun {
     }
 }
 
-/// Runs the two steps with 1 to 34 modes, and more where they are exact, and the default method, on every place of the hot zone.
+/// Runs the two steps with 1 to 34 modes, and more where they are exact, and the default
+/// method, on every place of the hot zone.
 ///
 /// # Errors
 /// None for these scenes.
@@ -113,17 +131,47 @@ pub fn paper(progress: &dyn Fn(&str)) -> Result<PaperRun> {
         let scene = case.scene(&panel)?;
         for (modes_of, model) in [(PaperModes::Exact, &exact), (PaperModes::Fitted, &fitted)] {
             let unlimited = unlimited(&scene);
-            let more = MORE_MODES.iter().copied().filter(|_| modes_of == PaperModes::Exact);
+            let more = MORE_MODES
+                .iter()
+                .copied()
+                .filter(|_| modes_of == PaperModes::Exact);
             for count in (1..=PAPER_MODES).chain(more) {
                 let lowest = lowest_modes(model, count);
-                let row = judged(case, &panel, &lowest, modes_of, &unlimited, Method::Modal.into())?;
-                let alone = render(&without_others(lowest), &unlimited, &options(Method::Modal.into()))?.weights.indices.points;
-                rows.push(PaperRow { alone: Some(alone), ..row });
+                let row = judged(
+                    case,
+                    &panel,
+                    &lowest,
+                    modes_of,
+                    &unlimited,
+                    Method::Modal.into(),
+                )?;
+                let alone = render(
+                    &without_others(lowest),
+                    &unlimited,
+                    &options(Method::Modal.into()),
+                )?
+                .weights
+                .indices
+                .points;
+                rows.push(PaperRow {
+                    alone: Some(alone),
+                    ..row
+                });
             }
         }
-        let steps = STEPS.map(MethodChoice::Only).into_iter().filter(|_| case.name == SCENE_CASES[0].name);
+        let steps = STEPS
+            .map(MethodChoice::Only)
+            .into_iter()
+            .filter(|_| case.name == SCENE_CASES[0].name);
         for asked in steps.chain([MethodChoice::Default]) {
-            rows.push(judged(case, &panel, &fitted, PaperModes::Fitted, &scene, asked)?);
+            rows.push(judged(
+                case,
+                &panel,
+                &fitted,
+                PaperModes::Fitted,
+                &scene,
+                asked,
+            )?);
         }
     }
     Ok(PaperRun { rows, exact })
@@ -133,7 +181,9 @@ pub fn paper(progress: &dyn Fn(&str)) -> Result<PaperRun> {
 pub(crate) fn places() -> impl Iterator<Item = SceneCase> {
     let first = SCENE_CASES[0];
     let alike = move |case: &&SceneCase| {
-        case.panel == first.panel && case.frequency_hz == first.frequency_hz && case.transition_m == first.transition_m
+        case.panel == first.panel
+            && case.frequency_hz == first.frequency_hz
+            && case.transition_m == first.transition_m
     };
     SCENE_CASES.iter().filter(alike).copied()
 }
@@ -145,16 +195,26 @@ fn unlimited(scene: &Scene) -> Scene {
     scene
 }
 
-/// The exact model with its rigid-body modes as modes at 0 Hz, where a residual term stood for them, and every mode counted.
+/// The exact model with its rigid-body modes as modes at 0 Hz, where a residual term
+/// stood for them, and every mode counted.
 fn with_rigid_modes(panel: &MeasuredPanel) -> Result<ModalModel> {
     let mut model = panel.exact.clone();
     let places = |dofs: &[chladni_frf::Dof]| -> Vec<[f64; 2]> {
-        let of = |dof: &chladni_frf::Dof| panel.exact.nodes.iter().find(|node| node.label == dof.node).map(|node| node.xyz_m);
+        let of = |dof: &chladni_frf::Dof| {
+            panel
+                .exact
+                .nodes
+                .iter()
+                .find(|node| node.label == dof.node)
+                .map(|node| node.xyz_m)
+        };
         dofs.iter().filter_map(of).map(|[x, y, _]| [x, y]).collect()
     };
     let shapes = panel.truth.modes().evaluate(&places(&model.responses))?;
     let participations = panel.truth.modes().evaluate(&places(&model.references))?;
-    let column = |table: &ndarray::Array2<f64>, n: usize| ComplexVector(table.column(n).iter().map(|&v| v.into()).collect());
+    let column = |table: &ndarray::Array2<f64>, n: usize| {
+        ComplexVector(table.column(n).iter().map(|&v| v.into()).collect())
+    };
     let rigid = (0..panel.truth.modes().rigid_count()).map(|n| Mode {
         frequency_hz: 0.0,
         loss_factor: 0.0,
@@ -169,10 +229,14 @@ fn with_rigid_modes(panel: &MeasuredPanel) -> Result<ModalModel> {
     Ok(model)
 }
 
-/// The model with its lowest `count` modes counted; the others stay what they are to the field, and are none to the two steps.
+/// The model with its lowest `count` modes counted; the others stay what they are to the
+/// field, and are none to the two steps.
 fn lowest_modes(model: &ModalModel, count: usize) -> ModalModel {
     let mut model = model.clone();
-    let counted = model.modes.iter_mut().filter(|mode| mode.in_band && mode.trust != Trust::Rejected);
+    let counted = model
+        .modes
+        .iter_mut()
+        .filter(|mode| mode.in_band && mode.trust != Trust::Rejected);
     counted.skip(count).for_each(|mode| mode.in_band = false);
     model
 }
@@ -185,7 +249,10 @@ fn without_others(mut model: ModalModel) -> ModalModel {
 }
 
 fn options(method: MethodChoice) -> RenderOptions {
-    RenderOptions { method, ..RenderOptions::default() }
+    RenderOptions {
+        method,
+        ..RenderOptions::default()
+    }
 }
 
 fn judged(
@@ -197,7 +264,12 @@ fn judged(
     asked: MethodChoice,
 ) -> Result<PaperRow> {
     let rendering = render(model, scene, &options(asked))?;
-    let drive: Array1<Complex64> = rendering.weights.weights.iter().map(|weight| weight.value()).collect();
+    let drive: Array1<Complex64> = rendering
+        .weights
+        .weights
+        .iter()
+        .map(|weight| weight.value())
+        .collect();
     let (zones, limits) = (&rendering.zones, &rendering.limits);
     Ok(PaperRow {
         case,
@@ -205,8 +277,13 @@ fn judged(
         asked,
         modes_of,
         alone: None,
-        highest_hz: model.in_band_modes().map(|mode| mode.frequency_hz).fold(0.0, f64::max),
-        points: panel.truth.at(&drive, case.frequency_hz, &rendering.field, limits)?,
+        highest_hz: model
+            .in_band_modes()
+            .map(|mode| mode.frequency_hz)
+            .fold(0.0, f64::max),
+        points: panel
+            .truth
+            .at(&drive, case.frequency_hz, &rendering.field, limits)?,
         window: panel.truth.free(&drive, case.frequency_hz, zones, limits),
         weights: rendering.weights,
     })

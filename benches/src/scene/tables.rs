@@ -36,8 +36,13 @@ const HEADER: [&str; 26] = [
 pub fn scene_csv(rows: &[SceneRow]) -> String {
     let cells = rows.iter().map(|row| {
         let drive = &row.drive;
-        let counts = [drive.modes, drive.actuators, drive.residual_terms].map(|count| count.to_string());
-        let asked = [row.name(), row.means.modes.to_string(), row.means.actuators.to_string()];
+        let counts =
+            [drive.modes, drive.actuators, drive.residual_terms].map(|count| count.to_string());
+        let asked = [
+            row.name(),
+            row.means.modes.to_string(),
+            row.means.actuators.to_string(),
+        ];
         let numbers = [row.case.frequency_hz, drive.time_s[0]].map(csv::number);
         let judged = [
             drive.kappa,
@@ -65,7 +70,12 @@ pub fn scene_csv(rows: &[SceneRow]) -> String {
             .chain([csv::quartiles(&drive.time_s)])
             .collect()
     });
-    csv::table("from 40 dB FRFs through the fit to the drive; judged on the true plate, window and drift on a 4 mm grid", &HEADER, cells)
+    csv::table(
+        "from 40 dB FRFs through the fit to the drive; judged on the true plate, window and \
+                drift on a 4 mm grid",
+        &HEADER,
+        cells,
+    )
 }
 
 const PAPER_HEADER: [&str; 20] = [
@@ -96,7 +106,10 @@ pub fn paper_csv(rows: &[PaperRow]) -> String {
     let cells = rows.iter().map(|row| {
         let (indices, steps) = (&row.weights.indices.points, row.steps());
         let condition = |value: Option<f64>| csv::number(value.unwrap_or(f64::NAN));
-        let counts = [row.weights.modes_used.to_string(), csv::number(row.highest_hz)];
+        let counts = [
+            row.weights.modes_used.to_string(),
+            csv::number(row.highest_hz),
+        ];
         let judged = [
             row.points.hot,
             row.points.cold,
@@ -111,14 +124,23 @@ pub fn paper_csv(rows: &[PaperRow]) -> String {
             row.alone.map_or(f64::NAN, |alone| alone.hot_ratio),
             row.alone.map_or(f64::NAN, |alone| alone.cold_ratio),
         ];
-        [row.case.name.to_owned(), row.weights.method.clone(), row.modes_of.as_str().to_owned()]
-            .into_iter()
-            .chain(counts)
-            .chain([condition(steps.map(|steps| steps.gamma.condition()))])
-            .chain([steps.map_or_else(String::new, |steps| steps.psi.rank.to_string())])
-            .chain([condition(steps.map(|steps| steps.psi.condition()))])
-            .chain(judged.map(csv::number))
-            .collect()
+        [
+            row.case.name.to_owned(),
+            row.weights.method.clone(),
+            row.modes_of.as_str().to_owned(),
+        ]
+        .into_iter()
+        .chain(counts)
+        .chain([condition(steps.map(|steps| steps.gamma.condition()))])
+        .chain([steps.map_or_else(String::new, |steps| steps.psi.rank.to_string())])
+        .chain([condition(steps.map(|steps| steps.psi.condition()))])
+        .chain(judged.map(csv::number))
+        .collect()
     });
-    csv::table("the seed paper's two steps with the lowest modes, and the default method; judged on the true plate at the responses and on a 4 mm grid", &PAPER_HEADER, cells)
+    csv::table(
+        "the seed paper's two steps with the lowest modes, and the default method; judged \
+                on the true plate at the responses and on a 4 mm grid",
+        &PAPER_HEADER,
+        cells,
+    )
 }

@@ -50,15 +50,26 @@ impl Served {
 
 impl TruePanel {
     /// Judged on a grid over x_min, y_min, x_max, y_max.
-    pub(crate) fn new(panel: &Panel, plate: DampedPlate, [x_min, y_min, x_max, y_max]: [f64; 4]) -> Result<Self> {
+    pub(crate) fn new(
+        panel: &Panel,
+        plate: DampedPlate,
+        [x_min, y_min, x_max, y_max]: [f64; 4],
+    ) -> Result<Self> {
         let axis = |low: f64, high: f64| {
             let steps = ((high - low) / GRID_M).round() as usize;
             (0..=steps).map(move |k| low + (high - low) * k as f64 / steps as f64)
         };
-        let places_m: Vec<[f64; 2]> = axis(y_min, y_max).flat_map(|y| axis(x_min, x_max).map(move |x| [x, y])).collect();
+        let places_m: Vec<[f64; 2]> = axis(y_min, y_max)
+            .flat_map(|y| axis(x_min, x_max).map(move |x| [x, y]))
+            .collect();
         let at_places = plate.modes.evaluate(&places_m)?;
         let at_actuators = plate.modes.evaluate(&panel.layout().references_m)?;
-        Ok(Self { plate, places_m, at_places, at_actuators })
+        Ok(Self {
+            plate,
+            places_m,
+            at_places,
+            at_actuators,
+        })
     }
 
     /// The modes of the plate.
@@ -67,23 +78,54 @@ impl TruePanel {
     }
 
     /// What the drive serves on the plate as it is.
-    pub(crate) fn free(&self, drive: &Array1<Complex64>, frequency_hz: f64, zones: &ZoneMap, limits: &Limits) -> Served {
-        self.served(&self.field(drive, &self.factors(frequency_hz, None)), zones, limits)
+    pub(crate) fn free(
+        &self,
+        drive: &Array1<Complex64>,
+        frequency_hz: f64,
+        zones: &ZoneMap,
+        limits: &Limits,
+    ) -> Served {
+        self.served(
+            &self.field(drive, &self.factors(frequency_hz, None)),
+            zones,
+            limits,
+        )
     }
 
     /// What it serves at the responses of `field`.
     ///
     /// # Errors
     /// A response off the plate.
-    pub(crate) fn at(&self, drive: &Array1<Complex64>, frequency_hz: f64, field: &Field, limits: &Limits) -> Result<Served> {
-        let shapes = self.plate.modes.evaluate(&field.positions_m)?.mapv(Complex64::from);
+    pub(crate) fn at(
+        &self,
+        drive: &Array1<Complex64>,
+        frequency_hz: f64,
+        field: &Field,
+        limits: &Limits,
+    ) -> Result<Served> {
+        let shapes = self
+            .plate
+            .modes
+            .evaluate(&field.positions_m)?
+            .mapv(Complex64::from);
         let velocity = shapes.dot(&(self.modal_force(drive) * self.factors(frequency_hz, None)));
         Ok(count(field.ground.iter().copied().zip(&velocity), limits))
     }
 
     /// The same after a random drift of every mode.
-    pub(crate) fn drifted(&self, drive: &Array1<Complex64>, frequency_hz: f64, seed: u64, zones: &ZoneMap, limits: &Limits) -> Served {
-        self.served(&self.field(drive, &self.factors(frequency_hz, Some(seed))), zones, limits)
+    pub(crate) fn drifted(
+        &self,
+        drive: &Array1<Complex64>,
+        frequency_hz: f64,
+        seed: u64,
+        zones: &ZoneMap,
+        limits: &Limits,
+    ) -> Served {
+        self.served(
+            &self.field(drive, &self.factors(frequency_hz, Some(seed))),
+            zones,
+            limits,
+        )
     }
 
     /// The same with `finger` at `place_m`: v − y_f (1/Z + Y_ff)⁻¹ v_f.
@@ -103,7 +145,12 @@ impl TruePanel {
         let shape = self.plate.modes.evaluate(&[place_m])?.row(0).to_owned();
         let weighted = &shape.mapv(Complex64::from) * &factors;
         let own: Complex64 = weighted.iter().zip(&shape).map(|(a, b)| a * b).sum();
-        let free: Complex64 = self.modal_force(drive).iter().zip(&weighted).map(|(a, b)| a * b).sum();
+        let free: Complex64 = self
+            .modal_force(drive)
+            .iter()
+            .zip(&weighted)
+            .map(|(a, b)| a * b)
+            .sum();
         let force = free / (finger.impedance(frequency_hz).inv() + own);
         let pressed = self.at_places.mapv(Complex64::from).dot(&weighted) * force;
         Ok(self.served(&(self.field(drive, &factors) - pressed), zones, limits))
@@ -121,9 +168,21 @@ impl TruePanel {
                 1.0
             }
         };
-        let modes = self.plate.modes.omega().iter().zip(self.plate.loss_factors());
-        let poles: Vec<[f64; 2]> = modes.map(|(w, eta)| [w * normal(FREQUENCY_DRIFT), eta * normal(LOSS_FACTOR_DRIFT)]).collect();
-        poles.iter().map(|[w, eta]| Complex64::new(0.0, omega) / Complex64::new(w * w - omega * omega, w * w * eta)).collect()
+        let modes = self
+            .plate
+            .modes
+            .omega()
+            .iter()
+            .zip(self.plate.loss_factors());
+        let poles: Vec<[f64; 2]> = modes
+            .map(|(w, eta)| [w * normal(FREQUENCY_DRIFT), eta * normal(LOSS_FACTOR_DRIFT)])
+            .collect();
+        poles
+            .iter()
+            .map(|[w, eta]| {
+                Complex64::new(0.0, omega) / Complex64::new(w * w - omega * omega, w * w * eta)
+            })
+            .collect()
     }
 
     fn modal_force(&self, drive: &Array1<Complex64>) -> Array1<Complex64> {
@@ -131,11 +190,19 @@ impl TruePanel {
     }
 
     fn field(&self, drive: &Array1<Complex64>, factors: &Array1<Complex64>) -> Array1<Complex64> {
-        self.at_places.mapv(Complex64::from).dot(&(self.modal_force(drive) * factors))
+        self.at_places
+            .mapv(Complex64::from)
+            .dot(&(self.modal_force(drive) * factors))
     }
 
     fn served(&self, field: &Array1<Complex64>, zones: &ZoneMap, limits: &Limits) -> Served {
-        count(self.places_m.iter().map(|&place| zones.classify(place)).zip(field), limits)
+        count(
+            self.places_m
+                .iter()
+                .map(|&place| zones.classify(place))
+                .zip(field),
+            limits,
+        )
     }
 }
 
@@ -151,5 +218,9 @@ fn count<'a>(places: impl Iterator<Item = (Ground, &'a Complex64)>, limits: &Lim
         counts[kind][1] += if inside { 1.0 } else { 0.0 };
     }
     let [hot, cold] = counts;
-    Served { hot: hot[1] / hot[0], cold: cold[1] / cold[0], total: (hot[1] + cold[1]) / (hot[0] + cold[0]) }
+    Served {
+        hot: hot[1] / hot[0],
+        cold: cold[1] / cold[0],
+        total: (hot[1] + cold[1]) / (hot[0] + cold[0]),
+    }
 }

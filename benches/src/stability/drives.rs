@@ -11,7 +11,8 @@ use rand_chacha::rand_core::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Share of hot and of cold ground that a drive must serve; less is a failure, as in `chladni demo`.
+/// Share of hot and of cold ground that a drive must serve; less is a failure, as in
+/// `chladni demo`.
 const SERVES: f64 = 0.95;
 /// Drive frequency where it is not the question, Hz.
 const DRIVE_HZ: f64 = 300.0;
@@ -32,40 +33,87 @@ impl Stage {
     pub(crate) fn new() -> Result<Self> {
         let panel = ScenePanel::Glass.measure()?;
         let fitted = fit(&panel.frf, &FitOptions::default(), &|_| {});
-        let model = fitted.map_err(|error| Error::new(ErrorKind::Internal, format!("the fit of the panel fails: {error}")))?.model;
+        let model = fitted
+            .map_err(|error| {
+                Error::new(
+                    ErrorKind::Internal,
+                    format!("the fit of the panel fails: {error}"),
+                )
+            })?
+            .model;
         Ok(Self { panel, model })
     }
 }
 
-/// Rms error of the natural frequencies of the model, relative × isotropic part of the drift assumed.
-pub(super) fn error_ridge(stage: &Stage, method: MethodChoice, error: f64, ridge: f64, seed: u64) -> Result<Trial> {
+/// Rms error of the natural frequencies of the model, relative × isotropic part of the
+/// drift assumed.
+pub(super) fn error_ridge(
+    stage: &Stage,
+    method: MethodChoice,
+    error: f64,
+    ridge: f64,
+    seed: u64,
+) -> Result<Trial> {
     let mut model = stage.model.clone();
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     for mode in model.modes.iter_mut().filter(|mode| mode.in_band) {
         let normal: f64 = StandardNormal.sample(&mut random);
         mode.frequency_hz *= 1.0 + error * normal;
     }
-    let drift = Drift { isotropic_relative: ridge, ..Drift::default() };
-    let options = RenderOptions { method, drift, ..RenderOptions::default() };
-    let scene = stage.panel.scene([2, 2], hot(4, seed), DRIVE_HZ, TRANSITION_M)?;
-    stage.tried(&model, &scene, &options, |drive, rendering| Ok(stage.free(drive, &scene, rendering)))
+    let drift = Drift {
+        isotropic_relative: ridge,
+        ..Drift::default()
+    };
+    let options = RenderOptions {
+        method,
+        drift,
+        ..RenderOptions::default()
+    };
+    let scene = stage
+        .panel
+        .scene([2, 2], hot(4, seed), DRIVE_HZ, TRANSITION_M)?;
+    stage.tried(&model, &scene, &options, |drive, rendering| {
+        Ok(stage.free(drive, &scene, rendering))
+    })
 }
 
 /// Drive frequency, Hz × impedance of the touch over that of a light one.
-pub(super) fn frequency_touch(stage: &Stage, method: MethodChoice, frequency_hz: f64, touch: f64, seed: u64) -> Result<Trial> {
+pub(super) fn frequency_touch(
+    stage: &Stage,
+    method: MethodChoice,
+    frequency_hz: f64,
+    touch: f64,
+    seed: u64,
+) -> Result<Trial> {
     let light = Finger::default();
     let finger = Finger {
         damping_n_s_per_m: touch * light.damping_n_s_per_m,
         mass_kg: touch * light.mass_kg,
         stiffness_n_per_m: touch * light.stiffness_n_per_m,
     };
-    let scene = stage.panel.scene([2, 2], hot(4, seed), frequency_hz, TRANSITION_M)?;
-    let options = RenderOptions { method, ..RenderOptions::default() };
+    let scene = stage
+        .panel
+        .scene([2, 2], hot(4, seed), frequency_hz, TRANSITION_M)?;
+    let options = RenderOptions {
+        method,
+        ..RenderOptions::default()
+    };
     stage.tried(&stage.model, &scene, &options, |drive, rendering| {
         let mut least = stage.free(drive, &scene, rendering);
-        let places = if touch > 0.0 { chladni_render::finger_places(&rendering.field) } else { Vec::new() };
+        let places = if touch > 0.0 {
+            chladni_render::finger_places(&rendering.field)
+        } else {
+            Vec::new()
+        };
         for place in places {
-            let served = stage.panel.truth.touched(drive, frequency_hz, &finger, place, &rendering.zones, &rendering.limits)?;
+            let served = stage.panel.truth.touched(
+                drive,
+                frequency_hz,
+                &finger,
+                place,
+                &rendering.zones,
+                &rendering.limits,
+            )?;
             if served.least() < least.least() {
                 least = served;
             }
@@ -75,11 +123,25 @@ pub(super) fn frequency_touch(stage: &Stage, method: MethodChoice, frequency_hz:
 }
 
 /// Number of actuators × cells along each side.
-pub(super) fn actuators_zones(stage: &Stage, method: MethodChoice, actuators: f64, cells: f64, seed: u64) -> Result<Trial> {
+pub(super) fn actuators_zones(
+    stage: &Stage,
+    method: MethodChoice,
+    actuators: f64,
+    cells: f64,
+    seed: u64,
+) -> Result<Trial> {
     let side = cells as usize;
-    let scene = stage.panel.scene([side, side], hot(side * side, seed), DRIVE_HZ, TRANSITION_M)?;
-    let options = RenderOptions { method, actuators: Count::Number(actuators as usize), ..RenderOptions::default() };
-    stage.tried(&stage.model, &scene, &options, |drive, rendering| Ok(stage.free(drive, &scene, rendering)))
+    let scene = stage
+        .panel
+        .scene([side, side], hot(side * side, seed), DRIVE_HZ, TRANSITION_M)?;
+    let options = RenderOptions {
+        method,
+        actuators: Count::Number(actuators as usize),
+        ..RenderOptions::default()
+    };
+    stage.tried(&stage.model, &scene, &options, |drive, rendering| {
+        Ok(stage.free(drive, &scene, rendering))
+    })
 }
 
 /// The hot one of so many cells.
@@ -90,7 +152,12 @@ fn hot(cells: usize, seed: u64) -> usize {
 
 impl Stage {
     fn free(&self, drive: &Array1<Complex64>, scene: &Scene, rendering: &Rendering) -> Served {
-        self.panel.truth.free(drive, scene.frequency_hz, &rendering.zones, &rendering.limits)
+        self.panel.truth.free(
+            drive,
+            scene.frequency_hz,
+            &rendering.zones,
+            &rendering.limits,
+        )
     }
 
     /// A drive found in `model` and judged.
@@ -105,15 +172,35 @@ impl Stage {
             Ok(rendering) => rendering,
             Err(error) => {
                 let [chi2, ill, error_over_bound, worst] = [f64::NAN; 4];
-                let refused = Trial { missed: 1, refused: true, warnings: vec![error.to_string()], ..Trial::default() };
-                return Ok(Trial { chi2, condition: ill, error_over_bound, error: worst, ..refused });
+                let refused = Trial {
+                    missed: 1,
+                    refused: true,
+                    warnings: vec![error.to_string()],
+                    ..Trial::default()
+                };
+                return Ok(Trial {
+                    chi2,
+                    condition: ill,
+                    error_over_bound,
+                    error: worst,
+                    ..refused
+                });
             }
         };
         let weights = &rendering.weights;
-        let drive: Array1<Complex64> = weights.weights.iter().map(|weight| weight.value()).collect();
+        let drive: Array1<Complex64> = weights
+            .weights
+            .iter()
+            .map(|weight| weight.value())
+            .collect();
         let least = judge(&drive, &rendering)?.least();
         // what is said of baselines as such tells nothing of this scene
-        let warnings = weights.warnings.iter().filter(|text| !text.contains("is a baseline to compare with")).cloned().collect();
+        let warnings = weights
+            .warnings
+            .iter()
+            .filter(|text| !text.contains("is a baseline to compare with"))
+            .cloned()
+            .collect();
         Ok(Trial {
             found: usize::from(least >= SERVES),
             missed: usize::from(least < SERVES),

@@ -3,7 +3,9 @@
 use super::{Calibration, Map, MapAxis, StabilityRow, Trial};
 use crate::solver::Solver;
 use crate::statistics::{mean, median};
-use chladni_report::{Axis, Cell, Chart, Colour, ColourBar, ColourMap, Dash, Figure, Height, Layer, Mark, Stroke};
+use chladni_report::{
+    Axis, Cell, Chart, Colour, ColourBar, ColourMap, Dash, Figure, Height, Layer, Mark, Stroke,
+};
 
 /// Width of a picture, px.
 const WIDTH_PX: f64 = 640.0;
@@ -17,26 +19,49 @@ pub fn stability_figures(rows: &[StabilityRow], calibrations: &[Calibration]) ->
     let mut figures = Vec::new();
     let mut rest = rows;
     while let Some(first) = rest.first() {
-        let end = rest.iter().position(|row| row.map.name != first.map.name || row.solver != first.solver).unwrap_or(rest.len());
+        let end = rest
+            .iter()
+            .position(|row| row.map.name != first.map.name || row.solver != first.solver)
+            .unwrap_or(rest.len());
         let (own, others) = rest.split_at(end);
         figures.push(map_figure(first.map, first.solver, own));
         rest = others;
     }
     figures.extend(announced_figure(calibrations));
-    figures.extend(calibrations.iter().filter(|c| c.map.is_none() && c.modes > 0).map(ranks_figure));
+    figures.extend(
+        calibrations
+            .iter()
+            .filter(|c| c.map.is_none() && c.modes > 0)
+            .map(ranks_figure),
+    );
     figures
 }
 
-/// Three charts over the same axes: what goes wrong, what of it is silent, and how large errors are.
+/// Three charts over the same axes: what goes wrong, what of it is silent, and how large
+/// errors are.
 fn map_figure(map: &Map, solver: Solver, rows: &[StabilityRow]) -> Figure {
-    let per_try = |row: &StabilityRow, count: &dyn Fn(&Trial) -> usize| mean(row.trials.iter().map(|(_, trial)| count(trial) as f64));
+    let per_try = |row: &StabilityRow, count: &dyn Fn(&Trial) -> usize| {
+        mean(row.trials.iter().map(|(_, trial)| count(trial) as f64))
+    };
     let wrong = |row: &StabilityRow| per_try(row, &|trial| usize::from(trial.wrong()));
     let silent = |row: &StabilityRow| row.silent().count();
     let counts = |row: &StabilityRow| {
         let spurious = per_try(row, &|trial| trial.spurious_sure + trial.spurious_weak);
         match map.identifies() {
-            true => format!("{} / {}", short(per_try(row, &|trial| trial.missed)), short(spurious)),
-            false => format!("{:.2}", median(&row.trials.iter().map(|(_, trial)| trial.error).collect::<Vec<_>>())),
+            true => format!(
+                "{} / {}",
+                short(per_try(row, &|trial| trial.missed)),
+                short(spurious)
+            ),
+            false => format!(
+                "{:.2}",
+                median(
+                    &row.trials
+                        .iter()
+                        .map(|(_, trial)| trial.error)
+                        .collect::<Vec<_>>()
+                )
+            ),
         }
     };
     let first = match map.identifies() {
@@ -50,33 +75,71 @@ fn map_figure(map: &Map, solver: Solver, rows: &[StabilityRow]) -> Figure {
         lines: Vec::new(),
     };
     let mut charts = vec![
-        chart(map, rows, first, share("Wrong tries"), &|row| (wrong(row), counts(row))),
-        chart(map, rows, "Tries wrong without a word", share("Silent tries"), &|row| {
-            let text = if silent(row) > 0 { silent(row).to_string() } else { String::new() };
-            (silent(row) as f64 / row.trials.len() as f64, text)
+        chart(map, rows, first, share("Wrong tries"), &|row| {
+            (wrong(row), counts(row))
         }),
+        chart(
+            map,
+            rows,
+            "Tries wrong without a word",
+            share("Silent tries"),
+            &|row| {
+                let text = if silent(row) > 0 {
+                    silent(row).to_string()
+                } else {
+                    String::new()
+                };
+                (silent(row) as f64 / row.trials.len() as f64, text)
+            },
+        ),
     ];
     if map.identifies() {
-        let error = |row: &StabilityRow| median(&row.trials.iter().map(|(_, trial)| trial.error).collect::<Vec<_>>());
+        let error = |row: &StabilityRow| {
+            median(
+                &row.trials
+                    .iter()
+                    .map(|(_, trial)| trial.error)
+                    .collect::<Vec<_>>(),
+            )
+        };
         let bar = ColourBar {
-            axis: Axis::linear("Error", "stated σ").range([0.0, LARGEST_ERROR]).step(2.5),
+            axis: Axis::linear("Error", "stated σ")
+                .range([0.0, LARGEST_ERROR])
+                .step(2.5),
             map: ColourMap::White,
             bands: 0,
             lines: Vec::new(),
         };
-        charts.push(chart(map, rows, "Largest error over what is stated", bar, &|row| (error(row) / LARGEST_ERROR, short(error(row)))));
+        charts.push(chart(
+            map,
+            rows,
+            "Largest error over what is stated",
+            bar,
+            &|row| (error(row) / LARGEST_ERROR, short(error(row))),
+        ));
     }
     let tries = rows.iter().map(|row| row.trials.len()).max().unwrap_or(0);
     Figure {
         name: format!("stability-{}-{solver}", map.name),
         title: format!("{}: {solver}", map.name),
-        caption: format!("{}; {tries} seeds in each cell. Wrong: a missed or spurious mode, or an error beyond 5 stated standard deviations; a drive that serves less than 95 % of the hot or of the cold ground.", map.about),
+        caption: format!(
+            "{}; {tries} seeds in each cell. Wrong: a missed or spurious mode, or an \
+                          error beyond 5 stated standard deviations; a drive that serves less than \
+                          95 % of the hot or of the cold ground.",
+            map.about
+        ),
         width: WIDTH_PX,
         charts,
     }
 }
 
-fn chart(map: &Map, rows: &[StabilityRow], about: &str, bar: ColourBar, value: &dyn Fn(&StabilityRow) -> (f64, String)) -> Chart {
+fn chart(
+    map: &Map,
+    rows: &[StabilityRow],
+    about: &str,
+    bar: ColourBar,
+    value: &dyn Fn(&StabilityRow) -> (f64, String),
+) -> Chart {
     let steps = |axis: usize| {
         let mut steps: Vec<usize> = rows.iter().map(|row| row.cell[axis]).collect();
         steps.sort_unstable();
@@ -84,24 +147,40 @@ fn chart(map: &Map, rows: &[StabilityRow], about: &str, bar: ColourBar, value: &
         steps
     };
     let (xs, ys) = (steps(0), steps(1));
-    let place = |steps: &[usize], step: usize| steps.iter().position(|other| *other == step).unwrap_or(0) as f64;
+    let place = |steps: &[usize], step: usize| {
+        steps.iter().position(|other| *other == step).unwrap_or(0) as f64
+    };
     let cells = rows.iter().map(|row| {
         let (x, y) = (place(&xs, row.cell[0]), place(&ys, row.cell[1]));
         let (part, text) = value(row);
         Cell {
             sides: [[x - 0.49, x + 0.49], [y - 0.47, y + 0.47]],
             fill: bar.map.at(part),
-            hint: format!("{} {}, {} {}: {text}", map.x.label, map.x.text(row.cell[0]), map.y.label, map.y.text(row.cell[1])),
+            hint: format!(
+                "{} {}, {} {}: {text}",
+                map.x.label,
+                map.x.text(row.cell[0]),
+                map.y.label,
+                map.y.text(row.cell[1])
+            ),
             text,
         }
     });
     let named = |axis: &MapAxis, steps: &[usize], label: String| {
-        let names = steps.iter().enumerate().map(|(k, &step)| (k as f64, axis.text(step))).collect();
-        Axis::linear(&label, axis.unit).range([-0.5, steps.len() as f64 - 0.5]).names(names)
+        let names = steps
+            .iter()
+            .enumerate()
+            .map(|(k, &step)| (k as f64, axis.text(step)))
+            .collect();
+        Axis::linear(&label, axis.unit)
+            .range([-0.5, steps.len() as f64 - 0.5])
+            .names(names)
     };
     let x = named(&map.x, &xs, format!("{about}    │    {}", map.x.label));
     let y = named(&map.y, &ys, map.y.label.to_owned());
-    let mut chart = Chart::new(x, y).height(Height::Px(CELL_PX * ys.len().max(4) as f64)).with(Layer::Cells(cells.collect()));
+    let mut chart = Chart::new(x, y)
+        .height(Height::Px(CELL_PX * ys.len().max(4) as f64))
+        .with(Layer::Cells(cells.collect()));
     chart.grid = false;
     chart.colour_bar = Some(bar);
     chart
@@ -124,23 +203,52 @@ fn announced_figure(calibrations: &[Calibration]) -> Option<Figure> {
     if all.is_empty() {
         return None;
     }
-    let names = all.iter().enumerate().map(|(k, c)| (k as f64, c.solver.to_string())).collect();
+    let names = all
+        .iter()
+        .enumerate()
+        .map(|(k, c)| (k as f64, c.solver.to_string()))
+        .collect();
     let tries = |c: &Calibration| (c.quiet + c.false_alarms + c.announced + c.silent) as f64;
     let points = |value: &dyn Fn(&Calibration) -> usize| {
-        all.iter().enumerate().map(|(k, c)| [k as f64, 100.0 * value(c) as f64 / tries(c)]).collect::<Vec<_>>()
+        all.iter()
+            .enumerate()
+            .map(|(k, c)| [k as f64, 100.0 * value(c) as f64 / tries(c)])
+            .collect::<Vec<_>>()
     };
     let chart = Chart::new(
-        Axis::linear("Method", "over all maps").range([-0.5, all.len() as f64 - 0.5]).names(names),
+        Axis::linear("Method", "over all maps")
+            .range([-0.5, all.len() as f64 - 0.5])
+            .names(names),
         Axis::linear("Part of all tries", "%").range([0.0, 100.0]),
     )
     .height(Height::Px(240.0))
-    .marks("wrong, announced", points(&|c| c.announced), Mark::Ring, Colour::Ink, 11.0)
-    .marks("wrong and silent", points(&|c| c.silent), Mark::Cross, Colour::Series(1), 10.0)
-    .marks("right, warned all the same", points(&|c| c.false_alarms), Mark::Triangle, Colour::Series(0), 9.0);
+    .marks(
+        "wrong, announced",
+        points(&|c| c.announced),
+        Mark::Ring,
+        Colour::Ink,
+        11.0,
+    )
+    .marks(
+        "wrong and silent",
+        points(&|c| c.silent),
+        Mark::Cross,
+        Colour::Series(1),
+        10.0,
+    )
+    .marks(
+        "right, warned all the same",
+        points(&|c| c.false_alarms),
+        Mark::Triangle,
+        Colour::Series(0),
+        9.0,
+    );
     Some(Figure {
         name: "stability-announced".into(),
         title: "Failures that were announced, and silent ones".into(),
-        caption: "Over all cells of all maps. The maps go far beyond what can be done: the question is whether a method says so.".into(),
+        caption: "Over all cells of all maps. The maps go far beyond what can be done: the \
+                  question is whether a method says so."
+            .into(),
         width: WIDTH_PX,
         charts: vec![chart],
     })
@@ -153,21 +261,41 @@ fn ranks_figure(c: &Calibration) -> Figure {
     let spread = 3.0 * (expected * (1.0 - 1.0 / c.frequency_ranks.len() as f64)).sqrt() / expected;
     let stems = |ranks: &[usize], aside: f64| {
         let points = ranks.iter().enumerate();
-        points.map(|(k, &count)| ([k as f64 + 0.5 + aside, count as f64 / expected], format!("{count} modes"))).collect::<Vec<_>>()
+        points
+            .map(|(k, &count)| {
+                (
+                    [k as f64 + 0.5 + aside, count as f64 / expected],
+                    format!("{count} modes"),
+                )
+            })
+            .collect::<Vec<_>>()
     };
     let limit = |name: &str, at: Vec<f64>, dash: Dash| Layer::Horizontals {
         name: Some(name.into()),
         at,
         stroke: Stroke::new(Colour::Ink, 1.2).dashed(dash),
     };
-    let tallest = c.frequency_ranks.iter().chain(&c.loss_factor_ranks).copied().max().unwrap_or(0) as f64 / expected;
+    let tallest = c
+        .frequency_ranks
+        .iter()
+        .chain(&c.loss_factor_ranks)
+        .copied()
+        .max()
+        .unwrap_or(0) as f64
+        / expected;
     let chart = Chart::new(
-        Axis::linear("Place of the error in its stated distribution", "tenths").range([0.0, c.frequency_ranks.len() as f64]).step(1.0),
+        Axis::linear("Place of the error in its stated distribution", "tenths")
+            .range([0.0, c.frequency_ranks.len() as f64])
+            .step(1.0),
         Axis::linear("Modes over their share", "–").range([0.0, (1.1 * tallest).max(1.6)]),
     )
     .height(Height::Px(220.0))
     .with(limit("bars that are right", vec![1.0], Dash::Dashed))
-    .with(limit("and their chance", vec![1.0 - spread, 1.0 + spread], Dash::Dotted))
+    .with(limit(
+        "and their chance",
+        vec![1.0 - spread, 1.0 + spread],
+        Dash::Dotted,
+    ))
     .with(Layer::Stems {
         name: Some("natural frequencies".into()),
         points: stems(&c.frequency_ranks, -0.12),
@@ -184,7 +312,8 @@ fn ranks_figure(c: &Calibration) -> Figure {
         name: format!("stability-ranks-{}", c.solver),
         title: format!("Rank histogram of the error bars: {}", c.solver),
         caption: format!(
-            "{} modes of the maps with white noise. High at both ends: bars too short; high in the middle: too long.",
+            "{} modes of the maps with white noise. High at both ends: bars too short; high in the \
+             middle: too long.",
             c.modes
         ),
         width: WIDTH_PX,

@@ -1,4 +1,5 @@
-//! Where methods fail, and whether they know it: maps over two things at a time, many seeds in each cell.
+//! Where methods fail, and whether they know it: maps over two things at a time, many
+//! seeds in each cell.
 
 mod calibration;
 mod drives;
@@ -22,7 +23,8 @@ use chladni_frf::{FrfSet, Result};
 use drives::Stage;
 use rayon::prelude::*;
 
-/// Methods beside the defaults take one seed in so many: their maps show where they stand, not how often they fail.
+/// Methods beside the defaults take one seed in so many: their maps show where they
+/// stand, not how often they fail.
 const FEWER_SEEDS: usize = 4;
 
 /// What to run.
@@ -32,7 +34,8 @@ pub struct StabilityOptions {
     pub maps: Vec<&'static Map>,
     /// Methods of both kinds.
     pub solvers: Vec<Solver>,
-    /// Tries in each cell with the default of each kind; others take a quarter of them, one at least.
+    /// Tries in each cell with the default of each kind; others take a quarter of them,
+    /// one at least.
     pub seeds: usize,
     /// The first seed; the others follow it.
     pub first_seed: u64,
@@ -57,7 +60,11 @@ pub struct StabilityRow {
 ///
 /// # Errors
 /// None for the maps of this crate, but those of the journal.
-pub fn stability(options: &StabilityOptions, journal: &mut Journal, progress: &dyn Fn(&str)) -> Result<Vec<StabilityRow>> {
+pub fn stability(
+    options: &StabilityOptions,
+    journal: &mut Journal,
+    progress: &dyn Fn(&str),
+) -> Result<Vec<StabilityRow>> {
     let pieces = pieces(options);
     let mut countdown = Countdown::new(pieces.len(), progress);
     let mut stage = None;
@@ -69,15 +76,33 @@ pub fn stability(options: &StabilityOptions, journal: &mut Journal, progress: &d
             progress("measuring and fitting the panel");
             stage = Some(Stage::new()?);
         }
-        let place = format!("{} {}, {} {}", map.x.column, map.x.text(cell[0]), map.y.column, map.y.text(cell[1]));
+        let place = format!(
+            "{} {}, {} {}",
+            map.x.column,
+            map.x.text(cell[0]),
+            map.y.column,
+            map.y.text(cell[1])
+        );
         countdown.next(&format!("{}: {solver}, {place}", map.name), done);
         let trials = journal.once(&name, || {
-            let seeds: Vec<u64> = (options.first_seed..).take(options.seeds_of(solver)).collect();
-            let tried = seeds.into_par_iter().map(|seed| Ok((seed, map.try_once(stage.as_ref(), solver, cell, seed)?)));
+            let seeds: Vec<u64> = (options.first_seed..)
+                .take(options.seeds_of(solver))
+                .collect();
+            let tried = seeds
+                .into_par_iter()
+                .map(|seed| Ok((seed, map.try_once(stage.as_ref(), solver, cell, seed)?)));
             let tried: Vec<(u64, Option<Trial>)> = tried.collect::<Result<_>>()?;
-            Ok(tried.into_iter().filter_map(|(seed, trial)| Some((seed, trial?))).collect::<Vec<(u64, Trial)>>())
+            Ok(tried
+                .into_iter()
+                .filter_map(|(seed, trial)| Some((seed, trial?)))
+                .collect::<Vec<(u64, Trial)>>())
         })?;
-        rows.push(StabilityRow { map, solver, cell, trials });
+        rows.push(StabilityRow {
+            map,
+            solver,
+            cell,
+            trials,
+        });
     }
     Ok(rows)
 }
@@ -92,9 +117,17 @@ fn pieces(options: &StabilityOptions) -> Vec<(&'static Map, Solver, [usize; 2])>
     };
     let mut pieces = Vec::new();
     for &map in &options.maps {
-        for &solver in options.solvers.iter().filter(|solver| solver.identifies() == map.identifies()) {
+        for &solver in options
+            .solvers
+            .iter()
+            .filter(|solver| solver.identifies() == map.identifies())
+        {
             for y in steps(map.y.len()) {
-                pieces.extend(steps(map.x.len()).into_iter().map(|x| (map, solver, [x, y])));
+                pieces.extend(
+                    steps(map.x.len())
+                        .into_iter()
+                        .map(|x| (map, solver, [x, y])),
+                );
             }
         }
     }
@@ -114,7 +147,9 @@ impl StabilityOptions {
 impl StabilityRow {
     /// Tries that went wrong and do not say so, by seed.
     pub fn silent(&self) -> impl Iterator<Item = &(u64, Trial)> {
-        self.trials.iter().filter(|(_, trial)| trial.wrong() && !trial.announced())
+        self.trials
+            .iter()
+            .filter(|(_, trial)| trial.wrong() && !trial.announced())
     }
 
     /// What was measured with this seed, and its truth; `None` for drives.
@@ -122,6 +157,9 @@ impl StabilityRow {
     /// # Errors
     /// None for the maps of this crate.
     pub fn measurement(&self, seed: u64) -> Result<Option<(FrfSet, Problem)>> {
-        Ok(self.map.measured(self.cell, seed)?.map(|measured| (measured.frf, measured.problem)))
+        Ok(self
+            .map
+            .measured(self.cell, seed)?
+            .map(|measured| (measured.frf, measured.problem)))
     }
 }

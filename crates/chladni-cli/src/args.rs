@@ -1,6 +1,9 @@
 //! The commands, and the options that all of them have.
 
-use crate::{bench, block, convert, demo, estimate, evaluate, fit, info, render, report, select, shell, simulate, studio};
+use crate::{
+    bench, block, convert, demo, estimate, evaluate, fit, info, render, report, select, shell,
+    simulate, studio,
+};
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 
 /// Modal identification of plates from measured FRFs, and vibration rendering with it
@@ -30,7 +33,8 @@ pub enum Command {
     Demo(demo::Args),
     /// List what is inside files, and what is wrong with it
     Info(info::Args),
-    /// Write measured data or a model in another format; several inputs are merged into one set
+    /// Write measured data or a model in another format; several inputs are merged into
+    /// one set
     Convert(convert::Args),
     /// Estimate FRFs and coherence from time records
     Estimate(estimate::Args),
@@ -73,7 +77,8 @@ pub struct Common {
     /// Say more: every dataset, rejected modes, time of each stage
     #[arg(short, long, global = true, action = ArgAction::Count)]
     pub verbose: u8,
-    /// Threads to compute with; the result is the same for any number [default: all cores]
+    /// Threads to compute with; the result is the same for any number [default: all
+    /// cores]
     #[arg(long, global = true, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
     /// Overwrite existing output files
@@ -84,7 +89,8 @@ pub struct Common {
     pub progress: ProgressChoice,
 }
 
-/// How progress is shown. (Plain comments below: documented values would make every help page three times as long.)
+/// How progress is shown. (Plain comments below: documented values would make every help
+/// page three times as long.)
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ProgressChoice {
     // a bar where stderr is a terminal, nothing elsewhere

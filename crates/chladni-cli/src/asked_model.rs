@@ -13,12 +13,14 @@ pub struct AskedModel {
     /// Damping law; auto: decided by evidence [default: auto]
     #[arg(long, value_name = "LAW", value_parser = PossibleValuesParser::new(["auto", "structural", "viscous"]))]
     pub damping: Option<String>,
-    /// What shapes may be while poles are refined: every pair by itself (free), one shape for all references (rank1), one real
-    /// shape (real); auto: the narrowest that the data do not contradict [default: auto]
+    /// What shapes may be while poles are refined: every pair by itself (free), one shape
+    /// for all references (rank1), one real shape (real); auto: the narrowest that the
+    /// data do not contradict [default: auto]
     #[arg(long, value_name = "SHAPES", value_parser = PossibleValuesParser::new(ShapeModel::ALL.map(ShapeModel::as_str))
         .try_map(|name| name.parse::<ShapeModel>()))]
     pub shapes: Option<ShapeModel>,
-    /// Decay α of the exponential window e^(-αt) on the responses of a hammer test, 1/s: taken off the poles
+    /// Decay α of the exponential window e^(-αt) on the responses of a hammer test, 1/s:
+    /// taken off the poles
     #[arg(long, value_name = "1/S", value_parser = parse_decay)]
     pub exponential_window: Option<f64>,
 }

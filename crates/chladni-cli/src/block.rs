@@ -54,16 +54,20 @@ pub struct Reduce {
     /// Number of this block, from 0: each has one of its own
     #[arg(long, value_name = "I", default_value_t = 0)]
     block: usize,
-    /// Blocks that the files are cut into, of which this is one [default: the files are this block]
+    /// Blocks that the files are cut into, of which this is one [default: the files are
+    /// this block]
     #[arg(long, value_name = "N")]
     blocks: Option<usize>,
-    /// Band to fit, Hz, the same for all blocks [default: all lines; in the second pass that of the first]
+    /// Band to fit, Hz, the same for all blocks [default: all lines; in the second pass
+    /// that of the first]
     #[arg(long, value_name = "LO:HI", value_parser = parse_band, allow_hyphen_values = true)]
     band: Option<[f64; 2]>,
-    /// Seed of the random mixtures, the same for all blocks [default: 0; in the second pass that of the first]
+    /// Seed of the random mixtures, the same for all blocks [default: 0; in the second
+    /// pass that of the first]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     seed: Option<u64>,
-    /// Window of the records that the FRFs were averaged from: its bias is undone [default: not said; in the second pass as in the first]
+    /// Window of the records that the FRFs were averaged from: its bias is undone
+    /// [default: not said; in the second pass as in the first]
     #[arg(long, value_name = "WINDOW", value_parser = PossibleValuesParser::new(Window::ALL.map(Window::as_str))
         .try_map(|name| name.parse::<Window>()))]
     window: Option<Window>,
@@ -90,7 +94,10 @@ pub struct Merge {
 
 /// Arguments of `block solve`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "--modes is decided in the first pass; --damping, --shapes and --exponential-window in the second.")]
+#[command(
+    after_help = "--modes is decided in the first pass; --damping, --shapes and \
+                  --exponential-window in the second."
+)]
 pub struct Solve {
     /// Merged partial of all blocks
     #[arg(value_name = "PART")]
@@ -121,7 +128,8 @@ pub struct Residues {
 /// Runs the command.
 ///
 /// # Errors
-/// Those of reading and writing, of pieces that do not belong together, and of a fit that cannot be made.
+/// Those of reading and writing, of pieces that do not belong together, and of a fit that
+/// cannot be made.
 pub fn run(block: &Block, console: &Console) -> Result<Outcome> {
     match block {
         Block::Reduce(args) => reduce(args, console),
@@ -134,7 +142,11 @@ pub fn run(block: &Block, console: &Console) -> Result<Outcome> {
 fn reduce(args: &Reduce, console: &Console) -> Result<Outcome> {
     let files = expand(&args.files, console)?;
     let output = Output::new(&args.output, PARTIAL, &files, console)?;
-    let poles = args.poles.as_deref().map(|path| Poles::from_bytes(&bytes_of(path)?).map_err(|error| error.file(path))).transpose()?;
+    let poles = args
+        .poles
+        .as_deref()
+        .map(|path| Poles::from_bytes(&bytes_of(path)?).map_err(|error| error.file(path)))
+        .transpose()?;
     let first = poles.as_ref().map(Poles::options).unwrap_or_default();
     let options = FitOptions {
         band_hz: args.band.or(first.band_hz),
@@ -148,21 +160,34 @@ fn reduce(args: &Reduce, console: &Console) -> Result<Outcome> {
             return Err(Error::new(ErrorKind::Usage, "there is no such block")
                 .field("--block")
                 .found(args.block)
-                .expected(format!("0 to {}, of {blocks} blocks", blocks.saturating_sub(1)))
+                .expected(format!(
+                    "0 to {}, of {blocks} blocks",
+                    blocks.saturating_sub(1)
+                ))
                 .help("blocks are counted from 0"));
         }
         data = data.share(args.block, blocks)?;
     }
     let stream = Stream::new(data, &files, args.memory, &options, console)?;
     let mut resume = Resume::new(Some(&args.output), &files, stream.len(), args.resume)?;
-    let reducer = Reducer::new(&options, poles.as_ref()).map_err(|error| explain_piece(error, &options, &files[0]))?;
-    let stage = if reducer.is_second() { "second pass" } else { "first pass" };
+    let reducer = Reducer::new(&options, poles.as_ref())
+        .map_err(|error| explain_piece(error, &options, &files[0]))?;
+    let stage = if reducer.is_second() {
+        "second pass"
+    } else {
+        "first pass"
+    };
     let before = resume.take();
     let (partial, sources) = stream.with_sources(|| stream.pass(&reducer, before, &mut resume))?;
     let partial = partial.as_block(args.block as u64).with_sources(&sources);
     write(&output, &partial.to_bytes())?;
     resume.done();
-    let said = format!("{}: block {}, {}, {stage}\n", args.output.display(), args.block, counted(partial.frfs(), "FRF"));
+    let said = format!(
+        "{}: block {}, {}, {stage}\n",
+        args.output.display(),
+        args.block,
+        counted(partial.frfs(), "FRF")
+    );
     let json = json!({"output": shown(&args.output), "block": args.block, "frfs": partial.frfs(), "pass": pass(&partial), "warnings": console.warnings()});
     Ok(Outcome::written(&args.output, json, said))
 }
@@ -179,39 +204,78 @@ fn merge(args: &Merge, console: &Console) -> Result<Outcome> {
     }
     let merged = merged.expect("the command line asks for one");
     write(&output, &merged.to_bytes())?;
-    let said = format!("{}: {}, {}\n", args.output.display(), counted(merged.blocks(), "block"), counted(merged.frfs(), "FRF"));
+    let said = format!(
+        "{}: {}, {}\n",
+        args.output.display(),
+        counted(merged.blocks(), "block"),
+        counted(merged.frfs(), "FRF")
+    );
     let json = json!({"output": shown(&args.output), "blocks": merged.blocks(), "frfs": merged.frfs(), "pass": pass(&merged), "warnings": console.warnings()});
     Ok(Outcome::written(&args.output, json, said))
 }
 
 fn solved(args: &Solve, console: &Console) -> Result<Outcome> {
-    let output = Output::new(&args.output, POLES_OR_MODEL, std::slice::from_ref(&args.file), console)?;
+    let output = Output::new(
+        &args.output,
+        POLES_OR_MODEL,
+        std::slice::from_ref(&args.file),
+        console,
+    )?;
     let partial = partial_of(&args.file)?;
-    let wants_poles = args.output.extension().is_some_and(|extension| extension == "poles");
+    let wants_poles = args
+        .output
+        .extension()
+        .is_some_and(|extension| extension == "poles");
     if wants_poles && partial.poles().is_some() || !wants_poles && partial.poles().is_none() {
-        let (pass, expected) = if wants_poles { ("second", ".json or .h5, a model") } else { ("first", ".poles") };
-        return Err(Error::new(ErrorKind::Usage, format!("the partial is of the {pass} pass"))
-            .file(&args.file)
-            .field("-o")
-            .found(args.output.display())
-            .expected(expected)
-            .help("a first pass leads to poles, a second to a model"));
+        let (pass, expected) = if wants_poles {
+            ("second", ".json or .h5, a model")
+        } else {
+            ("first", ".poles")
+        };
+        return Err(Error::new(
+            ErrorKind::Usage,
+            format!("the partial is of the {pass} pass"),
+        )
+        .file(&args.file)
+        .field("-o")
+        .found(args.output.display())
+        .expected(expected)
+        .help("a first pass leads to poles, a second to a model"));
     }
     let options = options_of(&args.asked, partial.poles())?;
-    let solved = solve(&partial, &options, &|stage| console.stage(stage)).map_err(|error| explain_piece(error, &options, &args.file))?;
+    let solved = solve(&partial, &options, &|stage| console.stage(stage))
+        .map_err(|error| explain_piece(error, &options, &args.file))?;
     match solved {
         Solved::Poles(poles) if wants_poles => {
             write(&output, &poles.to_bytes())?;
-            Ok(Outcome::written(&args.output, poles_json(&poles, &args.output, console), poles_text(&poles, &args.output)))
+            Ok(Outcome::written(
+                &args.output,
+                poles_json(&poles, &args.output, console),
+                poles_text(&poles, &args.output),
+            ))
         }
         Solved::Poles(poles) => {
             let path = args.output.with_extension("poles");
-            write(&Output::new(&path, POLES_OR_MODEL, std::slice::from_ref(&args.file), console)?, &poles.to_bytes())?;
+            write(
+                &Output::new(
+                    &path,
+                    POLES_OR_MODEL,
+                    std::slice::from_ref(&args.file),
+                    console,
+                )?,
+                &poles.to_bytes(),
+            )?;
             let doubt = format!(
-                "the second pass shows what the first could not: reduce all blocks once more, with --poles {}, then merge and solve",
+                "the second pass shows what the first could not: reduce all blocks once more, with \
+                 --poles {}, then merge and solve",
                 path.display()
             );
-            Ok(Outcome::written(&path, poles_json(&poles, &path, console), poles_text(&poles, &path)).doubted(Some(doubt)))
+            Ok(Outcome::written(
+                &path,
+                poles_json(&poles, &path, console),
+                poles_text(&poles, &path),
+            )
+            .doubted(Some(doubt)))
         }
         Solved::Fit(fit) => {
             let mut model = fit.model;
@@ -220,12 +284,18 @@ fn solved(args: &Solve, console: &Console) -> Result<Outcome> {
             console.warn_all(model.quality.warnings.iter().cloned());
             output.write(|path, force| write_model(path, &model, force))?;
             let doubt = (!model.quality.trusted).then(|| distrust(&model));
-            Ok(Outcome::written(&args.output, summary(&model, &args.output)?, text(&model, console.verbose)).doubted(doubt))
+            Ok(Outcome::written(
+                &args.output,
+                summary(&model, &args.output)?,
+                text(&model, console.verbose),
+            )
+            .doubted(doubt))
         }
     }
 }
 
-/// The options that the pass of a partial takes; one that belongs to the other pass is refused, not ignored.
+/// The options that the pass of a partial takes; one that belongs to the other pass is
+/// refused, not ignored.
 fn options_of(asked: &AskedModel, poles: Option<&Poles>) -> Result<FitOptions> {
     let (given, pass, other) = match poles {
         Some(_) => (asked.modes.map(|_| "--modes"), "second", "first"),
@@ -235,15 +305,25 @@ fn options_of(asked: &AskedModel, poles: Option<&Poles>) -> Result<FitOptions> {
                 ("--shapes", asked.shapes.is_some()),
                 ("--exponential-window", asked.exponential_window.is_some()),
             ];
-            (of_second.iter().find(|(_, given)| *given).map(|(name, _)| *name), "first", "second")
+            (
+                of_second
+                    .iter()
+                    .find(|(_, given)| *given)
+                    .map(|(name, _)| *name),
+                "first",
+                "second",
+            )
         }
     };
     if let Some(name) = given {
-        return Err(Error::new(ErrorKind::Usage, format!("the option changes nothing in a {pass} pass"))
-            .field(name)
-            .found(format!("a partial of the {pass} pass"))
-            .expected(format!("a partial of the {other} pass"))
-            .help(format!("give {name} where the {other} pass is solved")));
+        return Err(Error::new(
+            ErrorKind::Usage,
+            format!("the option changes nothing in a {pass} pass"),
+        )
+        .field(name)
+        .found(format!("a partial of the {pass} pass"))
+        .expected(format!("a partial of the {other} pass"))
+        .help(format!("give {name} where the {other} pass is solved")));
     }
     let asked = asked.options();
     Ok(match poles {
@@ -261,18 +341,28 @@ fn residues_of(args: &Residues, console: &Console) -> Result<Outcome> {
     let files = expand(&args.files, console)?;
     let output = Output::new(&args.output, MODEL, &files, console)?;
     let given = model_of(&args.model)?.ok_or_else(|| {
-        Error::bad_data("the file holds no model").file(&args.model).field("--model").found("measured data").expected("a model")
+        Error::bad_data("the file holds no model")
+            .file(&args.model)
+            .field("--model")
+            .found("measured data")
+            .expected("a model")
     })?;
     let (frf, mut sources) = read_frf(&files, &args.reading, console)?;
     let options = FitOptions::default();
-    let mut model = residues(&frf, &given, &options).map_err(|error| explain_piece(error, &options, &files[0]))?;
+    let mut model = residues(&frf, &given, &options)
+        .map_err(|error| explain_piece(error, &options, &files[0]))?;
     sources.push(crate::input::source(&args.model)?);
     model.source = sources;
     args.reading.echo(&mut model.options);
     console.warn_all(model.quality.warnings.iter().cloned());
     output.write(|path, force| write_model(path, &model, force))?;
     let doubt = (!model.quality.trusted).then(|| distrust(&model));
-    Ok(Outcome::written(&args.output, summary(&model, &args.output)?, text(&model, console.verbose)).doubted(doubt))
+    Ok(Outcome::written(
+        &args.output,
+        summary(&model, &args.output)?,
+        text(&model, console.verbose),
+    )
+    .doubted(doubt))
 }
 
 fn bytes_of(path: &Path) -> Result<Vec<u8>> {
@@ -301,14 +391,26 @@ fn pass(partial: &Partial) -> u8 {
 }
 
 fn poles_json(poles: &Poles, path: &Path, console: &Console) -> Value {
-    let modes: Vec<Value> = poles.modes().iter().map(|(f, eta)| json!({"frequency_hz": f, "loss_factor": eta})).collect();
+    let modes: Vec<Value> = poles
+        .modes()
+        .iter()
+        .map(|(f, eta)| json!({"frequency_hz": f, "loss_factor": eta}))
+        .collect();
     json!({"output": shown(path), "poles": poles.count(), "modes": modes, "evidence": poles.evidence(), "warnings": console.warnings()})
 }
 
 fn poles_text(poles: &Poles, path: &Path) -> String {
-    let rows: Vec<Vec<String>> = poles.modes().iter().map(|(f, eta)| vec![significant(*f, 7), significant(*eta, 3)]).collect();
+    let rows: Vec<Vec<String>> = poles
+        .modes()
+        .iter()
+        .map(|(f, eta)| vec![significant(*f, 7), significant(*eta, 3)])
+        .collect();
     let modes = rows.len();
-    let listed = if rows.is_empty() { String::new() } else { table(&["frequency, Hz", "loss factor"], &rows) };
+    let listed = if rows.is_empty() {
+        String::new()
+    } else {
+        table(&["frequency, Hz", "loss factor"], &rows)
+    };
     format!(
         "{listed}{}: {} in the band, {} beside it, as far as the first pass tells; {}\n",
         path.display(),

@@ -29,7 +29,8 @@ impl Console {
             verbose: common.verbose > 0,
             force: common.force,
             progress: Progress::new(common.progress, common.quiet),
-            colour: std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty()) && std::io::stderr().is_terminal(),
+            colour: std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+                && std::io::stderr().is_terminal(),
             warnings: Mutex::default(),
         }
     }
@@ -62,7 +63,9 @@ impl Console {
     }
 
     fn said(&self) -> MutexGuard<'_, Vec<String>> {
-        self.warnings.lock().expect("nothing panics while it is held")
+        self.warnings
+            .lock()
+            .expect("nothing panics while it is held")
     }
 
     /// All warnings so far, in order.
@@ -98,8 +101,13 @@ impl Console {
     }
 
     fn line(&self, colour: &str, prefix: &str, text: &str) {
-        let (start, end) = if self.colour && !colour.is_empty() { (format!("\x1b[{colour}m"), "\x1b[0m") } else { (String::new(), "") };
+        let (start, end) = if self.colour && !colour.is_empty() {
+            (format!("\x1b[{colour}m"), "\x1b[0m")
+        } else {
+            (String::new(), "")
+        };
         // a closed stderr must not stop the work
-        self.progress.suspend(|| drop(writeln!(std::io::stderr(), "{start}{prefix}{end}{text}")));
+        self.progress
+            .suspend(|| drop(writeln!(std::io::stderr(), "{start}{prefix}{end}{text}")));
     }
 }

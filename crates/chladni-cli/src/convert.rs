@@ -6,8 +6,8 @@ use crate::outcome::Outcome;
 use crate::output::{Output, DATA, MODEL_OR_SHAPES, SHAPES};
 use crate::table::counted;
 use chladni_frf::io::{
-    detect_format, field_shape, model_shapes, read_contents, read_model, write_contents, write_model, Contents, FileFormat, Shape,
-    ShapeForm,
+    detect_format, field_shape, model_shapes, read_contents, read_model, write_contents,
+    write_model, Contents, FileFormat, Shape, ShapeForm,
 };
 use chladni_frf::{Dof, Error, Geometry, ModalModel, Result};
 use num_complex::Complex64;
@@ -26,7 +26,8 @@ pub struct Args {
     /// Input files, folders of them, or patterns; several are merged into one set
     #[arg(required = true, value_name = "IN")]
     files: Vec<PathBuf>,
-    /// File to write: .h5 (exact), .uff (binary), .unv (text), .csv; of models .json, .h5, or their shapes as .unv, .uff, .vtu, .pvd
+    /// File to write: .h5 (exact), .uff (binary), .unv (text), .csv; of models .json,
+    /// .h5, or their shapes as .unv, .uff, .vtu, .pvd
     #[arg(short, value_name = "OUT")]
     output: PathBuf,
     #[command(flatten)]
@@ -58,7 +59,9 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     warn_of_files(&files, std::mem::take(&mut contents.warnings), console);
     warn_of_files(&files, std::mem::take(&mut contents.not_carried), console);
 
-    let nothing = contents.functions.is_empty() && contents.shapes.is_empty() && contents.geometry().nodes.is_empty();
+    let nothing = contents.functions.is_empty()
+        && contents.shapes.is_empty()
+        && contents.geometry().nodes.is_empty();
     if contents.frf.is_none() && nothing {
         return Err(Error::bad_data("nothing in the input can be carried over")
             .file(&args.files[0])
@@ -68,7 +71,10 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     }
     console.stage("writing");
     console.warn_all(output.write(|path, force| write_contents(path, &contents, force))?);
-    let (responses, references, lines) = contents.frf.as_ref().map_or((0, 0, 0), |frf| frf.values.dim());
+    let (responses, references, lines) = contents
+        .frf
+        .as_ref()
+        .map_or((0, 0, 0), |frf| frf.values.dim());
     let json = json!({
         "output": args.output.display().to_string(),
         "source": contents.sources,
@@ -94,11 +100,23 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     Ok(Outcome::written(&args.output, json, text))
 }
 
-fn convert_model(args: &Args, files: &[PathBuf], model: &ModalModel, console: &Console) -> Result<Outcome> {
+fn convert_model(
+    args: &Args,
+    files: &[PathBuf],
+    model: &ModalModel,
+    console: &Console,
+) -> Result<Outcome> {
     let output = Output::new(&args.output, MODEL_OR_SHAPES, files, console)?;
     console.stage("writing");
     if writes_shapes(&args.output) {
-        return write_shapes(args, files, model, model_shapes(model, form_for(&args.output)), &output, console);
+        return write_shapes(
+            args,
+            files,
+            model,
+            model_shapes(model, form_for(&args.output)),
+            &output,
+            console,
+        );
     }
     output.write(|path, force| write_model(path, model, force))?;
     let modes = model.in_band_modes().count();
@@ -111,14 +129,32 @@ fn convert_model(args: &Args, files: &[PathBuf], model: &ModalModel, console: &C
         "modes": modes,
         "warnings": console.warnings(),
     });
-    Ok(Outcome::written(&args.output, json, format!("{}: model with {}\n", args.output.display(), counted(modes, "mode"))))
+    Ok(Outcome::written(
+        &args.output,
+        json,
+        format!(
+            "{}: model with {}\n",
+            args.output.display(),
+            counted(modes, "mode")
+        ),
+    ))
 }
 
 /// The field that weights make of a model.
-fn convert_field(args: &Args, files: &[PathBuf], model: &Path, weights: &Path, console: &Console) -> Result<Outcome> {
+fn convert_field(
+    args: &Args,
+    files: &[PathBuf],
+    model: &Path,
+    weights: &Path,
+    console: &Console,
+) -> Result<Outcome> {
     let output = Output::new(&args.output, SHAPES, files, console)?;
     let (model, weights) = (read_model(model)?, read_weights(weights)?);
-    let drive: Vec<(Dof, Complex64)> = weights.weights.iter().map(|one| (one.reference, Complex64::new(one.re, one.im))).collect();
+    let drive: Vec<(Dof, Complex64)> = weights
+        .weights
+        .iter()
+        .map(|one| (one.reference, Complex64::new(one.re, one.im)))
+        .collect();
     let field = field_shape(&model, weights.frequency_hz, &drive, form_for(&args.output))?;
     console.stage("writing");
     write_shapes(args, files, &model, vec![field], &output, console)
@@ -132,8 +168,15 @@ fn write_shapes(
     output: &Output<'_>,
     console: &Console,
 ) -> Result<Outcome> {
-    let other_geometry = Geometry { nodes: model.nodes.clone(), ..Geometry::default() };
-    let contents = Contents { shapes, other_geometry, ..Contents::default() };
+    let other_geometry = Geometry {
+        nodes: model.nodes.clone(),
+        ..Geometry::default()
+    };
+    let contents = Contents {
+        shapes,
+        other_geometry,
+        ..Contents::default()
+    };
     console.warn_all(output.write(|path, force| write_contents(path, &contents, force))?);
     let json = json!({
         "output": args.output.display().to_string(),
@@ -142,12 +185,19 @@ fn write_shapes(
         "nodes": model.nodes.len(),
         "warnings": console.warnings(),
     });
-    let text = format!("{}: {}, {}\n", args.output.display(), counted(contents.shapes.len(), "shape"), counted(model.nodes.len(), "node"));
+    let text = format!(
+        "{}: {}, {}\n",
+        args.output.display(),
+        counted(contents.shapes.len(), "shape"),
+        counted(model.nodes.len(), "node")
+    );
     Ok(Outcome::written(&args.output, json, text))
 }
 
 fn extension(path: &Path) -> String {
-    path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
+    path.extension()
+        .map(|extension| extension.to_string_lossy().to_ascii_lowercase())
+        .unwrap_or_default()
 }
 
 fn writes_shapes(path: &Path) -> bool {

@@ -5,7 +5,9 @@ use crate::input::{expand, warn_of_files};
 use crate::outcome::Outcome;
 use crate::output::{Output, FRF};
 use crate::table::{counted, significant};
-use chladni_frf::estimate::{estimate, runs_of, BlockWindow, ChannelOverride, EstimateOptions, Estimator};
+use chladni_frf::estimate::{
+    estimate, runs_of, BlockWindow, ChannelOverride, EstimateOptions, Estimator,
+};
 use chladni_frf::io::{read_documents, write_contents, Contents, ReadOptions};
 use chladni_frf::{Dof, Error, ErrorKind, Geometry, Result, Source};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -19,25 +21,31 @@ use std::path::PathBuf;
   chladni estimate shaker.uff -o frf.h5 --block 8192 --window hann --overlap 0.5
   chladni estimate take.wav -o frf.h5 --dofs 101:+Z,1:+Z --units V,m/s --scales 10,0.05")]
 pub struct Args {
-    /// Time records: universal files, HDF5 of this program, tables (t, then a column per channel), WAV; folders and patterns too
+    /// Time records: universal files, HDF5 of this program, tables (t, then a column per
+    /// channel), WAV; folders and patterns too
     #[arg(required = true, value_name = "TIME")]
     files: Vec<PathBuf>,
-    /// FRF file to write: .h5 (exact, with variances), .uff (binary), .unv (text), .npz or .csv
+    /// FRF file to write: .h5 (exact, with variances), .uff (binary), .unv (text), .npz
+    /// or .csv
     #[arg(short, value_name = "FRF")]
     output: PathBuf,
     /// Where the noise is: at the responses (h1), at the references (h2), at both (hv)
     #[arg(long, value_name = "WHICH", default_value = "h1", value_parser = PossibleValuesParser::new(["h1", "h2", "hv"]).map(estimator))]
     estimator: Estimator,
-    /// Window of each block; exponential needs --exponential-window [default: hann for one long record, rectangular for several]
+    /// Window of each block; exponential needs --exponential-window [default: hann for
+    /// one long record, rectangular for several]
     #[arg(long, value_name = "WINDOW", value_parser = PossibleValuesParser::new(["rectangular", "hann", "exponential"]))]
     window: Option<String>,
-    /// Decay α of an exponential window e^(-αt) on references and responses, 1/s; the fit takes it off with the same option
+    /// Decay α of an exponential window e^(-αt) on references and responses, 1/s; the fit
+    /// takes it off with the same option
     #[arg(long, value_name = "1/S")]
     exponential_window: Option<f64>,
-    /// Samples of a block [default: the whole record where there are several, else about 16 blocks]
+    /// Samples of a block [default: the whole record where there are several, else about
+    /// 16 blocks]
     #[arg(long, value_name = "SAMPLES")]
     block: Option<usize>,
-    /// Overlap of blocks, as a part of their length [default: 0.5 with a Hann window, else 0]
+    /// Overlap of blocks, as a part of their length [default: 0.5 with a Hann window,
+    /// else 0]
     #[arg(long, value_name = "PART", allow_negative_numbers = true)]
     overlap: Option<f64>,
     /// DOFs that excite [default: forces; voltages where there is no force]
@@ -50,7 +58,12 @@ pub struct Args {
     #[arg(long, value_name = "UNIT", value_delimiter = ',')]
     units: Vec<String>,
     /// Factor of each channel from the file's numbers to its unit (of full scale, in WAV)
-    #[arg(long, value_name = "FACTOR", value_delimiter = ',', allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "FACTOR",
+        value_delimiter = ',',
+        allow_negative_numbers = true
+    )]
     scales: Vec<f64>,
     /// Leave out what cannot be read instead of refusing the file
     #[arg(long)]
@@ -68,15 +81,30 @@ fn estimator(name: String) -> Estimator {
 impl Args {
     fn window(&self) -> Result<Option<BlockWindow>> {
         let wrong = |message: &str, found: String, expected: &str| {
-            Err(Error::new(ErrorKind::Usage, message).field("--exponential-window").found(found).expected(expected))
+            Err(Error::new(ErrorKind::Usage, message)
+                .field("--exponential-window")
+                .found(found)
+                .expected(expected))
         };
         match (self.window.as_deref(), self.exponential_window) {
-            (None | Some("exponential"), Some(rate_per_s)) if rate_per_s.is_finite() && rate_per_s >= 0.0 => {
+            (None | Some("exponential"), Some(rate_per_s))
+                if rate_per_s.is_finite() && rate_per_s >= 0.0 =>
+            {
                 Ok(Some(BlockWindow::Exponential { rate_per_s }))
             }
-            (None | Some("exponential"), Some(rate)) => wrong("no possible decay", rate.to_string(), "a rate in 1/s, 0 or more"),
-            (Some(name), Some(_)) => wrong("two windows", format!("--window {name} too"), "one window"),
-            (Some("exponential"), None) => wrong("an exponential window needs its decay", "none".into(), "a rate in 1/s"),
+            (None | Some("exponential"), Some(rate)) => wrong(
+                "no possible decay",
+                rate.to_string(),
+                "a rate in 1/s, 0 or more",
+            ),
+            (Some(name), Some(_)) => {
+                wrong("two windows", format!("--window {name} too"), "one window")
+            }
+            (Some("exponential"), None) => wrong(
+                "an exponential window needs its decay",
+                "none".into(),
+                "a rate in 1/s",
+            ),
             (Some("hann"), None) => Ok(Some(BlockWindow::Hann)),
             (Some(_), None) => Ok(Some(BlockWindow::Rectangular)),
             (None, None) => Ok(None),
@@ -91,7 +119,12 @@ impl Args {
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let files = expand(&args.files, console)?;
     let output = Output::new(&args.output, FRF, &files, console)?;
-    let options = EstimateOptions { estimator: args.estimator, window: args.window()?, block: args.block, overlap: args.overlap };
+    let options = EstimateOptions {
+        estimator: args.estimator,
+        window: args.window()?,
+        block: args.block,
+        overlap: args.overlap,
+    };
     let said = ChannelOverride {
         dofs: args.dofs.clone(),
         units: args.units.clone(),
@@ -103,14 +136,33 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let mut sources = Vec::new();
     let mut geometry = Geometry::default();
     let mut warnings = Vec::new();
-    for mut document in read_documents(&files, &ReadOptions { lenient: args.lenient, ..ReadOptions::default() })? {
+    for mut document in read_documents(
+        &files,
+        &ReadOptions {
+            lenient: args.lenient,
+            ..ReadOptions::default()
+        },
+    )? {
         match document.errors.first() {
             Some(error) if !args.lenient => return Err(error.clone().file(&document.file)),
-            _ => warnings.extend(document.errors.iter().map(|error| format!("left out: {error}"))),
+            _ => warnings.extend(
+                document
+                    .errors
+                    .iter()
+                    .map(|error| format!("left out: {error}")),
+            ),
         }
         runs.extend(runs_of(&document, &said)?);
-        warnings.extend(document.warnings.iter().map(|warning| format!("{}: {warning}", document.file.display())));
-        sources.push(Source { file: chladni_frf::io::file_name(&document.file), sha256: document.sha256.clone() });
+        warnings.extend(
+            document
+                .warnings
+                .iter()
+                .map(|warning| format!("{}: {warning}", document.file.display())),
+        );
+        sources.push(Source {
+            file: chladni_frf::io::file_name(&document.file),
+            sha256: document.sha256.clone(),
+        });
         if geometry.nodes.is_empty() {
             geometry = std::mem::take(&mut document.geometry);
         }
@@ -122,12 +174,20 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let mut frf = result.frf;
     frf.geometry = geometry;
     if frf.kind.is_none() {
-        console.warn("the units do not say the FRF kind: other commands need --frf-kind, or name the units here with --units".to_owned());
+        console.warn(
+            "the units do not say the FRF kind: other commands need --frf-kind, or name \
+                      the units here with --units"
+                .to_owned(),
+        );
     }
     console.stage("writing");
     let (responses, references, lines) = frf.values.dim();
     let (kind, axis) = (frf.kind, [frf.frequency_hz[0], frf.frequency_hz[lines - 1]]);
-    let contents = Contents { frf: Some(frf), sources, ..Contents::default() };
+    let contents = Contents {
+        frf: Some(frf),
+        sources,
+        ..Contents::default()
+    };
     console.warn_all(output.write(|path, force| write_contents(path, &contents, force))?);
     let json = json!({
         "output": args.output.display().to_string(),

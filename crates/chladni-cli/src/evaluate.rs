@@ -60,7 +60,12 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     };
     console.warn_all(evaluation.warnings.iter().cloned());
     for tone in &evaluation.other_tones {
-        console.warn_all(tone.warnings.iter().filter(|warning| !evaluation.warnings.contains(warning)).cloned());
+        console.warn_all(
+            tone.warnings
+                .iter()
+                .filter(|warning| !evaluation.warnings.contains(warning))
+                .cloned(),
+        );
     }
     let json = json!({
         "weights": args.weights.display().to_string(),
@@ -71,13 +76,24 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     });
     let mut summary = judged(&evaluation);
     if !evaluation.other_tones.is_empty() {
-        summary.insert("other_tones".into(), evaluation.other_tones.iter().map(judged).map(Value::Object).collect());
+        summary.insert(
+            "other_tones".into(),
+            evaluation
+                .other_tones
+                .iter()
+                .map(judged)
+                .map(Value::Object)
+                .collect(),
+        );
     }
     if let Value::Object(fields) = json {
         summary.extend(fields);
     }
     let tones = std::iter::once(&evaluation).chain(&evaluation.other_tones);
-    Ok(Outcome::shown(summary.into(), tones.map(text).collect::<Vec<_>>().join("\n")))
+    Ok(Outcome::shown(
+        summary.into(),
+        tones.map(text).collect::<Vec<_>>().join("\n"),
+    ))
 }
 
 /// Frequency, limits and indices of a tone.
@@ -87,10 +103,21 @@ fn judged(evaluation: &Evaluation) -> Map<String, Value> {
         "threshold": evaluation.limits.threshold_m_per_s,
         "cold": evaluation.limits.cold_m_per_s,
     });
-    let fields = [("frequency_hz", json!(evaluation.frequency_hz)), ("limits_m_per_s", limits), ("indices", json!(evaluation.indices))];
-    fields.map(|(key, value)| (key.to_owned(), value)).into_iter().collect()
+    let fields = [
+        ("frequency_hz", json!(evaluation.frequency_hz)),
+        ("limits_m_per_s", limits),
+        ("indices", json!(evaluation.indices)),
+    ];
+    fields
+        .map(|(key, value)| (key.to_owned(), value))
+        .into_iter()
+        .collect()
 }
 
 fn text(evaluation: &Evaluation) -> String {
-    format!("at {} Hz\n{}", significant(evaluation.frequency_hz, 6), indices_table(&evaluation.indices))
+    format!(
+        "at {} Hz\n{}",
+        significant(evaluation.frequency_hz, 6),
+        indices_table(&evaluation.indices)
+    )
 }

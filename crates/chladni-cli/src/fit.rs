@@ -10,7 +10,9 @@ use crate::scene_band::SceneBand;
 use crate::streaming::{too_large, Resume, Stream};
 use crate::table::{counted, significant, table, with_bound};
 use chladni_frf::io::{frf_bytes, write_model, FrfParts};
-use chladni_frf::{Damping, Error, ErrorKind, FrfSet, ModalModel, Mode, Result, Scaling, Source, Trust};
+use chladni_frf::{
+    Damping, Error, ErrorKind, FrfSet, ModalModel, Mode, Result, Scaling, Source, Trust,
+};
 use chladni_rfp::{FitError, FitOptions, Method, Window};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{json, Map, Value};
@@ -33,25 +35,34 @@ pub struct Args {
     /// Band to fit, Hz [default: all lines]
     #[arg(long, value_name = "LO:HI", value_parser = parse_band, allow_hyphen_values = true)]
     band: Option<[f64; 2]>,
-    /// Scene that the model is for: only the band that it needs is fitted, the modes outside are residual terms
+    /// Scene that the model is for: only the band that it needs is fitted, the modes
+    /// outside are residual terms
     #[arg(long, value_name = "SCENE.toml", conflicts_with = "band")]
     scene: Option<PathBuf>,
     /// Identification method
     #[arg(long, value_name = "METHOD", default_value = "auto", value_parser = PossibleValuesParser::new(Method::ALL.map(Method::as_str))
         .try_map(|name| name.parse::<Method>()))]
     method: Method,
-    /// Window of the records of random excitation that the FRFs were averaged from: its bias is undone (needs all lines from 0 Hz
-    /// on); none: hammer, burst, sine [default: not known, the possible bias is named]
+    /// Window of the records of random excitation that the FRFs were averaged from: its
+    /// bias is undone (needs all lines from 0 Hz on); none: hammer, burst, sine [default:
+    /// not known, the possible bias is named]
     #[arg(long, value_name = "WINDOW", value_parser = PossibleValuesParser::new(Window::ALL.map(Window::as_str))
         .try_map(|name| name.parse::<Window>()))]
     window: Option<Window>,
     /// Seed of the random mixtures inside the fit
-    #[arg(long, value_name = "S", default_value_t = 0, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "S",
+        default_value_t = 0,
+        allow_negative_numbers = true
+    )]
     seed: u64,
-    /// Memory to keep within, bytes, or with K, M, G, T (powers of 1024): a larger set is read part by part, twice
+    /// Memory to keep within, bytes, or with K, M, G, T (powers of 1024): a larger set is
+    /// read part by part, twice
     #[arg(long, value_name = "SIZE", default_value = MEMORY, value_parser = parse_memory)]
     memory: u64,
-    /// Go on where an interrupted fit with the same output ended (a set read part by part)
+    /// Go on where an interrupted fit with the same output ended (a set read part by
+    /// part)
     #[arg(long, requires = "output")]
     resume: bool,
     #[command(flatten)]
@@ -61,9 +72,15 @@ pub struct Args {
 }
 
 pub fn parse_band(text: &str) -> std::result::Result<[f64; 2], String> {
-    let ends = text.split_once(':').map(|(low, high)| (low.trim().parse::<f64>(), high.trim().parse::<f64>()));
+    let ends = text
+        .split_once(':')
+        .map(|(low, high)| (low.trim().parse::<f64>(), high.trim().parse::<f64>()));
     match ends {
-        Some((Ok(low), Ok(high))) if low.is_finite() && high.is_finite() && 0.0 <= low && low < high => Ok([low, high]),
+        Some((Ok(low), Ok(high)))
+            if low.is_finite() && high.is_finite() && 0.0 <= low && low < high =>
+        {
+            Ok([low, high])
+        }
         Some((Ok(low), Ok(high))) if low >= high => Err("the band ends before it begins".into()),
         _ => Err("no band in Hz such as 10:700".into()),
     }
@@ -72,10 +89,15 @@ pub fn parse_band(text: &str) -> std::result::Result<[f64; 2], String> {
 /// Runs the command.
 ///
 /// # Errors
-/// Those of reading and writing, and of a fit that cannot be made. A fit that cannot be trusted is a result.
+/// Those of reading and writing, and of a fit that cannot be made. A fit that cannot be
+/// trusted is a result.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let files = expand(&args.files, console)?;
-    let output = args.output.as_deref().map(|path| Output::new(path, MODEL, &files, console)).transpose()?;
+    let output = args
+        .output
+        .as_deref()
+        .map(|path| Output::new(path, MODEL, &files, console))
+        .transpose()?;
     let mut options = args.fit_options();
     if too_large(frf_bytes(&files)?, args.memory) {
         let (model, resume) = streamed(args, &files, &options, console)?;
@@ -84,14 +106,26 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         return Ok(outcome);
     }
     let (frf, mut sources) = read_frf(&files, &args.reading, console)?;
-    let scene = args.scene.as_deref().map(|file| SceneBand::of(file, &frf, &options)).transpose()?;
+    let scene = args
+        .scene
+        .as_deref()
+        .map(|file| SceneBand::of(file, &frf, &options))
+        .transpose()?;
     if let Some(scene) = &scene {
         options.band_hz = Some(scene.band_hz());
         sources.push(scene.source.clone());
     }
     let mut echo = echo_of(&options);
     args.reading.echo(&mut echo);
-    let mut model = fit_model(&frf, &options, sources, echo, console.warnings(), &files[0], console)?;
+    let mut model = fit_model(
+        &frf,
+        &options,
+        sources,
+        echo,
+        console.warnings(),
+        &files[0],
+        console,
+    )?;
     if let Some(scene) = &scene {
         let said = scene.said(&model, &frf);
         model.quality.warnings.push(said);
@@ -101,7 +135,12 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
 }
 
 /// Writes the model, and says what came of it.
-fn written(args: &Args, model: ModalModel, output: Option<&Output>, console: &Console) -> Result<Outcome> {
+fn written(
+    args: &Args,
+    model: ModalModel,
+    output: Option<&Output>,
+    console: &Console,
+) -> Result<Outcome> {
     console.warn_all(model.quality.warnings.iter().cloned());
     if let Some(output) = output {
         console.stage("writing");
@@ -117,11 +156,17 @@ fn written(args: &Args, model: ModalModel, output: Option<&Output>, console: &Co
 }
 
 /// Fits a set larger than memory part by part.
-fn streamed(args: &Args, files: &[PathBuf], options: &FitOptions, console: &Console) -> Result<(ModalModel, Resume)> {
+fn streamed(
+    args: &Args,
+    files: &[PathBuf],
+    options: &FitOptions,
+    console: &Console,
+) -> Result<(ModalModel, Resume)> {
     let whole = |field: &str, found: &str| {
         Err(Error::new(
             ErrorKind::Usage,
-            "the set is larger than half of the memory allowed, and is read part by part: this needs it whole",
+            "the set is larger than half of the memory allowed, and is read part by part: this \
+             needs it whole",
         )
         .field(field)
         .found(found)
@@ -134,7 +179,13 @@ fn streamed(args: &Args, files: &[PathBuf], options: &FitOptions, console: &Cons
     if let Some(scene) = &args.scene {
         return whole("--scene", &scene.display().to_string());
     }
-    let stream = Stream::new(FrfParts::open(files, &args.reading.options())?, files, args.memory, options, console)?;
+    let stream = Stream::new(
+        FrfParts::open(files, &args.reading.options())?,
+        files,
+        args.memory,
+        options,
+        console,
+    )?;
     let mut resume = Resume::new(args.output.as_deref(), files, stream.len(), args.resume)?;
     let (fit, sources) = stream.with_sources(|| stream.fit(&mut resume))?;
     let mut model = fit.model;
@@ -145,7 +196,8 @@ fn streamed(args: &Args, files: &[PathBuf], options: &FitOptions, console: &Cons
     Ok((model, resume))
 }
 
-/// Fits a set and completes the model with its sources, its options and the `warnings` of reading.
+/// Fits a set and completes the model with its sources, its options and the `warnings` of
+/// reading.
 ///
 /// # Errors
 /// Of a fit that cannot be made, naming `file`.
@@ -158,7 +210,8 @@ pub fn fit_model(
     file: &Path,
     console: &Console,
 ) -> Result<ModalModel> {
-    let fit = chladni_rfp::fit(frf, options, &|stage| console.stage(stage)).map_err(|error| explain(&error, options, file))?;
+    let fit = chladni_rfp::fit(frf, options, &|stage| console.stage(stage))
+        .map_err(|error| explain(&error, options, file))?;
     let mut model = fit.model;
     model.source = sources;
     model.options = echo;
@@ -171,8 +224,14 @@ pub fn fit_model(
 pub fn echo_of(options: &FitOptions) -> Map<String, Value> {
     let mut echo = Map::new();
     echo.insert("band_hz".into(), json!(options.band_hz));
-    echo.insert("modes".into(), options.modes.map_or("auto".into(), Value::from));
-    echo.insert("damping".into(), options.damping.map_or("auto".into(), |law| json!(law)));
+    echo.insert(
+        "modes".into(),
+        options.modes.map_or("auto".into(), Value::from),
+    );
+    echo.insert(
+        "damping".into(),
+        options.damping.map_or("auto".into(), |law| json!(law)),
+    );
     echo.insert("method".into(), options.method.as_str().into());
     echo.insert("shapes".into(), options.shapes.as_str().into());
     if let Some(window) = options.window {
@@ -187,7 +246,13 @@ pub fn echo_of(options: &FitOptions) -> Map<String, Value> {
 
 impl Args {
     fn fit_options(&self) -> FitOptions {
-        FitOptions { band_hz: self.band, method: self.method, window: self.window, seed: self.seed, ..self.asked.options() }
+        FitOptions {
+            band_hz: self.band,
+            method: self.method,
+            window: self.window,
+            seed: self.seed,
+            ..self.asked.options()
+        }
     }
 }
 
@@ -206,7 +271,12 @@ pub fn distrust(model: &ModalModel) -> String {
 }
 
 fn value_of(model: &ModalModel) -> Result<Value> {
-    serde_json::to_value(model).map_err(|error| Error::new(ErrorKind::Internal, format!("the model has no JSON: {error}")))
+    serde_json::to_value(model).map_err(|error| {
+        Error::new(
+            ErrorKind::Internal,
+            format!("the model has no JSON: {error}"),
+        )
+    })
 }
 
 /// The whole model, as its file holds it, and the warnings at the top.
@@ -219,10 +289,28 @@ fn whole(model: &ModalModel) -> Result<Value> {
 /// What fits on a screen: the model without shapes and residual terms.
 pub fn summary(model: &ModalModel, output: &Path) -> Result<Value> {
     let mut value = value_of(model)?;
-    for mode in value["modes"].as_array_mut().into_iter().flatten().filter_map(Value::as_object_mut) {
-        ["shape", "shape_std", "participation"].iter().for_each(|key| drop(mode.remove(*key)));
+    for mode in value["modes"]
+        .as_array_mut()
+        .into_iter()
+        .flatten()
+        .filter_map(Value::as_object_mut)
+    {
+        ["shape", "shape_std", "participation"]
+            .iter()
+            .for_each(|key| drop(mode.remove(*key)));
     }
-    let keys = ["source", "options", "frf_kind", "reference_unit", "band_hz", "damping", "scaling", "method", "modes", "quality"];
+    let keys = [
+        "source",
+        "options",
+        "frf_kind",
+        "reference_unit",
+        "band_hz",
+        "damping",
+        "scaling",
+        "method",
+        "modes",
+        "quality",
+    ];
     let mut summary = Map::from_iter([("output".to_owned(), json!(output.display().to_string()))]);
     summary.extend(keys.iter().map(|&key| (key.to_owned(), value[key].take())));
     summary.insert("warnings".into(), json!(model.quality.warnings));
@@ -231,12 +319,30 @@ pub fn summary(model: &ModalModel, output: &Path) -> Result<Value> {
 
 /// The table of modes, and a line about the whole.
 pub fn text(model: &ModalModel, verbose: bool) -> String {
-    const HEADER: [&str; 8] = ["mode", "frequency, Hz", "95 %", "loss factor", "95 %", "damping ratio", "trust", "reasons"];
+    const HEADER: [&str; 8] = [
+        "mode",
+        "frequency, Hz",
+        "95 %",
+        "loss factor",
+        "95 %",
+        "damping ratio",
+        "trust",
+        "reasons",
+    ];
     let listed = |mode: &&Mode| verbose || (mode.in_band && mode.trust != Trust::Rejected);
     let mut number = 0;
-    let rows: Vec<Vec<String>> = model.modes.iter().filter(listed).map(|mode| row(mode, &mut number)).collect();
+    let rows: Vec<Vec<String>> = model
+        .modes
+        .iter()
+        .filter(listed)
+        .map(|mode| row(mode, &mut number))
+        .collect();
     let modes = model.in_band_modes().count();
-    let outside = model.modes.iter().filter(|mode| !mode.in_band && mode.trust != Trust::Rejected).count();
+    let outside = model
+        .modes
+        .iter()
+        .filter(|mode| !mode.in_band && mode.trust != Trust::Rejected)
+        .count();
     let law = match model.damping {
         Damping::Structural => "structural",
         Damping::Viscous => "viscous",
@@ -246,8 +352,15 @@ pub fn text(model: &ModalModel, verbose: bool) -> String {
         Scaling::Unscaled => "unscaled shapes",
     };
     let [low, high] = model.band_hz.map(|hz| significant(hz, 6));
-    let mut text = if rows.is_empty() { String::new() } else { table(&HEADER, &rows) };
-    text += &format!("{} between {low} and {high} Hz, {law} damping, {scaling}", counted(modes, "mode"));
+    let mut text = if rows.is_empty() {
+        String::new()
+    } else {
+        table(&HEADER, &rows)
+    };
+    text += &format!(
+        "{} between {low} and {high} Hz, {law} damping, {scaling}",
+        counted(modes, "mode")
+    );
     if outside > 0 {
         text += &format!("; the rest: {} outside the band", counted(outside, "pole"));
     }
@@ -255,7 +368,11 @@ pub fn text(model: &ModalModel, verbose: bool) -> String {
         "; method {}, residual {} % of the data, {}\n",
         model.method,
         significant(100.0 * model.quality.relative_error, 3),
-        if model.quality.trusted { "trusted" } else { "not trusted" }
+        if model.quality.trusted {
+            "trusted"
+        } else {
+            "not trusted"
+        }
     );
     match &model.quality.path {
         Some(path) if verbose => text + &format!("path: {path}\n"),
@@ -278,7 +395,11 @@ fn row(mode: &Mode, number: &mut usize) -> Vec<String> {
         reasons.insert(0, "outside the band".into());
     }
     vec![
-        if counts { number.to_string() } else { String::new() },
+        if counts {
+            number.to_string()
+        } else {
+            String::new()
+        },
         frequency,
         frequency_bound,
         loss_factor,

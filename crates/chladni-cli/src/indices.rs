@@ -5,9 +5,20 @@ use chladni_render::{FrequencySweep, Indices, StressRow, SweptFrequency, Weights
 
 /// Indices at the responses and over the area between them.
 pub fn indices_table(indices: &Indices) -> String {
-    const HEADER: [&str; 8] = ["", "hot", "cold", "success", "silence", "contrast, dB", "margin, dB", "largest drive"];
-    let ratio = |value: Option<f64>| value.map_or_else(|| "none".into(), |value| format!("{value:.3}"));
-    let level = |value: Option<f64>| value.map_or_else(|| "none".into(), |value| format!("{value:.1}"));
+    const HEADER: [&str; 8] = [
+        "",
+        "hot",
+        "cold",
+        "success",
+        "silence",
+        "contrast, dB",
+        "margin, dB",
+        "largest drive",
+    ];
+    let ratio =
+        |value: Option<f64>| value.map_or_else(|| "none".into(), |value| format!("{value:.3}"));
+    let level =
+        |value: Option<f64>| value.map_or_else(|| "none".into(), |value| format!("{value:.1}"));
     let points = &indices.points;
     let drive = match (points.max_force_n, points.max_voltage_v) {
         (Some(force), _) => format!("{} N", significant(force, 3)),
@@ -26,7 +37,14 @@ pub fn indices_table(indices: &Indices) -> String {
     ]];
     if let Some(area) = &indices.area {
         rows.push(
-            ["area between".into(), ratio(area.hot_ratio), ratio(area.cold_ratio)].into_iter().chain(vec![String::new(); 5]).collect(),
+            [
+                "area between".into(),
+                ratio(area.hot_ratio),
+                ratio(area.cold_ratio),
+            ]
+            .into_iter()
+            .chain(vec![String::new(); 5])
+            .collect(),
         );
     }
     table(&HEADER, &rows)
@@ -38,7 +56,13 @@ pub fn weights_table(weights: &Weights) -> String {
     let rows: Vec<Vec<String>> = weights
         .weights
         .iter()
-        .map(|weight| vec![weight.reference.to_string(), significant(weight.amplitude, 4), format!("{:.1}", weight.phase_deg)])
+        .map(|weight| {
+            vec![
+                weight.reference.to_string(),
+                significant(weight.amplitude, 4),
+                format!("{:.1}", weight.phase_deg),
+            ]
+        })
         .collect();
     table(&["reference", &amplitude, "phase, deg"], &rows)
 }
@@ -46,16 +70,32 @@ pub fn weights_table(weights: &Weights) -> String {
 /// What becomes of the weights when the panel is not the model.
 pub fn stress_table(rows: &[StressRow]) -> String {
     let cells = rows.iter().map(|row| {
-        let shares = [row.success_mean, row.success_worst_5_percent, row.min_worst_5_percent].map(|share| format!("{share:.3}"));
-        [row.trial.clone(), row.cases.to_string()].into_iter().chain(shares).collect()
+        let shares = [
+            row.success_mean,
+            row.success_worst_5_percent,
+            row.min_worst_5_percent,
+        ]
+        .map(|share| format!("{share:.3}"));
+        [row.trial.clone(), row.cases.to_string()]
+            .into_iter()
+            .chain(shares)
+            .collect()
     });
-    let header = ["stress", "cases", "success, mean", "worst 5 %", "smaller of hot and cold, worst 5 %"];
+    let header = [
+        "stress",
+        "cases",
+        "success, mean",
+        "worst 5 %",
+        "smaller of hot and cold, worst 5 %",
+    ];
     format!("\n{}", table(&header, &cells.collect::<Vec<_>>()))
 }
 
 /// The scene at other frequencies, and the suggestion.
 pub fn sweep_table(sweep: &FrequencySweep) -> String {
-    let shown = |value: Option<f64>, decimals: usize| value.map_or_else(|| "unknown".into(), |value| format!("{value:.decimals$}"));
+    let shown = |value: Option<f64>, decimals: usize| {
+        value.map_or_else(|| "unknown".into(), |value| format!("{value:.decimals$}"))
+    };
     let row = |f: &SweptFrequency| {
         vec![
             significant(f.frequency_hz, 6),
@@ -63,7 +103,8 @@ pub fn sweep_table(sweep: &FrequencySweep) -> String {
             format!("{:.3}", f.success_ratio),
             shown(f.touched_ratio, 3),
             significant(f.largest_drive, 3),
-            f.on_mode_hz.map_or_else(String::new, |hz| format!("on the mode at {hz:.1} Hz")),
+            f.on_mode_hz
+                .map_or_else(String::new, |hz| format!("on the mode at {hz:.1} Hz")),
         ]
     };
     let rows: Vec<Vec<String>> = sweep.frequencies.iter().map(row).collect();
@@ -71,5 +112,18 @@ pub fn sweep_table(sweep: &FrequencySweep) -> String {
         Some(hz) => format!("suggested: {} Hz\n", significant(hz, 6)),
         None => "no frequency serves any response\n".into(),
     };
-    format!("\n{}{suggestion}", table(&["frequency, Hz", "kappa", "success", "touched", "largest drive", ""], &rows))
+    format!(
+        "\n{}{suggestion}",
+        table(
+            &[
+                "frequency, Hz",
+                "kappa",
+                "success",
+                "touched",
+                "largest drive",
+                ""
+            ],
+            &rows
+        )
+    )
 }

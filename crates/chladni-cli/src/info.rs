@@ -5,13 +5,16 @@ use crate::input::{expand, read_weights, Reading};
 use crate::oddities;
 use crate::outcome::Outcome;
 use crate::table::{counted, shortened, significant, table};
-use chladni_frf::io::{assemble, list_document, read_model, DatasetInfo, Document, FileFormat, ReadOptions};
+use chladni_frf::io::{
+    assemble, list_document, read_model, DatasetInfo, Document, FileFormat, ReadOptions,
+};
 use chladni_frf::{Dof, Error, FrfKind, FrfSet, Result};
 use serde_json::{json, Value};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Alike datasets beyond this count are one line of the table, and files beyond it one line each, without `-v`.
+/// Alike datasets beyond this count are one line of the table, and files beyond it one
+/// line each, without `-v`.
 const SHOWN_ALIKE: usize = 6;
 
 /// Arguments of `info`.
@@ -50,14 +53,28 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         listings.push(listing);
     }
     match first_error {
-        Some(error) if listings.iter().all(|listing| listing.format.is_none()) => return Err(error),
-        _ => listings.iter().for_each(|listing| console.warn_all(listing.all_warnings())),
+        Some(error) if listings.iter().all(|listing| listing.format.is_none()) => {
+            return Err(error)
+        }
+        _ => listings
+            .iter()
+            .for_each(|listing| console.warn_all(listing.all_warnings())),
     }
-    let doubt = listings.iter().any(|listing| listing.damaged).then(|| "some of it cannot be read: see the warnings".to_owned());
+    let doubt = listings
+        .iter()
+        .any(|listing| listing.damaged)
+        .then(|| "some of it cannot be read: see the warnings".to_owned());
     let json = json!({"files": listings.iter().map(Listing::json).collect::<Vec<_>>(), "warnings": left_out});
     let text = match listings.len() > SHOWN_ALIKE && !console.verbose {
-        true => listings.iter().map(Listing::headline).collect::<String>() + "every dataset of each: -v\n",
-        false => listings.iter().map(|listing| listing.text(console.verbose)).collect::<Vec<_>>().join("\n"),
+        true => {
+            listings.iter().map(Listing::headline).collect::<String>()
+                + "every dataset of each: -v\n"
+        }
+        false => listings
+            .iter()
+            .map(|listing| listing.text(console.verbose))
+            .collect::<Vec<_>>()
+            .join("\n"),
     };
     Ok(Outcome::shown(json, text).doubted(doubt))
 }
@@ -88,21 +105,35 @@ impl Listing {
             responses: Vec::new(),
             references: Vec::new(),
             axis: None,
-            warnings: vec![one_line(&Error { file: None, ..error.clone() })],
+            warnings: vec![one_line(&Error {
+                file: None,
+                ..error.clone()
+            })],
             datasets: Vec::new(),
             damaged: true,
         }
     }
 
     fn new(mut document: Document, options: &ReadOptions) -> Self {
-        // errors without a dataset of their own are told here; the others stand beside their datasets
+        // errors without a dataset of their own are told here; the others stand beside
+        // their datasets
         let mut warnings = std::mem::take(&mut document.warnings);
         let errors = std::mem::take(&mut document.errors);
         let beside = |error: &Error| {
-            document.datasets.iter().any(|info| error.line.is_some() && info.warnings.iter().any(|w| w.contains(&error.message)))
+            document.datasets.iter().any(|info| {
+                error.line.is_some() && info.warnings.iter().any(|w| w.contains(&error.message))
+            })
         };
-        warnings.extend(errors.iter().filter(|error| !beside(error)).map(|error| one_line(&Error { file: None, ..error.clone() })));
-        document.functions.iter_mut().for_each(|function| function.warnings.clear());
+        warnings.extend(errors.iter().filter(|error| !beside(error)).map(|error| {
+            one_line(&Error {
+                file: None,
+                ..error.clone()
+            })
+        }));
+        document
+            .functions
+            .iter_mut()
+            .for_each(|function| function.warnings.clear());
         let mut listing = Self {
             file: document.file.clone(),
             format: Some(document.format),
@@ -116,7 +147,11 @@ impl Listing {
             datasets: std::mem::take(&mut document.datasets),
             damaged: !errors.is_empty(),
         };
-        let holds_model = document.format == FileFormat::Model || listing.datasets.iter().any(|info| info.name.starts_with("/model/"));
+        let holds_model = document.format == FileFormat::Model
+            || listing
+                .datasets
+                .iter()
+                .any(|info| info.name.starts_with("/model/"));
         match document.format {
             _ if holds_model => listing.add_model(),
             FileFormat::Weights => listing.add_weights(),
@@ -130,8 +165,16 @@ impl Listing {
     fn add_weights(&mut self) {
         match read_weights(&self.file) {
             Ok(weights) => {
-                self.axis = Some(format!("{} Hz, method {}", significant(weights.frequency_hz, 6), weights.method));
-                self.references = weights.weights.iter().map(|weight| weight.reference).collect();
+                self.axis = Some(format!(
+                    "{} Hz, method {}",
+                    significant(weights.frequency_hz, 6),
+                    weights.method
+                ));
+                self.references = weights
+                    .weights
+                    .iter()
+                    .map(|weight| weight.reference)
+                    .collect();
                 self.warnings.extend(weights.warnings);
             }
             Err(error) => self.refuse(&error),
@@ -143,7 +186,11 @@ impl Listing {
             Ok(model) => {
                 self.frf_kind = Some(model.frf_kind);
                 self.nodes = model.nodes.len();
-                self.axis = Some(format!("band {} to {} Hz", significant(model.band_hz[0], 6), significant(model.band_hz[1], 6)));
+                self.axis = Some(format!(
+                    "band {} to {} Hz",
+                    significant(model.band_hz[0], 6),
+                    significant(model.band_hz[1], 6)
+                ));
                 (self.responses, self.references) = (model.responses, model.references);
             }
             Err(error) => self.refuse(&error),
@@ -152,15 +199,28 @@ impl Listing {
 
     /// The FRFs of which headers were read.
     fn add_headers(&mut self) {
-        let frfs: Vec<&DatasetInfo> = self.datasets.iter().filter(|info| info.function.as_deref() == Some("frf")).collect();
+        let frfs: Vec<&DatasetInfo> = self
+            .datasets
+            .iter()
+            .filter(|info| info.function.as_deref() == Some("frf"))
+            .collect();
         let dofs = |name: fn(&DatasetInfo) -> &Option<String>| {
-            let names: BTreeSet<&str> = frfs.iter().filter_map(|info| name(info).as_deref()).collect();
-            let mut dofs: Vec<Dof> = names.into_iter().filter_map(|name| name.parse().ok()).collect();
+            let names: BTreeSet<&str> = frfs
+                .iter()
+                .filter_map(|info| name(info).as_deref())
+                .collect();
+            let mut dofs: Vec<Dof> = names
+                .into_iter()
+                .filter_map(|name| name.parse().ok())
+                .collect();
             dofs.sort_unstable();
             dofs
         };
         let (responses, references) = (dofs(|info| &info.response), dofs(|info| &info.reference));
-        self.frf_kind = frfs.first().and_then(|info| info.frf_kind).filter(|&kind| frfs.iter().all(|info| info.frf_kind == Some(kind)));
+        self.frf_kind = frfs
+            .first()
+            .and_then(|info| info.frf_kind)
+            .filter(|&kind| frfs.iter().all(|info| info.frf_kind == Some(kind)));
         (self.responses, self.references) = (responses, references);
     }
 
@@ -171,26 +231,43 @@ impl Listing {
             Err(error) => return self.refuse(&error),
         };
         let prefix = format!("{}: ", self.file.display());
-        self.warnings.extend(contents.warnings.into_iter().map(|warning| warning.trim_start_matches(&prefix).to_owned()));
+        self.warnings.extend(
+            contents
+                .warnings
+                .into_iter()
+                .map(|warning| warning.trim_start_matches(&prefix).to_owned()),
+        );
         let Some(frf) = contents.frf else { return };
         if frf.kind.is_none() {
-            self.warnings.push("the file does not say its FRF kind; other commands need --frf-kind receptance|mobility|accelerance".into());
+            self.warnings.push(
+                "the file does not say its FRF kind; other commands need --frf-kind \
+                                receptance|mobility|accelerance"
+                    .into(),
+            );
         }
         self.warnings.extend(oddities::of_set(&frf));
         self.warnings.extend(oddities::of_listing(&frf));
         self.axis = axis(&frf);
-        (self.frf_kind, self.responses, self.references) = (frf.kind, frf.responses, frf.references);
+        (self.frf_kind, self.responses, self.references) =
+            (frf.kind, frf.responses, frf.references);
     }
 
     fn refuse(&mut self, error: &Error) {
         self.damaged = true;
-        self.warnings.push(one_line(&Error { file: None, ..error.clone() }));
+        self.warnings.push(one_line(&Error {
+            file: None,
+            ..error.clone()
+        }));
     }
 
-    /// Warnings of the file and of its datasets, with the place; what is said of several datasets is said once, of the first.
+    /// Warnings of the file and of its datasets, with the place; what is said of several
+    /// datasets is said once, of the first.
     fn all_warnings(&self) -> Vec<String> {
         let file = self.file.display();
-        let of_file = self.warnings.iter().map(|warning| format!("{file}: {warning}"));
+        let of_file = self
+            .warnings
+            .iter()
+            .map(|warning| format!("{file}: {warning}"));
         let mut alike: Vec<(&DatasetInfo, &String, usize)> = Vec::new();
         for info in &self.datasets {
             for warning in &info.warnings {
@@ -200,8 +277,16 @@ impl Listing {
                 }
             }
         }
-        let more = |count: usize| if count > 1 { format!(" (and {})", counted(count - 1, "more dataset")) } else { String::new() };
-        let of_datasets = alike.iter().map(|(info, warning, count)| format!("{file}: {}: {warning}{}", place(info), more(*count)));
+        let more = |count: usize| {
+            if count > 1 {
+                format!(" (and {})", counted(count - 1, "more dataset"))
+            } else {
+                String::new()
+            }
+        };
+        let of_datasets = alike.iter().map(|(info, warning, count)| {
+            format!("{file}: {}: {warning}{}", place(info), more(*count))
+        });
         of_file.chain(of_datasets).collect()
     }
 
@@ -221,17 +306,31 @@ impl Listing {
 
     /// The first line of [`Self::text`].
     fn headline(&self) -> String {
-        self.text(false).lines().next().unwrap_or_default().to_owned() + "\n"
+        self.text(false)
+            .lines()
+            .next()
+            .unwrap_or_default()
+            .to_owned()
+            + "\n"
     }
 
     fn text(&self, verbose: bool) -> String {
-        let Some(format) = self.format else { return format!("{}: cannot be read\n", self.file.display()) };
+        let Some(format) = self.format else {
+            return format!("{}: cannot be read\n", self.file.display());
+        };
         let mut parts = vec![format!("{format:?}").to_lowercase()];
         parts.extend(self.frf_kind.map(|kind| kind.to_string()));
-        for (dofs, noun) in [(&self.responses, "response"), (&self.references, "reference")] {
+        for (dofs, noun) in [
+            (&self.responses, "response"),
+            (&self.references, "reference"),
+        ] {
             let names: Vec<String> = dofs.iter().map(ToString::to_string).collect();
             if !names.is_empty() {
-                parts.push(format!("{} ({})", counted(names.len(), noun), shortened(&names, 3)));
+                parts.push(format!(
+                    "{} ({})",
+                    counted(names.len(), noun),
+                    shortened(&names, 3)
+                ));
             }
         }
         parts.extend(self.axis.clone());
@@ -240,14 +339,29 @@ impl Listing {
         if self.datasets.is_empty() {
             return heading;
         }
-        const HEADER: [&str; 9] = ["dataset", "line", "name", "function", "response", "reference", "values", "frequency, Hz", "warnings"];
+        const HEADER: [&str; 9] = [
+            "dataset",
+            "line",
+            "name",
+            "function",
+            "response",
+            "reference",
+            "values",
+            "frequency, Hz",
+            "warnings",
+        ];
         heading + &table(&HEADER, &rows(&self.datasets, verbose))
     }
 }
 
 fn axis(frf: &FrfSet) -> Option<String> {
     let (first, last) = (frf.frequency_hz.first()?, frf.frequency_hz.last()?);
-    Some(format!("{} from {} to {} Hz", counted(frf.frequency_hz.len(), "line"), significant(*first, 6), significant(*last, 6)))
+    Some(format!(
+        "{} from {} to {} Hz",
+        counted(frf.frequency_hz.len(), "line"),
+        significant(*first, 6),
+        significant(*last, 6)
+    ))
 }
 
 /// An error without line breaks.
@@ -256,7 +370,9 @@ fn one_line(error: &Error) -> String {
 }
 
 fn place(info: &DatasetInfo) -> String {
-    let name = info.number.map_or_else(|| info.name.clone(), |number| format!("dataset {number}"));
+    let name = info
+        .number
+        .map_or_else(|| info.name.clone(), |number| format!("dataset {number}"));
     match info.line {
         Some(line) => format!("{name}, line {line}"),
         None => name,
@@ -290,14 +406,21 @@ fn same_sort(a: &DatasetInfo, b: &DatasetInfo) -> bool {
 fn row(info: &DatasetInfo) -> Vec<String> {
     let text = |value: &Option<String>| value.clone().unwrap_or_default();
     vec![
-        info.number.map(|number| number.to_string()).unwrap_or_default(),
+        info.number
+            .map(|number| number.to_string())
+            .unwrap_or_default(),
         info.line.map(|line| line.to_string()).unwrap_or_default(),
         info.name.clone(),
         text(&info.function),
         text(&info.response),
         text(&info.reference),
-        info.values.or(info.nodes).map(|count| count.to_string()).unwrap_or_default(),
-        info.frequency_hz.map(|hz| significant(hz, 6)).unwrap_or_default(),
+        info.values
+            .or(info.nodes)
+            .map(|count| count.to_string())
+            .unwrap_or_default(),
+        info.frequency_hz
+            .map(|hz| significant(hz, 6))
+            .unwrap_or_default(),
         match info.warnings.as_slice() {
             [] => String::new(),
             warnings => counted(warnings.len(), "warning"),

@@ -1,4 +1,5 @@
-//! Reading: the options that all commands share which read FRFs, and the files behind a result.
+//! Reading: the options that all commands share which read FRFs, and the files behind a
+//! result.
 
 use crate::console::Console;
 use crate::oddities;
@@ -21,8 +22,14 @@ pub struct Reading {
     #[arg(long, value_name = "SIGN", allow_hyphen_values = true,
         value_parser = PossibleValuesParser::new(["+", "-"]).try_map(|text| text.parse::<TimeSign>()))]
     pub time_sign: Option<TimeSign>,
-    /// Reference node of files that hold one reference: one for all files, or one for each, in their order
-    #[arg(long, value_name = "N", value_delimiter = ',', allow_negative_numbers = true)]
+    /// Reference node of files that hold one reference: one for all files, or one for
+    /// each, in their order
+    #[arg(
+        long,
+        value_name = "N",
+        value_delimiter = ',',
+        allow_negative_numbers = true
+    )]
     pub reference: Vec<u64>,
     /// Where the arrays of a foreign HDF5 file are: frf=/data/H,freq=/data/f
     #[arg(long, value_name = "NAME=PATH", value_delimiter = ',', value_parser = parse_map)]
@@ -30,7 +37,8 @@ pub struct Reading {
     /// What to do with a pair (response, reference) that occurs twice
     #[arg(long, value_name = "WHICH", value_parser = PossibleValuesParser::new(["error", "first", "last", "mean"]).map(duplicates))]
     pub duplicates: Option<Duplicates>,
-    /// Take the exact line spacing that the six printed digits of a universal file stand for
+    /// Take the exact line spacing that the six printed digits of a universal file stand
+    /// for
     #[arg(long)]
     pub snap_df: bool,
     /// Mask or leave out what cannot be read instead of refusing the file
@@ -40,7 +48,9 @@ pub struct Reading {
 
 fn parse_map(text: &str) -> std::result::Result<(String, String), String> {
     match text.split_once('=') {
-        Some((name, path)) if !name.trim().is_empty() && !path.trim().is_empty() => Ok((name.trim().into(), path.trim().into())),
+        Some((name, path)) if !name.trim().is_empty() && !path.trim().is_empty() => {
+            Ok((name.trim().into(), path.trim().into()))
+        }
         _ => Err("no entry NAME=PATH, as in frf=/data/H,freq=/data/f".into()),
     }
 }
@@ -68,7 +78,8 @@ impl Reading {
         }
     }
 
-    /// The options that were given, for the result's `options`: each can change what is read.
+    /// The options that were given, for the result's `options`: each can change what is
+    /// read.
     pub fn echo(&self, options: &mut Map<String, Value>) {
         let mut add = |name: &str, value: Value| drop(options.insert(name.to_owned(), value));
         if let Some(kind) = self.frf_kind {
@@ -81,7 +92,14 @@ impl Reading {
             add("reference", self.reference.clone().into());
         }
         if !self.map.is_empty() {
-            add("map", self.map.iter().map(|(name, path)| (name.clone(), path.clone().into())).collect::<Map<_, _>>().into());
+            add(
+                "map",
+                self.map
+                    .iter()
+                    .map(|(name, path)| (name.clone(), path.clone().into()))
+                    .collect::<Map<_, _>>()
+                    .into(),
+            );
         }
         if let Some(which) = self.duplicates {
             add("duplicates", format!("{which:?}").to_lowercase().into());
@@ -97,10 +115,18 @@ impl Reading {
     pub fn flags(&self) -> Vec<String> {
         let mut echoed = Map::new();
         self.echo(&mut echoed);
-        let plain = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+        let plain = |value: &Value| {
+            value
+                .as_str()
+                .map_or_else(|| value.to_string(), str::to_owned)
+        };
         let words = |value: &Value| match value {
             Value::Array(list) => list.iter().map(plain).collect::<Vec<_>>().join(","),
-            Value::Object(map) => map.iter().map(|(name, path)| format!("{name}={}", plain(path))).collect::<Vec<_>>().join(","),
+            Value::Object(map) => map
+                .iter()
+                .map(|(name, path)| format!("{name}={}", plain(path)))
+                .collect::<Vec<_>>()
+                .join(","),
             other => plain(other),
         };
         let flag = |(name, value): (&String, &Value)| match value {
@@ -114,12 +140,24 @@ impl Reading {
     pub fn from_echo(options: &Map<String, Value>) -> Self {
         let text = |name: &str| options.get(name).and_then(Value::as_str);
         let given = |name: &str| options.get(name).and_then(Value::as_bool).unwrap_or(false);
-        let map = options.get("map").and_then(Value::as_object).into_iter().flatten();
+        let map = options
+            .get("map")
+            .and_then(Value::as_object)
+            .into_iter()
+            .flatten();
         Self {
             frf_kind: text("frf_kind").and_then(|kind| kind.parse().ok()),
             time_sign: text("time_sign").and_then(|sign| sign.parse().ok()),
-            reference: options.get("reference").and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_u64).collect(),
-            map: map.filter_map(|(name, path)| Some((name.clone(), path.as_str()?.to_owned()))).collect(),
+            reference: options
+                .get("reference")
+                .and_then(Value::as_array)
+                .into_iter()
+                .flatten()
+                .filter_map(Value::as_u64)
+                .collect(),
+            map: map
+                .filter_map(|(name, path)| Some((name.clone(), path.as_str()?.to_owned())))
+                .collect(),
             duplicates: text("duplicates").map(|name| duplicates(name.to_owned())),
             snap_df: given("snap_df"),
             lenient: given("lenient"),
@@ -127,7 +165,8 @@ impl Reading {
     }
 }
 
-/// The files behind paths, folders and patterns; what a folder holds besides is named in a warning.
+/// The files behind paths, folders and patterns; what a folder holds besides is named in
+/// a warning.
 ///
 /// # Errors
 /// Those of [`io::expand_paths`].
@@ -141,7 +180,11 @@ pub fn expand(paths: &[PathBuf], console: &Console) -> Result<Vec<PathBuf>> {
 ///
 /// # Errors
 /// Those of reading; [`chladni_frf::ErrorKind::UnknownFrfKind`].
-pub fn read_frf(files: &[PathBuf], reading: &Reading, console: &Console) -> Result<(FrfSet, Vec<Source>)> {
+pub fn read_frf(
+    files: &[PathBuf],
+    reading: &Reading,
+    console: &Console,
+) -> Result<(FrfSet, Vec<Source>)> {
     console.stage("reading FRFs");
     let (frf, sources, warnings) = io::read_frf(files, &reading.options())?;
     warn_of_files(files, warnings, console);
@@ -150,17 +193,27 @@ pub fn read_frf(files: &[PathBuf], reading: &Reading, console: &Console) -> Resu
     Ok((frf, sources))
 }
 
-/// Warnings about files, which they name without their folders: results are the same wherever the files lie.
+/// Warnings about files, which they name without their folders: results are the same
+/// wherever the files lie.
 pub fn warn_of_files(files: &[PathBuf], warnings: Vec<String>, console: &Console) {
     let folders: Vec<String> = files
         .iter()
-        .flat_map(|file| [Some(file.as_path()).filter(|file| file.is_dir()), file.parent()])
+        .flat_map(|file| {
+            [
+                Some(file.as_path()).filter(|file| file.is_dir()),
+                file.parent(),
+            ]
+        })
         .flatten()
         .map(|folder| format!("{}/", folder.display().to_string().trim_end_matches('/')))
         .filter(|folder| folder.len() > 1)
         .collect();
     for warning in warnings {
-        console.warn(folders.iter().fold(warning, |warning, folder| warning.replace(folder, "")));
+        console.warn(
+            folders
+                .iter()
+                .fold(warning, |warning, folder| warning.replace(folder, "")),
+        );
     }
 }
 
@@ -169,7 +222,10 @@ pub fn warn_of_files(files: &[PathBuf], warnings: Vec<String>, console: &Console
 /// # Errors
 /// Those of reading.
 pub fn source(path: &Path) -> Result<Source> {
-    Ok(Source { file: io::file_name(path), sha256: io::sha256_of(path)? })
+    Ok(Source {
+        file: io::file_name(path),
+        sha256: io::sha256_of(path)?,
+    })
 }
 
 /// The model in a file; `None` where it holds measured data instead.
@@ -178,18 +234,24 @@ pub fn source(path: &Path) -> Result<Source> {
 /// Those of reading; a weights file.
 pub fn model_of(file: &Path) -> Result<Option<ModalModel>> {
     match detect_format(file)? {
-        FileFormat::Uff | FileFormat::Csv | FileFormat::Matlab | FileFormat::Numpy | FileFormat::Wav => Ok(None),
+        FileFormat::Uff
+        | FileFormat::Csv
+        | FileFormat::Matlab
+        | FileFormat::Numpy
+        | FileFormat::Wav => Ok(None),
         FileFormat::Model => io::read_model(file).map(Some),
         FileFormat::Hdf5 => match io::read_model(file) {
             Ok(model) => Ok(Some(model)),
             Err(error) if error.field.as_deref() == Some("/model") => Ok(None),
             Err(error) => Err(error),
         },
-        FileFormat::Weights => Err(Error::bad_data("weights are neither measured data nor a model")
-            .file(file)
-            .found("a weights file")
-            .expected("FRFs or a model")
-            .help("give the data or the model that the weights belong to")),
+        FileFormat::Weights => Err(Error::bad_data(
+            "weights are neither measured data nor a model",
+        )
+        .file(file)
+        .found("a weights file")
+        .expected("FRFs or a model")
+        .help("give the data or the model that the weights belong to")),
     }
 }
 

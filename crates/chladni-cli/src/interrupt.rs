@@ -1,4 +1,5 @@
-//! Ctrl-C and termination: an interrupted run leaves no half-written file and no temporary one.
+//! Ctrl-C and termination: an interrupted run leaves no half-written file and no
+//! temporary one.
 
 use crate::outcome::print_error;
 use chladni_frf::{Error, ErrorKind};
@@ -12,12 +13,17 @@ static PRINTING: AtomicBool = AtomicBool::new(false);
 
 /// Ends the process on Ctrl-C and on termination.
 ///
-/// Signals that are ignored already (background jobs, `nohup`) stay ignored, hence `try_` and no error.
+/// Signals that are ignored already (background jobs, `nohup`) stay ignored, hence `try_`
+/// and no error.
 pub fn install(json: bool) {
     let _ = ctrlc::try_set_handler(move || {
-        // a file in the making is finished first: it takes moments, and leaves nothing behind
+        // a file in the making is finished first: it takes moments, and leaves nothing
+        // behind
         let _whole = WRITING.lock();
-        let error = Error::new(ErrorKind::Interrupted, "interrupted; nothing half-written was left behind");
+        let error = Error::new(
+            ErrorKind::Interrupted,
+            "interrupted; nothing half-written was left behind",
+        );
         eprintln!("\nerror: {error}");
         if json && !PRINTING.load(Ordering::SeqCst) {
             print_error(&error);

@@ -1,4 +1,5 @@
-//! The command line of Chladni: arguments, progress, messages, exit codes. One file per command; no arithmetic here.
+//! The command line of Chladni: arguments, progress, messages, exit codes. One file per
+//! command; no arithmetic here.
 
 // the error carries file, line, field and advice; it is built once, where a run ends
 
@@ -55,8 +56,14 @@ fn main() -> ExitCode {
 
 fn run(command: &Command, common: &Common, console: &Console) -> Result<Outcome> {
     if let Some(threads) = common.threads {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
-        pool.map_err(|error| Error::new(ErrorKind::Internal, error.to_string()).field("--threads").found(threads))?;
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads.into())
+            .build_global();
+        pool.map_err(|error| {
+            Error::new(ErrorKind::Internal, error.to_string())
+                .field("--threads")
+                .found(threads)
+        })?;
     }
     match command {
         Command::Demo(args) => demo::run(args, console),

@@ -7,7 +7,11 @@ pub const MEMORY: &str = "2G";
 pub fn parse_memory(text: &str) -> std::result::Result<u64, String> {
     let wrong = || "no size such as 500M or 2G".to_owned();
     let number = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
-    let power = match text[number.len()..].to_ascii_lowercase().trim_end_matches('b').trim_end_matches('i') {
+    let power = match text[number.len()..]
+        .to_ascii_lowercase()
+        .trim_end_matches('b')
+        .trim_end_matches('i')
+    {
         "" => 0,
         "k" => 1,
         "m" => 2,
@@ -29,7 +33,14 @@ mod tests {
 
     #[test]
     fn sizes_are_read() {
-        for (text, bytes) in [("10", 10), ("1K", 1024), ("2G", 2 << 30), ("2GiB", 2 << 30), ("1.5m", 3 << 19), ("3kb", 3072)] {
+        for (text, bytes) in [
+            ("10", 10),
+            ("1K", 1024),
+            ("2G", 2 << 30),
+            ("2GiB", 2 << 30),
+            ("1.5m", 3 << 19),
+            ("3kb", 3072),
+        ] {
             assert_eq!(parse_memory(text), Ok(bytes), "{text}");
         }
         for text in ["", "G", "-1", "1X", "nan", "1e99", "0"] {

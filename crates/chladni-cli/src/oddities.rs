@@ -1,20 +1,25 @@
-//! What is odd about a set of FRFs although every number in it can be read. What only a fit can tell is in `chladni-rfp` (faults).
+//! What is odd about a set of FRFs although every number in it can be read. What only a
+//! fit can tell is in `chladni-rfp` (faults).
 
 use crate::table::counted;
 use chladni_frf::{driving_point_faults, Dof, FrfSet};
 use num_complex::Complex64;
 
-/// No test of a structure that fits on a table ends so low, Hz; one whose kHz are called Hz does.
+/// No test of a structure that fits on a table ends so low, Hz; one whose kHz are called
+/// Hz does.
 const LOWEST_END_HZ: f64 = 5.0;
 /// ... if it has so many lines.
 const LINES_OF_A_TEST: usize = 50;
-/// A part (real or imaginary) that stays at its largest value over so many lines in a row is clipped: noise and resonance curves do not
-/// repeat a number.
+/// A part (real or imaginary) that stays at its largest value over so many lines in a row
+/// is clipped: noise and resonance curves do not repeat a number.
 const CLIPPED_LINES: usize = 5;
 
 /// Oddities that matter to every command.
 pub fn of_set(frf: &FrfSet) -> Vec<String> {
-    [kilohertz(frf), clipped(frf), directions(frf)].into_iter().flatten().collect()
+    [kilohertz(frf), clipped(frf), directions(frf)]
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
 /// What may well be meant, and how to tell: for who asks what is inside.
@@ -28,19 +33,28 @@ pub fn of_listing(frf: &FrfSet) -> Vec<String> {
         )
     });
     // commands that fit say the same of the fitted model, and better
-    swapped.into_iter().chain(driving_point_faults(frf)).collect()
+    swapped
+        .into_iter()
+        .chain(driving_point_faults(frf))
+        .collect()
 }
 
 fn kilohertz(frf: &FrfSet) -> Option<String> {
     let last = *frf.frequency_hz.last()?;
     (last < LOWEST_END_HZ && frf.frequency_hz.len() >= LINES_OF_A_TEST).then(|| {
-        format!("the frequency axis ends at {last} Hz: is it in kHz? natural frequencies come out a thousand times too low then; correct the axis or its unit")
+        format!(
+            "the frequency axis ends at {last} Hz: is it in kHz? natural frequencies come out \
+                 a thousand times too low then; correct the axis or its unit"
+        )
     })
 }
 
 fn clipped(frf: &FrfSet) -> Option<String> {
-    let pairs = (0..frf.responses.len()).flat_map(|i| (0..frf.references.len()).map(move |j| (i, j)));
-    let found: Vec<(usize, usize)> = pairs.filter(|&(i, j)| is_clipped(frf.values.frf(i, j).as_slice().unwrap_or(&[]))).collect();
+    let pairs =
+        (0..frf.responses.len()).flat_map(|i| (0..frf.references.len()).map(move |j| (i, j)));
+    let found: Vec<(usize, usize)> = pairs
+        .filter(|&(i, j)| is_clipped(frf.values.frf(i, j).as_slice().unwrap_or(&[])))
+        .collect();
     let &(i, j) = found.first()?;
     Some(format!(
         "clipped: {} of {} FRFs stay at their largest value over {CLIPPED_LINES} lines or more, the first of them ({}, {}); an overloaded \
@@ -53,7 +67,12 @@ fn clipped(frf: &FrfSet) -> Option<String> {
 }
 
 fn is_clipped(values: &[Complex64]) -> bool {
-    [|value: &Complex64| value.re.abs(), |value: &Complex64| value.im.abs()].into_iter().any(|part| {
+    [
+        |value: &Complex64| value.re.abs(),
+        |value: &Complex64| value.im.abs(),
+    ]
+    .into_iter()
+    .any(|part| {
         let largest = values.iter().map(part).fold(0.0, f64::max);
         let mut run = 0;
         largest > 0.0
@@ -67,14 +86,30 @@ fn is_clipped(values: &[Complex64]) -> bool {
 fn directions(frf: &FrfSet) -> Option<String> {
     let mut axes: Vec<(Dof, usize)> = Vec::new();
     for &dof in &frf.responses {
-        match axes.iter_mut().find(|(known, _)| known.direction.axis() == dof.direction.axis()) {
+        match axes
+            .iter_mut()
+            .find(|(known, _)| known.direction.axis() == dof.direction.axis())
+        {
             Some((_, count)) => *count += 1,
             None => axes.push((dof, 1)),
         }
     }
-    let names: Vec<String> =
-        axes.iter().map(|(dof, count)| format!("{} along {}", counted(*count, "response"), dof.direction.axis())).collect();
-    (axes.len() > 1).then(|| format!("mixed axes: {}; maps show the most frequent one, scenes judge +Z alone", names.join(", ")))
+    let names: Vec<String> = axes
+        .iter()
+        .map(|(dof, count)| {
+            format!(
+                "{} along {}",
+                counted(*count, "response"),
+                dof.direction.axis()
+            )
+        })
+        .collect();
+    (axes.len() > 1).then(|| {
+        format!(
+            "mixed axes: {}; maps show the most frequent one, scenes judge +Z alone",
+            names.join(", ")
+        )
+    })
 }
 
 #[cfg(test)]
@@ -83,9 +118,19 @@ mod tests {
 
     #[test]
     fn a_plateau_at_the_largest_value_is_clipped_and_a_peak_is_not() {
-        let peak: Vec<Complex64> = (0..60).map(|k| Complex64::new(0.1, -1.0 / (1.0 + (f64::from(k) - 30.0).powi(2) / 40.0))).collect();
-        assert!(!is_clipped(&peak.iter().map(|value| value + Complex64::new(1e-6 * value.im, 0.0)).collect::<Vec<_>>()));
-        let flat: Vec<Complex64> = peak.iter().map(|value| Complex64::new(1e-3 * value.im, value.im.max(-0.7))).collect();
+        let peak: Vec<Complex64> = (0..60)
+            .map(|k| Complex64::new(0.1, -1.0 / (1.0 + (f64::from(k) - 30.0).powi(2) / 40.0)))
+            .collect();
+        assert!(!is_clipped(
+            &peak
+                .iter()
+                .map(|value| value + Complex64::new(1e-6 * value.im, 0.0))
+                .collect::<Vec<_>>()
+        ));
+        let flat: Vec<Complex64> = peak
+            .iter()
+            .map(|value| Complex64::new(1e-3 * value.im, value.im.max(-0.7)))
+            .collect();
         assert!(is_clipped(&flat));
         assert!(!is_clipped(&vec![Complex64::ZERO; 60]));
     }

@@ -27,12 +27,22 @@ pub struct Outcome {
 impl Outcome {
     /// A result whose only place is stdout.
     pub fn shown(json: Value, text: String) -> Self {
-        Self { json, text, output: None, doubt: None }
+        Self {
+            json,
+            text,
+            output: None,
+            doubt: None,
+        }
     }
 
     /// A result that was written to `output`.
     pub fn written(output: &Path, json: Value, text: String) -> Self {
-        Self { json, text, output: Some(output.to_path_buf()), doubt: None }
+        Self {
+            json,
+            text,
+            output: Some(output.to_path_buf()),
+            doubt: None,
+        }
     }
 
     /// The same with a doubt.
@@ -54,9 +64,16 @@ pub fn without_panic(work: impl FnOnce() -> Result<Outcome>) -> Result<Outcome> 
     let result = panic::catch_unwind(AssertUnwindSafe(work));
     drop(panic::take_hook());
     result.unwrap_or_else(|payload| {
-        let message = payload.downcast_ref::<String>().cloned().or_else(|| payload.downcast_ref::<&str>().map(ToString::to_string));
+        let message = payload
+            .downcast_ref::<String>()
+            .cloned()
+            .or_else(|| payload.downcast_ref::<&str>().map(ToString::to_string));
         let place = place.lock().map(|place| place.clone()).unwrap_or_default();
-        Err(Error::new(ErrorKind::Internal, format!("internal error: {}", message.unwrap_or_default())).found(place))
+        Err(Error::new(
+            ErrorKind::Internal,
+            format!("internal error: {}", message.unwrap_or_default()),
+        )
+        .found(place))
     })
 }
 
@@ -69,7 +86,9 @@ pub fn report(result: Result<Outcome>, console: &Console) -> ExitCode {
     });
     match printed {
         Ok(Outcome { doubt: None, .. }) => ExitCode::SUCCESS,
-        Ok(Outcome { doubt: Some(doubt), .. }) => {
+        Ok(Outcome {
+            doubt: Some(doubt), ..
+        }) => {
             console.error(&doubt);
             ExitCode::from(DOUBTED)
         }
@@ -115,9 +134,10 @@ pub fn print_error(error: &Error) {
 
 fn with_advice(error: Error) -> Error {
     match (error.kind, &error.help) {
-        (ErrorKind::Internal, None) => {
-            error.help("this is a bug of chladni, not of your data: please report it with the command and the input")
-        }
+        (ErrorKind::Internal, None) => error.help(
+            "this is a bug of chladni, not of your data: please report it with the \
+                        command and the input",
+        ),
         _ => error,
     }
 }
@@ -131,12 +151,16 @@ pub fn print_line(text: &str) -> Result<()> {
 fn to_stdout(text: &str) -> Result<()> {
     interrupt::printing();
     let mut stdout = io::stdout().lock();
-    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(Error::new(ErrorKind::Io, format!("cannot write to stdout: {error}"))
-                .file("stdout")
-                .help("free some space or write elsewhere"))
-        }
+    match stdout
+        .write_all(text.as_bytes())
+        .and_then(|()| stdout.flush())
+    {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(Error::new(
+            ErrorKind::Io,
+            format!("cannot write to stdout: {error}"),
+        )
+        .file("stdout")
+        .help("free some space or write elsewhere")),
         _ => Ok(()),
     }
 }
@@ -147,7 +171,9 @@ mod tests {
 
     #[test]
     fn a_panic_becomes_an_internal_error_with_its_place() {
-        let error = without_panic(|| panic!("broken promise {}", 7)).err().unwrap();
+        let error = without_panic(|| panic!("broken promise {}", 7))
+            .err()
+            .unwrap();
         assert_eq!(error.kind.exit_code(), 70);
         assert!(error.message.contains("broken promise 7"), "{error}");
         assert!(error.found.unwrap().contains("outcome.rs"));

@@ -7,13 +7,19 @@ use chladni_frf::{Error, ErrorKind, Result};
 use std::path::{Path, PathBuf};
 
 /// Extensions of FRF files.
-pub const FRF: &[&str] = &["h5", "hdf5", "npz", "uff", "ufb", "bunv", "unv", "uf", "csv", "txt"];
+pub const FRF: &[&str] = &[
+    "h5", "hdf5", "npz", "uff", "ufb", "bunv", "unv", "uf", "csv", "txt",
+];
 /// Extensions of what `convert` writes of measured data.
-pub const DATA: &[&str] = &["h5", "hdf5", "npz", "uff", "ufb", "bunv", "unv", "uf", "csv", "txt", "vtu", "pvd"];
+pub const DATA: &[&str] = &[
+    "h5", "hdf5", "npz", "uff", "ufb", "bunv", "unv", "uf", "csv", "txt", "vtu", "pvd",
+];
 /// Extensions of shapes and fields.
 pub const SHAPES: &[&str] = &["unv", "uff", "ufb", "bunv", "uf", "vtu", "pvd"];
 /// Extensions of what `convert` writes of a model.
-pub const MODEL_OR_SHAPES: &[&str] = &["json", "h5", "hdf5", "unv", "uff", "ufb", "bunv", "uf", "vtu", "pvd"];
+pub const MODEL_OR_SHAPES: &[&str] = &[
+    "json", "h5", "hdf5", "unv", "uff", "ufb", "bunv", "uf", "vtu", "pvd",
+];
 /// Extensions of model files.
 pub const MODEL: &[&str] = &["json", "h5", "hdf5"];
 /// Extensions of what is left of blocks of FRFs.
@@ -43,12 +49,19 @@ pub fn make_folder(folder: &Path) -> Result<()> {
         return Ok(());
     }
     std::fs::create_dir(folder).map_err(|error| {
-        Error::new(ErrorKind::CannotCreate, format!("cannot create the folder: {error}"))
-            .file(folder)
-            .field("-o")
-            .found(if folder.exists() { "a file of that name" } else { "nothing" })
-            .expected("a new or existing folder inside an existing one")
-            .help("choose another folder with -o")
+        Error::new(
+            ErrorKind::CannotCreate,
+            format!("cannot create the folder: {error}"),
+        )
+        .file(folder)
+        .field("-o")
+        .found(if folder.exists() {
+            "a file of that name"
+        } else {
+            "nothing"
+        })
+        .expected("a new or existing folder inside an existing one")
+        .help("choose another folder with -o")
     })
 }
 
@@ -59,27 +72,48 @@ pub struct Output<'a> {
 }
 
 impl<'a> Output<'a> {
-    /// Checks extension, folder and an existing file, so that hours of work do not end in a refusal.
+    /// Checks extension, folder and an existing file, so that hours of work do not end in
+    /// a refusal.
     ///
     /// # Errors
-    /// [`ErrorKind::Usage`] for an unknown extension, [`ErrorKind::CannotCreate`] for everything else.
-    pub fn new(path: &'a Path, extensions: &[&str], inputs: &[PathBuf], console: &Console) -> Result<Self> {
-        let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
+    /// [`ErrorKind::Usage`] for an unknown extension, [`ErrorKind::CannotCreate`] for
+    /// everything else.
+    pub fn new(
+        path: &'a Path,
+        extensions: &[&str],
+        inputs: &[PathBuf],
+        console: &Console,
+    ) -> Result<Self> {
+        let extension = path
+            .extension()
+            .map(|extension| extension.to_string_lossy().to_ascii_lowercase())
+            .unwrap_or_default();
         if !extensions.contains(&extension.as_str()) {
             let known: Vec<String> = extensions.iter().map(|known| format!(".{known}")).collect();
-            return Err(Error::new(ErrorKind::Usage, "the extension of the output names no format that can be written")
-                .file(path)
-                .field("-o")
-                .found(if extension.is_empty() { "none".into() } else { format!(".{extension}") })
-                .expected(known.join(", "))
-                .help("the extension of -o decides the format"));
+            return Err(Error::new(
+                ErrorKind::Usage,
+                "the extension of the output names no format that can be written",
+            )
+            .file(path)
+            .field("-o")
+            .found(if extension.is_empty() {
+                "none".into()
+            } else {
+                format!(".{extension}")
+            })
+            .expected(known.join(", "))
+            .help("the extension of -o decides the format"));
         }
         refuse_output_among_inputs(path, inputs)?;
         refuse_place(path, console.force)?;
-        Ok(Self { path, force: console.force })
+        Ok(Self {
+            path,
+            force: console.force,
+        })
     }
 
-    /// Writes by `write(path, force)`, to its end even where an interruption comes between.
+    /// Writes by `write(path, force)`, to its end even where an interruption comes
+    /// between.
     ///
     /// # Errors
     /// Those of `write`.
@@ -90,7 +124,12 @@ impl<'a> Output<'a> {
 
 fn refuse_place(path: &Path, force: bool) -> Result<()> {
     let refuse = |message: &str, found: &str, expected: &str, help: &str| {
-        Err(Error::new(ErrorKind::CannotCreate, message).file(path).field("-o").found(found).expected(expected).help(help))
+        Err(Error::new(ErrorKind::CannotCreate, message)
+            .file(path)
+            .field("-o")
+            .found(found)
+            .expected(expected)
+            .help(help))
     };
     if path.is_dir() {
         return refuse(
@@ -108,7 +147,9 @@ fn refuse_place(path: &Path, force: bool) -> Result<()> {
             "choose another name with -o, or overwrite it with --force",
         );
     }
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let folder = path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
     if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
         let found = if folder.exists() { "a file" } else { "nothing" };
         return refuse(

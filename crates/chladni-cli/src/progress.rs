@@ -38,10 +38,15 @@ impl Progress {
         let display = match choice {
             _ if quiet => Display::None,
             ProgressChoice::Plain => Display::Plain,
-            ProgressChoice::Auto if std::io::stderr().is_terminal() && !dumb => Display::Bar(new_bar()),
+            ProgressChoice::Auto if std::io::stderr().is_terminal() && !dumb => {
+                Display::Bar(new_bar())
+            }
             ProgressChoice::Auto | ProgressChoice::None => Display::None,
         };
-        Self { display, course: Mutex::default() }
+        Self {
+            display,
+            course: Mutex::default(),
+        }
     }
 
     fn course(&self) -> MutexGuard<'_, Course> {
@@ -63,11 +68,16 @@ impl Progress {
         }
     }
 
-    /// How far the stage is, 0 to 1, and how long it will still take; without a bar it is said at every tenth.
+    /// How far the stage is, 0 to 1, and how long it will still take; without a bar it is
+    /// said at every tenth.
     pub fn so_far(&self, done: f64, left: Duration) {
         let mut course = self.course();
         let stage = course.stages.last().map_or("", |(name, _)| name.as_str());
-        let words = format!("{stage}: {:.0} %, {} s left", 100.0 * done, left.as_secs_f64().ceil());
+        let words = format!(
+            "{stage}: {:.0} %, {} s left",
+            100.0 * done,
+            left.as_secs_f64().ceil()
+        );
         match &self.display {
             Display::Bar(bar) => bar.set_message(words),
             Display::Plain if (10.0 * done + ROUNDING).floor() > course.tenths => {
@@ -110,6 +120,7 @@ impl Progress {
 }
 
 fn new_bar() -> ProgressBar {
-    let style = ProgressStyle::with_template("{spinner} {msg} [{elapsed}]").unwrap_or_else(|_| ProgressStyle::default_spinner());
+    let style = ProgressStyle::with_template("{spinner} {msg} [{elapsed}]")
+        .unwrap_or_else(|_| ProgressStyle::default_spinner());
     ProgressBar::new_spinner().with_style(style)
 }

@@ -9,8 +9,8 @@ use crate::table::{counted, significant};
 use chladni_frf::io::{read_model, write_atomically};
 use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result, Source};
 use chladni_render::{
-    render_with_others, signal_csv, stress, sweep, wav, Count, MethodChoice, RenderOptions, Rendering, Scene, SignalOptions, StressOptions,
-    Weights,
+    render_with_others, signal_csv, stress, sweep, wav, Count, MethodChoice, RenderOptions,
+    Rendering, Scene, SignalOptions, StressOptions, Weights,
 };
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{json, Map, Value};
@@ -40,17 +40,19 @@ pub struct Args {
     #[arg(long, value_name = "METHOD", default_value = "default", value_parser = PossibleValuesParser::new(MethodChoice::names())
         .try_map(|name| name.parse::<MethodChoice>()))]
     method: MethodChoice,
-    /// Modes to sum: all, as few as the scene needs, or so many; the others are folded into residual terms
+    /// Modes to sum: all, as few as the scene needs, or so many; the others are folded
+    /// into residual terms
     #[arg(long, value_name = "all|auto|N", default_value = "all")]
     modes: Count,
     /// Actuators to use: all, as few as the scene needs, or so many
     #[arg(long, value_name = "all|auto|N", default_value = "all")]
     actuators: Count,
-    /// Other scenes that the actuators chosen by `--actuators auto` (or N) must serve too; each of the scenes rendered with the rest beside it
-    /// gets the same actuators
+    /// Other scenes that the actuators chosen by `--actuators auto` (or N) must serve
+    /// too; each of the scenes rendered with the rest beside it gets the same actuators
     #[arg(long, value_name = "SCENE.toml", num_args = 1..)]
     also: Vec<PathBuf>,
-    /// Measured FRFs whose line at the drive frequency judges `--modes auto`; without them the whole model does
+    /// Measured FRFs whose line at the drive frequency judges `--modes auto`; without
+    /// them the whole model does
     #[arg(long, value_name = "FRF", num_args = 1..)]
     measured: Vec<PathBuf>,
     /// Try the weights on a panel that errs, drifts, is touched, loses an actuator
@@ -59,7 +61,8 @@ pub struct Args {
     /// Try other drive frequencies and suggest the best, Hz
     #[arg(long, value_name = "LO:HI", value_parser = parse_range)]
     sweep: Option<[f64; 2]>,
-    /// Drive signals to write: .wav (32-bit float, one channel per actuator) or .csv (amplitude and phase)
+    /// Drive signals to write: .wav (32-bit float, one channel per actuator) or .csv
+    /// (amplitude and phase)
     #[arg(long, value_name = "FILE")]
     wav: Option<PathBuf>,
     /// Seed of the stress table's draws
@@ -70,7 +73,10 @@ pub struct Args {
 }
 
 fn parse_range(text: &str) -> std::result::Result<[f64; 2], String> {
-    let ends: Option<Vec<f64>> = text.split(':').map(|end| end.trim().parse().ok().filter(|hz: &f64| hz.is_finite())).collect();
+    let ends: Option<Vec<f64>> = text
+        .split(':')
+        .map(|end| end.trim().parse().ok().filter(|hz: &f64| hz.is_finite()))
+        .collect();
     match ends.as_deref() {
         Some(&[low, high]) => Ok([low, high]),
         _ => Err("no range LO:HI, as in 250:350".into()),
@@ -80,17 +86,35 @@ fn parse_range(text: &str) -> std::result::Result<[f64; 2], String> {
 /// Runs the command.
 ///
 /// # Errors
-/// Those of reading and writing, and of a scene that does not fit the model. A scene that cannot be met is a result.
+/// Those of reading and writing, and of a scene that does not fit the model. A scene that
+/// cannot be met is a result.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let inputs = [args.model.clone(), args.scene.clone()];
-    let output = args.output.as_deref().map(|path| Output::new(path, WEIGHTS, &inputs, console)).transpose()?;
-    let signals = args.wav.as_deref().map(|path| Output::new(path, SIGNALS, &inputs, console)).transpose()?;
+    let output = args
+        .output
+        .as_deref()
+        .map(|path| Output::new(path, WEIGHTS, &inputs, console))
+        .transpose()?;
+    let signals = args
+        .wav
+        .as_deref()
+        .map(|path| Output::new(path, SIGNALS, &inputs, console))
+        .transpose()?;
     console.stage("reading");
     let model = read_model(&args.model)?;
     let scene = Scene::read(&args.scene)?;
-    let others = args.also.iter().map(|file| Scene::read(file)).collect::<Result<Vec<_>>>()?;
+    let others = args
+        .also
+        .iter()
+        .map(|file| Scene::read(file))
+        .collect::<Result<Vec<_>>>()?;
     let mut sources = vec![source(&args.model)?, source(&args.scene)?];
-    sources.extend(args.also.iter().map(|file| source(file)).collect::<Result<Vec<_>>>()?);
+    sources.extend(
+        args.also
+            .iter()
+            .map(|file| source(file))
+            .collect::<Result<Vec<_>>>()?,
+    );
     let measured = match args.measured.is_empty() {
         true => None,
         false => {
@@ -101,15 +125,26 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     };
 
     console.stage("rendering");
-    let options = RenderOptions { method: args.method, modes: args.modes, actuators: args.actuators, ..RenderOptions::default() };
-    let rendered = render_with_others(&model, &scene, &others, &options, measured.as_ref()).map_err(|error| of_scene(error, &scene))?;
+    let options = RenderOptions {
+        method: args.method,
+        modes: args.modes,
+        actuators: args.actuators,
+        ..RenderOptions::default()
+    };
+    let rendered = render_with_others(&model, &scene, &others, &options, measured.as_ref())
+        .map_err(|error| of_scene(error, &scene))?;
     let mut weights = rendered.weights;
     weights.source = sources;
     if !others.is_empty() {
-        weights.options.insert("also".into(), others.iter().map(Scene::name).collect());
+        weights
+            .options
+            .insert("also".into(), others.iter().map(Scene::name).collect());
     }
     args.reading.echo(&mut weights.options);
-    let trials = Trials { stress_seed: args.stress.then_some(args.seed), sweep_hz: args.sweep };
+    let trials = Trials {
+        stress_seed: args.stress.then_some(args.seed),
+        sweep_hz: args.sweep,
+    };
     trials.on(&mut weights, &model, &scene, &options, console)?;
     for tone in &mut weights.other_tones {
         trials.on(tone, &model, &scene, &options, console)?;
@@ -142,7 +177,8 @@ pub fn render_scene(
     measured: Option<&FrfSet>,
     sources: Vec<Source>,
 ) -> Result<Rendering> {
-    let mut rendering = chladni_render::render_measured(model, scene, options, measured).map_err(|error| of_scene(error, scene))?;
+    let mut rendering = chladni_render::render_measured(model, scene, options, measured)
+        .map_err(|error| of_scene(error, scene))?;
     rendering.weights.source = sources;
     Ok(rendering)
 }
@@ -168,17 +204,34 @@ impl Trials {
     ///
     /// # Errors
     /// A range of frequencies that cannot be swept.
-    pub fn on(&self, weights: &mut Weights, model: &ModalModel, scene: &Scene, options: &RenderOptions, console: &Console) -> Result<()> {
+    pub fn on(
+        &self,
+        weights: &mut Weights,
+        model: &ModalModel,
+        scene: &Scene,
+        options: &RenderOptions,
+        console: &Console,
+    ) -> Result<()> {
         if let Some(seed) = self.stress_seed {
             console.stage("stress");
-            let (rows, warnings) = stress(weights, scene, model, &StressOptions { seed, ..StressOptions::default() })?;
+            let (rows, warnings) = stress(
+                weights,
+                scene,
+                model,
+                &StressOptions {
+                    seed,
+                    ..StressOptions::default()
+                },
+            )?;
             weights.options.insert("stress_seed".into(), seed.into());
             weights.stress = Some(rows);
             weights.warnings.extend(warnings);
         }
         if let Some(range) = self.sweep_hz {
             console.stage("sweeping frequencies");
-            weights.options.insert("sweep_hz".into(), range.to_vec().into());
+            weights
+                .options
+                .insert("sweep_hz".into(), range.to_vec().into());
             weights.sweep = Some(sweep(model, scene, options, range)?);
         }
         Ok(())
@@ -187,8 +240,14 @@ impl Trials {
 
 /// Writes drive signals, in the format that the extension names.
 fn write_signals(path: &Path, output: &Output, weights: &Weights) -> Result<()> {
-    let is_wav = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("wav"));
-    let bytes = if is_wav { wav(weights, &SignalOptions::default())? } else { signal_csv(weights).into_bytes() };
+    let is_wav = path
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("wav"));
+    let bytes = if is_wav {
+        wav(weights, &SignalOptions::default())?
+    } else {
+        signal_csv(weights).into_bytes()
+    };
     output.write(|path, force| write_atomically(path, force, |out| out.write_all(&bytes)))
 }
 
@@ -202,7 +261,12 @@ pub fn write_weights(output: &Output, weights: &Weights) -> Result<()> {
 }
 
 fn value_of(weights: &Weights) -> Result<Value> {
-    serde_json::to_value(weights).map_err(|error| Error::new(ErrorKind::Internal, format!("the weights have no JSON: {error}")))
+    serde_json::to_value(weights).map_err(|error| {
+        Error::new(
+            ErrorKind::Internal,
+            format!("the weights have no JSON: {error}"),
+        )
+    })
 }
 
 /// What fits on a screen: everything but the weights themselves.
@@ -224,34 +288,57 @@ fn summary(weights: &Weights, output: &Path) -> Result<Value> {
 /// The fields of weights without the heavy ones.
 fn light(fields: Map<String, Value>) -> impl Iterator<Item = (String, Value)> {
     const HEAVY: [&str; 4] = ["format", "version", "created_by", "weights"];
-    fields.into_iter().filter(|(key, _)| !HEAVY.contains(&key.as_str()))
+    fields
+        .into_iter()
+        .filter(|(key, _)| !HEAVY.contains(&key.as_str()))
 }
 
 fn text(weights: &Weights) -> String {
-    weights.tones().map(tone_text).collect::<Vec<_>>().join("\n")
+    weights
+        .tones()
+        .map(tone_text)
+        .collect::<Vec<_>>()
+        .join("\n")
 }
 
 fn tone_text(weights: &Weights) -> String {
-    let scene = if weights.scene.is_empty() { "scene" } else { &weights.scene };
+    let scene = if weights.scene.is_empty() {
+        "scene"
+    } else {
+        &weights.scene
+    };
     format!(
         "{scene} at {} Hz, method {}, {}, {}: {}\n{}{}\n{}",
         significant(weights.frequency_hz, 6),
         weights.method,
         counted(weights.modes_used, "mode"),
         counted(weights.actuators_used, "actuator"),
-        if weights.feasible { "feasible" } else { "not feasible" },
+        if weights.feasible {
+            "feasible"
+        } else {
+            "not feasible"
+        },
         certainty(weights),
         indices_table(&weights.indices),
         weights_table(weights)
-    ) + &weights.stress.as_deref().map(stress_table).unwrap_or_default()
+    ) + &weights
+        .stress
+        .as_deref()
+        .map(stress_table)
+        .unwrap_or_default()
         + &weights.sweep.as_ref().map(sweep_table).unwrap_or_default()
 }
 
 /// What κ, the ceiling and what the drive endures mean, in words.
 fn certainty(weights: &Weights) -> String {
     let kappa = weights.kappa.map(|kappa| match kappa >= 0.0 {
-        true => format!("every response keeps its limit under model errors of {kappa:.1} standard deviations\n"),
-        false => format!("some response misses its limit by {:.1} standard deviations of the model's error\n", -kappa),
+        true => format!(
+            "every response keeps its limit under model errors of {kappa:.1} standard deviations\n"
+        ),
+        false => format!(
+            "some response misses its limit by {:.1} standard deviations of the model's error\n",
+            -kappa
+        ),
     });
     let ceiling = weights.ceiling.map(|ceiling| {
         format!(
@@ -261,10 +348,15 @@ fn certainty(weights: &Weights) -> String {
     });
     let endurance = weights.endurance.map(|endurance| {
         format!(
-            "it holds for natural frequencies up to {:.1} % off (all at random, rms); a light finger in the hot zone leaves {:.0} % inside{}\n",
+            "it holds for natural frequencies up to {:.1} % off (all at random, rms); a light \
+             finger in the hot zone leaves {:.0} % inside{}\n",
             100.0 * endurance.frequency_relative,
             100.0 * endurance.touched_min_ratio,
-            if endurance.touch_is_known { "" } else { " (estimated)" }
+            if endurance.touch_is_known {
+                ""
+            } else {
+                " (estimated)"
+            }
         )
     });
     [kappa, ceiling, endurance].into_iter().flatten().collect()

@@ -13,7 +13,8 @@ use chladni_report::{charts, html, ChartFormats, Curves, RenderedScene, ReportIn
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
-/// The method of a model that was not fitted: the truth of `simulate`, whose source is a panel.
+/// The method of a model that was not fitted: the truth of `simulate`, whose source is a
+/// panel.
 const SIMULATED: &str = "simulate";
 
 /// Arguments of `report`.
@@ -29,7 +30,8 @@ them, copy the TOML for `chladni select`), pole table, MAC, moving shapes, field
 draw a scene on (copy the TOML for `chladni render`). Files that the results name as their sources (the measured FRFs, the
 model, the scene) are shown too where they still lie beside them, or in a folder beside them, unchanged.")]
 pub struct Args {
-    /// At most one model, any number of weights, and tables that `chladni bench` wrote (.csv)
+    /// At most one model, any number of weights, and tables that `chladni bench` wrote
+    /// (.csv)
     #[arg(required = true, value_name = "MODEL|WEIGHTS|TABLE")]
     files: Vec<PathBuf>,
     /// Page to write
@@ -55,7 +57,11 @@ struct ShownWeights {
 /// # Errors
 /// Those of reading and writing; more than one model.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
-    let output = args.output.as_deref().map(|path| Output::new(path, HTML, &args.files, console)).transpose()?;
+    let output = args
+        .output
+        .as_deref()
+        .map(|path| Output::new(path, HTML, &args.files, console))
+        .transpose()?;
     args.charts.as_deref().map(make_folder).transpose()?;
     console.stage("reading");
     let contents = Contents::read(&args.files, &args.measured, console)?;
@@ -71,7 +77,11 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         Some(folder) => write_charts(folder, &input, console)?,
         None => 0,
     };
-    let sources = args.files.iter().map(|file| source(file)).collect::<Result<Vec<_>>>()?;
+    let sources = args
+        .files
+        .iter()
+        .map(|file| source(file))
+        .collect::<Result<Vec<_>>>()?;
     let modes = input.model.map_or(0, |model| model.in_band_modes().count());
     let place = |path: &Option<PathBuf>| path.as_ref().map(|path| path.display().to_string());
     let json = json!({
@@ -85,8 +95,17 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         "tables": input.tables.len(),
         "warnings": console.warnings(),
     });
-    let written = args.output.as_ref().or(args.charts.as_ref()).unwrap_or(&args.files[0]);
-    let mut text = format!("{}: {}, {}", written.display(), counted(modes, "mode"), counted(input.scenes.len(), "scene"));
+    let written = args
+        .output
+        .as_ref()
+        .or(args.charts.as_ref())
+        .unwrap_or(&args.files[0]);
+    let mut text = format!(
+        "{}: {}, {}",
+        written.display(),
+        counted(modes, "mode"),
+        counted(input.scenes.len(), "scene")
+    );
     if let Some(folder) = &args.charts {
         text += &format!("; {} in {}", counted(pictures, "picture"), folder.display());
     }
@@ -104,21 +123,30 @@ pub struct Contents {
 }
 
 impl Contents {
-    /// Reads `files`, and what they name as their sources where it lies beside them, unchanged; the FRFs from `measured` where that
-    /// names any.
+    /// Reads `files`, and what they name as their sources where it lies beside them,
+    /// unchanged; the FRFs from `measured` where that names any.
     ///
     /// # Errors
     /// Those of reading; more than one model.
     pub fn read(files: &[PathBuf], measured: &[PathBuf], console: &Console) -> Result<Self> {
         let (mut model_file, weights, tables) = sort(files)?;
         if model_file.is_none() {
-            model_file = weights.iter().find_map(|(file, weights)| beside(file, &weights.source).into_iter().find(|path| is_model(path)));
+            model_file = weights.iter().find_map(|(file, weights)| {
+                beside(file, &weights.source)
+                    .into_iter()
+                    .find(|path| is_model(path))
+            });
         }
         let model = model_file.as_deref().map(io::read_model).transpose()?;
         let measured = match (&model_file, &model) {
-            (_, Some(model)) if !measured.is_empty() => {
-                Some(read_frf(&expand(measured, console)?, &Reading::from_echo(&model.options), console)?.0)
-            }
+            (_, Some(model)) if !measured.is_empty() => Some(
+                read_frf(
+                    &expand(measured, console)?,
+                    &Reading::from_echo(&model.options),
+                    console,
+                )?
+                .0,
+            ),
             (Some(file), Some(model)) => measured_of(file, model, console),
             _ => None,
         };
@@ -126,7 +154,12 @@ impl Contents {
         for (file, weights) in weights {
             shown.extend(show(&file, weights, model.as_ref(), console)?);
         }
-        Ok(Self { model, measured, shown, tables })
+        Ok(Self {
+            model,
+            measured,
+            shown,
+            tables,
+        })
     }
 
     /// The same as the report takes it.
@@ -145,9 +178,18 @@ impl Contents {
 /// Writes every view as SVG and PNG, and returns how many there are.
 fn write_charts(folder: &Path, input: &ReportInput, console: &Console) -> Result<usize> {
     console.stage("drawing the charts");
-    let files = charts(input, ChartFormats { svg: true, png: true })?;
+    let files = charts(
+        input,
+        ChartFormats {
+            svg: true,
+            png: true,
+        },
+    )?;
     let places: Vec<PathBuf> = files.iter().map(|(name, _)| folder.join(name)).collect();
-    let outputs = places.iter().map(|path| Output::new(path, PICTURE, &[], console)).collect::<Result<Vec<_>>>()?;
+    let outputs = places
+        .iter()
+        .map(|path| Output::new(path, PICTURE, &[], console))
+        .collect::<Result<Vec<_>>>()?;
     for (output, (_, bytes)) in outputs.iter().zip(&files) {
         output.write(|path, force| write_atomically(path, force, |out| out.write_all(bytes)))?;
     }
@@ -181,7 +223,11 @@ fn sort(files: &[PathBuf]) -> Result<(Option<PathBuf>, Vec<WeightsFile>, Vec<Tab
                     .expected("one model and any number of weights")
                     .help("make one report for each model"))
             }
-            FileFormat::Uff | FileFormat::Csv | FileFormat::Matlab | FileFormat::Numpy | FileFormat::Wav => {
+            FileFormat::Uff
+            | FileFormat::Csv
+            | FileFormat::Matlab
+            | FileFormat::Numpy
+            | FileFormat::Wav => {
                 return Err(Error::bad_data("neither a model nor weights")
                     .file(file)
                     .found("measured data")
@@ -198,14 +244,27 @@ const TABLE_STARTS: [&str; 2] = ["case,method,", "scene,method,"];
 
 /// The table in a .csv file that `chladni bench` wrote; `None` for any other file.
 fn bench_table(file: &Path) -> Result<Option<Table>> {
-    let extension = file.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
+    let extension = file
+        .extension()
+        .map(|extension| extension.to_string_lossy().to_ascii_lowercase());
     if !extension.is_some_and(|extension| TABLE.contains(&extension.as_str())) {
         return Ok(None);
     }
     let text = io::read_text(file, "a table of `chladni bench`, CSV")?;
-    let mut lines = text.lines().filter(|line| !line.starts_with('#') && !line.trim().is_empty());
-    let Some(header) = lines.next().filter(|line| TABLE_STARTS.iter().any(|start| line.starts_with(start))) else { return Ok(None) };
-    Ok(Some(Table { name: io::file_name(file), header: cells(header), rows: lines.map(cells).collect() }))
+    let mut lines = text
+        .lines()
+        .filter(|line| !line.starts_with('#') && !line.trim().is_empty());
+    let Some(header) = lines
+        .next()
+        .filter(|line| TABLE_STARTS.iter().any(|start| line.starts_with(start)))
+    else {
+        return Ok(None);
+    };
+    Ok(Some(Table {
+        name: io::file_name(file),
+        header: cells(header),
+        rows: lines.map(cells).collect(),
+    }))
 }
 
 /// Cells of a line of CSV; commas in quotation marks do not part them.
@@ -231,70 +290,124 @@ fn beside(result: &Path, sources: &[Source]) -> Vec<PathBuf> {
         Some(parent) if !parent.as_os_str().is_empty() => parent.to_path_buf(),
         _ => PathBuf::from("."),
     };
-    let folders: Vec<PathBuf> = std::iter::once(folder.clone()).chain(subfolders(&folder)).collect();
+    let folders: Vec<PathBuf> = std::iter::once(folder.clone())
+        .chain(subfolders(&folder))
+        .collect();
     let of = |source: &Source| {
         let place = |folder: &PathBuf| folder.join(&source.file);
-        folders.iter().map(place).find(|path| path.is_file() && io::sha256_of(path).is_ok_and(|sha256| sha256 == source.sha256))
+        folders.iter().map(place).find(|path| {
+            path.is_file() && io::sha256_of(path).is_ok_and(|sha256| sha256 == source.sha256)
+        })
     };
     sources.iter().filter_map(of).collect()
 }
 
 /// Folders inside a folder, in order; hidden ones are nobody's data.
 fn subfolders(folder: &Path) -> Vec<PathBuf> {
-    let is_hidden = |path: &PathBuf| path.file_name().is_none_or(|name| name.to_string_lossy().starts_with('.'));
-    let entries = std::fs::read_dir(folder).into_iter().flatten().filter_map(|entry| Some(entry.ok()?.path()));
-    let mut folders: Vec<PathBuf> = entries.filter(|path| path.is_dir() && !is_hidden(path)).collect();
+    let is_hidden = |path: &PathBuf| {
+        path.file_name()
+            .is_none_or(|name| name.to_string_lossy().starts_with('.'))
+    };
+    let entries = std::fs::read_dir(folder)
+        .into_iter()
+        .flatten()
+        .filter_map(|entry| Some(entry.ok()?.path()));
+    let mut folders: Vec<PathBuf> = entries
+        .filter(|path| path.is_dir() && !is_hidden(path))
+        .collect();
     folders.sort();
     folders
 }
 
-/// The FRFs that a model was fitted to, read as they were then; none where one of the files is gone or another.
+/// The FRFs that a model was fitted to, read as they were then; none where one of the
+/// files is gone or another.
 fn measured_of(file: &Path, model: &ModalModel, console: &Console) -> Option<FrfSet> {
     if model.source.is_empty() || model.method == SIMULATED {
         return None;
     }
     // `select` adds the model it started from and the selection
-    let selected = model.options.get("selections").and_then(|list| list.as_array()).map_or(0, Vec::len);
+    let selected = model
+        .options
+        .get("selections")
+        .and_then(|list| list.as_array())
+        .map_or(0, Vec::len);
     let fitted = &model.source[..model.source.len().saturating_sub(2 * selected)];
     let files = beside(file, fitted);
     if files.len() < fitted.len() {
         let names: Vec<String> = fitted.iter().map(|source| source.file.clone()).collect();
         let names = shortened(&names, 3);
         console.warn(format!(
-            "the measured FRFs ({names}) do not lie beside the model, unchanged: its synthesis alone is shown; name them with --measured"
+            "the measured FRFs ({names}) do not lie beside the model, unchanged: its synthesis \
+             alone is shown; name them with --measured"
         ));
         return None;
     }
     match io::read_frf(&files, &Reading::from_echo(&model.options).options()) {
         Ok((frf, ..)) => Some(frf),
         Err(error) => {
-            console.warn(format!("the measured FRFs cannot be read: {}; the model's synthesis alone is shown", error.message));
+            console.warn(format!(
+                "the measured FRFs cannot be read: {}; the model's synthesis alone is shown",
+                error.message
+            ));
             None
         }
     }
 }
 
-/// Weights with their field and curves, where the scene lies beside them; each tone by itself.
-fn show(file: &Path, mut weights: Weights, model: Option<&ModalModel>, console: &Console) -> Result<Vec<ShownWeights>> {
-    let scene = beside(file, &weights.source).into_iter().find(|path| path.file_name().is_some_and(|name| *name == *weights.scene));
+/// Weights with their field and curves, where the scene lies beside them; each tone by
+/// itself.
+fn show(
+    file: &Path,
+    mut weights: Weights,
+    model: Option<&ModalModel>,
+    console: &Console,
+) -> Result<Vec<ShownWeights>> {
+    let scene = beside(file, &weights.source)
+        .into_iter()
+        .find(|path| path.file_name().is_some_and(|name| *name == *weights.scene));
     let other_tones = std::mem::take(&mut weights.other_tones);
     let several = !other_tones.is_empty();
     let tones = std::iter::once(weights).chain(other_tones);
-    let without_field = |weights: Weights| ShownWeights { weights, evaluation: None, curves: None };
+    let without_field = |weights: Weights| ShownWeights {
+        weights,
+        evaluation: None,
+        curves: None,
+    };
     match (scene, model) {
         (Some(scene), Some(model)) => {
             let scene = Scene::read(&scene)?;
             let show_tone = |weights: Weights| {
                 let evaluation = Some(evaluate(&weights, &scene, On::Model(model))?);
-                let curves = Some(curves(model, scene.tone_at(weights.frequency_hz).as_ref().unwrap_or(&scene), &weights)?);
-                let scene = if several { format!("{}, {} Hz", weights.scene, weights.frequency_hz) } else { weights.scene };
-                Ok(ShownWeights { weights: Weights { scene, ..weights }, evaluation, curves })
+                let curves = Some(curves(
+                    model,
+                    scene
+                        .tone_at(weights.frequency_hz)
+                        .as_ref()
+                        .unwrap_or(&scene),
+                    &weights,
+                )?);
+                let scene = if several {
+                    format!("{}, {} Hz", weights.scene, weights.frequency_hz)
+                } else {
+                    weights.scene
+                };
+                Ok(ShownWeights {
+                    weights: Weights { scene, ..weights },
+                    evaluation,
+                    curves,
+                })
             };
-            tones.map(show_tone).collect::<Result<_>>().map_err(|error| error.file(file))
+            tones
+                .map(show_tone)
+                .collect::<Result<_>>()
+                .map_err(|error| error.file(file))
         }
         (None, _) => {
             let shown: Vec<ShownWeights> = tones.map(without_field).collect();
-            console.warn(format!("{}: this scene does not lie beside the weights, unchanged: no field is shown", shown[0].weights.scene));
+            console.warn(format!(
+                "{}: this scene does not lie beside the weights, unchanged: no field is shown",
+                shown[0].weights.scene
+            ));
             Ok(shown)
         }
         (Some(_), None) => Ok(tones.map(without_field).collect()),
@@ -304,7 +417,10 @@ fn show(file: &Path, mut weights: Weights, model: Option<&ModalModel>, console: 
 impl ShownWeights {
     fn scene(&self) -> RenderedScene<'_> {
         match &self.evaluation {
-            Some(evaluation) => RenderedScene::of_evaluation(&self.weights, evaluation, "the model").with_curves(self.curves.as_ref()),
+            Some(evaluation) => {
+                RenderedScene::of_evaluation(&self.weights, evaluation, "the model")
+                    .with_curves(self.curves.as_ref())
+            }
             None => RenderedScene::of_weights(&self.weights),
         }
     }

@@ -1,4 +1,5 @@
-//! `chladni fit --scene`: fits only the band that a scene needs, and says what was left out.
+//! `chladni fit --scene`: fits only the band that a scene needs, and says what was left
+//! out.
 
 use crate::input::source;
 use crate::table::{counted, shortened, significant};
@@ -25,17 +26,35 @@ impl SceneBand {
     /// Reads the scene and takes a quick look at the modes.
     ///
     /// # Errors
-    /// Those of the scene; a look that cannot be taken is the fit's own error and comes from there.
+    /// Those of the scene; a look that cannot be taken is the fit's own error and comes
+    /// from there.
     pub fn of(file: &Path, frf: &FrfSet, options: &FitOptions) -> Result<Self> {
         let scene = Scene::read(file)?;
         let source = source(file)?;
-        let whole_hz = [frf.frequency_hz.first(), frf.frequency_hz.last()].map(|end| end.copied().unwrap_or(0.0));
-        let look = FitOptions { method: Method::Peak, modes: None, band_hz: None, ..options.clone() };
-        let needed = match chladni_rfp::fit(frf, &look, &|_| {}) {
-            Ok(quick) => needed_band(&quick.model, &scene, whole_hz).map_err(|error| error.file(file))?,
-            Err(_) => NeededBand { band_hz: whole_hz, inside_hz: Vec::new(), left_out_hz: Vec::new(), error_relative: 0.0 },
+        let whole_hz = [frf.frequency_hz.first(), frf.frequency_hz.last()]
+            .map(|end| end.copied().unwrap_or(0.0));
+        let look = FitOptions {
+            method: Method::Peak,
+            modes: None,
+            band_hz: None,
+            ..options.clone()
         };
-        Ok(Self { scene, needed, source })
+        let needed = match chladni_rfp::fit(frf, &look, &|_| {}) {
+            Ok(quick) => {
+                needed_band(&quick.model, &scene, whole_hz).map_err(|error| error.file(file))?
+            }
+            Err(_) => NeededBand {
+                band_hz: whole_hz,
+                inside_hz: Vec::new(),
+                left_out_hz: Vec::new(),
+                error_relative: 0.0,
+            },
+        };
+        Ok(Self {
+            scene,
+            needed,
+            source,
+        })
     }
 
     /// Hz.
@@ -43,18 +62,38 @@ impl SceneBand {
         self.needed.band_hz
     }
 
-    /// What was left out, what that costs by the proven remainder, and what the model then misses of the measured line.
+    /// What was left out, what that costs by the proven remainder, and what the model
+    /// then misses of the measured line.
     pub fn said(&self, model: &ModalModel, frf: &FrfSet) -> String {
-        let NeededBand { band_hz: [low, high], inside_hz, left_out_hz, error_relative } = &self.needed;
-        let tones: Vec<String> = self.scene.tones().iter().map(|tone| significant(tone.frequency_hz, 6)).collect();
+        let NeededBand {
+            band_hz: [low, high],
+            inside_hz,
+            left_out_hz,
+            error_relative,
+        } = &self.needed;
+        let tones: Vec<String> = self
+            .scene
+            .tones()
+            .iter()
+            .map(|tone| significant(tone.frequency_hz, 6))
+            .collect();
         let drive = shortened(&tones, TONES_SHOWN);
         let left_out = match left_out_hz.is_empty() {
             true => "nothing was left out".into(),
             false => {
-                let shown: Vec<String> = left_out_hz.iter().take(MODES_SHOWN).map(|&hz| significant(hz, 4)).collect();
-                let more = if left_out_hz.len() > shown.len() { ", ..." } else { "" };
+                let shown: Vec<String> = left_out_hz
+                    .iter()
+                    .take(MODES_SHOWN)
+                    .map(|&hz| significant(hz, 4))
+                    .collect();
+                let more = if left_out_hz.len() > shown.len() {
+                    ", ..."
+                } else {
+                    ""
+                };
                 format!(
-                    "{} outside ({}{more} Hz) stand as residual terms, whose series leaves out {:.2} % of the mobility at {drive} Hz",
+                    "{} outside ({}{more} Hz) stand as residual terms, whose series leaves out \
+                     {:.2} % of the mobility at {drive} Hz",
                     counted(left_out_hz.len(), "mode"),
                     shown.join(", "),
                     100.0 * error_relative
@@ -62,11 +101,15 @@ impl SceneBand {
             }
         };
         let against = match self.missed(model, frf) {
-            Some(missed) => format!("; the model and the measured line there differ by {:.2} %, noise included", 100.0 * missed),
+            Some(missed) => format!(
+                "; the model and the measured line there differ by {:.2} %, noise included",
+                100.0 * missed
+            ),
             None => String::new(),
         };
         format!(
-            "fitted {} to {} Hz alone, what {} needs at {drive} Hz: {} seen inside; {left_out}{against}",
+            "fitted {} to {} Hz alone, what {} needs at {drive} Hz: {} seen inside; \
+             {left_out}{against}",
             significant(*low, 4),
             significant(*high, 4),
             self.scene.name(),
@@ -74,9 +117,12 @@ impl SceneBand {
         )
     }
 
-    /// Rms of model less measured line at the drive frequency, over the rms of the line, the largest of all tones; `None` where a line is missing.
+    /// Rms of model less measured line at the drive frequency, over the rms of the line,
+    /// the largest of all tones; `None` where a line is missing.
     fn missed(&self, model: &ModalModel, frf: &FrfSet) -> Option<f64> {
-        self.scene.tones().iter().try_fold(0.0, |most: f64, tone| Some(most.max(missed(tone, model, frf)?)))
+        self.scene.tones().iter().try_fold(0.0, |most: f64, tone| {
+            Some(most.max(missed(tone, model, frf)?))
+        })
     }
 }
 
@@ -86,8 +132,14 @@ fn missed(scene: &Scene, model: &ModalModel, frf: &FrfSet) -> Option<f64> {
     let modelled = model.frf_matrix(FrfKind::Mobility, line.frequency_hz);
     let (mut missed, mut all) = (0.0, 0.0);
     for ((i, j), &value) in line.mobility.indexed_iter() {
-        let row = model.responses.iter().position(|dof| *dof == line.responses[i])?;
-        let column = model.references.iter().position(|dof| *dof == line.references[j])?;
+        let row = model
+            .responses
+            .iter()
+            .position(|dof| *dof == line.responses[i])?;
+        let column = model
+            .references
+            .iter()
+            .position(|dof| *dof == line.references[j])?;
         missed += (modelled[[row, column]] * line.responses[i].direction.sign() - value).norm_sqr();
         all += Complex64::norm_sqr(&value);
     }

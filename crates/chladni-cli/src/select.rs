@@ -47,18 +47,34 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     console.stage("reading");
     let whole = read_model(&args.model)?;
     let selection = Selection::read(&args.selection)?;
-    let Selected { mut model, dropped } = selection.apply(&whole).map_err(|error| error.file(&args.selection))?;
+    let Selected { mut model, dropped } = selection
+        .apply(&whole)
+        .map_err(|error| error.file(&args.selection))?;
     // what the model was fitted to stays named, so that a report finds the FRFs
-    let inputs: Vec<Source> = inputs.iter().map(|file| source(file)).collect::<Result<_>>()?;
+    let inputs: Vec<Source> = inputs
+        .iter()
+        .map(|file| source(file))
+        .collect::<Result<_>>()?;
     model.source.extend(inputs);
     console.warn_all(model.quality.warnings.iter().cloned());
 
     console.stage("writing");
     output.write(|path, force| write_model(path, &model, force))?;
-    let gone: Vec<String> = dropped.iter().map(|(number, hz)| format!("{number} ({} Hz)", significant(*hz, 6))).collect();
+    let gone: Vec<String> = dropped
+        .iter()
+        .map(|(number, hz)| format!("{number} ({} Hz)", significant(*hz, 6)))
+        .collect();
     let kept = counted(model.in_band_modes().count(), "mode");
-    let dropped = if gone.is_empty() { "none dropped".into() } else { format!("dropped {}", gone.join(", ")) };
-    let text = format!("{}\n{}: {kept} kept, {dropped}\n", text(&model, console.verbose), args.output.display());
+    let dropped = if gone.is_empty() {
+        "none dropped".into()
+    } else {
+        format!("dropped {}", gone.join(", "))
+    };
+    let text = format!(
+        "{}\n{}: {kept} kept, {dropped}\n",
+        text(&model, console.verbose),
+        args.output.display()
+    );
     let doubt = (!model.quality.trusted).then(|| distrust(&model));
     Ok(Outcome::written(&args.output, summary(&model, &args.output)?, text).doubted(doubt))
 }

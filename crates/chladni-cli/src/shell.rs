@@ -47,7 +47,9 @@ pub fn man(args: &ManArgs) -> Result<Outcome> {
         None => cli,
         Some(name) => cli.find_subcommand(name).cloned().ok_or_else(|| {
             let known: Vec<&str> = cli.get_subcommands().map(clap::Command::get_name).collect();
-            let error = Error::new(ErrorKind::Usage, "no such command").found(name).expected(known.join(", "));
+            let error = Error::new(ErrorKind::Usage, "no such command")
+                .found(name)
+                .expected(known.join(", "));
             match nearest_word(name, &known) {
                 Some(near) => error.help(format!("write `chladni man {near}`")),
                 None => error,
@@ -56,10 +58,13 @@ pub fn man(args: &ManArgs) -> Result<Outcome> {
     };
     let examples = page.get_before_help().map(ToString::to_string);
     let mut text = Vec::new();
-    let written = clap_mangen::Man::new(page).render(&mut text).and_then(|()| match examples {
-        Some(examples) => as_written("EXAMPLES", examples.trim_start_matches("Examples:\n")).to_writer(&mut text),
-        None => Ok(()),
-    });
+    let written = clap_mangen::Man::new(page)
+        .render(&mut text)
+        .and_then(|()| match examples {
+            Some(examples) => as_written("EXAMPLES", examples.trim_start_matches("Examples:\n"))
+                .to_writer(&mut text),
+            None => Ok(()),
+        });
     written.map_err(|error| Error::new(ErrorKind::Internal, error.to_string()))?;
     let text = String::from_utf8_lossy(&text).into_owned();
     Ok(Outcome::shown(json!({"man": text}), text))

@@ -53,19 +53,27 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let inputs = std::slice::from_ref(&args.panel);
     let output = Output::new(&args.output, FRF, inputs, console)?;
     if args.truth.as_ref() == Some(&args.output) {
-        return Err(Error::new(ErrorKind::Usage, "the FRFs and the model behind them are two files")
-            .file(&args.output)
-            .field("--truth")
-            .found("the name of the other output")
-            .expected("a name of its own")
-            .help("give --truth another name"));
+        return Err(Error::new(
+            ErrorKind::Usage,
+            "the FRFs and the model behind them are two files",
+        )
+        .file(&args.output)
+        .field("--truth")
+        .found("the name of the other output")
+        .expected("a name of its own")
+        .help("give --truth another name"));
     }
-    let truth_output = args.truth.as_ref().map(|path| Output::new(path, MODEL, inputs, console)).transpose()?;
+    let truth_output = args
+        .truth
+        .as_ref()
+        .map(|path| Output::new(path, MODEL, inputs, console))
+        .transpose()?;
     let panel = Panel::read(&args.panel, args.memory)?;
     let sources = vec![source(&args.panel)?];
 
     console.stage("simulating the panel");
-    let simulation = simulate(&panel, args.seed, args.snr_db).map_err(|error| error.file(&args.panel))?;
+    let simulation =
+        simulate(&panel, args.seed, args.snr_db).map_err(|error| error.file(&args.panel))?;
     console.warn_all(simulation.warnings);
 
     console.stage("writing");
@@ -73,7 +81,11 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let (responses, references, lines) = simulation.frf.values.dim();
     let frequency_hz = &simulation.frf.frequency_hz;
     let [first_hz, last_hz] = [frequency_hz[0], frequency_hz[lines - 1]];
-    let contents = Contents { frf: Some(simulation.frf), sources: sources.clone(), ..Contents::default() };
+    let contents = Contents {
+        frf: Some(simulation.frf),
+        sources: sources.clone(),
+        ..Contents::default()
+    };
     console.warn_all(output.write(|path, force| write_contents(path, &contents, force))?);
     truth.source = sources;
     if let Some(place) = &truth_output {

@@ -5,14 +5,19 @@ use comfy_table::{presets, CellAlignment, Table};
 /// 95 % of a normal distribution lie within so many standard deviations.
 pub const SIGMAS_95: f64 = 1.96;
 
-/// A table without frame: header, then rows; columns whose cells are numbers stand at the right.
+/// A table without frame: header, then rows; columns whose cells are numbers stand at the
+/// right.
 pub fn table(header: &[&str], rows: &[Vec<String>]) -> String {
     let mut table = Table::new();
-    table.load_style(presets::NOTHING).set_header(header.iter().map(ToString::to_string));
+    table
+        .load_style(presets::NOTHING)
+        .set_header(header.iter().map(ToString::to_string));
     for row in rows {
         table.add_row(row.iter().map(ToString::to_string));
     }
-    let is_number = |cell: &String| cell.is_empty() || cell.starts_with(|c: char| c.is_ascii_digit() || c == '-' || c == '±');
+    let is_number = |cell: &String| {
+        cell.is_empty() || cell.starts_with(|c: char| c.is_ascii_digit() || c == '-' || c == '±')
+    };
     for column in 0..header.len() {
         if rows.iter().filter_map(|row| row.get(column)).all(is_number) {
             if let Some(column) = table.column_mut(column) {
@@ -21,17 +26,24 @@ pub fn table(header: &[&str], rows: &[Vec<String>]) -> String {
         }
     }
     // every cell is padded, the first one too
-    table.lines().map(|line| format!("{}\n", line.strip_prefix(' ').unwrap_or(&line).trim_end())).collect()
+    table
+        .lines()
+        .map(|line| format!("{}\n", line.strip_prefix(' ').unwrap_or(&line).trim_end()))
+        .collect()
 }
 
-/// A value and its 95 % bound, with two digits of the bound; a bound that is not known is left out.
+/// A value and its 95 % bound, with two digits of the bound; a bound that is not known is
+/// left out.
 pub fn with_bound(value: f64, standard_deviation: f64) -> [String; 2] {
     let bound = SIGMAS_95 * standard_deviation;
     if !(bound.is_finite() && bound > 0.0) {
         return [significant(value, 6), String::new()];
     }
     let decimals = (1.0 - bound.log10().floor()).clamp(0.0, 12.0) as usize;
-    [format!("{value:.decimals$}"), format!("±{bound:.decimals$}")]
+    [
+        format!("{value:.decimals$}"),
+        format!("±{bound:.decimals$}"),
+    ]
 }
 
 /// A value with `digits` significant digits, without trailing zeros.
@@ -39,7 +51,8 @@ pub fn significant(value: f64, digits: i32) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
     }
-    let decimals = (f64::from(digits) - 1.0 - value.abs().log10().floor()).clamp(0.0, 15.0) as usize;
+    let decimals =
+        (f64::from(digits) - 1.0 - value.abs().log10().floor()).clamp(0.0, 15.0) as usize;
     let text = format!("{value:.decimals$}");
     match text.contains('.') {
         true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
@@ -54,7 +67,12 @@ pub fn counted(count: usize, noun: &str) -> String {
 
 /// The first of a list, and how many more there are.
 pub fn shortened(items: &[String], shown: usize) -> String {
-    let first = items.iter().take(shown).cloned().collect::<Vec<_>>().join(", ");
+    let first = items
+        .iter()
+        .take(shown)
+        .cloned()
+        .collect::<Vec<_>>()
+        .join(", ");
     match items.len().checked_sub(shown) {
         Some(more) if more > 0 => format!("{first} and {more} more"),
         _ => first,

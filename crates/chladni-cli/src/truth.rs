@@ -3,8 +3,8 @@
 use chladni_frf::{ModalModel, Mode};
 use chladni_rfp::mac;
 
-/// What a fit of the built-in panel (40 dB) must reach; its actual errors are a hundred times smaller, so that what lies beyond
-/// is a fault and not the noise.
+/// What a fit of the built-in panel (40 dB) must reach; its actual errors are a hundred
+/// times smaller, so that what lies beyond is a fault and not the noise.
 const FREQUENCY_ERROR: f64 = 1e-4;
 /// The same for loss factors.
 const LOSS_FACTOR_ERROR: f64 = 1e-2;
@@ -30,9 +30,13 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Pairs each known mode with the nearest fitted one within half its half-power bandwidth, nearest pairs first.
+    /// Pairs each known mode with the nearest fitted one within half its half-power
+    /// bandwidth, nearest pairs first.
     pub fn new(fitted: &ModalModel, truth: &ModalModel) -> Self {
-        let (found, known): (Vec<&Mode>, Vec<&Mode>) = (fitted.in_band_modes().collect(), truth.in_band_modes().collect());
+        let (found, known): (Vec<&Mode>, Vec<&Mode>) = (
+            fitted.in_band_modes().collect(),
+            truth.in_band_modes().collect(),
+        );
         let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
         for (i, known) in known.iter().enumerate() {
             for (k, found) in found.iter().enumerate() {
@@ -50,10 +54,20 @@ impl Comparison {
                 (partners[i], taken[k]) = (Some(found[k]), true);
             }
         }
-        let matched: Vec<(&Mode, &Mode)> = known.iter().zip(&partners).filter_map(|(&known, partner)| Some((known, (*partner)?))).collect();
-        let frequency_hz = known.iter().zip(&partners).map(|(known, found)| found.map(|found| found.frequency_hz - known.frequency_hz));
+        let matched: Vec<(&Mode, &Mode)> = known
+            .iter()
+            .zip(&partners)
+            .filter_map(|(&known, partner)| Some((known, (*partner)?)))
+            .collect();
+        let frequency_hz = known
+            .iter()
+            .zip(&partners)
+            .map(|(known, found)| found.map(|found| found.frequency_hz - known.frequency_hz));
         let sorted = |of: fn(&Mode, &Mode) -> f64| {
-            let mut values: Vec<f64> = matched.iter().map(|(known, found)| of(known, found)).collect();
+            let mut values: Vec<f64> = matched
+                .iter()
+                .map(|(known, found)| of(known, found))
+                .collect();
             values.sort_by(f64::total_cmp);
             values
         };
@@ -72,13 +86,32 @@ impl Comparison {
     pub fn complaint(&self) -> Option<String> {
         let worst = |errors: &[f64]| errors.last().copied().unwrap_or(f64::INFINITY);
         let checks = [
-            (self.missed > 0, format!("{} of {} modes missed", self.missed, self.known)),
-            (self.spurious > 0, format!("{} spurious modes", self.spurious)),
-            (worst(&self.frequency) > FREQUENCY_ERROR, format!("a frequency is wrong by {:.2e}", worst(&self.frequency))),
-            (worst(&self.loss_factor) > LOSS_FACTOR_ERROR, format!("a loss factor is wrong by {:.2e}", worst(&self.loss_factor))),
-            (self.mac.first().is_none_or(|&mac| mac < LEAST_MAC), "a mode shape is wrong".to_owned()),
+            (
+                self.missed > 0,
+                format!("{} of {} modes missed", self.missed, self.known),
+            ),
+            (
+                self.spurious > 0,
+                format!("{} spurious modes", self.spurious),
+            ),
+            (
+                worst(&self.frequency) > FREQUENCY_ERROR,
+                format!("a frequency is wrong by {:.2e}", worst(&self.frequency)),
+            ),
+            (
+                worst(&self.loss_factor) > LOSS_FACTOR_ERROR,
+                format!("a loss factor is wrong by {:.2e}", worst(&self.loss_factor)),
+            ),
+            (
+                self.mac.first().is_none_or(|&mac| mac < LEAST_MAC),
+                "a mode shape is wrong".to_owned(),
+            ),
         ];
-        let wrong: Vec<String> = checks.into_iter().filter(|(fails, _)| *fails).map(|(_, words)| words).collect();
+        let wrong: Vec<String> = checks
+            .into_iter()
+            .filter(|(fails, _)| *fails)
+            .map(|(_, words)| words)
+            .collect();
         (!wrong.is_empty()).then(|| format!("the known truth is missed: {}", wrong.join(", ")))
     }
 }

@@ -10,7 +10,8 @@ use std::process::ExitCode;
 
 /// True where `--json` stands among the arguments, however wrong the others are.
 pub fn asks_for_json(args: impl Iterator<Item = OsString>) -> bool {
-    args.take_while(|arg| arg != "--").any(|arg| arg == "--json")
+    args.take_while(|arg| arg != "--")
+        .any(|arg| arg == "--json")
 }
 
 /// Help and version go to stdout (exit 0), errors to stderr (exit 2).
@@ -19,7 +20,9 @@ pub fn report(answer: &clap::Error, json: bool) -> ExitCode {
     if !answer.use_stderr() || (no_command && !json) {
         // a reader that has seen enough is no error
         drop(answer.print());
-        return ExitCode::from(u8::try_from(answer.exit_code()).unwrap_or(ErrorKind::Usage.exit_code()));
+        return ExitCode::from(
+            u8::try_from(answer.exit_code()).unwrap_or(ErrorKind::Usage.exit_code()),
+        );
     }
     let error = error_of(answer);
     eprintln!("error: {error}");
@@ -35,24 +38,31 @@ fn error_of(answer: &clap::Error) -> Error {
     let value = context(ContextKind::InvalidValue);
     let error = Error::new(ErrorKind::Usage, message(answer));
     let error = match answer.kind() {
-        ClapKind::UnknownArgument => error.found(argument.unwrap_or_default()).expected(match context(ContextKind::SuggestedArg) {
-            Some(near) => format!("an option of this command, such as {near}"),
-            None => "an option of this command".into(),
-        }),
-        ClapKind::InvalidSubcommand => error.found(context(ContextKind::InvalidSubcommand).unwrap_or_default()).expected(
-            match context(ContextKind::SuggestedSubcommand) {
-                Some(near) => format!("a command, such as {near}"),
-                None => "a command".into(),
+        ClapKind::UnknownArgument => error.found(argument.unwrap_or_default()).expected(
+            match context(ContextKind::SuggestedArg) {
+                Some(near) => format!("an option of this command, such as {near}"),
+                None => "an option of this command".into(),
             },
         ),
-        ClapKind::DisplayHelpOnMissingArgumentOrSubcommand | ClapKind::MissingSubcommand => error.found("nothing").expected("a command"),
-        ClapKind::MissingRequiredArgument => error.found("nothing").expected(argument.unwrap_or_default()),
-        ClapKind::ArgumentConflict => {
-            error.field(argument.unwrap_or_default()).found("both").expected(match context(ContextKind::PriorArg) {
+        ClapKind::InvalidSubcommand => error
+            .found(context(ContextKind::InvalidSubcommand).unwrap_or_default())
+            .expected(match context(ContextKind::SuggestedSubcommand) {
+                Some(near) => format!("a command, such as {near}"),
+                None => "a command".into(),
+            }),
+        ClapKind::DisplayHelpOnMissingArgumentOrSubcommand | ClapKind::MissingSubcommand => {
+            error.found("nothing").expected("a command")
+        }
+        ClapKind::MissingRequiredArgument => error
+            .found("nothing")
+            .expected(argument.unwrap_or_default()),
+        ClapKind::ArgumentConflict => error
+            .field(argument.unwrap_or_default())
+            .found("both")
+            .expected(match context(ContextKind::PriorArg) {
                 Some(prior) => format!("either this or {prior}"),
                 None => "it once".into(),
-            })
-        }
+            }),
         _ => {
             let (name, placeholder) = argument.as_deref().map_or((None, None), split_argument);
             let error = match name {
@@ -88,14 +98,19 @@ fn error_of(answer: &clap::Error) -> Error {
 /// The command among the arguments, with a blank; empty where there is none.
 fn subcommand() -> String {
     let cli = Cli::command();
-    let args = std::env::args().skip(1).find(|arg| cli.find_subcommand(arg).is_some());
+    let args = std::env::args()
+        .skip(1)
+        .find(|arg| cli.find_subcommand(arg).is_some());
     args.map(|name| name + " ").unwrap_or_default()
 }
 
 /// `--band <LO:HI>` into its name and what its value looks like.
 fn split_argument(argument: &str) -> (Option<String>, Option<String>) {
     match argument.split_once(' ') {
-        Some((name, placeholder)) => (Some(name.to_owned()), Some(placeholder.trim_matches(['<', '>', '.']).to_owned())),
+        Some((name, placeholder)) => (
+            Some(name.to_owned()),
+            Some(placeholder.trim_matches(['<', '>', '.']).to_owned()),
+        ),
         None => (Some(argument.to_owned()), None),
     }
 }
@@ -121,10 +136,17 @@ fn message(answer: &clap::Error) -> String {
     match answer.kind() {
         ClapKind::UnknownArgument => "no such option".into(),
         ClapKind::InvalidSubcommand => "no such command".into(),
-        ClapKind::DisplayHelpOnMissingArgumentOrSubcommand | ClapKind::MissingSubcommand => "no command is given".into(),
+        ClapKind::DisplayHelpOnMissingArgumentOrSubcommand | ClapKind::MissingSubcommand => {
+            "no command is given".into()
+        }
         ClapKind::MissingRequiredArgument => "a required argument is missing".into(),
         ClapKind::ArgumentConflict => "these options exclude each other".into(),
-        ClapKind::InvalidValue if answer.get(ContextKind::InvalidValue).map(words).is_none_or(|value| value.is_empty()) => {
+        ClapKind::InvalidValue
+            if answer
+                .get(ContextKind::InvalidValue)
+                .map(words)
+                .is_none_or(|value| value.is_empty()) =>
+        {
             "the value is missing".into()
         }
         ClapKind::InvalidValue | ClapKind::ValueValidation => "this value is not allowed".into(),
@@ -138,7 +160,11 @@ fn words(value: &ContextValue) -> String {
         ContextValue::String(text) => text.clone(),
         ContextValue::Strings(texts) => texts.join(", "),
         ContextValue::StyledStr(text) => text.to_string(),
-        ContextValue::StyledStrs(texts) => texts.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "),
+        ContextValue::StyledStrs(texts) => texts
+            .iter()
+            .map(ToString::to_string)
+            .collect::<Vec<_>>()
+            .join("; "),
         ContextValue::Number(number) => number.to_string(),
         ContextValue::Bool(_) | ContextValue::None => String::new(),
         _ => String::new(),

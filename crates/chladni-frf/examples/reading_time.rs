@@ -1,5 +1,6 @@
-//! Processor time that reading universal files takes, beside that of their raw bytes: `cargo run --release -p chladni-frf --example
-//! reading_time FILE...` prints seconds of both, the least of ten, for each file.
+//! Processor time that reading universal files takes, beside that of their raw bytes:
+//! `cargo run --release -p chladni-frf --example reading_time FILE...` prints seconds of
+//! both, the least of ten, for each file.
 
 use chladni_frf::io::{uff, ReadOptions};
 use cpu_time::ProcessTime;
@@ -21,7 +22,12 @@ fn main() {
         let path = Path::new(&name);
         let bytes = || std::fs::read(path).expect("a file that can be read");
         let raw = least_seconds(|| drop(black_box(bytes())));
-        let functions = least_seconds(|| drop(black_box(uff::read(&bytes(), path, &ReadOptions::default())).expect("a universal file")));
+        let functions = least_seconds(|| {
+            drop(
+                black_box(uff::read(&bytes(), path, &ReadOptions::default()))
+                    .expect("a universal file"),
+            )
+        });
         println!("{functions:.6} {raw:.6} {name}");
     }
 }

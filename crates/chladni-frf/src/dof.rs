@@ -3,7 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// Direction of a DOF, by the codes of the universal file format: 0 scalar, ±1 X, ±2 Y, ±3 Z, ±4 RX, ±5 RY, ±6 RZ.
+/// Direction of a DOF, by the codes of the universal file format: 0 scalar, ±1 X, ±2 Y,
+/// ±3 Z, ±4 RX, ±5 RY, ±6 RZ.
 ///
 /// A negative code means that the measured positive sense is the negative axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -53,9 +54,17 @@ impl FromStr for Direction {
     type Err = String;
     fn from_str(text: &str) -> Result<Self, String> {
         let trimmed = text.trim();
-        let (negative, name) = match (trimmed.strip_prefix('-').or(trimmed.strip_suffix('-')), trimmed) {
+        let (negative, name) = match (
+            trimmed.strip_prefix('-').or(trimmed.strip_suffix('-')),
+            trimmed,
+        ) {
             (Some(rest), _) => (true, rest),
-            (None, all) => (false, all.strip_prefix('+').or(all.strip_suffix('+')).unwrap_or(all)),
+            (None, all) => (
+                false,
+                all.strip_prefix('+')
+                    .or(all.strip_suffix('+'))
+                    .unwrap_or(all),
+            ),
         };
         let code = match name.to_ascii_uppercase().as_str() {
             "S" | "SCALAR" | "" => 0,
@@ -65,7 +74,11 @@ impl FromStr for Direction {
             "RX" => 4,
             "RY" => 5,
             "RZ" => 6,
-            _ => return Err(format!("`{text}` is no direction; write X, Y, Z, RX, RY, RZ or S with a sign")),
+            _ => {
+                return Err(format!(
+                    "`{text}` is no direction; write X, Y, Z, RX, RY, RZ or S with a sign"
+                ))
+            }
         };
         Ok(Self(if negative { -code } else { code }))
     }
@@ -73,7 +86,8 @@ impl FromStr for Direction {
 
 /// Degree of freedom: where and in which direction something moves or is pushed.
 ///
-/// Accepts `12:+Z`, `12:Z`, `12Z`, `12Z+`, `+12Z`, `comp:12:+Z`, `12:-RX`, `12:S`; prints `12:+Z`.
+/// Accepts `12:+Z`, `12:Z`, `12Z`, `12Z+`, `+12Z`, `comp:12:+Z`, `12:-RX`, `12:S`; prints
+/// `12:+Z`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Dof {
     /// Node label: any number, never an index.
@@ -128,7 +142,10 @@ impl FromStr for Dof {
                     return Err(wrong());
                 }
                 let node = node.parse().map_err(|_| wrong())?;
-                Ok(Self::new(node, format!("{sign}{direction}").parse().map_err(|_| wrong())?))
+                Ok(Self::new(
+                    node,
+                    format!("{sign}{direction}").parse().map_err(|_| wrong())?,
+                ))
             }
             _ => Err(wrong()),
         }
@@ -157,14 +174,21 @@ mod tests {
         for text in ["12:+Z", "12:Z", "12Z", "12Z+", "+12Z", "comp:12:+Z"] {
             assert_eq!(text.parse::<Dof>().unwrap().to_string(), "12:+Z", "{text}");
         }
-        for (text, printed) in [("12:-RX", "12:-RX"), ("12:S", "12:S"), ("-7Y", "7:-Y"), ("4294967297:X", "4294967297:+X")] {
+        for (text, printed) in [
+            ("12:-RX", "12:-RX"),
+            ("12:S", "12:S"),
+            ("-7Y", "7:-Y"),
+            ("4294967297:X", "4294967297:+X"),
+        ] {
             assert_eq!(text.parse::<Dof>().unwrap().to_string(), printed);
         }
     }
 
     #[test]
     fn what_is_no_dof_is_refused() {
-        for text in ["", "Z", "12", "12:", "a:Z", "12:Q", "-1:Z", "1:2:3:Z", "+12Z+"] {
+        for text in [
+            "", "Z", "12", "12:", "a:Z", "12:Q", "-1:Z", "1:2:3:Z", "+12Z+",
+        ] {
             assert!(text.parse::<Dof>().is_err(), "{text}");
         }
     }

@@ -1,33 +1,50 @@
-//! What physics says of an FRF measured where it is driven: kind, sign, time sign and the size of its unit, before any fit.
+//! What physics says of an FRF measured where it is driven: kind, sign, time sign and the
+//! size of its unit, before any fit.
 //!
-//! A passive structure takes power in: with e^{+jωt}, Re Y ≥ 0 of the mobility Y at every line, and at a resonance Y is real. Data of
-//! another kind are turned by a power of jω, so that Y is imaginary there; a reversed sensor makes it negative. The other time sign
+//! A passive structure takes power in: with e^{+jωt}, Re Y ≥ 0 of the mobility Y at every
+//! line, and at a resonance Y is real. Data of another kind are turned by a power of jω,
+//! so that Y is imaginary there; a reversed sensor makes it negative. The other time sign
 //! is seen first: through a resonance the phase falls, so that Σ Im(Y*_k·Y_{k+1}) < 0.
 
 use crate::{FrfKind, FrfSet, ReferenceUnit};
 use num_complex::Complex64;
 
-/// Part of a sum that must have one sign (or one phase): noise and a band without resonances bring it down.
+/// Part of a sum that must have one sign (or one phase): noise and a band without
+/// resonances bring it down.
 const CLEAR: f64 = 0.5;
 /// The mean phase at resonances must lie this near to a multiple of 90°, rad.
 const NEAR: f64 = std::f64::consts::FRAC_PI_6;
-/// Apparent masses |F/a| of anything that is tested, kg: from a grain of sand to a large ship.
+/// Apparent masses |F/a| of anything that is tested, kg: from a grain of sand to a large
+/// ship.
 const PLAUSIBLE_KG: [f64; 2] = [1e-6, 1e8];
 /// Fewer lines say nothing.
 const LEAST_LINES: usize = 16;
 
-/// What is wrong at the driving points of a set, in words, each with the way out; nothing without a kind or a driving point. References
-/// in volts are left alone: what their amplifier does to the phase is nobody's fault.
+/// What is wrong at the driving points of a set, in words, each with the way out; nothing
+/// without a kind or a driving point. References in volts are left alone: what their
+/// amplifier does to the phase is nobody's fault.
 pub fn driving_point_faults(set: &FrfSet) -> Vec<String> {
-    let (Some(kind), ReferenceUnit::Newton) = (set.kind, set.reference_unit) else { return Vec::new() };
+    let (Some(kind), ReferenceUnit::Newton) = (set.kind, set.reference_unit) else {
+        return Vec::new();
+    };
     let mut found: Vec<(Fault, Vec<String>)> = Vec::new();
     let mut points = 0;
     for (i, response) in set.responses.iter().enumerate() {
-        for (j, reference) in set.references.iter().enumerate().filter(|(_, reference)| response.same_axis(**reference)) {
+        for (j, reference) in set
+            .references
+            .iter()
+            .enumerate()
+            .filter(|(_, reference)| response.same_axis(**reference))
+        {
             let sign = response.direction.sign() * reference.direction.sign();
             let frf = set.values.frf(i, j);
-            let lines = frf.iter().zip(&set.frequency_hz).filter(|(value, &f)| !value.re.is_nan() && f > 0.0);
-            let lines: Vec<(f64, Complex64)> = lines.map(|(&value, &f)| (std::f64::consts::TAU * f, value * sign)).collect();
+            let lines = frf
+                .iter()
+                .zip(&set.frequency_hz)
+                .filter(|(value, &f)| !value.re.is_nan() && f > 0.0);
+            let lines: Vec<(f64, Complex64)> = lines
+                .map(|(&value, &f)| (std::f64::consts::TAU * f, value * sign))
+                .collect();
             if lines.len() < LEAST_LINES {
                 continue;
             }
@@ -42,7 +59,14 @@ pub fn driving_point_faults(set: &FrfSet) -> Vec<String> {
     }
     found
         .into_iter()
-        .map(|(fault, names)| format!("driving point {} ({} of {points}): {}", names[0], names.len(), fault.words(kind)))
+        .map(|(fault, names)| {
+            format!(
+                "driving point {} ({} of {points}): {}",
+                names[0],
+                names.len(),
+                fault.words(kind)
+            )
+        })
         .collect()
 }
 
@@ -58,14 +82,17 @@ enum Fault {
 impl Fault {
     fn words(self, said: FrfKind) -> String {
         match self {
-            Self::TimeSign => "the phase rises through the resonances, as with e^(-jωt): read the file with --time-sign -".into(),
+            Self::TimeSign => "the phase rises through the resonances, as with e^(-jωt): read the \
+                               file with --time-sign -".into(),
             Self::Reversed => {
                 "the structure gives power out: its response or its force points the other way; correct that direction (a receptance that is \
                  called an accelerance looks the same, and the other way round)"
                     .into()
             }
-            Self::Kind(kind) => format!("the values are no {said}; they look like {kind}: read the file with --frf-kind {kind}"),
-            Self::NoKind => format!("the values are no {said}, nor another FRF kind: a channel is integrated once too often, or turned by a filter"),
+            Self::Kind(kind) => format!("the values are no {said}; they look like {kind}: read the \
+                                         file with --frf-kind {kind}"),
+            Self::NoKind => format!("the values are no {said}, nor another FRF kind: a channel is \
+                                     integrated once too often, or turned by a filter"),
             Self::Unit { too_light } => format!(
                 "an apparent mass |F/a| {} kg at most lines: are the units right?",
                 if too_light { format!("below {:e}", PLAUSIBLE_KG[0]) } else { format!("above {:e}", PLAUSIBLE_KG[1]) }
@@ -74,14 +101,21 @@ impl Fault {
     }
 }
 
-/// Faults of one driving-point FRF: (ω, value) of its lines, the direction of the response along that of the force.
+/// Faults of one driving-point FRF: (ω, value) of its lines, the direction of the
+/// response along that of the force.
 fn faults_of(lines: &[(f64, Complex64)], kind: FrfKind) -> Vec<Fault> {
     let mut faults = Vec::new();
     let size = |omega: f64| omega.powi(1 - kind.omega_power());
     // the mobility: of all kinds the one in which resonances stand out most evenly
-    let mut y: Vec<Complex64> =
-        lines.iter().map(|&(omega, value)| value * size(omega) * Complex64::i().powi(1 - kind.omega_power())).collect();
-    let steps = |y: &[Complex64]| -> Vec<f64> { y.windows(2).map(|pair| (pair[0].conj() * pair[1]).im).collect() };
+    let mut y: Vec<Complex64> = lines
+        .iter()
+        .map(|&(omega, value)| value * size(omega) * Complex64::i().powi(1 - kind.omega_power()))
+        .collect();
+    let steps = |y: &[Complex64]| -> Vec<f64> {
+        y.windows(2)
+            .map(|pair| (pair[0].conj() * pair[1]).im)
+            .collect()
+    };
     let turn = steps(&y);
     let turn = turn.iter().sum::<f64>() / turn.iter().map(|step| step.abs()).sum::<f64>();
     if turn > CLEAR {
@@ -91,27 +125,48 @@ fn faults_of(lines: &[(f64, Complex64)], kind: FrfKind) -> Vec<Fault> {
         };
         lines.iter().zip(&mut y).for_each(back);
     }
-    // its mean phase where the phase falls, which is at resonances; elsewhere noise decides the sign of what is small
+    // its mean phase where the phase falls, which is at resonances; elsewhere noise
+    // decides the sign of what is small
     let falls: Vec<f64> = steps(&y).into_iter().map(|step| (-step).max(0.0)).collect();
-    let middles = || y.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).zip(&falls);
-    let mean = middles().map(|(y, fall)| y * fall).sum::<Complex64>() / middles().map(|(y, fall)| y.norm() * fall).sum::<f64>();
-    let towards =
-        |direction: Complex64| turn.abs() > CLEAR && (mean * direction.conj()).re > CLEAR && (mean * direction.conj()).arg().abs() < NEAR;
+    let middles = || {
+        y.windows(2)
+            .map(|pair| 0.5 * (pair[0] + pair[1]))
+            .zip(&falls)
+    };
+    let mean = middles().map(|(y, fall)| y * fall).sum::<Complex64>()
+        / middles().map(|(y, fall)| y.norm() * fall).sum::<f64>();
+    let towards = |direction: Complex64| {
+        turn.abs() > CLEAR
+            && (mean * direction.conj()).re > CLEAR
+            && (mean * direction.conj()).arg().abs() < NEAR
+    };
     // data with one differentiation more are ahead by 90°
     for (more, direction) in [(1, Complex64::i()), (-1, -Complex64::i())] {
         if towards(direction) {
             let kinds = [FrfKind::Receptance, FrfKind::Mobility, FrfKind::Accelerance];
-            let other = kinds.into_iter().find(|other| other.omega_power() == kind.omega_power() + more);
+            let other = kinds
+                .into_iter()
+                .find(|other| other.omega_power() == kind.omega_power() + more);
             faults.push(other.map_or(Fault::NoKind, Fault::Kind));
         }
     }
     if towards(-Complex64::ONE) {
         faults.push(Fault::Reversed);
     }
-    let mut masses: Vec<f64> = lines.iter().zip(&y).map(|(line, y)| (line.0 * y.norm()).recip()).filter(|mass| mass.is_finite()).collect();
+    let mut masses: Vec<f64> = lines
+        .iter()
+        .zip(&y)
+        .map(|(line, y)| (line.0 * y.norm()).recip())
+        .filter(|mass| mass.is_finite())
+        .collect();
     masses.sort_by(f64::total_cmp);
-    if let Some(&median) = masses.get(masses.len() / 2).filter(|mass| !(PLAUSIBLE_KG[0]..PLAUSIBLE_KG[1]).contains(*mass)) {
-        faults.push(Fault::Unit { too_light: median < PLAUSIBLE_KG[0] });
+    if let Some(&median) = masses
+        .get(masses.len() / 2)
+        .filter(|mass| !(PLAUSIBLE_KG[0]..PLAUSIBLE_KG[1]).contains(*mass))
+    {
+        faults.push(Fault::Unit {
+            too_light: median < PLAUSIBLE_KG[0],
+        });
     }
     faults
 }
@@ -122,22 +177,33 @@ mod tests {
     use crate::{FrfValues, Geometry};
     use ndarray::{Array1, Array3};
 
-    /// A plate on springs at its driving point: five modes, structural damping, 1 % of noise; (kind of the values, kind said).
+    /// A plate on springs at its driving point: five modes, structural damping, 1 % of
+    /// noise; (kind of the values, kind said).
     fn set(written: FrfKind, said: FrfKind, change: impl Fn(Complex64) -> Complex64) -> FrfSet {
         let lines = 400;
         let frequency_hz = Array1::from_iter((0..lines).map(|k| 2.0 + 0.5 * f64::from(k)));
         let mut state = 7_u64;
         let mut noise = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             0.01 * ((state >> 33) as f64 / 2_f64.powi(30) - 1.0)
         };
         let values = Array3::from_shape_fn((1, 1, lines as usize), |(_, _, k)| {
             let omega = std::f64::consts::TAU * frequency_hz[k];
             let receptance: Complex64 = [31.0, 54.0, 77.0, 120.0, 171.0]
                 .iter()
-                .map(|f: &f64| ((std::f64::consts::TAU * f).powi(2) * Complex64::new(1.0, 0.02) - omega * omega).inv())
+                .map(|f: &f64| {
+                    ((std::f64::consts::TAU * f).powi(2) * Complex64::new(1.0, 0.02)
+                        - omega * omega)
+                        .inv()
+                })
                 .sum();
-            change(receptance * written.from_receptance(omega) * (1.0 + Complex64::new(noise(), noise())))
+            change(
+                receptance
+                    * written.from_receptance(omega)
+                    * (1.0 + Complex64::new(noise(), noise())),
+            )
         });
         FrfSet {
             frequency_hz,
@@ -157,11 +223,19 @@ mod tests {
     #[test]
     fn a_sound_driving_point_is_not_complained_about() {
         for kind in KINDS {
-            assert_eq!(driving_point_faults(&set(kind, kind, |value| value)), Vec::<String>::new(), "{kind}");
+            assert_eq!(
+                driving_point_faults(&set(kind, kind, |value| value)),
+                Vec::<String>::new(),
+                "{kind}"
+            );
             // both directions reversed: the same
             let mut turned = set(kind, kind, |value| -value);
             turned.responses = vec!["5:-Z".parse().unwrap()];
-            assert_eq!(driving_point_faults(&turned), Vec::<String>::new(), "{kind}");
+            assert_eq!(
+                driving_point_faults(&turned),
+                Vec::<String>::new(),
+                "{kind}"
+            );
         }
     }
 
@@ -174,7 +248,10 @@ mod tests {
                 found.into_iter().next().unwrap()
             };
             assert!(one(|value| -value).contains("other way"), "{kind}");
-            assert!(one(|value| value.conj()).contains("--time-sign -"), "{kind}");
+            assert!(
+                one(|value| value.conj()).contains("--time-sign -"),
+                "{kind}"
+            );
             assert!(one(|value| value * 1e9).contains("units"), "{kind}");
             assert!(one(|value| value * 1e-12).contains("units"), "{kind}");
         }
@@ -184,18 +261,36 @@ mod tests {
     fn a_kind_that_is_one_differentiation_off_is_named() {
         for (written, said) in [(0, 1), (1, 0), (1, 2), (2, 1)] {
             let found = driving_point_faults(&set(KINDS[written], KINDS[said], |value| value));
-            assert!(found.len() == 1 && found[0].contains(&format!("--frf-kind {}", KINDS[written])), "{found:?}");
+            assert!(
+                found.len() == 1 && found[0].contains(&format!("--frf-kind {}", KINDS[written])),
+                "{found:?}"
+            );
         }
-        let found = driving_point_faults(&set(FrfKind::Receptance, FrfKind::Accelerance, |value| value));
-        assert!(found[0].contains("receptance that is called an accelerance"), "{found:?}");
+        let found =
+            driving_point_faults(&set(FrfKind::Receptance, FrfKind::Accelerance, |value| {
+                value
+            }));
+        assert!(
+            found[0].contains("receptance that is called an accelerance"),
+            "{found:?}"
+        );
     }
 
     #[test]
     fn nothing_is_said_without_a_driving_point_a_kind_or_a_force() {
         let wrong = set(FrfKind::Mobility, FrfKind::Mobility, |value| -value);
-        let elsewhere = FrfSet { references: vec!["6:+Z".parse().unwrap()], ..wrong.clone() };
-        let unsaid = FrfSet { kind: None, ..wrong.clone() };
-        let volts = FrfSet { reference_unit: ReferenceUnit::Volt, ..wrong };
+        let elsewhere = FrfSet {
+            references: vec!["6:+Z".parse().unwrap()],
+            ..wrong.clone()
+        };
+        let unsaid = FrfSet {
+            kind: None,
+            ..wrong.clone()
+        };
+        let volts = FrfSet {
+            reference_unit: ReferenceUnit::Volt,
+            ..wrong
+        };
         for set in [elsewhere, unsaid, volts] {
             assert_eq!(driving_point_faults(&set), Vec::<String>::new());
         }

@@ -1,4 +1,5 @@
-//! One shape for every error about a user's input: what was found, what was expected, where, and what to do.
+//! One shape for every error about a user's input: what was found, what was expected,
+//! where, and what to do.
 
 use crate::words::{is_near, nearest_word};
 use std::fmt;
@@ -117,20 +118,26 @@ impl Error {
         Self::new(ErrorKind::BadData, message)
     }
 
-    /// A word that a parser refused as "`x` is no ...; write ...": the second half is what was expected.
+    /// A word that a parser refused as "`x` is no ...; write ...": the second half is
+    /// what was expected.
     pub fn bad_word(message: &str, found: impl fmt::Display) -> Self {
-        let (message, expected) = message.split_once("; write ").unwrap_or((message, "another value"));
+        let (message, expected) = message
+            .split_once("; write ")
+            .unwrap_or((message, "another value"));
         Self::bad_data(message).found(found).expected(expected)
     }
 
-    /// An operating-system failure on `file`: "not found" becomes [`ErrorKind::NoInput`], with the nearest name there is.
+    /// An operating-system failure on `file`: "not found" becomes [`ErrorKind::NoInput`],
+    /// with the nearest name there is.
     pub fn from_read(error: &std::io::Error, file: &Path) -> Self {
         use std::io::ErrorKind as Io;
         match error.kind() {
             Io::NotFound | Io::NotADirectory => Self::no_such_file(file),
-            Io::IsADirectory => {
-                Self::bad_data("a folder, not a file").file(file).found("a folder").expected("a file").help("name a file in it")
-            }
+            Io::IsADirectory => Self::bad_data("a folder, not a file")
+                .file(file)
+                .found("a folder")
+                .expected("a file")
+                .help("name a file in it"),
             Io::PermissionDenied => Self::new(ErrorKind::Io, "cannot read: permission denied")
                 .file(file)
                 .help("ask its owner, or change its permissions (chmod)"),
@@ -140,19 +147,34 @@ impl Error {
 
     fn no_such_file(file: &Path) -> Self {
         const CHECK: &str = "check the path; paths are taken relative to the current folder";
-        let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."));
-        let error = Self::new(ErrorKind::NoInput, "no such file").file(file).expected("an existing file");
+        let folder = file
+            .parent()
+            .filter(|folder| !folder.as_os_str().is_empty())
+            .unwrap_or_else(|| Path::new("."));
+        let error = Self::new(ErrorKind::NoInput, "no such file")
+            .file(file)
+            .expected("an existing file");
         let Ok(entries) = std::fs::read_dir(folder) else {
-            return error.found(format!("no folder {}", folder.display())).help(CHECK);
+            return error
+                .found(format!("no folder {}", folder.display()))
+                .help(CHECK);
         };
-        let mut names: Vec<String> = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+        let mut names: Vec<String> = entries
+            .flatten()
+            .map(|entry| entry.file_name().to_string_lossy().into_owned())
+            .collect();
         names.sort_unstable();
-        let asked = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let asked = file
+            .file_name()
+            .map(|name| name.to_string_lossy().into_owned())
+            .unwrap_or_default();
         let known: Vec<&str> = names.iter().map(String::as_str).collect();
         let near = nearest_word(&asked, &known).filter(|near| is_near(&asked, near));
         error
             .found("nothing of that name")
-            .help(near.map_or(CHECK.into(), |near| format!("did you mean {}?", file.with_file_name(near).display())))
+            .help(near.map_or(CHECK.into(), |near| {
+                format!("did you mean {}?", file.with_file_name(near).display())
+            }))
     }
 
     /// Adds the file, unless one is named already.
@@ -180,11 +202,21 @@ impl Error {
         self.field = Some(field.into());
         self
     }
-    /// Says what stood there (foreign text is cut at 80 characters, control characters are escaped).
+    /// Says what stood there (foreign text is cut at 80 characters, control characters
+    /// are escaped).
     pub fn found(mut self, found: impl fmt::Display) -> Self {
         let text = found.to_string();
-        let mut shown: String =
-            text.chars().take(80).flat_map(|c| if c.is_control() { c.escape_default().collect::<Vec<_>>() } else { vec![c] }).collect();
+        let mut shown: String = text
+            .chars()
+            .take(80)
+            .flat_map(|c| {
+                if c.is_control() {
+                    c.escape_default().collect::<Vec<_>>()
+                } else {
+                    vec![c]
+                }
+            })
+            .collect();
         if text.chars().count() > 80 {
             shown.push_str("...");
         }

@@ -4,7 +4,8 @@ use crate::{Dof, Error, FrfKind, Geometry, ReferenceUnit, Result};
 use ndarray::{Array1, Array3, Axis};
 use num_complex::{Complex32, Complex64};
 
-/// FRF values in the precision of their source; axes (response, reference, line), lines contiguous.
+/// FRF values in the precision of their source; axes (response, reference, line), lines
+/// contiguous.
 ///
 /// Single-precision data keep their size in memory and are widened inside the arithmetic.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,8 +34,12 @@ impl FrfValues {
     /// One FRF, widened: one value per line.
     pub fn frf(&self, response: usize, reference: usize) -> Array1<Complex64> {
         match self {
-            Self::F64(values) => values.slice(ndarray::s![response, reference, ..]).to_owned(),
-            Self::F32(values) => values.slice(ndarray::s![response, reference, ..]).mapv(widen),
+            Self::F64(values) => values
+                .slice(ndarray::s![response, reference, ..])
+                .to_owned(),
+            Self::F32(values) => values
+                .slice(ndarray::s![response, reference, ..])
+                .mapv(widen),
         }
     }
 }
@@ -42,7 +47,11 @@ impl FrfValues {
 /// Some lines of an array with the axes (response, reference, line).
 fn chosen<T: Copy>(values: &Array3<T>, lines: &[usize]) -> Array3<T> {
     let (responses, references, _) = values.dim();
-    let chosen = values.lanes(Axis(2)).into_iter().flat_map(|frf| lines.iter().map(move |&line| frf[line])).collect();
+    let chosen = values
+        .lanes(Axis(2))
+        .into_iter()
+        .flat_map(|frf| lines.iter().map(move |&line| frf[line]))
+        .collect();
     Array3::from_shape_vec((responses, references, lines.len()), chosen).expect("as many as chosen")
 }
 
@@ -52,13 +61,14 @@ fn widen(value: Complex32) -> Complex64 {
 
 /// Measured FRFs of one structure on one frequency axis.
 ///
-/// A pair (response, reference) that was not measured, and a line that was masked, hold NaN in both parts; readers name
-/// them in their warnings. All other values are finite.
+/// A pair (response, reference) that was not measured, and a line that was masked, hold
+/// NaN in both parts; readers name them in their warnings. All other values are finite.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrfSet {
     /// Frequency axis, Hz, strictly rising, finite, ≥ 0.
     pub frequency_hz: Array1<f64>,
-    /// Values in SI units of `kind` per `reference_unit`; axes (response, reference, line).
+    /// Values in SI units of `kind` per `reference_unit`; axes (response, reference,
+    /// line).
     pub values: FrfValues,
     /// Response DOFs, unique, one per entry of axis 0.
     pub responses: Vec<Dof>,
@@ -70,14 +80,16 @@ pub struct FrfSet {
     pub reference_unit: ReferenceUnit,
     /// Ordinary coherence γ², same axes as `values`, NaN where not given.
     pub coherence: Option<Array3<f32>>,
-    /// E|δH|² of each value, in its units squared, same axes; NaN where not known. Written by `estimate`.
+    /// E|δH|² of each value, in its units squared, same axes; NaN where not known.
+    /// Written by `estimate`.
     pub variance: Option<Array3<f64>>,
     /// Nodes, where the file has them.
     pub geometry: Geometry,
 }
 
 impl FrfSet {
-    /// Checks what the fields promise: sizes that agree, a rising finite axis, unique DOFs, no infinite value.
+    /// Checks what the fields promise: sizes that agree, a rising finite axis, unique
+    /// DOFs, no infinite value.
     ///
     /// # Errors
     /// [`crate::ErrorKind::BadData`] naming the field.
@@ -95,7 +107,10 @@ impl FrfSet {
                     .expected(format!("{expected}, as many as the FRF array has")));
             }
         }
-        let beside = [("coherence", self.coherence.as_ref().map(Array3::dim)), ("variance", self.variance.as_ref().map(Array3::dim))];
+        let beside = [
+            ("coherence", self.coherence.as_ref().map(Array3::dim)),
+            ("variance", self.variance.as_ref().map(Array3::dim)),
+        ];
         for (field, dim) in beside {
             if let Some(dim) = dim.filter(|&dim| dim != self.values.dim()) {
                 return Err(Error::bad_data("sizes disagree")
@@ -104,26 +119,45 @@ impl FrfSet {
                     .expected(format!("{:?}", self.values.dim())));
             }
         }
-        if let Some(negative) = self.variance.iter().flatten().find(|&&variance| variance < 0.0 || variance.is_infinite()) {
-            return Err(Error::bad_data("a variance must be finite and not negative")
-                .field("variance")
-                .found(negative)
-                .expected("E|δH|², or NaN where it is not known")
-                .help("correct it in the program that wrote the file"));
+        if let Some(negative) = self
+            .variance
+            .iter()
+            .flatten()
+            .find(|&&variance| variance < 0.0 || variance.is_infinite())
+        {
+            return Err(
+                Error::bad_data("a variance must be finite and not negative")
+                    .field("variance")
+                    .found(negative)
+                    .expected("E|δH|², or NaN where it is not known")
+                    .help("correct it in the program that wrote the file"),
+            );
         }
         for (k, &f) in self.frequency_hz.iter().enumerate() {
             if !f.is_finite() || f < 0.0 || (k > 0 && f <= self.frequency_hz[k - 1]) {
-                return Err(Error::bad_data("the frequency axis must be finite, not negative and strictly rising")
-                    .field(format!("frequency axis, entry {}", k + 1))
-                    .found(f)
-                    .expected(if k > 0 { format!("a finite number above {}", self.frequency_hz[k - 1]) } else { "0 or more".into() })
-                    .help("correct the axis in the program that wrote the file"));
+                return Err(Error::bad_data(
+                    "the frequency axis must be finite, not negative and strictly rising",
+                )
+                .field(format!("frequency axis, entry {}", k + 1))
+                .found(f)
+                .expected(if k > 0 {
+                    format!("a finite number above {}", self.frequency_hz[k - 1])
+                } else {
+                    "0 or more".into()
+                })
+                .help("correct the axis in the program that wrote the file"));
             }
         }
-        for (field, dofs) in [("responses", &self.responses), ("references", &self.references)] {
+        for (field, dofs) in [
+            ("responses", &self.responses),
+            ("references", &self.references),
+        ] {
             let mut seen = std::collections::HashSet::new();
             if let Some(twice) = dofs.iter().find(|dof| !seen.insert(**dof)) {
-                return Err(Error::bad_data("a DOF stands twice").field(field).found(twice).expected("every DOF once"));
+                return Err(Error::bad_data("a DOF stands twice")
+                    .field(field)
+                    .found(twice)
+                    .expected("every DOF once"));
             }
         }
         Ok(self)
@@ -163,8 +197,14 @@ impl FrfSet {
             },
             responses: self.responses.clone(),
             references: self.references.clone(),
-            coherence: self.coherence.as_ref().map(|coherence| chosen(coherence, lines)),
-            variance: self.variance.as_ref().map(|variance| chosen(variance, lines)),
+            coherence: self
+                .coherence
+                .as_ref()
+                .map(|coherence| chosen(coherence, lines)),
+            variance: self
+                .variance
+                .as_ref()
+                .map(|variance| chosen(variance, lines)),
             geometry: self.geometry.clone(),
             ..*self
         }
@@ -178,7 +218,8 @@ impl FrfSet {
         }
     }
 
-    /// The same FRFs as `kind`, in double precision; a line at 0 Hz becomes NaN where the conversion divides by jω.
+    /// The same FRFs as `kind`, in double precision; a line at 0 Hz becomes NaN where the
+    /// conversion divides by jω.
     ///
     /// # Errors
     /// [`crate::ErrorKind::UnknownFrfKind`] where the set's own kind is unknown.
@@ -192,14 +233,28 @@ impl FrfSet {
                 let omega = std::f64::consts::TAU * f;
                 kind.from_receptance(omega) / from.from_receptance(omega)
             })
-            .map(|factor| if factor.is_finite() { factor } else { Complex64::new(f64::NAN, f64::NAN) })
+            .map(|factor| {
+                if factor.is_finite() {
+                    factor
+                } else {
+                    Complex64::new(f64::NAN, f64::NAN)
+                }
+            })
             .collect();
-        let values = Array3::from_shape_fn((responses, references, lines), |(i, j, k)| self.values.get(i, j, k) * factors[k]);
-        let variance = self
-            .variance
-            .as_ref()
-            .map(|variance| Array3::from_shape_fn(variance.dim(), |(i, j, k)| variance[[i, j, k]] * factors[k].norm_sqr()));
-        Ok(Self { values: FrfValues::F64(values), kind: Some(kind), variance, ..self.clone() })
+        let values = Array3::from_shape_fn((responses, references, lines), |(i, j, k)| {
+            self.values.get(i, j, k) * factors[k]
+        });
+        let variance = self.variance.as_ref().map(|variance| {
+            Array3::from_shape_fn(variance.dim(), |(i, j, k)| {
+                variance[[i, j, k]] * factors[k].norm_sqr()
+            })
+        });
+        Ok(Self {
+            values: FrfValues::F64(values),
+            kind: Some(kind),
+            variance,
+            ..self.clone()
+        })
     }
 
     /// The kind, or the error that asks for it.
@@ -208,11 +263,14 @@ impl FrfSet {
     /// [`crate::ErrorKind::UnknownFrfKind`].
     pub fn known_kind(&self) -> Result<FrfKind> {
         self.kind.ok_or_else(|| {
-            Error::new(crate::ErrorKind::UnknownFrfKind, "the file does not say what kind of FRF it holds")
-                .field("FRF kind")
-                .found("neither quantity codes nor unit labels that name one")
-                .expected("receptance (m/N), mobility (m/s/N) or accelerance (m/s^2/N)")
-                .help("say it with --frf-kind receptance|mobility|accelerance")
+            Error::new(
+                crate::ErrorKind::UnknownFrfKind,
+                "the file does not say what kind of FRF it holds",
+            )
+            .field("FRF kind")
+            .found("neither quantity codes nor unit labels that name one")
+            .expected("receptance (m/N), mobility (m/s/N) or accelerance (m/s^2/N)")
+            .help("say it with --frf-kind receptance|mobility|accelerance")
         })
     }
 }
@@ -238,13 +296,21 @@ mod tests {
     #[test]
     fn kinds_differ_by_powers_of_j_omega() {
         let omega = std::f64::consts::TAU * 10.0;
-        let mobility = one_line(FrfKind::Receptance).to_kind(FrfKind::Mobility).unwrap();
+        let mobility = one_line(FrfKind::Receptance)
+            .to_kind(FrfKind::Mobility)
+            .unwrap();
         let expected = Complex64::new(0.0, omega) * Complex64::new(1.0, 2.0);
         assert!((mobility.values.get(0, 0, 1) - expected).norm() < 1e-12 * omega);
-        assert!((mobility.variance.as_ref().unwrap()[[0, 0, 1]] - 0.5 * omega * omega).abs() < 1e-9 * omega * omega);
+        assert!(
+            (mobility.variance.as_ref().unwrap()[[0, 0, 1]] - 0.5 * omega * omega).abs()
+                < 1e-9 * omega * omega
+        );
         let back = mobility.to_kind(FrfKind::Receptance).unwrap();
         assert!((back.values.get(0, 0, 1) - Complex64::new(1.0, 2.0)).norm() < 1e-14);
-        assert!(back.values.get(0, 0, 0).re.is_nan(), "0 Hz cannot be divided by j omega");
+        assert!(
+            back.values.get(0, 0, 0).re.is_nan(),
+            "0 Hz cannot be divided by j omega"
+        );
     }
 
     #[test]

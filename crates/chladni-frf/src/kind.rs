@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
 
-/// What is measured per unit of the reference. Velocity per volt is [`FrfKind::Mobility`] with [`ReferenceUnit::Volt`].
+/// What is measured per unit of the reference. Velocity per volt is [`FrfKind::Mobility`]
+/// with [`ReferenceUnit::Volt`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum FrfKind {
@@ -62,7 +63,9 @@ impl FromStr for FrfKind {
             "receptance" => Ok(Self::Receptance),
             "mobility" => Ok(Self::Mobility),
             "accelerance" => Ok(Self::Accelerance),
-            other => Err(format!("`{other}` is no FRF kind; write receptance, mobility or accelerance")),
+            other => Err(format!(
+                "`{other}` is no FRF kind; write receptance, mobility or accelerance"
+            )),
         }
     }
 }

@@ -1,10 +1,12 @@
-//! What a measurement is, and what a modal model is: the data types that every other crate speaks, and their files.
+//! What a measurement is, and what a modal model is: the data types that every other
+//! crate speaks, and their files.
 //!
-//! The way of the data starts here: a file becomes an [`FrfSet`] (measured FRFs with axes, DOFs, kind and geometry), and
-//! the fit of `chladni-rfp` turns that into a [`ModalModel`]. This crate knows neither fitting nor rendering.
+//! The way of the data starts here: a file becomes an [`FrfSet`] (measured FRFs with
+//! axes, DOFs, kind and geometry), and the fit of `chladni-rfp` turns that into a
+//! [`ModalModel`]. This crate knows neither fitting nor rendering.
 //!
-//! Conventions, kept everywhere: time sign e^{+jωt}, SI units, peak amplitudes, FRF arrays with the axes
-//! (response, reference, line), lines contiguous.
+//! Conventions, kept everywhere: time sign e^{+jωt}, SI units, peak amplitudes, FRF
+//! arrays with the axes (response, reference, line), lines contiguous.
 
 mod dof;
 mod driving_point;
@@ -26,7 +28,8 @@ pub use frf_set::{FrfSet, FrfValues};
 pub use geometry::{Geometry, Node};
 pub use kind::{FrfKind, ReferenceUnit, TimeSign};
 pub use model::{
-    ComplexMatrix, ComplexVector, Damping, ModalModel, Mode, Quality, ResidualTerm, ResidualTerms, Scaling, Source, Trust, MODEL_FORMAT,
+    ComplexMatrix, ComplexVector, Damping, ModalModel, Mode, Quality, ResidualTerm, ResidualTerms,
+    Scaling, Source, Trust, MODEL_FORMAT,
 };
 pub use selection::{Selected, Selection};
 pub use words::{line_of_byte, nearest_word, parser_complaint, toml_complaint};

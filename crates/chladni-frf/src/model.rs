@@ -1,6 +1,7 @@
 //! The modal model: what a fit saves, and its synthesis.
 //!
-//! The fields are those of the model file (`docs/formats.md`); the file alone reproduces the fit.
+//! The fields are those of the model file (`docs/formats.md`); the file alone reproduces
+//! the fit.
 
 use crate::{Dof, FrfKind, Node, ReferenceUnit};
 use ndarray::{Array1, Array2, Array3, Axis};
@@ -25,7 +26,10 @@ struct SplitVector {
 
 impl From<ComplexVector> for SplitVector {
     fn from(vector: ComplexVector) -> Self {
-        Self { re: vector.0.iter().map(|c| c.re).collect(), im: vector.0.iter().map(|c| c.im).collect() }
+        Self {
+            re: vector.0.iter().map(|c| c.re).collect(),
+            im: vector.0.iter().map(|c| c.im).collect(),
+        }
     }
 }
 
@@ -33,9 +37,20 @@ impl TryFrom<SplitVector> for ComplexVector {
     type Error = String;
     fn try_from(split: SplitVector) -> Result<Self, String> {
         if split.re.len() != split.im.len() {
-            return Err(format!("re has {} entries and im {}", split.re.len(), split.im.len()));
+            return Err(format!(
+                "re has {} entries and im {}",
+                split.re.len(),
+                split.im.len()
+            ));
         }
-        Ok(Self(split.re.into_iter().zip(split.im).map(|(re, im)| Complex64::new(re, im)).collect()))
+        Ok(Self(
+            split
+                .re
+                .into_iter()
+                .zip(split.im)
+                .map(|(re, im)| Complex64::new(re, im))
+                .collect(),
+        ))
     }
 }
 
@@ -52,8 +67,18 @@ struct SplitMatrix {
 
 impl From<ComplexMatrix> for SplitMatrix {
     fn from(matrix: ComplexMatrix) -> Self {
-        let part = |f: fn(&Complex64) -> f64| matrix.0.rows().into_iter().map(|row| row.iter().map(f).collect()).collect();
-        Self { re: part(|c| c.re), im: part(|c| c.im) }
+        let part = |f: fn(&Complex64) -> f64| {
+            matrix
+                .0
+                .rows()
+                .into_iter()
+                .map(|row| row.iter().map(f).collect())
+                .collect()
+        };
+        Self {
+            re: part(|c| c.re),
+            im: part(|c| c.im),
+        }
     }
 }
 
@@ -65,7 +90,10 @@ impl TryFrom<SplitMatrix> for ComplexMatrix {
         if split.re.len() != split.im.len() || !even(&split.re) || !even(&split.im) {
             return Err("re and im must be rectangular and of one size".into());
         }
-        Ok(Self(Array2::from_shape_fn((split.re.len(), columns), |(i, j)| Complex64::new(split.re[i][j], split.im[i][j]))))
+        Ok(Self(Array2::from_shape_fn(
+            (split.re.len(), columns),
+            |(i, j)| Complex64::new(split.re[i][j], split.im[i][j]),
+        )))
     }
 }
 
@@ -93,7 +121,8 @@ pub enum Scaling {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Trust {
-    /// More likely absent than present; listed only on request, never part of the synthesis.
+    /// More likely absent than present; listed only on request, never part of the
+    /// synthesis.
     Rejected,
     /// Kept, with reasons for doubt.
     Weak,
@@ -126,8 +155,9 @@ pub struct Mode {
     pub shape: ComplexVector,
     /// √E|δψ|² per response, in the shape's scaling.
     pub shape_std: Vec<f64>,
-    /// Relative standard deviation of the scale to unit modal mass, which `shape_std` includes: shape and participation share it, so that it is no error of
-    /// their product. `None` where shapes are not scaled, or it is not known.
+    /// Relative standard deviation of the scale to unit modal mass, which `shape_std`
+    /// includes: shape and participation share it, so that it is no error of their
+    /// product. `None` where shapes are not scaled, or it is not known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scale_std: Option<f64>,
     /// ψ_n at the references, times whatever scale the shape does not carry.
@@ -135,10 +165,13 @@ pub struct Mode {
 }
 
 impl Mode {
-    /// `shape_std` of a response without the error of the scale: what is left of it in FRFs, where the participation has the scale's inverse.
+    /// `shape_std` of a response without the error of the scale: what is left of it in
+    /// FRFs, where the participation has the scale's inverse.
     pub fn shape_std_at_known_scale(&self, response: usize) -> f64 {
         let of_scale = self.scale_std.unwrap_or(0.0) * self.shape.0[response].norm();
-        (self.shape_std[response].powi(2) - of_scale.powi(2)).max(0.0).sqrt()
+        (self.shape_std[response].powi(2) - of_scale.powi(2))
+            .max(0.0)
+            .sqrt()
     }
 }
 
@@ -186,7 +219,8 @@ pub struct Source {
     pub sha256: String,
 }
 
-/// A modal model: modes, residual terms, DOFs, geometry and quality. Field by field the model file.
+/// A modal model: modes, residual terms, DOFs, geometry and quality. Field by field the
+/// model file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ModalModel {
     /// Always [`MODEL_FORMAT`].
@@ -226,25 +260,37 @@ pub struct ModalModel {
 }
 
 impl Mode {
-    /// The factor of shape·participation in the receptance at `omega` rad/s, for a structural mode
-    /// (theory.md, eq. 3): 1/(ω_n²(1+jη_n) − ω²).
+    /// The factor of shape·participation in the receptance at `omega` rad/s, for a
+    /// structural mode (theory.md, eq. 3): 1/(ω_n²(1+jη_n) − ω²).
     pub fn structural_factor(&self, omega: f64) -> Complex64 {
         let omega_n = TAU * self.frequency_hz;
-        Complex64::new(1.0, 0.0) / Complex64::new(omega_n * omega_n - omega * omega, omega_n * omega_n * self.loss_factor)
+        Complex64::new(1.0, 0.0)
+            / Complex64::new(
+                omega_n * omega_n - omega * omega,
+                omega_n * omega_n * self.loss_factor,
+            )
     }
     /// The pole s_n = −ζ_nω_n + jω_n√(1−ζ_n²), rad/s, of the viscous law (ζ_n = η_n/2).
     pub fn viscous_pole(&self) -> Complex64 {
         let (omega_n, zeta) = (TAU * self.frequency_hz, self.loss_factor / 2.0);
-        Complex64::new(-zeta * omega_n, omega_n * (1.0 - zeta * zeta).max(0.0).sqrt())
+        Complex64::new(
+            -zeta * omega_n,
+            omega_n * (1.0 - zeta * zeta).max(0.0).sqrt(),
+        )
     }
 }
 
 impl ModalModel {
-    /// Receptance of every pair at `frequency_hz`, m per unit of the reference; axes (response, reference).
+    /// Receptance of every pair at `frequency_hz`, m per unit of the reference; axes
+    /// (response, reference).
     pub fn receptance(&self, frequency_hz: f64) -> Array2<Complex64> {
         let omega = TAU * frequency_hz;
         let mut alpha = Array2::zeros((self.responses.len(), self.references.len()));
-        for mode in self.modes.iter().filter(|mode| mode.trust != Trust::Rejected) {
+        for mode in self
+            .modes
+            .iter()
+            .filter(|mode| mode.trust != Trust::Rejected)
+        {
             self.add_mode(mode, omega, &mut alpha);
         }
         for term in &self.residual_terms.terms {
@@ -258,14 +304,27 @@ impl ModalModel {
         match self.damping {
             Damping::Structural => {
                 let factor = mode.structural_factor(omega);
-                add_rows(alpha, mode, |shape| factor * shape, |row, participation| row * participation);
+                add_rows(
+                    alpha,
+                    mode,
+                    |shape| factor * shape,
+                    |row, participation| row * participation,
+                );
             }
             Damping::Viscous => {
                 let pole = mode.viscous_pole();
-                let (j_omega, scale) = (Complex64::new(0.0, omega), Complex64::new(0.0, 2.0 * pole.im).inv());
-                let (near, far) = (scale * (j_omega - pole).inv(), scale.conj() * (j_omega - pole.conj()).inv());
+                let (j_omega, scale) = (
+                    Complex64::new(0.0, omega),
+                    Complex64::new(0.0, 2.0 * pole.im).inv(),
+                );
+                let (near, far) = (
+                    scale * (j_omega - pole).inv(),
+                    scale.conj() * (j_omega - pole.conj()).inv(),
+                );
                 let row = |shape: Complex64| (near * shape, far * shape.conj());
-                add_rows(alpha, mode, row, |(near, far), participation| near * participation + far * participation.conj());
+                add_rows(alpha, mode, row, |(near, far), participation| {
+                    near * participation + far * participation.conj()
+                });
             }
         }
     }
@@ -276,40 +335,56 @@ impl ModalModel {
         self.receptance(frequency_hz).mapv(|alpha| factor * alpha)
     }
 
-    /// The model at some of its DOFs alone, by their places: what few FRFs need costs as much as they are.
+    /// The model at some of its DOFs alone, by their places: what few FRFs need costs as
+    /// much as they are.
     pub fn at_dofs(&self, responses: &[usize], references: &[usize]) -> Self {
         fn of<T: Clone>(all: &[T], places: &[usize]) -> Vec<T> {
             places.iter().map(|&place| all[place].clone()).collect()
         }
         let mut part = self.clone();
-        (part.responses, part.references) = (of(&self.responses, responses), of(&self.references, references));
+        (part.responses, part.references) = (
+            of(&self.responses, responses),
+            of(&self.references, references),
+        );
         for mode in &mut part.modes {
             mode.shape.0 = of(&mode.shape.0, responses);
             mode.shape_std = of(&mode.shape_std, responses);
             mode.participation.0 = of(&mode.participation.0, references);
         }
         for term in &mut part.residual_terms.terms {
-            term.matrix.0 = term.matrix.0.select(Axis(0), responses).select(Axis(1), references);
+            term.matrix.0 = term
+                .matrix
+                .0
+                .select(Axis(0), responses)
+                .select(Axis(1), references);
         }
         part
     }
 
     /// FRFs in the measured kind on a frequency axis; axes (response, reference, line).
     pub fn synthesise(&self, frequency_hz: &Array1<f64>) -> Array3<Complex64> {
-        let mut frf = Array3::zeros((self.responses.len(), self.references.len(), frequency_hz.len()));
+        let mut frf = Array3::zeros((
+            self.responses.len(),
+            self.references.len(),
+            frequency_hz.len(),
+        ));
         for (k, &f) in frequency_hz.iter().enumerate() {
-            frf.slice_mut(ndarray::s![.., .., k]).assign(&self.frf_matrix(self.frf_kind, f));
+            frf.slice_mut(ndarray::s![.., .., k])
+                .assign(&self.frf_matrix(self.frf_kind, f));
         }
         frf
     }
 
     /// Modes inside the band (`sure` and `weak`); the others stand for the world outside.
     pub fn in_band_modes(&self) -> impl Iterator<Item = &Mode> {
-        self.modes.iter().filter(|mode| mode.in_band && mode.trust != Trust::Rejected)
+        self.modes
+            .iter()
+            .filter(|mode| mode.in_band && mode.trust != Trust::Rejected)
     }
 }
 
-/// Adds a mode to the matrix: `of_row` is what all entries of a response share, so that an entry costs a product or two.
+/// Adds a mode to the matrix: `of_row` is what all entries of a response share, so that
+/// an entry costs a product or two.
 fn add_rows<R: Copy>(
     alpha: &mut Array2<Complex64>,
     mode: &Mode,
@@ -318,6 +393,8 @@ fn add_rows<R: Copy>(
 ) {
     for (mut row, &shape) in alpha.rows_mut().into_iter().zip(&mode.shape.0) {
         let shared = of_row(shape);
-        row.iter_mut().zip(&mode.participation.0).for_each(|(alpha, &participation)| *alpha += entry(shared, participation));
+        row.iter_mut()
+            .zip(&mode.participation.0)
+            .for_each(|(alpha, &participation)| *alpha += entry(shared, participation));
     }
 }

@@ -1,4 +1,5 @@
-//! Modes kept or dropped by hand, reproducibly: the selection file and what it does to a model.
+//! Modes kept or dropped by hand, reproducibly: the selection file and what it does to a
+//! model.
 //!
 //! ```toml
 //! drop = [3, 7]        # numbers as in the table of modes, from 1; `keep = [...]` instead: all others go
@@ -8,8 +9,8 @@
 //! within_hz = 0.5
 //! ```
 //!
-//! With `[[mode]]` tables alone, these modes are kept. Poles outside the band stand for the world beyond it and stay;
-//! rejected candidates stay listed.
+//! With `[[mode]]` tables alone, these modes are kept. Poles outside the band stand for
+//! the world beyond it and stay; rejected candidates stay listed.
 
 use crate::io::read_text;
 use crate::toml_reader::{parse, Keys, Table, Value};
@@ -18,9 +19,13 @@ use serde_json::json;
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::path::Path;
 
-const KEYS: Keys = &[("", &["keep", "drop", "mode"]), ("mode", &["near_hz", "within_hz"])];
+const KEYS: Keys = &[
+    ("", &["keep", "drop", "mode"]),
+    ("mode", &["near_hz", "within_hz"]),
+];
 
-/// Points of the frequency grid around each mode, and evenly over the band, on which a dropped part is weighed.
+/// Points of the frequency grid around each mode, and evenly over the band, on which a
+/// dropped part is weighed.
 const POINTS_PER_MODE: usize = 40;
 const POINTS_OVER_BAND: usize = 400;
 
@@ -69,8 +74,8 @@ impl Selection {
     /// Reads a selection.
     ///
     /// # Errors
-    /// [`crate::ErrorKind::BadData`] with line and key: no TOML, an unknown key, `keep` and `drop` together, no mode named, a number
-    /// that counts nothing.
+    /// [`crate::ErrorKind::BadData`] with line and key: no TOML, an unknown key, `keep`
+    /// and `drop` together, no mode named, a number that counts nothing.
     pub fn from_toml(text: &str) -> Result<Self> {
         let document = parse(text)?;
         let root = Table::root(text, &document);
@@ -83,16 +88,37 @@ impl Selection {
         }
         let kept = drop.is_none();
         let mut picks = Vec::new();
-        for (place, value) in keep.or(drop).map(|list| list.list()).transpose()?.into_iter().flatten().enumerate() {
+        for (place, value) in keep
+            .or(drop)
+            .map(|list| list.list())
+            .transpose()?
+            .into_iter()
+            .flatten()
+            .enumerate()
+        {
             let field = format!("{}[{}]", if kept { "keep" } else { "drop" }, place + 1);
-            picks.push(Pick { name: Name::Number(value.count()?), line: value.line(), field });
+            picks.push(Pick {
+                name: Name::Number(value.count()?),
+                line: value.line(),
+                field,
+            });
         }
-        for (place, value) in root.get("mode").map(|list| list.list()).transpose()?.into_iter().flatten().enumerate() {
+        for (place, value) in root
+            .get("mode")
+            .map(|list| list.list())
+            .transpose()?
+            .into_iter()
+            .flatten()
+            .enumerate()
+        {
             picks.push(by_frequency(&value, place + 1)?);
         }
         if picks.is_empty() {
             return Err(Error::bad_data("the selection names no mode")
-                .expected("keep = [1, 2, ...], drop = [3, ...], or [[mode]] tables with near_hz and within_hz")
+                .expected(
+                    "keep = [1, 2, ...], drop = [3, ...], or [[mode]] tables with near_hz \
+                           and within_hz",
+                )
                 .help("numbers are those of the table that `chladni fit` prints"));
         }
         Ok(Self { keep: kept, picks })
@@ -101,8 +127,8 @@ impl Selection {
     /// Takes out of `model` what the selection drops.
     ///
     /// # Errors
-    /// [`crate::ErrorKind::BadData`] with the line, where a mode that is named does not exist (naming the nearest) or a frequency fits
-    /// several.
+    /// [`crate::ErrorKind::BadData`] with the line, where a mode that is named does not
+    /// exist (naming the nearest) or a frequency fits several.
     pub fn apply(&self, model: &ModalModel) -> Result<Selected> {
         let modes: Vec<&Mode> = model.in_band_modes().collect();
         let mut named = vec![false; modes.len()];
@@ -124,15 +150,27 @@ impl Selection {
         left.created_by = CREATED_BY.into();
         self.echo(&mut left, &dropped);
         judge(model, &mut left, dropped.len());
-        Ok(Selected { model: left, dropped })
+        Ok(Selected {
+            model: left,
+            dropped,
+        })
     }
 
-    /// Appends to the options what was asked for and what went: a model that is selected twice tells both.
+    /// Appends to the options what was asked for and what went: a model that is selected
+    /// twice tells both.
     fn echo(&self, model: &mut ModalModel, dropped: &[(usize, f64)]) {
-        let named: Vec<serde_json::Value> = self.picks.iter().map(|pick| pick.name.echo()).collect();
-        let gone: Vec<serde_json::Value> = dropped.iter().map(|(n, f)| json!({"number": n, "frequency_hz": f})).collect();
+        let named: Vec<serde_json::Value> =
+            self.picks.iter().map(|pick| pick.name.echo()).collect();
+        let gone: Vec<serde_json::Value> = dropped
+            .iter()
+            .map(|(n, f)| json!({"number": n, "frequency_hz": f}))
+            .collect();
         let entry = json!({ if self.keep { "keep" } else { "drop" }: named, "dropped": gone });
-        match model.options.get_mut("selections").and_then(|list| list.as_array_mut()) {
+        match model
+            .options
+            .get_mut("selections")
+            .and_then(|list| list.as_array_mut())
+        {
             Some(list) => list.push(entry),
             None => drop(model.options.insert("selections".into(), json!([entry]))),
         }
@@ -142,16 +180,26 @@ impl Selection {
 fn by_frequency(value: &Value, place: usize) -> Result<Pick> {
     let table = value.table()?;
     table.only_keys(KEYS, "mode")?;
-    let near_hz = table.require("near_hz", "the frequency of a mode, Hz")?.positive()?;
-    let within_hz = table.require("within_hz", "how far from near_hz the mode may lie, Hz")?.positive()?;
-    Ok(Pick { name: Name::Frequency { near_hz, within_hz }, line: value.line(), field: format!("mode[{place}]") })
+    let near_hz = table
+        .require("near_hz", "the frequency of a mode, Hz")?
+        .positive()?;
+    let within_hz = table
+        .require("within_hz", "how far from near_hz the mode may lie, Hz")?
+        .positive()?;
+    Ok(Pick {
+        name: Name::Frequency { near_hz, within_hz },
+        line: value.line(),
+        field: format!("mode[{place}]"),
+    })
 }
 
 impl Name {
     fn echo(self) -> serde_json::Value {
         match self {
             Self::Number(number) => json!(number),
-            Self::Frequency { near_hz, within_hz } => json!({"near_hz": near_hz, "within_hz": within_hz}),
+            Self::Frequency { near_hz, within_hz } => {
+                json!({"near_hz": near_hz, "within_hz": within_hz})
+            }
         }
     }
 }
@@ -159,26 +207,39 @@ impl Name {
 impl Pick {
     /// Indices of the modes meant: one, or all of a repeated pole.
     fn find(&self, modes: &[&Mode]) -> Result<impl Iterator<Item = usize>> {
-        let say = |message: &str| Error::bad_data(message).at_line(self.line).field(self.field.clone());
+        let say = |message: &str| {
+            Error::bad_data(message)
+                .at_line(self.line)
+                .field(self.field.clone())
+        };
         let show = |n: usize| format!("mode {} at {:.3} Hz", n + 1, modes[n].frequency_hz);
         let range = match self.name {
             Name::Number(number) if number <= modes.len() => number - 1..number,
             Name::Number(number) => {
-                let error = say("no such mode").found(number).expected(match modes.len() {
-                    0 => "nothing: the model has no mode in its band".into(),
-                    count => format!("1 to {count}: the model's modes in the band"),
+                let error = say("no such mode")
+                    .found(number)
+                    .expected(match modes.len() {
+                        0 => "nothing: the model has no mode in its band".into(),
+                        count => format!("1 to {count}: the model's modes in the band"),
+                    });
+                return Err(if modes.is_empty() {
+                    error
+                } else {
+                    error.help(format!("the nearest is {}", show(modes.len() - 1)))
                 });
-                return Err(if modes.is_empty() { error } else { error.help(format!("the nearest is {}", show(modes.len() - 1))) });
             }
             Name::Frequency { near_hz, within_hz } => {
                 let off = |n: usize| (modes[n].frequency_hz - near_hz).abs();
                 let near: Vec<usize> = (0..modes.len()).filter(|&n| off(n) <= within_hz).collect();
                 let (Some(&first), Some(&last)) = (near.first(), near.last()) else {
-                    let error = say("no mode there").found(format!("near_hz = {near_hz}, within_hz = {within_hz}"));
+                    let error = say("no mode there")
+                        .found(format!("near_hz = {near_hz}, within_hz = {within_hz}"));
                     let nearest = (0..modes.len()).min_by(|&a, &b| off(a).total_cmp(&off(b)));
                     let error = error.expected("the frequency of a mode in the band");
                     return Err(match nearest {
-                        Some(n) => error.help(format!("the nearest is {}, {:.3} Hz away", show(n), off(n))),
+                        Some(n) => {
+                            error.help(format!("the nearest is {}, {:.3} Hz away", show(n), off(n)))
+                        }
                         None => error,
                     });
                 };
@@ -195,9 +256,10 @@ impl Pick {
     }
 }
 
-/// Quality of what is left. A dropped mode leaves the synthesis, and nothing is fitted again: its part joins the residual,
-/// to which it is orthogonal as every part of a least-squares fit,
-/// ε'² = ε² + (1 − ε²)·‖dropped part‖²/‖whole model‖² (ε relative error; theory.md, eq. F6), and χ² grows as ε².
+/// Quality of what is left. A dropped mode leaves the synthesis, and nothing is fitted
+/// again: its part joins the residual, to which it is orthogonal as every part of a
+/// least-squares fit, ε'² = ε² + (1 − ε²)·‖dropped part‖²/‖whole model‖² (ε relative
+/// error; theory.md, eq. F6), and χ² grows as ε².
 fn judge(whole: &ModalModel, left: &mut ModalModel, dropped: usize) {
     if dropped == 0 {
         return;
@@ -216,11 +278,14 @@ fn judge(whole: &ModalModel, left: &mut ModalModel, dropped: usize) {
     ));
     if !left.in_band_modes().any(|mode| mode.trust == Trust::Sure) {
         left.quality.trusted = false;
-        left.quality.warnings.push("no sure mode is left after the selection".into());
+        left.quality
+            .warnings
+            .push("no sure mode is left after the selection".into());
     }
 }
 
-/// ‖whole − left‖²/‖whole‖² over the band, in the measured kind, by the trapezoidal rule on a grid that resolves every mode.
+/// ‖whole − left‖²/‖whole‖² over the band, in the measured kind, by the trapezoidal rule
+/// on a grid that resolves every mode.
 fn dropped_share(whole: &ModalModel, left: &ModalModel) -> f64 {
     let grid = grid(whole);
     let mut sums = [0.0; 2];
@@ -228,7 +293,9 @@ fn dropped_share(whole: &ModalModel, left: &ModalModel) -> f64 {
         let weight = grid[(k + 1).min(grid.len() - 1)] - grid[k.saturating_sub(1)];
         let all = whole.receptance(grid[k]);
         let gone = &all - &left.receptance(grid[k]);
-        let square = |m: &ndarray::Array2<num_complex::Complex64>| m.iter().map(|v| v.norm_sqr()).sum::<f64>();
+        let square = |m: &ndarray::Array2<num_complex::Complex64>| {
+            m.iter().map(|v| v.norm_sqr()).sum::<f64>()
+        };
         let kind = kind_weight(whole.frf_kind, grid[k]);
         sums[0] += weight * kind * square(&gone);
         sums[1] += weight * kind * square(&all);
@@ -244,10 +311,12 @@ fn kind_weight(kind: FrfKind, frequency_hz: f64) -> f64 {
     kind.from_receptance(TAU * frequency_hz).norm_sqr()
 }
 
-/// Frequencies over the band, Hz: even ones, and around each mode f_n + (η_n f_n/2)·tan θ with even θ, which follow its resonance.
+/// Frequencies over the band, Hz: even ones, and around each mode f_n + (η_n f_n/2)·tan θ
+/// with even θ, which follow its resonance.
 fn grid(model: &ModalModel) -> Vec<f64> {
     let [low, high] = model.band_hz;
-    let even = (0..=POINTS_OVER_BAND).map(|k| low + (high - low) * k as f64 / POINTS_OVER_BAND as f64);
+    let even =
+        (0..=POINTS_OVER_BAND).map(|k| low + (high - low) * k as f64 / POINTS_OVER_BAND as f64);
     let around = model.in_band_modes().flat_map(|mode| {
         let half_width = 0.5 * mode.loss_factor.abs() * mode.frequency_hz;
         (0..POINTS_PER_MODE).map(move |k| {
@@ -255,7 +324,10 @@ fn grid(model: &ModalModel) -> Vec<f64> {
             mode.frequency_hz + half_width * angle.tan()
         })
     });
-    let mut grid: Vec<f64> = even.chain(around).filter(|f| (low..=high).contains(f) && *f > 0.0).collect();
+    let mut grid: Vec<f64> = even
+        .chain(around)
+        .filter(|f| (low..=high).contains(f) && *f > 0.0)
+        .collect();
     grid.sort_by(f64::total_cmp);
     grid
 }

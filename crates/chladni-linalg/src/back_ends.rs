@@ -11,7 +11,8 @@ pub type Dense = Array2<Complex64>;
 /// Singular vectors, singular values, singular vectors.
 pub type Factors = (Dense, Array1<f64>, Dense);
 
-/// The kernels of one back end, without the checks that stand before them elsewhere: input must be finite, and sizes must fit.
+/// The kernels of one back end, without the checks that stand before them elsewhere:
+/// input must be finite, and sizes must fit.
 #[derive(Clone, Copy)]
 pub struct BackEnd {
     /// Name.
@@ -70,15 +71,26 @@ mod tests {
 
     #[test]
     fn back_ends_agree_on_what_is_unique() {
-        let a = Array2::from_shape_fn((9, 4), |(i, j)| Complex64::new(((3 * i + 5 * j) % 7) as f64, ((i * j) % 5) as f64 - 2.0));
+        let a = Array2::from_shape_fn((9, 4), |(i, j)| {
+            Complex64::new(((3 * i + 5 * j) % 7) as f64, ((i * j) % 5) as f64 - 2.0)
+        });
         let reference = crate::svd_thin(a.view()).unwrap().1;
         let product = crate::matmul_h(a.view(), a.view());
         for back_end in back_ends() {
             let (_, values, _) = (back_end.svd_thin)(a.view()).unwrap();
-            assert!(values.iter().zip(&reference).all(|(own, other)| (own / other - 1.0).abs() < 1e-12), "{}", back_end.name);
+            assert!(
+                values
+                    .iter()
+                    .zip(&reference)
+                    .all(|(own, other)| (own / other - 1.0).abs() < 1e-12),
+                "{}",
+                back_end.name
+            );
             let gram = (back_end.matmul_h)(a.view(), a.view());
             assert!(
-                gram.iter().zip(&product).all(|(own, other)| (own - other).norm() < 1e-12 * product[[0, 0]].norm()),
+                gram.iter()
+                    .zip(&product)
+                    .all(|(own, other)| (own - other).norm() < 1e-12 * product[[0, 0]].norm()),
                 "{}",
                 back_end.name
             );

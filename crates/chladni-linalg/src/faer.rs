@@ -1,8 +1,11 @@
-//! Default back end: faer, always sequential. Contiguous ndarray memory is viewed in place, other layouts are copied.
+//! Default back end: faer, always sequential. Contiguous ndarray memory is viewed in
+//! place, other layouts are copied.
 
 use crate::{LinalgError, Result, Scalar};
 use faer::linalg::solvers::Eigen;
-use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
+use faer::linalg::triangular_solve::{
+    solve_lower_triangular_in_place, solve_upper_triangular_in_place,
+};
 use faer::mat::{Mat, MatRef};
 use faer::{Accum, Par, Side};
 use ndarray::{Array1, Array2, ArrayView2, ArrayViewMut2, ShapeBuilder};
@@ -12,7 +15,10 @@ use std::borrow::Cow;
 pub const NAME: &str = "faer";
 
 /// What faer asks of an element.
-pub trait Element: faer::traits::ComplexField<Real = f64> + faer::traits::Conjugate<Canonical = Self> {}
+pub trait Element:
+    faer::traits::ComplexField<Real = f64> + faer::traits::Conjugate<Canonical = Self>
+{
+}
 impl Element for f64 {}
 impl Element for Complex64 {}
 
@@ -44,13 +50,28 @@ impl<T: Scalar> Viewed<'_, T> {
 
 fn viewed<'a, T: Scalar>(a: &'a ArrayView2<'_, T>) -> Viewed<'a, T> {
     let dim = a.dim();
-    if let Some(data) = a.to_slice_memory_order().filter(|_| a.t().is_standard_layout()) {
-        return Viewed { data: Cow::Borrowed(data), dim, row_major: false };
+    if let Some(data) = a
+        .to_slice_memory_order()
+        .filter(|_| a.t().is_standard_layout())
+    {
+        return Viewed {
+            data: Cow::Borrowed(data),
+            dim,
+            row_major: false,
+        };
     }
     if let Some(data) = a.as_slice() {
-        return Viewed { data: Cow::Borrowed(data), dim, row_major: true };
+        return Viewed {
+            data: Cow::Borrowed(data),
+            dim,
+            row_major: true,
+        };
     }
-    Viewed { data: Cow::Owned(a.t().iter().copied().collect()), dim, row_major: false }
+    Viewed {
+        data: Cow::Owned(a.t().iter().copied().collect()),
+        dim,
+        row_major: false,
+    }
 }
 
 fn array<T: Scalar>(m: MatRef<'_, T>) -> Array2<T> {
@@ -58,7 +79,8 @@ fn array<T: Scalar>(m: MatRef<'_, T>) -> Array2<T> {
     for j in 0..m.ncols() {
         data.extend(m.col(j).iter().copied());
     }
-    Array2::from_shape_vec((m.nrows(), m.ncols()).f(), data).expect("as many values as the shape has")
+    Array2::from_shape_vec((m.nrows(), m.ncols()).f(), data)
+        .expect("as many values as the shape has")
 }
 
 pub fn matmul<T: Scalar>(a: ArrayView2<T>, adjoint: bool, b: ArrayView2<T>) -> Array2<T> {
@@ -68,7 +90,13 @@ pub fn matmul<T: Scalar>(a: ArrayView2<T>, adjoint: bool, b: ArrayView2<T>) -> A
     c
 }
 
-pub fn product<T: Scalar>(c: ArrayViewMut2<T>, add: bool, a: ArrayView2<T>, adjoint: bool, b: ArrayView2<T>) {
+pub fn product<T: Scalar>(
+    c: ArrayViewMut2<T>,
+    add: bool,
+    a: ArrayView2<T>,
+    adjoint: bool,
+    b: ArrayView2<T>,
+) {
     let accum = if add { Accum::Add } else { Accum::Replace };
     let (va, vb) = (viewed(&a), viewed(&b));
     let (rows, columns) = c.dim();
@@ -76,7 +104,14 @@ pub fn product<T: Scalar>(c: ArrayViewMut2<T>, add: bool, a: ArrayView2<T>, adjo
     let dst = faer::mat::MatMut::from_column_major_slice_mut(data, rows, columns);
     let one = <T as Scalar>::of_real(1.0);
     if adjoint {
-        faer::linalg::matmul::matmul(dst, accum, va.as_ref().adjoint(), vb.as_ref(), one, Par::Seq);
+        faer::linalg::matmul::matmul(
+            dst,
+            accum,
+            va.as_ref().adjoint(),
+            vb.as_ref(),
+            one,
+            Par::Seq,
+        );
     } else {
         faer::linalg::matmul::matmul(dst, accum, va.as_ref(), vb.as_ref(), one, Par::Seq);
     }
@@ -92,36 +127,62 @@ pub fn qr_r<T: Scalar>(a: ArrayView2<T>) -> Array2<T> {
 }
 
 pub fn svd_thin<T: Scalar>(a: ArrayView2<T>) -> Result<(Array2<T>, Array1<f64>, Array2<T>)> {
-    let svd = viewed(&a).as_ref().thin_svd().map_err(|_| LinalgError::NoConvergence { operation: "SVD" })?;
-    let s = svd.S().column_vector().iter().map(|v| v.modulus()).collect();
+    let svd = viewed(&a)
+        .as_ref()
+        .thin_svd()
+        .map_err(|_| LinalgError::NoConvergence { operation: "SVD" })?;
+    let s = svd
+        .S()
+        .column_vector()
+        .iter()
+        .map(|v| v.modulus())
+        .collect();
     let vh: Mat<T> = svd.V().adjoint().to_owned();
     Ok((array(svd.U()), s, array(vh.as_ref())))
 }
 
 pub fn eigh<T: Scalar>(a: ArrayView2<T>) -> Result<(Array1<f64>, Array2<T>)> {
     let operation = "Hermitian eigenvalues";
-    let eigen = viewed(&a).as_ref().self_adjoint_eigen(Side::Lower).map_err(|_| LinalgError::NoConvergence { operation })?;
-    let values = eigen.S().column_vector().iter().map(|v| faer::traits::ComplexField::real_part_impl(v)).collect();
+    let eigen = viewed(&a)
+        .as_ref()
+        .self_adjoint_eigen(Side::Lower)
+        .map_err(|_| LinalgError::NoConvergence { operation })?;
+    let values = eigen
+        .S()
+        .column_vector()
+        .iter()
+        .map(|v| faer::traits::ComplexField::real_part_impl(v))
+        .collect();
     Ok((values, array(eigen.U())))
 }
 
 pub fn eigenvalues(a: ArrayView2<Complex64>) -> Result<Array1<Complex64>> {
     let operation = "eigenvalues";
-    let eigen = Eigen::new(viewed(&a).as_ref()).map_err(|_| LinalgError::NoConvergence { operation })?;
+    let eigen =
+        Eigen::new(viewed(&a).as_ref()).map_err(|_| LinalgError::NoConvergence { operation })?;
     Ok(eigen.S().column_vector().iter().copied().collect())
 }
 
 pub fn cholesky<T: Scalar>(a: ArrayView2<T>) -> Result<Array2<T>> {
-    let llt = viewed(&a).as_ref().llt(Side::Lower).map_err(|_| LinalgError::NotPositiveDefinite { size: a.nrows() })?;
+    let llt = viewed(&a)
+        .as_ref()
+        .llt(Side::Lower)
+        .map_err(|_| LinalgError::NotPositiveDefinite { size: a.nrows() })?;
     Ok(array(llt.L()))
 }
 
-pub fn solve_triangular<T: Scalar>(t: ArrayView2<T>, b: ArrayView2<T>, which: Triangle) -> Array2<T> {
+pub fn solve_triangular<T: Scalar>(
+    t: ArrayView2<T>,
+    b: ArrayView2<T>,
+    which: Triangle,
+) -> Array2<T> {
     let vt = viewed(&t);
     let mut x = viewed(&b).as_ref().to_owned();
     match which {
         Triangle::Lower => solve_lower_triangular_in_place(vt.as_ref(), x.as_mut(), Par::Seq),
-        Triangle::LowerAdjoint => solve_upper_triangular_in_place(vt.as_ref().adjoint(), x.as_mut(), Par::Seq),
+        Triangle::LowerAdjoint => {
+            solve_upper_triangular_in_place(vt.as_ref().adjoint(), x.as_mut(), Par::Seq)
+        }
         Triangle::Upper => solve_upper_triangular_in_place(vt.as_ref(), x.as_mut(), Par::Seq),
     }
     array(x.as_ref())

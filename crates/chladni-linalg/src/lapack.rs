@@ -1,20 +1,25 @@
-//! Back end of the feature `system`: LAPACK through ndarray-linalg over OpenBLAS, kept to one thread per call.
+//! Back end of the feature `system`: LAPACK through ndarray-linalg over OpenBLAS, kept to
+//! one thread per call.
 //!
-//! OpenBLAS built without threads is also built without locks: two of our threads inside it at once give wrong numbers
-//! without a word (seen in Debian 12's serial build: the first mode of a plate at 0.2 Hz). Which build runs is the machine's
-//! choice at load time, so it is asked: a build with threads is held to one per call and entered freely, a build without
-//! them by one thread at a time.
+//! OpenBLAS built without threads is also built without locks: two of our threads inside
+//! it at once give wrong numbers without a word (seen in Debian 12's serial build: the
+//! first mode of a plate at 0.2 Hz). Which build runs is the machine's choice at load
+//! time, so it is asked: a build with threads is held to one per call and entered freely,
+//! a build without them by one thread at a time.
 
 use crate::{LinalgError, Result, Scalar};
 use ndarray::linalg::general_mat_mul;
 use ndarray::{Array1, Array2, ArrayView2, ArrayViewMut2, ShapeBuilder};
-use ndarray_linalg::{Cholesky, Diag, EigVals, Eigh, JobSvd, Lapack, SolveTriangular, QR, SVDDC, UPLO};
+use ndarray_linalg::{
+    Cholesky, Diag, EigVals, Eigh, JobSvd, Lapack, SolveTriangular, QR, SVDDC, UPLO,
+};
 use num_complex::Complex64;
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 pub const NAME: &str = "lapack";
 
-/// What ndarray-linalg asks of an element, and what the other back end asks of it, so that both can be compared.
+/// What ndarray-linalg asks of an element, and what the other back end asks of it, so
+/// that both can be compared.
 pub trait Element: Lapack<Real = f64> + crate::beside::Element {}
 impl Element for f64 {}
 impl Element for Complex64 {}
@@ -31,7 +36,8 @@ mod openblas {
         }
     }
 
-    /// Keeps OpenBLAS to one thread per call; true where several callers may be inside at once.
+    /// Keeps OpenBLAS to one thread per call; true where several callers may be inside at
+    /// once.
     pub fn single_threaded_calls() -> bool {
         c::openblas_set_num_threads(1);
         c::openblas_get_parallel() != 0
@@ -54,7 +60,8 @@ pub enum Triangle {
     Upper,
 }
 
-/// A column-major copy: LAPACK's own layout, 1.6 times faster in QR than the row-major one.
+/// A column-major copy: LAPACK's own layout, 1.6 times faster in QR than the row-major
+/// one.
 fn column_major<T: Scalar>(a: ArrayView2<T>) -> Array2<T> {
     let mut copy = Array2::zeros(a.dim().f());
     copy.assign(&a);
@@ -73,8 +80,17 @@ pub fn matmul<T: Scalar>(a: ArrayView2<T>, conjugate: bool, b: ArrayView2<T>) ->
     }
 }
 
-pub fn product<T: Scalar>(mut c: ArrayViewMut2<T>, add: bool, a: ArrayView2<T>, conjugate: bool, b: ArrayView2<T>) {
-    let (one, kept) = (<T as Scalar>::of_real(1.0), <T as Scalar>::of_real(if add { 1.0 } else { 0.0 }));
+pub fn product<T: Scalar>(
+    mut c: ArrayViewMut2<T>,
+    add: bool,
+    a: ArrayView2<T>,
+    conjugate: bool,
+    b: ArrayView2<T>,
+) {
+    let (one, kept) = (
+        <T as Scalar>::of_real(1.0),
+        <T as Scalar>::of_real(if add { 1.0 } else { 0.0 }),
+    );
     if conjugate {
         general_mat_mul(one, &adjoint(a), &b, kept, &mut c);
     } else {
@@ -84,7 +100,9 @@ pub fn product<T: Scalar>(mut c: ArrayViewMut2<T>, add: bool, a: ArrayView2<T>, 
 
 pub fn qr_thin<T: Scalar>(a: ArrayView2<T>) -> (Array2<T>, Array2<T>) {
     let _entered = lapack();
-    column_major(a).qr().expect("LAPACK QR fails only on wrong arguments")
+    column_major(a)
+        .qr()
+        .expect("LAPACK QR fails only on wrong arguments")
 }
 
 pub fn qr_r<T: Scalar>(a: ArrayView2<T>) -> Array2<T> {
@@ -94,33 +112,47 @@ pub fn qr_r<T: Scalar>(a: ArrayView2<T>) -> Array2<T> {
 pub fn svd_thin<T: Scalar>(a: ArrayView2<T>) -> Result<(Array2<T>, Array1<f64>, Array2<T>)> {
     let _entered = lapack();
     let operation = "SVD";
-    let (u, s, vh) = column_major(a).svddc(JobSvd::Some).map_err(|_| LinalgError::NoConvergence { operation })?;
+    let (u, s, vh) = column_major(a)
+        .svddc(JobSvd::Some)
+        .map_err(|_| LinalgError::NoConvergence { operation })?;
     Ok((u.expect("asked for"), s, vh.expect("asked for")))
 }
 
 pub fn eigh<T: Scalar>(a: ArrayView2<T>) -> Result<(Array1<f64>, Array2<T>)> {
     let _entered = lapack();
     let operation = "Hermitian eigenvalues";
-    column_major(a).eigh(UPLO::Lower).map_err(|_| LinalgError::NoConvergence { operation })
+    column_major(a)
+        .eigh(UPLO::Lower)
+        .map_err(|_| LinalgError::NoConvergence { operation })
 }
 
 pub fn eigenvalues(a: ArrayView2<Complex64>) -> Result<Array1<Complex64>> {
     let _entered = lapack();
     let operation = "eigenvalues";
-    column_major(a).eigvals().map_err(|_| LinalgError::NoConvergence { operation })
+    column_major(a)
+        .eigvals()
+        .map_err(|_| LinalgError::NoConvergence { operation })
 }
 
 pub fn cholesky<T: Scalar>(a: ArrayView2<T>) -> Result<Array2<T>> {
     let _entered = lapack();
-    column_major(a).cholesky(UPLO::Lower).map_err(|_| LinalgError::NotPositiveDefinite { size: a.nrows() })
+    column_major(a)
+        .cholesky(UPLO::Lower)
+        .map_err(|_| LinalgError::NotPositiveDefinite { size: a.nrows() })
 }
 
-pub fn solve_triangular<T: Scalar>(t: ArrayView2<T>, b: ArrayView2<T>, which: Triangle) -> Array2<T> {
+pub fn solve_triangular<T: Scalar>(
+    t: ArrayView2<T>,
+    b: ArrayView2<T>,
+    which: Triangle,
+) -> Array2<T> {
     let _entered = lapack();
     let (uplo, matrix) = match which {
         Triangle::Lower => (UPLO::Lower, column_major(t)),
         Triangle::LowerAdjoint => (UPLO::Upper, column_major(adjoint(t).view())),
         Triangle::Upper => (UPLO::Upper, column_major(t)),
     };
-    matrix.solve_triangular(uplo, Diag::NonUnit, &column_major(b)).expect("sizes are checked by the caller")
+    matrix
+        .solve_triangular(uplo, Diag::NonUnit, &column_major(b))
+        .expect("sizes are checked by the caller")
 }

@@ -1,11 +1,14 @@
 //! Dense kernels behind plain functions on ndarray views.
 //!
-//! Two back ends with the same private signatures: [faer](https://docs.rs/faer) by default, LAPACK through `ndarray-linalg`
-//! with the feature `system`. Nothing outside this crate names a back end. What no back end promises is checked here, before
-//! the call: finite input (an eigenvalue routine may answer NaN with NaN silently), matching sizes, scaling of the SVD
-//! (squares of the entries must not leave the range of f64), and rank in [`lstsq`].
+//! Two back ends with the same private signatures: [faer](https://docs.rs/faer) by
+//! default, LAPACK through `ndarray-linalg` with the feature `system`. Nothing outside
+//! this crate names a back end. What no back end promises is checked here, before the
+//! call: finite input (an eigenvalue routine may answer NaN with NaN silently), matching
+//! sizes, scaling of the SVD (squares of the entries must not leave the range of f64),
+//! and rank in [`lstsq`].
 //!
-//! Every function runs on one thread; parallel work belongs outside, where it is deterministic.
+//! Every function runs on one thread; parallel work belongs outside, where it is
+//! deterministic.
 
 mod back_ends;
 #[cfg(not(feature = "system"))]
@@ -29,8 +32,9 @@ use thiserror::Error;
 /// Name of the back end in use, for result files and benches.
 pub const BACKEND: &str = backend::NAME;
 
-/// Relative size below which a diagonal entry of R counts as zero in [`lstsq`]: a few hundred roundings of a well-scaled
-/// column. Ten times more refuses usable fits near repeated poles, ten times less lets noise through as solutions.
+/// Relative size below which a diagonal entry of R counts as zero in [`lstsq`]: a few
+/// hundred roundings of a well-scaled column. Ten times more refuses usable fits near
+/// repeated poles, ten times less lets noise through as solutions.
 pub const RANK_TOLERANCE: f64 = 1e-13;
 
 /// Why a kernel gave no result.
@@ -89,7 +93,11 @@ fn square<T>(operation: &'static str, a: &ArrayView2<T>) -> Result<()> {
     if a.nrows() == a.ncols() {
         Ok(())
     } else {
-        Err(LinalgError::Shape { operation, left: a.dim(), right: a.dim() })
+        Err(LinalgError::Shape {
+            operation,
+            left: a.dim(),
+            right: a.dim(),
+        })
     }
 }
 
@@ -122,19 +130,28 @@ pub fn matmul_h<T: Scalar>(a: ArrayView2<T>, b: ArrayView2<T>) -> Array2<T> {
 /// # Panics
 /// Where sizes differ, or c is not column-major.
 pub fn add_matmul<T: Scalar>(c: ArrayViewMut2<T>, a: ArrayView2<T>, b: ArrayView2<T>) {
-    assert_eq!((a.ncols(), a.nrows(), b.ncols()), (b.nrows(), c.nrows(), c.ncols()), "add_matmul: sizes");
+    assert_eq!(
+        (a.ncols(), a.nrows(), b.ncols()),
+        (b.nrows(), c.nrows(), c.ncols()),
+        "add_matmul: sizes"
+    );
     if !(a.is_empty() || b.is_empty()) {
         backend::product(c, true, a, false, b);
     }
 }
 
-/// c ← a·b for column-major c, whatever it held. Of zeros that the system has promised but not yet written this touches each page once;
-/// [`add_matmul`] reads before it writes, and a page is mapped twice.
+/// c ← a·b for column-major c, whatever it held. Of zeros that the system has promised
+/// but not yet written this touches each page once; [`add_matmul`] reads before it
+/// writes, and a page is mapped twice.
 ///
 /// # Panics
 /// Where sizes differ, or c is not column-major.
 pub fn set_matmul<T: Scalar>(mut c: ArrayViewMut2<T>, a: ArrayView2<T>, b: ArrayView2<T>) {
-    assert_eq!((a.ncols(), a.nrows(), b.ncols()), (b.nrows(), c.nrows(), c.ncols()), "set_matmul: sizes");
+    assert_eq!(
+        (a.ncols(), a.nrows(), b.ncols()),
+        (b.nrows(), c.nrows(), c.ncols()),
+        "set_matmul: sizes"
+    );
     match a.is_empty() || b.is_empty() {
         true => c.fill(T::zero()),
         false => backend::product(c, false, a, false, b),
@@ -146,21 +163,30 @@ pub fn set_matmul<T: Scalar>(mut c: ArrayViewMut2<T>, a: ArrayView2<T>, b: Array
 /// # Panics
 /// Where sizes differ, or c is not column-major.
 pub fn set_matmul_h<T: Scalar>(mut c: ArrayViewMut2<T>, a: ArrayView2<T>, b: ArrayView2<T>) {
-    assert_eq!((a.nrows(), a.ncols(), b.ncols()), (b.nrows(), c.nrows(), c.ncols()), "set_matmul_h: sizes");
+    assert_eq!(
+        (a.nrows(), a.ncols(), b.ncols()),
+        (b.nrows(), c.nrows(), c.ncols()),
+        "set_matmul_h: sizes"
+    );
     match a.is_empty() || b.is_empty() {
         true => c.fill(T::zero()),
         false => backend::product(c, false, a, true, b),
     }
 }
 
-/// Thin QR of a tall matrix (rows ≥ columns): (Q with orthonormal columns, R upper triangular).
+/// Thin QR of a tall matrix (rows ≥ columns): (Q with orthonormal columns, R upper
+/// triangular).
 ///
 /// # Errors
 /// Non-finite input; fewer rows than columns.
 pub fn qr_thin<T: Scalar>(a: ArrayView2<T>) -> Result<(Array2<T>, Array2<T>)> {
     finite("QR", &a)?;
     if a.nrows() < a.ncols() {
-        return Err(LinalgError::Shape { operation: "QR", left: a.dim(), right: a.dim() });
+        return Err(LinalgError::Shape {
+            operation: "QR",
+            left: a.dim(),
+            right: a.dim(),
+        });
     }
     if a.ncols() == 0 {
         return Ok((Array2::zeros((a.nrows(), 0)), Array2::zeros((0, 0))));
@@ -175,7 +201,11 @@ pub fn qr_thin<T: Scalar>(a: ArrayView2<T>) -> Result<(Array2<T>, Array2<T>)> {
 pub fn qr_r<T: Scalar>(a: ArrayView2<T>) -> Result<Array2<T>> {
     finite("QR", &a)?;
     if a.nrows() < a.ncols() {
-        return Err(LinalgError::Shape { operation: "QR", left: a.dim(), right: a.dim() });
+        return Err(LinalgError::Shape {
+            operation: "QR",
+            left: a.dim(),
+            right: a.dim(),
+        });
     }
     if a.ncols() == 0 {
         return Ok(Array2::zeros((0, 0)));
@@ -192,14 +222,27 @@ pub fn svd_thin<T: Scalar>(a: ArrayView2<T>) -> Result<(Array2<T>, Array1<f64>, 
     let scale = a.iter().fold(0.0_f64, |m, v| m.max(v.modulus()));
     let size = a.nrows().min(a.ncols());
     if size == 0 || scale == 0.0 {
-        let eye = |rows, columns| Array2::from_shape_fn((rows, columns), |(i, j)| if i == j { T::of_real(1.0) } else { T::of_real(0.0) });
-        return Ok((eye(a.nrows(), size), Array1::zeros(size), eye(size, a.ncols())));
+        let eye = |rows, columns| {
+            Array2::from_shape_fn((rows, columns), |(i, j)| {
+                if i == j {
+                    T::of_real(1.0)
+                } else {
+                    T::of_real(0.0)
+                }
+            })
+        };
+        return Ok((
+            eye(a.nrows(), size),
+            Array1::zeros(size),
+            eye(size, a.ncols()),
+        ));
     }
     let (u, s, vh) = backend::svd_thin(a.mapv(|v| v.divided_by(scale)).view())?;
     Ok((u, s * scale, vh))
 }
 
-/// Eigenvalues (rising) and orthonormal eigenvectors (columns) of a Hermitian matrix; the lower triangle is read.
+/// Eigenvalues (rising) and orthonormal eigenvectors (columns) of a Hermitian matrix; the
+/// lower triangle is read.
 ///
 /// # Errors
 /// Non-finite or non-square input; no convergence.
@@ -251,7 +294,12 @@ pub fn solve_lower<T: Scalar>(l: ArrayView2<T>, b: ArrayView2<T>) -> Result<Arra
 /// # Errors
 /// Sizes that do not fit.
 pub fn solve_lower_adjoint<T: Scalar>(l: ArrayView2<T>, b: ArrayView2<T>) -> Result<Array2<T>> {
-    triangular("adjoint lower triangular solve", l, b, backend::Triangle::LowerAdjoint)
+    triangular(
+        "adjoint lower triangular solve",
+        l,
+        b,
+        backend::Triangle::LowerAdjoint,
+    )
 }
 
 /// Solves r·x = b for upper triangular r.
@@ -262,9 +310,18 @@ pub fn solve_upper<T: Scalar>(r: ArrayView2<T>, b: ArrayView2<T>) -> Result<Arra
     triangular("upper triangular solve", r, b, backend::Triangle::Upper)
 }
 
-fn triangular<T: Scalar>(operation: &'static str, t: ArrayView2<T>, b: ArrayView2<T>, which: backend::Triangle) -> Result<Array2<T>> {
+fn triangular<T: Scalar>(
+    operation: &'static str,
+    t: ArrayView2<T>,
+    b: ArrayView2<T>,
+    which: backend::Triangle,
+) -> Result<Array2<T>> {
     if t.nrows() != t.ncols() || t.nrows() != b.nrows() {
-        return Err(LinalgError::Shape { operation, left: t.dim(), right: b.dim() });
+        return Err(LinalgError::Shape {
+            operation,
+            left: t.dim(),
+            right: b.dim(),
+        });
     }
     if b.is_empty() {
         return Ok(Array2::zeros(b.dim()));
@@ -290,17 +347,32 @@ pub fn inverse_hermitian<T: Scalar>(a: ArrayView2<T>) -> Result<Array2<T>> {
     solve_hermitian(a, Array2::from_diag_elem(a.nrows(), T::of_real(1.0)).view())
 }
 
-/// Least-squares solution of a·x ≈ b for a tall matrix of full column rank (QR, columns scaled to unit norm).
+/// Least-squares solution of a·x ≈ b for a tall matrix of full column rank (QR, columns
+/// scaled to unit norm).
 ///
 /// # Errors
-/// Non-finite input, sizes that do not fit, [`LinalgError::RankDeficient`] by [`RANK_TOLERANCE`].
+/// Non-finite input, sizes that do not fit, [`LinalgError::RankDeficient`] by
+/// [`RANK_TOLERANCE`].
 pub fn lstsq<T: Scalar>(a: ArrayView2<T>, b: ArrayView2<T>) -> Result<Array2<T>> {
     finite("least squares", &b)?;
     if a.nrows() != b.nrows() {
-        return Err(LinalgError::Shape { operation: "least squares", left: a.dim(), right: b.dim() });
+        return Err(LinalgError::Shape {
+            operation: "least squares",
+            left: a.dim(),
+            right: b.dim(),
+        });
     }
     let mut scaled = a.to_owned();
-    let scales: Vec<f64> = a.axis_iter(Axis(1)).map(|column| column.iter().map(|v| v.modulus().powi(2)).sum::<f64>().sqrt()).collect();
+    let scales: Vec<f64> = a
+        .axis_iter(Axis(1))
+        .map(|column| {
+            column
+                .iter()
+                .map(|v| v.modulus().powi(2))
+                .sum::<f64>()
+                .sqrt()
+        })
+        .collect();
     for (mut column, &scale) in scaled.axis_iter_mut(Axis(1)).zip(&scales) {
         if scale > 0.0 {
             column.mapv_inplace(|v| v.divided_by(scale));
@@ -310,7 +382,10 @@ pub fn lstsq<T: Scalar>(a: ArrayView2<T>, b: ArrayView2<T>) -> Result<Array2<T>>
     let diagonal: Vec<f64> = r.diag().iter().map(|v| v.modulus()).collect();
     let rank = diagonal.iter().filter(|d| **d > RANK_TOLERANCE).count();
     if rank < r.ncols() {
-        return Err(LinalgError::RankDeficient { rank, columns: r.ncols() });
+        return Err(LinalgError::RankDeficient {
+            rank,
+            columns: r.ncols(),
+        });
     }
     let mut x = solve_upper(r.view(), matmul_h(q.view(), b).view())?;
     for (mut row, &scale) in x.axis_iter_mut(Axis(0)).zip(&scales) {

@@ -1,12 +1,16 @@
-//! Polynomials along one side of the plate that keep the edge conditions: φ_m(ξ) = (1+ξ)^s₀ (1−ξ)^s₁ p_m(ξ) on −1 ≤ ξ ≤ 1.
+//! Polynomials along one side of the plate that keep the edge conditions: φ_m(ξ) =
+//! (1+ξ)^s₀ (1−ξ)^s₁ p_m(ξ) on −1 ≤ ξ ≤ 1.
 //!
-//! The powers s are 0, 1, 2 for a free, supported and clamped edge. With p_m the orthonormal Jacobi polynomials of weight
-//! (1−ξ)^(2s₁) (1+ξ)^(2s₀) the φ_m are orthonormal, ∫ φ_m φ_n dξ = δ_mn, at any degree: no Gram matrix has to be inverted,
-//! and free edges give Legendre polynomials. Values and derivatives follow from the three-term recurrence
+//! The powers s are 0, 1, 2 for a free, supported and clamped edge. With p_m the
+//! orthonormal Jacobi polynomials of weight (1−ξ)^(2s₁) (1+ξ)^(2s₀) the φ_m are
+//! orthonormal, ∫ φ_m φ_n dξ = δ_mn, at any degree: no Gram matrix has to be inverted,
+//! and free edges give Legendre polynomials. Values and derivatives follow from the
+//! three-term recurrence
 //!
 //! ξ p_m = b_{m+1} p_{m+1} + a_m p_m + b_m p_{m−1}
 //!
-//! and its derivatives (Gautschi, *Orthogonal Polynomials: Computation and Approximation*, 2004, table 1.1).
+//! and its derivatives (Gautschi, *Orthogonal Polynomials: Computation and
+//! Approximation*, 2004, table 1.1).
 
 use crate::plate::Edge;
 use chladni_linalg::matmul_h;
@@ -22,7 +26,8 @@ pub(crate) struct EdgeBasis {
     off_diagonal: Vec<f64>,
 }
 
-/// ∫ φ_m^(r) φ_n^(s) dξ for the derivative orders that bending energy needs; named by (r, s).
+/// ∫ φ_m^(r) φ_n^(s) dξ for the derivative orders that bending energy needs; named by (r,
+/// s).
 #[derive(Debug, Clone)]
 pub(crate) struct Integrals {
     pub d22: Array2<f64>,
@@ -51,11 +56,19 @@ impl EdgeBasis {
                 match m {
                     0 => 0.0,
                     1 => (4.0 * (1.0 + alpha) * (1.0 + beta) / (c * c * (c + 1.0))).sqrt(),
-                    _ => (4.0 * n * (n + alpha) * (n + beta) * (n + alpha + beta) / (c * c * (c + 1.0) * (c - 1.0))).sqrt(),
+                    _ => (4.0 * n * (n + alpha) * (n + beta) * (n + alpha + beta)
+                        / (c * c * (c + 1.0) * (c - 1.0)))
+                        .sqrt(),
                 }
             })
             .collect();
-        Self { powers, terms, first_value: 1.0 / weight_integral(2 * powers[1], 2 * powers[0]).sqrt(), diagonal, off_diagonal }
+        Self {
+            powers,
+            terms,
+            first_value: 1.0 / weight_integral(2 * powers[1], 2 * powers[0]).sqrt(),
+            diagonal,
+            off_diagonal,
+        }
     }
 
     pub fn terms(&self) -> usize {
@@ -64,13 +77,20 @@ impl EdgeBasis {
 
     /// [φ_m, φ_m′, φ_m″] of every m at ξ.
     pub fn evaluate(&self, xi: f64) -> Vec<[f64; 3]> {
-        let (left, right) = (power(1.0 + xi, 1.0, self.powers[0]), power(1.0 - xi, -1.0, self.powers[1]));
+        let (left, right) = (
+            power(1.0 + xi, 1.0, self.powers[0]),
+            power(1.0 - xi, -1.0, self.powers[1]),
+        );
         let edge = product(left, right);
         let (mut before, mut now) = ([0.0; 3], [self.first_value, 0.0, 0.0]);
         let mut all = Vec::with_capacity(self.terms);
         for m in 0..self.terms {
             all.push(product(edge, now));
-            let (a, b, b_next) = (self.diagonal[m], self.off_diagonal[m], self.off_diagonal[m + 1]);
+            let (a, b, b_next) = (
+                self.diagonal[m],
+                self.off_diagonal[m],
+                self.off_diagonal[m + 1],
+            );
             let next = [
                 ((xi - a) * now[0] - b * before[0]) / b_next,
                 ((xi - a) * now[1] + now[0] - b * before[1]) / b_next,
@@ -94,7 +114,11 @@ impl EdgeBasis {
             }
         }
         let integral = |r: usize, s: usize| matmul_h(tables[r].view(), tables[s].view());
-        Integrals { d22: integral(2, 2), d20: integral(2, 0), d11: integral(1, 1) }
+        Integrals {
+            d22: integral(2, 2),
+            d20: integral(2, 0),
+            d11: integral(1, 1),
+        }
     }
 }
 
@@ -109,16 +133,22 @@ fn power(x: f64, slope: f64, s: usize) -> [f64; 3] {
 
 /// Value, first and second derivative of a product.
 fn product(u: [f64; 3], v: [f64; 3]) -> [f64; 3] {
-    [u[0] * v[0], u[1] * v[0] + u[0] * v[1], u[2] * v[0] + 2.0 * u[1] * v[1] + u[0] * v[2]]
+    [
+        u[0] * v[0],
+        u[1] * v[0] + u[0] * v[1],
+        u[2] * v[0] + 2.0 * u[1] * v[1] + u[0] * v[2],
+    ]
 }
 
 /// ∫ (1−ξ)^α (1+ξ)^β dξ = 2^(α+β+1) α! β! / (α+β+1)!
 fn weight_integral(alpha: usize, beta: usize) -> f64 {
     let factorial = |n: usize| (1..=n).map(|i| i as f64).product::<f64>();
-    2f64.powi((alpha + beta + 1) as i32) * factorial(alpha) * factorial(beta) / factorial(alpha + beta + 1)
+    2f64.powi((alpha + beta + 1) as i32) * factorial(alpha) * factorial(beta)
+        / factorial(alpha + beta + 1)
 }
 
-/// Nodes and weights of Gauss-Legendre quadrature with `count` points, by Newton's method on P_count.
+/// Nodes and weights of Gauss-Legendre quadrature with `count` points, by Newton's method
+/// on P_count.
 pub(crate) fn gauss_legendre(count: usize) -> (Vec<f64>, Vec<f64>) {
     let n = count as f64;
     (0..count)
@@ -152,9 +182,12 @@ mod tests {
             let mut gram = Array2::<f64>::zeros((60, 60));
             for (xi, weight) in nodes.iter().zip(&weights) {
                 let values = basis.evaluate(*xi);
-                gram += &Array2::from_shape_fn((60, 60), |(m, n)| weight * values[m][0] * values[n][0]);
+                gram +=
+                    &Array2::from_shape_fn((60, 60), |(m, n)| weight * values[m][0] * values[n][0]);
             }
-            let worst = (gram - Array2::<f64>::eye(60)).iter().fold(0.0f64, |w, v| w.max(v.abs()));
+            let worst = (gram - Array2::<f64>::eye(60))
+                .iter()
+                .fold(0.0f64, |w, v| w.max(v.abs()));
             assert!(worst < 1e-12, "{edges:?}: {worst:e}");
         }
     }
@@ -178,7 +211,11 @@ mod tests {
     fn quadrature_integrates_polynomials_exactly() {
         let (nodes, weights) = gauss_legendre(40);
         for degree in [0, 2, 40, 78] {
-            let integral: f64 = nodes.iter().zip(&weights).map(|(x, w)| w * x.powi(degree)).sum();
+            let integral: f64 = nodes
+                .iter()
+                .zip(&weights)
+                .map(|(x, w)| w * x.powi(degree))
+                .sum();
             assert!((integral - 2.0 / (degree as f64 + 1.0)).abs() < 1e-14);
         }
     }

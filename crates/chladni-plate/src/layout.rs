@@ -7,13 +7,15 @@ use chladni_frf::{Direction, Dof, Geometry, Node};
 /// Positions and labels of all measured and driven points of a panel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layout {
-    /// Response positions, m: the grid row by row, then the references where the panel asks for driving points.
+    /// Response positions, m: the grid row by row, then the references where the panel
+    /// asks for driving points.
     pub responses_m: Vec<[f64; 2]>,
     /// Reference positions, m, counter-clockwise from the corner x = 0, y = 0.
     pub references_m: Vec<[f64; 2]>,
     /// Response DOFs, all along +Z.
     pub response_dofs: Vec<Dof>,
-    /// Reference DOFs, all along +Z; a driving point has the same DOF here and among the responses.
+    /// Reference DOFs, all along +Z; a driving point has the same DOF here and among the
+    /// responses.
     pub reference_dofs: Vec<Dof>,
     /// All nodes once, and the meshes of the grid as faces.
     pub geometry: Geometry,
@@ -35,16 +37,43 @@ impl Layout {
             responses_m.extend(&references_m);
             response_labels.extend(&reference_labels);
         }
-        let nodes = grid_labels.iter().zip(&grid_m).chain(reference_labels.iter().zip(&references_m));
-        let nodes = nodes.map(|(&label, &[x, y])| Node { label, xyz_m: [x, y, 0.0] }).collect();
-        let dofs = |labels: &[u64]| labels.iter().map(|&node| Dof::new(node, Direction::PLUS_Z)).collect();
+        let nodes = grid_labels
+            .iter()
+            .zip(&grid_m)
+            .chain(reference_labels.iter().zip(&references_m));
+        let nodes = nodes
+            .map(|(&label, &[x, y])| Node {
+                label,
+                xyz_m: [x, y, 0.0],
+            })
+            .collect();
+        let dofs = |labels: &[u64]| {
+            labels
+                .iter()
+                .map(|&node| Dof::new(node, Direction::PLUS_Z))
+                .collect()
+        };
         let mass_kg = panel.references.mass_kg;
-        let loads = if mass_kg > 0.0 { references_m.as_slice() } else { &[] };
+        let loads = if mass_kg > 0.0 {
+            references_m.as_slice()
+        } else {
+            &[]
+        };
         Self {
             response_dofs: dofs(&response_labels),
             reference_dofs: dofs(&reference_labels),
-            masses: loads.iter().map(|&position_m| PointMass { position_m, mass_kg }).collect(),
-            geometry: Geometry { nodes, lines: Vec::new(), faces: meshes(panel.responses.grid) },
+            masses: loads
+                .iter()
+                .map(|&position_m| PointMass {
+                    position_m,
+                    mass_kg,
+                })
+                .collect(),
+            geometry: Geometry {
+                nodes,
+                lines: Vec::new(),
+                faces: meshes(panel.responses.grid),
+            },
             responses_m,
             references_m,
         }
@@ -65,13 +94,22 @@ fn grid(panel: &Panel) -> Vec<[f64; 2]> {
     let [columns, rows] = panel.responses.grid;
     let spacing = panel.responses.spacing_m;
     let x = centred(columns, spacing, panel.plate.length_m);
-    centred(rows, spacing, panel.plate.width_m).flat_map(|y| x.clone().map(move |x| [x, y])).collect()
+    centred(rows, spacing, panel.plate.width_m)
+        .flat_map(|y| x.clone().map(move |x| [x, y]))
+        .collect()
 }
 
 fn frame(panel: &Panel) -> Vec<[f64; 2]> {
-    let ([length, width], inset) = ([panel.plate.length_m, panel.plate.width_m], panel.references.inset_m);
+    let ([length, width], inset) = (
+        [panel.plate.length_m, panel.plate.width_m],
+        panel.references.inset_m,
+    );
     let [long, short] = panel.references.edge_count;
-    let (along_x, along_y) = if length >= width { (long, short) } else { (short, long) };
+    let (along_x, along_y) = if length >= width {
+        (long, short)
+    } else {
+        (short, long)
+    };
     let x = centred(along_x, panel.references.spacing_m, length);
     let y = centred(along_y, panel.references.spacing_m, width);
     let bottom = x.clone().map(|x| [x, inset]);
@@ -84,8 +122,17 @@ fn frame(panel: &Panel) -> Vec<[f64; 2]> {
 /// The quadrilaterals between neighbouring grid nodes.
 fn meshes([columns, rows]: [usize; 2]) -> Vec<Vec<u64>> {
     let label = |column: usize, row: usize| (1 + column + row * columns) as u64;
-    let mesh = |c, r| vec![label(c, r), label(c + 1, r), label(c + 1, r + 1), label(c, r + 1)];
-    (1..rows).flat_map(|r| (1..columns).map(move |c| mesh(c - 1, r - 1))).collect()
+    let mesh = |c, r| {
+        vec![
+            label(c, r),
+            label(c + 1, r),
+            label(c + 1, r + 1),
+            label(c, r + 1),
+        ]
+    };
+    (1..rows)
+        .flat_map(|r| (1..columns).map(move |c| mesh(c - 1, r - 1)))
+        .collect()
 }
 
 #[cfg(test)]
@@ -99,10 +146,17 @@ mod tests {
     #[test]
     fn the_default_panel_has_77_responses_and_34_references_in_order() {
         let layout = Panel::default().layout();
-        assert_eq!((layout.response_dofs.len(), layout.reference_dofs.len()), (77, 34));
+        assert_eq!(
+            (layout.response_dofs.len(), layout.reference_dofs.len()),
+            (77, 34)
+        );
         assert_eq!(layout.response_dofs[76].to_string(), "77:+Z");
         assert_eq!(layout.reference_dofs[0].to_string(), "101:+Z");
-        assert!(near(layout.responses_m[0], [0.034, 0.025]), "{:?}", layout.responses_m[0]);
+        assert!(
+            near(layout.responses_m[0], [0.034, 0.025]),
+            "{:?}",
+            layout.responses_m[0]
+        );
         assert!(near(layout.responses_m[1], [0.054, 0.025]));
         assert!(near(layout.responses_m[11], [0.034, 0.045]));
         // bottom from the left, right from below, top from the right, left from above
@@ -110,7 +164,10 @@ mod tests {
         assert!(near(layout.references_m[11], [0.263, 0.035]));
         assert!(near(layout.references_m[17], [0.234, 0.165]));
         assert!(near(layout.references_m[28], [0.005, 0.135]));
-        assert_eq!((layout.geometry.nodes.len(), layout.geometry.faces.len()), (111, 60));
+        assert_eq!(
+            (layout.geometry.nodes.len(), layout.geometry.faces.len()),
+            (111, 60)
+        );
         assert_eq!(layout.geometry.faces[0], [1, 2, 13, 12]);
     }
 
@@ -127,7 +184,10 @@ mod tests {
 
     #[test]
     fn references_start_at_the_next_free_hundred() {
-        assert_eq!([1, 77, 100, 101, 200, 201].map(next_hundred), [100, 100, 100, 200, 200, 300]);
+        assert_eq!(
+            [1, 77, 100, 101, 200, 201].map(next_hundred),
+            [100, 100, 100, 200, 200, 300]
+        );
     }
 
     #[test]
@@ -136,6 +196,9 @@ mod tests {
         (panel.plate.length_m, panel.plate.width_m) = (panel.plate.width_m, panel.plate.length_m);
         let layout = panel.layout();
         assert!(near(layout.references_m[0], [0.035, 0.005]));
-        assert_eq!(layout.references_m.iter().filter(|p| p[0] == 0.005).count(), 11);
+        assert_eq!(
+            layout.references_m.iter().filter(|p| p[0] == 0.005).count(),
+            11
+        );
     }
 }

@@ -1,21 +1,28 @@
-//! Thin rectangular plates by Legendre-Ritz: the truth for fixtures, tests, benches and `chladni simulate`.
+//! Thin rectangular plates by Legendre-Ritz: the truth for fixtures, tests, benches and
+//! `chladni simulate`.
 //!
-//! A [`Panel`] (plate, measured grid, driven points, frequency axis, noise) becomes a [`Simulation`]: an FRF set, and the modal model
-//! whose synthesis gives that set without its noise. [`Synthetic`] makes FRFs of abstract modes, without a plate, for tests of
-//! identification, and [`cramer_rao`] says how well any unbiased method can find their poles ([`cramer_rao_rank_one`], [`cramer_rao_real`]:
-//! with one shape, one real shape per mode). [`TimeTest`] simulates a whole measurement in time, with its leakage and windows.
+//! A [`Panel`] (plate, measured grid, driven points, frequency axis, noise) becomes a
+//! [`Simulation`]: an FRF set, and the modal model whose synthesis gives that set without
+//! its noise. [`Synthetic`] makes FRFs of abstract modes, without a plate, for tests of
+//! identification, and [`cramer_rao`] says how well any unbiased method can find their
+//! poles ([`cramer_rao_rank_one`], [`cramer_rao_real`]: with one shape, one real shape
+//! per mode). [`TimeTest`] simulates a whole measurement in time, with its leakage and
+//! windows.
 //!
 //! # Equations
 //!
-//! Kirchhoff's plate, D ∇⁴w − ρh ω² w = 0 with D = E h³/(12(1−ν²)), solved by the Rayleigh-Ritz method with products of orthonormal
-//! polynomials along the sides (module `ritz`; Leissa, *J. Sound Vib.* 31, 1973, 257-293). Any mix of free, simply supported and
-//! clamped edges, and point masses. FRFs are modal sums with structural damping (module `response`).
+//! Kirchhoff's plate, D ∇⁴w − ρh ω² w = 0 with D = E h³/(12(1−ν²)), solved by the
+//! Rayleigh-Ritz method with products of orthonormal polynomials along the sides (module
+//! `ritz`; Leissa, *J. Sound Vib.* 31, 1973, 257-293). Any mix of free, simply supported
+//! and clamped edges, and point masses. FRFs are modal sums with structural damping
+//! (module `response`).
 //!
 //! # When not to use it
 //!
-//! Plates whose bending wavelength falls below some 20 thicknesses (shear and rotary inertia are left out: real frequencies
-//! are lower), laminates, orthotropic or curved panels, and plates in heavy fluids. Published frequencies that come from short
-//! series (Leissa's 36 beam products) are upper bounds and lie 0.1 to 1 % above these.
+//! Plates whose bending wavelength falls below some 20 thicknesses (shear and rotary
+//! inertia are left out: real frequencies are lower), laminates, orthotropic or curved
+//! panels, and plates in heavy fluids. Published frequencies that come from short series
+//! (Leissa's 36 beam products) are upper bounds and lie 0.1 to 1 % above these.
 
 // the error carries file, line, field and advice; it is built once, where a run ends
 

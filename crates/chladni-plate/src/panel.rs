@@ -1,4 +1,5 @@
-//! A virtual panel: the plate, where it is measured and driven, and how. Field by field the panel file of `simulate`.
+//! A virtual panel: the plate, where it is measured and driven, and how. Field by field
+//! the panel file of `simulate`.
 
 use crate::layout::Layout;
 use crate::modes::needed_terms;
@@ -9,7 +10,8 @@ use ndarray::Array1;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// Everything that a simulated measurement is made of. The default is the glass panel of the examples.
+/// Everything that a simulated measurement is made of. The default is the glass panel of
+/// the examples.
 ///
 /// ```
 /// use chladni_plate::Panel;
@@ -45,11 +47,16 @@ pub struct ResponseGrid {
 
 impl Default for ResponseGrid {
     fn default() -> Self {
-        Self { grid: [11, 7], spacing_m: 0.020, at_references: false }
+        Self {
+            grid: [11, 7],
+            spacing_m: 0.020,
+            at_references: false,
+        }
     }
 }
 
-/// Driven points: nodes 101, 102, ... counter-clockwise along the edges from the corner x = 0, y = 0.
+/// Driven points: nodes 101, 102, ... counter-clockwise along the edges from the corner x
+/// = 0, y = 0.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ReferenceFrame {
@@ -65,7 +72,12 @@ pub struct ReferenceFrame {
 
 impl Default for ReferenceFrame {
     fn default() -> Self {
-        Self { edge_count: [11, 6], spacing_m: 0.020, inset_m: 0.005, mass_kg: 0.0 }
+        Self {
+            edge_count: [11, 6],
+            spacing_m: 0.020,
+            inset_m: 0.005,
+            mass_kg: 0.0,
+        }
     }
 }
 
@@ -81,7 +93,8 @@ pub struct Measurement {
     pub stop_hz: f64,
     /// Distance of lines, Hz.
     pub step_hz: f64,
-    /// Level of the white circular noise on all FRFs and lines below the mean square of all, dB.
+    /// Level of the white circular noise on all FRFs and lines below the mean square of
+    /// all, dB.
     pub snr_db: f64,
     /// Seed of the noise.
     pub seed: u64,
@@ -89,7 +102,14 @@ pub struct Measurement {
 
 impl Default for Measurement {
     fn default() -> Self {
-        Self { kind: FrfKind::Mobility, start_hz: 2.0, stop_hz: 1000.0, step_hz: 0.5, snr_db: 40.0, seed: 1 }
+        Self {
+            kind: FrfKind::Mobility,
+            start_hz: 2.0,
+            stop_hz: 1000.0,
+            step_hz: 0.5,
+            snr_db: 40.0,
+            seed: 1,
+        }
     }
 }
 
@@ -101,7 +121,9 @@ impl Measurement {
     }
     /// Frequency axis start, start + step, ..., Hz.
     pub fn frequency_hz(&self) -> Array1<f64> {
-        (0..self.line_count() as usize).map(|k| self.start_hz + self.step_hz * k as f64).collect()
+        (0..self.line_count() as usize)
+            .map(|k| self.start_hz + self.step_hz * k as f64)
+            .collect()
     }
 }
 
@@ -137,22 +159,47 @@ impl Panel {
         let shorter = self.plate.length_m.min(self.plate.width_m);
         let longer = self.plate.length_m.max(self.plate.width_m);
         if references.inset_m > shorter / 2.0 {
-            return Err(Error::bad_data("the references would lie beyond the middle of the plate")
-                .field("references.inset_m")
-                .found(references.inset_m)
-                .expected(format!("at most {}, half the shorter side", shorter / 2.0)));
+            return Err(
+                Error::bad_data("the references would lie beyond the middle of the plate")
+                    .field("references.inset_m")
+                    .found(references.inset_m)
+                    .expected(format!("at most {}, half the shorter side", shorter / 2.0)),
+            );
         }
         let span = |count: usize, spacing: f64| count.saturating_sub(1) as f64 * spacing;
         for (field, count, spacing, side) in [
-            ("responses.grid", responses.grid[0], responses.spacing_m, self.plate.length_m),
-            ("responses.grid", responses.grid[1], responses.spacing_m, self.plate.width_m),
-            ("references.edge_count", references.edge_count[0], references.spacing_m, longer),
-            ("references.edge_count", references.edge_count[1], references.spacing_m, shorter),
+            (
+                "responses.grid",
+                responses.grid[0],
+                responses.spacing_m,
+                self.plate.length_m,
+            ),
+            (
+                "responses.grid",
+                responses.grid[1],
+                responses.spacing_m,
+                self.plate.width_m,
+            ),
+            (
+                "references.edge_count",
+                references.edge_count[0],
+                references.spacing_m,
+                longer,
+            ),
+            (
+                "references.edge_count",
+                references.edge_count[1],
+                references.spacing_m,
+                shorter,
+            ),
         ] {
             if span(count, spacing) > side * (1.0 + crate::tolerances::EDGE_SLACK) {
                 return Err(Error::bad_data("the points do not fit on the plate")
                     .field(field)
-                    .found(format!("{count} points {spacing} m apart, {} m in all", span(count, spacing)))
+                    .found(format!(
+                        "{count} points {spacing} m apart, {} m in all",
+                        span(count, spacing)
+                    ))
                     .expected(format!("at most the side of {side} m"))
                     .help("take fewer points or a smaller spacing_m"));
             }
@@ -179,19 +226,27 @@ impl Panel {
                 .expected(format!("at least start_hz, {}", frf.start_hz)));
         }
         if frf.start_hz == 0.0 && !self.plate.edges.rigid_products().is_empty() {
-            return Err(Error::bad_data("a plate that can move as a rigid body has no finite FRF at 0 Hz")
-                .field("frf.start_hz")
-                .found(frf.start_hz)
-                .expected("a number above 0"));
+            return Err(Error::bad_data(
+                "a plate that can move as a rigid body has no finite FRF at 0 Hz",
+            )
+            .field("frf.start_hz")
+            .found(frf.start_hz)
+            .expected("a number above 0"));
         }
         Ok(())
     }
 
     /// Bytes that [`crate::simulate`] needs at most, estimated from the sizes alone.
     pub fn memory_bytes(&self) -> f64 {
-        let frame = 2.0 * (self.references.edge_count[0] as f64 + self.references.edge_count[1] as f64);
+        let frame =
+            2.0 * (self.references.edge_count[0] as f64 + self.references.edge_count[1] as f64);
         let grid = self.responses.grid[0] as f64 * self.responses.grid[1] as f64;
-        let responses = grid + if self.responses.at_references { frame } else { 0.0 };
+        let responses = grid
+            + if self.responses.at_references {
+                frame
+            } else {
+                0.0
+            };
         let lines = self.frf.line_count().max(0.0);
         let top = BAND_FACTOR * self.frf.stop_hz;
         let [x, y] = needed_terms(&self.plate, top, LEAST_MODES);
@@ -238,13 +293,19 @@ impl Panel {
 pub(crate) fn positive(field: &str, value: f64) -> Result<()> {
     match value.is_finite() && value > 0.0 {
         true => Ok(()),
-        false => Err(Error::bad_data("not a usable value").field(field).found(value).expected("a finite number above 0")),
+        false => Err(Error::bad_data("not a usable value")
+            .field(field)
+            .found(value)
+            .expected("a finite number above 0")),
     }
 }
 
 fn not_negative(field: &str, value: f64) -> Result<()> {
     match value.is_finite() && value >= 0.0 {
         true => Ok(()),
-        false => Err(Error::bad_data("not a usable value").field(field).found(value).expected("a finite number, 0 or above")),
+        false => Err(Error::bad_data("not a usable value")
+            .field(field)
+            .found(value)
+            .expected("a finite number, 0 or above")),
     }
 }

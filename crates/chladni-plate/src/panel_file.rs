@@ -1,4 +1,5 @@
-//! Reading a panel file: every complaint names the key and its line, and an unknown key the nearest known one.
+//! Reading a panel file: every complaint names the key and its line, and an unknown key
+//! the nearest known one.
 
 use crate::panel::Panel;
 use chladni_frf::io::read_text;
@@ -9,25 +10,55 @@ use toml::Spanned;
 
 /// Sections and keys of a panel file.
 const SECTIONS: [(&str, &[&str]); 4] = [
-    ("plate", &["length_m", "width_m", "thickness_m", "youngs_modulus_pa", "poisson_ratio", "density_kg_per_m3", "loss_factor", "edges"]),
+    (
+        "plate",
+        &[
+            "length_m",
+            "width_m",
+            "thickness_m",
+            "youngs_modulus_pa",
+            "poisson_ratio",
+            "density_kg_per_m3",
+            "loss_factor",
+            "edges",
+        ],
+    ),
     ("responses", &["grid", "spacing_m", "at_references"]),
-    ("references", &["edge_count", "spacing_m", "inset_m", "mass_kg"]),
-    ("frf", &["kind", "start_hz", "stop_hz", "step_hz", "snr_db", "seed"]),
+    (
+        "references",
+        &["edge_count", "spacing_m", "inset_m", "mass_kg"],
+    ),
+    (
+        "frf",
+        &["kind", "start_hz", "stop_hz", "step_hz", "snr_db", "seed"],
+    ),
 ];
 
 impl Panel {
     /// Reads and checks a panel; keys that are left out have their defaults.
     ///
-    /// * `memory_limit_bytes`: what exceeds it is refused here, before anything is computed
+    /// * `memory_limit_bytes`: what exceeds it is refused here, before anything is
+    ///   computed
     ///
     /// # Errors
-    /// [`chladni_frf::ErrorKind::BadData`] with line and key: no TOML, an unknown key, a wrong type, an unusable value, too large.
+    /// [`chladni_frf::ErrorKind::BadData`] with line and key: no TOML, an unknown key, a
+    /// wrong type, an unusable value, too large.
     pub fn from_toml(text: &str, memory_limit_bytes: u64) -> Result<Self> {
-        let document =
-            DeTable::parse(text).map_err(|error| toml_complaint(error.message(), text, error.span().map_or(0, |span| span.start)))?;
+        let document = DeTable::parse(text).map_err(|error| {
+            toml_complaint(
+                error.message(),
+                text,
+                error.span().map_or(0, |span| span.start),
+            )
+        })?;
         check_keys(text, document.get_ref())?;
-        let panel: Panel = toml::from_str(text).map_err(|error| type_error(text, document.get_ref(), &error))?;
-        let with_line = |error: Error| match error.field.as_deref().and_then(|field| line_of_key(text, document.get_ref(), field)) {
+        let panel: Panel =
+            toml::from_str(text).map_err(|error| type_error(text, document.get_ref(), &error))?;
+        let with_line = |error: Error| match error
+            .field
+            .as_deref()
+            .and_then(|field| line_of_key(text, document.get_ref(), field))
+        {
             Some(line) => error.at_line(line),
             None => error,
         };
@@ -49,19 +80,28 @@ impl Panel {
 fn check_keys(text: &str, document: &DeTable) -> Result<()> {
     let sections = SECTIONS.map(|(name, _)| name);
     for (name, value) in document.iter() {
-        let Some((_, keys)) = SECTIONS.iter().find(|(section, _)| section == name.get_ref()) else {
+        let Some((_, keys)) = SECTIONS
+            .iter()
+            .find(|(section, _)| section == name.get_ref())
+        else {
             return Err(unknown(text, name, "section", &sections).help(misplaced(name.get_ref())));
         };
         let DeValue::Table(section) = value.get_ref() else {
-            return Err(Error::bad_data(format!("`{}` is a section, not a value", name.get_ref()))
-                .at_line(line_of_byte(text, name.span().start))
-                .field(name.get_ref().as_ref())
-                .found("a value")
-                .expected(format!("the heading [{}]", name.get_ref())));
+            return Err(
+                Error::bad_data(format!("`{}` is a section, not a value", name.get_ref()))
+                    .at_line(line_of_byte(text, name.span().start))
+                    .field(name.get_ref().as_ref())
+                    .found("a value")
+                    .expected(format!("the heading [{}]", name.get_ref())),
+            );
         };
         for (key, _) in section.iter() {
             if !keys.contains(&key.get_ref().as_ref()) {
-                return Err(unknown(text, key, "key", keys).field(format!("{}.{}", name.get_ref(), key.get_ref())));
+                return Err(unknown(text, key, "key", keys).field(format!(
+                    "{}.{}",
+                    name.get_ref(),
+                    key.get_ref()
+                )));
             }
         }
     }
@@ -70,14 +110,17 @@ fn check_keys(text: &str, document: &DeTable) -> Result<()> {
 
 fn unknown(text: &str, name: &Spanned<std::borrow::Cow<str>>, what: &str, known: &[&str]) -> Error {
     let nearest = nearest_word(name.get_ref(), known).unwrap_or_default();
-    Error::bad_data(format!("unknown {what}; the nearest known one is `{nearest}`"))
-        .at_line(line_of_byte(text, name.span().start))
-        .field(name.get_ref().as_ref())
-        .found(name.get_ref())
-        .expected(format!("one of {}", known.join(", ")))
+    Error::bad_data(format!(
+        "unknown {what}; the nearest known one is `{nearest}`"
+    ))
+    .at_line(line_of_byte(text, name.span().start))
+    .field(name.get_ref().as_ref())
+    .found(name.get_ref())
+    .expected(format!("one of {}", known.join(", ")))
 }
 
-/// Advice for a name at the top of the file: a key without its section, or else the list of sections.
+/// Advice for a name at the top of the file: a key without its section, or else the list
+/// of sections.
 fn misplaced(name: &str) -> String {
     match SECTIONS.iter().find(|(_, keys)| keys.contains(&name)) {
         Some((section, _)) => format!("the key `{name}` belongs under the heading [{section}]"),
@@ -88,12 +131,22 @@ fn misplaced(name: &str) -> String {
 /// The key whose value the error points at.
 fn type_error(text: &str, document: &DeTable, error: &toml::de::Error) -> Error {
     let located = parser_complaint(error.message().trim());
-    let Some(span) = error.span() else { return located };
-    let at = |value: &Spanned<DeValue>| value.span().start <= span.start && span.start < value.span().end.max(value.span().start + 1);
-    let field = document.iter().find_map(|(name, section)| match section.get_ref() {
-        DeValue::Table(keys) => keys.iter().find(|(_, value)| at(value)).map(|(key, _)| format!("{}.{}", name.get_ref(), key.get_ref())),
-        _ => None,
-    });
+    let Some(span) = error.span() else {
+        return located;
+    };
+    let at = |value: &Spanned<DeValue>| {
+        value.span().start <= span.start
+            && span.start < value.span().end.max(value.span().start + 1)
+    };
+    let field = document
+        .iter()
+        .find_map(|(name, section)| match section.get_ref() {
+            DeValue::Table(keys) => keys
+                .iter()
+                .find(|(_, value)| at(value))
+                .map(|(key, _)| format!("{}.{}", name.get_ref(), key.get_ref())),
+            _ => None,
+        });
     let located = located.at_line(line_of_byte(text, span.start));
     match field {
         Some(field) => located.field(field),
@@ -104,9 +157,15 @@ fn type_error(text: &str, document: &DeTable, error: &toml::de::Error) -> Error 
 /// Line of `section.key`, or of the section where the key is left to its default.
 fn line_of_key(text: &str, document: &DeTable, field: &str) -> Option<u64> {
     let (section, key) = field.split_once('.').unwrap_or((field, ""));
-    let (_, value) = document.iter().find(|(name, _)| name.get_ref() == section)?;
-    let DeValue::Table(keys) = value.get_ref() else { return None };
-    keys.iter().find(|(name, _)| name.get_ref() == key).map(|(name, _)| line_of_byte(text, name.span().start))
+    let (_, value) = document
+        .iter()
+        .find(|(name, _)| name.get_ref() == section)?;
+    let DeValue::Table(keys) = value.get_ref() else {
+        return None;
+    };
+    keys.iter()
+        .find(|(name, _)| name.get_ref() == key)
+        .map(|(name, _)| line_of_byte(text, name.span().start))
 }
 
 #[cfg(test)]
@@ -126,7 +185,11 @@ mod tests {
 
     #[test]
     fn whole_numbers_serve_as_decimals_and_loss_factors_as_lists() {
-        let panel = Panel::from_toml("[plate]\nlength_m = 1\nloss_factor = [0.01, 0.02]\nedges = \"SFSF\"", LIMIT).unwrap();
+        let panel = Panel::from_toml(
+            "[plate]\nlength_m = 1\nloss_factor = [0.01, 0.02]\nedges = \"SFSF\"",
+            LIMIT,
+        )
+        .unwrap();
         assert_eq!(panel.plate.length_m, 1.0);
         assert_eq!(panel.plate.loss_factor.entries(), [0.01, 0.02]);
     }
@@ -134,9 +197,15 @@ mod tests {
     #[test]
     fn an_unknown_key_names_the_nearest_one_and_its_line() {
         let text = message("[frf]\nstart_hz = 2.0\nstep = 0.5\n");
-        assert!(text.contains("line 3") && text.contains("frf.step") && text.contains("`step_hz`"), "{text}");
+        assert!(
+            text.contains("line 3") && text.contains("frf.step") && text.contains("`step_hz`"),
+            "{text}"
+        );
         let text = message("[plates]\n");
-        assert!(text.contains("line 1") && text.contains("`plate`"), "{text}");
+        assert!(
+            text.contains("line 1") && text.contains("`plate`"),
+            "{text}"
+        );
         let text = message("seed = 3\n");
         assert!(text.contains("belongs under the heading [frf]"), "{text}");
     }
@@ -144,22 +213,67 @@ mod tests {
     #[test]
     fn wrong_types_and_values_name_key_line_and_what_is_expected() {
         for (text, parts) in [
-            ("[plate]\n\nwidth_m = \"a\"", ["line 3", "plate.width_m", "string"]),
-            ("[plate]\nwidth_m = -1.0", ["line 2", "plate.width_m", "above 0"]),
-            ("[plate]\nwidth_m = nan", ["line 2", "plate.width_m", "finite"]),
-            ("[plate]\npoisson_ratio = 0.7", ["line 2", "plate.poisson_ratio", "below 0.5"]),
-            ("[plate]\nloss_factor = \"x\"", ["line 2", "plate.loss_factor", "array of numbers"]),
-            ("[plate]\nloss_factor = []", ["line 2", "plate.loss_factor", "one per elastic mode"]),
-            ("[plate]\nedges = \"FFFX\"", ["line 2", "plate.edges", "four letters"]),
-            ("[responses]\ngrid = [0, 3]", ["line 2", "responses.grid", "at least 1"]),
+            (
+                "[plate]\n\nwidth_m = \"a\"",
+                ["line 3", "plate.width_m", "string"],
+            ),
+            (
+                "[plate]\nwidth_m = -1.0",
+                ["line 2", "plate.width_m", "above 0"],
+            ),
+            (
+                "[plate]\nwidth_m = nan",
+                ["line 2", "plate.width_m", "finite"],
+            ),
+            (
+                "[plate]\npoisson_ratio = 0.7",
+                ["line 2", "plate.poisson_ratio", "below 0.5"],
+            ),
+            (
+                "[plate]\nloss_factor = \"x\"",
+                ["line 2", "plate.loss_factor", "array of numbers"],
+            ),
+            (
+                "[plate]\nloss_factor = []",
+                ["line 2", "plate.loss_factor", "one per elastic mode"],
+            ),
+            (
+                "[plate]\nedges = \"FFFX\"",
+                ["line 2", "plate.edges", "four letters"],
+            ),
+            (
+                "[responses]\ngrid = [0, 3]",
+                ["line 2", "responses.grid", "at least 1"],
+            ),
             ("[responses]\ngrid = [3]", ["line 2", "responses.grid", "2"]),
-            ("[responses]\ngrid = [-3, 1]", ["line 2", "responses.grid", "-3"]),
-            ("[responses]\ngrid = [20, 7]", ["line 2", "responses.grid", "do not fit"]),
-            ("[references]\nedge_count = [0, 0]", ["line 2", "references.edge_count", "nothing drives"]),
-            ("[references]\ninset_m = 0.1", ["line 2", "references.inset_m", "middle"]),
-            ("[frf]\nkind = \"mobillity\"", ["line 2", "frf.kind", "receptance"]),
-            ("[frf]\nstart_hz = 0.0", ["line 2", "frf.start_hz", "rigid body"]),
-            ("[frf]\nstop_hz = 1.0", ["line 2", "frf.stop_hz", "ends before"]),
+            (
+                "[responses]\ngrid = [-3, 1]",
+                ["line 2", "responses.grid", "-3"],
+            ),
+            (
+                "[responses]\ngrid = [20, 7]",
+                ["line 2", "responses.grid", "do not fit"],
+            ),
+            (
+                "[references]\nedge_count = [0, 0]",
+                ["line 2", "references.edge_count", "nothing drives"],
+            ),
+            (
+                "[references]\ninset_m = 0.1",
+                ["line 2", "references.inset_m", "middle"],
+            ),
+            (
+                "[frf]\nkind = \"mobillity\"",
+                ["line 2", "frf.kind", "receptance"],
+            ),
+            (
+                "[frf]\nstart_hz = 0.0",
+                ["line 2", "frf.start_hz", "rigid body"],
+            ),
+            (
+                "[frf]\nstop_hz = 1.0",
+                ["line 2", "frf.stop_hz", "ends before"],
+            ),
             ("[frf]\nsnr_db = inf", ["line 2", "frf.snr_db", "finite"]),
             ("[frf]\nseed = 1.5", ["line 2", "frf.seed", "1.5"]),
             ("plate = 3", ["line 1", "section", "[plate]"]),
@@ -167,7 +281,10 @@ mod tests {
         ] {
             let shown = message(text);
             for part in parts {
-                assert!(shown.contains(part), "{text:?} gave {shown:?} without {part:?}");
+                assert!(
+                    shown.contains(part),
+                    "{text:?} gave {shown:?} without {part:?}"
+                );
             }
         }
     }
@@ -181,7 +298,11 @@ mod tests {
             "[references]\nedge_count = [4000000000, 1]\nspacing_m = 1e-11",
             "[plate]\nthickness_m = 1e-12",
         ] {
-            assert!(message(text).contains("more memory than is allowed"), "{text}: {}", message(text));
+            assert!(
+                message(text).contains("more memory than is allowed"),
+                "{text}: {}",
+                message(text)
+            );
         }
         assert!(Panel::default().memory_bytes() < 400e6);
         assert!(Panel::default().memory_bytes() > 77.0 * 34.0 * 1997.0 * 16.0);

@@ -1,4 +1,5 @@
-//! A thin rectangular plate: sides, material, edges, and the numbers that follow from them.
+//! A thin rectangular plate: sides, material, edges, and the numbers that follow from
+//! them.
 
 use crate::tolerances::THIN_PLATE_WAVELENGTH_PER_THICKNESS;
 use chladni_frf::{Error, Result};
@@ -18,7 +19,8 @@ pub enum Edge {
 }
 
 impl Edge {
-    /// Power of the distance from the edge that every admissible shape carries: 0, 1 or 2.
+    /// Power of the distance from the edge that every admissible shape carries: 0, 1
+    /// or 2.
     pub fn power(self) -> usize {
         self as usize
     }
@@ -27,7 +29,8 @@ impl Edge {
     }
 }
 
-/// The four edges, written as four letters F, S or C in the order x = 0, y = 0, x = length, y = width.
+/// The four edges, written as four letters F, S or C in the order x = 0, y = 0, x =
+/// length, y = width.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct Edges {
@@ -39,11 +42,16 @@ pub struct Edges {
 
 impl Edges {
     /// All four free.
-    pub const FREE: Self = Self { x: [Edge::Free; 2], y: [Edge::Free; 2] };
+    pub const FREE: Self = Self {
+        x: [Edge::Free; 2],
+        y: [Edge::Free; 2],
+    };
 
-    /// Products (x degree, y degree) of the edge basis that cost no bending energy: the rigid-body motions that the edges allow.
+    /// Products (x degree, y degree) of the edge basis that cost no bending energy: the
+    /// rigid-body motions that the edges allow.
     ///
-    /// Three on free edges (up and down, two tilts), one about a single simply supported edge, none otherwise.
+    /// Three on free edges (up and down, two tilts), one about a single simply supported
+    /// edge, none otherwise.
     pub fn rigid_products(&self) -> Vec<(usize, usize)> {
         let held = |pair: [Edge; 2]| pair[0].power() + pair[1].power();
         match (held(self.x), held(self.y)) {
@@ -56,7 +64,9 @@ impl Edges {
 
 impl fmt::Display for Edges {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        [self.x[0], self.y[0], self.x[1], self.y[1]].iter().try_for_each(|edge| write!(f, "{}", edge.letter()))
+        [self.x[0], self.y[0], self.x[1], self.y[1]]
+            .iter()
+            .try_for_each(|edge| write!(f, "{}", edge.letter()))
     }
 }
 
@@ -85,11 +95,15 @@ impl TryFrom<String> for Edges {
     }
 }
 
-/// Structural loss factor η: one for all modes, or one per elastic mode in rising order of frequency.
+/// Structural loss factor η: one for all modes, or one per elastic mode in rising order
+/// of frequency.
 ///
 /// Where there are more modes than entries, the last entry holds for the rest.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(untagged, expecting = "expected a number or an array of numbers, one per elastic mode")]
+#[serde(
+    untagged,
+    expecting = "expected a number or an array of numbers, one per elastic mode"
+)]
 pub enum LossFactor {
     /// The same for all modes.
     Common(f64),
@@ -114,7 +128,8 @@ impl LossFactor {
     }
 }
 
-/// A homogeneous isotropic thin plate in the x, y plane with a corner at the origin: the `[plate]` section of a panel file.
+/// A homogeneous isotropic thin plate in the x, y plane with a corner at the origin: the
+/// `[plate]` section of a panel file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Plate {
@@ -155,7 +170,8 @@ impl Default for Plate {
 impl Plate {
     /// Bending stiffness D = E h³ / (12 (1 − ν²)), N·m.
     pub fn bending_stiffness(&self) -> f64 {
-        self.youngs_modulus_pa * self.thickness_m.powi(3) / (12.0 * (1.0 - self.poisson_ratio * self.poisson_ratio))
+        self.youngs_modulus_pa * self.thickness_m.powi(3)
+            / (12.0 * (1.0 - self.poisson_ratio * self.poisson_ratio))
     }
     /// Mass per area ρh, kg/m².
     pub fn mass_per_area(&self) -> f64 {
@@ -173,7 +189,8 @@ impl Plate {
     pub fn omega_of_wavenumber(&self, wavenumber: f64) -> f64 {
         wavenumber * wavenumber * (self.bending_stiffness() / self.mass_per_area()).sqrt()
     }
-    /// Half-wave count of Weyl's law, k² S/4π: how many modes lie below `omega`, edges left out.
+    /// Half-wave count of Weyl's law, k² S/4π: how many modes lie below `omega`, edges
+    /// left out.
     pub fn asymptotic_mode_count(&self, omega: f64) -> f64 {
         self.wavenumber(omega).powi(2) * self.length_m * self.width_m / (4.0 * PI)
     }
@@ -197,26 +214,42 @@ impl Plate {
             crate::panel::positive(&format!("plate.{key}"), value)?;
         }
         if !(self.poisson_ratio > -1.0 && self.poisson_ratio < 0.5) {
-            return Err(Error::bad_data("no isotropic material has this Poisson's ratio")
-                .field("plate.poisson_ratio")
-                .found(self.poisson_ratio)
-                .expected("a number above -1 and below 0.5"));
+            return Err(
+                Error::bad_data("no isotropic material has this Poisson's ratio")
+                    .field("plate.poisson_ratio")
+                    .found(self.poisson_ratio)
+                    .expected("a number above -1 and below 0.5"),
+            );
         }
         if self.loss_factor.entries().is_empty() {
-            return Err(Error::bad_data("no loss factor").field("plate.loss_factor").expected("a number, or one per elastic mode"));
+            return Err(Error::bad_data("no loss factor")
+                .field("plate.loss_factor")
+                .expected("a number, or one per elastic mode"));
         }
-        self.loss_factor.entries().iter().try_for_each(|&eta| crate::panel::positive("plate.loss_factor", eta))?;
+        self.loss_factor
+            .entries()
+            .iter()
+            .try_for_each(|&eta| crate::panel::positive("plate.loss_factor", eta))?;
         let shortest = self.length_m.min(self.width_m);
         if self.thickness_m > shortest / 10.0 {
-            return Err(Error::bad_data("this is no thin plate: its thickness exceeds a tenth of its shorter side")
-                .field("plate.thickness_m")
-                .found(self.thickness_m)
-                .expected(format!("at most {}", shortest / 10.0))
-                .help("check the units (all lengths are in metres); a thick plate needs shear deformation, which is not modelled"));
+            return Err(Error::bad_data(
+                "this is no thin plate: its thickness exceeds a tenth of \
+                                        its shorter side",
+            )
+            .field("plate.thickness_m")
+            .found(self.thickness_m)
+            .expected(format!("at most {}", shortest / 10.0))
+            .help(
+                "check the units (all lengths are in metres); a thick plate needs shear \
+                       deformation, which is not modelled",
+            ));
         }
         let scale = self.bending_stiffness() / self.mass_per_area();
         if !(scale.is_normal() && self.mass().is_normal()) {
-            return Err(Error::bad_data("the plate's stiffness or mass leaves the range of the computer's numbers").field("plate"));
+            return Err(Error::bad_data(
+                "the plate's stiffness or mass leaves the range of the computer's numbers",
+            )
+            .field("plate"));
         }
         Ok(())
     }
@@ -239,7 +272,10 @@ mod tests {
     #[test]
     fn edges_are_written_as_they_are_read() {
         let edges = Edges::try_from("FSCF".to_string()).unwrap();
-        assert_eq!((edges.x, edges.y), ([Edge::Free, Edge::Clamped], [Edge::Supported, Edge::Free]));
+        assert_eq!(
+            (edges.x, edges.y),
+            ([Edge::Free, Edge::Clamped], [Edge::Supported, Edge::Free])
+        );
         assert_eq!(edges.to_string(), "FSCF");
         for text in ["", "FFF", "FFFFF", "ffff", "FFXF"] {
             assert!(Edges::try_from(text.to_string()).is_err(), "{text}");
@@ -248,19 +284,35 @@ mod tests {
 
     #[test]
     fn only_free_and_once_hinged_plates_move_as_rigid_bodies() {
-        let count = |text: &str| Edges::try_from(text.to_string()).unwrap().rigid_products().len();
-        assert_eq!(["FFFF", "SFFF", "FFFS", "SSFF", "SFSF", "CFFF"].map(count), [3, 1, 1, 0, 0, 0]);
+        let count = |text: &str| {
+            Edges::try_from(text.to_string())
+                .unwrap()
+                .rigid_products()
+                .len()
+        };
+        assert_eq!(
+            ["FFFF", "SFFF", "FFFS", "SSFF", "SFSF", "CFFF"].map(count),
+            [3, 1, 1, 0, 0, 0]
+        );
     }
 
     #[test]
     fn the_last_loss_factor_holds_for_all_further_modes() {
         let eta = LossFactor::PerMode(vec![0.01, 0.02]);
-        assert_eq!([0, 1, 2, 9].map(|n| eta.of_mode(n)), [0.01, 0.02, 0.02, 0.02]);
+        assert_eq!(
+            [0, 1, 2, 9].map(|n| eta.of_mode(n)),
+            [0.01, 0.02, 0.02, 0.02]
+        );
     }
 
     #[test]
     fn a_thickness_in_millimetres_is_refused_with_advice() {
-        let error = Plate { thickness_m: 0.7, ..Plate::default() }.check().unwrap_err();
+        let error = Plate {
+            thickness_m: 0.7,
+            ..Plate::default()
+        }
+        .check()
+        .unwrap_err();
         assert!(error.to_string().contains("metres"), "{error}");
     }
 }

@@ -1,8 +1,10 @@
 //! FRFs of a damped plate: the modal sum, exact for the modes that are kept.
 //!
-//! α(x, y; ω) = −Σ_rigid ψ_n(x) ψ_n(y)/ω² + Σ_elastic ψ_n(x) ψ_n(y) / (ω_n² (1 + jη_n) − ω²)
+//! α(x, y; ω) = −Σ_rigid ψ_n(x) ψ_n(y)/ω² + Σ_elastic ψ_n(x) ψ_n(y) / (ω_n² (1 + jη_n) −
+//! ω²)
 //!
-//! with mass-normalised ψ and structural damping (Ewins, *Modal Testing*, 2nd ed., section 2.5); mobility is jω α, accelerance −ω² α.
+//! with mass-normalised ψ and structural damping (Ewins, *Modal Testing*, 2nd ed.,
+//! section 2.5); mobility is jω α, accelerance −ω² α.
 
 use crate::modes::PlateModes;
 use crate::plate::{LossFactor, Plate};
@@ -33,19 +35,31 @@ pub struct DampedPlate {
 }
 
 impl DampedPlate {
-    /// A plate loaded by `masses`, with every mode up to four times `band_top_hz` and 60 at least.
+    /// A plate loaded by `masses`, with every mode up to four times `band_top_hz` and 60
+    /// at least.
     ///
     /// # Errors
     /// As [`PlateModes::up_to`].
     pub fn new(plate: &Plate, masses: &[PointMass], band_top_hz: f64) -> Result<Self> {
         let modes = PlateModes::up_to(plate, masses, BAND_FACTOR * band_top_hz, LEAST_MODES)?;
-        Ok(Self { modes, loss_factor: plate.loss_factor.clone() })
+        Ok(Self {
+            modes,
+            loss_factor: plate.loss_factor.clone(),
+        })
     }
 
     /// Loss factor of each mode, zero for rigid-body modes.
     pub fn loss_factors(&self) -> Array1<f64> {
         let rigid = self.modes.rigid_count();
-        (0..self.modes.len()).map(|n| if n < rigid { 0.0 } else { self.loss_factor.of_mode(n - rigid) }).collect()
+        (0..self.modes.len())
+            .map(|n| {
+                if n < rigid {
+                    0.0
+                } else {
+                    self.loss_factor.of_mode(n - rigid)
+                }
+            })
+            .collect()
     }
 
     /// What multiplies ψ_n(x) ψ_n(y) in an FRF of `kind`; axes (mode, line).
@@ -53,11 +67,13 @@ impl DampedPlate {
         let loss_factors = self.loss_factors();
         Array2::from_shape_fn((self.modes.len(), frequency_hz.len()), |(n, k)| {
             let (omega, omega_n2) = (TAU * frequency_hz[k], self.modes.omega()[n].powi(2));
-            kind.from_receptance(omega) / Complex64::new(omega_n2 - omega * omega, omega_n2 * loss_factors[n])
+            kind.from_receptance(omega)
+                / Complex64::new(omega_n2 - omega * omega, omega_n2 * loss_factors[n])
         })
     }
 
-    /// FRFs of `kind` between points, m/N, m/s/N or m/s²/N; axes (response, reference, line).
+    /// FRFs of `kind` between points, m/N, m/s/N or m/s²/N; axes (response, reference,
+    /// line).
     ///
     /// # Errors
     /// A point off the plate.
@@ -69,23 +85,40 @@ impl DampedPlate {
         frequency_hz: &Array1<f64>,
     ) -> Result<Array3<Complex64>> {
         let shapes = |points| Ok(self.modes.evaluate(points)?.mapv(Complex64::from));
-        let (left, right): (Array2<Complex64>, Array2<Complex64>) = (shapes(responses_m)?, shapes(references_m)?);
-        Ok(superpose(left.view(), right.view(), self.modal_factors(kind, frequency_hz).view()))
+        let (left, right): (Array2<Complex64>, Array2<Complex64>) =
+            (shapes(responses_m)?, shapes(references_m)?);
+        Ok(superpose(
+            left.view(),
+            right.view(),
+            self.modal_factors(kind, frequency_hz).view(),
+        ))
     }
 
     /// Mobility between points at one frequency, (m/s)/N; axes (response, reference).
     ///
     /// # Errors
     /// A point off the plate.
-    pub fn mobility_matrix(&self, responses_m: &[[f64; 2]], references_m: &[[f64; 2]], frequency_hz: f64) -> Result<Array2<Complex64>> {
+    pub fn mobility_matrix(
+        &self,
+        responses_m: &[[f64; 2]],
+        references_m: &[[f64; 2]],
+        frequency_hz: f64,
+    ) -> Result<Array2<Complex64>> {
         let axis = Array1::from_elem(1, frequency_hz);
-        Ok(self.frfs(FrfKind::Mobility, responses_m, references_m, &axis)?.index_axis_move(Axis(2), 0))
+        Ok(self
+            .frfs(FrfKind::Mobility, responses_m, references_m, &axis)?
+            .index_axis_move(Axis(2), 0))
     }
 }
 
-/// FRFs of a modal model on a frequency axis: the same numbers as [`ModalModel::synthesise`] by matrix products, many times faster.
+/// FRFs of a modal model on a frequency axis: the same numbers as
+/// [`ModalModel::synthesise`] by matrix products, many times faster.
 pub fn synthesise(model: &ModalModel, frequency_hz: &Array1<f64>) -> Array3<Complex64> {
-    let modes: Vec<&Mode> = model.modes.iter().filter(|mode| mode.trust != Trust::Rejected).collect();
+    let modes: Vec<&Mode> = model
+        .modes
+        .iter()
+        .filter(|mode| mode.trust != Trust::Rejected)
+        .collect();
     let kind = |f: f64| model.frf_kind.from_receptance(TAU * f);
     let columns = |pick: &dyn Fn(&Mode) -> Vec<Complex64>, rows: usize| {
         let mut all = Array2::zeros((rows, modes.len()));
@@ -97,32 +130,55 @@ pub fn synthesise(model: &ModalModel, frequency_hz: &Array1<f64>) -> Array3<Comp
     let left = columns(&|mode| mode.shape.0.clone(), model.responses.len());
     let right = columns(&|mode| mode.participation.0.clone(), model.references.len());
     let factors = |value: &dyn Fn(&Mode, f64) -> Complex64| {
-        Array2::from_shape_fn((modes.len(), frequency_hz.len()), |(n, k)| kind(frequency_hz[k]) * value(modes[n], TAU * frequency_hz[k]))
+        Array2::from_shape_fn((modes.len(), frequency_hz.len()), |(n, k)| {
+            kind(frequency_hz[k]) * value(modes[n], TAU * frequency_hz[k])
+        })
     };
     let mut frf = match model.damping {
-        Damping::Structural => superpose(left.view(), right.view(), factors(&|mode, omega| mode.structural_factor(omega)).view()),
+        Damping::Structural => superpose(
+            left.view(),
+            right.view(),
+            factors(&|mode, omega| mode.structural_factor(omega)).view(),
+        ),
         Damping::Viscous => {
-            // r/(jω − s) + r*/(jω − s*), r = ψ ψ/(2jω_d): each half is a superposition of its own
+            // r/(jω − s) + r*/(jω − s*), r = ψ ψ/(2jω_d): each half is a superposition of
+            // its own
             let scale = |mode: &Mode| Complex64::new(0.0, 2.0 * mode.viscous_pole().im).inv();
-            let near = factors(&|mode, omega| scale(mode) / (Complex64::new(0.0, omega) - mode.viscous_pole()));
-            let far = factors(&|mode, omega| scale(mode).conj() / (Complex64::new(0.0, omega) - mode.viscous_pole().conj()));
+            let near = factors(&|mode, omega| {
+                scale(mode) / (Complex64::new(0.0, omega) - mode.viscous_pole())
+            });
+            let far = factors(&|mode, omega| {
+                scale(mode).conj() / (Complex64::new(0.0, omega) - mode.viscous_pole().conj())
+            });
             superpose(left.view(), right.view(), near.view())
-                + superpose(left.mapv(|v| v.conj()).view(), right.mapv(|v| v.conj()).view(), far.view())
+                + superpose(
+                    left.mapv(|v| v.conj()).view(),
+                    right.mapv(|v| v.conj()).view(),
+                    far.view(),
+                )
         }
     };
     for term in &model.residual_terms.terms {
         for (k, &f) in frequency_hz.iter().enumerate() {
-            let scale = kind(f) * (TAU * f / model.residual_terms.omega_scale_rad_per_s).powi(term.power);
-            frf.index_axis_mut(Axis(2), k).scaled_add(scale, &term.matrix.0);
+            let scale =
+                kind(f) * (TAU * f / model.residual_terms.omega_scale_rad_per_s).powi(term.power);
+            frf.index_axis_mut(Axis(2), k)
+                .scaled_add(scale, &term.matrix.0);
         }
     }
     frf
 }
 
-/// Σ_n left_in right_jn factor_nk; axes (i, j, k). One product per response, so that the bits do not depend on the threads.
-fn superpose(left: ArrayView2<Complex64>, right: ArrayView2<Complex64>, factors: ArrayView2<Complex64>) -> Array3<Complex64> {
+/// Σ_n left_in right_jn factor_nk; axes (i, j, k). One product per response, so that the
+/// bits do not depend on the threads.
+fn superpose(
+    left: ArrayView2<Complex64>,
+    right: ArrayView2<Complex64>,
+    factors: ArrayView2<Complex64>,
+) -> Array3<Complex64> {
     let mut sum = Array3::zeros((left.nrows(), right.nrows(), factors.ncols()));
     let rows: Vec<_> = sum.outer_iter_mut().zip(left.rows()).collect();
-    rows.into_par_iter().for_each(|(mut frf, shape)| frf.assign(&matmul((&right * &shape).view(), factors)));
+    rows.into_par_iter()
+        .for_each(|(mut frf, shape)| frf.assign(&matmul((&right * &shape).view(), factors)));
     sum
 }

@@ -1,18 +1,23 @@
 //! Natural frequencies and shapes of a thin plate by the Rayleigh-Ritz method.
 //!
-//! With w = Σ q_mn φ_m(ξ) φ_n(η), ξ = 2x/a − 1, η = 2y/b − 1 and orthonormal φ (see `edge_basis`), strain and kinetic energy give
-//! K q = ω² M q, divided here by ρh ab/4 on both sides (Leissa, *J. Sound Vib.* 31, 1973, 257-293,
-//! doi 10.1016/S0022-460X(73)80371-2, eqs. 1-5, with polynomials in place of beam functions):
+//! With w = Σ q_mn φ_m(ξ) φ_n(η), ξ = 2x/a − 1, η = 2y/b − 1 and orthonormal φ (see
+//! `edge_basis`), strain and kinetic energy give K q = ω² M q, divided here by ρh ab/4 on
+//! both sides (Leissa, *J. Sound Vib.* 31, 1973, 257-293, doi
+//! 10.1016/S0022-460X(73)80371-2, eqs. 1-5, with polynomials in place of beam functions):
 //!
-//! K = (D/ρh) [ c_x⁴ A₂₂⊗I + c_y⁴ I⊗B₂₂ + ν c_x²c_y² (A₂₀⊗B₀₂ + A₀₂⊗B₂₀) + 2(1−ν) c_x²c_y² A₁₁⊗B₁₁ ],  c_x = 2/a, c_y = 2/b,
+//! K = (D/ρh) [ c_x⁴ A₂₂⊗I + c_y⁴ I⊗B₂₂ + ν c_x²c_y² (A₂₀⊗B₀₂ + A₀₂⊗B₂₀) + 2(1−ν)
+//! c_x²c_y² A₁₁⊗B₁₁ ],  c_x = 2/a, c_y = 2/b,
 //!
 //! M = I + Σ_k m_k/(ρh ab/4) φ(x_k) φ(x_k)ᵀ
 //!
-//! for point masses m_k. Two things keep the lowest frequencies exact although K spans twelve decades:
+//! for point masses m_k. Two things keep the lowest frequencies exact although K spans
+//! twelve decades:
 //!
-//! - rigid-body motions are polynomials of the basis with no strain energy; they are split off exactly (M loses a Schur
-//!   complement, K is unchanged), so that K is positive definite;
-//! - the inverse problem L⁻¹ M L⁻ᵀ y = ω⁻² y, K = L Lᵀ, is solved, whose largest eigenvalues are the lowest modes.
+//! - rigid-body motions are polynomials of the basis with no strain energy; they are
+//!   split off exactly (M loses a Schur complement, K is unchanged), so that K is
+//!   positive definite;
+//! - the inverse problem L⁻¹ M L⁻ᵀ y = ω⁻² y, K = L Lᵀ, is solved, whose largest
+//!   eigenvalues are the lowest modes.
 //!
 //! Symmetric edges and masses split the problem into parity classes.
 
@@ -20,7 +25,9 @@ use crate::edge_basis::{EdgeBasis, Integrals};
 use crate::plate::Plate;
 use crate::tolerances::SYMMETRY_SLACK;
 use chladni_frf::{Error, ErrorKind, Result};
-use chladni_linalg::{cholesky, eigh, matmul, matmul_h, solve_lower, solve_lower_adjoint, LinalgError};
+use chladni_linalg::{
+    cholesky, eigh, matmul, matmul_h, solve_lower, solve_lower_adjoint, LinalgError,
+};
 use ndarray::{s, Array1, Array2, Axis};
 use rayon::prelude::*;
 
@@ -60,7 +67,12 @@ struct Problem<'a> {
 }
 
 /// Rigid-body modes (ω = 0) first, then elastic modes by rising frequency.
-pub(crate) fn solve(plate: &Plate, masses: &[PointMass], bases: [&EdgeBasis; 2], range: ModeRange) -> Result<(usize, Vec<RitzMode>)> {
+pub(crate) fn solve(
+    plate: &Plate,
+    masses: &[PointMass],
+    bases: [&EdgeBasis; 2],
+    range: ModeRange,
+) -> Result<(usize, Vec<RitzMode>)> {
     let problem = Problem {
         plate,
         x: bases[0].integrals(),
@@ -68,26 +80,40 @@ pub(crate) fn solve(plate: &Plate, masses: &[PointMass], bases: [&EdgeBasis; 2],
         terms: bases.map(EdgeBasis::terms),
         loads: mass_loads(plate, masses, bases),
     };
-    let symmetric_x = plate.edges.x[0] == plate.edges.x[1] && masses_mirror(masses, 0, plate.length_m);
-    let symmetric_y = plate.edges.y[0] == plate.edges.y[1] && masses_mirror(masses, 1, plate.width_m);
+    let symmetric_x =
+        plate.edges.x[0] == plate.edges.x[1] && masses_mirror(masses, 0, plate.length_m);
+    let symmetric_y =
+        plate.edges.y[0] == plate.edges.y[1] && masses_mirror(masses, 1, plate.width_m);
     let blocks: Vec<Products> = parity_classes(problem.terms[0], symmetric_x)
         .iter()
-        .flat_map(|m| parity_classes(problem.terms[1], symmetric_y).into_iter().map(move |n| pairs(m, &n)))
+        .flat_map(|m| {
+            parity_classes(problem.terms[1], symmetric_y)
+                .into_iter()
+                .map(move |n| pairs(m, &n))
+        })
         .collect();
-    let solved: Vec<_> =
-        blocks.par_iter().map(|block| problem.solve_block(block, range)).collect::<std::result::Result<_, LinalgError>>().map_err(
-            |error| {
-                Error::new(ErrorKind::Internal, format!("the plate's eigenvalue problem failed: {error}"))
-                    .help("check the panel for extreme numbers")
-            },
-        )?;
+    let solved: Vec<_> = blocks
+        .par_iter()
+        .map(|block| problem.solve_block(block, range))
+        .collect::<std::result::Result<_, LinalgError>>()
+        .map_err(|error| {
+            Error::new(
+                ErrorKind::Internal,
+                format!("the plate's eigenvalue problem failed: {error}"),
+            )
+            .help("check the panel for extreme numbers")
+        })?;
     let (mut rigid, mut elastic) = (Vec::new(), Vec::new());
     for (block_rigid, block_elastic) in solved {
         rigid.extend(block_rigid);
         elastic.extend(block_elastic);
     }
     elastic.sort_by(|a, b| a.omega_squared.total_cmp(&b.omega_squared));
-    let kept = elastic.iter().filter(|mode| mode.omega_squared <= range.omega_max.powi(2)).count().max(range.least);
+    let kept = elastic
+        .iter()
+        .filter(|mode| mode.omega_squared <= range.omega_max.powi(2))
+        .count()
+        .max(range.least);
     elastic.truncate(kept);
     let rigid_count = rigid.len();
     rigid.extend(elastic);
@@ -96,9 +122,14 @@ pub(crate) fn solve(plate: &Plate, masses: &[PointMass], bases: [&EdgeBasis; 2],
 
 impl Problem<'_> {
     /// Rigid and elastic modes within the products `block`.
-    fn solve_block(&self, block: &[(usize, usize)], range: ModeRange) -> std::result::Result<(Vec<RitzMode>, Vec<RitzMode>), LinalgError> {
+    fn solve_block(
+        &self,
+        block: &[(usize, usize)],
+        range: ModeRange,
+    ) -> std::result::Result<(Vec<RitzMode>, Vec<RitzMode>), LinalgError> {
         let rigid_products = self.plate.edges.rigid_products();
-        let (rigid, elastic): (Vec<_>, Vec<_>) = block.iter().partition(|pair| rigid_products.contains(pair));
+        let (rigid, elastic): (Vec<_>, Vec<_>) =
+            block.iter().partition(|pair| rigid_products.contains(pair));
         let (load_r, load_e) = (self.loads_of(&rigid), self.loads_of(&elastic));
 
         // rigid modes: orthonormal in the loaded mass
@@ -106,11 +137,16 @@ impl Problem<'_> {
         let mass_re = matmul_h(load_r.view(), load_e.view());
         let factor_r = cholesky(mass_r.view())?;
         let rigid_shapes = solve_lower_adjoint(factor_r.view(), Array2::eye(rigid.len()).view())?;
-        let rigid_modes = rigid_shapes.columns().into_iter().map(|q| self.mode(0.0, &[(&rigid, q.to_owned())])).collect();
+        let rigid_modes = rigid_shapes
+            .columns()
+            .into_iter()
+            .map(|q| self.mode(0.0, &[(&rigid, q.to_owned())]))
+            .collect();
 
         // elastic modes: what the rigid modes leave over
         let coupling = solve_lower(factor_r.view(), mass_re.view())?;
-        let mut mass = matmul_h(load_e.view(), load_e.view()) - matmul_h(coupling.view(), coupling.view());
+        let mut mass =
+            matmul_h(load_e.view(), load_e.view()) - matmul_h(coupling.view(), coupling.view());
         mass.diag_mut().mapv_inplace(|m| m + 1.0);
         let factor = cholesky(self.stiffness(&elastic).view())?;
         let half = solve_lower(factor.view(), mass.view())?;
@@ -118,17 +154,29 @@ impl Problem<'_> {
         let (inverse_omega_squared, vectors) = eigh(inverse.view())?;
 
         let limit = range.omega_max.powi(-2);
-        let kept = inverse_omega_squared.iter().filter(|&&value| value >= limit).count().max(range.least).min(elastic.len());
+        let kept = inverse_omega_squared
+            .iter()
+            .filter(|&&value| value >= limit)
+            .count()
+            .max(range.least)
+            .min(elastic.len());
         let first = elastic.len() - kept;
         let shapes = solve_lower_adjoint(factor.view(), vectors.slice(s![.., first..]))?;
-        // the rigid part that makes each elastic mode orthogonal to the rigid ones: −M_rr⁻¹ M_re q
-        let rigid_part = solve_lower_adjoint(factor_r.view(), matmul(coupling.view(), shapes.view()).view())?;
+        // the rigid part that makes each elastic mode orthogonal to the rigid ones:
+        // −M_rr⁻¹ M_re q
+        let rigid_part = solve_lower_adjoint(
+            factor_r.view(),
+            matmul(coupling.view(), shapes.view()).view(),
+        )?;
         let elastic_modes = (0..kept)
             .rev()
             .map(|k| {
                 let value = inverse_omega_squared[first + k];
                 let scale = 1.0 / value.sqrt();
-                let (q, r) = (shapes.column(k).mapv(|v| v * scale), rigid_part.column(k).mapv(|v| -v * scale));
+                let (q, r) = (
+                    shapes.column(k).mapv(|v| v * scale),
+                    rigid_part.column(k).mapv(|v| -v * scale),
+                );
                 self.mode(1.0 / value, &[(&elastic, q), (&rigid, r)])
             })
             .collect();
@@ -137,8 +185,14 @@ impl Problem<'_> {
 
     /// K over the products in `pairs`, 1/s².
     fn stiffness(&self, pairs: &[(usize, usize)]) -> Array2<f64> {
-        let (nu, scale) = (self.plate.poisson_ratio, self.plate.bending_stiffness() / self.plate.mass_per_area());
-        let (cx2, cy2) = ((2.0 / self.plate.length_m).powi(2), (2.0 / self.plate.width_m).powi(2));
+        let (nu, scale) = (
+            self.plate.poisson_ratio,
+            self.plate.bending_stiffness() / self.plate.mass_per_area(),
+        );
+        let (cx2, cy2) = (
+            (2.0 / self.plate.length_m).powi(2),
+            (2.0 / self.plate.width_m).powi(2),
+        );
         let (a, b) = (&self.x, &self.y);
         Array2::from_shape_fn((pairs.len(), pairs.len()), |(i, j)| {
             let ((m, n), (p, q)) = (pairs[i], pairs[j]);
@@ -159,7 +213,8 @@ impl Problem<'_> {
         self.loads.select(Axis(1), &columns)
     }
 
-    /// Spreads the parts over all products, divides by √(ρh ab/4), and makes the largest coefficient positive.
+    /// Spreads the parts over all products, divides by √(ρh ab/4), and makes the largest
+    /// coefficient positive.
     fn mode(&self, omega_squared: f64, parts: &[(&Products, Array1<f64>)]) -> RitzMode {
         let mut coefficients = Array1::zeros(self.terms[0] * self.terms[1]);
         for (pairs, values) in parts {
@@ -167,8 +222,15 @@ impl Problem<'_> {
                 coefficients[m * self.terms[1] + n] = value / (self.plate.mass() / 4.0).sqrt();
             }
         }
-        let largest = coefficients.iter().fold(0.0f64, |largest, &c| if c.abs() > largest.abs() { c } else { largest });
-        RitzMode { omega_squared, coefficients: coefficients * largest.signum() }
+        let largest =
+            coefficients.iter().fold(
+                0.0f64,
+                |largest, &c| if c.abs() > largest.abs() { c } else { largest },
+            );
+        RitzMode {
+            omega_squared,
+            coefficients: coefficients * largest.signum(),
+        }
     }
 }
 
@@ -178,7 +240,10 @@ fn mass_loads(plate: &Plate, masses: &[PointMass], bases: [&EdgeBasis; 2]) -> Ar
         let scale = (mass.mass_kg / (plate.mass() / 4.0)).sqrt();
         let x = bases[0].evaluate(2.0 * mass.position_m[0] / plate.length_m - 1.0);
         let y = bases[1].evaluate(2.0 * mass.position_m[1] / plate.width_m - 1.0);
-        for (value, (u, v)) in row.iter_mut().zip(x.iter().flat_map(|u| y.iter().map(move |v| (u, v)))) {
+        for (value, (u, v)) in row
+            .iter_mut()
+            .zip(x.iter().flat_map(|u| y.iter().map(move |v| (u, v))))
+        {
             *value = scale * u[0] * v[0];
         }
     }
@@ -190,9 +255,20 @@ fn masses_mirror(masses: &[PointMass], axis: usize, side: f64) -> bool {
     masses.iter().all(|mass| {
         let mut mirrored = mass.position_m;
         mirrored[axis] = side - mirrored[axis];
-        let near = |other: &PointMass| (0..2).all(|d| (other.position_m[d] - mirrored[d]).abs() <= SYMMETRY_SLACK * side);
-        let weight = |at: &dyn Fn(&PointMass) -> bool| masses.iter().filter(|m| at(m)).map(|m| m.mass_kg).sum::<f64>();
-        let here = |other: &PointMass| (0..2).all(|d| (other.position_m[d] - mass.position_m[d]).abs() <= SYMMETRY_SLACK * side);
+        let near = |other: &PointMass| {
+            (0..2).all(|d| (other.position_m[d] - mirrored[d]).abs() <= SYMMETRY_SLACK * side)
+        };
+        let weight = |at: &dyn Fn(&PointMass) -> bool| {
+            masses
+                .iter()
+                .filter(|m| at(m))
+                .map(|m| m.mass_kg)
+                .sum::<f64>()
+        };
+        let here = |other: &PointMass| {
+            (0..2)
+                .all(|d| (other.position_m[d] - mass.position_m[d]).abs() <= SYMMETRY_SLACK * side)
+        };
         (weight(&near) - weight(&here)).abs() <= SYMMETRY_SLACK * mass.mass_kg
     })
 }
@@ -200,11 +276,15 @@ fn masses_mirror(masses: &[PointMass], axis: usize, side: f64) -> bool {
 /// Degrees by parity where the problem is symmetric, all of them otherwise.
 fn parity_classes(terms: usize, symmetric: bool) -> Vec<Vec<usize>> {
     match symmetric {
-        true => (0..2).map(|parity| (parity..terms).step_by(2).collect()).collect(),
+        true => (0..2)
+            .map(|parity| (parity..terms).step_by(2).collect())
+            .collect(),
         false => vec![(0..terms).collect()],
     }
 }
 
 fn pairs(m: &[usize], n: &[usize]) -> Products {
-    m.iter().flat_map(|&m| n.iter().map(move |&n| (m, n))).collect()
+    m.iter()
+        .flat_map(|&m| n.iter().map(move |&n| (m, n)))
+        .collect()
 }

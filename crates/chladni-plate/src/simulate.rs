@@ -1,4 +1,5 @@
-//! A simulated measurement: FRFs of a virtual panel with noise, and the modal model that is its truth.
+//! A simulated measurement: FRFs of a virtual panel with noise, and the modal model that
+//! is its truth.
 
 use crate::layout::Layout;
 use crate::noise::{add_white_noise, mean_square};
@@ -6,8 +7,9 @@ use crate::panel::Panel;
 use crate::response::DampedPlate;
 use crate::tolerances::LEAST_LINES_PER_BANDWIDTH;
 use chladni_frf::{
-    ComplexMatrix, ComplexVector, Damping, Error, ErrorKind, FrfSet, FrfValues, ModalModel, Mode, Quality, ReferenceUnit, ResidualTerm,
-    ResidualTerms, Result, Scaling, Trust, CREATED_BY, MODEL_FORMAT,
+    ComplexMatrix, ComplexVector, Damping, Error, ErrorKind, FrfSet, FrfValues, ModalModel, Mode,
+    Quality, ReferenceUnit, ResidualTerm, ResidualTerms, Result, Scaling, Trust, CREATED_BY,
+    MODEL_FORMAT,
 };
 use ndarray::Array2;
 use num_complex::Complex64;
@@ -30,13 +32,15 @@ pub struct Simulation {
 
 /// Simulates the measurement that `panel` describes.
 ///
-/// * `seed`, `snr_db`: take the place of the panel's; an infinite `snr_db` gives FRFs without noise
+/// * `seed`, `snr_db`: take the place of the panel's; an infinite `snr_db` gives FRFs
+///   without noise
 ///
 /// The same panel and seed give the same bits at any number of threads.
 ///
 /// # Errors
-/// [`chladni_frf::ErrorKind::BadData`] where [`Panel::check`] fails, or more modes are asked for than can be found. Memory is the
-/// caller's affair: see [`Panel::check_memory`].
+/// [`chladni_frf::ErrorKind::BadData`] where [`Panel::check`] fails, or more modes are
+/// asked for than can be found. Memory is the caller's affair: see
+/// [`Panel::check_memory`].
 pub fn simulate(panel: &Panel, seed: Option<u64>, snr_db: Option<f64>) -> Result<Simulation> {
     panel.check()?;
     let mut panel = panel.clone();
@@ -46,7 +50,12 @@ pub fn simulate(panel: &Panel, seed: Option<u64>, snr_db: Option<f64>) -> Result
     let layout = panel.layout();
     let plate = DampedPlate::new(&panel.plate, &layout.masses, panel.frf.stop_hz)?;
     let frequency_hz = panel.frf.frequency_hz();
-    let mut values = plate.frfs(panel.frf.kind, &layout.responses_m, &layout.references_m, &frequency_hz)?;
+    let mut values = plate.frfs(
+        panel.frf.kind,
+        &layout.responses_m,
+        &layout.references_m,
+        &frequency_hz,
+    )?;
     let noise_variance = add_white_noise(&mut values, panel.frf.snr_db, panel.frf.seed)?;
     let relative_error = (noise_variance / mean_square(&values)).sqrt();
 
@@ -63,16 +72,34 @@ pub fn simulate(panel: &Panel, seed: Option<u64>, snr_db: Option<f64>) -> Result
         variance: None,
         geometry: layout.geometry,
     };
-    Ok(Simulation { frf: frf.checked()?, truth, noise_variance, plate, warnings })
+    Ok(Simulation {
+        frf: frf.checked()?,
+        truth,
+        noise_variance,
+        plate,
+        warnings,
+    })
 }
 
-/// The modal model of the panel: elastic modes with their own poles, rigid-body modes as the residual term −Σ ψψᵀ/ω².
-fn truth(panel: &Panel, layout: &Layout, plate: &DampedPlate, relative_error: f64) -> Result<ModalModel> {
+/// The modal model of the panel: elastic modes with their own poles, rigid-body modes as
+/// the residual term −Σ ψψᵀ/ω².
+fn truth(
+    panel: &Panel,
+    layout: &Layout,
+    plate: &DampedPlate,
+    relative_error: f64,
+) -> Result<ModalModel> {
     let shapes = plate.modes.evaluate(&layout.responses_m)?;
     let participations = plate.modes.evaluate(&layout.references_m)?;
-    let (frequencies, loss_factors, rigid) = (plate.modes.frequency_hz(), plate.loss_factors(), plate.modes.rigid_count());
+    let (frequencies, loss_factors, rigid) = (
+        plate.modes.frequency_hz(),
+        plate.loss_factors(),
+        plate.modes.rigid_count(),
+    );
     let band_hz = [panel.frf.start_hz, panel.frf.stop_hz];
-    let column = |table: &Array2<f64>, n: usize| ComplexVector(table.column(n).iter().map(|&v| v.into()).collect());
+    let column = |table: &Array2<f64>, n: usize| {
+        ComplexVector(table.column(n).iter().map(|&v| v.into()).collect())
+    };
     let modes = (rigid..plate.modes.len())
         .map(|n| Mode {
             frequency_hz: frequencies[n],
@@ -92,12 +119,25 @@ fn truth(panel: &Panel, layout: &Layout, plate: &DampedPlate, relative_error: f6
         .collect();
     let omega_scale = TAU * panel.frf.stop_hz;
     let rigid_sum = Array2::from_shape_fn((shapes.nrows(), participations.nrows()), |(i, j)| {
-        let sum: f64 = (0..rigid).map(|n| shapes[[i, n]] * participations[[j, n]]).sum();
+        let sum: f64 = (0..rigid)
+            .map(|n| shapes[[i, n]] * participations[[j, n]])
+            .sum();
         Complex64::new(-sum / omega_scale.powi(2), 0.0)
     });
-    let terms = if rigid > 0 { vec![ResidualTerm { power: -2, matrix: ComplexMatrix(rigid_sum) }] } else { Vec::new() };
-    let options = serde_json::to_value(panel)
-        .map_err(|error| Error::new(ErrorKind::Internal, format!("the panel cannot be written into the model: {error}")))?;
+    let terms = if rigid > 0 {
+        vec![ResidualTerm {
+            power: -2,
+            matrix: ComplexMatrix(rigid_sum),
+        }]
+    } else {
+        Vec::new()
+    };
+    let options = serde_json::to_value(panel).map_err(|error| {
+        Error::new(
+            ErrorKind::Internal,
+            format!("the panel cannot be written into the model: {error}"),
+        )
+    })?;
     Ok(ModalModel {
         format: MODEL_FORMAT.into(),
         version: 1,
@@ -114,8 +154,17 @@ fn truth(panel: &Panel, layout: &Layout, plate: &DampedPlate, relative_error: f6
         nodes: layout.geometry.nodes.clone(),
         method: "simulate".into(),
         modes,
-        residual_terms: ResidualTerms { omega_scale_rad_per_s: omega_scale, terms },
-        quality: Quality { relative_error, chi2_per_dof: 1.0, trusted: true, warnings: Vec::new(), path: None },
+        residual_terms: ResidualTerms {
+            omega_scale_rad_per_s: omega_scale,
+            terms,
+        },
+        quality: Quality {
+            relative_error,
+            chi2_per_dof: 1.0,
+            trusted: true,
+            warnings: Vec::new(),
+            path: None,
+        },
     })
 }
 
@@ -123,7 +172,9 @@ fn warnings(panel: &Panel, plate: &DampedPlate) -> Vec<String> {
     let mut warnings = Vec::new();
     let (frequencies, loss_factors) = (plate.modes.frequency_hz(), plate.loss_factors());
     let in_band = |n: &usize| (panel.frf.start_hz..=panel.frf.stop_hz).contains(&frequencies[*n]);
-    let modes: Vec<usize> = (plate.modes.rigid_count()..plate.modes.len()).filter(in_band).collect();
+    let modes: Vec<usize> = (plate.modes.rigid_count()..plate.modes.len())
+        .filter(in_band)
+        .collect();
     if modes.is_empty() {
         warnings.push(format!(
             "no elastic mode between {} and {} Hz; the first one lies at {:.1} Hz",
@@ -132,7 +183,9 @@ fn warnings(panel: &Panel, plate: &DampedPlate) -> Vec<String> {
             frequencies[plate.modes.rigid_count()]
         ));
     }
-    let narrow = |n: &&usize| loss_factors[**n] * frequencies[**n] < LEAST_LINES_PER_BANDWIDTH * panel.frf.step_hz;
+    let narrow = |n: &&usize| {
+        loss_factors[**n] * frequencies[**n] < LEAST_LINES_PER_BANDWIDTH * panel.frf.step_hz
+    };
     if let Some(&first) = modes.iter().find(narrow) {
         warnings.push(format!(
             "{} modes have half-power bandwidths below the line spacing of {} Hz (the mode at {:.1} Hz: {:.3} Hz), \
@@ -145,7 +198,8 @@ fn warnings(panel: &Panel, plate: &DampedPlate) -> Vec<String> {
     }
     if panel.plate.is_thick_at(TAU * panel.frf.stop_hz) {
         warnings.push(format!(
-            "at {} Hz the bending wavelength is below 20 thicknesses; real plates have lower frequencies there than this thin-plate model",
+            "at {} Hz the bending wavelength is below 20 thicknesses; real plates have lower \
+             frequencies there than this thin-plate model",
             panel.frf.stop_hz
         ));
     }

@@ -1,12 +1,15 @@
-//! FRFs of abstract modes, without a plate: tests of identification need to choose frequencies, damping and shapes freely.
+//! FRFs of abstract modes, without a plate: tests of identification need to choose
+//! frequencies, damping and shapes freely.
 //!
-//! Shapes are random; the first references are driving points (reference j is response j), so that the truth is mass-normalised.
+//! Shapes are random; the first references are driving points (reference j is response
+//! j), so that the truth is mass-normalised.
 
 use crate::noise::{add_white_noise, circular, generator, mean_square};
 use crate::response::synthesise;
 use chladni_frf::{
-    ComplexMatrix, ComplexVector, Damping, Direction, Dof, Error, FrfKind, FrfSet, FrfValues, Geometry, ModalModel, Mode, Quality,
-    ReferenceUnit, ResidualTerm, ResidualTerms, Result, Scaling, Trust, CREATED_BY, MODEL_FORMAT,
+    ComplexMatrix, ComplexVector, Damping, Direction, Dof, Error, FrfKind, FrfSet, FrfValues,
+    Geometry, ModalModel, Mode, Quality, ReferenceUnit, ResidualTerm, ResidualTerms, Result,
+    Scaling, Trust, CREATED_BY, MODEL_FORMAT,
 };
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
@@ -41,7 +44,8 @@ pub struct Synthetic {
     pub loss_factor: Vec<f64>,
     /// Number of responses, nodes 1, 2, ...
     pub responses: usize,
-    /// Number of references: the nodes of the first responses, further ones from the next label on.
+    /// Number of references: the nodes of the first responses, further ones from the next
+    /// label on.
     pub references: usize,
     /// Shapes.
     pub shapes: SyntheticShapes,
@@ -53,9 +57,11 @@ pub struct Synthetic {
     pub frequency_hz: Array1<f64>,
     /// Band that decides which modes are `in_band`, Hz; `None`: the axis from end to end.
     pub band_hz: Option<[f64; 2]>,
-    /// Powers of ω (in receptance) of residual terms with random real matrices, symmetric over the nodes.
+    /// Powers of ω (in receptance) of residual terms with random real matrices, symmetric
+    /// over the nodes.
     pub residual_powers: Vec<i32>,
-    /// Size of each residual term at the top of the axis, relative to the root mean square of the modal receptance.
+    /// Size of each residual term at the top of the axis, relative to the root mean
+    /// square of the modal receptance.
     pub residual_level: f64,
     /// Noise level below the mean square of all values, dB; infinite: no noise.
     pub snr_db: f64,
@@ -99,7 +105,8 @@ impl Synthetic {
     /// Makes the set; the same specification gives the same bits.
     ///
     /// # Errors
-    /// [`chladni_frf::ErrorKind::BadData`] for sizes that do not fit or numbers that are no frequency or damping.
+    /// [`chladni_frf::ErrorKind::BadData`] for sizes that do not fit or numbers that are
+    /// no frequency or damping.
     pub fn build(&self) -> Result<SyntheticSet> {
         self.check()?;
         let truth = self.truth();
@@ -117,8 +124,15 @@ impl Synthetic {
             variance: None,
             geometry: Geometry::default(),
         };
-        let quality = Quality { relative_error, ..truth.quality.clone() };
-        Ok(SyntheticSet { frf: frf.checked()?, truth: ModalModel { quality, ..truth }, noise_variance })
+        let quality = Quality {
+            relative_error,
+            ..truth.quality.clone()
+        };
+        Ok(SyntheticSet {
+            frf: frf.checked()?,
+            truth: ModalModel { quality, ..truth },
+            noise_variance,
+        })
     }
 
     fn check(&self) -> Result<()> {
@@ -130,29 +144,57 @@ impl Synthetic {
                 .expected(format!("1 or {modes}, as many as frequencies")));
         }
         if self.responses == 0 || self.references == 0 || self.frequency_hz.is_empty() {
-            return Err(Error::bad_data("a set needs a response, a reference and a line"));
+            return Err(Error::bad_data(
+                "a set needs a response, a reference and a line",
+            ));
         }
-        self.natural_frequency_hz.iter().try_for_each(|&f| crate::panel::positive("natural_frequency_hz", f))?;
-        self.loss_factor.iter().try_for_each(|&eta| crate::panel::positive("loss_factor", eta))?;
-        match self.loss_factor.iter().find(|eta| self.damping == Damping::Viscous && **eta >= 2.0) {
-            Some(eta) => {
-                Err(Error::bad_data("a viscous mode must vibrate").field("loss_factor").found(eta).expected("below 2, twice critical"))
-            }
+        self.natural_frequency_hz
+            .iter()
+            .try_for_each(|&f| crate::panel::positive("natural_frequency_hz", f))?;
+        self.loss_factor
+            .iter()
+            .try_for_each(|&eta| crate::panel::positive("loss_factor", eta))?;
+        match self
+            .loss_factor
+            .iter()
+            .find(|eta| self.damping == Damping::Viscous && **eta >= 2.0)
+        {
+            Some(eta) => Err(Error::bad_data("a viscous mode must vibrate")
+                .field("loss_factor")
+                .found(eta)
+                .expected("below 2, twice critical")),
             None => Ok(()),
         }
     }
 
     fn band_hz(&self) -> [f64; 2] {
-        self.band_hz.unwrap_or([self.frequency_hz[0], self.frequency_hz[self.frequency_hz.len() - 1]])
+        self.band_hz.unwrap_or([
+            self.frequency_hz[0],
+            self.frequency_hz[self.frequency_hz.len() - 1],
+        ])
     }
 
     fn truth(&self) -> ModalModel {
         let nodes = self.responses.max(self.references);
-        let dofs = |count: usize| (1..=count).map(|node| Dof::new(node as u64, Direction::PLUS_Z)).collect();
+        let dofs = |count: usize| {
+            (1..=count)
+                .map(|node| Dof::new(node as u64, Direction::PLUS_Z))
+                .collect()
+        };
         let mut order: Vec<usize> = (0..self.natural_frequency_hz.len()).collect();
-        order.sort_by(|&a, &b| self.natural_frequency_hz[a].total_cmp(&self.natural_frequency_hz[b]));
+        order.sort_by(|&a, &b| {
+            self.natural_frequency_hz[a].total_cmp(&self.natural_frequency_hz[b])
+        });
         let mut random = generator(self.seed, SHAPE_STREAM);
-        let modes = order.into_iter().map(|n| self.mode(n, (0..nodes).map(|_| self.shape_entry(&mut random)).collect())).collect();
+        let modes = order
+            .into_iter()
+            .map(|n| {
+                self.mode(
+                    n,
+                    (0..nodes).map(|_| self.shape_entry(&mut random)).collect(),
+                )
+            })
+            .collect();
         let mut model = ModalModel {
             format: MODEL_FORMAT.into(),
             version: 1,
@@ -173,7 +215,13 @@ impl Synthetic {
                 omega_scale_rad_per_s: TAU * self.frequency_hz[self.frequency_hz.len() - 1],
                 terms: Vec::new(),
             },
-            quality: Quality { relative_error: 0.0, chi2_per_dof: 1.0, trusted: true, warnings: Vec::new(), path: None },
+            quality: Quality {
+                relative_error: 0.0,
+                chi2_per_dof: 1.0,
+                trusted: true,
+                warnings: Vec::new(),
+                path: None,
+            },
         };
         model.residual_terms.terms = self.residual_terms(&model);
         model
@@ -185,14 +233,20 @@ impl Synthetic {
         let (re, im) = (normal(), normal());
         match self.shapes {
             SyntheticShapes::Real => Complex64::new(re, 0.0),
-            SyntheticShapes::Turned { phase_deg } => Complex64::from_polar(re, (phase_deg * im).to_radians()),
+            SyntheticShapes::Turned { phase_deg } => {
+                Complex64::from_polar(re, (phase_deg * im).to_radians())
+            }
             SyntheticShapes::Complex => Complex64::new(re, im) * std::f64::consts::FRAC_1_SQRT_2,
         }
     }
 
     fn mode(&self, n: usize, shape: Vec<Complex64>) -> Mode {
         let frequency_hz = self.natural_frequency_hz[n];
-        let loss_factor = if self.loss_factor.len() == 1 { self.loss_factor[0] } else { self.loss_factor[n] };
+        let loss_factor = if self.loss_factor.len() == 1 {
+            self.loss_factor[0]
+        } else {
+            self.loss_factor[n]
+        };
         let band_hz = self.band_hz();
         Mode {
             frequency_hz,
@@ -212,22 +266,34 @@ impl Synthetic {
     }
 
     fn residual_terms(&self, modal: &ModalModel) -> Vec<ResidualTerm> {
-        let receptance = ModalModel { frf_kind: FrfKind::Receptance, ..modal.clone() };
-        let level = self.residual_level * mean_square(&synthesise(&receptance, &self.frequency_hz)).sqrt();
+        let receptance = ModalModel {
+            frf_kind: FrfKind::Receptance,
+            ..modal.clone()
+        };
+        let level =
+            self.residual_level * mean_square(&synthesise(&receptance, &self.frequency_hz)).sqrt();
         let mut random = generator(self.seed, RESIDUAL_STREAM);
         let nodes = self.responses.max(self.references);
         let terms = self.residual_powers.iter().map(|&power| {
             // symmetric over the nodes, as reciprocity asks
-            let draws = Array2::from_shape_simple_fn((nodes, nodes), || circular(&mut random).re * level);
+            let draws =
+                Array2::from_shape_simple_fn((nodes, nodes), || circular(&mut random).re * level);
             let entry = |(i, j): (usize, usize)| Complex64::new(draws[[i.min(j), i.max(j)]], 0.0);
-            ResidualTerm { power, matrix: ComplexMatrix(Array2::from_shape_fn((self.responses, self.references), entry)) }
+            ResidualTerm {
+                power,
+                matrix: ComplexMatrix(Array2::from_shape_fn(
+                    (self.responses, self.references),
+                    entry,
+                )),
+            }
         });
         terms.collect()
     }
 }
 
 /// Modal phase collinearity: 1 for a shape whose entries lie on a line through zero
-/// (Pappa, Elliott and Schenk, *J. Guidance* 16, 1993, 852-858; without removing the mean, as for mode shapes of a plate).
+/// (Pappa, Elliott and Schenk, *J. Guidance* 16, 1993, 852-858; without removing the
+/// mean, as for mode shapes of a plate).
 fn phase_collinearity(shape: &[Complex64]) -> f64 {
     let power: f64 = shape.iter().map(|v| v.norm_sqr()).sum();
     let square: Complex64 = shape.iter().map(|v| v * v).sum();

@@ -1,14 +1,20 @@
-//! FRFs as an analyser estimates them: modes simulated exactly in time, excited, windowed, averaged.
+//! FRFs as an analyser estimates them: modes simulated exactly in time, excited,
+//! windowed, averaged.
 //!
-//! A viscous mode with pole s answers a force f by ż = s·z + f; velocities are v_i = Σ_n 2 Re(s_n r_in z_n) with the residues
-//! r_in of theory.md, eq. 4. Between samples the force is a straight line (first-order hold), for which the step is closed (theory.md, eq. 25):
+//! A viscous mode with pole s answers a force f by ż = s·z + f; velocities are v_i = Σ_n
+//! 2 Re(s_n r_in z_n) with the residues r_in of theory.md, eq. 4. Between samples the
+//! force is a straight line (first-order hold), for which the step is closed (theory.md,
+//! eq. 25):
 //!
-//! z_{k+1} = E z_k + (I₀ − I₁) f_k + I₁ f_{k+1},   E = e^{sΔ},  I₀ = (E − 1)/s,  I₁ = (E − 1 − sΔ)/(s²Δ)
+//! z_{k+1} = E z_k + (I₀ − I₁) f_k + I₁ f_{k+1},   E = e^{sΔ},  I₀ = (E − 1)/s,  I₁ = (E
+//! − 1 − sΔ)/(s²Δ)
 //!
-//! The hold multiplies the spectrum by a smooth function and leaves the poles where they are, so that the truth is exact.
-//! H₁ = S_vf/S_ff over the averages, force free of noise: Bendat & Piersol, *Random Data*, 4th ed. (2010), ch. 6.
+//! The hold multiplies the spectrum by a smooth function and leaves the poles where they
+//! are, so that the truth is exact. H₁ = S_vf/S_ff over the averages, force free of
+//! noise: Bendat & Piersol, *Random Data*, 4th ed. (2010), ch. 6.
 //!
-//! What this shows and white noise on a modal sum does not: leakage, windows, truncated and padded records.
+//! What this shows and white noise on a modal sum does not: leakage, windows, truncated
+//! and padded records.
 
 use crate::noise::generator;
 use crate::synthetic::Synthetic;
@@ -109,7 +115,8 @@ impl TimeTest {
     /// Simulates; the same specification gives the same bits.
     ///
     /// # Errors
-    /// [`chladni_frf::ErrorKind::BadData`] for sizes and numbers that describe no measurement.
+    /// [`chladni_frf::ErrorKind::BadData`] for sizes and numbers that describe no
+    /// measurement.
     pub fn build(&self) -> Result<TimeSet> {
         let (truth, lines) = self.truth_and_lines()?;
         let samples = self.samples();
@@ -127,23 +134,49 @@ impl TimeTest {
             variance: None,
             geometry: Geometry::default(),
         };
-        Ok(TimeSet { frf: frf.checked()?, truth })
+        Ok(TimeSet {
+            frf: frf.checked()?,
+            truth,
+        })
     }
 
-    /// The records themselves, without the window: force and velocities, one run per record.
+    /// The records themselves, without the window: force and velocities, one run per
+    /// record.
     ///
     /// # Errors
     /// As [`Self::build`].
     pub fn runs(&self) -> Result<Vec<Run>> {
         let (truth, _) = self.truth_and_lines()?;
-        let records = Self { window: Window::Rectangular, ..self.clone() }.records(&truth, self.samples());
-        let channel =
-            |dof, unit, is_reference, row: ndarray::ArrayView1<'_, f64>| Channel { dof, unit, is_reference, samples: row.to_vec() };
+        let records = Self {
+            window: Window::Rectangular,
+            ..self.clone()
+        }
+        .records(&truth, self.samples());
+        let channel = |dof, unit, is_reference, row: ndarray::ArrayView1<'_, f64>| Channel {
+            dof,
+            unit,
+            is_reference,
+            samples: row.to_vec(),
+        };
         let run = |record: &Array2<f64>| {
-            let force = channel(truth.references[0], SignalUnit::Force, true, record.row(self.responses));
-            let velocities = truth.responses.iter().zip(record.rows()).map(|(dof, row)| channel(*dof, SignalUnit::Velocity, false, row));
+            let force = channel(
+                truth.references[0],
+                SignalUnit::Force,
+                true,
+                record.row(self.responses),
+            );
+            let velocities = truth
+                .responses
+                .iter()
+                .zip(record.rows())
+                .map(|(dof, row)| channel(*dof, SignalUnit::Velocity, false, row));
             let channels = std::iter::once(force).chain(velocities).collect();
-            Run { file: "simulated".into(), line: 0, sample_rate_hz: self.sample_rate_hz, channels }
+            Run {
+                file: "simulated".into(),
+                line: 0,
+                sample_rate_hz: self.sample_rate_hz,
+                channels,
+            }
         };
         Ok(records.iter().map(run).collect())
     }
@@ -160,7 +193,8 @@ impl TimeTest {
     fn truth_and_lines(&self) -> Result<(ModalModel, std::ops::Range<usize>)> {
         self.check()?;
         let step_hz = self.step_hz();
-        let lines = (self.band_hz[0] / step_hz).ceil() as usize..(self.band_hz[1] / step_hz).floor() as usize + 1;
+        let lines = (self.band_hz[0] / step_hz).ceil() as usize
+            ..(self.band_hz[1] / step_hz).floor() as usize + 1;
         let frequency_hz: Array1<f64> = lines.clone().map(|k| k as f64 * step_hz).collect();
         let structure = Synthetic {
             natural_frequency_hz: self.natural_frequency_hz.clone(),
@@ -177,11 +211,17 @@ impl TimeTest {
     }
 
     fn check(&self) -> Result<()> {
-        for (name, value) in [("sample_rate_hz", self.sample_rate_hz), ("record_s", self.record_s), ("band_hz", self.band_hz[0])] {
+        for (name, value) in [
+            ("sample_rate_hz", self.sample_rate_hz),
+            ("record_s", self.record_s),
+            ("band_hz", self.band_hz[0]),
+        ] {
             crate::panel::positive(name, value)?;
         }
         if self.averages == 0 || self.padding == 0 || self.snr_db.is_nan() {
-            return Err(Error::bad_data("a test needs a record, its transform and a noise level"));
+            return Err(Error::bad_data(
+                "a test needs a record, its transform and a noise level",
+            ));
         }
         if self.band_hz[1] > 0.5 * self.sample_rate_hz || self.band_hz[0] >= self.band_hz[1] {
             return Err(Error::bad_data("the band does not fit the sampling")
@@ -200,9 +240,20 @@ impl TimeTest {
             let pole = Complex64::new(-mode.damping_ratio * omega, damped);
             let e = (pole * dt).exp();
             let (i0, i1) = ((e - 1.0) / pole, (e - 1.0 - pole * dt) / (pole * pole * dt));
-            let residue = |shape: &Complex64| shape * mode.participation.0[0] / Complex64::new(0.0, 2.0 * damped);
-            let output = mode.shape.0.iter().map(|shape| 2.0 * pole * residue(shape)).collect();
-            Oscillator { state: Complex64::default(), step: [e, i0 - i1, i1], output }
+            let residue = |shape: &Complex64| {
+                shape * mode.participation.0[0] / Complex64::new(0.0, 2.0 * damped)
+            };
+            let output = mode
+                .shape
+                .0
+                .iter()
+                .map(|shape| 2.0 * pole * residue(shape))
+                .collect();
+            Oscillator {
+                state: Complex64::default(),
+                step: [e, i0 - i1, i1],
+                output,
+            }
         };
         truth.modes.iter().map(oscillator).collect()
     }
@@ -220,7 +271,9 @@ impl TimeTest {
             let mut out = Array2::zeros((self.responses + 1, samples));
             if !continuous {
                 last_force = 0.0;
-                oscillators.iter_mut().for_each(|o| o.state = Complex64::default());
+                oscillators
+                    .iter_mut()
+                    .for_each(|o| o.state = Complex64::default());
             }
             for k in 0..samples {
                 out[[self.responses, k]] = force[k];
@@ -238,8 +291,12 @@ impl TimeTest {
             }
         }
         self.add_noise(&mut records);
-        let window: Array1<f64> = (0..samples).map(|k| self.window_at(k as f64 / samples as f64)).collect();
-        records.iter_mut().for_each(|r| r.rows_mut().into_iter().for_each(|mut row| row *= &window));
+        let window: Array1<f64> = (0..samples)
+            .map(|k| self.window_at(k as f64 / samples as f64))
+            .collect();
+        records
+            .iter_mut()
+            .for_each(|r| r.rows_mut().into_iter().for_each(|mut row| row *= &window));
         records
     }
 
@@ -249,24 +306,41 @@ impl TimeTest {
             Excitation::Hammer { contact_s } => {
                 // blows differ in strength
                 let strength = 1.0 + 0.1 * normal();
-                let pulse = |t: f64| if t < contact_s { strength * (PI * t / contact_s).sin() } else { 0.0 };
-                (0..samples).map(|k| pulse(k as f64 / self.sample_rate_hz)).collect()
+                let pulse = |t: f64| {
+                    if t < contact_s {
+                        strength * (PI * t / contact_s).sin()
+                    } else {
+                        0.0
+                    }
+                };
+                (0..samples)
+                    .map(|k| pulse(k as f64 / self.sample_rate_hz))
+                    .collect()
             }
             Excitation::BurstRandom { part } => {
                 let end = (part * samples as f64) as usize;
-                (0..samples).map(|k| if k < end { normal() } else { 0.0 }).collect()
+                (0..samples)
+                    .map(|k| if k < end { normal() } else { 0.0 })
+                    .collect()
             }
             Excitation::Random => (0..samples).map(|_| normal()).collect(),
         }
     }
 
     fn add_noise(&self, records: &mut [Array2<f64>]) {
-        let mean_square = |r: &Array2<f64>| r.slice(s![..self.responses, ..]).mapv(|v| v * v).mean().unwrap_or(0.0);
+        let mean_square = |r: &Array2<f64>| {
+            r.slice(s![..self.responses, ..])
+                .mapv(|v| v * v)
+                .mean()
+                .unwrap_or(0.0)
+        };
         let mean_square = records.iter().map(mean_square).sum::<f64>() / records.len() as f64;
         let sigma = (mean_square * 10f64.powf(-self.snr_db / 10.0)).sqrt();
         let mut random = generator(self.seed, NOISE_STREAM);
         for record in records {
-            record.slice_mut(s![..self.responses, ..]).mapv_inplace(|v| v + sigma * random.sample::<f64, _>(StandardNormal));
+            record
+                .slice_mut(s![..self.responses, ..])
+                .mapv_inplace(|v| v + sigma * random.sample::<f64, _>(StandardNormal));
         }
     }
 
@@ -280,22 +354,38 @@ impl TimeTest {
     }
 
     /// H₁ = S_vf/S_ff on `lines` of the padded transform: (response, 1, line).
-    fn h1(&self, records: &[Array2<f64>], lines: std::ops::Range<usize>, samples: usize) -> Array3<Complex64> {
+    fn h1(
+        &self,
+        records: &[Array2<f64>],
+        lines: std::ops::Range<usize>,
+        samples: usize,
+    ) -> Array3<Complex64> {
         let size = samples * self.padding;
         let fft = FftPlanner::new().plan_fft_forward(size);
         let mut cross = Array3::<Complex64>::zeros((self.responses, 1, lines.len()));
         let mut auto = vec![0.0; lines.len()];
         for record in records {
             let spectrum = |channel: usize| {
-                let mut buffer: Vec<Complex64> = record.row(channel).iter().map(|v| Complex64::new(*v, 0.0)).collect();
+                let mut buffer: Vec<Complex64> = record
+                    .row(channel)
+                    .iter()
+                    .map(|v| Complex64::new(*v, 0.0))
+                    .collect();
                 buffer.resize(size, Complex64::default());
                 fft.process(&mut buffer);
                 buffer[lines.clone()].to_vec()
             };
             let force = spectrum(self.responses);
-            auto.iter_mut().zip(&force).for_each(|(a, f)| *a += f.norm_sqr());
+            auto.iter_mut()
+                .zip(&force)
+                .for_each(|(a, f)| *a += f.norm_sqr());
             for i in 0..self.responses {
-                for ((c, v), f) in cross.slice_mut(s![i, 0, ..]).iter_mut().zip(spectrum(i)).zip(&force) {
+                for ((c, v), f) in cross
+                    .slice_mut(s![i, 0, ..])
+                    .iter_mut()
+                    .zip(spectrum(i))
+                    .zip(&force)
+                {
                     *c += v * f.conj();
                 }
             }

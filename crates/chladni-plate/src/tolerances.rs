@@ -1,7 +1,8 @@
 //! Every constant that decides how exact the simulator is, in one place.
 
-/// Plate modes are kept up to this multiple of the band's top: what lies above it would add a nearly constant compliance of
-/// about 1/16 of its own static share. Twice as much quadruples the modes and changes no in-band pole.
+/// Plate modes are kept up to this multiple of the band's top: what lies above it would
+/// add a nearly constant compliance of about 1/16 of its own static share. Twice as much
+/// quadruples the modes and changes no in-band pole.
 pub const BAND_FACTOR: f64 = 4.0;
 
 /// Modes kept at least, so that a low band still has a true world above it.
@@ -9,26 +10,32 @@ pub const LEAST_MODES: usize = 60;
 
 /// Polynomials added along each side beyond the k·L/2 that resolve the highest kept wave.
 ///
-/// Measured on the default panel (100 modes up to 4 kHz, against 70 × 60 polynomials), largest relative error of a frequency:
-/// 4 more 2e-4, 6 more 5e-6, 8 more 8e-8, 10 more 3e-8, 14 more 1e-8 (0.03 s), 30 more 6e-10 (0.12 s). From eight on the error
-/// falls slowly: it is the corners' singularity, not the wave. With 14: simply supported and clamped plates 1e-10 and better,
-/// clamped edges that meet free ones 4e-6. Point masses add a singularity of their own: 34 masses of 0.1 g leave 5e-6 in the
-/// first nine elastic modes, 1e-4 at 2 kHz.
+/// Measured on the default panel (100 modes up to 4 kHz, against 70 × 60 polynomials),
+/// largest relative error of a frequency: 4 more 2e-4, 6 more 5e-6, 8 more 8e-8, 10 more
+/// 3e-8, 14 more 1e-8 (0.03 s), 30 more 6e-10 (0.12 s). From eight on the error falls
+/// slowly: it is the corners' singularity, not the wave. With 14: simply supported and
+/// clamped plates 1e-10 and better, clamped edges that meet free ones 4e-6. Point masses
+/// add a singularity of their own: 34 masses of 0.1 g leave 5e-6 in the first nine
+/// elastic modes, 1e-4 at 2 kHz.
 pub const EXTRA_TERMS: usize = 14;
 
-/// Products of one parity block above which the simulator refuses: the dense eigenvalue problem takes minutes there.
+/// Products of one parity block above which the simulator refuses: the dense eigenvalue
+/// problem takes minutes there.
 pub const MOST_BLOCK_TERMS: usize = 3000;
 
-/// Points this far outside the plate, relative to its sides, still count as on the edge: roundings of a layout.
+/// Points this far outside the plate, relative to its sides, still count as on the edge:
+/// roundings of a layout.
 pub const EDGE_SLACK: f64 = 1e-9;
 
-/// Point masses closer than this fraction of the side to their mirror image count as symmetric.
+/// Point masses closer than this fraction of the side to their mirror image count as
+/// symmetric.
 pub const SYMMETRY_SLACK: f64 = 1e-9;
 
-/// The thin-plate equation overestimates frequencies where the bending wavelength falls below this many thicknesses:
-/// shear and rotary inertia then cost about one per cent (Mindlin 1951).
+/// The thin-plate equation overestimates frequencies where the bending wavelength falls
+/// below this many thicknesses: shear and rotary inertia then cost about one per cent
+/// (Mindlin 1951).
 pub const THIN_PLATE_WAVELENGTH_PER_THICKNESS: f64 = 20.0;
 
-/// Spectral lines that a half-power bandwidth must hold at least; below, `simulate` warns that damping cannot be identified.
-/// Three lines are comfortable.
+/// Spectral lines that a half-power bandwidth must hold at least; below, `simulate` warns
+/// that damping cannot be identified. Three lines are comfortable.
 pub const LEAST_LINES_PER_BANDWIDTH: f64 = 1.0;

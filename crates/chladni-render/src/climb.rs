@@ -1,8 +1,10 @@
-//! From a drive to a better one by conic programs: the phases of the hot rows follow the solution, missed rows join.
+//! From a drive to a better one by conic programs: the phases of the hot rows follow the
+//! solution, missed rows join.
 //!
-//! Each program holds the phases of its hot rows, so that |v| is replaced by its part along them, which is no more than |v|: what it
-//! finds is never worse than what it started from (the convex-concave procedure, Lipp and Boyd 2016). The study found the end
-//! within 0.0 to 0.2 dB of a certified bound.
+//! Each program holds the phases of its hot rows, so that |v| is replaced by its part
+//! along them, which is no more than |v|: what it finds is never worse than what it
+//! started from (the convex-concave procedure, Lipp and Boyd 2016). The study found the
+//! end within 0.0 to 0.2 dB of a certified bound.
 
 use crate::drive_program::{Asked, DriveProgram};
 use crate::problem::{amplitude, Drive, Problem};
@@ -25,7 +27,12 @@ impl<'a> Climb<'a> {
     /// Over all rows of `problem`.
     pub(crate) fn new(problem: &'a Problem) -> Result<Self> {
         let active = (0..problem.rows.mobility.nrows()).collect();
-        Ok(Self { problem, program: DriveProgram::new(problem)?, active, rounds: tolerances::ROUNDS })
+        Ok(Self {
+            problem,
+            program: DriveProgram::new(problem)?,
+            active,
+            rounds: tolerances::ROUNDS,
+        })
     }
 
     /// The same with at most so many programs in a row.
@@ -33,39 +40,61 @@ impl<'a> Climb<'a> {
         Self { rounds, ..self }
     }
 
-    /// The same over the `measured` rows alone at first; others join where they are missed.
+    /// The same over the `measured` rows alone at first; others join where they are
+    /// missed.
     pub(crate) fn by_need(mut self, measured: impl Fn(usize) -> bool) -> Self {
         self.active.retain(|&k| measured(k));
         self
     }
 
-    /// The most robust drive that `start` leads to at little force: the largest κ up to `enough`, most of it at the least peak
-    /// force; then the largest margin that little force gives, most of it at the least peak force, too.
+    /// The most robust drive that `start` leads to at little force: the largest κ up to
+    /// `enough`, most of it at the least peak force; then the largest margin that little
+    /// force gives, most of it at the least peak force, too.
     pub(crate) fn climb(&mut self, start: &Drive, enough: f64) -> Result<Drive> {
         let most = enough / tolerances::KEEP;
         let (kappa, drive) = self.reach_kappa(start, most)?;
         if kappa == 0.0 {
             return Ok(drive);
         }
-        let asked = Asked { kappa: f64::max(kappa * tolerances::KEEP, kappa.min(tolerances::KAPPA_LEAST)), factor: 1.0 };
+        let asked = Asked {
+            kappa: f64::max(kappa * tolerances::KEEP, kappa.min(tolerances::KAPPA_LEAST)),
+            factor: 1.0,
+        };
         let drive = self.lower_peak(drive, asked)?;
         if kappa < most * (1.0 - tolerances::KAPPA_GAIN) {
             return Ok(drive);
         }
         let given = self.problem.drive_limits.each;
-        let little = if given.is_finite() { tolerances::LITTLE_FORCE * given } else { tolerances::MARGIN_RISE * peak(&drive) };
-        self.program.limit_each(f64::max(little, peak(&drive)).min(given));
+        let little = if given.is_finite() {
+            tolerances::LITTLE_FORCE * given
+        } else {
+            tolerances::MARGIN_RISE * peak(&drive)
+        };
+        self.program
+            .limit_each(f64::max(little, peak(&drive)).min(given));
         let (factor, drive) = self.widen(drive, asked.kappa)?;
-        let drive = self.lower_peak(drive, Asked { factor: factor.powf(tolerances::KEEP), ..asked })?;
+        let drive = self.lower_peak(
+            drive,
+            Asked {
+                factor: factor.powf(tolerances::KEEP),
+                ..asked
+            },
+        )?;
         self.program.limit_each(given);
         Ok(drive)
     }
 
-    /// The largest margin within the limits of the drive, inside by `kappa` standard deviations besides; and its factor.
+    /// The largest margin within the limits of the drive, inside by `kappa` standard
+    /// deviations besides; and its factor.
     fn widen(&mut self, start: Drive, kappa: f64) -> Result<(f64, Drive)> {
         let (mut factor, mut drive) = (1.0, start);
         for _ in 0..self.rounds {
-            let Some((found, next)) = self.program.wider(&self.program.phases(&drive), &self.active, kappa, factor)? else { break };
+            let Some((found, next)) =
+                self.program
+                    .wider(&self.program.phases(&drive), &self.active, kappa, factor)?
+            else {
+                break;
+            };
             drive = next;
             let joined = self.let_missed_join(&drive, kappa, found);
             let gained = found / factor - 1.0;
@@ -84,7 +113,9 @@ impl<'a> Climb<'a> {
 
     /// Less effort √Σ|A_i|², inside by `asked`.
     pub(crate) fn lower_effort(&mut self, start: Drive, asked: Asked) -> Result<Drive> {
-        self.lower(start, asked, DriveProgram::least_effort, |drive| drive.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt())
+        self.lower(start, asked, DriveProgram::least_effort, |drive| {
+            drive.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt()
+        })
     }
 
     /// Repeats `program` until it lowers `cost` no more.
@@ -92,12 +123,25 @@ impl<'a> Climb<'a> {
         &mut self,
         start: Drive,
         asked: Asked,
-        program: impl Fn(&DriveProgram<'a>, &Array1<Complex64>, &[usize], Asked) -> Result<Option<Drive>>,
+        program: impl Fn(
+            &DriveProgram<'a>,
+            &Array1<Complex64>,
+            &[usize],
+            Asked,
+        ) -> Result<Option<Drive>>,
         cost: impl Fn(&Drive) -> f64,
     ) -> Result<Drive> {
         let mut drive = start;
         for _ in 0..self.rounds {
-            let Some(next) = program(&self.program, &self.program.phases(&drive), &self.active, asked)? else { break };
+            let Some(next) = program(
+                &self.program,
+                &self.program.phases(&drive),
+                &self.active,
+                asked,
+            )?
+            else {
+                break;
+            };
             let before = cost(&drive);
             drive = next;
             let joined = self.let_missed_join(&drive, asked.kappa, asked.factor);
@@ -108,12 +152,15 @@ impl<'a> Climb<'a> {
         Ok(drive)
     }
 
-    /// The largest κ, up to `cap`; 0 where no row set of these phases can be kept, with the drive that comes nearest.
+    /// The largest κ, up to `cap`; 0 where no row set of these phases can be kept, with
+    /// the drive that comes nearest.
     pub(crate) fn reach_kappa(&mut self, start: &Drive, cap: f64) -> Result<(f64, Drive)> {
         let (mut kappa, mut drive) = (0.0, start.clone());
         let mut feasible = false;
         for _ in 0..self.rounds {
-            let found = self.program.largest_kappa(&self.program.phases(&drive), &self.active, cap)?;
+            let found =
+                self.program
+                    .largest_kappa(&self.program.phases(&drive), &self.active, cap)?;
             let Some(next) = found.drive else {
                 if feasible {
                     break;
@@ -130,7 +177,10 @@ impl<'a> Climb<'a> {
             let joined = self.let_missed_join(&drive, found.kappa, 1.0);
             let gained = found.kappa - kappa;
             kappa = found.kappa;
-            if !joined && (gained < tolerances::KAPPA_GAIN || kappa >= cap * (1.0 - tolerances::KAPPA_GAIN)) {
+            if !joined
+                && (gained < tolerances::KAPPA_GAIN
+                    || kappa >= cap * (1.0 - tolerances::KAPPA_GAIN))
+            {
                 break;
             }
         }
@@ -139,20 +189,31 @@ impl<'a> Climb<'a> {
 
     /// The largest factor between every row and its limit; below 1 where some miss.
     fn raise_margin(&mut self, start: Drive) -> Result<(f64, Drive)> {
-        // both sides share the margin: the drive is divided by it in the end, and may be that much larger before
+        // both sides share the margin: the drive is divided by it in the end, and may be
+        // that much larger before
         self.raise_contrast(start, |factor| factor.max(1.0))
     }
 
-    /// The same with cold rows at their limit and all of the margin on the hot side: its square is the largest hot over limit.
+    /// The same with cold rows at their limit and all of the margin on the hot side: its
+    /// square is the largest hot over limit.
     pub(crate) fn raise_hot(&mut self, start: Drive) -> Result<f64> {
         Ok(self.raise_contrast(start, |_| 1.0)?.0.powi(2))
     }
 
-    fn raise_contrast(&mut self, start: Drive, larger_drive: impl Fn(f64) -> f64) -> Result<(f64, Drive)> {
+    fn raise_contrast(
+        &mut self,
+        start: Drive,
+        larger_drive: impl Fn(f64) -> f64,
+    ) -> Result<(f64, Drive)> {
         let (mut factor, mut drive) = (0.0, start);
         for _ in 0..self.rounds {
             let phases = self.program.phases(&drive);
-            let Some((found, next)) = self.program.largest_margin(&phases, &self.active, larger_drive(factor))? else { break };
+            let Some((found, next)) =
+                self.program
+                    .largest_margin(&phases, &self.active, larger_drive(factor))?
+            else {
+                break;
+            };
             drive = next;
             let joined = self.let_missed_join(&drive, 0.0, found);
             let gained = found / factor - 1.0;
@@ -164,15 +225,30 @@ impl<'a> Climb<'a> {
         Ok((factor, drive))
     }
 
-    /// Most ground served by the rows that join by need, with the measured rows inside by `asked`.
+    /// Most ground served by the rows that join by need, with the measured rows inside by
+    /// `asked`.
     pub(crate) fn serve_ground(&mut self, start: Drive, asked: Asked) -> Result<Drive> {
         let sure = self.active.clone();
         let mut drive = start;
         for _ in 0..self.rounds {
             let joined = self.let_missed_join(&drive, 0.0, 1.0);
-            let wished: Vec<usize> = self.active.iter().copied().filter(|k| !sure.contains(k)).collect();
-            let Some(next) = self.program.least_missed(&self.program.phases(&drive), &sure, &wished, asked)? else { break };
-            let change = (&next - &drive).iter().map(Complex64::norm_sqr).sum::<f64>().sqrt();
+            let wished: Vec<usize> = self
+                .active
+                .iter()
+                .copied()
+                .filter(|k| !sure.contains(k))
+                .collect();
+            let Some(next) =
+                self.program
+                    .least_missed(&self.program.phases(&drive), &sure, &wished, asked)?
+            else {
+                break;
+            };
+            let change = (&next - &drive)
+                .iter()
+                .map(Complex64::norm_sqr)
+                .sum::<f64>()
+                .sqrt();
             let size = next.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt();
             drive = next;
             if !joined && change < tolerances::SAME_DRIVE * size {

@@ -1,7 +1,9 @@
-//! Second-order cone programs in the words of this crate, solved by the interior-point method of `clarabel`.
+//! Second-order cone programs in the words of this crate, solved by the interior-point
+//! method of `clarabel`.
 //!
-//! minimise qᵀx with every expression that was added non-negative, and the first of every cone at least the norm of the rest.
-//! The solver is deterministic and runs on one thread.
+//! minimise qᵀx with every expression that was added non-negative, and the first of every
+//! cone at least the norm of the rest. The solver is deterministic and runs on one
+//! thread.
 
 use crate::tolerances;
 use chladni_frf::{Error, ErrorKind, Result};
@@ -20,12 +22,18 @@ pub(crate) struct Affine {
 impl Affine {
     /// A multiple of one variable.
     pub(crate) fn of(variable: usize, coefficient: f64) -> Self {
-        Self { terms: vec![(variable, coefficient)], constant: 0.0 }
+        Self {
+            terms: vec![(variable, coefficient)],
+            constant: 0.0,
+        }
     }
 
     /// A number.
     pub(crate) fn constant(constant: f64) -> Self {
-        Self { terms: Vec::new(), constant }
+        Self {
+            terms: Vec::new(),
+            constant,
+        }
     }
 
     /// The same plus a multiple of a variable.
@@ -42,23 +50,33 @@ impl Affine {
 
     /// The same less `factor` times another; both may name different variables only.
     pub(crate) fn minus(mut self, other: &Self, factor: f64) -> Self {
-        self.terms.extend(other.terms.iter().map(|&(variable, coefficient)| (variable, -factor * coefficient)));
+        self.terms.extend(
+            other
+                .terms
+                .iter()
+                .map(|&(variable, coefficient)| (variable, -factor * coefficient)),
+        );
         self.plus_constant(-factor * other.constant)
     }
 
-    /// Real and imaginary part of Σ_i row_i·x_i, where variable i holds Re x_i and variable i + (their number) holds Im x_i.
+    /// Real and imaginary part of Σ_i row_i·x_i, where variable i holds Re x_i and
+    /// variable i + (their number) holds Im x_i.
     pub(crate) fn complex_row(row: ArrayView1<Complex64>) -> [Self; 2] {
         let count = row.len();
-        let part = |of_real: &dyn Fn(Complex64) -> f64, of_imaginary: &dyn Fn(Complex64) -> f64| Self {
-            terms: row
-                .iter()
-                .enumerate()
-                .flat_map(|(i, &value)| [(i, of_real(value)), (count + i, of_imaginary(value))])
-                .filter(|&(_, coefficient)| coefficient != 0.0)
-                .collect(),
-            constant: 0.0,
-        };
-        [part(&|value| value.re, &|value| -value.im), part(&|value| value.im, &|value| value.re)]
+        let part =
+            |of_real: &dyn Fn(Complex64) -> f64, of_imaginary: &dyn Fn(Complex64) -> f64| Self {
+                terms: row
+                    .iter()
+                    .enumerate()
+                    .flat_map(|(i, &value)| [(i, of_real(value)), (count + i, of_imaginary(value))])
+                    .filter(|&(_, coefficient)| coefficient != 0.0)
+                    .collect(),
+                constant: 0.0,
+            };
+        [
+            part(&|value| value.re, &|value| -value.im),
+            part(&|value| value.im, &|value| value.re),
+        ]
     }
 }
 
@@ -80,7 +98,11 @@ pub(crate) struct ConicSolution {
 impl ConicProgram {
     /// A program in so many variables, without objective.
     pub(crate) fn new(variables: usize) -> Self {
-        Self { objective: vec![0.0; variables], rows: Vec::new(), cones: Vec::new() }
+        Self {
+            objective: vec![0.0; variables],
+            rows: Vec::new(),
+            cones: Vec::new(),
+        }
     }
 
     /// Adds `coefficient`·variable to what is minimised.
@@ -102,10 +124,12 @@ impl ConicProgram {
         let before = self.rows.len();
         self.rows.push(bound);
         self.rows.extend(parts);
-        self.cones.push(SupportedConeT::SecondOrderConeT(self.rows.len() - before));
+        self.cones
+            .push(SupportedConeT::SecondOrderConeT(self.rows.len() - before));
     }
 
-    /// Solves the program; `None` where it has no solution, or none that the solver's own checks pass.
+    /// Solves the program; `None` where it has no solution, or none that the solver's own
+    /// checks pass.
     ///
     /// # Errors
     /// [`ErrorKind::Internal`] where the program is malformed: a bug.
@@ -139,12 +163,29 @@ impl ConicProgram {
             ..DefaultSettings::default()
         };
         let quadratic = CscMatrix::zeros((columns, columns));
-        let mut solver = DefaultSolver::new(&quadratic, &self.objective, &matrix, &right, &self.cones, settings)
-            .map_err(|error| Error::new(ErrorKind::Internal, format!("malformed conic program: {error}")))?;
+        let mut solver = DefaultSolver::new(
+            &quadratic,
+            &self.objective,
+            &matrix,
+            &right,
+            &self.cones,
+            settings,
+        )
+        .map_err(|error| {
+            Error::new(
+                ErrorKind::Internal,
+                format!("malformed conic program: {error}"),
+            )
+        })?;
         solver.solve();
-        let usable = matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved);
+        let usable = matches!(
+            solver.solution.status,
+            SolverStatus::Solved | SolverStatus::AlmostSolved
+        );
         let finite = solver.solution.x.iter().all(|value| value.is_finite());
-        Ok((usable && finite).then(|| ConicSolution { x: std::mem::take(&mut solver.solution.x) }))
+        Ok((usable && finite).then(|| ConicSolution {
+            x: std::mem::take(&mut solver.solution.x),
+        }))
     }
 }
 
@@ -177,7 +218,8 @@ mod tests {
     fn a_complex_row_is_a_real_and_an_imaginary_one() {
         let row = ndarray::array![Complex64::new(1.0, 2.0), Complex64::new(0.0, -1.0)];
         let x = [3.0, 4.0, 5.0, 6.0];
-        let expected: Complex64 = row[0] * Complex64::new(3.0, 5.0) + row[1] * Complex64::new(4.0, 6.0);
+        let expected: Complex64 =
+            row[0] * Complex64::new(3.0, 5.0) + row[1] * Complex64::new(4.0, 6.0);
         let value = |part: &Affine| part.terms.iter().map(|&(i, c)| c * x[i]).sum::<f64>();
         let [re, im] = Affine::complex_row(row.view());
         assert_eq!((value(&re), value(&im)), (expected.re, expected.im));

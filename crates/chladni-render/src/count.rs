@@ -34,7 +34,9 @@ impl FromStr for Count {
             "auto" => Ok(Self::Auto),
             _ => match text.parse::<usize>() {
                 Ok(number) if number > 0 => Ok(Self::Number(number)),
-                _ => Err(Error::new(ErrorKind::Usage, "no such number").found(text).expected("all, auto, or a whole number above 0")),
+                _ => Err(Error::new(ErrorKind::Usage, "no such number")
+                    .found(text)
+                    .expected("all, auto, or a whole number above 0")),
             },
         }
     }

@@ -1,8 +1,10 @@
-//! The conic programs of a scene: what a drive must keep, and what of it is to be largest or least.
+//! The conic programs of a scene: what a drive must keep, and what of it is to be largest
+//! or least.
 //!
-//! With the phases φ_k of the hot rows held, all of these are convex in the drive A (theory.md, eq. 44 to 47). Rows are divided by their
-//! limits V_k, forces by [`DriveProgram::unit_drive`], and the error bar ‖L·A‖ by the threshold, so that every number is of
-//! order one.
+//! With the phases φ_k of the hot rows held, all of these are convex in the drive A
+//! (theory.md, eq. 44 to 47). Rows are divided by their limits V_k, forces by
+//! [`DriveProgram::unit_drive`], and the error bar ‖L·A‖ by the threshold, so that every
+//! number is of order one.
 
 use crate::conic::{Affine, ConicProgram, ConicSolution};
 use crate::problem::{Drive, DriveLimits, Problem};
@@ -25,11 +27,13 @@ pub(crate) struct DriveProgram<'a> {
     root: Array2<Complex64>,
     /// Force or voltage limits.
     limits: DriveLimits,
-    /// True once a drive went beyond the force limits: most scenes stay far below, and do without their cones.
+    /// True once a drive went beyond the force limits: most scenes stay far below, and do
+    /// without their cones.
     limited: Cell<bool>,
 }
 
-/// What stands at the right of the constraints, each an expression of the program's own variables.
+/// What stands at the right of the constraints, each an expression of the program's own
+/// variables.
 struct Sides {
     /// Hot rows: at least this, in their limits.
     hot: Affine,
@@ -50,13 +54,15 @@ struct Sides {
 pub(crate) struct Asked {
     /// Standard deviations.
     pub(crate) kappa: f64,
-    /// Factor between hot rows and their limit, and between the limit of cold rows and them.
+    /// Factor between hot rows and their limit, and between the limit of cold rows and
+    /// them.
     pub(crate) factor: f64,
 }
 
 /// The largest κ of some phases, and the drive that has it.
 pub(crate) struct Robust {
-    /// Every row keeps its limit under errors of so many standard deviations; 0: some row cannot keep it.
+    /// Every row keeps its limit under errors of so many standard deviations; 0: some row
+    /// cannot keep it.
     pub(crate) kappa: f64,
     /// The drive; `None` with κ = 0.
     pub(crate) drive: Option<Drive>,
@@ -78,9 +84,20 @@ impl<'a> DriveProgram<'a> {
         let unit_drive = 1.0 / mean_square.sqrt();
         rows.mapv_inplace(|value| value * unit_drive);
         let threshold = problem.threshold_m_per_s;
-        let root = problem.covariance.triangular_root()?.mapv(|value| value * (unit_drive / threshold));
+        let root = problem
+            .covariance
+            .triangular_root()?
+            .mapv(|value| value * (unit_drive / threshold));
         let error_scale = limits.mapv(|limit| threshold / limit) / &problem.rows.levels;
-        Ok(Self { problem, unit_drive, rows, error_scale, root, limits: problem.drive_limits, limited: Cell::new(false) })
+        Ok(Self {
+            problem,
+            unit_drive,
+            rows,
+            error_scale,
+            root,
+            limits: problem.drive_limits,
+            limited: Cell::new(false),
+        })
     }
 
     /// Number of actuators.
@@ -97,13 +114,26 @@ impl<'a> DriveProgram<'a> {
     /// Phases of the hot rows under `drive`, as e^{−jφ}.
     pub(crate) fn phases(&self, drive: &Drive) -> Array1<Complex64> {
         let field = self.problem.rows.hot_rows().dot(drive);
-        field.mapv(|value| if value.norm() > 0.0 { value.conj() / value.norm() } else { Complex64::ONE })
+        field.mapv(|value| {
+            if value.norm() > 0.0 {
+                value.conj() / value.norm()
+            } else {
+                Complex64::ONE
+            }
+        })
     }
 
-    /// The drive with the largest κ up to `cap` for the hot `phases`, over the rows `active` (theory.md, eq. 45).
+    /// The drive with the largest κ up to `cap` for the hot `phases`, over the rows
+    /// `active` (theory.md, eq. 45).
     ///
-    /// κ·‖L·A‖ is a product of unknowns; divided by ‖L·A‖ the program is linear in κ, A/‖L·A‖ and 1/‖L·A‖.
-    pub(crate) fn largest_kappa(&self, phases: &Array1<Complex64>, active: &[usize], cap: f64) -> Result<Robust> {
+    /// κ·‖L·A‖ is a product of unknowns; divided by ‖L·A‖ the program is linear in κ,
+    /// A/‖L·A‖ and 1/‖L·A‖.
+    pub(crate) fn largest_kappa(
+        &self,
+        phases: &Array1<Complex64>,
+        active: &[usize],
+        cap: f64,
+    ) -> Result<Robust> {
         let (kappa, inverse) = (2 * self.actuators(), 2 * self.actuators() + 1);
         let mut program = ConicProgram::new(inverse + 1);
         program.minimise(kappa, -1.0);
@@ -117,20 +147,32 @@ impl<'a> DriveProgram<'a> {
             drive: 1.0,
             drive_variable: Some(inverse),
         };
-        let solution = self.solve(program, phases, active, &sides)?.filter(|solution| solution.x[kappa] > tolerances::NO_KAPPA);
+        let solution = self
+            .solve(program, phases, active, &sides)?
+            .filter(|solution| solution.x[kappa] > tolerances::NO_KAPPA);
         Ok(match solution {
-            Some(solution) if solution.x[inverse] > 0.0 => {
-                Robust { kappa: solution.x[kappa], drive: Some(self.drive(&solution.x, 1.0 / solution.x[inverse])) }
-            }
-            _ => Robust { kappa: 0.0, drive: None },
+            Some(solution) if solution.x[inverse] > 0.0 => Robust {
+                kappa: solution.x[kappa],
+                drive: Some(self.drive(&solution.x, 1.0 / solution.x[inverse])),
+            },
+            _ => Robust {
+                kappa: 0.0,
+                drive: None,
+            },
         })
     }
 
-    /// The drive of most contrast, hot rows at least and cold ones at most their limit by the same factor; and that factor, below 1 where not
-    /// all can be had.
+    /// The drive of most contrast, hot rows at least and cold ones at most their limit by
+    /// the same factor; and that factor, below 1 where not all can be had.
     ///
-    /// * `reached`: a factor that is known to be possible, for the force limits; 1 where none is
-    pub(crate) fn largest_margin(&self, phases: &Array1<Complex64>, active: &[usize], reached: f64) -> Result<Option<(f64, Drive)>> {
+    /// * `reached`: a factor that is known to be possible, for the force limits; 1 where
+    ///   none is
+    pub(crate) fn largest_margin(
+        &self,
+        phases: &Array1<Complex64>,
+        active: &[usize],
+        reached: f64,
+    ) -> Result<Option<(f64, Drive)>> {
         let (deviation, contrast) = (2 * self.actuators(), 2 * self.actuators() + 1);
         let mut program = ConicProgram::new(contrast + 1);
         program.minimise(contrast, -1.0);
@@ -143,18 +185,29 @@ impl<'a> DriveProgram<'a> {
             drive: reached,
             drive_variable: None,
         };
-        let solution = self.solve(program, phases, active, &sides)?.filter(|solution| solution.x[contrast] > 0.0);
+        let solution = self
+            .solve(program, phases, active, &sides)?
+            .filter(|solution| solution.x[contrast] > 0.0);
         Ok(solution.map(|solution| {
-            // cold rows stand at their limit and hot ones at `contrast` times theirs: share it
+            // cold rows stand at their limit and hot ones at `contrast` times theirs:
+            // share it
             let factor = solution.x[contrast].sqrt();
             (factor, self.drive(&solution.x, 1.0 / factor))
         }))
     }
 
-    /// The drive with the largest margin that its force limits allow, inside by `kappa` standard deviations besides (eq. 46); and that factor.
+    /// The drive with the largest margin that its force limits allow, inside by `kappa`
+    /// standard deviations besides (eq. 46); and that factor.
     ///
-    /// Hot rows stand at f times their limit, cold ones at 1/f of it, replaced by its tangent at `factor`: at most as much, and the same where f ends.
-    pub(crate) fn wider(&self, phases: &Array1<Complex64>, active: &[usize], kappa: f64, factor: f64) -> Result<Option<(f64, Drive)>> {
+    /// Hot rows stand at f times their limit, cold ones at 1/f of it, replaced by its
+    /// tangent at `factor`: at most as much, and the same where f ends.
+    pub(crate) fn wider(
+        &self,
+        phases: &Array1<Complex64>,
+        active: &[usize],
+        kappa: f64,
+        factor: f64,
+    ) -> Result<Option<(f64, Drive)>> {
         let (deviation, margin) = (2 * self.actuators(), 2 * self.actuators() + 1);
         let mut program = ConicProgram::new(margin + 1);
         program.minimise(margin, -1.0);
@@ -169,27 +222,51 @@ impl<'a> DriveProgram<'a> {
     }
 
     /// The drive of least √Σ|A_i|² that keeps every row inside by `asked` (eq. 47).
-    pub(crate) fn least_effort(&self, phases: &Array1<Complex64>, active: &[usize], asked: Asked) -> Result<Option<Drive>> {
+    pub(crate) fn least_effort(
+        &self,
+        phases: &Array1<Complex64>,
+        active: &[usize],
+        asked: Asked,
+    ) -> Result<Option<Drive>> {
         let (deviation, effort) = (2 * self.actuators(), 2 * self.actuators() + 1);
         let mut program = ConicProgram::new(effort + 1);
         program.minimise(effort, 1.0);
-        program.norm_at_most(Affine::of(effort, 1.0), (0..2 * self.actuators()).map(|i| Affine::of(i, 1.0)));
-        Ok(self.solve(program, phases, active, &Sides::plain(deviation, asked))?.map(|solution| self.drive(&solution.x, 1.0)))
+        program.norm_at_most(
+            Affine::of(effort, 1.0),
+            (0..2 * self.actuators()).map(|i| Affine::of(i, 1.0)),
+        );
+        Ok(self
+            .solve(program, phases, active, &Sides::plain(deviation, asked))?
+            .map(|solution| self.drive(&solution.x, 1.0)))
     }
 
     /// The drive of least max|A_i| that keeps every row inside by `asked`.
-    pub(crate) fn least_peak(&self, phases: &Array1<Complex64>, active: &[usize], asked: Asked) -> Result<Option<Drive>> {
+    pub(crate) fn least_peak(
+        &self,
+        phases: &Array1<Complex64>,
+        active: &[usize],
+        asked: Asked,
+    ) -> Result<Option<Drive>> {
         let (deviation, peak) = (2 * self.actuators(), 2 * self.actuators() + 1);
         let mut program = ConicProgram::new(peak + 1);
         program.minimise(peak, 1.0);
         for i in 0..self.actuators() {
             program.norm_at_most(Affine::of(peak, 1.0), self.weight(i));
         }
-        Ok(self.solve(program, phases, active, &Sides::plain(deviation, asked))?.map(|solution| self.drive(&solution.x, 1.0)))
+        Ok(self
+            .solve(program, phases, active, &Sides::plain(deviation, asked))?
+            .map(|solution| self.drive(&solution.x, 1.0)))
     }
 
-    /// The drive of least Σ price_i·|A_i| that keeps every row inside by `asked` (eq. 48).
-    pub(crate) fn least_sum(&self, phases: &Array1<Complex64>, active: &[usize], asked: Asked, prices: &[f64]) -> Result<Option<Drive>> {
+    /// The drive of least Σ price_i·|A_i| that keeps every row inside by `asked` (eq.
+    /// 48).
+    pub(crate) fn least_sum(
+        &self,
+        phases: &Array1<Complex64>,
+        active: &[usize],
+        asked: Asked,
+        prices: &[f64],
+    ) -> Result<Option<Drive>> {
         let deviation = 2 * self.actuators();
         let amplitude = |i: usize| deviation + 1 + i;
         let mut program = ConicProgram::new(amplitude(self.actuators()));
@@ -197,13 +274,23 @@ impl<'a> DriveProgram<'a> {
             program.minimise(amplitude(i), price);
             program.norm_at_most(Affine::of(amplitude(i), 1.0), self.weight(i));
         }
-        Ok(self.solve(program, phases, active, &Sides::plain(deviation, asked))?.map(|solution| self.drive(&solution.x, 1.0)))
+        Ok(self
+            .solve(program, phases, active, &Sides::plain(deviation, asked))?
+            .map(|solution| self.drive(&solution.x, 1.0)))
     }
 
-    /// The drive that keeps the rows `sure` by `asked` and misses the limits of the rows `wished` by the least sum, each over its limit.
+    /// The drive that keeps the rows `sure` by `asked` and misses the limits of the rows
+    /// `wished` by the least sum, each over its limit.
     ///
-    /// A sum of shortfalls leaves most of them at zero, so that most ground is served where not all can be.
-    pub(crate) fn least_missed(&self, phases: &Array1<Complex64>, sure: &[usize], wished: &[usize], asked: Asked) -> Result<Option<Drive>> {
+    /// A sum of shortfalls leaves most of them at zero, so that most ground is served
+    /// where not all can be.
+    pub(crate) fn least_missed(
+        &self,
+        phases: &Array1<Complex64>,
+        sure: &[usize],
+        wished: &[usize],
+        asked: Asked,
+    ) -> Result<Option<Drive>> {
         let deviation = 2 * self.actuators();
         let shortfall = |number: usize| deviation + 1 + number;
         let mut program = ConicProgram::new(shortfall(wished.len()));
@@ -212,18 +299,25 @@ impl<'a> DriveProgram<'a> {
             program.minimise(shortfall(number), 1.0);
             program.not_negative(Affine::of(shortfall(number), 1.0));
             if k < self.problem.rows.hot {
-                program.not_negative(self.along(k, phases).plus(shortfall(number), 1.0).plus_constant(-1.0));
+                program.not_negative(
+                    self.along(k, phases)
+                        .plus(shortfall(number), 1.0)
+                        .plus_constant(-1.0),
+                );
             } else {
                 let bound = Affine::of(shortfall(number), 1.0).plus_constant(1.0);
                 program.norm_at_most(bound, Affine::complex_row(self.rows.row(k)));
             }
         }
-        Ok(self.solve(program, phases, sure, &Sides::plain(deviation, asked))?.map(|solution| self.drive(&solution.x, 1.0)))
+        Ok(self
+            .solve(program, phases, sure, &Sides::plain(deviation, asked))?
+            .map(|solution| self.drive(&solution.x, 1.0)))
     }
 
     /// Hot row `k` along its phase.
     fn along(&self, k: usize, phases: &Array1<Complex64>) -> Affine {
-        let [along, _] = Affine::complex_row(self.rows.row(k).mapv(|value| value * phases[k]).view());
+        let [along, _] =
+            Affine::complex_row(self.rows.row(k).mapv(|value| value * phases[k]).view());
         along
     }
 
@@ -234,10 +328,13 @@ impl<'a> DriveProgram<'a> {
     /// The variables of a solution as a drive, times `factor`.
     fn drive(&self, x: &[f64], factor: f64) -> Drive {
         let count = self.actuators();
-        Array1::from_shape_fn(count, |i| Complex64::new(x[i], x[count + i]) * (self.unit_drive * factor))
+        Array1::from_shape_fn(count, |i| {
+            Complex64::new(x[i], x[count + i]) * (self.unit_drive * factor)
+        })
     }
 
-    /// Solves `program` with rows, error bar and force limits besides, these only where they are met.
+    /// Solves `program` with rows, error bar and force limits besides, these only where
+    /// they are met.
     fn solve(
         &self,
         mut program: ConicProgram,
@@ -248,10 +345,14 @@ impl<'a> DriveProgram<'a> {
         self.constrain(&mut program, phases, active, sides);
         if !self.limited.get() {
             let solution = program.solve()?;
-            if solution.as_ref().is_some_and(|solution| self.keeps_limits(&solution.x, sides)) {
+            if solution
+                .as_ref()
+                .is_some_and(|solution| self.keeps_limits(&solution.x, sides))
+            {
                 return Ok(solution);
             }
-            // without the limits there may be no largest or least value, or no drive that keeps them
+            // without the limits there may be no largest or least value, or no drive that
+            // keeps them
             self.limited.set(true);
         }
         self.limit_drive(&mut program, sides);
@@ -265,10 +366,20 @@ impl<'a> DriveProgram<'a> {
     }
 
     /// Rows and error bar.
-    fn constrain(&self, program: &mut ConicProgram, phases: &Array1<Complex64>, active: &[usize], sides: &Sides) {
+    fn constrain(
+        &self,
+        program: &mut ConicProgram,
+        phases: &Array1<Complex64>,
+        active: &[usize],
+        sides: &Sides,
+    ) {
         let hot = self.problem.rows.hot;
         for &k in active.iter().filter(|&&k| k < hot) {
-            program.not_negative(self.along(k, phases).minus(&sides.hot, 1.0).minus(&sides.slack, self.error_scale[k]));
+            program.not_negative(
+                self.along(k, phases)
+                    .minus(&sides.hot, 1.0)
+                    .minus(&sides.slack, self.error_scale[k]),
+            );
         }
         for &k in active.iter().filter(|&&k| k >= hot) {
             let bound = sides.cold.clone().minus(&sides.slack, self.error_scale[k]);

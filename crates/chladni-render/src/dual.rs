@@ -1,9 +1,11 @@
 //! Multipliers that prove how far no drive can move every hot row.
 //!
-//! Σ_h λ_h |h_h·A|² + Σ_p ν_p Re(e^{−jφ_p}(h_i·A)*(h_j·A)) ≤ Σ_k μ_k |r_k·A|² for every A bounds the least |h·A|² by Σμ where Σλ + Σν·cos δ = 1: the pairs p hold
-//! for drives that move two hot rows with a phase difference within δ_p of φ_p (theory.md, eq. 49). The least Σμ is sought by Newton steps on
-//! a logarithmic barrier, whose Hessian follows from one Gram matrix. The search is not trusted: whatever the multipliers are that it ends at, the
-//! certificate is one eigenvalue of two matrices.
+//! Σ_h λ_h |h_h·A|² + Σ_p ν_p Re(e^{−jφ_p}(h_i·A)*(h_j·A)) ≤ Σ_k μ_k |r_k·A|² for every A
+//! bounds the least |h·A|² by Σμ where Σλ + Σν·cos δ = 1: the pairs p hold for drives
+//! that move two hot rows with a phase difference within δ_p of φ_p (theory.md, eq. 49).
+//! The least Σμ is sought by Newton steps on a logarithmic barrier, whose Hessian follows
+//! from one Gram matrix. The search is not trusted: whatever the multipliers are that it
+//! ends at, the certificate is one eigenvalue of two matrices.
 
 use crate::problem::{internal, Drive};
 use crate::tolerances;
@@ -23,7 +25,8 @@ pub(crate) struct Sector {
     pub(crate) half_width: f64,
 }
 
-/// Multipliers with S = Σ_k μ_k r_kᴴr_k − Σ_h λ_h h_hᴴh_h − Σ_p ν_p (e^{−jφ_p} h_iᴴh_j + e^{jφ_p} h_jᴴh_i)/2 positive definite.
+/// Multipliers with S = Σ_k μ_k r_kᴴr_k − Σ_h λ_h h_hᴴh_h − Σ_p ν_p (e^{−jφ_p} h_iᴴh_j +
+/// e^{jφ_p} h_jᴴh_i)/2 positive definite.
 pub(crate) struct Dual {
     /// Bounded rows, then hot ones.
     rows: Array2<Complex64>,
@@ -36,19 +39,31 @@ pub(crate) struct Dual {
 
 impl Dual {
     /// Equal multipliers, μ large enough.
-    pub(crate) fn start(hot: ArrayView2<Complex64>, bounded: ArrayView2<Complex64>, sectors: Vec<Sector>) -> Result<Self> {
+    pub(crate) fn start(
+        hot: ArrayView2<Complex64>,
+        bounded: ArrayView2<Complex64>,
+        sectors: Vec<Sector>,
+    ) -> Result<Self> {
         let count = bounded.nrows() + hot.nrows() + sectors.len();
         let rows = concatenate![Axis(0), bounded, hot];
-        let mut dual = Self { bounded: bounded.nrows(), rows, sectors, multipliers: Array1::ones(count) };
+        let mut dual = Self {
+            bounded: bounded.nrows(),
+            rows,
+            sectors,
+            multipliers: Array1::ones(count),
+        };
         let prices: f64 = (0..count).map(|k| dual.price(k)).sum();
         dual.multipliers.fill(1.0 / prices);
         let (ratio, _) = largest_ratio(&dual.asked(&dual.multipliers), &gram(bounded, |_| 1.0))?;
         // where the sectors leave no drive, the ratio is negative and any μ will do
-        dual.multipliers.slice_mut(s![..bounded.nrows()]).fill(f64::max(2.0 * ratio.abs(), f64::MIN_POSITIVE));
+        dual.multipliers
+            .slice_mut(s![..bounded.nrows()])
+            .fill(f64::max(2.0 * ratio.abs(), f64::MIN_POSITIVE));
         Ok(dual)
     }
 
-    /// Searches until the gap is small, or the bound below `target`; returns the bound, squared, and the drive at which it is tight.
+    /// Searches until the gap is small, or the bound below `target`; returns the bound,
+    /// squared, and the drive at which it is tight.
     pub(crate) fn solve(&mut self, target: f64) -> Result<(f64, Drive)> {
         let (mut best, mut drive) = self.certificate()?;
         let count = (self.multipliers.len() + self.rows.ncols()) as f64;
@@ -71,17 +86,27 @@ impl Dual {
 
     /// λ of the hot rows.
     pub(crate) fn of_hot(&self) -> Vec<f64> {
-        self.multipliers.slice(s![self.bounded..self.rows.nrows()]).to_vec()
+        self.multipliers
+            .slice(s![self.bounded..self.rows.nrows()])
+            .to_vec()
     }
 
-    /// h_i·X·h_jᴴ of the hot rows, where X ∝ S⁻¹ stands for A·Aᴴ of the relaxed scene; `None` where S is not positive definite.
+    /// h_i·X·h_jᴴ of the hot rows, where X ∝ S⁻¹ stands for A·Aᴴ of the relaxed scene;
+    /// `None` where S is not positive definite.
     pub(crate) fn hot_products(&self) -> Option<Array2<Complex64>> {
-        Some(self.inner_products()?.slice(s![self.bounded.., self.bounded..]).to_owned())
+        Some(
+            self.inner_products()?
+                .slice(s![self.bounded.., self.bounded..])
+                .to_owned(),
+        )
     }
 
     /// What a multiplier counts in the sum that must be 1.
     fn price(&self, k: usize) -> f64 {
-        match (k.checked_sub(self.bounded), k.checked_sub(self.rows.nrows())) {
+        match (
+            k.checked_sub(self.bounded),
+            k.checked_sub(self.rows.nrows()),
+        ) {
             (None, _) => 0.0,
             (_, None) => 1.0,
             (_, Some(pair)) => self.sectors[pair].half_width.cos(),
@@ -101,7 +126,11 @@ impl Dual {
         let hot = self.rows.slice(s![self.bounded.., ..]);
         let of_hot = multipliers.slice(s![self.bounded..self.rows.nrows()]);
         let mut weights = Array2::from_diag(&of_hot.mapv(Complex64::from));
-        for (sector, &value) in self.sectors.iter().zip(multipliers.slice(s![self.rows.nrows()..])) {
+        for (sector, &value) in self
+            .sectors
+            .iter()
+            .zip(multipliers.slice(s![self.rows.nrows()..]))
+        {
             let [i, j] = sector.rows;
             weights[[i, j]] += Complex64::from_polar(0.5 * value, -sector.middle);
             weights[[j, i]] += Complex64::from_polar(0.5 * value, sector.middle);
@@ -110,17 +139,24 @@ impl Dual {
     }
 
     fn certificate(&self) -> Result<(f64, Drive)> {
-        let bounded = gram(self.rows.slice(s![..self.bounded, ..]), |k| self.multipliers[k]);
+        let bounded = gram(self.rows.slice(s![..self.bounded, ..]), |k| {
+            self.multipliers[k]
+        });
         let (ratio, drive) = largest_ratio(&self.asked(&self.multipliers), &bounded)?;
-        let prices: f64 = (self.bounded..self.multipliers.len()).map(|k| self.price(k) * self.multipliers[k]).sum();
+        let prices: f64 = (self.bounded..self.multipliers.len())
+            .map(|k| self.price(k) * self.multipliers[k])
+            .sum();
         let sum: f64 = self.multipliers.slice(s![..self.bounded]).sum();
         Ok((f64::max(ratio, f64::MIN_POSITIVE) * sum / prices, drive))
     }
 
-    /// Newton's method on weight·Σμ − ln det S − Σ ln μ − Σ ln λ − Σ ln ν with Σλ + Σν·cos δ = 1.
+    /// Newton's method on weight·Σμ − ln det S − Σ ln μ − Σ ln λ − Σ ln ν with Σλ +
+    /// Σν·cos δ = 1.
     fn centre(&mut self, weight: f64) {
         for _ in 0..tolerances::BARRIER_STEPS {
-            let Some(inner) = self.inner_products() else { return };
+            let Some(inner) = self.inner_products() else {
+                return;
+            };
             let (hessian, traces) = self.curvature(&inner);
             let size = self.multipliers.len();
             let mut right = Array2::zeros((size, 2));
@@ -129,18 +165,29 @@ impl Dual {
                 right[[k, 0]] = -(price - self.sign(k) * traces[k] - 1.0 / self.multipliers[k]);
                 right[[k, 1]] = self.price(k);
             }
-            // rounding at the very end of the path is no fault: the certificate judges what was reached
-            let Ok(solved) = solve_hermitian(hessian.view(), right.view()) else { return };
-            let sums = [0, 1].map(|column| (0..size).map(|k| self.price(k) * solved[[k, column]]).sum::<f64>());
+            // rounding at the very end of the path is no fault: the certificate judges
+            // what was reached
+            let Ok(solved) = solve_hermitian(hessian.view(), right.view()) else {
+                return;
+            };
+            let sums = [0, 1].map(|column| {
+                (0..size)
+                    .map(|k| self.price(k) * solved[[k, column]])
+                    .sum::<f64>()
+            });
             let step = &solved.column(0) - &(&solved.column(1) * (sums[0] / sums[1]));
             let decrement = step.dot(&right.column(0));
-            if decrement.is_nan() || decrement <= tolerances::BARRIER_DECREMENT || !self.advance(&step, decrement) {
+            if decrement.is_nan()
+                || decrement <= tolerances::BARRIER_DECREMENT
+                || !self.advance(&step, decrement)
+            {
                 return;
             }
         }
     }
 
-    /// Second derivatives of the barrier, and tr(S⁻¹·Q_k) of each multiplier's matrix Q_k.
+    /// Second derivatives of the barrier, and tr(S⁻¹·Q_k) of each multiplier's matrix
+    /// Q_k.
     fn curvature(&self, inner: &Array2<Complex64>) -> (Array2<f64>, Vec<f64>) {
         let (rows, size) = (self.rows.nrows(), self.multipliers.len());
         let mut hessian = Array2::zeros((size, size));
@@ -148,8 +195,16 @@ impl Dual {
         for ((i, j), value) in inner.indexed_iter() {
             hessian[[i, j]] = self.sign(i) * self.sign(j) * value.norm_sqr();
         }
-        let pairs: Vec<([usize; 2], Complex64)> =
-            self.sectors.iter().map(|p| (p.rows.map(|row| self.bounded + row), Complex64::from_polar(1.0, -p.middle))).collect();
+        let pairs: Vec<([usize; 2], Complex64)> = self
+            .sectors
+            .iter()
+            .map(|p| {
+                (
+                    p.rows.map(|row| self.bounded + row),
+                    Complex64::from_polar(1.0, -p.middle),
+                )
+            })
+            .collect();
         for (p, &([i, j], turn)) in pairs.iter().enumerate() {
             traces.push((turn * inner[[j, i]]).re);
             for k in 0..rows {
@@ -157,7 +212,8 @@ impl Dual {
                 (hessian[[k, rows + p]], hessian[[rows + p, k]]) = (value, value);
             }
             for (q, &([m, n], other)) in pairs.iter().enumerate() {
-                let both = turn * other * inner[[j, m]] * inner[[n, i]] + turn * other.conj() * inner[[j, n]] * inner[[m, i]];
+                let both = turn * other * inner[[j, m]] * inner[[n, i]]
+                    + turn * other.conj() * inner[[j, n]] * inner[[m, i]];
                 hessian[[rows + p, rows + q]] = 0.5 * both.re;
             }
         }
@@ -170,7 +226,11 @@ impl Dual {
     /// r_i S⁻¹ r_jᴴ for all rows; `None` where S is not positive definite.
     fn inner_products(&self) -> Option<Array2<Complex64>> {
         let lower = self.factor(&self.multipliers)?;
-        let whitened = solve_lower(lower.view(), self.rows.t().mapv(|value| value.conj()).view()).ok()?;
+        let whitened = solve_lower(
+            lower.view(),
+            self.rows.t().mapv(|value| value.conj()).view(),
+        )
+        .ok()?;
         Some(matmul_h(whitened.view(), whitened.view()))
     }
 
@@ -207,7 +267,8 @@ fn gram(rows: ArrayView2<Complex64>, weight: impl Fn(usize) -> f64) -> Array2<Co
 fn largest_ratio(a: &Array2<Complex64>, b: &Array2<Complex64>) -> Result<(f64, Drive)> {
     let lower = cholesky(b.view()).map_err(internal)?;
     let half = solve_lower(lower.view(), a.view()).map_err(internal)?;
-    let whitened = solve_lower(lower.view(), half.t().mapv(|value| value.conj()).view()).map_err(internal)?;
+    let whitened =
+        solve_lower(lower.view(), half.t().mapv(|value| value.conj()).view()).map_err(internal)?;
     let (values, vectors) = eigh(whitened.view()).map_err(internal)?;
     let last = vectors.slice(s![.., vectors.ncols() - 1..]);
     let drive = solve_lower_adjoint(lower.view(), last).map_err(internal)?;

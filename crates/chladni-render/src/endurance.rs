@@ -1,7 +1,9 @@
-//! How much a drive endures before it fails: natural frequencies that are off, and a finger.
+//! How much a drive endures before it fails: natural frequencies that are off, and a
+//! finger.
 //!
-//! κ speaks of the errors that were assumed. What lies beyond them, a model of another day or a touch that it does not know, is asked here, with
-//! the field of the drive taken apart by modes: a few hundred fields of one drive, no more programs.
+//! κ speaks of the errors that were assumed. What lies beyond them, a model of another
+//! day or a touch that it does not know, is asked here, with the field of the drive taken
+//! apart by modes: a few hundred fields of one drive, no more programs.
 
 use crate::field::Field;
 use crate::finger::{finger_rows, Finger};
@@ -17,14 +19,18 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
-/// What a drive endures in its model. It serves where it serves [`tolerances::SERVES`] of the hot and of the cold responses.
+/// What a drive endures in its model. It serves where it serves [`tolerances::SERVES`] of
+/// the hot and of the cold responses.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Endurance {
-    /// Random errors of all natural frequencies, rms, relative, up to which it serves; at most [`tolerances::MOST_FREQUENCY_ERROR`].
+    /// Random errors of all natural frequencies, rms, relative, up to which it serves; at
+    /// most [`tolerances::MOST_FREQUENCY_ERROR`].
     pub frequency_relative: f64,
-    /// Share of responses, the smaller one of hot and cold, that it serves with a light finger at the worst of a few places in the hot zone.
+    /// Share of responses, the smaller one of hot and cold, that it serves with a light
+    /// finger at the worst of a few places in the hot zone.
     pub touched_min_ratio: f64,
-    /// False where the model is not mass-scaled, so that the size of the modes under the finger had to be guessed.
+    /// False where the model is not mass-scaled, so that the size of the modes under the
+    /// finger had to be guessed.
     pub touch_is_known: bool,
 }
 
@@ -34,16 +40,25 @@ impl Endurance {
         let modal = ModalField::new(model, &setup.operator, drive);
         let served = |velocity: Array1<Complex64>| {
             let levels = &setup.problem.rows.levels;
-            let amplitudes = setup.judged.iter().zip(levels).map(|(&k, level)| amplitude(&velocity[k]) / level).collect();
+            let amplitudes = setup
+                .judged
+                .iter()
+                .zip(levels)
+                .map(|(&k, level)| amplitude(&velocity[k]) / level)
+                .collect();
             let (hot, cold) = setup.problem.counts(&amplitudes, 1.0);
             setup.problem.min_ratio(hot, cold)
         };
         let field = Field::new(&setup.operator, &setup.zones, drive);
-        let touched = finger_rows(&field).into_iter().map(|row| served(modal.perhaps_touched(&Finger::default(), row)));
+        let touched = finger_rows(&field)
+            .into_iter()
+            .map(|row| served(modal.perhaps_touched(&Finger::default(), row)));
         Self {
             touched_min_ratio: touched.fold(1.0, f64::min),
             touch_is_known: model.scaling == Scaling::UnitModalMass,
-            frequency_relative: largest_error(&modal, |velocity| served(velocity) >= tolerances::SERVES),
+            frequency_relative: largest_error(&modal, |velocity| {
+                served(velocity) >= tolerances::SERVES
+            }),
         }
     }
 
@@ -58,8 +73,11 @@ impl Endurance {
             ));
         }
         if self.touched_min_ratio < tolerances::TOUCHED_SERVES {
-            let how =
-                if self.touch_is_known { "" } else { " (estimated: without a driving point the model does not know how much it moves)" };
+            let how = if self.touch_is_known {
+                ""
+            } else {
+                " (estimated: without a driving point the model does not know how much it moves)"
+            };
             warnings.push(format!(
                 "a light finger in the hot zone leaves {:.0} % of the hot or of the cold responses inside their limit{how}: look for a frequency \
                  that bears it with --sweep",
@@ -73,9 +91,17 @@ impl Endurance {
 /// The largest rms error of natural frequencies, relative, at which all draws are served.
 fn largest_error(modal: &ModalField, serves: impl Fn(Array1<Complex64>) -> bool) -> f64 {
     let mut random = ChaCha8Rng::seed_from_u64(0);
-    let mut draw = || -> Vec<f64> { (0..modal.modes()).map(|_| StandardNormal.sample(&mut random)).collect() };
+    let mut draw = || -> Vec<f64> {
+        (0..modal.modes())
+            .map(|_| StandardNormal.sample(&mut random))
+            .collect()
+    };
     let draws: Vec<Vec<f64>> = (0..tolerances::ENDURANCE_DRAWS).map(|_| draw()).collect();
-    let endured = |error: f64| draws.iter().all(|draw| serves(modal.with_frequencies(|n| 1.0 + error * draw[n])));
+    let endured = |error: f64| {
+        draws
+            .iter()
+            .all(|draw| serves(modal.with_frequencies(|n| 1.0 + error * draw[n])))
+    };
     let (mut low, mut high) = (0.0, tolerances::LEAST_FREQUENCY_ERROR);
     while high < tolerances::MOST_FREQUENCY_ERROR && endured(high) {
         (low, high) = (high, 2.0 * high);

@@ -1,4 +1,5 @@
-//! Given weights on other data: the measured line at the drive frequency, or another model.
+//! Given weights on other data: the measured line at the drive frequency, or another
+//! model.
 
 use crate::field::{AreaField, Field};
 use crate::indices::{AreaIndices, Indices, PointIndices};
@@ -42,27 +43,47 @@ pub struct Evaluation {
     pub other_tones: Vec<Evaluation>,
 }
 
-/// The indices of `weights` in `scene` on other data, tone by tone. Only reports: weights that fail are no error.
+/// The indices of `weights` in `scene` on other data, tone by tone. Only reports: weights
+/// that fail are no error.
 ///
 /// # Errors
-/// [`chladni_frf::ErrorKind::BadData`]: a driven actuator that the data lack, other units, no line at the drive frequency, no hot or
-/// no cold response; [`chladni_frf::ErrorKind::UnknownFrfKind`].
+/// [`chladni_frf::ErrorKind::BadData`]: a driven actuator that the data lack, other
+/// units, no line at the drive frequency, no hot or no cold response;
+/// [`chladni_frf::ErrorKind::UnknownFrfKind`].
 pub fn evaluate(weights: &Weights, scene: &Scene, on: On) -> Result<Evaluation> {
     let first = evaluate_tone(weights, scene, on)?;
-    let other_tones = weights.other_tones.iter().map(|tone| evaluate_tone(tone, scene, on)).collect::<Result<_>>()?;
-    Ok(Evaluation { other_tones, ..first })
+    let other_tones = weights
+        .other_tones
+        .iter()
+        .map(|tone| evaluate_tone(tone, scene, on))
+        .collect::<Result<_>>()?;
+    Ok(Evaluation {
+        other_tones,
+        ..first
+    })
 }
 
 /// The same of one tone.
 fn evaluate_tone(weights: &Weights, scene: &Scene, on: On) -> Result<Evaluation> {
-    let Laid { operator, drive, limits, zones, mut warnings } = laid(weights, scene, on)?;
+    let Laid {
+        operator,
+        drive,
+        limits,
+        zones,
+        mut warnings,
+    } = laid(weights, scene, on)?;
     let field = Field::new(&operator, &zones, &drive);
     let points = PointIndices::of_field(&field, &zones, &limits, &drive, operator.unit)?;
     let area = field.area(&zones);
     warnings.extend(strength(&field, &limits));
     Ok(Evaluation {
         frequency_hz: operator.frequency_hz,
-        indices: Indices { points, area: area.as_ref().map(|area| AreaIndices::of_area(area, &zones, &limits)) },
+        indices: Indices {
+            points,
+            area: area
+                .as_ref()
+                .map(|area| AreaIndices::of_area(area, &zones, &limits)),
+        },
         field,
         area,
         zones,
@@ -90,13 +111,31 @@ pub(crate) fn laid(weights: &Weights, scene: &Scene, on: On) -> Result<Laid> {
     let (scene, other_frequency) = match scene.tone_at(frequency_hz) {
         Some(tone) => (tone, None),
         None => {
-            let frequencies: Vec<String> = scene.tones().iter().map(|tone| tone.frequency_hz.to_string()).collect();
+            let frequencies: Vec<String> = scene
+                .tones()
+                .iter()
+                .map(|tone| tone.frequency_hz.to_string())
+                .collect();
             let asked = frequencies.join(", ");
-            let words = format!("the weights are for {frequency_hz} Hz and are judged there, not at the scene's {asked} Hz");
-            (Scene { frequency_hz, ..scene.clone() }, Some(words))
+            let words = format!(
+                "the weights are for {frequency_hz} Hz and are judged there, not \
+                                 at the scene's {asked} Hz"
+            );
+            (
+                Scene {
+                    frequency_hz,
+                    ..scene.clone()
+                },
+                Some(words),
+            )
         }
     };
-    let driven: Vec<Dof> = weights.weights.iter().filter(|weight| weight.value().norm() > 0.0).map(|weight| weight.reference).collect();
+    let driven: Vec<Dof> = weights
+        .weights
+        .iter()
+        .filter(|weight| weight.value().norm() > 0.0)
+        .map(|weight| weight.reference)
+        .collect();
     // Silence is judged with any actuator: its column does not matter.
     let only = (!driven.is_empty()).then_some(driven.as_slice());
     let operator = match on {
@@ -105,24 +144,38 @@ pub(crate) fn laid(weights: &Weights, scene: &Scene, on: On) -> Result<Laid> {
     }
     .map_err(rename_field)?;
     if operator.unit != weights.unit() {
-        return Err(Error::bad_data("the weights and the data have different units")
-            .field("weights")
-            .found(weights.unit())
-            .expected(format!("{}, the unit of the references", operator.unit)));
+        return Err(
+            Error::bad_data("the weights and the data have different units")
+                .field("weights")
+                .found(weights.unit())
+                .expected(format!("{}, the unit of the references", operator.unit)),
+        );
     }
     let drive = drive_on(&operator, weights);
     let limits = scene.limits()?;
     let zones = lay_zones(&scene, &operator);
     let mut warnings = scene_warnings(&scene, &operator, &zones);
     warnings.extend(other_frequency);
-    Ok(Laid { operator, drive, limits, zones, warnings })
+    Ok(Laid {
+        operator,
+        drive,
+        limits,
+        zones,
+        warnings,
+    })
 }
 
-/// The weights in the order of the operator's columns; a reference of the opposite sense turns its weight round.
+/// The weights in the order of the operator's columns; a reference of the opposite sense
+/// turns its weight round.
 fn drive_on(operator: &Operator, weights: &Weights) -> Drive {
     let weight_of = |reference: &Dof| {
-        let weight = weights.weights.iter().find(|weight| weight.reference.same_axis(*reference));
-        weight.map_or(Complex64::ZERO, |weight| weight.value() * weight.reference.direction.sign() * reference.direction.sign())
+        let weight = weights
+            .weights
+            .iter()
+            .find(|weight| weight.reference.same_axis(*reference));
+        weight.map_or(Complex64::ZERO, |weight| {
+            weight.value() * weight.reference.direction.sign() * reference.direction.sign()
+        })
     };
     operator.references.iter().map(weight_of).collect()
 }

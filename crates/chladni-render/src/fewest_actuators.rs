@@ -1,12 +1,15 @@
 //! The fewest actuators that serve a scene, or several.
 //!
-//! Which ones is a combinatorial question; its usual convex stand-in is the sum of amplitudes, reweighted by the amplitudes it
-//! led to (Candès, Wakin and Boyd 2008): min Σ|A_i|/(|A_i|′ + ε) with every response inside its limit by some κ (theory.md,
-//! eq. 48). What is left is pruned: an actuator goes, the weakest first, while the others still serve the scene without it. The
-//! study compared: forward and backward searches by least squares need one to six more, evenly spread ones three to five.
+//! Which ones is a combinatorial question; its usual convex stand-in is the sum of
+//! amplitudes, reweighted by the amplitudes it led to (Candès, Wakin and Boyd 2008): min
+//! Σ|A_i|/(|A_i|′ + ε) with every response inside its limit by some κ (theory.md, eq.
+//! 48). What is left is pruned: an actuator goes, the weakest first, while the others
+//! still serve the scene without it. The study compared: forward and backward searches by
+//! least squares need one to six more, evenly spread ones three to five.
 //!
-//! Many subsets of one size serve every response, and not all of them the ground between: where that is lost, actuators are exchanged one by one for
-//! others with which less of it is.
+//! Many subsets of one size serve every response, and not all of them the ground between:
+//! where that is lost, actuators are exchanged one by one for others with which less of
+//! it is.
 
 use crate::climb::Climb;
 use crate::count::Count;
@@ -25,27 +28,48 @@ pub(crate) struct Choice {
     pub(crate) warning: Option<String>,
 }
 
-/// Chooses among the actuators of `setups`, the same for all: those that serve every scene.
+/// Chooses among the actuators of `setups`, the same for all: those that serve every
+/// scene.
 ///
 /// # Errors
 /// Those of the kernels: a broken promise.
 pub(crate) fn choose(setups: &[&Setup], count: Count) -> Result<Choice> {
     let all = setups[0].problem.rows.mobility.ncols();
     let target = match count {
-        Count::All => return Ok(Choice { columns: (0..all).collect(), warning: None }),
+        Count::All => {
+            return Ok(Choice {
+                columns: (0..all).collect(),
+                warning: None,
+            })
+        }
         Count::Number(number) if number >= all => {
-            let warning = (number > all).then(|| format!("{number} actuators were asked for, {all} may be used"));
-            return Ok(Choice { columns: (0..all).collect(), warning });
+            let warning = (number > all)
+                .then(|| format!("{number} actuators were asked for, {all} may be used"));
+            return Ok(Choice {
+                columns: (0..all).collect(),
+                warning,
+            });
         }
         Count::Number(number) => number,
         Count::Auto => 1,
     };
-    let mut stages = setups.iter().map(|setup| Stage::new(setup)).collect::<Result<Vec<_>>>()?;
+    let mut stages = setups
+        .iter()
+        .map(|setup| Stage::new(setup))
+        .collect::<Result<Vec<_>>>()?;
     let possible = stages.iter().all(|stage| stage.kappa > 0.0);
     if !possible && count == Count::Auto {
-        let which = if setups.len() == 1 { "the scene" } else { "every scene" };
-        let warning = format!("all actuators are used: not even all of them serve every response of {which}");
-        return Ok(Choice { columns: (0..all).collect(), warning: Some(warning) });
+        let which = if setups.len() == 1 {
+            "the scene"
+        } else {
+            "every scene"
+        };
+        let warning =
+            format!("all actuators are used: not even all of them serve every response of {which}");
+        return Ok(Choice {
+            columns: (0..all).collect(),
+            warning: Some(warning),
+        });
     }
     if possible {
         reweighted(&mut stages)?;
@@ -59,7 +83,8 @@ pub(crate) fn choose(setups: &[&Setup], count: Count) -> Result<Choice> {
     let forced = subset.columns.len().saturating_sub(target);
     let warning = (count != Count::Auto && forced > 0).then(|| {
         format!(
-            "{} actuators serve every response of this scene, {target} were asked for: the weakest {forced} were left out",
+            "{} actuators serve every response of this scene, {target} were asked for: the weakest \
+             {forced} were left out",
             subset.columns.len()
         )
     });
@@ -67,7 +92,10 @@ pub(crate) fn choose(setups: &[&Setup], count: Count) -> Result<Choice> {
         subset.columns.truncate(target);
     }
     subset.columns.sort_unstable();
-    Ok(Choice { columns: subset.columns, warning })
+    Ok(Choice {
+        columns: subset.columns,
+        warning,
+    })
 }
 
 /// A scene on its way to few actuators.
@@ -87,14 +115,27 @@ impl<'a> Stage<'a> {
     /// With all actuators.
     fn new(setup: &'a Setup) -> Result<Self> {
         let problem = &setup.problem;
-        let ground = setup.finely_between().map(|rows| problem.with_between(rows, 1.0));
+        let ground = setup
+            .finely_between()
+            .map(|rows| problem.with_between(rows, 1.0));
         let start = mls::leading_drives(problem, None)?.swap_remove(0);
-        let (kappa, drive) = Climb::new(problem)?.reach_kappa(&start, problem.kappa_of_confidence())?;
-        let asked = Asked { kappa: tolerances::KAPPA_EFFORT.min(tolerances::KEEP * kappa), factor: 1.0 };
-        Ok(Self { problem, ground, kappa, asked, drive })
+        let (kappa, drive) =
+            Climb::new(problem)?.reach_kappa(&start, problem.kappa_of_confidence())?;
+        let asked = Asked {
+            kappa: tolerances::KAPPA_EFFORT.min(tolerances::KEEP * kappa),
+            factor: 1.0,
+        };
+        Ok(Self {
+            problem,
+            ground,
+            kappa,
+            asked,
+            drive,
+        })
     }
 
-    /// The drive of the actuators `columns` that keeps what is asked, as one of all actuators; `None` where there is none.
+    /// The drive of the actuators `columns` that keeps what is asked, as one of all
+    /// actuators; `None` where there is none.
     fn served(&self, columns: &[usize]) -> Result<Option<Drive>> {
         let fewer = self.problem.with_actuators(columns);
         let start = Array1::from_shape_fn(columns.len(), |i| self.drive[columns[i]]);
@@ -109,13 +150,20 @@ impl<'a> Stage<'a> {
         Ok(Some(whole))
     }
 
-    /// The share of hot or of cold ground, the smaller, that the actuators `columns` can serve while they serve every response from `drive`.
+    /// The share of hot or of cold ground, the smaller, that the actuators `columns` can
+    /// serve while they serve every response from `drive`.
     fn ground_served(&self, columns: &[usize], drive: &Drive) -> Result<f64> {
-        let Some(ground) = &self.ground else { return Ok(1.0) };
+        let Some(ground) = &self.ground else {
+            return Ok(1.0);
+        };
         let fewer = ground.with_actuators(columns);
         let start = Array1::from_shape_fn(columns.len(), |i| drive[columns[i]]);
-        let mut climb = Climb::new(&fewer)?.by_need(|k| ground.is_measured(self.problem, k)).rounds(tolerances::EXCHANGE_ROUNDS);
-        Ok(fewer.score(&climb.serve_ground(start, self.asked)?).min_ratio)
+        let mut climb = Climb::new(&fewer)?
+            .by_need(|k| ground.is_measured(self.problem, k))
+            .rounds(tolerances::EXCHANGE_ROUNDS);
+        Ok(fewer
+            .score(&climb.serve_ground(start, self.asked)?)
+            .min_ratio)
     }
 }
 
@@ -123,25 +171,37 @@ impl<'a> Stage<'a> {
 fn shares(stages: &[Stage]) -> Vec<f64> {
     let mut sum = vec![0.0; stages[0].drive.len()];
     for stage in stages {
-        let largest = stage.drive.iter().map(amplitude).fold(f64::MIN_POSITIVE, f64::max);
-        sum.iter_mut().zip(&stage.drive).for_each(|(sum, weight)| *sum += amplitude(weight) / largest);
+        let largest = stage
+            .drive
+            .iter()
+            .map(amplitude)
+            .fold(f64::MIN_POSITIVE, f64::max);
+        sum.iter_mut()
+            .zip(&stage.drive)
+            .for_each(|(sum, weight)| *sum += amplitude(weight) / largest);
     }
     sum
 }
 
-/// Rounds of the reweighted sum of amplitudes. The scenes share their prices, so that an actuator which one of them needs is cheap for the
-/// others: the sum of logarithms over actuators of what all scenes together ask of each falls from round to round.
+/// Rounds of the reweighted sum of amplitudes. The scenes share their prices, so that an
+/// actuator which one of them needs is cheap for the others: the sum of logarithms over
+/// actuators of what all scenes together ask of each falls from round to round.
 fn reweighted(stages: &mut [Stage]) -> Result<()> {
     let mut prices = vec![1.0; stages[0].drive.len()];
     for _ in 0..tolerances::REWEIGHTINGS {
         for stage in stages.iter_mut() {
             let program = DriveProgram::new(stage.problem)?;
             let rows: Vec<usize> = (0..stage.problem.rows.mobility.nrows()).collect();
-            if let Some(next) = program.least_sum(&program.phases(&stage.drive), &rows, stage.asked, &prices)? {
+            if let Some(next) =
+                program.least_sum(&program.phases(&stage.drive), &rows, stage.asked, &prices)?
+            {
                 stage.drive = next;
             }
         }
-        prices = shares(stages).into_iter().map(|share| tolerances::PRICE_FLOOR / (share + tolerances::PRICE_FLOOR)).collect();
+        prices = shares(stages)
+            .into_iter()
+            .map(|share| tolerances::PRICE_FLOOR / (share + tolerances::PRICE_FLOOR))
+            .collect();
     }
     Ok(())
 }
@@ -159,8 +219,15 @@ impl<'a> Subset<'a> {
         let size = shares(&stages);
         let mut order: Vec<usize> = (0..size.len()).collect();
         order.sort_by(|&a, &b| size[b].total_cmp(&size[a]).then(a.cmp(&b)));
-        let used = size.iter().filter(|&&a| a > tolerances::UNUSED * size[order[0]]).count();
-        Self { columns: order[..used.max(least)].to_vec(), order, stages }
+        let used = size
+            .iter()
+            .filter(|&&a| a > tolerances::UNUSED * size[order[0]])
+            .count();
+        Self {
+            columns: order[..used.max(least)].to_vec(),
+            order,
+            stages,
+        }
     }
 
     /// Adds actuators until those in use serve every scene.
@@ -171,7 +238,8 @@ impl<'a> Subset<'a> {
         Ok(())
     }
 
-    /// Drops actuators, the weakest first, while the others serve every scene and more than `target` are left.
+    /// Drops actuators, the weakest first, while the others serve every scene and more
+    /// than `target` are left.
     fn prune(&mut self, target: usize) -> Result<()> {
         let mut tried = self.columns.len();
         while tried > 0 && self.columns.len() > target {
@@ -188,23 +256,36 @@ impl<'a> Subset<'a> {
         Ok(())
     }
 
-    /// Exchanges one actuator for another, the exchange by which most ground is served first, until all scenes serve enough of it or nothing is gained.
+    /// Exchanges one actuator for another, the exchange by which most ground is served
+    /// first, until all scenes serve enough of it or nothing is gained.
     fn exchange(&mut self) -> Result<()> {
         let mut served = self.ground_served(&self.columns)?.unwrap_or(0.0);
         for _ in 0..tolerances::MOST_EXCHANGES {
             if served >= tolerances::SERVES {
                 break;
             }
-            let others: Vec<usize> = self.order.iter().copied().filter(|column| !self.columns.contains(column)).collect();
-            let exchanges: Vec<(usize, usize)> =
-                (0..self.columns.len()).flat_map(|place| others.iter().map(move |&other| (place, other))).collect();
+            let others: Vec<usize> = self
+                .order
+                .iter()
+                .copied()
+                .filter(|column| !self.columns.contains(column))
+                .collect();
+            let exchanges: Vec<(usize, usize)> = (0..self.columns.len())
+                .flat_map(|place| others.iter().map(move |&other| (place, other)))
+                .collect();
             let tried = exchanges.into_par_iter().map(|(place, other)| {
                 let mut columns = self.columns.clone();
                 columns[place] = other;
                 Ok((self.ground_served(&columns)?.unwrap_or(0.0), columns))
             });
             let tried = tried.collect::<Result<Vec<_>>>()?;
-            let Some((more, columns)) = tried.into_iter().reduce(|best, other| if other.0 > best.0 { other } else { best }) else { break };
+            let Some((more, columns)) =
+                tried
+                    .into_iter()
+                    .reduce(|best, other| if other.0 > best.0 { other } else { best })
+            else {
+                break;
+            };
             if more <= served {
                 break;
             }
@@ -213,22 +294,44 @@ impl<'a> Subset<'a> {
         Ok(())
     }
 
-    /// The least share of ground that the actuators `columns` serve in all scenes; `None` where they do not serve every response.
+    /// The least share of ground that the actuators `columns` serve in all scenes; `None`
+    /// where they do not serve every response.
     fn ground_served(&self, columns: &[usize]) -> Result<Option<f64>> {
-        let Some(drives) = self.drives(columns)? else { return Ok(None) };
-        let shares = self.stages.iter().zip(&drives).map(|(stage, drive)| stage.ground_served(columns, drive));
-        Ok(Some(shares.collect::<Result<Vec<_>>>()?.into_iter().fold(1.0, f64::min)))
+        let Some(drives) = self.drives(columns)? else {
+            return Ok(None);
+        };
+        let shares = self
+            .stages
+            .iter()
+            .zip(&drives)
+            .map(|(stage, drive)| stage.ground_served(columns, drive));
+        Ok(Some(
+            shares
+                .collect::<Result<Vec<_>>>()?
+                .into_iter()
+                .fold(1.0, f64::min),
+        ))
     }
 
-    /// Drives of the actuators `columns` that serve every response of every scene; `None` where one has none.
+    /// Drives of the actuators `columns` that serve every response of every scene; `None`
+    /// where one has none.
     fn drives(&self, columns: &[usize]) -> Result<Option<Vec<Drive>>> {
-        self.stages.iter().map(|stage| stage.served(columns)).collect()
+        self.stages
+            .iter()
+            .map(|stage| stage.served(columns))
+            .collect()
     }
 
-    /// True where the actuators `columns` serve every response of every scene; their drives are kept for the next start.
+    /// True where the actuators `columns` serve every response of every scene; their
+    /// drives are kept for the next start.
     fn serves(&mut self, columns: &[usize]) -> Result<bool> {
-        let Some(drives) = self.drives(columns)? else { return Ok(false) };
-        self.stages.iter_mut().zip(drives).for_each(|(stage, drive)| stage.drive = drive);
+        let Some(drives) = self.drives(columns)? else {
+            return Ok(false);
+        };
+        self.stages
+            .iter_mut()
+            .zip(drives)
+            .for_each(|(stage, drive)| stage.drive = drive);
         Ok(true)
     }
 }

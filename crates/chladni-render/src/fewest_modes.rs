@@ -1,10 +1,12 @@
 //! The fewest modes that a scene needs.
 //!
-//! Modes are ranked by what folding them into residual terms would leave out at the drive frequency (module `folding`); the best M stay
-//! explicit, and what the others leave out counts as an error of the model, so that no drive leans on it. M grows until the drive found
-//! by the reduced model alone, replayed through the whole model or through the measured line, keeps every response inside its limit: the
-//! error e_k = |(H_M − H)_k·A| must fit into the slack that A has in H_M (theory.md, eq. 51). Where not even the whole model serves every
-//! response, the reduced one must serve as many.
+//! Modes are ranked by what folding them into residual terms would leave out at the drive
+//! frequency (module `folding`); the best M stay explicit, and what the others leave out
+//! counts as an error of the model, so that no drive leans on it. M grows until the drive
+//! found by the reduced model alone, replayed through the whole model or through the
+//! measured line, keeps every response inside its limit: the error e_k = |(H_M − H)_k·A|
+//! must fit into the slack that A has in H_M (theory.md, eq. 51). Where not even the
+//! whole model serves every response, the reduced one must serve as many.
 
 use crate::count::Count;
 use crate::folding::{self, Foldable};
@@ -35,7 +37,10 @@ pub(crate) struct Judge {
 impl Judge {
     /// The whole model of `setup`, also `between` the responses.
     pub(crate) fn of_model(setup: &Setup, between: bool) -> Self {
-        let ground = Some(setup).filter(|_| between).and_then(Setup::between).map(|rows| setup.problem.with_between(rows, 1.0));
+        let ground = Some(setup)
+            .filter(|_| between)
+            .and_then(Setup::between)
+            .map(|rows| setup.problem.with_between(rows, 1.0));
         Self {
             points: setup.problem.clone(),
             rows: (0..setup.judged.len()).collect(),
@@ -48,35 +53,58 @@ impl Judge {
     /// The measured line at the drive frequency.
     ///
     /// # Errors
-    /// No such line; an actuator in use, or every response, was not measured; other units.
+    /// No such line; an actuator in use, or every response, was not measured; other
+    /// units.
     pub(crate) fn of_line(setup: &Setup, frf: &FrfSet) -> Result<Self> {
         let operator = &setup.operator;
         let line = Operator::of_line(frf, operator.frequency_hz, Some(&operator.references))?;
         if line.unit != operator.unit {
-            return Err(Error::bad_data("the measured FRFs and the model have different units")
-                .field("--measured")
-                .found(line.unit)
-                .expected(format!("{}, the unit of the model's references", operator.unit)));
+            return Err(
+                Error::bad_data("the measured FRFs and the model have different units")
+                    .field("--measured")
+                    .found(line.unit)
+                    .expected(format!(
+                        "{}, the unit of the model's references",
+                        operator.unit
+                    )),
+            );
         }
         let columns: Vec<(usize, f64)> = operator
             .references
             .iter()
             .filter_map(|dof| {
-                let column = line.references.iter().position(|other| other.same_axis(*dof))?;
-                Some((column, dof.direction.sign() * line.references[column].direction.sign()))
+                let column = line
+                    .references
+                    .iter()
+                    .position(|other| other.same_axis(*dof))?;
+                Some((
+                    column,
+                    dof.direction.sign() * line.references[column].direction.sign(),
+                ))
             })
             .collect();
         let pairs: Vec<(usize, usize)> = (0..setup.judged.len())
             .filter_map(|k| {
                 let dof = operator.responses[setup.judged[k]];
-                Some((k, line.responses.iter().position(|other| other.same_axis(dof))?))
+                Some((
+                    k,
+                    line.responses
+                        .iter()
+                        .position(|other| other.same_axis(dof))?,
+                ))
             })
             .collect();
-        let hot = pairs.iter().filter(|(k, _)| *k < setup.problem.rows.hot).count();
+        let hot = pairs
+            .iter()
+            .filter(|(k, _)| *k < setup.problem.rows.hot)
+            .count();
         if hot == 0 || hot == pairs.len() {
             return Err(Error::bad_data("the measured FRFs cannot judge this scene")
                 .field("--measured")
-                .found(format!("{hot} hot and {} cold responses of the scene among the measured ones", pairs.len() - hot))
+                .found(format!(
+                    "{hot} hot and {} cold responses of the scene among the measured ones",
+                    pairs.len() - hot
+                ))
                 .expected("at least one of each")
                 .help("give the FRFs that the model was fitted to"));
         }
@@ -84,9 +112,17 @@ impl Judge {
             let (column, sign) = columns[j];
             line.mobility[[pairs[i].1, column]] * sign
         });
-        let positions_m = pairs.iter().map(|&(k, _)| setup.problem.rows.positions_m[k]).collect();
+        let positions_m = pairs
+            .iter()
+            .map(|&(k, _)| setup.problem.rows.positions_m[k])
+            .collect();
         let rows = Rows::new(mobility, hot, positions_m, &setup.zones);
-        let points = Problem::new(rows, setup.problem.covariance.clone(), setup.limits, setup.problem.drive_limits);
+        let points = Problem::new(
+            rows,
+            setup.problem.covariance.clone(),
+            setup.limits,
+            setup.problem.drive_limits,
+        );
         Ok(Self {
             points,
             rows: pairs.into_iter().map(|(k, _)| k).collect(),
@@ -99,18 +135,30 @@ impl Judge {
     /// Shares of responses (least zone, all) and of ground that `drive` serves.
     pub(crate) fn served(&self, drive: &Drive) -> [f64; 3] {
         let score = self.points.score(drive);
-        let ground = self.ground.as_ref().map_or(1.0, |ground| ground.score(drive).success_ratio);
+        let ground = self
+            .ground
+            .as_ref()
+            .map_or(1.0, |ground| ground.score(drive).success_ratio);
         [score.min_ratio, score.success_ratio, ground]
     }
 
-    /// True where the error of `reduced` fits into the slack that `drive` has in it, at every response. What not even the whole model
-    /// explains of a measured line is noise, and no reason for more modes.
+    /// True where the error of `reduced` fits into the slack that `drive` has in it, at
+    /// every response. What not even the whole model explains of a measured line is
+    /// noise, and no reason for more modes.
     fn error_fits(&self, reduced: &Problem, drive: &Drive) -> bool {
-        let (seen, predicted, whole) = (self.points.field(drive), reduced.field(drive), self.whole.dot(drive));
+        let (seen, predicted, whole) = (
+            self.points.field(drive),
+            reduced.field(drive),
+            self.whole.dot(drive),
+        );
         let limits = reduced.limits_m_per_s();
         self.rows.iter().enumerate().all(|(i, &k)| {
             let amplitude = predicted[k].norm();
-            let slack = if k < reduced.rows.hot { amplitude - limits[k] } else { limits[k] - amplitude };
+            let slack = if k < reduced.rows.hot {
+                amplitude - limits[k]
+            } else {
+                limits[k] - amplitude
+            };
             (seen[i] - predicted[k]).norm() <= slack.max(0.0) + (seen[i] - whole[k]).norm()
         })
     }
@@ -126,36 +174,64 @@ pub(crate) struct Reduced {
 ///
 /// # Errors
 /// Those of the methods.
-pub(crate) fn choose(setup: Setup, model: &ModalModel, judge: &Judge, options: &RenderOptions) -> Result<Reduced> {
+pub(crate) fn choose(
+    setup: Setup,
+    model: &ModalModel,
+    judge: &Judge,
+    options: &RenderOptions,
+) -> Result<Reduced> {
     let ranked = || folding::ranked(model, &setup.operator);
     match options.modes {
-        Count::All => Ok(Reduced { setup, warning: None }),
+        Count::All => Ok(Reduced {
+            setup,
+            warning: None,
+        }),
         Count::Number(number) => {
             let ranked = ranked();
-            let warning = (number > ranked.len()).then(|| format!("{number} modes were asked for, the model has {}", ranked.len()));
-            Ok(Reduced { setup: reduced(&setup, model, &ranked, number.min(ranked.len())), warning })
+            let warning = (number > ranked.len()).then(|| {
+                format!(
+                    "{number} modes were asked for, the model has {}",
+                    ranked.len()
+                )
+            });
+            Ok(Reduced {
+                setup: reduced(&setup, model, &ranked, number.min(ranked.len())),
+                warning,
+            })
         }
         Count::Auto => {
             let solve = |setup: &Setup| -> Result<Drive> {
-                let Decision { method, effort, .. } = options.method.decide(&setup.problem, options.effort);
+                let Decision { method, effort, .. } =
+                    options.method.decide(&setup.problem, options.effort);
                 Ok(method.solve(setup, model, effort)?.drive)
             };
             let (ranked, whole) = (ranked(), solve(&setup)?);
             let wanted = judge.served(&whole);
             for explicit in 0..ranked.len() {
                 let smaller = reduced(&setup, model, &ranked, explicit);
-                // the whole model's own drive tells cheaply where the search cannot end yet
+                // the whole model's own drive tells cheaply where the search cannot end
+                // yet
                 if wanted[0] == 1.0 && !judge.error_fits(&smaller.problem, &whole) {
                     continue;
                 }
                 let drive = solve(&smaller)?;
                 let served = judge.served(&drive);
-                let as_good = served[0] >= wanted[0] && served[1] >= wanted[1] && served[2] >= wanted[2] - tolerances::LOSS_OF_GROUND;
+                let as_good = served[0] >= wanted[0]
+                    && served[1] >= wanted[1]
+                    && served[2] >= wanted[2] - tolerances::LOSS_OF_GROUND;
                 if as_good && (wanted[0] < 1.0 || judge.error_fits(&smaller.problem, &drive)) {
-                    return Ok(Reduced { setup: smaller, warning: None });
+                    return Ok(Reduced {
+                        setup: smaller,
+                        warning: None,
+                    });
                 }
             }
-            Ok(Reduced { setup, warning: Some("no smaller number of modes serves the scene as well: all are used".into()) })
+            Ok(Reduced {
+                setup,
+                warning: Some(
+                    "no smaller number of modes serves the scene as well: all are used".into(),
+                ),
+            })
         }
     }
 }
@@ -167,14 +243,24 @@ fn reduced(setup: &Setup, model: &ModalModel, ranked: &[Foldable], explicit: usi
     let mut errors = Array2::zeros((folded.len(), setup.operator.references.len()));
     for (foldable, mut error) in folded.iter().zip(errors.rows_mut()) {
         let mode = &model.modes[foldable.mode];
-        foldable.remainder.take_from(&mut mobility, mode, &setup.operator);
+        foldable
+            .remainder
+            .take_from(&mut mobility, mode, &setup.operator);
         let columns = &setup.operator.reference_columns;
-        let rms = (columns.iter().map(|&j| mode.participation.0[j].norm_sqr()).sum::<f64>() / columns.len() as f64).sqrt();
+        let rms = (columns
+            .iter()
+            .map(|&j| mode.participation.0[j].norm_sqr())
+            .sum::<f64>()
+            / columns.len() as f64)
+            .sqrt();
         let scale = if rms > 0.0 { foldable.size / rms } else { 0.0 };
         for (value, &column) in error.iter_mut().zip(columns) {
             *value = mode.participation.0[column] * Complex64::from(scale);
         }
     }
-    let modes = ranked[..explicit].iter().map(|foldable| foldable.mode).collect();
+    let modes = ranked[..explicit]
+        .iter()
+        .map(|foldable| foldable.mode)
+        .collect();
     setup.with_model(mobility, errors, modes)
 }

@@ -30,7 +30,8 @@ pub struct AreaField {
     pub x_m: Vec<f64>,
     /// Rows of the grid, m, rising.
     pub y_m: Vec<f64>,
-    /// What is asked of each place; axes (row, column). [`Ground::Ignored`] outside the hull of the responses.
+    /// What is asked of each place; axes (row, column). [`Ground::Ignored`] outside the
+    /// hull of the responses.
     pub ground: Array2<Ground>,
     /// Velocity along +Z, m/s, NaN outside the hull of the responses; axes (row, column).
     pub velocity_m_per_s: Array2<Complex64>,
@@ -42,30 +43,46 @@ impl Field {
         Self {
             responses: operator.responses.clone(),
             positions_m: operator.positions_m.clone(),
-            ground: operator.positions_m.iter().map(|&point| zones.classify(point)).collect(),
+            ground: operator
+                .positions_m
+                .iter()
+                .map(|&point| zones.classify(point))
+                .collect(),
             velocity_m_per_s: operator.mobility.dot(drive).to_vec(),
         }
     }
 
-    /// Interpolates the complex field between the responses, on a grid of at most [`tolerances::AREA_STEP_M`] over what is
-    /// judged, inside the convex hull of the responses. `None` where they carry no plane, or lie outside the area.
+    /// Interpolates the complex field between the responses, on a grid of at most
+    /// [`tolerances::AREA_STEP_M`] over what is judged, inside the convex hull of the
+    /// responses. `None` where they carry no plane, or lie outside the area.
     pub fn area(&self, zones: &ZoneMap) -> Option<AreaField> {
         self.area_from(&Nodes::new(&self.positions_m)?, zones)
     }
 
     /// The same with the responses made ready before.
     pub(crate) fn area_from(&self, nodes: &Nodes, zones: &ZoneMap) -> Option<AreaField> {
-        let grid = AreaGrid::from_nodes(nodes, &self.positions_m, zones.area(), tolerances::AREA_STEP_M)?;
+        let grid = AreaGrid::from_nodes(
+            nodes,
+            &self.positions_m,
+            zones.area(),
+            tolerances::AREA_STEP_M,
+        )?;
         let velocity_m_per_s = grid.field(&self.velocity_m_per_s);
         let mut ground = Array2::from_elem(velocity_m_per_s.dim(), Ground::Ignored);
         for &(place, point) in &grid.places {
             ground[place] = zones.classify(point);
         }
-        Some(AreaField { x_m: grid.x_m, y_m: grid.y_m, ground, velocity_m_per_s })
+        Some(AreaField {
+            x_m: grid.x_m,
+            y_m: grid.y_m,
+            ground,
+            velocity_m_per_s,
+        })
     }
 }
 
-/// A grid between the responses, and the interpolation onto it: made once, it serves any number of fields.
+/// A grid between the responses, and the interpolation onto it: made once, it serves any
+/// number of fields.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AreaGrid {
     /// Columns, m, rising.
@@ -79,23 +96,39 @@ pub struct AreaGrid {
 }
 
 impl AreaGrid {
-    /// The grid of at most `step_m` over `area`, inside the convex hull of the responses; `None` where they carry no plane, or
-    /// lie outside the area.
+    /// The grid of at most `step_m` over `area`, inside the convex hull of the responses;
+    /// `None` where they carry no plane, or lie outside the area.
     pub fn new(responses: &[Position], area: Rectangle, step_m: f64) -> Option<Self> {
         Self::from_nodes(&Nodes::new(responses)?, responses, area, step_m)
     }
 
-    fn from_nodes(nodes: &Nodes, responses: &[Position], area: Rectangle, step_m: f64) -> Option<Self> {
+    fn from_nodes(
+        nodes: &Nodes,
+        responses: &[Position],
+        area: Rectangle,
+        step_m: f64,
+    ) -> Option<Self> {
         let Places { x_m, y_m, inside } = Places::new(responses, area, step_m)?;
         let queries: Vec<Position> = inside.iter().map(|place| place.1).collect();
         let interpolation = nodes.onto(&queries)?;
-        Some(Self { x_m, y_m, places: inside, interpolation })
+        Some(Self {
+            x_m,
+            y_m,
+            places: inside,
+            interpolation,
+        })
     }
 
-    /// The field between the responses from its values at them; axes (row, column), NaN outside their hull.
+    /// The field between the responses from its values at them; axes (row, column), NaN
+    /// outside their hull.
     pub fn field(&self, at_responses: &[Complex64]) -> Array2<Complex64> {
-        let mut field = Array2::from_elem((self.y_m.len(), self.x_m.len()), Complex64::new(f64::NAN, f64::NAN));
-        let inside = self.interpolation.apply(ArrayView1::from(at_responses).insert_axis(Axis(1)));
+        let mut field = Array2::from_elem(
+            (self.y_m.len(), self.x_m.len()),
+            Complex64::new(f64::NAN, f64::NAN),
+        );
+        let inside = self
+            .interpolation
+            .apply(ArrayView1::from(at_responses).insert_axis(Axis(1)));
         for (&(place, _), &value) in self.places.iter().zip(&inside) {
             field[place] = value;
         }
@@ -112,20 +145,34 @@ pub(crate) struct Places {
 }
 
 impl Places {
-    /// At most `step_m` apart over `area`; `None` where the responses carry no plane, or lie outside the area.
+    /// At most `step_m` apart over `area`; `None` where the responses carry no plane, or
+    /// lie outside the area.
     pub(crate) fn new(responses: &[Position], area: Rectangle, step_m: f64) -> Option<Self> {
         let hull = convex_hull(responses);
         let (x_m, y_m) = grid_axes(Rectangle::around(&hull)?, area, step_m)?;
-        let points = y_m.iter().enumerate().flat_map(|(row, &y)| x_m.iter().enumerate().map(move |(column, &x)| ([row, column], [x, y])));
-        let inside = points.filter(|&(_, point)| polygon_contains(&hull, point)).collect();
+        let points = y_m.iter().enumerate().flat_map(|(row, &y)| {
+            x_m.iter()
+                .enumerate()
+                .map(move |(column, &x)| ([row, column], [x, y]))
+        });
+        let inside = points
+            .filter(|&(_, point)| polygon_contains(&hull, point))
+            .collect();
         Some(Self { x_m, y_m, inside })
     }
 }
 
-/// Columns and rows of the grid over the common part of both rectangles, borders included; `None` where that is empty.
+/// Columns and rows of the grid over the common part of both rectangles, borders
+/// included; `None` where that is empty.
 fn grid_axes(responses: Rectangle, area: Rectangle, step_m: f64) -> Option<(Vec<f64>, Vec<f64>)> {
-    let x = [responses.x_min.max(area.x_min), responses.x_max.min(area.x_max)];
-    let y = [responses.y_min.max(area.y_min), responses.y_max.min(area.y_max)];
+    let x = [
+        responses.x_min.max(area.x_min),
+        responses.x_max.min(area.x_max),
+    ];
+    let y = [
+        responses.y_min.max(area.y_min),
+        responses.y_max.min(area.y_max),
+    ];
     let (width, height) = (x[1] - x[0], y[1] - y[0]);
     if width <= tolerances::POSITION_M || height <= tolerances::POSITION_M {
         return None;
@@ -135,7 +182,9 @@ fn grid_axes(responses: Rectangle, area: Rectangle, step_m: f64) -> Option<(Vec<
     let axis = |[start, stop]: [f64; 2]| {
         // a thousandth of a step is room for the rounding of decimal lengths
         let intervals = ((stop - start) / step - 1e-3).ceil().max(1.0) as usize;
-        (0..=intervals).map(|k| start + (stop - start) * k as f64 / intervals as f64).collect()
+        (0..=intervals)
+            .map(|k| start + (stop - start) * k as f64 / intervals as f64)
+            .collect()
     };
     Some((axis(x), axis(y)))
 }

@@ -1,12 +1,15 @@
 //! A finger on the panel: a rank-one change of its mobility.
 //!
-//! With the impedance Z of the fingertip at the place f, and F the force on the finger, v_f = v_f,free − Y_ff·F and F = Z·v_f, so that
+//! With the impedance Z of the fingertip at the place f, and F the force on the finger,
+//! v_f = v_f,free − Y_ff·F and F = Z·v_f, so that
 //!
-//! v = v_free − y_f · (1/Z + Y_ff)⁻¹ · v_f,free                                          (theory.md, eq. 52)
+//! v = v_free − y_f · (1/Z + Y_ff)⁻¹ · v_f,free
+//! (theory.md, eq. 52)
 //!
-//! with the mobility y_f from f to everywhere. Actuators do not sit under the finger, so that y_f comes from the modes alone: Σ γ_n ψ_n(x) ψ_n(f),
-//! which needs mass-scaled shapes. Residual terms are known only for the actuators and are left out of it: on the panel of the study they are
-//! below 5 % of 1/Z at 300 Hz.
+//! with the mobility y_f from f to everywhere. Actuators do not sit under the finger, so
+//! that y_f comes from the modes alone: Σ γ_n ψ_n(x) ψ_n(f), which needs mass-scaled
+//! shapes. Residual terms are known only for the actuators and are left out of it: on the
+//! panel of the study they are below 5 % of 1/Z at 300 Hz.
 
 use crate::field::Field;
 use crate::plane::Position;
@@ -26,38 +29,64 @@ pub struct Finger {
 }
 
 impl Default for Finger {
-    /// A light touch, of the order that fingertip measurements report; assumed, not measured.
+    /// A light touch, of the order that fingertip measurements report; assumed, not
+    /// measured.
     fn default() -> Self {
-        Self { damping_n_s_per_m: 1.5, mass_kg: 0.15e-3, stiffness_n_per_m: 1500.0 }
+        Self {
+            damping_n_s_per_m: 1.5,
+            mass_kg: 0.15e-3,
+            stiffness_n_per_m: 1500.0,
+        }
     }
 }
 
 impl Finger {
     /// A mass that is glued on.
     pub fn of_mass(mass_kg: f64) -> Self {
-        Self { damping_n_s_per_m: 0.0, mass_kg, stiffness_n_per_m: 0.0 }
+        Self {
+            damping_n_s_per_m: 0.0,
+            mass_kg,
+            stiffness_n_per_m: 0.0,
+        }
     }
 
     /// Force over velocity, N·s/m.
     pub fn impedance(&self, frequency_hz: f64) -> Complex64 {
         let omega = TAU * frequency_hz;
-        Complex64::new(self.damping_n_s_per_m, omega * self.mass_kg - self.stiffness_n_per_m / omega)
+        Complex64::new(
+            self.damping_n_s_per_m,
+            omega * self.mass_kg - self.stiffness_n_per_m / omega,
+        )
     }
 }
 
-/// Where fingers are tried: the hot response nearest to the middle of all hot ones, and the two that are farthest from it on either side.
+/// Where fingers are tried: the hot response nearest to the middle of all hot ones, and
+/// the two that are farthest from it on either side.
 pub fn finger_places(field: &Field) -> Vec<Position> {
-    finger_rows(field).into_iter().map(|k| field.positions_m[k]).collect()
+    finger_rows(field)
+        .into_iter()
+        .map(|k| field.positions_m[k])
+        .collect()
 }
 
 /// The same as rows of the field.
 pub(crate) fn finger_rows(field: &Field) -> Vec<usize> {
-    let hot: Vec<usize> = (0..field.ground.len()).filter(|&k| field.ground[k] == Ground::Hot).collect();
-    let middle = [0, 1].map(|axis| hot.iter().map(|&k| field.positions_m[k][axis]).sum::<f64>() / hot.len() as f64);
+    let hot: Vec<usize> = (0..field.ground.len())
+        .filter(|&k| field.ground[k] == Ground::Hot)
+        .collect();
+    let middle = [0, 1].map(|axis| {
+        hot.iter().map(|&k| field.positions_m[k][axis]).sum::<f64>() / hot.len() as f64
+    });
     let squared = |a: Position, b: Position| (a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2);
     let at = |k: usize| field.positions_m[k];
-    let by = |key: &dyn Fn(usize) -> f64| hot.iter().copied().min_by(|&a, &b| key(a).total_cmp(&key(b)).then(a.cmp(&b)));
-    let Some(central) = by(&|k| squared(at(k), middle)) else { return Vec::new() };
+    let by = |key: &dyn Fn(usize) -> f64| {
+        hot.iter()
+            .copied()
+            .min_by(|&a, &b| key(a).total_cmp(&key(b)).then(a.cmp(&b)))
+    };
+    let Some(central) = by(&|k| squared(at(k), middle)) else {
+        return Vec::new();
+    };
     let far = by(&|k| -squared(at(k), middle)).unwrap_or(central);
     let other = by(&|k| -squared(at(k), at(far))).unwrap_or(central);
     let mut rows = vec![central, far, other];

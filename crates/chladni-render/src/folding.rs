@@ -1,12 +1,14 @@
 //! Modes folded into residual terms, and what exactly that leaves out.
 //!
-//! In x = ω² a structural mode is ψφᵀ/(s − x), s = ω_n²(1 + jη_n). Above the drive frequency it is expanded in powers of x/s, below in powers
-//! of s/x, and the first P of them join the residual terms of the model (powers 0, 2, 4 or −2, −4 of ω). The series is
-//! geometric, so that what is left out is known to the last digit (theory.md, eq. 50):
+//! In x = ω² a structural mode is ψφᵀ/(s − x), s = ω_n²(1 + jη_n). Above the drive
+//! frequency it is expanded in powers of x/s, below in powers of s/x, and the first P of
+//! them join the residual terms of the model (powers 0, 2, 4 or −2, −4 of ω). The series
+//! is geometric, so that what is left out is known to the last digit (theory.md, eq. 50):
 //!
 //! ψφᵀ/(s − x) − (first P terms) = q^P · ψφᵀ/(s − x),   q = x/s or s/x.
 //!
-//! In the viscous law the same holds in jω for each of the two poles, with twice as many terms.
+//! In the viscous law the same holds in jω for each of the two poles, with twice as many
+//! terms.
 
 use crate::operator::Operator;
 use crate::tolerances;
@@ -15,7 +17,8 @@ use ndarray::Array2;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// What is left out of the mobility where a mode is folded: near·ψφᵀ + far·(ψφᵀ)*, (m/s)/N.
+/// What is left out of the mobility where a mode is folded: near·ψφᵀ + far·(ψφᵀ)*,
+/// (m/s)/N.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Remainder {
     near: Complex64,
@@ -32,7 +35,8 @@ pub(crate) struct Foldable {
     pub(crate) size: f64,
 }
 
-/// Every mode of the model that counts, in band or not, those that can be folded least first.
+/// Every mode of the model that counts, in band or not, those that can be folded least
+/// first.
 pub(crate) fn ranked(model: &ModalModel, operator: &Operator) -> Vec<Foldable> {
     let indices = (0..model.modes.len()).filter(|&n| model.modes[n].trust != Trust::Rejected);
     let mut all: Vec<Foldable> = indices
@@ -40,12 +44,17 @@ pub(crate) fn ranked(model: &ModalModel, operator: &Operator) -> Vec<Foldable> {
             let mode = &model.modes[n];
             let remainder = Remainder::of(mode, model.damping, operator.frequency_hz);
             let rms = |values: &[Complex64], picked: &[usize]| {
-                (picked.iter().map(|&k| values[k].norm_sqr()).sum::<f64>() / picked.len() as f64).sqrt()
+                (picked.iter().map(|&k| values[k].norm_sqr()).sum::<f64>() / picked.len() as f64)
+                    .sqrt()
             };
             let size = (remainder.near.norm() + remainder.far.norm())
                 * rms(&mode.shape.0, &operator.response_rows)
                 * rms(&mode.participation.0, &operator.reference_columns);
-            Foldable { mode: n, remainder, size }
+            Foldable {
+                mode: n,
+                remainder,
+                size,
+            }
         })
         .collect();
     all.sort_by(|a, b| b.size.total_cmp(&a.size).then(a.mode.cmp(&b.mode)));
@@ -61,20 +70,38 @@ impl Remainder {
             Damping::Structural => {
                 let factor = mode.structural_factor(omega);
                 let x = Complex64::from(omega * omega);
-                Self { near: mobility * factor * left_out(x, factor.inv() + x, tolerances::FOLDED_TERMS), far: Complex64::ZERO }
+                Self {
+                    near: mobility
+                        * factor
+                        * left_out(x, factor.inv() + x, tolerances::FOLDED_TERMS),
+                    far: Complex64::ZERO,
+                }
             }
             Damping::Viscous => {
                 let pole = mode.viscous_pole();
-                let (j_omega, scale) = (Complex64::new(0.0, omega), Complex64::new(0.0, 2.0 * pole.im).inv());
+                let (j_omega, scale) = (
+                    Complex64::new(0.0, omega),
+                    Complex64::new(0.0, 2.0 * pole.im).inv(),
+                );
                 let terms = tolerances::FOLDED_TERMS.map(|count| 2 * count);
-                let half = |scale: Complex64, pole: Complex64| mobility * scale / (j_omega - pole) * left_out(j_omega, pole, terms);
-                Self { near: half(scale, pole), far: half(scale.conj(), pole.conj()) }
+                let half = |scale: Complex64, pole: Complex64| {
+                    mobility * scale / (j_omega - pole) * left_out(j_omega, pole, terms)
+                };
+                Self {
+                    near: half(scale, pole),
+                    far: half(scale.conj(), pole.conj()),
+                }
             }
         }
     }
 
     /// Subtracts the remainder of `mode` from the mobility of `operator`.
-    pub(crate) fn take_from(&self, mobility: &mut Array2<Complex64>, mode: &Mode, operator: &Operator) {
+    pub(crate) fn take_from(
+        &self,
+        mobility: &mut Array2<Complex64>,
+        mode: &Mode,
+        operator: &Operator,
+    ) {
         for (i, &row) in operator.response_rows.iter().enumerate() {
             let sign = operator.responses[i].direction.sign();
             for (j, &column) in operator.reference_columns.iter().enumerate() {
@@ -122,14 +149,20 @@ mod tests {
         let mobility = Complex64::new(0.0, omega);
         for frequency_hz in [150.0, 290.0, 310.0, 700.0] {
             let mode = mode(frequency_hz);
-            let (x, s) = (Complex64::from(omega * omega), (TAU * frequency_hz).powi(2) * Complex64::new(1.0, 0.02));
+            let (x, s) = (
+                Complex64::from(omega * omega),
+                (TAU * frequency_hz).powi(2) * Complex64::new(1.0, 0.02),
+            );
             let series: Complex64 = match frequency_hz > 300.0 {
                 true => (0..upper).map(|p| x.powi(p) / s.powi(p + 1)).sum(),
                 false => (0..lower).map(|p| -s.powi(p) / x.powi(p + 1)).sum(),
             };
             let expected = mobility * ((s - x).inv() - series);
             let found = Remainder::of(&mode, Damping::Structural, 300.0);
-            assert!((found.near - expected).norm() < 1e-12 * (mobility / (s - x)).norm(), "{frequency_hz} Hz");
+            assert!(
+                (found.near - expected).norm() < 1e-12 * (mobility / (s - x)).norm(),
+                "{frequency_hz} Hz"
+            );
 
             let (z, pole) = (mobility, mode.viscous_pole());
             let scale = Complex64::new(0.0, 2.0 * pole.im).inv();
@@ -139,7 +172,10 @@ mod tests {
             };
             let expected = mobility * scale * ((z - pole).inv() - series);
             let found = Remainder::of(&mode, Damping::Viscous, 300.0);
-            assert!((found.near - expected).norm() < 1e-9 * (mobility * scale / (z - pole)).norm(), "{frequency_hz} Hz, viscous");
+            assert!(
+                (found.near - expected).norm() < 1e-9 * (mobility * scale / (z - pole)).norm(),
+                "{frequency_hz} Hz, viscous"
+            );
         }
     }
 }

@@ -1,7 +1,8 @@
 //! Which drive frequency to take: κ and success over a range, free and touched.
 //!
-//! A mode on the drive frequency makes loud fields cheap and breaks them at the first touch: the finger moves that mode. Between modes the
-//! same scene costs more force and holds.
+//! A mode on the drive frequency makes loud fields cheap and breaks them at the first
+//! touch: the finger moves that mode. Between modes the same scene costs more force and
+//! holds.
 
 use crate::finger::{finger_rows, Finger};
 use crate::methods::{Decision, MethodChoice};
@@ -23,7 +24,8 @@ pub struct SweptFrequency {
     pub kappa: Option<f64>,
     /// Share of responses inside their limits in the model.
     pub success_ratio: f64,
-    /// The least share with a finger at each of three places in the hot zone; `None` where the model is not mass-scaled.
+    /// The least share with a finger at each of three places in the hot zone; `None`
+    /// where the model is not mass-scaled.
     pub touched_ratio: Option<f64>,
     /// Largest weight, N or V.
     pub largest_drive: f64,
@@ -36,46 +38,85 @@ pub struct SweptFrequency {
 pub struct FrequencySweep {
     /// Rising.
     pub frequencies: Vec<SweptFrequency>,
-    /// The best of them: most responses served, touched ones first; among equals the largest κ. `None` where no response is served anywhere.
+    /// The best of them: most responses served, touched ones first; among equals the
+    /// largest κ. `None` where no response is served anywhere.
     pub suggested_hz: Option<f64>,
 }
 
-/// Renders `scene` at frequencies from `low_hz` to `high_hz`, [`tolerances::SWEEP_STEP_HZ`] apart, by `mls` unless another method is asked for.
+/// Renders `scene` at frequencies from `low_hz` to `high_hz`,
+/// [`tolerances::SWEEP_STEP_HZ`] apart, by `mls` unless another method is asked for.
 ///
 /// # Errors
-/// As [`crate::render`]; an empty range, or one with more than [`tolerances::MOST_SWEPT`] frequencies; a scene with several tones.
-pub fn sweep(model: &ModalModel, scene: &Scene, options: &RenderOptions, [low_hz, high_hz]: [f64; 2]) -> Result<FrequencySweep> {
+/// As [`crate::render`]; an empty range, or one with more than [`tolerances::MOST_SWEPT`]
+/// frequencies; a scene with several tones.
+pub fn sweep(
+    model: &ModalModel,
+    scene: &Scene,
+    options: &RenderOptions,
+    [low_hz, high_hz]: [f64; 2],
+) -> Result<FrequencySweep> {
     if !scene.other_tones.is_empty() {
-        return Err(Error::new(ErrorKind::Usage, "a sweep looks for one frequency")
-            .field("frequency_hz")
-            .found(format!("{} tones in the scene", scene.tones().len()))
-            .expected("one frequency")
-            .help("sweep a scene with one of them"));
+        return Err(
+            Error::new(ErrorKind::Usage, "a sweep looks for one frequency")
+                .field("frequency_hz")
+                .found(format!("{} tones in the scene", scene.tones().len()))
+                .expected("one frequency")
+                .help("sweep a scene with one of them"),
+        );
     }
     let steps = ((high_hz - low_hz) / tolerances::SWEEP_STEP_HZ).floor();
     if !(low_hz > 0.0 && (0.0..tolerances::MOST_SWEPT).contains(&steps)) {
-        return Err(Error::new(ErrorKind::Usage, "no usable range of frequencies")
-            .field("--sweep")
-            .found(format!("{low_hz}:{high_hz}"))
-            .expected(format!("LO:HI in Hz, above 0, rising, at most {} Hz wide", tolerances::MOST_SWEPT * tolerances::SWEEP_STEP_HZ)));
+        return Err(
+            Error::new(ErrorKind::Usage, "no usable range of frequencies")
+                .field("--sweep")
+                .found(format!("{low_hz}:{high_hz}"))
+                .expected(format!(
+                    "LO:HI in Hz, above 0, rising, at most {} Hz wide",
+                    tolerances::MOST_SWEPT * tolerances::SWEEP_STEP_HZ
+                )),
+        );
     }
     let frequencies = (0..=steps as usize).map(|k| low_hz + tolerances::SWEEP_STEP_HZ * k as f64);
-    let frequencies = frequencies.map(|frequency_hz| at(model, scene, options, frequency_hz)).collect::<Result<Vec<_>>>()?;
-    let key = |f: &SweptFrequency| [f.touched_ratio.unwrap_or(f.success_ratio), f.success_ratio, f.kappa.unwrap_or(f64::INFINITY)];
+    let frequencies = frequencies
+        .map(|frequency_hz| at(model, scene, options, frequency_hz))
+        .collect::<Result<Vec<_>>>()?;
+    let key = |f: &SweptFrequency| {
+        [
+            f.touched_ratio.unwrap_or(f.success_ratio),
+            f.success_ratio,
+            f.kappa.unwrap_or(f64::INFINITY),
+        ]
+    };
     let better = |best: &SweptFrequency, f: &SweptFrequency| {
         let (a, b) = (key(f), key(best));
-        a[0] > b[0] + tolerances::SAME_SUCCESS || ((a[0] - b[0]).abs() <= tolerances::SAME_SUCCESS && a[1..] > b[1..])
+        a[0] > b[0] + tolerances::SAME_SUCCESS
+            || ((a[0] - b[0]).abs() <= tolerances::SAME_SUCCESS && a[1..] > b[1..])
     };
-    let best = frequencies.iter().fold(None, |best: Option<&SweptFrequency>, f| match best {
-        Some(best) if !better(best, f) => Some(best),
-        _ => Some(f),
-    });
-    let suggested_hz = best.filter(|best| best.success_ratio > 0.0).map(|best| best.frequency_hz);
-    Ok(FrequencySweep { frequencies, suggested_hz })
+    let best = frequencies
+        .iter()
+        .fold(None, |best: Option<&SweptFrequency>, f| match best {
+            Some(best) if !better(best, f) => Some(best),
+            _ => Some(f),
+        });
+    let suggested_hz = best
+        .filter(|best| best.success_ratio > 0.0)
+        .map(|best| best.frequency_hz);
+    Ok(FrequencySweep {
+        frequencies,
+        suggested_hz,
+    })
 }
 
-fn at(model: &ModalModel, scene: &Scene, options: &RenderOptions, frequency_hz: f64) -> Result<SweptFrequency> {
-    let scene = Scene { frequency_hz, ..scene.clone() };
+fn at(
+    model: &ModalModel,
+    scene: &Scene,
+    options: &RenderOptions,
+    frequency_hz: f64,
+) -> Result<SweptFrequency> {
+    let scene = Scene {
+        frequency_hz,
+        ..scene.clone()
+    };
     let setup = Setup::new(model, &scene, &options.drift)?;
     let method = match options.method {
         MethodChoice::Default => MethodChoice::Only(crate::methods::Method::Mls),
@@ -102,7 +143,12 @@ fn touched_ratio(setup: &Setup, model: &ModalModel, drive: &Drive) -> Option<f64
     for row in finger_rows(&field) {
         let touched = modal.touched(&Finger::default(), row)?;
         let levels = &setup.problem.rows.levels;
-        let amplitudes = setup.judged.iter().zip(levels).map(|(&k, level)| touched[k].norm() / level).collect();
+        let amplitudes = setup
+            .judged
+            .iter()
+            .zip(levels)
+            .map(|(&k, level)| touched[k].norm() / level)
+            .collect();
         let (hot, cold) = setup.problem.counts(&amplitudes, 1.0);
         let ratio = (hot + cold) as f64 / amplitudes.len() as f64;
         least = Some(least.map_or(ratio, |least: f64| least.min(ratio)));
@@ -113,6 +159,9 @@ fn touched_ratio(setup: &Setup, model: &ModalModel, drive: &Drive) -> Option<f64
 /// The mode in whose half-power bandwidth `frequency_hz` lies, Hz.
 pub(crate) fn mode_on(model: &ModalModel, frequency_hz: f64) -> Option<f64> {
     let distance = |hz: f64| (hz - frequency_hz).abs();
-    let near = model.in_band_modes().filter(|mode| distance(mode.frequency_hz) <= 0.5 * mode.loss_factor * mode.frequency_hz);
-    near.map(|mode| mode.frequency_hz).min_by(|a, b| distance(*a).total_cmp(&distance(*b)))
+    let near = model
+        .in_band_modes()
+        .filter(|mode| distance(mode.frequency_hz) <= 0.5 * mode.loss_factor * mode.frequency_hz);
+    near.map(|mode| mode.frequency_hz)
+        .min_by(|a, b| distance(*a).total_cmp(&distance(*b)))
 }

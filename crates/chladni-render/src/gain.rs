@@ -1,7 +1,7 @@
 //! The gain of a drive, and its force limit.
 //!
-//! The gain is found on predicted counts, min(hot, cold) first: by the target the error of the fit would set it, and by the
-//! total of both silence would often win.
+//! The gain is found on predicted counts, min(hot, cold) first: by the target the error
+//! of the fit would set it, and by the total of both silence would often win.
 
 use crate::methods::Solution;
 use crate::problem::{amplitude, Drive, Problem};
@@ -10,10 +10,12 @@ use chladni_frf::Result;
 use ndarray::{Array1, Axis};
 
 impl Problem {
-    /// Scales a drive by the gain that serves most rows, and by no more than its largest weight may be.
+    /// Scales a drive by the gain that serves most rows, and by no more than its largest
+    /// weight may be.
     ///
-    /// Counts change only at the gains where one row meets its limit, so one gain between each two of them is tried; among
-    /// the rows that are then inside, the least hot and the loudest cold one get the same slack.
+    /// Counts change only at the gains where one row meets its limit, so one gain between
+    /// each two of them is tried; among the rows that are then inside, the least hot and
+    /// the loudest cold one get the same slack.
     pub(crate) fn with_best_gain(&self, drive: &Drive) -> Drive {
         let gain = self.best_gain(&self.field(drive).map(amplitude), drive);
         drive.mapv(|weight| weight * gain)
@@ -29,7 +31,11 @@ impl Problem {
         // an unlimited drive may take any of the other gains
         let start = if allowed.is_finite() { allowed } else { 1.0 };
         let mut best = (start, rank(self.counts(amplitudes, start)));
-        for (gain, counts) in self.steps(amplitudes).into_iter().filter(|step| step.0 < allowed) {
+        for (gain, counts) in self
+            .steps(amplitudes)
+            .into_iter()
+            .filter(|step| step.0 < allowed)
+        {
             if rank(counts) > best.1 {
                 best = (gain, rank(counts));
             }
@@ -41,10 +47,19 @@ impl Problem {
         }
     }
 
-    /// Every pair of counts that some gain leads to, hot and cold, with such a gain; rising.
+    /// Every pair of counts that some gain leads to, hot and cold, with such a gain;
+    /// rising.
     fn steps(&self, amplitudes: &Array1<f64>) -> Vec<(f64, (usize, usize))> {
-        let limit = |k: usize| if k < self.rows.hot { self.limits.hot_m_per_s } else { self.limits.cold_m_per_s };
-        let mut meets: Vec<(f64, bool)> = (0..amplitudes.len()).map(|k| (limit(k) / amplitudes[k], k < self.rows.hot)).collect();
+        let limit = |k: usize| {
+            if k < self.rows.hot {
+                self.limits.hot_m_per_s
+            } else {
+                self.limits.cold_m_per_s
+            }
+        };
+        let mut meets: Vec<(f64, bool)> = (0..amplitudes.len())
+            .map(|k| (limit(k) / amplitudes[k], k < self.rows.hot))
+            .collect();
         meets.retain(|meet| meet.0.is_finite());
         meets.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (mut felt, mut quiet) = (0, self.rows.cold());
@@ -63,11 +78,20 @@ impl Problem {
         steps
     }
 
-    /// The gain at which the least hot and the loudest cold row, of those inside at `gain`, have the same κ.
+    /// The gain at which the least hot and the loudest cold row, of those inside at
+    /// `gain`, have the same κ.
     fn balanced_gain(&self, amplitudes: &Array1<f64>, gain: f64) -> f64 {
         let (hot, cold) = amplitudes.view().split_at(Axis(0), self.rows.hot);
-        let least = hot.iter().copied().filter(|v| self.limits.is_felt(gain * v)).fold(f64::INFINITY, f64::min);
-        let loudest = cold.iter().copied().filter(|v| self.limits.is_quiet(gain * v)).fold(0.0, f64::max);
+        let least = hot
+            .iter()
+            .copied()
+            .filter(|v| self.limits.is_felt(gain * v))
+            .fold(f64::INFINITY, f64::min);
+        let loudest = cold
+            .iter()
+            .copied()
+            .filter(|v| self.limits.is_quiet(gain * v))
+            .fold(0.0, f64::max);
         let balanced = (self.limits.hot_m_per_s + self.limits.cold_m_per_s) / (least + loudest);
         if least.is_finite() && balanced.is_finite() {
             balanced
@@ -77,14 +101,19 @@ impl Problem {
     }
 }
 
-/// Solves with a rising ridge until the force limit no longer costs any response its limit, and takes the best of all.
+/// Solves with a rising ridge until the force limit no longer costs any response its
+/// limit, and takes the best of all.
 ///
 /// * `solve`: the drive for a ridge relative to the mean diagonal of the normal matrix
-pub(crate) fn within_drive_limit(problem: &Problem, solve: impl Fn(f64) -> Result<Drive>) -> Result<Solution> {
+pub(crate) fn within_drive_limit(
+    problem: &Problem,
+    solve: impl Fn(f64) -> Result<Drive>,
+) -> Result<Solution> {
     let mut drive = solve(0.0)?;
     let mut solution = Solution::of_drive(drive.clone());
     let mut score = problem.score(&drive);
-    let at_limit = |drive: &Drive| problem.drive_limits.allowed_gain(drive) <= 1.0 + tolerances::AT_LIMIT;
+    let at_limit =
+        |drive: &Drive| problem.drive_limits.allowed_gain(drive) <= 1.0 + tolerances::AT_LIMIT;
     if score.min_ratio == 1.0 || !at_limit(&drive) {
         return Ok(solution);
     }
@@ -92,7 +121,8 @@ pub(crate) fn within_drive_limit(problem: &Problem, solve: impl Fn(f64) -> Resul
     for ridge in tolerances::FORCE_RIDGES {
         drive = solve(ridge)?;
         let other = problem.score(&drive);
-        let key = |score: &crate::problem::Score| [score.min_ratio, score.success_ratio, score.kappa];
+        let key =
+            |score: &crate::problem::Score| [score.min_ratio, score.success_ratio, score.kappa];
         if key(&other) > key(&score) {
             (score, ridge_used, solution.drive) = (other, ridge, drive.clone());
         }
@@ -101,7 +131,8 @@ pub(crate) fn within_drive_limit(problem: &Problem, solve: impl Fn(f64) -> Resul
         }
     }
     solution.warnings.push(format!(
-        "{} binds: the drive was regularised more strongly (ridge {ridge_used:.0e}), and {:.1} % of the responses keep their limit",
+        "{} binds: the drive was regularised more strongly (ridge {ridge_used:.0e}), and {:.1} % \
+         of the responses keep their limit",
         problem.drive_limits.binding(&solution.drive),
         100.0 * score.success_ratio
     ));

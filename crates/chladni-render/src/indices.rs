@@ -1,7 +1,9 @@
-//! How well a field does what was asked: the indices of the seed paper, hot and cold apart, and what silence would score.
+//! How well a field does what was asked: the indices of the seed paper, hot and cold
+//! apart, and what silence would score.
 //!
-//! Silence meets the cold limit everywhere, so the share of all points inside their limit says little: 0.779 for one cell of
-//! four. Hence `silence_ratio` beside `success_ratio`, and `min_ratio`, which only a good field makes large.
+//! Silence meets the cold limit everywhere, so the share of all points inside their limit
+//! says little: 0.779 for one cell of four. Hence `silence_ratio` beside `success_ratio`,
+//! and `min_ratio`, which only a good field makes large.
 
 use crate::field::{AreaField, Field};
 use crate::plane::Position;
@@ -17,7 +19,8 @@ use serde::{Deserialize, Serialize};
 pub struct Indices {
     /// At the measured responses.
     pub points: PointIndices,
-    /// On a grid of at most 5 mm interpolated between them; `None` where they carry no area.
+    /// On a grid of at most 5 mm interpolated between them; `None` where they carry no
+    /// area.
     pub area: Option<AreaIndices>,
 }
 
@@ -36,7 +39,8 @@ pub struct PointIndices {
     pub silence_ratio: f64,
     /// 20 log10(least hot |v| / largest cold |v|), dB; `None` where nothing moves.
     pub contrast_db: Option<f64>,
-    /// The least distance of a judged point from its limit, dB, negative where one misses; `None` where a hot point is still.
+    /// The least distance of a judged point from its limit, dB, negative where one
+    /// misses; `None` where a hot point is still.
     pub margin_db: Option<f64>,
     /// Largest |A_i|, N peak; `None` where the references are volts.
     pub max_force_n: Option<f64>,
@@ -45,7 +49,8 @@ pub struct PointIndices {
     pub max_voltage_v: Option<f64>,
 }
 
-/// Indices over the area; fractions of the grid points that are hot or cold, `None` where none is.
+/// Indices over the area; fractions of the grid points that are hot or cold, `None` where
+/// none is.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct AreaIndices {
     /// Hot ground that is felt.
@@ -54,7 +59,8 @@ pub struct AreaIndices {
     pub cold_ratio: Option<f64>,
 }
 
-/// Amplitudes on one kind of ground, m/s; those of hot ground over the level of its zone, so that one limit holds for all.
+/// Amplitudes on one kind of ground, m/s; those of hot ground over the level of its zone,
+/// so that one limit holds for all.
 fn amplitudes<'a>(
     zones: &ZoneMap,
     places: impl IntoIterator<Item = Position>,
@@ -63,8 +69,16 @@ fn amplitudes<'a>(
     wanted: Ground,
 ) -> Vec<f64> {
     let all = places.into_iter().zip(ground).zip(velocity);
-    let over_level = |(place, v)| if wanted == Ground::Hot { amplitude(v) / zones.level_at(place) } else { amplitude(v) };
-    all.filter(|((_, ground), _)| **ground == wanted).map(|((place, _), v)| over_level((place, v))).collect()
+    let over_level = |(place, v)| {
+        if wanted == Ground::Hot {
+            amplitude(v) / zones.level_at(place)
+        } else {
+            amplitude(v)
+        }
+    };
+    all.filter(|((_, ground), _)| **ground == wanted)
+        .map(|((place, _), v)| over_level((place, v)))
+        .collect()
 }
 
 impl PointIndices {
@@ -72,13 +86,30 @@ impl PointIndices {
     ///
     /// # Errors
     /// No response lies in the hot zone, or none in the cold one.
-    pub(crate) fn of_field(field: &Field, zones: &ZoneMap, limits: &Limits, drive: &Drive, unit: ReferenceUnit) -> Result<Self> {
-        let of = |wanted| amplitudes(zones, field.positions_m.iter().copied(), &field.ground, &field.velocity_m_per_s, wanted);
+    pub(crate) fn of_field(
+        field: &Field,
+        zones: &ZoneMap,
+        limits: &Limits,
+        drive: &Drive,
+        unit: ReferenceUnit,
+    ) -> Result<Self> {
+        let of = |wanted| {
+            amplitudes(
+                zones,
+                field.positions_m.iter().copied(),
+                &field.ground,
+                &field.velocity_m_per_s,
+                wanted,
+            )
+        };
         let (hot, cold) = (of(Ground::Hot), of(Ground::Cold));
         check_zones(hot.len(), cold.len())?;
         let felt = hot.iter().filter(|&&v| limits.is_felt(v)).count();
         let quiet = cold.iter().filter(|&&v| limits.is_quiet(v)).count();
-        let (hot_ratio, cold_ratio) = (felt as f64 / hot.len() as f64, quiet as f64 / cold.len() as f64);
+        let (hot_ratio, cold_ratio) = (
+            felt as f64 / hot.len() as f64,
+            quiet as f64 / cold.len() as f64,
+        );
         let judged = (hot.len() + cold.len()) as f64;
         let least_hot = hot.iter().copied().fold(f64::INFINITY, f64::min);
         let largest_cold = cold.iter().copied().fold(0.0, f64::max);
@@ -106,13 +137,20 @@ impl AreaIndices {
     /// The indices of an interpolated field.
     pub(crate) fn of_area(area: &AreaField, zones: &ZoneMap, limits: &Limits) -> Self {
         let of = |wanted| {
-            let places = area.y_m.iter().flat_map(|&y| area.x_m.iter().map(move |&x| [x, y]));
+            let places = area
+                .y_m
+                .iter()
+                .flat_map(|&y| area.x_m.iter().map(move |&x| [x, y]));
             amplitudes(zones, places, &area.ground, &area.velocity_m_per_s, wanted)
         };
         let ratio = |all: &[f64], inside: &dyn Fn(f64) -> bool| {
-            (!all.is_empty()).then(|| all.iter().filter(|&&v| inside(v)).count() as f64 / all.len() as f64)
+            (!all.is_empty())
+                .then(|| all.iter().filter(|&&v| inside(v)).count() as f64 / all.len() as f64)
         };
-        Self { hot_ratio: ratio(&of(Ground::Hot), &|v| limits.is_felt(v)), cold_ratio: ratio(&of(Ground::Cold), &|v| limits.is_quiet(v)) }
+        Self {
+            hot_ratio: ratio(&of(Ground::Hot), &|v| limits.is_felt(v)),
+            cold_ratio: ratio(&of(Ground::Cold), &|v| limits.is_quiet(v)),
+        }
     }
 }
 
@@ -122,9 +160,11 @@ pub(crate) fn check_zones(hot: usize, cold: usize) -> Result<()> {
         if count == 0 {
             return Err(Error::bad_data(format!("no response lies in the {name} zone"))
                 .field("zones")
-                .found(format!("0 {name} responses and {other} of the other kind, outside the transition"))
+                .found(format!("0 {name} responses and {other} of the other kind, outside the \
+                                transition"))
                 .expected(format!("at least one {name} response"))
-                .help("check area_m and cells_m against the positions of the nodes (metres), and transition_m against their spacing"));
+                .help("check area_m and cells_m against the positions of the nodes (metres), and \
+                       transition_m against their spacing"));
         }
     }
     Ok(())

@@ -1,16 +1,21 @@
 //! Fields between the measured responses: polyharmonic splines, for responses anywhere.
 //!
-//! v(x) = Σ_k c_k φ(|x − x_k|) + polynomial of degree m − 1, φ(r) = r^{2m−2}·ln r, with Σ_k c_k p(x_k) = 0 for all those
-//! polynomials; m = 2 is the thin-plate spline (Duchon 1977; Wendland, *Scattered Data Approximation*, 2005, section 8.3).
-//! The order m = 4 is taken where the responses carry its ten polynomials. Measured on the panel of the fixtures at 300 Hz (20 mm
-//! between responses, 153 mm of wavelength), rms error of a rendered field and largest factor on the noise of the responses: m = 2
-//! 2.3 % and 1.00, m = 3 1.2 % and 1.01, m = 4 0.5 % and 1.15, m = 5 0.3 % and 1.57, m = 6 0.3 % and 2.43. Nothing is
-//! extrapolated: ask only inside the convex hull.
+//! v(x) = Σ_k c_k φ(|x − x_k|) + polynomial of degree m − 1, φ(r) = r^{2m−2}·ln r, with
+//! Σ_k c_k p(x_k) = 0 for all those polynomials; m = 2 is the thin-plate spline (Duchon
+//! 1977; Wendland, *Scattered Data Approximation*, 2005, section 8.3). The order m = 4 is
+//! taken where the responses carry its ten polynomials. Measured on the panel of the
+//! fixtures at 300 Hz (20 mm between responses, 153 mm of wavelength), rms error of a
+//! rendered field and largest factor on the noise of the responses: m = 2 2.3 % and 1.00,
+//! m = 3 1.2 % and 1.01, m = 4 0.5 % and 1.15, m = 5 0.3 % and 1.57, m = 6 0.3 % and
+//! 2.43. Nothing is extrapolated: ask only inside the convex hull.
 
 use crate::lattice::Lattice;
 use crate::plane::Position;
 use crate::tolerances;
-use chladni_linalg::{cholesky, matmul, matmul_h, qr_thin, solve_lower, solve_lower_adjoint, solve_upper, RANK_TOLERANCE};
+use chladni_linalg::{
+    cholesky, matmul, matmul_h, qr_thin, solve_lower, solve_lower_adjoint, solve_upper,
+    RANK_TOLERANCE,
+};
 use ndarray::{concatenate, s, stack, Array1, Array2, ArrayView2, Axis};
 use num_complex::Complex64;
 use std::sync::Arc;
@@ -18,7 +23,8 @@ use std::sync::Arc;
 /// The orders m that are tried, the smoothest first.
 const ORDERS: [usize; 3] = [4, 3, 2];
 
-/// Places where a field is known, made ready for interpolation: once for any number of queries and fields.
+/// Places where a field is known, made ready for interpolation: once for any number of
+/// queries and fields.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Nodes {
     /// One spline through all of them.
@@ -30,7 +36,8 @@ pub(crate) enum Nodes {
 /// Interpolation from nodes to queries.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Interpolation {
-    /// One spline through all nodes, and its basis at the queries; axes (query, coefficient).
+    /// One spline through all nodes, and its basis at the queries; axes (query,
+    /// coefficient).
     Whole(Arc<Spline>, Array2<f64>),
     /// A spline of its own around each query.
     Patches {
@@ -53,39 +60,57 @@ impl Nodes {
     /// `None` where the nodes around a query carry no plane.
     pub(crate) fn onto(&self, queries: &[Position]) -> Option<Interpolation> {
         let nodes = match self {
-            Self::Whole(spline) => return Some(Interpolation::Whole(spline.clone(), spline.basis(queries))),
+            Self::Whole(spline) => {
+                return Some(Interpolation::Whole(spline.clone(), spline.basis(queries)))
+            }
             Self::Many(nodes) => nodes,
         };
         let shape = (queries.len(), tolerances::NEAREST_RESPONSES);
         let (mut neighbours, mut weights) = (Array2::zeros(shape), Array2::zeros(shape));
         for (q, &query) in queries.iter().enumerate() {
-            let squared = |k: usize| (nodes[k][0] - query[0]).powi(2) + (nodes[k][1] - query[1]).powi(2);
+            let squared =
+                |k: usize| (nodes[k][0] - query[0]).powi(2) + (nodes[k][1] - query[1]).powi(2);
             let mut order: Vec<usize> = (0..nodes.len()).collect();
-            order.select_nth_unstable_by(tolerances::NEAREST_RESPONSES - 1, |&a, &b| squared(a).total_cmp(&squared(b)).then(a.cmp(&b)));
+            order.select_nth_unstable_by(tolerances::NEAREST_RESPONSES - 1, |&a, &b| {
+                squared(a).total_cmp(&squared(b)).then(a.cmp(&b))
+            });
             order.truncate(tolerances::NEAREST_RESPONSES);
             order.sort_unstable();
             let patch: Vec<Position> = order.iter().map(|&k| nodes[k]).collect();
-            weights.row_mut(q).assign(&Spline::through(&patch)?.weights(query));
+            weights
+                .row_mut(q)
+                .assign(&Spline::through(&patch)?.weights(query));
             neighbours.row_mut(q).assign(&Array1::from(order));
         }
-        Some(Interpolation::Patches { nodes: neighbours, weights })
+        Some(Interpolation::Patches {
+            nodes: neighbours,
+            weights,
+        })
     }
 }
 
 impl Interpolation {
-    /// Fields at the queries from `values` at the nodes, axes (node, field); returns axes (query, field).
+    /// Fields at the queries from `values` at the nodes, axes (node, field); returns axes
+    /// (query, field).
     pub(crate) fn apply(&self, values: ArrayView2<Complex64>) -> Array2<Complex64> {
         match self {
             Self::Whole(spline, basis) => {
                 let fields = values.ncols();
-                let parts = Array2::from_shape_fn((values.nrows(), 2 * fields), |(k, column)| match column < fields {
-                    true => values[[k, column]].re,
-                    false => values[[k, column - fields]].im,
+                let parts = Array2::from_shape_fn((values.nrows(), 2 * fields), |(k, column)| {
+                    match column < fields {
+                        true => values[[k, column]].re,
+                        false => values[[k, column - fields]].im,
+                    }
                 });
                 let coefficients = spline.solve(parts.view());
-                // for a single field a product of matrices would spend its time on packing the basis
+                // for a single field a product of matrices would spend its time on
+                // packing the basis
                 let parts = match fields {
-                    1 => stack![Axis(1), basis.dot(&coefficients.column(0)), basis.dot(&coefficients.column(1))],
+                    1 => stack![
+                        Axis(1),
+                        basis.dot(&coefficients.column(0)),
+                        basis.dot(&coefficients.column(1))
+                    ],
                     _ => matmul(basis.view(), coefficients.view()),
                 };
                 Array2::from_shape_fn((basis.nrows(), fields), |(q, column)| {
@@ -94,7 +119,11 @@ impl Interpolation {
             }
             Self::Patches { nodes, weights } => {
                 let mut fields = Array2::zeros((nodes.nrows(), values.ncols()));
-                for (mut row, (nodes, weights)) in fields.rows_mut().into_iter().zip(nodes.rows().into_iter().zip(weights.rows())) {
+                for (mut row, (nodes, weights)) in fields
+                    .rows_mut()
+                    .into_iter()
+                    .zip(nodes.rows().into_iter().zip(weights.rows()))
+                {
                     for (&node, &weight) in nodes.iter().zip(weights) {
                         row.zip_mut_with(&values.row(node), |sum, &value| *sum += value * weight);
                     }
@@ -107,12 +136,14 @@ impl Interpolation {
 
 /// A polyharmonic spline through nodes, factorised.
 ///
-/// With the polynomials at the nodes P = Q·R and the projection Π = I − Q·Qᵀ past them, (−1)^m·Π·Φ·Π is positive definite on the range of Π
-/// (Wendland, section 8.1): c = Π·c solves Π·Φ·Π·c = Π·v, and R·d = Qᵀ·(v − Φ·c).
+/// With the polynomials at the nodes P = Q·R and the projection Π = I − Q·Qᵀ past them,
+/// (−1)^m·Π·Φ·Π is positive definite on the range of Π (Wendland, section 8.1): c = Π·c
+/// solves Π·Φ·Π·c = Π·v, and R·d = Qᵀ·(v − Φ·c).
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Spline {
     order: usize,
-    /// Scaled to coordinates of order one: powers of metres would differ by many orders of magnitude.
+    /// Scaled to coordinates of order one: powers of metres would differ by many orders
+    /// of magnitude.
     nodes: Vec<Position>,
     centre: Position,
     radius: f64,
@@ -127,7 +158,9 @@ pub(crate) struct Spline {
 impl Spline {
     /// By the highest order that the nodes carry.
     fn through(nodes: &[Position]) -> Option<Self> {
-        ORDERS.iter().find_map(|&order| Self::of_order(order, nodes))
+        ORDERS
+            .iter()
+            .find_map(|&order| Self::of_order(order, nodes))
     }
 
     fn of_order(order: usize, nodes: &[Position]) -> Option<Self> {
@@ -137,22 +170,43 @@ impl Spline {
         }
         let count = nodes.len() as f64;
         let centre = [0, 1].map(|axis| nodes.iter().map(|node| node[axis]).sum::<f64>() / count);
-        let radius = nodes.iter().map(|node| (node[0] - centre[0]).hypot(node[1] - centre[1])).fold(f64::MIN_POSITIVE, f64::max);
+        let radius = nodes
+            .iter()
+            .map(|node| (node[0] - centre[0]).hypot(node[1] - centre[1]))
+            .fold(f64::MIN_POSITIVE, f64::max);
         let empty = || Array2::zeros((0, 0));
-        let mut spline = Self { order, nodes: Vec::new(), centre, radius, kernel: empty(), q: empty(), r: empty(), lower: empty() };
+        let mut spline = Self {
+            order,
+            nodes: Vec::new(),
+            centre,
+            radius,
+            kernel: empty(),
+            q: empty(),
+            r: empty(),
+            lower: empty(),
+        };
         spline.nodes = nodes.iter().map(|&node| spline.scaled(node)).collect();
         let basis = spline.basis(nodes);
         let (kernel, polynomial) = basis.view().split_at(Axis(1), nodes.len());
         let (q, r) = qr_thin(polynomial).ok()?;
         // coordinates are of order one, and so is the mean square of a monomial
-        if r.diag().iter().any(|value| value.abs() <= RANK_TOLERANCE * count.sqrt()) {
+        if r.diag()
+            .iter()
+            .any(|value| value.abs() <= RANK_TOLERANCE * count.sqrt())
+        {
             return None;
         }
         let beyond = past(&q, past(&q, kernel).t()) * spline.sign();
         // as many nodes as polynomials leave nothing but rounding
         let mean = f64::max(beyond.diag().sum() / count, RANK_TOLERANCE);
         let lower = cholesky((beyond + matmul(q.view(), q.t()) * mean).view()).ok()?;
-        Some(Self { kernel: kernel.to_owned(), q, r, lower, ..spline })
+        Some(Self {
+            kernel: kernel.to_owned(),
+            q,
+            r,
+            lower,
+            ..spline
+        })
     }
 
     /// (−1)^m.
@@ -178,13 +232,19 @@ impl Spline {
             None => {
                 for (mut row, query) in basis.rows_mut().into_iter().zip(&queries) {
                     for (value, node) in row.iter_mut().zip(&self.nodes) {
-                        *value = phi(self.order, (node[0] - query[0]).powi(2) + (node[1] - query[1]).powi(2));
+                        *value = phi(
+                            self.order,
+                            (node[0] - query[0]).powi(2) + (node[1] - query[1]).powi(2),
+                        );
                     }
                 }
             }
         }
         for (mut row, &query) in basis.rows_mut().into_iter().zip(&queries) {
-            row.slice_mut(s![count..]).iter_mut().zip(monomials(self.order, query)).for_each(|(place, value)| *place = value);
+            row.slice_mut(s![count..])
+                .iter_mut()
+                .zip(monomials(self.order, query))
+                .for_each(|(place, value)| *place = value);
         }
         basis
     }
@@ -195,22 +255,30 @@ impl Spline {
         let (kernel, polynomial) = basis.view().split_at(Axis(1), self.nodes.len());
         let of_polynomial = solve_lower(self.r.t(), polynomial.t()).expect("sizes of one system");
         let of_polynomial = matmul(self.q.view(), of_polynomial.view());
-        let of_kernel = self.coefficients((&kernel.t() - &matmul(self.kernel.view(), of_polynomial.view())).view());
+        let of_kernel = self
+            .coefficients((&kernel.t() - &matmul(self.kernel.view(), of_polynomial.view())).view());
         (of_kernel + of_polynomial).column(0).to_owned()
     }
 
-    /// For values at the nodes the coefficients of the splines through them; axes (coefficient, field).
+    /// For values at the nodes the coefficients of the splines through them; axes
+    /// (coefficient, field).
     fn solve(&self, values: ArrayView2<f64>) -> Array2<f64> {
         let of_kernel = self.coefficients(values);
         let left = &values - &matmul(self.kernel.view(), of_kernel.view());
-        let of_polynomial = solve_upper(self.r.view(), matmul_h(self.q.view(), left.view()).view()).expect("sizes of one system");
+        let of_polynomial = solve_upper(self.r.view(), matmul_h(self.q.view(), left.view()).view())
+            .expect("sizes of one system");
         concatenate![Axis(0), of_kernel, of_polynomial]
     }
 
     /// c of `values` at the nodes.
     fn coefficients(&self, values: ArrayView2<f64>) -> Array2<f64> {
-        let half = solve_lower(self.lower.view(), (past(&self.q, values) * self.sign()).view());
-        let solved = half.and_then(|half| solve_lower_adjoint(self.lower.view(), half.view())).expect("sizes of one system");
+        let half = solve_lower(
+            self.lower.view(),
+            (past(&self.q, values) * self.sign()).view(),
+        );
+        let solved = half
+            .and_then(|half| solve_lower_adjoint(self.lower.view(), half.view()))
+            .expect("sizes of one system");
         past(&self.q, solved.view())
     }
 }
@@ -231,7 +299,9 @@ fn phi(order: usize, squared: f64) -> f64 {
 
 /// All monomials of degree below `order`.
 fn monomials(order: usize, [x, y]: Position) -> impl Iterator<Item = f64> {
-    (0..order as i32).flat_map(move |degree| (0..=degree).map(move |power| x.powi(degree - power) * y.powi(power)))
+    (0..order as i32).flat_map(move |degree| {
+        (0..=degree).map(move |power| x.powi(degree - power) * y.powi(power))
+    })
 }
 
 #[cfg(test)]
@@ -239,26 +309,55 @@ mod tests {
     use super::*;
 
     fn grid(columns: usize, rows: usize, step: f64) -> Vec<Position> {
-        (0..columns * rows).map(|k| [0.034 + step * (k % columns) as f64, 0.025 + step * (k / columns) as f64]).collect()
+        (0..columns * rows)
+            .map(|k| {
+                [
+                    0.034 + step * (k % columns) as f64,
+                    0.025 + step * (k / columns) as f64,
+                ]
+            })
+            .collect()
     }
 
-    fn largest_error(nodes: &[Position], queries: &[Position], field: impl Fn(Position) -> f64) -> f64 {
-        let values = Array2::from_shape_fn((nodes.len(), 1), |(k, _)| Complex64::from(field(nodes[k])));
-        let found = Nodes::new(nodes).unwrap().onto(queries).unwrap().apply(values.view());
-        found.iter().zip(queries).map(|(value, &query)| (value - field(query)).norm()).fold(0.0, f64::max)
+    fn largest_error(
+        nodes: &[Position],
+        queries: &[Position],
+        field: impl Fn(Position) -> f64,
+    ) -> f64 {
+        let values =
+            Array2::from_shape_fn((nodes.len(), 1), |(k, _)| Complex64::from(field(nodes[k])));
+        let found = Nodes::new(nodes)
+            .unwrap()
+            .onto(queries)
+            .unwrap()
+            .apply(values.view());
+        found
+            .iter()
+            .zip(queries)
+            .map(|(value, &query)| (value - field(query)).norm())
+            .fold(0.0, f64::max)
     }
 
     #[test]
     fn cubic_polynomials_are_reproduced() {
-        let cubic = |[x, y]: Position| 1.0 + 20.0 * x - 300.0 * x * y + 5000.0 * x * y * y - 700.0 * x.powi(3);
+        let cubic = |[x, y]: Position| {
+            1.0 + 20.0 * x - 300.0 * x * y + 5000.0 * x * y * y - 700.0 * x.powi(3)
+        };
         assert!(largest_error(&grid(5, 4, 0.02), &grid(9, 7, 0.01), cubic) < 1e-9);
     }
 
     #[test]
     fn noise_of_the_responses_is_not_amplified() {
-        let interpolation = Nodes::new(&grid(11, 7, 0.02)).unwrap().onto(&grid(41, 25, 0.005)).unwrap();
+        let interpolation = Nodes::new(&grid(11, 7, 0.02))
+            .unwrap()
+            .onto(&grid(41, 25, 0.005))
+            .unwrap();
         let weights = interpolation.apply(Array2::from_diag_elem(77, Complex64::ONE).view());
-        let largest = weights.rows().into_iter().map(|row| row.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt()).fold(0.0, f64::max);
+        let largest = weights
+            .rows()
+            .into_iter()
+            .map(|row| row.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt())
+            .fold(0.0, f64::max);
         assert!(largest < 1.2, "{largest}");
     }
 
@@ -272,7 +371,13 @@ mod tests {
     #[test]
     fn few_responses_take_a_lower_order_and_a_line_none() {
         let plane = |[x, y]: Position| 3.0 * x - y;
-        assert!(largest_error(&[[0.0, 0.0], [0.1, 0.0], [0.0, 0.1]], &[[0.03, 0.03]], plane) < 1e-12);
+        assert!(
+            largest_error(
+                &[[0.0, 0.0], [0.1, 0.0], [0.0, 0.1]],
+                &[[0.03, 0.03]],
+                plane
+            ) < 1e-12
+        );
         assert!(Nodes::new(&grid(7, 1, 0.02)).is_none() && Nodes::new(&grid(2, 1, 0.02)).is_none());
     }
 }

@@ -1,6 +1,7 @@
 //! Distances between places on grids, each of them once.
 //!
-//! The 1025 places of a grid on 77 responses have 79 000 distances, of which a thousand differ: a function of the distance is then a table.
+//! The 1025 places of a grid on 77 responses have 79 000 distances, of which a thousand
+//! differ: a function of the distance is then a table.
 
 use crate::plane::Position;
 use crate::tolerances;
@@ -17,7 +18,8 @@ struct Axis {
     of_place: Vec<usize>,
     /// The same of each node.
     of_node: Vec<usize>,
-    /// Which distance, of the distinct ones, lies between two coordinates; axes (place, node).
+    /// Which distance, of the distinct ones, lies between two coordinates; axes (place,
+    /// node).
     kind: Array2<usize>,
     /// Squares of the distinct distances.
     squared: Vec<f64>,
@@ -27,19 +29,36 @@ impl Lattice {
     /// `None` where coordinates, or distances, hardly repeat.
     pub(crate) fn of(places: &[Position], nodes: &[Position]) -> Option<Self> {
         let worth_it = places.len() * nodes.len() / 4;
-        let axis = |which: usize| Axis::of(places.iter().map(|p| p[which]), nodes.iter().map(|p| p[which]), worth_it);
+        let axis = |which: usize| {
+            Axis::of(
+                places.iter().map(|p| p[which]),
+                nodes.iter().map(|p| p[which]),
+                worth_it,
+            )
+        };
         let axes = [axis(0)?, axis(1)?];
         (axes[0].squared.len() * axes[1].squared.len() <= worth_it).then_some(Self { axes })
     }
 
-    /// Fills the columns of the nodes with `function` of the squared distances; axes of `matrix` (place, node and more).
+    /// Fills the columns of the nodes with `function` of the squared distances; axes of
+    /// `matrix` (place, node and more).
     pub(crate) fn fill(&self, matrix: &mut Array2<f64>, function: impl Fn(f64) -> f64) {
         let [x, y] = &self.axes;
         let columns = y.squared.len();
-        let table: Vec<f64> = x.squared.iter().flat_map(|dx| y.squared.iter().map(move |dy| dx + dy)).map(function).collect();
-        for (mut row, (&place_x, &place_y)) in matrix.rows_mut().into_iter().zip(x.of_place.iter().zip(&y.of_place)) {
+        let table: Vec<f64> = x
+            .squared
+            .iter()
+            .flat_map(|dx| y.squared.iter().map(move |dy| dx + dy))
+            .map(function)
+            .collect();
+        for (mut row, (&place_x, &place_y)) in matrix
+            .rows_mut()
+            .into_iter()
+            .zip(x.of_place.iter().zip(&y.of_place))
+        {
             let (kinds_x, kinds_y) = (x.kind.row(place_x), y.kind.row(place_y));
-            for (value, (&node_x, &node_y)) in row.iter_mut().zip(x.of_node.iter().zip(&y.of_node)) {
+            for (value, (&node_x, &node_y)) in row.iter_mut().zip(x.of_node.iter().zip(&y.of_node))
+            {
                 *value = table[kinds_x[node_x] * columns + kinds_y[node_y]];
             }
         }
@@ -47,16 +66,31 @@ impl Lattice {
 }
 
 impl Axis {
-    fn of(places: impl Iterator<Item = f64>, nodes: impl Iterator<Item = f64>, most: usize) -> Option<Self> {
+    fn of(
+        places: impl Iterator<Item = f64>,
+        nodes: impl Iterator<Item = f64>,
+        most: usize,
+    ) -> Option<Self> {
         let (of_place, places) = distinct(places.collect());
         let (of_node, nodes) = distinct(nodes.collect());
         if places.len() * nodes.len() > most {
             return None;
         }
-        let all = places.iter().flat_map(|place| nodes.iter().map(move |node| (place - node).abs()));
+        let all = places
+            .iter()
+            .flat_map(|place| nodes.iter().map(move |node| (place - node).abs()));
         let (kind, distances) = distinct(all.collect());
-        let kind = Array2::from_shape_vec((places.len(), nodes.len()), kind).expect("one distance of each pair");
-        Some(Self { of_place, of_node, kind, squared: distances.iter().map(|distance| distance * distance).collect() })
+        let kind = Array2::from_shape_vec((places.len(), nodes.len()), kind)
+            .expect("one distance of each pair");
+        Some(Self {
+            of_place,
+            of_node,
+            kind,
+            squared: distances
+                .iter()
+                .map(|distance| distance * distance)
+                .collect(),
+        })
     }
 }
 
@@ -66,7 +100,10 @@ fn distinct(values: Vec<f64>) -> (Vec<usize>, Vec<f64>) {
     order.sort_unstable_by(|&a, &b| values[a].total_cmp(&values[b]));
     let (mut which, mut kept) = (vec![0; values.len()], Vec::<f64>::new());
     for k in order {
-        if kept.last().is_none_or(|&last| values[k] - last > tolerances::SAME_COORDINATE) {
+        if kept
+            .last()
+            .is_none_or(|&last| values[k] - last > tolerances::SAME_COORDINATE)
+        {
             kept.push(values[k]);
         }
         which[k] = kept.len() - 1;
@@ -80,18 +117,25 @@ mod tests {
 
     #[test]
     fn a_grid_has_a_table_and_scattered_places_have_none() {
-        let grid =
-            |n: usize, step: f64| -> Vec<Position> { (0..n * n).map(|k| [0.1 + step * (k % n) as f64, step * (k / n) as f64]).collect() };
+        let grid = |n: usize, step: f64| -> Vec<Position> {
+            (0..n * n)
+                .map(|k| [0.1 + step * (k % n) as f64, step * (k / n) as f64])
+                .collect()
+        };
         let (places, nodes) = (grid(9, 0.1), grid(5, 0.2));
         let mut matrix = Array2::zeros((81, 25));
-        Lattice::of(&places, &nodes).expect("few distances").fill(&mut matrix, |squared| squared);
+        Lattice::of(&places, &nodes)
+            .expect("few distances")
+            .fill(&mut matrix, |squared| squared);
         for (k, p) in places.iter().enumerate() {
             for (j, n) in nodes.iter().enumerate() {
                 let expected = (p[0] - n[0]).powi(2) + (p[1] - n[1]).powi(2);
                 assert!((matrix[[k, j]] - expected).abs() < 1e-12);
             }
         }
-        let scattered: Vec<Position> = (0..81).map(|k| [(7.3 * k as f64).sin(), (3.1 * k as f64).cos()]).collect();
+        let scattered: Vec<Position> = (0..81)
+            .map(|k| [(7.3 * k as f64).sin(), (3.1 * k as f64).cos()])
+            .collect();
         assert!(Lattice::of(&scattered, &nodes).is_none());
     }
 }

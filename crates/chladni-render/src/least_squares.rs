@@ -1,7 +1,8 @@
 //! Regularised least squares on the judged rows.
 //!
-//! minimise Σ_k w_k( |h_k·A − t_k|² + ‖L·A‖² ) + ridge: N·A = Σ_k w_k h_kᴴt_k, N = Σ_k w_k h_kᴴh_k + R, R = Σ_k w_k·LᴴL + ridge·I. LᴴL is the expected
-//! error of one row, so that what is minimised is the expected squared misfit.
+//! minimise Σ_k w_k( |h_k·A − t_k|² + ‖L·A‖² ) + ridge: N·A = Σ_k w_k h_kᴴt_k, N = Σ_k
+//! w_k h_kᴴh_k + R, R = Σ_k w_k·LᴴL + ridge·I. LᴴL is the expected error of one row, so
+//! that what is minimised is the expected squared misfit.
 
 use crate::problem::{internal, Problem};
 use crate::tolerances;
@@ -11,7 +12,8 @@ use ndarray::{s, Array2, ArrayView2};
 use num_complex::Complex64;
 use std::ops::Range;
 
-/// The least-squares problem of all judged rows, factorised once for any number of targets.
+/// The least-squares problem of all judged rows, factorised once for any number of
+/// targets.
 pub(crate) struct LeastSquares<'a> {
     pub(crate) problem: &'a Problem,
     /// R.
@@ -28,22 +30,32 @@ impl<'a> LeastSquares<'a> {
     pub(crate) fn new(problem: &'a Problem, extra_ridge: f64) -> Result<Self> {
         let [energy, regulariser] = parts(problem, 0..problem.rows.mobility.nrows(), extra_ridge);
         let lower = cholesky((energy + &regulariser).view()).map_err(internal)?;
-        Ok(Self { problem, regulariser, lower })
+        Ok(Self {
+            problem,
+            regulariser,
+            lower,
+        })
     }
 
-    /// The drives for targets on the hot rows, 0 on the cold ones; axes of `targets` (hot row, target), of the drives (actuator, target).
+    /// The drives for targets on the hot rows, 0 on the cold ones; axes of `targets` (hot
+    /// row, target), of the drives (actuator, target).
     ///
     /// # Errors
     /// None: sizes fit.
     pub(crate) fn drives(&self, targets: ArrayView2<Complex64>) -> Result<Array2<Complex64>> {
         let mut weighted = targets.to_owned();
-        for (mut row, &weight) in weighted.rows_mut().into_iter().zip(&self.problem.row_weights) {
+        for (mut row, &weight) in weighted
+            .rows_mut()
+            .into_iter()
+            .zip(&self.problem.row_weights)
+        {
             row.mapv_inplace(|value| value * weight);
         }
         self.solve(matmul_h(self.problem.rows.hot_rows(), weighted.view()).view())
     }
 
-    /// N⁻¹, and I − N⁻¹·R: the least-squares fit to the field h_k·A of a drive A itself is the drive (I − N⁻¹·R)·A.
+    /// N⁻¹, and I − N⁻¹·R: the least-squares fit to the field h_k·A of a drive A itself
+    /// is the drive (I − N⁻¹·R)·A.
     ///
     /// # Errors
     /// None: sizes fit.
@@ -55,7 +67,8 @@ impl<'a> LeastSquares<'a> {
 
     fn solve(&self, right: ArrayView2<Complex64>) -> Result<Array2<Complex64>> {
         let half = solve_lower(self.lower.view(), right);
-        half.and_then(|half| solve_lower_adjoint(self.lower.view(), half.view())).map_err(internal)
+        half.and_then(|half| solve_lower_adjoint(self.lower.view(), half.view()))
+            .map_err(internal)
     }
 }
 
@@ -74,7 +87,12 @@ fn parts(problem: &Problem, range: Range<usize>, extra_ridge: f64) -> [Array2<Co
     }
     let energy = matmul_h(scaled.view(), scaled.view());
     let mut regulariser = problem.covariance.gram() * Complex64::from(weights.sum());
-    let trace = energy.diag().iter().chain(regulariser.diag()).map(|value| value.re).sum::<f64>();
+    let trace = energy
+        .diag()
+        .iter()
+        .chain(regulariser.diag())
+        .map(|value| value.re)
+        .sum::<f64>();
     let ridge = trace / energy.nrows() as f64 * (tolerances::RIDGE + extra_ridge);
     regulariser.diag_mut().mapv_inplace(|value| value + ridge);
     [energy, regulariser]

@@ -1,13 +1,16 @@
 //! Actuator weights that move a panel here and keep it quiet there.
 //!
-//! A [`Scene`] says what is to be felt where; [`render`] takes it and a modal model to [`Weights`] and the field they make;
-//! [`evaluate`] judges given weights on other data. The way through the crate:
+//! A [`Scene`] says what is to be felt where; [`render`] takes it and a modal model to
+//! [`Weights`] and the field they make; [`evaluate`] judges given weights on other data.
+//! The way through the crate:
 //!
-//! `scene` → `zones` (what is asked of each place) → `operator` (what the panel does at the drive frequency) → `covariance` (how
-//! wrong that may be) → `problem` (judged rows and limits) → `methods` (one file each) → `field` → `indices` → `weights`.
+//! `scene` → `zones` (what is asked of each place) → `operator` (what the panel does at
+//! the drive frequency) → `covariance` (how wrong that may be) → `problem` (judged rows
+//! and limits) → `methods` (one file each) → `field` → `indices` → `weights`.
 //!
-//! The idea that carries the methods: v = H·A with the mobility H of the model, |v| at least threshold + limen on hot ground and at
-//! most threshold − limen on cold ground, and an error bar ‖L·A‖ of v from the model's own standard deviations, so that no drive
+//! The idea that carries the methods: v = H·A with the mobility H of the model, |v| at
+//! least threshold + limen on hot ground and at most threshold − limen on cold ground,
+//! and an error bar ‖L·A‖ of v from the model's own standard deviations, so that no drive
 //! leans on what the model does not know.
 //!
 //! ```
@@ -82,7 +85,9 @@ pub use operator::Operator;
 pub use options::{Drift, Effort, RenderOptions};
 pub use plane::{Position, Rectangle};
 pub use render::{render, render_measured, render_with_others, Rendering};
-pub use scene::{Actuators, Limits, Scene, DEFAULT_LIMEN_DB, DEFAULT_MAX_FORCE_N, DEFAULT_TRANSITION_M};
+pub use scene::{
+    Actuators, Limits, Scene, DEFAULT_LIMEN_DB, DEFAULT_MAX_FORCE_N, DEFAULT_TRANSITION_M,
+};
 pub use signals::{signal_csv, wav, SignalOptions};
 pub use stress::{stress, StressOptions, StressRow};
 pub use threshold::{Threshold, ThresholdTable};

@@ -1,17 +1,22 @@
-//! What the panel does at the drive frequency: velocity at the responses per unit of each actuator in use.
+//! What the panel does at the drive frequency: velocity at the responses per unit of each
+//! actuator in use.
 //!
-//! The operator is mobility whatever kind the model was fitted in or the FRFs were measured in. Responses count where they
-//! are along Z of a node whose position is known; the zones of a scene lie in the plane x, y. A response measured along −Z
-//! is turned round, so that the field has one sign everywhere.
+//! The operator is mobility whatever kind the model was fitted in or the FRFs were
+//! measured in. Responses count where they are along Z of a node whose position is known;
+//! the zones of a scene lie in the plane x, y. A response measured along −Z is turned
+//! round, so that the field has one sign everywhere.
 
 use crate::plane::Position;
 use crate::tolerances;
-use chladni_frf::{Direction, Dof, Error, FrfKind, FrfSet, ModalModel, Node, ReferenceUnit, Result};
+use chladni_frf::{
+    Direction, Dof, Error, FrfKind, FrfSet, ModalModel, Node, ReferenceUnit, Result,
+};
 use ndarray::Array2;
 use num_complex::Complex64;
 use std::collections::HashMap;
 
-/// Mobility at one frequency, with the DOFs and positions that its rows and columns belong to.
+/// Mobility at one frequency, with the DOFs and positions that its rows and columns
+/// belong to.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Operator {
     /// Frequency at which it holds, Hz.
@@ -28,62 +33,104 @@ pub struct Operator {
     pub reference_columns: Vec<usize>,
     /// Unit of the actuators.
     pub unit: ReferenceUnit,
-    /// Velocity per unit of each actuator, (m/s)/N or (m/s)/V; axes (response, reference).
+    /// Velocity per unit of each actuator, (m/s)/N or (m/s)/V; axes (response,
+    /// reference).
     pub mobility: Array2<Complex64>,
     /// What was left out, and why.
     pub warnings: Vec<String>,
 }
 
 impl Operator {
-    /// The operator of a modal model; `only` lists the actuators in use, `None` means all.
+    /// The operator of a modal model; `only` lists the actuators in use, `None` means
+    /// all.
     ///
     /// # Errors
-    /// [`chladni_frf::ErrorKind::BadData`]: sizes that disagree, NaN in a mode, an unknown actuator, no usable response.
+    /// [`chladni_frf::ErrorKind::BadData`]: sizes that disagree, NaN in a mode, an
+    /// unknown actuator, no usable response.
     pub fn of_model(model: &ModalModel, frequency_hz: f64, only: Option<&[Dof]>) -> Result<Self> {
         check_model(model)?;
-        let mut operator = Self::select(&model.responses, &model.references, &model.nodes, only, model.reference_unit)?;
+        let mut operator = Self::select(
+            &model.responses,
+            &model.references,
+            &model.nodes,
+            only,
+            model.reference_unit,
+        )?;
         operator.frequency_hz = frequency_hz;
         let mobility = model.frf_matrix(FrfKind::Mobility, frequency_hz);
         operator.fill(|row, column| mobility[[row, column]]);
         if operator.mobility.iter().any(|value| !value.is_finite()) {
-            return Err(Error::bad_data("the model has no finite mobility at the drive frequency")
-                .field("modes")
-                .found(format!("{frequency_hz} Hz"))
-                .expected("a drive frequency off every undamped mode")
-                .help("an undamped mode at exactly this frequency does that: move the drive frequency"));
+            return Err(
+                Error::bad_data("the model has no finite mobility at the drive frequency")
+                    .field("modes")
+                    .found(format!("{frequency_hz} Hz"))
+                    .expected("a drive frequency off every undamped mode")
+                    .help(
+                        "an undamped mode at exactly this frequency does that: move the drive \
+                       frequency",
+                    ),
+            );
         }
         if operator.mobility.iter().all(|value| value.norm() == 0.0) {
-            return Err(Error::bad_data("no actuator in use moves any response at the drive frequency")
-                .field("modes")
-                .found("zeros")
-                .expected("modes or residual terms that are not zero at the responses and at the actuators in use"));
+            return Err(Error::bad_data(
+                "no actuator in use moves any response at the drive \
+                                        frequency",
+            )
+            .field("modes")
+            .found("zeros")
+            .expected(
+                "modes or residual terms that are not zero at the responses and at the \
+                           actuators in use",
+            ));
         }
         if model.in_band_modes().next().is_none() {
-            operator.warnings.push("the model has no mode in its band: what stands for modes outside it makes the whole field".into());
+            operator.warnings.push(
+                "the model has no mode in its band: what stands for modes \
+                                    outside it makes the whole field"
+                    .into(),
+            );
         }
         Ok(operator)
     }
 
-    /// The operator of measured FRFs: their line nearest to `frequency_hz`, converted to mobility.
+    /// The operator of measured FRFs: their line nearest to `frequency_hz`, converted to
+    /// mobility.
     ///
     /// # Errors
-    /// The kind is unknown; no line within half a line; an unknown actuator; no usable response.
+    /// The kind is unknown; no line within half a line; an unknown actuator; no usable
+    /// response.
     pub fn of_line(frf: &FrfSet, frequency_hz: f64, only: Option<&[Dof]>) -> Result<Self> {
         let kind = frf.known_kind()?;
         let line = nearest_line(frf, frequency_hz)?;
-        let mut operator = Self::select(&frf.responses, &frf.references, &frf.geometry.nodes, only, frf.reference_unit)?;
+        let mut operator = Self::select(
+            &frf.responses,
+            &frf.references,
+            &frf.geometry.nodes,
+            only,
+            frf.reference_unit,
+        )?;
         let omega = std::f64::consts::TAU * frf.frequency_hz[line];
         let factor = FrfKind::Mobility.from_receptance(omega) / kind.from_receptance(omega);
         operator.frequency_hz = frf.frequency_hz[line];
         operator.fill(|row, column| factor * frf.values.get(row, column, line));
-        if (operator.frequency_hz - frequency_hz).abs() > tolerances::SAME_FREQUENCY * frequency_hz {
-            operator.warnings.push(format!("judged on the line at {} Hz, the nearest to {frequency_hz} Hz", operator.frequency_hz));
+        if (operator.frequency_hz - frequency_hz).abs() > tolerances::SAME_FREQUENCY * frequency_hz
+        {
+            operator.warnings.push(format!(
+                "judged on the line at {} Hz, the nearest to {frequency_hz} Hz",
+                operator.frequency_hz
+            ));
         }
         operator.drop_unmeasured()?;
         Ok(operator)
     }
 
-    fn select(responses: &[Dof], references: &[Dof], nodes: &[Node], only: Option<&[Dof]>, unit: ReferenceUnit) -> Result<Self> {
+    fn select(
+        responses: &[Dof],
+        references: &[Dof],
+        nodes: &[Node],
+        only: Option<&[Dof]>,
+        unit: ReferenceUnit,
+    ) -> Result<Self> {
         let mut operator = Self {
             frequency_hz: f64::NAN,
             responses: Vec::new(),
@@ -101,7 +148,8 @@ impl Operator {
     }
 
     fn select_responses(&mut self, responses: &[Dof], nodes: &[Node]) -> Result<()> {
-        let positions: HashMap<u64, [f64; 3]> = nodes.iter().map(|node| (node.label, node.xyz_m)).collect();
+        let positions: HashMap<u64, [f64; 3]> =
+            nodes.iter().map(|node| (node.label, node.xyz_m)).collect();
         let mut taken: HashMap<[i64; 2], Dof> = HashMap::new();
         let (mut sideways, mut nowhere) = (Vec::new(), Vec::new());
         for (row, &dof) in responses.iter().enumerate() {
@@ -115,7 +163,9 @@ impl Operator {
             }
             let place = [x, y].map(|metres| (metres / tolerances::POSITION_M).round() as i64);
             if let Some(first) = taken.get(&place) {
-                self.warnings.push(format!("response {dof} lies where {first} lies; only {first} is used"));
+                self.warnings.push(format!(
+                    "response {dof} lies where {first} lies; only {first} is used"
+                ));
                 continue;
             }
             taken.insert(place, dof);
@@ -123,15 +173,25 @@ impl Operator {
             self.response_rows.push(row);
             self.positions_m.push([x, y]);
         }
-        for (list, reason) in [(&sideways, "are not along Z"), (&nowhere, "belong to nodes without a position")] {
+        for (list, reason) in [
+            (&sideways, "are not along Z"),
+            (&nowhere, "belong to nodes without a position"),
+        ] {
             if let Some(first) = list.first() {
-                self.warnings.push(format!("{} responses {reason} and are not used, the first of them {first}", list.len()));
+                self.warnings.push(format!(
+                    "{} responses {reason} and are not used, the first of them {first}",
+                    list.len()
+                ));
             }
         }
         if self.responses.is_empty() {
             return Err(Error::bad_data("no response can be judged")
                 .field("responses")
-                .found(format!("{} not along Z, {} without a position", sideways.len(), nowhere.len()))
+                .found(format!(
+                    "{} not along Z, {} without a position",
+                    sideways.len(),
+                    nowhere.len()
+                ))
                 .expected("responses along Z at nodes with known positions")
                 .help("the file with the FRFs must carry the geometry (nodes in metres)"));
         }
@@ -140,11 +200,17 @@ impl Operator {
 
     fn select_references(&mut self, references: &[Dof], only: Option<&[Dof]>) -> Result<()> {
         if references.is_empty() {
-            return Err(Error::bad_data("no actuator").field("references").found("none").expected("at least one reference DOF"));
+            return Err(Error::bad_data("no actuator")
+                .field("references")
+                .found("none")
+                .expected("at least one reference DOF"));
         }
         let mut columns: Vec<usize> = match only {
             None => (0..references.len()).collect(),
-            Some(list) => list.iter().map(|&dof| column_of(dof, references)).collect::<Result<_>>()?,
+            Some(list) => list
+                .iter()
+                .map(|&dof| column_of(dof, references))
+                .collect::<Result<_>>()?,
         };
         columns.sort_unstable();
         columns.dedup();
@@ -153,25 +219,35 @@ impl Operator {
         Ok(())
     }
 
-    /// Fills the matrix from the source's rows and columns, turning responses along −Z round.
+    /// Fills the matrix from the source's rows and columns, turning responses along −Z
+    /// round.
     fn fill(&mut self, value: impl Fn(usize, usize) -> Complex64) {
-        self.mobility = Array2::from_shape_fn((self.responses.len(), self.references.len()), |(i, j)| {
-            value(self.response_rows[i], self.reference_columns[j]) * self.responses[i].direction.sign()
-        });
+        self.mobility =
+            Array2::from_shape_fn((self.responses.len(), self.references.len()), |(i, j)| {
+                value(self.response_rows[i], self.reference_columns[j])
+                    * self.responses[i].direction.sign()
+            });
     }
 
     /// Leaves out responses with an unmeasured value (NaN) at an actuator in use.
     fn drop_unmeasured(&mut self) -> Result<()> {
-        let keep: Vec<usize> = (0..self.responses.len()).filter(|&i| self.mobility.row(i).iter().all(|v| v.is_finite())).collect();
+        let keep: Vec<usize> = (0..self.responses.len())
+            .filter(|&i| self.mobility.row(i).iter().all(|v| v.is_finite()))
+            .collect();
         let dropped = self.responses.len() - keep.len();
         if keep.is_empty() {
-            return Err(Error::bad_data("no response was measured for every actuator in use at this line")
-                .field("FRF values")
-                .found(format!("NaN, at {} Hz", self.frequency_hz))
-                .help("measure the missing pairs, or leave their actuators out with actuators.use"));
+            return Err(Error::bad_data(
+                "no response was measured for every actuator in use at this line",
+            )
+            .field("FRF values")
+            .found(format!("NaN, at {} Hz", self.frequency_hz))
+            .help("measure the missing pairs, or leave their actuators out with actuators.use"));
         }
         if dropped > 0 {
-            self.warnings.push(format!("{dropped} responses are not judged: not measured for every actuator at {} Hz", self.frequency_hz));
+            self.warnings.push(format!(
+                "{dropped} responses are not judged: not measured for every actuator at {} Hz",
+                self.frequency_hz
+            ));
             self.mobility = self.mobility.select(ndarray::Axis(0), &keep);
             self.responses = keep.iter().map(|&i| self.responses[i]).collect();
             self.response_rows = keep.iter().map(|&i| self.response_rows[i]).collect();
@@ -183,15 +259,29 @@ impl Operator {
 
 /// The column of the actuator that the user calls `dof`, whatever its sense.
 fn column_of(dof: Dof, references: &[Dof]) -> Result<usize> {
-    references.iter().position(|&reference| reference.same_axis(dof)).ok_or_else(|| {
-        let shown: Vec<String> = references.iter().take(tolerances::DOFS_SHOWN).map(Dof::to_string).collect();
-        let more = if references.len() > shown.len() { ", ..." } else { "" };
-        Error::bad_data("no such actuator").field("actuators.use").found(dof).expected(format!(
-            "one of the {} references: {}{more}",
-            references.len(),
-            shown.join(", ")
-        ))
-    })
+    references
+        .iter()
+        .position(|&reference| reference.same_axis(dof))
+        .ok_or_else(|| {
+            let shown: Vec<String> = references
+                .iter()
+                .take(tolerances::DOFS_SHOWN)
+                .map(Dof::to_string)
+                .collect();
+            let more = if references.len() > shown.len() {
+                ", ..."
+            } else {
+                ""
+            };
+            Error::bad_data("no such actuator")
+                .field("actuators.use")
+                .found(dof)
+                .expected(format!(
+                    "one of the {} references: {}{more}",
+                    references.len(),
+                    shown.join(", ")
+                ))
+        })
 }
 
 /// Index of the line nearest to `frequency_hz`, at most half a line away.
@@ -210,10 +300,17 @@ fn nearest_line(frf: &FrfSet, frequency_hz: f64) -> Result<usize> {
     };
     let left = nearest.checked_sub(1).map(|k| axis[nearest] - axis[k]);
     let right = (nearest + 1 < axis.len()).then(|| axis[nearest + 1] - axis[nearest]);
-    let spacing = if frequency_hz < axis[nearest] { left.or(right) } else { right.or(left) };
-    if distance(nearest) > 0.5 * spacing.unwrap_or(0.0) + tolerances::SAME_FREQUENCY * frequency_hz {
+    let spacing = if frequency_hz < axis[nearest] {
+        left.or(right)
+    } else {
+        right.or(left)
+    };
+    if distance(nearest) > 0.5 * spacing.unwrap_or(0.0) + tolerances::SAME_FREQUENCY * frequency_hz
+    {
         let (first, last) = (axis[0], axis[axis.len() - 1]);
-        return Err(outside(format!("a frequency within half a line of the axis, {first} to {last} Hz")));
+        return Err(outside(format!(
+            "a frequency within half a line of the axis, {first} to {last} Hz"
+        )));
     }
     Ok(nearest)
 }
@@ -229,13 +326,24 @@ fn check_model(model: &ModalModel) -> Result<()> {
             ("shape_std", mode.shape_std.len(), rows),
         ] {
             if found != expected {
-                return Err(Error::bad_data("sizes disagree").field(field(name)).found(found).expected(expected));
+                return Err(Error::bad_data("sizes disagree")
+                    .field(field(name))
+                    .found(found)
+                    .expected(expected));
             }
         }
         let vectors = mode.shape.0.iter().chain(&mode.participation.0);
-        let scalars = [mode.frequency_hz, mode.frequency_std_hz, mode.loss_factor, mode.loss_factor_std];
-        let finite =
-            vectors.flat_map(|value| [value.re, value.im]).chain(scalars).chain(mode.shape_std.iter().copied()).chain(mode.scale_std);
+        let scalars = [
+            mode.frequency_hz,
+            mode.frequency_std_hz,
+            mode.loss_factor,
+            mode.loss_factor_std,
+        ];
+        let finite = vectors
+            .flat_map(|value| [value.re, value.im])
+            .chain(scalars)
+            .chain(mode.shape_std.iter().copied())
+            .chain(mode.scale_std);
         if finite.into_iter().any(|value| !value.is_finite()) {
             return Err(Error::bad_data("NaN or infinity in a mode")
                 .field(format!("modes[{}]", k + 1))
@@ -248,7 +356,10 @@ fn check_model(model: &ModalModel) -> Result<()> {
         let field = format!("residual_terms.terms[{}]", k + 1);
         if term.matrix.0.dim() != (rows, columns) {
             let found = format!("{} x {}", term.matrix.0.nrows(), term.matrix.0.ncols());
-            return Err(Error::bad_data("sizes disagree").field(field).found(found).expected(format!("{rows} x {columns}")));
+            return Err(Error::bad_data("sizes disagree")
+                .field(field)
+                .found(found)
+                .expected(format!("{rows} x {columns}")));
         }
         if term.matrix.0.iter().any(|value| !value.is_finite()) {
             return Err(Error::bad_data("NaN or infinity in a residual term")

@@ -1,4 +1,5 @@
-//! The problem that every method solves: judged rows, limits, and how good a drive is in the model.
+//! The problem that every method solves: judged rows, limits, and how good a drive is in
+//! the model.
 
 use crate::covariance::Covariance;
 use crate::plane::Position;
@@ -21,7 +22,8 @@ pub(crate) struct Rows {
     pub(crate) hot: usize,
     /// Where each row lies, m.
     pub(crate) positions_m: Vec<Position>,
-    /// By what factor the limit of each row exceeds the scene's; its mobility is divided by it already.
+    /// By what factor the limit of each row exceeds the scene's; its mobility is divided
+    /// by it already.
     pub(crate) levels: Array1<f64>,
 }
 
@@ -30,7 +32,8 @@ pub(crate) struct Rows {
 pub(crate) struct Problem {
     /// Judged responses.
     pub(crate) rows: Rows,
-    /// Weight of the squared error of each row in least squares; 1 for measured responses.
+    /// Weight of the squared error of each row in least squares; 1 for measured
+    /// responses.
     pub(crate) row_weights: Array1<f64>,
     /// Error of the mobility.
     pub(crate) covariance: Covariance,
@@ -61,10 +64,22 @@ impl DriveLimits {
 
     /// Which of the limits `drive` is nearest to, in words.
     pub(crate) fn binding(&self, drive: &Drive) -> String {
-        let each = Self { effort: f64::INFINITY, ..*self };
-        match each.allowed_gain(drive) <= (Self { each: f64::INFINITY, ..*self }).allowed_gain(drive) {
+        let each = Self {
+            effort: f64::INFINITY,
+            ..*self
+        };
+        match each.allowed_gain(drive)
+            <= (Self {
+                each: f64::INFINITY,
+                ..*self
+            })
+            .allowed_gain(drive)
+        {
             true => format!("the limit of {} per actuator", self.each),
-            false => format!("the limit of {} on the root of the sum of squares", self.effort),
+            false => format!(
+                "the limit of {} on the root of the sum of squares",
+                self.effort
+            ),
         }
     }
 }
@@ -76,15 +91,28 @@ pub(crate) struct Score {
     pub(crate) min_ratio: f64,
     /// Rows inside their limit over all rows.
     pub(crate) success_ratio: f64,
-    /// Largest κ with every row inside its limit by κ·‖L·A‖; negative where one misses, infinite without any model error.
+    /// Largest κ with every row inside its limit by κ·‖L·A‖; negative where one misses,
+    /// infinite without any model error.
     pub(crate) kappa: f64,
 }
 
 impl Problem {
     /// A problem of measured responses, all of weight 1.
-    pub(crate) fn new(rows: Rows, covariance: Covariance, limits: Limits, drive_limits: DriveLimits) -> Self {
+    pub(crate) fn new(
+        rows: Rows,
+        covariance: Covariance,
+        limits: Limits,
+        drive_limits: DriveLimits,
+    ) -> Self {
         let row_weights = Array1::ones(rows.mobility.nrows());
-        Self { rows, row_weights, covariance, limits, threshold_m_per_s: limits.threshold_m_per_s, drive_limits }
+        Self {
+            rows,
+            row_weights,
+            covariance,
+            limits,
+            threshold_m_per_s: limits.threshold_m_per_s,
+            drive_limits,
+        }
     }
 
     /// True for the rows that [`Self::with_between`] took from `measured`.
@@ -95,20 +123,38 @@ impl Problem {
 
     /// The limit of each row, m/s.
     pub(crate) fn limits_m_per_s(&self) -> Array1<f64> {
-        let limit = |k: usize| if k < self.rows.hot { self.limits.hot_m_per_s } else { self.limits.cold_m_per_s };
+        let limit = |k: usize| {
+            if k < self.rows.hot {
+                self.limits.hot_m_per_s
+            } else {
+                self.limits.cold_m_per_s
+            }
+        };
         (0..self.rows.mobility.nrows()).map(limit).collect()
     }
 
     /// The same problem with the columns `actuators` alone.
     pub(crate) fn with_actuators(&self, actuators: &[usize]) -> Self {
         let rows = self.rows.with_actuators(actuators);
-        Self { rows, covariance: self.covariance.with_actuators(actuators), ..self.clone() }
+        Self {
+            rows,
+            covariance: self.covariance.with_actuators(actuators),
+            ..self.clone()
+        }
     }
 
     /// The same problem with rows between the responses, of weight `weight` each.
     pub(crate) fn with_between(&self, between: &Rows, weight: f64) -> Self {
         let (measured, extra) = (&self.rows, between);
-        let mobility = concatenate(Axis(0), &[measured.hot_rows(), extra.hot_rows(), measured.cold_rows(), extra.cold_rows()]);
+        let mobility = concatenate(
+            Axis(0),
+            &[
+                measured.hot_rows(),
+                extra.hot_rows(),
+                measured.cold_rows(),
+                extra.cold_rows(),
+            ],
+        );
         let (hot_m, cold_m) = measured.positions_m.split_at(measured.hot);
         let (hot_between_m, cold_between_m) = extra.positions_m.split_at(extra.hot);
         let rows = Rows {
@@ -123,9 +169,20 @@ impl Problem {
                 extra.levels.slice(s![extra.hot..])
             ],
         };
-        let is_measured = |k: usize| k < measured.hot || (rows.hot..rows.hot + measured.cold()).contains(&k);
-        let row_weights = Array1::from_shape_fn(rows.mobility.nrows(), |k| if is_measured(k) { 1.0 } else { weight });
-        Self { rows, row_weights, ..self.clone() }
+        let is_measured =
+            |k: usize| k < measured.hot || (rows.hot..rows.hot + measured.cold()).contains(&k);
+        let row_weights = Array1::from_shape_fn(rows.mobility.nrows(), |k| {
+            if is_measured(k) {
+                1.0
+            } else {
+                weight
+            }
+        });
+        Self {
+            rows,
+            row_weights,
+            ..self.clone()
+        }
     }
 
     /// Velocity on the rows, m/s.
@@ -135,35 +192,56 @@ impl Problem {
 
     /// How `drive` does.
     pub(crate) fn score(&self, drive: &Drive) -> Score {
-        self.score_of(&self.field(drive).map(amplitude), self.covariance.deviation(drive))
+        self.score_of(
+            &self.field(drive).map(amplitude),
+            self.covariance.deviation(drive),
+        )
     }
 
-    /// κ at which every row keeps its limit with [`tolerances::CONFIDENCE`], or more (theory.md, section 10).
+    /// κ at which every row keeps its limit with [`tolerances::CONFIDENCE`], or more
+    /// (theory.md, section 10).
     pub(crate) fn kappa_of_confidence(&self) -> f64 {
         let each = (1.0 - tolerances::CONFIDENCE) / self.rows.mobility.nrows() as f64;
         (0.5 / each).ln().sqrt()
     }
 
-    /// How a drive does whose field has these amplitudes and this standard deviation, m/s.
+    /// How a drive does whose field has these amplitudes and this standard deviation,
+    /// m/s.
     pub(crate) fn score_of(&self, amplitudes: &Array1<f64>, deviation: f64) -> Score {
         let (hot, cold) = self.counts(amplitudes, 1.0);
         let slack = |(k, &amplitude): (usize, &f64)| match k < self.rows.hot {
             true => (amplitude - self.limits.hot_m_per_s) * self.rows.levels[k],
             false => self.limits.cold_m_per_s - amplitude,
         };
-        let least = amplitudes.iter().enumerate().map(slack).fold(f64::INFINITY, f64::min);
+        let least = amplitudes
+            .iter()
+            .enumerate()
+            .map(slack)
+            .fold(f64::INFINITY, f64::min);
         Score {
             min_ratio: self.min_ratio(hot, cold),
             success_ratio: (hot + cold) as f64 / amplitudes.len() as f64,
-            kappa: if deviation > 0.0 { least / deviation } else { f64::INFINITY.copysign(least) },
+            kappa: if deviation > 0.0 {
+                least / deviation
+            } else {
+                f64::INFINITY.copysign(least)
+            },
         }
     }
 
     /// Hot and cold rows inside their limit with the field scaled by `gain`.
     pub(crate) fn counts(&self, amplitudes: &Array1<f64>, gain: f64) -> (usize, usize) {
         let (hot, cold) = amplitudes.view().split_at(Axis(0), self.rows.hot);
-        let felt = hot.iter().filter(|&&v| self.limits.is_felt(gain * v)).count();
-        (felt, cold.iter().filter(|&&v| self.limits.is_quiet(gain * v)).count())
+        let felt = hot
+            .iter()
+            .filter(|&&v| self.limits.is_felt(gain * v))
+            .count();
+        (
+            felt,
+            cold.iter()
+                .filter(|&&v| self.limits.is_quiet(gain * v))
+                .count(),
+        )
     }
 
     /// The smaller of both ratios.
@@ -173,17 +251,34 @@ impl Problem {
 }
 
 impl Rows {
-    /// Rows of mobility at `positions_m`, the first `hot` of them hot, with the levels of the zones they lie in.
-    pub(crate) fn new(mut mobility: Array2<Complex64>, hot: usize, positions_m: Vec<Position>, zones: &ZoneMap) -> Self {
-        let levels: Array1<f64> = positions_m.iter().map(|&point| zones.level_at(point)).collect();
+    /// Rows of mobility at `positions_m`, the first `hot` of them hot, with the levels of
+    /// the zones they lie in.
+    pub(crate) fn new(
+        mut mobility: Array2<Complex64>,
+        hot: usize,
+        positions_m: Vec<Position>,
+        zones: &ZoneMap,
+    ) -> Self {
+        let levels: Array1<f64> = positions_m
+            .iter()
+            .map(|&point| zones.level_at(point))
+            .collect();
         for (mut row, &level) in mobility.rows_mut().into_iter().zip(&levels) {
             row.mapv_inplace(|value| value / level);
         }
-        Self { mobility, hot, positions_m, levels }
+        Self {
+            mobility,
+            hot,
+            positions_m,
+            levels,
+        }
     }
     /// The same rows with the columns `actuators` alone.
     pub(crate) fn with_actuators(&self, actuators: &[usize]) -> Self {
-        Self { mobility: self.mobility.select(Axis(1), actuators), ..self.clone() }
+        Self {
+            mobility: self.mobility.select(Axis(1), actuators),
+            ..self.clone()
+        }
     }
     /// Number of cold rows.
     pub(crate) fn cold(&self) -> usize {
@@ -204,7 +299,8 @@ pub(crate) fn amplitude(value: &Complex64) -> f64 {
     value.norm_sqr().sqrt()
 }
 
-/// What a kernel refuses although everything given to it was checked: a broken promise of our own.
+/// What a kernel refuses although everything given to it was checked: a broken promise of
+/// our own.
 pub(crate) fn internal(error: chladni_linalg::LinalgError) -> Error {
     Error::new(ErrorKind::Internal, error.to_string())
 }

@@ -43,20 +43,29 @@ pub fn render(model: &ModalModel, scene: &Scene, options: &RenderOptions) -> Res
     render_measured(model, scene, options, None)
 }
 
-/// Finds the weights that move the hot zone of `scene` and keep the cold one quiet; of a scene with several tones those of each, and where they are
-/// counted the same actuators for all.
+/// Finds the weights that move the hot zone of `scene` and keep the cold one quiet; of a
+/// scene with several tones those of each, and where they are counted the same actuators
+/// for all.
 ///
-/// * `measured`: FRFs whose line at the drive frequency judges how many modes are enough; without them the whole model does
+/// * `measured`: FRFs whose line at the drive frequency judges how many modes are enough;
+///   without them the whole model does
 ///
 /// # Errors
-/// [`chladni_frf::ErrorKind::BadData`]: no threshold at the drive frequency, an unknown actuator, no hot or no cold response, NaN
-/// in the model, a force limit for actuators in volts. A scene that cannot be met is no error: `feasible` says so.
-pub fn render_measured(model: &ModalModel, scene: &Scene, options: &RenderOptions, measured: Option<&FrfSet>) -> Result<Rendering> {
+/// [`chladni_frf::ErrorKind::BadData`]: no threshold at the drive frequency, an unknown
+/// actuator, no hot or no cold response, NaN in the model, a force limit for actuators in
+/// volts. A scene that cannot be met is no error: `feasible` says so.
+pub fn render_measured(
+    model: &ModalModel,
+    scene: &Scene,
+    options: &RenderOptions,
+    measured: Option<&FrfSet>,
+) -> Result<Rendering> {
     render_with_others(model, scene, &[], options, measured)
 }
 
-/// The same with actuators that, where they are counted, serve the scenes `others` as well: whichever of these scenes is rendered with the rest as
-/// `others`, in one order, the same actuators are chosen.
+/// The same with actuators that, where they are counted, serve the scenes `others` as
+/// well: whichever of these scenes is rendered with the rest as `others`, in one order,
+/// the same actuators are chosen.
 ///
 /// # Errors
 /// As [`render_measured`]; scenes that allow different actuators.
@@ -67,13 +76,23 @@ pub fn render_with_others(
     options: &RenderOptions,
     measured: Option<&FrfSet>,
 ) -> Result<Rendering> {
-    let (tones, of_others): (Vec<Scene>, Vec<Scene>) = (scene.tones(), others.iter().flat_map(Scene::tones).collect());
+    let (tones, of_others): (Vec<Scene>, Vec<Scene>) = (
+        scene.tones(),
+        others.iter().flat_map(Scene::tones).collect(),
+    );
     let render_one = |k: usize| {
-        let beside: Vec<Scene> = tones[..k].iter().chain(&tones[k + 1..]).chain(&of_others).cloned().collect();
+        let beside: Vec<Scene> = tones[..k]
+            .iter()
+            .chain(&tones[k + 1..])
+            .chain(&of_others)
+            .cloned()
+            .collect();
         render_tone(model, &tones[k], &beside, options, measured)
     };
     let first = render_one(0)?;
-    let other_tones = (1..tones.len()).map(render_one).collect::<Result<Vec<_>>>()?;
+    let other_tones = (1..tones.len())
+        .map(render_one)
+        .collect::<Result<Vec<_>>>()?;
     Ok(first.with_tones(other_tones))
 }
 
@@ -86,55 +105,111 @@ fn render_tone(
     measured: Option<&FrfSet>,
 ) -> Result<Rendering> {
     let whole = Setup::new(model, scene, &options.drift)?;
-    let others = others.iter().map(|other| Setup::new(model, other, &options.drift)).collect::<Result<Vec<_>>>()?;
-    if let Some(other) = others.iter().find(|other| other.operator.references != whole.operator.references) {
+    let others = others
+        .iter()
+        .map(|other| Setup::new(model, other, &options.drift))
+        .collect::<Result<Vec<_>>>()?;
+    if let Some(other) = others
+        .iter()
+        .find(|other| other.operator.references != whole.operator.references)
+    {
         return Err(Error::bad_data("the scenes allow different actuators")
             .field("actuators.use")
-            .found(format!("{} and {} actuators", whole.operator.references.len(), other.operator.references.len()))
+            .found(format!(
+                "{} and {} actuators",
+                whole.operator.references.len(),
+                other.operator.references.len()
+            ))
             .expected("the same actuators in every scene"));
     }
     let judge = match measured {
         Some(frf) => Judge::of_line(&whole, frf)?,
         None => Judge::of_model(&whole, options.modes == Count::Auto),
     };
-    let Reduced { setup, warning: of_modes } = fewest_modes::choose(whole, model, &judge, options)?;
-    let chosen = fewest_actuators::choose(&std::iter::once(&setup).chain(&others).collect::<Vec<_>>(), options.actuators)?;
+    let Reduced {
+        setup,
+        warning: of_modes,
+    } = fewest_modes::choose(whole, model, &judge, options)?;
+    let chosen = fewest_actuators::choose(
+        &std::iter::once(&setup).chain(&others).collect::<Vec<_>>(),
+        options.actuators,
+    )?;
     let used = match chosen.columns.len() < setup.operator.references.len() {
         true => Cow::Owned(setup.with_actuators(&chosen.columns)),
         false => Cow::Borrowed(&setup),
     };
-    let Decision { method, effort, warning } = options.method.decide(&used.problem, options.effort);
-    let Solution { drive, warnings: said, modal } = method.solve(&used, model, effort)?;
+    let Decision {
+        method,
+        effort,
+        warning,
+    } = options.method.decide(&used.problem, options.effort);
+    let Solution {
+        drive,
+        warnings: said,
+        modal,
+    } = method.solve(&used, model, effort)?;
     let sparse = drive;
     let drive = spread(&sparse, &chosen.columns, setup.operator.references.len());
-    let Setup { limits, operator, zones, problem, .. } = &setup;
-    let mut warnings =
-        [setup.warnings.clone(), Vec::from_iter(of_modes), Vec::from_iter(chosen.warning), Vec::from_iter(warning), said].concat();
+    let Setup {
+        limits,
+        operator,
+        zones,
+        problem,
+        ..
+    } = &setup;
+    let mut warnings = [
+        setup.warnings.clone(),
+        Vec::from_iter(of_modes),
+        Vec::from_iter(chosen.warning),
+        Vec::from_iter(warning),
+        said,
+    ]
+    .concat();
 
     let field = Field::new(operator, zones, &drive);
-    let area = setup.nodes().and_then(|nodes| field.area_from(nodes, zones));
+    let area = setup
+        .nodes()
+        .and_then(|nodes| field.area_from(nodes, zones));
     let points = PointIndices::of_field(&field, zones, limits, &drive, operator.unit)?;
-    let indices = Indices { points, area: area.as_ref().map(|area| AreaIndices::of_area(area, zones, limits)) };
+    let indices = Indices {
+        points,
+        area: area
+            .as_ref()
+            .map(|area| AreaIndices::of_area(area, zones, limits)),
+    };
     let feasible = points.min_ratio == 1.0;
     // a proof takes as long as a conic program: who asked for less does not wait for it
-    let proves = options.method == MethodChoice::Best || (!feasible && matches!(method, Method::Robust | Method::MinEffort));
+    let proves = options.method == MethodChoice::Best
+        || (!feasible && matches!(method, Method::Robust | Method::MinEffort));
     let thorough = options.method == MethodChoice::Best && !feasible;
-    let ceiling = if proves { Ceiling::of(&used.problem, &sparse, thorough)? } else { None };
+    let ceiling = if proves {
+        Ceiling::of(&used.problem, &sparse, thorough)?
+    } else {
+        None
+    };
     if !feasible {
         warnings.push(shortfall(&points, ceiling.as_ref(), limits, method));
     }
     let [_, replayed, _] = judge.served(&drive);
     if replayed < points.success_ratio {
-        let through = if measured.is_some() { "measured line" } else { "whole model" };
+        let through = if measured.is_some() {
+            "measured line"
+        } else {
+            "whole model"
+        };
         warnings.push(format!(
-            "replayed through the {through}, {:.1} % of the responses keep their limit, where {:.1} % do in the model with {} modes",
+            "replayed through the {through}, {:.1} % of the responses keep their limit, where \
+             {:.1} % do in the model with {} modes",
             100.0 * replayed,
             100.0 * points.success_ratio,
             setup.modes.len()
         ));
     }
     warnings.extend(
-        indices.area.filter(|_| feasible && options.actuators != Count::All).and_then(|area| ground_lost(&area, chosen.columns.len())),
+        indices
+            .area
+            .filter(|_| feasible && options.actuators != Count::All)
+            .and_then(|area| ground_lost(&area, chosen.columns.len())),
     );
     // what is quick must stay so, and what is not met needs no limit of what it endures
     let endures = feasible && matches!(method, Method::Mls | Method::Robust | Method::MinEffort);
@@ -165,7 +240,14 @@ fn render_tone(
         warnings,
         other_tones: Vec::new(),
     };
-    Ok(Rendering { weights, field, area, zones: zones.clone(), limits: *limits, other_tones: Vec::new() })
+    Ok(Rendering {
+        weights,
+        field,
+        area,
+        zones: zones.clone(),
+        limits: *limits,
+        other_tones: Vec::new(),
+    })
 }
 
 impl Rendering {
@@ -174,12 +256,25 @@ impl Rendering {
         let weights = &mut self.weights;
         for Self { weights: tone, .. } in &other_tones {
             weights.feasible &= tone.feasible;
-            let new: Vec<&String> = tone.warnings.iter().filter(|warning| !weights.warnings.contains(warning)).collect();
-            let said: Vec<String> = new.into_iter().map(|warning| format!("at {} Hz: {warning}", tone.frequency_hz)).collect();
+            let new: Vec<&String> = tone
+                .warnings
+                .iter()
+                .filter(|warning| !weights.warnings.contains(warning))
+                .collect();
+            let said: Vec<String> = new
+                .into_iter()
+                .map(|warning| format!("at {} Hz: {warning}", tone.frequency_hz))
+                .collect();
             weights.warnings.extend(said);
         }
-        weights.other_tones = other_tones.iter().map(|tone| tone.weights.clone()).collect();
-        Self { other_tones, ..self }
+        weights.other_tones = other_tones
+            .iter()
+            .map(|tone| tone.weights.clone())
+            .collect();
+        Self {
+            other_tones,
+            ..self
+        }
     }
 }
 
@@ -193,8 +288,15 @@ fn spread(drive: &Drive, columns: &[usize], actuators: usize) -> Drive {
 }
 
 /// What an infeasible scene got instead, what physics would allow, and what could help.
-fn shortfall(points: &PointIndices, ceiling: Option<&Ceiling>, limits: &Limits, method: Method) -> String {
-    let contrast = points.contrast_db.map_or("no contrast".into(), |db| format!("a contrast of {db:.1} dB"));
+fn shortfall(
+    points: &PointIndices,
+    ceiling: Option<&Ceiling>,
+    limits: &Limits,
+    method: Method,
+) -> String {
+    let contrast = points.contrast_db.map_or("no contrast".into(), |db| {
+        format!("a contrast of {db:.1} dB")
+    });
     let served = format!(
         "{:.1} % of the hot and {:.1} % of the cold responses keep their limit",
         100.0 * points.hot_ratio,
@@ -208,19 +310,25 @@ fn shortfall(points: &PointIndices, ceiling: Option<&Ceiling>, limits: &Limits, 
             ceiling.possible_db, ceiling.asked_db
         ),
         Some(ceiling) => format!(
-            "the scene is not met: possible at most {:.1} dB, asked {:.1} dB, found {:.1} dB; {served}, with {contrast}; {help}",
+            "the scene is not met: possible at most {:.1} dB, asked {:.1} dB, found {:.1} dB; \
+             {served}, with {contrast}; {help}",
             ceiling.possible_db, ceiling.asked_db, ceiling.reached_db
         ),
         None => {
-            let better = if method == Method::Robust { "" } else { ", or take method `robust`, which also says what is possible" };
-            format!("the scene is not met: {served}, with {contrast} where {:.1} dB are needed; {help}{better}", limits.apart_db())
+            let better = if method == Method::Robust { "" } else { ", or take method `robust`, \
+                which also says what is possible" };
+            format!("the scene is not met: {served}, with {contrast} where {:.1} dB are needed; \
+                     {help}{better}", limits.apart_db())
         }
     }
 }
 
 /// Warns where few actuators serve every response and not the ground between them.
 fn ground_lost(area: &AreaIndices, actuators: usize) -> Option<String> {
-    let least = [area.hot_ratio, area.cold_ratio].into_iter().flatten().fold(1.0, f64::min);
+    let least = [area.hot_ratio, area.cold_ratio]
+        .into_iter()
+        .flatten()
+        .fold(1.0, f64::min);
     (least < tolerances::SERVES).then(|| {
         format!(
             "{actuators} actuators serve every response, but between the responses only {:.0} % of the hot or of the cold ground: a few more \
@@ -232,8 +340,16 @@ fn ground_lost(area: &AreaIndices, actuators: usize) -> Option<String> {
 
 /// Warns of motion far above the threshold.
 pub(crate) fn strength(field: &Field, limits: &Limits) -> Option<String> {
-    let largest = field.velocity_m_per_s.iter().map(|v| v.norm()).fold(0.0, f64::max);
+    let largest = field
+        .velocity_m_per_s
+        .iter()
+        .map(|v| v.norm())
+        .fold(0.0, f64::max);
     let level = 20.0 * (largest / limits.threshold_m_per_s).log10();
-    (level > tolerances::STRONG_DB)
-        .then(|| format!("the panel moves {level:.0} dB above the threshold somewhere: check limits of exposure and of the actuators"))
+    (level > tolerances::STRONG_DB).then(|| {
+        format!(
+            "the panel moves {level:.0} dB above the threshold somewhere: check \
+                          limits of exposure and of the actuators"
+        )
+    })
 }

@@ -13,12 +13,37 @@ use std::path::{Path, PathBuf};
 
 /// Every key of a scene, by table.
 const KEYS: Keys = &[
-    ("", &["frequency_hz", "threshold", "zones", "actuators", "drift"]),
-    ("drift", &["frequency_relative", "loss_factor_relative", "shape_relative", "isotropic_relative", "drive_relative"]),
+    (
+        "",
+        &["frequency_hz", "threshold", "zones", "actuators", "drift"],
+    ),
+    (
+        "drift",
+        &[
+            "frequency_relative",
+            "loss_factor_relative",
+            "shape_relative",
+            "isotropic_relative",
+            "drive_relative",
+        ],
+    ),
     ("threshold", &["profile", "limen_db"]),
-    ("zones", &["grid", "hot", "area_m", "cells_m", "transition_m", "polygon"]),
+    (
+        "zones",
+        &[
+            "grid",
+            "hot",
+            "area_m",
+            "cells_m",
+            "transition_m",
+            "polygon",
+        ],
+    ),
     ("zones.polygon", &["kind", "points_m", "level_db"]),
-    ("actuators", &["use", "max_force_n", "max_voltage_v", "max_effort"]),
+    (
+        "actuators",
+        &["use", "max_force_n", "max_voltage_v", "max_effort"],
+    ),
 ];
 
 /// Difference limen on each side of the threshold, dB, where the scene gives none.
@@ -41,13 +66,15 @@ pub struct Scene {
     pub other_tones: Vec<Tone>,
     /// Threshold profile.
     pub threshold: Threshold,
-    /// Distance of the limits from the threshold, dB: hot at least threshold + limen, cold at most threshold − limen.
+    /// Distance of the limits from the threshold, dB: hot at least threshold + limen,
+    /// cold at most threshold − limen.
     pub limen_db: f64,
     /// Zones.
     pub zones: Zones,
     /// Actuators.
     pub actuators: Actuators,
-    /// How far the panel may move away from its model; `None`: as the options of the rendering say.
+    /// How far the panel may move away from its model; `None`: as the options of the
+    /// rendering say.
     pub drift: Option<Drift>,
 }
 
@@ -67,11 +94,13 @@ pub struct Actuators {
 /// Velocity limits of a scene, m/s peak.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Threshold + limen, or the part of it that a line of a band owes: hot ground moves at least so fast.
+    /// Threshold + limen, or the part of it that a line of a band owes: hot ground moves
+    /// at least so fast.
     pub hot_m_per_s: f64,
     /// Threshold.
     pub threshold_m_per_s: f64,
-    /// Threshold − limen, or the part of it that one of several tones may have: cold ground moves at most so fast.
+    /// Threshold − limen, or the part of it that one of several tones may have: cold
+    /// ground moves at most so fast.
     pub cold_m_per_s: f64,
 }
 
@@ -97,7 +126,8 @@ impl Scene {
     /// No such file, or what [`Self::parse`] finds.
     pub fn read(file: &Path) -> Result<Self> {
         let text = read_text(file, "a scene, TOML")?;
-        let mut scene = Self::parse(&text, file.parent().unwrap_or(Path::new(""))).map_err(|error| error.file(file))?;
+        let mut scene = Self::parse(&text, file.parent().unwrap_or(Path::new("")))
+            .map_err(|error| error.file(file))?;
         scene.file = Some(file.to_path_buf());
         Ok(scene)
     }
@@ -105,7 +135,8 @@ impl Scene {
     /// A scene from its TOML text; a threshold file is looked for in `folder`.
     ///
     /// # Errors
-    /// [`chladni_frf::ErrorKind::BadData`] with line, key, what stands there and what belongs there.
+    /// [`chladni_frf::ErrorKind::BadData`] with line, key, what stands there and what
+    /// belongs there.
     pub fn parse(text: &str, folder: &Path) -> Result<Self> {
         let document = parse(text)?;
         let root = Table::root(text, &document);
@@ -116,7 +147,10 @@ impl Scene {
             None => (Threshold::Paper, DEFAULT_LIMEN_DB),
         };
         let mut tones = read_tones(&root.require("frequency_hz", "the drive frequency in Hz")?)?;
-        let Tone { frequency_hz, share } = tones.remove(0);
+        let Tone {
+            frequency_hz,
+            share,
+        } = tones.remove(0);
         Ok(Self {
             file: None,
             frequency_hz,
@@ -124,25 +158,52 @@ impl Scene {
             other_tones: tones,
             threshold,
             limen_db,
-            zones: read_zones(&root.require("zones", "a table [zones] with grid and hot, or [[zones.polygon]]")?.table()?)?,
+            zones: read_zones(
+                &root
+                    .require(
+                        "zones",
+                        "a table [zones] with grid and hot, or [[zones.polygon]]",
+                    )?
+                    .table()?,
+            )?,
             actuators: match optional("actuators")? {
                 Some(table) => read_actuators(&table)?,
-                None => Actuators { only: None, max_force_n: None, max_voltage_v: None, max_effort: None },
+                None => Actuators {
+                    only: None,
+                    max_force_n: None,
+                    max_voltage_v: None,
+                    max_effort: None,
+                },
             },
-            drift: optional("drift")?.map(|table| read_drift(&table)).transpose()?,
+            drift: optional("drift")?
+                .map(|table| read_drift(&table))
+                .transpose()?,
         })
     }
 
     /// The scene of each tone by itself.
     pub fn tones(&self) -> Vec<Self> {
-        let first = Tone { frequency_hz: self.frequency_hz, share: self.share };
-        let alone = |tone: &Tone| Self { frequency_hz: tone.frequency_hz, share: tone.share, other_tones: Vec::new(), ..self.clone() };
-        std::iter::once(&first).chain(&self.other_tones).map(alone).collect()
+        let first = Tone {
+            frequency_hz: self.frequency_hz,
+            share: self.share,
+        };
+        let alone = |tone: &Tone| Self {
+            frequency_hz: tone.frequency_hz,
+            share: tone.share,
+            other_tones: Vec::new(),
+            ..self.clone()
+        };
+        std::iter::once(&first)
+            .chain(&self.other_tones)
+            .map(alone)
+            .collect()
     }
 
     /// The scene of the tone at `frequency_hz`; `None` where there is none.
     pub fn tone_at(&self, frequency_hz: f64) -> Option<Self> {
-        self.tones().into_iter().find(|tone| is_same(tone.frequency_hz, frequency_hz))
+        self.tones()
+            .into_iter()
+            .find(|tone| is_same(tone.frequency_hz, frequency_hz))
     }
 
     /// Velocity limits at the drive frequency.
@@ -153,12 +214,20 @@ impl Scene {
         let threshold = self.threshold.velocity_m_per_s(self.frequency_hz)?;
         let ratio = 10f64.powf(self.limen_db / 20.0);
         let [hot, cold] = [self.share.hot, self.share.cold].map(f64::sqrt);
-        Ok(Limits { hot_m_per_s: threshold * ratio * hot, threshold_m_per_s: threshold, cold_m_per_s: threshold / ratio * cold })
+        Ok(Limits {
+            hot_m_per_s: threshold * ratio * hot,
+            threshold_m_per_s: threshold,
+            cold_m_per_s: threshold / ratio * cold,
+        })
     }
 
-    /// File name without its folder, as results carry it; empty for a scene that is no file.
+    /// File name without its folder, as results carry it; empty for a scene that is no
+    /// file.
     pub fn name(&self) -> String {
-        self.file.as_deref().map(chladni_frf::io::file_name).unwrap_or_default()
+        self.file
+            .as_deref()
+            .map(chladni_frf::io::file_name)
+            .unwrap_or_default()
     }
 }
 
@@ -168,7 +237,9 @@ fn read_threshold(table: &Table, folder: &Path) -> Result<(Threshold, f64)> {
         Some(value) => read_profile(&value, folder)?,
         None => Threshold::Paper,
     };
-    let limen_db = table.get("limen_db").map_or(Ok(DEFAULT_LIMEN_DB), |value| value.not_negative())?;
+    let limen_db = table
+        .get("limen_db")
+        .map_or(Ok(DEFAULT_LIMEN_DB), |value| value.not_negative())?;
     Ok((threshold, limen_db))
 }
 
@@ -180,9 +251,15 @@ fn read_profile(value: &Value, folder: &Path) -> Result<Threshold> {
     let file = folder.join(name);
     if !file.exists() {
         let known = Threshold::NAMES;
-        return Err(value.error("neither a threshold profile nor a file", format!("{} or the path of a CSV file", known.join(", "))).help(
-            format!("did you mean `{}`? A path is taken relative to the scene file", nearest_word(name, &known).unwrap_or_default()),
-        ));
+        return Err(value
+            .error(
+                "neither a threshold profile nor a file",
+                format!("{} or the path of a CSV file", known.join(", ")),
+            )
+            .help(format!(
+                "did you mean `{}`? A path is taken relative to the scene file",
+                nearest_word(name, &known).unwrap_or_default()
+            )));
     }
     Ok(Threshold::Table(ThresholdTable::read(&file)?))
 }
@@ -190,25 +267,45 @@ fn read_profile(value: &Value, folder: &Path) -> Result<Threshold> {
 fn read_zones(table: &Table) -> Result<Zones> {
     table.only_keys(KEYS, "zones")?;
     let layout = match (table.get("grid"), table.get("polygon")) {
-        (Some(_), Some(polygon)) => return Err(polygon.error("a scene has either a grid or polygons", "one of them")),
+        (Some(_), Some(polygon)) => {
+            return Err(polygon.error("a scene has either a grid or polygons", "one of them"))
+        }
         (None, Some(polygon)) => read_polygons(table, &polygon)?,
         _ => read_grid(table)?,
     };
     Ok(Zones {
         layout,
-        area_m: table.get("area_m").map(|value| rectangle(&value)).transpose()?,
-        transition_m: table.get("transition_m").map_or(Ok(DEFAULT_TRANSITION_M), |value| value.not_negative())?,
+        area_m: table
+            .get("area_m")
+            .map(|value| rectangle(&value))
+            .transpose()?,
+        transition_m: table
+            .get("transition_m")
+            .map_or(Ok(DEFAULT_TRANSITION_M), |value| value.not_negative())?,
     })
 }
 
 fn read_grid(table: &Table) -> Result<ZoneLayout> {
-    let grid_value = table.require("grid", "[columns, rows] of equal cells, or [[zones.polygon]]")?;
-    let grid = grid_value.list()?.iter().map(Value::count).collect::<Result<Vec<usize>>>()?;
-    let grid = <[usize; 2]>::try_from(grid).map_err(|_| grid_value.error("wrong number of entries", "[columns, rows]"))?;
+    let grid_value = table.require(
+        "grid",
+        "[columns, rows] of equal cells, or [[zones.polygon]]",
+    )?;
+    let grid = grid_value
+        .list()?
+        .iter()
+        .map(Value::count)
+        .collect::<Result<Vec<usize>>>()?;
+    let grid = <[usize; 2]>::try_from(grid)
+        .map_err(|_| grid_value.error("wrong number of entries", "[columns, rows]"))?;
     let cells = grid[0]
         .checked_mul(grid[1])
         .filter(|&cells| cells <= tolerances::MAX_CELLS)
-        .ok_or_else(|| grid_value.error("too many cells", format!("at most {} cells", tolerances::MAX_CELLS)))?;
+        .ok_or_else(|| {
+            grid_value.error(
+                "too many cells",
+                format!("at most {} cells", tolerances::MAX_CELLS),
+            )
+        })?;
     let hot_value = table.require("hot", "a list of hot cells, counted from 1")?;
     let mut hot = Vec::new();
     for value in hot_value.list()? {
@@ -218,13 +315,24 @@ fn read_grid(table: &Table) -> Result<ZoneLayout> {
         }
     }
     if hot.is_empty() {
-        return Err(hot_value.error("no cell is hot", format!("at least one cell from 1 to {cells}")));
+        return Err(hot_value.error(
+            "no cell is hot",
+            format!("at least one cell from 1 to {cells}"),
+        ));
     }
-    Ok(ZoneLayout::Grid { grid, hot, cells_m: table.get("cells_m").map(|value| rectangle(&value)).transpose()? })
+    Ok(ZoneLayout::Grid {
+        grid,
+        hot,
+        cells_m: table
+            .get("cells_m")
+            .map(|value| rectangle(&value))
+            .transpose()?,
+    })
 }
 
 fn rectangle(value: &Value) -> Result<[f64; 4]> {
-    const EXPECTED: &str = "[x_min, y_min, x_max, y_max] in metres, each maximum greater than its minimum";
+    const EXPECTED: &str =
+        "[x_min, y_min, x_max, y_max] in metres, each maximum greater than its minimum";
     let numbers = value.numbers::<4>(EXPECTED)?;
     let [x_min, y_min, x_max, y_max] = numbers;
     if x_max - x_min > tolerances::POSITION_M && y_max - y_min > tolerances::POSITION_M {
@@ -237,14 +345,32 @@ fn rectangle(value: &Value) -> Result<[f64; 4]> {
 fn read_polygons(zones: &Table, value: &Value) -> Result<ZoneLayout> {
     for key in ["hot", "cells_m"] {
         if let Some(misplaced) = zones.get(key) {
-            return Err(misplaced.error("belongs to a grid, and this scene has polygons", "no such key here"));
+            return Err(misplaced.error(
+                "belongs to a grid, and this scene has polygons",
+                "no such key here",
+            ));
         }
     }
-    let polygons = value.list()?.iter().map(read_polygon).collect::<Result<Vec<_>>>()?;
-    if polygons.iter().map(|polygon| polygon.points_m.len()).sum::<usize>() > tolerances::MAX_POLYGON_POINTS {
-        return Err(value.error("too many corners", format!("at most {} in all polygons", tolerances::MAX_POLYGON_POINTS)));
+    let polygons = value
+        .list()?
+        .iter()
+        .map(read_polygon)
+        .collect::<Result<Vec<_>>>()?;
+    if polygons
+        .iter()
+        .map(|polygon| polygon.points_m.len())
+        .sum::<usize>()
+        > tolerances::MAX_POLYGON_POINTS
+    {
+        return Err(value.error(
+            "too many corners",
+            format!("at most {} in all polygons", tolerances::MAX_POLYGON_POINTS),
+        ));
     }
-    if !polygons.iter().any(|polygon| polygon.kind == PolygonKind::Hot) {
+    if !polygons
+        .iter()
+        .any(|polygon| polygon.kind == PolygonKind::Hot)
+    {
         return Err(Error::bad_data("no polygon is hot")
             .at_line(value.line())
             .field("zones.polygon")
@@ -262,33 +388,62 @@ fn read_polygon(value: &Value) -> Result<ZonePolygon> {
         "hot" => PolygonKind::Hot,
         "cold" => PolygonKind::Cold,
         "ignore" => PolygonKind::Ignore,
-        _ => return Err(kind_value.error("no such kind of zone", "\"hot\", \"cold\" or \"ignore\"")),
+        _ => {
+            return Err(kind_value.error("no such kind of zone", "\"hot\", \"cold\" or \"ignore\""))
+        }
     };
     let points_value = table.require("points_m", "corners [[x, y], ...] in metres")?;
-    let points_m = points_value.list()?.iter().map(|point| point.numbers::<2>("[x, y] in metres")).collect::<Result<Vec<_>>>()?;
+    let points_m = points_value
+        .list()?
+        .iter()
+        .map(|point| point.numbers::<2>("[x, y] in metres"))
+        .collect::<Result<Vec<_>>>()?;
     if polygon_area(&points_m) <= tolerances::POSITION_M.powi(2) {
-        return Err(points_value.error("an empty polygon", "at least three corners that enclose some ground"));
+        return Err(points_value.error(
+            "an empty polygon",
+            "at least three corners that enclose some ground",
+        ));
     }
     let level_db = match table.get("level_db") {
         Some(value) if kind == PolygonKind::Hot => value.number()?,
-        Some(value) => return Err(value.error("only hot polygons have a level", "no such key here")),
+        Some(value) => {
+            return Err(value.error("only hot polygons have a level", "no such key here"))
+        }
         None => 0.0,
     };
-    Ok(ZonePolygon { kind, level_db, points_m })
+    Ok(ZonePolygon {
+        kind,
+        level_db,
+        points_m,
+    })
 }
 
-/// Sum of the absolute areas of the triangles from the first corner, m²: zero only where all corners lie on one line.
+/// Sum of the absolute areas of the triangles from the first corner, m²: zero only where
+/// all corners lie on one line.
 fn polygon_area(points: &[Position]) -> f64 {
-    let Some(&[x0, y0]) = points.first() else { return 0.0 };
-    let triangle = |pair: &[Position]| ((pair[0][0] - x0) * (pair[1][1] - y0) - (pair[0][1] - y0) * (pair[1][0] - x0)).abs();
+    let Some(&[x0, y0]) = points.first() else {
+        return 0.0;
+    };
+    let triangle = |pair: &[Position]| {
+        ((pair[0][0] - x0) * (pair[1][1] - y0) - (pair[0][1] - y0) * (pair[1][0] - x0)).abs()
+    };
     0.5 * points.windows(2).map(triangle).sum::<f64>()
 }
 
 fn read_actuators(table: &Table) -> Result<Actuators> {
     table.only_keys(KEYS, "actuators")?;
-    let limit = |key| table.get(key).map(|value: Value| value.positive()).transpose();
+    let limit = |key| {
+        table
+            .get(key)
+            .map(|value: Value| value.positive())
+            .transpose()
+    };
     Ok(Actuators {
-        only: table.get("use").map(|value| read_use(&value)).transpose()?.flatten(),
+        only: table
+            .get("use")
+            .map(|value| read_use(&value))
+            .transpose()?
+            .flatten(),
         max_force_n: limit("max_force_n")?,
         max_voltage_v: limit("max_voltage_v")?,
         max_effort: limit("max_effort")?,
@@ -309,10 +464,23 @@ fn read_drift(table: &Table) -> Result<Drift> {
 fn read_use(value: &Value) -> Result<Option<Vec<Dof>>> {
     const EXPECTED: &str = "\"all\" or a list of reference DOFs like \"101:+Z\"";
     if value.is_string() {
-        return if value.string()? == "all" { Ok(None) } else { Err(value.error("no list of actuators", EXPECTED)) };
+        return if value.string()? == "all" {
+            Ok(None)
+        } else {
+            Err(value.error("no list of actuators", EXPECTED))
+        };
     }
-    let entry = |entry: &Value| entry.string()?.parse::<Dof>().map_err(|reason| entry.error(&reason, EXPECTED));
-    let only = value.list()?.iter().map(entry).collect::<Result<Vec<Dof>>>()?;
+    let entry = |entry: &Value| {
+        entry
+            .string()?
+            .parse::<Dof>()
+            .map_err(|reason| entry.error(&reason, EXPECTED))
+    };
+    let only = value
+        .list()?
+        .iter()
+        .map(entry)
+        .collect::<Result<Vec<Dof>>>()?;
     if only.is_empty() {
         return Err(value.error("no actuator is left", EXPECTED));
     }

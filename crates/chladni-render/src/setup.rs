@@ -1,4 +1,5 @@
-//! A scene laid over a model: the problem that the methods solve, and what is to be said about it.
+//! A scene laid over a model: the problem that the methods solve, and what is to be said
+//! about it.
 
 use crate::covariance::Covariance;
 use crate::field::Places;
@@ -30,7 +31,8 @@ pub(crate) struct Setup {
     pub(crate) judged: Vec<usize>,
     /// Judged rows, limits and error bar.
     pub(crate) problem: Problem,
-    /// The responses as nodes of interpolation, where they carry an area; found when a method asks for them.
+    /// The responses as nodes of interpolation, where they carry an area; found when a
+    /// method asks for them.
     nodes: OnceCell<Option<Nodes>>,
     /// Rows between them, coarse and fine; the same.
     between: [OnceCell<Option<Rows>>; 2],
@@ -47,7 +49,8 @@ impl Setup {
     /// As [`crate::render`].
     pub(crate) fn new(model: &ModalModel, scene: &Scene, drift: &Drift) -> Result<Self> {
         let limits = scene.limits()?;
-        let operator = Operator::of_model(model, scene.frequency_hz, scene.actuators.only.as_deref())?;
+        let operator =
+            Operator::of_model(model, scene.frequency_hz, scene.actuators.only.as_deref())?;
         let zones = lay_zones(scene, &operator);
         let (judged, hot) = judged_rows(&operator, &zones)?;
         let mut warnings = scene_warnings(scene, &operator, &zones);
@@ -55,25 +58,67 @@ impl Setup {
         warnings.extend(warning);
         warnings.extend(controllability(model, &operator));
         warnings.extend(mode_on(model, scene.frequency_hz).map(|hz| {
-            format!("the mode at {hz:.1} Hz sits on the drive frequency: a finger or a little warming changes the field; --sweep finds a better one")
+            format!(
+                "the mode at {hz:.1} Hz sits on the drive frequency: a finger or a little \
+                     warming changes the field; --sweep finds a better one"
+            )
         }));
-        let covariance = Covariance::of_model(model, &operator, &judged, scene.drift.as_ref().unwrap_or(drift));
-        let positions_m: Vec<Position> = judged.iter().map(|&row| operator.positions_m[row]).collect();
-        let rows = Rows::new(operator.mobility.select(Axis(0), &judged), hot, positions_m, &zones);
+        let covariance = Covariance::of_model(
+            model,
+            &operator,
+            &judged,
+            scene.drift.as_ref().unwrap_or(drift),
+        );
+        let positions_m: Vec<Position> = judged
+            .iter()
+            .map(|&row| operator.positions_m[row])
+            .collect();
+        let rows = Rows::new(
+            operator.mobility.select(Axis(0), &judged),
+            hot,
+            positions_m,
+            &zones,
+        );
         let problem = Problem::new(rows, covariance, limits, drive_limits);
-        let counts = |n: &usize| model.modes[*n].in_band && model.modes[*n].trust != Trust::Rejected;
+        let counts =
+            |n: &usize| model.modes[*n].in_band && model.modes[*n].trust != Trust::Rejected;
         let modes = (0..model.modes.len()).filter(counts).collect();
         let (nodes, between) = Default::default();
-        Ok(Self { limits, operator, zones, judged, problem, nodes, between, modes, warnings })
+        Ok(Self {
+            limits,
+            operator,
+            zones,
+            judged,
+            problem,
+            nodes,
+            between,
+            modes,
+            warnings,
+        })
     }
 
-    /// The same with another mobility of the same responses and actuators, whose errors `errors` (any × actuators) come on top.
-    pub(crate) fn with_model(&self, mobility: Array2<Complex64>, errors: Array2<Complex64>, mut modes: Vec<usize>) -> Self {
+    /// The same with another mobility of the same responses and actuators, whose errors
+    /// `errors` (any × actuators) come on top.
+    pub(crate) fn with_model(
+        &self,
+        mobility: Array2<Complex64>,
+        errors: Array2<Complex64>,
+        mut modes: Vec<usize>,
+    ) -> Self {
         let mut setup = self.clone();
         setup.operator.mobility = mobility;
         let (measured, hot) = (&self.problem.rows, self.problem.rows.hot);
-        let rows = Rows::new(setup.operator.mobility.select(Axis(0), &self.judged), hot, measured.positions_m.clone(), &self.zones);
-        setup.problem = Problem { rows, covariance: self.problem.covariance.with_errors(errors), ..setup.problem };
+        let rows = Rows::new(
+            setup.operator.mobility.select(Axis(0), &self.judged),
+            hot,
+            measured.positions_m.clone(),
+            &self.zones,
+        );
+        setup.problem = Problem {
+            rows,
+            covariance: self.problem.covariance.with_errors(errors),
+            ..setup.problem
+        };
         setup.between = Default::default();
         modes.sort_unstable();
         setup.modes = modes;
@@ -82,29 +127,40 @@ impl Setup {
 
     /// The responses as nodes of interpolation, where they carry an area.
     pub(crate) fn nodes(&self) -> Option<&Nodes> {
-        self.nodes.get_or_init(|| Nodes::new(&self.operator.positions_m)).as_ref()
+        self.nodes
+            .get_or_init(|| Nodes::new(&self.operator.positions_m))
+            .as_ref()
     }
 
     /// Rows between the responses, where these carry an area.
     pub(crate) fn between(&self) -> Option<&Rows> {
         let [coarse, _] = &self.between;
-        coarse.get_or_init(|| self.between_rows(tolerances::BETWEEN_SPACING)).as_ref()
+        coarse
+            .get_or_init(|| self.between_rows(tolerances::BETWEEN_SPACING))
+            .as_ref()
     }
 
     /// The same, closer together.
     pub(crate) fn finely_between(&self) -> Option<&Rows> {
         let [_, fine] = &self.between;
-        fine.get_or_init(|| self.between_rows(tolerances::FINE_SPACING)).as_ref()
+        fine.get_or_init(|| self.between_rows(tolerances::FINE_SPACING))
+            .as_ref()
     }
 
-    /// Rows of the operator interpolated between the responses, for methods that also look there; `spacing` over that of the responses.
+    /// Rows of the operator interpolated between the responses, for methods that also
+    /// look there; `spacing` over that of the responses.
     fn between_rows(&self, spacing: f64) -> Option<Rows> {
-        let Self { operator, zones, .. } = self;
+        let Self {
+            operator, zones, ..
+        } = self;
         let scanned = Rectangle::around(&operator.positions_m)?;
         let ground_m2 = (scanned.x_max - scanned.x_min) * (scanned.y_max - scanned.y_min);
         let step_m = spacing * (ground_m2 / operator.responses.len() as f64).sqrt();
-        let places: Vec<Position> =
-            Places::new(&operator.positions_m, zones.area(), step_m)?.inside.into_iter().map(|place| place.1).collect();
+        let places: Vec<Position> = Places::new(&operator.positions_m, zones.area(), step_m)?
+            .inside
+            .into_iter()
+            .map(|place| place.1)
+            .collect();
         let (rows, hot) = hot_then_cold(&places, zones);
         let places: Vec<Position> = rows.into_iter().map(|k| places[k]).collect();
         let mobility = self.nodes()?.onto(&places)?.apply(operator.mobility.view());
@@ -115,8 +171,14 @@ impl Setup {
     pub(crate) fn with_actuators(&self, columns: &[usize]) -> Self {
         let mut setup = self.clone();
         setup.operator.mobility = self.operator.mobility.select(Axis(1), columns);
-        setup.operator.references = columns.iter().map(|&column| self.operator.references[column]).collect();
-        setup.operator.reference_columns = columns.iter().map(|&column| self.operator.reference_columns[column]).collect();
+        setup.operator.references = columns
+            .iter()
+            .map(|&column| self.operator.references[column])
+            .collect();
+        setup.operator.reference_columns = columns
+            .iter()
+            .map(|&column| self.operator.reference_columns[column])
+            .collect();
         setup.problem = self.problem.with_actuators(columns);
         setup.between = Default::default();
         setup
@@ -125,7 +187,8 @@ impl Setup {
 
 /// The scene's zones over the responses of the operator.
 pub(crate) fn lay_zones(scene: &Scene, operator: &Operator) -> ZoneMap {
-    let around = Rectangle::around(&operator.positions_m).expect("an operator has at least one response");
+    let around =
+        Rectangle::around(&operator.positions_m).expect("an operator has at least one response");
     scene.zones.over(around)
 }
 
@@ -139,7 +202,11 @@ fn judged_rows(operator: &Operator, zones: &ZoneMap) -> Result<(Vec<usize>, usiz
 /// Indices of the hot places, then of the cold ones, and the number of hot ones.
 fn hot_then_cold(places: &[Position], zones: &ZoneMap) -> (Vec<usize>, usize) {
     let ground: Vec<Ground> = places.iter().map(|&place| zones.classify(place)).collect();
-    let on = |wanted| (0..places.len()).filter(|&k| ground[k] == wanted).collect::<Vec<_>>();
+    let on = |wanted| {
+        (0..places.len())
+            .filter(|&k| ground[k] == wanted)
+            .collect::<Vec<_>>()
+    };
     let (hot, cold) = (on(Ground::Hot), on(Ground::Cold));
     let count = hot.len();
     ([hot, cold].concat(), count)
@@ -150,20 +217,31 @@ pub(crate) fn scene_warnings(scene: &Scene, operator: &Operator, zones: &ZoneMap
     let mut warnings = operator.warnings.clone();
     warnings.extend(scene.threshold.warning(scene.frequency_hz));
     let (area, e) = (zones.area(), tolerances::POSITION_M);
-    let scanned = Rectangle::around(&operator.positions_m).expect("an operator has at least one response");
-    if area.x_min < scanned.x_min - e || area.y_min < scanned.y_min - e || area.x_max > scanned.x_max + e || area.y_max > scanned.y_max + e
+    let scanned =
+        Rectangle::around(&operator.positions_m).expect("an operator has at least one response");
+    if area.x_min < scanned.x_min - e
+        || area.y_min < scanned.y_min - e
+        || area.x_max > scanned.x_max + e
+        || area.y_max > scanned.y_max + e
     {
         warnings.push(format!(
-            "area_m goes beyond the responses, which cover x {} to {} m, y {} to {} m; nothing outside them is judged",
+            "area_m goes beyond the responses, which cover x {} to {} m, y {} to {} m; nothing \
+             outside them is judged",
             scanned.x_min, scanned.x_max, scanned.y_min, scanned.y_max
         ));
     }
     let (zone_count, actuators) = (zones.hot_outlines().len(), operator.references.len());
     if actuators > 1 && zone_count > actuators {
-        warnings.push(format!("{zone_count} hot cells or polygons for {actuators} actuators: they cannot be set apart from each other"));
+        warnings.push(format!(
+            "{zone_count} hot cells or polygons for {actuators} actuators: they \
+                               cannot be set apart from each other"
+        ));
     }
     if operator.references.len() == 1 {
-        warnings.push(format!("a single actuator ({}) can only scale one pattern, not shape it", operator.references[0]));
+        warnings.push(format!(
+            "a single actuator ({}) can only scale one pattern, not shape it",
+            operator.references[0]
+        ));
     }
     warnings
 }
@@ -174,7 +252,13 @@ fn drive_limits(scene: &Scene, unit: ReferenceUnit) -> Result<(DriveLimits, Opti
     let (each, warning) = largest_weight(scene, unit)?;
     // peaks of tones add, their efforts add as squares
     let effort = actuators.max_effort.unwrap_or(f64::INFINITY) * scene.share.peak.sqrt();
-    Ok((DriveLimits { each: each * scene.share.peak, effort }, warning))
+    Ok((
+        DriveLimits {
+            each: each * scene.share.peak,
+            effort,
+        },
+        warning,
+    ))
 }
 
 /// The largest |A_i| that the scene allows, N or V.
@@ -184,14 +268,21 @@ fn largest_weight(scene: &Scene, unit: ReferenceUnit) -> Result<(f64, Option<Str
         ReferenceUnit::Newton => Ok((actuators.max_force_n.unwrap_or(DEFAULT_MAX_FORCE_N), None)),
         ReferenceUnit::Volt => match (actuators.max_voltage_v, actuators.max_force_n) {
             (Some(limit), _) => Ok((limit, None)),
-            (None, Some(limit)) => Err(Error::bad_data("a force limit cannot be kept: the references of the model are volts")
-                .field("actuators.max_force_n")
-                .found(limit)
-                .expected("actuators.max_voltage_v")
-                .help("give the limit in volts peak, or leave both out")),
+            (None, Some(limit)) => Err(Error::bad_data(
+                "a force limit cannot be kept: the \
+                                                        references of the model are volts",
+            )
+            .field("actuators.max_force_n")
+            .found(limit)
+            .expected("actuators.max_voltage_v")
+            .help("give the limit in volts peak, or leave both out")),
             (None, None) => Ok((
                 f64::INFINITY,
-                Some("the references are volts and the scene gives no actuators.max_voltage_v: no limit was kept".into()),
+                Some(
+                    "the references are volts and the scene gives no actuators.max_voltage_v: no \
+                      limit was kept"
+                        .into(),
+                ),
             )),
         },
     }
@@ -199,9 +290,25 @@ fn largest_weight(scene: &Scene, unit: ReferenceUnit) -> Result<(f64, Option<Str
 
 /// Modes that no actuator in use can drive.
 fn controllability(model: &ModalModel, operator: &Operator) -> Vec<String> {
-    let strength = |participation: &[Complex64]| operator.reference_columns.iter().map(|&j| participation[j].norm()).fold(0.0, f64::max);
-    let largest = model.in_band_modes().map(|mode| strength(&mode.participation.0)).fold(0.0, f64::max);
-    let idle = model.in_band_modes().filter(|mode| strength(&mode.participation.0) <= tolerances::NO_PARTICIPATION * largest);
-    idle.map(|mode| format!("the mode at {:.1} Hz has zero participation: no actuator in use can drive or stop it", mode.frequency_hz))
-        .collect()
+    let strength = |participation: &[Complex64]| {
+        operator
+            .reference_columns
+            .iter()
+            .map(|&j| participation[j].norm())
+            .fold(0.0, f64::max)
+    };
+    let largest = model
+        .in_band_modes()
+        .map(|mode| strength(&mode.participation.0))
+        .fold(0.0, f64::max);
+    let idle = model
+        .in_band_modes()
+        .filter(|mode| strength(&mode.participation.0) <= tolerances::NO_PARTICIPATION * largest);
+    idle.map(|mode| {
+        format!(
+            "the mode at {:.1} Hz has zero participation: no actuator in use can drive or stop it",
+            mode.frequency_hz
+        )
+    })
+    .collect()
 }

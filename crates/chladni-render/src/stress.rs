@@ -42,7 +42,8 @@ pub struct StressOptions {
 }
 
 impl Default for StressOptions {
-    /// 200 draws, so that the worst twentieth is ten of them; 1 g is a ring or a cable; 2 % and 2° are amplifiers of one batch; 8 bits are coarse.
+    /// 200 draws, so that the worst twentieth is ten of them; 1 g is a ring or a cable; 2
+    /// % and 2° are amplifiers of one batch; 8 bits are coarse.
     fn default() -> Self {
         Self {
             seed: 1,
@@ -67,7 +68,8 @@ pub struct StressRow {
     pub cases: usize,
     /// Mean share of responses served.
     pub success_mean: f64,
-    /// Share that 95 % of the cases reach; the least of all where there are fewer than twenty.
+    /// Share that 95 % of the cases reach; the least of all where there are fewer than
+    /// twenty.
     pub success_worst_5_percent: f64,
     /// The same for the smaller of hot and cold ratio.
     pub min_worst_5_percent: f64,
@@ -75,55 +77,106 @@ pub struct StressRow {
 
 /// Indices of `weights` in `scene` when the panel is not `model`.
 ///
-/// Touch and added mass need mass-scaled modes; where the model has none, the second value says so.
+/// Touch and added mass need mass-scaled modes; where the model has none, the second
+/// value says so.
 ///
 /// # Errors
 /// As [`crate::evaluate()`].
-pub fn stress(weights: &Weights, scene: &Scene, model: &ModalModel, options: &StressOptions) -> Result<(Vec<StressRow>, Vec<String>)> {
-    let Laid { operator, drive, limits, zones, .. } = laid(weights, scene, On::Model(model))?;
+pub fn stress(
+    weights: &Weights,
+    scene: &Scene,
+    model: &ModalModel,
+    options: &StressOptions,
+) -> Result<(Vec<StressRow>, Vec<String>)> {
+    let Laid {
+        operator,
+        drive,
+        limits,
+        zones,
+        ..
+    } = laid(weights, scene, On::Model(model))?;
     let field = Field::new(&operator, &zones, &drive);
     let modal = ModalField::new(model, &operator, &drive);
     let judge = |velocity: Array1<Complex64>| -> Result<[f64; 2]> {
-        let other = Field { velocity_m_per_s: velocity.to_vec(), ..field.clone() };
+        let other = Field {
+            velocity_m_per_s: velocity.to_vec(),
+            ..field.clone()
+        };
         let points = PointIndices::of_field(&other, &zones, &limits, &drive, operator.unit)?;
         Ok([points.success_ratio, points.min_ratio])
     };
     let mut rows = Vec::new();
     let mut add = |trial: &str, fields: Vec<Array1<Complex64>>| -> Result<()> {
-        let judged = fields.into_iter().map(judge).collect::<Result<Vec<[f64; 2]>>>()?;
+        let judged = fields
+            .into_iter()
+            .map(judge)
+            .collect::<Result<Vec<[f64; 2]>>>()?;
         rows.extend(StressRow::of(trial, &judged));
         Ok(())
     };
 
     add("none", vec![modal.free.clone()])?;
     let mut draw = Draw::new(options.seed);
-    add("errors of the fit", (0..options.draws).map(|_| modal.with_modes(|mode| draw.fit_error(mode))).collect())?;
-    add("drift", (0..options.draws).map(|_| modal.with_modes(|mode| draw.drift(mode, &options.drift))).collect())?;
-    let shifted = [-1.0, 1.0].map(|sign| modal.with_modes(|mode| mode.frequency_hz *= 1.0 + sign * options.common_shift));
-    add(&format!("all frequencies {} % lower or higher", 100.0 * options.common_shift), shifted.to_vec())?;
+    add(
+        "errors of the fit",
+        (0..options.draws)
+            .map(|_| modal.with_modes(|mode| draw.fit_error(mode)))
+            .collect(),
+    )?;
+    add(
+        "drift",
+        (0..options.draws)
+            .map(|_| modal.with_modes(|mode| draw.drift(mode, &options.drift)))
+            .collect(),
+    )?;
+    let shifted = [-1.0, 1.0].map(|sign| {
+        modal.with_modes(|mode| mode.frequency_hz *= 1.0 + sign * options.common_shift)
+    });
+    add(
+        &format!(
+            "all frequencies {} % lower or higher",
+            100.0 * options.common_shift
+        ),
+        shifted.to_vec(),
+    )?;
 
     let mut warnings = Vec::new();
-    for (trial, finger) in
-        [("a finger in the hot zone", options.finger), ("an added mass in the hot zone", Finger::of_mass(options.added_mass_kg))]
-    {
-        let touched: Option<Vec<_>> = finger_rows(&field).into_iter().map(|row| modal.touched(&finger, row)).collect();
+    for (trial, finger) in [
+        ("a finger in the hot zone", options.finger),
+        (
+            "an added mass in the hot zone",
+            Finger::of_mass(options.added_mass_kg),
+        ),
+    ] {
+        let touched: Option<Vec<_>> = finger_rows(&field)
+            .into_iter()
+            .map(|row| modal.touched(&finger, row))
+            .collect();
         match touched {
             Some(fields) => add(trial, fields)?,
-            None => warnings
-                .push(format!("{trial} cannot be tried: it needs mass-scaled modes, that is at least one driving point among the FRFs")),
+            None => warnings.push(format!(
+                "{trial} cannot be tried: it needs mass-scaled modes, that is at \
+                               least one driving point among the FRFs"
+            )),
         }
     }
 
     let of_drive = |drive: &Drive| operator.mobility.dot(drive);
-    let dead = (0..drive.len()).filter(|&i| drive[i].norm() > 0.0).map(|dead| {
-        let mut drive = drive.clone();
-        drive[dead] = Complex64::ZERO;
-        of_drive(&drive)
-    });
+    let dead = (0..drive.len())
+        .filter(|&i| drive[i].norm() > 0.0)
+        .map(|dead| {
+            let mut drive = drive.clone();
+            drive[dead] = Complex64::ZERO;
+            of_drive(&drive)
+        });
     add("one dead actuator", dead.collect())?;
-    let wrong = (0..options.draws).map(|_| of_drive(&drive.mapv(|weight| weight * draw.gain(options))));
+    let wrong =
+        (0..options.draws).map(|_| of_drive(&drive.mapv(|weight| weight * draw.gain(options))));
     add("amplitudes and phases of the drives", wrong.collect())?;
-    add(&format!("a converter of {} bits", options.converter_bits), vec![of_drive(&quantised(&drive, options.converter_bits))])?;
+    add(
+        &format!("a converter of {} bits", options.converter_bits),
+        vec![of_drive(&quantised(&drive, options.converter_bits))],
+    )?;
     Ok((rows, warnings))
 }
 
@@ -149,7 +202,13 @@ impl StressRow {
 fn quantised(drive: &Drive, bits: u32) -> Drive {
     let full_scale = drive.iter().map(|weight| weight.norm()).fold(0.0, f64::max);
     let step = full_scale / 2f64.powi(bits as i32 - 1);
-    let round = |value: f64| if step > 0.0 { (value / step).round() * step } else { value };
+    let round = |value: f64| {
+        if step > 0.0 {
+            (value / step).round() * step
+        } else {
+            value
+        }
+    };
     drive.mapv(|weight| Complex64::new(round(weight.re), round(weight.im)))
 }
 
@@ -165,7 +224,8 @@ impl Draw {
         StandardNormal.sample(&mut self.0)
     }
 
-    /// An error of the size that the model states. Poles outside the band stand for the world outside and keep still.
+    /// An error of the size that the model states. Poles outside the band stand for the
+    /// world outside and keep still.
     fn fit_error(&mut self, mode: &mut Mode) {
         if !mode.in_band {
             return;
@@ -174,7 +234,8 @@ impl Draw {
         mode.loss_factor += mode.loss_factor_std * self.normal();
         for response in 0..mode.shape.0.len() {
             let deviation = mode.shape_std_at_known_scale(response);
-            mode.shape.0[response] += Complex64::new(self.normal(), self.normal()) * (FRAC_1_SQRT_2 * deviation);
+            mode.shape.0[response] +=
+                Complex64::new(self.normal(), self.normal()) * (FRAC_1_SQRT_2 * deviation);
         }
     }
 

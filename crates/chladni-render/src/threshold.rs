@@ -1,11 +1,13 @@
 //! How much velocity a fingertip feels: threshold profiles over frequency, peak values.
 //!
-//! The threshold is a profile because real conditions move it by 25 to 40 dB: a small passive contactor is far less
-//! sensitive than a finger pressed flat on glass. The contrast in dB, which needs no threshold, is reported beside it.
+//! The threshold is a profile because real conditions move it by 25 to 40 dB: a small
+//! passive contactor is far less sensitive than a finger pressed flat on glass. The
+//! contrast in dB, which needs no threshold, is reported beside it.
 //!
-//! Source of the table: minimum perceptible acceleration of the Android platform (digitised displacement threshold of the
-//! Verrillo and Bolanowski kind; Bolanowski et al., JASA 84, 1680-1694, 1988). Between two entries the level in dB is
-//! linear in log f; outside the table there is no threshold, and nothing is extrapolated.
+//! Source of the table: minimum perceptible acceleration of the Android platform
+//! (digitised displacement threshold of the Verrillo and Bolanowski kind; Bolanowski et
+//! al., JASA 84, 1680-1694, 1988). Between two entries the level in dB is linear in log
+//! f; outside the table there is no threshold, and nothing is extrapolated.
 
 use chladni_frf::io::read_text;
 use chladni_frf::{Error, Result};
@@ -88,7 +90,12 @@ impl Threshold {
             Self::Paper => "paper".into(),
             Self::Classic => "classic".into(),
             Self::PressFlat => "press-flat".into(),
-            Self::Table(table) => table.file.file_name().unwrap_or(table.file.as_os_str()).to_string_lossy().into_owned(),
+            Self::Table(table) => table
+                .file
+                .file_name()
+                .unwrap_or(table.file.as_os_str())
+                .to_string_lossy()
+                .into_owned(),
         }
     }
 
@@ -102,7 +109,11 @@ impl Threshold {
             Self::Classic => self.classic(frequency_hz),
             Self::PressFlat => Ok(self.classic(frequency_hz)? * 10f64.powf(-PRESS_FLAT_DB / 20.0)),
             Self::Table(table) => {
-                let points = table.frequency_hz.iter().zip(&table.velocity_m_per_s).map(|(&f, &v)| (f, 20.0 * v.log10()));
+                let points = table
+                    .frequency_hz
+                    .iter()
+                    .zip(&table.velocity_m_per_s)
+                    .map(|(&f, &v)| (f, 20.0 * v.log10()));
                 Ok(10f64.powf(self.level(&points.collect::<Vec<_>>(), frequency_hz)? / 20.0))
             }
         }
@@ -120,7 +131,8 @@ impl Threshold {
     }
 
     fn classic(&self, frequency_hz: f64) -> Result<f64> {
-        let acceleration = STANDARD_GRAVITY * 10f64.powf(self.level(&CLASSIC, frequency_hz)? / 20.0);
+        let acceleration =
+            STANDARD_GRAVITY * 10f64.powf(self.level(&CLASSIC, frequency_hz)? / 20.0);
         Ok(acceleration / (TAU * frequency_hz))
     }
 
@@ -131,12 +143,18 @@ impl Threshold {
             return Ok(level);
         }
         let mut pairs = points.iter().zip(points.iter().skip(1));
-        let Some((&(f0, level0), &(f1, level1))) = pairs.find(|(a, b)| a.0 <= frequency_hz && frequency_hz <= b.0) else {
-            let (low, high) = (points.first().map_or(0.0, |p| p.0), points.last().map_or(0.0, |p| p.0));
+        let Some((&(f0, level0), &(f1, level1))) =
+            pairs.find(|(a, b)| a.0 <= frequency_hz && frequency_hz <= b.0)
+        else {
+            let (low, high) = (
+                points.first().map_or(0.0, |p| p.0),
+                points.last().map_or(0.0, |p| p.0),
+            );
             return Err(Error::bad_data("no threshold known at the drive frequency")
                 .field("frequency_hz")
                 .found(format!("{frequency_hz} Hz"))
-                .expected(format!("{low} to {high} Hz, which threshold profile `{}` covers", self.name()))
+                .expected(format!("{low} to {high} Hz, which threshold profile `{}` \
+                                   covers", self.name()))
                 .help("choose a frequency inside, or give threshold.profile a CSV file that covers it"));
         };
         Ok(level0 + (level1 - level0) * (frequency_hz / f0).ln() / (f1 / f0).ln())
@@ -144,10 +162,12 @@ impl Threshold {
 }
 
 impl ThresholdTable {
-    /// Reads `frequency_hz,velocity_m_per_s` (peak), one pair a line; a header and lines with `#` may stand in it.
+    /// Reads `frequency_hz,velocity_m_per_s` (peak), one pair a line; a header and lines
+    /// with `#` may stand in it.
     ///
     /// # Errors
-    /// No such file, text instead of numbers, a threshold of zero, frequencies that do not rise.
+    /// No such file, text instead of numbers, a threshold of zero, frequencies that do
+    /// not rise.
     pub fn read(file: &Path) -> Result<Self> {
         let text = read_text(file, "lines of frequency_hz,velocity_m_per_s")?;
         Self::parse(&text, file).map_err(|error| error.file(file))
@@ -158,8 +178,16 @@ impl ThresholdTable {
     /// # Errors
     /// As [`Self::read`].
     pub fn parse(text: &str, file: &Path) -> Result<Self> {
-        let mut table = Self { file: file.to_path_buf(), frequency_hz: Vec::new(), velocity_m_per_s: Vec::new() };
-        let lines = text.trim_start_matches('\u{feff}').lines().enumerate().map(|(k, line)| (k as u64 + 1, line.trim()));
+        let mut table = Self {
+            file: file.to_path_buf(),
+            frequency_hz: Vec::new(),
+            velocity_m_per_s: Vec::new(),
+        };
+        let lines = text
+            .trim_start_matches('\u{feff}')
+            .lines()
+            .enumerate()
+            .map(|(k, line)| (k as u64 + 1, line.trim()));
         let mut header_may_come = true;
         for (number, line) in lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#')) {
             let is_header = header_may_come && line.starts_with(|c: char| c.is_alphabetic());
@@ -177,9 +205,14 @@ impl ThresholdTable {
     }
 
     fn push(&mut self, line: &str) -> Result<()> {
-        let numbers: Option<Vec<f64>> = line.split(',').map(|cell| cell.trim().parse().ok().filter(|n: &f64| n.is_finite())).collect();
+        let numbers: Option<Vec<f64>> = line
+            .split(',')
+            .map(|cell| cell.trim().parse().ok().filter(|n: &f64| n.is_finite()))
+            .collect();
         let Some(&[frequency, velocity]) = numbers.as_deref() else {
-            return Err(Error::bad_data("not a pair of numbers").found(line).expected("frequency_hz,velocity_m_per_s"));
+            return Err(Error::bad_data("not a pair of numbers")
+                .found(line)
+                .expected("frequency_hz,velocity_m_per_s"));
         };
         if velocity <= 0.0 {
             return Err(Error::bad_data("a threshold must be greater than zero")
@@ -188,10 +221,15 @@ impl ThresholdTable {
                 .expected("m/s peak"));
         }
         if frequency <= self.frequency_hz.last().copied().unwrap_or(0.0) {
-            return Err(Error::bad_data("frequencies must be greater than zero and rise from line to line")
-                .field("frequency_hz")
-                .found(frequency)
-                .expected(format!("more than {}", self.frequency_hz.last().copied().unwrap_or(0.0))));
+            return Err(Error::bad_data(
+                "frequencies must be greater than zero and rise from line to line",
+            )
+            .field("frequency_hz")
+            .found(frequency)
+            .expected(format!(
+                "more than {}",
+                self.frequency_hz.last().copied().unwrap_or(0.0)
+            )));
         }
         self.frequency_hz.push(frequency);
         self.velocity_m_per_s.push(velocity);
@@ -204,14 +242,25 @@ mod tests {
     use super::*;
 
     /// Velocities of the same source, mm/s, computed apart from this code.
-    const PUBLISHED_MM_PER_S: [(f64, f64); 8] =
-        [(4.0, 0.448), (30.0, 1.002), (100.0, 0.397), (150.0, 0.282), (215.0, 0.221), (250.0, 0.222), (300.0, 0.237), (400.0, 0.399)];
+    const PUBLISHED_MM_PER_S: [(f64, f64); 8] = [
+        (4.0, 0.448),
+        (30.0, 1.002),
+        (100.0, 0.397),
+        (150.0, 0.282),
+        (215.0, 0.221),
+        (250.0, 0.222),
+        (300.0, 0.237),
+        (400.0, 0.399),
+    ];
 
     #[test]
     fn the_classic_table_gives_its_published_velocities() {
         for (frequency, mm_per_s) in PUBLISHED_MM_PER_S {
             let velocity = Threshold::Classic.velocity_m_per_s(frequency).unwrap() * 1e3;
-            assert!((velocity - mm_per_s).abs() < 0.0006, "{frequency} Hz: {velocity} mm/s");
+            assert!(
+                (velocity - mm_per_s).abs() < 0.0006,
+                "{frequency} Hz: {velocity} mm/s"
+            );
         }
     }
 
@@ -220,27 +269,38 @@ mod tests {
         let middle = (300.0_f64 * 400.0).sqrt();
         let level = (-26.81 - 19.81) / 2.0;
         let expected = STANDARD_GRAVITY * 10f64.powf(level / 20.0) / (TAU * middle);
-        assert!((Threshold::Classic.velocity_m_per_s(middle).unwrap() / expected - 1.0).abs() < 1e-12);
+        assert!(
+            (Threshold::Classic.velocity_m_per_s(middle).unwrap() / expected - 1.0).abs() < 1e-12
+        );
     }
 
     #[test]
     fn press_flat_lies_25_db_below_classic() {
-        let ratio = Threshold::Classic.velocity_m_per_s(250.0).unwrap() / Threshold::PressFlat.velocity_m_per_s(250.0).unwrap();
+        let ratio = Threshold::Classic.velocity_m_per_s(250.0).unwrap()
+            / Threshold::PressFlat.velocity_m_per_s(250.0).unwrap();
         assert!((20.0 * ratio.log10() - 25.0).abs() < 1e-12);
     }
 
     #[test]
     fn outside_the_table_no_threshold_is_known() {
         for frequency in [3.9, 400.1] {
-            let error = Threshold::Classic.velocity_m_per_s(frequency).unwrap_err().to_string();
-            assert!(error.contains("no threshold known") && error.contains("4 to 400 Hz"), "{error}");
+            let error = Threshold::Classic
+                .velocity_m_per_s(frequency)
+                .unwrap_err()
+                .to_string();
+            assert!(
+                error.contains("no threshold known") && error.contains("4 to 400 Hz"),
+                "{error}"
+            );
         }
     }
 
     #[test]
     fn the_paper_profile_warns_outside_its_band() {
         assert_eq!(Threshold::Paper.velocity_m_per_s(1000.0).unwrap(), 0.2e-3);
-        assert!(Threshold::Paper.warning(249.0).is_some() && Threshold::Paper.warning(350.0).is_none());
+        assert!(
+            Threshold::Paper.warning(249.0).is_some() && Threshold::Paper.warning(350.0).is_none()
+        );
     }
 
     #[test]
@@ -249,7 +309,11 @@ mod tests {
         let table = Threshold::Table(ThresholdTable::parse(text, Path::new("mine.csv")).unwrap());
         assert!((table.velocity_m_per_s(200.0).unwrap() / 1e-4 - 1.0).abs() < 1e-12);
         assert_eq!(table.velocity_m_per_s(400.0).unwrap(), 1e-5);
-        assert!(table.velocity_m_per_s(401.0).unwrap_err().to_string().contains("`mine.csv` covers"));
+        assert!(table
+            .velocity_m_per_s(401.0)
+            .unwrap_err()
+            .to_string()
+            .contains("`mine.csv` covers"));
     }
 
     #[test]

@@ -1,109 +1,132 @@
-//! Constants of the crate: meaning, unit, origin, and what happens at ten times more or less.
+//! Constants of the crate: meaning, unit, origin, and what happens at ten times more or
+//! less.
 
-/// Positions closer than this are the same place, m. From the scene contract. Ten times less: coordinates printed with six
-/// digits fall off the border they lie on; ten times more is still far below any measuring grid.
+/// Positions closer than this are the same place, m. From the scene contract. Ten times
+/// less: coordinates printed with six digits fall off the border they lie on; ten times
+/// more is still far below any measuring grid.
 pub const POSITION_M: f64 = 1e-6;
 
-/// Largest number of cells of a grid. Bounds the work that a scene file can ask for; real scenes have a few.
+/// Largest number of cells of a grid. Bounds the work that a scene file can ask for; real
+/// scenes have a few.
 pub const MAX_CELLS: usize = 100_000;
 
 /// Largest number of corners of all polygons together. Their union is found in
 /// quadratic time; ten times more would take half a minute.
 pub const MAX_POLYGON_POINTS: usize = 2000;
 
-/// Frequencies closer than this, relative, are the same line. Six printed digits of an axis; ten times less calls a line of a
-/// single-precision axis another one, ten times more is a fifth of a bandwidth at 0.005 % loss.
+/// Frequencies closer than this, relative, are the same line. Six printed digits of an
+/// axis; ten times less calls a line of a single-precision axis another one, ten times
+/// more is a fifth of a bandwidth at 0.005 % loss.
 pub const SAME_FREQUENCY: f64 = 1e-6;
 
-/// Distance of the tones that a band of a drive is made of, Hz: half of a narrow mode's bandwidth on a glass panel, so that none falls between them.
+/// Distance of the tones that a band of a drive is made of, Hz: half of a narrow mode's
+/// bandwidth on a glass panel, so that none falls between them.
 pub const BAND_STEP_HZ: f64 = 2.0;
 
-/// Most tones of one drive. Each costs a rendering of its own, and has so small a part of what all share.
+/// Most tones of one drive. Each costs a rendering of its own, and has so small a part of
+/// what all share.
 pub const MOST_TONES: usize = 64;
 
 /// How many DOFs a message lists.
 pub const DOFS_SHOWN: usize = 8;
 
-/// Relative ridge of every normal matrix, times its mean diagonal: keeps Cholesky alive where the drift is switched off. Ten
-/// times less meets rounding (condition 1e13), ten times more is still 60 dB below the default isotropic error.
+/// Relative ridge of every normal matrix, times its mean diagonal: keeps Cholesky alive
+/// where the drift is switched off. Ten times less meets rounding (condition 1e13), ten
+/// times more is still 60 dB below the default isotropic error.
 pub const RIDGE: f64 = 1e-12;
 
-/// Relative width of a limit: a drive scaled to meet it exactly meets it after rounding, too. A thousand roundings; the
-/// difference it can make to a judgement is 1e-11 dB.
+/// Relative width of a limit: a drive scaled to meet it exactly meets it after rounding,
+/// too. A thousand roundings; the difference it can make to a judgement is 1e-11 dB.
 pub const LIMIT: f64 = 1e-12;
 
-/// Condition number above which the two-step inverse says that it is ill conditioned. The study saw 4e2 for usable sets of
-/// modes and 5e5 where forces rose to newtons; ten times more or less only moves a warning.
+/// Condition number above which the two-step inverse says that it is ill conditioned. The
+/// study saw 4e2 for usable sets of modes and 5e5 where forces rose to newtons; ten times
+/// more or less only moves a warning.
 pub const ILL_CONDITIONED: f64 = 1e4;
 
-/// Participation below this, relative to the largest of all modes, counts as zero. An actuator on a nodal line by symmetry leaves
-/// only rounding there (some 1e-12); ten times more or less lies between that and any placed by hand.
+/// Participation below this, relative to the largest of all modes, counts as zero. An
+/// actuator on a nodal line by symmetry leaves only rounding there (some 1e-12); ten
+/// times more or less lies between that and any placed by hand.
 pub const NO_PARTICIPATION: f64 = 1e-9;
 
 /// Largest spacing of the grid on which areas are judged, m. From the weights contract.
 pub const AREA_STEP_M: f64 = 0.005;
 
-/// Largest number of points of that grid; beyond it the step grows. 200 000 points are a plate of 2 m by 2.5 m at 5 mm.
+/// Largest number of points of that grid; beyond it the step grows. 200 000 points are a
+/// plate of 2 m by 2.5 m at 5 mm.
 pub const MAX_AREA_POINTS: usize = 200_000;
 
-/// Up to so many responses are interpolated by one system; above, by the [`NEAREST_RESPONSES`] around each place, because time and
-/// condition number of one system grow with their number. Half or twice as many change the time only.
+/// Up to so many responses are interpolated by one system; above, by the
+/// [`NEAREST_RESPONSES`] around each place, because time and condition number of one
+/// system grow with their number. Half or twice as many change the time only.
 pub const GLOBAL_INTERPOLATION: usize = 150;
 
-/// Responses around a place that its interpolated value is made of. Three rings of a square grid; fewer lose accuracy at the
-/// rim of the scan, more only time.
+/// Responses around a place that its interpolated value is made of. Three rings of a
+/// square grid; fewer lose accuracy at the rim of the scan, more only time.
 pub const NEAREST_RESPONSES: usize = 49;
 
-/// Coordinates nearer than this are the same, over the radius of the responses: rounding of grids. A thousand times more would still be
-/// below a micrometre.
+/// Coordinates nearer than this are the same, over the radius of the responses: rounding
+/// of grids. A thousand times more would still be below a micrometre.
 pub const SAME_COORDINATE: f64 = 1e-10;
 
-/// Level above the threshold from which strength is warned about, dB: at 300 Hz some 8 dB below the hand-arm action value
-/// of directive 2002/44/EC (2.5 m/s² weighted by ISO 5349-1, which is 25 mm/s rms there).
+/// Level above the threshold from which strength is warned about, dB: at 300 Hz some 8 dB
+/// below the hand-arm action value of directive 2002/44/EC (2.5 m/s² weighted by ISO
+/// 5349-1, which is 25 mm/s rms there).
 pub const STRONG_DB: f64 = 35.0;
 
-/// How near to its limit a drive counts as limited, relative. Only decides whether a stronger ridge is tried.
+/// How near to its limit a drive counts as limited, relative. Only decides whether a
+/// stronger ridge is tried.
 pub const AT_LIMIT: f64 = 1e-6;
 
-/// Ridges, relative to the mean diagonal of the normal matrix, tried in turn where the force limit binds. From below the
-/// covariance of a good model to where the drive is little more than time reversal.
+/// Ridges, relative to the mean diagonal of the normal matrix, tried in turn where the
+/// force limit binds. From below the covariance of a good model to where the drive is
+/// little more than time reversal.
 pub const FORCE_RIDGES: [f64; 5] = [1e-4, 1e-3, 1e-2, 1e-1, 1.0];
 
-/// Steps of the magnitude iteration, and how many drives go on after them: from all starts on the responses; from their leaders with every
-/// margin; from the leaders of those with the ground between. All drives to the end of every
-/// round cost twice the time for the same drives; two at the last end lose 4 % of the hot ground of the 3×3 edges.
-pub const MLS_ROUNDS: [[(usize, usize); 2]; 3] = [[(12, 4), (18, 2)], [(20, 3), (40, 2)], [(10, 4), (30, 4)]];
+/// Steps of the magnitude iteration, and how many drives go on after them: from all
+/// starts on the responses; from their leaders with every margin; from the leaders of
+/// those with the ground between. All drives to the end of every round cost twice the
+/// time for the same drives; two at the last end lose 4 % of the hot ground of the 3×3
+/// edges.
+pub const MLS_ROUNDS: [[(usize, usize); 2]; 3] =
+    [[(12, 4), (18, 2)], [(20, 3), (40, 2)], [(10, 4), (30, 4)]];
 
-/// Overshoot of the magnitude iteration, below 2 for convergence; 1 is the plain one. Flat between 1.5 (κ 2.4) and 1.9 (2.6).
+/// Overshoot of the magnitude iteration, below 2 for convergence; 1 is the plain one.
+/// Flat between 1.5 (κ 2.4) and 1.9 (2.6).
 pub const MLS_RELAXATION: f64 = 1.8;
 
-/// Margins by which the iteration wants its rows inside their limits, dB: all starts with the first, the best start with the
-/// others. On the corner scene alone: 0.5 dB κ 1.0, 1 dB 2.1, 2 dB 3.3, 3 dB 3.0, 4 dB 2.6, 6 dB 1.8.
+/// Margins by which the iteration wants its rows inside their limits, dB: all starts with
+/// the first, the best start with the others. On the corner scene alone: 0.5 dB κ 1.0, 1
+/// dB 2.1, 2 dB 3.3, 3 dB 3.0, 4 dB 2.6, 6 dB 1.8.
 pub const MLS_MARGINS_DB: [f64; 3] = [2.0, 1.0, 3.0];
 
-/// Weight of rows between the responses against 1 for a response. Without them 20 mm between responses let dips of 1 to 2 dB
-/// through (hot ratio of the corner scene's area 0.93 against 0.98); at 1, scenes near what is possible give up responses for
-/// the ground between them.
+/// Weight of rows between the responses against 1 for a response. Without them 20 mm
+/// between responses let dips of 1 to 2 dB through (hot ratio of the corner scene's area
+/// 0.93 against 0.98); at 1, scenes near what is possible give up responses for the
+/// ground between them.
 pub const BETWEEN_WEIGHT: f64 = 0.3;
 
-/// Spacing of the rows between the responses over the mean spacing of the responses. Half finds the dips; a third costs
-/// twice the time for the same area ratios.
+/// Spacing of the rows between the responses over the mean spacing of the responses. Half
+/// finds the dips; a third costs twice the time for the same area ratios.
 pub const BETWEEN_SPACING: f64 = 0.5;
 
-/// The same for conic programs, where only those rows take part that are missed. With half the spacing of the responses 2 to 3 % of the cold ground of
-/// quarters is lost between them, with a third 0.1 to 1.5 %, in the same time.
+/// The same for conic programs, where only those rows take part that are missed. With
+/// half the spacing of the responses 2 to 3 % of the cold ground of quarters is lost
+/// between them, with a third 0.1 to 1.5 %, in the same time.
 pub const FINE_SPACING: f64 = 0.33;
 
-/// κ above which more of it counts less than ground between the responses. Two standard deviations hold for most of some
-/// 70 responses at once.
+/// κ above which more of it counts less than ground between the responses. Two standard
+/// deviations hold for most of some 70 responses at once.
 pub const KAPPA_ENOUGH: f64 = 2.0;
 
-/// Accuracy of conic programs (gap and feasibility, relative): a drive that keeps its limit to 1e-7 keeps it. Ten times less costs a step
-/// or two of the interior-point method, ten times more is still far below a hundredth of a decibel.
+/// Accuracy of conic programs (gap and feasibility, relative): a drive that keeps its
+/// limit to 1e-7 keeps it. Ten times less costs a step or two of the interior-point
+/// method, ten times more is still far below a hundredth of a decibel.
 pub const CONIC_GAP: f64 = 1e-7;
 
-/// Residual, relative and absolute, of the linear systems inside: a thousandth of [`CONIC_GAP`]. At the solver's own 1e-13 a third of its time
-/// goes into refining steps that are only directions; ten times more costs steps.
+/// Residual, relative and absolute, of the linear systems inside: a thousandth of
+/// [`CONIC_GAP`]. At the solver's own 1e-13 a third of its time goes into refining steps
+/// that are only directions; ten times more costs steps.
 pub const CONIC_REFINEMENT: f64 = 1e-10;
 
 /// Most steps of the interior-point method; 12 to 25 are usual.
@@ -112,31 +135,38 @@ pub const CONIC_STEPS: u32 = 100;
 /// κ below this is none: the rounding of a program whose largest κ is 0.
 pub const NO_KAPPA: f64 = 1e-4;
 
-/// Price of one threshold of error bar ‖L·A‖ against a factor of 1 in contrast, where the margin is largest: picks among drives of
-/// equal margin the one that errs least. Ten times more costs a hundredth of a decibel.
+/// Price of one threshold of error bar ‖L·A‖ against a factor of 1 in contrast, where the
+/// margin is largest: picks among drives of equal margin the one that errs least. Ten
+/// times more costs a hundredth of a decibel.
 pub const DEVIATION_PRICE: f64 = 1e-4;
 
-/// Chance that no response misses its limit by the errors that are assumed, above which more κ is not sought. The usual level: κ 2.6 for 77 responses. With ten
-/// times the chance of a miss κ is 2.1, with a tenth of it 3.0.
+/// Chance that no response misses its limit by the errors that are assumed, above which
+/// more κ is not sought. The usual level: κ 2.6 for 77 responses. With ten times the
+/// chance of a miss κ is 2.1, with a tenth of it 3.0.
 pub const CONFIDENCE: f64 = 0.95;
 
-/// Share of the force limit that counts as little: margin is bought up to it and no further. 2 mN of the 0.1 N that hold where a scene says nothing. Ten
-/// times more brings back the last tenths of a decibel at several times the force, ten times less leaves most scenes without any margin.
+/// Share of the force limit that counts as little: margin is bought up to it and no
+/// further. 2 mN of the 0.1 N that hold where a scene says nothing. Ten times more brings
+/// back the last tenths of a decibel at several times the force, ten times less leaves
+/// most scenes without any margin.
 pub const LITTLE_FORCE: f64 = 0.02;
 
 /// The same without a limit, over the least peak force that κ takes.
 pub const MARGIN_RISE: f64 = 2.0;
 
-/// κ on the responses below which rows between them are left out: less would give up sure responses for guessed ground.
+/// κ on the responses below which rows between them are left out: less would give up sure
+/// responses for guessed ground.
 pub const KAPPA_LEAST: f64 = 1.0;
 
-/// κ that differ by less than this, relative, are the same: a thousand roundings of a conic program.
+/// κ that differ by less than this, relative, are the same: a thousand roundings of a
+/// conic program.
 pub const SAME_KAPPA: f64 = 1e-4;
 
 /// A round of conic programs that gains less κ than this was the last one.
 pub const KAPPA_GAIN: f64 = 0.02;
 
-/// A round that gains less than this in the factor between rows and limits was the last one: a hundredth of a decibel.
+/// A round that gains less than this in the factor between rows and limits was the last
+/// one: a hundredth of a decibel.
 pub const MARGIN_GAIN: f64 = 1e-3;
 
 /// Rows that join a conic program at once.
@@ -151,34 +181,42 @@ pub const ROUNDS: usize = 10;
 /// Share of κ, and of the margin in dB, that is kept while the peak force is lowered.
 pub const KEEP: f64 = 0.9;
 
-/// A round that lowers peak force or effort by less than this, relative, was the last one.
+/// A round that lowers peak force or effort by less than this, relative, was the last
+/// one.
 pub const COST_GAIN: f64 = 0.02;
 
-/// Relative gap at which the search for the certified ceiling ends: 0.005 dB. Ten times less costs two more rounds of Newton steps.
+/// Relative gap at which the search for the certified ceiling ends: 0.005 dB. Ten times
+/// less costs two more rounds of Newton steps.
 pub const CEILING_GAP: f64 = 1e-3;
 
-/// Below this distance from the certified ceiling, dB, nobody looks for a drive with still more contrast.
+/// Below this distance from the certified ceiling, dB, nobody looks for a drive with
+/// still more contrast.
 pub const CEILING_REACHED_DB: f64 = 0.1;
 
-/// How near the certified ceiling must come to what was found, dB, where method `best` tells cases apart. Half of it takes three times the cases.
+/// How near the certified ceiling must come to what was found, dB, where method `best`
+/// tells cases apart. Half of it takes three times the cases.
 pub const CEILING_CASES_DB: f64 = 0.19;
 
 /// Most cases of a ceiling. Symmetric scenes of the study's panel took 30 to 150.
 pub const MOST_CASES: usize = 400;
 
-/// Multiplier over the largest below which a bounded row is left out of a case: a fifth of the rows is left, and the bound loses 0.03 dB at most.
+/// Multiplier over the largest below which a bounded row is left out of a case: a fifth
+/// of the rows is left, and the bound loses 0.03 dB at most.
 pub const CASE_ROWS: f64 = 3e-3;
 
-/// Factor by which the weight of the objective against the barrier rises from round to round.
+/// Factor by which the weight of the objective against the barrier rises from round to
+/// round.
 pub const BARRIER_RISE: f64 = 8.0;
 
 /// Most Newton steps of one round; 5 to 10 are usual.
 pub const BARRIER_STEPS: usize = 30;
 
-/// Newton decrement, squared, at which a round is centred. The certificate holds whatever it is.
+/// Newton decrement, squared, at which a round is centred. The certificate holds whatever
+/// it is.
 pub const BARRIER_DECREMENT: f64 = 1e-3;
 
-/// Ridge of the baseline `tikhonov` over the largest eigenvalue of HᴴH; the best of the study's grid of powers of ten.
+/// Ridge of the baseline `tikhonov` over the largest eigenvalue of HᴴH; the best of the
+/// study's grid of powers of ten.
 pub const TIKHONOV: f64 = 1e-3;
 
 /// Least singular value of the baseline `tsvd` over the largest.
@@ -196,65 +234,77 @@ pub const MOST_STARTS: usize = 3;
 /// Likeness |aᴴb|/(‖a‖‖b‖) of drives that lead to the same place.
 pub const SAME_WAY: f64 = 0.95;
 
-/// Largest responses × actuators² for which the default method is `robust`: the panel of the study (77 for 34, 8.9e4) takes 0.3 s on two shared
-/// cores, its programs grow with this number.
+/// Largest responses × actuators² for which the default method is `robust`: the panel of
+/// the study (77 for 34, 8.9e4) takes 0.3 s on two shared cores, its programs grow with
+/// this number.
 pub const ROBUST_SIZE: f64 = 3e5;
 
 /// Relative change of the drive below which a round was the last one.
 pub const SAME_DRIVE: f64 = 0.01;
 
-/// Rounds of the reweighted sum of amplitudes. The study's 8; the number of actuators settles after 4 or 5.
+/// Rounds of the reweighted sum of amplitudes. The study's 8; the number of actuators
+/// settles after 4 or 5.
 pub const REWEIGHTINGS: usize = 8;
 
-/// Amplitude over the largest at which the price of an actuator falls to half. Ten times more hardly prices, ten times less freezes the
-/// first choice.
+/// Amplitude over the largest at which the price of an actuator falls to half. Ten times
+/// more hardly prices, ten times less freezes the first choice.
 pub const PRICE_FLOOR: f64 = 0.01;
 
 /// Amplitude over the largest below which an actuator counts as unused.
 pub const UNUSED: f64 = 1e-3;
 
-/// Rounds of conic programs by which the ground is judged that a subset of actuators could serve. One does not yet see the rows that are missed next.
+/// Rounds of conic programs by which the ground is judged that a subset of actuators
+/// could serve. One does not yet see the rows that are missed next.
 pub const EXCHANGE_ROUNDS: usize = 3;
 
 /// Most exchanges of one actuator for another.
 pub const MOST_EXCHANGES: usize = 4;
 
-/// Terms of the series of a folded mode, above and below the drive frequency: powers 0, 2, 4 and −2, −4 of ω, as in the residual terms that
-/// fits use.
+/// Terms of the series of a folded mode, above and below the drive frequency: powers 0,
+/// 2, 4 and −2, −4 of ω, as in the residual terms that fits use.
 pub const FOLDED_TERMS: [i32; 2] = [3, 2];
 
 /// Share of ground between the responses that fewer modes may cost.
 pub const LOSS_OF_GROUND: f64 = 0.005;
 
-/// Distance of the frequencies of a sweep, Hz: a fifth to a half of the bandwidth of a glass panel's modes there.
+/// Distance of the frequencies of a sweep, Hz: a fifth to a half of the bandwidth of a
+/// glass panel's modes there.
 pub const SWEEP_STEP_HZ: f64 = 2.0;
 
 /// Most frequencies of a sweep.
 pub const MOST_SWEPT: f64 = 500.0;
 
-/// Shares of responses nearer than this are equal to the frequency chooser: less than one response in a hundred.
+/// Shares of responses nearer than this are equal to the frequency chooser: less than one
+/// response in a hundred.
 pub const SAME_SUCCESS: f64 = 0.005;
 
 /// Share of hot and of cold responses from which a drive serves, as in `chladni demo`.
 pub const SERVES: f64 = 0.95;
 
-/// The same of the responses under a light finger: where one of a hundred is lost, the ground between them may be lost by more.
+/// The same of the responses under a light finger: where one of a hundred is lost, the
+/// ground between them may be lost by more.
 pub const TOUCHED_SERVES: f64 = 0.99;
 
-/// Draws of natural frequencies that a drive must endure, all of them: one of eight fails where the chance is a tenth.
+/// Draws of natural frequencies that a drive must endure, all of them: one of eight fails
+/// where the chance is a tenth.
 pub const ENDURANCE_DRAWS: usize = 8;
 
-/// Least and most rms error of natural frequencies that is asked for, relative; what lies between is found to an eighth.
+/// Least and most rms error of natural frequencies that is asked for, relative; what lies
+/// between is found to an eighth.
 pub const LEAST_FREQUENCY_ERROR: f64 = 2.5e-4;
 /// See [`LEAST_FREQUENCY_ERROR`].
 pub const MOST_FREQUENCY_ERROR: f64 = 0.032;
 
-/// Rms error of natural frequencies, relative, below which what a drive endures is called thin: ten times the drift that is assumed.
+/// Rms error of natural frequencies, relative, below which what a drive endures is called
+/// thin: ten times the drift that is assumed.
 pub const THIN_FREQUENCY_ERROR: f64 = 0.01;
 
-/// What a fit of a part of the band may leave out at the drive frequency, over the mobility: the isotropic error that drives are made to bear.
+/// What a fit of a part of the band may leave out at the drive frequency, over the
+/// mobility: the isotropic error that drives are made to bear.
 pub const BAND_ERROR: f64 = 3e-3;
 
-/// Rms of a mode over the responses, over its rms at the actuators, where no driving point tells. On the study's panel, with actuators at its free
-/// edges, 0.44 to 0.93 with a median of 0.58; where actuators stand among the responses it is 1, and a touch does twice to three times as much.
+/// Rms of a mode over the responses, over its rms at the actuators, where no driving
+/// point tells. On the study's panel, with actuators at its free edges, 0.44 to 0.93 with
+/// a median of 0.58; where actuators stand among the responses it is 1, and a touch does
+/// twice to three times as much.
 pub const RESPONSES_OVER_ACTUATORS: f64 = 0.6;

@@ -18,7 +18,8 @@ pub const WEIGHTS_FORMAT: &str = "chladni.weights";
 /// Version of the layout.
 pub const WEIGHTS_VERSION: u32 = 1;
 
-/// Actuator weights for a scene, and how they do in the model. Field by field the weights file.
+/// Actuator weights for a scene, and how they do in the model. Field by field the weights
+/// file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Weights {
     /// Always [`WEIGHTS_FORMAT`].
@@ -43,14 +44,18 @@ pub struct Weights {
     pub modes_used: usize,
     /// Weights that are not zero.
     pub actuators_used: usize,
-    /// No judged response misses its limit in the model, within the force limits, at this frequency and all others.
+    /// No judged response misses its limit in the model, within the force limits, at this
+    /// frequency and all others.
     pub feasible: bool,
-    /// Every judged response keeps its limit under model errors of so many standard deviations; negative where one misses.
+    /// Every judged response keeps its limit under model errors of so many standard
+    /// deviations; negative where one misses.
     pub kappa: Option<f64>,
-    /// What physics allows, beside what was asked and found; where the scene is not met, or method `best` was asked for.
+    /// What physics allows, beside what was asked and found; where the scene is not met,
+    /// or method `best` was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ceiling: Option<Ceiling>,
-    /// What the drive endures beyond the errors that κ speaks of; for drives that are feasible.
+    /// What the drive endures beyond the errors that κ speaks of; for drives that are
+    /// feasible.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub endurance: Option<Endurance>,
     /// Modal coefficients; of method `modal`, which goes through them.
@@ -58,7 +63,8 @@ pub struct Weights {
     pub modal: Option<ModalSteps>,
     /// Indices in the model.
     pub indices: Indices,
-    /// What becomes of the weights when the panel is not the model; where it was asked for.
+    /// What becomes of the weights when the panel is not the model; where it was asked
+    /// for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stress: Option<Vec<StressRow>>,
     /// The scene at other frequencies; where it was asked for.
@@ -66,7 +72,8 @@ pub struct Weights {
     pub sweep: Option<FrequencySweep>,
     /// What the user must know.
     pub warnings: Vec<String>,
-    /// What is driven at the same time at other frequencies: each a set of weights of its own.
+    /// What is driven at the same time at other frequencies: each a set of weights of its
+    /// own.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub other_tones: Vec<Weights>,
 }
@@ -91,7 +98,14 @@ pub struct Weight {
 impl Weight {
     /// The weight `value` of the actuator `reference`.
     pub fn new(reference: Dof, value: Complex64, unit: ReferenceUnit) -> Self {
-        Self { reference, re: value.re, im: value.im, amplitude: value.norm(), phase_deg: value.arg().to_degrees(), unit }
+        Self {
+            reference,
+            re: value.re,
+            im: value.im,
+            amplitude: value.norm(),
+            phase_deg: value.arg().to_degrees(),
+            unit,
+        }
     }
     /// The phasor.
     pub fn value(&self) -> Complex64 {
@@ -103,10 +117,12 @@ impl Weights {
     /// Reads a weights file's text.
     ///
     /// # Errors
-    /// [`chladni_frf::ErrorKind::BadData`] with the line: no JSON, a missing field, another format, an actuator twice, no weight.
+    /// [`chladni_frf::ErrorKind::BadData`] with the line: no JSON, a missing field,
+    /// another format, an actuator twice, no weight.
     pub fn parse(text: &str) -> Result<Self> {
         const AGAIN: &str = "give a file that `chladni render` wrote, or render the scene again";
-        let weights: Self = serde_json::from_str(text).map_err(|error| json_error("not a weights file", &error).help(AGAIN))?;
+        let weights: Self = serde_json::from_str(text)
+            .map_err(|error| json_error("not a weights file", &error).help(AGAIN))?;
         weights.checked()
     }
 
@@ -116,15 +132,18 @@ impl Weights {
     /// [`chladni_frf::ErrorKind::Internal`] where a number is not finite: a bug.
     pub fn to_json(&self) -> Result<String> {
         let text = serde_json::to_string_pretty(self);
-        text.map(|text| text + "\n").map_err(|error| Error::new(chladni_frf::ErrorKind::Internal, error.to_string()))
+        text.map(|text| text + "\n")
+            .map_err(|error| Error::new(chladni_frf::ErrorKind::Internal, error.to_string()))
     }
 
     fn checked(mut self) -> Result<Self> {
         if self.format != WEIGHTS_FORMAT || self.version != WEIGHTS_VERSION {
-            return Err(Error::bad_data("not a weights file that this version reads")
-                .field("format")
-                .found(format!("{} version {}", self.format, self.version))
-                .expected(format!("{WEIGHTS_FORMAT} version {WEIGHTS_VERSION}")));
+            return Err(
+                Error::bad_data("not a weights file that this version reads")
+                    .field("format")
+                    .found(format!("{} version {}", self.format, self.version))
+                    .expected(format!("{WEIGHTS_FORMAT} version {WEIGHTS_VERSION}")),
+            );
         }
         if self.weights.is_empty() {
             return Err(Error::bad_data("no weight in the file")
@@ -133,7 +152,10 @@ impl Weights {
                 .expected("one entry per actuator"));
         }
         if self.frequency_hz <= 0.0 {
-            return Err(Error::bad_data("no drive frequency").field("frequency_hz").found(self.frequency_hz).expected("a frequency in Hz"));
+            return Err(Error::bad_data("no drive frequency")
+                .field("frequency_hz")
+                .found(self.frequency_hz)
+                .expected("a frequency in Hz"));
         }
         let mut seen = std::collections::HashSet::new();
         for weight in &self.weights {
@@ -147,22 +169,47 @@ impl Weights {
                 return Err(Error::bad_data("units of the weights differ")
                     .field("weights")
                     .found(format!("{} of {}", weight.unit, weight.reference))
-                    .expected(format!("{}, as of the first actuator", self.weights[0].unit)));
+                    .expected(format!(
+                        "{}, as of the first actuator",
+                        self.weights[0].unit
+                    )));
             }
         }
         let mut known = vec![self.frequency_hz];
         for tone in &self.other_tones {
-            let references = |weights: &Self| weights.weights.iter().map(|weight| weight.reference).collect::<Vec<_>>();
+            let references = |weights: &Self| {
+                weights
+                    .weights
+                    .iter()
+                    .map(|weight| weight.reference)
+                    .collect::<Vec<_>>()
+            };
             let twice = known.iter().any(|&hz| is_same(hz, tone.frequency_hz));
-            if twice || !tone.other_tones.is_empty() || tone.unit() != self.unit() || references(tone) != references(&self) {
+            if twice
+                || !tone.other_tones.is_empty()
+                || tone.unit() != self.unit()
+                || references(tone) != references(&self)
+            {
                 return Err(Error::bad_data("tones that cannot sound together")
                     .field("other_tones")
-                    .found(format!("{} actuators at {} Hz, in {}", tone.weights.len(), tone.frequency_hz, tone.unit()))
-                    .expected("each frequency once, without tones of its own, the actuators and the unit of the first"));
+                    .found(format!(
+                        "{} actuators at {} Hz, in {}",
+                        tone.weights.len(),
+                        tone.frequency_hz,
+                        tone.unit()
+                    ))
+                    .expected(
+                        "each frequency once, without tones of its own, the actuators and \
+                               the unit of the first",
+                    ));
             }
             known.push(tone.frequency_hz);
         }
-        self.other_tones = self.other_tones.into_iter().map(Self::checked).collect::<Result<_>>()?;
+        self.other_tones = self
+            .other_tones
+            .into_iter()
+            .map(Self::checked)
+            .collect::<Result<_>>()?;
         Ok(self)
     }
 
@@ -173,11 +220,18 @@ impl Weights {
 
     /// Unit of the weights.
     pub fn unit(&self) -> ReferenceUnit {
-        self.weights.first().map(|weight| weight.unit).unwrap_or_default()
+        self.weights
+            .first()
+            .map(|weight| weight.unit)
+            .unwrap_or_default()
     }
 }
 
 /// One entry per actuator.
 pub(crate) fn weight_list(references: &[Dof], drive: &Drive, unit: ReferenceUnit) -> Vec<Weight> {
-    references.iter().zip(drive).map(|(&reference, &value)| Weight::new(reference, value, unit)).collect()
+    references
+        .iter()
+        .zip(drive)
+        .map(|(&reference, &value)| Weight::new(reference, value, unit))
+        .collect()
 }

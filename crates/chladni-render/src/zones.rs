@@ -1,11 +1,15 @@
 //! Where the panel is to be felt, where it is to be quiet, and what nobody judges.
 //!
-//! Ground nearer to a hot border than the transition width is not judged, on either side: with cells of a grid that is
-//! the hot rectangle shrunk and grown (distance of the larger coordinate, so that corners stay square), with polygons
-//! the ordinary distance. A border counts only where the judged area goes on beyond it; where two hot cells or polygons
-//! touch there is no border. Positions are compared to [`tolerances::POSITION_M`].
+//! Ground nearer to a hot border than the transition width is not judged, on either side:
+//! with cells of a grid that is the hot rectangle shrunk and grown (distance of the
+//! larger coordinate, so that corners stay square), with polygons the ordinary distance.
+//! A border counts only where the judged area goes on beyond it; where two hot cells or
+//! polygons touch there is no border. Positions are compared to
+//! [`tolerances::POSITION_M`].
 
-use crate::plane::{area_goes_on_beyond, distance, polygon_contains, union_border, Metric, Position, Rectangle};
+use crate::plane::{
+    area_goes_on_beyond, distance, polygon_contains, union_border, Metric, Position, Rectangle,
+};
 use crate::tolerances;
 use std::collections::BTreeSet;
 
@@ -55,7 +59,8 @@ pub enum ZoneLayout {
         /// What the grid divides; `None`: the area.
         cells_m: Option<[f64; 4]>,
     },
-    /// Polygons: `ignore` wins over `hot`, `hot` over `cold`; without any `cold` polygon all the rest is cold.
+    /// Polygons: `ignore` wins over `hot`, `hot` over `cold`; without any `cold` polygon
+    /// all the rest is cold.
     Polygons(Vec<ZonePolygon>),
 }
 
@@ -64,7 +69,8 @@ pub enum ZoneLayout {
 pub struct Zones {
     /// Cells or polygons.
     pub layout: ZoneLayout,
-    /// x_min, y_min, x_max, y_max of what is judged, m; `None`: the box around the responses.
+    /// x_min, y_min, x_max, y_max of what is judged, m; `None`: the box around the
+    /// responses.
     pub area_m: Option<[f64; 4]>,
     /// Width of the ground on both sides of a hot border that is not judged, m.
     pub transition_m: f64,
@@ -99,10 +105,13 @@ impl Zones {
             transition_m: self.transition_m,
         };
         match &self.layout {
-            ZoneLayout::Grid { grid, hot, cells_m } => map.add_cells(*grid, hot, cells_m.map_or(area, Rectangle::from_array)),
+            ZoneLayout::Grid { grid, hot, cells_m } => {
+                map.add_cells(*grid, hot, cells_m.map_or(area, Rectangle::from_array))
+            }
             ZoneLayout::Polygons(polygons) => map.add_polygons(polygons),
         }
-        map.border.retain(|&[a, b]| area_goes_on_beyond(&area, a, b));
+        map.border
+            .retain(|&[a, b]| area_goes_on_beyond(&area, a, b));
         map
     }
 }
@@ -110,7 +119,11 @@ impl Zones {
 impl ZoneMap {
     /// What is asked of the place `point`, m.
     pub fn classify(&self, point: Position) -> Ground {
-        let inside = |polygons: &[Vec<Position>]| polygons.iter().any(|polygon| polygon_contains(polygon, point));
+        let inside = |polygons: &[Vec<Position>]| {
+            polygons
+                .iter()
+                .any(|polygon| polygon_contains(polygon, point))
+        };
         if !self.area.contains(point) || inside(&self.ignored) || self.is_transition(point) {
             Ground::Ignored
         } else if inside(&self.hot) {
@@ -122,10 +135,19 @@ impl ZoneMap {
         }
     }
 
-    /// By what factor the limit at `point` exceeds the scene's: the largest level of the hot polygons there, 1 elsewhere.
+    /// By what factor the limit at `point` exceeds the scene's: the largest level of the
+    /// hot polygons there, 1 elsewhere.
     pub fn level_at(&self, point: Position) -> f64 {
-        let here = self.hot.iter().zip(&self.levels).filter(|(polygon, _)| polygon_contains(polygon, point));
-        here.map(|(_, &level)| level).fold(None, |largest: Option<f64>, level| Some(largest.map_or(level, |l| l.max(level)))).unwrap_or(1.0)
+        let here = self
+            .hot
+            .iter()
+            .zip(&self.levels)
+            .filter(|(polygon, _)| polygon_contains(polygon, point));
+        here.map(|(_, &level)| level)
+            .fold(None, |largest: Option<f64>, level| {
+                Some(largest.map_or(level, |l| l.max(level)))
+            })
+            .unwrap_or(1.0)
     }
 
     /// What is judged, m.
@@ -144,20 +166,39 @@ impl ZoneMap {
     }
 
     fn is_transition(&self, point: Position) -> bool {
-        let nearest = self.border.iter().map(|&[a, b]| distance(self.metric, point, a, b)).fold(f64::INFINITY, f64::min);
+        let nearest = self
+            .border
+            .iter()
+            .map(|&[a, b]| distance(self.metric, point, a, b))
+            .fold(f64::INFINITY, f64::min);
         nearest < self.transition_m - tolerances::POSITION_M
     }
 
-    /// Hot cells, and those of their sides that have no hot neighbour; each side runs with the hot ground on its left.
+    /// Hot cells, and those of their sides that have no hot neighbour; each side runs
+    /// with the hot ground on its left.
     fn add_cells(&mut self, [columns, rows]: [usize; 2], hot: &[usize], cells: Rectangle) {
-        let hot: BTreeSet<(usize, usize)> = hot.iter().map(|cell| ((cell - 1) % columns, (cell - 1) / columns)).collect();
+        let hot: BTreeSet<(usize, usize)> = hot
+            .iter()
+            .map(|cell| ((cell - 1) % columns, (cell - 1) / columns))
+            .collect();
         let x = |i: usize| cells.x_min + (cells.x_max - cells.x_min) * i as f64 / columns as f64;
         let y = |j: usize| cells.y_min + (cells.y_max - cells.y_min) * j as f64 / rows as f64;
         for &(i, j) in &hot {
-            let corners = Rectangle { x_min: x(i), y_min: y(j), x_max: x(i + 1), y_max: y(j + 1) }.corners();
+            let corners = Rectangle {
+                x_min: x(i),
+                y_min: y(j),
+                x_max: x(i + 1),
+                y_max: y(j + 1),
+            }
+            .corners();
             let below = j.checked_sub(1).is_some_and(|j| hot.contains(&(i, j)));
             let left = i.checked_sub(1).is_some_and(|i| hot.contains(&(i, j)));
-            let neighbours = [below, hot.contains(&(i + 1, j)), hot.contains(&(i, j + 1)), left];
+            let neighbours = [
+                below,
+                hot.contains(&(i + 1, j)),
+                hot.contains(&(i, j + 1)),
+                left,
+            ];
             for (side, is_hot) in neighbours.into_iter().enumerate() {
                 if !is_hot {
                     self.border.push([corners[side], corners[(side + 1) % 4]]);

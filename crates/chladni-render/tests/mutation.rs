@@ -1,5 +1,5 @@
-//! Damaged scenes and panels by the thousand: never a panic, never a hang. As `crates/chladni-frf/tests/mutation`;
-//! `CHLADNI_FUZZ_SECONDS` makes it long.
+//! Damaged scenes and panels by the thousand: never a panic, never a hang. As
+//! `crates/chladni-frf/tests/mutation`; `CHLADNI_FUZZ_SECONDS` makes it long.
 
 #[path = "../../chladni-frf/tests/mutation/engine.rs"]
 mod engine;
@@ -15,12 +15,22 @@ const LARGEST_PANEL: u64 = 1 << 28;
 fn scene_and_panel_toml() {
     let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures");
     let mut seeds: Vec<Vec<u8>> = Vec::new();
-    for name in ["scene-corner.toml", "panel.toml", "panel-driving-points.toml"] {
-        seeds.extend(std::iter::repeat_n(std::fs::read(fixtures.join(name)).unwrap(), 5));
+    for name in [
+        "scene-corner.toml",
+        "panel.toml",
+        "panel-driving-points.toml",
+    ] {
+        seeds.extend(std::iter::repeat_n(
+            std::fs::read(fixtures.join(name)).unwrap(),
+            5,
+        ));
     }
     for class in ["scene", "panel"] {
-        let mut files: Vec<_> =
-            std::fs::read_dir(fixtures.join("malformed").join(class)).unwrap().flatten().map(|entry| entry.path()).collect();
+        let mut files: Vec<_> = std::fs::read_dir(fixtures.join("malformed").join(class))
+            .unwrap()
+            .flatten()
+            .map(|entry| entry.path())
+            .collect();
         files.sort();
         seeds.extend(files.iter().map(|file| std::fs::read(file).unwrap()));
     }

@@ -1,4 +1,5 @@
-//! Measured FRFs against their synthesis: the frequency axis, sums over all FRFs, and the pairs that are shown.
+//! Measured FRFs against their synthesis: the frequency axis, sums over all FRFs, and the
+//! pairs that are shown.
 
 use crate::input::{Measured, Quantity, ReportInput};
 use crate::sizes;
@@ -22,7 +23,8 @@ pub(crate) struct Sums {
     pub(crate) measured: Option<Vec<f64>>,
     pub(crate) synthesis: Option<Vec<f64>>,
     pub(crate) difference: Option<Vec<f64>>,
-    /// Rms difference over rms measured value of each pair in the band, (response, reference); NaN where not measured.
+    /// Rms difference over rms measured value of each pair in the band, (response,
+    /// reference); NaN where not measured.
     pub(crate) error: Option<Array2<f64>>,
 }
 
@@ -51,14 +53,34 @@ impl<'a> Comparison<'a> {
             (None, Some(model)) => synthesis_lines(model),
             (None, None) => return Ok(None),
         };
-        let (quantity, responses, references): (_, &[Dof], &[Dof]) = match (input.model, input.measured) {
-            (Some(model), _) => {
-                (Quantity { kind: Some(model.frf_kind), reference_unit: model.reference_unit }, &model.responses, &model.references)
-            }
-            (None, Some(set)) => (Quantity { kind: set.kind, reference_unit: set.reference_unit }, &set.responses, &set.references),
-            (None, None) => return Ok(None),
-        };
-        Ok(Some(Self { model: input.model, measured, quantity, frequency_hz, responses, references }))
+        let (quantity, responses, references): (_, &[Dof], &[Dof]) =
+            match (input.model, input.measured) {
+                (Some(model), _) => (
+                    Quantity {
+                        kind: Some(model.frf_kind),
+                        reference_unit: model.reference_unit,
+                    },
+                    &model.responses,
+                    &model.references,
+                ),
+                (None, Some(set)) => (
+                    Quantity {
+                        kind: set.kind,
+                        reference_unit: set.reference_unit,
+                    },
+                    &set.responses,
+                    &set.references,
+                ),
+                (None, None) => return Ok(None),
+            };
+        Ok(Some(Self {
+            model: input.model,
+            measured,
+            quantity,
+            frequency_hz,
+            responses,
+            references,
+        }))
     }
 
     /// Number of pairs.
@@ -70,15 +92,27 @@ impl<'a> Comparison<'a> {
     pub(crate) fn sums(&self) -> Sums {
         let (responses, references) = (self.responses.len(), self.references.len());
         let (mut measured, mut synthesis, mut difference) = (Vec::new(), Vec::new(), Vec::new());
-        let (mut data, mut error) = (Array2::<f64>::zeros((responses, references)), Array2::<f64>::zeros((responses, references)));
+        let (mut data, mut error) = (
+            Array2::<f64>::zeros((responses, references)),
+            Array2::<f64>::zeros((responses, references)),
+        );
         for (k, &f) in self.frequency_hz.iter().enumerate() {
             let matrix = self.model.map(|model| model.frf_matrix(model.frf_kind, f));
-            let in_band = self.model.is_some_and(|model| (model.band_hz[0]..=model.band_hz[1]).contains(&f));
+            let in_band = self
+                .model
+                .is_some_and(|model| (model.band_hz[0]..=model.band_hz[1]).contains(&f));
             let (mut m, mut s, mut d) = (Mean::default(), Mean::default(), Mean::default());
             for i in 0..responses {
                 for j in 0..references {
-                    let synthesised = matrix.as_ref().map_or(Complex64::new(f64::NAN, f64::NAN), |matrix| matrix[[i, j]]);
-                    let value = self.measured.as_ref().map_or(Complex64::new(f64::NAN, f64::NAN), |measured| measured.value(i, j, k));
+                    let synthesised = matrix
+                        .as_ref()
+                        .map_or(Complex64::new(f64::NAN, f64::NAN), |matrix| matrix[[i, j]]);
+                    let value = self
+                        .measured
+                        .as_ref()
+                        .map_or(Complex64::new(f64::NAN, f64::NAN), |measured| {
+                            measured.value(i, j, k)
+                        });
                     s.add(synthesised);
                     m.add(value);
                     d.add(value - synthesised);
@@ -101,24 +135,48 @@ impl<'a> Comparison<'a> {
         }
     }
 
-    /// The pairs to show: worst, middle and best agreement, driving points, and pairs spread over the panel.
+    /// The pairs to show: worst, middle and best agreement, driving points, and pairs
+    /// spread over the panel.
     pub(crate) fn pairs(&self, sums: &Sums) -> Vec<Pair> {
         let mut pairs: Vec<Pair> = Vec::new();
         let mut push = |(response, reference): (usize, usize), why: &str| {
-            let known = pairs.iter().any(|pair| (pair.response, pair.reference) == (response, reference));
-            let measured = self.measured.as_ref().is_none_or(|measured| measured.has(response, reference));
+            let known = pairs
+                .iter()
+                .any(|pair| (pair.response, pair.reference) == (response, reference));
+            let measured = self
+                .measured
+                .as_ref()
+                .is_none_or(|measured| measured.has(response, reference));
             if known || !measured || pairs.len() >= sizes::PAIRS {
                 return false;
             }
-            let error = sums.error.as_ref().map_or(f64::NAN, |error| error[[response, reference]]);
-            let error = if error.is_finite() { format!(", difference {} %", fixed(100.0 * error, 2)) } else { String::new() };
-            let label = format!("{} / {}", self.responses[response], self.references[reference]);
-            pairs.push(Pair { response, reference, label, why: format!("{why}{error}") });
+            let error = sums
+                .error
+                .as_ref()
+                .map_or(f64::NAN, |error| error[[response, reference]]);
+            let error = if error.is_finite() {
+                format!(", difference {} %", fixed(100.0 * error, 2))
+            } else {
+                String::new()
+            };
+            let label = format!(
+                "{} / {}",
+                self.responses[response], self.references[reference]
+            );
+            pairs.push(Pair {
+                response,
+                reference,
+                label,
+                why: format!("{why}{error}"),
+            });
             true
         };
         if let Some(error) = &sums.error {
-            let mut order: Vec<((usize, usize), f64)> =
-                error.indexed_iter().map(|(at, &e)| (at, e)).filter(|(_, e)| e.is_finite()).collect();
+            let mut order: Vec<((usize, usize), f64)> = error
+                .indexed_iter()
+                .map(|(at, &e)| (at, e))
+                .filter(|(_, e)| e.is_finite())
+                .collect();
             order.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
             if let (Some(worst), Some(best)) = (order.first(), order.last()) {
                 push(worst.0, "worst agreement");
@@ -128,7 +186,10 @@ impl<'a> Comparison<'a> {
         }
         let mut driving = 0;
         for (i, response) in self.responses.iter().enumerate() {
-            let reference = self.references.iter().position(|reference| reference.same_axis(*response));
+            let reference = self
+                .references
+                .iter()
+                .position(|reference| reference.same_axis(*response));
             if driving < sizes::DRIVING_POINTS {
                 driving += usize::from(reference.is_some_and(|j| push((i, j), "driving point")));
             }
@@ -137,7 +198,10 @@ impl<'a> Comparison<'a> {
         for k in 0..4 * sizes::PAIRS {
             // golden sections spread both numbers evenly and apart from each other
             let part = |step: f64| (0.5 + step * k as f64).fract();
-            let at = ((part(0.618_034) * rows as f64) as usize, (part(0.754_878) * columns as f64) as usize);
+            let at = (
+                (part(0.618_034) * rows as f64) as usize,
+                (part(0.754_878) * columns as f64) as usize,
+            );
             if at.0 < rows && at.1 < columns {
                 push(at, "spread over the panel");
             }
@@ -148,10 +212,17 @@ impl<'a> Comparison<'a> {
     /// Measured and synthesised FRF of a pair.
     pub(crate) fn curves(&self, pair: &Pair) -> [Option<Vec<Complex64>>; 2] {
         let lines = self.frequency_hz.len();
-        let measured = self.measured.as_ref().map(|m| (0..lines).map(|k| m.value(pair.response, pair.reference, k)).collect());
+        let measured = self.measured.as_ref().map(|m| {
+            (0..lines)
+                .map(|k| m.value(pair.response, pair.reference, k))
+                .collect()
+        });
         let synthesis = self.model.map(|model| {
             let single = single_pair(model, pair.response, pair.reference);
-            self.frequency_hz.iter().map(|&f| single.frf_matrix(single.frf_kind, f)[[0, 0]]).collect()
+            self.frequency_hz
+                .iter()
+                .map(|&f| single.frf_matrix(single.frf_kind, f)[[0, 0]])
+                .collect()
         });
         [measured, synthesis]
     }
@@ -159,7 +230,11 @@ impl<'a> Comparison<'a> {
 
 /// The model of one FRF.
 fn single_pair(model: &ModalModel, response: usize, reference: usize) -> ModalModel {
-    let mut single = ModalModel { modes: Vec::new(), nodes: Vec::new(), ..model.clone() };
+    let mut single = ModalModel {
+        modes: Vec::new(),
+        nodes: Vec::new(),
+        ..model.clone()
+    };
     single.responses = vec![model.responses[response]];
     single.references = vec![model.references[reference]];
     for mode in &model.modes {
@@ -169,7 +244,10 @@ fn single_pair(model: &ModalModel, response: usize, reference: usize) -> ModalMo
         single.modes.push(mode);
     }
     for term in &mut single.residual_terms.terms {
-        term.matrix = ComplexMatrix(Array2::from_elem((1, 1), term.matrix.0[[response, reference]]));
+        term.matrix = ComplexMatrix(Array2::from_elem(
+            (1, 1),
+            term.matrix.0[[response, reference]],
+        ));
     }
     single
 }
@@ -178,9 +256,13 @@ fn single_pair(model: &ModalModel, response: usize, reference: usize) -> ModalMo
 fn synthesis_lines(model: &ModalModel) -> Array1<f64> {
     let [low, high] = model.band_hz;
     let step = (high - low) / sizes::SYNTHESIS_LINES as f64;
-    let mut lines: Vec<f64> = (0..=sizes::SYNTHESIS_LINES).map(|k| low + step * k as f64).collect();
+    let mut lines: Vec<f64> = (0..=sizes::SYNTHESIS_LINES)
+        .map(|k| low + step * k as f64)
+        .collect();
     for mode in model.in_band_modes() {
-        lines.extend((-12..=12).map(|k| mode.frequency_hz * (1.0 + mode.loss_factor * f64::from(k) / 4.0)));
+        lines.extend(
+            (-12..=12).map(|k| mode.frequency_hz * (1.0 + mode.loss_factor * f64::from(k) / 4.0)),
+        );
     }
     lines.retain(|f| (low..=high).contains(f) && *f > 0.0);
     lines.sort_by(f64::total_cmp);

@@ -15,7 +15,8 @@ pub struct ReportInput<'a> {
     pub measured: Option<&'a FrfSet>,
     /// Scenes that were rendered, in order.
     pub scenes: Vec<RenderedScene<'a>>,
-    /// Tables of `chladni bench`: speed against accuracy, scenes over modes and actuators.
+    /// Tables of `chladni bench`: speed against accuracy, scenes over modes and
+    /// actuators.
     pub tables: Vec<Table>,
     /// What the caller has to say, as that the measured file is gone.
     pub warnings: Vec<String>,
@@ -43,7 +44,8 @@ pub struct RenderedScene<'a> {
     pub curves: Option<&'a Curves>,
 }
 
-/// How a scene does over the number of modes and of actuators; every point has weights of its own.
+/// How a scene does over the number of modes and of actuators; every point has weights of
+/// its own.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Curves {
     /// The method that made the weights of each point.
@@ -54,7 +56,8 @@ pub struct Curves {
     pub actuators: Vec<CurvePoint>,
 }
 
-/// A point of [`Curves`]: shares of the judged responses that keep their limits in the whole model.
+/// A point of [`Curves`]: shares of the judged responses that keep their limits in the
+/// whole model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurvePoint {
     /// Modes or actuators.
@@ -98,7 +101,11 @@ impl<'a> RenderedScene<'a> {
             indices: &rendering.weights.indices,
             warnings: &[],
         };
-        Self { weights: &rendering.weights, shown: Some(shown), curves: None }
+        Self {
+            weights: &rendering.weights,
+            shown: Some(shown),
+            curves: None,
+        }
     }
 
     /// Weights and their field on other data; `on` names the data.
@@ -112,12 +119,20 @@ impl<'a> RenderedScene<'a> {
             indices: &evaluation.indices,
             warnings: &evaluation.warnings,
         };
-        Self { weights, shown: Some(shown), curves: None }
+        Self {
+            weights,
+            shown: Some(shown),
+            curves: None,
+        }
     }
 
     /// Weights alone.
     pub fn of_weights(weights: &'a Weights) -> Self {
-        Self { weights, shown: None, curves: None }
+        Self {
+            weights,
+            shown: None,
+            curves: None,
+        }
     }
 
     /// The same with curves over the number of modes and actuators.
@@ -144,32 +159,45 @@ impl<'a> Measured<'a> {
     /// Another reference unit, an unknown FRF kind, or no pair of the model in the set.
     pub(crate) fn new(set: &'a FrfSet, model: &ModalModel) -> Result<Self> {
         if set.reference_unit != model.reference_unit {
-            return Err(Error::bad_data("the measured FRFs and the model have different reference units")
-                .field("reference_unit")
-                .found(set.reference_unit)
-                .expected(model.reference_unit));
+            return Err(Error::bad_data(
+                "the measured FRFs and the model have different reference units",
+            )
+            .field("reference_unit")
+            .found(set.reference_unit)
+            .expected(model.reference_unit));
         }
         let kind = set.known_kind()?;
-        let find = |wanted: &[chladni_frf::Dof], among: &[chladni_frf::Dof]| -> Vec<Option<(usize, f64)>> {
+        let find = |wanted: &[chladni_frf::Dof],
+                    among: &[chladni_frf::Dof]|
+         -> Vec<Option<(usize, f64)>> {
             let position = |dof: &chladni_frf::Dof| {
                 let k = among.iter().position(|other| other.same_axis(*dof))?;
                 Some((k, dof.direction.sign() * among[k].direction.sign()))
             };
             wanted.iter().map(position).collect()
         };
-        let (responses, references) = (find(&model.responses, &set.responses), find(&model.references, &set.references));
+        let (responses, references) = (
+            find(&model.responses, &set.responses),
+            find(&model.references, &set.references),
+        );
         if responses.iter().all(Option::is_none) || references.iter().all(Option::is_none) {
             return Err(Error::bad_data("the measured FRFs hold no DOF pair of the model")
                 .field("measured FRFs")
                 .found("none in common")
                 .expected("the FRFs that the model was fitted to")
-                .help("leave the measured FRFs out, or give the file that the model names as its source"));
+                .help("leave the measured FRFs out, or give the file that the model names as its \
+                       source"));
         }
         let factor = |&f: &f64| {
             let omega = std::f64::consts::TAU * f;
             model.frf_kind.from_receptance(omega) / kind.from_receptance(omega)
         };
-        Ok(Self { set, responses, references, factors: set.frequency_hz.iter().map(factor).collect() })
+        Ok(Self {
+            set,
+            responses,
+            references,
+            factors: set.frequency_hz.iter().map(factor).collect(),
+        })
     }
 
     /// The set's own DOFs and kind, where there is no model.
@@ -186,7 +214,9 @@ impl<'a> Measured<'a> {
     /// The value of a pair of the model on a line; NaN where it was not measured.
     pub(crate) fn value(&self, response: usize, reference: usize, line: usize) -> Complex64 {
         match (self.responses[response], self.references[reference]) {
-            (Some((i, a)), Some((j, b))) => self.set.values.get(i, j, line) * self.factors[line] * (a * b),
+            (Some((i, a)), Some((j, b))) => {
+                self.set.values.get(i, j, line) * self.factors[line] * (a * b)
+            }
             _ => Complex64::new(f64::NAN, f64::NAN),
         }
     }

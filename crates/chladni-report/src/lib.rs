@@ -1,9 +1,13 @@
-//! Charts, and the report: one HTML file that needs nothing else, and its views as SVG and PNG files.
+//! Charts, and the report: one HTML file that needs nothing else, and its views as SVG
+//! and PNG files.
 //!
-//! [`html`] puts the numbers of a [`ReportInput`] into a page whose own script draws them: FRFs of any pair, stabilization diagram, pole
-//! table, MAC, complexity, moving shapes, fields, weights, curves, stress. [`studio_html`] is the same page, live: its numbers come from
-//! [`data`], [`draft_data`] and [`scene_data`] over a local connection. [`charts`] draws the views as files: a [`Figure`] is plain data (axes with label
-//! and unit, layers, legend), [`Figure::draw`] makes a [`Drawing`], and that writes itself as SVG or PNG.
+//! [`html`] puts the numbers of a [`ReportInput`] into a page whose own script draws
+//! them: FRFs of any pair, stabilization diagram, pole table, MAC, complexity, moving
+//! shapes, fields, weights, curves, stress. [`studio_html`] is the same page, live: its
+//! numbers come from [`data`], [`draft_data`] and [`scene_data`] over a local connection.
+//! [`charts`] draws the views as files: a [`Figure`] is plain data (axes with label and
+//! unit, layers, legend), [`Figure::draw`] makes a [`Drawing`], and that writes itself as
+//! SVG or PNG.
 //!
 //! The same input gives the same bytes: no clock, no host, no fonts of the machine.
 
@@ -20,7 +24,9 @@ mod sizes;
 mod surface;
 mod text;
 
-pub use chart::{Axis, Cell, Chart, ColourBar, Disc, Figure, Height, Layer, Mark, Place, RightAxis, Scale};
+pub use chart::{
+    Axis, Cell, Chart, ColourBar, Disc, Figure, Height, Layer, Mark, Place, RightAxis, Scale,
+};
 pub use drawing::{Anchor, Colour, ColourMap, Dash, Drawing, Image, Stroke, SERIES};
 pub use figures::{all as figures, field_map, weights_around_edge};
 pub use input::{CurvePoint, Curves, RenderedScene, ReportInput, ShownField, Table};
@@ -31,13 +37,15 @@ use serde_json::Value;
 /// The report as one HTML page.
 ///
 /// # Errors
-/// [`chladni_frf::ErrorKind::BadData`] where the measured FRFs do not belong to the model (no common DOF pair, other reference unit);
+/// [`chladni_frf::ErrorKind::BadData`] where the measured FRFs do not belong to the model
+/// (no common DOF pair, other reference unit);
 /// [`chladni_frf::ErrorKind::UnknownFrfKind`].
 pub fn html(input: &ReportInput) -> Result<String> {
     Ok(page::report(&input.title, &data::of(input)?))
 }
 
-/// A page of any figures, one section each, with `words` above them; like the report it needs nothing else.
+/// A page of any figures, one section each, with `words` above them; like the report it
+/// needs nothing else.
 pub fn gallery(title: &str, words: &str, figures: &[Figure]) -> String {
     page::gallery(title, words, figures)
 }
@@ -50,8 +58,9 @@ pub fn data(input: &ReportInput) -> Result<Value> {
     data::of(input)
 }
 
-/// The parts of [`data`] that a fit of the same FRFs changes, `model`, `mac` and `geometry`, with the residual `terms` of the FRFs: what
-/// the studio shows while the band is being moved.
+/// The parts of [`data`] that a fit of the same FRFs changes, `model`, `mac` and
+/// `geometry`, with the residual `terms` of the FRFs: what the studio shows while the
+/// band is being moved.
 pub fn draft_data(model: &ModalModel) -> Value {
     data::of_draft(model)
 }
@@ -75,7 +84,8 @@ pub struct ChartFormats {
     pub png: bool,
 }
 
-/// The views of the report as files: name (`cmif.svg`, `mode-03.png`) and content, in the order of the page. The caller writes them.
+/// The views of the report as files: name (`cmif.svg`, `mode-03.png`) and content, in the
+/// order of the page. The caller writes them.
 ///
 /// # Errors
 /// Those of [`html`].
@@ -84,10 +94,16 @@ pub fn charts(input: &ReportInput, formats: ChartFormats) -> Result<Vec<(String,
     for figure in figures::all(input)? {
         let drawing = figure.draw();
         if formats.svg {
-            files.push((format!("{}.svg", figure.name), drawing.to_svg().into_bytes()));
+            files.push((
+                format!("{}.svg", figure.name),
+                drawing.to_svg().into_bytes(),
+            ));
         }
         if formats.png {
-            files.push((format!("{}.png", figure.name), drawing.to_png(sizes::PNG_SCALE)));
+            files.push((
+                format!("{}.png", figure.name),
+                drawing.to_png(sizes::PNG_SCALE),
+            ));
         }
     }
     Ok(files)

@@ -1,4 +1,5 @@
-//! Sizes, ranges and counts of the pictures: what to turn when they should look different.
+//! Sizes, ranges and counts of the pictures: what to turn when they should look
+//! different.
 
 /// Width of a figure over the whole page, px.
 pub(crate) const WIDE_PX: f64 = 820.0;
@@ -9,10 +10,11 @@ pub(crate) const SHAPE_PX: f64 = 430.0;
 /// Pixels of a PNG file per px of the picture.
 pub(crate) const PNG_SCALE: f64 = 2.0;
 
-/// Bytes that the residuals of all pairs may take before they are coded: 5.3 of the 8 MB of a page. With 2618 pairs every pair keeps 760
-/// lines.
+/// Bytes that the residuals of all pairs may take before they are coded: 5.3 of the 8 MB
+/// of a page. With 2618 pairs every pair keeps 760 lines.
 pub(crate) const RESIDUAL_BYTES: usize = 4_000_000;
-/// Responses, and references, whose pairs a page offers: 100 × 100 pairs keep 200 lines each.
+/// Responses, and references, whose pairs a page offers: 100 × 100 pairs keep 200 lines
+/// each.
 pub(crate) const OFFERED_DOFS: usize = 100;
 /// Lines of the sums, the CMIF and the pairs in full.
 pub(crate) const SHOWN_LINES: usize = 6000;
@@ -25,7 +27,8 @@ pub(crate) const PAIRS: usize = 12;
 pub(crate) const DRIVING_POINTS: usize = 3;
 /// Lines of a synthesis without measured frequency axis.
 pub(crate) const SYNTHESIS_LINES: usize = 1000;
-/// Levels of amplitude below the largest one that are shown, dB; what lies deeper tells nothing and would flatten the curves.
+/// Levels of amplitude below the largest one that are shown, dB; what lies deeper tells
+/// nothing and would flatten the curves.
 pub(crate) const AMPLITUDE_RANGE_DB: f64 = 100.0;
 /// Singular values shown in a CMIF, six at most.
 pub(crate) const SINGULAR_VALUES: usize = 6;
@@ -47,5 +50,6 @@ pub(crate) const MAP_BORDER: f64 = 0.07;
 
 /// Bounds are so many standard deviations: 95 % of a normal distribution.
 pub(crate) const SIGMAS: f64 = 1.96;
-/// MAC beside the diagonal that calls for attention: two shapes that agree so far are hardly two modes.
+/// MAC beside the diagonal that calls for attention: two shapes that agree so far are
+/// hardly two modes.
 pub(crate) const HIGH_MAC: f64 = 0.5;

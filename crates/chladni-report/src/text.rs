@@ -3,8 +3,8 @@
 use base64::engine::general_purpose::STANDARD;
 use base64::Engine;
 
-/// `text` with everything neutralised that HTML or SVG could take for markup. Control characters, and marks that turn the
-/// direction of writing, become a visible box.
+/// `text` with everything neutralised that HTML or SVG could take for markup. Control
+/// characters, and marks that turn the direction of writing, become a visible box.
 pub(crate) fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for letter in text.chars() {
@@ -32,14 +32,19 @@ pub(crate) fn base64(bytes: &[u8]) -> String {
 /// `value` with `decimals` places and a true minus sign; what rounds to zero has none.
 pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     if !value.is_finite() {
-        return if value.is_nan() { "–".into() } else { format!("{}∞", if value < 0.0 { "−" } else { "" }) };
+        return if value.is_nan() {
+            "–".into()
+        } else {
+            format!("{}∞", if value < 0.0 { "−" } else { "" })
+        };
     }
     let digits = format!("{:.decimals$}", value.abs());
     let is_zero = digits.bytes().all(|byte| matches!(byte, b'0' | b'.'));
     format!("{}{digits}", if value < 0.0 && !is_zero { "−" } else { "" })
 }
 
-/// `value` with `digits` significant digits; powers of ten where it is very large or small.
+/// `value` with `digits` significant digits; powers of ten where it is very large or
+/// small.
 pub(crate) fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return fixed(value, 0);
@@ -65,7 +70,10 @@ pub(crate) fn plain(value: f64) -> String {
 pub(crate) fn superscript(exponent: i32) -> String {
     const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     let digits = exponent.unsigned_abs().to_string();
-    let raised: String = digits.bytes().map(|digit| DIGITS[usize::from(digit - b'0')]).collect();
+    let raised: String = digits
+        .bytes()
+        .map(|digit| DIGITS[usize::from(digit - b'0')])
+        .collect();
     format!("{}{raised}", if exponent < 0 { "⁻" } else { "" })
 }
 
@@ -80,7 +88,10 @@ mod tests {
 
     #[test]
     fn markup_and_controls_are_neutralised() {
-        assert_eq!(escape("<script>alert('&')</script>\u{0}"), "&lt;script&gt;alert(&#39;&amp;&#39;)&lt;/script&gt;□");
+        assert_eq!(
+            escape("<script>alert('&')</script>\u{0}"),
+            "&lt;script&gt;alert(&#39;&amp;&#39;)&lt;/script&gt;□"
+        );
         assert_eq!(escape("a\u{202e}b"), "a□b");
     }
 
@@ -90,7 +101,10 @@ mod tests {
         assert_eq!(fixed(-12.34, 1), "−12.3");
         assert_eq!(significant(0.00001234, 3), "1.23·10⁻⁵");
         assert_eq!(significant(1234.6, 3), "1235");
-        assert_eq!([plain(300.0), plain(12.5), plain(1000.0)], ["300", "12.5", "1000"]);
+        assert_eq!(
+            [plain(300.0), plain(12.5), plain(1000.0)],
+            ["300", "12.5", "1000"]
+        );
         assert_eq!(counted(1, "mode") + &counted(0, "line"), "1 mode0 lines");
     }
 }

@@ -6,12 +6,16 @@ use chladni_frf::{FrfSet, ModalModel, Source, Trust};
 use chladni_plate::{simulate, Panel, Simulation};
 use chladni_render::{evaluate, render, stress, sweep, On, Rendering, Scene, StressOptions};
 use chladni_report::{
-    charts, data, figures, gallery, html, scene_data, studio_html, ChartFormats, CurvePoint, Curves, RenderedScene, ReportInput, Table,
+    charts, data, figures, gallery, html, scene_data, studio_html, ChartFormats, CurvePoint,
+    Curves, RenderedScene, ReportInput, Table,
 };
 use std::path::Path;
 use std::sync::OnceLock;
 
-const BOTH: ChartFormats = ChartFormats { svg: true, png: true };
+const BOTH: ChartFormats = ChartFormats {
+    svg: true,
+    png: true,
+};
 /// A page of the demonstration panel stays below.
 const MAX_PAGE_BYTES: usize = 8_000_000;
 
@@ -23,7 +27,11 @@ fn simulated(text: &str) -> Simulation {
 fn small() -> &'static Simulation {
     static SMALL: OnceLock<Simulation> = OnceLock::new();
     SMALL.get_or_init(|| {
-        let mut simulation = simulated("[responses]\ngrid = [6, 4]\nspacing_m = 0.04\n[references]\nedge_count = [4, 2]\nspacing_m = 0.05\n[frf]\nstop_hz = 400\nstep_hz = 2\n");
+        let mut simulation = simulated(
+            "[responses]\ngrid = [6, 4]\nspacing_m = \
+                                        0.04\n[references]\nedge_count = [4, 2]\nspacing_m = \
+                                        0.05\n[frf]\nstop_hz = 400\nstep_hz = 2\n",
+        );
         for mode in &mut simulation.truth.modes {
             (mode.frequency_std_hz, mode.loss_factor_std) = (0.0123, 1e-5);
         }
@@ -32,22 +40,40 @@ fn small() -> &'static Simulation {
 }
 
 fn scene() -> Scene {
-    Scene::parse("frequency_hz = 300.0\n[zones]\ngrid = [2, 2]\nhot = [1]\ncells_m = [0.0, 0.0, 0.268, 0.170]\n", Path::new("")).unwrap()
+    Scene::parse(
+        "frequency_hz = 300.0\n[zones]\ngrid = [2, 2]\nhot = [1]\ncells_m = [0.0, 0.0, \
+                  0.268, 0.170]\n",
+        Path::new(""),
+    )
+    .unwrap()
 }
 
 fn rendering(model: &ModalModel) -> Rendering {
     render(model, &scene(), &Default::default()).unwrap()
 }
 
-fn input<'a>(model: &'a ModalModel, measured: Option<&'a FrfSet>, rendering: &'a Rendering) -> ReportInput<'a> {
+fn input<'a>(
+    model: &'a ModalModel,
+    measured: Option<&'a FrfSet>,
+    rendering: &'a Rendering,
+) -> ReportInput<'a> {
     let scenes = vec![RenderedScene::of_rendering(rendering)];
-    ReportInput { title: "Panel".into(), model: Some(model), measured, scenes, ..ReportInput::default() }
+    ReportInput {
+        title: "Panel".into(),
+        model: Some(model),
+        measured,
+        scenes,
+        ..ReportInput::default()
+    }
 }
 
 /// Numbers that stand in the data as base64 of little-endian single precision.
 fn f32s(coded: &serde_json::Value) -> Vec<f32> {
     let bytes = STANDARD.decode(coded["f32"].as_str().unwrap()).unwrap();
-    bytes.chunks_exact(4).map(|four| f32::from_le_bytes(four.try_into().unwrap())).collect()
+    bytes
+        .chunks_exact(4)
+        .map(|four| f32::from_le_bytes(four.try_into().unwrap()))
+        .collect()
 }
 
 #[test]
@@ -56,18 +82,34 @@ fn the_page_needs_no_network_and_runs_no_script_but_its_own() {
     let page = html(&input(&small().truth, Some(&small().frf), &rendering)).unwrap();
     // the name of SVG elements is no address
     let page = page.replace("http://www.w3.org/2000/svg", "");
-    for outside in ["http://", "https://", " src=", "@import", "url(http", "<link", "<iframe", "fetch("] {
+    for outside in [
+        "http://", "https://", " src=", "@import", "url(http", "<link", "<iframe", "fetch(",
+    ] {
         assert!(!page.contains(outside), "{outside}");
     }
-    assert!(page.contains("default-src 'none'") && page.contains("script-src 'sha256-") && page.contains("connect-src 'none'"));
+    assert!(
+        page.contains("default-src 'none'")
+            && page.contains("script-src 'sha256-")
+            && page.contains("connect-src 'none'")
+    );
     assert_eq!(page.matches("<script>").count(), 1);
 }
 
 #[test]
 fn a_gallery_shows_its_figures_without_a_script() {
-    let all = figures(&ReportInput { model: Some(&small().truth), ..Default::default() }).unwrap();
+    let all = figures(&ReportInput {
+        model: Some(&small().truth),
+        ..Default::default()
+    })
+    .unwrap();
     let page = gallery("Charts <1>", "made & measured", &all[..3]);
-    assert_eq!((page.matches("<svg").count(), page.matches("<section").count()), (3, 3));
+    assert_eq!(
+        (
+            page.matches("<svg").count(),
+            page.matches("<section").count()
+        ),
+        (3, 3)
+    );
     assert!(page.contains("<h1>Charts &lt;1&gt;</h1>") && page.contains("made &amp; measured"));
     assert!(!page.contains("module_page"));
 }
@@ -75,30 +117,56 @@ fn a_gallery_shows_its_figures_without_a_script() {
 #[test]
 fn the_studio_asks_its_own_server_only() {
     let page = studio_html("a <b>");
-    assert!(page.contains("connect-src 'self'") && page.contains("/api/scene") && page.contains("a &lt;b&gt;"));
+    assert!(
+        page.contains("connect-src 'self'")
+            && page.contains("/api/scene")
+            && page.contains("a &lt;b&gt;")
+    );
 }
 
 #[test]
 fn the_data_hold_every_part_of_the_report() {
     let rendering = rendering(&small().truth);
-    let tables = vec![Table { name: "accuracy.csv".into(), header: vec!["case".into()], rows: vec![vec!["panel".into()]] }];
-    let input = ReportInput { tables, ..input(&small().truth, Some(&small().frf), &rendering) };
+    let tables = vec![Table {
+        name: "accuracy.csv".into(),
+        header: vec!["case".into()],
+        rows: vec![vec!["panel".into()]],
+    }];
+    let input = ReportInput {
+        tables,
+        ..input(&small().truth, Some(&small().frf), &rendering)
+    };
     let all = data(&input).unwrap();
     let modes = small().truth.in_band_modes().count();
     for part in ["model", "frfs", "cmif", "stabilization", "mac", "geometry"] {
         assert!(all[part].is_object(), "{part}");
     }
-    assert_eq!((all["frfs"]["total_pairs"].as_u64(), all["frfs"]["full"].as_array().map(Vec::len)), (Some(288), Some(12)));
+    assert_eq!(
+        (
+            all["frfs"]["total_pairs"].as_u64(),
+            all["frfs"]["full"].as_array().map(Vec::len)
+        ),
+        (Some(288), Some(12))
+    );
     assert_eq!(all["mac"]["count"].as_u64(), Some(modes as u64));
     let mac = f32s(&all["mac"]["values"]);
-    assert!((0..modes).all(|k| (mac[k * (modes + 1)] - 1.0).abs() < 1e-6), "a shape agrees with itself");
-    assert!(all["stabilization"]["orders"].as_array().is_some_and(|orders| orders.len() > 5));
+    assert!(
+        (0..modes).all(|k| (mac[k * (modes + 1)] - 1.0).abs() < 1e-6),
+        "a shape agrees with itself"
+    );
+    assert!(all["stabilization"]["orders"]
+        .as_array()
+        .is_some_and(|orders| orders.len() > 5));
     let scene = &all["scenes"][0];
-    assert_eq!(scene["weights"].as_array().unwrap().len(), small().truth.references.len());
+    assert_eq!(
+        scene["weights"].as_array().unwrap().len(),
+        small().truth.references.len()
+    );
     let velocity = f32s(&scene["field"]["velocity"]);
     for (k, v) in rendering.field.velocity_m_per_s.iter().enumerate() {
         assert!(
-            (f64::from(velocity[2 * k]) - v.re).abs() < 1e-6 * v.norm() && (f64::from(velocity[2 * k + 1]) - v.im).abs() < 1e-6 * v.norm()
+            (f64::from(velocity[2 * k]) - v.re).abs() < 1e-6 * v.norm()
+                && (f64::from(velocity[2 * k + 1]) - v.im).abs() < 1e-6 * v.norm()
         );
     }
     assert_eq!(scene_data(&input), *scene);
@@ -108,16 +176,32 @@ fn the_data_hold_every_part_of_the_report() {
 #[test]
 fn of_many_sources_the_first_are_named() {
     let mut model = small().truth.clone();
-    model.source = (1..=34).map(|k| Source { file: format!("scan_{k}.uff"), sha256: "ab".repeat(32) }).collect();
-    let facts = data(&ReportInput { model: Some(&model), ..Default::default() }).unwrap()["model"]["facts"].to_string();
-    assert!(facts.contains("scan_1.uff, scan_2.uff, scan_3.uff and 31 more") && !facts.contains("abab"), "{facts}");
+    model.source = (1..=34)
+        .map(|k| Source {
+            file: format!("scan_{k}.uff"),
+            sha256: "ab".repeat(32),
+        })
+        .collect();
+    let facts = data(&ReportInput {
+        model: Some(&model),
+        ..Default::default()
+    })
+    .unwrap()["model"]["facts"]
+        .to_string();
+    assert!(
+        facts.contains("scan_1.uff, scan_2.uff, scan_3.uff and 31 more") && !facts.contains("abab"),
+        "{facts}"
+    );
 }
 
 #[test]
 fn foreign_text_cannot_become_markup() {
     const EVIL: &str = "</script><script>alert(1)</script>\"'&";
     let mut model = small().truth.clone();
-    model.source = vec![Source { file: EVIL.into(), sha256: EVIL.into() }];
+    model.source = vec![Source {
+        file: EVIL.into(),
+        sha256: EVIL.into(),
+    }];
     (model.method, model.quality.path) = (EVIL.into(), Some(EVIL.into()));
     model.quality.warnings = vec![EVIL.into()];
     (model.modes[0].trust, model.modes[0].reasons) = (Trust::Weak, vec![EVIL.into()]);
@@ -127,7 +211,11 @@ fn foreign_text_cannot_become_markup() {
     let mut input = input(&model, None, &rendering);
     (input.title, input.warnings) = (EVIL.into(), vec![EVIL.into()]);
     let page = html(&input).unwrap();
-    assert_eq!(page.matches("<script").count(), 2, "the data and the page's own script");
+    assert_eq!(
+        page.matches("<script").count(),
+        2,
+        "the data and the page's own script"
+    );
     assert_eq!(page.matches("</script>").count(), 2);
     assert!(page.contains("<title>&lt;/script&gt;&lt;script&gt;alert(1)"));
 }
@@ -135,37 +223,77 @@ fn foreign_text_cannot_become_markup() {
 #[test]
 fn warnings_come_with_what_they_are_about() {
     let mut model = small().truth.clone();
-    (model.modes[1].trust, model.modes[1].reasons) = (Trust::Weak, vec!["hardly above the noise".into()]);
+    (model.modes[1].trust, model.modes[1].reasons) =
+        (Trust::Weak, vec!["hardly above the noise".into()]);
     model.quality.trusted = false;
-    let all = data(&ReportInput { title: "Panel".into(), model: Some(&model), ..Default::default() }).unwrap();
+    let all = data(&ReportInput {
+        title: "Panel".into(),
+        model: Some(&model),
+        ..Default::default()
+    })
+    .unwrap();
     let warnings = all["warnings"].to_string();
-    assert!(warnings.contains("not to be trusted") && warnings.contains("1 mode kept with doubts"), "{warnings}");
-    assert_eq!(all["model"]["modes"][1]["reasons"][0], "hardly above the noise");
+    assert!(
+        warnings.contains("not to be trusted") && warnings.contains("1 mode kept with doubts"),
+        "{warnings}"
+    );
+    assert_eq!(
+        all["model"]["modes"][1]["reasons"][0],
+        "hardly above the noise"
+    );
 }
 
 #[test]
 fn what_is_missing_is_null_and_the_rest_is_there() {
     let rendering = rendering(&small().truth);
     let without_frfs = data(&input(&small().truth, None, &rendering)).unwrap();
-    assert!(without_frfs["frfs"]["residuals"].is_null() && without_frfs["frfs"]["sums"]["measured"].is_null());
+    assert!(
+        without_frfs["frfs"]["residuals"].is_null()
+            && without_frfs["frfs"]["sums"]["measured"].is_null()
+    );
     assert_eq!(without_frfs["cmif"]["of"], "of the synthesis");
     assert!(without_frfs["stabilization"].is_null());
-    let weights = data(&ReportInput { scenes: vec![RenderedScene::of_weights(&rendering.weights)], ..Default::default() }).unwrap();
-    assert!(weights["scenes"][0]["field"].is_null() && weights["scenes"][0]["weights"].is_array() && weights["model"].is_null());
-    let frfs = data(&ReportInput { measured: Some(&small().frf), ..Default::default() }).unwrap();
+    let weights = data(&ReportInput {
+        scenes: vec![RenderedScene::of_weights(&rendering.weights)],
+        ..Default::default()
+    })
+    .unwrap();
+    assert!(
+        weights["scenes"][0]["field"].is_null()
+            && weights["scenes"][0]["weights"].is_array()
+            && weights["model"].is_null()
+    );
+    let frfs = data(&ReportInput {
+        measured: Some(&small().frf),
+        ..Default::default()
+    })
+    .unwrap();
     assert!(frfs["frfs"]["residuals"].is_object() && frfs["frfs"]["sums"]["synthesis"].is_null());
     assert!(html(&ReportInput::default()).is_ok());
     let mut bare = small().truth.clone();
     bare.nodes.clear();
-    assert!(data(&ReportInput { model: Some(&bare), ..Default::default() }).unwrap()["geometry"].is_null());
+    assert!(data(&ReportInput {
+        model: Some(&bare),
+        ..Default::default()
+    })
+    .unwrap()["geometry"]
+        .is_null());
 }
 
 #[test]
 fn weights_judged_on_the_measured_line_name_it() {
     let rendering = rendering(&small().truth);
     let evaluation = evaluate(&rendering.weights, &scene(), On::Frf(&small().frf)).unwrap();
-    let scenes = vec![RenderedScene::of_evaluation(&rendering.weights, &evaluation, "panel.h5 <1>")];
-    let all = data(&ReportInput { scenes, ..Default::default() }).unwrap();
+    let scenes = vec![RenderedScene::of_evaluation(
+        &rendering.weights,
+        &evaluation,
+        "panel.h5 <1>",
+    )];
+    let all = data(&ReportInput {
+        scenes,
+        ..Default::default()
+    })
+    .unwrap();
     assert_eq!(all["scenes"][0]["judged_on"], "panel.h5 <1>");
 }
 
@@ -173,8 +301,16 @@ fn weights_judged_on_the_measured_line_name_it() {
 fn measured_frfs_of_another_structure_are_refused() {
     let mut other = small().frf.clone();
     other.responses.iter_mut().for_each(|dof| dof.node += 1000);
-    let error = html(&ReportInput { model: Some(&small().truth), measured: Some(&other), ..Default::default() }).unwrap_err();
-    assert!(error.to_string().contains("no DOF pair of the model"), "{error}");
+    let error = html(&ReportInput {
+        model: Some(&small().truth),
+        measured: Some(&other),
+        ..Default::default()
+    })
+    .unwrap_err();
+    assert!(
+        error.to_string().contains("no DOF pair of the model"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -182,7 +318,11 @@ fn the_same_input_gives_the_same_bytes() {
     let rendering = rendering(&small().truth);
     let whole = input(&small().truth, Some(&small().frf), &rendering);
     assert!(html(&whole).unwrap() == html(&whole).unwrap());
-    let scene_alone = ReportInput { model: None, measured: None, ..whole };
+    let scene_alone = ReportInput {
+        model: None,
+        measured: None,
+        ..whole
+    };
     assert!(charts(&scene_alone, BOTH).unwrap() == charts(&scene_alone, BOTH).unwrap());
 }
 
@@ -195,13 +335,25 @@ fn chart_files_are_sound_and_have_their_own_names() {
     let (pngs, svgs): (Vec<_>, Vec<_>) = files.iter().partition(|file| file.0.ends_with(".png"));
     assert_eq!((pngs.len(), svgs.len()), (25, 25));
     for (name, bytes) in pngs {
-        assert!(bytes.starts_with(b"\x89PNG\r\n\x1a\n") && bytes.ends_with(b"IEND\xaeB`\x82"), "{name}");
+        assert!(
+            bytes.starts_with(b"\x89PNG\r\n\x1a\n") && bytes.ends_with(b"IEND\xaeB`\x82"),
+            "{name}"
+        );
     }
     for (name, bytes) in svgs {
         let text = std::str::from_utf8(bytes).unwrap();
-        assert!(text.starts_with("<svg xmlns=\"http://www.w3.org/2000/svg\"") && text.ends_with("</svg>\n"), "{name}");
+        assert!(
+            text.starts_with("<svg xmlns=\"http://www.w3.org/2000/svg\"")
+                && text.ends_with("</svg>\n"),
+            "{name}"
+        );
         let drawn = |line: &&str| !line.starts_with("<image");
-        assert!(text.lines().filter(drawn).all(|line| !line.contains("NaN") && !line.contains("inf,")), "{name}");
+        assert!(
+            text.lines()
+                .filter(drawn)
+                .all(|line| !line.contains("NaN") && !line.contains("inf,")),
+            "{name}"
+        );
     }
     let names: std::collections::BTreeSet<&String> = files.iter().map(|file| &file.0).collect();
     assert_eq!(names.len(), files.len());
@@ -218,20 +370,73 @@ fn the_page_of_the_demonstration_panel_stays_small() {
 #[test]
 fn every_axis_of_every_figure_has_a_label_and_a_unit() {
     let mut rendering = rendering(&small().truth);
-    rendering.weights.stress =
-        Some(stress(&rendering.weights, &scene(), &small().truth, &StressOptions { draws: 5, ..Default::default() }).unwrap().0);
-    rendering.weights.sweep = Some(sweep(&small().truth, &scene(), &Default::default(), [295.0, 305.0]).unwrap());
-    let header = ["case", "method", "time_s", "frequency_rmse_over_crlb"].map(String::from).to_vec();
+    rendering.weights.stress = Some(
+        stress(
+            &rendering.weights,
+            &scene(),
+            &small().truth,
+            &StressOptions {
+                draws: 5,
+                ..Default::default()
+            },
+        )
+        .unwrap()
+        .0,
+    );
+    rendering.weights.sweep = Some(
+        sweep(
+            &small().truth,
+            &scene(),
+            &Default::default(),
+            [295.0, 305.0],
+        )
+        .unwrap(),
+    );
+    let header = ["case", "method", "time_s", "frequency_rmse_over_crlb"]
+        .map(String::from)
+        .to_vec();
     let rows = vec![["panel", "auto", "1.5", "1.02"].map(String::from).to_vec()];
-    let tables = vec![Table { name: "accuracy.csv".into(), header, rows }];
-    let points = [(1, 0.2), (2, 0.9)].map(|(count, ratio)| CurvePoint { count, hot_ratio: ratio, cold_ratio: ratio, success_ratio: ratio });
-    let curves = Curves { method: "fast".into(), modes: points.to_vec(), actuators: points.to_vec() };
-    let mut input = ReportInput { tables, ..input(&small().truth, Some(&small().frf), &rendering) };
-    input.scenes = input.scenes.into_iter().map(|scene| scene.with_curves(Some(&curves))).collect();
-    assert_eq!(data(&input).unwrap()["scenes"][0]["curves"]["modes"][1]["both"], 0.9);
+    let tables = vec![Table {
+        name: "accuracy.csv".into(),
+        header,
+        rows,
+    }];
+    let points = [(1, 0.2), (2, 0.9)].map(|(count, ratio)| CurvePoint {
+        count,
+        hot_ratio: ratio,
+        cold_ratio: ratio,
+        success_ratio: ratio,
+    });
+    let curves = Curves {
+        method: "fast".into(),
+        modes: points.to_vec(),
+        actuators: points.to_vec(),
+    };
+    let mut input = ReportInput {
+        tables,
+        ..input(&small().truth, Some(&small().frf), &rendering)
+    };
+    input.scenes = input
+        .scenes
+        .into_iter()
+        .map(|scene| scene.with_curves(Some(&curves)))
+        .collect();
+    assert_eq!(
+        data(&input).unwrap()["scenes"][0]["curves"]["modes"][1]["both"],
+        0.9
+    );
     let figures = figures(&input).unwrap();
-    let diagram = figures.iter().find(|figure| figure.name == "stabilization").unwrap();
-    assert_eq!(diagram.charts[0].right.as_ref().map(|right| right.axis.label.as_str()), Some("Order of the denominator"));
+    let diagram = figures
+        .iter()
+        .find(|figure| figure.name == "stabilization")
+        .unwrap();
+    assert_eq!(
+        diagram.charts[0]
+            .right
+            .as_ref()
+            .map(|right| right.axis.label.as_str()),
+        Some("Order of the denominator")
+    );
     for name in [
         "frf-sum",
         "frf-12",
@@ -256,8 +461,16 @@ fn every_axis_of_every_figure_has_a_label_and_a_unit() {
         assert!(!figure.title.is_empty(), "{}", figure.name);
         for chart in &figure.charts {
             let right = chart.right.as_ref().map(|right| &right.axis);
-            for axis in [&chart.x, &chart.y].into_iter().chain(right).chain(chart.colour_bar.as_ref().map(|bar| &bar.axis)) {
-                assert!(!axis.label.is_empty() && !axis.unit.is_empty(), "{}: {axis:?}", figure.name);
+            for axis in [&chart.x, &chart.y]
+                .into_iter()
+                .chain(right)
+                .chain(chart.colour_bar.as_ref().map(|bar| &bar.axis))
+            {
+                assert!(
+                    !axis.label.is_empty() && !axis.unit.is_empty(),
+                    "{}: {axis:?}",
+                    figure.name
+                );
             }
         }
     }

@@ -1,8 +1,8 @@
-//! Pole columns and their derivatives, and the inner products of them all by partial fractions: one sum over lines for each pole in place
-//! of one for each pair.
+//! Pole columns and their derivatives, and the inner products of them all by partial
+//! fractions: one sum over lines for each pole in place of one for each pair.
 //!
-//! 1/((ā − x)(b − x)) = [1/(ā − x) − 1/(b − x)]/(b − ā), and derivatives of that. No digit is lost: ā lies below the real axis and b above,
-//! however near a and b are.
+//! 1/((ā − x)(b − x)) = [1/(ā − x) − 1/(b − x)]/(b − ā), and derivatives of that. No
+//! digit is lost: ā lies below the real axis and b above, however near a and b are.
 
 use crate::work::{inverse, Work};
 use chladni_linalg::matmul_h;
@@ -16,8 +16,8 @@ const POLES_AT_A_TIME: usize = 8;
 /// The columns of one set of poles, all above the real axis.
 pub(crate) struct Cauchy<'a> {
     lambda: &'a [Complex64],
-    /// Pole columns A, residual terms, and, unless left out, derivatives D of the pole columns, (line, n + terms + n): see
-    /// [`crate::work::basis`].
+    /// Pole columns A, residual terms, and, unless left out, derivatives D of the pole
+    /// columns, (line, n + terms + n): see [`crate::work::basis`].
     pub columns: Array2<Complex64>,
     /// Number of residual terms.
     terms: usize,
@@ -41,8 +41,15 @@ impl<'a> Cauchy<'a> {
         let (n, m) = (lambda.len(), lambda.len() + powers.len());
         let mut columns = Array2::zeros((work.lines(), if derivatives { m + n } else { m }).f());
         let (mut plain, mut slopes) = columns.view_mut().split_at(Axis(1), m);
-        let slopes = slopes.columns_mut().into_iter().map(Some).chain(std::iter::repeat_with(|| None));
-        type Pair<'c> = (ArrayViewMut1<'c, Complex64>, Option<ArrayViewMut1<'c, Complex64>>);
+        let slopes = slopes
+            .columns_mut()
+            .into_iter()
+            .map(Some)
+            .chain(std::iter::repeat_with(|| None));
+        type Pair<'c> = (
+            ArrayViewMut1<'c, Complex64>,
+            Option<ArrayViewMut1<'c, Complex64>>,
+        );
         let of_pole = |((mut column, derivative), &pole): (Pair, _)| {
             let mut sums = [Complex64::ZERO; 2];
             let lines = work.x.iter().zip(&work.g);
@@ -53,7 +60,9 @@ impl<'a> Cauchy<'a> {
                 }
                 return sums;
             };
-            for ((value, slope), (&x, &g)) in column.iter_mut().zip(derivative.iter_mut()).zip(lines) {
+            for ((value, slope), (&x, &g)) in
+                column.iter_mut().zip(derivative.iter_mut()).zip(lines)
+            {
                 let inverse = inverse(pole - x);
                 *value = inverse * g;
                 *slope = -(inverse * *value);
@@ -62,13 +71,30 @@ impl<'a> Cauchy<'a> {
             }
             sums
         };
-        let poles: Vec<_> = plain.columns_mut().into_iter().zip(slopes).zip(lambda).collect();
-        let sums = poles.into_par_iter().with_min_len(POLES_AT_A_TIME).map(of_pole).collect();
+        let poles: Vec<_> = plain
+            .columns_mut()
+            .into_iter()
+            .zip(slopes)
+            .zip(lambda)
+            .collect();
+        let sums = poles
+            .into_par_iter()
+            .with_min_len(POLES_AT_A_TIME)
+            .map(of_pole)
+            .collect();
         for (column, &power) in plain.columns_mut().into_iter().skip(n).zip(powers) {
             let lines = work.x.iter().zip(&work.g);
-            column.into_iter().zip(lines).for_each(|(value, (&x, &g))| *value = (g * x.powi(power)).into());
+            column
+                .into_iter()
+                .zip(lines)
+                .for_each(|(value, (&x, &g))| *value = (g * x.powi(power)).into());
         }
-        Self { lambda, columns, terms: powers.len(), sums }
+        Self {
+            lambda,
+            columns,
+            terms: powers.len(),
+            sums,
+        }
     }
 
     /// Inner products of all columns.
@@ -92,7 +118,8 @@ impl<'a> Cauchy<'a> {
         }
         let terms = matmul_h(self.columns.slice(s![.., n..m]), self.columns.view());
         gram.slice_mut(s![n..m, ..]).assign(&terms);
-        gram.slice_mut(s![.., n..m]).assign(&terms.t().mapv(|v| v.conj()));
+        gram.slice_mut(s![.., n..m])
+            .assign(&terms.t().mapv(|v| v.conj()));
         gram
     }
 }
@@ -105,19 +132,37 @@ mod tests {
     fn partial_fractions_are_the_inner_products() {
         let x: Vec<f64> = (0..300).map(|k| 0.1 + 0.003 * f64::from(k)).collect();
         let g = x.iter().map(|x| 1.0 + x.sqrt()).collect();
-        let work = Work { x, g, b: Array2::zeros((300, 0)) };
+        let work = Work {
+            x,
+            g,
+            b: Array2::zeros((300, 0)),
+        };
         // narrower than a line, near a twin, and outside the lines
-        let lambda = [(0.4, 1e-3), (0.4003, 1e-3), (0.4, 1e-3 + 1e-12), (0.7, 0.02), (1.2, 0.01)].map(|(re, im)| Complex64::new(re, im));
+        let lambda = [
+            (0.4, 1e-3),
+            (0.4003, 1e-3),
+            (0.4, 1e-3 + 1e-12),
+            (0.7, 0.02),
+            (1.2, 0.01),
+        ]
+        .map(|(re, im)| Complex64::new(re, im));
         let cauchy = Cauchy::new(&work, &lambda, &[-1, 0, 2]);
         let direct = matmul_h(cauchy.columns.view(), cauchy.columns.view());
         let gram = cauchy.gram();
         for ((i, j), value) in gram.indexed_iter() {
             let size = (direct[[i, i]].re * direct[[j, j]].re).sqrt();
-            assert!((value - direct[[i, j]]).norm() < 1e-13 * size, "({i}, {j}): {value} for {}", direct[[i, j]]);
+            assert!(
+                (value - direct[[i, j]]).norm() < 1e-13 * size,
+                "({i}, {j}): {value} for {}",
+                direct[[i, j]]
+            );
         }
         let plain = Cauchy::without_derivatives(&work, &lambda, &[-1, 0, 2]);
         assert_eq!(plain.columns, cauchy.columns.slice(s![.., ..8]));
         let size = |i: usize| direct[[i, i]].re.sqrt();
-        assert!(plain.gram().indexed_iter().all(|((i, j), value)| (value - gram[[i, j]]).norm() < 1e-13 * size(i) * size(j)));
+        assert!(plain
+            .gram()
+            .indexed_iter()
+            .all(|((i, j), value)| (value - gram[[i, j]]).norm() < 1e-13 * size(i) * size(j)));
     }
 }

@@ -1,4 +1,5 @@
-//! What the poles found say of the structure: the damping law, and whether one shape per mode, real or not, serves all references.
+//! What the poles found say of the structure: the damping law, and whether one shape per
+//! mode, real or not, serves all references.
 
 use crate::found::Found;
 use crate::head::Head;
@@ -10,10 +11,12 @@ use crate::tolerances as tol;
 use chladni_frf::Damping;
 use chladni_linalg::LinalgError;
 
-/// Where the residual is not noise, one damping law must explain this share of it to be preferred.
+/// Where the residual is not noise, one damping law must explain this share of it to be
+/// preferred.
 const LAW_SHARE: f64 = 0.05;
 
-/// Poles of the law that the data prefer, or that is asked for, structured where that holds; with what is to be said of it.
+/// Poles of the law that the data prefer, or that is asked for, structured where that
+/// holds; with what is to be said of it.
 pub(crate) fn decide(
     data: &Head,
     found: Found,
@@ -23,13 +26,27 @@ pub(crate) fn decide(
     progress("damping law");
     let chance = chance(&found.work, found.variance);
     let measured = found.measured;
-    let least_gain = if measured { chance.max(LAW_SHARE * found.refined.projection.sse) } else { chance };
-    let choice = choose(&found.work, &found.refined, least_gain, measured.then(|| found.heaviest_sure()), options.damping)?;
+    let least_gain = if measured {
+        chance.max(LAW_SHARE * found.refined.projection.sse)
+    } else {
+        chance
+    };
+    let choice = choose(
+        &found.work,
+        &found.refined,
+        least_gain,
+        measured.then(|| found.heaviest_sure()),
+        options.damping,
+    )?;
     progress("shapes");
     let (law, mut contradicted) = (choice.law, choice.contradicted);
     // where no rival is fitted because such line shapes cannot tell
-    let mut undecided = measured && found.heaviest_sure() < tol::LAW_ALIKE && !found.refined.lambda.is_empty();
-    let other = choice.rival.map(|rival| Identified::new(found.clone(), rival)).transpose()?;
+    let mut undecided =
+        measured && found.heaviest_sure() < tol::LAW_ALIKE && !found.refined.lambda.is_empty();
+    let other = choice
+        .rival
+        .map(|rival| Identified::new(found.clone(), rival))
+        .transpose()?;
     let (refined, mut unlike) = match shape_search(data, &found, options, law.damping)? {
         Search::Found(structured) => (Some(structured), None),
         Search::Refused(sigmas) => (None, Some(sigmas)),
@@ -37,11 +54,15 @@ pub(crate) fn decide(
     };
     let mut identified = Identified::new(found, law)?;
     if let Some(other) = other {
-        // one shape for all references tells the laws apart where free residues absorb the difference; so does one real shape, which
-        // the wrong law does not admit. A mode that only structured refinement saw has to pay for itself
+        // one shape for all references tells the laws apart where free residues absorb
+        // the difference; so does one real shape, which the wrong law does not admit. A
+        // mode that only structured refinement saw has to pay for itself
         let real = refined.as_ref().filter(|structured| structured.real);
-        let own = real.map_or(f64::INFINITY, |structured| structured.sse + structured.added as f64 * chance);
-        let gain = own.min(common_shapes(data, &identified)?.sse) - common_shapes(data, &other)?.sse;
+        let own = real.map_or(f64::INFINITY, |structured| {
+            structured.sse + structured.added as f64 * chance
+        });
+        let gain =
+            own.min(common_shapes(data, &identified)?.sse) - common_shapes(data, &other)?.sse;
         undecided = gain.abs() <= least_gain;
         if gain > least_gain && options.damping.is_none() {
             identified = other;
@@ -54,7 +75,8 @@ pub(crate) fn decide(
         warnings.push(law::contradicted(identified.damping));
     }
     if identified.damping == Damping::Viscous && !measured {
-        unlike = Some(common_shapes(data, &identified)?.sigmas).filter(|sigmas| *sigmas > tol::STRUCTURE_SIGMAS);
+        unlike = Some(common_shapes(data, &identified)?.sigmas)
+            .filter(|sigmas| *sigmas > tol::STRUCTURE_SIGMAS);
     }
     warnings.extend(unlike.map(|sigmas| {
         format!(
@@ -72,8 +94,14 @@ pub(crate) fn decide(
     Ok((identified, warnings))
 }
 
-/// Structured refinement where it applies: asked for, or the residual is noise that chance can be judged by.
-fn shape_search(data: &Head, found: &Found, options: &FitOptions, damping: Damping) -> Result<Search, LinalgError> {
+/// Structured refinement where it applies: asked for, or the residual is noise that
+/// chance can be judged by.
+fn shape_search(
+    data: &Head,
+    found: &Found,
+    options: &FitOptions,
+    damping: Damping,
+) -> Result<Search, LinalgError> {
     let forced = matches!(options.shapes, ShapeModel::Rank1 | ShapeModel::Real);
     if damping == Damping::Viscous || (found.measured && !forced) {
         return Ok(Search::Inapplicable);

@@ -1,5 +1,5 @@
-//! The search for the likeliest poles: Gauss–Newton steps with Levenberg–Marquardt damping (theory.md, eq. 12), whatever makes the matrix and
-//! the gradient.
+//! The search for the likeliest poles: Gauss–Newton steps with Levenberg–Marquardt
+//! damping (theory.md, eq. 12), whatever makes the matrix and the gradient.
 
 use crate::tolerances as tol;
 use crate::work::Work;
@@ -11,7 +11,8 @@ use num_complex::Complex64;
 pub(crate) trait Point: Sized {
     /// False where, once it can no longer be told, another kind may go on.
     const LAST: bool;
-    /// Everything linear at the poles `lambda`; `energy`: of the data. `None` where it cannot be told.
+    /// Everything linear at the poles `lambda`; `energy`: of the data. `None` where it
+    /// cannot be told.
     fn at(work: &Work, energy: f64, lambda: &[Complex64], powers: &[i32]) -> Option<Self>;
     /// Sum of squares left.
     fn sse(&self) -> f64;
@@ -21,7 +22,8 @@ pub(crate) trait Point: Sized {
     fn system(&self, work: &Work, lambda: &[Complex64]) -> (Array2<Complex64>, Array2<Complex64>);
 }
 
-/// Largest step a pole may take at once: half a bandwidth, and more the farther it lies outside the band.
+/// Largest step a pole may take at once: half a bandwidth, and more the farther it lies
+/// outside the band.
 fn step_cap(work: &Work, lambda: Complex64) -> f64 {
     let (low, high) = work.range();
     let outside = (low - lambda.re).max(lambda.re - high).max(0.0);
@@ -47,7 +49,14 @@ impl<'a> Descent<'a> {
     /// From the poles `start`, for so many steps.
     pub fn new(work: &'a Work, start: &[Complex64], powers: &'a [i32], steps: usize) -> Self {
         let steps = if start.is_empty() { 0 } else { steps };
-        Self { work, powers, energy: work.energy(), lambda: start.to_vec(), damping: tol::LM_START, steps }
+        Self {
+            work,
+            powers,
+            energy: work.energy(),
+            lambda: start.to_vec(),
+            damping: tol::LM_START,
+            steps,
+        }
     }
 
     /// The point where the search stands; `None` where it cannot be told.
@@ -55,17 +64,21 @@ impl<'a> Descent<'a> {
         P::at(self.work, self.energy, &self.lambda, self.powers)
     }
 
-    /// Steps until the largest is `tolerance` of a half-bandwidth, or what one promises is far below the noise of one value: a pole that
-    /// the data hardly tell goes on for ever. True where it came to that, or nothing helps any more.
+    /// Steps until the largest is `tolerance` of a half-bandwidth, or what one promises
+    /// is far below the noise of one value: a pole that the data hardly tell goes on for
+    /// ever. True where it came to that, or nothing helps any more.
     pub fn go<P: Point>(&mut self, point: &mut P, tolerance: f64) -> bool {
         let mut system = None;
         while self.steps > 0 {
             self.steps -= 1;
-            let (information, gradient) = system.take().unwrap_or_else(|| point.system(self.work, &self.lambda));
+            let (information, gradient) = system
+                .take()
+                .unwrap_or_else(|| point.system(self.work, &self.lambda));
             let mut damped = information.clone();
             for i in 0..self.lambda.len() {
                 let diagonal = information[[i, i]].re;
-                damped[[i, i]] = Complex64::new(diagonal * (1.0 + self.damping) + f64::MIN_POSITIVE, 0.0);
+                damped[[i, i]] =
+                    Complex64::new(diagonal * (1.0 + self.damping) + f64::MIN_POSITIVE, 0.0);
             }
             let Ok(step) = solve_hermitian(damped.view(), gradient.view()) else {
                 self.damping = (self.damping * 10.0).max(1e-8);
@@ -76,10 +89,16 @@ impl<'a> Descent<'a> {
                 continue;
             };
             let (trial, largest) = self.moved(step.index_axis(Axis(1), 0));
-            let promised: f64 = step.iter().zip(&gradient).map(|(step, along)| (step.conj() * along).re).sum();
-            let enough = largest < tolerance || promised < tol::PROMISED * point.sse() / self.work.b.len() as f64;
+            let promised: f64 = step
+                .iter()
+                .zip(&gradient)
+                .map(|(step, along)| (step.conj() * along).re)
+                .sum();
+            let enough = largest < tolerance
+                || promised < tol::PROMISED * point.sse() / self.work.b.len() as f64;
             match P::at(self.work, self.energy, &trial, self.powers) {
-                // near the end rounding decides which sum of squares is the smaller: it must not refuse good steps
+                // near the end rounding decides which sum of squares is the smaller: it
+                // must not refuse good steps
                 Some(next) if next.sse() <= point.sse() + point.rounding(self.energy) => {
                     self.lambda = trial;
                     *point = next;
@@ -107,7 +126,11 @@ impl<'a> Descent<'a> {
         let mut largest = 0.0_f64;
         let capped = |(&pole, &delta): (&Complex64, &Complex64)| {
             let cap = step_cap(self.work, pole);
-            let delta = if delta.norm() > cap { delta * (cap / delta.norm()) } else { delta };
+            let delta = if delta.norm() > cap {
+                delta * (cap / delta.norm())
+            } else {
+                delta
+            };
             largest = largest.max(delta.norm() / pole.im);
             pole + delta
         };

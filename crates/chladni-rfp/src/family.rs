@@ -1,14 +1,18 @@
-//! From the poles of one method of the family to a model: error bars, residues of every FRF, grades.
+//! From the poles of one method of the family to a model: error bars, residues of every
+//! FRF, grades.
 //!
-//! A method other than maximum likelihood has a bias that its own scatter does not show. The bars here add what it would
-//! still have to move (theory.md, eq. 43): the scatter of an efficient estimator at this residual, and the first steps of
-//! [`crate::refine`] from the method's poles, which are not taken.
+//! A method other than maximum likelihood has a bias that its own scatter does not show.
+//! The bars here add what it would still have to move (theory.md, eq. 43): the scatter of
+//! an efficient estimator at this residual, and the first steps of [`crate::refine`] from
+//! the method's poles, which are not taken.
 
 use crate::error::FitError;
 use crate::fit::Fit;
 use crate::found::{Grade, UNCERTAIN};
 use crate::law::expressible_pole;
-use crate::methods::{lscf, rises, variance_left, Columns, Finder, MethodPoles, Stabilization, Survey};
+use crate::methods::{
+    lscf, rises, variance_left, Columns, Finder, MethodPoles, Stabilization, Survey,
+};
 use crate::model::{structural_pole, viscous_pole, Identified, Pole, Shaped};
 use crate::options::FitOptions;
 use crate::order::POWERS;
@@ -21,16 +25,23 @@ use chladni_frf::{Damping, FrfSet, Trust};
 use chladni_linalg::{inverse_hermitian, LinalgError};
 use num_complex::Complex64;
 
-/// Rms residual over rms data beyond which such a fit is not trusted: it has no other way to know that it failed.
+/// Rms residual over rms data beyond which such a fit is not trusted: it has no other way
+/// to know that it failed.
 const MOST_LEFT: f64 = 0.2;
-/// Distance of two poles in half-bandwidths below which they are one; their residues could not be told apart.
+/// Distance of two poles in half-bandwidths below which they are one; their residues
+/// could not be told apart.
 const SAME_POLE: f64 = 1e-3;
 
 /// Poles by `method`, residues of every FRF by least squares at these poles.
 ///
 /// # Errors
 /// Those of the method; fewer lines than the poles need.
-pub(crate) fn fit_by_method(data: &Screened, options: &FitOptions, method: Finder, progress: &dyn Fn(&str)) -> Result<Fit, FitError> {
+pub(crate) fn fit_by_method(
+    data: &Screened,
+    options: &FitOptions,
+    method: Finder,
+    progress: &dyn Fn(&str),
+) -> Result<Fit, FitError> {
     progress("sketch");
     let survey = Survey::new(data, options.seed);
     progress("compression");
@@ -43,7 +54,13 @@ pub(crate) fn fit_by_method(data: &Screened, options: &FitOptions, method: Finde
     let needed = modes + POWERS.len() + 1;
     if lines < needed {
         let [low_hz, high_hz] = data.band_hz;
-        return Err(FitError::TooFewLines { lines, low_hz, high_hz, modes, needed });
+        return Err(FitError::TooFewLines {
+            lines,
+            low_hz,
+            high_hz,
+            modes,
+            needed,
+        });
     }
     let damping = options.damping.unwrap_or(found.law);
     let (poles, variance) = graded(&survey, &columns, &found, damping)?;
@@ -54,7 +71,10 @@ pub(crate) fn fit_by_method(data: &Screened, options: &FitOptions, method: Finde
         work: columns.work,
         back: columns.back,
         variance,
-        path: format!("{}: {}, no maximum-likelihood step", options.method, found.how),
+        path: format!(
+            "{}: {}, no maximum-likelihood step",
+            options.method, found.how
+        ),
         warnings: found.warnings,
         consistent: true,
         real_shapes: false,
@@ -65,14 +85,20 @@ pub(crate) fn fit_by_method(data: &Screened, options: &FitOptions, method: Finde
     if model.quality.relative_error > MOST_LEFT {
         model.quality.trusted = false;
         model.quality.warnings.push(format!(
-            "{:.0} % of the data are left unexplained: modes are missing or wrong; use --method auto, or a narrower --band",
+            "{:.0} % of the data are left unexplained: modes are missing or wrong; use --method \
+             auto, or a narrower --band",
             100.0 * model.quality.relative_error
         ));
     }
-    Ok(Fit { model, history: Vec::new(), stabilization: found.stabilization })
+    Ok(Fit {
+        model,
+        history: Vec::new(),
+        stabilization: found.stabilization,
+    })
 }
 
-/// Poles of rising order for a stabilization diagram, by the method lscf in the band of `options`.
+/// Poles of rising order for a stabilization diagram, by the method lscf in the band of
+/// `options`.
 ///
 /// # Errors
 /// [`FitError`]: as [`crate::fit()`]; [`FitError::UnevenAxis`].
@@ -80,13 +106,21 @@ pub fn stabilization(frf: &FrfSet, options: &FitOptions) -> Result<Stabilization
     let data = Screened::new(frf, options)?;
     let survey = Survey::new(&data, options.seed);
     let columns = survey.compress()?;
-    Ok(lscf(&survey, &columns, options)?.stabilization.unwrap_or_default())
+    Ok(lscf(&survey, &columns, options)?
+        .stabilization
+        .unwrap_or_default())
 }
 
 /// Drops poles that stand on another one.
 fn merge_equal(found: &mut MethodPoles) {
     let same = |a: Complex64, b: Complex64| (a - b).norm() < SAME_POLE * a.re.abs().min(b.re.abs());
-    let kept: Vec<usize> = (0..found.poles.len()).filter(|&n| !found.poles[..n].iter().any(|other| same(*other, found.poles[n]))).collect();
+    let kept: Vec<usize> = (0..found.poles.len())
+        .filter(|&n| {
+            !found.poles[..n]
+                .iter()
+                .any(|other| same(*other, found.poles[n]))
+        })
+        .collect();
     if let Some(deviation) = &mut found.deviation {
         *deviation = kept.iter().map(|&n| deviation[n]).collect();
     }
@@ -94,7 +128,12 @@ fn merge_equal(found: &mut MethodPoles) {
 }
 
 /// Poles with bars and grades, and the noise variance of one value that they leave.
-fn graded(survey: &Survey, columns: &Columns, found: &MethodPoles, damping: Damping) -> Result<(Vec<Pole>, f64), LinalgError> {
+fn graded(
+    survey: &Survey,
+    columns: &Columns,
+    found: &MethodPoles,
+    damping: Damping,
+) -> Result<(Vec<Pole>, f64), LinalgError> {
     let work = &columns.work;
     let lambda: Vec<Complex64> = found.poles.iter().map(|s| -s * s).collect();
     let sse = Projection::new(work, &lambda, &POWERS)?.sse;
@@ -102,15 +141,22 @@ fn graded(survey: &Survey, columns: &Columns, found: &MethodPoles, damping: Damp
     let ahead = refine(work, &lambda, &POWERS, tol::STEPS_AHEAD, tol::ROUGH_STEP)?;
     let spread = spread(work, &ahead, &lambda, variance);
     let rises = rises(&survey.sketch, &lambda)?;
-    let limit = threshold(survey.sketch.columns(), survey.sketch.lines()) * variance_left(&survey.sketch, &lambda)?;
+    let limit = threshold(survey.sketch.columns(), survey.sketch.lines())
+        * variance_left(&survey.sketch, &lambda)?;
     let poles = (0..lambda.len())
         .map(|n| {
             let mut pole = match damping {
-                Damping::Structural => structural_pole(lambda[n], [0.5 * spread[n]; 2], (Trust::Sure, Vec::new())),
+                Damping::Structural => {
+                    structural_pole(lambda[n], [0.5 * spread[n]; 2], (Trust::Sure, Vec::new()))
+                }
                 // |ds| = |dλ|/(2|√λ|), alike in all directions
                 Damping::Viscous => {
                     let c = 0.5 * spread[n] / (4.0 * lambda[n].norm());
-                    viscous_pole(found.poles[n], [[c, 0.0], [0.0, c]], (Trust::Sure, Vec::new()))
+                    viscous_pole(
+                        found.poles[n],
+                        [[c, 0.0], [0.0, c]],
+                        (Trust::Sure, Vec::new()),
+                    )
                 }
             };
             if let Some(own) = &found.deviation {
@@ -128,17 +174,33 @@ fn grade(pole: &Pole, insignificant: bool) -> Grade {
     let mut reasons = Vec::new();
     let uncertain = 2.0 * pole.omega_std / (pole.omega * pole.loss_factor);
     if uncertain > UNCERTAIN {
-        reasons.push(format!("uncertain by {uncertain:.1} half-bandwidths (one sigma)"));
+        reasons.push(format!(
+            "uncertain by {uncertain:.1} half-bandwidths (one sigma)"
+        ));
     }
     if insignificant {
         reasons.push("explains no more of the data than noise would".into());
     }
-    (if reasons.is_empty() { Trust::Sure } else { Trust::Weak }, reasons)
+    (
+        if reasons.is_empty() {
+            Trust::Sure
+        } else {
+            Trust::Weak
+        },
+        reasons,
+    )
 }
 
-/// E|δλ|² per pole: the inverse information at this variance, and the square of the way to the likelier pole.
+/// E|δλ|² per pole: the inverse information at this variance, and the square of the way
+/// to the likelier pole.
 fn spread(work: &Work, ahead: &Refined, lambda: &[Complex64], variance: f64) -> Vec<f64> {
     let inverse = inverse_hermitian(ahead.information(work).view()).ok();
-    let scatter = |n: usize| inverse.as_ref().map_or(f64::INFINITY, |inverse| variance * inverse[[n, n]].re.max(0.0));
-    (0..lambda.len()).map(|n| scatter(n) + (ahead.lambda[n] - lambda[n]).norm_sqr()).collect()
+    let scatter = |n: usize| {
+        inverse.as_ref().map_or(f64::INFINITY, |inverse| {
+            variance * inverse[[n, n]].re.max(0.0)
+        })
+    };
+    (0..lambda.len())
+        .map(|n| scatter(n) + (ahead.lambda[n] - lambda[n]).norm_sqr())
+        .collect()
 }

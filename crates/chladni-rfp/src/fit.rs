@@ -28,7 +28,8 @@ use num_complex::Complex64;
 pub struct Fit {
     /// The model, ready to be saved.
     pub model: ModalModel,
-    /// Orders tried: (poles, residual variance relative to the data's mean square), in order.
+    /// Orders tried: (poles, residual variance relative to the data's mean square), in
+    /// order.
     pub history: Vec<(usize, f64)>,
     /// Poles by order, where the method looks at several.
     pub stabilization: Option<Stabilization>,
@@ -39,17 +40,25 @@ pub struct Fit {
 /// `progress` is told the name of each stage as it begins.
 ///
 /// # Errors
-/// [`FitError`]: unknown kind, a band outside the data, too few lines, no data, a window that cannot be undone on these lines.
-/// A fit that was made but cannot be trusted is no error: `model.quality.trusted` says so, with the reasons in its warnings.
-pub fn fit(frf: &FrfSet, options: &FitOptions, progress: &(dyn Fn(&str) + Sync)) -> Result<Fit, FitError> {
+/// [`FitError`]: unknown kind, a band outside the data, too few lines, no data, a window
+/// that cannot be undone on these lines. A fit that was made but cannot be trusted is no
+/// error: `model.quality.trusted` says so, with the reasons in its warnings.
+pub fn fit(
+    frf: &FrfSet,
+    options: &FitOptions,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Fit, FitError> {
     in_pool(|| fit_here(frf, options, progress))
 }
 
 fn fit_here(frf: &FrfSet, options: &FitOptions, progress: &dyn Fn(&str)) -> Result<Fit, FitError> {
-    let unbiased = options.window.map_or(Ok(None), |window| faults::window::undo(frf, window))?;
+    let unbiased = options
+        .window
+        .map_or(Ok(None), |window| faults::window::undo(frf, window))?;
     let frf = unbiased.as_ref().unwrap_or(frf);
     let screened = Screened::new(frf, options)?;
-    let known = given_noise(&screened).and_then(|(noise, giver)| Some((PairWeights::of_given(&screened, &noise)?, giver)));
+    let known = given_noise(&screened)
+        .and_then(|(noise, giver)| Some((PairWeights::of_given(&screened, &noise)?, giver)));
     weighted_fit(screened, known, options, progress)
 }
 
@@ -60,7 +69,9 @@ fn weighted_fit(
     options: &FitOptions,
     progress: &dyn Fn(&str),
 ) -> Result<Fit, FitError> {
-    let weighted = known.as_ref().map(|(weights, _)| weights.applied(screened.frf));
+    let weighted = known
+        .as_ref()
+        .map(|(weights, _)| weights.applied(screened.frf));
     let mut data = match (&known, &weighted) {
         (Some((weights, _)), Some(weighted)) => screened.weighted(weighted, weights.clone()),
         _ => screened.clone(),
@@ -78,31 +89,55 @@ fn weighted_fit(
         }
     };
     // what is left in measured units, seen with the weights
-    let seen: Vec<f64> =
-        data.pairs.iter().zip(&left).map(|(&(i, j), left)| left * data.weight(i, j).iter().product::<f64>().powi(2)).collect();
-    let still_unequal = PairWeights::new(&data, &seen, fit.model.quality.relative_error).filter(|_| white);
+    let seen: Vec<f64> = data
+        .pairs
+        .iter()
+        .zip(&left)
+        .map(|(&(i, j), left)| left * data.weight(i, j).iter().product::<f64>().powi(2))
+        .collect();
+    let still_unequal =
+        PairWeights::new(&data, &seen, fit.model.quality.relative_error).filter(|_| white);
     match (known, still_unequal) {
         // the measured-data path has an error model of its own
         (Some((_, Giver::Coherence)), unequal) if !white || unequal.is_some() => {
             let mut fit = weighted_fit(screened, None, options, progress)?;
-            fit.model.quality.warnings.extend(unequal.map(|_| COHERENCE_CONTRADICTED.into()));
+            fit.model
+                .quality
+                .warnings
+                .extend(unequal.map(|_| COHERENCE_CONTRADICTED.into()));
             return Ok(fit);
         }
         (Some((weights, giver)), _) => {
-            fit.model.quality.path = fit.model.quality.path.map(|path| format!("{path}; {}, as {}", weights.words(), giver.words()));
+            fit.model.quality.path = fit
+                .model
+                .quality
+                .path
+                .map(|path| format!("{path}; {}, as {}", weights.words(), giver.words()));
         }
         (None, Some(weights)) => {
             progress("FRFs weighted by their noise");
             let weighted = weights.applied(data.frf);
-            if let Attempt::Fitted(mut again, true, _) = identify(&data.weighted(&weighted, weights.clone()), options, false, progress)? {
-                again.model.quality.path = again.model.quality.path.map(|path| format!("{path}; {}", weights.words()));
+            if let Attempt::Fitted(mut again, true, _) = identify(
+                &data.weighted(&weighted, weights.clone()),
+                options,
+                false,
+                progress,
+            )? {
+                again.model.quality.path = again
+                    .model
+                    .quality
+                    .path
+                    .map(|path| format!("{path}; {}", weights.words()));
                 fit = *again;
             }
         }
         (None, None) => {}
     }
     if !dropped.is_empty() {
-        fit.model.quality.warnings.push(faults::outliers::words(&data, &mut dropped));
+        fit.model
+            .quality
+            .warnings
+            .push(faults::outliers::words(&data, &mut dropped));
     }
     faults::examine(&data, Some(&data), options, white, &mut fit.model);
     if let Some(alpha) = options.exponential_window_per_s {
@@ -113,21 +148,29 @@ fn weighted_fit(
 
 /// Said where a coherence was given and not used.
 const COHERENCE_CONTRADICTED: &str =
-    "the coherence of the set does not tell its noise: what the model leaves of the FRFs differs otherwise; weighted by that instead";
+    "the coherence of the set does not tell its noise: what the model leaves of the FRFs differs \
+     otherwise; weighted by that instead";
 
-/// Rounds of leaving out outlier lines and fitting again: the second finds those that hid beside the first.
+/// Rounds of leaving out outlier lines and fitting again: the second finds those that hid
+/// beside the first.
 pub(crate) const OUTLIER_ROUNDS: usize = 5;
 
 /// What a run of a method came to.
 enum Attempt {
-    /// A fit, whether its residual is white, and the sum of squares left of each FRF where that tells its noise.
+    /// A fit, whether its residual is white, and the sum of squares left of each FRF
+    /// where that tells its noise.
     Fitted(Box<Fit>, bool, Vec<f64>),
     /// Lines (positions among those used) that must go first.
     Outliers(Vec<usize>),
 }
 
 /// Runs the method asked for. Outlier lines end a run only where they are `sought`.
-fn identify(data: &Screened, options: &FitOptions, sought: bool, progress: &dyn Fn(&str)) -> Result<Attempt, FitError> {
+fn identify(
+    data: &Screened,
+    options: &FitOptions,
+    sought: bool,
+    progress: &dyn Fn(&str),
+) -> Result<Attempt, FitError> {
     let fitted = |fit: Result<Fit, FitError>| Ok(Attempt::Fitted(Box::new(fit?), true, Vec::new()));
     match options.method {
         Method::Auto => fit_auto(data, options, sought, progress),
@@ -136,28 +179,55 @@ fn identify(data: &Screened, options: &FitOptions, sought: bool, progress: &dyn 
         Method::Lscf => fitted(fit_by_method(data, options, lscf, progress)),
         Method::Plscf => fitted(fit_by_method(data, options, plscf, progress)),
         Method::Aaa => fitted(fit_by_method(data, options, aaa, progress)),
-        Method::Rfp => fitted(fit_by_method(data, options, |survey, _, options| Ok(rfp(survey, options)?.into()), progress)),
-        Method::Grfp => fitted(fit_by_method(data, options, |survey, _, options| Ok(grfp(survey, options)?.into()), progress)),
+        Method::Rfp => fitted(fit_by_method(
+            data,
+            options,
+            |survey, _, options| Ok(rfp(survey, options)?.into()),
+            progress,
+        )),
+        Method::Grfp => fitted(fit_by_method(
+            data,
+            options,
+            |survey, _, options| Ok(grfp(survey, options)?.into()),
+            progress,
+        )),
         Method::Peak => fitted(fit_by_method(data, options, peak, progress)),
         Method::Circle => fitted(fit_by_method(data, options, circle, progress)),
     }
 }
 
 /// The fast chain with the order given.
-fn fit_lean(data: &Screened, options: &FitOptions, progress: &dyn Fn(&str)) -> Result<Fit, FitError> {
+fn fit_lean(
+    data: &Screened,
+    options: &FitOptions,
+    progress: &dyn Fn(&str),
+) -> Result<Fit, FitError> {
     progress("sketch");
     let survey = Survey::new(data, options.seed);
     progress("poles");
     let found = lean(&survey, options, graded)?;
     progress("shapes");
-    let law = Law::given(&found.work, &found.refined, options.damping.unwrap_or(Damping::Structural))?;
+    let law = Law::given(
+        &found.work,
+        &found.refined,
+        options.damping.unwrap_or(Damping::Structural),
+    )?;
     let shaped = Shaped::new(data, Identified::new(found, law)?)?;
     let left = shaped.left(data);
     let model = shaped.model(data, options, &left);
-    Ok(Fit { model, history: Vec::new(), stabilization: None })
+    Ok(Fit {
+        model,
+        history: Vec::new(),
+        stabilization: None,
+    })
 }
 
-fn fit_auto(data: &Screened, options: &FitOptions, sought: bool, progress: &dyn Fn(&str)) -> Result<Attempt, FitError> {
+fn fit_auto(
+    data: &Screened,
+    options: &FitOptions,
+    sought: bool,
+    progress: &dyn Fn(&str),
+) -> Result<Attempt, FitError> {
     let (found, history) = match fast_chain(data, options.seed, options.modes, progress)? {
         Outcome::White(chain) => {
             let history = chain.history.clone();
@@ -165,13 +235,28 @@ fn fit_auto(data: &Screened, options: &FitOptions, sought: bool, progress: &dyn 
         }
         Outcome::Ended(Doubt::Outliers(lines)) if sought => return Ok(Attempt::Outliers(lines)),
         Outcome::Ended(Doubt::Conjugated) => (from_conjugated(data, options)?, Vec::new()),
-        Outcome::Ended(doubt) => (from_measured(data, options, &doubt.words(), progress)?, Vec::new()),
+        Outcome::Ended(doubt) => (
+            from_measured(data, options, &doubt.words(), progress)?,
+            Vec::new(),
+        ),
     };
     let measured = found.measured;
     let (model, left) = finished(data, found, options, progress, |shaped| shaped.left(data))?;
-    let outliers = if sought && measured { faults::outliers::outliers(data, &model) } else { Vec::new() };
+    let outliers = if sought && measured {
+        faults::outliers::outliers(data, &model)
+    } else {
+        Vec::new()
+    };
     match outliers.is_empty() {
-        true => Ok(Attempt::Fitted(Box::new(Fit { model, history, stabilization: None }), !measured, left)),
+        true => Ok(Attempt::Fitted(
+            Box::new(Fit {
+                model,
+                history,
+                stabilization: None,
+            }),
+            !measured,
+            left,
+        )),
         false => Ok(Attempt::Outliers(outliers)),
     }
 }
@@ -199,10 +284,15 @@ pub(crate) fn finished(
     Ok((model, left))
 }
 
-/// Residual over data beyond which the band as a whole is not explained, whatever single peaks are.
+/// Residual over data beyond which the band as a whole is not explained, whatever single
+/// peaks are.
 const MOSTLY_LEFT: f64 = 0.5;
 
-pub(crate) fn from_chain(chain: Chain, asked: Option<usize>, hz: f64) -> Result<Found, LinalgError> {
+pub(crate) fn from_chain(
+    chain: Chain,
+    asked: Option<usize>,
+    hz: f64,
+) -> Result<Found, LinalgError> {
     let (grades, spread) = graded(&chain.refined, &chain.projected.work, chain.variance)?;
     Ok(Found {
         grades,
@@ -212,29 +302,48 @@ pub(crate) fn from_chain(chain: Chain, asked: Option<usize>, hz: f64) -> Result<
         back: Some(chain.projected.back),
         variance: chain.variance,
         path: format!("fast chain: {}", chain.whiteness.evidence),
-        warnings: asked.and_then(|asked| more_than_asked(asked, &chain.dropped, hz)).into_iter().collect(),
+        warnings: asked
+            .and_then(|asked| more_than_asked(asked, &chain.dropped, hz))
+            .into_iter()
+            .collect(),
         consistent: true,
         refined: chain.refined,
     })
 }
 
 /// Linearised variances E|δλ|² of the poles, and grades by them.
-fn graded(refined: &Refined, work: &Work, variance: f64) -> Result<(Vec<Grade>, Vec<f64>), LinalgError> {
+fn graded(
+    refined: &Refined,
+    work: &Work,
+    variance: f64,
+) -> Result<(Vec<Grade>, Vec<f64>), LinalgError> {
     let inverse = inverse_hermitian(refined.information(work).view())?;
     let grade_of = |(&pole, &spread): (&Complex64, &f64)| match work.in_band(pole) {
         true => uncertainty_grade(pole, [0.5 * spread; 2]),
         false => (Trust::Sure, Vec::new()),
     };
-    let spread: Vec<f64> = inverse.diag().iter().map(|own| (variance * own.re).max(0.0)).collect();
-    Ok((refined.lambda.iter().zip(&spread).map(grade_of).collect(), spread))
+    let spread: Vec<f64> = inverse
+        .diag()
+        .iter()
+        .map(|own| (variance * own.re).max(0.0))
+        .collect();
+    Ok((
+        refined.lambda.iter().zip(&spread).map(grade_of).collect(),
+        spread,
+    ))
 }
 
 fn from_conjugated(data: &Screened, options: &FitOptions) -> Result<Found, FitError> {
     let (sketch, energy) = data.sketch(options.seed);
-    Ok(conjugated(project(data, &Projection::new(&sketch, &[], &POWERS)?.q, &energy)?)?)
+    Ok(conjugated(project(
+        data,
+        &Projection::new(&sketch, &[], &POWERS)?.q,
+        &energy,
+    )?)?)
 }
 
-/// No modes: the data contradict any passive structure in e^{+jωt}; they are not corrected without being told.
+/// No modes: the data contradict any passive structure in e^{+jωt}; they are not
+/// corrected without being told.
 pub(crate) fn conjugated(projected: Projected) -> Result<Found, LinalgError> {
     let refined = refine(&projected.work, &[], &POWERS, 0, 0.0)?;
     let variance = refined.variance(&projected.work);
@@ -247,12 +356,21 @@ pub(crate) fn conjugated(projected: Projected) -> Result<Found, LinalgError> {
         measured: true,
         grades: Vec::new(),
         path: "stopped after the pole pool".into(),
-        warnings: vec!["every resonance turns the wrong way: the data follow e^(-jwt); read them with --time-sign -".into()],
+        warnings: vec![
+            "every resonance turns the wrong way: the data follow e^(-jwt); read them \
+                        with --time-sign -"
+                .into(),
+        ],
         consistent: false,
     })
 }
 
-fn from_measured(data: &Screened, options: &FitOptions, evidence: &str, progress: &dyn Fn(&str)) -> Result<Found, FitError> {
+fn from_measured(
+    data: &Screened,
+    options: &FitOptions,
+    evidence: &str,
+    progress: &dyn Fn(&str),
+) -> Result<Found, FitError> {
     let found = measured_path(data, options.seed, options.modes, progress)?;
     let (refined, work, back) = match found.back {
         Some(back) => (found.refined, found.work, back),
@@ -261,7 +379,11 @@ fn from_measured(data: &Screened, options: &FitOptions, evidence: &str, progress
             let Refined { lambda, powers, .. } = &found.refined;
             let (sketch, energy) = data.sketch(options.seed);
             let projected = project(data, &Projection::new(&sketch, lambda, powers)?.q, &energy)?;
-            (refine(&projected.work, lambda, powers, 0, 0.0)?, projected.work, projected.back)
+            (
+                refine(&projected.work, lambda, powers, 0, 0.0)?,
+                projected.work,
+                projected.back,
+            )
         }
     };
     let variance = refined.variance(&work);

@@ -1,4 +1,5 @@
-//! What a path to poles hands over, and how far each pole is to be trusted by its error bar alone.
+//! What a path to poles hands over, and how far each pole is to be trusted by its error
+//! bar alone.
 
 use crate::refine::Refined;
 use crate::work::Work;
@@ -22,7 +23,8 @@ pub(crate) struct Found {
     pub variance: f64,
     /// E|δλ|² per pole.
     pub spread: Vec<f64>,
-    /// True where that and the grades come from the residual, which is no noise; else from the information matrix.
+    /// True where that and the grades come from the residual, which is no noise; else
+    /// from the information matrix.
     pub measured: bool,
     /// Grades.
     pub grades: Vec<Grade>,
@@ -37,14 +39,22 @@ pub(crate) struct Found {
 impl Found {
     /// Largest loss factor among the in-band modes that are sure; 0 where there is none.
     pub fn heaviest_sure(&self) -> f64 {
-        let sure = self.refined.lambda.iter().zip(&self.grades).filter(|(pole, grade)| grade.0 == Trust::Sure && self.work.in_band(**pole));
+        let sure = self
+            .refined
+            .lambda
+            .iter()
+            .zip(&self.grades)
+            .filter(|(pole, grade)| grade.0 == Trust::Sure && self.work.in_band(**pole));
         sure.map(|(pole, _)| pole.im / pole.re).fold(0.0, f64::max)
     }
 }
 
 /// What is said where the data show more modes than were asked for; `hz`: of x = 1.
 pub(crate) fn more_than_asked(asked: usize, dropped: &[Complex64], hz: f64) -> Option<String> {
-    let places: Vec<String> = dropped.iter().map(|pole| format!("{:.2}", pole.re.max(0.0).sqrt() * hz)).collect();
+    let places: Vec<String> = dropped
+        .iter()
+        .map(|pole| format!("{:.2}", pole.re.max(0.0).sqrt() * hz))
+        .collect();
     (!places.is_empty()).then(|| {
         format!(
             "{asked} modes were asked for and the data show more: left out at {} Hz; the others and the shapes are off by what these leave \
@@ -58,7 +68,13 @@ pub(crate) fn more_than_asked(asked: usize, dropped: &[Complex64], hz: f64) -> O
 pub(crate) fn uncertainty_grade(lambda: Complex64, variance: [f64; 2]) -> Grade {
     let deviation = (variance[0] + variance[1]).max(0.0).sqrt();
     if deviation > UNCERTAIN * lambda.im {
-        (Trust::Weak, vec![format!("uncertain by {:.1} half-bandwidths (one sigma)", deviation / lambda.im)])
+        (
+            Trust::Weak,
+            vec![format!(
+                "uncertain by {:.1} half-bandwidths (one sigma)",
+                deviation / lambda.im
+            )],
+        )
     } else {
         (Trust::Sure, Vec::new())
     }

@@ -1,4 +1,5 @@
-//! What is known of the data besides their values: lines, FRFs, scale. All that comes after the passes over the data needs no more.
+//! What is known of the data besides their values: lines, FRFs, scale. All that comes
+//! after the passes over the data needs no more.
 
 use crate::options::Effort;
 use crate::unequal::PairWeights;
@@ -41,7 +42,8 @@ pub(crate) struct Head {
     pub warnings: Vec<String>,
     /// What is spent on finding poles.
     pub effort: Effort,
-    /// Sum of squares of each pair on these lines, in SI units of the kind; empty where it is not known.
+    /// Sum of squares of each pair on these lines, in SI units of the kind; empty where
+    /// it is not known.
     pub energy: Vec<f64>,
     /// Where the data used are the measurement weighted by its noise.
     pub weighting: Option<Weighting>,
@@ -60,7 +62,13 @@ impl Head {
     /// Of the lines of `frf` with these indices and no pairs yet, scale 1.
     ///
     /// * `band_hz`: as asked for; it is narrowed to the lines
-    pub fn new(frf: &FrfSet, kind: FrfKind, lines: Vec<usize>, band_hz: [f64; 2], effort: Effort) -> Self {
+    pub fn new(
+        frf: &FrfSet,
+        kind: FrfKind,
+        lines: Vec<usize>,
+        band_hz: [f64; 2],
+        effort: Effort,
+    ) -> Self {
         Self {
             responses: frf.responses.clone(),
             references: frf.references.clone(),
@@ -71,9 +79,18 @@ impl Head {
     }
 
     /// Of the lines of an axis with these indices, without DOFs.
-    pub fn on_lines(frequency_hz: ArrayView1<f64>, kind: FrfKind, lines: Vec<usize>, band_hz: [f64; 2], effort: Effort) -> Self {
+    pub fn on_lines(
+        frequency_hz: ArrayView1<f64>,
+        kind: FrfKind,
+        lines: Vec<usize>,
+        band_hz: [f64; 2],
+        effort: Effort,
+    ) -> Self {
         let line_hz: Vec<f64> = lines.iter().map(|&k| frequency_hz[k]).collect();
-        let (first, last) = (line_hz.first().copied().unwrap_or(0.0), line_hz.last().copied().unwrap_or(0.0));
+        let (first, last) = (
+            line_hz.first().copied().unwrap_or(0.0),
+            line_hz.last().copied().unwrap_or(0.0),
+        );
         let mut head = Self {
             responses: Vec::new(),
             references: Vec::new(),
@@ -93,7 +110,11 @@ impl Head {
             energy: Vec::new(),
             weighting: None,
         };
-        let ratio: Vec<f64> = head.line_hz.iter().map(|f| TAU * f / head.omega_max).collect();
+        let ratio: Vec<f64> = head
+            .line_hz
+            .iter()
+            .map(|f| TAU * f / head.omega_max)
+            .collect();
         head.x = ratio.iter().map(|r| r * r).collect();
         head.g = ratio.iter().map(|r| r.powi(kind.omega_power())).collect();
         head
@@ -114,7 +135,11 @@ impl Head {
 
     /// Usual distance of neighbouring lines, Hz: the median, which gaps do not move.
     pub fn line_spacing_hz(&self) -> f64 {
-        let mut gaps: Vec<f64> = self.line_hz.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let mut gaps: Vec<f64> = self
+            .line_hz
+            .windows(2)
+            .map(|pair| pair[1] - pair[0])
+            .collect();
         gaps.sort_by(f64::total_cmp);
         gaps.get(gaps.len() / 2).copied().unwrap_or(0.0)
     }
@@ -131,15 +156,23 @@ impl Head {
 
     /// What FRFs of response i and of reference j were multiplied by.
     pub fn weight(&self, i: usize, j: usize) -> [f64; 2] {
-        self.weighting.as_ref().map_or([1.0; 2], |weighting| [weighting.weights.response[i], weighting.weights.reference[j]])
+        self.weighting.as_ref().map_or([1.0; 2], |weighting| {
+            [
+                weighting.weights.response[i],
+                weighting.weights.reference[j],
+            ]
+        })
     }
 
     /// Root mean square of the measured data over that of the data used.
     pub fn measured_over_used(&self) -> f64 {
-        self.weighting.as_ref().map_or(1.0, |weighting| weighting.rms / self.rms)
+        self.weighting
+            .as_ref()
+            .map_or(1.0, |weighting| weighting.rms / self.rms)
     }
 
-    /// Factor that takes a measured value to a work value: the kind's phase undone, unit rms.
+    /// Factor that takes a measured value to a work value: the kind's phase undone, unit
+    /// rms.
     pub fn factor(&self) -> Complex64 {
         let phase = self.kind.from_receptance(1.0);
         phase.conj() / (phase.norm() * self.rms)
@@ -147,6 +180,10 @@ impl Head {
 
     /// The lines used, without data.
     pub fn axis(&self) -> Work {
-        Work { x: self.x.clone(), g: self.g.clone(), b: Array2::zeros((self.x.len(), 0)) }
+        Work {
+            x: self.x.clone(),
+            g: self.g.clone(),
+            b: Array2::zeros((self.x.len(), 0)),
+        }
     }
 }

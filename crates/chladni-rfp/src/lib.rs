@@ -1,9 +1,10 @@
-//! Modal identification from FRFs: natural frequencies, loss factors, mode shapes and their error bars, without a person
-//! picking poles.
+//! Modal identification from FRFs: natural frequencies, loss factors, mode shapes and
+//! their error bars, without a person picking poles.
 //!
-//! The walk is in `fit.rs`: screen the data, run the fast chain (maximum likelihood for white noise), hand over to the
-//! measured-data path where the residual is not white, choose the damping law, turn residues into shapes. The equations are
-//! in `docs/theory.md`; every constant is in `tolerances.rs`.
+//! The walk is in `fit.rs`: screen the data, run the fast chain (maximum likelihood for
+//! white noise), hand over to the measured-data path where the residual is not white,
+//! choose the damping law, turn residues into shapes. The equations are in
+//! `docs/theory.md`; every constant is in `tolerances.rs`.
 
 mod acceleration;
 mod alternation;
@@ -56,6 +57,6 @@ pub use fit::{fit, Fit};
 pub use methods::{OrderPole, Stability, Stabilization};
 pub use options::{Effort, FitOptions, Method, ShapeModel, Window};
 pub use validation::{
-    auto_mac, cmif, mac, mac_matrix, mean_phase_deviation_deg, modal_complexity_factor, mpc, reciprocity, reconstruction_error,
-    ReciprocalPair,
+    auto_mac, cmif, mac, mac_matrix, mean_phase_deviation_deg, modal_complexity_factor, mpc,
+    reciprocity, reconstruction_error, ReciprocalPair,
 };

@@ -9,20 +9,25 @@ use std::str::FromStr;
 /// Identification method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Method {
-    /// The fast chain where its residual is white, the measured-data path where it is not.
+    /// The fast chain where its residual is white, the measured-data path where it is
+    /// not.
     #[default]
     Auto,
-    /// The fast chain with the order given (else the visible peaks): vector fitting, maximum likelihood, no order loop.
+    /// The fast chain with the order given (else the visible peaks): vector fitting,
+    /// maximum likelihood, no order loop.
     Lean,
     /// Relaxed vector fitting alone (Gustavsen 2006).
     Vf,
-    /// Least-squares complex frequency, common denominator (Van der Auweraer et al. 2001). Even frequency axis.
+    /// Least-squares complex frequency, common denominator (Van der Auweraer et al.
+    /// 2001). Even frequency axis.
     Lscf,
-    /// Poly-reference least-squares complex frequency (Guillaume et al. 2003). Even frequency axis, whole FRF matrix.
+    /// Poly-reference least-squares complex frequency (Guillaume et al. 2003). Even
+    /// frequency axis, whole FRF matrix.
     Plscf,
     /// Set-valued adaptive Antoulas–Anderson in x = ω² (Lietaert et al. 2022).
     Aaa,
-    /// Rational fraction polynomials, Forsythe basis (Richardson & Formenti 1982), each FRF by itself, per band.
+    /// Rational fraction polynomials, Forsythe basis (Richardson & Formenti 1982), each
+    /// FRF by itself, per band.
     Rfp,
     /// The same with one denominator for all FRFs (1985).
     Grfp,
@@ -34,8 +39,18 @@ pub enum Method {
 
 impl Method {
     /// All methods, in the order of the documentation.
-    pub const ALL: [Self; 10] =
-        [Self::Auto, Self::Lean, Self::Vf, Self::Lscf, Self::Plscf, Self::Aaa, Self::Rfp, Self::Grfp, Self::Peak, Self::Circle];
+    pub const ALL: [Self; 10] = [
+        Self::Auto,
+        Self::Lean,
+        Self::Vf,
+        Self::Lscf,
+        Self::Plscf,
+        Self::Aaa,
+        Self::Rfp,
+        Self::Grfp,
+        Self::Peak,
+        Self::Circle,
+    ];
     /// Name on the command line and in result files.
     pub fn as_str(self) -> &'static str {
         match self {
@@ -62,10 +77,13 @@ impl fmt::Display for Method {
 impl FromStr for Method {
     type Err = String;
     fn from_str(text: &str) -> Result<Self, String> {
-        Self::ALL.into_iter().find(|m| m.as_str() == text).ok_or_else(|| {
-            let names: Vec<&str> = Self::ALL.iter().map(|m| m.as_str()).collect();
-            format!("`{text}` is no method; write {}", names.join(", "))
-        })
+        Self::ALL
+            .into_iter()
+            .find(|m| m.as_str() == text)
+            .ok_or_else(|| {
+                let names: Vec<&str> = Self::ALL.iter().map(|m| m.as_str()).collect();
+                format!("`{text}` is no method; write {}", names.join(", "))
+            })
     }
 }
 
@@ -75,7 +93,8 @@ pub enum ShapeModel {
     /// The narrowest of the others that the data do not contradict.
     #[default]
     Auto,
-    /// Every pair of response and reference has a residue of its own while poles are sought.
+    /// Every pair of response and reference has a residue of its own while poles are
+    /// sought.
     Free,
     /// One complex shape for all references.
     Rank1,
@@ -100,14 +119,18 @@ impl ShapeModel {
 impl FromStr for ShapeModel {
     type Err = String;
     fn from_str(text: &str) -> Result<Self, String> {
-        Self::ALL.into_iter().find(|m| m.as_str() == text).ok_or_else(|| {
-            let names: Vec<&str> = Self::ALL.iter().map(|m| m.as_str()).collect();
-            format!("`{text}` is no model of shapes; write {}", names.join(", "))
-        })
+        Self::ALL
+            .into_iter()
+            .find(|m| m.as_str() == text)
+            .ok_or_else(|| {
+                let names: Vec<&str> = Self::ALL.iter().map(|m| m.as_str()).collect();
+                format!("`{text}` is no model of shapes; write {}", names.join(", "))
+            })
     }
 }
 
-/// How much is spent on finding poles: what moves a fit along the front of speed and accuracy.
+/// How much is spent on finding poles: what moves a fit along the front of speed and
+/// accuracy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Effort {
     /// Columns of the count sketch, of the first pass over the data.
@@ -144,10 +167,11 @@ pub struct FitOptions {
     pub method: Method,
     /// What shapes may be while poles are refined (`auto` only).
     pub shapes: ShapeModel,
-    /// Window of the records that the FRFs were averaged from (random excitation); `None`: not known, nothing is undone and the
-    /// possible bias named.
+    /// Window of the records that the FRFs were averaged from (random excitation);
+    /// `None`: not known, nothing is undone and the possible bias named.
     pub window: Option<Window>,
-    /// Decay of the exponential window that the responses were multiplied with (hammer tests), 1/s: e^{−αt}.
+    /// Decay of the exponential window that the responses were multiplied with (hammer
+    /// tests), 1/s: e^{−αt}.
     pub exponential_window_per_s: Option<f64>,
     /// Seed of the random sketch and mixtures.
     pub seed: u64,

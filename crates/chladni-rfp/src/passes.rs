@@ -1,4 +1,5 @@
-//! Passes over all FRFs: the second one, and those few that a mode may need that no sketch shows.
+//! Passes over all FRFs: the second one, and those few that a mode may need that no
+//! sketch shows.
 
 use crate::head::Head;
 use crate::order::POWERS;
@@ -25,12 +26,14 @@ pub(crate) struct Pass {
     pub variance: f64,
     /// The residual of the compressed columns, looked at for more.
     scanned: Scan,
-    /// Poles that the columns were made with and that are gone: their noise is still in the columns.
+    /// Poles that the columns were made with and that are gone: their noise is still in
+    /// the columns.
     lost: usize,
 }
 
-/// Compresses all FRFs with the poles of the `sketch`, settles the order on the compressed columns and, where poles are `sought`, asks
-/// all FRFs for those that the sketch did not show. `energy`: of each line over all FRFs.
+/// Compresses all FRFs with the poles of the `sketch`, settles the order on the
+/// compressed columns and, where poles are `sought`, asks all FRFs for those that the
+/// sketch did not show. `energy`: of each line over all FRFs.
 pub(crate) fn compressed(
     data: &Screened,
     sketch: &Work,
@@ -48,11 +51,17 @@ pub(crate) fn compressed(
             more.push(pole);
             let more = refine(sketch, &more, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
             let there = [pole, *more.lambda.last().expect("one was added")];
-            if vague && !best.shares(data, &there).iter().any(|share| *share > tol::CONFIRMED_REFINED) {
+            if vague
+                && !best
+                    .shares(data, &there)
+                    .iter()
+                    .any(|share| *share > tol::CONFIRMED_REFINED)
+            {
                 continue;
             }
             let with = Pass::new(data, energy, &more, history)?;
-            // the same poles on columns that one more pole helped to choose: nothing is learned
+            // the same poles on columns that one more pole helped to choose: nothing is
+            // learned
             if !same(&with.refined.lambda, &best.refined.lambda) {
                 best = with;
             }
@@ -67,16 +76,34 @@ pub(crate) fn compressed(
 
 /// True where both are the same poles, to a part of a half-bandwidth.
 pub(crate) fn same(these: &[Complex64], those: &[Complex64]) -> bool {
-    these.len() == those.len() && these.iter().all(|a| those.iter().any(|b| (a - b).norm() < tol::SAME_POLE * a.im))
+    these.len() == those.len()
+        && these
+            .iter()
+            .all(|a| those.iter().any(|b| (a - b).norm() < tol::SAME_POLE * a.im))
 }
 
 impl Pass {
-    fn new(data: &Screened, energy: &Array1<f64>, start: &Refined, history: &mut Vec<(usize, f64)>) -> Result<Self, LinalgError> {
-        Self::of(data, project(data, &basis_of(data, start)?, energy)?, &start.lambda, history)
+    fn new(
+        data: &Screened,
+        energy: &Array1<f64>,
+        start: &Refined,
+        history: &mut Vec<(usize, f64)>,
+    ) -> Result<Self, LinalgError> {
+        Self::of(
+            data,
+            project(data, &basis_of(data, start)?, energy)?,
+            &start.lambda,
+            history,
+        )
     }
 
     /// The order settled on columns that were compressed with the poles `start`.
-    pub fn of(data: &Head, projected: Projected, start: &[Complex64], history: &mut Vec<(usize, f64)>) -> Result<Self, LinalgError> {
+    pub fn of(
+        data: &Head,
+        projected: Projected,
+        start: &[Complex64],
+        history: &mut Vec<(usize, f64)>,
+    ) -> Result<Self, LinalgError> {
         let work = &projected.work;
         let steps = data.effort.likelihood_steps;
         let mut refined = refine(work, start, &POWERS, steps, tol::FINE_STEP)?;
@@ -88,19 +115,39 @@ impl Pass {
             variance = full_variance(data, &projected, &refined);
         }
         let lost = start.len().saturating_sub(refined.lambda.len());
-        Ok(Self { projected, refined, variance, scanned, lost })
+        Ok(Self {
+            projected,
+            refined,
+            variance,
+            scanned,
+            lost,
+        })
     }
 
-    /// Where a mode that the sketch did not show stands out of the residual over all FRFs.
+    /// Where a mode that the sketch did not show stands out of the residual over all
+    /// FRFs.
     pub fn stands_out(&self, data: &Head) -> Option<Complex64> {
-        let Self { projected, refined, .. } = self;
-        residual_peak(&projected.work, &projected.line_noise(&refined.projection), data.pairs.len(), &refined.lambda)
+        let Self {
+            projected, refined, ..
+        } = self;
+        residual_peak(
+            &projected.work,
+            &projected.line_noise(&refined.projection),
+            data.pairs.len(),
+            &refined.lambda,
+        )
     }
 
-    /// Where a mode that the sketch did not show stands out of the residual over all FRFs, or out of the compressed columns.
-    /// True where the whole of it is still to be confirmed.
+    /// Where a mode that the sketch did not show stands out of the residual over all
+    /// FRFs, or out of the compressed columns. True where the whole of it is still to be
+    /// confirmed.
     fn missed(&self, data: &Screened, tried: &[Complex64]) -> Option<(Complex64, bool)> {
-        let Self { projected, variance, scanned, .. } = self;
+        let Self {
+            projected,
+            variance,
+            scanned,
+            ..
+        } = self;
         let (work, frfs) = (&projected.work, data.pairs.len());
         let peak = self.stands_out(data);
         if peak.is_some() || work.columns() >= frfs {
@@ -108,27 +155,39 @@ impl Pass {
         }
         let mut places = scanned.beyond(threshold(work.columns(), work.lines()) * variance, tried);
         places.truncate(tol::PLACES);
-        places.iter().zip(self.shares(data, &places)).find(|(_, share)| *share > tol::CONFIRMED).map(|(pole, _)| (*pole, true))
+        places
+            .iter()
+            .zip(self.shares(data, &places))
+            .find(|(_, share)| *share > tol::CONFIRMED)
+            .map(|(pole, _)| (*pole, true))
     }
 
-    /// What a pole at each of the `places` takes out of all FRFs beyond their noise, as part of what a pole of the model must. A pass with
-    /// that pole in the basis would have the last word, and costs far more.
+    /// What a pole at each of the `places` takes out of all FRFs beyond their noise, as
+    /// part of what a pole of the model must. A pass with that pole in the basis would
+    /// have the last word, and costs far more.
     fn shares(&self, data: &Screened, places: &[Complex64]) -> Vec<f64> {
         if places.is_empty() {
             return Vec::new();
         }
-        let (_, mut outside) = projected(self.refined.projection.q.view(), basis(&self.projected.work, places, &[]).view());
+        let (_, mut outside) = projected(
+            self.refined.projection.q.view(),
+            basis(&self.projected.work, places, &[]).view(),
+        );
         for mut column in outside.columns_mut() {
             let norm = column.iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt();
             column.mapv_inplace(|v| v / norm);
         }
         let frfs = data.pairs.len();
         let needed = threshold(frfs, data.lines.len()) - frfs as f64;
-        energies(data, &outside).into_iter().map(|energy| (energy / self.variance - frfs as f64) / needed).collect()
+        energies(data, &outside)
+            .into_iter()
+            .map(|energy| (energy / self.variance - frfs as f64) / needed)
+            .collect()
     }
 }
 
-/// The basis of the second pass on all lines, whether or not the poles were found on a thinned record.
+/// The basis of the second pass on all lines, whether or not the poles were found on a
+/// thinned record.
 fn basis_of(data: &Head, refined: &Refined) -> Result<Array2<Complex64>, LinalgError> {
     if refined.projection.q.nrows() == data.lines.len() {
         return Ok(refined.projection.q.clone());
@@ -137,7 +196,10 @@ fn basis_of(data: &Head, refined: &Refined) -> Result<Array2<Complex64>, LinalgE
 }
 
 /// Orthonormal basis of a model with the poles `lambda` on all lines.
-pub(crate) fn on_all_lines(data: &Head, lambda: &[Complex64]) -> Result<Array2<Complex64>, LinalgError> {
+pub(crate) fn on_all_lines(
+    data: &Head,
+    lambda: &[Complex64],
+) -> Result<Array2<Complex64>, LinalgError> {
     Ok(qr_thin(basis(&data.axis(), lambda, &POWERS).view())?.0)
 }
 

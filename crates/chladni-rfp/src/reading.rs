@@ -18,9 +18,21 @@ pub(crate) fn visit<I: Iterator>(
     see: impl FnMut(I::Item, Complex64),
 ) {
     match values {
-        FrfValues::F64(values) => each(values.slice(ndarray::s![i, j, ..]), lines, targets, |v| v, see),
+        FrfValues::F64(values) => each(
+            values.slice(ndarray::s![i, j, ..]),
+            lines,
+            targets,
+            |v| v,
+            see,
+        ),
         FrfValues::F32(values) => {
-            each(values.slice(ndarray::s![i, j, ..]), lines, targets, |v| Complex64::new(v.re.into(), v.im.into()), see);
+            each(
+                values.slice(ndarray::s![i, j, ..]),
+                lines,
+                targets,
+                |v| Complex64::new(v.re.into(), v.im.into()),
+                see,
+            );
         }
     }
 }
@@ -35,7 +47,9 @@ fn each<T: Copy, I: Iterator>(
     mut see: impl FnMut(I::Item, Complex64),
 ) {
     let stretch = match (lines.first(), lines.last(), frf.to_slice()) {
-        (Some(&first), Some(&last), Some(frf)) if last - first + 1 == lines.len() => Some(&frf[first..=last]),
+        (Some(&first), Some(&last), Some(frf)) if last - first + 1 == lines.len() => {
+            Some(&frf[first..=last])
+        }
         _ => None,
     };
     match stretch {
@@ -52,14 +66,26 @@ fn each<T: Copy, I: Iterator>(
     }
 }
 
-/// `lines` of some pairs as they lie in memory, (real and imaginary part of each line in turn, pair); `None` where they are not doubles, or
-/// lines or pairs are left out between them.
-pub(crate) fn in_place<'a>(values: &'a FrfValues, pairs: &[(usize, usize)], lines: &[usize]) -> Option<ArrayView2<'a, f64>> {
-    let FrfValues::F64(values) = values else { return None };
+/// `lines` of some pairs as they lie in memory, (real and imaginary part of each line in
+/// turn, pair); `None` where they are not doubles, or lines or pairs are left out between
+/// them.
+pub(crate) fn in_place<'a>(
+    values: &'a FrfValues,
+    pairs: &[(usize, usize)],
+    lines: &[usize],
+) -> Option<ArrayView2<'a, f64>> {
+    let FrfValues::F64(values) = values else {
+        return None;
+    };
     let (_, references, all) = values.dim();
     let place = |&(i, j): &(usize, usize)| i * references + j;
     let (first, last, first_pair) = (*lines.first()?, *lines.last()?, place(pairs.first()?));
-    if last - first + 1 != lines.len() || !pairs.iter().map(place).eq(first_pair..first_pair + pairs.len()) {
+    if last - first + 1 != lines.len()
+        || !pairs
+            .iter()
+            .map(place)
+            .eq(first_pair..first_pair + pairs.len())
+    {
         return None;
     }
     let parts: &[f64] = bytemuck::cast_slice(values.as_slice()?);
@@ -80,11 +106,18 @@ pub(crate) fn energy(values: &FrfValues, pair: (usize, usize), lines: &[usize]) 
 
 /// Sum of squares of the values on `lines` of one pair.
 pub(crate) fn squares_of(values: &FrfValues, pair: (usize, usize), lines: &[usize]) -> f64 {
-    if let Some(frf) = in_place(values, &[pair], lines).and_then(|frf| frf.to_slice_memory_order()) {
+    if let Some(frf) = in_place(values, &[pair], lines).and_then(|frf| frf.to_slice_memory_order())
+    {
         return squares(frf);
     }
     let mut copy = vec![0.0; 2 * lines.len()];
-    visit(values, pair, lines, copy.chunks_exact_mut(2), |out, value| (out[0], out[1]) = (value.re, value.im));
+    visit(
+        values,
+        pair,
+        lines,
+        copy.chunks_exact_mut(2),
+        |out, value| (out[0], out[1]) = (value.re, value.im),
+    );
     squares(&copy)
 }
 
@@ -92,7 +125,9 @@ pub(crate) fn squares_of(values: &FrfValues, pair: (usize, usize), lines: &[usiz
 pub(crate) fn squares(values: &[f64]) -> f64 {
     let mut sums = [0.0; 2 * LANES];
     for values in values.chunks(2 * LANES) {
-        sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value * value);
+        sums.iter_mut()
+            .zip(values)
+            .for_each(|(sum, value)| *sum += value * value);
     }
     sums.iter().sum()
 }
@@ -111,7 +146,10 @@ impl Usable {
     /// Looks at `lines` of all pairs.
     pub fn new(frf: &FrfSet, lines: &[usize]) -> Self {
         let all: Vec<(usize, usize)> = frf.all_pairs().collect();
-        let sums: Vec<(f64, bool)> = all.par_iter().map(|&pair| energy(&frf.values, pair, lines)).collect();
+        let sums: Vec<(f64, bool)> = all
+            .par_iter()
+            .map(|&pair| energy(&frf.values, pair, lines))
+            .collect();
         let mut bad = vec![false; lines.len()];
         let mut zeros = vec![0; lines.len()];
         let mut pairs = Vec::new();
@@ -132,8 +170,14 @@ impl Usable {
                 zero.into_iter().for_each(|row| zeros[row] += 1);
             }
         }
-        bad.iter_mut().zip(&zeros).for_each(|(bad, zeros)| *bad |= *zeros == pairs.len() && !pairs.is_empty());
-        Self { pairs, bad, energy: sums.into_iter().map(|(sum, _)| sum).collect() }
+        bad.iter_mut()
+            .zip(&zeros)
+            .for_each(|(bad, zeros)| *bad |= *zeros == pairs.len() && !pairs.is_empty());
+        Self {
+            pairs,
+            bad,
+            energy: sums.into_iter().map(|(sum, _)| sum).collect(),
+        }
     }
 }
 
@@ -145,23 +189,40 @@ mod tests {
 
     #[test]
     fn what_is_seen_in_place_is_what_a_visit_shows() {
-        let value = |(i, j, k): (usize, usize, usize)| Complex64::new((100 * i + 10 * j + k) as f64, -(k as f64));
+        let value = |(i, j, k): (usize, usize, usize)| {
+            Complex64::new((100 * i + 10 * j + k) as f64, -(k as f64))
+        };
         let values = FrfValues::F64(Array3::from_shape_fn((3, 2, 7), value));
         let (pairs, band) = ([(0, 1), (1, 0), (1, 1)], [2, 3, 4, 5]);
         let block = in_place(&values, &pairs, &band).unwrap();
         assert_eq!(block.dim(), (8, 3));
         for (column, &pair) in block.columns().into_iter().zip(&pairs) {
-            visit(&values, pair, &band, 0.., |row: usize, value| assert_eq!(value, Complex64::new(column[2 * row], column[2 * row + 1])));
+            visit(&values, pair, &band, 0.., |row: usize, value| {
+                assert_eq!(value, Complex64::new(column[2 * row], column[2 * row + 1]))
+            });
         }
-        assert!(in_place(&values, &[(2, 1)], &[4, 5, 6]).is_some(), "up to the last value");
+        assert!(
+            in_place(&values, &[(2, 1)], &[4, 5, 6]).is_some(),
+            "up to the last value"
+        );
         // a line or a pair left out, pairs in another order, single precision, nothing
         assert!(in_place(&values, &pairs, &[2, 4]).is_none());
         assert!(in_place(&values, &[(0, 1), (1, 1)], &band).is_none());
         assert!(in_place(&values, &[(1, 0), (0, 1)], &band).is_none());
-        assert!(in_place(&FrfValues::F32(Array3::from_elem((3, 2, 7), Complex32::ONE)), &pairs, &band).is_none());
-        assert!(in_place(&values, &pairs, &[]).is_none() && in_place(&values, &[], &band).is_none());
+        assert!(in_place(
+            &FrfValues::F32(Array3::from_elem((3, 2, 7), Complex32::ONE)),
+            &pairs,
+            &band
+        )
+        .is_none());
+        assert!(
+            in_place(&values, &pairs, &[]).is_none() && in_place(&values, &[], &band).is_none()
+        );
         // sums of squares do not depend on how the values were reached
         let gap = Array3::from_shape_fn((1, 1, 4), |(_, _, k)| value((0, 1, k + 2)));
-        assert_eq!(squares_of(&values, (0, 1), &band), squares_of(&FrfValues::F64(gap), (0, 0), &[0, 1, 2, 3]));
+        assert_eq!(
+            squares_of(&values, (0, 1), &band),
+            squares_of(&FrfValues::F64(gap), (0, 0), &[0, 1, 2, 3])
+        );
     }
 }

@@ -1,11 +1,13 @@
 //! Maximum-likelihood poles by variable projection (theory.md, eq. 9–12).
 //!
-//! Residues and residual terms are eliminated by QR; what is left is a complex-analytic Gauss–Newton problem in the poles
-//! alone, Kaufman's Jacobian, Levenberg–Marquardt damping. For white noise of one variance the fixed point is the maximum
-//! likelihood estimate and `information` its Fisher matrix times σ².
+//! Residues and residual terms are eliminated by QR; what is left is a complex-analytic
+//! Gauss–Newton problem in the poles alone, Kaufman's Jacobian, Levenberg–Marquardt
+//! damping. For white noise of one variance the fixed point is the maximum likelihood
+//! estimate and `information` its Fisher matrix times σ².
 //!
-//! Golub & Pereyra, SIAM J. Numer. Anal. 10 (1973) 413; Kaufman, BIT 15 (1975) 49. Cost per step ≈ 8Nm(5m + 3r) flop.
-//! Not for finding poles: it needs a start within about a bandwidth.
+//! Golub & Pereyra, SIAM J. Numer. Anal. 10 (1973) 413; Kaufman, BIT 15 (1975) 49. Cost
+//! per step ≈ 8Nm(5m + 3r) flop. Not for finding poles: it needs a start within about a
+//! bandwidth.
 
 use crate::descent::{Descent, Point};
 use crate::normal::{Normal, Plain};
@@ -33,12 +35,19 @@ pub(crate) struct Projection {
 }
 
 impl Projection {
-    /// Projects the columns of `work` on the basis of `lambda` and residual terms x^`powers`.
+    /// Projects the columns of `work` on the basis of `lambda` and residual terms
+    /// x^`powers`.
     pub fn new(work: &Work, lambda: &[Complex64], powers: &[i32]) -> Result<Self, LinalgError> {
         let (q, r) = tall_qr(basis(work, lambda, powers).view())?;
         let (qb, residual) = projected(q.view(), work.b.view());
         let sse = residual.iter().map(|v| v.norm_sqr()).sum();
-        Ok(Self { q, r, qb, residual, sse })
+        Ok(Self {
+            q,
+            r,
+            qb,
+            residual,
+            sse,
+        })
     }
     /// Residues and residual coefficients, (m, column).
     pub fn coefficients(&self) -> Result<Array2<Complex64>, LinalgError> {
@@ -46,18 +55,38 @@ impl Projection {
     }
     /// What taking columns out needs to know.
     pub fn removable(&self) -> Result<Removable, LinalgError> {
-        let alone = self.r.columns().into_iter().map(|column| column.iter().map(|v| v.norm_sqr()).sum()).collect();
-        Ok(Removable { inverse: self.gram_inverse()?, coefficients: self.coefficients()?, alone, sse: self.sse })
+        let alone = self
+            .r
+            .columns()
+            .into_iter()
+            .map(|column| column.iter().map(|v| v.norm_sqr()).sum())
+            .collect();
+        Ok(Removable {
+            inverse: self.gram_inverse()?,
+            coefficients: self.coefficients()?,
+            alone,
+            sse: self.sse,
+        })
     }
     /// (AᴴA)⁻¹ of the basis A.
     pub fn gram_inverse(&self) -> Result<Array2<Complex64>, LinalgError> {
-        let inverse = solve_upper(self.r.view(), Array2::from_diag_elem(self.r.nrows(), Complex64::new(1.0, 0.0)).view())?;
-        Ok(matmul(inverse.view(), inverse.t().mapv(|v| v.conj()).view()))
+        let inverse = solve_upper(
+            self.r.view(),
+            Array2::from_diag_elem(self.r.nrows(), Complex64::new(1.0, 0.0)).view(),
+        )?;
+        Ok(matmul(
+            inverse.view(),
+            inverse.t().mapv(|v| v.conj()).view(),
+        ))
     }
 }
 
 /// What taking poles out one by one needs to know.
-pub(crate) fn removable(work: &Work, lambda: &[Complex64], powers: &[i32]) -> Result<Removable, LinalgError> {
+pub(crate) fn removable(
+    work: &Work,
+    lambda: &[Complex64],
+    powers: &[i32],
+) -> Result<Removable, LinalgError> {
     match Plain::at(work, work.energy(), lambda, powers) {
         Some(plain) => plain.removable(),
         None => Projection::new(work, lambda, powers)?.removable(),
@@ -94,7 +123,14 @@ fn newton_system(
     let mut information = wide_h(outside.view(), outside.view());
     information.zip_mut_with(&products.t(), |h, p| *h *= p);
     let along = wide_h(derivative.view(), projection.residual.view());
-    let gradient = Array2::from_shape_fn((n, 1), |(i, _)| along.row(i).iter().zip(residues.row(i)).map(|(d, r)| d * r.conj()).sum());
+    let gradient = Array2::from_shape_fn((n, 1), |(i, _)| {
+        along
+            .row(i)
+            .iter()
+            .zip(residues.row(i))
+            .map(|(d, r)| d * r.conj())
+            .sum()
+    });
     (information, gradient)
 }
 
@@ -107,7 +143,10 @@ struct Exact {
 impl Exact {
     fn new(work: &Work, lambda: &[Complex64], powers: &[i32]) -> Result<Self, LinalgError> {
         let projection = Projection::new(work, lambda, powers)?;
-        Ok(Self { coefficients: projection.coefficients()?, projection })
+        Ok(Self {
+            coefficients: projection.coefficients()?,
+            projection,
+        })
     }
 }
 
@@ -127,9 +166,16 @@ impl Point for Exact {
     }
 }
 
-/// Refines `start` until the largest step is `tolerance` of a half-bandwidth, at most `iterations` steps: by normal equations as far as
-/// they go, then on an orthonormal basis.
-pub(crate) fn refine(work: &Work, start: &[Complex64], powers: &[i32], iterations: usize, tolerance: f64) -> Result<Refined, LinalgError> {
+/// Refines `start` until the largest step is `tolerance` of a half-bandwidth, at most
+/// `iterations` steps: by normal equations as far as they go, then on an orthonormal
+/// basis.
+pub(crate) fn refine(
+    work: &Work,
+    start: &[Complex64],
+    powers: &[i32],
+    iterations: usize,
+    tolerance: f64,
+) -> Result<Refined, LinalgError> {
     let (descent, last) = by_normal_equations(work, start, powers, iterations, tolerance);
     on_orthonormal_basis(descent, last, tolerance)
 }
@@ -158,28 +204,48 @@ fn by_normal_equations<'a>(
     tolerance: f64,
 ) -> (Descent<'a>, Option<Normal>) {
     let mut descent = Descent::new(work, start, powers, iterations);
-    let point = if descent.steps > 0 { descent.here::<Normal>() } else { None };
+    let point = if descent.steps > 0 {
+        descent.here::<Normal>()
+    } else {
+        None
+    };
     let last = point.and_then(|mut point| descent.go(&mut point, tolerance).then_some(point));
     (descent, last)
 }
 
-fn on_orthonormal_basis(mut descent: Descent, last: Option<Normal>, tolerance: f64) -> Result<Refined, LinalgError> {
+fn on_orthonormal_basis(
+    mut descent: Descent,
+    last: Option<Normal>,
+    tolerance: f64,
+) -> Result<Refined, LinalgError> {
     let Descent { work, powers, .. } = descent;
     let information = last.map(|point| point.system(work, &descent.lambda).0);
     let mut point = Exact::new(work, &descent.lambda, powers)?;
     if information.is_none() {
         descent.go(&mut point, tolerance);
     }
-    let Exact { projection, coefficients } = point;
-    Ok(Refined { lambda: descent.lambda, powers: powers.to_vec(), projection, coefficients, information })
+    let Exact {
+        projection,
+        coefficients,
+    } = point;
+    Ok(Refined {
+        lambda: descent.lambda,
+        powers: powers.to_vec(),
+        projection,
+        coefficients,
+        information,
+    })
 }
 
 impl Refined {
-    /// Gauss–Newton matrix (DᴴP⊥D)∘(R̄Rᵀ), (n, n), on the lines and columns of the refinement.
+    /// Gauss–Newton matrix (DᴴP⊥D)∘(R̄Rᵀ), (n, n), on the lines and columns of the
+    /// refinement.
     pub fn information(&self, work: &Work) -> Array2<Complex64> {
-        self.information.clone().unwrap_or_else(|| match Normal::at(work, work.energy(), &self.lambda, &self.powers) {
-            Some(normal) => normal.system(work, &self.lambda).0,
-            None => newton_system(work, &self.lambda, &self.projection, &self.coefficients).0,
+        self.information.clone().unwrap_or_else(|| {
+            match Normal::at(work, work.energy(), &self.lambda, &self.powers) {
+                Some(normal) => normal.system(work, &self.lambda).0,
+                None => newton_system(work, &self.lambda, &self.projection, &self.coefficients).0,
+            }
         })
     }
     /// Number of unknown columns m.
@@ -188,15 +254,23 @@ impl Refined {
     }
     /// Residual variance per line and column, from all degrees of freedom.
     pub fn variance(&self, work: &Work) -> f64 {
-        let dof = ((work.lines() - self.unknowns().min(work.lines())) * work.columns()) as f64 - self.lambda.len() as f64;
+        let dof = ((work.lines() - self.unknowns().min(work.lines())) * work.columns()) as f64
+            - self.lambda.len() as f64;
         self.projection.sse / dof.max(1.0)
     }
-    /// Rise of the sum of squares when pole q alone is taken out and residues are refitted: ‖X_q‖²/[(AᴴA)⁻¹]_qq
-    /// (theory.md, eq. 8).
+    /// Rise of the sum of squares when pole q alone is taken out and residues are
+    /// refitted: ‖X_q‖²/[(AᴴA)⁻¹]_qq (theory.md, eq. 8).
     pub fn significance(&self) -> Result<Vec<f64>, LinalgError> {
         let inverse = self.projection.gram_inverse()?;
         Ok((0..self.lambda.len())
-            .map(|q| self.coefficients.row(q).iter().map(|v| v.norm_sqr()).sum::<f64>() / inverse[[q, q]].re)
+            .map(|q| {
+                self.coefficients
+                    .row(q)
+                    .iter()
+                    .map(|v| v.norm_sqr())
+                    .sum::<f64>()
+                    / inverse[[q, q]].re
+            })
             .collect())
     }
 }

@@ -1,4 +1,5 @@
-//! Taking poles out of a linear fit one by one, exactly, without making it again (theory.md, eq. 8).
+//! Taking poles out of a linear fit one by one, exactly, without making it again
+//! (theory.md, eq. 8).
 
 use ndarray::Array2;
 use num_complex::Complex64;
@@ -16,18 +17,40 @@ pub(crate) struct Removable {
 }
 
 impl Removable {
-    /// Takes poles out one by one, the least significant first, residues refitted exactly after each, while a rule allows it:
-    /// `may_go(kept, q, rise, inflation)` says whether pole q may be taken out of those `kept`, where that makes the sum of squares rise
-    /// by `rise`; `inflation` is the variance of its residue relative to that of a pole alone. A pole whose rise is not finite always
-    /// goes.
-    pub fn thin_out(self, lambda: &[Complex64], may_go: impl Fn(&[usize], usize, f64, f64) -> bool) -> Vec<Complex64> {
-        let Removable { mut inverse, mut coefficients, alone, .. } = self;
+    /// Takes poles out one by one, the least significant first, residues refitted exactly
+    /// after each, while a rule allows it: `may_go(kept, q, rise, inflation)` says
+    /// whether pole q may be taken out of those `kept`, where that makes the sum of
+    /// squares rise by `rise`; `inflation` is the variance of its residue relative to
+    /// that of a pole alone. A pole whose rise is not finite always goes.
+    pub fn thin_out(
+        self,
+        lambda: &[Complex64],
+        may_go: impl Fn(&[usize], usize, f64, f64) -> bool,
+    ) -> Vec<Complex64> {
+        let Removable {
+            mut inverse,
+            mut coefficients,
+            alone,
+            ..
+        } = self;
         let mut kept: Vec<usize> = (0..lambda.len()).collect();
         loop {
             let weakest = kept
                 .iter()
-                .map(|&q| (q, coefficients.row(q).iter().map(|v| v.norm_sqr()).sum::<f64>() / inverse[[q, q]].re))
-                .filter(|&(q, rise)| !rise.is_finite() || may_go(&kept, q, rise, inverse[[q, q]].re * alone[q]))
+                .map(|&q| {
+                    (
+                        q,
+                        coefficients
+                            .row(q)
+                            .iter()
+                            .map(|v| v.norm_sqr())
+                            .sum::<f64>()
+                            / inverse[[q, q]].re,
+                    )
+                })
+                .filter(|&(q, rise)| {
+                    !rise.is_finite() || may_go(&kept, q, rise, inverse[[q, q]].re * alone[q])
+                })
                 .min_by(|a, b| a.1.total_cmp(&b.1));
             let Some((q, _)) = weakest else {
                 return kept.into_iter().map(|q| lambda[q]).collect();
@@ -45,7 +68,9 @@ impl Removable {
                 for j in 0..inverse.ncols() {
                     inverse[[i, j]] -= factor * row[j];
                 }
-                coefficients.row_mut(i).zip_mut_with(&own, |v, o| *v -= factor * o);
+                coefficients
+                    .row_mut(i)
+                    .zip_mut_with(&own, |v, o| *v -= factor * o);
             }
             kept.retain(|&k| k != q);
         }

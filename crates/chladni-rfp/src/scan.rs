@@ -1,4 +1,5 @@
-//! Where a pole may be missing: places at which a resonance of the usual width would explain what is left.
+//! Where a pole may be missing: places at which a resonance of the usual width would
+//! explain what is left.
 
 use crate::refine::Refined;
 use crate::work::{basis, Work};
@@ -14,12 +15,20 @@ const UNKNOWN_LOSS: f64 = 0.01;
 
 /// Median loss factor of the poles of the band.
 pub(crate) fn usual_loss(work: &Work, lambda: &[Complex64]) -> f64 {
-    let mut losses: Vec<f64> = lambda.iter().filter(|p| work.in_band(**p)).map(|p| p.im / p.re.max(1e-12)).collect();
+    let mut losses: Vec<f64> = lambda
+        .iter()
+        .filter(|p| work.in_band(**p))
+        .map(|p| p.im / p.re.max(1e-12))
+        .collect();
     losses.sort_by(f64::total_cmp);
-    losses.get(losses.len() / 2).copied().unwrap_or(UNKNOWN_LOSS)
+    losses
+        .get(losses.len() / 2)
+        .copied()
+        .unwrap_or(UNKNOWN_LOSS)
 }
 
-/// Resonances of the usual loss factor over the band, half a bandwidth apart, at least one line.
+/// Resonances of the usual loss factor over the band, half a bandwidth apart, at least
+/// one line.
 pub(crate) fn resonance_grid(work: &Work, lambda: &[Complex64]) -> Vec<Complex64> {
     let loss = usual_loss(work, lambda);
     let (low, high) = work.range();
@@ -41,7 +50,8 @@ pub(crate) fn scan(work: &Work, refined: &Refined) -> Scan {
     let grid = resonance_grid(work, &refined.lambda);
     let gains = |chunk: &[Complex64]| -> Vec<(f64, Complex64)> {
         let columns = basis(work, chunk, &[]);
-        // the residual has no part inside the model: only the norm of what is outside it is needed
+        // the residual has no part inside the model: only the norm of what is outside it
+        // is needed
         let inside = matmul_h(refined.projection.q.view(), columns.view());
         let matched = matmul_h(columns.view(), refined.projection.residual.view());
         let gain = |(i, &pole): (usize, &Complex64)| {
@@ -53,17 +63,26 @@ pub(crate) fn scan(work: &Work, refined: &Refined) -> Scan {
         };
         chunk.iter().enumerate().filter_map(gain).collect()
     };
-    let mut found: Vec<(f64, Complex64)> = grid.par_chunks(BLOCK).map(gains).collect::<Vec<_>>().concat();
+    let mut found: Vec<(f64, Complex64)> = grid
+        .par_chunks(BLOCK)
+        .map(gains)
+        .collect::<Vec<_>>()
+        .concat();
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
     Scan(found)
 }
 
 impl Scan {
-    /// Places where that is more than `limit`, a half-bandwidth apart and from those `tried`.
+    /// Places where that is more than `limit`, a half-bandwidth apart and from those
+    /// `tried`.
     pub fn beyond(&self, limit: f64, tried: &[Complex64]) -> Vec<Complex64> {
         let mut places: Vec<Complex64> = Vec::new();
         for &(_, pole) in self.0.iter().take_while(|(gain, _)| *gain > limit) {
-            if !tried.iter().chain(&places).any(|known| (known - pole).norm() < pole.im) {
+            if !tried
+                .iter()
+                .chain(&places)
+                .any(|known| (known - pole).norm() < pole.im)
+            {
                 places.push(pole);
             }
         }
@@ -71,8 +90,14 @@ impl Scan {
     }
 }
 
-/// A stretch of lines, about a bandwidth wide, whose residual energy over all FRFs stands out of the rest.
-pub(crate) fn residual_peak(work: &Work, line_residual: &Array1<f64>, frfs: usize, lambda: &[Complex64]) -> Option<Complex64> {
+/// A stretch of lines, about a bandwidth wide, whose residual energy over all FRFs stands
+/// out of the rest.
+pub(crate) fn residual_peak(
+    work: &Work,
+    line_residual: &Array1<f64>,
+    frfs: usize,
+    lambda: &[Complex64],
+) -> Option<Complex64> {
     let n = work.lines();
     let mean = line_residual.sum() / n as f64;
     let loss = usual_loss(work, lambda);
@@ -85,7 +110,9 @@ pub(crate) fn residual_peak(work: &Work, line_residual: &Array1<f64>, frfs: usiz
         let local = line_residual.slice(s![window]).sum() / lines / mean;
         let score = (local - 1.0) * (lines * frfs as f64).sqrt();
         // what is near a known pole is misfit of that pole, not another mode
-        let near = lambda.iter().any(|p| (p.re - pole.re).abs() < 3.0 * p.im.max(pole.im));
+        let near = lambda
+            .iter()
+            .any(|p| (p.re - pole.re).abs() < 3.0 * p.im.max(pole.im));
         if !near && score > looks.sqrt() + 6.0 && best.is_none_or(|(s, _)| score > s) {
             best = Some((score, k));
         }

@@ -21,14 +21,17 @@ pub(crate) struct Peak {
 }
 
 impl Peak {
-    /// A person would call it a mode: it deserves a try of its own, and a word where it stays unexplained.
+    /// A person would call it a mode: it deserves a try of its own, and a word where it
+    /// stays unexplained.
     pub fn is_striking(&self) -> bool {
-        self.prominence_db >= tol::STRIKING_PROMINENCE_DB && self.over_noise_db > tol::STRIKING_OVER_NOISE_DB
+        self.prominence_db >= tol::STRIKING_PROMINENCE_DB
+            && self.over_noise_db > tol::STRIKING_OVER_NOISE_DB
     }
 }
 
-/// Noise variance per line from fourth differences of neighbouring lines: what no smooth FRF can have.
-/// E|Δ⁴n|² = 70σ²; the median of an exponential variable is ln 2 times its mean.
+/// Noise variance per line from fourth differences of neighbouring lines: what no smooth
+/// FRF can have. E|Δ⁴n|² = 70σ²; the median of an exponential variable is ln 2 times its
+/// mean.
 pub(crate) fn fourth_difference_noise(b: &Array2<Complex64>, half_window: usize) -> Array1<f64> {
     let n = b.nrows();
     let mut energy = Array1::zeros(n);
@@ -37,20 +40,25 @@ pub(crate) fn fourth_difference_noise(b: &Array2<Complex64>, half_window: usize)
     }
     for column in b.columns() {
         for k in 2..n - 2 {
-            let d = column[k - 2] - 4.0 * column[k - 1] + 6.0 * column[k] - 4.0 * column[k + 1] + column[k + 2];
+            let d = column[k - 2] - 4.0 * column[k - 1] + 6.0 * column[k] - 4.0 * column[k + 1]
+                + column[k + 2];
             energy[k] += d.norm_sqr() / 70.0;
         }
     }
     energy /= b.ncols() as f64;
     let raw: Vec<f64> = energy.iter().skip(2).take(n - 4).copied().collect();
-    // the median of a mean over r columns approaches its mean as r grows: χ²_{2r} median ≈ 1 − 1/(9r) cubed
+    // the median of a mean over r columns approaches its mean as r grows: χ²_{2r} median
+    // ≈ 1 − 1/(9r) cubed
     let r = b.ncols() as f64;
     let bias = (1.0 - 1.0 / (9.0 * r)).powi(3);
     let smooth = running_median(&raw, half_window);
-    Array1::from_shape_fn(n, |k| smooth[k.saturating_sub(2).min(smooth.len() - 1)] / bias)
+    Array1::from_shape_fn(n, |k| {
+        smooth[k.saturating_sub(2).min(smooth.len() - 1)] / bias
+    })
 }
 
-/// Median over a sliding window, shrunk at the ends; evaluated on a coarse grid and held in between for long records.
+/// Median over a sliding window, shrunk at the ends; evaluated on a coarse grid and held
+/// in between for long records.
 pub(crate) fn running_median(values: &[f64], half_window: usize) -> Vec<f64> {
     let n = values.len();
     let stride = (half_window / 8).max(1);
@@ -64,7 +72,11 @@ pub(crate) fn running_median(values: &[f64], half_window: usize) -> Vec<f64> {
         let middle = buffer.len() / 2;
         let (_, median, _) = buffer.select_nth_unstable_by(middle, f64::total_cmp);
         let median = *median;
-        for value in out.iter_mut().skip(k.saturating_sub(stride / 2)).take(stride + stride / 2 + 1) {
+        for value in out
+            .iter_mut()
+            .skip(k.saturating_sub(stride / 2))
+            .take(stride + stride / 2 + 1)
+        {
             *value = median;
         }
         k += stride;
@@ -78,8 +90,12 @@ pub(crate) fn peaks(work: &Work, energy: &Array1<f64>, noise: &Array1<f64>) -> V
     if n < 5 {
         return Vec::new();
     }
-    let level: Vec<f64> = energy.iter().map(|e| 10.0 * e.max(1e-300).log10()).collect();
-    // what the largest of n lines of pure noise, averaged over the columns, may reach (Laurent & Massart 2000)
+    let level: Vec<f64> = energy
+        .iter()
+        .map(|e| 10.0 * e.max(1e-300).log10())
+        .collect();
+    // what the largest of n lines of pure noise, averaged over the columns, may reach
+    // (Laurent & Massart 2000)
     let looks = (n as f64).ln() / work.columns() as f64;
     let chance_db = 10.0 * (1.0 + 2.0 * looks.sqrt() + looks).log10();
     let over_noise_least = tol::SEED_OVER_NOISE_DB.max(chance_db);
@@ -95,19 +111,36 @@ pub(crate) fn peaks(work: &Work, energy: &Array1<f64>, noise: &Array1<f64>) -> V
         }
         // −3 dB width, or what is visible of it
         let drop = (level[k] - 3.0).max(level[k] - prominence_db);
-        let left = (0..k).rev().take_while(|&i| level[i] > drop && level[i] < level[k]).last().unwrap_or(k).saturating_sub(1);
-        let right = ((k + 1..n).take_while(|&i| level[i] > drop && level[i] < level[k]).last().unwrap_or(k) + 1).min(n - 1);
+        let left = (0..k)
+            .rev()
+            .take_while(|&i| level[i] > drop && level[i] < level[k])
+            .last()
+            .unwrap_or(k)
+            .saturating_sub(1);
+        let right = ((k + 1..n)
+            .take_while(|&i| level[i] > drop && level[i] < level[k])
+            .last()
+            .unwrap_or(k)
+            + 1)
+        .min(n - 1);
         let width = 0.5 * (work.x[right] - work.x[left]);
         let half_line = 0.5 * work.spacing(work.x[k]);
         let lambda = Complex64::new(work.x[k], (0.7 * width).max(half_line));
-        found.push(Peak { row: k, prominence_db, over_noise_db, level_db: level[k], lambda });
+        found.push(Peak {
+            row: k,
+            prominence_db,
+            over_noise_db,
+            level_db: level[k],
+            lambda,
+        });
     }
     found.sort_by(|a, b| b.prominence_db.total_cmp(&a.prominence_db));
     found.truncate(tol::SEEDS_MOST);
     found
 }
 
-/// Height of peak k over the higher of the lowest points on the way to higher ground on both sides.
+/// Height of peak k over the higher of the lowest points on the way to higher ground on
+/// both sides.
 fn prominence(level: &[f64], k: usize) -> f64 {
     let walk = |indices: &mut dyn Iterator<Item = usize>| {
         let mut lowest = level[k];

@@ -1,8 +1,10 @@
-//! The viscous twin of [`crate::refine`]: poles s and s* with residues r and r*, real arithmetic (theory.md, eq. 16–17).
+//! The viscous twin of [`crate::refine`]: poles s and s* with residues r and r*, real
+//! arithmetic (theory.md, eq. 16–17).
 //!
-//! α = Σ [r/(jω − s) + r*/(jω − s*)] is linear in Re r and Im r only over the reals, so lines are stacked (real parts, then
-//! imaginary parts) and each mode has two real columns. Everything else is the same variable projection. Frequencies are in
-//! units of ω_max: y = ω/ω_max = √x.
+//! α = Σ [r/(jω − s) + r*/(jω − s*)] is linear in Re r and Im r only over the reals, so
+//! lines are stacked (real parts, then imaginary parts) and each mode has two real
+//! columns. Everything else is the same variable projection. Frequencies are in units of
+//! ω_max: y = ω/ω_max = √x.
 
 use crate::tolerances as tol;
 use crate::wide::{projected, tall_qr, wide_h};
@@ -40,13 +42,17 @@ pub(crate) fn from_structural(lambda: Complex64) -> Complex64 {
 fn stack_into(out: &mut Array2<f64>, column: usize, values: impl Iterator<Item = Complex64>) {
     let lines = out.nrows() / 2;
     let mut column = out.column_mut(column);
-    let (re, im) = column.as_slice_mut().expect("column-major").split_at_mut(lines);
+    let (re, im) = column
+        .as_slice_mut()
+        .expect("column-major")
+        .split_at_mut(lines);
     for ((re, im), v) in re.iter_mut().zip(im).zip(values) {
         (*re, *im) = (v.re, v.im);
     }
 }
 
-/// Stacked basis: per mode g·(u + v) and jg·(u − v) with u = 1/(jy − s), v = 1/(jy − s*); then residual terms.
+/// Stacked basis: per mode g·(u + v) and jg·(u − v) with u = 1/(jy − s), v = 1/(jy − s*);
+/// then residual terms.
 pub(crate) fn viscous_basis(work: &Work, poles: &[Complex64], powers: &[i32]) -> Array2<f64> {
     let mut a = Array2::zeros((2 * work.lines(), 2 * (poles.len() + powers.len())).f());
     let j = Complex64::i();
@@ -62,7 +68,12 @@ pub(crate) fn viscous_basis(work: &Work, poles: &[Complex64], powers: &[i32]) ->
     }
     for (p, &power) in powers.iter().enumerate() {
         let column = 2 * (poles.len() + p);
-        let term = || work.x.iter().zip(&work.g).map(move |(&x, &g)| Complex64::new(g * x.powi(power), 0.0));
+        let term = || {
+            work.x
+                .iter()
+                .zip(&work.g)
+                .map(move |(&x, &g)| Complex64::new(g * x.powi(power), 0.0))
+        };
         stack_into(&mut a, column, term());
         stack_into(&mut a, column + 1, term().map(|v| j * v));
     }
@@ -103,15 +114,32 @@ fn stacked_data(work: &Work) -> Array2<f64> {
     b
 }
 
-fn linear(work: &Work, data: &Array2<f64>, poles: &[Complex64], powers: &[i32]) -> Result<Linear, LinalgError> {
+fn linear(
+    work: &Work,
+    data: &Array2<f64>,
+    poles: &[Complex64],
+    powers: &[i32],
+) -> Result<Linear, LinalgError> {
     let (q, r) = tall_qr(viscous_basis(work, poles, powers).view())?;
     let (qb, residual) = projected(q.view(), data.view());
     let sse = residual.iter().map(|v| v * v).sum();
-    Ok(Linear { q, r, qb, residual, sse })
+    Ok(Linear {
+        q,
+        r,
+        qb,
+        residual,
+        sse,
+    })
 }
 
-/// ∂/∂Re s = (Re r)·d₁ + (Im r)·d₂ and ∂/∂Im s = (Re r)·d₂ − (Im r)·d₁ in the derivative columns d₁, d₂.
-fn newton_system(work: &Work, poles: &[Complex64], linear: &Linear, coefficients: &Array2<f64>) -> (Array2<f64>, Array2<f64>) {
+/// ∂/∂Re s = (Re r)·d₁ + (Im r)·d₂ and ∂/∂Im s = (Re r)·d₂ − (Im r)·d₁ in the derivative
+/// columns d₁, d₂.
+fn newton_system(
+    work: &Work,
+    poles: &[Complex64],
+    linear: &Linear,
+    coefficients: &Array2<f64>,
+) -> (Array2<f64>, Array2<f64>) {
     let n = poles.len();
     let d = derivative(work, poles);
     let (_, outside) = projected(linear.q.view(), d.view());
@@ -124,7 +152,10 @@ fn newton_system(work: &Work, poles: &[Complex64], linear: &Linear, coefficients
         if part == 0 {
             [(2 * mode, 2 * mode, 1.0), (2 * mode + 1, 2 * mode + 1, 1.0)]
         } else {
-            [(2 * mode + 1, 2 * mode, 1.0), (2 * mode, 2 * mode + 1, -1.0)]
+            [
+                (2 * mode + 1, 2 * mode, 1.0),
+                (2 * mode, 2 * mode + 1, -1.0),
+            ]
         }
     };
     let information = Array2::from_shape_fn((2 * n, 2 * n), |(p, q)| {
@@ -137,13 +168,16 @@ fn newton_system(work: &Work, poles: &[Complex64], linear: &Linear, coefficients
         sum
     });
     let gradient = Array2::from_shape_fn((2 * n, 1), |(p, _)| {
-        terms(p / 2, p % 2).iter().map(|&(d, r, sign)| sign * along.row(d).dot(&residues.row(r))).sum()
+        terms(p / 2, p % 2)
+            .iter()
+            .map(|&(d, r, sign)| sign * along.row(d).dot(&residues.row(r)))
+            .sum()
     });
     (information, gradient)
 }
 
-/// Refines viscous poles from `start` to `tolerance` of a half-bandwidth, or until `enough(sum of squares, what the last step took off
-/// it, steps left)`.
+/// Refines viscous poles from `start` to `tolerance` of a half-bandwidth, or until
+/// `enough(sum of squares, what the last step took off it, steps left)`.
 pub(crate) fn refine_viscous(
     work: &Work,
     start: &[Complex64],
@@ -163,11 +197,20 @@ pub(crate) fn refine_viscous(
         if poles.is_empty() {
             break;
         }
-        let (information, gradient) = system.take().unwrap_or_else(|| newton_system(work, &poles, &current, &coefficients));
+        let (information, gradient) = system
+            .take()
+            .unwrap_or_else(|| newton_system(work, &poles, &current, &coefficients));
         let mut damped = information.clone();
-        damped.diag_mut().mapv_inplace(|v| v * (1.0 + damping) + f64::MIN_POSITIVE);
+        damped
+            .diag_mut()
+            .mapv_inplace(|v| v * (1.0 + damping) + f64::MIN_POSITIVE);
         let solution = solve_hermitian(damped.view(), gradient.view()).ok();
-        let promised = solution.as_ref().map(|step| step.iter().zip(&gradient).map(|(step, along)| step * along).sum::<f64>());
+        let promised = solution.as_ref().map(|step| {
+            step.iter()
+                .zip(&gradient)
+                .map(|(step, along)| step * along)
+                .sum::<f64>()
+        });
         if promised.is_some_and(|promised| enough(current.sse, PROMISE_KEPT * promised, 1)) {
             break;
         }
@@ -180,10 +223,16 @@ pub(crate) fn refine_viscous(
                     let outside = (low.sqrt() - pole.im).max(pole.im - high.sqrt()).max(0.0);
                     let cap = 0.5 * pole.re.abs() + 0.3 * outside;
                     let delta = Complex64::new(solution[[2 * n, 0]], solution[[2 * n + 1, 0]]);
-                    let delta = if delta.norm() > cap { delta * (cap / delta.norm()) } else { delta };
+                    let delta = if delta.norm() > cap {
+                        delta * (cap / delta.norm())
+                    } else {
+                        delta
+                    };
                     largest = largest.max(delta.norm() / pole.re.abs());
-                    let moved = Complex64::new((pole + delta).re.min(0.2 * pole.re), (pole + delta).im);
-                    // what stands for the world outside stays there: inside it would pose as a mode
+                    let moved =
+                        Complex64::new((pole + delta).re.min(0.2 * pole.re), (pole + delta).im);
+                    // what stands for the world outside stays there: inside it would pose
+                    // as a mode
                     let inside = |s: Complex64| (low.sqrt()..=high.sqrt()).contains(&s.norm());
                     if inside(moved) && !inside(start[n]) {
                         pole
@@ -193,7 +242,9 @@ pub(crate) fn refine_viscous(
                 })
                 .collect()
         });
-        let candidate = trial.as_ref().and_then(|trial| linear(work, &data, trial, powers).ok());
+        let candidate = trial
+            .as_ref()
+            .and_then(|trial| linear(work, &data, trial, powers).ok());
         match (trial, candidate) {
             (Some(trial), Some(candidate)) if candidate.sse <= current.sse => {
                 let drop = current.sse - candidate.sse;
@@ -215,5 +266,8 @@ pub(crate) fn refine_viscous(
             }
         }
     }
-    Ok(ViscousFit { poles, sse: current.sse })
+    Ok(ViscousFit {
+        poles,
+        sse: current.sse,
+    })
 }

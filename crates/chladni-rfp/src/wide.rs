@@ -1,12 +1,16 @@
-//! Products whose right side has many columns, on all threads: blocks of columns whose size depends on nothing but their number,
-//! so that the bits are the same on any number of threads.
+//! Products whose right side has many columns, on all threads: blocks of columns whose
+//! size depends on nothing but their number, so that the bits are the same on any number
+//! of threads.
 
-use chladni_linalg::{add_matmul, matmul, qr_r, qr_thin, set_matmul, set_matmul_h, svd_thin, LinalgError, Scalar};
+use chladni_linalg::{
+    add_matmul, matmul, qr_r, qr_thin, set_matmul, set_matmul_h, svd_thin, LinalgError, Scalar,
+};
 use ndarray::{s, Array1, Array2, ArrayView2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-/// Columns of a block, about: fewer, and packing the left side again for each block costs more than the threads bring.
+/// Columns of a block, about: fewer, and packing the left side again for each block costs
+/// more than the threads bring.
 const LEAST: usize = 24;
 /// Most blocks.
 const MOST: usize = 64;
@@ -15,16 +19,20 @@ const ROW_BLOCKS: usize = 4;
 /// Multiplications below which one thread is faster than many.
 const SMALL: usize = 1 << 16;
 
-/// Columns per block of a product with `columns` columns and so many multiplications in all: blocks of nearly one size.
+/// Columns per block of a product with `columns` columns and so many multiplications in
+/// all: blocks of nearly one size.
 fn block(columns: usize, multiplications: usize) -> usize {
     if multiplications < SMALL {
         columns.max(1)
     } else {
-        columns.div_ceil(columns.div_ceil(LEAST).clamp(1, MOST)).max(1)
+        columns
+            .div_ceil(columns.div_ceil(LEAST).clamp(1, MOST))
+            .max(1)
     }
 }
 
-/// Runs `work` on a thread of the pool: each of its many short products would otherwise wait for two of them to wake.
+/// Runs `work` on a thread of the pool: each of its many short products would otherwise
+/// wait for two of them to wake.
 pub(crate) fn in_pool<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     rayon::scope(|_| work())
 }
@@ -47,13 +55,17 @@ fn blocked<T: Scalar>(
 ) -> Array2<T> {
     let mut out = Array2::zeros((rows, b.ncols()).f());
     let size = block(b.ncols(), per_column * b.ncols());
-    let blocks: Vec<_> = out.axis_chunks_iter_mut(Axis(1), size).zip(b.axis_chunks_iter(Axis(1), size)).collect();
+    let blocks: Vec<_> = out
+        .axis_chunks_iter_mut(Axis(1), size)
+        .zip(b.axis_chunks_iter(Axis(1), size))
+        .collect();
     blocks.into_par_iter().for_each(|(out, b)| product(out, b));
     out
 }
 
-/// Zeros to add products to, (row, column) by columns: written, for of memory that the system has only promised each page would be mapped
-/// twice, once where a product reads what it adds to.
+/// Zeros to add products to, (row, column) by columns: written, for of memory that the
+/// system has only promised each page would be mapped twice, once where a product reads
+/// what it adds to.
 pub(crate) fn cleared(rows: usize, columns: usize) -> Array2<f64> {
     // the compiler must not make it a promise again
     let mut values = std::hint::black_box(Vec::with_capacity(rows * columns));
@@ -61,8 +73,13 @@ pub(crate) fn cleared(rows: usize, columns: usize) -> Array2<f64> {
     Array2::from_shape_vec((rows, columns).f(), values).expect("as many values")
 }
 
-/// Sum of what `part` makes of each of `items` (at least one), by a tree that their number fixes: few parts are alive at once.
-pub(crate) fn tree_sum<I: Send, S: Send>(mut items: Vec<I>, part: &(impl Fn(I) -> S + Sync), add: &(impl Fn(S, S) -> S + Sync)) -> S {
+/// Sum of what `part` makes of each of `items` (at least one), by a tree that their
+/// number fixes: few parts are alive at once.
+pub(crate) fn tree_sum<I: Send, S: Send>(
+    mut items: Vec<I>,
+    part: &(impl Fn(I) -> S + Sync),
+    add: &(impl Fn(S, S) -> S + Sync),
+) -> S {
     let right = items.split_off(items.len() / 2);
     if items.is_empty() {
         return part(right.into_iter().next().expect("at least one"));
@@ -73,15 +90,22 @@ pub(crate) fn tree_sum<I: Send, S: Send>(mut items: Vec<I>, part: &(impl Fn(I) -
 
 /// Qᴴb and b − Q·Qᴴb.
 pub(crate) fn projected<T: Scalar>(q: ArrayView2<T>, b: ArrayView2<T>) -> (Array2<T>, Array2<T>) {
-    let (mut inside, mut outside) = (Array2::zeros((q.ncols(), b.ncols()).f()), Array2::zeros(b.raw_dim().f()));
+    let (mut inside, mut outside) = (
+        Array2::zeros((q.ncols(), b.ncols()).f()),
+        Array2::zeros(b.raw_dim().f()),
+    );
     let size = block(b.ncols(), 2 * q.len() * b.ncols());
-    let blocks = inside.axis_chunks_iter_mut(Axis(1), size).zip(outside.axis_chunks_iter_mut(Axis(1), size));
+    let blocks = inside
+        .axis_chunks_iter_mut(Axis(1), size)
+        .zip(outside.axis_chunks_iter_mut(Axis(1), size));
     let blocks: Vec<_> = blocks.zip(b.axis_chunks_iter(Axis(1), size)).collect();
-    blocks.into_par_iter().for_each(|((mut inside, mut outside), b)| {
-        set_matmul_h(inside.view_mut(), q, b);
-        outside.assign(&b);
-        add_matmul(outside, q, inside.mapv(|v| T::zero() - v).view());
-    });
+    blocks
+        .into_par_iter()
+        .for_each(|((mut inside, mut outside), b)| {
+            set_matmul_h(inside.view_mut(), q, b);
+            outside.assign(&b);
+            add_matmul(outside, q, inside.mapv(|v| T::zero() - v).view());
+        });
     (inside, outside)
 }
 
@@ -96,22 +120,36 @@ pub(crate) fn tall_qr<T: Scalar>(a: ArrayView2<T>) -> Result<(Array2<T>, Array2<
     }
     let size = rows.div_ceil(ROW_BLOCKS);
     let blocks: Vec<_> = a.axis_chunks_iter(Axis(0), size).collect();
-    let parts = blocks.into_par_iter().map(qr_thin).collect::<Result<Vec<_>, LinalgError>>()?;
+    let parts = blocks
+        .into_par_iter()
+        .map(qr_thin)
+        .collect::<Result<Vec<_>, LinalgError>>()?;
     let factors: Vec<_> = parts.iter().map(|(_, r)| r.view()).collect();
-    let (top, r) = qr_thin(ndarray::concatenate(Axis(0), &factors).expect("as many columns").view())?;
+    let (top, r) = qr_thin(
+        ndarray::concatenate(Axis(0), &factors)
+            .expect("as many columns")
+            .view(),
+    )?;
     let mut q = Array2::zeros((rows, m).f());
-    let products: Vec<_> =
-        parts.par_iter().enumerate().map(|(i, (q, _))| matmul(q.view(), top.slice(s![i * m..(i + 1) * m, ..]))).collect();
-    q.axis_chunks_iter_mut(Axis(0), size).zip(&products).for_each(|(mut q, product)| q.assign(product));
+    let products: Vec<_> = parts
+        .par_iter()
+        .enumerate()
+        .map(|(i, (q, _))| matmul(q.view(), top.slice(s![i * m..(i + 1) * m, ..])))
+        .collect();
+    q.axis_chunks_iter_mut(Axis(0), size)
+        .zip(&products)
+        .for_each(|(mut q, product)| q.assign(product));
     Ok((q, r))
 }
 
-/// Orthonormal basis of the range of a matrix with columns of unit norm: of singular values beyond `least` of the largest.
+/// Orthonormal basis of the range of a matrix with columns of unit norm: of singular
+/// values beyond `least` of the largest.
 ///
 /// # Errors
 /// As [`svd_thin`].
 pub(crate) fn range<T: Scalar>(a: ArrayView2<T>, least: f64) -> Result<Array2<T>, LinalgError> {
-    let kept = |s: &Array1<f64>| -> Vec<usize> { (0..s.len()).filter(|&i| s[i] > least * s[0]).collect() };
+    let kept =
+        |s: &Array1<f64>| -> Vec<usize> { (0..s.len()).filter(|&i| s[i] > least * s[0]).collect() };
     if a.nrows() < a.ncols() {
         let (u, s, _) = svd_thin(a)?;
         return Ok(u.select(Axis(1), &kept(&s)));
@@ -134,16 +172,33 @@ pub(crate) fn tall_r<T: Scalar>(a: ArrayView2<T>) -> Result<Array2<T>, LinalgErr
     if rows < 2 * ROW_BLOCKS * m || a.len() * m < SMALL {
         return qr_r(a);
     }
-    let blocks: Vec<_> = a.axis_chunks_iter(Axis(0), rows.div_ceil(ROW_BLOCKS)).collect();
-    let parts = blocks.into_par_iter().map(qr_r).collect::<Result<Vec<_>, LinalgError>>()?;
+    let blocks: Vec<_> = a
+        .axis_chunks_iter(Axis(0), rows.div_ceil(ROW_BLOCKS))
+        .collect();
+    let parts = blocks
+        .into_par_iter()
+        .map(qr_r)
+        .collect::<Result<Vec<_>, LinalgError>>()?;
     let factors: Vec<_> = parts.iter().map(|r| r.view()).collect();
-    qr_r(ndarray::concatenate(Axis(0), &factors).expect("as many columns").view())
+    qr_r(
+        ndarray::concatenate(Axis(0), &factors)
+            .expect("as many columns")
+            .view(),
+    )
 }
 
 /// Real and imaginary part of each line in turn.
 pub(crate) fn stacked(b: &Array2<Complex64>) -> Array2<f64> {
-    let part = |value: Complex64, row: usize| if row.is_multiple_of(2) { value.re } else { value.im };
-    Array2::from_shape_fn((2 * b.nrows(), b.ncols()).f(), |(row, c)| part(b[[row / 2, c]], row))
+    let part = |value: Complex64, row: usize| {
+        if row.is_multiple_of(2) {
+            value.re
+        } else {
+            value.im
+        }
+    };
+    Array2::from_shape_fn((2 * b.nrows(), b.ncols()).f(), |(row, c)| {
+        part(b[[row / 2, c]], row)
+    })
 }
 
 /// a·b for complex a and real b, as a real product of twice the rows.
@@ -151,11 +206,16 @@ pub(crate) fn wide_mixed(a: &Array2<Complex64>, b: ArrayView2<f64>) -> Array2<Co
     let parts = stacked(a);
     let mut out = Array2::zeros((a.nrows(), b.ncols()).f());
     let size = block(b.ncols(), 2 * a.len() * b.ncols());
-    let blocks: Vec<_> = out.axis_chunks_iter_mut(Axis(1), size).zip(b.axis_chunks_iter(Axis(1), size)).collect();
+    let blocks: Vec<_> = out
+        .axis_chunks_iter_mut(Axis(1), size)
+        .zip(b.axis_chunks_iter(Axis(1), size))
+        .collect();
     blocks.into_par_iter().for_each(|(mut out, b)| {
         let product = matmul(parts.view(), b);
         for (mut out, product) in out.columns_mut().into_iter().zip(product.columns()) {
-            out.iter_mut().enumerate().for_each(|(i, value)| *value = Complex64::new(product[2 * i], product[2 * i + 1]));
+            out.iter_mut()
+                .enumerate()
+                .for_each(|(i, value)| *value = Complex64::new(product[2 * i], product[2 * i + 1]));
         }
     });
     out
@@ -168,24 +228,46 @@ mod tests {
 
     fn values(rows: usize, columns: usize, seed: usize) -> Array2<Complex64> {
         let value = |k: usize| ((k * 7919 + seed) % 101) as f64 / 50.0 - 1.0;
-        Array2::from_shape_fn((rows, columns).f(), |(i, j)| Complex64::new(value(i + 3 * j), value(5 * i + j)))
+        Array2::from_shape_fn((rows, columns).f(), |(i, j)| {
+            Complex64::new(value(i + 3 * j), value(5 * i + j))
+        })
     }
 
     #[test]
     fn blocks_make_the_same_product() {
         let (a, b) = (values(600, 40, 1), values(40, 333, 2));
-        let near = |x: &Array2<Complex64>, y: &Array2<Complex64>| x.iter().zip(y).all(|(x, y)| (x - y).norm() < 1e-12);
+        let near = |x: &Array2<Complex64>, y: &Array2<Complex64>| {
+            x.iter().zip(y).all(|(x, y)| (x - y).norm() < 1e-12)
+        };
         assert!(near(&wide(a.view(), b.view()), &matmul(a.view(), b.view())));
         let c = values(600, 333, 3);
-        assert!(near(&wide_h(a.view(), c.view()), &matmul_h(a.view(), c.view())));
+        assert!(near(
+            &wide_h(a.view(), c.view()),
+            &matmul_h(a.view(), c.view())
+        ));
         let (q, r) = tall_qr(c.slice(s![.., ..5]).to_owned().view()).unwrap();
-        assert!(near(&matmul(q.view(), r.view()), &c.slice(s![.., ..5]).to_owned()));
+        assert!(near(
+            &matmul(q.view(), r.view()),
+            &c.slice(s![.., ..5]).to_owned()
+        ));
         let r = tall_r(c.slice(s![.., ..5]).to_owned().view()).unwrap();
-        assert!(near(&matmul_h(r.view(), r.view()), &matmul_h(c.slice(s![.., ..5]), c.slice(s![.., ..5])).mapv(|v| v)));
+        assert!(near(
+            &matmul_h(r.view(), r.view()),
+            &matmul_h(c.slice(s![.., ..5]), c.slice(s![.., ..5])).mapv(|v| v)
+        ));
         let (inside, outside) = projected(q.view(), c.view());
-        assert!(near(&inside, &matmul_h(q.view(), c.view())) && near(&outside, &(&c - &matmul(q.view(), inside.view()))));
-        assert!(near(&matmul_h(q.view(), outside.view()), &Array2::zeros(inside.raw_dim())));
+        assert!(
+            near(&inside, &matmul_h(q.view(), c.view()))
+                && near(&outside, &(&c - &matmul(q.view(), inside.view())))
+        );
+        assert!(near(
+            &matmul_h(q.view(), outside.view()),
+            &Array2::zeros(inside.raw_dim())
+        ));
         let real = b.mapv(|v| v.re);
-        assert!(near(&wide_mixed(&a, real.view()), &matmul(a.view(), real.mapv(|v| Complex64::new(v, 0.0)).view())));
+        assert!(near(
+            &wide_mixed(&a, real.view()),
+            &matmul(a.view(), real.mapv(|v| Complex64::new(v, 0.0)).view())
+        ));
     }
 }

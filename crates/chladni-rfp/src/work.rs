@@ -1,8 +1,10 @@
-//! The data as the pole finders see them: receptance-like columns in the plane x = ω²/ω_max² (theory.md, eq. 5).
+//! The data as the pole finders see them: receptance-like columns in the plane x =
+//! ω²/ω_max² (theory.md, eq. 5).
 //!
-//! A structural mode contributes R/(λ − x) with λ = x_n(1 + jη_n): each pole counts once, without its conjugate, and every
-//! derivative is complex-analytic. The weight g turns receptance back into the measured kind, so that residuals are those
-//! of the measurement and white noise stays white.
+//! A structural mode contributes R/(λ − x) with λ = x_n(1 + jη_n): each pole counts once,
+//! without its conjugate, and every derivative is complex-analytic. The weight g turns
+//! receptance back into the measured kind, so that residuals are those of the measurement
+//! and white noise stays white.
 
 use ndarray::{Array1, Array2, ShapeBuilder};
 use num_complex::Complex64;
@@ -38,7 +40,10 @@ impl Work {
     }
     /// Lowest and highest x.
     pub fn range(&self) -> (f64, f64) {
-        (self.x.first().copied().unwrap_or(0.0), self.x.last().copied().unwrap_or(0.0))
+        (
+            self.x.first().copied().unwrap_or(0.0),
+            self.x.last().copied().unwrap_or(0.0),
+        )
     }
     /// True where the pole's natural frequency lies between the first and the last line.
     pub fn in_band(&self, lambda: Complex64) -> bool {
@@ -49,17 +54,33 @@ impl Work {
     pub fn energy(&self) -> f64 {
         self.b.iter().map(|v| v.norm_sqr()).sum()
     }
-    /// Lines first..last around x that lie within `half_widths` half-bandwidths of the pole, at least `least` on both sides.
-    pub fn window(&self, lambda: Complex64, half_widths: f64, least: usize) -> std::ops::Range<usize> {
+    /// Lines first..last around x that lie within `half_widths` half-bandwidths of the
+    /// pole, at least `least` on both sides.
+    pub fn window(
+        &self,
+        lambda: Complex64,
+        half_widths: f64,
+        least: usize,
+    ) -> std::ops::Range<usize> {
         let reach = half_widths * lambda.im.abs();
         let centre = self.x.partition_point(|v| *v < lambda.re);
-        let low = self.x.partition_point(|v| *v < lambda.re - reach).min(centre.saturating_sub(least));
-        let high = self.x.partition_point(|v| *v <= lambda.re + reach).max((centre + least).min(self.x.len()));
+        let low = self
+            .x
+            .partition_point(|v| *v < lambda.re - reach)
+            .min(centre.saturating_sub(least));
+        let high = self
+            .x
+            .partition_point(|v| *v <= lambda.re + reach)
+            .max((centre + least).min(self.x.len()));
         low..high
     }
     /// The same lines and weights with other columns.
     pub fn with_columns(&self, b: Array2<Complex64>) -> Self {
-        Self { x: self.x.clone(), g: self.g.clone(), b }
+        Self {
+            x: self.x.clone(),
+            g: self.g.clone(),
+            b,
+        }
     }
     /// Only the given lines.
     pub fn select(&self, lines: &[usize]) -> Self {
@@ -67,13 +88,21 @@ impl Work {
         for (row, &k) in lines.iter().enumerate() {
             b.row_mut(row).assign(&self.b.row(k));
         }
-        Self { x: lines.iter().map(|&k| self.x[k]).collect(), g: lines.iter().map(|&k| self.g[k]).collect(), b }
+        Self {
+            x: lines.iter().map(|&k| self.x[k]).collect(),
+            g: lines.iter().map(|&k| self.g[k]).collect(),
+            b,
+        }
     }
     /// A stretch of lines.
     pub fn rows(&self, rows: std::ops::Range<usize>) -> Self {
         let mut b = Array2::zeros((rows.len(), self.columns()).f());
         b.assign(&self.b.slice(ndarray::s![rows.clone(), ..]));
-        Self { x: self.x[rows.clone()].to_vec(), g: self.g[rows].to_vec(), b }
+        Self {
+            x: self.x[rows.clone()].to_vec(),
+            g: self.g[rows].to_vec(),
+            b,
+        }
     }
     /// Rows multiplied by `weights`, in the data and in g.
     pub fn reweighted(&self, weights: &[f64]) -> Self {
@@ -86,7 +115,8 @@ impl Work {
     }
 }
 
-/// 1/z by one real division. Distances on a normalised axis have squares far inside the range of f64.
+/// 1/z by one real division. Distances on a normalised axis have squares far inside the
+/// range of f64.
 #[inline]
 pub(crate) fn inverse(z: Complex64) -> Complex64 {
     let scale = 1.0 / z.norm_sqr();

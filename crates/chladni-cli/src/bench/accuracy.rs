@@ -6,8 +6,9 @@ use crate::outcome::Outcome;
 use crate::output::{Output, FRF, MODEL};
 use crate::table::table;
 use chladni_bench::{
-    accuracy, accuracy_csv, accuracy_figures, accuracy_modes_csv, scene_figures, scene_knobs, scenes, AccuracyOptions, AccuracyRow, Case,
-    Means, PeerRow, SceneCase, SceneOptions, SceneRow, Solver, CASES, SCENE_CASES,
+    accuracy, accuracy_csv, accuracy_figures, accuracy_modes_csv, scene_figures, scene_knobs,
+    scenes, AccuracyOptions, AccuracyRow, Case, Means, PeerRow, SceneCase, SceneOptions, SceneRow,
+    Solver, CASES, SCENE_CASES,
 };
 use chladni_frf::io::{read_text, write_contents, write_model, Contents};
 use chladni_frf::Result;
@@ -47,7 +48,8 @@ pub struct Args {
     #[arg(long = "method", value_name = "METHOD", value_parser = PossibleValuesParser::new(Solver::names())
         .try_map(|name| Solver::named(&name).ok_or("no such method")))]
     methods: Vec<Solver>,
-    /// Noise seeds of each case for the methods that maximise the likelihood; others take a tenth of them [default: 100; quick: 3]
+    /// Noise seeds of each case for the methods that maximise the likelihood; others take
+    /// a tenth of them [default: 100; quick: 3]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     seeds: Option<u32>,
     /// First noise seed; the others follow it
@@ -57,13 +59,16 @@ pub struct Args {
     #[arg(long, value_name = "MODEL", default_value = "auto", value_parser = PossibleValuesParser::new(ShapeModel::ALL.map(ShapeModel::as_str))
         .try_map(|name| name.parse::<ShapeModel>()))]
     shapes: ShapeModel,
-    /// Also write the FRFs of the first fits whose count of modes or damping law is wrong, frf-CASE-SEED.h5, and truth-CASE.json
+    /// Also write the FRFs of the first fits whose count of modes or damping law is
+    /// wrong, frf-CASE-SEED.h5, and truth-CASE.json
     #[arg(long)]
     export_wrong: bool,
-    /// Also write the FRFs of every case and seed, frf-CASE-SEED.h5, and truth-CASE.json: what benches/peers/peers.py reads
+    /// Also write the FRFs of every case and seed, frf-CASE-SEED.h5, and truth-CASE.json:
+    /// what benches/peers/peers.py reads
     #[arg(long)]
     export: bool,
-    /// A table of other tools on these cases, from benches/peers/peers.py, to stand on the charts
+    /// A table of other tools on these cases, from benches/peers/peers.py, to stand on
+    /// the charts
     #[arg(long, value_name = "CSV")]
     peers: Option<PathBuf>,
     /// Leave every option as it is: no knobs
@@ -83,42 +88,98 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     args.place.prepare(&TABLES, console)?;
     let quick = args.place.quick;
     let peers = match &args.peers {
-        Some(file) => PeerRow::parse(&read_text(file, "a table of other tools, CSV")?).map_err(|error| error.file(file))?,
+        Some(file) => PeerRow::parse(&read_text(file, "a table of other tools, CSV")?)
+            .map_err(|error| error.file(file))?,
         None => Vec::new(),
     };
     let (cases, scene_cases): (Vec<&Case>, Vec<&SceneCase>) = match args.cases.is_empty() {
         true => (
             CASES.iter().filter(|case| case.quick || !quick).collect(),
-            SCENE_CASES.iter().filter(|case| case.quick && (!quick || QUICK_SCENES.contains(&case.name))).collect(),
+            SCENE_CASES
+                .iter()
+                .filter(|case| case.quick && (!quick || QUICK_SCENES.contains(&case.name)))
+                .collect(),
         ),
         false => (
-            args.cases.iter().filter_map(|name| Case::named(name)).collect(),
-            args.cases.iter().filter_map(|name| SceneCase::named(name)).collect(),
+            args.cases
+                .iter()
+                .filter_map(|name| Case::named(name))
+                .collect(),
+            args.cases
+                .iter()
+                .filter_map(|name| SceneCase::named(name))
+                .collect(),
         ),
     };
-    let chosen = if args.methods.is_empty() { Solver::all() } else { args.methods.clone() };
-    let of_fits = chosen.iter().filter_map(|solver| if let Solver::Identify(method) = solver { Some(*method) } else { None });
-    let of_scenes = chosen.iter().filter_map(|solver| if let Solver::Render(method) = solver { Some(*method) } else { None });
-    let seeds = args.seeds.map_or(if quick { QUICK_SEEDS } else { SEEDS }, |seeds| seeds as usize);
+    let chosen = if args.methods.is_empty() {
+        Solver::all()
+    } else {
+        args.methods.clone()
+    };
+    let of_fits = chosen.iter().filter_map(|solver| {
+        if let Solver::Identify(method) = solver {
+            Some(*method)
+        } else {
+            None
+        }
+    });
+    let of_scenes = chosen.iter().filter_map(|solver| {
+        if let Solver::Render(method) = solver {
+            Some(*method)
+        } else {
+            None
+        }
+    });
+    let seeds = args
+        .seeds
+        .map_or(if quick { QUICK_SEEDS } else { SEEDS }, |seeds| {
+            seeds as usize
+        });
     let knobs = !args.no_knobs && (!quick || !args.cases.is_empty());
-    let options = AccuracyOptions { cases, methods: of_fits.collect(), shapes: args.shapes, seeds, first_seed: args.seed, knobs };
-    let of_scenes =
-        SceneOptions { cases: scene_cases, methods: of_scenes.collect(), means: vec![Means::default()], by_measured_line: false };
-    let purpose = format!("{:?} {} {:?} {chosen:?}", options.shapes, options.first_seed, args.cases);
+    let options = AccuracyOptions {
+        cases,
+        methods: of_fits.collect(),
+        shapes: args.shapes,
+        seeds,
+        first_seed: args.seed,
+        knobs,
+    };
+    let of_scenes = SceneOptions {
+        cases: scene_cases,
+        methods: of_scenes.collect(),
+        means: vec![Means::default()],
+        by_measured_line: false,
+    };
+    let purpose = format!(
+        "{:?} {} {:?} {chosen:?}",
+        options.shapes, options.first_seed, args.cases
+    );
     let mut journal = args.place.journal("accuracy", &purpose, console)?;
     let rows = accuracy(&options, &mut journal, &|stage| console.stage(stage))?;
     let mut drives = scenes(&of_scenes, &mut journal, &|stage| console.stage(stage))?;
     if knobs {
-        drives.extend(scene_knobs(&of_scenes, &mut journal, &|stage| console.stage(stage))?);
+        drives.extend(scene_knobs(&of_scenes, &mut journal, &|stage| {
+            console.stage(stage)
+        })?);
     }
-    let tables = [(TABLES[0], accuracy_csv(&rows, &drives)), (TABLES[1], accuracy_modes_csv(&rows))];
+    let tables = [
+        (TABLES[0], accuracy_csv(&rows, &drives)),
+        (TABLES[1], accuracy_modes_csv(&rows)),
+    ];
     let figures = [accuracy_figures(&rows, &peers), scene_figures(&drives)].concat();
     let mut files = args.place.write(&tables, &figures, console)?;
-    files.push(args.place.page("accuracy", "Speed against accuracy", WORDS, &figures, console)?);
+    files.push(args.place.page(
+        "accuracy",
+        "Speed against accuracy",
+        WORDS,
+        &figures,
+        console,
+    )?);
     journal.finish();
     if args.export || args.export_wrong {
         let all = (args.seed..args.seed + seeds as u64).collect::<Vec<_>>();
-        let wrong = |row: &AccuracyRow| [row.wrong_seeds.clone(), row.wrong_law_seeds.clone()].concat();
+        let wrong =
+            |row: &AccuracyRow| [row.wrong_seeds.clone(), row.wrong_law_seeds.clone()].concat();
         let seeds = |row: &AccuracyRow| if args.export { all.clone() } else { wrong(row) };
         files.extend(export(&rows, &seeds, &args.place.output, console)?);
     }
@@ -135,26 +196,45 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     Ok(Outcome::written(
         &args.place.output,
         json,
-        format!("{}{}\nthe rest stands in {folder}/accuracy.csv\n", text(&rows), scene_text(&drives)),
+        format!(
+            "{}{}\nthe rest stands in {folder}/accuracy.csv\n",
+            text(&rows),
+            scene_text(&drives)
+        ),
     ))
 }
 
-/// Writes the measurements of these seeds, so that they can be fitted and looked at as any other.
-fn export(rows: &[AccuracyRow], seeds: &dyn Fn(&AccuracyRow) -> Vec<u64>, folder: &Path, console: &Console) -> Result<Vec<PathBuf>> {
+/// Writes the measurements of these seeds, so that they can be fitted and looked at as
+/// any other.
+fn export(
+    rows: &[AccuracyRow],
+    seeds: &dyn Fn(&AccuracyRow) -> Vec<u64>,
+    folder: &Path,
+    console: &Console,
+) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for case in CASES {
-        let seeds: BTreeSet<u64> = rows.iter().filter(|row| row.case.name == case.name).flat_map(seeds).collect();
+        let seeds: BTreeSet<u64> = rows
+            .iter()
+            .filter(|row| row.case.name == case.name)
+            .flat_map(seeds)
+            .collect();
         if seeds.is_empty() {
             continue;
         }
         let problem = case.problem()?;
         let truth = folder.join(format!("truth-{}.json", case.name));
-        Output::new(&truth, MODEL, &[], console)?.write(|path, force| write_model(path, &problem.truth, force))?;
+        Output::new(&truth, MODEL, &[], console)?
+            .write(|path, force| write_model(path, &problem.truth, force))?;
         files.push(truth);
         for seed in seeds {
-            let contents = Contents { frf: Some(problem.measured(seed)), ..Contents::default() };
+            let contents = Contents {
+                frf: Some(problem.measured(seed)),
+                ..Contents::default()
+            };
             let path = folder.join(format!("frf-{}-{seed}.h5", case.name));
-            Output::new(&path, FRF, &[], console)?.write(|path, force| write_contents(path, &contents, force))?;
+            Output::new(&path, FRF, &[], console)?
+                .write(|path, force| write_contents(path, &contents, force))?;
             files.push(path);
         }
     }
@@ -195,11 +275,15 @@ fn text(rows: &[AccuracyRow]) -> String {
                 shown(row.exact, 2),
                 shown(row.wrong_law, 2),
             ];
-            [row.case.name.to_owned(), row.name()].into_iter().chain(numbers).collect()
+            [row.case.name.to_owned(), row.name()]
+                .into_iter()
+                .chain(numbers)
+                .collect()
         })
         .collect();
     format!(
-        "errors as root mean square over the Cramér-Rao bound of free residues (real: of one real shape per mode), by modes\n{}",
+        "errors as root mean square over the Cramér-Rao bound of free residues (real: of one real \
+         shape per mode), by modes\n{}",
         table(&HEADER, &cells)
     )
 }
@@ -209,12 +293,25 @@ fn scene_text(drives: &[SceneRow]) -> String {
     let cells: Vec<Vec<String>> = drives
         .iter()
         .map(|row| {
-            let numbers = [shown(row.drive.time_s[0], 4), shown(row.drive.window.least(), 3), shown(row.drive.drifted[0], 3)];
-            [row.case.name.to_owned(), row.name()].into_iter().chain(numbers).collect()
+            let numbers = [
+                shown(row.drive.time_s[0], 4),
+                shown(row.drive.window.least(), 3),
+                shown(row.drive.drifted[0], 3),
+            ];
+            [row.case.name.to_owned(), row.name()]
+                .into_iter()
+                .chain(numbers)
+                .collect()
         })
         .collect();
     match cells.is_empty() {
         true => String::new(),
-        false => format!("\n{}", table(&["scene", "method", "time, s", "ground served", "after drift"], &cells)),
+        false => format!(
+            "\n{}",
+            table(
+                &["scene", "method", "time, s", "ground served", "after drift"],
+                &cells
+            )
+        ),
     }
 }

@@ -22,15 +22,18 @@ const PNG_SCALE: f64 = 2.0;
 /// What to measure.
 #[derive(Debug, clap::Subcommand)]
 pub enum Bench {
-    /// Error against time: every method on every case, over many noise seeds, measured by the Cramér-Rao bound
+    /// Error against time: every method on every case, over many noise seeds, measured by
+    /// the Cramér-Rao bound
     Accuracy(accuracy::Args),
     /// Time of each stage of a fit, and the floor that no method can go below
     Profile(profile::Args),
-    /// Success against time: every rendering method on named scenes, from noisy FRFs to the true plate
+    /// Success against time: every rendering method on named scenes, from noisy FRFs to
+    /// the true plate
     Scene(scene::Args),
     /// Dense kernels at the sizes of a fit, every back end that is linked in, by turns
     Solvers(solvers::Args),
-    /// Where methods fail and whether they know it: maps over two things at a time, calibration of warnings and error bars
+    /// Where methods fail and whether they know it: maps over two things at a time,
+    /// calibration of warnings and error bars
     Stability(stability::Args),
 }
 
@@ -63,36 +66,69 @@ impl Place {
     /// Makes the folder and refuses, before the work, tables that stand there already.
     fn prepare(&self, tables: &[&str], console: &Console) -> Result<()> {
         make_folder(&self.output)?;
-        tables.iter().try_for_each(|name| Output::new(&self.output.join(name), TABLE, &[], console).map(drop))
+        tables.iter().try_for_each(|name| {
+            Output::new(&self.output.join(name), TABLE, &[], console).map(drop)
+        })
     }
 
-    /// What an interrupted run of the same `verb` with the same `purpose` has finished in this folder; a new build begins anew.
+    /// What an interrupted run of the same `verb` with the same `purpose` has finished in
+    /// this folder; a new build begins anew.
     fn journal(&self, verb: &str, purpose: &str, console: &Console) -> Result<Journal> {
-        let built = std::env::current_exe().and_then(|program| program.metadata()).and_then(|file| file.modified());
-        let journal = Journal::open(&self.output.join(format!("{verb}.journal")), &format!("{verb} {purpose} {:?}", built.ok()))?;
+        let built = std::env::current_exe()
+            .and_then(|program| program.metadata())
+            .and_then(|file| file.modified());
+        let journal = Journal::open(
+            &self.output.join(format!("{verb}.journal")),
+            &format!("{verb} {purpose} {:?}", built.ok()),
+        )?;
         if journal.resumed() > 0 {
-            console.note(&format!("going on with an interrupted run: {} pieces are finished", journal.resumed()));
+            console.note(&format!(
+                "going on with an interrupted run: {} pieces are finished",
+                journal.resumed()
+            ));
         }
         Ok(journal)
     }
 
     /// Writes all figures as one page, `verb`.html.
-    fn page(&self, verb: &str, title: &str, words: &str, figures: &[Figure], console: &Console) -> Result<PathBuf> {
+    fn page(
+        &self,
+        verb: &str,
+        title: &str,
+        words: &str,
+        figures: &[Figure],
+        console: &Console,
+    ) -> Result<PathBuf> {
         let path = self.output.join(format!("{verb}.html"));
         let page = chladni_report::gallery(title, words, figures);
-        Output::new(&path, HTML, &[], console)?.write(|path, force| write_atomically(path, force, |out| out.write_all(page.as_bytes())))?;
+        Output::new(&path, HTML, &[], console)?.write(|path, force| {
+            write_atomically(path, force, |out| out.write_all(page.as_bytes()))
+        })?;
         Ok(path)
     }
 
     /// Writes tables, and figures as SVG and PNG; returns the files.
-    fn write(&self, tables: &[(&str, String)], figures: &[Figure], console: &Console) -> Result<Vec<PathBuf>> {
+    fn write(
+        &self,
+        tables: &[(&str, String)],
+        figures: &[Figure],
+        console: &Console,
+    ) -> Result<Vec<PathBuf>> {
         console.stage("writing");
-        let mut files: Vec<(PathBuf, Vec<u8>)> =
-            tables.iter().map(|(name, csv)| (self.output.join(name), csv.clone().into_bytes())).collect();
+        let mut files: Vec<(PathBuf, Vec<u8>)> = tables
+            .iter()
+            .map(|(name, csv)| (self.output.join(name), csv.clone().into_bytes()))
+            .collect();
         for figure in figures {
             let drawing = figure.draw();
-            for (extension, content) in PICTURE.iter().zip([drawing.to_svg().into_bytes(), drawing.to_png(PNG_SCALE)]) {
-                files.push((self.output.join(format!("{}.{extension}", figure.name)), content));
+            for (extension, content) in PICTURE
+                .iter()
+                .zip([drawing.to_svg().into_bytes(), drawing.to_png(PNG_SCALE)])
+            {
+                files.push((
+                    self.output.join(format!("{}.{extension}", figure.name)),
+                    content,
+                ));
             }
         }
         for (path, content) in &files {

@@ -23,7 +23,13 @@ pub fn run(place: &Place, console: &Console) -> Result<Outcome> {
     let run = paper(&|stage| console.stage(stage))?;
     let figures = paper_figures(&run)?;
     let mut files = place.write(&[(TABLE, paper_csv(&run.rows))], &figures, console)?;
-    files.push(place.page("paper", "The seed paper on the virtual panel", WORDS, &figures, console)?);
+    files.push(place.page(
+        "paper",
+        "The seed paper on the virtual panel",
+        WORDS,
+        &figures,
+        console,
+    )?);
     let json = json!({
         "output": place.output.display().to_string(),
         "files": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
@@ -35,18 +41,47 @@ pub fn run(place: &Place, console: &Console) -> Result<Outcome> {
 
 /// The drives with as many modes as the paper takes, and those of other methods.
 fn text(rows: &[PaperRow]) -> String {
-    const HEADER: [&str; 11] = ["scene", "method", "modes", "both", "hot", "cold", "silence", "ground: hot", "cold", "total", "force, mN"];
-    let whole = rows.iter().filter(|row| row.weights.modes_used == PAPER_MODES);
+    const HEADER: [&str; 11] = [
+        "scene",
+        "method",
+        "modes",
+        "both",
+        "hot",
+        "cold",
+        "silence",
+        "ground: hot",
+        "cold",
+        "total",
+        "force, mN",
+    ];
+    let whole = rows
+        .iter()
+        .filter(|row| row.weights.modes_used == PAPER_MODES);
     let cells: Vec<Vec<String>> = whole
         .map(|row| {
             let indices = &row.weights.indices.points;
             let PaperRow { points, window, .. } = row;
-            let shares = [points.total, points.hot, points.cold, indices.silence_ratio, window.hot, window.cold, window.total];
-            [row.case.name.to_owned(), row.weights.method.clone(), format!("{} {}", row.weights.modes_used, row.modes_of.as_str())]
-                .into_iter()
-                .chain(shares.map(|share| shown(share, 3)))
-                .chain([significant(1e3 * indices.max_force_n.unwrap_or(f64::NAN), 3)])
-                .collect()
+            let shares = [
+                points.total,
+                points.hot,
+                points.cold,
+                indices.silence_ratio,
+                window.hot,
+                window.cold,
+                window.total,
+            ];
+            [
+                row.case.name.to_owned(),
+                row.weights.method.clone(),
+                format!("{} {}", row.weights.modes_used, row.modes_of.as_str()),
+            ]
+            .into_iter()
+            .chain(shares.map(|share| shown(share, 3)))
+            .chain([significant(
+                1e3 * indices.max_force_n.unwrap_or(f64::NAN),
+                3,
+            )])
+            .collect()
         })
         .collect();
     table(&HEADER, &cells)

@@ -6,8 +6,8 @@ use crate::input::{expand, read_frf, Reading};
 use crate::outcome::Outcome;
 use crate::table::table;
 use chladni_bench::{
-    profile, profile_csv, profile_figure, scaling, scaling_csv, scaling_figure, ProfileCase, ProfileOptions, ProfileRow, ProfileSource,
-    ScalingRow, PROFILE_CASES,
+    profile, profile_csv, profile_figure, scaling, scaling_csv, scaling_figure, ProfileCase,
+    ProfileOptions, ProfileRow, ProfileSource, ScalingRow, PROFILE_CASES,
 };
 use chladni_frf::{io, Result};
 use chladni_rfp::Method;
@@ -57,23 +57,39 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     args.place.prepare(&TABLES, console)?;
     let named: Vec<&ProfileCase> = match (args.cases.is_empty(), args.input.is_empty()) {
         (true, true) if args.growth => Vec::new(),
-        (true, true) => PROFILE_CASES.iter().filter(|case| case.quick || !args.place.quick).collect(),
+        (true, true) => PROFILE_CASES
+            .iter()
+            .filter(|case| case.quick || !args.place.quick)
+            .collect(),
         _ => args.cases.clone(),
     };
     let mut cases: Vec<ProfileSource> = named.into_iter().map(ProfileSource::Named).collect();
     if !args.input.is_empty() {
         let files = expand(&args.input, console)?;
         let (frf, _) = read_frf(&files, &args.reading, console)?;
-        cases.push(ProfileSource::Given(io::file_name(&files[0]), Box::new(frf)));
+        cases.push(ProfileSource::Given(
+            io::file_name(&files[0]),
+            Box::new(frf),
+        ));
     }
     let methods = match (args.methods.is_empty(), args.input.is_empty()) {
         (true, true) => vec![Method::Lean, Method::Auto],
         (true, false) => vec![Method::Auto],
         _ => args.methods.clone(),
     };
-    let purpose = format!("{} {methods:?} {:?} {}", args.place.quick, args.input, args.growth);
+    let purpose = format!(
+        "{} {methods:?} {:?} {}",
+        args.place.quick, args.input, args.growth
+    );
     let mut journal = args.place.journal("profile", &purpose, console)?;
-    let rows = profile(&ProfileOptions { cases, methods: methods.clone() }, &mut journal, &|stage| console.stage(stage))?;
+    let rows = profile(
+        &ProfileOptions {
+            cases,
+            methods: methods.clone(),
+        },
+        &mut journal,
+        &|stage| console.stage(stage),
+    )?;
     let (mut tables, mut figures) = (Vec::new(), Vec::new());
     if !args.growth {
         tables.push((TABLES[0], profile_csv(&rows)));
@@ -81,7 +97,9 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     }
     let mut grown = Vec::new();
     if args.cases.is_empty() && args.input.is_empty() {
-        grown = scaling(&methods, args.place.quick, &mut journal, &|stage| console.stage(stage))?;
+        grown = scaling(&methods, args.place.quick, &mut journal, &|stage| {
+            console.stage(stage)
+        })?;
         tables.push((TABLES[1], scaling_csv(&grown)));
         figures.extend(scaling_figure(&grown));
     }
@@ -97,17 +115,32 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         })).collect::<Vec<_>>(),
         "warnings": console.warnings(),
     });
-    Ok(Outcome::written(&args.place.output, json, stages_text(&rows) + &growth_text(&grown)))
+    Ok(Outcome::written(
+        &args.place.output,
+        json,
+        stages_text(&rows) + &growth_text(&grown),
+    ))
 }
 
 /// Exponent of each method along each axis.
 fn growth_text(rows: &[ScalingRow]) -> String {
-    let mut lines: Vec<Vec<String>> =
-        rows.iter().map(|row| vec![row.axis.to_owned(), row.method.to_string(), shown(row.exponent, 2)]).collect();
+    let mut lines: Vec<Vec<String>> = rows
+        .iter()
+        .map(|row| {
+            vec![
+                row.axis.to_owned(),
+                row.method.to_string(),
+                shown(row.exponent, 2),
+            ]
+        })
+        .collect();
     lines.dedup();
     match lines.is_empty() {
         true => String::new(),
-        false => format!("\n{}", table(&["time over number of", "method", "exponent"], &lines)),
+        false => format!(
+            "\n{}",
+            table(&["time over number of", "method", "exponent"], &lines)
+        ),
     }
 }
 
@@ -126,8 +159,24 @@ fn stages_text(rows: &[ProfileRow]) -> String {
                 shown(1e-9 * row.rate[1], 1),
                 shown(row.memory_over_data, 2),
             ];
-            [row.case.clone(), row.method.to_string(), row.stage.clone()].into_iter().chain(numbers).collect()
+            [row.case.clone(), row.method.to_string(), row.stage.clone()]
+                .into_iter()
+                .chain(numbers)
+                .collect()
         })
         .collect();
-    table(&["set", "method", "stage", "time, s", "part of the fit", "over the floor", "Gflop/s", "GB/s", "memory over data"], &cells)
+    table(
+        &[
+            "set",
+            "method",
+            "stage",
+            "time, s",
+            "part of the fit",
+            "over the floor",
+            "Gflop/s",
+            "GB/s",
+            "memory over data",
+        ],
+        &cells,
+    )
 }

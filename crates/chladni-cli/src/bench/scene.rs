@@ -4,7 +4,9 @@ use super::{paper, shown, Place};
 use crate::console::Console;
 use crate::outcome::Outcome;
 use crate::table::{significant, table};
-use chladni_bench::{scene_csv, scene_figures, scenes, Means, SceneCase, SceneOptions, SceneRow, SCENE_CASES};
+use chladni_bench::{
+    scene_csv, scene_figures, scenes, Means, SceneCase, SceneOptions, SceneRow, SCENE_CASES,
+};
 use chladni_frf::Result;
 use chladni_render::{Count, Method, MethodChoice};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -50,13 +52,15 @@ pub struct Args {
     /// Numbers of actuators, with commas: all, auto, or numbers [default: all]
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     actuators: Vec<Count>,
-    /// Also turn modes, actuators and residual terms, one at a time, on the first scene with the default method
+    /// Also turn modes, actuators and residual terms, one at a time, on the first scene
+    /// with the default method
     #[arg(long)]
     means: bool,
     /// Judge `--modes auto` by the measured line instead of the whole model
     #[arg(long)]
     measured: bool,
-    /// Reproduce the seed paper: its two steps with the lowest modes, for every place of the hot zone, beside the default method
+    /// Reproduce the seed paper: its two steps with the lowest modes, for every place of
+    /// the hot zone, beside the default method
     #[arg(long, conflicts_with_all = ["methods", "cases", "modes", "actuators", "means", "measured"])]
     paper: bool,
 }
@@ -72,17 +76,26 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     args.place.prepare(&[TABLE], console)?;
     let options = SceneOptions {
         cases: match args.cases.is_empty() {
-            true => SCENE_CASES.iter().filter(|case| case.quick || !args.place.quick).collect(),
+            true => SCENE_CASES
+                .iter()
+                .filter(|case| case.quick || !args.place.quick)
+                .collect(),
             false => args.cases.clone(),
         },
         methods: match args.methods.is_empty() {
-            true => Method::ALL.map(MethodChoice::Only).into_iter().chain([MethodChoice::Best]).collect(),
+            true => Method::ALL
+                .map(MethodChoice::Only)
+                .into_iter()
+                .chain([MethodChoice::Best])
+                .collect(),
             false => args.methods.clone(),
         },
         means: product(&args.modes, &args.actuators),
         by_measured_line: args.measured,
     };
-    let mut journal = args.place.journal("scene", &format!("{}", args.measured), console)?;
+    let mut journal = args
+        .place
+        .journal("scene", &format!("{}", args.measured), console)?;
     let mut rows = scenes(&options, &mut journal, &|stage| console.stage(stage))?;
     let plain = args.modes.is_empty() && args.actuators.is_empty();
     if args.means || (plain && !args.place.quick && args.cases.is_empty()) {
@@ -92,11 +105,21 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
             means: turned(),
             by_measured_line: false,
         };
-        rows.extend(scenes(&turned, &mut journal, &|stage| console.stage(stage))?);
+        rows.extend(scenes(&turned, &mut journal, &|stage| {
+            console.stage(stage)
+        })?);
     }
     let figures = scene_figures(&rows);
-    let mut files = args.place.write(&[(TABLE, scene_csv(&rows))], &figures, console)?;
-    files.push(args.place.page("scene", "Scenes: speed, success, and what each means buys", WORDS, &figures, console)?);
+    let mut files = args
+        .place
+        .write(&[(TABLE, scene_csv(&rows))], &figures, console)?;
+    files.push(args.place.page(
+        "scene",
+        "Scenes: speed, success, and what each means buys",
+        WORDS,
+        &figures,
+        console,
+    )?);
     journal.finish();
     let json = json!({
         "output": args.place.output.display().to_string(),
@@ -109,35 +132,93 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
 
 /// Every number of modes with every number of actuators.
 fn product(modes: &[Count], actuators: &[Count]) -> Vec<Means> {
-    let or_all = |counts: &[Count]| if counts.is_empty() { vec![Count::All] } else { counts.to_vec() };
+    let or_all = |counts: &[Count]| {
+        if counts.is_empty() {
+            vec![Count::All]
+        } else {
+            counts.to_vec()
+        }
+    };
     let (modes, actuators) = (or_all(modes), or_all(actuators));
-    modes.iter().flat_map(|&modes| actuators.iter().map(move |&actuators| Means { modes, actuators, ..Means::default() })).collect()
+    modes
+        .iter()
+        .flat_map(|&modes| {
+            actuators.iter().map(move |&actuators| Means {
+                modes,
+                actuators,
+                ..Means::default()
+            })
+        })
+        .collect()
 }
 
 /// Modes, actuators and residual terms one at a time, the others all.
 fn turned() -> Vec<Means> {
-    let modes = MODES.map(|count| Means { modes: Count::Number(count), ..Means::default() });
-    let actuators = ACTUATORS.map(|count| Means { actuators: Count::Number(count), ..Means::default() });
-    let terms = (0..=RESIDUAL_TERMS).map(|count| Means { residual_terms: Some(count), ..Means::default() });
-    modes.into_iter().chain(actuators).chain(terms).chain([Means::default()]).collect()
+    let modes = MODES.map(|count| Means {
+        modes: Count::Number(count),
+        ..Means::default()
+    });
+    let actuators = ACTUATORS.map(|count| Means {
+        actuators: Count::Number(count),
+        ..Means::default()
+    });
+    let terms = (0..=RESIDUAL_TERMS).map(|count| Means {
+        residual_terms: Some(count),
+        ..Means::default()
+    });
+    modes
+        .into_iter()
+        .chain(actuators)
+        .chain(terms)
+        .chain([Means::default()])
+        .collect()
 }
 
 fn text(rows: &[SceneRow]) -> String {
-    const HEADER: [&str; 13] =
-        ["scene", "method", "modes", "actuators", "time, ms", "kappa", "points", "hot", "cold", "total", "drifted", "touched", "force, mN"];
+    const HEADER: [&str; 13] = [
+        "scene",
+        "method",
+        "modes",
+        "actuators",
+        "time, ms",
+        "kappa",
+        "points",
+        "hot",
+        "cold",
+        "total",
+        "drifted",
+        "touched",
+        "force, mN",
+    ];
     let cells: Vec<Vec<String>> = rows
         .iter()
         .map(|row| {
             let drive = &row.drive;
             let asked = row.name();
-            let method = if row.asked.to_string() == drive.method { asked } else { format!("{asked} ({})", drive.method) };
-            let ratios = [drive.points.total, drive.window.hot, drive.window.cold, drive.window.total, drive.drifted[0], drive.touched];
-            [row.case.name.to_owned(), method, drive.modes.to_string(), drive.actuators.to_string()]
-                .into_iter()
-                .chain([significant(1e3 * drive.time_s[0], 3), shown(drive.kappa, 2)])
-                .chain(ratios.map(|ratio| shown(ratio, 3)))
-                .chain([significant(1e3 * drive.max_force_n, 3)])
-                .collect()
+            let method = if row.asked.to_string() == drive.method {
+                asked
+            } else {
+                format!("{asked} ({})", drive.method)
+            };
+            let ratios = [
+                drive.points.total,
+                drive.window.hot,
+                drive.window.cold,
+                drive.window.total,
+                drive.drifted[0],
+                drive.touched,
+            ];
+            [
+                row.case.name.to_owned(),
+                method,
+                drive.modes.to_string(),
+                drive.actuators.to_string(),
+            ]
+            .into_iter()
+            .chain([significant(1e3 * drive.time_s[0], 3), shown(drive.kappa, 2)])
+            .chain(ratios.map(|ratio| shown(ratio, 3)))
+            .chain([significant(1e3 * drive.max_force_n, 3)])
+            .collect()
         })
         .collect();
     table(&HEADER, &cells)

@@ -30,7 +30,11 @@ pub struct Args {
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     args.place.prepare(&[TABLE], console)?;
     let rows = kernels(args.place.quick, &|stage| console.stage(stage));
-    let files = args.place.write(&[(TABLE, kernels_csv(&rows))], &[kernels_figure(&rows)], console)?;
+    let files = args.place.write(
+        &[(TABLE, kernels_csv(&rows))],
+        &[kernels_figure(&rows)],
+        console,
+    )?;
     let mut backends: Vec<&str> = rows.iter().map(|row| row.backend).collect();
     backends.sort_unstable();
     backends.dedup();
@@ -42,9 +46,33 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         "warnings": console.warnings(),
     });
     let cells = rows.iter().map(|row| {
-        let numbers = [shown(1e3 * row.time_s[0], 3), shown(1e3 * row.time_s[1], 3), shown(1e-9 * row.flop_per_s, 2)];
-        [row.kernel.to_owned(), row.size.clone(), row.backend.to_owned()].into_iter().chain(numbers).chain([row.about.to_owned()]).collect()
+        let numbers = [
+            shown(1e3 * row.time_s[0], 3),
+            shown(1e3 * row.time_s[1], 3),
+            shown(1e-9 * row.flop_per_s, 2),
+        ];
+        [
+            row.kernel.to_owned(),
+            row.size.clone(),
+            row.backend.to_owned(),
+        ]
+        .into_iter()
+        .chain(numbers)
+        .chain([row.about.to_owned()])
+        .collect()
     });
-    let header = ["kernel", "size", "back end", "time, ms", "least", "Gflop/s", "what uses it"];
-    Ok(Outcome::written(&args.place.output, json, table(&header, &cells.collect::<Vec<Vec<String>>>())))
+    let header = [
+        "kernel",
+        "size",
+        "back end",
+        "time, ms",
+        "least",
+        "Gflop/s",
+        "what uses it",
+    ];
+    Ok(Outcome::written(
+        &args.place.output,
+        json,
+        table(&header, &cells.collect::<Vec<Vec<String>>>()),
+    ))
 }

@@ -6,8 +6,8 @@ use crate::outcome::Outcome;
 use crate::output::{Output, FRF, MODEL};
 use crate::table::table;
 use chladni_bench::{
-    calibration, calibration_csv, failures_csv, stability, stability_csv, stability_figures, Calibration, Map, Solver, StabilityOptions,
-    StabilityRow, MAPS,
+    calibration, calibration_csv, failures_csv, stability, stability_csv, stability_figures,
+    Calibration, Map, Solver, StabilityOptions, StabilityRow, MAPS,
 };
 use chladni_frf::io::{write_contents, write_model, Contents};
 use chladni_frf::Result;
@@ -16,7 +16,11 @@ use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// The tables: cells, tries that went wrong, calibration.
-const TABLES: [&str; 3] = ["stability.csv", "stability-failures.csv", "stability-calibration.csv"];
+const TABLES: [&str; 3] = [
+    "stability.csv",
+    "stability-failures.csv",
+    "stability-calibration.csv",
+];
 /// Tries of a full run in each cell.
 const SEEDS: u32 = 8;
 /// Tries of a quick run.
@@ -43,7 +47,8 @@ An interrupted run goes on where it stopped.")]
 pub struct Args {
     #[command(flatten)]
     place: Place,
-    /// Methods to run; may be repeated [default: all of identification, and default, mls, fast of rendering; quick: auto, default]
+    /// Methods to run; may be repeated [default: all of identification, and default, mls,
+    /// fast of rendering; quick: auto, default]
     #[arg(long = "method", value_name = "METHOD", value_parser = PossibleValuesParser::new(Solver::names())
         .try_map(|name| Solver::named(&name).ok_or("no such method")))]
     methods: Vec<Solver>,
@@ -51,13 +56,15 @@ pub struct Args {
     #[arg(long = "case", value_name = "MAP", value_parser = PossibleValuesParser::new(MAPS.map(|map| map.name))
         .try_map(|name| Map::named(&name).ok_or("no such map")))]
     maps: Vec<&'static Map>,
-    /// Tries in each cell with the default methods; others take a quarter of them [default: 8; quick: 2]
+    /// Tries in each cell with the default methods; others take a quarter of them
+    /// [default: 8; quick: 2]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     seeds: Option<u32>,
     /// First seed; the others follow it
     #[arg(long, value_name = "S", default_value_t = 0)]
     seed: u64,
-    /// Also write the FRFs and the truth of the first fits that went wrong without a word: silent-MAP-X-Y-SEED.h5 and .json
+    /// Also write the FRFs and the truth of the first fits that went wrong without a
+    /// word: silent-MAP-X-Y-SEED.h5 and .json
     #[arg(long)]
     export_silent: bool,
 }
@@ -70,21 +77,41 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     args.place.prepare(&TABLES, console)?;
     let quick = args.place.quick;
     let options = StabilityOptions {
-        maps: if args.maps.is_empty() { MAPS.iter().collect() } else { args.maps.clone() },
-        solvers: if args.methods.is_empty() { methods(quick) } else { args.methods.clone() },
-        seeds: args.seeds.unwrap_or(if quick { QUICK_SEEDS } else { SEEDS }) as usize,
+        maps: if args.maps.is_empty() {
+            MAPS.iter().collect()
+        } else {
+            args.maps.clone()
+        },
+        solvers: if args.methods.is_empty() {
+            methods(quick)
+        } else {
+            args.methods.clone()
+        },
+        seeds: args
+            .seeds
+            .unwrap_or(if quick { QUICK_SEEDS } else { SEEDS }) as usize,
         first_seed: args.seed,
         coarse: quick,
     };
     let names: Vec<&str> = options.maps.iter().map(|map| map.name).collect();
-    let purpose = format!("{names:?} {:?} {} {} {quick}", options.solvers, options.seeds, options.first_seed);
+    let purpose = format!(
+        "{names:?} {:?} {} {} {quick}",
+        options.solvers, options.seeds, options.first_seed
+    );
     let mut journal = args.place.journal("stability", &purpose, console)?;
     let rows = stability(&options, &mut journal, &|stage| console.stage(stage))?;
     let calibrations = calibration(&rows);
-    let tables = [(TABLES[0], stability_csv(&rows)), (TABLES[1], failures_csv(&rows)), (TABLES[2], calibration_csv(&calibrations))];
+    let tables = [
+        (TABLES[0], stability_csv(&rows)),
+        (TABLES[1], failures_csv(&rows)),
+        (TABLES[2], calibration_csv(&calibrations)),
+    ];
     let figures = stability_figures(&rows, &calibrations);
     let mut files = args.place.write(&tables, &figures, console)?;
-    files.push(args.place.page("stability", "Where methods fail", WORDS, &figures, console)?);
+    files.push(
+        args.place
+            .page("stability", "Where methods fail", WORDS, &figures, console)?,
+    );
     journal.finish();
     if args.export_silent {
         files.extend(export_silent(&rows, &args.place.output, console)?);
@@ -100,26 +127,54 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         "warnings": console.warnings(),
     });
     let folder = args.place.output.display();
-    Ok(Outcome::written(&args.place.output, json, format!("{}\nthe rest stands in {folder}/stability.csv\n", text(&calibrations))))
+    Ok(Outcome::written(
+        &args.place.output,
+        json,
+        format!(
+            "{}\nthe rest stands in {folder}/stability.csv\n",
+            text(&calibrations)
+        ),
+    ))
 }
 
 /// The methods of a run that names none.
 fn methods(quick: bool) -> Vec<Solver> {
-    let beside = |solver: &Solver| solver.identifies() || ["mls", "fast"].contains(&solver.to_string().as_str());
-    Solver::all().into_iter().filter(|solver| solver.is_default() || (!quick && beside(solver))).collect()
+    let beside = |solver: &Solver| {
+        solver.identifies() || ["mls", "fast"].contains(&solver.to_string().as_str())
+    };
+    Solver::all()
+        .into_iter()
+        .filter(|solver| solver.is_default() || (!quick && beside(solver)))
+        .collect()
 }
 
-/// Writes the measurements of silent failures, so that they can be fitted and looked at as any other.
+/// Writes the measurements of silent failures, so that they can be fitted and looked at
+/// as any other.
 fn export_silent(rows: &[StabilityRow], folder: &Path, console: &Console) -> Result<Vec<PathBuf>> {
-    let silent = rows.iter().filter(|row| row.map.identifies()).flat_map(|row| row.silent().map(move |(seed, _)| (row, *seed)));
+    let silent = rows
+        .iter()
+        .filter(|row| row.map.identifies())
+        .flat_map(|row| row.silent().map(move |(seed, _)| (row, *seed)));
     let mut files: Vec<PathBuf> = Vec::new();
     for (row, seed) in silent {
-        let stem = format!("silent-{}-{}-{}-{seed}", row.map.name, row.cell[0], row.cell[1]);
-        let [frf, truth] = ["h5", "json"].map(|extension| folder.join(format!("{stem}.{extension}")));
-        let Some((measured, problem)) = row.measurement(seed)?.filter(|_| !files.contains(&frf)) else { continue };
-        let contents = Contents { frf: Some(measured), ..Contents::default() };
-        Output::new(&frf, FRF, &[], console)?.write(|path, force| write_contents(path, &contents, force))?;
-        Output::new(&truth, MODEL, &[], console)?.write(|path, force| write_model(path, &problem.truth, force))?;
+        let stem = format!(
+            "silent-{}-{}-{}-{seed}",
+            row.map.name, row.cell[0], row.cell[1]
+        );
+        let [frf, truth] =
+            ["h5", "json"].map(|extension| folder.join(format!("{stem}.{extension}")));
+        let Some((measured, problem)) = row.measurement(seed)?.filter(|_| !files.contains(&frf))
+        else {
+            continue;
+        };
+        let contents = Contents {
+            frf: Some(measured),
+            ..Contents::default()
+        };
+        Output::new(&frf, FRF, &[], console)?
+            .write(|path, force| write_contents(path, &contents, force))?;
+        Output::new(&truth, MODEL, &[], console)?
+            .write(|path, force| write_model(path, &problem.truth, force))?;
         files.extend([frf, truth]);
         if files.len() >= 2 * EXPORTED {
             break;
@@ -129,19 +184,44 @@ fn export_silent(rows: &[StabilityRow], folder: &Path, console: &Console) -> Res
 }
 
 fn text(calibrations: &[Calibration]) -> String {
-    const HEADER: [&str; 10] =
-        ["map", "method", "right", "warned", "wrong, said", "wrong, silent", "of these hidden", "said, %", "f covered", "η covered"];
+    const HEADER: [&str; 10] = [
+        "map",
+        "method",
+        "right",
+        "warned",
+        "wrong, said",
+        "wrong, silent",
+        "of these hidden",
+        "said, %",
+        "f covered",
+        "η covered",
+    ];
     let cells: Vec<Vec<String>> = calibrations
         .iter()
         .map(|c| {
-            let counts = [c.quiet, c.false_alarms, c.announced, c.silent, c.silent_hidden].map(|count| count.to_string());
-            let shares = [shown(100.0 * c.announced_share(), 1), shown(c.frequency_coverage[1], 3), shown(c.loss_factor_coverage[1], 3)];
-            let names = [c.map.map_or("all", |map| map.name).to_owned(), c.solver.to_string()];
+            let counts = [
+                c.quiet,
+                c.false_alarms,
+                c.announced,
+                c.silent,
+                c.silent_hidden,
+            ]
+            .map(|count| count.to_string());
+            let shares = [
+                shown(100.0 * c.announced_share(), 1),
+                shown(c.frequency_coverage[1], 3),
+                shown(c.loss_factor_coverage[1], 3),
+            ];
+            let names = [
+                c.map.map_or("all", |map| map.name).to_owned(),
+                c.solver.to_string(),
+            ];
             names.into_iter().chain(counts).chain(shares).collect()
         })
         .collect();
     format!(
-        "tries that are right, right with a warning or a weak mode, wrong and said so, wrong without a word (hidden: the data do not show the mode)\n{}",
+        "tries that are right, right with a warning or a weak mode, wrong and said so, wrong \
+         without a word (hidden: the data do not show the mode)\n{}",
         table(&HEADER, &cells)
     )
 }

@@ -1,4 +1,5 @@
-//! Speed against accuracy on the demonstration's own FRFs: a few methods, one fit each, beside what the noise allows.
+//! Speed against accuracy on the demonstration's own FRFs: a few methods, one fit each,
+//! beside what the noise allows.
 
 use crate::console::Console;
 use crate::truth::Comparison;
@@ -8,12 +9,21 @@ use chladni_report::Table;
 use chladni_rfp::{fit, FitOptions, Method};
 use std::time::Instant;
 
-/// Beside `auto`, which the demonstration runs anyway: the methods that take less time than it does, so that it stays a matter of seconds.
-const METHODS: [Method; 5] = [Method::Lean, Method::Vf, Method::Lscf, Method::Peak, Method::Circle];
-/// Powers of ω of the residual terms that any fit of a band must leave free (`docs/theory.md`, eq. 5).
+/// Beside `auto`, which the demonstration runs anyway: the methods that take less time
+/// than it does, so that it stays a matter of seconds.
+const METHODS: [Method; 5] = [
+    Method::Lean,
+    Method::Vf,
+    Method::Lscf,
+    Method::Peak,
+    Method::Circle,
+];
+/// Powers of ω of the residual terms that any fit of a band must leave free
+/// (`docs/theory.md`, eq. 5).
 const RESIDUAL_POWERS: [i32; 4] = [-2, 0, 2, 4];
 
-/// A row for `auto`, which took `auto_s` seconds for `model`, and for each other method; columns as `chladni bench accuracy` names them.
+/// A row for `auto`, which took `auto_s` seconds for `model`, and for each other method;
+/// columns as `chladni bench accuracy` names them.
 ///
 /// # Errors
 /// None for the built-in panel: a fit that cannot be made has no row.
@@ -25,9 +35,12 @@ pub fn speed_against_accuracy(
     auto_s: f64,
     console: &Console,
 ) -> Result<Table> {
-    let FrfValues::F64(values) = &frf.values else { return Ok(Table::default()) };
+    let FrfValues::F64(values) = &frf.values else {
+        return Ok(Table::default());
+    };
     let variance = mean_square(values) * 10f64.powf(-snr_db / 10.0);
-    let bounds_hz = cramer_rao(truth, &frf.frequency_hz, variance, &RESIDUAL_POWERS)?.frequency_std_hz;
+    let bounds_hz =
+        cramer_rao(truth, &frf.frequency_hz, variance, &RESIDUAL_POWERS)?.frequency_std_hz;
     let known: Vec<&Mode> = truth.in_band_modes().collect();
     let row = |method: Method, time_s: f64, model: &ModalModel| {
         let comparison = Comparison::new(model, truth);
@@ -37,24 +50,49 @@ pub fn speed_against_accuracy(
             .iter()
             .zip(&known)
             .zip(&bounds_hz)
-            .map(|((error, mode), bound)| error.unwrap_or(0.5 * mode.loss_factor * mode.frequency_hz) / bound);
-        let error = (over_bound.map(|ratio| ratio * ratio).sum::<f64>() / known.len() as f64).sqrt();
+            .map(|((error, mode), bound)| {
+                error.unwrap_or(0.5 * mode.loss_factor * mode.frequency_hz) / bound
+            });
+        let error =
+            (over_bound.map(|ratio| ratio * ratio).sum::<f64>() / known.len() as f64).sqrt();
         let counts = [comparison.missed, comparison.spurious].map(|count| count.to_string());
-        ["panel of the demonstration".into(), method.to_string(), format!("{time_s:.3}"), format!("{error:.3}")]
-            .into_iter()
-            .chain(counts)
-            .collect()
+        [
+            "panel of the demonstration".into(),
+            method.to_string(),
+            format!("{time_s:.3}"),
+            format!("{error:.3}"),
+        ]
+        .into_iter()
+        .chain(counts)
+        .collect()
     };
     let mut rows = vec![row(Method::Auto, auto_s, model)];
     for method in METHODS {
         console.stage(&format!("speed against accuracy: {method}"));
         // `lean` is for those who know the order
-        let options = FitOptions { method, modes: (method == Method::Lean).then_some(known.len()), ..FitOptions::default() };
+        let options = FitOptions {
+            method,
+            modes: (method == Method::Lean).then_some(known.len()),
+            ..FitOptions::default()
+        };
         let start = Instant::now();
         let fitted = fit(frf, &options, &|_| {});
         let time_s = start.elapsed().as_secs_f64();
         rows.extend(fitted.ok().map(|fitted| row(method, time_s, &fitted.model)));
     }
-    let header = ["case", "method", "time_s", "frequency_rmse_over_crlb", "missed", "spurious"].map(String::from).to_vec();
-    Ok(Table { name: "Speed against accuracy".into(), header, rows })
+    let header = [
+        "case",
+        "method",
+        "time_s",
+        "frequency_rmse_over_crlb",
+        "missed",
+        "spurious",
+    ]
+    .map(String::from)
+    .to_vec();
+    Ok(Table {
+        name: "Speed against accuracy".into(),
+        header,
+        rows,
+    })
 }

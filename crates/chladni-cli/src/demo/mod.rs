@@ -32,8 +32,12 @@ const SCENES: usize = 4;
 /// Least share of hot ground that is felt, and of cold ground that is quiet.
 const LEAST_RATIO: f64 = 0.95;
 
-/// What the first scene goes through beside being rendered, as by `chladni render --stress --sweep 280:320`.
-const TRIALS: Trials = Trials { stress_seed: Some(1), sweep_hz: Some([280.0, 320.0]) };
+/// What the first scene goes through beside being rendered, as by `chladni render
+/// --stress --sweep 280:320`.
+const TRIALS: Trials = Trials {
+    stress_seed: Some(1),
+    sweep_hz: Some([280.0, 320.0]),
+};
 
 /// Arguments of `demo`.
 #[derive(Debug, clap::Args)]
@@ -77,21 +81,33 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let panel = Panel::from_toml(PANEL, MEMORY_BYTES)?;
     let (frf, truth) = measure(&files, &panel, console)?;
     let (model, time_s) = identify(&files, &frf, console)?;
-    let scenes: Vec<Judged> = (0..SCENES).map(|k| render_one(&files, k, &model, &truth, console)).collect::<Result<_>>()?;
-    let methods = methods::speed_against_accuracy(&frf, &truth, panel.frf.snr_db, &model, time_s, console)?;
+    let scenes: Vec<Judged> = (0..SCENES)
+        .map(|k| render_one(&files, k, &model, &truth, console))
+        .collect::<Result<_>>()?;
+    let methods =
+        methods::speed_against_accuracy(&frf, &truth, panel.frf.snr_db, &model, time_s, console)?;
     console.stage("report");
     let page = html(&ReportInput {
         title: "Chladni demonstration".into(),
         model: Some(&model),
         measured: Some(&frf),
-        scenes: scenes.iter().map(|scene| RenderedScene::of_rendering(&scene.rendering).with_curves(Some(&scene.curves))).collect(),
+        scenes: scenes
+            .iter()
+            .map(|scene| {
+                RenderedScene::of_rendering(&scene.rendering).with_curves(Some(&scene.curves))
+            })
+            .collect(),
         tables: vec![methods],
         ..ReportInput::default()
     })?;
     write_page(&Output::new(&files.report, HTML, &[], console)?, &page)?;
 
     let comparison = Comparison::new(&model, &truth);
-    let doubts: Vec<String> = comparison.complaint().into_iter().chain(unmet(&scenes)).collect();
+    let doubts: Vec<String> = comparison
+        .complaint()
+        .into_iter()
+        .chain(unmet(&scenes))
+        .collect();
     let doubt = (!doubts.is_empty()).then(|| doubts.join("; "));
     console.finish();
     console.times();
@@ -102,7 +118,11 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
 impl Files {
     /// Makes the folder, and refuses to overwrite anything without `--force`.
     fn new(folder: &Path, console: &Console) -> Result<Self> {
-        let numbered = |stem: &str, extension: &str| (1..=SCENES).map(|k| folder.join(format!("{stem}-{k}.{extension}"))).collect();
+        let numbered = |stem: &str, extension: &str| {
+            (1..=SCENES)
+                .map(|k| folder.join(format!("{stem}-{k}.{extension}")))
+                .collect()
+        };
         let files = Self {
             panel: folder.join("panel.h5"),
             truth: folder.join("truth.json"),
@@ -119,7 +139,11 @@ impl Files {
     }
 
     fn all(&self) -> impl Iterator<Item = &PathBuf> {
-        [&self.panel, &self.truth, &self.model].into_iter().chain(&self.scenes).chain(&self.weights).chain([&self.report])
+        [&self.panel, &self.truth, &self.model]
+            .into_iter()
+            .chain(&self.scenes)
+            .chain(&self.weights)
+            .chain([&self.report])
     }
 }
 
@@ -129,42 +153,87 @@ fn measure(files: &Files, panel: &Panel, console: &Console) -> Result<(FrfSet, M
     let simulation = simulate(panel, None, None)?;
     console.warn_all(simulation.warnings);
     console.stage("writing the FRFs");
-    let contents = Contents { frf: Some(simulation.frf), ..Contents::default() };
-    Output::new(&files.panel, FRF, &[], console)?.write(|path, force| write_contents(path, &contents, force))?;
-    Output::new(&files.truth, MODEL, &[], console)?.write(|path, force| write_model(path, &simulation.truth, force))?;
-    let frf = contents.frf.ok_or_else(|| Error::new(ErrorKind::Internal, "the simulated FRFs are gone"))?;
+    let contents = Contents {
+        frf: Some(simulation.frf),
+        ..Contents::default()
+    };
+    Output::new(&files.panel, FRF, &[], console)?
+        .write(|path, force| write_contents(path, &contents, force))?;
+    Output::new(&files.truth, MODEL, &[], console)?
+        .write(|path, force| write_model(path, &simulation.truth, force))?;
+    let frf = contents
+        .frf
+        .ok_or_else(|| Error::new(ErrorKind::Internal, "the simulated FRFs are gone"))?;
     Ok((frf, simulation.truth))
 }
 
-/// Fits the FRFs and writes the model, as `chladni fit panel.h5 -o model.json` does; the model, and the seconds that the fit took.
+/// Fits the FRFs and writes the model, as `chladni fit panel.h5 -o model.json` does; the
+/// model, and the seconds that the fit took.
 fn identify(files: &Files, frf: &FrfSet, console: &Console) -> Result<(ModalModel, f64)> {
     let options = FitOptions::default();
     let sources = vec![source(&files.panel)?];
     let start = Instant::now();
-    let model = fit_model(frf, &options, sources, echo_of(&options), Vec::new(), &files.panel, console)?;
+    let model = fit_model(
+        frf,
+        &options,
+        sources,
+        echo_of(&options),
+        Vec::new(),
+        &files.panel,
+        console,
+    )?;
     let time_s = start.elapsed().as_secs_f64();
     console.warn_all(model.quality.warnings.iter().cloned());
-    Output::new(&files.model, MODEL, &[], console)?.write(|path, force| write_model(path, &model, force))?;
+    Output::new(&files.model, MODEL, &[], console)?
+        .write(|path, force| write_model(path, &model, force))?;
     Ok((model, time_s))
 }
 
-/// Writes a scene, renders it by the fitted model, and judges the weights on the panel itself.
-fn render_one(files: &Files, k: usize, model: &ModalModel, truth: &ModalModel, console: &Console) -> Result<Judged> {
+/// Writes a scene, renders it by the fitted model, and judges the weights on the panel
+/// itself.
+fn render_one(
+    files: &Files,
+    k: usize,
+    model: &ModalModel,
+    truth: &ModalModel,
+    console: &Console,
+) -> Result<Judged> {
     console.stage("rendering four scenes");
     let text = scene_text(k + 1);
     Output::new(&files.scenes[k], SCENE, &[], console)?
         .write(|path, force| write_atomically(path, force, |out| out.write_all(text.as_bytes())))?;
     let scene = Scene::read(&files.scenes[k])?;
     let options = RenderOptions::default();
-    let mut rendering = render_scene(model, &scene, &options, None, vec![source(&files.model)?, source(&files.scenes[k])?])?;
+    let mut rendering = render_scene(
+        model,
+        &scene,
+        &options,
+        None,
+        vec![source(&files.model)?, source(&files.scenes[k])?],
+    )?;
     if k == 0 {
         TRIALS.on(&mut rendering.weights, model, &scene, &options, console)?;
     }
-    console.warn_all(rendering.weights.warnings.iter().map(|warning| format!("scene-{}.toml: {warning}", k + 1)));
-    write_weights(&Output::new(&files.weights[k], WEIGHTS, &[], console)?, &rendering.weights)?;
-    let on_panel = evaluate(&rendering.weights, &scene, On::Model(truth))?.indices.points;
+    console.warn_all(
+        rendering
+            .weights
+            .warnings
+            .iter()
+            .map(|warning| format!("scene-{}.toml: {warning}", k + 1)),
+    );
+    write_weights(
+        &Output::new(&files.weights[k], WEIGHTS, &[], console)?,
+        &rendering.weights,
+    )?;
+    let on_panel = evaluate(&rendering.weights, &scene, On::Model(truth))?
+        .indices
+        .points;
     let curves = curves(model, &scene, &rendering.weights)?;
-    Ok(Judged { rendering, curves, on_panel })
+    Ok(Judged {
+        rendering,
+        curves,
+        on_panel,
+    })
 }
 
 fn scene_text(hot: usize) -> String {
@@ -193,13 +262,40 @@ max_force_n = 0.1
 
 /// Scenes whose hot or cold ratio is too low, in the model or on the panel.
 fn unmet(scenes: &[Judged]) -> Vec<String> {
-    let least = |scene: &Judged| scene.rendering.weights.indices.points.min_ratio.min(scene.on_panel.min_ratio);
-    let low = scenes.iter().enumerate().filter(|(_, scene)| least(scene) < LEAST_RATIO);
-    low.map(|(k, scene)| format!("scene {}: a hot or cold ratio of {:.3} is below {LEAST_RATIO}", k + 1, least(scene))).collect()
+    let least = |scene: &Judged| {
+        scene
+            .rendering
+            .weights
+            .indices
+            .points
+            .min_ratio
+            .min(scene.on_panel.min_ratio)
+    };
+    let low = scenes
+        .iter()
+        .enumerate()
+        .filter(|(_, scene)| least(scene) < LEAST_RATIO);
+    low.map(|(k, scene)| {
+        format!(
+            "scene {}: a hot or cold ratio of {:.3} is below {LEAST_RATIO}",
+            k + 1,
+            least(scene)
+        )
+    })
+    .collect()
 }
 
-fn json(args: &Args, files: &Files, comparison: &Comparison, scenes: &[Judged], warnings: &[String]) -> Value {
-    let name = |path: &PathBuf| path.file_name().map(|name| name.to_string_lossy().into_owned());
+fn json(
+    args: &Args,
+    files: &Files,
+    comparison: &Comparison,
+    scenes: &[Judged],
+    warnings: &[String],
+) -> Value {
+    let name = |path: &PathBuf| {
+        path.file_name()
+            .map(|name| name.to_string_lossy().into_owned())
+    };
     let spread = |sorted: &[f64]| json!({"worst": sorted.last(), "median": median(sorted)});
     let scene = |(k, scene): (usize, &Judged)| {
         json!({
@@ -225,26 +321,58 @@ fn text(args: &Args, comparison: &Comparison, scenes: &[Judged]) -> String {
     let found = comparison.known - comparison.missed;
     let percent = |error: f64| format!("{:.1e} %", 100.0 * error);
     let row = |name: &str, sorted: &[f64]| {
-        vec![name.into(), sorted.last().map_or_else(String::new, |&worst| percent(worst)), percent(median(sorted))]
+        vec![
+            name.into(),
+            sorted
+                .last()
+                .map_or_else(String::new, |&worst| percent(worst)),
+            percent(median(sorted)),
+        ]
     };
     let errors = table(
         &["against the known truth", "worst error", "median error"],
-        &[row("natural frequency", &comparison.frequency), row("loss factor", &comparison.loss_factor)],
+        &[
+            row("natural frequency", &comparison.frequency),
+            row("loss factor", &comparison.loss_factor),
+        ],
     );
     let ratios = |k: usize, place: &str, points: &PointIndices| {
-        let ratios = [points.hot_ratio, points.cold_ratio, points.success_ratio, points.silence_ratio];
-        [k.to_string(), place.into()].into_iter().chain(ratios.map(|ratio| format!("{ratio:.3}"))).collect::<Vec<String>>()
+        let ratios = [
+            points.hot_ratio,
+            points.cold_ratio,
+            points.success_ratio,
+            points.silence_ratio,
+        ];
+        [k.to_string(), place.into()]
+            .into_iter()
+            .chain(ratios.map(|ratio| format!("{ratio:.3}")))
+            .collect::<Vec<String>>()
     };
     let rows: Vec<Vec<String>> = scenes
         .iter()
         .enumerate()
-        .flat_map(|(k, scene)| [ratios(k + 1, "model", &scene.rendering.weights.indices.points), ratios(k + 1, "panel", &scene.on_panel)])
+        .flat_map(|(k, scene)| {
+            [
+                ratios(k + 1, "model", &scene.rendering.weights.indices.points),
+                ratios(k + 1, "panel", &scene.on_panel),
+            ]
+        })
         .collect();
     format!(
         "{found} of {} modes found, {}\n{errors}\n{}\n{}/report.html shows it\n",
         comparison.known,
         counted(comparison.spurious, "spurious mode"),
-        table(&["scene", "judged in the", "hot", "cold", "success", "silence"], &rows),
+        table(
+            &[
+                "scene",
+                "judged in the",
+                "hot",
+                "cold",
+                "success",
+                "silence"
+            ],
+            &rows
+        ),
         args.output.display()
     )
 }

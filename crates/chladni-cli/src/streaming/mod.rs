@@ -1,4 +1,5 @@
-//! Fits of data larger than memory: passes over the files part by part, each part reduced and forgotten.
+//! Fits of data larger than memory: passes over the files part by part, each part reduced
+//! and forgotten.
 
 mod resume;
 
@@ -15,14 +16,19 @@ use std::sync::mpsc::sync_channel;
 use std::thread;
 use std::time::Instant;
 
-/// Parts that fit into the memory allowed: as many as there are lanes are held, and what the passes leave needs room beside them.
+/// Parts that fit into the memory allowed: as many as there are lanes are held, and what
+/// the passes leave needs room beside them.
 const PARTS_OF_MEMORY: u64 = 32;
-/// Bytes of a part beyond which larger ones are no faster: merging costs less, memory that no part was in yet more (16, 32 and 64 MiB).
+/// Bytes of a part beyond which larger ones are no faster: merging costs less, memory
+/// that no part was in yet more (16, 32 and 64 MiB).
 const PART_MOST: u64 = 16 << 20;
-/// Parts at work at a time beyond one for each thread: while one waits for the disk or for its turn, the others are reduced. A fit of 3 GiB on two
-/// cores took 6.1 to 6.6 s with two parts in all, 5.6 to 5.7 with four, 5.0 to 5.4 with five, 5.1 to 5.6 with six.
+/// Parts at work at a time beyond one for each thread: while one waits for the disk or
+/// for its turn, the others are reduced. A fit of 3 GiB on two cores took 6.1 to 6.6 s
+/// with two parts in all, 5.6 to 5.7 with four, 5.0 to 5.4 with five, 5.1 to 5.6 with
+/// six.
 const LANES_WAITING: usize = 3;
-/// Most parts at work at a time: half of [`PARTS_OF_MEMORY`], whatever the number of threads.
+/// Most parts at work at a time: half of [`PARTS_OF_MEMORY`], whatever the number of
+/// threads.
 const LANES_MOST: usize = 16;
 /// Most parts of a pilot, and of how many parts it takes one.
 const PILOT_PARTS: usize = 8;
@@ -51,13 +57,27 @@ impl<'a> Stream<'a> {
     ///
     /// # Errors
     /// Those of reading; a file that cannot be cut.
-    pub fn new(data: FrfParts, files: &[PathBuf], memory: u64, options: &'a FitOptions, console: &'a Console) -> Result<Self> {
+    pub fn new(
+        data: FrfParts,
+        files: &[PathBuf],
+        memory: u64,
+        options: &'a FitOptions,
+        console: &'a Console,
+    ) -> Result<Self> {
         let parts = data.parts((memory / PARTS_OF_MEMORY).min(PART_MOST))?;
         let checksums = data.checksums(files);
-        Ok(Self { data, parts, files: files.to_vec(), checksums, options, console })
+        Ok(Self {
+            data,
+            parts,
+            files: files.to_vec(),
+            checksums,
+            options,
+            console,
+        })
     }
 
-    /// Runs `work`, which makes passes, and with it or beside it the checksums of the files.
+    /// Runs `work`, which makes passes, and with it or beside it the checksums of the
+    /// files.
     ///
     /// # Errors
     /// Those of either.
@@ -68,9 +88,16 @@ impl<'a> Stream<'a> {
         }
         let files = self.files.clone();
         // not scoped: an error of `work` need not wait for the end of the files
-        let sources = thread::spawn(move || files.iter().map(|file| source(file)).collect::<Result<Vec<_>>>());
+        let sources = thread::spawn(move || {
+            files
+                .iter()
+                .map(|file| source(file))
+                .collect::<Result<Vec<_>>>()
+        });
         let made = work()?;
-        let sources = sources.join().map_err(|_| Error::new(ErrorKind::Internal, "the thread of the checksums failed"))?;
+        let sources = sources
+            .join()
+            .map_err(|_| Error::new(ErrorKind::Internal, "the thread of the checksums failed"))?;
         Ok((made, sources?))
     }
 
@@ -83,14 +110,32 @@ impl<'a> Stream<'a> {
     ///
     /// # Errors
     /// Those of reading, of a fit that cannot be made, and of keeping what was done.
-    pub fn pass(&self, reducer: &Reducer, before: Option<Partial>, resume: &mut Resume) -> Result<Partial> {
-        self.console.stage(if reducer.is_second() { "second pass over the data" } else { "first pass over the data" });
+    pub fn pass(
+        &self,
+        reducer: &Reducer,
+        before: Option<Partial>,
+        resume: &mut Resume,
+    ) -> Result<Partial> {
+        self.console.stage(if reducer.is_second() {
+            "second pass over the data"
+        } else {
+            "first pass over the data"
+        });
         let held = |number: u64| before.as_ref().is_some_and(|before| before.holds(number));
-        let open: Vec<(u64, &Part)> = (0..).zip(&self.parts).filter(|(number, _)| !held(*number)).collect();
-        let all: f64 = open.iter().map(|(_, part)| self.data.part_bytes(part) as f64).sum();
+        let open: Vec<(u64, &Part)> = (0..)
+            .zip(&self.parts)
+            .filter(|(number, _)| !held(*number))
+            .collect();
+        let all: f64 = open
+            .iter()
+            .map(|(_, part)| self.data.part_bytes(part) as f64)
+            .sum();
         let (start, mut done) = (Instant::now(), 0.0);
         let mut merged = before;
-        let checksums = self.checksums.as_ref().filter(|checksums| checksums.begin());
+        let checksums = self
+            .checksums
+            .as_ref()
+            .filter(|checksums| checksums.begin());
         let count = (rayon::current_num_threads() + LANES_WAITING).min(LANES_MOST);
         thread::scope(|scope| {
             let lane = |first: usize| {
@@ -100,13 +145,18 @@ impl<'a> Stream<'a> {
                     let mut spare = None;
                     let mut run = || {
                         for (number, part) in open.iter().enumerate().skip(first).step_by(count) {
-                            let turn = checksums.map(|checksums| data.turn(checksums, number, part.1));
-                            if sender.send(reduced(data, options, reducer, part, turn, &mut spare)).is_err() {
+                            let turn =
+                                checksums.map(|checksums| data.turn(checksums, number, part.1));
+                            if sender
+                                .send(reduced(data, options, reducer, part, turn, &mut spare))
+                                .is_err()
+                            {
                                 break;
                             }
                         }
                     };
-                    // a part to each thread: shared out, its short products would wait for others to wake
+                    // a part to each thread: shared out, its short products would wait
+                    // for others to wake
                     match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
                         Ok(alone) => alone.install(run),
                         Err(_) => run(),
@@ -119,16 +169,21 @@ impl<'a> Stream<'a> {
             let mut take_all = || {
                 for ((_, part), lane) in open.iter().zip(lanes.iter().cycle()) {
                     let file = self.data.file(part);
-                    let Ok(made) = lane.recv() else { return Ok(false) }; // it panicked: so does the scope
+                    let Ok(made) = lane.recv() else {
+                        return Ok(false);
+                    }; // it panicked: so does the scope
                     let (partial, warnings) = made?;
                     self.console.warn_all(warnings);
                     let partial = partial?;
                     merged = Some(match merged.take() {
-                        Some(merged) => Partial::merge([merged, partial]).map_err(|error| error.file(file))?,
+                        Some(merged) => {
+                            Partial::merge([merged, partial]).map_err(|error| error.file(file))?
+                        }
                         None => partial,
                     });
                     done += self.data.part_bytes(part) as f64 / all;
-                    self.console.so_far(done, start.elapsed().mul_f64((1.0 - done).max(0.0) / done));
+                    self.console
+                        .so_far(done, start.elapsed().mul_f64((1.0 - done).max(0.0) / done));
                     resume.keep(merged.as_ref().expect("one was merged"))?;
                 }
                 Ok::<bool, Error>(true)
@@ -149,7 +204,8 @@ impl<'a> Stream<'a> {
         })
     }
 
-    /// Both passes, or the first alone where the poles of a pilot will do; and once more where they ask for it.
+    /// Both passes, or the first alone where the poles of a pilot will do; and once more
+    /// where they ask for it.
     ///
     /// # Errors
     /// As [`Self::pass`].
@@ -165,21 +221,36 @@ impl<'a> Stream<'a> {
         .map_err(explained)?;
         loop {
             let partial = self.pass(&reducer, before.take(), resume)?;
-            match solve(&partial, self.options, &|stage| self.console.stage(stage)).map_err(explained)? {
+            match solve(&partial, self.options, &|stage| self.console.stage(stage))
+                .map_err(explained)?
+            {
                 Solved::Fit(fit) => return Ok(*fit),
-                Solved::Poles(found) => reducer = Reducer::new(self.options, Some(&found)).map_err(explained)?,
+                Solved::Poles(found) => {
+                    reducer = Reducer::new(self.options, Some(&found)).map_err(explained)?
+                }
             }
         }
     }
 
-    /// Poles as a few parts from all over the data show them. What goes wrong is for the passes to tell.
+    /// Poles as a few parts from all over the data show them. What goes wrong is for the
+    /// passes to tell.
     fn pilot(&self) -> Option<Poles> {
         self.console.stage("pilot");
         let reducer = Reducer::new(self.options, None).ok()?;
         let step = self.parts.len().div_ceil(PILOT_PARTS).max(PILOT_SHARE);
         let mut spare = None;
-        let mut partial = |part: (u64, &Part)| reduced(&self.data, self.options, &reducer, &part, None, &mut spare).ok()?.0.ok();
-        let partials: Option<Vec<Partial>> = (0..).zip(&self.parts).skip(step / 2).step_by(step).map(&mut partial).collect();
+        let mut partial = |part: (u64, &Part)| {
+            reduced(&self.data, self.options, &reducer, &part, None, &mut spare)
+                .ok()?
+                .0
+                .ok()
+        };
+        let partials: Option<Vec<Partial>> = (0..)
+            .zip(&self.parts)
+            .skip(step / 2)
+            .step_by(step)
+            .map(&mut partial)
+            .collect();
         match solve(&Partial::merge(partials?).ok()?, self.options, &|_| ()).ok()? {
             Solved::Poles(poles) => Some(*poles),
             Solved::Fit(_) => None,
@@ -191,7 +262,8 @@ impl<'a> Stream<'a> {
     }
 }
 
-/// Reads a part in its `turn` and reduces it, and what is to be said of it; `spare` goes from part to part, so that memory need not be cleared for each.
+/// Reads a part in its `turn` and reduces it, and what is to be said of it; `spare` goes
+/// from part to part, so that memory need not be cleared for each.
 fn reduced(
     data: &FrfParts,
     options: &FitOptions,
@@ -203,7 +275,9 @@ fn reduced(
     let (frf, warnings) = data.read(part, turn, spare.take())?;
     let file = data.file(part);
     let partial = match frf.known_kind() {
-        Ok(_) => reducer.block(&frf, *number, Vec::new()).map_err(|error| explain_piece(error, options, file)),
+        Ok(_) => reducer
+            .block(&frf, *number, Vec::new())
+            .map_err(|error| explain_piece(error, options, file)),
         Err(error) => Err(error.file(file)),
     };
     *spare = Some(frf.values);

@@ -26,20 +26,36 @@ pub struct Resume {
 }
 
 impl Resume {
-    /// Beside `output` (nowhere without one); with `goes_on` what an interrupted run left there is taken up.
+    /// Beside `output` (nowhere without one); with `goes_on` what an interrupted run left
+    /// there is taken up.
     ///
     /// * `parts`: number of parts that `files` are cut into
     ///
     /// # Errors
     /// What was left belongs to other files, or is damaged.
-    pub fn new(output: Option<&Path>, files: &[PathBuf], parts: usize, goes_on: bool) -> Result<Self> {
+    pub fn new(
+        output: Option<&Path>,
+        files: &[PathBuf],
+        parts: usize,
+        goes_on: bool,
+    ) -> Result<Self> {
         let place = output.map(|output| {
             let mut name = OsString::from(output);
             name.push(".resume");
             PathBuf::from(name)
         });
-        let mut this = Self { place, inputs: described(files, parts)?, kept: Instant::now(), cost: Duration::ZERO, found: None };
-        if let Some(place) = this.place.as_ref().filter(|place| goes_on && place.exists()) {
+        let mut this = Self {
+            place,
+            inputs: described(files, parts)?,
+            kept: Instant::now(),
+            cost: Duration::ZERO,
+            found: None,
+        };
+        if let Some(place) = this
+            .place
+            .as_ref()
+            .filter(|place| goes_on && place.exists())
+        {
             this.found = Some(this.read(place).map_err(|error| error.file(place))?);
         }
         Ok(this)
@@ -50,16 +66,22 @@ impl Resume {
         let end = bytes.iter().position(|byte| *byte == b'\n').unwrap_or(0);
         let help = "run again without --resume";
         match serde_json::from_slice::<Value>(&bytes[..end]) {
-            Ok(inputs) if inputs == self.inputs => Partial::from_bytes(&bytes[end + 1..]).map_err(|error| error.help(help)),
-            Ok(inputs) => Err(Error::bad_data("what was interrupted was a fit of other files, or cut otherwise")
-                .field("inputs")
-                .found(inputs)
-                .expected(&self.inputs)
-                .help(help)),
-            Err(_) => Err(Error::bad_data("this is nothing that an interrupted run left")
-                .found("something else")
-                .expected("one line of JSON")
-                .help(help)),
+            Ok(inputs) if inputs == self.inputs => {
+                Partial::from_bytes(&bytes[end + 1..]).map_err(|error| error.help(help))
+            }
+            Ok(inputs) => Err(Error::bad_data(
+                "what was interrupted was a fit of other files, or cut otherwise",
+            )
+            .field("inputs")
+            .found(inputs)
+            .expected(&self.inputs)
+            .help(help)),
+            Err(_) => Err(
+                Error::bad_data("this is nothing that an interrupted run left")
+                    .found("something else")
+                    .expected("one line of JSON")
+                    .help(help),
+            ),
         }
     }
 
@@ -73,11 +95,22 @@ impl Resume {
     /// # Errors
     /// Those of writing.
     pub fn keep(&mut self, partial: &Partial) -> Result<()> {
-        let Some(place) = self.place.as_ref().filter(|_| self.kept.elapsed() >= SHARE * self.cost) else { return Ok(()) };
+        let Some(place) = self
+            .place
+            .as_ref()
+            .filter(|_| self.kept.elapsed() >= SHARE * self.cost)
+        else {
+            return Ok(());
+        };
         let start = Instant::now();
         let head = format!("{}\n", self.inputs);
         let bytes = partial.to_bytes();
-        unbroken(|| write_atomically(place, true, |file| file.write_all(head.as_bytes()).and_then(|()| file.write_all(&bytes))))?;
+        unbroken(|| {
+            write_atomically(place, true, |file| {
+                file.write_all(head.as_bytes())
+                    .and_then(|()| file.write_all(&bytes))
+            })
+        })?;
         (self.kept, self.cost) = (Instant::now(), start.elapsed());
         Ok(())
     }
@@ -95,9 +128,14 @@ impl Resume {
 fn described(files: &[PathBuf], parts: usize) -> Result<Value> {
     let of = |file: &PathBuf| {
         let metadata = fs::metadata(file).map_err(|error| Error::from_read(&error, file))?;
-        let modified =
-            metadata.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok()).map(|time| time.as_nanos().to_string());
-        Ok(json!({"file": chladni_frf::io::file_name(file), "bytes": metadata.len(), "modified_ns": modified}))
+        let modified = metadata
+            .modified()
+            .ok()
+            .and_then(|time| time.duration_since(UNIX_EPOCH).ok())
+            .map(|time| time.as_nanos().to_string());
+        Ok(
+            json!({"file": chladni_frf::io::file_name(file), "bytes": metadata.len(), "modified_ns": modified}),
+        )
     };
     let inputs = files.iter().map(of).collect::<Result<Vec<_>>>()?;
     Ok(json!({"format": "chladni.resume", "version": 1, "inputs": inputs, "parts": parts}))

@@ -1,7 +1,9 @@
-//! Lines that a draft looks at: those that tell the resonances known so far, and a few of the others.
+//! Lines that a draft looks at: those that tell the resonances known so far, and a few of
+//! the others.
 //!
-//! A draft knows how many modes there are and where they stood a moment ago. Between resonances FRFs are smooth, so that few lines hold what all
-//! of them do, and a fit costs as much as it has lines.
+//! A draft knows how many modes there are and where they stood a moment ago. Between
+//! resonances FRFs are smooth, so that few lines hold what all of them do, and a fit
+//! costs as much as it has lines.
 
 use chladni_frf::ModalModel;
 
@@ -9,27 +11,48 @@ use chladni_frf::ModalModel;
 const FEW_LINES: usize = 300;
 /// Reach of a resonance on either side, half-power bandwidths.
 const REACH: f64 = 2.0;
-/// Lines over a resonance's reach: five would tell a pole and a residue, these also tell it from its neighbours.
+/// Lines over a resonance's reach: five would tell a pole and a residue, these also tell
+/// it from its neighbours.
 const LINES_PER_RESONANCE: f64 = 12.0;
 /// One in so many of the other lines is looked at.
 const ONE_OF_OTHERS: f64 = 12.0;
 
-/// The lines of `axis_hz` in `band_hz` (all where it is missing) that a draft needs; `None` where it may look at all of them.
+/// The lines of `axis_hz` in `band_hz` (all where it is missing) that a draft needs;
+/// `None` where it may look at all of them.
 ///
 /// Beyond the band of `known`, every line stays: nobody has looked there.
-pub fn few_lines(axis_hz: &[f64], band_hz: Option<[f64; 2]>, known: &ModalModel) -> Option<Vec<usize>> {
+pub fn few_lines(
+    axis_hz: &[f64],
+    band_hz: Option<[f64; 2]>,
+    known: &ModalModel,
+) -> Option<Vec<usize>> {
     let [low, high] = band_hz.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
-    let inside: Vec<usize> = (0..axis_hz.len()).filter(|&line| (low..=high).contains(&axis_hz[line])).collect();
+    let inside: Vec<usize> = (0..axis_hz.len())
+        .filter(|&line| (low..=high).contains(&axis_hz[line]))
+        .collect();
     if inside.len() <= FEW_LINES {
         return None;
     }
-    let others_hz = ONE_OF_OTHERS * (axis_hz[inside[inside.len() - 1]] - axis_hz[inside[0]]) / (inside.len() - 1) as f64;
-    let resonances: Vec<[f64; 2]> =
-        known.modes.iter().map(|mode| [mode.frequency_hz, REACH * mode.loss_factor * mode.frequency_hz]).collect();
+    let others_hz = ONE_OF_OTHERS * (axis_hz[inside[inside.len() - 1]] - axis_hz[inside[0]])
+        / (inside.len() - 1) as f64;
+    let resonances: Vec<[f64; 2]> = known
+        .modes
+        .iter()
+        .map(|mode| {
+            [
+                mode.frequency_hz,
+                REACH * mode.loss_factor * mode.frequency_hz,
+            ]
+        })
+        .collect();
     // distance from one line to the next
     let gap_hz = |hz: f64| {
-        let over = resonances.iter().filter(|[centre, reach]| (hz - centre).abs() <= *reach);
-        let narrowest = over.map(|[_, reach]| 2.0 * reach / LINES_PER_RESONANCE).fold(others_hz, f64::min);
+        let over = resonances
+            .iter()
+            .filter(|[centre, reach]| (hz - centre).abs() <= *reach);
+        let narrowest = over
+            .map(|[_, reach]| 2.0 * reach / LINES_PER_RESONANCE)
+            .fold(others_hz, f64::min);
         if (known.band_hz[0]..=known.band_hz[1]).contains(&hz) {
             narrowest
         } else {
@@ -55,7 +78,8 @@ mod tests {
 
     /// One mode at 50 Hz with 1 % loss, known between 10 and 100 Hz.
     fn known() -> ModalModel {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/malformed/base/model.json");
+        let path =
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/malformed/base/model.json");
         chladni_frf::io::read_model(&path).unwrap()
     }
 
@@ -63,7 +87,12 @@ mod tests {
     fn a_resonance_keeps_its_lines_and_the_rest_is_thinned() {
         let axis: Vec<f64> = (0..=900).map(|k| 10.0 + 0.1 * f64::from(k)).collect();
         let lines = few_lines(&axis, None, &known()).unwrap();
-        let within = |[low, high]: [f64; 2]| lines.iter().filter(|&&line| (low..=high).contains(&axis[line])).count();
+        let within = |[low, high]: [f64; 2]| {
+            lines
+                .iter()
+                .filter(|&&line| (low..=high).contains(&axis[line]))
+                .count()
+        };
         assert!(within([49.0, 51.0]) >= 10, "{lines:?}");
         // one in twelve of 389
         let others = within([10.0, 48.9]);
@@ -75,7 +104,10 @@ mod tests {
     fn lines_that_nobody_has_looked_at_stay_and_few_lines_are_all_kept() {
         let axis: Vec<f64> = (0..=600).map(|k| 10.0 + 0.5 * f64::from(k)).collect();
         let lines = few_lines(&axis, None, &known()).unwrap();
-        assert_eq!(lines.iter().filter(|&&line| axis[line] > 100.0).count(), axis.iter().filter(|&&hz| hz > 100.0).count());
+        assert_eq!(
+            lines.iter().filter(|&&line| axis[line] > 100.0).count(),
+            axis.iter().filter(|&&hz| hz > 100.0).count()
+        );
         assert_eq!(few_lines(&axis, Some([10.0, 100.0]), &known()), None);
     }
 }

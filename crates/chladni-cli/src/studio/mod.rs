@@ -1,6 +1,8 @@
 //! `chladni studio`: the report, live, on a page that only this machine can open.
 //!
-//! `session.rs` fits and renders, on the lines that `draft.rs` chooses while a hand moves; `server.rs` answers the page, which lives in `chladni-report` and shares the report's views.
+//! `session.rs` fits and renders, on the lines that `draft.rs` chooses while a hand
+//! moves; `server.rs` answers the page, which lives in `chladni-report` and shares the
+//! report's views.
 
 mod draft;
 mod server;
@@ -46,11 +48,14 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let session = Session::open(&args.files, &args.reading, console)?;
     let wanted = SocketAddr::from((Ipv4Addr::LOCALHOST, args.port));
     let refused = |error: std::io::Error| {
-        Error::new(ErrorKind::Io, format!("cannot listen on this machine: {error}"))
-            .field("--port")
-            .found(args.port)
-            .expected("a free port")
-            .help("choose another port, or leave --port out to take any free one")
+        Error::new(
+            ErrorKind::Io,
+            format!("cannot listen on this machine: {error}"),
+        )
+        .field("--port")
+        .found(args.port)
+        .expected("a free port")
+        .help("choose another port, or leave --port out to take any free one")
     };
     let listener = TcpListener::bind(wanted).map_err(refused)?;
     let address = listener.local_addr().map_err(refused)?;

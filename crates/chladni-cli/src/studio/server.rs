@@ -1,4 +1,5 @@
-//! The studio's page and its two questions: fit this, render that. One thread answers, others work.
+//! The studio's page and its two questions: fit this, render that. One thread answers,
+//! others work.
 
 use super::session::{FitRequest, SceneRequest, Session};
 use axum::extract::{DefaultBodyLimit, Request, State};
@@ -19,7 +20,11 @@ const LARGEST_QUESTION: usize = 1 << 20;
 ///
 /// # Errors
 /// A listener that stops working.
-pub fn serve(session: Arc<Session>, listener: TcpListener, address: SocketAddr) -> std::io::Result<()> {
+pub fn serve(
+    session: Arc<Session>,
+    listener: TcpListener,
+    address: SocketAddr,
+) -> std::io::Result<()> {
     let routes = Router::new()
         .route("/", get(page))
         .route("/api/fit", post(fit))
@@ -28,15 +33,28 @@ pub fn serve(session: Arc<Session>, listener: TcpListener, address: SocketAddr) 
         .layer(from_fn_with_state(address, only_from_here))
         .with_state(session);
     listener.set_nonblocking(true)?;
-    let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(1).enable_io().build()?;
-    runtime.block_on(async { axum::serve(tokio::net::TcpListener::from_std(listener)?, routes).await })
+    let runtime = tokio::runtime::Builder::new_multi_thread()
+        .worker_threads(1)
+        .enable_io()
+        .build()?;
+    runtime
+        .block_on(async { axum::serve(tokio::net::TcpListener::from_std(listener)?, routes).await })
 }
 
-/// Refuses pages of other sites that reach this port by a name of their own, or post to it from elsewhere.
-async fn only_from_here(State(address): State<SocketAddr>, request: Request, next: Next) -> Response {
+/// Refuses pages of other sites that reach this port by a name of their own, or post to
+/// it from elsewhere.
+async fn only_from_here(
+    State(address): State<SocketAddr>,
+    request: Request,
+    next: Next,
+) -> Response {
     match is_from_here(request.headers(), address) {
         true => next.run(request).await,
-        false => (StatusCode::FORBIDDEN, "the studio answers its own page only\n").into_response(),
+        false => (
+            StatusCode::FORBIDDEN,
+            "the studio answers its own page only\n",
+        )
+            .into_response(),
     }
 }
 
@@ -44,7 +62,8 @@ fn is_from_here(headers: &HeaderMap, address: SocketAddr) -> bool {
     let here = [address.to_string(), format!("localhost:{}", address.port())];
     let text = |name| headers.get(name).and_then(|value| value.to_str().ok());
     let host = text(header::HOST).is_some_and(|host| here.iter().any(|known| known == host));
-    host && text(header::ORIGIN).is_none_or(|origin| here.iter().any(|known| origin == format!("http://{known}")))
+    host && text(header::ORIGIN)
+        .is_none_or(|origin| here.iter().any(|known| origin == format!("http://{known}")))
 }
 
 async fn page(State(session): State<Arc<Session>>) -> Html<String> {
@@ -55,7 +74,10 @@ async fn fit(State(session): State<Arc<Session>>, Json(request): Json<FitRequest
     at_work(move || session.fit(&request)).await
 }
 
-async fn scene(State(session): State<Arc<Session>>, Json(request): Json<SceneRequest>) -> Json<Value> {
+async fn scene(
+    State(session): State<Arc<Session>>,
+    Json(request): Json<SceneRequest>,
+) -> Json<Value> {
     at_work(move || session.render(&request)).await
 }
 

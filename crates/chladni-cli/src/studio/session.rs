@@ -43,11 +43,13 @@ struct Overtaken;
 /// The models of the moment.
 #[derive(Default)]
 struct Fitted {
-    /// The question that `latest` answers: an answer to an older one that comes later is not kept.
+    /// The question that `latest` answers: an answer to an older one that comes later is
+    /// not kept.
     number: u64,
     /// What scenes are rendered by.
     latest: Option<Arc<ModalModel>>,
-    /// The last one whose number of modes was decided by evidence or by the reader, not by a draft.
+    /// The last one whose number of modes was decided by evidence or by the reader, not
+    /// by a draft.
     settled: Option<Arc<ModalModel>>,
 }
 
@@ -57,7 +59,8 @@ struct Fitted {
 pub struct FitRequest {
     /// Rises from question to question.
     number: u64,
-    /// The hand still moves: the model that is quickest to have, and what changes with it alone.
+    /// The hand still moves: the model that is quickest to have, and what changes with it
+    /// alone.
     #[serde(default)]
     draft: bool,
     /// Hz; all lines where it is missing.
@@ -106,13 +109,16 @@ impl Session {
             warnings: console.warnings(),
             words: words.join(" "),
             from_model: model.is_some(),
-            fitted: RwLock::new(Fitted { latest: model.map(Arc::new), ..Fitted::default() }),
+            fitted: RwLock::new(Fitted {
+                latest: model.map(Arc::new),
+                ..Fitted::default()
+            }),
             newest: AtomicU64::new(0),
         })
     }
 
-    /// Fits anew, or hands over the model of the file; what the report would draw, all of it or the draft's part, and the command that
-    /// does the same.
+    /// Fits anew, or hands over the model of the file; what the report would draw, all of
+    /// it or the draft's part, and the command that does the same.
     ///
     /// # Errors
     /// Those of a fit, and of drawing.
@@ -136,21 +142,43 @@ impl Session {
             warnings: self.warnings.clone(),
             ..ReportInput::default()
         };
-        let lines = self.frf.as_ref().and_then(|frf| Some([*frf.frequency_hz.first()?, *frf.frequency_hz.last()?]));
+        let lines = self
+            .frf
+            .as_ref()
+            .and_then(|frf| Some([*frf.frequency_hz.first()?, *frf.frequency_hz.last()?]));
         let refit = !self.from_model && self.frf.is_some();
-        Ok(json!({"data": data(&input)?, "command": command, "lines_hz": lines, "model_file": self.model_file(), "refit": refit}))
+        Ok(
+            json!({"data": data(&input)?, "command": command, "lines_hz": lines, "model_file": self.model_file(), "refit": refit}),
+        )
     }
 
     /// `None` where a newer question has overtaken this one.
-    fn fitted(&self, frf: &FrfSet, request: &FitRequest) -> Result<Option<(Arc<ModalModel>, String)>> {
-        let mut options = FitOptions { band_hz: request.band_hz, modes: request.modes, ..FitOptions::default() };
+    fn fitted(
+        &self,
+        frf: &FrfSet,
+        request: &FitRequest,
+    ) -> Result<Option<(Arc<ModalModel>, String)>> {
+        let mut options = FitOptions {
+            band_hz: request.band_hz,
+            modes: request.modes,
+            ..FitOptions::default()
+        };
         let mut thinned = None;
         if request.draft {
-            (options.method, options.modes) = (Method::Lean, request.modes.or_else(|| self.known_modes(request.band_hz)));
-            let lines = self.settled().and_then(|settled| few_lines(frf.frequency_hz.as_slice()?, request.band_hz, &settled));
+            (options.method, options.modes) = (
+                Method::Lean,
+                request.modes.or_else(|| self.known_modes(request.band_hz)),
+            );
+            let lines = self.settled().and_then(|settled| {
+                few_lines(frf.frequency_hz.as_slice()?, request.band_hz, &settled)
+            });
             thinned = lines.map(|lines| frf.on_lines(&lines));
         }
-        let Some(fit) = self.unless_overtaken(thinned.as_ref().unwrap_or(frf), &options, request.number)? else { return Ok(None) };
+        let Some(fit) =
+            self.unless_overtaken(thinned.as_ref().unwrap_or(frf), &options, request.number)?
+        else {
+            return Ok(None);
+        };
         let mut model = fit.model;
         (model.source, model.options) = (self.sources.clone(), echo_of(&options));
         let model = Arc::new(model);
@@ -162,23 +190,43 @@ impl Session {
                 fitted.settled = Some(model.clone());
             }
         }
-        let band = request.band_hz.map(|[low, high]| format!(" --band {low}:{high}")).unwrap_or_default();
-        let modes = request.modes.map(|modes| format!(" --modes {modes}")).unwrap_or_default();
-        Ok(Some((model, format!("chladni fit {}{band}{modes} -o {MODEL}", self.words))))
+        let band = request
+            .band_hz
+            .map(|[low, high]| format!(" --band {low}:{high}"))
+            .unwrap_or_default();
+        let modes = request
+            .modes
+            .map(|modes| format!(" --modes {modes}"))
+            .unwrap_or_default();
+        Ok(Some((
+            model,
+            format!("chladni fit {}{band}{modes} -o {MODEL}", self.words),
+        )))
     }
 
-    /// Fits, and gives up at the next stage once a newer question has come; drafts, which are over in a moment, go on.
+    /// Fits, and gives up at the next stage once a newer question has come; drafts, which
+    /// are over in a moment, go on.
     ///
-    /// A fit says where it is and asks nothing, so that it is left by unwinding: it holds no lock and nothing of it is used afterwards.
-    fn unless_overtaken(&self, frf: &FrfSet, options: &FitOptions, number: u64) -> Result<Option<Fit>> {
+    /// A fit says where it is and asks nothing, so that it is left by unwinding: it holds
+    /// no lock and nothing of it is used afterwards.
+    fn unless_overtaken(
+        &self,
+        frf: &FrfSet,
+        options: &FitOptions,
+        number: u64,
+    ) -> Result<Option<Fit>> {
         self.newest.fetch_max(number, Ordering::Relaxed);
         let look_around = |_: &str| {
             if options.method == Method::Auto && self.newest.load(Ordering::Relaxed) > number {
                 resume_unwind(Box::new(Overtaken));
             }
         };
-        match catch_unwind(AssertUnwindSafe(|| chladni_rfp::fit(frf, options, &look_around))) {
-            Ok(fit) => fit.map(Some).map_err(|error| explain(&error, options, Path::new(&self.title))),
+        match catch_unwind(AssertUnwindSafe(|| {
+            chladni_rfp::fit(frf, options, &look_around)
+        })) {
+            Ok(fit) => fit
+                .map(Some)
+                .map_err(|error| explain(&error, options, Path::new(&self.title))),
             Err(reason) if reason.is::<Overtaken>() => Ok(None),
             Err(bug) => resume_unwind(bug),
         }
@@ -188,12 +236,16 @@ impl Session {
         self.fitted.read().ok()?.settled.clone()
     }
 
-    /// Modes that the last full fit found in a band; `None` where the band goes beyond it, and visible peaks must do.
+    /// Modes that the last full fit found in a band; `None` where the band goes beyond
+    /// it, and visible peaks must do.
     fn known_modes(&self, band_hz: Option<[f64; 2]>) -> Option<usize> {
         let settled = self.settled()?;
         let [low, high] = band_hz.unwrap_or(settled.band_hz);
         let known = settled.band_hz[0] <= low && high <= settled.band_hz[1];
-        let inside = settled.in_band_modes().filter(|mode| (low..=high).contains(&mode.frequency_hz)).count();
+        let inside = settled
+            .in_band_modes()
+            .filter(|mode| (low..=high).contains(&mode.frequency_hz))
+            .count();
         (known && inside > 0).then_some(inside)
     }
 
@@ -202,16 +254,37 @@ impl Session {
     /// # Errors
     /// A scene that cannot be read or does not fit the model.
     pub fn render(&self, request: &SceneRequest) -> Result<Value> {
-        let model = self.current().ok_or_else(|| Error::bad_data("no model yet").help("fit first"))?;
+        let model = self
+            .current()
+            .ok_or_else(|| Error::bad_data("no model yet").help("fit first"))?;
         let method: MethodChoice = request.method.parse()?;
         let scene = Scene::parse(&request.toml, Path::new(""))?;
-        let rendering = render(&model, &scene, &RenderOptions { method, ..RenderOptions::default() })?;
+        let rendering = render(
+            &model,
+            &scene,
+            &RenderOptions {
+                method,
+                ..RenderOptions::default()
+            },
+        )?;
         // curves for the drive that stays, not for those in passing
-        let curves = (method != MethodChoice::Fast).then(|| curves(&model, &scene, &rendering.weights)).transpose()?;
+        let curves = (method != MethodChoice::Fast)
+            .then(|| curves(&model, &scene, &rendering.weights))
+            .transpose()?;
         let scenes = vec![RenderedScene::of_rendering(&rendering).with_curves(curves.as_ref())];
-        let input = ReportInput { model: Some(&model), scenes, ..ReportInput::default() };
-        let command = format!("chladni render {} scene.toml --method {} -o weights.json", self.model_file(), request.method);
-        Ok(json!({"scene": scene_data(&input), "command": command, "warnings": rendering.weights.warnings}))
+        let input = ReportInput {
+            model: Some(&model),
+            scenes,
+            ..ReportInput::default()
+        };
+        let command = format!(
+            "chladni render {} scene.toml --method {} -o weights.json",
+            self.model_file(),
+            request.method
+        );
+        Ok(
+            json!({"scene": scene_data(&input), "command": command, "warnings": rendering.weights.warnings}),
+        )
     }
 
     fn current(&self) -> Option<Arc<ModalModel>> {

@@ -1,4 +1,5 @@
-//! Results are whole or not there: killed, out of space, or written by any number of threads.
+//! Results are whole or not there: killed, out of space, or written by any number of
+//! threads.
 
 use crate::common::Folder;
 use std::process::{Command, Stdio};
@@ -9,27 +10,40 @@ const KILLS: u32 = 200;
 /// The binary, in `folder`, silent.
 fn chladni(folder: &Folder, line: &str) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_chladni"));
-    command.current_dir(folder.path()).args(line.split_whitespace()).stdout(Stdio::null()).stderr(Stdio::null());
+    command
+        .current_dir(folder.path())
+        .args(line.split_whitespace())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null());
     command
 }
 
 #[test]
 fn a_killed_run_leaves_the_old_file_or_the_new_one() {
     let folder = Folder::with_panel();
-    folder.run("simulate panel.toml -o other.h5 --seed 7 -q").exits(0);
+    folder
+        .run("simulate panel.toml -o other.h5 --seed 7 -q")
+        .exits(0);
     let results = ["panel", "other"].map(|name| {
-        folder.run(&format!("convert {name}.h5 -o {name}.unv -q")).exits(0);
+        folder
+            .run(&format!("convert {name}.h5 -o {name}.unv -q"))
+            .exits(0);
         folder.read(&format!("{name}.unv"))
     });
     assert_ne!(results[0], results[1]);
     folder.write("out.unv", &results[0]);
     let started = Instant::now();
-    assert!(chladni(&folder, "convert panel.h5 -o out.unv --force").status().unwrap().success());
+    assert!(chladni(&folder, "convert panel.h5 -o out.unv --force")
+        .status()
+        .unwrap()
+        .success());
     let whole = started.elapsed();
     let (mut finished, mut replaced, mut holds) = (0, 0, 0);
     for k in 0..KILLS {
         let name = ["panel", "other"][(1 - holds) % 2];
-        let mut child = chladni(&folder, &format!("convert {name}.h5 -o out.unv --force")).spawn().unwrap();
+        let mut child = chladni(&folder, &format!("convert {name}.h5 -o out.unv --force"))
+            .spawn()
+            .unwrap();
         // golden-ratio steps spread the kills evenly over a little more than a whole run
         let part = f64::from(k) * 0.618_033_988_75 % 1.0;
         std::thread::sleep(Duration::from_secs_f64(1.3 * part * whole.as_secs_f64()));
@@ -38,7 +52,12 @@ fn a_killed_run_leaves_the_old_file_or_the_new_one() {
         child.wait().unwrap();
         let found = folder.read("out.unv");
         let now = results.iter().position(|result| *result == found);
-        let now = now.unwrap_or_else(|| panic!("kill {k}: neither the old nor the new file, {} bytes", found.len()));
+        let now = now.unwrap_or_else(|| {
+            panic!(
+                "kill {k}: neither the old nor the new file, {} bytes",
+                found.len()
+            )
+        });
         replaced += u32::from(now != holds);
         holds = now;
     }
@@ -55,11 +74,23 @@ fn a_full_disk_leaves_the_old_file_and_nothing_else() {
         if let Some(old) = old {
             folder.write(name, old);
         }
-        // no file may grow beyond 64 blocks; the signal is ignored, so that writing fails as on a full disk
-        let line = format!("trap '' XFSZ; ulimit -f 64; exec {} --json convert panel.h5 -o {name} --force", env!("CARGO_BIN_EXE_chladni"));
-        let output = Command::new("sh").args(["-c", &line]).current_dir(folder.path()).output().unwrap();
+        // no file may grow beyond 64 blocks; the signal is ignored, so that writing fails
+        // as on a full disk
+        let line = format!(
+            "trap '' XFSZ; ulimit -f 64; exec {} --json convert panel.h5 -o {name} --force",
+            env!("CARGO_BIN_EXE_chladni")
+        );
+        let output = Command::new("sh")
+            .args(["-c", &line])
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
         let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-        assert_eq!((output.status.code(), answer["error"]["kind"].as_str()), (Some(74), Some("io")), "{answer}");
+        assert_eq!(
+            (output.status.code(), answer["error"]["kind"].as_str()),
+            (Some(74), Some("io")),
+            "{answer}"
+        );
         if let Some(old) = old {
             assert_eq!(folder.text(name), old);
             std::fs::remove_file(folder.path().join(name)).unwrap();
@@ -72,13 +103,18 @@ fn a_full_disk_leaves_the_old_file_and_nothing_else() {
 fn an_output_that_is_an_input_or_cannot_be_made_is_refused() {
     let folder = Folder::with_panel();
     let before = folder.read("panel.h5");
-    for line in ["convert panel.h5 -o panel.h5 --force", "convert panel.h5 -o ./panel.h5 --force", "estimate panel.h5 -o panel.h5 --force"]
-    {
+    for line in [
+        "convert panel.h5 -o panel.h5 --force",
+        "convert panel.h5 -o ./panel.h5 --force",
+        "estimate panel.h5 -o panel.h5 --force",
+    ] {
         folder.run(line).exits(73);
     }
     assert_eq!(folder.read("panel.h5"), before);
     // a file where the folder should be, and a folder where the file should be
-    folder.run("convert panel.h5 -o panel.toml/out.h5").exits(73);
+    folder
+        .run("convert panel.h5 -o panel.toml/out.h5")
+        .exits(73);
     std::fs::create_dir(folder.path().join("taken.h5")).unwrap();
     folder.run("convert panel.h5 -o taken.h5 --force").exits(73);
 }
@@ -91,11 +127,22 @@ fn a_read_only_folder_is_refused() {
     let locked = folder.path().join("locked");
     std::fs::create_dir(&locked).unwrap();
     std::fs::set_permissions(&locked, std::fs::Permissions::from_mode(0o555)).unwrap();
-    // permissions do not bind an administrator, but no file can be made among the system's own
+    // permissions do not bind an administrator, but no file can be made among the
+    // system's own
     let binds = std::fs::write(locked.join("probe"), "").is_err();
-    let target = if binds { "locked/out.h5" } else { "/proc/out.h5" };
-    let run = folder.run(&format!("convert panel.h5 -o {target}")).exits(73);
-    assert!(run.stderr.contains("out.h5") && run.stderr.contains("help"), "{}", run.stderr);
+    let target = if binds {
+        "locked/out.h5"
+    } else {
+        "/proc/out.h5"
+    };
+    let run = folder
+        .run(&format!("convert panel.h5 -o {target}"))
+        .exits(73);
+    assert!(
+        run.stderr.contains("out.h5") && run.stderr.contains("help"),
+        "{}",
+        run.stderr
+    );
     assert!(!binds || std::fs::read_dir(&locked).unwrap().count() == 0);
     std::fs::set_permissions(&locked, std::fs::Permissions::from_mode(0o755)).unwrap();
 }
@@ -106,7 +153,12 @@ fn files_are_the_same_bytes_at_any_number_of_threads() {
     let mut signal = String::from("t [s],101:+Z [N],1:+Z [m/s],2:+Z [m/s]\n");
     for k in 0..4096_u32 {
         let drive = f64::from(k.wrapping_mul(2_654_435_761) >> 8) / f64::from(1 << 24) - 0.5;
-        signal += &format!("{},{drive},{},{}\n", f64::from(k) / 1000.0, drive * 0.5, 0.1 * drive + 0.01 * (0.3 * f64::from(k)).sin());
+        signal += &format!(
+            "{},{drive},{},{}\n",
+            f64::from(k) / 1000.0,
+            drive * 0.5,
+            0.1 * drive + 0.01 * (0.3 * f64::from(k)).sin()
+        );
     }
     folder.write("time.csv", signal);
     for (line, extension) in [
@@ -120,9 +172,22 @@ fn files_are_the_same_bytes_at_any_number_of_threads() {
     ] {
         let name = |threads: u32| format!("threads-{threads}.{extension}");
         for threads in [1, 2, 4] {
-            folder.run(&format!("{line} {} --threads {threads} --force -q", name(threads))).exits(0);
+            folder
+                .run(&format!(
+                    "{line} {} --threads {threads} --force -q",
+                    name(threads)
+                ))
+                .exits(0);
         }
-        assert_eq!(folder.read(&name(1)), folder.read(&name(2)), "{line} {extension}");
-        assert_eq!(folder.read(&name(1)), folder.read(&name(4)), "{line} {extension}");
+        assert_eq!(
+            folder.read(&name(1)),
+            folder.read(&name(2)),
+            "{line} {extension}"
+        );
+        assert_eq!(
+            folder.read(&name(1)),
+            folder.read(&name(4)),
+            "{line} {extension}"
+        );
     }
 }

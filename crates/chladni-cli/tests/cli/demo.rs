@@ -7,21 +7,36 @@ fn the_demonstration_finds_its_known_truth() {
     let folder = Folder::new();
     let run = folder.run("demo --json").exits(0);
     let json = run.json();
-    assert_eq!(json["modes"], serde_json::json!({"known": 25, "missed": 0, "spurious": 0}));
+    assert_eq!(
+        json["modes"],
+        serde_json::json!({"known": 25, "missed": 0, "spurious": 0})
+    );
     let scenes = json["scenes"].as_array().unwrap();
     assert_eq!(scenes.len(), 4);
     for scene in scenes {
         for ratio in ["hot_ratio", "cold_ratio"] {
-            assert!(scene["on_panel"][ratio].as_f64().unwrap() >= 0.95, "{scene}");
+            assert!(
+                scene["on_panel"][ratio].as_f64().unwrap() >= 0.95,
+                "{scene}"
+            );
         }
     }
     for name in json["files"].as_array().unwrap() {
-        assert!(folder.path().join("chladni-demo").join(name.as_str().unwrap()).is_file(), "{name}");
+        assert!(
+            folder
+                .path()
+                .join("chladni-demo")
+                .join(name.as_str().unwrap())
+                .is_file(),
+            "{name}"
+        );
     }
     assert_eq!(json["files"].as_array().unwrap().len(), 12);
 
     // the demonstration does what the commands do
-    folder.run("fit chladni-demo/panel.h5 -o model.json -q").exits(0);
+    folder
+        .run("fit chladni-demo/panel.h5 -o model.json -q")
+        .exits(0);
     assert!(folder.read("model.json") == folder.read("chladni-demo/model.json"));
 
     let again = folder.run("demo").exits(73);

@@ -15,18 +15,35 @@ const README: &str = include_str!("../../../../README.md");
 #[test]
 fn the_examples_of_the_page_are_read() {
     let folder = Folder::new();
-    let mut blocks = FORMATS.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap());
+    let mut blocks = FORMATS
+        .split("```toml\n")
+        .skip(1)
+        .map(|rest| rest.split("```").next().unwrap());
     folder.write("scene.toml", blocks.next().unwrap());
     // the axis is cut so that the test takes no time
-    folder.write("panel.toml", blocks.next().unwrap().replace("step_hz = 0.5", "step_hz = 50.0"));
+    folder.write(
+        "panel.toml",
+        blocks
+            .next()
+            .unwrap()
+            .replace("step_hz = 0.5", "step_hz = 50.0"),
+    );
     folder.write("selection.toml", blocks.next().unwrap());
     assert!(blocks.next().is_none(), "a new example needs a line here");
-    let written = folder.run("simulate panel.toml -o panel.h5 --truth truth.json --json").exits(0).json();
-    assert_eq!((&written["responses"], &written["references"]), (&77.into(), &34.into()));
+    let written = folder
+        .run("simulate panel.toml -o panel.h5 --truth truth.json --json")
+        .exits(0)
+        .json();
+    assert_eq!(
+        (&written["responses"], &written["references"]),
+        (&77.into(), &34.into())
+    );
     let rendered = folder.run("render truth.json scene.toml --method fast --json");
     assert!(rendered.code <= 1, "{}", rendered.stderr);
     assert_eq!(rendered.json()["scene"], "scene.toml");
-    folder.run("select truth.json selection.toml -o kept.json -q").exits(0);
+    folder
+        .run("select truth.json selection.toml -o kept.json -q")
+        .exits(0);
 }
 
 /// What a page asks the reader to do, in its order.
@@ -47,8 +64,13 @@ fn steps(page: &str) -> Vec<Step> {
         let (body, tail) = body.split_once("```").unwrap();
         match kind {
             "toml" => {
-                let name = words.rsplit('`').find(|word| word.ends_with(".toml") && !word.contains([' ', '\n']));
-                steps.push(Step::Save(name.unwrap_or("example.toml").to_owned(), body.to_owned()));
+                let name = words
+                    .rsplit('`')
+                    .find(|word| word.ends_with(".toml") && !word.contains([' ', '\n']));
+                steps.push(Step::Save(
+                    name.unwrap_or("example.toml").to_owned(),
+                    body.to_owned(),
+                ));
             }
             "sh" => steps.extend(body.lines().filter_map(command).map(Step::Run)),
             _ => {}
@@ -71,19 +93,45 @@ fn scans(folder: &Folder) {
     std::fs::create_dir(folder.path().join("scans")).unwrap();
     let (frf, ..) = read_frf(&[folder.path().join("panel.h5")], &Default::default()).unwrap();
     for (j, reference) in frf.references.iter().enumerate() {
-        let FrfValues::F64(values) = &frf.values else { panic!("a simulation is of double precision") };
+        let FrfValues::F64(values) = &frf.values else {
+            panic!("a simulation is of double precision")
+        };
         let mut one = frf.clone();
         one.values = FrfValues::F64(values.slice(ndarray::s![.., j..j + 1, ..]).to_owned());
         one.references = vec![*reference];
-        let file = folder.path().join(format!("scans/scan_{}.uff", reference.node));
-        write_contents(&file, &Contents { frf: Some(one), ..Contents::default() }, false).unwrap();
+        let file = folder
+            .path()
+            .join(format!("scans/scan_{}.uff", reference.node));
+        write_contents(
+            &file,
+            &Contents {
+                frf: Some(one),
+                ..Contents::default()
+            },
+            false,
+        )
+        .unwrap();
     }
-    std::fs::copy(folder.path().join("scans/scan_101.uff"), folder.path().join("measurement.uff")).unwrap();
+    std::fs::copy(
+        folder.path().join("scans/scan_101.uff"),
+        folder.path().join("measurement.uff"),
+    )
+    .unwrap();
 }
 
-/// The measured beam of part 3, and its natural frequencies as other programs find them, with the largest difference between these, Hz.
-const BEAM: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/pyuff-beam/beam.uff");
-const BEAM_HZ: [[f64; 2]; 5] = [[52.554, 0.003], [144.632, 0.002], [283.127, 0.003], [468.278, 0.003], [698.464, 0.010]];
+/// The measured beam of part 3, and its natural frequencies as other programs find them,
+/// with the largest difference between these, Hz.
+const BEAM: &str = concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/../../../shared/data/pyuff-beam/beam.uff"
+);
+const BEAM_HZ: [[f64; 2]; 5] = [
+    [52.554, 0.003],
+    [144.632, 0.002],
+    [283.127, 0.003],
+    [468.278, 0.003],
+    [698.464, 0.010],
+];
 
 #[test]
 fn the_tutorial_does_what_it_says() {
@@ -103,14 +151,31 @@ fn the_tutorial_does_what_it_says() {
                 }
                 let wanted = if line.contains("--time-sign -") { 1 } else { 0 };
                 let run = folder.run(&line);
-                assert!(run.code == wanted || (run.code == 1 && line.starts_with("render")), "{line}: exit {}, {}", run.code, run.stderr);
+                assert!(
+                    run.code == wanted || (run.code == 1 && line.starts_with("render")),
+                    "{line}: exit {}, {}",
+                    run.code,
+                    run.stderr
+                );
             }
         }
     }
-    // 34 files in a folder, and three commands later the stabilization diagram over their CMIF
+    // 34 files in a folder, and three commands later the stabilization diagram over their
+    // CMIF
     let diagram = folder.text("measured.html");
-    assert!(diagram.contains("\"stabilization\":{\"damping_ratio\"") && diagram.contains("of the measured FRFs"));
-    for written in ["report.html", "scene.html", "figures/stabilization.svg", "figures/field-1.png", "drive.wav", "field.html", "all.uff"] {
+    assert!(
+        diagram.contains("\"stabilization\":{\"damping_ratio\"")
+            && diagram.contains("of the measured FRFs")
+    );
+    for written in [
+        "report.html",
+        "scene.html",
+        "figures/stabilization.svg",
+        "figures/field-1.png",
+        "drive.wav",
+        "field.html",
+        "all.uff",
+    ] {
         assert!(folder.path().join(written).is_file(), "{written}");
     }
     if beam {
@@ -121,20 +186,32 @@ fn the_tutorial_does_what_it_says() {
 /// Part 3, after the tutorial has been followed.
 fn the_beam_is_found(folder: &Folder) {
     let model = chladni_frf::io::read_model(&folder.path().join("beam.json")).unwrap();
-    let sure: Vec<f64> =
-        model.in_band_modes().filter(|mode| mode.trust == chladni_frf::Trust::Sure).map(|mode| mode.frequency_hz).collect();
+    let sure: Vec<f64> = model
+        .in_band_modes()
+        .filter(|mode| mode.trust == chladni_frf::Trust::Sure)
+        .map(|mode| mode.frequency_hz)
+        .collect();
     assert_eq!(sure.len(), BEAM_HZ.len(), "{sure:?}");
     for (found, [known, spread]) in sure.iter().zip(BEAM_HZ) {
-        assert!((found - known).abs() <= 2.0 * spread, "{found} Hz, known {known} Hz");
+        assert!(
+            (found - known).abs() <= 2.0 * spread,
+            "{found} Hz, known {known} Hz"
+        );
     }
 }
 
 fn a_studio_starts(folder: &Folder, line: &str) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_chladni"));
-    command.current_dir(folder.path()).args(line.split_whitespace()).stdout(Stdio::piped()).stderr(Stdio::null());
+    command
+        .current_dir(folder.path())
+        .args(line.split_whitespace())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null());
     let mut studio = command.spawn().unwrap();
     let mut url = String::new();
-    BufReader::new(studio.stdout.take().unwrap()).read_line(&mut url).unwrap();
+    BufReader::new(studio.stdout.take().unwrap())
+        .read_line(&mut url)
+        .unwrap();
     studio.kill().unwrap();
     studio.wait().unwrap();
     assert!(url.starts_with("http://127.0.0.1:"), "{url}");
@@ -146,9 +223,14 @@ fn commands_of_the_other_pages_are_run() {
     folder.run("convert panel.h5 -o scan.uff -q").exits(0);
     folder.run("fit panel.h5 -o model.json -q").exits(0);
     folder.write("selection.toml", "drop = [1]\n");
-    std::fs::copy(folder.path().join("scan.uff"), folder.path().join("hammer.uff")).unwrap();
+    std::fs::copy(
+        folder.path().join("scan.uff"),
+        folder.path().join("hammer.uff"),
+    )
+    .unwrap();
 
-    // a bench would take hours: with a file in the way of its folder it ends after its arguments were read
+    // a bench would take hours: with a file in the way of its folder it ends after its
+    // arguments were read
     folder.write("bench", "");
     let mut seen = 0;
     for page in [README, TROUBLESHOOTING, ACCURACY, PAPER] {
@@ -158,9 +240,25 @@ fn commands_of_the_other_pages_are_run() {
                 a_studio_starts(&folder, &line);
                 continue;
             }
-            let run = folder.run(&format!("{line} {}", if line.starts_with("bench") { "" } else { "--force" }));
-            let fine: &[i32] = if line.starts_with("bench") { &[73] } else { &[0, 1] };
-            assert!(fine.contains(&run.code), "{line}: exit {}, {}", run.code, run.stderr);
+            let run = folder.run(&format!(
+                "{line} {}",
+                if line.starts_with("bench") {
+                    ""
+                } else {
+                    "--force"
+                }
+            ));
+            let fine: &[i32] = if line.starts_with("bench") {
+                &[73]
+            } else {
+                &[0, 1]
+            };
+            assert!(
+                fine.contains(&run.code),
+                "{line}: exit {}, {}",
+                run.code,
+                run.stderr
+            );
             seen += 1;
         }
     }
@@ -169,7 +267,8 @@ fn commands_of_the_other_pages_are_run() {
 
 #[test]
 fn the_first_hour_is_the_tutorials_second_part() {
-    // its log is of commands that stand in the tutorial, the README or the demonstration, which tests run
+    // its log is of commands that stand in the tutorial, the README or the demonstration,
+    // which tests run
     let known: Vec<String> = [TUTORIAL, README]
         .iter()
         .flat_map(|page| steps(page))
@@ -178,19 +277,36 @@ fn the_first_hour_is_the_tutorials_second_part() {
             Step::Save(..) => None,
         })
         .collect();
-    let logged: Vec<String> = FIRST_HOUR.lines().filter_map(|line| command(line.trim_start_matches("$ "))).collect();
+    let logged: Vec<String> = FIRST_HOUR
+        .lines()
+        .filter_map(|line| command(line.trim_start_matches("$ ")))
+        .collect();
     assert!(logged.len() >= 5, "{logged:?}");
     for line in logged {
         let verb = line.split_whitespace().next().unwrap();
-        assert!(verb == "demo" || known.iter().any(|known| known == verb), "{line}");
+        assert!(
+            verb == "demo" || known.iter().any(|known| known == verb),
+            "{line}"
+        );
     }
 }
 
 #[test]
 fn equations_of_the_theory_are_numbered_in_order() {
     let theory = include_str!("../../../../docs/theory.md");
-    let label = |line: &str| -> Option<usize> { line.trim_end().strip_suffix(')')?.rsplit_once('(')?.1.parse().ok() };
-    let labels: Vec<usize> = theory.lines().filter(|line| line.starts_with("    ")).filter_map(label).collect();
+    let label = |line: &str| -> Option<usize> {
+        line.trim_end()
+            .strip_suffix(')')?
+            .rsplit_once('(')?
+            .1
+            .parse()
+            .ok()
+    };
+    let labels: Vec<usize> = theory
+        .lines()
+        .filter(|line| line.starts_with("    "))
+        .filter_map(label)
+        .collect();
     assert!(labels.len() > 30, "{labels:?}");
     assert_eq!(labels, (1..=labels.len()).collect::<Vec<_>>());
 }
@@ -208,8 +324,15 @@ fn every_help_page_begins_with_examples() {
         .filter_map(|line| line.split_whitespace().next())
         .collect();
     assert!(verbs.contains(&"studio") && verbs.len() > 12, "{verbs:?}");
-    for verb in verbs.into_iter().filter(|verb| !matches!(*verb, "help" | "bench")) {
+    for verb in verbs
+        .into_iter()
+        .filter(|verb| !matches!(*verb, "help" | "bench"))
+    {
         let help = folder.run(&format!("{verb} --help")).exits(0).stdout;
-        assert!(help.starts_with("Examples:"), "{verb}: {}", &help[..help.len().min(200)]);
+        assert!(
+            help.starts_with("Examples:"),
+            "{verb}: {}",
+            &help[..help.len().min(200)]
+        );
     }
 }

@@ -10,7 +10,8 @@ struct Wrong {
     words: Vec<&'static str>,
 }
 
-/// Wrong inputs, one a line: the command, the exit status, the kind, and words that the message must hold.
+/// Wrong inputs, one a line: the command, the exit status, the kind, and words that the
+/// message must hold.
 const WRONG: &str = "
 fit nowhere.uff|66|no_input|nowhere.uff|no such file|check the path
 fit pannel.h5|66|no_input|pannel.h5|did you mean panel.h5?
@@ -119,7 +120,12 @@ fn wrong_inputs() -> impl Iterator<Item = Wrong> {
     WRONG.lines().filter(|row| !row.is_empty()).map(|row| {
         let mut cells = row.split('|');
         let mut next = || cells.next().unwrap_or_else(|| panic!("{row}"));
-        Wrong { line: next(), code: next().parse().unwrap(), kind: next(), words: cells.collect() }
+        Wrong {
+            line: next(),
+            code: next().parse().unwrap(),
+            kind: next(),
+            words: cells.collect(),
+        }
     })
 }
 
@@ -143,7 +149,10 @@ fn prepared() -> Folder {
         ("twice.csv", "f,re,im\n1,2,3\n1,2,3\n"),
         ("decibel.csv", "f,mag [dB],phase\n1,2,3\n2,3,4\n"),
         ("headless.csv", "node,dir,ref_node,ref_dir,f,re,im\n"),
-        ("direction.csv", "node,dir,ref_node,ref_dir,f,re,im\n1,9,1,3,1,2,3\n"),
+        (
+            "direction.csv",
+            "node,dir,ref_node,ref_dir,f,re,im\n1,9,1,3,1,2,3\n",
+        ),
         ("infinite.csv", "f,re,im\n1,inf,3\n2,1,2\n"),
         ("header.unv", "    -1\n    58\n"),
         ("unknown.unv", "    -1\n   999\nx\n    -1\n"),
@@ -153,11 +162,26 @@ fn prepared() -> Folder {
         ("hollow.json", "{\"format\": \"chladni.weights\"}"),
         ("text.toml", "[plate]\nwidth_m = \"a\"\n"),
         ("unclosed.toml", "[frf\n"),
-        ("cell.toml", "frequency_hz = 300\n[zones]\ngrid = [2, 2]\nhot = [9]\n"),
+        (
+            "cell.toml",
+            "frequency_hz = 300\n[zones]\ngrid = [2, 2]\nhot = [9]\n",
+        ),
         ("zoneless.toml", "frequency_hz = 300\n"),
-        ("deaf.toml", "frequency_hz = 3000\n[threshold]\nprofile = \"classic\"\n[zones]\ngrid = [2, 2]\nhot = [1]\n"),
-        ("profile.toml", "frequency_hz = 300\n[threshold]\nprofile = \"clasic\"\n[zones]\ngrid = [2, 2]\nhot = [1]\n"),
-        ("actuator.toml", "frequency_hz = 300\n[actuators]\nuse = [\"999:+Z\"]\n[zones]\ngrid = [2, 2]\nhot = [1]\n"),
+        (
+            "deaf.toml",
+            "frequency_hz = 3000\n[threshold]\nprofile = \"classic\"\n[zones]\ngrid = \
+                       [2, 2]\nhot = [1]\n",
+        ),
+        (
+            "profile.toml",
+            "frequency_hz = 300\n[threshold]\nprofile = \"clasic\"\n[zones]\ngrid = \
+                          [2, 2]\nhot = [1]\n",
+        ),
+        (
+            "actuator.toml",
+            "frequency_hz = 300\n[actuators]\nuse = [\"999:+Z\"]\n[zones]\ngrid = \
+                           [2, 2]\nhot = [1]\n",
+        ),
     ] {
         folder.write(name, text);
     }
@@ -168,7 +192,10 @@ fn prepared() -> Folder {
     std::fs::create_dir(folder.path().join("empty")).unwrap();
     folder.run("convert truth.json -o truth.h5 -q").exits(0);
     folder.run("render truth.json scene.toml -o weights.json -q");
-    folder.write("stranger.json", folder.text("weights.json").replacen("101:+Z", "999:+Z", 1));
+    folder.write(
+        "stranger.json",
+        folder.text("weights.json").replacen("101:+Z", "999:+Z", 1),
+    );
     let mut truth: serde_json::Value = serde_json::from_str(&folder.text("truth.json")).unwrap();
     truth["modes"][0]["shape_std"].as_array_mut().unwrap().pop();
     folder.write("short.json", truth.to_string());
@@ -181,13 +208,28 @@ fn every_wrong_input_is_explained_and_leaves_nothing_behind() {
     let names = folder.names();
     for wrong in wrong_inputs() {
         let run = folder.run(wrong.line).exits(wrong.code);
-        assert!(run.stderr.contains("error: ") && run.stdout.is_empty(), "{}: {}", wrong.line, run.stderr);
+        assert!(
+            run.stderr.contains("error: ") && run.stdout.is_empty(),
+            "{}: {}",
+            wrong.line,
+            run.stderr
+        );
         for word in &wrong.words {
-            assert!(run.stderr.contains(word), "{}: no {word:?} in {}", wrong.line, run.stderr);
+            assert!(
+                run.stderr.contains(word),
+                "{}: no {word:?} in {}",
+                wrong.line,
+                run.stderr
+            );
         }
-        let json = folder.run(&format!("{} --json", wrong.line)).exits(wrong.code).json();
+        let json = folder
+            .run(&format!("{} --json", wrong.line))
+            .exits(wrong.code)
+            .json();
         let error = json["error"].as_object().unwrap();
-        for key in ["code", "kind", "file", "dataset", "line", "field", "found", "expected", "help"] {
+        for key in [
+            "code", "kind", "file", "dataset", "line", "field", "found", "expected", "help",
+        ] {
             assert!(error.contains_key(key), "{}: no key {key}", wrong.line);
         }
         for key in ["found", "expected"] {
@@ -213,15 +255,36 @@ fn a_damaged_file_says_where() {
 #[test]
 fn help_and_version_are_no_errors_and_begin_with_examples() {
     let folder = Folder::new();
-    assert!(folder.run("--version").exits(0).stdout.starts_with("chladni "));
-    for command in
-        ["demo", "info", "convert", "estimate", "simulate", "fit", "select", "render", "evaluate", "report", "completions", "man"]
-    {
+    assert!(folder
+        .run("--version")
+        .exits(0)
+        .stdout
+        .starts_with("chladni "));
+    for command in [
+        "demo",
+        "info",
+        "convert",
+        "estimate",
+        "simulate",
+        "fit",
+        "select",
+        "render",
+        "evaluate",
+        "report",
+        "completions",
+        "man",
+    ] {
         let help = folder.run(&format!("{command} --help")).exits(0).stdout;
-        assert!(help.starts_with("Examples:") && help.contains(&format!("chladni {command}")), "{command}: {help}");
+        assert!(
+            help.starts_with("Examples:") && help.contains(&format!("chladni {command}")),
+            "{command}: {help}"
+        );
     }
     assert!(folder.run("").exits(2).stderr.contains("Usage:"));
-    assert_eq!(folder.run("--json").exits(2).json()["error"]["expected"], "a command");
+    assert_eq!(
+        folder.run("--json").exits(2).json()["error"]["expected"],
+        "a command"
+    );
     folder.run("man fit").exits(0);
     folder.run("man fix").exits(2);
     folder.run("completions zsh").exits(0);
@@ -234,10 +297,16 @@ fn a_full_disk_and_a_closed_pipe_on_stdout() {
     let folder = Folder::with_panel();
     let command = || {
         let mut command = Command::new(env!("CARGO_BIN_EXE_chladni"));
-        command.current_dir(folder.path()).args(["info", "panel.h5"]).stderr(Stdio::null());
+        command
+            .current_dir(folder.path())
+            .args(["info", "panel.h5"])
+            .stderr(Stdio::null());
         command
     };
-    let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let full = std::fs::OpenOptions::new()
+        .write(true)
+        .open("/dev/full")
+        .unwrap();
     assert_eq!(command().stdout(full).status().unwrap().code(), Some(74));
     let mut child = command().stdout(Stdio::piped()).spawn().unwrap();
     drop(child.stdout.take());
@@ -250,18 +319,34 @@ fn an_interruption_leaves_nothing_half_written() {
     use std::io::{BufRead, BufReader};
     use std::process::{Command, Stdio};
     let folder = Folder::new();
-    // jobs of the background are deaf to SIGINT, those under nohup to SIGHUP, and the tests among them would inherit it
+    // jobs of the background are deaf to SIGINT, those under nohup to SIGHUP, and the
+    // tests among them would inherit it
     let mut child = Command::new("env")
         .current_dir(folder.path())
-        .args(["--default-signal", env!("CARGO_BIN_EXE_chladni"), "demo", "--progress", "plain"])
+        .args([
+            "--default-signal",
+            env!("CARGO_BIN_EXE_chladni"),
+            "demo",
+            "--progress",
+            "plain",
+        ])
         .stdout(Stdio::null())
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
     let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
-    assert!(lines.by_ref().map_while(Result::ok).any(|line| line == "writing the FRFs"));
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    assert!(lines.map_while(Result::ok).any(|line| line.contains("interrupted")));
+    assert!(lines
+        .by_ref()
+        .map_while(Result::ok)
+        .any(|line| line == "writing the FRFs"));
+    assert!(Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .unwrap()
+        .success());
+    assert!(lines
+        .map_while(Result::ok)
+        .any(|line| line.contains("interrupted")));
     assert_eq!(child.wait().unwrap().code(), Some(130));
     let left = std::fs::read_dir(folder.path().join("chladni-demo")).unwrap();
     for entry in left {

@@ -5,17 +5,34 @@ use crate::common::Folder;
 #[test]
 fn a_model_becomes_shapes_for_other_programs() {
     let folder = Folder::with_panel();
-    let modes = folder.run("info truth.json --json").exits(0).json()["files"][0]["datasets"].as_array().unwrap().clone();
+    let modes = folder.run("info truth.json --json").exits(0).json()["files"][0]["datasets"]
+        .as_array()
+        .unwrap()
+        .clone();
     let in_band: Vec<_> = modes.iter().filter(|mode| mode["name"] == "mode").collect();
     for (extension, number) in [("unv", 2414), ("uff", 55), ("uf", 55)] {
-        folder.run(&format!("convert truth.json -o shapes.{extension}")).exits(0);
-        let listed = folder.run(&format!("info --json shapes.{extension}")).exits(0).json();
-        let shapes: Vec<_> = listed["files"][0]["datasets"].as_array().unwrap().iter().filter(|d| d["number"] == number).cloned().collect();
+        folder
+            .run(&format!("convert truth.json -o shapes.{extension}"))
+            .exits(0);
+        let listed = folder
+            .run(&format!("info --json shapes.{extension}"))
+            .exits(0)
+            .json();
+        let shapes: Vec<_> = listed["files"][0]["datasets"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .filter(|d| d["number"] == number)
+            .cloned()
+            .collect();
         assert_eq!(shapes.len(), in_band.len());
         for (shape, mode) in shapes.iter().zip(&in_band) {
             for key in ["frequency_hz", "damping_ratio"] {
                 let (read, truth) = (shape[key].as_f64().unwrap(), mode[key].as_f64().unwrap());
-                assert!((read - truth).abs() <= 1e-5 * truth, "{extension} {key}: {read} for {truth}");
+                assert!(
+                    (read - truth).abs() <= 1e-5 * truth,
+                    "{extension} {key}: {read} for {truth}"
+                );
             }
             assert_eq!(shape["nodes"], 24);
         }
@@ -31,7 +48,10 @@ fn a_model_becomes_shapes_for_other_programs() {
     for k in 1..=in_band.len() {
         assert!(list.contains(&format!("file=\"list_{k}.vtu\"")));
         let grid = folder.text(&format!("list_{k}.vtu"));
-        assert!(grid.contains("NumberOfPoints=\"34\"") && grid.trim_end().ends_with("</VTKFile>"), "{grid}");
+        assert!(
+            grid.contains("NumberOfPoints=\"34\"") && grid.trim_end().ends_with("</VTKFile>"),
+            "{grid}"
+        );
     }
 }
 
@@ -39,26 +59,44 @@ fn a_model_becomes_shapes_for_other_programs() {
 fn weights_become_the_field_that_they_make() {
     let folder = Folder::with_panel();
     folder.run("render truth.json scene.toml -o weights.json");
-    folder.run("convert truth.json weights.json -o field.unv").exits(0);
+    folder
+        .run("convert truth.json weights.json -o field.unv")
+        .exits(0);
     let listed = folder.run("info --json field.unv").exits(0).json();
-    let shapes: Vec<_> = listed["files"][0]["datasets"].as_array().unwrap().iter().filter(|d| d["number"] == 2414).cloned().collect();
-    assert_eq!((shapes.len(), shapes[0]["frequency_hz"].as_f64()), (1, Some(300.0)));
-    // the field is louder where the scene asks for it: nodes 1 and 2 are the judged corner
+    let shapes: Vec<_> = listed["files"][0]["datasets"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter(|d| d["number"] == 2414)
+        .cloned()
+        .collect();
+    assert_eq!(
+        (shapes.len(), shapes[0]["frequency_hz"].as_f64()),
+        (1, Some(300.0))
+    );
+    // the field is louder where the scene asks for it: nodes 1 and 2 are the judged
+    // corner
     let text = folder.text("field.unv");
     let body: Vec<&str> = text.split("  2414\n").nth(1).unwrap().lines().collect();
     let start = body.len() - 1 - 2 * 24;
     let speed = |node: usize| -> f64 {
         let values = body[start + 2 * (node - 1) + 1];
         assert_eq!(body[start + 2 * (node - 1)].trim(), node.to_string());
-        let z: Vec<f64> = (4..6).map(|k| values[13 * k..13 * (k + 1)].trim().parse().unwrap()).collect();
+        let z: Vec<f64> = (4..6)
+            .map(|k| values[13 * k..13 * (k + 1)].trim().parse().unwrap())
+            .collect();
         z[0].hypot(z[1])
     };
     let hot = [1, 2].map(speed).into_iter().fold(f64::INFINITY, f64::min);
     let cold = [17, 18, 23, 24].map(speed).into_iter().fold(0.0, f64::max);
     assert!(hot > cold, "{hot} {cold}");
     // the other way round too
-    folder.run("convert weights.json truth.json -o field.vtu").exits(0);
-    folder.run("convert truth.json weights.json -o field.csv").exits(2);
+    folder
+        .run("convert weights.json truth.json -o field.vtu")
+        .exits(0);
+    folder
+        .run("convert truth.json weights.json -o field.csv")
+        .exits(2);
 }
 
 /// y = 0.5·x of white noise: H = 0.5 on every line.
@@ -74,20 +112,38 @@ fn signal() -> Vec<(f64, f64)> {
 #[test]
 fn records_of_a_table_are_estimated() {
     let folder = Folder::new();
-    let rows: Vec<String> = signal().iter().enumerate().map(|(k, (x, y))| format!("{},{x},{y}", k as f64 / 1024.0)).collect();
-    folder.write("time.csv", format!("t [s],101:+Z [N],1:+Z [m/s]\n{}\n", rows.join("\n")));
+    let rows: Vec<String> = signal()
+        .iter()
+        .enumerate()
+        .map(|(k, (x, y))| format!("{},{x},{y}", k as f64 / 1024.0))
+        .collect();
+    folder.write(
+        "time.csv",
+        format!("t [s],101:+Z [N],1:+Z [m/s]\n{}\n", rows.join("\n")),
+    );
     for estimator in ["h1", "h2", "hv"] {
-        let command = format!("estimate time.csv -o frf.csv --estimator {estimator} --block 256 --force --json");
+        let command = format!(
+            "estimate time.csv -o frf.csv --estimator {estimator} --block 256 --force --json"
+        );
         let result = folder.run(&command).exits(0).json();
-        assert_eq!((&result["frf_kind"], &result["lines"]), (&"mobility".into(), &127.into()));
+        assert_eq!(
+            (&result["frf_kind"], &result["lines"]),
+            (&"mobility".into(), &127.into())
+        );
         // 8192 samples in blocks of 256 that overlap by half
         assert_eq!(result["averages"], serde_json::json!([63, 63]));
         let table = folder.text("frf.csv");
         let mut lines = 0;
         for row in table.lines().filter(|row| row.starts_with("1,3,101,3,")) {
             let numbers: Vec<f64> = row.split(',').map(|cell| cell.parse().unwrap()).collect();
-            assert!((numbers[5] - 0.5).abs() < 1e-9 && numbers[6].abs() < 1e-9, "{row}");
-            assert!((numbers[4] - 4.0 * f64::from(lines + 1)).abs() < 1e-9, "{row}");
+            assert!(
+                (numbers[5] - 0.5).abs() < 1e-9 && numbers[6].abs() < 1e-9,
+                "{row}"
+            );
+            assert!(
+                (numbers[4] - 4.0 * f64::from(lines + 1)).abs() < 1e-9,
+                "{row}"
+            );
             assert!((numbers[7] - 1.0).abs() < 1e-6, "coherence: {row}");
             lines += 1;
         }
@@ -95,8 +151,12 @@ fn records_of_a_table_are_estimated() {
     }
     // the records survive other formats, and so does what is made of them
     folder.run("convert time.csv -o time.uff").exits(0);
-    folder.run("estimate time.uff -o again.csv --block 256").exits(0);
-    folder.run("estimate time.csv -o frf.csv --block 256 --force").exits(0);
+    folder
+        .run("estimate time.uff -o again.csv --block 256")
+        .exits(0);
+    folder
+        .run("estimate time.csv -o frf.csv --block 256 --force")
+        .exits(0);
     assert_eq!(folder.text("again.csv"), folder.text("frf.csv"));
 }
 
@@ -118,13 +178,20 @@ fn a_sound_file_needs_dofs_and_units() {
     }
     folder.write("take.wav", wav);
     folder.run("estimate take.wav -o frf.h5").exits(65);
-    let line = "estimate take.wav -o frf.csv --dofs 101:+Z,1:+Z --units V,mm/s --scales 10,20 --block 256 --json";
+    let line = "estimate take.wav -o frf.csv --dofs 101:+Z,1:+Z --units V,mm/s --scales 10,20 \
+                --block 256 --json";
     let result = folder.run(line).exits(0).json();
     assert_eq!(result["frf_kind"], "mobility");
     let table = folder.text("frf.csv");
     assert!(table.contains("# reference_unit = V"), "{}", &table[..200]);
-    let row = table.lines().find(|row| row.starts_with("1,3,101,3,")).unwrap();
+    let row = table
+        .lines()
+        .find(|row| row.starts_with("1,3,101,3,"))
+        .unwrap();
     let numbers: Vec<f64> = row.split(',').map(|cell| cell.parse().unwrap()).collect();
     // 0.5 · 20 mm/s over 10 V
-    assert!((numbers[5] - 1e-3).abs() < 1e-9 && numbers[6].abs() < 1e-9, "{row}");
+    assert!(
+        (numbers[5] - 1e-3).abs() < 1e-9 && numbers[6].abs() < 1e-9,
+        "{row}"
+    );
 }

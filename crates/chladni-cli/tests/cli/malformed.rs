@@ -1,5 +1,6 @@
-//! The corpus of damaged files (`fixtures/malformed`): each is refused with its message, and every message carries file, place,
-//! what was found and what was expected. `scripts/make_malformed.py` writes the files and the list.
+//! The corpus of damaged files (`fixtures/malformed`): each is refused with its message,
+//! and every message carries file, place, what was found and what was expected.
+//! `scripts/make_malformed.py` writes the files and the list.
 
 use assert_cmd::Command;
 use serde_json::Value;
@@ -28,9 +29,13 @@ fn complaints(case: &Value, folder: &Path) -> Vec<String> {
         _ => (vec![file], Some("h5")),
     };
     let mut command = Command::new(env!("CARGO_BIN_EXE_chladni"));
-    command.args(["--json", case["command"].as_str().unwrap()]).args(&inputs);
+    command
+        .args(["--json", case["command"].as_str().unwrap()])
+        .args(&inputs);
     if let Some(extension) = extension {
-        command.arg("-o").arg(folder.join(format!("out.{extension}")));
+        command
+            .arg("-o")
+            .arg(folder.join(format!("out.{extension}")));
     }
     let started = Instant::now();
     let output = command.output().unwrap();
@@ -55,7 +60,10 @@ fn complaints(case: &Value, folder: &Path) -> Vec<String> {
             wrong.push(format!("no `{key}`"));
         }
     }
-    if ["line", "byte", "field", "dataset"].iter().all(|key| text(key).is_empty()) {
+    if ["line", "byte", "field", "dataset"]
+        .iter()
+        .all(|key| text(key).is_empty())
+    {
         wrong.push("no place".into());
     }
     for key in ["message", "field", "found", "expected", "dataset"] {
@@ -75,8 +83,16 @@ fn complaints(case: &Value, folder: &Path) -> Vec<String> {
 fn every_damaged_file_is_refused_with_its_message() {
     let list = std::fs::read_to_string(corpus().join("cases.json")).unwrap();
     let cases: Vec<Value> = serde_json::from_str(&list).unwrap();
-    let classes: BTreeSet<&str> = cases.iter().map(|case| case["file"].as_str().unwrap().split('/').next().unwrap()).collect();
-    assert!(cases.len() >= FILES && classes.len() >= CLASSES, "{} files in {} classes", cases.len(), classes.len());
+    let classes: BTreeSet<&str> = cases
+        .iter()
+        .map(|case| case["file"].as_str().unwrap().split('/').next().unwrap())
+        .collect();
+    assert!(
+        cases.len() >= FILES && classes.len() >= CLASSES,
+        "{} files in {} classes",
+        cases.len(),
+        classes.len()
+    );
     let folder = tempfile::tempdir().unwrap();
     let mut failed = Vec::new();
     for case in &cases {
@@ -89,6 +105,16 @@ fn every_damaged_file_is_refused_with_its_message() {
             failed.push(format!("{}: {}", case["file"], wrong.join("; ")));
         }
     }
-    assert!(failed.is_empty(), "{} of {}:\n{}", failed.len(), cases.len(), failed.join("\n"));
-    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "nothing was written");
+    assert!(
+        failed.is_empty(),
+        "{} of {}:\n{}",
+        failed.len(),
+        cases.len(),
+        failed.join("\n")
+    );
+    assert_eq!(
+        std::fs::read_dir(folder.path()).unwrap().count(),
+        0,
+        "nothing was written"
+    );
 }

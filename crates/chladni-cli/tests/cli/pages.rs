@@ -1,4 +1,5 @@
-//! The report and the studio in a real headless Chromium: what clicks, drags and keys do, and what the pages show.
+//! The report and the studio in a real headless Chromium: what clicks, drags and keys do,
+//! and what the pages show.
 
 use crate::common::browser::Page;
 use crate::common::Folder;
@@ -7,16 +8,20 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::process::{Child, Command, Stdio};
 
-/// A page opens with less work than so many seconds: without other programs beside it, in less time than that.
+/// A page opens with less work than so many seconds: without other programs beside it, in
+/// less time than that.
 const OPENS_WITHIN_S: f64 = 2.0;
 
 /// A folder with panel, model, weights and report.
 fn folder_with_report() -> Folder {
     let folder = Folder::with_panel();
     folder.run("fit panel.h5 -o model.json -q").exits(0);
-    let rendered = folder.run("render model.json scene.toml -o weights.json --sweep 290:310 --stress -q");
+    let rendered =
+        folder.run("render model.json scene.toml -o weights.json --sweep 290:310 --stress -q");
     assert!(rendered.code <= 1, "{}", rendered.stderr);
-    folder.run("report model.json weights.json -o report.html -q").exits(0);
+    folder
+        .run("report model.json weights.json -o report.html -q")
+        .exits(0);
     folder
 }
 
@@ -32,7 +37,8 @@ fn model_of(folder: &Folder) -> chladni_frf::ModalModel {
     chladni_frf::io::read_model(&folder.path().join("model.json")).unwrap()
 }
 
-/// Where the pole of the `k`-th mode is marked in the stabilization diagram, in the window.
+/// Where the pole of the `k`-th mode is marked in the stabilization diagram, in the
+/// window.
 fn pole_mark(page: &mut Page, name: &str, k: usize) -> [f64; 2] {
     page.place("#stabilization-chart");
     let found = format!(
@@ -47,16 +53,30 @@ fn pole_mark(page: &mut Page, name: &str, k: usize) -> [f64; 2] {
 
 #[test]
 fn clicks_and_keys_pick_poles_and_the_selection_is_what_select_reads() {
-    let Some((folder, mut page)) = report_in_a_browser() else { return };
+    let Some((folder, mut page)) = report_in_a_browser() else {
+        return;
+    };
     let modes = model_of(&folder).in_band_modes().count();
-    let curve = "document.querySelector('#frf-magnitude path[data-name=synthesised]').getAttribute('d')";
+    let curve =
+        "document.querySelector('#frf-magnitude path[data-name=synthesised]').getAttribute('d')";
     let before = page.eval(curve);
 
     let second = pole_mark(&mut page, "pole of the model, kept", 1);
     page.click(second);
-    assert!(page.text("#selection-toml").contains("drop = [2]"), "{}", page.text("#selection-toml"));
-    assert_ne!(page.eval(curve), before, "the synthesis leaves the mode out");
-    assert_eq!(page.eval("document.querySelector('input[data-mode=\"2\"]').checked"), Value::Bool(false));
+    assert!(
+        page.text("#selection-toml").contains("drop = [2]"),
+        "{}",
+        page.text("#selection-toml")
+    );
+    assert_ne!(
+        page.eval(curve),
+        before,
+        "the synthesis leaves the mode out"
+    );
+    assert_eq!(
+        page.eval("document.querySelector('input[data-mode=\"2\"]').checked"),
+        Value::Bool(false)
+    );
 
     // from the second pole two further, by keys
     page.eval("document.querySelector('#stabilization-chart').focus()");
@@ -66,8 +86,16 @@ fn clicks_and_keys_pick_poles_and_the_selection_is_what_select_reads() {
     let toml = page.text("#selection-toml");
     assert!(toml.contains("drop = [2, 4]"), "{toml}");
     folder.write("selection.toml", &toml);
-    let selected = folder.run("select model.json selection.toml -o selected.json --json").exits(0).json();
-    let kept = selected["modes"].as_array().unwrap().iter().filter(|mode| mode["in_band"] == true).count();
+    let selected = folder
+        .run("select model.json selection.toml -o selected.json --json")
+        .exits(0)
+        .json();
+    let kept = selected["modes"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter(|mode| mode["in_band"] == true)
+        .count();
     assert_eq!(kept, modes - 2);
 
     // and back, by the table
@@ -79,9 +107,12 @@ fn clicks_and_keys_pick_poles_and_the_selection_is_what_select_reads() {
 
 #[test]
 fn the_page_synthesises_and_measures_what_the_files_hold() {
-    let Some((folder, mut page)) = report_in_a_browser() else { return };
+    let Some((folder, mut page)) = report_in_a_browser() else {
+        return;
+    };
     let model = model_of(&folder);
-    let (frf, ..) = chladni_frf::io::read_frf(&[folder.path().join("panel.h5")], &Default::default()).unwrap();
+    let (frf, ..) =
+        chladni_frf::io::read_frf(&[folder.path().join("panel.h5")], &Default::default()).unwrap();
     // a pair that the page carries as residuals, not in full
     for (response, reference) in [(3, 4), (20, 9)] {
         page.eval(&format!(
@@ -90,36 +121,69 @@ fn the_page_synthesises_and_measures_what_the_files_hold() {
         ));
         let [x, y, width, _] = page.place("#frf-magnitude");
         page.hover([x + 0.4 * width, y + 100.0]);
-        let readout = page.wait("[...document.querySelectorAll('.readout')].find((r) => !r.hidden)?.textContent");
+        let readout = page
+            .wait("[...document.querySelectorAll('.readout')].find((r) => !r.hidden)?.textContent");
         let words = readout.as_str().unwrap().replace('−', "-");
-        let number = |line: &str| -> f64 { line.split_whitespace().find_map(|word| word.parse().ok()).unwrap() };
-        let line = |name: &str| number(words.lines().find_map(|line| line.strip_prefix(name)).unwrap_or_else(|| panic!("{name}: {words}")));
+        let number = |line: &str| -> f64 {
+            line.split_whitespace()
+                .find_map(|word| word.parse().ok())
+                .unwrap()
+        };
+        let line = |name: &str| {
+            number(
+                words
+                    .lines()
+                    .find_map(|line| line.strip_prefix(name))
+                    .unwrap_or_else(|| panic!("{name}: {words}")),
+            )
+        };
         // the read-out tells the nearest line
         let frequency = number(&words);
-        let k = (0..frf.frequency_hz.len()).min_by_key(|&k| ((frf.frequency_hz[k] - frequency).abs() * 1e6) as u64).unwrap();
+        let k = (0..frf.frequency_hz.len())
+            .min_by_key(|&k| ((frf.frequency_hz[k] - frequency).abs() * 1e6) as u64)
+            .unwrap();
         let db = |value: num_complex::Complex64| 20.0 * value.norm().log10();
         let (i, j) = (response as usize, reference as usize);
         let synthesised = model.frf_matrix(model.frf_kind, frf.frequency_hz[k])[[i, j]];
         let measured = frf.values.get(i, j, k);
-        assert!((line("synthesised:") - db(synthesised)).abs() < 0.01, "{words} {}", db(synthesised));
-        assert!((line("measured:") - db(measured)).abs() < 0.05, "{words} {}", db(measured));
+        assert!(
+            (line("synthesised:") - db(synthesised)).abs() < 0.01,
+            "{words} {}",
+            db(synthesised)
+        );
+        assert!(
+            (line("measured:") - db(measured)).abs() < 0.05,
+            "{words} {}",
+            db(measured)
+        );
     }
     assert_eq!(page.complaints(), Vec::<String>::new());
 }
 
 #[test]
 fn the_same_weights_at_another_frequency_score_what_evaluate_says() {
-    let Some((folder, mut page)) = report_in_a_browser() else { return };
+    let Some((folder, mut page)) = report_in_a_browser() else {
+        return;
+    };
     let other = 303.0;
     page.eval(&format!("(() => {{ const s = document.querySelector('#scene-1 input[type=range]'); s.value = {other}; s.dispatchEvent(new Event('input')); }})()"));
-    let said =
-        page.wait("[...document.querySelectorAll('#scene-1 [role=status]')].find((e) => e.textContent.includes('hot'))?.textContent");
+    let said = page.wait(
+        "[...document.querySelectorAll('#scene-1 [role=status]')].find((e) => \
+                   e.textContent.includes('hot'))?.textContent",
+    );
     let mut weights: Value = serde_json::from_str(&folder.text("weights.json")).unwrap();
     weights["frequency_hz"] = other.into();
     folder.write("moved.json", weights.to_string());
-    let judged = folder.run("evaluate moved.json --scene scene.toml --on model.json --json -q").exits(0).json();
+    let judged = folder
+        .run("evaluate moved.json --scene scene.toml --on model.json --json -q")
+        .exits(0)
+        .json();
     let points = &judged["indices"]["points"];
-    for (name, key) in [("hot", "hot_ratio"), ("cold", "cold_ratio"), ("both", "success_ratio")] {
+    for (name, key) in [
+        ("hot", "hot_ratio"),
+        ("cold", "cold_ratio"),
+        ("both", "success_ratio"),
+    ] {
         let wanted = format!("{name} {:.1} %", 100.0 * points[key].as_f64().unwrap());
         assert!(said.as_str().unwrap().contains(&wanted), "{said} {wanted}");
     }
@@ -127,20 +191,41 @@ fn the_same_weights_at_another_frequency_score_what_evaluate_says() {
 
 #[test]
 fn a_scene_drawn_in_the_report_is_what_render_reads() {
-    let Some((folder, mut page)) = report_in_a_browser() else { return };
-    page.eval("[...document.querySelectorAll('#zones button')].find((b) => b.textContent === 'Clear').click()");
+    let Some((folder, mut page)) = report_in_a_browser() else {
+        return;
+    };
+    page.eval(
+        "[...document.querySelectorAll('#zones button')].find((b) => b.textContent === \
+               'Clear').click()",
+    );
     assert!(!page.text("#scene-toml").contains("polygon"));
     let [x, y, width, height] = page.place("#zone-board");
-    page.drag([x + 0.3 * width, y + 0.3 * height], [x + 0.6 * width, y + 0.7 * height]);
+    page.drag(
+        [x + 0.3 * width, y + 0.3 * height],
+        [x + 0.6 * width, y + 0.7 * height],
+    );
     let drawn = page.text("#scene-toml");
     assert_eq!(drawn.matches("kind = \"hot\"").count(), 1, "{drawn}");
     // a cold one by keys
-    page.eval("document.querySelector('input[value=cold]').click(); document.querySelector('#zone-board').focus()");
-    for (key, times) in [("ArrowUp", 1), ("ArrowRight", 11), ("Enter", 1), ("ArrowRight", 6), ("ArrowUp", 5), ("Enter", 1)] {
+    page.eval(
+        "document.querySelector('input[value=cold]').click(); \
+               document.querySelector('#zone-board').focus()",
+    );
+    for (key, times) in [
+        ("ArrowUp", 1),
+        ("ArrowRight", 11),
+        ("Enter", 1),
+        ("ArrowRight", 6),
+        ("ArrowUp", 5),
+        ("Enter", 1),
+    ] {
         page.keys(key, times);
     }
     let both = page.text("#scene-toml");
-    assert!(both.contains("kind = \"cold\"") && both.contains("kind = \"hot\""), "{both}");
+    assert!(
+        both.contains("kind = \"cold\"") && both.contains("kind = \"hot\""),
+        "{both}"
+    );
     folder.write("drawn.toml", &drawn);
     let rendered = folder.run("render model.json drawn.toml --method fast --json -q");
     assert!(rendered.code <= 1, "{}", rendered.stderr);
@@ -157,11 +242,21 @@ struct Studio {
 impl Studio {
     fn start(folder: &Folder, args: &str) -> Self {
         let mut command = Command::new(env!("CARGO_BIN_EXE_chladni"));
-        command.current_dir(folder.path()).arg("studio").args(args.split_whitespace()).stdout(Stdio::piped()).stderr(Stdio::null());
+        command
+            .current_dir(folder.path())
+            .arg("studio")
+            .args(args.split_whitespace())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null());
         let mut process = command.spawn().unwrap();
         let mut url = String::new();
-        BufReader::new(process.stdout.take().unwrap()).read_line(&mut url).unwrap();
-        Self { process, url: url.trim().to_owned() }
+        BufReader::new(process.stdout.take().unwrap())
+            .read_line(&mut url)
+            .unwrap();
+        Self {
+            process,
+            url: url.trim().to_owned(),
+        }
     }
 
     /// The answer to a request with another host than the studio's own.
@@ -171,9 +266,14 @@ impl Studio {
 
     /// The answer to a question of the page.
     fn asked_about_fit(&self, question: &str) -> Value {
-        let head = format!("POST /api/fit HTTP/1.1\r\nHost: HERE\r\nContent-Type: application/json\r\nContent-Length: {}", question.len());
+        let head = format!(
+            "POST /api/fit HTTP/1.1\r\nHost: HERE\r\nContent-Type: \
+                            application/json\r\nContent-Length: {}",
+            question.len()
+        );
         let answer = self.asked(&head, question);
-        serde_json::from_str(answer.split("\r\n\r\n").nth(1).unwrap()).unwrap_or_else(|error| panic!("{error}: {answer}"))
+        serde_json::from_str(answer.split("\r\n\r\n").nth(1).unwrap())
+            .unwrap_or_else(|error| panic!("{error}: {answer}"))
     }
 
     fn asked(&self, head: &str, body: &str) -> String {
@@ -198,12 +298,26 @@ impl Drop for Studio {
 fn the_studio_answers_this_machine_and_its_own_page_only() {
     let folder = Folder::with_panel();
     let studio = Studio::start(&folder, "truth.json");
-    assert!(studio.url.starts_with("http://127.0.0.1:"), "{}", studio.url);
-    assert!(studio.asked_as("GET / HTTP/1.1\r\nHost: HERE").starts_with("HTTP/1.1 200"));
-    assert!(studio.asked_as("GET / HTTP/1.1\r\nHost: elsewhere.example").starts_with("HTTP/1.1 403"));
-    assert!(studio.asked_as("GET / HTTP/1.1\r\nHost: HERE\r\nOrigin: http://elsewhere.example").starts_with("HTTP/1.1 403"));
-    let form = "POST /api/fit HTTP/1.1\r\nHost: HERE\r\nContent-Type: text/plain\r\nContent-Length: 0";
-    assert!(studio.asked_as(form).starts_with("HTTP/1.1 415"), "only the page's own kind of question");
+    assert!(
+        studio.url.starts_with("http://127.0.0.1:"),
+        "{}",
+        studio.url
+    );
+    assert!(studio
+        .asked_as("GET / HTTP/1.1\r\nHost: HERE")
+        .starts_with("HTTP/1.1 200"));
+    assert!(studio
+        .asked_as("GET / HTTP/1.1\r\nHost: elsewhere.example")
+        .starts_with("HTTP/1.1 403"));
+    assert!(studio
+        .asked_as("GET / HTTP/1.1\r\nHost: HERE\r\nOrigin: http://elsewhere.example")
+        .starts_with("HTTP/1.1 403"));
+    let form =
+        "POST /api/fit HTTP/1.1\r\nHost: HERE\r\nContent-Type: text/plain\r\nContent-Length: 0";
+    assert!(
+        studio.asked_as(form).starts_with("HTTP/1.1 415"),
+        "only the page's own kind of question"
+    );
 }
 
 #[test]
@@ -211,7 +325,10 @@ fn a_fit_that_a_newer_question_has_overtaken_is_given_up() {
     let folder = Folder::with_panel();
     let studio = Studio::start(&folder, "panel.h5");
     assert!(studio.asked_about_fit(r#"{"number": 5, "draft": true}"#)["draft"].is_object());
-    assert_eq!(studio.asked_about_fit(r#"{"number": 3}"#), serde_json::json!({"overtaken": true}));
+    assert_eq!(
+        studio.asked_about_fit(r#"{"number": 3}"#),
+        serde_json::json!({"overtaken": true})
+    );
     // and what asks last is answered
     assert!(studio.asked_about_fit(r#"{"number": 6}"#)["data"].is_object());
 }
@@ -221,12 +338,16 @@ fn shown_weights(page: &mut Page) -> Vec<(String, f64)> {
     let rows = page
         .eval("[...document.querySelectorAll('#result details tbody tr')].map((row) => [...row.cells].map((cell) => cell.textContent))");
     let rows: Vec<Vec<String>> = serde_json::from_value(rows).unwrap();
-    rows.into_iter().map(|row| (row[0].clone(), row[1].parse().unwrap())).collect()
+    rows.into_iter()
+        .map(|row| (row[0].clone(), row[1].parse().unwrap()))
+        .collect()
 }
 
 #[test]
 fn a_zone_drawn_in_the_studio_changes_the_weights_and_its_commands_do_the_same_again() {
-    let Some(mut page) = Page::new(1280, 800, false) else { return };
+    let Some(mut page) = Page::new(1280, 800, false) else {
+        return;
+    };
     let folder = Folder::with_panel();
     let studio = Studio::start(&folder, "panel.h5");
     page.open(&studio.url);
@@ -236,15 +357,29 @@ fn a_zone_drawn_in_the_studio_changes_the_weights_and_its_commands_do_the_same_a
     let before = shown_weights(&mut page);
 
     let [x, y, width, height] = page.place("#zone-board");
-    page.drag([x + 0.55 * width, y + 0.2 * height], [x + 0.85 * width, y + 0.45 * height]);
-    assert_eq!(page.text("#scene-toml").matches("[[zones.polygon]]").count(), 2);
+    page.drag(
+        [x + 0.55 * width, y + 0.2 * height],
+        [x + 0.85 * width, y + 0.45 * height],
+    );
+    assert_eq!(
+        page.text("#scene-toml")
+            .matches("[[zones.polygon]]")
+            .count(),
+        2
+    );
     page.wait("document.querySelector('#result').dataset.method === 'pressure-matching' || document.querySelector('#scene-status').textContent === ''");
     page.wait(
         "document.querySelector('#result').dataset.method === 'robust' && document.querySelector('#scene-status').textContent === ''",
     );
     let after = shown_weights(&mut page);
     assert_eq!(before.len(), after.len());
-    assert!(before.iter().zip(&after).any(|(b, a)| (b.1 - a.1).abs() > 0.01), "{before:?} {after:?}");
+    assert!(
+        before
+            .iter()
+            .zip(&after)
+            .any(|(b, a)| (b.1 - a.1).abs() > 0.01),
+        "{before:?} {after:?}"
+    );
 
     // a narrower band is fitted, and every command shown gives what is shown
     page.eval("(() => { const s = document.querySelector('#band-from'); s.value = 100; s.dispatchEvent(new Event('input')); s.dispatchEvent(new Event('change')); })()");
@@ -260,11 +395,21 @@ fn a_zone_drawn_in_the_studio_changes_the_weights_and_its_commands_do_the_same_a
     assert!(folder.run(&bare(&render)).code <= 1);
     let weights: Value = serde_json::from_str(&folder.text("weights.json")).unwrap();
     let unit = page.eval("document.querySelector('#result details th.number').textContent");
-    let factor = if unit.as_str().unwrap().contains("mN") { 1e3 } else { 1e6 };
-    for (written, (reference, amplitude)) in weights["weights"].as_array().unwrap().iter().zip(shown_weights(&mut page)) {
+    let factor = if unit.as_str().unwrap().contains("mN") {
+        1e3
+    } else {
+        1e6
+    };
+    for (written, (reference, amplitude)) in weights["weights"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .zip(shown_weights(&mut page))
+    {
         assert_eq!(written["reference"], reference.as_str());
         assert!(
-            (factor * written["amplitude"].as_f64().unwrap() - amplitude).abs() < 1e-3 * amplitude.max(0.1),
+            (factor * written["amplitude"].as_f64().unwrap() - amplitude).abs()
+                < 1e-3 * amplitude.max(0.1),
             "{reference}: {amplitude} {written}"
         );
     }
@@ -280,7 +425,9 @@ fn shown_frequencies(page: &mut Page) -> Vec<f64> {
 #[test]
 fn fit_weights_and_field_follow_the_band_while_it_is_dragged() {
     const ROBUST: &str = "document.querySelector('#result')?.dataset.method === 'robust'";
-    let Some(mut page) = Page::new(1280, 800, false) else { return };
+    let Some(mut page) = Page::new(1280, 800, false) else {
+        return;
+    };
     let folder = Folder::with_panel();
     let studio = Studio::start(&folder, "panel.h5");
     page.open(&studio.url);
@@ -290,36 +437,71 @@ fn fit_weights_and_field_follow_the_band_while_it_is_dragged() {
 
     // the hand moves the lower end of the band and holds it
     let [x, y, width, height] = page.place("#band-from");
-    let (from, to) = ([x + 6.0, y + height / 2.0], [x + 0.3 * width, y + height / 2.0]);
+    let (from, to) = (
+        [x + 6.0, y + height / 2.0],
+        [x + 0.3 * width, y + height / 2.0],
+    );
     page.drag_and_hold(from, to);
     let low: f64 = page.text("#band-from").parse().unwrap();
     assert!(low > 80.0, "{low}");
     let wanted = all.iter().filter(|&&hz| hz > low).count();
-    page.wait(&format!("document.querySelector('#fit-status').textContent === '{wanted} modes, draft'"));
+    page.wait(&format!(
+        "document.querySelector('#fit-status').textContent === '{wanted} modes, draft'"
+    ));
     page.wait("document.querySelector('#result').dataset.method === 'pressure-matching'");
     // what is out of view is drawn when the hand rests
-    page.wait(&format!("document.querySelector('#poles table').tBodies[0].rows.length === {wanted}"));
-    assert_eq!(page.eval("document.documentElement.dataset.fits"), "1", "no full fit while the hand holds on");
+    page.wait(&format!(
+        "document.querySelector('#poles table').tBodies[0].rows.length === {wanted}"
+    ));
+    assert_eq!(
+        page.eval("document.documentElement.dataset.fits"),
+        "1",
+        "no full fit while the hand holds on"
+    );
     let draft = shown_frequencies(&mut page);
-    assert!(draft.iter().all(|&hz| hz > low) && draft.len() == wanted, "{draft:?}");
-    assert!(page.eval(&format!("{measured}.getAttribute('d').length")).as_u64().unwrap() > 1000, "measured FRFs stay");
-    assert!(!page.text("#fit-command").contains("--band"), "{}", page.text("#fit-command"));
+    assert!(
+        draft.iter().all(|&hz| hz > low) && draft.len() == wanted,
+        "{draft:?}"
+    );
+    assert!(
+        page.eval(&format!("{measured}.getAttribute('d').length"))
+            .as_u64()
+            .unwrap()
+            > 1000,
+        "measured FRFs stay"
+    );
+    assert!(
+        !page.text("#fit-command").contains("--band"),
+        "{}",
+        page.text("#fit-command")
+    );
 
     // and lets go
     page.release(to);
     page.wait("document.documentElement.dataset.fits === '2'");
     page.wait(ROBUST);
-    assert!(page.text("#fit-command").contains("--band"), "{}", page.text("#fit-command"));
+    assert!(
+        page.text("#fit-command").contains("--band"),
+        "{}",
+        page.text("#fit-command")
+    );
     let full = shown_frequencies(&mut page);
     assert_eq!(full.len(), draft.len());
-    assert!(full.iter().zip(&draft).all(|(full, draft)| (full / draft - 1.0).abs() < 1e-4), "{full:?} {draft:?}");
+    assert!(
+        full.iter()
+            .zip(&draft)
+            .all(|(full, draft)| (full / draft - 1.0).abs() < 1e-4),
+        "{full:?} {draft:?}"
+    );
     assert_eq!(page.complaints(), Vec::<String>::new());
 }
 
 #[test]
 fn foreign_words_stay_words() {
     const EVIL: &str = "</script><img src=x onerror=document.title=1>";
-    let Some(mut page) = Page::new(1280, 800, false) else { return };
+    let Some(mut page) = Page::new(1280, 800, false) else {
+        return;
+    };
     let folder = folder_with_report();
     let mut model: Value = serde_json::from_str(&folder.text("model.json")).unwrap();
     model["quality"]["warnings"] = serde_json::json!([EVIL]);
@@ -351,14 +533,27 @@ fn every_view_is_drawn_in_any_window_and_either_theme() {
         "#zone-board",
     ];
     let mut shots = Vec::new();
-    for (width, height, dark) in [(1280, 800, false), (420, 800, false), (2200, 1200, false), (1280, 800, true)] {
-        let Some(mut page) = Page::new(width, height, dark) else { return };
+    for (width, height, dark) in [
+        (1280, 800, false),
+        (420, 800, false),
+        (2200, 1200, false),
+        (1280, 800, true),
+    ] {
+        let Some(mut page) = Page::new(width, height, dark) else {
+            return;
+        };
         page.open_file(&report);
         let overflow = page.eval("document.documentElement.scrollWidth - innerWidth");
-        assert!(overflow.as_f64().unwrap() <= 0.0, "{width} px: the page is {overflow} px wider than the window");
+        assert!(
+            overflow.as_f64().unwrap() <= 0.0,
+            "{width} px: the page is {overflow} px wider than the window"
+        );
         for view in views {
             let [_, _, wide, high] = page.place(view);
-            assert!(wide > 200.0 && high > 100.0 && wide <= f64::from(width), "{view} at {width} px: {wide} × {high}");
+            assert!(
+                wide > 200.0 && high > 100.0 && wide <= f64::from(width),
+                "{view} at {width} px: {wide} × {high}"
+            );
         }
         // a canvas with a picture has many colours
         page.place("#shape-3d");
@@ -367,19 +562,26 @@ fn every_view_is_drawn_in_any_window_and_either_theme() {
         shots.push(page.screenshot());
         assert_eq!(page.complaints(), Vec::<String>::new());
     }
-    assert!(shots.iter().all(|shot| shot.starts_with(b"\x89PNG") && shot.len() > 10_000));
+    assert!(shots
+        .iter()
+        .all(|shot| shot.starts_with(b"\x89PNG") && shot.len() > 10_000));
 }
 
 #[test]
 fn the_report_of_the_demonstration_panel_opens_quickly() {
-    let Some(mut page) = Page::new(1280, 800, false) else { return };
+    let Some(mut page) = Page::new(1280, 800, false) else {
+        return;
+    };
     let folder = Folder::new();
     folder.run("demo -o demo -q").exits(0);
     let report = folder.path().join("demo/report.html");
     page.open_file(&report);
     let worked_s = page.worked_s();
     assert!(worked_s > 0.0 && worked_s < OPENS_WITHIN_S, "{worked_s} s");
-    assert_eq!(page.eval("document.querySelectorAll('section[id^=scene-]').length"), 4);
+    assert_eq!(
+        page.eval("document.querySelectorAll('section[id^=scene-]').length"),
+        4
+    );
     let titles = page.eval("[...document.querySelectorAll('.figure-title, .stress h3')].map((title) => title.textContent).join('; ')");
     for view in [
         "root mean square over all FRFs",

@@ -1,17 +1,21 @@
-//! The fit in pieces from the command line: verbs, files larger than the memory allowed, interruption.
+//! The fit in pieces from the command line: verbs, files larger than the memory allowed,
+//! interruption.
 
 use crate::common::Folder;
 use serde_json::Value;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-/// Memory that the panel of the tests does not fit into, and the parts it is cut into: more than ten.
+/// Memory that the panel of the tests does not fit into, and the parts it is cut into:
+/// more than ten.
 const LITTLE: &str = "--memory 1M";
 
 /// A folder with the panel, whose FRFs carry noise as measured ones do.
 fn noisy() -> Folder {
     let folder = Folder::with_panel();
-    folder.run("simulate panel.toml -o panel.h5 --snr-db 50 --force -q").exits(0);
+    folder
+        .run("simulate panel.toml -o panel.h5 --snr-db 50 --force -q")
+        .exits(0);
     folder
 }
 
@@ -20,8 +24,14 @@ fn model(folder: &Folder, name: &str) -> Value {
 }
 
 fn frequencies(model: &Value) -> Vec<f64> {
-    let modes = model["modes"].as_array().unwrap().iter().filter(|mode| mode["in_band"] == true);
-    modes.map(|mode| mode["frequency_hz"].as_f64().unwrap()).collect()
+    let modes = model["modes"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter(|mode| mode["in_band"] == true);
+    modes
+        .map(|mode| mode["frequency_hz"].as_f64().unwrap())
+        .collect()
 }
 
 fn assert_near(a: &Value, b: &Value, tolerance: f64) {
@@ -36,52 +46,121 @@ fn assert_near(a: &Value, b: &Value, tolerance: f64) {
 fn verbs_lead_from_blocks_to_the_model_that_fit_finds() {
     let folder = noisy();
     for block in [2, 0, 1] {
-        let said = folder.run(&format!("block reduce panel.h5 --block {block} --blocks 3 -o first-{block}.part --json")).exits(0).json();
-        assert_eq!((&said["frfs"], &said["pass"]), (&80.into(), &1.into()), "{said}");
+        let said = folder
+            .run(&format!(
+                "block reduce panel.h5 --block {block} --blocks 3 -o first-{block}.part --json"
+            ))
+            .exits(0)
+            .json();
+        assert_eq!(
+            (&said["frfs"], &said["pass"]),
+            (&80.into(), &1.into()),
+            "{said}"
+        );
     }
-    folder.run("block merge first-1.part first-0.part first-2.part -o first.part").exits(0);
+    folder
+        .run("block merge first-1.part first-0.part first-2.part -o first.part")
+        .exits(0);
     // what only the second pass decides is refused in the first, not ignored
-    let refused = folder.run("block solve first.part -o found.poles --shapes real").exits(2);
-    assert!(refused.stderr.contains("--shapes") && refused.stderr.contains("second pass"), "{}", refused.stderr);
-    let poles = folder.run("block solve first.part -o found.poles --json").exits(0).json();
+    let refused = folder
+        .run("block solve first.part -o found.poles --shapes real")
+        .exits(2);
+    assert!(
+        refused.stderr.contains("--shapes") && refused.stderr.contains("second pass"),
+        "{}",
+        refused.stderr
+    );
+    let poles = folder
+        .run("block solve first.part -o found.poles --json")
+        .exits(0)
+        .json();
     assert!(poles["modes"].as_array().unwrap().len() > 5, "{poles}");
     for block in 0..3 {
-        folder.run(&format!("block reduce panel.h5 --block {block} --blocks 3 --poles found.poles -o second-{block}.part")).exits(0);
+        folder
+            .run(&format!(
+                "block reduce panel.h5 --block {block} --blocks 3 --poles found.poles \
+                             -o second-{block}.part"
+            ))
+            .exits(0);
     }
-    folder.run("block merge second-0.part second-1.part second-2.part -o second.part").exits(0);
-    folder.run("block solve second.part -o pieces.json --modes 3").exits(2);
-    folder.run("block solve second.part -o pieces.json").exits(0);
+    folder
+        .run("block merge second-0.part second-1.part second-2.part -o second.part")
+        .exits(0);
+    folder
+        .run("block solve second.part -o pieces.json --modes 3")
+        .exits(2);
+    folder
+        .run("block solve second.part -o pieces.json")
+        .exits(0);
     folder.run("fit panel.h5 -o whole.json").exits(0);
     let (pieces, whole) = (model(&folder, "pieces.json"), model(&folder, "whole.json"));
     assert_near(&pieces, &whole, 1e-6);
     assert_eq!(pieces["source"], whole["source"]);
     assert_eq!(pieces["responses"], whole["responses"]);
     // a model of pieces renders like any other; and its poles serve other FRFs
-    folder.run("render pieces.json scene.toml -o weights.json").exits(0);
-    let residues = folder.run("block residues panel.h5 --model pieces.json -o residues.json --json").exits(0).json();
+    folder
+        .run("render pieces.json scene.toml -o weights.json")
+        .exits(0);
+    let residues = folder
+        .run("block residues panel.h5 --model pieces.json -o residues.json --json")
+        .exits(0)
+        .json();
     assert_near(&residues, &pieces, 1e-14);
-    assert!(residues["quality"]["relative_error"].as_f64().unwrap() < 0.01, "{}", residues["quality"]);
+    assert!(
+        residues["quality"]["relative_error"].as_f64().unwrap() < 0.01,
+        "{}",
+        residues["quality"]
+    );
 }
 
 #[test]
 fn a_set_larger_than_memory_is_read_in_parts_and_gives_the_same_model() {
     let folder = noisy();
     folder.run("fit panel.h5 -o whole.json").exits(0);
-    let run = folder.run(&format!("fit panel.h5 -o parts.json {LITTLE} --progress plain")).exits(0);
-    assert!(run.stderr.contains("pass over the data: 100 %"), "{}", run.stderr);
-    assert_near(&model(&folder, "parts.json"), &model(&folder, "whole.json"), 1e-6);
+    let run = folder
+        .run(&format!(
+            "fit panel.h5 -o parts.json {LITTLE} --progress plain"
+        ))
+        .exits(0);
+    assert!(
+        run.stderr.contains("pass over the data: 100 %"),
+        "{}",
+        run.stderr
+    );
+    assert_near(
+        &model(&folder, "parts.json"),
+        &model(&folder, "whole.json"),
+        1e-6,
+    );
     // universal files, binary and text, one and several
-    for (name, line) in [("panel.uff", "convert panel.h5 -o panel.uff"), ("panel.unv", "convert panel.h5 -o panel.unv")] {
+    for (name, line) in [
+        ("panel.uff", "convert panel.h5 -o panel.uff"),
+        ("panel.unv", "convert panel.h5 -o panel.unv"),
+    ] {
         folder.run(line).exits(0);
-        folder.run(&format!("fit {name} -o {name}.json {LITTLE}")).exits(0);
-        assert_near(&model(&folder, &format!("{name}.json")), &model(&folder, "whole.json"), 1e-6);
+        folder
+            .run(&format!("fit {name} -o {name}.json {LITTLE}"))
+            .exits(0);
+        assert_near(
+            &model(&folder, &format!("{name}.json")),
+            &model(&folder, "whole.json"),
+            1e-6,
+        );
     }
     // the same bytes at any number of threads; nothing is left beside the results
     for threads in [1, 2, 4] {
-        folder.run(&format!("fit panel.h5 -o t{threads}.json {LITTLE} --threads {threads}")).exits(0);
+        folder
+            .run(&format!(
+                "fit panel.h5 -o t{threads}.json {LITTLE} --threads {threads}"
+            ))
+            .exits(0);
         assert!(folder.read(&format!("t{threads}.json")) == folder.read("parts.json"));
     }
-    assert!(folder.names().iter().all(|name| !name.ends_with(".resume")), "{:?}", folder.names());
+    assert!(
+        folder.names().iter().all(|name| !name.ends_with(".resume")),
+        "{:?}",
+        folder.names()
+    );
 }
 
 #[test]
@@ -101,10 +180,19 @@ fn a_killed_fit_goes_on_and_writes_the_same_bytes() {
         std::thread::sleep(Duration::from_millis(10 * kill));
         child.kill().ok(); // SIGKILL
         child.wait().unwrap();
-        if folder.names().iter().any(|name| name == "killed.json.resume") {
+        if folder
+            .names()
+            .iter()
+            .any(|name| name == "killed.json.resume")
+        {
             resumed += 1;
-            folder.run(&format!("{} --resume --force", fit("killed.json"))).exits(0);
-            assert!(folder.read("killed.json") == folder.read("whole.json"), "kill {kill}");
+            folder
+                .run(&format!("{} --resume --force", fit("killed.json")))
+                .exits(0);
+            assert!(
+                folder.read("killed.json") == folder.read("whole.json"),
+                "kill {kill}"
+            );
             std::fs::remove_file(folder.path().join("killed.json")).unwrap();
         }
         if resumed >= 4 {
@@ -122,32 +210,77 @@ fn what_cannot_be_done_in_parts_is_refused_with_the_next_step() {
         run.json()["error"].clone()
     };
     let method = error(&format!("fit panel.h5 --method lscf {LITTLE}"), 2);
-    assert_eq!((&method["field"], &method["found"]), (&"--method".into(), &"lscf".into()), "{method}");
+    assert_eq!(
+        (&method["field"], &method["found"]),
+        (&"--method".into(), &"lscf".into()),
+        "{method}"
+    );
     folder.run("convert panel.h5 -o panel.csv").exits(0);
     let table = error(&format!("fit panel.csv {LITTLE}"), 65);
-    assert!(table["message"].as_str().unwrap().contains("cannot be read in parts"), "{table}");
-    assert!(table["help"].as_str().unwrap().contains("--memory"), "{table}");
+    assert!(
+        table["message"]
+            .as_str()
+            .unwrap()
+            .contains("cannot be read in parts"),
+        "{table}"
+    );
+    assert!(
+        table["help"].as_str().unwrap().contains("--memory"),
+        "{table}"
+    );
 
     let many = error("block reduce panel.h5 --block 0 --blocks 25 -o a.part", 2);
-    assert_eq!((&many["field"], &many["found"]), (&"--blocks".into(), &"25".into()), "{many}");
+    assert_eq!(
+        (&many["field"], &many["found"]),
+        (&"--blocks".into(), &"25".into()),
+        "{many}"
+    );
     let beyond = error("block reduce panel.h5 --block 3 --blocks 3 -o a.part", 2);
     assert_eq!(&beyond["field"], "--block", "{beyond}");
     let kind = error("block merge panel.h5 -o a.part", 65);
-    assert!(kind["message"].as_str().unwrap().contains("chladni.partial"), "{kind}");
+    assert!(
+        kind["message"]
+            .as_str()
+            .unwrap()
+            .contains("chladni.partial"),
+        "{kind}"
+    );
 
     folder.run("block reduce panel.h5 -o all.part").exits(0);
     let model = error("block solve all.part -o model.json", 2);
-    assert!(model["help"].as_str().unwrap().contains("a first pass leads to poles"), "{model}");
+    assert!(
+        model["help"]
+            .as_str()
+            .unwrap()
+            .contains("a first pass leads to poles"),
+        "{model}"
+    );
     folder.run("block solve all.part -o found.poles").exits(0);
-    folder.run("block reduce panel.h5 --block 0 --blocks 2 --poles found.poles -o half.part").exits(0);
+    folder
+        .run("block reduce panel.h5 --block 0 --blocks 2 --poles found.poles -o half.part")
+        .exits(0);
     let half = error("block solve half.part -o model.json", 65);
-    assert_eq!((&half["found"], &half["file"]), (&"120".into(), &"half.part".into()), "{half}");
-    let other = error("block reduce panel.h5 --band 30:300 --poles found.poles -o b.part", 65);
+    assert_eq!(
+        (&half["found"], &half["file"]),
+        (&"120".into(), &"half.part".into()),
+        "{half}"
+    );
+    let other = error(
+        "block reduce panel.h5 --band 30:300 --poles found.poles -o b.part",
+        65,
+    );
     assert_eq!(&other["field"], "band", "{other}");
-    assert!(folder.names().iter().all(|name| !["a.part", "b.part", "model.json"].contains(&name.as_str())));
+    assert!(folder
+        .names()
+        .iter()
+        .all(|name| !["a.part", "b.part", "model.json"].contains(&name.as_str())));
 
     // what was left by an interrupted fit of another file
-    std::fs::write(folder.path().join("model.json.resume"), b"{\"format\":\"chladni.resume\"}\nx").unwrap();
+    std::fs::write(
+        folder.path().join("model.json.resume"),
+        b"{\"format\":\"chladni.resume\"}\nx",
+    )
+    .unwrap();
     let resume = error(&format!("fit panel.h5 -o model.json --resume {LITTLE}"), 65);
     assert_eq!(&resume["field"], "inputs", "{resume}");
 }

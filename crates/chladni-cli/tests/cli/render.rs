@@ -5,8 +5,13 @@ use crate::common::Folder;
 /// The glass panel with driving points at few lines; its truth is the model.
 fn prepared() -> Folder {
     let folder = Folder::new();
-    folder.write("panel.toml", "[responses]\nat_references = true\n[frf]\nstart_hz = 100\nstop_hz = 1000\nstep_hz = 10\n");
-    folder.run("simulate panel.toml -o panel.h5 --truth model.json -q").exits(0);
+    folder.write(
+        "panel.toml",
+        "[responses]\nat_references = true\n[frf]\nstart_hz = 100\nstop_hz = 1000\nstep_hz = 10\n",
+    );
+    folder
+        .run("simulate panel.toml -o panel.h5 --truth model.json -q")
+        .exits(0);
     folder.write("corner.toml", scene(330, 1, ""));
     folder
 }
@@ -21,99 +26,268 @@ fn scene(frequency_hz: u32, cell: usize, rest: &str) -> String {
 #[test]
 fn as_few_modes_and_actuators_as_the_scene_needs() {
     let folder = prepared();
-    let json = folder.run("render model.json corner.toml --modes auto --actuators auto --measured panel.h5 --json").exits(0).json();
-    assert!(json["modes_used"].as_u64().unwrap() <= 14 && json["actuators_used"].as_u64().unwrap() <= 9, "{json}");
-    assert_eq!((&json["options"]["modes"], &json["options"]["actuators"]), (&"auto".into(), &"auto".into()));
-    assert_eq!(json["source"].as_array().unwrap().len(), 3, "the measured file is named");
-    let run = folder.run("render model.json corner.toml --modes few").exits(2);
-    assert!(run.stderr.contains("--modes") && run.stderr.contains("few"), "{}", run.stderr);
+    let json = folder
+        .run(
+            "render model.json corner.toml --modes auto --actuators auto --measured \
+                           panel.h5 --json",
+        )
+        .exits(0)
+        .json();
+    assert!(
+        json["modes_used"].as_u64().unwrap() <= 14 && json["actuators_used"].as_u64().unwrap() <= 9,
+        "{json}"
+    );
+    assert_eq!(
+        (&json["options"]["modes"], &json["options"]["actuators"]),
+        (&"auto".into(), &"auto".into())
+    );
+    assert_eq!(
+        json["source"].as_array().unwrap().len(),
+        3,
+        "the measured file is named"
+    );
+    let run = folder
+        .run("render model.json corner.toml --modes few")
+        .exits(2);
+    assert!(
+        run.stderr.contains("--modes") && run.stderr.contains("few"),
+        "{}",
+        run.stderr
+    );
 }
 
 #[test]
 fn an_impossible_scene_exits_1_with_what_is_possible_and_what_was_asked() {
     let folder = prepared();
-    folder.write("weak.toml", scene(330, 1, "[actuators]\nmax_force_n = 2e-5\n"));
-    let run = folder.run("render model.json weak.toml -o weights.json").exits(1);
-    assert!(run.stderr.contains("possible") && run.stderr.contains("asked 4.0 dB"), "{}", run.stderr);
-    let json = folder.run("render model.json weak.toml --json").exits(1).json();
-    assert!(json["ceiling"]["possible_db"].as_f64().unwrap() < json["ceiling"]["asked_db"].as_f64().unwrap(), "{json}");
+    folder.write(
+        "weak.toml",
+        scene(330, 1, "[actuators]\nmax_force_n = 2e-5\n"),
+    );
+    let run = folder
+        .run("render model.json weak.toml -o weights.json")
+        .exits(1);
+    assert!(
+        run.stderr.contains("possible") && run.stderr.contains("asked 4.0 dB"),
+        "{}",
+        run.stderr
+    );
+    let json = folder
+        .run("render model.json weak.toml --json")
+        .exits(1)
+        .json();
+    assert!(
+        json["ceiling"]["possible_db"].as_f64().unwrap()
+            < json["ceiling"]["asked_db"].as_f64().unwrap(),
+        "{json}"
+    );
     folder.run("report weights.json -o report.html -q").exits(0);
 }
 
 #[test]
 fn stress_sweep_and_signals() {
     let folder = prepared();
-    let line = "render model.json corner.toml -o weights.json --stress --seed 3 --sweep 326:334 --wav drive.wav";
+    let line = "render model.json corner.toml -o weights.json --stress --seed 3 --sweep 326:334 \
+                --wav drive.wav";
     let run = folder.run(line).exits(0);
-    for words in ["a finger in the hot zone", "one dead actuator", "suggested: ", "standard deviations"] {
+    for words in [
+        "a finger in the hot zone",
+        "one dead actuator",
+        "suggested: ",
+        "standard deviations",
+    ] {
         assert!(run.stdout.contains(words), "{words}: {}", run.stdout);
     }
-    let json = folder.run(&format!("{line} --force --json")).exits(0).json();
-    assert_eq!((json["sweep"]["frequencies"].as_array().unwrap().len(), &json["options"]["stress_seed"]), (5, &3.into()));
-    assert_eq!(&std::fs::read(folder.path().join("drive.wav")).unwrap()[..4], b"RIFF");
-    folder.run("render model.json corner.toml --wav drive.csv -q").exits(0);
-    assert!(folder.text("drive.csv").starts_with("reference,frequency_hz,amplitude_peak,phase_deg,unit\n101:+Z,330,"));
-    assert!(folder.run("render model.json corner.toml --wav drive.mp3").exits(2).stderr.contains(".wav"));
-    assert!(folder.run("render model.json corner.toml --sweep 300").exits(2).stderr.contains("LO:HI"));
-    folder.run("evaluate weights.json --scene corner.toml --on panel.h5 -q").exits(0);
+    let json = folder
+        .run(&format!("{line} --force --json"))
+        .exits(0)
+        .json();
+    assert_eq!(
+        (
+            json["sweep"]["frequencies"].as_array().unwrap().len(),
+            &json["options"]["stress_seed"]
+        ),
+        (5, &3.into())
+    );
+    assert_eq!(
+        &std::fs::read(folder.path().join("drive.wav")).unwrap()[..4],
+        b"RIFF"
+    );
+    folder
+        .run("render model.json corner.toml --wav drive.csv -q")
+        .exits(0);
+    assert!(folder
+        .text("drive.csv")
+        .starts_with("reference,frequency_hz,amplitude_peak,phase_deg,unit\n101:+Z,330,"));
+    assert!(folder
+        .run("render model.json corner.toml --wav drive.mp3")
+        .exits(2)
+        .stderr
+        .contains(".wav"));
+    assert!(folder
+        .run("render model.json corner.toml --sweep 300")
+        .exits(2)
+        .stderr
+        .contains("LO:HI"));
+    folder
+        .run("evaluate weights.json --scene corner.toml --on panel.h5 -q")
+        .exits(0);
 }
 
 #[test]
 fn a_fit_for_a_scene_takes_only_the_band_that_it_needs() {
     let folder = Folder::new();
-    folder.write("panel.toml", "[responses]\ngrid = [6, 4]\nspacing_m = 0.04\n[references]\nedge_count = [3, 2]\n[frf]\nstop_hz = 700\n");
+    folder.write(
+        "panel.toml",
+        "[responses]\ngrid = [6, 4]\nspacing_m = \
+                                0.04\n[references]\nedge_count = [3, 2]\n[frf]\nstop_hz = 700\n",
+    );
     folder.write("corner.toml", scene(300, 1, ""));
-    folder.run("simulate panel.toml -o panel.h5 --truth truth.json -q").exits(0);
-    let json = folder.run("fit panel.h5 -o part.json --scene corner.toml --json").exits(0).json();
-    let band: Vec<f64> = json["options"]["band_hz"].as_array().unwrap().iter().map(|hz| hz.as_f64().unwrap()).collect();
-    assert!(band[0] > 20.0 && band[0] < 290.0 && band[1] > 310.0 && band[1] < 690.0, "{band:?}");
+    folder
+        .run("simulate panel.toml -o panel.h5 --truth truth.json -q")
+        .exits(0);
+    let json = folder
+        .run("fit panel.h5 -o part.json --scene corner.toml --json")
+        .exits(0)
+        .json();
+    let band: Vec<f64> = json["options"]["band_hz"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|hz| hz.as_f64().unwrap())
+        .collect();
+    assert!(
+        band[0] > 20.0 && band[0] < 290.0 && band[1] > 310.0 && band[1] < 690.0,
+        "{band:?}"
+    );
     let said = json["warnings"].to_string();
-    assert!(said.contains("what corner.toml needs at 300 Hz") && said.contains("stand as residual terms"), "{said}");
-    assert_eq!(json["source"].as_array().unwrap().len(), 2, "the scene is named");
+    assert!(
+        said.contains("what corner.toml needs at 300 Hz")
+            && said.contains("stand as residual terms"),
+        "{said}"
+    );
+    assert_eq!(
+        json["source"].as_array().unwrap().len(),
+        2,
+        "the scene is named"
+    );
     // the drive of the part serves on the whole truth what it serves in its own model
     folder.run("render part.json corner.toml -o weights.json -q");
-    let on = |model: &str| folder.run(&format!("evaluate weights.json --scene corner.toml --on {model} --json")).exits(0).json();
-    let ratio = |json: &serde_json::Value| json["indices"]["points"]["success_ratio"].as_f64().unwrap();
+    let on = |model: &str| {
+        folder
+            .run(&format!(
+                "evaluate weights.json --scene corner.toml --on {model} --json"
+            ))
+            .exits(0)
+            .json()
+    };
+    let ratio =
+        |json: &serde_json::Value| json["indices"]["points"]["success_ratio"].as_f64().unwrap();
     let (own, truth) = (ratio(&on("part.json")), ratio(&on("truth.json")));
-    assert!((own - truth).abs() <= 0.1, "{own} in its model, {truth} in truth");
-    assert!(folder.run("fit panel.h5 --scene corner.toml --band 100:500").exits(2).stderr.contains("--band"));
+    assert!(
+        (own - truth).abs() <= 0.1,
+        "{own} in its model, {truth} in truth"
+    );
+    assert!(folder
+        .run("fit panel.h5 --scene corner.toml --band 100:500")
+        .exits(2)
+        .stderr
+        .contains("--band"));
 }
 
 #[test]
 fn actuators_are_chosen_for_several_scenes() {
     let folder = prepared();
     folder.write("other.toml", scene(330, 4, ""));
-    let weights = |line: &str| folder.run(&format!("render model.json {line} --actuators auto --json")).exits(0).json();
-    let used = |json: &serde_json::Value| -> Vec<String> {
-        let driven = json["weights"].as_array().unwrap().iter().filter(|weight| weight["amplitude"].as_f64().unwrap() > 0.0);
-        driven.map(|weight| weight["reference"].to_string()).collect()
+    let weights = |line: &str| {
+        folder
+            .run(&format!("render model.json {line} --actuators auto --json"))
+            .exits(0)
+            .json()
     };
-    let (first, second) = (weights("corner.toml --also other.toml"), weights("other.toml --also corner.toml"));
+    let used = |json: &serde_json::Value| -> Vec<String> {
+        let driven = json["weights"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .filter(|weight| weight["amplitude"].as_f64().unwrap() > 0.0);
+        driven
+            .map(|weight| weight["reference"].to_string())
+            .collect()
+    };
+    let (first, second) = (
+        weights("corner.toml --also other.toml"),
+        weights("other.toml --also corner.toml"),
+    );
     assert_eq!(used(&first), used(&second));
-    assert_eq!((&first["options"]["also"][0], first["source"].as_array().unwrap().len()), (&"other.toml".into(), 3));
-    folder.write("fewer.toml", scene(330, 4, "[actuators]\nuse = [\"101:+Z\", \"102:+Z\"]\n"));
-    let run = folder.run("render model.json corner.toml --also fewer.toml --actuators auto").exits(65);
-    assert!(run.stderr.contains("the scenes allow different actuators"), "{}", run.stderr);
+    assert_eq!(
+        (
+            &first["options"]["also"][0],
+            first["source"].as_array().unwrap().len()
+        ),
+        (&"other.toml".into(), 3)
+    );
+    folder.write(
+        "fewer.toml",
+        scene(330, 4, "[actuators]\nuse = [\"101:+Z\", \"102:+Z\"]\n"),
+    );
+    let run = folder
+        .run("render model.json corner.toml --also fewer.toml --actuators auto")
+        .exits(65);
+    assert!(
+        run.stderr.contains("the scenes allow different actuators"),
+        "{}",
+        run.stderr
+    );
 }
 
 #[test]
 fn several_tones_are_rendered_judged_and_reported_one_by_one() {
     let folder = prepared();
     folder.write("chord.toml", scene(330, 1, "").replace("330", "[330, 350]"));
-    let json = folder.run("render model.json chord.toml -o weights.json --method mls --wav drive.csv --json").json();
-    assert_eq!((json["frequency_hz"].as_f64(), json["other_tones"][0]["frequency_hz"].as_f64()), (Some(330.0), Some(350.0)));
+    let json = folder
+        .run("render model.json chord.toml -o weights.json --method mls --wav drive.csv --json")
+        .json();
+    assert_eq!(
+        (
+            json["frequency_hz"].as_f64(),
+            json["other_tones"][0]["frequency_hz"].as_f64()
+        ),
+        (Some(330.0), Some(350.0))
+    );
     assert_eq!(folder.text("drive.csv").lines().count(), 1 + 2 * 34);
-    folder.run("evaluate weights.json --scene chord.toml --on panel.h5 -q").exits(0);
-    let judged = folder.run("evaluate weights.json --scene chord.toml --on model.json --json").exits(0).json();
-    let limit = |tone: &serde_json::Value, name: &str| tone["limits_m_per_s"][name].as_f64().unwrap();
+    folder
+        .run("evaluate weights.json --scene chord.toml --on panel.h5 -q")
+        .exits(0);
+    let judged = folder
+        .run("evaluate weights.json --scene chord.toml --on model.json --json")
+        .exits(0)
+        .json();
+    let limit =
+        |tone: &serde_json::Value, name: &str| tone["limits_m_per_s"][name].as_f64().unwrap();
     // two tones share what quiet ground may have; each is felt by itself
-    for (tone, rendered) in [(&judged, &json), (&judged["other_tones"][0], &json["other_tones"][0])] {
+    for (tone, rendered) in [
+        (&judged, &json),
+        (&judged["other_tones"][0], &json["other_tones"][0]),
+    ] {
         let ratio = limit(tone, "hot") / limit(tone, "cold");
-        assert!((20.0 * ratio.log10() - 4.0 - 10.0 * 2f64.log10()).abs() < 1e-9, "{tone}");
-        assert_eq!(tone["indices"]["points"]["success_ratio"], rendered["indices"]["points"]["success_ratio"]);
+        assert!(
+            (20.0 * ratio.log10() - 4.0 - 10.0 * 2f64.log10()).abs() < 1e-9,
+            "{tone}"
+        );
+        assert_eq!(
+            tone["indices"]["points"]["success_ratio"],
+            rendered["indices"]["points"]["success_ratio"]
+        );
     }
-    let report = folder.run("report model.json weights.json -o report.html --json").exits(0).json();
+    let report = folder
+        .run("report model.json weights.json -o report.html --json")
+        .exits(0)
+        .json();
     assert_eq!(report["scenes"], 2);
     assert!(folder.text("report.html").contains("chord.toml, 350 Hz"));
-    assert!(folder.run("render model.json chord.toml --sweep 300:310").exits(2).stderr.contains("one frequency"));
+    assert!(folder
+        .run("render model.json chord.toml --sweep 300:310")
+        .exits(2)
+        .stderr
+        .contains("one frequency"));
 }

@@ -22,10 +22,22 @@ fn completions_know_commands_and_options_in_every_shell() {
 fn bash_completes_what_is_half_written() {
     let script = Folder::new().run("completions bash").exits(0).stdout;
     let ask = |words: &str, place: usize| {
-        let line = format!("{script}\nCOMP_WORDS=({words}); COMP_CWORD={place}; _chladni chladni \"${{COMP_WORDS[{place}]}}\" ''; echo \"${{COMPREPLY[*]}}\"\n");
-        let mut bash =
-            Command::new("bash").arg("--norc").stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-        bash.stdin.take().unwrap().write_all(line.as_bytes()).unwrap();
+        let line = format!(
+            "{script}\nCOMP_WORDS=({words}); COMP_CWORD={place}; _chladni chladni \
+                            \"${{COMP_WORDS[{place}]}}\" ''; echo \"${{COMPREPLY[*]}}\"\n"
+        );
+        let mut bash = Command::new("bash")
+            .arg("--norc")
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        bash.stdin
+            .take()
+            .unwrap()
+            .write_all(line.as_bytes())
+            .unwrap();
         let output = bash.wait_with_output().unwrap();
         String::from_utf8(output.stdout).unwrap().trim().to_owned()
     };
@@ -37,15 +49,32 @@ fn bash_completes_what_is_half_written() {
 fn manual_pages_name_every_command_and_its_options() {
     let folder = Folder::new();
     let page = folder.run("man").exits(0).stdout;
-    assert!(page.lines().any(|line| line.starts_with(".TH")), "{}", &page[..200]);
+    assert!(
+        page.lines().any(|line| line.starts_with(".TH")),
+        "{}",
+        &page[..200]
+    );
     for verb in ["demo", "info", "fit", "render", "report", "studio"] {
         assert!(page.contains(&format!("chladni\\-{verb}")), "{verb}");
         let own = folder.run(&format!("man {verb}")).exits(0).stdout;
-        assert!(own.contains(".SH SYNOPSIS") && own.contains("chladni"), "{verb}");
+        assert!(
+            own.contains(".SH SYNOPSIS") && own.contains("chladni"),
+            "{verb}"
+        );
     }
     let render = folder.run("man render").exits(0).stdout;
-    assert!(render.contains(".SH EXAMPLES") && render.contains("corner.toml \\-\\-method fast"), "{render}");
-    assert!(render.contains("\\-\\-stress") && render.contains("Try the weights on a panel"), "{render}");
+    assert!(
+        render.contains(".SH EXAMPLES") && render.contains("corner.toml \\-\\-method fast"),
+        "{render}"
+    );
+    assert!(
+        render.contains("\\-\\-stress") && render.contains("Try the weights on a panel"),
+        "{render}"
+    );
     let unknown = folder.run("man rendr").exits(2);
-    assert!(unknown.stderr.contains("no such command") && unknown.stderr.contains("chladni man render"), "{}", unknown.stderr);
+    assert!(
+        unknown.stderr.contains("no such command") && unknown.stderr.contains("chladni man render"),
+        "{}",
+        unknown.stderr
+    );
 }

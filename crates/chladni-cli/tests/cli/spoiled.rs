@@ -1,5 +1,5 @@
-//! Twelve usual mistakes, each made by hand from a clean simulated set: `info` or `fit` names it in words of the trade, and says
-//! nothing of it about the clean set.
+//! Twelve usual mistakes, each made by hand from a clean simulated set: `info` or `fit`
+//! names it in words of the trade, and says nothing of it about the clean set.
 
 use crate::common::Folder;
 use chladni_frf::io::{read_frf, write_contents, Contents};
@@ -17,7 +17,9 @@ fn clean() -> Folder {
     folder.write("panel.toml", PANEL);
     folder.run("simulate panel.toml -o clean.h5 -q").exits(0);
     for other in ["unv", "csv"] {
-        folder.run(&format!("convert clean.h5 -o clean.{other} -q")).exits(0);
+        folder
+            .run(&format!("convert clean.h5 -o clean.{other} -q"))
+            .exits(0);
     }
     folder
 }
@@ -26,11 +28,21 @@ fn clean() -> Folder {
 fn spoil(folder: &Folder, spoil: impl FnOnce(&mut FrfSet)) {
     let (mut frf, ..) = read_frf(&[folder.path().join("clean.h5")], &Default::default()).unwrap();
     spoil(&mut frf);
-    write_contents(&folder.path().join("spoiled.h5"), &Contents { frf: Some(frf), ..Contents::default() }, true).unwrap();
+    write_contents(
+        &folder.path().join("spoiled.h5"),
+        &Contents {
+            frf: Some(frf),
+            ..Contents::default()
+        },
+        true,
+    )
+    .unwrap();
 }
 
 fn each_value(frf: &mut FrfSet, change: impl Fn(Complex64) -> Complex64) {
-    let FrfValues::F64(values) = &mut frf.values else { panic!("a simulation is of double precision") };
+    let FrfValues::F64(values) = &mut frf.values else {
+        panic!("a simulation is of double precision")
+    };
     values.mapv_inplace(change);
 }
 
@@ -41,8 +53,14 @@ fn says(folder: &Folder, line: &str) -> String {
 
 /// Checks that `words` are said of the spoiled file and not of the clean one.
 fn named(folder: &Folder, command: &str, spoiled: &str, clean: &str, words: &str) {
-    let (of_spoiled, of_clean) = (says(folder, &format!("{command} {spoiled}")), says(folder, &format!("{command} {clean}")));
-    assert!(of_spoiled.contains(words), "{command} {spoiled}: {of_spoiled}");
+    let (of_spoiled, of_clean) = (
+        says(folder, &format!("{command} {spoiled}")),
+        says(folder, &format!("{command} {clean}")),
+    );
+    assert!(
+        of_spoiled.contains(words),
+        "{command} {spoiled}: {of_spoiled}"
+    );
     assert!(!of_clean.contains(words), "{command} {clean}: {of_clean}");
 }
 
@@ -55,12 +73,25 @@ fn wrong_units_in_a_universal_file_and_in_a_table() {
     folder.write("spoiled.unv", labelled);
     named(&folder, "info", "spoiled.unv", "clean.unv", "contradicts");
     let said = says(&folder, "info spoiled.unv");
-    assert_eq!((said.matches("contradicts").count(), said.matches("(and 219 more datasets)").count()), (1, 1), "{said}");
+    assert_eq!(
+        (
+            said.matches("contradicts").count(),
+            said.matches("(and 219 more datasets)").count()
+        ),
+        (1, 1),
+        "{said}"
+    );
     let table = folder.text("clean.csv");
     let unit = table.replacen("m/s/N", "bar", usize::MAX);
     assert_ne!(table, unit, "{}", &table[..300]);
     folder.write("spoiled.csv", unit);
-    named(&folder, "info", "spoiled.csv", "clean.csv", "is no motion per force or volt");
+    named(
+        &folder,
+        "info",
+        "spoiled.csv",
+        "clean.csv",
+        "is no motion per force or volt",
+    );
 }
 
 #[test]
@@ -70,12 +101,20 @@ fn wrong_kind_and_receptance_called_mobility() {
     named(&folder, "fit", "spoiled.h5", "clean.h5", "wrong FRF kind?");
     spoil(&folder, |frf| {
         let lines = frf.frequency_hz.clone();
-        let FrfValues::F64(values) = &mut frf.values else { panic!("a simulation is of double precision") };
+        let FrfValues::F64(values) = &mut frf.values else {
+            panic!("a simulation is of double precision")
+        };
         for (mut line, &hz) in values.axis_iter_mut(ndarray::Axis(2)).zip(&lines) {
             line.mapv_inplace(|value| value / Complex64::new(0.0, std::f64::consts::TAU * hz));
         }
     });
-    named(&folder, "fit", "spoiled.h5", "clean.h5", "as if the data were receptance");
+    named(
+        &folder,
+        "fit",
+        "spoiled.h5",
+        "clean.h5",
+        "as if the data were receptance",
+    );
 }
 
 #[test]
@@ -89,18 +128,31 @@ fn wrong_time_sign() {
 fn reversed_direction() {
     let folder = clean();
     spoil(&folder, |frf| each_value(frf, |value| -value));
-    named(&folder, "fit", "spoiled.h5", "clean.h5", "points the other way");
+    named(
+        &folder,
+        "fit",
+        "spoiled.h5",
+        "clean.h5",
+        "points the other way",
+    );
 }
 
 #[test]
 fn mixed_axes_of_frequency_and_of_the_sensor() {
     let folder = clean();
-    folder.write("other.toml", PANEL.replace("step_hz = 0.5", "step_hz = 1.0"));
+    folder.write(
+        "other.toml",
+        PANEL.replace("step_hz = 0.5", "step_hz = 1.0"),
+    );
     folder.run("simulate other.toml -o other.h5 -q").exits(0);
     let mixed = folder.run("fit clean.h5 other.h5 --duplicates first");
     assert_eq!(mixed.code, 65, "{}", mixed.stderr);
     assert!(mixed.stderr.contains("frequency ax"), "{}", mixed.stderr);
-    spoil(&folder, |frf| frf.responses[2] = format!("{}:+X", frf.responses[2].node).parse::<Dof>().unwrap());
+    spoil(&folder, |frf| {
+        frf.responses[2] = format!("{}:+X", frf.responses[2].node)
+            .parse::<Dof>()
+            .unwrap()
+    });
     named(&folder, "info", "spoiled.h5", "clean.h5", "mixed axes");
 }
 
@@ -109,13 +161,18 @@ fn missing_reference() {
     let folder = clean();
     folder.write("spoiled.csv", "f (Hz),re,im\n10,1,0\n20,2,1\n30,1,0\n");
     let said = says(&folder, "info spoiled.csv");
-    assert!(said.contains("names no reference DOF") && said.contains("--reference"), "{said}");
+    assert!(
+        said.contains("names no reference DOF") && said.contains("--reference"),
+        "{said}"
+    );
 }
 
 #[test]
 fn decimal_commas_between_commas() {
     let folder = Folder::new();
-    let rows: String = (1..40).map(|k| format!("{},5,0,{k},1,25\n", 10 + k)).collect();
+    let rows: String = (1..40)
+        .map(|k| format!("{},5,0,{k},1,25\n", 10 + k))
+        .collect();
     folder.write("spoiled.csv", format!("f,re,im\n{rows}"));
     let run = folder.run("info spoiled.csv");
     assert!(run.stderr.contains("decimal"), "{}", run.stderr);
@@ -124,7 +181,9 @@ fn decimal_commas_between_commas() {
 #[test]
 fn kilohertz_called_hertz() {
     let folder = clean();
-    spoil(&folder, |frf| frf.frequency_hz.mapv_inplace(|hz| hz / 1000.0));
+    spoil(&folder, |frf| {
+        frf.frequency_hz.mapv_inplace(|hz| hz / 1000.0)
+    });
     named(&folder, "info", "spoiled.h5", "clean.h5", "is it in kHz?");
 }
 
@@ -132,8 +191,16 @@ fn kilohertz_called_hertz() {
 fn response_and_reference_swapped() {
     let folder = clean();
     spoil(&folder, |frf| {
-        let FrfValues::F64(values) = &frf.values else { panic!("a simulation is of double precision") };
-        frf.values = FrfValues::F64(values.clone().permuted_axes([1, 0, 2]).as_standard_layout().into_owned());
+        let FrfValues::F64(values) = &frf.values else {
+            panic!("a simulation is of double precision")
+        };
+        frf.values = FrfValues::F64(
+            values
+                .clone()
+                .permuted_axes([1, 0, 2])
+                .as_standard_layout()
+                .into_owned(),
+        );
         std::mem::swap(&mut frf.responses, &mut frf.references);
     });
     named(&folder, "info", "spoiled.h5", "clean.h5", "swapped");
@@ -143,9 +210,13 @@ fn response_and_reference_swapped() {
 fn clipped_data() {
     let folder = clean();
     spoil(&folder, |frf| {
-        let FrfValues::F64(values) = &frf.values else { panic!("a simulation is of double precision") };
+        let FrfValues::F64(values) = &frf.values else {
+            panic!("a simulation is of double precision")
+        };
         let most = 0.2 * values.iter().map(|value| value.norm()).fold(0.0, f64::max);
-        each_value(frf, |value| Complex64::new(value.re.clamp(-most, most), value.im.clamp(-most, most)));
+        each_value(frf, |value| {
+            Complex64::new(value.re.clamp(-most, most), value.im.clamp(-most, most))
+        });
     });
     for command in ["info", "fit"] {
         named(&folder, command, "spoiled.h5", "clean.h5", "clipped:");
@@ -156,6 +227,8 @@ fn clipped_data() {
 fn missing_driving_point() {
     let folder = clean();
     folder.write("without.toml", PANEL.replace("at_references = true\n", ""));
-    folder.run("simulate without.toml -o spoiled.h5 -q").exits(0);
+    folder
+        .run("simulate without.toml -o spoiled.h5 -q")
+        .exits(0);
     named(&folder, "fit", "spoiled.h5", "clean.h5", "driving point");
 }

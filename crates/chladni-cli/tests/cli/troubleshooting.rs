@@ -1,16 +1,33 @@
-//! Every warning of the code has an entry in docs/troubleshooting.md: the sources are read for what they say.
+//! Every warning of the code has an entry in docs/troubleshooting.md: the sources are
+//! read for what they say.
 
 use std::path::{Path, PathBuf};
 
 const PAGE: &str = include_str!("../../../../docs/troubleshooting.md");
 /// What hands a warning or a mode's doubt on.
-const CALLS: [&str; 7] =
-    ["warnings.push(", ".warn(", "reasons.push(", "notes.push(", " note(", "let words = format!(", "const UNDECIDABLE: &str = "];
+const CALLS: [&str; 7] = [
+    "warnings.push(",
+    ".warn(",
+    "reasons.push(",
+    "notes.push(",
+    " note(",
+    "let words = format!(",
+    "const UNDECIDABLE: &str = ",
+];
 /// Crates that speak to the user.
-const CRATES: [&str; 5] = ["chladni-frf", "chladni-rfp", "chladni-render", "chladni-plate", "chladni-cli"];
+const CRATES: [&str; 5] = [
+    "chladni-frf",
+    "chladni-rfp",
+    "chladni-render",
+    "chladni-plate",
+    "chladni-cli",
+];
 
 fn rust_files(folder: &Path, out: &mut Vec<PathBuf>) {
-    for entry in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+    for entry in std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+    {
         if entry.is_dir() {
             rust_files(&entry, out);
         } else if entry.extension().is_some_and(|extension| extension == "rs") {
@@ -43,7 +60,9 @@ fn unquoted(rest: &str) -> String {
     while let Some(letter) = letters.next() {
         match letter {
             '"' => break,
-            '\\' if letters.peek() == Some(&'\n') => while letters.next_if(|next| next.is_whitespace()).is_some() {},
+            '\\' if letters.peek() == Some(&'\n') => {
+                while letters.next_if(|next| next.is_whitespace()).is_some() {}
+            }
             '\\' => out.extend(letters.next()),
             plain => out.push(plain),
         }
@@ -66,7 +85,11 @@ fn longest_piece(text: &str) -> String {
             plain => pieces.last_mut().unwrap().push(plain),
         }
     }
-    let trimmed = pieces.iter().map(|piece| piece.trim_matches([' ', ':', ';', ',', '(', ')', '%']).to_owned());
+    let trimmed = pieces.iter().map(|piece| {
+        piece
+            .trim_matches([' ', ':', ';', ',', '(', ')', '%'])
+            .to_owned()
+    });
     trimmed.max_by_key(|piece| piece.len()).unwrap_or_default()
 }
 
@@ -79,7 +102,9 @@ fn plain(text: &str) -> String {
 fn every_warning_of_the_code_has_an_entry() {
     let crates = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     let mut files = Vec::new();
-    CRATES.iter().for_each(|name| rust_files(&crates.join(name).join("src"), &mut files));
+    CRATES
+        .iter()
+        .for_each(|name| rust_files(&crates.join(name).join("src"), &mut files));
     let page = plain(PAGE);
     let (mut seen, mut missing) = (0, Vec::new());
     for file in files {
@@ -88,7 +113,11 @@ fn every_warning_of_the_code_has_an_entry() {
         for call in CALLS {
             for (at, _) in source.match_indices(call) {
                 // a rewritten error is no new one
-                let Some(text) = first_literal(&source[at + call.len()..]).filter(|text| !text.contains("help:")) else { continue };
+                let Some(text) = first_literal(&source[at + call.len()..])
+                    .filter(|text| !text.contains("help:"))
+                else {
+                    continue;
+                };
                 let piece = plain(&longest_piece(&text));
                 // a frame around another warning says nothing of its own
                 if piece.split_whitespace().count() < 2 {
@@ -97,13 +126,26 @@ fn every_warning_of_the_code_has_an_entry() {
                 seen += 1;
                 // half a sentence is enough to find it by
                 let words: Vec<&str> = piece.split(' ').collect();
-                let found = page.contains(&piece) || words.windows(5.min(words.len())).any(|five| page.contains(&five.join(" ")));
+                let found = page.contains(&piece)
+                    || words
+                        .windows(5.min(words.len()))
+                        .any(|five| page.contains(&five.join(" ")));
                 if !found {
-                    missing.push(format!("{}: {text}", file.strip_prefix(crates).unwrap().display()));
+                    missing.push(format!(
+                        "{}: {text}",
+                        file.strip_prefix(crates).unwrap().display()
+                    ));
                 }
             }
         }
     }
-    assert!(seen > 100, "only {seen} warnings were found: does the reading of the sources still work?");
-    assert!(missing.is_empty(), "docs/troubleshooting.md lacks\n{}", missing.join("\n"));
+    assert!(
+        seen > 100,
+        "only {seen} warnings were found: does the reading of the sources still work?"
+    );
+    assert!(
+        missing.is_empty(),
+        "docs/troubleshooting.md lacks\n{}",
+        missing.join("\n")
+    );
 }

@@ -101,7 +101,9 @@ pub struct Run {
 impl Run {
     /// Samples of each channel.
     pub fn samples(&self) -> usize {
-        self.channels.first().map_or(0, |channel| channel.samples.len())
+        self.channels
+            .first()
+            .map_or(0, |channel| channel.samples.len())
     }
     /// Channels that excite.
     pub fn references(&self) -> impl Iterator<Item = &Channel> {
@@ -126,11 +128,13 @@ pub struct ChannelOverride {
     pub references: Vec<Dof>,
 }
 
-/// Runs of a file: its time records in their order. A DOF that comes again begins the next run, so that repeated records are
-/// averaged, and records of a roving sensor or hammer follow each other.
+/// Runs of a file: its time records in their order. A DOF that comes again begins the
+/// next run, so that repeated records are averaged, and records of a roving sensor or
+/// hammer follow each other.
 ///
 /// # Errors
-/// Channels of one run that differ in length or sampling rate; an uneven time axis; masked samples; what the user says does not fit.
+/// Channels of one run that differ in length or sampling rate; an uneven time axis;
+/// masked samples; what the user says does not fit.
 pub fn runs_of(document: &Document, said: &ChannelOverride) -> Result<Vec<Run>> {
     let at = |function: &Function, error: Error| {
         let error = error.file(&document.file);
@@ -140,50 +144,91 @@ pub fn runs_of(document: &Document, said: &ChannelOverride) -> Result<Vec<Run>> 
             error
         }
     };
-    let records: Vec<&Function> = document.functions.iter().filter(|function| function.function_type == TIME).collect();
-    for (name, count) in [("--dofs", said.dofs.len()), ("--units", said.units.len()), ("--scales", said.scales.len())] {
+    let records: Vec<&Function> = document
+        .functions
+        .iter()
+        .filter(|function| function.function_type == TIME)
+        .collect();
+    for (name, count) in [
+        ("--dofs", said.dofs.len()),
+        ("--units", said.units.len()),
+        ("--scales", said.scales.len()),
+    ] {
         if count > 0 && !records.len().is_multiple_of(count) {
-            return Err(Error::new(crate::ErrorKind::Usage, "the list does not fit the channels of the file")
-                .file(&document.file)
-                .field(name)
-                .found(format!("{count} entries for {} time records", records.len()))
-                .expected("one entry per channel"));
+            return Err(Error::new(
+                crate::ErrorKind::Usage,
+                "the list does not fit the channels of the file",
+            )
+            .file(&document.file)
+            .field(name)
+            .found(format!(
+                "{count} entries for {} time records",
+                records.len()
+            ))
+            .expected("one entry per channel"));
         }
     }
     let mut runs: Vec<Run> = Vec::new();
     for (k, function) in records.into_iter().enumerate() {
         let rate = sample_rate(function).map_err(|error| at(function, error))?;
         let channel = channel(function, k, said).map_err(|error| at(function, error))?;
-        let fits = |run: &Run| !run.channels.iter().any(|known| known.dof == channel.dof && known.unit == channel.unit);
+        let fits = |run: &Run| {
+            !run.channels
+                .iter()
+                .any(|known| known.dof == channel.dof && known.unit == channel.unit)
+        };
         match runs.last_mut().filter(|run| fits(run)) {
             Some(run) => {
-                if run.samples() != channel.samples.len() || (run.sample_rate_hz / rate - 1.0).abs() > STEP_TOLERANCE {
-                    let error = Error::bad_data("channels of one run differ").field(channel.dof.to_string());
+                if run.samples() != channel.samples.len()
+                    || (run.sample_rate_hz / rate - 1.0).abs() > STEP_TOLERANCE
+                {
+                    let error = Error::bad_data("channels of one run differ")
+                        .field(channel.dof.to_string());
                     return Err(at(function, error)
                         .found(format!("{} samples at {rate} Hz", channel.samples.len()))
-                        .expected(format!("{} samples at {} Hz", run.samples(), run.sample_rate_hz))
+                        .expected(format!(
+                            "{} samples at {} Hz",
+                            run.samples(),
+                            run.sample_rate_hz
+                        ))
                         .help("give runs of different lengths as files of their own"));
                 }
                 run.channels.push(channel);
             }
             None => {
-                runs.push(Run { file: document.file.clone(), line: function.line, sample_rate_hz: rate, channels: vec![channel] });
+                runs.push(Run {
+                    file: document.file.clone(),
+                    line: function.line,
+                    sample_rate_hz: rate,
+                    channels: vec![channel],
+                });
             }
         }
     }
-    runs.iter_mut().for_each(|run| mark_references(run, &said.references));
+    runs.iter_mut()
+        .for_each(|run| mark_references(run, &said.references));
     Ok(runs)
 }
 
 /// Forces excite; where there is none, voltages do.
 fn mark_references(run: &mut Run, named: &[Dof]) {
-    let has_force = run.channels.iter().any(|channel| channel.unit == SignalUnit::Force);
-    let excites = if has_force { SignalUnit::Force } else { SignalUnit::Volt };
+    let has_force = run
+        .channels
+        .iter()
+        .any(|channel| channel.unit == SignalUnit::Force);
+    let excites = if has_force {
+        SignalUnit::Force
+    } else {
+        SignalUnit::Volt
+    };
     for channel in &mut run.channels {
         channel.is_reference = match named {
             [] => channel.unit == excites,
             // a driving point is measured too: there, the force is the reference
-            named => named.contains(&channel.dof) && (channel.unit == excites || channel.unit.frf_kind().is_none()),
+            named => {
+                named.contains(&channel.dof)
+                    && (channel.unit == excites || channel.unit.frf_kind().is_none())
+            }
         };
     }
 }
@@ -194,28 +239,44 @@ fn channel(function: &Function, k: usize, said: &ChannelOverride) -> Result<Chan
     let (unit, factor) = match of(said.units.len()) {
         None => (SignalUnit::of(function), function.scale_to_si),
         Some(at) => SignalUnit::parse(&said.units[at]).ok_or_else(|| {
-            Error::new(crate::ErrorKind::Usage, "no unit of a force, voltage or motion")
-                .field("--units")
-                .found(&said.units[at])
-                .expected("N, V, m, m/s, m/s^2, g or the like")
+            Error::new(
+                crate::ErrorKind::Usage,
+                "no unit of a force, voltage or motion",
+            )
+            .field("--units")
+            .found(&said.units[at])
+            .expected("N, V, m, m/s, m/s^2, g or the like")
         })?,
     };
     let scale = factor * of(said.scales.len()).map_or(1.0, |at| said.scales[at]);
     let samples: Vec<f64> = match &function.ordinate {
-        Ordinate::Real32(values) => values.iter().map(|&value| f64::from(value) * scale).collect(),
+        Ordinate::Real32(values) => values
+            .iter()
+            .map(|&value| f64::from(value) * scale)
+            .collect(),
         Ordinate::Real64(values) => values.iter().map(|&value| value * scale).collect(),
         Ordinate::Complex32(_) | Ordinate::Complex64(_) => {
-            return Err(Error::bad_data("a time record of complex values").field("ordinate").found("complex").expected("real samples"))
+            return Err(Error::bad_data("a time record of complex values")
+                .field("ordinate")
+                .found("complex")
+                .expected("real samples"))
         }
     };
     if let Some(masked) = samples.iter().position(|sample| !sample.is_finite()) {
-        return Err(Error::bad_data("a time record with a sample that is not finite")
-            .field(format!("sample {}", masked + 1))
-            .found(samples[masked])
-            .expected("finite samples without gaps")
-            .help("cut the record, or leave this run out"));
+        return Err(
+            Error::bad_data("a time record with a sample that is not finite")
+                .field(format!("sample {}", masked + 1))
+                .found(samples[masked])
+                .expected("finite samples without gaps")
+                .help("cut the record, or leave this run out"),
+        );
     }
-    Ok(Channel { dof, unit, is_reference: false, samples })
+    Ok(Channel {
+        dof,
+        unit,
+        is_reference: false,
+        samples,
+    })
 }
 
 fn sample_rate(function: &Function) -> Result<f64> {
@@ -223,10 +284,19 @@ fn sample_rate(function: &Function) -> Result<f64> {
         Abscissa::Even { step, .. } => *step,
         Abscissa::Uneven(times) => {
             let count = times.len();
-            let mean = if count > 1 { (times[count - 1] - times[0]) / (count - 1) as f64 } else { 0.0 };
+            let mean = if count > 1 {
+                (times[count - 1] - times[0]) / (count - 1) as f64
+            } else {
+                0.0
+            };
             // printed times round at the last of their digits
-            let rounding = STEP_TOLERANCE.max(1e-5 * times.last().map_or(0.0, |last| last.abs()) / mean.abs().max(f64::MIN_POSITIVE));
-            let even = times.windows(2).all(|pair| ((pair[1] - pair[0]) / mean - 1.0).abs() <= rounding.min(0.1));
+            let rounding = STEP_TOLERANCE.max(
+                1e-5 * times.last().map_or(0.0, |last| last.abs())
+                    / mean.abs().max(f64::MIN_POSITIVE),
+            );
+            let even = times
+                .windows(2)
+                .all(|pair| ((pair[1] - pair[0]) / mean - 1.0).abs() <= rounding.min(0.1));
             if !even {
                 return Err(Error::bad_data("the samples are not evenly spaced in time")
                     .field("time axis")
@@ -240,6 +310,9 @@ fn sample_rate(function: &Function) -> Result<f64> {
     let step = step * function.abscissa_to_si;
     match step.is_finite() && step > 0.0 {
         true => Ok(1.0 / step),
-        false => Err(Error::bad_data("no sampling rate").field("time step").found(step).expected("a time step above 0 s")),
+        false => Err(Error::bad_data("no sampling rate")
+            .field("time step")
+            .found(step)
+            .expected("a time step above 0 s")),
     }
 }

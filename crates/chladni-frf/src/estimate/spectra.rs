@@ -8,7 +8,8 @@ use num_complex::Complex64;
 use rustfft::{Fft, FftPlanner};
 use std::sync::Arc;
 
-/// Averages for one response: the matrix of the products z·z^H of z = (references, response), summed over blocks.
+/// Averages for one response: the matrix of the products z·z^H of z = (references,
+/// response), summed over blocks.
 pub(super) struct Averages {
     /// Axes (line, row, column); the response is the last row and column.
     pub products: Array3<Complex64>,
@@ -25,16 +26,34 @@ impl Averages {
     }
 
     /// Averages over all runs that hold `response`.
-    pub(super) fn of(runs: &[&Run], references: &[Dof], response: Dof, window: BlockWindow, block: usize, overlap: f64) -> Result<Self> {
+    pub(super) fn of(
+        runs: &[&Run],
+        references: &[Dof],
+        response: Dof,
+        window: BlockWindow,
+        block: usize,
+        overlap: f64,
+    ) -> Result<Self> {
         let hop = ((block as f64 * (1.0 - overlap)).round() as usize).max(1);
         let fft = FftPlanner::new().plan_fft_forward(block);
         let lines = block.div_ceil(2) - 1;
         let size = references.len() + 1;
-        let mut averages = Self { products: Array3::zeros((lines, size, size)), blocks: 0, independent: 0.0 };
+        let mut averages = Self {
+            products: Array3::zeros((lines, size, size)),
+            blocks: 0,
+            independent: 0.0,
+        };
         for run in runs {
-            let Some(answer) = run.responses().find(|channel| channel.dof == response) else { continue };
-            let drives = references.iter().filter_map(|dof| run.references().find(|channel| channel.dof == *dof));
-            let channels: Vec<&[f64]> = drives.chain([answer]).map(|channel| channel.samples.as_slice()).collect();
+            let Some(answer) = run.responses().find(|channel| channel.dof == response) else {
+                continue;
+            };
+            let drives = references
+                .iter()
+                .filter_map(|dof| run.references().find(|channel| channel.dof == *dof));
+            let channels: Vec<&[f64]> = drives
+                .chain([answer])
+                .map(|channel| channel.samples.as_slice())
+                .collect();
             if channels.len() != size {
                 continue;
             }
@@ -52,15 +71,30 @@ impl Averages {
         Ok(averages)
     }
 
-    fn add(&mut self, channels: &[&[f64]], start: usize, window: &[f64], fft: &Arc<dyn Fft<f64>>, without_mean: bool) {
+    fn add(
+        &mut self,
+        channels: &[&[f64]],
+        start: usize,
+        window: &[f64],
+        fft: &Arc<dyn Fft<f64>>,
+        without_mean: bool,
+    ) {
         let block = window.len();
         let spectra: Vec<Vec<Complex64>> = channels
             .iter()
             .map(|samples| {
                 let samples = &samples[start..start + block];
                 // a window spreads the mean over the lines beside 0 Hz
-                let mean = if without_mean { samples.iter().sum::<f64>() / block as f64 } else { 0.0 };
-                let mut buffer: Vec<Complex64> = samples.iter().zip(window).map(|(x, w)| Complex64::from((x - mean) * w)).collect();
+                let mean = if without_mean {
+                    samples.iter().sum::<f64>() / block as f64
+                } else {
+                    0.0
+                };
+                let mut buffer: Vec<Complex64> = samples
+                    .iter()
+                    .zip(window)
+                    .map(|(x, w)| Complex64::from((x - mean) * w))
+                    .collect();
                 fft.process(&mut buffer);
                 buffer
             })

@@ -9,7 +9,8 @@ pub enum BlockWindow {
     Rectangular,
     /// sin²(πt/T): continuous random excitation.
     Hann,
-    /// e^{−αt}: hammer tests whose response does not die inside the block. It adds α to every decay.
+    /// e^{−αt}: hammer tests whose response does not die inside the block. It adds α to
+    /// every decay.
     Exponential {
         /// α, 1/s.
         rate_per_s: f64,
@@ -36,15 +37,23 @@ impl BlockWindow {
     }
 }
 
-/// How many independent blocks `count` overlapping ones are worth: P. Welch (1967), eq. 5, with ρ the correlation of windows
-/// that lie `hop` samples apart: n/(1 + 2 Σ (1 − k/n) ρ_k²).
+/// How many independent blocks `count` overlapping ones are worth: P. Welch (1967), eq.
+/// 5, with ρ the correlation of windows that lie `hop` samples apart: n/(1 + 2 Σ (1 −
+/// k/n) ρ_k²).
 pub(super) fn independent_blocks(window: &[f64], hop: usize, count: usize) -> f64 {
     let power: f64 = window.iter().map(|w| w * w).sum();
     let correlation = |shift: usize| -> f64 {
-        let shared: f64 = window.iter().zip(window.get(shift..).unwrap_or_default()).map(|(a, b)| a * b).sum();
+        let shared: f64 = window
+            .iter()
+            .zip(window.get(shift..).unwrap_or_default())
+            .map(|(a, b)| a * b)
+            .sum();
         (shared / power).powi(2)
     };
-    let sum: f64 = (1..count).take_while(|k| k * hop < window.len()).map(|k| (1.0 - k as f64 / count as f64) * correlation(k * hop)).sum();
+    let sum: f64 = (1..count)
+        .take_while(|k| k * hop < window.len())
+        .map(|k| (1.0 - k as f64 / count as f64) * correlation(k * hop))
+        .sum();
     count as f64 / (1.0 + 2.0 * sum)
 }
 

@@ -1,4 +1,5 @@
-//! Results are written beside their place and renamed into it: an interrupted run leaves the old file or none.
+//! Results are written beside their place and renamed into it: an interrupted run leaves
+//! the old file or none.
 
 use crate::{Error, ErrorKind, Result};
 use std::fs;
@@ -6,18 +7,30 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use tempfile::{NamedTempFile, TempPath};
 
-/// Writes `path` as a whole or not at all: `write` fills a temporary file beside it, which is then renamed.
+/// Writes `path` as a whole or not at all: `write` fills a temporary file beside it,
+/// which is then renamed.
 ///
-/// A device or pipe (`/dev/stdout`, `/dev/null`) is written directly; a link keeps pointing to its file, which is replaced.
+/// A device or pipe (`/dev/stdout`, `/dev/null`) is written directly; a link keeps
+/// pointing to its file, which is replaced.
 ///
 /// # Errors
-/// [`ErrorKind::CannotCreate`] when the folder does not exist, or the file exists and `force` is false;
-/// [`ErrorKind::Io`] when writing fails (disk full); whatever `write` returns.
-pub fn write_atomically(path: &Path, force: bool, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<()> {
+/// [`ErrorKind::CannotCreate`] when the folder does not exist, or the file exists and
+/// `force` is false; [`ErrorKind::Io`] when writing fails (disk full); whatever `write`
+/// returns.
+pub fn write_atomically(
+    path: &Path,
+    force: bool,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<()> {
     if is_device(path) {
-        let file = fs::OpenOptions::new().write(true).open(path).map_err(|error| write_error(&error, path))?;
+        let file = fs::OpenOptions::new()
+            .write(true)
+            .open(path)
+            .map_err(|error| write_error(&error, path))?;
         let mut buffered = BufWriter::new(file);
-        return write(&mut buffered).and_then(|()| buffered.flush()).map_err(|error| write_error(&error, path));
+        return write(&mut buffered)
+            .and_then(|()| buffered.flush())
+            .map_err(|error| write_error(&error, path));
     }
     let target = free_target(path, force)?;
     let mut file = temporary_beside(&target)?;
@@ -29,17 +42,25 @@ pub fn write_atomically(path: &Path, force: bool, write: impl FnOnce(&mut dyn Wr
     persist(file.into_temp_path(), &target, force)
 }
 
-/// Like [`write_atomically`] for libraries that want a path: `write` creates the file under the path that it is given.
+/// Like [`write_atomically`] for libraries that want a path: `write` creates the file
+/// under the path that it is given.
 ///
 /// # Errors
 /// As [`write_atomically`].
-pub fn create_atomically(path: &Path, force: bool, write: impl FnOnce(&Path) -> Result<()>) -> Result<()> {
+pub fn create_atomically(
+    path: &Path,
+    force: bool,
+    write: impl FnOnce(&Path) -> Result<()>,
+) -> Result<()> {
     if is_device(path) {
-        return Err(Error::new(ErrorKind::CannotCreate, "this format needs a file, not a device or pipe")
-            .file(path)
-            .found("a device or pipe")
-            .expected("the name of a file")
-            .help("give the name of a file with -o"));
+        return Err(Error::new(
+            ErrorKind::CannotCreate,
+            "this format needs a file, not a device or pipe",
+        )
+        .file(path)
+        .found("a device or pipe")
+        .expected("the name of a file")
+        .help("give the name of a file with -o"));
     }
     let target = free_target(path, force)?;
     let temporary = temporary_beside(&target)?.into_temp_path();
@@ -50,19 +71,24 @@ pub fn create_atomically(path: &Path, force: bool, write: impl FnOnce(&Path) -> 
     persist(temporary, &target, force)
 }
 
-/// Refuses an output that is one of the inputs, whatever way the path is written; `--force` does not change that.
+/// Refuses an output that is one of the inputs, whatever way the path is written;
+/// `--force` does not change that.
 ///
 /// # Errors
 /// [`ErrorKind::CannotCreate`] naming the input.
 pub fn refuse_output_among_inputs(output: &Path, inputs: &[PathBuf]) -> Result<()> {
-    let Ok(output_file) = fs::canonicalize(output) else { return Ok(()) };
+    let Ok(output_file) = fs::canonicalize(output) else {
+        return Ok(());
+    };
     for input in inputs {
         if fs::canonicalize(input).is_ok_and(|file| file == output_file) {
-            return Err(Error::new(ErrorKind::CannotCreate, "the output is one of the inputs")
-                .file(output)
-                .found(input.display())
-                .expected("a file that is not read")
-                .help("give the result another name with -o"));
+            return Err(
+                Error::new(ErrorKind::CannotCreate, "the output is one of the inputs")
+                    .file(output)
+                    .found(input.display())
+                    .expected("a file that is not read")
+                    .help("give the result another name with -o"),
+            );
         }
     }
     Ok(())
@@ -75,14 +101,18 @@ pub(crate) fn write_error(error: &io::Error, path: &Path) -> Error {
     let error = error.to_string();
     let error = error.split(" at path ").next().unwrap_or_default();
     match kind {
-        io::ErrorKind::PermissionDenied | io::ErrorKind::NotFound | io::ErrorKind::ReadOnlyFilesystem => {
+        io::ErrorKind::PermissionDenied
+        | io::ErrorKind::NotFound
+        | io::ErrorKind::ReadOnlyFilesystem => {
             Error::new(ErrorKind::CannotCreate, format!("cannot create: {error}"))
                 .file(path)
                 .help("check the folder and its permissions, or choose another with -o")
         }
-        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => Error::new(ErrorKind::Io, format!("cannot write: {error}"))
-            .file(path)
-            .help("free some space or write elsewhere with -o; nothing was left behind"),
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
+            Error::new(ErrorKind::Io, format!("cannot write: {error}"))
+                .file(path)
+                .help("free some space or write elsewhere with -o; nothing was left behind")
+        }
         _ => Error::new(ErrorKind::Io, format!("cannot write: {error}")).file(path),
     }
 }
@@ -93,24 +123,39 @@ fn is_device(path: &Path) -> bool {
 
 /// The file to be replaced or created, links followed.
 fn free_target(path: &Path, force: bool) -> Result<PathBuf> {
-    let refuse = |message: &str, help: &str| Err(Error::new(ErrorKind::CannotCreate, message).file(path).help(help));
+    let refuse = |message: &str, help: &str| {
+        Err(Error::new(ErrorKind::CannotCreate, message)
+            .file(path)
+            .help(help))
+    };
     if path.file_name().is_none() || path.is_dir() {
-        return refuse("a folder stands where the file should be written", "give the name of a file with -o");
+        return refuse(
+            "a folder stands where the file should be written",
+            "give the name of a file with -o",
+        );
     }
     if path.exists() {
         if !force {
-            return refuse("the file exists", "choose another name with -o, or overwrite it with --force");
+            return refuse(
+                "the file exists",
+                "choose another name with -o, or overwrite it with --force",
+            );
         }
         return fs::canonicalize(path).map_err(|error| write_error(&error, path));
     }
     if !folder_of(path).is_dir() {
-        return refuse("no such folder for the output", "create the folder first, or choose another with -o");
+        return refuse(
+            "no such folder for the output",
+            "create the folder first, or choose another with -o",
+        );
     }
     Ok(path.to_path_buf())
 }
 
 fn folder_of(path: &Path) -> &Path {
-    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."))
+    path.parent()
+        .filter(|folder| !folder.as_os_str().is_empty())
+        .unwrap_or_else(|| Path::new("."))
 }
 
 fn temporary_beside(target: &Path) -> Result<NamedTempFile> {
@@ -122,20 +167,27 @@ fn temporary_beside(target: &Path) -> Result<NamedTempFile> {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    builder.tempfile_in(folder_of(target)).map_err(|error| write_error(&error, target))
+    builder
+        .tempfile_in(folder_of(target))
+        .map_err(|error| write_error(&error, target))
 }
 
 fn persist(temporary: TempPath, target: &Path, force: bool) -> Result<()> {
     let written = fs::File::open(&temporary).and_then(|file| file.sync_all());
     written.map_err(|error| write_error(&error, target))?;
-    let renamed = if force { temporary.persist(target) } else { temporary.persist_noclobber(target) };
+    let renamed = if force {
+        temporary.persist(target)
+    } else {
+        temporary.persist_noclobber(target)
+    };
     renamed.map_err(|failure| match failure.error.kind() {
         io::ErrorKind::AlreadyExists => Error::new(ErrorKind::CannotCreate, "the file exists")
             .file(target)
             .help("choose another name with -o, or overwrite it with --force"),
         _ => write_error(&failure.error, target),
     })?;
-    // the new name itself reaches the disk with its folder; not every file system can do that
+    // the new name itself reaches the disk with its folder; not every file system can do
+    // that
     if let Ok(folder) = fs::File::open(folder_of(target)) {
         folder.sync_all().ok();
     }
@@ -147,8 +199,10 @@ mod tests {
     use super::*;
 
     fn entries(folder: &Path) -> Vec<String> {
-        let mut names: Vec<_> =
-            fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
+        let mut names: Vec<_> = fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+            .collect();
         names.sort();
         names
     }
@@ -182,7 +236,10 @@ mod tests {
     #[test]
     fn a_missing_folder_and_a_folder_as_file_cannot_be_created() {
         let folder = tempfile::tempdir().unwrap();
-        for path in [folder.path().join("no/such/out.csv"), folder.path().to_path_buf()] {
+        for path in [
+            folder.path().join("no/such/out.csv"),
+            folder.path().to_path_buf(),
+        ] {
             let error = write_atomically(&path, true, |_| Ok(())).unwrap_err();
             assert_eq!(error.kind, ErrorKind::CannotCreate, "{error}");
         }

@@ -1,5 +1,6 @@
-//! Large stretches of a file, each read once: past the system's cache of pages, which would take more of the processor than the disk's own
-//! transfer and push everything else out of memory.
+//! Large stretches of a file, each read once: past the system's cache of pages, which
+//! would take more of the processor than the disk's own transfer and push everything else
+//! out of memory.
 
 use std::fs::File;
 use std::io::{Read, Result, Seek, SeekFrom};
@@ -7,7 +8,8 @@ use std::path::Path;
 
 /// Bytes read at a time: less, and the disk waits for the next request.
 const STRETCH: usize = 1 << 20;
-/// What places in memory and in the file are multiples of. A disk that asks for more refuses, and is read the usual way.
+/// What places in memory and in the file are multiples of. A disk that asks for more
+/// refuses, and is read the usual way.
 #[cfg(target_os = "linux")]
 const ALIGNMENT: usize = 4096;
 
@@ -33,7 +35,10 @@ fn read_directly(path: &Path, start: u64, out: &mut [u8]) -> Result<()> {
     thread_local! {
         static BUFFER: RefCell<Vec<u8>> = const { RefCell::new(Vec::new()) };
     }
-    let file = File::options().read(true).custom_flags(libc::O_DIRECT).open(path)?;
+    let file = File::options()
+        .read(true)
+        .custom_flags(libc::O_DIRECT)
+        .open(path)?;
     BUFFER.with_borrow_mut(|buffer| {
         buffer.resize(STRETCH + ALIGNMENT, 0);
         let first = buffer.as_ptr().align_offset(ALIGNMENT);
@@ -65,11 +70,21 @@ mod tests {
         let path = directory.path().join("bytes");
         let bytes: Vec<u8> = (0..3 * STRETCH + 777).map(|k| (k % 251) as u8).collect();
         std::fs::write(&path, &bytes).unwrap();
-        for (start, end) in [(0, bytes.len()), (1, 2 * STRETCH), (4095, bytes.len()), (4097, 4097 + STRETCH), (5, 9), (7, 7)] {
+        for (start, end) in [
+            (0, bytes.len()),
+            (1, 2 * STRETCH),
+            (4095, bytes.len()),
+            (4097, 4097 + STRETCH),
+            (5, 9),
+            (7, 7),
+        ] {
             let mut out = vec![0; end - start];
             read_past_cache(&path, start as u64, &mut out).unwrap();
             assert!(out == bytes[start..end], "{start} to {end}");
         }
-        assert!(read_past_cache(&path, 1, &mut vec![0; bytes.len()]).is_err(), "beyond the end");
+        assert!(
+            read_past_cache(&path, 1, &mut vec![0; bytes.len()]).is_err(),
+            "beyond the end"
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! SHA-256 of files: of one that is read for it, and of many whose bytes pass by while they are read part by part.
+//! SHA-256 of files: of one that is read for it, and of many whose bytes pass by while
+//! they are read part by part.
 
 use super::paths::file_name;
 use crate::{Error, Result, Source};
@@ -42,10 +43,14 @@ pub(super) fn sha256_of_bytes(bytes: &[u8]) -> String {
 }
 
 fn hexadecimal(hash: Sha256) -> String {
-    hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    hash.finalize()
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
 }
 
-/// Checksums of files from stretches of them that several threads read, each handed over in its turn; what lies between is read.
+/// Checksums of files from stretches of them that several threads read, each handed over
+/// in its turn; what lies between is read.
 pub struct Checksums {
     files: Vec<PathBuf>,
     state: Mutex<State>,
@@ -65,7 +70,8 @@ struct State {
     given_up: bool,
 }
 
-/// The right to hand over stretch `number` of all; where none comes of it, the checksums are given up.
+/// The right to hand over stretch `number` of all; where none comes of it, the checksums
+/// are given up.
 pub struct Turn<'a> {
     checksums: &'a Checksums,
     number: usize,
@@ -77,8 +83,19 @@ pub struct Turn<'a> {
 impl Checksums {
     /// Of `files`, in this order.
     pub fn new(files: &[PathBuf]) -> Self {
-        let state = State { begun: false, turn: 0, done: Vec::new(), hash: Sha256::new(), position: 0, given_up: false };
-        Self { files: files.to_vec(), state: Mutex::new(state), changed: Condvar::new() }
+        let state = State {
+            begun: false,
+            turn: 0,
+            done: Vec::new(),
+            hash: Sha256::new(),
+            position: 0,
+            given_up: false,
+        };
+        Self {
+            files: files.to_vec(),
+            state: Mutex::new(state),
+            changed: Condvar::new(),
+        }
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
@@ -92,7 +109,12 @@ impl Checksums {
 
     /// The turn of stretch `number`, counted over all files, which lies in file `file`.
     pub fn turn(&self, number: usize, file: usize) -> Turn<'_> {
-        Turn { checksums: self, number, file, used: false }
+        Turn {
+            checksums: self,
+            number,
+            file,
+            used: false,
+        }
     }
 
     /// No stretch need be waited for any more.
@@ -101,7 +123,8 @@ impl Checksums {
         self.changed.notify_all();
     }
 
-    /// The files with their checksums: of what passed and of the rest, or of files read now.
+    /// The files with their checksums: of what passed and of the rest, or of files read
+    /// now.
     ///
     /// # Errors
     /// Those of reading.
@@ -114,8 +137,15 @@ impl Checksums {
             state.close(&self.files)?;
         }
         let of = |(place, path): (usize, &PathBuf)| {
-            let sha256 = if has_passed { state.done[place].clone() } else { sha256_of(path)? };
-            Ok(Source { file: file_name(path), sha256 })
+            let sha256 = if has_passed {
+                state.done[place].clone()
+            } else {
+                sha256_of(path)?
+            };
+            Ok(Source {
+                file: file_name(path),
+                sha256,
+            })
         };
         self.files.iter().enumerate().map(of).collect()
     }
@@ -124,7 +154,12 @@ impl Checksums {
 impl State {
     /// The rest of the file that is passing.
     fn close(&mut self, files: &[PathBuf]) -> Result<()> {
-        feed(&mut self.hash, &files[self.done.len()], self.position, u64::MAX)?;
+        feed(
+            &mut self.hash,
+            &files[self.done.len()],
+            self.position,
+            u64::MAX,
+        )?;
         self.done.push(hexadecimal(std::mem::take(&mut self.hash)));
         self.position = 0;
         Ok(())
@@ -143,8 +178,9 @@ impl Turn<'_> {
     pub fn pass(&mut self, start: u64, bytes: &[u8]) {
         let Checksums { files, changed, .. } = self.checksums;
         let state = self.checksums.state();
-        let mut state =
-            changed.wait_while(state, |state| !state.given_up && state.turn != self.number).expect("nothing panics while it is held");
+        let mut state = changed
+            .wait_while(state, |state| !state.given_up && state.turn != self.number)
+            .expect("nothing panics while it is held");
         if state.given_up {
             return;
         }
@@ -180,7 +216,9 @@ mod tests {
             std::fs::write(&path, bytes(count)).unwrap();
             path
         };
-        [("one", 300_000), ("empty", 0), ("two", 70_000)].map(write).to_vec()
+        [("one", 300_000), ("empty", 0), ("two", 70_000)]
+            .map(write)
+            .to_vec()
     }
 
     fn expected(files: &[PathBuf]) -> Vec<String> {
@@ -188,21 +226,39 @@ mod tests {
     }
 
     fn sums(checksums: &Checksums) -> Vec<String> {
-        checksums.sources().unwrap().into_iter().map(|source| source.sha256).collect()
+        checksums
+            .sources()
+            .unwrap()
+            .into_iter()
+            .map(|source| source.sha256)
+            .collect()
     }
 
     #[test]
     fn stretches_in_any_order_of_arrival_give_the_sums_of_the_files() {
         let directory = tempfile::tempdir().unwrap();
         let files = files(directory.path());
-        assert_eq!(expected(&files)[1], "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855", "published, of nothing");
+        assert_eq!(
+            expected(&files)[1],
+            "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855",
+            "published, of nothing"
+        );
         let checksums = Checksums::new(&files);
         // gaps before, between and after
-        let stretches = [(0, 2048, 100_000), (0, 100_000, 250_000), (0, 260_000, 299_999), (2, 10, 70_000)];
+        let stretches = [
+            (0, 2048, 100_000),
+            (0, 100_000, 250_000),
+            (0, 260_000, 299_999),
+            (2, 10, 70_000),
+        ];
         thread::scope(|scope| {
             for (number, (file, start, end)) in stretches.into_iter().enumerate().rev() {
                 let (checksums, path) = (&checksums, &files[file]);
-                scope.spawn(move || checksums.turn(number, file).pass(start, &std::fs::read(path).unwrap()[start as usize..end]));
+                scope.spawn(move || {
+                    checksums
+                        .turn(number, file)
+                        .pass(start, &std::fs::read(path).unwrap()[start as usize..end])
+                });
             }
         });
         assert_eq!(sums(&checksums), expected(&files));

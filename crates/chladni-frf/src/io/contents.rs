@@ -17,7 +17,8 @@ pub struct Contents {
     pub shapes: Vec<Shape>,
     /// The files, in the order read.
     pub sources: Vec<Source>,
-    /// Datasets that are not here because nothing here can hold them (unknown datasets): `convert` names them.
+    /// Datasets that are not here because nothing here can hold them (unknown datasets):
+    /// `convert` names them.
     pub not_carried: Vec<String>,
     /// Everything the user must know.
     pub warnings: Vec<String>,
@@ -26,7 +27,9 @@ pub struct Contents {
 impl Contents {
     /// Nodes, lines and faces.
     pub fn geometry(&self) -> &Geometry {
-        self.frf.as_ref().map_or(&self.other_geometry, |frf| &frf.geometry)
+        self.frf
+            .as_ref()
+            .map_or(&self.other_geometry, |frf| &frf.geometry)
     }
 }
 
@@ -36,8 +39,18 @@ pub(super) fn not_carried(document: &Document) -> Vec<String> {
     let mut numbered: Vec<(&DatasetInfo, usize)> = Vec::new();
     let mut paths: Vec<String> = Vec::new();
     for info in document.datasets.iter().filter(|info| info.left_behind) {
-        match numbered.iter_mut().find(|(first, _)| first.number == info.number) {
-            _ if info.number.is_none() => paths.push(if info.name.starts_with("/model/") { "/model" } else { &info.name }.into()),
+        match numbered
+            .iter_mut()
+            .find(|(first, _)| first.number == info.number)
+        {
+            _ if info.number.is_none() => paths.push(
+                if info.name.starts_with("/model/") {
+                    "/model"
+                } else {
+                    &info.name
+                }
+                .into(),
+            ),
             Some((_, count)) => *count += 1,
             None => numbered.push((info, 1)),
         }
@@ -46,16 +59,27 @@ pub(super) fn not_carried(document: &Document) -> Vec<String> {
     let mut left: Vec<String> = numbered
         .into_iter()
         .map(|(info, count)| {
-            let name = format!("dataset {} ({})", info.number.unwrap_or_default(), info.name);
-            let place = info.line.map_or_else(String::new, |line| format!(" in line {line}"));
+            let name = format!(
+                "dataset {} ({})",
+                info.number.unwrap_or_default(),
+                info.name
+            );
+            let place = info
+                .line
+                .map_or_else(String::new, |line| format!(" in line {line}"));
             match count {
                 1 => format!("{file}: {name}{place} is not carried over"),
-                _ => format!("{file}: {name}: {count} of them, the first{place}, are not carried over"),
+                _ => format!(
+                    "{file}: {name}: {count} of them, the first{place}, are not carried over"
+                ),
             }
         })
         .collect();
     if !paths.is_empty() {
-        left.push(format!("{file}: not carried over: {}", shortened(&paths, NAMES_LISTED)));
+        left.push(format!(
+            "{file}: not carried over: {}",
+            shortened(&paths, NAMES_LISTED)
+        ));
     }
     left
 }

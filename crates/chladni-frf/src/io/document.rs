@@ -99,7 +99,8 @@ pub struct DatasetInfo {
     pub frf_kind: Option<FrfKind>,
     /// What is odd about it, or the error that makes it unreadable.
     pub warnings: Vec<String>,
-    /// True where nothing else in the document holds its content: `convert` cannot carry it over.
+    /// True where nothing else in the document holds its content: `convert` cannot carry
+    /// it over.
     #[serde(skip)]
     pub left_behind: bool,
 }
@@ -160,7 +161,8 @@ impl Abscissa {
 /// Axis description: records 8 to 11 of dataset 58.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Axis {
-    /// Quantity code (8 displacement, 11 velocity, 12 acceleration, 13 force, 17 time, 18 frequency, ...).
+    /// Quantity code (8 displacement, 11 velocity, 12 acceleration, 13 force, 17 time, 18
+    /// frequency, ...).
     pub quantity: i32,
     /// Exponents of length, force and temperature.
     pub exponents: [i32; 3],
@@ -170,7 +172,8 @@ pub struct Axis {
     pub unit: String,
 }
 
-/// One function at a DOF pair: dataset 58 with its values **as in the file**; `scale_to_si` turns them into SI.
+/// One function at a DOF pair: dataset 58 with its values **as in the file**;
+/// `scale_to_si` turns them into SI.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Function {
     /// Function type code: 1 time, 4 FRF, 6 coherence, ...
@@ -213,8 +216,18 @@ const TIME: i32 = 17;
 
 impl Function {
     /// A time record of one channel, times in s, values as they are.
-    pub(super) fn time_record(response: Dof, times: Abscissa, channel: Axis, ordinate: Ordinate) -> Self {
-        let time = Axis { quantity: TIME, label: "Time".into(), unit: "s".into(), ..Axis::default() };
+    pub(super) fn time_record(
+        response: Dof,
+        times: Abscissa,
+        channel: Axis,
+        ordinate: Ordinate,
+    ) -> Self {
+        let time = Axis {
+            quantity: TIME,
+            label: "Time".into(),
+            unit: "s".into(),
+            ..Axis::default()
+        };
         Self {
             function_type: TIME_RECORD,
             id_lines: Default::default(),
@@ -243,7 +256,8 @@ pub struct ReadOptions {
     pub frf_kind: Option<FrfKind>,
     /// `--time-sign`: minus means conjugate on reading.
     pub time_sign: crate::TimeSign,
-    /// `--reference N`: one reference node for all FRFs of files that each hold one reference (one entry, or one per file).
+    /// `--reference N`: one reference node for all FRFs of files that each hold one
+    /// reference (one entry, or one per file).
     pub references: Vec<u64>,
     /// `--map`: `frf=/data/H,freq=/data/f`.
     pub map: Vec<(String, String)>,

@@ -10,21 +10,36 @@ use std::io::{self, Write};
 /// # Errors
 /// Those of `out`.
 pub fn write_json(out: &mut dyn Write, value: &impl Serialize) -> io::Result<()> {
-    value.serialize(&mut Serializer::with_formatter(&mut *out, KeyPerLine { depth: 0, empty: true }))?;
+    value.serialize(&mut Serializer::with_formatter(
+        &mut *out,
+        KeyPerLine {
+            depth: 0,
+            empty: true,
+        },
+    ))?;
     out.write_all(b"\n")
 }
 
-/// The complaint of a JSON reader in parts: line, field, what stood there and what belongs there. `what` was read: "model".
+/// The complaint of a JSON reader in parts: line, field, what stood there and what
+/// belongs there. `what` was read: "model".
 pub fn json_error(what: &str, error: &serde_json::Error) -> Error {
     let said = error.to_string();
     // the place at the end stands in fields of its own
-    let said = said.rsplit_once(" at line ").map_or(said.as_str(), |(words, _)| words);
+    let said = said
+        .rsplit_once(" at line ")
+        .map_or(said.as_str(), |(words, _)| words);
     let complaint = match error.is_syntax() || error.is_eof() {
-        true => Error::bad_data("no valid JSON").found(said).expected("JSON"),
+        true => Error::bad_data("no valid JSON")
+            .found(said)
+            .expected("JSON"),
         false => parser_complaint(said),
     };
     let message = format!("{what}: {} (column {})", complaint.message, error.column());
-    Error { message, ..complaint }.at_line(error.line() as u64)
+    Error {
+        message,
+        ..complaint
+    }
+    .at_line(error.line() as u64)
 }
 
 struct KeyPerLine {
@@ -83,13 +98,25 @@ mod tests {
             mass: f64,
             kind: crate::FrfKind,
         }
-        let complaint = |text: &str| json_error("pair", &serde_json::from_str::<Two>(text).unwrap_err());
+        let complaint =
+            |text: &str| json_error("pair", &serde_json::from_str::<Two>(text).unwrap_err());
         let missing = complaint("{\n\"mass\": 1}");
-        assert_eq!((missing.line, missing.field.as_deref()), (Some(2), Some("kind")));
+        assert_eq!(
+            (missing.line, missing.field.as_deref()),
+            (Some(2), Some("kind"))
+        );
         let wrong = complaint("{\"mass\": \"heavy\", \"kind\": \"mobility\"}");
-        assert_eq!((wrong.found.as_deref(), wrong.expected.as_deref()), (Some("string \"heavy\""), Some("f64")));
+        assert_eq!(
+            (wrong.found.as_deref(), wrong.expected.as_deref()),
+            (Some("string \"heavy\""), Some("f64"))
+        );
         assert!(wrong.message.starts_with("pair: invalid type"), "{wrong}");
-        assert_eq!(complaint("{\"mass\": 1, \"kind\": \"dance\"}").found.as_deref(), Some("dance"));
+        assert_eq!(
+            complaint("{\"mass\": 1, \"kind\": \"dance\"}")
+                .found
+                .as_deref(),
+            Some("dance")
+        );
         assert_eq!(complaint("{\"mass\": ").expected.as_deref(), Some("JSON"));
     }
 
@@ -100,6 +127,9 @@ mod tests {
         write_json(&mut out, &value).unwrap();
         let text = String::from_utf8(out).unwrap();
         assert_eq!(text, "{\n  \"a\": [1.5, 2.0],\n  \"b\": {},\n  \"c\": [{\n    \"d\": []\n  }, {\n    \"d\": [[1]]\n  }]\n}\n");
-        assert_eq!(serde_json::from_str::<serde_json::Value>(&text).unwrap(), value);
+        assert_eq!(
+            serde_json::from_str::<serde_json::Value>(&text).unwrap(),
+            value
+        );
     }
 }

@@ -1,7 +1,8 @@
-//! File formats: what is in a file ([`Document`]), what files hold together ([`Contents`]), and FRF sets made of it.
+//! File formats: what is in a file ([`Document`]), what files hold together
+//! ([`Contents`]), and FRF sets made of it.
 //!
-//! Formats are told apart by content when read and by extension when written; every result is written beside its place and
-//! renamed into it.
+//! Formats are told apart by content when read and by extension when written; every
+//! result is written beside its place and renamed into it.
 
 mod arrays;
 mod assemble;
@@ -35,7 +36,9 @@ pub use atomic::{create_atomically, refuse_output_among_inputs, write_atomically
 pub use checksums::{sha256_of, Checksums, Turn};
 pub use contents::Contents;
 pub use detect::detect_format;
-pub use document::{Abscissa, Axis, DatasetInfo, Document, Duplicates, FileFormat, Function, Ordinate, ReadOptions};
+pub use document::{
+    Abscissa, Axis, DatasetInfo, Document, Duplicates, FileFormat, Function, Ordinate, ReadOptions,
+};
 pub use json::{json_error, write_json};
 pub use model_file::{read_model, write_model};
 pub use model_shapes::{field_shape, model_shapes};

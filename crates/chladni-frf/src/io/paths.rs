@@ -1,4 +1,5 @@
-//! From what a user names to the files that are read: folders and patterns are taken apart here.
+//! From what a user names to the files that are read: folders and patterns are taken
+//! apart here.
 
 use super::detect::not_readable;
 use crate::{Error, ErrorKind, Result};
@@ -18,11 +19,13 @@ pub struct Inputs {
 /// Names that a warning lists before it only counts.
 pub(super) const NAMES_LISTED: usize = 5;
 
-/// Files as they are; a name with `*` or `?` stands for all that fits; a folder for all files in it that a reader knows, the
-/// others are named in a warning. Both in natural order (`point_2` before `point_10`), hidden files left out.
+/// Files as they are; a name with `*` or `?` stands for all that fits; a folder for all
+/// files in it that a reader knows, the others are named in a warning. Both in natural
+/// order (`point_2` before `point_10`), hidden files left out.
 ///
 /// # Errors
-/// [`ErrorKind::NoInput`] for a folder without a file to read, or a pattern that nothing fits.
+/// [`ErrorKind::NoInput`] for a folder without a file to read, or a pattern that nothing
+/// fits.
 pub fn expand_paths(paths: &[PathBuf]) -> Result<Inputs> {
     let mut inputs = Inputs::default();
     for path in paths {
@@ -30,14 +33,20 @@ pub fn expand_paths(paths: &[PathBuf]) -> Result<Inputs> {
         if path.is_dir() {
             inputs.add_folder(path)?;
         } else if name.contains(['*', '?']) && !path.exists() {
-            let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."));
+            let folder = path
+                .parent()
+                .filter(|folder| !folder.as_os_str().is_empty())
+                .unwrap_or_else(|| Path::new("."));
             let found = files_in(folder, &name)?;
             if found.is_empty() {
                 return Err(Error::new(ErrorKind::NoInput, "no file fits the pattern")
                     .file(path)
                     .found("none")
                     .expected("at least one file")
-                    .help("`*` stands for any text, `?` for one character, in the last part of the path"));
+                    .help(
+                        "`*` stands for any text, `?` for one character, in the last part of the \
+                           path",
+                    ));
             }
             inputs.files.extend(found);
         } else {
@@ -62,15 +71,22 @@ impl Inputs {
                 None => strangers.push((reason, vec![name])),
             }
         }
-        let left_out =
-            strangers.into_iter().map(|(reason, names)| format!("left out of the folder: {} ({reason})", shortened(&names, NAMES_LISTED)));
+        let left_out = strangers.into_iter().map(|(reason, names)| {
+            format!(
+                "left out of the folder: {} ({reason})",
+                shortened(&names, NAMES_LISTED)
+            )
+        });
         if self.files.len() == before {
             let found = left_out.collect::<Vec<_>>().join("; ");
-            return Err(Error::new(ErrorKind::NoInput, "the folder has no file that can be read")
-                .file(folder)
-                .found(if found.is_empty() { "no file" } else { &found })
-                .expected("universal files, HDF5, text tables or models")
-                .help("name the files themselves, or the folder that they are in"));
+            return Err(Error::new(
+                ErrorKind::NoInput,
+                "the folder has no file that can be read",
+            )
+            .file(folder)
+            .found(if found.is_empty() { "no file" } else { &found })
+            .expected("universal files, HDF5, text tables or models")
+            .help("name the files themselves, or the folder that they are in"));
         }
         self.warnings.extend(left_out);
         Ok(())
@@ -79,7 +95,9 @@ impl Inputs {
 
 /// Last part of a path; empty where there is none.
 pub fn file_name(path: &Path) -> String {
-    path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+    path.file_name()
+        .map(|name| name.to_string_lossy().into_owned())
+        .unwrap_or_default()
 }
 
 /// The first names, and how many more there are.
@@ -107,7 +125,8 @@ fn files_in(folder: &Path, pattern: &str) -> Result<Vec<PathBuf>> {
 
 /// `*` for any text, `?` for one character.
 fn fits(name: &str, pattern: &str) -> bool {
-    let (name, pattern): (Vec<char>, Vec<char>) = (name.chars().collect(), pattern.chars().collect());
+    let (name, pattern): (Vec<char>, Vec<char>) =
+        (name.chars().collect(), pattern.chars().collect());
     // reachable[k]: the pattern up to here fits the first k characters
     let mut reachable = vec![false; name.len() + 1];
     reachable[0] = true;
@@ -132,7 +151,10 @@ fn natural_order(a: &str, b: &str) -> Ordering {
         let mut parts: Vec<(bool, usize, String)> = Vec::new();
         for c in text.chars() {
             let digit = c.is_ascii_digit();
-            match parts.last_mut().filter(|(is_number, ..)| *is_number == digit) {
+            match parts
+                .last_mut()
+                .filter(|(is_number, ..)| *is_number == digit)
+            {
                 Some((.., part)) => part.push(c),
                 None => parts.push((digit, 0, c.to_string())),
             }

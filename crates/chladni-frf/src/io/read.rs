@@ -3,8 +3,8 @@
 use super::checksums::{sha256_of, sha256_of_bytes};
 use super::paths::{shortened, NAMES_LISTED};
 use super::{
-    assemble, csv, detect_format, expand_paths, function_name, hdf5, json_error, mat, numpy, read_model, uff, wav, Contents, DatasetInfo,
-    Document, FileFormat, ReadOptions,
+    assemble, csv, detect_format, expand_paths, function_name, hdf5, json_error, mat, numpy,
+    read_model, uff, wav, Contents, DatasetInfo, Document, FileFormat, ReadOptions,
 };
 use crate::{Error, FrfSet, Geometry, Result, Source, Trust};
 use std::fs;
@@ -13,7 +13,8 @@ use std::path::{Path, PathBuf};
 /// Everything in one file, by content; damaged datasets are in its `errors`.
 ///
 /// # Errors
-/// [`crate::ErrorKind::NoInput`] without the file, [`crate::ErrorKind::BadData`] where nothing in it can be listed.
+/// [`crate::ErrorKind::NoInput`] without the file, [`crate::ErrorKind::BadData`] where
+/// nothing in it can be listed.
 pub fn read_document(path: &Path, options: &ReadOptions) -> Result<Document> {
     read_numbered(path, options, &mut 1)
 }
@@ -21,8 +22,9 @@ pub fn read_document(path: &Path, options: &ReadOptions) -> Result<Document> {
 /// A universal file beyond this size is listed by its headers, bytes.
 const LISTED_BY_HEADERS: u64 = 256 << 20;
 
-/// As [`read_document`], for the list of what is inside: a large universal file is not held in memory. Its document has neither functions
-/// nor shapes nor `sha256`, and says so in a warning.
+/// As [`read_document`], for the list of what is inside: a large universal file is not
+/// held in memory. Its document has neither functions nor shapes nor `sha256`, and says
+/// so in a warning.
 ///
 /// # Errors
 /// As [`read_document`].
@@ -33,11 +35,14 @@ pub fn list_document(path: &Path, options: &ReadOptions) -> Result<Document> {
     }
     let mut document = uff::scan(path, options)?;
     let size = LISTED_BY_HEADERS >> 20;
-    document.warnings.push(format!("larger than {size} MiB: its headers are listed; values and checksum were not read"));
+    document.warnings.push(format!(
+        "larger than {size} MiB: its headers are listed; values and checksum were not read"
+    ));
     Ok(document)
 }
 
-/// All files, in the order given. FRFs in tables that name no DOF become responses 1, 2, ... in that order.
+/// All files, in the order given. FRFs in tables that name no DOF become responses 1, 2,
+/// ... in that order.
 ///
 /// # Errors
 /// The first of [`read_document`].
@@ -45,13 +50,17 @@ pub fn read_documents(paths: &[PathBuf], options: &ReadOptions) -> Result<Vec<Do
     let mut next_node = 1;
     let per_file = options.references.len() > 1 && options.references.len() == paths.len();
     let read = |(number, path): (usize, &PathBuf)| {
-        let own = per_file.then(|| ReadOptions { references: vec![options.references[number]], ..options.clone() });
+        let own = per_file.then(|| ReadOptions {
+            references: vec![options.references[number]],
+            ..options.clone()
+        });
         read_numbered(path, own.as_ref().unwrap_or(options), &mut next_node)
     };
     paths.iter().enumerate().map(read).collect()
 }
 
-/// Everything that files, folders and patterns hold together: what `convert` and `info` need, without FRFs too.
+/// Everything that files, folders and patterns hold together: what `convert` and `info`
+/// need, without FRFs too.
 ///
 /// # Errors
 /// As [`expand_paths`], [`read_documents`] and [`assemble()`].
@@ -67,14 +76,24 @@ fn result_among(documents: &[Document]) -> Option<&'static str> {
     documents.iter().find_map(|document| match document.format {
         FileFormat::Weights => Some("a weights file"),
         FileFormat::Model => Some("a model"),
-        _ if document.datasets.iter().any(|info| info.name.starts_with("/model/")) => Some("a model"),
+        _ if document
+            .datasets
+            .iter()
+            .any(|info| info.name.starts_with("/model/")) =>
+        {
+            Some("a model")
+        }
         _ => None,
     })
 }
 
 /// Names of the datasets in files.
 fn listed(documents: &[Document]) -> String {
-    let mut names: Vec<String> = documents.iter().flat_map(|document| &document.datasets).map(|info| info.name.clone()).collect();
+    let mut names: Vec<String> = documents
+        .iter()
+        .flat_map(|document| &document.datasets)
+        .map(|info| info.name.clone())
+        .collect();
     names.dedup();
     if names.is_empty() {
         "nothing".into()
@@ -83,30 +102,54 @@ fn listed(documents: &[Document]) -> String {
     }
 }
 
-/// The FRFs of files, folders and patterns as one set, with the files and everything the user must know.
+/// The FRFs of files, folders and patterns as one set, with the files and everything the
+/// user must know.
 ///
 /// # Errors
 /// As [`read_contents`]; [`crate::ErrorKind::BadData`] where no file holds an FRF.
-pub fn read_frf(paths: &[PathBuf], options: &ReadOptions) -> Result<(FrfSet, Vec<Source>, Vec<String>)> {
+pub fn read_frf(
+    paths: &[PathBuf],
+    options: &ReadOptions,
+) -> Result<(FrfSet, Vec<Source>, Vec<String>)> {
     let inputs = expand_paths(paths)?;
     let documents = read_documents(&inputs.files, options)?;
     let (result, listed) = (result_among(&documents), listed(&documents));
-    let Contents { frf, sources, mut warnings, functions, .. } = assemble(documents, options)?;
+    let Contents {
+        frf,
+        sources,
+        mut warnings,
+        functions,
+        ..
+    } = assemble(documents, options)?;
     warnings.splice(0..0, inputs.warnings);
     let frf = frf.ok_or_else(|| {
-        let error = Error::bad_data("no FRF in the input").expected("functions of type 4 (58), a complex array (HDF5) or a table f,re,im");
+        let error = Error::bad_data("no FRF in the input").expected(
+            "functions of type 4 (58), a \
+            complex array (HDF5) or a table f,re,im",
+        );
         let error = match paths {
             [one] => error.file(one),
             _ => error,
         };
         match (functions.first(), result) {
             (Some(function), _) => error
-                .found(format!("{} other functions, the first a {}", functions.len(), function_name(function.function_type)))
-                .help("`chladni info` lists what is inside; `chladni estimate` makes FRFs of time records"),
-            (None, Some(result)) => error.found(result).help("give the measured FRFs that it was made from"),
-            (None, None) => {
-                error.found(listed).help("`chladni info` lists what is inside; in HDF5 name the arrays with --map frf=PATH,freq=PATH")
-            }
+                .found(format!(
+                    "{} other functions, the first a {}",
+                    functions.len(),
+                    function_name(function.function_type)
+                ))
+                .help(
+                    "`chladni info` lists what is inside; `chladni estimate` makes FRFs of time \
+                       records",
+                ),
+            (None, Some(result)) => error.found(result).help(
+                "give the measured FRFs that it was \
+                made from",
+            ),
+            (None, None) => error.found(listed).help(
+                "`chladni info` lists what is inside; in HDF5 name the \
+                                          arrays with --map frf=PATH,freq=PATH",
+            ),
         }
     })?;
     Ok((frf, sources, warnings))
@@ -131,7 +174,11 @@ fn read_numbered(path: &Path, options: &ReadOptions, next_node: &mut u64) -> Res
         FileFormat::Matlab => mat::read(&bytes()?, path, options)?,
         FileFormat::Numpy => {
             let bytes = bytes()?;
-            let read = if bytes.starts_with(numpy::NPY_SIGNATURE) { numpy::read_npy } else { numpy::read_npz };
+            let read = if bytes.starts_with(numpy::NPY_SIGNATURE) {
+                numpy::read_npy
+            } else {
+                numpy::read_npz
+            };
             read(&bytes, path, options)?
         }
         FileFormat::Wav => wav::read(&bytes()?, path)?,
@@ -144,7 +191,8 @@ fn read_numbered(path: &Path, options: &ReadOptions, next_node: &mut u64) -> Res
     Ok(document)
 }
 
-/// The text of a UTF-8 file without its byte-order mark; `expected` says what it should be: "a scene, TOML".
+/// The text of a UTF-8 file without its byte-order mark; `expected` says what it should
+/// be: "a scene, TOML".
 ///
 /// # Errors
 /// Those of reading; [`crate::ErrorKind::BadData`] with the first byte that is no UTF-8.
@@ -152,27 +200,50 @@ pub fn read_text(path: &Path, expected: &str) -> Result<String> {
     let bytes = fs::read(path).map_err(|error| Error::from_read(&error, path))?;
     let text = String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
-        let found = if error.as_bytes().contains(&0) { "a binary file".into() } else { format!("byte {:#04x}", error.as_bytes()[at]) };
-        let error = Error::bad_data("the file is no UTF-8 text").file(path).at_byte(at as u64).found(found).expected(expected);
+        let found = if error.as_bytes().contains(&0) {
+            "a binary file".into()
+        } else {
+            format!("byte {:#04x}", error.as_bytes()[at])
+        };
+        let error = Error::bad_data("the file is no UTF-8 text")
+            .file(path)
+            .at_byte(at as u64)
+            .found(found)
+            .expected(expected);
         error.help("check that the right file is named; save text with special characters as UTF-8")
     })?;
-    Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
+    Ok(text
+        .strip_prefix('\u{feff}')
+        .map(str::to_owned)
+        .unwrap_or(text))
 }
 
 /// A model file as `info` lists it: one entry per mode.
 fn model_document(path: &Path) -> Result<Document> {
     let model = read_model(path)?;
     let listed = model.modes.iter().map(|mode| DatasetInfo {
-        name: if mode.in_band { "mode" } else { "pole outside the band" }.into(),
+        name: if mode.in_band {
+            "mode"
+        } else {
+            "pole outside the band"
+        }
+        .into(),
         values: Some(model.responses.len()),
         frequency_hz: Some(mode.frequency_hz),
         damping_ratio: Some(mode.damping_ratio),
-        warnings: if mode.trust == Trust::Sure { Vec::new() } else { mode.reasons.clone() },
+        warnings: if mode.trust == Trust::Sure {
+            Vec::new()
+        } else {
+            mode.reasons.clone()
+        },
         ..DatasetInfo::default()
     });
     Ok(Document {
         datasets: listed.collect(),
-        geometry: Geometry { nodes: model.nodes.clone(), ..Geometry::default() },
+        geometry: Geometry {
+            nodes: model.nodes.clone(),
+            ..Geometry::default()
+        },
         warnings: model.quality.warnings.clone(),
         ..Document::new(path, FileFormat::Model)
     })
@@ -190,7 +261,8 @@ fn weights_document(path: &Path) -> Result<Document> {
         weights: Vec<Weight>,
     }
     let text = read_text(path, "a weights file, JSON")?;
-    let weights: Weights = serde_json::from_str(&text).map_err(|error| json_error("weights", &error).file(path))?;
+    let weights: Weights =
+        serde_json::from_str(&text).map_err(|error| json_error("weights", &error).file(path))?;
     let listed = weights.weights.into_iter().map(|weight| DatasetInfo {
         name: "weight".into(),
         reference: Some(weight.reference),
@@ -198,5 +270,8 @@ fn weights_document(path: &Path) -> Result<Document> {
         frequency_hz: Some(weights.frequency_hz),
         ..DatasetInfo::default()
     });
-    Ok(Document { datasets: listed.collect(), ..Document::new(path, FileFormat::Weights) })
+    Ok(Document {
+        datasets: listed.collect(),
+        ..Document::new(path, FileFormat::Weights)
+    })
 }

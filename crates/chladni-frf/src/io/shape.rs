@@ -7,7 +7,8 @@ use std::f64::consts::TAU;
 
 /// Components of a translation: X, Y, Z.
 pub const TRANSLATION: usize = 3;
-/// Most values that a node can have: nine for a general tensor, with room for user-defined results.
+/// Most values that a node can have: nine for a general tensor, with room for
+/// user-defined results.
 pub(super) const MOST_COMPONENTS: usize = 64;
 
 /// What the values belong to; the codes of datasets 55 and 2414.
@@ -60,7 +61,10 @@ impl Analysis {
     }
     /// True for modes with a complex eigenvalue.
     pub fn is_complex_mode(self) -> bool {
-        matches!(self, Self::ComplexModeFirstOrder | Self::ComplexModeSecondOrder)
+        matches!(
+            self,
+            Self::ComplexModeFirstOrder | Self::ComplexModeSecondOrder
+        )
     }
     /// True for modes, real or complex.
     pub fn is_mode(self) -> bool {
@@ -80,7 +84,8 @@ impl Analysis {
     }
 }
 
-/// The numbers that say which mode, frequency or instant it is; what a file does not state is 0.
+/// The numbers that say which mode, frequency or instant it is; what a file does not
+/// state is 0.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ShapeNumbers {
     /// Load case (55) or load set (2414).
@@ -128,7 +133,8 @@ pub struct Shape {
     pub model_type: i64,
     /// What it is.
     pub analysis: Analysis,
-    /// Data characteristic: 1 scalar, 2 three translations, 3 translations and rotations, 4 and 5 tensors.
+    /// Data characteristic: 1 scalar, 2 three translations, 3 translations and rotations,
+    /// 4 and 5 tensors.
     pub characteristic: i64,
     /// Quantity code: 8 displacement, 11 velocity, 12 acceleration.
     pub quantity: i64,
@@ -156,7 +162,9 @@ impl Shape {
         let numbers = &self.numbers;
         match self.analysis {
             Analysis::NormalMode | Analysis::FrequencyResponse => Some(numbers.frequency_hz),
-            _ if self.analysis.is_complex_mode() && numbers.eigenvalue.norm() > 0.0 => Some(numbers.eigenvalue.norm() / TAU),
+            _ if self.analysis.is_complex_mode() && numbers.eigenvalue.norm() > 0.0 => {
+                Some(numbers.eigenvalue.norm() / TAU)
+            }
             _ if self.analysis.is_complex_mode() => Some(numbers.frequency_hz),
             _ => None,
         }
@@ -164,7 +172,11 @@ impl Shape {
     /// Viscous damping ratio of a mode; without one, half the loss factor.
     pub fn damping_ratio(&self) -> Option<f64> {
         let numbers = &self.numbers;
-        let by_numbers = if numbers.viscous == 0.0 { numbers.hysteretic / 2.0 } else { numbers.viscous };
+        let by_numbers = if numbers.viscous == 0.0 {
+            numbers.hysteretic / 2.0
+        } else {
+            numbers.viscous
+        };
         let magnitude = numbers.eigenvalue.norm();
         match self.analysis {
             Analysis::NormalMode => Some(by_numbers),

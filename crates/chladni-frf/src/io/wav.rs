@@ -1,4 +1,5 @@
-//! WAV files: one time record per channel, DOFs 1:S, 2:S, ..., values as parts of full scale.
+//! WAV files: one time record per channel, DOFs 1:S, 2:S, ..., values as parts of full
+//! scale.
 
 use super::{Abscissa, Axis, DatasetInfo, Document, FileFormat, Function, Ordinate};
 use crate::{Direction, Dof, Error, Result};
@@ -12,28 +13,43 @@ use std::path::Path;
 /// A header that is none, a file cut short, samples that are not finite.
 pub(super) fn read(bytes: &[u8], file: &Path) -> Result<Document> {
     let damaged = |error: hound::Error| {
-        let error = Error::bad_data("the sound file is damaged").file(file).field("WAV").found(error);
-        error.expected("PCM or float samples").help("export or copy it again")
+        let error = Error::bad_data("the sound file is damaged")
+            .file(file)
+            .field("WAV")
+            .found(error);
+        error
+            .expected("PCM or float samples")
+            .help("export or copy it again")
     };
     let mut reader = WavReader::new(Cursor::new(bytes)).map_err(damaged)?;
     let spec = reader.spec();
     let count = usize::from(spec.channels);
     if count == 0 || spec.sample_rate == 0 {
-        return Err(Error::bad_data("the sound file has no channel or no sampling rate")
-            .file(file)
-            .field("WAV format chunk")
-            .found(format!("{count} channels at {} Hz", spec.sample_rate))
-            .expected("at least one channel and 1 Hz"));
+        return Err(
+            Error::bad_data("the sound file has no channel or no sampling rate")
+                .file(file)
+                .field("WAV format chunk")
+                .found(format!("{count} channels at {} Hz", spec.sample_rate))
+                .expected("at least one channel and 1 Hz"),
+        );
     }
     let declared = reader.len() as usize;
     let samples: Vec<f64> = match spec.sample_format {
-        SampleFormat::Float => {
-            reader.samples::<f32>().map(|sample| sample.map(f64::from)).collect::<std::result::Result<_, _>>().map_err(damaged)?
-        }
+        SampleFormat::Float => reader
+            .samples::<f32>()
+            .map(|sample| sample.map(f64::from))
+            .collect::<std::result::Result<_, _>>()
+            .map_err(damaged)?,
         SampleFormat::Int => {
             let full_scale = 2f64.powi(i32::from(spec.bits_per_sample) - 1);
-            let scaled = |sample: std::result::Result<i32, hound::Error>| sample.map(|value| f64::from(value) / full_scale);
-            reader.samples::<i32>().map(scaled).collect::<std::result::Result<_, _>>().map_err(damaged)?
+            let scaled = |sample: std::result::Result<i32, hound::Error>| {
+                sample.map(|value| f64::from(value) / full_scale)
+            };
+            reader
+                .samples::<i32>()
+                .map(scaled)
+                .collect::<std::result::Result<_, _>>()
+                .map_err(damaged)?
         }
     };
     if samples.len() != declared || !samples.len().is_multiple_of(count) {
@@ -67,9 +83,19 @@ pub(super) fn read(bytes: &[u8], file: &Path) -> Result<Document> {
             values: Some(ordinate.len()),
             ..DatasetInfo::default()
         });
-        let times = Abscissa::Even { start: 0.0, step: 1.0 / f64::from(spec.sample_rate) };
-        document.functions.push(Function::time_record(response, times, Axis::default(), ordinate));
+        let times = Abscissa::Even {
+            start: 0.0,
+            step: 1.0 / f64::from(spec.sample_rate),
+        };
+        document.functions.push(Function::time_record(
+            response,
+            times,
+            Axis::default(),
+            ordinate,
+        ));
     }
-    document.warnings.push("a sound file says no DOFs and no units: values are parts of full scale".into());
+    document
+        .warnings
+        .push("a sound file says no DOFs and no units: values are parts of full scale".into());
     Ok(document)
 }

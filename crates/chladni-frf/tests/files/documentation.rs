@@ -8,7 +8,10 @@ const PAGE: &str = include_str!("../../../../docs/formats.md");
 /// Blocks of one language, in the order of the page.
 fn blocks(language: &str) -> Vec<&'static str> {
     let fence = format!("```{language}\n");
-    PAGE.split(fence.as_str()).skip(1).map(|rest| rest.split("```").next().unwrap()).collect()
+    PAGE.split(fence.as_str())
+        .skip(1)
+        .map(|rest| rest.split("```").next().unwrap())
+        .collect()
 }
 
 #[test]
@@ -23,11 +26,22 @@ fn both_table_layouts_hold_the_same_frfs() {
         assert!(warnings.is_empty(), "{name}: {warnings:?}");
         assert_eq!(set.kind, Some(FrfKind::Mobility), "{name}");
         assert_eq!(set.frequency_hz.to_vec(), [10.0, 10.5], "{name}");
-        let names = |dofs: &[chladni_frf::Dof]| dofs.iter().map(ToString::to_string).collect::<Vec<_>>();
-        assert_eq!((names(&set.responses), names(&set.references)), (vec!["1:+Z".into(), "2:+Z".into()], vec!["101:+Z".into()]), "{name}");
-        for (at, expected) in [((0, 0, 0), Complex64::new(0.0012, -0.0003)), ((1, 0, 1), Complex64::new(-0.0008, 0.0002))] {
+        let names =
+            |dofs: &[chladni_frf::Dof]| dofs.iter().map(ToString::to_string).collect::<Vec<_>>();
+        assert_eq!(
+            (names(&set.responses), names(&set.references)),
+            (vec!["1:+Z".into(), "2:+Z".into()], vec!["101:+Z".into()]),
+            "{name}"
+        );
+        for (at, expected) in [
+            ((0, 0, 0), Complex64::new(0.0012, -0.0003)),
+            ((1, 0, 1), Complex64::new(-0.0008, 0.0002)),
+        ] {
             let found = set.values.get(at.0, at.1, at.2);
-            assert!((found - expected).norm() < 1e-15, "{name}: {found} at {at:?}");
+            assert!(
+                (found - expected).norm() < 1e-15,
+                "{name}: {found} at {at:?}"
+            );
         }
     }
 }

@@ -1,4 +1,5 @@
-//! Mutations of files and the run of a target under a budget of time; shared by the readers of all crates.
+//! Mutations of files and the run of a target under a budget of time; shared by the
+//! readers of all crates.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -44,10 +45,21 @@ const WORDS: [&str; 32] = [
     "{\"a\":1}",
 ];
 /// Integers that sizes are replaced with.
-const SIZES: [u32; 8] = [0, 1, 0x7f, 0xff, 0x7fff_ffff, 0x8000_0000, 0xffff_fffe, 0xffff_ffff];
+const SIZES: [u32; 8] = [
+    0,
+    1,
+    0x7f,
+    0xff,
+    0x7fff_ffff,
+    0x8000_0000,
+    0xffff_fffe,
+    0xffff_ffff,
+];
 
 fn budget() -> Duration {
-    let seconds = std::env::var("CHLADNI_FUZZ_SECONDS").ok().and_then(|text| text.parse().ok());
+    let seconds = std::env::var("CHLADNI_FUZZ_SECONDS")
+        .ok()
+        .and_then(|text| text.parse().ok());
     seconds.map_or(Duration::from_millis(900), Duration::from_secs)
 }
 
@@ -76,11 +88,25 @@ fn mutated(seeds: &[Vec<u8>], random: &mut ChaCha8Rng) -> Vec<u8> {
                 let to = random.random_range(0..=bytes.len());
                 bytes.splice(to..to, part);
             }
-            8 => replace_word(&mut bytes, at, |byte| byte.is_ascii_digit() || b"+-.EeDd".contains(&byte), random),
-            9 => replace_word(&mut bytes, at, |byte| !byte.is_ascii_whitespace() && !b"[]{},=:;".contains(&byte), random),
+            8 => replace_word(
+                &mut bytes,
+                at,
+                |byte| byte.is_ascii_digit() || b"+-.EeDd".contains(&byte),
+                random,
+            ),
+            9 => replace_word(
+                &mut bytes,
+                at,
+                |byte| !byte.is_ascii_whitespace() && !b"[]{},=:;".contains(&byte),
+                random,
+            ),
             10 => {
                 let size = SIZES[random.random_range(0..SIZES.len())];
-                let size = if random.random() { size.to_le_bytes() } else { size.to_be_bytes() };
+                let size = if random.random() {
+                    size.to_le_bytes()
+                } else {
+                    size.to_be_bytes()
+                };
                 for (byte, new) in bytes[at..].iter_mut().zip(size) {
                     *byte = new;
                 }
@@ -97,9 +123,23 @@ fn mutated(seeds: &[Vec<u8>], random: &mut ChaCha8Rng) -> Vec<u8> {
 }
 
 /// The word around `at` becomes another one, as wide as it was or not.
-fn replace_word(bytes: &mut Vec<u8>, at: usize, is_part: impl Fn(u8) -> bool, random: &mut ChaCha8Rng) {
-    let start = at - bytes[..at].iter().rev().take_while(|&&byte| is_part(byte)).count();
-    let end = at + bytes[at..].iter().take_while(|&&byte| is_part(byte)).count();
+fn replace_word(
+    bytes: &mut Vec<u8>,
+    at: usize,
+    is_part: impl Fn(u8) -> bool,
+    random: &mut ChaCha8Rng,
+) {
+    let start = at
+        - bytes[..at]
+            .iter()
+            .rev()
+            .take_while(|&&byte| is_part(byte))
+            .count();
+    let end = at
+        + bytes[at..]
+            .iter()
+            .take_while(|&&byte| is_part(byte))
+            .count();
     let word = WORDS[random.random_range(0..WORDS.len())];
     let width = if random.random() { end - start } else { 0 };
     bytes.splice(start..end, format!("{word:>width$}").into_bytes());
@@ -117,7 +157,8 @@ fn run(name: &str, seeds: &[Vec<u8>], mut target: impl FnMut(&[u8])) {
             let bytes = mutated(seeds, &mut random);
             let mut once = || {
                 let (start, worked) = (Instant::now(), cpu_time::ProcessTime::now());
-                let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| target(&bytes)));
+                let outcome =
+                    std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| target(&bytes)));
                 // a busy machine may hold up any run, a reader that hangs is at work
                 (outcome, start.elapsed().min(worked.elapsed()))
             };
@@ -131,20 +172,31 @@ fn run(name: &str, seeds: &[Vec<u8>], mut target: impl FnMut(&[u8])) {
             if outcome.is_err() || elapsed > SLOWEST {
                 let kept = std::env::temp_dir().join(format!("chladni-{name}-{executions}"));
                 std::fs::write(&kept, &bytes).unwrap();
-                panic!("{name}, execution {executions}, {elapsed:?}: kept as {}", kept.display());
+                panic!(
+                    "{name}, execution {executions}, {elapsed:?}: kept as {}",
+                    kept.display()
+                );
             }
             slowest = slowest.max(elapsed);
             executions += 1;
         }
     }
-    println!("{name}: {executions} executions in {:.1?}, slowest {slowest:.1?}", started.elapsed());
+    println!(
+        "{name}: {executions} executions in {:.1?}, slowest {slowest:.1?}",
+        started.elapsed()
+    );
 }
 
 /// Runs a target whose reader wants a file.
 pub fn run_files(name: &str, extension: &str, seeds: &[Vec<u8>], target: impl Fn(&Path, &[u8])) {
     // in memory, where the system has a place for it
     let memory = Path::new("/dev/shm");
-    let folder = if memory.is_dir() { tempfile::tempdir_in(memory) } else { tempfile::tempdir() }.unwrap();
+    let folder = if memory.is_dir() {
+        tempfile::tempdir_in(memory)
+    } else {
+        tempfile::tempdir()
+    }
+    .unwrap();
     let path = folder.path().join(format!("mutated.{extension}"));
     run(name, seeds, |bytes| target(&path, bytes));
 }

@@ -1,7 +1,10 @@
-//! Least squares against certified values: the linear sets of the Statistical Reference Datasets of NIST (public domain,
-//! <https://www.itl.nist.gov/div898/strd/lls/lls.shtml>), made to break least squares in double precision.
+//! Least squares against certified values: the linear sets of the Statistical Reference
+//! Datasets of NIST (public domain,
+//! <https://www.itl.nist.gov/div898/strd/lls/lls.shtml>), made to break least squares in
+//! double precision.
 //!
-//! The bound of each set is what a backward stable method reaches at its condition (NIST asks for the digits, not for all 15).
+//! The bound of each set is what a backward stable method reaches at its condition (NIST
+//! asks for the digits, not for all 15).
 
 use chladni_linalg::lstsq;
 use ndarray::Array2;
@@ -10,7 +13,10 @@ use num_complex::Complex64;
 /// Largest relative error of the coefficients, real and complex arithmetic alike.
 fn error(rows: &[Vec<f64>], y: &[f64], certified: &[f64]) -> f64 {
     let (m, n) = (rows.len(), certified.len());
-    let real = lstsq(Array2::from_shape_fn((m, n), |(i, j)| rows[i][j]).view(), Array2::from_shape_fn((m, 1), |(i, _)| y[i]).view());
+    let real = lstsq(
+        Array2::from_shape_fn((m, n), |(i, j)| rows[i][j]).view(),
+        Array2::from_shape_fn((m, 1), |(i, _)| y[i]).view(),
+    );
     let turned = Complex64::new(0.6, 0.8);
     let complex = lstsq(
         Array2::from_shape_fn((m, n), |(i, j)| turned * rows[i][j]).view(),
@@ -18,11 +24,15 @@ fn error(rows: &[Vec<f64>], y: &[f64], certified: &[f64]) -> f64 {
     );
     let (real, complex) = (real.unwrap(), complex.unwrap());
     let of = |found: f64, j: usize| ((found - certified[j]) / certified[j]).abs();
-    (0..n).map(|j| of(real[[j, 0]], j).max(of(complex[[j, 0]].re, j))).fold(0.0, f64::max)
+    (0..n)
+        .map(|j| of(real[[j, 0]], j).max(of(complex[[j, 0]].re, j)))
+        .fold(0.0, f64::max)
 }
 
 fn polynomial(x: &[f64], degree: i32) -> Vec<Vec<f64>> {
-    x.iter().map(|x| (0..=degree).map(|k| x.powi(k)).collect()).collect()
+    x.iter()
+        .map(|x| (0..=degree).map(|k| x.powi(k)).collect())
+        .collect()
 }
 
 #[test]
@@ -54,7 +64,14 @@ fn longley_with_nearly_dependent_predictors() {
         -0.511041056535807E-01,
         1829.15146461355,
     ];
-    let rows: Vec<Vec<f64>> = DATA.iter().map(|row| std::iter::once(1.0).chain(row[1..].iter().copied()).collect()).collect();
+    let rows: Vec<Vec<f64>> = DATA
+        .iter()
+        .map(|row| {
+            std::iter::once(1.0)
+                .chain(row[1..].iter().copied())
+                .collect()
+        })
+        .collect();
     let y: Vec<f64> = DATA.iter().map(|row| row[0]).collect();
     let error = error(&rows, &y, &CERTIFIED);
     assert!(error < 1e-8, "{error:e}");
@@ -63,12 +80,14 @@ fn longley_with_nearly_dependent_predictors() {
 #[test]
 fn filip_a_polynomial_of_degree_ten() {
     const Y: [f64; 82] = [
-        0.8116, 0.9072, 0.9052, 0.9039, 0.8053, 0.8377, 0.8667, 0.8809, 0.7975, 0.8162, 0.8515, 0.8766, 0.8885, 0.8859, 0.8959, 0.8913,
-        0.8959, 0.8971, 0.9021, 0.909, 0.9139, 0.9199, 0.8692, 0.8872, 0.89, 0.891, 0.8977, 0.9035, 0.9078, 0.7675, 0.7705, 0.7713, 0.7736,
-        0.7775, 0.7841, 0.7971, 0.8329, 0.8641, 0.8804, 0.7668, 0.7633, 0.7678, 0.7697, 0.77, 0.7749, 0.7796, 0.7897, 0.8131, 0.8498,
-        0.8741, 0.8061, 0.846, 0.8751, 0.8856, 0.8919, 0.8934, 0.894, 0.8957, 0.9047, 0.9129, 0.9209, 0.9219, 0.7739, 0.7681, 0.7665,
-        0.7703, 0.7702, 0.7761, 0.7809, 0.7961, 0.8253, 0.8602, 0.8809, 0.8301, 0.8664, 0.8834, 0.8898, 0.8964, 0.8963, 0.9074, 0.9119,
-        0.9228,
+        0.8116, 0.9072, 0.9052, 0.9039, 0.8053, 0.8377, 0.8667, 0.8809, 0.7975, 0.8162, 0.8515,
+        0.8766, 0.8885, 0.8859, 0.8959, 0.8913, 0.8959, 0.8971, 0.9021, 0.909, 0.9139, 0.9199,
+        0.8692, 0.8872, 0.89, 0.891, 0.8977, 0.9035, 0.9078, 0.7675, 0.7705, 0.7713, 0.7736,
+        0.7775, 0.7841, 0.7971, 0.8329, 0.8641, 0.8804, 0.7668, 0.7633, 0.7678, 0.7697, 0.77,
+        0.7749, 0.7796, 0.7897, 0.8131, 0.8498, 0.8741, 0.8061, 0.846, 0.8751, 0.8856, 0.8919,
+        0.8934, 0.894, 0.8957, 0.9047, 0.9129, 0.9209, 0.9219, 0.7739, 0.7681, 0.7665, 0.7703,
+        0.7702, 0.7761, 0.7809, 0.7961, 0.8253, 0.8602, 0.8809, 0.8301, 0.8664, 0.8834, 0.8898,
+        0.8964, 0.8963, 0.9074, 0.9119, 0.9228,
     ];
     const X: [f64; 82] = [
         -6.860120914,
@@ -171,12 +190,13 @@ fn filip_a_polynomial_of_degree_ten() {
     assert!(error < 1e-6, "{error:e}");
 }
 
-/// y = Σ xᵏ at x = 0, ..., 20, with an error that is orthogonal to all polynomials of degree five: the coefficients stay 1.
+/// y = Σ xᵏ at x = 0, ..., 20, with an error that is orthogonal to all polynomials of
+/// degree five: the coefficients stay 1.
 #[test]
 fn wampler_with_errors_that_cancel() {
     const ERROR: [f64; 21] = [
-        759.0, -2048.0, 2048.0, -2048.0, 2523.0, -2048.0, 2048.0, -2048.0, 1838.0, -2048.0, 2048.0, -2048.0, 1838.0, -2048.0, 2048.0,
-        -2048.0, 2523.0, -2048.0, 2048.0, -2048.0, 759.0,
+        759.0, -2048.0, 2048.0, -2048.0, 2523.0, -2048.0, 2048.0, -2048.0, 1838.0, -2048.0, 2048.0,
+        -2048.0, 1838.0, -2048.0, 2048.0, -2048.0, 2523.0, -2048.0, 2048.0, -2048.0, 759.0,
     ];
     let x: Vec<f64> = (0..=20).map(f64::from).collect();
     let rows = polynomial(&x, 5);
@@ -186,12 +206,19 @@ fn wampler_with_errors_that_cancel() {
     }
     // sets 1, 3, 4 and 5
     for (size, bound) in [(0.0, 1e-8), (1.0, 1e-8), (100.0, 1e-7), (10_000.0, 1e-5)] {
-        let y: Vec<f64> = rows.iter().zip(ERROR).map(|(row, e)| row.iter().sum::<f64>() + size * e).collect();
+        let y: Vec<f64> = rows
+            .iter()
+            .zip(ERROR)
+            .map(|(row, e)| row.iter().sum::<f64>() + size * e)
+            .collect();
         let error = error(&rows, &y, &[1.0; 6]);
         assert!(error < bound, "{size}: {error:e}");
     }
     // set 2
-    let y: Vec<f64> = x.iter().map(|x| (0..=5).map(|k| (0.1 * x).powi(k)).sum()).collect();
+    let y: Vec<f64> = x
+        .iter()
+        .map(|x| (0..=5).map(|k| (0.1 * x).powi(k)).sum())
+        .collect();
     let error = error(&rows, &y, &[1.0, 0.1, 0.01, 1e-3, 1e-4, 1e-5]);
     assert!(error < 1e-8, "{error:e}");
 }
@@ -201,5 +228,11 @@ fn noint_without_an_intercept() {
     let rows: Vec<Vec<f64>> = (60..=70).map(|x| vec![f64::from(x)]).collect();
     let y: Vec<f64> = (130..=140).map(f64::from).collect();
     assert!(error(&rows, &y, &[2.07438016528926]) < 1e-14);
-    assert!(error(&[vec![4.0], vec![5.0], vec![6.0]], &[3.0, 4.0, 4.0], &[0.727272727272727]) < 1e-14);
+    assert!(
+        error(
+            &[vec![4.0], vec![5.0], vec![6.0]],
+            &[3.0, 4.0, 4.0],
+            &[0.727272727272727]
+        ) < 1e-14
+    );
 }

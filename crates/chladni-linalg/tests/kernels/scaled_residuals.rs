@@ -1,4 +1,5 @@
-//! Kernels judged as in LAPACK's own test suite: residual over (size × norm × rounding), one bound for all sizes and scales.
+//! Kernels judged as in LAPACK's own test suite: residual over (size × norm × rounding),
+//! one bound for all sizes and scales.
 
 use chladni_linalg::*;
 use ndarray::{s, Array2, ArrayView2, ShapeBuilder};
@@ -11,7 +12,9 @@ const BOUND: f64 = 30.0;
 
 fn random(rows: usize, columns: usize, scale: f64, seed: u64) -> Array2<Complex64> {
     let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
-    Array2::from_shape_fn((rows, columns), |_| Complex64::new(rng.random_range(-1.0..1.0), rng.random_range(-1.0..1.0)) * scale)
+    Array2::from_shape_fn((rows, columns), |_| {
+        Complex64::new(rng.random_range(-1.0..1.0), rng.random_range(-1.0..1.0)) * scale
+    })
 }
 
 fn norm(a: ArrayView2<Complex64>) -> f64 {
@@ -19,7 +22,11 @@ fn norm(a: ArrayView2<Complex64>) -> f64 {
     if largest == 0.0 {
         return 0.0;
     }
-    a.iter().map(|v| (v / largest).norm_sqr()).sum::<f64>().sqrt() * largest
+    a.iter()
+        .map(|v| (v / largest).norm_sqr())
+        .sum::<f64>()
+        .sqrt()
+        * largest
 }
 
 fn scaled(residual: ArrayView2<Complex64>, reference: ArrayView2<Complex64>) -> f64 {
@@ -28,7 +35,9 @@ fn scaled(residual: ArrayView2<Complex64>, reference: ArrayView2<Complex64>) -> 
 }
 
 fn naive(a: &Array2<Complex64>, b: &Array2<Complex64>) -> Array2<Complex64> {
-    Array2::from_shape_fn((a.nrows(), b.ncols()), |(i, j)| (0..a.ncols()).map(|k| a[[i, k]] * b[[k, j]]).sum())
+    Array2::from_shape_fn((a.nrows(), b.ncols()), |(i, j)| {
+        (0..a.ncols()).map(|k| a[[i, k]] * b[[k, j]]).sum()
+    })
 }
 
 fn adjoint(a: &Array2<Complex64>) -> Array2<Complex64> {
@@ -99,13 +108,28 @@ fn every_memory_layout_gives_the_same_product() {
     let mut strided = wide.clone();
     strided.slice_mut(s![.., ..;2]).assign(&a);
     for view in [a.view(), column_major.view(), strided.slice(s![.., ..;2])] {
-        assert!(scaled((&matmul(view, b.view()) - &expected).view(), expected.view()) < BOUND);
-        assert!(scaled((&matmul_h(adjoint(&view.to_owned()).view(), b.view()) - &expected).view(), expected.view()) < BOUND);
+        assert!(
+            scaled(
+                (&matmul(view, b.view()) - &expected).view(),
+                expected.view()
+            ) < BOUND
+        );
+        assert!(
+            scaled(
+                (&matmul_h(adjoint(&view.to_owned()).view(), b.view()) - &expected).view(),
+                expected.view()
+            ) < BOUND
+        );
     }
     let mut sum = Array2::zeros((7, 9).f());
     add_matmul(sum.view_mut(), strided.slice(s![.., ..;2]), b.view());
     add_matmul(sum.view_mut(), a.view(), b.view());
-    assert!(scaled((&sum / Complex64::new(2.0, 0.0) - &expected).view(), expected.view()) < BOUND);
+    assert!(
+        scaled(
+            (&sum / Complex64::new(2.0, 0.0) - &expected).view(),
+            expected.view()
+        ) < BOUND
+    );
     // what stood there before leaves no trace, NaN included
     let mut set = Array2::from_elem((7, 9).f(), Complex64::new(f64::NAN, 3.0));
     set_matmul(set.view_mut(), strided.slice(s![.., ..;2]), b.view());
@@ -113,10 +137,16 @@ fn every_memory_layout_gives_the_same_product() {
     set.fill(Complex64::new(f64::NAN, 3.0));
     set_matmul_h(set.view_mut(), adjoint(&a).view(), b.view());
     assert!(scaled((&set - &expected).view(), expected.view()) < BOUND);
-    set_matmul(set.view_mut(), wide.slice(s![.., ..0]), b.slice(s![..0, ..]));
+    set_matmul(
+        set.view_mut(),
+        wide.slice(s![.., ..0]),
+        b.slice(s![..0, ..]),
+    );
     assert!(set.iter().all(|v| v.norm() == 0.0));
     for column in [wide.slice(s![..0, ..]), wide.slice(s![.., ..0])] {
-        assert!(matmul(column, Array2::zeros((column.ncols(), 2)).view()).iter().all(|v| v.norm() == 0.0));
+        assert!(matmul(column, Array2::zeros((column.ncols(), 2)).view())
+            .iter()
+            .all(|v| v.norm() == 0.0));
     }
 }
 
@@ -125,15 +155,33 @@ fn what_has_no_answer_is_an_error() {
     let mut a = random(4, 4, 1.0, 5);
     a[[1, 2]].re = f64::NAN;
     assert!(matches!(eigh(a.view()), Err(LinalgError::NotFinite { .. })));
-    assert!(matches!(eigenvalues(a.view()), Err(LinalgError::NotFinite { .. })));
-    assert!(matches!(svd_thin(a.view()), Err(LinalgError::NotFinite { .. })));
+    assert!(matches!(
+        eigenvalues(a.view()),
+        Err(LinalgError::NotFinite { .. })
+    ));
+    assert!(matches!(
+        svd_thin(a.view()),
+        Err(LinalgError::NotFinite { .. })
+    ));
     let mut twice = random(6, 2, 1.0, 6);
     let first = twice.column(0).to_owned();
     twice.column_mut(1).assign(&first);
-    assert!(matches!(lstsq(twice.view(), random(6, 1, 1.0, 7).view()), Err(LinalgError::RankDeficient { rank: 1, columns: 2 })));
+    assert!(matches!(
+        lstsq(twice.view(), random(6, 1, 1.0, 7).view()),
+        Err(LinalgError::RankDeficient {
+            rank: 1,
+            columns: 2
+        })
+    ));
     let negative = Array2::from_diag_elem(3, Complex64::new(-1.0, 0.0));
-    assert!(matches!(cholesky(negative.view()), Err(LinalgError::NotPositiveDefinite { size: 3 })));
-    assert!(matches!(qr_thin(random(2, 3, 1.0, 8).view()), Err(LinalgError::Shape { .. })));
+    assert!(matches!(
+        cholesky(negative.view()),
+        Err(LinalgError::NotPositiveDefinite { size: 3 })
+    ));
+    assert!(matches!(
+        qr_thin(random(2, 3, 1.0, 8).view()),
+        Err(LinalgError::Shape { .. })
+    ));
 }
 
 #[test]

@@ -7,12 +7,17 @@ use std::path::{Path, PathBuf};
 const MEMORY: u64 = 2 << 30;
 
 fn fixture(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures").join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../fixtures")
+        .join(name)
 }
 
 #[test]
 fn the_panel_file_writes_out_all_defaults() {
-    assert_eq!(Panel::read(&fixture("panel.toml"), MEMORY).unwrap(), Panel::default());
+    assert_eq!(
+        Panel::read(&fixture("panel.toml"), MEMORY).unwrap(),
+        Panel::default()
+    );
 }
 
 #[test]
@@ -23,7 +28,13 @@ fn the_second_panel_adds_its_driving_points_only() {
     assert_eq!(panel, expected);
     let simulation = simulate(&panel, None, None).unwrap();
     assert_eq!(simulation.frf.values.dim(), (111, 34, 1997));
-    assert_eq!((simulation.frf.frequency_hz[0], simulation.frf.frequency_hz[1996]), (2.0, 1000.0));
+    assert_eq!(
+        (
+            simulation.frf.frequency_hz[0],
+            simulation.frf.frequency_hz[1996]
+        ),
+        (2.0, 1000.0)
+    );
     assert_eq!(simulation.truth.in_band_modes().count(), 25);
     assert!(simulation.warnings.is_empty());
 }
@@ -34,7 +45,10 @@ fn what_is_no_panel_is_refused_with_its_name() {
     assert_eq!(missing.kind.exit_code(), 66);
     let readme = Panel::read(&fixture("README.md"), MEMORY).unwrap_err();
     assert_eq!(readme.kind.exit_code(), 65);
-    assert!(readme.to_string().contains("README.md") && readme.to_string().contains("TOML"), "{readme}");
+    assert!(
+        readme.to_string().contains("README.md") && readme.to_string().contains("TOML"),
+        "{readme}"
+    );
     let small = Panel::read(&fixture("panel.toml"), 1 << 20).unwrap_err();
     assert!(small.to_string().contains("--memory"), "{small}");
 }

@@ -6,38 +6,74 @@ use std::f64::consts::PI;
 /// Relative tolerance: the values are given to five or six digits.
 const PRINTED: f64 = 1e-4;
 
-/// λ = ω a² √(ρh/D), free rectangles, ν = 0.3, converged series of 18 × 18 polynomials; by a/b.
+/// λ = ω a² √(ρh/D), free rectangles, ν = 0.3, converged series of 18 × 18 polynomials;
+/// by a/b.
 const FREE: [(f64, &[f64]); 3] = [
-    (1.0, &[13.4682, 19.5961, 24.2702, 34.8009, 34.8009, 61.0932, 61.0932, 63.6861, 69.2654, 77.1717]),
-    (1.5, &[20.0955, 21.4133, 46.3470, 49.9099, 57.7135, 67.0297, 85.8548, 98.8337]),
-    (2.5, &[21.4539, 32.9890, 59.6287, 70.8032, 116.4208, 118.2681, 140.2939, 152.7748]),
+    (
+        1.0,
+        &[
+            13.4682, 19.5961, 24.2702, 34.8009, 34.8009, 61.0932, 61.0932, 63.6861, 69.2654,
+            77.1717,
+        ],
+    ),
+    (
+        1.5,
+        &[
+            20.0955, 21.4133, 46.3470, 49.9099, 57.7135, 67.0297, 85.8548, 98.8337,
+        ],
+    ),
+    (
+        2.5,
+        &[
+            21.4539, 32.9890, 59.6287, 70.8032, 116.4208, 118.2681, 140.2939, 152.7748,
+        ],
+    ),
 ];
 const SIMPLY_SUPPORTED_SQUARE: [f64; 6] = [19.7392, 49.3480, 49.3480, 78.9568, 98.6960, 98.6960];
 const CLAMPED_SQUARE: [f64; 6] = [35.9852, 73.3938, 73.3938, 108.2165, 131.5808, 132.2048];
 /// Leissa 1973, 36 beam products: upper bounds, up to one per cent high.
 const LEISSA_FREE_SQUARE: [f64; 5] = [13.49, 19.79, 24.43, 35.02, 35.02];
-/// NAFEMS FV12 (10 m × 10 m × 0.05 m, E = 200 GPa, ν = 0.3, ρ = 8000 kg/m³), converged, Hz, modes 4 to 9.
+/// NAFEMS FV12 (10 m × 10 m × 0.05 m, E = 200 GPa, ν = 0.3, ρ = 8000 kg/m³), converged,
+/// Hz, modes 4 to 9.
 const FV12_HZ: [f64; 6] = [1.6217, 2.3595, 2.9223, 4.1902, 4.1902, 7.3560];
 /// Cantilever square, ν = 0.3 (Barton's case), converged.
 const CANTILEVER_PUBLISHED: [f64; 6] = [3.492, 8.525, 21.43, 27.33, 31.11, 54.44];
 /// The glass panel, Hz.
-const PANEL_HZ: [f64; 14] = [54.35, 55.3, 124.9, 137.2, 149.4, 178.9, 226.0, 269.0, 299.4, 365.7, 383.7, 396.8, 413.1, 493.3];
+const PANEL_HZ: [f64; 14] = [
+    54.35, 55.3, 124.9, 137.2, 149.4, 178.9, 226.0, 269.0, 299.4, 365.7, 383.7, 396.8, 413.1, 493.3,
+];
 
 fn plate(edges: &str, length_m: f64, width_m: f64) -> Plate {
     let edges = Edges::try_from(edges.to_string()).unwrap();
-    Plate { length_m, width_m, thickness_m: 0.001, poisson_ratio: 0.3, edges, ..Plate::default() }
+    Plate {
+        length_m,
+        width_m,
+        thickness_m: 0.001,
+        poisson_ratio: 0.3,
+        edges,
+        ..Plate::default()
+    }
 }
 
 /// λ of the elastic modes.
 fn lambda(plate: &Plate, count: usize) -> Vec<f64> {
     let modes = PlateModes::up_to(plate, &[], 1.0, count).unwrap();
     let scale = plate.length_m.powi(2) * (plate.mass_per_area() / plate.bending_stiffness()).sqrt();
-    modes.omega().iter().skip(modes.rigid_count()).map(|omega| omega * scale).collect()
+    modes
+        .omega()
+        .iter()
+        .skip(modes.rigid_count())
+        .map(|omega| omega * scale)
+        .collect()
 }
 
 fn assert_near(found: &[f64], expected: &[f64], tolerance: f64) {
     for (n, (a, b)) in found.iter().zip(expected).enumerate() {
-        assert!((a / b - 1.0).abs() < tolerance, "mode {}: {a} instead of {b}", n + 1);
+        assert!(
+            (a / b - 1.0).abs() < tolerance,
+            "mode {}: {a} instead of {b}",
+            n + 1
+        );
     }
     assert!(found.len() >= expected.len());
 }
@@ -45,30 +81,50 @@ fn assert_near(found: &[f64], expected: &[f64], tolerance: f64) {
 #[test]
 fn free_rectangles_have_the_converged_frequencies() {
     for (ratio, expected) in FREE {
-        assert_near(&lambda(&plate("FFFF", 0.3, 0.3 / ratio), expected.len()), expected, PRINTED);
+        assert_near(
+            &lambda(&plate("FFFF", 0.3, 0.3 / ratio), expected.len()),
+            expected,
+            PRINTED,
+        );
     }
 }
 
 #[test]
 fn supported_and_clamped_squares_have_the_converged_frequencies() {
-    assert_near(&lambda(&plate("SSSS", 0.3, 0.3), 6), &SIMPLY_SUPPORTED_SQUARE, PRINTED);
-    assert_near(&lambda(&plate("CCCC", 0.3, 0.3), 6), &CLAMPED_SQUARE, PRINTED);
+    assert_near(
+        &lambda(&plate("SSSS", 0.3, 0.3), 6),
+        &SIMPLY_SUPPORTED_SQUARE,
+        PRINTED,
+    );
+    assert_near(
+        &lambda(&plate("CCCC", 0.3, 0.3), 6),
+        &CLAMPED_SQUARE,
+        PRINTED,
+    );
 }
 
 #[test]
 fn a_simply_supported_rectangle_follows_its_closed_form_to_nine_digits() {
     let plate = plate("SSSS", 0.4, 0.25);
-    let mut exact: Vec<f64> =
-        (1..12).flat_map(|m| (1..12).map(move |n| PI * PI * ((m * m) as f64 + (n * n) as f64 * (0.4f64 / 0.25).powi(2)))).collect();
+    let mut exact: Vec<f64> = (1..12)
+        .flat_map(|m| {
+            (1..12)
+                .map(move |n| PI * PI * ((m * m) as f64 + (n * n) as f64 * (0.4f64 / 0.25).powi(2)))
+        })
+        .collect();
     exact.sort_by(f64::total_cmp);
     assert_near(&lambda(&plate, 40), &exact[..40], 1e-9);
 }
 
 #[test]
 fn published_short_series_lie_above_the_converged_values_by_at_most_one_and_a_half_per_cent() {
-    for (found, published) in
-        [(lambda(&plate("FFFF", 0.3, 0.3), 5), &LEISSA_FREE_SQUARE[..]), (lambda(&plate("CFFF", 0.3, 0.3), 6), &CANTILEVER_PUBLISHED[..])]
-    {
+    for (found, published) in [
+        (lambda(&plate("FFFF", 0.3, 0.3), 5), &LEISSA_FREE_SQUARE[..]),
+        (
+            lambda(&plate("CFFF", 0.3, 0.3), 6),
+            &CANTILEVER_PUBLISHED[..],
+        ),
+    ] {
         for (a, b) in found.iter().zip(published) {
             assert!(*a < b * 1.0005 && *a > b * 0.985, "{a} against {b}");
         }
@@ -94,9 +150,16 @@ fn the_nafems_free_plate_has_its_frequencies_in_hertz() {
 fn the_glass_panel_has_its_frequencies_to_the_printed_digit_and_51_modes_below_2_khz() {
     let modes = PlateModes::up_to(&Plate::default(), &[], 4000.0, 60).unwrap();
     let frequencies = modes.frequency_hz();
-    assert_eq!(frequencies.iter().take(3).copied().collect::<Vec<_>>(), [0.0; 3]);
+    assert_eq!(
+        frequencies.iter().take(3).copied().collect::<Vec<_>>(),
+        [0.0; 3]
+    );
     for (n, expected) in PANEL_HZ.iter().enumerate() {
-        assert!((frequencies[n + 3] - expected).abs() <= 0.05 + 1e-9, "{} instead of {expected}", frequencies[n + 3]);
+        assert!(
+            (frequencies[n + 3] - expected).abs() <= 0.05 + 1e-9,
+            "{} instead of {expected}",
+            frequencies[n + 3]
+        );
     }
     let below = |limit: f64| frequencies.iter().skip(3).filter(|&&f| f < limit).count();
     assert_eq!([300.0, 600.0, 1000.0, 2000.0].map(below), [9, 17, 25, 51]);
@@ -110,7 +173,12 @@ fn more_polynomials_change_no_kept_mode_by_a_millionth() {
         let [x, y] = modes.terms();
         let finer = PlateModes::with_terms(&plate, &[], [x + 12, y + 12], 3000.0, 60).unwrap();
         assert_eq!(modes.len(), finer.len());
-        for (a, b) in modes.omega().iter().zip(finer.omega()).skip(modes.rigid_count()) {
+        for (a, b) in modes
+            .omega()
+            .iter()
+            .zip(finer.omega())
+            .skip(modes.rigid_count())
+        {
             assert!((a / b - 1.0).abs() < 1e-6, "{edges}: {a} against {b}");
         }
     }
@@ -118,7 +186,11 @@ fn more_polynomials_change_no_kept_mode_by_a_millionth() {
 
 #[test]
 fn shapes_are_orthonormal_in_mass_also_within_repeated_pairs_and_with_point_masses() {
-    let masses = [([0.01, 0.02], 0.004), ([0.2, 0.11], 0.002)].map(|(position_m, mass_kg)| PointMass { position_m, mass_kg });
+    let masses =
+        [([0.01, 0.02], 0.004), ([0.2, 0.11], 0.002)].map(|(position_m, mass_kg)| PointMass {
+            position_m,
+            mass_kg,
+        });
     for (edges, sides, masses) in [
         ("FFFF", [0.2, 0.2], &masses[..0]),
         ("SSSS", [0.2, 0.2], &masses[..0]),
@@ -129,27 +201,49 @@ fn shapes_are_orthonormal_in_mass_also_within_repeated_pairs_and_with_point_mass
         let modes = PlateModes::up_to(&plate, masses, 1500.0, 20).unwrap();
         let (points, weights) = quadrature(sides, 60);
         let shapes = modes.evaluate(&points).unwrap();
-        let at_masses = modes.evaluate(&masses.iter().map(|m| m.position_m).collect::<Vec<_>>()).unwrap();
+        let at_masses = modes
+            .evaluate(&masses.iter().map(|m| m.position_m).collect::<Vec<_>>())
+            .unwrap();
         for m in 0..modes.len() {
             for n in 0..=m {
-                let spread: f64 = (0..points.len()).map(|p| plate.mass_per_area() * weights[p] * shapes[[p, m]] * shapes[[p, n]]).sum();
-                let lumped: f64 = masses.iter().enumerate().map(|(k, mass)| mass.mass_kg * at_masses[[k, m]] * at_masses[[k, n]]).sum();
+                let spread: f64 = (0..points.len())
+                    .map(|p| plate.mass_per_area() * weights[p] * shapes[[p, m]] * shapes[[p, n]])
+                    .sum();
+                let lumped: f64 = masses
+                    .iter()
+                    .enumerate()
+                    .map(|(k, mass)| mass.mass_kg * at_masses[[k, m]] * at_masses[[k, n]])
+                    .sum();
                 let expected = if m == n { 1.0 } else { 0.0 };
-                assert!((spread + lumped - expected).abs() < 1e-9, "{edges}: modes {m}, {n}: {}", spread + lumped);
+                assert!(
+                    (spread + lumped - expected).abs() < 1e-9,
+                    "{edges}: modes {m}, {n}: {}",
+                    spread + lumped
+                );
             }
         }
     }
 }
 
-/// Gauss-Chebyshev points of the second kind with Fejér's weights: exact for polynomials below `count` per side.
+/// Gauss-Chebyshev points of the second kind with Fejér's weights: exact for polynomials
+/// below `count` per side.
 fn quadrature(sides: [f64; 2], count: usize) -> (Vec<[f64; 2]>, Vec<f64>) {
     let angle = |i: usize| PI * (i as f64 + 0.5) / count as f64;
     let weight = |i: usize| {
-        let sum: f64 = (1..=count / 2).map(|j| (2.0 * j as f64 * angle(i)).cos() / (4.0 * (j * j) as f64 - 1.0)).sum();
+        let sum: f64 = (1..=count / 2)
+            .map(|j| (2.0 * j as f64 * angle(i)).cos() / (4.0 * (j * j) as f64 - 1.0))
+            .sum();
         2.0 / count as f64 * (1.0 - 2.0 * sum)
     };
-    let rule: Vec<(f64, f64)> = (0..count).map(|i| ((1.0 + angle(i).cos()) / 2.0, weight(i) / 2.0)).collect();
-    rule.iter().flat_map(|&(x, wx)| rule.iter().map(move |&(y, wy)| ([x * sides[0], y * sides[1]], wx * wy * sides[0] * sides[1]))).unzip()
+    let rule: Vec<(f64, f64)> = (0..count)
+        .map(|i| ((1.0 + angle(i).cos()) / 2.0, weight(i) / 2.0))
+        .collect();
+    rule.iter()
+        .flat_map(|&(x, wx)| {
+            rule.iter()
+                .map(move |&(y, wy)| ([x * sides[0], y * sides[1]], wx * wy * sides[0] * sides[1]))
+        })
+        .unzip()
 }
 
 #[test]
@@ -166,19 +260,33 @@ fn point_masses_lower_every_frequency_and_coils_of_a_tenth_gram_move_the_first_m
     }
     // modes 4: the first elastic one
     assert!((bare.frequency_hz()[3] - 54.35).abs() < 0.05);
-    assert!((loaded.frequency_hz()[3] - 52.4).abs() < 0.05, "{}", loaded.frequency_hz()[3]);
+    assert!(
+        (loaded.frequency_hz()[3] - 52.4).abs() < 0.05,
+        "{}",
+        loaded.frequency_hz()[3]
+    );
 }
 
 #[test]
 fn masses_without_symmetry_give_the_same_modes_as_with_it() {
     // a mass of nearly nothing breaks the parity classes; frequencies must not notice
     let plate = Plate::default();
-    let speck = [PointMass { position_m: [0.05, 0.03], mass_kg: 1e-15 }];
+    let speck = [PointMass {
+        position_m: [0.05, 0.03],
+        mass_kg: 1e-15,
+    }];
     let whole = PlateModes::up_to(&plate, &speck, 600.0, 20).unwrap();
     let classes = PlateModes::up_to(&plate, &[], 600.0, 20).unwrap();
-    assert_near(&whole.omega().to_vec()[3..], &classes.omega().to_vec()[3..], 1e-10);
+    assert_near(
+        &whole.omega().to_vec()[3..],
+        &classes.omega().to_vec()[3..],
+        1e-10,
+    );
     let point = [[0.01, 0.16]];
-    let (a, b) = (whole.evaluate(&point).unwrap(), classes.evaluate(&point).unwrap());
+    let (a, b) = (
+        whole.evaluate(&point).unwrap(),
+        classes.evaluate(&point).unwrap(),
+    );
     for n in 3..a.ncols() {
         assert!((a[[0, n]].abs() - b[[0, n]].abs()).abs() < 1e-6 * b[[0, n]].abs().max(1.0));
     }
@@ -189,7 +297,13 @@ fn what_lies_off_the_plate_is_refused_with_its_position() {
     let modes = PlateModes::up_to(&Plate::default(), &[], 100.0, 5).unwrap();
     let error = modes.evaluate(&[[0.3, 0.1]]).unwrap_err().to_string();
     assert!(error.contains("0.3") && error.contains("0.268"), "{error}");
-    assert!(modes.evaluate(&[[0.268 + 1e-12, 0.0]]).is_ok(), "roundings of a layout are on the edge");
-    let mass = [PointMass { position_m: [-0.1, 0.1], mass_kg: 1.0 }];
+    assert!(
+        modes.evaluate(&[[0.268 + 1e-12, 0.0]]).is_ok(),
+        "roundings of a layout are on the edge"
+    );
+    let mass = [PointMass {
+        position_m: [-0.1, 0.1],
+        mass_kg: 1.0,
+    }];
     assert!(PlateModes::up_to(&Plate::default(), &mass, 100.0, 5).is_err());
 }

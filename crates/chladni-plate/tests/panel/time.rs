@@ -22,42 +22,91 @@ fn test() -> TimeTest {
     }
 }
 
-/// Ratio of estimate and truth, with the same law of hold for both: a smooth factor, the same for all modes and responses.
+/// Ratio of estimate and truth, with the same law of hold for both: a smooth factor, the
+/// same for all modes and responses.
 fn worst_ratio(set: &TimeSet, truth: &ModalModel) -> f64 {
     let expected = truth.synthesise(&set.frf.frequency_hz);
-    expected.indexed_iter().map(|((i, j, k), v)| (set.frf.values.get(i, j, k) / v - 1.0).norm()).fold(0.0, f64::max)
+    expected
+        .indexed_iter()
+        .map(|((i, j, k), v)| (set.frf.values.get(i, j, k) / v - 1.0).norm())
+        .fold(0.0, f64::max)
 }
 
 #[test]
 fn a_hammer_blow_that_dies_out_gives_the_modal_sum() {
-    // decay over the record: e^{−ζωT} = 2e-9; the hold's images add (f/fs)² of a smooth term
+    // decay over the record: e^{−ζωT} = 2e-9; the hold's images add (f/fs)² of a smooth
+    // term
     let set = test().build().unwrap();
-    assert!(worst_ratio(&set, &set.truth) < 0.02, "{}", worst_ratio(&set, &set.truth));
-    let finer = TimeTest { sample_rate_hz: 16384.0, ..test() }.build().unwrap();
-    assert!(worst_ratio(&finer, &finer.truth) < 1e-3, "{}", worst_ratio(&finer, &finer.truth));
+    assert!(
+        worst_ratio(&set, &set.truth) < 0.02,
+        "{}",
+        worst_ratio(&set, &set.truth)
+    );
+    let finer = TimeTest {
+        sample_rate_hz: 16384.0,
+        ..test()
+    }
+    .build()
+    .unwrap();
+    assert!(
+        worst_ratio(&finer, &finer.truth) < 1e-3,
+        "{}",
+        worst_ratio(&finer, &finer.truth)
+    );
 }
 
 #[test]
 fn an_exponential_window_moves_the_poles() {
     let rate_per_s = 1.5;
-    let set = TimeTest { sample_rate_hz: 16384.0, window: Window::Exponential { rate_per_s }, ..test() }.build().unwrap();
+    let set = TimeTest {
+        sample_rate_hz: 16384.0,
+        window: Window::Exponential { rate_per_s },
+        ..test()
+    }
+    .build()
+    .unwrap();
     let mut moved = set.truth.clone();
     for mode in &mut moved.modes {
         let omega = TAU * mode.frequency_hz;
-        let pole = Complex64::new(-mode.damping_ratio * omega - rate_per_s, omega * (1.0 - mode.damping_ratio.powi(2)).sqrt());
+        let pole = Complex64::new(
+            -mode.damping_ratio * omega - rate_per_s,
+            omega * (1.0 - mode.damping_ratio.powi(2)).sqrt(),
+        );
         mode.frequency_hz = pole.norm() / TAU;
         mode.damping_ratio = -pole.re / pole.norm();
         mode.loss_factor = 2.0 * mode.damping_ratio;
     }
-    // velocity as derivative of a windowed displacement differs by α/ω of a term without poles of its own: 0.6 % at 40 Hz
-    assert!(worst_ratio(&set, &moved) < 0.05, "{}", worst_ratio(&set, &moved));
-    assert!(worst_ratio(&set, &set.truth) > 0.1, "the unmoved poles do not explain it");
+    // velocity as derivative of a windowed displacement differs by α/ω of a term without
+    // poles of its own: 0.6 % at 40 Hz
+    assert!(
+        worst_ratio(&set, &moved) < 0.05,
+        "{}",
+        worst_ratio(&set, &moved)
+    );
+    assert!(
+        worst_ratio(&set, &set.truth) > 0.1,
+        "the unmoved poles do not explain it"
+    );
 }
 
 #[test]
 fn continuous_noise_leaks_and_averages() {
-    let few = TimeTest { excitation: Excitation::Random, window: Window::Hann, averages: 8, ..test() }.build().unwrap();
-    let many = TimeTest { excitation: Excitation::Random, window: Window::Hann, averages: 128, ..test() }.build().unwrap();
+    let few = TimeTest {
+        excitation: Excitation::Random,
+        window: Window::Hann,
+        averages: 8,
+        ..test()
+    }
+    .build()
+    .unwrap();
+    let many = TimeTest {
+        excitation: Excitation::Random,
+        window: Window::Hann,
+        averages: 128,
+        ..test()
+    }
+    .build()
+    .unwrap();
     let rms = |set: &TimeSet| {
         let expected = set.truth.synthesise(&set.frf.frequency_hz);
         let (mut error, mut total) = (0.0, 0.0);
@@ -68,5 +117,10 @@ fn continuous_noise_leaks_and_averages() {
         f64::sqrt(error / total)
     };
     // 16 times the averages: a quarter of the random part, and the window's bias stays
-    assert!(rms(&many) < 0.6 * rms(&few) && rms(&many) > 1e-4, "{} {}", rms(&few), rms(&many));
+    assert!(
+        rms(&many) < 0.6 * rms(&few) && rms(&many) > 1e-4,
+        "{} {}",
+        rms(&few),
+        rms(&many)
+    );
 }

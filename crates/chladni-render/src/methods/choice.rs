@@ -16,7 +16,8 @@ pub enum MethodChoice {
     Default,
     /// `pressure-matching`: below a millisecond.
     Fast,
-    /// `robust` from every start that leads somewhere, and the certified ceiling beside it.
+    /// `robust` from every start that leads somewhere, and the certified ceiling beside
+    /// it.
     Best,
     /// This method.
     Only(Method),
@@ -32,22 +33,37 @@ pub(crate) struct Decision {
 }
 
 impl MethodChoice {
-    const WORDS: [(&'static str, Self); 3] = [("default", Self::Default), ("fast", Self::Fast), ("best", Self::Best)];
+    const WORDS: [(&'static str, Self); 3] = [
+        ("default", Self::Default),
+        ("fast", Self::Fast),
+        ("best", Self::Best),
+    ];
 
     /// Every name on the command line, the default first.
     pub fn names() -> impl Iterator<Item = &'static str> {
-        Self::WORDS.iter().map(|word| word.0).chain(Method::ALL.map(Method::as_str))
+        Self::WORDS
+            .iter()
+            .map(|word| word.0)
+            .chain(Method::ALL.map(Method::as_str))
     }
 
-    /// The method for a problem of this size, and its effort where `effort` was asked for.
+    /// The method for a problem of this size, and its effort where `effort` was asked
+    /// for.
     pub(crate) fn decide(self, problem: &Problem, effort: Effort) -> Decision {
-        let decision = |method| Decision { method, effort, warning: None };
+        let decision = |method| Decision {
+            method,
+            effort,
+            warning: None,
+        };
         match self {
             Self::Only(method) => decision(method),
             Self::Fast => decision(Method::PressureMatching),
             Self::Best => {
                 let starts = effort.starts.max(tolerances::MOST_STARTS);
-                Decision { effort: Effort { starts, ..effort }, ..decision(Method::Robust) }
+                Decision {
+                    effort: Effort { starts, ..effort },
+                    ..decision(Method::Robust)
+                }
             }
             Self::Default => {
                 let rows = problem.rows.mobility.nrows();
@@ -78,7 +94,12 @@ impl fmt::Display for MethodChoice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Only(method) => method.fmt(f),
-            word => f.write_str(Self::WORDS.iter().find(|known| known.1 == *word).map_or("", |known| known.0)),
+            word => f.write_str(
+                Self::WORDS
+                    .iter()
+                    .find(|known| known.1 == *word)
+                    .map_or("", |known| known.0),
+            ),
         }
     }
 }

@@ -1,7 +1,9 @@
-//! Contrast control: the drive with the most mean-square velocity in the hot zone for what it spills into the cold one.
+//! Contrast control: the drive with the most mean-square velocity in the hot zone for
+//! what it spills into the cold one.
 //!
-//! max over A of ‖H_h·A‖² / (‖H_c·A‖² + K_c‖L·A‖²): the largest eigenvector of H_h B⁻¹ H_hᴴ, B = H_cᴴH_c + K_c LᴴL, mapped
-//! back by A = B⁻¹ H_hᴴ z (Choi and Kim 2002). Serves as a start of [`super::mls`]; alone it lets the hot zone have nodal lines.
+//! max over A of ‖H_h·A‖² / (‖H_c·A‖² + K_c‖L·A‖²): the largest eigenvector of H_h B⁻¹
+//! H_hᴴ, B = H_cᴴH_c + K_c LᴴL, mapped back by A = B⁻¹ H_hᴴ z (Choi and Kim 2002). Serves
+//! as a start of [`super::mls`]; alone it lets the hot zone have nodal lines.
 
 use crate::least_squares::normal_matrix;
 use crate::problem::{internal, Drive, Problem};

@@ -1,8 +1,10 @@
 //! The magnitude iteration of [`super::mls`], many drives at a time.
 //!
-//! Majorisation: with p_k the nearest value of S_k to h_k·A (same phase, limited magnitude), A becomes the least-squares fit to p; p overshoots by
-//! the factor [`tolerances::MLS_RELAXATION`]. Rows that keep their limits have p_k = h_k·A, so that a step is the fit to the own field of A and the pull
-//! of the others alone. All drives take a step together; after some steps only those go on that serve most.
+//! Majorisation: with p_k the nearest value of S_k to h_k·A (same phase, limited
+//! magnitude), A becomes the least-squares fit to p; p overshoots by the factor
+//! [`tolerances::MLS_RELAXATION`]. Rows that keep their limits have p_k = h_k·A, so that
+//! a step is the fit to the own field of A and the pull of the others alone. All drives
+//! take a step together; after some steps only those go on that serve most.
 
 use crate::least_squares::LeastSquares;
 use crate::problem::{amplitude, Drive, Problem};
@@ -19,7 +21,8 @@ pub(crate) type Round = (usize, usize);
 /// What every step over the rows of a problem takes, found once.
 pub(crate) struct Steps<'a> {
     problem: &'a Problem,
-    /// From pulls of rows to a change of the drive; see [`LeastSquares::inverse_and_own_fit`].
+    /// From pulls of rows to a change of the drive; see
+    /// [`LeastSquares::inverse_and_own_fit`].
     inverse: Array2<Complex64>,
     own_fit: Array2<Complex64>,
 }
@@ -31,7 +34,11 @@ impl<'a> Steps<'a> {
     /// None: sizes fit.
     pub(crate) fn new(least_squares: &LeastSquares<'a>) -> Result<Self> {
         let [inverse, own_fit] = least_squares.inverse_and_own_fit()?;
-        Ok(Self { problem: least_squares.problem, inverse, own_fit })
+        Ok(Self {
+            problem: least_squares.problem,
+            inverse,
+            own_fit,
+        })
     }
 }
 
@@ -51,7 +58,14 @@ impl<'a> Race<'a> {
         for (mut column, (start, _)) in drives.columns_mut().into_iter().zip(starts) {
             column.assign(start);
         }
-        let mut race = Self { steps, drives, margins: starts.iter().map(|(_, margin_db)| 10f64.powf(margin_db / 20.0)).collect() };
+        let mut race = Self {
+            steps,
+            drives,
+            margins: starts
+                .iter()
+                .map(|(_, margin_db)| 10f64.powf(margin_db / 20.0))
+                .collect(),
+        };
         race.take_best_gains();
         race
     }
@@ -71,11 +85,25 @@ impl<'a> Race<'a> {
 
     /// Those that are left.
     pub(crate) fn into_drives(self) -> Vec<Drive> {
-        self.drives.columns().into_iter().map(|column| column.to_owned()).collect()
+        self.drives
+            .columns()
+            .into_iter()
+            .map(|column| column.to_owned())
+            .collect()
     }
 
     fn step(&mut self) {
-        let Steps { problem: Problem { limits, rows, row_weights, .. }, inverse, own_fit } = self.steps;
+        let Steps {
+            problem:
+                Problem {
+                    limits,
+                    rows,
+                    row_weights,
+                    ..
+                },
+            inverse,
+            own_fit,
+        } = self.steps;
         let mut pulls = matmul(rows.mobility.view(), self.drives.view());
         for (mut column, margin) in pulls.columns_mut().into_iter().zip(&self.margins) {
             let (felt, quiet) = (limits.hot_m_per_s * margin, limits.cold_m_per_s / margin);
@@ -84,29 +112,47 @@ impl<'a> Race<'a> {
                     true => (value.norm_sqr() >= felt * felt, felt),
                     false => (value.norm_sqr() <= quiet * quiet, quiet),
                 };
-                *value = if keeps { Complex64::ZERO } else { (relaxed(*value, limit) - *value) * row_weights[k] };
+                *value = if keeps {
+                    Complex64::ZERO
+                } else {
+                    (relaxed(*value, limit) - *value) * row_weights[k]
+                };
             }
         }
         let pulled = matmul_h(rows.mobility.view(), pulls.view());
-        self.drives = matmul(own_fit.view(), self.drives.view()) + matmul(inverse.view(), pulled.view());
+        self.drives =
+            matmul(own_fit.view(), self.drives.view()) + matmul(inverse.view(), pulled.view());
     }
 
-    /// Scales every drive by the gain that serves most rows; what each is judged by then: least zone, total, κ.
+    /// Scales every drive by the gain that serves most rows; what each is judged by then:
+    /// least zone, total, κ.
     fn take_best_gains(&mut self) -> Vec<[f64; 3]> {
         let problem = self.steps.problem;
         let amplitudes = matmul(problem.rows.mobility.view(), self.drives.view()).map(amplitude);
-        let of_column = |(mut column, amplitudes): (ndarray::ArrayViewMut1<Complex64>, ndarray::ArrayView1<f64>)| {
+        let of_column = |(mut column, amplitudes): (
+            ndarray::ArrayViewMut1<Complex64>,
+            ndarray::ArrayView1<f64>,
+        )| {
             let drive: Array1<Complex64> = column.to_owned();
             let gain = problem.best_gain(&amplitudes.to_owned(), &drive);
             column.mapv_inplace(|weight| weight * gain);
-            let score = problem.score_of(&(&amplitudes * gain), problem.covariance.deviation(&drive) * gain);
+            let score = problem.score_of(
+                &(&amplitudes * gain),
+                problem.covariance.deviation(&drive) * gain,
+            );
             [score.min_ratio, score.success_ratio, score.kappa]
         };
-        self.drives.columns_mut().into_iter().zip(amplitudes.columns()).map(of_column).collect()
+        self.drives
+            .columns_mut()
+            .into_iter()
+            .zip(amplitudes.columns())
+            .map(of_column)
+            .collect()
     }
 }
 
-/// `value` moved along its own phase to the magnitude `limit`, and beyond by the relaxation.
+/// `value` moved along its own phase to the magnitude `limit`, and beyond by the
+/// relaxation.
 fn relaxed(value: Complex64, limit: f64) -> Complex64 {
     let before = amplitude(&value);
     let moved = before + tolerances::MLS_RELAXATION * (limit - before);
@@ -119,7 +165,11 @@ fn relaxed(value: Complex64, limit: f64) -> Complex64 {
 
 /// The more important entries decide; equal ones hand over to the next.
 pub(crate) fn better_first<const N: usize>(a: &[f64; N], b: &[f64; N]) -> Ordering {
-    a.iter().zip(b).map(|(a, b)| b.total_cmp(a)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
+    a.iter()
+        .zip(b)
+        .map(|(a, b)| b.total_cmp(a))
+        .find(|order| order.is_ne())
+        .unwrap_or(Ordering::Equal)
 }
 
 #[cfg(test)]
@@ -128,7 +178,10 @@ mod tests {
 
     #[test]
     fn a_still_row_gets_some_phase_and_a_loud_one_is_reduced() {
-        assert_eq!(relaxed(Complex64::ZERO, 1.0), Complex64::from(tolerances::MLS_RELAXATION));
+        assert_eq!(
+            relaxed(Complex64::ZERO, 1.0),
+            Complex64::from(tolerances::MLS_RELAXATION)
+        );
         let value = Complex64::new(0.0, 2.0);
         let expected = 2.0 - tolerances::MLS_RELAXATION;
         assert!((relaxed(value, 1.0) - Complex64::new(0.0, expected)).norm() < 1e-15);

@@ -1,7 +1,9 @@
 //! The least effort that serves the scene (method `min-effort`).
 //!
-//! min √Σ|A_i|² with every response inside its limit by [`tolerances::KAPPA_EFFORT`] standard deviations, or by most of the largest κ
-//! where that is less (theory.md, eq. 47). For actuators that get hot, or amplifiers that are small; [`super::robust`] holds better.
+//! min √Σ|A_i|² with every response inside its limit by [`tolerances::KAPPA_EFFORT`]
+//! standard deviations, or by most of the largest κ where that is less (theory.md, eq.
+//! 47). For actuators that get hot, or amplifiers that are small; [`super::robust`] holds
+//! better.
 
 use crate::climb::Climb;
 use crate::drive_program::Asked;
@@ -23,6 +25,9 @@ pub(crate) fn solve(problem: &Problem, between: Option<&Rows>, effort: Effort) -
         contest.offer(problem, &drive);
         return Ok(Solution::of_drive(contest.into_best()));
     }
-    let asked = Asked { kappa: tolerances::KAPPA_EFFORT.min(tolerances::KEEP * kappa), factor: 1.0 };
+    let asked = Asked {
+        kappa: tolerances::KAPPA_EFFORT.min(tolerances::KEEP * kappa),
+        factor: 1.0,
+    };
     Ok(Solution::of_drive(climb.lower_effort(drive, asked)?))
 }

@@ -1,16 +1,21 @@
 //! Least squares of magnitudes with the model's own covariance (method `mls`).
 //!
-//! The phase of the hot zone is free, and a row that keeps its limit with a margin is not pulled anywhere:
+//! The phase of the hot zone is free, and a row that keeps its limit with a margin is not
+//! pulled anywhere:
 //!
-//! minimise Σ_k w_k( dist(h_k·A, S_k)² + ‖L·A‖² ), S_k = {|v| ≥ V_h·10^{g/20}} on hot rows, {|v| ≤ V_c·10^{−g/20}} on cold ones.
+//! minimise Σ_k w_k( dist(h_k·A, S_k)² + ‖L·A‖² ), S_k = {|v| ≥ V_h·10^{g/20}} on hot
+//! rows, {|v| ≤ V_c·10^{−g/20}} on cold ones.
 //!
-//! The steps are those of [`super::magnitudes`]. The classic form (Kassakian 2006: hot rows pulled to
-//! one magnitude from both sides, cold ones to zero) spends its freedom on rows that are right already: on the study's 2×2
-//! corner it served 0.95 of the hot responses where this form serves all, at twice the force.
+//! The steps are those of [`super::magnitudes`]. The classic form (Kassakian 2006: hot
+//! rows pulled to one magnitude from both sides, cold ones to zero) spends its freedom on
+//! rows that are right already: on the study's 2×2 corner it served 0.95 of the hot
+//! responses where this form serves all, at twice the force.
 //!
-//! The problem is not convex, so several starts compete: pressure matching, contrast control, and hot zones with a phase that
-//! runs across; first on the responses alone, their leaders with several margins, and the leaders of these also with rows interpolated between
-//! the responses. Winner is who serves most responses, then has some κ, then serves most ground between the responses.
+//! The problem is not convex, so several starts compete: pressure matching, contrast
+//! control, and hot zones with a phase that runs across; first on the responses alone,
+//! their leaders with several margins, and the leaders of these also with rows
+//! interpolated between the responses. Winner is who serves most responses, then has some
+//! κ, then serves most ground between the responses.
 
 use crate::climb::peak;
 use crate::gain::within_drive_limit;
@@ -25,20 +30,32 @@ use ndarray::Array2;
 use num_complex::Complex64;
 use std::f64::consts::PI;
 
-/// Phase differences across the hot zone, in x and in y, of the tilted starts: half waves.
-const TILTS: [[f64; 2]; 6] = [[1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, -1.0], [2.0, 0.0], [0.0, 2.0]];
+/// Phase differences across the hot zone, in x and in y, of the tilted starts: half
+/// waves.
+const TILTS: [[f64; 2]; 6] = [
+    [1.0, 0.0],
+    [0.0, 1.0],
+    [1.0, 1.0],
+    [1.0, -1.0],
+    [2.0, 0.0],
+    [0.0, 2.0],
+];
 
 /// The best drive found; `between` are rows between the responses, where there are any.
 pub(crate) fn solve(problem: &Problem, between: Option<&Rows>) -> Result<Solution> {
     within_drive_limit(problem, |ridge| Ok(search(problem, between, ridge)?.0))
 }
 
-/// The best drive, and those of other starts that differ from it and from each other, the better ones first.
+/// The best drive, and those of other starts that differ from it and from each other, the
+/// better ones first.
 pub(crate) fn leading_drives(problem: &Problem, between: Option<&Rows>) -> Result<Vec<Drive>> {
     let (best, others) = search(problem, between, 0.0)?;
     let mut drives = vec![best];
     for drive in others {
-        if drives.iter().all(|known| likeness(known, &drive) < tolerances::SAME_WAY) {
+        if drives
+            .iter()
+            .all(|known| likeness(known, &drive) < tolerances::SAME_WAY)
+        {
             drives.push(drive);
         }
     }
@@ -62,10 +79,21 @@ fn search(problem: &Problem, between: Option<&Rows>, ridge: f64) -> Result<(Driv
     let starts = starts(&on_points)?;
     let steps = Steps::new(&on_points)?;
     let [first_margin, ..] = tolerances::MLS_MARGINS_DB;
-    let first = contest.enter(&steps, &starts.iter().map(|start| (start, first_margin)).collect::<Vec<_>>(), from_starts);
+    let first = contest.enter(
+        &steps,
+        &starts
+            .iter()
+            .map(|start| (start, first_margin))
+            .collect::<Vec<_>>(),
+        from_starts,
+    );
     let mut ended = contest.enter(&steps, &with_margins(&first), with_each_margin);
     if let Some(ground) = &with_ground {
-        let last = contest.enter(&Steps::new(&LeastSquares::new(ground, ridge)?)?, &with_margins(&ended), on_ground);
+        let last = contest.enter(
+            &Steps::new(&LeastSquares::new(ground, ridge)?)?,
+            &with_margins(&ended),
+            on_ground,
+        );
         ended.splice(..0, last);
     }
     ended.extend(first);
@@ -74,11 +102,15 @@ fn search(problem: &Problem, between: Option<&Rows>, ridge: f64) -> Result<(Driv
 
 /// Each of the drives with each margin, dB.
 fn with_margins(drives: &[Drive]) -> Vec<(&Drive, f64)> {
-    drives.iter().flat_map(|drive| tolerances::MLS_MARGINS_DB.map(|margin_db| (drive, margin_db))).collect()
+    drives
+        .iter()
+        .flat_map(|drive| tolerances::MLS_MARGINS_DB.map(|margin_db| (drive, margin_db)))
+        .collect()
 }
 
-/// What a drive is judged by, the more important first: responses served (least zone, total), κ up to what is enough, ground
-/// served (least zone, total), κ over all ground up to what is asked of it, little force.
+/// What a drive is judged by, the more important first: responses served (least zone,
+/// total), κ up to what is enough, ground served (least zone, total), κ over all ground
+/// up to what is asked of it, little force.
 type Key = [f64; 7];
 
 /// Keeps the best drive of all that are offered.
@@ -95,10 +127,17 @@ pub(crate) struct Contest<'a> {
 impl<'a> Contest<'a> {
     /// On the responses of `points`, then on the rows of `ground`.
     pub(crate) fn new(points: &'a Problem, ground: &'a Problem, enough: f64) -> Self {
-        Self { points, ground, enough, asked: f64::INFINITY, best: None }
+        Self {
+            points,
+            ground,
+            enough,
+            asked: f64::INFINITY,
+            best: None,
+        }
     }
 
-    /// The same where more κ than `asked` over all ground counts less than a smaller force.
+    /// The same where more κ than `asked` over all ground counts less than a smaller
+    /// force.
     pub(crate) fn at_least_force(self, asked: f64) -> Self {
         Self { asked, ..self }
     }
@@ -114,13 +153,18 @@ impl<'a> Contest<'a> {
         self.best().unwrap_or_else(|| Drive::zeros(actuators))
     }
 
-    /// Iterates from all starts, each with its margin in dB, the best going on from round to round; returns the leading drives.
+    /// Iterates from all starts, each with its margin in dB, the best going on from round
+    /// to round; returns the leading drives.
     fn enter(&mut self, steps: &Steps, starts: &[(&Drive, f64)], rounds: [Round; 2]) -> Vec<Drive> {
         let mut race = Race::new(steps, starts);
         for round in rounds {
             race.run(round);
         }
-        let mut drives: Vec<(Key, Drive)> = race.into_drives().into_iter().map(|drive| (self.judge(drive.clone()), drive)).collect();
+        let mut drives: Vec<(Key, Drive)> = race
+            .into_drives()
+            .into_iter()
+            .map(|drive| (self.judge(drive.clone()), drive))
+            .collect();
         drives.sort_by(|(a, _), (b, _)| better_first(a, b));
         drives.into_iter().map(|(_, drive)| drive).collect()
     }
@@ -140,8 +184,19 @@ impl<'a> Contest<'a> {
         let (points, ground) = (self.points.score(&drive), self.ground.score(&drive));
         // conic programs that were asked for so much end a rounding above or below it
         let up_to = |kappa: f64, enough: f64| kappa.min(enough * (1.0 - tolerances::SAME_KAPPA));
-        let robust = [up_to(points.kappa, self.enough), up_to(ground.kappa, self.asked)];
-        let key = [points.min_ratio, points.success_ratio, robust[0], ground.min_ratio, ground.success_ratio, robust[1], -peak(&drive)];
+        let robust = [
+            up_to(points.kappa, self.enough),
+            up_to(ground.kappa, self.asked),
+        ];
+        let key = [
+            points.min_ratio,
+            points.success_ratio,
+            robust[0],
+            ground.min_ratio,
+            ground.success_ratio,
+            robust[1],
+            -peak(&drive),
+        ];
         if self.best.as_ref().is_none_or(|(best, _)| key > *best) {
             self.best = Some((key, drive));
         }
@@ -154,13 +209,23 @@ fn starts(least_squares: &LeastSquares) -> Result<Vec<Drive>> {
     let problem = least_squares.problem;
     let hot_m = &problem.rows.positions_m[..problem.rows.hot];
     let zone = Rectangle::around(hot_m).expect("a problem has a hot row");
-    let across = |value: f64, low: f64, high: f64| (value - low) / (high - low).max(tolerances::POSITION_M);
+    let across =
+        |value: f64, low: f64, high: f64| (value - low) / (high - low).max(tolerances::POSITION_M);
     let targets = Array2::from_shape_fn((hot_m.len(), 1 + TILTS.len()), |(k, column)| {
-        let ([x, y], [half_waves_x, half_waves_y]) = (hot_m[k], column.checked_sub(1).map_or([0.0; 2], |tilt| TILTS[tilt]));
-        let phase = half_waves_x * across(x, zone.x_min, zone.x_max) + half_waves_y * across(y, zone.y_min, zone.y_max);
+        let ([x, y], [half_waves_x, half_waves_y]) = (
+            hot_m[k],
+            column.checked_sub(1).map_or([0.0; 2], |tilt| TILTS[tilt]),
+        );
+        let phase = half_waves_x * across(x, zone.x_min, zone.x_max)
+            + half_waves_y * across(y, zone.y_min, zone.y_max);
         Complex64::from_polar(1.0, PI * phase)
     });
-    let mut starts: Vec<Drive> = least_squares.drives(targets.view())?.columns().into_iter().map(|column| column.to_owned()).collect();
+    let mut starts: Vec<Drive> = least_squares
+        .drives(targets.view())?
+        .columns()
+        .into_iter()
+        .map(|column| column.to_owned())
+        .collect();
     starts.insert(1, contrast::direction(problem)?);
     Ok(starts)
 }

@@ -1,4 +1,5 @@
-//! The methods, one file each. All see the same [`Problem`] and return a drive; none knows files or flags.
+//! The methods, one file each. All see the same [`Problem`] and return a drive; none
+//! knows files or flags.
 
 mod choice;
 pub(crate) mod contrast;
@@ -28,7 +29,8 @@ use std::str::FromStr;
 /// How the weights are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Method {
-    /// One regularised least-squares solution with one phase all over the hot zone: instant, and several points worse.
+    /// One regularised least-squares solution with one phase all over the hot zone:
+    /// instant, and several points worse.
     PressureMatching,
     /// Least squares of magnitudes: the phase of the hot zone is free.
     Mls,
@@ -36,7 +38,8 @@ pub enum Method {
     Robust,
     /// Conic programs: the least effort that serves every response.
     MinEffort,
-    /// The two-step inverse of the seed paper, by pseudo-inverses. A baseline: `methods/modal.rs` says why not to use it.
+    /// The two-step inverse of the seed paper, by pseudo-inverses. A baseline:
+    /// `methods/modal.rs` says why not to use it.
     Modal,
     /// Least squares with a plain ridge, a baseline.
     Tikhonov,
@@ -83,11 +86,19 @@ impl Method {
 
     /// True for methods that are there to be compared with.
     pub fn is_baseline(self) -> bool {
-        !matches!(self, Self::PressureMatching | Self::Mls | Self::Robust | Self::MinEffort)
+        !matches!(
+            self,
+            Self::PressureMatching | Self::Mls | Self::Robust | Self::MinEffort
+        )
     }
 
     /// The drive for a scene laid over `model`.
-    pub(crate) fn solve(self, setup: &Setup, model: &ModalModel, effort: Effort) -> Result<Solution> {
+    pub(crate) fn solve(
+        self,
+        setup: &Setup,
+        model: &ModalModel,
+        effort: Effort,
+    ) -> Result<Solution> {
         let problem = &setup.problem;
         let mut solution = match self {
             Self::PressureMatching => pressure_matching::solve(problem)?,
@@ -97,12 +108,16 @@ impl Method {
             Self::Modal => modal::solve(setup, model)?,
             Self::Tikhonov => Solution::of_direction(problem, &tikhonov::solve(problem)?),
             Self::Tsvd => Solution::of_direction(problem, &tsvd::solve(problem)?),
-            Self::ContrastControl => Solution::of_direction(problem, &contrast::direction(problem)?),
+            Self::ContrastControl => {
+                Solution::of_direction(problem, &contrast::direction(problem)?)
+            }
             Self::Vast => Solution::of_direction(problem, &vast::solve(problem)?),
             Self::TimeReversal => Solution::of_direction(problem, &time_reversal::solve(problem)),
         };
         if self.is_baseline() {
-            solution.warnings.push(format!("method `{self}` is a baseline to compare with; `robust` and `mls` serve more"));
+            solution.warnings.push(format!(
+                "method `{self}` is a baseline to compare with; `robust` and `mls` serve more"
+            ));
         }
         Ok(solution)
     }
@@ -118,10 +133,16 @@ impl FromStr for Method {
     type Err = Error;
     /// The names of [`Method::ALL`].
     fn from_str(text: &str) -> Result<Self> {
-        Self::ALL.into_iter().find(|method| method.as_str() == text).ok_or_else(|| {
-            let known: Vec<&str> = MethodChoice::names().collect();
-            Error::new(ErrorKind::Usage, "no such rendering method").field("method").found(text).expected(known.join(", "))
-        })
+        Self::ALL
+            .into_iter()
+            .find(|method| method.as_str() == text)
+            .ok_or_else(|| {
+                let known: Vec<&str> = MethodChoice::names().collect();
+                Error::new(ErrorKind::Usage, "no such rendering method")
+                    .field("method")
+                    .found(text)
+                    .expected(known.join(", "))
+            })
     }
 }
 
@@ -129,14 +150,19 @@ impl FromStr for Method {
 pub(crate) struct Solution {
     pub(crate) drive: Drive,
     pub(crate) warnings: Vec<String>,
-    /// What lies between target and drive, of the method that goes through modal coefficients.
+    /// What lies between target and drive, of the method that goes through modal
+    /// coefficients.
     pub(crate) modal: Option<ModalSteps>,
 }
 
 impl Solution {
     /// A drive about which nothing must be said.
     pub(crate) fn of_drive(drive: Drive) -> Self {
-        Self { drive, warnings: Vec::new(), modal: None }
+        Self {
+            drive,
+            warnings: Vec::new(),
+            modal: None,
+        }
     }
 
     /// A drive of arbitrary gain, with the best one.
@@ -146,6 +172,9 @@ impl Solution {
         if problem.drive_limits.allowed_gain(&drive) <= 1.0 + tolerances::AT_LIMIT {
             warnings.push(format!("{} binds", problem.drive_limits.binding(&drive)));
         }
-        Self { warnings, ..Self::of_drive(drive) }
+        Self {
+            warnings,
+            ..Self::of_drive(drive)
+        }
     }
 }

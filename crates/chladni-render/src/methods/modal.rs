@@ -1,13 +1,17 @@
 //! The two-step inverse of the seed paper (method `modal`), a baseline.
 //!
-//! 1. W by the pseudo-inverse of Γ, the γ_n at the responses, from the target field v_d = Γ·W (seed paper, eq. 10);
+//! 1. W by the pseudo-inverse of Γ, the γ_n at the responses, from the target field v_d =
+//!    Γ·W (seed paper, eq. 10);
 //! 2. A = Ψ⁺·W, Ψ the modes at the actuators (eq. 12 and 13).
 //!
-//! Not for use: with the exact modes of the paper's panel it serves 29 to 66 % of the points of a quarter at any number of modes (docs/paper.md), because
-//! what the first step does not model the second one drives hard, and 34 modes of a symmetric panel cannot be set
-//! independently by 34 actuators on its edge (rank 31). Both are said in the warnings, with the singular values, and stand in
-//! [`ModalSteps`]. The target is 1 on hot and 0 on cold responses; as everywhere, the transition is left out. Only modes that are summed
-//! explicitly are used (all in band, unless fewer are asked for): poles outside and residual terms have no place in the equations.
+//! Not for use: with the exact modes of the paper's panel it serves 29 to 66 % of the
+//! points of a quarter at any number of modes (docs/paper.md), because what the first
+//! step does not model the second one drives hard, and 34 modes of a symmetric panel
+//! cannot be set independently by 34 actuators on its edge (rank 31). Both are said in
+//! the warnings, with the singular values, and stand in [`ModalSteps`]. The target is 1
+//! on hot and 0 on cold responses; as everywhere, the transition is left out. Only modes
+//! that are summed explicitly are used (all in band, unless fewer are asked for): poles
+//! outside and residual terms have no place in the equations.
 
 use crate::methods::{pressure_matching::one_phase_target, Solution};
 use crate::problem::{amplitude, internal, Drive};
@@ -20,8 +24,10 @@ use std::f64::consts::TAU;
 
 /// What lies between the target field and the drive of the two steps.
 ///
-/// `asked` and `driven` are modal forces with the gain of the drive: N times the unit of the participations (N/√kg where the model is mass-scaled).
-/// They are the same where Ψ has full row rank; where they are not, the actuators cannot set these modes independently.
+/// `asked` and `driven` are modal forces with the gain of the drive: N times the unit of
+/// the participations (N/√kg where the model is mass-scaled). They are the same where Ψ
+/// has full row rank; where they are not, the actuators cannot set these modes
+/// independently.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ModalSteps {
     /// Natural frequencies of the modes that take part, Hz, in the order of the model.
@@ -47,7 +53,12 @@ pub struct StepMatrix {
 
 /// The drive of the two-step inverse with the modes that `setup` sums.
 pub(crate) fn solve(setup: &Setup, model: &ModalModel) -> Result<Solution> {
-    let Setup { problem, operator, judged, .. } = setup;
+    let Setup {
+        problem,
+        operator,
+        judged,
+        ..
+    } = setup;
     let modes: Vec<&Mode> = setup.modes.iter().map(|&n| &model.modes[n]).collect();
     if modes.is_empty() {
         return Err(Error::bad_data("the model has no mode inside its band")
@@ -57,21 +68,35 @@ pub(crate) fn solve(setup: &Setup, model: &ModalModel) -> Result<Solution> {
             .help("take another method, or fit a band that holds modes"));
     }
     let omega = TAU * operator.frequency_hz;
-    let gammas: Vec<Complex64> = modes.iter().map(|mode| gamma(mode, model.damping, omega)).collect();
+    let gammas: Vec<Complex64> = modes
+        .iter()
+        .map(|mode| gamma(mode, model.damping, omega))
+        .collect();
     let gamma = Array2::from_shape_fn((judged.len(), modes.len()), |(k, n)| {
         let row = operator.response_rows[judged[k]];
         gammas[n] * modes[n].shape.0[row] * operator.responses[judged[k]].direction.sign()
     });
-    let psi =
-        Array2::from_shape_fn((modes.len(), operator.references.len()), |(n, j)| modes[n].participation.0[operator.reference_columns[j]]);
+    let psi = Array2::from_shape_fn((modes.len(), operator.references.len()), |(n, j)| {
+        modes[n].participation.0[operator.reference_columns[j]]
+    });
 
     let (gamma, asked) = pseudo_inverse_times(&gamma, &one_phase_target(problem))?;
     let (of_psi, drive): (_, Drive) = pseudo_inverse_times(&psi, &asked)?;
     let gain = Complex64::from(problem.best_gain(&problem.field(&drive).map(amplitude), &drive));
     let drive = drive * gain;
-    let sizes = [[judged.len(), modes.len()], [modes.len(), operator.references.len()]];
-    let matrices = [("Gamma (modes at the responses)", &gamma), ("Psi (modes at the actuators)", &of_psi)];
-    let warnings = matrices.iter().zip(sizes).filter_map(|((name, matrix), size)| matrix.warning(name, size)).collect();
+    let sizes = [
+        [judged.len(), modes.len()],
+        [modes.len(), operator.references.len()],
+    ];
+    let matrices = [
+        ("Gamma (modes at the responses)", &gamma),
+        ("Psi (modes at the actuators)", &of_psi),
+    ];
+    let warnings = matrices
+        .iter()
+        .zip(sizes)
+        .filter_map(|((name, matrix), size)| matrix.warning(name, size))
+        .collect();
     let modal = ModalSteps {
         frequency_hz: modes.iter().map(|mode| mode.frequency_hz).collect(),
         asked: ComplexVector((asked * gain).to_vec()),
@@ -79,10 +104,15 @@ pub(crate) fn solve(setup: &Setup, model: &ModalModel) -> Result<Solution> {
         gamma,
         psi: of_psi,
     };
-    Ok(Solution { drive, warnings, modal: Some(modal) })
+    Ok(Solution {
+        drive,
+        warnings,
+        modal: Some(modal),
+    })
 }
 
-/// γ_n = jω/(ω_n²(1+jη_n) − ω²), (m/s)/N·kg; in the viscous law, for real shapes, jω/(ω_n² − ω² + jη_nω_nω).
+/// γ_n = jω/(ω_n²(1+jη_n) − ω²), (m/s)/N·kg; in the viscous law, for real shapes,
+/// jω/(ω_n² − ω² + jη_nω_nω).
 fn gamma(mode: &Mode, damping: Damping, omega: f64) -> Complex64 {
     let omega_n = TAU * mode.frequency_hz;
     let loss = match damping {
@@ -93,14 +123,29 @@ fn gamma(mode: &Mode, damping: Damping, omega: f64) -> Complex64 {
 }
 
 /// matrix⁺·right by the SVD.
-fn pseudo_inverse_times(matrix: &Array2<Complex64>, right: &Array1<Complex64>) -> Result<(StepMatrix, Array1<Complex64>)> {
+fn pseudo_inverse_times(
+    matrix: &Array2<Complex64>,
+    right: &Array1<Complex64>,
+) -> Result<(StepMatrix, Array1<Complex64>)> {
     let (u, s, vh) = chladni_linalg::svd_thin(matrix.view()).map_err(internal)?;
     let largest = s.first().copied().unwrap_or(0.0);
     let noise = largest * f64::EPSILON * matrix.nrows().max(matrix.ncols()) as f64;
     let rank = s.iter().filter(|&&value| value > noise).count();
     let coordinates = u.t().mapv(|value| value.conj()).dot(right);
-    let scaled = Array1::from_shape_fn(s.len(), |k| if k < rank { coordinates[k] / s[k] } else { Complex64::ZERO });
-    Ok((StepMatrix { singular_values: s.to_vec(), rank }, vh.t().mapv(|value| value.conj()).dot(&scaled)))
+    let scaled = Array1::from_shape_fn(s.len(), |k| {
+        if k < rank {
+            coordinates[k] / s[k]
+        } else {
+            Complex64::ZERO
+        }
+    });
+    Ok((
+        StepMatrix {
+            singular_values: s.to_vec(),
+            rank,
+        },
+        vh.t().mapv(|value| value.conj()).dot(&scaled),
+    ))
 }
 
 impl StepMatrix {
@@ -115,9 +160,15 @@ impl StepMatrix {
 
     /// What is to be said of an inverse that cannot be trusted.
     fn warning(&self, name: &str, [rows, columns]: [usize; 2]) -> Option<String> {
-        let Self { singular_values, rank } = self;
+        let Self {
+            singular_values,
+            rank,
+        } = self;
         if *rank < singular_values.len() {
-            let values: Vec<String> = singular_values.iter().map(|value| format!("{value:.1e}")).collect();
+            let values: Vec<String> = singular_values
+                .iter()
+                .map(|value| format!("{value:.1e}"))
+                .collect();
             return Some(format!(
                 "{name} is rank deficient: {rows} x {columns}, rank {rank} of {}; singular values {}",
                 values.len(),
@@ -125,8 +176,13 @@ impl StepMatrix {
             ));
         }
         (self.condition() > crate::tolerances::ILL_CONDITIONED).then(|| {
-            let [first, last] = [singular_values[0], singular_values[singular_values.len() - 1]];
-            format!("{name} is ill conditioned: singular values from {first:.1e} down to {last:.1e}")
+            let [first, last] = [
+                singular_values[0],
+                singular_values[singular_values.len() - 1],
+            ];
+            format!(
+                "{name} is ill conditioned: singular values from {first:.1e} down to {last:.1e}"
+            )
         })
     }
 }

@@ -1,11 +1,14 @@
-//! Pressure matching with the model's own covariance (method `pressure-matching`, also `fast`).
+//! Pressure matching with the model's own covariance (method `pressure-matching`, also
+//! `fast`).
 //!
-//! A = (HᴴH + K·LᴴL)⁻¹ Hᴴ v, v = 1 on hot rows and 0 on cold ones; K rows, all of them judged: rows of the transition are
-//! left out (with them the study's success fell from 0.926 to 0.882). LᴴL is the expected error of one row of H, so this
-//! minimises the expected squared misfit. The gain is set afterwards, on counts (module `gain`).
+//! A = (HᴴH + K·LᴴL)⁻¹ Hᴴ v, v = 1 on hot rows and 0 on cold ones; K rows, all of them
+//! judged: rows of the transition are left out (with them the study's success fell from
+//! 0.926 to 0.882). LᴴL is the expected error of one row of H, so this minimises the
+//! expected squared misfit. The gain is set afterwards, on counts (module `gain`).
 //!
-//! Pressure matching is the name in sound-zone work (Poletti 2008; Betlehem et al. 2015). Not for final drives: one phase all
-//! over the hot zone costs 7 to 20 points of hot success against [`super::mls`].
+//! Pressure matching is the name in sound-zone work (Poletti 2008; Betlehem et al. 2015).
+//! Not for final drives: one phase all over the hot zone costs 7 to 20 points of hot
+//! success against [`super::mls`].
 
 use crate::gain::within_drive_limit;
 use crate::least_squares::LeastSquares;
@@ -26,5 +29,7 @@ pub(crate) fn solve(problem: &Problem) -> Result<Solution> {
 
 /// 1 on hot rows, 0 on cold ones.
 pub(crate) fn one_phase_target(problem: &Problem) -> Array1<Complex64> {
-    Array1::from_shape_fn(problem.rows.mobility.nrows(), |k| Complex64::from(if k < problem.rows.hot { 1.0 } else { 0.0 }))
+    Array1::from_shape_fn(problem.rows.mobility.nrows(), |k| {
+        Complex64::from(if k < problem.rows.hot { 1.0 } else { 0.0 })
+    })
 }

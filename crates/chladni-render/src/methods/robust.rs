@@ -1,13 +1,17 @@
 //! Robust drives by second-order cones (method `robust`, the default).
 //!
-//! The largest κ, so that every row keeps its limit under errors of κ standard deviations of the model, up to the κ at which all responses keep theirs
-//! with [`tolerances::CONFIDENCE`], and the least peak force that keeps most of it; then the largest margin in dB that a little force gives
-//! ([`tolerances::LITTLE_FORCE`]), and again the least that keeps most of it (theory.md, eq. 44 to 47). Largest margin alone is no method: it spends
-//! every force that is allowed on the last tenth of a decibel and falls with the first error of the model.
+//! The largest κ, so that every row keeps its limit under errors of κ standard deviations
+//! of the model, up to the κ at which all responses keep theirs with
+//! [`tolerances::CONFIDENCE`], and the least peak force that keeps most of it; then the
+//! largest margin in dB that a little force gives ([`tolerances::LITTLE_FORCE`]), and
+//! again the least that keeps most of it (theory.md, eq. 44 to 47). Largest margin alone
+//! is no method: it spends every force that is allowed on the last tenth of a decibel and
+//! falls with the first error of the model.
 //!
-//! Rows interpolated between the responses take part, too. Where κ would fall below [`tolerances::KAPPA_LEAST`] with all of them, the
-//! responses keep that much, and as much of the ground between them is served as that leaves. The climb starts from `mls`, and
-//! where no drive serves every response, the one of both is taken that serves more.
+//! Rows interpolated between the responses take part, too. Where κ would fall below
+//! [`tolerances::KAPPA_LEAST`] with all of them, the responses keep that much, and as
+//! much of the ground between them is served as that leaves. The climb starts from `mls`,
+//! and where no drive serves every response, the one of both is taken that serves more.
 
 use crate::climb::Climb;
 use crate::drive_program::Asked;
@@ -17,21 +21,26 @@ use crate::setup::Setup;
 use crate::tolerances;
 use chladni_frf::Result;
 
-/// The most robust drive found from the best drive of `mls`; with more than one start from others that it found, too.
+/// The most robust drive found from the best drive of `mls`; with more than one start
+/// from others that it found, too.
 pub(crate) fn solve(setup: &Setup, effort: Effort) -> Result<Solution> {
     let problem = &setup.problem;
     let enough = problem.kappa_of_confidence();
     let climb_on = |rows| Climb::new(rows).map(|climb| climb.rounds(effort.conic_rounds));
-    let ground = setup.finely_between().map(|rows| problem.with_between(rows, 1.0));
+    let ground = setup
+        .finely_between()
+        .map(|rows| problem.with_between(rows, 1.0));
     let on = ground.as_ref().unwrap_or(problem);
-    let contest = |most| mls::Contest::new(problem, on, tolerances::KAPPA_LEAST).at_least_force(most);
+    let contest =
+        |most| mls::Contest::new(problem, on, tolerances::KAPPA_LEAST).at_least_force(most);
     let (mut served, mut others) = (contest(enough), contest(f64::INFINITY));
     let serves = |kappa: f64| kappa >= tolerances::KAPPA_LEAST * (1.0 - tolerances::SAME_KAPPA);
     let mut most = 0.0;
     let starts = mls::leading_drives(problem, setup.between())?;
     for (number, start) in starts.iter().take(effort.starts.max(1)).enumerate() {
         others.offer(problem, start);
-        let (kappa, on_points) = climb_on(problem)?.reach_kappa(start, enough / tolerances::KEEP)?;
+        let (kappa, on_points) =
+            climb_on(problem)?.reach_kappa(start, enough / tolerances::KEEP)?;
         // another start counts where it leads to more than the first
         if number > 0 && kappa <= most + tolerances::KAPPA_GAIN {
             continue;
@@ -41,7 +50,10 @@ pub(crate) fn solve(setup: &Setup, effort: Effort) -> Result<Solution> {
         if ground.is_some() && !serves(kappa) {
             continue;
         }
-        let by_need = || climb_on(on).map(|climb| climb.by_need(|k| ground.is_none() || on.is_measured(problem, k)));
+        let by_need = || {
+            climb_on(on)
+                .map(|climb| climb.by_need(|k| ground.is_none() || on.is_measured(problem, k)))
+        };
         let drive = by_need()?.climb(&on_points, enough)?;
         if serves(problem.score(&drive).kappa) && on.score(&drive).min_ratio == 1.0 {
             served.offer(on, &drive);
@@ -49,9 +61,14 @@ pub(crate) fn solve(setup: &Setup, effort: Effort) -> Result<Solution> {
         }
         others.offer(on, &drive);
         if ground.is_some() {
-            let asked = Asked { kappa: tolerances::KAPPA_LEAST, factor: 1.0 };
+            let asked = Asked {
+                kappa: tolerances::KAPPA_LEAST,
+                factor: 1.0,
+            };
             others.offer_as_is(&by_need()?.serve_ground(on_points, asked)?);
         }
     }
-    Ok(Solution::of_drive(served.best().unwrap_or_else(|| others.into_best())))
+    Ok(Solution::of_drive(
+        served.best().unwrap_or_else(|| others.into_best()),
+    ))
 }

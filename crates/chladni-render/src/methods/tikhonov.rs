@@ -1,8 +1,9 @@
 //! One-step least squares with a plain ridge (method `tikhonov`), a baseline.
 //!
-//! A = (HᴴH + β·I)⁻¹ Hᴴ v, v = 1 on hot rows and 0 on cold ones, β = [`tolerances::TIKHONOV`] times the largest eigenvalue of
-//! HᴴH. The ridge knows nothing of what the model knows badly: against [`super::pressure_matching`], which differs in that alone, it gives up
-//! good directions with the bad ones.
+//! A = (HᴴH + β·I)⁻¹ Hᴴ v, v = 1 on hot rows and 0 on cold ones, β =
+//! [`tolerances::TIKHONOV`] times the largest eigenvalue of HᴴH. The ridge knows nothing
+//! of what the model knows badly: against [`super::pressure_matching`], which differs in
+//! that alone, it gives up good directions with the bad ones.
 
 use crate::methods::pressure_matching::one_phase_target;
 use crate::problem::{internal, Drive, Problem};
@@ -18,7 +19,15 @@ pub(crate) fn solve(problem: &Problem) -> Result<Drive> {
     let mut normal = matmul_h(mobility, mobility);
     let (values, _) = eigh(normal.view()).map_err(internal)?;
     let ridge = tolerances::TIKHONOV * values.last().copied().unwrap_or(0.0);
-    normal.diag_mut().mapv_inplace(|value| value + Complex64::from(ridge));
-    let right = matmul_h(mobility, one_phase_target(problem).insert_axis(Axis(1)).view());
-    Ok(solve_hermitian(normal.view(), right.view()).map_err(internal)?.column(0).to_owned())
+    normal
+        .diag_mut()
+        .mapv_inplace(|value| value + Complex64::from(ridge));
+    let right = matmul_h(
+        mobility,
+        one_phase_target(problem).insert_axis(Axis(1)).view(),
+    );
+    Ok(solve_hermitian(normal.view(), right.view())
+        .map_err(internal)?
+        .column(0)
+        .to_owned())
 }

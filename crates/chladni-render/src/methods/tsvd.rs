@@ -1,7 +1,9 @@
-//! One-step least squares by a truncated singular value decomposition (method `tsvd`), a baseline.
+//! One-step least squares by a truncated singular value decomposition (method `tsvd`), a
+//! baseline.
 //!
-//! A = Σ_s v_s (u_sᴴ v)/σ_s over the singular values of H above [`tolerances::TSVD`] times the largest. The sharp edge between kept
-//! and dropped directions makes success jump with the threshold.
+//! A = Σ_s v_s (u_sᴴ v)/σ_s over the singular values of H above [`tolerances::TSVD`]
+//! times the largest. The sharp edge between kept and dropped directions makes success
+//! jump with the threshold.
 
 use crate::methods::pressure_matching::one_phase_target;
 use crate::problem::{internal, Drive, Problem};
@@ -14,7 +16,16 @@ use num_complex::Complex64;
 pub(crate) fn solve(problem: &Problem) -> Result<Drive> {
     let (u, s, vh) = chladni_linalg::svd_thin(problem.rows.mobility.view()).map_err(internal)?;
     let least = tolerances::TSVD * s.first().copied().unwrap_or(0.0);
-    let coordinates = u.t().mapv(|value| value.conj()).dot(&one_phase_target(problem));
-    let scaled = Array1::from_shape_fn(s.len(), |k| if s[k] > least { coordinates[k] / s[k] } else { Complex64::ZERO });
+    let coordinates = u
+        .t()
+        .mapv(|value| value.conj())
+        .dot(&one_phase_target(problem));
+    let scaled = Array1::from_shape_fn(s.len(), |k| {
+        if s[k] > least {
+            coordinates[k] / s[k]
+        } else {
+            Complex64::ZERO
+        }
+    });
     Ok(vh.t().mapv(|value| value.conj()).dot(&scaled))
 }

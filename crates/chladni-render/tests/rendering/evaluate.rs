@@ -28,7 +28,11 @@ fn a_measured_line_confirms_the_drive() {
     let (scene, rendering) = corner();
     let evaluation = evaluate(&rendering.weights, &scene, On::Frf(&noisy())).unwrap();
     assert_eq!(evaluation.frequency_hz, 300.0);
-    assert!(evaluation.indices.points.min_ratio >= 0.95, "{:?}", evaluation.indices);
+    assert!(
+        evaluation.indices.points.min_ratio >= 0.95,
+        "{:?}",
+        evaluation.indices
+    );
     assert_eq!(evaluation.indices.points.silence_ratio, 53.0 / 68.0);
     assert!(evaluation.indices.area.unwrap().hot_ratio.unwrap() > 0.9);
 }
@@ -36,33 +40,68 @@ fn a_measured_line_confirms_the_drive() {
 #[test]
 fn every_kind_of_frf_gives_the_same_indices() {
     let (scene, rendering) = corner();
-    let of = |frf: &FrfSet| evaluate(&rendering.weights, &scene, On::Frf(frf)).unwrap().field.velocity_m_per_s;
+    let of = |frf: &FrfSet| {
+        evaluate(&rendering.weights, &scene, On::Frf(frf))
+            .unwrap()
+            .field
+            .velocity_m_per_s
+    };
     let mobility = of(&noisy());
     for kind in [FrfKind::Receptance, FrfKind::Accelerance] {
         let other = of(&noisy().to_kind(kind).unwrap());
-        let error = mobility.iter().zip(&other).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+        let error = mobility
+            .iter()
+            .zip(&other)
+            .map(|(a, b)| (a - b).norm())
+            .fold(0.0, f64::max);
         assert!(error < 1e-15, "{kind}: {error} m/s");
     }
-    let unknown = FrfSet { kind: None, ..noisy() };
-    assert_eq!(evaluate(&rendering.weights, &scene, On::Frf(&unknown)).unwrap_err().kind, ErrorKind::UnknownFrfKind);
+    let unknown = FrfSet {
+        kind: None,
+        ..noisy()
+    };
+    assert_eq!(
+        evaluate(&rendering.weights, &scene, On::Frf(&unknown))
+            .unwrap_err()
+            .kind,
+        ErrorKind::UnknownFrfKind
+    );
 }
 
 #[test]
 fn the_line_must_lie_within_half_a_line_of_the_drive() {
     let (scene, rendering) = corner();
     let at = |frequency_hz: f64| {
-        let weights = Weights { frequency_hz, ..rendering.weights.clone() };
+        let weights = Weights {
+            frequency_hz,
+            ..rendering.weights.clone()
+        };
         evaluate(&weights, &scene, On::Frf(&noisy()))
     };
     // Lines every 10 Hz from 100 to 1000 Hz.
     let near = at(304.9).unwrap();
     assert_eq!(near.frequency_hz, 300.0);
-    assert!(near.warnings.iter().any(|warning| warning.contains("the line at 300 Hz")), "{:?}", near.warnings);
-    assert!(near.warnings.iter().any(|warning| warning.contains("judged there, not at the scene's 300 Hz")), "{:?}", near.warnings);
+    assert!(
+        near.warnings
+            .iter()
+            .any(|warning| warning.contains("the line at 300 Hz")),
+        "{:?}",
+        near.warnings
+    );
+    assert!(
+        near.warnings
+            .iter()
+            .any(|warning| warning.contains("judged there, not at the scene's 300 Hz")),
+        "{:?}",
+        near.warnings
+    );
     assert_eq!(at(95.1).unwrap().frequency_hz, 100.0);
     for outside in [94.9, 1005.1] {
         let error = at(outside).unwrap_err().to_string();
-        assert!(error.contains("no line at the drive frequency") && error.contains("100 to 1000 Hz"), "{error}");
+        assert!(
+            error.contains("no line at the drive frequency") && error.contains("100 to 1000 Hz"),
+            "{error}"
+        );
     }
 }
 
@@ -70,14 +109,32 @@ fn the_line_must_lie_within_half_a_line_of_the_drive() {
 fn unmeasured_pairs_matter_only_where_they_are_driven() {
     let (scene, rendering) = corner();
     let mut frf = noisy();
-    let FrfValues::F64(values) = &mut frf.values else { panic!("double precision") };
-    values.slice_mut(ndarray::s![7, 3, ..]).fill(Complex64::new(f64::NAN, f64::NAN));
+    let FrfValues::F64(values) = &mut frf.values else {
+        panic!("double precision")
+    };
+    values
+        .slice_mut(ndarray::s![7, 3, ..])
+        .fill(Complex64::new(f64::NAN, f64::NAN));
     let evaluation = evaluate(&rendering.weights, &scene, On::Frf(&frf)).unwrap();
     assert_eq!(evaluation.field.responses.len(), 76);
-    assert!(evaluation.warnings.iter().any(|warning| warning.contains("1 responses are not judged")), "{:?}", evaluation.warnings);
+    assert!(
+        evaluation
+            .warnings
+            .iter()
+            .any(|warning| warning.contains("1 responses are not judged")),
+        "{:?}",
+        evaluation.warnings
+    );
     let mut without = rendering.weights.clone();
     (without.weights[3].re, without.weights[3].im) = (0.0, 0.0);
-    assert_eq!(evaluate(&without, &scene, On::Frf(&frf)).unwrap().field.responses.len(), 77);
+    assert_eq!(
+        evaluate(&without, &scene, On::Frf(&frf))
+            .unwrap()
+            .field
+            .responses
+            .len(),
+        77
+    );
 }
 
 #[test]
@@ -85,15 +142,26 @@ fn an_actuator_that_the_data_lack_is_named() {
     let (scene, rendering) = corner();
     let mut weights = rendering.weights;
     weights.weights[5].reference = "999:+Z".parse().unwrap();
-    let error = evaluate(&weights, &scene, On::Model(truth())).unwrap_err().to_string();
-    assert!(error.contains("999:+Z") && error.contains("the weights drive"), "{error}");
+    let error = evaluate(&weights, &scene, On::Model(truth()))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("999:+Z") && error.contains("the weights drive"),
+        "{error}"
+    );
 }
 
 #[test]
 fn weights_in_volts_are_not_judged_on_forces() {
     let (scene, mut rendering) = corner();
-    rendering.weights.weights.iter_mut().for_each(|weight| weight.unit = chladni_frf::ReferenceUnit::Volt);
-    let error = evaluate(&rendering.weights, &scene, On::Model(truth())).unwrap_err().to_string();
+    rendering
+        .weights
+        .weights
+        .iter_mut()
+        .for_each(|weight| weight.unit = chladni_frf::ReferenceUnit::Volt);
+    let error = evaluate(&rendering.weights, &scene, On::Model(truth()))
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("different units"), "{error}");
 }
 
@@ -103,15 +171,30 @@ fn a_reference_of_the_opposite_sense_turns_its_weight_round() {
     let mut weights = rendering.weights.clone();
     let first = &mut weights.weights[0];
     (first.reference, first.re, first.im) = ("101:-Z".parse().unwrap(), -first.re, -first.im);
-    assert_eq!(evaluate(&weights, &scene, On::Model(truth())).unwrap().field, rendering.field);
+    assert_eq!(
+        evaluate(&weights, &scene, On::Model(truth()))
+            .unwrap()
+            .field,
+        rendering.field
+    );
 }
 
 #[test]
 fn silence_scores_the_cold_points() {
     let (scene, mut rendering) = corner();
-    rendering.weights.weights.iter_mut().for_each(|weight| (weight.re, weight.im) = (0.0, 0.0));
-    let points = evaluate(&rendering.weights, &scene, On::Frf(&noisy())).unwrap().indices.points;
-    assert_eq!((points.hot_ratio, points.cold_ratio, points.min_ratio), (0.0, 1.0, 0.0));
+    rendering
+        .weights
+        .weights
+        .iter_mut()
+        .for_each(|weight| (weight.re, weight.im) = (0.0, 0.0));
+    let points = evaluate(&rendering.weights, &scene, On::Frf(&noisy()))
+        .unwrap()
+        .indices
+        .points;
+    assert_eq!(
+        (points.hot_ratio, points.cold_ratio, points.min_ratio),
+        (0.0, 1.0, 0.0)
+    );
     assert_eq!(points.success_ratio, points.silence_ratio);
     assert_eq!((points.contrast_db, points.margin_db), (None, None));
 }
@@ -119,7 +202,18 @@ fn silence_scores_the_cold_points() {
 #[test]
 fn motion_far_above_the_threshold_is_warned_about() {
     let (scene, mut rendering) = corner();
-    rendering.weights.weights.iter_mut().for_each(|weight| (weight.re, weight.im) = (100.0 * weight.re, 100.0 * weight.im));
-    let warnings = evaluate(&rendering.weights, &scene, On::Model(truth())).unwrap().warnings;
-    assert!(warnings.iter().any(|warning| warning.contains("dB above the threshold")), "{warnings:?}");
+    rendering
+        .weights
+        .weights
+        .iter_mut()
+        .for_each(|weight| (weight.re, weight.im) = (100.0 * weight.re, 100.0 * weight.im));
+    let warnings = evaluate(&rendering.weights, &scene, On::Model(truth()))
+        .unwrap()
+        .warnings;
+    assert!(
+        warnings
+            .iter()
+            .any(|warning| warning.contains("dB above the threshold")),
+        "{warnings:?}"
+    );
 }

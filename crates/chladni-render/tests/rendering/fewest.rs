@@ -4,42 +4,88 @@ use crate::common::{cell_scene, disturbed, panel, truth, FIT_40_DB};
 use chladni_frf::{ErrorKind, FrfKind, ModalModel};
 use chladni_plate::{simulate, Panel};
 use chladni_render::{
-    evaluate, needed_band, render, render_measured, render_with_others, Count, Method, On, RenderOptions, Rendering, Scene,
+    evaluate, needed_band, render, render_measured, render_with_others, Count, Method, On,
+    RenderOptions, Rendering, Scene,
 };
 use num_complex::Complex64;
 
 fn at(frequency_hz: f64, grid: [usize; 2], cell: usize) -> Scene {
-    Scene { frequency_hz, ..cell_scene(grid, cell, "") }
+    Scene {
+        frequency_hz,
+        ..cell_scene(grid, cell, "")
+    }
 }
 
 fn with_actuators(model: &ModalModel, scene: &Scene, actuators: Count) -> Rendering {
-    render(model, scene, &RenderOptions { actuators, ..Default::default() }).unwrap()
+    render(
+        model,
+        scene,
+        &RenderOptions {
+            actuators,
+            ..Default::default()
+        },
+    )
+    .unwrap()
 }
 
 #[test]
 fn a_few_actuators_serve_a_scene() {
-    for (frequency_hz, grid, cell, most) in [(335.0, [2, 2], 1, 7), (300.0, [2, 2], 1, 9), (300.0, [3, 3], 1, 5), (335.0, [3, 3], 1, 5)] {
+    for (frequency_hz, grid, cell, most) in [
+        (335.0, [2, 2], 1, 7),
+        (300.0, [2, 2], 1, 9),
+        (300.0, [3, 3], 1, 5),
+        (335.0, [3, 3], 1, 5),
+    ] {
         let scene = at(frequency_hz, grid, cell);
         let rendering = with_actuators(&disturbed(truth(), FIT_40_DB, 1), &scene, Count::Auto);
         let used = rendering.weights.actuators_used;
-        assert!(rendering.weights.feasible && rendering.weights.kappa.unwrap() >= 0.99, "{frequency_hz} Hz, {grid:?}");
-        assert!(used <= most, "{frequency_hz} Hz, {grid:?}: {used} actuators");
-        assert_eq!(rendering.weights.weights.len(), 34, "actuators without a job are listed with weight 0");
-        let on_truth = evaluate(&rendering.weights, &scene, On::Model(truth())).unwrap().indices.points;
-        assert!(on_truth.success_ratio >= 0.95, "{frequency_hz} Hz, {grid:?}: {on_truth:?}");
+        assert!(
+            rendering.weights.feasible && rendering.weights.kappa.unwrap() >= 0.99,
+            "{frequency_hz} Hz, {grid:?}"
+        );
+        assert!(
+            used <= most,
+            "{frequency_hz} Hz, {grid:?}: {used} actuators"
+        );
+        assert_eq!(
+            rendering.weights.weights.len(),
+            34,
+            "actuators without a job are listed with weight 0"
+        );
+        let on_truth = evaluate(&rendering.weights, &scene, On::Model(truth()))
+            .unwrap()
+            .indices
+            .points;
+        assert!(
+            on_truth.success_ratio >= 0.95,
+            "{frequency_hz} Hz, {grid:?}: {on_truth:?}"
+        );
     }
 }
 
 #[test]
 fn a_number_of_actuators_is_kept() {
     let scene = at(300.0, [2, 2], 1);
-    let [few, many] = [5, 20].map(|number| with_actuators(truth(), &scene, Count::Number(number)).weights);
+    let [few, many] =
+        [5, 20].map(|number| with_actuators(truth(), &scene, Count::Number(number)).weights);
     assert_eq!((few.actuators_used, few.feasible), (5, false));
-    assert!(few.warnings.iter().any(|warning| warning.contains("5 were asked for")), "{:?}", few.warnings);
+    assert!(
+        few.warnings
+            .iter()
+            .any(|warning| warning.contains("5 were asked for")),
+        "{:?}",
+        few.warnings
+    );
     assert_eq!((many.actuators_used, many.feasible), (20, true));
     let all = with_actuators(truth(), &scene, Count::Number(50)).weights;
     assert_eq!(all.actuators_used, 34);
-    assert!(all.warnings.iter().any(|warning| warning.contains("50 actuators were asked for, 34 may be used")), "{:?}", all.warnings);
+    assert!(
+        all.warnings
+            .iter()
+            .any(|warning| warning.contains("50 actuators were asked for, 34 may be used")),
+        "{:?}",
+        all.warnings
+    );
 }
 
 #[test]
@@ -47,21 +93,52 @@ fn an_impossible_scene_uses_all_actuators_and_says_so() {
     let scene = cell_scene([2, 2], 1, "[actuators]\nmax_force_n = 1e-4\n");
     let weights = with_actuators(truth(), &scene, Count::Auto).weights;
     assert_eq!(weights.actuators_used, 34);
-    assert!(weights.warnings.iter().any(|warning| warning.contains("not even all of them")), "{:?}", weights.warnings);
+    assert!(
+        weights
+            .warnings
+            .iter()
+            .any(|warning| warning.contains("not even all of them")),
+        "{:?}",
+        weights.warnings
+    );
 }
 
 #[test]
 fn a_few_modes_and_residual_terms_do_as_well_as_all() {
-    let served = |rendering: &Rendering, scene: &Scene| evaluate(&rendering.weights, scene, On::Model(truth())).unwrap().indices;
+    let served = |rendering: &Rendering, scene: &Scene| {
+        evaluate(&rendering.weights, scene, On::Model(truth()))
+            .unwrap()
+            .indices
+    };
     for (frequency_hz, most) in [(300.0, 9), (335.0, 14)] {
         let scene = at(frequency_hz, [2, 2], 1);
         let all = render(truth(), &scene, &Default::default()).unwrap();
-        let few = render(truth(), &scene, &RenderOptions { modes: Count::Auto, ..Default::default() }).unwrap();
-        assert!(few.weights.modes_used <= most, "{frequency_hz} Hz: {} modes", few.weights.modes_used);
+        let few = render(
+            truth(),
+            &scene,
+            &RenderOptions {
+                modes: Count::Auto,
+                ..Default::default()
+            },
+        )
+        .unwrap();
+        assert!(
+            few.weights.modes_used <= most,
+            "{frequency_hz} Hz: {} modes",
+            few.weights.modes_used
+        );
         let (few, all) = (served(&few, &scene), served(&all, &scene));
-        assert!(few.points.success_ratio >= all.points.success_ratio - 0.01, "{frequency_hz} Hz: {few:?}");
-        let area = |indices: &chladni_render::Indices| indices.area.unwrap().cold_ratio.unwrap() + indices.area.unwrap().hot_ratio.unwrap();
-        assert!(area(&few) >= area(&all) - 0.03, "{frequency_hz} Hz: {few:?} {all:?}");
+        assert!(
+            few.points.success_ratio >= all.points.success_ratio - 0.01,
+            "{frequency_hz} Hz: {few:?}"
+        );
+        let area = |indices: &chladni_render::Indices| {
+            indices.area.unwrap().cold_ratio.unwrap() + indices.area.unwrap().hot_ratio.unwrap()
+        };
+        assert!(
+            area(&few) >= area(&all) - 0.03,
+            "{frequency_hz} Hz: {few:?} {all:?}"
+        );
     }
 }
 
@@ -69,26 +146,59 @@ fn a_few_modes_and_residual_terms_do_as_well_as_all() {
 fn the_measured_line_judges_how_many_modes_are_enough() {
     let model = disturbed(truth(), FIT_40_DB, 2);
     let scene = at(300.0, [2, 2], 1);
-    let options = RenderOptions { modes: Count::Auto, ..Default::default() };
-    let few = render_measured(&model, &scene, &options, Some(&panel().frf)).unwrap().weights;
+    let options = RenderOptions {
+        modes: Count::Auto,
+        ..Default::default()
+    };
+    let few = render_measured(&model, &scene, &options, Some(&panel().frf))
+        .unwrap()
+        .weights;
     assert!(few.modes_used <= 12, "{} modes", few.modes_used);
-    assert!(evaluate(&few, &scene, On::Frf(&panel().frf)).unwrap().indices.points.success_ratio >= 0.98);
-    let refused = |scene: &Scene, frf| render_measured(&model, scene, &options, Some(frf)).map(|_| ()).unwrap_err();
+    assert!(
+        evaluate(&few, &scene, On::Frf(&panel().frf))
+            .unwrap()
+            .indices
+            .points
+            .success_ratio
+            >= 0.98
+    );
+    let refused = |scene: &Scene, frf| {
+        render_measured(&model, scene, &options, Some(frf))
+            .map(|_| ())
+            .unwrap_err()
+    };
     let error = refused(&at(90.0, [2, 2], 1), &panel().frf);
-    assert!(error.to_string().contains("no line at the drive frequency"), "{error}");
+    assert!(
+        error.to_string().contains("no line at the drive frequency"),
+        "{error}"
+    );
     let mut other = panel().frf.clone();
     other.references[3] = "999:+Z".parse().unwrap();
     let error = refused(&scene, &other);
-    assert!(error.to_string().contains("104:+Z") && error.kind == ErrorKind::BadData, "{error}");
+    assert!(
+        error.to_string().contains("104:+Z") && error.kind == ErrorKind::BadData,
+        "{error}"
+    );
 }
 
 #[test]
 fn where_too_few_modes_are_asked_for_the_replay_says_so() {
     let scene = at(335.0, [2, 2], 1);
-    let options = RenderOptions { modes: Count::Number(1), method: Method::Tikhonov.into(), ..Default::default() };
+    let options = RenderOptions {
+        modes: Count::Number(1),
+        method: Method::Tikhonov.into(),
+        ..Default::default()
+    };
     let weights = render(truth(), &scene, &options).unwrap().weights;
     assert_eq!(weights.modes_used, 1);
-    assert!(weights.warnings.iter().any(|warning| warning.contains("replayed through the whole model")), "{:?}", weights.warnings);
+    assert!(
+        weights
+            .warnings
+            .iter()
+            .any(|warning| warning.contains("replayed through the whole model")),
+        "{:?}",
+        weights.warnings
+    );
 }
 
 #[test]
@@ -98,34 +208,79 @@ fn viscous_models_fold_their_modes_too() {
     let mut model = simulate(&panel, None, None).unwrap().truth;
     model.damping = chladni_frf::Damping::Viscous;
     let scene = at(300.0, [2, 2], 1);
-    let few = render(&model, &scene, &RenderOptions { modes: Count::Auto, ..Default::default() }).unwrap();
+    let few = render(
+        &model,
+        &scene,
+        &RenderOptions {
+            modes: Count::Auto,
+            ..Default::default()
+        },
+    )
+    .unwrap();
     assert!(few.weights.modes_used <= 9, "{}", few.weights.modes_used);
-    let on_whole = evaluate(&few.weights, &scene, On::Model(&model)).unwrap().indices.points;
+    let on_whole = evaluate(&few.weights, &scene, On::Model(&model))
+        .unwrap()
+        .indices
+        .points;
     assert_eq!(on_whole.min_ratio, 1.0);
 }
 
 #[test]
 fn counts_are_words_or_numbers() {
-    assert_eq!(["all", "auto", "12"].map(|text| text.parse::<Count>().unwrap()), [Count::All, Count::Auto, Count::Number(12)]);
+    assert_eq!(
+        ["all", "auto", "12"].map(|text| text.parse::<Count>().unwrap()),
+        [Count::All, Count::Auto, Count::Number(12)]
+    );
     for text in ["0", "-1", "many", ""] {
-        assert_eq!(text.parse::<Count>().unwrap_err().kind, ErrorKind::Usage, "{text}");
+        assert_eq!(
+            text.parse::<Count>().unwrap_err().kind,
+            ErrorKind::Usage,
+            "{text}"
+        );
     }
 }
 
 #[test]
 fn one_subset_of_actuators_serves_several_scenes() {
     let scenes = [at(335.0, [2, 2], 1), at(335.0, [2, 2], 4)];
-    let options = RenderOptions { actuators: Count::Auto, ..Default::default() };
-    let used = |rendering: &Rendering| -> Vec<bool> { rendering.weights.weights.iter().map(|weight| weight.amplitude > 0.0).collect() };
+    let options = RenderOptions {
+        actuators: Count::Auto,
+        ..Default::default()
+    };
+    let used = |rendering: &Rendering| -> Vec<bool> {
+        rendering
+            .weights
+            .weights
+            .iter()
+            .map(|weight| weight.amplitude > 0.0)
+            .collect()
+    };
     let count = |used: &[bool]| used.iter().filter(|&&used| used).count();
-    let together = [0, 1].map(|k| render_with_others(truth(), &scenes[k], &scenes[1 - k..2 - k], &options, None).unwrap());
-    let alone = scenes.each_ref().map(|scene| with_actuators(truth(), scene, Count::Auto));
-    assert_eq!(used(&together[0]), used(&together[1]), "the same actuators, whichever scene is rendered");
+    let together = [0, 1].map(|k| {
+        render_with_others(truth(), &scenes[k], &scenes[1 - k..2 - k], &options, None).unwrap()
+    });
+    let alone = scenes
+        .each_ref()
+        .map(|scene| with_actuators(truth(), scene, Count::Auto));
+    assert_eq!(
+        used(&together[0]),
+        used(&together[1]),
+        "the same actuators, whichever scene is rendered"
+    );
     assert!(together.iter().all(|rendering| rendering.weights.feasible));
-    // opposite corners alone take different actuators; a subset for both is smaller than the two together
-    let both: Vec<bool> = used(&alone[0]).iter().zip(used(&alone[1])).map(|(a, b)| *a || b).collect();
+    // opposite corners alone take different actuators; a subset for both is smaller than
+    // the two together
+    let both: Vec<bool> = used(&alone[0])
+        .iter()
+        .zip(used(&alone[1]))
+        .map(|(a, b)| *a || b)
+        .collect();
     let shared = count(&used(&together[0]));
-    assert!(shared < count(&both) && shared >= count(&used(&alone[0])), "{shared} of {}", count(&both));
+    assert!(
+        shared < count(&both) && shared >= count(&used(&alone[0])),
+        "{shared} of {}",
+        count(&both)
+    );
 }
 
 #[test]
@@ -135,25 +290,42 @@ fn a_scene_needs_a_part_of_the_band() {
         let scene = at(frequency_hz, [2, 2], 1);
         let needed = needed_band(truth(), &scene, whole).unwrap();
         let [low, high] = needed.band_hz;
-        assert!(low < frequency_hz && frequency_hz < high && high < whole[1], "{frequency_hz} Hz: {needed:?}");
         assert!(
-            needed.inside_hz.iter().all(|hz| (low..high).contains(hz)) && !needed.left_out_hz.iter().any(|hz| (low..high).contains(hz))
+            low < frequency_hz && frequency_hz < high && high < whole[1],
+            "{frequency_hz} Hz: {needed:?}"
         );
-        // modes alone, the others as the first terms of their series about zero and infinity
+        assert!(
+            needed.inside_hz.iter().all(|hz| (low..high).contains(hz))
+                && !needed.left_out_hz.iter().any(|hz| (low..high).contains(hz))
+        );
+        // modes alone, the others as the first terms of their series about zero and
+        // infinity
         let omega = |hz: f64| std::f64::consts::TAU * hz;
         let x = Complex64::from(omega(frequency_hz).powi(2));
         let mut error = ndarray::Array2::<Complex64>::zeros((77, 34));
-        for mode in truth().modes.iter().filter(|mode| needed.left_out_hz.contains(&mode.frequency_hz)) {
+        for mode in truth()
+            .modes
+            .iter()
+            .filter(|mode| needed.left_out_hz.contains(&mode.frequency_hz))
+        {
             let s = omega(mode.frequency_hz).powi(2) * Complex64::new(1.0, mode.loss_factor);
             let series: Complex64 = match s.norm() > x.norm() {
                 true => (0..3).map(|p| x.powi(p) / s.powi(p + 1)).sum(),
                 false => (0..2).map(|p| -s.powi(p) / x.powi(p + 1)).sum(),
             };
             let rest = Complex64::new(0.0, omega(frequency_hz)) * ((s - x).inv() - series);
-            error.indexed_iter_mut().for_each(|((i, j), error)| *error += rest * mode.shape.0[i] * mode.participation.0[j]);
+            error.indexed_iter_mut().for_each(|((i, j), error)| {
+                *error += rest * mode.shape.0[i] * mode.participation.0[j]
+            });
         }
-        let norm = |matrix: &ndarray::Array2<Complex64>| matrix.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt();
+        let norm = |matrix: &ndarray::Array2<Complex64>| {
+            matrix.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt()
+        };
         let left_out = norm(&error) / norm(&truth().frf_matrix(FrfKind::Mobility, frequency_hz));
-        assert!(left_out <= 4e-3 && left_out <= 2.0 * needed.error_relative, "{frequency_hz} Hz: {left_out} of {}", needed.error_relative);
+        assert!(
+            left_out <= 4e-3 && left_out <= 2.0 * needed.error_relative,
+            "{frequency_hz} Hz: {left_out} of {}",
+            needed.error_relative
+        );
     }
 }

@@ -3,46 +3,105 @@
 use crate::common::{actuators_m, cell_scene, disturbed, panel, truth, DRIFT, FIT_40_DB};
 use chladni_frf::ModalModel;
 use chladni_plate::{simulate, Panel};
-use chladni_render::{evaluate, render, Ceiling, Ground, Method, MethodChoice, On, RenderOptions, Rendering, Scene};
+use chladni_render::{
+    evaluate, render, Ceiling, Ground, Method, MethodChoice, On, RenderOptions, Rendering, Scene,
+};
 use ndarray::Array1;
 use num_complex::Complex64;
 
 fn rendered(model: &ModalModel, scene: &Scene, method: impl Into<MethodChoice>) -> Rendering {
-    render(model, scene, &RenderOptions { method: method.into(), ..Default::default() }).unwrap()
+    render(
+        model,
+        scene,
+        &RenderOptions {
+            method: method.into(),
+            ..Default::default()
+        },
+    )
+    .unwrap()
 }
 
 fn drive(rendering: &Rendering) -> Array1<Complex64> {
-    rendering.weights.weights.iter().map(|weight| weight.value()).collect()
+    rendering
+        .weights
+        .weights
+        .iter()
+        .map(|weight| weight.value())
+        .collect()
 }
 
-/// Hot, cold and all ground served on the true plate, on a 4 mm grid over the scanned window.
+/// Hot, cold and all ground served on the true plate, on a 4 mm grid over the scanned
+/// window.
 fn on_window(rendering: &Rendering) -> [f64; 3] {
     let step = |first: f64, count: usize| (0..count).map(move |k| first + 0.004 * k as f64);
-    let places: Vec<[f64; 2]> = step(0.025, 31).flat_map(|y| step(0.034, 51).map(move |x| [x, y])).collect();
-    let field = panel().plate.mobility_matrix(&places, &actuators_m(), 300.0).unwrap().dot(&drive(rendering));
+    let places: Vec<[f64; 2]> = step(0.025, 31)
+        .flat_map(|y| step(0.034, 51).map(move |x| [x, y]))
+        .collect();
+    let field = panel()
+        .plate
+        .mobility_matrix(&places, &actuators_m(), 300.0)
+        .unwrap()
+        .dot(&drive(rendering));
     let served = |ground, inside: &dyn Fn(f64) -> bool| {
-        let on = field.iter().zip(&places).filter(|(_, place)| rendering.zones.classify(**place) == ground);
+        let on = field
+            .iter()
+            .zip(&places)
+            .filter(|(_, place)| rendering.zones.classify(**place) == ground);
         let judged: Vec<bool> = on.map(|(v, _)| inside(v.norm())).collect();
-        (judged.iter().filter(|&&inside| inside).count() as f64, judged.len() as f64)
+        (
+            judged.iter().filter(|&&inside| inside).count() as f64,
+            judged.len() as f64,
+        )
     };
     let hot = served(Ground::Hot, &|v| rendering.limits.is_felt(v));
     let cold = served(Ground::Cold, &|v| rendering.limits.is_quiet(v));
-    [hot.0 / hot.1, cold.0 / cold.1, (hot.0 + cold.0) / (hot.1 + cold.1)]
+    [
+        hot.0 / hot.1,
+        cold.0 / cold.1,
+        (hot.0 + cold.0) / (hot.1 + cold.1),
+    ]
 }
 
 #[test]
 fn every_quarter_is_served_between_the_responses_and_under_drift_by_two_millinewtons() {
     for cell in 1..=4 {
         let scene = cell_scene([2, 2], cell, "");
-        let rendering = rendered(&disturbed(truth(), FIT_40_DB, cell as u64), &scene, Method::Robust);
-        assert!(rendering.weights.feasible && rendering.weights.kappa.unwrap() > 1.0, "cell {cell}: {:?}", rendering.weights.kappa);
+        let rendering = rendered(
+            &disturbed(truth(), FIT_40_DB, cell as u64),
+            &scene,
+            Method::Robust,
+        );
+        assert!(
+            rendering.weights.feasible && rendering.weights.kappa.unwrap() > 1.0,
+            "cell {cell}: {:?}",
+            rendering.weights.kappa
+        );
         let [hot, cold, total] = on_window(&rendering);
-        assert!(hot >= 0.97 && cold >= 0.97 && total >= 0.98, "cell {cell}: hot {hot}, cold {cold}, total {total}");
-        let points = evaluate(&rendering.weights, &scene, On::Model(truth())).unwrap().indices.points;
-        assert!(points.success_ratio >= 0.99 && points.max_force_n.unwrap() <= 2e-3, "cell {cell}: {points:?}");
+        assert!(
+            hot >= 0.97 && cold >= 0.97 && total >= 0.98,
+            "cell {cell}: hot {hot}, cold {cold}, total {total}"
+        );
+        let points = evaluate(&rendering.weights, &scene, On::Model(truth()))
+            .unwrap()
+            .indices
+            .points;
+        assert!(
+            points.success_ratio >= 0.99 && points.max_force_n.unwrap() <= 2e-3,
+            "cell {cell}: {points:?}"
+        );
         for seed in 0..5 {
-            let drifted = evaluate(&rendering.weights, &scene, On::Model(&disturbed(truth(), DRIFT, seed))).unwrap().indices.points;
-            assert!(drifted.success_ratio >= 0.97, "cell {cell}, seed {seed}: {drifted:?}");
+            let drifted = evaluate(
+                &rendering.weights,
+                &scene,
+                On::Model(&disturbed(truth(), DRIFT, seed)),
+            )
+            .unwrap()
+            .indices
+            .points;
+            assert!(
+                drifted.success_ratio >= 0.97,
+                "cell {cell}, seed {seed}: {drifted:?}"
+            );
         }
     }
 }
@@ -50,9 +109,16 @@ fn every_quarter_is_served_between_the_responses_and_under_drift_by_two_millinew
 #[test]
 fn the_four_kinds_of_cells_of_a_3_by_3_grid_are_served_between_the_responses() {
     for cell in [1, 2, 4, 5] {
-        let rendering = rendered(&disturbed(truth(), FIT_40_DB, 3), &cell_scene([3, 3], cell, ""), Method::Robust);
+        let rendering = rendered(
+            &disturbed(truth(), FIT_40_DB, 3),
+            &cell_scene([3, 3], cell, ""),
+            Method::Robust,
+        );
         let [hot, _, total] = on_window(&rendering);
-        assert!(hot >= 0.90 && total >= 0.96, "cell {cell}: hot {hot}, total {total}");
+        assert!(
+            hot >= 0.90 && total >= 0.96,
+            "cell {cell}: hot {hot}, total {total}"
+        );
     }
 }
 
@@ -71,21 +137,49 @@ fn wide(cell: usize) -> Scene {
 #[test]
 fn the_centre_of_the_whole_panel_is_proven_impossible() {
     let rendering = rendered(&whole_panel(), &wide(5), Method::Robust);
-    let Ceiling { possible_db, asked_db, reached_db } = rendering.weights.ceiling.expect("a ceiling");
+    let Ceiling {
+        possible_db,
+        asked_db,
+        reached_db,
+    } = rendering.weights.ceiling.expect("a ceiling");
     assert!(!rendering.weights.feasible);
     // the study, on a slightly other grid: proven 3.49 dB, found 3.47 dB
-    assert!((3.3..3.9).contains(&possible_db) && (asked_db - 4.0).abs() < 1e-9, "possible {possible_db}, asked {asked_db}");
-    assert!(reached_db <= possible_db && reached_db > possible_db - 0.2, "found {reached_db}, possible {possible_db}");
-    let said = rendering.weights.warnings.iter().find(|warning| warning.contains("impossible")).expect("a warning");
-    assert!(said.contains("possible 3.") && said.contains("asked 4.0 dB"), "{said}");
+    assert!(
+        (3.3..3.9).contains(&possible_db) && (asked_db - 4.0).abs() < 1e-9,
+        "possible {possible_db}, asked {asked_db}"
+    );
+    assert!(
+        reached_db <= possible_db && reached_db > possible_db - 0.2,
+        "found {reached_db}, possible {possible_db}"
+    );
+    let said = rendering
+        .weights
+        .warnings
+        .iter()
+        .find(|warning| warning.contains("impossible"))
+        .expect("a warning");
+    assert!(
+        said.contains("possible 3.") && said.contains("asked 4.0 dB"),
+        "{said}"
+    );
 }
 
 #[test]
 fn conic_programs_come_within_a_fifth_of_a_decibel_of_what_is_proven_on_symmetric_scenes() {
     let model = whole_panel();
     for cell in [2, 4] {
-        let Ceiling { possible_db, reached_db, .. } = rendered(&model, &wide(cell), MethodChoice::Best).weights.ceiling.expect("a ceiling");
-        assert!(reached_db <= possible_db + 1e-6 && reached_db > possible_db - 0.2, "cell {cell}: {reached_db} of {possible_db} dB");
+        let Ceiling {
+            possible_db,
+            reached_db,
+            ..
+        } = rendered(&model, &wide(cell), MethodChoice::Best)
+            .weights
+            .ceiling
+            .expect("a ceiling");
+        assert!(
+            reached_db <= possible_db + 1e-6 && reached_db > possible_db - 0.2,
+            "cell {cell}: {reached_db} of {possible_db} dB"
+        );
     }
 }
 
@@ -94,12 +188,25 @@ fn telling_cases_apart_brings_the_proof_within_a_fifth_of_a_decibel_where_phases
     let model = whole_panel();
     // more is asked than can be, so that it is proven
     for cell in [4, 5] {
-        let scene = cell_scene([3, 3], cell, "transition_m = 0.010\n[threshold]\nlimen_db = 3.0\n");
-        let [quick, thorough] = [MethodChoice::Only(Method::Robust), MethodChoice::Best]
-            .map(|method| rendered(&model, &scene, method).weights.ceiling.expect("a ceiling of what is not met"));
-        assert!(thorough.possible_db < quick.possible_db, "cell {cell}: {thorough:?}, {quick:?}");
+        let scene = cell_scene(
+            [3, 3],
+            cell,
+            "transition_m = 0.010\n[threshold]\nlimen_db = 3.0\n",
+        );
+        let [quick, thorough] =
+            [MethodChoice::Only(Method::Robust), MethodChoice::Best].map(|method| {
+                rendered(&model, &scene, method)
+                    .weights
+                    .ceiling
+                    .expect("a ceiling of what is not met")
+            });
         assert!(
-            thorough.reached_db <= thorough.possible_db && thorough.reached_db > thorough.possible_db - 0.2,
+            thorough.possible_db < quick.possible_db,
+            "cell {cell}: {thorough:?}, {quick:?}"
+        );
+        assert!(
+            thorough.reached_db <= thorough.possible_db
+                && thorough.reached_db > thorough.possible_db - 0.2,
             "cell {cell}: {thorough:?}"
         );
     }
@@ -108,33 +215,70 @@ fn telling_cases_apart_brings_the_proof_within_a_fifth_of_a_decibel_where_phases
 #[test]
 fn margin_takes_little_of_the_force_that_is_allowed() {
     let with = |limit: &str| {
-        let text = format!("frequency_hz = 335.0\n[zones]\ngrid = [2, 2]\nhot = [1]\ncells_m = [0.0, 0.0, 0.268, 0.170]\n{limit}");
-        let points = rendered(truth(), &crate::common::scene(&text), Method::Robust).weights.indices.points;
+        let text = format!(
+            "frequency_hz = 335.0\n[zones]\ngrid = [2, 2]\nhot = [1]\ncells_m = \
+                            [0.0, 0.0, 0.268, 0.170]\n{limit}"
+        );
+        let points = rendered(truth(), &crate::common::scene(&text), Method::Robust)
+            .weights
+            .indices
+            .points;
         (points.max_force_n.unwrap(), points.margin_db.unwrap())
     };
-    let [(little, none), (given, some), (much, more)] =
-        ["[actuators]\nmax_force_n = 0.02\n", "", "[actuators]\nmax_force_n = 0.4\n"].map(with);
-    assert!(little < 0.8 * given && given <= 0.02 * 0.1 && much <= 0.02 * 0.4, "{little} {given} {much} N");
-    assert!(none > 0.0 && none < some && none < more, "{none} {some} {more} dB");
+    let [(little, none), (given, some), (much, more)] = [
+        "[actuators]\nmax_force_n = 0.02\n",
+        "",
+        "[actuators]\nmax_force_n = 0.4\n",
+    ]
+    .map(with);
+    assert!(
+        little < 0.8 * given && given <= 0.02 * 0.1 && much <= 0.02 * 0.4,
+        "{little} {given} {much} N"
+    );
+    assert!(
+        none > 0.0 && none < some && none < more,
+        "{none} {some} {more} dB"
+    );
 }
 
 #[test]
 fn no_method_beats_the_certified_ceiling() {
     let scene = cell_scene([2, 2], 1, "[actuators]\nmax_force_n = 2e-4\n");
-    let ceiling = rendered(truth(), &scene, Method::Robust).weights.ceiling.expect("a scene that is not met has a ceiling");
+    let ceiling = rendered(truth(), &scene, Method::Robust)
+        .weights
+        .ceiling
+        .expect("a scene that is not met has a ceiling");
     for method in Method::ALL {
         let rendering = rendered(truth(), &scene, method);
         let points = rendering.weights.indices.points;
-        // scaled so that the loudest cold response meets its limit, or the strongest actuator its own
-        let cold = rendering.field.ground.iter().zip(&rendering.field.velocity_m_per_s).filter(|(g, _)| **g == Ground::Cold);
+        // scaled so that the loudest cold response meets its limit, or the strongest
+        // actuator its own
+        let cold = rendering
+            .field
+            .ground
+            .iter()
+            .zip(&rendering.field.velocity_m_per_s)
+            .filter(|(g, _)| **g == Ground::Cold);
         let loudest = cold.map(|(_, v)| v.norm()).fold(0.0, f64::max);
-        let gain = (rendering.limits.cold_m_per_s / loudest).min(2e-4 / points.max_force_n.unwrap());
-        let hot = rendering.field.ground.iter().zip(&rendering.field.velocity_m_per_s).filter(|(g, _)| **g == Ground::Hot);
+        let gain =
+            (rendering.limits.cold_m_per_s / loudest).min(2e-4 / points.max_force_n.unwrap());
+        let hot = rendering
+            .field
+            .ground
+            .iter()
+            .zip(&rendering.field.velocity_m_per_s)
+            .filter(|(g, _)| **g == Ground::Hot);
         let least = hot.map(|(_, v)| v.norm()).fold(f64::INFINITY, f64::min);
         let level = 20.0 * (gain * least / rendering.limits.cold_m_per_s).log10();
-        assert!(level <= ceiling.possible_db + 1e-6, "{method}: {level} dB of {ceiling:?}");
+        assert!(
+            level <= ceiling.possible_db + 1e-6,
+            "{method}: {level} dB of {ceiling:?}"
+        );
     }
-    assert!(ceiling.forbids() && ceiling.reached_db <= ceiling.possible_db, "{ceiling:?}");
+    assert!(
+        ceiling.forbids() && ceiling.reached_db <= ceiling.possible_db,
+        "{ceiling:?}"
+    );
 }
 
 #[test]
@@ -142,34 +286,58 @@ fn least_effort_needs_less_than_any_other_method_that_serves_every_response() {
     let scene = cell_scene([2, 2], 1, "");
     let effort = |method: Method| {
         let rendering = rendered(truth(), &scene, method);
-        (rendering.weights.feasible, drive(&rendering).iter().map(Complex64::norm_sqr).sum::<f64>().sqrt())
+        (
+            rendering.weights.feasible,
+            drive(&rendering)
+                .iter()
+                .map(Complex64::norm_sqr)
+                .sum::<f64>()
+                .sqrt(),
+        )
     };
     let (feasible, least) = effort(Method::MinEffort);
     assert!(feasible);
     for method in [Method::Robust, Method::Mls] {
         let (feasible, other) = effort(method);
-        assert!(feasible && least < other, "{method}: {other} N, least {least} N");
+        assert!(
+            feasible && least < other,
+            "{method}: {other} N, least {least} N"
+        );
     }
 }
 
 #[test]
 fn both_limits_of_the_drive_are_kept() {
     let free = rendered(truth(), &cell_scene([2, 2], 1, ""), Method::Robust);
-    let effort = drive(&free).iter().map(Complex64::norm_sqr).sum::<f64>().sqrt();
+    let effort = drive(&free)
+        .iter()
+        .map(Complex64::norm_sqr)
+        .sum::<f64>()
+        .sqrt();
     for (limits, each, all) in [
         (format!("max_effort = {}", 0.7 * effort), 0.1, 0.7 * effort),
         (
-            format!("max_force_n = {}", 0.8 * free.weights.indices.points.max_force_n.unwrap()),
+            format!(
+                "max_force_n = {}",
+                0.8 * free.weights.indices.points.max_force_n.unwrap()
+            ),
             0.8 * free.weights.indices.points.max_force_n.unwrap(),
             1.0,
         ),
     ] {
         for method in Method::ALL {
-            let rendering = rendered(truth(), &cell_scene([2, 2], 1, &format!("[actuators]\n{limits}\n")), method);
+            let rendering = rendered(
+                truth(),
+                &cell_scene([2, 2], 1, &format!("[actuators]\n{limits}\n")),
+                method,
+            );
             let drive = drive(&rendering);
             let peak = drive.iter().map(|weight| weight.norm()).fold(0.0, f64::max);
             let sum = drive.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt();
-            assert!(peak <= each * (1.0 + 1e-9) && sum <= all * (1.0 + 1e-9), "{method}, {limits}: {peak} N, {sum} N");
+            assert!(
+                peak <= each * (1.0 + 1e-9) && sum <= all * (1.0 + 1e-9),
+                "{method}, {limits}: {peak} N, {sum} N"
+            );
         }
     }
 }
@@ -177,8 +345,15 @@ fn both_limits_of_the_drive_are_kept() {
 #[test]
 fn the_default_is_robust_and_fast_is_pressure_matching() {
     let scene = cell_scene([2, 2], 1, "");
-    let method = |choice: &str| rendered(truth(), &scene, choice.parse::<MethodChoice>().unwrap()).weights.method;
-    assert_eq!(["default", "best", "fast", "vast"].map(method), ["robust", "robust", "pressure-matching", "vast"]);
+    let method = |choice: &str| {
+        rendered(truth(), &scene, choice.parse::<MethodChoice>().unwrap())
+            .weights
+            .method
+    };
+    assert_eq!(
+        ["default", "best", "fast", "vast"].map(method),
+        ["robust", "robust", "pressure-matching", "vast"]
+    );
 }
 
 #[test]
@@ -190,9 +365,21 @@ fn without_any_model_error_both_sides_share_the_margin() {
         isotropic_relative: 0.0,
         drive_relative: 0.0,
     };
-    let options = RenderOptions { drift: none, method: Method::Robust.into(), ..Default::default() };
-    let weights = render(truth(), &cell_scene([2, 2], 1, ""), &options).unwrap().weights;
-    assert!(weights.feasible && weights.kappa.is_none() && weights.indices.points.margin_db.unwrap() > 1.0, "{:?}", weights.indices);
+    let options = RenderOptions {
+        drift: none,
+        method: Method::Robust.into(),
+        ..Default::default()
+    };
+    let weights = render(truth(), &cell_scene([2, 2], 1, ""), &options)
+        .unwrap()
+        .weights;
+    assert!(
+        weights.feasible
+            && weights.kappa.is_none()
+            && weights.indices.points.margin_db.unwrap() > 1.0,
+        "{:?}",
+        weights.indices
+    );
 }
 
 #[test]
@@ -205,14 +392,24 @@ fn a_louder_zone_moves_more() {
     };
     let least = |text: &str| {
         let rendering = rendered(truth(), &crate::common::scene(text), Method::Robust);
-        assert!(rendering.weights.feasible, "{:?}", rendering.weights.warnings);
+        assert!(
+            rendering.weights.feasible,
+            "{:?}",
+            rendering.weights.warnings
+        );
         let field = &rendering.field;
         let hot = |low: bool| {
-            let all = (0..field.ground.len()).filter(|&k| field.ground[k] == Ground::Hot && (field.positions_m[k][0] < 0.134) == low);
-            all.map(|k| field.velocity_m_per_s[k].norm()).fold(f64::INFINITY, f64::min)
+            let all = (0..field.ground.len()).filter(|&k| {
+                field.ground[k] == Ground::Hot && (field.positions_m[k][0] < 0.134) == low
+            });
+            all.map(|k| field.velocity_m_per_s[k].norm())
+                .fold(f64::INFINITY, f64::min)
         };
         [hot(true), hot(false)].map(|v| 20.0 * (v / rendering.limits.hot_m_per_s).log10())
     };
     let [equal, louder] = [least(&zones("")), least(&zones("level_db = 3.0"))];
-    assert!(equal[0] >= -1e-9 && equal[1] >= -1e-9 && louder[0] >= 3.0 - 1e-9 && louder[1] >= -1e-9, "{equal:?} {louder:?}");
+    assert!(
+        equal[0] >= -1e-9 && equal[1] >= -1e-9 && louder[0] >= 3.0 - 1e-9 && louder[1] >= -1e-9,
+        "{equal:?} {louder:?}"
+    );
 }

@@ -4,7 +4,8 @@ use crate::common::{cell_scene, truth};
 use chladni_frf::{ErrorKind, ModalModel, Scaling};
 use chladni_plate::{simulate, Panel, Simulation};
 use chladni_render::{
-    evaluate, finger_places, render, stress, sweep, Finger, Method, On, RenderOptions, Scene, StressOptions, StressRow, Weights,
+    evaluate, finger_places, render, stress, sweep, Finger, Method, On, RenderOptions, Scene,
+    StressOptions, StressRow, Weights,
 };
 use ndarray::Array1;
 use num_complex::Complex64;
@@ -15,33 +16,61 @@ fn simulation() -> &'static Simulation {
     static PANEL: OnceLock<Simulation> = OnceLock::new();
     PANEL.get_or_init(|| {
         let mut panel = Panel::default();
-        (panel.frf.start_hz, panel.frf.step_hz, panel.responses.at_references) = (100.0, 300.0, true);
+        (
+            panel.frf.start_hz,
+            panel.frf.step_hz,
+            panel.responses.at_references,
+        ) = (100.0, 300.0, true);
         simulate(&panel, None, None).unwrap()
     })
 }
 
 fn corner(frequency_hz: f64) -> Scene {
-    Scene { frequency_hz, ..cell_scene([2, 2], 1, "area_m = [0.034, 0.025, 0.234, 0.145]\n") }
+    Scene {
+        frequency_hz,
+        ..cell_scene([2, 2], 1, "area_m = [0.034, 0.025, 0.234, 0.145]\n")
+    }
 }
 
 fn weights(scene: &Scene) -> Weights {
-    render(&simulation().truth, scene, &RenderOptions { method: Method::Mls.into(), ..Default::default() }).unwrap().weights
+    render(
+        &simulation().truth,
+        scene,
+        &RenderOptions {
+            method: Method::Mls.into(),
+            ..Default::default()
+        },
+    )
+    .unwrap()
+    .weights
 }
 
 fn trial<'a>(rows: &'a [StressRow], name: &str) -> &'a StressRow {
-    rows.iter().find(|row| row.trial.contains(name)).unwrap_or_else(|| panic!("{name}: {rows:?}"))
+    rows.iter()
+        .find(|row| row.trial.contains(name))
+        .unwrap_or_else(|| panic!("{name}: {rows:?}"))
 }
 
-/// Share of judged responses served on the true plate with a finger, from the plate's own shapes: all modes, rigid ones too.
+/// Share of judged responses served on the true plate with a finger, from the plate's own
+/// shapes: all modes, rigid ones too.
 fn touched_on_plate(weights: &Weights, scene: &Scene, place: [f64; 2]) -> f64 {
     let (panel, plate) = (Panel::default(), &simulation().plate);
     let evaluation = evaluate(weights, scene, On::Model(&simulation().truth)).unwrap();
-    let drive: Array1<Complex64> = weights.weights.iter().map(|weight| weight.value()).collect();
+    let drive: Array1<Complex64> = weights
+        .weights
+        .iter()
+        .map(|weight| weight.value())
+        .collect();
     let (places, actuators) = (&evaluation.field.positions_m, panel.layout().references_m);
-    let mobility = |to: &[[f64; 2]], from: &[[f64; 2]]| plate.mobility_matrix(to, from, scene.frequency_hz).unwrap();
+    let mobility = |to: &[[f64; 2]], from: &[[f64; 2]]| {
+        plate.mobility_matrix(to, from, scene.frequency_hz).unwrap()
+    };
     let free_here = mobility(&[place], &actuators).dot(&drive)[0];
-    let force = free_here / (Finger::default().impedance(scene.frequency_hz).inv() + mobility(&[place], &[place])[[0, 0]]);
-    let field = mobility(places, &actuators).dot(&drive) - mobility(places, &[place]).column(0).mapv(|y| y * force);
+    let force = free_here
+        / (Finger::default().impedance(scene.frequency_hz).inv()
+            + mobility(&[place], &[place])[[0, 0]]);
+    let field = mobility(places, &actuators).dot(&drive)
+        - mobility(places, &[place]).column(0).mapv(|y| y * force);
     let inside = |k: usize| match evaluation.field.ground[k] {
         chladni_render::Ground::Hot => Some(evaluation.limits.is_felt(field[k].norm())),
         chladni_render::Ground::Cold => Some(evaluation.limits.is_quiet(field[k].norm())),
@@ -56,14 +85,30 @@ fn the_touched_field_of_the_model_is_that_of_the_plate() {
     for frequency_hz in [300.0, 330.0] {
         let scene = corner(frequency_hz);
         let weights = weights(&scene);
-        let (rows, _) = stress(&weights, &scene, &simulation().truth, &StressOptions::default()).unwrap();
-        let field = evaluate(&weights, &scene, On::Model(&simulation().truth)).unwrap().field;
-        let on_plate: Vec<f64> = finger_places(&field).into_iter().map(|place| touched_on_plate(&weights, &scene, place)).collect();
+        let (rows, _) = stress(
+            &weights,
+            &scene,
+            &simulation().truth,
+            &StressOptions::default(),
+        )
+        .unwrap();
+        let field = evaluate(&weights, &scene, On::Model(&simulation().truth))
+            .unwrap()
+            .field;
+        let on_plate: Vec<f64> = finger_places(&field)
+            .into_iter()
+            .map(|place| touched_on_plate(&weights, &scene, place))
+            .collect();
         let finger = trial(&rows, "finger");
         assert_eq!(finger.cases, on_plate.len());
         let mean = on_plate.iter().sum::<f64>() / on_plate.len() as f64;
-        // one response of 68 more or less: residual terms are no part of the finger's own mobility
-        assert!((finger.success_mean - mean).abs() < 0.03, "{frequency_hz} Hz: model {}, plate {mean}", finger.success_mean);
+        // one response of 68 more or less: residual terms are no part of the finger's own
+        // mobility
+        assert!(
+            (finger.success_mean - mean).abs() < 0.03,
+            "{frequency_hz} Hz: model {}, plate {mean}",
+            finger.success_mean
+        );
     }
 }
 
@@ -71,35 +116,99 @@ fn the_touched_field_of_the_model_is_that_of_the_plate() {
 fn a_finger_breaks_a_drive_at_a_resonance_and_hardly_one_between_modes() {
     let touched = |frequency_hz: f64| {
         let scene = corner(frequency_hz);
-        trial(&stress(&weights(&scene), &scene, &simulation().truth, &StressOptions::default()).unwrap().0, "finger")
-            .success_worst_5_percent
+        trial(
+            &stress(
+                &weights(&scene),
+                &scene,
+                &simulation().truth,
+                &StressOptions::default(),
+            )
+            .unwrap()
+            .0,
+            "finger",
+        )
+        .success_worst_5_percent
     };
     let (at_the_mode, between) = (touched(300.0), touched(330.0));
-    assert!(at_the_mode < 0.7 && between > 0.9, "{at_the_mode} {between}");
+    assert!(
+        at_the_mode < 0.7 && between > 0.9,
+        "{at_the_mode} {between}"
+    );
 }
 
 #[test]
 fn the_sweep_suggests_a_frequency_between_modes() {
-    let found = sweep(&simulation().truth, &corner(300.0), &RenderOptions::default(), [290.0, 340.0]).unwrap();
+    let found = sweep(
+        &simulation().truth,
+        &corner(300.0),
+        &RenderOptions::default(),
+        [290.0, 340.0],
+    )
+    .unwrap();
     let suggested = found.suggested_hz.expect("a suggestion");
     assert!(suggested > 310.0, "{suggested} Hz");
-    let at = |hz: f64| found.frequencies.iter().find(|f| f.frequency_hz == hz).unwrap();
-    assert!(at(suggested).touched_ratio.unwrap() >= 0.93 && at(suggested).on_mode_hz.is_none(), "{:?}", at(suggested));
-    assert!((at(300.0).on_mode_hz.unwrap() - 299.4).abs() < 0.1 && at(300.0).touched_ratio.unwrap() < 0.7);
-    let warned = weights(&corner(300.0)).warnings.iter().any(|warning| warning.contains("299.4 Hz sits on the drive frequency"));
-    assert!(warned && !weights(&corner(330.0)).warnings.iter().any(|warning| warning.contains("sits on")));
+    let at = |hz: f64| {
+        found
+            .frequencies
+            .iter()
+            .find(|f| f.frequency_hz == hz)
+            .unwrap()
+    };
+    assert!(
+        at(suggested).touched_ratio.unwrap() >= 0.93 && at(suggested).on_mode_hz.is_none(),
+        "{:?}",
+        at(suggested)
+    );
+    assert!(
+        (at(300.0).on_mode_hz.unwrap() - 299.4).abs() < 0.1
+            && at(300.0).touched_ratio.unwrap() < 0.7
+    );
+    let warned = weights(&corner(300.0))
+        .warnings
+        .iter()
+        .any(|warning| warning.contains("299.4 Hz sits on the drive frequency"));
+    assert!(
+        warned
+            && !weights(&corner(330.0))
+                .warnings
+                .iter()
+                .any(|warning| warning.contains("sits on"))
+    );
     for range in [[340.0, 290.0], [0.0, 100.0], [100.0, 1e6]] {
-        let error = sweep(&simulation().truth, &corner(300.0), &RenderOptions::default(), range).map(|_| ()).unwrap_err();
-        assert!(error.kind == ErrorKind::Usage && error.to_string().contains("--sweep"), "{error}");
+        let error = sweep(
+            &simulation().truth,
+            &corner(300.0),
+            &RenderOptions::default(),
+            range,
+        )
+        .map(|_| ())
+        .unwrap_err();
+        assert!(
+            error.kind == ErrorKind::Usage && error.to_string().contains("--sweep"),
+            "{error}"
+        );
     }
 }
 
 #[test]
 fn touch_needs_mass_scaled_modes_and_says_so() {
-    let unscaled = ModalModel { scaling: Scaling::Unscaled, ..truth().clone() };
+    let unscaled = ModalModel {
+        scaling: Scaling::Unscaled,
+        ..truth().clone()
+    };
     let scene = corner(300.0);
-    let (rows, warnings) = stress(&weights(&scene), &scene, &unscaled, &StressOptions::default()).unwrap();
-    assert!(rows.iter().all(|row| !row.trial.contains("finger")) && warnings.iter().any(|w| w.contains("mass-scaled")), "{warnings:?}");
+    let (rows, warnings) = stress(
+        &weights(&scene),
+        &scene,
+        &unscaled,
+        &StressOptions::default(),
+    )
+    .unwrap();
+    assert!(
+        rows.iter().all(|row| !row.trial.contains("finger"))
+            && warnings.iter().any(|w| w.contains("mass-scaled")),
+        "{warnings:?}"
+    );
     let swept = sweep(&unscaled, &scene, &RenderOptions::default(), [300.0, 302.0]).unwrap();
     assert!(swept.frequencies.iter().all(|f| f.touched_ratio.is_none()));
 }
@@ -108,17 +217,42 @@ fn touch_needs_mass_scaled_modes_and_says_so() {
 fn trials_do_what_they_are_called() {
     let scene = corner(330.0);
     let weights = weights(&scene);
-    let of = |options: StressOptions| stress(&weights, &scene, &simulation().truth, &options).unwrap().0;
-    let gentle = StressOptions { amplitude_relative: 0.0, phase_deg: 0.0, converter_bits: 24, common_shift: 0.0, ..Default::default() };
-    let rows = of(StressOptions { draws: 40, ..gentle });
-    for name in ["none", "errors of the fit", "all frequencies", "amplitudes", "converter"] {
+    let of = |options: StressOptions| {
+        stress(&weights, &scene, &simulation().truth, &options)
+            .unwrap()
+            .0
+    };
+    let gentle = StressOptions {
+        amplitude_relative: 0.0,
+        phase_deg: 0.0,
+        converter_bits: 24,
+        common_shift: 0.0,
+        ..Default::default()
+    };
+    let rows = of(StressOptions {
+        draws: 40,
+        ..gentle
+    });
+    for name in [
+        "none",
+        "errors of the fit",
+        "all frequencies",
+        "amplitudes",
+        "converter",
+    ] {
         assert_eq!(
-            (trial(&rows, name).success_mean, trial(&rows, name).min_worst_5_percent),
+            (
+                trial(&rows, name).success_mean,
+                trial(&rows, name).min_worst_5_percent
+            ),
             (1.0, 1.0),
             "{name}: the truth has no error bars"
         );
     }
-    assert_eq!((trial(&rows, "dead").cases, trial(&rows, "drift").cases), (34, 40));
+    assert_eq!(
+        (trial(&rows, "dead").cases, trial(&rows, "drift").cases),
+        (34, 40)
+    );
     assert!(trial(&rows, "dead").success_worst_5_percent < 1.0);
     let harsh = of(StressOptions {
         amplitude_relative: 0.3,
@@ -129,15 +263,26 @@ fn trials_do_what_they_are_called() {
         ..Default::default()
     });
     for name in ["all frequencies", "amplitudes", "converter"] {
-        assert!(trial(&harsh, name).success_worst_5_percent < 0.95, "{name}: {:?}", trial(&harsh, name));
+        assert!(
+            trial(&harsh, name).success_worst_5_percent < 0.95,
+            "{name}: {:?}",
+            trial(&harsh, name)
+        );
     }
-    assert_eq!(of(StressOptions::default()), of(StressOptions::default()), "the same seed, the same table");
+    assert_eq!(
+        of(StressOptions::default()),
+        of(StressOptions::default()),
+        "the same seed, the same table"
+    );
 }
 
 #[test]
 fn what_a_drive_endures_is_told_and_true() {
     let model = &simulation().truth;
-    let centre = Scene { frequency_hz: 300.0, ..cell_scene([3, 3], 5, "area_m = [0.034, 0.025, 0.234, 0.145]\n") };
+    let centre = Scene {
+        frequency_hz: 300.0,
+        ..cell_scene([3, 3], 5, "area_m = [0.034, 0.025, 0.234, 0.145]\n")
+    };
     let [on_a_mode, between_modes, hardest] = [corner(300.0), corner(335.0), centre].map(|scene| {
         let weights = weights(&scene);
         let endurance = weights.endurance.expect("a drive that is met");
@@ -145,9 +290,19 @@ fn what_a_drive_endures_is_told_and_true() {
         // models that are off by half and by three times of what it endures
         let served = |error: f64| {
             let served = |seed| {
-                let errors = crate::common::Errors { frequency: error, loss_factor: 0.0, shape: 0.0, residual: 0.0 };
+                let errors = crate::common::Errors {
+                    frequency: error,
+                    loss_factor: 0.0,
+                    shape: 0.0,
+                    residual: 0.0,
+                };
                 let other = crate::common::disturbed(model, errors, seed);
-                evaluate(&weights, &scene, On::Model(&other)).unwrap().indices.points.min_ratio >= 0.95
+                evaluate(&weights, &scene, On::Model(&other))
+                    .unwrap()
+                    .indices
+                    .points
+                    .min_ratio
+                    >= 0.95
             };
             (100..120).filter(|&seed| served(seed)).count()
         };
@@ -157,7 +312,22 @@ fn what_a_drive_endures_is_told_and_true() {
         (endurance, weights.warnings.join("\n"))
     });
     // the finger breaks what hangs on the mode at 299.4 Hz
-    assert!(on_a_mode.0.touched_min_ratio < 0.8 && on_a_mode.1.contains("a light finger in the hot zone leaves"), "{on_a_mode:?}");
-    assert!(between_modes.0.touched_min_ratio > 0.9 && !between_modes.1.contains("the drive holds for"), "{between_modes:?}");
-    assert!(hardest.0.frequency_relative < 0.01 && hardest.1.contains("the drive holds for natural frequencies up to 0."), "{hardest:?}");
+    assert!(
+        on_a_mode.0.touched_min_ratio < 0.8
+            && on_a_mode
+                .1
+                .contains("a light finger in the hot zone leaves"),
+        "{on_a_mode:?}"
+    );
+    assert!(
+        between_modes.0.touched_min_ratio > 0.9 && !between_modes.1.contains("the drive holds for"),
+        "{between_modes:?}"
+    );
+    assert!(
+        hardest.0.frequency_relative < 0.01
+            && hardest
+                .1
+                .contains("the drive holds for natural frequencies up to 0."),
+        "{hardest:?}"
+    );
 }

@@ -10,7 +10,8 @@ use crate::drawing::{is_dark, text_width, Anchor, Colour, Drawing, Item, Point, 
 /// Diameter of the mark at the end of a stem, px.
 const STEM_MARK: f64 = 7.0;
 
-/// Least and largest coordinate `which` (0: x, 1: y) of all data; infinite and swapped where there is none.
+/// Least and largest coordinate `which` (0: x, 1: y) of all data; infinite and swapped
+/// where there is none.
 pub(super) fn extent(layers: &[Layer], which: usize, positive: bool) -> [f64; 2] {
     let mut ends = [f64::INFINITY, f64::NEG_INFINITY];
     let mut take = |value: f64| {
@@ -20,13 +21,20 @@ pub(super) fn extent(layers: &[Layer], which: usize, positive: bool) -> [f64; 2]
     };
     for layer in layers {
         match layer {
-            Layer::Lines { lines, .. } => lines.iter().flatten().for_each(|point| take(point[which])),
-            Layer::Marks { points, .. } | Layer::Outline { points, .. } => points.iter().for_each(|point| take(point[which])),
+            Layer::Lines { lines, .. } => {
+                lines.iter().flatten().for_each(|point| take(point[which]))
+            }
+            Layer::Marks { points, .. } | Layer::Outline { points, .. } => {
+                points.iter().for_each(|point| take(point[which]))
+            }
             Layer::Stems { points, .. } => points.iter().for_each(|(point, _)| take(point[which])),
             Layer::Verticals { at, .. } if which == 0 => at.iter().copied().for_each(&mut take),
             Layer::Horizontals { at, .. } if which == 1 => at.iter().copied().for_each(&mut take),
             Layer::Pixels { x, y, .. } => [x, y][which].iter().copied().for_each(&mut take),
-            Layer::Cells(cells) => cells.iter().flat_map(|cell| cell.sides[which]).for_each(&mut take),
+            Layer::Cells(cells) => cells
+                .iter()
+                .flat_map(|cell| cell.sides[which])
+                .for_each(&mut take),
             Layer::Discs(discs) => discs.iter().for_each(|disc| take(disc.at[which])),
             Layer::Verticals { .. } | Layer::Horizontals { .. } | Layer::Words { .. } => {}
         }
@@ -46,31 +54,76 @@ pub(super) fn legend_name(layer: &Layer) -> Option<&str> {
     }
 }
 
-pub(super) fn draw_layer(drawing: &mut Drawing, layer: &Layer, sides: [f64; 4], x: &Ruler, y: &Ruler) {
+pub(super) fn draw_layer(
+    drawing: &mut Drawing,
+    layer: &Layer,
+    sides: [f64; 4],
+    x: &Ruler,
+    y: &Ruler,
+) {
     let [left, top, right, bottom] = sides;
     let place = |point: &Place| [x.place(point[0]), y.place(point[1])];
-    let inside = |p: &Point| p[0] >= left - 0.5 && p[0] <= right + 0.5 && p[1] >= top - 0.5 && p[1] <= bottom + 0.5;
+    let inside = |p: &Point| {
+        p[0] >= left - 0.5 && p[0] <= right + 0.5 && p[1] >= top - 0.5 && p[1] <= bottom + 0.5
+    };
     match layer {
-        Layer::Lines { name, lines, stroke } => {
-            let cut = lines.iter().flat_map(|line| clip_line(&thinned(line.iter().map(place).collect()), sides));
+        Layer::Lines {
+            name,
+            lines,
+            stroke,
+        } => {
+            let cut = lines
+                .iter()
+                .flat_map(|line| clip_line(&thinned(line.iter().map(place).collect()), sides));
             push_lines(drawing, cut.collect(), *stroke, name.clone());
         }
-        Layer::Marks { points, mark, colour, size, .. } => {
+        Layer::Marks {
+            points,
+            mark,
+            colour,
+            size,
+            ..
+        } => {
             for point in points.iter().map(place).filter(inside) {
                 mark.draw(drawing, point, *colour, *size, None);
             }
         }
         Layer::Verticals { at, stroke, .. } => {
-            let lines = at.iter().map(|&value| x.place(value)).filter(|&p| p >= left && p <= right);
-            push_lines(drawing, lines.map(|p| vec![[p, top], [p, bottom]]).collect(), *stroke, None);
+            let lines = at
+                .iter()
+                .map(|&value| x.place(value))
+                .filter(|&p| p >= left && p <= right);
+            push_lines(
+                drawing,
+                lines.map(|p| vec![[p, top], [p, bottom]]).collect(),
+                *stroke,
+                None,
+            );
         }
         Layer::Horizontals { at, stroke, .. } => {
-            let lines = at.iter().map(|&value| y.place(value)).filter(|&p| p >= top && p <= bottom);
-            push_lines(drawing, lines.map(|p| vec![[left, p], [right, p]]).collect(), *stroke, None);
+            let lines = at
+                .iter()
+                .map(|&value| y.place(value))
+                .filter(|&p| p >= top && p <= bottom);
+            push_lines(
+                drawing,
+                lines.map(|p| vec![[left, p], [right, p]]).collect(),
+                *stroke,
+                None,
+            );
         }
-        Layer::Stems { points, mark, colour, .. } => {
+        Layer::Stems {
+            points,
+            mark,
+            colour,
+            ..
+        } => {
             let zero = y.place(0.0);
-            let base = if zero.is_finite() { zero.clamp(top, bottom) } else { bottom };
+            let base = if zero.is_finite() {
+                zero.clamp(top, bottom)
+            } else {
+                bottom
+            };
             for (point, hint) in points {
                 let tip = place(point);
                 if inside(&tip) {
@@ -79,22 +132,50 @@ pub(super) fn draw_layer(drawing: &mut Drawing, layer: &Layer, sides: [f64; 4], 
                 }
             }
         }
-        Layer::Outline { points, stroke, casing, .. } => {
+        Layer::Outline {
+            points,
+            stroke,
+            casing,
+            ..
+        } => {
             let closed: Vec<Point> = points.iter().chain(points.first()).map(place).collect();
             let cut = clip_line(&closed, sides);
             if *casing {
-                push_lines(drawing, cut.clone(), Stroke::new(Colour::Rgb([255, 255, 255]), stroke.width + 2.5), None);
+                push_lines(
+                    drawing,
+                    cut.clone(),
+                    Stroke::new(Colour::Rgb([255, 255, 255]), stroke.width + 2.5),
+                    None,
+                );
             }
             push_lines(drawing, cut, *stroke, None);
         }
-        Layer::Pixels { x: [x0, x1], y: [y0, y1], image } => {
+        Layer::Pixels {
+            x: [x0, x1],
+            y: [y0, y1],
+            image,
+        } => {
             let (upper_left, lower_right) = (place(&[*x0, *y1]), place(&[*x1, *y0]));
-            let size = [lower_right[0] - upper_left[0], lower_right[1] - upper_left[1]];
-            drawing.items.push(Item::Image { corner: upper_left, size, image: image.clone() });
+            let size = [
+                lower_right[0] - upper_left[0],
+                lower_right[1] - upper_left[1],
+            ];
+            drawing.items.push(Item::Image {
+                corner: upper_left,
+                size,
+                image: image.clone(),
+            });
         }
         Layer::Cells(cells) => cells.iter().for_each(|cell| draw_cell(drawing, cell, x, y)),
-        Layer::Discs(discs) => discs.iter().for_each(|disc| draw_disc(drawing, disc, place(&disc.at))),
-        Layer::Words { at, text, anchor, bold } => {
+        Layer::Discs(discs) => discs
+            .iter()
+            .for_each(|disc| draw_disc(drawing, disc, place(&disc.at))),
+        Layer::Words {
+            at,
+            text,
+            anchor,
+            bold,
+        } => {
             let at = place(at);
             let at = [at[0], at[1] + 4.0];
             drawing.items.push(Item::Text {
@@ -113,27 +194,65 @@ pub(super) fn draw_layer(drawing: &mut Drawing, layer: &Layer, sides: [f64; 4], 
 
 fn push_lines(drawing: &mut Drawing, lines: Vec<Vec<Point>>, stroke: Stroke, name: Option<String>) {
     if !lines.is_empty() {
-        drawing.items.push(Item::Path { lines, closed: false, fill: None, stroke: Some(stroke), name, hint: None });
+        drawing.items.push(Item::Path {
+            lines,
+            closed: false,
+            fill: None,
+            stroke: Some(stroke),
+            name,
+            hint: None,
+        });
     }
 }
 
 fn draw_cell(drawing: &mut Drawing, cell: &Cell, x: &Ruler, y: &Ruler) {
-    let ([x0, x1], [y0, y1]) = (cell.sides[0].map(|value| x.place(value)), cell.sides[1].map(|value| y.place(value)));
+    let ([x0, x1], [y0, y1]) = (
+        cell.sides[0].map(|value| x.place(value)),
+        cell.sides[1].map(|value| y.place(value)),
+    );
     let hint = (!cell.hint.is_empty()).then(|| cell.hint.clone());
-    drawing.polygon(vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]], Some(Colour::Rgb(cell.fill)), None, hint);
+    drawing.polygon(
+        vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]],
+        Some(Colour::Rgb(cell.fill)),
+        None,
+        hint,
+    );
     let size = (0.36 * (x1 - x0)).min(11.0);
     if !cell.text.is_empty() && size >= 6.0 && text_width(&cell.text, size) < (x1 - x0).abs() {
-        let colour = Colour::Rgb(if is_dark(cell.fill) { [255, 255, 255] } else { [26, 28, 31] });
-        drawing.text([(x0 + x1) / 2.0, (y0 + y1) / 2.0 + 0.36 * size], cell.text.clone(), size, Anchor::Middle, colour);
+        let colour = Colour::Rgb(if is_dark(cell.fill) {
+            [255, 255, 255]
+        } else {
+            [26, 28, 31]
+        });
+        drawing.text(
+            [(x0 + x1) / 2.0, (y0 + y1) / 2.0 + 0.36 * size],
+            cell.text.clone(),
+            size,
+            Anchor::Middle,
+            colour,
+        );
     }
 }
 
 fn draw_disc(drawing: &mut Drawing, data: &Disc, centre: Point) {
     let hint = (!data.hint.is_empty()).then(|| data.hint.clone());
-    disc(drawing, centre, data.radius.max(1.5), Some(data.fill), Some(Stroke::new(Colour::Ink, 1.0)), hint);
+    disc(
+        drawing,
+        centre,
+        data.radius.max(1.5),
+        Some(data.fill),
+        Some(Stroke::new(Colour::Ink, 1.0)),
+        hint,
+    );
     if let (Some(angle), true) = (data.hand, data.radius > 2.0) {
-        let tip = [centre[0] + data.radius * angle.cos(), centre[1] - data.radius * angle.sin()];
-        drawing.line(vec![centre, tip], Stroke::new(Colour::Rgb([255, 255, 255]), 3.6));
+        let tip = [
+            centre[0] + data.radius * angle.cos(),
+            centre[1] - data.radius * angle.sin(),
+        ];
+        drawing.line(
+            vec![centre, tip],
+            Stroke::new(Colour::Rgb([255, 255, 255]), 3.6),
+        );
         drawing.line(vec![centre, tip], Stroke::new(Colour::Rgb([0, 0, 0]), 1.8));
     }
 }
@@ -143,14 +262,24 @@ pub(super) fn draw_sample(drawing: &mut Drawing, layer: &Layer, [x, y]: Point) {
     let middle = [x + SAMPLE / 2.0, y];
     if has_fixed_colour(layer) {
         // what is meant for a map may vanish on paper, white or black
-        drawing.rectangle([x - 3.0, y - 7.5, x + SAMPLE + 3.0, y + 7.5], Some(Colour::Rgb([178, 184, 190])), None);
+        drawing.rectangle(
+            [x - 3.0, y - 7.5, x + SAMPLE + 3.0, y + 7.5],
+            Some(Colour::Rgb([178, 184, 190])),
+            None,
+        );
     }
     match layer {
-        Layer::Lines { stroke, .. } | Layer::Horizontals { stroke, .. } | Layer::Outline { stroke, .. } => {
+        Layer::Lines { stroke, .. }
+        | Layer::Horizontals { stroke, .. }
+        | Layer::Outline { stroke, .. } => {
             drawing.line(vec![[x, y], [x + SAMPLE, y]], *stroke);
         }
-        Layer::Verticals { stroke, .. } => drawing.line(vec![[middle[0], y - 8.0], [middle[0], y + 8.0]], *stroke),
-        Layer::Marks { mark, colour, size, .. } => mark.draw(drawing, middle, *colour, *size, None),
+        Layer::Verticals { stroke, .. } => {
+            drawing.line(vec![[middle[0], y - 8.0], [middle[0], y + 8.0]], *stroke)
+        }
+        Layer::Marks {
+            mark, colour, size, ..
+        } => mark.draw(drawing, middle, *colour, *size, None),
         Layer::Stems { mark, colour, .. } => mark.draw(drawing, middle, *colour, STEM_MARK, None),
         Layer::Pixels { .. } | Layer::Cells(_) | Layer::Discs(_) | Layer::Words { .. } => {}
     }
@@ -158,7 +287,9 @@ pub(super) fn draw_sample(drawing: &mut Drawing, layer: &Layer, [x, y]: Point) {
 
 fn has_fixed_colour(layer: &Layer) -> bool {
     match layer {
-        Layer::Lines { stroke, .. } | Layer::Outline { stroke, .. } => matches!(stroke.colour, Colour::Rgb(_)),
+        Layer::Lines { stroke, .. } | Layer::Outline { stroke, .. } => {
+            matches!(stroke.colour, Colour::Rgb(_))
+        }
         Layer::Marks { colour, .. } => matches!(colour, Colour::Rgb(_)),
         _ => false,
     }

@@ -71,7 +71,10 @@ fn right_margin(chart: &Chart) -> f64 {
 /// Room for the numbers and the label of a vertical axis.
 fn axis_width(axis: &Axis, ends: [f64; 2], height: Height) -> f64 {
     let ticks = axis.ticks(ends, 260.0, ALONG_Y);
-    let widest = ticks.iter().map(|tick| text_width(&tick.1, TICK)).fold(0.0, f64::max);
+    let widest = ticks
+        .iter()
+        .map(|tick| text_width(&tick.1, TICK))
+        .fold(0.0, f64::max);
     let more_lines = label_lines(axis, height).len() - 1;
     EDGE + LABEL + more_lines as f64 * LABEL_LINE + 10.0 + widest + 6.0
 }
@@ -84,13 +87,21 @@ fn label_lines(axis: &Axis, height: Height) -> Vec<String> {
         return vec![text];
     }
     let longer = |at: usize| text_width(&text[..at], LABEL).max(text_width(&text[at + 1..], LABEL));
-    let cut = text.match_indices(' ').map(|(at, _)| at).min_by(|&a, &b| longer(a).total_cmp(&longer(b)));
+    let cut = text
+        .match_indices(' ')
+        .map(|(at, _)| at)
+        .min_by(|&a, &b| longer(a).total_cmp(&longer(b)));
     let lines = cut.map_or(vec![text.as_str()], |at| vec![&text[..at], &text[at + 1..]]);
-    lines.into_iter().map(|line| fitted(line, LABEL, room)).collect()
+    lines
+        .into_iter()
+        .map(|line| fitted(line, LABEL, room))
+        .collect()
 }
 
 fn right_ends(right: &RightAxis) -> [f64; 2] {
-    right.axis.ends(extent(&right.layers, 1, right.axis.scale == Scale::Log))
+    right
+        .axis
+        .ends(extent(&right.layers, 1, right.axis.scale == Scale::Log))
 }
 
 /// Draws below `top` and returns where it ends.
@@ -111,16 +122,31 @@ fn draw_chart(drawing: &mut Drawing, chart: &Chart, [left, top, right]: [f64; 3]
     };
     let bottom = top + height;
     let sides = [left, top, right, bottom];
-    let x = Ruler { ends: x_ends, px: [left, right], log: chart.x.scale == Scale::Log };
-    let y = Ruler { ends: y_ends, px: [bottom, top], log: chart.y.scale == Scale::Log };
+    let x = Ruler {
+        ends: x_ends,
+        px: [left, right],
+        log: chart.x.scale == Scale::Log,
+    };
+    let y = Ruler {
+        ends: y_ends,
+        px: [bottom, top],
+        log: chart.y.scale == Scale::Log,
+    };
 
     let below = draw_axes(drawing, chart, sides, &x, &y);
     for layer in &chart.layers {
         draw_layer(drawing, layer, sides, &x, &y);
     }
     if let Some(right) = &chart.right {
-        let y = Ruler { ends: right_ends(right), px: [bottom, top], log: right.axis.scale == Scale::Log };
-        right.layers.iter().for_each(|layer| draw_layer(drawing, layer, sides, &x, &y));
+        let y = Ruler {
+            ends: right_ends(right),
+            px: [bottom, top],
+            log: right.axis.scale == Scale::Log,
+        };
+        right
+            .layers
+            .iter()
+            .for_each(|layer| draw_layer(drawing, layer, sides, &x, &y));
         draw_right_axis(drawing, &right.axis, chart.height, sides, &y);
     }
     drawing.rectangle(sides, None, Some(Stroke::new(Colour::Muted, 1.0)));
@@ -131,29 +157,69 @@ fn draw_chart(drawing: &mut Drawing, chart: &Chart, [left, top, right]: [f64; 3]
 }
 
 /// Grid, ticks, numbers and labels; returns where they end.
-fn draw_axes(drawing: &mut Drawing, chart: &Chart, [left, top, right, bottom]: [f64; 4], x: &Ruler, y: &Ruler) -> f64 {
+fn draw_axes(
+    drawing: &mut Drawing,
+    chart: &Chart,
+    [left, top, right, bottom]: [f64; 4],
+    x: &Ruler,
+    y: &Ruler,
+) -> f64 {
     let grid = Stroke::new(Colour::Grid, 1.0);
     let ticks = chart.x.ticks(x.ends, right - left, ALONG_X);
-    let widest = ticks.iter().map(|tick| text_width(&tick.1, TICK)).fold(0.0, f64::max);
-    let named: Vec<f64> = ticks.iter().filter(|tick| !tick.1.is_empty()).map(|tick| x.place(tick.0)).collect();
-    let nearest = named.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
+    let widest = ticks
+        .iter()
+        .map(|tick| text_width(&tick.1, TICK))
+        .fold(0.0, f64::max);
+    let named: Vec<f64> = ticks
+        .iter()
+        .filter(|tick| !tick.1.is_empty())
+        .map(|tick| x.place(tick.0))
+        .collect();
+    let nearest = named
+        .windows(2)
+        .map(|pair| pair[1] - pair[0])
+        .fold(f64::INFINITY, f64::min);
     let turned = widest + 3.0 > nearest;
-    // turned names need the height of a letter each; where even that is too much, every second, third, ... is named
-    let every = if turned { ((TICK + 1.0) / nearest).ceil().max(1.0) as usize } else { 1 };
+    // turned names need the height of a letter each; where even that is too much, every
+    // second, third, ... is named
+    let every = if turned {
+        ((TICK + 1.0) / nearest).ceil().max(1.0) as usize
+    } else {
+        1
+    };
     let mut count = 0;
     for (value, name) in &ticks {
         let place = x.place(*value);
         if chart.grid && (place - left).min(right - place) > 0.5 {
             drawing.line(vec![[place, top], [place, bottom]], grid);
         }
-        drawing.line(vec![[place, bottom], [place, bottom + if name.is_empty() { 3.0 } else { 5.0 }]], Stroke::new(Colour::Muted, 1.0));
+        drawing.line(
+            vec![
+                [place, bottom],
+                [place, bottom + if name.is_empty() { 3.0 } else { 5.0 }],
+            ],
+            Stroke::new(Colour::Muted, 1.0),
+        );
         if name.is_empty() {
             continue;
         }
         if count % every == 0 && turned {
-            turned_text(drawing, [place + 0.36 * TICK, bottom + 8.0], name, TICK, Anchor::End, Colour::Ink);
+            turned_text(
+                drawing,
+                [place + 0.36 * TICK, bottom + 8.0],
+                name,
+                TICK,
+                Anchor::End,
+                Colour::Ink,
+            );
         } else if count % every == 0 {
-            drawing.text([place, bottom + 5.0 + TICK], name, TICK, Anchor::Middle, Colour::Ink);
+            drawing.text(
+                [place, bottom + 5.0 + TICK],
+                name,
+                TICK,
+                Anchor::Middle,
+                Colour::Ink,
+            );
         }
         count += 1;
     }
@@ -162,41 +228,113 @@ fn draw_axes(drawing: &mut Drawing, chart: &Chart, [left, top, right, bottom]: [
         if chart.grid && (place - top).min(bottom - place) > 0.5 {
             drawing.line(vec![[left, place], [right, place]], grid);
         }
-        drawing.line(vec![[left - if name.is_empty() { 3.0 } else { 5.0 }, place], [left, place]], Stroke::new(Colour::Muted, 1.0));
-        drawing.text([left - 8.0, place + 0.36 * TICK], name, TICK, Anchor::End, Colour::Ink);
+        drawing.line(
+            vec![
+                [left - if name.is_empty() { 3.0 } else { 5.0 }, place],
+                [left, place],
+            ],
+            Stroke::new(Colour::Muted, 1.0),
+        );
+        drawing.text(
+            [left - 8.0, place + 0.36 * TICK],
+            name,
+            TICK,
+            Anchor::End,
+            Colour::Ink,
+        );
     }
     let numbers = if turned { widest + 10.0 } else { TICK + 5.0 };
     let label_line = bottom + numbers + LABEL + 5.0;
     let room = right - left + 40.0;
-    drawing.text([(left + right) / 2.0, label_line], fitted(&chart.x.caption(), LABEL, room), LABEL, Anchor::Middle, Colour::Ink);
+    drawing.text(
+        [(left + right) / 2.0, label_line],
+        fitted(&chart.x.caption(), LABEL, room),
+        LABEL,
+        Anchor::Middle,
+        Colour::Ink,
+    );
     for (k, line) in label_lines(&chart.y, chart.height).iter().enumerate() {
         let across = EDGE + LABEL - 2.0 + k as f64 * LABEL_LINE;
-        turned_text(drawing, [across, (top + bottom) / 2.0], line, LABEL, Anchor::Middle, Colour::Ink);
+        turned_text(
+            drawing,
+            [across, (top + bottom) / 2.0],
+            line,
+            LABEL,
+            Anchor::Middle,
+            Colour::Ink,
+        );
     }
     label_line + 5.0
 }
 
 /// Ticks, numbers and label right of the box.
-fn draw_right_axis(drawing: &mut Drawing, axis: &Axis, height: Height, [_, top, right, bottom]: [f64; 4], y: &Ruler) {
+fn draw_right_axis(
+    drawing: &mut Drawing,
+    axis: &Axis,
+    height: Height,
+    [_, top, right, bottom]: [f64; 4],
+    y: &Ruler,
+) {
     for (value, name) in axis.ticks(y.ends, bottom - top, ALONG_Y) {
         let place = y.place(value);
-        drawing.line(vec![[right, place], [right + if name.is_empty() { 3.0 } else { 5.0 }, place]], Stroke::new(Colour::Muted, 1.0));
-        drawing.text([right + 8.0, place + 0.36 * TICK], name, TICK, Anchor::Start, Colour::Ink);
+        drawing.line(
+            vec![
+                [right, place],
+                [right + if name.is_empty() { 3.0 } else { 5.0 }, place],
+            ],
+            Stroke::new(Colour::Muted, 1.0),
+        );
+        drawing.text(
+            [right + 8.0, place + 0.36 * TICK],
+            name,
+            TICK,
+            Anchor::Start,
+            Colour::Ink,
+        );
     }
     for (k, line) in label_lines(axis, height).iter().rev().enumerate() {
         let across = drawing.width - EDGE - k as f64 * LABEL_LINE;
-        turned_text(drawing, [across, (top + bottom) / 2.0], line, LABEL, Anchor::Middle, Colour::Ink);
+        turned_text(
+            drawing,
+            [across, (top + bottom) / 2.0],
+            line,
+            LABEL,
+            Anchor::Middle,
+            Colour::Ink,
+        );
     }
 }
 
-fn turned_text(drawing: &mut Drawing, at: [f64; 2], text: &str, size: f64, anchor: Anchor, colour: Colour) {
-    drawing.items.push(Item::Text { at, text: text.into(), size, anchor, turned: true, bold: false, colour, halo: false });
+fn turned_text(
+    drawing: &mut Drawing,
+    at: [f64; 2],
+    text: &str,
+    size: f64,
+    anchor: Anchor,
+    colour: Colour,
+) {
+    drawing.items.push(Item::Text {
+        at,
+        text: text.into(),
+        size,
+        anchor,
+        turned: true,
+        bold: false,
+        colour,
+        halo: false,
+    });
 }
 
-/// The names of the layers with a sample of each, in as many lines as needed; returns where they end.
+/// The names of the layers with a sample of each, in as many lines as needed; returns
+/// where they end.
 fn draw_legend(drawing: &mut Drawing, chart: &Chart, [left, top, right]: [f64; 3]) -> f64 {
     let on_right = chart.right.iter().flat_map(|right| &right.layers);
-    let entries: Vec<(&Layer, &str)> = chart.layers.iter().chain(on_right).filter_map(|layer| Some((layer, legend_name(layer)?))).collect();
+    let entries: Vec<(&Layer, &str)> = chart
+        .layers
+        .iter()
+        .chain(on_right)
+        .filter_map(|layer| Some((layer, legend_name(layer)?)))
+        .collect();
     if entries.is_empty() {
         return top + 2.0;
     }
@@ -210,7 +348,13 @@ fn draw_legend(drawing: &mut Drawing, chart: &Chart, [left, top, right]: [f64; 3
             (x, y) = (left, y + LEGEND_LINE);
         }
         draw_sample(drawing, layer, [x, y]);
-        drawing.text([x + SAMPLE + SAMPLE_GAP, y + 0.36 * LABEL], name, LABEL, Anchor::Start, Colour::Ink);
+        drawing.text(
+            [x + SAMPLE + SAMPLE_GAP, y + 0.36 * LABEL],
+            name,
+            LABEL,
+            Anchor::Start,
+            Colour::Ink,
+        );
         x += width;
     }
     y + 16.0
@@ -228,13 +372,29 @@ fn draw_colour_bar(drawing: &mut Drawing, bar: &ColourBar, sides: [f64; 4]) {
     if bar.bands > 0 {
         for (row, pixel) in rgba.collect::<Vec<u8>>().chunks_exact(4).enumerate() {
             let y = top + row as f64 * step;
-            drawing.rectangle([left, y, right, y + step + 0.3], Some(Colour::Rgb([pixel[0], pixel[1], pixel[2]])), None);
+            drawing.rectangle(
+                [left, y, right, y + step + 0.3],
+                Some(Colour::Rgb([pixel[0], pixel[1], pixel[2]])),
+                None,
+            );
         }
     } else {
-        let image = Image { columns: 1, rows, rgba: rgba.collect() };
-        drawing.items.push(Item::Image { corner: [left, top], size: [right - left, bottom - top], image });
+        let image = Image {
+            columns: 1,
+            rows,
+            rgba: rgba.collect(),
+        };
+        drawing.items.push(Item::Image {
+            corner: [left, top],
+            size: [right - left, bottom - top],
+            image,
+        });
     }
-    let ruler = Ruler { ends, px: [bottom, top], log: bar.axis.scale == Scale::Log };
+    let ruler = Ruler {
+        ends,
+        px: [bottom, top],
+        log: bar.axis.scale == Scale::Log,
+    };
     for (value, stroke) in &bar.lines {
         let y = ruler.place(*value);
         drawing.line(vec![[left, y], [right, y]], *stroke);
@@ -242,11 +402,27 @@ fn draw_colour_bar(drawing: &mut Drawing, bar: &ColourBar, sides: [f64; 4]) {
     drawing.rectangle(sides, None, Some(Stroke::new(Colour::Muted, 1.0)));
     for (value, name) in bar.axis.ticks(ends, bottom - top, ALONG_Y) {
         let y = ruler.place(value);
-        drawing.line(vec![[right, y], [right + 4.0, y]], Stroke::new(Colour::Muted, 1.0));
-        drawing.text([right + 7.0, y + 0.36 * TICK], name, TICK, Anchor::Start, Colour::Ink);
+        drawing.line(
+            vec![[right, y], [right + 4.0, y]],
+            Stroke::new(Colour::Muted, 1.0),
+        );
+        drawing.text(
+            [right + 7.0, y + 0.36 * TICK],
+            name,
+            TICK,
+            Anchor::Start,
+            Colour::Ink,
+        );
     }
     let label = fitted(&bar.axis.caption(), LABEL, (bottom - top + 50.0).max(60.0));
-    turned_text(drawing, [left + BAR - 14.0, (top + bottom) / 2.0], &label, LABEL, Anchor::Middle, Colour::Ink);
+    turned_text(
+        drawing,
+        [left + BAR - 14.0, (top + bottom) / 2.0],
+        &label,
+        LABEL,
+        Anchor::Middle,
+        Colour::Ink,
+    );
 }
 
 #[cfg(test)]
@@ -256,9 +432,16 @@ mod tests {
     #[test]
     fn a_label_longer_than_its_box_takes_two_lines_and_loses_no_word() {
         let axis = Axis::linear("Regularisation over the error assumed", "–");
-        assert_eq!(label_lines(&axis, Height::Px(400.0)), ["Regularisation over the error assumed (–)"]);
+        assert_eq!(
+            label_lines(&axis, Height::Px(400.0)),
+            ["Regularisation over the error assumed (–)"]
+        );
         let two = label_lines(&axis, Height::Px(140.0));
         assert_eq!(two.join(" "), axis.caption());
-        assert!(two.iter().all(|line| text_width(line, LABEL) <= 140.0 + LABEL_OVER), "{two:?}");
+        assert!(
+            two.iter()
+                .all(|line| text_width(line, LABEL) <= 140.0 + LABEL_OVER),
+            "{two:?}"
+        );
     }
 }

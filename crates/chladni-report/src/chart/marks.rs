@@ -27,9 +27,20 @@ pub enum Mark {
     Frame,
 }
 
-/// Signs of series 0, 1, ...: any two differ in shape, so that they are told apart without colour.
-const SERIES_MARKS: [Mark; 10] =
-    [Mark::Dot, Mark::Square, Mark::Ring, Mark::Triangle, Mark::Diamond, Mark::Cross, Mark::Inverted, Mark::Plus, Mark::Frame, Mark::Bar];
+/// Signs of series 0, 1, ...: any two differ in shape, so that they are told apart
+/// without colour.
+const SERIES_MARKS: [Mark; 10] = [
+    Mark::Dot,
+    Mark::Square,
+    Mark::Ring,
+    Mark::Triangle,
+    Mark::Diamond,
+    Mark::Cross,
+    Mark::Inverted,
+    Mark::Plus,
+    Mark::Frame,
+    Mark::Bar,
+];
 
 impl Mark {
     /// The sign of series number `k`; they repeat after ten.
@@ -37,22 +48,64 @@ impl Mark {
         SERIES_MARKS[k % SERIES_MARKS.len()]
     }
 
-    /// Draws it around `at`, `size` px across; filled signs show the hint where the pointer rests on them.
-    pub(super) fn draw(self, drawing: &mut Drawing, at: Point, colour: Colour, size: f64, hint: Option<String>) {
+    /// Draws it around `at`, `size` px across; filled signs show the hint where the
+    /// pointer rests on them.
+    pub(super) fn draw(
+        self,
+        drawing: &mut Drawing,
+        at: Point,
+        colour: Colour,
+        size: f64,
+        hint: Option<String>,
+    ) {
         let half = size / 2.0;
-        let corners = |places: &[Point]| places.iter().map(|[dx, dy]| [at[0] + dx * half, at[1] + dy * half]).collect::<Vec<_>>();
-        let mut filled = |places: &[Point]| drawing.polygon(corners(places), Some(colour), None, hint.clone());
+        let corners = |places: &[Point]| {
+            places
+                .iter()
+                .map(|[dx, dy]| [at[0] + dx * half, at[1] + dy * half])
+                .collect::<Vec<_>>()
+        };
+        let mut filled =
+            |places: &[Point]| drawing.polygon(corners(places), Some(colour), None, hint.clone());
         match self {
             Self::Dot => disc(drawing, at, half, Some(colour), None, hint),
             Self::Ring => {
                 if matches!(colour, Colour::Rgb(_)) {
                     // seen on dark and on light ground
-                    disc(drawing, at, half, None, Some(Stroke::new(Colour::Rgb([60, 64, 70]), 3.0)), None);
+                    disc(
+                        drawing,
+                        at,
+                        half,
+                        None,
+                        Some(Stroke::new(Colour::Rgb([60, 64, 70]), 3.0)),
+                        None,
+                    );
                 }
-                disc(drawing, at, half, None, Some(Stroke::new(colour, 1.4)), None);
+                disc(
+                    drawing,
+                    at,
+                    half,
+                    None,
+                    Some(Stroke::new(colour, 1.4)),
+                    None,
+                );
             }
-            Self::Cross => strokes(drawing, &[corners(&[[-1.0, -1.0], [1.0, 1.0]]), corners(&[[-1.0, 1.0], [1.0, -1.0]])], colour),
-            Self::Plus => strokes(drawing, &[corners(&[[-1.2, 0.0], [1.2, 0.0]]), corners(&[[0.0, -1.2], [0.0, 1.2]])], colour),
+            Self::Cross => strokes(
+                drawing,
+                &[
+                    corners(&[[-1.0, -1.0], [1.0, 1.0]]),
+                    corners(&[[-1.0, 1.0], [1.0, -1.0]]),
+                ],
+                colour,
+            ),
+            Self::Plus => strokes(
+                drawing,
+                &[
+                    corners(&[[-1.2, 0.0], [1.2, 0.0]]),
+                    corners(&[[0.0, -1.2], [0.0, 1.2]]),
+                ],
+                colour,
+            ),
             // larger than a disc, which it would else be taken for
             Self::Square => filled(&[[-1.05, -1.05], [1.05, -1.05], [1.05, 1.05], [-1.05, 1.05]]),
             Self::Triangle => filled(&[[0.0, -1.1], [1.1, 0.8], [-1.1, 0.8]]),
@@ -61,7 +114,12 @@ impl Mark {
             Self::Bar => filled(&[[-0.35, -1.3], [0.35, -1.3], [0.35, 1.3], [-0.35, 1.3]]),
             Self::Frame => {
                 let sides = corners(&[[-0.85, -0.85], [0.85, -0.85], [0.85, 0.85], [-0.85, 0.85]]);
-                drawing.polygon(sides, Some(Colour::Paper), Some(Stroke::new(colour, 1.6)), None);
+                drawing.polygon(
+                    sides,
+                    Some(Colour::Paper),
+                    Some(Stroke::new(colour, 1.6)),
+                    None,
+                );
             }
         }
     }
@@ -69,15 +127,38 @@ impl Mark {
 
 /// Lines of a sign, on paper so that what lies below does not run into them.
 fn strokes(drawing: &mut Drawing, lines: &[Vec<Point>], colour: Colour) {
-    for stroke in [Stroke::new(Colour::Rgb([255, 255, 255]), 5.0), Stroke::new(colour, 2.2)] {
+    for stroke in [
+        Stroke::new(Colour::Rgb([255, 255, 255]), 5.0),
+        Stroke::new(colour, 2.2),
+    ] {
         let (lines, stroke) = (lines.to_vec(), Some(stroke));
-        drawing.items.push(Item::Path { lines, closed: false, fill: None, stroke, name: None, hint: None });
+        drawing.items.push(Item::Path {
+            lines,
+            closed: false,
+            fill: None,
+            stroke,
+            name: None,
+            hint: None,
+        });
     }
 }
 
 /// A disc.
-pub(super) fn disc(drawing: &mut Drawing, centre: Point, radius: f64, fill: Option<Colour>, stroke: Option<Stroke>, hint: Option<String>) {
-    drawing.items.push(Item::Disc { centre, radius, fill, stroke, hint });
+pub(super) fn disc(
+    drawing: &mut Drawing,
+    centre: Point,
+    radius: f64,
+    fill: Option<Colour>,
+    stroke: Option<Stroke>,
+    hint: Option<String>,
+) {
+    drawing.items.push(Item::Disc {
+        centre,
+        radius,
+        fill,
+        stroke,
+        hint,
+    });
 }
 
 #[cfg(test)]
@@ -91,7 +172,11 @@ mod tests {
         drawing.height = 16.0;
         mark.draw(&mut drawing, [8.0, 8.0], Colour::Ink, 8.0, None);
         let pixels = Pixmap::decode_png(&drawing.to_png(2.0)).unwrap();
-        pixels.pixels().iter().map(|pixel| 1.0 - f64::from(pixel.red()) / 255.0).collect()
+        pixels
+            .pixels()
+            .iter()
+            .map(|pixel| 1.0 - f64::from(pixel.red()) / 255.0)
+            .collect()
     }
 
     #[test]
@@ -102,7 +187,11 @@ mod tests {
                 let differing: f64 = a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum();
                 let smaller = a.iter().sum::<f64>().min(b.iter().sum());
                 let (one, other) = (SERIES_MARKS[k], SERIES_MARKS[j]);
-                assert!(differing > 0.3 * smaller, "{one:?} and {other:?}: {:.2} of the smaller one", differing / smaller);
+                assert!(
+                    differing > 0.3 * smaller,
+                    "{one:?} and {other:?}: {:.2} of the smaller one",
+                    differing / smaller
+                );
             }
         }
         assert_eq!(Mark::of_series(SERIES_MARKS.len()), Mark::of_series(0));

@@ -1,4 +1,5 @@
-//! A chart as plain data: axes, layers, a colour bar. [`Figure::draw`] turns it into a picture.
+//! A chart as plain data: axes, layers, a colour bar. [`Figure::draw`] turns it into a
+//! picture.
 
 mod axis;
 mod clip;
@@ -14,7 +15,8 @@ use crate::drawing::{Anchor, Colour, ColourMap, Image, Stroke};
 /// A place in data coordinates.
 pub type Place = [f64; 2];
 
-/// A disc whose size is data; with a hand that points to `hand` radians, counter-clockwise from the right.
+/// A disc whose size is data; with a hand that points to `hand` radians,
+/// counter-clockwise from the right.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Disc {
     /// Centre.
@@ -42,22 +44,52 @@ pub struct Cell {
     pub hint: String,
 }
 
-/// One layer of data; those with a `name` stand in the legend. Places and numbers are in data coordinates, sizes in px.
+/// One layer of data; those with a `name` stand in the legend. Places and numbers are in
+/// data coordinates, sizes in px.
 #[allow(missing_docs)] // each variant's sentence names its fields
 #[derive(Debug, Clone, PartialEq)]
 pub enum Layer {
     /// Curves; a coordinate that is not finite breaks them.
-    Lines { name: Option<String>, lines: Vec<Vec<Place>>, stroke: Stroke },
+    Lines {
+        name: Option<String>,
+        lines: Vec<Vec<Place>>,
+        stroke: Stroke,
+    },
     /// Single points. `size` is their diameter, px.
-    Marks { name: Option<String>, points: Vec<Place>, mark: Mark, colour: Colour, size: f64 },
+    Marks {
+        name: Option<String>,
+        points: Vec<Place>,
+        mark: Mark,
+        colour: Colour,
+        size: f64,
+    },
     /// Lines from top to bottom.
-    Verticals { name: Option<String>, at: Vec<f64>, stroke: Stroke },
+    Verticals {
+        name: Option<String>,
+        at: Vec<f64>,
+        stroke: Stroke,
+    },
     /// Lines from left to right.
-    Horizontals { name: Option<String>, at: Vec<f64>, stroke: Stroke },
-    /// Lines from the lower end of the y axis, or from zero where that lies inside, to each point, with a mark there.
-    Stems { name: Option<String>, points: Vec<(Place, String)>, mark: Mark, colour: Colour },
+    Horizontals {
+        name: Option<String>,
+        at: Vec<f64>,
+        stroke: Stroke,
+    },
+    /// Lines from the lower end of the y axis, or from zero where that lies inside, to
+    /// each point, with a mark there.
+    Stems {
+        name: Option<String>,
+        points: Vec<(Place, String)>,
+        mark: Mark,
+        colour: Colour,
+    },
     /// A closed outline; `casing` puts paper around its line.
-    Outline { name: Option<String>, points: Vec<Place>, stroke: Stroke, casing: bool },
+    Outline {
+        name: Option<String>,
+        points: Vec<Place>,
+        stroke: Stroke,
+        casing: bool,
+    },
     /// Pixels over x ends and y ends; the first row lies at the upper y end.
     Pixels { x: Place, y: Place, image: Image },
     /// Cells of a matrix.
@@ -65,7 +97,12 @@ pub enum Layer {
     /// Discs whose size is data.
     Discs(Vec<Disc>),
     /// Words at a place.
-    Words { at: Place, text: String, anchor: Anchor, bold: bool },
+    Words {
+        at: Place,
+        text: String,
+        anchor: Anchor,
+        bold: bool,
+    },
 }
 
 /// The meaning of a map's colours.
@@ -109,7 +146,8 @@ pub struct Chart {
     pub right: Option<RightAxis>,
 }
 
-/// A vertical axis on the right, and the layers that it measures, above those of the left one. It has no grid.
+/// A vertical axis on the right, and the layers that it measures, above those of the left
+/// one. It has no grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RightAxis {
     /// The axis.
@@ -121,7 +159,15 @@ pub struct RightAxis {
 impl Chart {
     /// An empty chart of the usual height.
     pub fn new(x: Axis, y: Axis) -> Self {
-        Self { x, y, layers: Vec::new(), colour_bar: None, height: Height::Px(260.0), grid: true, right: None }
+        Self {
+            x,
+            y,
+            layers: Vec::new(),
+            colour_bar: None,
+            height: Height::Px(260.0),
+            grid: true,
+            right: None,
+        }
     }
     /// With the plotted box so high.
     pub fn height(self, height: Height) -> Self {
@@ -134,11 +180,28 @@ impl Chart {
     }
     /// With one more curve; an empty name keeps it out of the legend.
     pub fn line(self, name: &str, points: Vec<Place>, stroke: Stroke) -> Self {
-        self.with(Layer::Lines { name: named(name), lines: vec![points], stroke })
+        self.with(Layer::Lines {
+            name: named(name),
+            lines: vec![points],
+            stroke,
+        })
     }
     /// With single points; an empty name keeps them out of the legend.
-    pub fn marks(self, name: &str, points: Vec<Place>, mark: Mark, colour: Colour, size: f64) -> Self {
-        self.with(Layer::Marks { name: named(name), points, mark, colour, size })
+    pub fn marks(
+        self,
+        name: &str,
+        points: Vec<Place>,
+        mark: Mark,
+        colour: Colour,
+        size: f64,
+    ) -> Self {
+        self.with(Layer::Marks {
+            name: named(name),
+            points,
+            mark,
+            colour,
+            size,
+        })
     }
 }
 

@@ -1,4 +1,5 @@
-//! Arrays of numbers inside JSON: little-endian bytes as base64 under the name of their type, `{"f32": "AACAPw=="}`.
+//! Arrays of numbers inside JSON: little-endian bytes as base64 under the name of their
+//! type, `{"f32": "AACAPw=="}`.
 
 use crate::text::base64;
 use num_complex::Complex64;
@@ -6,13 +7,19 @@ use serde_json::{json, Value};
 
 /// Numbers to seven digits.
 pub(crate) fn f32s(values: impl IntoIterator<Item = f64>) -> Value {
-    let bytes: Vec<u8> = values.into_iter().flat_map(|value| (value as f32).to_le_bytes()).collect();
+    let bytes: Vec<u8> = values
+        .into_iter()
+        .flat_map(|value| (value as f32).to_le_bytes())
+        .collect();
     json!({ "f32": base64(&bytes) })
 }
 
 /// Numbers as they are: frequencies.
 pub(crate) fn f64s<'a>(values: impl IntoIterator<Item = &'a f64>) -> Value {
-    let bytes: Vec<u8> = values.into_iter().flat_map(|value| value.to_le_bytes()).collect();
+    let bytes: Vec<u8> = values
+        .into_iter()
+        .flat_map(|value| value.to_le_bytes())
+        .collect();
     json!({ "f64": base64(&bytes) })
 }
 
@@ -23,7 +30,10 @@ pub(crate) fn complex<'a>(values: impl IntoIterator<Item = &'a Complex64>) -> Va
 
 /// Whole numbers from 0.
 pub(crate) fn u32s(values: impl IntoIterator<Item = usize>) -> Value {
-    let bytes: Vec<u8> = values.into_iter().flat_map(|value| (value as u32).to_le_bytes()).collect();
+    let bytes: Vec<u8> = values
+        .into_iter()
+        .flat_map(|value| (value as u32).to_le_bytes())
+        .collect();
     json!({ "u32": base64(&bytes) })
 }
 

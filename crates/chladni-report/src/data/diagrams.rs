@@ -10,16 +10,21 @@ use chladni_rfp::{FitOptions, Stability};
 use num_complex::Complex64;
 use serde_json::{json, Value};
 
-/// The largest singular values over frequency, one after the other; `null` where neither data nor model are whole.
+/// The largest singular values over frequency, one after the other; `null` where neither
+/// data nor model are whole.
 ///
 /// # Errors
 /// A singular value decomposition that fails.
 pub(crate) fn cmif(comparison: &Comparison, measured: Option<&FrfSet>) -> Result<Value> {
-    let Some(cmif) = figures::Cmif::of(comparison, measured)? else { return Ok(Value::Null) };
+    let Some(cmif) = figures::Cmif::of(comparison, measured)? else {
+        return Ok(Value::Null);
+    };
     let frequency_hz = comparison.frequency_hz.to_vec();
     let lines = thinned(&frequency_hz, comparison.model, sizes::SHOWN_LINES);
     let shown = cmif.values.ncols().min(sizes::SINGULAR_VALUES);
-    let values = (0..shown).flat_map(|k| lines.iter().map(move |&line| (line, k))).map(|(line, k)| cmif.values[[line, k]]);
+    let values = (0..shown)
+        .flat_map(|k| lines.iter().map(move |&line| (line, k)))
+        .map(|(line, k)| cmif.values[[line, k]]);
     Ok(json!({
         "of": cmif.of,
         "unit": cmif.quantity.level_unit(),
@@ -48,7 +53,10 @@ pub(crate) fn stabilization(set: &FrfSet, model: Option<&ModalModel>) -> Value {
 
 /// The band of the model.
 pub(crate) fn stabilization_options(model: Option<&ModalModel>) -> FitOptions {
-    FitOptions { band_hz: model.map(|model| model.band_hz), ..FitOptions::default() }
+    FitOptions {
+        band_hz: model.map(|model| model.band_hz),
+        ..FitOptions::default()
+    }
 }
 
 /// MAC of every shape with every other, row by row; `None` without modes in the band.

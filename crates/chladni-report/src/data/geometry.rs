@@ -1,4 +1,5 @@
-//! Where things are: responses and actuators in the plane of the maps, and every mode's shape on one grid between the responses.
+//! Where things are: responses and actuators in the plane of the maps, and every mode's
+//! shape on one grid between the responses.
 
 use super::array::{complex, f32s};
 use crate::figures::plane::Plane;
@@ -26,19 +27,33 @@ impl<'a> Geometry<'a> {
         let model = input.model?;
         let plane = Plane::of(model)?;
         let shown = shown_responses(model);
-        let places: Vec<Position> = shown.iter().map(|&k| plane.position(&model.nodes, &model.responses[k])).collect::<Option<_>>()?;
+        let places: Vec<Position> = shown
+            .iter()
+            .map(|&k| plane.position(&model.nodes, &model.responses[k]))
+            .collect::<Option<_>>()?;
         let around = Rectangle::around(&places)?;
         let area = (around.x_max - around.x_min) * (around.y_max - around.y_min);
         let step = AREA_STEP_M.max((area / sizes::GRID_POINTS).sqrt());
         let grid = AreaGrid::new(&places, around, step);
-        Some(Self { model, plane, shown, places, grid })
+        Some(Self {
+            model,
+            plane,
+            shown,
+            places,
+            grid,
+        })
     }
 
-    /// A motion of the model's responses, on the grid row by row; NaN outside the responses.
+    /// A motion of the model's responses, on the grid row by row; NaN outside the
+    /// responses.
     pub(crate) fn on_grid(&self, at_responses: &[Complex64]) -> Option<Vec<Complex64>> {
         let grid = self.grid.as_ref()?;
         let along = |&k: &usize| at_responses[k] * self.model.responses[k].direction.sign();
-        Some(grid.field(&self.shown.iter().map(along).collect::<Vec<_>>()).into_iter().collect())
+        Some(
+            grid.field(&self.shown.iter().map(along).collect::<Vec<_>>())
+                .into_iter()
+                .collect(),
+        )
     }
 
     /// Where a reference is.
@@ -49,10 +64,25 @@ impl<'a> Geometry<'a> {
     pub(crate) fn value(&self) -> Value {
         let model = self.model;
         let around = self.plane.around;
-        let xyz = |k: usize| model.nodes.iter().find(|node| node.label == model.responses[k].node).map_or([0.0; 3], |node| node.xyz_m);
-        let references = model.references.iter().map(|dof| self.plane.position(&model.nodes, dof)).collect::<Vec<_>>();
+        let xyz = |k: usize| {
+            model
+                .nodes
+                .iter()
+                .find(|node| node.label == model.responses[k].node)
+                .map_or([0.0; 3], |node| node.xyz_m)
+        };
+        let references = model
+            .references
+            .iter()
+            .map(|dof| self.plane.position(&model.nodes, dof))
+            .collect::<Vec<_>>();
         let grid = self.grid.as_ref().map(|grid| {
-            let shapes = model.modes.iter().filter_map(|mode| self.on_grid(&mode.shape.0)).flatten().collect::<Vec<_>>();
+            let shapes = model
+                .modes
+                .iter()
+                .filter_map(|mode| self.on_grid(&mode.shape.0))
+                .flatten()
+                .collect::<Vec<_>>();
             json!({"x": grid.x_m, "y": grid.y_m, "shapes": complex(&shapes)})
         });
         json!({

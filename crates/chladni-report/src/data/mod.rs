@@ -1,6 +1,8 @@
-//! What the page's script draws, as one JSON object: numbers of the model, the FRFs, the diagrams and the scenes.
+//! What the page's script draws, as one JSON object: numbers of the model, the FRFs, the
+//! diagrams and the scenes.
 //!
-//! Nothing in it is markup; the script writes every word as text. Where a part is missing its key is `null`, and the page says so.
+//! Nothing in it is markup; the script writes every word as text. Where a part is missing
+//! its key is `null`, and the page says so.
 
 mod array;
 mod diagrams;
@@ -21,7 +23,8 @@ use serde_json::{json, Value};
 /// The whole object.
 ///
 /// # Errors
-/// Measured FRFs that do not belong to the model; a singular value decomposition that fails.
+/// Measured FRFs that do not belong to the model; a singular value decomposition that
+/// fails.
 pub(crate) fn of(input: &ReportInput) -> Result<Value> {
     let comparison = Comparison::new(input)?;
     let geometry = geometry::Geometry::of(input);
@@ -40,10 +43,13 @@ pub(crate) fn of(input: &ReportInput) -> Result<Value> {
     }))
 }
 
-/// What a fit changes, without all that takes longer than the fit itself: the measured FRFs, sums, CMIF and diagram of a fit before
-/// stay as they are.
+/// What a fit changes, without all that takes longer than the fit itself: the measured
+/// FRFs, sums, CMIF and diagram of a fit before stay as they are.
 pub(crate) fn of_draft(model: &ModalModel) -> Value {
-    let input = ReportInput { model: Some(model), ..ReportInput::default() };
+    let input = ReportInput {
+        model: Some(model),
+        ..ReportInput::default()
+    };
     json!({
         "model": model::value(model),
         "terms": frfs::model_terms(model),
@@ -52,8 +58,12 @@ pub(crate) fn of_draft(model: &ModalModel) -> Value {
     })
 }
 
-/// One scene alone, as an entry of `scenes`: what changes while zones are drawn in the studio.
+/// One scene alone, as an entry of `scenes`: what changes while zones are drawn in the
+/// studio.
 pub(crate) fn of_scene(input: &ReportInput) -> Option<Value> {
     let geometry = geometry::Geometry::of(input);
-    input.scenes.first().map(|scene| scenes::value(scene, input, geometry.as_ref()))
+    input
+        .scenes
+        .first()
+        .map(|scene| scenes::value(scene, input, geometry.as_ref()))
 }

@@ -1,4 +1,5 @@
-//! The modal model: facts in words, poles with bounds and reasons, and everything that its synthesis needs.
+//! The modal model: facts in words, poles with bounds and reasons, and everything that
+//! its synthesis needs.
 
 use super::array::{complex, f64s};
 use crate::text::{counted, plain, significant};
@@ -44,10 +45,15 @@ fn mode(mode: &Mode) -> Value {
     })
 }
 
-/// What the model is and how well it explains its data: pairs of a word and what belongs to it.
+/// What the model is and how well it explains its data: pairs of a word and what belongs
+/// to it.
 fn facts(model: &ModalModel) -> Vec<[String; 2]> {
     let (sure, weak) = (count(model, Trust::Sure), count(model, Trust::Weak));
-    let outside = model.modes.iter().filter(|mode| !mode.in_band && mode.trust != Trust::Rejected).count();
+    let outside = model
+        .modes
+        .iter()
+        .filter(|mode| !mode.in_band && mode.trust != Trust::Rejected)
+        .count();
     let mut modes = counted(sure + weak, "mode");
     if weak > 0 {
         modes += &format!(" ({sure} sure, {weak} weak)");
@@ -61,9 +67,17 @@ fn facts(model: &ModalModel) -> Vec<[String; 2]> {
     };
     let scaling = match model.scaling {
         Scaling::UnitModalMass => "unit modal mass",
-        Scaling::Unscaled => "unscaled (no driving point): shapes have largest motion 1, participations carry the rest",
+        Scaling::Unscaled => {
+            "unscaled (no driving point): shapes have largest motion 1, \
+                              participations carry the rest"
+        }
     };
-    let path = model.quality.path.as_ref().map(|path| format!("; {path}")).unwrap_or_default();
+    let path = model
+        .quality
+        .path
+        .as_ref()
+        .map(|path| format!("; {path}"))
+        .unwrap_or_default();
     let rows = [
         ("Source", sources(&model.source)),
         (
@@ -76,7 +90,14 @@ fn facts(model: &ModalModel) -> Vec<[String; 2]> {
                 counted(model.references.len(), "reference")
             ),
         ),
-        ("Fitted band", format!("{} to {} Hz", plain(model.band_hz[0]), plain(model.band_hz[1]))),
+        (
+            "Fitted band",
+            format!(
+                "{} to {} Hz",
+                plain(model.band_hz[0]),
+                plain(model.band_hz[1])
+            ),
+        ),
         ("Method", format!("{}{path}", model.method)),
         ("Found", modes),
         ("Damping", damping.into()),
@@ -89,25 +110,47 @@ fn facts(model: &ModalModel) -> Vec<[String; 2]> {
                 significant(model.quality.chi2_per_dof, 4)
             ),
         ),
-        ("Trust", if model.quality.trusted { "trusted" } else { "not trusted, see the warnings" }.into()),
+        (
+            "Trust",
+            if model.quality.trusted {
+                "trusted"
+            } else {
+                "not trusted, see the warnings"
+            }
+            .into(),
+        ),
     ];
     rows.map(|(word, text)| [word.to_owned(), text]).into()
 }
 
-/// The files in words: of many the first ones, without their hashes, which the model file has.
+/// The files in words: of many the first ones, without their hashes, which the model file
+/// has.
 fn sources(sources: &[Source]) -> String {
     match sources {
         [] => "not recorded".into(),
-        few if few.len() <= SOURCES_LISTED => {
-            few.iter().map(|source| format!("{} (SHA-256 {})", source.file, source.sha256)).collect::<Vec<_>>().join(", ")
-        }
+        few if few.len() <= SOURCES_LISTED => few
+            .iter()
+            .map(|source| format!("{} (SHA-256 {})", source.file, source.sha256))
+            .collect::<Vec<_>>()
+            .join(", "),
         many => {
-            let first: Vec<&str> = many.iter().take(SOURCES_LISTED).map(|source| source.file.as_str()).collect();
-            format!("{} and {} more", first.join(", "), many.len() - SOURCES_LISTED)
+            let first: Vec<&str> = many
+                .iter()
+                .take(SOURCES_LISTED)
+                .map(|source| source.file.as_str())
+                .collect();
+            format!(
+                "{} and {} more",
+                first.join(", "),
+                many.len() - SOURCES_LISTED
+            )
         }
     }
 }
 
 fn count(model: &ModalModel, trust: Trust) -> usize {
-    model.in_band_modes().filter(|mode| mode.trust == trust).count()
+    model
+        .in_band_modes()
+        .filter(|mode| mode.trust == trust)
+        .count()
 }

@@ -1,5 +1,6 @@
-//! A scene: what was asked, the weights, the field, and the drive in modal coordinates, so that the page can ask what the same
-//! weights do at another frequency or without some of the modes.
+//! A scene: what was asked, the weights, the field, and the drive in modal coordinates,
+//! so that the page can ask what the same weights do at another frequency or without some
+//! of the modes.
 
 use super::array::{complex, u8s};
 use super::geometry::Geometry;
@@ -11,7 +12,11 @@ use num_complex::Complex64;
 use serde_json::{json, Value};
 
 /// Everything about one scene.
-pub(crate) fn value(scene: &RenderedScene, input: &ReportInput, geometry: Option<&Geometry>) -> Value {
+pub(crate) fn value(
+    scene: &RenderedScene,
+    input: &ReportInput,
+    geometry: Option<&Geometry>,
+) -> Value {
     let weights = scene.weights;
     let drive = input.model.map(|model| drive_of(weights, model));
     json!({
@@ -57,10 +62,15 @@ fn code(ground: Ground) -> u8 {
 
 fn field(shown: &ShownField, geometry: Option<&Geometry>) -> Value {
     let area = shown.zones.area();
-    let over_grid = geometry.and_then(|geometry| geometry.grid.as_ref()).map(|grid| {
-        let points = grid.y_m.iter().flat_map(|&y| grid.x_m.iter().map(move |&x| [x, y]));
-        u8s(points.map(|point| code(shown.zones.classify(point))))
-    });
+    let over_grid = geometry
+        .and_then(|geometry| geometry.grid.as_ref())
+        .map(|grid| {
+            let points = grid
+                .y_m
+                .iter()
+                .flat_map(|&y| grid.x_m.iter().map(move |&x| [x, y]));
+            u8s(points.map(|point| code(shown.zones.classify(point))))
+        });
     json!({
         "threshold": shown.limits.threshold_m_per_s,
         "felt": shown.limits.hot_m_per_s,
@@ -78,29 +88,66 @@ fn field(shown: &ShownField, geometry: Option<&Geometry>) -> Value {
     })
 }
 
-/// The weights in the order of the model's references; none for those that are not driven.
+/// The weights in the order of the model's references; none for those that are not
+/// driven.
 fn drive_of(weights: &Weights, model: &ModalModel) -> Vec<Complex64> {
     let of = |reference: &chladni_frf::Dof| {
-        let weight = weights.weights.iter().find(|weight| weight.reference.same_axis(*reference));
-        weight.map_or(Complex64::ZERO, |weight| weight.value() * weight.reference.direction.sign() * reference.direction.sign())
+        let weight = weights
+            .weights
+            .iter()
+            .find(|weight| weight.reference.same_axis(*reference));
+        weight.map_or(Complex64::ZERO, |weight| {
+            weight.value() * weight.reference.direction.sign() * reference.direction.sign()
+        })
     };
     model.references.iter().map(of).collect()
 }
 
-/// Participation of each mode in the drive, and what the residual terms make of it at the responses and on the grid.
+/// Participation of each mode in the drive, and what the residual terms make of it at the
+/// responses and on the grid.
 fn modal(model: &ModalModel, drive: &[Complex64], geometry: Option<&Geometry>) -> Value {
-    let dot = |row: &mut dyn Iterator<Item = &Complex64>| row.zip(drive).map(|(a, b)| a * b).sum::<Complex64>();
-    let forces: Vec<Complex64> = model.modes.iter().map(|mode| dot(&mut mode.participation.0.iter())).collect();
+    let dot = |row: &mut dyn Iterator<Item = &Complex64>| {
+        row.zip(drive).map(|(a, b)| a * b).sum::<Complex64>()
+    };
+    let forces: Vec<Complex64> = model
+        .modes
+        .iter()
+        .map(|mode| dot(&mut mode.participation.0.iter()))
+        .collect();
     // a viscous pair needs the conjugate of the participation too
     let mirrored: Vec<Complex64> = model
         .modes
         .iter()
-        .map(|mode| mode.participation.0.iter().zip(drive).map(|(participation, force)| participation.conj() * force).sum())
+        .map(|mode| {
+            mode.participation
+                .0
+                .iter()
+                .zip(drive)
+                .map(|(participation, force)| participation.conj() * force)
+                .sum()
+        })
         .collect();
-    let terms: Vec<Vec<Complex64>> =
-        model.residual_terms.terms.iter().map(|term| term.matrix.0.rows().into_iter().map(|row| dot(&mut row.iter())).collect()).collect();
-    let on_grid: Option<Vec<Complex64>> =
-        geometry.and_then(|geometry| terms.iter().map(|term| geometry.on_grid(term)).collect::<Option<Vec<_>>>()).map(|all| all.concat());
+    let terms: Vec<Vec<Complex64>> = model
+        .residual_terms
+        .terms
+        .iter()
+        .map(|term| {
+            term.matrix
+                .0
+                .rows()
+                .into_iter()
+                .map(|row| dot(&mut row.iter()))
+                .collect()
+        })
+        .collect();
+    let on_grid: Option<Vec<Complex64>> = geometry
+        .and_then(|geometry| {
+            terms
+                .iter()
+                .map(|term| geometry.on_grid(term))
+                .collect::<Option<Vec<_>>>()
+        })
+        .map(|all| all.concat());
     json!({
         "forces": complex(&forces),
         "mirrored": complex(&mirrored),
@@ -115,15 +162,31 @@ fn facts(weights: &Weights) -> Vec<[String; 2]> {
         false => "not met in the model: some judged response misses its limit",
     };
     let mut rows = vec![
-        ("Drive frequency", format!("{} Hz", plain(weights.frequency_hz))),
+        (
+            "Drive frequency",
+            format!("{} Hz", plain(weights.frequency_hz)),
+        ),
         ("Method", weights.method.clone()),
         ("Scene", verdict.into()),
-        ("Used", format!("{}, {}", counted(weights.modes_used, "mode"), counted(weights.actuators_used, "actuator"))),
+        (
+            "Used",
+            format!(
+                "{}, {}",
+                counted(weights.modes_used, "mode"),
+                counted(weights.actuators_used, "actuator")
+            ),
+        ),
     ];
     if let Some(kappa) = weights.kappa {
         let words = match kappa >= 0.0 {
-            true => format!("limits are kept under model errors of {} standard deviations (κ)", fixed(kappa, 2)),
-            false => format!("none: some limit is missed even without model errors (κ = {})", fixed(kappa, 2)),
+            true => format!(
+                "limits are kept under model errors of {} standard deviations (κ)",
+                fixed(kappa, 2)
+            ),
+            false => format!(
+                "none: some limit is missed even without model errors (κ = {})",
+                fixed(kappa, 2)
+            ),
         };
         rows.push(("Robustness", words));
     }
@@ -140,7 +203,17 @@ fn facts(weights: &Weights) -> Vec<[String; 2]> {
         ));
     }
     if !weights.source.is_empty() {
-        rows.push(("Made from", weights.source.iter().map(|source| source.file.as_str()).collect::<Vec<_>>().join(", ")));
+        rows.push((
+            "Made from",
+            weights
+                .source
+                .iter()
+                .map(|source| source.file.as_str())
+                .collect::<Vec<_>>()
+                .join(", "),
+        ));
     }
-    rows.into_iter().map(|(word, text)| [word.to_owned(), text]).collect()
+    rows.into_iter()
+        .map(|(word, text)| [word.to_owned(), text])
+        .collect()
 }

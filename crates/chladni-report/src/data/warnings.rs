@@ -7,25 +7,57 @@ use chladni_frf::Trust;
 /// Pairs of what it is about, and the warning.
 pub(crate) fn all(input: &ReportInput) -> Vec<[String; 2]> {
     let about = |what: &str, text: &str| [what.to_owned(), text.to_owned()];
-    let mut warnings: Vec<[String; 2]> = input.warnings.iter().map(|text| about("Report", text)).collect();
+    let mut warnings: Vec<[String; 2]> = input
+        .warnings
+        .iter()
+        .map(|text| about("Report", text))
+        .collect();
     if let Some(model) = input.model {
         if !model.quality.trusted {
-            warnings.push(about("Model", "this model is not to be trusted; the reasons follow"));
+            warnings.push(about(
+                "Model",
+                "this model is not to be trusted; the reasons follow",
+            ));
         }
-        warnings.extend(model.quality.warnings.iter().map(|text| about("Model", text)));
-        let weak = model.in_band_modes().filter(|mode| mode.trust == Trust::Weak).count();
+        warnings.extend(
+            model
+                .quality
+                .warnings
+                .iter()
+                .map(|text| about("Model", text)),
+        );
+        let weak = model
+            .in_band_modes()
+            .filter(|mode| mode.trust == Trust::Weak)
+            .count();
         if weak > 0 {
-            warnings.push(about("Model", &format!("{} kept with doubts; the pole table says why", counted(weak, "mode"))));
+            warnings.push(about(
+                "Model",
+                &format!(
+                    "{} kept with doubts; the pole table says why",
+                    counted(weak, "mode")
+                ),
+            ));
         }
     }
     for (k, scene) in input.scenes.iter().enumerate() {
         let of = format!("Scene {}", k + 1);
         if !scene.weights.feasible {
             let ratio = fixed(100.0 * scene.weights.indices.points.min_ratio, 1);
-            warnings.push(about(&of, &format!("not met: the worse zone keeps its limit at {ratio} % of its responses")));
+            warnings.push(about(
+                &of,
+                &format!("not met: the worse zone keeps its limit at {ratio} % of its responses"),
+            ));
         }
         let shown = scene.shown.map_or(&[][..], |shown| shown.warnings);
-        warnings.extend(scene.weights.warnings.iter().chain(shown).map(|text| about(&of, text)));
+        warnings.extend(
+            scene
+                .weights
+                .warnings
+                .iter()
+                .chain(shown)
+                .map(|text| about(&of, text)),
+        );
     }
     warnings
 }

@@ -1,4 +1,5 @@
-//! Colours: roles that follow the page's light or dark theme, and colour maps that stay readable for colour-blind eyes and in grey.
+//! Colours: roles that follow the page's light or dark theme, and colour maps that stay
+//! readable for colour-blind eyes and in grey.
 
 /// A colour by its role, or as it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,9 +21,17 @@ pub enum Colour {
 /// Number of different series colours.
 pub const SERIES: u8 = 6;
 
-/// Light theme: blue, red, olive, wine, orange, navy. Found by a search for six colours of contrast 3 on white that any two of stay apart
-/// for every kind of colour vision and in grey; the tests of the page hold both themes to it.
-const LIGHT: [[u8; 3]; SERIES as usize] = [[25, 108, 228], [182, 39, 32], [116, 137, 82], [108, 28, 59], [209, 128, 42], [25, 76, 131]];
+/// Light theme: blue, red, olive, wine, orange, navy. Found by a search for six colours
+/// of contrast 3 on white that any two of stay apart for every kind of colour vision and
+/// in grey; the tests of the page hold both themes to it.
+const LIGHT: [[u8; 3]; SERIES as usize] = [
+    [25, 108, 228],
+    [182, 39, 32],
+    [116, 137, 82],
+    [108, 28, 59],
+    [209, 128, 42],
+    [25, 76, 131],
+];
 
 impl Colour {
     /// Red, green, blue on a white ground.
@@ -43,7 +52,8 @@ impl Colour {
 pub enum ColourMap {
     /// Dark violet over teal to yellow, lightness rising evenly: reads the same in grey.
     Sequential,
-    /// Blue over white to brown; in grey both ends are dark, so that figures add signs and dashed contours.
+    /// Blue over white to brown; in grey both ends are dark, so that figures add signs
+    /// and dashed contours.
     Diverging,
     /// Closed circle for phases; figures add a hand that points to the phase.
     Cyclic,
@@ -55,14 +65,38 @@ impl ColourMap {
     /// Colour of `t` in 0..=1, clamped; NaN is grey.
     pub fn at(self, t: f64) -> [u8; 3] {
         let anchors: &[[u8; 3]] = match self {
-            Self::Sequential => &[[42, 18, 84], [52, 80, 140], [36, 126, 140], [80, 172, 112], [176, 212, 74], [253, 236, 116]],
-            Self::Diverging => {
-                &[[8, 48, 107], [66, 130, 190], [176, 208, 230], [250, 250, 248], [248, 205, 155], [214, 120, 40], [115, 48, 6]]
-            }
-            Self::Cyclic => {
-                &[[236, 226, 214], [120, 165, 205], [62, 84, 160], [44, 24, 62], [130, 40, 62], [205, 120, 88], [236, 226, 214]]
-            }
-            Self::White => &[[255, 255, 255], [150, 190, 222], [40, 110, 175], [5, 40, 90]],
+            Self::Sequential => &[
+                [42, 18, 84],
+                [52, 80, 140],
+                [36, 126, 140],
+                [80, 172, 112],
+                [176, 212, 74],
+                [253, 236, 116],
+            ],
+            Self::Diverging => &[
+                [8, 48, 107],
+                [66, 130, 190],
+                [176, 208, 230],
+                [250, 250, 248],
+                [248, 205, 155],
+                [214, 120, 40],
+                [115, 48, 6],
+            ],
+            Self::Cyclic => &[
+                [236, 226, 214],
+                [120, 165, 205],
+                [62, 84, 160],
+                [44, 24, 62],
+                [130, 40, 62],
+                [205, 120, 88],
+                [236, 226, 214],
+            ],
+            Self::White => &[
+                [255, 255, 255],
+                [150, 190, 222],
+                [40, 110, 175],
+                [5, 40, 90],
+            ],
         };
         if t.is_nan() {
             return [128, 128, 128];
@@ -71,7 +105,10 @@ impl ColourMap {
         let below = (place.floor() as usize).min(anchors.len() - 2);
         let part = place - below as f64;
         let mix = |channel: usize| {
-            let (a, b) = (f64::from(anchors[below][channel]), f64::from(anchors[below + 1][channel]));
+            let (a, b) = (
+                f64::from(anchors[below][channel]),
+                f64::from(anchors[below + 1][channel]),
+            );
             (a + part * (b - a)).round() as u8
         };
         [mix(0), mix(1), mix(2)]
@@ -93,8 +130,13 @@ mod tests {
 
     #[test]
     fn the_sequential_map_rises_in_grey_and_the_cyclic_one_closes() {
-        let levels: Vec<f64> = (0..=50).map(|k| lightness(ColourMap::Sequential.at(f64::from(k) / 50.0))).collect();
-        assert!(levels.windows(2).all(|pair| pair[1] > pair[0]), "{levels:?}");
+        let levels: Vec<f64> = (0..=50)
+            .map(|k| lightness(ColourMap::Sequential.at(f64::from(k) / 50.0)))
+            .collect();
+        assert!(
+            levels.windows(2).all(|pair| pair[1] > pair[0]),
+            "{levels:?}"
+        );
         assert_eq!(ColourMap::Cyclic.at(0.0), ColourMap::Cyclic.at(1.0));
         assert_eq!(ColourMap::Sequential.at(f64::NAN), [128, 128, 128]);
     }

@@ -1,4 +1,5 @@
-//! Letters: widths for the layout, outlines for PNG. The font is embedded, so that a machine without fonts draws the same.
+//! Letters: widths for the layout, outlines for PNG. The font is embedded, so that a
+//! machine without fonts draws the same.
 
 use std::sync::OnceLock;
 use tiny_skia::{Path, PathBuilder};
@@ -6,7 +7,9 @@ use ttf_parser::{Face, OutlineBuilder};
 
 fn face() -> &'static Face<'static> {
     static FACE: OnceLock<Face<'static>> = OnceLock::new();
-    FACE.get_or_init(|| Face::parse(dejavu::sans::regular(), 0).expect("the embedded font is sound"))
+    FACE.get_or_init(|| {
+        Face::parse(dejavu::sans::regular(), 0).expect("the embedded font is sound")
+    })
 }
 
 /// Width of `text` in letters of `size`, px.
@@ -17,13 +20,22 @@ pub(crate) fn text_width(text: &str, size: f64) -> f64 {
 
 fn advance(letter: char) -> f64 {
     let glyph = face().glyph_index(letter).unwrap_or_default();
-    f64::from(face().glyph_hor_advance(glyph).unwrap_or(face().units_per_em() / 2))
+    f64::from(
+        face()
+            .glyph_hor_advance(glyph)
+            .unwrap_or(face().units_per_em() / 2),
+    )
 }
 
-/// Outline of `text` with its base line starting at (0, 0), y downwards; `None` for blank text.
+/// Outline of `text` with its base line starting at (0, 0), y downwards; `None` for blank
+/// text.
 pub(crate) fn text_outline(text: &str, size: f64) -> Option<Path> {
     let scale = size / f64::from(face().units_per_em());
-    let mut pen = Pen { path: PathBuilder::new(), x: 0.0, scale };
+    let mut pen = Pen {
+        path: PathBuilder::new(),
+        x: 0.0,
+        scale,
+    };
     for letter in text.chars() {
         face().outline_glyph(face().glyph_index(letter).unwrap_or_default(), &mut pen);
         pen.x += advance(letter) * scale;
@@ -39,7 +51,10 @@ struct Pen {
 
 impl Pen {
     fn place(&self, x: f32, y: f32) -> (f32, f32) {
-        ((self.x + f64::from(x) * self.scale) as f32, (-f64::from(y) * self.scale) as f32)
+        (
+            (self.x + f64::from(x) * self.scale) as f32,
+            (-f64::from(y) * self.scale) as f32,
+        )
     }
 }
 
@@ -57,7 +72,8 @@ impl OutlineBuilder for Pen {
         self.path.quad_to(x1, y1, x, y);
     }
     fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
-        let ((x1, y1), (x2, y2), (x, y)) = (self.place(x1, y1), self.place(x2, y2), self.place(x, y));
+        let ((x1, y1), (x2, y2), (x, y)) =
+            (self.place(x1, y1), self.place(x2, y2), self.place(x, y));
         self.path.cubic_to(x1, y1, x2, y2, x, y);
     }
     fn close(&mut self) {
@@ -76,7 +92,9 @@ pub(crate) fn fitted(text: &str, size: f64, width: f64) -> String {
         let tail = letters[letters.len() - keep / 2..].iter();
         head.chain(['…'].iter()).chain(tail).collect()
     };
-    let widest = (1..letters.len()).rev().find(|&keep| text_width(&shortened(keep), size) <= width);
+    let widest = (1..letters.len())
+        .rev()
+        .find(|&keep| text_width(&shortened(keep), size) <= width);
     shortened(widest.unwrap_or(0))
 }
 
@@ -86,7 +104,8 @@ mod tests {
 
     #[test]
     fn every_sign_of_the_charts_has_a_letter() {
-        for letter in "aZ09 .,:;()/|%°²³⁻⁰¹⁴⁵⁶⁷⁸⁹−–±×·≥≤ηωζσΣπ√…∞".chars() {
+        for letter in "aZ09 .,:;()/|%°²³⁻⁰¹⁴⁵⁶⁷⁸⁹−–±×·≥≤ηωζσΣπ√…∞".chars()
+        {
             assert!(face().glyph_index(letter).is_some(), "{letter}");
         }
     }
@@ -94,7 +113,10 @@ mod tests {
     #[test]
     fn long_text_loses_its_middle() {
         let short = fitted("a_very_long_name_of_a_measurement.h5", 12.0, 100.0);
-        assert!(short.contains('…') && short.ends_with("h5") && short.starts_with("a_v"), "{short}");
+        assert!(
+            short.contains('…') && short.ends_with("h5") && short.starts_with("a_v"),
+            "{short}"
+        );
         assert!(text_width(&short, 12.0) <= 100.0);
         assert_eq!(fitted("short", 12.0, 100.0), "short");
     }

@@ -50,7 +50,11 @@ impl Dash {
 impl Stroke {
     /// A solid line.
     pub fn new(colour: Colour, width: f64) -> Self {
-        Self { colour, width, dash: Dash::Solid }
+        Self {
+            colour,
+            width,
+            dash: Dash::Solid,
+        }
     }
     /// The same line with dashes.
     pub fn dashed(self, dash: Dash) -> Self {
@@ -73,13 +77,40 @@ pub enum Anchor {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Item {
     /// Open or closed polylines, filled (even-odd) and stroked as one.
-    Path { lines: Vec<Vec<Point>>, closed: bool, fill: Option<Colour>, stroke: Option<Stroke>, name: Option<String>, hint: Option<String> },
+    Path {
+        lines: Vec<Vec<Point>>,
+        closed: bool,
+        fill: Option<Colour>,
+        stroke: Option<Stroke>,
+        name: Option<String>,
+        hint: Option<String>,
+    },
     /// A disc.
-    Disc { centre: Point, radius: f64, fill: Option<Colour>, stroke: Option<Stroke>, hint: Option<String> },
-    /// One line of text on a base line; `turned`: upwards. `halo` puts paper around the letters.
-    Text { at: Point, text: String, size: f64, anchor: Anchor, turned: bool, bold: bool, colour: Colour, halo: bool },
+    Disc {
+        centre: Point,
+        radius: f64,
+        fill: Option<Colour>,
+        stroke: Option<Stroke>,
+        hint: Option<String>,
+    },
+    /// One line of text on a base line; `turned`: upwards. `halo` puts paper around the
+    /// letters.
+    Text {
+        at: Point,
+        text: String,
+        size: f64,
+        anchor: Anchor,
+        turned: bool,
+        bold: bool,
+        colour: Colour,
+        halo: bool,
+    },
     /// Pixels row by row from the top, each red, green, blue, opacity.
-    Image { corner: Point, size: Point, image: Image },
+    Image {
+        corner: Point,
+        size: Point,
+        image: Image,
+    },
 }
 
 /// Pixels row by row from the top, each red, green, blue, opacity.
@@ -105,23 +136,75 @@ pub struct Drawing {
 
 impl Drawing {
     pub(crate) fn new(width: f64, title: &str, description: &str) -> Self {
-        Self { width, height: 0.0, title: title.into(), description: description.into(), items: Vec::new() }
+        Self {
+            width,
+            height: 0.0,
+            title: title.into(),
+            description: description.into(),
+            items: Vec::new(),
+        }
     }
 
     pub(crate) fn line(&mut self, points: Vec<Point>, stroke: Stroke) {
-        self.items.push(Item::Path { lines: vec![points], closed: false, fill: None, stroke: Some(stroke), name: None, hint: None });
+        self.items.push(Item::Path {
+            lines: vec![points],
+            closed: false,
+            fill: None,
+            stroke: Some(stroke),
+            name: None,
+            hint: None,
+        });
     }
 
-    pub(crate) fn polygon(&mut self, points: Vec<Point>, fill: Option<Colour>, stroke: Option<Stroke>, hint: Option<String>) {
-        self.items.push(Item::Path { lines: vec![points], closed: true, fill, stroke, name: None, hint });
+    pub(crate) fn polygon(
+        &mut self,
+        points: Vec<Point>,
+        fill: Option<Colour>,
+        stroke: Option<Stroke>,
+        hint: Option<String>,
+    ) {
+        self.items.push(Item::Path {
+            lines: vec![points],
+            closed: true,
+            fill,
+            stroke,
+            name: None,
+            hint,
+        });
     }
 
-    pub(crate) fn rectangle(&mut self, [left, top, right, bottom]: [f64; 4], fill: Option<Colour>, stroke: Option<Stroke>) {
-        self.polygon(vec![[left, top], [right, top], [right, bottom], [left, bottom]], fill, stroke, None);
+    pub(crate) fn rectangle(
+        &mut self,
+        [left, top, right, bottom]: [f64; 4],
+        fill: Option<Colour>,
+        stroke: Option<Stroke>,
+    ) {
+        self.polygon(
+            vec![[left, top], [right, top], [right, bottom], [left, bottom]],
+            fill,
+            stroke,
+            None,
+        );
     }
 
-    pub(crate) fn text(&mut self, at: Point, text: impl Into<String>, size: f64, anchor: Anchor, colour: Colour) {
-        self.items.push(Item::Text { at, text: text.into(), size, anchor, turned: false, bold: false, colour, halo: false });
+    pub(crate) fn text(
+        &mut self,
+        at: Point,
+        text: impl Into<String>,
+        size: f64,
+        anchor: Anchor,
+        colour: Colour,
+    ) {
+        self.items.push(Item::Text {
+            at,
+            text: text.into(),
+            size,
+            anchor,
+            turned: false,
+            bold: false,
+            colour,
+            halo: false,
+        });
     }
 
     /// A complete SVG file in the colours of the light theme.

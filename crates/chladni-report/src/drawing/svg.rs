@@ -4,7 +4,8 @@ use super::{image_png, Anchor, Colour, Drawing, Item, Point, Stroke};
 use crate::text::{base64, escape};
 use std::fmt::Write;
 
-/// Letters of SVG files; the widths of the layout are those of DejaVu Sans, which is wider than most.
+/// Letters of SVG files; the widths of the layout are those of DejaVu Sans, which is
+/// wider than most.
 const FONTS: &str = "system-ui, 'Segoe UI', Helvetica, Arial, 'DejaVu Sans', sans-serif";
 
 pub(super) fn write(drawing: &Drawing) -> String {
@@ -16,8 +17,21 @@ pub(super) fn write(drawing: &Drawing) -> String {
             r#"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}" role="img" font-family="{FONTS}">"#
         ),
     );
-    push(&mut out, format_args!("\n<title>{}</title><desc>{}</desc>\n", escape(&drawing.title), escape(&drawing.description)));
-    push(&mut out, format_args!("<rect width=\"{width}\" height=\"{height}\" fill=\"{}\"/>\n", hex(Colour::Paper)));
+    push(
+        &mut out,
+        format_args!(
+            "\n<title>{}</title><desc>{}</desc>\n",
+            escape(&drawing.title),
+            escape(&drawing.description)
+        ),
+    );
+    push(
+        &mut out,
+        format_args!(
+            "<rect width=\"{width}\" height=\"{height}\" fill=\"{}\"/>\n",
+            hex(Colour::Paper)
+        ),
+    );
     for item in &drawing.items {
         write_item(&mut out, item);
     }
@@ -26,52 +40,123 @@ pub(super) fn write(drawing: &Drawing) -> String {
 }
 
 fn push(out: &mut String, text: std::fmt::Arguments) {
-    out.write_fmt(text).expect("writing to a string cannot fail");
+    out.write_fmt(text)
+        .expect("writing to a string cannot fail");
 }
 
 fn write_item(out: &mut String, item: &Item) {
     match item {
-        Item::Path { lines, closed, fill, stroke, name, hint } => {
-            let named = name.as_ref().map(|name| format!(" data-name=\"{}\"", escape(name))).unwrap_or_default();
+        Item::Path {
+            lines,
+            closed,
+            fill,
+            stroke,
+            name,
+            hint,
+        } => {
+            let named = name
+                .as_ref()
+                .map(|name| format!(" data-name=\"{}\"", escape(name)))
+                .unwrap_or_default();
             let paint = paint(*fill, *stroke);
-            let rule = if fill.is_some() && lines.len() > 1 { " fill-rule=\"evenodd\"" } else { "" };
-            element(out, &format!("path{named}{paint}{rule} d=\"{}\"", path_data(lines, *closed)), "path", hint.as_deref());
+            let rule = if fill.is_some() && lines.len() > 1 {
+                " fill-rule=\"evenodd\""
+            } else {
+                ""
+            };
+            element(
+                out,
+                &format!(
+                    "path{named}{paint}{rule} d=\"{}\"",
+                    path_data(lines, *closed)
+                ),
+                "path",
+                hint.as_deref(),
+            );
         }
-        Item::Disc { centre, radius, fill, stroke, hint } => {
+        Item::Disc {
+            centre,
+            radius,
+            fill,
+            stroke,
+            hint,
+        } => {
             let paint = paint(*fill, *stroke);
-            let place = format!("cx=\"{}\" cy=\"{}\" r=\"{}\"", number(centre[0]), number(centre[1]), number(*radius));
-            element(out, &format!("circle{paint} {place}"), "circle", hint.as_deref());
+            let place = format!(
+                "cx=\"{}\" cy=\"{}\" r=\"{}\"",
+                number(centre[0]),
+                number(centre[1]),
+                number(*radius)
+            );
+            element(
+                out,
+                &format!("circle{paint} {place}"),
+                "circle",
+                hint.as_deref(),
+            );
         }
         Item::Text { .. } => write_text(out, item),
-        Item::Image { corner, size, image } => {
+        Item::Image {
+            corner,
+            size,
+            image,
+        } => {
             let [x, y] = corner.map(number);
             let [width, height] = size.map(number);
             let data = base64(&image_png(image));
-            let place = format!("x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" preserveAspectRatio=\"none\"");
-            push(out, format_args!("<image {place} href=\"data:image/png;base64,{data}\"/>\n"));
+            let place = format!(
+                "x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" \
+                                 preserveAspectRatio=\"none\""
+            );
+            push(
+                out,
+                format_args!("<image {place} href=\"data:image/png;base64,{data}\"/>\n"),
+            );
         }
     }
 }
 
 fn element(out: &mut String, start: &str, tag: &str, hint: Option<&str>) {
     match hint {
-        Some(hint) => push(out, format_args!("<{start}><title>{}</title></{tag}>\n", escape(hint))),
+        Some(hint) => push(
+            out,
+            format_args!("<{start}><title>{}</title></{tag}>\n", escape(hint)),
+        ),
         None => push(out, format_args!("<{start}/>\n")),
     }
 }
 
 fn write_text(out: &mut String, item: &Item) {
-    let Item::Text { at, text, size, anchor, turned, bold, colour, halo } = item else { return };
+    let Item::Text {
+        at,
+        text,
+        size,
+        anchor,
+        turned,
+        bold,
+        colour,
+        halo,
+    } = item
+    else {
+        return;
+    };
     let [x, y] = at.map(number);
     let anchor = match anchor {
         Anchor::Start => "",
         Anchor::Middle => " text-anchor=\"middle\"",
         Anchor::End => " text-anchor=\"end\"",
     };
-    let turned = if *turned { format!(" transform=\"rotate(-90 {x} {y})\"") } else { String::new() };
+    let turned = if *turned {
+        format!(" transform=\"rotate(-90 {x} {y})\"")
+    } else {
+        String::new()
+    };
     let weight = if *bold { " font-weight=\"600\"" } else { "" };
     let halo = if *halo {
-        format!(" stroke=\"{}\" stroke-width=\"3\" stroke-linejoin=\"round\" paint-order=\"stroke\"", hex(Colour::Paper))
+        format!(
+            " stroke=\"{}\" stroke-width=\"3\" stroke-linejoin=\"round\" paint-order=\"stroke\"",
+            hex(Colour::Paper)
+        )
     } else {
         String::new()
     };
@@ -80,7 +165,8 @@ fn write_text(out: &mut String, item: &Item) {
     push(
         out,
         format_args!(
-            "<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\" fill=\"{fill}\"{anchor}{weight}{halo}{turned}>{}</text>\n",
+            "<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\" \
+             fill=\"{fill}\"{anchor}{weight}{halo}{turned}>{}</text>\n",
             escape(text)
         ),
     );
@@ -89,7 +175,14 @@ fn write_text(out: &mut String, item: &Item) {
 fn paint(fill: Option<Colour>, stroke: Option<Stroke>) -> String {
     let mut out = format!(" fill=\"{}\"", fill.map_or("none".into(), hex));
     if let Some(stroke) = stroke {
-        push(&mut out, format_args!(" stroke=\"{}\" stroke-width=\"{}\"", hex(stroke.colour), number(stroke.width)));
+        push(
+            &mut out,
+            format_args!(
+                " stroke=\"{}\" stroke-width=\"{}\"",
+                hex(stroke.colour),
+                number(stroke.width)
+            ),
+        );
         out.push_str(" stroke-linejoin=\"round\"");
         if let Some([ink, gap]) = stroke.dash.pattern() {
             push(&mut out, format_args!(" stroke-dasharray=\"{ink} {gap}\""));
@@ -112,11 +205,19 @@ fn path_data(lines: &[Vec<Point>], closed: bool) -> String {
         for (k, point) in line.iter().enumerate() {
             let here = point.map(tenths);
             if k == 0 {
-                push(&mut out, format_args!("M{} {}", decimal(here[0]), decimal(here[1])));
+                push(
+                    &mut out,
+                    format_args!("M{} {}", decimal(here[0]), decimal(here[1])),
+                );
             } else {
                 push(
                     &mut out,
-                    format_args!("{}{} {}", if k == 1 { "l" } else { " " }, decimal(here[0] - last[0]), decimal(here[1] - last[1])),
+                    format_args!(
+                        "{}{} {}",
+                        if k == 1 { "l" } else { " " },
+                        decimal(here[0] - last[0]),
+                        decimal(here[1] - last[1])
+                    ),
                 );
             }
             last = here;
@@ -156,7 +257,10 @@ mod tests {
     #[test]
     fn files_carry_their_colours_and_escape_words() {
         let mut drawing = Drawing::new(10.0, "a < b", "");
-        drawing.line(vec![[0.0, 0.0], [1.0, 1.0]], Stroke::new(Colour::Ink, 1.0).dashed(Dash::Dashed));
+        drawing.line(
+            vec![[0.0, 0.0], [1.0, 1.0]],
+            Stroke::new(Colour::Ink, 1.0).dashed(Dash::Dashed),
+        );
         assert!(drawing.to_svg().contains("#1a1c1f") && drawing.to_svg().contains("a &lt; b"));
     }
 }

@@ -17,9 +17,16 @@ pub(crate) fn auto_mac(model: &ModalModel) -> Option<Figure> {
     let mac = chladni_rfp::mac_matrix(&shapes, &shapes);
     let numbered = modes.len() <= sizes::NUMBERED_MODES;
     let cells = mac.indexed_iter().map(|((row, column), &value)| Cell {
-        sides: [[column as f64 + 0.5, column as f64 + 1.5], [row as f64 + 0.5, row as f64 + 1.5]],
+        sides: [
+            [column as f64 + 0.5, column as f64 + 1.5],
+            [row as f64 + 0.5, row as f64 + 1.5],
+        ],
         fill: ColourMap::White.at(value),
-        text: if numbered && value >= 0.005 { fixed(value, 2) } else { String::new() },
+        text: if numbered && value >= 0.005 {
+            fixed(value, 2)
+        } else {
+            String::new()
+        },
         hint: format!(
             "modes {} and {}, {} Hz and {} Hz: MAC {}",
             row + 1,
@@ -30,9 +37,17 @@ pub(crate) fn auto_mac(model: &ModalModel) -> Option<Figure> {
         ),
     });
     let ends = [0.5, modes.len() as f64 + 0.5];
-    let names: Vec<(f64, String)> = (1..=modes.len()).map(|k| (k as f64, k.to_string())).collect();
-    let axis = |label| Axis::linear(label, "number in the pole table").range(ends).names(thin_names(&names));
-    let mut chart = Chart::new(axis("Mode"), axis("Mode")).height(Height::EqualScales(470.0)).with(Layer::Cells(cells.collect()));
+    let names: Vec<(f64, String)> = (1..=modes.len())
+        .map(|k| (k as f64, k.to_string()))
+        .collect();
+    let axis = |label| {
+        Axis::linear(label, "number in the pole table")
+            .range(ends)
+            .names(thin_names(&names))
+    };
+    let mut chart = Chart::new(axis("Mode"), axis("Mode"))
+        .height(Height::EqualScales(470.0))
+        .with(Layer::Cells(cells.collect()));
     chart.grid = false;
     chart.colour_bar = Some(ColourBar {
         axis: Axis::linear("MAC", "0 to 1").range([0.0, 1.0]).step(0.2),
@@ -51,8 +66,15 @@ pub(crate) fn auto_mac(model: &ModalModel) -> Option<Figure> {
 
 /// Every name, or every second, fifth, ... where there are many.
 fn thin_names(names: &[(f64, String)]) -> Vec<(f64, String)> {
-    let every = [1, 2, 5, 10, 20].into_iter().find(|every| names.len() / every <= 26).unwrap_or(50);
-    names.iter().filter(|(place, _)| (*place as usize).is_multiple_of(every)).cloned().collect()
+    let every = [1, 2, 5, 10, 20]
+        .into_iter()
+        .find(|every| names.len() / every <= 26)
+        .unwrap_or(50);
+    names
+        .iter()
+        .filter(|(place, _)| (*place as usize).is_multiple_of(every))
+        .cloned()
+        .collect()
 }
 
 fn caption(mac: &ndarray::Array2<f64>) -> String {
@@ -65,7 +87,8 @@ fn caption(mac: &ndarray::Array2<f64>) -> String {
             row + 1,
             column + 1,
             if value > sizes::HIGH_MAC {
-                " Shapes that agree so far are hardly two modes, or the responses are too few to tell them apart."
+                " Shapes that agree so far are hardly two modes, or the responses are too few to \
+                 tell them apart."
             } else {
                 " The responses tell all shapes apart."
             }

@@ -21,7 +21,8 @@ pub(crate) struct Cmif {
 }
 
 impl Cmif {
-    /// Of the measured FRFs, or of the synthesis where measured pairs are missing; `None` where neither is whole.
+    /// Of the measured FRFs, or of the synthesis where measured pairs are missing; `None`
+    /// where neither is whole.
     ///
     /// # Errors
     /// A singular value decomposition that does not converge.
@@ -29,13 +30,26 @@ impl Cmif {
         if let Some(set) = measured {
             let values = chladni_rfp::cmif(set).map_err(failed)?;
             if values.iter().any(|value| value.is_finite()) {
-                let quantity = Quantity { kind: set.kind, reference_unit: set.reference_unit };
-                return Ok(Some(Self { values, quantity, of: "of the measured FRFs" }));
+                let quantity = Quantity {
+                    kind: set.kind,
+                    reference_unit: set.reference_unit,
+                };
+                return Ok(Some(Self {
+                    values,
+                    quantity,
+                    of: "of the measured FRFs",
+                }));
             }
         }
-        let Some(model) = comparison.model else { return Ok(None) };
+        let Some(model) = comparison.model else {
+            return Ok(None);
+        };
         let values = of_synthesis(model, &comparison.frequency_hz)?;
-        Ok(Some(Self { values, quantity: comparison.quantity, of: "of the synthesis" }))
+        Ok(Some(Self {
+            values,
+            quantity: comparison.quantity,
+            of: "of the synthesis",
+        }))
     }
 
     /// Number of singular values that are shown.
@@ -44,7 +58,8 @@ impl Cmif {
     }
 }
 
-/// Singular values of the synthesis; axes (line, singular value), NaN where it has none, as at 0 Hz of a free body.
+/// Singular values of the synthesis; axes (line, singular value), NaN where it has none,
+/// as at 0 Hz of a free body.
 fn of_synthesis(model: &ModalModel, frequency_hz: &Array1<f64>) -> Result<Array2<f64>> {
     let count = model.responses.len().min(model.references.len());
     let rows = frequency_hz.to_vec().into_par_iter().map(|f| {
@@ -55,11 +70,16 @@ fn of_synthesis(model: &ModalModel, frequency_hz: &Array1<f64>) -> Result<Array2
         Ok(chladni_linalg::svd_thin(matrix.view()).map_err(failed)?.1)
     });
     let rows: Vec<Array1<f64>> = rows.collect::<Result<_>>()?;
-    Ok(Array2::from_shape_fn((rows.len(), count), |(line, k)| rows[line][k]))
+    Ok(Array2::from_shape_fn((rows.len(), count), |(line, k)| {
+        rows[line][k]
+    }))
 }
 
 fn failed(error: chladni_linalg::LinalgError) -> Error {
-    Error::new(ErrorKind::Internal, format!("the CMIF cannot be computed: {error}"))
+    Error::new(
+        ErrorKind::Internal,
+        format!("the CMIF cannot be computed: {error}"),
+    )
 }
 
 /// The figure.
@@ -77,25 +97,58 @@ pub(crate) fn figure(comparison: &Comparison, cmif: &Cmif) -> Figure {
     }
 }
 
-/// The largest singular values over frequency, with the natural frequencies and the borders of the fitted band.
+/// The largest singular values over frequency, with the natural frequencies and the
+/// borders of the fitted band.
 pub(super) fn chart(comparison: &Comparison, cmif: &Cmif) -> Chart {
     let values = &cmif.values;
     let highest = values.iter().copied().fold(f64::NAN, f64::max);
-    let lowest = values.column(cmif.shown() - 1).iter().copied().filter(|v| *v > 0.0).fold(f64::NAN, f64::min);
+    let lowest = values
+        .column(cmif.shown() - 1)
+        .iter()
+        .copied()
+        .filter(|v| *v > 0.0)
+        .fold(f64::NAN, f64::min);
     let top = level(highest);
     // a level near the rounding of the largest value is no signal
     let bottom = level(lowest.max(highest * 1e-12)).max(top - 1.4 * sizes::AMPLITUDE_RANGE_DB);
-    let axis = Axis::linear("Singular value", &cmif.quantity.level_unit()).range([bottom - 3.0, top + 5.0]);
+    let axis = Axis::linear("Singular value", &cmif.quantity.level_unit())
+        .range([bottom - 3.0, top + 5.0]);
     let mut chart = Chart::new(frequency_axis(comparison), axis);
     chart = chart.with(pole_lines(&natural_frequencies(comparison.model)));
     if let Some(band) = band_lines(comparison) {
         chart = chart.with(band);
     }
-    let names = ["largest singular value", "second", "third", "fourth", "fifth", "sixth"];
-    let dashes = [Dash::Solid, Dash::Solid, Dash::Dashed, Dash::Dashed, Dash::Dotted, Dash::Dotted];
+    let names = [
+        "largest singular value",
+        "second",
+        "third",
+        "fourth",
+        "fifth",
+        "sixth",
+    ];
+    let dashes = [
+        Dash::Solid,
+        Dash::Solid,
+        Dash::Dashed,
+        Dash::Dashed,
+        Dash::Dotted,
+        Dash::Dotted,
+    ];
     for k in 0..cmif.shown() {
-        let points: Vec<Place> = comparison.frequency_hz.iter().zip(values.column(k)).map(|(&f, &v)| [f, level(v)]).collect();
-        let stroke = Stroke::new(if k == 0 { Colour::Ink } else { Colour::Series(k as u8 - 1) }, if k == 0 { 1.6 } else { 1.2 });
+        let points: Vec<Place> = comparison
+            .frequency_hz
+            .iter()
+            .zip(values.column(k))
+            .map(|(&f, &v)| [f, level(v)])
+            .collect();
+        let stroke = Stroke::new(
+            if k == 0 {
+                Colour::Ink
+            } else {
+                Colour::Series(k as u8 - 1)
+            },
+            if k == 0 { 1.6 } else { 1.2 },
+        );
         chart = chart.line(names[k], points, stroke.dashed(dashes[k]));
     }
     chart

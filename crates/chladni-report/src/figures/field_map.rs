@@ -1,4 +1,5 @@
-//! The field of a rendering: level re threshold, zones, limits, and which responses miss theirs.
+//! The field of a rendering: level re threshold, zones, limits, and which responses miss
+//! theirs.
 
 use super::level;
 use super::mode_shape::whole;
@@ -16,33 +17,66 @@ use ndarray::Array2;
 const BLACK: Colour = Colour::Rgb([0, 0, 0]);
 const WHITE: Colour = Colour::Rgb([255, 255, 255]);
 
-/// The map `field-NUMBER` of a field, as [`super::all`] makes it; `model` gives the plane and the ground around the responses. `None` where these
-/// carry no plane.
-pub fn field_map(shown: &ShownField, model: Option<&ModalModel>, frequency_hz: f64, number: usize) -> Option<Figure> {
-    let plane = model.and_then(Plane::of).or_else(|| Plane::around(&shown.field.positions_m))?;
+/// The map `field-NUMBER` of a field, as [`super::all`] makes it; `model` gives the plane
+/// and the ground around the responses. `None` where these carry no plane.
+pub fn field_map(
+    shown: &ShownField,
+    model: Option<&ModalModel>,
+    frequency_hz: f64,
+    number: usize,
+) -> Option<Figure> {
+    let plane = model
+        .and_then(Plane::of)
+        .or_else(|| Plane::around(&shown.field.positions_m))?;
     let mut chart = plane.chart(460.0);
     let threshold = shown.limits.threshold_m_per_s;
     let limen_db = level(shown.limits.hot_m_per_s / threshold);
-    let (felt, quiet) = (Stroke::new(BLACK, 1.8), Stroke::new(BLACK, 1.6).dashed(Dash::Dashed));
+    let (felt, quiet) = (
+        Stroke::new(BLACK, 1.8),
+        Stroke::new(BLACK, 1.6).dashed(Dash::Dashed),
+    );
     chart = match shown.area {
-        Some(area) => with_levels(chart, shown, &Surface::of_area(area), limen_db, [felt, quiet]),
+        Some(area) => with_levels(
+            chart,
+            shown,
+            &Surface::of_area(area),
+            limen_db,
+            [felt, quiet],
+        ),
         None => with_discs(chart, shown),
     };
     let frame = Stroke::new(Colour::Muted, 1.2).dashed(Dash::Dotted);
-    chart = chart.with(Layer::Outline { name: named("judged area"), points: corners_mm(shown.zones.area()), stroke: frame, casing: false });
+    chart = chart.with(Layer::Outline {
+        name: named("judged area"),
+        points: corners_mm(shown.zones.area()),
+        stroke: frame,
+        casing: false,
+    });
     for (k, outline) in shown.zones.hot_outlines().iter().enumerate() {
         let points: Vec<Place> = outline.iter().map(|&place| mm(place)).collect();
         let name = if k == 0 { named("hot zone") } else { None };
-        chart = chart.with(Layer::Outline { name, points, stroke: Stroke::new(Colour::Rgb([200, 30, 30]), 2.4), casing: true });
+        chart = chart.with(Layer::Outline {
+            name,
+            points,
+            stroke: Stroke::new(Colour::Rgb([200, 30, 30]), 2.4),
+            casing: true,
+        });
     }
     chart = with_responses(chart, shown);
     for outline in shown.zones.hot_outlines() {
         if let Some(at) = centre_of(shown, outline) {
-            chart = chart.with(Layer::Words { at: mm(at), text: "hot".into(), anchor: Anchor::Middle, bold: true });
+            chart = chart.with(Layer::Words {
+                at: mm(at),
+                text: "hot".into(),
+                anchor: Anchor::Middle,
+                bold: true,
+            });
         }
     }
     chart.colour_bar = Some(ColourBar {
-        axis: Axis::linear("Velocity", "dB re threshold").range([-sizes::FIELD_RANGE_DB, sizes::FIELD_RANGE_DB]).step(3.0),
+        axis: Axis::linear("Velocity", "dB re threshold")
+            .range([-sizes::FIELD_RANGE_DB, sizes::FIELD_RANGE_DB])
+            .step(3.0),
         map: ColourMap::Sequential,
         bands: 0,
         lines: vec![(limen_db, felt), (-limen_db, quiet)],
@@ -62,21 +96,50 @@ pub fn field_map(shown: &ShownField, model: Option<&ModalModel>, frequency_hz: f
     })
 }
 
-fn with_levels(chart: Chart, shown: &ShownField, surface: &Surface, limen_db: f64, [felt, quiet]: [Stroke; 2]) -> Chart {
+fn with_levels(
+    chart: Chart,
+    shown: &ShownField,
+    surface: &Surface,
+    limen_db: f64,
+    [felt, quiet]: [Stroke; 2],
+) -> Chart {
     let threshold = shown.limits.threshold_m_per_s;
     let fine = surface.refined(sizes::FIELD_COLUMNS);
     // zero motion has no level; it is as quiet as can be
-    let levels = fine.values.mapv(|v| if v.is_nan() { f64::NAN } else { level((v.norm() / threshold).max(1e-15)) });
-    let [x, y] = [&fine.x, &fine.y].map(|axis| axis.iter().map(|value| 1e3 * value).collect::<Vec<f64>>());
+    let levels = fine.values.mapv(|v| {
+        if v.is_nan() {
+            f64::NAN
+        } else {
+            level((v.norm() / threshold).max(1e-15))
+        }
+    });
+    let [x, y] =
+        [&fine.x, &fine.y].map(|axis| axis.iter().map(|value| 1e3 * value).collect::<Vec<f64>>());
     let lines = |at: f64| contours(&x, &y, &levels, at);
     let image = level_pixels(shown, &fine, &levels);
     let limit = |sign: &str| format!("{sign}{} dB", fixed(limen_db, 1));
-    let mut chart = chart.with(Layer::Pixels { x: whole(&x), y: whole(&y), image });
+    let mut chart = chart.with(Layer::Pixels {
+        x: whole(&x),
+        y: whole(&y),
+        image,
+    });
     for at in [limen_db, -limen_db] {
-        chart = chart.with(Layer::Lines { name: None, lines: lines(at), stroke: Stroke::new(WHITE, felt.width + 2.2) });
+        chart = chart.with(Layer::Lines {
+            name: None,
+            lines: lines(at),
+            stroke: Stroke::new(WHITE, felt.width + 2.2),
+        });
     }
-    chart = chart.with(Layer::Lines { name: named(&format!("{} (felt beyond)", limit("+"))), lines: lines(limen_db), stroke: felt });
-    chart.with(Layer::Lines { name: named(&format!("{} (quiet below)", limit("−"))), lines: lines(-limen_db), stroke: quiet })
+    chart = chart.with(Layer::Lines {
+        name: named(&format!("{} (felt beyond)", limit("+"))),
+        lines: lines(limen_db),
+        stroke: felt,
+    });
+    chart.with(Layer::Lines {
+        name: named(&format!("{} (quiet below)", limit("−"))),
+        lines: lines(-limen_db),
+        stroke: quiet,
+    })
 }
 
 /// Colours of the levels; ground that is not judged is hatched.
@@ -88,20 +151,40 @@ fn level_pixels(shown: &ShownField, fine: &Surface, levels: &Array2<f64>) -> Ima
             let value = levels[[row, column]];
             let judged = shown.zones.classify([fine.x[column], fine.y[row]]) != Ground::Ignored;
             let hatched = !judged && (row + column) % 6 < 2;
-            let [r, g, b] = if hatched { [255, 255, 255] } else { ColourMap::Sequential.at(0.5 + 0.5 * value / sizes::FIELD_RANGE_DB) };
+            let [r, g, b] = if hatched {
+                [255, 255, 255]
+            } else {
+                ColourMap::Sequential.at(0.5 + 0.5 * value / sizes::FIELD_RANGE_DB)
+            };
             rgba.extend([r, g, b, if value.is_nan() { 0 } else { 255 }]);
         }
     }
-    Image { columns, rows, rgba }
+    Image {
+        columns,
+        rows,
+        rgba,
+    }
 }
 
 /// Responses as discs in the colour of their level, where nothing lies between them.
 fn with_discs(chart: Chart, shown: &ShownField) -> Chart {
-    let discs = shown.field.positions_m.iter().zip(&shown.field.velocity_m_per_s).map(|(&place, v)| {
-        let value = level(v.norm() / shown.limits.threshold_m_per_s);
-        let fill = Colour::Rgb(ColourMap::Sequential.at(0.5 + 0.5 * value / sizes::FIELD_RANGE_DB));
-        Disc { at: mm(place), radius: 9.0, fill, hand: None, hint: format!("{} dB re threshold", fixed(value, 1)) }
-    });
+    let discs = shown
+        .field
+        .positions_m
+        .iter()
+        .zip(&shown.field.velocity_m_per_s)
+        .map(|(&place, v)| {
+            let value = level(v.norm() / shown.limits.threshold_m_per_s);
+            let fill =
+                Colour::Rgb(ColourMap::Sequential.at(0.5 + 0.5 * value / sizes::FIELD_RANGE_DB));
+            Disc {
+                at: mm(place),
+                radius: 9.0,
+                fill,
+                hand: None,
+                hint: format!("{} dB re threshold", fixed(value, 1)),
+            }
+        });
     chart.with(Layer::Discs(discs.collect()))
 }
 
@@ -116,16 +199,53 @@ fn with_responses(chart: Chart, shown: &ShownField) -> Chart {
         }
     };
     let of = |wanted: &dyn Fn(usize) -> bool| -> Vec<Place> {
-        (0..field.positions_m.len()).filter(|&k| wanted(k)).map(|k| mm(field.positions_m[k])).collect()
+        (0..field.positions_m.len())
+            .filter(|&k| wanted(k))
+            .map(|k| mm(field.positions_m[k]))
+            .collect()
     };
     let judged = |ground: Ground| of(&|k| field.ground[k] == ground && !misses(k));
     let missed = of(&misses);
-    let name = |points: &[Place], text: &str| if points.is_empty() { String::new() } else { text.to_owned() };
-    let (hot, cold, ignored) = (judged(Ground::Hot), judged(Ground::Cold), judged(Ground::Ignored));
-    let chart = chart.marks(&name(&hot, "response, felt as wished"), hot, Mark::Triangle, BLACK, 7.0);
-    let chart = chart.marks(&name(&cold, "response, quiet as wished"), cold, Mark::Ring, Colour::Rgb([235, 235, 235]), 6.0);
-    let chart = chart.marks(&name(&ignored, "response, not judged"), ignored, Mark::Dot, Colour::Rgb([90, 90, 90]), 3.0);
-    chart.marks(&name(&missed, "response, misses its limit"), missed, Mark::Cross, Colour::Rgb([210, 20, 20]), 9.0)
+    let name = |points: &[Place], text: &str| {
+        if points.is_empty() {
+            String::new()
+        } else {
+            text.to_owned()
+        }
+    };
+    let (hot, cold, ignored) = (
+        judged(Ground::Hot),
+        judged(Ground::Cold),
+        judged(Ground::Ignored),
+    );
+    let chart = chart.marks(
+        &name(&hot, "response, felt as wished"),
+        hot,
+        Mark::Triangle,
+        BLACK,
+        7.0,
+    );
+    let chart = chart.marks(
+        &name(&cold, "response, quiet as wished"),
+        cold,
+        Mark::Ring,
+        Colour::Rgb([235, 235, 235]),
+        6.0,
+    );
+    let chart = chart.marks(
+        &name(&ignored, "response, not judged"),
+        ignored,
+        Mark::Dot,
+        Colour::Rgb([90, 90, 90]),
+        3.0,
+    );
+    chart.marks(
+        &name(&missed, "response, misses its limit"),
+        missed,
+        Mark::Cross,
+        Colour::Rgb([210, 20, 20]),
+        9.0,
+    )
 }
 
 /// Centre of the part of an outline's box that lies over the responses.
@@ -133,5 +253,8 @@ fn centre_of(shown: &ShownField, outline: &[Position]) -> Option<Position> {
     let hot = chladni_render::Rectangle::around(outline)?;
     let area = shown.zones.area();
     let middle = |low: f64, high: f64| (low <= high).then_some((low + high) / 2.0);
-    Some([middle(hot.x_min.max(area.x_min), hot.x_max.min(area.x_max))?, middle(hot.y_min.max(area.y_min), hot.y_max.min(area.y_max))?])
+    Some([
+        middle(hot.x_min.max(area.x_min), hot.x_max.min(area.x_max))?,
+        middle(hot.y_min.max(area.y_min), hot.y_max.min(area.y_max))?,
+    ])
 }

@@ -18,21 +18,49 @@ fn synthesis_stroke() -> Stroke {
 /// Amplitude and phase of one pair of DOFs; `number` counts the figures.
 pub(crate) fn frf_overlay(comparison: &Comparison, pair: &Pair, number: usize) -> Figure {
     let [measured, synthesis] = comparison.curves(pair);
-    let levels = |curve: &Option<Vec<Complex64>>| curve.as_ref().map(|values| values.iter().map(|v| level(v.norm())).collect());
-    let residual = measured.as_ref().zip(synthesis.as_ref()).map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b).collect());
-    let amplitude = amplitude_chart(comparison, [levels(&measured), levels(&synthesis), levels(&residual)]).height(Height::Px(250.0));
+    let levels = |curve: &Option<Vec<Complex64>>| {
+        curve
+            .as_ref()
+            .map(|values| values.iter().map(|v| level(v.norm())).collect())
+    };
+    let residual = measured
+        .as_ref()
+        .zip(synthesis.as_ref())
+        .map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b).collect());
+    let amplitude = amplitude_chart(
+        comparison,
+        [levels(&measured), levels(&synthesis), levels(&residual)],
+    )
+    .height(Height::Px(250.0));
 
-    let mut phase = Chart::new(frequency_axis(comparison), Axis::linear("Phase", "degrees").range([-180.0, 180.0]).step(90.0));
+    let mut phase = Chart::new(
+        frequency_axis(comparison),
+        Axis::linear("Phase", "degrees")
+            .range([-180.0, 180.0])
+            .step(90.0),
+    );
     phase = phase.height(Height::Px(120.0));
-    for (curve, stroke) in [(&measured, Stroke::new(Colour::Muted, 2.0)), (&synthesis, synthesis_stroke())] {
+    for (curve, stroke) in [
+        (&measured, Stroke::new(Colour::Muted, 2.0)),
+        (&synthesis, synthesis_stroke()),
+    ] {
         if let Some(values) = curve {
             let lines = wrapped(&comparison.frequency_hz.to_vec(), values);
-            phase = phase.with(Layer::Lines { name: None, lines, stroke });
+            phase = phase.with(Layer::Lines {
+                name: None,
+                lines,
+                stroke,
+            });
         }
     }
     Figure {
         name: format!("frf-{number:02}"),
-        title: format!("{} of response / reference {} ({})", comparison.quantity.name(), pair.label, pair.why),
+        title: format!(
+            "{} of response / reference {} ({})",
+            comparison.quantity.name(),
+            pair.label,
+            pair.why
+        ),
         caption: String::new(),
         width: sizes::WIDE_PX,
         charts: vec![amplitude, phase],
@@ -41,15 +69,24 @@ pub(crate) fn frf_overlay(comparison: &Comparison, pair: &Pair, number: usize) -
 
 /// Root mean square over all FRFs, and of what the synthesis leaves.
 pub(crate) fn frf_sum(comparison: &Comparison, sums: &Sums) -> Figure {
-    let levels = |curve: &Option<Vec<f64>>| curve.as_ref().map(|values| values.iter().map(|&v| level(v)).collect());
+    let levels = |curve: &Option<Vec<f64>>| {
+        curve
+            .as_ref()
+            .map(|values| values.iter().map(|&v| level(v)).collect())
+    };
     let curves = [&sums.measured, &sums.synthesis, &sums.difference].map(levels);
     let chart = amplitude_chart(comparison, curves).height(Height::Px(300.0));
     Figure {
         name: "frf-sum".into(),
-        title: format!("{}, root mean square over all FRFs", comparison.quantity.name()),
+        title: format!(
+            "{}, root mean square over all FRFs",
+            comparison.quantity.name()
+        ),
         caption: match (&sums.measured, &sums.synthesis) {
             (Some(_), Some(_)) => {
-                "Where the residual is flat and shapeless it is noise; peaks in it are motion that the model lacks.".into()
+                "Where the residual is flat and shapeless it is noise; peaks in it are motion that \
+                 the model lacks."
+                    .into()
             }
             (None, Some(_)) => "Synthesis alone: the measured FRFs are not at hand.".into(),
             _ => "Measured FRFs alone: there is no model.".into(),
@@ -60,25 +97,54 @@ pub(crate) fn frf_sum(comparison: &Comparison, sums: &Sums) -> Figure {
 }
 
 pub(super) fn frequency_axis(comparison: &Comparison) -> Axis {
-    let (first, last) = (comparison.frequency_hz.first().copied(), comparison.frequency_hz.last().copied());
+    let (first, last) = (
+        comparison.frequency_hz.first().copied(),
+        comparison.frequency_hz.last().copied(),
+    );
     match (first, last) {
-        (Some(first), Some(last)) if first < last => Axis::linear("Frequency", "Hz").range([first, last]),
+        (Some(first), Some(last)) if first < last => {
+            Axis::linear("Frequency", "Hz").range([first, last])
+        }
         _ => Axis::linear("Frequency", "Hz"),
     }
 }
 
 /// Levels over frequency with the natural frequencies and the borders of the fitted band.
-fn amplitude_chart(comparison: &Comparison, [measured, synthesis, residual]: [Option<Vec<f64>>; 3]) -> Chart {
+fn amplitude_chart(
+    comparison: &Comparison,
+    [measured, synthesis, residual]: [Option<Vec<f64>>; 3],
+) -> Chart {
     let curves = [
         ("measured", measured, measured_stroke()),
         ("synthesis of the model", synthesis, synthesis_stroke()),
-        ("residual", residual, Stroke::new(Colour::Series(0), 1.2).dashed(Dash::Dashed)),
+        (
+            "residual",
+            residual,
+            Stroke::new(Colour::Series(0), 1.2).dashed(Dash::Dashed),
+        ),
     ];
-    let highest = curves.iter().filter_map(|curve| curve.1.as_ref()).flatten().copied().fold(f64::NAN, f64::max);
-    let lowest = curves.iter().filter_map(|curve| curve.1.as_ref()).flatten().copied().fold(f64::NAN, f64::min);
-    let mut axis = Axis::linear(comparison.quantity.name(), &comparison.quantity.level_unit()).padded(0.05);
+    let highest = curves
+        .iter()
+        .filter_map(|curve| curve.1.as_ref())
+        .flatten()
+        .copied()
+        .fold(f64::NAN, f64::max);
+    let lowest = curves
+        .iter()
+        .filter_map(|curve| curve.1.as_ref())
+        .flatten()
+        .copied()
+        .fold(f64::NAN, f64::min);
+    let mut axis = Axis::linear(
+        comparison.quantity.name(),
+        &comparison.quantity.level_unit(),
+    )
+    .padded(0.05);
     if highest.is_finite() && lowest.is_finite() {
-        axis = axis.range([lowest.max(highest - sizes::AMPLITUDE_RANGE_DB) - 3.0, highest + 5.0]);
+        axis = axis.range([
+            lowest.max(highest - sizes::AMPLITUDE_RANGE_DB) - 3.0,
+            highest + 5.0,
+        ]);
     }
     let mut chart = Chart::new(frequency_axis(comparison), axis);
     chart = chart.with(pole_lines(&natural_frequencies(comparison.model)));
@@ -87,7 +153,12 @@ fn amplitude_chart(comparison: &Comparison, [measured, synthesis, residual]: [Op
     }
     for (name, values, stroke) in curves {
         if let Some(values) = values {
-            let points: Vec<Place> = comparison.frequency_hz.iter().zip(values).map(|(&f, v)| [f, v]).collect();
+            let points: Vec<Place> = comparison
+                .frequency_hz
+                .iter()
+                .zip(values)
+                .map(|(&f, v)| [f, v])
+                .collect();
             chart = chart.line(name, points, stroke);
         }
     }
@@ -96,17 +167,36 @@ fn amplitude_chart(comparison: &Comparison, [measured, synthesis, residual]: [Op
 
 /// A line at every natural frequency.
 pub(super) fn pole_lines(frequencies: &[f64]) -> Layer {
-    let name = if frequencies.is_empty() { "" } else { "natural frequency" };
-    Layer::Verticals { name: named(name), at: frequencies.to_vec(), stroke: Stroke::new(Colour::Series(2), 1.0).dashed(Dash::Dotted) }
+    let name = if frequencies.is_empty() {
+        ""
+    } else {
+        "natural frequency"
+    };
+    Layer::Verticals {
+        name: named(name),
+        at: frequencies.to_vec(),
+        stroke: Stroke::new(Colour::Series(2), 1.0).dashed(Dash::Dotted),
+    }
 }
 
 /// The borders of the fitted band, where it is narrower than the data.
 pub(super) fn band_lines(comparison: &Comparison) -> Option<Layer> {
     let model = comparison.model?;
-    let (first, last) = (comparison.frequency_hz.first()?, comparison.frequency_hz.last()?);
-    let at: Vec<f64> = model.band_hz.into_iter().filter(|f| f > first && f < last).collect();
+    let (first, last) = (
+        comparison.frequency_hz.first()?,
+        comparison.frequency_hz.last()?,
+    );
+    let at: Vec<f64> = model
+        .band_hz
+        .into_iter()
+        .filter(|f| f > first && f < last)
+        .collect();
     let stroke = Stroke::new(Colour::Ink, 1.2).dashed(Dash::Dashed);
-    (!at.is_empty()).then(|| Layer::Verticals { name: named("border of the fitted band"), at, stroke })
+    (!at.is_empty()).then(|| Layer::Verticals {
+        name: named("border of the fitted band"),
+        at,
+        stroke,
+    })
 }
 
 /// Phases in degrees, broken where they pass ±180°.
@@ -115,7 +205,9 @@ fn wrapped(frequency_hz: &[f64], values: &[Complex64]) -> Vec<Vec<Place>> {
     for (&f, value) in frequency_hz.iter().zip(values) {
         let phase = value.arg().to_degrees();
         let line = lines.last_mut().expect("there is always a line");
-        let jumps = line.last().is_some_and(|last| (last[1] - phase).abs() > 180.0);
+        let jumps = line
+            .last()
+            .is_some_and(|last| (last[1] - phase).abs() > 180.0);
         if jumps {
             lines.push(vec![[f, phase]]);
         } else {
@@ -131,7 +223,10 @@ mod tests {
 
     #[test]
     fn phases_are_broken_where_they_wrap() {
-        let values: Vec<Complex64> = [170.0f64, 179.0, -179.0, -170.0].iter().map(|d| Complex64::from_polar(1.0, d.to_radians())).collect();
+        let values: Vec<Complex64> = [170.0f64, 179.0, -179.0, -170.0]
+            .iter()
+            .map(|d| Complex64::from_polar(1.0, d.to_radians()))
+            .collect();
         let lines = wrapped(&[1.0, 2.0, 3.0, 4.0], &values);
         assert_eq!(lines.iter().map(Vec::len).collect::<Vec<_>>(), [2, 2]);
     }

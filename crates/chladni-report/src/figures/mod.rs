@@ -31,19 +31,29 @@ use chladni_frf::{ModalModel, Result};
 /// All figures, from the FRFs to the scenes.
 ///
 /// # Errors
-/// Measured FRFs that do not belong to the model; a singular value decomposition that fails.
+/// Measured FRFs that do not belong to the model; a singular value decomposition that
+/// fails.
 pub fn all(input: &ReportInput) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     if let Some(comparison) = Comparison::new(input)? {
         let sums = comparison.sums();
         figures.push(frf_overlay::frf_sum(&comparison, &sums));
         let pairs = comparison.pairs(&sums);
-        figures.extend(pairs.iter().enumerate().map(|(k, pair)| frf_overlay::frf_overlay(&comparison, pair, k + 1)));
+        figures.extend(
+            pairs
+                .iter()
+                .enumerate()
+                .map(|(k, pair)| frf_overlay::frf_overlay(&comparison, pair, k + 1)),
+        );
         if let Some(cmif) = Cmif::of(&comparison, input.measured)? {
             figures.push(cmif::figure(&comparison, &cmif));
             // a set without an even grid has no diagram; the page says why
-            let diagram = input.measured.and_then(|set| chladni_rfp::stabilization(set, &stabilization_options(input.model)).ok());
-            figures.extend(diagram.map(|diagram| stabilization::stabilization(&comparison, &diagram, &cmif)));
+            let diagram = input.measured.and_then(|set| {
+                chladni_rfp::stabilization(set, &stabilization_options(input.model)).ok()
+            });
+            figures.extend(
+                diagram.map(|diagram| stabilization::stabilization(&comparison, &diagram, &cmif)),
+            );
         }
     }
     if let Some(model) = input.model {
@@ -54,15 +64,32 @@ pub fn all(input: &ReportInput) -> Result<Vec<Figure>> {
     }
     for (k, scene) in input.scenes.iter().enumerate() {
         let (weights, number) = (scene.weights, k + 1);
-        figures.extend(scene.shown.as_ref().and_then(|shown| zones::zones(shown, input.model, number)));
-        figures.extend(scene.shown.as_ref().and_then(|shown| field_map::field_map(shown, input.model, weights.frequency_hz, number)));
-        figures.extend(input.model.and_then(|model| weights_around_edge::weights_around_edge(weights, model, number)));
+        figures.extend(
+            scene
+                .shown
+                .as_ref()
+                .and_then(|shown| zones::zones(shown, input.model, number)),
+        );
+        figures.extend(scene.shown.as_ref().and_then(|shown| {
+            field_map::field_map(shown, input.model, weights.frequency_hz, number)
+        }));
+        figures.extend(
+            input
+                .model
+                .and_then(|model| weights_around_edge::weights_around_edge(weights, model, number)),
+        );
         figures.push(weights_around_edge::weights_by_actuator(weights, number));
         figures.extend(sweep::sweep(weights, number));
         figures.extend(curves::curves(scene, number));
         figures.extend(stress::stress(weights, number));
     }
-    figures.extend(input.tables.iter().enumerate().filter_map(|(k, table)| speed::speed(table, k + 1)));
+    figures.extend(
+        input
+            .tables
+            .iter()
+            .enumerate()
+            .filter_map(|(k, table)| speed::speed(table, k + 1)),
+    );
     Ok(figures)
 }
 
@@ -77,11 +104,20 @@ pub(crate) fn level(amplitude: f64) -> f64 {
 
 /// Natural frequencies of the modes in the band, Hz.
 pub(crate) fn natural_frequencies(model: Option<&ModalModel>) -> Vec<f64> {
-    model.map(|model| model.in_band_modes().map(|mode| mode.frequency_hz).collect()).unwrap_or_default()
+    model
+        .map(|model| {
+            model
+                .in_band_modes()
+                .map(|mode| mode.frequency_hz)
+                .collect()
+        })
+        .unwrap_or_default()
 }
 
 /// A curve with a mark at each point, so that single points are seen too.
 fn marked(chart: Chart, name: &str, points: Vec<Place>, series: u8, dash: Dash) -> Chart {
     let colour = Colour::Series(series);
-    chart.marks("", points.clone(), Mark::Dot, colour, 4.0).line(name, points, Stroke::new(colour, 1.6).dashed(dash))
+    chart
+        .marks("", points.clone(), Mark::Dot, colour, 4.0)
+        .line(name, points, Stroke::new(colour, 1.6).dashed(dash))
 }

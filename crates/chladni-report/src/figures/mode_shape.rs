@@ -19,15 +19,29 @@ const CONTOURS: [f64; 4] = [0.2, 0.4, 0.6, 0.8];
 pub(crate) fn mode_shapes(model: &ModalModel) -> Vec<Figure> {
     let shown = shown_responses(model);
     let plane = Plane::of(model);
-    let places: Option<Vec<Position>> =
-        plane.as_ref().and_then(|plane| shown.iter().map(|&k| plane.position(&model.nodes, &model.responses[k])).collect());
-    let map = plane.as_ref().zip(places.as_deref()).and_then(|(plane, places)| Map::new(plane, places));
+    let places: Option<Vec<Position>> = plane.as_ref().and_then(|plane| {
+        shown
+            .iter()
+            .map(|&k| plane.position(&model.nodes, &model.responses[k]))
+            .collect()
+    });
+    let map = plane
+        .as_ref()
+        .zip(places.as_deref())
+        .and_then(|(plane, places)| Map::new(plane, places));
     let modes = model.in_band_modes().take(sizes::MODE_SHAPES).enumerate();
     modes
         .map(|(number, mode)| {
             let (values, imaginary) = turned_real(model, mode, &shown);
-            let chart = map.as_ref().map_or_else(|| shape_list(model, &shown, &values), |map| map.chart(&values));
-            let doubt = if mode.trust == Trust::Weak { ", weak" } else { "" };
+            let chart = map.as_ref().map_or_else(
+                || shape_list(model, &shown, &values),
+                |map| map.chart(&values),
+            );
+            let doubt = if mode.trust == Trust::Weak {
+                ", weak"
+            } else {
+                ""
+            };
             Figure {
                 name: format!("mode-{:02}", number + 1),
                 title: format!(
@@ -50,24 +64,51 @@ fn caption(mode: &Mode, imaginary: f64) -> String {
     if imaginary < 0.01 {
         mpc + "."
     } else {
-        format!("{mpc}; {} % of the largest motion is out of phase with it.", fixed(100.0 * imaginary, 0))
+        format!(
+            "{mpc}; {} % of the largest motion is out of phase with it.",
+            fixed(100.0 * imaginary, 0)
+        )
     }
 }
 
 /// Responses along the axis that most of them have.
 pub(crate) fn shown_responses(model: &ModalModel) -> Vec<usize> {
-    let along =
-        |code: i8| -> Vec<usize> { (0..model.responses.len()).filter(|&k| model.responses[k].direction.axis().code() == code).collect() };
+    let along = |code: i8| -> Vec<usize> {
+        (0..model.responses.len())
+            .filter(|&k| model.responses[k].direction.axis().code() == code)
+            .collect()
+    };
     // the first of equals: Z before X before Y
-    [3, 1, 2, 0, 4, 5, 6].into_iter().map(along).rev().max_by_key(Vec::len).unwrap_or_default()
+    [3, 1, 2, 0, 4, 5, 6]
+        .into_iter()
+        .map(along)
+        .rev()
+        .max_by_key(Vec::len)
+        .unwrap_or_default()
 }
 
-/// The shape at the responses, turned to the common phase at which it is as real as can be, its largest motion +1.
+/// The shape at the responses, turned to the common phase at which it is as real as can
+/// be, its largest motion +1.
 pub(super) fn turned(model: &ModalModel, mode: &Mode, shown: &[usize]) -> Vec<Complex64> {
-    let shape: Vec<Complex64> = shown.iter().map(|&k| mode.shape.0[k] * model.responses[k].direction.sign()).collect();
-    let phase = shape.iter().map(|value| value * value).sum::<Complex64>().arg() / 2.0;
-    let turned: Vec<Complex64> = shape.iter().map(|value| value * Complex64::from_polar(1.0, -phase)).collect();
-    let largest = turned.iter().map(|value| value.re).fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
+    let shape: Vec<Complex64> = shown
+        .iter()
+        .map(|&k| mode.shape.0[k] * model.responses[k].direction.sign())
+        .collect();
+    let phase = shape
+        .iter()
+        .map(|value| value * value)
+        .sum::<Complex64>()
+        .arg()
+        / 2.0;
+    let turned: Vec<Complex64> = shape
+        .iter()
+        .map(|value| value * Complex64::from_polar(1.0, -phase))
+        .collect();
+    let largest =
+        turned
+            .iter()
+            .map(|value| value.re)
+            .fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
     let scale = if largest == 0.0 { 0.0 } else { 1.0 / largest };
     turned.iter().map(|value| value * scale).collect()
 }
@@ -75,10 +116,17 @@ pub(super) fn turned(model: &ModalModel, mode: &Mode, shown: &[usize]) -> Vec<Co
 /// Real parts of [`turned`], and the largest imaginary part that is left.
 fn turned_real(model: &ModalModel, mode: &Mode, shown: &[usize]) -> (Vec<f64>, f64) {
     let turned = turned(model, mode, shown);
-    (turned.iter().map(|value| value.re).collect(), turned.iter().map(|value| value.im.abs()).fold(0.0, f64::max))
+    (
+        turned.iter().map(|value| value.re).collect(),
+        turned
+            .iter()
+            .map(|value| value.im.abs())
+            .fold(0.0, f64::max),
+    )
 }
 
-/// What the maps of all modes share: the ground of the responses, and the interpolation between them.
+/// What the maps of all modes share: the ground of the responses, and the interpolation
+/// between them.
 struct Map<'a> {
     plane: Plane,
     places: &'a [Position],
@@ -89,7 +137,11 @@ impl<'a> Map<'a> {
     /// `None` where the responses carry no area.
     fn new(plane: &Plane, places: &'a [Position]) -> Option<Self> {
         let plane = plane.over(places)?;
-        Some(Self { grid: AreaGrid::new(places, plane.around, AREA_STEP_M)?, plane, places })
+        Some(Self {
+            grid: AreaGrid::new(places, plane.around, AREA_STEP_M)?,
+            plane,
+            places,
+        })
     }
 
     fn chart(&self, values: &[f64]) -> Chart {
@@ -101,25 +153,51 @@ impl<'a> Map<'a> {
 
 fn shape_map(mut chart: Chart, fine: &Surface, places: &[Position], values: &[f64]) -> Chart {
     let field = fine.values.mapv(|value| value.re);
-    let [x, y] = [&fine.x, &fine.y].map(|axis| axis.iter().map(|value| 1e3 * value).collect::<Vec<f64>>());
+    let [x, y] =
+        [&fine.x, &fine.y].map(|axis| axis.iter().map(|value| 1e3 * value).collect::<Vec<f64>>());
     chart = chart.with(pixels(&x, &y, &field));
-    let level_lines = |sign: f64| CONTOURS.iter().flat_map(|&part| contours(&x, &y, &field, sign * part)).collect::<Vec<_>>();
+    let level_lines = |sign: f64| {
+        CONTOURS
+            .iter()
+            .flat_map(|&part| contours(&x, &y, &field, sign * part))
+            .collect::<Vec<_>>()
+    };
     let thin = Stroke::new(Colour::Rgb([40, 40, 44]), 0.7);
-    chart = chart.with(Layer::Lines { name: None, lines: level_lines(1.0), stroke: thin });
-    chart = chart.with(Layer::Lines { name: None, lines: level_lines(-1.0), stroke: thin.dashed(Dash::Dashed) });
+    chart = chart.with(Layer::Lines {
+        name: None,
+        lines: level_lines(1.0),
+        stroke: thin,
+    });
+    chart = chart.with(Layer::Lines {
+        name: None,
+        lines: level_lines(-1.0),
+        stroke: thin.dashed(Dash::Dashed),
+    });
     let nodal = Stroke::new(Colour::Rgb([0, 0, 0]), 2.2);
-    chart = chart.with(Layer::Lines { name: named("nodal line"), lines: contours(&x, &y, &field, 0.0), stroke: nodal });
+    chart = chart.with(Layer::Lines {
+        name: named("nodal line"),
+        lines: contours(&x, &y, &field, 0.0),
+        stroke: nodal,
+    });
     let dots: Vec<Place> = places.iter().map(|&place| mm(place)).collect();
     chart = chart.marks("response", dots, Mark::Dot, Colour::Rgb([70, 70, 76]), 2.6);
     for (sign, text) in [(1.0, "+"), (-1.0, "−")] {
-        let extreme = (0..values.len()).max_by(|&a, &b| (sign * values[a]).total_cmp(&(sign * values[b])));
+        let extreme =
+            (0..values.len()).max_by(|&a, &b| (sign * values[a]).total_cmp(&(sign * values[b])));
         if let Some(extreme) = extreme.filter(|&k| sign * values[k] > 0.1) {
             let at = mm(places[extreme]);
-            chart = chart.with(Layer::Words { at, text: text.into(), anchor: Anchor::Middle, bold: true });
+            chart = chart.with(Layer::Words {
+                at,
+                text: text.into(),
+                anchor: Anchor::Middle,
+                bold: true,
+            });
         }
     }
     chart.colour_bar = Some(ColourBar {
-        axis: Axis::linear("Shape", "largest = 1").range([-1.0, 1.0]).step(0.5),
+        axis: Axis::linear("Shape", "largest = 1")
+            .range([-1.0, 1.0])
+            .step(0.5),
         map: ColourMap::Diverging,
         bands: 0,
         lines: vec![(0.0, nodal)],
@@ -134,7 +212,15 @@ fn pixels(x: &[f64], y: &[f64], field: &Array2<f64>) -> Layer {
         let [r, g, b] = ColourMap::Diverging.at(0.5 + 0.5 * value);
         rgba.extend([r, g, b, if value.is_nan() { 0 } else { 255 }]);
     }
-    Layer::Pixels { x: whole(x), y: whole(y), image: Image { columns, rows, rgba } }
+    Layer::Pixels {
+        x: whole(x),
+        y: whole(y),
+        image: Image {
+            columns,
+            rows,
+            rgba,
+        },
+    }
 }
 
 /// From the centres of pixels to the ends of all of them.
@@ -145,12 +231,27 @@ pub(super) fn whole(centres: &[f64]) -> Place {
 
 /// The shape over the responses in order, where they carry no area.
 fn shape_list(model: &ModalModel, shown: &[usize], values: &[f64]) -> Chart {
-    let places: Vec<Place> = values.iter().enumerate().map(|(k, &value)| [k as f64 + 1.0, value]).collect();
-    let names = shown.iter().enumerate().map(|(k, &i)| (k as f64 + 1.0, model.responses[i].to_string())).collect();
-    let x = Axis::linear("Response", "DOF").range([0.0, values.len() as f64 + 1.0]).names(names);
-    let y = Axis::linear("Shape", "largest = 1").range([-1.1, 1.1]).step(0.5);
+    let places: Vec<Place> = values
+        .iter()
+        .enumerate()
+        .map(|(k, &value)| [k as f64 + 1.0, value])
+        .collect();
+    let names = shown
+        .iter()
+        .enumerate()
+        .map(|(k, &i)| (k as f64 + 1.0, model.responses[i].to_string()))
+        .collect();
+    let x = Axis::linear("Response", "DOF")
+        .range([0.0, values.len() as f64 + 1.0])
+        .names(names);
+    let y = Axis::linear("Shape", "largest = 1")
+        .range([-1.1, 1.1])
+        .step(0.5);
     let stroke = Stroke::new(Colour::Series(0), 1.4);
-    Chart::new(x, y).height(Height::Px(190.0)).line("", places.clone(), stroke).marks("", places, Mark::Dot, Colour::Series(0), 5.0)
+    Chart::new(x, y)
+        .height(Height::Px(190.0))
+        .line("", places.clone(), stroke)
+        .marks("", places, Mark::Dot, Colour::Series(0), 5.0)
 }
 
 #[cfg(test)]
@@ -159,10 +260,17 @@ mod tests {
 
     #[test]
     fn shapes_are_turned_real_with_their_largest_motion_up() {
-        let sim =
-            chladni_plate::simulate(&chladni_plate::Panel::from_toml("[frf]\nstop_hz = 120\n", 1 << 30).unwrap(), None, None).unwrap();
+        let sim = chladni_plate::simulate(
+            &chladni_plate::Panel::from_toml("[frf]\nstop_hz = 120\n", 1 << 30).unwrap(),
+            None,
+            None,
+        )
+        .unwrap();
         let mut mode = sim.truth.modes[0].clone();
-        mode.shape.0.iter_mut().for_each(|value| *value *= Complex64::from_polar(3.0, 2.0));
+        mode.shape
+            .0
+            .iter_mut()
+            .for_each(|value| *value *= Complex64::from_polar(3.0, 2.0));
         let shown = shown_responses(&sim.truth);
         let (values, imaginary) = turned_real(&sim.truth, &mode, &shown);
         assert!(imaginary < 1e-12);

@@ -1,4 +1,5 @@
-//! The plane of the maps: which two coordinates are drawn, in mm, and the ground around the nodes.
+//! The plane of the maps: which two coordinates are drawn, in mm, and the ground around
+//! the nodes.
 
 use crate::chart::{Axis, Chart, Height, Place};
 use crate::sizes;
@@ -25,7 +26,11 @@ impl Plane {
         axes.sort_by(|&a, &b| extent(b).total_cmp(&extent(a)));
         let mut axes = [axes[0], axes[1]];
         axes.sort_unstable();
-        let positions: Vec<Position> = model.nodes.iter().map(|node| axes.map(|axis| node.xyz_m[axis])).collect();
+        let positions: Vec<Position> = model
+            .nodes
+            .iter()
+            .map(|node| axes.map(|axis| node.xyz_m[axis]))
+            .collect();
         let around = Rectangle::around(&positions)?;
         let is_plane = around.x_max > around.x_min && around.y_max > around.y_min;
         is_plane.then_some(Self { axes, around })
@@ -34,12 +39,18 @@ impl Plane {
     /// The plane x, y around given positions, m.
     pub(crate) fn around(positions: &[Position]) -> Option<Self> {
         let around = Rectangle::around(positions)?;
-        (around.x_max > around.x_min && around.y_max > around.y_min).then_some(Self { axes: [0, 1], around })
+        (around.x_max > around.x_min && around.y_max > around.y_min).then_some(Self {
+            axes: [0, 1],
+            around,
+        })
     }
 
     /// The same plane, only so far as the given positions go.
     pub(crate) fn over(&self, positions: &[Position]) -> Option<Self> {
-        Some(Self { around: Rectangle::around(positions)?, ..*self })
+        Some(Self {
+            around: Rectangle::around(positions)?,
+            ..*self
+        })
     }
 
     /// Position of a DOF's node, m.
@@ -55,12 +66,19 @@ impl Plane {
 
     /// A map of this plane without layers.
     pub(crate) fn chart(&self, highest_px: f64) -> Chart {
-        let Rectangle { x_min, y_min, x_max, y_max } = self.around;
+        let Rectangle {
+            x_min,
+            y_min,
+            x_max,
+            y_max,
+        } = self.around;
         let border = sizes::MAP_BORDER * (x_max - x_min).max(y_max - y_min);
         let axis = |which: usize, low: f64, high: f64| {
-            Axis::linear(self.names()[which], "mm").range([1e3 * (low - border), 1e3 * (high + border)])
+            Axis::linear(self.names()[which], "mm")
+                .range([1e3 * (low - border), 1e3 * (high + border)])
         };
-        let mut chart = Chart::new(axis(0, x_min, x_max), axis(1, y_min, y_max)).height(Height::EqualScales(highest_px));
+        let mut chart = Chart::new(axis(0, x_min, x_max), axis(1, y_min, y_max))
+            .height(Height::EqualScales(highest_px));
         chart.grid = false;
         chart
     }

@@ -1,4 +1,5 @@
-//! Tables of `chladni bench` as pictures: error against time, one mark per method and case.
+//! Tables of `chladni bench` as pictures: error against time, one mark per method and
+//! case.
 
 use crate::chart::{Axis, Chart, Figure, Height, Layer, Mark, Place};
 use crate::drawing::{Anchor, Colour};
@@ -13,23 +14,49 @@ pub(crate) fn speed(table: &Table, number: usize) -> Option<Figure> {
     let column = |name: &str| table.header.iter().position(|header| header == name);
     let [time, error] = [column(COLUMNS[0])?, column(COLUMNS[1])?];
     let [case, method] = [column("case")?, column("method")?];
-    let mut cases: Vec<&str> = table.rows.iter().filter_map(|row| row.get(case).map(String::as_str)).collect();
+    let mut cases: Vec<&str> = table
+        .rows
+        .iter()
+        .filter_map(|row| row.get(case).map(String::as_str))
+        .collect();
     cases.dedup();
-    let mut chart =
-        Chart::new(Axis::log("Time of a fit", "s").padded(0.1), Axis::log("Rms frequency error over the bound", "–").padded(0.1));
+    let mut chart = Chart::new(
+        Axis::log("Time of a fit", "s").padded(0.1),
+        Axis::log("Rms frequency error over the bound", "–").padded(0.1),
+    );
     chart = chart.height(Height::Px(380.0));
     let mut any = false;
     for (k, name) in cases.iter().enumerate() {
-        let rows = table.rows.iter().filter(|row| row.get(case).is_some_and(|cell| cell == name));
-        let place = |row: &Vec<String>| Some([row.get(time)?.parse().ok()?, row.get(error)?.parse().ok()?]);
-        let shown: Vec<(Place, &str)> = rows.filter_map(|row| Some((place(row)?, row.get(method)?.as_str()))).collect();
-        let shown: Vec<_> = shown.into_iter().filter(|(at, _)| at.iter().all(|v| *v > 0.0)).collect();
+        let rows = table
+            .rows
+            .iter()
+            .filter(|row| row.get(case).is_some_and(|cell| cell == name));
+        let place =
+            |row: &Vec<String>| Some([row.get(time)?.parse().ok()?, row.get(error)?.parse().ok()?]);
+        let shown: Vec<(Place, &str)> = rows
+            .filter_map(|row| Some((place(row)?, row.get(method)?.as_str())))
+            .collect();
+        let shown: Vec<_> = shown
+            .into_iter()
+            .filter(|(at, _)| at.iter().all(|v| *v > 0.0))
+            .collect();
         any |= !shown.is_empty();
         for (at, method) in &shown {
-            chart = chart.with(Layer::Words { at: [at[0] * 1.05, at[1]], text: (*method).to_owned(), anchor: Anchor::Start, bold: false });
+            chart = chart.with(Layer::Words {
+                at: [at[0] * 1.05, at[1]],
+                text: (*method).to_owned(),
+                anchor: Anchor::Start,
+                bold: false,
+            });
         }
         let points = shown.into_iter().map(|(at, _)| at).collect();
-        chart = chart.marks(name, points, Mark::of_series(k), Colour::Series(k as u8), 7.0);
+        chart = chart.marks(
+            name,
+            points,
+            Mark::of_series(k),
+            Colour::Series(k as u8),
+            7.0,
+        );
     }
     any.then(|| Figure {
         name: format!("speed-{number}"),

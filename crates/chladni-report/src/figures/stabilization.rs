@@ -11,31 +11,88 @@ use chladni_rfp::{Stability, Stabilization};
 const LANE: f64 = 1.06;
 
 /// Poles of rising order over frequency, above the singular values.
-pub(crate) fn stabilization(comparison: &Comparison, diagram: &Stabilization, cmif: &Cmif) -> Figure {
+pub(crate) fn stabilization(
+    comparison: &Comparison,
+    diagram: &Stabilization,
+    cmif: &Cmif,
+) -> Figure {
     let top = diagram.orders.last().copied().unwrap_or(1) as f64;
     let kinds = [
-        (Stability::New, "new at this order", Mark::Cross, Colour::Muted, 4.0),
-        (Stability::Frequency, "stable in frequency", Mark::Ring, Colour::Series(0), 4.5),
-        (Stability::Stable, "stable in frequency and damping", Mark::Dot, Colour::Series(1), 4.5),
+        (
+            Stability::New,
+            "new at this order",
+            Mark::Cross,
+            Colour::Muted,
+            4.0,
+        ),
+        (
+            Stability::Frequency,
+            "stable in frequency",
+            Mark::Ring,
+            Colour::Series(0),
+            4.5,
+        ),
+        (
+            Stability::Stable,
+            "stable in frequency and damping",
+            Mark::Dot,
+            Colour::Series(1),
+            4.5,
+        ),
     ];
     let marks = |(stability, name, mark, colour, size): (Stability, &str, Mark, Colour, f64)| {
-        let poles = diagram.poles.iter().filter(|pole| pole.stability == stability);
-        let points = poles.map(|pole| [pole.frequency_hz, pole.order as f64]).collect();
-        Layer::Marks { name: Some(name.into()), points, mark, colour, size }
+        let poles = diagram
+            .poles
+            .iter()
+            .filter(|pole| pole.stability == stability);
+        let points = poles
+            .map(|pole| [pole.frequency_hz, pole.order as f64])
+            .collect();
+        Layer::Marks {
+            name: Some(name.into()),
+            points,
+            mark,
+            colour,
+            size,
+        }
     };
     let mut layers: Vec<Layer> = kinds.into_iter().map(marks).collect();
     layers.extend(comparison.model.into_iter().flat_map(|model| {
         let place = |f: f64| -> Place { [f, LANE * top] };
-        let bar = |f: f64, std: f64| vec![place(f - sizes::SIGMAS * std), place(f + sizes::SIGMAS * std)];
-        let bars = model.in_band_modes().map(|mode| bar(mode.frequency_hz, mode.frequency_std_hz)).collect();
-        let points = model.in_band_modes().map(|mode| place(mode.frequency_hz)).collect();
+        let bar = |f: f64, std: f64| {
+            vec![
+                place(f - sizes::SIGMAS * std),
+                place(f + sizes::SIGMAS * std),
+            ]
+        };
+        let bars = model
+            .in_band_modes()
+            .map(|mode| bar(mode.frequency_hz, mode.frequency_std_hz))
+            .collect();
+        let points = model
+            .in_band_modes()
+            .map(|mode| place(mode.frequency_hz))
+            .collect();
         [
-            Layer::Lines { name: None, lines: bars, stroke: Stroke::new(Colour::Ink, 1.6) },
-            Layer::Marks { name: Some("pole of the model".into()), points, mark: Mark::Triangle, colour: Colour::Series(2), size: 8.0 },
+            Layer::Lines {
+                name: None,
+                lines: bars,
+                stroke: Stroke::new(Colour::Ink, 1.6),
+            },
+            Layer::Marks {
+                name: Some("pole of the model".into()),
+                points,
+                mark: Mark::Triangle,
+                colour: Colour::Series(2),
+                size: 8.0,
+            },
         ]
     }));
     let mut chart = cmif::chart(comparison, cmif).height(Height::Px(380.0));
-    chart.right = Some(RightAxis { axis: Axis::linear("Order of the denominator", "poles").range([0.0, 1.12 * top]), layers });
+    chart.right = Some(RightAxis {
+        axis: Axis::linear("Order of the denominator", "poles").range([0.0, 1.12 * top]),
+        layers,
+    });
     Figure {
         name: "stabilization".into(),
         title: format!("Stabilization diagram over the CMIF {}", cmif.of),

@@ -1,4 +1,5 @@
-//! The scene at other drive frequencies, each with weights of its own (`chladni render --sweep`).
+//! The scene at other drive frequencies, each with weights of its own (`chladni render
+//! --sweep`).
 
 use super::marked;
 use crate::chart::{Axis, Chart, Figure, Height, Place};
@@ -11,19 +12,39 @@ use chladni_render::{SweptFrequency, Weights};
 pub(crate) fn sweep(weights: &Weights, number: usize) -> Option<Figure> {
     let sweep = weights.sweep.as_ref()?;
     let curve = |of: &dyn Fn(&SweptFrequency) -> Option<f64>| -> Vec<Place> {
-        sweep.frequencies.iter().filter_map(|swept| Some([swept.frequency_hz, of(swept)?])).collect()
+        sweep
+            .frequencies
+            .iter()
+            .filter_map(|swept| Some([swept.frequency_hz, of(swept)?]))
+            .collect()
     };
-    let chart = Chart::new(Axis::linear("Drive frequency", "Hz"), Axis::linear("Responses served", "%").range([0.0, 103.0]));
-    let mut chart =
-        marked(chart.height(Height::Px(240.0)), "undisturbed", curve(&|swept| Some(100.0 * swept.success_ratio)), 0, Dash::Solid);
+    let chart = Chart::new(
+        Axis::linear("Drive frequency", "Hz"),
+        Axis::linear("Responses served", "%").range([0.0, 103.0]),
+    );
+    let mut chart = marked(
+        chart.height(Height::Px(240.0)),
+        "undisturbed",
+        curve(&|swept| Some(100.0 * swept.success_ratio)),
+        0,
+        Dash::Solid,
+    );
     let touched = curve(&|swept| swept.touched_ratio.map(|ratio| 100.0 * ratio));
     if !touched.is_empty() {
-        chart = marked(chart, "with a finger in the hot zone", touched, 1, Dash::Dashed);
+        chart = marked(
+            chart,
+            "with a finger in the hot zone",
+            touched,
+            1,
+            Dash::Dashed,
+        );
     }
     Some(Figure {
         name: format!("sweep-{number}"),
         title: format!("Scene {number} at other drive frequencies"),
-        caption: sweep.suggested_hz.map_or(String::new(), |hz| format!("Suggested: {} Hz.", fixed(hz, 1))),
+        caption: sweep.suggested_hz.map_or(String::new(), |hz| {
+            format!("Suggested: {} Hz.", fixed(hz, 1))
+        }),
         width: WIDE_PX,
         charts: vec![chart],
     })

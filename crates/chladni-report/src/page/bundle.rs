@@ -1,14 +1,18 @@
 //! ES modules as one script: a page that is one file can import nothing.
 //!
-//! Each module becomes a function that is run once and hands over what it exports, in the order of the list. The modules keep to what
-//! is understood here: whole lines `import { a, b } from "./name.js";` and declarations that begin with `export `.
+//! Each module becomes a function that is run once and hands over what it exports, in the
+//! order of the list. The modules keep to what is understood here: whole lines `import {
+//! a, b } from "./name.js";` and declarations that begin with `export `.
 
 /// A module: its name and its text.
 pub(crate) type Module = (&'static str, &'static str);
 
 /// One script of all `modules`, of which each imports earlier ones only.
 pub(crate) fn bundle(modules: &[Module]) -> String {
-    let bodies: String = modules.iter().map(|&(name, text)| wrapped(name, text)).collect();
+    let bodies: String = modules
+        .iter()
+        .map(|&(name, text)| wrapped(name, text))
+        .collect();
     format!("\"use strict\";\n{bodies}")
 }
 
@@ -24,7 +28,10 @@ fn wrapped(name: &str, text: &str) -> String {
             body += &format!("{line}\n");
         }
     }
-    format!("const module_{name} = (() => {{\n{body}return {{ {} }};\n}})();\n", exported.join(", "))
+    format!(
+        "const module_{name} = (() => {{\n{body}return {{ {} }};\n}})();\n",
+        exported.join(", ")
+    )
 }
 
 /// `{ a, b }` and `name` of `import { a, b } from "./name.js";`.
@@ -37,7 +44,8 @@ fn imported(line: &str) -> Option<(&str, &str)> {
 fn declared(declaration: &str) -> Option<&str> {
     let rest = declaration.strip_prefix("async ").unwrap_or(declaration);
     let (_, name) = rest.split_once(' ')?;
-    name.split(|letter: char| !letter.is_alphanumeric() && letter != '_').next()
+    name.split(|letter: char| !letter.is_alphanumeric() && letter != '_')
+        .next()
 }
 
 #[cfg(test)]
@@ -47,11 +55,17 @@ mod tests {
     #[test]
     fn a_module_sees_what_it_imports() {
         let script = bundle(&[
-            ("a", "export const one = 1;\nexport function two(x) {\n  return x;\n}\n"),
+            (
+                "a",
+                "export const one = 1;\nexport function two(x) {\n  return x;\n}\n",
+            ),
             ("b", "import { one, two } from \"./a.js\";\ntwo(one);\n"),
         ]);
         assert!(script.contains("return { one, two };"));
-        assert!(script.contains("const module_b = (() => {\nconst { one, two } = module_a;\ntwo(one);\nreturn {  };\n})();"));
+        assert!(script.contains(
+            "const module_b = (() => \
+                                 {\nconst { one, two } = module_a;\ntwo(one);\nreturn {  };\n})();"
+        ));
     }
 
     #[test]
@@ -59,13 +73,31 @@ mod tests {
         let mut known: Vec<(&str, Vec<&str>)> = Vec::new();
         for &(name, text) in super::super::STUDIO_MODULES {
             for (names, module) in text.lines().filter_map(imported) {
-                let exported = &known.iter().find(|earlier| earlier.0 == module).unwrap_or_else(|| panic!("{name} imports {module}")).1;
+                let exported = &known
+                    .iter()
+                    .find(|earlier| earlier.0 == module)
+                    .unwrap_or_else(|| panic!("{name} imports {module}"))
+                    .1;
                 for wanted in names.trim_matches(['{', '}', ' ']).split(", ") {
-                    assert!(exported.contains(&wanted), "{name} imports {wanted} from {module}");
+                    assert!(
+                        exported.contains(&wanted),
+                        "{name} imports {wanted} from {module}"
+                    );
                 }
             }
-            assert!(!text.lines().any(|line| line.starts_with("import ") && imported(line).is_none()), "{name}");
-            known.push((name, text.lines().filter_map(|line| line.strip_prefix("export ")).filter_map(declared).collect()));
+            assert!(
+                !text
+                    .lines()
+                    .any(|line| line.starts_with("import ") && imported(line).is_none()),
+                "{name}"
+            );
+            known.push((
+                name,
+                text.lines()
+                    .filter_map(|line| line.strip_prefix("export "))
+                    .filter_map(declared)
+                    .collect(),
+            ));
         }
     }
 }

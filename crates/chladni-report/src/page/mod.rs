@@ -1,5 +1,5 @@
-//! The page: a template, a style, the script and its data in one file. Nothing is loaded from elsewhere, and no script but the page's
-//! own runs: it is named by its hash.
+//! The page: a template, a style, the script and its data in one file. Nothing is loaded
+//! from elsewhere, and no script but the page's own runs: it is named by its hash.
 
 mod bundle;
 #[cfg(test)]
@@ -21,7 +21,8 @@ macro_rules! modules {
     ($($name:literal),*) => { &[$(($name, include_str!(concat!("modules/", $name, ".js")))),*] };
 }
 
-/// The studio's script: the report's views, and what makes them live. Each module imports earlier ones only.
+/// The studio's script: the report's views, and what makes them live. Each module imports
+/// earlier ones only.
 const STUDIO_MODULES: &[Module] = modules!(
     "dom",
     "numbers",
@@ -60,25 +61,49 @@ fn report_modules() -> &'static [Module] {
 /// The report with its data.
 pub(crate) fn report(title: &str, data: &Value) -> String {
     let start = "module_page.show(module_data.embedded());";
-    fill_page(title, &format!("{}{start}\n", bundle(report_modules())), WITHOUT_SCRIPT, &inert(data), "'none'")
+    fill_page(
+        title,
+        &format!("{}{start}\n", bundle(report_modules())),
+        WITHOUT_SCRIPT,
+        &inert(data),
+        "'none'",
+    )
 }
 
 /// The studio: it asks its own server for everything.
 pub(crate) fn studio(title: &str) -> String {
     let start = "module_live.start();";
-    fill_page(title, &format!("{}{start}\n", bundle(STUDIO_MODULES)), WITHOUT_SCRIPT, "null", "'self'")
+    fill_page(
+        title,
+        &format!("{}{start}\n", bundle(STUDIO_MODULES)),
+        WITHOUT_SCRIPT,
+        "null",
+        "'self'",
+    )
 }
 
 /// A page of figures alone, one section each, with `words` above them.
 pub(crate) fn gallery(title: &str, words: &str, figures: &[Figure]) -> String {
-    let link = |figure: &Figure| format!("<li><a href=\"#{}\">{}</a></li>", escape(&figure.name), escape(&figure.title));
+    let link = |figure: &Figure| {
+        format!(
+            "<li><a href=\"#{}\">{}</a></li>",
+            escape(&figure.name),
+            escape(&figure.title)
+        )
+    };
     let section = |figure: &Figure| {
-        let (name, title, caption) = (escape(&figure.name), escape(&figure.title), escape(&figure.caption));
+        let (name, title, caption) = (
+            escape(&figure.name),
+            escape(&figure.title),
+            escape(&figure.caption),
+        );
         let drawing = figure.draw().to_svg();
-        format!("<section id=\"{name}\"><h2>{title}</h2><figure><div class=\"scroll\">{drawing}</div><figcaption>{caption}</figcaption></figure></section>\n")
+        format!("<section id=\"{name}\"><h2>{title}</h2><figure><div \
+                 class=\"scroll\">{drawing}</div><figcaption>{caption}</figcaption></figure></section>\n")
     };
     let body = format!(
-        "<header><h1>{}</h1><p>{}</p><nav aria-label=\"Contents\"><ul>{}</ul></nav></header>\n<main>{}</main>",
+        "<header><h1>{}</h1><p>{}</p><nav \
+         aria-label=\"Contents\"><ul>{}</ul></nav></header>\n<main>{}</main>",
         escape(title),
         escape(words),
         figures.iter().map(link).collect::<String>(),
@@ -98,7 +123,14 @@ fn fill_page(title: &str, script: &str, body: &str, data: &str, connect: &str) -
             ("script", &script),
             ("script_hash", &hash),
             ("connect", connect),
-            ("title", &escape(if title.is_empty() { "Chladni report" } else { title })),
+            (
+                "title",
+                &escape(if title.is_empty() {
+                    "Chladni report"
+                } else {
+                    title
+                }),
+            ),
             ("created_by", &escape(CREATED_BY)),
             ("body", body),
             ("data", data),
@@ -108,17 +140,27 @@ fn fill_page(title: &str, script: &str, body: &str, data: &str, connect: &str) -
 
 /// JSON that cannot end the element it stands in, nor begin a comment there.
 fn inert(data: &Value) -> String {
-    data.to_string().replace('<', "\\u003c").replace('>', "\\u003e").replace('\u{2028}', "\\u2028").replace('\u{2029}', "\\u2029")
+    data.to_string()
+        .replace('<', "\\u003c")
+        .replace('>', "\\u003e")
+        .replace('\u{2028}', "\\u2028")
+        .replace('\u{2029}', "\\u2029")
 }
 
-/// Puts each value in the place of its `{{name}}`, in one pass: what is put in is not looked at again.
+/// Puts each value in the place of its `{{name}}`, in one pass: what is put in is not
+/// looked at again.
 fn fill(template: &str, values: &[(&str, &str)]) -> String {
     let mut out = String::new();
     let mut rest = template;
     while let Some((before, after)) = rest.split_once("{{") {
         let (name, tail) = after.split_once("}}").unwrap_or((after, ""));
         out.push_str(before);
-        out.push_str(values.iter().find(|value| value.0 == name).map_or("", |value| value.1));
+        out.push_str(
+            values
+                .iter()
+                .find(|value| value.0 == name)
+                .map_or("", |value| value.1),
+        );
         rest = tail;
     }
     out + rest
@@ -130,7 +172,10 @@ mod tests {
 
     #[test]
     fn what_is_put_in_is_not_filled_again() {
-        assert_eq!(fill("a {{x}} b {{y}} c", &[("x", "{{y}}"), ("y", "1")]), "a {{y}} b 1 c");
+        assert_eq!(
+            fill("a {{x}} b {{y}} c", &[("x", "{{y}}"), ("y", "1")]),
+            "a {{y}} b 1 c"
+        );
         assert!(!fill(TEMPLATE, &[]).contains("{{"));
     }
 

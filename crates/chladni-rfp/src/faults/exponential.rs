@@ -1,32 +1,48 @@
 //! The exponential window of hammer tests, taken off the poles.
 //!
-//! h(t)·e^{−αt} has the transform H(s + α): every pole is moved by −α along the real axis, and its residue is the same. So
-//! s → s + α on the pole, and frequency, loss factor and modal constants follow from it (theory.md, eq. F5). Correcting the damping alone leaves
-//! the frequency off: |s| changes too.
+//! h(t)·e^{−αt} has the transform H(s + α): every pole is moved by −α along the real
+//! axis, and its residue is the same. So s → s + α on the pole, and frequency, loss
+//! factor and modal constants follow from it (theory.md, eq. F5). Correcting the damping
+//! alone leaves the frequency off: |s| changes too.
 
 use chladni_frf::{Damping, FrfKind, ModalModel, Mode, Scaling, Trust};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// Takes the decay `alpha` (1/s) off every pole of the model. Its quality stays that of the fit, to the windowed data.
+/// Takes the decay `alpha` (1/s) off every pole of the model. Its quality stays that of
+/// the fit, to the windowed data.
 pub(crate) fn undo(model: &mut ModalModel, alpha: f64) {
     let (law, kind, [low, high]) = (model.damping, model.frf_kind, model.band_hz);
     let shared = model.scaling == Scaling::UnitModalMass;
     let mut explained = 0;
-    for mode in model.modes.iter_mut().filter(|mode| mode.trust != Trust::Rejected) {
+    for mode in model
+        .modes
+        .iter_mut()
+        .filter(|mode| mode.trust != Trust::Rejected)
+    {
         let measured = pole(law, mode);
         let own = measured + alpha;
         if own.re < 0.0 {
             let factor = correct(law, kind, mode, measured, own);
             mode.in_band = (low..=high).contains(&mode.frequency_hz);
             // mass-normalised shapes share the change between both ends
-            let (at_responses, at_references) = if shared { (factor.sqrt(), factor.sqrt()) } else { (Complex64::new(1.0, 0.0), factor) };
+            let (at_responses, at_references) = if shared {
+                (factor.sqrt(), factor.sqrt())
+            } else {
+                (Complex64::new(1.0, 0.0), factor)
+            };
             mode.shape.0.iter_mut().for_each(|v| *v *= at_responses);
-            mode.participation.0.iter_mut().for_each(|v| *v *= at_references);
+            mode.participation
+                .0
+                .iter_mut()
+                .for_each(|v| *v *= at_references);
         } else if mode.in_band {
             explained += 1;
             mode.trust = Trust::Rejected;
-            mode.reasons.push(format!("decays by {:.3} 1/s, less than the exponential window alone ({alpha} 1/s)", -measured.re));
+            mode.reasons.push(format!(
+                "decays by {:.3} 1/s, less than the exponential window alone ({alpha} 1/s)",
+                -measured.re
+            ));
         }
     }
     model.quality.warnings.push(format!(
@@ -46,12 +62,21 @@ pub(crate) fn undo(model: &mut ModalModel, alpha: f64) {
 fn pole(law: Damping, mode: &Mode) -> Complex64 {
     match law {
         Damping::Viscous => mode.viscous_pole(),
-        Damping::Structural => TAU * mode.frequency_hz * Complex64::i() * Complex64::new(1.0, mode.loss_factor).sqrt(),
+        Damping::Structural => {
+            TAU * mode.frequency_hz * Complex64::i() * Complex64::new(1.0, mode.loss_factor).sqrt()
+        }
     }
 }
 
-/// Frequency and damping of a mode whose pole is `own` instead of `measured`; returns what its modal constants are multiplied with.
-fn correct(law: Damping, kind: FrfKind, mode: &mut Mode, measured: Complex64, own: Complex64) -> Complex64 {
+/// Frequency and damping of a mode whose pole is `own` instead of `measured`; returns
+/// what its modal constants are multiplied with.
+fn correct(
+    law: Damping,
+    kind: FrfKind,
+    mode: &mut Mode,
+    measured: Complex64,
+    own: Complex64,
+) -> Complex64 {
     let before = mode.frequency_hz;
     let (omega, loss_factor) = match law {
         Damping::Viscous => (own.norm(), -2.0 * own.re / own.norm()),
@@ -65,7 +90,8 @@ fn correct(law: Damping, kind: FrfKind, mode: &mut Mode, measured: Complex64, ow
     mode.damping_ratio = 0.5 * loss_factor;
     // the pole keeps its standard deviation; η is −2 Re s over a frequency that changed
     mode.loss_factor_std *= before / mode.frequency_hz;
-    // the window keeps the residue of κ(s)·α(s), κ ∝ s^p: modal constants go with s^(1−p) (structural, R = 2sr) or s^−p (viscous)
+    // the window keeps the residue of κ(s)·α(s), κ ∝ s^p: modal constants go with s^(1−p)
+    // (structural, R = 2sr) or s^−p (viscous)
     let power = match law {
         Damping::Viscous => -kind.omega_power(),
         Damping::Structural => 1 - kind.omega_power(),

@@ -1,12 +1,14 @@
 //! Which window the line shapes speak of.
 //!
-//! A resonance in H1 of windowed random records is the transform of e^{pt}ρ(t) over one record, not 1/(s − p). With
-//! z = (s − p)T, f(z) = ∫(1−u)e^{−zu}du and e(z) = ∫e^{−zu}du over 0..1 it is (theory.md, eq. F4)
+//! A resonance in H1 of windowed random records is the transform of e^{pt}ρ(t) over one
+//! record, not 1/(s − p). With z = (s − p)T, f(z) = ∫(1−u)e^{−zu}du and e(z) = ∫e^{−zu}du
+//! over 0..1 it is (theory.md, eq. F4)
 //!
-//! rectangular: T·f(z); Hann: T·[2f(z) + ½f(z−2πj) + ½f(z+2πj) + (3/4πj)(e(z−2πj) − e(z+2πj))]/3.
+//! rectangular: T·f(z); Hann: T·[2f(z) + ½f(z−2πj) + ½f(z+2πj) + (3/4πj)(e(z−2πj) −
+//! e(z+2πj))]/3.
 //!
-//! Each shape is fitted to the lines around every isolated mode, its pole free, and the sums of squares are compared: three
-//! hypotheses with the same number of unknowns.
+//! Each shape is fitted to the lines around every isolated mode, its pole free, and the
+//! sums of squares are compared: three hypotheses with the same number of unknowns.
 
 use super::moving::neighbourhood;
 use super::window::Window;
@@ -27,31 +29,44 @@ const ALONE: f64 = 12.0;
 const STEPS: usize = 20;
 /// A step smaller than this part of the decay ends the fit.
 const STILL: f64 = 1e-4;
-/// Lines are counted once however many FRFs there are: leakage errors of one record are common to all of them.
+/// Lines are counted once however many FRFs there are: leakage errors of one record are
+/// common to all of them.
 const UNKNOWNS: usize = 4;
 /// Log-likelihood by which one window must beat the others.
 pub(super) const DECIDES: f64 = 12.0;
 
-/// The window whose line shape wins, by how much (log-likelihood over the second best), and on how many modes.
+/// The window whose line shape wins, by how much (log-likelihood over the second best),
+/// and on how many modes.
 pub(super) fn likely_window(case: &Case) -> Option<(Window, f64, usize)> {
     let modes: Vec<&Mode> = case.model.in_band_modes().collect();
     let mut scores = [0.0; Window::ALL.len()];
     let mut count = 0;
     for mode in &modes {
         if let Some(own) = mode_scores(case, mode, &modes) {
-            scores.iter_mut().zip(own).for_each(|(sum, score)| *sum += score);
+            scores
+                .iter_mut()
+                .zip(own)
+                .for_each(|(sum, score)| *sum += score);
             count += 1;
         }
     }
     let mut order: Vec<usize> = (0..scores.len()).collect();
     order.sort_by(|&a, &b| scores[b].total_cmp(&scores[a]));
-    (count > 0).then(|| (Window::ALL[order[0]], scores[order[0]] - scores[order[1]], count))
+    (count > 0).then(|| {
+        (
+            Window::ALL[order[0]],
+            scores[order[0]] - scores[order[1]],
+            count,
+        )
+    })
 }
 
 /// Log-likelihood of each window on the lines around one mode.
 fn mode_scores(case: &Case, mode: &Mode, modes: &[&Mode]) -> Option<[f64; Window::ALL.len()]> {
     let half_width = 0.5 * mode.loss_factor * mode.frequency_hz;
-    let near = |other: &&Mode| *other != mode && (other.frequency_hz - mode.frequency_hz).abs() < ALONE * half_width;
+    let near = |other: &&Mode| {
+        *other != mode && (other.frequency_hz - mode.frequency_hz).abs() < ALONE * half_width
+    };
     if half_width <= 0.0 || modes.iter().any(near) {
         return None;
     }
@@ -60,12 +75,20 @@ fn mode_scores(case: &Case, mode: &Mode, modes: &[&Mode]) -> Option<[f64; Window
     if work.lines() < 2 * UNKNOWNS {
         return None;
     }
-    let s: Vec<Complex64> = work.x.iter().map(|x| Complex64::new(0.0, x.sqrt() * case.data.omega_max)).collect();
+    let s: Vec<Complex64> = work
+        .x
+        .iter()
+        .map(|x| Complex64::new(0.0, x.sqrt() * case.data.omega_max))
+        .collect();
     let pole = Complex64::new(-half_width, mode.frequency_hz) * TAU;
     let mut scores = [0.0; Window::ALL.len()];
     for (score, window) in scores.iter_mut().zip(Window::ALL) {
         // without its window a line is narrower by about 1/T
-        let shift = if window == Window::None { 0.0 } else { (1.0 / record_s).min(-0.7 * pole.re) };
+        let shift = if window == Window::None {
+            0.0
+        } else {
+            (1.0 / record_s).min(-0.7 * pole.re)
+        };
         let sse = best(&s, &own, window, record_s, pole + shift).ok()?;
         *score = -((work.lines() - UNKNOWNS) as f64) * sse.max(f64::MIN_POSITIVE).ln();
     }
@@ -73,19 +96,40 @@ fn mode_scores(case: &Case, mode: &Mode, modes: &[&Mode]) -> Option<[f64; Window
 }
 
 /// Least sum of squares over the pole: variable projection with one complex unknown.
-fn best(s: &[Complex64], own: &Array2<Complex64>, window: Window, record_s: f64, start: Complex64) -> Result<f64, LinalgError> {
+fn best(
+    s: &[Complex64],
+    own: &Array2<Complex64>,
+    window: Window,
+    record_s: f64,
+    start: Complex64,
+) -> Result<f64, LinalgError> {
     let mut pole = start;
     let mut now = Fitted::new(s, own, window, record_s, pole)?;
     let mut damping = 1.0;
     for _ in 0..STEPS {
         let h = 1e-4 * pole.re;
-        let difference: Array2<Complex64> = (column(s, window, record_s, pole + h) - column(s, window, record_s, pole - h)) / (2.0 * h);
-        let outside = &difference - &matmul(now.q.view(), matmul_h(now.q.view(), difference.view()).view());
-        let power: f64 = outside.iter().map(|v| v.norm_sqr()).sum::<f64>() * now.strength.iter().map(|v| v.norm_sqr()).sum::<f64>();
+        let difference: Array2<Complex64> = (column(s, window, record_s, pole + h)
+            - column(s, window, record_s, pole - h))
+            / (2.0 * h);
+        let outside = &difference
+            - &matmul(
+                now.q.view(),
+                matmul_h(now.q.view(), difference.view()).view(),
+            );
+        let power: f64 = outside.iter().map(|v| v.norm_sqr()).sum::<f64>()
+            * now.strength.iter().map(|v| v.norm_sqr()).sum::<f64>();
         let matched = matmul_h(outside.view(), now.residual.view());
-        let slope: Complex64 = matched.iter().zip(&now.strength).map(|(m, r)| m * r.conj()).sum();
+        let slope: Complex64 = matched
+            .iter()
+            .zip(&now.strength)
+            .map(|(m, r)| m * r.conj())
+            .sum();
         let step = damping * slope / power.max(f64::MIN_POSITIVE);
-        let step = if step.norm() > -0.5 * pole.re { step * (-0.5 * pole.re / step.norm()) } else { step };
+        let step = if step.norm() > -0.5 * pole.re {
+            step * (-0.5 * pole.re / step.norm())
+        } else {
+            step
+        };
         let trial = Fitted::new(s, own, window, record_s, pole + step)?;
         if trial.sse < now.sse {
             (pole, now, damping) = (pole + step, trial, 1.0);
@@ -109,7 +153,13 @@ struct Fitted {
 }
 
 impl Fitted {
-    fn new(s: &[Complex64], own: &Array2<Complex64>, window: Window, record_s: f64, pole: Complex64) -> Result<Self, LinalgError> {
+    fn new(
+        s: &[Complex64],
+        own: &Array2<Complex64>,
+        window: Window,
+        record_s: f64,
+        pole: Complex64,
+    ) -> Result<Self, LinalgError> {
         let resonance = column(s, window, record_s, pole);
         let (first, span) = (s[0].im, s[s.len() - 1].im - s[0].im);
         let basis = Array2::from_shape_fn((s.len(), 3).f(), |(k, c)| match c {
@@ -121,13 +171,21 @@ impl Fitted {
         let residual = own - &matmul(q.view(), matmul_h(q.view(), own.view()).view());
         let sse = residual.iter().map(|v| v.norm_sqr()).sum();
         let strength = lstsq(basis.view(), own.view())?.row(0).to_vec();
-        Ok(Self { q, residual, strength, sse })
+        Ok(Self {
+            q,
+            residual,
+            strength,
+            sse,
+        })
     }
 }
 
-/// The line shape of a pole, rad/s, on the lines `s`, as one column; in units of the record length.
+/// The line shape of a pole, rad/s, on the lines `s`, as one column; in units of the
+/// record length.
 fn column(s: &[Complex64], window: Window, record_s: f64, pole: Complex64) -> Array2<Complex64> {
-    Array2::from_shape_fn((s.len(), 1).f(), |(k, _)| line_shape(window, (s[k] - pole) * record_s))
+    Array2::from_shape_fn((s.len(), 1).f(), |(k, _)| {
+        line_shape(window, (s[k] - pole) * record_s)
+    })
 }
 
 /// ∫ρ(u)e^{−zu}du over 0..1; 1/z without a window.
@@ -154,9 +212,15 @@ mod tests {
     fn line_shapes_are_the_transforms_of_the_autocorrelations() {
         let n = 200_000;
         for window in [Window::Rectangular, Window::Hann] {
-            for z in [Complex64::new(0.5, 0.3), Complex64::new(3.0, -12.0), Complex64::new(10.0, 40.0)] {
-                let sum: Complex64 =
-                    (0..n).map(|k| (k as f64 + 0.5) / n as f64).map(|u| window.autocorrelation(u) * (-z * u).exp() / n as f64).sum();
+            for z in [
+                Complex64::new(0.5, 0.3),
+                Complex64::new(3.0, -12.0),
+                Complex64::new(10.0, 40.0),
+            ] {
+                let sum: Complex64 = (0..n)
+                    .map(|k| (k as f64 + 0.5) / n as f64)
+                    .map(|u| window.autocorrelation(u) * (-z * u).exp() / n as f64)
+                    .sum();
                 assert!((line_shape(window, z) - sum).norm() < 1e-8, "{window} {z}");
             }
         }

@@ -1,12 +1,16 @@
-//! Faults of the data: what is wrong with a measurement although every number in it can be fitted.
+//! Faults of the data: what is wrong with a measurement although every number in it can
+//! be fitted.
 //!
-//! Before the fit: a window whose bias can be undone ([`window`]; line shapes may tell which it was, [`line_shape`]), FRFs far noisier
-//! than the others ([`noisy`]). After it, with the model at hand: lines that no neighbour supports ([`outliers`], left out and fitted
-//! again), then a list of checks, each of which names what it found with the evidence. Last, the artificial decay of an
-//! exponential window is taken off the poles ([`exponential`]).
+//! Before the fit: a window whose bias can be undone ([`window`]; line shapes may tell
+//! which it was, [`line_shape`]), FRFs far noisier than the others ([`noisy`]). After it,
+//! with the model at hand: lines that no neighbour supports ([`outliers`], left out and
+//! fitted again), then a list of checks, each of which names what it found with the
+//! evidence. Last, the artificial decay of an exponential window is taken off the poles
+//! ([`exponential`]).
 //!
-//! Elsewhere: the wrong time sign ([`crate::order::Outcome::Conjugated`]), zero-padded records and leakage-prone damping
-//! ([`crate::measured`]), missing values ([`crate::screen`]).
+//! Elsewhere: the wrong time sign ([`crate::order::Outcome::Conjugated`]), zero-padded
+//! records and leakage-prone damping ([`crate::measured`]), missing values
+//! ([`crate::screen`]).
 
 mod delay;
 pub(crate) mod exponential;
@@ -30,7 +34,8 @@ use rayon::prelude::*;
 pub(crate) struct Case<'a> {
     /// What is known of the data that were fitted.
     pub data: &'a Head,
-    /// The data themselves, where they are at hand: checks that look at single FRFs are left out where they are not.
+    /// The data themselves, where they are at hand: checks that look at single FRFs are
+    /// left out where they are not.
     pub values: Option<&'a Screened<'a>>,
     /// What came of it.
     pub model: &'a ModalModel,
@@ -55,7 +60,12 @@ pub(crate) struct Finding {
 
 impl Finding {
     fn new(words: String, contradiction: bool) -> Self {
-        Self { words, contradiction, weak: Vec::new(), reason: "" }
+        Self {
+            words,
+            contradiction,
+            weak: Vec::new(),
+            reason: "",
+        }
     }
     /// Words alone.
     fn note(words: String) -> Self {
@@ -80,8 +90,20 @@ const CHECKS: [fn(&Case) -> Option<Finding>; 8] = [
 ];
 
 /// Runs all checks; their words join the model's warnings.
-pub(crate) fn examine(data: &Head, values: Option<&Screened>, options: &FitOptions, white: bool, model: &mut ModalModel) {
-    let case = Case { data, values, model, options, white };
+pub(crate) fn examine(
+    data: &Head,
+    values: Option<&Screened>,
+    options: &FitOptions,
+    white: bool,
+    model: &mut ModalModel,
+) {
+    let case = Case {
+        data,
+        values,
+        model,
+        options,
+        white,
+    };
     let found: Vec<Finding> = CHECKS.par_iter().filter_map(|check| check(&case)).collect();
     for finding in found {
         model.quality.trusted &= !finding.contradiction;
@@ -104,6 +126,9 @@ impl Case<'_> {
 
     /// In-band modes without doubts.
     fn sure_modes(&self) -> Vec<&Mode> {
-        self.model.in_band_modes().filter(|mode| mode.trust == Trust::Sure).collect()
+        self.model
+            .in_band_modes()
+            .filter(|mode| mode.trust == Trust::Sure)
+            .collect()
     }
 }

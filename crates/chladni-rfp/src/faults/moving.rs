@@ -1,5 +1,6 @@
-//! Poles that move between FRFs: a roving sensor whose mass loads the structure, temperature, a clamp that settles. One set of
-//! poles then contradicts the data as a whole, however well each FRF could be fitted by itself.
+//! Poles that move between FRFs: a roving sensor whose mass loads the structure,
+//! temperature, a clamp that settles. One set of poles then contradicts the data as a
+//! whole, however well each FRF could be fitted by itself.
 
 use super::{Case, Finding};
 use crate::model::value_of;
@@ -19,7 +20,8 @@ const WINDOW: (f64, usize) = (4.0, 6);
 const MOVES: f64 = 0.5;
 /// ... and that must exceed so many times what noise does.
 const OVER_NOISE: f64 = 3.0;
-/// Share of the modes that must move before the data as a whole contradict one set of poles.
+/// Share of the modes that must move before the data as a whole contradict one set of
+/// poles.
 const SHARE: f64 = 0.5;
 
 /// Lets every FRF have its own pole near each mode.
@@ -28,7 +30,10 @@ pub(crate) fn moving_poles(case: &Case) -> Option<Finding> {
         return None;
     }
     let modes: Vec<&Mode> = case.model.in_band_modes().collect();
-    let scatter: Vec<f64> = modes.iter().filter_map(|mode| scatter(case, mode)).collect();
+    let scatter: Vec<f64> = modes
+        .iter()
+        .filter_map(|mode| scatter(case, mode))
+        .collect();
     let moving: Vec<f64> = scatter.iter().copied().filter(|s| *s > MOVES).collect();
     if moving.is_empty() || (moving.len() as f64) < SHARE * scatter.len() as f64 {
         return None;
@@ -43,11 +48,13 @@ pub(crate) fn moving_poles(case: &Case) -> Option<Finding> {
     Some(Finding::contradiction(words))
 }
 
-/// Rms distance, in half-bandwidths along the frequency axis, of the FRFs' own poles from their mean, weighted by strength; noise
-/// taken off. `None` where the mode cannot be looked at by itself.
+/// Rms distance, in half-bandwidths along the frequency axis, of the FRFs' own poles from
+/// their mean, weighted by strength; noise taken off. `None` where the mode cannot be
+/// looked at by itself.
 fn scatter(case: &Case, mode: &Mode) -> Option<f64> {
     let lambda = pole(case, mode);
-    let near = |other: &Mode| other != mode && (pole(case, other).re - lambda.re).abs() < 2.0 * lambda.im;
+    let near =
+        |other: &Mode| other != mode && (pole(case, other).re - lambda.re).abs() < 2.0 * lambda.im;
     if lambda.im <= 0.0 || case.model.in_band_modes().any(near) {
         return None;
     }
@@ -56,20 +63,34 @@ fn scatter(case: &Case, mode: &Mode) -> Option<f64> {
     let (mut places, mut noise, mut total) = (Vec::new(), 0.0, 0.0);
     for (column, &(strength, _)) in frfs.iter().enumerate() {
         let single = local.with_columns(own.slice(ndarray::s![.., column..column + 1]).to_owned());
-        let Ok(fit) = refine(&single, &[lambda], &[0], tol::REFINE_FINE, tol::ROUGH_STEP) else { continue };
+        let Ok(fit) = refine(&single, &[lambda], &[0], tol::REFINE_FINE, tol::ROUGH_STEP) else {
+            continue;
+        };
         let weight = strength * strength;
         // half of E|δλ|² lies along the frequency axis
-        noise += weight * 0.5 * fit.variance(&single) / fit.information(&single)[[0, 0]].re.max(f64::MIN_POSITIVE);
-        places.push((weight, ((fit.lambda[0].re - lambda.re) / lambda.im).clamp(-4.0, 4.0)));
+        noise += weight * 0.5 * fit.variance(&single)
+            / fit.information(&single)[[0, 0]].re.max(f64::MIN_POSITIVE);
+        places.push((
+            weight,
+            ((fit.lambda[0].re - lambda.re) / lambda.im).clamp(-4.0, 4.0),
+        ));
         total += weight;
     }
     if places.len() < 2 || total <= 0.0 {
         return None;
     }
     let mean = places.iter().map(|(w, d)| w * d).sum::<f64>() / total;
-    let variance = places.iter().map(|(w, d)| w * (d - mean).powi(2)).sum::<f64>() / total;
+    let variance = places
+        .iter()
+        .map(|(w, d)| w * (d - mean).powi(2))
+        .sum::<f64>()
+        / total;
     let noise = noise / total / lambda.im.powi(2);
-    Some(if variance > OVER_NOISE * OVER_NOISE * noise { (variance - noise).sqrt() } else { 0.0 })
+    Some(if variance > OVER_NOISE * OVER_NOISE * noise {
+        (variance - noise).sqrt()
+    } else {
+        0.0
+    })
 }
 
 /// λ of a mode in the plane x = ω²/ω_max².
@@ -88,22 +109,43 @@ pub(super) fn strength(mode: &Mode, (i, j): (usize, usize)) -> f64 {
 
 /// (strength, position) of the FRFs that show a mode best.
 fn strongest(case: &Case, mode: &Mode, most: usize) -> Vec<(f64, usize)> {
-    let mut frfs: Vec<(f64, usize)> = case.data.pairs.iter().map(|&pair| strength(mode, pair)).zip(0..).collect();
+    let mut frfs: Vec<(f64, usize)> = case
+        .data
+        .pairs
+        .iter()
+        .map(|&pair| strength(mode, pair))
+        .zip(0..)
+        .collect();
     frfs.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     frfs.truncate(most);
     frfs
 }
 
-/// Lines around a mode (`reach`: half-bandwidths, and at least so many lines, on both sides), and its strongest FRFs there without what
-/// the model says of all other modes and residual terms; `None` without the data.
-pub(super) fn neighbourhood(case: &Case, mode: &Mode, reach: (f64, usize), frfs_most: usize) -> Option<(Work, Array2<Complex64>)> {
+/// Lines around a mode (`reach`: half-bandwidths, and at least so many lines, on both
+/// sides), and its strongest FRFs there without what the model says of all other modes
+/// and residual terms; `None` without the data.
+pub(super) fn neighbourhood(
+    case: &Case,
+    mode: &Mode,
+    reach: (f64, usize),
+    frfs_most: usize,
+) -> Option<(Work, Array2<Complex64>)> {
     let rows = case.data.axis().window(pole(case, mode), reach.0, reach.1);
-    let frfs: Vec<usize> = strongest(case, mode, frfs_most).into_iter().map(|(_, l)| l).collect();
+    let frfs: Vec<usize> = strongest(case, mode, frfs_most)
+        .into_iter()
+        .map(|(_, l)| l)
+        .collect();
     without_others(case, &[mode], rows, &frfs)
 }
 
-/// FRFs (positions among the pairs) on the lines `rows` without what the model says of all but `modes`; `None` without the data.
-pub(super) fn without_others(case: &Case, modes: &[&Mode], rows: Range<usize>, frfs: &[usize]) -> Option<(Work, Array2<Complex64>)> {
+/// FRFs (positions among the pairs) on the lines `rows` without what the model says of
+/// all but `modes`; `None` without the data.
+pub(super) fn without_others(
+    case: &Case,
+    modes: &[&Mode],
+    rows: Range<usize>,
+    frfs: &[usize],
+) -> Option<(Work, Array2<Complex64>)> {
     let data = case.values?;
     let (responses, of_response) = numbered(frfs.iter().map(|&l| data.pairs[l].0));
     let (references, of_reference) = numbered(frfs.iter().map(|&l| data.pairs[l].1));
@@ -112,13 +154,19 @@ pub(super) fn without_others(case: &Case, modes: &[&Mode], rows: Range<usize>, f
     others.modes.retain(|_| is_other.next() == Some(true));
     let mut own = Array2::zeros((rows.len(), frfs.len()).f());
     for (column, &l) in frfs.iter().enumerate() {
-        own.column_mut(column).assign(&data.block(l..l + 1, rows.clone()).column(0));
+        own.column_mut(column)
+            .assign(&data.block(l..l + 1, rows.clone()).column(0));
     }
     let factor = data.factor();
     for (row, k) in rows.clone().enumerate() {
         let rest = others.frf_matrix(data.kind, data.line_hz[k]);
-        let rest: Array1<Complex64> = of_response.iter().zip(&of_reference).map(|(&i, &j)| rest[[i, j]] * factor).collect();
-        own.row_mut(row).scaled_add(Complex64::new(-1.0, 0.0), &rest);
+        let rest: Array1<Complex64> = of_response
+            .iter()
+            .zip(&of_reference)
+            .map(|(&i, &j)| rest[[i, j]] * factor)
+            .collect();
+        own.row_mut(row)
+            .scaled_add(Complex64::new(-1.0, 0.0), &rest);
     }
     Some((data.axis().select(&rows.collect::<Vec<_>>()), own))
 }

@@ -1,27 +1,33 @@
-//! FRFs that are far noisier than the others: a loose cable, a point where the laser sees speckle.
+//! FRFs that are far noisier than the others: a loose cable, a point where the laser sees
+//! speckle.
 //!
-//! All FRFs weigh the same in the fit. One that is many times noisier would drag the others down and has next to nothing to say
-//! (its information is 1/ratio² of theirs), so it is left out like a pair that was not measured; its values follow from the
-//! shapes, as long as its response and its reference are measured elsewhere.
+//! All FRFs weigh the same in the fit. One that is many times noisier would drag the
+//! others down and has next to nothing to say (its information is 1/ratio² of theirs), so
+//! it is left out like a pair that was not measured; its values follow from the shapes,
+//! as long as its response and its reference are measured elsewhere.
 
 use chladni_frf::FrfSet;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-/// Noise over the median noise, absolute and relative to the FRF, from which an FRF is left out. It then carries less than 2 % of the
-/// information of another; smooth differences of shape between FRFs reach 3.
+/// Noise over the median noise, absolute and relative to the FRF, from which an FRF is
+/// left out. It then carries less than 2 % of the information of another; smooth
+/// differences of shape between FRFs reach 3.
 const FAR: f64 = 8.0;
-/// Largest share of the FRFs that may go: beyond it there is no usual noise to compare with.
+/// Largest share of the FRFs that may go: beyond it there is no usual noise to compare
+/// with.
 const SHARE_MOST: f64 = 0.25;
-/// Stencils of five lines that the noise is estimated from: in all, and of one FRF. 16 give it to a quarter, and many FRFs together
-/// still cost far less than a pass over the data.
+/// Stencils of five lines that the noise is estimated from: in all, and of one FRF. 16
+/// give it to a quarter, and many FRFs together still cost far less than a pass over the
+/// data.
 const STENCILS_IN_ALL: usize = 50_000;
 const STENCILS: (usize, usize) = (16, 200);
 
 /// Positions in `pairs` of FRFs far noisier than the others on `lines`.
 pub(crate) fn far_noisier(frf: &FrfSet, pairs: &[(usize, usize)], lines: &[usize]) -> Vec<usize> {
     let stencils = (STENCILS_IN_ALL / pairs.len().max(1)).clamp(STENCILS.0, STENCILS.1);
-    let level = |&(i, j): &(usize, usize)| noise(|k| frf.values.get(i, j, lines[k]), lines.len(), stencils);
+    let level =
+        |&(i, j): &(usize, usize)| noise(|k| frf.values.get(i, j, lines[k]), lines.len(), stencils);
     let levels: Vec<[f64; 2]> = pairs.par_iter().map(level).collect();
     if levels.is_empty() {
         return Vec::new();
@@ -32,11 +38,14 @@ pub(crate) fn far_noisier(frf: &FrfSet, pairs: &[(usize, usize)], lines: &[usize
         *all.select_nth_unstable_by(middle, f64::total_cmp).1
     };
     let usual = [median(0), median(1)];
-    let far: Vec<usize> = (0..pairs.len()).filter(|&l| (0..2).all(|which| levels[l][which] > FAR * usual[which])).collect();
+    let far: Vec<usize> = (0..pairs.len())
+        .filter(|&l| (0..2).all(|which| levels[l][which] > FAR * usual[which]))
+        .collect();
     let elsewhere = |l: usize| {
         let sound = |m: &usize| !far.contains(m);
         let (i, j) = pairs[l];
-        (0..pairs.len()).filter(sound).any(|m| pairs[m].0 == i) && (0..pairs.len()).filter(sound).any(|m| pairs[m].1 == j)
+        (0..pairs.len()).filter(sound).any(|m| pairs[m].0 == i)
+            && (0..pairs.len()).filter(sound).any(|m| pairs[m].1 == j)
     };
     match far.len() as f64 <= SHARE_MOST * pairs.len() as f64 {
         true => far.iter().copied().filter(|&l| elsewhere(l)).collect(),
@@ -44,7 +53,8 @@ pub(crate) fn far_noisier(frf: &FrfSet, pairs: &[(usize, usize)], lines: &[usize
     }
 }
 
-/// Noise of one FRF from fourth differences, which smooth curves do not have, as an amplitude, and over its rms.
+/// Noise of one FRF from fourth differences, which smooth curves do not have, as an
+/// amplitude, and over its rms.
 fn noise(value: impl Fn(usize) -> Complex64, lines: usize, stencils: usize) -> [f64; 2] {
     let stride = (lines / stencils).max(1);
     let (mut energy, mut count, mut differences) = (0.0, 0.0, Vec::new());
@@ -52,13 +62,21 @@ fn noise(value: impl Fn(usize) -> Complex64, lines: usize, stencils: usize) -> [
         let centre = value(k);
         energy += centre.norm_sqr();
         count += 1.0;
-        differences.push((value(k - 2) - 4.0 * value(k - 1) + 6.0 * centre - 4.0 * value(k + 1) + value(k + 2)).norm_sqr());
+        differences.push(
+            (value(k - 2) - 4.0 * value(k - 1) + 6.0 * centre - 4.0 * value(k + 1) + value(k + 2))
+                .norm_sqr(),
+        );
     }
     if differences.is_empty() {
         return [0.0; 2];
     }
     let middle = differences.len() / 2;
     // E|Δ⁴n|² = 70σ², and the median of an exponential variable is ln 2 times its mean
-    let noise = (*differences.select_nth_unstable_by(middle, f64::total_cmp).1 / (70.0 * std::f64::consts::LN_2)).sqrt();
-    [noise, noise / (energy / count).sqrt().max(f64::MIN_POSITIVE)]
+    let noise = (*differences.select_nth_unstable_by(middle, f64::total_cmp).1
+        / (70.0 * std::f64::consts::LN_2))
+        .sqrt();
+    [
+        noise,
+        noise / (energy / count).sqrt().max(f64::MIN_POSITIVE),
+    ]
 }

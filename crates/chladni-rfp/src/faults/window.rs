@@ -1,12 +1,14 @@
 //! The window's bias, undone where the window is known and named where it is not.
 //!
-//! An FRF estimated from continuous random excitation in windowed records of length T is, in the mean, not the transform of h(t) but of
-//! h(t)·ρ(t), ρ the autocorrelation of the window: every line is broadened, and damping comes out too high by about 1/(πb), b lines
-//! per half-power bandwidth. No residual shows it. The inverse transform, divided by ρ up to T/2 and cut there, gives h(t)
-//! itself; on every second line the cut record is exactly a sum of modes again.
+//! An FRF estimated from continuous random excitation in windowed records of length T is,
+//! in the mean, not the transform of h(t) but of h(t)·ρ(t), ρ the autocorrelation of the
+//! window: every line is broadened, and damping comes out too high by about 1/(πb), b
+//! lines per half-power bandwidth. No residual shows it. The inverse transform, divided
+//! by ρ up to T/2 and cut there, gives h(t) itself; on every second line the cut record
+//! is exactly a sum of modes again.
 //!
-//! Theory.md, eq. F4; J. Bendat, A. Piersol, Random Data, 4th ed. (2010), chapter 11. For the exponential window see
-//! [`super::exponential`].
+//! Theory.md, eq. F4; J. Bendat, A. Piersol, Random Data, 4th ed. (2010), chapter 11. For
+//! the exponential window see [`super::exponential`].
 
 use super::line_shape::{likely_window, DECIDES};
 use super::{Case, Finding};
@@ -73,10 +75,12 @@ impl FromStr for Window {
 /// Largest deviation of a line from an even axis, as a part of the spacing.
 const EVEN: f64 = 0.01;
 
-/// The FRFs that records without a window would have given, in the mean, on every second line; `None` for [`Window::None`].
+/// The FRFs that records without a window would have given, in the mean, on every second
+/// line; `None` for [`Window::None`].
 ///
 /// # Errors
-/// [`FitError::WindowAxis`]: the axis is not even, does not begin at 0 Hz or one line above it, or a measured FRF has gaps.
+/// [`FitError::WindowAxis`]: the axis is not even, does not begin at 0 Hz or one line
+/// above it, or a measured FRF has gaps.
 pub(crate) fn undo(frf: &FrfSet, window: Window) -> Result<Option<FrfSet>, FitError> {
     if window == Window::None {
         return Ok(None);
@@ -85,13 +89,25 @@ pub(crate) fn undo(frf: &FrfSet, window: Window) -> Result<Option<FrfSet>, FitEr
     let (responses, references, lines) = frf.values.dim();
     let step = (axis[lines.max(1) - 1] - axis[0]) / (lines.max(2) - 1) as f64;
     let missing = (axis[0] / step).round() as usize; // lines below the first
-    let off = axis.iter().enumerate().any(|(k, f)| (f - (k + missing) as f64 * step).abs() > EVEN * step);
+    let off = axis
+        .iter()
+        .enumerate()
+        .any(|(k, f)| (f - (k + missing) as f64 * step).abs() > EVEN * step);
     if lines < 16 || missing > 1 || off {
-        return Err(FitError::WindowAxis { found: format!("{lines} lines from {} to {} Hz", axis[0], axis[lines.max(1) - 1]) });
+        return Err(FitError::WindowAxis {
+            found: format!(
+                "{lines} lines from {} to {} Hz",
+                axis[0],
+                axis[lines.max(1) - 1]
+            ),
+        });
     }
     let half = lines - 1 + missing; // samples up to T/2
     let mut planner = FftPlanner::new();
-    let (back, forth) = (planner.plan_fft_inverse(2 * half), planner.plan_fft_forward(half));
+    let (back, forth) = (
+        planner.plan_fft_inverse(2 * half),
+        planner.plan_fft_forward(half),
+    );
     let single = |i: usize, j: usize| -> Result<Vec<Complex64>, FitError> {
         let mut spectrum = vec![Complex64::default(); 2 * half];
         for k in 1..=half {
@@ -99,7 +115,8 @@ pub(crate) fn undo(frf: &FrfSet, window: Window) -> Result<Option<FrfSet>, FitEr
             spectrum[2 * half - k] = value.conj();
             spectrum[k] = value;
         }
-        // the lowest line is garbage in many files (coupled through a capacitor); the highest has no imaginary part
+        // the lowest line is garbage in many files (coupled through a capacitor); the
+        // highest has no imaginary part
         spectrum[0] = Complex64::new(spectrum[1].re, 0.0);
         spectrum[half] = Complex64::new(spectrum[half].re, 0.0);
         let gaps = spectrum.iter().filter(|v| !v.is_finite()).count();
@@ -107,22 +124,34 @@ pub(crate) fn undo(frf: &FrfSet, window: Window) -> Result<Option<FrfSet>, FitEr
             return Ok(vec![Complex64::new(f64::NAN, f64::NAN); half / 2 + 1]); // not measured
         }
         if gaps > 0 {
-            return Err(FitError::WindowAxis { found: format!("an FRF without a value on {} lines", gaps.div_ceil(2)) });
+            return Err(FitError::WindowAxis {
+                found: format!("an FRF without a value on {} lines", gaps.div_ceil(2)),
+            });
         }
         back.process(&mut spectrum);
         let samples = 2.0 * half as f64;
-        let mut response: Vec<Complex64> =
-            (0..half).map(|m| Complex64::new(spectrum[m].re / (samples * window.autocorrelation(m as f64 / samples)), 0.0)).collect();
+        let mut response: Vec<Complex64> = (0..half)
+            .map(|m| {
+                Complex64::new(
+                    spectrum[m].re / (samples * window.autocorrelation(m as f64 / samples)),
+                    0.0,
+                )
+            })
+            .collect();
         forth.process(&mut response);
         response.truncate(half / 2 + 1);
         Ok(response)
     };
     let kept = half / 2 + 1;
-    let rows: Vec<Result<Vec<Complex64>, FitError>> =
-        (0..responses * references).into_par_iter().map(|l| single(l / references, l % references)).collect();
+    let rows: Vec<Result<Vec<Complex64>, FitError>> = (0..responses * references)
+        .into_par_iter()
+        .map(|l| single(l / references, l % references))
+        .collect();
     let mut values = Array3::zeros((responses, references, kept));
     for (l, row) in rows.into_iter().enumerate() {
-        values.slice_mut(ndarray::s![l / references, l % references, ..]).assign(&Array1::from(row?));
+        values
+            .slice_mut(ndarray::s![l / references, l % references, ..])
+            .assign(&Array1::from(row?));
     }
     let frequency_hz = (0..kept).map(|k| 2.0 * k as f64 * step).collect();
     Ok(Some(FrfSet {
@@ -138,7 +167,8 @@ pub(crate) fn undo(frf: &FrfSet, window: Window) -> Result<Option<FrfSet>, FitEr
     }))
 }
 
-/// Loss factors that a window could have raised by this much, relative, are worth a word ...
+/// Loss factors that a window could have raised by this much, relative, are worth a word
+/// ...
 const BIAS: f64 = 0.03;
 
 /// Where nobody said which window was used: how much too high damping can be.
@@ -151,11 +181,16 @@ pub(crate) fn possible_bias(case: &Case) -> Option<Finding> {
     // ... where the error bar does not cover them anyway
     let open = |mode: &&Mode| bias(mode) > BIAS.max(2.0 * mode.loss_factor_std / mode.loss_factor);
     let concerned: Vec<&Mode> = case.sure_modes().into_iter().filter(open).collect();
-    let worst = *concerned.iter().max_by(|a, b| bias(a).total_cmp(&bias(b)))?;
+    let worst = *concerned
+        .iter()
+        .max_by(|a, b| bias(a).total_cmp(&bias(b)))?;
     let evidence = match likely_window(case) {
         Some((Window::None, gain, _)) if gain > DECIDES => return None,
         Some((window, gain, modes)) if gain > DECIDES => {
-            format!("the line shapes of {modes} mode(s) are those of a {window} window (likelihood e^{gain:.0} times that of any other)")
+            format!(
+                "the line shapes of {modes} mode(s) are those of a {window} window (likelihood \
+                     e^{gain:.0} times that of any other)"
+            )
         }
         _ => "the line shapes do not tell".into(),
     };
@@ -179,12 +214,25 @@ mod tests {
     fn autocorrelations_are_those_of_the_windows() {
         let n = 20_000;
         for window in [Window::Rectangular, Window::Hann] {
-            let value = |u: f64| if window == Window::Hann { 0.5 - 0.5 * (TAU * u).cos() } else { 1.0 };
+            let value = |u: f64| {
+                if window == Window::Hann {
+                    0.5 - 0.5 * (TAU * u).cos()
+                } else {
+                    1.0
+                }
+            };
             let sum = |lag: f64| {
-                (0..n).map(|k| (k as f64 + 0.5) / n as f64).filter(|u| u + lag < 1.0).map(|u| value(u) * value(u + lag)).sum::<f64>()
+                (0..n)
+                    .map(|k| (k as f64 + 0.5) / n as f64)
+                    .filter(|u| u + lag < 1.0)
+                    .map(|u| value(u) * value(u + lag))
+                    .sum::<f64>()
             };
             for lag in [0.0, 0.1, 0.25, 0.5, 0.9] {
-                assert!((sum(lag) / sum(0.0) - window.autocorrelation(lag)).abs() < 1e-3, "{window} at {lag}");
+                assert!(
+                    (sum(lag) / sum(0.0) - window.autocorrelation(lag)).abs() < 1e-3,
+                    "{window} at {lag}"
+                );
             }
         }
     }

@@ -42,18 +42,28 @@ pub(crate) struct Candidates {
 }
 
 impl Candidates {
-    /// Makes the changes and projects again; the poles named in them stand still otherwise.
+    /// Makes the changes and projects again; the poles named in them stand still
+    /// otherwise.
     pub fn apply(&mut self, work: &Work, changes: Vec<Change>) -> Result<(), LinalgError> {
-        let mut lambda: Vec<Option<Complex64>> = self.refined.lambda.iter().copied().map(Some).collect();
+        let mut lambda: Vec<Option<Complex64>> =
+            self.refined.lambda.iter().copied().map(Some).collect();
         for &(q, pole) in changes.iter().flat_map(|c| &c.moved) {
             lambda[q] = Some(pole);
         }
         for q in changes.iter().filter_map(|c| c.removed) {
             lambda[q] = None;
         }
-        let mut kept: Vec<(Complex64, Origin)> =
-            lambda.into_iter().zip(&self.origin).filter_map(|(pole, origin)| pole.map(|p| (p, *origin))).collect();
-        kept.extend(changes.iter().filter_map(|c| c.added).map(|p| (p, Origin::Added)));
+        let mut kept: Vec<(Complex64, Origin)> = lambda
+            .into_iter()
+            .zip(&self.origin)
+            .filter_map(|(pole, origin)| pole.map(|p| (p, *origin)))
+            .collect();
+        kept.extend(
+            changes
+                .iter()
+                .filter_map(|c| c.added)
+                .map(|p| (p, Origin::Added)),
+        );
         let poles: Vec<Complex64> = kept.iter().map(|k| k.0).collect();
         self.origin = kept.into_iter().map(|k| k.1).collect();
         self.refined = refine(work, &poles, &self.refined.powers, 0, 0.0)?;
@@ -67,6 +77,9 @@ impl Candidates {
 
     /// True where a pole stands within a width of `lambda`.
     pub fn explain(&self, lambda: Complex64) -> bool {
-        self.refined.lambda.iter().any(|p| (p.re - lambda.re).abs() < 1.5 * p.im.max(lambda.im))
+        self.refined
+            .lambda
+            .iter()
+            .any(|p| (p.re - lambda.re).abs() < 1.5 * p.im.max(lambda.im))
     }
 }

@@ -11,7 +11,8 @@ use rayon::prelude::*;
 /// A pole with what the runs say of it.
 pub(crate) type Voted = (Complex64, Origin);
 
-/// Poles that stand for the world outside the band or for background; more than these are not needed to be smooth.
+/// Poles that stand for the world outside the band or for background; more than these are
+/// not needed to be smooth.
 const NUISANCE_MOST: usize = 8;
 
 struct Run {
@@ -26,8 +27,9 @@ enum Half {
     Even,
 }
 
-/// Runs vector fitting at three orders (per ladder of `seeds`) on all, odd and even lines, and counts votes: in-band poles that
-/// at least half the runs agree on (medians over the runs), then the out-of-band or overdamped ones of the middle run.
+/// Runs vector fitting at three orders (per ladder of `seeds`) on all, odd and even
+/// lines, and counts votes: in-band poles that at least half the runs agree on (medians
+/// over the runs), then the out-of-band or overdamped ones of the middle run.
 pub(crate) fn consensus(
     work: &Work,
     seeds: &[Complex64],
@@ -38,14 +40,26 @@ pub(crate) fn consensus(
     let n = work.lines();
     let odd = work.select(&(0..n).filter(|k| k % 2 == 1).collect::<Vec<_>>());
     let even = work.select(&(0..n).filter(|k| k % 2 == 0).collect::<Vec<_>>());
-    let mut ladders: Vec<(Vec<Complex64>, Vec<usize>)> =
-        vec![(seeds.to_vec(), [1.0, 1.5, 2.2].iter().map(|f| (f * base as f64) as usize + 4).collect())];
+    let mut ladders: Vec<(Vec<Complex64>, Vec<usize>)> = vec![(
+        seeds.to_vec(),
+        [1.0, 1.5, 2.2]
+            .iter()
+            .map(|f| (f * base as f64) as usize + 4)
+            .collect(),
+    )];
     if let Some(strong) = strong {
-        ladders.push((strong.to_vec(), [4, 8, 14].iter().map(|extra| strong.len() + extra).collect()));
+        ladders.push((
+            strong.to_vec(),
+            [4, 8, 14]
+                .iter()
+                .map(|extra| strong.len() + extra)
+                .collect(),
+        ));
     }
     let halves = [(work, Half::All), (&odd, Half::Odd), (&even, Half::Even)];
-    let plan: Vec<(usize, usize, usize)> =
-        (0..ladders.len()).flat_map(|l| (0..3).flat_map(move |step| (0..3).map(move |half| (l, step, half)))).collect();
+    let plan: Vec<(usize, usize, usize)> = (0..ladders.len())
+        .flat_map(|l| (0..3).flat_map(move |step| (0..3).map(move |half| (l, step, half))))
+        .collect();
     let pools: Vec<Result<Vec<Complex64>, LinalgError>> = plan
         .par_iter()
         .map(|&(ladder, step, half)| {
@@ -53,8 +67,20 @@ pub(crate) fn consensus(
             let part = halves[half].0;
             let order = orders[step].min(part.lines() / 4).max(1);
             let mixed = mixtures(part, tol::POOL_MIXTURES, 7);
-            let pool = vector_fit(&mixed, &starts(part, seeds, order), powers, tol::VOTE_ITERATIONS, Products::PartialFractions)?;
-            Ok(pool.lambda.iter().zip(&pool.flipped).filter(|(_, f)| !**f).map(|(p, _)| *p).collect())
+            let pool = vector_fit(
+                &mixed,
+                &starts(part, seeds, order),
+                powers,
+                tol::VOTE_ITERATIONS,
+                Products::PartialFractions,
+            )?;
+            Ok(pool
+                .lambda
+                .iter()
+                .zip(&pool.flipped)
+                .filter(|(_, f)| !**f)
+                .map(|(p, _)| *p)
+                .collect())
         })
         .collect();
     let mut runs = Vec::new();
@@ -63,14 +89,29 @@ pub(crate) fn consensus(
         let poles = poles?;
         let half = halves[half].1;
         if ladder == 0 && step == 1 && half == Half::All {
-            nuisance = poles.iter().copied().filter(|p| !is_candidate(work, *p)).collect();
+            nuisance = poles
+                .iter()
+                .copied()
+                .filter(|p| !is_candidate(work, *p))
+                .collect();
         }
-        runs.push(Run { poles: poles.into_iter().filter(|p| is_candidate(work, *p)).collect(), half });
+        runs.push(Run {
+            poles: poles
+                .into_iter()
+                .filter(|p| is_candidate(work, *p))
+                .collect(),
+            half,
+        });
     }
     let runs_per_ladder = runs.len() / ladders.len();
     nuisance.sort_by(|a, b| distance_outside(work, *a).total_cmp(&distance_outside(work, *b)));
     let mut voted = vote(work, &runs, runs_per_ladder);
-    voted.extend(nuisance.into_iter().take(NUISANCE_MOST).map(|pole| (pole, Origin::Nuisance)));
+    voted.extend(
+        nuisance
+            .into_iter()
+            .take(NUISANCE_MOST)
+            .map(|pole| (pole, Origin::Nuisance)),
+    );
     Ok(voted)
 }
 
@@ -89,9 +130,13 @@ fn same(work: &Work, a: Complex64, b: Complex64) -> bool {
     (a - b).norm() < 0.5 * a.im.max(b.im).max(work.spacing(a.re))
 }
 
-/// Greedy clustering: the candidate that most runs share comes first. A ladder votes by itself: the better score counts.
+/// Greedy clustering: the candidate that most runs share comes first. A ladder votes by
+/// itself: the better score counts.
 fn vote(work: &Work, runs: &[Run], runs_per_ladder: usize) -> Vec<Voted> {
-    let mut open: Vec<Vec<Option<Complex64>>> = runs.iter().map(|r| r.poles.iter().copied().map(Some).collect()).collect();
+    let mut open: Vec<Vec<Option<Complex64>>> = runs
+        .iter()
+        .map(|r| r.poles.iter().copied().map(Some).collect())
+        .collect();
     let mut agreed = Vec::new();
     loop {
         let mut best: Option<(usize, f64, Complex64)> = None;
@@ -99,7 +144,11 @@ fn vote(work: &Work, runs: &[Run], runs_per_ladder: usize) -> Vec<Voted> {
             let mut votes = vec![0; runs.len() / runs_per_ladder];
             let mut spread = 0.0;
             for (r, run) in open.iter().enumerate() {
-                let nearest = run.iter().flatten().map(|p| (p - candidate).norm()).fold(f64::MAX, f64::min);
+                let nearest = run
+                    .iter()
+                    .flatten()
+                    .map(|p| (p - candidate).norm())
+                    .fold(f64::MAX, f64::min);
                 if run.iter().flatten().any(|p| same(work, *p, candidate)) {
                     votes[r / runs_per_ladder] += 1;
                     spread += nearest;
@@ -110,7 +159,9 @@ fn vote(work: &Work, runs: &[Run], runs_per_ladder: usize) -> Vec<Voted> {
                 best = Some((count, spread, candidate));
             }
         }
-        let Some((count, _, centre)) = best else { break };
+        let Some((count, _, centre)) = best else {
+            break;
+        };
         let score = count as f64 / runs_per_ladder as f64;
         if score < 0.5 {
             break;
@@ -121,7 +172,11 @@ fn vote(work: &Work, runs: &[Run], runs_per_ladder: usize) -> Vec<Voted> {
             let nearest = poles
                 .iter_mut()
                 .filter(|p| p.is_some_and(|p| same(work, p, centre)))
-                .min_by(|a, b| (a.unwrap_or(centre) - centre).norm().total_cmp(&(b.unwrap_or(centre) - centre).norm()));
+                .min_by(|a, b| {
+                    (a.unwrap_or(centre) - centre)
+                        .norm()
+                        .total_cmp(&(b.unwrap_or(centre) - centre).norm())
+                });
             if let Some(slot) = nearest {
                 let pole = slot.take().unwrap_or(centre);
                 members.push(pole);
@@ -132,7 +187,8 @@ fn vote(work: &Work, runs: &[Run], runs_per_ladder: usize) -> Vec<Voted> {
                 }
             }
         }
-        let odd_even = (!odd.is_empty() && !even.is_empty()).then(|| (middle(&odd) - middle(&even)).norm());
+        let odd_even =
+            (!odd.is_empty() && !even.is_empty()).then(|| (middle(&odd) - middle(&even)).norm());
         agreed.push((middle(&members), Origin::Agreed { score, odd_even }));
     }
     agreed.sort_by(|a, b| a.0.re.total_cmp(&b.0.re));

@@ -1,4 +1,5 @@
-//! Evidence about one pole: what the residual, the neighbourhood and the other runs say of it.
+//! Evidence about one pole: what the residual, the neighbourhood and the other runs say
+//! of it.
 
 use super::candidates::Origin;
 use super::search::Record;
@@ -22,7 +23,8 @@ pub(crate) struct Evidence {
     pub gain_of_skirts: f64,
     /// Standard deviation over the half-width.
     pub deviation: f64,
-    /// Scatter of its own poles over the FRFs, over the half-width; `None` where there is one FRF.
+    /// Scatter of its own poles over the FRFs, over the half-width; `None` where there is
+    /// one FRF.
     pub scatter: Option<f64>,
     /// Rms residual over rms modal part within 1.5 half-widths.
     pub misfit: f64,
@@ -36,10 +38,11 @@ pub(crate) struct Evidence {
     pub edge: f64,
     /// Highest response within its half-width, dB.
     pub level_db: f64,
-    /// Largest residue over the next, dB; `None` where they are too few to say, or of mixtures.
+    /// Largest residue over the next, dB; `None` where they are too few to say, or of
+    /// mixtures.
     pub alone_db: Option<f64>,
-    /// Σr²/Σ|r|² of its residues r: twice the angle at which they stand, and the root of their modal phase collinearity. `None` where they
-    /// do not belong to one shape.
+    /// Σr²/Σ|r|² of its residues r: twice the angle at which they stand, and the root of
+    /// their modal phase collinearity. `None` where they do not belong to one shape.
     pub stand: Option<Complex64>,
 }
 
@@ -58,19 +61,51 @@ impl Evidence {
     }
 }
 
-/// Collects what the residual and the neighbourhood show, both without line weights (these would flatten the peaks); the
-/// fields that need other runs are filled by the caller. `plain` and `residual` are a section's, `record` is the whole.
-pub(crate) fn look(record: &Record, plain: &Work, residual: &Array2<Complex64>, refined: &Refined, q: usize) -> Evidence {
+/// Collects what the residual and the neighbourhood show, both without line weights
+/// (these would flatten the peaks); the fields that need other runs are filled by the
+/// caller. `plain` and `residual` are a section's, `record` is the whole.
+pub(crate) fn look(
+    record: &Record,
+    plain: &Work,
+    residual: &Array2<Complex64>,
+    refined: &Refined,
+    q: usize,
+) -> Evidence {
     let lambda = refined.lambda[q];
     let window = plain.window(lambda, 1.5, 2);
     let local = plain.rows(window.clone());
-    let strength: f64 = refined.coefficients.row(q).iter().map(|v| v.norm_sqr()).sum();
-    let modal: f64 = basis(&local, &[lambda], &[]).iter().map(|v| v.norm_sqr()).sum::<f64>() * strength;
-    let misfit: f64 = residual.slice(s![window, ..]).iter().map(|v| v.norm_sqr()).sum();
+    let strength: f64 = refined
+        .coefficients
+        .row(q)
+        .iter()
+        .map(|v| v.norm_sqr())
+        .sum();
+    let modal: f64 = basis(&local, &[lambda], &[])
+        .iter()
+        .map(|v| v.norm_sqr())
+        .sum::<f64>()
+        * strength;
+    let misfit: f64 = residual
+        .slice(s![window, ..])
+        .iter()
+        .map(|v| v.norm_sqr())
+        .sum();
     let response: f64 = local.b.iter().map(|v| v.norm_sqr()).sum();
     let (low, high) = record.work.range();
-    let unscaled = |scales: &Array1<f64>| refined.coefficients.row(q).iter().zip(scales).map(|(x, scale)| x * scale).collect();
-    let residues: Option<Vec<Complex64>> = record.scales.as_ref().filter(|scales| scales.len() >= FEWEST).map(unscaled);
+    let unscaled = |scales: &Array1<f64>| {
+        refined
+            .coefficients
+            .row(q)
+            .iter()
+            .zip(scales)
+            .map(|(x, scale)| x * scale)
+            .collect()
+    };
+    let residues: Option<Vec<Complex64>> = record
+        .scales
+        .as_ref()
+        .filter(|scales| scales.len() >= FEWEST)
+        .map(unscaled);
     let (level_db, stands_out_db) = height(record.work, lambda);
     Evidence {
         lambda,
@@ -87,11 +122,14 @@ pub(crate) fn look(record: &Record, plain: &Work, residual: &Array2<Complex64>, 
         edge: (lambda.re - low).min(high - lambda.re) / lambda.im,
         level_db,
         alone_db: residues.as_deref().map(alone_db),
-        stand: residues.filter(|_| record.one_reference).map(|residues| stand(&residues)),
+        stand: residues
+            .filter(|_| record.one_reference)
+            .map(|residues| stand(&residues)),
     }
 }
 
-/// Least FRFs from which one that stands alone, or has another phase than all others, tells anything.
+/// Least FRFs from which one that stands alone, or has another phase than all others,
+/// tells anything.
 const FEWEST: usize = 3;
 
 fn alone_db(residues: &[Complex64]) -> f64 {
@@ -105,9 +143,17 @@ fn stand(residues: &[Complex64]) -> Complex64 {
     residues.iter().map(|r| r * r).sum::<Complex64>() / whole.max(1e-300)
 }
 
-/// Response at the pole, dB, and the same over the median of the lines within 30 widths (at least 30 lines).
+/// Response at the pole, dB, and the same over the median of the lines within 30 widths
+/// (at least 30 lines).
 fn height(work: &Work, lambda: Complex64) -> (f64, f64) {
-    let at = |k: usize| work.b.row(k).iter().map(|v| v.norm_sqr()).sum::<f64>().max(1e-300);
+    let at = |k: usize| {
+        work.b
+            .row(k)
+            .iter()
+            .map(|v| v.norm_sqr())
+            .sum::<f64>()
+            .max(1e-300)
+    };
     let near = work.window(lambda, 1.0, 1).map(at).fold(1e-300, f64::max);
     let mut around: Vec<f64> = work.window(lambda, 60.0, 30).map(at).collect();
     around.sort_by(f64::total_cmp);

@@ -7,14 +7,20 @@ use crate::found::Grade;
 use chladni_frf::Trust;
 use num_complex::Complex64;
 
-/// Median loss of the six modes nearest to candidate q among those that are `sure`; `None` below three.
+/// Median loss of the six modes nearest to candidate q among those that are `sure`;
+/// `None` below three.
 fn usual_loss(all: &[Evidence], sure: &[bool], q: usize) -> Option<f64> {
     let mut neighbours: Vec<(f64, f64)> = all
         .iter()
         .zip(sure)
         .enumerate()
         .filter(|(other, (_, sure))| *other != q && **sure)
-        .map(|(_, (o, _))| ((o.lambda.re - all[q].lambda.re).abs(), o.lambda.im / o.lambda.re))
+        .map(|(_, (o, _))| {
+            (
+                (o.lambda.re - all[q].lambda.re).abs(),
+                o.lambda.im / o.lambda.re,
+            )
+        })
         .collect();
     neighbours.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut losses: Vec<f64> = neighbours.iter().take(6).map(|n| n.1).collect();
@@ -22,10 +28,14 @@ fn usual_loss(all: &[Evidence], sure: &[bool], q: usize) -> Option<f64> {
     (losses.len() >= 3).then(|| losses[losses.len() / 2])
 }
 
-/// Where the residues of the `sure` modes but q stand, each weighted by how well it is known; `None` where they are few, or stand
-/// everywhere.
+/// Where the residues of the `sure` modes but q stand, each weighted by how well it is
+/// known; `None` where they are few, or stand everywhere.
 fn usual_stand(all: &[Evidence], sure: &[bool], q: usize) -> Option<Complex64> {
-    let others = all.iter().zip(sure).enumerate().filter(|(other, (_, sure))| *other != q && **sure);
+    let others = all
+        .iter()
+        .zip(sure)
+        .enumerate()
+        .filter(|(other, (_, sure))| *other != q && **sure);
     let (mut sum, mut weights, mut squares) = (Complex64::ZERO, 0.0, 0.0);
     for (stand, deviation) in others.filter_map(|(_, (e, _))| Some((e.stand?, e.deviation))) {
         let weight = deviation.max(BEST_KNOWN).powi(-2);
@@ -45,7 +55,8 @@ struct Usual {
 
 /// Error bar, in half-bandwidths, below which modes count as equally well known.
 const BEST_KNOWN: f64 = 0.01;
-/// Modes, of equal weight, that it takes to tell where residues usually stand; and the least share of them that agrees.
+/// Modes, of equal weight, that it takes to tell where residues usually stand; and the
+/// least share of them that agrees.
 const FEW: f64 = 3.0;
 /// See above.
 const COMMON: f64 = 0.9;
@@ -53,7 +64,8 @@ const COMMON: f64 = 0.9;
 const OFF_DEGREES: f64 = 45.0;
 /// Largest residue over the next, dB, beyond which one FRF alone shows a mode.
 const ALONE_DB: f64 = 20.0;
-/// Modal phase collinearity below which a shape is none that one mode alone makes, and half-bandwidths within which another has a part in it.
+/// Modal phase collinearity below which a shape is none that one mode alone makes, and
+/// half-bandwidths within which another has a part in it.
 const NO_COMMON_PHASE: f64 = 0.5;
 /// See above.
 const ISOLATED: f64 = 6.0;
@@ -72,7 +84,9 @@ const NO_WIDTH: f64 = 3.0;
 /// What an error bar of so many half-bandwidths means.
 fn uncertain(deviation: f64) -> String {
     match deviation > NO_WIDTH {
-        true => "uncertain by more than its own width: a line, of which nobody can say that it is a resonance".into(),
+        true => "uncertain by more than its own width: a line, of which nobody can say that it is \
+                 a resonance"
+            .into(),
         false => format!("uncertain by {deviation:.1} half-bandwidths (one sigma)"),
     }
 }
@@ -80,23 +94,42 @@ fn uncertain(deviation: f64) -> String {
 /// A grade with the doubt about damping, if there is one.
 pub(crate) type Graded = (Grade, Option<&'static str>);
 
-/// Grades every pole of `all` (in order of frequency); poles outside the band pass ungraded.
+/// Grades every pole of `all` (in order of frequency); poles outside the band pass
+/// ungraded.
 pub(crate) fn grade_all(all: &[Evidence], record: &Record) -> Vec<Graded> {
-    let grade = |list: &[Evidence], q: usize, usual: Usual| grade(list, q, record.frfs, record.windowed, usual);
+    let grade = |list: &[Evidence], q: usize, usual: Usual| {
+        grade(list, q, record.frfs, record.windowed, usual)
+    };
     let inside: Vec<Evidence> = all.iter().filter(|e| e.in_band()).cloned().collect();
-    let sure: Vec<bool> = (0..inside.len()).map(|q| grade(&inside, q, Usual::default()).0 .0 == Trust::Sure).collect();
-    let usual = |q: usize| Usual { loss: usual_loss(&inside, &sure, q), stand: usual_stand(&inside, &sure, q) };
+    let sure: Vec<bool> = (0..inside.len())
+        .map(|q| grade(&inside, q, Usual::default()).0 .0 == Trust::Sure)
+        .collect();
+    let usual = |q: usize| Usual {
+        loss: usual_loss(&inside, &sure, q),
+        stand: usual_stand(&inside, &sure, q),
+    };
     let mut graded = (0..inside.len()).map(|q| grade(&inside, q, usual(q)));
-    all.iter().map(|e| if e.in_band() { graded.next() } else { None }.unwrap_or(((Trust::Weak, Vec::new()), None))).collect()
+    all.iter()
+        .map(|e| {
+            if e.in_band() { graded.next() } else { None }
+                .unwrap_or(((Trust::Weak, Vec::new()), None))
+        })
+        .collect()
 }
 
-/// Sees neighbours: `all` holds the evidence of every candidate in order of frequency, `usual` what the sure modes have in common, once
-/// they are known.
+/// Sees neighbours: `all` holds the evidence of every candidate in order of frequency,
+/// `usual` what the sure modes have in common, once they are known.
 fn grade(all: &[Evidence], q: usize, frfs: usize, windowed: bool, usual: Usual) -> Graded {
     let e = &all[q];
     // a broad in-band pole serves the background
     if e.lambda.im > BACKGROUND_LOSS * e.lambda.re {
-        return ((Trust::Rejected, vec!["background: broader than any mode".into()]), None);
+        return (
+            (
+                Trust::Rejected,
+                vec!["background: broader than any mode".into()],
+            ),
+            None,
+        );
     }
     let mut reasons = Vec::new();
     let mut severe = 0;
@@ -108,21 +141,65 @@ fn grade(all: &[Evidence], q: usize, frfs: usize, windowed: bool, usual: Usual) 
     };
     match e.origin {
         Origin::Agreed { score, .. } => {
-            note(score < 0.75, false, format!("found by only {:.0} % of the model orders and line halves", 100.0 * score));
+            note(
+                score < 0.75,
+                false,
+                format!(
+                    "found by only {:.0} % of the model orders and line halves",
+                    100.0 * score
+                ),
+            );
         }
-        Origin::Added => note(true, false, "found at a peak that the model orders had left".into()),
+        Origin::Added => note(
+            true,
+            false,
+            "found at a peak that the model orders had left".into(),
+        ),
         Origin::Nuisance => note(true, true, "wandered in from outside the band".into()),
     }
-    note(e.misfit > 0.5, true, format!("the line shape misses the data by {:.0} % around the peak", 100.0 * e.misfit));
+    note(
+        e.misfit > 0.5,
+        true,
+        format!(
+            "the line shape misses the data by {:.0} % around the peak",
+            100.0 * e.misfit
+        ),
+    );
     if let Some(d) = e.odd_even() {
-        note(d > 0.5, false, format!("odd and even lines disagree by {d:.1} half-bandwidths"));
+        note(
+            d > 0.5,
+            false,
+            format!("odd and even lines disagree by {d:.1} half-bandwidths"),
+        );
     }
-    note(e.gain < 1.5, false, format!("its neighbourhood hardly needs it (residual energy rises by {:.0} % without it)", 100.0 * e.gain));
+    note(
+        e.gain < 1.5,
+        false,
+        format!(
+            "its neighbourhood hardly needs it (residual energy rises by {:.0} % without it)",
+            100.0 * e.gain
+        ),
+    );
     note(e.deviation > 0.3, false, uncertain(e.deviation));
-    note(e.edge < 2.0, false, format!("only {:.1} half-bandwidths from the band edge: widen the band", e.edge));
-    note(e.part < 0.1, false, "more than 20 dB below the response around it".into());
+    note(
+        e.edge < 2.0,
+        false,
+        format!(
+            "only {:.1} half-bandwidths from the band edge: widen the band",
+            e.edge
+        ),
+    );
+    note(
+        e.part < 0.1,
+        false,
+        "more than 20 dB below the response around it".into(),
+    );
     if let Some(s) = e.scatter {
-        note(s > 0.5, false, format!("its frequency scatters by {s:.1} half-bandwidths over the FRFs"));
+        note(
+            s > 0.5,
+            false,
+            format!("its frequency scatters by {s:.1} half-bandwidths over the FRFs"),
+        );
     }
     note(
         e.half_width_lines < 0.5 && e.gain_without_nearest < 1.0,
@@ -132,11 +209,14 @@ fn grade(all: &[Evidence], q: usize, frfs: usize, windowed: bool, usual: Usual) 
     note(
         e.half_width_lines < 1.0 && e.gain_of_skirts < 1.0,
         false,
-        "no skirts: nothing is left of it beyond its four nearest lines (a tone, or a mode that the lines do not resolve)".into(),
+        "no skirts: nothing is left of it beyond its four nearest lines (a tone, or a mode that \
+         the lines do not resolve)"
+            .into(),
     );
     let beside = |reach: f64, fall_db: f64| {
         all.iter().enumerate().any(|(other, o)| {
-            let lines = (o.lambda.re - e.lambda.re).abs() / (e.lambda.im / e.half_width_lines.max(1e-9));
+            let lines =
+                (o.lambda.re - e.lambda.re).abs() / (e.lambda.im / e.half_width_lines.max(1e-9));
             other != q && lines <= reach && o.level_db - e.level_db > fall_db
         })
     };
@@ -145,24 +225,42 @@ fn grade(all: &[Evidence], q: usize, frfs: usize, windowed: bool, usual: Usual) 
         true,
         "side lobe of the stronger peak beside it (leakage)".into(),
     );
-    note(windowed && beside(SIDE_LOBE_LINES, 0.0), false, "beside a stronger peak of windowed records: may be its side lobe".into());
+    note(
+        windowed && beside(SIDE_LOBE_LINES, 0.0),
+        false,
+        "beside a stronger peak of windowed records: may be its side lobe".into(),
+    );
     if let Some(usual) = usual.loss {
         note(
             e.lambda.im / e.lambda.re < 0.12 * usual,
             true,
-            "damped far less than the sure modes around it: a tone (mains, fan) rather than a mode".into(),
+            "damped far less than the sure modes around it: a tone (mains, fan) rather than a mode"
+                .into(),
         );
     }
-    let convincing = (e.misfit < 0.1 && e.deviation < 0.05 && e.part > 0.5) || (e.deviation < 0.03 && e.misfit < 0.25);
-    note(e.stands_out_db < 10.0 && !convincing, true, format!("does not stand out of its surroundings ({:.0} dB)", e.stands_out_db));
+    let convincing = (e.misfit < 0.1 && e.deviation < 0.05 && e.part > 0.5)
+        || (e.deviation < 0.03 && e.misfit < 0.25);
+    note(
+        e.stands_out_db < 10.0 && !convincing,
+        true,
+        format!(
+            "does not stand out of its surroundings ({:.0} dB)",
+            e.stands_out_db
+        ),
+    );
     let near = |reach: f64| {
-        let close = |o: &Evidence| (o.lambda.re - e.lambda.re).abs() < reach * o.lambda.im.max(e.lambda.im);
-        all.iter().enumerate().any(|(other, o)| other != q && close(o))
+        let close =
+            |o: &Evidence| (o.lambda.re - e.lambda.re).abs() < reach * o.lambda.im.max(e.lambda.im);
+        all.iter()
+            .enumerate()
+            .any(|(other, o)| other != q && close(o))
     };
     note(
         e.alone_db.is_some_and(|db| db > ALONE_DB),
         false,
-        "one FRF alone shows it (20 dB over all others): a disturbance of that measurement, or nodes at all other points".into(),
+        "one FRF alone shows it (20 dB over all others): a disturbance of that measurement, or \
+         nodes at all other points"
+            .into(),
     );
     if let Some(stand) = e.stand {
         let mpc = stand.norm_sqr();
@@ -171,11 +269,21 @@ fn grade(all: &[Evidence], q: usize, frfs: usize, windowed: bool, usual: Usual) 
             false,
             format!("its points have no common phase (MPC {mpc:.2}), and no mode stands near"),
         );
-        let off = usual.stand.map_or(0.0, |usual| 0.5 * (stand * usual.conj()).arg().abs().to_degrees());
-        note(off > OFF_DEGREES, false, format!("its residues stand {off:.0} degrees off those of the sure modes"));
+        let off = usual.stand.map_or(0.0, |usual| {
+            0.5 * (stand * usual.conj()).arg().abs().to_degrees()
+        });
+        note(
+            off > OFF_DEGREES,
+            false,
+            format!("its residues stand {off:.0} degrees off those of the sure modes"),
+        );
     }
     if frfs == 1 {
-        note(near(2.0), false, "half of a close pair that one FRF alone cannot tell from one mode".into());
+        note(
+            near(2.0),
+            false,
+            "half of a close pair that one FRF alone cannot tell from one mode".into(),
+        );
     }
 
     let visible_line = e.stands_out_db > 20.0 && e.half_width_lines < 0.5;
@@ -187,7 +295,10 @@ fn grade(all: &[Evidence], q: usize, frfs: usize, windowed: bool, usual: Usual) 
         Trust::Weak
     };
     let damping = if 2.0 * e.half_width_lines < 2.0 {
-        Some("fewer than two lines within the half-power bandwidth, prone to leakage: take the damping as an upper bound at")
+        Some(
+            "fewer than two lines within the half-power bandwidth, prone to leakage: take the \
+              damping as an upper bound at",
+        )
     } else if e.misfit > 0.2 {
         Some("the line is not a resonance curve: the damping is indicative only at")
     } else {
@@ -204,7 +315,10 @@ mod tests {
     fn good(x: f64) -> Evidence {
         Evidence {
             lambda: Complex64::new(x, 0.002),
-            origin: Origin::Agreed { score: 1.0, odd_even: Some(1e-5) },
+            origin: Origin::Agreed {
+                score: 1.0,
+                odd_even: Some(1e-5),
+            },
             gain: 100.0,
             gain_without_nearest: 50.0,
             gain_of_skirts: 30.0,
@@ -221,11 +335,19 @@ mod tests {
         }
     }
 
-    fn graded(change: impl Fn(&mut Evidence), frfs: usize, windowed: bool, neighbours: &[Evidence]) -> Grade {
+    fn graded(
+        change: impl Fn(&mut Evidence),
+        frfs: usize,
+        windowed: bool,
+        neighbours: &[Evidence],
+    ) -> Grade {
         let mut all = vec![good(0.3)];
         change(&mut all[0]);
         all.extend(neighbours.iter().cloned());
-        let usual = Usual { loss: Some(0.007), stand: Some(Complex64::new(5.0, 0.0)) };
+        let usual = Usual {
+            loss: Some(0.007),
+            stand: Some(Complex64::new(5.0, 0.0)),
+        };
         grade(&all, 0, frfs, windowed, usual).0
     }
 
@@ -235,48 +357,91 @@ mod tests {
         assert_eq!((trust, reasons.len()), (Trust::Sure, 0));
         type Doubt = (&'static str, fn(&mut Evidence));
         let doubts: [Doubt; 17] = [
-            ("model orders and line halves", |e| e.origin = Origin::Agreed { score: 0.6, odd_even: None }),
+            ("model orders and line halves", |e| {
+                e.origin = Origin::Agreed {
+                    score: 0.6,
+                    odd_even: None,
+                }
+            }),
             ("model orders had left", |e| e.origin = Origin::Added),
             ("wandered in", |e| e.origin = Origin::Nuisance),
-            ("odd and even lines", |e| e.origin = Origin::Agreed { score: 1.0, odd_even: Some(0.0015) }),
+            ("odd and even lines", |e| {
+                e.origin = Origin::Agreed {
+                    score: 1.0,
+                    odd_even: Some(0.0015),
+                }
+            }),
             ("misses the data", |e| e.misfit = 0.6),
             ("hardly needs it", |e| e.gain = 1.0),
             ("uncertain by", |e| e.deviation = 0.4),
             ("band edge", |e| e.edge = 1.0),
             ("20 dB below", |e| e.part = 0.05),
             ("scatters", |e| e.scatter = Some(0.8)),
-            ("one-line spike", |e| (e.half_width_lines, e.gain_without_nearest) = (0.3, 0.5)),
-            ("no skirts", |e| (e.half_width_lines, e.gain_of_skirts) = (0.7, 0.5)),
+            ("one-line spike", |e| {
+                (e.half_width_lines, e.gain_without_nearest) = (0.3, 0.5)
+            }),
+            ("no skirts", |e| {
+                (e.half_width_lines, e.gain_of_skirts) = (0.7, 0.5)
+            }),
             ("a tone", |e| e.lambda.im = 0.0001),
             ("one FRF alone", |e| e.alone_db = Some(25.0)),
-            ("no common phase", |e| e.stand = Some(Complex64::new(0.5, 0.1))),
+            ("no common phase", |e| {
+                e.stand = Some(Complex64::new(0.5, 0.1))
+            }),
             ("degrees off", |e| e.stand = Some(Complex64::new(-0.6, 0.7))),
-            ("stand out", |e| (e.stands_out_db, e.deviation, e.misfit) = (5.0, 0.1, 0.3)),
+            ("stand out", |e| {
+                (e.stands_out_db, e.deviation, e.misfit) = (5.0, 0.1, 0.3)
+            }),
         ];
         for (words, change) in doubts {
             let (trust, reasons) = graded(change, 3, false, &[]);
             assert_eq!(trust, Trust::Weak, "{words}: {reasons:?}");
-            assert!(reasons.len() == 1 && reasons[0].contains(words), "{words}: {reasons:?}");
+            assert!(
+                reasons.len() == 1 && reasons[0].contains(words),
+                "{words}: {reasons:?}"
+            );
         }
     }
 
     #[test]
     fn stronger_neighbours_make_side_lobes_and_half_pairs() {
-        let stronger = |lines: f64| Evidence { level_db: 20.0, ..good(0.3 + 0.001 * lines) };
+        let stronger = |lines: f64| Evidence {
+            level_db: 20.0,
+            ..good(0.3 + 0.001 * lines)
+        };
         let narrow = |e: &mut Evidence| (e.lambda.im, e.half_width_lines) = (0.0009, 0.9);
         let (trust, reasons) = graded(narrow, 3, false, &[stronger(3.0)]);
-        assert!(trust == Trust::Weak && reasons[0].contains("side lobe of the stronger peak"), "{reasons:?}");
-        assert_eq!(graded(narrow, 3, false, &[stronger(9.0)]).0, Trust::Sure, "too far for a side lobe");
-        assert_eq!(graded(|_| (), 3, false, &[stronger(3.0)]).0, Trust::Sure, "too broad for a side lobe");
+        assert!(
+            trust == Trust::Weak && reasons[0].contains("side lobe of the stronger peak"),
+            "{reasons:?}"
+        );
+        assert_eq!(
+            graded(narrow, 3, false, &[stronger(9.0)]).0,
+            Trust::Sure,
+            "too far for a side lobe"
+        );
+        assert_eq!(
+            graded(|_| (), 3, false, &[stronger(3.0)]).0,
+            Trust::Sure,
+            "too broad for a side lobe"
+        );
         let (trust, reasons) = graded(|_| (), 3, true, &[stronger(3.0)]);
-        assert!(trust == Trust::Weak && reasons[0].contains("windowed"), "{reasons:?}");
+        assert!(
+            trust == Trust::Weak && reasons[0].contains("windowed"),
+            "{reasons:?}"
+        );
         let (trust, reasons) = graded(|_| (), 1, false, &[good(0.303)]);
-        assert!(trust == Trust::Weak && reasons[0].contains("half of a close pair"), "{reasons:?}");
+        assert!(
+            trust == Trust::Weak && reasons[0].contains("half of a close pair"),
+            "{reasons:?}"
+        );
     }
 
     #[test]
     fn two_severe_doubts_reject_but_a_visible_line_is_shown() {
-        let spoilt = |e: &mut Evidence| (e.misfit, e.half_width_lines, e.gain_without_nearest) = (0.7, 0.3, 0.5);
+        let spoilt = |e: &mut Evidence| {
+            (e.misfit, e.half_width_lines, e.gain_without_nearest) = (0.7, 0.3, 0.5)
+        };
         let hidden = |e: &mut Evidence| {
             spoilt(e);
             e.stands_out_db = 15.0;

@@ -1,5 +1,5 @@
-//! The measured-data path as one walk: screen the record, search each section (votes of several orders, error model, local
-//! tests, twins), join what was found, grade it.
+//! The measured-data path as one walk: screen the record, search each section (votes of
+//! several orders, error model, local tests, twins), join what was found, grade it.
 
 use super::evidence::Evidence;
 use super::grade::{grade_all, Graded};
@@ -31,7 +31,8 @@ pub(crate) struct MeasuredPoles {
     pub refined: Refined,
     /// Weighted lines and columns.
     pub work: Work,
-    /// From columns to FRFs, where the columns are scaled FRFs; `None` where they are mixtures.
+    /// From columns to FRFs, where the columns are scaled FRFs; `None` where they are
+    /// mixtures.
     pub back: Option<Array2<f64>>,
     /// E|δλ|² of each pole.
     pub variance: Vec<f64>,
@@ -50,7 +51,10 @@ fn columns(data: &Screened, seed: u64) -> Result<(Work, Option<Array2<f64>>), Li
         for (mut column, scale) in b.columns_mut().into_iter().zip(&scales) {
             column.mapv_inplace(|v| v / scale);
         }
-        return Ok((raw.with_columns(b), Some(Array2::from_diag(&Array1::from(scales)))));
+        return Ok((
+            raw.with_columns(b),
+            Some(Array2::from_diag(&Array1::from(scales))),
+        ));
     }
     Ok((strongest(&data.sketch(seed).0)?, None))
 }
@@ -58,7 +62,9 @@ fn columns(data: &Screened, seed: u64) -> Result<(Work, Option<Array2<f64>>), Li
 /// The strongest mixtures of the columns of a sketch.
 pub(crate) fn strongest(sketch: &Work) -> Result<Work, LinalgError> {
     let (_, _, vh) = svd_thin(sketch.b.view())?;
-    let mixing = vh.slice(s![..COLUMNS_MOST.min(vh.nrows()), ..]).mapv(|v| v.conj());
+    let mixing = vh
+        .slice(s![..COLUMNS_MOST.min(vh.nrows()), ..])
+        .mapv(|v| v.conj());
     Ok(sketch.with_columns(matmul(sketch.b.view(), mixing.t())))
 }
 
@@ -87,11 +93,20 @@ pub(crate) fn on_columns(
     let factor = padding_factor(&work, &data.line_hz);
     if factor > 1 {
         warnings.push(format!(
-            "the impulse response ends at 1/{factor} of the record: zero-padded; every {factor}th line is used (the others are interpolation)"
+            "the impulse response ends at 1/{factor} of the record: zero-padded; every {factor}th \
+             line is used (the others are interpolation)"
         ));
         work = work.select(&(0..work.lines()).step_by(factor).collect::<Vec<_>>());
     }
-    let windowed = windowed(&work, &data.line_hz.iter().copied().step_by(factor).collect::<Vec<_>>());
+    let windowed = windowed(
+        &work,
+        &data
+            .line_hz
+            .iter()
+            .copied()
+            .step_by(factor)
+            .collect::<Vec<_>>(),
+    );
     if windowed {
         warnings.push(
             "the impulse response decays ever faster: the records went through a window (Hann or similar) that broadens every line; \
@@ -106,53 +121,101 @@ pub(crate) fn on_columns(
     let work = work.select(&rows);
     let (frfs, one_reference) = (data.pairs.len(), data.references.len() == 1);
     let scales = back.as_ref().map(|back| back.diag().to_owned());
-    let record = Record { work: &work, noise: &noise, seen: &seen, frfs, scales, one_reference, windowed, hz };
+    let record = Record {
+        work: &work,
+        noise: &noise,
+        seen: &seen,
+        frfs,
+        scales,
+        one_reference,
+        windowed,
+        hz,
+    };
 
     progress("pole pool and local tests");
     let sections = split(&work, &seen);
-    let mut searches = sections.par_iter().map(|section| Search::run(&record, section, asked)).collect::<Result<Vec<_>, LinalgError>>()?;
+    let mut searches = sections
+        .par_iter()
+        .map(|section| Search::run(&record, section, asked))
+        .collect::<Result<Vec<_>, LinalgError>>()?;
     if let Some(modes) = asked {
-        warnings.extend(more_than_asked(modes, &keep_strongest(&mut searches, modes)?, hz));
+        warnings.extend(more_than_asked(
+            modes,
+            &keep_strongest(&mut searches, modes)?,
+            hz,
+        ));
     }
     progress("error bars and grades");
-    let finished = searches.into_par_iter().map(Search::finish).collect::<Result<Vec<_>, LinalgError>>()?;
+    let finished = searches
+        .into_par_iter()
+        .map(Search::finish)
+        .collect::<Result<Vec<_>, LinalgError>>()?;
     warnings.extend(finished.iter().flat_map(|f| f.notes.iter().cloned()));
     let (evidence, weights) = join(&work, &finished);
     let graded = grade_all(&evidence, &record);
     warnings.extend(damping_warnings(&evidence, &graded, hz));
-    warnings.extend(
-        unexplained(&seen, &evidence, &graded)
-            .map(|peak| format!("visible peak at {:.2} Hz that no accepted mode explains", peak.lambda.re.max(0.0).sqrt() * hz)),
-    );
+    warnings.extend(unexplained(&seen, &evidence, &graded).map(|peak| {
+        format!(
+            "visible peak at {:.2} Hz that no accepted mode explains",
+            peak.lambda.re.max(0.0).sqrt() * hz
+        )
+    }));
 
     let work = work.reweighted(&weights);
     let lambda: Vec<Complex64> = evidence.iter().map(|e| e.lambda).collect();
     let refined = refine(&work, &lambda, &POWERS, 0, tol::FINE_STEP)?;
-    let variance = evidence.iter().map(|e| (e.deviation * e.lambda.im).powi(2)).collect();
-    Ok(MeasuredPoles { refined, work, back, variance, grades: graded.into_iter().map(|g| g.0).collect(), warnings })
+    let variance = evidence
+        .iter()
+        .map(|e| (e.deviation * e.lambda.im).powi(2))
+        .collect();
+    Ok(MeasuredPoles {
+        refined,
+        work,
+        back,
+        variance,
+        grades: graded.into_iter().map(|g| g.0).collect(),
+        warnings,
+    })
 }
 
-/// Evidence of all sections in order of frequency, poles that two sections report once, and the weight of every line.
+/// Evidence of all sections in order of frequency, poles that two sections report once,
+/// and the weight of every line.
 fn join(work: &Work, finished: &[Finished]) -> (Vec<Evidence>, Vec<f64>) {
-    let mut all: Vec<Evidence> = finished.iter().flat_map(|f| f.evidence.iter().cloned()).collect();
+    let mut all: Vec<Evidence> = finished
+        .iter()
+        .flat_map(|f| f.evidence.iter().cloned())
+        .collect();
     all.sort_by(|a, b| a.lambda.re.total_cmp(&b.lambda.re));
     if finished.len() > 1 {
-        all.dedup_by(|b, a| (a.lambda - b.lambda).norm() < 0.5 * a.lambda.im.max(b.lambda.im).max(work.spacing(a.lambda.re)));
+        all.dedup_by(|b, a| {
+            (a.lambda - b.lambda).norm()
+                < 0.5 * a.lambda.im.max(b.lambda.im).max(work.spacing(a.lambda.re))
+        });
     }
     // where sections overlap the later one's error model stands: both saw the lines
     let mut variance = Array1::from_elem(work.lines(), f64::MAX);
     for part in finished {
-        variance.slice_mut(s![part.lines.clone()]).assign(&part.variance);
+        variance
+            .slice_mut(s![part.lines.clone()])
+            .assign(&part.variance);
     }
     (all, normalised(&variance))
 }
 
-/// Drops the in-band poles with the least local gain until `modes` are left in all sections together; returns the dropped ones.
+/// Drops the in-band poles with the least local gain until `modes` are left in all
+/// sections together; returns the dropped ones.
 fn keep_strongest(searches: &mut [Search], modes: usize) -> Result<Vec<Complex64>, LinalgError> {
     let mut dropped = Vec::new();
-    let mut weakest = searches.iter().map(Search::weakest).collect::<Result<Vec<_>, LinalgError>>()?;
+    let mut weakest = searches
+        .iter()
+        .map(Search::weakest)
+        .collect::<Result<Vec<_>, LinalgError>>()?;
     while weakest.iter().map(|w| w.0).sum::<usize>() > modes {
-        let least = weakest.iter().enumerate().filter_map(|(s, (_, w))| w.map(|(q, gain)| (s, q, gain))).min_by(|a, b| a.2.total_cmp(&b.2));
+        let least = weakest
+            .iter()
+            .enumerate()
+            .filter_map(|(s, (_, w))| w.map(|(q, gain)| (s, q, gain)))
+            .min_by(|a, b| a.2.total_cmp(&b.2));
         let Some((s, q, _)) = least else { break };
         dropped.push(searches[s].candidates.refined.lambda[q]);
         searches[s].drop(q)?;
@@ -161,25 +224,42 @@ fn keep_strongest(searches: &mut [Search], modes: usize) -> Result<Vec<Complex64
     Ok(dropped)
 }
 
-/// Striking peaks beside which no accepted pole stands. A pole that is broad for the peak does not explain it.
-fn unexplained<'a>(seen: &'a [Peak], evidence: &'a [Evidence], graded: &'a [Graded]) -> impl Iterator<Item = &'a Peak> {
-    let explains =
-        |peak: &Peak, pole: Complex64| (pole.re - peak.lambda.re).abs() < 1.5 * peak.lambda.im.max(pole.im.min(2.0 * peak.lambda.im));
-    let accepted =
-        move |peak: &Peak| evidence.iter().zip(graded).any(|(e, (grade, _))| grade.0 != Trust::Rejected && explains(peak, e.lambda));
-    seen.iter().filter(move |peak| peak.is_striking() && !accepted(peak))
+/// Striking peaks beside which no accepted pole stands. A pole that is broad for the peak
+/// does not explain it.
+fn unexplained<'a>(
+    seen: &'a [Peak],
+    evidence: &'a [Evidence],
+    graded: &'a [Graded],
+) -> impl Iterator<Item = &'a Peak> {
+    let explains = |peak: &Peak, pole: Complex64| {
+        (pole.re - peak.lambda.re).abs()
+            < 1.5 * peak.lambda.im.max(pole.im.min(2.0 * peak.lambda.im))
+    };
+    let accepted = move |peak: &Peak| {
+        evidence
+            .iter()
+            .zip(graded)
+            .any(|(e, (grade, _))| grade.0 != Trust::Rejected && explains(peak, e.lambda))
+    };
+    seen.iter()
+        .filter(move |peak| peak.is_striking() && !accepted(peak))
 }
 
 /// One warning per kind of doubt about damping, with the frequencies it concerns.
 fn damping_warnings(evidence: &[Evidence], graded: &[Graded], hz: f64) -> Vec<String> {
     let mut kinds: Vec<(&str, Vec<String>)> = Vec::new();
     for (e, (grade, note)) in evidence.iter().zip(graded) {
-        let Some(note) = note.filter(|_| grade.0 != Trust::Rejected) else { continue };
+        let Some(note) = note.filter(|_| grade.0 != Trust::Rejected) else {
+            continue;
+        };
         let frequency = format!("{:.2}", e.lambda.re.max(0.0).sqrt() * hz);
         match kinds.iter_mut().find(|(kind, _)| *kind == note) {
             Some((_, list)) => list.push(frequency),
             None => kinds.push((note, vec![frequency])),
         }
     }
-    kinds.into_iter().map(|(note, list)| format!("{note}: {} Hz", list.join(", "))).collect()
+    kinds
+        .into_iter()
+        .map(|(note, list)| format!("{note}: {} Hz", list.join(", ")))
+        .collect()
 }

@@ -1,4 +1,5 @@
-//! Isolated modes that the lines resolve: what the peak itself says, free of the error model.
+//! Isolated modes that the lines resolve: what the peak itself says, free of the error
+//! model.
 
 use super::sandwich::variances;
 use crate::refine::{refine, Refined};
@@ -15,8 +16,9 @@ const ALONE: f64 = 12.0;
 /// Half-widths of the window of a resolved mode.
 const WINDOW: f64 = 4.0;
 
-/// Refits each such mode in a narrow window without multiplicative weights, and says the variance E|δλ|² of what is found there.
-/// (On the measured beam this is where independent local fits agree.) `residual` and `plain` are without line weights.
+/// Refits each such mode in a narrow window without multiplicative weights, and says the
+/// variance E|δλ|² of what is found there. (On the measured beam this is where
+/// independent local fits agree.) `residual` and `plain` are without line weights.
 pub(crate) fn refine_resolved(
     plain: &Work,
     weighted: &Work,
@@ -28,17 +30,26 @@ pub(crate) fn refine_resolved(
     for (q, slot) in lambda.iter_mut().enumerate() {
         let pole = refined.lambda[q];
         let far = |p: &Complex64| (p.re - pole.re).abs() > (ALONE * pole.im).max(2.0 * p.im.abs());
-        let alone = refined.lambda.iter().enumerate().all(|(o, p)| o == q || far(p));
+        let alone = refined
+            .lambda
+            .iter()
+            .enumerate()
+            .all(|(o, p)| o == q || far(p));
         if !plain.in_band(pole) || pole.im < RESOLVED_LINES * plain.spacing(pole.re) || !alone {
             continue;
         }
         let window = plain.window(pole, WINDOW, 6);
         let local = plain.rows(window.clone());
         // the mode's own part and the residual, without everything else
-        let own = matmul(basis(&local, &[pole], &[]).view(), refined.coefficients.slice(s![q..q + 1, ..]));
+        let own = matmul(
+            basis(&local, &[pole], &[]).view(),
+            refined.coefficients.slice(s![q..q + 1, ..]),
+        );
         let columns = own + residual.slice(s![window, ..]);
         let local = local.with_columns(columns);
-        let Ok(single) = refine(&local, &[pole], &[0, 1], tol::REFINE_FINE, tol::ROUGH_STEP) else { continue };
+        let Ok(single) = refine(&local, &[pole], &[0, 1], tol::REFINE_FINE, tol::ROUGH_STEP) else {
+            continue;
+        };
         let moved = single.lambda[0];
         if (moved - pole).norm() < pole.im && moved.im > 0.0 {
             *slot = moved;
@@ -46,5 +57,8 @@ pub(crate) fn refine_resolved(
             local_variance[q] = Some(robust[0].max(white[0]));
         }
     }
-    Ok((refine(weighted, &lambda, &refined.powers, 0, tol::FINE_STEP)?, local_variance))
+    Ok((
+        refine(weighted, &lambda, &refined.powers, 0, tol::FINE_STEP)?,
+        local_variance,
+    ))
 }

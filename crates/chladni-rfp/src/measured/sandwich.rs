@@ -1,4 +1,5 @@
-//! Covariance from the residual as it is: H⁻¹GH⁻¹ with neighbouring lines correlated (theory.md, eq. 23).
+//! Covariance from the residual as it is: H⁻¹GH⁻¹ with neighbouring lines correlated
+//! (theory.md, eq. 23).
 
 use crate::refine::Refined;
 use crate::work::{basis_derivative, Work};
@@ -6,8 +7,12 @@ use chladni_linalg::{inverse_hermitian, matmul, matmul_h, LinalgError};
 use ndarray::Array2;
 use num_complex::Complex64;
 
-/// Variance E|δλ|² of every pole: Bartlett-weighted over two bandwidths (White 1980; Newey & West 1987), and by white noise.
-pub(crate) fn variances(work: &Work, refined: &Refined) -> Result<(Vec<f64>, Vec<f64>), LinalgError> {
+/// Variance E|δλ|² of every pole: Bartlett-weighted over two bandwidths (White 1980;
+/// Newey & West 1987), and by white noise.
+pub(crate) fn variances(
+    work: &Work,
+    refined: &Refined,
+) -> Result<(Vec<f64>, Vec<f64>), LinalgError> {
     let n = refined.lambda.len();
     if n == 0 {
         return Ok((Vec::new(), Vec::new()));
@@ -16,37 +21,62 @@ pub(crate) fn variances(work: &Work, refined: &Refined) -> Result<(Vec<f64>, Vec
     let inside = matmul_h(refined.projection.q.view(), derivative.view());
     let outside = &derivative - &matmul(refined.projection.q.view(), inside.view());
     // score of a line: Σ_l conj(D_kn R_nl) E_kl
-    let er = matmul(refined.projection.residual.view(), refined.coefficients.slice(ndarray::s![..n, ..]).mapv(|v| v.conj()).t());
+    let er = matmul(
+        refined.projection.residual.view(),
+        refined
+            .coefficients
+            .slice(ndarray::s![..n, ..])
+            .mapv(|v| v.conj())
+            .t(),
+    );
     let kept = kept_share(&refined.projection.q, &outside);
-    let scores = Array2::from_shape_fn((work.lines(), n), |(k, q)| outside[[k, q]].conj() * er[[k, q]] / kept[k]);
+    let scores = Array2::from_shape_fn((work.lines(), n), |(k, q)| {
+        outside[[k, q]].conj() * er[[k, q]] / kept[k]
+    });
     let inverse = inverse_hermitian(refined.information(work).view())?;
     let influence = matmul(scores.view(), inverse.t());
     let white = refined.variance(work);
     let robust = (0..n)
         .map(|q| {
             let pole = refined.lambda[q];
-            let lag_most = ((4.0 * pole.im / work.spacing(pole.re)) as usize).clamp(1, work.lines() / 4);
+            let lag_most =
+                ((4.0 * pole.im / work.spacing(pole.re)) as usize).clamp(1, work.lines() / 4);
             let column = influence.column(q);
-            let at = |lag: usize| -> f64 { (lag..work.lines()).map(|k| (column[k] * Complex64::conj(&column[k - lag])).re).sum() };
+            let at = |lag: usize| -> f64 {
+                (lag..work.lines())
+                    .map(|k| (column[k] * Complex64::conj(&column[k - lag])).re)
+                    .sum()
+            };
             let alone = at(0);
             let mut sum = alone;
             for lag in 1..=lag_most {
                 sum += 2.0 * (1.0 - lag as f64 / (lag_most + 1) as f64) * at(lag);
             }
-            // the scores of a fit add up to zero, which takes long lags below what each line does for itself
+            // the scores of a fit add up to zero, which takes long lags below what each
+            // line does for itself
             sum.max(alone)
         })
         .collect();
     Ok((robust, (0..n).map(|q| white * inverse[[q, q]].re).collect()))
 }
 
-/// Share of an error of each line that stays in the residual: the fit takes the rest along (leverage; MacKinnon & White 1985, HC3).
-/// An error common to all FRFs moves the poles too, so their derivatives count.
+/// Share of an error of each line that stays in the residual: the fit takes the rest
+/// along (leverage; MacKinnon & White 1985, HC3). An error common to all FRFs moves the
+/// poles too, so their derivatives count.
 fn kept_share(q: &Array2<Complex64>, derivative: &Array2<Complex64>) -> Vec<f64> {
     let energy = |v: ndarray::ArrayView1<Complex64>| v.iter().map(|c| c.norm_sqr()).sum::<f64>();
     let columns: Vec<f64> = derivative.columns().into_iter().map(energy).collect();
-    let of_poles = |k: usize| derivative.row(k).iter().zip(&columns).map(|(d, all)| d.norm_sqr() / all).sum::<f64>();
-    (0..q.nrows()).map(|k| (1.0 - energy(q.row(k)) - of_poles(k)).max(LEAST_KEPT)).collect()
+    let of_poles = |k: usize| {
+        derivative
+            .row(k)
+            .iter()
+            .zip(&columns)
+            .map(|(d, all)| d.norm_sqr() / all)
+            .sum::<f64>()
+    };
+    (0..q.nrows())
+        .map(|k| (1.0 - energy(q.row(k)) - of_poles(k)).max(LEAST_KEPT))
+        .collect()
 }
 
 /// A line that is all but interpolated says nothing of its own error.

@@ -65,22 +65,51 @@ pub(crate) struct Search<'a> {
 
 impl<'a> Search<'a> {
     /// Searches. `asked`: modes that the user knows to be there.
-    pub fn run(record: &'a Record<'a>, section: &'a Section, asked: Option<usize>) -> Result<Self, LinalgError> {
+    pub fn run(
+        record: &'a Record<'a>,
+        section: &'a Section,
+        asked: Option<usize>,
+    ) -> Result<Self, LinalgError> {
         let plain = record.work.rows(section.lines.clone());
         let model = NoiseModel::start(record.noise.slice(s![section.lines.clone()]).to_owned());
         let level = line_energy(&plain.b);
         let weighted = plain.reweighted(&model.weights(&level));
-        let seen: Vec<Peak> = record.seen.iter().copied().filter(|p| plain.in_band(p.lambda)).collect();
+        let seen: Vec<Peak> = record
+            .seen
+            .iter()
+            .copied()
+            .filter(|p| plain.in_band(p.lambda))
+            .collect();
         let seeds: Vec<Complex64> = seen.iter().map(|p| p.lambda).collect();
         let strongest = seen.iter().map(|p| p.level_db).fold(f64::MIN, f64::max);
-        let strong: Vec<Complex64> = seen.iter().filter(|p| p.level_db > strongest - 30.0).map(|p| p.lambda).collect();
-        let second = (strong.len() * 2 < seeds.len() && !strong.is_empty()).then_some(strong.as_slice());
+        let strong: Vec<Complex64> = seen
+            .iter()
+            .filter(|p| p.level_db > strongest - 30.0)
+            .map(|p| p.lambda)
+            .collect();
+        let second =
+            (strong.len() * 2 < seeds.len() && !strong.is_empty()).then_some(strong.as_slice());
         let base = asked.unwrap_or(0).max(seeds.len()).max(4);
         let votes = consensus(&weighted, &seeds, base, second, &POWERS)?;
         let (start, origin): (Vec<Complex64>, Vec<Origin>) = votes.into_iter().unzip();
-        let refined = refine(&weighted, &start, &POWERS, 2 * tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
+        let refined = refine(
+            &weighted,
+            &start,
+            &POWERS,
+            2 * tol::REFINE_ROUGH,
+            tol::ROUGH_STEP,
+        )?;
         let candidates = Candidates { refined, origin };
-        let mut search = Self { record, section, plain, level, model, weighted, candidates, notes: Vec::new() };
+        let mut search = Self {
+            record,
+            section,
+            plain,
+            level,
+            model,
+            weighted,
+            candidates,
+            notes: Vec::new(),
+        };
         search.reweigh()?;
         search.settle(&seen)?;
         Ok(search)
@@ -116,8 +145,13 @@ impl<'a> Search<'a> {
             let fitted = line_energy(&(&self.plain.b - &residual));
             self.model = NoiseModel::from_residual(&residual, &fitted);
             self.weighted = self.plain.reweighted(&self.model.weights(&self.level));
-            self.candidates.refined =
-                refine(&self.weighted, &self.candidates.refined.lambda, &POWERS, 2 * tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
+            self.candidates.refined = refine(
+                &self.weighted,
+                &self.candidates.refined.lambda,
+                &POWERS,
+                2 * tol::REFINE_ROUGH,
+                tol::ROUGH_STEP,
+            )?;
         }
         Ok(())
     }
@@ -134,10 +168,15 @@ impl<'a> Search<'a> {
 
     /// Tries poles at the peaks of the residual; true where one was accepted.
     fn reseed(&mut self) -> Result<bool, LinalgError> {
-        let residual = self.weighted.with_columns(self.candidates.refined.projection.residual.clone());
+        let residual = self
+            .weighted
+            .with_columns(self.candidates.refined.projection.residual.clone());
         let noise = fourth_difference_noise(&residual.b, (residual.lines() / 20).clamp(30, 400));
         let mut changed = false;
-        for peak in peaks(&residual, &line_energy(&residual.b), &noise).into_iter().take(RESEED.0) {
+        for peak in peaks(&residual, &line_energy(&residual.b), &noise)
+            .into_iter()
+            .take(RESEED.0)
+        {
             changed |= peak.over_noise_db > RESEED_OVER_NOISE_DB
                 && !self.candidates.explain(peak.lambda)
                 && try_add(&self.weighted, &mut self.candidates, peak.lambda)?;
@@ -145,34 +184,55 @@ impl<'a> Search<'a> {
         Ok(changed)
     }
 
-    /// With one FRF nothing but the line shape tells a close pair from one misfitted mode: the partner that few orders agree
-    /// on, or that lies 20 dB below the other, is taken for misfit.
+    /// With one FRF nothing but the line shape tells a close pair from one misfitted
+    /// mode: the partner that few orders agree on, or that lies 20 dB below the other, is
+    /// taken for misfit.
     fn drop_shadows(&mut self) -> Result<(), LinalgError> {
         loop {
             let residual = self.residual();
             let Refined { lambda, .. } = &self.candidates.refined;
             let in_band = |p: &Complex64| self.weighted.in_band(*p);
             let close = |q: usize| {
-                let near = |other: &Complex64| (other.re - lambda[q].re).abs() < 2.5 * lambda[q].im.max(other.im);
-                lambda.iter().enumerate().any(|(o, other)| o != q && in_band(other) && near(other))
+                let near = |other: &Complex64| {
+                    (other.re - lambda[q].re).abs() < 2.5 * lambda[q].im.max(other.im)
+                };
+                lambda
+                    .iter()
+                    .enumerate()
+                    .any(|(o, other)| o != q && in_band(other) && near(other))
             };
             let doubtful = |q: usize| match self.candidates.origin[q] {
                 Origin::Agreed { score, .. } if score >= 0.75 => {
-                    look(self.record, &self.plain, &residual, &self.candidates.refined, q).part < 0.1
+                    look(
+                        self.record,
+                        &self.plain,
+                        &residual,
+                        &self.candidates.refined,
+                        q,
+                    )
+                    .part
+                        < 0.1
                 }
                 _ => true,
             };
-            let Some(q) = (0..lambda.len()).find(|&q| in_band(&lambda[q]) && close(q) && doubtful(q)) else { return Ok(()) };
+            let Some(q) =
+                (0..lambda.len()).find(|&q| in_band(&lambda[q]) && close(q) && doubtful(q))
+            else {
+                return Ok(());
+            };
             remove(&self.weighted, &mut self.candidates, q)?;
         }
     }
 
-    /// True where the pole is this section's to report; half a width beyond a cut counts, its twin is dropped later.
+    /// True where the pole is this section's to report; half a width beyond a cut counts,
+    /// its twin is dropped later.
     pub fn owns(&self, pole: Complex64) -> bool {
-        self.section.core.start - 0.5 * pole.im <= pole.re && pole.re < self.section.core.end + 0.5 * pole.im
+        self.section.core.start - 0.5 * pole.im <= pole.re
+            && pole.re < self.section.core.end + 0.5 * pole.im
     }
 
-    /// Owned poles that may be dropped where the user asks for fewer modes: (pole, local gain), the weakest one.
+    /// Owned poles that may be dropped where the user asks for fewer modes: (pole, local
+    /// gain), the weakest one.
     pub fn weakest(&self) -> Result<(usize, Option<(usize, f64)>), LinalgError> {
         let gains = one_column_gains(&self.weighted, &self.candidates.refined, 0)?;
         let open: Vec<usize> = (0..gains.len())
@@ -181,7 +241,12 @@ impl<'a> Search<'a> {
                 self.candidates.may_go(q) && self.weighted.in_band(pole) && self.owns(pole)
             })
             .collect();
-        Ok((open.len(), open.into_iter().map(|q| (q, gains[q])).min_by(|a, b| a.1.total_cmp(&b.1))))
+        Ok((
+            open.len(),
+            open.into_iter()
+                .map(|q| (q, gains[q]))
+                .min_by(|a, b| a.1.total_cmp(&b.1)),
+        ))
     }
 
     /// Drops one pole.
@@ -192,8 +257,19 @@ impl<'a> Search<'a> {
     /// The last refinement, and the evidence about every pole.
     pub fn finish(mut self) -> Result<Finished, LinalgError> {
         self.reweigh()?;
-        self.candidates.refined = refine(&self.weighted, &self.candidates.refined.lambda, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?;
-        let (resolved, local) = refine_resolved(&self.plain, &self.weighted, &self.residual(), &self.candidates.refined)?;
+        self.candidates.refined = refine(
+            &self.weighted,
+            &self.candidates.refined.lambda,
+            &POWERS,
+            tol::REFINE_FINE,
+            tol::FINE_STEP,
+        )?;
+        let (resolved, local) = refine_resolved(
+            &self.plain,
+            &self.weighted,
+            &self.residual(),
+            &self.candidates.refined,
+        )?;
         self.candidates.refined = resolved;
         let refined = &self.candidates.refined;
         let (robust, white) = variances(&self.weighted, refined)?;
@@ -210,7 +286,10 @@ impl<'a> Search<'a> {
             e.gain_without_nearest = without_two[q];
             e.gain_of_skirts = without_four[q];
             let mut deviation = local[q].unwrap_or(robust[q].max(white[q])).sqrt();
-            if self.weighted.columns() > 1 && self.weighted.in_band(pole) && self.record.scales.is_some() {
+            if self.weighted.columns() > 1
+                && self.weighted.in_band(pole)
+                && self.record.scales.is_some()
+            {
                 let (own, _, _) = own_poles(&self.weighted, refined, &[q])?;
                 let scatter = weighted_scatter(refined, q, &own);
                 e.scatter = Some(scatter / pole.im);
@@ -222,8 +301,18 @@ impl<'a> Search<'a> {
         }
         let variance = self.model.variance(&self.level);
         evidence.retain(|e| self.owns(e.lambda));
-        let notes = self.notes.iter().filter(|(pole, _)| self.owns(*pole)).map(|(_, note)| note.clone()).collect();
-        Ok(Finished { evidence, variance, lines: self.section.lines.clone(), notes })
+        let notes = self
+            .notes
+            .iter()
+            .filter(|(pole, _)| self.owns(*pole))
+            .map(|(_, note)| note.clone())
+            .collect();
+        Ok(Finished {
+            evidence,
+            variance,
+            lines: self.section.lines.clone(),
+            notes,
+        })
     }
 }
 
@@ -239,7 +328,8 @@ pub(crate) struct Finished {
     pub notes: Vec<String>,
 }
 
-/// Rms distance of the own poles from the common one, each FRF weighted by how strongly it shows the mode.
+/// Rms distance of the own poles from the common one, each FRF weighted by how strongly
+/// it shows the mode.
 fn weighted_scatter(refined: &Refined, q: usize, own: &[Complex64]) -> f64 {
     let pole = refined.lambda[q];
     let (mut sum, mut total) = (0.0, 0.0);

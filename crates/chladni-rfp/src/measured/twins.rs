@@ -1,4 +1,5 @@
-//! Twins: two poles that stand for one mode which moves between FRFs (roving mass, temperature).
+//! Twins: two poles that stand for one mode which moves between FRFs (roving mass,
+//! temperature).
 
 use super::candidates::{Candidates, Change};
 use super::local::Neighbourhood;
@@ -11,16 +12,27 @@ use num_complex::Complex64;
 
 /// Two poles nearer than this many half-bandwidths are looked at.
 const NEAR: f64 = 2.5;
-/// Own poles explain the neighbourhood this much better (ratio of sums of squares) and the pair is one mode.
+/// Own poles explain the neighbourhood this much better (ratio of sums of squares) and
+/// the pair is one mode.
 const OWN_OVER_PAIR: f64 = 1.3;
 /// Residues of the pair that agree this well are one shape.
 const SAME_SHAPE_MAC: f64 = 0.85;
 
-/// Own pole of each FRF near `pole`: local fit of one pole and a constant, the other poles' part taken off.
-pub(crate) fn own_poles(work: &Work, refined: &Refined, poles: &[usize]) -> Result<(Vec<Complex64>, f64, f64), LinalgError> {
+/// Own pole of each FRF near `pole`: local fit of one pole and a constant, the other
+/// poles' part taken off.
+pub(crate) fn own_poles(
+    work: &Work,
+    refined: &Refined,
+    poles: &[usize],
+) -> Result<(Vec<Complex64>, f64, f64), LinalgError> {
     let centre = poles.iter().map(|&q| refined.lambda[q]).sum::<Complex64>() / poles.len() as f64;
-    let width = poles.iter().map(|&q| refined.lambda[q].im).fold(0.0, f64::max);
-    let rows: Vec<usize> = work.window(Complex64::new(centre.re, width), 6.0, 8).collect();
+    let width = poles
+        .iter()
+        .map(|&q| refined.lambda[q].im)
+        .fold(0.0, f64::max);
+    let rows: Vec<usize> = work
+        .window(Complex64::new(centre.re, width), 6.0, 8)
+        .collect();
     let local = work.select(&rows);
     let mut shapes = basis(&local, &refined.lambda, &refined.powers);
     for &q in poles {
@@ -28,15 +40,28 @@ pub(crate) fn own_poles(work: &Work, refined: &Refined, poles: &[usize]) -> Resu
     }
     let rest = &local.b - &matmul(shapes.view(), refined.coefficients.view());
     let pair_residual: f64 = {
-        let columns = basis(&local, &poles.iter().map(|&q| refined.lambda[q]).collect::<Vec<_>>(), &[0]);
+        let columns = basis(
+            &local,
+            &poles.iter().map(|&q| refined.lambda[q]).collect::<Vec<_>>(),
+            &[0],
+        );
         let solution = lstsq(columns.view(), rest.view())?;
-        (&rest - &matmul(columns.view(), solution.view())).iter().map(|v| v.norm_sqr()).sum()
+        (&rest - &matmul(columns.view(), solution.view()))
+            .iter()
+            .map(|v| v.norm_sqr())
+            .sum()
     };
     let mut own = Vec::new();
     let mut own_residual = 0.0;
     for l in 0..work.columns() {
         let column: Array2<Complex64> = rest.slice(s![.., l..l + 1]).to_owned();
-        let single = refine(&local.with_columns(column), &[Complex64::new(centre.re, width)], &[0], 20, tol::ROUGH_STEP)?;
+        let single = refine(
+            &local.with_columns(column),
+            &[Complex64::new(centre.re, width)],
+            &[0],
+            20,
+            tol::ROUGH_STEP,
+        )?;
         own.push(single.lambda[0]);
         own_residual += single.projection.sse;
     }
@@ -44,18 +69,40 @@ pub(crate) fn own_poles(work: &Work, refined: &Refined, poles: &[usize]) -> Resu
 }
 
 /// Merges twins; returns a note for each merger, with the pole it left.
-pub(crate) fn merge(work: &Work, candidates: &mut Candidates, omega_to_hz: f64) -> Result<Vec<(Complex64, String)>, LinalgError> {
+pub(crate) fn merge(
+    work: &Work,
+    candidates: &mut Candidates,
+    omega_to_hz: f64,
+) -> Result<Vec<(Complex64, String)>, LinalgError> {
     let mut notes = Vec::new();
-    while let Some((a, b, own)) = if work.columns() < 2 { None } else { find(work, &candidates.refined)? } {
+    while let Some((a, b, own)) = if work.columns() < 2 {
+        None
+    } else {
+        find(work, &candidates.refined)?
+    } {
         let refined = &candidates.refined;
         let mean = own.iter().sum::<Complex64>() / own.len() as f64;
-        let start = if work.in_band(mean) && mean.im > 0.0 { mean } else { 0.5 * (refined.lambda[a] + refined.lambda[b]) };
-        let (mut moved, fit) = Neighbourhood::around(work, refined, start).replace(refined, &[a, b], &[start])?;
+        let start = if work.in_band(mean) && mean.im > 0.0 {
+            mean
+        } else {
+            0.5 * (refined.lambda[a] + refined.lambda[b])
+        };
+        let (mut moved, fit) =
+            Neighbourhood::around(work, refined, start).replace(refined, &[a, b], &[start])?;
         moved.extend(fit.lambda.last().map(|&pole| (a, pole)));
-        candidates.apply(work, vec![Change { removed: Some(b), moved, added: None }])?;
-        let spread = (own.iter().map(|p| (p - mean).norm_sqr()).sum::<f64>() / own.len() as f64).sqrt();
+        candidates.apply(
+            work,
+            vec![Change {
+                removed: Some(b),
+                moved,
+                added: None,
+            }],
+        )?;
+        let spread =
+            (own.iter().map(|p| (p - mean).norm_sqr()).sum::<f64>() / own.len() as f64).sqrt();
         let note = format!(
-            "two poles near {:.2} Hz are one mode that differs between FRFs (scatter {:.2} Hz): merged",
+            "two poles near {:.2} Hz are one mode that differs between FRFs (scatter {:.2} Hz): \
+             merged",
             start.re.max(0.0).sqrt() * omega_to_hz,
             spread / (2.0 * start.re.max(f64::MIN_POSITIVE).sqrt()) * omega_to_hz
         );
@@ -65,16 +112,23 @@ pub(crate) fn merge(work: &Work, candidates: &mut Candidates, omega_to_hz: f64) 
 }
 
 /// A pair that is one mode, with the own poles of the FRFs.
-fn find(work: &Work, refined: &Refined) -> Result<Option<(usize, usize, Vec<Complex64>)>, LinalgError> {
+fn find(
+    work: &Work,
+    refined: &Refined,
+) -> Result<Option<(usize, usize, Vec<Complex64>)>, LinalgError> {
     let n = refined.lambda.len();
     for (a, b) in (0..n).flat_map(|a| (a + 1..n).map(move |b| (a, b))) {
         let (pa, pb) = (refined.lambda[a], refined.lambda[b]);
-        if !work.in_band(pa) || !work.in_band(pb) || (pa.re - pb.re).abs() >= NEAR * pa.im.max(pb.im) {
+        if !work.in_band(pa)
+            || !work.in_band(pb)
+            || (pa.re - pb.re).abs() >= NEAR * pa.im.max(pb.im)
+        {
             continue;
         }
         let (own, own_sse, pair_sse) = own_poles(work, refined, &[a, b])?;
         let shape = |q: usize| refined.coefficients.row(q).to_vec();
-        let same_shape = work.columns() >= 3 && crate::validation::mac(&shape(a), &shape(b)) > SAME_SHAPE_MAC;
+        let same_shape =
+            work.columns() >= 3 && crate::validation::mac(&shape(a), &shape(b)) > SAME_SHAPE_MAC;
         if own_sse < OWN_OVER_PAIR * pair_sse || same_shape {
             return Ok(Some((a, b, own)));
         }

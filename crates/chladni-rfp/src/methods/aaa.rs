@@ -6,19 +6,23 @@
 //! Z_l(x) ≈ Σ_j w_j Z_l(x_j)/(x − x_j)  /  Σ_j w_j/(x − x_j)
 //! ```
 //!
-//! that interpolates at support lines x_j. Each step adds the line with the largest error over all columns, and takes as
-//! weights the singular vector that minimises the linearised error (theory.md, eq. 41) on the other lines,
-//! Σ_lk g_k² |Σ_j w_j (Z_l(x_k) − Z_l(x_j))/(x_k − x_j)|². Poles are the zeros of the denominator; the residues decide which of
-//! them are modes ([`super::selection`]).
+//! that interpolates at support lines x_j. Each step adds the line with the largest error
+//! over all columns, and takes as weights the singular vector that minimises the
+//! linearised error (theory.md, eq. 41) on the other lines, Σ_lk g_k² |Σ_j w_j (Z_l(x_k)
+//! − Z_l(x_j))/(x_k − x_j)|². Poles are the zeros of the denominator; the residues decide
+//! which of them are modes ([`super::selection`]).
 //!
-//! No start, no basis and no order of magnitude is needed, and clean data are reproduced to rounding. Cost: 8·N·r·n³/3 flop
-//! for N lines, r mixtures and n support lines (a QR of the Loewner matrix in each step).
+//! No start, no basis and no order of magnitude is needed, and clean data are reproduced
+//! to rounding. Cost: 8·N·r·n³/3 flop for N lines, r mixtures and n support lines (a QR
+//! of the Loewner matrix in each step).
 //!
-//! When not to use it: on noisy data for the last digits. Interpolation takes over the noise of the support lines, and the
-//! equation error is weighted by the denominator: five to ten times as noisy as vector fitting.
+//! When not to use it: on noisy data for the last digits. Interpolation takes over the
+//! noise of the support lines, and the equation error is weighted by the denominator:
+//! five to ten times as noisy as vector fitting.
 //!
-//! Y. Nakatsukasa, O. Sète, L. N. Trefethen, SIAM J. Sci. Comput. 40 (2018) A1494–A1522. P. Lietaert, K. Meerbergen, J.
-//! Pérez, B. Vandereycken, IMA J. Numer. Anal. 42 (2022) 1087–1115 (set-valued).
+//! Y. Nakatsukasa, O. Sète, L. N. Trefethen, SIAM J. Sci. Comput. 40 (2018) A1494–A1522.
+//! P. Lietaert, K. Meerbergen, J. Pérez, B. Vandereycken, IMA J. Numer. Anal. 42 (2022)
+//! 1087–1115 (set-valued).
 
 use super::selection::modes_of;
 use super::{Columns, MethodPoles, Survey};
@@ -32,22 +36,37 @@ use ndarray::{concatenate, Array1, Array2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-/// Error at which a rational function reproduces the data, relative to their largest value (Chebfun's default).
+/// Error at which a rational function reproduces the data, relative to their largest
+/// value (Chebfun's default).
 const REPRODUCED: f64 = 1e-13;
-/// Newton steps on the denominator after the eigenvalues, which lose digits where the sum of the weights is small.
+/// Newton steps on the denominator after the eigenvalues, which lose digits where the sum
+/// of the weights is small.
 const POLISHING_STEPS: usize = 3;
 
 /// Poles by set-valued AAA.
 ///
 /// # Errors
 /// A decomposition that fails.
-pub(crate) fn aaa(survey: &Survey, columns: &Columns, options: &FitOptions) -> Result<MethodPoles, FitError> {
+pub(crate) fn aaa(
+    survey: &Survey,
+    columns: &Columns,
+    options: &FitOptions,
+) -> Result<MethodPoles, FitError> {
     let mixed = mixtures(&columns.work, tol::POOL_MIXTURES, options.seed);
     let rows = survey.rows();
-    let mixed = if rows.len() < mixed.lines() { mixed.select(&rows) } else { mixed };
+    let mixed = if rows.len() < mixed.lines() {
+        mixed.select(&rows)
+    } else {
+        mixed
+    };
     let most = survey.pool_size(survey.expected(columns, options)) + 1;
     let poles = Barycentric::greedy(&mixed, most)?.poles()?;
-    Ok(modes_of(survey, &poles, options, "barycentric interpolation in ω², poles chosen by their residues")?)
+    Ok(modes_of(
+        survey,
+        &poles,
+        options,
+        "barycentric interpolation in ω², poles chosen by their residues",
+    )?)
 }
 
 /// Denominator Σ w_j/(x − x_j).
@@ -61,47 +80,83 @@ impl Barycentric {
     /// Adds support lines until the data are reproduced, or `most` are used.
     fn greedy(work: &Work, most: usize) -> Result<Self, LinalgError> {
         let mut f = work.b.clone();
-        f.rows_mut().into_iter().zip(&work.g).for_each(|(mut row, g)| row.mapv_inplace(|v| v / *g));
+        f.rows_mut()
+            .into_iter()
+            .zip(&work.g)
+            .for_each(|(mut row, g)| row.mapv_inplace(|v| v / *g));
         let mut approximation = Array2::zeros(f.raw_dim());
         approximation += &(f.sum_axis(Axis(0)) / Complex64::new(f.nrows() as f64, 0.0));
-        let size = |row: ndarray::ArrayView1<Complex64>, g: f64| g * g * row.iter().map(|v| v.norm_sqr()).sum::<f64>();
-        let scale = f.rows().into_iter().zip(&work.g).map(|(row, g)| size(row, *g)).fold(0.0, f64::max);
+        let size = |row: ndarray::ArrayView1<Complex64>, g: f64| {
+            g * g * row.iter().map(|v| v.norm_sqr()).sum::<f64>()
+        };
+        let scale = f
+            .rows()
+            .into_iter()
+            .zip(&work.g)
+            .map(|(row, g)| size(row, *g))
+            .fold(0.0, f64::max);
         let mut support: Vec<usize> = Vec::new();
         let mut rest: Vec<usize> = (0..work.lines()).collect();
         let mut weights = Vec::new();
         while support.len() < most && rest.len() > support.len() + 1 {
             let error = &f - &approximation;
             let errors = rest.iter().map(|&k| (k, size(error.row(k), work.g[k])));
-            let Some((worst, largest)) = errors.max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
+            let Some((worst, largest)) = errors.max_by(|a, b| a.1.total_cmp(&b.1)) else {
+                break;
+            };
             if largest <= (REPRODUCED * REPRODUCED) * scale {
                 break;
             }
             support.push(worst);
             rest.retain(|&k| k != worst);
             weights = loewner_weights(work, &f, &support, &rest)?;
-            let wf = Array2::from_shape_fn((support.len(), f.ncols()), |(j, l)| weights[j] * f[[support[j], l]]);
+            let wf = Array2::from_shape_fn((support.len(), f.ncols()), |(j, l)| {
+                weights[j] * f[[support[j], l]]
+            });
             let cauchy = Array2::from_shape_fn((rest.len(), support.len()).f(), |(k, j)| {
                 Complex64::new(1.0 / (work.x[rest[k]] - work.x[support[j]]), 0.0)
             });
             let denominator = cauchy.dot(&Array1::from(weights.clone()));
             approximation.assign(&f);
-            for ((&k, row), d) in rest.iter().zip(matmul(cauchy.view(), wf.view()).rows()).zip(&denominator) {
+            for ((&k, row), d) in rest
+                .iter()
+                .zip(matmul(cauchy.view(), wf.view()).rows())
+                .zip(&denominator)
+            {
                 approximation.row_mut(k).assign(&row.mapv(|v| v / d));
             }
         }
-        Ok(Self { support: support.iter().map(|&k| work.x[k]).collect(), weights })
+        Ok(Self {
+            support: support.iter().map(|&k| work.x[k]).collect(),
+            weights,
+        })
     }
 
-    /// Zeros of the denominator. Times (x − x_m) it reads d + Σ_{j<m} c_j/(x_j − x) with d = Σ w and c_j = −w_j(x_j − x_m).
+    /// Zeros of the denominator. Times (x − x_m) it reads d + Σ_{j<m} c_j/(x_j − x) with
+    /// d = Σ w and c_j = −w_j(x_j − x_m).
     fn poles(&self) -> Result<Vec<Complex64>, LinalgError> {
-        let Some((&last, others)) = self.support.split_last() else { return Ok(Vec::new()) };
+        let Some((&last, others)) = self.support.split_last() else {
+            return Ok(Vec::new());
+        };
         let at: Vec<Complex64> = others.iter().map(|&x| Complex64::new(x, 0.0)).collect();
-        let c: Vec<Complex64> = others.iter().zip(&self.weights).map(|(x, w)| -w * (x - last)).collect();
+        let c: Vec<Complex64> = others
+            .iter()
+            .zip(&self.weights)
+            .map(|(x, w)| -w * (x - last))
+            .collect();
         let sum: Complex64 = self.weights.iter().sum();
         let largest = self.weights.iter().map(|w| w.norm()).fold(0.0, f64::max);
         // a sum of rounding is a pole at infinity, which may as well lie very far out
-        let d = if sum.norm() > f64::EPSILON * largest { sum } else { Complex64::new(f64::EPSILON * largest, 0.0) };
-        Ok(zeros(&at, &c, d)?.into_iter().map(|pole| self.polished(pole)).filter(|pole| pole.is_finite()).collect())
+        let d = if sum.norm() > f64::EPSILON * largest {
+            sum
+        } else {
+            Complex64::new(f64::EPSILON * largest, 0.0)
+        };
+        Ok(zeros(&at, &c, d)?
+            .into_iter()
+            .map(|pole| self.polished(pole))
+            .filter(|pole| pole.is_finite())
+            .collect())
     }
 
     fn polished(&self, mut pole: Complex64) -> Complex64 {
@@ -123,8 +178,14 @@ impl Barycentric {
     }
 }
 
-/// Right singular vector of the stacked weighted Loewner matrices for their smallest singular value.
-fn loewner_weights(work: &Work, f: &Array2<Complex64>, support: &[usize], rest: &[usize]) -> Result<Vec<Complex64>, LinalgError> {
+/// Right singular vector of the stacked weighted Loewner matrices for their smallest
+/// singular value.
+fn loewner_weights(
+    work: &Work,
+    f: &Array2<Complex64>,
+    support: &[usize],
+    rest: &[usize],
+) -> Result<Vec<Complex64>, LinalgError> {
     let blocks: Vec<Array2<Complex64>> = (0..f.ncols())
         .into_par_iter()
         .map(|l| {
@@ -135,7 +196,11 @@ fn loewner_weights(work: &Work, f: &Array2<Complex64>, support: &[usize], rest: 
             qr_r(loewner.view())
         })
         .collect::<Result<_, _>>()?;
-    let stacked = concatenate(Axis(0), &blocks.iter().map(|block| block.view()).collect::<Vec<_>>()).expect("equal widths");
+    let stacked = concatenate(
+        Axis(0),
+        &blocks.iter().map(|block| block.view()).collect::<Vec<_>>(),
+    )
+    .expect("equal widths");
     let (_, _, vh) = svd_thin(qr_r(stacked.view())?.view())?;
     Ok(vh.row(vh.nrows() - 1).iter().map(|v| v.conj()).collect())
 }
@@ -150,9 +215,20 @@ mod tests {
         let x: Vec<f64> = (1..=200).map(|k| k as f64 / 200.0).collect();
         let residues = [[1.0, -0.7], [0.4, 1.3], [-1.1, 0.2]];
         let b = Array2::from_shape_fn((200, 3).f(), |(k, l)| {
-            poles.iter().zip(residues[l]).map(|(pole, r)| Complex64::new(r, 0.1 * r * r) / (pole - x[k])).sum::<Complex64>()
+            poles
+                .iter()
+                .zip(residues[l])
+                .map(|(pole, r)| Complex64::new(r, 0.1 * r * r) / (pole - x[k]))
+                .sum::<Complex64>()
         });
-        (Work { g: vec![1.0; x.len()], x, b }, poles)
+        (
+            Work {
+                g: vec![1.0; x.len()],
+                x,
+                b,
+            },
+            poles,
+        )
     }
 
     #[test]
@@ -162,7 +238,10 @@ mod tests {
         assert_eq!(found.support.len(), 3);
         let zeros = found.poles().unwrap();
         for pole in poles {
-            let nearest = zeros.iter().map(|z| (z - pole).norm()).fold(f64::INFINITY, f64::min);
+            let nearest = zeros
+                .iter()
+                .map(|z| (z - pole).norm())
+                .fold(f64::INFINITY, f64::min);
             assert!(nearest < 1e-13, "{pole}: {zeros:?}");
         }
     }
@@ -171,9 +250,19 @@ mod tests {
     fn zeros_of_a_known_denominator() {
         // 1/(x − 0) + 1/(x − 1) vanishes at 1/2; 1/x − 1/(x − 1) has its zero at infinity
         let one = Complex64::new(1.0, 0.0);
-        let half = Barycentric { support: vec![0.0, 1.0], weights: vec![one, one] };
+        let half = Barycentric {
+            support: vec![0.0, 1.0],
+            weights: vec![one, one],
+        };
         assert!((half.poles().unwrap()[0] - 0.5).norm() < 1e-15);
-        let infinite = Barycentric { support: vec![0.0, 1.0], weights: vec![one, -one] };
-        assert!(infinite.poles().unwrap().iter().all(|pole| pole.norm() > 1e12));
+        let infinite = Barycentric {
+            support: vec![0.0, 1.0],
+            weights: vec![one, -one],
+        };
+        assert!(infinite
+            .poles()
+            .unwrap()
+            .iter()
+            .all(|pole| pole.norm() > 1e12));
     }
 }

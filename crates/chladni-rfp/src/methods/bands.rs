@@ -1,10 +1,12 @@
 //! Where the classic methods look: bands of few visible peaks, and the order in each.
 //!
-//! The 1982 method is applied by hand, a few peaks at a time. Here a band with more than [`PEAKS_PER_BAND`] visible peaks
-//! of the mean |FRF|² is cut at the deepest valley between two of them (deep relative to the lower of its two peaks, and
-//! leaving at least a quarter of the peaks on each side), again and again. Each band gets one pole pair per peak, its share
-//! of the modes asked for beyond the peaks, and [`SPARE_PAIRS`] more. The spare pairs take up noise and what lies outside the
-//! band; which poles are modes is decided afterwards.
+//! The 1982 method is applied by hand, a few peaks at a time. Here a band with more than
+//! [`PEAKS_PER_BAND`] visible peaks of the mean |FRF|² is cut at the deepest valley
+//! between two of them (deep relative to the lower of its two peaks, and leaving at least
+//! a quarter of the peaks on each side), again and again. Each band gets one pole pair
+//! per peak, its share of the modes asked for beyond the peaks, and [`SPARE_PAIRS`] more.
+//! The spare pairs take up noise and what lies outside the band; which poles are modes is
+//! decided afterwards.
 
 use super::equation_error::largest_order;
 use super::{Survey, ORDER_HELD, PEAKS_PER_BAND, SPARE_PAIRS};
@@ -34,7 +36,8 @@ pub(crate) struct BandPlan {
 }
 
 impl BandPlan {
-    /// Peaks, cuts, orders. No bands where nothing stands out and no number of modes was asked for.
+    /// Peaks, cuts, orders. No bands where nothing stands out and no number of modes was
+    /// asked for.
     pub fn new(survey: &Survey, options: &FitOptions) -> Self {
         let data = survey.data;
         let mean = &survey.energy / data.pairs.len() as f64;
@@ -43,8 +46,15 @@ impl BandPlan {
         visible.sort_by_key(|peak| peak.row);
         let mut warnings = Vec::new();
         if visible.is_empty() && options.modes.is_none() {
-            warnings.push("no peak stands out of the noise, so no order can be chosen; say how many modes the band holds".into());
-            return Self { bands: Vec::new(), warnings };
+            warnings.push(
+                "no peak stands out of the noise, so no order can be chosen; say how \
+                           many modes the band holds"
+                    .into(),
+            );
+            return Self {
+                bands: Vec::new(),
+                warnings,
+            };
         }
         let mut bands = Vec::new();
         split(&visible, &mean, 0..data.x.len(), &mut bands);
@@ -56,7 +66,8 @@ impl BandPlan {
                 if band.order >= most + SPARE_PAIRS {
                     let lines = band.rows.len();
                     warnings.push(format!(
-                        "{label}: {lines} lines support {most} pole pairs, none to spare for noise; widen the band or take finer lines"
+                        "{label}: {lines} lines support {most} pole pairs, none to spare for \
+                         noise; widen the band or take finer lines"
                     ));
                 }
                 band.order = most;
@@ -79,18 +90,28 @@ pub(crate) fn in_hertz(data: &Screened, rows: &Range<usize>) -> String {
     format!("{:.5} to {:.5} Hz", hz(rows.start), hz(rows.end - 1))
 }
 
-/// Cuts `rows` until no band holds more than [`PEAKS_PER_BAND`] of `visible`; the order is the number of peaks for now.
+/// Cuts `rows` until no band holds more than [`PEAKS_PER_BAND`] of `visible`; the order
+/// is the number of peaks for now.
 fn split(visible: &[Peak], mean: &Array1<f64>, rows: Range<usize>, bands: &mut Vec<Band>) {
     if visible.len() <= PEAKS_PER_BAND {
-        bands.push(Band { rows, order: visible.len() });
+        bands.push(Band {
+            rows,
+            order: visible.len(),
+        });
         return;
     }
     let quarter = visible.len() / 4;
     let cut = (quarter..visible.len() - quarter - 1)
         .map(|left| {
             let (a, b) = (visible[left].row, visible[left + 1].row);
-            let valley = (a..=b).min_by(|p, q| mean[*p].total_cmp(&mean[*q])).unwrap_or(a);
-            (left, valley, mean[a].min(mean[b]) / mean[valley].max(f64::MIN_POSITIVE))
+            let valley = (a..=b)
+                .min_by(|p, q| mean[*p].total_cmp(&mean[*q]))
+                .unwrap_or(a);
+            (
+                left,
+                valley,
+                mean[a].min(mean[b]) / mean[valley].max(f64::MIN_POSITIVE),
+            )
         })
         .max_by(|p, q| p.2.total_cmp(&q.2));
     let Some((left, valley, _)) = cut else { return };
@@ -98,10 +119,14 @@ fn split(visible: &[Peak], mean: &Array1<f64>, rows: Range<usize>, bands: &mut V
     split(&visible[left + 1..], mean, valley..rows.end, bands);
 }
 
-/// Modes asked for beyond the visible peaks go to the bands with most lines per mode; then every band gets its spare pair.
+/// Modes asked for beyond the visible peaks go to the bands with most lines per mode;
+/// then every band gets its spare pair.
 fn share(bands: &mut [Band], visible: usize, asked: Option<usize>) {
     for _ in visible..asked.unwrap_or(visible) {
-        if let Some(roomy) = bands.iter_mut().max_by_key(|band| 1000 * band.rows.len() / (band.order + 1)) {
+        if let Some(roomy) = bands
+            .iter_mut()
+            .max_by_key(|band| 1000 * band.rows.len() / (band.order + 1))
+        {
             roomy.order += 1;
         }
     }
@@ -115,7 +140,15 @@ mod tests {
 
     fn at(rows: &[usize]) -> Vec<Peak> {
         let lambda = Complex64::new(0.5, 0.01);
-        rows.iter().map(|&row| Peak { row, prominence_db: 20.0, over_noise_db: 40.0, level_db: 0.0, lambda }).collect()
+        rows.iter()
+            .map(|&row| Peak {
+                row,
+                prominence_db: 20.0,
+                over_noise_db: 40.0,
+                level_db: 0.0,
+                lambda,
+            })
+            .collect()
     }
 
     #[test]
@@ -126,15 +159,42 @@ mod tests {
         mean[121] = 1.0;
         let mut bands = Vec::new();
         split(&at(&rows), &mean, 0..220, &mut bands);
-        assert_eq!(bands, [Band { rows: 0..121, order: 6 }, Band { rows: 121..220, order: 4 }]);
+        assert_eq!(
+            bands,
+            [
+                Band {
+                    rows: 0..121,
+                    order: 6
+                },
+                Band {
+                    rows: 121..220,
+                    order: 4
+                }
+            ]
+        );
         share(&mut bands, 10, None);
-        assert_eq!([bands[0].order, bands[1].order], [6 + SPARE_PAIRS, 4 + SPARE_PAIRS]);
+        assert_eq!(
+            [bands[0].order, bands[1].order],
+            [6 + SPARE_PAIRS, 4 + SPARE_PAIRS]
+        );
     }
 
     #[test]
     fn modes_without_a_peak_go_where_there_is_room() {
-        let mut bands = vec![Band { rows: 0..100, order: 4 }, Band { rows: 100..400, order: 4 }];
+        let mut bands = vec![
+            Band {
+                rows: 0..100,
+                order: 4,
+            },
+            Band {
+                rows: 100..400,
+                order: 4,
+            },
+        ];
         share(&mut bands, 8, Some(10));
-        assert_eq!([bands[0].order, bands[1].order], [4 + SPARE_PAIRS, 6 + SPARE_PAIRS]);
+        assert_eq!(
+            [bands[0].order, bands[1].order],
+            [4 + SPARE_PAIRS, 6 + SPARE_PAIRS]
+        );
     }
 }

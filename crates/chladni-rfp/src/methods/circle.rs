@@ -1,22 +1,27 @@
 //! Circle fit: near a resonance the receptance traces a circle in the complex plane.
 //!
-//! With one mode over a constant background, α = A/(λ − x) + B is a Möbius map of the line x = ω², so its image is a circle:
+//! With one mode over a constant background, α = A/(λ − x) + B is a Möbius map of the
+//! line x = ω², so its image is a circle:
 //!
 //! ```text
 //! α = c + ρ e^{jψ} (λ* − x)/(λ − x),     arg = ψ − 2 arg(λ − x)
 //! ```
 //!
-//! Each column gives a circle around each visible peak (algebraic fit), and its angle over x a natural frequency and a loss
-//! factor (three-parameter least squares of the angle, as for the Q circle of resonators). The pole is the median over the
-//! columns, weighted by diameter over misfit. Columns are the compressed mixtures of FRFs: the same circles, less noise.
+//! Each column gives a circle around each visible peak (algebraic fit), and its angle
+//! over x a natural frequency and a loss factor (three-parameter least squares of the
+//! angle, as for the Q circle of resonators). The pole is the median over the columns,
+//! weighted by diameter over misfit. Columns are the compressed mixtures of FRFs: the
+//! same circles, less noise.
 //!
 //! Cost: peaks × columns × some tens of lines.
 //!
-//! When not to use it: for modes closer than two or three bandwidths, whose neighbours are no constant background; and with
-//! less than about six lines per bandwidth, where the arc is too short. A mode without a peak of its own is not found.
+//! When not to use it: for modes closer than two or three bandwidths, whose neighbours
+//! are no constant background; and with less than about six lines per bandwidth, where
+//! the arc is too short. A mode without a peak of its own is not found.
 //!
-//! C. C. Kennedy, C. D. P. Pancu, J. Aeronaut. Sci. 14 (1947) 603–625. I. Kåsa, IEEE Trans. Instrum. Meas. 25 (1976) 8–14
-//! (circle). P. J. Petersan, S. M. Anlage, J. Appl. Phys. 84 (1998) 3392–3402 (angle against frequency).
+//! C. C. Kennedy, C. D. P. Pancu, J. Aeronaut. Sci. 14 (1947) 603–625. I. Kåsa, IEEE
+//! Trans. Instrum. Meas. 25 (1976) 8–14 (circle). P. J. Petersan, S. M. Anlage, J. Appl.
+//! Phys. 84 (1998) 3392–3402 (angle against frequency).
 
 use super::peak::picked;
 use super::selection::modes_of;
@@ -29,8 +34,8 @@ use ndarray::{Array2, Axis};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// Half-bandwidths on both sides of the peak that belong to the circle: 2.5 make an arc of 270°; farther lines add more
-/// background than circle.
+/// Half-bandwidths on both sides of the peak that belong to the circle: 2.5 make an arc
+/// of 270°; farther lines add more background than circle.
 const ARC_HALF_WIDTHS: f64 = 2.5;
 /// Lines on both sides at least.
 const ARC_LEAST_LINES: usize = 3;
@@ -43,12 +48,23 @@ const ROUND: f64 = 0.2;
 ///
 /// # Errors
 /// A decomposition that fails.
-pub(crate) fn circle(survey: &Survey, columns: &Columns, options: &FitOptions) -> Result<MethodPoles, FitError> {
+pub(crate) fn circle(
+    survey: &Survey,
+    columns: &Columns,
+    options: &FitOptions,
+) -> Result<MethodPoles, FitError> {
     let starts = picked(survey);
-    let poles: Vec<Complex64> = starts.iter().filter_map(|&start| common(&columns.work, start, &starts)).collect();
+    let poles: Vec<Complex64> = starts
+        .iter()
+        .filter_map(|&start| common(&columns.work, start, &starts))
+        .collect();
     let mut found = modes_of(survey, &poles, options, "circles around visible peaks")?;
     if poles.len() < starts.len() {
-        found.warnings.push(format!("{} of {} peaks trace no circle and are left out", starts.len() - poles.len(), starts.len()));
+        found.warnings.push(format!(
+            "{} of {} peaks trace no circle and are left out",
+            starts.len() - poles.len(),
+            starts.len()
+        ));
     }
     Ok(found)
 }
@@ -57,19 +73,37 @@ pub(crate) fn circle(survey: &Survey, columns: &Columns, options: &FitOptions) -
 fn common(work: &Work, start: Complex64, all: &[Complex64]) -> Option<Complex64> {
     // up to half way to the neighbours
     let window = work.window(start, ARC_HALF_WIDTHS, ARC_LEAST_LINES);
-    let near = |x: f64| all.iter().all(|other| (x - start.re).abs() <= (x - other.re).abs());
+    let near = |x: f64| {
+        all.iter()
+            .all(|other| (x - start.re).abs() <= (x - other.re).abs())
+    };
     let rows: Vec<usize> = window.filter(|&k| near(work.x[k])).collect();
     let x: Vec<f64> = rows.iter().map(|&k| work.x[k]).collect();
     let estimates: Vec<(Complex64, f64)> = work
         .b
         .axis_iter(Axis(1))
-        .filter_map(|column| resonance(&x, &rows.iter().map(|&k| column[k] / work.g[k]).collect::<Vec<_>>(), start))
+        .filter_map(|column| {
+            resonance(
+                &x,
+                &rows
+                    .iter()
+                    .map(|&k| column[k] / work.g[k])
+                    .collect::<Vec<_>>(),
+                start,
+            )
+        })
         .collect();
-    Some(Complex64::new(weighted_median(&estimates, |p| p.re)?, weighted_median(&estimates, |p| p.im)?))
+    Some(Complex64::new(
+        weighted_median(&estimates, |p| p.re)?,
+        weighted_median(&estimates, |p| p.im)?,
+    ))
 }
 
 fn weighted_median(estimates: &[(Complex64, f64)], of: impl Fn(Complex64) -> f64) -> Option<f64> {
-    let mut sorted: Vec<(f64, f64)> = estimates.iter().map(|(pole, weight)| (of(*pole), *weight)).collect();
+    let mut sorted: Vec<(f64, f64)> = estimates
+        .iter()
+        .map(|(pole, weight)| (of(*pole), *weight))
+        .collect();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
     let half = 0.5 * sorted.iter().map(|(_, weight)| weight).sum::<f64>();
     let mut sum = 0.0;
@@ -85,7 +119,12 @@ fn weighted_median(estimates: &[(Complex64, f64)], of: impl Fn(Complex64) -> f64
 /// Pole of one circle, and its weight: (radius/misfit)².
 fn resonance(x: &[f64], points: &[Complex64], start: Complex64) -> Option<(Complex64, f64)> {
     let (centre, radius) = kasa(points)?;
-    let misfit = (points.iter().map(|p| ((p - centre).norm() - radius).powi(2)).sum::<f64>() / points.len() as f64).sqrt();
+    let misfit = (points
+        .iter()
+        .map(|p| ((p - centre).norm() - radius).powi(2))
+        .sum::<f64>()
+        / points.len() as f64)
+        .sqrt();
     if misfit > 2.0 * ROUND * radius {
         return None;
     }
@@ -102,7 +141,9 @@ fn kasa(points: &[Complex64]) -> Option<(Complex64, f64)> {
         return None;
     }
     let unit: Vec<Complex64> = points.iter().map(|p| p / scale).collect();
-    let a = Array2::from_shape_fn((unit.len(), 3), |(k, c)| [2.0 * unit[k].re, 2.0 * unit[k].im, -1.0][c]);
+    let a = Array2::from_shape_fn((unit.len(), 3), |(k, c)| {
+        [2.0 * unit[k].re, 2.0 * unit[k].im, -1.0][c]
+    });
     let b = Array2::from_shape_fn((unit.len(), 1), |(k, _)| unit[k].norm_sqr());
     let solution = lstsq(a.view(), b.view()).ok()?;
     let centre = Complex64::new(solution[[0, 0]], solution[[1, 0]]);
@@ -118,7 +159,12 @@ fn from_angles(x: &[f64], angles: &[f64], start: Complex64) -> Option<Complex64>
         difference - TAU * (difference / TAU).round()
     };
     let mut pole = start;
-    let mut psi = angles.iter().zip(x).map(|(a, &x)| Complex64::from_polar(1.0, a - model(pole, x))).sum::<Complex64>().arg();
+    let mut psi = angles
+        .iter()
+        .zip(x)
+        .map(|(a, &x)| Complex64::from_polar(1.0, a - model(pole, x)))
+        .sum::<Complex64>()
+        .arg();
     for _ in 0..ANGLE_STEPS {
         let mut normal = Array2::<f64>::zeros((3, 3));
         let mut right = Array2::<f64>::zeros((3, 1));
@@ -154,10 +200,17 @@ mod tests {
     fn one_mode_on_a_constant_is_exact() {
         let truth = Complex64::new(0.4, 0.006);
         let x: Vec<f64> = (0..40).map(|k| 0.385 + 0.0008 * k as f64).collect();
-        let points: Vec<Complex64> = x.iter().map(|&x| Complex64::new(0.3, -0.1) / (truth - x) + Complex64::new(-4.0, 2.5)).collect();
+        let points: Vec<Complex64> = x
+            .iter()
+            .map(|&x| Complex64::new(0.3, -0.1) / (truth - x) + Complex64::new(-4.0, 2.5))
+            .collect();
         let (centre, radius) = kasa(&points).unwrap();
-        assert!((radius - Complex64::new(0.3, -0.1).norm() / (2.0 * truth.im)).abs() < 1e-10 * radius);
-        assert!(points.iter().all(|p| ((p - centre).norm() - radius).abs() < 1e-10 * radius));
+        assert!(
+            (radius - Complex64::new(0.3, -0.1).norm() / (2.0 * truth.im)).abs() < 1e-10 * radius
+        );
+        assert!(points
+            .iter()
+            .all(|p| ((p - centre).norm() - radius).abs() < 1e-10 * radius));
         let (pole, _) = resonance(&x, &points, Complex64::new(0.4015, 0.009)).unwrap();
         assert!((pole - truth).norm() < 1e-12, "{pole}");
     }
@@ -167,13 +220,21 @@ mod tests {
         let x: Vec<f64> = (0..20).map(|k| 0.39 + 0.001 * k as f64).collect();
         let line: Vec<Complex64> = x.iter().map(|&x| Complex64::new(x, 2.0 * x)).collect();
         assert!(resonance(&x, &line, Complex64::new(0.4, 0.005)).is_none());
-        assert!(resonance(&x, &vec![Complex64::default(); 20], Complex64::new(0.4, 0.005)).is_none());
+        assert!(resonance(
+            &x,
+            &vec![Complex64::default(); 20],
+            Complex64::new(0.4, 0.005)
+        )
+        .is_none());
     }
 
     #[test]
     fn the_median_follows_the_weights() {
         let at = |re: f64, weight: f64| (Complex64::new(re, 1.0), weight);
-        assert_eq!(weighted_median(&[at(3.0, 1.0), at(1.0, 1.0), at(2.0, 5.0)], |p| p.re), Some(2.0));
+        assert_eq!(
+            weighted_median(&[at(3.0, 1.0), at(1.0, 1.0), at(2.0, 5.0)], |p| p.re),
+            Some(2.0)
+        );
         assert_eq!(weighted_median(&[], |p| p.re), None);
     }
 }

@@ -1,25 +1,34 @@
-//! Poles that several estimates agree on: those of different FRFs ([`super::rfp()`]) or of different orders
-//! ([`super::stabilization`]).
+//! Poles that several estimates agree on: those of different FRFs ([`super::rfp()`]) or
+//! of different orders ([`super::stabilization`]).
 
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-/// Poles belong together within this part of the smaller half-bandwidth. Larger merges modes a bandwidth apart, smaller
-/// breaks noisy clusters up.
+/// Poles belong together within this part of the smaller half-bandwidth. Larger merges
+/// modes a bandwidth apart, smaller breaks noisy clusters up.
 const RADIUS: f64 = 0.5;
 
-/// Clusters of `poles`, given as (estimate, s) estimate by estimate, the largest first: indices, at most one of each
-/// estimate. It ends with the first cluster that is not `enough`.
+/// Clusters of `poles`, given as (estimate, s) estimate by estimate, the largest first:
+/// indices, at most one of each estimate. It ends with the first cluster that is not
+/// `enough`.
 ///
 /// * `least_radius`: radius for poles sharper than the lines resolve
-pub(super) fn clusters(poles: &[(usize, Complex64)], least_radius: f64, enough: impl Fn(usize) -> bool) -> Vec<Vec<usize>> {
+pub(super) fn clusters(
+    poles: &[(usize, Complex64)],
+    least_radius: f64,
+    enough: impl Fn(usize) -> bool,
+) -> Vec<Vec<usize>> {
     let mut left: Vec<usize> = (0..poles.len()).collect();
     let mut found = Vec::new();
     while let Some(seed) = largest(poles, &left, least_radius) {
         // once more around the median, which is a better centre than any single pole
         let centre = median_pole(seed.iter().map(|&i| poles[i].1));
         let around = gather(poles, &left, centre, least_radius);
-        let members = if around.len() >= seed.len() { around } else { seed };
+        let members = if around.len() >= seed.len() {
+            around
+        } else {
+            seed
+        };
         if !enough(members.len()) {
             break;
         }
@@ -35,7 +44,10 @@ fn largest(poles: &[(usize, Complex64)], left: &[usize], least_radius: f64) -> O
         .map(|&i| {
             let centre = poles[i].1;
             let members = gather(poles, left, centre, least_radius);
-            let spread = members.iter().map(|&m| (poles[m].1 - centre).norm()).sum::<f64>();
+            let spread = members
+                .iter()
+                .map(|&m| (poles[m].1 - centre).norm())
+                .sum::<f64>();
             (members, spread)
         })
         .collect::<Vec<_>>()
@@ -45,7 +57,12 @@ fn largest(poles: &[(usize, Complex64)], left: &[usize], least_radius: f64) -> O
 }
 
 /// Indices of the poles near `centre`, the nearest one of each estimate.
-fn gather(poles: &[(usize, Complex64)], left: &[usize], centre: Complex64, least_radius: f64) -> Vec<usize> {
+fn gather(
+    poles: &[(usize, Complex64)],
+    left: &[usize],
+    centre: Complex64,
+    least_radius: f64,
+) -> Vec<usize> {
     let mut members: Vec<(usize, f64)> = Vec::new();
     for &i in left {
         let (estimate, pole) = poles[i];
@@ -77,7 +94,10 @@ pub(super) fn median(values: impl Iterator<Item = f64>) -> f64 {
 
 /// Median of real and imaginary parts.
 pub(super) fn median_pole(poles: impl Iterator<Item = Complex64> + Clone) -> Complex64 {
-    Complex64::new(median(poles.clone().map(|s| s.re)), median(poles.map(|s| s.im)))
+    Complex64::new(
+        median(poles.clone().map(|s| s.re)),
+        median(poles.map(|s| s.im)),
+    )
 }
 
 #[cfg(test)]

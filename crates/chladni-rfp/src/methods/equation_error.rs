@@ -1,27 +1,36 @@
-//! The linear least-squares problem of both classic methods: one denominator for one FRF, or for many.
+//! The linear least-squares problem of both classic methods: one denominator for one FRF,
+//! or for many.
 //!
-//! With Y = N/D in the measured kind, multiplying by D makes the fit linear (equation error):
+//! With Y = N/D in the measured kind, multiplying by D makes the fit linear (equation
+//! error):
 //!
 //! ```text
 //! min Σ_l Σ_k | D(jy_k) Y_l(jy_k) − N_l(jy_k) |²,   D = Σ_{i<m} d_i θ_i + θ_m,   N_l = Σ_i c_{l,i} φ_i
 //! ```
 //!
-//! φ is orthonormal on the lines, θ on the lines with weight mean|Y_l|² ([`super::forsythe`]), and the leading coefficient
-//! of D is one, as in 1982. The unknown numerators are eliminated: with P the columns φ and T_l the columns Y_l θ,
-//! A_l = (I − PPᵀ)T_l and D solves the stacked A d ≈ 0. A is factored by QR, then SVD; it is never squared.
+//! φ is orthonormal on the lines, θ on the lines with weight mean|Y_l|²
+//! ([`super::forsythe`]), and the leading coefficient of D is one, as in 1982. The
+//! unknown numerators are eliminated: with P the columns φ and T_l the columns Y_l θ, A_l
+//! = (I − PPᵀ)T_l and D solves the stacked A d ≈ 0. A is factored by QR, then SVD; it is
+//! never squared.
 //!
-//! *Equation error, not output error.* The residual is the measured one times |D|, which is small at the resonances and large
-//! between and beyond them: the fit looks where the modes are not. Noise enters A too, so the estimate is biased, and
-//! collecting more lines or FRFs does not remove the bias. A well-conditioned basis changes nothing of this; pole pairs
-//! to spare ([`super::SPARE_PAIRS`]) change much, since they take the noise on themselves.
+//! *Equation error, not output error.* The residual is the measured one times |D|, which
+//! is small at the resonances and large between and beyond them: the fit looks where the
+//! modes are not. Noise enters A too, so the estimate is biased, and collecting more
+//! lines or FRFs does not remove the bias. A well-conditioned basis changes nothing of
+//! this; pole pairs to spare ([`super::SPARE_PAIRS`]) change much, since they take the
+//! noise on themselves.
 //!
-//! The covariance is the linearised one with each residual standing for its own variance (White 1980), because the
-//! equation error of white noise is anything but white: C = A⁺ diag(e²) A⁺ᵀ, carried to the roots by
-//! ds = −Σ θ_i(s) dd_i / D′(s). Directions of d that the data leave open (singular values at rounding level, as with noise-free
-//! data and spare pole pairs) get the variance of the leading coefficient, one: true poles do not feel them, arbitrary
-//! ones become as uncertain as they are. The covariance tells the scatter, not the bias.
+//! The covariance is the linearised one with each residual standing for its own variance
+//! (White 1980), because the equation error of white noise is anything but white: C = A⁺
+//! diag(e²) A⁺ᵀ, carried to the roots by ds = −Σ θ_i(s) dd_i / D′(s). Directions of d
+//! that the data leave open (singular values at rounding level, as with noise-free data
+//! and spare pole pairs) get the variance of the leading coefficient, one: true poles do
+//! not feel them, arbitrary ones become as uncertain as they are. The covariance tells
+//! the scatter, not the bias.
 //!
-//! Cost per band: 8·lines·(numerator + denominator)·columns·order flop for A, then its QR.
+//! Cost per band: 8·lines·(numerator + denominator)·columns·order flop for A, then its
+//! QR.
 
 use super::forsythe::Forsythe;
 use super::{LINES_PER_UNKNOWN, NUMERATOR_EXTRA};
@@ -29,8 +38,9 @@ use chladni_linalg::{matmul, matmul_h, qr_r, svd_thin, LinalgError};
 use ndarray::{s, Array2, ArrayView2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 
-/// Singular values below this part of the largest are rounding, not information; the solution of least norm is taken.
-/// At 1e-15 rounding passes for information, at 1e-11 the last digits of clean data at order 12 are lost.
+/// Singular values below this part of the largest are rounding, not information; the
+/// solution of least norm is taken. At 1e-15 rounding passes for information, at 1e-11
+/// the last digits of clean data at order 12 are lost.
 const RANK_CUTOFF: f64 = 1e-13;
 
 /// Lines of a band and the numerator basis on them, shared by all FRFs.
@@ -40,7 +50,8 @@ pub(crate) struct BandEquations {
     y: Vec<f64>,
     /// Modes of the denominator, half its degree.
     order: usize,
-    /// Numerator columns: real parts over imaginary parts, (2·lines, degree + 1), orthonormal.
+    /// Numerator columns: real parts over imaginary parts, (2·lines, degree + 1),
+    /// orthonormal.
     numerator: Array2<f64>,
 }
 
@@ -54,7 +65,8 @@ pub(crate) struct Root {
 }
 
 impl Root {
-    /// One sigma of |s| relative to the half-bandwidth: above one, the data do not know whether this is a mode.
+    /// One sigma of |s| relative to the half-bandwidth: above one, the data do not know
+    /// whether this is a mode.
     pub fn uncertainty(&self) -> f64 {
         self.deviation[0] / self.s.re.abs()
     }
@@ -70,58 +82,112 @@ pub(crate) struct Denominator {
 }
 
 impl BandEquations {
-    /// Numerators get two terms per mode, one per power of jω of the measured kind, and [`NUMERATOR_EXTRA`] for what lies
-    /// outside the band.
+    /// Numerators get two terms per mode, one per power of jω of the measured kind, and
+    /// [`NUMERATOR_EXTRA`] for what lies outside the band.
     ///
     /// # Errors
     /// Fewer lines than the numerator needs.
     pub fn new(y: Vec<f64>, order: usize, omega_power: usize) -> Result<Self, LinalgError> {
-        let basis = Forsythe::new(&y, &vec![1.0; y.len()], numerator_degree(order, omega_power))?;
+        let basis = Forsythe::new(
+            &y,
+            &vec![1.0; y.len()],
+            numerator_degree(order, omega_power),
+        )?;
         let ones = vec![Complex64::new(1.0, 0.0); y.len()];
-        Ok(Self { numerator: stacked(&basis.half, &ones), y, order })
+        Ok(Self {
+            numerator: stacked(&basis.half, &ones),
+            y,
+            order,
+        })
     }
 
-    /// Common denominator of the given FRFs (line, column), in the measured kind up to one real factor per column.
+    /// Common denominator of the given FRFs (line, column), in the measured kind up to
+    /// one real factor per column.
     ///
     /// # Errors
     /// Too few lines with data; no convergence of a decomposition.
     pub fn solve(&self, columns: ArrayView2<Complex64>) -> Result<Denominator, LinalgError> {
         let weights = crate::work::line_energy(&columns.to_owned()).to_vec();
         let theta = Forsythe::new(&self.y, &weights, 2 * self.order)?;
-        let blocks: Vec<Array2<f64>> = columns.axis_iter(Axis(1)).map(|column| self.reduced(&theta, &weights, column)).collect();
+        let blocks: Vec<Array2<f64>> = columns
+            .axis_iter(Axis(1))
+            .map(|column| self.reduced(&theta, &weights, column))
+            .collect();
         let m = theta.degree();
         let mut small = Array2::zeros((0, m + 1));
         for block in &blocks {
-            let r = if block.nrows() > m { qr_r(block.view())? } else { block.clone() };
+            let r = if block.nrows() > m {
+                qr_r(block.view())?
+            } else {
+                block.clone()
+            };
             small.append(Axis(0), r.view()).expect("equal widths");
         }
-        let small = if small.nrows() > m { qr_r(small.view())? } else { small };
+        let small = if small.nrows() > m {
+            qr_r(small.view())?
+        } else {
+            small
+        };
         let (u, sigma, vh) = svd_thin(small.slice(s![.., ..m]))?;
         let cutoff = sigma[0] * RANK_CUTOFF;
         let inverse = sigma.mapv(|v| if v > cutoff { 1.0 / v } else { 0.0 });
         let condition = 1.0 / (sigma[m - 1] / sigma[0]).max(f64::EPSILON);
         let mut along = matmul_h(u.view(), small.slice(s![.., m..]));
-        along.column_mut(0).iter_mut().zip(&inverse).for_each(|(v, i)| *v *= -i);
+        along
+            .column_mut(0)
+            .iter_mut()
+            .zip(&inverse)
+            .for_each(|(v, i)| *v *= -i);
         let mut d = matmul_h(vh.view(), along.view()).column(0).to_vec();
         d.push(1.0);
-        // (AᵀA)⁺ = V Σ⁻² Vᵀ; what the data leave open is as uncertain as the leading coefficient is large
+        // (AᵀA)⁺ = V Σ⁻² Vᵀ; what the data leave open is as uncertain as the leading
+        // coefficient is large
         let scaled = |factor: &dyn Fn(f64) -> f64| {
             let mut rows = vh.clone();
-            rows.rows_mut().into_iter().zip(&inverse).for_each(|(mut row, i)| row *= factor(*i));
+            rows.rows_mut()
+                .into_iter()
+                .zip(&inverse)
+                .for_each(|(mut row, i)| row *= factor(*i));
             matmul_h(vh.view(), rows.view())
         };
         let open = scaled(&|i| f64::from(u8::from(i == 0.0)));
-        let covariance = covariance(&blocks, &d, &scaled(&|i| i * i), self.numerator.ncols()) + open;
+        let covariance =
+            covariance(&blocks, &d, &scaled(&|i| i * i), self.numerator.ncols()) + open;
         let roots = theta.roots(&d)?.into_iter().filter(|s| s.im > 0.0);
-        Ok(Denominator { roots: roots.map(|s| Root { s, deviation: deviation(&theta, &d, &covariance, s) }).collect(), condition })
+        Ok(Denominator {
+            roots: roots
+                .map(|s| Root {
+                    s,
+                    deviation: deviation(&theta, &d, &covariance, s),
+                })
+                .collect(),
+            condition,
+        })
     }
 
     /// A_l = (I − PPᵀ)·Y_l θ, real parts over imaginary parts.
-    fn reduced(&self, theta: &Forsythe, weights: &[f64], column: ndarray::ArrayView1<Complex64>) -> Array2<f64> {
-        let ratio: Vec<Complex64> =
-            column.iter().zip(weights).map(|(v, w)| if *w > 0.0 { v / w.sqrt() } else { Complex64::new(0.0, 0.0) }).collect();
+    fn reduced(
+        &self,
+        theta: &Forsythe,
+        weights: &[f64],
+        column: ndarray::ArrayView1<Complex64>,
+    ) -> Array2<f64> {
+        let ratio: Vec<Complex64> = column
+            .iter()
+            .zip(weights)
+            .map(|(v, w)| {
+                if *w > 0.0 {
+                    v / w.sqrt()
+                } else {
+                    Complex64::new(0.0, 0.0)
+                }
+            })
+            .collect();
         let t = stacked(&theta.half, &ratio);
-        let inside = matmul(self.numerator.view(), matmul_h(self.numerator.view(), t.view()).view());
+        let inside = matmul(
+            self.numerator.view(),
+            matmul_h(self.numerator.view(), t.view()).view(),
+        );
         t - inside
     }
 }
@@ -131,7 +197,8 @@ fn numerator_degree(order: usize, omega_power: usize) -> usize {
     2 * order + omega_power + NUMERATOR_EXTRA
 }
 
-/// Largest order that `lines` support with [`LINES_PER_UNKNOWN`] lines for each real unknown of one FRF; at least one.
+/// Largest order that `lines` support with [`LINES_PER_UNKNOWN`] lines for each real
+/// unknown of one FRF; at least one.
 pub(crate) fn largest_order(lines: usize, omega_power: usize) -> usize {
     let unknowns = lines / LINES_PER_UNKNOWN;
     (unknowns.saturating_sub(numerator_degree(0, omega_power) + 1) / 4).max(1)
@@ -152,15 +219,25 @@ fn stacked(half: &Array2<f64>, factor: &[Complex64]) -> Array2<f64> {
     out
 }
 
-/// G·(Σ e² a aᵀ)·G with G = (AᵀA)⁺, e = A d, enlarged by the degrees of freedom the unknowns took.
-fn covariance(blocks: &[Array2<f64>], d: &[f64], inverse_gram: &Array2<f64>, numerator_terms: usize) -> Array2<f64> {
+/// G·(Σ e² a aᵀ)·G with G = (AᵀA)⁺, e = A d, enlarged by the degrees of freedom the
+/// unknowns took.
+fn covariance(
+    blocks: &[Array2<f64>],
+    d: &[f64],
+    inverse_gram: &Array2<f64>,
+    numerator_terms: usize,
+) -> Array2<f64> {
     let m = d.len() - 1;
     let mut sum = Array2::zeros((m, m));
     let mut rows = 0;
     for block in blocks {
         let error = block.dot(&ndarray::ArrayView1::from(d));
         let mut weighted = block.slice(s![.., ..m]).to_owned();
-        weighted.rows_mut().into_iter().zip(&error).for_each(|(mut row, e)| row *= *e);
+        weighted
+            .rows_mut()
+            .into_iter()
+            .zip(&error)
+            .for_each(|(mut row, e)| row *= *e);
         let carried = matmul(weighted.view(), inverse_gram.view());
         sum += &matmul_h(carried.view(), carried.view());
         rows += block.nrows();
@@ -182,6 +259,11 @@ fn deviation(theta: &Forsythe, d: &[f64], covariance: &Array2<f64>, root: Comple
         gradients[[i, 0]] = d_modulus;
         gradients[[i, 1]] = 2.0 * (root.re * d_modulus / modulus - ds.re) / modulus;
     }
-    let variance = |q: usize| gradients.column(q).dot(&covariance.dot(&gradients.column(q))).max(0.0);
+    let variance = |q: usize| {
+        gradients
+            .column(q)
+            .dot(&covariance.dot(&gradients.column(q)))
+            .max(0.0)
+    };
     [variance(0).sqrt(), variance(1).sqrt()]
 }

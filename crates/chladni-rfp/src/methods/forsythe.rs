@@ -1,9 +1,12 @@
-//! Forsythe's orthogonal polynomials in jω, and the roots of a polynomial written in them.
+//! Forsythe's orthogonal polynomials in jω, and the roots of a polynomial written in
+//! them.
 //!
-//! Powers of jω are hopeless as a basis: over a band they are nearly parallel, and normal equations lose all digits at
-//! about eight modes. Forsythe (1957) generates, from the lines and their weights, the polynomials that are orthonormal
-//! there. Richardson and Formenti (1982) use them over negative and positive frequencies, where a real polynomial in s = jy
-//! is even (real) or odd (imaginary) and half of the lines are enough ("half functions"):
+//! Powers of jω are hopeless as a basis: over a band they are nearly parallel, and normal
+//! equations lose all digits at about eight modes. Forsythe (1957) generates, from the
+//! lines and their weights, the polynomials that are orthonormal there. Richardson and
+//! Formenti (1982) use them over negative and positive frequencies, where a real
+//! polynomial in s = jy is even (real) or odd (imaginary) and half of the lines are
+//! enough ("half functions"):
 //!
 //! ```text
 //! φ_k(jy) = jᵏ p_k(y),  p_k real of the parity of k
@@ -11,34 +14,39 @@
 //! s φ_k = b_{k+1} φ_{k+1} − b_k φ_{k−1}          (three terms; even weights leave no diagonal)
 //! ```
 //!
-//! Roots of D = Σ d_k φ_k are the eigenvalues of the *comrade matrix*, which is the recurrence with the last row changed:
-//! at a root, φ_m = −Σ_{k<m} (d_k/d_m) φ_k. The 1982 paper went back to powers of s first; that step undoes the whole gain
-//! (eleven digits at degree 40, all of them at degree 68: see the tests), so it is not offered.
+//! Roots of D = Σ d_k φ_k are the eigenvalues of the *comrade matrix*, which is the
+//! recurrence with the last row changed: at a root, φ_m = −Σ_{k<m} (d_k/d_m) φ_k. The
+//! 1982 paper went back to powers of s first; that step undoes the whole gain (eleven
+//! digits at degree 40, all of them at degree 68: see the tests), so it is not offered.
 //!
-//! The recurrence is a Lanczos process and drifts when the weights have sharp peaks, as |FRF|² has; every new polynomial is
-//! therefore orthogonalised once more against all earlier ones of its parity.
+//! The recurrence is a Lanczos process and drifts when the weights have sharp peaks, as
+//! |FRF|² has; every new polynomial is therefore orthogonalised once more against all
+//! earlier ones of its parity.
 //!
 //! Cost: O(lines · degree²) for the basis, O(degree³) for the roots.
 //!
-//! When not to use it: nothing here is wrong at high degree, but a well-conditioned basis does not make the equation error
-//! a good estimator; see [`super::equation_error`].
+//! When not to use it: nothing here is wrong at high degree, but a well-conditioned basis
+//! does not make the equation error a good estimator; see [`super::equation_error`].
 //!
-//! G. E. Forsythe, J. SIAM 5 (1957) 74–88. M. H. Richardson, D. L. Formenti, *Parameter estimation from frequency response
-//! measurements using rational fraction polynomials*, Proc. IMAC 1 (1982) 167–181. S. Barnett, Linear Algebra Appl. 12
-//! (1975) 197–208 (comrade matrix).
+//! G. E. Forsythe, J. SIAM 5 (1957) 74–88. M. H. Richardson, D. L. Formenti, *Parameter
+//! estimation from frequency response measurements using rational fraction polynomials*,
+//! Proc. IMAC 1 (1982) 167–181. S. Barnett, Linear Algebra Appl. 12 (1975) 197–208
+//! (comrade matrix).
 
 use chladni_linalg::{eigenvalues, LinalgError};
 use ndarray::{Array2, ShapeBuilder};
 use num_complex::Complex64;
 
-/// A recurrence coefficient below this part of the largest |y| means that the lines carry no further polynomial: there
-/// are fewer of them, with weight, than the degree asks for. Rounding leaves about 1e-15.
+/// A recurrence coefficient below this part of the largest |y| means that the lines carry
+/// no further polynomial: there are fewer of them, with weight, than the degree asks for.
+/// Rounding leaves about 1e-15.
 const BREAKDOWN: f64 = 1e-13;
 
 /// Real polynomials in s = jy, orthonormal over ±y with given weights.
 #[derive(Debug, Clone)]
 pub(crate) struct Forsythe {
-    /// √w·p_k on the lines, axes (line, degree): orthonormal among columns of equal parity.
+    /// √w·p_k on the lines, axes (line, degree): orthonormal among columns of equal
+    /// parity.
     pub half: Array2<f64>,
     /// b_1 … b_m.
     recurrence: Vec<f64>,
@@ -50,14 +58,18 @@ impl Forsythe {
     /// Polynomials of degree 0 … `degree` on lines y > 0 with weights w ≥ 0.
     ///
     /// # Errors
-    /// [`LinalgError::RankDeficient`] where fewer lines have weight than the degree needs (half as many as polynomials).
+    /// [`LinalgError::RankDeficient`] where fewer lines have weight than the degree needs
+    /// (half as many as polynomials).
     pub fn new(y: &[f64], weights: &[f64], degree: usize) -> Result<Self, LinalgError> {
         let lines = y.len();
         let largest = y.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         let mut half = Array2::zeros((lines, degree + 1).f());
         let mut recurrence = Vec::with_capacity(degree);
         let mass = weights.iter().sum::<f64>().sqrt();
-        let exhausted = |rank| LinalgError::RankDeficient { rank, columns: degree + 1 };
+        let exhausted = |rank| LinalgError::RankDeficient {
+            rank,
+            columns: degree + 1,
+        };
         if mass <= 0.0 || !mass.is_finite() {
             return Err(exhausted(0));
         }
@@ -72,7 +84,9 @@ impl Forsythe {
                 for earlier in (0..k).rev().step_by(2) {
                     let column = half.column(earlier);
                     let overlap: f64 = column.iter().zip(&next).map(|(a, b)| a * b).sum();
-                    next.iter_mut().zip(column).for_each(|(v, a)| *v -= overlap * a);
+                    next.iter_mut()
+                        .zip(column)
+                        .for_each(|(v, a)| *v -= overlap * a);
                 }
                 norm = next.iter().map(|v| v * v).sum::<f64>().sqrt();
             }
@@ -80,9 +94,16 @@ impl Forsythe {
                 return Err(exhausted(k + 1));
             }
             recurrence.push(norm);
-            half.column_mut(k + 1).iter_mut().zip(&next).for_each(|(v, n)| *v = n / norm);
+            half.column_mut(k + 1)
+                .iter_mut()
+                .zip(&next)
+                .for_each(|(v, n)| *v = n / norm);
         }
-        Ok(Self { half, recurrence, first: 1.0 / mass })
+        Ok(Self {
+            half,
+            recurrence,
+            first: 1.0 / mass,
+        })
     }
 
     /// Highest degree.
@@ -120,10 +141,12 @@ impl Forsythe {
         c
     }
 
-    /// Roots of Σ d_k φ_k, in no particular order; d has `degree() + 1` entries, the last not zero.
+    /// Roots of Σ d_k φ_k, in no particular order; d has `degree() + 1` entries, the last
+    /// not zero.
     ///
     /// # Errors
-    /// A leading coefficient of zero (the comrade matrix is not finite then); no convergence.
+    /// A leading coefficient of zero (the comrade matrix is not finite then); no
+    /// convergence.
     pub fn roots(&self, d: &[f64]) -> Result<Vec<Complex64>, LinalgError> {
         Ok(eigenvalues(self.comrade(d).view())?.to_vec())
     }
@@ -133,12 +156,20 @@ impl Forsythe {
 mod tests {
     use super::*;
 
-    /// Lightly damped pairs over the band of `lines`, denser towards its ends, so that their polynomial has about
-    /// the same size everywhere in the band. With even spacing it spans twelve decades, and no basis that is orthonormal
-    /// over the whole band at once can hold the small part: a limit of the method, not of the roots.
+    /// Lightly damped pairs over the band of `lines`, denser towards its ends, so that
+    /// their polynomial has about the same size everywhere in the band. With even spacing
+    /// it spans twelve decades, and no basis that is orthonormal over the whole band at
+    /// once can hold the small part: a limit of the method, not of the roots.
     fn known_poles(pairs: u32) -> Vec<Complex64> {
         let angle = |n: u32| std::f64::consts::PI * (f64::from(n) + 0.5) / f64::from(pairs);
-        (0..pairs).map(|n| Complex64::new(-0.003 - 0.0002 * f64::from(n), (0.505 - 0.495 * angle(n).cos()).sqrt())).collect()
+        (0..pairs)
+            .map(|n| {
+                Complex64::new(
+                    -0.003 - 0.0002 * f64::from(n),
+                    (0.505 - 0.495 * angle(n).cos()).sqrt(),
+                )
+            })
+            .collect()
     }
 
     fn lines() -> Vec<f64> {
@@ -147,7 +178,10 @@ mod tests {
 
     /// Π (s − s_n)(s − s_n*), scaled to values near one.
     fn product(poles: &[Complex64], s: Complex64) -> Complex64 {
-        poles.iter().map(|p| 8.0 * (s - p) * (s - p.conj())).product()
+        poles
+            .iter()
+            .map(|p| 8.0 * (s - p) * (s - p.conj()))
+            .product()
     }
 
     /// Coefficients of `product` in the basis, by orthogonality.
@@ -166,11 +200,27 @@ mod tests {
     }
 
     fn worst_root(poles: &[Complex64], found: &[Complex64]) -> f64 {
-        poles.iter().map(|p| found.iter().map(|s| (s - p).norm()).fold(f64::INFINITY, f64::min)).fold(0.0, f64::max)
+        poles
+            .iter()
+            .map(|p| {
+                found
+                    .iter()
+                    .map(|s| (s - p).norm())
+                    .fold(f64::INFINITY, f64::min)
+            })
+            .fold(0.0, f64::max)
     }
 
     fn peaked(poles: &[Complex64], y: &[f64]) -> Vec<f64> {
-        y.iter().map(|&y| poles.iter().map(|p| 1.0 / (Complex64::new(0.0, y) - p)).sum::<Complex64>().norm_sqr()).collect()
+        y.iter()
+            .map(|&y| {
+                poles
+                    .iter()
+                    .map(|p| 1.0 / (Complex64::new(0.0, y) - p))
+                    .sum::<Complex64>()
+                    .norm_sqr()
+            })
+            .collect()
     }
 
     #[test]
@@ -181,8 +231,10 @@ mod tests {
             let mut worst = 0.0_f64;
             for a in 0..=40_usize {
                 for b in 0..=40_usize {
-                    // the sum over ±y of φ_a* φ_b, written out: odd and even are orthogonal by symmetry alone
-                    let phase = Complex64::i().powu(a as u32).conj() * Complex64::i().powu(b as u32);
+                    // the sum over ±y of φ_a* φ_b, written out: odd and even are
+                    // orthogonal by symmetry alone
+                    let phase =
+                        Complex64::i().powu(a as u32).conj() * Complex64::i().powu(b as u32);
                     let half: f64 = basis.half.column(a).dot(&basis.half.column(b));
                     let sum = 0.5 * (phase * half + (phase * half).conj()).re;
                     worst = worst.max((sum - f64::from(u8::from(a == b))).abs());
@@ -200,7 +252,10 @@ mod tests {
             let (values, _) = basis.evaluate(Complex64::new(0.0, y));
             for (k, value) in values.iter().enumerate() {
                 let expected = Complex64::i().powu(k as u32) * basis.half[[row, k]];
-                assert!((value - expected).norm() < 1e-11, "degree {k}: {value} {expected}");
+                assert!(
+                    (value - expected).norm() < 1e-11,
+                    "degree {k}: {value} {expected}"
+                );
             }
         }
     }
@@ -216,7 +271,10 @@ mod tests {
         let (behind, _) = basis.evaluate(s - step);
         for k in 0..=12 {
             let numeric = (ahead[k] - behind[k]) / (2.0 * step);
-            assert!((numeric - slopes[k]).norm() < 1e-6 * (1.0 + slopes[k].norm()), "degree {k}");
+            assert!(
+                (numeric - slopes[k]).norm() < 1e-6 * (1.0 + slopes[k].norm()),
+                "degree {k}"
+            );
         }
     }
 
@@ -234,7 +292,8 @@ mod tests {
         }
     }
 
-    /// Roots by the route of 1982: basis coefficients to powers of s, then the companion matrix.
+    /// Roots by the route of 1982: basis coefficients to powers of s, then the companion
+    /// matrix.
     fn roots_through_powers(basis: &Forsythe, d: &[f64]) -> Vec<Complex64> {
         let m = basis.degree();
         let mut powers = vec![vec![0.0; m + 1]; m + 1];
@@ -242,11 +301,17 @@ mod tests {
         for k in 0..m {
             for i in 0..=m {
                 let shifted = if i > 0 { powers[k][i - 1] } else { 0.0 };
-                let before = if k > 0 { basis.recurrence[k - 1] * powers[k - 1][i] } else { 0.0 };
+                let before = if k > 0 {
+                    basis.recurrence[k - 1] * powers[k - 1][i]
+                } else {
+                    0.0
+                };
                 powers[k + 1][i] = (shifted + before) / basis.recurrence[k];
             }
         }
-        let sum: Vec<f64> = (0..=m).map(|i| (0..=m).map(|k| d[k] * powers[k][i]).sum()).collect();
+        let sum: Vec<f64> = (0..=m)
+            .map(|i| (0..=m).map(|k| d[k] * powers[k][i]).sum())
+            .collect();
         let mut companion = Array2::<Complex64>::zeros((m, m));
         for i in 0..m {
             if i + 1 < m {
@@ -257,7 +322,8 @@ mod tests {
         eigenvalues(companion.view()).unwrap().to_vec()
     }
 
-    /// Kept as the warning it is: eleven digits are gone at degree 40, all of them at degree 68.
+    /// Kept as the warning it is: eleven digits are gone at degree 40, all of them at
+    /// degree 68.
     #[test]
     fn roots_through_powers_are_lost() {
         let y = lines();
@@ -275,7 +341,10 @@ mod tests {
     #[test]
     fn too_few_lines_are_an_error() {
         let outcome = Forsythe::new(&[0.5, 1.0], &[1.0, 1.0], 4);
-        assert!(matches!(outcome, Err(LinalgError::RankDeficient { rank: 4, .. })), "{outcome:?}");
+        assert!(
+            matches!(outcome, Err(LinalgError::RankDeficient { rank: 4, .. })),
+            "{outcome:?}"
+        );
         assert!(Forsythe::new(&[0.5, 1.0], &[0.0, 0.0], 1).is_err());
     }
 }

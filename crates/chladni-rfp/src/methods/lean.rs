@@ -1,16 +1,20 @@
-//! The fast chain with the order given: relaxed vector fitting on few mixtures of the sketch, then maximum likelihood on the
-//! compressed columns of all FRFs ([`crate::order`] without its loop).
+//! The fast chain with the order given: relaxed vector fitting on few mixtures of the
+//! sketch, then maximum likelihood on the compressed columns of all FRFs
+//! ([`crate::order`] without its loop).
 //!
-//! The number of modes is what was asked for, else what is significant of a pool for as many modes as there are visible peaks;
-//! poles to spare are taken out before the refinement. Modes just beyond the ends of the band, which a sketch hardly shows, are sought with
-//! all FRFs. At the Cramér–Rao bound in white noise. Structural law unless the viscous one is asked for: nothing is decided here that
-//! the user can say.
+//! The number of modes is what was asked for, else what is significant of a pool for as
+//! many modes as there are visible peaks; poles to spare are taken out before the
+//! refinement. Modes just beyond the ends of the band, which a sketch hardly shows, are
+//! sought with all FRFs. At the Cramér–Rao bound in white noise. Structural law unless
+//! the viscous one is asked for: nothing is decided here that the user can say.
 //!
-//! Cost: two passes over the data (16·N·M·m flop for N lines, M FRFs, m unknowns), vector fitting as in [`super::vf()`]
-//! with half the mixtures, and some ten steps of 8Nr(2m) for r columns.
+//! Cost: two passes over the data (16·N·M·m flop for N lines, M FRFs, m unknowns), vector
+//! fitting as in [`super::vf()`] with half the mixtures, and some ten steps of 8Nr(2m)
+//! for r columns.
 //!
-//! When not to use it: where the number of modes is not known (a missed mode of the band biases its neighbours, and nothing
-//! looks for it), or where the residual is not white noise: the bars are then too small. Both are the business of `auto`.
+//! When not to use it: where the number of modes is not known (a missed mode of the band
+//! biases its neighbours, and nothing looks for it), or where the residual is not white
+//! noise: the bars are then too small. Both are the business of `auto`.
 //!
 //! Equations: theory.md, section 2.
 
@@ -32,10 +36,12 @@ use chladni_linalg::{qr_thin, LinalgError};
 use ndarray::Array2;
 use num_complex::Complex64;
 
-/// Loss factor over the usual one from which a pole of the band, beyond as many as are asked for or visible, is no mode.
+/// Loss factor over the usual one from which a pole of the band, beyond as many as are
+/// asked for or visible, is no mode.
 const BROAD: f64 = 3.0;
 
-/// Poles at the maximum of the likelihood; `graded` says how sure each of them is, and its E|δλ|².
+/// Poles at the maximum of the likelihood; `graded` says how sure each of them is, and
+/// its E|δλ|².
 ///
 /// # Errors
 /// A decomposition that fails.
@@ -51,7 +57,11 @@ pub(crate) fn lean(
         start = self::start(survey, modes + modes / 2, options)?;
     }
     let rows = survey.rows();
-    let thinned = if rows.len() < sketch.lines() { Some(sketch.select(&rows)) } else { None };
+    let thinned = if rows.len() < sketch.lines() {
+        Some(sketch.select(&rows))
+    } else {
+        None
+    };
     let work = thinned.as_ref().unwrap_or(sketch);
     narrow(work, &mut start, modes);
     let mut rough = refined_poles(work, &start, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
@@ -61,13 +71,22 @@ pub(crate) fn lean(
     }
 
     let data = survey.data;
-    let all = Work { x: data.x.clone(), g: data.g.clone(), b: Array2::zeros((data.lines.len(), 0)) };
+    let all = Work {
+        x: data.x.clone(),
+        g: data.g.clone(),
+        b: Array2::zeros((data.lines.len(), 0)),
+    };
     rough.extend(beyond(&all, &rough));
-    let projected = project(data, &qr_thin(basis(&all, &rough, &POWERS).view())?.0, &survey.energy)?;
+    let projected = project(
+        data,
+        &qr_thin(basis(&all, &rough, &POWERS).view())?.0,
+        &survey.energy,
+    )?;
     let needed = needed(&projected.work, &rough, data.pairs.len())?;
     let refined = fine(&projected.work, &needed, options, data.pairs.len())?;
     let freedom = data.lines.len().saturating_sub(refined.unknowns()).max(1) * data.pairs.len();
-    let variance = (projected.line_residual(&refined.projection.residual).sum() / freedom as f64).max(1e-30);
+    let variance =
+        (projected.line_residual(&refined.projection.residual).sum() / freedom as f64).max(1e-30);
     let found = inside(&projected.work, &refined.lambda);
     let (grades, spread) = graded(&refined, &projected.work, variance)?;
     Ok(Found {
@@ -87,55 +106,115 @@ pub(crate) fn lean(
     })
 }
 
-/// Poles that matter, at least as many in the band as asked for, out of a pool for `modes` modes. One too many may be an
-/// out-of-band mode that the pool puts just inside; the refinement will tell.
-fn start(survey: &Survey, modes: usize, options: &FitOptions) -> Result<Vec<Complex64>, LinalgError> {
-    let pool = pool(survey, &survey.sketch, tol::POOL_MIXTURES, survey.pool_size(modes), options, Products::PartialFractions)?;
-    let stable: Vec<Complex64> = signed(&pool).into_iter().filter(|pole| pole.im > 0.0).collect();
-    Ok(select(&survey.sketch, &stable, options.modes.unwrap_or(0)..=usize::MAX)?.0)
+/// Poles that matter, at least as many in the band as asked for, out of a pool for
+/// `modes` modes. One too many may be an out-of-band mode that the pool puts just inside;
+/// the refinement will tell.
+fn start(
+    survey: &Survey,
+    modes: usize,
+    options: &FitOptions,
+) -> Result<Vec<Complex64>, LinalgError> {
+    let pool = pool(
+        survey,
+        &survey.sketch,
+        tol::POOL_MIXTURES,
+        survey.pool_size(modes),
+        options,
+        Products::PartialFractions,
+    )?;
+    let stable: Vec<Complex64> = signed(&pool)
+        .into_iter()
+        .filter(|pole| pole.im > 0.0)
+        .collect();
+    Ok(select(
+        &survey.sketch,
+        &stable,
+        options.modes.unwrap_or(0)..=usize::MAX,
+    )?
+    .0)
 }
 
-/// Takes the broadest poles out as long as more than `modes` are in the band: such a one serves what lies outside.
+/// Takes the broadest poles out as long as more than `modes` are in the band: such a one
+/// serves what lies outside.
 fn narrow(work: &Work, lambda: &mut Vec<Complex64>, modes: usize) {
     let broad = BROAD * usual_loss(work, lambda);
     let loss = |pole: Complex64| pole.im / pole.re;
     while inside(work, lambda) > modes {
-        let within = (0..lambda.len()).filter(|&q| work.in_band(lambda[q]) && loss(lambda[q]) > broad);
-        let Some(broadest) = within.max_by(|&a, &b| loss(lambda[a]).total_cmp(&loss(lambda[b]))) else { break };
+        let within =
+            (0..lambda.len()).filter(|&q| work.in_band(lambda[q]) && loss(lambda[q]) > broad);
+        let Some(broadest) = within.max_by(|&a, &b| loss(lambda[a]).total_cmp(&loss(lambda[b])))
+        else {
+            break;
+        };
         lambda.remove(broadest);
     }
 }
 
-/// Where modes beyond the ends of the band may stand that only all FRFs together show: two mean distances of modes away.
+/// Where modes beyond the ends of the band may stand that only all FRFs together show:
+/// two mean distances of modes away.
 fn beyond(work: &Work, lambda: &[Complex64]) -> impl Iterator<Item = Complex64> {
     let (low, high) = work.range();
-    let (loss, reach) = (usual_loss(work, lambda), 2.0 * (high - low) / lambda.len().max(1) as f64);
-    [low - reach, high + reach].into_iter().filter(|x| *x > 0.0).map(move |x| Complex64::new(1.0, loss) * x)
+    let (loss, reach) = (
+        usual_loss(work, lambda),
+        2.0 * (high - low) / lambda.len().max(1) as f64,
+    );
+    [low - reach, high + reach]
+        .into_iter()
+        .filter(|x| *x > 0.0)
+        .map(move |x| Complex64::new(1.0, loss) * x)
 }
 
 /// Poles without those beyond the band that the FRFs, so many, do not tell from noise.
 fn needed(work: &Work, lambda: &[Complex64], frfs: usize) -> Result<Vec<Complex64>, LinalgError> {
     let all = removable(work, lambda, &POWERS)?;
     let limit = noise_takes(work, all.sse, all.alone.len(), frfs);
-    Ok(all.thin_out(lambda, |_, q, rise, _| !work.in_band(lambda[q]) && rise < limit))
+    Ok(all.thin_out(lambda, |_, q, rise, _| {
+        !work.in_band(lambda[q]) && rise < limit
+    }))
 }
 
-/// What one more pole may take out of the noise of all FRFs, where so many unknowns leave `sse`.
+/// What one more pole may take out of the noise of all FRFs, where so many unknowns leave
+/// `sse`.
 fn noise_takes(work: &Work, sse: f64, unknowns: usize, frfs: usize) -> f64 {
     threshold(frfs, work.lines()) * left_by(work, sse, unknowns)
 }
 
-/// Refines to the last digit, and again without the weakest as long as more poles are in the band than asked for, or one beyond it turns out
-/// to serve the `frfs` no more than noise would.
-fn fine(work: &Work, start: &[Complex64], options: &FitOptions, frfs: usize) -> Result<Refined, LinalgError> {
+/// Refines to the last digit, and again without the weakest as long as more poles are in
+/// the band than asked for, or one beyond it turns out to serve the `frfs` no more than
+/// noise would.
+fn fine(
+    work: &Work,
+    start: &[Complex64],
+    options: &FitOptions,
+    frfs: usize,
+) -> Result<Refined, LinalgError> {
     let mut lambda = start.to_vec();
     loop {
-        let refined = refine(work, &lambda, &POWERS, options.effort.likelihood_steps, tol::FINE_STEP)?;
+        let refined = refine(
+            work,
+            &lambda,
+            &POWERS,
+            options.effort.likelihood_steps,
+            tol::FINE_STEP,
+        )?;
         let rises = refined.significance()?;
         let limit = noise_takes(work, refined.projection.sse, refined.unknowns(), frfs);
-        let too_many = options.modes.is_some_and(|modes| inside(work, &refined.lambda) > modes);
-        let may_go = |&q: &usize| if work.in_band(refined.lambda[q]) { too_many } else { rises[q] < limit };
-        let Some(weakest) = (0..rises.len()).filter(may_go).min_by(|&a, &b| rises[a].total_cmp(&rises[b])) else { return Ok(refined) };
+        let too_many = options
+            .modes
+            .is_some_and(|modes| inside(work, &refined.lambda) > modes);
+        let may_go = |&q: &usize| {
+            if work.in_band(refined.lambda[q]) {
+                too_many
+            } else {
+                rises[q] < limit
+            }
+        };
+        let Some(weakest) = (0..rises.len())
+            .filter(may_go)
+            .min_by(|&a, &b| rises[a].total_cmp(&rises[b]))
+        else {
+            return Ok(refined);
+        };
         lambda = refined.lambda;
         lambda.remove(weakest);
     }

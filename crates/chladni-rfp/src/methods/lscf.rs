@@ -1,20 +1,27 @@
-//! Least-squares complex frequency (LSCF): one common denominator in z = e^{jθ}, assembled by Fourier transforms.
+//! Least-squares complex frequency (LSCF): one common denominator in z = e^{jθ},
+//! assembled by Fourier transforms.
 //!
-//! Every column has its own numerator, all share one denominator ([`super::matrix_fraction`] with one reference). Powers of z
-//! are nearly orthogonal over the band, so orders of hundreds are within reach where powers of jω fail at eight. Poles that
-//! stay over rising order are offered as modes ([`super::stabilization`]), their residues decide.
+//! Every column has its own numerator, all share one denominator
+//! ([`super::matrix_fraction`] with one reference). Powers of z are nearly orthogonal
+//! over the band, so orders of hundreds are within reach where powers of jω fail at
+//! eight. Poles that stay over rising order are offered as modes
+//! ([`super::stabilization`]), their residues decide.
 //!
-//! Cost: one transform of the lines per column and 8·n³ flop per column for order n; the eigenvalues of some twenty orders
-//! take most of the time.
+//! Cost: one transform of the lines per column and 8·n³ flop per column for order n; the
+//! eigenvalues of some twenty orders take most of the time.
 //!
-//! When not to use it: for the last digits, or for close modes. The equation error is weighted by |A|², and finite order
-//! stands for residual terms: that is bias, which more data do not remove. With the gap of [`super::matrix_fraction`] it is one
-//! to five Cramér–Rao bounds for separate modes at 40 dB (tens at the ends of the band), but modes a third of a bandwidth
-//! apart are merged or off by half of it, and at 20 dB weak modes never settle. Clean data are reproduced to half of the
-//! digits. Good for a first look, and for the diagram. It needs an even frequency axis (missing lines do not matter).
+//! When not to use it: for the last digits, or for close modes. The equation error is
+//! weighted by |A|², and finite order stands for residual terms: that is bias, which more
+//! data do not remove. With the gap of [`super::matrix_fraction`] it is one to five
+//! Cramér–Rao bounds for separate modes at 40 dB (tens at the ends of the band), but
+//! modes a third of a bandwidth apart are merged or off by half of it, and at 20 dB weak
+//! modes never settle. Clean data are reproduced to half of the digits. Good for a first
+//! look, and for the diagram. It needs an even frequency axis (missing lines do not
+//! matter).
 //!
-//! P. Guillaume, P. Verboven, S. Vanlanduit, Proc. ISMA 23 (1998) 359–366. H. Van der Auweraer, P. Guillaume, P. Verboven, S.
-//! Vanlanduit, J. Dyn. Syst. Meas. Control 123 (2001) 651–658.
+//! P. Guillaume, P. Verboven, S. Vanlanduit, Proc. ISMA 23 (1998) 359–366. H. Van der
+//! Auweraer, P. Guillaume, P. Verboven, S. Vanlanduit, J. Dyn. Syst. Meas. Control 123
+//! (2001) 651–658.
 
 use super::matrix_fraction::{Circle, MatrixFraction};
 use super::stabilization::Ladder;
@@ -23,8 +30,8 @@ use crate::error::FitError;
 use crate::options::{FitOptions, Method};
 use ndarray::Axis;
 
-/// Highest order: poles per expected mode, and more for what lies outside the band. Twice per mode misses weak modes, four
-/// times doubles the time for a third less bias.
+/// Highest order: poles per expected mode, and more for what lies outside the band. Twice
+/// per mode misses weak modes, four times doubles the time for a third less bias.
 const POLES_PER_MODE: usize = 3;
 /// See [`POLES_PER_MODE`].
 const MORE_POLES: usize = 24;
@@ -35,15 +42,25 @@ const LINES_PER_POLE: usize = 4;
 ///
 /// # Errors
 /// [`FitError::UnevenAxis`]; a decomposition that fails.
-pub(crate) fn lscf(survey: &Survey, columns: &Columns, options: &FitOptions) -> Result<MethodPoles, FitError> {
+pub(crate) fn lscf(
+    survey: &Survey,
+    columns: &Columns,
+    options: &FitOptions,
+) -> Result<MethodPoles, FitError> {
     let circle = Circle::new(survey, Method::Lscf)?;
     let data = columns.work.b.t().insert_axis(Axis(2)).to_owned();
     let expected = survey.expected(columns, options);
     let fraction = MatrixFraction::new(circle, &data, highest(expected, survey))?;
-    Ok(Ladder::climb(&fraction, expected)?.modes(survey, options, "common denominator in z, stable poles chosen by their residues")?)
+    Ok(Ladder::climb(&fraction, expected)?.modes(
+        survey,
+        options,
+        "common denominator in z, stable poles chosen by their residues",
+    )?)
 }
 
 /// Poles of the highest order.
 pub(super) fn highest(expected: usize, survey: &Survey) -> usize {
-    (POLES_PER_MODE * expected + MORE_POLES).min(survey.data.lines.len() / LINES_PER_POLE).max(1)
+    (POLES_PER_MODE * expected + MORE_POLES)
+        .min(survey.data.lines.len() / LINES_PER_POLE)
+        .max(1)
 }

@@ -1,48 +1,60 @@
-//! Matrix fractions in the z plane by fast Fourier transforms: what [`super::lscf()`] and [`super::plscf()`] share.
+//! Matrix fractions in the z plane by fast Fourier transforms: what [`super::lscf()`] and
+//! [`super::plscf()`] share.
 //!
-//! Each output o (a row of r columns of data, one per reference) is modelled as H_o = B_o(z)·A(z)⁻¹ with one r × r
-//! denominator for all outputs and z = e^{jθ}. The equation error B_o − H_o·A is linear:
+//! Each output o (a row of r columns of data, one per reference) is modelled as H_o =
+//! B_o(z)·A(z)⁻¹ with one r × r denominator for all outputs and z = e^{jθ}. The equation
+//! error B_o − H_o·A is linear:
 //!
 //! ```text
 //! min Σ_o Σ_k ‖ Σ_p z_k^p b_op − Σ_p z_k^p H_o(k) A_p ‖²
 //! X_p = z^p,  Y_pi = −z^p H_oi:   R = XᴴX,  S_o = XᴴY_o,  T = Σ_o Y_oᴴY_o,   M = T − Σ_o S_oᴴR⁻¹S_o
 //! ```
 //!
-//! (theory.md, eq. 39–40). On even lines every entry depends on the difference of its two powers alone, so one Fourier
-//! transform per column (and per pair of references) makes all of them. Coefficients are complex, so that each pole counts
-//! once, without its conjugate; numerators keep the full degree. The lines cover two thirds of the unit circle ([`GAP`]): the powers stay well conditioned
-//! over the long arc, and the gap is where the model may turn from the last line back to the first.
+//! (theory.md, eq. 39–40). On even lines every entry depends on the difference of its two
+//! powers alone, so one Fourier transform per column (and per pair of references) makes
+//! all of them. Coefficients are complex, so that each pole counts once, without its
+//! conjugate; numerators keep the full degree. The lines cover two thirds of the unit
+//! circle ([`GAP`]): the powers stay well conditioned over the long arc, and the gap is
+//! where the model may turn from the last line back to the first.
 //!
-//! The constraint A_0 = I on the lowest power sends the poles that noise makes outside the circle, where they are unstable,
-//! and leaves the stable ones to the structure (Cauberghe, Guillaume, Verboven, Vanlanduit, Parloo, Mech. Syst. Signal
-//! Process. 19 (2005) 989–998). The Cholesky factor of M holds all lower orders too.
+//! The constraint A_0 = I on the lowest power sends the poles that noise makes outside
+//! the circle, where they are unstable, and leaves the stable ones to the structure
+//! (Cauberghe, Guillaume, Verboven, Vanlanduit, Parloo, Mech. Syst. Signal Process. 19
+//! (2005) 989–998). The Cholesky factor of M holds all lower orders too.
 //!
 //! Cost: 8·n³·r²·outputs flop for order n, 25·(nr)³ for the eigenvalues at each order.
 
 use super::Survey;
 use crate::error::FitError;
 use crate::options::Method;
-use chladni_linalg::{cholesky, eigenvalues, matmul_h, solve_lower, solve_lower_adjoint, LinalgError};
+use chladni_linalg::{
+    cholesky, eigenvalues, matmul_h, solve_lower, solve_lower_adjoint, LinalgError,
+};
 use ndarray::{s, Array2, Array3, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
 use rustfft::FftPlanner;
 use std::f64::consts::TAU;
 
-/// Points of the circle without lines, relative to those with. The narrower, the harder the model must turn there, and the
-/// more it bends the modes next to the ends: on the reference panel the errors are 5 times the Cramér–Rao bound at a tenth,
-/// 2 at three tenths and 1.2 at a half. Wider was not tried: powers lose digits as the arc shrinks.
+/// Points of the circle without lines, relative to those with. The narrower, the harder
+/// the model must turn there, and the more it bends the modes next to the ends: on the
+/// reference panel the errors are 5 times the Cramér–Rao bound at a tenth, 2 at three
+/// tenths and 1.2 at a half. Wider was not tried: powers lose digits as the arc shrinks.
 const GAP: f64 = 0.5;
-/// Distance of a line from the even grid, in spacings, up to which the axis counts as even.
+/// Distance of a line from the even grid, in spacings, up to which the axis counts as
+/// even.
 const UNEVEN: f64 = 0.01;
-/// Grid points per line beyond which lines are too scattered to be called a grid with gaps.
+/// Grid points per line beyond which lines are too scattered to be called a grid with
+/// gaps.
 const SPARSEST: usize = 8;
-/// Ridge on normal equations, relative to their diagonal: clean data leave M singular at rounding level beyond the true
-/// order, and polynomials of high degree may live in the gap alone.
+/// Ridge on normal equations, relative to their diagonal: clean data leave M singular at
+/// rounding level beyond the true order, and polynomials of high degree may live in the
+/// gap alone.
 const RIDGE: f64 = 1e-14;
 /// Ridge at which something else is wrong.
 const MOST_RIDGE: f64 = 1e-6;
-/// Outputs whose normal equations are summed one after the other, for sums that do not depend on threads.
+/// Outputs whose normal equations are summed one after the other, for sums that do not
+/// depend on threads.
 const OUTPUTS_TOGETHER: usize = 8;
 
 /// Lines as points of the unit circle.
@@ -66,20 +78,38 @@ impl Circle {
         let data = survey.data;
         let f = &data.line_hz;
         let (low_hz, high_hz) = (f[0], f[f.len() - 1]);
-        let smallest = f.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
+        let smallest = f
+            .windows(2)
+            .map(|pair| pair[1] - pair[0])
+            .fold(f64::INFINITY, f64::min);
         let steps = ((high_hz - low_hz) / smallest).round();
-        let uneven = FitError::UnevenAxis { method, low_hz, high_hz };
+        let uneven = FitError::UnevenAxis {
+            method,
+            low_hz,
+            high_hz,
+        };
         if !(1.0..=(SPARSEST * f.len()) as f64).contains(&steps) {
             return Err(uneven);
         }
         let spacing = (high_hz - low_hz) / steps;
-        let at: Vec<usize> = f.iter().map(|f| ((f - low_hz) / spacing).round() as usize).collect();
-        if f.iter().zip(&at).any(|(f, &k)| (f - low_hz - k as f64 * spacing).abs() > UNEVEN * spacing) {
+        let at: Vec<usize> = f
+            .iter()
+            .map(|f| ((f - low_hz) / spacing).round() as usize)
+            .collect();
+        if f.iter()
+            .zip(&at)
+            .any(|(f, &k)| (f - low_hz - k as f64 * spacing).abs() > UNEVEN * spacing)
+        {
             return Err(uneven);
         }
         let per_omega_max = TAU / data.omega_max;
         let points = ((steps + 1.0) * (1.0 + GAP)).ceil() as usize;
-        Ok(Self { at, points, first: low_hz * per_omega_max, spacing: spacing * per_omega_max })
+        Ok(Self {
+            at,
+            points,
+            first: low_hz * per_omega_max,
+            spacing: spacing * per_omega_max,
+        })
     }
 
     /// s/ω_max of a pole on the z plane; the cut lies in the middle of the gap.
@@ -91,7 +121,11 @@ impl Circle {
     }
 
     /// Σ_k v_k z_k^d for all d modulo the points of the circle.
-    fn transform(&self, values: impl Iterator<Item = Complex64>, planner: &mut FftPlanner<f64>) -> Vec<Complex64> {
+    fn transform(
+        &self,
+        values: impl Iterator<Item = Complex64>,
+        planner: &mut FftPlanner<f64>,
+    ) -> Vec<Complex64> {
         let mut buffer = vec![Complex64::default(); self.points];
         self.at.iter().zip(values).for_each(|(&k, v)| buffer[k] = v);
         planner.plan_fft_inverse(self.points).process(&mut buffer);
@@ -110,7 +144,9 @@ fn factored(mut matrix: Array2<Complex64>) -> Result<Array2<Complex64>, LinalgEr
     loop {
         matrix.diag_mut().mapv_inplace(|v| v + ridge);
         match cholesky(matrix.view()) {
-            Err(LinalgError::NotPositiveDefinite { .. }) if ridge < MOST_RIDGE * scale => ridge *= 10.0,
+            Err(LinalgError::NotPositiveDefinite { .. }) if ridge < MOST_RIDGE * scale => {
+                ridge *= 10.0
+            }
             result => return result,
         }
     }
@@ -121,7 +157,8 @@ fn factored(mut matrix: Array2<Complex64>) -> Result<Array2<Complex64>, LinalgEr
 pub(super) struct MatrixFraction {
     circle: Circle,
     references: usize,
-    /// Coefficients A_1 … A_n have this Cholesky factor; lower orders are its leading parts.
+    /// Coefficients A_1 … A_n have this Cholesky factor; lower orders are its leading
+    /// parts.
     factor: Array2<Complex64>,
     /// Their right-hand side −M_10, solved by the factor once.
     halfway: Array2<Complex64>,
@@ -134,7 +171,11 @@ impl MatrixFraction {
     ///
     /// # Errors
     /// A decomposition that fails.
-    pub fn new(circle: Circle, data: &Array3<Complex64>, order: usize) -> Result<Self, LinalgError> {
+    pub fn new(
+        circle: Circle,
+        data: &Array3<Complex64>,
+        order: usize,
+    ) -> Result<Self, LinalgError> {
         let (outputs, lines, r) = data.dim();
         let size = r * (order + 1);
         let mut planner = FftPlanner::new();
@@ -144,7 +185,11 @@ impl MatrixFraction {
 
         let mut m = Array2::zeros((size, size).f());
         for (i, j) in (0..r).flat_map(|i| (0..r).map(move |j| (i, j))) {
-            let power = (0..lines).map(|k| (0..outputs).map(|o| data[[o, k, i]].conj() * data[[o, k, j]]).sum());
+            let power = (0..lines).map(|k| {
+                (0..outputs)
+                    .map(|o| data[[o, k, i]].conj() * data[[o, k, j]])
+                    .sum()
+            });
             let t = circle.transform(power, &mut planner);
             for (p, q) in (0..=order).flat_map(|p| (0..=order).map(move |q| (p, q))) {
                 m[[p * r + i, q * r + j]] = t[circle.lag(p, q)];
@@ -157,7 +202,8 @@ impl MatrixFraction {
                     let mut s = Array2::zeros((order + 1, size).f());
                     let mut planner = FftPlanner::new();
                     for i in 0..r {
-                        let h = circle.transform(data.slice(s![o, .., i]).iter().map(|v| -v), &mut planner);
+                        let h = circle
+                            .transform(data.slice(s![o, .., i]).iter().map(|v| -v), &mut planner);
                         for (p, q) in (0..=order).flat_map(|p| (0..=order).map(move |q| (p, q))) {
                             s[[p, q * r + i]] = h[circle.lag(p, q)];
                         }
@@ -170,7 +216,12 @@ impl MatrixFraction {
         }
         let factor = factored(m.slice(s![r.., r..]).to_owned())?;
         let halfway = solve_lower(factor.view(), m.slice(s![r.., ..r]).mapv(|v| -v).view())?;
-        Ok(Self { circle, references: r, factor, halfway })
+        Ok(Self {
+            circle,
+            references: r,
+            factor,
+            halfway,
+        })
     }
 
     /// Highest order.
@@ -178,8 +229,9 @@ impl MatrixFraction {
         self.factor.nrows() / self.references
     }
 
-    /// Poles s/ω_max of the denominator of order `order`, either sign of damping: det A(z) = 0, as eigenvalues 1/z of the block
-    /// companion matrix of 1 + A_1 z + … + A_n z^n.
+    /// Poles s/ω_max of the denominator of order `order`, either sign of damping: det
+    /// A(z) = 0, as eigenvalues 1/z of the block companion matrix of 1 + A_1 z + … + A_n
+    /// z^n.
     ///
     /// # Errors
     /// Eigenvalues that do not converge.
@@ -189,13 +241,19 @@ impl MatrixFraction {
         let coefficients = solve_lower_adjoint(factor, self.halfway.slice(s![..size, ..]))?;
         let mut companion = Array2::zeros((size, size).f());
         for (p, block) in coefficients.axis_chunks_iter(Axis(0), r).enumerate() {
-            companion.slice_mut(s![..r, p * r..(p + 1) * r]).assign(&block.mapv(|v| -v));
+            companion
+                .slice_mut(s![..r, p * r..(p + 1) * r])
+                .assign(&block.mapv(|v| -v));
         }
         for below in r..size {
             companion[[below, below - r]] = Complex64::new(1.0, 0.0);
         }
         let inverse = eigenvalues(companion.view())?;
-        Ok(inverse.iter().filter(|w| w.norm() > f64::EPSILON).map(|w| self.circle.pole(w.inv())).collect())
+        Ok(inverse
+            .iter()
+            .filter(|w| w.norm() > f64::EPSILON)
+            .map(|w| self.circle.pole(w.inv()))
+            .collect())
     }
 }
 
@@ -204,7 +262,12 @@ mod tests {
     use super::*;
 
     fn circle(at: Vec<usize>) -> Circle {
-        Circle { at, points: 300, first: 0.1, spacing: 0.004 }
+        Circle {
+            at,
+            points: 300,
+            first: 0.1,
+            spacing: 0.004,
+        }
     }
 
     /// s of two decaying exponentials, which are rational in z exactly.
@@ -212,16 +275,31 @@ mod tests {
 
     /// Σ_n ψ_on L_nr/(z − z_n) on the lines, axes (output, line, reference).
     fn data(circle: &Circle, references: usize) -> Array3<Complex64> {
-        let z = |s: Complex64| ((s - Complex64::new(0.0, circle.first)) * (TAU / (circle.points as f64 * circle.spacing))).exp();
+        let z = |s: Complex64| {
+            ((s - Complex64::new(0.0, circle.first))
+                * (TAU / (circle.points as f64 * circle.spacing)))
+                .exp()
+        };
         Array3::from_shape_fn((3, circle.at.len(), references), |(o, k, r)| {
             let at = Complex64::from_polar(1.0, TAU * circle.at[k] as f64 / circle.points as f64);
-            let term = |n: usize| Complex64::new((1.0 + o as f64 * (n as f64 + 0.3)).sin(), 0.2) * (0.7 + r as f64 - 1.1 * n as f64);
+            let term = |n: usize| {
+                Complex64::new((1.0 + o as f64 * (n as f64 + 0.3)).sin(), 0.2)
+                    * (0.7 + r as f64 - 1.1 * n as f64)
+            };
             (0..2).map(|n| term(n) / (at - z(POLES[n]))).sum()
         })
     }
 
     fn worst(found: &[Complex64]) -> f64 {
-        POLES.iter().map(|s| found.iter().map(|f| (f - s).norm()).fold(f64::INFINITY, f64::min)).fold(0.0, f64::max)
+        POLES
+            .iter()
+            .map(|s| {
+                found
+                    .iter()
+                    .map(|f| (f - s).norm())
+                    .fold(f64::INFINITY, f64::min)
+            })
+            .fold(0.0, f64::max)
     }
 
     #[test]
@@ -242,7 +320,12 @@ mod tests {
     fn poles_beyond_the_order_of_the_structure_are_unstable() {
         let circle = circle((0..200).collect());
         let fraction = MatrixFraction::new(circle.clone(), &data(&circle, 1), 12).unwrap();
-        let stable: Vec<Complex64> = fraction.poles(12).unwrap().into_iter().filter(|s| s.re < 0.0).collect();
+        let stable: Vec<Complex64> = fraction
+            .poles(12)
+            .unwrap()
+            .into_iter()
+            .filter(|s| s.re < 0.0)
+            .collect();
         assert_eq!(stable.len(), 2, "{stable:?}");
         assert!(worst(&stable) < 1e-6);
     }
@@ -250,8 +333,14 @@ mod tests {
     #[test]
     fn angles_and_poles_correspond() {
         let circle = circle((0..200).collect());
-        for s in [POLES[0], Complex64::new(0.01, 0.05), Complex64::new(-0.3, 0.95)] {
-            let z = ((s - Complex64::new(0.0, circle.first)) * (TAU / (circle.points as f64 * circle.spacing))).exp();
+        for s in [
+            POLES[0],
+            Complex64::new(0.01, 0.05),
+            Complex64::new(-0.3, 0.95),
+        ] {
+            let z = ((s - Complex64::new(0.0, circle.first))
+                * (TAU / (circle.points as f64 * circle.spacing)))
+                .exp();
             assert!((circle.pole(z) - s).norm() < 1e-13);
         }
     }

@@ -1,16 +1,20 @@
-//! Peak picking: the natural frequency is where the summed |FRF|² peaks, the loss factor what its half-power points say.
+//! Peak picking: the natural frequency is where the summed |FRF|² peaks, the loss factor
+//! what its half-power points say.
 //!
-//! In receptance one structural mode is A/(λ − x), so that 1/|α|² is a parabola in x = ω² (theory.md, eq. 42) with its vertex
-//! at x_n and half-power points at x_n(1 ± η). The sum over all FRFs keeps that form. Where a neighbour rises before the
-//! half-power point, the lowest point on the way is taken, at x_n(1 ± η√(r − 1)) for a drop by r. Peaks that explain no more
-//! than noise would are dropped.
+//! In receptance one structural mode is A/(λ − x), so that 1/|α|² is a parabola in x = ω²
+//! (theory.md, eq. 42) with its vertex at x_n and half-power points at x_n(1 ± η). The
+//! sum over all FRFs keeps that form. Where a neighbour rises before the half-power
+//! point, the lowest point on the way is taken, at x_n(1 ± η√(r − 1)) for a drop by r.
+//! Peaks that explain no more than noise would are dropped.
 //!
-//! Cost: nothing beyond the first pass. C. W. Bishop and G. M. L. Gladwell describe the practice, Phil. Trans. R. Soc. A 255
-//! (1963) 241–280; D. J. Ewins, *Modal Testing* (2000), section 4.3, its errors.
+//! Cost: nothing beyond the first pass. C. W. Bishop and G. M. L. Gladwell describe the
+//! practice, Phil. Trans. R. Soc. A 255 (1963) 241–280; D. J. Ewins, *Modal Testing*
+//! (2000), section 4.3, its errors.
 //!
-//! When not to use it: for numbers to report. Neighbours and residual terms move the peak and fill the valleys, noise adds to
-//! the width, two modes within a bandwidth are one peak, and the frequency is known to a fraction of the line spacing at best.
-//! It is here to teach, and for a first look.
+//! When not to use it: for numbers to report. Neighbours and residual terms move the peak
+//! and fill the valleys, noise adds to the width, two modes within a bandwidth are one
+//! peak, and the frequency is known to a fraction of the line spacing at best. It is here
+//! to teach, and for a first look.
 
 use super::selection::modes_of;
 use super::{Columns, MethodPoles, Survey};
@@ -25,28 +29,57 @@ const LEAST_DROP: f64 = 1.2;
 ///
 /// # Errors
 /// A decomposition that fails.
-pub(crate) fn peak(survey: &Survey, _: &Columns, options: &FitOptions) -> Result<MethodPoles, FitError> {
-    Ok(modes_of(survey, &picked(survey), options, "visible peaks and their half-power points")?)
+pub(crate) fn peak(
+    survey: &Survey,
+    _: &Columns,
+    options: &FitOptions,
+) -> Result<MethodPoles, FitError> {
+    Ok(modes_of(
+        survey,
+        &picked(survey),
+        options,
+        "visible peaks and their half-power points",
+    )?)
 }
 
 /// λ of each visible peak.
 pub(super) fn picked(survey: &Survey) -> Vec<Complex64> {
     let x = &survey.data.x;
-    let power: Vec<f64> = survey.energy.iter().zip(&survey.data.g).map(|(e, g)| e / (g * g)).collect();
-    survey.peaks.iter().map(|peak| half_power(x, &power, peak.row)).collect()
+    let power: Vec<f64> = survey
+        .energy
+        .iter()
+        .zip(&survey.data.g)
+        .map(|(e, g)| e / (g * g))
+        .collect();
+    survey
+        .peaks
+        .iter()
+        .map(|peak| half_power(x, &power, peak.row))
+        .collect()
 }
 
 /// x_n(1 + jη) of the peak at line `top` of `power`, |α|² over lines `x`.
 fn half_power(x: &[f64], power: &[f64], top: usize) -> Complex64 {
     let (vertex, highest) = vertex(x, power, top);
-    let sides = [(0..top).rev().collect::<Vec<_>>(), (top + 1..x.len()).collect()];
-    let widths: Vec<f64> = sides.iter().filter_map(|side| half_width(x, power, highest, vertex, top, side)).collect();
+    let sides = [
+        (0..top).rev().collect::<Vec<_>>(),
+        (top + 1..x.len()).collect(),
+    ];
+    let widths: Vec<f64> = sides
+        .iter()
+        .filter_map(|side| half_width(x, power, highest, vertex, top, side))
+        .collect();
     let line = 0.5 * (x[(top + 1).min(x.len() - 1)] - x[top.saturating_sub(1)]);
-    let width = if widths.is_empty() { line } else { widths.iter().sum::<f64>() / widths.len() as f64 };
+    let width = if widths.is_empty() {
+        line
+    } else {
+        widths.iter().sum::<f64>() / widths.len() as f64
+    };
     Complex64::new(vertex, width)
 }
 
-/// Where the parabola through 1/|α|² at the top line and its neighbours has its vertex, and |α|² there.
+/// Where the parabola through 1/|α|² at the top line and its neighbours has its vertex,
+/// and |α|² there.
 fn vertex(x: &[f64], power: &[f64], top: usize) -> (f64, f64) {
     if top == 0 || top + 1 >= x.len() {
         return (x[top], power[top]);
@@ -64,8 +97,16 @@ fn vertex(x: &[f64], power: &[f64], top: usize) -> (f64, f64) {
     }
 }
 
-/// h = ηx_n from one side: the half-power point, or the lowest point before a neighbour rises.
-fn half_width(x: &[f64], power: &[f64], highest: f64, vertex: f64, top: usize, side: &[usize]) -> Option<f64> {
+/// h = ηx_n from one side: the half-power point, or the lowest point before a neighbour
+/// rises.
+fn half_width(
+    x: &[f64],
+    power: &[f64],
+    highest: f64,
+    vertex: f64,
+    top: usize,
+    side: &[usize],
+) -> Option<f64> {
     let (mut lowest, mut before) = (top, top);
     for &k in side {
         if power[k] <= 0.5 * highest {
@@ -96,7 +137,9 @@ mod tests {
         let truth = Complex64::new(0.401, 0.008);
         let x: Vec<f64> = (1..=500).map(|k| k as f64 / 500.0).collect();
         let power: Vec<f64> = x.iter().map(|&x| (truth - x).norm_sqr().recip()).collect();
-        let top = (0..500).max_by(|&a, &b| power[a].total_cmp(&power[b])).unwrap();
+        let top = (0..500)
+            .max_by(|&a, &b| power[a].total_cmp(&power[b]))
+            .unwrap();
         let found = half_power(&x, &power, top);
         assert!((found - truth).norm() < 1e-9, "{found}");
     }

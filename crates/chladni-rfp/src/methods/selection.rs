@@ -1,4 +1,5 @@
-//! Which poles are modes, for methods that find them in the plane x: the significance of their residues.
+//! Which poles are modes, for methods that find them in the plane x: the significance of
+//! their residues.
 
 use super::{MethodPoles, Survey};
 use crate::options::FitOptions;
@@ -13,28 +14,46 @@ use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 use std::ops::RangeInclusive;
 
-/// Variance of a residue, relative to that of its pole alone, beyond which the pole adds nothing to the others: two poles a
-/// hundred-thousandth of a bandwidth apart.
+/// Variance of a residue, relative to that of its pole alone, beyond which the pole adds
+/// nothing to the others: two poles a hundred-thousandth of a bandwidth apart.
 const MOST_INFLATION: f64 = 1e10;
 
 /// Noise variance that so many poles leave unexplained.
 pub(crate) fn variance_left(work: &Work, lambda: &[Complex64]) -> Result<f64, LinalgError> {
-    Ok(left_by(work, Projection::new(work, lambda, &POWERS)?.sse, lambda.len() + POWERS.len()))
+    Ok(left_by(
+        work,
+        Projection::new(work, lambda, &POWERS)?.sse,
+        lambda.len() + POWERS.len(),
+    ))
 }
 
 pub(super) fn left_by(work: &Work, sse: f64, unknowns: usize) -> f64 {
     let freedom = work.lines().saturating_sub(unknowns).max(1) * work.columns();
-    (sse / freedom as f64).max(tol::ROUNDING_VARIANCE * work.energy() / (work.lines() * work.columns()) as f64)
+    (sse / freedom as f64)
+        .max(tol::ROUNDING_VARIANCE * work.energy() / (work.lines() * work.columns()) as f64)
 }
 
-/// Takes poles out, the least significant first, until every one left matters (theory.md, eq. 8); of those in the band as many
-/// stay as `modes` allows, whatever they matter. With the noise variance that all of them together leave.
-pub(super) fn select(work: &Work, lambda: &[Complex64], modes: RangeInclusive<usize>) -> Result<(Vec<Complex64>, f64), LinalgError> {
+/// Takes poles out, the least significant first, until every one left matters (theory.md,
+/// eq. 8); of those in the band as many stay as `modes` allows, whatever they matter.
+/// With the noise variance that all of them together leave.
+pub(super) fn select(
+    work: &Work,
+    lambda: &[Complex64],
+    modes: RangeInclusive<usize>,
+) -> Result<(Vec<Complex64>, f64), LinalgError> {
     let all = removable(work, lambda, &POWERS)?;
     let variance = left_by(work, all.sse, all.alone.len());
     let limit = threshold(work.columns(), work.lines()) * variance;
-    let physical: Vec<Complex64> = lambda.iter().copied().filter(|pole| !unphysical(work, *pole)).collect();
-    let all = if physical.len() == lambda.len() { all } else { removable(work, &physical, &POWERS)? };
+    let physical: Vec<Complex64> = lambda
+        .iter()
+        .copied()
+        .filter(|pole| !unphysical(work, *pole))
+        .collect();
+    let all = if physical.len() == lambda.len() {
+        all
+    } else {
+        removable(work, &physical, &POWERS)?
+    };
     let kept = all.thin_out(&physical, |kept, q, rise, inflation| {
         let inside = kept.iter().filter(|&&k| work.in_band(physical[k])).count();
         match work.in_band(physical[q]) {
@@ -46,8 +65,13 @@ pub(super) fn select(work: &Work, lambda: &[Complex64], modes: RangeInclusive<us
     Ok((kept, variance))
 }
 
-/// The poles as the method found them, but those of the band that only prop up the others.
-fn without_crutches(work: &Work, mut lambda: Vec<Complex64>, variance: f64) -> Result<Vec<Complex64>, LinalgError> {
+/// The poles as the method found them, but those of the band that only prop up the
+/// others.
+fn without_crutches(
+    work: &Work,
+    mut lambda: Vec<Complex64>,
+    variance: f64,
+) -> Result<Vec<Complex64>, LinalgError> {
     let limit = threshold(work.columns(), work.lines()) * variance;
     let mut needed = Vec::new();
     loop {
@@ -64,22 +88,35 @@ pub(super) fn wanted(options: &FitOptions) -> RangeInclusive<usize> {
     options.modes.map_or(0..=usize::MAX, |modes| modes..=modes)
 }
 
-/// Modes among the poles of a method: stable, significant, as many as asked for. The sketch decides: the compressed columns
-/// were chosen by the data themselves, so that noise weighs more in them than its variance says.
+/// Modes among the poles of a method: stable, significant, as many as asked for. The
+/// sketch decides: the compressed columns were chosen by the data themselves, so that
+/// noise weighs more in them than its variance says.
 ///
 /// * `lambda`: poles in x = ω²/ω_max², either sign of Im λ
 /// * `how`: the method, in words
-pub(super) fn modes_of(survey: &Survey, lambda: &[Complex64], options: &FitOptions, how: &'static str) -> Result<MethodPoles, LinalgError> {
+pub(super) fn modes_of(
+    survey: &Survey,
+    lambda: &[Complex64],
+    options: &FitOptions,
+    how: &'static str,
+) -> Result<MethodPoles, LinalgError> {
     let work = &survey.sketch;
-    let (stable, unstable): (Vec<Complex64>, Vec<Complex64>) = lambda.iter().partition(|pole| pole.im > 0.0);
+    let (stable, unstable): (Vec<Complex64>, Vec<Complex64>) =
+        lambda.iter().partition(|pole| pole.im > 0.0);
     let (mut chosen, variance) = select(work, &stable, wanted(options))?;
     if options.modes.is_none() {
         chosen = without_crutches(work, chosen, variance)?;
     }
     let mut warnings = Vec::new();
-    let (turning, all) = (inside(work, &unstable), inside(work, &unstable) + inside(work, &stable));
+    let (turning, all) = (
+        inside(work, &unstable),
+        inside(work, &unstable) + inside(work, &stable),
+    );
     if 2 * turning > all {
-        warnings.push(format!("{turning} of {all} poles in the band have negative damping; the data may follow e^(-jwt), or hold no mode"));
+        warnings.push(format!(
+            "{turning} of {all} poles in the band have negative damping; the \
+                               data may follow e^(-jwt), or hold no mode"
+        ));
     }
     warnings.extend(fewer(options, inside(work, &chosen)));
     Ok(MethodPoles {
@@ -99,12 +136,24 @@ pub(super) fn inside(work: &Work, lambda: &[Complex64]) -> usize {
 
 /// Fewer modes than asked for, in words.
 pub(super) fn fewer(options: &FitOptions, found: usize) -> Option<String> {
-    options.modes.filter(|asked| *asked > found).map(|asked| format!("{asked} modes asked for, {found} found"))
+    options
+        .modes
+        .filter(|asked| *asked > found)
+        .map(|asked| format!("{asked} modes asked for, {found} found"))
 }
 
 /// Rise of the sum of squares without each of the poles (theory.md, eq. 8).
 pub(crate) fn rises(work: &Work, lambda: &[Complex64]) -> Result<Vec<f64>, LinalgError> {
     let projection = Projection::new(work, lambda, &POWERS)?;
     let (coefficients, inverse) = (projection.coefficients()?, projection.gram_inverse()?);
-    Ok((0..lambda.len()).map(|q| coefficients.row(q).iter().map(|v| v.norm_sqr()).sum::<f64>() / inverse[[q, q]].re).collect())
+    Ok((0..lambda.len())
+        .map(|q| {
+            coefficients
+                .row(q)
+                .iter()
+                .map(|v| v.norm_sqr())
+                .sum::<f64>()
+                / inverse[[q, q]].re
+        })
+        .collect())
 }

@@ -1,8 +1,10 @@
 //! Stabilization: poles of rising order, and the modes that they settle on.
 //!
-//! A pole of the structure comes back at every order, one that noise or the polynomial makes does not. The diagram (order
-//! over frequency) is the display of choice in modal testing; here it is data ([`Stabilization`]), and clusters of stable
-//! poles are what [`super::lscf()`] and [`super::plscf()`] offer as modes. Which of them matter is decided by their residues.
+//! A pole of the structure comes back at every order, one that noise or the polynomial
+//! makes does not. The diagram (order over frequency) is the display of choice in modal
+//! testing; here it is data ([`Stabilization`]), and clusters of stable poles are what
+//! [`super::lscf()`] and [`super::plscf()`] offer as modes. Which of them matter is
+//! decided by their residues.
 
 use super::clusters::{clusters, median_pole};
 use super::matrix_fraction::MatrixFraction;
@@ -16,16 +18,18 @@ use std::f64::consts::TAU;
 
 /// Orders looked at, about.
 const ORDERS: usize = 24;
-/// Move of a natural frequency to the next order, in half-bandwidths, up to which it is stable. The usual 1 % of the
-/// frequency is a whole bandwidth of a plate.
+/// Move of a natural frequency to the next order, in half-bandwidths, up to which it is
+/// stable. The usual 1 % of the frequency is a whole bandwidth of a plate.
 const STABLE_FREQUENCY: f64 = 0.2;
-/// Relative change of the damping ratio up to which it is stable: the usual 5 % loses weak modes at 40 dB.
+/// Relative change of the damping ratio up to which it is stable: the usual 5 % loses
+/// weak modes at 40 dB.
 const STABLE_DAMPING: f64 = 0.2;
 /// Part of the orders that must agree on a mode.
 const AGREED: f64 = 0.3;
 /// Damping ratio beyond which a pole is background.
 const HEAVIEST: f64 = 0.2;
-/// Part of the band's width beyond its ends in which poles stand for what lies there; residual terms do for what is farther.
+/// Part of the band's width beyond its ends in which poles stand for what lies there;
+/// residual terms do for what is farther.
 const BEYOND: f64 = 0.1;
 /// Radius of a cluster for poles sharper than the lines resolve, in line spacings.
 const CLUSTER_SPACINGS: f64 = 0.25;
@@ -81,10 +85,26 @@ impl Ladder {
         let step = (highest - lowest).div_ceil(ORDERS).max(1);
         let mut orders: Vec<usize> = (lowest..=highest).rev().step_by(step).collect();
         orders.reverse();
-        let found: Vec<Vec<Complex64>> =
-            orders.par_iter().map(|&order| Ok(light(fraction.poles(order)?))).collect::<Result<_, LinalgError>>()?;
+        let found: Vec<Vec<Complex64>> = orders
+            .par_iter()
+            .map(|&order| Ok(light(fraction.poles(order)?)))
+            .collect::<Result<_, LinalgError>>()?;
         let poles = (0..orders.len())
-            .map(|i| found[i].iter().map(|&s| (s, if i > 0 { compared(s, &found[i - 1]) } else { Stability::New })).collect())
+            .map(|i| {
+                found[i]
+                    .iter()
+                    .map(|&s| {
+                        (
+                            s,
+                            if i > 0 {
+                                compared(s, &found[i - 1])
+                            } else {
+                                Stability::New
+                            },
+                        )
+                    })
+                    .collect()
+            })
             .collect();
         Ok(Self { orders, poles })
     }
@@ -93,17 +113,29 @@ impl Ladder {
     ///
     /// # Errors
     /// A decomposition that fails.
-    pub fn modes(&self, survey: &Survey, options: &FitOptions, how: &'static str) -> Result<MethodPoles, LinalgError> {
+    pub fn modes(
+        &self,
+        survey: &Survey,
+        options: &FitOptions,
+        how: &'static str,
+    ) -> Result<MethodPoles, LinalgError> {
         let work = &survey.sketch;
         let settled: Vec<(usize, Complex64)> = (0..self.orders.len())
-            .flat_map(|i| self.poles[i].iter().filter(|(_, stability)| *stability == Stability::Stable).map(move |(s, _)| (i, *s)))
+            .flat_map(|i| {
+                self.poles[i]
+                    .iter()
+                    .filter(|(_, stability)| *stability == Stability::Stable)
+                    .map(move |(s, _)| (i, *s))
+            })
             .collect();
         let enough = (AGREED * self.orders.len() as f64).max(2.0);
         let [low, high] = [work.range().0.sqrt(), work.range().1.sqrt()];
         let margin = BEYOND * (high - low);
         let near = |s: Complex64| s.im >= low - margin && s.im <= high + margin;
         let spacing = (high - low) / work.lines() as f64;
-        let agreed = clusters(&settled, CLUSTER_SPACINGS * spacing, |members| members as f64 >= enough);
+        let agreed = clusters(&settled, CLUSTER_SPACINGS * spacing, |members| {
+            members as f64 >= enough
+        });
         // the higher orders have less bias
         let lambda: Vec<Complex64> = agreed
             .iter()
@@ -119,15 +151,22 @@ impl Ladder {
 
     fn diagram(&self, survey: &Survey) -> Stabilization {
         let hz = survey.data.omega_max / TAU;
-        let poles = self.orders.iter().zip(&self.poles).flat_map(|(&order, poles)| {
-            poles.iter().map(move |&(s, stability)| OrderPole {
-                order,
-                frequency_hz: s.norm() * hz,
-                damping_ratio: -s.re / s.norm(),
-                stability,
-            })
-        });
-        Stabilization { orders: self.orders.clone(), poles: poles.collect() }
+        let poles = self
+            .orders
+            .iter()
+            .zip(&self.poles)
+            .flat_map(|(&order, poles)| {
+                poles.iter().map(move |&(s, stability)| OrderPole {
+                    order,
+                    frequency_hz: s.norm() * hz,
+                    damping_ratio: -s.re / s.norm(),
+                    stability,
+                })
+            });
+        Stabilization {
+            orders: self.orders.clone(),
+            poles: poles.collect(),
+        }
     }
 }
 
@@ -139,7 +178,9 @@ fn light(mut poles: Vec<Complex64>) -> Vec<Complex64> {
 }
 
 fn compared(s: Complex64, before: &[Complex64]) -> Stability {
-    let steady = |other: &Complex64| (other.norm() - s.norm()).abs() <= STABLE_FREQUENCY * s.re.abs().min(other.re.abs());
+    let steady = |other: &Complex64| {
+        (other.norm() - s.norm()).abs() <= STABLE_FREQUENCY * s.re.abs().min(other.re.abs())
+    };
     let alike = |other: &Complex64| (other.re / s.re - 1.0).abs() <= STABLE_DAMPING;
     let near: Vec<&Complex64> = before.iter().filter(|other| steady(other)).collect();
     match (near.is_empty(), near.into_iter().any(alike)) {

@@ -1,10 +1,12 @@
-//! What every method of the family starts from: one pass over the data for the count sketch and the visible peaks, and a
-//! second one for the compressed columns.
+//! What every method of the family starts from: one pass over the data for the count
+//! sketch and the visible peaks, and a second one for the compressed columns.
 //!
-//! The compression is a randomised singular value decomposition: the strongest left singular vectors of the sketch span
-//! the lines' directions that carry more than noise, and the pass of theory.md, eq. 13–15, turns them into at most twice as
-//! many real mixtures of all FRFs. They hold the signal of the whole set at its signal-to-noise ratio; no method sees the
-//! truth of another's poles. N. Halko, P. G. Martinsson, J. A. Tropp, SIAM Rev. 53 (2011) 217–288.
+//! The compression is a randomised singular value decomposition: the strongest left
+//! singular vectors of the sketch span the lines' directions that carry more than noise,
+//! and the pass of theory.md, eq. 13–15, turns them into at most twice as many real
+//! mixtures of all FRFs. They hold the signal of the whole set at its signal-to-noise
+//! ratio; no method sees the truth of another's poles. N. Halko, P. G. Martinsson, J. A.
+//! Tropp, SIAM Rev. 53 (2011) 217–288.
 
 use crate::options::FitOptions;
 use crate::order::rank_over_noise;
@@ -17,9 +19,11 @@ use chladni_linalg::{matmul, qr_thin, svd_thin, LinalgError};
 use ndarray::{s, Array1, Array2};
 use num_complex::Complex64;
 
-/// Half window of the noise estimate under the peaks, lines; a few dozen bandwidths at usual resolutions.
+/// Half window of the noise estimate under the peaks, lines; a few dozen bandwidths at
+/// usual resolutions.
 const NOISE_HALF_WINDOW: usize = 40;
-/// Poles beyond the modes asked for: they take up noise and what lies outside the band. The reference panel needs four.
+/// Poles beyond the modes asked for: they take up noise and what lies outside the band.
+/// The reference panel needs four.
 const SPARE_POLES: usize = 6;
 
 /// The first pass.
@@ -38,7 +42,8 @@ pub(crate) struct Survey<'a> {
 pub(crate) struct Columns {
     /// Real mixtures of FRFs, or the FRFs themselves where there are few.
     pub work: Work,
-    /// From columns to FRFs, (column, FRF), orthonormal rows; `None`: the columns are the FRFs.
+    /// From columns to FRFs, (column, FRF), orthonormal rows; `None`: the columns are the
+    /// FRFs.
     pub back: Option<Array2<f64>>,
     /// Energy of all FRFs that the columns do not hold: noise.
     pub outside: f64,
@@ -53,7 +58,12 @@ impl<'a> Survey<'a> {
         let mean = &energy / data.pairs.len() as f64;
         let noise = fourth_difference_noise(&sketch.b, NOISE_HALF_WINDOW);
         let peaks = peaks(&sketch, &mean, &noise);
-        Self { data, sketch, energy, peaks }
+        Self {
+            data,
+            sketch,
+            energy,
+            peaks,
+        }
     }
 
     /// Runs the second pass.
@@ -62,22 +72,37 @@ impl<'a> Survey<'a> {
     /// A decomposition that fails.
     pub fn compress(&self) -> Result<Columns, LinalgError> {
         let sketch = &self.sketch;
-        let whole = |rank| Columns { work: sketch.clone(), back: None, outside: 0.0, rank };
+        let whole = |rank| Columns {
+            work: sketch.clone(),
+            back: None,
+            outside: 0.0,
+            rank,
+        };
         if sketch.lines() <= sketch.columns() {
             return Ok(whole(self.peaks.len()));
         }
         let (q, r) = qr_thin(sketch.b.view())?;
         let (u, singular_values, _) = svd_thin(r.view())?;
         let (rank, floor_seen) = rank_over_noise(&singular_values.to_vec(), sketch.lines());
-        // a direction of noise alone would come back from the second pass as if it were signal
-        let directions = (if floor_seen { rank } else { sketch.columns() }).max(self.peaks.len()).clamp(1, sketch.columns());
-        if sketch.columns() == self.data.pairs.len() && (!floor_seen || 2 * directions >= sketch.columns()) {
+        // a direction of noise alone would come back from the second pass as if it were
+        // signal
+        let directions = (if floor_seen { rank } else { sketch.columns() })
+            .max(self.peaks.len())
+            .clamp(1, sketch.columns());
+        if sketch.columns() == self.data.pairs.len()
+            && (!floor_seen || 2 * directions >= sketch.columns())
+        {
             return Ok(whole(rank));
         }
         let q = matmul(q.view(), u.slice(s![.., ..directions]));
         let projected = project(self.data, &q, &self.energy)?;
         let outside = (self.energy.sum() - projected.work.energy()).max(0.0);
-        Ok(Columns { work: projected.work, back: Some(projected.back), outside, rank })
+        Ok(Columns {
+            work: projected.work,
+            back: Some(projected.back),
+            outside,
+            rank,
+        })
     }
 
     /// Starting poles at the visible peaks.
@@ -85,24 +110,31 @@ impl<'a> Survey<'a> {
         self.peaks.iter().map(|peak| peak.lambda).collect()
     }
 
-    /// Rows that pole finders look at: all, or on long records those near the peaks and some of the rest.
+    /// Rows that pole finders look at: all, or on long records those near the peaks and
+    /// some of the rest.
     pub fn rows(&self) -> Vec<usize> {
         thinned(&self.sketch, &self.peaks)
     }
 
-    /// Modes to expect: as many as asked for, else a third more than visible peaks or directions of the data.
+    /// Modes to expect: as many as asked for, else a third more than visible peaks or
+    /// directions of the data.
     pub fn expected(&self, columns: &Columns, options: &FitOptions) -> usize {
-        options.modes.unwrap_or(self.peaks.len().max(columns.rank) * 4 / 3).max(1)
+        options
+            .modes
+            .unwrap_or(self.peaks.len().max(columns.rank) * 4 / 3)
+            .max(1)
     }
 
-    /// Poles to start with for so many modes: some to spare for noise and for what lies outside the band.
+    /// Poles to start with for so many modes: some to spare for noise and for what lies
+    /// outside the band.
     pub fn pool_size(&self, modes: usize) -> usize {
         (modes + SPARE_POLES).min(self.data.lines.len() / 3).max(1)
     }
 }
 
 impl Columns {
-    /// Noise variance of one value, where a model with `unknowns` columns leaves `sse` of the compressed data.
+    /// Noise variance of one value, where a model with `unknowns` columns leaves `sse` of
+    /// the compressed data.
     pub fn variance(&self, data: &Screened, sse: f64, unknowns: usize) -> f64 {
         let values = data.lines.len() * data.pairs.len();
         let freedom = values.saturating_sub(unknowns * self.work.columns()).max(1);

@@ -30,28 +30,55 @@ impl Structure {
     /// Four separated modes, three responses, mobility.
     pub fn four_modes() -> Self {
         let modes = vec![(31.0, 0.01), (52.0, 0.006), (70.5, 0.012), (91.0, 0.008)];
-        Self { modes, responses: 3, band_hz: [20.0, 105.0], lines: 400, kind: FrfKind::Mobility, snr_db: None }
+        Self {
+            modes,
+            responses: 3,
+            band_hz: [20.0, 105.0],
+            lines: 400,
+            kind: FrfKind::Mobility,
+            snr_db: None,
+        }
     }
 
     /// `count` modes every 20 Hz, about two bandwidths of lines each.
     pub fn even_modes(count: u32) -> Self {
-        let modes = (1..=count).map(|n| 20.0 * f64::from(n)).map(|f| (f, 0.12 / f + 0.002)).collect();
-        Self { modes, band_hz: [10.0, 10.0 + 20.0 * f64::from(count)], lines: 1601, ..Self::four_modes() }
+        let modes = (1..=count)
+            .map(|n| 20.0 * f64::from(n))
+            .map(|f| (f, 0.12 / f + 0.002))
+            .collect();
+        Self {
+            modes,
+            band_hz: [10.0, 10.0 + 20.0 * f64::from(count)],
+            lines: 1601,
+            ..Self::four_modes()
+        }
     }
 
     /// Poles in rad/s.
     fn poles(&self) -> Vec<Complex64> {
-        self.modes.iter().map(|&(f, zeta)| TAU * f * Complex64::new(-zeta, (1.0 - zeta * zeta).sqrt())).collect()
+        self.modes
+            .iter()
+            .map(|&(f, zeta)| TAU * f * Complex64::new(-zeta, (1.0 - zeta * zeta).sqrt()))
+            .collect()
     }
 
     /// Poles in units of the last line's ω.
     pub fn scaled_poles(&self) -> Vec<Complex64> {
-        self.poles().iter().map(|s| s / (TAU * self.band_hz[1])).collect()
+        self.poles()
+            .iter()
+            .map(|s| s / (TAU * self.band_hz[1]))
+            .collect()
     }
 
     /// Worst |s − s_true|/|s_true| over the true modes.
     pub fn worst(&self, found: &ClassicPoles) -> f64 {
-        let nearest = |p: &Complex64| found.poles.iter().map(|s| (s - p).norm() / p.norm()).fold(f64::INFINITY, f64::min);
+        let nearest = |p: &Complex64| {
+            found
+                .poles
+                .iter()
+                .map(|s| (s - p).norm() / p.norm())
+                .fold(f64::INFINITY, f64::min)
+        };
         self.scaled_poles().iter().map(nearest).fold(0.0, f64::max)
     }
 
@@ -59,7 +86,14 @@ impl Structure {
     pub fn lines(&self) -> BandLines {
         let frf = self.frf(0);
         let data = Screened::new(&frf, &FitOptions::default()).unwrap();
-        BandLines::new(&data, &Band { rows: 0..self.lines, order: 4 }).unwrap()
+        BandLines::new(
+            &data,
+            &Band {
+                rows: 0..self.lines,
+                order: 4,
+            },
+        )
+        .unwrap()
     }
 
     /// The measurement.
@@ -74,9 +108,11 @@ impl Structure {
                 .iter()
                 .enumerate()
                 .map(|(n, p)| {
-                    // two incommensurable angles: no node, either sign; residues with a small phase are viscous and complex
+                    // two incommensurable angles: no node, either sign; residues with a
+                    // small phase are viscous and complex
                     let shape = (0.4 + 1.7 * (i as f64 + 1.0) * (n as f64 + 1.0)).sin();
-                    let residue = Complex64::new(0.05 * shape, -shape - 0.3 * shape.signum()) / p.im;
+                    let residue =
+                        Complex64::new(0.05 * shape, -shape - 0.3 * shape.signum()) / p.im;
                     residue / (s - p) + residue.conj() / (s - p.conj())
                 })
                 .sum();
@@ -88,7 +124,9 @@ impl Structure {
         FrfSet {
             frequency_hz,
             values: FrfValues::F64(values),
-            responses: (0..self.responses).map(|i| format!("{}:+Z", i + 1).parse().unwrap()).collect(),
+            responses: (0..self.responses)
+                .map(|i| format!("{}:+Z", i + 1).parse().unwrap())
+                .collect(),
             references: vec!["1:+Z".parse().unwrap()],
             kind: Some(self.kind),
             reference_unit: ReferenceUnit::Newton,
@@ -100,8 +138,15 @@ impl Structure {
 }
 
 /// Runs a classic method with default options but for the number of modes.
-pub(super) fn run(method: fn(&Survey, &FitOptions) -> Result<ClassicPoles, FitError>, frf: &FrfSet, modes: Option<usize>) -> ClassicPoles {
-    let options = FitOptions { modes, ..FitOptions::default() };
+pub(super) fn run(
+    method: fn(&Survey, &FitOptions) -> Result<ClassicPoles, FitError>,
+    frf: &FrfSet,
+    modes: Option<usize>,
+) -> ClassicPoles {
+    let options = FitOptions {
+        modes,
+        ..FitOptions::default()
+    };
     let data = Screened::new(frf, &options).unwrap();
     method(&Survey::new(&data, options.seed), &options).unwrap()
 }

@@ -1,16 +1,20 @@
 //! Relaxed vector fitting alone, in the plane x = ω² ([`crate::pool`]).
 //!
-//! Poles start at the visible peaks and evenly between, move to the zeros of σ eight times, and the residues decide which of
-//! them are modes. The equation error is weighted by |σ|², which tends to one as the poles settle: with poles to spare the
-//! estimate is nearly unbiased, and its scatter is that of the few mixtures it looks at.
+//! Poles start at the visible peaks and evenly between, move to the zeros of σ eight
+//! times, and the residues decide which of them are modes. The equation error is weighted
+//! by |σ|², which tends to one as the poles settle: with poles to spare the estimate is
+//! nearly unbiased, and its scatter is that of the few mixtures it looks at.
 //!
-//! Cost: 8·8·N·m²·(r + 2) flop for N lines, m unknowns, r mixtures and eight steps; no pass over the data of its own.
+//! Cost: 8·8·N·m²·(r + 2) flop for N lines, m unknowns, r mixtures and eight steps; no
+//! pass over the data of its own.
 //!
-//! When not to use it: for the last digit. It stands at two to five times the Cramér–Rao bound, and [`super::lean()`] needs
-//! only one refinement more to reach it. On a wide band with a linear axis, where low modes are narrower than the line
-//! spacing, it misses some.
+//! When not to use it: for the last digit. It stands at two to five times the Cramér–Rao
+//! bound, and [`super::lean()`] needs only one refinement more to reach it. On a wide
+//! band with a linear axis, where low modes are narrower than the line spacing, it misses
+//! some.
 //!
-//! B. Gustavsen, A. Semlyen, IEEE Trans. Power Delivery 14 (1999) 1052; B. Gustavsen, ibid. 21 (2006) 1587 (relaxed).
+//! B. Gustavsen, A. Semlyen, IEEE Trans. Power Delivery 14 (1999) 1052; B. Gustavsen,
+//! ibid. 21 (2006) 1587 (relaxed).
 
 use super::selection::modes_of;
 use super::{Columns, MethodPoles, Survey};
@@ -23,17 +27,34 @@ use crate::work::Work;
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 
-/// Random mixtures of the compressed columns: twice those of a starter, since nothing refines the result.
+/// Random mixtures of the compressed columns: twice those of a starter, since nothing
+/// refines the result.
 const MIXTURES: usize = 2 * tol::POOL_MIXTURES;
 
 /// Poles by relaxed vector fitting.
 ///
 /// # Errors
 /// A decomposition that fails.
-pub(crate) fn vf(survey: &Survey, columns: &Columns, options: &FitOptions) -> Result<MethodPoles, FitError> {
+pub(crate) fn vf(
+    survey: &Survey,
+    columns: &Columns,
+    options: &FitOptions,
+) -> Result<MethodPoles, FitError> {
     let size = survey.pool_size(survey.expected(columns, options));
-    let pool = pool(survey, &columns.work, MIXTURES, size, options, Products::Orthonormal)?;
-    Ok(modes_of(survey, &signed(&pool), options, "relaxed vector fitting, poles chosen by their residues")?)
+    let pool = pool(
+        survey,
+        &columns.work,
+        MIXTURES,
+        size,
+        options,
+        Products::Orthonormal,
+    )?;
+    Ok(modes_of(
+        survey,
+        &signed(&pool),
+        options,
+        "relaxed vector fitting, poles chosen by their residues",
+    )?)
 }
 
 /// `size` poles by vector fitting on some mixtures of `work`, from the visible peaks.
@@ -47,11 +68,25 @@ pub(super) fn pool(
 ) -> Result<Pool, LinalgError> {
     let rows = survey.rows();
     let mixed = mixtures(work, count, options.seed);
-    let mixed = if rows.len() < mixed.lines() { mixed.select(&rows) } else { mixed };
-    vector_fit(&mixed, &starts(&mixed, &survey.seeds(), size), &POWERS, options.effort.pool_iterations, how)
+    let mixed = if rows.len() < mixed.lines() {
+        mixed.select(&rows)
+    } else {
+        mixed
+    };
+    vector_fit(
+        &mixed,
+        &starts(&mixed, &survey.seeds(), size),
+        &POWERS,
+        options.effort.pool_iterations,
+        how,
+    )
 }
 
 /// Poles of the pool with the sign of damping that they left with.
 pub(super) fn signed(pool: &Pool) -> Vec<Complex64> {
-    pool.lambda.iter().zip(&pool.flipped).map(|(pole, flipped)| if *flipped { pole.conj() } else { *pole }).collect()
+    pool.lambda
+        .iter()
+        .zip(&pool.flipped)
+        .map(|(pole, flipped)| if *flipped { pole.conj() } else { *pole })
+        .collect()
 }

@@ -38,10 +38,25 @@ impl GivenPoles {
             grade: (mode.trust, mode.reasons.clone()),
             given: None,
         };
-        let mut poles: Vec<Pole> = model.modes.iter().filter(|mode| mode.trust != Trust::Rejected).map(pole).collect();
-        // a pole beside the band may stand for several modes, each of which the model lists
+        let mut poles: Vec<Pole> = model
+            .modes
+            .iter()
+            .filter(|mode| mode.trust != Trust::Rejected)
+            .map(pole)
+            .collect();
+        // a pole beside the band may stand for several modes, each of which the model
+        // lists
         poles.dedup_by(|b, a| a.value == b.value);
-        Self { damping: model.damping, poles, powers: model.residual_terms.terms.iter().map(|term| term.power / 2).collect() }
+        Self {
+            damping: model.damping,
+            poles,
+            powers: model
+                .residual_terms
+                .terms
+                .iter()
+                .map(|term| term.power / 2)
+                .collect(),
+        }
     }
 
     /// Poles in the x plane.

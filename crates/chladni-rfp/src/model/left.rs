@@ -1,5 +1,6 @@
-//! What a model leaves of each FRF, without another look at the data: ‖b − A·c‖² = ‖b‖² − 2cᵀAᵀb + cᵀAᵀA·c over the reals, where the
-//! compressed columns stand for b in the product with A (theory.md, eq. 55).
+//! What a model leaves of each FRF, without another look at the data: ‖b − A·c‖² = ‖b‖² −
+//! 2cᵀAᵀb + cᵀAᵀA·c over the reals, where the compressed columns stand for b in the
+//! product with A (theory.md, eq. 55).
 
 use super::Shaped;
 use crate::head::Head;
@@ -8,21 +9,29 @@ use chladni_linalg::matmul;
 use ndarray::{s, Array2, ShapeBuilder};
 use rayon::prelude::*;
 
-/// Part of an FRF's energy that the difference of such sums knows a residual to; less, and it is rounding.
+/// Part of an FRF's energy that the difference of such sums knows a residual to; less,
+/// and it is rounding.
 const KNOWN: f64 = 1e-9;
 /// FRFs per block.
 const BLOCK: usize = 256;
 
-/// Sum of squares left of each FRF in work units of the measured data. `None` where no energies are known, where the columns are the FRFs
-/// themselves or not all lines, or where a residual lies in the rounding of these sums.
+/// Sum of squares left of each FRF in work units of the measured data. `None` where no
+/// energies are known, where the columns are the FRFs themselves or not all lines, or
+/// where a residual lies in the rounding of these sums.
 pub(super) fn above_rounding(shaped: &Shaped, data: &Head) -> Option<Vec<f64>> {
     let sums = sums(shaped, data)?;
-    sums.iter().all(|(left, energy)| left > &(KNOWN * energy)).then(|| sums.into_iter().map(|(left, _)| left).collect())
+    sums.iter()
+        .all(|(left, energy)| left > &(KNOWN * energy))
+        .then(|| sums.into_iter().map(|(left, _)| left).collect())
 }
 
 /// The same, rounding or not; empty where no energies are known.
 pub(super) fn by_sums(shaped: &Shaped, data: &Head) -> Vec<f64> {
-    sums(shaped, data).into_iter().flatten().map(|(left, _)| left.max(0.0)).collect()
+    sums(shaped, data)
+        .into_iter()
+        .flatten()
+        .map(|(left, _)| left.max(0.0))
+        .collect()
 }
 
 /// (left, energy) of each FRF, in work units of the measured data.
@@ -34,23 +43,35 @@ fn sums(shaped: &Shaped, data: &Head) -> Option<Vec<(f64, f64)>> {
         return None;
     }
     let basis = shaped.synthesis(data);
-    let (gram, against) = (wide_h(basis.view(), basis.view()), wide_h(basis.view(), stacked(&work.b).view()));
+    let (gram, against) = (
+        wide_h(basis.view(), basis.view()),
+        wide_h(basis.view(), stacked(&work.b).view()),
+    );
     let unit = data.factor().norm_sqr();
     let starts: Vec<usize> = (0..data.pairs.len()).step_by(BLOCK).collect();
     let of_block = |first: usize| {
         let frfs = first..(first + BLOCK).min(data.pairs.len());
         let mut c = Array2::zeros((basis.ncols(), frfs.len()).f());
         for (mut column, l) in c.columns_mut().into_iter().zip(frfs.clone()) {
-            shaped.coefficients(data, l, column.as_slice_memory_order_mut().expect("column-major"));
+            shaped.coefficients(
+                data,
+                l,
+                column.as_slice_memory_order_mut().expect("column-major"),
+            );
         }
         let met = matmul(against.view(), back.slice(s![.., frfs.clone()]));
         let own = matmul(gram.view(), c.view());
-        let sums = frfs.zip(c.columns()).zip(met.columns().into_iter().zip(own.columns()));
+        let sums = frfs
+            .zip(c.columns())
+            .zip(met.columns().into_iter().zip(own.columns()));
         sums.map(|((l, c), (met, own))| {
             let (i, j) = data.pairs[l];
             let weight = data.weight(i, j).iter().product::<f64>().powi(2);
             let energy = unit * data.energy[l];
-            ((energy - 2.0 * c.dot(&met) + c.dot(&own)) / weight, energy / weight)
+            (
+                (energy - 2.0 * c.dot(&met) + c.dot(&own)) / weight,
+                energy / weight,
+            )
         })
         .collect::<Vec<_>>()
     };

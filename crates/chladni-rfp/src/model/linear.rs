@@ -1,4 +1,5 @@
-//! What is linear at given poles: residues, residual terms, and how the one answers a change of the other.
+//! What is linear at given poles: residues, residual terms, and how the one answers a
+//! change of the other.
 
 use crate::head::Head;
 use crate::normal::{Parted, Plain};
@@ -19,7 +20,8 @@ pub(super) struct Linear {
     pub terms: Array2<Complex64>,
     /// Weight of residues with the residual terms eliminated, (mode, mode).
     pub weight: Array2<Complex64>,
-    /// How the residual terms answer a change of residues: (term, mode) in the structural law, stacked reals in the viscous.
+    /// How the residual terms answer a change of residues: (term, mode) in the structural
+    /// law, stacked reals in the viscous.
     pub answer: Answer,
     /// Sum of squares of the compressed columns at these poles.
     pub sse: f64,
@@ -30,11 +32,21 @@ pub(super) enum Answer {
     Viscous(Array2<f64>),
 }
 
-pub(super) fn linear(work: &Work, damping: Damping, poles: &[Complex64], powers: &[i32]) -> Result<Linear, LinalgError> {
+pub(super) fn linear(
+    work: &Work,
+    damping: Damping,
+    poles: &[Complex64],
+    powers: &[i32],
+) -> Result<Linear, LinalgError> {
     let (n, p) = (poles.len(), powers.len());
     match damping {
         Damping::Structural => {
-            let Parted { coefficients, weight, answer, sse } = match Plain::at(work, work.energy(), poles, powers) {
+            let Parted {
+                coefficients,
+                weight,
+                answer,
+                sse,
+            } = match Plain::at(work, work.energy(), poles, powers) {
                 Some(plain) => plain.parted(n)?,
                 None => on_orthonormal_basis(work, poles, powers)?,
             };
@@ -53,14 +65,20 @@ pub(super) fn linear(work: &Work, damping: Damping, poles: &[Complex64], powers:
             b.slice_mut(s![..lines, ..]).assign(&work.b.mapv(|v| v.re));
             b.slice_mut(s![lines.., ..]).assign(&work.b.mapv(|v| v.im));
             let solution = lstsq(a.view(), b.view())?;
-            let sse = (&b - &matmul(a.view(), solution.view())).iter().map(|v| v * v).sum();
+            let sse = (&b - &matmul(a.view(), solution.view()))
+                .iter()
+                .map(|v| v * v)
+                .sum();
             let pairs = |from: usize, count: usize| {
                 Array2::from_shape_fn((count, work.columns()), |(i, c)| {
                     Complex64::new(solution[[from + 2 * i, c]], solution[[from + 2 * i + 1, c]])
                 })
             };
-            // near-pole columns weigh the residues: the far pole adds a smooth part of order η
-            let near = Array2::from_shape_fn((lines, n).f(), |(k, i)| work.g[k] / (Complex64::new(0.0, work.x[k].sqrt()) - poles[i]));
+            // near-pole columns weigh the residues: the far pole adds a smooth part of
+            // order η
+            let near = Array2::from_shape_fn((lines, n).f(), |(k, i)| {
+                work.g[k] / (Complex64::new(0.0, work.x[k].sqrt()) - poles[i])
+            });
             let others = basis(work, &[], powers);
             Ok(Linear {
                 residues: pairs(0, n),
@@ -74,10 +92,17 @@ pub(super) fn linear(work: &Work, damping: Damping, poles: &[Complex64], powers:
 }
 
 /// Where the normal equations of the structural law lose too many digits.
-fn on_orthonormal_basis(work: &Work, poles: &[Complex64], powers: &[i32]) -> Result<Parted, LinalgError> {
+fn on_orthonormal_basis(
+    work: &Work,
+    poles: &[Complex64],
+    powers: &[i32],
+) -> Result<Parted, LinalgError> {
     let projection = Projection::new(work, poles, powers)?;
     let all = basis(work, poles, powers);
-    let (modes, others) = (all.slice(s![.., ..poles.len()]).to_owned(), all.slice(s![.., poles.len()..]).to_owned());
+    let (modes, others) = (
+        all.slice(s![.., ..poles.len()]).to_owned(),
+        all.slice(s![.., poles.len()..]).to_owned(),
+    );
     Ok(Parted {
         coefficients: projection.coefficients()?,
         weight: schur_weight(&modes, &others)?,
@@ -93,8 +118,13 @@ impl Answer {
             Self::Structural(answer) => *terms -= &wide(answer.view(), change.view()),
             Self::Viscous(answer) => {
                 let (n, m) = change.dim();
-                let stacked =
-                    Array2::from_shape_fn((2 * n, m).f(), |(i, c)| if i % 2 == 0 { change[[i / 2, c]].re } else { change[[i / 2, c]].im });
+                let stacked = Array2::from_shape_fn((2 * n, m).f(), |(i, c)| {
+                    if i % 2 == 0 {
+                        change[[i / 2, c]].re
+                    } else {
+                        change[[i / 2, c]].im
+                    }
+                });
                 let shift = wide(answer.view(), stacked.view());
                 for ((i, c), value) in terms.indexed_iter_mut() {
                     *value -= Complex64::new(shift[[2 * i, c]], shift[[2 * i + 1, c]]);
@@ -104,16 +134,24 @@ impl Answer {
     }
 }
 
-/// What the complex coefficients of poles and residual terms multiply, over the reals: (real and imaginary part of each line, real
-/// and imaginary part of each coefficient), both in turn, in work units.
-pub(super) fn synthesis(data: &Head, damping: Damping, poles: &[Complex64], powers: &[i32]) -> Array2<f64> {
+/// What the complex coefficients of poles and residual terms multiply, over the reals:
+/// (real and imaginary part of each line, real and imaginary part of each coefficient),
+/// both in turn, in work units.
+pub(super) fn synthesis(
+    data: &Head,
+    damping: Damping,
+    poles: &[Complex64],
+    powers: &[i32],
+) -> Array2<f64> {
     let axis = data.axis();
     match damping {
         Damping::Structural => real_basis(&basis(&axis, poles, powers)),
         Damping::Viscous => {
             let stacked = viscous_basis(&axis, poles, powers);
             let lines = axis.lines();
-            Array2::from_shape_fn(stacked.dim().f(), |(row, c)| stacked[[row / 2 + lines * (row % 2), c]])
+            Array2::from_shape_fn(stacked.dim().f(), |(row, c)| {
+                stacked[[row / 2 + lines * (row % 2), c]]
+            })
         }
     }
 }

@@ -25,11 +25,22 @@ fn to_si(data: &Head, damping: Damping, pole: &Pole) -> Complex64 {
 fn measured(data: &Head, shapes: &Shapes, n: usize) -> (Array1<Complex64>, Array1<Complex64>) {
     let (shape, participation) = (shapes.shape.row(n), shapes.participation.row(n));
     let of_responses = Array1::from_shape_fn(shape.len(), |i| shape[i] / data.weight(i, 0)[0]);
-    (of_responses, Array1::from_shape_fn(participation.len(), |j| participation[j] / data.weight(0, j)[1]))
+    (
+        of_responses,
+        Array1::from_shape_fn(participation.len(), |j| {
+            participation[j] / data.weight(0, j)[1]
+        }),
+    )
 }
 
-/// Scale of the shapes: of unit modal mass where the set has driving points and forces, one at the largest response otherwise.
-pub(super) fn scales(data: &Head, damping: Damping, poles: &[Pole], shapes: &Shapes) -> (Vec<Scale>, Scaling) {
+/// Scale of the shapes: of unit modal mass where the set has driving points and forces,
+/// one at the largest response otherwise.
+pub(super) fn scales(
+    data: &Head,
+    damping: Damping,
+    poles: &[Pole],
+    shapes: &Shapes,
+) -> (Vec<Scale>, Scaling) {
     // (response index, reference index, sign) of driving points
     let references = || data.references.iter().enumerate();
     let driving: Vec<(usize, usize, f64)> = data
@@ -37,40 +48,82 @@ pub(super) fn scales(data: &Head, damping: Damping, poles: &[Pole], shapes: &Sha
         .iter()
         .enumerate()
         .flat_map(|(i, r)| {
-            references().filter(move |(_, f)| r.same_axis(**f)).map(move |(j, f)| (i, j, r.direction.sign() * f.direction.sign()))
+            references()
+                .filter(move |(_, f)| r.same_axis(**f))
+                .map(move |(j, f)| (i, j, r.direction.sign() * f.direction.sign()))
         })
         .collect();
     let massed = !driving.is_empty() && data.reference_unit == ReferenceUnit::Newton;
     let of_term = |n: usize| {
         let (shape, participation) = measured(data, shapes, n);
         if massed {
-            // t² = Σ sign·conj(s)·L / Σ|s|² makes shape·t and participation/t agree at the driving points
+            // t² = Σ sign·conj(s)·L / Σ|s|² makes shape·t and participation/t agree at
+            // the driving points
             let si = to_si(data, damping, &poles[shapes.owner[n]]);
-            let up: Complex64 = driving.iter().map(|&(i, j, sign)| shape[i].conj() * participation[j] * si * sign).sum();
+            let up: Complex64 = driving
+                .iter()
+                .map(|&(i, j, sign)| shape[i].conj() * participation[j] * si * sign)
+                .sum();
             let down: f64 = driving.iter().map(|&(i, _, _)| shape[i].norm_sqr()).sum();
             let factor = (up / down).sqrt();
             if down > 0.0 && factor.norm() > 0.0 {
                 return Scale {
                     factor,
-                    response: driving.iter().map(|&(i, _, _)| (i, -0.5 * shape[i].conj() / (down * data.weight(i, 0)[0]))).collect(),
+                    response: driving
+                        .iter()
+                        .map(|&(i, _, _)| {
+                            (i, -0.5 * shape[i].conj() / (down * data.weight(i, 0)[0]))
+                        })
+                        .collect(),
                     reference: driving
                         .iter()
-                        .map(|&(i, j, sign)| (j, sign * shape[i].conj() * si / (2.0 * down * factor * factor * data.weight(0, j)[1])))
+                        .map(|&(i, j, sign)| {
+                            (
+                                j,
+                                sign * shape[i].conj() * si
+                                    / (2.0 * down * factor * factor * data.weight(0, j)[1]),
+                            )
+                        })
                         .collect(),
                 };
             }
-        } else if let Some((i, &largest)) = shape.indexed_iter().max_by(|a, b| a.1.norm_sqr().total_cmp(&b.1.norm_sqr())) {
+        } else if let Some((i, &largest)) = shape
+            .indexed_iter()
+            .max_by(|a, b| a.1.norm_sqr().total_cmp(&b.1.norm_sqr()))
+        {
             if largest.norm() > 0.0 {
-                return Scale { factor: largest.inv(), response: vec![(i, -largest.inv() / data.weight(i, 0)[0])], reference: Vec::new() };
+                return Scale {
+                    factor: largest.inv(),
+                    response: vec![(i, -largest.inv() / data.weight(i, 0)[0])],
+                    reference: Vec::new(),
+                };
             }
         }
-        Scale { factor: Complex64::new(1.0, 0.0), response: Vec::new(), reference: Vec::new() }
+        Scale {
+            factor: Complex64::new(1.0, 0.0),
+            response: Vec::new(),
+            reference: Vec::new(),
+        }
     };
-    ((0..shapes.owner.len()).map(of_term).collect(), if massed { Scaling::UnitModalMass } else { Scaling::Unscaled })
+    (
+        (0..shapes.owner.len()).map(of_term).collect(),
+        if massed {
+            Scaling::UnitModalMass
+        } else {
+            Scaling::Unscaled
+        },
+    )
 }
 
 /// Modes in SI units with the error `bars` of their terms.
-pub(super) fn modes(data: &Head, damping: Damping, poles: &[Pole], shapes: &Shapes, scales: &[Scale], bars: &ShapeBars) -> Vec<Mode> {
+pub(super) fn modes(
+    data: &Head,
+    damping: Damping,
+    poles: &[Pole],
+    shapes: &Shapes,
+    scales: &[Scale],
+    bars: &ShapeBars,
+) -> Vec<Mode> {
     (0..shapes.owner.len())
         .map(|n| {
             let pole = &poles[shapes.owner[n]];
@@ -79,10 +132,31 @@ pub(super) fn modes(data: &Head, damping: Damping, poles: &[Pole], shapes: &Shap
             let (shape, participation) = measured(data, shapes, n);
             let shape = shape.iter().map(|v| v * factor).collect();
             let participation = participation.iter().map(|v| v * si / factor).collect();
-            let deviation = |(i, v): (usize, &f64)| if v.is_finite() { v / data.weight(i, 0)[0] } else { 0.0 };
-            let deviation = bars.shape.row(n).iter().enumerate().map(deviation).collect();
+            let deviation = |(i, v): (usize, &f64)| {
+                if v.is_finite() {
+                    v / data.weight(i, 0)[0]
+                } else {
+                    0.0
+                }
+            };
+            let deviation = bars
+                .shape
+                .row(n)
+                .iter()
+                .enumerate()
+                .map(deviation)
+                .collect();
             let scale_std = scales[n].stated(bars.scale[n]);
-            Mode { scale_std, ..mode(data, pole, ComplexVector(shape), deviation, ComplexVector(participation)) }
+            Mode {
+                scale_std,
+                ..mode(
+                    data,
+                    pole,
+                    ComplexVector(shape),
+                    deviation,
+                    ComplexVector(participation),
+                )
+            }
         })
         .collect()
 }
@@ -100,9 +174,14 @@ pub(super) fn unscaled(unit: ReferenceUnit) -> String {
 }
 
 /// Modes of the band whose driving points say nothing of their scale.
-pub(super) fn scale_unknown<'a>(data: &Head, poles: impl Iterator<Item = &'a Pole>) -> Option<String> {
+pub(super) fn scale_unknown<'a>(
+    data: &Head,
+    poles: impl Iterator<Item = &'a Pole>,
+) -> Option<String> {
     let hz = data.omega_max / TAU;
-    let inside = poles.map(|pole| pole.omega * hz).filter(|f| (data.band_hz[0]..=data.band_hz[1]).contains(f));
+    let inside = poles
+        .map(|pole| pole.omega * hz)
+        .filter(|f| (data.band_hz[0]..=data.band_hz[1]).contains(f));
     let named: Vec<String> = inside.map(|f| format!("{f:.1}")).collect();
     (!named.is_empty()).then(|| {
         format!(
@@ -117,11 +196,23 @@ pub(super) fn scale_unknown<'a>(data: &Head, poles: impl Iterator<Item = &'a Pol
 pub(super) fn rejected_mode(data: &Head, pole: &Pole) -> Mode {
     let zeros = |count| ComplexVector(vec![Complex64::default(); count]);
     let (responses, references) = (data.responses.len(), data.references.len());
-    mode(data, pole, zeros(responses), vec![0.0; responses], zeros(references))
+    mode(
+        data,
+        pole,
+        zeros(responses),
+        vec![0.0; responses],
+        zeros(references),
+    )
 }
 
 /// A pole in Hz with its shape.
-fn mode(data: &Head, pole: &Pole, shape: ComplexVector, shape_std: Vec<f64>, participation: ComplexVector) -> Mode {
+fn mode(
+    data: &Head,
+    pole: &Pole,
+    shape: ComplexVector,
+    shape_std: Vec<f64>,
+    participation: ComplexVector,
+) -> Mode {
     let hz = data.omega_max / TAU;
     let frequency_hz = pole.omega * hz;
     Mode {

@@ -55,15 +55,20 @@ pub(crate) struct Identified {
 }
 
 impl Identified {
-    /// Noise variance of each FRF over that of a work value: columns that are scaled FRFs have each its own, mixtures share theirs.
+    /// Noise variance of each FRF over that of a work value: columns that are scaled FRFs
+    /// have each its own, mixtures share theirs.
     pub fn noise_of_frfs(&self) -> Option<Array1<f64>> {
         let back = self.back.as_ref()?;
-        let scaled = back.is_square() && back.indexed_iter().all(|((a, b), value)| a == b || *value == 0.0);
+        let scaled = back.is_square()
+            && back
+                .indexed_iter()
+                .all(|((a, b), value)| a == b || *value == 0.0);
         scaled.then(|| back.diag().mapv(|scale| scale * scale))
     }
 }
 
-/// Undamped frequency, loss factor and their deviations of a structural pole with the variances of Re λ and Im λ.
+/// Undamped frequency, loss factor and their deviations of a structural pole with the
+/// variances of Re λ and Im λ.
 pub(crate) fn structural_pole(lambda: Complex64, variance: [f64; 2], grade: Grade) -> Pole {
     let omega = lambda.re.max(0.0).sqrt();
     let deviation = variance.map(|v| v.max(0.0).sqrt());
@@ -84,7 +89,11 @@ pub(crate) fn viscous_pole(s: Complex64, covariance: [[f64; 2]; 2], grade: Grade
     let zeta = -s.re / omega;
     // ∂|s| = (Re s, Im s)/|s|; ∂ζ = (−Im², Re·Im)/|s|³
     let along = |g: [f64; 2]| {
-        (g[0] * g[0] * covariance[0][0] + 2.0 * g[0] * g[1] * covariance[0][1] + g[1] * g[1] * covariance[1][1]).max(0.0).sqrt()
+        (g[0] * g[0] * covariance[0][0]
+            + 2.0 * g[0] * g[1] * covariance[0][1]
+            + g[1] * g[1] * covariance[1][1])
+            .max(0.0)
+            .sqrt()
     };
     let cubed = omega.powi(3);
     Pole {
@@ -99,9 +108,21 @@ pub(crate) fn viscous_pole(s: Complex64, covariance: [[f64; 2]; 2], grade: Grade
 }
 
 impl Identified {
-    /// Poles of the chosen law with their deviations: in the viscous law from its own information matrix, where the residual is noise.
+    /// Poles of the chosen law with their deviations: in the viscous law from its own
+    /// information matrix, where the residual is noise.
     pub fn new(found: Found, law: Law) -> Result<Self, LinalgError> {
-        let Found { refined, work, back, variance, spread, measured, grades, path, warnings, consistent } = found;
+        let Found {
+            refined,
+            work,
+            back,
+            variance,
+            spread,
+            measured,
+            grades,
+            path,
+            warnings,
+            consistent,
+        } = found;
         let mut poles: Vec<Pole> = refined
             .lambda
             .iter()
@@ -112,9 +133,14 @@ impl Identified {
         if let Some(fit) = law.viscous {
             let own = match measured {
                 true => None,
-                false => Some(inverse_hermitian(fit.information(&work, &refined.powers)?.view())? * (0.5 * variance)),
+                false => Some(
+                    inverse_hermitian(fit.information(&work, &refined.powers)?.view())?
+                        * (0.5 * variance),
+                ),
             };
-            let sources: Vec<usize> = (0..poles.len()).filter(|&n| law::expressible_pole(refined.lambda[n])).collect();
+            let sources: Vec<usize> = (0..poles.len())
+                .filter(|&n| law::expressible_pole(refined.lambda[n]))
+                .collect();
             poles = fit
                 .poles
                 .iter()
@@ -123,9 +149,10 @@ impl Identified {
                 .map(|(n, (&s, source))| {
                     let grade = poles[source].grade.clone();
                     let covariance = match &own {
-                        Some(own) => {
-                            [[own[[2 * n, 2 * n]], own[[2 * n, 2 * n + 1]]], [own[[2 * n + 1, 2 * n]], own[[2 * n + 1, 2 * n + 1]]]]
-                        }
+                        Some(own) => [
+                            [own[[2 * n, 2 * n]], own[[2 * n, 2 * n + 1]]],
+                            [own[[2 * n + 1, 2 * n]], own[[2 * n + 1, 2 * n + 1]]],
+                        ],
                         // |ds| = |dλ|/(2|√λ|), alike in all directions
                         None => {
                             let c = 0.5 * spread[source] / (4.0 * refined.lambda[source].norm());
@@ -150,17 +177,29 @@ impl Identified {
         })
     }
 
-    /// The most that a sure mode of the band would shift by under the other damping law, in error bars.
+    /// The most that a sure mode of the band would shift by under the other damping law,
+    /// in error bars.
     pub fn shift_by_other_law(&self) -> f64 {
-        let sure = self.poles.iter().filter(|pole| pole.grade.0 == Trust::Sure && self.work.in_band((pole.omega * pole.omega).into()));
-        let shifts = sure.map(|pole| law::shift(pole.loss_factor, pole.omega_std / pole.omega, pole.loss_factor_std));
+        let sure = self.poles.iter().filter(|pole| {
+            pole.grade.0 == Trust::Sure && self.work.in_band((pole.omega * pole.omega).into())
+        });
+        let shifts = sure.map(|pole| {
+            law::shift(
+                pole.loss_factor,
+                pole.omega_std / pole.omega,
+                pole.loss_factor_std,
+            )
+        });
         shifts.filter(|shift| shift.is_finite()).fold(0.0, f64::max)
     }
 
-    /// Poles replaced by what structured refinement found for them; a mode seen only there is graded by its
-    /// error bar.
+    /// Poles replaced by what structured refinement found for them; a mode seen only
+    /// there is graded by its error bar.
     pub fn structured(mut self, structured: Structured) -> Self {
-        let (known, others): (Vec<Pole>, Vec<Pole>) = self.poles.into_iter().partition(|pole| structured.replaced.contains(&pole.value));
+        let (known, others): (Vec<Pole>, Vec<Pole>) = self
+            .poles
+            .into_iter()
+            .partition(|pole| structured.replaced.contains(&pole.value));
         self.poles = others;
         for found in structured.poles {
             let mut pole = structural_pole(
@@ -168,10 +207,14 @@ impl Identified {
                 found.spread.map(|v| v * self.variance),
                 uncertainty_grade(found.lambda, found.spread.map(|v| v * self.variance)),
             );
-            let nearest = known.iter().min_by(|a, b| (a.value - found.lambda).norm().total_cmp(&(b.value - found.lambda).norm()));
-            if let Some(nearest) =
-                nearest.filter(|pole| pole.grade.0 != Trust::Sure && (pole.value - found.lambda).norm() < found.lambda.im)
-            {
+            let nearest = known.iter().min_by(|a, b| {
+                (a.value - found.lambda)
+                    .norm()
+                    .total_cmp(&(b.value - found.lambda).norm())
+            });
+            if let Some(nearest) = nearest.filter(|pole| {
+                pole.grade.0 != Trust::Sure && (pole.value - found.lambda).norm() < found.lambda.im
+            }) {
                 pole.grade = nearest.grade.clone();
             }
             pole.given = Some((found.shape, found.participation));

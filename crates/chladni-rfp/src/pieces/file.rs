@@ -1,4 +1,5 @@
-//! Partials and poles as bytes: one line of JSON that says what follows, then the content.
+//! Partials and poles as bytes: one line of JSON that says what follows, then the
+//! content.
 //!
 //! ```text
 //! {"format":"chladni.partial","version":2,"created_by":"chladni 0.1.0","bytes":1234,"sha256":"..."}
@@ -59,13 +60,21 @@ impl Poles {
 }
 
 fn digest(content: &[u8]) -> String {
-    Sha256::digest(content).iter().map(|byte| format!("{byte:02x}")).collect()
+    Sha256::digest(content)
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
 }
 
 fn to_bytes(format: &str, content: &impl Serialize) -> Vec<u8> {
     let content = postcard::to_allocvec(content).expect("plain data of known length");
-    let head =
-        Head { format: format.into(), version: VERSION, created_by: CREATED_BY.into(), bytes: content.len(), sha256: digest(&content) };
+    let head = Head {
+        format: format.into(),
+        version: VERSION,
+        created_by: CREATED_BY.into(),
+        bytes: content.len(),
+        sha256: digest(&content),
+    };
     let mut bytes = serde_json::to_vec(&head).expect("plain data");
     bytes.push(b'\n');
     bytes.extend(content);
@@ -77,10 +86,16 @@ fn from_bytes<T: DeserializeOwned>(format: &str, bytes: &[u8]) -> Result<T, Erro
     let head: Option<Head> = end.and_then(|end| serde_json::from_slice(&bytes[..end]).ok());
     let (Some(end), Some(head)) = (end, head) else {
         let expected = format!("one line of JSON with \"format\":\"{format}\"");
-        return Err(Error::bad_data(format!("no {format} file")).field("first line").found("something else").expected(expected));
+        return Err(Error::bad_data(format!("no {format} file"))
+            .field("first line")
+            .found("something else")
+            .expected(expected));
     };
     if head.format != format {
-        return Err(Error::bad_data("a file of another kind").field("format").found(head.format).expected(format));
+        return Err(Error::bad_data("a file of another kind")
+            .field("format")
+            .found(head.format)
+            .expected(format));
     }
     if head.version != VERSION {
         return Err(Error::bad_data("a file of another version")
@@ -91,11 +106,21 @@ fn from_bytes<T: DeserializeOwned>(format: &str, bytes: &[u8]) -> Result<T, Erro
     }
     let content = &bytes[end + 1..];
     if content.len() != head.bytes {
-        return Err(Error::bad_data("the file is cut off or too long").field("bytes").found(content.len()).expected(head.bytes));
+        return Err(Error::bad_data("the file is cut off or too long")
+            .field("bytes")
+            .found(content.len())
+            .expected(head.bytes));
     }
     if digest(content) != head.sha256 {
-        return Err(Error::bad_data("the file is damaged").field("sha256").found(digest(content)).expected(head.sha256));
+        return Err(Error::bad_data("the file is damaged")
+            .field("sha256")
+            .found(digest(content))
+            .expected(head.sha256));
     }
-    postcard::from_bytes(content)
-        .map_err(|error| Error::bad_data("the content cannot be read").field("content").found(error).expected("what its first line says"))
+    postcard::from_bytes(content).map_err(|error| {
+        Error::bad_data("the content cannot be read")
+            .field("content")
+            .found(error)
+            .expected("what its first line says")
+    })
 }

@@ -10,20 +10,31 @@ use crate::work::basis;
 use chladni_frf::{FrfSet, ModalModel};
 use chladni_linalg::qr_thin;
 
-/// The model of the FRFs of one block with the poles, damping law and residual terms of `model`: shapes and participations are fitted,
-/// poles and their error bars are taken as they are.
+/// The model of the FRFs of one block with the poles, damping law and residual terms of
+/// `model`: shapes and participations are fitted, poles and their error bars are taken as
+/// they are.
 ///
 /// # Errors
 /// [`crate::FitError`]: the band of the model outside the data, no FRF with values.
-pub fn residues(frf: &FrfSet, model: &ModalModel, options: &FitOptions) -> Result<ModalModel, PieceError> {
-    let options = FitOptions { band_hz: Some(model.band_hz), ..options.clone() };
-    let unbiased = options.window.map_or(Ok(None), |window| window::undo(frf, window))?;
+pub fn residues(
+    frf: &FrfSet,
+    model: &ModalModel,
+    options: &FitOptions,
+) -> Result<ModalModel, PieceError> {
+    let options = FitOptions {
+        band_hz: Some(model.band_hz),
+        ..options.clone()
+    };
+    let unbiased = options
+        .window
+        .map_or(Ok(None), |window| window::undo(frf, window))?;
     let data = Screened::new(unbiased.as_ref().unwrap_or(frf), &options)?;
     let given = GivenPoles::new(model, data.omega_max);
     let given = if data.pairs.len() <= 2 * given.unknowns() {
         given.on(data.work(), None)?
     } else {
-        // products with the structural twins of viscous poles span nearly the same columns
+        // products with the structural twins of viscous poles span nearly the same
+        // columns
         let q = qr_thin(basis(&data.axis(), &given.lambda(), &given.powers).view())?.0;
         let projected = project(&data, &q, &data.sketch(options.seed).1)?;
         given.on(projected.work, Some(projected.back))?

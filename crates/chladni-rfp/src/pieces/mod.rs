@@ -1,4 +1,5 @@
-//! The fit in pieces, for data larger than memory and for many machines (theory.md, section 11).
+//! The fit in pieces, for data larger than memory and for many machines (theory.md,
+//! section 11).
 //!
 //! ```text
 //! block ── reduce ──> partial ─┐                       ┌─ reduce (with poles) ──> partial ─┐
@@ -6,12 +7,15 @@
 //! block ── ...                                         └─ reduce (with poles) ──> partial ─┘
 //! ```
 //!
-//! A block is any part of the FRFs with a number of its own. The first pass leaves a count sketch, the second the products with the basis of
-//! the poles that the sketch showed; both are sums over FRFs, a few megabytes whatever the size of the data. Sums are made in an order that
-//! the numbers of the blocks fix: the same blocks give the same bits in whatever order and grouping they arrive.
+//! A block is any part of the FRFs with a number of its own. The first pass leaves a
+//! count sketch, the second the products with the basis of the poles that the sketch
+//! showed; both are sums over FRFs, a few megabytes whatever the size of the data. Sums
+//! are made in an order that the numbers of the blocks fix: the same blocks give the same
+//! bits in whatever order and grouping they arrive.
 //!
-//! What needs the FRFs themselves again is left out, and a fit says so: weighing FRFs by their noise, and the checks for poles that move
-//! between FRFs, delayed references and windows.
+//! What needs the FRFs themselves again is left out, and a fit says so: weighing FRFs by
+//! their noise, and the checks for poles that move between FRFs, delayed references and
+//! windows.
 
 mod block;
 mod file;

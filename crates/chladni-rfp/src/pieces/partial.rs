@@ -32,7 +32,8 @@ pub(super) struct Block {
     pub nodes: Vec<Node>,
     /// (response, reference) of the FRFs used.
     pub pairs: Vec<(usize, usize)>,
-    /// Sum of squares of each FRF on the lines used, in SI units of the kind (second pass).
+    /// Sum of squares of each FRF on the lines used, in SI units of the kind (second
+    /// pass).
     pub energy: Vec<f64>,
     /// R₀, (unknown, FRF) (second pass).
     pub r0: Option<Matrix<f64>>,
@@ -40,7 +41,8 @@ pub(super) struct Block {
     pub sources: Vec<Source>,
 }
 
-/// Sums over the blocks `first..first + length`, where `length` is a power of two that divides `first`.
+/// Sums over the blocks `first..first + length`, where `length` is a power of two that
+/// divides `first`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Run {
     pub first: u64,
@@ -48,7 +50,8 @@ pub(super) struct Run {
     pub sums: Sums,
 }
 
-/// Sums over FRFs: the sketch of a first pass, the products of a second, or both of a first pass with the poles of a pilot.
+/// Sums over FRFs: the sketch of a first pass, the products of a second, or both of a
+/// first pass with the poles of a pilot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Sums {
     pub sketch: Option<SketchSums>,
@@ -85,20 +88,34 @@ impl Sums {
     /// What only one of both holds is lost.
     fn add(&mut self, other: Self) {
         fn sum<T: std::ops::AddAssign>(left: &mut [T], right: Vec<T>) {
-            left.iter_mut().zip(right).for_each(|(left, right)| *left += right);
+            left.iter_mut()
+                .zip(right)
+                .for_each(|(left, right)| *left += right);
         }
-        self.sketch = self.sketch.take().zip(other.sketch).map(|(mut sketch, other)| {
-            sum(&mut sketch.columns.values, other.columns.values);
-            sum(&mut sketch.counts, other.counts);
-            sum(&mut sketch.line_energy, other.line_energy);
-            sketch.bad.iter_mut().zip(other.bad).for_each(|(bad, other)| *bad |= other);
-            sketch
-        });
-        self.products = self.products.take().zip(other.products).map(|(mut products, other)| {
-            sum(&mut products.t.values, other.t.values);
-            sum(&mut products.gram.values, other.gram.values);
-            products
-        });
+        self.sketch = self
+            .sketch
+            .take()
+            .zip(other.sketch)
+            .map(|(mut sketch, other)| {
+                sum(&mut sketch.columns.values, other.columns.values);
+                sum(&mut sketch.counts, other.counts);
+                sum(&mut sketch.line_energy, other.line_energy);
+                sketch
+                    .bad
+                    .iter_mut()
+                    .zip(other.bad)
+                    .for_each(|(bad, other)| *bad |= other);
+                sketch
+            });
+        self.products = self
+            .products
+            .take()
+            .zip(other.products)
+            .map(|(mut products, other)| {
+                sum(&mut products.t.values, other.t.values);
+                sum(&mut products.gram.values, other.gram.values);
+                products
+            });
     }
 }
 
@@ -121,19 +138,28 @@ impl Partial {
             let whose = other.named();
             all.plan.same(&other.plan, &whose)?;
             if !same_poles(&all.poles, &other.poles) {
-                let pass =
-                    |poles: &Option<Arc<Poles>>| poles.as_ref().map_or("no poles".into(), |poles| format!("{} poles", poles.count()));
-                return Err(Error::bad_data(format!("{whose} was reduced with other poles"))
-                    .field("poles")
-                    .found(pass(&other.poles))
-                    .expected(format!("the same {}, as in the others", pass(&all.poles)))
-                    .help("reduce every block with the same poles"));
+                let pass = |poles: &Option<Arc<Poles>>| {
+                    poles.as_ref().map_or("no poles".into(), |poles| {
+                        format!("{} poles", poles.count())
+                    })
+                };
+                return Err(
+                    Error::bad_data(format!("{whose} was reduced with other poles"))
+                        .field("poles")
+                        .found(pass(&other.poles))
+                        .expected(format!("the same {}, as in the others", pass(&all.poles)))
+                        .help("reduce every block with the same poles"),
+                );
             }
             all.blocks.extend(other.blocks);
             all.runs.extend(other.runs);
         }
         all.blocks.sort_by_key(Block::key);
-        if let Some(twice) = all.blocks.windows(2).find(|pair| pair[0].key() == pair[1].key()) {
+        if let Some(twice) = all
+            .blocks
+            .windows(2)
+            .find(|pair| pair[0].key() == pair[1].key())
+        {
             return Err(Error::bad_data("a block stands twice")
                 .field("number of the block")
                 .found(twice[0].number)
@@ -163,13 +189,23 @@ impl Partial {
         for (piece, block) in self.blocks.iter_mut().enumerate() {
             (block.number, block.piece) = (number, piece as u64);
         }
-        self.runs = self.sums().map(|sums| Run { first: number, length: 1, sums }).into_iter().collect();
+        self.runs = self
+            .sums()
+            .map(|sums| Run {
+                first: number,
+                length: 1,
+                sums,
+            })
+            .into_iter()
+            .collect();
         self
     }
 
     /// Where the FRFs came from.
     pub fn with_sources(mut self, sources: &[Source]) -> Self {
-        self.blocks.iter_mut().for_each(|block| block.sources = sources.to_vec());
+        self.blocks
+            .iter_mut()
+            .for_each(|block| block.sources = sources.to_vec());
         self
     }
 
@@ -185,7 +221,9 @@ impl Partial {
 
     /// True where the block with this number is in it.
     pub fn holds(&self, number: u64) -> bool {
-        self.blocks.binary_search_by_key(&number, |block| block.number).is_ok()
+        self.blocks
+            .binary_search_by_key(&number, |block| block.number)
+            .is_ok()
     }
 
     /// The poles that the second pass was run with; `None` after the first.
@@ -206,7 +244,9 @@ impl Partial {
     pub fn sources(&self) -> Vec<Source> {
         let mut seen = HashSet::new();
         let all = self.blocks.iter().flat_map(|block| &block.sources);
-        all.filter(|source| seen.insert((&source.file, &source.sha256))).cloned().collect()
+        all.filter(|source| seen.insert((&source.file, &source.sha256)))
+            .cloned()
+            .collect()
     }
 
     /// The sums over all blocks.
@@ -220,7 +260,10 @@ impl Partial {
     fn named(&self) -> String {
         match self.blocks.as_slice() {
             [block] => format!("block {}", block.number),
-            [first, .., last] => format!("the partial with blocks {} to {}", first.number, last.number),
+            [first, .., last] => format!(
+                "the partial with blocks {} to {}",
+                first.number, last.number
+            ),
             [] => "an empty partial".into(),
         }
     }
@@ -237,6 +280,8 @@ fn same_poles(a: &Option<Arc<Poles>>, b: &Option<Arc<Poles>>) -> bool {
 impl Run {
     /// True where `right` follows, and both together are a run.
     fn is_sibling(&self, right: &Self) -> bool {
-        self.length == right.length && self.first.is_multiple_of(2 * self.length) && right.first == self.first + self.length
+        self.length == right.length
+            && self.first.is_multiple_of(2 * self.length)
+            && right.first == self.first + self.length
     }
 }

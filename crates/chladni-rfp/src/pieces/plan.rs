@@ -45,8 +45,17 @@ impl Plan {
     /// A head without DOFs on some lines.
     pub fn head(&self, lines: Vec<usize>, effort: Effort) -> Result<Head, FitError> {
         let (_, band_hz) = self.lines()?;
-        let head = Head::on_lines(ArrayView1::from(&self.frequency_hz), self.kind, lines, band_hz, effort);
-        Ok(Head { reference_unit: self.reference_unit, ..head })
+        let head = Head::on_lines(
+            ArrayView1::from(&self.frequency_hz),
+            self.kind,
+            lines,
+            band_hz,
+            effort,
+        );
+        Ok(Head {
+            reference_unit: self.reference_unit,
+            ..head
+        })
     }
 
     /// Whether `other` belongs to the same fit.
@@ -65,23 +74,40 @@ impl Plan {
             return error("FRF kind", other.kind.to_string(), self.kind.to_string());
         }
         if self.reference_unit != other.reference_unit {
-            return error("unit of the references", other.reference_unit.to_string(), self.reference_unit.to_string());
+            return error(
+                "unit of the references",
+                other.reference_unit.to_string(),
+                self.reference_unit.to_string(),
+            );
         }
         if self.frequency_hz != other.frequency_hz {
-            return error("frequency axis", described(&other.frequency_hz), described(&self.frequency_hz));
+            return error(
+                "frequency axis",
+                described(&other.frequency_hz),
+                described(&self.frequency_hz),
+            );
         }
         if self.band_hz != other.band_hz {
-            let words = |band: Option<[f64; 2]>| band.map_or("all lines".into(), |[low, high]| format!("{low} to {high} Hz"));
+            let words = |band: Option<[f64; 2]>| {
+                band.map_or("all lines".into(), |[low, high]| {
+                    format!("{low} to {high} Hz")
+                })
+            };
             return error("band", words(other.band_hz), words(self.band_hz));
         }
         if self.seed != other.seed {
             return error("seed", other.seed.to_string(), self.seed.to_string());
         }
         if self.columns != other.columns {
-            return error("columns of the sketch", other.columns.to_string(), self.columns.to_string());
+            return error(
+                "columns of the sketch",
+                other.columns.to_string(),
+                self.columns.to_string(),
+            );
         }
         if self.window != other.window {
-            let words = |window: &Option<String>| window.clone().unwrap_or_else(|| "not said".into());
+            let words =
+                |window: &Option<String>| window.clone().unwrap_or_else(|| "not said".into());
             return error("window", words(&other.window), words(&self.window));
         }
         Ok(())
@@ -91,5 +117,10 @@ impl Plan {
 /// An axis in words.
 fn described(frequency_hz: &[f64]) -> String {
     let end = |f: Option<&f64>| f.copied().unwrap_or(f64::NAN);
-    format!("{} lines from {} to {} Hz", frequency_hz.len(), end(frequency_hz.first()), end(frequency_hz.last()))
+    format!(
+        "{} lines from {} to {} Hz",
+        frequency_hz.len(),
+        end(frequency_hz.first()),
+        end(frequency_hz.last())
+    )
 }

@@ -1,4 +1,5 @@
-//! Poles that a merged sketch shows, with what the second pass and its solution need to know.
+//! Poles that a merged sketch shows, with what the second pass and its solution need to
+//! know.
 
 use super::plan::Plan;
 use crate::found::Grade;
@@ -29,7 +30,8 @@ pub struct Poles {
     pub(super) modes: Option<usize>,
     /// Outlier lines left out, Hz.
     pub(super) dropped_hz: Vec<f64>,
-    /// How often poles were sought: the second pass may show that they must be sought again.
+    /// How often poles were sought: the second pass may show that they must be sought
+    /// again.
     pub(super) rounds: usize,
     pub(super) path: Path,
 }
@@ -40,7 +42,12 @@ pub(super) enum Path {
     /// Fast chain; what was tried: (poles, residual variance), in order.
     Fast { history: Vec<(usize, f64)> },
     /// Measured-data path, and why; E|δλ|² and grade of each pole.
-    Measured { evidence: String, spread: Vec<f64>, grades: Vec<Grade>, warnings: Vec<String> },
+    Measured {
+        evidence: String,
+        spread: Vec<f64>,
+        grades: Vec<Grade>,
+        warnings: Vec<String>,
+    },
     /// Stopped: every resonance turns the wrong way.
     Conjugated,
 }
@@ -68,7 +75,9 @@ impl<T: Copy> From<Array2<T>> for Matrix<T> {
 impl<T: Copy> Matrix<T> {
     pub fn array(&self) -> Array2<T> {
         let columns = self.values.len().checked_div(self.rows).unwrap_or(0);
-        Array2::from_shape_fn(ndarray::ShapeBuilder::f((self.rows, columns)), |(i, c)| self.values[c * self.rows + i])
+        Array2::from_shape_fn(ndarray::ShapeBuilder::f((self.rows, columns)), |(i, c)| {
+            self.values[c * self.rows + i]
+        })
     }
 }
 
@@ -78,18 +87,44 @@ impl Poles {
         self.lambda.len()
     }
 
-    /// Options of the first pass, to run the second with: band, seed, window, sketch, and the number of modes asked for.
+    /// Options of the first pass, to run the second with: band, seed, window, sketch, and
+    /// the number of modes asked for.
     pub fn options(&self) -> FitOptions {
-        let window = self.plan.window.as_deref().and_then(|name| name.parse().ok());
-        let effort = Effort { sketch_columns: self.plan.columns, ..Effort::default() };
-        FitOptions { band_hz: self.plan.band_hz, modes: self.modes, seed: self.plan.seed, window, effort, ..FitOptions::default() }
+        let window = self
+            .plan
+            .window
+            .as_deref()
+            .and_then(|name| name.parse().ok());
+        let effort = Effort {
+            sketch_columns: self.plan.columns,
+            ..Effort::default()
+        };
+        FitOptions {
+            band_hz: self.plan.band_hz,
+            modes: self.modes,
+            seed: self.plan.seed,
+            window,
+            effort,
+            ..FitOptions::default()
+        }
     }
 
-    /// Natural frequencies and loss factors of the poles of the band, by rising frequency, as far as the sketch tells them.
+    /// Natural frequencies and loss factors of the poles of the band, by rising
+    /// frequency, as far as the sketch tells them.
     pub fn modes(&self) -> Vec<(f64, f64)> {
-        let hz = self.lines.last().map_or(0.0, |&k| self.plan.frequency_hz[k]);
-        let first = self.lines.first().map_or(0.0, |&k| self.plan.frequency_hz[k]);
-        let mut modes: Vec<(f64, f64)> = self.lambda.iter().map(|l| (l.re.max(0.0).sqrt() * hz, l.im / l.re)).collect();
+        let hz = self
+            .lines
+            .last()
+            .map_or(0.0, |&k| self.plan.frequency_hz[k]);
+        let first = self
+            .lines
+            .first()
+            .map_or(0.0, |&k| self.plan.frequency_hz[k]);
+        let mut modes: Vec<(f64, f64)> = self
+            .lambda
+            .iter()
+            .map(|l| (l.re.max(0.0).sqrt() * hz, l.im / l.re))
+            .collect();
         modes.retain(|mode| mode.0 >= first && mode.0 <= hz);
         modes.sort_by(|a, b| a.0.total_cmp(&b.0));
         modes
@@ -106,6 +141,9 @@ impl Poles {
 
     /// Lines and scale, without DOFs.
     pub(super) fn head(&self, effort: Effort) -> Result<Head, FitError> {
-        Ok(Head { rms: self.rms, ..self.plan.head(self.lines.clone(), effort)? })
+        Ok(Head {
+            rms: self.rms,
+            ..self.plan.head(self.lines.clone(), effort)?
+        })
     }
 }

@@ -16,7 +16,11 @@ impl Factor {
     /// # Errors
     /// Not positive definite.
     pub fn new(matrix: &Array2<Complex64>, real: bool) -> Result<Self, LinalgError> {
-        Ok(if real { Self::Real(cholesky(parts(matrix).view())?) } else { Self::Complex(cholesky(matrix.view())?) })
+        Ok(if real {
+            Self::Real(cholesky(parts(matrix).view())?)
+        } else {
+            Self::Complex(cholesky(matrix.view())?)
+        })
     }
 
     /// (LLᴴ)⁻¹·`right`, which is real where the matrix is.
@@ -24,8 +28,14 @@ impl Factor {
     /// # Errors
     /// Sizes that do not fit.
     pub fn solve(&self, right: &Array2<Complex64>) -> Result<Array2<Complex64>, LinalgError> {
-        fn solved<T: Scalar>(lower: &Array2<T>, right: &Array2<T>) -> Result<Array2<T>, LinalgError> {
-            solve_lower_adjoint(lower.view(), solve_lower(lower.view(), right.view())?.view())
+        fn solved<T: Scalar>(
+            lower: &Array2<T>,
+            right: &Array2<T>,
+        ) -> Result<Array2<T>, LinalgError> {
+            solve_lower_adjoint(
+                lower.view(),
+                solve_lower(lower.view(), right.view())?.view(),
+            )
         }
         match self {
             Self::Real(lower) => Ok(solved(lower, &parts(right))?.mapv(Complex64::from)),
@@ -38,11 +48,21 @@ impl Factor {
     /// # Errors
     /// None but those of the kernel.
     pub fn inverse_diagonal(&self, places: &[usize]) -> Result<Vec<f64>, LinalgError> {
-        fn squares<T: Scalar>(lower: &Array2<T>, places: &[usize]) -> Result<Vec<f64>, LinalgError> {
+        fn squares<T: Scalar>(
+            lower: &Array2<T>,
+            places: &[usize],
+        ) -> Result<Vec<f64>, LinalgError> {
             let mut units = Array2::zeros((lower.nrows(), places.len()));
-            places.iter().enumerate().for_each(|(c, &place)| units[[place, c]] = T::of_real(1.0));
+            places
+                .iter()
+                .enumerate()
+                .for_each(|(c, &place)| units[[place, c]] = T::of_real(1.0));
             let half = solve_lower(lower.view(), units.view())?;
-            Ok(half.columns().into_iter().map(|column| column.iter().map(|v| v.modulus().powi(2)).sum()).collect())
+            Ok(half
+                .columns()
+                .into_iter()
+                .map(|column| column.iter().map(|v| v.modulus().powi(2)).sum())
+                .collect())
         }
         match self {
             Self::Real(lower) => squares(lower, places),

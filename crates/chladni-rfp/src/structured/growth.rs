@@ -1,7 +1,8 @@
-//! Modes that only the common structure shows: a rank-one term added where it takes most out of the residual.
+//! Modes that only the common structure shows: a rank-one term added where it takes most
+//! out of the residual.
 //!
-//! Past a modal overlap of about two, free residues explain two modes by one pole; rank-one residues cannot, and what they
-//! leave has the missing mode's shape.
+//! Past a modal overlap of about two, free residues explain two modes by one pole;
+//! rank-one residues cannot, and what they leave has the missing mode's shape.
 
 use super::newton::State;
 use super::target::Target;
@@ -14,13 +15,20 @@ use num_complex::Complex64;
 
 /// Candidates per block of products.
 const BLOCK: usize = 64;
-/// Power iterations for the largest singular value: a lower bound within a few per cent, enough to rank places.
+/// Power iterations for the largest singular value: a lower bound within a few per cent,
+/// enough to rank places.
 const POWER_STEPS: usize = 8;
 
 /// Largest singular value squared of a matrix and its right singular vector.
 fn strongest(matrix: &Array2<Complex64>) -> (f64, Array1<Complex64>) {
-    let energy = |row: ndarray::ArrayView1<Complex64>| row.iter().map(|v| v.norm_sqr()).sum::<f64>();
-    let start = matrix.rows().into_iter().max_by(|a, b| energy(*a).total_cmp(&energy(*b))).expect("a DOF").mapv(|v| v.conj());
+    let energy =
+        |row: ndarray::ArrayView1<Complex64>| row.iter().map(|v| v.norm_sqr()).sum::<f64>();
+    let start = matrix
+        .rows()
+        .into_iter()
+        .max_by(|a, b| energy(*a).total_cmp(&energy(*b)))
+        .expect("a DOF")
+        .mapv(|v| v.conj());
     let mut vector = start;
     let mut value = 0.0;
     for _ in 0..POWER_STEPS {
@@ -36,9 +44,13 @@ fn strongest(matrix: &Array2<Complex64>) -> (f64, Array1<Complex64>) {
     (value, vector)
 }
 
-/// The pole and participations of the rank-one term that would take most energy out of the residual of `state`, if more than
-/// `limit`.
-pub(super) fn candidate(target: &Target, state: &State, limit: f64) -> Result<Option<(Complex64, Array1<Complex64>)>, LinalgError> {
+/// The pole and participations of the rank-one term that would take most energy out of
+/// the residual of `state`, if more than `limit`.
+pub(super) fn candidate(
+    target: &Target,
+    state: &State,
+    limit: f64,
+) -> Result<Option<(Complex64, Array1<Complex64>)>, LinalgError> {
     let work = target.work;
     // a second term at a known pole: a repeated one
     let mut grid = state.lambda.clone();
@@ -48,10 +60,18 @@ pub(super) fn candidate(target: &Target, state: &State, limit: f64) -> Result<Op
     let mut best: Option<(f64, Complex64, Array1<Complex64>)> = None;
     for chunk in grid.chunks(BLOCK) {
         let columns = target.outside(&basis(work, chunk, &[]));
-        let left = target.against(&columns) - wide(matmul_h(columns.view(), modes.view()).view(), residues.view());
+        let left = target.against(&columns)
+            - wide(
+                matmul_h(columns.view(), modes.view()).view(),
+                residues.view(),
+            );
         for (c, &pole) in chunk.iter().enumerate() {
             let norm: f64 = columns.column(c).iter().map(|v| v.norm_sqr()).sum();
-            let matrix = left.index_axis(Axis(0), c).to_shape(target.sides).expect("own · other values").to_owned();
+            let matrix = left
+                .index_axis(Axis(0), c)
+                .to_shape(target.sides)
+                .expect("own · other values")
+                .to_owned();
             let (value, vector) = strongest(&matrix);
             let gain = value / norm;
             if norm > 0.0 && gain > limit && best.as_ref().is_none_or(|(most, _, _)| gain > *most) {

@@ -1,8 +1,10 @@
-//! Poles and participations together, shapes eliminated: variable projection on rank-one residues (theory.md, eq. 26–29).
+//! Poles and participations together, shapes eliminated: variable projection on rank-one
+//! residues (theory.md, eq. 26–29).
 //!
-//! The stacked problem (lines × references rows, one right-hand side per response) is never formed: every product of its
-//! columns φ_n⊗L_n factors into a product over lines and one over references. One step costs the line products, 16Nn(2n + r),
-//! and one small Hermitian solve per cluster of overlapping modes.
+//! The stacked problem (lines × references rows, one right-hand side per response) is
+//! never formed: every product of its columns φ_n⊗L_n factors into a product over lines
+//! and one over references. One step costs the line products, 16Nn(2n + r), and one small
+//! Hermitian solve per cluster of overlapping modes.
 
 use super::factor::Factor;
 use super::tangent::{overlapping, pivot, taken, unknowns, LineProducts, Tangent, Unknown};
@@ -70,16 +72,27 @@ struct Factored {
 
 impl State {
     /// Shapes by linear least squares at poles and participations.
-    pub fn new(target: &Target, lambda: Vec<Complex64>, participation: Array2<Complex64>, real: bool) -> Result<Self, LinalgError> {
+    pub fn new(
+        target: &Target,
+        lambda: Vec<Complex64>,
+        participation: Array2<Complex64>,
+        real: bool,
+    ) -> Result<Self, LinalgError> {
         let mut participation = participation;
-        let pivot: Vec<usize> = (0..lambda.len()).map(|n| pivot(&participation, n)).collect();
+        let pivot: Vec<usize> = (0..lambda.len())
+            .map(|n| pivot(&participation, n))
+            .collect();
         for (mut row, &at) in participation.rows_mut().into_iter().zip(&pivot) {
             let value = row[at];
             row.mapv_inplace(|v| taken(real, v / value));
         }
         let products = Products::new(target, &lambda);
         let along = matmul(conjugate(&participation).view(), participation.t());
-        let gram_inverse = inverse_hermitian((&products.lines.ff * &along).mapv(|v| taken(real, v)).view())?;
+        let gram_inverse = inverse_hermitian(
+            (&products.lines.ff * &along)
+                .mapv(|v| taken(real, v))
+                .view(),
+        )?;
         let shapes = products.shapes(target, &participation, &gram_inverse, real);
         let across = matmul(conjugate(&shapes.shape).view(), shapes.shape.t());
         Ok(Self {
@@ -100,11 +113,14 @@ impl State {
     pub fn residues(&self) -> Array2<Complex64> {
         let (shape, other) = (&self.shapes.shape, self.participation.ncols());
         let size = (self.lambda.len(), shape.ncols() * other);
-        Array2::from_shape_fn(size.f(), |(n, l)| shape[[n, l / other]] * self.participation[[n, l % other]])
+        Array2::from_shape_fn(size.f(), |(n, l)| {
+            shape[[n, l / other]] * self.participation[[n, l % other]]
+        })
     }
 
-    /// Gauss–Newton matrix of the given unknowns, shapes eliminated. Two terms of one pole may share their participations in any way: a
-    /// trace of each derivative's own size keeps the matrix regular.
+    /// Gauss–Newton matrix of the given unknowns, shapes eliminated. Two terms of one
+    /// pole may share their participations in any way: a trace of each derivative's own
+    /// size keeps the matrix regular.
     fn information(&self, unknowns: &[Unknown]) -> Array2<Complex64> {
         let tangent = Tangent {
             lines: &self.products.lines,
@@ -124,14 +140,24 @@ impl State {
         let (l, along, across) = (&self.participation, &self.along, &self.across);
         let modes = 0..self.lambda.len();
         Array2::from_shape_fn((unknowns.len(), 1), |(a, _)| {
-            let Unknown { mode: m, other: j, unit } = unknowns[a];
+            let Unknown {
+                mode: m,
+                other: j,
+                unit,
+            } = unknowns[a];
             let value = match j {
                 None => {
-                    let model = modes.clone().map(|p| fd[[p, m]].conj() * across[[m, p]] * along[[m, p]]).sum::<Complex64>();
+                    let model = modes
+                        .clone()
+                        .map(|p| fd[[p, m]].conj() * across[[m, p]] * along[[m, p]])
+                        .sum::<Complex64>();
                     self.shapes.along_both[[m, 0]] - model
                 }
                 Some(j) => {
-                    let model = modes.clone().map(|p| ff[[m, p]] * across[[m, p]] * l[[p, j]]).sum::<Complex64>();
+                    let model = modes
+                        .clone()
+                        .map(|p| ff[[m, p]] * across[[m, p]] * l[[p, j]])
+                        .sum::<Complex64>();
                     self.shapes.along_shape[[m, j]] - model
                 }
             };
@@ -146,8 +172,14 @@ impl State {
             .map(|modes| {
                 let unknowns = unknowns(&modes, &self.participation, self.real);
                 let mut matrix = self.information(&unknowns);
-                matrix.diag_mut().mapv_inplace(|d| Complex64::new(d.re * (1.0 + damping) + f64::MIN_POSITIVE, 0.0));
-                Ok(Factored { matrix: Factor::new(&matrix, self.real)?, modes, unknowns })
+                matrix.diag_mut().mapv_inplace(|d| {
+                    Complex64::new(d.re * (1.0 + damping) + f64::MIN_POSITIVE, 0.0)
+                });
+                Ok(Factored {
+                    matrix: Factor::new(&matrix, self.real)?,
+                    modes,
+                    unknowns,
+                })
             })
             .collect()
     }
@@ -156,7 +188,12 @@ impl State {
     fn stepped(&self, target: &Target, clusters: &[Factored]) -> Result<(Self, f64), LinalgError> {
         let (mut lambda, mut participation) = (self.lambda.clone(), self.participation.clone());
         let mut largest = 0.0_f64;
-        for Factored { modes, unknowns, matrix } in clusters {
+        for Factored {
+            modes,
+            unknowns,
+            matrix,
+        } in clusters
+        {
             let step = matrix.solve(&self.gradient(unknowns))?;
             let mut moves = vec![Complex64::default(); self.lambda.len()];
             for (unknown, &value) in unknowns.iter().zip(&step) {
@@ -172,22 +209,28 @@ impl State {
                 lambda[n].im = lambda[n].im.max(0.1 * self.lambda[n].im);
             }
         }
-        Ok((Self::new(target, lambda, participation, self.real)?, largest))
+        Ok((
+            Self::new(target, lambda, participation, self.real)?,
+            largest,
+        ))
     }
 
-    /// Gauss–Newton with Levenberg–Marquardt damping until it is [`Enough`]. Short steps keep the matrices of the step before: they
-    /// hardly change, and cost more than all else.
+    /// Gauss–Newton with Levenberg–Marquardt damping until it is [`Enough`]. Short steps
+    /// keep the matrices of the step before: they hardly change, and cost more than all
+    /// else.
     pub fn refined(mut self, target: &Target, enough: Enough) -> Self {
         let mut damping = tol::LM_START;
         let mut clusters = None;
-        // the sum of squares is a difference of large numbers: near the end its rounding must not refuse good steps
+        // the sum of squares is a difference of large numbers: near the end its rounding
+        // must not refuse good steps
         let rounding = tol::STEP_ROUNDING * target.energy;
         for _ in 0..tol::REFINE_FINE {
             let factored = clusters.take().map_or_else(|| self.factored(damping), Ok);
             match factored.and_then(|clusters| Ok((self.stepped(target, &clusters)?, clusters))) {
                 Ok(((next, largest), kept)) if next.sse <= self.sse + rounding => {
                     let drop = self.sse - next.sse;
-                    clusters = (largest < tol::MATRIX_KEPT && next.pivot == self.pivot).then_some(kept);
+                    clusters =
+                        (largest < tol::MATRIX_KEPT && next.pivot == self.pivot).then_some(kept);
                     self = next;
                     damping *= 0.1;
                     if enough.is_reached(largest, drop) {
@@ -210,12 +253,26 @@ impl State {
     pub fn spread(&self) -> Vec<[f64; 2]> {
         let of_cluster = |cluster: Vec<usize>| {
             let unknowns = unknowns(&cluster, &self.participation, self.real);
-            let poles: Vec<usize> = (0..unknowns.len()).filter(|&a| unknowns[a].other.is_none()).collect();
-            let variances = Factor::new(&self.information(&unknowns), self.real).ok()?.inverse_diagonal(&poles).ok()?;
-            Some(poles.into_iter().map(|a| unknowns[a]).zip(variances).collect::<Vec<_>>())
+            let poles: Vec<usize> = (0..unknowns.len())
+                .filter(|&a| unknowns[a].other.is_none())
+                .collect();
+            let variances = Factor::new(&self.information(&unknowns), self.real)
+                .ok()?
+                .inverse_diagonal(&poles)
+                .ok()?;
+            Some(
+                poles
+                    .into_iter()
+                    .map(|a| unknowns[a])
+                    .zip(variances)
+                    .collect::<Vec<_>>(),
+            )
         };
         let mut spread = vec![[f64::INFINITY; 2]; self.lambda.len()];
-        let clusters: Vec<_> = overlapping(&self.lambda).into_par_iter().filter_map(of_cluster).collect();
+        let clusters: Vec<_> = overlapping(&self.lambda)
+            .into_par_iter()
+            .filter_map(of_cluster)
+            .collect();
         for (unknown, variance) in clusters.into_iter().flatten() {
             let half = 0.5 * variance;
             match (self.real, unknown.unit.im != 0.0) {

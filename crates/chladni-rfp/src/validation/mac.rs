@@ -4,7 +4,8 @@ use chladni_frf::ModalModel;
 use ndarray::Array2;
 use num_complex::Complex64;
 
-/// Modal assurance criterion of two shapes, 0..=1: |aᴴb|²/((aᴴa)(bᴴb)); 0 where one of them is zero.
+/// Modal assurance criterion of two shapes, 0..=1: |aᴴb|²/((aᴴa)(bᴴb)); 0 where one of
+/// them is zero.
 pub fn mac(a: &[Complex64], b: &[Complex64]) -> f64 {
     let dot: Complex64 = a.iter().zip(b).map(|(x, y)| x.conj() * y).sum();
     let norm = |v: &[Complex64]| v.iter().map(|c| c.norm_sqr()).sum::<f64>();
@@ -21,10 +22,14 @@ pub fn mac_matrix(a: &[&[Complex64]], b: &[&[Complex64]]) -> Array2<f64> {
     Array2::from_shape_fn((a.len(), b.len()), |(i, j)| mac(a[i], b[j]))
 }
 
-/// MAC of the in-band modes of a model with each other: (mode, mode), 1 on the diagonal. High values beside it mean that the
-/// responses cannot tell these shapes apart (too few points, or one mode taken for two).
+/// MAC of the in-band modes of a model with each other: (mode, mode), 1 on the diagonal.
+/// High values beside it mean that the responses cannot tell these shapes apart (too few
+/// points, or one mode taken for two).
 pub fn auto_mac(model: &ModalModel) -> Array2<f64> {
-    let shapes: Vec<&[Complex64]> = model.in_band_modes().map(|mode| mode.shape.0.as_slice()).collect();
+    let shapes: Vec<&[Complex64]> = model
+        .in_band_modes()
+        .map(|mode| mode.shape.0.as_slice())
+        .collect();
     mac_matrix(&shapes, &shapes)
 }
 
@@ -36,7 +41,10 @@ mod tests {
     fn shapes_up_to_a_factor_agree_fully_and_orthogonal_ones_not_at_all() {
         let real = |values: [f64; 3]| values.map(|v| Complex64::new(v, 0.0)).to_vec();
         let (a, orthogonal) = (real([1.0, 2.0, -1.0]), real([1.0, 0.0, 1.0]));
-        let turned: Vec<Complex64> = a.iter().map(|v| v * Complex64::from_polar(3.0, 1.0)).collect();
+        let turned: Vec<Complex64> = a
+            .iter()
+            .map(|v| v * Complex64::from_polar(3.0, 1.0))
+            .collect();
         assert!((mac(&a, &turned) - 1.0).abs() < 1e-14);
         assert!(mac(&a, &orthogonal) < 1e-30);
         // cos² of 45°

@@ -1,5 +1,6 @@
-//! Yardsticks of modal testing: of shapes (MAC, phase collinearity and deviation, complexity), of FRFs (mode indicator,
-//! reciprocity), and of a model against its data (reconstruction error).
+//! Yardsticks of modal testing: of shapes (MAC, phase collinearity and deviation,
+//! complexity), of FRFs (mode indicator, reciprocity), and of a model against its data
+//! (reconstruction error).
 
 mod cmif;
 mod complexity;

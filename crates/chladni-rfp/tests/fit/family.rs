@@ -6,7 +6,16 @@ use chladni_rfp::{fit, stabilization, FitError, FitOptions, Method, Stability};
 use ndarray::Array1;
 
 fn run(frf: &FrfSet, method: Method, modes: Option<usize>) -> Result<ModalModel, FitError> {
-    fit(frf, &FitOptions { method, modes, ..FitOptions::default() }, &|_| {}).map(|fit| fit.model)
+    fit(
+        frf,
+        &FitOptions {
+            method,
+            modes,
+            ..FitOptions::default()
+        },
+        &|_| {},
+    )
+    .map(|fit| fit.model)
 }
 
 /// Six separate modes, 24 FRFs.
@@ -26,7 +35,10 @@ fn easy() -> Synthetic {
 /// A hundred modes on a fine axis, four FRFs, no noise.
 fn hundred() -> Synthetic {
     Synthetic {
-        natural_frequency_hz: (0..100).map(f64::from).map(|n| 30.0 + 10.0 * n + 2.0 * n.sin()).collect(),
+        natural_frequency_hz: (0..100)
+            .map(f64::from)
+            .map(|n| 30.0 + 10.0 * n + 2.0 * n.sin())
+            .collect(),
         loss_factor: vec![0.01],
         responses: 4,
         references: 1,
@@ -42,7 +54,15 @@ fn errors(truth: &ModalModel, model: &ModalModel) -> Vec<f64> {
         let half = 0.5 * b.loss_factor * b.frequency_hz;
         ((a.frequency_hz - b.frequency_hz) / half).hypot(a.loss_factor / b.loss_factor - 1.0)
     };
-    truth.in_band_modes().map(|t| model.in_band_modes().map(|m| distance(m, t)).fold(f64::INFINITY, f64::min)).collect()
+    truth
+        .in_band_modes()
+        .map(|t| {
+            model
+                .in_band_modes()
+                .map(|m| distance(m, t))
+                .fold(f64::INFINITY, f64::min)
+        })
+        .collect()
 }
 
 fn worst(truth: &ModalModel, model: &ModalModel) -> f64 {
@@ -57,7 +77,8 @@ fn zeroed(frf: &FrfSet) -> FrfSet {
     frf
 }
 
-/// Largest error in half-bandwidths on the easy case: the method's own bias, some times the noise.
+/// Largest error in half-bandwidths on the easy case: the method's own bias, some times
+/// the noise.
 const TOLERANCE: [(Method, f64); 10] = [
     (Method::Auto, 0.01),
     (Method::Lean, 0.01),
@@ -83,7 +104,11 @@ fn every_method_finds_separate_modes_and_says_its_name() {
             assert_eq!(model.in_band_modes().count(), 6, "{method} {modes:?}");
             assert_eq!(model.method, method.as_str());
             assert!(model.quality.trusted, "{method}: {:?}", model.quality);
-            assert!(model.quality.relative_error < 0.05, "{method}: {}", model.quality.relative_error);
+            assert!(
+                model.quality.relative_error < 0.05,
+                "{method}: {}",
+                model.quality.relative_error
+            );
         }
     }
 }
@@ -92,11 +117,21 @@ fn every_method_finds_separate_modes_and_says_its_name() {
 fn bars_of_every_method_hold_its_bias() {
     let set = easy().build().unwrap();
     for method in Method::ALL {
-        // the law of the truth: the other one shifts the frequency by η²/4, more than the bars
-        let options = FitOptions { method, modes: Some(6), damping: Some(Damping::Structural), ..FitOptions::default() };
+        // the law of the truth: the other one shifts the frequency by η²/4, more than the
+        // bars
+        let options = FitOptions {
+            method,
+            modes: Some(6),
+            damping: Some(Damping::Structural),
+            ..FitOptions::default()
+        };
         let model = fit(&set.frf, &options, &|_| {}).unwrap().model;
         let pulls = set.truth.in_band_modes().zip(model.in_band_modes());
-        let rms = (pulls.map(|(t, m)| ((m.frequency_hz - t.frequency_hz) / m.frequency_std_hz).powi(2)).sum::<f64>() / 6.0).sqrt();
+        let rms = (pulls
+            .map(|(t, m)| ((m.frequency_hz - t.frequency_hz) / m.frequency_std_hz).powi(2))
+            .sum::<f64>()
+            / 6.0)
+            .sqrt();
         assert!(rms < 3.0, "{method}: errors are {rms} standard deviations");
     }
 }
@@ -116,7 +151,12 @@ fn a_hundred_poles_without_noise_are_exact() {
 /// Normal equations square the condition: half of the digits remain.
 #[test]
 fn lscf_without_noise_keeps_half_of_the_digits() {
-    let set = Synthetic { snr_db: f64::INFINITY, ..easy() }.build().unwrap();
+    let set = Synthetic {
+        snr_db: f64::INFINITY,
+        ..easy()
+    }
+    .build()
+    .unwrap();
     for method in [Method::Lscf, Method::Plscf] {
         let model = run(&set.frf, method, None).unwrap();
         assert_eq!(model.in_band_modes().count(), 6, "{method}");
@@ -127,15 +167,33 @@ fn lscf_without_noise_keeps_half_of_the_digits() {
 
 #[test]
 fn lean_stands_at_the_cramer_rao_bound() {
-    // 10 seeds x 6 modes: the ratio of a chi-square of 60 to its mean lies within 0.7..1.3 (3 sigma)
+    // 10 seeds x 6 modes: the ratio of a chi-square of 60 to its mean lies within
+    // 0.7..1.3 (3 sigma)
     let (mut frequency, mut loss) = (0.0, 0.0);
     for seed in 0..10 {
-        let set = Synthetic { seed: 50 + seed, ..easy() }.build().unwrap();
-        let bound = cramer_rao(&set.truth, &set.frf.frequency_hz, set.noise_variance, &[-2, 0, 2, 4]).unwrap();
+        let set = Synthetic {
+            seed: 50 + seed,
+            ..easy()
+        }
+        .build()
+        .unwrap();
+        let bound = cramer_rao(
+            &set.truth,
+            &set.frf.frequency_hz,
+            set.noise_variance,
+            &[-2, 0, 2, 4],
+        )
+        .unwrap();
         let model = run(&set.frf, Method::Lean, Some(6)).unwrap();
         assert_eq!(model.in_band_modes().count(), 6);
-        for (n, (truth, mode)) in set.truth.in_band_modes().zip(model.in_band_modes()).enumerate() {
-            frequency += ((mode.frequency_hz - truth.frequency_hz) / bound.frequency_std_hz[n]).powi(2);
+        for (n, (truth, mode)) in set
+            .truth
+            .in_band_modes()
+            .zip(model.in_band_modes())
+            .enumerate()
+        {
+            frequency +=
+                ((mode.frequency_hz - truth.frequency_hz) / bound.frequency_std_hz[n]).powi(2);
             loss += ((mode.loss_factor - truth.loss_factor) / bound.loss_factor_std[n]).powi(2);
         }
     }
@@ -148,16 +206,29 @@ fn lean_stands_at_the_cramer_rao_bound() {
 fn the_demonstration_panel_loses_no_mode() {
     let panel = simulate(&Panel::from_toml("", 2 << 30).unwrap(), None, None).unwrap();
     let count = panel.truth.in_band_modes().count();
-    for method in [Method::Lean, Method::Vf, Method::Lscf, Method::Plscf, Method::Aaa] {
+    for method in [
+        Method::Lean,
+        Method::Vf,
+        Method::Lscf,
+        Method::Plscf,
+        Method::Aaa,
+    ] {
         for modes in [None, Some(count)] {
             let model = run(&panel.frf, method, modes).unwrap();
             let worst = worst(&panel.truth, &model);
             assert!(worst < 0.5, "{method} {modes:?}: {worst}");
-            let sure = model.in_band_modes().filter(|mode| mode.trust == Trust::Sure).count();
+            let sure = model
+                .in_band_modes()
+                .filter(|mode| mode.trust == Trust::Sure)
+                .count();
             assert!(sure <= count, "{method} {modes:?}: {sure} sure of {count}");
             // greedy choices of support points hang on roundings, and the poles with them
             let most = if method == Method::Aaa { 0.02 } else { 0.012 };
-            assert!(model.quality.relative_error < most, "{method} {modes:?}: {}", model.quality.relative_error);
+            assert!(
+                model.quality.relative_error < most,
+                "{method} {modes:?}: {}",
+                model.quality.relative_error
+            );
         }
     }
 }
@@ -173,17 +244,36 @@ fn what_cannot_be_fitted_is_an_error_or_not_trusted() {
     let mut turned = set.frf.clone();
     turned.conjugate();
     for method in Method::ALL {
-        assert_eq!(run(&zeroed(&set.frf), method, None).unwrap_err(), FitError::NoData, "{method}");
+        assert_eq!(
+            run(&zeroed(&set.frf), method, None).unwrap_err(),
+            FitError::NoData,
+            "{method}"
+        );
         for modes in [None, Some(4)] {
             for (what, frf) in [("noise", &noise), ("wrong time sign", &turned)] {
-                let model = run(frf, method, modes).unwrap_or_else(|error| panic!("{method} {modes:?} on {what}: {error}"));
-                assert!(!model.quality.trusted, "{method} {modes:?} on {what}: {:?}", model.quality);
+                let model = run(frf, method, modes)
+                    .unwrap_or_else(|error| panic!("{method} {modes:?} on {what}: {error}"));
+                assert!(
+                    !model.quality.trusted,
+                    "{method} {modes:?} on {what}: {:?}",
+                    model.quality
+                );
             }
         }
         for lines in [9, 12, 20, 40] {
             let band_hz = Some([50.0, 49.95 + 0.1 * f64::from(lines)]);
-            for modes in [None, Some(1), Some(lines as usize - 8), Some(lines as usize)] {
-                let options = FitOptions { method, modes, band_hz, ..FitOptions::default() };
+            for modes in [
+                None,
+                Some(1),
+                Some(lines as usize - 8),
+                Some(lines as usize),
+            ] {
+                let options = FitOptions {
+                    method,
+                    modes,
+                    band_hz,
+                    ..FitOptions::default()
+                };
                 match fit(&set.frf, &options, &|_| {}) {
                     Err(FitError::TooFewLines { .. }) => {}
                     Err(error) => panic!("{method}, {lines} lines, {modes:?}: {error}"),
@@ -196,19 +286,39 @@ fn what_cannot_be_fitted_is_an_error_or_not_trusted() {
 
 #[test]
 fn one_frf_is_enough() {
-    let set = Synthetic { responses: 1, references: 1, snr_db: 60.0, ..easy() }.build().unwrap();
-    for (method, least) in
-        [(Method::Lean, 6), (Method::Vf, 6), (Method::Lscf, 5), (Method::Plscf, 5), (Method::Aaa, 5), (Method::Circle, 4)]
-    {
+    let set = Synthetic {
+        responses: 1,
+        references: 1,
+        snr_db: 60.0,
+        ..easy()
+    }
+    .build()
+    .unwrap();
+    for (method, least) in [
+        (Method::Lean, 6),
+        (Method::Vf, 6),
+        (Method::Lscf, 5),
+        (Method::Plscf, 5),
+        (Method::Aaa, 5),
+        (Method::Circle, 4),
+    ] {
         let model = run(&set.frf, method, None).unwrap();
-        let found = errors(&set.truth, &model).into_iter().filter(|error| *error < 0.2).count();
+        let found = errors(&set.truth, &model)
+            .into_iter()
+            .filter(|error| *error < 0.2)
+            .count();
         assert!(found >= least, "{method}: {found} of 6");
     }
 }
 
 #[test]
 fn methods_in_the_z_plane_need_an_even_grid_and_say_so() {
-    let uneven = Synthetic { frequency_hz: (0..1500).map(|k| 20.0 * 9.0_f64.powf(f64::from(k) / 1499.0)).collect(), ..easy() };
+    let uneven = Synthetic {
+        frequency_hz: (0..1500)
+            .map(|k| 20.0 * 9.0_f64.powf(f64::from(k) / 1499.0))
+            .collect(),
+        ..easy()
+    };
     let set = uneven.build().unwrap();
     for method in Method::ALL {
         match run(&set.frf, method, None) {
@@ -223,7 +333,9 @@ fn methods_in_the_z_plane_need_an_even_grid_and_say_so() {
     // lines missing from an even grid do not matter
     let mut holes = easy().build().unwrap();
     if let FrfValues::F64(values) = &mut holes.frf.values {
-        values.slice_mut(ndarray::s![0, 0, 200..260]).fill(num_complex::Complex64::new(f64::NAN, 0.0));
+        values
+            .slice_mut(ndarray::s![0, 0, 200..260])
+            .fill(num_complex::Complex64::new(f64::NAN, 0.0));
     }
     assert!(worst(&holes.truth, &run(&holes.frf, Method::Lscf, None).unwrap()) < 0.03);
 }
@@ -232,10 +344,19 @@ fn methods_in_the_z_plane_need_an_even_grid_and_say_so() {
 fn the_poly_reference_form_needs_the_whole_matrix_and_says_so() {
     let mut set = easy().build().unwrap();
     if let FrfValues::F64(values) = &mut set.frf.values {
-        values.slice_mut(ndarray::s![3, 1, ..]).fill(Default::default());
+        values
+            .slice_mut(ndarray::s![3, 1, ..])
+            .fill(Default::default());
     }
     let error = run(&set.frf, Method::Plscf, None).unwrap_err();
-    assert_eq!(error, FitError::IncompleteMatrix { method: Method::Plscf, present: 23, total: 24 });
+    assert_eq!(
+        error,
+        FitError::IncompleteMatrix {
+            method: Method::Plscf,
+            present: 23,
+            total: 24
+        }
+    );
     assert!(worst(&set.truth, &run(&set.frf, Method::Lscf, None).unwrap()) < 0.03);
 }
 
@@ -245,11 +366,32 @@ fn every_mode_is_a_column_of_the_stabilization_diagram() {
     let diagram = stabilization(&set.frf, &FitOptions::default()).unwrap();
     assert!(diagram.orders.windows(2).all(|pair| pair[0] < pair[1]));
     for truth in set.truth.in_band_modes() {
-        let near = |f: f64| (f - truth.frequency_hz).abs() < 0.1 * truth.loss_factor * truth.frequency_hz;
-        let stable = diagram.poles.iter().filter(|pole| pole.stability == Stability::Stable && near(pole.frequency_hz)).count();
-        assert!(2 * stable > diagram.orders.len(), "{} Hz: {stable} of {}", truth.frequency_hz, diagram.orders.len());
+        let near =
+            |f: f64| (f - truth.frequency_hz).abs() < 0.1 * truth.loss_factor * truth.frequency_hz;
+        let stable = diagram
+            .poles
+            .iter()
+            .filter(|pole| pole.stability == Stability::Stable && near(pole.frequency_hz))
+            .count();
+        assert!(
+            2 * stable > diagram.orders.len(),
+            "{} Hz: {stable} of {}",
+            truth.frequency_hz,
+            diagram.orders.len()
+        );
     }
-    let of_fit = |method| fit(&set.frf, &FitOptions { method, ..FitOptions::default() }, &|_| {}).unwrap().stabilization;
+    let of_fit = |method| {
+        fit(
+            &set.frf,
+            &FitOptions {
+                method,
+                ..FitOptions::default()
+            },
+            &|_| {},
+        )
+        .unwrap()
+        .stabilization
+    };
     assert_eq!(of_fit(Method::Lscf), Some(diagram));
     assert!(of_fit(Method::Plscf).is_some());
     assert!(of_fit(Method::Vf).is_none());
@@ -260,7 +402,10 @@ fn threads_do_not_change_a_bit_of_any_method() {
     let set = easy().build().unwrap();
     for method in Method::ALL {
         let on = |threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .unwrap();
             serde_json::to_string(&pool.install(|| run(&set.frf, method, None).unwrap())).unwrap()
         };
         assert_eq!(on(1), on(2), "{method}");

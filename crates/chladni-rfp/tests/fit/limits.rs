@@ -1,4 +1,5 @@
-//! Sets that break lesser chains: a hundred modes, a band of three decades, one bound for all error bars.
+//! Sets that break lesser chains: a hundred modes, a band of three decades, one bound for
+//! all error bars.
 
 use chladni_frf::{Damping, FrfValues, ModalModel, Mode};
 use chladni_plate::{add_white_noise, synthesise, Synthetic, SyntheticSet};
@@ -6,7 +7,13 @@ use chladni_rfp::FitOptions;
 use ndarray::Array1;
 
 fn fitted(set: &SyntheticSet) -> ModalModel {
-    crate::common::fitted(&set.frf, &FitOptions { damping: Some(Damping::Structural), ..Default::default() })
+    crate::common::fitted(
+        &set.frf,
+        &FitOptions {
+            damping: Some(Damping::Structural),
+            ..Default::default()
+        },
+    )
 }
 
 #[test]
@@ -26,7 +33,8 @@ fn a_hundred_modes_without_noise_are_exact() {
     let modes: Vec<&Mode> = model.in_band_modes().collect();
     assert_eq!(modes.len(), 100, "{:?}", model.quality);
     let worst = modes.iter().zip(set.truth.in_band_modes()).map(|(m, t)| {
-        let complex = |m: &Mode| num_complex::Complex64::new(1.0, m.loss_factor) * m.frequency_hz.powi(2);
+        let complex =
+            |m: &Mode| num_complex::Complex64::new(1.0, m.loss_factor) * m.frequency_hz.powi(2);
         (complex(m) - complex(t)).norm() / complex(t).norm()
     });
     let worst = worst.fold(0.0, f64::max);
@@ -35,8 +43,11 @@ fn a_hundred_modes_without_noise_are_exact() {
 
 #[test]
 fn three_decades_of_frequency_on_a_linear_axis_are_one_fit() {
-    // 60 modes, widths from a seventh of a line to 160 lines; modes nearer than two lines are left out of the set
-    let natural_frequency_hz: Vec<f64> = (0..60).map(|n| 5.5 * (3800.0f64 / 5.5).powf(n as f64 / 59.0)).collect();
+    // 60 modes, widths from a seventh of a line to 160 lines; modes nearer than two lines
+    // are left out of the set
+    let natural_frequency_hz: Vec<f64> = (0..60)
+        .map(|n| 5.5 * (3800.0f64 / 5.5).powf(n as f64 / 59.0))
+        .collect();
     let set = Synthetic {
         natural_frequency_hz,
         responses: 6,
@@ -49,18 +60,37 @@ fn three_decades_of_frequency_on_a_linear_axis_are_one_fit() {
     .expect("a set");
     let model = fitted(&set);
     let (missed, spurious) = crate::common::missed_and_spurious(&set.truth, &model);
-    let [missed, spurious] = [missed, spurious].map(|modes| modes.iter().map(|m| m.frequency_hz).collect::<Vec<f64>>());
-    assert!(missed.is_empty() && spurious.is_empty(), "missed {missed:?}, spurious {spurious:?}: {:?}", model.quality.path);
+    let [missed, spurious] =
+        [missed, spurious].map(|modes| modes.iter().map(|m| m.frequency_hz).collect::<Vec<f64>>());
+    assert!(
+        missed.is_empty() && spurious.is_empty(),
+        "missed {missed:?}, spurious {spurious:?}: {:?}",
+        model.quality.path
+    );
 }
 
 #[test]
 fn error_bars_of_shapes_cover_what_they_promise() {
     let (mut covered, mut count) = (0, 0);
     for seed in 0..12 {
-        let set = Synthetic { responses: 6, references: 2, snr_db: 40.0, seed, ..Synthetic::default() }.build().expect("a set");
+        let set = Synthetic {
+            responses: 6,
+            references: 2,
+            snr_db: 40.0,
+            seed,
+            ..Synthetic::default()
+        }
+        .build()
+        .expect("a set");
         let model = fitted(&set);
         for (mode, truth) in model.in_band_modes().zip(set.truth.in_band_modes()) {
-            let along: f64 = mode.shape.0.iter().zip(&truth.shape.0).map(|(a, b)| (a.conj() * b).re).sum();
+            let along: f64 = mode
+                .shape
+                .0
+                .iter()
+                .zip(&truth.shape.0)
+                .map(|(a, b)| (a.conj() * b).re)
+                .sum();
             for ((a, b), std) in mode.shape.0.iter().zip(&truth.shape.0).zip(&mode.shape_std) {
                 // real shapes have one real error each
                 covered += usize::from((a * along.signum() - b).norm() < 1.96 * std);
@@ -74,24 +104,55 @@ fn error_bars_of_shapes_cover_what_they_promise() {
 
 #[test]
 fn a_driving_point_at_a_node_is_named_and_its_error_bars_hold_all_the_same() {
-    let synthetic = Synthetic { responses: 12, references: 1, ..Synthetic::default() };
+    let synthetic = Synthetic {
+        responses: 12,
+        references: 1,
+        ..Synthetic::default()
+    };
     let (mut covered, mut count) = (0, 0);
     for seed in 0..12 {
         let mut truth = synthetic.build().expect("a set").truth;
         let at_node = &mut truth.modes[1];
-        // ψ at the driving point, which is the first response: its residue is the square, and the others shrink with it
+        // ψ at the driving point, which is the first response: its residue is the square,
+        // and the others shrink with it
         at_node.shape.0[0] *= 0.002;
         at_node.participation.0[0] *= 0.002;
         let mut frf = synthetic.build().expect("a set").frf;
         let mut values = synthesise(&truth, &synthetic.frequency_hz);
         add_white_noise(&mut values, 60.0, seed).expect("noise");
         frf.values = FrfValues::F64(values);
-        let model = crate::common::fitted(&frf, &FitOptions { damping: Some(Damping::Structural), modes: Some(3), ..Default::default() });
-        let named: Vec<&String> = model.quality.warnings.iter().filter(|warning| warning.contains("scale to unit modal mass")).collect();
-        let [warning] = named[..] else { panic!("{:?}", model.quality.warnings) };
-        assert!(warning.contains("70.0 Hz") && !warning.contains("40.0") && !warning.contains("110.0"), "{warning}");
-        let (mode, known) = (model.in_band_modes().nth(1).expect("a mode"), &truth.modes[1]);
-        let along: f64 = mode.shape.0.iter().zip(&known.shape.0).map(|(a, b)| (a.conj() * b).re).sum();
+        let model = crate::common::fitted(
+            &frf,
+            &FitOptions {
+                damping: Some(Damping::Structural),
+                modes: Some(3),
+                ..Default::default()
+            },
+        );
+        let named: Vec<&String> = model
+            .quality
+            .warnings
+            .iter()
+            .filter(|warning| warning.contains("scale to unit modal mass"))
+            .collect();
+        let [warning] = named[..] else {
+            panic!("{:?}", model.quality.warnings)
+        };
+        assert!(
+            warning.contains("70.0 Hz") && !warning.contains("40.0") && !warning.contains("110.0"),
+            "{warning}"
+        );
+        let (mode, known) = (
+            model.in_band_modes().nth(1).expect("a mode"),
+            &truth.modes[1],
+        );
+        let along: f64 = mode
+            .shape
+            .0
+            .iter()
+            .zip(&known.shape.0)
+            .map(|(a, b)| (a.conj() * b).re)
+            .sum();
         for ((a, b), std) in mode.shape.0.iter().zip(&known.shape.0).zip(&mode.shape_std) {
             covered += usize::from((a * along.signum() - b).norm() < 1.96 * std);
             count += 1;

@@ -1,4 +1,5 @@
-//! What measurements do to resonances, one fault at a time: each is either survived or named in the reasons and warnings.
+//! What measurements do to resonances, one fault at a time: each is either survived or
+//! named in the reasons and warnings.
 
 use chladni_frf::{FrfSet, FrfValues, ModalModel, Mode, Trust};
 use chladni_plate::{gain_noise, Synthetic, SyntheticSet};
@@ -32,7 +33,15 @@ fn measured(specification: Synthetic) -> SyntheticSet {
 
 fn fitted(frf: &FrfSet) -> ModalModel {
     let model = fit(frf, &FitOptions::default(), &|_| {}).unwrap().model;
-    assert!(model.quality.path.as_deref().is_some_and(|p| p.starts_with("measured-data path")), "{:?}", model.quality.path);
+    assert!(
+        model
+            .quality
+            .path
+            .as_deref()
+            .is_some_and(|p| p.starts_with("measured-data path")),
+        "{:?}",
+        model.quality.path
+    );
     model
 }
 
@@ -44,13 +53,30 @@ fn values(frf: &mut FrfSet) -> &mut ndarray::Array3<Complex64> {
 }
 
 fn near(model: &ModalModel, frequency_hz: f64, reach_hz: f64) -> Vec<&Mode> {
-    model.modes.iter().filter(|m| (m.frequency_hz - frequency_hz).abs() < reach_hz).collect()
+    model
+        .modes
+        .iter()
+        .filter(|m| (m.frequency_hz - frequency_hz).abs() < reach_hz)
+        .collect()
 }
 
 /// Every mode of the structure is there and sure, and nothing else is.
 fn assert_all_sure(model: &ModalModel, modes: &[f64]) {
-    let sure: Vec<f64> = model.in_band_modes().filter(|m| m.trust == Trust::Sure).map(|m| m.frequency_hz).collect();
-    assert_eq!(sure.len(), modes.len(), "{sure:?}; {:?}", model.modes.iter().map(|m| (m.frequency_hz, &m.reasons)).collect::<Vec<_>>());
+    let sure: Vec<f64> = model
+        .in_band_modes()
+        .filter(|m| m.trust == Trust::Sure)
+        .map(|m| m.frequency_hz)
+        .collect();
+    assert_eq!(
+        sure.len(),
+        modes.len(),
+        "{sure:?}; {:?}",
+        model
+            .modes
+            .iter()
+            .map(|m| (m.frequency_hz, &m.reasons))
+            .collect::<Vec<_>>()
+    );
     for (found, f) in sure.iter().zip(modes) {
         assert!((found - f).abs() < 0.1 * LOSS * f, "{found} {f}");
     }
@@ -58,13 +84,20 @@ fn assert_all_sure(model: &ModalModel, modes: &[f64]) {
 
 fn reason_of<'a>(model: &'a ModalModel, frequency_hz: f64, reach_hz: f64, words: &str) -> &'a Mode {
     let list = near(model, frequency_hz, reach_hz);
-    let found = list.iter().find(|m| m.reasons.iter().any(|r| r.contains(words)));
+    let found = list
+        .iter()
+        .find(|m| m.reasons.iter().any(|r| r.contains(words)));
     match found {
         Some(mode) => {
             assert_ne!(mode.trust, Trust::Sure);
             mode
         }
-        None => panic!("no `{words}` near {frequency_hz} Hz: {:?}", list.iter().map(|m| (m.frequency_hz, &m.reasons)).collect::<Vec<_>>()),
+        None => panic!(
+            "no `{words}` near {frequency_hz} Hz: {:?}",
+            list.iter()
+                .map(|m| (m.frequency_hz, &m.reasons))
+                .collect::<Vec<_>>()
+        ),
     }
 }
 
@@ -73,9 +106,15 @@ fn gain_noise_of_five_per_cent_common_to_all_frfs_adds_no_mode() {
     for (fraction, seed) in [(0.005, 1), (0.02, 2), (0.05, 3), (0.05, 4), (0.05, 5)] {
         let mut set = structure().build().unwrap();
         gain_noise(&mut set.frf, fraction, true, seed);
-        let model = fit(&set.frf, &FitOptions::default(), &|_| {}).unwrap().model;
+        let model = fit(&set.frf, &FitOptions::default(), &|_| {})
+            .unwrap()
+            .model;
         assert_all_sure(&model, &MODES);
-        let extra: Vec<f64> = model.in_band_modes().filter(|m| m.trust == Trust::Weak).map(|m| m.frequency_hz).collect();
+        let extra: Vec<f64> = model
+            .in_band_modes()
+            .filter(|m| m.trust == Trust::Weak)
+            .map(|m| m.frequency_hz)
+            .collect();
         assert!(extra.is_empty(), "{fraction}, seed {seed}: {extra:?}");
     }
 }
@@ -94,21 +133,37 @@ fn a_tone_is_no_mode() {
 #[test]
 fn a_spike_on_one_line_is_no_mode() {
     let mut set = measured(structure());
-    let line = set.frf.frequency_hz.iter().position(|f| (f - 125.0).abs() < 0.05).unwrap();
-    let level = 0.3 * values(&mut set.frf).iter().map(|v| v.norm()).fold(0.0, f64::max);
+    let line = set
+        .frf
+        .frequency_hz
+        .iter()
+        .position(|f| (f - 125.0).abs() < 0.05)
+        .unwrap();
+    let level = 0.3
+        * values(&mut set.frf)
+            .iter()
+            .map(|v| v.norm())
+            .fold(0.0, f64::max);
     for (i, mut row) in values(&mut set.frf).rows_mut().into_iter().enumerate() {
         row[line] += Complex64::from_polar(level, i as f64);
     }
     let model = fitted(&set.frf);
     assert_all_sure(&model, &MODES);
     for mode in near(&model, 125.0, 0.3) {
-        assert!(mode.reasons.iter().any(|r| r.contains("one-line spike") || r.contains("no skirts")), "{:?}", mode.reasons);
+        assert!(
+            mode.reasons
+                .iter()
+                .any(|r| r.contains("one-line spike") || r.contains("no skirts")),
+            "{:?}",
+            mode.reasons
+        );
     }
 }
 
 #[test]
 fn a_mode_that_moves_between_frfs_is_one_mode() {
-    // a sensor's mass shifts the third mode by 0.6 bandwidths from the first FRF to the last
+    // a sensor's mass shifts the third mode by 0.6 bandwidths from the first FRF to the
+    // last
     let mut set = measured(structure());
     let lines = set.frf.frequency_hz.len();
     for i in 0..6 {
@@ -120,37 +175,84 @@ fn a_mode_that_moves_between_frfs_is_one_mode() {
         }
     }
     let model = fitted(&set.frf);
-    let there: Vec<&Mode> = near(&model, 105.0, 2.0).into_iter().filter(|m| m.trust != Trust::Rejected).collect();
-    let said = there.iter().flat_map(|m| &m.reasons).chain(&model.quality.warnings);
-    assert!(said.clone().any(|t| t.contains("differs between FRFs") || t.contains("scatters")), "{:?}", said.collect::<Vec<_>>());
-    assert_eq!(there.len(), 1, "{:?}", there.iter().map(|m| m.frequency_hz).collect::<Vec<_>>());
+    let there: Vec<&Mode> = near(&model, 105.0, 2.0)
+        .into_iter()
+        .filter(|m| m.trust != Trust::Rejected)
+        .collect();
+    let said = there
+        .iter()
+        .flat_map(|m| &m.reasons)
+        .chain(&model.quality.warnings);
+    assert!(
+        said.clone()
+            .any(|t| t.contains("differs between FRFs") || t.contains("scatters")),
+        "{:?}",
+        said.collect::<Vec<_>>()
+    );
+    assert_eq!(
+        there.len(),
+        1,
+        "{:?}",
+        there.iter().map(|m| m.frequency_hz).collect::<Vec<_>>()
+    );
     assert!((there[0].frequency_hz - 105.0).abs() < 0.5 * LOSS * 105.0);
     // 0.6 bandwidths from end to end are ±0.2 in the mean; the bar must show them
-    assert!(there[0].frequency_std_hz > 0.02 * LOSS * 105.0, "{}", there[0].frequency_std_hz);
+    assert!(
+        there[0].frequency_std_hz > 0.02 * LOSS * 105.0,
+        "{}",
+        there[0].frequency_std_hz
+    );
 }
 
 #[test]
 fn a_mode_at_the_edge_of_the_band_is_weak() {
     let set = measured(structure());
     let edge = 140.0 * (1.0 + 0.4 * LOSS);
-    let model = fit(&set.frf, &FitOptions { band_hz: Some([20.0, edge]), ..FitOptions::default() }, &|_| {}).unwrap().model;
+    let model = fit(
+        &set.frf,
+        &FitOptions {
+            band_hz: Some([20.0, edge]),
+            ..FitOptions::default()
+        },
+        &|_| {},
+    )
+    .unwrap()
+    .model;
     reason_of(&model, 140.0, 1.0, "band edge");
-    assert_eq!(model.in_band_modes().filter(|m| m.trust == Trust::Sure).count(), 3);
+    assert_eq!(
+        model
+            .in_band_modes()
+            .filter(|m| m.trust == Trust::Sure)
+            .count(),
+        3
+    );
 }
 
 #[test]
 fn a_peak_that_turns_the_wrong_way_is_listed_as_unexplained() {
     // the fourth mode follows e^{−jωt}: no passive structure makes it
     let mut set = measured(structure());
-    let alone = Synthetic { natural_frequency_hz: vec![122.0], snr_db: f64::INFINITY, ..structure() }.build().unwrap();
+    let alone = Synthetic {
+        natural_frequency_hz: vec![122.0],
+        snr_db: f64::INFINITY,
+        ..structure()
+    }
+    .build()
+    .unwrap();
     for ((i, j, k), value) in values(&mut set.frf).indexed_iter_mut() {
         *value += alone.frf.values.get(i, j, k).conj();
     }
     let model = fitted(&set.frf);
-    assert!(near(&model, 122.0, 0.6).iter().all(|m| m.trust != Trust::Sure));
-    let warned =
-        model.quality.warnings.iter().any(|w| w.contains("no accepted mode explains") && (w.contains("121.") || w.contains("122.")));
-    let there: Vec<_> = near(&model, 122.0, 4.0).into_iter().map(|m| (m.frequency_hz, m.loss_factor, m.trust, &m.reasons)).collect();
+    assert!(near(&model, 122.0, 0.6)
+        .iter()
+        .all(|m| m.trust != Trust::Sure));
+    let warned = model.quality.warnings.iter().any(|w| {
+        w.contains("no accepted mode explains") && (w.contains("121.") || w.contains("122."))
+    });
+    let there: Vec<_> = near(&model, 122.0, 4.0)
+        .into_iter()
+        .map(|m| (m.frequency_hz, m.loss_factor, m.trust, &m.reasons))
+        .collect();
     assert!(warned, "{:?} {there:?}", model.quality.warnings);
 }
 
@@ -158,7 +260,14 @@ fn a_peak_that_turns_the_wrong_way_is_listed_as_unexplained() {
 fn a_hidden_mode_is_not_sure() {
     // beside a mode 40 dB stronger, on its skirt
     let strong = measured(structure());
-    let small = Synthetic { natural_frequency_hz: vec![107.2], snr_db: f64::INFINITY, seed: 12, ..structure() }.build().unwrap();
+    let small = Synthetic {
+        natural_frequency_hz: vec![107.2],
+        snr_db: f64::INFINITY,
+        seed: 12,
+        ..structure()
+    }
+    .build()
+    .unwrap();
     let mut set = strong.frf.clone();
     for ((i, j, k), value) in values(&mut set).indexed_iter_mut() {
         *value += 0.02 * small.frf.values.get(i, j, k);

@@ -7,9 +7,22 @@ use ndarray::{Array1, Array3};
 use num_complex::Complex64;
 
 /// White circular noise, shaped by `shape` along each FRF.
-fn noise(responses: usize, lines: usize, seed: u64, shape: impl Fn(&Array1<Complex64>) -> Array1<Complex64>) -> FrfSet {
+fn noise(
+    responses: usize,
+    lines: usize,
+    seed: u64,
+    shape: impl Fn(&Array1<Complex64>) -> Array1<Complex64>,
+) -> FrfSet {
     let frequency_hz: Array1<f64> = (0..lines).map(|k| 10.0 + 0.5 * k as f64).collect();
-    let mut frf = Synthetic { responses, references: 1, frequency_hz, ..Synthetic::default() }.build().unwrap().frf;
+    let mut frf = Synthetic {
+        responses,
+        references: 1,
+        frequency_hz,
+        ..Synthetic::default()
+    }
+    .build()
+    .unwrap()
+    .frf;
     let mut values = Array3::zeros((responses, 1, lines));
     add_noise_of_variance(&mut values, 1.0, seed);
     for mut row in values.rows_mut() {
@@ -27,33 +40,70 @@ fn white_noise_has_no_mode_not_even_a_weak_one() {
             let frf = noise(responses, 1601, seed, |row| row.clone());
             let model = fit(&frf, &FitOptions::default(), &|_| {}).unwrap().model;
             let found: Vec<f64> = model.in_band_modes().map(|m| m.frequency_hz).collect();
-            assert!(found.is_empty(), "{responses} FRFs, seed {seed}: {found:?}, {:?}", model.quality.path);
+            assert!(
+                found.is_empty(),
+                "{responses} FRFs, seed {seed}: {found:?}, {:?}",
+                model.quality.path
+            );
             assert!(!model.quality.trusted);
-            assert!(model.quality.warnings.iter().any(|w| w.contains("no mode stands out")));
+            assert!(model
+                .quality
+                .warnings
+                .iter()
+                .any(|w| w.contains("no mode stands out")));
         }
     }
 }
 
 #[test]
 fn coloured_noise_has_no_sure_mode() {
-    // ten times the amplitude at the lower end; a broad hump of 20 dB; neighbours that share two thirds
-    let falling = |row: &Array1<Complex64>| row.iter().enumerate().map(|(k, v)| v * (10.0 / (1.0 + 0.01 * k as f64))).collect();
+    // ten times the amplitude at the lower end; a broad hump of 20 dB; neighbours that
+    // share two thirds
+    let falling = |row: &Array1<Complex64>| {
+        row.iter()
+            .enumerate()
+            .map(|(k, v)| v * (10.0 / (1.0 + 0.01 * k as f64)))
+            .collect()
+    };
     let hump = |row: &Array1<Complex64>| {
         let at = |k: usize| 1.0 + 9.0 * (-((k as f64 - 600.0) / 200.0).powi(2)).exp();
         row.iter().enumerate().map(|(k, v)| v * at(k)).collect()
     };
     let smeared = |row: &Array1<Complex64>| {
         let n = row.len();
-        (0..n).map(|k| row[k] + row[(k + 1).min(n - 1)] + row[(k + 2).min(n - 1)]).collect()
+        (0..n)
+            .map(|k| row[k] + row[(k + 1).min(n - 1)] + row[(k + 2).min(n - 1)])
+            .collect()
     };
-    type Shape = (&'static str, Box<dyn Fn(&Array1<Complex64>) -> Array1<Complex64>>);
-    let shapes: [Shape; 3] = [("falling", Box::new(falling)), ("hump", Box::new(hump)), ("smeared", Box::new(smeared))];
+    type Shape = (
+        &'static str,
+        Box<dyn Fn(&Array1<Complex64>) -> Array1<Complex64>>,
+    );
+    let shapes: [Shape; 3] = [
+        ("falling", Box::new(falling)),
+        ("hump", Box::new(hump)),
+        ("smeared", Box::new(smeared)),
+    ];
     for (name, shape) in &shapes {
         for responses in [1, 6] {
             for seed in 0..3 {
-                let model = fit(&noise(responses, 1201, seed, shape), &FitOptions::default(), &|_| {}).unwrap().model;
-                let sure: Vec<f64> = model.in_band_modes().filter(|m| m.trust == Trust::Sure).map(|m| m.frequency_hz).collect();
-                assert!(sure.is_empty(), "{name}, {responses} FRFs, seed {seed}: {sure:?}, {:?}", model.quality.path);
+                let model = fit(
+                    &noise(responses, 1201, seed, shape),
+                    &FitOptions::default(),
+                    &|_| {},
+                )
+                .unwrap()
+                .model;
+                let sure: Vec<f64> = model
+                    .in_band_modes()
+                    .filter(|m| m.trust == Trust::Sure)
+                    .map(|m| m.frequency_hz)
+                    .collect();
+                assert!(
+                    sure.is_empty(),
+                    "{name}, {responses} FRFs, seed {seed}: {sure:?}, {:?}",
+                    model.quality.path
+                );
                 assert!(!model.quality.trusted);
             }
         }
@@ -62,7 +112,8 @@ fn coloured_noise_has_no_sure_mode() {
 
 #[test]
 fn the_fast_chain_is_left_for_white_noise_in_at_most_one_case_of_a_hundred() {
-    // three modes in white noise, few lines: 100 seeds, 1 expected at the rate the test is set to, 4 are 3σ
+    // three modes in white noise, few lines: 100 seeds, 1 expected at the rate the test
+    // is set to, 4 are 3σ
     let left = (0..100)
         .filter(|&seed| {
             let set = Synthetic {
@@ -73,8 +124,13 @@ fn the_fast_chain_is_left_for_white_noise_in_at_most_one_case_of_a_hundred() {
                 seed,
                 ..Synthetic::default()
             };
-            let model = fit(&set.build().unwrap().frf, &FitOptions::default(), &|_| {}).unwrap().model;
-            !model.quality.path.is_some_and(|p| p.starts_with("fast chain"))
+            let model = fit(&set.build().unwrap().frf, &FitOptions::default(), &|_| {})
+                .unwrap()
+                .model;
+            !model
+                .quality
+                .path
+                .is_some_and(|p| p.starts_with("fast chain"))
         })
         .count();
     assert!(left <= 4, "{left} of 100");

@@ -1,5 +1,5 @@
-//! The fit in pieces: what it finds is what the whole finds, the bits depend on the blocks alone, and pieces that do not belong together
-//! are refused by name.
+//! The fit in pieces: what it finds is what the whole finds, the bits depend on the
+//! blocks alone, and pieces that do not belong together are refused by name.
 
 use crate::common::{easy, fitted, resynthesis_error};
 use chladni_frf::{FrfSet, FrfValues, ModalModel, Trust};
@@ -19,7 +19,9 @@ fn set() -> SyntheticSet {
 
 /// The FRFs of some responses.
 fn rows(frf: &FrfSet, rows: Range<usize>) -> FrfSet {
-    let FrfValues::F64(values) = &frf.values else { panic!("synthetic sets are in double precision") };
+    let FrfValues::F64(values) = &frf.values else {
+        panic!("synthetic sets are in double precision")
+    };
     FrfSet {
         values: FrfValues::F64(values.slice(s![rows.clone(), .., ..]).to_owned()),
         responses: frf.responses[rows].to_vec(),
@@ -30,11 +32,18 @@ fn rows(frf: &FrfSet, rows: Range<usize>) -> FrfSet {
 /// `count` blocks of about the same size, with their numbers.
 fn blocks(frf: &FrfSet, count: usize) -> Vec<(u64, FrfSet)> {
     let of = |b: usize| b * frf.responses.len() / count;
-    (0..count).map(|b| (b as u64, rows(frf, of(b)..of(b + 1)))).collect()
+    (0..count)
+        .map(|b| (b as u64, rows(frf, of(b)..of(b + 1))))
+        .collect()
 }
 
 fn reduced(blocks: &[(u64, FrfSet)], poles: Option<&Poles>) -> Vec<Partial> {
-    blocks.iter().map(|(number, frf)| reduce(frf, &FitOptions::default(), *number, Vec::new(), poles).unwrap()).collect()
+    blocks
+        .iter()
+        .map(|(number, frf)| {
+            reduce(frf, &FitOptions::default(), *number, Vec::new(), poles).unwrap()
+        })
+        .collect()
 }
 
 /// Both passes, as often as they are asked for, and the merged partial of the last.
@@ -57,7 +66,10 @@ fn difference(a: &ModalModel, b: &ModalModel) -> f64 {
         let frequency = (a.frequency_hz / b.frequency_hz - 1.0).abs();
         frequency.max((a.loss_factor / b.loss_factor - 1.0).abs())
     };
-    a.in_band_modes().zip(b.in_band_modes()).map(of).fold(0.0, f64::max)
+    a.in_band_modes()
+        .zip(b.in_band_modes())
+        .map(of)
+        .fold(0.0, f64::max)
 }
 
 #[test]
@@ -68,9 +80,19 @@ fn blocks_find_what_the_whole_finds() {
         let model = in_pieces(&blocks(&set.frf, count)).0;
         let difference = difference(&model, &whole);
         assert!(difference < 1e-12, "{count} blocks: {difference:e}");
-        let shapes = model.modes.iter().zip(&whole.modes).flat_map(|(a, b)| a.shape.0.iter().zip(&b.shape.0));
-        let (error, size) = shapes.fold((0.0_f64, 0.0_f64), |(e, m), (a, b)| (e.max((a - b).norm()), m.max(b.norm())));
-        assert!(error < 1e-10 * size, "{count} blocks: shapes {:e}", error / size);
+        let shapes = model
+            .modes
+            .iter()
+            .zip(&whole.modes)
+            .flat_map(|(a, b)| a.shape.0.iter().zip(&b.shape.0));
+        let (error, size) = shapes.fold((0.0_f64, 0.0_f64), |(e, m), (a, b)| {
+            (e.max((a - b).norm()), m.max(b.norm()))
+        });
+        assert!(
+            error < 1e-10 * size,
+            "{count} blocks: shapes {:e}",
+            error / size
+        );
     }
     // and what a fit of the set in memory finds, far within its error bars
     let memory = fitted(&set.frf, &FitOptions::default());
@@ -80,16 +102,26 @@ fn blocks_find_what_the_whole_finds() {
         assert_eq!(mode.trust, Trust::Sure);
     }
     assert!((whole.quality.relative_error / memory.quality.relative_error - 1.0).abs() < 1e-3);
-    assert!((resynthesis_error(&whole, &set.frf) / whole.quality.relative_error - 1.0).abs() < 1e-6);
+    assert!(
+        (resynthesis_error(&whole, &set.frf) / whole.quality.relative_error - 1.0).abs() < 1e-6
+    );
 }
 
-/// What one pass over the blocks comes to with the poles that a pilot of some responses shows.
+/// What one pass over the blocks comes to with the poles that a pilot of some responses
+/// shows.
 fn piloted(blocks: &[(u64, FrfSet)], pilot: &FrfSet) -> Solved {
     let options = FitOptions::default();
     let partial = reduce(pilot, &options, 0, Vec::new(), None).unwrap();
-    let Solved::Poles(pilot) = solve(&partial, &options, &|_| {}).unwrap() else { panic!("poles") };
+    let Solved::Poles(pilot) = solve(&partial, &options, &|_| {}).unwrap() else {
+        panic!("poles")
+    };
     let reducer = Reducer::with_pilot(&options, &pilot).unwrap();
-    let merged = Partial::merge(blocks.iter().map(|(number, frf)| reducer.block(frf, *number, Vec::new()).unwrap())).unwrap();
+    let merged = Partial::merge(
+        blocks
+            .iter()
+            .map(|(number, frf)| reducer.block(frf, *number, Vec::new()).unwrap()),
+    )
+    .unwrap();
     assert!(merged.poles().is_none() && merged.pilot() == Some(&*pilot));
     solve(&merged, &options, &|_| {}).unwrap()
 }
@@ -98,23 +130,42 @@ fn piloted(blocks: &[(u64, FrfSet)], pilot: &FrfSet) -> Solved {
 fn one_pass_is_enough_where_a_pilot_showed_the_same_poles() {
     let set = set();
     let mut blocks = blocks(&set.frf, 7);
-    let Solved::Fit(fit) = piloted(&blocks, &rows(&set.frf, 20..36)) else { panic!("a fit") };
+    let Solved::Fit(fit) = piloted(&blocks, &rows(&set.frf, 20..36)) else {
+        panic!("a fit")
+    };
     let memory = fitted(&set.frf, &FitOptions::default());
     for (mode, other) in fit.model.in_band_modes().zip(memory.in_band_modes()) {
         assert!((mode.frequency_hz - other.frequency_hz).abs() < 0.05 * other.frequency_std_hz);
         assert!((mode.loss_factor - other.loss_factor).abs() < 0.05 * other.loss_factor_std);
         assert!((mode.frequency_std_hz / other.frequency_std_hz - 1.0).abs() < 0.01);
     }
-    assert!((resynthesis_error(&fit.model, &set.frf) / memory.quality.relative_error - 1.0).abs() < 1e-3);
-    // a pilot that saw less, and values missing where products are made: poles for a second pass, those that no pilot would change
-    let Solved::Poles(unled) = solve(&Partial::merge(reduced(&blocks, None)).unwrap(), &FitOptions::default(), &|_| {}).unwrap() else {
+    assert!(
+        (resynthesis_error(&fit.model, &set.frf) / memory.quality.relative_error - 1.0).abs()
+            < 1e-3
+    );
+    // a pilot that saw less, and values missing where products are made: poles for a
+    // second pass, those that no pilot would change
+    let Solved::Poles(unled) = solve(
+        &Partial::merge(reduced(&blocks, None)).unwrap(),
+        &FitOptions::default(),
+        &|_| {},
+    )
+    .unwrap() else {
         panic!("poles")
     };
-    let Solved::Poles(found) = piloted(&blocks, &rows(&easy(-20.0, 5).build().unwrap().frf, 0..1)) else { panic!("other poles") };
+    let Solved::Poles(found) = piloted(&blocks, &rows(&easy(-20.0, 5).build().unwrap().frf, 0..1))
+    else {
+        panic!("other poles")
+    };
     assert_eq!(found, unled);
-    let FrfValues::F64(values) = &mut blocks[4].1.values else { panic!("double precision") };
+    let FrfValues::F64(values) = &mut blocks[4].1.values else {
+        panic!("double precision")
+    };
     values[[1, 1, 300]].re = f64::NAN;
-    assert!(matches!(piloted(&blocks, &rows(&set.frf, 20..36)), Solved::Poles(_)));
+    assert!(matches!(
+        piloted(&blocks, &rows(&set.frf, 20..36)),
+        Solved::Poles(_)
+    ));
 }
 
 #[test]
@@ -123,14 +174,18 @@ fn order_and_grouping_of_blocks_do_not_change_a_bit() {
     let (model, merged) = in_pieces(&blocks(&set.frf, 13));
     let poles = merged.poles().unwrap();
     let parts = reduced(&blocks(&set.frf, 13), Some(poles));
-    let shuffled: Vec<Partial> = [8, 3, 12, 0, 5, 1, 11, 7, 2, 10, 6, 9, 4].map(|b: usize| parts[b].clone()).to_vec();
+    let shuffled: Vec<Partial> = [8, 3, 12, 0, 5, 1, 11, 7, 2, 10, 6, 9, 4]
+        .map(|b: usize| parts[b].clone())
+        .to_vec();
     let mut grouped = Vec::new();
     for group in shuffled.chunks(4) {
         grouped.push(Partial::merge(group.to_vec()).unwrap());
     }
     let others = Partial::merge(grouped).unwrap();
     assert!(others.to_bytes() == merged.to_bytes());
-    let Solved::Fit(fit) = solve(&others, &FitOptions::default(), &|_| {}).unwrap() else { panic!("a fit") };
+    let Solved::Fit(fit) = solve(&others, &FitOptions::default(), &|_| {}).unwrap() else {
+        panic!("a fit")
+    };
     assert!(serde_json::to_string(&fit.model).unwrap() == serde_json::to_string(&model).unwrap());
     // and through files
     let read = Partial::from_bytes(&merged.to_bytes()).unwrap();
@@ -140,17 +195,22 @@ fn order_and_grouping_of_blocks_do_not_change_a_bit() {
 #[test]
 fn blocks_of_one_reference_each_make_the_same_set() {
     let set = set();
-    let FrfValues::F64(values) = &set.frf.values else { panic!("double precision") };
+    let FrfValues::F64(values) = &set.frf.values else {
+        panic!("double precision")
+    };
     let of_reference = |j: usize| FrfSet {
         values: FrfValues::F64(values.slice(s![.., j..j + 1, ..]).to_owned()),
         references: vec![set.frf.references[j]],
         ..set.frf.clone()
     };
-    let blocks_of_references: Vec<(u64, FrfSet)> = (0..3).map(|j| (j as u64, of_reference(j))).collect();
+    let blocks_of_references: Vec<(u64, FrfSet)> =
+        (0..3).map(|j| (j as u64, of_reference(j))).collect();
     let model = in_pieces(&blocks_of_references).0;
     assert_eq!(model.references, set.frf.references);
     assert!(difference(&model, &in_pieces(&blocks(&set.frf, 1)).0) < 1e-12);
-    assert!((resynthesis_error(&model, &set.frf) / model.quality.relative_error - 1.0).abs() < 1e-6);
+    assert!(
+        (resynthesis_error(&model, &set.frf) / model.quality.relative_error - 1.0).abs() < 1e-6
+    );
 }
 
 #[test]
@@ -164,28 +224,49 @@ fn residues_of_a_block_are_those_of_the_whole() {
         for (mode, truth) in model.in_band_modes().zip(set.truth.in_band_modes()) {
             for (i, shape) in part.clone().zip(&mode.shape.0) {
                 for j in 0..3 {
-                    let (residue, expected) = (shape * mode.participation.0[j], truth.shape.0[i] * truth.participation.0[j]);
-                    let strongest = truth.shape.0.iter().map(|v| v.norm()).fold(0.0, f64::max) * truth.participation.0[j].norm();
-                    assert!((residue - expected).norm() < 0.02 * strongest, "{residue} {expected}");
+                    let (residue, expected) = (
+                        shape * mode.participation.0[j],
+                        truth.shape.0[i] * truth.participation.0[j],
+                    );
+                    let strongest = truth.shape.0.iter().map(|v| v.norm()).fold(0.0, f64::max)
+                        * truth.participation.0[j].norm();
+                    assert!(
+                        (residue - expected).norm() < 0.02 * strongest,
+                        "{residue} {expected}"
+                    );
                 }
             }
         }
-        assert!((resynthesis_error(&model, &block) / model.quality.relative_error - 1.0).abs() < 0.01);
+        assert!(
+            (resynthesis_error(&model, &block) / model.quality.relative_error - 1.0).abs() < 0.01
+        );
     }
 }
 
 #[test]
 fn missing_lines_and_frfs_are_left_out_as_in_memory() {
     let mut set = set();
-    let FrfValues::F64(values) = &mut set.frf.values else { panic!("double precision") };
+    let FrfValues::F64(values) = &mut set.frf.values else {
+        panic!("double precision")
+    };
     let nothing = Complex64::new(f64::NAN, f64::NAN);
     values.slice_mut(s![40, 1, ..]).fill(nothing);
-    values.slice_mut(s![.., .., 700..703]).fill(Complex64::default());
+    values
+        .slice_mut(s![.., .., 700..703])
+        .fill(Complex64::default());
     values[[3, 0, 100]] = nothing;
     let model = in_pieces(&blocks(&set.frf, 5)).0;
     let memory = fitted(&set.frf, &FitOptions::default());
     assert!(difference(&model, &memory) < 1e-6);
-    assert!(model.quality.warnings.iter().any(|w| w.starts_with("4 lines hold no finite value")), "{:?}", model.quality.warnings);
+    assert!(
+        model
+            .quality
+            .warnings
+            .iter()
+            .any(|w| w.starts_with("4 lines hold no finite value")),
+        "{:?}",
+        model.quality.warnings
+    );
 }
 
 #[test]
@@ -193,25 +274,65 @@ fn outlier_lines_gain_noise_and_the_wrong_time_sign_take_their_paths() {
     let mut spoilt = set();
     outliers(&mut spoilt.frf, 1e-4, 30.0, 3);
     let (model, _) = in_pieces(&blocks(&spoilt.frf, 5));
-    assert_eq!(model.in_band_modes().filter(|mode| mode.trust == Trust::Sure).count(), 8);
-    assert!(model.quality.warnings.iter().any(|w| w.contains("outlier lines")), "{:?}", model.quality.warnings);
+    assert_eq!(
+        model
+            .in_band_modes()
+            .filter(|mode| mode.trust == Trust::Sure)
+            .count(),
+        8
+    );
+    assert!(
+        model
+            .quality
+            .warnings
+            .iter()
+            .any(|w| w.contains("outlier lines")),
+        "{:?}",
+        model.quality.warnings
+    );
 
     let mut noisy = set();
     gain_noise(&mut noisy.frf, 0.05, true, 4);
     let (model, _) = in_pieces(&blocks(&noisy.frf, 5));
-    assert!(model.quality.path.as_deref().unwrap().starts_with("measured-data path"), "{:?}", model.quality.path);
-    assert_eq!(model.in_band_modes().filter(|mode| mode.trust == Trust::Sure).count(), 8);
+    assert!(
+        model
+            .quality
+            .path
+            .as_deref()
+            .unwrap()
+            .starts_with("measured-data path"),
+        "{:?}",
+        model.quality.path
+    );
+    assert_eq!(
+        model
+            .in_band_modes()
+            .filter(|mode| mode.trust == Trust::Sure)
+            .count(),
+        8
+    );
 
     let mut turned = set();
     turned.frf.conjugate();
     let (model, _) = in_pieces(&blocks(&turned.frf, 5));
-    assert!(!model.quality.trusted && model.quality.warnings.iter().any(|w| w.contains("--time-sign")), "{:?}", model.quality.warnings);
+    assert!(
+        !model.quality.trusted
+            && model
+                .quality
+                .warnings
+                .iter()
+                .any(|w| w.contains("--time-sign")),
+        "{:?}",
+        model.quality.warnings
+    );
 }
 
 #[test]
 fn noise_alone_gives_no_mode() {
     let mut set = set();
-    let FrfValues::F64(values) = &mut set.frf.values else { panic!("double precision") };
+    let FrfValues::F64(values) = &mut set.frf.values else {
+        panic!("double precision")
+    };
     *values = Array3::zeros(values.dim());
     add_noise_of_variance(values, 1e-6, 9);
     let (model, _) = in_pieces(&blocks(&set.frf, 3));
@@ -230,14 +351,38 @@ fn pieces_that_do_not_belong_together_are_refused_by_name() {
 
     let block = rows(&set.frf, 0..10);
     let with = |options: FitOptions| reduce(&block, &options, 7, Vec::new(), None).unwrap();
-    let effort = Effort { sketch_columns: 20, ..Effort::default() };
+    let effort = Effort {
+        sketch_columns: 20,
+        ..Effort::default()
+    };
     for (options, field) in [
-        (FitOptions { seed: 1, ..FitOptions::default() }, "seed"),
-        (FitOptions { band_hz: Some([30.0, 200.0]), ..FitOptions::default() }, "band"),
-        (FitOptions { effort, ..FitOptions::default() }, "columns of the sketch"),
+        (
+            FitOptions {
+                seed: 1,
+                ..FitOptions::default()
+            },
+            "seed",
+        ),
+        (
+            FitOptions {
+                band_hz: Some([30.0, 200.0]),
+                ..FitOptions::default()
+            },
+            "band",
+        ),
+        (
+            FitOptions {
+                effort,
+                ..FitOptions::default()
+            },
+            "columns of the sketch",
+        ),
     ] {
         let message = error(vec![parts[1].clone(), with(options)]);
-        assert!(message.contains(field) && message.contains("block 7"), "{message}");
+        assert!(
+            message.contains(field) && message.contains("block 7"),
+            "{message}"
+        );
     }
     let mut shifted = block.clone();
     shifted.frequency_hz.mapv_inplace(|f| f + 1.0);
@@ -247,16 +392,28 @@ fn pieces_that_do_not_belong_together_are_refused_by_name() {
     // the same FRFs under another number
     let again = reduce(&block, &FitOptions::default(), 7, Vec::new(), None).unwrap();
     let merged = Partial::merge([parts[0].clone(), again]).unwrap();
-    let message = solve(&merged, &FitOptions::default(), &|_| {}).unwrap_err().to_string();
+    let message = solve(&merged, &FitOptions::default(), &|_| {})
+        .unwrap_err()
+        .to_string();
     assert!(message.contains("an FRF stands in two blocks"), "{message}");
 
     // a second pass over half of the data, and one with other poles
-    let Solved::Poles(poles) = solve(&Partial::merge(parts.clone()).unwrap(), &FitOptions::default(), &|_| {}).unwrap() else {
+    let Solved::Poles(poles) = solve(
+        &Partial::merge(parts.clone()).unwrap(),
+        &FitOptions::default(),
+        &|_| {},
+    )
+    .unwrap() else {
         panic!("poles")
     };
     let half = reduced(&blocks(&set.frf, 2)[..1], Some(&poles));
-    let message = solve(&half[0], &FitOptions::default(), &|_| {}).unwrap_err().to_string();
-    assert!(message.contains("not run over the FRFs of the first"), "{message}");
+    let message = solve(&half[0], &FitOptions::default(), &|_| {})
+        .unwrap_err()
+        .to_string();
+    assert!(
+        message.contains("not run over the FRFs of the first"),
+        "{message}"
+    );
     let message = error(vec![half[0].clone(), parts[1].clone()]);
     assert!(message.contains("other poles"), "{message}");
 }
@@ -270,7 +427,10 @@ fn files_of_another_version_or_damaged_are_refused_by_name() {
     let head = String::from_utf8(bytes[..end].to_vec()).unwrap();
     let with_head = |head: String| [head.as_bytes(), &bytes[end..]].concat();
     let other = error(&with_head(head.replace("\"version\":2", "\"version\":1")));
-    assert!(other.contains("another version") && other.contains("1 (written by chladni"), "{other}");
+    assert!(
+        other.contains("another version") && other.contains("1 (written by chladni"),
+        "{other}"
+    );
     assert!(error(&with_head(head.replace("partial", "poles"))).contains("chladni.poles"));
     assert!(error(&bytes[..bytes.len() - 1]).contains("cut off"));
     let mut damaged = bytes.clone();
@@ -283,9 +443,15 @@ fn files_of_another_version_or_damaged_are_refused_by_name() {
 #[test]
 fn single_precision_and_both_axes_of_the_set_hold() {
     let set = set();
-    let FrfValues::F64(values) = &set.frf.values else { panic!("double precision") };
-    let single =
-        FrfSet { values: FrfValues::F32(values.mapv(|v| num_complex::Complex32::new(v.re as f32, v.im as f32))), ..set.frf.clone() };
+    let FrfValues::F64(values) = &set.frf.values else {
+        panic!("double precision")
+    };
+    let single = FrfSet {
+        values: FrfValues::F32(
+            values.mapv(|v| num_complex::Complex32::new(v.re as f32, v.im as f32)),
+        ),
+        ..set.frf.clone()
+    };
     let model = in_pieces(&[(3, single)]).0;
     let double = in_pieces(&blocks(&set.frf, 1)).0;
     assert!(difference(&model, &double) < 1e-7);

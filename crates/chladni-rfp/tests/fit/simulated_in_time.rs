@@ -1,5 +1,6 @@
-//! Identification of FRFs that an analyser would have estimated: simulated in time, windowed, averaged (H₁). The truth is
-//! that of the simulator (chladni-plate, `time.rs`), which knows nothing of the identification.
+//! Identification of FRFs that an analyser would have estimated: simulated in time,
+//! windowed, averaged (H₁). The truth is that of the simulator (chladni-plate,
+//! `time.rs`), which knows nothing of the identification.
 
 use chladni_frf::{ModalModel, Mode, Trust};
 use chladni_plate::{Excitation, TimeSet, TimeTest, Window};
@@ -25,27 +26,44 @@ impl Case {
         self.lines_per_bandwidth / RECORD_S
     }
 
-    /// The first structure from `seed` on that shows each of its modes in some FRF within 20 dB of the strongest.
+    /// The first structure from `seed` on that shows each of its modes in some FRF within
+    /// 20 dB of the strongest.
     fn build(&self, seed: u64) -> TimeSet {
         let shows = |set: &TimeSet| {
-            let strength = |m: &Mode| m.shape.0.iter().map(|v| (v * m.participation.0[0]).norm()).fold(0.0, f64::max);
+            let strength = |m: &Mode| {
+                m.shape
+                    .0
+                    .iter()
+                    .map(|v| (v * m.participation.0[0]).norm())
+                    .fold(0.0, f64::max)
+            };
             let all: Vec<f64> = set.truth.modes.iter().map(strength).collect();
             let strongest = all.iter().copied().fold(0.0, f64::max);
             all.iter().all(|s| *s > 0.1 * strongest)
         };
-        (seed..).map(|seed| self.test(seed).build().unwrap()).find(shows).unwrap()
+        (seed..)
+            .map(|seed| self.test(seed).build().unwrap())
+            .find(shows)
+            .unwrap()
     }
 
     fn test(&self, seed: u64) -> TimeTest {
         TimeTest {
             natural_frequency_hz: MODES.to_vec(),
-            damping_ratio: MODES.iter().map(|f| self.bandwidth_hz() / (2.0 * f)).collect(),
+            damping_ratio: MODES
+                .iter()
+                .map(|f| self.bandwidth_hz() / (2.0 * f))
+                .collect(),
             responses: self.responses,
             sample_rate_hz: 1024.0,
             record_s: RECORD_S,
             padding: 1,
             band_hz: [10.0, 400.0],
-            averages: if self.excitation == Excitation::Random { 32 } else { 8 },
+            averages: if self.excitation == Excitation::Random {
+                32
+            } else {
+                8
+            },
             excitation: self.excitation,
             window: self.window,
             snr_db: self.snr_db,
@@ -59,7 +77,8 @@ const BURST: Excitation = Excitation::BurstRandom { part: 0.5 };
 /// e^{−3} at the end of the record.
 const EXPONENTIAL: Window = Window::Exponential { rate_per_s: 1.5 };
 
-/// Four cases for each way to measure: FRFs, lines per bandwidth and noise turn in a Latin square.
+/// Four cases for each way to measure: FRFs, lines per bandwidth and noise turn in a
+/// Latin square.
 fn cases() -> Vec<Case> {
     let ways = [
         (HAMMER, Window::Rectangular),
@@ -70,22 +89,42 @@ fn cases() -> Vec<Case> {
         (Excitation::Random, Window::Hann),
         (Excitation::Random, Window::Rectangular),
     ];
-    let squares = [(1, 3.0, 40.0), (3, 1.5, 30.0), (6, 6.0, 25.0), (3, 3.0, 35.0), (6, 1.5, 40.0), (1, 6.0, 30.0)];
+    let squares = [
+        (1, 3.0, 40.0),
+        (3, 1.5, 30.0),
+        (6, 6.0, 25.0),
+        (3, 3.0, 35.0),
+        (6, 1.5, 40.0),
+        (1, 6.0, 30.0),
+    ];
     let mut all = Vec::new();
     for (w, (excitation, window)) in ways.into_iter().enumerate() {
         for step in 0..4 {
             let (responses, lines_per_bandwidth, snr_db) = squares[(w + step) % squares.len()];
-            all.push(Case { excitation, window, responses, lines_per_bandwidth, snr_db });
+            all.push(Case {
+                excitation,
+                window,
+                responses,
+                lines_per_bandwidth,
+                snr_db,
+            });
         }
     }
     all
 }
 
-/// Modes of the structure that no mode of the model stands for, and `sure` modes that stand for none or for one already taken.
+/// Modes of the structure that no mode of the model stands for, and `sure` modes that
+/// stand for none or for one already taken.
 fn missed_and_false(case: &Case, model: &ModalModel) -> (Vec<f64>, Vec<f64>) {
     // a window broadens lines; half a broadened bandwidth is less than two lines more
-    let near = |mode: &Mode, f: f64| (mode.frequency_hz - f).abs() < 0.5 * case.bandwidth_hz() + 0.5 / RECORD_S;
-    let missed = MODES.iter().copied().filter(|f| !model.in_band_modes().any(|m| near(m, *f))).collect();
+    let near = |mode: &Mode, f: f64| {
+        (mode.frequency_hz - f).abs() < 0.5 * case.bandwidth_hz() + 0.5 / RECORD_S
+    };
+    let missed = MODES
+        .iter()
+        .copied()
+        .filter(|f| !model.in_band_modes().any(|m| near(m, *f)))
+        .collect();
     let mut free = MODES.to_vec();
     let mut wrong = Vec::new();
     for mode in model.in_band_modes().filter(|m| m.trust == Trust::Sure) {
@@ -105,7 +144,8 @@ struct Tally {
     weak: usize,
     /// Cases that the fast chain, and the measured-data path, answered.
     paths: [usize; 2],
-    /// Sure modes by the same, and those whose frequency lies within two standard deviations of the truth.
+    /// Sure modes by the same, and those whose frequency lies within two standard
+    /// deviations of the truth.
     covered: [(usize, usize); 2],
     /// Shape values of sure modes over their error bars, by the same.
     shape_errors: [Vec<f64>; 2],
@@ -113,13 +153,22 @@ struct Tally {
 
 impl Tally {
     fn count(&mut self, model: &ModalModel, truth: &ModalModel) {
-        let path = usize::from(!model.quality.path.as_deref().is_some_and(|p| p.starts_with("fast chain")));
+        let path = usize::from(
+            !model
+                .quality
+                .path
+                .as_deref()
+                .is_some_and(|p| p.starts_with("fast chain")),
+        );
         self.paths[path] += 1;
         for mode in model.in_band_modes() {
             self.weak += usize::from(mode.trust == Trust::Weak);
             if mode.trust == Trust::Sure {
                 self.sure += 1;
-                let off = MODES.iter().map(|f| (mode.frequency_hz - f).abs()).fold(f64::MAX, f64::min);
+                let off = MODES
+                    .iter()
+                    .map(|f| (mode.frequency_hz - f).abs())
+                    .fold(f64::MAX, f64::min);
                 self.covered[path].0 += 1;
                 self.covered[path].1 += usize::from(off < 2.0 * mode.frequency_std_hz);
                 self.shape_errors[path].extend(shape_errors(mode, truth));
@@ -128,13 +177,28 @@ impl Tally {
     }
 }
 
-/// Distances of the values of a shape from the true one over their error bars, both with the point that is known exactly at 1.
+/// Distances of the values of a shape from the true one over their error bars, both with
+/// the point that is known exactly at 1.
 fn shape_errors(mode: &Mode, truth: &ModalModel) -> Vec<f64> {
     let off = |m: &&Mode| (m.frequency_hz - mode.frequency_hz).abs();
-    let truth = truth.modes.iter().min_by(|a, b| off(a).total_cmp(&off(b))).unwrap();
+    let truth = truth
+        .modes
+        .iter()
+        .min_by(|a, b| off(a).total_cmp(&off(b)))
+        .unwrap();
     let exact = mode.shape_std.iter().position(|s| *s == 0.0).unwrap_or(0);
-    let values = mode.shape.0.iter().zip(&truth.shape.0).zip(&mode.shape_std).filter(|(_, s)| **s > 0.0);
-    values.map(|((found, true_value), s)| (found / mode.shape.0[exact] - true_value / truth.shape.0[exact]).norm() / s).collect()
+    let values = mode
+        .shape
+        .0
+        .iter()
+        .zip(&truth.shape.0)
+        .zip(&mode.shape_std)
+        .filter(|(_, s)| **s > 0.0);
+    values
+        .map(|((found, true_value), s)| {
+            (found / mode.shape.0[exact] - true_value / truth.shape.0[exact]).norm() / s
+        })
+        .collect()
 }
 
 /// Fits all cases with structures from `seed` on.
@@ -142,7 +206,9 @@ fn run(seed: u64) -> Tally {
     let mut tally = Tally::default();
     for (number, case) in cases().iter().enumerate() {
         let set = case.build(seed + 100 * number as u64);
-        let model = fit(&set.frf, &FitOptions::default(), &|_| {}).unwrap().model;
+        let model = fit(&set.frf, &FitOptions::default(), &|_| {})
+            .unwrap()
+            .model;
         let (missed, wrong) = missed_and_false(case, &model);
         tally.count(&model, &set.truth);
         if !missed.is_empty() || !wrong.is_empty() {
@@ -157,7 +223,8 @@ fn run(seed: u64) -> Tally {
                 })
                 .collect();
             tally.failures.push(format!(
-                "seed {seed}, case {number}: {:?} {:?}, {} FRFs, {} lines per bandwidth, {} dB: missed {missed:?}, false {wrong:?}\n{}",
+                "seed {seed}, case {number}: {:?} {:?}, {} FRFs, {} lines per bandwidth, {} dB: \
+                 missed {missed:?}, false {wrong:?}\n{}",
                 case.excitation,
                 case.window,
                 case.responses,
@@ -170,52 +237,134 @@ fn run(seed: u64) -> Tally {
     tally
 }
 
-/// Rounds of the table with other structures: 1 in the suite, more for the figures of docs/theory.md, section 3, by
-/// `CHLADNI_ROUNDS=10 cargo test --release --test fit simulated_in_time -- --nocapture`.
+/// Rounds of the table with other structures: 1 in the suite, more for the figures of
+/// docs/theory.md, section 3, by `CHLADNI_ROUNDS=10 cargo test --release --test fit
+/// simulated_in_time -- --nocapture`.
 fn rounds() -> u64 {
-    std::env::var("CHLADNI_ROUNDS").map_or(1, |text| text.parse().expect("CHLADNI_ROUNDS is a number"))
+    std::env::var("CHLADNI_ROUNDS")
+        .map_or(1, |text| text.parse().expect("CHLADNI_ROUNDS is a number"))
 }
 
 #[test]
 fn every_mode_is_found_and_no_false_one_is_sure() {
     assert_eq!(cases().len(), 24);
     for round in 0..rounds() {
-        let Tally { failures, sure, weak, paths, covered, mut shape_errors } = run(10_000 * round);
+        let Tally {
+            failures,
+            sure,
+            weak,
+            paths,
+            covered,
+            mut shape_errors,
+        } = run(10_000 * round);
         // |complex normal| over its root mean square has a median of 0.83; windows and leakage make the tails heavier
         let medians = shape_errors.each_mut().map(|errors| {
             errors.sort_by(f64::total_cmp);
             errors[errors.len() / 2]
         });
-        println!("{sure} sure, {weak} weak; fast chain / measured path: cases {paths:?}, sure and covered by 2 sd {covered:?}, median shape error {medians:.2?} sd");
-        assert!(failures.is_empty(), "round {round}, {} cases:\n{}", failures.len(), failures.concat());
+        println!(
+            "{sure} sure, {weak} weak; fast chain / measured path: cases {paths:?}, sure and \
+                  covered by 2 sd {covered:?}, median shape error {medians:.2?} sd"
+        );
+        assert!(
+            failures.is_empty(),
+            "round {round}, {} cases:\n{}",
+            failures.len(),
+            failures.concat()
+        );
         // of 144 modes; a grade that doubts everything would pass the above
         assert!(sure >= 130, "round {round}: {sure} sure, {weak} weak");
-        assert!(medians.iter().all(|m| (0.4..1.7).contains(m)), "round {round}: {medians:?}");
+        assert!(
+            medians.iter().all(|m| (0.4..1.7).contains(m)),
+            "round {round}: {medians:?}"
+        );
     }
 }
 
 #[test]
 fn a_hann_window_on_bursts_is_named() {
-    let case = Case { excitation: BURST, window: Window::Hann, responses: 3, lines_per_bandwidth: 1.5, snr_db: 40.0 };
-    let model = fit(&case.build(0).frf, &FitOptions::default(), &|_| {}).unwrap().model;
-    assert!(model.quality.warnings.iter().any(|w| w.contains("went through a window")), "{:?}", model.quality.warnings);
-    let right = Case { window: Window::Rectangular, ..case };
-    let model = fit(&right.build(0).frf, &FitOptions::default(), &|_| {}).unwrap().model;
-    assert!(!model.quality.warnings.iter().any(|w| w.contains("went through a window")), "{:?}", model.quality.warnings);
+    let case = Case {
+        excitation: BURST,
+        window: Window::Hann,
+        responses: 3,
+        lines_per_bandwidth: 1.5,
+        snr_db: 40.0,
+    };
+    let model = fit(&case.build(0).frf, &FitOptions::default(), &|_| {})
+        .unwrap()
+        .model;
+    assert!(
+        model
+            .quality
+            .warnings
+            .iter()
+            .any(|w| w.contains("went through a window")),
+        "{:?}",
+        model.quality.warnings
+    );
+    let right = Case {
+        window: Window::Rectangular,
+        ..case
+    };
+    let model = fit(&right.build(0).frf, &FitOptions::default(), &|_| {})
+        .unwrap()
+        .model;
+    assert!(
+        !model
+            .quality
+            .warnings
+            .iter()
+            .any(|w| w.contains("went through a window")),
+        "{:?}",
+        model.quality.warnings
+    );
 }
 
 #[test]
 fn a_padded_record_is_thinned_to_the_lines_that_are_measured() {
-    let case = Case { excitation: HAMMER, window: Window::Rectangular, responses: 3, lines_per_bandwidth: 1.0, snr_db: 40.0 };
+    let case = Case {
+        excitation: HAMMER,
+        window: Window::Rectangular,
+        responses: 3,
+        lines_per_bandwidth: 1.0,
+        snr_db: 40.0,
+    };
     for padding in [2, 4] {
-        let set = TimeTest { padding, ..case.test(5) }.build().unwrap();
-        let model = fit(&set.frf, &FitOptions::default(), &|_| {}).unwrap().model;
-        assert!(model.quality.warnings.iter().any(|w| w.contains(&format!("1/{padding} of the record"))), "{:?}", model.quality.warnings);
+        let set = TimeTest {
+            padding,
+            ..case.test(5)
+        }
+        .build()
+        .unwrap();
+        let model = fit(&set.frf, &FitOptions::default(), &|_| {})
+            .unwrap()
+            .model;
+        assert!(
+            model
+                .quality
+                .warnings
+                .iter()
+                .any(|w| w.contains(&format!("1/{padding} of the record"))),
+            "{:?}",
+            model.quality.warnings
+        );
         let (missed, wrong) = missed_and_false(&case, &model);
-        assert!(missed.is_empty() && wrong.is_empty(), "padding {padding}: missed {missed:?}, false {wrong:?}");
+        assert!(
+            missed.is_empty() && wrong.is_empty(),
+            "padding {padding}: missed {missed:?}, false {wrong:?}"
+        );
         // the cut record is exactly rational: damping is not the window's
-        for (mode, truth) in model.in_band_modes().filter(|m| m.trust == Trust::Sure).zip(&set.truth.modes) {
-            assert!((mode.damping_ratio / truth.damping_ratio - 1.0).abs() < 0.1, "{} Hz: {}", truth.frequency_hz, mode.damping_ratio);
+        for (mode, truth) in model
+            .in_band_modes()
+            .filter(|m| m.trust == Trust::Sure)
+            .zip(&set.truth.modes)
+        {
+            assert!(
+                (mode.damping_ratio / truth.damping_ratio - 1.0).abs() < 0.1,
+                "{} Hz: {}",
+                truth.frequency_hz,
+                mode.damping_ratio
+            );
         }
     }
 }

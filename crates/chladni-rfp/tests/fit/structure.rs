@@ -1,4 +1,5 @@
-//! Structured refinement through the public door, judged by known truth and the bounds of identification.md's study.
+//! Structured refinement through the public door, judged by known truth and the bounds of
+//! identification.md's study.
 
 use chladni_frf::{Damping, FrfSet, FrfValues, ModalModel, Mode};
 use chladni_plate::{Synthetic, SyntheticSet, SyntheticShapes};
@@ -6,7 +7,14 @@ use chladni_rfp::{mac, FitOptions, ShapeModel};
 use ndarray::Array1;
 
 fn fitted(frf: &FrfSet, shapes: ShapeModel) -> ModalModel {
-    crate::common::fitted(frf, &FitOptions { damping: Some(Damping::Structural), shapes, ..Default::default() })
+    crate::common::fitted(
+        frf,
+        &FitOptions {
+            damping: Some(Damping::Structural),
+            shapes,
+            ..Default::default()
+        },
+    )
 }
 
 /// Pairs of modes `spacing` half-power bandwidths apart.
@@ -28,9 +36,14 @@ fn close_pairs(spacing: f64, snr_db: f64, seed: u64) -> SyntheticSet {
 }
 
 fn rms_error_in_bandwidths(truth: &ModalModel, model: &ModalModel) -> f64 {
-    let (truth, found): (Vec<&Mode>, Vec<&Mode>) = (truth.in_band_modes().collect(), model.in_band_modes().collect());
+    let (truth, found): (Vec<&Mode>, Vec<&Mode>) = (
+        truth.in_band_modes().collect(),
+        model.in_band_modes().collect(),
+    );
     assert_eq!(truth.len(), found.len());
-    let error = |(a, b): (&&Mode, &&Mode)| ((a.frequency_hz - b.frequency_hz) / (a.frequency_hz * a.loss_factor)).powi(2);
+    let error = |(a, b): (&&Mode, &&Mode)| {
+        ((a.frequency_hz - b.frequency_hz) / (a.frequency_hz * a.loss_factor)).powi(2)
+    };
     (truth.iter().zip(&found).map(error).sum::<f64>() / truth.len() as f64).sqrt()
 }
 
@@ -52,7 +65,8 @@ fn common_shapes_tell_close_modes_apart_several_times_better() {
     assert!(worst > 0.995, "worst MAC {worst}");
 }
 
-/// Twelve modes spaced evenly, so that `overlap` bandwidths fit between neighbours in the middle of the band.
+/// Twelve modes spaced evenly, so that `overlap` bandwidths fit between neighbours in the
+/// middle of the band.
 fn overlapping(overlap: f64, snr_db: f64, seed: u64) -> SyntheticSet {
     let natural_frequency_hz: Vec<f64> = (0..12).map(|n| 300.0 + 10.0 * n as f64).collect();
     Synthetic {
@@ -76,9 +90,21 @@ fn modes_that_free_residues_cannot_see_are_found_by_their_common_shape() {
             let set = overlapping(overlap, snr_db, seed);
             let model = fitted(&set.frf, ShapeModel::Auto);
             let found = model.in_band_modes().count();
-            assert_eq!(found, 12, "overlap {overlap}, {snr_db} dB, seed {seed}: {:?}, {:?}", model.quality.path, model.quality.warnings);
-            let worst = set.truth.in_band_modes().zip(model.in_band_modes()).map(|(a, b)| mac(&a.shape.0, &b.shape.0)).fold(1.0, f64::min);
-            assert!(worst > 0.98, "overlap {overlap}, seed {seed}: worst MAC {worst}");
+            assert_eq!(
+                found, 12,
+                "overlap {overlap}, {snr_db} dB, seed {seed}: {:?}, {:?}",
+                model.quality.path, model.quality.warnings
+            );
+            let worst = set
+                .truth
+                .in_band_modes()
+                .zip(model.in_band_modes())
+                .map(|(a, b)| mac(&a.shape.0, &b.shape.0))
+                .fold(1.0, f64::min);
+            assert!(
+                worst > 0.98,
+                "overlap {overlap}, seed {seed}: worst MAC {worst}"
+            );
         }
     }
 }
@@ -86,13 +112,23 @@ fn modes_that_free_residues_cannot_see_are_found_by_their_common_shape() {
 #[test]
 fn a_repeated_pole_is_two_modes_of_one_frequency() {
     for snr_db in [60.0, 40.0, 20.0] {
-        let set =
-            Synthetic { natural_frequency_hz: vec![40.0, 70.0, 70.0, 110.0], responses: 8, references: 2, snr_db, ..Synthetic::default() }
-                .build()
-                .expect("a set");
+        let set = Synthetic {
+            natural_frequency_hz: vec![40.0, 70.0, 70.0, 110.0],
+            responses: 8,
+            references: 2,
+            snr_db,
+            ..Synthetic::default()
+        }
+        .build()
+        .expect("a set");
         let model = fitted(&set.frf, ShapeModel::Auto);
         let frequencies: Vec<f64> = model.in_band_modes().map(|m| m.frequency_hz).collect();
-        assert_eq!(frequencies.len(), 4, "{snr_db} dB: {frequencies:?} {:?}", model.quality.path);
+        assert_eq!(
+            frequencies.len(),
+            4,
+            "{snr_db} dB: {frequencies:?} {:?}",
+            model.quality.path
+        );
         assert_eq!(frequencies[1], frequencies[2], "{snr_db} dB");
         assert!((frequencies[1] - 70.0).abs() < 0.05);
     }
@@ -100,20 +136,43 @@ fn a_repeated_pole_is_two_modes_of_one_frequency() {
 
 #[test]
 fn shapes_are_real_only_where_the_data_admit_it() {
-    let set =
-        |shapes| Synthetic { shapes, responses: 8, references: 3, snr_db: 40.0, seed: 5, ..Synthetic::default() }.build().expect("a set");
-    let path = |set: &SyntheticSet| fitted(&set.frf, ShapeModel::Auto).quality.path.unwrap_or_default();
+    let set = |shapes| {
+        Synthetic {
+            shapes,
+            responses: 8,
+            references: 3,
+            snr_db: 40.0,
+            seed: 5,
+            ..Synthetic::default()
+        }
+        .build()
+        .expect("a set")
+    };
+    let path = |set: &SyntheticSet| {
+        fitted(&set.frf, ShapeModel::Auto)
+            .quality
+            .path
+            .unwrap_or_default()
+    };
     let real = path(&set(SyntheticShapes::Real));
-    assert!(real.contains("one shape per mode") && real.contains("real ("), "{real}");
+    assert!(
+        real.contains("one shape per mode") && real.contains("real ("),
+        "{real}"
+    );
     let turned = path(&set(SyntheticShapes::Turned { phase_deg: 10.0 }));
-    assert!(turned.contains("one shape per mode") && !turned.contains("real ("), "{turned}");
+    assert!(
+        turned.contains("one shape per mode") && !turned.contains("real ("),
+        "{turned}"
+    );
     // a delayed reference keeps one shape, but its phase is no longer that of a real mode
     let mut delayed = set(SyntheticShapes::Real);
     let axis = delayed.frf.frequency_hz.clone();
     if let FrfValues::F64(values) = &mut delayed.frf.values {
         for (k, f) in axis.iter().enumerate() {
             let turn = num_complex::Complex64::from_polar(1.0, -std::f64::consts::TAU * f * 500e-6);
-            values.slice_mut(ndarray::s![.., 2, k]).mapv_inplace(|v| v * turn);
+            values
+                .slice_mut(ndarray::s![.., 2, k])
+                .mapv_inplace(|v| v * turn);
         }
     }
     let delayed = path(&delayed);
@@ -124,9 +183,22 @@ fn shapes_are_real_only_where_the_data_admit_it() {
 fn real_shapes_halve_the_variance_of_separate_frequencies_and_say_so() {
     let (mut free, mut real, mut claimed, mut count) = (0.0, 0.0, 0.0, 0);
     for seed in 0..20 {
-        let set = Synthetic { responses: 4, references: 1, snr_db: 40.0, seed: 40 + seed, ..Synthetic::default() }.build().expect("a set");
+        let set = Synthetic {
+            responses: 4,
+            references: 1,
+            snr_db: 40.0,
+            seed: 40 + seed,
+            ..Synthetic::default()
+        }
+        .build()
+        .expect("a set");
         let [a, b] = [ShapeModel::Free, ShapeModel::Real].map(|shapes| fitted(&set.frf, shapes));
-        for ((truth, a), b) in set.truth.in_band_modes().zip(a.in_band_modes()).zip(b.in_band_modes()) {
+        for ((truth, a), b) in set
+            .truth
+            .in_band_modes()
+            .zip(a.in_band_modes())
+            .zip(b.in_band_modes())
+        {
             free += ((a.frequency_hz - truth.frequency_hz) / a.frequency_std_hz).powi(2);
             real += ((b.frequency_hz - truth.frequency_hz) / b.frequency_std_hz).powi(2);
             claimed += a.frequency_std_hz / b.frequency_std_hz;
@@ -135,15 +207,35 @@ fn real_shapes_halve_the_variance_of_separate_frequencies_and_say_so() {
     }
     // chi-square over 60 values: one standard deviation is 0.18 of the mean
     let [free, real, claimed] = [free, real, claimed].map(|v: f64| v / count as f64);
-    assert!((0.4..1.8).contains(&free) && (0.4..1.8).contains(&real), "{free} {real}");
-    assert!((1.3..1.55).contains(&claimed), "an isolated mode gains a factor of 1.41 in frequency: {claimed}");
+    assert!(
+        (0.4..1.8).contains(&free) && (0.4..1.8).contains(&real),
+        "{free} {real}"
+    );
+    assert!(
+        (1.3..1.55).contains(&claimed),
+        "an isolated mode gains a factor of 1.41 in frequency: {claimed}"
+    );
 }
 
 #[test]
 fn one_shape_is_kept_where_more_references_than_responses_drive() {
-    let set = Synthetic { responses: 3, references: 8, ..Synthetic::default() }.build().expect("a set");
+    let set = Synthetic {
+        responses: 3,
+        references: 8,
+        ..Synthetic::default()
+    }
+    .build()
+    .expect("a set");
     let model = fitted(&set.frf, ShapeModel::Auto);
-    assert!(model.quality.path.as_deref().is_some_and(|p| p.contains("one shape per mode")), "{:?}", model.quality.path);
+    assert!(
+        model
+            .quality
+            .path
+            .as_deref()
+            .is_some_and(|p| p.contains("one shape per mode")),
+        "{:?}",
+        model.quality.path
+    );
     for (a, b) in set.truth.in_band_modes().zip(model.in_band_modes()) {
         assert!(mac(&a.participation.0, &b.participation.0) > 0.999);
         assert!((a.frequency_hz / b.frequency_hz - 1.0).abs() < 1e-4);

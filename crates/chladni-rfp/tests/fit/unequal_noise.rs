@@ -1,4 +1,5 @@
-//! FRFs that are not equally noisy: weighted, the fit stands at the bound of weighted data, and comes back in measured units.
+//! FRFs that are not equally noisy: weighted, the fit stands at the bound of weighted
+//! data, and comes back in measured units.
 
 use crate::common::{easy, fitted, resynthesis_error};
 use chladni_frf::{FrfSet, FrfValues, ModalModel};
@@ -11,12 +12,15 @@ use num_complex::Complex64;
 const RESPONSES: [f64; 6] = [1.0, 4.0, 1.0, 6.0, 5.0, 2.0];
 const REFERENCES: [f64; 2] = [2.0, 1.0];
 
-/// The easy set with noise 45 dB below the data, times what the sensor and the exciter make of it; and the bound: that of equal noise
-/// on FRFs divided by the same factors.
+/// The easy set with noise 45 dB below the data, times what the sensor and the exciter
+/// make of it; and the bound: that of equal noise on FRFs divided by the same factors.
 fn unequal(seed: u64) -> (SyntheticSet, CramerRao) {
     let mut set = easy(f64::INFINITY, seed).build().unwrap();
-    let FrfValues::F64(values) = &mut set.frf.values else { panic!("synthetic sets are in double precision") };
-    let variance = 10f64.powf(-4.5) * values.iter().map(|v| v.norm_sqr()).sum::<f64>() / values.len() as f64;
+    let FrfValues::F64(values) = &mut set.frf.values else {
+        panic!("synthetic sets are in double precision")
+    };
+    let variance =
+        10f64.powf(-4.5) * values.iter().map(|v| v.norm_sqr()).sum::<f64>() / values.len() as f64;
     let mut noise = Array3::zeros(values.dim());
     add_noise_of_variance(&mut noise, variance, 100 + seed);
     for (((i, j, _), value), noise) in values.indexed_iter_mut().zip(&noise) {
@@ -24,8 +28,16 @@ fn unequal(seed: u64) -> (SyntheticSet, CramerRao) {
     }
     let mut even = set.truth.clone();
     for mode in &mut even.modes {
-        mode.shape.0.iter_mut().zip(RESPONSES).for_each(|(value, level)| *value /= level);
-        mode.participation.0.iter_mut().zip(REFERENCES).for_each(|(value, level)| *value /= level);
+        mode.shape
+            .0
+            .iter_mut()
+            .zip(RESPONSES)
+            .for_each(|(value, level)| *value /= level);
+        mode.participation
+            .0
+            .iter_mut()
+            .zip(REFERENCES)
+            .for_each(|(value, level)| *value /= level);
     }
     let bound = cramer_rao_real(&even, &set.frf.frequency_hz, variance, &[-2, 0, 2, 4]).unwrap();
     (set, bound)
@@ -36,11 +48,22 @@ fn variances_that_the_set_gives_are_the_weights_from_the_start() {
     let (set, _) = unequal(3);
     let learnt = fitted(&set.frf, &FitOptions::default());
     let mut given = set.frf.clone();
-    let noise = Array3::from_shape_fn(given.values.dim(), |(i, j, _)| (1e-3 * RESPONSES[i] * REFERENCES[j]).powi(2));
+    let noise = Array3::from_shape_fn(given.values.dim(), |(i, j, _)| {
+        (1e-3 * RESPONSES[i] * REFERENCES[j]).powi(2)
+    });
     given.variance = Some(noise);
     let model = fitted(&given, &FitOptions::default());
-    assert!(path(&model).ends_with("as the variances of the set say"), "{}", path(&model));
-    assert!(path(&model).contains("differs 6.0 times between responses and 2.0 times between references"), "{}", path(&model));
+    assert!(
+        path(&model).ends_with("as the variances of the set say"),
+        "{}",
+        path(&model)
+    );
+    assert!(
+        path(&model)
+            .contains("differs 6.0 times between responses and 2.0 times between references"),
+        "{}",
+        path(&model)
+    );
     for (mode, other) in model.in_band_modes().zip(learnt.in_band_modes()) {
         assert!((mode.frequency_hz - other.frequency_hz).abs() < 0.2 * other.frequency_std_hz);
         assert!((mode.frequency_std_hz / other.frequency_std_hz - 1.0).abs() < 0.05);
@@ -48,18 +71,35 @@ fn variances_that_the_set_gives_are_the_weights_from_the_start() {
     // equal ones change nothing, and where one is not known the data tell
     given.variance = Some(Array3::from_elem(given.values.dim(), 1e-6));
     let equal = fitted(&given, &FitOptions::default());
-    assert!(!path(&equal).contains("as the variances of the set say"), "{}", path(&equal));
+    assert!(
+        !path(&equal).contains("as the variances of the set say"),
+        "{}",
+        path(&equal)
+    );
     given.variance.as_mut().unwrap()[[0, 0, 700]] = f64::NAN;
     assert_eq!(path(&fitted(&given, &FitOptions::default())), path(&learnt));
 }
 
-/// The coherence of 1/(1 + noise over signal), where the noise of a pair stands 45 dB below the data, times `level`.
+/// The coherence of 1/(1 + noise over signal), where the noise of a pair stands 45 dB
+/// below the data, times `level`.
 fn with_coherence(set: &SyntheticSet, level: impl Fn(usize, usize) -> f64) -> FrfSet {
     let mut frf = set.frf.clone();
-    let FrfValues::F64(values) = &frf.values else { panic!("synthetic sets are in double precision") };
-    let variance = 10f64.powf(-4.5) * values.iter().map(|v| v.norm_sqr()).sum::<f64>() / values.len() as f64;
-    let squared = |((i, j, _), value): ((usize, usize, usize), &Complex64)| 1.0 / (1.0 + variance * level(i, j).powi(2) / value.norm_sqr());
-    let coherence = Array3::from_shape_vec(values.dim(), values.indexed_iter().map(|value| squared(value) as f32).collect()).unwrap();
+    let FrfValues::F64(values) = &frf.values else {
+        panic!("synthetic sets are in double precision")
+    };
+    let variance =
+        10f64.powf(-4.5) * values.iter().map(|v| v.norm_sqr()).sum::<f64>() / values.len() as f64;
+    let squared = |((i, j, _), value): ((usize, usize, usize), &Complex64)| {
+        1.0 / (1.0 + variance * level(i, j).powi(2) / value.norm_sqr())
+    };
+    let coherence = Array3::from_shape_vec(
+        values.dim(),
+        values
+            .indexed_iter()
+            .map(|value| squared(value) as f32)
+            .collect(),
+    )
+    .unwrap();
     frf.coherence = Some(coherence);
     frf
 }
@@ -68,16 +108,30 @@ fn with_coherence(set: &SyntheticSet, level: impl Fn(usize, usize) -> f64) -> Fr
 fn coherence_gives_the_weights_where_the_residual_does_not_contradict_it() {
     let (set, _) = unequal(3);
     let learnt = fitted(&set.frf, &FitOptions::default());
-    let told = fitted(&with_coherence(&set, |i, j| RESPONSES[i] * REFERENCES[j]), &FitOptions::default());
-    assert!(path(&told).ends_with("as the coherence of the set says"), "{}", path(&told));
+    let told = fitted(
+        &with_coherence(&set, |i, j| RESPONSES[i] * REFERENCES[j]),
+        &FitOptions::default(),
+    );
+    assert!(
+        path(&told).ends_with("as the coherence of the set says"),
+        "{}",
+        path(&told)
+    );
     for (mode, other) in told.in_band_modes().zip(learnt.in_band_modes()) {
         assert!((mode.frequency_hz - other.frequency_hz).abs() < 0.2 * other.frequency_std_hz);
         assert!((mode.frequency_std_hz / other.frequency_std_hz - 1.0).abs() < 0.05);
     }
     // the noise of other sensors: named, and the fit is the one without coherence
-    let wrong = fitted(&with_coherence(&set, |i, j| RESPONSES[5 - i] * REFERENCES[j]), &FitOptions::default());
+    let wrong = fitted(
+        &with_coherence(&set, |i, j| RESPONSES[5 - i] * REFERENCES[j]),
+        &FitOptions::default(),
+    );
     assert_eq!(path(&wrong), path(&learnt));
-    assert!(wrong.quality.warnings.iter().any(|warning| warning.contains("coherence of the set does not tell its noise")));
+    assert!(wrong
+        .quality
+        .warnings
+        .iter()
+        .any(|warning| warning.contains("coherence of the set does not tell its noise")));
     assert_eq!(wrong.modes, learnt.modes);
     // one that is 1 everywhere tells nothing
     let mut flat = set.frf.clone();
@@ -96,11 +150,25 @@ fn weighted_frfs_reach_the_bound_of_weighted_data_and_their_bars_are_honest() {
     for seed in 0..10 {
         let (set, bound) = unequal(seed);
         let model = fitted(&set.frf, &FitOptions::default());
-        assert!(path(&model).contains("weighted by their noise"), "{}", path(&model));
+        assert!(
+            path(&model).contains("weighted by their noise"),
+            "{}",
+            path(&model)
+        );
         assert_eq!(model.in_band_modes().count(), 8);
-        for (n, (mode, truth)) in model.in_band_modes().zip(set.truth.in_band_modes()).enumerate() {
-            let error = [mode.frequency_hz - truth.frequency_hz, mode.loss_factor - truth.loss_factor];
-            let over = [error[0] / bound.frequency_std_hz[n], error[1] / bound.loss_factor_std[n]];
+        for (n, (mode, truth)) in model
+            .in_band_modes()
+            .zip(set.truth.in_band_modes())
+            .enumerate()
+        {
+            let error = [
+                mode.frequency_hz - truth.frequency_hz,
+                mode.loss_factor - truth.loss_factor,
+            ];
+            let over = [
+                error[0] / bound.frequency_std_hz[n],
+                error[1] / bound.loss_factor_std[n],
+            ];
             (0..2).for_each(|e| squares[e] += over[e] * over[e]);
             count += 1;
             poles_covered += usize::from(error[0].abs() < 1.96 * mode.frequency_std_hz);
@@ -114,12 +182,21 @@ fn weighted_frfs_reach_the_bound_of_weighted_data_and_their_bars_are_honest() {
     }
     for (what, sum) in ["frequency", "loss factor"].into_iter().zip(squares) {
         let over = (sum / f64::from(count)).sqrt();
-        assert!((0.8..1.2).contains(&over), "{what}: error over bound {over}");
+        assert!(
+            (0.8..1.2).contains(&over),
+            "{what}: error over bound {over}"
+        );
     }
     let share = f64::from(u32::try_from(poles_covered).unwrap()) / f64::from(2 * count);
-    assert!((0.88..0.995).contains(&share), "95 % bars of poles hold {share}");
+    assert!(
+        (0.88..0.995).contains(&share),
+        "95 % bars of poles hold {share}"
+    );
     let share = shapes_covered as f64 / entries as f64;
-    assert!((0.9..0.99).contains(&share), "95 % bars of shapes hold {share}");
+    assert!(
+        (0.9..0.99).contains(&share),
+        "95 % bars of shapes hold {share}"
+    );
 }
 
 #[test]
@@ -127,7 +204,8 @@ fn a_weighted_model_is_in_measured_units_and_equal_noise_is_not_weighted() {
     let (set, _) = unequal(3);
     let model = fitted(&set.frf, &FitOptions::default());
     let relative = resynthesis_error(&model, &set.frf);
-    // the model takes it from sums over the data: its digits are those of the square of the residual
+    // the model takes it from sums over the data: its digits are those of the square of
+    // the residual
     let told = model.quality.relative_error;
     assert!((relative / told - 1.0).abs() < 1e-9, "{relative} {told}");
     let even = easy(40.0, 3).build().unwrap();

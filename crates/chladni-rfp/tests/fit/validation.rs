@@ -6,17 +6,36 @@ use chladni_rfp::{auto_mac, cmif, mac, reconstruction_error};
 use num_complex::Complex64;
 
 fn clean() -> SyntheticSet {
-    Synthetic { snr_db: f64::INFINITY, ..Synthetic::default() }.build().unwrap()
+    Synthetic {
+        snr_db: f64::INFINITY,
+        ..Synthetic::default()
+    }
+    .build()
+    .unwrap()
 }
 
 #[test]
 fn auto_mac_is_one_on_its_diagonal_and_symmetric() {
     let set = clean();
-    let shapes: Vec<&[Complex64]> = set.truth.in_band_modes().map(|mode| mode.shape.0.as_slice()).collect();
+    let shapes: Vec<&[Complex64]> = set
+        .truth
+        .in_band_modes()
+        .map(|mode| mode.shape.0.as_slice())
+        .collect();
     let table = auto_mac(&set.truth);
     assert_eq!(table.dim(), (shapes.len(), shapes.len()));
     for ((a, b), value) in table.indexed_iter() {
-        assert!((value - if a == b { 1.0 } else { mac(shapes[b], shapes[a]) }).abs() < 1e-12, "{a} {b}: {value}");
+        assert!(
+            (value
+                - if a == b {
+                    1.0
+                } else {
+                    mac(shapes[b], shapes[a])
+                })
+            .abs()
+                < 1e-12,
+            "{a} {b}: {value}"
+        );
     }
 }
 
@@ -24,13 +43,20 @@ fn auto_mac_is_one_on_its_diagonal_and_symmetric() {
 fn the_reconstruction_error_points_at_the_frf_that_is_wrong() {
     let mut set = clean();
     if let FrfValues::F64(values) = &mut set.frf.values {
-        values.slice_mut(ndarray::s![1, 0, ..]).mapv_inplace(|v| 1.25 * v);
-        values.slice_mut(ndarray::s![2, 1, ..]).fill(Complex64::new(f64::NAN, f64::NAN));
+        values
+            .slice_mut(ndarray::s![1, 0, ..])
+            .mapv_inplace(|v| 1.25 * v);
+        values
+            .slice_mut(ndarray::s![2, 1, ..])
+            .fill(Complex64::new(f64::NAN, f64::NAN));
         values[[3, 1, 7]] = Complex64::new(f64::NAN, f64::NAN);
     }
     for ((i, j), error) in reconstruction_error(&set.frf, &set.truth).indexed_iter() {
         match (i, j) {
-            (1, 0) => assert!((error - 0.2).abs() < 1e-12, "a gain of 1.25 leaves 0.25/1.25: {error}"),
+            (1, 0) => assert!(
+                (error - 0.2).abs() < 1e-12,
+                "a gain of 1.25 leaves 0.25/1.25: {error}"
+            ),
             (2, 1) => assert!(error.is_nan(), "not measured: {error}"),
             _ => assert!(*error < 1e-12, "{i} {j}: {error}"),
         }
@@ -39,18 +65,34 @@ fn the_reconstruction_error_points_at_the_frf_that_is_wrong() {
 
 #[test]
 fn the_mode_indicator_shows_the_singular_values_of_each_line() {
-    let mut set = Synthetic { responses: 2, references: 2, ..Synthetic::default() }.build().unwrap();
+    let mut set = Synthetic {
+        responses: 2,
+        references: 2,
+        ..Synthetic::default()
+    }
+    .build()
+    .unwrap();
     if let FrfValues::F64(values) = &mut set.frf.values {
-        // a diagonal matrix on every line: its entries' moduli, falling; and one line without a value
+        // a diagonal matrix on every line: its entries' moduli, falling; and one line
+        // without a value
         values.indexed_iter_mut().for_each(|((i, j, k), v)| {
-            *v = if i != j { Complex64::default() } else { Complex64::from_polar((1 + i) as f64 * (1 + k) as f64, k as f64) };
+            *v = if i != j {
+                Complex64::default()
+            } else {
+                Complex64::from_polar((1 + i) as f64 * (1 + k) as f64, k as f64)
+            };
         });
         values[[0, 1, 5]] = Complex64::new(f64::NAN, f64::NAN);
     }
     let table = cmif(&set.frf).unwrap();
     for k in (0..20).filter(|k| *k != 5) {
         let size = (1 + k) as f64;
-        assert!((table[[k, 0]] / size - 2.0).abs() < 1e-12 && (table[[k, 1]] / size - 1.0).abs() < 1e-12, "{:?}", table.row(k));
+        assert!(
+            (table[[k, 0]] / size - 2.0).abs() < 1e-12
+                && (table[[k, 1]] / size - 1.0).abs() < 1e-12,
+            "{:?}",
+            table.row(k)
+        );
     }
     assert!(table.row(5).iter().all(|v| v.is_nan()));
 }

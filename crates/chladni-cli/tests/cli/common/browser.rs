@@ -10,7 +10,12 @@ use std::time::{Duration, Instant};
 use tempfile::TempDir;
 use tungstenite::{client, Message, WebSocket};
 
-const NAMES: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
+const NAMES: [&str; 4] = [
+    "chromium",
+    "chromium-browser",
+    "google-chrome",
+    "google-chrome-stable",
+];
 /// Longest wait for anything.
 const PATIENCE: Duration = Duration::from_secs(60);
 
@@ -25,24 +30,45 @@ pub struct Page {
 }
 
 impl Page {
-    /// A tab of so many px, light or dark; `None`, with the reason on stderr, where there is no browser.
+    /// A tab of so many px, light or dark; `None`, with the reason on stderr, where there
+    /// is no browser.
     pub fn new(width: u32, height: u32, dark: bool) -> Option<Self> {
         let profile = tempfile::tempdir().unwrap();
         let Some(mut browser) = NAMES.iter().find_map(|name| launch(name, profile.path())) else {
-            eprintln!("skipped: no browser found ({}); scripts/setup.sh installs one", NAMES.join(", "));
+            eprintln!(
+                "skipped: no browser found ({}); scripts/setup.sh installs one",
+                NAMES.join(", ")
+            );
             return None;
         };
         let Some(url) = devtools_url(profile.path()) else {
             drop(browser.kill());
             panic!("the browser opened no DevTools port");
         };
-        let address = url.trim_start_matches("ws://").split('/').next().unwrap().to_owned();
+        let address = url
+            .trim_start_matches("ws://")
+            .split('/')
+            .next()
+            .unwrap()
+            .to_owned();
         let stream = TcpStream::connect(address).unwrap();
         stream.set_read_timeout(Some(PATIENCE)).unwrap();
         let (socket, _) = client(&url, stream).unwrap();
-        let mut page = Self { browser, _profile: profile, socket, session: String::new(), last: 0, complaints: Vec::new() };
-        let target = page.send("Target.createTarget", json!({"url": "about:blank"}))["targetId"].clone();
-        let session = page.send("Target.attachToTarget", json!({"targetId": target, "flatten": true}))["sessionId"].clone();
+        let mut page = Self {
+            browser,
+            _profile: profile,
+            socket,
+            session: String::new(),
+            last: 0,
+            complaints: Vec::new(),
+        };
+        let target =
+            page.send("Target.createTarget", json!({"url": "about:blank"}))["targetId"].clone();
+        let session = page.send(
+            "Target.attachToTarget",
+            json!({"targetId": target, "flatten": true}),
+        )["sessionId"]
+            .clone();
         page.session = session.as_str().unwrap().to_owned();
         for domain in ["Page", "Runtime", "Log"] {
             page.send(&format!("{domain}.enable"), json!({}));
@@ -50,38 +76,59 @@ impl Page {
         page.send("Performance.enable", json!({"timeDomain": "threadTicks"}));
         page.resize(width, height);
         let scheme = if dark { "dark" } else { "light" };
-        page.send("Emulation.setEmulatedMedia", json!({"features": [{"name": "prefers-color-scheme", "value": scheme}]}));
+        page.send(
+            "Emulation.setEmulatedMedia",
+            json!({"features": [{"name": "prefers-color-scheme", "value": scheme}]}),
+        );
         Some(page)
     }
 
     pub fn resize(&mut self, width: u32, height: u32) {
-        let size = json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": false});
+        let size =
+            json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": false});
         self.send("Emulation.setDeviceMetricsOverride", size);
     }
 
-    /// Opens an address and waits until the page has drawn itself; milliseconds from its start to then.
+    /// Opens an address and waits until the page has drawn itself; milliseconds from its
+    /// start to then.
     pub fn open(&mut self, url: &str) -> u64 {
         self.eval("delete document.documentElement?.dataset.drawn");
         self.send("Page.navigate", json!({ "url": url }));
-        self.wait("document.documentElement?.dataset.drawn").as_str().unwrap().parse().unwrap()
+        self.wait("document.documentElement?.dataset.drawn")
+            .as_str()
+            .unwrap()
+            .parse()
+            .unwrap()
     }
 
-    /// Seconds that the page's thread has worked so far: unlike a clock they do not count what other programs do meanwhile.
+    /// Seconds that the page's thread has worked so far: unlike a clock they do not count
+    /// what other programs do meanwhile.
     pub fn worked_s(&mut self) -> f64 {
         let metrics = self.send("Performance.getMetrics", json!({}))["metrics"].clone();
-        let task = metrics.as_array().unwrap().iter().find(|metric| metric["name"] == "TaskDuration").unwrap();
+        let task = metrics
+            .as_array()
+            .unwrap()
+            .iter()
+            .find(|metric| metric["name"] == "TaskDuration")
+            .unwrap();
         task["value"].as_f64().unwrap()
     }
 
     pub fn open_file(&mut self, path: &Path) -> u64 {
-        self.open(&format!("file://{}", path.canonicalize().unwrap().display()))
+        self.open(&format!(
+            "file://{}",
+            path.canonicalize().unwrap().display()
+        ))
     }
 
     /// The value of an expression in the page.
     pub fn eval(&mut self, expression: &str) -> Value {
         let asked = json!({"expression": expression, "awaitPromise": true, "returnByValue": true});
         let answer = self.send("Runtime.evaluate", asked);
-        assert!(answer.get("exceptionDetails").is_none(), "{expression}: {answer}");
+        assert!(
+            answer.get("exceptionDetails").is_none(),
+            "{expression}: {answer}"
+        );
         answer["result"]["value"].clone()
     }
 
@@ -93,7 +140,11 @@ impl Page {
             if !matches!(value, Value::Null | Value::Bool(false)) {
                 return value;
             }
-            assert!(start.elapsed() < PATIENCE, "never true: {expression}; {:?}", self.complaints);
+            assert!(
+                start.elapsed() < PATIENCE,
+                "never true: {expression}; {:?}",
+                self.complaints
+            );
             std::thread::sleep(Duration::from_millis(50));
         }
     }
@@ -105,7 +156,8 @@ impl Page {
         value.as_str().unwrap().to_owned()
     }
 
-    /// Brings an element into view and gives a place of it in the window: its left upper corner and size.
+    /// Brings an element into view and gives a place of it in the window: its left upper
+    /// corner and size.
     pub fn place(&mut self, selector: &str) -> [f64; 4] {
         let found = format!("(() => {{ const e = document.querySelector({}); e.scrollIntoView({{block: 'center'}}); const r = e.getBoundingClientRect(); return [r.left, r.top, r.width, r.height]; }})()", json!(selector));
         serde_json::from_value(self.eval(&found)).unwrap()
@@ -135,7 +187,11 @@ impl Page {
         self.mouse("mouseMoved", from, 0);
         self.mouse("mousePressed", from, 1);
         for part in [0.3, 0.7, 1.0] {
-            self.mouse("mouseMoved", [0, 1].map(|k| from[k] + part * (to[k] - from[k])), 1);
+            self.mouse(
+                "mouseMoved",
+                [0, 1].map(|k| from[k] + part * (to[k] - from[k])),
+                1,
+            );
         }
     }
 
@@ -176,16 +232,22 @@ impl Page {
         if !self.session.is_empty() {
             message["sessionId"] = json!(self.session);
         }
-        self.socket.send(Message::text(message.to_string())).unwrap();
+        self.socket
+            .send(Message::text(message.to_string()))
+            .unwrap();
         loop {
-            let Message::Text(text) = self.socket.read().unwrap() else { continue };
+            let Message::Text(text) = self.socket.read().unwrap() else {
+                continue;
+            };
             let said: Value = serde_json::from_str(text.as_str()).unwrap();
             if said["id"] == id {
                 assert!(said.get("error").is_none(), "{method}: {said}");
                 return said["result"].clone();
             }
             match said["method"].as_str() {
-                Some("Runtime.exceptionThrown") => self.complaints.push(said["params"]["exceptionDetails"].to_string()),
+                Some("Runtime.exceptionThrown") => self
+                    .complaints
+                    .push(said["params"]["exceptionDetails"].to_string()),
                 Some("Log.entryAdded") if said["params"]["entry"]["level"] == "error" => {
                     self.complaints.push(said["params"]["entry"].to_string())
                 }
@@ -214,7 +276,13 @@ fn launch(name: &str, profile: &Path) -> Option<Child> {
         &data,
         "about:blank",
     ];
-    Command::new(name).args(flags).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn().ok()
+    Command::new(name)
+        .args(flags)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .ok()
 }
 
 /// The browser writes port and path of its socket into its profile.

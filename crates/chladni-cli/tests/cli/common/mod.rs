@@ -14,7 +14,8 @@ pub const PANEL: &str = "[responses]\ngrid = [6, 4]\nspacing_m = 0.035\n[referen
                          [frf]\nstart_hz = 20.0\nstop_hz = 400.0\nstep_hz = 1.0\n";
 /// The corner at the origin is felt, the rest is quiet.
 pub const SCENE: &str =
-    "frequency_hz = 300.0\n[zones]\ngrid = [2, 2]\nhot = [1]\ncells_m = [0.0, 0.0, 0.268, 0.170]\ntransition_m = 0.02\n";
+    "frequency_hz = 300.0\n[zones]\ngrid = [2, 2]\nhot = [1]\ncells_m = [0.0, 0.0, 0.268, \
+     0.170]\ntransition_m = 0.02\n";
 
 /// A folder that is gone after the test.
 pub struct Folder(pub TempDir);
@@ -29,11 +30,17 @@ pub struct Run {
 impl Run {
     /// The one JSON object on stdout.
     pub fn json(&self) -> Value {
-        serde_json::from_str(&self.stdout).unwrap_or_else(|error| panic!("{error} in {:?}; stderr {:?}", self.stdout, self.stderr))
+        serde_json::from_str(&self.stdout).unwrap_or_else(|error| {
+            panic!("{error} in {:?}; stderr {:?}", self.stdout, self.stderr)
+        })
     }
     /// Checks the exit status.
     pub fn exits(self, code: i32) -> Self {
-        assert_eq!(self.code, code, "stdout {:?}, stderr {:?}", self.stdout, self.stderr);
+        assert_eq!(
+            self.code, code,
+            "stdout {:?}, stderr {:?}",
+            self.stdout, self.stderr
+        );
         self
     }
 }
@@ -48,7 +55,9 @@ impl Folder {
         let folder = Self::new();
         folder.write("panel.toml", PANEL);
         folder.write("scene.toml", SCENE);
-        folder.run("simulate panel.toml -o panel.h5 --truth truth.json -q").exits(0);
+        folder
+            .run("simulate panel.toml -o panel.h5 --truth truth.json -q")
+            .exits(0);
         folder
     }
 
@@ -59,9 +68,17 @@ impl Folder {
     /// Runs `chladni` with words split at blanks.
     pub fn run(&self, line: &str) -> Run {
         let mut command = Command::new(env!("CARGO_BIN_EXE_chladni"));
-        let output = command.current_dir(self.path()).args(line.split_whitespace()).output().unwrap();
+        let output = command
+            .current_dir(self.path())
+            .args(line.split_whitespace())
+            .output()
+            .unwrap();
         let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-        Run { code: output.status.code().unwrap(), stdout: text(output.stdout), stderr: text(output.stderr) }
+        Run {
+            code: output.status.code().unwrap(),
+            stdout: text(output.stdout),
+            stderr: text(output.stderr),
+        }
     }
 
     pub fn write(&self, name: &str, content: impl AsRef<[u8]>) {
@@ -79,7 +96,9 @@ impl Folder {
     /// Names of all files, hidden ones too.
     pub fn names(&self) -> Vec<String> {
         let entries = std::fs::read_dir(self.path()).unwrap();
-        let mut names: Vec<String> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        let mut names: Vec<String> = entries
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
         names.sort();
         names
     }

@@ -1,4 +1,5 @@
-//! Arrays that were read as a whole (MATLAB, NumPy), laid out as the tree of an HDF5 file.
+//! Arrays that were read as a whole (MATLAB, NumPy), laid out as the tree of an HDF5
+//! file.
 
 use super::foreign::{is_frequency_name, read_foreign, Found};
 use super::tree::{Attribute, Entry, Values};
@@ -23,15 +24,31 @@ pub(in crate::io) struct MemoryFile {
 }
 
 impl MemoryFile {
-    /// Adds an array in C order; `reversed` says that its program calls the axes the other way round. A name that is there
-    /// already is kept and the new one reported.
-    pub(in crate::io) fn add(&mut self, path: &str, shape: Vec<usize>, values: Values<'static>, reversed: bool) {
+    /// Adds an array in C order; `reversed` says that its program calls the axes the
+    /// other way round. A name that is there already is kept and the new one reported.
+    pub(in crate::io) fn add(
+        &mut self,
+        path: &str,
+        shape: Vec<usize>,
+        values: Values<'static>,
+        reversed: bool,
+    ) {
         if self.arrays.contains_key(path) {
-            self.warnings.push(format!("{path} stands twice; the first is kept"));
+            self.warnings
+                .push(format!("{path} stands twice; the first is kept"));
             return;
         }
-        let attributes = if reversed { vec![(MATLAB.to_owned(), Attribute::Text(String::new()))] } else { Vec::new() };
-        let entry = Entry { path: path.to_owned(), dataset: Some((shape, values.element())), attributes, unread_attributes: Vec::new() };
+        let attributes = if reversed {
+            vec![(MATLAB.to_owned(), Attribute::Text(String::new()))]
+        } else {
+            Vec::new()
+        };
+        let entry = Entry {
+            path: path.to_owned(),
+            dataset: Some((shape, values.element())),
+            attributes,
+            unread_attributes: Vec::new(),
+        };
         self.arrays.insert(path.to_owned(), (entry, values));
     }
 
@@ -41,16 +58,42 @@ impl MemoryFile {
     }
 
     /// The document: every array listed, FRFs where they can be told.
-    pub(in crate::io) fn document(mut self, path: &Path, format: FileFormat, options: &ReadOptions) -> Result<Document> {
-        let mut document = Document { warnings: std::mem::take(&mut self.warnings), ..Document::new(path, format) };
+    pub(in crate::io) fn document(
+        mut self,
+        path: &Path,
+        format: FileFormat,
+        options: &ReadOptions,
+    ) -> Result<Document> {
+        let mut document = Document {
+            warnings: std::mem::take(&mut self.warnings),
+            ..Document::new(path, format)
+        };
         let entries = self.entries();
-        document.datasets = entries.iter().filter(|entry| entry.dataset.is_some()).map(info).collect();
-        match read_foreign(&self, &entries, &options.map, &mut document.warnings).map_err(|error| error.file(path)) {
+        document.datasets = entries
+            .iter()
+            .filter(|entry| entry.dataset.is_some())
+            .map(info)
+            .collect();
+        match read_foreign(&self, &entries, &options.map, &mut document.warnings)
+            .map_err(|error| error.file(path))
+        {
             Ok(None) => {}
-            Ok(Some(Found { mut set, time_sign, used })) => {
-                let remark = |info: &DatasetInfo| REMARKS.iter().any(|name| info.name == format!("/{name}"));
-                document.datasets.iter_mut().for_each(|info| info.left_behind &= !used.contains(&info.name) && !remark(info));
-                to_plus(&mut set, time_sign, options.time_sign, &mut document.warnings);
+            Ok(Some(Found {
+                mut set,
+                time_sign,
+                used,
+            })) => {
+                let remark =
+                    |info: &DatasetInfo| REMARKS.iter().any(|name| info.name == format!("/{name}"));
+                document.datasets.iter_mut().for_each(|info| {
+                    info.left_behind &= !used.contains(&info.name) && !remark(info)
+                });
+                to_plus(
+                    &mut set,
+                    time_sign,
+                    options.time_sign,
+                    &mut document.warnings,
+                );
                 document.frf = Some(set);
             }
             Err(error) if error.kind == crate::ErrorKind::BadData => document.errors.push(error),
@@ -59,29 +102,46 @@ impl MemoryFile {
         Ok(document)
     }
 
-    /// The root with the remarks as its attributes, then all arrays; units stand on the arrays that have one.
+    /// The root with the remarks as its attributes, then all arrays; units stand on the
+    /// arrays that have one.
     fn entries(&self) -> Vec<Entry> {
         let remark = |name: &str| match self.arrays.get(&format!("/{name}")) {
-            Some((_, Values::Text(texts))) => texts.first().map(|text| (name.to_owned(), Attribute::Text(text.clone()))),
+            Some((_, Values::Text(texts))) => texts
+                .first()
+                .map(|text| (name.to_owned(), Attribute::Text(text.clone()))),
             _ => None,
         };
         let remarks: Vec<_> = REMARKS.iter().filter_map(|name| remark(name)).collect();
-        let root = Entry { path: "/".into(), dataset: None, attributes: remarks.clone(), unread_attributes: Vec::new() };
+        let root = Entry {
+            path: "/".into(),
+            dataset: None,
+            attributes: remarks.clone(),
+            unread_attributes: Vec::new(),
+        };
         let with_unit = |(entry, _): &(Entry, Values<'static>)| {
             let mut entry = entry.clone();
             if !is_frequency_name(entry.name()) {
-                entry.attributes.extend(remarks.iter().filter(|(name, _)| name.starts_with("unit")).cloned());
+                entry.attributes.extend(
+                    remarks
+                        .iter()
+                        .filter(|(name, _)| name.starts_with("unit"))
+                        .cloned(),
+                );
             }
             entry
         };
-        std::iter::once(root).chain(self.arrays.values().map(with_unit)).collect()
+        std::iter::once(root)
+            .chain(self.arrays.values().map(with_unit))
+            .collect()
     }
 }
 
 impl ArrayFile for MemoryFile {
     fn read(&self, entry: &Entry) -> Result<Values<'static>> {
         let found = self.arrays.get(&entry.path);
-        found.map(|(_, values)| values.clone()).ok_or_else(|| Error::bad_data("no such array").field(&entry.path))
+        found
+            .map(|(_, values)| values.clone())
+            .ok_or_else(|| Error::bad_data("no such array").field(&entry.path))
     }
 }
 
@@ -90,8 +150,14 @@ fn info(entry: &Entry) -> DatasetInfo {
     if entry.attribute(MATLAB).is_some() {
         extents.reverse();
     }
-    let element = entry.element().map_or_else(String::new, super::tree::Element::describe);
-    let function = if extents.is_empty() { element } else { format!("{element}, {}", extents.join(" x ")) };
+    let element = entry
+        .element()
+        .map_or_else(String::new, super::tree::Element::describe);
+    let function = if extents.is_empty() {
+        element
+    } else {
+        format!("{element}, {}", extents.join(" x "))
+    };
     DatasetInfo {
         name: entry.path.clone(),
         function: Some(function),

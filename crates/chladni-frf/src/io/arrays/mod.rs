@@ -1,5 +1,5 @@
-//! Files of named arrays (HDF5, MATLAB, NumPy): what their libraries speak ([`tree`]), how values become arrays ([`values`]),
-//! and which of them are the FRFs ([`foreign`]).
+//! Files of named arrays (HDF5, MATLAB, NumPy): what their libraries speak ([`tree`]),
+//! how values become arrays ([`values`]), and which of them are the FRFs ([`foreign`]).
 
 pub(in crate::io) mod foreign;
 pub(in crate::io) mod memory;
@@ -14,6 +14,7 @@ pub(in crate::io) trait ArrayFile {
     /// All values of a dataset.
     ///
     /// # Errors
-    /// [`crate::ErrorKind::BadData`] where they are damaged, or of a type that cannot be read.
+    /// [`crate::ErrorKind::BadData`] where they are damaged, or of a type that cannot be
+    /// read.
     fn read(&self, entry: &Entry) -> Result<Values<'static>>;
 }

@@ -1,4 +1,5 @@
-//! What both back ends speak: groups, datasets, values and attributes, free of any library's types.
+//! What both back ends speak: groups, datasets, values and attributes, free of any
+//! library's types.
 
 use crate::{Dof, Error, Node, Result};
 use num_complex::{Complex32, Complex64};
@@ -6,7 +7,8 @@ use std::borrow::Cow;
 use std::fmt::Display;
 use std::path::Path;
 
-/// Values of a dataset in C order (last axis fastest). Borrowed when written, owned when read.
+/// Values of a dataset in C order (last axis fastest). Borrowed when written, owned when
+/// read.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::io) enum Values<'a> {
     Real64(Cow<'a, [f64]>),
@@ -76,8 +78,9 @@ impl Element {
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::io) enum Attribute {
     Text(String),
-    /// Written with its own length: a text of variable length takes 4 KiB of the built-in writer's file, wherever it stands.
-    /// h5py gives it as bytes. Read back as [`Self::Text`].
+    /// Written with its own length: a text of variable length takes 4 KiB of the built-in
+    /// writer's file, wherever it stands. h5py gives it as bytes. Read back as
+    /// [`Self::Text`].
     FixedText(String),
     Real(f64),
     Integer(i64),
@@ -98,7 +101,8 @@ impl From<String> for Attribute {
 /// Named attributes, in order.
 pub(in crate::io) type Attributes = Vec<(String, Attribute)>;
 
-/// What a library says of a dataset: shape, element type, attributes, and those that cannot be read.
+/// What a library says of a dataset: shape, element type, attributes, and those that
+/// cannot be read.
 pub(in crate::io) type Description = (Vec<usize>, Element, Attributes, Vec<String>);
 
 /// One object of a file: a group, or a dataset with its shape and element type.
@@ -115,13 +119,30 @@ pub(in crate::io) struct Entry {
 
 impl Entry {
     /// The dataset at `path`; one that cannot be described is listed with the reason.
-    pub(in crate::io) fn of_dataset<E: Display>(path: &str, described: std::result::Result<Description, E>) -> Self {
-        let (shape, element, attributes, unread_attributes) =
-            described.unwrap_or_else(|error| (Vec::new(), Element::Other(format!("unreadable ({error})")), Attributes::new(), Vec::new()));
-        Self { path: path.to_owned(), dataset: Some((shape, element)), attributes, unread_attributes }
+    pub(in crate::io) fn of_dataset<E: Display>(
+        path: &str,
+        described: std::result::Result<Description, E>,
+    ) -> Self {
+        let (shape, element, attributes, unread_attributes) = described.unwrap_or_else(|error| {
+            (
+                Vec::new(),
+                Element::Other(format!("unreadable ({error})")),
+                Attributes::new(),
+                Vec::new(),
+            )
+        });
+        Self {
+            path: path.to_owned(),
+            dataset: Some((shape, element)),
+            attributes,
+            unread_attributes,
+        }
     }
     pub(in crate::io) fn attribute(&self, name: &str) -> Option<&Attribute> {
-        self.attributes.iter().find(|(found, _)| found == name).map(|(_, value)| value)
+        self.attributes
+            .iter()
+            .find(|(found, _)| found == name)
+            .map(|(_, value)| value)
     }
     pub(in crate::io) fn text(&self, name: &str) -> Option<&str> {
         match self.attribute(name) {
@@ -182,13 +203,21 @@ pub(in crate::io) struct Group<'a> {
 
 impl<'a> Group<'a> {
     pub(in crate::io) fn new(name: impl Into<String>) -> Self {
-        Self { name: name.into(), ..Self::default() }
+        Self {
+            name: name.into(),
+            ..Self::default()
+        }
     }
     pub(in crate::io) fn set(&mut self, name: &str, value: impl Into<Attribute>) {
         self.attributes.push((name.into(), value.into()));
     }
     pub(in crate::io) fn add(&mut self, name: &str, shape: &[usize], values: Values<'a>) {
-        self.datasets.push(Dataset { name: name.into(), shape: shape.to_vec(), values, attributes: Vec::new() });
+        self.datasets.push(Dataset {
+            name: name.into(),
+            shape: shape.to_vec(),
+            values,
+            attributes: Vec::new(),
+        });
     }
     pub(in crate::io) fn add_reals(&mut self, name: &str, shape: &[usize], values: Vec<f64>) {
         self.add(name, shape, Values::Real64(values.into()));
@@ -198,7 +227,8 @@ impl<'a> Group<'a> {
     }
 }
 
-/// Objects in one file; a link that leads back to its own group would otherwise never end.
+/// Objects in one file; a link that leads back to its own group would otherwise never
+/// end.
 const MAX_OBJECTS: usize = 100_000;
 /// Depth of groups.
 const MAX_DEPTH: usize = 32;
@@ -208,20 +238,39 @@ pub(in crate::io) fn check_nesting(path: &str, depth: usize, objects: usize) -> 
     if depth <= MAX_DEPTH && objects <= MAX_OBJECTS {
         return Ok(());
     }
-    Err(Error::bad_data("groups nested too deeply, or linked in a circle")
-        .field(path)
-        .found(format!("depth {depth}, {objects} objects"))
-        .expected(format!("at most depth {MAX_DEPTH} and {MAX_OBJECTS} objects")))
+    Err(
+        Error::bad_data("groups nested too deeply, or linked in a circle")
+            .field(path)
+            .found(format!("depth {depth}, {objects} objects"))
+            .expected(format!(
+                "at most depth {MAX_DEPTH} and {MAX_OBJECTS} objects"
+            )),
+    )
 }
 
-/// Deflate cannot do better than 1 : 1032; a dataset that claims more than that per byte of the file lies.
+/// Deflate cannot do better than 1 : 1032; a dataset that claims more than that per byte
+/// of the file lies.
 const BEST_COMPRESSION: u64 = 1032;
 
 /// Refuses a shape whose values cannot stand in the file, before anything is allocated.
-pub(in crate::io) fn check_size(path: &str, shape: &[usize], element_bytes: usize, filtered: bool, file_bytes: u64) -> Result<()> {
+pub(in crate::io) fn check_size(
+    path: &str,
+    shape: &[usize],
+    element_bytes: usize,
+    filtered: bool,
+    file_bytes: u64,
+) -> Result<()> {
     // an extent of 0 excuses no other: names and axes are made as long as the others say
-    let claimed = shape.iter().try_fold(element_bytes as u64, |product, &extent| product.checked_mul(extent.max(1) as u64));
-    let room = if filtered { file_bytes.saturating_mul(BEST_COMPRESSION) } else { file_bytes };
+    let claimed = shape
+        .iter()
+        .try_fold(element_bytes as u64, |product, &extent| {
+            product.checked_mul(extent.max(1) as u64)
+        });
+    let room = if filtered {
+        file_bytes.saturating_mul(BEST_COMPRESSION)
+    } else {
+        file_bytes
+    };
     if claimed.is_some_and(|bytes| bytes <= room) {
         return Ok(());
     }
@@ -229,13 +278,16 @@ pub(in crate::io) fn check_size(path: &str, shape: &[usize], element_bytes: usiz
         .field(path)
         .found(format!("shape {shape:?} of {element_bytes}-byte elements"))
         .expected(format!("at most {room} bytes, the file has {file_bytes}"))
-        .help("the file is damaged, or the dataset was created and never written; copy or write it again"))
+        .help("the file is damaged, or the dataset was created and never written; copy or write it \
+               again"))
 }
 
 /// A failure of an HDF5 library on `file`.
 pub(in crate::io) fn library_error(error: impl Display, file: &Path) -> Error {
     let said = error.to_string();
-    let error = Error::bad_data("the HDF5 library cannot read this").file(file).found(said.trim_start_matches("HDF5 format error: "));
+    let error = Error::bad_data("the HDF5 library cannot read this")
+        .file(file)
+        .found(said.trim_start_matches("HDF5 format error: "));
     error.expected("a file of HDF5 1.14 or older, unfiltered or with gzip, shuffle or lzf").help(
         "if other programs read the file, re-save it: in h5py with libver='earliest' and no filters but gzip, shuffle or lzf, \
          or with `h5repack -f NONE`; complex numbers as compound {r, i}",

@@ -20,11 +20,15 @@ impl ComplexArray {
         match values {
             Values::Complex64(values) => Ok(Self::Double(shaped(entry, shape, values)?)),
             Values::Complex32(values) => Ok(Self::Single(shaped(entry, shape, values)?)),
-            _ => Err(wrong_type(entry, "complex numbers, a compound {r, i} or {real, imag}")),
+            _ => Err(wrong_type(
+                entry,
+                "complex numbers, a compound {r, i} or {real, imag}",
+            )),
         }
     }
 
-    /// Axes in reverse order: what MATLAB calls (a, b, c) stands in the file as (c, b, a).
+    /// Axes in reverse order: what MATLAB calls (a, b, c) stands in the file as (c, b,
+    /// a).
     pub(in crate::io) fn reversed_axes(self) -> Self {
         match self {
             Self::Double(array) => Self::Double(array.reversed_axes()),
@@ -32,8 +36,14 @@ impl ComplexArray {
         }
     }
 
-    /// As (response, reference, line), each named by its axis here; a `None` axis has length 1.
-    pub(in crate::io) fn into_frf_values(self, response: Option<usize>, reference: Option<usize>, line: usize) -> FrfValues {
+    /// As (response, reference, line), each named by its axis here; a `None` axis has
+    /// length 1.
+    pub(in crate::io) fn into_frf_values(
+        self,
+        response: Option<usize>,
+        reference: Option<usize>,
+        line: usize,
+    ) -> FrfValues {
         match self {
             Self::Double(array) => FrfValues::F64(three_axes(array, response, reference, line)),
             Self::Single(array) => FrfValues::F32(three_axes(array, response, reference, line)),
@@ -41,7 +51,12 @@ impl ComplexArray {
     }
 }
 
-fn three_axes<T: Clone>(mut array: ArrayD<T>, response: Option<usize>, reference: Option<usize>, line: usize) -> Array3<T> {
+fn three_axes<T: Clone>(
+    mut array: ArrayD<T>,
+    response: Option<usize>,
+    reference: Option<usize>,
+    line: usize,
+) -> Array3<T> {
     let mut order = [0, 0, line];
     for (slot, axis) in order.iter_mut().zip([response, reference]) {
         *slot = axis.unwrap_or_else(|| {
@@ -50,8 +65,14 @@ fn three_axes<T: Clone>(mut array: ArrayD<T>, response: Option<usize>, reference
             last.0
         });
     }
-    let ordered = array.view().permuted_axes(IxDyn(&order)).as_standard_layout().into_owned();
-    ordered.into_dimensionality().expect("three axes were named")
+    let ordered = array
+        .view()
+        .permuted_axes(IxDyn(&order))
+        .as_standard_layout()
+        .into_owned();
+    ordered
+        .into_dimensionality()
+        .expect("three axes were named")
 }
 
 /// Real numbers (integers are widened) in the shape that `entry` declares.
@@ -90,19 +111,34 @@ pub(in crate::io) fn texts(entry: &Entry, values: Values<'static>) -> Result<Vec
 pub(in crate::io) fn dofs(entry: &Entry, values: Values<'static>) -> Result<Vec<Dof>> {
     match values {
         Values::Dofs(dofs) => Ok(dofs),
-        _ => Err(wrong_type(entry, "records {node u64, dir i8}, dir a code from -6 to 6")),
+        _ => Err(wrong_type(
+            entry,
+            "records {node u64, dir i8}, dir a code from -6 to 6",
+        )),
     }
 }
 
 /// The error of a dataset whose element type is not the one that belongs there.
 pub(in crate::io) fn wrong_type(entry: &Entry, expected: &str) -> Error {
-    let found = entry.element().map_or_else(|| "a group".to_owned(), super::tree::Element::describe);
-    Error::bad_data("values of the wrong type").field(&entry.path).found(found).expected(expected)
+    let found = entry
+        .element()
+        .map_or_else(|| "a group".to_owned(), super::tree::Element::describe);
+    Error::bad_data("values of the wrong type")
+        .field(&entry.path)
+        .found(found)
+        .expected(expected)
 }
 
-fn shaped<T: Clone>(entry: &Entry, shape: &[usize], values: Cow<'static, [T]>) -> Result<ArrayD<T>> {
+fn shaped<T: Clone>(
+    entry: &Entry,
+    shape: &[usize],
+    values: Cow<'static, [T]>,
+) -> Result<ArrayD<T>> {
     let count = values.len();
     ArrayD::from_shape_vec(IxDyn(shape), values.into_owned()).map_err(|_| {
-        Error::bad_data("the count of values does not fit the shape").field(&entry.path).found(count).expected(format!("shape {shape:?}"))
+        Error::bad_data("the count of values does not fit the shape")
+            .field(&entry.path)
+            .found(count)
+            .expected(format!("shape {shape:?}"))
     })
 }

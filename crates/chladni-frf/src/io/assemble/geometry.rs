@@ -13,19 +13,29 @@ pub(super) fn merge(geometry: &mut Geometry, more: Geometry, file: &Path) -> Res
         *geometry = more;
         return Ok(());
     }
-    let places: HashMap<u64, [f64; 3]> = geometry.nodes.iter().map(|node| (node.label, node.xyz_m)).collect();
+    let places: HashMap<u64, [f64; 3]> = geometry
+        .nodes
+        .iter()
+        .map(|node| (node.label, node.xyz_m))
+        .collect();
     for node in more.nodes {
         match places.get(&node.label) {
             None => geometry.nodes.push(node),
             Some(known) => {
-                let same = known.iter().zip(&node.xyz_m).all(|(a, b)| (a - b).abs() <= SAME_PLACE_M);
+                let same = known
+                    .iter()
+                    .zip(&node.xyz_m)
+                    .all(|(a, b)| (a - b).abs() <= SAME_PLACE_M);
                 if !same {
-                    return Err(Error::bad_data(format!("node {} stands at two places", node.label))
-                        .file(file)
-                        .field("nodes")
-                        .found(format!("{:?} m", node.xyz_m))
-                        .expected(format!("{known:?} m as in a file before"))
-                        .help("files of one set must share node numbers and coordinates"));
+                    return Err(Error::bad_data(format!(
+                        "node {} stands at two places",
+                        node.label
+                    ))
+                    .file(file)
+                    .field("nodes")
+                    .found(format!("{:?} m", node.xyz_m))
+                    .expected(format!("{known:?} m as in a file before"))
+                    .help("files of one set must share node numbers and coordinates"));
                 }
             }
         }
@@ -41,12 +51,21 @@ fn add_new(known: &mut Vec<Vec<u64>>, more: Vec<Vec<u64>>) {
 }
 
 /// A response without a place is fine for a fit and cannot be drawn or rendered.
-pub(super) fn note_nodes_without_place(geometry: &Geometry, set: &FrfSet, warnings: &mut Vec<String>) {
+pub(super) fn note_nodes_without_place(
+    geometry: &Geometry,
+    set: &FrfSet,
+    warnings: &mut Vec<String>,
+) {
     if geometry.nodes.is_empty() {
         return;
     }
     let known: HashSet<u64> = geometry.nodes.iter().map(|node| node.label).collect();
-    let mut lost: Vec<u64> = set.responses.iter().map(|dof| dof.node).filter(|node| !known.contains(node)).collect();
+    let mut lost: Vec<u64> = set
+        .responses
+        .iter()
+        .map(|dof| dof.node)
+        .filter(|node| !known.contains(node))
+        .collect();
     lost.dedup();
     if !lost.is_empty() {
         let shown: Vec<String> = lost.iter().take(10).map(u64::to_string).collect();

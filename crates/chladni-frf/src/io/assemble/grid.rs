@@ -9,7 +9,8 @@ use std::collections::HashMap;
 
 /// Names that a warning lists before it only counts.
 const NAMES_LISTED: usize = 50;
-/// A grid of pairs this many times larger than the measured data, and above [`SPARSE_BYTES`], is refused.
+/// A grid of pairs this many times larger than the measured data, and above
+/// [`SPARSE_BYTES`], is refused.
 const SPARSE_FACTOR: usize = 16;
 /// See [`SPARSE_FACTOR`].
 const SPARSE_BYTES: usize = 1 << 30;
@@ -30,7 +31,8 @@ impl DofList {
     }
 }
 
-/// Builds the set; `responses` and `references` hold every DOF that a source names, measured or not.
+/// Builds the set; `responses` and `references` hold every DOF that a source names,
+/// measured or not.
 pub(super) fn build(
     records: Vec<Record>,
     mut responses: DofList,
@@ -48,7 +50,10 @@ pub(super) fn build(
     let mut pairs: HashMap<(usize, usize), Vec<Record>> = HashMap::new();
     let measured = records.len();
     for record in records {
-        let at = (responses.index_of(record.response), references.index_of(record.reference));
+        let at = (
+            responses.index_of(record.response),
+            references.index_of(record.reference),
+        );
         pairs.entry(at).or_default().push(record);
     }
     let dim = (responses.dofs.len(), references.dofs.len(), axis.len());
@@ -79,11 +84,18 @@ pub(super) fn build(
         if records.len() > 1 {
             let name = pair_name(&set, pair);
             if duplicates == Duplicates::Error {
-                return Err(Error::bad_data(format!("the pair {name} is there {} times", records.len()))
-                    .field("response and reference")
-                    .found(format!("{} and {}", records[0].place, records[1].place))
-                    .expected("each pair once")
-                    .help("choose with --duplicates first|last|mean; files that all say reference node 1 need --reference N"));
+                return Err(Error::bad_data(format!(
+                    "the pair {name} is there {} \
+                                                    times",
+                    records.len()
+                ))
+                .field("response and reference")
+                .found(format!("{} and {}", records[0].place, records[1].place))
+                .expected("each pair once")
+                .help(
+                    "choose with --duplicates first|last|mean; files that all say reference \
+                           node 1 need --reference N",
+                ));
             }
             doubled.push(name);
         }
@@ -103,21 +115,30 @@ pub(super) fn build(
             Duplicates::Mean => "their mean is taken",
             Duplicates::Error => "",
         };
-        warnings.push(format!("{} pairs are there more than once, {rule}: {}", doubled.len(), listed(doubled.into_iter())));
+        warnings.push(format!(
+            "{} pairs are there more than once, {rule}: {}",
+            doubled.len(),
+            listed(doubled.into_iter())
+        ));
     }
     set.checked()
 }
 
 /// The axis of the first record; the others must lie within half a line of it.
 fn common_axis(records: &[Record], warnings: &mut Vec<String>) -> Result<Array1<f64>> {
-    let Some(first) = records.first() else { return Ok(Array1::zeros(0)) };
+    let Some(first) = records.first() else {
+        return Ok(Array1::zeros(0));
+    };
     let axis = first.frequency_hz.clone();
-    let rises = axis.windows(2).all(|pair| pair[0] < pair[1]) && axis.iter().all(|f| f.is_finite() && *f >= 0.0);
+    let rises = axis.windows(2).all(|pair| pair[0] < pair[1])
+        && axis.iter().all(|f| f.is_finite() && *f >= 0.0);
     if !rises {
-        return Err(Error::bad_data("the frequency axis must be finite, not negative and strictly rising")
-            .field(format!("frequency axis of {}", first.place))
-            .found(describe_axis(&axis))
-            .help("export the data again; `chladni info` lists every dataset"));
+        return Err(Error::bad_data(
+            "the frequency axis must be finite, not negative and strictly rising",
+        )
+        .field(format!("frequency axis of {}", first.place))
+        .found(describe_axis(&axis))
+        .help("export the data again; `chladni info` lists every dataset"));
     }
     let mut largest: Option<(f64, &Record)> = None;
     let mut last = first;
@@ -133,32 +154,55 @@ fn common_axis(records: &[Record], warnings: &mut Vec<String>) -> Result<Array1<
                 }
             }
             _ => {
-                return Err(Error::bad_data("FRFs of one set must share their frequency axis")
-                    .field("frequency axis")
-                    .found(format!("{} in {}", describe_axis(&record.frequency_hz), record.place))
-                    .expected(format!("within half a line of {} in {}", describe_axis(&axis), first.place))
-                    .help("convert and fit the files separately, or measure them with the same analyser settings"))
+                return Err(
+                    Error::bad_data("FRFs of one set must share their frequency axis")
+                        .field("frequency axis")
+                        .found(format!(
+                            "{} in {}",
+                            describe_axis(&record.frequency_hz),
+                            record.place
+                        ))
+                        .expected(format!(
+                            "within half a line of {} in {}",
+                            describe_axis(&axis),
+                            first.place
+                        ))
+                        .help(
+                            "convert and fit the files separately, or measure them with the same \
+                           analyser settings",
+                        ),
+                )
             }
         }
     }
     // one part in a thousand of a line moves no pole that anyone could see
     if let Some((lines, record)) = largest.filter(|(lines, _)| *lines > 1e-3) {
         warnings.push(format!(
-            "frequency axes differ by up to {lines:.3} of a line ({} against {}); that of the first is used",
+            "frequency axes differ by up to {lines:.3} of a line ({} against {}); that of the \
+             first is used",
             record.place, first.place
         ));
     }
     Ok(Array1::from(axis.to_vec()))
 }
 
-/// Largest distance of two axes, in units of the smaller spacing beside the line; `None` for different lengths.
+/// Largest distance of two axes, in units of the smaller spacing beside the line; `None`
+/// for different lengths.
 fn distance_in_lines(a: &[f64], b: &[f64]) -> Option<f64> {
     if a.len() != b.len() {
         return None;
     }
     let spacing = |k: usize| {
-        let before = if k > 0 { a[k] - a[k - 1] } else { f64::INFINITY };
-        let after = if k + 1 < a.len() { a[k + 1] - a[k] } else { f64::INFINITY };
+        let before = if k > 0 {
+            a[k] - a[k - 1]
+        } else {
+            f64::INFINITY
+        };
+        let after = if k + 1 < a.len() {
+            a[k + 1] - a[k]
+        } else {
+            f64::INFINITY
+        };
         before.min(after)
     };
     let distance = |k: usize| match (a[k] - b[k]).abs() {
@@ -168,7 +212,9 @@ fn distance_in_lines(a: &[f64], b: &[f64]) -> Option<f64> {
         difference => difference / spacing(k),
     };
     let worst = (0..a.len()).map(distance);
-    worst.reduce(|x, y| if y > x || y.is_nan() { y } else { x }).or(Some(0.0))
+    worst
+        .reduce(|x, y| if y > x || y.is_nan() { y } else { x })
+        .or(Some(0.0))
 }
 
 fn describe_axis(axis: &[f64]) -> String {
@@ -180,38 +226,58 @@ fn describe_axis(axis: &[f64]) -> String {
 }
 
 fn common_kind(records: &[Record]) -> Result<Option<FrfKind>> {
-    let Some(first) = records.first() else { return Ok(None) };
+    let Some(first) = records.first() else {
+        return Ok(None);
+    };
     let name = |kind: Option<FrfKind>| kind.map_or("not said", FrfKind::as_str);
     match records.iter().find(|record| record.kind != first.kind) {
         None => Ok(first.kind),
-        Some(other) => Err(Error::bad_data("FRFs of different kinds do not make one set")
-            .field("FRF kind")
-            .found(format!("{} in {}", name(other.kind), other.place))
-            .expected(format!("{} as in {}", name(first.kind), first.place))
-            .help("convert them separately, or say one kind for all with --frf-kind")),
+        Some(other) => Err(
+            Error::bad_data("FRFs of different kinds do not make one set")
+                .field("FRF kind")
+                .found(format!("{} in {}", name(other.kind), other.place))
+                .expected(format!("{} as in {}", name(first.kind), first.place))
+                .help("convert them separately, or say one kind for all with --frf-kind"),
+        ),
     }
 }
 
 fn common_reference_unit(records: &[Record]) -> Result<ReferenceUnit> {
-    let Some(first) = records.first() else { return Ok(ReferenceUnit::default()) };
-    match records.iter().find(|record| record.reference_unit != first.reference_unit) {
+    let Some(first) = records.first() else {
+        return Ok(ReferenceUnit::default());
+    };
+    match records
+        .iter()
+        .find(|record| record.reference_unit != first.reference_unit)
+    {
         None => Ok(first.reference_unit),
-        Some(other) => Err(Error::bad_data("references in different units do not make one set")
-            .field("reference unit")
-            .found(format!("{} in {}", other.reference_unit, other.place))
-            .expected(format!("{} as in {}", first.reference_unit, first.place))
-            .help("convert the files separately")),
+        Some(other) => Err(
+            Error::bad_data("references in different units do not make one set")
+                .field("reference unit")
+                .found(format!("{} in {}", other.reference_unit, other.place))
+                .expected(format!("{} as in {}", first.reference_unit, first.place))
+                .help("convert the files separately"),
+        ),
     }
 }
 
 fn check_grid(dim: (usize, usize, usize), measured: usize) -> Result<()> {
-    let bytes = |pairs: usize| pairs.saturating_mul(dim.2).saturating_mul(size_of::<Complex64>());
+    let bytes = |pairs: usize| {
+        pairs
+            .saturating_mul(dim.2)
+            .saturating_mul(size_of::<Complex64>())
+    };
     let grid = dim.0.saturating_mul(dim.1);
     if bytes(grid) > SPARSE_BYTES && grid / SPARSE_FACTOR > measured {
-        return Err(Error::bad_data("almost all (response, reference) pairs are missing")
-            .found(format!("{measured} FRFs for {} responses and {} references", dim.0, dim.1))
-            .expected("FRFs of most pairs")
-            .help("convert the files in groups of common references"));
+        return Err(
+            Error::bad_data("almost all (response, reference) pairs are missing")
+                .found(format!(
+                    "{measured} FRFs for {} responses and {} references",
+                    dim.0, dim.1
+                ))
+                .expected("FRFs of most pairs")
+                .help("convert the files in groups of common references"),
+        );
     }
     Ok(())
 }
@@ -220,29 +286,53 @@ fn check_grid(dim: (usize, usize, usize), measured: usize) -> Result<()> {
 fn mean(records: Vec<Record>) -> Option<Record> {
     let lines = records.first()?.line.len();
     let average = |k: usize| {
-        let finite: Vec<Complex64> = records.iter().map(|record| record.line.get(k)).filter(|value| !value.re.is_nan()).collect();
+        let finite: Vec<Complex64> = records
+            .iter()
+            .map(|record| record.line.get(k))
+            .filter(|value| !value.re.is_nan())
+            .collect();
         finite.iter().sum::<Complex64>() / finite.len() as f64
     };
     let values: Vec<Complex64> = (0..lines).map(average).collect();
     let single = records.iter().all(|record| record.line.is_single());
     let line = if single {
-        Line::Single(values.iter().map(|value| Complex32::new(value.re as f32, value.im as f32)).collect())
+        Line::Single(
+            values
+                .iter()
+                .map(|value| Complex32::new(value.re as f32, value.im as f32))
+                .collect(),
+        )
     } else {
         Line::Double(values)
     };
-    let coherences: Vec<&Vec<f32>> = records.iter().filter_map(|record| record.coherence.as_ref()).collect();
+    let coherences: Vec<&Vec<f32>> = records
+        .iter()
+        .filter_map(|record| record.coherence.as_ref())
+        .collect();
     let coherence = (!coherences.is_empty()).then(|| {
-        let average = |k: usize| coherences.iter().map(|values| values[k]).sum::<f32>() / coherences.len() as f32;
+        let average = |k: usize| {
+            coherences.iter().map(|values| values[k]).sum::<f32>() / coherences.len() as f32
+        };
         (0..lines).map(average).collect()
     });
     // of independent measurements; not known where one of them is not
-    let variances: Option<Vec<&Vec<f64>>> = records.iter().map(|record| record.variance.as_ref()).collect();
+    let variances: Option<Vec<&Vec<f64>>> = records
+        .iter()
+        .map(|record| record.variance.as_ref())
+        .collect();
     let variance = variances.map(|variances| {
-        let of_mean = |k: usize| variances.iter().map(|values| values[k]).sum::<f64>() / (variances.len() as f64).powi(2);
+        let of_mean = |k: usize| {
+            variances.iter().map(|values| values[k]).sum::<f64>() / (variances.len() as f64).powi(2)
+        };
         (0..lines).map(of_mean).collect()
     });
     let first = records.into_iter().next()?;
-    Some(Record { line, coherence, variance, ..first })
+    Some(Record {
+        line,
+        coherence,
+        variance,
+        ..first
+    })
 }
 
 fn store(set: &mut FrfSet, (i, j): (usize, usize), record: Record) {
@@ -256,27 +346,43 @@ fn store(set: &mut FrfSet, (i, j): (usize, usize), record: Record) {
         }
     }
     if let (Some(target), Some(coherence)) = (&mut set.coherence, record.coherence) {
-        coherence.iter().take(count).enumerate().for_each(|(k, &value)| target[[i, j, k]] = value);
+        coherence
+            .iter()
+            .take(count)
+            .enumerate()
+            .for_each(|(k, &value)| target[[i, j, k]] = value);
     }
     if let (Some(target), Some(variance)) = (&mut set.variance, record.variance) {
-        variance.iter().take(count).enumerate().for_each(|(k, &value)| target[[i, j, k]] = value);
+        variance
+            .iter()
+            .take(count)
+            .enumerate()
+            .for_each(|(k, &value)| target[[i, j, k]] = value);
     }
 }
 
-/// True where no value is infinite or NaN: 0 times either is NaN. One sum in lanes is many times faster than a look at each value.
+/// True where no value is infinite or NaN: 0 times either is NaN. One sum in lanes is
+/// many times faster than a look at each value.
 fn all_finite<C: ComplexFloat>(values: &[C]) -> bool {
     const LANES: usize = 8;
     let mut sums = [C::zero(); LANES];
     let (chunks, rest) = values.as_chunks::<LANES>();
     for chunk in chunks {
-        sums.iter_mut().zip(chunk).for_each(|(sum, &value)| *sum = *sum + value.conj() * C::zero());
+        sums.iter_mut()
+            .zip(chunk)
+            .for_each(|(sum, &value)| *sum = *sum + value.conj() * C::zero());
     }
     sums.iter().chain(rest).all(|value| value.is_finite())
 }
 
-/// A set as it was read: pairs of zeros become missing, values that are not finite NaN, and both are said.
+/// A set as it was read: pairs of zeros become missing, values that are not finite NaN,
+/// and both are said.
 pub(super) fn clean(set: &mut FrfSet, file: &str, warnings: &mut Vec<String>) {
-    fn clean_array<C: ComplexFloat>(values: &mut Array3<C>, zero_value: C, nan: C) -> (usize, Vec<(usize, usize)>) {
+    fn clean_array<C: ComplexFloat>(
+        values: &mut Array3<C>,
+        zero_value: C,
+        nan: C,
+    ) -> (usize, Vec<(usize, usize)>) {
         let (mut masked, mut zero) = (0, Vec::new());
         for (i, mut rows) in values.outer_iter_mut().enumerate() {
             for (j, mut line) in rows.outer_iter_mut().enumerate() {
@@ -295,12 +401,22 @@ pub(super) fn clean(set: &mut FrfSet, file: &str, warnings: &mut Vec<String>) {
         (masked, zero)
     }
     let (masked, zero) = match &mut set.values {
-        FrfValues::F64(values) => clean_array(values, Complex64::ZERO, Complex64::new(f64::NAN, f64::NAN)),
-        FrfValues::F32(values) => clean_array(values, Complex32::ZERO, Complex32::new(f32::NAN, f32::NAN)),
+        FrfValues::F64(values) => {
+            clean_array(values, Complex64::ZERO, Complex64::new(f64::NAN, f64::NAN))
+        }
+        FrfValues::F32(values) => {
+            clean_array(values, Complex32::ZERO, Complex32::new(f32::NAN, f32::NAN))
+        }
     };
     if masked > 0 {
-        let place = if file.is_empty() { String::new() } else { format!("{file}: ") };
-        warnings.push(format!("{place}{masked} values are not finite; these lines are masked"));
+        let place = if file.is_empty() {
+            String::new()
+        } else {
+            format!("{file}: ")
+        };
+        warnings.push(format!(
+            "{place}{masked} values are not finite; these lines are masked"
+        ));
     }
     report_missing(set, zero, warnings);
 }
@@ -312,12 +428,22 @@ fn report_missing(set: &FrfSet, mut zero: Vec<(usize, usize)>, warnings: &mut Ve
     zero.dedup();
     if !zero.is_empty() {
         let names = listed(zero.iter().map(|&pair| pair_name(set, pair)));
-        warnings.push(format!("{} pairs are exactly zero on every line and are treated as missing: {names}", zero.len()));
+        warnings.push(format!(
+            "{} pairs are exactly zero on every line and are treated as missing: {names}",
+            zero.len()
+        ));
     }
-    let absent: Vec<_> = missing.into_iter().filter(|pair| zero.binary_search(pair).is_err()).collect();
+    let absent: Vec<_> = missing
+        .into_iter()
+        .filter(|pair| zero.binary_search(pair).is_err())
+        .collect();
     if !absent.is_empty() {
         let names = listed(absent.iter().map(|&pair| pair_name(set, pair)));
-        warnings.push(format!("{} of {} pairs are missing (response, reference): {names}", absent.len(), set.pairs()));
+        warnings.push(format!(
+            "{} of {} pairs are missing (response, reference): {names}",
+            absent.len(),
+            set.pairs()
+        ));
     }
 }
 

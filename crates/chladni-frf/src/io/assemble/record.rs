@@ -6,7 +6,8 @@ use ndarray::s;
 use num_complex::{Complex32, Complex64};
 use std::rc::Rc;
 
-/// Values of one FRF in SI units and the time sign e^{+jωt}, in the precision of their source.
+/// Values of one FRF in SI units and the time sign e^{+jωt}, in the precision of their
+/// source.
 #[derive(Debug, Clone)]
 pub(super) enum Line {
     Single(Vec<Complex32>),
@@ -36,7 +37,8 @@ impl Line {
         (0..self.len()).all(|k| self.get(k).re.is_nan())
     }
 
-    /// A value with one part that is not finite becomes NaN in both; returns how many were infinite or half a number.
+    /// A value with one part that is not finite becomes NaN in both; returns how many
+    /// were infinite or half a number.
     fn mask(&mut self) -> usize {
         let mut masked = 0;
         let mut check = |re_finite: bool, im_finite: bool, both_nan: bool| {
@@ -47,14 +49,22 @@ impl Line {
         match self {
             Self::Single(values) => {
                 for value in values.iter_mut() {
-                    if check(value.re.is_finite(), value.im.is_finite(), value.re.is_nan() && value.im.is_nan()) {
+                    if check(
+                        value.re.is_finite(),
+                        value.im.is_finite(),
+                        value.re.is_nan() && value.im.is_nan(),
+                    ) {
                         *value = Complex32::new(f32::NAN, f32::NAN);
                     }
                 }
             }
             Self::Double(values) => {
                 for value in values.iter_mut() {
-                    if check(value.re.is_finite(), value.im.is_finite(), value.re.is_nan() && value.im.is_nan()) {
+                    if check(
+                        value.re.is_finite(),
+                        value.im.is_finite(),
+                        value.re.is_nan() && value.im.is_nan(),
+                    ) {
                         *value = Complex64::new(f64::NAN, f64::NAN);
                     }
                 }
@@ -91,17 +101,22 @@ pub(super) fn place_of(document: &Document, line: u64) -> String {
     }
 }
 
-/// Frequency axis of a function in Hz; functions on the axis of the one before share its memory.
+/// Frequency axis of a function in Hz; functions on the axis of the one before share its
+/// memory.
 pub(super) fn axis_of(function: &Function, last: &mut Option<Rc<[f64]>>) -> Rc<[f64]> {
     let values = function.abscissa.values(function.ordinate.len());
-    let values: Vec<f64> = values.into_iter().map(|f| f * function.abscissa_to_si).collect();
+    let values: Vec<f64> = values
+        .into_iter()
+        .map(|f| f * function.abscissa_to_si)
+        .collect();
     match last {
         Some(shared) if **shared == *values => shared.clone(),
         _ => last.insert(values.into()).clone(),
     }
 }
 
-/// The FRF of a dataset 58: values in SI, conjugated where `conjugate`; warnings say what was masked.
+/// The FRF of a dataset 58: values in SI, conjugated where `conjugate`; warnings say what
+/// was masked.
 pub(super) fn from_function(
     function: Function,
     axis: Rc<[f64]>,
@@ -117,21 +132,39 @@ pub(super) fn from_function(
             .expected("a finite factor, not 0"));
     }
     if matches!(function.ordinate, Ordinate::Real32(_) | Ordinate::Real64(_)) {
-        warnings.push(format!("{place}: an FRF of real values; the imaginary parts are taken as zero"));
+        warnings.push(format!(
+            "{place}: an FRF of real values; the imaginary parts are taken as zero"
+        ));
     }
     let scale = function.scale_to_si;
     let sign = if conjugate { -1.0 } else { 1.0 };
     let double = |re: f64, im: f64| Complex64::new(re * scale, im * scale * sign);
     let narrow = |value: Complex64| Complex32::new(value.re as f32, value.im as f32);
     let mut line = match function.ordinate {
-        Ordinate::Real32(values) => Line::Single(values.into_iter().map(|re| narrow(double(re.into(), 0.0))).collect()),
-        Ordinate::Real64(values) => Line::Double(values.into_iter().map(|re| double(re, 0.0)).collect()),
-        Ordinate::Complex32(values) => Line::Single(values.into_iter().map(|v| narrow(double(v.re.into(), v.im.into()))).collect()),
-        Ordinate::Complex64(values) => Line::Double(values.into_iter().map(|v| double(v.re, v.im)).collect()),
+        Ordinate::Real32(values) => Line::Single(
+            values
+                .into_iter()
+                .map(|re| narrow(double(re.into(), 0.0)))
+                .collect(),
+        ),
+        Ordinate::Real64(values) => {
+            Line::Double(values.into_iter().map(|re| double(re, 0.0)).collect())
+        }
+        Ordinate::Complex32(values) => Line::Single(
+            values
+                .into_iter()
+                .map(|v| narrow(double(v.re.into(), v.im.into())))
+                .collect(),
+        ),
+        Ordinate::Complex64(values) => {
+            Line::Double(values.into_iter().map(|v| double(v.re, v.im)).collect())
+        }
     };
     let masked = line.mask();
     if masked > 0 {
-        warnings.push(format!("{place}: {masked} values are not finite; these lines are masked"));
+        warnings.push(format!(
+            "{place}: {masked} values are not finite; these lines are masked"
+        ));
     }
     Ok(Record {
         response: function.response,
@@ -148,7 +181,12 @@ pub(super) fn from_function(
 }
 
 /// The measured pairs of a set, one record each.
-pub(super) fn from_set(set: &FrfSet, document: usize, place: &str, warnings: &mut Vec<String>) -> Vec<Record> {
+pub(super) fn from_set(
+    set: &FrfSet,
+    document: usize,
+    place: &str,
+    warnings: &mut Vec<String>,
+) -> Vec<Record> {
     let axis: Rc<[f64]> = set.frequency_hz.to_vec().into();
     let mut records = Vec::with_capacity(set.pairs());
     let mut masked = 0;
@@ -167,8 +205,14 @@ pub(super) fn from_set(set: &FrfSet, document: usize, place: &str, warnings: &mu
                 reference,
                 frequency_hz: axis.clone(),
                 line,
-                coherence: set.coherence.as_ref().map(|coherence| coherence.slice(s![i, j, ..]).to_vec()),
-                variance: set.variance.as_ref().map(|variance| variance.slice(s![i, j, ..]).to_vec()),
+                coherence: set
+                    .coherence
+                    .as_ref()
+                    .map(|coherence| coherence.slice(s![i, j, ..]).to_vec()),
+                variance: set
+                    .variance
+                    .as_ref()
+                    .map(|variance| variance.slice(s![i, j, ..]).to_vec()),
                 kind: set.kind,
                 reference_unit: set.reference_unit,
                 document,
@@ -177,7 +221,9 @@ pub(super) fn from_set(set: &FrfSet, document: usize, place: &str, warnings: &mu
         }
     }
     if masked > 0 {
-        warnings.push(format!("{place}: {masked} values are not finite; these lines are masked"));
+        warnings.push(format!(
+            "{place}: {masked} values are not finite; these lines are masked"
+        ));
     }
     records
 }

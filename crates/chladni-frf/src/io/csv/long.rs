@@ -7,7 +7,8 @@ use num_complex::Complex64;
 use std::borrow::Cow;
 use std::collections::HashMap;
 
-/// A grid of FRFs and lines this many times larger than the rows, and above [`SPARSE_CELLS`], is refused.
+/// A grid of FRFs and lines this many times larger than the rows, and above
+/// [`SPARSE_CELLS`], is refused.
 const SPARSE_FACTOR: usize = 16;
 /// See [`SPARSE_FACTOR`].
 const SPARSE_CELLS: usize = 1 << 22;
@@ -42,26 +43,44 @@ pub(super) struct LongTable<'a> {
 /// Finds the header of a long table.
 pub(super) fn find<'a>(lines: &'a [Line<'a>]) -> Option<LongTable<'a>> {
     const HEADER_LINES: usize = 100;
-    lines.iter().take(HEADER_LINES).enumerate().find_map(|(at, line)| {
-        let any = Dialect { delimiter: Some('\t'), decimal_comma: false };
-        let mut columns = any.and_others().find_map(|dialect| header(&dialect.cells(line.text), dialect))?;
-        let rows = &lines[at + 1..];
-        if columns.dialect.delimiter != Some(',') {
-            let numbers = [columns.f, columns.re, columns.im];
-            let has_comma = |row: &Line<'_>| {
-                let cells = columns.dialect.cells(row.text);
-                numbers.iter().any(|&column| cells.get(column).is_some_and(|cell| cell.contains(',')))
+    lines
+        .iter()
+        .take(HEADER_LINES)
+        .enumerate()
+        .find_map(|(at, line)| {
+            let any = Dialect {
+                delimiter: Some('\t'),
+                decimal_comma: false,
             };
-            columns.dialect.decimal_comma = rows.iter().take(HEADER_LINES).any(has_comma);
-        }
-        Some(LongTable { columns, rows })
-    })
+            let mut columns = any
+                .and_others()
+                .find_map(|dialect| header(&dialect.cells(line.text), dialect))?;
+            let rows = &lines[at + 1..];
+            if columns.dialect.delimiter != Some(',') {
+                let numbers = [columns.f, columns.re, columns.im];
+                let has_comma = |row: &Line<'_>| {
+                    let cells = columns.dialect.cells(row.text);
+                    numbers
+                        .iter()
+                        .any(|&column| cells.get(column).is_some_and(|cell| cell.contains(',')))
+                };
+                columns.dialect.decimal_comma = rows.iter().take(HEADER_LINES).any(has_comma);
+            }
+            Some(LongTable { columns, rows })
+        })
 }
 
 fn header(cells: &[Cow<'_, str>], dialect: Dialect) -> Option<Columns> {
-    let names: Vec<String> = cells.iter().map(|cell| cell.trim().to_lowercase().replace([' ', '-'], "_")).collect();
+    let names: Vec<String> = cells
+        .iter()
+        .map(|cell| cell.trim().to_lowercase().replace([' ', '-'], "_"))
+        .collect();
     let find = |known: &[&str]| names.iter().position(|name| known.contains(&name.as_str()));
-    let dof = |one: &[&str], node: &[&str], direction: &[&str]| match (find(one), find(node), find(direction)) {
+    let dof = |one: &[&str], node: &[&str], direction: &[&str]| match (
+        find(one),
+        find(node),
+        find(direction),
+    ) {
         (_, Some(node), Some(direction)) => Some(DofColumns::NodeAndDirection(node, direction)),
         (Some(one), None, _) => Some(DofColumns::Text(one)),
         _ => None,
@@ -75,10 +94,29 @@ fn header(cells: &[Cow<'_, str>], dialect: Dialect) -> Option<Columns> {
         reference: dof(
             &["reference", "reference_dof"],
             &["ref_node", "reference_node"],
-            &["ref_dir", "reference_dir", "ref_direction", "reference_direction"],
+            &[
+                "ref_dir",
+                "reference_dir",
+                "ref_direction",
+                "reference_direction",
+            ],
         )?,
-        f: find(&["f", "freq", "frequency", "f_hz", "freq_hz", "frequency_hz", "f_khz", "freq_khz", "frequency_khz"])?,
-        f_to_hz: if names.iter().any(|name| name.ends_with("_khz")) { 1e3 } else { 1.0 },
+        f: find(&[
+            "f",
+            "freq",
+            "frequency",
+            "f_hz",
+            "freq_hz",
+            "frequency_hz",
+            "f_khz",
+            "freq_khz",
+            "frequency_khz",
+        ])?,
+        f_to_hz: if names.iter().any(|name| name.ends_with("_khz")) {
+            1e3
+        } else {
+            1.0
+        },
         re: find(&["re", "real"])?,
         im: find(&["im", "imag"])?,
         coherence: find(&["coherence", "coh"]),
@@ -101,9 +139,18 @@ impl LongTable<'_> {
     }
 
     /// Frequencies in Hz and one trace per pair, NaN where a pair has no row.
-    pub(super) fn traces(&self, lenient: bool, warnings: &mut Vec<String>) -> Result<(Vec<f64>, Vec<Trace>)> {
+    pub(super) fn traces(
+        &self,
+        lenient: bool,
+        warnings: &mut Vec<String>,
+    ) -> Result<(Vec<f64>, Vec<Trace>)> {
         let pairs = self.pairs(lenient, warnings)?;
-        let Some(longest) = pairs.iter().max_by_key(|pair| (pair.rows.len(), std::cmp::Reverse(pair.rows.first().map(|row| row.0)))) else {
+        let Some(longest) = pairs.iter().max_by_key(|pair| {
+            (
+                pair.rows.len(),
+                std::cmp::Reverse(pair.rows.first().map(|row| row.0)),
+            )
+        }) else {
             return Err(Error::bad_data("a header, but no rows")
                 .found("no row")
                 .expected("rows of numbers under node,dir,ref_node,ref_dir,f,re,im"));
@@ -112,11 +159,13 @@ impl LongTable<'_> {
         let cells = pairs.len().saturating_mul(axis.len());
         let rows: usize = pairs.iter().map(|pair| pair.rows.len()).sum();
         if cells > SPARSE_CELLS && cells / SPARSE_FACTOR > rows {
-            return Err(Error::bad_data("almost all (pair, frequency) rows are missing").found(format!(
-                "{rows} rows for {} pairs on {} lines",
-                pairs.len(),
-                axis.len()
-            )));
+            return Err(
+                Error::bad_data("almost all (pair, frequency) rows are missing").found(format!(
+                    "{rows} rows for {} pairs on {} lines",
+                    pairs.len(),
+                    axis.len()
+                )),
+            );
         }
         let mut absent = 0;
         let mut traces = Vec::with_capacity(pairs.len());
@@ -124,7 +173,9 @@ impl LongTable<'_> {
             traces.push(self.on_axis(pair, &axis, &mut absent)?);
         }
         if absent > 0 {
-            warnings.push(format!("{absent} rows (pair and frequency) are missing; these lines are masked"));
+            warnings.push(format!(
+                "{absent} rows (pair and frequency) are missing; these lines are masked"
+            ));
         }
         Ok((axis, traces))
     }
@@ -143,11 +194,17 @@ impl LongTable<'_> {
             }
             let response = self.dof(row, &cells, &self.columns.response)?;
             let reference = self.dof(row, &cells, &self.columns.reference)?;
-            let f = self.number(row, &cells, self.columns.f)?.ok_or_else(|| self.no_number(row, &cells, self.columns.f))?;
+            let f = self
+                .number(row, &cells, self.columns.f)?
+                .ok_or_else(|| self.no_number(row, &cells, self.columns.f))?;
             let f = f * self.columns.f_to_hz;
             let re = self.masked_number(row, &cells, self.columns.re, lenient)?;
             let im = self.masked_number(row, &cells, self.columns.im, lenient)?;
-            let value = if re.is_nan() || im.is_nan() { Complex64::new(f64::NAN, f64::NAN) } else { Complex64::new(re, im) };
+            let value = if re.is_nan() || im.is_nan() {
+                Complex64::new(f64::NAN, f64::NAN)
+            } else {
+                Complex64::new(re, im)
+            };
             if value.re.is_nan() {
                 masked.get_or_insert((row.number, 0)).1 += 1;
             }
@@ -156,42 +213,69 @@ impl LongTable<'_> {
                 None => f64::NAN,
             };
             let at = *index.entry((response, reference)).or_insert_with(|| {
-                pairs.push(Pair { response, reference, rows: Vec::new() });
+                pairs.push(Pair {
+                    response,
+                    reference,
+                    rows: Vec::new(),
+                });
                 pairs.len() - 1
             });
             if let Some(before) = pairs[at].rows.last().filter(|before| f <= before.1) {
-                let what = if f == before.1 { "a frequency stands twice for one pair" } else { "the frequency axis falls" };
+                let what = if f == before.1 {
+                    "a frequency stands twice for one pair"
+                } else {
+                    "the frequency axis falls"
+                };
                 return Err(Error::bad_data(what)
                     .at_line(row.number)
                     .field(&self.columns.names[self.columns.f])
-                    .found(format!("{f} after {} in line {} for ({response}, {reference})", before.1, before.0))
+                    .found(format!(
+                        "{f} after {} in line {} for ({response}, {reference})",
+                        before.1, before.0
+                    ))
                     .expected("strictly rising frequencies of each pair"));
             }
             pairs[at].rows.push((row.number, f, value, coherence));
         }
         if let Some((line, count)) = masked {
-            warnings.push(format!("{count} rows hold no finite value; masked (first in line {line})"));
+            warnings.push(format!(
+                "{count} rows hold no finite value; masked (first in line {line})"
+            ));
         }
         Ok(pairs)
     }
 
     fn dof(&self, row: &Line<'_>, cells: &[Cow<'_, str>], columns: &DofColumns) -> Result<Dof> {
-        let wrong = |column: usize, expected: &str| {
-            Error::bad_data("not a degree of freedom")
+        let wrong =
+            |column: usize, expected: &str| {
+                Error::bad_data("not a degree of freedom")
                 .at_line(row.number)
                 .field(&self.columns.names[column])
                 .found(&cells[column])
                 .expected(expected)
-                .help("write DOFs like 12:+Z, or node and direction code (±1 X, ±2 Y, ±3 Z, ±4 to ±6 rotations) in columns of their own")
-        };
+                .help("write DOFs like 12:+Z, or node and direction code (±1 X, ±2 Y, ±3 Z, ±4 to \
+                       ±6 rotations) in columns of their own")
+            };
         match *columns {
-            DofColumns::Text(column) => cells[column].parse().map_err(|_| wrong(column, "a DOF like 12:+Z")),
+            DofColumns::Text(column) => cells[column]
+                .parse()
+                .map_err(|_| wrong(column, "a DOF like 12:+Z")),
             DofColumns::NodeAndDirection(node, direction) => {
                 let node = whole(&cells[node]).ok_or_else(|| wrong(node, "a node number"))?;
-                let code = cells[direction].parse::<i64>().ok().and_then(Direction::from_code);
-                let direction = code.or_else(|| cells[direction].parse().ok().filter(|_| !cells[direction].is_empty()));
+                let code = cells[direction]
+                    .parse::<i64>()
+                    .ok()
+                    .and_then(Direction::from_code);
+                let direction = code.or_else(|| {
+                    cells[direction]
+                        .parse()
+                        .ok()
+                        .filter(|_| !cells[direction].is_empty())
+                });
                 let direction = direction.ok_or_else(|| {
-                    let DofColumns::NodeAndDirection(_, column) = *columns else { return wrong(0, "") };
+                    let DofColumns::NodeAndDirection(_, column) = *columns else {
+                        return wrong(0, "");
+                    };
                     wrong(column, "a code from -6 to 6, or a direction like +Z")
                 })?;
                 Ok(Dof::new(node, direction))
@@ -209,7 +293,13 @@ impl LongTable<'_> {
     }
 
     /// A number, NaN for an empty cell; for anything else too, when `lenient`.
-    fn masked_number(&self, row: &Line<'_>, cells: &[Cow<'_, str>], column: usize, lenient: bool) -> Result<f64> {
+    fn masked_number(
+        &self,
+        row: &Line<'_>,
+        cells: &[Cow<'_, str>],
+        column: usize,
+        lenient: bool,
+    ) -> Result<f64> {
         match self.number(row, cells, column) {
             Ok(value) => Ok(value.unwrap_or(f64::NAN)),
             Err(_) if lenient => Ok(f64::NAN),
@@ -221,7 +311,11 @@ impl LongTable<'_> {
         Error::bad_data("not a finite number")
             .at_line(row.number)
             .field(&self.columns.names[column])
-            .found(if cells[column].is_empty() { "an empty cell" } else { &cells[column] })
+            .found(if cells[column].is_empty() {
+                "an empty cell"
+            } else {
+                &cells[column]
+            })
             .expected("a number")
             .help("correct the cell, or read the file with --lenient, which masks it")
     }
@@ -236,12 +330,14 @@ impl LongTable<'_> {
                 at += 1;
             }
             if at == axis.len() || !is_same_line(axis, at, f) {
-                return Err(Error::bad_data("a frequency that is not on the axis of the other FRFs")
-                    .at_line(line)
-                    .field(&self.columns.names[self.columns.f])
-                    .found(format!("{f} for ({}, {})", pair.response, pair.reference))
-                    .expected("one frequency axis for all FRFs of a table")
-                    .help("put FRFs with other axes into files of their own"));
+                return Err(Error::bad_data(
+                    "a frequency that is not on the axis of the other FRFs",
+                )
+                .at_line(line)
+                .field(&self.columns.names[self.columns.f])
+                .found(format!("{f} for ({}, {})", pair.response, pair.reference))
+                .expected("one frequency axis for all FRFs of a table")
+                .help("put FRFs with other axes into files of their own"));
             }
             values[at] = value;
             coherence[at] = gamma;
@@ -273,5 +369,7 @@ fn is_same_line(axis: &[f64], at: usize, f: f64) -> bool {
 
 /// A node number; `12.0` is 12 (pandas writes integers with gaps like that).
 fn whole(text: &str) -> Option<u64> {
-    text.parse().ok().or_else(|| text.strip_suffix(".0")?.parse().ok())
+    text.parse()
+        .ok()
+        .or_else(|| text.strip_suffix(".0")?.parse().ok())
 }

@@ -5,7 +5,14 @@ use super::text::{Cell, Dialect, Line};
 use crate::{Error, Result};
 
 /// Keywords of ME'scope spreadsheets that stand in the first column above the data.
-const KEYWORDS: [&str; 6] = ["measurement type", "x axis spacing", "x axis units", "y axis type", "y axis units", "y axis dofs"];
+const KEYWORDS: [&str; 6] = [
+    "measurement type",
+    "x axis spacing",
+    "x axis units",
+    "y axis type",
+    "y axis units",
+    "y axis dofs",
+];
 
 /// Rows of numbers, NaN where a cell is empty or masked.
 #[derive(Debug)]
@@ -26,17 +33,29 @@ pub(super) struct Table {
 }
 
 impl Table {
-    /// Reads the header and all rows; cells that cannot be read are errors, or masked with a warning when `lenient`.
-    pub(super) fn read(lines: &[Line<'_>], lenient: bool, warnings: &mut Vec<String>) -> Result<Self> {
+    /// Reads the header and all rows; cells that cannot be read are errors, or masked
+    /// with a warning when `lenient`.
+    pub(super) fn read(
+        lines: &[Line<'_>],
+        lenient: bool,
+        warnings: &mut Vec<String>,
+    ) -> Result<Self> {
         let dialect = Dialect::detect(lines).ok_or_else(|| no_numbers(lines))?;
-        let start = lines.iter().position(|line| dialect.is_row(line.text)).unwrap_or(0);
+        let start = lines
+            .iter()
+            .position(|line| dialect.is_row(line.text))
+            .unwrap_or(0);
         let (header, rows) = lines.split_at(start);
         let columns = dialect.cells(rows[0].text).len();
         let mut table = Self {
             names: vec![String::new(); columns],
             units: vec![String::new(); columns],
             keywords: Vec::new(),
-            header_text: header.iter().map(|line| line.text.to_lowercase()).collect::<Vec<_>>().join("\n"),
+            header_text: header
+                .iter()
+                .map(|line| line.text.to_lowercase())
+                .collect::<Vec<_>>()
+                .join("\n"),
             columns,
             values: Vec::with_capacity(rows.len() * columns),
             lines: Vec::with_capacity(rows.len()),
@@ -55,15 +74,34 @@ impl Table {
     fn read_header(&mut self, header: &[Line<'_>], dialect: Dialect) {
         let mut candidates: Vec<Vec<String>> = Vec::new();
         for line in header {
-            let mut cut: Vec<Vec<String>> =
-                dialect.and_others().map(|dialect| dialect.cells(line.text).into_iter().map(|cell| cell.into_owned()).collect()).collect();
+            let mut cut: Vec<Vec<String>> = dialect
+                .and_others()
+                .map(|dialect| {
+                    dialect
+                        .cells(line.text)
+                        .into_iter()
+                        .map(|cell| cell.into_owned())
+                        .collect()
+                })
+                .collect();
             // names with single blanks in them, aligned by several
-            cut.push(line.text.split("  ").map(str::trim).filter(|name| !name.is_empty()).map(str::to_owned).collect());
+            cut.push(
+                line.text
+                    .split("  ")
+                    .map(str::trim)
+                    .filter(|name| !name.is_empty())
+                    .map(str::to_owned)
+                    .collect(),
+            );
             let keyword = |cells: &Vec<String>| {
                 let key = cells[0].trim_end_matches(':').to_lowercase();
                 KEYWORDS.contains(&key.as_str()).then_some(key)
             };
-            if let Some((key, cells)) = cut.iter().filter(|cells| !cells.is_empty()).find_map(|cells| Some((keyword(cells)?, cells))) {
+            if let Some((key, cells)) = cut
+                .iter()
+                .filter(|cells| !cells.is_empty())
+                .find_map(|cells| Some((keyword(cells)?, cells)))
+            {
                 self.keywords.push((key, cells.clone()));
                 continue;
             }
@@ -71,7 +109,10 @@ impl Table {
                 candidates.push(cells);
             }
         }
-        let is_unit_row = |cells: &Vec<String>| cells.iter().all(|cell| looks_like_unit(cell)) && cells.iter().any(|cell| !cell.is_empty());
+        let is_unit_row = |cells: &Vec<String>| {
+            cells.iter().all(|cell| looks_like_unit(cell))
+                && cells.iter().any(|cell| !cell.is_empty())
+        };
         if let Some(last) = candidates.pop() {
             if is_unit_row(&last) {
                 self.units = last;
@@ -84,7 +125,13 @@ impl Table {
         }
     }
 
-    fn read_row(&mut self, line: &Line<'_>, dialect: Dialect, lenient: bool, masked: &mut Masked) -> Result<()> {
+    fn read_row(
+        &mut self,
+        line: &Line<'_>,
+        dialect: Dialect,
+        lenient: bool,
+        masked: &mut Masked,
+    ) -> Result<()> {
         let cells = dialect.cells(line.text);
         if cells.len() != self.columns {
             if lenient {
@@ -109,13 +156,23 @@ impl Table {
                     f64::NAN
                 }
                 _ => {
-                    let name = if self.names[column].is_empty() { format!("column {}", column + 1) } else { self.names[column].clone() };
+                    let name = if self.names[column].is_empty() {
+                        format!("column {}", column + 1)
+                    } else {
+                        self.names[column].clone()
+                    };
                     return Err(Error::bad_data("not a finite number")
                         .at_line(line.number)
                         .field(name)
-                        .found(if cell.is_empty() { "an empty cell" } else { cell })
+                        .found(if cell.is_empty() {
+                            "an empty cell"
+                        } else {
+                            cell
+                        })
                         .expected("a number")
-                        .help("correct the cell, or read the file with --lenient, which masks it"));
+                        .help(
+                            "correct the cell, or read the file with --lenient, which masks it",
+                        ));
                 }
             };
             self.values.push(value);
@@ -129,11 +186,14 @@ impl Table {
         let rows = self.lines.len();
         while self.columns > 1 {
             let last = self.columns - 1;
-            let empty = self.names[last].is_empty() && (0..rows).all(|row| self.values[row * self.columns + last].is_nan());
+            let empty = self.names[last].is_empty()
+                && (0..rows).all(|row| self.values[row * self.columns + last].is_nan());
             if !empty {
                 return;
             }
-            self.values = (0..rows).flat_map(|row| self.values[row * self.columns..][..last].to_vec()).collect();
+            self.values = (0..rows)
+                .flat_map(|row| self.values[row * self.columns..][..last].to_vec())
+                .collect();
             self.names.pop();
             self.units.pop();
             self.columns = last;
@@ -142,14 +202,23 @@ impl Table {
 
     /// One column.
     pub(super) fn column(&self, column: usize) -> Vec<f64> {
-        self.values.iter().skip(column).step_by(self.columns).copied().collect()
+        self.values
+            .iter()
+            .skip(column)
+            .step_by(self.columns)
+            .copied()
+            .collect()
     }
 
-    /// What a keyword row says for a column: its own cell, else the nearest one to the left.
+    /// What a keyword row says for a column: its own cell, else the nearest one to the
+    /// left.
     pub(super) fn keyword(&self, key: &str, column: usize) -> Option<&str> {
         let (_, cells) = self.keywords.iter().find(|(found, _)| found == key)?;
         let upto = cells.get(1..=column.min(cells.len().saturating_sub(1)))?;
-        upto.iter().rev().find(|cell| !cell.is_empty()).map(String::as_str)
+        upto.iter()
+            .rev()
+            .find(|cell| !cell.is_empty())
+            .map(String::as_str)
     }
 
     /// True where no column has a name.
@@ -167,24 +236,40 @@ fn no_numbers(lines: &[Line<'_>]) -> Error {
     if Dialect::commas_everywhere(lines) {
         return both_commas(error);
     }
-    error.expected("columns of numbers, frequency first").help("tables need rows like 10.5,0.1,-0.2 under a header like f,re,im")
+    error
+        .expected("columns of numbers, frequency first")
+        .help("tables need rows like 10.5,0.1,-0.2 under a header like f,re,im")
 }
 
 fn both_commas(error: Error) -> Error {
     error
         .expected("a decimal point, or another delimiter")
-        .help("a decimal comma together with `,` as delimiter cannot be read: export with `;` or tabs between the columns")
+        .help(
+            "a decimal comma together with `,` as delimiter cannot be read: export with `;` or \
+               tabs between the columns",
+        )
 }
 
-/// More cells than names, up to twice as many: the commas inside the numbers were taken for delimiters.
-fn refuse_decimal_comma(first: &Line<'_>, header: &[Line<'_>], dialect: Dialect, columns: usize) -> Result<()> {
-    let Some(last) = header.last().filter(|_| dialect.delimiter == Some(',')) else { return Ok(()) };
+/// More cells than names, up to twice as many: the commas inside the numbers were taken
+/// for delimiters.
+fn refuse_decimal_comma(
+    first: &Line<'_>,
+    header: &[Line<'_>],
+    dialect: Dialect,
+    columns: usize,
+) -> Result<()> {
+    let Some(last) = header.last().filter(|_| dialect.delimiter == Some(',')) else {
+        return Ok(());
+    };
     let names = dialect.cells(last.text).len();
     if names >= 2 && names < columns && columns <= 2 * names {
         return Err(both_commas(
             Error::bad_data("more columns than names; do the numbers have a decimal comma?")
                 .at_line(first.number)
-                .found(format!("{columns} columns under {names} names: {}", first.text.trim())),
+                .found(format!(
+                    "{columns} columns under {names} names: {}",
+                    first.text.trim()
+                )),
         ));
     }
     Ok(())

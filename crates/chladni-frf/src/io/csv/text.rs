@@ -10,14 +10,24 @@ pub(super) fn decode(bytes: &[u8]) -> Cow<'_, str> {
     }
     for (mark, big) in [(b"\xff\xfe", false), (b"\xfe\xff", true)] {
         if let Some(rest) = bytes.strip_prefix(mark) {
-            let unit = |pair: &[u8]| if big { u16::from_be_bytes([pair[0], pair[1]]) } else { u16::from_le_bytes([pair[0], pair[1]]) };
+            let unit = |pair: &[u8]| {
+                if big {
+                    u16::from_be_bytes([pair[0], pair[1]])
+                } else {
+                    u16::from_le_bytes([pair[0], pair[1]])
+                }
+            };
             let units: Vec<u16> = rest.chunks_exact(2).map(unit).collect();
             return String::from_utf16_lossy(&units).into();
         }
     }
     match std::str::from_utf8(bytes) {
         Ok(text) => text.into(),
-        Err(_) => bytes.iter().map(|&byte| char::from(byte)).collect::<String>().into(),
+        Err(_) => bytes
+            .iter()
+            .map(|&byte| char::from(byte))
+            .collect::<String>()
+            .into(),
     }
 }
 
@@ -36,8 +46,8 @@ pub(super) struct Remark {
     pub(super) value: String,
 }
 
-/// Lines with content, and remarks. A comment that is no remark may be the header (as `numpy.savetxt` writes it), so it
-/// stays a line, without its sign.
+/// Lines with content, and remarks. A comment that is no remark may be the header (as
+/// `numpy.savetxt` writes it), so it stays a line, without its sign.
 pub(super) fn lines_and_remarks(text: &str) -> (Vec<Line<'_>>, Vec<Remark>) {
     let (mut lines, mut remarks) = (Vec::new(), Vec::new());
     for (index, raw) in text.split(['\n', '\r']).enumerate_lines(text) {
@@ -45,18 +55,30 @@ pub(super) fn lines_and_remarks(text: &str) -> (Vec<Line<'_>>, Vec<Remark>) {
         let Some(comment) = trimmed.strip_prefix(['#', '%']) else {
             if !trimmed.is_empty() {
                 // trailing tabs are empty columns: only the line end goes
-                lines.push(Line { number: index, text: raw });
+                lines.push(Line {
+                    number: index,
+                    text: raw,
+                });
             }
             continue;
         };
         let comment = comment.trim_start_matches(['#', '%']).trim();
-        let remark = comment.split_once('=').or_else(|| comment.split_once(':').filter(|(key, _)| is_known_key(key)));
+        let remark = comment
+            .split_once('=')
+            .or_else(|| comment.split_once(':').filter(|(key, _)| is_known_key(key)));
         match remark {
             Some((key, value)) => {
                 let key = key.trim().to_ascii_lowercase().replace([' ', '-'], "_");
-                remarks.push(Remark { line: index, key, value: value.trim().trim_matches('"').to_owned() });
+                remarks.push(Remark {
+                    line: index,
+                    key,
+                    value: value.trim().trim_matches('"').to_owned(),
+                });
             }
-            None if !comment.is_empty() => lines.push(Line { number: index, text: comment }),
+            None if !comment.is_empty() => lines.push(Line {
+                number: index,
+                text: comment,
+            }),
             None => {}
         }
     }
@@ -64,7 +86,15 @@ pub(super) fn lines_and_remarks(text: &str) -> (Vec<Line<'_>>, Vec<Remark>) {
 }
 
 fn is_known_key(key: &str) -> bool {
-    ["frf_kind", "unit", "time_sign", "reference_unit", "response", "reference"].contains(&key.trim().to_ascii_lowercase().as_str())
+    [
+        "frf_kind",
+        "unit",
+        "time_sign",
+        "reference_unit",
+        "response",
+        "reference",
+    ]
+    .contains(&key.trim().to_ascii_lowercase().as_str())
 }
 
 /// Numbers lines as editors do: LF, CRLF and lone CR each end one line.
@@ -76,7 +106,11 @@ trait EnumerateLines<'a>: Iterator<Item = &'a str> + Sized {
         self.filter_map(move |piece| {
             let start = piece.as_ptr() as usize - base;
             // the empty piece between CR and LF is no line of its own
-            if piece.is_empty() && start > 0 && bytes.get(start) == Some(&b'\n') && bytes[start - 1] == b'\r' {
+            if piece.is_empty()
+                && start > 0
+                && bytes.get(start) == Some(&b'\n')
+                && bytes[start - 1] == b'\r'
+            {
                 return None;
             }
             number += 1;
@@ -97,16 +131,40 @@ pub(super) struct Dialect {
 
 /// In the order of preference where several fit equally.
 const DIALECTS: [Dialect; 7] = [
-    Dialect { delimiter: Some('\t'), decimal_comma: false },
-    Dialect { delimiter: Some(';'), decimal_comma: false },
-    Dialect { delimiter: Some(','), decimal_comma: false },
-    Dialect { delimiter: None, decimal_comma: false },
-    Dialect { delimiter: Some('\t'), decimal_comma: true },
-    Dialect { delimiter: Some(';'), decimal_comma: true },
-    Dialect { delimiter: None, decimal_comma: true },
+    Dialect {
+        delimiter: Some('\t'),
+        decimal_comma: false,
+    },
+    Dialect {
+        delimiter: Some(';'),
+        decimal_comma: false,
+    },
+    Dialect {
+        delimiter: Some(','),
+        decimal_comma: false,
+    },
+    Dialect {
+        delimiter: None,
+        decimal_comma: false,
+    },
+    Dialect {
+        delimiter: Some('\t'),
+        decimal_comma: true,
+    },
+    Dialect {
+        delimiter: Some(';'),
+        decimal_comma: true,
+    },
+    Dialect {
+        delimiter: None,
+        decimal_comma: true,
+    },
 ];
 /// Commas for both: cannot be read, and must not be taken for anything else.
-const COMMAS: Dialect = Dialect { delimiter: Some(','), decimal_comma: true };
+const COMMAS: Dialect = Dialect {
+    delimiter: Some(','),
+    decimal_comma: true,
+};
 /// Lines looked at to find the dialect: longer than any header, short beside any data.
 const LINES_TRIED: usize = 400;
 
@@ -125,22 +183,36 @@ impl Dialect {
     }
 
     fn rows_among(self, lines: &[Line<'_>]) -> usize {
-        lines.iter().take(LINES_TRIED).filter(|line| self.is_row(line.text)).count()
+        lines
+            .iter()
+            .take(LINES_TRIED)
+            .filter(|line| self.is_row(line.text))
+            .count()
     }
 
-    /// True where lines are rows of numbers only with a comma for both the decimal sign and the delimiter.
+    /// True where lines are rows of numbers only with a comma for both the decimal sign
+    /// and the delimiter.
     pub(super) fn commas_everywhere(lines: &[Line<'_>]) -> bool {
         COMMAS.rows_among(lines) > 0
     }
 
-    /// True where some way of cutting finds two rows of numbers or more; a single one may be a date in a letter.
+    /// True where some way of cutting finds two rows of numbers or more; a single one may
+    /// be a date in a letter.
     pub(super) fn any_finds_rows(lines: &[Line<'_>]) -> bool {
-        DIALECTS.iter().chain([&COMMAS]).any(|dialect| dialect.rows_among(lines) > 1)
+        DIALECTS
+            .iter()
+            .chain([&COMMAS])
+            .any(|dialect| dialect.rows_among(lines) > 1)
     }
 
-    /// Every dialect, this one first: a header may be cut in another way than the numbers.
+    /// Every dialect, this one first: a header may be cut in another way than the
+    /// numbers.
     pub(super) fn and_others(self) -> impl Iterator<Item = Self> {
-        std::iter::once(self).chain(DIALECTS.into_iter().filter(move |other| !other.decimal_comma && other.delimiter != self.delimiter))
+        std::iter::once(self).chain(
+            DIALECTS
+                .into_iter()
+                .filter(move |other| !other.decimal_comma && other.delimiter != self.delimiter),
+        )
     }
 
     /// Cells of a line, trimmed, quotes removed.
@@ -162,11 +234,17 @@ impl Dialect {
         cells
     }
 
-    /// True where at least two cells are numbers, the first is, and all others are numbers or empty.
+    /// True where at least two cells are numbers, the first is, and all others are
+    /// numbers or empty.
     pub(super) fn is_row(self, line: &str) -> bool {
         let cells = self.cells(line);
-        let values = cells.iter().filter(|cell| matches!(self.number(cell), Cell::Value(_))).count();
-        let clean = cells.iter().all(|cell| !matches!(self.number(cell), Cell::Text));
+        let values = cells
+            .iter()
+            .filter(|cell| matches!(self.number(cell), Cell::Value(_)))
+            .count();
+        let clean = cells
+            .iter()
+            .all(|cell| !matches!(self.number(cell), Cell::Text));
         values >= 2 && clean && matches!(self.number(&cells[0]), Cell::Value(_))
     }
 
@@ -177,8 +255,14 @@ impl Dialect {
             return Cell::Empty;
         }
         let start = cell.trim_start_matches(['+', '-']);
-        if !start.starts_with(|c: char| c.is_ascii_digit() || c == '.' || (self.decimal_comma && c == ',')) {
-            return if start.to_ascii_lowercase().starts_with("inf") || start.starts_with('*') { Cell::Overflow } else { Cell::Text };
+        if !start.starts_with(|c: char| {
+            c.is_ascii_digit() || c == '.' || (self.decimal_comma && c == ',')
+        }) {
+            return if start.to_ascii_lowercase().starts_with("inf") || start.starts_with('*') {
+                Cell::Overflow
+            } else {
+                Cell::Text
+            };
         }
         let plain: Cow<'_, str> = if self.decimal_comma && cell.contains(',') {
             if cell.contains('.') || cell.ends_with(',') {
@@ -189,7 +273,9 @@ impl Dialect {
             cell.into()
         };
         // Fortran writes 1.5D+03
-        let parsed = plain.parse().or_else(|_| plain.replace(['D', 'd'], "e").parse::<f64>());
+        let parsed = plain
+            .parse()
+            .or_else(|_| plain.replace(['D', 'd'], "e").parse::<f64>());
         match parsed {
             Ok(value) if value.is_finite() => Cell::Value(value),
             Ok(_) => Cell::Overflow,
@@ -211,7 +297,10 @@ pub(super) enum Cell {
 
 fn unquoted(cell: &str) -> Cow<'_, str> {
     let cell = cell.trim();
-    match cell.strip_prefix('"').and_then(|rest| rest.strip_suffix('"')) {
+    match cell
+        .strip_prefix('"')
+        .and_then(|rest| rest.strip_suffix('"'))
+    {
         Some(inner) if inner.contains("\"\"") => inner.replace("\"\"", "\"").into(),
         Some(inner) => inner.trim().into(),
         None => cell.into(),
@@ -220,18 +309,26 @@ fn unquoted(cell: &str) -> Cow<'_, str> {
 
 /// Refuses lists of Python complex numbers: they have no frequency axis.
 pub(super) fn refuse_complex_lists(lines: &[Line<'_>]) -> Result<()> {
-    let Some(first) = lines.first() else { return Ok(()) };
+    let Some(first) = lines.first() else {
+        return Ok(());
+    };
     let text = first.text.trim();
     let inner = text.trim_start_matches('(').trim_end_matches(')');
-    let is_complex = inner.ends_with('j') && inner.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c));
+    let is_complex = inner.ends_with('j')
+        && inner.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c));
     if !is_complex || text.contains([',', ';', '\t']) {
         return Ok(());
     }
-    Err(Error::bad_data("complex numbers in Python notation, without a frequency axis")
-        .at_line(first.number)
-        .found(text)
-        .expected("columns frequency,re,im")
-        .help("write the frequency beside each value: three columns f,re,im with that line as header"))
+    Err(
+        Error::bad_data("complex numbers in Python notation, without a frequency axis")
+            .at_line(first.number)
+            .found(text)
+            .expected("columns frequency,re,im")
+            .help(
+                "write the frequency beside each value: three columns f,re,im with that line as \
+               header",
+            ),
+    )
 }
 
 #[cfg(test)]
@@ -254,7 +351,14 @@ mod tests {
             ("1.0, 2.0, 3.0\n", Some(','), false),
             ("1.5D+03 2 3\n", None, false),
         ] {
-            assert_eq!(dialect_of(text), Some(Dialect { delimiter, decimal_comma }), "{text}");
+            assert_eq!(
+                dialect_of(text),
+                Some(Dialect {
+                    delimiter,
+                    decimal_comma
+                }),
+                "{text}"
+            );
         }
         assert_eq!(dialect_of("no numbers here\n"), None);
     }
@@ -262,19 +366,38 @@ mod tests {
     #[test]
     fn lines_are_numbered_as_editors_do() {
         let (lines, remarks) = lines_and_remarks("# unit = m/s/N\r\n\r\nf,re,im\r\n1,2,3\r4,5,6\n");
-        assert_eq!(lines.iter().map(|line| line.number).collect::<Vec<_>>(), [3, 4, 5]);
-        assert_eq!(remarks, [Remark { line: 1, key: "unit".into(), value: "m/s/N".into() }]);
+        assert_eq!(
+            lines.iter().map(|line| line.number).collect::<Vec<_>>(),
+            [3, 4, 5]
+        );
+        assert_eq!(
+            remarks,
+            [Remark {
+                line: 1,
+                key: "unit".into(),
+                value: "m/s/N".into()
+            }]
+        );
     }
 
     #[test]
     fn quotes_protect_delimiters() {
-        let dialect = Dialect { delimiter: Some(','), decimal_comma: false };
-        assert_eq!(dialect.cells("\"a, b\",c,\"say \"\"d\"\"\","), ["a, b", "c", "say \"d\"", ""]);
+        let dialect = Dialect {
+            delimiter: Some(','),
+            decimal_comma: false,
+        };
+        assert_eq!(
+            dialect.cells("\"a, b\",c,\"say \"\"d\"\"\","),
+            ["a, b", "c", "say \"d\"", ""]
+        );
     }
 
     #[test]
     fn cells_that_are_no_finite_numbers() {
-        let dialect = Dialect { delimiter: Some(';'), decimal_comma: true };
+        let dialect = Dialect {
+            delimiter: Some(';'),
+            decimal_comma: true,
+        };
         assert_eq!(dialect.number("1,5"), Cell::Value(1.5));
         assert_eq!(dialect.number("1.234,5"), Cell::Text);
         assert_eq!(dialect.number("NaN"), Cell::Empty);

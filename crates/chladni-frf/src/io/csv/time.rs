@@ -24,7 +24,12 @@ pub(super) fn seconds(table: &Table) -> Option<f64> {
 ///
 /// # Errors
 /// A time axis that does not rise; masked samples; no channel beside the time.
-pub(super) fn document(table: &Table, to_seconds: f64, mut warnings: Vec<String>, file: &Path) -> Result<Document> {
+pub(super) fn document(
+    table: &Table,
+    to_seconds: f64,
+    mut warnings: Vec<String>,
+    file: &Path,
+) -> Result<Document> {
     let times = table.column(0);
     if let Some(k) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
         return Err(Error::bad_data("the time axis does not rise")
@@ -60,7 +65,10 @@ pub(super) fn document(table: &Table, to_seconds: f64, mut warnings: Vec<String>
         );
         let unit = unit_label::parse(&head.unit);
         if unit.is_none() {
-            warnings.push(format!("column {}: no unit that is understood; values are taken as they are", column + 1));
+            warnings.push(format!(
+                "column {}: no unit that is understood; values are taken as they are",
+                column + 1
+            ));
         }
         document.datasets.push(DatasetInfo {
             name: "table".into(),
@@ -70,15 +78,29 @@ pub(super) fn document(table: &Table, to_seconds: f64, mut warnings: Vec<String>
             values: Some(samples.len()),
             ..DatasetInfo::default()
         });
-        let channel = Axis { label: table.names[column].clone(), unit: head.unit.clone(), ..Axis::default() };
+        let channel = Axis {
+            label: table.names[column].clone(),
+            unit: head.unit.clone(),
+            ..Axis::default()
+        };
         document.functions.push(Function {
             scale_to_si: unit.map_or(1.0, |unit| unit.factor),
             abscissa_to_si: to_seconds,
-            ..Function::time_record(response, Abscissa::Uneven(times.clone()), channel, Ordinate::Real64(samples))
+            ..Function::time_record(
+                response,
+                Abscissa::Uneven(times.clone()),
+                channel,
+                Ordinate::Real64(samples),
+            )
         });
     }
     if numbered > 0 {
-        warnings.push(format!("{numbered} columns name no DOF; they are numbered by their place, as 2:S"));
+        warnings.push(format!(
+            "{numbered} columns name no DOF; they are numbered by their place, as 2:S"
+        ));
     }
-    Ok(Document { warnings, ..document })
+    Ok(Document {
+        warnings,
+        ..document
+    })
 }

@@ -1,7 +1,8 @@
-//! `/functions/K`: functions of a source file that are no FRFs (time records, spectra, ...), kept as they were read.
+//! `/functions/K`: functions of a source file that are no FRFs (time records, spectra,
+//! ...), kept as they were read.
 //!
-//! Each is a group with `values` [n] in the units of the source, `abscissa` [n] where it is uneven, and the header of its
-//! dataset 58 as attributes.
+//! Each is a group with `values` [n] in the units of the source, `abscissa` [n] where it
+//! is uneven, and the header of its dataset 58 as attributes.
 
 use super::own::Own;
 use crate::io::arrays::tree::{Attribute, Entry, Group, Values};
@@ -21,7 +22,11 @@ const ENTITIES: [&str; 2] = ["response_entity", "reference_entity"];
 /// Group `/functions`.
 pub(super) fn functions_group(functions: &[Function]) -> Group<'_> {
     let mut all = Group::new("functions");
-    all.groups = functions.iter().enumerate().map(|(k, function)| function_group(k + 1, function)).collect();
+    all.groups = functions
+        .iter()
+        .enumerate()
+        .map(|(k, function)| function_group(k + 1, function))
+        .collect();
     all
 }
 
@@ -60,7 +65,9 @@ fn function_group(number: usize, function: &Function) -> Group<'_> {
             group.set("abscissa_start", Attribute::Real(*start));
             group.set("abscissa_step", Attribute::Real(*step));
         }
-        Abscissa::Uneven(values) => group.add("abscissa", &[values.len()], Values::Real64(values.into())),
+        Abscissa::Uneven(values) => {
+            group.add("abscissa", &[values.len()], Values::Real64(values.into()))
+        }
     }
     group.add("values", &[count], ordinate_values(&function.ordinate));
     group
@@ -85,7 +92,10 @@ fn ordinate_values(ordinate: &Ordinate) -> Values<'_> {
 
 /// All functions of a file, by rising number.
 pub(super) fn read_functions(own: &Own<'_>) -> Result<Vec<Function>> {
-    own.numbered("/functions")?.into_iter().map(|entry| read_function(own, entry)).collect()
+    own.numbered("/functions")?
+        .into_iter()
+        .map(|entry| read_function(own, entry))
+        .collect()
 }
 
 fn read_function(own: &Own<'_>, group: &Entry) -> Result<Function> {
@@ -95,15 +105,25 @@ fn read_function(own: &Own<'_>, group: &Entry) -> Result<Function> {
             .found("nothing")
             .expected("every attribute of a function")
     };
-    let text = |name: &str| group.text(name).map(str::to_owned).ok_or_else(|| missing(name));
+    let text = |name: &str| {
+        group
+            .text(name)
+            .map(str::to_owned)
+            .ok_or_else(|| missing(name))
+    };
     let whole = |name: &str| group.integer(name).ok_or_else(|| missing(name));
     let real = |name: &str| group.real(name).ok_or_else(|| missing(name));
     let small = |name: &str| whole(name).map(|value| i32::try_from(value).unwrap_or(0));
     let dof = |name: &str| {
-        text(name)?.parse().map_err(|message: String| Error::bad_word(&message, "a damaged DOF").field(format!("{name} of {}", group.path)))
+        text(name)?.parse().map_err(|message: String| {
+            Error::bad_word(&message, "a damaged DOF").field(format!("{name} of {}", group.path))
+        })
     };
     let axis = |name: &str| -> Result<Axis> {
-        let mut axis = Axis { quantity: small(&format!("{name}_quantity"))?, ..Axis::default() };
+        let mut axis = Axis {
+            quantity: small(&format!("{name}_quantity"))?,
+            ..Axis::default()
+        };
         for (exponent, value) in EXPONENTS.iter().zip(&mut axis.exponents) {
             *value = small(&format!("{name}_{exponent}"))?;
         }
@@ -121,7 +141,10 @@ fn read_function(own: &Own<'_>, group: &Entry) -> Result<Function> {
     };
     let abscissa = match own.find(&format!("{}/abscissa", group.path)) {
         Some(entry) => Abscissa::Uneven(reals(entry, own.file.read(entry)?)?),
-        None => Abscissa::Even { start: real("abscissa_start")?, step: real("abscissa_step")? },
+        None => Abscissa::Even {
+            start: real("abscissa_start")?,
+            step: real("abscissa_step")?,
+        },
     };
     if let Abscissa::Uneven(values) = &abscissa {
         if values.len() != ordinate.len() {
@@ -133,17 +156,32 @@ fn read_function(own: &Own<'_>, group: &Entry) -> Result<Function> {
     }
     Ok(Function {
         function_type: small("function_type")?,
-        id_lines: [text("id_line_1")?, text("id_line_2")?, text("id_line_3")?, text("id_line_4")?, text("id_line_5")?],
+        id_lines: [
+            text("id_line_1")?,
+            text("id_line_2")?,
+            text("id_line_3")?,
+            text("id_line_4")?,
+            text("id_line_5")?,
+        ],
         ids: [whole(IDS[0])?, whole(IDS[1])?, whole(IDS[2])?],
         entity_names: [text(ENTITIES[0])?, text(ENTITIES[1])?],
         response: dof("response")?,
         reference: dof("reference")?,
         abscissa,
         z: real("z")?,
-        axes: [axis(AXES[0])?, axis(AXES[1])?, axis(AXES[2])?, axis(AXES[3])?],
+        axes: [
+            axis(AXES[0])?,
+            axis(AXES[1])?,
+            axis(AXES[2])?,
+            axis(AXES[3])?,
+        ],
         ordinate,
         kind: group.text("frf_kind").and_then(|kind| kind.parse().ok()),
-        reference_unit: if group.text("reference_unit") == Some("V") { ReferenceUnit::Volt } else { ReferenceUnit::Newton },
+        reference_unit: if group.text("reference_unit") == Some("V") {
+            ReferenceUnit::Volt
+        } else {
+            ReferenceUnit::Newton
+        },
         scale_to_si: real("scale_to_si")?,
         abscissa_to_si: real("abscissa_to_si")?,
         line: 0,

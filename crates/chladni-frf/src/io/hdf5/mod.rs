@@ -1,7 +1,8 @@
 //! HDF5: our own layout ([`own`]) and files of others (`arrays::foreign`).
 //!
-//! Two back ends with the same functions read and write it: pure Rust by default, the C library with the feature `system`
-//! (for files with filters or layouts that the built-in one refuses).
+//! Two back ends with the same functions read and write it: pure Rust by default, the C
+//! library with the feature `system` (for files with filters or layouts that the built-in
+//! one refuses).
 
 #[cfg(not(feature = "system"))]
 #[path = "pure/mod.rs"]
@@ -40,11 +41,23 @@ pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
     let file = File::open(path)?;
     let entries = file.entries()?;
     let mut document = Document::new(path, FileFormat::Hdf5);
-    document.datasets = entries.iter().filter(|entry| entry.dataset.is_some()).map(dataset_info).collect();
+    document.datasets = entries
+        .iter()
+        .filter(|entry| entry.dataset.is_some())
+        .map(dataset_info)
+        .collect();
     for entry in &entries {
-        document.warnings.extend(entry.unread_attributes.iter().map(|warning| format!("{}: {warning}", entry.path)));
+        document.warnings.extend(
+            entry
+                .unread_attributes
+                .iter()
+                .map(|warning| format!("{}: {warning}", entry.path)),
+        );
     }
-    let own = Own { file: &file, entries: &entries };
+    let own = Own {
+        file: &file,
+        entries: &entries,
+    };
     let outcome = if own.root().text("format") == Some(own::FORMAT) && options.map.is_empty() {
         read_own(&own, &mut document)
     } else {
@@ -52,9 +65,21 @@ pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
     };
     match outcome.map_err(|error| error.file(path)) {
         Ok(None) => {}
-        Ok(Some(Found { mut set, time_sign, used })) => {
-            document.datasets.iter_mut().for_each(|info| info.left_behind &= !used.contains(&info.name));
-            to_plus(&mut set, time_sign, options.time_sign, &mut document.warnings);
+        Ok(Some(Found {
+            mut set,
+            time_sign,
+            used,
+        })) => {
+            document
+                .datasets
+                .iter_mut()
+                .for_each(|info| info.left_behind &= !used.contains(&info.name));
+            to_plus(
+                &mut set,
+                time_sign,
+                options.time_sign,
+                &mut document.warnings,
+            );
             report_masked(&set, &mut document.warnings);
             document.frf = Some(set);
         }
@@ -82,7 +107,11 @@ fn read_own(own: &Own<'_>, document: &mut Document) -> Result<Option<Found>> {
     document.shapes = shapes::read_shapes(own)?;
     for shape in &document.shapes {
         document.datasets.push(DatasetInfo {
-            number: Some(if shape.form == super::ShapeForm::AtNodes55 { 55 } else { 2414 }),
+            number: Some(if shape.form == super::ShapeForm::AtNodes55 {
+                55
+            } else {
+                2414
+            }),
             name: "shape".into(),
             function: Some(shape.analysis.name().into()),
             nodes: Some(shape.nodes.len()),
@@ -91,16 +120,29 @@ fn read_own(own: &Own<'_>, document: &mut Document) -> Result<Option<Found>> {
             ..DatasetInfo::default()
         });
     }
-    document.datasets.iter_mut().for_each(|info| info.left_behind &= !own::is_carried(&info.name));
+    document
+        .datasets
+        .iter_mut()
+        .for_each(|info| info.left_behind &= !own::is_carried(&info.name));
     let time_sign = own.time_sign()?;
-    Ok(own.frf()?.map(|set| Found { set, time_sign, used: Vec::new() }))
+    Ok(own.frf()?.map(|set| Found {
+        set,
+        time_sign,
+        used: Vec::new(),
+    }))
 }
 
-/// Lines that are NaN in a pair that was measured; pairs that are NaN throughout are missing, and listed later.
+/// Lines that are NaN in a pair that was measured; pairs that are NaN throughout are
+/// missing, and listed later.
 fn report_masked(set: &FrfSet, warnings: &mut Vec<String>) {
     fn masked<C: ComplexFloat>(values: &Array3<C>) -> usize {
-        let counts = values.rows().into_iter().map(|frf| (frf.iter().filter(|value| value.is_nan()).count(), frf.len()));
-        counts.map(|(count, lines)| if count < lines { count } else { 0 }).sum()
+        let counts = values
+            .rows()
+            .into_iter()
+            .map(|frf| (frf.iter().filter(|value| value.is_nan()).count(), frf.len()));
+        counts
+            .map(|(count, lines)| if count < lines { count } else { 0 })
+            .sum()
     }
     let masked = match &set.values {
         FrfValues::F64(values) => masked(values),
@@ -120,7 +162,11 @@ fn dataset_info(entry: &Entry) -> DatasetInfo {
         (_, element) => (element.map_or_else(String::new, Element::describe), None),
     };
     let extents: Vec<String> = entry.shape().iter().map(usize::to_string).collect();
-    let function = if extents.is_empty() { function } else { format!("{function}, {}", extents.join(" x ")) };
+    let function = if extents.is_empty() {
+        function
+    } else {
+        format!("{function}, {}", extents.join(" x "))
+    };
     DatasetInfo {
         name: entry.path.clone(),
         function: Some(function),
@@ -132,20 +178,37 @@ fn dataset_info(entry: &Entry) -> DatasetInfo {
     }
 }
 
-/// Writes FRFs (with their geometry) and what else there is in our own layout, atomically.
-pub(super) fn write(path: &Path, frf: Option<&FrfSet>, others: &Contents, force: bool) -> Result<()> {
+/// Writes FRFs (with their geometry) and what else there is in our own layout,
+/// atomically.
+pub(super) fn write(
+    path: &Path,
+    frf: Option<&FrfSet>,
+    others: &Contents,
+    force: bool,
+) -> Result<()> {
     let mut root = own::new_root();
     if let Some(set) = frf {
         own::add_frf(&mut root, set);
     }
-    own::add_geometry(&mut root, frf.map_or(&others.other_geometry, |set| &set.geometry));
+    own::add_geometry(
+        &mut root,
+        frf.map_or(&others.other_geometry, |set| &set.geometry),
+    );
     if !others.sources.is_empty() {
-        let join = |field: fn(&crate::Source) -> &str| others.sources.iter().map(field).collect::<Vec<_>>().join("\n");
+        let join = |field: fn(&crate::Source) -> &str| {
+            others
+                .sources
+                .iter()
+                .map(field)
+                .collect::<Vec<_>>()
+                .join("\n")
+        };
         root.set("source_file", join(|source| &source.file));
         root.set("source_sha256", join(|source| &source.sha256));
     }
     if !others.functions.is_empty() {
-        root.groups.push(functions::functions_group(&others.functions));
+        root.groups
+            .push(functions::functions_group(&others.functions));
     }
     if !others.shapes.is_empty() {
         root.groups.push(shapes::shapes_group(&others.shapes));
@@ -164,7 +227,10 @@ pub(super) fn write_model(path: &Path, model: &ModalModel, force: bool) -> Resul
 pub(super) fn read_model(path: &Path) -> Result<ModalModel> {
     let file = File::open(path)?;
     let entries = file.entries().map_err(|error| error.file(path))?;
-    let own = Own { file: &file, entries: &entries };
+    let own = Own {
+        file: &file,
+        entries: &entries,
+    };
     if own.find("/model").is_none() {
         return Err(Error::bad_data("the file holds no model")
             .file(path)
@@ -173,5 +239,7 @@ pub(super) fn read_model(path: &Path) -> Result<ModalModel> {
             .expected("a model under /model")
             .help("fit one first: chladni fit FRF -o MODEL"));
     }
-    own.check_version().and_then(|()| model::read_model(&own)).map_err(|error| error.file(path))
+    own.check_version()
+        .and_then(|()| model::read_model(&own))
+        .map_err(|error| error.file(path))
 }

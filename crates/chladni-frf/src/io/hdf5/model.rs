@@ -1,21 +1,40 @@
-//! `/model`: a modal model, the fields of the JSON file under their names; values per mode as arrays over modes.
+//! `/model`: a modal model, the fields of the JSON file under their names; values per
+//! mode as arrays over modes.
 //!
-//! Texts and single numbers are attributes; lists of texts and `options` are JSON text where HDF5 has nothing as faithful.
+//! Texts and single numbers are attributes; lists of texts and `options` are JSON text
+//! where HDF5 has nothing as faithful.
 
 use super::own::Own;
 use crate::io::arrays::tree::{Attribute, Entry, Group, Values};
 use crate::io::arrays::values::{dofs, integers, reals, texts, wrong_type, ComplexArray};
-use crate::{ComplexMatrix, ComplexVector, Error, ModalModel, Mode, Quality, ResidualTerm, ResidualTerms, Result, Source, MODEL_FORMAT};
+use crate::{
+    ComplexMatrix, ComplexVector, Error, ModalModel, Mode, Quality, ResidualTerm, ResidualTerms,
+    Result, Source, MODEL_FORMAT,
+};
 use ndarray::{Array2, Array3, Ix2, Ix3};
 use num_complex::Complex64;
 use serde::de::DeserializeOwned;
 use serde::Serialize;
 
 /// Numbers per mode, by their names in the file.
-const MODE_NUMBERS: [&str; 6] = ["frequency_hz", "frequency_std_hz", "loss_factor", "loss_factor_std", "damping_ratio", "mpc"];
+const MODE_NUMBERS: [&str; 6] = [
+    "frequency_hz",
+    "frequency_std_hz",
+    "loss_factor",
+    "loss_factor_std",
+    "damping_ratio",
+    "mpc",
+];
 
 fn mode_numbers(mode: &Mode) -> [f64; 6] {
-    [mode.frequency_hz, mode.frequency_std_hz, mode.loss_factor, mode.loss_factor_std, mode.damping_ratio, mode.mpc]
+    [
+        mode.frequency_hz,
+        mode.frequency_std_hz,
+        mode.loss_factor,
+        mode.loss_factor_std,
+        mode.damping_ratio,
+        mode.mpc,
+    ]
 }
 
 /// The word that serde writes for a value, without quotes.
@@ -40,50 +59,120 @@ pub(super) fn model_group(model: &ModalModel) -> Group<'_> {
     group.set("scaling", word(&model.scaling));
     group.set("method", model.method.as_str());
     group.add_reals("band_hz", &[2], model.band_hz.to_vec());
-    group.add("responses", &[model.responses.len()], Values::Dofs(model.responses.clone()));
-    group.add("references", &[model.references.len()], Values::Dofs(model.references.clone()));
-    group.add("nodes", &[model.nodes.len()], Values::Nodes(model.nodes.clone()));
+    group.add(
+        "responses",
+        &[model.responses.len()],
+        Values::Dofs(model.responses.clone()),
+    );
+    group.add(
+        "references",
+        &[model.references.len()],
+        Values::Dofs(model.references.clone()),
+    );
+    group.add(
+        "nodes",
+        &[model.nodes.len()],
+        Values::Nodes(model.nodes.clone()),
+    );
     group.groups.push(source_group(&model.source));
     group.groups.push(modes_group(model));
-    group.groups.push(residual_group(&model.residual_terms, model));
+    group
+        .groups
+        .push(residual_group(&model.residual_terms, model));
     group.groups.push(quality_group(&model.quality));
     group
 }
 
 fn source_group(sources: &[Source]) -> Group<'static> {
     let mut group = Group::new("source");
-    group.add_texts("file", sources.iter().map(|source| source.file.clone()).collect());
-    group.add_texts("sha256", sources.iter().map(|source| source.sha256.clone()).collect());
+    group.add_texts(
+        "file",
+        sources.iter().map(|source| source.file.clone()).collect(),
+    );
+    group.add_texts(
+        "sha256",
+        sources.iter().map(|source| source.sha256.clone()).collect(),
+    );
     group
 }
 
 fn modes_group(model: &ModalModel) -> Group<'static> {
-    let (modes, responses, references) = (&model.modes, model.responses.len(), model.references.len());
+    let (modes, responses, references) =
+        (&model.modes, model.responses.len(), model.references.len());
     let count = modes.len();
     let mut group = Group::new("modes");
     for (k, name) in MODE_NUMBERS.iter().enumerate() {
-        group.add_reals(name, &[count], modes.iter().map(|mode| mode_numbers(mode)[k]).collect());
+        group.add_reals(
+            name,
+            &[count],
+            modes.iter().map(|mode| mode_numbers(mode)[k]).collect(),
+        );
     }
-    group.add("in_band", &[count], Values::Unsigned(modes.iter().map(|mode| mode.in_band.into()).collect()));
-    group.add_texts("trust", modes.iter().map(|mode| word(&mode.trust)).collect());
-    group.add_texts("reasons", modes.iter().map(|mode| word(&mode.reasons)).collect());
-    let complex = |part: fn(&Mode) -> &ComplexVector| Values::Complex64(modes.iter().flat_map(|mode| part(mode).0.clone()).collect());
+    group.add(
+        "in_band",
+        &[count],
+        Values::Unsigned(modes.iter().map(|mode| mode.in_band.into()).collect()),
+    );
+    group.add_texts(
+        "trust",
+        modes.iter().map(|mode| word(&mode.trust)).collect(),
+    );
+    group.add_texts(
+        "reasons",
+        modes.iter().map(|mode| word(&mode.reasons)).collect(),
+    );
+    let complex = |part: fn(&Mode) -> &ComplexVector| {
+        Values::Complex64(modes.iter().flat_map(|mode| part(mode).0.clone()).collect())
+    };
     group.add("shape", &[count, responses], complex(|mode| &mode.shape));
-    group.add_reals("shape_std", &[count, responses], modes.iter().flat_map(|mode| mode.shape_std.clone()).collect());
+    group.add_reals(
+        "shape_std",
+        &[count, responses],
+        modes
+            .iter()
+            .flat_map(|mode| mode.shape_std.clone())
+            .collect(),
+    );
     if modes.iter().any(|mode| mode.scale_std.is_some()) {
-        group.add_reals("scale_std", &[count], modes.iter().map(|mode| mode.scale_std.unwrap_or(f64::NAN)).collect());
+        group.add_reals(
+            "scale_std",
+            &[count],
+            modes
+                .iter()
+                .map(|mode| mode.scale_std.unwrap_or(f64::NAN))
+                .collect(),
+        );
     }
-    group.add("participation", &[count, references], complex(|mode| &mode.participation));
+    group.add(
+        "participation",
+        &[count, references],
+        complex(|mode| &mode.participation),
+    );
     group
 }
 
 fn residual_group(terms: &ResidualTerms, model: &ModalModel) -> Group<'static> {
     let mut group = Group::new("residual_terms");
-    group.set("omega_scale_rad_per_s", Attribute::Real(terms.omega_scale_rad_per_s));
+    group.set(
+        "omega_scale_rad_per_s",
+        Attribute::Real(terms.omega_scale_rad_per_s),
+    );
     let count = terms.terms.len();
-    group.add("power", &[count], Values::Signed(terms.terms.iter().map(|term| term.power.into()).collect()));
-    let matrices: Vec<Complex64> = terms.terms.iter().flat_map(|term| term.matrix.0.iter().copied().collect::<Vec<_>>()).collect();
-    group.add("matrix", &[count, model.responses.len(), model.references.len()], Values::Complex64(matrices.into()));
+    group.add(
+        "power",
+        &[count],
+        Values::Signed(terms.terms.iter().map(|term| term.power.into()).collect()),
+    );
+    let matrices: Vec<Complex64> = terms
+        .terms
+        .iter()
+        .flat_map(|term| term.matrix.0.iter().copied().collect::<Vec<_>>())
+        .collect();
+    group.add(
+        "matrix",
+        &[count, model.responses.len(), model.references.len()],
+        Values::Complex64(matrices.into()),
+    );
     group
 }
 
@@ -107,16 +196,23 @@ struct Part<'a> {
 
 impl<'a> Part<'a> {
     fn open(own: &'a Own<'a>, path: &str) -> Result<Self> {
-        let group = own
-            .find(path)
-            .ok_or_else(|| Error::bad_data("a group is missing").field(path).found("nothing").expected("a group of a model file"))?;
+        let group = own.find(path).ok_or_else(|| {
+            Error::bad_data("a group is missing")
+                .field(path)
+                .found("nothing")
+                .expected("a group of a model file")
+        })?;
         Ok(Self { own, group })
     }
     fn missing(&self, name: &str) -> Error {
-        Error::bad_data("an attribute is missing or of the wrong type").field(format!("{name} of {}", self.group.path))
+        Error::bad_data("an attribute is missing or of the wrong type")
+            .field(format!("{name} of {}", self.group.path))
     }
     fn text(&self, name: &str) -> Result<String> {
-        self.group.text(name).map(str::to_owned).ok_or_else(|| self.missing(name))
+        self.group
+            .text(name)
+            .map(str::to_owned)
+            .ok_or_else(|| self.missing(name))
     }
     fn real(&self, name: &str) -> Result<f64> {
         self.group.real(name).ok_or_else(|| self.missing(name))
@@ -126,7 +222,9 @@ impl<'a> Part<'a> {
         parse_word(&self.text(name)?, &format!("{name} of {}", self.group.path))
     }
     fn has(&self, name: &str) -> bool {
-        self.own.find(&format!("{}/{name}", self.group.path)).is_some()
+        self.own
+            .find(&format!("{}/{name}", self.group.path))
+            .is_some()
     }
     fn dataset(&self, name: &str) -> Result<(&'a Entry, Values<'static>)> {
         self.own.dataset(&format!("{}/{name}", self.group.path))
@@ -148,7 +246,9 @@ impl<'a> Part<'a> {
     }
     fn matrix(&self, name: &str, rows: usize) -> Result<Array2<Complex64>> {
         let (entry, array) = self.complex(name)?;
-        let array = array.into_dimensionality::<Ix2>().map_err(|_| wrong_type(entry, "two axes"))?;
+        let array = array
+            .into_dimensionality::<Ix2>()
+            .map_err(|_| wrong_type(entry, "two axes"))?;
         self.expect_count(name, array.nrows(), rows)?;
         Ok(array)
     }
@@ -156,26 +256,42 @@ impl<'a> Part<'a> {
         if found == expected {
             return Ok(());
         }
-        Err(Error::bad_data("sizes disagree").field(format!("{}/{name}", self.group.path)).found(found).expected(expected))
+        Err(Error::bad_data("sizes disagree")
+            .field(format!("{}/{name}", self.group.path))
+            .found(found)
+            .expected(expected))
     }
 }
 
 fn parse_word<T: DeserializeOwned>(text: &str, field: &str) -> Result<T> {
     let as_word = serde_json::from_value(serde_json::Value::String(text.to_owned()));
-    as_word.or_else(|_| serde_json::from_str(text)).map_err(|error| Error::bad_data(error.to_string()).field(field).found(text))
+    as_word
+        .or_else(|_| serde_json::from_str(text))
+        .map_err(|error| Error::bad_data(error.to_string()).field(field).found(text))
 }
 
 /// The model of a file; sizes and numbers are checked by the caller.
 pub(super) fn read_model(own: &Own<'_>) -> Result<ModalModel> {
     let part = Part::open(own, "/model")?;
-    let version = part.group.integer("version").ok_or_else(|| part.missing("version"))?;
+    let version = part
+        .group
+        .integer("version")
+        .ok_or_else(|| part.missing("version"))?;
     let format = part.text("format")?;
     if format != MODEL_FORMAT {
-        return Err(Error::bad_data("not a modal model").field("format of /model").found(format).expected(MODEL_FORMAT));
+        return Err(Error::bad_data("not a modal model")
+            .field("format of /model")
+            .found(format)
+            .expected(MODEL_FORMAT));
     }
-    let dof_list = |name: &str| part.dataset(name).and_then(|(entry, values)| dofs(entry, values));
+    let dof_list = |name: &str| {
+        part.dataset(name)
+            .and_then(|(entry, values)| dofs(entry, values))
+    };
     let (entry, nodes) = part.dataset("nodes")?;
-    let Values::Nodes(nodes) = nodes else { return Err(wrong_type(entry, "records {label u64, x y z f64}")) };
+    let Values::Nodes(nodes) = nodes else {
+        return Err(wrong_type(entry, "records {label u64, x y z f64}"));
+    };
     let band = part.reals("band_hz")?;
     part.expect_count("band_hz", band.len(), 2)?;
     Ok(ModalModel {
@@ -203,7 +319,11 @@ fn read_sources(own: &Own<'_>) -> Result<Vec<Source>> {
     let part = Part::open(own, "/model/source")?;
     let (files, hashes) = (part.texts("file")?, part.texts("sha256")?);
     part.expect_count("sha256", hashes.len(), files.len())?;
-    Ok(files.into_iter().zip(hashes).map(|(file, sha256)| Source { file, sha256 }).collect())
+    Ok(files
+        .into_iter()
+        .zip(hashes)
+        .map(|(file, sha256)| Source { file, sha256 })
+        .collect())
 }
 
 fn read_modes(own: &Own<'_>) -> Result<Vec<Mode>> {
@@ -222,7 +342,10 @@ fn read_modes(own: &Own<'_>) -> Result<Vec<Mode>> {
     let (trust, reasons) = (part.texts("trust")?, part.texts("reasons")?);
     part.expect_count("trust", trust.len(), count)?;
     part.expect_count("reasons", reasons.len(), count)?;
-    let (shape, participation) = (part.matrix("shape", count)?, part.matrix("participation", count)?);
+    let (shape, participation) = (
+        part.matrix("shape", count)?,
+        part.matrix("participation", count)?,
+    );
     let shape_std = part.reals("shape_std")?;
     part.expect_count("shape_std", shape_std.len(), shape.len())?;
     let scale_std = match part.has("scale_std") {
@@ -256,7 +379,9 @@ fn read_residual_terms(own: &Own<'_>) -> Result<ResidualTerms> {
     let part = Part::open(own, "/model/residual_terms")?;
     let powers = part.reals("power")?;
     let (entry, matrices) = part.complex("matrix")?;
-    let matrices: Array3<Complex64> = matrices.into_dimensionality::<Ix3>().map_err(|_| wrong_type(entry, "three axes"))?;
+    let matrices: Array3<Complex64> = matrices
+        .into_dimensionality::<Ix3>()
+        .map_err(|_| wrong_type(entry, "three axes"))?;
     part.expect_count("matrix", matrices.dim().0, powers.len())?;
     let term = |(&power, matrix): (&f64, ndarray::ArrayView2<'_, Complex64>)| ResidualTerm {
         power: power as i32,

@@ -28,8 +28,18 @@ const VERSION: i64 = 1;
 
 /// True for the datasets that [`Own`] reads into a document; a model is read by itself.
 pub(super) fn is_carried(path: &str) -> bool {
-    let known = ["/freq", "/frf", "/coherence", "/variance", "/response", "/reference"];
-    known.contains(&path) || path.starts_with("/geometry/") || path.starts_with("/functions/") || path.starts_with("/shapes/")
+    let known = [
+        "/freq",
+        "/frf",
+        "/coherence",
+        "/variance",
+        "/response",
+        "/reference",
+    ];
+    known.contains(&path)
+        || path.starts_with("/geometry/")
+        || path.starts_with("/functions/")
+        || path.starts_with("/shapes/")
 }
 
 /// An open file of our own layout.
@@ -58,7 +68,10 @@ impl Own<'_> {
     }
 
     pub(super) fn find(&self, path: &str) -> Option<&Entry> {
-        self.entries.binary_search_by(|entry| entry.path.as_str().cmp(path)).ok().map(|at| &self.entries[at])
+        self.entries
+            .binary_search_by(|entry| entry.path.as_str().cmp(path))
+            .ok()
+            .map(|at| &self.entries[at])
     }
 
     /// The dataset at `path`, or the error that misses it.
@@ -70,9 +83,16 @@ impl Own<'_> {
     /// The groups `folder`/1, 2, ..., by rising number.
     pub(super) fn numbered(&self, folder: &str) -> Result<Vec<&Entry>> {
         let mut groups: Vec<(u64, &Entry)> = Vec::new();
-        for entry in self.entries.iter().filter(|entry| entry.folder() == folder && entry.dataset.is_none()) {
+        for entry in self
+            .entries
+            .iter()
+            .filter(|entry| entry.folder() == folder && entry.dataset.is_none())
+        {
             let number = entry.name().parse().map_err(|_| {
-                Error::bad_data("a group without a number").field(&entry.path).found(entry.name()).expected(format!("{folder}/1, 2, ..."))
+                Error::bad_data("a group without a number")
+                    .field(&entry.path)
+                    .found(entry.name())
+                    .expected(format!("{folder}/1, 2, ..."))
             })?;
             groups.push((number, entry));
         }
@@ -89,7 +109,10 @@ impl Own<'_> {
         let set = FrfSet {
             coherence: self.beside_frf("/coherence", |value| value as f32)?,
             variance: self.beside_frf("/variance", |value| value)?,
-            ..self.set_of(own_array(ComplexArray::new(self.frf_entry()?, values)?, entry)?)?
+            ..self.set_of(own_array(
+                ComplexArray::new(self.frf_entry()?, values)?,
+                entry,
+            )?)?
         };
         Ok(Some(set.checked()?))
     }
@@ -122,8 +145,12 @@ impl Own<'_> {
     }
 
     fn attribute<T: std::str::FromStr<Err = String>>(&self, name: &str) -> Result<Option<T>> {
-        let Some(text) = self.root().text(name) else { return Ok(None) };
-        text.parse().map(Some).map_err(|message: String| Error::bad_word(&message, text).field(format!("{name} of /")))
+        let Some(text) = self.root().text(name) else {
+            return Ok(None);
+        };
+        text.parse().map(Some).map_err(|message: String| {
+            Error::bad_word(&message, text).field(format!("{name} of /"))
+        })
     }
 
     fn kind(&self) -> Result<Option<FrfKind>> {
@@ -134,7 +161,10 @@ impl Own<'_> {
         match self.root().text("reference_unit") {
             None | Some("N") => Ok(ReferenceUnit::Newton),
             Some("V") => Ok(ReferenceUnit::Volt),
-            Some(other) => Err(Error::bad_data("unknown unit").field("reference_unit of /").found(other).expected("N or V")),
+            Some(other) => Err(Error::bad_data("unknown unit")
+                .field("reference_unit of /")
+                .found(other)
+                .expected("N or V")),
         }
     }
 
@@ -150,7 +180,9 @@ impl Own<'_> {
         }
         let (entry, values) = self.dataset(path)?;
         let array = real_array(entry, values)?;
-        let array = array.into_dimensionality::<Ix3>().map_err(|_| wrong_type(entry, "three axes: response, reference, line"))?;
+        let array = array
+            .into_dimensionality::<Ix3>()
+            .map_err(|_| wrong_type(entry, "three axes: response, reference, line"))?;
         Ok(Some(array.mapv(convert)))
     }
 
@@ -158,7 +190,9 @@ impl Own<'_> {
         let mut geometry = Geometry::default();
         if self.find("/geometry/nodes").is_some() {
             let (entry, values) = self.dataset("/geometry/nodes")?;
-            let Values::Nodes(nodes) = values else { return Err(wrong_type(entry, "records {label u64, x y z f64}")) };
+            let Values::Nodes(nodes) = values else {
+                return Err(wrong_type(entry, "records {label u64, x y z f64}"));
+            };
             geometry.nodes = nodes;
         }
         geometry.lines = self.label_lists("/geometry/lines")?;
@@ -173,10 +207,15 @@ impl Own<'_> {
         let (entry, labels) = self.dataset(path)?;
         let labels = integers(entry, labels)?;
         let (entry, starts) = self.dataset(&format!("{path}_start"))?;
-        let mut starts: Vec<usize> =
-            integers(entry, starts)?.into_iter().map(|start| usize::try_from(start).unwrap_or(usize::MAX)).collect();
+        let mut starts: Vec<usize> = integers(entry, starts)?
+            .into_iter()
+            .map(|start| usize::try_from(start).unwrap_or(usize::MAX))
+            .collect();
         starts.push(labels.len());
-        let lists = starts.windows(2).map(|ends| labels.get(ends[0]..ends[1]).map(<[u64]>::to_vec)).collect::<Option<_>>();
+        let lists = starts
+            .windows(2)
+            .map(|ends| labels.get(ends[0]..ends[1]).map(<[u64]>::to_vec))
+            .collect::<Option<_>>();
         lists.ok_or_else(|| {
             Error::bad_data("list starts must rise and stay inside the list")
                 .field(&entry.path)
@@ -187,15 +226,22 @@ impl Own<'_> {
 }
 
 fn missing(path: &str) -> Error {
-    Error::bad_data("a dataset is missing").field(path).found("nothing").expected("a dataset of this layout")
+    Error::bad_data("a dataset is missing")
+        .field(path)
+        .found("nothing")
+        .expected("a dataset of this layout")
 }
 
 /// Three axes as they stand, without copying.
 pub(super) fn own_array(array: ComplexArray, entry: &Entry) -> Result<FrfValues> {
     let wrong = || wrong_type(entry, "three axes: response, reference, line");
     Ok(match array {
-        ComplexArray::Double(array) => FrfValues::F64(array.into_dimensionality().map_err(|_| wrong())?),
-        ComplexArray::Single(array) => FrfValues::F32(array.into_dimensionality().map_err(|_| wrong())?),
+        ComplexArray::Double(array) => {
+            FrfValues::F64(array.into_dimensionality().map_err(|_| wrong())?)
+        }
+        ComplexArray::Single(array) => {
+            FrfValues::F32(array.into_dimensionality().map_err(|_| wrong())?)
+        }
     })
 }
 
@@ -203,7 +249,10 @@ pub(super) fn own_array(array: ComplexArray, entry: &Entry) -> Result<FrfValues>
 pub(super) fn new_root<'a>() -> Group<'a> {
     let mut root = Group::new("/");
     root.set("format", FORMAT);
-    root.set("version", crate::io::arrays::tree::Attribute::Integer(VERSION));
+    root.set(
+        "version",
+        crate::io::arrays::tree::Attribute::Integer(VERSION),
+    );
     root.set("created_by", crate::CREATED_BY);
     root
 }
@@ -229,15 +278,27 @@ pub(super) fn add_frf<'a>(root: &mut Group<'a>, set: &'a FrfSet) {
     if let Some(variance) = &set.variance {
         root.add("variance", &shape, Values::Real64(contiguous(variance)));
     }
-    root.add("response", &[responses], Values::Dofs(set.responses.clone()));
-    root.add("reference", &[references], Values::Dofs(set.references.clone()));
+    root.add(
+        "response",
+        &[responses],
+        Values::Dofs(set.responses.clone()),
+    );
+    root.add(
+        "reference",
+        &[references],
+        Values::Dofs(set.references.clone()),
+    );
 }
 
 /// Adds nodes, lines and faces to the root, where there are any.
 pub(super) fn add_geometry(root: &mut Group<'_>, geometry: &Geometry) {
     let mut group = Group::new("geometry");
     if !geometry.nodes.is_empty() {
-        group.add("nodes", &[geometry.nodes.len()], Values::Nodes(geometry.nodes.clone()));
+        group.add(
+            "nodes",
+            &[geometry.nodes.len()],
+            Values::Nodes(geometry.nodes.clone()),
+        );
     }
     for (name, lists) in [("lines", &geometry.lines), ("faces", &geometry.faces)] {
         if lists.is_empty() {
@@ -250,7 +311,11 @@ pub(super) fn add_geometry(root: &mut Group<'_>, geometry: &Geometry) {
             Some(start)
         });
         let starts: Vec<u64> = starts.collect();
-        group.add(&format!("{name}_start"), &[starts.len()], Values::Unsigned(starts.into()));
+        group.add(
+            &format!("{name}_start"),
+            &[starts.len()],
+            Values::Unsigned(starts.into()),
+        );
         group.add(name, &[labels.len()], Values::Unsigned(labels.into()));
     }
     if !group.datasets.is_empty() {

@@ -1,5 +1,6 @@
-//! `/shapes/K`: mode shapes and fields of a source file, K = 1, 2, ...: `nodes` [node], `values` [node, component] in the units
-//! of the source, everything else as attributes named as in [`Shape`].
+//! `/shapes/K`: mode shapes and fields of a source file, K = 1, 2, ...: `nodes` [node],
+//! `values` [node, component] in the units of the source, everything else as attributes
+//! named as in [`Shape`].
 
 use super::own::Own;
 use crate::io::arrays::tree::{Attribute, Entry, Group, Values};
@@ -10,19 +11,45 @@ use ndarray::{Array2, Ix2};
 use num_complex::Complex64;
 
 /// Names of the ID lines.
-const ID_LINES: [&str; 5] = ["id_line_1", "id_line_2", "id_line_3", "id_line_4", "id_line_5"];
+const ID_LINES: [&str; 5] = [
+    "id_line_1",
+    "id_line_2",
+    "id_line_3",
+    "id_line_4",
+    "id_line_5",
+];
 
 /// Group `/shapes`.
 pub(super) fn shapes_group(shapes: &[Shape]) -> Group<'_> {
     let mut all = Group::new("shapes");
-    all.groups = shapes.iter().enumerate().map(|(k, shape)| shape_group(k + 1, shape)).collect();
+    all.groups = shapes
+        .iter()
+        .enumerate()
+        .map(|(k, shape)| shape_group(k + 1, shape))
+        .collect();
     all
 }
 
 fn shape_group(number: usize, shape: &Shape) -> Group<'_> {
     let mut group = Group::new(number.to_string());
-    let Shape { form, name, id_lines, numbers, reference, nodes, values, .. } = shape;
-    group.set("dataset", Attribute::Integer(if *form == ShapeForm::AtNodes55 { 55 } else { 2414 }));
+    let Shape {
+        form,
+        name,
+        id_lines,
+        numbers,
+        reference,
+        nodes,
+        values,
+        ..
+    } = shape;
+    group.set(
+        "dataset",
+        Attribute::Integer(if *form == ShapeForm::AtNodes55 {
+            55
+        } else {
+            2414
+        }),
+    );
     group.set("name", Attribute::FixedText(name.clone()));
     for (key, line) in ID_LINES.iter().zip(id_lines) {
         group.set(key, Attribute::FixedText(line.clone()));
@@ -59,30 +86,54 @@ fn shape_group(number: usize, shape: &Shape) -> Group<'_> {
     }
     group.add("nodes", &[nodes.len()], Values::Unsigned(nodes.into()));
     let flat: Vec<Complex64> = values.iter().copied().collect();
-    group.add("values", &[values.nrows(), values.ncols()], Values::Complex64(flat.into()));
+    group.add(
+        "values",
+        &[values.nrows(), values.ncols()],
+        Values::Complex64(flat.into()),
+    );
     group
 }
 
 /// All shapes of a file, by rising number.
 pub(super) fn read_shapes(own: &Own<'_>) -> Result<Vec<Shape>> {
-    own.numbered("/shapes")?.into_iter().map(|entry| read_shape(own, entry)).collect()
+    own.numbered("/shapes")?
+        .into_iter()
+        .map(|entry| read_shape(own, entry))
+        .collect()
 }
 
 fn read_shape(own: &Own<'_>, group: &Entry) -> Result<Shape> {
     let missing = |name: &str| {
-        let error = Error::bad_data("an attribute is missing").field(format!("{name} of {}", group.path));
-        error.found("nothing").expected("every attribute of a shape")
+        let error =
+            Error::bad_data("an attribute is missing").field(format!("{name} of {}", group.path));
+        error
+            .found("nothing")
+            .expected("every attribute of a shape")
     };
-    let text = |name: &str| group.text(name).map(str::to_owned).ok_or_else(|| missing(name));
+    let text = |name: &str| {
+        group
+            .text(name)
+            .map(str::to_owned)
+            .ok_or_else(|| missing(name))
+    };
     let whole = |name: &str| group.integer(name).ok_or_else(|| missing(name));
     let real = |name: &str| group.real(name).ok_or_else(|| missing(name));
-    let complex = |name: &str| Ok::<_, Error>(Complex64::new(real(&format!("{name}_re"))?, real(&format!("{name}_im"))?));
+    let complex = |name: &str| {
+        Ok::<_, Error>(Complex64::new(
+            real(&format!("{name}_re"))?,
+            real(&format!("{name}_im"))?,
+        ))
+    };
     let (entry, nodes) = own.dataset(&format!("{}/nodes", group.path))?;
     let nodes = integers(entry, nodes)?;
     let (entry, values) = own.dataset(&format!("{}/values", group.path))?;
     let values: Array2<Complex64> = match ComplexArray::new(entry, values)? {
-        ComplexArray::Double(array) => array.into_dimensionality::<Ix2>().map_err(|_| wrong_type(entry, "two axes: node, component"))?,
-        ComplexArray::Single(_) => return Err(wrong_type(entry, "complex numbers in double precision")),
+        ComplexArray::Double(array) => array
+            .into_dimensionality::<Ix2>()
+            .map_err(|_| wrong_type(entry, "two axes: node, component"))?,
+        ComplexArray::Single(_) => {
+            return Err(wrong_type(entry, "complex numbers in double precision"))
+        }
     };
     if nodes.len() != values.nrows() {
         return Err(Error::bad_data("sizes disagree")
@@ -93,13 +144,26 @@ fn read_shape(own: &Own<'_>, group: &Entry) -> Result<Shape> {
     let reference = match group.text("reference") {
         None => None,
         Some(text) => Some(text.parse::<Dof>().map_err(|message| {
-            Error::bad_data(message).field(format!("reference of {}", group.path)).found(text).expected("a DOF, as in 12:+Z")
+            Error::bad_data(message)
+                .field(format!("reference of {}", group.path))
+                .found(text)
+                .expected("a DOF, as in 12:+Z")
         })?),
     };
     Ok(Shape {
-        form: if whole("dataset")? == 55 { ShapeForm::AtNodes55 } else { ShapeForm::Analysis2414 },
+        form: if whole("dataset")? == 55 {
+            ShapeForm::AtNodes55
+        } else {
+            ShapeForm::Analysis2414
+        },
         name: text("name")?,
-        id_lines: [text(ID_LINES[0])?, text(ID_LINES[1])?, text(ID_LINES[2])?, text(ID_LINES[3])?, text(ID_LINES[4])?],
+        id_lines: [
+            text(ID_LINES[0])?,
+            text(ID_LINES[1])?,
+            text(ID_LINES[2])?,
+            text(ID_LINES[3])?,
+            text(ID_LINES[4])?,
+        ],
         model_type: whole("model_type")?,
         analysis: Analysis::from_code(whole("analysis")?),
         characteristic: whole("characteristic")?,

@@ -43,7 +43,11 @@ const ALIGNMENT: usize = 8;
 impl<'a> Elements<'a> {
     /// The elements in `bytes`, which stand at `byte` of the file.
     pub(super) fn new(bytes: &'a [u8], byte: usize, order: Order) -> Self {
-        Self { rest: bytes, byte, order }
+        Self {
+            rest: bytes,
+            byte,
+            order,
+        }
     }
 
     fn advance(&mut self, count: usize) {
@@ -62,9 +66,16 @@ impl<'a> Elements<'a> {
                 .expected("all its bytes")
                 .help("the file is cut short: save or copy it again"))
         };
-        let Some((tag, data)) = self.rest.split_first_chunk::<TAG_BYTES>() else { return short(TAG_BYTES, self.rest.len()) };
-        let words = [[tag[0], tag[1], tag[2], tag[3]], [tag[4], tag[5], tag[6], tag[7]]].map(|word| self.order.u32(word));
-        // a small element keeps its size in the upper half of the first word, and its data in the second
+        let Some((tag, data)) = self.rest.split_first_chunk::<TAG_BYTES>() else {
+            return short(TAG_BYTES, self.rest.len());
+        };
+        let words = [
+            [tag[0], tag[1], tag[2], tag[3]],
+            [tag[4], tag[5], tag[6], tag[7]],
+        ]
+        .map(|word| self.order.u32(word));
+        // a small element keeps its size in the upper half of the first word, and its
+        // data in the second
         let small = (words[0] >> 16) as usize;
         if small > 0 {
             let kind = words[0] & 0xffff;
@@ -76,10 +87,20 @@ impl<'a> Elements<'a> {
             return Ok(Element { kind, bytes, byte });
         }
         let size = words[1] as usize;
-        let Some(bytes) = data.get(..size) else { return short(size, data.len()) };
-        let padded = if words[0] == COMPRESSED { size } else { size.div_ceil(ALIGNMENT) * ALIGNMENT };
+        let Some(bytes) = data.get(..size) else {
+            return short(size, data.len());
+        };
+        let padded = if words[0] == COMPRESSED {
+            size
+        } else {
+            size.div_ceil(ALIGNMENT) * ALIGNMENT
+        };
         self.advance(TAG_BYTES + padded);
-        Ok(Element { kind: words[0], bytes, byte })
+        Ok(Element {
+            kind: words[0],
+            bytes,
+            byte,
+        })
     }
 }
 
@@ -98,14 +119,28 @@ impl<'a> Iterator for Elements<'a> {
 }
 
 /// Numbers of `N` bytes each, as `f64`.
-fn numbers<const N: usize>(bytes: &[u8], order: Order, little: fn([u8; N]) -> f64, big: fn([u8; N]) -> f64) -> Vec<f64> {
+fn numbers<const N: usize>(
+    bytes: &[u8],
+    order: Order,
+    little: fn([u8; N]) -> f64,
+    big: fn([u8; N]) -> f64,
+) -> Vec<f64> {
     let read = if order == Order::Little { little } else { big };
-    bytes.chunks_exact(N).filter_map(|chunk| chunk.try_into().ok()).map(read).collect()
+    bytes
+        .chunks_exact(N)
+        .filter_map(|chunk| chunk.try_into().ok())
+        .map(read)
+        .collect()
 }
 
 macro_rules! numbers_of {
     ($number:ty, $bytes:expr, $order:expr) => {
-        numbers::<{ size_of::<$number>() }>($bytes, $order, |b| <$number>::from_le_bytes(b) as f64, |b| <$number>::from_be_bytes(b) as f64)
+        numbers::<{ size_of::<$number>() }>(
+            $bytes,
+            $order,
+            |b| <$number>::from_le_bytes(b) as f64,
+            |b| <$number>::from_be_bytes(b) as f64,
+        )
     };
 }
 
@@ -131,9 +166,17 @@ impl Element<'_> {
                 .expected(expected)
                 .help("the file is damaged: save or copy it again"))
         };
-        let Some(size) = self.number_bytes() else { return wrong(format!("type {}", self.kind), "a numeric type, 1 to 7, 9, 12 or 13") };
+        let Some(size) = self.number_bytes() else {
+            return wrong(
+                format!("type {}", self.kind),
+                "a numeric type, 1 to 7, 9, 12 or 13",
+            );
+        };
         if !self.bytes.len().is_multiple_of(size) {
-            return wrong(format!("{} bytes", self.bytes.len()), &format!("a multiple of {size} bytes"));
+            return wrong(
+                format!("{} bytes", self.bytes.len()),
+                &format!("a multiple of {size} bytes"),
+            );
         }
         let bytes = self.bytes;
         Ok(match self.kind {
@@ -168,7 +211,11 @@ impl Element<'_> {
         match self.kind {
             16 | 1 | 2 => Ok(String::from_utf8_lossy(self.bytes).into_owned()),
             _ => {
-                let units: Vec<u16> = self.reals(order)?.into_iter().map(|unit| unit as u16).collect();
+                let units: Vec<u16> = self
+                    .reals(order)?
+                    .into_iter()
+                    .map(|unit| unit as u16)
+                    .collect();
                 Ok(String::from_utf16_lossy(&units))
             }
         }

@@ -1,8 +1,10 @@
-//! MATLAB files of version 5 to 7 (`save` without `-v7.3`): arrays, structs and cells as a tree of paths.
+//! MATLAB files of version 5 to 7 (`save` without `-v7.3`): arrays, structs and cells as
+//! a tree of paths.
 //!
-//! The format: MathWorks, "MAT-File Format", level 5. A 128-byte header, then elements of a tag (type, count of bytes) and data
-//! padded to 8 bytes; version 7 packs each variable with zlib. Arrays are column-major, real and imaginary parts in blocks of
-//! their own. Files of version 7.3 are HDF5 and are read there.
+//! The format: MathWorks, "MAT-File Format", level 5. A 128-byte header, then elements of
+//! a tag (type, count of bytes) and data padded to 8 bytes; version 7 packs each variable
+//! with zlib. Arrays are column-major, real and imaginary parts in blocks of their own.
+//! Files of version 7.3 are HDF5 and are read there.
 
 mod element;
 mod unpack;
@@ -35,7 +37,8 @@ const NUMERIC: std::ops::RangeInclusive<u32> = 6..=15;
 /// Reads a file; `sha256` is left empty.
 ///
 /// # Errors
-/// [`crate::ErrorKind::BadData`] for a file cut short, sizes that disagree, text in place of numbers.
+/// [`crate::ErrorKind::BadData`] for a file cut short, sizes that disagree, text in place
+/// of numbers.
 pub(super) fn read(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Document> {
     let arrays = read_arrays(bytes).map_err(|error| error.file(path))?;
     arrays.document(path, FileFormat::Matlab, options)
@@ -43,12 +46,19 @@ pub(super) fn read(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<D
 
 fn read_arrays(bytes: &[u8]) -> Result<MemoryFile> {
     let order = byte_order(bytes)?;
-    let mut walk = Walk { order, budget: unpack::Budget::new(bytes.len()), arrays: MemoryFile::default(), objects: 0 };
+    let mut walk = Walk {
+        order,
+        budget: unpack::Budget::new(bytes.len()),
+        arrays: MemoryFile::default(),
+        objects: 0,
+    };
     for element in Elements::new(&bytes[HEADER_BYTES..], HEADER_BYTES, order) {
         walk.variable(&element?)?;
     }
     if walk.arrays.is_empty() {
-        walk.arrays.warnings.push("no array of numbers is in the file".into());
+        walk.arrays
+            .warnings
+            .push("no array of numbers is in the file".into());
     }
     Ok(walk.arrays)
 }
@@ -63,7 +73,10 @@ fn byte_order(bytes: &[u8]) -> Result<Order> {
             .field("endian indicator")
             .found(mark.map_or("the end of the file".into(), String::from_utf8_lossy))
             .expected("IM or MI")
-            .help("the file is cut short or was changed by a text transfer; copy it again in binary mode")),
+            .help(
+                "the file is cut short or was changed by a text transfer; copy it again in \
+                   binary mode",
+            )),
     }
 }
 
@@ -82,21 +95,36 @@ impl Walk {
             COMPRESSED => {
                 let unpacked = self.budget.unpack(element)?;
                 let inner = Elements::new(&unpacked, element.byte, self.order).next();
-                let inner = inner.transpose()?.filter(|inner| inner.kind == MATRIX).ok_or_else(|| {
-                    let error = Error::bad_data("a packed element holds no array").at_byte(element.byte as u64).field("compressed element");
-                    error.found("something else").expected("a matrix element")
-                })?;
+                let inner = inner
+                    .transpose()?
+                    .filter(|inner| inner.kind == MATRIX)
+                    .ok_or_else(|| {
+                        let error = Error::bad_data("a packed element holds no array")
+                            .at_byte(element.byte as u64)
+                            .field("compressed element");
+                        error.found("something else").expected("a matrix element")
+                    })?;
                 self.matrix(&inner, "", None, 0)
             }
             other => {
-                self.arrays.warnings.push(format!("an element of type {other} at byte {} is not read", element.byte));
+                self.arrays.warnings.push(format!(
+                    "an element of type {other} at byte {} is not read",
+                    element.byte
+                ));
                 Ok(())
             }
         }
     }
 
-    /// An array at `folder`/its name; `name` of a field or number of a cell where it has none of its own.
-    fn matrix(&mut self, element: &Element<'_>, folder: &str, name: Option<&str>, depth: usize) -> Result<()> {
+    /// An array at `folder`/its name; `name` of a field or number of a cell where it has
+    /// none of its own.
+    fn matrix(
+        &mut self,
+        element: &Element<'_>,
+        folder: &str,
+        name: Option<&str>,
+        depth: usize,
+    ) -> Result<()> {
         self.objects += 1;
         check_nesting(folder, depth, self.objects)?;
         if element.bytes.is_empty() {
@@ -105,22 +133,30 @@ impl Walk {
         let mut parts = Elements::new(element.bytes, element.byte, self.order);
         let mut part = |what: &str| -> Result<Element<'_>> {
             parts.next().transpose()?.ok_or_else(|| {
-                let error = Error::bad_data("the array ends early").at_byte(element.byte as u64).field(what);
-                error.found("the end of the array").expected("flags, dimensions, name and values")
+                let error = Error::bad_data("the array ends early")
+                    .at_byte(element.byte as u64)
+                    .field(what);
+                error
+                    .found("the end of the array")
+                    .expected("flags, dimensions, name and values")
             })
         };
         let flags = part("array flags")?;
         let word = flags.unsigned(self.order)?.first().copied().unwrap_or(0) as u32;
         let (class, complex) = (word & 0xff, word & COMPLEX != 0);
         let dimensions = part("dimensions")?;
-        let shape: Vec<usize> =
-            dimensions.unsigned(self.order)?.into_iter().map(|extent| usize::try_from(extent).unwrap_or(usize::MAX)).collect();
+        let shape: Vec<usize> = dimensions
+            .unsigned(self.order)?
+            .into_iter()
+            .map(|extent| usize::try_from(extent).unwrap_or(usize::MAX))
+            .collect();
         let own_name = String::from_utf8_lossy(part("name")?.bytes).into_owned();
         let path = format!("{folder}/{}", safe_name(name.unwrap_or(&own_name)));
         match class {
             CHAR => {
                 let text = part("characters")?.text(self.order)?;
-                self.arrays.add(&path, vec![1], Values::Text(vec![text]), false);
+                self.arrays
+                    .add(&path, vec![1], Values::Text(vec![text]), false);
                 Ok(())
             }
             CELL => {
@@ -130,28 +166,47 @@ impl Walk {
                 Ok(())
             }
             STRUCT => {
-                let width = part("length of field names")?.unsigned(self.order)?.first().copied().unwrap_or(0) as usize;
+                let width = part("length of field names")?
+                    .unsigned(self.order)?
+                    .first()
+                    .copied()
+                    .unwrap_or(0) as usize;
                 let names = part("field names")?.bytes;
-                let names: Vec<String> = names.chunks(width.max(1)).map(|name| trimmed(name).to_string()).collect();
+                let names: Vec<String> = names
+                    .chunks(width.max(1))
+                    .map(|name| trimmed(name).to_string())
+                    .collect();
                 let several = shape.iter().product::<usize>() > 1;
                 for (k, value) in parts.enumerate() {
-                    let Some(name) = names.get(k % names.len().max(1)) else { break };
-                    let folder = if several { format!("{path}/{}", k / names.len() + 1) } else { path.clone() };
+                    let Some(name) = names.get(k % names.len().max(1)) else {
+                        break;
+                    };
+                    let folder = if several {
+                        format!("{path}/{}", k / names.len() + 1)
+                    } else {
+                        path.clone()
+                    };
                     self.matrix(&value?, &folder, Some(name), depth + 1)?;
                 }
                 Ok(())
             }
             _ if NUMERIC.contains(&class) => {
                 let re = part("values")?;
-                let im = if complex { Some(part("imaginary parts")?) } else { None };
+                let im = if complex {
+                    Some(part("imaginary parts")?)
+                } else {
+                    None
+                };
                 let count = checked_count(&shape, element, &path)?;
                 let values = values(class, &re, im.as_ref(), self.order)?;
                 if values.1 != count {
-                    return Err(Error::bad_data("the count of values does not fit the dimensions")
-                        .at_byte(re.byte as u64)
-                        .field(&path)
-                        .found(format!("{} values", values.1))
-                        .expected(format!("{count} for dimensions {shape:?}")));
+                    return Err(
+                        Error::bad_data("the count of values does not fit the dimensions")
+                            .at_byte(re.byte as u64)
+                            .field(&path)
+                            .found(format!("{} values", values.1))
+                            .expected(format!("{count} for dimensions {shape:?}")),
+                    );
                 }
                 // column-major in MATLAB's order of axes is row-major in the reverse
                 let shape = shape.into_iter().rev().collect();
@@ -159,7 +214,9 @@ impl Walk {
                 Ok(())
             }
             _ => {
-                self.arrays.warnings.push(format!("{path}: {} is not read", class_name(class)));
+                self.arrays
+                    .warnings
+                    .push(format!("{path}: {} is not read", class_name(class)));
                 Ok(())
             }
         }
@@ -167,7 +224,12 @@ impl Walk {
 }
 
 /// Values and their count.
-fn values(class: u32, re: &Element<'_>, im: Option<&Element<'_>>, order: Order) -> Result<(Values<'static>, usize)> {
+fn values(
+    class: u32,
+    re: &Element<'_>,
+    im: Option<&Element<'_>>,
+    order: Order,
+) -> Result<(Values<'static>, usize)> {
     if let Some(im) = im {
         let (re, im) = (re.reals(order)?, im.reals(order)?);
         if re.len() != im.len() {
@@ -179,29 +241,49 @@ fn values(class: u32, re: &Element<'_>, im: Option<&Element<'_>>, order: Order) 
         let count = re.len();
         let pairs = re.into_iter().zip(im);
         return Ok(match class {
-            SINGLE => (Values::Complex32(pairs.map(|(re, im)| Complex32::new(re as f32, im as f32)).collect()), count),
-            _ => (Values::Complex64(pairs.map(|(re, im)| Complex64::new(re, im)).collect()), count),
+            SINGLE => (
+                Values::Complex32(
+                    pairs
+                        .map(|(re, im)| Complex32::new(re as f32, im as f32))
+                        .collect(),
+                ),
+                count,
+            ),
+            _ => (
+                Values::Complex64(pairs.map(|(re, im)| Complex64::new(re, im)).collect()),
+                count,
+            ),
         });
     }
     let reals = re.reals(order)?;
     let count = reals.len();
     Ok(match class {
-        SINGLE => (Values::Real32(reals.into_iter().map(|value| value as f32).collect()), count),
+        SINGLE => (
+            Values::Real32(reals.into_iter().map(|value| value as f32).collect()),
+            count,
+        ),
         _ => (Values::Real64(Cow::Owned(reals)), count),
     })
 }
 
 /// Values that the dimensions ask for: no more than bytes are there.
 fn checked_count(shape: &[usize], element: &Element<'_>, path: &str) -> Result<usize> {
-    let count = shape.iter().try_fold(1usize, |product, &extent| product.checked_mul(extent));
-    count.filter(|&count| count <= element.bytes.len()).ok_or_else(|| {
-        Error::bad_data("the array claims more values than are there")
-            .at_byte(element.byte as u64)
-            .field(path)
-            .found(format!("dimensions {shape:?}, {} bytes", element.bytes.len()))
-            .expected("at least one byte for each value")
-            .help("the file is damaged: save or copy it again")
-    })
+    let count = shape
+        .iter()
+        .try_fold(1usize, |product, &extent| product.checked_mul(extent));
+    count
+        .filter(|&count| count <= element.bytes.len())
+        .ok_or_else(|| {
+            Error::bad_data("the array claims more values than are there")
+                .at_byte(element.byte as u64)
+                .field(path)
+                .found(format!(
+                    "dimensions {shape:?}, {} bytes",
+                    element.bytes.len()
+                ))
+                .expected("at least one byte for each value")
+                .help("the file is damaged: save or copy it again")
+        })
 }
 
 /// Text up to the first zero byte.
@@ -211,7 +293,9 @@ fn trimmed(bytes: &[u8]) -> Cow<'_, str> {
 
 /// A name that cannot be taken for a path.
 fn safe_name(name: &str) -> String {
-    name.chars().map(|c| if c == '/' || c.is_control() { '_' } else { c }).collect()
+    name.chars()
+        .map(|c| if c == '/' || c.is_control() { '_' } else { c })
+        .collect()
 }
 
 fn class_name(class: u32) -> &'static str {

@@ -28,18 +28,29 @@ impl Budget {
     /// # Errors
     /// Damaged data, or more than the budget.
     pub(super) fn unpack(&mut self, element: &Element<'_>) -> Result<Vec<u8>> {
-        let wrong = |message: &str| Error::bad_data(message).at_byte(element.byte as u64).field("compressed element");
+        let wrong = |message: &str| {
+            Error::bad_data(message)
+                .at_byte(element.byte as u64)
+                .field("compressed element")
+        };
         let mut unpacked = Vec::new();
         let mut decoder = ZlibDecoder::new(element.bytes).take(self.left as u64 + 1);
         decoder.read_to_end(&mut unpacked).map_err(|error| {
-            let error = wrong("the packed data are damaged").found(error).expected("zlib data");
-            error.help("the file is cut short or was changed by a text transfer: save or copy it again")
+            let error = wrong("the packed data are damaged")
+                .found(error)
+                .expected("zlib data");
+            error.help(
+                "the file is cut short or was changed by a text transfer: save or copy it again",
+            )
         })?;
         if unpacked.len() > self.left {
             return Err(wrong("the packed data unfold to more than is plausible")
                 .found(format!("more than {} bytes", self.limit))
                 .expected(format!("at most {MOST_EXPANSION} times the file's size"))
-                .help("save the file with -v7.3 or -nocompression if it really holds that many equal values"));
+                .help(
+                    "save the file with -v7.3 or -nocompression if it really holds that many \
+                       equal values",
+                ));
         }
         self.left -= unpacked.len();
         Ok(unpacked)

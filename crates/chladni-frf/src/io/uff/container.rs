@@ -1,8 +1,9 @@
 //! The container: where the datasets of a universal file begin and end.
 //!
-//! A dataset is a line with `-1` in columns 5 and 6, a line with its number in columns 1 to 6, its records, and a closing
-//! `-1` line. A binary 58 (number line `58b`) closes at once after its payload; its end is computed and never searched,
-//! because a payload may hold the bytes of a `-1` line.
+//! A dataset is a line with `-1` in columns 5 and 6, a line with its number in columns 1
+//! to 6, its records, and a closing `-1` line. A binary 58 (number line `58b`) closes at
+//! once after its payload; its end is computed and never searched, because a payload may
+//! hold the bytes of a `-1` line.
 
 use super::binary::{self, Payload};
 use super::fields::Record;
@@ -15,7 +16,8 @@ pub(super) struct Block<'a> {
     pub number: Option<u32>,
     /// Line of the opening `-1`.
     pub line: u64,
-    /// Records after the number line: all of them in a text dataset, the header in a binary one.
+    /// Records after the number line: all of them in a text dataset, the header in a
+    /// binary one.
     pub records: Lines<'a>,
     /// Data of a binary 58.
     pub payload: Option<Payload<'a>>,
@@ -48,7 +50,10 @@ impl<'a> Iterator for Lines<'a> {
             Some(end) => (&self.bytes[..end], &self.bytes[end + 1..]),
             None => (self.bytes, &[][..]),
         };
-        let record = Record { line: self.line, text: text.strip_suffix(b"\r").unwrap_or(text) };
+        let record = Record {
+            line: self.line,
+            text: text.strip_suffix(b"\r").unwrap_or(text),
+        };
         self.bytes = rest;
         self.line += 1;
         Some(record)
@@ -58,12 +63,18 @@ impl<'a> Iterator for Lines<'a> {
 impl<'a> Lines<'a> {
     /// What lies between this position and a later one.
     fn until(self, later: Lines<'a>) -> Lines<'a> {
-        Lines { bytes: &self.bytes[..self.bytes.len() - later.bytes.len()], line: self.line }
+        Lines {
+            bytes: &self.bytes[..self.bytes.len() - later.bytes.len()],
+            line: self.line,
+        }
     }
     /// This position, `count` bytes further; lines are counted on.
     fn skip_bytes(self, count: usize) -> Lines<'a> {
         let (skipped, bytes) = self.bytes.split_at(count.min(self.bytes.len()));
-        Lines { bytes, line: self.line + memchr::memchr_iter(b'\n', skipped).count() as u64 }
+        Lines {
+            bytes,
+            line: self.line + memchr::memchr_iter(b'\n', skipped).count() as u64,
+        }
     }
 }
 
@@ -71,7 +82,10 @@ impl<'a> Lines<'a> {
 pub(super) fn is_marker(text: &[u8]) -> bool {
     const LAST_COLUMN: usize = 6;
     // most lines are data, and full there
-    if text.get(LAST_COLUMN).is_some_and(|b| !b.is_ascii_whitespace()) {
+    if text
+        .get(LAST_COLUMN)
+        .is_some_and(|b| !b.is_ascii_whitespace())
+    {
         return false;
     }
     match text.iter().position(|b| !b.is_ascii_whitespace()) {
@@ -84,7 +98,11 @@ pub(super) fn is_marker(text: &[u8]) -> bool {
 pub(super) fn number_line(text: &[u8]) -> Option<(u32, bool)> {
     let text = text.trim_ascii_start();
     let digits = text.iter().take_while(|b| b.is_ascii_digit()).count();
-    let number = std::str::from_utf8(&text[..digits]).ok()?.parse().ok().filter(|_| digits <= 6)?;
+    let number = std::str::from_utf8(&text[..digits])
+        .ok()?
+        .parse()
+        .ok()
+        .filter(|_| digits <= 6)?;
     match text.get(digits) {
         None => Some((number, false)),
         Some(b) if b.is_ascii_whitespace() => Some((number, false)),
@@ -93,16 +111,26 @@ pub(super) fn number_line(text: &[u8]) -> Option<(u32, bool)> {
     }
 }
 
-/// All datasets of a file in their order; what stands outside of datasets goes to `warnings`.
-pub(super) fn datasets<'a>(bytes: &'a [u8], lenient: bool, warnings: &mut Vec<String>) -> Vec<Block<'a>> {
+/// All datasets of a file in their order; what stands outside of datasets goes to
+/// `warnings`.
+pub(super) fn datasets<'a>(
+    bytes: &'a [u8],
+    lenient: bool,
+    warnings: &mut Vec<String>,
+) -> Vec<Block<'a>> {
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let whole_file = Lines { bytes, line: 1 };
-    let mut at = Lines { bytes: text, line: 1 };
+    let mut at = Lines {
+        bytes: text,
+        line: 1,
+    };
     let mut blocks: Vec<Block<'a>> = Vec::new();
     let mut closing_line = 0;
     loop {
         let before = at;
-        let Some(record) = at.next() else { return blocks };
+        let Some(record) = at.next() else {
+            return blocks;
+        };
         if record.text.trim_ascii().is_empty() {
             continue;
         }
@@ -111,9 +139,15 @@ pub(super) fn datasets<'a>(bytes: &'a [u8], lenient: bool, warnings: &mut Vec<St
             closing_line = after.line.saturating_sub(1);
             blocks.extend(block);
             at = after;
-        } else if record.line == closing_line + 1 && number_line(record.text).is_some() && !blocks.is_empty() {
-            // The marker taken as the end of the last dataset opens this one: the last one was not closed.
-            warnings.push(format!("line {closing_line}: the dataset before this line has no closing -1"));
+        } else if record.line == closing_line + 1
+            && number_line(record.text).is_some()
+            && !blocks.is_empty()
+        {
+            // The marker taken as the end of the last dataset opens this one: the last
+            // one was not closed.
+            warnings.push(format!(
+                "line {closing_line}: the dataset before this line has no closing -1"
+            ));
             let (block, after) = dataset(whole_file, before, closing_line, lenient);
             closing_line = after.line.saturating_sub(1);
             blocks.extend(block);
@@ -124,13 +158,22 @@ pub(super) fn datasets<'a>(bytes: &'a [u8], lenient: bool, warnings: &mut Vec<St
             while next.next().is_some_and(|record| !is_marker(record.text)) {
                 at = next;
             }
-            warnings.push(format!("lines {first} to {}: text outside of any dataset is not read", at.line - 1));
+            warnings.push(format!(
+                "lines {first} to {}: text outside of any dataset is not read",
+                at.line - 1
+            ));
         }
     }
 }
 
-/// The dataset whose opening marker ends where `at` begins, and the position after it; no dataset where the file ends.
-fn dataset<'a>(file: Lines<'a>, mut at: Lines<'a>, line: u64, lenient: bool) -> (Option<Block<'a>>, Lines<'a>) {
+/// The dataset whose opening marker ends where `at` begins, and the position after it; no
+/// dataset where the file ends.
+fn dataset<'a>(
+    file: Lines<'a>,
+    mut at: Lines<'a>,
+    line: u64,
+    lenient: bool,
+) -> (Option<Block<'a>>, Lines<'a>) {
     let mut line = line;
     let number_record = loop {
         match at.next() {
@@ -143,7 +186,10 @@ fn dataset<'a>(file: Lines<'a>, mut at: Lines<'a>, line: u64, lenient: bool) -> 
     };
     let (number, binary) = number_line(number_record.text).unzip();
     let binary = binary.unwrap_or(false);
-    let nothing = Lines { bytes: &[], line: at.line };
+    let nothing = Lines {
+        bytes: &[],
+        line: at.line,
+    };
     let mut block = Block {
         number,
         line,
@@ -155,7 +201,11 @@ fn dataset<'a>(file: Lines<'a>, mut at: Lines<'a>, line: u64, lenient: bool) -> 
         closed: true,
         warnings: Vec::new(),
     };
-    let after = if binary { binary_body(file, at, number_record, &mut block, lenient) } else { text_body(at, &mut block) };
+    let after = if binary {
+        binary_body(file, at, number_record, &mut block, lenient)
+    } else {
+        text_body(at, &mut block)
+    };
     (Some(block), after)
 }
 
@@ -200,17 +250,26 @@ fn text_body<'a>(start: Lines<'a>, block: &mut Block<'a>) -> Lines<'a> {
 /// Records of the header of dataset 58.
 pub(super) const HEADER_RECORDS: usize = 11;
 
-fn binary_body<'a>(file: Lines<'a>, start: Lines<'a>, number: Record<'a>, block: &mut Block<'a>, lenient: bool) -> Lines<'a> {
+fn binary_body<'a>(
+    file: Lines<'a>,
+    start: Lines<'a>,
+    number: Record<'a>,
+    block: &mut Block<'a>,
+    lenient: bool,
+) -> Lines<'a> {
     let mut at = start;
     let located = (|| -> Result<_> {
         let identifier = binary::Identifier::read(number, &mut block.warnings)?;
         let mut record7 = None;
         for k in 1..=identifier.header_lines {
             let before = at;
-            let record = at.next().filter(|record| !is_marker(record.text)).ok_or_else(|| {
-                at = before;
-                ends_in_header(before.line, k - 1, identifier.header_lines)
-            })?;
+            let record = at
+                .next()
+                .filter(|record| !is_marker(record.text))
+                .ok_or_else(|| {
+                    at = before;
+                    ends_in_header(before.line, k - 1, identifier.header_lines)
+                })?;
             if k == 7 {
                 record7 = Some(record);
             }
@@ -219,8 +278,23 @@ fn binary_body<'a>(file: Lines<'a>, start: Lines<'a>, number: Record<'a>, block:
             }
         }
         let byte = (file.bytes.len() - at.bytes.len()) as u64;
-        let landed = binary::locate(&at.bytes, byte, identifier, record7.unwrap_or(number), lenient, &mut block.warnings)?;
-        Ok((Payload { bytes: &at.bytes[..landed.length as usize], byte, form: landed.form, big_endian: identifier.big_endian }, landed.end))
+        let landed = binary::locate(
+            &at.bytes,
+            byte,
+            identifier,
+            record7.unwrap_or(number),
+            lenient,
+            &mut block.warnings,
+        )?;
+        Ok((
+            Payload {
+                bytes: &at.bytes[..landed.length as usize],
+                byte,
+                form: landed.form,
+                big_endian: identifier.big_endian,
+            },
+            landed.end,
+        ))
     })();
     match located {
         Ok((payload, length)) => {
@@ -239,18 +313,27 @@ fn binary_body<'a>(file: Lines<'a>, start: Lines<'a>, number: Record<'a>, block:
     }
 }
 
-/// Where reading can go on behind a damaged binary dataset: the next closing marker with an opening marker and a dataset
-/// number after it. Only used when no length fits, to list what follows; no data are read by it.
+/// Where reading can go on behind a damaged binary dataset: the next closing marker with
+/// an opening marker and a dataset number after it. Only used when no length fits, to
+/// list what follows; no data are read by it.
 fn next_opening(at: Lines<'_>) -> Lines<'_> {
     let mut skipped = 0;
-    while let Some(found) = at.bytes[skipped..].windows(2).position(|pair| pair == b"-1") {
+    while let Some(found) = at.bytes[skipped..]
+        .windows(2)
+        .position(|pair| pair == b"-1")
+    {
         let marker = skipped + found;
-        let mut ahead = Lines { bytes: &at.bytes[marker..], line: 0 };
+        let mut ahead = Lines {
+            bytes: &at.bytes[marker..],
+            line: 0,
+        };
         let closing = ahead.next();
         let after_closing = ahead;
         let opens = closing.is_some_and(|record| is_marker(record.text))
             && ahead.next().is_some_and(|record| is_marker(record.text))
-            && ahead.next().is_some_and(|record| number_line(record.text).is_some());
+            && ahead
+                .next()
+                .is_some_and(|record| number_line(record.text).is_some());
         if opens {
             return at.skip_bytes(at.bytes.len() - after_closing.bytes.len());
         }
@@ -269,13 +352,23 @@ mod tests {
     fn numbers(text: &str) -> (Vec<Listed>, Vec<String>) {
         let mut warnings = Vec::new();
         let blocks = datasets(text.as_bytes(), false, &mut warnings);
-        (blocks.iter().map(|block| (block.number, block.line, block.closed)).collect(), warnings)
+        (
+            blocks
+                .iter()
+                .map(|block| (block.number, block.line, block.closed))
+                .collect(),
+            warnings,
+        )
     }
 
     #[test]
     fn markers_may_be_padded_or_not_and_line_ends_may_mix() {
-        let text = "    -1\r\n   151\r\nNONE\r\n    -1    \n    -1\n   164                     \r\n         1\n    -1";
-        assert_eq!(numbers(text), (vec![(Some(151), 1, true), (Some(164), 5, true)], vec![]));
+        let text = "    -1\r\n   151\r\nNONE\r\n    -1    \n    -1\n   164                     \
+                    \r\n         1\n    -1";
+        assert_eq!(
+            numbers(text),
+            (vec![(Some(151), 1, true), (Some(164), 5, true)], vec![])
+        );
     }
 
     #[test]
@@ -286,8 +379,17 @@ mod tests {
 
     #[test]
     fn a_missing_closing_marker_costs_a_warning_and_no_dataset() {
-        let (found, warnings) = numbers("    -1\n   151\nNONE\n    -1\n   164\n         1\n    -1\n    -1\n    15\n    -1\n");
-        assert_eq!(found, [(Some(151), 1, true), (Some(164), 4, true), (Some(15), 8, true)]);
+        let (found, warnings) = numbers(
+            "    -1\n   151\nNONE\n    -1\n   164\n         1\n    -1\n    -1\n    15\n    -1\n",
+        );
+        assert_eq!(
+            found,
+            [
+                (Some(151), 1, true),
+                (Some(164), 4, true),
+                (Some(15), 8, true)
+            ]
+        );
         assert!(warnings[0].contains("no closing -1"), "{warnings:?}");
     }
 
@@ -295,7 +397,10 @@ mod tests {
     fn text_outside_of_datasets_is_reported() {
         let (found, warnings) = numbers("hello\nworld\n    -1\n   151\n    -1\n");
         assert_eq!(found, [(Some(151), 3, true)]);
-        assert_eq!(warnings, ["lines 1 to 2: text outside of any dataset is not read"]);
+        assert_eq!(
+            warnings,
+            ["lines 1 to 2: text outside of any dataset is not read"]
+        );
     }
 
     #[test]
@@ -307,6 +412,11 @@ mod tests {
     #[test]
     fn a_line_that_is_no_dataset_number_is_a_fault() {
         let blocks = datasets(b"    -1\n   abc\n    -1\n", false, &mut Vec::new());
-        assert!(blocks[0].fault.as_ref().unwrap().to_string().contains("found    abc"));
+        assert!(blocks[0]
+            .fault
+            .as_ref()
+            .unwrap()
+            .to_string()
+            .contains("found    abc"));
     }
 }

@@ -32,10 +32,18 @@ impl Header {
     ///
     /// # Errors
     /// A record that is missing or a field that is not what it must be.
-    pub(super) fn read<'a>(mut lines: Lines<'a>, warnings: &mut Vec<String>) -> Result<(Self, Lines<'a>)> {
-        let mut records = [Record { line: lines.line, text: b"".as_slice() }; HEADER_RECORDS];
+    pub(super) fn read<'a>(
+        mut lines: Lines<'a>,
+        warnings: &mut Vec<String>,
+    ) -> Result<(Self, Lines<'a>)> {
+        let mut records = [Record {
+            line: lines.line,
+            text: b"".as_slice(),
+        }; HEADER_RECORDS];
         for (k, record) in records.iter_mut().enumerate() {
-            *record = lines.next().ok_or_else(|| ends_in_header(lines.line, k, HEADER_RECORDS))?;
+            *record = lines
+                .next()
+                .ok_or_else(|| ends_in_header(lines.line, k, HEADER_RECORDS))?;
         }
         let id_lines = [0, 1, 2, 3, 4].map(|k: usize| label(&decode(records[k].text)));
         let record6 = Record6::read(records[5], warnings)?;
@@ -91,20 +99,40 @@ type Fields6 = ([f64; 8], [String; 2]);
 
 impl Record6 {
     fn read(record: Record<'_>, warnings: &mut Vec<String>) -> Result<Self> {
-        // Columns count characters; in a file that pads by bytes, a name in UTF-8 shifts them.
+        // Columns count characters; in a file that pads by bytes, a name in UTF-8 shifts
+        // them.
         let by_character: Vec<char> = decode(record.text).chars().collect();
         let by_byte: Vec<char> = record.text.iter().map(|&b| char::from(b)).collect();
         let first = Self::cut(&by_character);
-        let cut = first.as_ref().ok().cloned().or_else(|| Self::cut(&by_byte).ok()).or_else(|| {
-            let split = Self::split_on_blanks(&by_character)?;
-            warn_split(record.line, warnings);
-            Some(split)
-        });
+        let cut = first
+            .as_ref()
+            .ok()
+            .cloned()
+            .or_else(|| Self::cut(&by_byte).ok())
+            .or_else(|| {
+                let split = Self::split_on_blanks(&by_character)?;
+                warn_split(record.line, warnings);
+                Some(split)
+            });
         let Some((numbers, entity_names)) = cut else {
             let (name, span) = first.err().unwrap_or(("function type", (0, 5)));
-            return Err(bad_field(record, &format!("record 6: {name}"), BadField { index: 0, span, fault: Fault::NotANumber }));
+            return Err(bad_field(
+                record,
+                &format!("record 6: {name}"),
+                BadField {
+                    index: 0,
+                    span,
+                    fault: Fault::NotANumber,
+                },
+            ));
         };
-        let integer = |k: usize| whole(record, &format!("record 6: {}", RECORD_6_NUMBERS[k].0), numbers[k]);
+        let integer = |k: usize| {
+            whole(
+                record,
+                &format!("record 6: {}", RECORD_6_NUMBERS[k].0),
+                numbers[k],
+            )
+        };
         let mut dofs = [Dof::new(0, Direction::SCALAR); 2];
         for (k, dof) in dofs.iter_mut().enumerate() {
             let (node, code) = (integer(4 + 2 * k)?, integer(5 + 2 * k)?);
@@ -115,11 +143,17 @@ impl Record6 {
                     .found(found)
                     .expected(expected)
             };
-            let node = u64::try_from(node).map_err(|_| refuse(4 + 2 * k, node, "a node number that is not negative"))?;
-            let direction = Direction::from_code(code).ok_or_else(|| refuse(5 + 2 * k, code, "a direction code from -6 to 6"))?;
+            let node = u64::try_from(node)
+                .map_err(|_| refuse(4 + 2 * k, node, "a node number that is not negative"))?;
+            let direction = Direction::from_code(code)
+                .ok_or_else(|| refuse(5 + 2 * k, code, "a direction code from -6 to 6"))?;
             *dof = Dof::new(node, direction);
         }
-        Ok(Self { codes: [integer(0)?, integer(1)?, integer(2)?, integer(3)?], entity_names, dofs })
+        Ok(Self {
+            codes: [integer(0)?, integer(1)?, integer(2)?, integer(3)?],
+            entity_names,
+            dofs,
+        })
     }
 
     /// The numbers and names by column, or the first field that is no number.
@@ -131,10 +165,15 @@ impl Record6 {
             let touches = start > 0 && !is_blank(start - 1) && !is_blank(start);
             let full = (start..end).all(|column| !is_blank(column));
             let spills = matches!(end, 30 | 55) && !is_blank(end) && !is_blank(end - 1);
-            let value = float(field.as_bytes()).ok().filter(|_| (!touches || full) && !spills);
+            let value = float(field.as_bytes())
+                .ok()
+                .filter(|_| (!touches || full) && !spills);
             *number = value.ok_or((name, (start, end)))?;
         }
-        Ok((numbers, RECORD_6_NAMES.map(|(start, end)| label(&text_at(line, start, end)))))
+        Ok((
+            numbers,
+            RECORD_6_NAMES.map(|(start, end)| label(&text_at(line, start, end))),
+        ))
     }
 
     /// Ten words with both entity names, or eight numbers without.
@@ -155,34 +194,66 @@ impl Record6 {
 }
 
 fn text_at(line: &[char], start: usize, end: usize) -> String {
-    line.get(start.min(line.len())..end.min(line.len())).unwrap_or_default().iter().collect()
+    line.get(start.min(line.len())..end.min(line.len()))
+        .unwrap_or_default()
+        .iter()
+        .collect()
 }
 
 /// Records 8 to 11: I10,3I5,2(1X,20A1).
 fn read_axis(record: Record<'_>, warnings: &mut Vec<String>) -> Result<Axis> {
-    const NAMES: [&str; 4] = ["quantity code", "length exponent", "force exponent", "temperature exponent"];
+    const NAMES: [&str; 4] = [
+        "quantity code",
+        "length exponent",
+        "force exponent",
+        "temperature exponent",
+    ];
     let mut codes = [0.0; 4];
     let numeric = &record.text[..record.text.len().min(25)];
     let by_column = line_numbers(numeric, &[10, 5, 5, 5], &mut codes);
     let line: Vec<char> = match decode(record.text).chars().collect::<Vec<_>>() {
-        // A label in UTF-8 in a file that pads by bytes: column 47 is blank in the right cut.
-        shifted if shifted.get(46).is_some_and(|c| !c.is_whitespace()) && record.text.get(46).is_some_and(u8::is_ascii_whitespace) => {
-            return axis(record, codes, label(&decode(&record.text[26..46])), label(&decode(&record.text[47..])));
+        // A label in UTF-8 in a file that pads by bytes: column 47 is blank in the right
+        // cut.
+        shifted
+            if shifted.get(46).is_some_and(|c| !c.is_whitespace())
+                && record.text.get(46).is_some_and(u8::is_ascii_whitespace) =>
+        {
+            return axis(
+                record,
+                codes,
+                label(&decode(&record.text[26..46])),
+                label(&decode(&record.text[47..])),
+            );
         }
         line => line,
     };
     if let Err(bad) = by_column {
-        let words: Vec<String> = line.iter().collect::<String>().split_whitespace().map(String::from).collect();
+        let words: Vec<String> = line
+            .iter()
+            .collect::<String>()
+            .split_whitespace()
+            .map(String::from)
+            .collect();
         for (k, code) in codes.iter_mut().enumerate() {
             let word = words.get(k).map_or("", String::as_str);
-            *code = float(word.as_bytes()).map_err(|_| bad_field(record, &axis_field(NAMES[bad.index.min(3)]), bad))?;
+            *code = float(word.as_bytes())
+                .map_err(|_| bad_field(record, &axis_field(NAMES[bad.index.min(3)]), bad))?;
         }
         warn_split(record.line, warnings);
         let labels = words.get(4..).unwrap_or_default();
-        let (unit, name) = labels.split_last().map_or((String::new(), String::new()), |(unit, name)| (label(unit), label(&name.join(" "))));
+        let (unit, name) = labels
+            .split_last()
+            .map_or((String::new(), String::new()), |(unit, name)| {
+                (label(unit), label(&name.join(" ")))
+            });
         return axis(record, codes, name, unit);
     }
-    axis(record, codes, label(&text_at(&line, 26, 46)), label(&text_at(&line, 47, usize::MAX)))
+    axis(
+        record,
+        codes,
+        label(&text_at(&line, 26, 46)),
+        label(&text_at(&line, 47, usize::MAX)),
+    )
 }
 
 fn axis_field(name: &str) -> String {
@@ -195,11 +266,20 @@ fn axis(record: Record<'_>, codes: [f64; 4], label: String, unit: String) -> Res
         let field = axis_field("quantity code or exponent");
         let number = whole(record, &field, code)?;
         *integer = i32::try_from(number).map_err(|_| {
-            Error::bad_data("the code is too large").at_line(record.line).field(field).found(number).expected("a code of the definition")
+            Error::bad_data("the code is too large")
+                .at_line(record.line)
+                .field(field)
+                .found(number)
+                .expected("a code of the definition")
         })?;
     }
     let [quantity, exponents @ ..] = integers;
-    Ok(Axis { quantity, exponents, label, unit })
+    Ok(Axis {
+        quantity,
+        exponents,
+        label,
+        unit,
+    })
 }
 
 /// The DOF that an entity name carries: `1+Z`, `comp:12:-X`, `Mic 01.0Scalar`.
@@ -217,7 +297,11 @@ pub(super) fn entity_dof(name: &str) -> Option<Dof> {
     .trim_matches(|c: char| c.is_whitespace() || c == ':');
     let node = node.parse().ok().filter(|&node| node > 0)?;
     let scalar = !rest.is_empty() && "scalar".starts_with(&rest.to_ascii_lowercase());
-    let direction = if scalar { Some(Direction::SCALAR) } else { rest.parse().ok().filter(|_| !rest.is_empty()) };
+    let direction = if scalar {
+        Some(Direction::SCALAR)
+    } else {
+        rest.parse().ok().filter(|_| !rest.is_empty())
+    };
     Some(Dof::new(node, direction?))
 }
 
@@ -231,9 +315,13 @@ mod tests {
 
     #[test]
     fn record_6_is_cut_by_column_with_negative_directions() {
-        let text = b"    4         0    0         0   NewModel         1  -3   NewModel9999999999   4";
+        let text =
+            b"    4         0    0         0   NewModel         1  -3   NewModel9999999999   4";
         let read = Record6::read(record(text), &mut Vec::new()).unwrap();
-        assert_eq!(read.dofs.map(|dof| dof.to_string()), ["1:-Z", "9999999999:+RX"]);
+        assert_eq!(
+            read.dofs.map(|dof| dof.to_string()),
+            ["1:-Z", "9999999999:+RX"]
+        );
         assert_eq!(read.entity_names, ["NewModel", "NewModel"]);
     }
 
@@ -242,33 +330,59 @@ mod tests {
         let mut warnings = Vec::new();
         let read = Record6::read(record(b"4 0 1 0 NONE 12 3 plate 7 -1"), &mut warnings).unwrap();
         assert_eq!(read.dofs.map(|dof| dof.to_string()), ["12:+Z", "7:-X"]);
-        assert_eq!((read.codes, read.entity_names), ([4, 0, 1, 0], [String::new(), "plate".to_string()]));
+        assert_eq!(
+            (read.codes, read.entity_names),
+            ([4, 0, 1, 0], [String::new(), "plate".to_string()])
+        );
         assert_eq!(warnings.len(), 1);
     }
 
     #[test]
     fn names_that_are_not_ascii_do_not_shift_the_columns() {
-        let line =
-            |name: &str, pad: usize| format!("    4         0    0         0 {name}{:pad$}         5   3 {:10}         6   3", "", "NONE");
+        let line = |name: &str, pad: usize| {
+            format!(
+                "    4         0    0         0 {name}{:pad$}         5   3 {:10}         6   3",
+                "", "NONE"
+            )
+        };
         for text in [line("Geh\u{e4}use", 3), line("Geh\u{e4}use", 2)] {
             let read = Record6::read(record(text.as_bytes()), &mut Vec::new()).unwrap();
-            assert_eq!(read.dofs.map(|dof| dof.to_string()), ["5:+Z", "6:+Z"], "{text}");
+            assert_eq!(
+                read.dofs.map(|dof| dof.to_string()),
+                ["5:+Z", "6:+Z"],
+                "{text}"
+            );
         }
     }
 
     #[test]
     fn a_direction_outside_the_codes_is_refused_with_its_field() {
-        let text = b"    4         0    0         0   NewModel         1   9   NewModel        21   1";
-        let message = Record6::read(record(text), &mut Vec::new()).err().unwrap().to_string();
-        assert!(message.contains("line 8") && message.contains("response direction"), "{message}");
+        let text =
+            b"    4         0    0         0   NewModel         1   9   NewModel        21   1";
+        let message = Record6::read(record(text), &mut Vec::new())
+            .err()
+            .unwrap()
+            .to_string();
+        assert!(
+            message.contains("line 8") && message.contains("response direction"),
+            "{message}"
+        );
     }
 
     #[test]
     fn dofs_are_found_in_entity_names() {
-        for (name, printed) in
-            [("1+Z", "1:+Z"), ("plate:12:-X", "12:-X"), ("Mic 01.0Scalar", "1:S"), ("Mic 01.0Sc", "1:S"), ("P7:-RY", "7:-RY")]
-        {
-            assert_eq!(entity_dof(name).map(|dof| dof.to_string()).as_deref(), Some(printed), "{name}");
+        for (name, printed) in [
+            ("1+Z", "1:+Z"),
+            ("plate:12:-X", "12:-X"),
+            ("Mic 01.0Scalar", "1:S"),
+            ("Mic 01.0Sc", "1:S"),
+            ("P7:-RY", "7:-RY"),
+        ] {
+            assert_eq!(
+                entity_dof(name).map(|dof| dof.to_string()).as_deref(),
+                Some(printed),
+                "{name}"
+            );
         }
         for name in ["", "NONE", "plate", "Mic 1", "0+Z", "Mic 01.0Left"] {
             assert_eq!(entity_dof(name), None, "{name}");
@@ -281,12 +395,21 @@ mod tests {
         let utf = "        12    0    0    0 Beschleunigung       m/s²                ";
         for text in [latin.as_slice(), utf.as_bytes()] {
             let axis = read_axis(record(text), &mut Vec::new()).unwrap();
-            assert_eq!((axis.quantity, axis.label.as_str(), axis.unit.as_str()), (12, "Beschleunigung", "m/s²"));
+            assert_eq!(
+                (axis.quantity, axis.label.as_str(), axis.unit.as_str()),
+                (12, "Beschleunigung", "m/s²")
+            );
         }
         let padded_by_bytes = format!("        12    0    0    0 {}{:12} m/s", "Öffnung", "");
         let padded_by_characters = format!("        12    0    0    0 {:20} m/s", "Öffnung");
         for text in [padded_by_bytes, padded_by_characters] {
-            assert_eq!(read_axis(record(text.as_bytes()), &mut Vec::new()).unwrap().unit, "m/s", "{text:?}");
+            assert_eq!(
+                read_axis(record(text.as_bytes()), &mut Vec::new())
+                    .unwrap()
+                    .unit,
+                "m/s",
+                "{text:?}"
+            );
         }
     }
 }

@@ -81,14 +81,24 @@ impl Record7 {
         let mut splits = Vec::new();
         let [code, count, spacing, start, step, z] = numbers(record, COLUMNS, &mut splits)?;
         let unknown = |field: &str, found: f64, expected: &str| {
-            Error::bad_data("unknown code").at_line(record.line).field(format!("record 7: {field}")).found(found).expected(expected)
+            Error::bad_data("unknown code")
+                .at_line(record.line)
+                .field(format!("record 7: {field}"))
+                .found(found)
+                .expected(expected)
         };
         let (complex, double) = match whole(record, COLUMNS[0].0, code)? {
             2 => (false, false),
             4 => (false, true),
             5 => (true, false),
             6 => (true, true),
-            _ => return Err(unknown("ordinate type", code, "2 real single, 4 real double, 5 complex single or 6 complex double")),
+            _ => {
+                return Err(unknown(
+                    "ordinate type",
+                    code,
+                    "2 real single, 4 real double, 5 complex single or 6 complex double",
+                ))
+            }
         };
         let even = match whole(record, COLUMNS[2].0, spacing)? {
             0 => false,
@@ -97,9 +107,21 @@ impl Record7 {
         };
         let count = u64::try_from(whole(record, COLUMNS[1].0, count)?)
             .map_err(|_| unknown("number of values", count, "a number that is not negative"))?;
-        let layout = Layout { complex, double, even, count };
-        let digits = |index: usize, value| Printed::new(digits_of(record.text, index, !splits.is_empty()), value);
-        let record7 = Self { layout, start: digits(3, start), step: digits(4, step), z };
+        let layout = Layout {
+            complex,
+            double,
+            even,
+            count,
+        };
+        let digits = |index: usize, value| {
+            Printed::new(digits_of(record.text, index, !splits.is_empty()), value)
+        };
+        let record7 = Self {
+            layout,
+            start: digits(3, start),
+            step: digits(4, step),
+            z,
+        };
         warnings.append(&mut splits);
         Ok(record7)
     }
@@ -108,7 +130,11 @@ impl Record7 {
 /// The text of field `index` of record 7, cut as its number was.
 fn digits_of(text: &[u8], index: usize, between_blanks: bool) -> &[u8] {
     if between_blanks {
-        return text.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()).nth(index).unwrap_or_default();
+        return text
+            .split(u8::is_ascii_whitespace)
+            .filter(|word| !word.is_empty())
+            .nth(index)
+            .unwrap_or_default();
     }
     let start: usize = COLUMNS[..index].iter().map(|column| column.1).sum();
     let end = (start + COLUMNS[index].1).min(text.len());
@@ -120,13 +146,28 @@ mod tests {
     use super::*;
 
     fn read(text: &str) -> Result<Record7> {
-        Record7::read(Record { line: 9, text: text.as_bytes() }, &mut Vec::new())
+        Record7::read(
+            Record {
+                line: 9,
+                text: text.as_bytes(),
+            },
+            &mut Vec::new(),
+        )
     }
 
     #[test]
     fn record_7_is_cut_by_column() {
-        let record = read("         6      1601         1  0.00000E+00  2.44141E+00  0.00000E+00").unwrap();
-        assert_eq!(record.layout, Layout { complex: true, double: true, even: true, count: 1601 });
+        let record =
+            read("         6      1601         1  0.00000E+00  2.44141E+00  0.00000E+00").unwrap();
+        assert_eq!(
+            record.layout,
+            Layout {
+                complex: true,
+                double: true,
+                even: true,
+                count: 1601
+            }
+        );
         assert_eq!((record.step.value, record.step.digits), (2.44141, 6));
     }
 
@@ -140,7 +181,10 @@ mod tests {
             ("       abc         1         1", "ordinate type"),
         ] {
             let message = read(text).unwrap_err().to_string();
-            assert!(message.contains(field) && message.contains("line 9"), "{message}");
+            assert!(
+                message.contains(field) && message.contains("line 9"),
+                "{message}"
+            );
         }
     }
 }

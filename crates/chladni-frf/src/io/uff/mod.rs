@@ -1,14 +1,18 @@
-//! Universal files (UFF, UNV): datasets 15, 18, 55, 58 and 58b, 82, 151, 164, 2411, 2412, 2414, 2420.
+//! Universal files (UFF, UNV): datasets 15, 18, 55, 58 and 58b, 82, 151, 164, 2411, 2412,
+//! 2414, 2420.
 //!
-//! The way of the data: `container` cuts the file into datasets. `function58` reads one function: its header in
-//! `header58`, its layout in `layout`, its numbers in `values`, where a binary one has them in `binary`. `scaling`
-//! learns kind and units from codes, labels (`unit_label`) and dataset 164 (`header`); `step` finds the exact step of an axis.
-//! `nodes` and `mesh` collect the geometry, `shapes` mode shapes and fields, whose codes `shape_head` reads. `scan` lists a file
-//! without holding it: its lines come from `stream`, what is kept of a dataset is in `passed`. `write` goes the other way, with
+//! The way of the data: `container` cuts the file into datasets. `function58` reads one
+//! function: its header in `header58`, its layout in `layout`, its numbers in `values`,
+//! where a binary one has them in `binary`. `scaling` learns kind and units from codes,
+//! labels (`unit_label`) and dataset 164 (`header`); `step` finds the exact step of an
+//! axis. `nodes` and `mesh` collect the geometry, `shapes` mode shapes and fields, whose
+//! codes `shape_head` reads. `scan` lists a file without holding it: its lines come from
+//! `stream`, what is kept of a dataset is in `passed`. `write` goes the other way, with
 //! `write58`, `write_mesh` and `write_shape` for what their names say.
 //!
-//! Definitions: universal file format pages of UC-SDRL; the binary 58 of the same. Field experience is written beside the
-//! code that needs it. A damaged dataset never hides the sound ones.
+//! Definitions: universal file format pages of UC-SDRL; the binary 58 of the same. Field
+//! experience is written beside the code that needs it. A damaged dataset never hides the
+//! sound ones.
 
 mod binary;
 mod container;
@@ -51,12 +55,17 @@ use std::path::Path;
 /// Reads a universal file; `sha256` of the document is left empty.
 ///
 /// # Errors
-/// [`crate::ErrorKind::BadData`] where no dataset can be found at all. Damaged datasets are listed in `errors` instead.
+/// [`crate::ErrorKind::BadData`] where no dataset can be found at all. Damaged datasets
+/// are listed in `errors` instead.
 pub fn read(bytes: &[u8], file: &Path, options: &ReadOptions) -> Result<Document> {
     let mut warnings = Vec::new();
     let blocks = container::datasets(bytes, options.lenient, &mut warnings);
     let units = units_in_force(&blocks);
-    let parts: Vec<Part> = blocks.par_iter().zip(units.par_iter()).map(|(block, units)| part(block, units, options)).collect();
+    let parts: Vec<Part> = blocks
+        .par_iter()
+        .zip(units.par_iter())
+        .map(|(block, units)| part(block, units, options))
+        .collect();
     let mut collector = Collector::new(file);
     collector.document.warnings = warnings;
     parts.into_iter().for_each(|part| collector.add(part));
@@ -73,14 +82,21 @@ struct Collector {
 
 impl Collector {
     fn new(file: &Path) -> Self {
-        Self { document: Document::new(file, FileFormat::Uff), nodes: Vec::new(), systems: Vec::new(), mesh: Mesh::default() }
+        Self {
+            document: Document::new(file, FileFormat::Uff),
+            nodes: Vec::new(),
+            systems: Vec::new(),
+            mesh: Mesh::default(),
+        }
     }
 
     fn add(&mut self, part: Part) {
         let document = &mut self.document;
         document.datasets.push(part.info);
         document.functions.extend(part.function);
-        document.errors.extend(part.error.map(|error| error.file(&document.file)));
+        document
+            .errors
+            .extend(part.error.map(|error| error.file(&document.file)));
         document.shapes.extend(part.shape);
         self.systems.extend(part.systems);
         self.nodes.extend(part.nodes);
@@ -89,7 +105,12 @@ impl Collector {
     }
 
     fn finish(self, has_units: bool) -> Result<Document> {
-        let Self { mut document, nodes, systems, mesh } = self;
+        let Self {
+            mut document,
+            nodes,
+            systems,
+            mesh,
+        } = self;
         if document.datasets.is_empty() {
             return Err(Error::bad_data("no dataset of a universal file is in here")
                 .file(&document.file)
@@ -99,7 +120,9 @@ impl Collector {
                 .help("check that this is a universal file (.uff, .unv) and complete"));
         }
         if !nodes.is_empty() && !has_units {
-            document.warnings.push("the file has nodes and no units dataset (164): metres are assumed".into());
+            document
+                .warnings
+                .push("the file has nodes and no units dataset (164): metres are assumed".into());
         }
         document.geometry = nodes::geometry(&nodes, &systems, &mut document.warnings);
         (document.geometry.lines, document.geometry.faces) = (mesh.lines, mesh.faces);
@@ -108,12 +131,17 @@ impl Collector {
     }
 }
 
-/// Units of one dataset: those of the last 164 before it, else of the first in the file. `Err` where that 164 is damaged.
+/// Units of one dataset: those of the last 164 before it, else of the first in the file.
+/// `Err` where that 164 is damaged.
 type UnitsInForce = std::result::Result<Option<Units>, ()>;
 
 fn units_in_force(blocks: &[Block<'_>]) -> Vec<UnitsInForce> {
     let read = |block: &Block<'_>| match block.number {
-        Some(164) => Some(header::read_units(block.records, &mut Vec::new()).map(Some).map_err(|_| ())),
+        Some(164) => Some(
+            header::read_units(block.records, &mut Vec::new())
+                .map(Some)
+                .map_err(|_| ()),
+        ),
         _ => None,
     };
     let own: Vec<Option<UnitsInForce>> = blocks.iter().map(read).collect();
@@ -129,12 +157,23 @@ fn units_in_force(blocks: &[Block<'_>]) -> Vec<UnitsInForce> {
 /// Lines and faces that name nodes without coordinates cannot be drawn.
 fn note_lost_nodes(document: &mut Document) {
     let geometry = &document.geometry;
-    let known: std::collections::HashSet<u64> = geometry.nodes.iter().map(|node| node.label).collect();
-    let mut lost: Vec<u64> = geometry.lines.iter().chain(&geometry.faces).flatten().copied().filter(|node| !known.contains(node)).collect();
+    let known: std::collections::HashSet<u64> =
+        geometry.nodes.iter().map(|node| node.label).collect();
+    let mut lost: Vec<u64> = geometry
+        .lines
+        .iter()
+        .chain(&geometry.faces)
+        .flatten()
+        .copied()
+        .filter(|node| !known.contains(node))
+        .collect();
     lost.sort_unstable();
     lost.dedup();
     if let Some(first) = lost.first() {
-        document.warnings.push(format!("lines or elements name {} nodes without coordinates, the first is {first}", lost.len()));
+        document.warnings.push(format!(
+            "lines or elements name {} nodes without coordinates, the first is {first}",
+            lost.len()
+        ));
     }
 }
 
@@ -153,16 +192,36 @@ struct Part {
 }
 
 fn part(block: &Block<'_>, units: &UnitsInForce, options: &ReadOptions) -> Part {
-    let name = block.number.map_or_else(|| "unreadable dataset".to_string(), header::dataset_name);
-    let left_behind = block.number.is_some_and(|number| !CARRIED.contains(&number));
-    let info = DatasetInfo { number: block.number, line: Some(block.line), name, left_behind, ..DatasetInfo::default() };
-    let mut part = Part { info, function: None, nodes: None, systems: Vec::new(), mesh: Mesh::default(), shape: None, error: None };
+    let name = block
+        .number
+        .map_or_else(|| "unreadable dataset".to_string(), header::dataset_name);
+    let left_behind = block
+        .number
+        .is_some_and(|number| !CARRIED.contains(&number));
+    let info = DatasetInfo {
+        number: block.number,
+        line: Some(block.line),
+        name,
+        left_behind,
+        ..DatasetInfo::default()
+    };
+    let mut part = Part {
+        info,
+        function: None,
+        nodes: None,
+        systems: Vec::new(),
+        mesh: Mesh::default(),
+        shape: None,
+        error: None,
+    };
     if let Err(error) = fill(&mut part, block, units, options) {
         let error = match block.number {
             Some(number) => error.dataset(number),
             None => error,
         };
-        part.info.warnings.push(error.to_string().replace("\n  help: ", "; help: "));
+        part.info
+            .warnings
+            .push(error.to_string().replace("\n  help: ", "; help: "));
         part.error = Some(error);
     }
     part
@@ -176,7 +235,12 @@ fn damaged_units(block: &Block<'_>) -> Error {
         .help("correct the dataset 164, or remove it where the file is in SI")
 }
 
-fn fill(part: &mut Part, block: &Block<'_>, units: &UnitsInForce, options: &ReadOptions) -> Result<()> {
+fn fill(
+    part: &mut Part,
+    block: &Block<'_>,
+    units: &UnitsInForce,
+    options: &ReadOptions,
+) -> Result<()> {
     let info = &mut part.info;
     if block.number == Some(58) {
         let read = function58::read(block, units.unwrap_or(None), options);
@@ -186,7 +250,11 @@ fn fill(part: &mut Part, block: &Block<'_>, units: &UnitsInForce, options: &Read
             info.reference = Some(header.reference.to_string());
         }
         info.values = function58::value_count(block, &read.function);
-        info.frf_kind = read.function.as_ref().ok().and_then(|function| function.kind);
+        info.frf_kind = read
+            .function
+            .as_ref()
+            .ok()
+            .and_then(|function| function.kind);
         info.warnings = read.warnings;
         let function = read.function?;
         if units.is_err() {
@@ -212,7 +280,11 @@ fn fill(part: &mut Part, block: &Block<'_>, units: &UnitsInForce, options: &Read
             header::read_units(block.records, warnings)?;
         }
         Some(number @ (15 | 2411)) => {
-            let read = if number == 15 { nodes::read_15(block.records, warnings) } else { nodes::read_2411(block.records, warnings) };
+            let read = if number == 15 {
+                nodes::read_15(block.records, warnings)
+            } else {
+                nodes::read_2411(block.records, warnings)
+            };
             let nodes = read?;
             info.nodes = Some(nodes.len());
             let units = units.map_err(|()| damaged_units(block))?;

@@ -1,5 +1,5 @@
-//! One number, as Fortran prints it: exponents with `E`, `e`, `D`, `d` or no letter at all (`1.234-101`), a blank field is 0, stars
-//! are an overflow.
+//! One number, as Fortran prints it: exponents with `E`, `e`, `D`, `d` or no letter at
+//! all (`1.234-101`), a blank field is 0, stars are an overflow.
 
 use super::decimal::{right_justified, short_decimal};
 
@@ -33,13 +33,19 @@ pub(super) fn float(field: &[u8]) -> std::result::Result<f64, Fault> {
     if let Some(value) = short_decimal(text) {
         return Ok(value);
     }
-    let parse = |bytes: &[u8]| std::str::from_utf8(bytes).ok().and_then(|t| t.parse::<f64>().ok());
+    let parse = |bytes: &[u8]| {
+        std::str::from_utf8(bytes)
+            .ok()
+            .and_then(|t| t.parse::<f64>().ok())
+    };
     let value = match parse(text) {
         Some(value) => value,
         None if text.iter().all(|&c| c == b'*') => return Err(Fault::Stars),
         None => {
             let mut buffer = [0; 48];
-            with_exponent_letter(text, &mut buffer).and_then(parse).ok_or(Fault::NotANumber)?
+            with_exponent_letter(text, &mut buffer)
+                .and_then(parse)
+                .ok_or(Fault::NotANumber)?
         }
     };
     if value.is_finite() {
@@ -49,10 +55,12 @@ pub(super) fn float(field: &[u8]) -> std::result::Result<f64, Fault> {
     }
 }
 
-/// The number in a field of 13 or 20 columns, in one of the forms that writers of dataset 58 use; `None` for what must be looked at
-/// more closely: a field that is blank, damaged, left-justified against its neighbour, or longer than its line.
+/// The number in a field of 13 or 20 columns, in one of the forms that writers of dataset
+/// 58 use; `None` for what must be looked at more closely: a field that is blank,
+/// damaged, left-justified against its neighbour, or longer than its line.
 pub(super) fn usual_float(field: &[u8]) -> Option<f64> {
-    // Fortran fills the field but for the sign, C's %13.4e and %20.11e leave one column more
+    // Fortran fills the field but for the sign, C's %13.4e and %20.11e leave one column
+    // more
     let usual = match (field.len(), field.get(3)) {
         (13, Some(b'.')) => right_justified::<13, 3>(field.try_into().ok()?),
         (13, _) => right_justified::<13, 4>(field.try_into().ok()?),

@@ -31,7 +31,10 @@ impl Passed {
             // without its number, nothing is read of it
             number: self.number,
             line: self.line,
-            records: Lines { bytes: &self.records, line: self.first_record },
+            records: Lines {
+                bytes: &self.records,
+                line: self.first_record,
+            },
             payload: None,
             passed_over: self.values,
             listed_only: self.too_large,
@@ -48,8 +51,13 @@ impl Passed {
         }
         info.line = None;
         if !info.warnings.is_empty() {
-            info.warnings
-                .insert(0, format!("this dataset begins at byte {}; lines are counted from byte {}", self.byte, self.counted_from));
+            info.warnings.insert(
+                0,
+                format!(
+                    "this dataset begins at byte {}; lines are counted from byte {}",
+                    self.byte, self.counted_from
+                ),
+            );
         }
         if let Some(error) = error {
             error.byte.get_or_insert(self.byte);

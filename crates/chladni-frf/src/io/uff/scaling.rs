@@ -1,8 +1,9 @@
-//! What the codes, exponents and unit labels of a 58 say together: FRF kind, unit of the reference, factors to SI.
+//! What the codes, exponents and unit labels of a 58 say together: FRF kind, unit of the
+//! reference, factors to SI.
 //!
-//! Quantity codes decide, and dataset 164 says in which units; a label fills in where the codes say nothing (volts
-//! always). Vendors write either in one file: where label and 164 contradict each other, 164 is used and a warning names
-//! both.
+//! Quantity codes decide, and dataset 164 says in which units; a label fills in where the
+//! codes say nothing (volts always). Vendors write either in one file: where label and
+//! 164 contradict each other, 164 is used and a warning names both.
 
 use super::header::Units;
 use crate::io::unit_label::{self, Unit};
@@ -32,7 +33,8 @@ pub(super) struct Scaling {
     pub abscissa_to_si: f64,
 }
 
-/// Relative difference at which two unit factors are no longer the same unit, printed with few digits.
+/// Relative difference at which two unit factors are no longer the same unit, printed
+/// with few digits.
 const FACTOR_TOLERANCE: f64 = 1e-3;
 
 fn differ(a: f64, b: f64) -> bool {
@@ -50,13 +52,22 @@ pub(super) fn scaling(
     units: Option<Units>,
     warnings: &mut Vec<String>,
 ) -> Scaling {
-    let mut scaling = Scaling { kind: None, reference_unit: ReferenceUnit::Newton, scale_to_si: 1.0, abscissa_to_si: 1.0 };
+    let mut scaling = Scaling {
+        kind: None,
+        reference_unit: ReferenceUnit::Newton,
+        scale_to_si: 1.0,
+        abscissa_to_si: 1.0,
+    };
     match function_type {
         FRF => frf(axes, directions, units, &mut scaling, warnings),
         // products of two signals: vendors disagree on what their units are
         2 | 3 | 7..=10 => {
             if units.is_some_and(|units| !units.is_si()) {
-                warnings.push("units of power quantities are not turned into SI: values are kept as in the file".into());
+                warnings.push(
+                    "units of power quantities are not turned into SI: values are kept \
+                               as in the file"
+                        .into(),
+                );
             }
         }
         // coherences, mode indicators and phases have no unit
@@ -75,7 +86,8 @@ pub(super) fn scaling(
     scaling
 }
 
-/// Exponents of length and force behind a quantity code; `None` where only a label can tell.
+/// Exponents of length and force behind a quantity code; `None` where only a label can
+/// tell.
 pub(super) fn exponents(axis: &Axis, direction: Direction) -> Option<[i32; 2]> {
     /// Beyond this, exponents are not exponents.
     const LARGEST: i32 = 9;
@@ -95,7 +107,12 @@ pub(super) fn exponents(axis: &Axis, direction: Direction) -> Option<[i32; 2]> {
 }
 
 /// Factor to SI of one side of a function that is no FRF.
-fn side(axis: &Axis, direction: Direction, units: Option<Units>, warnings: &mut Vec<String>) -> f64 {
+fn side(
+    axis: &Axis,
+    direction: Direction,
+    units: Option<Units>,
+    warnings: &mut Vec<String>,
+) -> f64 {
     let label = unit_label::parse(&axis.unit);
     let Some(exponents) = exponents(axis, direction) else {
         return label.map_or(1.0, |unit| unit.factor);
@@ -114,7 +131,10 @@ fn side(axis: &Axis, direction: Direction, units: Option<Units>, warnings: &mut 
         (None, Some(unit)) => unit.factor,
         (None, None) => {
             if exponents != [0, 0] {
-                warnings.push("neither a units dataset (164) nor a label states the unit: SI is assumed".into());
+                warnings.push(
+                    "neither a units dataset (164) nor a label states the unit: SI is assumed"
+                        .into(),
+                );
             }
             1.0
         }
@@ -146,20 +166,40 @@ pub(super) fn motion_code(kind: FrfKind) -> i32 {
     }
 }
 
-fn frf(axes: &[Axis; 4], directions: [Direction; 2], units: Option<Units>, scaling: &mut Scaling, warnings: &mut Vec<String>) {
+fn frf(
+    axes: &[Axis; 4],
+    directions: [Direction; 2],
+    units: Option<Units>,
+    scaling: &mut Scaling,
+    warnings: &mut Vec<String>,
+) {
     let [_, numerator, denominator, _] = axes;
-    let (above, below) = (unit_label::parse(&numerator.unit), unit_label::parse(&denominator.unit));
+    let (above, below) = (
+        unit_label::parse(&numerator.unit),
+        unit_label::parse(&denominator.unit),
+    );
     let volts = below.filter(|unit| unit.is_voltage());
     let by_codes = match denominator.quantity {
         EXCITATION_FORCE => motion(numerator.quantity).map(|kind| (kind, ReferenceUnit::Newton)),
-        0 | 1 if volts.is_some() => motion(numerator.quantity).map(|kind| (kind, ReferenceUnit::Volt)),
+        0 | 1 if volts.is_some() => {
+            motion(numerator.quantity).map(|kind| (kind, ReferenceUnit::Volt))
+        }
         _ => None,
     };
     // The ratio: numerator label over denominator label, or all of it in the numerator's.
-    let ratio =
-        [above.zip(below).map(|(above, below)| above.per(below)), above].into_iter().flatten().find(|unit| unit.frf_kind().is_some());
+    let ratio = [
+        above.zip(below).map(|(above, below)| above.per(below)),
+        above,
+    ]
+    .into_iter()
+    .flatten()
+    .find(|unit| unit.frf_kind().is_some());
     let by_label = ratio.and_then(Unit::frf_kind);
-    let shown = if denominator.unit.is_empty() { numerator.unit.clone() } else { format!("({})/({})", numerator.unit, denominator.unit) };
+    let shown = if denominator.unit.is_empty() {
+        numerator.unit.clone()
+    } else {
+        format!("({})/({})", numerator.unit, denominator.unit)
+    };
 
     if let Some((kind, reference)) = by_codes.or(by_label) {
         scaling.kind = Some(kind);
@@ -168,7 +208,8 @@ fn frf(axes: &[Axis; 4], directions: [Direction; 2], units: Option<Units>, scali
     if let (Some(codes), Some(label)) = (by_codes, by_label) {
         if codes != label {
             warnings.push(format!(
-                "the quantity codes say {} ({}), the unit label `{shown}` says {} ({}); the codes are used",
+                "the quantity codes say {} ({}), the unit label `{shown}` says {} ({}); the codes \
+                 are used",
                 codes.0,
                 codes.0.unit(codes.1),
                 label.0,
@@ -176,7 +217,9 @@ fn frf(axes: &[Axis; 4], directions: [Direction; 2], units: Option<Units>, scali
             ));
         }
     }
-    let label_factor = ratio.filter(|unit| by_codes.is_none_or(|codes| unit.frf_kind() == Some(codes))).map(|unit| unit.factor);
+    let label_factor = ratio
+        .filter(|unit| by_codes.is_none_or(|codes| unit.frf_kind() == Some(codes)))
+        .map(|unit| unit.factor);
     let dataset_factor = units.and_then(|units| {
         let above = 1.0 / units.factor(exponents(numerator, directions[0])?);
         let below = match exponents(denominator, directions[1]) {
@@ -217,7 +260,8 @@ fn frf(axes: &[Axis; 4], directions: [Direction; 2], units: Option<Units>, scali
         );
     } else if scaling.kind.is_none() && (numerator.quantity > 1 || denominator.quantity > 1) {
         warnings.push(format!(
-            "quantity codes {} over {} are no receptance (8/13), mobility (11/13) or accelerance (12/13)",
+            "quantity codes {} over {} are no receptance (8/13), mobility (11/13) or accelerance \
+             (12/13)",
             numerator.quantity, denominator.quantity
         ));
     }
@@ -228,12 +272,17 @@ fn abscissa(axis: &Axis, function_type: i32, warnings: &mut Vec<String>) -> f64 
     let (factor, assumed) = match axis.quantity {
         TIME => (label.and_then(Unit::to_seconds), "s"),
         FREQUENCY => (label.and_then(Unit::to_hertz), "Hz"),
-        _ if function_type == FRF || function_type == COHERENCE => (label.and_then(Unit::to_hertz), "Hz"),
+        _ if function_type == FRF || function_type == COHERENCE => {
+            (label.and_then(Unit::to_hertz), "Hz")
+        }
         _ => return 1.0,
     };
     factor.unwrap_or_else(|| {
         if !axis.unit.is_empty() {
-            warnings.push(format!("abscissa unit `{}` is not understood: {assumed} is assumed", axis.unit));
+            warnings.push(format!(
+                "abscissa unit `{}` is not understood: {assumed} is assumed",
+                axis.unit
+            ));
         }
         1.0
     })
@@ -243,21 +292,40 @@ fn abscissa(axis: &Axis, function_type: i32, warnings: &mut Vec<String>) -> f64 
 mod tests {
     use super::*;
 
-    const MM_N: Units = Units { length: 1000.0, force: 1.0 };
+    const MM_N: Units = Units {
+        length: 1000.0,
+        force: 1.0,
+    };
 
     fn axis(quantity: i32, unit: &str) -> Axis {
-        Axis { quantity, unit: unit.into(), ..Axis::default() }
+        Axis {
+            quantity,
+            unit: unit.into(),
+            ..Axis::default()
+        }
     }
 
     fn read(numerator: Axis, denominator: Axis, units: Option<Units>) -> (Scaling, Vec<String>) {
         let mut warnings = Vec::new();
-        let axes = [axis(FREQUENCY, "Hz"), numerator, denominator, Axis::default()];
-        (scaling(FRF, &axes, [Direction::PLUS_Z; 2], units, &mut warnings), warnings)
+        let axes = [
+            axis(FREQUENCY, "Hz"),
+            numerator,
+            denominator,
+            Axis::default(),
+        ];
+        (
+            scaling(FRF, &axes, [Direction::PLUS_Z; 2], units, &mut warnings),
+            warnings,
+        )
     }
 
     #[test]
     fn codes_give_the_kind() {
-        for (quantity, kind) in [(8, FrfKind::Receptance), (11, FrfKind::Mobility), (12, FrfKind::Accelerance)] {
+        for (quantity, kind) in [
+            (8, FrfKind::Receptance),
+            (11, FrfKind::Mobility),
+            (12, FrfKind::Accelerance),
+        ] {
             let (scaling, warnings) = read(axis(quantity, ""), axis(13, ""), Some(Units::SI));
             assert_eq!((scaling.kind, scaling.scale_to_si), (Some(kind), 1.0));
             assert!(warnings.is_empty(), "{warnings:?}");
@@ -268,27 +336,51 @@ mod tests {
     fn velocity_over_a_volt_label_is_mobility_per_volt() {
         for quantity in [0, 1] {
             let (scaling, warnings) = read(axis(11, "mm/s"), axis(quantity, "mV"), Some(MM_N));
-            assert_eq!((scaling.kind, scaling.reference_unit), (Some(FrfKind::Mobility), ReferenceUnit::Volt));
-            assert!((scaling.scale_to_si - 1.0).abs() < 1e-12, "mm/s per mV is m/s per V");
+            assert_eq!(
+                (scaling.kind, scaling.reference_unit),
+                (Some(FrfKind::Mobility), ReferenceUnit::Volt)
+            );
+            assert!(
+                (scaling.scale_to_si - 1.0).abs() < 1e-12,
+                "mm/s per mV is m/s per V"
+            );
             assert!(warnings.is_empty(), "{warnings:?}");
         }
     }
 
     #[test]
     fn values_are_divided_by_the_factors_of_164() {
-        assert_eq!(read(axis(11, ""), axis(13, ""), Some(MM_N)).0.scale_to_si, 1e-3);
-        let mm_mn = Units { length: 1000.0, force: 1000.0 };
-        assert_eq!(read(axis(11, ""), axis(13, ""), Some(mm_mn)).0.scale_to_si, 1.0);
+        assert_eq!(
+            read(axis(11, ""), axis(13, ""), Some(MM_N)).0.scale_to_si,
+            1e-3
+        );
+        let mm_mn = Units {
+            length: 1000.0,
+            force: 1000.0,
+        };
+        assert_eq!(
+            read(axis(11, ""), axis(13, ""), Some(mm_mn)).0.scale_to_si,
+            1.0
+        );
     }
 
     #[test]
     fn a_unit_only_in_the_label_decides_kind_and_factor() {
         let (scaling, _) = read(axis(1, "(1/N)*(m/s²)"), axis(0, ""), None);
-        assert_eq!((scaling.kind, scaling.scale_to_si), (Some(FrfKind::Accelerance), 1.0));
+        assert_eq!(
+            (scaling.kind, scaling.scale_to_si),
+            (Some(FrfKind::Accelerance), 1.0)
+        );
         let (scaling, _) = read(axis(0, "mm/s/V"), axis(0, ""), None);
-        assert_eq!((scaling.kind, scaling.reference_unit, scaling.scale_to_si), (Some(FrfKind::Mobility), ReferenceUnit::Volt, 1e-3));
+        assert_eq!(
+            (scaling.kind, scaling.reference_unit, scaling.scale_to_si),
+            (Some(FrfKind::Mobility), ReferenceUnit::Volt, 1e-3)
+        );
         let (scaling, _) = read(axis(0, "g"), axis(0, "N"), None);
-        assert_eq!((scaling.kind, scaling.scale_to_si), (Some(FrfKind::Accelerance), 9.80665));
+        assert_eq!(
+            (scaling.kind, scaling.scale_to_si),
+            (Some(FrfKind::Accelerance), 9.80665)
+        );
     }
 
     #[test]
@@ -296,7 +388,10 @@ mod tests {
         for (unit, below) in [("mm/s", "N"), ("mm/s", ""), ("mm/s/N", "")] {
             let (scaling, warnings) = read(axis(11, unit), axis(13, below), Some(Units::SI));
             assert_eq!(scaling.scale_to_si, 1.0);
-            assert!(warnings.len() == 1 && warnings[0].contains("contradicts"), "{unit}: {warnings:?}");
+            assert!(
+                warnings.len() == 1 && warnings[0].contains("contradicts"),
+                "{unit}: {warnings:?}"
+            );
         }
     }
 
@@ -326,22 +421,48 @@ mod tests {
 
     #[test]
     fn exponents_count_for_general_quantities_and_scalars() {
-        let general = Axis { quantity: 1, exponents: [1, 0, 0], ..Axis::default() };
+        let general = Axis {
+            quantity: 1,
+            exponents: [1, 0, 0],
+            ..Axis::default()
+        };
         let mut warnings = Vec::new();
         let axes = [axis(TIME, "s"), general, Axis::default(), Axis::default()];
         let time = scaling(1, &axes, [Direction::PLUS_Z; 2], Some(MM_N), &mut warnings);
         assert_eq!(time.scale_to_si, 1e-3);
-        let absurd = Axis { quantity: 1, exponents: [i32::MAX, i32::MIN, 0], ..Axis::default() };
+        let absurd = Axis {
+            quantity: 1,
+            exponents: [i32::MAX, i32::MIN, 0],
+            ..Axis::default()
+        };
         let axes = [axis(TIME, "s"), absurd, Axis::default(), Axis::default()];
-        assert_eq!(scaling(1, &axes, [Direction::PLUS_Z; 2], Some(MM_N), &mut warnings).scale_to_si, 1.0);
+        assert_eq!(
+            scaling(1, &axes, [Direction::PLUS_Z; 2], Some(MM_N), &mut warnings).scale_to_si,
+            1.0
+        );
     }
 
     #[test]
     fn abscissas_in_kilohertz_and_radians_are_scaled_when_the_unit_says_so() {
         let scale = |unit: &str| {
-            let axes = [axis(FREQUENCY, unit), axis(11, ""), axis(13, ""), Axis::default()];
-            scaling(FRF, &axes, [Direction::PLUS_Z; 2], Some(Units::SI), &mut Vec::new()).abscissa_to_si
+            let axes = [
+                axis(FREQUENCY, unit),
+                axis(11, ""),
+                axis(13, ""),
+                Axis::default(),
+            ];
+            scaling(
+                FRF,
+                &axes,
+                [Direction::PLUS_Z; 2],
+                Some(Units::SI),
+                &mut Vec::new(),
+            )
+            .abscissa_to_si
         };
-        assert_eq!([scale(""), scale("Hz"), scale("kHz"), scale("rad/s")], [1.0, 1.0, 1000.0, 1.0 / std::f64::consts::TAU]);
+        assert_eq!(
+            [scale(""), scale("Hz"), scale("kHz"), scale("rad/s")],
+            [1.0, 1.0, 1000.0, 1.0 / std::f64::consts::TAU]
+        );
     }
 }

@@ -1,7 +1,9 @@
-//! Universal files that are too large to be held: headers are read, data are passed over. Memory is that of the listing.
+//! Universal files that are too large to be held: headers are read, data are passed over.
+//! Memory is that of the listing.
 //!
-//! The payload of a 58b is left out by seeking, as `binary` says where it ends; the lines of a text 58 are only counted. All other
-//! datasets are small, and read as in a file that is held; one that is not small is listed by its name.
+//! The payload of a 58b is left out by seeking, as `binary` says where it ends; the lines
+//! of a text 58 are only counted. All other datasets are small, and read as in a file
+//! that is held; one that is not small is listed by its name.
 
 use super::binary;
 use super::container::{ends_in_header, is_marker, no_number, number_line, HEADER_RECORDS};
@@ -21,22 +23,30 @@ use std::path::Path;
 /// Bytes of a dataset other than 58 that are read; a longer one is listed by its name.
 const LARGEST_DATASET: usize = 16 << 20;
 
-/// Lists a universal file without its values: `functions` and `shapes` of the document stay empty, and so does `sha256`.
+/// Lists a universal file without its values: `functions` and `shapes` of the document
+/// stay empty, and so does `sha256`.
 ///
-/// Lines behind the first binary dataset are counted from its end, as the warnings of the datasets say.
+/// Lines behind the first binary dataset are counted from its end, as the warnings of the
+/// datasets say.
 ///
 /// # Errors
 /// Those of reading, and as [`super::read`].
 pub fn scan(path: &Path, options: &ReadOptions) -> Result<Document> {
-    // the first units hold for what stands before them too: with such, the file is passed over once more
+    // the first units hold for what stands before them too: with such, the file is passed
+    // over once more
     match listed(path, options, Ok(None))? {
         (document, None) => Ok(document),
         (_, Some(first)) => Ok(listed(path, options, first)?.0),
     }
 }
 
-/// The list with the units that are in force at the beginning, and the first units of the file where other datasets stand before them.
-fn listed(path: &Path, options: &ReadOptions, start: UnitsInForce) -> Result<(Document, Option<UnitsInForce>)> {
+/// The list with the units that are in force at the beginning, and the first units of the
+/// file where other datasets stand before them.
+fn listed(
+    path: &Path,
+    options: &ReadOptions,
+    start: UnitsInForce,
+) -> Result<(Document, Option<UnitsInForce>)> {
     let on_read = |error: io::Error| Error::from_read(&error, path);
     let mut datasets = Datasets::open(path).map_err(on_read)?;
     let mut collector = Collector::new(path);
@@ -44,8 +54,14 @@ fn listed(path: &Path, options: &ReadOptions, start: UnitsInForce) -> Result<(Do
     while let Some(passed) = datasets.next_dataset(options.lenient).map_err(on_read)? {
         let block = passed.block();
         if block.number == Some(164) {
-            units = header::read_units(block.records, &mut Vec::new()).map(Some).map_err(|_| ());
-            let others_before = collector.document.datasets.iter().any(|info| info.number != Some(151));
+            units = header::read_units(block.records, &mut Vec::new())
+                .map(Some)
+                .map_err(|_| ());
+            let others_before = collector
+                .document
+                .datasets
+                .iter()
+                .any(|info| info.number != Some(151));
             late = late.or((first && others_before).then_some(units));
             first = false;
         }
@@ -55,7 +71,10 @@ fn listed(path: &Path, options: &ReadOptions, start: UnitsInForce) -> Result<(Do
         collector.add(part);
     }
     collector.document.warnings.append(&mut datasets.warnings);
-    Ok((collector.finish(matches!(units, Ok(Some(Units { .. }))))?, late))
+    Ok((
+        collector.finish(matches!(units, Ok(Some(Units { .. }))))?,
+        late,
+    ))
 }
 
 /// Number and bytes of each dataset, both markers included.
@@ -71,7 +90,11 @@ pub(in crate::io) fn places(path: &Path, lenient: bool) -> Result<Vec<(Option<u3
     }
     let end = std::fs::metadata(path).map_err(on_read)?.len();
     let ends = starts.iter().skip(1).map(|(_, byte)| *byte).chain([end]);
-    Ok(starts.iter().zip(ends).map(|(&(number, start), end)| (number, start..end)).collect())
+    Ok(starts
+        .iter()
+        .zip(ends)
+        .map(|(&(number, start), end)| (number, start..end))
+        .collect())
 }
 
 /// The datasets of a file, one after the other.
@@ -86,7 +109,12 @@ struct Datasets {
 
 impl Datasets {
     fn open(path: &Path) -> io::Result<Self> {
-        Ok(Self { lines: FileLines::open(path)?, after_closing: false, at_number: false, warnings: Vec::new() })
+        Ok(Self {
+            lines: FileLines::open(path)?,
+            after_closing: false,
+            at_number: false,
+            warnings: Vec::new(),
+        })
     }
 
     fn next_line(&mut self) -> io::Result<bool> {
@@ -96,7 +124,9 @@ impl Datasets {
 
     /// The next dataset, its data passed over; `None` at the end of the file.
     fn next_dataset(&mut self, lenient: bool) -> io::Result<Option<Passed>> {
-        let Some((line, byte)) = self.opening()? else { return Ok(None) };
+        let Some((line, byte)) = self.opening()? else {
+            return Ok(None);
+        };
         let number_record = self.lines.text.clone();
         let (number, is_binary) = number_line(&number_record).unzip();
         let mut passed = Passed {
@@ -112,7 +142,10 @@ impl Datasets {
             closed: true,
             warnings: Vec::new(),
         };
-        let record = Record { line: self.lines.line, text: &number_record };
+        let record = Record {
+            line: self.lines.line,
+            text: &number_record,
+        };
         match (number, is_binary) {
             (_, Some(true)) => self.binary_function(record, &mut passed, lenient)?,
             (Some(58), _) => self.text_function(&mut passed, lenient)?,
@@ -140,8 +173,12 @@ impl Datasets {
                 if marker.is_some() {
                     return Ok(marker);
                 }
-                if let Some(byte) = first_behind.filter(|_| number_line(&self.lines.text).is_some()) {
-                    self.warnings.push(format!("line {}: the dataset before this line has no closing -1", self.lines.line - 1));
+                if let Some(byte) = first_behind.filter(|_| number_line(&self.lines.text).is_some())
+                {
+                    self.warnings.push(format!(
+                        "line {}: the dataset before this line has no closing -1",
+                        self.lines.line - 1
+                    ));
                     return Ok(Some((self.lines.line - 1, byte)));
                 }
                 outside.get_or_insert(self.lines.line);
@@ -154,11 +191,15 @@ impl Datasets {
 
     fn note_outside(&mut self, first: &mut Option<u64>) {
         if let Some(first) = first.take() {
-            self.warnings.push(format!("lines {first} to {}: text outside of any dataset is not read", self.lines.line - 1));
+            self.warnings.push(format!(
+                "lines {first} to {}: text outside of any dataset is not read",
+                self.lines.line - 1
+            ));
         }
     }
 
-    /// Reads one more record of a dataset; false where it ends, with its marker or with the file.
+    /// Reads one more record of a dataset; false where it ends, with its marker or with
+    /// the file.
     fn next_record(&mut self, passed: &mut Passed) -> io::Result<bool> {
         passed.closed = self.next_line()?;
         self.after_closing = passed.closed && is_marker(&self.lines.text);
@@ -179,7 +220,10 @@ impl Datasets {
         }
         if passed.too_large {
             passed.records = Vec::new();
-            passed.warnings.push(format!("longer than {} MiB: listed, not looked into", LARGEST_DATASET >> 20));
+            passed.warnings.push(format!(
+                "longer than {} MiB: listed, not looked into",
+                LARGEST_DATASET >> 20
+            ));
         }
         Ok(())
     }
@@ -211,18 +255,32 @@ impl Datasets {
         }
         let Some(layout) = layout else { return Ok(()) };
         let (widths, per_point) = (layout.widths(), layout.numbers_per_point() as u64);
-        let present = if lines > 0 { (lines - 1) * widths.len() as u64 + count_fields(&last, widths) as u64 } else { 0 };
+        let present = if lines > 0 {
+            (lines - 1) * widths.len() as u64 + count_fields(&last, widths) as u64
+        } else {
+            0
+        };
         let declared = layout.count.saturating_mul(per_point);
         if is_cut {
-            passed.warnings.push(format!("lines of {LONGEST_LINE} bytes or more: the number of values was not checked"));
+            passed.warnings.push(format!(
+                "lines of {LONGEST_LINE} bytes or more: the number of values was not checked"
+            ));
         }
         if present == declared || tokens == declared || is_cut {
             passed.values = Some(layout.count);
         } else if lenient {
             passed.values = Some(present.min(declared) / per_point);
-            passed.warnings.push(format!("the header declares {} values, the data hold {}", layout.count, present / per_point));
+            passed.warnings.push(format!(
+                "the header declares {} values, the data hold {}",
+                layout.count,
+                present / per_point
+            ));
         } else {
-            passed.fault = Some(counts_disagree(first_line, layout.count, present / per_point));
+            passed.fault = Some(counts_disagree(
+                first_line,
+                layout.count,
+                present / per_point,
+            ));
         }
         Ok(())
     }
@@ -231,7 +289,12 @@ impl Datasets {
         Record7::read(self.lines.record(), &mut Vec::new())
     }
 
-    fn binary_function(&mut self, number: Record<'_>, passed: &mut Passed, lenient: bool) -> io::Result<()> {
+    fn binary_function(
+        &mut self,
+        number: Record<'_>,
+        passed: &mut Passed,
+        lenient: bool,
+    ) -> io::Result<()> {
         let identifier = match binary::Identifier::read(number, &mut passed.warnings) {
             Ok(identifier) => identifier,
             Err(error) => {
@@ -242,7 +305,11 @@ impl Datasets {
         let mut record7 = Vec::new();
         for k in 1..=identifier.header_lines {
             if !self.next_record(passed)? {
-                passed.fault = Some(ends_in_header(self.lines.line, k - 1, identifier.header_lines));
+                passed.fault = Some(ends_in_header(
+                    self.lines.line,
+                    k - 1,
+                    identifier.header_lines,
+                ));
                 return Ok(());
             }
             if k == 7 {
@@ -252,9 +319,19 @@ impl Datasets {
                 self.keep(passed);
             }
         }
-        let record7 = Record { line: number.line + 7, text: &record7 };
+        let record7 = Record {
+            line: number.line + 7,
+            text: &record7,
+        };
         let (rest, at) = self.lines.rest();
-        match binary::locate(&rest, at, identifier, record7, lenient, &mut passed.warnings) {
+        match binary::locate(
+            &rest,
+            at,
+            identifier,
+            record7,
+            lenient,
+            &mut passed.warnings,
+        ) {
             Ok(landed) => {
                 passed.values = Some(landed.length / landed.form.point_bytes() as u64);
                 self.after_closing = true;
@@ -268,7 +345,8 @@ impl Datasets {
         }
     }
 
-    /// Goes on to the next marker with a dataset number behind it. Only used where no length fits, to list what follows.
+    /// Goes on to the next marker with a dataset number behind it. Only used where no
+    /// length fits, to list what follows.
     fn go_on_behind_damage(&mut self) -> io::Result<()> {
         let mut after_marker = false;
         while self.next_line()? {

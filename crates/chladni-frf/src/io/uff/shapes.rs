@@ -8,7 +8,8 @@
 //! | reals, 6E13.5 | as many as stated: by analysis | twelve: time, frequency, eigenvalue, mass, ζ, η, Re λ, Im λ, A, B |
 //! | per node | I10 node; 6E13.5 values, complex as pairs | the same |
 //!
-//! A node that is left out is at rest in 55 and has no value in 2414. What stands before the values is read in `shape_head`.
+//! A node that is left out is at rest in 55 and has no value in 2414. What stands before
+//! the values is read in `shape_head`.
 
 use super::fields::{numbers, whole, Record};
 use super::header::Units;
@@ -23,7 +24,8 @@ use std::collections::HashSet;
 /// Reads dataset 55 or 2414; `None` for data of 2414 that do not stand at nodes.
 ///
 /// # Errors
-/// A record that is missing, a field that is no number, a node without all its values or that stands twice.
+/// A record that is missing, a field that is no number, a node without all its values or
+/// that stands twice.
 pub(super) fn read<'a>(
     number: u32,
     line: u64,
@@ -31,8 +33,20 @@ pub(super) fn read<'a>(
     units: Option<Units>,
     warnings: &mut Vec<String>,
 ) -> Result<Option<Shape>> {
-    let mut reader = Reader { records, last_line: line, warnings };
-    let Head { shape, components, at_nodes } = if number == 55 { reader.head_of_55()? } else { reader.head_of_2414()? };
+    let mut reader = Reader {
+        records,
+        last_line: line,
+        warnings,
+    };
+    let Head {
+        shape,
+        components,
+        at_nodes,
+    } = if number == 55 {
+        reader.head_of_55()?
+    } else {
+        reader.head_of_2414()?
+    };
     if !at_nodes {
         return Ok(None);
     }
@@ -43,25 +57,40 @@ pub(super) fn read<'a>(
     Ok(Some(shape))
 }
 
-/// Shapes of modes have a scaling of their own; everything that moves in metres is turned into metres.
+/// Shapes of modes have a scaling of their own; everything that moves in metres is turned
+/// into metres.
 fn scale(shape: &Shape, units: Option<Units>, warnings: &mut Vec<String>) -> f64 {
-    let moves = [DISPLACEMENT, VELOCITY, ACCELERATION].iter().any(|&code| i64::from(code) == shape.quantity);
-    let Some(units) = units.filter(|units| !units.is_si()) else { return 1.0 };
+    let moves = [DISPLACEMENT, VELOCITY, ACCELERATION]
+        .iter()
+        .any(|&code| i64::from(code) == shape.quantity);
+    let Some(units) = units.filter(|units| !units.is_si()) else {
+        return 1.0;
+    };
     if shape.analysis.is_mode() {
-        warnings.push("the shape of a mode has a scaling of its own: values are kept as in the file, not turned into SI".into());
+        warnings.push(
+            "the shape of a mode has a scaling of its own: values are kept as in the \
+                       file, not turned into SI"
+                .into(),
+        );
         return 1.0;
     }
     match moves {
         true if shape.values.ncols() <= 3 => 1.0 / units.factor([1, 0]),
         _ => {
-            warnings.push("units of these values are not turned into SI: they are kept as in the file".into());
+            warnings.push(
+                "units of these values are not turned into SI: they are kept as in the file".into(),
+            );
             1.0
         }
     }
 }
 
 /// The values node by node, to the end of the dataset.
-fn read_values<'a>(reader: &mut Reader<'_, impl Iterator<Item = Record<'a>>>, shape: &mut Shape, components: usize) -> Result<()> {
+fn read_values<'a>(
+    reader: &mut Reader<'_, impl Iterator<Item = Record<'a>>>,
+    shape: &mut Shape,
+    components: usize,
+) -> Result<()> {
     let per_node = components * if shape.complex { 2 } else { 1 };
     let mut flat = Vec::new();
     let mut seen = HashSet::new();
@@ -83,15 +112,21 @@ fn read_values<'a>(reader: &mut Reader<'_, impl Iterator<Item = Record<'a>>>, sh
         while flat.len() - start < per_node {
             let record = reader.next(&format!("values of node {node}"))?;
             let left = per_node - (flat.len() - start);
-            flat.extend_from_slice(&numbers(record, SIX_REALS, reader.warnings)?[..left.min(SIX_REALS.len())]);
+            flat.extend_from_slice(
+                &numbers(record, SIX_REALS, reader.warnings)?[..left.min(SIX_REALS.len())],
+            );
         }
         shape.nodes.push(node);
     }
     let values: Vec<Complex64> = match shape.complex {
-        true => flat.chunks_exact(2).map(|pair| Complex64::new(pair[0], pair[1])).collect(),
+        true => flat
+            .chunks_exact(2)
+            .map(|pair| Complex64::new(pair[0], pair[1]))
+            .collect(),
         false => flat.into_iter().map(Complex64::from).collect(),
     };
-    shape.values = Array2::from_shape_vec((shape.nodes.len(), components), values).expect("every node has all its values");
+    shape.values = Array2::from_shape_vec((shape.nodes.len(), components), values)
+        .expect("every node has all its values");
     Ok(())
 }
 
@@ -99,9 +134,16 @@ fn read_values<'a>(reader: &mut Reader<'_, impl Iterator<Item = Record<'a>>>, sh
 fn node_label(record: Record<'_>, warnings: &mut Vec<String>) -> Result<u64> {
     let [value] = numbers(record, [("node", 10)], warnings)?;
     let number = whole(record, "node", value)?;
-    u64::try_from(number).ok().filter(|&node| node > 0).ok_or_else(|| {
-        Error::bad_data("a node label must be positive").at_line(record.line).field("node").found(number).expected("1 or more")
-    })
+    u64::try_from(number)
+        .ok()
+        .filter(|&node| node > 0)
+        .ok_or_else(|| {
+            Error::bad_data("a node label must be positive")
+                .at_line(record.line)
+                .field("node")
+                .found(number)
+                .expected("1 or more")
+        })
 }
 
 #[cfg(test)]
@@ -110,48 +152,116 @@ mod tests {
     use std::f64::consts::TAU;
 
     fn read_text(number: u32, text: &str) -> Result<Option<Shape>> {
-        read(number, 1, text.lines().zip(1..).map(|(text, line)| Record { line, text: text.as_bytes() }), None, &mut Vec::new())
+        read(
+            number,
+            1,
+            text.lines().zip(1..).map(|(text, line)| Record {
+                line,
+                text: text.as_bytes(),
+            }),
+            None,
+            &mut Vec::new(),
+        )
     }
 
     const IDS: &str = "NONE\nNONE\nNONE\nNONE\n";
-    const ZEROS: &str = "  0.00000E+00  0.00000E+00  0.00000E+00  0.00000E+00  0.00000E+00  0.00000E+00\n";
+    const ZEROS: &str =
+        "  0.00000E+00  0.00000E+00  0.00000E+00  0.00000E+00  0.00000E+00  0.00000E+00\n";
 
     #[test]
     fn a_normal_mode_of_55_has_frequency_damping_and_values() {
-        let types = "         1         2         2         8         2         3\n         2         4         1         7\n";
+        let types = "         1         2         2         8         2         3\n         \
+                     2         4         1         7\n";
         let reals = "  1.00000e+01  2.00000e+00  5.00000e-03  0.00000e+00\n";
-        let values = "         5\n  1.00000E+00 -2.00000E+00  3.00000E+00\n        12\n  0.00000E+00  0.00000E+00 -1.50000E+00\n";
-        let shape = read_text(55, &format!("{IDS}       101         3        11        13\n{types}{reals}{values}")).unwrap().unwrap();
-        assert_eq!((shape.frequency_hz(), shape.damping_ratio()), (Some(10.0), Some(0.005)));
-        assert_eq!((shape.numbers.modal_mass, shape.numbers.load_case, shape.numbers.number), (2.0, 1, 7));
+        let values = "         5\n  1.00000E+00 -2.00000E+00  3.00000E+00\n        12\n  \
+                      0.00000E+00  0.00000E+00 -1.50000E+00\n";
+        let shape = read_text(
+            55,
+            &format!("{IDS}       101         3        11        13\n{types}{reals}{values}"),
+        )
+        .unwrap()
+        .unwrap();
+        assert_eq!(
+            (shape.frequency_hz(), shape.damping_ratio()),
+            (Some(10.0), Some(0.005))
+        );
+        assert_eq!(
+            (
+                shape.numbers.modal_mass,
+                shape.numbers.load_case,
+                shape.numbers.number
+            ),
+            (2.0, 1, 7)
+        );
         assert_eq!(shape.reference.unwrap().to_string(), "101:+Z");
         assert_eq!(shape.nodes, [5, 12]);
-        assert_eq!(shape.values, ndarray::array![[1.0, -2.0, 3.0], [0.0, 0.0, -1.5]].mapv(Complex64::from));
+        assert_eq!(
+            shape.values,
+            ndarray::array![[1.0, -2.0, 3.0], [0.0, 0.0, -1.5]].mapv(Complex64::from)
+        );
     }
 
     #[test]
     fn a_complex_mode_of_55_gives_the_undamped_frequency() {
-        let types = "         1         3         2         8         5         3\n         2         6         1         1\n";
-        let reals = " -3.00000e+00  4.00000e+00  0.00000e+00  0.00000e+00  0.00000e+00  0.00000e+00\n";
-        let node = "         1\n  1.00000E+00  2.00000E+00  3.00000E+00  4.00000E+00  5.00000E+00  6.00000E+00\n";
-        let shape = read_text(55, &format!("{IDS}NONE\n{types}{reals}{node}")).unwrap().unwrap();
-        assert_eq!((shape.frequency_hz(), shape.damping_ratio()), (Some(5.0 / TAU), Some(0.6)));
+        let types = "         1         3         2         8         5         3\n         \
+                     2         6         1         1\n";
+        let reals =
+            " -3.00000e+00  4.00000e+00  0.00000e+00  0.00000e+00  0.00000e+00  0.00000e+00\n";
+        let node =
+            "         1\n  1.00000E+00  2.00000E+00  3.00000E+00  4.00000E+00  5.00000E+00  \
+                    6.00000E+00\n";
+        let shape = read_text(55, &format!("{IDS}NONE\n{types}{reals}{node}"))
+            .unwrap()
+            .unwrap();
+        assert_eq!(
+            (shape.frequency_hz(), shape.damping_ratio()),
+            (Some(5.0 / TAU), Some(0.6))
+        );
         assert_eq!(shape.values[[0, 2]], Complex64::new(5.0, 6.0));
     }
 
     #[test]
     fn modes_of_2414_are_read() {
         let head = format!("         1\nMode 1\n         1\n{IDS}NONE\n");
-        let integers = "         1         0         1         0         2         3         0         0\n         0         0\n";
-        let normal = "  0.00000E+00  2.50000E+01  0.00000E+00  1.00000E+00  0.00000E+00  2.00000E-02\n";
-        let types = |analysis: i32| format!("         1{analysis:10}         3         8         2         6\n");
-        let node = "         9\n  1.00000E+00  2.00000E+00  3.00000E+00  4.00000E+00  5.00000E+00  6.00000E+00\n";
-        let shape = read_text(2414, &format!("{head}{}{integers}{normal}{ZEROS}{node}", types(2))).unwrap().unwrap();
-        assert_eq!((shape.frequency_hz(), shape.damping_ratio()), (Some(25.0), Some(0.01)));
-        assert_eq!((shape.numbers.load_case, shape.numbers.number, shape.values[[0, 5]].re), (2, 3, 6.0));
+        let integers = "         1         0         1         0         2         3         \
+                        0         0\n         0         0\n";
+        let normal =
+            "  0.00000E+00  2.50000E+01  0.00000E+00  1.00000E+00  0.00000E+00  2.00000E-02\n";
+        let types = |analysis: i32| {
+            format!("         1{analysis:10}         3         8         2         6\n")
+        };
+        let node =
+            "         9\n  1.00000E+00  2.00000E+00  3.00000E+00  4.00000E+00  5.00000E+00  \
+                    6.00000E+00\n";
+        let shape = read_text(
+            2414,
+            &format!("{head}{}{integers}{normal}{ZEROS}{node}", types(2)),
+        )
+        .unwrap()
+        .unwrap();
+        assert_eq!(
+            (shape.frequency_hz(), shape.damping_ratio()),
+            (Some(25.0), Some(0.01))
+        );
+        assert_eq!(
+            (
+                shape.numbers.load_case,
+                shape.numbers.number,
+                shape.values[[0, 5]].re
+            ),
+            (2, 3, 6.0)
+        );
         let lambda = " -6.00000E+00  8.00000E+00\n";
-        let shape = read_text(2414, &format!("{head}{}{integers}{ZEROS}{lambda}", types(3))).unwrap().unwrap();
-        assert_eq!((shape.frequency_hz(), shape.damping_ratio()), (Some(10.0 / TAU), Some(0.6)));
+        let shape = read_text(
+            2414,
+            &format!("{head}{}{integers}{ZEROS}{lambda}", types(3)),
+        )
+        .unwrap()
+        .unwrap();
+        assert_eq!(
+            (shape.frequency_hz(), shape.damping_ratio()),
+            (Some(10.0 / TAU), Some(0.6))
+        );
     }
 
     #[test]
@@ -160,7 +270,14 @@ mod tests {
         let types = "         1         1         4         2         2         6\n";
         let integers = "         1\n         0\n";
         let element = "         7         2         6\n  1.0 1.0 1.0 1.0 1.0 1.0\n";
-        assert_eq!(read_text(2414, &format!("{head}{types}{integers}{ZEROS}{ZEROS}{element}")).unwrap(), None);
+        assert_eq!(
+            read_text(
+                2414,
+                &format!("{head}{types}{integers}{ZEROS}{ZEROS}{element}")
+            )
+            .unwrap(),
+            None
+        );
     }
 
     #[test]
@@ -168,19 +285,32 @@ mod tests {
         assert!(read_text(55, "NONE\nNONE\n").is_err());
         assert!(read_text(2414, "").is_err());
         let head = format!(
-            "{IDS}NONE\n         1         2         2         8         2         3\n         2         4         1         7\n{ZEROS}"
+            "{IDS}NONE\n         1         2         2         8         2         3\n         \
+             2         4         1         7\n{ZEROS}"
         );
         let values = "  1.00000E+00 -2.00000E+00  3.00000E+00\n";
-        assert!(read_text(55, &format!("{head}         5\n")).unwrap_err().to_string().contains("values of node 5"));
-        let twice = read_text(55, &format!("{head}         5\n{values}         5\n{values}")).unwrap_err().to_string();
-        assert!(twice.contains("stands twice") && twice.contains("line 11"), "{twice}");
+        assert!(read_text(55, &format!("{head}         5\n"))
+            .unwrap_err()
+            .to_string()
+            .contains("values of node 5"));
+        let twice = read_text(
+            55,
+            &format!("{head}         5\n{values}         5\n{values}"),
+        )
+        .unwrap_err()
+        .to_string();
+        assert!(
+            twice.contains("stands twice") && twice.contains("line 11"),
+            "{twice}"
+        );
     }
 
     #[test]
     fn impossible_counts_are_refused_and_never_allocated() {
-        for types in
-            ["         1         2         2         8         2 999999999", "         1         2         2         8         9         3"]
-        {
+        for types in [
+            "         1         2         2         8         2 999999999",
+            "         1         2         2         8         9         3",
+        ] {
             assert!(read_text(55, &format!("{IDS}NONE\n{types}\n")).is_err());
         }
         let types = "         1         2         2         8         2         3\n";

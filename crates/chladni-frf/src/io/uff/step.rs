@@ -1,8 +1,10 @@
-//! The precision trap of dataset 58: start and step of an even axis carry six printed digits.
+//! The precision trap of dataset 58: start and step of an even axis carry six printed
+//! digits.
 //!
-//! 2.44140625 Hz is stored as 2.44141, which puts line 6399 off by 0.024 Hz: enough to bias the damping of a sharp mode.
-//! Axes of real instruments are not arbitrary, though: a step is a sampling rate over a power of two, or one over a whole
-//! number of seconds. Where exactly one such number hides behind the printed digits, it is the candidate.
+//! 2.44140625 Hz is stored as 2.44141, which puts line 6399 off by 0.024 Hz: enough to
+//! bias the damping of a sharp mode. Axes of real instruments are not arbitrary, though:
+//! a step is a sampling rate over a power of two, or one over a whole number of seconds.
+//! Where exactly one such number hides behind the printed digits, it is the candidate.
 
 /// A number as printed, with what its digits leave open.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,15 +21,43 @@ pub(super) struct Printed {
 impl Printed {
     /// Reads the digits of `text`, whose value is known to be `value`.
     pub(super) fn new(text: &[u8], value: f64) -> Self {
-        let mantissa = text.trim_ascii().strip_prefix(b"-").unwrap_or(text.trim_ascii());
-        let length = mantissa.iter().position(|c| !(c.is_ascii_digit() || *c == b'.')).unwrap_or(mantissa.len());
+        let mantissa = text
+            .trim_ascii()
+            .strip_prefix(b"-")
+            .unwrap_or(text.trim_ascii());
+        let length = mantissa
+            .iter()
+            .position(|c| !(c.is_ascii_digit() || *c == b'.'))
+            .unwrap_or(mantissa.len());
         let mantissa = &mantissa[..length];
-        let significant: Vec<u8> = mantissa.iter().copied().filter(u8::is_ascii_digit).skip_while(|&c| c == b'0').take(40).collect();
+        let significant: Vec<u8> = mantissa
+            .iter()
+            .copied()
+            .filter(u8::is_ascii_digit)
+            .skip_while(|&c| c == b'0')
+            .take(40)
+            .collect();
         let digits = significant.len();
-        let digits_used = significant.iter().rposition(|&c| c != b'0').map_or(0, |k| k + 1);
-        let leading = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
-        let half_unit = if digits == 0 { 0.0 } else { 0.5 * 10f64.powf(leading - (digits as f64 - 1.0)) };
-        Self { value, half_unit, digits_used, digits }
+        let digits_used = significant
+            .iter()
+            .rposition(|&c| c != b'0')
+            .map_or(0, |k| k + 1);
+        let leading = if value == 0.0 {
+            0.0
+        } else {
+            value.abs().log10().floor()
+        };
+        let half_unit = if digits == 0 {
+            0.0
+        } else {
+            0.5 * 10f64.powf(leading - (digits as f64 - 1.0))
+        };
+        Self {
+            value,
+            half_unit,
+            digits_used,
+            digits,
+        }
     }
 
     /// True where `exact` prints as these digits.
@@ -35,7 +65,8 @@ impl Printed {
         (exact - self.value).abs() <= self.half_unit * (1.0 + ROUNDING)
     }
 
-    /// The exact step that the digits may stand for, where it differs from their own value.
+    /// The exact step that the digits may stand for, where it differs from their own
+    /// value.
     pub(super) fn candidate(&self) -> Option<f64> {
         let written_out = self.digits_used + 2 <= self.digits || self.digits >= EXACT_DIGITS;
         if written_out {
@@ -45,20 +76,24 @@ impl Printed {
     }
 }
 
-/// Slack for the rounding of decimal fractions, relative to half a unit of the last digit.
+/// Slack for the rounding of decimal fractions, relative to half a unit of the last
+/// digit.
 const ROUNDING: f64 = 1e-6;
-/// From this many digits on the axis is exact enough: at 10⁶ lines it is off by less than 10⁻⁴ of a line.
+/// From this many digits on the axis is exact enough: at 10⁶ lines it is off by less than
+/// 10⁻⁴ of a line.
 const EXACT_DIGITS: usize = 10;
-/// Longest record in whole seconds that a step of 1/T is believed to come from. Ten times more would let one number in
-/// twenty pass by chance.
+/// Longest record in whole seconds that a step of 1/T is believed to come from. Ten times
+/// more would let one number in twenty pass by chance.
 const LONGEST_RECORD_S: f64 = 1000.0;
-/// Factors of sampling rates beside powers of two and five: 44.1 kHz has 441, 48 kHz has 3; the others are multiples
-/// m·f_s/2^k. The list stays short because every entry adds a chance match of about 10⁻⁴.
+/// Factors of sampling rates beside powers of two and five: 44.1 kHz has 441, 48 kHz has
+/// 3; the others are multiples m·f_s/2^k. The list stays short because every entry adds a
+/// chance match of about 10⁻⁴.
 const RATE_FACTORS: [f64; 9] = [1.0, 3.0, 5.0, 7.0, 9.0, 11.0, 13.0, 15.0, 441.0];
 /// Largest power of five in a sampling rate: 10⁸ samples per second.
 const LARGEST_POWER_OF_FIVE: i32 = 8;
 
-/// The exact number within `half_unit` of `value` that a sampling rate or a record length explains.
+/// The exact number within `half_unit` of `value` that a sampling rate or a record length
+/// explains.
 ///
 /// f_s·m/2^k with f_s = 2^a·5^b·m, its inverse (time steps), or 1/T.
 pub(super) fn candidate(value: f64, half_unit: f64) -> Option<f64> {
@@ -84,8 +119,8 @@ pub(super) fn candidate(value: f64, half_unit: f64) -> Option<f64> {
     None
 }
 
-/// The exact even axis (start, step) behind printed abscissa values of six digits; `None` where the values are no such
-/// axis, or already exact.
+/// The exact even axis (start, step) behind printed abscissa values of six digits; `None`
+/// where the values are no such axis, or already exact.
 pub(super) fn even_behind(values: &[f64], tagged_step: Option<f64>) -> Option<(f64, f64)> {
     let (&first, &last) = (values.first()?, values.last()?);
     let intervals = values.len().checked_sub(1).filter(|&n| n >= 2)? as f64;
@@ -126,7 +161,9 @@ fn half_unit_of_six_digits(value: f64) -> f64 {
 
 /// The number after `key` in an ID line: `df=2.44140625`.
 pub(super) fn tagged(id_line: &str, key: &str) -> Option<f64> {
-    let word = id_line.split_whitespace().find_map(|word| word.strip_prefix(key))?;
+    let word = id_line
+        .split_whitespace()
+        .find_map(|word| word.strip_prefix(key))?;
     word.parse().ok().filter(|value: &f64| value.is_finite())
 }
 
@@ -151,27 +188,48 @@ mod tests {
         ] {
             let printed = printed(text);
             assert!(printed.agrees(exact), "{text}");
-            assert_eq!(printed.candidate().unwrap_or(printed.value), exact, "{text}");
+            assert_eq!(
+                printed.candidate().unwrap_or(printed.value),
+                exact,
+                "{text}"
+            );
         }
     }
 
     #[test]
     fn steps_that_are_exact_as_printed_have_no_candidate() {
-        for text in ["1.00000E-01", "5.00000E-01", "3.12500E-01", "1.00000E+00", "1.23000E+00", "0.0", "1.234567890123E+00"] {
+        for text in [
+            "1.00000E-01",
+            "5.00000E-01",
+            "3.12500E-01",
+            "1.00000E+00",
+            "1.23000E+00",
+            "0.0",
+            "1.234567890123E+00",
+        ] {
             assert_eq!(printed(text).candidate(), None, "{text}");
         }
     }
 
     #[test]
     fn arbitrary_steps_have_no_candidate() {
-        let by_chance = (0..1000).filter(|k| printed(&format!("{:.5e}", 1.0 + f64::from(*k) * 0.0089137)).candidate().is_some()).count();
+        let by_chance = (0..1000)
+            .filter(|k| {
+                printed(&format!("{:.5e}", 1.0 + f64::from(*k) * 0.0089137))
+                    .candidate()
+                    .is_some()
+            })
+            .count();
         assert!(by_chance <= 5, "{by_chance} of 1000");
     }
 
     #[test]
     fn an_uneven_axis_of_printed_multiples_is_recognised() {
         let exact: Vec<f64> = (0..6400).map(|k| 2.44140625 * f64::from(k)).collect();
-        let printed: Vec<f64> = exact.iter().map(|x| format!("{x:.5e}").parse().unwrap()).collect();
+        let printed: Vec<f64> = exact
+            .iter()
+            .map(|x| format!("{x:.5e}").parse().unwrap())
+            .collect();
         assert_eq!(even_behind(&printed, None), Some((0.0, 2.44140625)));
         assert_eq!(even_behind(&exact, None), None, "already exact");
         let uneven: Vec<f64> = (0..100).map(|k| f64::from(k * k)).collect();

@@ -1,4 +1,5 @@
-//! The lines of a file that is not held in memory, and a look at what stands behind a place in it.
+//! The lines of a file that is not held in memory, and a look at what stands behind a
+//! place in it.
 
 use super::binary::Rest;
 use super::fields::Record;
@@ -32,7 +33,15 @@ impl FileLines {
         let file = File::open(path)?;
         let length = file.metadata()?.len();
         let input = BufReader::with_capacity(1 << 16, file);
-        let mut lines = Self { input, length, at: 0, line_at: 0, line: 0, counted_from: 0, text: Vec::with_capacity(LONGEST_LINE) };
+        let mut lines = Self {
+            input,
+            length,
+            at: 0,
+            line_at: 0,
+            line: 0,
+            counted_from: 0,
+            text: Vec::with_capacity(LONGEST_LINE),
+        };
         if lines.input.fill_buf()?.starts_with(b"\xef\xbb\xbf") {
             lines.input.consume(3);
             lines.at = 3;
@@ -75,12 +84,22 @@ impl FileLines {
 
     /// The last line as a record of its dataset.
     pub fn record(&self) -> Record<'_> {
-        Record { line: self.line, text: &self.text }
+        Record {
+            line: self.line,
+            text: &self.text,
+        }
     }
 
     /// What stands behind the last line, and its offset in the file.
     pub fn rest(&self) -> (FileRest<'_>, u64) {
-        (FileRest { file: self.input.get_ref(), from: self.at, length: self.length - self.at.min(self.length) }, self.at)
+        (
+            FileRest {
+                file: self.input.get_ref(),
+                from: self.at,
+                length: self.length - self.at.min(self.length),
+            },
+            self.at,
+        )
     }
 
     /// Goes on `count` bytes behind the last line, counting lines anew from there.

@@ -19,19 +19,42 @@ pub(super) fn frf(set: &FrfSet, response: usize, reference: usize) -> Option<Fun
         Ordinate::Real32(_) | Ordinate::Real64(_) => false,
     };
     let dofs = [set.responses[response], set.references[reference]];
-    let axes = [frequency_axis(), response_axis(set.kind, dofs[0]), reference_axis(set, dofs[1]), Axis::default()];
+    let axes = [
+        frequency_axis(),
+        response_axis(set.kind, dofs[0]),
+        reference_axis(set, dofs[1]),
+        Axis::default(),
+    ];
     measured.then(|| function(set, FRF, dofs, axes, ordinate))
 }
 
 /// Coherence of a pair; `None` where it was not measured.
 pub(super) fn coherence(set: &FrfSet, response: usize, reference: usize) -> Option<Function> {
-    let values = set.coherence.as_ref()?.slice(ndarray::s![response, reference, ..]).to_vec();
+    let values = set
+        .coherence
+        .as_ref()?
+        .slice(ndarray::s![response, reference, ..])
+        .to_vec();
     let dofs = [set.responses[response], set.references[reference]];
-    let axes = [frequency_axis(), Axis::default(), Axis::default(), Axis::default()];
-    values.iter().any(|v| !v.is_nan()).then(|| function(set, COHERENCE, dofs, axes, Ordinate::Real32(values)))
+    let axes = [
+        frequency_axis(),
+        Axis::default(),
+        Axis::default(),
+        Axis::default(),
+    ];
+    values
+        .iter()
+        .any(|v| !v.is_nan())
+        .then(|| function(set, COHERENCE, dofs, axes, Ordinate::Real32(values)))
 }
 
-fn function(set: &FrfSet, function_type: i32, [response, reference]: [Dof; 2], axes: [Axis; 4], ordinate: Ordinate) -> Function {
+fn function(
+    set: &FrfSet,
+    function_type: i32,
+    [response, reference]: [Dof; 2],
+    axes: [Axis; 4],
+    ordinate: Ordinate,
+) -> Function {
     Function {
         function_type,
         id_lines: Default::default(),
@@ -39,7 +62,10 @@ fn function(set: &FrfSet, function_type: i32, [response, reference]: [Dof; 2], a
         entity_names: Default::default(),
         response,
         reference,
-        abscissa: Abscissa::Even { start: 0.0, step: 1.0 },
+        abscissa: Abscissa::Even {
+            start: 0.0,
+            step: 1.0,
+        },
         z: 0.0,
         axes,
         ordinate,
@@ -53,24 +79,50 @@ fn function(set: &FrfSet, function_type: i32, [response, reference]: [Dof; 2], a
 }
 
 fn frequency_axis() -> Axis {
-    Axis { quantity: FREQUENCY, exponents: [0; 3], label: "Frequency".into(), unit: "Hz".into() }
+    Axis {
+        quantity: FREQUENCY,
+        exponents: [0; 3],
+        label: "Frequency".into(),
+        unit: "Hz".into(),
+    }
 }
 
 fn response_axis(kind: Option<FrfKind>, dof: Dof) -> Axis {
-    let Some(kind) = kind else { return Axis::default() };
+    let Some(kind) = kind else {
+        return Axis::default();
+    };
     let (label, translation, rotation) = match kind {
         FrfKind::Receptance => ("Displacement", "m", "rad"),
         FrfKind::Mobility => ("Velocity", "m/s", "rad/s"),
         FrfKind::Accelerance => ("Acceleration", "m/s^2", "rad/s^2"),
     };
-    with_exponents(motion_code(kind), label, if is_rotation(dof) { rotation } else { translation }, dof)
+    with_exponents(
+        motion_code(kind),
+        label,
+        if is_rotation(dof) {
+            rotation
+        } else {
+            translation
+        },
+        dof,
+    )
 }
 
 fn reference_axis(set: &FrfSet, dof: Dof) -> Axis {
     match (set.reference_unit, set.kind) {
-        (ReferenceUnit::Newton, Some(_)) => with_exponents(EXCITATION_FORCE, "Force", if is_rotation(dof) { "N*m" } else { "N" }, dof),
+        (ReferenceUnit::Newton, Some(_)) => with_exponents(
+            EXCITATION_FORCE,
+            "Force",
+            if is_rotation(dof) { "N*m" } else { "N" },
+            dof,
+        ),
         (ReferenceUnit::Newton, None) => Axis::default(),
-        (ReferenceUnit::Volt, _) => Axis { quantity: 1, exponents: [0; 3], label: "Voltage".into(), unit: "V".into() },
+        (ReferenceUnit::Volt, _) => Axis {
+            quantity: 1,
+            exponents: [0; 3],
+            label: "Voltage".into(),
+            unit: "V".into(),
+        },
     }
 }
 
@@ -79,9 +131,17 @@ fn is_rotation(dof: Dof) -> bool {
 }
 
 fn with_exponents(quantity: i32, label: &str, unit: &str, dof: Dof) -> Axis {
-    let axis = Axis { quantity, exponents: [0; 3], label: label.into(), unit: unit.into() };
+    let axis = Axis {
+        quantity,
+        exponents: [0; 3],
+        label: label.into(),
+        unit: unit.into(),
+    };
     let [length, force] = exponents(&axis, dof.direction).unwrap_or([0, 0]);
-    Axis { exponents: [length, force, 0], ..axis }
+    Axis {
+        exponents: [length, force, 0],
+        ..axis
+    }
 }
 
 /// The function with its values and abscissa in SI, as dataset 164 of our files says.
@@ -96,7 +156,9 @@ pub(super) fn in_si(function: &Function) -> Cow<'_, Function> {
         match &mut scaled.ordinate {
             Ordinate::Real32(values) => values.iter_mut().for_each(|y| *y = single(*y)),
             Ordinate::Real64(values) => values.iter_mut().for_each(|y| *y *= scale),
-            Ordinate::Complex32(values) => values.iter_mut().for_each(|y| *y = num_complex::Complex32::new(single(y.re), single(y.im))),
+            Ordinate::Complex32(values) => values
+                .iter_mut()
+                .for_each(|y| *y = num_complex::Complex32::new(single(y.re), single(y.im))),
             Ordinate::Complex64(values) => values.iter_mut().for_each(|y| *y *= scale),
         }
         si_labels(&mut scaled);
@@ -121,7 +183,8 @@ fn si_labels(function: &mut Function) {
         // codes that do not say the kind: the numerator's label carries the whole ratio
         Some(kind)
             if numerator.quantity != motion_code(kind)
-                || (denominator.quantity != EXCITATION_FORCE && function.reference_unit == ReferenceUnit::Newton) =>
+                || (denominator.quantity != EXCITATION_FORCE
+                    && function.reference_unit == ReferenceUnit::Newton) =>
         {
             numerator.unit = kind.unit(function.reference_unit);
             denominator.unit.clear();

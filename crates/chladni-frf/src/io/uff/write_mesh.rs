@@ -34,11 +34,15 @@ pub(super) fn write_nodes(sink: &mut dyn Write, geometry: &Geometry, old: bool) 
     sink.write_all(b"    -1\n")
 }
 
-/// Lines as trace lines, a dataset each; triangles and quadrilaterals as thin shells; faces with more corners as closed trace
-/// lines, because no element has as many.
+/// Lines as trace lines, a dataset each; triangles and quadrilaterals as thin shells;
+/// faces with more corners as closed trace lines, because no element has as many.
 pub(super) fn write_mesh(sink: &mut dyn Write, geometry: &Geometry) -> io::Result<()> {
     let is_shell = |face: &&Vec<u64>| matches!(face.len(), 3 | 4);
-    let closed = geometry.faces.iter().filter(|face| !is_shell(face)).map(|face| face.iter().chain(face.first()).copied().collect());
+    let closed = geometry
+        .faces
+        .iter()
+        .filter(|face| !is_shell(face))
+        .map(|face| face.iter().chain(face.first()).copied().collect());
     let lines = geometry.lines.iter().cloned().chain(closed);
     let mut number = 0;
     for line in lines {
@@ -47,7 +51,11 @@ pub(super) fn write_mesh(sink: &mut dyn Write, geometry: &Geometry) -> io::Resul
             // parts of a long line share a node
             let end = (start + MOST_TRACE_LABELS).min(line.len());
             number += 1;
-            writeln!(sink, "    -1\n    82\n{number:10}{:10}{LINE_COLOUR:10}\nNONE", end - start)?;
+            writeln!(
+                sink,
+                "    -1\n    82\n{number:10}{:10}{LINE_COLOUR:10}\nNONE",
+                end - start
+            )?;
             write_labels(sink, &line[start..end])?;
             sink.write_all(b"    -1\n")?;
             start = end - 1;
@@ -59,8 +67,19 @@ pub(super) fn write_mesh(sink: &mut dyn Write, geometry: &Geometry) -> io::Resul
     }
     sink.write_all(b"    -1\n  2412\n")?;
     for (k, face) in shells.into_iter().enumerate() {
-        let descriptor = if face.len() == 3 { TRIANGLE } else { QUADRILATERAL };
-        writeln!(sink, "{:10}{descriptor:10}{:10}{:10}{LINE_COLOUR:10}{:10}", k + 1, 1, 1, face.len())?;
+        let descriptor = if face.len() == 3 {
+            TRIANGLE
+        } else {
+            QUADRILATERAL
+        };
+        writeln!(
+            sink,
+            "{:10}{descriptor:10}{:10}{:10}{LINE_COLOUR:10}{:10}",
+            k + 1,
+            1,
+            1,
+            face.len()
+        )?;
         write_labels(sink, face)?;
     }
     sink.write_all(b"    -1\n")
@@ -68,12 +87,18 @@ pub(super) fn write_mesh(sink: &mut dyn Write, geometry: &Geometry) -> io::Resul
 
 /// Faces that no element holds.
 pub(super) fn faces_as_lines(geometry: &Geometry) -> usize {
-    geometry.faces.iter().filter(|face| !matches!(face.len(), 3 | 4)).count()
+    geometry
+        .faces
+        .iter()
+        .filter(|face| !matches!(face.len(), 3 | 4))
+        .count()
 }
 
 fn write_labels(sink: &mut dyn Write, labels: &[u64]) -> io::Result<()> {
     for labels in labels.chunks(LABELS_PER_LINE) {
-        labels.iter().try_for_each(|label| write!(sink, "{label:10}"))?;
+        labels
+            .iter()
+            .try_for_each(|label| write!(sink, "{label:10}"))?;
         sink.write_all(b"\n")?;
     }
     Ok(())

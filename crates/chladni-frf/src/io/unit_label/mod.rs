@@ -1,8 +1,9 @@
-//! Unit labels as people write them, `m/s/N`, `(m/s)/N`, `m/(s·N)`, `mm/s/V`, `m/s²`, `g/N`: what they measure, and their
-//! factor to SI.
+//! Unit labels as people write them, `m/s/N`, `(m/s)/N`, `m/(s·N)`, `mm/s/V`, `m/s²`,
+//! `g/N`: what they measure, and their factor to SI.
 //!
-//! A label is a product of powers of known units. Division associates to the left, as engineers write it: `m/s/N` is
-//! (m/s)/N. What is not understood gives `None`; nothing is guessed.
+//! A label is a product of powers of known units. Division associates to the left, as
+//! engineers write it: `m/s/N` is (m/s)/N. What is not understood gives `None`; nothing
+//! is guessed.
 
 mod parser;
 
@@ -20,7 +21,10 @@ pub(super) struct Unit {
     pub powers: [i32; 6],
 }
 
-const ONE: Unit = Unit { factor: 1.0, powers: [0; 6] };
+const ONE: Unit = Unit {
+    factor: 1.0,
+    powers: [0; 6],
+};
 /// g_n of ISO 80000-3, m/s².
 const STANDARD_GRAVITY: f64 = 9.80665;
 /// Pound-force: 0.45359237 kg · g_n, N.
@@ -35,28 +39,40 @@ pub(super) struct FrfUnit {
     pub to_si: f64,
 }
 
-/// Kind, reference and scale of an FRF's unit label; `None` where it is no motion per newton or volt.
+/// Kind, reference and scale of an FRF's unit label; `None` where it is no motion per
+/// newton or volt.
 pub(super) fn frf_unit(label: &str) -> Option<FrfUnit> {
     let unit = parse(label)?;
     let (kind, reference) = unit.frf_kind()?;
-    Some(FrfUnit { kind, reference, to_si: unit.factor })
+    Some(FrfUnit {
+        kind,
+        reference,
+        to_si: unit.factor,
+    })
 }
 
-/// Factor from the unit of a frequency axis to Hz; `None` where the label is no frequency.
+/// Factor from the unit of a frequency axis to Hz; `None` where the label is no
+/// frequency.
 pub(super) fn frequency_unit(label: &str) -> Option<f64> {
     parse(label)?.to_hertz()
 }
 
 impl Unit {
     fn power(self, exponent: i32) -> Self {
-        Self { factor: self.factor.powi(exponent), powers: self.powers.map(|p| p.saturating_mul(exponent)) }
+        Self {
+            factor: self.factor.powi(exponent),
+            powers: self.powers.map(|p| p.saturating_mul(exponent)),
+        }
     }
     fn times(self, other: Self) -> Self {
         let mut powers = self.powers;
         for (power, more) in powers.iter_mut().zip(other.powers) {
             *power = power.saturating_add(more);
         }
-        Self { factor: self.factor * other.factor, powers }
+        Self {
+            factor: self.factor * other.factor,
+            powers,
+        }
     }
     /// This unit per `other`.
     pub(super) fn per(self, other: Self) -> Self {
@@ -95,7 +111,8 @@ impl Unit {
     }
 }
 
-/// A unit by its name; capitals of old files (`M/S**2`) are read where they cannot be mistaken.
+/// A unit by its name; capitals of old files (`M/S**2`) are read where they cannot be
+/// mistaken.
 fn named(name: &str) -> Option<Unit> {
     let unit = |factor, powers| Some(Unit { factor, powers });
     match name {
@@ -168,13 +185,24 @@ mod tests {
         ] {
             let unit = frf_unit(label).unwrap_or_else(|| panic!("{label}"));
             assert_eq!((unit.kind, unit.reference), (kind, reference), "{label}");
-            assert!((unit.to_si / factor - 1.0).abs() < 1e-12, "{label}: {}", unit.to_si);
+            assert!(
+                (unit.to_si / factor - 1.0).abs() < 1e-12,
+                "{label}: {}",
+                unit.to_si
+            );
         }
     }
 
     #[test]
     fn motions_alone_have_a_factor_and_no_kind() {
-        for (label, factor) in [("m/s", 1.0), ("m/s^2", 1.0), ("m/s2", 1.0), ("m/s²", 1.0), ("g", 9.80665), ("in/s²", 0.0254)] {
+        for (label, factor) in [
+            ("m/s", 1.0),
+            ("m/s^2", 1.0),
+            ("m/s2", 1.0),
+            ("m/s²", 1.0),
+            ("g", 9.80665),
+            ("in/s²", 0.0254),
+        ] {
             let unit = parse(label).unwrap();
             assert_eq!(unit.frf_kind(), None, "{label}");
             assert!((unit.factor / factor - 1.0).abs() < 1e-12, "{label}");
@@ -203,9 +231,22 @@ mod tests {
 
     #[test]
     fn what_is_not_understood_is_none() {
-        for label in
-            ["", "furlong", "m/", "/s", "(m/s", "m)", "m^", "m^x", "m s^99", "((((((((((m/N))))))))))", "m**", "²", "[m/s", "m^/N/"]
-        {
+        for label in [
+            "",
+            "furlong",
+            "m/",
+            "/s",
+            "(m/s",
+            "m)",
+            "m^",
+            "m^x",
+            "m s^99",
+            "((((((((((m/N))))))))))",
+            "m**",
+            "²",
+            "[m/s",
+            "m^/N/",
+        ] {
             assert_eq!(parse(label), None, "{label}");
         }
     }

@@ -9,8 +9,8 @@ const LONGEST_LABEL: usize = 80;
 /// Parentheses nested more deeply stand in no unit.
 const MAX_DEPTH: usize = 8;
 
-/// The unit that a label names; `None` for an empty label or one that is not understood. Brackets of any kind are
-/// parentheses.
+/// The unit that a label names; `None` for an empty label or one that is not understood.
+/// Brackets of any kind are parentheses.
 pub(in crate::io) fn parse(label: &str) -> Option<Unit> {
     let text = label.trim();
     if text.is_empty() || text.len() > LONGEST_LABEL {
@@ -21,8 +21,15 @@ pub(in crate::io) fn parse(label: &str) -> Option<Unit> {
         ']' | '}' => ')',
         other => other,
     };
-    let chars: Vec<char> = text.chars().filter(|c| !c.is_control()).map(plain).collect();
-    let mut parser = Parser { chars: &chars, at: 0 };
+    let chars: Vec<char> = text
+        .chars()
+        .filter(|c| !c.is_control())
+        .map(plain)
+        .collect();
+    let mut parser = Parser {
+        chars: &chars,
+        at: 0,
+    };
     let unit = parser.product(0)?;
     (parser.at == chars.len() && unit.factor.is_finite() && unit.factor > 0.0).then_some(unit)
 }
@@ -81,7 +88,9 @@ impl Parser<'_> {
             }
             _ => {
                 let start = self.at;
-                while self.peek().is_some_and(|c| (c.is_alphabetic() && superscript(c).is_none()) || matches!(c, '"' | '°')) {
+                while self.peek().is_some_and(|c| {
+                    (c.is_alphabetic() && superscript(c).is_none()) || matches!(c, '"' | '°')
+                }) {
                     self.at += 1;
                 }
                 named(&self.chars[start..self.at].iter().collect::<String>())?
@@ -103,7 +112,11 @@ impl Parser<'_> {
         self.at += usize::from(parenthesis);
         let mut sign = 1;
         if let Some(c @ ('-' | '+' | '⁻')) = self.peek() {
-            if self.chars.get(self.at + 1).is_some_and(|&next| next.is_ascii_digit() || superscript(next).is_some()) {
+            if self
+                .chars
+                .get(self.at + 1)
+                .is_some_and(|&next| next.is_ascii_digit() || superscript(next).is_some())
+            {
                 sign = if c == '+' { 1 } else { -1 };
                 self.at += 1;
             }

@@ -20,7 +20,9 @@ fn sample(name: &str) -> Option<Vec<u8>> {
 
 #[test]
 fn a_measured_beam_is_read() {
-    let Some(bytes) = sample("pyuff-beam/beam.uff") else { return };
+    let Some(bytes) = sample("pyuff-beam/beam.uff") else {
+        return;
+    };
     let started = std::time::Instant::now();
     let document = read_with(&bytes, &options());
     println!("beam.uff: {} bytes in {:?}", bytes.len(), started.elapsed());
@@ -29,35 +31,69 @@ fn a_measured_beam_is_read() {
     assert_eq!(numbers, [151, 164, 2420, 2411, 58, 58, 58]);
     assert_eq!(document.geometry.nodes.len(), 10);
     for (k, function) in document.functions.iter().enumerate() {
-        assert_eq!((function.kind, function.scale_to_si), (Some(FrfKind::Accelerance), 1.0));
-        assert_eq!((function.response.node, function.reference.to_string()), (k as u64 + 1, "21:+X".to_string()));
+        assert_eq!(
+            (function.kind, function.scale_to_si),
+            (Some(FrfKind::Accelerance), 1.0)
+        );
+        assert_eq!(
+            (function.response.node, function.reference.to_string()),
+            (k as u64 + 1, "21:+X".to_string())
+        );
         assert_eq!(function.ordinate.len(), 64000);
         assert_eq!(function.abscissa.values(64000)[63999], 6399.9);
         assert_eq!(function.warnings, Vec::<String>::new());
     }
-    let Ordinate::Complex64(values) = &document.functions[2].ordinate else { panic!() };
-    assert_eq!(values[63999], Complex64::new(-1.96455290343e-03, -2.13040254619e-03));
+    let Ordinate::Complex64(values) = &document.functions[2].ordinate else {
+        panic!()
+    };
+    assert_eq!(
+        values[63999],
+        Complex64::new(-1.96455290343e-03, -2.13040254619e-03)
+    );
 }
 
 #[test]
 fn small_samples_of_other_programs_are_read() {
-    let Some(bytes) = sample("pyuff-uff-samples/heat_engine_housing.uff") else { return };
+    let Some(bytes) = sample("pyuff-uff-samples/heat_engine_housing.uff") else {
+        return;
+    };
     let document = read_with(bytes, &options());
     assert_eq!(document.errors, []);
-    assert_eq!(document.geometry.nodes[0].xyz_m[0], -1.711755676269531e+02 / 1000.0);
-    let Some(bytes) = sample("pyuff-uff-samples/uff55_translation.uff") else { return };
+    assert_eq!(
+        document.geometry.nodes[0].xyz_m[0],
+        -1.711755676269531e+02 / 1000.0
+    );
+    let Some(bytes) = sample("pyuff-uff-samples/uff55_translation.uff") else {
+        return;
+    };
     let document = read_with(bytes, &options());
     let frequencies: Vec<_> = document.datasets.iter().map(|d| d.frequency_hz).collect();
     assert_eq!(frequencies, [Some(10.0), Some(12.0), Some(13.0)]);
-    let Some(bytes) = sample("pyuff-uff-samples/mesh_test_uff2412_mixed.uff") else { return };
+    let Some(bytes) = sample("pyuff-uff-samples/mesh_test_uff2412_mixed.uff") else {
+        return;
+    };
     let document = read_with(bytes, &options());
-    assert_eq!((document.errors.len(), document.geometry.nodes.len()), (0, 5));
+    assert_eq!(
+        (document.errors.len(), document.geometry.nodes.len()),
+        (0, 5)
+    );
 }
 
 fn small_file(binary: bool) -> Vec<u8> {
     let set = example_set(vec![1.0, 2.0, 3.0]);
     let mut bytes = Vec::new();
-    write(&mut bytes, &Contents { frf: Some(set), ..Contents::default() }, WriteOptions { binary, ..WriteOptions::default() }).unwrap();
+    write(
+        &mut bytes,
+        &Contents {
+            frf: Some(set),
+            ..Contents::default()
+        },
+        WriteOptions {
+            binary,
+            ..WriteOptions::default()
+        },
+    )
+    .unwrap();
     bytes
 }
 
@@ -109,7 +145,8 @@ proptest! {
     fn any_double_survives_the_binary_form(values in prop::collection::vec(any::<f64>().prop_filter("finite", |v| v.is_finite()), 2..40)) {
         let mut payload = values;
         payload.truncate(payload.len() / 2 * 2);
-        let record_7 = format!("         6{:10}         1  1.00000E+00  5.00000E-01  0.00000E+00", payload.len() / 2);
+        let record_7 = format!("         6{:10}         1  1.00000E+00  5.00000E-01  \
+                                0.00000E+00", payload.len() / 2);
         let document = read_with(binary_58(&identifier(1, 8 * payload.len()), &record_7, &le64(&payload), "    -1\n"), &options());
         let pairs = payload.chunks(2).map(|p| Complex64::new(p[0], p[1])).collect();
         prop_assert_eq!(&document.functions[0].ordinate, &Ordinate::Complex64(pairs));

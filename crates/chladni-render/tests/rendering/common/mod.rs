@@ -11,7 +11,8 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use std::path::Path;
 use std::sync::OnceLock;
 
-/// 77 responses, 34 actuators, exact modes; made once per test program. Few lines: the tests need only some of them.
+/// 77 responses, 34 actuators, exact modes; made once per test program. Few lines: the
+/// tests need only some of them.
 pub fn panel() -> &'static Simulation {
     static PANEL: OnceLock<Simulation> = OnceLock::new();
     PANEL.get_or_init(|| {
@@ -34,7 +35,8 @@ pub fn actuators_m() -> Vec<[f64; 2]> {
 /// A scene on cells of the whole panel.
 pub fn cell_scene(grid: [usize; 2], hot: usize, rest: &str) -> Scene {
     let text = format!(
-        "frequency_hz = 300.0\n[zones]\ngrid = [{}, {}]\nhot = [{hot}]\ncells_m = [0.0, 0.0, 0.268, 0.170]\n{rest}",
+        "frequency_hz = 300.0\n[zones]\ngrid = [{}, {}]\nhot = [{hot}]\ncells_m = [0.0, 0.0, \
+         0.268, 0.170]\n{rest}",
         grid[0], grid[1]
     );
     Scene::parse(&text, Path::new("")).unwrap()
@@ -56,9 +58,19 @@ pub struct Errors {
 }
 
 /// What a fit to 40 dB data leaves: together some 0.4 % of the mobility at 300 Hz.
-pub const FIT_40_DB: Errors = Errors { frequency: 2e-5, loss_factor: 2e-3, shape: 3e-3, residual: 2e-3 };
+pub const FIT_40_DB: Errors = Errors {
+    frequency: 2e-5,
+    loss_factor: 2e-3,
+    shape: 3e-3,
+    residual: 2e-3,
+};
 /// The drift of the study: a panel some kelvin warmer.
-pub const DRIFT: Errors = Errors { frequency: 1e-3, loss_factor: 0.1, shape: 0.0, residual: 0.0 };
+pub const DRIFT: Errors = Errors {
+    frequency: 1e-3,
+    loss_factor: 0.1,
+    shape: 0.0,
+    residual: 0.0,
+};
 
 /// `model` with random errors of its in-band modes, which its standard deviations state.
 pub fn disturbed(model: &ModalModel, errors: Errors, seed: u64) -> ModalModel {
@@ -66,20 +78,31 @@ pub fn disturbed(model: &ModalModel, errors: Errors, seed: u64) -> ModalModel {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = move || -> f64 { StandardNormal.sample(&mut rng) };
     let mut model = model.clone();
-    let circular = |size: f64, normal: &mut dyn FnMut() -> f64| Complex64::new(normal(), normal()) * (size * FRAC_1_SQRT_2);
+    let circular = |size: f64, normal: &mut dyn FnMut() -> f64| {
+        Complex64::new(normal(), normal()) * (size * FRAC_1_SQRT_2)
+    };
     for mode in model.modes.iter_mut().filter(|mode| mode.in_band) {
         mode.frequency_std_hz = errors.frequency * mode.frequency_hz;
         mode.frequency_hz *= 1.0 + errors.frequency * normal();
         mode.loss_factor_std = errors.loss_factor * mode.loss_factor;
         mode.loss_factor *= 1.0 + errors.loss_factor * normal();
-        mode.shape_std = mode.shape.0.iter().map(|value| errors.shape * value.norm()).collect();
+        mode.shape_std = mode
+            .shape
+            .0
+            .iter()
+            .map(|value| errors.shape * value.norm())
+            .collect();
         for value in mode.shape.0.iter_mut().chain(&mut mode.participation.0) {
             *value += circular(errors.shape * value.norm(), &mut normal);
         }
     }
     let receptance = model.frf_matrix(FrfKind::Receptance, 300.0);
-    let rms = (receptance.iter().map(Complex64::norm_sqr).sum::<f64>() / receptance.len() as f64).sqrt();
+    let rms =
+        (receptance.iter().map(Complex64::norm_sqr).sum::<f64>() / receptance.len() as f64).sqrt();
     let residual = receptance.mapv(|_| circular(errors.residual * rms, &mut normal));
-    model.residual_terms.terms.push(ResidualTerm { power: 0, matrix: ComplexMatrix(residual) });
+    model.residual_terms.terms.push(ResidualTerm {
+        power: 0,
+        matrix: ComplexMatrix(residual),
+    });
     model
 }

@@ -25,11 +25,23 @@ pub fn fitted(frf: &FrfSet, options: &FitOptions) -> ModalModel {
     fit(frf, options, &|_| {}).expect("a fit").model
 }
 
-/// True modes that no mode of the model matches within half a bandwidth, and modes of the model that match no true one.
-pub fn missed_and_spurious<'a>(truth: &'a ModalModel, model: &'a ModalModel) -> (Vec<&'a Mode>, Vec<&'a Mode>) {
-    let near = |a: &Mode, b: &Mode| (a.frequency_hz - b.frequency_hz).abs() < 0.5 * b.frequency_hz * b.loss_factor;
-    let missed = truth.in_band_modes().filter(|t| !model.in_band_modes().any(|m| near(m, t))).collect();
-    let spurious = model.in_band_modes().filter(|m| !truth.in_band_modes().any(|t| near(m, t))).collect();
+/// True modes that no mode of the model matches within half a bandwidth, and modes of the
+/// model that match no true one.
+pub fn missed_and_spurious<'a>(
+    truth: &'a ModalModel,
+    model: &'a ModalModel,
+) -> (Vec<&'a Mode>, Vec<&'a Mode>) {
+    let near = |a: &Mode, b: &Mode| {
+        (a.frequency_hz - b.frequency_hz).abs() < 0.5 * b.frequency_hz * b.loss_factor
+    };
+    let missed = truth
+        .in_band_modes()
+        .filter(|t| !model.in_band_modes().any(|m| near(m, t)))
+        .collect();
+    let spurious = model
+        .in_band_modes()
+        .filter(|m| !truth.in_band_modes().any(|t| near(m, t)))
+        .collect();
     (missed, spurious)
 }
 

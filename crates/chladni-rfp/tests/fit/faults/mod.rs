@@ -33,18 +33,35 @@ fn spoil(frf: &mut FrfSet, change: impl Fn(usize, usize, f64, Complex64) -> Comp
     }
 }
 
-/// How many true modes are missed, how many modes are spurious, and how many of these are `sure`.
+/// How many true modes are missed, how many modes are spurious, and how many of these are
+/// `sure`.
 fn missed_spurious_false(truth: &ModalModel, model: &ModalModel) -> (usize, usize, usize) {
     let (missed, spurious) = crate::common::missed_and_spurious(truth, model);
-    (missed.len(), spurious.len(), spurious.iter().filter(|m| m.trust == Trust::Sure).count())
+    (
+        missed.len(),
+        spurious.len(),
+        spurious.iter().filter(|m| m.trust == Trust::Sure).count(),
+    )
 }
 
 /// Largest relative frequency error over all true modes.
 fn worst_frequency(truth: &ModalModel, model: &ModalModel) -> f64 {
-    let nearest = |f: f64| model.in_band_modes().map(|m| (m.frequency_hz / f - 1.0).abs()).fold(f64::MAX, f64::min);
-    truth.in_band_modes().map(|t| nearest(t.frequency_hz)).fold(0.0, f64::max)
+    let nearest = |f: f64| {
+        model
+            .in_band_modes()
+            .map(|m| (m.frequency_hz / f - 1.0).abs())
+            .fold(f64::MAX, f64::min)
+    };
+    truth
+        .in_band_modes()
+        .map(|t| nearest(t.frequency_hz))
+        .fold(0.0, f64::max)
 }
 
 fn says(model: &ModalModel, words: &str) -> bool {
-    model.quality.warnings.iter().any(|warning| warning.contains(words))
+    model
+        .quality
+        .warnings
+        .iter()
+        .any(|warning| warning.contains(words))
 }

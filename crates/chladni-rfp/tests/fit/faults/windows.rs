@@ -14,34 +14,66 @@ const RATE_HZ: f64 = 512.0;
 /// Averages; the leakage error of the mean falls with their root.
 const RECORDS: usize = 1500;
 /// (Hz, ζ): 2.4, 3.3, 5.1 and 9.2 lines per bandwidth.
-const MODES: [(f64, f64); 4] = [(60.0, 0.01), (110.0, 0.0075), (170.0, 0.0075), (230.0, 0.01)];
+const MODES: [(f64, f64); 4] = [
+    (60.0, 0.01),
+    (110.0, 0.0075),
+    (170.0, 0.0075),
+    (230.0, 0.01),
+];
 const RESPONSES: usize = 3;
 
 fn pole((frequency_hz, zeta): (f64, f64)) -> Complex64 {
     TAU * frequency_hz * Complex64::new(-zeta, (1.0 - zeta * zeta).sqrt())
 }
 
-/// H1 of three velocities under white random force: the structure runs on, records are cut out of it and windowed. The force acts
-/// during the first `acting` of each record (1: all the time).
+/// H1 of three velocities under white random force: the structure runs on, records are
+/// cut out of it and windowed. The force acts during the first `acting` of each record
+/// (1: all the time).
 fn random_test(window: Window, acting: f64, seed: u64) -> FrfSet {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut gauss = || -> f64 { (0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0 };
-    let shapes = [[1.0, 0.8, -0.7, 0.9], [0.6, -1.0, 0.5, 0.7], [-0.8, 0.3, 1.0, -0.5]];
+    let shapes = [
+        [1.0, 0.8, -0.7, 0.9],
+        [0.6, -1.0, 0.5, 0.7],
+        [-0.8, 0.3, 1.0, -0.5],
+    ];
     let step: Vec<Complex64> = MODES.iter().map(|&m| (pole(m) / RATE_HZ).exp()).collect();
-    let taper: Vec<f64> =
-        (0..RECORD).map(|m| if window == Window::Hann { 0.5 - 0.5 * (TAU * m as f64 / RECORD as f64).cos() } else { 1.0 }).collect();
+    let taper: Vec<f64> = (0..RECORD)
+        .map(|m| {
+            if window == Window::Hann {
+                0.5 - 0.5 * (TAU * m as f64 / RECORD as f64).cos()
+            } else {
+                1.0
+            }
+        })
+        .collect();
     let fft = FftPlanner::new().plan_fft_forward(RECORD);
     let lines = RECORD / 2 + 1;
     let mut state = [Complex64::default(); MODES.len()];
-    let (mut cross, mut force) = (vec![vec![Complex64::default(); lines]; RESPONSES], vec![0.0; lines]);
+    let (mut cross, mut force) = (
+        vec![vec![Complex64::default(); lines]; RESPONSES],
+        vec![0.0; lines],
+    );
     for record in 0..RECORDS + 4 {
         let mut channels = vec![vec![Complex64::default(); RECORD]; RESPONSES + 1];
         for m in 0..RECORD {
-            let x = if m as f64 <= acting * RECORD as f64 { gauss() } else { 0.0 };
+            let x = if m as f64 <= acting * RECORD as f64 {
+                gauss()
+            } else {
+                0.0
+            };
             channels[RESPONSES][m] = Complex64::new(x * taper[m], 0.0);
-            state.iter_mut().zip(&step).for_each(|(z, step)| *z = *z * step + x);
+            state
+                .iter_mut()
+                .zip(&step)
+                .for_each(|(z, step)| *z = *z * step + x);
             for (i, shape) in shapes.iter().enumerate() {
-                let y: f64 = state.iter().zip(shape).zip(&shapes[0]).map(|((z, a), b)| a * b * z.re).sum();
+                let y: f64 = state
+                    .iter()
+                    .zip(shape)
+                    .zip(&shapes[0])
+                    .map(|((z, a), b)| a * b * z.re)
+                    .sum();
                 channels[i][m] = Complex64::new(y * taper[m], 0.0);
             }
         }
@@ -51,13 +83,20 @@ fn random_test(window: Window, acting: f64, seed: u64) -> FrfSet {
         channels.iter_mut().for_each(|channel| fft.process(channel));
         for k in 0..lines {
             force[k] += channels[RESPONSES][k].norm_sqr();
-            (0..RESPONSES).for_each(|i| cross[i][k] += channels[i][k] * channels[RESPONSES][k].conj());
+            (0..RESPONSES)
+                .for_each(|i| cross[i][k] += channels[i][k] * channels[RESPONSES][k].conj());
         }
     }
     FrfSet {
-        frequency_hz: (0..lines).map(|k| k as f64 * RATE_HZ / RECORD as f64).collect(),
-        values: FrfValues::F64(Array3::from_shape_fn((RESPONSES, 1, lines), |(i, _, k)| cross[i][k] / (force[k] * RATE_HZ))),
-        responses: (1..=RESPONSES).map(|node| format!("{node}:+Z").parse().unwrap()).collect(),
+        frequency_hz: (0..lines)
+            .map(|k| k as f64 * RATE_HZ / RECORD as f64)
+            .collect(),
+        values: FrfValues::F64(Array3::from_shape_fn((RESPONSES, 1, lines), |(i, _, k)| {
+            cross[i][k] / (force[k] * RATE_HZ)
+        })),
+        responses: (1..=RESPONSES)
+            .map(|node| format!("{node}:+Z").parse().unwrap())
+            .collect(),
         references: vec!["1:+Z".parse().unwrap()],
         kind: Some(FrfKind::Mobility),
         reference_unit: ReferenceUnit::Newton,
@@ -71,27 +110,58 @@ fn random_test(window: Window, acting: f64, seed: u64) -> FrfSet {
 fn damping_ratios(model: &ModalModel) -> Vec<f64> {
     let nearest = |f: f64| {
         let off = |m: &&Mode| (m.frequency_hz - f).abs();
-        model.in_band_modes().min_by(|a, b| off(a).total_cmp(&off(b))).expect("a mode")
+        model
+            .in_band_modes()
+            .min_by(|a, b| off(a).total_cmp(&off(b)))
+            .expect("a mode")
     };
-    MODES.iter().map(|&(f, zeta)| nearest(f).damping_ratio / zeta).collect()
+    MODES
+        .iter()
+        .map(|&(f, zeta)| nearest(f).damping_ratio / zeta)
+        .collect()
 }
 
 #[test]
 fn the_bias_of_a_known_window_is_undone() {
     for (window, at_least) in [(Window::Rectangular, 1.09), (Window::Hann, 1.09)] {
         let frf = random_test(window, 1.0, 41);
-        let options = |window| FitOptions { band_hz: Some([20.0, 250.0]), window, ..FitOptions::default() };
+        let options = |window| FitOptions {
+            band_hz: Some([20.0, 250.0]),
+            window,
+            ..FitOptions::default()
+        };
         let biased = fitted_with(&frf, &options(None));
         let before = damping_ratios(&biased);
         assert!(before[0] > at_least, "{window}: {before:?}");
-        assert!(says(&biased, "1/(πb)") && says(&biased, "--window"), "{:?}", biased.quality.warnings);
-        // the lines themselves tell a Hann window; a rectangular one bends the decay too little to be told at 2.4 lines per bandwidth
-        let other = if window == Window::Hann { Window::Rectangular } else { Window::Hann };
-        assert_eq!(says(&biased, "those of a hann window"), window == Window::Hann, "{:?}", biased.quality.warnings);
-        assert!(!says(&biased, &format!("those of a {other} window")), "{:?}", biased.quality.warnings);
+        assert!(
+            says(&biased, "1/(πb)") && says(&biased, "--window"),
+            "{:?}",
+            biased.quality.warnings
+        );
+        // the lines themselves tell a Hann window; a rectangular one bends the decay too
+        // little to be told at 2.4 lines per bandwidth
+        let other = if window == Window::Hann {
+            Window::Rectangular
+        } else {
+            Window::Hann
+        };
+        assert_eq!(
+            says(&biased, "those of a hann window"),
+            window == Window::Hann,
+            "{:?}",
+            biased.quality.warnings
+        );
+        assert!(
+            !says(&biased, &format!("those of a {other} window")),
+            "{:?}",
+            biased.quality.warnings
+        );
         let cured = fitted_with(&frf, &options(Some(window)));
         let after = damping_ratios(&cured);
-        assert!(after.iter().all(|r| (r - 1.0).abs() < 0.04), "{window}: {after:?} instead of {before:?}");
+        assert!(
+            after.iter().all(|r| (r - 1.0).abs() < 0.04),
+            "{window}: {after:?} instead of {before:?}"
+        );
         assert!(!says(&cured, "1/(πb)"));
     }
 }
@@ -99,64 +169,129 @@ fn the_bias_of_a_known_window_is_undone() {
 #[test]
 fn a_burst_has_no_bias() {
     let frf = random_test(Window::Rectangular, 0.5, 46);
-    let model = fitted_with(&frf, &FitOptions { band_hz: Some([20.0, 250.0]), window: Some(Window::None), ..FitOptions::default() });
+    let model = fitted_with(
+        &frf,
+        &FitOptions {
+            band_hz: Some([20.0, 250.0]),
+            window: Some(Window::None),
+            ..FitOptions::default()
+        },
+    );
     let ratios = damping_ratios(&model);
-    assert!(ratios.iter().all(|r| (0.98..1.05).contains(r)), "{ratios:?}");
-    let known = |f: f64| MODES.iter().any(|&(mode, zeta)| (f - mode).abs() < 2.0 * zeta * mode);
-    let false_sure: Vec<f64> =
-        model.in_band_modes().filter(|m| m.trust == Trust::Sure).map(|m| m.frequency_hz).filter(|&f| !known(f)).collect();
+    assert!(
+        ratios.iter().all(|r| (0.98..1.05).contains(r)),
+        "{ratios:?}"
+    );
+    let known = |f: f64| {
+        MODES
+            .iter()
+            .any(|&(mode, zeta)| (f - mode).abs() < 2.0 * zeta * mode)
+    };
+    let false_sure: Vec<f64> = model
+        .in_band_modes()
+        .filter(|m| m.trust == Trust::Sure)
+        .map(|m| m.frequency_hz)
+        .filter(|&f| !known(f))
+        .collect();
     assert!(false_sure.is_empty(), "{false_sure:?}");
-    assert!(model.quality.trusted && !says(&model, "1/(πb)"), "{:?}", model.quality);
+    assert!(
+        model.quality.trusted && !says(&model, "1/(πb)"),
+        "{:?}",
+        model.quality
+    );
     // nobody said that it was a burst: the lines must not speak of a window
-    let unsaid = fitted_with(&frf, &FitOptions { band_hz: Some([20.0, 250.0]), ..FitOptions::default() });
-    assert!(!says(&unsaid, "those of a"), "{:?}", unsaid.quality.warnings);
+    let unsaid = fitted_with(
+        &frf,
+        &FitOptions {
+            band_hz: Some([20.0, 250.0]),
+            ..FitOptions::default()
+        },
+    );
+    assert!(
+        !says(&unsaid, "those of a"),
+        "{:?}",
+        unsaid.quality.warnings
+    );
 }
 
 #[test]
 fn a_window_is_undone_on_whole_records_only() {
-    let options = FitOptions { window: Some(Window::Hann), ..FitOptions::default() };
+    let options = FitOptions {
+        window: Some(Window::Hann),
+        ..FitOptions::default()
+    };
     let set = easy(40.0, 42).build().unwrap(); // begins at 20 Hz
-    assert!(matches!(fit(&set.frf, &options, &|_| {}), Err(FitError::WindowAxis { .. })));
-    let none = FitOptions { window: Some(Window::None), ..FitOptions::default() };
+    assert!(matches!(
+        fit(&set.frf, &options, &|_| {}),
+        Err(FitError::WindowAxis { .. })
+    ));
+    let none = FitOptions {
+        window: Some(Window::None),
+        ..FitOptions::default()
+    };
     assert_eq!(fitted_with(&set.frf, &none).modes, fitted(&set.frf).modes);
 }
 
 #[test]
 fn an_exponential_window_comes_off_the_pole() {
-    let viscous = Synthetic { damping: Damping::Viscous, ..easy(f64::INFINITY, 43) };
+    let viscous = Synthetic {
+        damping: Damping::Viscous,
+        ..easy(f64::INFINITY, 43)
+    };
     let structural = easy(f64::INFINITY, 43);
     // twice the decay of the lowest mode: its damping is tripled by the window
     let alpha = 2.0;
     for synthetic in [viscous, structural] {
         for kind in [FrfKind::Receptance, FrfKind::Mobility, FrfKind::Accelerance] {
-            let synthetic = Synthetic { kind, ..synthetic.clone() };
+            let synthetic = Synthetic {
+                kind,
+                ..synthetic.clone()
+            };
             let set = synthetic.build().unwrap();
             let mut windowed = set.frf.clone();
             let measured = values(&mut windowed);
             for (k, f) in set.frf.frequency_hz.iter().enumerate() {
-                measured.slice_mut(ndarray::s![.., .., k]).assign(&at(&set.truth, Complex64::new(alpha, TAU * f)));
+                measured
+                    .slice_mut(ndarray::s![.., .., k])
+                    .assign(&at(&set.truth, Complex64::new(alpha, TAU * f)));
             }
             chladni_plate::add_white_noise(values(&mut windowed), 60.0, 44).unwrap();
-            let options = FitOptions { exponential_window_per_s: Some(alpha), damping: Some(set.truth.damping), ..FitOptions::default() };
+            let options = FitOptions {
+                exponential_window_per_s: Some(alpha),
+                damping: Some(set.truth.damping),
+                ..FitOptions::default()
+            };
             let model = fitted_with(&windowed, &options);
-            assert_eq!(missed_spurious_false(&set.truth, &model), (0, 0, 0), "{:?}", model.quality);
+            assert_eq!(
+                missed_spurious_false(&set.truth, &model),
+                (0, 0, 0),
+                "{:?}",
+                model.quality
+            );
             for (mode, truth) in model.in_band_modes().zip(set.truth.in_band_modes()) {
                 let what = format!("{kind} {:?} {} Hz", model.damping, truth.frequency_hz);
-                let off = (mode.frequency_hz - truth.frequency_hz).abs() / (truth.frequency_hz * truth.loss_factor);
+                let off = (mode.frequency_hz - truth.frequency_hz).abs()
+                    / (truth.frequency_hz * truth.loss_factor);
                 assert!(off < 0.006, "{what}: {off} bandwidths off");
                 let ratio = mode.loss_factor / truth.loss_factor;
                 assert!((ratio - 1.0).abs() < 0.01, "{what}: damping ratio {ratio}");
                 // ψ² at the driving point
-                let scale = (mode.shape.0[0] * mode.participation.0[0] / (truth.shape.0[0] * truth.participation.0[0])).norm();
+                let scale = (mode.shape.0[0] * mode.participation.0[0]
+                    / (truth.shape.0[0] * truth.participation.0[0]))
+                    .norm();
                 let strong = truth.shape.0[0].norm() > 0.5;
-                assert!(!strong || (scale - 1.0).abs() < 0.02, "{what}: modal constant {scale}");
+                assert!(
+                    !strong || (scale - 1.0).abs() < 0.02,
+                    "{what}: modal constant {scale}"
+                );
             }
             assert!(says(&model, "without the exponential window"));
         }
     }
 }
 
-/// The FRF matrix of a model at s = jω + α in the complex plane: what windowed responses have on line ω.
+/// The FRF matrix of a model at s = jω + α in the complex plane: what windowed responses
+/// have on line ω.
 fn at(truth: &ModalModel, s: Complex64) -> ndarray::Array2<Complex64> {
     let kind = s.powi(truth.frf_kind.omega_power());
     let mut out = ndarray::Array2::zeros((truth.responses.len(), truth.references.len()));
@@ -176,7 +311,17 @@ fn at(truth: &ModalModel, s: Complex64) -> ndarray::Array2<Complex64> {
 #[test]
 fn a_window_that_decays_faster_than_the_modes_is_not_trusted() {
     let set = easy(40.0, 45).build().unwrap();
-    let model = fitted_with(&set.frf, &FitOptions { exponential_window_per_s: Some(1000.0), ..FitOptions::default() });
-    assert!(!model.quality.trusted && says(&model, "decay more slowly"), "{:?}", model.quality.warnings);
+    let model = fitted_with(
+        &set.frf,
+        &FitOptions {
+            exponential_window_per_s: Some(1000.0),
+            ..FitOptions::default()
+        },
+    );
+    assert!(
+        !model.quality.trusted && says(&model, "decay more slowly"),
+        "{:?}",
+        model.quality.warnings
+    );
     assert_eq!(model.in_band_modes().count(), 0);
 }

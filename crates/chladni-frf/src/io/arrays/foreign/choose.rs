@@ -1,4 +1,5 @@
-//! Which datasets of a foreign file are the FRFs and their frequency axis: those of `--map`, else the only ones that fit.
+//! Which datasets of a foreign file are the FRFs and their frequency axis: those of
+//! `--map`, else the only ones that fit.
 
 use super::super::tree::{Element, Entry};
 use super::super::values::reals;
@@ -6,9 +7,20 @@ use super::{describe, length, Reader};
 use crate::{Error, ErrorKind, Result};
 
 /// Names that a frequency axis goes by.
-pub(super) const FREQUENCY_NAMES: [&str; 10] =
-    ["f", "freq", "frequency", "frequencies", "freqs", "f_axis", "faxis", "freq_hz", "frequency_hz", "x"];
-/// Pairs of real arrays that hold one complex array, and whether they are magnitude and phase.
+pub(super) const FREQUENCY_NAMES: [&str; 10] = [
+    "f",
+    "freq",
+    "frequency",
+    "frequencies",
+    "freqs",
+    "f_axis",
+    "faxis",
+    "freq_hz",
+    "frequency_hz",
+    "x",
+];
+/// Pairs of real arrays that hold one complex array, and whether they are magnitude and
+/// phase.
 const PART_NAMES: [(&str, &str, bool); 6] = [
     ("re", "im", false),
     ("real", "imag", false),
@@ -62,26 +74,47 @@ impl<'a> Reader<'a> {
         };
         let mut pairs: Vec<(Source<'a>, &'a Entry)> = Vec::new();
         for &source in &sources {
-            let fitting = axes.iter().filter(|axis| source.first().shape().contains(&length(axis)));
+            let fitting = axes
+                .iter()
+                .filter(|axis| source.first().shape().contains(&length(axis)));
             pairs.extend(fitting.map(|&axis| (source, axis)));
         }
         // a frequency axis beside the array wins over one elsewhere
-        let beside: Vec<_> = pairs.iter().filter(|(source, axis)| source.first().folder() == axis.folder()).copied().collect();
+        let beside: Vec<_> = pairs
+            .iter()
+            .filter(|(source, axis)| source.first().folder() == axis.folder())
+            .copied()
+            .collect();
         match (pairs.as_slice(), beside.as_slice()) {
             (&[pair], _) => Ok(Some(pair)),
             (_, &[pair]) if sources.len() == 1 => Ok(Some(pair)),
             ([], _) if self.map.is_empty() => Ok(None),
             _ => {
-                let list = |entries: Vec<String>| if entries.is_empty() { "none".to_owned() } else { entries.join(", ") };
-                Err(Error::bad_data("it is not clear which datasets are the FRFs and their frequency axis")
-                    .field("FRFs and frequency axis")
-                    .found(format!("{} complex arrays and {} frequency axes that may belong together", sources.len(), axes.len()))
-                    .expected("one of each")
-                    .help(format!(
-                        "name them with --map frf=PATH,freq=PATH; complex arrays: {}; frequency axes: {}",
-                        list(sources.iter().map(|source| source.describe()).collect()),
-                        list(axes.iter().map(|axis| describe(axis)).collect()),
-                    )))
+                let list = |entries: Vec<String>| {
+                    if entries.is_empty() {
+                        "none".to_owned()
+                    } else {
+                        entries.join(", ")
+                    }
+                };
+                Err(Error::bad_data(
+                    "it is not clear which datasets are the FRFs and their \
+                                     frequency axis",
+                )
+                .field("FRFs and frequency axis")
+                .found(format!(
+                    "{} complex arrays and {} frequency axes that may belong \
+                                    together",
+                    sources.len(),
+                    axes.len()
+                ))
+                .expected("one of each")
+                .help(format!(
+                    "name them with --map frf=PATH,freq=PATH; complex arrays: {}; frequency \
+                         axes: {}",
+                    list(sources.iter().map(|source| source.describe()).collect()),
+                    list(axes.iter().map(|axis| describe(axis)).collect()),
+                )))
             }
         }
     }
@@ -90,14 +123,21 @@ impl<'a> Reader<'a> {
         if let Some(entry) = self.mapped("frf")? {
             return Ok(Some(Source::Complex(entry)));
         }
-        match (self.mapped("re")?, self.mapped("im")?, self.mapped("mag")?, self.mapped("phase")?) {
+        match (
+            self.mapped("re")?,
+            self.mapped("im")?,
+            self.mapped("mag")?,
+            self.mapped("phase")?,
+        ) {
             (None, None, None, None) => Ok(None),
             (Some(re), Some(im), None, None) => Ok(Some(Source::Parts(re, im))),
             (None, None, Some(mag), Some(phase)) => Ok(Some(Source::Polar(mag, phase))),
-            _ => Err(Error::new(ErrorKind::Usage, "the values of --map are not complete")
-                .field("--map")
-                .found("one part of two, or parts of two kinds")
-                .expected("frf, or re and im, or mag and phase")),
+            _ => Err(
+                Error::new(ErrorKind::Usage, "the values of --map are not complete")
+                    .field("--map")
+                    .found("one part of two, or parts of two kinds")
+                    .expected("frf, or re and im, or mag and phase"),
+            ),
         }
     }
 
@@ -113,16 +153,24 @@ impl<'a> Reader<'a> {
             return complex;
         }
         let real = |entry: &&Entry| matches!(entry.element(), Some(Element::Real { .. }));
-        let named =
-            |name: &str, folder: &str| self.datasets().find(|entry| entry.folder() == folder && entry.name().eq_ignore_ascii_case(name));
+        let named = |name: &str, folder: &str| {
+            self.datasets()
+                .find(|entry| entry.folder() == folder && entry.name().eq_ignore_ascii_case(name))
+        };
         let mut parts = Vec::new();
         for first in self.datasets().filter(of_rank).filter(real) {
             for (name, partner, polar) in PART_NAMES {
                 if !first.name().eq_ignore_ascii_case(name) {
                     continue;
                 }
-                if let Some(second) = named(partner, first.folder()).filter(|second| second.shape() == first.shape()) {
-                    parts.push(if polar { Source::Polar(first, second) } else { Source::Parts(first, second) });
+                if let Some(second) =
+                    named(partner, first.folder()).filter(|second| second.shape() == first.shape())
+                {
+                    parts.push(if polar {
+                        Source::Polar(first, second)
+                    } else {
+                        Source::Parts(first, second)
+                    });
                 }
             }
         }
@@ -134,7 +182,10 @@ impl<'a> Reader<'a> {
         let mut found = Vec::new();
         for entry in self.datasets() {
             let named = super::is_frequency_name(entry.name());
-            let numbers = matches!(entry.element(), Some(Element::Real { .. } | Element::Integer));
+            let numbers = matches!(
+                entry.element(),
+                Some(Element::Real { .. } | Element::Integer)
+            );
             let list = entry.shape().iter().filter(|&&extent| extent != 1).count() == 1;
             if named && numbers && list {
                 let values = reals(entry, self.file.read(entry)?)?;

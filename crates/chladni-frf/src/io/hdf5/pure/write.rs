@@ -6,7 +6,8 @@ use hdf5_pure::{AttrValue, CompoundTypeBuilder, FileBuilder, LibVer};
 use num_complex::Complex;
 use std::path::Path;
 
-/// Writes a file of the 1.8 format (read by everything), contiguous and uncompressed, without time stamps.
+/// Writes a file of the 1.8 format (read by everything), contiguous and uncompressed,
+/// without time stamps.
 pub(in super::super) fn write(path: &Path, root: &Group<'_>) -> Result<()> {
     let fail = |error: hdf5_pure::Error| match error {
         hdf5_pure::Error::Io(error) => crate::io::atomic::write_error(&error, path),
@@ -27,7 +28,10 @@ pub(in super::super) fn write(path: &Path, root: &Group<'_>) -> Result<()> {
     file.write(path).map_err(fail)
 }
 
-fn build_group(mut builder: hdf5_pure::GroupBuilder, group: &Group<'_>) -> std::result::Result<hdf5_pure::FinishedGroup, hdf5_pure::Error> {
+fn build_group(
+    mut builder: hdf5_pure::GroupBuilder,
+    group: &Group<'_>,
+) -> std::result::Result<hdf5_pure::FinishedGroup, hdf5_pure::Error> {
     for (name, value) in &group.attributes {
         builder.set_attr(name, attribute_value(value));
     }
@@ -50,7 +54,10 @@ fn attribute_value(value: &Attribute) -> AttrValue {
     }
 }
 
-fn fill(builder: &mut hdf5_pure::DatasetBuilder, dataset: &Dataset<'_>) -> std::result::Result<(), hdf5_pure::Error> {
+fn fill(
+    builder: &mut hdf5_pure::DatasetBuilder,
+    dataset: &Dataset<'_>,
+) -> std::result::Result<(), hdf5_pure::Error> {
     let shape: Vec<u64> = dataset.shape.iter().map(|&extent| extent as u64).collect();
     let count = shape.iter().product();
     builder.with_shape(&shape);
@@ -60,24 +67,52 @@ fn fill(builder: &mut hdf5_pure::DatasetBuilder, dataset: &Dataset<'_>) -> std::
         Values::Unsigned(values) => builder.with_u64_data(values),
         Values::Signed(values) => builder.with_i64_data(values),
         Values::Complex64(values) => {
-            let datatype = CompoundTypeBuilder::new().f64_field("r").f64_field("i").build()?;
+            let datatype = CompoundTypeBuilder::new()
+                .f64_field("r")
+                .f64_field("i")
+                .build()?;
             builder.with_compound_data(datatype, bytes_of(values, f64::to_le_bytes), count)
         }
         Values::Complex32(values) => {
-            let datatype = CompoundTypeBuilder::new().f32_field("r").f32_field("i").build()?;
+            let datatype = CompoundTypeBuilder::new()
+                .f32_field("r")
+                .f32_field("i")
+                .build()?;
             builder.with_compound_data(datatype, bytes_of(values, f32::to_le_bytes), count)
         }
-        Values::Text(texts) => builder.with_vlen_strings(&texts.iter().map(String::as_str).collect::<Vec<_>>()),
+        Values::Text(texts) => {
+            builder.with_vlen_strings(&texts.iter().map(String::as_str).collect::<Vec<_>>())
+        }
         Values::Dofs(dofs) => {
-            let record = |dof: &Dof| [&dof.node.to_le_bytes()[..], &dof.direction.code().to_le_bytes()].concat();
-            let datatype = CompoundTypeBuilder::new().u64_field("node").i8_field("dir").build()?;
+            let record = |dof: &Dof| {
+                [
+                    &dof.node.to_le_bytes()[..],
+                    &dof.direction.code().to_le_bytes(),
+                ]
+                .concat()
+            };
+            let datatype = CompoundTypeBuilder::new()
+                .u64_field("node")
+                .i8_field("dir")
+                .build()?;
             builder.with_compound_data(datatype, dofs.iter().flat_map(record).collect(), count)
         }
         Values::Nodes(nodes) => {
             let record = |node: &Node| {
-                [node.label.to_le_bytes(), node.xyz_m[0].to_le_bytes(), node.xyz_m[1].to_le_bytes(), node.xyz_m[2].to_le_bytes()].concat()
+                [
+                    node.label.to_le_bytes(),
+                    node.xyz_m[0].to_le_bytes(),
+                    node.xyz_m[1].to_le_bytes(),
+                    node.xyz_m[2].to_le_bytes(),
+                ]
+                .concat()
             };
-            let datatype = CompoundTypeBuilder::new().u64_field("label").f64_field("x").f64_field("y").f64_field("z").build()?;
+            let datatype = CompoundTypeBuilder::new()
+                .u64_field("label")
+                .f64_field("x")
+                .f64_field("y")
+                .f64_field("z")
+                .build()?;
             builder.with_compound_data(datatype, nodes.iter().flat_map(record).collect(), count)
         }
     };
