@@ -175,7 +175,7 @@ def speed(folder):
     print(f"      text 58, {size:.1f} MB: pyuff {theirs:.3f} s of processor time; `chladni info`, checksum and checks included, {whole:.3f} s, ratio {theirs / whole:.1f}")
     reader = BINARY.parent / "examples" / "reading_time"
     if not reader.exists():
-        print("      reading alone was not timed: cargo build --release -p chladni-frf --example reading_time")
+        print("      reading alone was not timed: cargo build --release -p chladni-io --example reading_time")
         return
     done = subprocess.run([reader, folder / "large.unv", folder / "large.uff"], capture_output=True, text=True, check=True)
     (text, _), (binary, raw) = (map(float, line.split()[:2]) for line in done.stdout.splitlines())

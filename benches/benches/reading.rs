@@ -1,7 +1,7 @@
 //! Reading universal files, beside reading the raw bytes: `cargo bench --bench reading`.
 
 use chladni_bench::panel_77x34_1997_lines;
-use chladni_frf::io::{uff, Contents, ReadOptions};
+use chladni_io::{uff, Contents, ReadOptions};
 use criterion::{criterion_group, criterion_main, Criterion, Throughput};
 use std::hint::black_box;
 use std::path::Path;

@@ -2,8 +2,8 @@
 //! of them.
 
 use chladni_bench::{corner_scene, panel_77x34_1997_lines, Case};
-use chladni_frf::io::{read_frf, write_contents, Contents, ReadOptions};
 use chladni_frf::FrfSet;
+use chladni_io::{read_frf, write_contents, Contents, ReadOptions};
 use chladni_render::{render, Method as RenderMethod, RenderOptions};
 use chladni_rfp::{fit, Effort, FitOptions, Method};
 use criterion::{criterion_group, criterion_main, Criterion, Throughput};

@@ -1,7 +1,7 @@
 //! What every fuzz target does with its bytes: what the seeded mutations ask of a reader,
 //! on a file in memory.
 
-#[path = "../../crates/chladni-frf/tests/mutation/targets.rs"]
+#[path = "../../crates/chladni-io/tests/mutation/targets.rs"]
 pub mod targets;
 
 use cpu_time::ThreadTime;

@@ -2,10 +2,10 @@
 
 use crate::error::{raised, wrong_word};
 use crate::model::Model;
-use chladni_frf::io::{read_frf, write_frf, ReadOptions};
 use chladni_frf::{
     Direction, Dof, Error, ErrorKind, FrfKind, FrfValues, Geometry, Node, ReferenceUnit, TimeSign,
 };
+use chladni_io::{read_frf, write_frf, ReadOptions};
 use chladni_plate::Panel;
 use ndarray::Array3;
 use num_complex::{Complex32, Complex64};

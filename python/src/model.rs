@@ -3,8 +3,8 @@
 use crate::error::{raised, unfitted, wrong_word};
 use crate::frf::FrfSet;
 use crate::progress::telling;
-use chladni_frf::io::{read_model, write_model};
 use chladni_frf::{Damping, Error, ModalModel, Mode, Trust};
+use chladni_io::{read_model, write_model};
 use chladni_rfp::{mac_matrix, FitOptions, Method, ShapeModel, Window};
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;

@@ -3,7 +3,7 @@
 use crate::error::{raised, wrong_word};
 use crate::frf::FrfSet;
 use crate::model::Model;
-use chladni_frf::io::write_atomically;
+use chladni_io::write_atomically;
 use chladni_render::{Count, MethodChoice, On, RenderOptions, Scene, Weights};
 use ndarray::Array1;
 use num_complex::Complex64;

@@ -5,11 +5,11 @@ use crate::input::{expand, model_of, read_weights, source, warn_of_files, Readin
 use crate::outcome::Outcome;
 use crate::output::{Output, DATA, MODEL_OR_SHAPES, SHAPES};
 use crate::table::counted;
-use chladni_frf::io::{
+use chladni_frf::{Dof, Error, Geometry, ModalModel, Result};
+use chladni_io::{
     detect_format, field_shape, model_shapes, read_contents, read_model, write_contents,
     write_model, Contents, FileFormat, Shape, ShapeForm,
 };
-use chladni_frf::{Dof, Error, Geometry, ModalModel, Result};
 use num_complex::Complex64;
 use serde_json::json;
 use std::path::{Path, PathBuf};

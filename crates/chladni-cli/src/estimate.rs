@@ -5,11 +5,10 @@ use crate::input::{expand, warn_of_files};
 use crate::outcome::Outcome;
 use crate::output::{Output, FRF};
 use crate::table::{counted, significant};
-use chladni_frf::estimate::{
-    estimate, runs_of, BlockWindow, ChannelOverride, EstimateOptions, Estimator,
-};
-use chladni_frf::io::{read_documents, write_contents, Contents, ReadOptions};
 use chladni_frf::{Dof, Error, ErrorKind, Geometry, Result, Source};
+use chladni_io::{read_documents, write_contents, Contents, ReadOptions};
+use chladni_io::{runs_of, ChannelOverride};
+use chladni_signal::{estimate, BlockWindow, EstimateOptions, Estimator};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::json;
 use std::path::PathBuf;
@@ -160,7 +159,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
                 .map(|warning| format!("{}: {warning}", document.file.display())),
         );
         sources.push(Source {
-            file: chladni_frf::io::file_name(&document.file),
+            file: chladni_text::file_name(&document.file),
             sha256: document.sha256.clone(),
         });
         if geometry.nodes.is_empty() {

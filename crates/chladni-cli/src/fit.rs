@@ -9,10 +9,10 @@ use crate::output::{Output, MODEL};
 use crate::scene_band::SceneBand;
 use crate::streaming::{too_large, Resume, Stream};
 use crate::table::{counted, significant, table, with_bound};
-use chladni_frf::io::{frf_bytes, write_model, FrfParts};
 use chladni_frf::{
     Damping, Error, ErrorKind, FrfSet, ModalModel, Mode, Result, Scaling, Source, Trust,
 };
+use chladni_io::{frf_bytes, write_model, FrfParts};
 use chladni_rfp::{FitError, FitOptions, Method, Window};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{json, Map, Value};

@@ -5,10 +5,10 @@ use crate::input::{expand, read_weights, Reading};
 use crate::oddities;
 use crate::outcome::Outcome;
 use crate::table::{counted, shortened, significant, table};
-use chladni_frf::io::{
+use chladni_frf::{Dof, Error, FrfKind, FrfSet, Result};
+use chladni_io::{
     assemble, list_document, read_model, DatasetInfo, Document, FileFormat, ReadOptions,
 };
-use chladni_frf::{Dof, Error, FrfKind, FrfSet, Result};
 use serde_json::{json, Value};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

@@ -3,8 +3,8 @@
 
 use crate::console::Console;
 use crate::oddities;
-use chladni_frf::io::{self, detect_format, Duplicates, FileFormat, ReadOptions};
 use chladni_frf::{Error, FrfKind, FrfSet, ModalModel, Result, Source, TimeSign};
+use chladni_io::{detect_format, Duplicates, FileFormat, ReadOptions};
 use chladni_render::Weights;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{Map, Value};
@@ -169,9 +169,9 @@ impl Reading {
 /// a warning.
 ///
 /// # Errors
-/// Those of [`io::expand_paths`].
+/// Those of [`chladni_io::expand_paths`].
 pub fn expand(paths: &[PathBuf], console: &Console) -> Result<Vec<PathBuf>> {
-    let inputs = io::expand_paths(paths)?;
+    let inputs = chladni_io::expand_paths(paths)?;
     console.warn_all(inputs.warnings);
     Ok(inputs.files)
 }
@@ -186,7 +186,7 @@ pub fn read_frf(
     console: &Console,
 ) -> Result<(FrfSet, Vec<Source>)> {
     console.stage("reading FRFs");
-    let (frf, sources, warnings) = io::read_frf(files, &reading.options())?;
+    let (frf, sources, warnings) = chladni_io::read_frf(files, &reading.options())?;
     warn_of_files(files, warnings, console);
     console.warn_all(oddities::of_set(&frf));
     frf.known_kind().map_err(|error| error.file(&files[0]))?;
@@ -223,8 +223,8 @@ pub fn warn_of_files(files: &[PathBuf], warnings: Vec<String>, console: &Console
 /// Those of reading.
 pub fn source(path: &Path) -> Result<Source> {
     Ok(Source {
-        file: io::file_name(path),
-        sha256: io::sha256_of(path)?,
+        file: chladni_text::file_name(path),
+        sha256: chladni_io::sha256_of(path)?,
     })
 }
 
@@ -239,8 +239,8 @@ pub fn model_of(file: &Path) -> Result<Option<ModalModel>> {
         | FileFormat::Matlab
         | FileFormat::Numpy
         | FileFormat::Wav => Ok(None),
-        FileFormat::Model => io::read_model(file).map(Some),
-        FileFormat::Hdf5 => match io::read_model(file) {
+        FileFormat::Model => chladni_io::read_model(file).map(Some),
+        FileFormat::Hdf5 => match chladni_io::read_model(file) {
             Ok(model) => Ok(Some(model)),
             Err(error) if error.field.as_deref() == Some("/model") => Ok(None),
             Err(error) => Err(error),
@@ -260,5 +260,6 @@ pub fn model_of(file: &Path) -> Result<Option<ModalModel>> {
 /// # Errors
 /// Those of reading.
 pub fn read_weights(file: &Path) -> Result<Weights> {
-    Weights::parse(&io::read_text(file, "a weights file, JSON")?).map_err(|error| error.file(file))
+    Weights::parse(&chladni_text::read_text(file, "a weights file, JSON")?)
+        .map_err(|error| error.file(file))
 }

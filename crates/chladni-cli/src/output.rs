@@ -2,8 +2,8 @@
 
 use crate::console::Console;
 use crate::interrupt::unbroken;
-use chladni_frf::io::refuse_output_among_inputs;
 use chladni_frf::{Error, ErrorKind, Result};
+use chladni_io::refuse_output_among_inputs;
 use std::path::{Path, PathBuf};
 
 /// Extensions of FRF files.

@@ -6,8 +6,8 @@ use crate::input::{expand, read_frf, source, Reading};
 use crate::outcome::Outcome;
 use crate::output::{Output, SIGNALS, WEIGHTS};
 use crate::table::{counted, significant};
-use chladni_frf::io::{read_model, write_atomically};
 use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result, Source};
+use chladni_io::{read_model, write_atomically};
 use chladni_render::{
     render_with_others, signal_csv, stress, sweep, wav, Count, MethodChoice, RenderOptions,
     Rendering, Scene, SignalOptions, StressOptions, Weights,

@@ -6,8 +6,8 @@ use crate::input::{expand, read_frf, read_weights, source, Reading};
 use crate::outcome::Outcome;
 use crate::output::{make_folder, Output, HTML, PICTURE, TABLE};
 use crate::table::{counted, shortened};
-use chladni_frf::io::{self, detect_format, write_atomically, FileFormat};
 use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result, Source};
+use chladni_io::{detect_format, write_atomically, FileFormat};
 use chladni_render::{evaluate, Evaluation, On, Scene, Weights};
 use chladni_report::{charts, html, ChartFormats, Curves, RenderedScene, ReportInput, Table};
 use serde_json::json;
@@ -65,7 +65,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     args.charts.as_deref().map(make_folder).transpose()?;
     console.stage("reading");
     let contents = Contents::read(&args.files, &args.measured, console)?;
-    let input = contents.input(io::file_name(&args.files[0]), console);
+    let input = contents.input(chladni_text::file_name(&args.files[0]), console);
 
     console.stage("drawing");
     if let Some(output) = &output {
@@ -137,7 +137,10 @@ impl Contents {
                     .find(|path| is_model(path))
             });
         }
-        let model = model_file.as_deref().map(io::read_model).transpose()?;
+        let model = model_file
+            .as_deref()
+            .map(chladni_io::read_model)
+            .transpose()?;
         let measured = match (&model_file, &model) {
             (_, Some(model)) if !measured.is_empty() => Some(
                 read_frf(
@@ -250,7 +253,7 @@ fn bench_table(file: &Path) -> Result<Option<Table>> {
     if !extension.is_some_and(|extension| TABLE.contains(&extension.as_str())) {
         return Ok(None);
     }
-    let text = io::read_text(file, "a table of `chladni bench`, CSV")?;
+    let text = chladni_text::read_text(file, "a table of `chladni bench`, CSV")?;
     let mut lines = text
         .lines()
         .filter(|line| !line.starts_with('#') && !line.trim().is_empty());
@@ -261,7 +264,7 @@ fn bench_table(file: &Path) -> Result<Option<Table>> {
         return Ok(None);
     };
     Ok(Some(Table {
-        name: io::file_name(file),
+        name: chladni_text::file_name(file),
         header: cells(header),
         rows: lines.map(cells).collect(),
     }))
@@ -296,7 +299,8 @@ fn beside(result: &Path, sources: &[Source]) -> Vec<PathBuf> {
     let of = |source: &Source| {
         let place = |folder: &PathBuf| folder.join(&source.file);
         folders.iter().map(place).find(|path| {
-            path.is_file() && io::sha256_of(path).is_ok_and(|sha256| sha256 == source.sha256)
+            path.is_file()
+                && chladni_io::sha256_of(path).is_ok_and(|sha256| sha256 == source.sha256)
         })
     };
     sources.iter().filter_map(of).collect()
@@ -342,7 +346,7 @@ fn measured_of(file: &Path, model: &ModalModel, console: &Console) -> Option<Frf
         ));
         return None;
     }
-    match io::read_frf(&files, &Reading::from_echo(&model.options).options()) {
+    match chladni_io::read_frf(&files, &Reading::from_echo(&model.options).options()) {
         Ok((frf, ..)) => Some(frf),
         Err(error) => {
             console.warn(format!(

@@ -6,8 +6,8 @@ use crate::input::source;
 use crate::outcome::Outcome;
 use crate::output::{Output, MODEL};
 use crate::table::{counted, significant};
-use chladni_frf::io::{read_model, write_model};
-use chladni_frf::{Result, Selected, Selection, Source};
+use chladni_frf::{Result, Selected, Source};
+use chladni_io::{read_model, write_model};
 use std::path::PathBuf;
 
 /// Arguments of `select`.
@@ -46,7 +46,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let output = Output::new(&args.output, MODEL, &inputs, console)?;
     console.stage("reading");
     let whole = read_model(&args.model)?;
-    let selection = Selection::read(&args.selection)?;
+    let selection = chladni_io::read_selection(&args.selection)?;
     let Selected { mut model, dropped } = selection
         .apply(&whole)
         .map_err(|error| error.file(&args.selection))?;

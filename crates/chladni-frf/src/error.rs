@@ -1,7 +1,7 @@
 //! One shape for every error about a user's input: what was found, what was expected,
 //! where, and what to do.
 
-use crate::words::{is_near, nearest_word};
+use crate::nearest_word::{is_near, nearest_word};
 use std::fmt;
 use std::path::{Path, PathBuf};
 

@@ -1,9 +1,9 @@
 //! What a measurement is, and what a modal model is: the data types that every other
-//! crate speaks, and their files.
+//! crate speaks.
 //!
 //! The way of the data starts here: a file becomes an [`FrfSet`] (measured FRFs with
 //! axes, DOFs, kind and geometry), and the fit of `chladni-rfp` turns that into a
-//! [`ModalModel`]. This crate knows neither fitting nor rendering.
+//! [`ModalModel`]. This crate knows neither files nor fitting nor rendering.
 //!
 //! Conventions, kept everywhere: time sign e^{+jωt}, SI units, peak amplitudes, FRF
 //! arrays with the axes (response, reference, line), lines contiguous.
@@ -11,15 +11,13 @@
 mod dof;
 mod driving_point;
 mod error;
-pub mod estimate;
 mod frf_set;
 mod geometry;
-pub mod io;
 mod kind;
 mod model;
+mod nearest_word;
 mod selection;
-pub mod toml_reader;
-mod words;
+mod time_record;
 
 pub use dof::{Direction, Dof};
 pub use driving_point::driving_point_faults;
@@ -31,8 +29,9 @@ pub use model::{
     ComplexMatrix, ComplexVector, Damping, ModalModel, Mode, Quality, ResidualTerm, ResidualTerms,
     Scaling, Source, Trust, MODEL_FORMAT,
 };
-pub use selection::{Selected, Selection};
-pub use words::{line_of_byte, nearest_word, parser_complaint, toml_complaint};
+pub use nearest_word::nearest_word;
+pub use selection::{ModeName, ModePick, Selected, Selection};
+pub use time_record::{Channel, Run, SignalUnit};
 
 /// The name and version that every result carries in `created_by`.
 pub const CREATED_BY: &str = concat!("chladni ", env!("CARGO_PKG_VERSION"));

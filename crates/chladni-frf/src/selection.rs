@@ -1,28 +1,11 @@
-//! Modes kept or dropped by hand, reproducibly: the selection file and what it does to a
-//! model.
+//! Modes kept or dropped by hand, reproducibly: what a selection does to a model.
 //!
-//! ```toml
-//! drop = [3, 7]        # numbers as in the table of modes, from 1; `keep = [...]` instead: all others go
-//!
-//! [[mode]]             # one more of them, by its frequency
-//! near_hz = 54.4
-//! within_hz = 0.5
-//! ```
-//!
-//! With `[[mode]]` tables alone, these modes are kept. Poles outside the band stand for
-//! the world beyond it and stay; rejected candidates stay listed.
+//! Poles outside the band stand for the world beyond it and stay; rejected candidates stay
+//! listed.
 
-use crate::io::read_text;
-use crate::toml_reader::{parse, Keys, Table, Value};
 use crate::{Error, FrfKind, ModalModel, Mode, Result, Trust, CREATED_BY};
 use serde_json::json;
 use std::f64::consts::{FRAC_PI_2, TAU};
-use std::path::Path;
-
-const KEYS: Keys = &[
-    ("", &["keep", "drop", "mode"]),
-    ("mode", &["near_hz", "within_hz"]),
-];
 
 /// Points of the frequency grid around each mode, and evenly over the band, on which a
 /// dropped part is weighed.
@@ -33,23 +16,32 @@ const POINTS_OVER_BAND: usize = 400;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Selection {
     keep: bool,
-    picks: Vec<Pick>,
+    picks: Vec<ModePick>,
 }
 
 /// One mode that a selection names, and where it does.
 #[derive(Debug, Clone, PartialEq)]
-struct Pick {
-    name: Name,
-    line: u64,
-    field: String,
+pub struct ModePick {
+    /// The mode meant.
+    pub name: ModeName,
+    /// Line of the selection file, from 1; 0 where there is none.
+    pub line: u64,
+    /// Field of the selection file, for errors.
+    pub field: String,
 }
 
+/// A mode by its number or by its frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Name {
+pub enum ModeName {
     /// In the table of modes, from 1.
     Number(usize),
     /// The mode within `within_hz` of `near_hz`.
-    Frequency { near_hz: f64, within_hz: f64 },
+    Frequency {
+        /// Frequency that is sought, Hz.
+        near_hz: f64,
+        /// Largest distance, Hz.
+        within_hz: f64,
+    },
 }
 
 /// A model after the selection.
@@ -62,66 +54,9 @@ pub struct Selected {
 }
 
 impl Selection {
-    /// Reads a selection file.
-    ///
-    /// # Errors
-    /// As [`Self::from_toml`], with the file's name; also a file that cannot be read.
-    pub fn read(file: &Path) -> Result<Self> {
-        let text = read_text(file, "a selection of modes as TOML")?;
-        Self::from_toml(&text).map_err(|error| error.file(file))
-    }
-
-    /// Reads a selection.
-    ///
-    /// # Errors
-    /// [`crate::ErrorKind::BadData`] with line and key: no TOML, an unknown key, `keep`
-    /// and `drop` together, no mode named, a number that counts nothing.
-    pub fn from_toml(text: &str) -> Result<Self> {
-        let document = parse(text)?;
-        let root = Table::root(text, &document);
-        root.only_keys(KEYS, "")?;
-        let (keep, drop) = (root.get("keep"), root.get("drop"));
-        if let (Some(_), Some(drop)) = (&keep, &drop) {
-            return Err(drop
-                .error("a selection either keeps or drops", "one of keep and drop")
-                .help("a mode that is not kept is dropped: leave one of the two lists out"));
-        }
-        let kept = drop.is_none();
-        let mut picks = Vec::new();
-        for (place, value) in keep
-            .or(drop)
-            .map(|list| list.list())
-            .transpose()?
-            .into_iter()
-            .flatten()
-            .enumerate()
-        {
-            let field = format!("{}[{}]", if kept { "keep" } else { "drop" }, place + 1);
-            picks.push(Pick {
-                name: Name::Number(value.count()?),
-                line: value.line(),
-                field,
-            });
-        }
-        for (place, value) in root
-            .get("mode")
-            .map(|list| list.list())
-            .transpose()?
-            .into_iter()
-            .flatten()
-            .enumerate()
-        {
-            picks.push(by_frequency(&value, place + 1)?);
-        }
-        if picks.is_empty() {
-            return Err(Error::bad_data("the selection names no mode")
-                .expected(
-                    "keep = [1, 2, ...], drop = [3, ...], or [[mode]] tables with near_hz \
-                           and within_hz",
-                )
-                .help("numbers are those of the table that `chladni fit` prints"));
-        }
-        Ok(Self { keep: kept, picks })
+    /// Keeps the modes picked, or drops them.
+    pub fn new(keep: bool, picks: Vec<ModePick>) -> Self {
+        Self { keep, picks }
     }
 
     /// Takes out of `model` what the selection drops.
@@ -177,23 +112,7 @@ impl Selection {
     }
 }
 
-fn by_frequency(value: &Value, place: usize) -> Result<Pick> {
-    let table = value.table()?;
-    table.only_keys(KEYS, "mode")?;
-    let near_hz = table
-        .require("near_hz", "the frequency of a mode, Hz")?
-        .positive()?;
-    let within_hz = table
-        .require("within_hz", "how far from near_hz the mode may lie, Hz")?
-        .positive()?;
-    Ok(Pick {
-        name: Name::Frequency { near_hz, within_hz },
-        line: value.line(),
-        field: format!("mode[{place}]"),
-    })
-}
-
-impl Name {
+impl ModeName {
     fn echo(self) -> serde_json::Value {
         match self {
             Self::Number(number) => json!(number),
@@ -204,7 +123,7 @@ impl Name {
     }
 }
 
-impl Pick {
+impl ModePick {
     /// Indices of the modes meant: one, or all of a repeated pole.
     fn find(&self, modes: &[&Mode]) -> Result<impl Iterator<Item = usize>> {
         let say = |message: &str| {
@@ -214,8 +133,8 @@ impl Pick {
         };
         let show = |n: usize| format!("mode {} at {:.3} Hz", n + 1, modes[n].frequency_hz);
         let range = match self.name {
-            Name::Number(number) if number <= modes.len() => number - 1..number,
-            Name::Number(number) => {
+            ModeName::Number(number) if number <= modes.len() => number - 1..number,
+            ModeName::Number(number) => {
                 let error = say("no such mode")
                     .found(number)
                     .expected(match modes.len() {
@@ -228,7 +147,7 @@ impl Pick {
                     error.help(format!("the nearest is {}", show(modes.len() - 1)))
                 });
             }
-            Name::Frequency { near_hz, within_hz } => {
+            ModeName::Frequency { near_hz, within_hz } => {
                 let off = |n: usize| (modes[n].frequency_hz - near_hz).abs();
                 let near: Vec<usize> = (0..modes.len()).filter(|&n| off(n) <= within_hz).collect();
                 let (Some(&first), Some(&last)) = (near.first(), near.last()) else {

@@ -2,8 +2,9 @@
 //! the nearest known one.
 
 use crate::panel::Panel;
-use chladni_frf::io::read_text;
-use chladni_frf::{line_of_byte, nearest_word, parser_complaint, toml_complaint, Error, Result};
+use chladni_frf::{nearest_word, Error, Result};
+use chladni_text::read_text;
+use chladni_text::{line_of_byte, parser_complaint, toml_complaint};
 use std::path::Path;
 use toml::de::{DeTable, DeValue};
 use toml::Spanned;

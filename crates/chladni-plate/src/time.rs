@@ -18,7 +18,7 @@
 
 use crate::noise::generator;
 use crate::synthetic::Synthetic;
-use chladni_frf::estimate::{Channel, Run, SignalUnit};
+use chladni_frf::{Channel, Run, SignalUnit};
 use chladni_frf::{Damping, Error, FrfSet, FrfValues, Geometry, ModalModel, ReferenceUnit, Result};
 use ndarray::{s, Array1, Array2, Array3};
 use num_complex::Complex64;

@@ -6,9 +6,9 @@ use crate::threshold::{Threshold, ThresholdTable};
 use crate::tolerances;
 use crate::tones::{is_same, read_tones, Share, Tone};
 use crate::zones::{PolygonKind, ZoneLayout, ZonePolygon, Zones};
-use chladni_frf::io::read_text;
-use chladni_frf::toml_reader::{parse, Keys, Table, Value};
 use chladni_frf::{nearest_word, Dof, Error, Result};
+use chladni_text::read_text;
+use chladni_text::toml_reader::{parse, Keys, Table, Value};
 use std::path::{Path, PathBuf};
 
 /// Every key of a scene, by table.
@@ -226,7 +226,7 @@ impl Scene {
     pub fn name(&self) -> String {
         self.file
             .as_deref()
-            .map(chladni_frf::io::file_name)
+            .map(chladni_text::file_name)
             .unwrap_or_default()
     }
 }

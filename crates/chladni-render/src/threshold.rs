@@ -9,8 +9,8 @@
 //! al., JASA 84, 1680-1694, 1988). Between two entries the level in dB is linear in log
 //! f; outside the table there is no threshold, and nothing is extrapolated.
 
-use chladni_frf::io::read_text;
 use chladni_frf::{Error, Result};
+use chladni_text::read_text;
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 

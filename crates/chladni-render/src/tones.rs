@@ -9,8 +9,8 @@
 //! tone may have an n-th of its limit.
 
 use crate::tolerances;
-use chladni_frf::toml_reader::Value;
 use chladni_frf::Result;
+use chladni_text::toml_reader::Value;
 
 /// What one tone may have of that which all tones of a drive share.
 #[derive(Debug, Clone, Copy, PartialEq)]

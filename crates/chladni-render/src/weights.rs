@@ -8,8 +8,8 @@ use crate::methods::ModalSteps;
 use crate::problem::Drive;
 use crate::stress::StressRow;
 use crate::tones::is_same;
-use chladni_frf::io::json_error;
 use chladni_frf::{Dof, Error, ReferenceUnit, Result, Source};
+use chladni_text::json_error;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 

@@ -1,7 +1,7 @@
 //! Damaged scenes and panels by the thousand: never a panic, never a hang. As
-//! `crates/chladni-frf/tests/mutation`; `CHLADNI_FUZZ_SECONDS` makes it long.
+//! `crates/chladni-io/tests/mutation`; `CHLADNI_FUZZ_SECONDS` makes it long.
 
-#[path = "../../chladni-frf/tests/mutation/engine.rs"]
+#[path = "../../chladni-io/tests/mutation/engine.rs"]
 mod engine;
 
 use chladni_plate::Panel;

@@ -10,9 +10,10 @@ use chladni_bench::{
     scenes, AccuracyOptions, AccuracyRow, Case, Means, PeerRow, SceneCase, SceneOptions, SceneRow,
     Solver, CASES, SCENE_CASES,
 };
-use chladni_frf::io::{read_text, write_contents, write_model, Contents};
 use chladni_frf::Result;
+use chladni_io::{write_contents, write_model, Contents};
 use chladni_rfp::ShapeModel;
+use chladni_text::read_text;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::json;
 use std::collections::BTreeSet;

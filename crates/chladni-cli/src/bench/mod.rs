@@ -11,8 +11,8 @@ use crate::console::Console;
 use crate::outcome::Outcome;
 use crate::output::{make_folder, Output, HTML, PICTURE, TABLE};
 use chladni_bench::Journal;
-use chladni_frf::io::write_atomically;
 use chladni_frf::Result;
+use chladni_io::write_atomically;
 use chladni_report::Figure;
 use std::path::PathBuf;
 

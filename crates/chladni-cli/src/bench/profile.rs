@@ -9,7 +9,7 @@ use chladni_bench::{
     profile, profile_csv, profile_figure, scaling, scaling_csv, scaling_figure, ProfileCase,
     ProfileOptions, ProfileRow, ProfileSource, ScalingRow, PROFILE_CASES,
 };
-use chladni_frf::{io, Result};
+use chladni_frf::Result;
 use chladni_rfp::Method;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::json;
@@ -68,7 +68,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         let files = expand(&args.input, console)?;
         let (frf, _) = read_frf(&files, &args.reading, console)?;
         cases.push(ProfileSource::Given(
-            io::file_name(&files[0]),
+            chladni_text::file_name(&files[0]),
             Box::new(frf),
         ));
     }

@@ -9,8 +9,8 @@ use chladni_bench::{
     calibration, calibration_csv, failures_csv, stability, stability_csv, stability_figures,
     Calibration, Map, Solver, StabilityOptions, StabilityRow, MAPS,
 };
-use chladni_frf::io::{write_contents, write_model, Contents};
 use chladni_frf::Result;
+use chladni_io::{write_contents, write_model, Contents};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::json;
 use std::path::{Path, PathBuf};

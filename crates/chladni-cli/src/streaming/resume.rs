@@ -3,8 +3,8 @@
 //! One line of JSON that says of which files it is, then the partial so far.
 
 use crate::interrupt::unbroken;
-use chladni_frf::io::write_atomically;
 use chladni_frf::{Error, Result};
+use chladni_io::write_atomically;
 use chladni_rfp::pieces::Partial;
 use serde_json::{json, Value};
 use std::ffi::OsString;
@@ -134,7 +134,7 @@ fn described(files: &[PathBuf], parts: usize) -> Result<Value> {
             .and_then(|time| time.duration_since(UNIX_EPOCH).ok())
             .map(|time| time.as_nanos().to_string());
         Ok(
-            json!({"file": chladni_frf::io::file_name(file), "bytes": metadata.len(), "modified_ns": modified}),
+            json!({"file": chladni_text::file_name(file), "bytes": metadata.len(), "modified_ns": modified}),
         )
     };
     let inputs = files.iter().map(of).collect::<Result<Vec<_>>>()?;

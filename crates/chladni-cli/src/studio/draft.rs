@@ -80,7 +80,7 @@ mod tests {
     fn known() -> ModalModel {
         let path =
             Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/malformed/base/model.json");
-        chladni_frf::io::read_model(&path).unwrap()
+        chladni_io::read_model(&path).unwrap()
     }
 
     #[test]

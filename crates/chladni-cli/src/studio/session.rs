@@ -6,7 +6,7 @@ use crate::curves::curves;
 use crate::fit::{echo_of, explain};
 use crate::input::{expand, model_of, read_frf, Reading};
 use crate::report::Contents;
-use chladni_frf::{io, Error, ErrorKind, FrfSet, ModalModel, Result, Source};
+use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result, Source};
 use chladni_render::{render, MethodChoice, RenderOptions, Scene};
 use chladni_report::{data, draft_data, scene_data, RenderedScene, ReportInput};
 use chladni_rfp::{Fit, FitOptions, Method};
@@ -100,7 +100,7 @@ impl Session {
             }
         };
         Ok(Self {
-            title: io::file_name(&files[0]),
+            title: chladni_text::file_name(&files[0]),
             frf,
             sources: match &model {
                 Some(model) => model.source.clone(),

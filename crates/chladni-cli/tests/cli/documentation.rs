@@ -88,8 +88,8 @@ fn command(line: &str) -> Option<String> {
 
 /// A measurement as 34 files, one for each reference, and as one universal file.
 fn scans(folder: &Folder) {
-    use chladni_frf::io::{read_frf, write_contents, Contents};
     use chladni_frf::FrfValues;
+    use chladni_io::{read_frf, write_contents, Contents};
     std::fs::create_dir(folder.path().join("scans")).unwrap();
     let (frf, ..) = read_frf(&[folder.path().join("panel.h5")], &Default::default()).unwrap();
     for (j, reference) in frf.references.iter().enumerate() {
@@ -185,7 +185,7 @@ fn the_tutorial_does_what_it_says() {
 
 /// Part 3, after the tutorial has been followed.
 fn the_beam_is_found(folder: &Folder) {
-    let model = chladni_frf::io::read_model(&folder.path().join("beam.json")).unwrap();
+    let model = chladni_io::read_model(&folder.path().join("beam.json")).unwrap();
     let sure: Vec<f64> = model
         .in_band_modes()
         .filter(|mode| mode.trust == chladni_frf::Trust::Sure)

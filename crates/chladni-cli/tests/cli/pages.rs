@@ -34,7 +34,7 @@ fn report_in_a_browser() -> Option<(Folder, Page)> {
 }
 
 fn model_of(folder: &Folder) -> chladni_frf::ModalModel {
-    chladni_frf::io::read_model(&folder.path().join("model.json")).unwrap()
+    chladni_io::read_model(&folder.path().join("model.json")).unwrap()
 }
 
 /// Where the pole of the `k`-th mode is marked in the stabilization diagram, in the
@@ -112,7 +112,7 @@ fn the_page_synthesises_and_measures_what_the_files_hold() {
     };
     let model = model_of(&folder);
     let (frf, ..) =
-        chladni_frf::io::read_frf(&[folder.path().join("panel.h5")], &Default::default()).unwrap();
+        chladni_io::read_frf(&[folder.path().join("panel.h5")], &Default::default()).unwrap();
     // a pair that the page carries as residuals, not in full
     for (response, reference) in [(3, 4), (20, 9)] {
         page.eval(&format!(

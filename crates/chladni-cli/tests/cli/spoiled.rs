@@ -2,8 +2,8 @@
 //! names it in words of the trade, and says nothing of it about the clean set.
 
 use crate::common::Folder;
-use chladni_frf::io::{read_frf, write_contents, Contents};
 use chladni_frf::{Dof, FrfKind, FrfSet, FrfValues};
+use chladni_io::{read_frf, write_contents, Contents};
 use num_complex::Complex64;
 
 /// 4 responses on the plate and its 10 driving points.

@@ -1,9 +1,9 @@
 //! FRFs estimated from simulated records: against the structure behind them, and against
 //! the simulation's own H1.
 
-use chladni_frf::estimate::{estimate, BlockWindow, Estimate, EstimateOptions, Estimator};
 use chladni_frf::{ModalModel, Mode};
 use chladni_plate::{Excitation, TimeTest, Window};
+use chladni_signal::{estimate, BlockWindow, Estimate, EstimateOptions, Estimator};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 

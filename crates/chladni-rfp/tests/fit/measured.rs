@@ -1,8 +1,8 @@
 //! Measured beams: what independent methods found on them, where the files are present
 //! (outside the project).
 
-use chladni_frf::io::{read_frf, ReadOptions};
 use chladni_frf::{FrfKind, FrfSet, ModalModel, Trust};
+use chladni_io::{read_frf, ReadOptions};
 use chladni_rfp::{fit, FitOptions};
 use std::path::PathBuf;
 

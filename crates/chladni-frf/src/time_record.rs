@@ -1,0 +1,88 @@
+//! Time records: channels that were measured together.
+
+use crate::{Dof, FrfKind};
+use std::path::PathBuf;
+
+/// What a channel measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SignalUnit {
+    /// Force, N.
+    Force,
+    /// Drive voltage, V.
+    Volt,
+    /// Displacement, m.
+    Displacement,
+    /// Velocity, m/s.
+    Velocity,
+    /// Acceleration, m/s².
+    Acceleration,
+    /// The file does not say.
+    Unknown,
+}
+
+impl SignalUnit {
+    /// As a user would call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Force => "force",
+            Self::Volt => "voltage",
+            Self::Displacement => "displacement",
+            Self::Velocity => "velocity",
+            Self::Acceleration => "acceleration",
+            Self::Unknown => "an unknown quantity",
+        }
+    }
+
+    /// Kind of an FRF of this motion over a force or voltage.
+    pub fn frf_kind(self) -> Option<FrfKind> {
+        match self {
+            Self::Displacement => Some(FrfKind::Receptance),
+            Self::Velocity => Some(FrfKind::Mobility),
+            Self::Acceleration => Some(FrfKind::Accelerance),
+            _ => None,
+        }
+    }
+}
+
+/// One signal of a run, in SI.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Channel {
+    /// Where it was measured.
+    pub dof: Dof,
+    /// What it measures.
+    pub unit: SignalUnit,
+    /// A force or voltage that excites.
+    pub is_reference: bool,
+    /// Samples.
+    pub samples: Vec<f64>,
+}
+
+/// Channels of equal length that were measured together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run {
+    /// File.
+    pub file: PathBuf,
+    /// Line of its first record in the file, counted from 1; 0 in other formats.
+    pub line: u64,
+    /// Samples per second.
+    pub sample_rate_hz: f64,
+    /// Channels.
+    pub channels: Vec<Channel>,
+}
+
+impl Run {
+    /// Samples of each channel.
+    pub fn samples(&self) -> usize {
+        self.channels
+            .first()
+            .map_or(0, |channel| channel.samples.len())
+    }
+    /// Channels that excite.
+    pub fn references(&self) -> impl Iterator<Item = &Channel> {
+        self.channels.iter().filter(|channel| channel.is_reference)
+    }
+    /// Channels that answer.
+    pub fn responses(&self) -> impl Iterator<Item = &Channel> {
+        self.channels.iter().filter(|channel| !channel.is_reference)
+    }
+}

@@ -1,0 +1,199 @@
+//! Which datasets of a foreign file are the FRFs and their frequency axis: those of
+//! `--map`, else the only ones that fit.
+
+use super::super::tree::{Element, Entry};
+use super::super::values::reals;
+use super::{describe, length, Reader};
+use chladni_frf::{Error, ErrorKind, Result};
+
+/// Names that a frequency axis goes by.
+pub(super) const FREQUENCY_NAMES: [&str; 10] = [
+    "f",
+    "freq",
+    "frequency",
+    "frequencies",
+    "freqs",
+    "f_axis",
+    "faxis",
+    "freq_hz",
+    "frequency_hz",
+    "x",
+];
+/// Pairs of real arrays that hold one complex array, and whether they are magnitude and
+/// phase.
+const PART_NAMES: [(&str, &str, bool); 6] = [
+    ("re", "im", false),
+    ("real", "imag", false),
+    ("mag", "phase", true),
+    ("magnitude", "phase", true),
+    ("abs", "phase", true),
+    ("amplitude", "phase", true),
+];
+
+/// The values, in one dataset or two.
+#[derive(Clone, Copy)]
+pub(super) enum Source<'a> {
+    Complex(&'a Entry),
+    Parts(&'a Entry, &'a Entry),
+    Polar(&'a Entry, &'a Entry),
+}
+
+impl<'a> Source<'a> {
+    /// The dataset that gives shape, unit and place.
+    pub(super) fn first(self) -> &'a Entry {
+        match self {
+            Self::Complex(entry) | Self::Parts(entry, _) | Self::Polar(entry, _) => entry,
+        }
+    }
+    /// All its datasets.
+    pub(super) fn datasets(self) -> impl Iterator<Item = &'a Entry> {
+        let second = match self {
+            Self::Complex(_) => None,
+            Self::Parts(_, second) | Self::Polar(_, second) => Some(second),
+        };
+        std::iter::once(self.first()).chain(second)
+    }
+    pub(super) fn describe(self) -> String {
+        match self {
+            Self::Complex(entry) => describe(entry),
+            Self::Parts(a, b) | Self::Polar(a, b) => format!("{} with {}", describe(a), b.path),
+        }
+    }
+}
+
+impl<'a> Reader<'a> {
+    /// The FRFs and their frequency axis; `None` where nothing looks like them.
+    pub(super) fn choose(&self) -> Result<Option<(Source<'a>, &'a Entry)>> {
+        let sources = match self.mapped_source()? {
+            Some(source) => vec![source],
+            None => self.source_candidates(),
+        };
+        let axes = match self.mapped("freq")? {
+            Some(entry) => vec![entry],
+            None => self.frequency_candidates()?,
+        };
+        let mut pairs: Vec<(Source<'a>, &'a Entry)> = Vec::new();
+        for &source in &sources {
+            let fitting = axes
+                .iter()
+                .filter(|axis| source.first().shape().contains(&length(axis)));
+            pairs.extend(fitting.map(|&axis| (source, axis)));
+        }
+        // a frequency axis beside the array wins over one elsewhere
+        let beside: Vec<_> = pairs
+            .iter()
+            .filter(|(source, axis)| source.first().folder() == axis.folder())
+            .copied()
+            .collect();
+        match (pairs.as_slice(), beside.as_slice()) {
+            (&[pair], _) => Ok(Some(pair)),
+            (_, &[pair]) if sources.len() == 1 => Ok(Some(pair)),
+            ([], _) if self.map.is_empty() => Ok(None),
+            _ => {
+                let list = |entries: Vec<String>| {
+                    if entries.is_empty() {
+                        "none".to_owned()
+                    } else {
+                        entries.join(", ")
+                    }
+                };
+                Err(Error::bad_data(
+                    "it is not clear which datasets are the FRFs and their \
+                                     frequency axis",
+                )
+                .field("FRFs and frequency axis")
+                .found(format!(
+                    "{} complex arrays and {} frequency axes that may belong \
+                                    together",
+                    sources.len(),
+                    axes.len()
+                ))
+                .expected("one of each")
+                .help(format!(
+                    "name them with --map frf=PATH,freq=PATH; complex arrays: {}; frequency \
+                         axes: {}",
+                    list(sources.iter().map(|source| source.describe()).collect()),
+                    list(axes.iter().map(|axis| describe(axis)).collect()),
+                )))
+            }
+        }
+    }
+
+    fn mapped_source(&self) -> Result<Option<Source<'a>>> {
+        if let Some(entry) = self.mapped("frf")? {
+            return Ok(Some(Source::Complex(entry)));
+        }
+        match (
+            self.mapped("re")?,
+            self.mapped("im")?,
+            self.mapped("mag")?,
+            self.mapped("phase")?,
+        ) {
+            (None, None, None, None) => Ok(None),
+            (Some(re), Some(im), None, None) => Ok(Some(Source::Parts(re, im))),
+            (None, None, Some(mag), Some(phase)) => Ok(Some(Source::Polar(mag, phase))),
+            _ => Err(
+                Error::new(ErrorKind::Usage, "the values of --map are not complete")
+                    .field("--map")
+                    .found("one part of two, or parts of two kinds")
+                    .expected("frf, or re and im, or mag and phase"),
+            ),
+        }
+    }
+
+    fn source_candidates(&self) -> Vec<Source<'a>> {
+        let of_rank = |entry: &&Entry| (1..=3).contains(&entry.shape().len());
+        let complex: Vec<_> = self
+            .datasets()
+            .filter(|entry| matches!(entry.element(), Some(Element::Complex { .. })))
+            .filter(of_rank)
+            .map(Source::Complex)
+            .collect();
+        if !complex.is_empty() {
+            return complex;
+        }
+        let real = |entry: &&Entry| matches!(entry.element(), Some(Element::Real { .. }));
+        let named = |name: &str, folder: &str| {
+            self.datasets()
+                .find(|entry| entry.folder() == folder && entry.name().eq_ignore_ascii_case(name))
+        };
+        let mut parts = Vec::new();
+        for first in self.datasets().filter(of_rank).filter(real) {
+            for (name, partner, polar) in PART_NAMES {
+                if !first.name().eq_ignore_ascii_case(name) {
+                    continue;
+                }
+                if let Some(second) =
+                    named(partner, first.folder()).filter(|second| second.shape() == first.shape())
+                {
+                    parts.push(if polar {
+                        Source::Polar(first, second)
+                    } else {
+                        Source::Parts(first, second)
+                    });
+                }
+            }
+        }
+        parts
+    }
+
+    /// Rising lists of real numbers with the name of a frequency axis.
+    fn frequency_candidates(&self) -> Result<Vec<&'a Entry>> {
+        let mut found = Vec::new();
+        for entry in self.datasets() {
+            let named = super::is_frequency_name(entry.name());
+            let numbers = matches!(
+                entry.element(),
+                Some(Element::Real { .. } | Element::Integer)
+            );
+            let list = entry.shape().iter().filter(|&&extent| extent != 1).count() == 1;
+            if named && numbers && list {
+                let values = reals(entry, self.file.read(entry)?)?;
+                if values.windows(2).all(|pair| pair[0] < pair[1]) {
+                    found.push(entry);
+                }
+            }
+        }
+        Ok(found)
+    }
+}

@@ -1,0 +1,170 @@
+//! Arrays that were read as a whole (MATLAB, NumPy), laid out as the tree of an HDF5
+//! file.
+
+use super::foreign::{is_frequency_name, read_foreign, Found};
+use super::tree::{Attribute, Entry, Values};
+use super::ArrayFile;
+use crate::time_sign::to_plus;
+use crate::{DatasetInfo, Document, FileFormat, ReadOptions};
+use chladni_frf::{Error, Result};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Texts that say something about the arrays beside them.
+const REMARKS: [&str; 5] = ["frf_kind", "reference_unit", "time_sign", "unit", "units"];
+/// What MATLAB's own writer marks every array with: it stands in reverse order.
+const MATLAB: &str = "MATLAB_class";
+
+/// Arrays by path, with what is odd about the file.
+#[derive(Debug, Default)]
+pub(crate) struct MemoryFile {
+    arrays: BTreeMap<String, (Entry, Values<'static>)>,
+    /// What was passed over.
+    pub(crate) warnings: Vec<String>,
+}
+
+impl MemoryFile {
+    /// Adds an array in C order; `reversed` says that its program calls the axes the
+    /// other way round. A name that is there already is kept and the new one reported.
+    pub(crate) fn add(
+        &mut self,
+        path: &str,
+        shape: Vec<usize>,
+        values: Values<'static>,
+        reversed: bool,
+    ) {
+        if self.arrays.contains_key(path) {
+            self.warnings
+                .push(format!("{path} stands twice; the first is kept"));
+            return;
+        }
+        let attributes = if reversed {
+            vec![(MATLAB.to_owned(), Attribute::Text(String::new()))]
+        } else {
+            Vec::new()
+        };
+        let entry = Entry {
+            path: path.to_owned(),
+            dataset: Some((shape, values.element())),
+            attributes,
+            unread_attributes: Vec::new(),
+        };
+        self.arrays.insert(path.to_owned(), (entry, values));
+    }
+
+    /// True without arrays.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.arrays.is_empty()
+    }
+
+    /// The document: every array listed, FRFs where they can be told.
+    pub(crate) fn document(
+        mut self,
+        path: &Path,
+        format: FileFormat,
+        options: &ReadOptions,
+    ) -> Result<Document> {
+        let mut document = Document {
+            warnings: std::mem::take(&mut self.warnings),
+            ..Document::new(path, format)
+        };
+        let entries = self.entries();
+        document.datasets = entries
+            .iter()
+            .filter(|entry| entry.dataset.is_some())
+            .map(info)
+            .collect();
+        match read_foreign(&self, &entries, &options.map, &mut document.warnings)
+            .map_err(|error| error.file(path))
+        {
+            Ok(None) => {}
+            Ok(Some(Found {
+                mut set,
+                time_sign,
+                used,
+            })) => {
+                let remark =
+                    |info: &DatasetInfo| REMARKS.iter().any(|name| info.name == format!("/{name}"));
+                document.datasets.iter_mut().for_each(|info| {
+                    info.left_behind &= !used.contains(&info.name) && !remark(info)
+                });
+                to_plus(
+                    &mut set,
+                    time_sign,
+                    options.time_sign,
+                    &mut document.warnings,
+                );
+                document.frf = Some(set);
+            }
+            Err(error) if error.kind == chladni_frf::ErrorKind::BadData => {
+                document.errors.push(error)
+            }
+            Err(error) => return Err(error),
+        }
+        Ok(document)
+    }
+
+    /// The root with the remarks as its attributes, then all arrays; units stand on the
+    /// arrays that have one.
+    fn entries(&self) -> Vec<Entry> {
+        let remark = |name: &str| match self.arrays.get(&format!("/{name}")) {
+            Some((_, Values::Text(texts))) => texts
+                .first()
+                .map(|text| (name.to_owned(), Attribute::Text(text.clone()))),
+            _ => None,
+        };
+        let remarks: Vec<_> = REMARKS.iter().filter_map(|name| remark(name)).collect();
+        let root = Entry {
+            path: "/".into(),
+            dataset: None,
+            attributes: remarks.clone(),
+            unread_attributes: Vec::new(),
+        };
+        let with_unit = |(entry, _): &(Entry, Values<'static>)| {
+            let mut entry = entry.clone();
+            if !is_frequency_name(entry.name()) {
+                entry.attributes.extend(
+                    remarks
+                        .iter()
+                        .filter(|(name, _)| name.starts_with("unit"))
+                        .cloned(),
+                );
+            }
+            entry
+        };
+        std::iter::once(root)
+            .chain(self.arrays.values().map(with_unit))
+            .collect()
+    }
+}
+
+impl ArrayFile for MemoryFile {
+    fn read(&self, entry: &Entry) -> Result<Values<'static>> {
+        let found = self.arrays.get(&entry.path);
+        found
+            .map(|(_, values)| values.clone())
+            .ok_or_else(|| Error::bad_data("no such array").field(&entry.path))
+    }
+}
+
+fn info(entry: &Entry) -> DatasetInfo {
+    let mut extents: Vec<String> = entry.shape().iter().map(usize::to_string).collect();
+    if entry.attribute(MATLAB).is_some() {
+        extents.reverse();
+    }
+    let element = entry
+        .element()
+        .map_or_else(String::new, super::tree::Element::describe);
+    let function = if extents.is_empty() {
+        element
+    } else {
+        format!("{element}, {}", extents.join(" x "))
+    };
+    DatasetInfo {
+        name: entry.path.clone(),
+        function: Some(function),
+        values: entry.shape().iter().copied().max(),
+        left_behind: true, // until something of the document is made of it
+        ..DatasetInfo::default()
+    }
+}

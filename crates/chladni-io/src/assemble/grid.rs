@@ -1,0 +1,461 @@
+//! Records into the array of a set: one axis, one kind, every pair once.
+
+use super::super::Duplicates;
+use super::record::{Line, Record};
+use chladni_frf::{Dof, Error, FrfKind, FrfSet, FrfValues, Geometry, ReferenceUnit, Result};
+use ndarray::{Array1, Array3};
+use num_complex::{Complex32, Complex64, ComplexFloat};
+use std::collections::HashMap;
+
+/// Names that a warning lists before it only counts.
+const NAMES_LISTED: usize = 50;
+/// A grid of pairs this many times larger than the measured data, and above
+/// [`SPARSE_BYTES`], is refused.
+const SPARSE_FACTOR: usize = 16;
+/// See [`SPARSE_FACTOR`].
+const SPARSE_BYTES: usize = 1 << 30;
+
+/// DOFs in order of appearance.
+#[derive(Default)]
+pub(super) struct DofList {
+    pub(super) dofs: Vec<Dof>,
+    index: HashMap<Dof, usize>,
+}
+
+impl DofList {
+    pub(super) fn index_of(&mut self, dof: Dof) -> usize {
+        *self.index.entry(dof).or_insert_with(|| {
+            self.dofs.push(dof);
+            self.dofs.len() - 1
+        })
+    }
+}
+
+/// Builds the set; `responses` and `references` hold every DOF that a source names,
+/// measured or not.
+pub(super) fn build(
+    records: Vec<Record>,
+    mut responses: DofList,
+    mut references: DofList,
+    duplicates: Duplicates,
+    warnings: &mut Vec<String>,
+) -> Result<FrfSet> {
+    let axis = common_axis(&records, warnings)?;
+    let kind = common_kind(&records)?;
+    let reference_unit = common_reference_unit(&records)?;
+    let single = records.iter().all(|record| record.line.is_single());
+    let has_coherence = records.iter().any(|record| record.coherence.is_some());
+    let has_variance = records.iter().any(|record| record.variance.is_some());
+
+    let mut pairs: HashMap<(usize, usize), Vec<Record>> = HashMap::new();
+    let measured = records.len();
+    for record in records {
+        let at = (
+            responses.index_of(record.response),
+            references.index_of(record.reference),
+        );
+        pairs.entry(at).or_default().push(record);
+    }
+    let dim = (responses.dofs.len(), references.dofs.len(), axis.len());
+    check_grid(dim, measured)?;
+    let mut set = FrfSet {
+        frequency_hz: axis,
+        values: if single {
+            FrfValues::F32(Array3::from_elem(dim, Complex32::new(f32::NAN, f32::NAN)))
+        } else {
+            FrfValues::F64(Array3::from_elem(dim, Complex64::new(f64::NAN, f64::NAN)))
+        },
+        responses: responses.dofs,
+        references: references.dofs,
+        kind,
+        reference_unit,
+        coherence: has_coherence.then(|| Array3::from_elem(dim, f32::NAN)),
+        variance: has_variance.then(|| Array3::from_elem(dim, f64::NAN)),
+        geometry: Geometry::default(),
+    };
+    let mut at: Vec<_> = pairs.into_iter().collect();
+    at.sort_by_key(|(pair, _)| *pair);
+    let mut doubled = Vec::new();
+    for (pair, mut records) in at {
+        if records.iter().any(|record| !record.line.is_zero()) {
+            // a point that was flagged invalid and measured again is no duplicate
+            records.retain(|record| !record.line.is_zero());
+        }
+        if records.len() > 1 {
+            let name = pair_name(&set, pair);
+            if duplicates == Duplicates::Error {
+                return Err(Error::bad_data(format!(
+                    "the pair {name} is there {} \
+                                                    times",
+                    records.len()
+                ))
+                .field("response and reference")
+                .found(format!("{} and {}", records[0].place, records[1].place))
+                .expected("each pair once")
+                .help(
+                    "choose with --duplicates first|last|mean; files that all say reference \
+                           node 1 need --reference N",
+                ));
+            }
+            doubled.push(name);
+        }
+        let record = match duplicates {
+            Duplicates::Mean if records.len() > 1 => mean(records),
+            Duplicates::Last => records.pop(),
+            _ => records.into_iter().next(),
+        };
+        if let Some(record) = record {
+            store(&mut set, pair, record);
+        }
+    }
+    if !doubled.is_empty() {
+        let rule = match duplicates {
+            Duplicates::First => "the first is kept",
+            Duplicates::Last => "the last is kept",
+            Duplicates::Mean => "their mean is taken",
+            Duplicates::Error => "",
+        };
+        warnings.push(format!(
+            "{} pairs are there more than once, {rule}: {}",
+            doubled.len(),
+            listed(doubled.into_iter())
+        ));
+    }
+    set.checked()
+}
+
+/// The axis of the first record; the others must lie within half a line of it.
+fn common_axis(records: &[Record], warnings: &mut Vec<String>) -> Result<Array1<f64>> {
+    let Some(first) = records.first() else {
+        return Ok(Array1::zeros(0));
+    };
+    let axis = first.frequency_hz.clone();
+    let rises = axis.windows(2).all(|pair| pair[0] < pair[1])
+        && axis.iter().all(|f| f.is_finite() && *f >= 0.0);
+    if !rises {
+        return Err(Error::bad_data(
+            "the frequency axis must be finite, not negative and strictly rising",
+        )
+        .field(format!("frequency axis of {}", first.place))
+        .found(describe_axis(&axis))
+        .help("export the data again; `chladni info` lists every dataset"));
+    }
+    let mut largest: Option<(f64, &Record)> = None;
+    let mut last = first;
+    for record in records {
+        if std::rc::Rc::ptr_eq(&record.frequency_hz, &last.frequency_hz) {
+            continue;
+        }
+        last = record;
+        match distance_in_lines(&axis, &record.frequency_hz) {
+            Some(lines) if lines < 0.5 => {
+                if lines > largest.map_or(0.0, |(found, _)| found) {
+                    largest = Some((lines, record));
+                }
+            }
+            _ => {
+                return Err(
+                    Error::bad_data("FRFs of one set must share their frequency axis")
+                        .field("frequency axis")
+                        .found(format!(
+                            "{} in {}",
+                            describe_axis(&record.frequency_hz),
+                            record.place
+                        ))
+                        .expected(format!(
+                            "within half a line of {} in {}",
+                            describe_axis(&axis),
+                            first.place
+                        ))
+                        .help(
+                            "convert and fit the files separately, or measure them with the same \
+                           analyser settings",
+                        ),
+                )
+            }
+        }
+    }
+    // one part in a thousand of a line moves no pole that anyone could see
+    if let Some((lines, record)) = largest.filter(|(lines, _)| *lines > 1e-3) {
+        warnings.push(format!(
+            "frequency axes differ by up to {lines:.3} of a line ({} against {}); that of the \
+             first is used",
+            record.place, first.place
+        ));
+    }
+    Ok(Array1::from(axis.to_vec()))
+}
+
+/// Largest distance of two axes, in units of the smaller spacing beside the line; `None`
+/// for different lengths.
+fn distance_in_lines(a: &[f64], b: &[f64]) -> Option<f64> {
+    if a.len() != b.len() {
+        return None;
+    }
+    let spacing = |k: usize| {
+        let before = if k > 0 {
+            a[k] - a[k - 1]
+        } else {
+            f64::INFINITY
+        };
+        let after = if k + 1 < a.len() {
+            a[k + 1] - a[k]
+        } else {
+            f64::INFINITY
+        };
+        before.min(after)
+    };
+    let distance = |k: usize| match (a[k] - b[k]).abs() {
+        0.0 => 0.0,
+        // a single line has no spacing: it must be the same to the digits of a text file
+        difference if a.len() == 1 => difference / (1e-5 * a[0].abs()),
+        difference => difference / spacing(k),
+    };
+    let worst = (0..a.len()).map(distance);
+    worst
+        .reduce(|x, y| if y > x || y.is_nan() { y } else { x })
+        .or(Some(0.0))
+}
+
+fn describe_axis(axis: &[f64]) -> String {
+    match axis {
+        [] => "no lines".into(),
+        [one] => format!("one line at {one} Hz"),
+        [first, .., last] => format!("{} lines {first}..{last} Hz", axis.len()),
+    }
+}
+
+fn common_kind(records: &[Record]) -> Result<Option<FrfKind>> {
+    let Some(first) = records.first() else {
+        return Ok(None);
+    };
+    let name = |kind: Option<FrfKind>| kind.map_or("not said", FrfKind::as_str);
+    match records.iter().find(|record| record.kind != first.kind) {
+        None => Ok(first.kind),
+        Some(other) => Err(
+            Error::bad_data("FRFs of different kinds do not make one set")
+                .field("FRF kind")
+                .found(format!("{} in {}", name(other.kind), other.place))
+                .expected(format!("{} as in {}", name(first.kind), first.place))
+                .help("convert them separately, or say one kind for all with --frf-kind"),
+        ),
+    }
+}
+
+fn common_reference_unit(records: &[Record]) -> Result<ReferenceUnit> {
+    let Some(first) = records.first() else {
+        return Ok(ReferenceUnit::default());
+    };
+    match records
+        .iter()
+        .find(|record| record.reference_unit != first.reference_unit)
+    {
+        None => Ok(first.reference_unit),
+        Some(other) => Err(
+            Error::bad_data("references in different units do not make one set")
+                .field("reference unit")
+                .found(format!("{} in {}", other.reference_unit, other.place))
+                .expected(format!("{} as in {}", first.reference_unit, first.place))
+                .help("convert the files separately"),
+        ),
+    }
+}
+
+fn check_grid(dim: (usize, usize, usize), measured: usize) -> Result<()> {
+    let bytes = |pairs: usize| {
+        pairs
+            .saturating_mul(dim.2)
+            .saturating_mul(size_of::<Complex64>())
+    };
+    let grid = dim.0.saturating_mul(dim.1);
+    if bytes(grid) > SPARSE_BYTES && grid / SPARSE_FACTOR > measured {
+        return Err(
+            Error::bad_data("almost all (response, reference) pairs are missing")
+                .found(format!(
+                    "{measured} FRFs for {} responses and {} references",
+                    dim.0, dim.1
+                ))
+                .expected("FRFs of most pairs")
+                .help("convert the files in groups of common references"),
+        );
+    }
+    Ok(())
+}
+
+/// Mean of several records of one pair; a masked line takes the mean of the others.
+fn mean(records: Vec<Record>) -> Option<Record> {
+    let lines = records.first()?.line.len();
+    let average = |k: usize| {
+        let finite: Vec<Complex64> = records
+            .iter()
+            .map(|record| record.line.get(k))
+            .filter(|value| !value.re.is_nan())
+            .collect();
+        finite.iter().sum::<Complex64>() / finite.len() as f64
+    };
+    let values: Vec<Complex64> = (0..lines).map(average).collect();
+    let single = records.iter().all(|record| record.line.is_single());
+    let line = if single {
+        Line::Single(
+            values
+                .iter()
+                .map(|value| Complex32::new(value.re as f32, value.im as f32))
+                .collect(),
+        )
+    } else {
+        Line::Double(values)
+    };
+    let coherences: Vec<&Vec<f32>> = records
+        .iter()
+        .filter_map(|record| record.coherence.as_ref())
+        .collect();
+    let coherence = (!coherences.is_empty()).then(|| {
+        let average = |k: usize| {
+            coherences.iter().map(|values| values[k]).sum::<f32>() / coherences.len() as f32
+        };
+        (0..lines).map(average).collect()
+    });
+    // of independent measurements; not known where one of them is not
+    let variances: Option<Vec<&Vec<f64>>> = records
+        .iter()
+        .map(|record| record.variance.as_ref())
+        .collect();
+    let variance = variances.map(|variances| {
+        let of_mean = |k: usize| {
+            variances.iter().map(|values| values[k]).sum::<f64>() / (variances.len() as f64).powi(2)
+        };
+        (0..lines).map(of_mean).collect()
+    });
+    let first = records.into_iter().next()?;
+    Some(Record {
+        line,
+        coherence,
+        variance,
+        ..first
+    })
+}
+
+fn store(set: &mut FrfSet, (i, j): (usize, usize), record: Record) {
+    let count = record.line.len();
+    match &mut set.values {
+        FrfValues::F64(values) => (0..count).for_each(|k| values[[i, j, k]] = record.line.get(k)),
+        FrfValues::F32(values) => {
+            if let Line::Single(line) = &record.line {
+                (0..count).for_each(|k| values[[i, j, k]] = line[k]);
+            }
+        }
+    }
+    if let (Some(target), Some(coherence)) = (&mut set.coherence, record.coherence) {
+        coherence
+            .iter()
+            .take(count)
+            .enumerate()
+            .for_each(|(k, &value)| target[[i, j, k]] = value);
+    }
+    if let (Some(target), Some(variance)) = (&mut set.variance, record.variance) {
+        variance
+            .iter()
+            .take(count)
+            .enumerate()
+            .for_each(|(k, &value)| target[[i, j, k]] = value);
+    }
+}
+
+/// True where no value is infinite or NaN: 0 times either is NaN. One sum in lanes is
+/// many times faster than a look at each value.
+fn all_finite<C: ComplexFloat>(values: &[C]) -> bool {
+    const LANES: usize = 8;
+    let mut sums = [C::zero(); LANES];
+    let (chunks, rest) = values.as_chunks::<LANES>();
+    for chunk in chunks {
+        sums.iter_mut()
+            .zip(chunk)
+            .for_each(|(sum, &value)| *sum = *sum + value.conj() * C::zero());
+    }
+    sums.iter().chain(rest).all(|value| value.is_finite())
+}
+
+/// A set as it was read: pairs of zeros become missing, values that are not finite NaN,
+/// and both are said.
+pub(super) fn clean(set: &mut FrfSet, file: &str, warnings: &mut Vec<String>) {
+    fn clean_array<C: ComplexFloat>(
+        values: &mut Array3<C>,
+        zero_value: C,
+        nan: C,
+    ) -> (usize, Vec<(usize, usize)>) {
+        let (mut masked, mut zero) = (0, Vec::new());
+        for (i, mut rows) in values.outer_iter_mut().enumerate() {
+            for (j, mut line) in rows.outer_iter_mut().enumerate() {
+                if !line.as_slice().is_some_and(all_finite) {
+                    for value in line.iter_mut().filter(|value| !value.is_finite()) {
+                        masked += usize::from(value.re() == value.re() || value.im() == value.im());
+                        *value = nan;
+                    }
+                }
+                if !line.is_empty() && line.iter().all(|&value| value == zero_value) {
+                    line.fill(nan);
+                    zero.push((i, j));
+                }
+            }
+        }
+        (masked, zero)
+    }
+    let (masked, zero) = match &mut set.values {
+        FrfValues::F64(values) => {
+            clean_array(values, Complex64::ZERO, Complex64::new(f64::NAN, f64::NAN))
+        }
+        FrfValues::F32(values) => {
+            clean_array(values, Complex32::ZERO, Complex32::new(f32::NAN, f32::NAN))
+        }
+    };
+    if masked > 0 {
+        let place = if file.is_empty() {
+            String::new()
+        } else {
+            format!("{file}: ")
+        };
+        warnings.push(format!(
+            "{place}{masked} values are not finite; these lines are masked"
+        ));
+    }
+    report_missing(set, zero, warnings);
+}
+
+fn report_missing(set: &FrfSet, mut zero: Vec<(usize, usize)>, warnings: &mut Vec<String>) {
+    let missing = set.missing_pairs();
+    zero.retain(|pair| missing.binary_search(pair).is_ok());
+    zero.sort_unstable();
+    zero.dedup();
+    if !zero.is_empty() {
+        let names = listed(zero.iter().map(|&pair| pair_name(set, pair)));
+        warnings.push(format!(
+            "{} pairs are exactly zero on every line and are treated as missing: {names}",
+            zero.len()
+        ));
+    }
+    let absent: Vec<_> = missing
+        .into_iter()
+        .filter(|pair| zero.binary_search(pair).is_err())
+        .collect();
+    if !absent.is_empty() {
+        let names = listed(absent.iter().map(|&pair| pair_name(set, pair)));
+        warnings.push(format!(
+            "{} of {} pairs are missing (response, reference): {names}",
+            absent.len(),
+            set.pairs()
+        ));
+    }
+}
+
+fn pair_name(set: &FrfSet, (i, j): (usize, usize)) -> String {
+    format!("({}, {})", set.responses[i], set.references[j])
+}
+
+fn listed(names: impl ExactSizeIterator<Item = String>) -> String {
+    let count = names.len();
+    let mut list: Vec<String> = names.take(NAMES_LISTED).collect();
+    if count > NAMES_LISTED {
+        list.push(format!("and {} more", count - NAMES_LISTED));
+    }
+    list.join(", ")
+}

@@ -1,0 +1,280 @@
+//! Results are written beside their place and renamed into it: an interrupted run leaves
+//! the old file or none.
+
+use chladni_frf::{Error, ErrorKind, Result};
+use std::fs;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use tempfile::{NamedTempFile, TempPath};
+
+/// Writes `path` as a whole or not at all: `write` fills a temporary file beside it,
+/// which is then renamed.
+///
+/// A device or pipe (`/dev/stdout`, `/dev/null`) is written directly; a link keeps
+/// pointing to its file, which is replaced.
+///
+/// # Errors
+/// [`ErrorKind::CannotCreate`] when the folder does not exist, or the file exists and
+/// `force` is false; [`ErrorKind::Io`] when writing fails (disk full); whatever `write`
+/// returns.
+pub fn write_atomically(
+    path: &Path,
+    force: bool,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<()> {
+    if is_device(path) {
+        let file = fs::OpenOptions::new()
+            .write(true)
+            .open(path)
+            .map_err(|error| write_error(&error, path))?;
+        let mut buffered = BufWriter::new(file);
+        return write(&mut buffered)
+            .and_then(|()| buffered.flush())
+            .map_err(|error| write_error(&error, path));
+    }
+    let target = free_target(path, force)?;
+    let mut file = temporary_beside(&target)?;
+    let written = {
+        let mut buffered = BufWriter::with_capacity(1 << 20, file.as_file_mut());
+        write(&mut buffered).and_then(|()| buffered.flush())
+    };
+    written.map_err(|error| write_error(&error, path))?;
+    persist(file.into_temp_path(), &target, force)
+}
+
+/// Like [`write_atomically`] for libraries that want a path: `write` creates the file
+/// under the path that it is given.
+///
+/// # Errors
+/// As [`write_atomically`].
+pub fn create_atomically(
+    path: &Path,
+    force: bool,
+    write: impl FnOnce(&Path) -> Result<()>,
+) -> Result<()> {
+    if is_device(path) {
+        return Err(Error::new(
+            ErrorKind::CannotCreate,
+            "this format needs a file, not a device or pipe",
+        )
+        .file(path)
+        .found("a device or pipe")
+        .expected("the name of a file")
+        .help("give the name of a file with -o"));
+    }
+    let target = free_target(path, force)?;
+    let temporary = temporary_beside(&target)?.into_temp_path();
+    write(&temporary).map_err(|mut error| {
+        error.file = Some(path.to_path_buf());
+        error
+    })?;
+    persist(temporary, &target, force)
+}
+
+/// Refuses an output that is one of the inputs, whatever way the path is written;
+/// `--force` does not change that.
+///
+/// # Errors
+/// [`ErrorKind::CannotCreate`] naming the input.
+pub fn refuse_output_among_inputs(output: &Path, inputs: &[PathBuf]) -> Result<()> {
+    let Ok(output_file) = fs::canonicalize(output) else {
+        return Ok(());
+    };
+    for input in inputs {
+        if fs::canonicalize(input).is_ok_and(|file| file == output_file) {
+            return Err(
+                Error::new(ErrorKind::CannotCreate, "the output is one of the inputs")
+                    .file(output)
+                    .found(input.display())
+                    .expected("a file that is not read")
+                    .help("give the result another name with -o"),
+            );
+        }
+    }
+    Ok(())
+}
+
+/// An operating-system failure while writing `path`.
+pub(crate) fn write_error(error: &io::Error, path: &Path) -> Error {
+    let kind = error.kind();
+    // the temporary file is nobody's business
+    let error = error.to_string();
+    let error = error.split(" at path ").next().unwrap_or_default();
+    match kind {
+        io::ErrorKind::PermissionDenied
+        | io::ErrorKind::NotFound
+        | io::ErrorKind::ReadOnlyFilesystem => {
+            Error::new(ErrorKind::CannotCreate, format!("cannot create: {error}"))
+                .file(path)
+                .help("check the folder and its permissions, or choose another with -o")
+        }
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
+            Error::new(ErrorKind::Io, format!("cannot write: {error}"))
+                .file(path)
+                .help("free some space or write elsewhere with -o; nothing was left behind")
+        }
+        _ => Error::new(ErrorKind::Io, format!("cannot write: {error}")).file(path),
+    }
+}
+
+fn is_device(path: &Path) -> bool {
+    fs::metadata(path).is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir())
+}
+
+/// The file to be replaced or created, links followed.
+fn free_target(path: &Path, force: bool) -> Result<PathBuf> {
+    let refuse = |message: &str, help: &str| {
+        Err(Error::new(ErrorKind::CannotCreate, message)
+            .file(path)
+            .help(help))
+    };
+    if path.file_name().is_none() || path.is_dir() {
+        return refuse(
+            "a folder stands where the file should be written",
+            "give the name of a file with -o",
+        );
+    }
+    if path.exists() {
+        if !force {
+            return refuse(
+                "the file exists",
+                "choose another name with -o, or overwrite it with --force",
+            );
+        }
+        return fs::canonicalize(path).map_err(|error| write_error(&error, path));
+    }
+    if !folder_of(path).is_dir() {
+        return refuse(
+            "no such folder for the output",
+            "create the folder first, or choose another with -o",
+        );
+    }
+    Ok(path.to_path_buf())
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent()
+        .filter(|folder| !folder.as_os_str().is_empty())
+        .unwrap_or_else(|| Path::new("."))
+}
+
+fn temporary_beside(target: &Path) -> Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".chladni-").suffix(".tmp");
+    #[cfg(unix)]
+    {
+        // the umask applies, as to every file a program creates
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    builder
+        .tempfile_in(folder_of(target))
+        .map_err(|error| write_error(&error, target))
+}
+
+fn persist(temporary: TempPath, target: &Path, force: bool) -> Result<()> {
+    let written = fs::File::open(&temporary).and_then(|file| file.sync_all());
+    written.map_err(|error| write_error(&error, target))?;
+    let renamed = if force {
+        temporary.persist(target)
+    } else {
+        temporary.persist_noclobber(target)
+    };
+    renamed.map_err(|failure| match failure.error.kind() {
+        io::ErrorKind::AlreadyExists => Error::new(ErrorKind::CannotCreate, "the file exists")
+            .file(target)
+            .help("choose another name with -o, or overwrite it with --force"),
+        _ => write_error(&failure.error, target),
+    })?;
+    // the new name itself reaches the disk with its folder; not every file system can do
+    // that
+    if let Ok(folder) = fs::File::open(folder_of(target)) {
+        folder.sync_all().ok();
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn entries(folder: &Path) -> Vec<String> {
+        let mut names: Vec<_> = fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn an_existing_file_is_kept_without_force_and_replaced_with_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("out.csv");
+        write_atomically(&path, false, |out| out.write_all(b"one")).unwrap();
+        let error = write_atomically(&path, false, |out| out.write_all(b"two")).unwrap_err();
+        assert_eq!(error.kind, ErrorKind::CannotCreate);
+        assert!(error.to_string().contains("--force"), "{error}");
+        assert_eq!(fs::read(&path).unwrap(), b"one");
+        write_atomically(&path, true, |out| out.write_all(b"two")).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"two");
+        assert_eq!(entries(folder.path()), ["out.csv"]);
+    }
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("out.csv");
+        fs::write(&path, b"old").unwrap();
+        let full = |_: &mut dyn Write| Err(io::Error::from(io::ErrorKind::StorageFull));
+        let error = write_atomically(&path, true, full).unwrap_err();
+        assert_eq!(error.kind, ErrorKind::Io);
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(entries(folder.path()), ["out.csv"]);
+    }
+
+    #[test]
+    fn a_missing_folder_and_a_folder_as_file_cannot_be_created() {
+        let folder = tempfile::tempdir().unwrap();
+        for path in [
+            folder.path().join("no/such/out.csv"),
+            folder.path().to_path_buf(),
+        ] {
+            let error = write_atomically(&path, true, |_| Ok(())).unwrap_err();
+            assert_eq!(error.kind, ErrorKind::CannotCreate, "{error}");
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_device_is_written_to_and_never_replaced() {
+        let null = Path::new("/dev/null");
+        write_atomically(null, false, |out| out.write_all(b"gone")).unwrap();
+        let error = create_atomically(null, true, |_| Ok(())).unwrap_err();
+        assert_eq!(error.kind, ErrorKind::CannotCreate);
+        assert!(is_device(null));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_keeps_pointing_to_its_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, link) = (folder.path().join("file"), folder.path().join("link"));
+        fs::write(&file, b"old").unwrap();
+        std::os::unix::fs::symlink(&file, &link).unwrap();
+        write_atomically(&link, true, |out| out.write_all(b"new")).unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read(&file).unwrap(), b"new");
+    }
+
+    #[test]
+    fn an_input_is_never_the_output() {
+        let folder = tempfile::tempdir().unwrap();
+        let input = folder.path().join("in.csv");
+        fs::write(&input, b"x").unwrap();
+        let same = folder.path().join(".").join("in.csv");
+        let error = refuse_output_among_inputs(&same, std::slice::from_ref(&input)).unwrap_err();
+        assert_eq!(error.kind, ErrorKind::CannotCreate);
+        refuse_output_among_inputs(&folder.path().join("out.csv"), &[input]).unwrap();
+    }
+}

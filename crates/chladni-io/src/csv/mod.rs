@@ -1,0 +1,353 @@
+//! Text tables in the layouts that programs write, and our own.
+//!
+//! | layout | columns |
+//! |---|---|
+//! | one FRF per file | f, Re, Im, or f, magnitude, phase |
+//! | wide, named pairs | f, then a pair of columns per FRF, DOFs in the header (`1Z:3Z`) |
+//! | long | node, dir, ref_node, ref_dir, f, re, im |
+//! | time records | t, then a column per channel, DOF and unit in the header (`101:+Z [N]`) |
+//!
+//! `# key = value` lines say `frf_kind`, `unit`, `time_sign`, `reference_unit`, and
+//! `response` and `reference` of a single FRF. Delimiter and decimal sign are found by
+//! trying; a column `coherence` may follow each FRF. Phases are in degrees unless the
+//! header says rad, magnitudes in dB only where the header gives the reference.
+
+mod head;
+mod long;
+mod table;
+mod text;
+mod time;
+mod wide;
+mod write;
+
+use super::assemble::{build_set, clean_coherence, TracedFrf};
+use super::unit_label::{frf_unit, FrfUnit};
+use super::{DatasetInfo, Document, FileFormat, ReadOptions};
+use chladni_frf::{Direction, Dof, Error, FrfKind, FrfSet, ReferenceUnit, Result, TimeSign};
+use num_complex::Complex64;
+use std::io::Write;
+use std::path::Path;
+use text::{decode, lines_and_remarks, refuse_complex_lists, Dialect, Remark};
+
+/// One FRF of a table, as it stands there.
+struct Trace {
+    response: Option<Dof>,
+    reference: Option<Dof>,
+    values: Vec<Complex64>,
+    coherence: Option<Vec<f64>>,
+    /// Unit of its header; the remark `unit` stands for the whole file.
+    unit: Option<FrfUnit>,
+    unit_text: String,
+}
+
+/// Reads a table; `sha256` is left empty. FRFs without a DOF become responses at nodes
+/// from `next_node` on.
+pub(super) fn read(
+    bytes: &[u8],
+    file: &Path,
+    options: &ReadOptions,
+    next_node: &mut u64,
+) -> Result<Document> {
+    read_text(bytes, file, options, next_node).map_err(|error| error.file(file))
+}
+
+/// True where the head of a text file holds rows of numbers or the header of a long
+/// table: damaged or not, it is one.
+pub(super) fn is_table(head: &[u8]) -> bool {
+    let text = decode(head);
+    let (lines, _) = lines_and_remarks(&text);
+    long::find(&lines).is_some()
+        || Dialect::any_finds_rows(&lines)
+        || refuse_complex_lists(&lines).is_err()
+}
+
+fn read_text(
+    bytes: &[u8],
+    file: &Path,
+    options: &ReadOptions,
+    next_node: &mut u64,
+) -> Result<Document> {
+    let text = decode(bytes);
+    let (lines, remarks) = lines_and_remarks(&text);
+    refuse_complex_lists(&lines)?;
+    let mut warnings = Vec::new();
+    let (first_line, (frequency_hz, traces)) = match long::find(&lines) {
+        Some(table) => (
+            table.first_line(),
+            table.traces(options.lenient, &mut warnings)?,
+        ),
+        None => {
+            let table = table::Table::read(&lines, options.lenient, &mut warnings)?;
+            if let Some(factor) = time::seconds(&table) {
+                return time::document(&table, factor, warnings, file);
+            }
+            (table.lines[0], wide::traces(&table, &mut warnings)?)
+        }
+    };
+    let said = Said::from_remarks(&remarks)?;
+    let units = Units::of(&said, &traces, options.frf_kind, &mut warnings)?;
+    let dofs = name_dofs(&said, &traces, options, next_node, &mut warnings);
+    let mut datasets = Vec::new();
+    let mut records = Vec::new();
+    for (trace, (response, reference)) in traces.into_iter().zip(dofs) {
+        datasets.push(dataset_info(
+            first_line,
+            response,
+            reference,
+            frequency_hz.len(),
+        ));
+        let factor = units.factor(&trace);
+        let coherence = trace.coherence.map(|values| {
+            let at_zero = frequency_hz.first() == Some(&0.0);
+            checked_coherence(values, at_zero, &mut warnings)
+        });
+        let values = trace
+            .values
+            .into_iter()
+            .map(|value| value * factor)
+            .collect();
+        records.push(TracedFrf {
+            response,
+            reference,
+            values,
+            coherence,
+        });
+    }
+    let mut set = build_set(
+        frequency_hz,
+        records,
+        units.kind,
+        units.reference,
+        options.duplicates,
+        &file.display().to_string(),
+        &mut warnings,
+    )?;
+    super::time_sign::to_plus(&mut set, said.time_sign, options.time_sign, &mut warnings);
+    Ok(Document {
+        datasets,
+        frf: Some(set),
+        warnings,
+        ..Document::new(file, FileFormat::Csv)
+    })
+}
+
+/// Writes a set as our own long table.
+pub(super) fn write(out: &mut dyn Write, set: &FrfSet) -> std::io::Result<()> {
+    write::write(out, set)
+}
+
+/// What the remarks say about the whole file.
+#[derive(Default)]
+struct Said {
+    kind: Option<FrfKind>,
+    unit: Option<String>,
+    time_sign: Option<TimeSign>,
+    reference_unit: Option<ReferenceUnit>,
+    response: Option<Dof>,
+    reference: Option<Dof>,
+}
+
+impl Said {
+    fn from_remarks(remarks: &[Remark]) -> Result<Self> {
+        let mut said = Self::default();
+        for remark in remarks {
+            let wrong = |message: String| {
+                Error::bad_word(&message, &remark.value)
+                    .at_line(remark.line)
+                    .field(&remark.key)
+            };
+            match remark.key.as_str() {
+                "frf_kind" => said.kind = Some(remark.value.parse().map_err(wrong)?),
+                "time_sign" => said.time_sign = Some(remark.value.parse().map_err(wrong)?),
+                "unit" => said.unit = Some(remark.value.clone()),
+                "response" => said.response = Some(remark.value.parse().map_err(wrong)?),
+                "reference" => said.reference = Some(remark.value.parse().map_err(wrong)?),
+                "reference_unit" => {
+                    said.reference_unit = Some(match remark.value.as_str() {
+                        "N" => ReferenceUnit::Newton,
+                        "V" => ReferenceUnit::Volt,
+                        _ => {
+                            return Err(
+                                wrong("unknown unit of the reference".into()).expected("N or V")
+                            )
+                        }
+                    })
+                }
+                _ => {} // free text such as a date or an operator
+            }
+        }
+        Ok(said)
+    }
+}
+
+/// Kind, reference unit and scale of a file.
+struct Units {
+    kind: Option<FrfKind>,
+    reference: ReferenceUnit,
+    file: Option<FrfUnit>,
+}
+
+impl Units {
+    fn of(
+        said: &Said,
+        traces: &[Trace],
+        told: Option<FrfKind>,
+        warnings: &mut Vec<String>,
+    ) -> Result<Self> {
+        let file = said.unit.as_deref().and_then(frf_unit);
+        let mut found: Option<(FrfUnit, &str)> =
+            file.map(|unit| (unit, said.unit.as_deref().unwrap_or_default()));
+        let mut unknown = said.unit.clone().filter(|_| file.is_none());
+        let mut unlabelled = file.is_none();
+        for trace in traces {
+            match trace.unit {
+                None => {
+                    if !trace.unit_text.is_empty() && file.is_none() {
+                        unknown.get_or_insert_with(|| trace.unit_text.clone());
+                    }
+                }
+                Some(unit) => {
+                    unlabelled = false;
+                    match found {
+                        Some((known, label))
+                            if (known.kind, known.reference) != (unit.kind, unit.reference) =>
+                        {
+                            return Err(Error::bad_data("units of different kinds in one file")
+                                .field("unit")
+                                .found(format!(
+                                    "{} ({}) and {label} ({})",
+                                    trace.unit_text, unit.kind, known.kind
+                                ))
+                                .help("split the file by kind"));
+                        }
+                        Some(_) => {}
+                        None => found = Some((unit, &trace.unit_text)),
+                    }
+                }
+            }
+        }
+        if let Some(label) = unknown {
+            warnings.push(format!(
+                "unit `{label}` is no motion per force or volt; values are taken as SI"
+            ));
+        } else if unlabelled {
+            warnings.push("no unit in the file; values are taken as SI".into());
+        }
+        let by_unit = found.map(|(unit, _)| unit.kind);
+        if let (Some(kind), Some(by_unit), None) = (said.kind, by_unit, told) {
+            if kind != by_unit {
+                return Err(Error::bad_data("frf_kind and unit contradict each other")
+                    .field("frf_kind")
+                    .found(format!(
+                        "{kind} with unit {}",
+                        found.map_or("", |(_, label)| label)
+                    ))
+                    .expected(format!("{by_unit} for that unit"))
+                    .help("say which is right with --frf-kind"));
+            }
+        }
+        let reference = said
+            .reference_unit
+            .or(found.map(|(unit, _)| unit.reference))
+            .unwrap_or_default();
+        Ok(Self {
+            kind: said.kind.or(by_unit),
+            reference,
+            file,
+        })
+    }
+
+    fn factor(&self, trace: &Trace) -> f64 {
+        trace.unit.or(self.file).map_or(1.0, |unit| unit.to_si)
+    }
+}
+
+/// DOFs of every trace: those of the file, else numbered, with a warning that names the
+/// assumption.
+///
+/// An unknown reference gets no direction (`1:S`), so that it is never taken for a
+/// driving point; `--reference N` is N:+Z.
+fn name_dofs(
+    said: &Said,
+    traces: &[Trace],
+    options: &ReadOptions,
+    next_node: &mut u64,
+    warnings: &mut Vec<String>,
+) -> Vec<(Dof, Dof)> {
+    let fallback = match options.references.as_slice() {
+        [] => Dof::new(1, Direction::SCALAR),
+        nodes => Dof::new(nodes[0], Direction::PLUS_Z),
+    };
+    let single = traces.len() == 1;
+    let mut numbered: Vec<u64> = Vec::new();
+    let mut without_reference = false;
+    let dofs = traces
+        .iter()
+        .map(|trace| {
+            let response = trace
+                .response
+                .or(said.response.filter(|_| single))
+                .unwrap_or_else(|| {
+                    numbered.push(*next_node);
+                    *next_node += 1;
+                    Dof::new(numbered[numbered.len() - 1], Direction::PLUS_Z)
+                });
+            let reference = trace.reference.or(said.reference).unwrap_or_else(|| {
+                without_reference = true;
+                fallback
+            });
+            (response, reference)
+        })
+        .collect();
+    match numbered.as_slice() {
+        [] => {}
+        [one] => warnings.push(format!(
+            "the file names no response DOF: taken as {one}:+Z, by its place among the files"
+        )),
+        [first, .., last] => warnings.push(format!(
+            "the columns name no response DOFs: taken as {first}:+Z to {last}:+Z, in their order"
+        )),
+    }
+    if without_reference {
+        let advice = if options.references.is_empty() {
+            "; say it with --reference N"
+        } else {
+            ""
+        };
+        warnings.push(format!(
+            "the file names no reference DOF: taken as {fallback}{advice}"
+        ));
+    }
+    dofs
+}
+
+/// Coherence with NaN where it is impossible; at 0 Hz that is normal.
+fn checked_coherence(values: Vec<f64>, at_zero: bool, warnings: &mut Vec<String>) -> Vec<f32> {
+    let zero_is_outside = at_zero
+        && values
+            .first()
+            .is_some_and(|value| !(-1e-5..=1.0 + 1e-5).contains(value));
+    let (cleaned, outside) = clean_coherence(values);
+    let others = outside - usize::from(zero_is_outside);
+    if zero_is_outside {
+        warnings.push("coherence at 0 Hz is outside 0 to 1: taken as not given there".into());
+    }
+    if others > 0 {
+        warnings.push(format!(
+            "coherence is outside 0 to 1 on {others} lines: taken as not given there"
+        ));
+    }
+    cleaned
+}
+
+fn dataset_info(line: u64, response: Dof, reference: Dof, values: usize) -> DatasetInfo {
+    DatasetInfo {
+        line: Some(line),
+        name: "frf".into(),
+        function: Some("frf".into()),
+        response: Some(response.to_string()),
+        reference: Some(reference.to_string()),
+        values: Some(values),
+        ..DatasetInfo::default()
+    }
+}

@@ -1,0 +1,415 @@
+//! Text of a table: encoding, lines, comments, delimiter, decimal sign, numbers.
+
+use chladni_frf::{Error, Result};
+use std::borrow::Cow;
+
+/// The text of a file: UTF-8, UTF-16 with its mark, else Latin-1, which never fails.
+pub(super) fn decode(bytes: &[u8]) -> Cow<'_, str> {
+    if let Some(rest) = bytes.strip_prefix(b"\xef\xbb\xbf") {
+        return decode(rest);
+    }
+    for (mark, big) in [(b"\xff\xfe", false), (b"\xfe\xff", true)] {
+        if let Some(rest) = bytes.strip_prefix(mark) {
+            let unit = |pair: &[u8]| {
+                if big {
+                    u16::from_be_bytes([pair[0], pair[1]])
+                } else {
+                    u16::from_le_bytes([pair[0], pair[1]])
+                }
+            };
+            let units: Vec<u16> = rest.chunks_exact(2).map(unit).collect();
+            return String::from_utf16_lossy(&units).into();
+        }
+    }
+    match std::str::from_utf8(bytes) {
+        Ok(text) => text.into(),
+        Err(_) => bytes
+            .iter()
+            .map(|&byte| char::from(byte))
+            .collect::<String>()
+            .into(),
+    }
+}
+
+/// A line that holds something, with its number counted from 1.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Line<'a> {
+    pub(super) number: u64,
+    pub(super) text: &'a str,
+}
+
+/// `# key = value` (or `%`, and `:`).
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Remark {
+    pub(super) line: u64,
+    pub(super) key: String,
+    pub(super) value: String,
+}
+
+/// Lines with content, and remarks. A comment that is no remark may be the header (as
+/// `numpy.savetxt` writes it), so it stays a line, without its sign.
+pub(super) fn lines_and_remarks(text: &str) -> (Vec<Line<'_>>, Vec<Remark>) {
+    let (mut lines, mut remarks) = (Vec::new(), Vec::new());
+    for (index, raw) in text.split(['\n', '\r']).enumerate_lines(text) {
+        let trimmed = raw.trim();
+        let Some(comment) = trimmed.strip_prefix(['#', '%']) else {
+            if !trimmed.is_empty() {
+                // trailing tabs are empty columns: only the line end goes
+                lines.push(Line {
+                    number: index,
+                    text: raw,
+                });
+            }
+            continue;
+        };
+        let comment = comment.trim_start_matches(['#', '%']).trim();
+        let remark = comment
+            .split_once('=')
+            .or_else(|| comment.split_once(':').filter(|(key, _)| is_known_key(key)));
+        match remark {
+            Some((key, value)) => {
+                let key = key.trim().to_ascii_lowercase().replace([' ', '-'], "_");
+                remarks.push(Remark {
+                    line: index,
+                    key,
+                    value: value.trim().trim_matches('"').to_owned(),
+                });
+            }
+            None if !comment.is_empty() => lines.push(Line {
+                number: index,
+                text: comment,
+            }),
+            None => {}
+        }
+    }
+    (lines, remarks)
+}
+
+fn is_known_key(key: &str) -> bool {
+    [
+        "frf_kind",
+        "unit",
+        "time_sign",
+        "reference_unit",
+        "response",
+        "reference",
+    ]
+    .contains(&key.trim().to_ascii_lowercase().as_str())
+}
+
+/// Numbers lines as editors do: LF, CRLF and lone CR each end one line.
+trait EnumerateLines<'a>: Iterator<Item = &'a str> + Sized {
+    fn enumerate_lines(self, text: &'a str) -> impl Iterator<Item = (u64, &'a str)> {
+        let bytes = text.as_bytes();
+        let base = text.as_ptr() as usize;
+        let mut number = 0;
+        self.filter_map(move |piece| {
+            let start = piece.as_ptr() as usize - base;
+            // the empty piece between CR and LF is no line of its own
+            if piece.is_empty()
+                && start > 0
+                && bytes.get(start) == Some(&b'\n')
+                && bytes[start - 1] == b'\r'
+            {
+                return None;
+            }
+            number += 1;
+            Some((number, piece))
+        })
+    }
+}
+
+impl<'a, I: Iterator<Item = &'a str>> EnumerateLines<'a> for I {}
+
+/// How a table is cut into cells, and what stands for the decimal point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Dialect {
+    /// `None`: runs of blanks.
+    pub(super) delimiter: Option<char>,
+    pub(super) decimal_comma: bool,
+}
+
+/// In the order of preference where several fit equally.
+const DIALECTS: [Dialect; 7] = [
+    Dialect {
+        delimiter: Some('\t'),
+        decimal_comma: false,
+    },
+    Dialect {
+        delimiter: Some(';'),
+        decimal_comma: false,
+    },
+    Dialect {
+        delimiter: Some(','),
+        decimal_comma: false,
+    },
+    Dialect {
+        delimiter: None,
+        decimal_comma: false,
+    },
+    Dialect {
+        delimiter: Some('\t'),
+        decimal_comma: true,
+    },
+    Dialect {
+        delimiter: Some(';'),
+        decimal_comma: true,
+    },
+    Dialect {
+        delimiter: None,
+        decimal_comma: true,
+    },
+];
+/// Commas for both: cannot be read, and must not be taken for anything else.
+const COMMAS: Dialect = Dialect {
+    delimiter: Some(','),
+    decimal_comma: true,
+};
+/// Lines looked at to find the dialect: longer than any header, short beside any data.
+const LINES_TRIED: usize = 400;
+
+impl Dialect {
+    /// The dialect in which most lines are rows of numbers; `None` where no line is.
+    pub(super) fn detect(lines: &[Line<'_>]) -> Option<Self> {
+        let rows = |dialect: &Dialect| dialect.rows_among(lines);
+        let mut best = None;
+        for dialect in DIALECTS {
+            let count = rows(&dialect);
+            if count > best.map_or(0, |(found, _)| found) {
+                best = Some((count, dialect));
+            }
+        }
+        best.map(|(_, dialect)| dialect)
+    }
+
+    fn rows_among(self, lines: &[Line<'_>]) -> usize {
+        lines
+            .iter()
+            .take(LINES_TRIED)
+            .filter(|line| self.is_row(line.text))
+            .count()
+    }
+
+    /// True where lines are rows of numbers only with a comma for both the decimal sign
+    /// and the delimiter.
+    pub(super) fn commas_everywhere(lines: &[Line<'_>]) -> bool {
+        COMMAS.rows_among(lines) > 0
+    }
+
+    /// True where some way of cutting finds two rows of numbers or more; a single one may
+    /// be a date in a letter.
+    pub(super) fn any_finds_rows(lines: &[Line<'_>]) -> bool {
+        DIALECTS
+            .iter()
+            .chain([&COMMAS])
+            .any(|dialect| dialect.rows_among(lines) > 1)
+    }
+
+    /// Every dialect, this one first: a header may be cut in another way than the
+    /// numbers.
+    pub(super) fn and_others(self) -> impl Iterator<Item = Self> {
+        std::iter::once(self).chain(
+            DIALECTS
+                .into_iter()
+                .filter(move |other| !other.decimal_comma && other.delimiter != self.delimiter),
+        )
+    }
+
+    /// Cells of a line, trimmed, quotes removed.
+    pub(super) fn cells<'a>(self, line: &'a str) -> Vec<Cow<'a, str>> {
+        let Some(delimiter) = self.delimiter else {
+            return line.split_whitespace().map(unquoted).collect();
+        };
+        let mut cells = Vec::new();
+        let (mut start, mut quoted) = (0, false);
+        for (at, c) in line.char_indices() {
+            if c == '"' {
+                quoted = !quoted;
+            } else if c == delimiter && !quoted {
+                cells.push(unquoted(&line[start..at]));
+                start = at + c.len_utf8();
+            }
+        }
+        cells.push(unquoted(&line[start..]));
+        cells
+    }
+
+    /// True where at least two cells are numbers, the first is, and all others are
+    /// numbers or empty.
+    pub(super) fn is_row(self, line: &str) -> bool {
+        let cells = self.cells(line);
+        let values = cells
+            .iter()
+            .filter(|cell| matches!(self.number(cell), Cell::Value(_)))
+            .count();
+        let clean = cells
+            .iter()
+            .all(|cell| !matches!(self.number(cell), Cell::Text));
+        values >= 2 && clean && matches!(self.number(&cells[0]), Cell::Value(_))
+    }
+
+    /// What a cell holds.
+    pub(super) fn number(self, cell: &str) -> Cell {
+        let cell = cell.trim();
+        if cell.is_empty() || cell.eq_ignore_ascii_case("nan") {
+            return Cell::Empty;
+        }
+        let start = cell.trim_start_matches(['+', '-']);
+        if !start.starts_with(|c: char| {
+            c.is_ascii_digit() || c == '.' || (self.decimal_comma && c == ',')
+        }) {
+            return if start.to_ascii_lowercase().starts_with("inf") || start.starts_with('*') {
+                Cell::Overflow
+            } else {
+                Cell::Text
+            };
+        }
+        let plain: Cow<'_, str> = if self.decimal_comma && cell.contains(',') {
+            if cell.contains('.') || cell.ends_with(',') {
+                return Cell::Text;
+            }
+            cell.replacen(',', ".", 1).into()
+        } else {
+            cell.into()
+        };
+        // Fortran writes 1.5D+03
+        let parsed = plain
+            .parse()
+            .or_else(|_| plain.replace(['D', 'd'], "e").parse::<f64>());
+        match parsed {
+            Ok(value) if value.is_finite() => Cell::Value(value),
+            Ok(_) => Cell::Overflow,
+            Err(_) => Cell::Text,
+        }
+    }
+}
+
+/// Content of a cell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Cell {
+    Value(f64),
+    /// Empty or NaN: not measured.
+    Empty,
+    /// Infinite, too large, or asterisks.
+    Overflow,
+    Text,
+}
+
+fn unquoted(cell: &str) -> Cow<'_, str> {
+    let cell = cell.trim();
+    match cell
+        .strip_prefix('"')
+        .and_then(|rest| rest.strip_suffix('"'))
+    {
+        Some(inner) if inner.contains("\"\"") => inner.replace("\"\"", "\"").into(),
+        Some(inner) => inner.trim().into(),
+        None => cell.into(),
+    }
+}
+
+/// Refuses lists of Python complex numbers: they have no frequency axis.
+pub(super) fn refuse_complex_lists(lines: &[Line<'_>]) -> Result<()> {
+    let Some(first) = lines.first() else {
+        return Ok(());
+    };
+    let text = first.text.trim();
+    let inner = text.trim_start_matches('(').trim_end_matches(')');
+    let is_complex = inner.ends_with('j')
+        && inner.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c));
+    if !is_complex || text.contains([',', ';', '\t']) {
+        return Ok(());
+    }
+    Err(
+        Error::bad_data("complex numbers in Python notation, without a frequency axis")
+            .at_line(first.number)
+            .found(text)
+            .expected("columns frequency,re,im")
+            .help(
+                "write the frequency beside each value: three columns f,re,im with that line as \
+               header",
+            ),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn dialect_of(text: &str) -> Option<Dialect> {
+        Dialect::detect(&lines_and_remarks(text).0)
+    }
+
+    #[test]
+    fn delimiter_and_decimal_sign_are_found() {
+        for (text, delimiter, decimal_comma) in [
+            ("f,re,im\n1,2,3\n", Some(','), false),
+            ("f;re;im\n1;2;3\n", Some(';'), false),
+            ("f;re;im\n1,5;2,25;-3,5e-3\n2;1;1\n", Some(';'), true),
+            ("f\tre\tim\n1\t2\t3\n", Some('\t'), false),
+            ("1,5 2,5 3,5\n", None, true),
+            ("  1.0   2.0  -3e5\n", None, false),
+            ("1.0, 2.0, 3.0\n", Some(','), false),
+            ("1.5D+03 2 3\n", None, false),
+        ] {
+            assert_eq!(
+                dialect_of(text),
+                Some(Dialect {
+                    delimiter,
+                    decimal_comma
+                }),
+                "{text}"
+            );
+        }
+        assert_eq!(dialect_of("no numbers here\n"), None);
+    }
+
+    #[test]
+    fn lines_are_numbered_as_editors_do() {
+        let (lines, remarks) = lines_and_remarks("# unit = m/s/N\r\n\r\nf,re,im\r\n1,2,3\r4,5,6\n");
+        assert_eq!(
+            lines.iter().map(|line| line.number).collect::<Vec<_>>(),
+            [3, 4, 5]
+        );
+        assert_eq!(
+            remarks,
+            [Remark {
+                line: 1,
+                key: "unit".into(),
+                value: "m/s/N".into()
+            }]
+        );
+    }
+
+    #[test]
+    fn quotes_protect_delimiters() {
+        let dialect = Dialect {
+            delimiter: Some(','),
+            decimal_comma: false,
+        };
+        assert_eq!(
+            dialect.cells("\"a, b\",c,\"say \"\"d\"\"\","),
+            ["a, b", "c", "say \"d\"", ""]
+        );
+    }
+
+    #[test]
+    fn cells_that_are_no_finite_numbers() {
+        let dialect = Dialect {
+            delimiter: Some(';'),
+            decimal_comma: true,
+        };
+        assert_eq!(dialect.number("1,5"), Cell::Value(1.5));
+        assert_eq!(dialect.number("1.234,5"), Cell::Text);
+        assert_eq!(dialect.number("NaN"), Cell::Empty);
+        assert_eq!(dialect.number("-inf"), Cell::Overflow);
+        assert_eq!(dialect.number("1e999"), Cell::Overflow);
+        assert_eq!(dialect.number("*****"), Cell::Overflow);
+    }
+
+    #[test]
+    fn latin_1_and_utf_16_are_read() {
+        assert_eq!(decode(b"m/s\xb2"), "m/s²");
+        assert_eq!(decode(b"\xff\xfef\0,\0"), "f,");
+        assert_eq!(decode(b"\xef\xbb\xbff"), "f");
+    }
+}

@@ -1,0 +1,262 @@
+//! Formats are told apart by content, never by the name of the file.
+
+use super::{csv, mat, numpy, FileFormat};
+use chladni_frf::{Error, ErrorKind, Result, MODEL_FORMAT};
+use chladni_text::json_error;
+use serde::Deserialize;
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
+use std::path::Path;
+
+/// First eight bytes of every HDF5 file, at offset 0, 512, 1024, 2048, ... (a user block
+/// may stand before them).
+const HDF5_SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
+/// How much of a file decides whether it is text: analysers' headers are shorter.
+const HEAD_BYTES: usize = 4096;
+/// How much of a text shows whether it is a table: longer than any header with the first
+/// rows.
+const TABLE_HEAD_BYTES: u64 = 1 << 20;
+/// What can be read, for messages.
+const KNOWN: &str =
+    "a universal file, HDF5, MATLAB, NumPy, a text table, WAV, or a model or weights as JSON";
+/// Value of `format` in a weights file.
+const WEIGHTS_FORMAT: &str = "chladni.weights";
+
+/// The format of `file`, from its content.
+///
+/// * universal file: the first line that is not blank is `-1`
+/// * HDF5: its signature at byte 0, 512, 1024, 2048, ...
+/// * MATLAB 5 to 7, NumPy: their signatures (NPZ: a zip archive whose first entry is an
+///   array)
+/// * JSON: an object whose `format` is `chladni.model` or `chladni.weights`
+/// * everything else that is text: a table
+///
+/// # Errors
+/// [`chladni_frf::ErrorKind::NoInput`] without the file; [`chladni_frf::ErrorKind::BadData`] for an
+/// empty file, other JSON and other binary files, with the way to export what can be
+/// read.
+pub fn detect_format(file: &Path) -> Result<FileFormat> {
+    let on_read = |error: std::io::Error| Error::from_read(&error, file);
+    let mut input = File::open(file).map_err(on_read)?;
+    if input.metadata().map_err(on_read)?.is_dir() {
+        return Err(Error::from_read(
+            &std::io::ErrorKind::IsADirectory.into(),
+            file,
+        ));
+    }
+    let mut head = Vec::with_capacity(HEAD_BYTES);
+    input
+        .by_ref()
+        .take(HEAD_BYTES as u64)
+        .read_to_end(&mut head)
+        .map_err(on_read)?;
+    if head.is_empty() {
+        return Err(Error::bad_data("the file is empty")
+            .file(file)
+            .at_byte(0)
+            .found("0 bytes")
+            .expected("measured data, a model or weights")
+            .help("export or copy it again"));
+    }
+    if has_hdf5_signature(&mut input).map_err(on_read)? {
+        return Ok(FileFormat::Hdf5);
+    }
+    if is_universal(&head) {
+        return Ok(FileFormat::Uff);
+    }
+    if head.starts_with(mat::SIGNATURE) {
+        return Ok(FileFormat::Matlab);
+    }
+    if head.starts_with(numpy::NPY_SIGNATURE) || numpy::is_npz(&head) {
+        return Ok(FileFormat::Numpy);
+    }
+    if head.starts_with(b"RIFF") && head.get(8..12) == Some(b"WAVE") {
+        return Ok(FileFormat::Wav);
+    }
+    if let Some(error) = foreign_binary(&head) {
+        return Err(error.file(file));
+    }
+    if text_start(&head).first() == Some(&b'{') {
+        input.seek(SeekFrom::Start(0)).map_err(on_read)?;
+        let mut bytes = Vec::new();
+        input.read_to_end(&mut bytes).map_err(on_read)?;
+        return json_format(text_start(&bytes)).map_err(|error| error.file(file));
+    }
+    Ok(FileFormat::Csv)
+}
+
+/// Why no reader knows `file`, in words; `None` where one does. For files that nobody
+/// named: those of a folder.
+///
+/// # Errors
+/// Those of reading.
+pub(super) fn not_readable(file: &Path) -> Result<Option<String>> {
+    match detect_format(file) {
+        Ok(FileFormat::Csv) => {
+            let on_read = |error: std::io::Error| Error::from_read(&error, file);
+            let mut head = Vec::new();
+            File::open(file)
+                .map_err(on_read)?
+                .take(TABLE_HEAD_BYTES)
+                .read_to_end(&mut head)
+                .map_err(on_read)?;
+            Ok((!csv::is_table(&head)).then(|| "text without rows of numbers".into()))
+        }
+        Ok(_) => Ok(None),
+        Err(Error {
+            kind: ErrorKind::BadData,
+            message,
+            found,
+            ..
+        }) => {
+            Ok(Some(found.map_or(message.clone(), |found| {
+                format!("{message}: {found}")
+            })))
+        }
+        Err(error) => Err(error),
+    }
+}
+
+fn has_hdf5_signature(input: &mut File) -> std::io::Result<bool> {
+    let length = input.metadata()?.len();
+    let mut offset = 0_u64;
+    while offset.saturating_add(8) <= length {
+        let mut bytes = [0; 8];
+        input.seek(SeekFrom::Start(offset))?;
+        input.read_exact(&mut bytes)?;
+        if bytes == HDF5_SIGNATURE {
+            return Ok(true);
+        }
+        offset = if offset == 0 {
+            512
+        } else {
+            offset.saturating_mul(2)
+        };
+    }
+    Ok(false)
+}
+
+/// A universal file begins with a delimiter line: `-1` right-justified in columns 1 to 6.
+fn is_universal(head: &[u8]) -> bool {
+    let first_line = head
+        .split(|&byte| byte == b'\n')
+        .map(<[u8]>::trim_ascii)
+        .find(|line| !line.is_empty());
+    first_line == Some(b"-1")
+}
+
+fn foreign_binary(head: &[u8]) -> Option<Error> {
+    let refuse = |found: &str, help: &str| {
+        Some(
+            Error::bad_data("not a format that can be read")
+                .at_byte(0)
+                .found(found)
+                .expected(KNOWN)
+                .help(help),
+        )
+    };
+    if head.starts_with(b"PK\x03\x04") {
+        return refuse(
+            "a zip archive or spreadsheet",
+            "unpack it, or export the sheet as CSV",
+        );
+    }
+    if head.starts_with(b"\xff\xfe") || head.starts_with(b"\xfe\xff") {
+        return None; // UTF-16 text is full of zero bytes
+    }
+    head.contains(&0).then(|| {
+        refuse(
+            "a binary file of unknown kind",
+            "export universal file (UFF 58), CSV or HDF5 from the program that wrote it",
+        )
+    })?
+}
+
+/// What follows a byte-order mark and blanks.
+fn text_start(bytes: &[u8]) -> &[u8] {
+    bytes
+        .strip_prefix(b"\xef\xbb\xbf")
+        .unwrap_or(bytes)
+        .trim_ascii_start()
+}
+
+fn json_format(bytes: &[u8]) -> Result<FileFormat> {
+    #[derive(Deserialize)]
+    struct Header {
+        format: Option<String>,
+    }
+    let header: Header = serde_json::from_slice(bytes).map_err(|error| {
+        json_error("begins like JSON", &error).help("copy or write the file again")
+    })?;
+    match header.format.as_deref() {
+        Some(MODEL_FORMAT) => Ok(FileFormat::Model),
+        Some(WEIGHTS_FORMAT) => Ok(FileFormat::Weights),
+        other => Err(Error::bad_data("JSON of unknown format")
+            .field("format")
+            .found(other.unwrap_or("nothing"))
+            .expected(format!("{MODEL_FORMAT} or {WEIGHTS_FORMAT}"))
+            .help(
+                "give a file that this program wrote, or export the data as a universal file, \
+                   HDF5 or a table",
+            )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn format_of(bytes: &[u8]) -> Result<FileFormat> {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), bytes).unwrap();
+        detect_format(file.path())
+    }
+
+    #[test]
+    fn content_decides() {
+        assert_eq!(format_of(b"    -1\n   151\n").unwrap(), FileFormat::Uff);
+        assert_eq!(
+            format_of(b"\r\n    -1      \r\n    58\r\n").unwrap(),
+            FileFormat::Uff
+        );
+        assert_eq!(format_of(b"\x89HDF\r\n\x1a\n").unwrap(), FileFormat::Hdf5);
+        let mut behind_user_block = b"MATLAB 7.3 MAT-file".to_vec();
+        behind_user_block.resize(512, 0);
+        behind_user_block.extend(HDF5_SIGNATURE);
+        assert_eq!(format_of(&behind_user_block).unwrap(), FileFormat::Hdf5);
+        assert_eq!(
+            format_of(b"\xef\xbb\xbf{\"format\": \"chladni.model\"}").unwrap(),
+            FileFormat::Model
+        );
+        assert_eq!(
+            format_of(b" {\"version\": 1, \"format\": \"chladni.weights\"}").unwrap(),
+            FileFormat::Weights
+        );
+        assert_eq!(
+            format_of(b"MATLAB 5.0 MAT-file, Platform: GLNXA64").unwrap(),
+            FileFormat::Matlab
+        );
+        assert_eq!(format_of(b"\x93NUMPY\x01\x00").unwrap(), FileFormat::Numpy);
+        assert_eq!(format_of(b"f,re,im\n1,2,3\n").unwrap(), FileFormat::Csv);
+        assert_eq!(format_of(b"-1,2,3\n").unwrap(), FileFormat::Csv);
+        assert_eq!(format_of(b"\xff\xfef\0,\0").unwrap(), FileFormat::Csv);
+    }
+
+    #[test]
+    fn what_cannot_be_read_says_how_to_export_it() {
+        for (bytes, words) in [
+            (&b""[..], "empty"),
+            (b"PK\x03\x04xl/", "CSV"),
+            (b"\x01\x00\x02", "UFF 58"),
+            (b"{\"format\": \"other\"}", "chladni.model"),
+            (b"{\"format\": ", "line 1"),
+        ] {
+            let error = format_of(bytes).unwrap_err();
+            assert!(error.to_string().contains(words), "{error}");
+        }
+        assert_eq!(
+            detect_format(Path::new("/no/such/file")).unwrap_err().kind,
+            chladni_frf::ErrorKind::NoInput
+        );
+    }
+}

@@ -1,0 +1,245 @@
+//! HDF5: our own layout ([`own`]) and files of others (`arrays::foreign`).
+//!
+//! Two back ends with the same functions read and write it: pure Rust by default, the C
+//! library with the feature `system` (for files with filters or layouts that the built-in
+//! one refuses).
+
+#[cfg(not(feature = "system"))]
+#[path = "pure/mod.rs"]
+mod backend;
+#[cfg(feature = "system")]
+#[path = "system/mod.rs"]
+mod backend;
+mod functions;
+mod model;
+mod own;
+mod rows;
+mod shapes;
+
+use super::arrays::foreign::{self, Found};
+use super::arrays::tree::{Element, Entry, Values};
+use super::arrays::ArrayFile;
+use super::atomic::create_atomically;
+use super::time_sign::to_plus;
+use super::{Contents, DatasetInfo, Document, FileFormat, ReadOptions};
+use backend::File;
+use chladni_frf::{Error, FrfSet, FrfValues, ModalModel, Result};
+use ndarray::Array3;
+use num_complex::ComplexFloat;
+use own::Own;
+pub(super) use rows::Rows;
+use std::path::Path;
+
+impl ArrayFile for File {
+    fn read(&self, entry: &Entry) -> Result<Values<'static>> {
+        self.read(entry)
+    }
+}
+
+/// Everything in an HDF5 file; `sha256` is left empty.
+pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
+    let file = File::open(path)?;
+    let entries = file.entries()?;
+    let mut document = Document::new(path, FileFormat::Hdf5);
+    document.datasets = entries
+        .iter()
+        .filter(|entry| entry.dataset.is_some())
+        .map(dataset_info)
+        .collect();
+    for entry in &entries {
+        document.warnings.extend(
+            entry
+                .unread_attributes
+                .iter()
+                .map(|warning| format!("{}: {warning}", entry.path)),
+        );
+    }
+    let own = Own {
+        file: &file,
+        entries: &entries,
+    };
+    let outcome = if own.root().text("format") == Some(own::FORMAT) && options.map.is_empty() {
+        read_own(&own, &mut document)
+    } else {
+        foreign::read_foreign(&file, &entries, &options.map, &mut document.warnings)
+    };
+    match outcome.map_err(|error| error.file(path)) {
+        Ok(None) => {}
+        Ok(Some(Found {
+            mut set,
+            time_sign,
+            used,
+        })) => {
+            document
+                .datasets
+                .iter_mut()
+                .for_each(|info| info.left_behind &= !used.contains(&info.name));
+            to_plus(
+                &mut set,
+                time_sign,
+                options.time_sign,
+                &mut document.warnings,
+            );
+            report_masked(&set, &mut document.warnings);
+            document.frf = Some(set);
+        }
+        Err(error) if error.kind == chladni_frf::ErrorKind::BadData => document.errors.push(error),
+        Err(error) => return Err(error),
+    }
+    Ok(document)
+}
+
+fn read_own(own: &Own<'_>, document: &mut Document) -> Result<Option<Found>> {
+    own.check_version()?;
+    document.geometry = own.geometry()?;
+    document.functions = functions::read_functions(own)?;
+    for function in &document.functions {
+        document.datasets.push(DatasetInfo {
+            number: Some(58),
+            name: "function".into(),
+            function: Some(super::function_name(function.function_type).into()),
+            response: Some(function.response.to_string()),
+            reference: Some(function.reference.to_string()),
+            values: Some(function.ordinate.len()),
+            ..DatasetInfo::default()
+        });
+    }
+    document.shapes = shapes::read_shapes(own)?;
+    for shape in &document.shapes {
+        document.datasets.push(DatasetInfo {
+            number: Some(if shape.form == super::ShapeForm::AtNodes55 {
+                55
+            } else {
+                2414
+            }),
+            name: "shape".into(),
+            function: Some(shape.analysis.name().into()),
+            nodes: Some(shape.nodes.len()),
+            frequency_hz: shape.frequency_hz(),
+            damping_ratio: shape.damping_ratio(),
+            ..DatasetInfo::default()
+        });
+    }
+    document
+        .datasets
+        .iter_mut()
+        .for_each(|info| info.left_behind &= !own::is_carried(&info.name));
+    let time_sign = own.time_sign()?;
+    Ok(own.frf()?.map(|set| Found {
+        set,
+        time_sign,
+        used: Vec::new(),
+    }))
+}
+
+/// Lines that are NaN in a pair that was measured; pairs that are NaN throughout are
+/// missing, and listed later.
+fn report_masked(set: &FrfSet, warnings: &mut Vec<String>) {
+    fn masked<C: ComplexFloat>(values: &Array3<C>) -> usize {
+        let counts = values
+            .rows()
+            .into_iter()
+            .map(|frf| (frf.iter().filter(|value| value.is_nan()).count(), frf.len()));
+        counts
+            .map(|(count, lines)| if count < lines { count } else { 0 })
+            .sum()
+    }
+    let masked = match &set.values {
+        FrfValues::F64(values) => masked(values),
+        FrfValues::F32(values) => masked(values),
+    };
+    if masked > 0 {
+        warnings.push(format!("{masked} lines are NaN in the file: masked"));
+    }
+}
+
+fn dataset_info(entry: &Entry) -> DatasetInfo {
+    let (function, nodes) = match (entry.path.as_str(), entry.element()) {
+        ("/frf", _) => ("frf".to_owned(), None),
+        ("/coherence", _) => ("coherence".to_owned(), None),
+        ("/variance", _) => ("variance".to_owned(), None),
+        (_, Some(Element::Node)) => ("nodes".to_owned(), entry.shape().first().copied()),
+        (_, element) => (element.map_or_else(String::new, Element::describe), None),
+    };
+    let extents: Vec<String> = entry.shape().iter().map(usize::to_string).collect();
+    let function = if extents.is_empty() {
+        function
+    } else {
+        format!("{function}, {}", extents.join(" x "))
+    };
+    DatasetInfo {
+        name: entry.path.clone(),
+        function: Some(function),
+        values: entry.shape().last().copied(),
+        nodes,
+        warnings: entry.unread_attributes.clone(),
+        left_behind: true, // until something of the document is made of it
+        ..DatasetInfo::default()
+    }
+}
+
+/// Writes FRFs (with their geometry) and what else there is in our own layout,
+/// atomically.
+pub(super) fn write(
+    path: &Path,
+    frf: Option<&FrfSet>,
+    others: &Contents,
+    force: bool,
+) -> Result<()> {
+    let mut root = own::new_root();
+    if let Some(set) = frf {
+        own::add_frf(&mut root, set);
+    }
+    own::add_geometry(
+        &mut root,
+        frf.map_or(&others.other_geometry, |set| &set.geometry),
+    );
+    if !others.sources.is_empty() {
+        let join = |field: fn(&chladni_frf::Source) -> &str| {
+            others
+                .sources
+                .iter()
+                .map(field)
+                .collect::<Vec<_>>()
+                .join("\n")
+        };
+        root.set("source_file", join(|source| &source.file));
+        root.set("source_sha256", join(|source| &source.sha256));
+    }
+    if !others.functions.is_empty() {
+        root.groups
+            .push(functions::functions_group(&others.functions));
+    }
+    if !others.shapes.is_empty() {
+        root.groups.push(shapes::shapes_group(&others.shapes));
+    }
+    create_atomically(path, force, |temporary| backend::write(temporary, &root))
+}
+
+/// Writes a model under `/model`, atomically.
+pub(super) fn write_model(path: &Path, model: &ModalModel, force: bool) -> Result<()> {
+    let mut root = own::new_root();
+    root.groups.push(model::model_group(model));
+    create_atomically(path, force, |temporary| backend::write(temporary, &root))
+}
+
+/// Reads the model under `/model`.
+pub(super) fn read_model(path: &Path) -> Result<ModalModel> {
+    let file = File::open(path)?;
+    let entries = file.entries().map_err(|error| error.file(path))?;
+    let own = Own {
+        file: &file,
+        entries: &entries,
+    };
+    if own.find("/model").is_none() {
+        return Err(Error::bad_data("the file holds no model")
+            .file(path)
+            .field("/model")
+            .found("no such group")
+            .expected("a model under /model")
+            .help("fit one first: chladni fit FRF -o MODEL"));
+    }
+    own.check_version()
+        .and_then(|()| model::read_model(&own))
+        .map_err(|error| error.file(path))
+}

@@ -1,0 +1,405 @@
+//! `/model`: a modal model, the fields of the JSON file under their names; values per
+//! mode as arrays over modes.
+//!
+//! Texts and single numbers are attributes; lists of texts and `options` are JSON text
+//! where HDF5 has nothing as faithful.
+
+use super::own::Own;
+use crate::arrays::tree::{Attribute, Entry, Group, Values};
+use crate::arrays::values::{dofs, integers, reals, texts, wrong_type, ComplexArray};
+use chladni_frf::{
+    ComplexMatrix, ComplexVector, Error, ModalModel, Mode, Quality, ResidualTerm, ResidualTerms,
+    Result, Source, MODEL_FORMAT,
+};
+use ndarray::{Array2, Array3, Ix2, Ix3};
+use num_complex::Complex64;
+use serde::de::DeserializeOwned;
+use serde::Serialize;
+
+/// Numbers per mode, by their names in the file.
+const MODE_NUMBERS: [&str; 6] = [
+    "frequency_hz",
+    "frequency_std_hz",
+    "loss_factor",
+    "loss_factor_std",
+    "damping_ratio",
+    "mpc",
+];
+
+fn mode_numbers(mode: &Mode) -> [f64; 6] {
+    [
+        mode.frequency_hz,
+        mode.frequency_std_hz,
+        mode.loss_factor,
+        mode.loss_factor_std,
+        mode.damping_ratio,
+        mode.mpc,
+    ]
+}
+
+/// The word that serde writes for a value, without quotes.
+fn word(value: &impl Serialize) -> String {
+    match serde_json::to_value(value) {
+        Ok(serde_json::Value::String(text)) => text,
+        Ok(other) => other.to_string(),
+        Err(_) => String::new(),
+    }
+}
+
+/// The model as a group; its arrays were checked against each other before.
+pub(super) fn model_group(model: &ModalModel) -> Group<'_> {
+    let mut group = Group::new("model");
+    group.set("format", model.format.as_str());
+    group.set("version", Attribute::Integer(model.version.into()));
+    group.set("created_by", model.created_by.as_str());
+    group.set("options", word(&model.options));
+    group.set("frf_kind", model.frf_kind.as_str());
+    group.set("reference_unit", model.reference_unit.to_string());
+    group.set("damping", word(&model.damping));
+    group.set("scaling", word(&model.scaling));
+    group.set("method", model.method.as_str());
+    group.add_reals("band_hz", &[2], model.band_hz.to_vec());
+    group.add(
+        "responses",
+        &[model.responses.len()],
+        Values::Dofs(model.responses.clone()),
+    );
+    group.add(
+        "references",
+        &[model.references.len()],
+        Values::Dofs(model.references.clone()),
+    );
+    group.add(
+        "nodes",
+        &[model.nodes.len()],
+        Values::Nodes(model.nodes.clone()),
+    );
+    group.groups.push(source_group(&model.source));
+    group.groups.push(modes_group(model));
+    group
+        .groups
+        .push(residual_group(&model.residual_terms, model));
+    group.groups.push(quality_group(&model.quality));
+    group
+}
+
+fn source_group(sources: &[Source]) -> Group<'static> {
+    let mut group = Group::new("source");
+    group.add_texts(
+        "file",
+        sources.iter().map(|source| source.file.clone()).collect(),
+    );
+    group.add_texts(
+        "sha256",
+        sources.iter().map(|source| source.sha256.clone()).collect(),
+    );
+    group
+}
+
+fn modes_group(model: &ModalModel) -> Group<'static> {
+    let (modes, responses, references) =
+        (&model.modes, model.responses.len(), model.references.len());
+    let count = modes.len();
+    let mut group = Group::new("modes");
+    for (k, name) in MODE_NUMBERS.iter().enumerate() {
+        group.add_reals(
+            name,
+            &[count],
+            modes.iter().map(|mode| mode_numbers(mode)[k]).collect(),
+        );
+    }
+    group.add(
+        "in_band",
+        &[count],
+        Values::Unsigned(modes.iter().map(|mode| mode.in_band.into()).collect()),
+    );
+    group.add_texts(
+        "trust",
+        modes.iter().map(|mode| word(&mode.trust)).collect(),
+    );
+    group.add_texts(
+        "reasons",
+        modes.iter().map(|mode| word(&mode.reasons)).collect(),
+    );
+    let complex = |part: fn(&Mode) -> &ComplexVector| {
+        Values::Complex64(modes.iter().flat_map(|mode| part(mode).0.clone()).collect())
+    };
+    group.add("shape", &[count, responses], complex(|mode| &mode.shape));
+    group.add_reals(
+        "shape_std",
+        &[count, responses],
+        modes
+            .iter()
+            .flat_map(|mode| mode.shape_std.clone())
+            .collect(),
+    );
+    if modes.iter().any(|mode| mode.scale_std.is_some()) {
+        group.add_reals(
+            "scale_std",
+            &[count],
+            modes
+                .iter()
+                .map(|mode| mode.scale_std.unwrap_or(f64::NAN))
+                .collect(),
+        );
+    }
+    group.add(
+        "participation",
+        &[count, references],
+        complex(|mode| &mode.participation),
+    );
+    group
+}
+
+fn residual_group(terms: &ResidualTerms, model: &ModalModel) -> Group<'static> {
+    let mut group = Group::new("residual_terms");
+    group.set(
+        "omega_scale_rad_per_s",
+        Attribute::Real(terms.omega_scale_rad_per_s),
+    );
+    let count = terms.terms.len();
+    group.add(
+        "power",
+        &[count],
+        Values::Signed(terms.terms.iter().map(|term| term.power.into()).collect()),
+    );
+    let matrices: Vec<Complex64> = terms
+        .terms
+        .iter()
+        .flat_map(|term| term.matrix.0.iter().copied().collect::<Vec<_>>())
+        .collect();
+    group.add(
+        "matrix",
+        &[count, model.responses.len(), model.references.len()],
+        Values::Complex64(matrices.into()),
+    );
+    group
+}
+
+fn quality_group(quality: &Quality) -> Group<'static> {
+    let mut group = Group::new("quality");
+    group.set("relative_error", Attribute::Real(quality.relative_error));
+    group.set("chi2_per_dof", Attribute::Real(quality.chi2_per_dof));
+    group.set("trusted", Attribute::Integer(quality.trusted.into()));
+    if let Some(path) = &quality.path {
+        group.set("path", path.as_str());
+    }
+    group.add_texts("warnings", quality.warnings.clone());
+    group
+}
+
+/// A group of the model, with readers that name what is missing.
+struct Part<'a> {
+    own: &'a Own<'a>,
+    group: &'a Entry,
+}
+
+impl<'a> Part<'a> {
+    fn open(own: &'a Own<'a>, path: &str) -> Result<Self> {
+        let group = own.find(path).ok_or_else(|| {
+            Error::bad_data("a group is missing")
+                .field(path)
+                .found("nothing")
+                .expected("a group of a model file")
+        })?;
+        Ok(Self { own, group })
+    }
+    fn missing(&self, name: &str) -> Error {
+        Error::bad_data("an attribute is missing or of the wrong type")
+            .field(format!("{name} of {}", self.group.path))
+    }
+    fn text(&self, name: &str) -> Result<String> {
+        self.group
+            .text(name)
+            .map(str::to_owned)
+            .ok_or_else(|| self.missing(name))
+    }
+    fn real(&self, name: &str) -> Result<f64> {
+        self.group.real(name).ok_or_else(|| self.missing(name))
+    }
+    /// A word that serde reads: `mobility`, `structural`, ...
+    fn word<T: DeserializeOwned>(&self, name: &str) -> Result<T> {
+        parse_word(&self.text(name)?, &format!("{name} of {}", self.group.path))
+    }
+    fn has(&self, name: &str) -> bool {
+        self.own
+            .find(&format!("{}/{name}", self.group.path))
+            .is_some()
+    }
+    fn dataset(&self, name: &str) -> Result<(&'a Entry, Values<'static>)> {
+        self.own.dataset(&format!("{}/{name}", self.group.path))
+    }
+    fn reals(&self, name: &str) -> Result<Vec<f64>> {
+        let (entry, values) = self.dataset(name)?;
+        reals(entry, values)
+    }
+    fn texts(&self, name: &str) -> Result<Vec<String>> {
+        let (entry, values) = self.dataset(name)?;
+        texts(entry, values)
+    }
+    fn complex(&self, name: &str) -> Result<(&'a Entry, ndarray::ArrayD<Complex64>)> {
+        let (entry, values) = self.dataset(name)?;
+        match ComplexArray::new(entry, values)? {
+            ComplexArray::Double(array) => Ok((entry, array)),
+            ComplexArray::Single(_) => Err(wrong_type(entry, "double precision")),
+        }
+    }
+    fn matrix(&self, name: &str, rows: usize) -> Result<Array2<Complex64>> {
+        let (entry, array) = self.complex(name)?;
+        let array = array
+            .into_dimensionality::<Ix2>()
+            .map_err(|_| wrong_type(entry, "two axes"))?;
+        self.expect_count(name, array.nrows(), rows)?;
+        Ok(array)
+    }
+    fn expect_count(&self, name: &str, found: usize, expected: usize) -> Result<()> {
+        if found == expected {
+            return Ok(());
+        }
+        Err(Error::bad_data("sizes disagree")
+            .field(format!("{}/{name}", self.group.path))
+            .found(found)
+            .expected(expected))
+    }
+}
+
+fn parse_word<T: DeserializeOwned>(text: &str, field: &str) -> Result<T> {
+    let as_word = serde_json::from_value(serde_json::Value::String(text.to_owned()));
+    as_word
+        .or_else(|_| serde_json::from_str(text))
+        .map_err(|error| Error::bad_data(error.to_string()).field(field).found(text))
+}
+
+/// The model of a file; sizes and numbers are checked by the caller.
+pub(super) fn read_model(own: &Own<'_>) -> Result<ModalModel> {
+    let part = Part::open(own, "/model")?;
+    let version = part
+        .group
+        .integer("version")
+        .ok_or_else(|| part.missing("version"))?;
+    let format = part.text("format")?;
+    if format != MODEL_FORMAT {
+        return Err(Error::bad_data("not a modal model")
+            .field("format of /model")
+            .found(format)
+            .expected(MODEL_FORMAT));
+    }
+    let dof_list = |name: &str| {
+        part.dataset(name)
+            .and_then(|(entry, values)| dofs(entry, values))
+    };
+    let (entry, nodes) = part.dataset("nodes")?;
+    let Values::Nodes(nodes) = nodes else {
+        return Err(wrong_type(entry, "records {label u64, x y z f64}"));
+    };
+    let band = part.reals("band_hz")?;
+    part.expect_count("band_hz", band.len(), 2)?;
+    Ok(ModalModel {
+        format,
+        version: u32::try_from(version).unwrap_or(0),
+        created_by: part.text("created_by")?,
+        source: read_sources(own)?,
+        options: part.word("options")?,
+        frf_kind: part.word("frf_kind")?,
+        reference_unit: part.word("reference_unit")?,
+        band_hz: [band[0], band[1]],
+        damping: part.word("damping")?,
+        scaling: part.word("scaling")?,
+        responses: dof_list("responses")?,
+        references: dof_list("references")?,
+        nodes,
+        method: part.text("method")?,
+        modes: read_modes(own)?,
+        residual_terms: read_residual_terms(own)?,
+        quality: read_quality(own)?,
+    })
+}
+
+fn read_sources(own: &Own<'_>) -> Result<Vec<Source>> {
+    let part = Part::open(own, "/model/source")?;
+    let (files, hashes) = (part.texts("file")?, part.texts("sha256")?);
+    part.expect_count("sha256", hashes.len(), files.len())?;
+    Ok(files
+        .into_iter()
+        .zip(hashes)
+        .map(|(file, sha256)| Source { file, sha256 })
+        .collect())
+}
+
+fn read_modes(own: &Own<'_>) -> Result<Vec<Mode>> {
+    let part = Part::open(own, "/model/modes")?;
+    let mut numbers = Vec::new();
+    for name in MODE_NUMBERS {
+        numbers.push(part.reals(name)?);
+    }
+    let count = numbers[0].len();
+    for (name, values) in MODE_NUMBERS.iter().zip(&numbers) {
+        part.expect_count(name, values.len(), count)?;
+    }
+    let (entry, in_band) = part.dataset("in_band")?;
+    let in_band = integers(entry, in_band)?;
+    part.expect_count("in_band", in_band.len(), count)?;
+    let (trust, reasons) = (part.texts("trust")?, part.texts("reasons")?);
+    part.expect_count("trust", trust.len(), count)?;
+    part.expect_count("reasons", reasons.len(), count)?;
+    let (shape, participation) = (
+        part.matrix("shape", count)?,
+        part.matrix("participation", count)?,
+    );
+    let shape_std = part.reals("shape_std")?;
+    part.expect_count("shape_std", shape_std.len(), shape.len())?;
+    let scale_std = match part.has("scale_std") {
+        true => part.reals("scale_std")?,
+        false => vec![f64::NAN; count],
+    };
+    part.expect_count("scale_std", scale_std.len(), count)?;
+    (0..count)
+        .map(|k| {
+            let field = |name: &str| format!("{name} of mode {}", k + 1);
+            Ok(Mode {
+                frequency_hz: numbers[0][k],
+                frequency_std_hz: numbers[1][k],
+                loss_factor: numbers[2][k],
+                loss_factor_std: numbers[3][k],
+                damping_ratio: numbers[4][k],
+                mpc: numbers[5][k],
+                in_band: in_band[k] != 0,
+                trust: parse_word(&trust[k], &field("trust"))?,
+                reasons: parse_word(&reasons[k], &field("reasons"))?,
+                shape: ComplexVector(shape.row(k).to_vec()),
+                shape_std: shape_std[k * shape.ncols()..(k + 1) * shape.ncols()].to_vec(),
+                scale_std: Some(scale_std[k]).filter(|value| !value.is_nan()),
+                participation: ComplexVector(participation.row(k).to_vec()),
+            })
+        })
+        .collect()
+}
+
+fn read_residual_terms(own: &Own<'_>) -> Result<ResidualTerms> {
+    let part = Part::open(own, "/model/residual_terms")?;
+    let powers = part.reals("power")?;
+    let (entry, matrices) = part.complex("matrix")?;
+    let matrices: Array3<Complex64> = matrices
+        .into_dimensionality::<Ix3>()
+        .map_err(|_| wrong_type(entry, "three axes"))?;
+    part.expect_count("matrix", matrices.dim().0, powers.len())?;
+    let term = |(&power, matrix): (&f64, ndarray::ArrayView2<'_, Complex64>)| ResidualTerm {
+        power: power as i32,
+        matrix: ComplexMatrix(matrix.to_owned()),
+    };
+    Ok(ResidualTerms {
+        omega_scale_rad_per_s: part.real("omega_scale_rad_per_s")?,
+        terms: powers.iter().zip(matrices.outer_iter()).map(term).collect(),
+    })
+}
+
+fn read_quality(own: &Own<'_>) -> Result<Quality> {
+    let part = Part::open(own, "/model/quality")?;
+    Ok(Quality {
+        relative_error: part.real("relative_error")?,
+        chi2_per_dof: part.real("chi2_per_dof")?,
+        trusted: part.real("trusted")? != 0.0,
+        warnings: part.texts("warnings")?,
+        path: part.group.text("path").map(str::to_owned),
+    })
+}

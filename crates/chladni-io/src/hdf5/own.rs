@@ -1,0 +1,340 @@
+//! Our own layout (version 1):
+//!
+//! ```text
+//! /                attrs: format="chladni", version=1, created_by, frf_kind, reference_unit, time_sign="+", source_file, source_sha256
+//! /freq            f64 [n_line]                                          attr unit="Hz"
+//! /frf             complex [n_response, n_reference, n_line], compound {r, i}, attr unit; NaN where nothing was measured
+//! /coherence       f32 [n_response, n_reference, n_line], NaN where not given            optional
+//! /variance        f64 [n_response, n_reference, n_line], E|δH|², written by `estimate`  optional
+//! /response        {node u64, dir i8} [n_response]
+//! /reference       {node u64, dir i8} [n_reference]
+//! /geometry/nodes  {label u64, x y z f64} [n_node], metres                               optional
+//! /geometry/lines  u64 node labels of all polylines one after another, /geometry/lines_start u64 where each begins (faces too)
+//! /functions/K     other functions of a source file, K = 1, 2, ...                       optional
+//! /shapes/K        mode shapes and fields of a source file                               optional
+//! /model           a modal model                                                         optional
+//! ```
+
+use super::backend::File;
+use crate::arrays::tree::{Entry, Group, Values};
+use crate::arrays::values::{dofs, integers, real_array, reals, wrong_type, ComplexArray};
+use chladni_frf::{Error, FrfKind, FrfSet, FrfValues, Geometry, ReferenceUnit, Result, TimeSign};
+use ndarray::{Array1, Array3, Ix3};
+
+/// `format` of the root.
+pub(super) const FORMAT: &str = "chladni";
+/// `version` of the root.
+const VERSION: i64 = 1;
+
+/// True for the datasets that [`Own`] reads into a document; a model is read by itself.
+pub(super) fn is_carried(path: &str) -> bool {
+    let known = [
+        "/freq",
+        "/frf",
+        "/coherence",
+        "/variance",
+        "/response",
+        "/reference",
+    ];
+    known.contains(&path)
+        || path.starts_with("/geometry/")
+        || path.starts_with("/functions/")
+        || path.starts_with("/shapes/")
+}
+
+/// An open file of our own layout.
+pub(super) struct Own<'a> {
+    pub(super) file: &'a File,
+    /// Sorted by path.
+    pub(super) entries: &'a [Entry],
+}
+
+impl Own<'_> {
+    /// Refuses versions that are not known here.
+    pub(super) fn check_version(&self) -> Result<()> {
+        let found = self.root().integer("version");
+        if found == Some(VERSION) {
+            return Ok(());
+        }
+        Err(Error::bad_data("a layout of another version")
+            .field("version of /")
+            .found(found.map_or("nothing".into(), |version| version.to_string()))
+            .expected(VERSION)
+            .help("read it with the program that wrote it, or a newer one"))
+    }
+
+    pub(super) fn root(&self) -> &Entry {
+        &self.entries[0]
+    }
+
+    pub(super) fn find(&self, path: &str) -> Option<&Entry> {
+        self.entries
+            .binary_search_by(|entry| entry.path.as_str().cmp(path))
+            .ok()
+            .map(|at| &self.entries[at])
+    }
+
+    /// The dataset at `path`, or the error that misses it.
+    pub(super) fn dataset(&self, path: &str) -> Result<(&Entry, Values<'static>)> {
+        let entry = self.find(path).ok_or_else(|| missing(path))?;
+        Ok((entry, self.file.read(entry)?))
+    }
+
+    /// The groups `folder`/1, 2, ..., by rising number.
+    pub(super) fn numbered(&self, folder: &str) -> Result<Vec<&Entry>> {
+        let mut groups: Vec<(u64, &Entry)> = Vec::new();
+        for entry in self
+            .entries
+            .iter()
+            .filter(|entry| entry.folder() == folder && entry.dataset.is_none())
+        {
+            let number = entry.name().parse().map_err(|_| {
+                Error::bad_data("a group without a number")
+                    .field(&entry.path)
+                    .found(entry.name())
+                    .expected(format!("{folder}/1, 2, ..."))
+            })?;
+            groups.push((number, entry));
+        }
+        groups.sort_by_key(|(number, _)| *number);
+        Ok(groups.into_iter().map(|(_, entry)| entry).collect())
+    }
+
+    /// The FRFs, in the time sign of the file; `None` in a file without.
+    pub(super) fn frf(&self) -> Result<Option<FrfSet>> {
+        if self.find("/frf").is_none() {
+            return Ok(None);
+        }
+        let (entry, values) = self.dataset("/frf")?;
+        let set = FrfSet {
+            coherence: self.beside_frf("/coherence", |value| value as f32)?,
+            variance: self.beside_frf("/variance", |value| value)?,
+            ..self.set_of(own_array(
+                ComplexArray::new(self.frf_entry()?, values)?,
+                entry,
+            )?)?
+        };
+        Ok(Some(set.checked()?))
+    }
+
+    /// The entry of the FRFs, which have three axes.
+    pub(super) fn frf_entry(&self) -> Result<&Entry> {
+        let entry = self.find("/frf").ok_or_else(|| missing("/frf"))?;
+        match entry.shape().len() {
+            3 => Ok(entry),
+            _ => Err(wrong_type(entry, "three axes: response, reference, line")),
+        }
+    }
+
+    /// A set of these values.
+    pub(super) fn set_of(&self, values: FrfValues) -> Result<FrfSet> {
+        let (freq_entry, freq) = self.dataset("/freq")?;
+        let (response_entry, responses) = self.dataset("/response")?;
+        let (reference_entry, references) = self.dataset("/reference")?;
+        Ok(FrfSet {
+            frequency_hz: Array1::from(reals(freq_entry, freq)?),
+            values,
+            responses: dofs(response_entry, responses)?,
+            references: dofs(reference_entry, references)?,
+            kind: self.kind()?,
+            reference_unit: self.reference_unit()?,
+            coherence: None,
+            variance: None,
+            geometry: self.geometry()?,
+        })
+    }
+
+    fn attribute<T: std::str::FromStr<Err = String>>(&self, name: &str) -> Result<Option<T>> {
+        let Some(text) = self.root().text(name) else {
+            return Ok(None);
+        };
+        text.parse().map(Some).map_err(|message: String| {
+            Error::bad_word(&message, text).field(format!("{name} of /"))
+        })
+    }
+
+    fn kind(&self) -> Result<Option<FrfKind>> {
+        self.attribute("frf_kind")
+    }
+
+    fn reference_unit(&self) -> Result<ReferenceUnit> {
+        match self.root().text("reference_unit") {
+            None | Some("N") => Ok(ReferenceUnit::Newton),
+            Some("V") => Ok(ReferenceUnit::Volt),
+            Some(other) => Err(Error::bad_data("unknown unit")
+                .field("reference_unit of /")
+                .found(other)
+                .expected("N or V")),
+        }
+    }
+
+    /// Time sign that the file says.
+    pub(super) fn time_sign(&self) -> Result<Option<TimeSign>> {
+        self.attribute("time_sign")
+    }
+
+    /// What stands beside each FRF value.
+    fn beside_frf<T>(&self, path: &str, convert: impl Fn(f64) -> T) -> Result<Option<Array3<T>>> {
+        if self.find(path).is_none() {
+            return Ok(None);
+        }
+        let (entry, values) = self.dataset(path)?;
+        let array = real_array(entry, values)?;
+        let array = array
+            .into_dimensionality::<Ix3>()
+            .map_err(|_| wrong_type(entry, "three axes: response, reference, line"))?;
+        Ok(Some(array.mapv(convert)))
+    }
+
+    pub(super) fn geometry(&self) -> Result<Geometry> {
+        let mut geometry = Geometry::default();
+        if self.find("/geometry/nodes").is_some() {
+            let (entry, values) = self.dataset("/geometry/nodes")?;
+            let Values::Nodes(nodes) = values else {
+                return Err(wrong_type(entry, "records {label u64, x y z f64}"));
+            };
+            geometry.nodes = nodes;
+        }
+        geometry.lines = self.label_lists("/geometry/lines")?;
+        geometry.faces = self.label_lists("/geometry/faces")?;
+        Ok(geometry)
+    }
+
+    fn label_lists(&self, path: &str) -> Result<Vec<Vec<u64>>> {
+        if self.find(path).is_none() {
+            return Ok(Vec::new());
+        }
+        let (entry, labels) = self.dataset(path)?;
+        let labels = integers(entry, labels)?;
+        let (entry, starts) = self.dataset(&format!("{path}_start"))?;
+        let mut starts: Vec<usize> = integers(entry, starts)?
+            .into_iter()
+            .map(|start| usize::try_from(start).unwrap_or(usize::MAX))
+            .collect();
+        starts.push(labels.len());
+        let lists = starts
+            .windows(2)
+            .map(|ends| labels.get(ends[0]..ends[1]).map(<[u64]>::to_vec))
+            .collect::<Option<_>>();
+        lists.ok_or_else(|| {
+            Error::bad_data("list starts must rise and stay inside the list")
+                .field(&entry.path)
+                .found(format!("{} starts", starts.len() - 1))
+                .expected(format!("at most {}", labels.len()))
+        })
+    }
+}
+
+fn missing(path: &str) -> Error {
+    Error::bad_data("a dataset is missing")
+        .field(path)
+        .found("nothing")
+        .expected("a dataset of this layout")
+}
+
+/// Three axes as they stand, without copying.
+pub(super) fn own_array(array: ComplexArray, entry: &Entry) -> Result<FrfValues> {
+    let wrong = || wrong_type(entry, "three axes: response, reference, line");
+    Ok(match array {
+        ComplexArray::Double(array) => {
+            FrfValues::F64(array.into_dimensionality().map_err(|_| wrong())?)
+        }
+        ComplexArray::Single(array) => {
+            FrfValues::F32(array.into_dimensionality().map_err(|_| wrong())?)
+        }
+    })
+}
+
+/// The root group of a new file, without content.
+pub(super) fn new_root<'a>() -> Group<'a> {
+    let mut root = Group::new("/");
+    root.set("format", FORMAT);
+    root.set("version", crate::arrays::tree::Attribute::Integer(VERSION));
+    root.set("created_by", chladni_frf::CREATED_BY);
+    root
+}
+
+/// Adds an FRF set to the root.
+pub(super) fn add_frf<'a>(root: &mut Group<'a>, set: &'a FrfSet) {
+    if let Some(kind) = set.kind {
+        root.set("frf_kind", kind.as_str());
+    }
+    root.set("reference_unit", set.reference_unit.to_string());
+    root.set("time_sign", "+");
+    let (responses, references, lines) = set.values.dim();
+    let shape = [responses, references, lines];
+    root.add_reals("freq", &[lines], set.frequency_hz.to_vec());
+    last(root).push(("unit".into(), "Hz".into()));
+    root.add("frf", &shape, borrowed(&set.values));
+    if let Some(kind) = set.kind {
+        last(root).push(("unit".into(), kind.unit(set.reference_unit).into()));
+    }
+    if let Some(coherence) = &set.coherence {
+        root.add("coherence", &shape, Values::Real32(contiguous(coherence)));
+    }
+    if let Some(variance) = &set.variance {
+        root.add("variance", &shape, Values::Real64(contiguous(variance)));
+    }
+    root.add(
+        "response",
+        &[responses],
+        Values::Dofs(set.responses.clone()),
+    );
+    root.add(
+        "reference",
+        &[references],
+        Values::Dofs(set.references.clone()),
+    );
+}
+
+/// Adds nodes, lines and faces to the root, where there are any.
+pub(super) fn add_geometry(root: &mut Group<'_>, geometry: &Geometry) {
+    let mut group = Group::new("geometry");
+    if !geometry.nodes.is_empty() {
+        group.add(
+            "nodes",
+            &[geometry.nodes.len()],
+            Values::Nodes(geometry.nodes.clone()),
+        );
+    }
+    for (name, lists) in [("lines", &geometry.lines), ("faces", &geometry.faces)] {
+        if lists.is_empty() {
+            continue;
+        }
+        let labels = lists.concat();
+        let starts = lists.iter().scan(0, |at, list| {
+            let start = *at;
+            *at += list.len() as u64;
+            Some(start)
+        });
+        let starts: Vec<u64> = starts.collect();
+        group.add(
+            &format!("{name}_start"),
+            &[starts.len()],
+            Values::Unsigned(starts.into()),
+        );
+        group.add(name, &[labels.len()], Values::Unsigned(labels.into()));
+    }
+    if !group.datasets.is_empty() {
+        root.groups.push(group);
+    }
+}
+
+fn last<'b>(group: &'b mut Group<'_>) -> &'b mut crate::arrays::tree::Attributes {
+    let dataset = group.datasets.last_mut().expect("a dataset was just added");
+    &mut dataset.attributes
+}
+
+fn borrowed(values: &FrfValues) -> Values<'_> {
+    match values {
+        FrfValues::F64(values) => Values::Complex64(contiguous(values)),
+        FrfValues::F32(values) => Values::Complex32(contiguous(values)),
+    }
+}
+
+fn contiguous<T: Clone>(array: &Array3<T>) -> std::borrow::Cow<'_, [T]> {
+    match array.as_slice() {
+        Some(slice) => slice.into(),
+        None => array.iter().cloned().collect::<Vec<_>>().into(),
+    }
+}

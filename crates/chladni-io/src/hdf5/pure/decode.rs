@@ -1,0 +1,478 @@
+//! From the bytes of a file to values, by the type that the file declares.
+//!
+//! A member name or byte order which is not understood is an error and never a row of
+//! zeros. Large datasets are decoded row window by row window, so that the raw bytes of
+//! all never stand beside the values of all.
+
+use super::File;
+use crate::arrays::tree::{Element, Values};
+use crate::bulk::read_past_cache;
+use crate::Turn;
+use bytemuck::Pod;
+use chladni_frf::{Direction, Dof, Node};
+use hdf5_pure::{Dataset, Datatype, DatatypeByteOrder, Error, Layout};
+use num_complex::{Complex32, Complex64};
+use std::borrow::Cow;
+use std::io::{Read, Seek, SeekFrom};
+use std::ops::Range;
+
+/// Raw bytes read at a time; at 1 MiB and at 16 MiB the panel of the demonstration is
+/// read equally fast.
+const WINDOW_BYTES: u64 = 4 << 20;
+
+/// Bytes read at a time of values that lie in the file as they do in memory: fresh memory
+/// is cleared in the cache next to a core.
+const STRETCH_BYTES: usize = 256 << 10;
+
+/// Element type, as both back ends name it.
+pub(super) fn element_of(datatype: &Datatype) -> Element {
+    match datatype {
+        Datatype::FloatingPoint { size: 8, .. } => Element::Real { single: false },
+        Datatype::FloatingPoint { size: 4, .. } => Element::Real { single: true },
+        Datatype::FixedPoint {
+            size: 1 | 2 | 4 | 8,
+            ..
+        }
+        | Datatype::Enumeration {
+            size: 1 | 2 | 4 | 8,
+            ..
+        } => Element::Integer,
+        Datatype::String { .. }
+        | Datatype::VariableLength {
+            is_string: true, ..
+        } => Element::Text,
+        Datatype::Compound { members, .. } => {
+            let names: Vec<&str> = members.iter().map(|member| member.name.as_str()).collect();
+            match names.as_slice() {
+                [first, second] if is_complex_pair(first, second) => Element::Complex {
+                    single: members.iter().all(|member| {
+                        element_of(&member.datatype) == Element::Real { single: true }
+                    }),
+                },
+                ["node", "dir"] => Element::Dof,
+                ["label", "x", "y", "z"] => Element::Node,
+                _ => Element::Other(format!("records {{{}}}", names.join(", "))),
+            }
+        }
+        Datatype::Reference { .. } => {
+            Element::Other("object references (a MATLAB cell array?)".into())
+        }
+        _ => Element::Other("a type of its own".into()),
+    }
+}
+
+/// The two spellings of complex numbers, and what home-made files use; MATLAB writes
+/// `real`, `imag`, h5py `r`, `i`.
+fn is_complex_pair(first: &str, second: &str) -> bool {
+    let (first, second) = (first.to_ascii_lowercase(), second.to_ascii_lowercase());
+    [("r", "i"), ("real", "imag"), ("re", "im")].contains(&(first.as_str(), second.as_str()))
+}
+
+/// A number of a file: width, kind and byte order.
+#[derive(Clone, Copy)]
+enum Number {
+    Float32 {
+        big: bool,
+    },
+    Float64 {
+        big: bool,
+    },
+    Integer {
+        size: usize,
+        signed: bool,
+        big: bool,
+    },
+}
+
+impl Number {
+    fn of(datatype: &Datatype) -> Option<Self> {
+        let is_big = |order: &DatatypeByteOrder| match order {
+            DatatypeByteOrder::LittleEndian => Some(false),
+            DatatypeByteOrder::BigEndian => Some(true),
+            DatatypeByteOrder::Vax => None,
+        };
+        match datatype {
+            Datatype::FloatingPoint {
+                size: 4,
+                byte_order,
+                layout,
+            } if *layout == hdf5_pure::FloatingPointLayout::IEEE754_BINARY32 => {
+                Some(Self::Float32 {
+                    big: is_big(byte_order)?,
+                })
+            }
+            Datatype::FloatingPoint {
+                size: 8,
+                byte_order,
+                layout,
+            } if *layout == hdf5_pure::FloatingPointLayout::IEEE754_BINARY64 => {
+                Some(Self::Float64 {
+                    big: is_big(byte_order)?,
+                })
+            }
+            Datatype::FixedPoint {
+                size,
+                byte_order,
+                layout,
+            } if matches!(size, 1 | 2 | 4 | 8)
+                && layout.bit_offset == 0
+                && u32::from(layout.bit_precision) == 8 * size =>
+            {
+                Some(Self::Integer {
+                    size: *size as usize,
+                    signed: layout.signed,
+                    big: is_big(byte_order)?,
+                })
+            }
+            Datatype::Enumeration { base_type, .. } => Self::of(base_type),
+            _ => None,
+        }
+    }
+
+    fn integer(self, bytes: &[u8]) -> Option<i128> {
+        let Self::Integer { size, signed, big } = self else {
+            return None;
+        };
+        let mut word = [0_u8; 8];
+        for (k, &byte) in bytes.get(..size)?.iter().enumerate() {
+            word[if big { size - 1 - k } else { k }] = byte;
+        }
+        let unused = 64 - 8 * size as u32;
+        let value = u64::from_le_bytes(word);
+        Some(if signed {
+            i128::from(((value << unused) as i64) >> unused)
+        } else {
+            i128::from(value)
+        })
+    }
+
+    fn real(self, bytes: &[u8]) -> Option<f64> {
+        match self {
+            Self::Float32 { .. } => self.single(bytes).map(f64::from),
+            Self::Float64 { big } => {
+                let word = bytes.get(..8)?.try_into().ok()?;
+                Some(if big {
+                    f64::from_be_bytes(word)
+                } else {
+                    f64::from_le_bytes(word)
+                })
+            }
+            Self::Integer { .. } => self.integer(bytes).map(|value| value as f64),
+        }
+    }
+
+    fn single(self, bytes: &[u8]) -> Option<f32> {
+        let Self::Float32 { big } = self else {
+            return None;
+        };
+        let word = bytes.get(..4)?.try_into().ok()?;
+        Some(if big {
+            f32::from_be_bytes(word)
+        } else {
+            f32::from_le_bytes(word)
+        })
+    }
+}
+
+/// A number inside a record.
+#[derive(Clone, Copy)]
+struct Member {
+    offset: usize,
+    number: Number,
+}
+
+impl Member {
+    fn of(datatype: &Datatype, index: usize) -> Option<Self> {
+        let Datatype::Compound { members, .. } = datatype else {
+            return None;
+        };
+        let member = members.get(index)?;
+        Some(Self {
+            offset: usize::try_from(member.byte_offset).ok()?,
+            number: Number::of(&member.datatype)?,
+        })
+    }
+    fn real(self, record: &[u8]) -> Option<f64> {
+        self.number.real(record.get(self.offset..)?)
+    }
+    /// True for a little-endian float of 4 (`single`) or 8 bytes at `offset`, half of its
+    /// record.
+    fn is_plain(self, offset: usize, single: bool) -> bool {
+        let kind = if single {
+            matches!(self.number, Number::Float32 { big: false })
+        } else {
+            matches!(self.number, Number::Float64 { big: false })
+        };
+        kind && self.offset == offset
+    }
+    fn single(self, record: &[u8]) -> Option<f32> {
+        self.number.single(record.get(self.offset..)?)
+    }
+    fn integer(self, record: &[u8]) -> Option<i128> {
+        self.number.integer(record.get(self.offset..)?)
+    }
+}
+
+/// The values of some rows (along the first axis) of a dataset, in `spare` memory where
+/// it is of their kind; `None` for types that are not understood.
+pub(super) fn values_of(
+    file: &File,
+    dataset: &Dataset,
+    datatype: &Datatype,
+    rows: Range<usize>,
+    turn: Option<Turn>,
+    spare: Option<Values<'static>>,
+) -> Result<Option<Values<'static>>, Error> {
+    let Some(windows) = Windows::new(dataset, datatype, rows)? else {
+        return Ok(None);
+    };
+    let (number, member) = (Number::of(datatype), |index| Member::of(datatype, index));
+    Ok(match (element_of(datatype), number) {
+        (Element::Real { single: true }, Some(number)) => windows
+            .collect(|bytes| number.single(bytes))?
+            .map(|values| Values::Real32(values.into())),
+        (Element::Real { single: false }, Some(number)) => windows
+            .collect(|bytes| number.real(bytes))?
+            .map(|values| Values::Real64(values.into())),
+        (Element::Integer, Some(number)) => {
+            let unsigned = windows.collect(|bytes| u64::try_from(number.integer(bytes)?).ok())?;
+            match unsigned {
+                Some(values) => Some(Values::Unsigned(values.into())),
+                None => windows
+                    .collect(|bytes| i64::try_from(number.integer(bytes)?).ok())?
+                    .map(|values| Values::Signed(values.into())),
+            }
+        }
+        (Element::Complex { single }, _) => {
+            let (Some(re), Some(im)) = (member(0), member(1)) else {
+                return Ok(None);
+            };
+            if is_plain(datatype, single) {
+                // as this program and h5py write them on most machines: no look at each
+                // value
+                return Ok(Some(if single {
+                    let spare = if let Some(Values::Complex32(Cow::Owned(spare))) = spare {
+                        spare
+                    } else {
+                        Vec::new()
+                    };
+                    Values::Complex32(windows.collect_plain(file, turn, spare)?.into())
+                } else {
+                    let spare = if let Some(Values::Complex64(Cow::Owned(spare))) = spare {
+                        spare
+                    } else {
+                        Vec::new()
+                    };
+                    Values::Complex64(windows.collect_plain(file, turn, spare)?.into())
+                }));
+            }
+            if single {
+                let values = windows
+                    .collect(|bytes| Some(Complex32::new(re.single(bytes)?, im.single(bytes)?)))?;
+                values.map(|values| Values::Complex32(values.into()))
+            } else {
+                let values = windows
+                    .collect(|bytes| Some(Complex64::new(re.real(bytes)?, im.real(bytes)?)))?;
+                values.map(|values| Values::Complex64(values.into()))
+            }
+        }
+        (Element::Dof, _) => {
+            let (Some(node), Some(direction)) = (member(0), member(1)) else {
+                return Ok(None);
+            };
+            let dof = |bytes: &[u8]| {
+                let code = i64::try_from(direction.integer(bytes)?).ok()?;
+                Some(Dof::new(
+                    u64::try_from(node.integer(bytes)?).ok()?,
+                    Direction::from_code(code)?,
+                ))
+            };
+            windows.collect(dof)?.map(Values::Dofs)
+        }
+        (Element::Node, _) => {
+            let (Some(label), Some(x), Some(y), Some(z)) =
+                (member(0), member(1), member(2), member(3))
+            else {
+                return Ok(None);
+            };
+            let node = |bytes: &[u8]| {
+                Some(Node {
+                    label: u64::try_from(label.integer(bytes)?).ok()?,
+                    xyz_m: [x.real(bytes)?, y.real(bytes)?, z.real(bytes)?],
+                })
+            };
+            windows.collect(node)?.map(Values::Nodes)
+        }
+        _ => None,
+    })
+}
+
+/// True where complex numbers lie in the file as they do in memory.
+fn is_plain(datatype: &Datatype, single: bool) -> bool {
+    let half = if single { 4 } else { 8 };
+    let part = |index, offset| {
+        Member::of(datatype, index).is_some_and(|part| part.is_plain(offset, single))
+    };
+    cfg!(target_endian = "little")
+        && part(0, 0)
+        && part(1, half)
+        && datatype.type_size() as usize == 2 * half
+}
+
+/// True where all of a dataset of complex numbers lies in the file as it does in memory,
+/// one value after the other.
+pub(super) fn lies_in_one_stretch(file: &File, dataset: &Dataset) -> Result<bool, Error> {
+    let datatype = dataset.datatype()?;
+    let Element::Complex { single } = element_of(&datatype) else {
+        return Ok(false);
+    };
+    let Some(windows) = Windows::new(dataset, &datatype, 0..usize::MAX)? else {
+        return Ok(false);
+    };
+    Ok(is_plain(&datatype, single) && windows.stretch(file)?.is_some())
+}
+
+/// A dataset cut along its first axis.
+struct Windows<'a> {
+    dataset: &'a Dataset,
+    element_bytes: usize,
+    /// Elements in all.
+    count: usize,
+    rows: Range<u64>,
+    row_bytes: u64,
+    /// Rows of one window: whole chunks, so that none is unpacked twice.
+    step: u64,
+}
+
+impl<'a> Windows<'a> {
+    /// `None` for elements without size, and more of them than can be counted.
+    fn new(
+        dataset: &'a Dataset,
+        datatype: &Datatype,
+        rows: Range<usize>,
+    ) -> Result<Option<Self>, Error> {
+        let shape = dataset.shape()?;
+        let all = shape.first().copied().unwrap_or(1);
+        let chunk_rows = dataset
+            .chunk_shape()?
+            .and_then(|shape| shape.first().copied())
+            .unwrap_or(1)
+            .max(1);
+        let count = shape
+            .iter()
+            .try_fold(1_u64, |product, &extent| product.checked_mul(extent));
+        let element_bytes = datatype.type_size() as usize;
+        let Some((count, bytes)) =
+            count.and_then(|count| Some((count, count.checked_mul(element_bytes as u64)?)))
+        else {
+            return Ok(None);
+        };
+        let row_bytes = bytes.checked_div(all).unwrap_or(0).max(1);
+        let step = (WINDOW_BYTES / row_bytes)
+            .max(1)
+            .checked_next_multiple_of(chunk_rows)
+            .unwrap_or(all);
+        let rows = (rows.start as u64).min(all)..(rows.end as u64).min(all);
+        let count = count.checked_div(all).unwrap_or(0) * (rows.end - rows.start);
+        // rows without elements would be looked for one after the other, however many a
+        // header claims
+        let rows = if count == 0 { 0..0 } else { rows };
+        let count = usize::try_from(count).ok().filter(|_| element_bytes > 0);
+        Ok(count.map(|count| Self {
+            dataset,
+            element_bytes,
+            count,
+            rows,
+            row_bytes,
+            step,
+        }))
+    }
+
+    /// The raw bytes of each window to `take`, until it says that it understands them no
+    /// more; true where it never does.
+    fn each(&self, mut take: impl FnMut(&[u8]) -> bool) -> Result<bool, Error> {
+        let mut row = self.rows.start;
+        while row < self.rows.end {
+            if !take(
+                &self
+                    .dataset
+                    .read_raw_rows(row, self.step.min(self.rows.end - row))?,
+            ) {
+                return Ok(false);
+            }
+            row = row.saturating_add(self.step);
+        }
+        Ok(true)
+    }
+
+    /// Where the rows begin in the file, of a dataset that lies there in one stretch.
+    fn stretch(&self, file: &File) -> Result<Option<u64>, Error> {
+        let Layout::Contiguous {
+            address: Some(address),
+            size,
+        } = self.dataset.layout()?
+        else {
+            return Ok(None);
+        };
+        let is_whole = self
+            .rows
+            .end
+            .checked_mul(self.row_bytes)
+            .is_some_and(|end| end <= size);
+        let is_inside = address
+            .checked_add(size)
+            .is_some_and(|end| end <= file.bytes);
+        Ok((is_whole && is_inside).then(|| address + self.rows.start * self.row_bytes))
+    }
+
+    /// Every element of a type that lies in the file as it does in memory, into the
+    /// memory of `values`.
+    fn collect_plain<T: Pod>(
+        &self,
+        file: &File,
+        turn: Option<Turn>,
+        mut values: Vec<T>,
+    ) -> Result<Vec<T>, Error> {
+        let Some(start) = self.stretch(file)? else {
+            values.clear();
+            values.reserve_exact(self.count);
+            self.each(|raw| {
+                values.extend(
+                    raw.chunks_exact(size_of::<T>())
+                        .map(bytemuck::pod_read_unaligned::<T>),
+                );
+                true
+            })?;
+            return Ok(values);
+        };
+        values.truncate(self.count);
+        if let Some(mut turn) = turn {
+            values.resize(self.count, T::zeroed());
+            let bytes = bytemuck::cast_slice_mut(&mut values);
+            read_past_cache(&file.path, start, bytes)?;
+            turn.pass(start, bytes);
+            return Ok(values);
+        }
+        let mut file = std::fs::File::open(&file.path)?;
+        file.seek(SeekFrom::Start(start))?;
+        values.reserve_exact(self.count - values.len());
+        for at in (0..self.count).step_by(STRETCH_BYTES / size_of::<T>()) {
+            let end = (at + STRETCH_BYTES / size_of::<T>()).min(self.count);
+            if values.len() < end {
+                values.resize(end, T::zeroed());
+            }
+            file.read_exact(bytemuck::cast_slice_mut(&mut values[at..end]))?;
+        }
+        Ok(values)
+    }
+
+    /// Every element through `read`; `None` where one is not understood.
+    fn collect<T>(&self, read: impl Fn(&[u8]) -> Option<T>) -> Result<Option<Vec<T>>, Error> {
+        let mut values = Vec::with_capacity(self.count);
+        let understood = self.each(|raw| {
+            raw.chunks(self.element_bytes)
+                .all(|bytes| read(bytes).map(|value| values.push(value)).is_some())
+        })?;
+        Ok(understood.then_some(values))
+    }
+}

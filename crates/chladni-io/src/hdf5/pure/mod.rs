@@ -1,0 +1,209 @@
+//! Back end in pure Rust: no library to install.
+
+mod decode;
+mod write;
+
+pub(super) use write::write;
+
+use crate::arrays::tree::{
+    check_nesting, check_size, library_error, Attribute, Attributes, Element, Entry, Values,
+};
+use crate::Turn;
+use chladni_frf::{Error, Result};
+use decode::{element_of, lies_in_one_stretch, values_of};
+use hdf5_pure::{AttrValue, Dataset, Datatype};
+use std::collections::HashMap;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// An open file.
+pub(super) struct File {
+    path: PathBuf,
+    bytes: u64,
+    file: hdf5_pure::File,
+}
+
+impl File {
+    pub(super) fn open(path: &Path) -> Result<Self> {
+        let file = hdf5_pure::File::open_streaming(path).map_err(|error| match error {
+            hdf5_pure::Error::Io(error) => Error::from_read(&error, path),
+            error => library_error(error, path),
+        })?;
+        Ok(Self {
+            path: path.to_path_buf(),
+            bytes: file.file_size(),
+            file,
+        })
+    }
+
+    /// Every group and dataset, the root first, sorted by path.
+    pub(super) fn entries(&self) -> Result<Vec<Entry>> {
+        let mut entries = Vec::new();
+        self.walk("", 0, &mut entries)?;
+        entries.sort_by(|a: &Entry, b| a.path.cmp(&b.path));
+        Ok(entries)
+    }
+
+    fn walk(&self, path: &str, depth: usize, entries: &mut Vec<Entry>) -> Result<()> {
+        check_nesting(path, depth, entries.len()).map_err(|error| error.file(&self.path))?;
+        let fail = |error| {
+            library_error(error, &self.path).field(if path.is_empty() { "/" } else { path })
+        };
+        let group = if path.is_empty() {
+            self.file.root()
+        } else {
+            self.file.group(path).map_err(fail)?
+        };
+        let types = group.attr_datatypes().map_err(fail)?;
+        let (attributes, unread_attributes) = known_attributes(group.attrs().map_err(fail)?, types);
+        let shown = if path.is_empty() {
+            "/".into()
+        } else {
+            path.into()
+        };
+        entries.push(Entry {
+            path: shown,
+            dataset: None,
+            attributes,
+            unread_attributes,
+        });
+        for name in group.datasets().map_err(fail)? {
+            entries.push(self.dataset_entry(&format!("{path}/{name}")));
+        }
+        for name in group.groups().map_err(fail)? {
+            self.walk(&format!("{path}/{name}"), depth + 1, entries)?;
+        }
+        Ok(())
+    }
+
+    /// A dataset that cannot be described is listed with the reason.
+    fn dataset_entry(&self, path: &str) -> Entry {
+        let described = self.file.dataset(path).and_then(|dataset| {
+            let shape: Vec<usize> = dataset
+                .shape()?
+                .iter()
+                .map(|&extent| usize::try_from(extent).unwrap_or(usize::MAX))
+                .collect();
+            let element = element_of(&dataset.datatype()?);
+            let (attributes, unread) =
+                known_attributes(dataset.attrs()?, dataset.attr_datatypes()?);
+            Ok((shape, element, attributes, unread))
+        });
+        Entry::of_dataset(path, described)
+    }
+
+    /// All values of a dataset.
+    pub(super) fn read(&self, entry: &Entry) -> Result<Values<'static>> {
+        self.read_rows(entry, 0..usize::MAX, None, None)
+    }
+
+    /// The values of some rows (along the first axis) of a dataset; all of a text.
+    /// `turn`: where the bytes are to be handed over for a checksum; `spare`: memory to
+    /// read into, where it is of this kind.
+    pub(super) fn read_rows(
+        &self,
+        entry: &Entry,
+        rows: Range<usize>,
+        turn: Option<Turn>,
+        spare: Option<Values<'static>>,
+    ) -> Result<Values<'static>> {
+        let fail = |error| library_error(error, &self.path).field(&entry.path);
+        let dataset = self.file.dataset(&entry.path).map_err(fail)?;
+        let datatype = dataset.datatype().map_err(fail)?;
+        check_size(
+            &entry.path,
+            entry.shape(),
+            datatype.type_size() as usize,
+            !dataset.filters().is_empty(),
+            self.bytes,
+        )
+        .and_then(|()| self.check_chunks(&dataset))
+        .map_err(|error| error.field(&entry.path).file(&self.path))?;
+        if matches!(element_of(&datatype), Element::Text) {
+            return Ok(Values::Text(dataset.read_string().map_err(fail)?));
+        }
+        values_of(self, &dataset, &datatype, rows, turn, spare)
+            .map_err(fail)?
+            .ok_or_else(|| {
+                not_understood(&datatype)
+                    .file(&self.path)
+                    .field(&entry.path)
+            })
+    }
+
+    /// True where a dataset of complex numbers lies in the file as it does in memory, one
+    /// value after the other.
+    pub(super) fn lies_in_one_stretch(&self, entry: &Entry) -> bool {
+        self.file
+            .dataset(&entry.path)
+            .and_then(|dataset| lies_in_one_stretch(self, &dataset))
+            .unwrap_or(false)
+    }
+
+    /// Refuses a dataset of which a piece ends beyond the file: the library makes room
+    /// for pieces that touch before it reads them.
+    fn check_chunks(&self, dataset: &Dataset) -> Result<()> {
+        if !dataset.is_chunked() {
+            return Ok(());
+        }
+        let chunks = dataset
+            .chunks()
+            .map_err(|error| library_error(error, &self.path))?;
+        match chunks.iter().find(|chunk| {
+            chunk
+                .address
+                .checked_add(chunk.storage_size)
+                .is_none_or(|end| end > self.bytes)
+        }) {
+            None => Ok(()),
+            Some(chunk) => Err(
+                Error::bad_data("a piece of the dataset ends beyond the file")
+                    .found(format!(
+                        "{} bytes from byte {} on",
+                        chunk.storage_size, chunk.address
+                    ))
+                    .expected(format!(
+                        "an end within the file, which has {} bytes",
+                        self.bytes
+                    ))
+                    .help("the file is cut or damaged; copy or write it again"),
+            ),
+        }
+    }
+}
+
+/// The error for values of such a type.
+fn not_understood(datatype: &Datatype) -> Error {
+    let error = Error::bad_data("values of a type that cannot be read")
+        .found(element_of(datatype).describe());
+    error.expected("numbers, text, or records of this program")
+}
+
+fn known_attributes(
+    values: HashMap<String, AttrValue>,
+    types: HashMap<String, Datatype>,
+) -> (Attributes, Vec<String>) {
+    let mut known = Attributes::new();
+    let mut unread = Vec::new();
+    // complex and other attributes are left out of `values` without an error; their types
+    // are still listed
+    let mut names: Vec<_> = types.into_iter().collect();
+    names.sort_by(|a, b| a.0.cmp(&b.0));
+    for (name, datatype) in names {
+        let value = values.get(&name);
+        let attribute = value.and_then(|value| {
+            let text = value.as_str().map(|text| Attribute::Text(text.into()));
+            text.or_else(|| value.as_i64().map(Attribute::Integer))
+                .or_else(|| value.as_f64().map(Attribute::Real))
+        });
+        match attribute {
+            Some(attribute) => known.push((name, attribute)),
+            None if value.is_some() => {} // an array of numbers or texts: nothing here asks for one
+            None => unread.push(format!(
+                "attribute `{name}` ({}) cannot be read",
+                element_of(&datatype).describe()
+            )),
+        }
+    }
+    (known, unread)
+}

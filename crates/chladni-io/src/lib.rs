@@ -1,0 +1,56 @@
+//! File formats: what is in a file ([`Document`]), what files hold together
+//! ([`Contents`]), and FRF sets made of it.
+//!
+//! Formats are told apart by content when read and by extension when written; every
+//! result is written beside its place and renamed into it.
+
+mod arrays;
+mod assemble;
+mod atomic;
+#[cfg(not(feature = "system"))] // a library reads the file there
+mod bulk;
+mod checksums;
+mod contents;
+mod csv;
+mod detect;
+mod document;
+mod hdf5;
+mod json;
+mod mat;
+mod model_file;
+mod model_shapes;
+mod numpy;
+mod parts;
+mod paths;
+mod read;
+mod runs;
+mod save;
+mod selection;
+mod shape;
+mod time_sign;
+pub mod uff;
+mod unit_label;
+mod vtk;
+mod wav;
+
+pub use assemble::assemble;
+pub use atomic::{create_atomically, refuse_output_among_inputs, write_atomically};
+pub use checksums::{sha256_of, Checksums, Turn};
+pub use contents::Contents;
+pub use detect::detect_format;
+pub use document::{
+    Abscissa, Axis, DatasetInfo, Document, Duplicates, FileFormat, Function, Ordinate, ReadOptions,
+};
+pub use json::write_json;
+pub use model_file::{read_model, write_model};
+pub use model_shapes::{field_shape, model_shapes};
+pub use parts::{frf_bytes, FrfParts, Part};
+pub use paths::{expand_paths, Inputs};
+pub use read::{list_document, read_contents, read_document, read_documents, read_frf};
+pub use runs::{runs_of, ChannelOverride};
+pub use save::{write_contents, write_frf};
+pub use selection::{read_selection, selection_from_toml};
+pub use shape::{Analysis, Shape, ShapeForm, ShapeNumbers, TRANSLATION};
+
+use contents::{function_name, not_carried};
+use save::{extension, unknown_extension};

@@ -1,0 +1,228 @@
+//! Models on disk: JSON, or the same fields under `/model` of an HDF5 file.
+
+use super::atomic::write_atomically;
+use super::json::write_json;
+use super::{detect_format, hdf5, FileFormat};
+use chladni_frf::{Error, ErrorKind, ModalModel, Mode, Result, MODEL_FORMAT};
+use chladni_text::json_error;
+use chladni_text::read_text;
+use num_complex::Complex64;
+use std::path::Path;
+
+/// Version of the model file that is written and read here.
+const VERSION: u32 = 1;
+
+/// Reads a model, JSON or HDF5 by content, and checks it.
+///
+/// # Errors
+/// [`ErrorKind::BadData`] with line (JSON) or field when something is missing, of another
+/// size than the responses and references say, not finite, or of another format or
+/// version.
+pub fn read_model(path: &Path) -> Result<ModalModel> {
+    let wrong = |message: &str, found: &str| {
+        Error::bad_data(message)
+            .file(path)
+            .found(found)
+            .expected("a model, JSON or HDF5")
+    };
+    let model = match detect_format(path)? {
+        FileFormat::Model => read_json(path)?,
+        FileFormat::Hdf5 => hdf5::read_model(path)?,
+        FileFormat::Weights => {
+            return Err(wrong("weights, not a model", "a weights file")
+                .help("give the model that the weights were made from"))
+        }
+        FileFormat::Uff
+        | FileFormat::Csv
+        | FileFormat::Matlab
+        | FileFormat::Numpy
+        | FileFormat::Wav => {
+            return Err(wrong("measured data, not a model", "measured data")
+                .help("fit a model first: chladni fit FRF -o MODEL.json"))
+        }
+    };
+    check(&model).map_err(|error| error.file(path))?;
+    Ok(model)
+}
+
+/// Writes a model: `.json`, or `.h5` / `.hdf5`.
+///
+/// # Errors
+/// [`ErrorKind::Usage`] for another extension, [`ErrorKind::Internal`] for a model that
+/// [`read_model`] would refuse; otherwise as [`write_atomically`].
+pub fn write_model(path: &Path, model: &ModalModel, force: bool) -> Result<()> {
+    check(model).map_err(|error| {
+        Error {
+            kind: ErrorKind::Internal,
+            ..error
+        }
+        .file(path)
+    })?;
+    match super::extension(path).as_str() {
+        "json" => write_atomically(path, force, |out| write_json(out, model)),
+        "h5" | "hdf5" => hdf5::write_model(path, model, force),
+        _ => Err(super::unknown_extension(path, ".json, .h5 or .hdf5")),
+    }
+}
+
+fn read_json(path: &Path) -> Result<ModalModel> {
+    let text = read_text(path, "a model, JSON")?;
+    let explain = |error: serde_json::Error| {
+        json_error("model", &error)
+            .file(path)
+            .help("correct the file at that line, or fit the model again")
+    };
+    check_version(
+        serde_json::from_str::<Version>(&text)
+            .map_err(explain)?
+            .version,
+    )
+    .map_err(|error| error.file(path))?;
+    serde_json::from_str(&text).map_err(explain)
+}
+
+/// Read first: another version may have other fields.
+#[derive(serde::Deserialize)]
+struct Version {
+    version: u32,
+}
+
+fn check_version(version: u32) -> Result<()> {
+    if version == VERSION {
+        return Ok(());
+    }
+    Err(Error::bad_data("a model file of another version")
+        .field("version")
+        .found(version)
+        .expected(VERSION)
+        .help("read it with the program that wrote it, or fit the model again"))
+}
+
+/// What every model keeps: format, version, array sizes that agree with the DOFs, finite
+/// numbers.
+fn check(model: &ModalModel) -> Result<()> {
+    if model.format != MODEL_FORMAT {
+        return Err(Error::bad_data("not a modal model")
+            .field("format")
+            .found(&model.format)
+            .expected(MODEL_FORMAT));
+    }
+    check_version(model.version)?;
+    for (field, dofs) in [
+        ("responses", &model.responses),
+        ("references", &model.references),
+    ] {
+        let mut seen = std::collections::HashSet::new();
+        if let Some(twice) = dofs.iter().find(|dof| !seen.insert(**dof)) {
+            return Err(Error::bad_data("a DOF stands twice")
+                .field(field)
+                .found(twice)
+                .expected("every DOF once"));
+        }
+    }
+    finite("band_hz", model.band_hz)?;
+    if model.band_hz[0] > model.band_hz[1] {
+        return Err(Error::bad_data("the band ends before it begins")
+            .field("band_hz")
+            .found(format!("{:?}", model.band_hz)));
+    }
+    let mut labels = std::collections::HashSet::new();
+    for node in &model.nodes {
+        finite(&format!("nodes, label {}", node.label), node.xyz_m)?;
+        if !labels.insert(node.label) {
+            return Err(Error::bad_data("a node stands twice")
+                .field("nodes")
+                .found(node.label)
+                .expected("every node once"));
+        }
+    }
+    for (k, mode) in model.modes.iter().enumerate() {
+        check_mode(model, k, mode)?;
+    }
+    let terms = &model.residual_terms;
+    finite(
+        "residual_terms.omega_scale_rad_per_s",
+        [terms.omega_scale_rad_per_s],
+    )?;
+    if !terms.terms.is_empty() && terms.omega_scale_rad_per_s <= 0.0 {
+        return Err(Error::bad_data("must be positive")
+            .field("residual_terms.omega_scale_rad_per_s")
+            .found(terms.omega_scale_rad_per_s));
+    }
+    for (k, term) in terms.terms.iter().enumerate() {
+        let field = format!("residual_terms.terms[{k}]");
+        let expected = (model.responses.len(), model.references.len());
+        // a matrix without rows knows no count of columns in JSON
+        if term.matrix.0.dim() != expected && expected.0 != 0 {
+            return Err(Error::bad_data("wrong size")
+                .field(field)
+                .found(format!("{:?}", term.matrix.0.dim()))
+                .expected(format!("{expected:?}, responses and references")));
+        }
+        finite_complex(&field, &term.matrix.0)?;
+    }
+    finite("quality.relative_error", [model.quality.relative_error])?;
+    finite("quality.chi2_per_dof", [model.quality.chi2_per_dof])
+}
+
+fn check_mode(model: &ModalModel, index: usize, mode: &Mode) -> Result<()> {
+    let field = |name: &str| format!("modes[{index}].{name}");
+    for (name, value) in [
+        ("frequency_hz", mode.frequency_hz),
+        ("frequency_std_hz", mode.frequency_std_hz),
+        ("loss_factor", mode.loss_factor),
+        ("loss_factor_std", mode.loss_factor_std),
+        ("damping_ratio", mode.damping_ratio),
+        ("mpc", mode.mpc),
+    ] {
+        finite(&field(name), [value])?;
+    }
+    for (name, found, expected, axis) in [
+        (
+            "shape",
+            mode.shape.0.len(),
+            model.responses.len(),
+            "responses",
+        ),
+        (
+            "shape_std",
+            mode.shape_std.len(),
+            model.responses.len(),
+            "responses",
+        ),
+        (
+            "participation",
+            mode.participation.0.len(),
+            model.references.len(),
+            "references",
+        ),
+    ] {
+        if found != expected {
+            return Err(Error::bad_data("wrong size")
+                .field(field(name))
+                .found(found)
+                .expected(format!("{expected}, one for each of the {axis}")));
+        }
+    }
+    finite_complex(&field("shape"), &mode.shape.0)?;
+    finite(&field("shape_std"), mode.shape_std.iter().copied())?;
+    finite(&field("scale_std"), mode.scale_std)?;
+    finite_complex(&field("participation"), &mode.participation.0)
+}
+
+fn finite(field: &str, values: impl IntoIterator<Item = f64>) -> Result<()> {
+    match values.into_iter().find(|value| !value.is_finite()) {
+        None => Ok(()),
+        Some(value) => Err(Error::bad_data("a number that is not finite")
+            .field(field)
+            .found(value)
+            .expected("a finite number")),
+    }
+}
+
+fn finite_complex<'a>(field: &str, values: impl IntoIterator<Item = &'a Complex64>) -> Result<()> {
+    finite(
+        field,
+        values.into_iter().flat_map(|value| [value.re, value.im]),
+    )
+}

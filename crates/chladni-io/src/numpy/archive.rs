@@ -1,0 +1,172 @@
+//! A zip archive of arrays, as `numpy.savez` and `savez_compressed` write it.
+
+use super::npy;
+use crate::arrays::memory::MemoryFile;
+use crate::arrays::tree::check_nesting;
+use crate::atomic::{create_atomically, write_error};
+use chladni_frf::{Error, FrfSet, FrfValues, Result};
+use std::fs::File;
+use std::io::{self, BufWriter, Cursor, Read, Write};
+use std::path::Path;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipArchive, ZipWriter};
+
+/// An archive may unfold to this many times its size ...
+const MOST_EXPANSION: u64 = 128;
+/// ... and, however small it is, to this many bytes.
+const LEAST_ROOM: u64 = 4 << 20;
+
+fn damaged(error: impl std::fmt::Display) -> Error {
+    let error = Error::bad_data("the archive is damaged")
+        .field("zip archive")
+        .found(error)
+        .expected("arrays saved by numpy.savez");
+    error.help(
+        "the file is cut short or was changed by a text transfer; copy it again in binary mode",
+    )
+}
+
+/// All arrays of an archive.
+///
+/// # Errors
+/// A damaged archive or array; more than the archive can plausibly unfold to.
+pub(super) fn read(bytes: &[u8]) -> Result<MemoryFile> {
+    let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(damaged)?;
+    let mut arrays = MemoryFile::default();
+    let limit = (bytes.len() as u64)
+        .saturating_mul(MOST_EXPANSION)
+        .max(LEAST_ROOM);
+    let mut left = limit;
+    check_nesting("/", 0, archive.len())?;
+    for k in 0..archive.len() {
+        let mut member = archive.by_index(k).map_err(damaged)?;
+        let name = member.name().map_err(damaged)?.into_owned();
+        let Some(stem) = name.strip_suffix(".npy") else {
+            arrays.warnings.push(format!("{name}: no array, not read"));
+            continue;
+        };
+        let mut content = Vec::new();
+        member
+            .by_ref()
+            .take(left + 1)
+            .read_to_end(&mut content)
+            .map_err(|error| damaged(error).field(&name))?;
+        let unfolded = content.len() as u64;
+        if unfolded > left {
+            return Err(
+                Error::bad_data("the archive unfolds to more than is plausible")
+                    .field(&name)
+                    .found(format!("more than {limit} bytes"))
+                    .expected(format!("at most {MOST_EXPANSION} times the file's size"))
+                    .help(
+                        "save it with numpy.savez (not compressed) if it really holds that many \
+                       equal values",
+                    ),
+            );
+        }
+        left -= unfolded;
+        let path: String = stem
+            .chars()
+            .map(|c| if c.is_control() { '_' } else { c })
+            .collect();
+        npy::read_array(
+            &content,
+            &format!("/{}", path.trim_start_matches('/')),
+            &mut arrays,
+        )
+        .map_err(|error| error.field(&name))?;
+    }
+    Ok(arrays)
+}
+
+/// Writes a set, atomically; values are exact, geometry is not held.
+///
+/// # Errors
+/// As [`create_atomically`].
+pub(crate) fn write(path: &Path, set: &FrfSet, force: bool) -> Result<()> {
+    create_atomically(path, force, |temporary| {
+        let written = File::create(temporary)
+            .and_then(|file| write_to(ZipWriter::new(BufWriter::new(file)), set));
+        written.map_err(|error| write_error(&error, path))
+    })
+}
+
+fn write_to(mut archive: ZipWriter<BufWriter<File>>, set: &FrfSet) -> io::Result<()> {
+    let (responses, references, lines) = set.values.dim();
+    let shape = [responses, references, lines];
+    // no time stamp: the same data give the same bytes
+    let options = SimpleFileOptions::default()
+        .compression_method(CompressionMethod::Stored)
+        .large_file(true);
+    let mut member = |name: &str,
+                      code: &str,
+                      shape: &[usize],
+                      fill: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>| {
+        archive
+            .start_file(format!("{name}.npy"), options)
+            .map_err(io::Error::other)?;
+        archive.write_all(&npy::header(code, shape))?;
+        fill(&mut archive)
+    };
+    member("freq", "<f8", &[lines], &mut |out| {
+        set.frequency_hz
+            .iter()
+            .try_for_each(|f| out.write_all(&f.to_le_bytes()))
+    })?;
+    match &set.values {
+        FrfValues::F64(values) => member("frf", "<c16", &shape, &mut |out| {
+            values.iter().try_for_each(|v| {
+                out.write_all(&v.re.to_le_bytes())
+                    .and_then(|()| out.write_all(&v.im.to_le_bytes()))
+            })
+        })?,
+        FrfValues::F32(values) => member("frf", "<c8", &shape, &mut |out| {
+            values.iter().try_for_each(|v| {
+                out.write_all(&v.re.to_le_bytes())
+                    .and_then(|()| out.write_all(&v.im.to_le_bytes()))
+            })
+        })?,
+    }
+    if let Some(coherence) = &set.coherence {
+        member("coherence", "<f4", &shape, &mut |out| {
+            coherence
+                .iter()
+                .try_for_each(|v| out.write_all(&v.to_le_bytes()))
+        })?;
+    }
+    let mut texts = |name: &str, texts: &[String], shape: &[usize]| {
+        let width = texts
+            .iter()
+            .map(|text| text.chars().count())
+            .max()
+            .unwrap_or(0)
+            .max(1);
+        member(name, &format!("<U{width}"), shape, &mut |out| {
+            texts.iter().try_for_each(|text| {
+                let padded = text
+                    .chars()
+                    .map(u32::from)
+                    .chain(std::iter::repeat(0))
+                    .take(width);
+                padded
+                    .into_iter()
+                    .try_for_each(|unit| out.write_all(&unit.to_le_bytes()))
+            })
+        })
+    };
+    let dofs = |dofs: &[chladni_frf::Dof]| dofs.iter().map(ToString::to_string).collect::<Vec<_>>();
+    texts("response", &dofs(&set.responses), &[responses])?;
+    texts("reference", &dofs(&set.references), &[references])?;
+    texts("reference_unit", &[set.reference_unit.to_string()], &[])?;
+    texts("time_sign", &["+".to_owned()], &[])?;
+    if let Some(kind) = set.kind {
+        texts("frf_kind", &[kind.to_string()], &[])?;
+        texts("unit", &[kind.unit(set.reference_unit)], &[])?;
+    }
+    archive
+        .finish()
+        .map_err(io::Error::other)?
+        .into_inner()
+        .map_err(io::IntoInnerError::into_error)?
+        .sync_all()
+}

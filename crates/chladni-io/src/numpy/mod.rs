@@ -1,0 +1,54 @@
+//! NumPy files: NPZ (a zip archive of arrays) and NPY (one array).
+//!
+//! The format: NumPy enhancement proposal 1. Arrays of numbers, complex numbers and texts
+//! are read in either byte order and either order of axes; pickled objects never are.
+//! Written are `freq`, `frf` [response, reference, line], `response` and `reference`
+//! (DOFs as text), `frf_kind`, `reference_unit`, `unit`, `time_sign`, and `coherence`
+//! where there is one.
+
+mod archive;
+mod npy;
+
+pub(super) use archive::write;
+
+use super::arrays::memory::MemoryFile;
+use super::{Document, FileFormat, ReadOptions};
+use chladni_frf::Result;
+use std::path::Path;
+
+/// First bytes of an NPY file.
+pub(super) const NPY_SIGNATURE: &[u8] = b"\x93NUMPY";
+
+/// Reads one array, which is listed; alone it says no frequency axis.
+pub(super) fn read_npy(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Document> {
+    let mut arrays = MemoryFile::default();
+    npy::read_array(bytes, "/array", &mut arrays).map_err(|error| error.file(path))?;
+    let mut document = arrays.document(path, FileFormat::Numpy, options)?;
+    if document.frf.is_none() {
+        document.warnings.push(
+            "one array has no frequency axis beside it: save both with \
+                                numpy.savez(file, frf=..., freq=...)"
+                .into(),
+        );
+    }
+    Ok(document)
+}
+
+/// Reads an archive of arrays.
+pub(super) fn read_npz(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Document> {
+    archive::read(bytes)
+        .map_err(|error| error.file(path))?
+        .document(path, FileFormat::Numpy, options)
+}
+
+/// True for a zip archive whose first entry is an array.
+pub(super) fn is_npz(head: &[u8]) -> bool {
+    // local file header: length of the name at byte 26, the name from byte 30
+    let length = head.get(26..28).map_or(0, |bytes| {
+        usize::from(u16::from_le_bytes([bytes[0], bytes[1]]))
+    });
+    head.starts_with(b"PK\x03\x04")
+        && head
+            .get(30..30 + length)
+            .is_some_and(|name| name.ends_with(b".npy"))
+}

@@ -1,0 +1,348 @@
+//! FRFs of files too large to be held, part by part.
+//!
+//! Our own HDF5 layout is cut between responses, a universal file between functions; any
+//! other file is one part. A part is read and checked like a file of its own.
+
+use super::assemble;
+use super::{detect_format, hdf5, read_documents, uff, Checksums, FileFormat, ReadOptions, Turn};
+use chladni_frf::{Error, FrfSet, FrfValues, Result};
+use std::fs;
+use std::io::{Read, Seek, SeekFrom};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// Files whose FRFs can be read part by part.
+#[derive(Debug, Clone)]
+pub struct FrfParts {
+    files: Vec<Parted>,
+    options: ReadOptions,
+}
+
+/// A file and what of it belongs to the set.
+#[derive(Debug, Clone)]
+struct Parted {
+    path: PathBuf,
+    /// Place among the files given.
+    number: usize,
+    /// Of its FRFs in memory, about.
+    bytes: u64,
+    cut: Cut,
+    /// Of the rows or functions.
+    units: Range<usize>,
+}
+
+/// Where a file can be cut.
+#[derive(Debug, Clone)]
+enum Cut {
+    /// Nowhere.
+    Nowhere,
+    /// Between the responses of our own layout.
+    Responses(Box<hdf5::Rows>),
+    /// Between functions: what stands beside them, and where each is.
+    Functions {
+        beside: Vec<Range<u64>>,
+        functions: Vec<Range<u64>>,
+    },
+}
+
+/// What is read at a time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    file: usize,
+    units: Range<usize>,
+}
+
+impl FrfParts {
+    /// Looks where the files can be cut. Nothing but headers is read of a binary file.
+    ///
+    /// # Errors
+    /// Those of reading.
+    pub fn open(files: &[PathBuf], options: &ReadOptions) -> Result<Self> {
+        let parted = |(number, path): (usize, &PathBuf)| {
+            let mut bytes = size(path)?;
+            let (cut, units) = match detect_format(path)? {
+                FileFormat::Hdf5 => match hdf5::Rows::open(path)? {
+                    Some(rows) if options.map.is_empty() => {
+                        bytes = rows.bytes();
+                        let count = rows.count();
+                        (Cut::Responses(Box::new(rows)), count)
+                    }
+                    _ => (Cut::Nowhere, 1),
+                },
+                FileFormat::Uff => {
+                    let (functions, beside): (Vec<_>, Vec<_>) = uff::places(path, options.lenient)?
+                        .into_iter()
+                        .partition(|(number, _)| *number == Some(58));
+                    let ranges = |places: Vec<(Option<u32>, Range<u64>)>| {
+                        places
+                            .into_iter()
+                            .map(|(_, range)| range)
+                            .collect::<Vec<_>>()
+                    };
+                    // units hold for what follows them: with two, a function does not
+                    // stand for itself
+                    if beside
+                        .iter()
+                        .filter(|(number, _)| *number == Some(164))
+                        .count()
+                        > 1
+                    {
+                        (Cut::Nowhere, 1)
+                    } else {
+                        let units = functions.len();
+                        (
+                            Cut::Functions {
+                                beside: ranges(beside),
+                                functions: ranges(functions),
+                            },
+                            units,
+                        )
+                    }
+                }
+                _ => (Cut::Nowhere, 1),
+            };
+            Ok(Parted {
+                path: path.clone(),
+                number,
+                bytes,
+                cut,
+                units: 0..units,
+            })
+        };
+        let files = files
+            .iter()
+            .enumerate()
+            .map(parted)
+            .collect::<Result<Vec<_>>>()?;
+        Ok(Self {
+            files,
+            options: options.clone(),
+        })
+    }
+
+    /// Share `index` of `count` shares of about the same number of responses, functions
+    /// or files.
+    ///
+    /// # Errors
+    /// [`chladni_frf::ErrorKind::Usage`] where there is less to share.
+    pub fn share(&self, index: usize, count: usize) -> Result<Self> {
+        let all: usize = self.files.iter().map(|file| file.units.len()).sum();
+        if count > all {
+            return Err(Error::new(
+                chladni_frf::ErrorKind::Usage,
+                "the data cannot be cut into so many \
+                                                            blocks",
+            )
+            .field("--blocks")
+            .found(count)
+            .expected(format!(
+                "at most {all}: responses of our own HDF5 layout, functions of a \
+                                   universal file, other files"
+            ))
+            .help("give fewer blocks, or convert the files to .h5 first"));
+        }
+        let share = all * index / count..all * (index + 1) / count;
+        let mut before = 0;
+        let mut files = Vec::new();
+        for file in &self.files {
+            let within =
+                |at: usize| file.units.start + at.clamp(before, before + file.units.len()) - before;
+            let units = within(share.start)..within(share.end);
+            before += file.units.len();
+            if !units.is_empty() {
+                files.push(Parted {
+                    units,
+                    ..file.clone()
+                });
+            }
+        }
+        Ok(Self {
+            files,
+            options: self.options.clone(),
+        })
+    }
+
+    /// Parts of at most `most` bytes in memory, in order.
+    ///
+    /// # Errors
+    /// [`chladni_frf::ErrorKind::BadData`] naming a file that is larger and cannot be cut.
+    pub fn parts(&self, most: u64) -> Result<Vec<Part>> {
+        let mut parts = Vec::new();
+        for (number, file) in self.files.iter().enumerate() {
+            if matches!(file.cut, Cut::Nowhere) && file.bytes > most {
+                return Err(Error::bad_data(
+                    "the file is too large to be held, and cannot be read \
+                                            in parts",
+                )
+                .file(&file.path)
+                .found(format!("{} MiB", file.bytes >> 20))
+                .expected(format!(
+                    "at most {} MiB, or the HDF5 layout of this program, or a universal file \
+                         with one set of units",
+                    most >> 20
+                ))
+                .help(
+                    "raise --memory, or convert the file to .h5 where there is memory \
+                           enough",
+                ));
+            }
+            let whole = file.whole_units().max(1) as u64;
+            let units = usize::try_from(most.saturating_mul(whole) / file.bytes.max(1))
+                .unwrap_or(usize::MAX)
+                .max(1);
+            for start in file.units.clone().step_by(units) {
+                parts.push(Part {
+                    file: number,
+                    units: start..start.saturating_add(units).min(file.units.end),
+                });
+            }
+        }
+        Ok(parts)
+    }
+
+    /// Checksums of `files` as their parts pass; `None` where not all of them have a part
+    /// here, or parts are not read as they lie in the files.
+    pub fn checksums(&self, files: &[PathBuf]) -> Option<Checksums> {
+        let in_stretches =
+            |file: &Parted| matches!(&file.cut, Cut::Responses(rows) if rows.lie_in_one_stretch());
+        let all = self.files.iter().map(|file| &file.path).eq(files)
+            && self.files.iter().all(in_stretches);
+        all.then(|| Checksums::new(files))
+    }
+
+    /// The turn of a part, the `number`th that is read.
+    pub fn turn<'a>(&self, checksums: &'a Checksums, number: usize, part: &Part) -> Turn<'a> {
+        checksums.turn(number, part.file)
+    }
+
+    /// Bytes of a part in memory, about.
+    pub fn part_bytes(&self, part: &Part) -> u64 {
+        let file = &self.files[part.file];
+        file.bytes * part.units.len() as u64 / file.whole_units().max(1) as u64
+    }
+
+    /// The file that a part belongs to.
+    pub fn file(&self, part: &Part) -> &Path {
+        &self.files[part.file].path
+    }
+
+    /// The FRFs of a part, and what is to be said of them.
+    ///
+    /// * `turn`: of the part, where checksums of the files are made as they pass; the
+    ///   file is then read past the system's cache
+    /// * `spare`: values of another part that is done with: their memory is read into
+    ///   where that is possible, and need not be cleared
+    ///
+    /// # Errors
+    /// Those of reading; [`chladni_frf::ErrorKind::BadData`] where it holds no FRF.
+    pub fn read(
+        &self,
+        part: &Part,
+        turn: Option<Turn>,
+        spare: Option<FrfValues>,
+    ) -> Result<(FrfSet, Vec<String>)> {
+        let file = &self.files[part.file];
+        let mut options = self.options.clone();
+        if options.references.len() > 1 {
+            options.references = options
+                .references
+                .get(file.number)
+                .copied()
+                .into_iter()
+                .collect();
+        }
+        Self::read_of(file, &options, &part.units, turn, spare).map_err(|mut error| {
+            // lines of a part are not those of the file
+            if let Cut::Functions { functions, .. } = &file.cut {
+                error.line = None;
+                error.byte.get_or_insert(functions[part.units.start].start);
+            }
+            error
+        })
+    }
+
+    fn read_of(
+        file: &Parted,
+        options: &ReadOptions,
+        units: &Range<usize>,
+        turn: Option<Turn>,
+        spare: Option<FrfValues>,
+    ) -> Result<(FrfSet, Vec<String>)> {
+        let documents = match &file.cut {
+            Cut::Nowhere => read_documents(std::slice::from_ref(&file.path), options)?,
+            Cut::Responses(rows) => vec![rows.read(options, units.clone(), turn, spare)?],
+            Cut::Functions { beside, functions } => {
+                let wanted: Vec<&Range<u64>> =
+                    beside.iter().chain(&functions[units.clone()]).collect();
+                let bytes = stretches(&file.path, wanted)
+                    .map_err(|error| Error::from_read(&error, &file.path))?;
+                vec![uff::read(&bytes, &file.path, options)?]
+            }
+        };
+        let mut contents = assemble(documents, options)?;
+        let nothing = || {
+            Error::bad_data("no FRF in this part of the file")
+                .file(&file.path)
+                .found("other functions")
+                .expected("FRFs")
+        };
+        Ok((contents.frf.take().ok_or_else(nothing)?, contents.warnings))
+    }
+}
+
+/// Bytes of a file.
+fn size(path: &Path) -> Result<u64> {
+    Ok(fs::metadata(path)
+        .map_err(|error| Error::from_read(&error, path))?
+        .len())
+}
+
+/// Bytes that the FRFs of files take in memory, about: from what their heads say, else
+/// the size of the file. Damage is for the reader to report.
+///
+/// # Errors
+/// Those of reading.
+pub fn frf_bytes(files: &[PathBuf]) -> Result<u64> {
+    let of = |path: &PathBuf| match detect_format(path)? {
+        FileFormat::Hdf5 => hdf5::Rows::open(path)
+            .ok()
+            .flatten()
+            .map_or_else(|| size(path), |rows| Ok(rows.bytes())),
+        _ => size(path),
+    };
+    files
+        .iter()
+        .map(of)
+        .try_fold(0_u64, |sum, bytes| Ok(sum.saturating_add(bytes?)))
+}
+
+impl Parted {
+    /// Responses or functions of the whole file.
+    fn whole_units(&self) -> usize {
+        match &self.cut {
+            Cut::Nowhere => 1,
+            Cut::Responses(rows) => rows.count(),
+            Cut::Functions { functions, .. } => functions.len(),
+        }
+    }
+}
+
+/// Stretches of a file, one after the other; neighbours are read at once.
+fn stretches(path: &Path, wanted: Vec<&Range<u64>>) -> std::io::Result<Vec<u8>> {
+    let mut joined: Vec<Range<u64>> = Vec::new();
+    for range in wanted {
+        match joined.last_mut() {
+            Some(last) if last.end == range.start => last.end = range.end,
+            _ => joined.push(range.clone()),
+        }
+    }
+    let mut file = fs::File::open(path)?;
+    let mut bytes = Vec::new();
+    for range in joined {
+        file.seek(SeekFrom::Start(range.start))?;
+        (&mut file)
+            .take(range.end - range.start)
+            .read_to_end(&mut bytes)?;
+    }
+    Ok(bytes)
+}

@@ -1,0 +1,252 @@
+//! From paths to documents, and from documents to one set.
+
+use super::checksums::{sha256_of, sha256_of_bytes};
+use super::paths::{shortened, NAMES_LISTED};
+use super::{
+    assemble, csv, detect_format, expand_paths, function_name, hdf5, mat, numpy, read_model, uff,
+    wav, Contents, DatasetInfo, Document, FileFormat, ReadOptions,
+};
+use chladni_frf::{Error, FrfSet, Geometry, Result, Source, Trust};
+use chladni_text::json_error;
+use chladni_text::read_text;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Everything in one file, by content; damaged datasets are in its `errors`.
+///
+/// # Errors
+/// [`chladni_frf::ErrorKind::NoInput`] without the file, [`chladni_frf::ErrorKind::BadData`] where
+/// nothing in it can be listed.
+pub fn read_document(path: &Path, options: &ReadOptions) -> Result<Document> {
+    read_numbered(path, options, &mut 1)
+}
+
+/// A universal file beyond this size is listed by its headers, bytes.
+const LISTED_BY_HEADERS: u64 = 256 << 20;
+
+/// As [`read_document`], for the list of what is inside: a large universal file is not
+/// held in memory. Its document has neither functions nor shapes nor `sha256`, and says
+/// so in a warning.
+///
+/// # Errors
+/// As [`read_document`].
+pub fn list_document(path: &Path, options: &ReadOptions) -> Result<Document> {
+    let is_large = fs::metadata(path).is_ok_and(|metadata| metadata.len() > LISTED_BY_HEADERS);
+    if !is_large || detect_format(path)? != FileFormat::Uff {
+        return read_document(path, options);
+    }
+    let mut document = uff::scan(path, options)?;
+    let size = LISTED_BY_HEADERS >> 20;
+    document.warnings.push(format!(
+        "larger than {size} MiB: its headers are listed; values and checksum were not read"
+    ));
+    Ok(document)
+}
+
+/// All files, in the order given. FRFs in tables that name no DOF become responses 1, 2,
+/// ... in that order.
+///
+/// # Errors
+/// The first of [`read_document`].
+pub fn read_documents(paths: &[PathBuf], options: &ReadOptions) -> Result<Vec<Document>> {
+    let mut next_node = 1;
+    let per_file = options.references.len() > 1 && options.references.len() == paths.len();
+    let read = |(number, path): (usize, &PathBuf)| {
+        let own = per_file.then(|| ReadOptions {
+            references: vec![options.references[number]],
+            ..options.clone()
+        });
+        read_numbered(path, own.as_ref().unwrap_or(options), &mut next_node)
+    };
+    paths.iter().enumerate().map(read).collect()
+}
+
+/// Everything that files, folders and patterns hold together: what `convert` and `info`
+/// need, without FRFs too.
+///
+/// # Errors
+/// As [`expand_paths`], [`read_documents`] and [`assemble()`].
+pub fn read_contents(paths: &[PathBuf], options: &ReadOptions) -> Result<Contents> {
+    let inputs = expand_paths(paths)?;
+    let mut contents = assemble(read_documents(&inputs.files, options)?, options)?;
+    contents.warnings.splice(0..0, inputs.warnings);
+    Ok(contents)
+}
+
+/// The result of this program among files, as a user would call it.
+fn result_among(documents: &[Document]) -> Option<&'static str> {
+    documents.iter().find_map(|document| match document.format {
+        FileFormat::Weights => Some("a weights file"),
+        FileFormat::Model => Some("a model"),
+        _ if document
+            .datasets
+            .iter()
+            .any(|info| info.name.starts_with("/model/")) =>
+        {
+            Some("a model")
+        }
+        _ => None,
+    })
+}
+
+/// Names of the datasets in files.
+fn listed(documents: &[Document]) -> String {
+    let mut names: Vec<String> = documents
+        .iter()
+        .flat_map(|document| &document.datasets)
+        .map(|info| info.name.clone())
+        .collect();
+    names.dedup();
+    if names.is_empty() {
+        "nothing".into()
+    } else {
+        shortened(&names, NAMES_LISTED)
+    }
+}
+
+/// The FRFs of files, folders and patterns as one set, with the files and everything the
+/// user must know.
+///
+/// # Errors
+/// As [`read_contents`]; [`chladni_frf::ErrorKind::BadData`] where no file holds an FRF.
+pub fn read_frf(
+    paths: &[PathBuf],
+    options: &ReadOptions,
+) -> Result<(FrfSet, Vec<Source>, Vec<String>)> {
+    let inputs = expand_paths(paths)?;
+    let documents = read_documents(&inputs.files, options)?;
+    let (result, listed) = (result_among(&documents), listed(&documents));
+    let Contents {
+        frf,
+        sources,
+        mut warnings,
+        functions,
+        ..
+    } = assemble(documents, options)?;
+    warnings.splice(0..0, inputs.warnings);
+    let frf = frf.ok_or_else(|| {
+        let error = Error::bad_data("no FRF in the input").expected(
+            "functions of type 4 (58), a \
+            complex array (HDF5) or a table f,re,im",
+        );
+        let error = match paths {
+            [one] => error.file(one),
+            _ => error,
+        };
+        match (functions.first(), result) {
+            (Some(function), _) => error
+                .found(format!(
+                    "{} other functions, the first a {}",
+                    functions.len(),
+                    function_name(function.function_type)
+                ))
+                .help(
+                    "`chladni info` lists what is inside; `chladni estimate` makes FRFs of time \
+                       records",
+                ),
+            (None, Some(result)) => error.found(result).help(
+                "give the measured FRFs that it was \
+                made from",
+            ),
+            (None, None) => error.found(listed).help(
+                "`chladni info` lists what is inside; in HDF5 name the \
+                                          arrays with --map frf=PATH,freq=PATH",
+            ),
+        }
+    })?;
+    Ok((frf, sources, warnings))
+}
+
+fn read_numbered(path: &Path, options: &ReadOptions, next_node: &mut u64) -> Result<Document> {
+    let bytes = || fs::read(path).map_err(|error| Error::from_read(&error, path));
+    let mut document = match detect_format(path)? {
+        FileFormat::Uff => {
+            let bytes = bytes()?;
+            let mut document = uff::read(&bytes, path, options)?;
+            document.sha256 = sha256_of_bytes(&bytes);
+            document
+        }
+        FileFormat::Csv => {
+            let bytes = bytes()?;
+            let mut document = csv::read(&bytes, path, options, next_node)?;
+            document.sha256 = sha256_of_bytes(&bytes);
+            document
+        }
+        FileFormat::Hdf5 => hdf5::read(path, options)?,
+        FileFormat::Matlab => mat::read(&bytes()?, path, options)?,
+        FileFormat::Numpy => {
+            let bytes = bytes()?;
+            let read = if bytes.starts_with(numpy::NPY_SIGNATURE) {
+                numpy::read_npy
+            } else {
+                numpy::read_npz
+            };
+            read(&bytes, path, options)?
+        }
+        FileFormat::Wav => wav::read(&bytes()?, path)?,
+        FileFormat::Model => model_document(path)?,
+        FileFormat::Weights => weights_document(path)?,
+    };
+    if document.sha256.is_empty() {
+        document.sha256 = sha256_of(path)?;
+    }
+    Ok(document)
+}
+
+/// A model file as `info` lists it: one entry per mode.
+fn model_document(path: &Path) -> Result<Document> {
+    let model = read_model(path)?;
+    let listed = model.modes.iter().map(|mode| DatasetInfo {
+        name: if mode.in_band {
+            "mode"
+        } else {
+            "pole outside the band"
+        }
+        .into(),
+        values: Some(model.responses.len()),
+        frequency_hz: Some(mode.frequency_hz),
+        damping_ratio: Some(mode.damping_ratio),
+        warnings: if mode.trust == Trust::Sure {
+            Vec::new()
+        } else {
+            mode.reasons.clone()
+        },
+        ..DatasetInfo::default()
+    });
+    Ok(Document {
+        datasets: listed.collect(),
+        geometry: Geometry {
+            nodes: model.nodes.clone(),
+            ..Geometry::default()
+        },
+        warnings: model.quality.warnings.clone(),
+        ..Document::new(path, FileFormat::Model)
+    })
+}
+
+/// A weights file as `info` lists it: one entry per reference.
+fn weights_document(path: &Path) -> Result<Document> {
+    #[derive(serde::Deserialize)]
+    struct Weight {
+        reference: String,
+    }
+    #[derive(serde::Deserialize)]
+    struct Weights {
+        frequency_hz: f64,
+        weights: Vec<Weight>,
+    }
+    let text = read_text(path, "a weights file, JSON")?;
+    let weights: Weights =
+        serde_json::from_str(&text).map_err(|error| json_error("weights", &error).file(path))?;
+    let listed = weights.weights.into_iter().map(|weight| DatasetInfo {
+        name: "weight".into(),
+        reference: Some(weight.reference),
+        values: Some(1),
+        frequency_hz: Some(weights.frequency_hz),
+        ..DatasetInfo::default()
+    });
+    Ok(Document {
+        datasets: listed.collect(),
+        ..Document::new(path, FileFormat::Weights)
+    })
+}

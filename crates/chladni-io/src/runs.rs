@@ -1,0 +1,238 @@
+//! Runs of time records: channels that were measured together.
+
+use crate::{Abscissa, Document, Function, Ordinate};
+use chladni_frf::{Channel, Dof, Error, Result, Run, SignalUnit};
+
+/// Function type of time records, dataset 58.
+const TIME: i32 = 1;
+/// Relative difference of two steps that counts as rounding of printed digits.
+const STEP_TOLERANCE: f64 = 1e-4;
+
+/// What the user says about the channels of each file, in their order.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ChannelOverride {
+    /// DOFs; empty: as in the file.
+    pub dofs: Vec<Dof>,
+    /// Units; empty: as in the file.
+    pub units: Vec<String>,
+    /// Units per unit of the file (of full scale, in WAV); empty: 1.
+    pub scales: Vec<f64>,
+    /// DOFs that excite; empty: forces, and voltages where there is no force.
+    pub references: Vec<Dof>,
+}
+
+/// Runs of a file: its time records in their order. A DOF that comes again begins the
+/// next run, so that repeated records are averaged, and records of a roving sensor or
+/// hammer follow each other.
+///
+/// # Errors
+/// Channels of one run that differ in length or sampling rate; an uneven time axis;
+/// masked samples; what the user says does not fit.
+pub fn runs_of(document: &Document, said: &ChannelOverride) -> Result<Vec<Run>> {
+    let at = |function: &Function, error: Error| {
+        let error = error.file(&document.file);
+        if function.line > 0 {
+            error.at_line(function.line)
+        } else {
+            error
+        }
+    };
+    let records: Vec<&Function> = document
+        .functions
+        .iter()
+        .filter(|function| function.function_type == TIME)
+        .collect();
+    for (name, count) in [
+        ("--dofs", said.dofs.len()),
+        ("--units", said.units.len()),
+        ("--scales", said.scales.len()),
+    ] {
+        if count > 0 && !records.len().is_multiple_of(count) {
+            return Err(Error::new(
+                chladni_frf::ErrorKind::Usage,
+                "the list does not fit the channels of the file",
+            )
+            .file(&document.file)
+            .field(name)
+            .found(format!(
+                "{count} entries for {} time records",
+                records.len()
+            ))
+            .expected("one entry per channel"));
+        }
+    }
+    let mut runs: Vec<Run> = Vec::new();
+    for (k, function) in records.into_iter().enumerate() {
+        let rate = sample_rate(function).map_err(|error| at(function, error))?;
+        let channel = channel(function, k, said).map_err(|error| at(function, error))?;
+        let fits = |run: &Run| {
+            !run.channels
+                .iter()
+                .any(|known| known.dof == channel.dof && known.unit == channel.unit)
+        };
+        match runs.last_mut().filter(|run| fits(run)) {
+            Some(run) => {
+                if run.samples() != channel.samples.len()
+                    || (run.sample_rate_hz / rate - 1.0).abs() > STEP_TOLERANCE
+                {
+                    let error = Error::bad_data("channels of one run differ")
+                        .field(channel.dof.to_string());
+                    return Err(at(function, error)
+                        .found(format!("{} samples at {rate} Hz", channel.samples.len()))
+                        .expected(format!(
+                            "{} samples at {} Hz",
+                            run.samples(),
+                            run.sample_rate_hz
+                        ))
+                        .help("give runs of different lengths as files of their own"));
+                }
+                run.channels.push(channel);
+            }
+            None => {
+                runs.push(Run {
+                    file: document.file.clone(),
+                    line: function.line,
+                    sample_rate_hz: rate,
+                    channels: vec![channel],
+                });
+            }
+        }
+    }
+    runs.iter_mut()
+        .for_each(|run| mark_references(run, &said.references));
+    Ok(runs)
+}
+
+/// What the channel of a record measures: by quantity code of dataset 58, then by unit
+/// label.
+fn unit_of(function: &Function) -> SignalUnit {
+    let axis = &function.axes[1];
+    match axis.quantity {
+        8 => SignalUnit::Displacement,
+        11 => SignalUnit::Velocity,
+        12 => SignalUnit::Acceleration,
+        9 | 13 => SignalUnit::Force,
+        _ => labelled(&axis.unit).map_or(SignalUnit::Unknown, |(unit, _)| unit),
+    }
+}
+
+/// A unit label: what it measures, and its factor to SI.
+fn labelled(label: &str) -> Option<(SignalUnit, f64)> {
+    let unit = crate::unit_label::parse(label)?;
+    let measured = match unit.powers {
+        [1, 1, -2, 0, 0, 0] => SignalUnit::Force,
+        [0, 0, 0, 1, 0, 0] => SignalUnit::Volt,
+        [1, 0, 0, 0, 0, 0] => SignalUnit::Displacement,
+        [1, 0, -1, 0, 0, 0] => SignalUnit::Velocity,
+        [1, 0, -2, 0, 0, 0] => SignalUnit::Acceleration,
+        _ => return None,
+    };
+    Some((measured, unit.factor))
+}
+
+/// Forces excite; where there is none, voltages do.
+fn mark_references(run: &mut Run, named: &[Dof]) {
+    let has_force = run
+        .channels
+        .iter()
+        .any(|channel| channel.unit == SignalUnit::Force);
+    let excites = if has_force {
+        SignalUnit::Force
+    } else {
+        SignalUnit::Volt
+    };
+    for channel in &mut run.channels {
+        channel.is_reference = match named {
+            [] => channel.unit == excites,
+            // a driving point is measured too: there, the force is the reference
+            named => {
+                named.contains(&channel.dof)
+                    && (channel.unit == excites || channel.unit.frf_kind().is_none())
+            }
+        };
+    }
+}
+
+fn channel(function: &Function, k: usize, said: &ChannelOverride) -> Result<Channel> {
+    let of = |count: usize| if count == 0 { None } else { Some(k % count) };
+    let dof = of(said.dofs.len()).map_or(function.response, |at| said.dofs[at]);
+    let (unit, factor) = match of(said.units.len()) {
+        None => (unit_of(function), function.scale_to_si),
+        Some(at) => labelled(&said.units[at]).ok_or_else(|| {
+            Error::new(
+                chladni_frf::ErrorKind::Usage,
+                "no unit of a force, voltage or motion",
+            )
+            .field("--units")
+            .found(&said.units[at])
+            .expected("N, V, m, m/s, m/s^2, g or the like")
+        })?,
+    };
+    let scale = factor * of(said.scales.len()).map_or(1.0, |at| said.scales[at]);
+    let samples: Vec<f64> = match &function.ordinate {
+        Ordinate::Real32(values) => values
+            .iter()
+            .map(|&value| f64::from(value) * scale)
+            .collect(),
+        Ordinate::Real64(values) => values.iter().map(|&value| value * scale).collect(),
+        Ordinate::Complex32(_) | Ordinate::Complex64(_) => {
+            return Err(Error::bad_data("a time record of complex values")
+                .field("ordinate")
+                .found("complex")
+                .expected("real samples"))
+        }
+    };
+    if let Some(masked) = samples.iter().position(|sample| !sample.is_finite()) {
+        return Err(
+            Error::bad_data("a time record with a sample that is not finite")
+                .field(format!("sample {}", masked + 1))
+                .found(samples[masked])
+                .expected("finite samples without gaps")
+                .help("cut the record, or leave this run out"),
+        );
+    }
+    Ok(Channel {
+        dof,
+        unit,
+        is_reference: false,
+        samples,
+    })
+}
+
+fn sample_rate(function: &Function) -> Result<f64> {
+    let step = match &function.abscissa {
+        Abscissa::Even { step, .. } => *step,
+        Abscissa::Uneven(times) => {
+            let count = times.len();
+            let mean = if count > 1 {
+                (times[count - 1] - times[0]) / (count - 1) as f64
+            } else {
+                0.0
+            };
+            // printed times round at the last of their digits
+            let rounding = STEP_TOLERANCE.max(
+                1e-5 * times.last().map_or(0.0, |last| last.abs())
+                    / mean.abs().max(f64::MIN_POSITIVE),
+            );
+            let even = times
+                .windows(2)
+                .all(|pair| ((pair[1] - pair[0]) / mean - 1.0).abs() <= rounding.min(0.1));
+            if !even {
+                return Err(Error::bad_data("the samples are not evenly spaced in time")
+                    .field("time axis")
+                    .found("steps that differ")
+                    .expected("one sampling rate")
+                    .help("resample the record first"));
+            }
+            mean
+        }
+    };
+    let step = step * function.abscissa_to_si;
+    match step.is_finite() && step > 0.0 {
+        true => Ok(1.0 / step),
+        false => Err(Error::bad_data("no sampling rate")
+            .field("time step")
+            .found(step)
+            .expected("a time step above 0 s")),
+    }
+}

@@ -1,0 +1,99 @@
+//! The selection file: modes kept or dropped by hand.
+//!
+//! ```toml
+//! drop = [3, 7]        # numbers as in the table of modes, from 1; `keep = [...]` instead: all others go
+//!
+//! [[mode]]             # one more of them, by its frequency
+//! near_hz = 54.4
+//! within_hz = 0.5
+//! ```
+//!
+//! With `[[mode]]` tables alone, these modes are kept.
+
+use chladni_frf::{Error, ModeName, ModePick, Result, Selection};
+use chladni_text::read_text;
+use chladni_text::toml_reader::{parse, Keys, Table, Value};
+use std::path::Path;
+
+const KEYS: Keys = &[
+    ("", &["keep", "drop", "mode"]),
+    ("mode", &["near_hz", "within_hz"]),
+];
+
+/// Reads a selection file.
+///
+/// # Errors
+/// As [`selection_from_toml`], with the file's name; also a file that cannot be read.
+pub fn read_selection(file: &Path) -> Result<Selection> {
+    let text = read_text(file, "a selection of modes as TOML")?;
+    selection_from_toml(&text).map_err(|error| error.file(file))
+}
+
+/// Reads a selection.
+///
+/// # Errors
+/// [`chladni_frf::ErrorKind::BadData`] with line and key: no TOML, an unknown key, `keep`
+/// and `drop` together, no mode named, a number that counts nothing.
+pub fn selection_from_toml(text: &str) -> Result<Selection> {
+    let document = parse(text)?;
+    let root = Table::root(text, &document);
+    root.only_keys(KEYS, "")?;
+    let (keep, drop) = (root.get("keep"), root.get("drop"));
+    if let (Some(_), Some(drop)) = (&keep, &drop) {
+        return Err(drop
+            .error("a selection either keeps or drops", "one of keep and drop")
+            .help("a mode that is not kept is dropped: leave one of the two lists out"));
+    }
+    let kept = drop.is_none();
+    let mut picks = Vec::new();
+    for (place, value) in keep
+        .or(drop)
+        .map(|list| list.list())
+        .transpose()?
+        .into_iter()
+        .flatten()
+        .enumerate()
+    {
+        let field = format!("{}[{}]", if kept { "keep" } else { "drop" }, place + 1);
+        picks.push(ModePick {
+            name: ModeName::Number(value.count()?),
+            line: value.line(),
+            field,
+        });
+    }
+    for (place, value) in root
+        .get("mode")
+        .map(|list| list.list())
+        .transpose()?
+        .into_iter()
+        .flatten()
+        .enumerate()
+    {
+        picks.push(by_frequency(&value, place + 1)?);
+    }
+    if picks.is_empty() {
+        return Err(Error::bad_data("the selection names no mode")
+            .expected(
+                "keep = [1, 2, ...], drop = [3, ...], or [[mode]] tables with near_hz \
+                       and within_hz",
+            )
+            .help("numbers are those of the table that `chladni fit` prints"));
+    }
+    Ok(Selection::new(kept, picks))
+}
+
+fn by_frequency(value: &Value, place: usize) -> Result<ModePick> {
+    let table = value.table()?;
+    table.only_keys(KEYS, "mode")?;
+    let near_hz = table
+        .require("near_hz", "the frequency of a mode, Hz")?
+        .positive()?;
+    let within_hz = table
+        .require("within_hz", "how far from near_hz the mode may lie, Hz")?
+        .positive()?;
+    Ok(ModePick {
+        name: ModeName::Frequency { near_hz, within_hz },
+        line: value.line(),
+        field: format!("mode[{place}]"),
+    })
+}

@@ -1,0 +1,25 @@
+//! The time sign of a file against the user's word.
+
+use chladni_frf::{FrfSet, TimeSign};
+
+/// Brings `set` to e^{+jωt}: conjugates it where the file says minus, or the user does
+/// (once, where both do).
+///
+/// The user's minus wins over a file that says plus, with a warning; a plus is the
+/// default and overrules nothing.
+pub(super) fn to_plus(
+    set: &mut FrfSet,
+    said: Option<TimeSign>,
+    told: TimeSign,
+    warnings: &mut Vec<String>,
+) {
+    if told == TimeSign::Minus && said == Some(TimeSign::Plus) {
+        warnings.push(
+            "the file says time sign + and --time-sign says -: conjugated, as --time-sign says"
+                .into(),
+        );
+    }
+    if told == TimeSign::Minus || said == Some(TimeSign::Minus) {
+        set.conjugate();
+    }
+}

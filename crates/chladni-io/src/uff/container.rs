@@ -1,0 +1,422 @@
+//! The container: where the datasets of a universal file begin and end.
+//!
+//! A dataset is a line with `-1` in columns 5 and 6, a line with its number in columns 1
+//! to 6, its records, and a closing `-1` line. A binary 58 (number line `58b`) closes at
+//! once after its payload; its end is computed and never searched, because a payload may
+//! hold the bytes of a `-1` line.
+
+use super::binary::{self, Payload};
+use super::fields::Record;
+use chladni_frf::{Error, Result};
+
+/// One dataset, cut out of the file.
+#[derive(Debug)]
+pub(super) struct Block<'a> {
+    /// `None` where the number line holds no number.
+    pub number: Option<u32>,
+    /// Line of the opening `-1`.
+    pub line: u64,
+    /// Records after the number line: all of them in a text dataset, the header in a
+    /// binary one.
+    pub records: Lines<'a>,
+    /// Data of a binary 58.
+    pub payload: Option<Payload<'a>>,
+    /// 58 whose data were passed over: how many values are there.
+    pub passed_over: Option<u64>,
+    /// Too large to look into: its name is all that is known.
+    pub listed_only: bool,
+    /// What makes the dataset unreadable as a whole.
+    pub fault: Option<Error>,
+    /// False where the file ends before the closing `-1`.
+    pub closed: bool,
+    pub warnings: Vec<String>,
+}
+
+/// Lines of a part of the file, numbered as in the file.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Lines<'a> {
+    pub bytes: &'a [u8],
+    /// Line number of the first line.
+    pub line: u64,
+}
+
+impl<'a> Iterator for Lines<'a> {
+    type Item = Record<'a>;
+    fn next(&mut self) -> Option<Record<'a>> {
+        if self.bytes.is_empty() {
+            return None;
+        }
+        let (text, rest) = match memchr::memchr(b'\n', self.bytes) {
+            Some(end) => (&self.bytes[..end], &self.bytes[end + 1..]),
+            None => (self.bytes, &[][..]),
+        };
+        let record = Record {
+            line: self.line,
+            text: text.strip_suffix(b"\r").unwrap_or(text),
+        };
+        self.bytes = rest;
+        self.line += 1;
+        Some(record)
+    }
+}
+
+impl<'a> Lines<'a> {
+    /// What lies between this position and a later one.
+    fn until(self, later: Lines<'a>) -> Lines<'a> {
+        Lines {
+            bytes: &self.bytes[..self.bytes.len() - later.bytes.len()],
+            line: self.line,
+        }
+    }
+    /// This position, `count` bytes further; lines are counted on.
+    fn skip_bytes(self, count: usize) -> Lines<'a> {
+        let (skipped, bytes) = self.bytes.split_at(count.min(self.bytes.len()));
+        Lines {
+            bytes,
+            line: self.line + memchr::memchr_iter(b'\n', skipped).count() as u64,
+        }
+    }
+}
+
+/// True for `    -1`, padded with blanks or not at all.
+pub(super) fn is_marker(text: &[u8]) -> bool {
+    const LAST_COLUMN: usize = 6;
+    // most lines are data, and full there
+    if text
+        .get(LAST_COLUMN)
+        .is_some_and(|b| !b.is_ascii_whitespace())
+    {
+        return false;
+    }
+    match text.iter().position(|b| !b.is_ascii_whitespace()) {
+        Some(start) if start + 2 <= LAST_COLUMN => text[start..].trim_ascii_end() == b"-1",
+        _ => false,
+    }
+}
+
+/// Number of a dataset, and true for `58b`.
+pub(super) fn number_line(text: &[u8]) -> Option<(u32, bool)> {
+    let text = text.trim_ascii_start();
+    let digits = text.iter().take_while(|b| b.is_ascii_digit()).count();
+    let number = std::str::from_utf8(&text[..digits])
+        .ok()?
+        .parse()
+        .ok()
+        .filter(|_| digits <= 6)?;
+    match text.get(digits) {
+        None => Some((number, false)),
+        Some(b) if b.is_ascii_whitespace() => Some((number, false)),
+        Some(b'b' | b'B') if number == 58 => Some((number, true)),
+        Some(_) => None,
+    }
+}
+
+/// All datasets of a file in their order; what stands outside of datasets goes to
+/// `warnings`.
+pub(super) fn datasets<'a>(
+    bytes: &'a [u8],
+    lenient: bool,
+    warnings: &mut Vec<String>,
+) -> Vec<Block<'a>> {
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let whole_file = Lines { bytes, line: 1 };
+    let mut at = Lines {
+        bytes: text,
+        line: 1,
+    };
+    let mut blocks: Vec<Block<'a>> = Vec::new();
+    let mut closing_line = 0;
+    loop {
+        let before = at;
+        let Some(record) = at.next() else {
+            return blocks;
+        };
+        if record.text.trim_ascii().is_empty() {
+            continue;
+        }
+        if is_marker(record.text) {
+            let (block, after) = dataset(whole_file, at, record.line, lenient);
+            closing_line = after.line.saturating_sub(1);
+            blocks.extend(block);
+            at = after;
+        } else if record.line == closing_line + 1
+            && number_line(record.text).is_some()
+            && !blocks.is_empty()
+        {
+            // The marker taken as the end of the last dataset opens this one: the last
+            // one was not closed.
+            warnings.push(format!(
+                "line {closing_line}: the dataset before this line has no closing -1"
+            ));
+            let (block, after) = dataset(whole_file, before, closing_line, lenient);
+            closing_line = after.line.saturating_sub(1);
+            blocks.extend(block);
+            at = after;
+        } else {
+            let first = record.line;
+            let mut next = at;
+            while next.next().is_some_and(|record| !is_marker(record.text)) {
+                at = next;
+            }
+            warnings.push(format!(
+                "lines {first} to {}: text outside of any dataset is not read",
+                at.line - 1
+            ));
+        }
+    }
+}
+
+/// The dataset whose opening marker ends where `at` begins, and the position after it; no
+/// dataset where the file ends.
+fn dataset<'a>(
+    file: Lines<'a>,
+    mut at: Lines<'a>,
+    line: u64,
+    lenient: bool,
+) -> (Option<Block<'a>>, Lines<'a>) {
+    let mut line = line;
+    let number_record = loop {
+        match at.next() {
+            None => return (None, at),
+            // A marker doubled: the second one opens.
+            Some(record) if is_marker(record.text) => line = record.line,
+            Some(record) if record.text.trim_ascii().is_empty() => {}
+            Some(record) => break record,
+        }
+    };
+    let (number, binary) = number_line(number_record.text).unzip();
+    let binary = binary.unwrap_or(false);
+    let nothing = Lines {
+        bytes: &[],
+        line: at.line,
+    };
+    let mut block = Block {
+        number,
+        line,
+        records: nothing,
+        payload: None,
+        passed_over: None,
+        listed_only: false,
+        fault: number.is_none().then(|| no_number(number_record)),
+        closed: true,
+        warnings: Vec::new(),
+    };
+    let after = if binary {
+        binary_body(file, at, number_record, &mut block, lenient)
+    } else {
+        text_body(at, &mut block)
+    };
+    (Some(block), after)
+}
+
+/// The error about a dataset without number.
+pub(super) fn no_number(record: Record<'_>) -> Error {
+    Error::bad_data("no dataset number after the opening -1")
+        .at_line(record.line)
+        .field("dataset number")
+        .found(String::from_utf8_lossy(record.text))
+        .expected("a number in columns 1 to 6")
+}
+
+/// The error about a header of `records` records in place of `expected`.
+pub(super) fn ends_in_header(line: u64, records: usize, expected: usize) -> Error {
+    Error::bad_data("the dataset ends inside its header")
+        .at_line(line)
+        .field(format!("record {}", records + 1))
+        .found(format!("{records} records"))
+        .expected(format!("{expected} records before the data"))
+        .help("the file is cut short; copy or export it again")
+}
+
+fn text_body<'a>(start: Lines<'a>, block: &mut Block<'a>) -> Lines<'a> {
+    let mut at = start;
+    loop {
+        let before = at;
+        match at.next() {
+            Some(record) if is_marker(record.text) => {
+                block.records = start.until(before);
+                return at;
+            }
+            Some(_) => {}
+            None => {
+                block.records = start;
+                block.closed = false;
+                return at;
+            }
+        }
+    }
+}
+
+/// Records of the header of dataset 58.
+pub(super) const HEADER_RECORDS: usize = 11;
+
+fn binary_body<'a>(
+    file: Lines<'a>,
+    start: Lines<'a>,
+    number: Record<'a>,
+    block: &mut Block<'a>,
+    lenient: bool,
+) -> Lines<'a> {
+    let mut at = start;
+    let located = (|| -> Result<_> {
+        let identifier = binary::Identifier::read(number, &mut block.warnings)?;
+        let mut record7 = None;
+        for k in 1..=identifier.header_lines {
+            let before = at;
+            let record = at
+                .next()
+                .filter(|record| !is_marker(record.text))
+                .ok_or_else(|| {
+                    at = before;
+                    ends_in_header(before.line, k - 1, identifier.header_lines)
+                })?;
+            if k == 7 {
+                record7 = Some(record);
+            }
+            if k == HEADER_RECORDS {
+                block.records = start.until(at);
+            }
+        }
+        let byte = (file.bytes.len() - at.bytes.len()) as u64;
+        let landed = binary::locate(
+            &at.bytes,
+            byte,
+            identifier,
+            record7.unwrap_or(number),
+            lenient,
+            &mut block.warnings,
+        )?;
+        Ok((
+            Payload {
+                bytes: &at.bytes[..landed.length as usize],
+                byte,
+                form: landed.form,
+                big_endian: identifier.big_endian,
+            },
+            landed.end,
+        ))
+    })();
+    match located {
+        Ok((payload, length)) => {
+            block.payload = Some(payload);
+            at.skip_bytes(length as usize)
+        }
+        Err(error) => {
+            block.fault = Some(error);
+            let header_ends_early = { at }.next().is_some_and(|record| is_marker(record.text));
+            if header_ends_early {
+                at.next();
+                return at;
+            }
+            next_opening(at)
+        }
+    }
+}
+
+/// Where reading can go on behind a damaged binary dataset: the next closing marker with
+/// an opening marker and a dataset number after it. Only used when no length fits, to
+/// list what follows; no data are read by it.
+fn next_opening(at: Lines<'_>) -> Lines<'_> {
+    let mut skipped = 0;
+    while let Some(found) = at.bytes[skipped..]
+        .windows(2)
+        .position(|pair| pair == b"-1")
+    {
+        let marker = skipped + found;
+        let mut ahead = Lines {
+            bytes: &at.bytes[marker..],
+            line: 0,
+        };
+        let closing = ahead.next();
+        let after_closing = ahead;
+        let opens = closing.is_some_and(|record| is_marker(record.text))
+            && ahead.next().is_some_and(|record| is_marker(record.text))
+            && ahead
+                .next()
+                .is_some_and(|record| number_line(record.text).is_some());
+        if opens {
+            return at.skip_bytes(at.bytes.len() - after_closing.bytes.len());
+        }
+        skipped = marker + 1;
+    }
+    at.skip_bytes(at.bytes.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Number, line and whether it is closed.
+    type Listed = (Option<u32>, u64, bool);
+
+    fn numbers(text: &str) -> (Vec<Listed>, Vec<String>) {
+        let mut warnings = Vec::new();
+        let blocks = datasets(text.as_bytes(), false, &mut warnings);
+        (
+            blocks
+                .iter()
+                .map(|block| (block.number, block.line, block.closed))
+                .collect(),
+            warnings,
+        )
+    }
+
+    #[test]
+    fn markers_may_be_padded_or_not_and_line_ends_may_mix() {
+        let text = "    -1\r\n   151\r\nNONE\r\n    -1    \n    -1\n   164                     \
+                    \r\n         1\n    -1";
+        assert_eq!(
+            numbers(text),
+            (vec![(Some(151), 1, true), (Some(164), 5, true)], vec![])
+        );
+    }
+
+    #[test]
+    fn minus_one_in_a_wide_column_is_no_marker() {
+        let text = "    -1\n   999\n        -1\n    -1\n";
+        assert_eq!(numbers(text).0, [(Some(999), 1, true)]);
+    }
+
+    #[test]
+    fn a_missing_closing_marker_costs_a_warning_and_no_dataset() {
+        let (found, warnings) = numbers(
+            "    -1\n   151\nNONE\n    -1\n   164\n         1\n    -1\n    -1\n    15\n    -1\n",
+        );
+        assert_eq!(
+            found,
+            [
+                (Some(151), 1, true),
+                (Some(164), 4, true),
+                (Some(15), 8, true)
+            ]
+        );
+        assert!(warnings[0].contains("no closing -1"), "{warnings:?}");
+    }
+
+    #[test]
+    fn text_outside_of_datasets_is_reported() {
+        let (found, warnings) = numbers("hello\nworld\n    -1\n   151\n    -1\n");
+        assert_eq!(found, [(Some(151), 3, true)]);
+        assert_eq!(
+            warnings,
+            ["lines 1 to 2: text outside of any dataset is not read"]
+        );
+    }
+
+    #[test]
+    fn a_file_that_ends_inside_a_dataset_is_noticed() {
+        assert_eq!(numbers("    -1\n   151\nNONE\n").0, [(Some(151), 1, false)]);
+        assert_eq!(numbers("    -1\n").0, []);
+    }
+
+    #[test]
+    fn a_line_that_is_no_dataset_number_is_a_fault() {
+        let blocks = datasets(b"    -1\n   abc\n    -1\n", false, &mut Vec::new());
+        assert!(blocks[0]
+            .fault
+            .as_ref()
+            .unwrap()
+            .to_string()
+            .contains("found    abc"));
+    }
+}

@@ -1,0 +1,327 @@
+//! Fixed-width fields: cut by column first, and only where that does not parse, split on
+//! blanks. Adjacent numbers may touch, so that blanks alone do not separate them.
+
+use super::number::{float, Fault};
+use chladni_frf::{Error, Result};
+
+/// One line of the file.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Record<'a> {
+    /// Line in the file, counted from 1.
+    pub line: u64,
+    /// The line without its end.
+    pub text: &'a [u8],
+}
+
+/// Where a field stands in its line: first byte, and one past the last.
+type Span = (usize, usize);
+
+/// Spans of `widths` columns; how many until the last one that is not blank. `None` where
+/// a token crosses a border that no full field explains, or stands beyond the last
+/// column: then the line was not written in these columns.
+fn column_spans(text: &[u8], widths: &[usize], spans: &mut [Span]) -> Option<usize> {
+    let length = text.trim_ascii_end().len();
+    let mut start = 0;
+    let mut filled = 0;
+    for (k, (span, &width)) in spans.iter_mut().zip(widths).enumerate() {
+        let end = (start + width).min(length);
+        *span = (start.min(end), end);
+        let field = &text[start.min(end)..end];
+        if !field.trim_ascii().is_empty() {
+            filled = k + 1;
+            let touches = start > 0
+                && !text[start - 1].is_ascii_whitespace()
+                && !field[0].is_ascii_whitespace();
+            if touches && (field.len() < width || field.iter().any(u8::is_ascii_whitespace)) {
+                return None;
+            }
+        }
+        start = end;
+    }
+    (start >= length).then_some(filled)
+}
+
+/// Spans of the tokens between blanks, also cut before a sign that follows a complete
+/// exponent; how many there are.
+fn token_spans(text: &[u8], spans: &mut [Span]) -> usize {
+    let mut count = 0;
+    let mut push = |span: Span| {
+        if let Some(slot) = spans.get_mut(count) {
+            *slot = span;
+        }
+        count += 1;
+    };
+    let mut start: Option<usize> = None;
+    let mut exponent = false;
+    for (k, &c) in text.iter().enumerate() {
+        let complete = exponent && matches!(c, b'+' | b'-') && text[k - 1].is_ascii_digit();
+        if let Some(begin) = start.filter(|_| c.is_ascii_whitespace() || complete) {
+            push((begin, k));
+            start = None;
+            exponent = false;
+        }
+        if !c.is_ascii_whitespace() {
+            start.get_or_insert(k);
+            exponent |= matches!(c, b'E' | b'e' | b'D' | b'd');
+        }
+    }
+    if let Some(begin) = start {
+        push((begin, text.len()));
+    }
+    count
+}
+
+/// How the numbers of a line were found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Found {
+    /// By columns; this many fields until the last that is not blank.
+    Columns(usize),
+    /// Between blanks; this many.
+    Blanks(usize),
+}
+
+/// A field that is no number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct BadField {
+    /// Which of the line's fields, from 0.
+    pub index: usize,
+    /// Its bytes in the line.
+    pub span: Span,
+    pub fault: Fault,
+}
+
+/// No more fields than this stand in one line of any dataset read here.
+const MOST_FIELDS: usize = 12;
+
+/// Puts the numbers of a line into `values`, one per width: what is missing at the end
+/// becomes 0.
+pub(super) fn line_numbers(
+    text: &[u8],
+    widths: &[usize],
+    values: &mut [f64],
+) -> std::result::Result<Found, BadField> {
+    let mut spans = [(0, 0); MOST_FIELDS];
+    let columns = match column_spans(text, widths, &mut spans[..widths.len()]) {
+        Some(filled) => match parse_spans(text, &spans[..filled], values) {
+            Ok(()) => return Ok(Found::Columns(filled)),
+            Err(bad) if bad.fault != Fault::NotANumber => return Err(bad),
+            Err(bad) => bad,
+        },
+        None => BadField {
+            index: 0,
+            span: (0, text.trim_ascii_end().len()),
+            fault: Fault::NotANumber,
+        },
+    };
+    let count = token_spans(text, &mut spans);
+    if count > values.len() {
+        return Err(columns);
+    }
+    match parse_spans(text, &spans[..count], values) {
+        Ok(()) => Ok(Found::Blanks(count)),
+        Err(bad) => Err(bad),
+    }
+}
+
+/// Numbers, or what stands for them, in a line.
+pub(super) fn count_fields(text: &[u8], widths: &[usize]) -> usize {
+    let mut spans = [(0, 0); MOST_FIELDS];
+    let filled = column_spans(text, widths, &mut spans[..widths.len()]);
+    let one_token_each = spans.iter().all(|&(start, end)| {
+        !text[start..end]
+            .trim_ascii()
+            .iter()
+            .any(u8::is_ascii_whitespace)
+    });
+    filled
+        .filter(|_| one_token_each)
+        .unwrap_or_else(|| token_spans(text, &mut spans))
+}
+
+/// Words between blanks.
+pub(super) fn count_tokens(bytes: &[u8]) -> u64 {
+    bytes
+        .split(u8::is_ascii_whitespace)
+        .filter(|token| !token.is_empty())
+        .count() as u64
+}
+
+/// As [`line_numbers`] where that fails: NaN in every field that is no number; how many
+/// those are.
+pub(super) fn masked_numbers(text: &[u8], widths: &[usize], values: &mut [f64]) -> usize {
+    let mut spans = [(0, 0); MOST_FIELDS];
+    if token_spans(text, &mut spans) != values.len() {
+        column_spans(text, widths, &mut spans[..widths.len()]);
+    }
+    let mut bad = 0;
+    for (value, &(start, end)) in values.iter_mut().zip(&spans) {
+        let field = &text[start.min(text.len())..end.min(text.len())];
+        *value = float(field)
+            .ok()
+            .filter(|_| !field.trim_ascii().is_empty())
+            .unwrap_or(f64::NAN);
+        bad += usize::from(value.is_nan());
+    }
+    bad
+}
+
+fn parse_spans(
+    text: &[u8],
+    spans: &[Span],
+    values: &mut [f64],
+) -> std::result::Result<(), BadField> {
+    for (index, value) in values.iter_mut().enumerate() {
+        *value = match spans.get(index) {
+            Some(&span) => {
+                float(&text[span.0..span.1]).map_err(|fault| BadField { index, span, fault })?
+            }
+            None => 0.0,
+        };
+    }
+    Ok(())
+}
+
+/// A column of numbers: its name in messages, and its width.
+pub(super) type Column = (&'static str, usize);
+
+/// The numbers of a record of fixed columns.
+///
+/// # Errors
+/// Bad data with line, field and columns.
+pub(super) fn numbers<const N: usize>(
+    record: Record<'_>,
+    columns: [Column; N],
+    warnings: &mut Vec<String>,
+) -> Result<[f64; N]> {
+    let mut values = [0.0; N];
+    match line_numbers(record.text, &columns.map(|(_, width)| width), &mut values) {
+        Ok(Found::Columns(_)) => Ok(values),
+        Ok(Found::Blanks(_)) => {
+            warn_split(record.line, warnings);
+            Ok(values)
+        }
+        Err(bad) => Err(bad_field(
+            record,
+            columns.get(bad.index).map_or("", |c| c.0),
+            bad,
+        )),
+    }
+}
+
+/// Warns once per dataset that a line was not written in the format's columns.
+pub(super) fn warn_split(line: u64, warnings: &mut Vec<String>) {
+    const WHAT: &str = "not in the format's columns, split on blanks (first such line)";
+    if !warnings.iter().any(|warning| warning.ends_with(WHAT)) {
+        warnings.push(format!("line {line}: {WHAT}"));
+    }
+}
+
+/// The error about a field.
+pub(super) fn bad_field(record: Record<'_>, name: &str, bad: BadField) -> Error {
+    let (start, end) = bad.span;
+    Error::bad_data(bad.fault.message())
+        .at_line(record.line)
+        .field(format!(
+            "{name}, columns {} to {}",
+            start + 1,
+            end.max(start + 1)
+        ))
+        .found(decode(record.text.get(start..end).unwrap_or_default()).trim())
+        .expected("a finite decimal number")
+        .help(
+            "correct the file at that line; --lenient masks values of a function that cannot be \
+               read",
+        )
+}
+
+/// A number that must be whole.
+///
+/// # Errors
+/// Bad data with line and field.
+pub(super) fn whole(record: Record<'_>, name: &str, value: f64) -> Result<i64> {
+    const LARGEST: f64 = 9_007_199_254_740_992.0; // 2^53: above, f64 no longer counts in steps of 1
+    if value.fract() == 0.0 && value.abs() <= LARGEST {
+        return Ok(value as i64);
+    }
+    Err(Error::bad_data("a whole number must stand here")
+        .at_line(record.line)
+        .field(name)
+        .found(value)
+        .expected("an integer"))
+}
+
+/// Text in UTF-8, else Latin-1: reading header text never fails.
+pub(super) fn decode(bytes: &[u8]) -> String {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => text.to_string(),
+        Err(_) => bytes.iter().map(|&b| char::from(b)).collect(),
+    }
+}
+
+/// A text field: trimmed, `NONE` is empty.
+pub(super) fn label(text: &str) -> String {
+    let trimmed = text.trim_matches(|c: char| c.is_whitespace() || c == '\0');
+    if trimmed.eq_ignore_ascii_case("none") {
+        String::new()
+    } else {
+        trimmed.to_string()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(text: &str, widths: &[usize]) -> (Found, Vec<f64>) {
+        let mut values = vec![0.0; widths.len()];
+        let found = line_numbers(text.as_bytes(), widths, &mut values).unwrap();
+        (found, values)
+    }
+
+    #[test]
+    fn touching_numbers_are_cut_by_column() {
+        assert_eq!(
+            line("-1.23456E-101-2.34567E-101", &[13, 13]),
+            (Found::Columns(2), vec![-1.23456e-101, -2.34567e-101])
+        );
+        assert_eq!(
+            line("12345678901234567890", &[10, 10]),
+            (Found::Columns(2), vec![1234567890.0, 1234567890.0])
+        );
+    }
+
+    #[test]
+    fn numbers_that_touch_outside_the_columns_are_cut_at_the_sign() {
+        assert_eq!(
+            line("-1.23456E+00-2.34567E-01", &[13, 13]),
+            (Found::Blanks(2), vec![-1.23456, -0.234567])
+        );
+    }
+
+    #[test]
+    fn free_format_is_split_on_blanks() {
+        assert_eq!(
+            line("1.0 2.0 3.0", &[13, 13, 13]),
+            (Found::Blanks(3), vec![1.0, 2.0, 3.0])
+        );
+        assert_eq!(
+            line("1.234567890123456\t2.0", &[13, 13]),
+            (Found::Blanks(2), vec![1.234567890123456, 2.0])
+        );
+    }
+
+    #[test]
+    fn a_blank_field_between_others_is_zero() {
+        assert_eq!(
+            line("  1.00000E+00               3.00000E+00", &[13, 13, 13]),
+            (Found::Columns(3), vec![1.0, 0.0, 3.0])
+        );
+    }
+
+    #[test]
+    fn labels_are_trimmed_and_none_is_empty() {
+        assert_eq!(label("None      "), "");
+        assert_eq!(label(&decode(b" m/s\xb2 ")), "m/s²");
+        assert_eq!(label(&decode("m/s²".as_bytes())), "m/s²");
+    }
+}

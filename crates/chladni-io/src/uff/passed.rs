@@ -1,0 +1,66 @@
+//! What is kept of a dataset whose data were passed over.
+
+use super::container::{Block, Lines};
+use crate::DatasetInfo;
+use chladni_frf::Error;
+
+/// A dataset with its data left out.
+pub(super) struct Passed {
+    pub number: Option<u32>,
+    /// Line and byte of the opening marker.
+    pub line: u64,
+    pub byte: u64,
+    /// Where lines are counted from; 0 is the beginning of the file.
+    pub counted_from: u64,
+    /// The records that were kept, and the line of the first.
+    pub records: Vec<u8>,
+    pub first_record: u64,
+    /// Values of a 58 that are there.
+    pub values: Option<u64>,
+    /// Longer than what is looked into: listed by its name.
+    pub too_large: bool,
+    pub fault: Option<Error>,
+    pub closed: bool,
+    pub warnings: Vec<String>,
+}
+
+impl Passed {
+    /// As a dataset of a file that is held, without its data.
+    pub fn block(&self) -> Block<'_> {
+        Block {
+            // without its number, nothing is read of it
+            number: self.number,
+            line: self.line,
+            records: Lines {
+                bytes: &self.records,
+                line: self.first_record,
+            },
+            payload: None,
+            passed_over: self.values,
+            listed_only: self.too_large,
+            fault: self.fault.clone(),
+            closed: self.closed,
+            warnings: self.warnings.clone(),
+        }
+    }
+
+    /// Says where the dataset stands when its lines are not those of the file.
+    pub fn place(&self, info: &mut DatasetInfo, error: &mut Option<Error>) {
+        if self.counted_from == 0 {
+            return;
+        }
+        info.line = None;
+        if !info.warnings.is_empty() {
+            info.warnings.insert(
+                0,
+                format!(
+                    "this dataset begins at byte {}; lines are counted from byte {}",
+                    self.byte, self.counted_from
+                ),
+            );
+        }
+        if let Some(error) = error {
+            error.byte.get_or_insert(self.byte);
+        }
+    }
+}

@@ -1,0 +1,468 @@
+//! What the codes, exponents and unit labels of a 58 say together: FRF kind, unit of the
+//! reference, factors to SI.
+//!
+//! Quantity codes decide, and dataset 164 says in which units; a label fills in where the
+//! codes say nothing (volts always). Vendors write either in one file: where label and
+//! 164 contradict each other, 164 is used and a warning names both.
+
+use super::header::Units;
+use crate::unit_label::{self, Unit};
+use crate::Axis;
+use chladni_frf::{Direction, FrfKind, ReferenceUnit};
+
+pub(super) const DISPLACEMENT: i32 = 8;
+pub(super) const VELOCITY: i32 = 11;
+pub(super) const ACCELERATION: i32 = 12;
+pub(super) const EXCITATION_FORCE: i32 = 13;
+pub(super) const TIME: i32 = 17;
+pub(super) const FREQUENCY: i32 = 18;
+
+/// Function type code of FRFs.
+pub(super) const FRF: i32 = 4;
+/// Function type code of coherence.
+pub(super) const COHERENCE: i32 = 6;
+
+/// What codes and labels say.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Scaling {
+    pub kind: Option<FrfKind>,
+    pub reference_unit: ReferenceUnit,
+    /// Multiplies ordinate values of the file to give SI.
+    pub scale_to_si: f64,
+    /// Multiplies abscissa values of the file to give Hz or s.
+    pub abscissa_to_si: f64,
+}
+
+/// Relative difference at which two unit factors are no longer the same unit, printed
+/// with few digits.
+const FACTOR_TOLERANCE: f64 = 1e-3;
+
+fn differ(a: f64, b: f64) -> bool {
+    (a / b - 1.0).abs() > FACTOR_TOLERANCE
+}
+
+/// Reads codes and labels of a function. `units` is `None` in a file without dataset 164.
+///
+/// * `axes`: abscissa, ordinate numerator, ordinate denominator, z axis
+/// * `directions`: of response and reference
+pub(super) fn scaling(
+    function_type: i32,
+    axes: &[Axis; 4],
+    directions: [Direction; 2],
+    units: Option<Units>,
+    warnings: &mut Vec<String>,
+) -> Scaling {
+    let mut scaling = Scaling {
+        kind: None,
+        reference_unit: ReferenceUnit::Newton,
+        scale_to_si: 1.0,
+        abscissa_to_si: 1.0,
+    };
+    match function_type {
+        FRF => frf(axes, directions, units, &mut scaling, warnings),
+        // products of two signals: vendors disagree on what their units are
+        2 | 3 | 7..=10 => {
+            if units.is_some_and(|units| !units.is_si()) {
+                warnings.push(
+                    "units of power quantities are not turned into SI: values are kept \
+                               as in the file"
+                        .into(),
+                );
+            }
+        }
+        // coherences, mode indicators and phases have no unit
+        COHERENCE | 18 | 26 | 28 => {}
+        _ => {
+            let numerator = side(&axes[1], directions[0], units, warnings);
+            let denominator = side(&axes[2], directions[1], units, warnings);
+            scaling.scale_to_si = numerator / denominator;
+        }
+    }
+    if !(scaling.scale_to_si.is_normal() && scaling.scale_to_si > 0.0) {
+        warnings.push("the unit factor is out of range: values are kept as in the file".into());
+        scaling.scale_to_si = 1.0;
+    }
+    scaling.abscissa_to_si = abscissa(&axes[0], function_type, warnings);
+    scaling
+}
+
+/// Exponents of length and force behind a quantity code; `None` where only a label can
+/// tell.
+pub(super) fn exponents(axis: &Axis, direction: Direction) -> Option<[i32; 2]> {
+    /// Beyond this, exponents are not exponents.
+    const LARGEST: i32 = 9;
+    let given = [axis.exponents[0], axis.exponents[1]];
+    if (axis.quantity == 1 || direction == Direction::SCALAR) && given != [0, 0] {
+        return Some(given).filter(|given| given.iter().all(|e| e.abs() <= LARGEST));
+    }
+    let rotation = direction.axis().code() >= 4;
+    match axis.quantity {
+        DISPLACEMENT | VELOCITY | ACCELERATION => Some(if rotation { [0, 0] } else { [1, 0] }),
+        9 | EXCITATION_FORCE => Some(if rotation { [1, 1] } else { [0, 1] }),
+        2 | 15 => Some([-2, 1]),
+        16 => Some([-1, 1]),
+        3 | 5 | 17..=20 => Some([0, 0]),
+        _ => None,
+    }
+}
+
+/// Factor to SI of one side of a function that is no FRF.
+fn side(
+    axis: &Axis,
+    direction: Direction,
+    units: Option<Units>,
+    warnings: &mut Vec<String>,
+) -> f64 {
+    let label = unit_label::parse(&axis.unit);
+    let Some(exponents) = exponents(axis, direction) else {
+        return label.map_or(1.0, |unit| unit.factor);
+    };
+    match (units, label) {
+        (Some(units), Some(unit)) => {
+            let factor = 1.0 / units.factor(exponents);
+            // N = kg·m/s²: force shows as a power of kg
+            let measures_this = unit.powers[..2] == [exponents[0] + exponents[1], exponents[1]];
+            if exponents != [0, 0] && (!measures_this || differ(factor, unit.factor)) {
+                warnings.push(contradiction(&axis.unit, factor, unit.factor));
+            }
+            factor
+        }
+        (Some(units), None) => 1.0 / units.factor(exponents),
+        (None, Some(unit)) => unit.factor,
+        (None, None) => {
+            if exponents != [0, 0] {
+                warnings.push(
+                    "neither a units dataset (164) nor a label states the unit: SI is assumed"
+                        .into(),
+                );
+            }
+            1.0
+        }
+    }
+}
+
+fn contradiction(label: &str, used: f64, by_label: f64) -> String {
+    format!(
+        "the unit label `{label}` (factor {by_label} to SI) contradicts the units dataset 164 and quantity codes (factor {used}); \
+         {used} is used: check the values"
+    )
+}
+
+fn motion(quantity: i32) -> Option<FrfKind> {
+    match quantity {
+        DISPLACEMENT => Some(FrfKind::Receptance),
+        VELOCITY => Some(FrfKind::Mobility),
+        ACCELERATION => Some(FrfKind::Accelerance),
+        _ => None,
+    }
+}
+
+/// Quantity code of the numerator of an FRF kind.
+pub(super) fn motion_code(kind: FrfKind) -> i32 {
+    match kind {
+        FrfKind::Receptance => DISPLACEMENT,
+        FrfKind::Mobility => VELOCITY,
+        FrfKind::Accelerance => ACCELERATION,
+    }
+}
+
+fn frf(
+    axes: &[Axis; 4],
+    directions: [Direction; 2],
+    units: Option<Units>,
+    scaling: &mut Scaling,
+    warnings: &mut Vec<String>,
+) {
+    let [_, numerator, denominator, _] = axes;
+    let (above, below) = (
+        unit_label::parse(&numerator.unit),
+        unit_label::parse(&denominator.unit),
+    );
+    let volts = below.filter(|unit| unit.is_voltage());
+    let by_codes = match denominator.quantity {
+        EXCITATION_FORCE => motion(numerator.quantity).map(|kind| (kind, ReferenceUnit::Newton)),
+        0 | 1 if volts.is_some() => {
+            motion(numerator.quantity).map(|kind| (kind, ReferenceUnit::Volt))
+        }
+        _ => None,
+    };
+    // The ratio: numerator label over denominator label, or all of it in the numerator's.
+    let ratio = [
+        above.zip(below).map(|(above, below)| above.per(below)),
+        above,
+    ]
+    .into_iter()
+    .flatten()
+    .find(|unit| unit.frf_kind().is_some());
+    let by_label = ratio.and_then(Unit::frf_kind);
+    let shown = if denominator.unit.is_empty() {
+        numerator.unit.clone()
+    } else {
+        format!("({})/({})", numerator.unit, denominator.unit)
+    };
+
+    if let Some((kind, reference)) = by_codes.or(by_label) {
+        scaling.kind = Some(kind);
+        scaling.reference_unit = reference;
+    }
+    if let (Some(codes), Some(label)) = (by_codes, by_label) {
+        if codes != label {
+            warnings.push(format!(
+                "the quantity codes say {} ({}), the unit label `{shown}` says {} ({}); the codes \
+                 are used",
+                codes.0,
+                codes.0.unit(codes.1),
+                label.0,
+                label.0.unit(label.1)
+            ));
+        }
+    }
+    let label_factor = ratio
+        .filter(|unit| by_codes.is_none_or(|codes| unit.frf_kind() == Some(codes)))
+        .map(|unit| unit.factor);
+    let dataset_factor = units.and_then(|units| {
+        let above = 1.0 / units.factor(exponents(numerator, directions[0])?);
+        let below = match exponents(denominator, directions[1]) {
+            Some(exponents) => 1.0 / units.factor(exponents),
+            None => volts?.factor,
+        };
+        Some(above / below)
+    });
+    scaling.scale_to_si = match (dataset_factor, label_factor) {
+        (Some(used), Some(label)) => {
+            if differ(used, label) {
+                warnings.push(contradiction(&shown, used, label));
+            }
+            used
+        }
+        (Some(used), None) => {
+            // one label alone may still contradict its own side
+            for (axis, direction) in [(numerator, directions[0]), (denominator, directions[1])] {
+                if unit_label::parse(&axis.unit).is_some_and(|unit| unit.frf_kind().is_none()) {
+                    side(axis, direction, units, warnings);
+                }
+            }
+            used
+        }
+        (None, Some(label)) => label,
+        (None, None) => {
+            if units.is_none_or(|units| !units.is_si()) {
+                warnings.push("the file does not state the unit of the FRF: SI is assumed".into());
+            }
+            1.0
+        }
+    };
+    if numerator.quantity == EXCITATION_FORCE && motion(denominator.quantity).is_some() {
+        warnings.push(
+            "the quantity codes say force over motion: response and reference are swapped (correct the export), or these are dynamic \
+             stiffnesses (export the FRFs themselves)"
+                .into(),
+        );
+    } else if scaling.kind.is_none() && (numerator.quantity > 1 || denominator.quantity > 1) {
+        warnings.push(format!(
+            "quantity codes {} over {} are no receptance (8/13), mobility (11/13) or accelerance \
+             (12/13)",
+            numerator.quantity, denominator.quantity
+        ));
+    }
+}
+
+fn abscissa(axis: &Axis, function_type: i32, warnings: &mut Vec<String>) -> f64 {
+    let label = unit_label::parse(&axis.unit);
+    let (factor, assumed) = match axis.quantity {
+        TIME => (label.and_then(Unit::to_seconds), "s"),
+        FREQUENCY => (label.and_then(Unit::to_hertz), "Hz"),
+        _ if function_type == FRF || function_type == COHERENCE => {
+            (label.and_then(Unit::to_hertz), "Hz")
+        }
+        _ => return 1.0,
+    };
+    factor.unwrap_or_else(|| {
+        if !axis.unit.is_empty() {
+            warnings.push(format!(
+                "abscissa unit `{}` is not understood: {assumed} is assumed",
+                axis.unit
+            ));
+        }
+        1.0
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MM_N: Units = Units {
+        length: 1000.0,
+        force: 1.0,
+    };
+
+    fn axis(quantity: i32, unit: &str) -> Axis {
+        Axis {
+            quantity,
+            unit: unit.into(),
+            ..Axis::default()
+        }
+    }
+
+    fn read(numerator: Axis, denominator: Axis, units: Option<Units>) -> (Scaling, Vec<String>) {
+        let mut warnings = Vec::new();
+        let axes = [
+            axis(FREQUENCY, "Hz"),
+            numerator,
+            denominator,
+            Axis::default(),
+        ];
+        (
+            scaling(FRF, &axes, [Direction::PLUS_Z; 2], units, &mut warnings),
+            warnings,
+        )
+    }
+
+    #[test]
+    fn codes_give_the_kind() {
+        for (quantity, kind) in [
+            (8, FrfKind::Receptance),
+            (11, FrfKind::Mobility),
+            (12, FrfKind::Accelerance),
+        ] {
+            let (scaling, warnings) = read(axis(quantity, ""), axis(13, ""), Some(Units::SI));
+            assert_eq!((scaling.kind, scaling.scale_to_si), (Some(kind), 1.0));
+            assert!(warnings.is_empty(), "{warnings:?}");
+        }
+    }
+
+    #[test]
+    fn velocity_over_a_volt_label_is_mobility_per_volt() {
+        for quantity in [0, 1] {
+            let (scaling, warnings) = read(axis(11, "mm/s"), axis(quantity, "mV"), Some(MM_N));
+            assert_eq!(
+                (scaling.kind, scaling.reference_unit),
+                (Some(FrfKind::Mobility), ReferenceUnit::Volt)
+            );
+            assert!(
+                (scaling.scale_to_si - 1.0).abs() < 1e-12,
+                "mm/s per mV is m/s per V"
+            );
+            assert!(warnings.is_empty(), "{warnings:?}");
+        }
+    }
+
+    #[test]
+    fn values_are_divided_by_the_factors_of_164() {
+        assert_eq!(
+            read(axis(11, ""), axis(13, ""), Some(MM_N)).0.scale_to_si,
+            1e-3
+        );
+        let mm_mn = Units {
+            length: 1000.0,
+            force: 1000.0,
+        };
+        assert_eq!(
+            read(axis(11, ""), axis(13, ""), Some(mm_mn)).0.scale_to_si,
+            1.0
+        );
+    }
+
+    #[test]
+    fn a_unit_only_in_the_label_decides_kind_and_factor() {
+        let (scaling, _) = read(axis(1, "(1/N)*(m/s²)"), axis(0, ""), None);
+        assert_eq!(
+            (scaling.kind, scaling.scale_to_si),
+            (Some(FrfKind::Accelerance), 1.0)
+        );
+        let (scaling, _) = read(axis(0, "mm/s/V"), axis(0, ""), None);
+        assert_eq!(
+            (scaling.kind, scaling.reference_unit, scaling.scale_to_si),
+            (Some(FrfKind::Mobility), ReferenceUnit::Volt, 1e-3)
+        );
+        let (scaling, _) = read(axis(0, "g"), axis(0, "N"), None);
+        assert_eq!(
+            (scaling.kind, scaling.scale_to_si),
+            (Some(FrfKind::Accelerance), 9.80665)
+        );
+    }
+
+    #[test]
+    fn a_label_that_contradicts_164_is_reported_and_164_is_used() {
+        for (unit, below) in [("mm/s", "N"), ("mm/s", ""), ("mm/s/N", "")] {
+            let (scaling, warnings) = read(axis(11, unit), axis(13, below), Some(Units::SI));
+            assert_eq!(scaling.scale_to_si, 1.0);
+            assert!(
+                warnings.len() == 1 && warnings[0].contains("contradicts"),
+                "{unit}: {warnings:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_label_that_contradicts_the_codes_is_reported() {
+        let (scaling, warnings) = read(axis(12, "m/s"), axis(13, "N"), Some(Units::SI));
+        assert_eq!(scaling.kind, Some(FrfKind::Accelerance));
+        assert!(warnings[0].contains("says mobility"), "{warnings:?}");
+    }
+
+    #[test]
+    fn codes_and_labels_that_say_nothing_give_no_kind() {
+        let (scaling, warnings) = read(axis(0, ""), axis(0, ""), None);
+        assert_eq!((scaling.kind, scaling.scale_to_si), (None, 1.0));
+        assert!(warnings[0].contains("SI is assumed"));
+        let (scaling, warnings) = read(axis(12, ""), axis(11, ""), Some(Units::SI));
+        assert_eq!(scaling.kind, None);
+        assert!(warnings[0].contains("12 over 11"), "{warnings:?}");
+    }
+
+    #[test]
+    fn force_over_motion_is_named() {
+        let (scaling, warnings) = read(axis(13, ""), axis(12, ""), Some(Units::SI));
+        assert_eq!(scaling.kind, None);
+        assert!(warnings[0].contains("swapped"), "{warnings:?}");
+    }
+
+    #[test]
+    fn exponents_count_for_general_quantities_and_scalars() {
+        let general = Axis {
+            quantity: 1,
+            exponents: [1, 0, 0],
+            ..Axis::default()
+        };
+        let mut warnings = Vec::new();
+        let axes = [axis(TIME, "s"), general, Axis::default(), Axis::default()];
+        let time = scaling(1, &axes, [Direction::PLUS_Z; 2], Some(MM_N), &mut warnings);
+        assert_eq!(time.scale_to_si, 1e-3);
+        let absurd = Axis {
+            quantity: 1,
+            exponents: [i32::MAX, i32::MIN, 0],
+            ..Axis::default()
+        };
+        let axes = [axis(TIME, "s"), absurd, Axis::default(), Axis::default()];
+        assert_eq!(
+            scaling(1, &axes, [Direction::PLUS_Z; 2], Some(MM_N), &mut warnings).scale_to_si,
+            1.0
+        );
+    }
+
+    #[test]
+    fn abscissas_in_kilohertz_and_radians_are_scaled_when_the_unit_says_so() {
+        let scale = |unit: &str| {
+            let axes = [
+                axis(FREQUENCY, unit),
+                axis(11, ""),
+                axis(13, ""),
+                Axis::default(),
+            ];
+            scaling(
+                FRF,
+                &axes,
+                [Direction::PLUS_Z; 2],
+                Some(Units::SI),
+                &mut Vec::new(),
+            )
+            .abscissa_to_si
+        };
+        assert_eq!(
+            [scale(""), scale("Hz"), scale("kHz"), scale("rad/s")],
+            [1.0, 1.0, 1000.0, 1.0 / std::f64::consts::TAU]
+        );
+    }
+}

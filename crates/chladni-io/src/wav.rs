@@ -1,0 +1,101 @@
+//! WAV files: one time record per channel, DOFs 1:S, 2:S, ..., values as parts of full
+//! scale.
+
+use super::{Abscissa, Axis, DatasetInfo, Document, FileFormat, Function, Ordinate};
+use chladni_frf::{Direction, Dof, Error, Result};
+use hound::{SampleFormat, WavReader};
+use std::io::Cursor;
+use std::path::Path;
+
+/// Reads all channels; `sha256` is left empty.
+///
+/// # Errors
+/// A header that is none, a file cut short, samples that are not finite.
+pub(super) fn read(bytes: &[u8], file: &Path) -> Result<Document> {
+    let damaged = |error: hound::Error| {
+        let error = Error::bad_data("the sound file is damaged")
+            .file(file)
+            .field("WAV")
+            .found(error);
+        error
+            .expected("PCM or float samples")
+            .help("export or copy it again")
+    };
+    let mut reader = WavReader::new(Cursor::new(bytes)).map_err(damaged)?;
+    let spec = reader.spec();
+    let count = usize::from(spec.channels);
+    if count == 0 || spec.sample_rate == 0 {
+        return Err(
+            Error::bad_data("the sound file has no channel or no sampling rate")
+                .file(file)
+                .field("WAV format chunk")
+                .found(format!("{count} channels at {} Hz", spec.sample_rate))
+                .expected("at least one channel and 1 Hz"),
+        );
+    }
+    let declared = reader.len() as usize;
+    let samples: Vec<f64> = match spec.sample_format {
+        SampleFormat::Float => reader
+            .samples::<f32>()
+            .map(|sample| sample.map(f64::from))
+            .collect::<std::result::Result<_, _>>()
+            .map_err(damaged)?,
+        SampleFormat::Int => {
+            let full_scale = 2f64.powi(i32::from(spec.bits_per_sample) - 1);
+            let scaled = |sample: std::result::Result<i32, hound::Error>| {
+                sample.map(|value| f64::from(value) / full_scale)
+            };
+            reader
+                .samples::<i32>()
+                .map(scaled)
+                .collect::<std::result::Result<_, _>>()
+                .map_err(damaged)?
+        }
+    };
+    if samples.len() != declared || !samples.len().is_multiple_of(count) {
+        return Err(Error::bad_data("the sound file ends early")
+            .file(file)
+            .field("WAV data chunk")
+            .found(format!("{} samples", samples.len()))
+            .expected(format!("{declared}, a multiple of {count} channels"))
+            .help("the file is cut short; export or copy it again"));
+    }
+    if let Some(k) = samples.iter().position(|sample| !sample.is_finite()) {
+        return Err(Error::bad_data("a sample is not finite")
+            .file(file)
+            .field(format!("sample {}", k / count + 1))
+            .found(samples[k])
+            .expected("finite numbers"));
+    }
+    let mut document = Document::new(file, FileFormat::Wav);
+    for channel in 0..count {
+        let values = samples.iter().skip(channel).step_by(count);
+        // single precision holds 24 bits
+        let ordinate = match spec.bits_per_sample > 24 && spec.sample_format == SampleFormat::Int {
+            true => Ordinate::Real64(values.copied().collect()),
+            false => Ordinate::Real32(values.map(|&value| value as f32).collect()),
+        };
+        let response = Dof::new(channel as u64 + 1, Direction::SCALAR);
+        document.datasets.push(DatasetInfo {
+            name: "channel".into(),
+            function: Some("time".into()),
+            response: Some(response.to_string()),
+            values: Some(ordinate.len()),
+            ..DatasetInfo::default()
+        });
+        let times = Abscissa::Even {
+            start: 0.0,
+            step: 1.0 / f64::from(spec.sample_rate),
+        };
+        document.functions.push(Function::time_record(
+            response,
+            times,
+            Axis::default(),
+            ordinate,
+        ));
+    }
+    document
+        .warnings
+        .push("a sound file says no DOFs and no units: values are parts of full scale".into());
+    Ok(document)
+}

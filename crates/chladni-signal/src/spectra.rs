@@ -1,0 +1,111 @@
+//! Averaged products of the transforms of windowed blocks (Welch).
+
+use super::window::independent_blocks;
+use super::{BlockWindow, Run};
+use chladni_frf::{Dof, Result};
+use ndarray::{s, Array3};
+use num_complex::Complex64;
+use rustfft::{Fft, FftPlanner};
+use std::sync::Arc;
+
+/// Averages for one response: the matrix of the products z·z^H of z = (references,
+/// response), summed over blocks.
+pub(super) struct Averages {
+    /// Axes (line, row, column); the response is the last row and column.
+    pub products: Array3<Complex64>,
+    /// Blocks summed.
+    pub blocks: usize,
+    /// Independent blocks that these are worth.
+    pub independent: f64,
+}
+
+impl Averages {
+    /// Lines from the first above 0 Hz to the last below half the sampling rate.
+    pub(super) fn lines(&self) -> usize {
+        self.products.dim().0
+    }
+
+    /// Averages over all runs that hold `response`.
+    pub(super) fn of(
+        runs: &[&Run],
+        references: &[Dof],
+        response: Dof,
+        window: BlockWindow,
+        block: usize,
+        overlap: f64,
+    ) -> Result<Self> {
+        let hop = ((block as f64 * (1.0 - overlap)).round() as usize).max(1);
+        let fft = FftPlanner::new().plan_fft_forward(block);
+        let lines = block.div_ceil(2) - 1;
+        let size = references.len() + 1;
+        let mut averages = Self {
+            products: Array3::zeros((lines, size, size)),
+            blocks: 0,
+            independent: 0.0,
+        };
+        for run in runs {
+            let Some(answer) = run.responses().find(|channel| channel.dof == response) else {
+                continue;
+            };
+            let drives = references
+                .iter()
+                .filter_map(|dof| run.references().find(|channel| channel.dof == *dof));
+            let channels: Vec<&[f64]> = drives
+                .chain([answer])
+                .map(|channel| channel.samples.as_slice())
+                .collect();
+            if channels.len() != size {
+                continue;
+            }
+            let values = window.values(block, run.sample_rate_hz);
+            let mut start = 0;
+            let mut count = 0;
+            while start + block <= run.samples() {
+                averages.add(&channels, start, &values, &fft, window == BlockWindow::Hann);
+                start += hop;
+                count += 1;
+            }
+            averages.blocks += count;
+            averages.independent += independent_blocks(&values, hop, count);
+        }
+        Ok(averages)
+    }
+
+    fn add(
+        &mut self,
+        channels: &[&[f64]],
+        start: usize,
+        window: &[f64],
+        fft: &Arc<dyn Fft<f64>>,
+        without_mean: bool,
+    ) {
+        let block = window.len();
+        let spectra: Vec<Vec<Complex64>> = channels
+            .iter()
+            .map(|samples| {
+                let samples = &samples[start..start + block];
+                // a window spreads the mean over the lines beside 0 Hz
+                let mean = if without_mean {
+                    samples.iter().sum::<f64>() / block as f64
+                } else {
+                    0.0
+                };
+                let mut buffer: Vec<Complex64> = samples
+                    .iter()
+                    .zip(window)
+                    .map(|(x, w)| Complex64::from((x - mean) * w))
+                    .collect();
+                fft.process(&mut buffer);
+                buffer
+            })
+            .collect();
+        for k in 0..self.lines() {
+            let mut products = self.products.slice_mut(s![k, .., ..]);
+            for (row, a) in spectra.iter().enumerate() {
+                for (column, b) in spectra.iter().enumerate() {
+                    products[[row, column]] += a[k + 1] * b[k + 1].conj();
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,323 @@
+//! Estimators against closed forms: filters whose response is known, noise whose effect
+//! is known.
+
+use chladni_frf::{Channel, Run, SignalUnit};
+use chladni_frf::{Dof, FrfKind};
+use chladni_signal::{estimate, BlockWindow, Estimate, EstimateOptions, Estimator};
+use ndarray::Array3;
+use num_complex::Complex64;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
+use std::f64::consts::TAU;
+
+/// E|δH|² of each value.
+fn variance_of(result: &Estimate) -> &Array3<f64> {
+    result.frf.variance.as_ref().unwrap()
+}
+
+/// White noise of variance 1, the same every time.
+struct Noise(ChaCha8Rng);
+
+impl Noise {
+    fn new(seed: u8) -> Self {
+        Self(ChaCha8Rng::seed_from_u64(seed.into()))
+    }
+    fn next(&mut self) -> f64 {
+        self.0.sample(StandardNormal)
+    }
+    fn take(&mut self, count: usize) -> Vec<f64> {
+        (0..count).map(|_| self.next()).collect()
+    }
+}
+
+const RATE_HZ: f64 = 1000.0;
+const BLOCK: usize = 64;
+
+/// y_k = b0·x_k + b1·x_{k−1} over blocks that repeat: H = b0 + b1·e^{−jωΔ} exactly.
+fn filtered(x: &[f64], [b0, b1]: [f64; 2]) -> Vec<f64> {
+    let blocks = x.chunks(BLOCK);
+    blocks
+        .flat_map(|block| {
+            (0..block.len())
+                .map(move |k| b0 * block[k] + b1 * block[(k + block.len() - 1) % block.len()])
+        })
+        .collect()
+}
+
+fn truth([b0, b1]: [f64; 2], frequency_hz: f64) -> Complex64 {
+    b0 + b1 * Complex64::from_polar(1.0, -TAU * frequency_hz / RATE_HZ)
+}
+
+fn channel(dof: &str, unit: SignalUnit, samples: Vec<f64>) -> Channel {
+    Channel {
+        dof: dof.parse().unwrap(),
+        unit,
+        is_reference: unit == SignalUnit::Force,
+        samples,
+    }
+}
+
+fn run(channels: Vec<Channel>) -> Run {
+    Run {
+        file: "test".into(),
+        line: 0,
+        sample_rate_hz: RATE_HZ,
+        channels,
+    }
+}
+
+fn options(estimator: Estimator) -> EstimateOptions {
+    EstimateOptions {
+        estimator,
+        window: Some(BlockWindow::Rectangular),
+        block: Some(BLOCK),
+        overlap: Some(0.0),
+    }
+}
+
+const FILTER: [f64; 2] = [0.8, -0.5];
+const OTHER: [f64; 2] = [-0.3, 1.2];
+
+#[test]
+fn a_filter_without_noise_is_found_by_every_estimator() {
+    let x = Noise::new(1).take(BLOCK * 4);
+    let y = filtered(&x, FILTER);
+    for estimator in [Estimator::H1, Estimator::H2, Estimator::Hv] {
+        let channels = vec![
+            channel("101:+Z", SignalUnit::Force, x.clone()),
+            channel("1:+Z", SignalUnit::Velocity, y.clone()),
+        ];
+        let result = estimate(&[run(channels)], &options(estimator)).unwrap();
+        assert_eq!(result.frf.kind, Some(FrfKind::Mobility));
+        assert_eq!(
+            (result.frf.frequency_hz.len(), result.averages),
+            (BLOCK / 2 - 1, [4, 4])
+        );
+        for (k, &f) in result.frf.frequency_hz.iter().enumerate() {
+            assert!(
+                (result.frf.values.get(0, 0, k) - truth(FILTER, f)).norm() < 1e-12,
+                "{estimator:?} {f}"
+            );
+            assert!((result.frf.coherence.as_ref().unwrap()[[0, 0, k]] - 1.0).abs() < 1e-6);
+            assert!(variance_of(&result)[[0, 0, k]] < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn two_references_at_once_are_told_apart() {
+    let mut noise = Noise::new(2);
+    let (a, b) = (noise.take(BLOCK * 8), noise.take(BLOCK * 8));
+    let y: Vec<f64> = filtered(&a, FILTER)
+        .iter()
+        .zip(filtered(&b, OTHER))
+        .map(|(p, q)| p + q)
+        .collect();
+    for estimator in [Estimator::H1, Estimator::Hv] {
+        let channels = vec![
+            channel("102:+Z", SignalUnit::Force, b.clone()),
+            channel("101:+Z", SignalUnit::Force, a.clone()),
+            channel("1:+Z", SignalUnit::Acceleration, y.clone()),
+        ];
+        let result = estimate(&[run(channels)], &options(estimator)).unwrap();
+        assert_eq!(
+            result
+                .frf
+                .references
+                .iter()
+                .map(Dof::to_string)
+                .collect::<Vec<_>>(),
+            ["101:+Z", "102:+Z"]
+        );
+        for (k, &f) in result.frf.frequency_hz.iter().enumerate() {
+            assert!(
+                (result.frf.values.get(0, 0, k) - truth(FILTER, f)).norm() < 1e-9,
+                "{estimator:?}"
+            );
+            assert!(
+                (result.frf.values.get(0, 1, k) - truth(OTHER, f)).norm() < 1e-9,
+                "{estimator:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn noise_biases_h1_and_h2_by_the_known_factors_and_hv_by_their_geometric_mean() {
+    const BLOCKS: usize = 4000;
+    let mut noise = Noise::new(3);
+    let x = noise.take(BLOCK * BLOCKS);
+    let y: Vec<f64> = x.iter().map(|x| 2.0 * x).collect();
+    // a quarter of the power at the reference, an ninth at the response
+    let measured = |signal: &[f64], sigma: f64, noise: &mut Noise| -> Vec<f64> {
+        signal.iter().map(|x| x + sigma * noise.next()).collect()
+    };
+    let (xn, yn) = (
+        measured(&x, 0.5, &mut noise),
+        measured(&y, 2.0 / 3.0, &mut noise),
+    );
+    let (at_x, at_y) = (1.25_f64, 1.0 + 1.0 / 9.0);
+    for (estimator, factor) in [
+        (Estimator::H1, 1.0 / at_x),
+        (Estimator::H2, at_y),
+        (Estimator::Hv, (at_y / at_x).sqrt()),
+    ] {
+        let channels = vec![
+            channel("101:+Z", SignalUnit::Force, xn.clone()),
+            channel("1:+Z", SignalUnit::Velocity, yn.clone()),
+        ];
+        let result = estimate(&[run(channels)], &options(estimator)).unwrap();
+        let mean: Complex64 = (0..result.frf.frequency_hz.len())
+            .map(|k| result.frf.values.get(0, 0, k))
+            .sum();
+        let mean = mean / result.frf.frequency_hz.len() as f64;
+        // the scatter of a line is about 0.01 of it, that of the mean of 31 about 0.002
+        assert!(
+            (mean.re / 2.0 - factor).abs() < 0.01,
+            "{estimator:?}: {mean} for {}",
+            2.0 * factor
+        );
+        let coherence = result.frf.coherence.unwrap().mean().unwrap();
+        assert!(
+            (f64::from(coherence) - 1.0 / (at_x * at_y)).abs() < 0.01,
+            "{coherence}"
+        );
+    }
+}
+
+#[test]
+fn the_variance_is_that_of_repeated_measurements() {
+    const REPEATS: u8 = 200;
+    let mut squares = 0.0;
+    let mut said = 0.0;
+    let mut lines = 0;
+    for (window, overlap) in [(BlockWindow::Rectangular, 0.0), (BlockWindow::Hann, 0.5)] {
+        for seed in 0..REPEATS {
+            let mut noise = Noise::new(seed);
+            let x = noise.take(BLOCK * 20);
+            let y: Vec<f64> = x.iter().map(|x| 3.0 * x + noise.next()).collect();
+            let channels = vec![
+                channel("101:+Z", SignalUnit::Force, x),
+                channel("1:+Z", SignalUnit::Velocity, y),
+            ];
+            let options = EstimateOptions {
+                window: Some(window),
+                overlap: Some(overlap),
+                ..options(Estimator::H1)
+            };
+            let result = estimate(&[run(channels)], &options).unwrap();
+            // every third line: a Hann window ties neighbours together
+            for k in (2..result.frf.frequency_hz.len()).step_by(3) {
+                squares += (result.frf.values.get(0, 0, k) - 3.0).norm_sqr();
+                said += variance_of(&result)[[0, 0, k]];
+                lines += 1;
+            }
+        }
+    }
+    // the mean of n squares of complex errors scatters by 1/√n of it, heavier tails of
+    // few averages by somewhat more
+    let ratio = squares / said;
+    assert!(
+        (ratio - 1.0).abs() < 6.0 / f64::from(lines).sqrt(),
+        "{ratio} over {lines} lines"
+    );
+}
+
+#[test]
+fn an_exponential_window_moves_every_pole_by_its_rate() {
+    // y = x * e^{−σt}: one pole; with the window the same at σ + α
+    let sigma = 40.0;
+    let alpha = 25.0;
+    let count = 4096;
+    let decay = |rate: f64| -> Vec<f64> {
+        (0..count)
+            .map(|k| (-rate * k as f64 / RATE_HZ).exp())
+            .collect()
+    };
+    let mut blow = vec![0.0; count];
+    blow[0] = 1.0;
+    let of = |rate: f64, window: BlockWindow| {
+        let channels = vec![
+            channel("101:+Z", SignalUnit::Force, blow.clone()),
+            channel("1:+Z", SignalUnit::Velocity, decay(rate)),
+        ];
+        let options = EstimateOptions {
+            window: Some(window),
+            block: Some(count),
+            ..EstimateOptions::default()
+        };
+        estimate(&[run(channels)], &options).unwrap()
+    };
+    let windowed = of(sigma, BlockWindow::Exponential { rate_per_s: alpha });
+    let moved = of(sigma + alpha, BlockWindow::Rectangular);
+    for k in 0..windowed.frf.frequency_hz.len() {
+        let (a, b) = (
+            windowed.frf.values.get(0, 0, k),
+            moved.frf.values.get(0, 0, k),
+        );
+        assert!((a - b).norm() < 1e-9 * b.norm());
+    }
+    assert!(
+        windowed
+            .warnings
+            .iter()
+            .any(|warning| warning.contains("--exponential-window 25")),
+        "{:?}",
+        windowed.warnings
+    );
+    assert!(
+        variance_of(&windowed)
+            .iter()
+            .all(|variance| variance.is_nan()),
+        "one block says nothing of its scatter"
+    );
+}
+
+#[test]
+fn what_does_not_fit_together_is_refused() {
+    let x = Noise::new(9).take(BLOCK * 2);
+    let force = || channel("101:+Z", SignalUnit::Force, x.clone());
+    let velocity = || channel("1:+Z", SignalUnit::Velocity, x.clone());
+    let message =
+        |runs: &[Run], options: &EstimateOptions| estimate(runs, options).unwrap_err().to_string();
+    let h1 = options(Estimator::H1);
+    assert!(message(&[], &h1).contains("no time record"));
+    assert!(message(&[run(vec![force()])], &h1).contains("without reference or without response"));
+    assert!(
+        message(&[run(vec![velocity()])], &h1).contains("without reference or without response")
+    );
+    assert!(message(
+        &[run(vec![force(), velocity()])],
+        &EstimateOptions {
+            block: Some(10_000),
+            ..h1
+        }
+    )
+    .contains("no possible block"));
+    assert!(message(
+        &[run(vec![force(), velocity()])],
+        &EstimateOptions {
+            overlap: Some(1.0),
+            ..h1
+        }
+    )
+    .contains("overlap"));
+    let other = channel("2:+Z", SignalUnit::Acceleration, x.clone());
+    assert!(message(&[run(vec![force(), velocity(), other])], &h1).contains("different quantities"));
+    let second = channel("102:+Z", SignalUnit::Force, x.clone());
+    let same_twice = estimate(&[run(vec![force(), second, velocity()])], &h1).unwrap();
+    assert!(
+        same_twice
+            .warnings
+            .iter()
+            .any(|warning| warning.contains("act as one")),
+        "{:?}",
+        same_twice.warnings
+    );
+    let slower = Run {
+        sample_rate_hz: 500.0,
+        ..run(vec![force(), velocity()])
+    };
+    assert!(message(&[run(vec![force(), velocity()]), slower], &h1).contains("sampling rates"));
+}

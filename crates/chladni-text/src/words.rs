@@ -1,0 +1,85 @@
+//! For messages about text that people write: the line a byte stands in, what a parser
+//! says.
+
+use chladni_frf::Error;
+
+/// The words of a parser (serde_json, toml) in parts: `invalid type: null, expected f64`
+/// says what stood there, and what belongs there; ``missing field `x` `` names the field.
+pub fn parser_complaint(said: &str) -> Error {
+    let (said, expected) = said
+        .split_once(", expected ")
+        .map_or((said, None), |(said, expected)| (said, Some(expected)));
+    let found = ["invalid type: ", "invalid value: "]
+        .iter()
+        .find_map(|words| said.strip_prefix(words));
+    let error = Error::bad_data(found.map_or(said, |found| {
+        said.trim_end_matches(found).trim_end_matches(": ")
+    }));
+    let error = match (said.split('`').nth(1), found) {
+        (Some(field), _) if said.starts_with("missing field") => error
+            .field(field)
+            .found("no such field")
+            .expected("a value for it"),
+        (Some(word), _) if said.starts_with("unknown variant") => error.found(word),
+        (_, Some(found)) => error.found(found),
+        // words of our own types: "`x` is no ...; write ..."
+        (Some(word), None) if said.contains("; write ") => {
+            let expected = said
+                .split_once("; write ")
+                .map_or("", |(_, expected)| expected);
+            return Error::bad_data(said).found(word).expected(expected);
+        }
+        _ if expected.is_none() => error
+            .found(said)
+            .expected("a value as docs/formats.md describes it"),
+        _ => error,
+    };
+    match expected {
+        Some(expected) => error.expected(expected),
+        None => error,
+    }
+}
+
+/// The complaint of a TOML parser about syntax, at byte `at` of `text`.
+pub fn toml_complaint(said: &str, text: &str, at: usize) -> Error {
+    let line = line_of_byte(text, at);
+    let complaint = parser_complaint(&said.replace('\n', " "));
+    let found = text
+        .lines()
+        .nth(line as usize - 1)
+        .unwrap_or_default()
+        .trim();
+    Error {
+        message: format!("this is no TOML: {}", complaint.message),
+        ..complaint
+    }
+    .at_line(line)
+    .found(if found.is_empty() {
+        "an empty line"
+    } else {
+        found
+    })
+    .help("correct that line; a key is written as `name = value`, a table as `[name]`")
+}
+
+/// Line of a byte of `text`, counted from 1.
+pub fn line_of_byte(text: &str, byte: usize) -> u64 {
+    1 + text
+        .bytes()
+        .take(byte)
+        .filter(|&byte| byte == b'\n')
+        .count() as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_counted_from_one() {
+        assert_eq!(
+            [0, 2, 3, 99].map(|byte| line_of_byte("a\n\nb", byte)),
+            [1, 2, 3, 3]
+        );
+    }
+}
