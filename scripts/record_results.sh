@@ -26,8 +26,6 @@ for kind in viscous-beam:pyuff-beam/beam.uff housing:pyuff-uff-samples/heat_engi
     case1:vtb-case1/case1_frf.csv; do
     [ -f "$data/${kind#*:}" ] && cp "$data/${kind#*:}" "in/${kind%%:*}.${kind##*.}"
 done
-cat "$data"/pyuff-measured-beam-txt/LICENSE > /dev/null 2>&1 \
-    && cp "$data"/pyuff-measured-beam-txt/meas_point_*.txt in/
 
 for method in auto lean vf lscf plscf aaa rfp grfp peak circle; do
     run "panel-$method" fit in/panel.h5 -o "panel-$method.json" --method $method --force
@@ -45,17 +43,14 @@ for file in in/viscous-beam.uff in/housing.uff in/case1.csv; do
     run "fit-$name" fit "$file" --frf-kind accelerance -o "fit-$name.json" --force
     run "fit-$name-json" fit "$file" --frf-kind accelerance --json
 done
-[ -f in/meas_point_1.txt ] && run fit-measured fit in/meas_point_*.txt --frf-kind accelerance \
-    --reference 1 -o fit-measured.json --force
-
 for blocks in 1 3; do
-    for block in $(seq 1 $blocks); do
+    for block in $(seq 0 $((blocks - 1))); do
         run "reduce-$blocks-$block" block reduce in/panel.h5 --block $block --blocks $blocks \
             -o "first-$blocks-$block.part" --force
     done
     run "merge-$blocks" block merge first-$blocks-*.part -o "first-$blocks.part" --force
     run "poles-$blocks" block solve "first-$blocks.part" -o "found-$blocks.poles" --force
-    for block in $(seq 1 $blocks); do
+    for block in $(seq 0 $((blocks - 1))); do
         run "second-$blocks-$block" block reduce in/panel.h5 --block $block --blocks $blocks \
             --poles "found-$blocks.poles" -o "second-$blocks-$block.part" --force
     done
