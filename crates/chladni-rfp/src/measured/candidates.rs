@@ -1,7 +1,7 @@
 //! Poles on their way to becoming modes, each with where it came from.
 
-use crate::refine::{refine, Refined};
-use crate::work::Work;
+use crate::data::columns::Work;
+use crate::poles::refine::{refine, Refined};
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 

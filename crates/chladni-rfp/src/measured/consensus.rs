@@ -1,9 +1,9 @@
 //! Poles that several orders and both halves of the lines agree on.
 
-use super::candidates::Origin;
-use crate::pool::{mixtures, starts, vector_fit, Products};
+use crate::data::columns::Work;
+use crate::measured::candidates::Origin;
+use crate::poles::pool::{mixtures, starts, vector_fit, Products};
 use crate::tolerances as tol;
-use crate::work::Work;
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 use rayon::prelude::*;

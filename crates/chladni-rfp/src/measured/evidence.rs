@@ -1,10 +1,10 @@
 //! Evidence about one pole: what the residual, the neighbourhood and the other runs say
 //! of it.
 
-use super::candidates::Origin;
-use super::search::Record;
-use crate::refine::Refined;
-use crate::work::{basis, Work};
+use crate::data::columns::{basis, Work};
+use crate::measured::candidates::Origin;
+use crate::measured::search::Record;
+use crate::poles::refine::Refined;
 use ndarray::{s, Array1, Array2};
 use num_complex::Complex64;
 

@@ -1,9 +1,9 @@
 //! Grades: what a modal engineer would say of each pole, with the reasons.
 
-use super::candidates::Origin;
-use super::evidence::Evidence;
-use super::search::Record;
-use crate::found::Grade;
+use crate::measured::candidates::Origin;
+use crate::measured::evidence::Evidence;
+use crate::measured::search::Record;
+use crate::poles::estimate::Grade;
 use chladni_frf::Trust;
 use num_complex::Complex64;
 

@@ -4,10 +4,10 @@
 //! others stands still. That costs the square of a handful of poles on some tens of
 //! lines, where a refit of the whole costs the square of all on all.
 
-use super::candidates::{Candidates, Change};
-use crate::refine::{refine, Projection, Refined};
+use crate::data::columns::{basis, Work};
+use crate::measured::candidates::{Candidates, Change};
+use crate::poles::refine::{refine, Projection, Refined};
 use crate::tolerances as tol;
-use crate::work::{basis, Work};
 use chladni_linalg::{matmul, LinalgError};
 use ndarray::{s, Array2, Axis};
 use num_complex::Complex64;

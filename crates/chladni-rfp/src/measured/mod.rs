@@ -1,4 +1,4 @@
-//! The measured-data path: what to do where the residual is not white.
+//! Enters: a sketch whose residual is not white; leaves: poles with evidence and grades.
 //!
 //! Real misfit is 1–20 % of |Y| (leakage, cut or padded records, windows, poles that move
 //! between FRFs), so "significant against white noise" is the wrong question there. A
@@ -6,17 +6,15 @@
 //! agree on, and what its own neighbourhood cannot do without. Every pole is then graded,
 //! with reasons.
 
-mod candidates;
-mod consensus;
-mod evidence;
-mod grade;
-mod local;
-mod path;
-mod record;
-mod resolved;
-mod sandwich;
-mod search;
-mod twins;
-mod weights;
-
-pub(crate) use path::{measured_path, on_columns, strongest};
+pub(crate) mod candidates;
+pub(crate) mod consensus;
+pub(crate) mod error_model;
+pub(crate) mod evidence;
+pub(crate) mod grade;
+pub(crate) mod impulse;
+pub(crate) mod local;
+pub(crate) mod path;
+pub(crate) mod resolved;
+pub(crate) mod sandwich;
+pub(crate) mod search;
+pub(crate) mod twins;

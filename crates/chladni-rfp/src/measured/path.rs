@@ -1,20 +1,20 @@
 //! The measured-data path as one walk: screen the record, search each section (votes of
 //! several orders, error model, local tests, twins), join what was found, grade it.
 
-use super::evidence::Evidence;
-use super::grade::{grade_all, Graded};
-use super::record::{padding_factor, windowed};
-use super::search::{Finished, Record, Search};
-use super::weights::{column_scales, normalised};
-use crate::found::{more_than_asked, Grade};
-use crate::head::Head;
-use crate::order::POWERS;
-use crate::refine::{refine, Refined};
-use crate::screen::Screened;
-use crate::section::split;
-use crate::seeds::{fourth_difference_noise, peaks, thinned, Peak};
+use crate::data::columns::{line_energy, Work};
+use crate::data::layout::Head;
+use crate::data::peaks::{fourth_difference_noise, peaks, thinned, Peak};
+use crate::data::screening::Screened;
+use crate::measured::error_model::{column_scales, normalised};
+use crate::measured::evidence::Evidence;
+use crate::measured::grade::{grade_all, Graded};
+use crate::measured::impulse::{padding_factor, windowed};
+use crate::measured::search::{Finished, Record, Search};
+use crate::poles::chain::POWERS;
+use crate::poles::estimate::{more_than_asked, Grade};
+use crate::poles::refine::{refine, Refined};
+use crate::poles::sections::split;
 use crate::tolerances as tol;
-use crate::work::{line_energy, Work};
 use chladni_frf::Trust;
 use chladni_linalg::{matmul, svd_thin, LinalgError};
 use ndarray::{s, Array1, Array2};

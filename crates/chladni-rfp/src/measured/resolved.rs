@@ -1,10 +1,10 @@
 //! Isolated modes that the lines resolve: what the peak itself says, free of the error
 //! model.
 
-use super::sandwich::variances;
-use crate::refine::{refine, Refined};
+use crate::data::columns::{basis, Work};
+use crate::measured::sandwich::variances;
+use crate::poles::refine::{refine, Refined};
 use crate::tolerances as tol;
-use crate::work::{basis, Work};
 use chladni_linalg::{matmul, LinalgError};
 use ndarray::{s, Array2};
 use num_complex::Complex64;

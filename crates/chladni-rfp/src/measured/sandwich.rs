@@ -1,8 +1,8 @@
 //! Covariance from the residual as it is: H⁻¹GH⁻¹ with neighbouring lines correlated
 //! (theory.md, eq. 23).
 
-use crate::refine::Refined;
-use crate::work::{basis_derivative, Work};
+use crate::data::columns::{basis_derivative, Work};
+use crate::poles::refine::Refined;
 use chladni_linalg::{inverse_hermitian, matmul, matmul_h, LinalgError};
 use ndarray::Array2;
 use num_complex::Complex64;

@@ -1,19 +1,19 @@
 //! The search for modes in one section: votes, error model, local tests, twins.
 
-use super::candidates::{Candidates, Origin};
-use super::consensus::consensus;
-use super::evidence::{look, Evidence};
-use super::local::{one_column_gains, remove, remove_unneeded, try_add};
-use super::resolved::refine_resolved;
-use super::sandwich::variances;
-use super::twins::{merge, own_poles};
-use super::weights::NoiseModel;
-use crate::order::POWERS;
-use crate::refine::{refine, Refined};
-use crate::section::Section;
-use crate::seeds::{fourth_difference_noise, peaks, Peak};
+use crate::data::columns::{line_energy, Work};
+use crate::data::peaks::{fourth_difference_noise, peaks, Peak};
+use crate::measured::candidates::{Candidates, Origin};
+use crate::measured::consensus::consensus;
+use crate::measured::error_model::NoiseModel;
+use crate::measured::evidence::{look, Evidence};
+use crate::measured::local::{one_column_gains, remove, remove_unneeded, try_add};
+use crate::measured::resolved::refine_resolved;
+use crate::measured::sandwich::variances;
+use crate::measured::twins::{merge, own_poles};
+use crate::poles::chain::POWERS;
+use crate::poles::refine::{refine, Refined};
+use crate::poles::sections::Section;
 use crate::tolerances as tol;
-use crate::work::{line_energy, Work};
 use chladni_linalg::LinalgError;
 use ndarray::{s, Array1, Array2};
 use num_complex::Complex64;

@@ -1,11 +1,11 @@
 //! Twins: two poles that stand for one mode which moves between FRFs (roving mass,
 //! temperature).
 
-use super::candidates::{Candidates, Change};
-use super::local::Neighbourhood;
-use crate::refine::{refine, Refined};
+use crate::data::columns::{basis, Work};
+use crate::measured::candidates::{Candidates, Change};
+use crate::measured::local::Neighbourhood;
+use crate::poles::refine::{refine, Refined};
 use crate::tolerances as tol;
-use crate::work::{basis, Work};
 use chladni_linalg::{lstsq, matmul, LinalgError};
 use ndarray::{s, Array2};
 use num_complex::Complex64;
@@ -127,8 +127,8 @@ fn find(
         }
         let (own, own_sse, pair_sse) = own_poles(work, refined, &[a, b])?;
         let shape = |q: usize| refined.coefficients.row(q).to_vec();
-        let same_shape =
-            work.columns() >= 3 && crate::validation::mac(&shape(a), &shape(b)) > SAME_SHAPE_MAC;
+        let same_shape = work.columns() >= 3
+            && crate::validation::mac::mac(&shape(a), &shape(b)) > SAME_SHAPE_MAC;
         if own_sse < OWN_OVER_PAIR * pair_sse || same_shape {
             return Ok(Some((a, b, own)));
         }

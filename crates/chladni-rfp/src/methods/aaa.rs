@@ -24,13 +24,14 @@
 //! P. Lietaert, K. Meerbergen, J. Pérez, B. Vandereycken, IMA J. Numer. Anal. 42 (2022)
 //! 1087–1115 (set-valued).
 
-use super::selection::modes_of;
-use super::{Columns, MethodPoles, Survey};
-use crate::error::FitError;
-use crate::options::FitOptions;
-use crate::pool::{mixtures, zeros};
+use crate::data::columns::Work;
+use crate::data::error::FitError;
+use crate::data::options::FitOptions;
+use crate::methods::common::MethodPoles;
+use crate::methods::selection::modes_of;
+use crate::methods::survey::{Columns, Survey};
+use crate::poles::pool::{mixtures, zeros};
 use crate::tolerances as tol;
-use crate::work::Work;
 use chladni_linalg::{matmul, qr_r, svd_thin, LinalgError};
 use ndarray::{concatenate, Array1, Array2, Axis, ShapeBuilder};
 use num_complex::Complex64;

@@ -8,11 +8,12 @@
 //! The spare pairs take up noise and what lies outside the band; which poles are modes is
 //! decided afterwards.
 
-use super::equation_error::largest_order;
-use super::{Survey, ORDER_HELD, PEAKS_PER_BAND, SPARE_PAIRS};
-use crate::options::FitOptions;
-use crate::screen::Screened;
-use crate::seeds::Peak;
+use crate::data::options::FitOptions;
+use crate::data::peaks::Peak;
+use crate::data::screening::Screened;
+use crate::methods::common::{ORDER_HELD, PEAKS_PER_BAND, SPARE_PAIRS};
+use crate::methods::equation_error::largest_order;
+use crate::methods::survey::Survey;
 use ndarray::Array1;
 use std::f64::consts::TAU;
 use std::ops::Range;

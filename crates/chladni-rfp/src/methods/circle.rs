@@ -23,12 +23,13 @@
 //! Trans. Instrum. Meas. 25 (1976) 8–14 (circle). P. J. Petersan, S. M. Anlage, J. Appl.
 //! Phys. 84 (1998) 3392–3402 (angle against frequency).
 
-use super::peak::picked;
-use super::selection::modes_of;
-use super::{Columns, MethodPoles, Survey};
-use crate::error::FitError;
-use crate::options::FitOptions;
-use crate::work::Work;
+use crate::data::columns::Work;
+use crate::data::error::FitError;
+use crate::data::options::FitOptions;
+use crate::methods::common::MethodPoles;
+use crate::methods::peak::picked;
+use crate::methods::selection::modes_of;
+use crate::methods::survey::{Columns, Survey};
 use chladni_linalg::{lstsq, solve_hermitian};
 use ndarray::{Array2, Axis};
 use num_complex::Complex64;

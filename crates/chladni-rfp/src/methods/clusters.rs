@@ -13,7 +13,7 @@ const RADIUS: f64 = 0.5;
 /// `enough`.
 ///
 /// * `least_radius`: radius for poles sharper than the lines resolve
-pub(super) fn clusters(
+pub(crate) fn clusters(
     poles: &[(usize, Complex64)],
     least_radius: f64,
     enough: impl Fn(usize) -> bool,
@@ -83,7 +83,7 @@ fn gather(
 }
 
 /// Median; NaN of nothing.
-pub(super) fn median(values: impl Iterator<Item = f64>) -> f64 {
+pub(crate) fn median(values: impl Iterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);
     match values.len() {
@@ -93,7 +93,7 @@ pub(super) fn median(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Median of real and imaginary parts.
-pub(super) fn median_pole(poles: impl Iterator<Item = Complex64> + Clone) -> Complex64 {
+pub(crate) fn median_pole(poles: impl Iterator<Item = Complex64> + Clone) -> Complex64 {
     Complex64::new(
         median(poles.clone().map(|s| s.re)),
         median(poles.map(|s| s.im)),

@@ -32,8 +32,8 @@
 //! Cost per band: 8·lines·(numerator + denominator)·columns·order flop for A, then its
 //! QR.
 
-use super::forsythe::Forsythe;
-use super::{LINES_PER_UNKNOWN, NUMERATOR_EXTRA};
+use crate::methods::common::{LINES_PER_UNKNOWN, NUMERATOR_EXTRA};
+use crate::methods::forsythe::Forsythe;
 use chladni_linalg::{matmul, matmul_h, qr_r, svd_thin, LinalgError};
 use ndarray::{s, Array2, ArrayView2, Axis, ShapeBuilder};
 use num_complex::Complex64;
@@ -107,7 +107,7 @@ impl BandEquations {
     /// # Errors
     /// Too few lines with data; no convergence of a decomposition.
     pub fn solve(&self, columns: ArrayView2<Complex64>) -> Result<Denominator, LinalgError> {
-        let weights = crate::work::line_energy(&columns.to_owned()).to_vec();
+        let weights = crate::data::columns::line_energy(&columns.to_owned()).to_vec();
         let theta = Forsythe::new(&self.y, &weights, 2 * self.order)?;
         let blocks: Vec<Array2<f64>> = columns
             .axis_iter(Axis(1))

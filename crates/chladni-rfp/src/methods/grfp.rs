@@ -20,10 +20,11 @@
 //! M. H. Richardson, D. L. Formenti, *Global curve fitting of frequency response
 //! measurements using the rational fraction polynomial method*, Proc. IMAC 3 (1985).
 
-use super::bands::{in_hertz, BandPlan};
-use super::{health, BandLines, ClassicPoles, Survey};
-use crate::error::FitError;
-use crate::options::FitOptions;
+use crate::data::error::FitError;
+use crate::data::options::FitOptions;
+use crate::methods::bands::{in_hertz, BandPlan};
+use crate::methods::common::{health, BandLines, ClassicPoles};
+use crate::methods::survey::Survey;
 use ndarray::s;
 
 /// Common poles of all FRFs by one denominator per band.
@@ -61,8 +62,8 @@ pub(crate) fn grfp(survey: &Survey, options: &FitOptions) -> Result<ClassicPoles
 
 #[cfg(test)]
 mod tests {
-    use super::super::synthetic::{run, Structure};
     use super::*;
+    use crate::methods::synthetic::{run, Structure};
     use chladni_frf::FrfKind;
 
     #[test]

@@ -18,20 +18,20 @@
 //!
 //! Equations: theory.md, section 2.
 
-use super::selection::{fewer, inside, left_by, select};
-use super::vf::{pool, signed};
-use super::Survey;
-use crate::error::FitError;
-use crate::found::{Found, Grade};
-use crate::options::FitOptions;
-use crate::order::POWERS;
-use crate::pool::Products;
-use crate::project::project;
-use crate::prune::threshold;
-use crate::refine::{refine, refined_poles, removable, Refined};
-use crate::scan::usual_loss;
+use crate::data::columns::{basis, Work};
+use crate::data::error::FitError;
+use crate::data::options::FitOptions;
+use crate::data::products::project;
+use crate::methods::selection::{fewer, inside, left_by, select};
+use crate::methods::survey::Survey;
+use crate::methods::vf::{pool, signed};
+use crate::poles::chain::POWERS;
+use crate::poles::estimate::{Found, Grade};
+use crate::poles::pool::Products;
+use crate::poles::prune::threshold;
+use crate::poles::refine::{refine, refined_poles, removable, Refined};
+use crate::poles::scan::usual_loss;
 use crate::tolerances as tol;
-use crate::work::{basis, Work};
 use chladni_linalg::{qr_thin, LinalgError};
 use ndarray::Array2;
 use num_complex::Complex64;

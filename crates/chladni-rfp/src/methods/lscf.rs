@@ -23,11 +23,12 @@
 //! Auweraer, P. Guillaume, P. Verboven, S. Vanlanduit, J. Dyn. Syst. Meas. Control 123
 //! (2001) 651–658.
 
-use super::matrix_fraction::{Circle, MatrixFraction};
-use super::stabilization::Ladder;
-use super::{Columns, MethodPoles, Survey};
-use crate::error::FitError;
-use crate::options::{FitOptions, Method};
+use crate::data::error::FitError;
+use crate::data::options::{FitOptions, Method};
+use crate::methods::common::MethodPoles;
+use crate::methods::matrix_fraction::{Circle, MatrixFraction};
+use crate::methods::stabilization::Ladder;
+use crate::methods::survey::{Columns, Survey};
 use ndarray::Axis;
 
 /// Highest order: poles per expected mode, and more for what lies outside the band. Twice
@@ -59,7 +60,7 @@ pub(crate) fn lscf(
 }
 
 /// Poles of the highest order.
-pub(super) fn highest(expected: usize, survey: &Survey) -> usize {
+pub(crate) fn highest(expected: usize, survey: &Survey) -> usize {
     (POLES_PER_MODE * expected + MORE_POLES)
         .min(survey.data.lines.len() / LINES_PER_POLE)
         .max(1)

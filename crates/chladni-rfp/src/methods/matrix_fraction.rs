@@ -24,9 +24,9 @@
 //!
 //! Cost: 8·n³·r²·outputs flop for order n, 25·(nr)³ for the eigenvalues at each order.
 
-use super::Survey;
-use crate::error::FitError;
-use crate::options::Method;
+use crate::data::error::FitError;
+use crate::data::options::Method;
+use crate::methods::survey::Survey;
 use chladni_linalg::{
     cholesky, eigenvalues, matmul_h, solve_lower, solve_lower_adjoint, LinalgError,
 };
@@ -59,7 +59,7 @@ const OUTPUTS_TOGETHER: usize = 8;
 
 /// Lines as points of the unit circle.
 #[derive(Debug, Clone)]
-pub(super) struct Circle {
+pub(crate) struct Circle {
     /// Place of each line on the grid.
     at: Vec<usize>,
     /// Points of the circle.
@@ -154,7 +154,7 @@ fn factored(mut matrix: Array2<Complex64>) -> Result<Array2<Complex64>, LinalgEr
 
 /// The reduced normal equations of one denominator.
 #[derive(Debug)]
-pub(super) struct MatrixFraction {
+pub(crate) struct MatrixFraction {
     circle: Circle,
     references: usize,
     /// Coefficients A_1 … A_n have this Cholesky factor; lower orders are its leading

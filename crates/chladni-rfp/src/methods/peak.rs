@@ -16,10 +16,11 @@
 //! peak, and the frequency is known to a fraction of the line spacing at best. It is here
 //! to teach, and for a first look.
 
-use super::selection::modes_of;
-use super::{Columns, MethodPoles, Survey};
-use crate::error::FitError;
-use crate::options::FitOptions;
+use crate::data::error::FitError;
+use crate::data::options::FitOptions;
+use crate::methods::common::MethodPoles;
+use crate::methods::selection::modes_of;
+use crate::methods::survey::{Columns, Survey};
 use num_complex::Complex64;
 
 /// Least drop of power on one side of a peak that says something about its width.
@@ -43,7 +44,7 @@ pub(crate) fn peak(
 }
 
 /// λ of each visible peak.
-pub(super) fn picked(survey: &Survey) -> Vec<Complex64> {
+pub(crate) fn picked(survey: &Survey) -> Vec<Complex64> {
     let x = &survey.data.x;
     let power: Vec<f64> = survey
         .energy

@@ -20,12 +20,13 @@
 //! 21 (2003). B. Peeters, H. Van der Auweraer, P. Guillaume, J. Leuridan, Shock Vib. 11
 //! (2004) 395–409.
 
-use super::lscf::highest;
-use super::matrix_fraction::{Circle, MatrixFraction};
-use super::stabilization::Ladder;
-use super::{Columns, MethodPoles, Survey};
-use crate::error::FitError;
-use crate::options::{FitOptions, Method};
+use crate::data::error::FitError;
+use crate::data::options::{FitOptions, Method};
+use crate::methods::common::MethodPoles;
+use crate::methods::lscf::highest;
+use crate::methods::matrix_fraction::{Circle, MatrixFraction};
+use crate::methods::stabilization::Ladder;
+use crate::methods::survey::{Columns, Survey};
 use chladni_linalg::{eigh, matmul, LinalgError};
 use ndarray::{s, Array2, Array3, Axis, ShapeBuilder};
 use num_complex::Complex64;

@@ -26,13 +26,14 @@
 //! M. H. Richardson, D. L. Formenti, *Parameter estimation from frequency response
 //! measurements using rational fraction polynomials*, Proc. IMAC 1 (1982) 167–181.
 
-use super::bands::{in_hertz, Band, BandPlan};
-use super::clusters::{clusters, median, median_pole};
-use super::equation_error::{Denominator, Root};
-use super::{health, BandLines, ClassicPoles, Survey};
-use crate::error::FitError;
-use crate::options::FitOptions;
-use crate::screen::Screened;
+use crate::data::error::FitError;
+use crate::data::options::FitOptions;
+use crate::data::screening::Screened;
+use crate::methods::bands::{in_hertz, Band, BandPlan};
+use crate::methods::clusters::{clusters, median, median_pole};
+use crate::methods::common::{health, BandLines, ClassicPoles};
+use crate::methods::equation_error::{Denominator, Root};
+use crate::methods::survey::Survey;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -178,8 +179,8 @@ fn summary(roots: &[Root]) -> Root {
 
 #[cfg(test)]
 mod tests {
-    use super::super::synthetic::{run, Structure};
     use super::*;
+    use crate::methods::synthetic::{run, Structure};
     use chladni_frf::FrfKind;
 
     fn says(found: &ClassicPoles, words: &str) -> bool {

@@ -1,14 +1,15 @@
 //! Which poles are modes, for methods that find them in the plane x: the significance of
 //! their residues.
 
-use super::{MethodPoles, Survey};
-use crate::options::FitOptions;
-use crate::order::POWERS;
-use crate::prune::{crutch, threshold, unphysical};
-use crate::refine::{refine, removable, Projection};
+use crate::damping::viscous::from_structural;
+use crate::data::columns::Work;
+use crate::data::options::FitOptions;
+use crate::methods::common::MethodPoles;
+use crate::methods::survey::Survey;
+use crate::poles::chain::POWERS;
+use crate::poles::prune::{crutch, threshold, unphysical};
+use crate::poles::refine::{refine, removable, Projection};
 use crate::tolerances as tol;
-use crate::viscous::from_structural;
-use crate::work::Work;
 use chladni_frf::Damping;
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
@@ -27,7 +28,7 @@ pub(crate) fn variance_left(work: &Work, lambda: &[Complex64]) -> Result<f64, Li
     ))
 }
 
-pub(super) fn left_by(work: &Work, sse: f64, unknowns: usize) -> f64 {
+pub(crate) fn left_by(work: &Work, sse: f64, unknowns: usize) -> f64 {
     let freedom = work.lines().saturating_sub(unknowns).max(1) * work.columns();
     (sse / freedom as f64)
         .max(tol::ROUNDING_VARIANCE * work.energy() / (work.lines() * work.columns()) as f64)
@@ -36,7 +37,7 @@ pub(super) fn left_by(work: &Work, sse: f64, unknowns: usize) -> f64 {
 /// Takes poles out, the least significant first, until every one left matters (theory.md,
 /// eq. 8); of those in the band as many stay as `modes` allows, whatever they matter.
 /// With the noise variance that all of them together leave.
-pub(super) fn select(
+pub(crate) fn select(
     work: &Work,
     lambda: &[Complex64],
     modes: RangeInclusive<usize>,
@@ -84,7 +85,7 @@ fn without_crutches(
 }
 
 /// So many modes are wanted: all that matter where no number was given.
-pub(super) fn wanted(options: &FitOptions) -> RangeInclusive<usize> {
+pub(crate) fn wanted(options: &FitOptions) -> RangeInclusive<usize> {
     options.modes.map_or(0..=usize::MAX, |modes| modes..=modes)
 }
 
@@ -94,7 +95,7 @@ pub(super) fn wanted(options: &FitOptions) -> RangeInclusive<usize> {
 ///
 /// * `lambda`: poles in x = ω²/ω_max², either sign of Im λ
 /// * `how`: the method, in words
-pub(super) fn modes_of(
+pub(crate) fn modes_of(
     survey: &Survey,
     lambda: &[Complex64],
     options: &FitOptions,
@@ -130,12 +131,12 @@ pub(super) fn modes_of(
 }
 
 /// Poles in the band.
-pub(super) fn inside(work: &Work, lambda: &[Complex64]) -> usize {
+pub(crate) fn inside(work: &Work, lambda: &[Complex64]) -> usize {
     lambda.iter().filter(|pole| work.in_band(**pole)).count()
 }
 
 /// Fewer modes than asked for, in words.
-pub(super) fn fewer(options: &FitOptions, found: usize) -> Option<String> {
+pub(crate) fn fewer(options: &FitOptions, found: usize) -> Option<String> {
     options
         .modes
         .filter(|asked| *asked > found)

@@ -6,11 +6,12 @@
 //! [`super::lscf()`] and [`super::plscf()`] offer as modes. Which of them matter is
 //! decided by their residues.
 
-use super::clusters::{clusters, median_pole};
-use super::matrix_fraction::MatrixFraction;
-use super::selection::modes_of;
-use super::{MethodPoles, Survey};
-use crate::options::FitOptions;
+use crate::data::options::FitOptions;
+use crate::methods::clusters::{clusters, median_pole};
+use crate::methods::common::MethodPoles;
+use crate::methods::matrix_fraction::MatrixFraction;
+use crate::methods::selection::modes_of;
+use crate::methods::survey::Survey;
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -68,7 +69,7 @@ pub struct Stabilization {
 }
 
 /// Poles at every order up to the highest.
-pub(super) struct Ladder {
+pub(crate) struct Ladder {
     orders: Vec<usize>,
     /// s/ω_max per order, Re s < 0, rising in frequency.
     poles: Vec<Vec<(Complex64, Stability)>>,

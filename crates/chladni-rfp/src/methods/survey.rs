@@ -8,13 +8,13 @@
 //! ratio; no method sees the truth of another's poles. N. Halko, P. G. Martinsson, J. A.
 //! Tropp, SIAM Rev. 53 (2011) 217–288.
 
-use crate::options::FitOptions;
-use crate::order::rank_over_noise;
-use crate::project::project;
-use crate::screen::Screened;
-use crate::seeds::{fourth_difference_noise, peaks, thinned, Peak};
+use crate::data::columns::{line_energy, Work};
+use crate::data::options::FitOptions;
+use crate::data::peaks::{fourth_difference_noise, peaks, thinned, Peak};
+use crate::data::products::project;
+use crate::data::screening::Screened;
+use crate::poles::chain::rank_over_noise;
 use crate::tolerances as tol;
-use crate::work::{line_energy, Work};
 use chladni_linalg::{matmul, qr_thin, svd_thin, LinalgError};
 use ndarray::{s, Array1, Array2};
 use num_complex::Complex64;

@@ -1,17 +1,18 @@
 //! FRFs by a plain sum over viscous modes, for the tests of this module.
 
-use super::bands::Band;
-use super::{BandLines, ClassicPoles, Survey};
-use crate::error::FitError;
-use crate::options::FitOptions;
-use crate::screen::Screened;
+use crate::data::error::FitError;
+use crate::data::options::FitOptions;
+use crate::data::screening::Screened;
+use crate::methods::bands::Band;
+use crate::methods::common::{BandLines, ClassicPoles};
+use crate::methods::survey::Survey;
 use chladni_frf::{FrfKind, FrfSet, FrfValues, Geometry, ReferenceUnit};
 use ndarray::{Array1, Array3};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
 /// A structure by its poles, seen at `responses` points from one reference.
-pub(super) struct Structure {
+pub(crate) struct Structure {
     /// Natural frequency, Hz, and damping ratio.
     pub modes: Vec<(f64, f64)>,
     /// Response points.
@@ -138,7 +139,7 @@ impl Structure {
 }
 
 /// Runs a classic method with default options but for the number of modes.
-pub(super) fn run(
+pub(crate) fn run(
     method: fn(&Survey, &FitOptions) -> Result<ClassicPoles, FitError>,
     frf: &FrfSet,
     modes: Option<usize>,

@@ -16,14 +16,15 @@
 //! B. Gustavsen, A. Semlyen, IEEE Trans. Power Delivery 14 (1999) 1052; B. Gustavsen,
 //! ibid. 21 (2006) 1587 (relaxed).
 
-use super::selection::modes_of;
-use super::{Columns, MethodPoles, Survey};
-use crate::error::FitError;
-use crate::options::FitOptions;
-use crate::order::POWERS;
-use crate::pool::{mixtures, starts, vector_fit, Pool, Products};
+use crate::data::columns::Work;
+use crate::data::error::FitError;
+use crate::data::options::FitOptions;
+use crate::methods::common::MethodPoles;
+use crate::methods::selection::modes_of;
+use crate::methods::survey::{Columns, Survey};
+use crate::poles::chain::POWERS;
+use crate::poles::pool::{mixtures, starts, vector_fit, Pool, Products};
 use crate::tolerances as tol;
-use crate::work::Work;
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 
@@ -58,7 +59,7 @@ pub(crate) fn vf(
 }
 
 /// `size` poles by vector fitting on some mixtures of `work`, from the visible peaks.
-pub(super) fn pool(
+pub(crate) fn pool(
     survey: &Survey,
     work: &Work,
     count: usize,
@@ -83,7 +84,7 @@ pub(super) fn pool(
 }
 
 /// Poles of the pool with the sign of damping that they left with.
-pub(super) fn signed(pool: &Pool) -> Vec<Complex64> {
+pub(crate) fn signed(pool: &Pool) -> Vec<Complex64> {
     pool.lambda
         .iter()
         .zip(&pool.flipped)

@@ -1,8 +1,8 @@
 //! Poles of a model, to be fitted to other FRFs of the same structure.
 
-use super::linear::linear;
-use super::{Identified, Pole};
-use crate::work::Work;
+use crate::data::columns::Work;
+use crate::model::identified::{Identified, Pole};
+use crate::model::residues::linear;
 use chladni_frf::{Damping, ModalModel, Mode, Trust};
 use chladni_linalg::LinalgError;
 use ndarray::Array2;

@@ -1,10 +1,10 @@
 //! Modes in SI units, scaled.
 
-use super::pole::Pole;
-use super::shape_error::{Scale, ShapeBars};
-use crate::head::Head;
-use crate::structure::Shapes;
-use crate::validation::mpc;
+use crate::data::layout::Head;
+use crate::model::identified::Pole;
+use crate::shapes::error_bars::{Scale, ShapeBars};
+use crate::shapes::residues::Shapes;
+use crate::validation::complexity::mpc;
 use chladni_frf::{ComplexVector, Damping, Mode, ReferenceUnit, Scaling};
 use ndarray::Array1;
 use num_complex::Complex64;
@@ -35,7 +35,7 @@ fn measured(data: &Head, shapes: &Shapes, n: usize) -> (Array1<Complex64>, Array
 
 /// Scale of the shapes: of unit modal mass where the set has driving points and forces,
 /// one at the largest response otherwise.
-pub(super) fn scales(
+pub(crate) fn scales(
     data: &Head,
     damping: Damping,
     poles: &[Pole],
@@ -116,7 +116,7 @@ pub(super) fn scales(
 }
 
 /// Modes in SI units with the error `bars` of their terms.
-pub(super) fn modes(
+pub(crate) fn modes(
     data: &Head,
     damping: Damping,
     poles: &[Pole],
@@ -162,7 +162,7 @@ pub(super) fn modes(
 }
 
 /// Why shapes have no absolute scale.
-pub(super) fn unscaled(unit: ReferenceUnit) -> String {
+pub(crate) fn unscaled(unit: ReferenceUnit) -> String {
     match unit {
         ReferenceUnit::Volt => "shapes are not mass-scaled: the references are voltages".into(),
         ReferenceUnit::Newton => {
@@ -174,7 +174,7 @@ pub(super) fn unscaled(unit: ReferenceUnit) -> String {
 }
 
 /// Modes of the band whose driving points say nothing of their scale.
-pub(super) fn scale_unknown<'a>(
+pub(crate) fn scale_unknown<'a>(
     data: &Head,
     poles: impl Iterator<Item = &'a Pole>,
 ) -> Option<String> {
@@ -193,7 +193,7 @@ pub(super) fn scale_unknown<'a>(
 }
 
 /// A rejected pole as it is listed: no shape, no part in the synthesis.
-pub(super) fn rejected_mode(data: &Head, pole: &Pole) -> Mode {
+pub(crate) fn rejected_mode(data: &Head, pole: &Pole) -> Mode {
     let zeros = |count| ComplexVector(vec![Complex64::default(); count]);
     let (responses, references) = (data.responses.len(), data.references.len());
     mode(

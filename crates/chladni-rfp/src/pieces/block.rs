@@ -1,18 +1,18 @@
 //! One block of FRFs, reduced.
 
-use super::partial::{Block, Partial, ProductSums, Run, SketchSums, Sums};
-use super::plan::Plan;
-use super::poles::{Matrix, Poles};
-use super::PieceError;
-use crate::error::FitError;
-use crate::faults::window;
-use crate::head::Head;
-use crate::options::FitOptions;
-use crate::passes::on_all_lines;
-use crate::project::{measured_basis, products};
-use crate::reading::{squares_of, Usable};
-use crate::screen::Screened;
-use crate::sketch::{self, Mixing};
+use crate::data::error::FitError;
+use crate::data::layout::Head;
+use crate::data::options::FitOptions;
+use crate::data::products::{measured_basis, products};
+use crate::data::reading::{squares_of, Usable};
+use crate::data::screening::Screened;
+use crate::data::sketch::{self, Mixing};
+use crate::data::window;
+use crate::pieces::error::PieceError;
+use crate::pieces::partial::{Block, Partial, ProductSums, Run, SketchSums, Sums};
+use crate::pieces::plan::Plan;
+use crate::pieces::poles::{Matrix, Poles};
+use crate::poles::passes::on_all_lines;
 use chladni_frf::{Error, FrfSet, Source};
 use ndarray::{Array2, Axis};
 use rand::{Rng, SeedableRng};

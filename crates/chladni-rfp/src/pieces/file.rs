@@ -5,7 +5,8 @@
 //! {"format":"chladni.partial","version":2,"created_by":"chladni 0.1.0","bytes":1234,"sha256":"..."}
 //! ```
 
-use super::{Partial, Poles};
+use crate::pieces::partial::Partial;
+use crate::pieces::poles::Poles;
 use chladni_frf::{Error, CREATED_BY};
 use serde::{de::DeserializeOwned, Deserialize, Serialize};
 use sha2::{Digest, Sha256};

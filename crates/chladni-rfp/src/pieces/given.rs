@@ -1,12 +1,13 @@
 //! Residues of a block at the poles of a model.
 
-use super::PieceError;
-use crate::faults::window;
-use crate::model::{GivenPoles, Shaped};
-use crate::options::FitOptions;
-use crate::project::project;
-use crate::screen::Screened;
-use crate::work::basis;
+use crate::data::columns::basis;
+use crate::data::options::FitOptions;
+use crate::data::products::project;
+use crate::data::screening::Screened;
+use crate::data::window;
+use crate::model::build::Shaped;
+use crate::model::given::GivenPoles;
+use crate::pieces::error::PieceError;
 use chladni_frf::{FrfSet, ModalModel};
 use chladni_linalg::qr_thin;
 

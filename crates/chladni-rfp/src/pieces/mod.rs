@@ -17,37 +17,18 @@
 //! their noise, and the checks for poles that move between FRFs, delayed references and
 //! windows.
 
-mod block;
-mod file;
-mod given;
-mod partial;
-mod plan;
-mod poles;
-mod solve;
+pub(crate) mod block;
+pub(crate) mod error;
+pub(crate) mod file;
+pub(crate) mod given;
+pub(crate) mod partial;
+pub(crate) mod plan;
+pub(crate) mod poles;
+pub(crate) mod solve;
 
 pub use block::{reduce, Reducer};
+pub use error::PieceError;
 pub use given::residues;
 pub use partial::Partial;
 pub use poles::Poles;
 pub use solve::{solve, Solved};
-
-use crate::error::FitError;
-use chladni_linalg::LinalgError;
-use thiserror::Error;
-
-/// Why a piece could not be made, merged or solved.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum PieceError {
-    /// What stops every fit.
-    #[error(transparent)]
-    Fit(#[from] FitError),
-    /// Pieces or files that do not fit together.
-    #[error(transparent)]
-    Data(#[from] chladni_frf::Error),
-}
-
-impl From<LinalgError> for PieceError {
-    fn from(error: LinalgError) -> Self {
-        Self::Fit(error.into())
-    }
-}

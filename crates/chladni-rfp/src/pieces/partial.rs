@@ -1,7 +1,7 @@
 //! What is left of blocks of FRFs, and how it is merged.
 
-use super::plan::Plan;
-use super::poles::{Matrix, Poles};
+use crate::pieces::plan::Plan;
+use crate::pieces::poles::{Matrix, Poles};
 use chladni_frf::{Dof, Error, Node, Source};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -11,18 +11,18 @@ use std::sync::Arc;
 /// What is left of one or more blocks after a pass over them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Partial {
-    pub(super) plan: Plan,
+    pub(crate) plan: Plan,
     /// Those that the pass was run with, or a pilot's; `None`: the first pass.
-    pub(super) poles: Option<Arc<Poles>>,
+    pub(crate) poles: Option<Arc<Poles>>,
     /// By rising number.
-    pub(super) blocks: Vec<Block>,
+    pub(crate) blocks: Vec<Block>,
     /// By rising number; no two that could be one.
-    pub(super) runs: Vec<Run>,
+    pub(crate) runs: Vec<Run>,
 }
 
 /// The FRFs of a block.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Block {
+pub(crate) struct Block {
     pub number: u64,
     /// Of its pieces, where it was reduced piece by piece.
     pub piece: u64,
@@ -44,7 +44,7 @@ pub(super) struct Block {
 /// Sums over the blocks `first..first + length`, where `length` is a power of two that
 /// divides `first`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Run {
+pub(crate) struct Run {
     pub first: u64,
     pub length: u64,
     pub sums: Sums,
@@ -53,14 +53,14 @@ pub(super) struct Run {
 /// Sums over FRFs: the sketch of a first pass, the products of a second, or both of a
 /// first pass with the poles of a pilot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Sums {
+pub(crate) struct Sums {
     pub sketch: Option<SketchSums>,
     pub products: Option<ProductSums>,
 }
 
 /// Sums of the first pass, in units of the measured values.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct SketchSums {
+pub(crate) struct SketchSums {
     /// (line, column).
     pub columns: Matrix<Complex64>,
     /// FRFs in each column.
@@ -73,7 +73,7 @@ pub(super) struct SketchSums {
 
 /// Sums of the second.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct ProductSums {
+pub(crate) struct ProductSums {
     pub t: Matrix<f64>,
     pub gram: Matrix<f64>,
 }
@@ -250,7 +250,7 @@ impl Partial {
     }
 
     /// The sums over all blocks.
-    pub(super) fn sums(&self) -> Option<Sums> {
+    pub(crate) fn sums(&self) -> Option<Sums> {
         let mut runs = self.runs.iter();
         let mut all = runs.next()?.sums.clone();
         runs.for_each(|run| all.add(run.sums.clone()));

@@ -1,16 +1,16 @@
 //! What all pieces of one fit share.
 
-use crate::error::FitError;
-use crate::head::Head;
-use crate::options::{Effort, FitOptions};
-use crate::screen::lines_in_band;
+use crate::data::error::FitError;
+use crate::data::layout::Head;
+use crate::data::options::{Effort, FitOptions};
+use crate::data::screening::lines_in_band;
 use chladni_frf::{Error, FrfKind, FrfSet, ReferenceUnit};
 use ndarray::ArrayView1;
 use serde::{Deserialize, Serialize};
 
 /// Axis, kind and the options that a sketch depends on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Plan {
+pub(crate) struct Plan {
     /// The whole frequency axis of the data, Hz.
     pub frequency_hz: Vec<f64>,
     pub kind: FrfKind,

@@ -1,11 +1,11 @@
 //! Poles that a merged sketch shows, with what the second pass and its solution need to
 //! know.
 
-use super::plan::Plan;
-use crate::found::Grade;
-use crate::head::Head;
-use crate::options::{Effort, FitOptions};
-use crate::FitError;
+use crate::data::error::FitError;
+use crate::data::layout::Head;
+use crate::data::options::{Effort, FitOptions};
+use crate::pieces::plan::Plan;
+use crate::poles::estimate::Grade;
 use ndarray::Array2;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -13,32 +13,32 @@ use serde::{Deserialize, Serialize};
 /// Poles to run the second pass with.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Poles {
-    pub(super) plan: Plan,
+    pub(crate) plan: Plan,
     /// Indices of the lines used.
-    pub(super) lines: Vec<usize>,
+    pub(crate) lines: Vec<usize>,
     /// In the x plane.
-    pub(super) lambda: Vec<Complex64>,
+    pub(crate) lambda: Vec<Complex64>,
     /// Root mean square of the data, in SI units of their kind.
-    pub(super) rms: f64,
+    pub(crate) rms: f64,
     /// Energy of each line used over all FRFs, in work units.
-    pub(super) line_energy: Vec<f64>,
+    pub(crate) line_energy: Vec<f64>,
     /// Columns of the sketch on these lines, in work units.
-    pub(super) sketch: Matrix<Complex64>,
+    pub(crate) sketch: Matrix<Complex64>,
     /// Number of FRFs in it.
-    pub(super) frfs: usize,
+    pub(crate) frfs: usize,
     /// Number of modes asked for.
-    pub(super) modes: Option<usize>,
+    pub(crate) modes: Option<usize>,
     /// Outlier lines left out, Hz.
-    pub(super) dropped_hz: Vec<f64>,
+    pub(crate) dropped_hz: Vec<f64>,
     /// How often poles were sought: the second pass may show that they must be sought
     /// again.
-    pub(super) rounds: usize,
-    pub(super) path: Path,
+    pub(crate) rounds: usize,
+    pub(crate) path: Path,
 }
 
 /// How poles were found.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) enum Path {
+pub(crate) enum Path {
     /// Fast chain; what was tried: (poles, residual variance), in order.
     Fast { history: Vec<(usize, f64)> },
     /// Measured-data path, and why; E|δλ|² and grade of each pole.
@@ -54,7 +54,7 @@ pub(super) enum Path {
 
 /// A matrix, column by column.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Matrix<T> {
+pub(crate) struct Matrix<T> {
     pub rows: usize,
     pub values: Vec<T>,
 }
@@ -140,7 +140,7 @@ impl Poles {
     }
 
     /// Lines and scale, without DOFs.
-    pub(super) fn head(&self, effort: Effort) -> Result<Head, FitError> {
+    pub(crate) fn head(&self, effort: Effort) -> Result<Head, FitError> {
         Ok(Head {
             rms: self.rms,
             ..self.plan.head(self.lines.clone(), effort)?

@@ -1,25 +1,27 @@
 //! Poles of a merged sketch; the fit of merged products.
 
-use super::partial::{Block, Partial, ProductSums, SketchSums, Sums};
-use super::plan::Plan;
-use super::poles::{Matrix, Path, Poles};
-use super::PieceError;
-use crate::error::FitError;
-use crate::faults;
-use crate::fit::{conjugated, finished, from_chain, Fit, OUTLIER_ROUNDS};
-use crate::found::Found;
-use crate::head::Head;
-use crate::measured::{on_columns, strongest};
-use crate::options::FitOptions;
-use crate::order::{of_columns, of_sketch, Chain, Doubt, First, Outcome, POWERS};
-use crate::passes::{on_all_lines, same, Pass};
-use crate::project::{Products, Projected};
-use crate::refine::refine;
-use crate::screen::{enough, lines_left_out};
+use crate::checks::examine::examine;
+use crate::data::columns::{basis, Work};
+use crate::data::error::FitError;
+use crate::data::layout::Head;
+use crate::data::noise_weights::PairWeights;
+use crate::data::options::FitOptions;
+use crate::data::outliers;
+use crate::data::products::{Products, Projected};
+use crate::data::screening::{enough, lines_left_out};
+use crate::driver::{conjugated, finished, from_chain, Fit, OUTLIER_ROUNDS};
+use crate::measured::path::{on_columns, strongest};
+use crate::model::exponential;
+use crate::pieces::error::PieceError;
+use crate::pieces::partial::{Block, Partial, ProductSums, SketchSums, Sums};
+use crate::pieces::plan::Plan;
+use crate::pieces::poles::{Matrix, Path, Poles};
+use crate::poles::chain::{of_columns, of_sketch, Chain, Doubt, First, Outcome, POWERS};
+use crate::poles::estimate::Found;
+use crate::poles::passes::{on_all_lines, same, Pass};
+use crate::poles::refine::refine;
 use crate::tolerances as tol;
-use crate::unequal::PairWeights;
 use crate::wide::{in_pool, projected};
-use crate::work::{basis, Work};
 use chladni_frf::{Dof, Error, Node};
 use chladni_linalg::LinalgError;
 use ndarray::{Array1, Array2, ArrayView1, Axis, ShapeBuilder};
@@ -455,15 +457,15 @@ fn of_products(
         ));
     }
     if !poles.dropped_hz.is_empty() {
-        model.quality.warnings.push(faults::outliers::words(
-            &head,
-            &mut poles.dropped_hz.clone(),
-        ));
+        model
+            .quality
+            .warnings
+            .push(outliers::words(&head, &mut poles.dropped_hz.clone()));
     }
-    faults::examine(&head, None, options, white, &mut model);
+    examine(&head, None, options, white, &mut model);
     model.quality.warnings.push(UNCHECKED.into());
     if let Some(alpha) = options.exponential_window_per_s {
-        faults::exponential::undo(&mut model, alpha);
+        exponential::undo(&mut model, alpha);
     }
     Ok(Solved::Fit(Box::new(Fit {
         model,

@@ -1,0 +1,68 @@
+//! The data that a check may look at, and its outcome.
+
+use crate::data::layout::Head;
+use crate::data::options::FitOptions;
+use crate::data::screening::Screened;
+use chladni_frf::{ModalModel, Mode, Trust};
+
+/// What a check may look at.
+pub(crate) struct Case<'a> {
+    /// What is known of the data that were fitted.
+    pub data: &'a Head,
+    /// The data themselves, where they are at hand: checks that look at single FRFs are
+    /// left out where they are not.
+    pub values: Option<&'a Screened<'a>>,
+    /// What came of it.
+    pub model: &'a ModalModel,
+    /// How it was asked for.
+    pub options: &'a FitOptions,
+    /// True where the residual is white: the lines are pure resonances within the noise.
+    pub white: bool,
+}
+
+/// What a check found.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Finding {
+    /// The fault, the evidence, what to do.
+    pub words: String,
+    /// True where the data as a whole contradict the model: it cannot be trusted then.
+    pub contradiction: bool,
+    /// Modes (positions in the model) that are weak for it.
+    pub weak: Vec<usize>,
+    /// Why.
+    pub reason: &'static str,
+}
+
+impl Finding {
+    pub(crate) fn new(words: String, contradiction: bool) -> Self {
+        Self {
+            words,
+            contradiction,
+            weak: Vec::new(),
+            reason: "",
+        }
+    }
+    /// Words alone.
+    pub(crate) fn note(words: String) -> Self {
+        Self::new(words, false)
+    }
+    /// The data as a whole contradict the model.
+    pub(crate) fn contradiction(words: String) -> Self {
+        Self::new(words, true)
+    }
+}
+
+impl Case<'_> {
+    /// Noise variance of one work value, where the residual is noise.
+    pub(crate) fn noise_variance(&self) -> f64 {
+        (self.model.quality.relative_error * self.data.measured_over_used()).powi(2)
+    }
+
+    /// In-band modes without doubts.
+    pub(crate) fn sure_modes(&self) -> Vec<&Mode> {
+        self.model
+            .in_band_modes()
+            .filter(|mode| mode.trust == Trust::Sure)
+            .collect()
+    }
+}

@@ -1,0 +1,192 @@
+//! A reference that lags another one: a filter, a multiplexer, a trigger.
+//!
+//! Real modes have Σ_o R_o2·R̄_o1 real; a delay τ of the second reference turns it by
+//! −ω_nτ. Modulo its sign, τ maximises |Σ_n w_n(U_n/|U_n|)²·e^{2jω_nτ}|, U_n = Σ_o
+//! R_o2·R̄_o1 = L_n2·L̄_n1·Σ|ψ_n|², each mode weighted by how well its phase is known
+//! (theory.md, eq. F2). Poles and rank-one shapes absorb the delay; real shapes do not.
+
+use crate::checks::case::{Case, Finding};
+use chladni_frf::Mode;
+use num_complex::Complex64;
+use std::f64::consts::TAU;
+
+/// Phase of a well-known mode, rad: real structures are not real to more than some
+/// degrees.
+const NATURAL_PHASE: f64 = 0.03;
+/// Modes that must carry the evidence: fewer fit some delay by chance.
+const LEAST_MODES: f64 = 4.0;
+/// Rms phase, rad, that may be left after the delay is taken off: shapes more complex
+/// than that hide a delay.
+const LEFT_OVER: f64 = 0.2;
+/// A delay counts from so many of its standard deviations ...
+const SIGMAS: f64 = 5.0;
+/// ... and from this phase at the highest mode, rad (3°).
+const LEAST_PHASE: f64 = 0.05;
+
+/// A delay with its standard deviation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Delay {
+    /// s; positive: the second lags.
+    seconds: f64,
+    /// s, one sigma.
+    deviation: f64,
+}
+
+/// Names references that lag or lead the first.
+pub(crate) fn delayed_reference(case: &Case) -> Option<Finding> {
+    let modes = case.sure_modes();
+    let omega: Vec<f64> = modes.iter().map(|mode| TAU * mode.frequency_hz).collect();
+    if case.model.references.len() < 2 || (omega.len() as f64) < LEAST_MODES {
+        return None;
+    }
+    let trials = Trials::new(&omega);
+    let found: Vec<String> = (1..case.model.references.len())
+        .filter_map(|j| Some((j, relative_delay(&modes, &omega, &trials, 0, j)?)))
+        .map(|(j, delay)| {
+            let lags = if delay.seconds > 0.0 { "lags" } else { "leads" };
+            let microseconds = 1e6 * delay.seconds.abs();
+            format!(
+                "{} {lags} by {microseconds:.1} µs (± {:.1})",
+                case.model.references[j],
+                1e6 * delay.deviation
+            )
+        })
+        .collect();
+    let first = case
+        .model
+        .references
+        .first()
+        .filter(|_| !found.is_empty())?;
+    let words = format!(
+        "delayed reference: against {first}, {}, read off the phases of {} modes; poles are not touched, but participations turn with \
+         frequency and real shapes will not fit: correct the delay",
+        found.join(", "),
+        modes.len()
+    );
+    Some(Finding::note(words))
+}
+
+/// Delay of reference `second` against `first` where the modes show one.
+fn relative_delay(
+    modes: &[&Mode],
+    omega: &[f64],
+    trials: &Trials,
+    first: usize,
+    second: usize,
+) -> Option<Delay> {
+    let u: Vec<Complex64> = modes
+        .iter()
+        .map(|mode| mode.participation.0[second] * mode.participation.0[first].conj())
+        .collect();
+    let weight: Vec<f64> = modes
+        .iter()
+        .map(|mode| 1.0 / (NATURAL_PHASE.powi(2) + phase_variance(mode, first, second)))
+        .collect();
+    let total: f64 = weight.iter().sum();
+    let effective = total * total / weight.iter().map(|w| w * w).sum::<f64>();
+    if !effective.is_finite() || effective < LEAST_MODES {
+        return None;
+    }
+    let doubled: Vec<Complex64> = u
+        .iter()
+        .zip(&weight)
+        .map(|(u, w)| w * u * u / u.norm_sqr().max(f64::MIN_POSITIVE))
+        .collect();
+    let mut seconds = trials.best(&doubled);
+    // phases that are left, modulo 180°, and their regression on ω
+    let moment: f64 = omega.iter().zip(&weight).map(|(o, w)| w * o * o).sum();
+    let phases = |tau: f64| -> Vec<f64> {
+        omega
+            .iter()
+            .zip(&doubled)
+            .map(|(o, d)| 0.5 * (d * Complex64::from_polar(1.0, 2.0 * o * tau)).arg())
+            .collect()
+    };
+    for _ in 0..4 {
+        seconds -= omega
+            .iter()
+            .zip(phases(seconds))
+            .zip(&weight)
+            .map(|((o, p), w)| w * o * p)
+            .sum::<f64>()
+            / moment;
+    }
+    let left = phases(seconds)
+        .iter()
+        .zip(&weight)
+        .map(|(p, w)| w * p * p)
+        .sum::<f64>()
+        / total
+        * effective
+        / (effective - 1.0);
+    let deviation = (left * total / moment / effective).sqrt();
+    let top = omega.iter().copied().fold(0.0, f64::max);
+    let shown = left.sqrt() < LEFT_OVER
+        && seconds.abs() > SIGMAS * deviation
+        && seconds.abs() * top > LEAST_PHASE;
+    shown.then_some(Delay { seconds, deviation })
+}
+
+/// Variance of the phase between two participations: that of the pole in half-bandwidths,
+/// which is about that of a residue of usual strength, larger as the weaker of the two is
+/// weaker.
+fn phase_variance(mode: &Mode, first: usize, second: usize) -> f64 {
+    let all = &mode.participation.0;
+    let usual = all.iter().map(|v| v.norm_sqr()).sum::<f64>() / all.len() as f64;
+    let weaker = all[first].norm_sqr().min(all[second].norm_sqr());
+    let half_width = 0.5 * mode.loss_factor * mode.frequency_hz;
+    (mode.frequency_std_hz / half_width).powi(2) * usual / weaker.max(f64::MIN_POSITIVE)
+}
+
+/// Trial delays as far as the mean spacing of the modes is unambiguous, so close that the
+/// highest mode resolves them.
+struct Trials {
+    /// s, the nearest to zero first.
+    seconds: Vec<f64>,
+    /// e^{2jω_nτ}, one row per delay.
+    phasors: Vec<Vec<Complex64>>,
+}
+
+impl Trials {
+    fn new(omega: &[f64]) -> Self {
+        let (low, high) = omega
+            .iter()
+            .fold((f64::MAX, 0.0_f64), |(l, h), &o| (l.min(o), h.max(o)));
+        let reach =
+            0.25 * TAU * omega.len().saturating_sub(1) as f64 / (high - low).max(f64::MIN_POSITIVE);
+        let steps = ((reach * high / 0.25).ceil() as usize).clamp(1, 20_000);
+        let at = |step: usize| reach * step as f64 / steps as f64;
+        let seconds: Vec<f64> = std::iter::once(0.0)
+            .chain((1..=steps).flat_map(|step| [at(step), -at(step)]))
+            .collect();
+        let row = |tau: &f64| {
+            omega
+                .iter()
+                .map(|o| Complex64::from_polar(1.0, 2.0 * o * tau))
+                .collect()
+        };
+        let phasors = seconds.iter().map(row).collect();
+        Self { seconds, phasors }
+    }
+
+    /// The delay that maximises |Σ d_n e^{2jω_nτ}|.
+    fn best(&self, doubled: &[Complex64]) -> f64 {
+        let score = |row: &[Complex64]| {
+            row.iter()
+                .zip(doubled)
+                .map(|(p, d)| p * d)
+                .sum::<Complex64>()
+                .norm_sqr()
+        };
+        let scores = self.phasors.iter().map(|row| score(row)).zip(&self.seconds);
+        scores
+            .fold((-1.0, 0.0), |best, (score, tau)| {
+                if score > best.0 {
+                    (score, *tau)
+                } else {
+                    best
+                }
+            })
+            .1
+    }
+}

@@ -1,0 +1,55 @@
+//! All checks after a fit: each names one fault of the data with its evidence.
+//!
+//! Elsewhere: windows that are undone before the fit (`data/window.rs`), FRFs far noisier
+//! than the others (`data/noisy_frfs.rs`), lines that no neighbour supports
+//! (`data/outliers.rs`), the wrong time sign (`poles/chain.rs`), padded records
+//! (`measured/impulse.rs`), missing values (`data/screening.rs`).
+
+use crate::checks::case::{Case, Finding};
+use crate::checks::{delay, hidden, kind, moving, reciprocal, split, window_bias};
+use crate::data::layout::Head;
+use crate::data::options::FitOptions;
+use crate::data::screening::Screened;
+use chladni_frf::{ModalModel, Trust};
+use rayon::prelude::*;
+
+/// Every check that runs after a fit.
+const CHECKS: [fn(&Case) -> Option<Finding>; 8] = [
+    kind::wrong_kind,
+    moving::moving_poles,
+    split::split_modes,
+    hidden::single_frf,
+    hidden::between_modes,
+    delay::delayed_reference,
+    reciprocal::not_reciprocal,
+    window_bias::possible_bias,
+];
+
+/// Runs all checks; their words join the model's warnings.
+pub(crate) fn examine(
+    data: &Head,
+    values: Option<&Screened>,
+    options: &FitOptions,
+    white: bool,
+    model: &mut ModalModel,
+) {
+    let case = Case {
+        data,
+        values,
+        model,
+        options,
+        white,
+    };
+    let found: Vec<Finding> = CHECKS.par_iter().filter_map(|check| check(&case)).collect();
+    for finding in found {
+        model.quality.trusted &= !finding.contradiction;
+        for &n in &finding.weak {
+            let mode = &mut model.modes[n];
+            mode.trust = Trust::Weak;
+            mode.reasons.push(finding.reason.into());
+        }
+        model.quality.warnings.push(finding.words);
+    }
+    let sure = model.in_band_modes().any(|mode| mode.trust == Trust::Sure);
+    model.quality.trusted &= sure;
+}

@@ -1,0 +1,130 @@
+//! What these data could not show: a mode at a node of the only FRF, or between modes
+//! that overlap (theory.md, eq. F7).
+
+use crate::checks::case::{Case, Finding};
+use crate::checks::moving::{pole, strength};
+use crate::data::columns::{basis, Work};
+use crate::data::options::ShapeModel;
+use crate::poles::chain::POWERS;
+use crate::poles::prune::threshold;
+use crate::shapes::target::background;
+use crate::wide::projected;
+use chladni_frf::Mode;
+use num_complex::Complex64;
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+use std::ops::Range;
+
+/// Modal overlap (half-bandwidths of both neighbours over their distance) at which a mode
+/// may hide between two others; of nearer ones it goes without saying.
+const OVERLAP: Range<f64> = 0.3..1.5;
+/// Poles around such a place that may take over what a mode there would add.
+const NEIGHBOURS: usize = 6;
+/// Half-bandwidths, and lines, on both sides of it.
+const WINDOW: (f64, usize) = (8.0, 16);
+
+/// One FRF does not show every mode.
+pub(crate) fn single_frf(case: &Case) -> Option<Finding> {
+    (case.data.pairs.len() == 1).then(|| {
+        Finding::note(
+            "one FRF: a mode with a node at its response or its reference does not show \
+                       in it; measure more points"
+                .into(),
+        )
+    })
+}
+
+/// Gaps between overlapping modes in which one more, as strong as they are, would not
+/// stand out of the noise.
+pub(crate) fn between_modes(case: &Case) -> Option<Finding> {
+    if !case.white {
+        return None;
+    }
+    let mut modes: Vec<&Mode> = case.model.in_band_modes().collect();
+    modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+    let axis = case.data.axis();
+    let hides = |pair: &&[&Mode]| could_hide(case, &axis, pair).unwrap_or(false);
+    let gaps: Vec<&[&Mode]> = modes.par_windows(2).filter(hides).collect();
+    if gaps.is_empty() {
+        return None;
+    }
+    let between = |pair: &&[&Mode]| {
+        format!(
+            "{:.1} and {:.1}",
+            pair[0].frequency_hz, pair[1].frequency_hz
+        )
+    };
+    Some(Finding::note(format!(
+        "modes overlap: between {} Hz one more, as strong as they are, could hide in this noise; \
+         more references or less noise would show it",
+        gaps.iter().map(between).collect::<Vec<_>>().join("; ")
+    )))
+}
+
+/// True where a mode halfway between two others would add less to the data than a mode
+/// must to be found; `None` where the two do not overlap.
+fn could_hide(case: &Case, axis: &Work, pair: &[&Mode]) -> Option<bool> {
+    let poles = [pole(case, pair[0]), pole(case, pair[1])];
+    let place = 0.5 * (poles[0] + poles[1]);
+    if !OVERLAP.contains(&(2.0 * place.im / (poles[1].re - poles[0].re))) {
+        return None;
+    }
+    let local = axis.select(&axis.window(place, WINDOW.0, WINDOW.1).collect::<Vec<_>>());
+    let mut around: Vec<Complex64> = case
+        .model
+        .modes
+        .iter()
+        .map(|mode| pole(case, mode))
+        .collect();
+    around.sort_by(|a, b| (a - place).norm().total_cmp(&(b - place).norm()));
+    around.truncate(NEIGHBOURS);
+    // of unit height at its resonance
+    let top = axis
+        .x
+        .partition_point(|x| *x < place.re)
+        .min(axis.lines() - 1);
+    let mode = basis(&local, &[place], &[]) * Complex64::from(place.im / axis.g[top]);
+    let left = |poles: &[Complex64]| -> Option<f64> {
+        let taken = background(&local, poles, &POWERS).ok()?;
+        Some(
+            projected(taken.view(), mode.view())
+                .1
+                .iter()
+                .map(|v| v.norm_sqr())
+                .sum(),
+        )
+    };
+    let (beside_terms, beside_all) = (left(&[])?, left(&around)?);
+    let overlapping = around
+        .iter()
+        .filter(|near| (near.re - place.re).abs() < near.im + place.im)
+        .count();
+    let free = unshared(case, overlapping);
+    let energy = height(case, pair[0])
+        * height(case, pair[1])
+        * (free * beside_terms + (1.0 - free) * beside_all);
+    let frfs = case.data.pairs.len();
+    Some(energy < (threshold(frfs, local.lines()) - frfs as f64) * case.noise_variance())
+}
+
+/// Part of the residues of one more mode that `modes` of rank one cannot take over,
+/// whatever their shapes do: what is left of the responses · references directions.
+fn unshared(case: &Case, modes: usize) -> f64 {
+    let (responses, references) = (case.data.responses.len(), case.data.references.len());
+    let all = responses * references;
+    if case.options.shapes == ShapeModel::Free || case.data.pairs.len() < all {
+        return 0.0;
+    }
+    (1.0 - (modes * (responses + references - 1)) as f64 / all as f64).max(0.0)
+}
+
+/// Root of the mode's energy at its resonance over all FRFs, in work units.
+fn height(case: &Case, mode: &Mode) -> f64 {
+    let data = case.data;
+    let residue = data.pairs.iter().map(|&(i, j)| {
+        (strength(mode, (i, j)) * data.weight(i, j).iter().product::<f64>()).powi(2)
+    });
+    let omega = TAU * mode.frequency_hz;
+    let kind = data.kind.from_receptance(omega).norm();
+    residue.sum::<f64>().sqrt() * kind * data.factor().norm() / (mode.loss_factor * omega * omega)
+}

@@ -1,0 +1,194 @@
+//! The wrong FRF kind: mobility called receptance, and the like.
+//!
+//! The poles do not mind (a factor jω is smooth across a resonance), but every residue is
+//! turned by 90° for each differentiation too many or too few. A real shape has residues
+//! ψ_iψ_j: real and positive at a driving point, real of either sign elsewhere. Two
+//! differentiations reverse the sign, as a reversed sensor does; what stands beside the
+//! resonances tells them apart, since −ω²/(λ − ω²) = 1 − λ/(λ − ω²) and −1/(ω²(λ − ω²)) =
+//! −(1/ω² + 1/(λ − ω²))/λ (theory.md, eq. F1).
+
+use crate::checks::case::{Case, Finding};
+use chladni_frf::{FrfKind, ModalModel, Mode, ReferenceUnit};
+use num_complex::Complex64;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// Mean of unit phasors (or of (ΣR²)/Σ|R|²) from which the modes count as of one phase;
+/// random phases of five modes reach it in less than one case of a hundred, complex
+/// shapes with 20° of scatter lie above it.
+const COHERENT: f64 = 0.7;
+/// The phase must lie this near to a multiple of 90°, rad.
+const NEAR: f64 = PI / 6.0;
+/// Modes needed, with driving points and without.
+const LEAST_MODES: [usize; 2] = [2, 3];
+
+/// Looks at the common phase of the residues.
+pub(crate) fn wrong_kind(case: &Case) -> Option<Finding> {
+    let modes = case.sure_modes();
+    let driving = driving_residues(case.model, &modes);
+    let declared = case.model.frf_kind;
+    let with_driving_point = !driving.is_empty();
+    let (phase, count) = if driving.len() >= LEAST_MODES[0] {
+        (common_phase(driving.iter().copied())?, driving.len())
+    } else if !with_driving_point && modes.len() >= LEAST_MODES[1] {
+        // squares: the sign of a residue between two points says nothing
+        (
+            common_phase(
+                modes
+                    .iter()
+                    .map(|mode| square_sum(&mode.shape.0) * square_sum(&mode.participation.0)),
+            )? / 2.0,
+            modes.len(),
+        )
+    } else {
+        return None;
+    };
+    let turned = |quarters: f64| {
+        (phase - quarters * FRAC_PI_2).sin().abs() < NEAR.sin()
+            && (phase - quarters * FRAC_PI_2).cos() > 0.0
+    };
+    let evidence = format!(
+        "the residues of {count} modes {} are turned by {:+.0}° against {declared}",
+        if with_driving_point {
+            "at the driving points"
+        } else {
+            "(no driving point: up to their sign)"
+        },
+        phase.to_degrees()
+    );
+    let candidates: Vec<FrfKind> = match (with_driving_point, turned(1.0), turned(-1.0)) {
+        (true, true, _) => kind_of(declared, 1).into_iter().collect(),
+        (true, _, true) => kind_of(declared, -1).into_iter().collect(),
+        (false, true, _) | (false, _, true) => [kind_of(declared, -1), kind_of(declared, 1)]
+            .into_iter()
+            .flatten()
+            .collect(),
+        (true, ..) if turned(2.0) || turned(-2.0) => {
+            return Some(reversed(case.model, &modes, &driving, &evidence))
+        }
+        _ => return None,
+    };
+    let names: Vec<&str> = candidates.iter().map(|kind| kind.as_str()).collect();
+    let words = match names.as_slice() {
+        [] => format!(
+            "{evidence}: a channel is integrated or turned by a filter; real shapes and \
+                       their scale are wrong"
+        ),
+        names => {
+            let names = names.join(" or ");
+            format!(
+                "wrong FRF kind? {evidence}, as if the data were {names}: read them with \
+                     --frf-kind {}",
+                names.replace(" or ", "|")
+            )
+        }
+    };
+    // between a voltage and its force stands an amplifier, whose phase is nobody's fault
+    Some(Finding::new(
+        words,
+        case.model.reference_unit == ReferenceUnit::Newton,
+    ))
+}
+
+/// Residues at the driving points over what they could be at most, one for each mode that
+/// shows there.
+fn driving_residues(model: &ModalModel, modes: &[&Mode]) -> Vec<Complex64> {
+    let pairs = driving_points(model);
+    modes
+        .iter()
+        .filter_map(|mode| {
+            let residues = pairs
+                .iter()
+                .map(|&(i, j, sign)| sign * mode.shape.0[i] * mode.participation.0[j]);
+            let (sum, most) = residues.fold((Complex64::default(), 0.0), |(sum, most), r| {
+                (sum + r, most + r.norm())
+            });
+            (most > 0.0).then(|| sum / most)
+        })
+        .collect()
+}
+
+/// (response, reference, sign between their directions) of the pairs whose DOFs are one.
+fn driving_points(model: &ModalModel) -> Vec<(usize, usize, f64)> {
+    let pairs = model.responses.iter().enumerate().flat_map(|(i, r)| {
+        model
+            .references
+            .iter()
+            .enumerate()
+            .map(move |(j, f)| (i, *r, j, *f))
+    });
+    pairs
+        .filter(|(_, r, _, f)| r.same_axis(*f))
+        .map(|(i, r, j, f)| (i, j, r.direction.sign() * f.direction.sign()))
+        .collect()
+}
+
+/// (Σv²)/Σ|v|²: of modulus 1 for a vector of one phase.
+fn square_sum(values: &[Complex64]) -> Complex64 {
+    let total: f64 = values.iter().map(|v| v.norm_sqr()).sum();
+    values.iter().map(|v| v * v).sum::<Complex64>() / total.max(f64::MIN_POSITIVE)
+}
+
+/// Phase of the mean; `None` where the entries do not agree.
+fn common_phase(phasors: impl Iterator<Item = Complex64>) -> Option<f64> {
+    let (sum, count) = phasors.fold((Complex64::default(), 0), |(sum, count), p| {
+        (sum + p, count + 1)
+    });
+    let mean = sum / f64::from(count.max(1));
+    (mean.norm() > COHERENT).then(|| mean.arg())
+}
+
+/// The kind with `more` differentiations.
+fn kind_of(declared: FrfKind, more: i32) -> Option<FrfKind> {
+    [FrfKind::Receptance, FrfKind::Mobility, FrfKind::Accelerance]
+        .into_iter()
+        .find(|kind| kind.omega_power() == declared.omega_power() + more)
+}
+
+/// Negative driving points: two differentiations, or a direction that is reversed.
+fn reversed(model: &ModalModel, modes: &[&Mode], driving: &[Complex64], evidence: &str) -> Finding {
+    let pairs = driving_points(model);
+    // Σ over driving points of the coefficient of ω^power
+    let beside = |power: i32| -> f64 {
+        let scale = model.residual_terms.omega_scale_rad_per_s.powi(-power);
+        let term = model
+            .residual_terms
+            .terms
+            .iter()
+            .filter(|term| term.power == power);
+        term.flat_map(|term| {
+            pairs
+                .iter()
+                .map(move |&(i, j, sign)| sign * term.matrix.0[[i, j]].re * scale)
+        })
+        .sum()
+    };
+    let of_modes = |power: i32| -> f64 {
+        let size = |mode: &Mode| {
+            pairs
+                .iter()
+                .map(|&(i, j, _)| (mode.shape.0[i] * mode.participation.0[j]).norm())
+                .sum::<f64>()
+        };
+        modes
+            .iter()
+            .map(|mode| size(mode) * (TAU * mode.frequency_hz).powi(power))
+            .sum()
+    };
+    let other = match model.frf_kind {
+        FrfKind::Receptance if beside(0) > 0.5 * of_modes(-2) => Some(FrfKind::Accelerance),
+        FrfKind::Accelerance if beside(-2) < -0.5 * of_modes(0) => Some(FrfKind::Receptance),
+        _ => None,
+    };
+    let words = match other {
+        Some(kind) => format!(
+            "wrong FRF kind? {evidence}, and so is what stands beside them, as \
+                               if the data were {kind}: read them with --frf-kind {kind}"
+        ),
+        None => format!(
+            "{evidence} ({} modes negative): a sensor or a driver points the other way; correct \
+             its direction, or mass-scaled shapes come out imaginary",
+            driving.len()
+        ),
+    };
+    Finding::new(words, other.is_some())
+}

@@ -1,0 +1,228 @@
+//! Which window the line shapes speak of.
+//!
+//! A resonance in H1 of windowed random records is the transform of e^{pt}ρ(t) over one
+//! record, not 1/(s − p). With z = (s − p)T, f(z) = ∫(1−u)e^{−zu}du and e(z) = ∫e^{−zu}du
+//! over 0..1 it is (theory.md, eq. F4)
+//!
+//! rectangular: T·f(z); Hann: T·[2f(z) + ½f(z−2πj) + ½f(z+2πj) + (3/4πj)(e(z−2πj) −
+//! e(z+2πj))]/3.
+//!
+//! Each shape is fitted to the lines around every isolated mode, its pole free, and the
+//! sums of squares are compared: three hypotheses with the same number of unknowns.
+
+use crate::checks::case::Case;
+use crate::checks::moving::neighbourhood;
+use crate::data::window::Window;
+use chladni_frf::Mode;
+use chladni_linalg::{lstsq, matmul, matmul_h, qr_thin, LinalgError};
+use ndarray::{Array2, ShapeBuilder};
+use num_complex::Complex64;
+use std::f64::consts::{PI, TAU};
+
+/// Strongest FRFs looked at for each mode.
+const FRFS_MOST: usize = 16;
+/// Half-bandwidths, and lines, on both sides of a mode.
+const REACH: (f64, usize) = (4.0, 8);
+/// Half-bandwidths to the next mode.
+const ALONE: f64 = 12.0;
+/// Steps of the fit of one pole.
+const STEPS: usize = 20;
+/// A step smaller than this part of the decay ends the fit.
+const STILL: f64 = 1e-4;
+/// Lines are counted once however many FRFs there are: leakage errors of one record are
+/// common to all of them.
+const UNKNOWNS: usize = 4;
+/// Log-likelihood by which one window must beat the others.
+pub(crate) const DECIDES: f64 = 12.0;
+
+/// The window whose line shape wins, by how much (log-likelihood over the second best),
+/// and on how many modes.
+pub(crate) fn likely_window(case: &Case) -> Option<(Window, f64, usize)> {
+    let modes: Vec<&Mode> = case.model.in_band_modes().collect();
+    let mut scores = [0.0; Window::ALL.len()];
+    let mut count = 0;
+    for mode in &modes {
+        if let Some(own) = mode_scores(case, mode, &modes) {
+            scores
+                .iter_mut()
+                .zip(own)
+                .for_each(|(sum, score)| *sum += score);
+            count += 1;
+        }
+    }
+    let mut order: Vec<usize> = (0..scores.len()).collect();
+    order.sort_by(|&a, &b| scores[b].total_cmp(&scores[a]));
+    (count > 0).then(|| {
+        (
+            Window::ALL[order[0]],
+            scores[order[0]] - scores[order[1]],
+            count,
+        )
+    })
+}
+
+/// Log-likelihood of each window on the lines around one mode.
+fn mode_scores(case: &Case, mode: &Mode, modes: &[&Mode]) -> Option<[f64; Window::ALL.len()]> {
+    let half_width = 0.5 * mode.loss_factor * mode.frequency_hz;
+    let near = |other: &&Mode| {
+        *other != mode && (other.frequency_hz - mode.frequency_hz).abs() < ALONE * half_width
+    };
+    if half_width <= 0.0 || modes.iter().any(near) {
+        return None;
+    }
+    let record_s = 1.0 / case.data.line_spacing_hz();
+    let (work, own) = neighbourhood(case, mode, REACH, FRFS_MOST)?;
+    if work.lines() < 2 * UNKNOWNS {
+        return None;
+    }
+    let s: Vec<Complex64> = work
+        .x
+        .iter()
+        .map(|x| Complex64::new(0.0, x.sqrt() * case.data.omega_max))
+        .collect();
+    let pole = Complex64::new(-half_width, mode.frequency_hz) * TAU;
+    let mut scores = [0.0; Window::ALL.len()];
+    for (score, window) in scores.iter_mut().zip(Window::ALL) {
+        // without its window a line is narrower by about 1/T
+        let shift = if window == Window::None {
+            0.0
+        } else {
+            (1.0 / record_s).min(-0.7 * pole.re)
+        };
+        let sse = best(&s, &own, window, record_s, pole + shift).ok()?;
+        *score = -((work.lines() - UNKNOWNS) as f64) * sse.max(f64::MIN_POSITIVE).ln();
+    }
+    Some(scores)
+}
+
+/// Least sum of squares over the pole: variable projection with one complex unknown.
+fn best(
+    s: &[Complex64],
+    own: &Array2<Complex64>,
+    window: Window,
+    record_s: f64,
+    start: Complex64,
+) -> Result<f64, LinalgError> {
+    let mut pole = start;
+    let mut now = Fitted::new(s, own, window, record_s, pole)?;
+    let mut damping = 1.0;
+    for _ in 0..STEPS {
+        let h = 1e-4 * pole.re;
+        let difference: Array2<Complex64> = (column(s, window, record_s, pole + h)
+            - column(s, window, record_s, pole - h))
+            / (2.0 * h);
+        let outside = &difference
+            - &matmul(
+                now.q.view(),
+                matmul_h(now.q.view(), difference.view()).view(),
+            );
+        let power: f64 = outside.iter().map(|v| v.norm_sqr()).sum::<f64>()
+            * now.strength.iter().map(|v| v.norm_sqr()).sum::<f64>();
+        let matched = matmul_h(outside.view(), now.residual.view());
+        let slope: Complex64 = matched
+            .iter()
+            .zip(&now.strength)
+            .map(|(m, r)| m * r.conj())
+            .sum();
+        let step = damping * slope / power.max(f64::MIN_POSITIVE);
+        let step = if step.norm() > -0.5 * pole.re {
+            step * (-0.5 * pole.re / step.norm())
+        } else {
+            step
+        };
+        let trial = Fitted::new(s, own, window, record_s, pole + step)?;
+        if trial.sse < now.sse {
+            (pole, now, damping) = (pole + step, trial, 1.0);
+        } else {
+            damping *= 0.3;
+        }
+        if step.norm() < -STILL * pole.re {
+            break;
+        }
+    }
+    Ok(now.sse)
+}
+
+/// Linear part at one pole: the resonance, a constant and a slope.
+struct Fitted {
+    q: Array2<Complex64>,
+    residual: Array2<Complex64>,
+    /// Coefficient of the resonance in each FRF.
+    strength: Vec<Complex64>,
+    sse: f64,
+}
+
+impl Fitted {
+    fn new(
+        s: &[Complex64],
+        own: &Array2<Complex64>,
+        window: Window,
+        record_s: f64,
+        pole: Complex64,
+    ) -> Result<Self, LinalgError> {
+        let resonance = column(s, window, record_s, pole);
+        let (first, span) = (s[0].im, s[s.len() - 1].im - s[0].im);
+        let basis = Array2::from_shape_fn((s.len(), 3).f(), |(k, c)| match c {
+            0 => resonance[[k, 0]],
+            1 => Complex64::new(1.0, 0.0),
+            _ => Complex64::new((s[k].im - first) / span, 0.0),
+        });
+        let (q, _) = qr_thin(basis.view())?;
+        let residual = own - &matmul(q.view(), matmul_h(q.view(), own.view()).view());
+        let sse = residual.iter().map(|v| v.norm_sqr()).sum();
+        let strength = lstsq(basis.view(), own.view())?.row(0).to_vec();
+        Ok(Self {
+            q,
+            residual,
+            strength,
+            sse,
+        })
+    }
+}
+
+/// The line shape of a pole, rad/s, on the lines `s`, as one column; in units of the
+/// record length.
+fn column(s: &[Complex64], window: Window, record_s: f64, pole: Complex64) -> Array2<Complex64> {
+    Array2::from_shape_fn((s.len(), 1).f(), |(k, _)| {
+        line_shape(window, (s[k] - pole) * record_s)
+    })
+}
+
+/// ∫ρ(u)e^{−zu}du over 0..1; 1/z without a window.
+pub(crate) fn line_shape(window: Window, z: Complex64) -> Complex64 {
+    let flat = |z: Complex64| (1.0 - (-z).exp()) / z;
+    let falling = |z: Complex64| (1.0 - flat(z)) / z;
+    let turn = Complex64::new(0.0, TAU);
+    match window {
+        Window::None => z.inv(),
+        Window::Rectangular => falling(z),
+        Window::Hann => {
+            let sides = 0.5 * (falling(z - turn) + falling(z + turn));
+            let sine = (flat(z - turn) - flat(z + turn)) / Complex64::new(0.0, 2.0);
+            (2.0 * falling(z) + sides + 1.5 / PI * sine) / 3.0
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn line_shapes_are_the_transforms_of_the_autocorrelations() {
+        let n = 200_000;
+        for window in [Window::Rectangular, Window::Hann] {
+            for z in [
+                Complex64::new(0.5, 0.3),
+                Complex64::new(3.0, -12.0),
+                Complex64::new(10.0, 40.0),
+            ] {
+                let sum: Complex64 = (0..n)
+                    .map(|k| (k as f64 + 0.5) / n as f64)
+                    .map(|u| window.autocorrelation(u) * (-z * u).exp() / n as f64)
+                    .sum();
+                assert!((line_shape(window, z) - sum).norm() < 1e-8, "{window} {z}");
+            }
+        }
+    }
+}

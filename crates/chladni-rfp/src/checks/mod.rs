@@ -1,0 +1,13 @@
+//! Enters: a model and what may be asked of its data; leaves: remarks on what is wrong with
+//! the data.
+
+pub(crate) mod case;
+pub(crate) mod delay;
+pub(crate) mod examine;
+pub(crate) mod hidden;
+pub(crate) mod kind;
+pub(crate) mod line_shape;
+pub(crate) mod moving;
+pub(crate) mod reciprocal;
+pub(crate) mod split;
+pub(crate) mod window_bias;

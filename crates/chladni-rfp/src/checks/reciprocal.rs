@@ -1,0 +1,54 @@
+//! A reference whose gain, wiring or place is wrong, where reciprocity shows it. The
+//! poles do not mind; shapes that take their mass scale from a driving point do.
+
+use crate::checks::case::{Case, Finding};
+use crate::validation::reciprocity::reciprocity;
+use crate::validation::reciprocity::ReciprocalPair;
+
+/// Gain difference that is named, as a ratio: calibrated chains agree to one or two per
+/// cent.
+const GAIN: f64 = 0.05;
+/// ... and must exceed so many of its standard deviations.
+const SIGMAS: f64 = 5.0;
+/// Share of an FRF that no factor explains.
+const UNLIKE: f64 = 0.3;
+
+/// Compares every pair of FRFs that reciprocity makes equal.
+pub(crate) fn not_reciprocal(case: &Case) -> Option<Finding> {
+    let pairs = reciprocity(case.values?.frf, case.data.band_hz);
+    let lines = case.data.lines.len() as f64;
+    let noise = case.model.quality.relative_error;
+    // neighbouring lines of a resonance carry one piece of evidence together
+    let deviation = |pair: &ReciprocalPair| pair.misfit / (lines / 8.0).max(1.0).sqrt();
+    let gain_error = |pair: &ReciprocalPair| (pair.gain - 1.0).norm();
+    let wrong = |pair: &&ReciprocalPair| {
+        pair.misfit > UNLIKE + 3.0 * noise
+            || (pair.misfit < UNLIKE && gain_error(pair) > GAIN.max(SIGMAS * deviation(pair)))
+    };
+    let found: Vec<&ReciprocalPair> = pairs.iter().filter(wrong).collect();
+    let worst = *found
+        .iter()
+        .max_by(|a, b| (gain_error(a) + a.misfit).total_cmp(&(gain_error(b) + b.misfit)))?;
+    let [a, b] = worst.dofs;
+    let what = if worst.misfit > UNLIKE {
+        format!(
+            "differ by {:.0} % whatever the factor between them: sensors do not sit where the \
+                 drivers do",
+            100.0 * worst.misfit
+        )
+    } else {
+        format!(
+            "differ by a factor {:.3} ({:+.2} dB, {:+.1}°): a gain or delay of one reference",
+            worst.gain.norm(),
+            20.0 * worst.gain.norm().log10(),
+            worst.gain.arg().to_degrees()
+        )
+    };
+    let words = format!(
+        "not reciprocal: {} of {} pairs of FRFs; H({a} from {b}) and H({b} from {a}) {what}. Poles \
+         are not touched, mass-scaled shapes are",
+        found.len(),
+        pairs.len()
+    );
+    Some(Finding::note(words))
+}

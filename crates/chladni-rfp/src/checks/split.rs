@@ -1,0 +1,127 @@
+//! Close modes that may be one: a pole that moves between FRFs looks, to first order,
+//! like two or more that do not.
+//!
+//! R/(λ + ε_l − x) ≈ R/(λ − x) − Rε_l/(λ − x)²: whatever ε_l each FRF has, two poles of
+//! the same place fit it. One shape for all references rules it out where each DOF of one
+//! side was measured under its own conditions (a roving sensor or hammer) and there are
+//! several on the other; with one reference nothing but the second order does.
+
+use crate::checks::case::{Case, Finding};
+use crate::checks::moving::{pole, strength, without_others};
+use crate::poles::prune::threshold;
+use crate::poles::refine::{refine, Projection};
+use crate::tolerances as tol;
+use chladni_frf::{Mode, Trust};
+use chladni_linalg::LinalgError;
+use ndarray::Axis;
+use num_complex::Complex64;
+use std::ops::Range;
+
+/// Poles nearer than so many of the larger half-bandwidth are looked at together.
+const NEAR: f64 = 2.0;
+/// Half-bandwidths, and lines, on both sides.
+const WINDOW: (f64, usize) = (4.0, 8);
+/// FRFs looked at: of the DOFs that show the modes best.
+const FRFS_MOST: usize = 48;
+
+/// Sure modes that one mode per measurement set-up explains as well.
+pub(crate) fn split_modes(case: &Case) -> Option<Finding> {
+    if !case.white {
+        return None;
+    }
+    let modes: Vec<&Mode> = case.model.in_band_modes().collect();
+    let near = |a: &&Mode, b: &&Mode| {
+        let (a, b) = (pole(case, a), pole(case, b));
+        (a.re - b.re).abs() < NEAR * a.im.max(b.im)
+    };
+    let groups = modes
+        .chunk_by(near)
+        .filter(|group| group.len() > 1 && group.iter().any(|mode| mode.trust == Trust::Sure));
+    let doubted: Vec<&[&Mode]> = groups
+        .filter(|group| one_moving(case, group).unwrap_or(false))
+        .collect();
+    if doubted.is_empty() {
+        return None;
+    }
+    let places = |group: &&[&Mode]| {
+        group
+            .iter()
+            .map(|mode| format!("{:.2}", mode.frequency_hz))
+            .collect::<Vec<_>>()
+            .join(" and ")
+    };
+    let words = format!(
+        "modes at {} Hz: one mode whose frequency differs between measurements (a roving sensor's mass, temperature) explains each group as \
+         well as several; measure more references, or all points at once",
+        doubted.iter().map(places).collect::<Vec<_>>().join("; ")
+    );
+    let named = |mode: &Mode| doubted.iter().any(|group| group.contains(&mode));
+    let weak = (0..case.model.modes.len())
+        .filter(|&n| named(&case.model.modes[n]))
+        .collect();
+    Some(Finding {
+        weak,
+        reason: "one mode that moves between FRFs explains it and its neighbour as well",
+        ..Finding::note(words)
+    })
+}
+
+/// True where a pole of its own for each DOF of the side that was moved leaves no more of
+/// the FRFs than the common poles do.
+fn one_moving(case: &Case, group: &[&Mode]) -> Result<bool, LinalgError> {
+    let frfs = by_set_up(case, group);
+    let poles: Vec<Complex64> = group.iter().map(|mode| pole(case, mode)).collect();
+    let middle = poles.iter().sum::<Complex64>() / poles.len() as f64;
+    let axis = case.data.axis();
+    let rows = poles
+        .iter()
+        .map(|&pole| axis.window(pole, WINDOW.0, WINDOW.1));
+    let rows = rows
+        .reduce(|all, own| Range {
+            start: all.start.min(own.start),
+            end: all.end.max(own.end),
+        })
+        .expect("two modes");
+    let all: Vec<usize> = frfs.concat();
+    let Some((local, own)) = without_others(case, group, rows, &all) else {
+        return Ok(false);
+    };
+    let common = Projection::new(&local.with_columns(own.clone()), &poles, &[0])?.sse;
+    let (mut moving, mut first) = (0.0, 0);
+    for set in &frfs {
+        let columns: Vec<usize> = (first..first + set.len()).collect();
+        first += set.len();
+        let single = local.with_columns(own.select(Axis(1), &columns));
+        moving += refine(&single, &[middle], &[0], tol::REFINE_FINE, tol::ROUGH_STEP)?
+            .projection
+            .sse;
+    }
+    Ok(moving < common + threshold(all.len(), local.lines()) * case.noise_variance())
+}
+
+/// FRFs (positions among the pairs) that were measured together, if the side with more
+/// DOFs was moved: those of one DOF of it.
+fn by_set_up(case: &Case, group: &[&Mode]) -> Vec<Vec<usize>> {
+    let (responses, references) = (case.data.responses.len(), case.data.references.len());
+    let moved = |(i, j): (usize, usize)| if responses >= references { i } else { j };
+    let mut sets: Vec<(f64, Vec<usize>)> = vec![(0.0, Vec::new()); responses.max(references)];
+    for (l, &pair) in case.data.pairs.iter().enumerate() {
+        let (seen, set) = &mut sets[moved(pair)];
+        *seen += group
+            .iter()
+            .map(|mode| strength(mode, pair).powi(2))
+            .sum::<f64>();
+        set.push(l);
+    }
+    sets.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut left = FRFS_MOST;
+    let room = |(_, set): &(f64, Vec<usize>)| {
+        let fits = !set.is_empty() && left > 0;
+        left = left.saturating_sub(set.len());
+        fits
+    };
+    sets.into_iter()
+        .take_while(room)
+        .map(|(_, set)| set)
+        .collect()
+}

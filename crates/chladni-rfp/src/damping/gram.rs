@@ -1,0 +1,168 @@
+//! Pole columns and their derivatives, and the inner products of them all by partial
+//! fractions: one sum over lines for each pole in place of one for each pair.
+//!
+//! 1/((ā − x)(b − x)) = [1/(ā − x) − 1/(b − x)]/(b − ā), and derivatives of that. No
+//! digit is lost: ā lies below the real axis and b above, however near a and b are.
+
+use crate::data::columns::{inverse, Work};
+use chladni_linalg::matmul_h;
+use ndarray::{s, Array2, ArrayViewMut1, Axis, ShapeBuilder};
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+/// Columns that a thread makes at a time: fewer take less time than to share them out.
+const POLES_AT_A_TIME: usize = 8;
+
+/// The columns of one set of poles, all above the real axis.
+pub(crate) struct Cauchy<'a> {
+    lambda: &'a [Complex64],
+    /// Pole columns A, residual terms, and, unless left out, derivatives D of the pole
+    /// columns, (line, n + terms + n): see [`crate::work::basis`].
+    pub columns: Array2<Complex64>,
+    /// Number of residual terms.
+    terms: usize,
+    /// Σ g²/(λ − x) and, with derivatives, Σ g²/(λ − x)².
+    sums: Vec<[Complex64; 2]>,
+}
+
+impl<'a> Cauchy<'a> {
+    /// On the lines of `work`, with its weights.
+    pub fn new(work: &Work, lambda: &'a [Complex64], powers: &[i32]) -> Self {
+        Self::with(work, lambda, powers, true)
+    }
+
+    /// The same without derivatives, at half the cost.
+    pub fn without_derivatives(work: &Work, lambda: &'a [Complex64], powers: &[i32]) -> Self {
+        Self::with(work, lambda, powers, false)
+    }
+
+    /// With the derivatives of all poles, or of none.
+    fn with(work: &Work, lambda: &'a [Complex64], powers: &[i32], derivatives: bool) -> Self {
+        let (n, m) = (lambda.len(), lambda.len() + powers.len());
+        let mut columns = Array2::zeros((work.lines(), if derivatives { m + n } else { m }).f());
+        let (mut plain, mut slopes) = columns.view_mut().split_at(Axis(1), m);
+        let slopes = slopes
+            .columns_mut()
+            .into_iter()
+            .map(Some)
+            .chain(std::iter::repeat_with(|| None));
+        type Pair<'c> = (
+            ArrayViewMut1<'c, Complex64>,
+            Option<ArrayViewMut1<'c, Complex64>>,
+        );
+        let of_pole = |((mut column, derivative), &pole): (Pair, _)| {
+            let mut sums = [Complex64::ZERO; 2];
+            let lines = work.x.iter().zip(&work.g);
+            let Some(mut derivative) = derivative else {
+                for (value, (&x, &g)) in column.iter_mut().zip(lines) {
+                    *value = inverse(pole - x) * g;
+                    sums[0] += *value * g;
+                }
+                return sums;
+            };
+            for ((value, slope), (&x, &g)) in
+                column.iter_mut().zip(derivative.iter_mut()).zip(lines)
+            {
+                let inverse = inverse(pole - x);
+                *value = inverse * g;
+                *slope = -(inverse * *value);
+                sums[0] += *value * g;
+                sums[1] -= *slope * g;
+            }
+            sums
+        };
+        let poles: Vec<_> = plain
+            .columns_mut()
+            .into_iter()
+            .zip(slopes)
+            .zip(lambda)
+            .collect();
+        let sums = poles
+            .into_par_iter()
+            .with_min_len(POLES_AT_A_TIME)
+            .map(of_pole)
+            .collect();
+        for (column, &power) in plain.columns_mut().into_iter().skip(n).zip(powers) {
+            let lines = work.x.iter().zip(&work.g);
+            column
+                .into_iter()
+                .zip(lines)
+                .for_each(|(value, (&x, &g))| *value = (g * x.powi(power)).into());
+        }
+        Self {
+            lambda,
+            columns,
+            terms: powers.len(),
+            sums,
+        }
+    }
+
+    /// Inner products of all columns.
+    pub fn gram(&self) -> Array2<Complex64> {
+        let (n, all) = (self.lambda.len(), self.columns.ncols());
+        let m = n + self.terms;
+        let mut gram = Array2::zeros((all, all).f());
+        for (q, (&b, of_b)) in self.lambda.iter().zip(&self.sums).enumerate() {
+            for (p, (a, of_a)) in self.lambda.iter().zip(&self.sums).enumerate() {
+                let over = inverse(b - a.conj());
+                let [first, second] = of_a.map(|sum| sum.conj());
+                let plain = (first - of_b[0]) * over;
+                gram[[p, q]] = plain;
+                if all == m {
+                    continue;
+                }
+                gram[[p, m + q]] = (of_b[1] - plain) * over;
+                gram[[m + q, p]] = gram[[p, m + q]].conj();
+                gram[[m + p, m + q]] = (second + of_b[1] - 2.0 * plain) * over * over;
+            }
+        }
+        let terms = matmul_h(self.columns.slice(s![.., n..m]), self.columns.view());
+        gram.slice_mut(s![n..m, ..]).assign(&terms);
+        gram.slice_mut(s![.., n..m])
+            .assign(&terms.t().mapv(|v| v.conj()));
+        gram
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn partial_fractions_are_the_inner_products() {
+        let x: Vec<f64> = (0..300).map(|k| 0.1 + 0.003 * f64::from(k)).collect();
+        let g = x.iter().map(|x| 1.0 + x.sqrt()).collect();
+        let work = Work {
+            x,
+            g,
+            b: Array2::zeros((300, 0)),
+        };
+        // narrower than a line, near a twin, and outside the lines
+        let lambda = [
+            (0.4, 1e-3),
+            (0.4003, 1e-3),
+            (0.4, 1e-3 + 1e-12),
+            (0.7, 0.02),
+            (1.2, 0.01),
+        ]
+        .map(|(re, im)| Complex64::new(re, im));
+        let cauchy = Cauchy::new(&work, &lambda, &[-1, 0, 2]);
+        let direct = matmul_h(cauchy.columns.view(), cauchy.columns.view());
+        let gram = cauchy.gram();
+        for ((i, j), value) in gram.indexed_iter() {
+            let size = (direct[[i, i]].re * direct[[j, j]].re).sqrt();
+            assert!(
+                (value - direct[[i, j]]).norm() < 1e-13 * size,
+                "({i}, {j}): {value} for {}",
+                direct[[i, j]]
+            );
+        }
+        let plain = Cauchy::without_derivatives(&work, &lambda, &[-1, 0, 2]);
+        assert_eq!(plain.columns, cauchy.columns.slice(s![.., ..8]));
+        let size = |i: usize| direct[[i, i]].re.sqrt();
+        assert!(plain
+            .gram()
+            .indexed_iter()
+            .all(|((i, j), value)| (value - gram[[i, j]]).norm() < 1e-13 * size(i) * size(j)));
+    }
+}

@@ -1,0 +1,6 @@
+//! Enters: lines and poles; leaves: columns, derivatives and inner products in one damping
+//! law, and which law holds.
+
+pub(crate) mod gram;
+pub(crate) mod verdict;
+pub(crate) mod viscous;

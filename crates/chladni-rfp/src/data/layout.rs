@@ -1,0 +1,189 @@
+//! What is known of the data besides their values: lines, FRFs, scale. All that comes
+//! after the passes over the data needs no more.
+
+use crate::data::columns::Work;
+use crate::data::noise_weights::PairWeights;
+use crate::data::options::Effort;
+use chladni_frf::{Dof, FrfKind, FrfSet, Node, ReferenceUnit};
+use ndarray::{Array2, ArrayView1};
+use num_complex::Complex64;
+use std::f64::consts::TAU;
+
+/// Which lines and FRFs are used, and what they are measured in.
+#[derive(Debug, Clone)]
+pub(crate) struct Head {
+    /// Response DOFs of the set.
+    pub responses: Vec<Dof>,
+    /// Reference DOFs of the set.
+    pub references: Vec<Dof>,
+    /// Nodes of the set.
+    pub nodes: Vec<Node>,
+    /// Unit of the references.
+    pub reference_unit: ReferenceUnit,
+    /// Kind of the FRFs.
+    pub kind: FrfKind,
+    /// Indices of the lines used.
+    pub lines: Vec<usize>,
+    /// Their frequencies, Hz.
+    pub line_hz: Vec<f64>,
+    /// Pairs (response, reference) used, row by row.
+    pub pairs: Vec<(usize, usize)>,
+    /// Band, Hz.
+    pub band_hz: [f64; 2],
+    /// ω of the last line, rad/s.
+    pub omega_max: f64,
+    /// Root mean square of the data used, in SI units of the kind.
+    pub rms: f64,
+    /// x_k.
+    pub x: Vec<f64>,
+    /// g_k.
+    pub g: Vec<f64>,
+    /// What was left out, in words.
+    pub warnings: Vec<String>,
+    /// What is spent on finding poles.
+    pub effort: Effort,
+    /// Sum of squares of each pair on these lines, in SI units of the kind; empty where
+    /// it is not known.
+    pub energy: Vec<f64>,
+    /// Where the data used are the measurement weighted by its noise.
+    pub weighting: Option<Weighting>,
+}
+
+/// What takes weighted data back to what was measured.
+#[derive(Debug, Clone)]
+pub(crate) struct Weighting {
+    /// What the FRFs were multiplied by.
+    pub weights: PairWeights,
+    /// Root mean square of the FRFs as they were measured.
+    pub rms: f64,
+}
+
+impl Head {
+    /// Of the lines of `frf` with these indices and no pairs yet, scale 1.
+    ///
+    /// * `band_hz`: as asked for; it is narrowed to the lines
+    pub fn new(
+        frf: &FrfSet,
+        kind: FrfKind,
+        lines: Vec<usize>,
+        band_hz: [f64; 2],
+        effort: Effort,
+    ) -> Self {
+        Self {
+            responses: frf.responses.clone(),
+            references: frf.references.clone(),
+            nodes: frf.geometry.nodes.clone(),
+            reference_unit: frf.reference_unit,
+            ..Self::on_lines(frf.frequency_hz.view(), kind, lines, band_hz, effort)
+        }
+    }
+
+    /// Of the lines of an axis with these indices, without DOFs.
+    pub fn on_lines(
+        frequency_hz: ArrayView1<f64>,
+        kind: FrfKind,
+        lines: Vec<usize>,
+        band_hz: [f64; 2],
+        effort: Effort,
+    ) -> Self {
+        let line_hz: Vec<f64> = lines.iter().map(|&k| frequency_hz[k]).collect();
+        let (first, last) = (
+            line_hz.first().copied().unwrap_or(0.0),
+            line_hz.last().copied().unwrap_or(0.0),
+        );
+        let mut head = Self {
+            responses: Vec::new(),
+            references: Vec::new(),
+            nodes: Vec::new(),
+            reference_unit: ReferenceUnit::default(),
+            kind,
+            lines,
+            line_hz,
+            pairs: Vec::new(),
+            band_hz: [first.max(band_hz[0]), last.min(band_hz[1])],
+            omega_max: TAU * last,
+            rms: 1.0,
+            x: Vec::new(),
+            g: Vec::new(),
+            warnings: Vec::new(),
+            effort,
+            energy: Vec::new(),
+            weighting: None,
+        };
+        let ratio: Vec<f64> = head
+            .line_hz
+            .iter()
+            .map(|f| TAU * f / head.omega_max)
+            .collect();
+        head.x = ratio.iter().map(|r| r * r).collect();
+        head.g = ratio.iter().map(|r| r.powi(kind.omega_power())).collect();
+        head
+    }
+
+    /// Only the lines at `kept` (positions among those used); the scale stays.
+    pub fn select(&self, kept: &[usize]) -> Self {
+        let of = |values: &[f64]| kept.iter().map(|&place| values[place]).collect();
+        Self {
+            lines: kept.iter().map(|&place| self.lines[place]).collect(),
+            line_hz: of(&self.line_hz),
+            x: of(&self.x),
+            g: of(&self.g),
+            energy: Vec::new(),
+            ..self.clone()
+        }
+    }
+
+    /// Usual distance of neighbouring lines, Hz: the median, which gaps do not move.
+    pub fn line_spacing_hz(&self) -> f64 {
+        let mut gaps: Vec<f64> = self
+            .line_hz
+            .windows(2)
+            .map(|pair| pair[1] - pair[0])
+            .collect();
+        gaps.sort_by(f64::total_cmp);
+        gaps.get(gaps.len() / 2).copied().unwrap_or(0.0)
+    }
+
+    /// Mean square of the data, where the energies are known.
+    pub fn mean_square(&self) -> f64 {
+        self.energy.iter().sum::<f64>() / (self.lines.len() * self.pairs.len()) as f64
+    }
+
+    /// Frequency of x = 1, Hz.
+    pub fn hz(&self) -> f64 {
+        self.omega_max / TAU
+    }
+
+    /// What FRFs of response i and of reference j were multiplied by.
+    pub fn weight(&self, i: usize, j: usize) -> [f64; 2] {
+        self.weighting.as_ref().map_or([1.0; 2], |weighting| {
+            [
+                weighting.weights.response[i],
+                weighting.weights.reference[j],
+            ]
+        })
+    }
+
+    /// Root mean square of the measured data over that of the data used.
+    pub fn measured_over_used(&self) -> f64 {
+        self.weighting
+            .as_ref()
+            .map_or(1.0, |weighting| weighting.rms / self.rms)
+    }
+
+    /// Factor that takes a measured value to a work value: the kind's phase undone, unit
+    /// rms.
+    pub fn factor(&self) -> Complex64 {
+        let phase = self.kind.from_receptance(1.0);
+        phase.conj() / (phase.norm() * self.rms)
+    }
+
+    /// The lines used, without data.
+    pub fn axis(&self) -> Work {
+        Work {
+            x: self.x.clone(),
+            g: self.g.clone(),
+            b: Array2::zeros((self.x.len(), 0)),
+        }
+    }
+}

@@ -1,0 +1,18 @@
+//! Enters: FRFs and what is asked of them; leaves: sketches, products, and numbers of each
+//! FRF.
+
+pub(crate) mod columns;
+pub(crate) mod error;
+pub(crate) mod given_noise;
+pub(crate) mod layout;
+pub(crate) mod memory;
+pub(crate) mod noise_weights;
+pub(crate) mod noisy_frfs;
+pub(crate) mod options;
+pub(crate) mod outliers;
+pub(crate) mod peaks;
+pub(crate) mod products;
+pub(crate) mod reading;
+pub(crate) mod screening;
+pub(crate) mod sketch;
+pub(crate) mod window;

@@ -1,0 +1,129 @@
+//! FRFs that are not equally noisy (theory.md, section 2): once a fit has left white
+//! noise, its level in each FRF is known to a few per cent, and where equal weights waste
+//! information the fit is made again with 1/σ.
+//!
+//! Noise is taken as σ·s_i·t_j, the product of a sensor's (or a point's, under a laser)
+//! and an exciter's. Weights of that form keep one shape per mode what it is: ψ_i/s_i and
+//! L_j/t_j.
+
+use crate::data::layout::Head;
+use chladni_frf::{FrfSet, FrfValues};
+
+/// Loss of variance by equal weights, mean(σ²)·mean(1/σ²) − 1, from which FRFs are
+/// weighted. Noise within a factor 1.5 stays below.
+const WORTH_WEIGHING: f64 = 0.1;
+/// Residual over data below which it is rounding and not noise.
+const ROUNDING: f64 = 1e-7;
+/// Sweeps of the two-way mean; a complete set is exact after one.
+const SWEEPS: usize = 20;
+
+/// 1/(s_i·t_j), about one in the mean.
+#[derive(Debug, Clone)]
+pub(crate) struct PairWeights {
+    pub response: Vec<f64>,
+    pub reference: Vec<f64>,
+}
+
+impl PairWeights {
+    /// From the sum of squares `left` of each pair used by a model; `None` where equal
+    /// weights are good enough, or nothing is known.
+    pub fn new(data: &Head, left: &[f64], relative_error: f64) -> Option<Self> {
+        (relative_error >= ROUNDING)
+            .then(|| Self::of_given(data, left))
+            .flatten()
+    }
+
+    /// From the noise energy of each pair used; `None` as in [`Self::new`].
+    pub fn of_given(data: &Head, noise: &[f64]) -> Option<Self> {
+        let lines = data.lines.len() as f64;
+        let log: Vec<f64> = noise.iter().map(|sum| 0.5 * (sum / lines).ln()).collect();
+        if log.is_empty() || log.iter().any(|level| !level.is_finite()) {
+            return None;
+        }
+        let mean = log.iter().sum::<f64>() / log.len() as f64;
+        let (mut s, mut t) = (
+            vec![0.0; data.responses.len()],
+            vec![0.0; data.references.len()],
+        );
+        for _ in 0..SWEEPS {
+            s = means(
+                s.len(),
+                data.pairs
+                    .iter()
+                    .zip(&log)
+                    .map(|(&(i, j), level)| (i, level - mean - t[j])),
+            );
+            t = means(
+                t.len(),
+                data.pairs
+                    .iter()
+                    .zip(&log)
+                    .map(|(&(i, j), level)| (j, level - mean - s[i])),
+            );
+        }
+        let weights = Self {
+            response: s.iter().map(|v| (-v).exp()).collect(),
+            reference: t.iter().map(|v| (-v).exp()).collect(),
+        };
+        (weights.loss(data) > WORTH_WEIGHING).then_some(weights)
+    }
+
+    fn loss(&self, data: &Head) -> f64 {
+        let squares = || data.pairs.iter().map(|&pair| self.of(pair).powi(2));
+        squares().sum::<f64>() * squares().map(f64::recip).sum::<f64>()
+            / (data.pairs.len() as f64).powi(2)
+            - 1.0
+    }
+
+    /// Of a pair (response, reference).
+    pub fn of(&self, (i, j): (usize, usize)) -> f64 {
+        self.response[i] * self.reference[j]
+    }
+
+    /// The set with every FRF times its weight.
+    pub fn applied(&self, frf: &FrfSet) -> FrfSet {
+        let mut out = frf.clone();
+        match &mut out.values {
+            FrfValues::F64(values) => values
+                .indexed_iter_mut()
+                .for_each(|((i, j, _), value)| *value *= self.of((i, j))),
+            FrfValues::F32(values) => values
+                .indexed_iter_mut()
+                .for_each(|((i, j, _), value)| *value *= self.of((i, j)) as f32),
+        }
+        out
+    }
+
+    /// What was done, for the path.
+    pub fn words(&self) -> String {
+        format!(
+            "FRFs weighted by their noise, which {}",
+            self.spread_in_words()
+        )
+    }
+
+    /// How the noise differs.
+    pub fn spread_in_words(&self) -> String {
+        let range = |values: &[f64]| {
+            values.iter().cloned().fold(f64::MIN, f64::max)
+                / values.iter().cloned().fold(f64::MAX, f64::min)
+        };
+        format!(
+            "differs {:.1} times between responses and {:.1} times between references",
+            range(&self.response),
+            range(&self.reference)
+        )
+    }
+}
+
+/// Mean of the values of each of `count` groups; 0 where there is none.
+fn means(count: usize, values: impl Iterator<Item = (usize, f64)>) -> Vec<f64> {
+    let mut sums = vec![(0.0, 0.0); count];
+    for (group, value) in values {
+        sums[group].0 += value;
+        sums[group].1 += 1.0;
+    }
+    sums.into_iter()
+        .map(|(sum, number)| if number > 0.0 { sum / number } else { 0.0 })
+        .collect()
+}

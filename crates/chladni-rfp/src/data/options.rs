@@ -1,0 +1,180 @@
+//! What a user may turn.
+
+pub use crate::data::window::Window;
+use crate::tolerances as tol;
+use chladni_frf::Damping;
+use std::fmt;
+use std::str::FromStr;
+
+/// Identification method.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Method {
+    /// The fast chain where its residual is white, the measured-data path where it is
+    /// not.
+    #[default]
+    Auto,
+    /// The fast chain with the order given (else the visible peaks): vector fitting,
+    /// maximum likelihood, no order loop.
+    Lean,
+    /// Relaxed vector fitting alone (Gustavsen 2006).
+    Vf,
+    /// Least-squares complex frequency, common denominator (Van der Auweraer et al.
+    /// 2001). Even frequency axis.
+    Lscf,
+    /// Poly-reference least-squares complex frequency (Guillaume et al. 2003). Even
+    /// frequency axis, whole FRF matrix.
+    Plscf,
+    /// Set-valued adaptive Antoulas–Anderson in x = ω² (Lietaert et al. 2022).
+    Aaa,
+    /// Rational fraction polynomials, Forsythe basis (Richardson & Formenti 1982), each
+    /// FRF by itself, per band.
+    Rfp,
+    /// The same with one denominator for all FRFs (1985).
+    Grfp,
+    /// Peak picking with half-power bandwidths.
+    Peak,
+    /// Circle fit (Kennedy & Pancu 1947).
+    Circle,
+}
+
+impl Method {
+    /// All methods, in the order of the documentation.
+    pub const ALL: [Self; 10] = [
+        Self::Auto,
+        Self::Lean,
+        Self::Vf,
+        Self::Lscf,
+        Self::Plscf,
+        Self::Aaa,
+        Self::Rfp,
+        Self::Grfp,
+        Self::Peak,
+        Self::Circle,
+    ];
+    /// Name on the command line and in result files.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Lean => "lean",
+            Self::Vf => "vf",
+            Self::Lscf => "lscf",
+            Self::Plscf => "plscf",
+            Self::Aaa => "aaa",
+            Self::Rfp => "rfp",
+            Self::Grfp => "grfp",
+            Self::Peak => "peak",
+            Self::Circle => "circle",
+        }
+    }
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.as_str())
+    }
+}
+
+impl FromStr for Method {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        Self::ALL
+            .into_iter()
+            .find(|m| m.as_str() == text)
+            .ok_or_else(|| {
+                let names: Vec<&str> = Self::ALL.iter().map(|m| m.as_str()).collect();
+                format!("`{text}` is no method; write {}", names.join(", "))
+            })
+    }
+}
+
+/// What residues may be (several references, or real modes).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ShapeModel {
+    /// The narrowest of the others that the data do not contradict.
+    #[default]
+    Auto,
+    /// Every pair of response and reference has a residue of its own while poles are
+    /// sought.
+    Free,
+    /// One complex shape for all references.
+    Rank1,
+    /// One real shape for all references.
+    Real,
+}
+
+impl ShapeModel {
+    /// All, in the order of the documentation.
+    pub const ALL: [Self; 4] = [Self::Auto, Self::Free, Self::Rank1, Self::Real];
+    /// Name on the command line and in result files.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Free => "free",
+            Self::Rank1 => "rank1",
+            Self::Real => "real",
+        }
+    }
+}
+
+impl FromStr for ShapeModel {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        Self::ALL
+            .into_iter()
+            .find(|m| m.as_str() == text)
+            .ok_or_else(|| {
+                let names: Vec<&str> = Self::ALL.iter().map(|m| m.as_str()).collect();
+                format!("`{text}` is no model of shapes; write {}", names.join(", "))
+            })
+    }
+}
+
+/// How much is spent on finding poles: what moves a fit along the front of speed and
+/// accuracy.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Effort {
+    /// Columns of the count sketch, of the first pass over the data.
+    pub sketch_columns: usize,
+    /// Relaxed vector-fitting steps of the pole pool.
+    pub pool_iterations: usize,
+    /// Most passes over the data beyond the two.
+    pub extra_passes: usize,
+    /// Most steps of a final refinement to the maximum-likelihood poles.
+    pub likelihood_steps: usize,
+}
+
+impl Default for Effort {
+    fn default() -> Self {
+        Self {
+            sketch_columns: tol::SKETCH_COLUMNS,
+            pool_iterations: tol::POOL_ITERATIONS,
+            extra_passes: tol::EXTRA_PASSES,
+            likelihood_steps: tol::REFINE_FINE,
+        }
+    }
+}
+
+/// Options of a fit. `Default` is what the command line does without flags.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct FitOptions {
+    /// Band, Hz; `None`: all lines.
+    pub band_hz: Option<[f64; 2]>,
+    /// Number of modes in the band; `None`: decided by evidence.
+    pub modes: Option<usize>,
+    /// Damping law; `None`: decided by evidence.
+    pub damping: Option<Damping>,
+    /// Method.
+    pub method: Method,
+    /// What shapes may be while poles are refined (`auto` only).
+    pub shapes: ShapeModel,
+    /// Window of the records that the FRFs were averaged from (random excitation);
+    /// `None`: not known, nothing is undone and the possible bias named.
+    pub window: Option<Window>,
+    /// Decay of the exponential window that the responses were multiplied with (hammer
+    /// tests), 1/s: e^{−αt}.
+    pub exponential_window_per_s: Option<f64>,
+    /// Seed of the random sketch and mixtures.
+    pub seed: u64,
+    /// What is spent on finding poles.
+    pub effort: Effort,
+}

@@ -1,0 +1,131 @@
+//! Lines that none of their neighbours supports: a dropped sample, a mains harmonic, a
+//! spoilt average.
+//!
+//! The residual alone does not see them: a pole narrower than a line absorbs each. So
+//! such poles do not count, and a line is an outlier where what is left of it exceeds
+//! many times the level around it while its neighbours are sound. A resonance, however
+//! narrow, has tails on the lines beside it.
+
+use crate::data::layout::Head;
+use crate::data::peaks::running_median;
+use crate::data::screening::Screened;
+use crate::tolerances as tol;
+use chladni_frf::{ModalModel, Trust};
+use rayon::prelude::*;
+
+/// Residual energy over the level around it from which a line is an outlier. (One FRF of
+/// white noise reaches 20 times its median on one line of a million.)
+const OVER_LEVEL: f64 = 30.0;
+/// Level up to which a neighbour is sound.
+const SOUND: f64 = 8.0;
+/// Share of the model's own energy on the line that the residual must reach: less is
+/// misfit of a resonance.
+const OF_MODEL: f64 = 0.1;
+/// Most neighbouring outliers.
+const RUN_MOST: usize = 2;
+/// Largest share of the lines that may go; more than that is no matter of outliers.
+const SHARE_MOST: f64 = 0.15;
+/// Lines on both sides that the level is taken from.
+const AROUND: usize = 20;
+
+/// Positions among the lines used that are outliers under `model`; empty where there are
+/// none or too many.
+pub(crate) fn outliers(data: &Screened, model: &ModalModel) -> Vec<usize> {
+    if model.in_band_modes().next().is_none() {
+        return Vec::new(); // nothing to judge by
+    }
+    let spacing = data.line_spacing_hz();
+    let narrow = |f: f64, eta: f64| 0.5 * eta * f < tol::SPIKE_SPACINGS * spacing;
+    let mut without = model.clone();
+    without.modes.retain(|mode| {
+        mode.trust != Trust::Rejected
+            && !(mode.in_band && narrow(mode.frequency_hz, mode.loss_factor))
+    });
+    let (left, fitted): (Vec<f64>, Vec<f64>) = data
+        .lines
+        .par_iter()
+        .map(|&k| energies(data, &without, k))
+        .unzip();
+    single_lines(&left, &fitted)
+}
+
+/// The lines whose residual energy `left` stands alone above what it is around them;
+/// `fitted` is the energy of the model.
+pub(crate) fn single_lines(left: &[f64], fitted: &[f64]) -> Vec<usize> {
+    let level = level(left, fitted);
+    let n = left.len();
+    let high = |k: usize| left[k] > OVER_LEVEL * level[k] && left[k] > OF_MODEL * fitted[k];
+    let mut found = Vec::new();
+    let mut k = 0;
+    while k < n {
+        let run = (k..n).take_while(|&i| high(i)).count();
+        let beside = [k.checked_sub(1), Some(k + run).filter(|&i| i < n)];
+        if (1..=RUN_MOST).contains(&run)
+            && beside
+                .into_iter()
+                .flatten()
+                .all(|i| left[i] < SOUND * level[i])
+        {
+            found.extend(k..k + run);
+        }
+        k += run.max(1);
+    }
+    if found.len() as f64 > SHARE_MOST * n as f64 {
+        found.clear();
+    }
+    found
+}
+
+/// Energies of residual and model over all FRFs on one line.
+fn energies(data: &Screened, model: &ModalModel, k: usize) -> (f64, f64) {
+    let matrix = model.frf_matrix(data.kind, data.frf.frequency_hz[k]);
+    data.pairs
+        .iter()
+        .fold((0.0, 0.0), |(left, fitted), &(i, j)| {
+            let value = matrix[[i, j]];
+            (
+                left + (data.frf.values.get(i, j, k) - value).norm_sqr(),
+                fitted + value.norm_sqr(),
+            )
+        })
+}
+
+/// What the residual usually is on each line: its running median, and the usual share of
+/// the model on the strongest lines.
+fn level(left: &[f64], fitted: &[f64]) -> Vec<f64> {
+    let n = left.len();
+    let mut strongest: Vec<usize> = (0..n).collect();
+    strongest.sort_by(|&a, &b| fitted[b].total_cmp(&fitted[a]));
+    strongest.truncate((n / 7).max(1));
+    let mut shares: Vec<f64> = strongest
+        .iter()
+        .map(|&k| left[k] / fitted[k].max(f64::MIN_POSITIVE))
+        .collect();
+    let middle = shares.len() / 2;
+    let share = *shares.select_nth_unstable_by(middle, f64::total_cmp).1;
+    running_median(left, AROUND)
+        .iter()
+        .zip(fitted)
+        .map(|(l, f)| l + share * f)
+        .collect()
+}
+
+/// What is said of the lines left out (Hz).
+pub(crate) fn words(data: &Head, dropped: &mut [f64]) -> String {
+    const SHOWN: usize = 8;
+    dropped.sort_by(f64::total_cmp);
+    let mut names: Vec<String> = dropped
+        .iter()
+        .take(SHOWN)
+        .map(|f| format!("{f:.2}"))
+        .collect();
+    if dropped.len() > SHOWN {
+        names.push(format!("and {} more", dropped.len() - SHOWN));
+    }
+    format!(
+        "{} outlier lines of {} that no neighbouring line supports are left out: {} Hz",
+        dropped.len(),
+        data.lines.len() + dropped.len(),
+        names.join(", ")
+    )
+}

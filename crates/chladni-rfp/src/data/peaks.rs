@@ -1,0 +1,185 @@
+//! Visible peaks: seeds of poles, and the yardstick of what a person would call a mode.
+
+use crate::data::columns::Work;
+use crate::tolerances as tol;
+use ndarray::{Array1, Array2};
+use num_complex::Complex64;
+
+/// A local maximum of the mean |FRF|² that stands out of its surroundings.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Peak {
+    /// Row of the work data.
+    pub row: usize,
+    /// Height over the higher of the two saddles, dB.
+    pub prominence_db: f64,
+    /// Height over the local noise, dB.
+    pub over_noise_db: f64,
+    /// Height, dB (relative).
+    pub level_db: f64,
+    /// Starting pole: position and −3 dB width.
+    pub lambda: Complex64,
+}
+
+impl Peak {
+    /// A person would call it a mode: it deserves a try of its own, and a word where it
+    /// stays unexplained.
+    pub fn is_striking(&self) -> bool {
+        self.prominence_db >= tol::STRIKING_PROMINENCE_DB
+            && self.over_noise_db > tol::STRIKING_OVER_NOISE_DB
+    }
+}
+
+/// Noise variance per line from fourth differences of neighbouring lines: what no smooth
+/// FRF can have. E|Δ⁴n|² = 70σ²; the median of an exponential variable is ln 2 times its
+/// mean.
+pub(crate) fn fourth_difference_noise(b: &Array2<Complex64>, half_window: usize) -> Array1<f64> {
+    let n = b.nrows();
+    let mut energy = Array1::zeros(n);
+    if n < 6 {
+        return energy;
+    }
+    for column in b.columns() {
+        for k in 2..n - 2 {
+            let d = column[k - 2] - 4.0 * column[k - 1] + 6.0 * column[k] - 4.0 * column[k + 1]
+                + column[k + 2];
+            energy[k] += d.norm_sqr() / 70.0;
+        }
+    }
+    energy /= b.ncols() as f64;
+    let raw: Vec<f64> = energy.iter().skip(2).take(n - 4).copied().collect();
+    // the median of a mean over r columns approaches its mean as r grows: χ²_{2r} median
+    // ≈ 1 − 1/(9r) cubed
+    let r = b.ncols() as f64;
+    let bias = (1.0 - 1.0 / (9.0 * r)).powi(3);
+    let smooth = running_median(&raw, half_window);
+    Array1::from_shape_fn(n, |k| {
+        smooth[k.saturating_sub(2).min(smooth.len() - 1)] / bias
+    })
+}
+
+/// Median over a sliding window, shrunk at the ends; evaluated on a coarse grid and held
+/// in between for long records.
+pub(crate) fn running_median(values: &[f64], half_window: usize) -> Vec<f64> {
+    let n = values.len();
+    let stride = (half_window / 8).max(1);
+    let mut out = vec![0.0; n];
+    let mut buffer = Vec::new();
+    let mut k = 0;
+    while k < n {
+        let (a, b) = (k.saturating_sub(half_window), (k + half_window + 1).min(n));
+        buffer.clear();
+        buffer.extend_from_slice(&values[a..b]);
+        let middle = buffer.len() / 2;
+        let (_, median, _) = buffer.select_nth_unstable_by(middle, f64::total_cmp);
+        let median = *median;
+        for value in out
+            .iter_mut()
+            .skip(k.saturating_sub(stride / 2))
+            .take(stride + stride / 2 + 1)
+        {
+            *value = median;
+        }
+        k += stride;
+    }
+    out
+}
+
+/// Peaks of the mean |data|² in the measured kind, most prominent first.
+pub(crate) fn peaks(work: &Work, energy: &Array1<f64>, noise: &Array1<f64>) -> Vec<Peak> {
+    let n = work.lines();
+    if n < 5 {
+        return Vec::new();
+    }
+    let level: Vec<f64> = energy
+        .iter()
+        .map(|e| 10.0 * e.max(1e-300).log10())
+        .collect();
+    // what the largest of n lines of pure noise, averaged over the columns, may reach
+    // (Laurent & Massart 2000)
+    let looks = (n as f64).ln() / work.columns() as f64;
+    let chance_db = 10.0 * (1.0 + 2.0 * looks.sqrt() + looks).log10();
+    let over_noise_least = tol::SEED_OVER_NOISE_DB.max(chance_db);
+    let mut found = Vec::new();
+    for k in 1..n - 1 {
+        if !(level[k] > level[k - 1] && level[k] >= level[k + 1]) {
+            continue;
+        }
+        let prominence_db = prominence(&level, k);
+        let over_noise_db = level[k] - 10.0 * noise[k].max(1e-300).log10();
+        if prominence_db < tol::SEED_PROMINENCE_DB || over_noise_db < over_noise_least {
+            continue;
+        }
+        // −3 dB width, or what is visible of it
+        let drop = (level[k] - 3.0).max(level[k] - prominence_db);
+        let left = (0..k)
+            .rev()
+            .take_while(|&i| level[i] > drop && level[i] < level[k])
+            .last()
+            .unwrap_or(k)
+            .saturating_sub(1);
+        let right = ((k + 1..n)
+            .take_while(|&i| level[i] > drop && level[i] < level[k])
+            .last()
+            .unwrap_or(k)
+            + 1)
+        .min(n - 1);
+        let width = 0.5 * (work.x[right] - work.x[left]);
+        let half_line = 0.5 * work.spacing(work.x[k]);
+        let lambda = Complex64::new(work.x[k], (0.7 * width).max(half_line));
+        found.push(Peak {
+            row: k,
+            prominence_db,
+            over_noise_db,
+            level_db: level[k],
+            lambda,
+        });
+    }
+    found.sort_by(|a, b| b.prominence_db.total_cmp(&a.prominence_db));
+    found.truncate(tol::SEEDS_MOST);
+    found
+}
+
+/// Height of peak k over the higher of the lowest points on the way to higher ground on
+/// both sides.
+fn prominence(level: &[f64], k: usize) -> f64 {
+    let walk = |indices: &mut dyn Iterator<Item = usize>| {
+        let mut lowest = level[k];
+        for i in indices {
+            if level[i] > level[k] {
+                return (lowest, true);
+            }
+            lowest = lowest.min(level[i]);
+        }
+        (lowest, false)
+    };
+    let (left, left_higher) = walk(&mut (0..k).rev());
+    let (right, right_higher) = walk(&mut (k + 1..level.len()));
+    let saddle = match (left_higher, right_higher) {
+        (true, false) => left,
+        (false, true) => right,
+        _ => left.max(right),
+    };
+    level[k] - saddle
+}
+
+/// Rows of a long record to keep: all near the peaks, the rest thinned out evenly.
+pub(crate) fn thinned(work: &Work, peaks: &[Peak]) -> Vec<usize> {
+    let n = work.lines();
+    if n <= tol::DECIMATE_ABOVE_LINES {
+        return (0..n).collect();
+    }
+    let mut keep = vec![false; n];
+    for &Peak { row, lambda, .. } in peaks {
+        let half_width = (lambda.im / work.spacing(lambda.re)).max(0.5);
+        let reach = (25.0 * half_width).max(30.0) as usize;
+        for flag in &mut keep[row.saturating_sub(reach)..(row + reach + 1).min(n)] {
+            *flag = true;
+        }
+    }
+    let near = keep.iter().filter(|k| **k).count();
+    let stride = (n - near) / (tol::DECIMATE_ABOVE_LINES / 2) + 1;
+    for flag in keep.iter_mut().step_by(stride) {
+        *flag = true;
+    }
+    (0..n).filter(|&k| keep[k]).collect()
+}

@@ -1,0 +1,207 @@
+//! Second and last pass over the data: everything that poles *and* all residues need
+//! (theory.md, eq. 13–15).
+//!
+//! With Q an orthonormal basis of the model, R₀ = QᴴB and T = B·R₀ᵀ (real and imaginary
+//! parts apart, so that every mixture of FRFs stays real and both damping laws can use
+//! it): the columns of T·(R₀R₀ᵀ)^{-1/2} carry what the poles need at the signal-to-noise
+//! ratio of the whole set, and the residues of any nearby poles follow from them.
+
+use crate::data::columns::Work;
+use crate::data::layout::Head;
+use crate::data::screening::Screened;
+use crate::poles::refine::Projection;
+use crate::tolerances as tol;
+use crate::wide::{cleared, tree_sum, wide, wide_h};
+use chladni_linalg::{add_matmul, cholesky, eigh, set_matmul_h, solve_lower_adjoint, LinalgError};
+use ndarray::{s, Array1, Array2, ArrayViewMut2, Axis, ShapeBuilder};
+use num_complex::Complex64;
+use std::ops::Range;
+
+/// What the second pass leaves.
+#[derive(Debug, Clone)]
+pub(crate) struct Projected {
+    /// Compressed columns, real mixtures of FRFs: at most twice as many as the model has
+    /// unknowns.
+    pub work: Work,
+    /// (compressed column, FRF), real, rows orthonormal: B ≈ work.b · back on what the
+    /// model can reach.
+    pub back: Array2<f64>,
+    /// Energy of each line over all FRFs that the columns do not hold: noise that no
+    /// model near Q can reach.
+    beyond: Array1<f64>,
+}
+
+impl Projected {
+    /// The columns of T·G^{-1/2} with the way back to FRFs; `line_energy`: of each line
+    /// over all FRFs.
+    ///
+    /// # Errors
+    /// A decomposition that fails.
+    pub fn new(
+        data: &Head,
+        products: Products,
+        line_energy: &Array1<f64>,
+    ) -> Result<Self, LinalgError> {
+        let Products { t, gram, r0 } = products;
+        let lines = data.lines.len();
+        let factor = data.factor();
+        let half = inverse_root(&gram)?;
+        let columns = wide(t.view(), half.view());
+        let complex = |(k, c): (usize, usize)| {
+            factor * Complex64::new(columns[[2 * k, c]], columns[[2 * k + 1, c]])
+        };
+        let b = Array2::from_shape_fn((lines, half.ncols()).f(), complex);
+        let mut beyond = line_energy.clone();
+        add_energy(&mut beyond, &b, -1.0);
+        beyond.mapv_inplace(|energy| energy.max(0.0));
+        Ok(Projected {
+            work: Work {
+                x: data.x.clone(),
+                g: data.g.clone(),
+                b,
+            },
+            back: wide_h(half.view(), r0.view()),
+            beyond,
+        })
+    }
+
+    /// What each line's residual energy over all FRFs would be without a model, if noise
+    /// is all there is: a model takes up the share of noise that its leverage Σ|Q_k|²
+    /// says, most of it at its poles.
+    pub fn line_noise(&self, projection: &Projection) -> Array1<f64> {
+        let mut energy = self.line_residual(&projection.residual);
+        for (energy, q) in energy.iter_mut().zip(projection.q.rows()) {
+            *energy /= (1.0 - q.iter().map(|v| v.norm_sqr()).sum::<f64>()).max(tol::LEVERAGE_LEFT);
+        }
+        energy
+    }
+
+    /// Residual energy of each line over all FRFs, where a model near Q leaves `residual`
+    /// of the compressed columns.
+    pub fn line_residual(&self, residual: &Array2<Complex64>) -> Array1<f64> {
+        let mut energy = self.beyond.clone();
+        add_energy(&mut energy, residual, 1.0);
+        energy
+    }
+}
+
+/// G^{-1/2} in the directions that carry anything, turned in whatever way comes cheapest.
+fn inverse_root(gram: &Array2<f64>) -> Result<Array2<f64>, LinalgError> {
+    let carries_all = |lower: &Array2<f64>| {
+        lower
+            .diag()
+            .iter()
+            .zip(gram.diag())
+            .all(|(pivot, all)| pivot * pivot > tol::GRAM_SOUND * all)
+    };
+    if let Some(lower) = cholesky(gram.view()).ok().filter(carries_all) {
+        return solve_lower_adjoint(lower.view(), Array2::eye(gram.nrows()).view());
+    }
+    let (values, vectors) = eigh(gram.view())?;
+    let largest = values.last().copied().unwrap_or(0.0);
+    let kept: Vec<usize> = (0..values.len())
+        .filter(|&i| values[i] > tol::GRAM_ROUNDING * largest)
+        .collect();
+    Ok(Array2::from_shape_fn(
+        (values.len(), kept.len()).f(),
+        |(i, c)| vectors[[i, kept[c]]] / values[kept[c]].sqrt(),
+    ))
+}
+
+/// Adds `sign` times the energy of each row.
+fn add_energy(energy: &mut Array1<f64>, columns: &Array2<Complex64>, sign: f64) {
+    for column in columns.columns() {
+        energy.zip_mut_with(&column, |sum, value| *sum += sign * value.norm_sqr());
+    }
+}
+
+/// Columns q and j·q in turn, real and imaginary part of each line in turn: what complex
+/// coefficients multiply, over the reals.
+pub(crate) fn real_basis(q: &Array2<Complex64>) -> Array2<f64> {
+    let (lines, m) = q.dim();
+    Array2::from_shape_fn((2 * lines, 2 * m).f(), |(row, c)| {
+        let value = q[[row / 2, c / 2]];
+        match (row % 2, c % 2) {
+            (0, 0) => value.re,
+            (0, _) => -value.im,
+            (_, 0) => value.im,
+            _ => value.re,
+        }
+    })
+}
+
+/// What the pass leaves: all that the compressed columns are made of.
+#[derive(Debug, Clone)]
+pub(crate) struct Products {
+    /// T = B·R₀ᵀ, (real and imaginary part of each line, unknown).
+    pub t: Array2<f64>,
+    /// R₀R₀ᵀ.
+    pub gram: Array2<f64>,
+    /// R₀ = QᴴB over the reals, (unknown, FRF).
+    pub r0: Array2<f64>,
+}
+
+/// Runs the pass with basis `q` on all FRFs; `line_energy` comes from the first pass.
+pub(crate) fn project(
+    data: &Screened,
+    q: &Array2<Complex64>,
+    line_energy: &Array1<f64>,
+) -> Result<Projected, LinalgError> {
+    Projected::new(data, products(data, &measured_basis(data, q)), line_energy)
+}
+
+/// The pass itself, with a [`measured_basis`].
+pub(crate) fn products(data: &Screened, basis: &Array2<f64>) -> Products {
+    let (lines, total, m) = (data.lines.len(), data.pairs.len(), basis.ncols());
+    let mut r0 = Array2::zeros((m, total).f());
+    let groups: Vec<_> = data
+        .groups()
+        .into_iter()
+        .zip(r0.axis_chunks_iter_mut(Axis(1), data.group_size()))
+        .collect();
+    let sums = |(group, mut r0): (Range<usize>, ArrayViewMut2<f64>)| {
+        let (mut t, mut gram) = (cleared(2 * lines, m), cleared(m, m));
+        let start = group.start;
+        data.each_block(group, |frfs, block| {
+            let mut inside = r0.slice_mut(s![.., frfs.start - start..frfs.end - start]);
+            set_matmul_h(inside.view_mut(), basis.view(), block.view());
+            add_matmul(t.view_mut(), block.view(), inside.t());
+            add_matmul(gram.view_mut(), inside.view(), inside.t());
+        });
+        (t, gram)
+    };
+    let add = |left: (Array2<f64>, Array2<f64>), right: (Array2<f64>, Array2<f64>)| {
+        (left.0 + right.0, left.1 + right.1)
+    };
+    let (t, gram) = tree_sum(groups, &sums, &add);
+    Products { t, gram, r0 }
+}
+
+/// Energy Σ|qᴴb|² that each column of `q` sees of all FRFs: a light pass.
+pub(crate) fn energies(data: &Screened, q: &Array2<Complex64>) -> Vec<f64> {
+    let basis = measured_basis(data, q);
+    let sums = |group: Range<usize>| {
+        let mut energy = vec![0.0; q.ncols()];
+        data.each_block(group, |frfs, block| {
+            let mut inside = Array2::zeros((basis.ncols(), frfs.len()).f());
+            set_matmul_h(inside.view_mut(), basis.view(), block.view());
+            for column in inside.columns() {
+                column
+                    .iter()
+                    .enumerate()
+                    .for_each(|(c, value)| energy[c / 2] += value * value);
+            }
+        });
+        energy
+    };
+    tree_sum(data.groups(), &sums, &|left, right| {
+        left.iter().zip(&right).map(|(l, r)| l + r).collect()
+    })
+}
+
+/// The basis over the reals as it meets values in the measured kind: the factor to work
+/// units waits until all is small.
+pub(crate) fn measured_basis(data: &Head, q: &Array2<Complex64>) -> Array2<f64> {
+    let factor = data.factor();
+    real_basis(&q.mapv(|v| v * factor.conj()))
+}

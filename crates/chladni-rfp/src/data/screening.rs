@@ -1,0 +1,327 @@
+//! Screening: which lines and FRFs are used, and their scale (theory.md, eq. 5).
+
+use crate::data::columns::{line_energy, Work};
+use crate::data::error::FitError;
+use crate::data::layout::{Head, Weighting};
+use crate::data::noise_weights::PairWeights;
+use crate::data::noisy_frfs::far_noisier;
+use crate::data::options::FitOptions;
+use crate::data::reading::{energy, visit, Usable};
+use crate::data::sketch::{Mixing, Sums};
+use chladni_frf::FrfSet;
+use ndarray::{Array1, Array2, ArrayView1, ShapeBuilder};
+use num_complex::Complex64;
+use rayon::prelude::*;
+use std::ops::{Deref, Range};
+
+/// The usable part of an FRF set: selected lines and pairs, unit rms, no copy of the
+/// data.
+#[derive(Debug, Clone)]
+pub(crate) struct Screened<'a> {
+    head: Head,
+    /// The data.
+    pub frf: &'a FrfSet,
+    /// The FRFs as they were measured, where `frf` is not the measurement itself but
+    /// weighted by its noise.
+    measured: Option<&'a FrfSet>,
+    /// The first pass with the seed that it was drawn with, where it is done already.
+    sums: Option<(u64, Sums)>,
+}
+
+impl Deref for Screened<'_> {
+    type Target = Head;
+    fn deref(&self) -> &Head {
+        &self.head
+    }
+}
+
+impl<'a> Screened<'a> {
+    /// Selects band, lines and pairs.
+    ///
+    /// # Errors
+    /// A band outside the data, too few lines, nothing but zeros.
+    pub fn new(frf: &'a FrfSet, options: &FitOptions) -> Result<Self, FitError> {
+        let kind = frf.kind.ok_or(FitError::UnknownKind)?;
+        let (mut lines, [low, high]) = lines_in_band(frf.frequency_hz.view(), options.band_hz)?;
+        let mut warnings = Vec::new();
+        // one look for all where nothing is missing: the usual case
+        let width = options.effort.sketch_columns.max(1);
+        let all: Vec<(usize, usize)> = frf.all_pairs().collect();
+        let sums = (all.len() > width).then(|| {
+            Sums::new(
+                &frf.values,
+                &all,
+                &lines,
+                &Mixing::even(all.len(), width, options.seed),
+            )
+        });
+        let sums = sums.filter(|sums| !sums.flawed);
+        let Usable {
+            mut pairs,
+            bad,
+            energy: sum_of_pair,
+        } = match &sums {
+            Some(sums) => Usable {
+                pairs: all,
+                bad: vec![false; lines.len()],
+                energy: sums.frf_energy.clone(),
+            },
+            None => Usable::new(frf, &lines),
+        };
+        if pairs.is_empty() {
+            return Err(FitError::NoData);
+        }
+        if pairs.len() < frf.pairs() {
+            warnings.push(format!(
+                "{} of {} FRFs hold no values in the band and are left out",
+                frf.pairs() - pairs.len(),
+                frf.pairs()
+            ));
+        }
+        if bad.iter().any(|b| *b) {
+            let dropped = bad.iter().filter(|b| **b).count();
+            lines = lines
+                .into_iter()
+                .zip(&bad)
+                .filter(|(_, bad)| !**bad)
+                .map(|(k, _)| k)
+                .collect();
+            warnings.push(lines_left_out(dropped));
+        }
+        let noisy: Vec<(usize, usize)> = far_noisier(frf, &pairs, &lines)
+            .into_iter()
+            .map(|l| pairs[l])
+            .collect();
+        if !noisy.is_empty() {
+            pairs.retain(|pair| !noisy.contains(pair));
+            warnings.push(format!(
+                "far noisier than the other FRFs and left out, their values follow \
+                               from the shapes: {}",
+                named(frf, &noisy)
+            ));
+        }
+        enough(lines.len(), [low, high], options.modes)?;
+        let mut head = Head {
+            pairs,
+            warnings,
+            ..Head::new(frf, kind, lines, [low, high], options.effort)
+        };
+        head.energy = if bad.contains(&true) {
+            head.pairs
+                .par_iter()
+                .map(|&pair| energy(&frf.values, pair, &head.lines).0)
+                .collect()
+        } else {
+            head.pairs
+                .iter()
+                .map(|&(i, j)| sum_of_pair[i * frf.references.len() + j])
+                .collect()
+        };
+        head.rms = head.mean_square().sqrt();
+        if head.rms == 0.0 || !head.rms.is_finite() {
+            return Err(FitError::NoData);
+        }
+        let sums = sums
+            .filter(|sums| sums.frf_energy.len() == head.pairs.len())
+            .map(|sums| (options.seed, sums));
+        Ok(Self {
+            head,
+            frf,
+            measured: None,
+            sums,
+        })
+    }
+
+    /// Lines, pairs and scale that were chosen elsewhere, in a part of the data.
+    pub fn part(frf: &'a FrfSet, head: Head) -> Self {
+        Self {
+            head,
+            frf,
+            measured: None,
+            sums: None,
+        }
+    }
+
+    /// The same data without the lines at `places` (among the lines used); the scale
+    /// stays.
+    pub fn without(&self, places: &[usize]) -> Self {
+        let kept: Vec<usize> = (0..self.lines.len())
+            .filter(|place| !places.contains(place))
+            .collect();
+        let sums = self
+            .sums
+            .as_ref()
+            .map(|(seed, sums)| (*seed, sums.select(&kept)));
+        Self {
+            head: self.head.select(&kept),
+            frf: self.frf,
+            measured: self.measured,
+            sums,
+        }
+    }
+
+    /// The same lines and pairs of `frf`, the data times `weights`.
+    pub fn weighted<'b>(&self, frf: &'b FrfSet, weights: PairWeights) -> Screened<'b>
+    where
+        'a: 'b,
+    {
+        let mut head = self.head.clone();
+        head.energy = head
+            .pairs
+            .par_iter()
+            .map(|&pair| energy(&frf.values, pair, &head.lines).0)
+            .collect();
+        head.weighting = Some(Weighting {
+            weights,
+            rms: head.rms,
+        });
+        head.rms = head.mean_square().sqrt();
+        Screened {
+            head,
+            frf,
+            measured: Some(self.frf),
+            sums: None,
+        }
+    }
+
+    /// The FRFs as they were measured.
+    pub fn measured(&self) -> &FrfSet {
+        self.measured.unwrap_or(self.frf)
+    }
+
+    /// First pass: count sketch (each FRF added with a random sign to one of a few
+    /// columns, scaled so that the noise keeps its variance) and the energy of each line
+    /// over all FRFs. Few FRFs are left as they are.
+    pub fn sketch(&self, seed: u64) -> (Work, Array1<f64>) {
+        let (total, width) = (self.pairs.len(), self.effort.sketch_columns.max(1));
+        if total <= width {
+            let work = self.work();
+            let energy = line_energy(&work.b) * total as f64;
+            return (work, energy);
+        }
+        let made;
+        let sums = match &self.sums {
+            Some((drawn, sums)) if *drawn == seed => sums,
+            _ => {
+                made = Sums::new(
+                    &self.frf.values,
+                    &self.pairs,
+                    &self.lines,
+                    &Mixing::even(total, width, seed),
+                );
+                &made
+            }
+        };
+        let scale = (width as f64 / total as f64).sqrt() * self.factor();
+        let work = Work {
+            x: self.x.clone(),
+            g: self.g.clone(),
+            b: sums.columns.mapv(|sum| sum * scale),
+        };
+        (work, &sums.line_energy * self.factor().norm_sqr())
+    }
+
+    /// Writes the values of `pairs[range]` on lines `lines[rows]` into a (line, column)
+    /// array.
+    pub fn block(&self, columns: Range<usize>, rows: Range<usize>) -> Array2<Complex64> {
+        let factor = self.factor();
+        let lines = &self.lines[rows];
+        let mut out = Array2::zeros((lines.len(), columns.len()).f());
+        for (mut column, &pair) in out.columns_mut().into_iter().zip(&self.pairs[columns]) {
+            visit(
+                &self.frf.values,
+                pair,
+                lines,
+                column.iter_mut(),
+                |out, value| *out = value * factor,
+            );
+        }
+        out
+    }
+
+    /// All columns at once; for sets of few FRFs.
+    pub fn work(&self) -> Work {
+        Work {
+            x: self.x.clone(),
+            g: self.g.clone(),
+            b: self.block(0..self.pairs.len(), 0..self.lines.len()),
+        }
+    }
+}
+
+/// Indices of the lines above 0 Hz of a band (all, where none is asked for), and the
+/// band.
+///
+/// # Errors
+/// [`FitError::BandOutsideData`].
+pub(crate) fn lines_in_band(
+    frequency_hz: ArrayView1<f64>,
+    band_hz: Option<[f64; 2]>,
+) -> Result<(Vec<usize>, [f64; 2]), FitError> {
+    let f = frequency_hz;
+    let (first, last) = (
+        f.first().copied().unwrap_or(0.0),
+        f.last().copied().unwrap_or(0.0),
+    );
+    let [low, high] = band_hz.unwrap_or([first, last]);
+    let lines: Vec<usize> = (0..f.len())
+        .filter(|&k| f[k] >= low && f[k] <= high && f[k] > 0.0)
+        .collect();
+    match lines.is_empty() {
+        true => Err(FitError::BandOutsideData {
+            low_hz: low,
+            high_hz: high,
+            data_low_hz: first,
+            data_high_hz: last,
+        }),
+        false => Ok((lines, [low, high])),
+    }
+}
+
+/// What is said of lines without values.
+pub(crate) fn lines_left_out(dropped: usize) -> String {
+    format!(
+        "{dropped} lines hold no finite value in at least one FRF, or zeros in all, and are \
+             left out"
+    )
+}
+
+/// Whether so many lines can bear the modes asked for, one where none are.
+///
+/// # Errors
+/// [`FitError::TooFewLines`].
+pub(crate) fn enough(
+    lines: usize,
+    [low_hz, high_hz]: [f64; 2],
+    modes: Option<usize>,
+) -> Result<(), FitError> {
+    let modes = modes.unwrap_or(1);
+    let needed = modes + LINES_TO_SPARE;
+    match lines < needed {
+        true => Err(FitError::TooFewLines {
+            lines,
+            low_hz,
+            high_hz,
+            modes,
+            needed,
+        }),
+        false => Ok(()),
+    }
+}
+
+/// Lines needed beyond the number of modes.
+const LINES_TO_SPARE: usize = 8;
+
+/// The first of a list of pairs, in words.
+fn named(frf: &FrfSet, pairs: &[(usize, usize)]) -> String {
+    const SHOWN: usize = 6;
+    let mut names: Vec<String> = pairs
+        .iter()
+        .take(SHOWN)
+        .map(|&(i, j)| format!("{} from {}", frf.responses[i], frf.references[j]))
+        .collect();
+    if pairs.len() > SHOWN {
+        names.push(format!("and {} more", pairs.len() - SHOWN));
+    }
+    names.join(", ")
+}

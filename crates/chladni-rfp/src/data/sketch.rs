@@ -1,0 +1,218 @@
+//! First pass over the data: the count sketch (theory.md, eq. 6), and with it the energy
+//! of each line and each FRF.
+
+use crate::data::reading::{in_place, visit};
+use crate::tolerances as tol;
+use chladni_frf::FrfValues;
+use ndarray::{Array1, Array2, ArrayViewMut2, Axis, ShapeBuilder};
+use num_complex::Complex64;
+use rand::seq::SliceRandom;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+/// Which column of the sketch each FRF is added to, and with which sign.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Mixing {
+    /// Columns.
+    pub width: usize,
+    /// Of each FRF.
+    pub column: Vec<usize>,
+    /// Of each FRF: 1 or −1.
+    pub sign: Vec<f64>,
+}
+
+impl Mixing {
+    /// As many FRFs in one column as in another, at random.
+    pub fn even(frfs: usize, width: usize, seed: u64) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut order: Vec<usize> = (0..frfs).collect();
+        order.shuffle(&mut rng);
+        let mut column = vec![0; frfs];
+        for (position, &l) in order.iter().enumerate() {
+            column[l] = position % width;
+        }
+        let sign = (0..frfs)
+            .map(|_| if rng.random::<bool>() { 1.0 } else { -1.0 })
+            .collect();
+        Self {
+            width,
+            column,
+            sign,
+        }
+    }
+}
+
+/// What the pass leaves, in units of the measured values.
+#[derive(Debug, Clone)]
+pub(crate) struct Sums {
+    /// (line, column): signed sums of FRFs.
+    pub columns: Array2<Complex64>,
+    /// Sum of squares of each line.
+    pub line_energy: Array1<f64>,
+    /// Sum of squares of each FRF.
+    pub frf_energy: Vec<f64>,
+    /// True where an FRF holds a value that is not finite, or an FRF or a line nothing
+    /// but zeros.
+    pub flawed: bool,
+}
+
+/// Sums that need not wait for each other.
+const LANES: usize = 8;
+
+/// Adds `signs` times two FRFs to their column and their squares to the energy of the
+/// lines; the sum of squares of each. Two at a time are waited for together. Inlined, the
+/// compiler would no longer know that the slices do not overlap, and add one value at a
+/// time.
+#[inline(never)]
+fn add(
+    column: &mut [f64],
+    energy: &mut [f64],
+    one: &[f64],
+    other: &[f64],
+    signs: [f64; 2],
+) -> [f64; 2] {
+    let mut sums = [[0.0; LANES]; 2];
+    let mut lanes = |column: &mut [f64], energy: &mut [f64], one: &[f64], other: &[f64]| {
+        let [first, second] = &mut sums;
+        let sums = first.iter_mut().zip(second);
+        for ((((first, second), column), energy), (one, other)) in
+            sums.zip(column).zip(energy).zip(one.iter().zip(other))
+        {
+            let squares = [one * one, other * other];
+            *column += signs[0] * one + signs[1] * other;
+            *energy += squares[0] + squares[1];
+            *first += squares[0];
+            *second += squares[1];
+        }
+    };
+    let ((columns, last_column), (energies, last_energy)) = (
+        column.as_chunks_mut::<LANES>(),
+        energy.as_chunks_mut::<LANES>(),
+    );
+    let ((ones, last_one), (others, last_other)) =
+        (one.as_chunks::<LANES>(), other.as_chunks::<LANES>());
+    for ((column, energy), (one, other)) in columns
+        .iter_mut()
+        .zip(energies)
+        .zip(ones.iter().zip(others))
+    {
+        lanes(column, energy, one, other);
+    }
+    lanes(last_column, last_energy, last_one, last_other);
+    sums.map(|sums| sums.iter().sum())
+}
+
+/// Sums FRFs into some of the columns: squares of each line, real and imaginary part in
+/// turn, and of each FRF.
+fn summed(
+    values: &FrfValues,
+    pairs: &[(usize, usize)],
+    lines: &[usize],
+    mixing: &Mixing,
+    mut columns: ArrayViewMut2<Complex64>,
+    frfs_of: &[Vec<usize>],
+) -> (Vec<f64>, Vec<(usize, f64)>) {
+    let size = 2 * lines.len();
+    let (mut energy, mut copies, mut of_frfs) =
+        (vec![0.0; size], [Vec::new(), Vec::new()], Vec::new());
+    let nothing = vec![0.0; size];
+    for (mut column, frfs) in columns.columns_mut().into_iter().zip(frfs_of) {
+        let column: &mut [f64] =
+            bytemuck::cast_slice_mut(column.as_slice_mut().expect("column-major"));
+        for two in frfs.chunks(2) {
+            let [first, second] = &mut copies;
+            let one = stretch(values, pairs[two[0]], lines, first);
+            let other = two.get(1).map_or(nothing.as_slice(), |&l| {
+                stretch(values, pairs[l], lines, second)
+            });
+            let signs = [
+                mixing.sign[two[0]],
+                two.get(1).map_or(0.0, |&l| mixing.sign[l]),
+            ];
+            let sums = add(column, &mut energy, one, other, signs);
+            of_frfs.extend(two.iter().copied().zip(sums));
+        }
+    }
+    (energy, of_frfs)
+}
+
+/// An FRF where it lies, or copied into `copy`.
+fn stretch<'a>(
+    values: &'a FrfValues,
+    pair: (usize, usize),
+    lines: &[usize],
+    copy: &'a mut Vec<f64>,
+) -> &'a [f64] {
+    in_place(values, &[pair], lines)
+        .and_then(|frf| frf.to_slice_memory_order())
+        .unwrap_or_else(|| {
+            copy.resize(2 * lines.len(), 0.0);
+            visit(
+                values,
+                pair,
+                lines,
+                copy.chunks_exact_mut(2),
+                |out, value| (out[0], out[1]) = (value.re, value.im),
+            );
+            copy
+        })
+}
+
+impl Sums {
+    /// Runs the pass over `pairs` on `lines`: column by column, so that every FRF is read
+    /// in one stretch.
+    pub fn new(
+        values: &FrfValues,
+        pairs: &[(usize, usize)],
+        lines: &[usize],
+        mixing: &Mixing,
+    ) -> Self {
+        let mut frfs_of = vec![Vec::new(); mixing.width];
+        mixing
+            .column
+            .iter()
+            .enumerate()
+            .for_each(|(l, &column)| frfs_of[column].push(l));
+        let mut columns = Array2::zeros((lines.len(), mixing.width).f());
+        let size = mixing.width.div_ceil(tol::PASS_GROUPS);
+        let groups: Vec<_> = columns
+            .axis_chunks_iter_mut(Axis(1), size)
+            .zip(frfs_of.chunks(size))
+            .collect();
+        let parts: Vec<_> = groups
+            .into_par_iter()
+            .map(|(columns, frfs_of)| summed(values, pairs, lines, mixing, columns, frfs_of))
+            .collect();
+        let mut sums = Self {
+            columns,
+            line_energy: Array1::zeros(lines.len()),
+            frf_energy: vec![0.0; pairs.len()],
+            flawed: false,
+        };
+        for (energy, of_frfs) in parts {
+            sums.line_energy
+                .iter_mut()
+                .zip(energy.chunks_exact(2))
+                .for_each(|(sum, parts)| *sum += parts[0] + parts[1]);
+            of_frfs
+                .into_iter()
+                .for_each(|(l, energy)| sums.frf_energy[l] = energy);
+        }
+        let sound = |energy: &f64| energy.is_finite() && *energy > 0.0;
+        sums.flawed = !sums.frf_energy.iter().chain(&sums.line_energy).all(sound);
+        sums
+    }
+
+    /// Only the lines at `places`; the energies of the FRFs are lost.
+    pub fn select(&self, places: &[usize]) -> Self {
+        let mut columns = Array2::zeros((places.len(), self.columns.ncols()).f());
+        columns.assign(&self.columns.select(Axis(0), places));
+        Self {
+            columns,
+            line_energy: self.line_energy.select(Axis(0), places),
+            frf_energy: Vec::new(),
+            flawed: self.flawed,
+        }
+    }
+}

@@ -1,0 +1,209 @@
+//! From the poles of one method of the family to a model: error bars, residues of every
+//! FRF, grades.
+//!
+//! A method other than maximum likelihood has a bias that its own scatter does not show.
+//! The bars here add what it would still have to move (theory.md, eq. 43): the scatter of
+//! an efficient estimator at this residual, and the first steps of [`crate::refine`] from
+//! the method's poles, which are not taken.
+
+use crate::damping::verdict::expressible_pole;
+use crate::data::columns::Work;
+use crate::data::error::FitError;
+use crate::data::options::FitOptions;
+use crate::data::screening::Screened;
+use crate::driver::Fit;
+use crate::methods::common::{Finder, MethodPoles};
+use crate::methods::lscf::lscf;
+use crate::methods::selection::{rises, variance_left};
+use crate::methods::stabilization::Stabilization;
+use crate::methods::survey::{Columns, Survey};
+use crate::model::build::Shaped;
+use crate::model::identified::{structural_pole, viscous_pole, Identified, Pole};
+use crate::poles::chain::POWERS;
+use crate::poles::estimate::{Grade, UNCERTAIN};
+use crate::poles::prune::threshold;
+use crate::poles::refine::{refine, Projection, Refined};
+use crate::tolerances as tol;
+use chladni_frf::{Damping, FrfSet, Trust};
+use chladni_linalg::{inverse_hermitian, LinalgError};
+use num_complex::Complex64;
+
+/// Rms residual over rms data beyond which such a fit is not trusted: it has no other way
+/// to know that it failed.
+const MOST_LEFT: f64 = 0.2;
+/// Distance of two poles in half-bandwidths below which they are one; their residues
+/// could not be told apart.
+const SAME_POLE: f64 = 1e-3;
+
+/// Poles by `method`, residues of every FRF by least squares at these poles.
+///
+/// # Errors
+/// Those of the method; fewer lines than the poles need.
+pub(crate) fn fit_by_method(
+    data: &Screened,
+    options: &FitOptions,
+    method: Finder,
+    progress: &dyn Fn(&str),
+) -> Result<Fit, FitError> {
+    progress("sketch");
+    let survey = Survey::new(data, options.seed);
+    progress("compression");
+    let columns = survey.compress()?;
+    progress("poles");
+    let mut found = method(&survey, &columns, options)?;
+    progress("residues");
+    merge_equal(&mut found);
+    let (lines, modes) = (data.lines.len(), found.poles.len());
+    let needed = modes + POWERS.len() + 1;
+    if lines < needed {
+        let [low_hz, high_hz] = data.band_hz;
+        return Err(FitError::TooFewLines {
+            lines,
+            low_hz,
+            high_hz,
+            modes,
+            needed,
+        });
+    }
+    let damping = options.damping.unwrap_or(found.law);
+    let (poles, variance) = graded(&survey, &columns, &found, damping)?;
+    let identified = Identified {
+        damping,
+        poles,
+        powers: POWERS.to_vec(),
+        work: columns.work,
+        back: columns.back,
+        variance,
+        path: format!(
+            "{}: {}, no maximum-likelihood step",
+            options.method, found.how
+        ),
+        warnings: found.warnings,
+        consistent: true,
+        real_shapes: false,
+    };
+    let shaped = Shaped::new(data, identified)?;
+    let left = shaped.left(data);
+    let mut model = shaped.model(data, options, &left);
+    if model.quality.relative_error > MOST_LEFT {
+        model.quality.trusted = false;
+        model.quality.warnings.push(format!(
+            "{:.0} % of the data are left unexplained: modes are missing or wrong; use --method \
+             auto, or a narrower --band",
+            100.0 * model.quality.relative_error
+        ));
+    }
+    Ok(Fit {
+        model,
+        history: Vec::new(),
+        stabilization: found.stabilization,
+    })
+}
+
+/// Poles of rising order for a stabilization diagram, by the method lscf in the band of
+/// `options`.
+///
+/// # Errors
+/// [`FitError`]: as [`crate::fit()`]; [`FitError::UnevenAxis`].
+pub fn stabilization(frf: &FrfSet, options: &FitOptions) -> Result<Stabilization, FitError> {
+    let data = Screened::new(frf, options)?;
+    let survey = Survey::new(&data, options.seed);
+    let columns = survey.compress()?;
+    Ok(lscf(&survey, &columns, options)?
+        .stabilization
+        .unwrap_or_default())
+}
+
+/// Drops poles that stand on another one.
+fn merge_equal(found: &mut MethodPoles) {
+    let same = |a: Complex64, b: Complex64| (a - b).norm() < SAME_POLE * a.re.abs().min(b.re.abs());
+    let kept: Vec<usize> = (0..found.poles.len())
+        .filter(|&n| {
+            !found.poles[..n]
+                .iter()
+                .any(|other| same(*other, found.poles[n]))
+        })
+        .collect();
+    if let Some(deviation) = &mut found.deviation {
+        *deviation = kept.iter().map(|&n| deviation[n]).collect();
+    }
+    found.poles = kept.iter().map(|&n| found.poles[n]).collect();
+}
+
+/// Poles with bars and grades, and the noise variance of one value that they leave.
+fn graded(
+    survey: &Survey,
+    columns: &Columns,
+    found: &MethodPoles,
+    damping: Damping,
+) -> Result<(Vec<Pole>, f64), LinalgError> {
+    let work = &columns.work;
+    let lambda: Vec<Complex64> = found.poles.iter().map(|s| -s * s).collect();
+    let sse = Projection::new(work, &lambda, &POWERS)?.sse;
+    let variance = columns.variance(survey.data, sse, lambda.len() + POWERS.len());
+    let ahead = refine(work, &lambda, &POWERS, tol::STEPS_AHEAD, tol::ROUGH_STEP)?;
+    let spread = spread(work, &ahead, &lambda, variance);
+    let rises = rises(&survey.sketch, &lambda)?;
+    let limit = threshold(survey.sketch.columns(), survey.sketch.lines())
+        * variance_left(&survey.sketch, &lambda)?;
+    let poles = (0..lambda.len())
+        .map(|n| {
+            let mut pole = match damping {
+                Damping::Structural => {
+                    structural_pole(lambda[n], [0.5 * spread[n]; 2], (Trust::Sure, Vec::new()))
+                }
+                // |ds| = |dλ|/(2|√λ|), alike in all directions
+                Damping::Viscous => {
+                    let c = 0.5 * spread[n] / (4.0 * lambda[n].norm());
+                    viscous_pole(
+                        found.poles[n],
+                        [[c, 0.0], [0.0, c]],
+                        (Trust::Sure, Vec::new()),
+                    )
+                }
+            };
+            if let Some(own) = &found.deviation {
+                pole.omega_std = pole.omega_std.max(own[n][0]);
+                pole.loss_factor_std = pole.loss_factor_std.max(own[n][1]);
+            }
+            pole.grade = grade(&pole, rises[n] < limit && expressible_pole(lambda[n]));
+            pole
+        })
+        .collect();
+    Ok((poles, variance))
+}
+
+fn grade(pole: &Pole, insignificant: bool) -> Grade {
+    let mut reasons = Vec::new();
+    let uncertain = 2.0 * pole.omega_std / (pole.omega * pole.loss_factor);
+    if uncertain > UNCERTAIN {
+        reasons.push(format!(
+            "uncertain by {uncertain:.1} half-bandwidths (one sigma)"
+        ));
+    }
+    if insignificant {
+        reasons.push("explains no more of the data than noise would".into());
+    }
+    (
+        if reasons.is_empty() {
+            Trust::Sure
+        } else {
+            Trust::Weak
+        },
+        reasons,
+    )
+}
+
+/// E|δλ|² per pole: the inverse information at this variance, and the square of the way
+/// to the likelier pole.
+fn spread(work: &Work, ahead: &Refined, lambda: &[Complex64], variance: f64) -> Vec<f64> {
+    let inverse = inverse_hermitian(ahead.information(work).view()).ok();
+    let scatter = |n: usize| {
+        inverse.as_ref().map_or(f64::INFINITY, |inverse| {
+            variance * inverse[[n, n]].re.max(0.0)
+        })
+    };
+    (0..lambda.len())
+        .map(|n| scatter(n) + (ahead.lambda[n] - lambda[n]).norm_sqr())
+        .collect()
+}

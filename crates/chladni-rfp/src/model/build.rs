@@ -1,0 +1,454 @@
+//! From poles to the model file: residues of every FRF, shapes, scaling, error bars.
+
+use crate::model::identified::{Identified, Pole};
+use crate::model::residual_energy::{above_rounding, by_sums, Laid};
+
+use crate::data::layout::Head;
+use crate::data::options::FitOptions;
+use crate::data::screening::Screened;
+use crate::model::modes::{modes, rejected_mode, scale_unknown, scales, unscaled};
+use crate::model::residues::{linear, synthesis, Linear};
+use crate::shapes::error_bars::{shape_bars, Noisy, Scale, ShapeBars};
+use crate::shapes::residues::{
+    beyond_chance, eliminated, low_rank, low_rank_around, significant_rank, Given, Residues, Shapes,
+};
+use crate::tolerances as tol;
+use crate::wide::wide_mixed;
+use chladni_frf::{
+    ComplexMatrix, Damping, ModalModel, Quality, ResidualTerm, ResidualTerms, Scaling, Trust,
+    CREATED_BY, MODEL_FORMAT,
+};
+use chladni_linalg::LinalgError;
+use ndarray::{Array1, Array2, Axis, ShapeBuilder};
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+/// χ² per degree of freedom beyond which one shape per mode does not hold.
+const SHAPE_MISFIT: f64 = 1.5;
+/// FRFs per block of what is done FRF by FRF.
+const BLOCK: usize = 1024;
+
+/// Residues of every FRF at identified poles, each by itself.
+struct FreeFit {
+    /// What the model can hold, rising in frequency.
+    poles: Vec<Pole>,
+    linear: Linear,
+    /// (pole, pair), response by response; zero where missing.
+    all: Array2<Complex64>,
+    /// False where a pair was not measured.
+    present: Array2<bool>,
+    /// Noise variance of a value of an FRF, the mean of all, over that of a work value.
+    noise: f64,
+    /// That of each response over the mean.
+    noise_of_response: Array1<f64>,
+}
+
+impl FreeFit {
+    fn new(data: &Head, identified: &Identified) -> Result<Self, LinalgError> {
+        let Identified {
+            damping,
+            powers,
+            work,
+            back,
+            ..
+        } = identified;
+        let holds = |pole: &&Pole| pole.grade.0 != Trust::Rejected && expressible(*damping, pole);
+        let mut poles: Vec<Pole> = identified.poles.iter().filter(holds).cloned().collect();
+        poles.sort_by(|a, b| a.omega.total_cmp(&b.omega));
+        let values: Vec<Complex64> = poles.iter().map(|p| p.value).collect();
+        let mut linear = linear(work, *damping, &values, powers)?;
+        if let Some(back) = back {
+            linear.residues = wide_mixed(&linear.residues, back.view());
+            linear.terms = wide_mixed(&linear.terms, back.view());
+        }
+        let (responses, references) = (data.responses.len(), data.references.len());
+        let mut all = Array2::zeros((values.len(), responses * references).f());
+        let mut present = Array2::from_elem((responses, references), false);
+        let noise = identified
+            .noise_of_frfs()
+            .unwrap_or_else(|| Array1::ones(data.pairs.len()));
+        let mean = noise.mean().unwrap_or(1.0);
+        let mut of_response = vec![(0.0, 0.0); responses];
+        for (l, &(i, j)) in data.pairs.iter().enumerate() {
+            present[[i, j]] = true;
+            all.column_mut(i * references + j)
+                .assign(&linear.residues.column(l));
+            of_response[i] = (of_response[i].0 + noise[l] / mean, of_response[i].1 + 1.0);
+        }
+        let noise_of_response = of_response
+            .into_iter()
+            .map(|(sum, count)| if count > 0.0 { sum / count } else { 1.0 })
+            .collect();
+        Ok(Self {
+            poles,
+            linear,
+            all,
+            present,
+            noise: mean,
+            noise_of_response,
+        })
+    }
+}
+
+/// One shape per mode of the band, whatever lies outside left free. (An out-of-band pole
+/// that happens to need a high rank is no evidence on damping.)
+pub(crate) struct CommonShapes {
+    /// Sum of squares of the compressed columns: what two damping laws can be compared
+    /// by.
+    pub sse: f64,
+    /// Its rise over that of free residues, in standard deviations of what chance makes
+    /// of it.
+    pub sigmas: f64,
+}
+
+/// Fits one shape per mode of the band at the poles as they stand.
+pub(crate) fn common_shapes(
+    data: &Head,
+    identified: &Identified,
+) -> Result<CommonShapes, LinalgError> {
+    let FreeFit {
+        poles,
+        linear,
+        all,
+        present,
+        noise,
+        ..
+    } = FreeFit::new(data, identified)?;
+    let (low, high) = identified.work.range();
+    let (inside, outside): (Vec<usize>, Vec<usize>) =
+        (0..poles.len()).partition(|&n| (low..=high).contains(&poles[n].omega.powi(2)));
+    if inside.is_empty() {
+        return Ok(CommonShapes {
+            sse: linear.sse,
+            sigmas: 0.0,
+        });
+    }
+    let weight = eliminated(&linear.weight, &inside, &outside)?;
+    let mut values = Array2::zeros((inside.len(), all.ncols()).f());
+    values.assign(&all.select(Axis(0), &inside));
+    let shapes = low_rank(
+        &Residues {
+            values: &values,
+            weight: &weight,
+            present: &present,
+        },
+        &vec![1; inside.len()],
+    )?;
+    let rise = shapes.rise / noise;
+    let sigmas = beyond_chance(
+        rise,
+        shapes.constraints,
+        identified.variance,
+        tol::STRUCTURE_ROUNDING * identified.work.energy(),
+    );
+    Ok(CommonShapes {
+        sse: linear.sse + rise,
+        sigmas,
+    })
+}
+
+/// Identified poles with the residues of every FRF brought into shapes: all but the
+/// scaling.
+pub(crate) struct Shaped {
+    identified: Identified,
+    /// What the model holds, rising in frequency.
+    poles: Vec<Pole>,
+    shapes: Shapes,
+    /// Scale of each term's shape.
+    scales: Vec<Scale>,
+    scaling: Scaling,
+    bars: ShapeBars,
+    /// (term, FRF), work units.
+    terms: Array2<Complex64>,
+    /// χ² per degree of freedom of the model as saved.
+    pub chi2_per_dof: f64,
+}
+
+impl Shaped {
+    /// Residues at the poles, shapes of low rank, residual terms that answer them.
+    ///
+    /// # Errors
+    /// A kernel that fails.
+    pub fn new(data: &Head, identified: Identified) -> Result<Self, LinalgError> {
+        let FreeFit {
+            poles,
+            mut linear,
+            all,
+            present,
+            noise,
+            noise_of_response,
+        } = FreeFit::new(data, &identified)?;
+        let Identified {
+            work,
+            powers,
+            real_shapes,
+            ..
+        } = &identified;
+        let variance = identified.variance * noise;
+        let (responses, references) = present.dim();
+        let free = Residues {
+            values: &all,
+            weight: &linear.weight,
+            present: &present,
+        };
+        let (low, high) = work.range();
+        let mut ranks = vec![1; poles.len()];
+        for n in (0..poles.len()).filter(|&n| {
+            !(low..=high).contains(&poles[n].omega.powi(2)) && poles[n].given.is_none()
+        }) {
+            ranks[n] = significant_rank(&free, n, variance)?;
+        }
+        let given: Vec<Given> = poles.iter().map(|pole| pole.given.clone()).collect();
+        let shapes = low_rank_around(&free, &ranks, &given)?;
+        // residues of the shapes less the free ones
+        let mut change = linear.residues;
+        let blocks: Vec<_> = change
+            .axis_chunks_iter_mut(Axis(1), BLOCK)
+            .zip(data.pairs.chunks(BLOCK))
+            .collect();
+        blocks.into_par_iter().for_each(|(mut change, pairs)| {
+            change.mapv_inplace(|v| -v);
+            for (mut change, &(i, j)) in change.columns_mut().into_iter().zip(pairs) {
+                for (term, &n) in shapes.owner.iter().enumerate() {
+                    change[n] += shapes.shape[[term, i]] * shapes.participation[[term, j]];
+                }
+            }
+        });
+        linear.answer.apply(&mut linear.terms, &change);
+
+        // χ² of the model as saved: free residues leave `variance` per degree of freedom,
+        // the low-rank form adds its rise
+        let all = (work.lines() * work.columns()) as f64;
+        let free_dof = (all - ((poles.len() + powers.len()) * work.columns()) as f64).max(1.0);
+        // a real term fixes one phase per DOF but one
+        let real = if *real_shapes {
+            given
+                .iter()
+                .flatten()
+                .map(|(shape, _)| shape.nrows())
+                .sum::<usize>()
+                * (responses + references - 1)
+        } else {
+            0
+        };
+        let constraints = shapes.constraints + real;
+        let chi2_per_dof = if variance > 0.0 {
+            (linear.sse * noise + shapes.rise) / (variance * (free_dof + 0.5 * constraints as f64))
+        } else {
+            1.0
+        };
+        let (scales, scaling) = scales(data, identified.damping, &poles, &shapes);
+        let noise_of_response = &noise_of_response;
+        let noisy = Noisy {
+            work,
+            powers,
+            poles: &poles,
+            shapes: &shapes,
+            present: &present,
+            variance,
+            noise_of_response,
+            real: *real_shapes,
+        };
+        let bars = shape_bars(&noisy, &scales)?;
+        let terms = linear.terms;
+        Ok(Self {
+            identified,
+            poles,
+            shapes,
+            scales,
+            scaling,
+            bars,
+            terms,
+            chi2_per_dof,
+        })
+    }
+
+    /// Builds the model; `left` as from [`Self::left`].
+    pub fn model(self, data: &Head, options: &FitOptions, left: &[f64]) -> ModalModel {
+        let mean_square = left.iter().sum::<f64>() / (data.lines.len() * data.pairs.len()) as f64;
+        let relative_error = mean_square.sqrt() / data.measured_over_used();
+        let Self {
+            identified,
+            poles,
+            shapes,
+            scales,
+            scaling,
+            bars,
+            terms,
+            chi2_per_dof,
+        } = self;
+        let Identified {
+            damping,
+            poles: all,
+            powers,
+            path,
+            mut warnings,
+            consistent,
+            ..
+        } = identified;
+        let (responses, references) = (data.responses.len(), data.references.len());
+        if chi2_per_dof > SHAPE_MISFIT {
+            warnings.push(format!(
+                "one shape per mode explains the references together worse than free residues (χ² per degree of freedom {chi2_per_dof:.1}): \
+                 modes may be missing, or a reference is delayed or not reciprocal"
+            ));
+        }
+
+        let mut modes = modes(data, damping, &poles, &shapes, &scales, &bars);
+        if scaling == Scaling::Unscaled {
+            warnings.push(unscaled(data.reference_unit));
+        }
+        let unknown = (0..scales.len())
+            .filter(|&term| scales[term].unknown(bars.scale[term]))
+            .map(|term| &poles[shapes.owner[term]]);
+        warnings.extend(scale_unknown(data, unknown));
+        modes.extend(
+            all.iter()
+                .filter(|pole| pole.grade.0 == Trust::Rejected && expressible(damping, pole))
+                .map(|pole| rejected_mode(data, pole)),
+        );
+        modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+        let scale = data.rms / data.omega_max.powi(data.kind.omega_power());
+        let residual_terms = ResidualTerms {
+            omega_scale_rad_per_s: data.omega_max,
+            terms: powers
+                .iter()
+                .enumerate()
+                .map(|(p, &power)| {
+                    let mut matrix = Array2::zeros((responses, references));
+                    for (l, &(i, j)) in data.pairs.iter().enumerate() {
+                        matrix[[i, j]] =
+                            terms[[p, l]] * scale / data.weight(i, j).iter().product::<f64>();
+                    }
+                    ResidualTerm {
+                        power: 2 * power,
+                        matrix: ComplexMatrix(matrix),
+                    }
+                })
+                .collect(),
+        };
+        let in_band = modes
+            .iter()
+            .filter(|m| m.in_band && m.trust != Trust::Rejected)
+            .count();
+        let sure = modes
+            .iter()
+            .filter(|m| m.in_band && m.trust == Trust::Sure)
+            .count();
+        if in_band == 0 {
+            warnings.push("no mode stands out of the noise in this band".into());
+        } else if sure == 0 {
+            warnings.push("no mode is sure: see the reasons given with each".into());
+        }
+        let mut all_warnings = data.warnings.clone();
+        all_warnings.append(&mut warnings);
+        ModalModel {
+            format: MODEL_FORMAT.into(),
+            version: 1,
+            created_by: CREATED_BY.into(),
+            source: Vec::new(),
+            options: serde_json::Map::new(),
+            frf_kind: data.kind,
+            reference_unit: data.reference_unit,
+            band_hz: data.band_hz,
+            damping,
+            scaling,
+            responses: data.responses.clone(),
+            references: data.references.clone(),
+            nodes: data.nodes.clone(),
+            method: options.method.to_string(),
+            modes,
+            residual_terms,
+            quality: Quality {
+                relative_error,
+                chi2_per_dof,
+                trusted: consistent && sure > 0,
+                warnings: all_warnings,
+                path: Some(path),
+            },
+        }
+    }
+
+    /// Sum of squares, in work units, that the model as saved leaves of each FRF in the
+    /// measured kind, over the lines used: from what is known already, or by one more
+    /// pass where rounding would decide.
+    pub fn left(&self, data: &Screened) -> Vec<f64> {
+        let basis = self.synthesis(data);
+        let coefficients = |l: usize, factors: &mut [f64]| self.coefficients(data, l, factors);
+        match self.identified.damping {
+            Damping::Structural => above_rounding(&self.laid(&basis, &coefficients), data),
+            Damping::Viscous => None,
+        }
+        .unwrap_or_else(|| {
+            let of_frf = |l: usize, factors: &mut [f64]| {
+                let (i, j) = data.pairs[l];
+                let weight: f64 = data.weight(i, j).iter().product();
+                self.coefficients(data, l, factors);
+                factors.iter_mut().for_each(|factor| *factor /= weight);
+            };
+            data.misfit(&basis, of_frf)
+        })
+    }
+
+    /// The same without another look at the data.
+    pub fn left_by_sums(&self, data: &Head) -> Vec<f64> {
+        let basis = self.synthesis(data);
+        let coefficients = |l: usize, factors: &mut [f64]| self.coefficients(data, l, factors);
+        by_sums(&self.laid(&basis, &coefficients), data)
+    }
+
+    fn laid<'a>(
+        &'a self,
+        basis: &'a Array2<f64>,
+        coefficients: &'a (dyn Fn(usize, &mut [f64]) + Sync),
+    ) -> Laid<'a> {
+        Laid {
+            basis,
+            coefficients,
+            columns: &self.identified.work,
+            back: self.identified.back.as_ref(),
+        }
+    }
+
+    /// What the coefficients multiply, over the reals: see [`synthesis`].
+    fn synthesis(&self, data: &Head) -> Array2<f64> {
+        let values: Vec<Complex64> = self.poles.iter().map(|pole| pole.value).collect();
+        synthesis(
+            data,
+            self.identified.damping,
+            &values,
+            &self.identified.powers,
+        )
+    }
+
+    /// Adds the coefficients of one FRF (position among the pairs), real and imaginary
+    /// part in turn, poles before residual terms.
+    fn coefficients(&self, data: &Head, l: usize, factors: &mut [f64]) {
+        let (i, j) = data.pairs[l];
+        let Shapes {
+            owner,
+            shape,
+            participation,
+            ..
+        } = &self.shapes;
+        let mut add = |n: usize, value: Complex64| {
+            factors[2 * n] += value.re;
+            factors[2 * n + 1] += value.im;
+        };
+        owner
+            .iter()
+            .enumerate()
+            .for_each(|(term, &n)| add(n, shape[[term, i]] * participation[[term, j]]));
+        self.terms
+            .column(l)
+            .iter()
+            .enumerate()
+            .for_each(|(p, &value)| add(self.poles.len() + p, value));
+    }
+}
+
+/// True where the model's fields can hold the pole.
+fn expressible(damping: Damping, pole: &Pole) -> bool {
+    let values = pole.omega > 1e-6 && pole.loss_factor.is_finite() && pole.loss_factor > 0.0;
+    values && (damping == Damping::Structural || pole.loss_factor < 1.98)
+}

@@ -1,0 +1,87 @@
+//! What a model leaves of each FRF, without another look at the data: ‖b − A·c‖² = ‖b‖² −
+//! 2cᵀAᵀb + cᵀAᵀA·c over the reals, where the compressed columns stand for b in the
+//! product with A (theory.md, eq. 55).
+
+use crate::data::columns::Work;
+use crate::data::layout::Head;
+use crate::wide::{stacked, wide_h};
+use chladni_linalg::matmul;
+use ndarray::{s, Array2, ShapeBuilder};
+use rayon::prelude::*;
+
+/// Part of an FRF's energy that the difference of such sums knows a residual to; less,
+/// and it is rounding.
+const KNOWN: f64 = 1e-9;
+/// FRFs per block.
+const BLOCK: usize = 256;
+
+/// A model laid over the columns that it was found on.
+pub(crate) struct Laid<'a> {
+    /// What the coefficients multiply, over the reals: real over imaginary parts of lines.
+    pub basis: &'a Array2<f64>,
+    /// Adds the coefficients of one FRF (position among the pairs).
+    pub coefficients: &'a (dyn Fn(usize, &mut [f64]) + Sync),
+    /// Columns of the data.
+    pub columns: &'a Work,
+    /// From columns to FRFs; `None`: the columns are the FRFs.
+    pub back: Option<&'a Array2<f64>>,
+}
+
+/// Sum of squares left of each FRF in work units of the measured data. `None` where no
+/// energies are known, where the columns are the FRFs themselves or not all lines, or
+/// where a residual lies in the rounding of these sums.
+pub(crate) fn above_rounding(model: &Laid, data: &Head) -> Option<Vec<f64>> {
+    let sums = sums(model, data)?;
+    sums.iter()
+        .all(|(left, energy)| left > &(KNOWN * energy))
+        .then(|| sums.into_iter().map(|(left, _)| left).collect())
+}
+
+/// The same, rounding or not; empty where no energies are known.
+pub(crate) fn by_sums(model: &Laid, data: &Head) -> Vec<f64> {
+    sums(model, data)
+        .into_iter()
+        .flatten()
+        .map(|(left, _)| left.max(0.0))
+        .collect()
+}
+
+/// (left, energy) of each FRF, in work units of the measured data.
+fn sums(model: &Laid, data: &Head) -> Option<Vec<(f64, f64)>> {
+    let back = model.back?;
+    let work = model.columns;
+    // the measured-data path looks at some lines, or weighs them
+    if data.energy.len() != data.pairs.len() || work.x != data.x || work.g != data.g {
+        return None;
+    }
+    let basis = model.basis;
+    let (gram, against) = (
+        wide_h(basis.view(), basis.view()),
+        wide_h(basis.view(), stacked(&work.b).view()),
+    );
+    let unit = data.factor().norm_sqr();
+    let starts: Vec<usize> = (0..data.pairs.len()).step_by(BLOCK).collect();
+    let of_block = |first: usize| {
+        let frfs = first..(first + BLOCK).min(data.pairs.len());
+        let mut c = Array2::zeros((basis.ncols(), frfs.len()).f());
+        for (mut column, l) in c.columns_mut().into_iter().zip(frfs.clone()) {
+            (model.coefficients)(l, column.as_slice_memory_order_mut().expect("column-major"));
+        }
+        let met = matmul(against.view(), back.slice(s![.., frfs.clone()]));
+        let own = matmul(gram.view(), c.view());
+        let sums = frfs
+            .zip(c.columns())
+            .zip(met.columns().into_iter().zip(own.columns()));
+        sums.map(|((l, c), (met, own))| {
+            let (i, j) = data.pairs[l];
+            let weight = data.weight(i, j).iter().product::<f64>().powi(2);
+            let energy = unit * data.energy[l];
+            (
+                (energy - 2.0 * c.dot(&met) + c.dot(&own)) / weight,
+                energy / weight,
+            )
+        })
+        .collect::<Vec<_>>()
+    };
+    Some(starts.into_par_iter().flat_map_iter(of_block).collect())
+}

@@ -1,0 +1,157 @@
+//! What is linear at given poles: residues, residual terms, and how the one answers a
+//! change of the other.
+
+use crate::damping::viscous::viscous_basis;
+use crate::data::columns::{basis, Work};
+use crate::data::layout::Head;
+use crate::data::products::real_basis;
+use crate::poles::normal::{Parted, Plain};
+use crate::poles::refine::Projection;
+use crate::shapes::residues::schur_weight;
+use crate::wide::wide;
+use chladni_frf::Damping;
+use chladni_linalg::{lstsq, matmul, LinalgError};
+use ndarray::{s, Array2, ShapeBuilder};
+use num_complex::Complex64;
+
+/// Residues (mode, FRF) and residual coefficients (term, FRF) in work units.
+pub(crate) struct Linear {
+    pub residues: Array2<Complex64>,
+    pub terms: Array2<Complex64>,
+    /// Weight of residues with the residual terms eliminated, (mode, mode).
+    pub weight: Array2<Complex64>,
+    /// How the residual terms answer a change of residues: (term, mode) in the structural
+    /// law, stacked reals in the viscous.
+    pub answer: Answer,
+    /// Sum of squares of the compressed columns at these poles.
+    pub sse: f64,
+}
+
+pub(crate) enum Answer {
+    Structural(Array2<Complex64>),
+    Viscous(Array2<f64>),
+}
+
+pub(crate) fn linear(
+    work: &Work,
+    damping: Damping,
+    poles: &[Complex64],
+    powers: &[i32],
+) -> Result<Linear, LinalgError> {
+    let (n, p) = (poles.len(), powers.len());
+    match damping {
+        Damping::Structural => {
+            let Parted {
+                coefficients,
+                weight,
+                answer,
+                sse,
+            } = match Plain::at(work, work.energy(), poles, powers) {
+                Some(plain) => plain.parted(n)?,
+                None => on_orthonormal_basis(work, poles, powers)?,
+            };
+            Ok(Linear {
+                residues: coefficients.slice(s![..n, ..]).to_owned(),
+                terms: coefficients.slice(s![n.., ..]).to_owned(),
+                weight,
+                answer: Answer::Structural(answer),
+                sse,
+            })
+        }
+        Damping::Viscous => {
+            let a = viscous_basis(work, poles, powers);
+            let lines = work.lines();
+            let mut b = Array2::zeros((2 * lines, work.columns()).f());
+            b.slice_mut(s![..lines, ..]).assign(&work.b.mapv(|v| v.re));
+            b.slice_mut(s![lines.., ..]).assign(&work.b.mapv(|v| v.im));
+            let solution = lstsq(a.view(), b.view())?;
+            let sse = (&b - &matmul(a.view(), solution.view()))
+                .iter()
+                .map(|v| v * v)
+                .sum();
+            let pairs = |from: usize, count: usize| {
+                Array2::from_shape_fn((count, work.columns()), |(i, c)| {
+                    Complex64::new(solution[[from + 2 * i, c]], solution[[from + 2 * i + 1, c]])
+                })
+            };
+            // near-pole columns weigh the residues: the far pole adds a smooth part of
+            // order η
+            let near = Array2::from_shape_fn((lines, n).f(), |(k, i)| {
+                work.g[k] / (Complex64::new(0.0, work.x[k].sqrt()) - poles[i])
+            });
+            let others = basis(work, &[], powers);
+            Ok(Linear {
+                residues: pairs(0, n),
+                terms: pairs(2 * n, p),
+                weight: schur_weight(&near, &others)?,
+                answer: Answer::Viscous(lstsq(a.slice(s![.., 2 * n..]), a.slice(s![.., ..2 * n]))?),
+                sse,
+            })
+        }
+    }
+}
+
+/// Where the normal equations of the structural law lose too many digits.
+fn on_orthonormal_basis(
+    work: &Work,
+    poles: &[Complex64],
+    powers: &[i32],
+) -> Result<Parted, LinalgError> {
+    let projection = Projection::new(work, poles, powers)?;
+    let all = basis(work, poles, powers);
+    let (modes, others) = (
+        all.slice(s![.., ..poles.len()]).to_owned(),
+        all.slice(s![.., poles.len()..]).to_owned(),
+    );
+    Ok(Parted {
+        coefficients: projection.coefficients()?,
+        weight: schur_weight(&modes, &others)?,
+        answer: lstsq(others.view(), modes.view())?,
+        sse: projection.sse,
+    })
+}
+
+impl Answer {
+    /// Residual terms after residues changed by `change`: c − answer·δr, both (·, FRF).
+    pub fn apply(&self, terms: &mut Array2<Complex64>, change: &Array2<Complex64>) {
+        match self {
+            Self::Structural(answer) => *terms -= &wide(answer.view(), change.view()),
+            Self::Viscous(answer) => {
+                let (n, m) = change.dim();
+                let stacked = Array2::from_shape_fn((2 * n, m).f(), |(i, c)| {
+                    if i % 2 == 0 {
+                        change[[i / 2, c]].re
+                    } else {
+                        change[[i / 2, c]].im
+                    }
+                });
+                let shift = wide(answer.view(), stacked.view());
+                for ((i, c), value) in terms.indexed_iter_mut() {
+                    *value -= Complex64::new(shift[[2 * i, c]], shift[[2 * i + 1, c]]);
+                }
+            }
+        }
+    }
+}
+
+/// What the complex coefficients of poles and residual terms multiply, over the reals:
+/// (real and imaginary part of each line, real and imaginary part of each coefficient),
+/// both in turn, in work units.
+pub(crate) fn synthesis(
+    data: &Head,
+    damping: Damping,
+    poles: &[Complex64],
+    powers: &[i32],
+) -> Array2<f64> {
+    let axis = data.axis();
+    match damping {
+        Damping::Structural => real_basis(&basis(&axis, poles, powers)),
+        Damping::Viscous => {
+            let stacked = viscous_basis(&axis, poles, powers);
+            let lines = axis.lines();
+            Array2::from_shape_fn(stacked.dim().f(), |(row, c)| {
+                stacked[[row / 2 + lines * (row % 2), c]]
+            })
+        }
+    }
+}

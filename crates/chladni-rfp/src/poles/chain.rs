@@ -1,0 +1,410 @@
+//! The fast chain: sketch, pool, prune, refine, project, refine, and the loop that
+//! settles the order.
+//!
+//! What counts as a mode here is what white noise cannot make; whether the residual *is*
+//! white is judged at the end ([`crate::whiteness`]), and where it is not the
+//! measured-data path takes over.
+
+use crate::data::columns::{line_energy, Work};
+use crate::data::layout::Head;
+use crate::data::outliers::single_lines;
+use crate::data::peaks::{fourth_difference_noise, peaks, thinned};
+use crate::data::products::Projected;
+use crate::data::screening::Screened;
+use crate::poles::first_look::first_look;
+use crate::poles::passes::{compressed, Pass};
+use crate::poles::pool::{mixtures, starts, vector_fit, Products};
+use crate::poles::prune::{prune, unphysical};
+use crate::poles::refine::{refine, removable, Projection, Refined};
+use crate::poles::removal::Removable;
+use crate::poles::settle::{keep_strongest, settle};
+use crate::poles::whiteness::{judge, judge_columns, Whiteness};
+use crate::tolerances as tol;
+use chladni_linalg::{svd_thin, LinalgError};
+use ndarray::Array1;
+use num_complex::Complex64;
+
+/// Powers of x of the residual terms: one lower (1/ω²), three upper (constant, ω², ω⁴).
+pub(crate) const POWERS: [i32; 4] = [-1, 0, 1, 2];
+
+/// What the fast chain came to.
+#[derive(Debug)]
+pub(crate) enum Outcome {
+    /// The residual is white: poles at the statistical limit.
+    White(Box<Chain>),
+    /// It did not come to that.
+    Ended(Doubt),
+}
+
+/// What speaks against the fast chain.
+#[derive(Debug)]
+pub(crate) enum Doubt {
+    /// The residual is not white; the evidence in words.
+    NotWhite(String),
+    /// It is not, and single lines that no neighbour supports are to blame.
+    Outliers(Vec<usize>),
+    /// The conjugate of the data is explained far better: they follow e^{−jωt}.
+    Conjugated,
+}
+
+impl Doubt {
+    /// The evidence.
+    pub fn words(&self) -> String {
+        match self {
+            Self::NotWhite(evidence) => evidence.clone(),
+            Self::Outliers(_) => "single lines stand out of the residual".into(),
+            Self::Conjugated => "every resonance turns the wrong way".into(),
+        }
+    }
+}
+
+/// What the sketch alone tells.
+#[derive(Debug)]
+pub(crate) enum First {
+    /// Poles to project on.
+    Poles(Box<Sketched>),
+    /// What need not be projected.
+    Ended(Doubt),
+}
+
+/// Poles of the sketch with what they were found on.
+#[derive(Debug)]
+pub(crate) struct Sketched {
+    /// The sketch on the lines that were looked at: all, or on long records some.
+    pub sketch: Work,
+    /// Poles, as sharp as the sketch shows them.
+    pub refined: Refined,
+    /// What was tried: (poles, residual variance), in order.
+    pub history: Vec<(usize, f64)>,
+}
+
+/// What the fast chain found.
+#[derive(Debug)]
+pub(crate) struct Chain {
+    /// Refined on the compressed columns of all FRFs.
+    pub refined: Refined,
+    /// Compressed data and the way back to FRFs.
+    pub projected: Projected,
+    /// Noise variance of one work value.
+    pub variance: f64,
+    /// Whether the residual is white.
+    pub whiteness: Whiteness,
+    /// Modes that the data show beyond the number asked for.
+    pub dropped: Vec<Complex64>,
+    /// What was tried: (poles, residual variance), in order.
+    pub history: Vec<(usize, f64)>,
+}
+
+/// Number of singular values above the noise, and whether the noise floor was seen at
+/// all.
+fn visible_rank(work: &Work) -> Result<(usize, bool), LinalgError> {
+    // eigenvalues of the small Gram would square the condition; a thin QR first keeps the
+    // SVD small
+    let r = if work.lines() > work.columns() {
+        chladni_linalg::qr_r(work.b.view())?
+    } else {
+        work.b.clone()
+    };
+    Ok(rank_over_noise(
+        &svd_thin(r.view())?.1.to_vec(),
+        work.lines(),
+    ))
+}
+
+/// The same of falling singular values of columns with `lines` lines.
+pub(crate) fn rank_over_noise(singular_values: &[f64], lines: usize) -> (usize, bool) {
+    let count = singular_values.len();
+    let tail = &singular_values[count * 3 / 4..];
+    let noise = tail.iter().map(|v| v * v).sum::<f64>() / tail.len().max(1) as f64;
+    // the largest singular value of noise alone is (1 + √(r/N)) times the typical one;
+    // 1.6 covers the tail's own bias
+    let ratio = (count as f64 / lines as f64).sqrt();
+    let limit = 1.6 * noise.sqrt() * (1.0 + ratio) / (1.0 - ratio).abs().max(0.2);
+    let rank = singular_values.iter().filter(|v| **v > limit).count();
+    (rank, rank * 4 < count * 3)
+}
+
+/// Starting order of the pool.
+pub(crate) fn pool_size(
+    work: &Work,
+    seeds: usize,
+    asked: Option<usize>,
+) -> Result<usize, LinalgError> {
+    let (rank, floor_seen) = visible_rank(work)?;
+    let wanted = match asked {
+        Some(modes) => modes + 6,
+        None if floor_seen => (13 * rank.max(seeds)) / 10 + 6,
+        None => ((13 * rank) / 10).max(2 * seeds) + 8,
+    };
+    Ok(wanted.min(work.lines() / 3).max(1))
+}
+
+/// Runs the chain. `asked` fixes the number of in-band modes.
+pub(crate) fn fast_chain(
+    data: &Screened,
+    seed: u64,
+    asked: Option<usize>,
+    progress: &dyn Fn(&str),
+) -> Result<Outcome, LinalgError> {
+    progress("sketch");
+    let (sketch, energy) = data.sketch(seed);
+    let Sketched {
+        sketch,
+        refined,
+        mut history,
+    } = match of_sketch(data, sketch, seed, asked, progress)? {
+        First::Poles(sketched) => *sketched,
+        First::Ended(doubt) => return Ok(Outcome::Ended(doubt)),
+    };
+    progress("projection");
+    let pass = compressed(
+        data,
+        &sketch,
+        &energy,
+        &refined,
+        asked.is_none(),
+        &mut history,
+    )?;
+    of_columns(data, pass, &energy, asked, history)
+}
+
+/// The chain up to the second pass over the data.
+pub(crate) fn of_sketch(
+    data: &Head,
+    sketch: Work,
+    seed: u64,
+    asked: Option<usize>,
+    progress: &dyn Fn(&str),
+) -> Result<First, LinalgError> {
+    let hz = data.hz();
+    let ended = |doubt| Ok(First::Ended(doubt));
+    let noise = fourth_difference_noise(&sketch.b, 40);
+    let peaks = peaks(&sketch, &line_energy(&sketch.b), &noise);
+    let seeds: Vec<Complex64> = peaks.iter().map(|p| p.lambda).collect();
+
+    progress("pole pool");
+    let size = pool_size(&sketch, seeds.len(), asked)?;
+    let rows = thinned(&sketch, &peaks);
+    let sketch = if rows.len() < sketch.lines() {
+        sketch.select(&rows)
+    } else {
+        sketch
+    };
+    if let Some(evidence) = first_look(&sketch, &peaks, seed, hz)? {
+        return ended(Doubt::NotWhite(evidence));
+    }
+    let mixed = mixtures(&sketch, tol::POOL_MIXTURES, seed);
+    let iterations = data.effort.pool_iterations;
+    let mut start = started(&sketch, &mixed, &seeds, size, iterations)?;
+    let look = |refined: &Refined| {
+        judge_columns(&sketch, &refined.lambda, &refined.projection.residual, hz)
+    };
+    let spoilt = spoilt_lines(&sketch, &start.refined)?;
+    if !spoilt.is_empty() {
+        return ended(Doubt::Outliers(
+            spoilt.into_iter().map(|row| rows[row]).collect(),
+        ));
+    }
+    // a missing mode leaves its mark in one place and in the shape of the residual;
+    // misfit around most modes, or misfit without shape, is no question of order
+    let mut first = look(&start.refined);
+    if first.misfit_share > tol::MISFIT_SHARE && asked.is_none() {
+        // unless a larger pool takes it away: many modes hide behind few peaks, or few
+        // FRFs
+        let larger = started(
+            &sketch,
+            &mixed,
+            &seeds,
+            (2 * size).min(sketch.lines() / 3),
+            iterations,
+        )?;
+        if larger.variance < tol::LARGER_POOL_GAIN * start.variance {
+            start = larger;
+            first = look(&start.refined);
+        }
+    }
+    let Start {
+        mut refined,
+        mut variance,
+    } = start;
+    let mut history = vec![(refined.lambda.len(), refined.variance(&sketch))];
+    if first.misfit_share > tol::MISFIT_SHARE || refined.lambda.is_empty() {
+        if conjugate_fits_better(&mixed, &seeds, size)? {
+            return ended(Doubt::Conjugated);
+        }
+        if first.misfit_share > tol::MISFIT_SHARE {
+            return ended(Doubt::NotWhite(first.evidence));
+        }
+    }
+    if first.shapeless {
+        return ended(Doubt::NotWhite(first.evidence));
+    }
+    settle(
+        &sketch,
+        &mut refined,
+        &mut variance,
+        sketch.columns(),
+        &mut history,
+    )?;
+    let settled = look(&refined);
+    if settled.shapeless {
+        return ended(Doubt::NotWhite(settled.evidence));
+    }
+
+    // what the second pass keeps depends on these poles: converged, they are the same to
+    // the last digits however they were found
+    refined = refine(
+        &sketch,
+        &refined.lambda,
+        &POWERS,
+        data.effort.likelihood_steps,
+        tol::FINE_STEP,
+    )?;
+    Ok(First::Poles(Box::new(Sketched {
+        sketch,
+        refined,
+        history,
+    })))
+}
+
+/// The chain from the second pass on; `energy`: of each line over all FRFs.
+pub(crate) fn of_columns(
+    data: &Head,
+    mut pass: Pass,
+    energy: &Array1<f64>,
+    asked: Option<usize>,
+    history: Vec<(usize, f64)>,
+) -> Result<Outcome, LinalgError> {
+    let dropped = asked.map_or(Ok(Vec::new()), |modes| {
+        keep_strongest(&pass.projected.work, &mut pass.refined, modes)
+    })?;
+    let Pass {
+        refined,
+        projected,
+        variance,
+        ..
+    } = pass;
+    let line_residual = projected.line_residual(&refined.projection.residual);
+    let whiteness = judge(
+        &projected.work,
+        &refined.lambda,
+        &line_residual,
+        data.pairs.len(),
+        &refined.projection.residual,
+        data.hz(),
+    );
+    if !whiteness.white {
+        let left = line_residual.to_vec();
+        let fitted: Vec<f64> = energy
+            .iter()
+            .zip(&left)
+            .map(|(all, left)| (all - left).max(0.0))
+            .collect();
+        let outliers = single_lines(&left, &fitted);
+        return Ok(Outcome::Ended(if outliers.is_empty() {
+            Doubt::NotWhite(whiteness.evidence)
+        } else {
+            Doubt::Outliers(outliers)
+        }));
+    }
+    Ok(Outcome::White(Box::new(Chain {
+        refined,
+        projected,
+        variance,
+        whiteness,
+        dropped,
+        history,
+    })))
+}
+
+/// Poles of a pool that noise alone cannot make, roughly refined.
+pub(crate) struct Start {
+    pub refined: Refined,
+    /// Noise variance of the sketch as the whole pool leaves it.
+    pub variance: f64,
+}
+
+/// `iterations` of vector fitting with `size` poles on mixtures, pruning and rough
+/// refinement on the sketch.
+pub(crate) fn started(
+    sketch: &Work,
+    mixed: &Work,
+    seeds: &[Complex64],
+    size: usize,
+    iterations: usize,
+) -> Result<Start, LinalgError> {
+    let pool = vector_fit(
+        mixed,
+        &starts(sketch, seeds, size),
+        &POWERS,
+        iterations,
+        Products::PartialFractions,
+    )?;
+    let stable: Vec<Complex64> = pool
+        .lambda
+        .iter()
+        .zip(&pool.flipped)
+        .filter(|(_, flipped)| !**flipped)
+        .map(|(pole, _)| *pole)
+        .collect();
+    let all = removable(sketch, &stable, &POWERS)?;
+    let variance = pool_variance(sketch, &all);
+    let kept = prune(sketch, all, &stable, &POWERS, variance);
+    Ok(Start {
+        refined: refine(sketch, &kept, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?,
+        variance,
+    })
+}
+
+/// Single lines that poles narrower than a line stand for, and those like them.
+fn spoilt_lines(work: &Work, refined: &Refined) -> Result<Vec<usize>, LinalgError> {
+    let physical: Vec<Complex64> = refined
+        .lambda
+        .iter()
+        .copied()
+        .filter(|pole| !unphysical(work, *pole))
+        .collect();
+    if physical.len() == refined.lambda.len() {
+        return Ok(Vec::new());
+    }
+    let residual = Projection::new(work, &physical, &refined.powers)?.residual;
+    let fitted = line_energy(&(&work.b - &residual));
+    Ok(single_lines(
+        &line_energy(&residual).to_vec(),
+        &fitted.to_vec(),
+    ))
+}
+
+/// True where the same number of stable poles explains the conjugate of the data far
+/// better than the data: a passive structure measured in e^{−jωt}.
+fn conjugate_fits_better(
+    mixed: &Work,
+    seeds: &[Complex64],
+    size: usize,
+) -> Result<bool, LinalgError> {
+    let left_over = |work: &Work| -> Result<f64, LinalgError> {
+        let pool = vector_fit(
+            work,
+            &starts(work, seeds, size),
+            &POWERS,
+            tol::POOL_ITERATIONS,
+            Products::PartialFractions,
+        )?;
+        let stable: Vec<Complex64> = pool
+            .lambda
+            .iter()
+            .zip(&pool.flipped)
+            .filter(|(_, f)| !**f)
+            .map(|(p, _)| *p)
+            .collect();
+        Ok(Projection::new(work, &stable, &POWERS)?.sse)
+    };
+    Ok(left_over(&mixed.with_columns(mixed.b.mapv(|v| v.conj())))?
+        < tol::CONJUGATE_SHARE * left_over(mixed)?)
+}
+
+/// Noise variance of the sketch from the over-fitted pool.
+fn pool_variance(work: &Work, pool: &Removable) -> f64 {
+    let dof = (work.lines() - pool.alone.len().min(work.lines() - 1)) * work.columns();
+    (pool.sse / dof as f64).max(1e-30 * work.energy() / (work.lines() * work.columns()) as f64)
+}

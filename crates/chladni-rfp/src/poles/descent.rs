@@ -1,0 +1,139 @@
+//! The search for the likeliest poles: Gauss–Newton steps with Levenberg–Marquardt
+//! damping (theory.md, eq. 12), whatever makes the matrix and the gradient.
+
+use crate::data::columns::Work;
+use crate::tolerances as tol;
+use chladni_linalg::solve_hermitian;
+use ndarray::{Array2, ArrayView1, Axis};
+use num_complex::Complex64;
+
+/// One set of poles as the search sees it.
+pub(crate) trait Point: Sized {
+    /// False where, once it can no longer be told, another kind may go on.
+    const LAST: bool;
+    /// Everything linear at the poles `lambda`; `energy`: of the data. `None` where it
+    /// cannot be told.
+    fn at(work: &Work, energy: f64, lambda: &[Complex64], powers: &[i32]) -> Option<Self>;
+    /// Sum of squares left.
+    fn sse(&self) -> f64;
+    /// What rounding may add to it.
+    fn rounding(&self, energy: f64) -> f64;
+    /// Gauss–Newton matrix and gradient.
+    fn system(&self, work: &Work, lambda: &[Complex64]) -> (Array2<Complex64>, Array2<Complex64>);
+}
+
+/// Largest step a pole may take at once: half a bandwidth, and more the farther it lies
+/// outside the band.
+fn step_cap(work: &Work, lambda: Complex64) -> f64 {
+    let (low, high) = work.range();
+    let outside = (low - lambda.re).max(lambda.re - high).max(0.0);
+    0.5 * lambda.im + 0.3 * outside
+}
+
+/// A search under way.
+pub(crate) struct Descent<'a> {
+    /// Data.
+    pub work: &'a Work,
+    /// Powers of x of the residual terms.
+    pub powers: &'a [i32],
+    /// Sum of squares of the data.
+    energy: f64,
+    /// Poles as they stand.
+    pub lambda: Vec<Complex64>,
+    damping: f64,
+    /// Steps left.
+    pub steps: usize,
+}
+
+impl<'a> Descent<'a> {
+    /// From the poles `start`, for so many steps.
+    pub fn new(work: &'a Work, start: &[Complex64], powers: &'a [i32], steps: usize) -> Self {
+        let steps = if start.is_empty() { 0 } else { steps };
+        Self {
+            work,
+            powers,
+            energy: work.energy(),
+            lambda: start.to_vec(),
+            damping: tol::LM_START,
+            steps,
+        }
+    }
+
+    /// The point where the search stands; `None` where it cannot be told.
+    pub fn here<P: Point>(&self) -> Option<P> {
+        P::at(self.work, self.energy, &self.lambda, self.powers)
+    }
+
+    /// Steps until the largest is `tolerance` of a half-bandwidth, or what one promises
+    /// is far below the noise of one value: a pole that the data hardly tell goes on for
+    /// ever. True where it came to that, or nothing helps any more.
+    pub fn go<P: Point>(&mut self, point: &mut P, tolerance: f64) -> bool {
+        let mut system = None;
+        while self.steps > 0 {
+            self.steps -= 1;
+            let (information, gradient) = system
+                .take()
+                .unwrap_or_else(|| point.system(self.work, &self.lambda));
+            let mut damped = information.clone();
+            for i in 0..self.lambda.len() {
+                let diagonal = information[[i, i]].re;
+                damped[[i, i]] =
+                    Complex64::new(diagonal * (1.0 + self.damping) + f64::MIN_POSITIVE, 0.0);
+            }
+            let Ok(step) = solve_hermitian(damped.view(), gradient.view()) else {
+                self.damping = (self.damping * 10.0).max(1e-8);
+                system = Some((information, gradient));
+                if self.damping > tol::LM_GIVE_UP {
+                    return true;
+                }
+                continue;
+            };
+            let (trial, largest) = self.moved(step.index_axis(Axis(1), 0));
+            let promised: f64 = step
+                .iter()
+                .zip(&gradient)
+                .map(|(step, along)| (step.conj() * along).re)
+                .sum();
+            let enough = largest < tolerance
+                || promised < tol::PROMISED * point.sse() / self.work.b.len() as f64;
+            match P::at(self.work, self.energy, &trial, self.powers) {
+                // near the end rounding decides which sum of squares is the smaller: it
+                // must not refuse good steps
+                Some(next) if next.sse() <= point.sse() + point.rounding(self.energy) => {
+                    self.lambda = trial;
+                    *point = next;
+                    self.damping *= 0.1;
+                    if enough {
+                        return true;
+                    }
+                }
+                None if !P::LAST => return false,
+                _ if enough => return true,
+                _ => {
+                    self.damping = (self.damping * 10.0).max(1e-6);
+                    system = Some((information, gradient));
+                    if self.damping > tol::LM_GIVE_UP {
+                        return true;
+                    }
+                }
+            }
+        }
+        false
+    }
+
+    /// Poles after a step, and its largest part in half-bandwidths.
+    fn moved(&self, step: ArrayView1<Complex64>) -> (Vec<Complex64>, f64) {
+        let mut largest = 0.0_f64;
+        let capped = |(&pole, &delta): (&Complex64, &Complex64)| {
+            let cap = step_cap(self.work, pole);
+            let delta = if delta.norm() > cap {
+                delta * (cap / delta.norm())
+            } else {
+                delta
+            };
+            largest = largest.max(delta.norm() / pole.im);
+            pole + delta
+        };
+        (self.lambda.iter().zip(step).map(capped).collect(), largest)
+    }
+}

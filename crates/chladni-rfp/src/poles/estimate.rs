@@ -1,0 +1,84 @@
+//! What a path to poles hands over, and how far each pole is to be trusted by its error
+//! bar alone.
+
+use crate::data::columns::Work;
+use crate::poles::refine::Refined;
+use chladni_frf::Trust;
+use ndarray::Array2;
+use num_complex::Complex64;
+
+/// Grade of one pole with its reasons.
+pub(crate) type Grade = (Trust, Vec<String>);
+
+/// What a path hands over.
+#[derive(Debug, Clone)]
+pub(crate) struct Found {
+    /// Poles in the x plane with their linear part.
+    pub refined: Refined,
+    /// Columns the residues are found on.
+    pub work: Work,
+    /// From columns to FRFs; `None`: the columns are the FRFs.
+    pub back: Option<Array2<f64>>,
+    /// Noise variance of a work value.
+    pub variance: f64,
+    /// E|δλ|² per pole.
+    pub spread: Vec<f64>,
+    /// True where that and the grades come from the residual, which is no noise; else
+    /// from the information matrix.
+    pub measured: bool,
+    /// Grades.
+    pub grades: Vec<Grade>,
+    /// Which path, and why.
+    pub path: String,
+    /// Warnings.
+    pub warnings: Vec<String>,
+    /// False where the data as a whole contradict the model.
+    pub consistent: bool,
+}
+
+impl Found {
+    /// Largest loss factor among the in-band modes that are sure; 0 where there is none.
+    pub fn heaviest_sure(&self) -> f64 {
+        let sure = self
+            .refined
+            .lambda
+            .iter()
+            .zip(&self.grades)
+            .filter(|(pole, grade)| grade.0 == Trust::Sure && self.work.in_band(**pole));
+        sure.map(|(pole, _)| pole.im / pole.re).fold(0.0, f64::max)
+    }
+}
+
+/// What is said where the data show more modes than were asked for; `hz`: of x = 1.
+pub(crate) fn more_than_asked(asked: usize, dropped: &[Complex64], hz: f64) -> Option<String> {
+    let places: Vec<String> = dropped
+        .iter()
+        .map(|pole| format!("{:.2}", pole.re.max(0.0).sqrt() * hz))
+        .collect();
+    (!places.is_empty()).then(|| {
+        format!(
+            "{asked} modes were asked for and the data show more: left out at {} Hz; the others and the shapes are off by what these leave \
+             (leave --modes out)",
+            places.join(", ")
+        )
+    })
+}
+
+/// Sure where the pole is known to a fraction of its half-bandwidth.
+pub(crate) fn uncertainty_grade(lambda: Complex64, variance: [f64; 2]) -> Grade {
+    let deviation = (variance[0] + variance[1]).max(0.0).sqrt();
+    if deviation > UNCERTAIN * lambda.im {
+        (
+            Trust::Weak,
+            vec![format!(
+                "uncertain by {:.1} half-bandwidths (one sigma)",
+                deviation / lambda.im
+            )],
+        )
+    } else {
+        (Trust::Sure, Vec::new())
+    }
+}
+
+/// Standard deviation of a pole, in half-bandwidths, beyond which its mode is not sure.
+pub(crate) const UNCERTAIN: f64 = 0.3;

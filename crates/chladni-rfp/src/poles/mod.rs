@@ -1,0 +1,17 @@
+//! Enters: columns and a damping law; leaves: refined poles, their covariance, and whether
+//! the residual is white.
+
+pub(crate) mod chain;
+pub(crate) mod descent;
+pub(crate) mod estimate;
+pub(crate) mod first_look;
+pub(crate) mod normal;
+pub(crate) mod passes;
+pub(crate) mod pool;
+pub(crate) mod prune;
+pub(crate) mod refine;
+pub(crate) mod removal;
+pub(crate) mod scan;
+pub(crate) mod sections;
+pub(crate) mod settle;
+pub(crate) mod whiteness;

@@ -1,0 +1,211 @@
+//! Passes over all FRFs: the second one, and those few that a mode may need that no
+//! sketch shows.
+
+use crate::data::columns::{basis, Work};
+use crate::data::layout::Head;
+use crate::data::products::{energies, project, Projected};
+use crate::data::screening::Screened;
+use crate::poles::chain::POWERS;
+use crate::poles::prune::threshold;
+use crate::poles::refine::{refine, Refined};
+use crate::poles::scan::{residual_peak, Scan};
+use crate::poles::settle::settle;
+use crate::tolerances as tol;
+use crate::wide::projected;
+use chladni_linalg::{qr_thin, LinalgError};
+use ndarray::{Array1, Array2};
+use num_complex::Complex64;
+
+/// What one pass over all FRFs came to.
+pub(crate) struct Pass {
+    /// Compressed data and the way back to FRFs.
+    pub projected: Projected,
+    /// Refined on the compressed columns.
+    pub refined: Refined,
+    /// Noise variance of one work value.
+    pub variance: f64,
+    /// The residual of the compressed columns, looked at for more.
+    scanned: Scan,
+    /// Poles that the columns were made with and that are gone: their noise is still in
+    /// the columns.
+    lost: usize,
+}
+
+/// Compresses all FRFs with the poles of the `sketch`, settles the order on the
+/// compressed columns and, where poles are `sought`, asks all FRFs for those that the
+/// sketch did not show. `energy`: of each line over all FRFs.
+pub(crate) fn compressed(
+    data: &Screened,
+    sketch: &Work,
+    energy: &Array1<f64>,
+    start: &Refined,
+    sought: bool,
+    history: &mut Vec<(usize, f64)>,
+) -> Result<Pass, LinalgError> {
+    let mut best = Pass::new(data, energy, start, history)?;
+    let mut tried = Vec::new();
+    for _ in 0..if sought { data.effort.extra_passes } else { 0 } {
+        if let Some((pole, vague)) = best.missed(data, &tried) {
+            tried.push(pole);
+            let mut more = best.refined.lambda.clone();
+            more.push(pole);
+            let more = refine(sketch, &more, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
+            let there = [pole, *more.lambda.last().expect("one was added")];
+            if vague
+                && !best
+                    .shares(data, &there)
+                    .iter()
+                    .any(|share| *share > tol::CONFIRMED_REFINED)
+            {
+                continue;
+            }
+            let with = Pass::new(data, energy, &more, history)?;
+            // the same poles on columns that one more pole helped to choose: nothing is
+            // learned
+            if !same(&with.refined.lambda, &best.refined.lambda) {
+                best = with;
+            }
+        } else if best.lost > 0 && best.projected.work.columns() < data.pairs.len() {
+            best = Pass::new(data, energy, &best.refined, history)?;
+        } else {
+            break;
+        }
+    }
+    Ok(best)
+}
+
+/// True where both are the same poles, to a part of a half-bandwidth.
+pub(crate) fn same(these: &[Complex64], those: &[Complex64]) -> bool {
+    these.len() == those.len()
+        && these
+            .iter()
+            .all(|a| those.iter().any(|b| (a - b).norm() < tol::SAME_POLE * a.im))
+}
+
+impl Pass {
+    fn new(
+        data: &Screened,
+        energy: &Array1<f64>,
+        start: &Refined,
+        history: &mut Vec<(usize, f64)>,
+    ) -> Result<Self, LinalgError> {
+        Self::of(
+            data,
+            project(data, &basis_of(data, start)?, energy)?,
+            &start.lambda,
+            history,
+        )
+    }
+
+    /// The order settled on columns that were compressed with the poles `start`.
+    pub fn of(
+        data: &Head,
+        projected: Projected,
+        start: &[Complex64],
+        history: &mut Vec<(usize, f64)>,
+    ) -> Result<Self, LinalgError> {
+        let work = &projected.work;
+        let steps = data.effort.likelihood_steps;
+        let mut refined = refine(work, start, &POWERS, steps, tol::FINE_STEP)?;
+        let mut variance = full_variance(data, &projected, &refined);
+        let before = history.len();
+        let scanned = settle(work, &mut refined, &mut variance, data.pairs.len(), history)?;
+        if history.len() > before {
+            refined = refine(work, &refined.lambda, &POWERS, steps, tol::FINE_STEP)?;
+            variance = full_variance(data, &projected, &refined);
+        }
+        let lost = start.len().saturating_sub(refined.lambda.len());
+        Ok(Self {
+            projected,
+            refined,
+            variance,
+            scanned,
+            lost,
+        })
+    }
+
+    /// Where a mode that the sketch did not show stands out of the residual over all
+    /// FRFs.
+    pub fn stands_out(&self, data: &Head) -> Option<Complex64> {
+        let Self {
+            projected, refined, ..
+        } = self;
+        residual_peak(
+            &projected.work,
+            &projected.line_noise(&refined.projection),
+            data.pairs.len(),
+            &refined.lambda,
+        )
+    }
+
+    /// Where a mode that the sketch did not show stands out of the residual over all
+    /// FRFs, or out of the compressed columns. True where the whole of it is still to be
+    /// confirmed.
+    fn missed(&self, data: &Screened, tried: &[Complex64]) -> Option<(Complex64, bool)> {
+        let Self {
+            projected,
+            variance,
+            scanned,
+            ..
+        } = self;
+        let (work, frfs) = (&projected.work, data.pairs.len());
+        let peak = self.stands_out(data);
+        if peak.is_some() || work.columns() >= frfs {
+            return peak.map(|peak| (peak, false));
+        }
+        let mut places = scanned.beyond(threshold(work.columns(), work.lines()) * variance, tried);
+        places.truncate(tol::PLACES);
+        places
+            .iter()
+            .zip(self.shares(data, &places))
+            .find(|(_, share)| *share > tol::CONFIRMED)
+            .map(|(pole, _)| (*pole, true))
+    }
+
+    /// What a pole at each of the `places` takes out of all FRFs beyond their noise, as
+    /// part of what a pole of the model must. A pass with that pole in the basis would
+    /// have the last word, and costs far more.
+    fn shares(&self, data: &Screened, places: &[Complex64]) -> Vec<f64> {
+        if places.is_empty() {
+            return Vec::new();
+        }
+        let (_, mut outside) = projected(
+            self.refined.projection.q.view(),
+            basis(&self.projected.work, places, &[]).view(),
+        );
+        for mut column in outside.columns_mut() {
+            let norm = column.iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt();
+            column.mapv_inplace(|v| v / norm);
+        }
+        let frfs = data.pairs.len();
+        let needed = threshold(frfs, data.lines.len()) - frfs as f64;
+        energies(data, &outside)
+            .into_iter()
+            .map(|energy| (energy / self.variance - frfs as f64) / needed)
+            .collect()
+    }
+}
+
+/// The basis of the second pass on all lines, whether or not the poles were found on a
+/// thinned record.
+fn basis_of(data: &Head, refined: &Refined) -> Result<Array2<Complex64>, LinalgError> {
+    if refined.projection.q.nrows() == data.lines.len() {
+        return Ok(refined.projection.q.clone());
+    }
+    on_all_lines(data, &refined.lambda)
+}
+
+/// Orthonormal basis of a model with the poles `lambda` on all lines.
+pub(crate) fn on_all_lines(
+    data: &Head,
+    lambda: &[Complex64],
+) -> Result<Array2<Complex64>, LinalgError> {
+    Ok(qr_thin(basis(&data.axis(), lambda, &POWERS).view())?.0)
+}
+
+/// Noise variance from the residual of all FRFs.
+fn full_variance(data: &Head, projected: &Projected, refined: &Refined) -> f64 {
+    let dof = (data.lines.len() - refined.unknowns().min(data.lines.len() - 1)) * data.pairs.len();
+    let left = projected.line_residual(&refined.projection.residual).sum();
+    (left / (dof as f64 - refined.lambda.len() as f64).max(1.0)).max(1e-30)
+}

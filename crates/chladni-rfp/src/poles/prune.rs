@@ -1,0 +1,119 @@
+//! Which poles the data can tell from noise (theory.md, eq. 8).
+
+use crate::data::columns::Work;
+use crate::poles::descent::Descent;
+use crate::poles::normal::Normal;
+use crate::poles::refine::{refine, Refined};
+use crate::poles::removal::Removable;
+use crate::tolerances as tol;
+use chladni_linalg::LinalgError;
+use num_complex::Complex64;
+
+/// Rise of the sum of squares, in units of σ², that one more pole over r columns must
+/// bring: the tail of χ² with K looks.
+pub(crate) fn threshold(columns: usize, lines: usize) -> f64 {
+    let r = columns as f64;
+    let looks = (4.0 * lines as f64).ln();
+    r + tol::SIGNIFICANCE * (2.0 * (r * looks).sqrt() + 2.0 * looks)
+}
+
+/// A pole that one bad line makes.
+pub(crate) fn unphysical(work: &Work, lambda: Complex64) -> bool {
+    work.in_band(lambda) && lambda.im < tol::SPIKE_SPACINGS * work.spacing(lambda.re)
+}
+
+/// Takes poles out one by one, the least significant first, residues refitted exactly
+/// after each, until all that are left matter. Out-of-band poles have to earn their place
+/// in the same way.
+///
+/// `removable`: of `lambda` and `powers`; `variance`: of the noise.
+pub(crate) fn prune(
+    work: &Work,
+    removable: Removable,
+    lambda: &[Complex64],
+    powers: &[i32],
+    variance: f64,
+) -> Vec<Complex64> {
+    let limit = threshold(work.columns(), work.lines()) * variance;
+    thinned(
+        work,
+        &removable.thin_out(lambda, |_, _, rise, _| rise < limit),
+        powers,
+        limit,
+    )
+}
+
+/// The same for the poles as they stand after some steps, as long as that takes any out:
+/// each that is gone spares its part of all steps to come.
+fn thinned(work: &Work, lambda: &[Complex64], powers: &[i32], limit: f64) -> Vec<Complex64> {
+    let mut descent = Descent::new(work, lambda, powers, 0);
+    let mut rounds = 0;
+    let mut here = None;
+    while rounds < tol::THINNING_ROUNDS && !descent.lambda.is_empty() {
+        let Some(mut point) = here.take().or_else(|| descent.here::<Normal>()) else {
+            break;
+        };
+        descent.steps = tol::THINNING_STEPS;
+        let ended = descent.go(&mut point, tol::ROUGH_STEP);
+        let Ok(removable) = point.plain.removable() else {
+            break;
+        };
+        let kept = removable.thin_out(&descent.lambda, |_, _, rise, _| rise < limit);
+        if kept.len() < descent.lambda.len() {
+            (descent.lambda, rounds) = (kept, 0);
+        } else if ended {
+            break;
+        } else {
+            (here, rounds) = (Some(point), rounds + 1);
+        }
+    }
+    descent.lambda
+}
+
+/// Poles by what the fit loses without them, the least first.
+fn weakest_first(rises: &[f64]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..rises.len()).collect();
+    order.sort_by(|&a, &b| rises[a].total_cmp(&rises[b]));
+    order
+}
+
+/// The fit without pole q, the others roughly refined.
+fn without(work: &Work, refined: &Refined, q: usize) -> Result<Refined, LinalgError> {
+    let mut fewer = refined.lambda.clone();
+    fewer.remove(q);
+    refine(
+        work,
+        &fewer,
+        &refined.powers,
+        tol::REFINE_ROUGH,
+        tol::ROUGH_STEP,
+    )
+}
+
+/// A weak pole that matters only because the others do not stand quite where they should,
+/// and the fit without it: once they are free to move, the sum of squares rises by less
+/// than `limit`. Those found `needed` are not judged twice.
+pub(crate) fn crutch(
+    work: &Work,
+    refined: &Refined,
+    limit: f64,
+    may_go: impl Fn(Complex64) -> bool,
+    needed: &mut Vec<Complex64>,
+) -> Result<Option<(usize, Refined)>, LinalgError> {
+    let rises = refined.significance()?;
+    for q in weakest_first(&rises)
+        .into_iter()
+        .take_while(|&q| rises[q] < tol::LEANING * limit)
+    {
+        let pole = refined.lambda[q];
+        if !may_go(pole) || needed.iter().any(|known| (known - pole).norm() < pole.im) {
+            continue;
+        }
+        let fewer = without(work, refined, q)?;
+        if fewer.projection.sse - refined.projection.sse < limit {
+            return Ok(Some((q, fewer)));
+        }
+        needed.push(pole);
+    }
+    Ok(None)
+}

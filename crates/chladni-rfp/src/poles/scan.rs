@@ -1,0 +1,121 @@
+//! Where a pole may be missing: places at which a resonance of the usual width would
+//! explain what is left.
+
+use crate::data::columns::{basis, Work};
+use crate::poles::refine::Refined;
+use chladni_linalg::matmul_h;
+use ndarray::{s, Array1, ArrayView1};
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+/// Places per block of products.
+const BLOCK: usize = 64;
+/// Loss factor where no pole of the band tells the usual one.
+const UNKNOWN_LOSS: f64 = 0.01;
+
+/// Median loss factor of the poles of the band.
+pub(crate) fn usual_loss(work: &Work, lambda: &[Complex64]) -> f64 {
+    let mut losses: Vec<f64> = lambda
+        .iter()
+        .filter(|p| work.in_band(**p))
+        .map(|p| p.im / p.re.max(1e-12))
+        .collect();
+    losses.sort_by(f64::total_cmp);
+    losses
+        .get(losses.len() / 2)
+        .copied()
+        .unwrap_or(UNKNOWN_LOSS)
+}
+
+/// Resonances of the usual loss factor over the band, half a bandwidth apart, at least
+/// one line.
+pub(crate) fn resonance_grid(work: &Work, lambda: &[Complex64]) -> Vec<Complex64> {
+    let loss = usual_loss(work, lambda);
+    let (low, high) = work.range();
+    let mut grid = Vec::new();
+    let mut x = low;
+    while x <= high && grid.len() < 4 * work.lines() {
+        let width = (loss * x).max(work.spacing(x));
+        grid.push(Complex64::new(x, width));
+        x += width;
+    }
+    grid
+}
+
+/// What one more pole would take out of the residual, place by place, the best first.
+pub(crate) struct Scan(Vec<(f64, Complex64)>);
+
+/// Looks at all places of a grid.
+pub(crate) fn scan(work: &Work, refined: &Refined) -> Scan {
+    let grid = resonance_grid(work, &refined.lambda);
+    let gains = |chunk: &[Complex64]| -> Vec<(f64, Complex64)> {
+        let columns = basis(work, chunk, &[]);
+        // the residual has no part inside the model: only the norm of what is outside it
+        // is needed
+        let inside = matmul_h(refined.projection.q.view(), columns.view());
+        let matched = matmul_h(columns.view(), refined.projection.residual.view());
+        let gain = |(i, &pole): (usize, &Complex64)| {
+            let squares = |of: ArrayView1<Complex64>| of.iter().map(|v| v.norm_sqr()).sum::<f64>();
+            let whole = squares(columns.column(i));
+            let norm = whole - squares(inside.column(i));
+            let gain = squares(matched.row(i)) / norm;
+            (norm >= 1e-6 * whole).then_some((gain, pole))
+        };
+        chunk.iter().enumerate().filter_map(gain).collect()
+    };
+    let mut found: Vec<(f64, Complex64)> = grid
+        .par_chunks(BLOCK)
+        .map(gains)
+        .collect::<Vec<_>>()
+        .concat();
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    Scan(found)
+}
+
+impl Scan {
+    /// Places where that is more than `limit`, a half-bandwidth apart and from those
+    /// `tried`.
+    pub fn beyond(&self, limit: f64, tried: &[Complex64]) -> Vec<Complex64> {
+        let mut places: Vec<Complex64> = Vec::new();
+        for &(_, pole) in self.0.iter().take_while(|(gain, _)| *gain > limit) {
+            if !tried
+                .iter()
+                .chain(&places)
+                .any(|known| (known - pole).norm() < pole.im)
+            {
+                places.push(pole);
+            }
+        }
+        places
+    }
+}
+
+/// A stretch of lines, about a bandwidth wide, whose residual energy over all FRFs stands
+/// out of the rest.
+pub(crate) fn residual_peak(
+    work: &Work,
+    line_residual: &Array1<f64>,
+    frfs: usize,
+    lambda: &[Complex64],
+) -> Option<Complex64> {
+    let n = work.lines();
+    let mean = line_residual.sum() / n as f64;
+    let loss = usual_loss(work, lambda);
+    let looks = 2.0 * (n as f64).ln();
+    let mut best: Option<(f64, usize)> = None;
+    for k in 2..n.saturating_sub(2) {
+        let pole = Complex64::new(work.x[k], (loss * work.x[k]).max(work.spacing(work.x[k])));
+        let window = work.window(pole, 1.0, 1);
+        let lines = window.len() as f64;
+        let local = line_residual.slice(s![window]).sum() / lines / mean;
+        let score = (local - 1.0) * (lines * frfs as f64).sqrt();
+        // what is near a known pole is misfit of that pole, not another mode
+        let near = lambda
+            .iter()
+            .any(|p| (p.re - pole.re).abs() < 3.0 * p.im.max(pole.im));
+        if !near && score > looks.sqrt() + 6.0 && best.is_none_or(|(s, _)| score > s) {
+            best = Some((score, k));
+        }
+    }
+    best.map(|(_, k)| Complex64::new(work.x[k], (loss * work.x[k]).max(work.spacing(work.x[k]))))
+}

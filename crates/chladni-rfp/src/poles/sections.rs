@@ -1,0 +1,118 @@
+//! Stretches of a long band that are searched by themselves.
+//!
+//! Modes far apart have nothing to say about each other: a band of b sections costs 1/b²
+//! of the pole pool and of every refinement. Each section reaches over its cuts by a few
+//! peaks, so that what belongs to the neighbour is fitted as modes and not forced into
+//! residual terms, and keeps only the poles between its cuts.
+
+use crate::data::columns::Work;
+use crate::data::peaks::Peak;
+use std::ops::Range;
+
+/// Bands with no more visible peaks than this are searched in one piece.
+const WHOLE: usize = 12;
+/// Peaks between two cuts, about. Half as many doubles the share of the overlaps, twice
+/// as many doubles the cost.
+const PEAKS: usize = 6;
+/// Peaks of the neighbour that a section reaches over.
+const OVERLAP: usize = 2;
+
+/// One stretch.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Section {
+    /// Lines it is fitted on, overlaps included.
+    pub lines: Range<usize>,
+    /// Between its cuts, in x; open at the ends of the band.
+    pub core: Range<f64>,
+}
+
+/// Cuts the band into sections of about [`PEAKS`] peaks, in the widest gap near each even
+/// share.
+pub(crate) fn split(work: &Work, seen: &[Peak]) -> Vec<Section> {
+    let mut x: Vec<f64> = seen.iter().map(|p| p.lambda.re).collect();
+    x.sort_by(f64::total_cmp);
+    let count = if x.len() > WHOLE {
+        x.len().div_ceil(PEAKS)
+    } else {
+        1
+    };
+    // a cut c lies between peaks c − 1 and c
+    let mut cuts = vec![0];
+    for s in 1..count {
+        let even = s * x.len() / count;
+        let gap = |&c: &usize| x[c] - x[c - 1];
+        cuts.extend((even - 1..=even + 1).max_by(|a, b| gap(a).total_cmp(&gap(b))));
+    }
+    cuts.push(x.len());
+    // the middle of the gap below peak c; open at the ends
+    let below = |c: usize| match c {
+        0 => f64::NEG_INFINITY,
+        c if c >= x.len() => f64::INFINITY,
+        c => 0.5 * (x[c - 1] + x[c]),
+    };
+    let line = |x: f64| work.x.partition_point(|v| *v < x);
+    cuts.windows(2)
+        .map(|cut| Section {
+            lines: line(below(cut[0].saturating_sub(OVERLAP)))..line(below(cut[1] + OVERLAP)),
+            core: below(cut[0])..below(cut[1]),
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ndarray::Array2;
+    use num_complex::Complex64;
+
+    fn work_and_peaks(positions: &[f64]) -> (Work, Vec<Peak>) {
+        let n = 1000;
+        let x: Vec<f64> = (0..n).map(|k| (k + 1) as f64 / n as f64).collect();
+        let peak = |&x: &f64| Peak {
+            row: 0,
+            prominence_db: 10.0,
+            over_noise_db: 20.0,
+            level_db: 0.0,
+            lambda: Complex64::new(x, 0.001),
+        };
+        (
+            Work {
+                g: vec![1.0; n],
+                x,
+                b: Array2::zeros((n, 1)),
+            },
+            positions.iter().map(peak).collect(),
+        )
+    }
+
+    #[test]
+    fn few_peaks_stay_in_one_piece() {
+        let (work, peaks) = work_and_peaks(&[0.2, 0.5, 0.7]);
+        let sections = split(&work, &peaks);
+        assert_eq!(sections.len(), 1);
+        assert_eq!(sections[0].lines, 0..1000);
+        assert!(sections[0].core.contains(&0.0) && sections[0].core.contains(&2.0));
+    }
+
+    #[test]
+    fn sections_tile_the_band_reach_over_their_cuts_and_cut_in_gaps() {
+        // 40 peaks, with a wide gap after the 12th
+        let positions: Vec<f64> = (0..40)
+            .map(|i| 0.02 * (i + 1) as f64 + if i >= 12 { 0.1 } else { 0.0 })
+            .collect();
+        let (work, peaks) = work_and_peaks(&positions);
+        let sections = split(&work, &peaks);
+        assert!(sections.len() > 2);
+        for pair in sections.windows(2) {
+            assert_eq!(pair[0].core.end, pair[1].core.start);
+            assert!(pair[1].lines.start < pair[0].lines.end, "they overlap");
+        }
+        let middle = 0.5 * (positions[11] + positions[12]);
+        assert!(
+            sections.iter().any(|s| (s.core.end - middle).abs() < 1e-12),
+            "one cut lies in the wide gap: {sections:?}"
+        );
+        assert_eq!(sections[0].lines.start, 0);
+        assert_eq!(sections.last().unwrap().lines.end, 1000);
+    }
+}

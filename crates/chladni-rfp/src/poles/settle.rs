@@ -1,0 +1,129 @@
+//! The loop that settles the order: what cannot be a mode goes, what the residual shows
+//! comes, until neither changes anything.
+
+use crate::data::columns::Work;
+use crate::poles::prune::{crutch, threshold, unphysical};
+use crate::poles::refine::{refine, Refined};
+use crate::poles::scan::{scan, Scan};
+use crate::tolerances as tol;
+use chladni_linalg::LinalgError;
+use num_complex::Complex64;
+
+/// Drops what cannot be a mode, adds what the residual shows, until neither changes
+/// anything.
+///
+/// `frfs`: FRFs whose noise a pole of the model takes along. On a sketch these are its
+/// columns; compressed columns hold all that the basis they were made with takes out of
+/// *all* FRFs, noise included. Returns the last look at the residual.
+pub(crate) fn settle(
+    work: &Work,
+    refined: &mut Refined,
+    variance: &mut f64,
+    frfs: usize,
+    history: &mut Vec<(usize, f64)>,
+) -> Result<Scan, LinalgError> {
+    let limit = threshold(frfs, work.lines());
+    let (mut tried, mut needed): (Vec<Complex64>, Vec<Complex64>) = (Vec::new(), Vec::new());
+    for _ in 0..tol::SCAN_ROUNDS * 3 {
+        if let Some((gone, fewer)) = dispensable(work, refined, limit * *variance, &mut needed)? {
+            tried.extend(gone);
+            *refined = fewer;
+            history.push((refined.lambda.len(), refined.variance(work)));
+            continue;
+        }
+        let scanned = scan(work, refined);
+        let Some(&pole) = scanned.beyond(limit * *variance, &tried).first() else {
+            return Ok(scanned);
+        };
+        tried.push(pole);
+        let mut more = refined.lambda.clone();
+        more.push(pole);
+        let candidate = refine(
+            work,
+            &more,
+            &refined.powers,
+            2 * tol::REFINE_ROUGH,
+            tol::ROUGH_STEP,
+        )?;
+        let gain = refined.projection.sse - candidate.projection.sse;
+        let new = *candidate.lambda.last().expect("one was added");
+        let weakest = candidate
+            .significance()?
+            .into_iter()
+            .fold(f64::MAX, f64::min);
+        if gain > limit * *variance && weakest > limit * *variance && !unphysical(work, new) {
+            *refined = candidate;
+            *variance = variance.min(refined.variance(work));
+            history.push((refined.lambda.len(), refined.variance(work)));
+        }
+    }
+    Ok(scan(work, refined))
+}
+
+/// Poles that the data do not need, and the fit without them: all that stand for no mode
+/// or without which the sum of squares rises by less than `limit`, or else one
+/// [`crutch`].
+fn dispensable(
+    work: &Work,
+    refined: &Refined,
+    limit: f64,
+    needed: &mut Vec<Complex64>,
+) -> Result<Option<(Vec<Complex64>, Refined)>, LinalgError> {
+    let lambda = &refined.lambda;
+    let kept = refined
+        .projection
+        .removable()?
+        .thin_out(lambda, |_, q, rise, _| {
+            rise < limit || unphysical(work, lambda[q])
+        });
+    if kept.len() < lambda.len() {
+        let gone = lambda
+            .iter()
+            .copied()
+            .filter(|pole| !kept.contains(pole))
+            .collect();
+        return Ok(Some((
+            gone,
+            refine(
+                work,
+                &kept,
+                &refined.powers,
+                tol::REFINE_ROUGH,
+                tol::ROUGH_STEP,
+            )?,
+        )));
+    }
+    Ok(crutch(work, refined, limit, |_| true, needed)?.map(|(q, fewer)| (vec![lambda[q]], fewer)))
+}
+
+/// Keeps the `modes` in-band poles that matter most (an order given by the user); returns
+/// the others.
+pub(crate) fn keep_strongest(
+    work: &Work,
+    refined: &mut Refined,
+    modes: usize,
+) -> Result<Vec<Complex64>, LinalgError> {
+    let mut dropped = Vec::new();
+    loop {
+        let inside: Vec<usize> = (0..refined.lambda.len())
+            .filter(|&q| work.in_band(refined.lambda[q]))
+            .collect();
+        if inside.len() <= modes {
+            return Ok(dropped);
+        }
+        let rises = refined.significance()?;
+        let weakest = inside
+            .into_iter()
+            .min_by(|&a, &b| rises[a].total_cmp(&rises[b]))
+            .expect("more than `modes`");
+        let mut fewer = refined.lambda.clone();
+        dropped.push(fewer.remove(weakest));
+        *refined = refine(
+            work,
+            &fewer,
+            &refined.powers,
+            tol::REFINE_FINE,
+            tol::FINE_STEP,
+        )?;
+    }
+}

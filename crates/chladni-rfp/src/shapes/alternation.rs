@@ -1,0 +1,223 @@
+//! The two halves of the low-rank refit: all shapes at given participations, all
+//! participations at given shapes, each an exact linear problem (theory.md, eq. 18).
+//! Blocks of responses on all threads, sums in fixed order.
+
+use crate::shapes::residues::{ridge, Residues};
+use crate::wide::wide;
+use chladni_linalg::{matmul, solve_hermitian, LinalgError};
+use ndarray::{s, Array2, ArrayView2, Axis, ShapeBuilder};
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+/// Responses per block: some hundred kilobytes of residues, and several blocks for each
+/// thread where there are few responses.
+const BLOCK: usize = 16;
+
+/// One row per term, with the weights and right-hand sides that do not change.
+pub(crate) struct Problem<'a> {
+    residues: &'a Residues<'a>,
+    owner: &'a [usize],
+    weight: Array2<Complex64>,
+}
+
+/// The right-hand sides of its two halves.
+pub(crate) struct Halves<'a> {
+    problem: &'a Problem<'a>,
+    /// K·r̂, (term, pair).
+    weighted: Array2<Complex64>,
+    /// r̂ᴴK·r̂ over all pairs.
+    pub total: f64,
+}
+
+impl<'a> Problem<'a> {
+    /// Terms share the weight of their pole.
+    pub fn new(residues: &'a Residues, owner: &'a [usize]) -> Self {
+        let weight = Array2::from_shape_fn((owner.len(), owner.len()), |(a, b)| {
+            residues.weight[[owner[a], owner[b]]]
+        });
+        Self {
+            residues,
+            owner,
+            weight,
+        }
+    }
+
+    /// Normal matrix of one DOF whose partners are `kept`.
+    fn normal(&self, fixed: &Array2<Complex64>, kept: &[usize]) -> Array2<Complex64> {
+        let part = fixed.select(Axis(1), kept);
+        ridge(&(&self.weight * &matmul(part.mapv(|v| v.conj()).view(), part.t())))
+    }
+
+    /// Rise of the sum of squares of low-rank residues over the free ones.
+    pub fn misfit(&self, shape: &Array2<Complex64>, participation: &Array2<Complex64>) -> f64 {
+        let references = self.residues.present.ncols();
+        let blocks: Vec<_> = self
+            .residues
+            .values
+            .axis_chunks_iter(Axis(1), BLOCK * references)
+            .enumerate()
+            .collect();
+        let parts: Vec<f64> = blocks
+            .into_par_iter()
+            .map(|(number, block)| {
+                let mut difference = block.to_owned();
+                for (pair, mut values) in difference.columns_mut().into_iter().enumerate() {
+                    let (i, j) = (number * BLOCK + pair / references, pair % references);
+                    if !self.residues.present[[i, j]] {
+                        values.fill(Complex64::default());
+                        continue;
+                    }
+                    for (term, &n) in self.owner.iter().enumerate() {
+                        values[n] -= shape[[term, i]] * participation[[term, j]];
+                    }
+                }
+                let weighted = matmul(self.residues.weight.view(), difference.view());
+                energy(difference.view(), weighted.view())
+            })
+            .collect();
+        parts.iter().sum()
+    }
+}
+
+impl<'a> Halves<'a> {
+    /// K·r̂ per pair, once.
+    pub fn new(problem: &'a Problem) -> Self {
+        let Problem {
+            residues, owner, ..
+        } = problem;
+        let of_poles = wide(residues.weight.view(), residues.values.view());
+        let total = energy(residues.values.view(), of_poles.view());
+        let mut weighted = Array2::zeros((owner.len(), of_poles.ncols()).f());
+        for (mut terms, poles) in weighted.columns_mut().into_iter().zip(of_poles.columns()) {
+            terms
+                .iter_mut()
+                .zip(*owner)
+                .for_each(|(term, &n)| *term = poles[n]);
+        }
+        Self {
+            problem,
+            weighted,
+            total,
+        }
+    }
+
+    /// The weighted residues of blocks of responses, with the first response of each.
+    fn blocks(&self) -> Vec<(usize, ArrayView2<'_, Complex64>)> {
+        let references = self.problem.residues.present.ncols();
+        let blocks = self.weighted.axis_chunks_iter(Axis(1), BLOCK * references);
+        blocks
+            .enumerate()
+            .map(|(number, block)| (number * BLOCK, block))
+            .collect()
+    }
+
+    /// Best shapes (row, response) for given participations.
+    pub fn shapes(
+        &self,
+        participation: &Array2<Complex64>,
+    ) -> Result<Array2<Complex64>, LinalgError> {
+        let (responses, references) = self.problem.residues.present.dim();
+        let mut rights = Array2::zeros((self.problem.owner.len(), responses).f());
+        let outs: Vec<_> = rights
+            .axis_chunks_iter_mut(Axis(1), BLOCK)
+            .zip(self.blocks())
+            .collect();
+        outs.into_par_iter()
+            .for_each(|(mut right, (first, block))| {
+                for (pair, values) in block.columns().into_iter().enumerate() {
+                    let (i, j) = (pair / references, pair % references);
+                    if self.problem.residues.present[[first + i, j]] {
+                        add_product(right.column_mut(i), participation.column(j), values);
+                    }
+                }
+            });
+        let partners = |i: usize| {
+            (0..references)
+                .filter(|&j| self.problem.residues.present[[i, j]])
+                .collect()
+        };
+        self.solved(participation, &rights, partners)
+    }
+
+    /// Best participations (row, reference) for given shapes, and what both together
+    /// explain of [`Self::total`].
+    pub fn participations(
+        &self,
+        shape: &Array2<Complex64>,
+    ) -> Result<(Array2<Complex64>, f64), LinalgError> {
+        let (responses, references) = self.problem.residues.present.dim();
+        let parts: Vec<Array2<Complex64>> = self
+            .blocks()
+            .into_par_iter()
+            .map(|(first, block)| {
+                let mut right = Array2::zeros((self.problem.owner.len(), references).f());
+                for (pair, values) in block.columns().into_iter().enumerate() {
+                    let (i, j) = (first + pair / references, pair % references);
+                    if self.problem.residues.present[[i, j]] {
+                        add_product(right.column_mut(j), shape.column(i), values);
+                    }
+                }
+                right
+            })
+            .collect();
+        let mut rights = Array2::zeros((self.problem.owner.len(), references).f());
+        parts.iter().for_each(|part| rights += part);
+        let partners = |j: usize| {
+            (0..responses)
+                .filter(|&i| self.problem.residues.present[[i, j]])
+                .collect()
+        };
+        let best = self.solved(shape, &rights, partners)?;
+        let explained = energy(rights.view(), best.view());
+        Ok((best, explained))
+    }
+
+    /// One small normal system per DOF; where every pair was measured, one for all.
+    fn solved(
+        &self,
+        fixed: &Array2<Complex64>,
+        rights: &Array2<Complex64>,
+        partners: impl Fn(usize) -> Vec<usize>,
+    ) -> Result<Array2<Complex64>, LinalgError> {
+        if self.problem.residues.present.iter().all(|p| *p) {
+            return solve_hermitian(
+                self.problem.normal(fixed, &partners(0)).view(),
+                rights.view(),
+            );
+        }
+        let mut out = Array2::zeros(rights.dim().f());
+        for a in 0..rights.ncols() {
+            let solution = solve_hermitian(
+                self.problem.normal(fixed, &partners(a)).view(),
+                rights.slice(s![.., a..a + 1]),
+            )?;
+            out.slice_mut(s![.., a..a + 1]).assign(&solution);
+        }
+        Ok(out)
+    }
+}
+
+/// sum += conj(factor)·value, term by term; fast where all lie in memory in turn.
+pub(crate) fn add_product(
+    mut sum: ndarray::ArrayViewMut1<Complex64>,
+    factor: ndarray::ArrayView1<Complex64>,
+    value: ndarray::ArrayView1<Complex64>,
+) {
+    let add = |((sum, factor), value): ((&mut Complex64, &Complex64), &Complex64)| {
+        *sum += factor.conj() * value
+    };
+    match (sum.as_slice_mut(), factor.to_slice(), value.to_slice()) {
+        (Some(sum), Some(factor), Some(value)) => {
+            sum.iter_mut().zip(factor).zip(value).for_each(add)
+        }
+        _ => sum.iter_mut().zip(factor).zip(value).for_each(add),
+    }
+}
+
+/// Σ Re r̄·w.
+fn energy(flat: ArrayView2<Complex64>, weighted: ArrayView2<Complex64>) -> f64 {
+    let columns = flat.columns().into_iter().zip(weighted.columns());
+    columns
+        .map(|(r, w)| r.iter().zip(w).map(|(r, w)| (r.conj() * w).re).sum::<f64>())
+        .sum()
+}

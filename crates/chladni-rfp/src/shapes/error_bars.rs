@@ -1,0 +1,557 @@
+//! Error bars of shapes: noise in the shape itself, and what errors of poles and
+//! participations do to it (theory.md, eq. 36–38).
+//!
+//! At given poles and participations shapes are linear least squares, x_i = G⁻¹Aᴴb_i for
+//! response i; an error δθ of the others moves them by −Jδθ, and independent of it is the
+//! noise of x_i itself. Last comes the scale, which hangs on the same numbers.
+
+use crate::data::columns::Work;
+use crate::model::identified::Pole;
+use crate::shapes::residues::Shapes;
+use crate::shapes::tangent::{overlapping, taken, unknowns, LineProducts, Tangent, Unknown};
+use crate::tolerances as tol;
+use chladni_linalg::{
+    cholesky, eigh, inverse_hermitian, matmul, matmul_h, solve_lower, LinalgError, Scalar,
+};
+use ndarray::{concatenate, Array1, Array2, ArrayView2, Axis, ShapeBuilder};
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+/// How a saved shape ψ = t·x answers errors of x and L: δt/t = Σ a_d δx_d + Σ c_j δL_j.
+pub(crate) struct Scale {
+    /// t.
+    pub factor: Complex64,
+    /// (response d, a_d).
+    pub response: Vec<(usize, Complex64)>,
+    /// (reference j, c_j).
+    pub reference: Vec<(usize, Complex64)>,
+}
+
+impl Scale {
+    /// A mass scale is the root of a driving-point residue: with u its relative 95 %
+    /// half-width, the interval of what it divides grows as 1/(1 − u²) over that of first
+    /// order, and holds infinity from u = 1 on.
+    ///
+    /// Fieller, J. R. Stat. Soc. B 16 (1954) 175.
+    fn second_order(&self, variance: f64) -> f64 {
+        if self.reference.is_empty() {
+            return 0.0;
+        }
+        let u2 = (self.half_width(variance.sqrt()))
+            .powi(2)
+            .min(tol::SCALE_KNOWN);
+        u2 / (1.0 - u2)
+    }
+
+    /// The relative standard deviation of a mass scale as it enters error bars of shapes;
+    /// `None` for other scales, and where it is not known.
+    pub fn stated(&self, deviation: f64) -> Option<f64> {
+        let stated = deviation * (1.0 + self.second_order(deviation.powi(2))).sqrt();
+        Some(stated).filter(|value| !self.reference.is_empty() && value.is_finite())
+    }
+
+    /// Relative 95 % half-width of what a mass scale is the root of, from the relative
+    /// standard deviation of the scale.
+    fn half_width(&self, deviation: f64) -> f64 {
+        2.0 * tol::SIGMAS_95 * deviation
+    }
+
+    /// True where the driving points do not tell the mass scale from any other.
+    pub fn unknown(&self, deviation: f64) -> bool {
+        !self.reference.is_empty() && self.half_width(deviation) >= 1.0
+    }
+}
+
+/// Responses measured from the same references, and what the normal equations look like
+/// for them.
+struct Group {
+    responses: Vec<usize>,
+    kept: Vec<bool>,
+    /// L̄Lᵀ over the references kept, (term, term).
+    along: Array2<Complex64>,
+    /// x̄xᵀ over the responses, (term, term).
+    across: Array2<Complex64>,
+    /// Inverse of the Gram matrix of the columns φ_n⊗L_n.
+    gram_inverse: Array2<Complex64>,
+}
+
+/// Shapes with what is known of their noise.
+pub(crate) struct Noisy<'a> {
+    /// Lines and weights.
+    pub work: &'a Work,
+    /// Powers of x of the residual terms.
+    pub powers: &'a [i32],
+    pub poles: &'a [Pole],
+    pub shapes: &'a Shapes,
+    /// (response, reference): false where not measured.
+    pub present: &'a Array2<bool>,
+    /// Noise variance of a value of an FRF, and that of each response over it.
+    pub variance: f64,
+    pub noise_of_response: &'a Array1<f64>,
+    /// True where shapes and participations that came with poles are real.
+    pub real: bool,
+}
+
+/// What is known of the errors of shapes.
+pub(crate) struct ShapeBars {
+    /// √E|δψ|², (term, response).
+    pub shape: Array2<f64>,
+    /// Relative standard deviation of the scale t, (term).
+    pub scale: Vec<f64>,
+}
+
+/// Error bars of every term, for shapes scaled as told. Modes of the band, and those
+/// found together with them, are judged with the poles outside left free, as they were
+/// found, and the other way round.
+pub(crate) fn shape_bars(noisy: &Noisy, scales: &[Scale]) -> Result<ShapeBars, LinalgError> {
+    let Noisy {
+        work,
+        poles,
+        shapes,
+        ..
+    } = noisy;
+    let twin = |n: usize| Complex64::new(1.0, poles[n].loss_factor) * poles[n].omega.powi(2);
+    let (inside, outside): (Vec<usize>, Vec<usize>) =
+        (0..poles.len()).partition(|&n| work.in_band(twin(n)) || poles[n].given.is_some());
+    let of_rows = |kept: &[usize], others: &[usize]| {
+        let rows: Vec<usize> = (0..shapes.owner.len())
+            .filter(|&row| kept.contains(&shapes.owner[row]))
+            .collect();
+        if rows.is_empty() {
+            return Ok(Vec::new());
+        }
+        let others: Vec<Complex64> = others.iter().map(|&n| twin(n)).collect();
+        ShapeErrors::new(noisy, &rows, &others)?.all(&rows, scales)
+    };
+    let (of_inside, of_outside) =
+        rayon::join(|| of_rows(&inside, &outside), || of_rows(&outside, &inside));
+    let mut out = ShapeBars {
+        shape: Array2::zeros(shapes.shape.raw_dim()),
+        scale: vec![0.0; scales.len()],
+    };
+    for (row, shape, scale) in of_inside?.into_iter().chain(of_outside?) {
+        out.shape.row_mut(row).assign(&shape);
+        out.scale[row] = scale;
+    }
+    Ok(out)
+}
+
+/// A term (its row), its deviations, and that of its scale.
+type Bars = (usize, Array1<f64>, f64);
+
+/// What the error bars of some terms are made from.
+struct ShapeErrors {
+    /// (term, response).
+    shape: Array2<Complex64>,
+    /// (term, reference).
+    participation: Array2<Complex64>,
+    lines: LineProducts,
+    groups: Vec<Group>,
+    /// λ of each term; in the viscous law that of the structural twin.
+    lambda: Vec<Complex64>,
+    /// E|δλ|² as stated with the pole of each term.
+    stated: Vec<f64>,
+    /// DᴴP⊥D of free residues, (term, term).
+    outside: Array2<Complex64>,
+    /// Noise variance of a value, and that of each response over it.
+    variance: f64,
+    noise_of_response: Array1<f64>,
+    /// True where shapes and participations are real.
+    real: bool,
+    /// True where poles were found with their participations, not from free residues.
+    joint: bool,
+}
+
+impl ShapeErrors {
+    /// `rows`: the terms; `others`: the poles that are fitted freely beside them.
+    fn new(noisy: &Noisy, rows: &[usize], others: &[Complex64]) -> Result<Self, LinalgError> {
+        let Noisy {
+            work,
+            powers,
+            poles,
+            shapes,
+            present,
+            variance,
+            noise_of_response,
+            real,
+        } = *noisy;
+        let of_terms: Vec<&Pole> = rows.iter().map(|&row| &poles[shapes.owner[row]]).collect();
+        let lambda: Vec<Complex64> = of_terms
+            .iter()
+            .map(|p| Complex64::new(1.0, p.loss_factor) * p.omega.powi(2))
+            .collect();
+        let variance_of = |p: &&Pole| {
+            (2.0 * p.omega * p.omega_std).powi(2) + (p.omega.powi(2) * p.loss_factor_std).powi(2)
+        };
+        let stated = of_terms.iter().map(variance_of).collect();
+        let joint = of_terms.iter().any(|pole| pole.given.is_some());
+        let (shape, participation) = (
+            shapes.shape.select(Axis(0), rows),
+            shapes.participation.select(Axis(0), rows),
+        );
+        let lines = LineProducts::beside(work, &lambda, others, powers)?;
+        let outside = lines.outside()?;
+        let real = real && joint;
+        let noise_of_response = noise_of_response.clone();
+        let groups = Vec::new();
+        let mut errors = Self {
+            shape,
+            participation,
+            lines,
+            groups,
+            lambda,
+            stated,
+            outside,
+            variance,
+            noise_of_response,
+            real,
+            joint,
+        };
+        let mut kinds: Vec<(Vec<bool>, Vec<usize>)> = Vec::new();
+        for (i, row) in present.rows().into_iter().enumerate() {
+            match kinds.iter_mut().find(|(kept, _)| *kept == row.to_vec()) {
+                Some((_, responses)) => responses.push(i),
+                None => kinds.push((row.to_vec(), vec![i])),
+            }
+        }
+        errors.groups = kinds
+            .into_iter()
+            .map(|(kept, responses)| errors.group(kept, responses))
+            .collect::<Result<_, _>>()?;
+        Ok(errors)
+    }
+
+    fn group(&self, kept: Vec<bool>, responses: Vec<usize>) -> Result<Group, LinalgError> {
+        let gram = |rows: &Array2<Complex64>, columns: &[usize]| {
+            let part = rows.select(Axis(1), columns);
+            matmul(part.mapv(|v| v.conj()).view(), part.t())
+        };
+        let references: Vec<usize> = (0..kept.len()).filter(|&j| kept[j]).collect();
+        let along = gram(&self.participation, &references);
+        let mut normal = (&self.lines.ff * &along).mapv(|v| taken(self.real, v));
+        normal
+            .diag_mut()
+            .mapv_inplace(|v| v * (1.0 + tol::STRUCTURED_RIDGE) + f64::MIN_POSITIVE);
+        let across = gram(&self.shape, &responses);
+        Ok(Group {
+            responses,
+            kept,
+            along,
+            across,
+            gram_inverse: inverse_hermitian(normal.view())?,
+        })
+    }
+
+    /// Error bars of the terms, which are `rows` of all.
+    fn all(&self, rows: &[usize], scales: &[Scale]) -> Result<Vec<Bars>, LinalgError> {
+        let clusters = overlapping(&self.lambda)
+            .into_par_iter()
+            .map(|modes| self.of_cluster(modes, rows, scales));
+        Ok(clusters
+            .collect::<Result<Vec<_>, _>>()?
+            .into_iter()
+            .flatten()
+            .collect())
+    }
+
+    /// Those of a cluster.
+    fn of_cluster(
+        &self,
+        modes: Vec<usize>,
+        rows: &[usize],
+        scales: &[Scale],
+    ) -> Result<Vec<Bars>, LinalgError> {
+        // poles first: where they come from free residues they have a covariance of their
+        // own
+        let mut unknowns = unknowns(&modes, &self.participation, self.real);
+        unknowns.sort_by_key(|unknown| unknown.other.is_some());
+        let inside: Vec<Array2<Complex64>> = self
+            .groups
+            .iter()
+            .map(|group| self.tangent(group).inside(&unknowns))
+            .collect();
+        let answers: Vec<Array2<Complex64>> = self
+            .groups
+            .iter()
+            .zip(&inside)
+            .map(|(group, inside)| matmul(group.gram_inverse.view(), inside.view()))
+            .collect();
+        let cluster = Cluster { modes, unknowns };
+        let directions: Vec<Array2<Complex64>> = cluster
+            .modes
+            .iter()
+            .flat_map(|&n| self.directions(n, &scales[rows[n]], &cluster, &answers))
+            .collect();
+        let all: Vec<_> = directions.iter().map(|columns| columns.view()).collect();
+        let halves = self.halves(
+            &cluster,
+            &inside,
+            &concatenate(Axis(1), &all).expect("as many unknowns"),
+        )?;
+        // (term, group) by turns, as they were stacked
+        let spreads: Vec<Array2<Complex64>> = halves
+            .axis_chunks_iter(Axis(1), cluster.modes.len() + 1)
+            .map(|half| matmul_h(half, half))
+            .collect();
+        let of_term = |(&n, spreads): (&usize, &[Array2<Complex64>])| {
+            let (shape, scale) = self.term(n, &scales[rows[n]], &cluster.modes, spreads);
+            (rows[n], shape, scale)
+        };
+        Ok(cluster
+            .modes
+            .iter()
+            .zip(spreads.chunks(self.groups.len()))
+            .map(of_term)
+            .collect())
+    }
+
+    fn tangent<'a>(&'a self, group: &'a Group) -> Tangent<'a> {
+        Tangent {
+            lines: &self.lines,
+            participation: &self.participation,
+            measured: &group.kept,
+            along: &group.along,
+            across: &group.across,
+            gram_inverse: &group.gram_inverse,
+            real: self.real,
+        }
+    }
+
+    /// Variance of the part of complex noise that a shape value sees.
+    fn seen_variance(&self) -> f64 {
+        if self.real {
+            0.5 * self.variance
+        } else {
+            self.variance
+        }
+    }
+
+    /// Vᴴ·`columns`, where VVᴴ is the covariance of the unknowns of one cluster, poles
+    /// first.
+    fn halves(
+        &self,
+        cluster: &Cluster,
+        inside: &[Array2<Complex64>],
+        columns: &Array2<Complex64>,
+    ) -> Result<Array2<Complex64>, LinalgError> {
+        let Cluster { modes, unknowns } = cluster;
+        let of_groups = self
+            .groups
+            .iter()
+            .zip(inside)
+            .map(|(group, inside)| self.tangent(group).information(unknowns, inside, 0.0));
+        let information = of_groups.fold(
+            Array2::zeros((unknowns.len(), unknowns.len())),
+            |sum, one| sum + one,
+        );
+        let deviation = self.seen_variance().sqrt();
+        if self.joint && self.real {
+            let real = |a: &Array2<Complex64>| a.mapv(|v| v.re);
+            return Ok(
+                inverse_root(real(&information).view(), real(columns).view())?
+                    .mapv(|v| (v * deviation).into()),
+            );
+        }
+        if self.joint {
+            return Ok(inverse_root(information.view(), columns.view())?.mapv(|v| v * deviation));
+        }
+        // poles came from free residues; participations follow them, and have an error of
+        // their own besides
+        let (of_poles, of_others) = columns.view().split_at(Axis(0), modes.len());
+        let (of_all, own) = information
+            .view()
+            .split_at(Axis(0), modes.len())
+            .1
+            .split_at(Axis(1), modes.len());
+        let both = inverse_root(
+            own,
+            concatenate(Axis(1), &[of_others, of_all])
+                .expect("as many participations")
+                .view(),
+        )?;
+        let (own, follow) = both.view().split_at(Axis(1), columns.ncols());
+        let through = matmul(
+            self.free_pole_root(modes)?.view(),
+            (&of_poles - &matmul_h(follow, own)).view(),
+        );
+        Ok(concatenate(
+            Axis(0),
+            &[through.view(), own.mapv(|v| v * deviation).view()],
+        )
+        .expect("as many directions"))
+    }
+
+    /// The same Vᴴ of E δλ_m δλ_n* of poles found from free residues: the correlations of
+    /// (33), the sizes that the poles themselves state.
+    fn free_pole_root(&self, cluster: &[usize]) -> Result<Array2<Complex64>, LinalgError> {
+        let part = |a: &Array2<Complex64>| a.select(Axis(0), cluster).select(Axis(1), cluster);
+        let none = Array2::zeros(self.outside.raw_dim());
+        let products = self
+            .groups
+            .iter()
+            .map(|group| &group.across * &group.along)
+            .fold(none, |sum, one| sum + one);
+        let information = part(&self.outside) * part(&products);
+        let mut root = inverse_root(information.view(), Array2::eye(cluster.len()).view())?;
+        for (mut column, &n) in root.columns_mut().into_iter().zip(cluster) {
+            let size = (self.stated[n] / column.iter().map(|v| v.norm_sqr()).sum::<f64>()).sqrt();
+            column.mapv_inplace(|v| v * finite(size));
+        }
+        Ok(root)
+    }
+
+    fn group_of(&self) -> Vec<usize> {
+        let mut group_of = vec![0; self.shape.ncols()];
+        self.groups
+            .iter()
+            .enumerate()
+            .for_each(|(g, group)| group.responses.iter().for_each(|&i| group_of[i] = g));
+        group_of
+    }
+
+    /// What term `n` sees of the unknowns in each group, conjugate, (unknown, direction):
+    /// a change of response i is Σ_m x_mi·(change along J of mode m) + x_ni·(change of
+    /// the scale), few directions for all responses. `answers`: J of each group, (term,
+    /// unknown).
+    fn directions(
+        &self,
+        n: usize,
+        scale: &Scale,
+        cluster: &Cluster,
+        answers: &[Array2<Complex64>],
+    ) -> Vec<Array2<Complex64>> {
+        let Cluster { modes, unknowns } = cluster;
+        let (x, group_of) = (&self.shape, self.group_of());
+        // relative change of the scale per unknown
+        let along = |a: usize| {
+            let own = |&&(j, _): &&(usize, Complex64)| {
+                unknowns[a].mode == n && unknowns[a].other == Some(j)
+            };
+            let direct: Complex64 = scale.reference.iter().filter(own).map(|(_, c)| *c).sum();
+            let shift = |d: usize| -answers[group_of[d]][[n, a]] * x[[unknowns[a].mode, d]];
+            taken(
+                self.real,
+                direct
+                    + scale
+                        .response
+                        .iter()
+                        .map(|&(d, weight)| weight * shift(d))
+                        .sum::<Complex64>(),
+            )
+        };
+        let of_group = |answer: &Array2<Complex64>| {
+            Array2::from_shape_fn(
+                (unknowns.len(), modes.len() + 1),
+                |(a, direction)| match modes.get(direction) {
+                    Some(mode) if *mode == unknowns[a].mode => {
+                        -taken(self.real, answer[[n, a]]).conj()
+                    }
+                    Some(_) => Complex64::ZERO,
+                    None => along(a).conj(),
+                },
+            )
+        };
+        answers.iter().map(of_group).collect()
+    }
+
+    /// The deviations of term `n`, and that of its scale; `spreads`: covariance of its
+    /// [`Self::directions`] in each group.
+    fn term(
+        &self,
+        n: usize,
+        scale: &Scale,
+        modes: &[usize],
+        spreads: &[Array2<Complex64>],
+    ) -> (Array1<f64>, f64) {
+        let (x, group_of) = (&self.shape, self.group_of());
+        let noise = |i: usize| {
+            self.groups[group_of[i]].gram_inverse[[n, n]].re
+                * self.seen_variance()
+                * self.noise_of_response[i]
+        };
+        let scale_noise: f64 = scale
+            .response
+            .iter()
+            .map(|&(d, weight)| weight.norm_sqr() * noise(d))
+            .sum();
+        let of_unknowns = spreads
+            .first()
+            .map_or(0.0, |spread| spread[[modes.len(), modes.len()]].re);
+        let scale_variance = (scale_noise + of_unknowns).max(0.0);
+        let beyond_first_order = scale.second_order(scale_variance) * scale_variance;
+        let of_response = |i: usize| {
+            let part = |row: usize| x[[modes.get(row).copied().unwrap_or(n), i]];
+            let spread = &spreads[group_of[i]];
+            let through: f64 = spread
+                .indexed_iter()
+                .map(|((a, b), v)| (part(a) * v * part(b).conj()).re)
+                .sum();
+            let shared: f64 = scale
+                .response
+                .iter()
+                .filter(|(d, _)| *d == i)
+                .map(|(_, weight)| 2.0 * (x[[n, i]] * weight).re)
+                .sum();
+            let own = noise(i) * (1.0 + shared)
+                + x[[n, i]].norm_sqr() * (scale_noise + beyond_first_order);
+            scale.factor.norm() * (own + through).max(0.0).sqrt()
+        };
+        (
+            (0..x.ncols()).map(of_response).collect(),
+            scale_variance.sqrt(),
+        )
+    }
+}
+
+/// Terms that overlap, and what they were found by.
+struct Cluster {
+    modes: Vec<usize>,
+    unknowns: Vec<Unknown>,
+}
+
+fn finite(value: f64) -> f64 {
+    if value.is_finite() {
+        value
+    } else {
+        0.0
+    }
+}
+
+/// Vᴴ·`columns`, where VVᴴ is the inverse of a matrix on the directions that carry
+/// information; terms of a repeated pole may mix in any way, and no error is meant by
+/// that.
+fn inverse_root<T: Scalar>(
+    matrix: ArrayView2<T>,
+    columns: ArrayView2<T>,
+) -> Result<Array2<T>, LinalgError> {
+    let size: Vec<f64> = matrix
+        .diag()
+        .iter()
+        .map(|d| finite(d.modulus().sqrt().recip()))
+        .collect();
+    let even = Array2::from_shape_fn(matrix.raw_dim(), |(a, b)| {
+        matrix[[a, b]] * T::of_real(size[a] * size[b])
+    });
+    let columns = Array2::from_shape_fn(columns.raw_dim().f(), |(a, c)| {
+        columns[[a, c]] * T::of_real(size[a])
+    });
+    let well_known = |lower: &Array2<T>| {
+        lower
+            .diag()
+            .iter()
+            .all(|pivot| pivot.modulus().powi(2) > tol::WELL_INFORMED)
+    };
+    if let Some(lower) = cholesky(even.view()).ok().filter(well_known) {
+        return solve_lower(lower.view(), columns.view());
+    }
+    let (values, vectors) = eigh(even.view())?;
+    let kept: Vec<usize> = (0..values.len())
+        .filter(|&c| values[c] > tol::UNINFORMED)
+        .collect();
+    let mut half = matmul_h(vectors.select(Axis(1), &kept).view(), columns.view());
+    half.rows_mut()
+        .into_iter()
+        .zip(kept)
+        .for_each(|(mut row, c)| row.mapv_inplace(|v| v.divided_by(values[c].sqrt())));
+    Ok(half)
+}

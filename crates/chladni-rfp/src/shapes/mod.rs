@@ -1,0 +1,13 @@
+//! Enters: residues, or columns at given poles; leaves: shapes, participations and their
+//! error bars.
+
+pub(crate) mod acceleration;
+pub(crate) mod alternation;
+pub(crate) mod error_bars;
+pub(crate) mod factor;
+pub(crate) mod growth;
+pub(crate) mod residues;
+pub(crate) mod search;
+pub(crate) mod step;
+pub(crate) mod tangent;
+pub(crate) mod target;

@@ -1,0 +1,285 @@
+//! Poles and participations together, shapes eliminated: variable projection on rank-one
+//! residues (theory.md, eq. 26–29).
+//!
+//! The stacked problem (lines × references rows, one right-hand side per response) is
+//! never formed: every product of its columns φ_n⊗L_n factors into a product over lines
+//! and one over references. One step costs the line products, 16Nn(2n + r), and one small
+//! Hermitian solve per cluster of overlapping modes.
+
+use crate::shapes::factor::Factor;
+use crate::shapes::tangent::{overlapping, pivot, taken, unknowns, LineProducts, Tangent, Unknown};
+use crate::shapes::target::{Products, Shapes, Target};
+use crate::tolerances as tol;
+use chladni_linalg::{inverse_hermitian, matmul, LinalgError};
+use ndarray::{Array2, ShapeBuilder};
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+fn conjugate(a: &Array2<Complex64>) -> Array2<Complex64> {
+    a.mapv(|v| v.conj())
+}
+
+/// Where a search ends.
+#[derive(Clone, Copy)]
+pub(crate) enum Enough {
+    /// At the last digits.
+    Fine,
+    /// Where it is known whether the structure holds: the sum of squares, to this much.
+    SumOfSquares(f64),
+    /// Where a mode shows, or does not.
+    Rough,
+}
+
+impl Enough {
+    /// `largest`: step in half-bandwidths; `drop`: of the sum of squares by it.
+    fn is_reached(self, largest: f64, drop: f64) -> bool {
+        let step = match self {
+            Self::SumOfSquares(least) if drop < least => tol::STRUCTURED_ROUGH_STEP,
+            Self::Fine | Self::SumOfSquares(_) => tol::STRUCTURED_FINE_STEP,
+            Self::Rough => tol::ROUGH_STEP,
+        };
+        largest < step
+    }
+}
+
+/// A point of the search.
+pub(crate) struct State {
+    /// Poles, rising in Re λ is not required.
+    pub lambda: Vec<Complex64>,
+    /// (mode, other): participations, 1 at the pivot.
+    pub participation: Array2<Complex64>,
+    /// The best shapes for them.
+    pub shapes: Shapes,
+    /// Sum of squares left.
+    pub sse: f64,
+    /// True where shapes and participations are real.
+    pub real: bool,
+    pivot: Vec<usize>,
+    products: Products,
+    /// Inverse of the Gram matrix of the columns φ_n⊗L_n.
+    gram_inverse: Array2<Complex64>,
+    /// Inner products of participations and of shapes, (mode, mode).
+    along: Array2<Complex64>,
+    across: Array2<Complex64>,
+}
+
+/// The damped Gauss–Newton matrix of one cluster of modes.
+struct Factored {
+    modes: Vec<usize>,
+    unknowns: Vec<Unknown>,
+    matrix: Factor,
+}
+
+impl State {
+    /// Shapes by linear least squares at poles and participations.
+    pub fn new(
+        target: &Target,
+        lambda: Vec<Complex64>,
+        participation: Array2<Complex64>,
+        real: bool,
+    ) -> Result<Self, LinalgError> {
+        let mut participation = participation;
+        let pivot: Vec<usize> = (0..lambda.len())
+            .map(|n| pivot(&participation, n))
+            .collect();
+        for (mut row, &at) in participation.rows_mut().into_iter().zip(&pivot) {
+            let value = row[at];
+            row.mapv_inplace(|v| taken(real, v / value));
+        }
+        let products = Products::new(target, &lambda);
+        let along = matmul(conjugate(&participation).view(), participation.t());
+        let gram_inverse = inverse_hermitian(
+            (&products.lines.ff * &along)
+                .mapv(|v| taken(real, v))
+                .view(),
+        )?;
+        let shapes = products.shapes(target, &participation, &gram_inverse, real);
+        let across = matmul(conjugate(&shapes.shape).view(), shapes.shape.t());
+        Ok(Self {
+            sse: target.energy - shapes.explained,
+            lambda,
+            participation,
+            shapes,
+            real,
+            pivot,
+            products,
+            gram_inverse,
+            along,
+            across,
+        })
+    }
+
+    /// Residues ψ_i L_j of all modes, (mode, own·other).
+    pub fn residues(&self) -> Array2<Complex64> {
+        let (shape, other) = (&self.shapes.shape, self.participation.ncols());
+        let size = (self.lambda.len(), shape.ncols() * other);
+        Array2::from_shape_fn(size.f(), |(n, l)| {
+            shape[[n, l / other]] * self.participation[[n, l % other]]
+        })
+    }
+
+    /// Gauss–Newton matrix of the given unknowns, shapes eliminated. Two terms of one
+    /// pole may share their participations in any way: a trace of each derivative's own
+    /// size keeps the matrix regular.
+    fn information(&self, unknowns: &[Unknown]) -> Array2<Complex64> {
+        let tangent = Tangent {
+            lines: &self.products.lines,
+            participation: &self.participation,
+            measured: &vec![true; self.participation.ncols()],
+            along: &self.along,
+            across: &self.across,
+            gram_inverse: &self.gram_inverse,
+            real: self.real,
+        };
+        tangent.information(unknowns, &tangent.inside(unknowns), tol::STRUCTURED_RIDGE)
+    }
+
+    /// Gradient along the same unknowns.
+    fn gradient(&self, unknowns: &[Unknown]) -> Array2<Complex64> {
+        let LineProducts { ff, fd, .. } = &self.products.lines;
+        let (l, along, across) = (&self.participation, &self.along, &self.across);
+        let modes = 0..self.lambda.len();
+        Array2::from_shape_fn((unknowns.len(), 1), |(a, _)| {
+            let Unknown {
+                mode: m,
+                other: j,
+                unit,
+            } = unknowns[a];
+            let value = match j {
+                None => {
+                    let model = modes
+                        .clone()
+                        .map(|p| fd[[p, m]].conj() * across[[m, p]] * along[[m, p]])
+                        .sum::<Complex64>();
+                    self.shapes.along_both[[m, 0]] - model
+                }
+                Some(j) => {
+                    let model = modes
+                        .clone()
+                        .map(|p| ff[[m, p]] * across[[m, p]] * l[[p, j]])
+                        .sum::<Complex64>();
+                    self.shapes.along_shape[[m, j]] - model
+                }
+            };
+            taken(self.real, unit.conj() * value)
+        })
+    }
+
+    /// The damped Gauss–Newton matrices of all clusters.
+    fn factored(&self, damping: f64) -> Result<Vec<Factored>, LinalgError> {
+        overlapping(&self.lambda)
+            .into_par_iter()
+            .map(|modes| {
+                let unknowns = unknowns(&modes, &self.participation, self.real);
+                let mut matrix = self.information(&unknowns);
+                matrix.diag_mut().mapv_inplace(|d| {
+                    Complex64::new(d.re * (1.0 + damping) + f64::MIN_POSITIVE, 0.0)
+                });
+                Ok(Factored {
+                    matrix: Factor::new(&matrix, self.real)?,
+                    modes,
+                    unknowns,
+                })
+            })
+            .collect()
+    }
+
+    /// A damped step of every cluster; the largest pole step in half-bandwidths.
+    fn stepped(&self, target: &Target, clusters: &[Factored]) -> Result<(Self, f64), LinalgError> {
+        let (mut lambda, mut participation) = (self.lambda.clone(), self.participation.clone());
+        let mut largest = 0.0_f64;
+        for Factored {
+            modes,
+            unknowns,
+            matrix,
+        } in clusters
+        {
+            let step = matrix.solve(&self.gradient(unknowns))?;
+            let mut moves = vec![Complex64::default(); self.lambda.len()];
+            for (unknown, &value) in unknowns.iter().zip(&step) {
+                match unknown.other {
+                    None => moves[unknown.mode] += unknown.unit * value,
+                    Some(j) => participation[[unknown.mode, j]] += value,
+                }
+            }
+            for &n in modes {
+                let size = moves[n].norm() / self.lambda[n].im;
+                largest = largest.max(size);
+                lambda[n] += moves[n] * (tol::STRUCTURED_STEP / size.max(tol::STRUCTURED_STEP));
+                lambda[n].im = lambda[n].im.max(0.1 * self.lambda[n].im);
+            }
+        }
+        Ok((
+            Self::new(target, lambda, participation, self.real)?,
+            largest,
+        ))
+    }
+
+    /// Gauss–Newton with Levenberg–Marquardt damping until it is [`Enough`]. Short steps
+    /// keep the matrices of the step before: they hardly change, and cost more than all
+    /// else.
+    pub fn refined(mut self, target: &Target, enough: Enough) -> Self {
+        let mut damping = tol::LM_START;
+        let mut clusters = None;
+        // the sum of squares is a difference of large numbers: near the end its rounding
+        // must not refuse good steps
+        let rounding = tol::STEP_ROUNDING * target.energy;
+        for _ in 0..tol::REFINE_FINE {
+            let factored = clusters.take().map_or_else(|| self.factored(damping), Ok);
+            match factored.and_then(|clusters| Ok((self.stepped(target, &clusters)?, clusters))) {
+                Ok(((next, largest), kept)) if next.sse <= self.sse + rounding => {
+                    let drop = self.sse - next.sse;
+                    clusters =
+                        (largest < tol::MATRIX_KEPT && next.pivot == self.pivot).then_some(kept);
+                    self = next;
+                    damping *= 0.1;
+                    if enough.is_reached(largest, drop) {
+                        break;
+                    }
+                }
+                Ok(((_, largest), _)) if largest < tol::STRUCTURED_FINE_STEP => break,
+                _ => {
+                    damping = (damping * 10.0).max(1e-6);
+                    if damping > tol::LM_GIVE_UP {
+                        break;
+                    }
+                }
+            }
+        }
+        self
+    }
+
+    /// Variances of Re λ and Im λ per mode for unit noise variance.
+    pub fn spread(&self) -> Vec<[f64; 2]> {
+        let of_cluster = |cluster: Vec<usize>| {
+            let unknowns = unknowns(&cluster, &self.participation, self.real);
+            let poles: Vec<usize> = (0..unknowns.len())
+                .filter(|&a| unknowns[a].other.is_none())
+                .collect();
+            let variances = Factor::new(&self.information(&unknowns), self.real)
+                .ok()?
+                .inverse_diagonal(&poles)
+                .ok()?;
+            Some(
+                poles
+                    .into_iter()
+                    .map(|a| unknowns[a])
+                    .zip(variances)
+                    .collect::<Vec<_>>(),
+            )
+        };
+        let mut spread = vec![[f64::INFINITY; 2]; self.lambda.len()];
+        let clusters: Vec<_> = overlapping(&self.lambda)
+            .into_par_iter()
+            .filter_map(of_cluster)
+            .collect();
+        for (unknown, variance) in clusters.into_iter().flatten() {
+            let half = 0.5 * variance;
+            match (self.real, unknown.unit.im != 0.0) {
+                (false, _) => spread[unknown.mode] = [half; 2],
+                (true, imaginary) => spread[unknown.mode][usize::from(imaginary)] = half,
+            }
+        }
+        spread
+    }
+}

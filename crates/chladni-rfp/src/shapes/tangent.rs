@@ -1,0 +1,256 @@
+//! The tangent of the columns φ_n⊗L_n: what a step of a pole or of a participation does
+//! to them, and the Gauss–Newton matrix of such steps with the shapes eliminated
+//! (theory.md, eq. 28). Structured refinement steps along it, error bars of shapes are
+//! read off it.
+
+use crate::damping::gram::Cauchy;
+use crate::data::columns::Work;
+use crate::shapes::target::background;
+use crate::tolerances as tol;
+use crate::wide::wide_h;
+use chladni_linalg::{cholesky, matmul, matmul_h, solve_hermitian, solve_lower, LinalgError};
+use ndarray::{s, Array2, Axis, ShapeBuilder};
+use num_complex::Complex64;
+use std::ops::Range;
+
+/// One unknown: its mode, whether the pole or which participation, and the unit it moves
+/// along.
+#[derive(Clone, Copy)]
+pub(crate) struct Unknown {
+    pub mode: usize,
+    pub other: Option<usize>,
+    pub unit: Complex64,
+}
+
+/// Products over lines of the pole columns F and their derivatives D, what stays free in
+/// every pair taken out: (mode, mode).
+pub(crate) struct LineProducts {
+    pub ff: Array2<Complex64>,
+    pub fd: Array2<Complex64>,
+    pub dd: Array2<Complex64>,
+}
+
+impl LineProducts {
+    /// `free`: orthonormal basis of what stays free in every pair, (line, ·).
+    pub fn new(cauchy: &Cauchy, free: &Array2<Complex64>) -> Self {
+        let inside = wide_h(free.view(), cauchy.columns.view());
+        Self::parts(&(cauchy.gram() - wide_h(inside.view(), inside.view())))
+    }
+
+    /// Those of the poles `lambda`, where what stays free are residual terms and the
+    /// `others`, their residues and, to first order, their positions.
+    ///
+    /// # Errors
+    /// A kernel that fails.
+    pub fn beside(
+        work: &Work,
+        lambda: &[Complex64],
+        others: &[Complex64],
+        powers: &[i32],
+    ) -> Result<Self, LinalgError> {
+        let all = [lambda, others].concat();
+        let gram = Cauchy::new(work, &all, powers).gram();
+        let (n, m) = (lambda.len(), all.len() + powers.len());
+        let (own, free): (Vec<usize>, Vec<usize>) =
+            (0..gram.nrows()).partition(|&i| i < n || (m..m + n).contains(&i));
+        let norm = |i: usize| gram[[i, i]].re.sqrt();
+        let unit = |i: usize, j: usize| gram[[free[i], free[j]]] / (norm(free[i]) * norm(free[j]));
+        let size = free.len();
+        let outstanding = |lower: &Array2<Complex64>| {
+            lower.diag().iter().all(|pivot| pivot.re > tol::OUTSTANDING)
+        };
+        let Some(lower) =
+            cholesky(Array2::from_shape_fn((size, size).f(), |(i, j)| unit(i, j)).view())
+                .ok()
+                .filter(outstanding)
+        else {
+            return Ok(Self::new(
+                &Cauchy::new(work, lambda, &[]),
+                &background(work, others, powers)?,
+            ));
+        };
+        let across = Array2::from_shape_fn((size, own.len()).f(), |(i, j)| {
+            gram[[free[i], own[j]]] / norm(free[i])
+        });
+        let inside = solve_lower(lower.view(), across.view())?;
+        let left = gram.select(Axis(0), &own).select(Axis(1), &own)
+            - matmul_h(inside.view(), inside.view());
+        Ok(Self::parts(&left))
+    }
+
+    fn parts(all: &Array2<Complex64>) -> Self {
+        let n = all.nrows() / 2;
+        let part =
+            |rows: Range<usize>, columns: Range<usize>| all.slice(s![rows, columns]).to_owned();
+        Self {
+            ff: part(0..n, 0..n),
+            fd: part(0..n, n..2 * n),
+            dd: part(n..2 * n, n..2 * n),
+        }
+    }
+
+    /// Inner products of the derivatives outside the columns.
+    ///
+    /// # Errors
+    /// A kernel that fails.
+    pub fn outside(&self) -> Result<Array2<Complex64>, LinalgError> {
+        let Self { ff, fd, dd } = self;
+        let mut free = ff.clone();
+        free.diag_mut()
+            .mapv_inplace(|v| v * (1.0 + tol::STRUCTURED_RIDGE) + f64::MIN_POSITIVE);
+        Ok(dd - &matmul_h(fd.view(), solve_hermitian(free.view(), fd.view())?.view()))
+    }
+}
+
+/// Where the tangent is taken, for DOFs of the eliminated side that were measured with
+/// the same others.
+pub(crate) struct Tangent<'a> {
+    pub lines: &'a LineProducts,
+    /// (mode, other).
+    pub participation: &'a Array2<Complex64>,
+    /// False where an other was not measured with these DOFs.
+    pub measured: &'a [bool],
+    /// L̄Lᵀ over the others measured, and ψ̄ψᵀ over the DOFs.
+    pub along: &'a Array2<Complex64>,
+    pub across: &'a Array2<Complex64>,
+    /// Inverse of the Gram matrix of the columns.
+    pub gram_inverse: &'a Array2<Complex64>,
+    /// True where shapes and participations are real.
+    pub real: bool,
+}
+
+impl Tangent<'_> {
+    /// Inner products of all columns with the derivatives by the unknowns, (mode,
+    /// unknown).
+    pub fn inside(&self, unknowns: &[Unknown]) -> Array2<Complex64> {
+        Array2::from_shape_fn((self.participation.nrows(), unknowns.len()), |(p, a)| {
+            let Unknown {
+                mode: n,
+                other,
+                unit,
+            } = unknowns[a];
+            let product = match other {
+                None => self.lines.fd[[p, n]] * self.along[[p, n]],
+                Some(j) if self.measured[j] => {
+                    self.lines.ff[[p, n]] * self.participation[[p, j]].conj()
+                }
+                Some(_) => Complex64::ZERO,
+            };
+            taken(self.real, unit * product)
+        })
+    }
+
+    /// Gauss–Newton matrix of the unknowns (Kaufman's form). `ridge`: part of each
+    /// derivative's own size that is added on the diagonal.
+    pub fn information(
+        &self,
+        unknowns: &[Unknown],
+        inside: &Array2<Complex64>,
+        ridge: f64,
+    ) -> Array2<Complex64> {
+        let LineProducts { ff, fd, dd } = self.lines;
+        let l = self.participation;
+        let known = matmul_h(
+            inside.view(),
+            matmul(self.gram_inverse.view(), inside.view()).view(),
+        );
+        let measured = |j: usize, product: Complex64| {
+            if self.measured[j] {
+                product
+            } else {
+                Complex64::ZERO
+            }
+        };
+        Array2::from_shape_fn((unknowns.len(), unknowns.len()), |(a, b)| {
+            let (
+                Unknown {
+                    mode: m,
+                    other: j,
+                    unit: u,
+                },
+                Unknown {
+                    mode: n,
+                    other: k,
+                    unit: v,
+                },
+            ) = (unknowns[a], unknowns[b]);
+            let product = match (j, k) {
+                (None, None) => dd[[m, n]] * self.along[[m, n]],
+                (None, Some(k)) => measured(k, fd[[n, m]].conj() * l[[m, k]].conj()),
+                (Some(j), None) => measured(j, fd[[m, n]] * l[[n, j]]),
+                (Some(j), Some(k)) if j == k => measured(j, ff[[m, n]]),
+                _ => Complex64::ZERO,
+            };
+            let trace = if a == b { 1.0 + ridge } else { 1.0 };
+            (taken(self.real, u.conj() * v * product) * trace - known[[a, b]]) * self.across[[m, n]]
+        })
+    }
+}
+
+/// The unknowns of some modes, mode by mode: the pole, then all participations but the
+/// largest, which fixes the scale.
+pub(crate) fn unknowns(
+    modes: &[usize],
+    participation: &Array2<Complex64>,
+    real: bool,
+) -> Vec<Unknown> {
+    let units: &[Complex64] = if real {
+        &[Complex64::ONE, Complex64::I]
+    } else {
+        &[Complex64::ONE]
+    };
+    let mut list = Vec::new();
+    for &mode in modes {
+        list.extend(units.iter().map(|&unit| Unknown {
+            mode,
+            other: None,
+            unit,
+        }));
+        let others = (0..participation.ncols()).filter(|j| *j != pivot(participation, mode));
+        list.extend(others.map(|j| Unknown {
+            mode,
+            other: Some(j),
+            unit: Complex64::ONE,
+        }));
+    }
+    list
+}
+
+/// The largest participation of a mode.
+pub(crate) fn pivot(participation: &Array2<Complex64>, mode: usize) -> usize {
+    participation
+        .row(mode)
+        .indexed_iter()
+        .max_by(|a, b| a.1.norm_sqr().total_cmp(&b.1.norm_sqr()))
+        .map_or(0, |(j, _)| j)
+}
+
+/// Real part where shapes are real, all of it otherwise.
+pub(crate) fn taken(real: bool, value: Complex64) -> Complex64 {
+    if real {
+        Complex64::new(value.re, 0.0)
+    } else {
+        value
+    }
+}
+
+/// Modes that overlap, as lists of indices: between the lists lies more than some
+/// bandwidths.
+pub(crate) fn overlapping(lambda: &[Complex64]) -> Vec<Vec<usize>> {
+    let mut order: Vec<usize> = (0..lambda.len()).collect();
+    order.sort_by(|&a, &b| lambda[a].re.total_cmp(&lambda[b].re));
+    let mut clusters: Vec<Vec<usize>> = Vec::new();
+    for n in order {
+        let near = |&m: &usize| {
+            lambda[n].re - lambda[m].re < tol::CLUSTER_HALF_WIDTHS * lambda[m].im.max(lambda[n].im)
+        };
+        match clusters
+            .last_mut()
+            .filter(|cluster| cluster.iter().any(near))
+        {
+            Some(cluster) => cluster.push(n),
+            None => clusters.push(vec![n]),
+        }
+    }
+    clusters
+}
