@@ -21,6 +21,7 @@ mod backend;
 #[allow(dead_code)] // the bench needs only its kernels
 #[path = "faer.rs"]
 mod beside;
+pub mod blocked;
 mod scalar;
 
 pub use back_ends::{back_ends, BackEnd, Dense, Factors, Given};

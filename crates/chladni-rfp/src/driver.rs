@@ -2,10 +2,10 @@
 
 use crate::checks::examine::examine;
 use crate::damping::verdict::Law;
-use crate::data::columns::Work;
+use crate::data::columns::Columns;
 use crate::data::error::FitError;
 use crate::data::given_noise::{given_noise, Giver};
-use crate::data::layout::Head;
+use crate::data::layout::DataLayout;
 use crate::data::noise_weights::PairWeights;
 use crate::data::options::{FitOptions, Method};
 use crate::data::products::{project, Projected};
@@ -29,10 +29,10 @@ use crate::model::decide::decide;
 use crate::model::exponential;
 use crate::model::identified::Identified;
 use crate::poles::chain::{fast_chain, Chain, Doubt, Outcome, POWERS};
-use crate::poles::estimate::{more_than_asked, uncertainty_grade, Found, Grade};
+use crate::poles::estimate::{more_than_asked, uncertainty_grade, Grade, PoleEstimate};
 use crate::poles::refine::{refine, Projection, Refined};
-use crate::wide::in_pool;
 use chladni_frf::{Damping, FrfSet, ModalModel, Trust};
+use chladni_linalg::blocked::in_pool;
 use chladni_linalg::{inverse_hermitian, LinalgError};
 use num_complex::Complex64;
 
@@ -276,8 +276,8 @@ fn fit_auto(
 
 /// The model that poles lead to, and what it leaves of each FRF.
 pub(crate) fn finished(
-    data: &Head,
-    found: Found,
+    data: &DataLayout,
+    found: PoleEstimate,
     options: &FitOptions,
     progress: &dyn Fn(&str),
     left: impl Fn(&Shaped) -> Vec<f64>,
@@ -305,9 +305,9 @@ pub(crate) fn from_chain(
     chain: Chain,
     asked: Option<usize>,
     hz: f64,
-) -> Result<Found, LinalgError> {
+) -> Result<PoleEstimate, LinalgError> {
     let (grades, spread) = graded(&chain.refined, &chain.projected.work, chain.variance)?;
-    Ok(Found {
+    Ok(PoleEstimate {
         grades,
         spread,
         measured: false,
@@ -327,7 +327,7 @@ pub(crate) fn from_chain(
 /// Linearised variances E|δλ|² of the poles, and grades by them.
 fn graded(
     refined: &Refined,
-    work: &Work,
+    work: &Columns,
     variance: f64,
 ) -> Result<(Vec<Grade>, Vec<f64>), LinalgError> {
     let inverse = inverse_hermitian(refined.information(work).view())?;
@@ -346,7 +346,7 @@ fn graded(
     ))
 }
 
-fn from_conjugated(data: &Screened, options: &FitOptions) -> Result<Found, FitError> {
+fn from_conjugated(data: &Screened, options: &FitOptions) -> Result<PoleEstimate, FitError> {
     let (sketch, energy) = data.sketch(options.seed);
     Ok(conjugated(project(
         data,
@@ -357,10 +357,10 @@ fn from_conjugated(data: &Screened, options: &FitOptions) -> Result<Found, FitEr
 
 /// No modes: the data contradict any passive structure in e^{+jωt}; they are not
 /// corrected without being told.
-pub(crate) fn conjugated(projected: Projected) -> Result<Found, LinalgError> {
+pub(crate) fn conjugated(projected: Projected) -> Result<PoleEstimate, LinalgError> {
     let refined = refine(&projected.work, &[], &POWERS, 0, 0.0)?;
     let variance = refined.variance(&projected.work);
-    Ok(Found {
+    Ok(PoleEstimate {
         refined,
         work: projected.work,
         back: Some(projected.back),
@@ -383,7 +383,7 @@ fn from_measured(
     options: &FitOptions,
     evidence: &str,
     progress: &dyn Fn(&str),
-) -> Result<Found, FitError> {
+) -> Result<PoleEstimate, FitError> {
     let found = measured_path(data, options.seed, options.modes, progress)?;
     let (refined, work, back) = match found.back {
         Some(back) => (found.refined, found.work, back),
@@ -400,7 +400,7 @@ fn from_measured(
         }
     };
     let variance = refined.variance(&work);
-    Ok(Found {
+    Ok(PoleEstimate {
         refined,
         work,
         back: Some(back),

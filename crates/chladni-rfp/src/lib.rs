@@ -17,7 +17,6 @@ mod poles;
 mod shapes;
 mod tolerances;
 mod validation;
-mod wide;
 
 pub use data::error::FitError;
 pub use data::options::{Effort, FitOptions, Method, ShapeModel, Window};

@@ -1,6 +1,6 @@
 //! The data that a check may look at, and its outcome.
 
-use crate::data::layout::Head;
+use crate::data::layout::DataLayout;
 use crate::data::options::FitOptions;
 use crate::data::screening::Screened;
 use chladni_frf::{ModalModel, Mode, Trust};
@@ -8,7 +8,7 @@ use chladni_frf::{ModalModel, Mode, Trust};
 /// What a check may look at.
 pub(crate) struct Case<'a> {
     /// What is known of the data that were fitted.
-    pub data: &'a Head,
+    pub data: &'a DataLayout,
     /// The data themselves, where they are at hand: checks that look at single FRFs are
     /// left out where they are not.
     pub values: Option<&'a Screened<'a>>,

@@ -7,7 +7,7 @@
 
 use crate::checks::case::{Case, Finding};
 use crate::checks::{delay, hidden, kind, moving, reciprocal, split, window_bias};
-use crate::data::layout::Head;
+use crate::data::layout::DataLayout;
 use crate::data::options::FitOptions;
 use crate::data::screening::Screened;
 use chladni_frf::{ModalModel, Trust};
@@ -27,7 +27,7 @@ const CHECKS: [fn(&Case) -> Option<Finding>; 8] = [
 
 /// Runs all checks; their words join the model's warnings.
 pub(crate) fn examine(
-    data: &Head,
+    data: &DataLayout,
     values: Option<&Screened>,
     options: &FitOptions,
     white: bool,

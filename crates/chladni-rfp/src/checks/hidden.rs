@@ -3,13 +3,13 @@
 
 use crate::checks::case::{Case, Finding};
 use crate::checks::moving::{pole, strength};
-use crate::data::columns::{basis, Work};
+use crate::data::columns::{basis, Columns};
 use crate::data::options::ShapeModel;
 use crate::poles::chain::POWERS;
 use crate::poles::prune::threshold;
 use crate::shapes::target::background;
-use crate::wide::projected;
 use chladni_frf::Mode;
+use chladni_linalg::blocked::projected;
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -63,7 +63,7 @@ pub(crate) fn between_modes(case: &Case) -> Option<Finding> {
 
 /// True where a mode halfway between two others would add less to the data than a mode
 /// must to be found; `None` where the two do not overlap.
-fn could_hide(case: &Case, axis: &Work, pair: &[&Mode]) -> Option<bool> {
+fn could_hide(case: &Case, axis: &Columns, pair: &[&Mode]) -> Option<bool> {
     let poles = [pole(case, pair[0]), pole(case, pair[1])];
     let place = 0.5 * (poles[0] + poles[1]);
     if !OVERLAP.contains(&(2.0 * place.im / (poles[1].re - poles[0].re))) {

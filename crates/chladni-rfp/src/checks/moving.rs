@@ -3,7 +3,7 @@
 //! whole, however well each FRF could be fitted by itself.
 
 use crate::checks::case::{Case, Finding};
-use crate::data::columns::Work;
+use crate::data::columns::Columns;
 use crate::model::given::value_of;
 use crate::poles::refine::refine;
 use crate::tolerances as tol;
@@ -129,7 +129,7 @@ pub(crate) fn neighbourhood(
     mode: &Mode,
     reach: (f64, usize),
     frfs_most: usize,
-) -> Option<(Work, Array2<Complex64>)> {
+) -> Option<(Columns, Array2<Complex64>)> {
     let rows = case.data.axis().window(pole(case, mode), reach.0, reach.1);
     let frfs: Vec<usize> = strongest(case, mode, frfs_most)
         .into_iter()
@@ -145,7 +145,7 @@ pub(crate) fn without_others(
     modes: &[&Mode],
     rows: Range<usize>,
     frfs: &[usize],
-) -> Option<(Work, Array2<Complex64>)> {
+) -> Option<(Columns, Array2<Complex64>)> {
     let data = case.values?;
     let (responses, of_response) = numbered(frfs.iter().map(|&l| data.pairs[l].0));
     let (references, of_reference) = numbered(frfs.iter().map(|&l| data.pairs[l].1));

@@ -4,7 +4,7 @@
 //! 1/((ā − x)(b − x)) = [1/(ā − x) − 1/(b − x)]/(b − ā), and derivatives of that. No
 //! digit is lost: ā lies below the real axis and b above, however near a and b are.
 
-use crate::data::columns::{inverse, Work};
+use crate::data::columns::{inverse, Columns};
 use chladni_linalg::matmul_h;
 use ndarray::{s, Array2, ArrayViewMut1, Axis, ShapeBuilder};
 use num_complex::Complex64;
@@ -27,17 +27,17 @@ pub(crate) struct Cauchy<'a> {
 
 impl<'a> Cauchy<'a> {
     /// On the lines of `work`, with its weights.
-    pub fn new(work: &Work, lambda: &'a [Complex64], powers: &[i32]) -> Self {
+    pub fn new(work: &Columns, lambda: &'a [Complex64], powers: &[i32]) -> Self {
         Self::with(work, lambda, powers, true)
     }
 
     /// The same without derivatives, at half the cost.
-    pub fn without_derivatives(work: &Work, lambda: &'a [Complex64], powers: &[i32]) -> Self {
+    pub fn without_derivatives(work: &Columns, lambda: &'a [Complex64], powers: &[i32]) -> Self {
         Self::with(work, lambda, powers, false)
     }
 
     /// With the derivatives of all poles, or of none.
-    fn with(work: &Work, lambda: &'a [Complex64], powers: &[i32], derivatives: bool) -> Self {
+    fn with(work: &Columns, lambda: &'a [Complex64], powers: &[i32], derivatives: bool) -> Self {
         let (n, m) = (lambda.len(), lambda.len() + powers.len());
         let mut columns = Array2::zeros((work.lines(), if derivatives { m + n } else { m }).f());
         let (mut plain, mut slopes) = columns.view_mut().split_at(Axis(1), m);
@@ -132,7 +132,7 @@ mod tests {
     fn partial_fractions_are_the_inner_products() {
         let x: Vec<f64> = (0..300).map(|k| 0.1 + 0.003 * f64::from(k)).collect();
         let g = x.iter().map(|x| 1.0 + x.sqrt()).collect();
-        let work = Work {
+        let work = Columns {
             x,
             g,
             b: Array2::zeros((300, 0)),

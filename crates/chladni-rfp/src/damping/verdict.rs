@@ -6,7 +6,7 @@
 //! undecidable on these data, and the answer says so.
 
 use crate::damping::viscous::{from_structural, refine_viscous, ViscousFit};
-use crate::data::columns::Work;
+use crate::data::columns::Columns;
 use crate::poles::chain::POWERS;
 use crate::poles::prune::threshold;
 use crate::poles::refine::Refined;
@@ -47,7 +47,7 @@ impl Law {
     }
 
     /// The law that is asked for, the other one not looked at.
-    pub fn given(work: &Work, refined: &Refined, damping: Damping) -> Result<Self, LinalgError> {
+    pub fn given(work: &Columns, refined: &Refined, damping: Damping) -> Result<Self, LinalgError> {
         Ok(match damping {
             Damping::Structural => Self::structural(),
             Damping::Viscous => Self::viscous(twin(
@@ -90,7 +90,7 @@ pub(crate) fn expressible_pole(lambda: Complex64) -> bool {
 
 /// Rise of the sum of squares that tells one law from the other: chance, for white noise
 /// of this variance.
-pub(crate) fn chance(work: &Work, variance: f64) -> f64 {
+pub(crate) fn chance(work: &Columns, variance: f64) -> f64 {
     threshold(work.columns(), work.lines()) * variance
 }
 
@@ -100,7 +100,7 @@ pub(crate) fn chance(work: &Work, variance: f64) -> f64 {
 /// `None` where the residual is white. A law that is `asked` for is taken, and the
 /// evidence told.
 pub(crate) fn choose(
-    work: &Work,
+    work: &Columns,
     refined: &Refined,
     least_gain: f64,
     heaviest_sure: Option<f64>,
@@ -157,7 +157,7 @@ fn expressible(refined: &Refined) -> Vec<Complex64> {
 }
 
 fn twin(
-    work: &Work,
+    work: &Columns,
     start: &[Complex64],
     tolerance: f64,
     decided: impl Fn(f64, f64, usize) -> bool,

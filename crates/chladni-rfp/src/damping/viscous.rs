@@ -6,9 +6,9 @@
 //! columns. Everything else is the same variable projection. Frequencies are in units of
 //! ω_max: y = ω/ω_max = √x.
 
-use crate::data::columns::{inverse, Work};
+use crate::data::columns::{inverse, Columns};
 use crate::tolerances as tol;
-use crate::wide::{projected, tall_qr, wide_h};
+use chladni_linalg::blocked::{blocked_matmul_h, projected, tall_qr};
 use chladni_linalg::{matmul, solve_hermitian, solve_upper, LinalgError};
 use ndarray::{s, Array2, ShapeBuilder};
 use num_complex::Complex64;
@@ -27,7 +27,7 @@ pub(crate) struct ViscousFit {
 
 impl ViscousFit {
     /// Gauss–Newton matrix of (Re s, Im s) per mode, (2n, 2n), on the data of the fit.
-    pub fn information(&self, work: &Work, powers: &[i32]) -> Result<Array2<f64>, LinalgError> {
+    pub fn information(&self, work: &Columns, powers: &[i32]) -> Result<Array2<f64>, LinalgError> {
         let linear = linear(work, &stacked_data(work), &self.poles, powers)?;
         let coefficients = solve_upper(linear.r.view(), linear.qb.view())?;
         Ok(newton_system(work, &self.poles, &linear, &coefficients).0)
@@ -53,7 +53,7 @@ fn stack_into(out: &mut Array2<f64>, column: usize, values: impl Iterator<Item =
 
 /// Stacked basis: per mode g·(u + v) and jg·(u − v) with u = 1/(jy − s), v = 1/(jy − s*);
 /// then residual terms.
-pub(crate) fn viscous_basis(work: &Work, poles: &[Complex64], powers: &[i32]) -> Array2<f64> {
+pub(crate) fn viscous_basis(work: &Columns, poles: &[Complex64], powers: &[i32]) -> Array2<f64> {
     let mut a = Array2::zeros((2 * work.lines(), 2 * (poles.len() + powers.len())).f());
     let j = Complex64::i();
     for (n, &pole) in poles.iter().enumerate() {
@@ -81,7 +81,7 @@ pub(crate) fn viscous_basis(work: &Work, poles: &[Complex64], powers: &[i32]) ->
 }
 
 /// Derivative columns: g·(u² + v²) and jg·(u² − v²) per mode.
-fn derivative(work: &Work, poles: &[Complex64]) -> Array2<f64> {
+fn derivative(work: &Columns, poles: &[Complex64]) -> Array2<f64> {
     let mut d = Array2::zeros((2 * work.lines(), 2 * poles.len()).f());
     let j = Complex64::i();
     for (n, &pole) in poles.iter().enumerate() {
@@ -106,7 +106,7 @@ struct Linear {
     sse: f64,
 }
 
-fn stacked_data(work: &Work) -> Array2<f64> {
+fn stacked_data(work: &Columns) -> Array2<f64> {
     let lines = work.lines();
     let mut b = Array2::zeros((2 * lines, work.columns()).f());
     b.slice_mut(s![..lines, ..]).assign(&work.b.mapv(|v| v.re));
@@ -115,7 +115,7 @@ fn stacked_data(work: &Work) -> Array2<f64> {
 }
 
 fn linear(
-    work: &Work,
+    work: &Columns,
     data: &Array2<f64>,
     poles: &[Complex64],
     powers: &[i32],
@@ -135,7 +135,7 @@ fn linear(
 /// ∂/∂Re s = (Re r)·d₁ + (Im r)·d₂ and ∂/∂Im s = (Re r)·d₂ − (Im r)·d₁ in the derivative
 /// columns d₁, d₂.
 fn newton_system(
-    work: &Work,
+    work: &Columns,
     poles: &[Complex64],
     linear: &Linear,
     coefficients: &Array2<f64>,
@@ -143,10 +143,10 @@ fn newton_system(
     let n = poles.len();
     let d = derivative(work, poles);
     let (_, outside) = projected(linear.q.view(), d.view());
-    let gram = wide_h(outside.view(), outside.view());
+    let gram = blocked_matmul_h(outside.view(), outside.view());
     let residues = coefficients.slice(s![..2 * n, ..]);
     let products = matmul(residues, residues.t());
-    let along = wide_h(d.view(), linear.residual.view());
+    let along = blocked_matmul_h(d.view(), linear.residual.view());
     // parameter (mode, part) as (row of d, row of residues, sign) pairs
     let terms = |mode: usize, part: usize| {
         if part == 0 {
@@ -179,7 +179,7 @@ fn newton_system(
 /// Refines viscous poles from `start` to `tolerance` of a half-bandwidth, or until
 /// `enough(sum of squares, what the last step took off it, steps left)`.
 pub(crate) fn refine_viscous(
-    work: &Work,
+    work: &Columns,
     start: &[Complex64],
     powers: &[i32],
     iterations: usize,

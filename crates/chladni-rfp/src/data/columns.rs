@@ -11,7 +11,7 @@ use num_complex::Complex64;
 
 /// Weighted columns on the selected lines.
 #[derive(Debug, Clone)]
-pub(crate) struct Work {
+pub(crate) struct Columns {
     /// x_k = ω_k²/ω_max², rising.
     pub x: Vec<f64>,
     /// Weight of receptance per line: |jω|^p normalised, times the line's 1/σ.
@@ -20,7 +20,7 @@ pub(crate) struct Work {
     pub b: Array2<Complex64>,
 }
 
-impl Work {
+impl Columns {
     /// Number of lines.
     pub fn lines(&self) -> usize {
         self.x.len()
@@ -124,7 +124,7 @@ pub(crate) fn inverse(z: Complex64) -> Complex64 {
 }
 
 /// Columns g/(λ_n − x) and g·x^p: the basis of a common-pole model (theory.md, eq. 6).
-pub(crate) fn basis(work: &Work, lambda: &[Complex64], powers: &[i32]) -> Array2<Complex64> {
+pub(crate) fn basis(work: &Columns, lambda: &[Complex64], powers: &[i32]) -> Array2<Complex64> {
     let mut a = Array2::zeros((work.lines(), lambda.len() + powers.len()).f());
     for (mut column, &pole) in a.columns_mut().into_iter().zip(lambda) {
         let column = column.as_slice_mut().expect("column-major");
@@ -142,7 +142,7 @@ pub(crate) fn basis(work: &Work, lambda: &[Complex64], powers: &[i32]) -> Array2
 }
 
 /// ∂/∂λ of the pole columns: −g/(λ_n − x)².
-pub(crate) fn basis_derivative(work: &Work, lambda: &[Complex64]) -> Array2<Complex64> {
+pub(crate) fn basis_derivative(work: &Columns, lambda: &[Complex64]) -> Array2<Complex64> {
     let mut d = Array2::zeros((work.lines(), lambda.len()).f());
     for (mut column, &pole) in d.columns_mut().into_iter().zip(lambda) {
         let column = column.as_slice_mut().expect("column-major");

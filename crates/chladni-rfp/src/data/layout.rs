@@ -1,7 +1,7 @@
 //! What is known of the data besides their values: lines, FRFs, scale. All that comes
 //! after the passes over the data needs no more.
 
-use crate::data::columns::Work;
+use crate::data::columns::Columns;
 use crate::data::noise_weights::PairWeights;
 use crate::data::options::Effort;
 use chladni_frf::{Dof, FrfKind, FrfSet, Node, ReferenceUnit};
@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 
 /// Which lines and FRFs are used, and what they are measured in.
 #[derive(Debug, Clone)]
-pub(crate) struct Head {
+pub(crate) struct DataLayout {
     /// Response DOFs of the set.
     pub responses: Vec<Dof>,
     /// Reference DOFs of the set.
@@ -58,7 +58,7 @@ pub(crate) struct Weighting {
     pub rms: f64,
 }
 
-impl Head {
+impl DataLayout {
     /// Of the lines of `frf` with these indices and no pairs yet, scale 1.
     ///
     /// * `band_hz`: as asked for; it is narrowed to the lines
@@ -179,8 +179,8 @@ impl Head {
     }
 
     /// The lines used, without data.
-    pub fn axis(&self) -> Work {
-        Work {
+    pub fn axis(&self) -> Columns {
+        Columns {
             x: self.x.clone(),
             g: self.g.clone(),
             b: Array2::zeros((self.x.len(), 0)),

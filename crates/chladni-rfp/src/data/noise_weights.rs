@@ -6,7 +6,7 @@
 //! and an exciter's. Weights of that form keep one shape per mode what it is: ψ_i/s_i and
 //! L_j/t_j.
 
-use crate::data::layout::Head;
+use crate::data::layout::DataLayout;
 use chladni_frf::{FrfSet, FrfValues};
 
 /// Loss of variance by equal weights, mean(σ²)·mean(1/σ²) − 1, from which FRFs are
@@ -27,14 +27,14 @@ pub(crate) struct PairWeights {
 impl PairWeights {
     /// From the sum of squares `left` of each pair used by a model; `None` where equal
     /// weights are good enough, or nothing is known.
-    pub fn new(data: &Head, left: &[f64], relative_error: f64) -> Option<Self> {
+    pub fn new(data: &DataLayout, left: &[f64], relative_error: f64) -> Option<Self> {
         (relative_error >= ROUNDING)
             .then(|| Self::of_given(data, left))
             .flatten()
     }
 
     /// From the noise energy of each pair used; `None` as in [`Self::new`].
-    pub fn of_given(data: &Head, noise: &[f64]) -> Option<Self> {
+    pub fn of_given(data: &DataLayout, noise: &[f64]) -> Option<Self> {
         let lines = data.lines.len() as f64;
         let log: Vec<f64> = noise.iter().map(|sum| 0.5 * (sum / lines).ln()).collect();
         if log.is_empty() || log.iter().any(|level| !level.is_finite()) {
@@ -68,7 +68,7 @@ impl PairWeights {
         (weights.loss(data) > WORTH_WEIGHING).then_some(weights)
     }
 
-    fn loss(&self, data: &Head) -> f64 {
+    fn loss(&self, data: &DataLayout) -> f64 {
         let squares = || data.pairs.iter().map(|&pair| self.of(pair).powi(2));
         squares().sum::<f64>() * squares().map(f64::recip).sum::<f64>()
             / (data.pairs.len() as f64).powi(2)

@@ -6,7 +6,7 @@
 //! many times the level around it while its neighbours are sound. A resonance, however
 //! narrow, has tails on the lines beside it.
 
-use crate::data::layout::Head;
+use crate::data::layout::DataLayout;
 use crate::data::peaks::running_median;
 use crate::data::screening::Screened;
 use crate::tolerances as tol;
@@ -111,7 +111,7 @@ fn level(left: &[f64], fitted: &[f64]) -> Vec<f64> {
 }
 
 /// What is said of the lines left out (Hz).
-pub(crate) fn words(data: &Head, dropped: &mut [f64]) -> String {
+pub(crate) fn words(data: &DataLayout, dropped: &mut [f64]) -> String {
     const SHOWN: usize = 8;
     dropped.sort_by(f64::total_cmp);
     let mut names: Vec<String> = dropped

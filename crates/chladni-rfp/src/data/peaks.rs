@@ -1,6 +1,6 @@
 //! Visible peaks: seeds of poles, and the yardstick of what a person would call a mode.
 
-use crate::data::columns::Work;
+use crate::data::columns::Columns;
 use crate::tolerances as tol;
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
@@ -85,7 +85,7 @@ pub(crate) fn running_median(values: &[f64], half_window: usize) -> Vec<f64> {
 }
 
 /// Peaks of the mean |data|² in the measured kind, most prominent first.
-pub(crate) fn peaks(work: &Work, energy: &Array1<f64>, noise: &Array1<f64>) -> Vec<Peak> {
+pub(crate) fn peaks(work: &Columns, energy: &Array1<f64>, noise: &Array1<f64>) -> Vec<Peak> {
     let n = work.lines();
     if n < 5 {
         return Vec::new();
@@ -163,7 +163,7 @@ fn prominence(level: &[f64], k: usize) -> f64 {
 }
 
 /// Rows of a long record to keep: all near the peaks, the rest thinned out evenly.
-pub(crate) fn thinned(work: &Work, peaks: &[Peak]) -> Vec<usize> {
+pub(crate) fn thinned(work: &Columns, peaks: &[Peak]) -> Vec<usize> {
     let n = work.lines();
     if n <= tol::DECIMATE_ABOVE_LINES {
         return (0..n).collect();

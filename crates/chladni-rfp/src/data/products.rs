@@ -6,12 +6,12 @@
 //! it): the columns of T·(R₀R₀ᵀ)^{-1/2} carry what the poles need at the signal-to-noise
 //! ratio of the whole set, and the residues of any nearby poles follow from them.
 
-use crate::data::columns::Work;
-use crate::data::layout::Head;
+use crate::data::columns::Columns;
+use crate::data::layout::DataLayout;
 use crate::data::screening::Screened;
 use crate::poles::refine::Projection;
 use crate::tolerances as tol;
-use crate::wide::{cleared, tree_sum, wide, wide_h};
+use chladni_linalg::blocked::{blocked_matmul, blocked_matmul_h, cleared, tree_sum};
 use chladni_linalg::{add_matmul, cholesky, eigh, set_matmul_h, solve_lower_adjoint, LinalgError};
 use ndarray::{s, Array1, Array2, ArrayViewMut2, Axis, ShapeBuilder};
 use num_complex::Complex64;
@@ -22,7 +22,7 @@ use std::ops::Range;
 pub(crate) struct Projected {
     /// Compressed columns, real mixtures of FRFs: at most twice as many as the model has
     /// unknowns.
-    pub work: Work,
+    pub work: Columns,
     /// (compressed column, FRF), real, rows orthonormal: B ≈ work.b · back on what the
     /// model can reach.
     pub back: Array2<f64>,
@@ -38,7 +38,7 @@ impl Projected {
     /// # Errors
     /// A decomposition that fails.
     pub fn new(
-        data: &Head,
+        data: &DataLayout,
         products: Products,
         line_energy: &Array1<f64>,
     ) -> Result<Self, LinalgError> {
@@ -46,7 +46,7 @@ impl Projected {
         let lines = data.lines.len();
         let factor = data.factor();
         let half = inverse_root(&gram)?;
-        let columns = wide(t.view(), half.view());
+        let columns = blocked_matmul(t.view(), half.view());
         let complex = |(k, c): (usize, usize)| {
             factor * Complex64::new(columns[[2 * k, c]], columns[[2 * k + 1, c]])
         };
@@ -55,12 +55,12 @@ impl Projected {
         add_energy(&mut beyond, &b, -1.0);
         beyond.mapv_inplace(|energy| energy.max(0.0));
         Ok(Projected {
-            work: Work {
+            work: Columns {
                 x: data.x.clone(),
                 g: data.g.clone(),
                 b,
             },
-            back: wide_h(half.view(), r0.view()),
+            back: blocked_matmul_h(half.view(), r0.view()),
             beyond,
         })
     }
@@ -201,7 +201,7 @@ pub(crate) fn energies(data: &Screened, q: &Array2<Complex64>) -> Vec<f64> {
 
 /// The basis over the reals as it meets values in the measured kind: the factor to work
 /// units waits until all is small.
-pub(crate) fn measured_basis(data: &Head, q: &Array2<Complex64>) -> Array2<f64> {
+pub(crate) fn measured_basis(data: &DataLayout, q: &Array2<Complex64>) -> Array2<f64> {
     let factor = data.factor();
     real_basis(&q.mapv(|v| v * factor.conj()))
 }

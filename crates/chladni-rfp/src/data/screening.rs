@@ -1,8 +1,8 @@
 //! Screening: which lines and FRFs are used, and their scale (theory.md, eq. 5).
 
-use crate::data::columns::{line_energy, Work};
+use crate::data::columns::{line_energy, Columns};
 use crate::data::error::FitError;
-use crate::data::layout::{Head, Weighting};
+use crate::data::layout::{DataLayout, Weighting};
 use crate::data::noise_weights::PairWeights;
 use crate::data::noisy_frfs::far_noisier;
 use crate::data::options::FitOptions;
@@ -18,7 +18,7 @@ use std::ops::{Deref, Range};
 /// data.
 #[derive(Debug, Clone)]
 pub(crate) struct Screened<'a> {
-    head: Head,
+    head: DataLayout,
     /// The data.
     pub frf: &'a FrfSet,
     /// The FRFs as they were measured, where `frf` is not the measurement itself but
@@ -29,8 +29,8 @@ pub(crate) struct Screened<'a> {
 }
 
 impl Deref for Screened<'_> {
-    type Target = Head;
-    fn deref(&self) -> &Head {
+    type Target = DataLayout;
+    fn deref(&self) -> &DataLayout {
         &self.head
     }
 }
@@ -101,10 +101,10 @@ impl<'a> Screened<'a> {
             ));
         }
         enough(lines.len(), [low, high], options.modes)?;
-        let mut head = Head {
+        let mut head = DataLayout {
             pairs,
             warnings,
-            ..Head::new(frf, kind, lines, [low, high], options.effort)
+            ..DataLayout::new(frf, kind, lines, [low, high], options.effort)
         };
         head.energy = if bad.contains(&true) {
             head.pairs
@@ -133,7 +133,7 @@ impl<'a> Screened<'a> {
     }
 
     /// Lines, pairs and scale that were chosen elsewhere, in a part of the data.
-    pub fn part(frf: &'a FrfSet, head: Head) -> Self {
+    pub fn part(frf: &'a FrfSet, head: DataLayout) -> Self {
         Self {
             head,
             frf,
@@ -192,7 +192,7 @@ impl<'a> Screened<'a> {
     /// First pass: count sketch (each FRF added with a random sign to one of a few
     /// columns, scaled so that the noise keeps its variance) and the energy of each line
     /// over all FRFs. Few FRFs are left as they are.
-    pub fn sketch(&self, seed: u64) -> (Work, Array1<f64>) {
+    pub fn sketch(&self, seed: u64) -> (Columns, Array1<f64>) {
         let (total, width) = (self.pairs.len(), self.effort.sketch_columns.max(1));
         if total <= width {
             let work = self.work();
@@ -213,7 +213,7 @@ impl<'a> Screened<'a> {
             }
         };
         let scale = (width as f64 / total as f64).sqrt() * self.factor();
-        let work = Work {
+        let work = Columns {
             x: self.x.clone(),
             g: self.g.clone(),
             b: sums.columns.mapv(|sum| sum * scale),
@@ -240,8 +240,8 @@ impl<'a> Screened<'a> {
     }
 
     /// All columns at once; for sets of few FRFs.
-    pub fn work(&self) -> Work {
-        Work {
+    pub fn work(&self) -> Columns {
+        Columns {
             x: self.x.clone(),
             g: self.g.clone(),
             b: self.block(0..self.pairs.len(), 0..self.lines.len()),

@@ -1,6 +1,6 @@
 //! Poles on their way to becoming modes, each with where it came from.
 
-use crate::data::columns::Work;
+use crate::data::columns::Columns;
 use crate::poles::refine::{refine, Refined};
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
@@ -44,7 +44,7 @@ pub(crate) struct Candidates {
 impl Candidates {
     /// Makes the changes and projects again; the poles named in them stand still
     /// otherwise.
-    pub fn apply(&mut self, work: &Work, changes: Vec<Change>) -> Result<(), LinalgError> {
+    pub fn apply(&mut self, work: &Columns, changes: Vec<Change>) -> Result<(), LinalgError> {
         let mut lambda: Vec<Option<Complex64>> =
             self.refined.lambda.iter().copied().map(Some).collect();
         for &(q, pole) in changes.iter().flat_map(|c| &c.moved) {

@@ -1,6 +1,6 @@
 //! Poles that several orders and both halves of the lines agree on.
 
-use crate::data::columns::Work;
+use crate::data::columns::Columns;
 use crate::measured::candidates::Origin;
 use crate::poles::pool::{mixtures, starts, vector_fit, Products};
 use crate::tolerances as tol;
@@ -31,7 +31,7 @@ enum Half {
 /// lines, and counts votes: in-band poles that at least half the runs agree on (medians
 /// over the runs), then the out-of-band or overdamped ones of the middle run.
 pub(crate) fn consensus(
-    work: &Work,
+    work: &Columns,
     seeds: &[Complex64],
     base: usize,
     strong: Option<&[Complex64]>,
@@ -116,23 +116,23 @@ pub(crate) fn consensus(
 }
 
 /// Inside the band and lightly enough damped to be a mode.
-fn is_candidate(work: &Work, pole: Complex64) -> bool {
+fn is_candidate(work: &Columns, pole: Complex64) -> bool {
     work.in_band(pole) && pole.im < 0.4 * pole.re
 }
 
-fn distance_outside(work: &Work, pole: Complex64) -> f64 {
+fn distance_outside(work: &Columns, pole: Complex64) -> f64 {
     let (low, high) = work.range();
     (low - pole.re).max(pole.re - high).max(0.0)
 }
 
 /// Same pole: closer than half a half-bandwidth or half a line.
-fn same(work: &Work, a: Complex64, b: Complex64) -> bool {
+fn same(work: &Columns, a: Complex64, b: Complex64) -> bool {
     (a - b).norm() < 0.5 * a.im.max(b.im).max(work.spacing(a.re))
 }
 
 /// Greedy clustering: the candidate that most runs share comes first. A ladder votes by
 /// itself: the better score counts.
-fn vote(work: &Work, runs: &[Run], runs_per_ladder: usize) -> Vec<Voted> {
+fn vote(work: &Columns, runs: &[Run], runs_per_ladder: usize) -> Vec<Voted> {
     let mut open: Vec<Vec<Option<Complex64>>> = runs
         .iter()
         .map(|r| r.poles.iter().copied().map(Some).collect())

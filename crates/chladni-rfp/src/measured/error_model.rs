@@ -1,7 +1,7 @@
 //! Noise as the data show it: per FRF, per line, additive and multiplicative (theory.md,
 //! eq. 22).
 
-use crate::data::columns::{line_energy, Work};
+use crate::data::columns::{line_energy, Columns};
 use crate::data::peaks::running_median;
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
@@ -90,7 +90,7 @@ fn median(values: &mut [f64]) -> f64 {
 
 /// Scale of each FRF: √(σ² + (0.01 rms)²), its own noise, but never less than 1 % of
 /// itself.
-pub(crate) fn column_scales(work: &Work) -> Vec<f64> {
+pub(crate) fn column_scales(work: &Columns) -> Vec<f64> {
     let n = work.lines();
     work.b
         .columns()

@@ -1,7 +1,7 @@
 //! Evidence about one pole: what the residual, the neighbourhood and the other runs say
 //! of it.
 
-use crate::data::columns::{basis, Work};
+use crate::data::columns::{basis, Columns};
 use crate::measured::candidates::Origin;
 use crate::measured::search::Record;
 use crate::poles::refine::Refined;
@@ -66,7 +66,7 @@ impl Evidence {
 /// caller. `plain` and `residual` are a section's, `record` is the whole.
 pub(crate) fn look(
     record: &Record,
-    plain: &Work,
+    plain: &Columns,
     residual: &Array2<Complex64>,
     refined: &Refined,
     q: usize,
@@ -145,7 +145,7 @@ fn stand(residues: &[Complex64]) -> Complex64 {
 
 /// Response at the pole, dB, and the same over the median of the lines within 30 widths
 /// (at least 30 lines).
-fn height(work: &Work, lambda: Complex64) -> (f64, f64) {
+fn height(work: &Columns, lambda: Complex64) -> (f64, f64) {
     let at = |k: usize| {
         work.b
             .row(k)

@@ -1,7 +1,7 @@
 //! What the record itself says, through its impulse response: was it padded with zeros,
 //! was it windowed (theory.md, eq. 24)?
 
-use crate::data::columns::Work;
+use crate::data::columns::Columns;
 use num_complex::Complex64;
 use rustfft::FftPlanner;
 
@@ -18,7 +18,7 @@ const WINDOWED_DB: f64 = 6.0;
 
 /// Energy of the impulse response over the record, all columns, dB; `None` where the
 /// lines are not evenly spaced.
-fn decay(work: &Work, frequency: &[f64]) -> Option<[f64; SEGMENTS]> {
+fn decay(work: &Columns, frequency: &[f64]) -> Option<[f64; SEGMENTS]> {
     let n = frequency.len();
     if n < LINES_LEAST {
         return None;
@@ -47,7 +47,7 @@ fn decay(work: &Work, frequency: &[f64]) -> Option<[f64; SEGMENTS]> {
 /// A padded record's impulse response ends abruptly at T/2 or T/4; then only every second
 /// or fourth line carries information, and on those lines alone the cut record is exactly
 /// a sum of modes.
-pub(crate) fn padding_factor(work: &Work, frequency: &[f64]) -> usize {
+pub(crate) fn padding_factor(work: &Columns, frequency: &[f64]) -> usize {
     let Some(level) = decay(work, frequency) else {
         return 1;
     };
@@ -68,7 +68,7 @@ pub(crate) fn padding_factor(work: &Work, frequency: &[f64]) -> usize {
 /// True where the impulse response decays ever faster: Σ a_n e^{−2σ_n t} is convex on a
 /// logarithmic scale, a Hann or similar window is not. Compared are the falls over two
 /// successive quarters of the record, each between means over an eighth.
-pub(crate) fn windowed(work: &Work, frequency: &[f64]) -> bool {
+pub(crate) fn windowed(work: &Columns, frequency: &[f64]) -> bool {
     let Some(level) = decay(work, frequency) else {
         return false;
     };
@@ -86,7 +86,7 @@ mod tests {
     use ndarray::Array2;
 
     /// Spectrum of three modes times `window` over a record of 1024 samples.
-    fn spectrum(window: impl Fn(f64) -> f64) -> (Work, Vec<f64>) {
+    fn spectrum(window: impl Fn(f64) -> f64) -> (Columns, Vec<f64>) {
         let n = 1024;
         let mut response: Vec<Complex64> = (0..n)
             .map(|k| {
@@ -102,7 +102,7 @@ mod tests {
         let x: Vec<f64> = (0..n).map(|k| (k + 1) as f64).collect();
         let b = Array2::from_shape_fn((n, 1), |(k, _)| response[k]);
         (
-            Work {
+            Columns {
                 g: vec![1.0; n],
                 x: x.clone(),
                 b,

@@ -4,7 +4,7 @@
 //! others stands still. That costs the square of a handful of poles on some tens of
 //! lines, where a refit of the whole costs the square of all on all.
 
-use crate::data::columns::{basis, Work};
+use crate::data::columns::{basis, Columns};
 use crate::measured::candidates::{Candidates, Change};
 use crate::poles::refine::{refine, Projection, Refined};
 use crate::tolerances as tol;
@@ -41,12 +41,12 @@ pub(crate) struct Neighbourhood {
     rows: Range<usize>,
     /// Poles that may move.
     pub near: Vec<usize>,
-    local: Work,
+    local: Columns,
 }
 
 impl Neighbourhood {
     /// Around `pole`, which may be one of `refined` or not yet.
-    pub fn around(work: &Work, refined: &Refined, pole: Complex64) -> Self {
+    pub fn around(work: &Columns, refined: &Refined, pole: Complex64) -> Self {
         let width = pole.im.max(work.spacing(pole.re));
         let distance = |q: usize| (refined.lambda[q].re - pole.re).abs();
         // a broad neighbour is not followed to its ends
@@ -94,7 +94,7 @@ impl Neighbourhood {
     /// Sums of squares around `pole` of two fits on the window: (with, without).
     fn compare(
         &self,
-        work: &Work,
+        work: &Columns,
         pole: Complex64,
         with: &Projection,
         without: &Projection,
@@ -139,7 +139,7 @@ impl Neighbourhood {
 /// its window over that sum, the other poles held. An upper bound of what is left after
 /// the others adapt. `without` leaves out the lines nearest to it.
 pub(crate) fn one_column_gains(
-    work: &Work,
+    work: &Columns,
     refined: &Refined,
     without: usize,
 ) -> Result<Vec<f64>, LinalgError> {
@@ -183,7 +183,11 @@ pub(crate) fn one_column_gains(
 
 /// Local gain of pole q with its neighbours refitted in its absence, and the change its
 /// removal would be.
-fn refitted_gain(work: &Work, refined: &Refined, q: usize) -> Result<(f64, Change), LinalgError> {
+fn refitted_gain(
+    work: &Columns,
+    refined: &Refined,
+    q: usize,
+) -> Result<(f64, Change), LinalgError> {
     let pole = refined.lambda[q];
     let hood = Neighbourhood::around(work, refined, pole);
     let poles: Vec<Complex64> = hood.near.iter().map(|&q| refined.lambda[q]).collect();
@@ -202,7 +206,10 @@ fn refitted_gain(work: &Work, refined: &Refined, q: usize) -> Result<(f64, Chang
 
 /// Removes poles whose neighbourhood does not need them, the least needed first; poles
 /// that moved in a sweep wait for the next.
-pub(crate) fn remove_unneeded(work: &Work, candidates: &mut Candidates) -> Result<(), LinalgError> {
+pub(crate) fn remove_unneeded(
+    work: &Columns,
+    candidates: &mut Candidates,
+) -> Result<(), LinalgError> {
     // poles known to be needed, by value: they need no second test while nothing near
     // them moves
     let mut needed: Vec<Complex64> = Vec::new();
@@ -242,7 +249,7 @@ pub(crate) fn remove_unneeded(work: &Work, candidates: &mut Candidates) -> Resul
 
 /// Removes one pole, its neighbours refitted.
 pub(crate) fn remove(
-    work: &Work,
+    work: &Columns,
     candidates: &mut Candidates,
     q: usize,
 ) -> Result<(), LinalgError> {
@@ -260,7 +267,7 @@ pub(crate) fn remove(
 
 /// Tries one pole at `start`; keeps it where its neighbourhood gains enough from it.
 pub(crate) fn try_add(
-    work: &Work,
+    work: &Columns,
     candidates: &mut Candidates,
     start: Complex64,
 ) -> Result<bool, LinalgError> {

@@ -1,8 +1,8 @@
 //! The measured-data path as one walk: screen the record, search each section (votes of
 //! several orders, error model, local tests, twins), join what was found, grade it.
 
-use crate::data::columns::{line_energy, Work};
-use crate::data::layout::Head;
+use crate::data::columns::{line_energy, Columns};
+use crate::data::layout::DataLayout;
 use crate::data::peaks::{fourth_difference_noise, peaks, thinned, Peak};
 use crate::data::screening::Screened;
 use crate::measured::error_model::{column_scales, normalised};
@@ -30,7 +30,7 @@ pub(crate) struct MeasuredPoles {
     /// Poles and linear part on `work`.
     pub refined: Refined,
     /// Weighted lines and columns.
-    pub work: Work,
+    pub work: Columns,
     /// From columns to FRFs, where the columns are scaled FRFs; `None` where they are
     /// mixtures.
     pub back: Option<Array2<f64>>,
@@ -43,7 +43,7 @@ pub(crate) struct MeasuredPoles {
 }
 
 /// Columns for the path: scaled FRFs, or the strongest mixtures of many.
-fn columns(data: &Screened, seed: u64) -> Result<(Work, Option<Array2<f64>>), LinalgError> {
+fn columns(data: &Screened, seed: u64) -> Result<(Columns, Option<Array2<f64>>), LinalgError> {
     if data.pairs.len() <= COLUMNS_MOST {
         let raw = data.work();
         let scales = column_scales(&raw);
@@ -60,7 +60,7 @@ fn columns(data: &Screened, seed: u64) -> Result<(Work, Option<Array2<f64>>), Li
 }
 
 /// The strongest mixtures of the columns of a sketch.
-pub(crate) fn strongest(sketch: &Work) -> Result<Work, LinalgError> {
+pub(crate) fn strongest(sketch: &Columns) -> Result<Columns, LinalgError> {
     let (_, _, vh) = svd_thin(sketch.b.view())?;
     let mixing = vh
         .slice(s![..COLUMNS_MOST.min(vh.nrows()), ..])
@@ -81,8 +81,8 @@ pub(crate) fn measured_path(
 
 /// The path on columns that are made already; `back` where they are scaled FRFs.
 pub(crate) fn on_columns(
-    data: &Head,
-    mut work: Work,
+    data: &DataLayout,
+    mut work: Columns,
     back: Option<Array2<f64>>,
     asked: Option<usize>,
     progress: &dyn Fn(&str),
@@ -180,7 +180,7 @@ pub(crate) fn on_columns(
 
 /// Evidence of all sections in order of frequency, poles that two sections report once,
 /// and the weight of every line.
-fn join(work: &Work, finished: &[Finished]) -> (Vec<Evidence>, Vec<f64>) {
+fn join(work: &Columns, finished: &[Finished]) -> (Vec<Evidence>, Vec<f64>) {
     let mut all: Vec<Evidence> = finished
         .iter()
         .flat_map(|f| f.evidence.iter().cloned())

@@ -1,7 +1,7 @@
 //! Isolated modes that the lines resolve: what the peak itself says, free of the error
 //! model.
 
-use crate::data::columns::{basis, Work};
+use crate::data::columns::{basis, Columns};
 use crate::measured::sandwich::variances;
 use crate::poles::refine::{refine, Refined};
 use crate::tolerances as tol;
@@ -20,8 +20,8 @@ const WINDOW: f64 = 4.0;
 /// variance E|δλ|² of what is found there. (On the measured beam this is where
 /// independent local fits agree.) `residual` and `plain` are without line weights.
 pub(crate) fn refine_resolved(
-    plain: &Work,
-    weighted: &Work,
+    plain: &Columns,
+    weighted: &Columns,
     residual: &Array2<Complex64>,
     refined: &Refined,
 ) -> Result<(Refined, Vec<Option<f64>>), LinalgError> {

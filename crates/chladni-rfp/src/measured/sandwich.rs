@@ -1,7 +1,7 @@
 //! Covariance from the residual as it is: H⁻¹GH⁻¹ with neighbouring lines correlated
 //! (theory.md, eq. 23).
 
-use crate::data::columns::{basis_derivative, Work};
+use crate::data::columns::{basis_derivative, Columns};
 use crate::poles::refine::Refined;
 use chladni_linalg::{inverse_hermitian, matmul, matmul_h, LinalgError};
 use ndarray::Array2;
@@ -10,7 +10,7 @@ use num_complex::Complex64;
 /// Variance E|δλ|² of every pole: Bartlett-weighted over two bandwidths (White 1980;
 /// Newey & West 1987), and by white noise.
 pub(crate) fn variances(
-    work: &Work,
+    work: &Columns,
     refined: &Refined,
 ) -> Result<(Vec<f64>, Vec<f64>), LinalgError> {
     let n = refined.lambda.len();

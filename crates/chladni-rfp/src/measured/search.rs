@@ -1,6 +1,6 @@
 //! The search for modes in one section: votes, error model, local tests, twins.
 
-use crate::data::columns::{line_energy, Work};
+use crate::data::columns::{line_energy, Columns};
 use crate::data::peaks::{fourth_difference_noise, peaks, Peak};
 use crate::measured::candidates::{Candidates, Origin};
 use crate::measured::consensus::consensus;
@@ -30,7 +30,7 @@ const RESEED_OVER_NOISE_DB: f64 = 10.0;
 /// What a search needs to know of the record it is part of.
 pub(crate) struct Record<'a> {
     /// Scaled columns on all lines used.
-    pub work: &'a Work,
+    pub work: &'a Columns,
     /// Additive noise variance per line.
     pub noise: &'a Array1<f64>,
     /// Visible peaks.
@@ -53,10 +53,10 @@ pub(crate) struct Search<'a> {
     /// Where it searched.
     pub section: &'a Section,
     /// Unweighted columns.
-    plain: Work,
+    plain: Columns,
     level: Array1<f64>,
     model: NoiseModel,
-    weighted: Work,
+    weighted: Columns,
     /// Poles.
     pub candidates: Candidates,
     /// Mergers.

@@ -1,7 +1,7 @@
 //! Twins: two poles that stand for one mode which moves between FRFs (roving mass,
 //! temperature).
 
-use crate::data::columns::{basis, Work};
+use crate::data::columns::{basis, Columns};
 use crate::measured::candidates::{Candidates, Change};
 use crate::measured::local::Neighbourhood;
 use crate::poles::refine::{refine, Refined};
@@ -21,7 +21,7 @@ const SAME_SHAPE_MAC: f64 = 0.85;
 /// Own pole of each FRF near `pole`: local fit of one pole and a constant, the other
 /// poles' part taken off.
 pub(crate) fn own_poles(
-    work: &Work,
+    work: &Columns,
     refined: &Refined,
     poles: &[usize],
 ) -> Result<(Vec<Complex64>, f64, f64), LinalgError> {
@@ -70,7 +70,7 @@ pub(crate) fn own_poles(
 
 /// Merges twins; returns a note for each merger, with the pole it left.
 pub(crate) fn merge(
-    work: &Work,
+    work: &Columns,
     candidates: &mut Candidates,
     omega_to_hz: f64,
 ) -> Result<Vec<(Complex64, String)>, LinalgError> {
@@ -113,7 +113,7 @@ pub(crate) fn merge(
 
 /// A pair that is one mode, with the own poles of the FRFs.
 fn find(
-    work: &Work,
+    work: &Columns,
     refined: &Refined,
 ) -> Result<Option<(usize, usize, Vec<Complex64>)>, LinalgError> {
     let n = refined.lambda.len();

@@ -24,12 +24,12 @@
 //! P. Lietaert, K. Meerbergen, J. Pérez, B. Vandereycken, IMA J. Numer. Anal. 42 (2022)
 //! 1087–1115 (set-valued).
 
-use crate::data::columns::Work;
+use crate::data::columns::Columns;
 use crate::data::error::FitError;
 use crate::data::options::FitOptions;
 use crate::methods::common::MethodPoles;
 use crate::methods::selection::modes_of;
-use crate::methods::survey::{Columns, Survey};
+use crate::methods::survey::{Compressed, Survey};
 use crate::poles::pool::{mixtures, zeros};
 use crate::tolerances as tol;
 use chladni_linalg::{matmul, qr_r, svd_thin, LinalgError};
@@ -50,7 +50,7 @@ const POLISHING_STEPS: usize = 3;
 /// A decomposition that fails.
 pub(crate) fn aaa(
     survey: &Survey,
-    columns: &Columns,
+    columns: &Compressed,
     options: &FitOptions,
 ) -> Result<MethodPoles, FitError> {
     let mixed = mixtures(&columns.work, tol::POOL_MIXTURES, options.seed);
@@ -79,7 +79,7 @@ struct Barycentric {
 
 impl Barycentric {
     /// Adds support lines until the data are reproduced, or `most` are used.
-    fn greedy(work: &Work, most: usize) -> Result<Self, LinalgError> {
+    fn greedy(work: &Columns, most: usize) -> Result<Self, LinalgError> {
         let mut f = work.b.clone();
         f.rows_mut()
             .into_iter()
@@ -182,7 +182,7 @@ impl Barycentric {
 /// Right singular vector of the stacked weighted Loewner matrices for their smallest
 /// singular value.
 fn loewner_weights(
-    work: &Work,
+    work: &Columns,
     f: &Array2<Complex64>,
     support: &[usize],
     rest: &[usize],
@@ -211,7 +211,7 @@ mod tests {
     use super::*;
 
     /// Σ R_l/(λ − x) of two poles on even lines, residues of no pattern.
-    fn two_poles() -> (Work, [Complex64; 2]) {
+    fn two_poles() -> (Columns, [Complex64; 2]) {
         let poles = [Complex64::new(0.3, 0.004), Complex64::new(0.55, 0.01)];
         let x: Vec<f64> = (1..=200).map(|k| k as f64 / 200.0).collect();
         let residues = [[1.0, -0.7], [0.4, 1.3], [-1.1, 0.2]];
@@ -223,7 +223,7 @@ mod tests {
                 .sum::<Complex64>()
         });
         (
-            Work {
+            Columns {
                 g: vec![1.0; x.len()],
                 x,
                 b,

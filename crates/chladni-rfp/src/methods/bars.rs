@@ -7,7 +7,7 @@
 //! the method's poles, which are not taken.
 
 use crate::damping::verdict::expressible_pole;
-use crate::data::columns::Work;
+use crate::data::columns::Columns;
 use crate::data::error::FitError;
 use crate::data::options::FitOptions;
 use crate::data::screening::Screened;
@@ -16,7 +16,7 @@ use crate::methods::common::{Finder, MethodPoles};
 use crate::methods::lscf::lscf;
 use crate::methods::selection::{rises, variance_left};
 use crate::methods::stabilization::Stabilization;
-use crate::methods::survey::{Columns, Survey};
+use crate::methods::survey::{Compressed, Survey};
 use crate::model::build::Shaped;
 use crate::model::identified::{structural_pole, viscous_pole, Identified, Pole};
 use crate::poles::chain::POWERS;
@@ -133,7 +133,7 @@ fn merge_equal(found: &mut MethodPoles) {
 /// Poles with bars and grades, and the noise variance of one value that they leave.
 fn graded(
     survey: &Survey,
-    columns: &Columns,
+    columns: &Compressed,
     found: &MethodPoles,
     damping: Damping,
 ) -> Result<(Vec<Pole>, f64), LinalgError> {
@@ -196,7 +196,7 @@ fn grade(pole: &Pole, insignificant: bool) -> Grade {
 
 /// E|δλ|² per pole: the inverse information at this variance, and the square of the way
 /// to the likelier pole.
-fn spread(work: &Work, ahead: &Refined, lambda: &[Complex64], variance: f64) -> Vec<f64> {
+fn spread(work: &Columns, ahead: &Refined, lambda: &[Complex64], variance: f64) -> Vec<f64> {
     let inverse = inverse_hermitian(ahead.information(work).view()).ok();
     let scatter = |n: usize| {
         inverse.as_ref().map_or(f64::INFINITY, |inverse| {

@@ -23,13 +23,13 @@
 //! Trans. Instrum. Meas. 25 (1976) 8–14 (circle). P. J. Petersan, S. M. Anlage, J. Appl.
 //! Phys. 84 (1998) 3392–3402 (angle against frequency).
 
-use crate::data::columns::Work;
+use crate::data::columns::Columns;
 use crate::data::error::FitError;
 use crate::data::options::FitOptions;
 use crate::methods::common::MethodPoles;
 use crate::methods::peak::picked;
 use crate::methods::selection::modes_of;
-use crate::methods::survey::{Columns, Survey};
+use crate::methods::survey::{Compressed, Survey};
 use chladni_linalg::{lstsq, solve_hermitian};
 use ndarray::{Array2, Axis};
 use num_complex::Complex64;
@@ -51,7 +51,7 @@ const ROUND: f64 = 0.2;
 /// A decomposition that fails.
 pub(crate) fn circle(
     survey: &Survey,
-    columns: &Columns,
+    columns: &Compressed,
     options: &FitOptions,
 ) -> Result<MethodPoles, FitError> {
     let starts = picked(survey);
@@ -71,7 +71,7 @@ pub(crate) fn circle(
 }
 
 /// Weighted median over the columns of what their circles say of the peak at `start`.
-fn common(work: &Work, start: Complex64, all: &[Complex64]) -> Option<Complex64> {
+fn common(work: &Columns, start: Complex64, all: &[Complex64]) -> Option<Complex64> {
     // up to half way to the neighbours
     let window = work.window(start, ARC_HALF_WIDTHS, ARC_LEAST_LINES);
     let near = |x: f64| {

@@ -7,7 +7,7 @@ use crate::data::screening::Screened;
 use crate::methods::bands::Band;
 use crate::methods::equation_error::{BandEquations, Root};
 use crate::methods::stabilization::Stabilization;
-use crate::methods::survey::{Columns, Survey};
+use crate::methods::survey::{Compressed, Survey};
 use chladni_frf::Damping;
 use num_complex::Complex64;
 
@@ -55,7 +55,7 @@ pub(crate) struct MethodPoles {
 }
 
 /// A method: poles from the two passes over the data.
-pub(crate) type Finder = fn(&Survey, &Columns, &FitOptions) -> Result<MethodPoles, FitError>;
+pub(crate) type Finder = fn(&Survey, &Compressed, &FitOptions) -> Result<MethodPoles, FitError>;
 
 impl From<ClassicPoles> for MethodPoles {
     fn from(found: ClassicPoles) -> Self {

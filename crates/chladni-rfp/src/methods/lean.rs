@@ -18,7 +18,7 @@
 //!
 //! Equations: theory.md, section 2.
 
-use crate::data::columns::{basis, Work};
+use crate::data::columns::{basis, Columns};
 use crate::data::error::FitError;
 use crate::data::options::FitOptions;
 use crate::data::products::project;
@@ -26,7 +26,7 @@ use crate::methods::selection::{fewer, inside, left_by, select};
 use crate::methods::survey::Survey;
 use crate::methods::vf::{pool, signed};
 use crate::poles::chain::POWERS;
-use crate::poles::estimate::{Found, Grade};
+use crate::poles::estimate::{Grade, PoleEstimate};
 use crate::poles::pool::Products;
 use crate::poles::prune::threshold;
 use crate::poles::refine::{refine, refined_poles, removable, Refined};
@@ -48,8 +48,8 @@ const BROAD: f64 = 3.0;
 pub(crate) fn lean(
     survey: &Survey,
     options: &FitOptions,
-    graded: impl Fn(&Refined, &Work, f64) -> Result<(Vec<Grade>, Vec<f64>), LinalgError>,
-) -> Result<Found, FitError> {
+    graded: impl Fn(&Refined, &Columns, f64) -> Result<(Vec<Grade>, Vec<f64>), LinalgError>,
+) -> Result<PoleEstimate, FitError> {
     let sketch = &survey.sketch;
     let modes = options.modes.unwrap_or(survey.peaks.len());
     let mut start = start(survey, modes, options)?;
@@ -71,7 +71,7 @@ pub(crate) fn lean(
     }
 
     let data = survey.data;
-    let all = Work {
+    let all = Columns {
         x: data.x.clone(),
         g: data.g.clone(),
         b: Array2::zeros((data.lines.len(), 0)),
@@ -89,7 +89,7 @@ pub(crate) fn lean(
         (projected.line_residual(&refined.projection.residual).sum() / freedom as f64).max(1e-30);
     let found = inside(&projected.work, &refined.lambda);
     let (grades, spread) = graded(&refined, &projected.work, variance)?;
-    Ok(Found {
+    Ok(PoleEstimate {
         grades,
         spread,
         measured: false,
@@ -136,7 +136,7 @@ fn start(
 
 /// Takes the broadest poles out as long as more than `modes` are in the band: such a one
 /// serves what lies outside.
-fn narrow(work: &Work, lambda: &mut Vec<Complex64>, modes: usize) {
+fn narrow(work: &Columns, lambda: &mut Vec<Complex64>, modes: usize) {
     let broad = BROAD * usual_loss(work, lambda);
     let loss = |pole: Complex64| pole.im / pole.re;
     while inside(work, lambda) > modes {
@@ -152,7 +152,7 @@ fn narrow(work: &Work, lambda: &mut Vec<Complex64>, modes: usize) {
 
 /// Where modes beyond the ends of the band may stand that only all FRFs together show:
 /// two mean distances of modes away.
-fn beyond(work: &Work, lambda: &[Complex64]) -> impl Iterator<Item = Complex64> {
+fn beyond(work: &Columns, lambda: &[Complex64]) -> impl Iterator<Item = Complex64> {
     let (low, high) = work.range();
     let (loss, reach) = (
         usual_loss(work, lambda),
@@ -165,7 +165,11 @@ fn beyond(work: &Work, lambda: &[Complex64]) -> impl Iterator<Item = Complex64> 
 }
 
 /// Poles without those beyond the band that the FRFs, so many, do not tell from noise.
-fn needed(work: &Work, lambda: &[Complex64], frfs: usize) -> Result<Vec<Complex64>, LinalgError> {
+fn needed(
+    work: &Columns,
+    lambda: &[Complex64],
+    frfs: usize,
+) -> Result<Vec<Complex64>, LinalgError> {
     let all = removable(work, lambda, &POWERS)?;
     let limit = noise_takes(work, all.sse, all.alone.len(), frfs);
     Ok(all.thin_out(lambda, |_, q, rise, _| {
@@ -175,7 +179,7 @@ fn needed(work: &Work, lambda: &[Complex64], frfs: usize) -> Result<Vec<Complex6
 
 /// What one more pole may take out of the noise of all FRFs, where so many unknowns leave
 /// `sse`.
-fn noise_takes(work: &Work, sse: f64, unknowns: usize, frfs: usize) -> f64 {
+fn noise_takes(work: &Columns, sse: f64, unknowns: usize, frfs: usize) -> f64 {
     threshold(frfs, work.lines()) * left_by(work, sse, unknowns)
 }
 
@@ -183,7 +187,7 @@ fn noise_takes(work: &Work, sse: f64, unknowns: usize, frfs: usize) -> f64 {
 /// the band than asked for, or one beyond it turns out to serve the `frfs` no more than
 /// noise would.
 fn fine(
-    work: &Work,
+    work: &Columns,
     start: &[Complex64],
     options: &FitOptions,
     frfs: usize,

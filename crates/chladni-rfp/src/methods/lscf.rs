@@ -28,7 +28,7 @@ use crate::data::options::{FitOptions, Method};
 use crate::methods::common::MethodPoles;
 use crate::methods::matrix_fraction::{Circle, MatrixFraction};
 use crate::methods::stabilization::Ladder;
-use crate::methods::survey::{Columns, Survey};
+use crate::methods::survey::{Compressed, Survey};
 use ndarray::Axis;
 
 /// Highest order: poles per expected mode, and more for what lies outside the band. Twice
@@ -45,7 +45,7 @@ const LINES_PER_POLE: usize = 4;
 /// [`FitError::UnevenAxis`]; a decomposition that fails.
 pub(crate) fn lscf(
     survey: &Survey,
-    columns: &Columns,
+    columns: &Compressed,
     options: &FitOptions,
 ) -> Result<MethodPoles, FitError> {
     let circle = Circle::new(survey, Method::Lscf)?;

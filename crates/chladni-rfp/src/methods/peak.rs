@@ -20,7 +20,7 @@ use crate::data::error::FitError;
 use crate::data::options::FitOptions;
 use crate::methods::common::MethodPoles;
 use crate::methods::selection::modes_of;
-use crate::methods::survey::{Columns, Survey};
+use crate::methods::survey::{Compressed, Survey};
 use num_complex::Complex64;
 
 /// Least drop of power on one side of a peak that says something about its width.
@@ -32,7 +32,7 @@ const LEAST_DROP: f64 = 1.2;
 /// A decomposition that fails.
 pub(crate) fn peak(
     survey: &Survey,
-    _: &Columns,
+    _: &Compressed,
     options: &FitOptions,
 ) -> Result<MethodPoles, FitError> {
     Ok(modes_of(

@@ -26,7 +26,7 @@ use crate::methods::common::MethodPoles;
 use crate::methods::lscf::highest;
 use crate::methods::matrix_fraction::{Circle, MatrixFraction};
 use crate::methods::stabilization::Ladder;
-use crate::methods::survey::{Columns, Survey};
+use crate::methods::survey::{Compressed, Survey};
 use chladni_linalg::{eigh, matmul, LinalgError};
 use ndarray::{s, Array2, Array3, Axis, ShapeBuilder};
 use num_complex::Complex64;
@@ -43,7 +43,7 @@ const RESPONSES: usize = 80;
 /// [`FitError::UnevenAxis`], [`FitError::IncompleteMatrix`]; a decomposition that fails.
 pub(crate) fn plscf(
     survey: &Survey,
-    columns: &Columns,
+    columns: &Compressed,
     options: &FitOptions,
 ) -> Result<MethodPoles, FitError> {
     let circle = Circle::new(survey, Method::Plscf)?;
@@ -76,7 +76,7 @@ pub(crate) fn plscf(
 /// The strongest combinations of responses and references; axes (response combination,
 /// line, reference combination).
 fn principal(
-    columns: &Columns,
+    columns: &Compressed,
     responses: usize,
     references: usize,
 ) -> Result<Array3<Complex64>, LinalgError> {

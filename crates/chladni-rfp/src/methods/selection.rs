@@ -2,7 +2,7 @@
 //! their residues.
 
 use crate::damping::viscous::from_structural;
-use crate::data::columns::Work;
+use crate::data::columns::Columns;
 use crate::data::options::FitOptions;
 use crate::methods::common::MethodPoles;
 use crate::methods::survey::Survey;
@@ -20,7 +20,7 @@ use std::ops::RangeInclusive;
 const MOST_INFLATION: f64 = 1e10;
 
 /// Noise variance that so many poles leave unexplained.
-pub(crate) fn variance_left(work: &Work, lambda: &[Complex64]) -> Result<f64, LinalgError> {
+pub(crate) fn variance_left(work: &Columns, lambda: &[Complex64]) -> Result<f64, LinalgError> {
     Ok(left_by(
         work,
         Projection::new(work, lambda, &POWERS)?.sse,
@@ -28,7 +28,7 @@ pub(crate) fn variance_left(work: &Work, lambda: &[Complex64]) -> Result<f64, Li
     ))
 }
 
-pub(crate) fn left_by(work: &Work, sse: f64, unknowns: usize) -> f64 {
+pub(crate) fn left_by(work: &Columns, sse: f64, unknowns: usize) -> f64 {
     let freedom = work.lines().saturating_sub(unknowns).max(1) * work.columns();
     (sse / freedom as f64)
         .max(tol::ROUNDING_VARIANCE * work.energy() / (work.lines() * work.columns()) as f64)
@@ -38,7 +38,7 @@ pub(crate) fn left_by(work: &Work, sse: f64, unknowns: usize) -> f64 {
 /// eq. 8); of those in the band as many stay as `modes` allows, whatever they matter.
 /// With the noise variance that all of them together leave.
 pub(crate) fn select(
-    work: &Work,
+    work: &Columns,
     lambda: &[Complex64],
     modes: RangeInclusive<usize>,
 ) -> Result<(Vec<Complex64>, f64), LinalgError> {
@@ -69,7 +69,7 @@ pub(crate) fn select(
 /// The poles as the method found them, but those of the band that only prop up the
 /// others.
 fn without_crutches(
-    work: &Work,
+    work: &Columns,
     mut lambda: Vec<Complex64>,
     variance: f64,
 ) -> Result<Vec<Complex64>, LinalgError> {
@@ -131,7 +131,7 @@ pub(crate) fn modes_of(
 }
 
 /// Poles in the band.
-pub(crate) fn inside(work: &Work, lambda: &[Complex64]) -> usize {
+pub(crate) fn inside(work: &Columns, lambda: &[Complex64]) -> usize {
     lambda.iter().filter(|pole| work.in_band(**pole)).count()
 }
 
@@ -144,7 +144,7 @@ pub(crate) fn fewer(options: &FitOptions, found: usize) -> Option<String> {
 }
 
 /// Rise of the sum of squares without each of the poles (theory.md, eq. 8).
-pub(crate) fn rises(work: &Work, lambda: &[Complex64]) -> Result<Vec<f64>, LinalgError> {
+pub(crate) fn rises(work: &Columns, lambda: &[Complex64]) -> Result<Vec<f64>, LinalgError> {
     let projection = Projection::new(work, lambda, &POWERS)?;
     let (coefficients, inverse) = (projection.coefficients()?, projection.gram_inverse()?);
     Ok((0..lambda.len())

@@ -8,7 +8,7 @@
 //! ratio; no method sees the truth of another's poles. N. Halko, P. G. Martinsson, J. A.
 //! Tropp, SIAM Rev. 53 (2011) 217–288.
 
-use crate::data::columns::{line_energy, Work};
+use crate::data::columns::{line_energy, Columns};
 use crate::data::options::FitOptions;
 use crate::data::peaks::{fourth_difference_noise, peaks, thinned, Peak};
 use crate::data::products::project;
@@ -31,7 +31,7 @@ pub(crate) struct Survey<'a> {
     /// The measurement.
     pub data: &'a Screened<'a>,
     /// Signed sums of FRFs.
-    pub sketch: Work,
+    pub sketch: Columns,
     /// Energy of each line over all FRFs.
     pub energy: Array1<f64>,
     /// Visible peaks of the energy, the most prominent first.
@@ -39,9 +39,9 @@ pub(crate) struct Survey<'a> {
 }
 
 /// The second pass.
-pub(crate) struct Columns {
+pub(crate) struct Compressed {
     /// Real mixtures of FRFs, or the FRFs themselves where there are few.
-    pub work: Work,
+    pub work: Columns,
     /// From columns to FRFs, (column, FRF), orthonormal rows; `None`: the columns are the
     /// FRFs.
     pub back: Option<Array2<f64>>,
@@ -70,9 +70,9 @@ impl<'a> Survey<'a> {
     ///
     /// # Errors
     /// A decomposition that fails.
-    pub fn compress(&self) -> Result<Columns, LinalgError> {
+    pub fn compress(&self) -> Result<Compressed, LinalgError> {
         let sketch = &self.sketch;
-        let whole = |rank| Columns {
+        let whole = |rank| Compressed {
             work: sketch.clone(),
             back: None,
             outside: 0.0,
@@ -97,7 +97,7 @@ impl<'a> Survey<'a> {
         let q = matmul(q.view(), u.slice(s![.., ..directions]));
         let projected = project(self.data, &q, &self.energy)?;
         let outside = (self.energy.sum() - projected.work.energy()).max(0.0);
-        Ok(Columns {
+        Ok(Compressed {
             work: projected.work,
             back: Some(projected.back),
             outside,
@@ -118,7 +118,7 @@ impl<'a> Survey<'a> {
 
     /// Modes to expect: as many as asked for, else a third more than visible peaks or
     /// directions of the data.
-    pub fn expected(&self, columns: &Columns, options: &FitOptions) -> usize {
+    pub fn expected(&self, columns: &Compressed, options: &FitOptions) -> usize {
         options
             .modes
             .unwrap_or(self.peaks.len().max(columns.rank) * 4 / 3)
@@ -132,7 +132,7 @@ impl<'a> Survey<'a> {
     }
 }
 
-impl Columns {
+impl Compressed {
     /// Noise variance of one value, where a model with `unknowns` columns leaves `sse` of
     /// the compressed data.
     pub fn variance(&self, data: &Screened, sse: f64, unknowns: usize) -> f64 {

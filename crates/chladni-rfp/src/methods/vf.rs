@@ -16,12 +16,12 @@
 //! B. Gustavsen, A. Semlyen, IEEE Trans. Power Delivery 14 (1999) 1052; B. Gustavsen,
 //! ibid. 21 (2006) 1587 (relaxed).
 
-use crate::data::columns::Work;
+use crate::data::columns::Columns;
 use crate::data::error::FitError;
 use crate::data::options::FitOptions;
 use crate::methods::common::MethodPoles;
 use crate::methods::selection::modes_of;
-use crate::methods::survey::{Columns, Survey};
+use crate::methods::survey::{Compressed, Survey};
 use crate::poles::chain::POWERS;
 use crate::poles::pool::{mixtures, starts, vector_fit, Pool, Products};
 use crate::tolerances as tol;
@@ -38,7 +38,7 @@ const MIXTURES: usize = 2 * tol::POOL_MIXTURES;
 /// A decomposition that fails.
 pub(crate) fn vf(
     survey: &Survey,
-    columns: &Columns,
+    columns: &Compressed,
     options: &FitOptions,
 ) -> Result<MethodPoles, FitError> {
     let size = survey.pool_size(survey.expected(columns, options));
@@ -61,7 +61,7 @@ pub(crate) fn vf(
 /// `size` poles by vector fitting on some mixtures of `work`, from the visible peaks.
 pub(crate) fn pool(
     survey: &Survey,
-    work: &Work,
+    work: &Columns,
     count: usize,
     size: usize,
     options: &FitOptions,

@@ -3,7 +3,7 @@
 use crate::model::identified::{Identified, Pole};
 use crate::model::residual_energy::{above_rounding, by_sums, Laid};
 
-use crate::data::layout::Head;
+use crate::data::layout::DataLayout;
 use crate::data::options::FitOptions;
 use crate::data::screening::Screened;
 use crate::model::modes::{modes, rejected_mode, scale_unknown, scales, unscaled};
@@ -13,11 +13,11 @@ use crate::shapes::residues::{
     beyond_chance, eliminated, low_rank, low_rank_around, significant_rank, Given, Residues, Shapes,
 };
 use crate::tolerances as tol;
-use crate::wide::wide_mixed;
 use chladni_frf::{
     ComplexMatrix, Damping, ModalModel, Quality, ResidualTerm, ResidualTerms, Scaling, Trust,
     CREATED_BY, MODEL_FORMAT,
 };
+use chladni_linalg::blocked::blocked_matmul_mixed;
 use chladni_linalg::LinalgError;
 use ndarray::{Array1, Array2, Axis, ShapeBuilder};
 use num_complex::Complex64;
@@ -44,7 +44,7 @@ struct FreeFit {
 }
 
 impl FreeFit {
-    fn new(data: &Head, identified: &Identified) -> Result<Self, LinalgError> {
+    fn new(data: &DataLayout, identified: &Identified) -> Result<Self, LinalgError> {
         let Identified {
             damping,
             powers,
@@ -58,8 +58,8 @@ impl FreeFit {
         let values: Vec<Complex64> = poles.iter().map(|p| p.value).collect();
         let mut linear = linear(work, *damping, &values, powers)?;
         if let Some(back) = back {
-            linear.residues = wide_mixed(&linear.residues, back.view());
-            linear.terms = wide_mixed(&linear.terms, back.view());
+            linear.residues = blocked_matmul_mixed(&linear.residues, back.view());
+            linear.terms = blocked_matmul_mixed(&linear.terms, back.view());
         }
         let (responses, references) = (data.responses.len(), data.references.len());
         let mut all = Array2::zeros((values.len(), responses * references).f());
@@ -103,7 +103,7 @@ pub(crate) struct CommonShapes {
 
 /// Fits one shape per mode of the band at the poles as they stand.
 pub(crate) fn common_shapes(
-    data: &Head,
+    data: &DataLayout,
     identified: &Identified,
 ) -> Result<CommonShapes, LinalgError> {
     let FreeFit {
@@ -169,7 +169,7 @@ impl Shaped {
     ///
     /// # Errors
     /// A kernel that fails.
-    pub fn new(data: &Head, identified: Identified) -> Result<Self, LinalgError> {
+    pub fn new(data: &DataLayout, identified: Identified) -> Result<Self, LinalgError> {
         let FreeFit {
             poles,
             mut linear,
@@ -264,7 +264,7 @@ impl Shaped {
     }
 
     /// Builds the model; `left` as from [`Self::left`].
-    pub fn model(self, data: &Head, options: &FitOptions, left: &[f64]) -> ModalModel {
+    pub fn model(self, data: &DataLayout, options: &FitOptions, left: &[f64]) -> ModalModel {
         let mean_square = left.iter().sum::<f64>() / (data.lines.len() * data.pairs.len()) as f64;
         let relative_error = mean_square.sqrt() / data.measured_over_used();
         let Self {
@@ -391,7 +391,7 @@ impl Shaped {
     }
 
     /// The same without another look at the data.
-    pub fn left_by_sums(&self, data: &Head) -> Vec<f64> {
+    pub fn left_by_sums(&self, data: &DataLayout) -> Vec<f64> {
         let basis = self.synthesis(data);
         let coefficients = |l: usize, factors: &mut [f64]| self.coefficients(data, l, factors);
         by_sums(&self.laid(&basis, &coefficients), data)
@@ -411,7 +411,7 @@ impl Shaped {
     }
 
     /// What the coefficients multiply, over the reals: see [`synthesis`].
-    fn synthesis(&self, data: &Head) -> Array2<f64> {
+    fn synthesis(&self, data: &DataLayout) -> Array2<f64> {
         let values: Vec<Complex64> = self.poles.iter().map(|pole| pole.value).collect();
         synthesis(
             data,
@@ -423,7 +423,7 @@ impl Shaped {
 
     /// Adds the coefficients of one FRF (position among the pairs), real and imaginary
     /// part in turn, poles before residual terms.
-    fn coefficients(&self, data: &Head, l: usize, factors: &mut [f64]) {
+    fn coefficients(&self, data: &DataLayout, l: usize, factors: &mut [f64]) {
         let (i, j) = data.pairs[l];
         let Shapes {
             owner,

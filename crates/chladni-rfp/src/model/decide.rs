@@ -2,11 +2,11 @@
 //! mode, real or not, serves all references.
 
 use crate::damping::verdict::{chance, choose, contradicted as contradicted_words, undecidable};
-use crate::data::layout::Head;
+use crate::data::layout::DataLayout;
 use crate::data::options::{FitOptions, ShapeModel};
 use crate::model::build::common_shapes;
 use crate::model::identified::Identified;
-use crate::poles::estimate::Found;
+use crate::poles::estimate::PoleEstimate;
 use crate::shapes::search::{structured, Search};
 use crate::tolerances as tol;
 use chladni_frf::Damping;
@@ -19,8 +19,8 @@ const LAW_SHARE: f64 = 0.05;
 /// Poles of the law that the data prefer, or that is asked for, structured where that
 /// holds; with what is to be said of it.
 pub(crate) fn decide(
-    data: &Head,
-    found: Found,
+    data: &DataLayout,
+    found: PoleEstimate,
     options: &FitOptions,
     progress: &dyn Fn(&str),
 ) -> Result<(Identified, Vec<String>), LinalgError> {
@@ -98,8 +98,8 @@ pub(crate) fn decide(
 /// Structured refinement where it applies: asked for, or the residual is noise that
 /// chance can be judged by.
 fn shape_search(
-    data: &Head,
-    found: &Found,
+    data: &DataLayout,
+    found: &PoleEstimate,
     options: &FitOptions,
     damping: Damping,
 ) -> Result<Search, LinalgError> {

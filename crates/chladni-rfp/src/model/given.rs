@@ -1,6 +1,6 @@
 //! Poles of a model, to be fitted to other FRFs of the same structure.
 
-use crate::data::columns::Work;
+use crate::data::columns::Columns;
 use crate::model::identified::{Identified, Pole};
 use crate::model::residues::linear;
 use chladni_frf::{Damping, ModalModel, Mode, Trust};
@@ -77,7 +77,7 @@ impl GivenPoles {
     ///
     /// # Errors
     /// A kernel that fails.
-    pub fn on(self, work: Work, back: Option<Array2<f64>>) -> Result<Identified, LinalgError> {
+    pub fn on(self, work: Columns, back: Option<Array2<f64>>) -> Result<Identified, LinalgError> {
         let values: Vec<Complex64> = self.poles.iter().map(|pole| pole.value).collect();
         let dof = work.lines().saturating_sub(self.unknowns()).max(1) * work.columns().max(1);
         let variance = linear(&work, self.damping, &values, &self.powers)?.sse / dof as f64;

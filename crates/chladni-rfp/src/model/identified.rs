@@ -1,8 +1,8 @@
 //! Poles as the model will show them, with their error bars and grades.
 
 use crate::damping::verdict::{expressible_pole, shift, Law};
-use crate::data::columns::Work;
-use crate::poles::estimate::{uncertainty_grade, Found, Grade};
+use crate::data::columns::Columns;
+use crate::poles::estimate::{uncertainty_grade, Grade, PoleEstimate};
 use crate::shapes::residues::Given;
 use crate::shapes::search::Structured;
 use chladni_frf::{Damping, Trust};
@@ -39,7 +39,7 @@ pub(crate) struct Identified {
     /// Powers of x of the residual terms.
     pub powers: Vec<i32>,
     /// Columns the residues are found on.
-    pub work: Work,
+    pub work: Columns,
     /// From columns to FRFs; `None`: the columns are the FRFs.
     pub back: Option<Array2<f64>>,
     /// Noise variance of a work value.
@@ -110,8 +110,8 @@ pub(crate) fn viscous_pole(s: Complex64, covariance: [[f64; 2]; 2], grade: Grade
 impl Identified {
     /// Poles of the chosen law with their deviations: in the viscous law from its own
     /// information matrix, where the residual is noise.
-    pub fn new(found: Found, law: Law) -> Result<Self, LinalgError> {
-        let Found {
+    pub fn new(found: PoleEstimate, law: Law) -> Result<Self, LinalgError> {
+        let PoleEstimate {
             refined,
             work,
             back,

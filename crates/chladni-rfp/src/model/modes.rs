@@ -1,6 +1,6 @@
 //! Modes in SI units, scaled.
 
-use crate::data::layout::Head;
+use crate::data::layout::DataLayout;
 use crate::model::identified::Pole;
 use crate::shapes::error_bars::{Scale, ShapeBars};
 use crate::shapes::residues::Shapes;
@@ -11,7 +11,7 @@ use num_complex::Complex64;
 use std::f64::consts::TAU;
 
 /// Factor that takes a participation in work units to SI units of receptance residues.
-fn to_si(data: &Head, damping: Damping, pole: &Pole) -> Complex64 {
+fn to_si(data: &DataLayout, damping: Damping, pole: &Pole) -> Complex64 {
     let size = data.rms * data.omega_max.powi(2 - data.kind.omega_power());
     match damping {
         // R = ω_max²(λ − x) × receptance
@@ -22,7 +22,11 @@ fn to_si(data: &Head, damping: Damping, pole: &Pole) -> Complex64 {
 }
 
 /// Shape and participations of one term as the measured FRFs have them, weights undone.
-fn measured(data: &Head, shapes: &Shapes, n: usize) -> (Array1<Complex64>, Array1<Complex64>) {
+fn measured(
+    data: &DataLayout,
+    shapes: &Shapes,
+    n: usize,
+) -> (Array1<Complex64>, Array1<Complex64>) {
     let (shape, participation) = (shapes.shape.row(n), shapes.participation.row(n));
     let of_responses = Array1::from_shape_fn(shape.len(), |i| shape[i] / data.weight(i, 0)[0]);
     (
@@ -36,7 +40,7 @@ fn measured(data: &Head, shapes: &Shapes, n: usize) -> (Array1<Complex64>, Array
 /// Scale of the shapes: of unit modal mass where the set has driving points and forces,
 /// one at the largest response otherwise.
 pub(crate) fn scales(
-    data: &Head,
+    data: &DataLayout,
     damping: Damping,
     poles: &[Pole],
     shapes: &Shapes,
@@ -117,7 +121,7 @@ pub(crate) fn scales(
 
 /// Modes in SI units with the error `bars` of their terms.
 pub(crate) fn modes(
-    data: &Head,
+    data: &DataLayout,
     damping: Damping,
     poles: &[Pole],
     shapes: &Shapes,
@@ -175,7 +179,7 @@ pub(crate) fn unscaled(unit: ReferenceUnit) -> String {
 
 /// Modes of the band whose driving points say nothing of their scale.
 pub(crate) fn scale_unknown<'a>(
-    data: &Head,
+    data: &DataLayout,
     poles: impl Iterator<Item = &'a Pole>,
 ) -> Option<String> {
     let hz = data.omega_max / TAU;
@@ -193,7 +197,7 @@ pub(crate) fn scale_unknown<'a>(
 }
 
 /// A rejected pole as it is listed: no shape, no part in the synthesis.
-pub(crate) fn rejected_mode(data: &Head, pole: &Pole) -> Mode {
+pub(crate) fn rejected_mode(data: &DataLayout, pole: &Pole) -> Mode {
     let zeros = |count| ComplexVector(vec![Complex64::default(); count]);
     let (responses, references) = (data.responses.len(), data.references.len());
     mode(
@@ -207,7 +211,7 @@ pub(crate) fn rejected_mode(data: &Head, pole: &Pole) -> Mode {
 
 /// A pole in Hz with its shape.
 fn mode(
-    data: &Head,
+    data: &DataLayout,
     pole: &Pole,
     shape: ComplexVector,
     shape_std: Vec<f64>,

@@ -2,9 +2,9 @@
 //! 2cᵀAᵀb + cᵀAᵀA·c over the reals, where the compressed columns stand for b in the
 //! product with A (theory.md, eq. 55).
 
-use crate::data::columns::Work;
-use crate::data::layout::Head;
-use crate::wide::{stacked, wide_h};
+use crate::data::columns::Columns;
+use crate::data::layout::DataLayout;
+use chladni_linalg::blocked::{blocked_matmul_h, stacked};
 use chladni_linalg::matmul;
 use ndarray::{s, Array2, ShapeBuilder};
 use rayon::prelude::*;
@@ -22,7 +22,7 @@ pub(crate) struct Laid<'a> {
     /// Adds the coefficients of one FRF (position among the pairs).
     pub coefficients: &'a (dyn Fn(usize, &mut [f64]) + Sync),
     /// Columns of the data.
-    pub columns: &'a Work,
+    pub columns: &'a Columns,
     /// From columns to FRFs; `None`: the columns are the FRFs.
     pub back: Option<&'a Array2<f64>>,
 }
@@ -30,7 +30,7 @@ pub(crate) struct Laid<'a> {
 /// Sum of squares left of each FRF in work units of the measured data. `None` where no
 /// energies are known, where the columns are the FRFs themselves or not all lines, or
 /// where a residual lies in the rounding of these sums.
-pub(crate) fn above_rounding(model: &Laid, data: &Head) -> Option<Vec<f64>> {
+pub(crate) fn above_rounding(model: &Laid, data: &DataLayout) -> Option<Vec<f64>> {
     let sums = sums(model, data)?;
     sums.iter()
         .all(|(left, energy)| left > &(KNOWN * energy))
@@ -38,7 +38,7 @@ pub(crate) fn above_rounding(model: &Laid, data: &Head) -> Option<Vec<f64>> {
 }
 
 /// The same, rounding or not; empty where no energies are known.
-pub(crate) fn by_sums(model: &Laid, data: &Head) -> Vec<f64> {
+pub(crate) fn by_sums(model: &Laid, data: &DataLayout) -> Vec<f64> {
     sums(model, data)
         .into_iter()
         .flatten()
@@ -47,7 +47,7 @@ pub(crate) fn by_sums(model: &Laid, data: &Head) -> Vec<f64> {
 }
 
 /// (left, energy) of each FRF, in work units of the measured data.
-fn sums(model: &Laid, data: &Head) -> Option<Vec<(f64, f64)>> {
+fn sums(model: &Laid, data: &DataLayout) -> Option<Vec<(f64, f64)>> {
     let back = model.back?;
     let work = model.columns;
     // the measured-data path looks at some lines, or weighs them
@@ -56,8 +56,8 @@ fn sums(model: &Laid, data: &Head) -> Option<Vec<(f64, f64)>> {
     }
     let basis = model.basis;
     let (gram, against) = (
-        wide_h(basis.view(), basis.view()),
-        wide_h(basis.view(), stacked(&work.b).view()),
+        blocked_matmul_h(basis.view(), basis.view()),
+        blocked_matmul_h(basis.view(), stacked(&work.b).view()),
     );
     let unit = data.factor().norm_sqr();
     let starts: Vec<usize> = (0..data.pairs.len()).step_by(BLOCK).collect();

@@ -2,14 +2,14 @@
 //! change of the other.
 
 use crate::damping::viscous::viscous_basis;
-use crate::data::columns::{basis, Work};
-use crate::data::layout::Head;
+use crate::data::columns::{basis, Columns};
+use crate::data::layout::DataLayout;
 use crate::data::products::real_basis;
 use crate::poles::normal::{Parted, Plain};
 use crate::poles::refine::Projection;
 use crate::shapes::residues::schur_weight;
-use crate::wide::wide;
 use chladni_frf::Damping;
+use chladni_linalg::blocked::blocked_matmul;
 use chladni_linalg::{lstsq, matmul, LinalgError};
 use ndarray::{s, Array2, ShapeBuilder};
 use num_complex::Complex64;
@@ -33,7 +33,7 @@ pub(crate) enum Answer {
 }
 
 pub(crate) fn linear(
-    work: &Work,
+    work: &Columns,
     damping: Damping,
     poles: &[Complex64],
     powers: &[i32],
@@ -93,7 +93,7 @@ pub(crate) fn linear(
 
 /// Where the normal equations of the structural law lose too many digits.
 fn on_orthonormal_basis(
-    work: &Work,
+    work: &Columns,
     poles: &[Complex64],
     powers: &[i32],
 ) -> Result<Parted, LinalgError> {
@@ -115,7 +115,7 @@ impl Answer {
     /// Residual terms after residues changed by `change`: c − answer·δr, both (·, FRF).
     pub fn apply(&self, terms: &mut Array2<Complex64>, change: &Array2<Complex64>) {
         match self {
-            Self::Structural(answer) => *terms -= &wide(answer.view(), change.view()),
+            Self::Structural(answer) => *terms -= &blocked_matmul(answer.view(), change.view()),
             Self::Viscous(answer) => {
                 let (n, m) = change.dim();
                 let stacked = Array2::from_shape_fn((2 * n, m).f(), |(i, c)| {
@@ -125,7 +125,7 @@ impl Answer {
                         change[[i / 2, c]].im
                     }
                 });
-                let shift = wide(answer.view(), stacked.view());
+                let shift = blocked_matmul(answer.view(), stacked.view());
                 for ((i, c), value) in terms.indexed_iter_mut() {
                     *value -= Complex64::new(shift[[2 * i, c]], shift[[2 * i + 1, c]]);
                 }
@@ -138,7 +138,7 @@ impl Answer {
 /// (real and imaginary part of each line, real and imaginary part of each coefficient),
 /// both in turn, in work units.
 pub(crate) fn synthesis(
-    data: &Head,
+    data: &DataLayout,
     damping: Damping,
     poles: &[Complex64],
     powers: &[i32],

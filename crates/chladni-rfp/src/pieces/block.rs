@@ -1,7 +1,7 @@
 //! One block of FRFs, reduced.
 
 use crate::data::error::FitError;
-use crate::data::layout::Head;
+use crate::data::layout::DataLayout;
 use crate::data::options::FitOptions;
 use crate::data::products::{measured_basis, products};
 use crate::data::reading::{squares_of, Usable};
@@ -43,7 +43,7 @@ enum Pass {
 #[derive(Debug)]
 struct Basis {
     poles: Arc<Poles>,
-    head: Head,
+    head: DataLayout,
     /// Orthonormal on the lines used, as it meets measured values: (real and imaginary
     /// part of each line, unknown).
     measured: Array2<f64>,
@@ -317,7 +317,7 @@ fn second_pass(
     let mut made = products(
         &Screened::part(
             frf,
-            Head {
+            DataLayout {
                 pairs: pairs.clone(),
                 ..head.clone()
             },

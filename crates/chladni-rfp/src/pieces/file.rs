@@ -18,7 +18,7 @@ const HEAD_MOST: usize = 1024;
 
 /// The first line.
 #[derive(Debug, Serialize, Deserialize)]
-struct Head {
+struct DataLayout {
     format: String,
     version: u64,
     created_by: String,
@@ -69,7 +69,7 @@ fn digest(content: &[u8]) -> String {
 
 fn to_bytes(format: &str, content: &impl Serialize) -> Vec<u8> {
     let content = postcard::to_allocvec(content).expect("plain data of known length");
-    let head = Head {
+    let head = DataLayout {
         format: format.into(),
         version: VERSION,
         created_by: CREATED_BY.into(),
@@ -84,7 +84,7 @@ fn to_bytes(format: &str, content: &impl Serialize) -> Vec<u8> {
 
 fn from_bytes<T: DeserializeOwned>(format: &str, bytes: &[u8]) -> Result<T, Error> {
     let end = bytes.iter().take(HEAD_MOST).position(|byte| *byte == b'\n');
-    let head: Option<Head> = end.and_then(|end| serde_json::from_slice(&bytes[..end]).ok());
+    let head: Option<DataLayout> = end.and_then(|end| serde_json::from_slice(&bytes[..end]).ok());
     let (Some(end), Some(head)) = (end, head) else {
         let expected = format!("one line of JSON with \"format\":\"{format}\"");
         return Err(Error::bad_data(format!("no {format} file"))

@@ -1,7 +1,7 @@
 //! What all pieces of one fit share.
 
 use crate::data::error::FitError;
-use crate::data::layout::Head;
+use crate::data::layout::DataLayout;
 use crate::data::options::{Effort, FitOptions};
 use crate::data::screening::lines_in_band;
 use chladni_frf::{Error, FrfKind, FrfSet, ReferenceUnit};
@@ -43,16 +43,16 @@ impl Plan {
     }
 
     /// A head without DOFs on some lines.
-    pub fn head(&self, lines: Vec<usize>, effort: Effort) -> Result<Head, FitError> {
+    pub fn head(&self, lines: Vec<usize>, effort: Effort) -> Result<DataLayout, FitError> {
         let (_, band_hz) = self.lines()?;
-        let head = Head::on_lines(
+        let head = DataLayout::on_lines(
             ArrayView1::from(&self.frequency_hz),
             self.kind,
             lines,
             band_hz,
             effort,
         );
-        Ok(Head {
+        Ok(DataLayout {
             reference_unit: self.reference_unit,
             ..head
         })

@@ -2,7 +2,7 @@
 //! know.
 
 use crate::data::error::FitError;
-use crate::data::layout::Head;
+use crate::data::layout::DataLayout;
 use crate::data::options::{Effort, FitOptions};
 use crate::pieces::plan::Plan;
 use crate::poles::estimate::Grade;
@@ -140,8 +140,8 @@ impl Poles {
     }
 
     /// Lines and scale, without DOFs.
-    pub(crate) fn head(&self, effort: Effort) -> Result<Head, FitError> {
-        Ok(Head {
+    pub(crate) fn head(&self, effort: Effort) -> Result<DataLayout, FitError> {
+        Ok(DataLayout {
             rms: self.rms,
             ..self.plan.head(self.lines.clone(), effort)?
         })

@@ -1,9 +1,9 @@
 //! Poles of a merged sketch; the fit of merged products.
 
 use crate::checks::examine::examine;
-use crate::data::columns::{basis, Work};
+use crate::data::columns::{basis, Columns};
 use crate::data::error::FitError;
-use crate::data::layout::Head;
+use crate::data::layout::DataLayout;
 use crate::data::noise_weights::PairWeights;
 use crate::data::options::FitOptions;
 use crate::data::outliers;
@@ -17,12 +17,12 @@ use crate::pieces::partial::{Block, Partial, ProductSums, SketchSums, Sums};
 use crate::pieces::plan::Plan;
 use crate::pieces::poles::{Matrix, Path, Poles};
 use crate::poles::chain::{of_columns, of_sketch, Chain, Doubt, First, Outcome, POWERS};
-use crate::poles::estimate::Found;
+use crate::poles::estimate::PoleEstimate;
 use crate::poles::passes::{on_all_lines, same, Pass};
 use crate::poles::refine::refine;
 use crate::tolerances as tol;
-use crate::wide::{in_pool, projected};
 use chladni_frf::{Dof, Error, Node};
+use chladni_linalg::blocked::{in_pool, projected};
 use chladni_linalg::LinalgError;
 use ndarray::{Array1, Array2, ArrayView1, Axis, ShapeBuilder};
 use num_complex::Complex64;
@@ -205,7 +205,7 @@ fn in_order(blocks: &[Block], unknowns: usize, order: &[usize]) -> Array2<f64> {
 }
 
 /// The head of all FRFs.
-fn with_dofs(head: Head, set: Block) -> Head {
+fn with_dofs(head: DataLayout, set: Block) -> DataLayout {
     let Block {
         responses,
         references,
@@ -214,7 +214,7 @@ fn with_dofs(head: Head, set: Block) -> Head {
         energy,
         ..
     } = set;
-    Head {
+    DataLayout {
         responses,
         references,
         nodes,
@@ -226,9 +226,9 @@ fn with_dofs(head: Head, set: Block) -> Head {
 
 /// A merged sketch.
 struct Sketch {
-    head: Head,
+    head: DataLayout,
     /// In work units, all columns of one noise level.
-    work: Work,
+    work: Columns,
     /// Energy of each line over all FRFs.
     energy: Array1<f64>,
     /// Outlier lines left out, Hz.
@@ -270,7 +270,7 @@ impl Sketch {
         };
         let b = Array2::from_shape_fn((kept.len(), filled.len()).f(), scaled);
         Ok(Self {
-            work: Work { b, ..head.axis() },
+            work: Columns { b, ..head.axis() },
             energy: energy * factor.norm_sqr(),
             head,
             dropped_hz: Vec::new(),
@@ -278,8 +278,8 @@ impl Sketch {
     }
 
     /// The sketch that poles were found on.
-    fn of_poles(poles: &Poles, head: Head) -> Self {
-        let work = Work {
+    fn of_poles(poles: &Poles, head: DataLayout) -> Self {
+        let work = Columns {
             b: poles.sketch.array(),
             ..head.axis()
         };
@@ -385,7 +385,7 @@ impl Sketch {
 /// The fit; or poles anew, where these do not do.
 fn of_products(
     poles: &Poles,
-    mut head: Head,
+    mut head: DataLayout,
     products: Products,
     options: &FitOptions,
     progress: &dyn Fn(&str),
@@ -420,7 +420,7 @@ fn of_products(
             warnings,
         } => {
             let refined = refine(&projected.work, &poles.lambda, &POWERS, 0, 0.0)?;
-            let found = Found {
+            let found = PoleEstimate {
                 variance: refined.variance(&projected.work),
                 refined,
                 work: projected.work,
@@ -489,7 +489,7 @@ enum Settled {
 /// the sketch did not, or no white residual, poles are sought again.
 fn settled(
     poles: &Poles,
-    head: &Head,
+    head: &DataLayout,
     projected: Projected,
     energy: &Array1<f64>,
     mut history: Vec<(usize, f64)>,

@@ -5,8 +5,8 @@
 //! white is judged at the end ([`crate::whiteness`]), and where it is not the
 //! measured-data path takes over.
 
-use crate::data::columns::{line_energy, Work};
-use crate::data::layout::Head;
+use crate::data::columns::{line_energy, Columns};
+use crate::data::layout::DataLayout;
 use crate::data::outliers::single_lines;
 use crate::data::peaks::{fourth_difference_noise, peaks, thinned};
 use crate::data::products::Projected;
@@ -71,7 +71,7 @@ pub(crate) enum First {
 #[derive(Debug)]
 pub(crate) struct Sketched {
     /// The sketch on the lines that were looked at: all, or on long records some.
-    pub sketch: Work,
+    pub sketch: Columns,
     /// Poles, as sharp as the sketch shows them.
     pub refined: Refined,
     /// What was tried: (poles, residual variance), in order.
@@ -97,7 +97,7 @@ pub(crate) struct Chain {
 
 /// Number of singular values above the noise, and whether the noise floor was seen at
 /// all.
-fn visible_rank(work: &Work) -> Result<(usize, bool), LinalgError> {
+fn visible_rank(work: &Columns) -> Result<(usize, bool), LinalgError> {
     // eigenvalues of the small Gram would square the condition; a thin QR first keeps the
     // SVD small
     let r = if work.lines() > work.columns() {
@@ -126,7 +126,7 @@ pub(crate) fn rank_over_noise(singular_values: &[f64], lines: usize) -> (usize, 
 
 /// Starting order of the pool.
 pub(crate) fn pool_size(
-    work: &Work,
+    work: &Columns,
     seeds: usize,
     asked: Option<usize>,
 ) -> Result<usize, LinalgError> {
@@ -170,8 +170,8 @@ pub(crate) fn fast_chain(
 
 /// The chain up to the second pass over the data.
 pub(crate) fn of_sketch(
-    data: &Head,
-    sketch: Work,
+    data: &DataLayout,
+    sketch: Columns,
     seed: u64,
     asked: Option<usize>,
     progress: &dyn Fn(&str),
@@ -269,7 +269,7 @@ pub(crate) fn of_sketch(
 
 /// The chain from the second pass on; `energy`: of each line over all FRFs.
 pub(crate) fn of_columns(
-    data: &Head,
+    data: &DataLayout,
     mut pass: Pass,
     energy: &Array1<f64>,
     asked: Option<usize>,
@@ -327,8 +327,8 @@ pub(crate) struct Start {
 /// `iterations` of vector fitting with `size` poles on mixtures, pruning and rough
 /// refinement on the sketch.
 pub(crate) fn started(
-    sketch: &Work,
-    mixed: &Work,
+    sketch: &Columns,
+    mixed: &Columns,
     seeds: &[Complex64],
     size: usize,
     iterations: usize,
@@ -357,7 +357,7 @@ pub(crate) fn started(
 }
 
 /// Single lines that poles narrower than a line stand for, and those like them.
-fn spoilt_lines(work: &Work, refined: &Refined) -> Result<Vec<usize>, LinalgError> {
+fn spoilt_lines(work: &Columns, refined: &Refined) -> Result<Vec<usize>, LinalgError> {
     let physical: Vec<Complex64> = refined
         .lambda
         .iter()
@@ -378,11 +378,11 @@ fn spoilt_lines(work: &Work, refined: &Refined) -> Result<Vec<usize>, LinalgErro
 /// True where the same number of stable poles explains the conjugate of the data far
 /// better than the data: a passive structure measured in e^{−jωt}.
 fn conjugate_fits_better(
-    mixed: &Work,
+    mixed: &Columns,
     seeds: &[Complex64],
     size: usize,
 ) -> Result<bool, LinalgError> {
-    let left_over = |work: &Work| -> Result<f64, LinalgError> {
+    let left_over = |work: &Columns| -> Result<f64, LinalgError> {
         let pool = vector_fit(
             work,
             &starts(work, seeds, size),
@@ -404,7 +404,7 @@ fn conjugate_fits_better(
 }
 
 /// Noise variance of the sketch from the over-fitted pool.
-fn pool_variance(work: &Work, pool: &Removable) -> f64 {
+fn pool_variance(work: &Columns, pool: &Removable) -> f64 {
     let dof = (work.lines() - pool.alone.len().min(work.lines() - 1)) * work.columns();
     (pool.sse / dof as f64).max(1e-30 * work.energy() / (work.lines() * work.columns()) as f64)
 }

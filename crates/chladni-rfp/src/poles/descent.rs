@@ -1,7 +1,7 @@
 //! The search for the likeliest poles: Gauss–Newton steps with Levenberg–Marquardt
 //! damping (theory.md, eq. 12), whatever makes the matrix and the gradient.
 
-use crate::data::columns::Work;
+use crate::data::columns::Columns;
 use crate::tolerances as tol;
 use chladni_linalg::solve_hermitian;
 use ndarray::{Array2, ArrayView1, Axis};
@@ -13,18 +13,22 @@ pub(crate) trait Point: Sized {
     const LAST: bool;
     /// Everything linear at the poles `lambda`; `energy`: of the data. `None` where it
     /// cannot be told.
-    fn at(work: &Work, energy: f64, lambda: &[Complex64], powers: &[i32]) -> Option<Self>;
+    fn at(work: &Columns, energy: f64, lambda: &[Complex64], powers: &[i32]) -> Option<Self>;
     /// Sum of squares left.
     fn sse(&self) -> f64;
     /// What rounding may add to it.
     fn rounding(&self, energy: f64) -> f64;
     /// Gauss–Newton matrix and gradient.
-    fn system(&self, work: &Work, lambda: &[Complex64]) -> (Array2<Complex64>, Array2<Complex64>);
+    fn system(
+        &self,
+        work: &Columns,
+        lambda: &[Complex64],
+    ) -> (Array2<Complex64>, Array2<Complex64>);
 }
 
 /// Largest step a pole may take at once: half a bandwidth, and more the farther it lies
 /// outside the band.
-fn step_cap(work: &Work, lambda: Complex64) -> f64 {
+fn step_cap(work: &Columns, lambda: Complex64) -> f64 {
     let (low, high) = work.range();
     let outside = (low - lambda.re).max(lambda.re - high).max(0.0);
     0.5 * lambda.im + 0.3 * outside
@@ -33,7 +37,7 @@ fn step_cap(work: &Work, lambda: Complex64) -> f64 {
 /// A search under way.
 pub(crate) struct Descent<'a> {
     /// Data.
-    pub work: &'a Work,
+    pub work: &'a Columns,
     /// Powers of x of the residual terms.
     pub powers: &'a [i32],
     /// Sum of squares of the data.
@@ -47,7 +51,7 @@ pub(crate) struct Descent<'a> {
 
 impl<'a> Descent<'a> {
     /// From the poles `start`, for so many steps.
-    pub fn new(work: &'a Work, start: &[Complex64], powers: &'a [i32], steps: usize) -> Self {
+    pub fn new(work: &'a Columns, start: &[Complex64], powers: &'a [i32], steps: usize) -> Self {
         let steps = if start.is_empty() { 0 } else { steps };
         Self {
             work,

@@ -1,7 +1,7 @@
 //! What a path to poles hands over, and how far each pole is to be trusted by its error
 //! bar alone.
 
-use crate::data::columns::Work;
+use crate::data::columns::Columns;
 use crate::poles::refine::Refined;
 use chladni_frf::Trust;
 use ndarray::Array2;
@@ -12,11 +12,11 @@ pub(crate) type Grade = (Trust, Vec<String>);
 
 /// What a path hands over.
 #[derive(Debug, Clone)]
-pub(crate) struct Found {
+pub(crate) struct PoleEstimate {
     /// Poles in the x plane with their linear part.
     pub refined: Refined,
     /// Columns the residues are found on.
-    pub work: Work,
+    pub work: Columns,
     /// From columns to FRFs; `None`: the columns are the FRFs.
     pub back: Option<Array2<f64>>,
     /// Noise variance of a work value.
@@ -36,7 +36,7 @@ pub(crate) struct Found {
     pub consistent: bool,
 }
 
-impl Found {
+impl PoleEstimate {
     /// Largest loss factor among the in-band modes that are sure; 0 where there is none.
     pub fn heaviest_sure(&self) -> f64 {
         let sure = self

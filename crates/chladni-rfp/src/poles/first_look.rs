@@ -1,6 +1,6 @@
 //! The strongest sections of a long band, judged before the fast chain begins.
 
-use crate::data::columns::Work;
+use crate::data::columns::Columns;
 use crate::data::peaks::Peak;
 use crate::poles::chain::{pool_size, started, Start};
 use crate::poles::pool::mixtures;
@@ -20,7 +20,7 @@ const CLEAR: f64 = 3.0;
 /// the sections with the strongest peaks are asked first. Evidence that their residual is
 /// not white; `None`: it may be, or the band is no longer than a section.
 pub(crate) fn first_look(
-    sketch: &Work,
+    sketch: &Columns,
     peaks: &[Peak],
     seed: u64,
     hz: f64,
@@ -28,7 +28,7 @@ pub(crate) fn first_look(
     if peaks.len() < tol::FIRST_LOOK_ABOVE {
         return Ok(None);
     }
-    let mut asked: Vec<(Work, Vec<Peak>)> = split(sketch, peaks)
+    let mut asked: Vec<(Columns, Vec<Peak>)> = split(sketch, peaks)
         .into_iter()
         .map(|section| {
             let work = sketch.rows(section.lines);
@@ -61,7 +61,12 @@ pub(crate) fn first_look(
 /// A short chain on one section: evidence, where most of its striking peaks are
 /// misfitted, or misfitted without shape, or where the residual is far from white. Poles
 /// of lesser peaks do not count: between a few modes in noise they would outvote them.
-fn misfit(work: &Work, peaks: &[Peak], seed: u64, hz: f64) -> Result<Option<String>, LinalgError> {
+fn misfit(
+    work: &Columns,
+    peaks: &[Peak],
+    seed: u64,
+    hz: f64,
+) -> Result<Option<String>, LinalgError> {
     let seeds: Vec<Complex64> = peaks.iter().map(|p| p.lambda).collect();
     let size = pool_size(work, seeds.len(), None)?;
     let Start { refined, .. } = started(

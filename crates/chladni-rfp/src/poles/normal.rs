@@ -7,11 +7,11 @@
 //! comes near the residual: for data of some 100 dB, and for poles that nearly coincide.
 
 use crate::damping::gram::Cauchy;
-use crate::data::columns::Work;
+use crate::data::columns::Columns;
 use crate::poles::descent::Point;
 use crate::poles::removal::Removable;
 use crate::tolerances as tol;
-use crate::wide::wide_h;
+use chladni_linalg::blocked::blocked_matmul_h;
 use chladni_linalg::{
     cholesky, inverse_hermitian, matmul, matmul_h, solve_hermitian, solve_lower,
     solve_lower_adjoint, LinalgError,
@@ -61,9 +61,9 @@ fn unit(mut rows: ArrayViewMut2<Complex64>, norms: &[f64]) {
 
 impl Plain {
     /// `None` as for [`Normal`].
-    pub fn at(work: &Work, energy: f64, lambda: &[Complex64], powers: &[i32]) -> Option<Self> {
+    pub fn at(work: &Columns, energy: f64, lambda: &[Complex64], powers: &[i32]) -> Option<Self> {
         let cauchy = Cauchy::without_derivatives(work, lambda, powers);
-        let against = wide_h(cauchy.columns.view(), work.b.view());
+        let against = blocked_matmul_h(cauchy.columns.view(), work.b.view());
         Some(Self::solved(cauchy.gram(), against, energy)?.0)
     }
 
@@ -150,11 +150,11 @@ impl Point for Normal {
     const LAST: bool = false;
 
     /// `None` where the columns are too alike, or the residual lies too near rounding.
-    fn at(work: &Work, energy: f64, lambda: &[Complex64], powers: &[i32]) -> Option<Self> {
+    fn at(work: &Columns, energy: f64, lambda: &[Complex64], powers: &[i32]) -> Option<Self> {
         let m = lambda.len() + powers.len();
         let cauchy = Cauchy::new(work, lambda, powers);
         let products = cauchy.gram();
-        let against = wide_h(cauchy.columns.view(), work.b.view());
+        let against = blocked_matmul_h(cauchy.columns.view(), work.b.view());
         let (of_columns, right) = (
             products.slice(s![..m, ..m]).to_owned(),
             against.slice(s![..m, ..]).to_owned(),
@@ -187,7 +187,7 @@ impl Point for Normal {
         self.plain.rounding
     }
 
-    fn system(&self, _: &Work, lambda: &[Complex64]) -> (Array2<Complex64>, Array2<Complex64>) {
+    fn system(&self, _: &Columns, lambda: &[Complex64]) -> (Array2<Complex64>, Array2<Complex64>) {
         let residues = self.plain.coefficients.slice(s![..lambda.len(), ..]);
         let products = matmul(residues, residues.t().mapv(|v| v.conj()).view());
         let information = &self.outside * &products.t();

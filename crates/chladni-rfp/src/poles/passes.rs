@@ -1,8 +1,8 @@
 //! Passes over all FRFs: the second one, and those few that a mode may need that no
 //! sketch shows.
 
-use crate::data::columns::{basis, Work};
-use crate::data::layout::Head;
+use crate::data::columns::{basis, Columns};
+use crate::data::layout::DataLayout;
 use crate::data::products::{energies, project, Projected};
 use crate::data::screening::Screened;
 use crate::poles::chain::POWERS;
@@ -11,7 +11,7 @@ use crate::poles::refine::{refine, Refined};
 use crate::poles::scan::{residual_peak, Scan};
 use crate::poles::settle::settle;
 use crate::tolerances as tol;
-use crate::wide::projected;
+use chladni_linalg::blocked::projected;
 use chladni_linalg::{qr_thin, LinalgError};
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
@@ -36,7 +36,7 @@ pub(crate) struct Pass {
 /// sketch did not show. `energy`: of each line over all FRFs.
 pub(crate) fn compressed(
     data: &Screened,
-    sketch: &Work,
+    sketch: &Columns,
     energy: &Array1<f64>,
     start: &Refined,
     sought: bool,
@@ -99,7 +99,7 @@ impl Pass {
 
     /// The order settled on columns that were compressed with the poles `start`.
     pub fn of(
-        data: &Head,
+        data: &DataLayout,
         projected: Projected,
         start: &[Complex64],
         history: &mut Vec<(usize, f64)>,
@@ -126,7 +126,7 @@ impl Pass {
 
     /// Where a mode that the sketch did not show stands out of the residual over all
     /// FRFs.
-    pub fn stands_out(&self, data: &Head) -> Option<Complex64> {
+    pub fn stands_out(&self, data: &DataLayout) -> Option<Complex64> {
         let Self {
             projected, refined, ..
         } = self;
@@ -188,7 +188,7 @@ impl Pass {
 
 /// The basis of the second pass on all lines, whether or not the poles were found on a
 /// thinned record.
-fn basis_of(data: &Head, refined: &Refined) -> Result<Array2<Complex64>, LinalgError> {
+fn basis_of(data: &DataLayout, refined: &Refined) -> Result<Array2<Complex64>, LinalgError> {
     if refined.projection.q.nrows() == data.lines.len() {
         return Ok(refined.projection.q.clone());
     }
@@ -197,14 +197,14 @@ fn basis_of(data: &Head, refined: &Refined) -> Result<Array2<Complex64>, LinalgE
 
 /// Orthonormal basis of a model with the poles `lambda` on all lines.
 pub(crate) fn on_all_lines(
-    data: &Head,
+    data: &DataLayout,
     lambda: &[Complex64],
 ) -> Result<Array2<Complex64>, LinalgError> {
     Ok(qr_thin(basis(&data.axis(), lambda, &POWERS).view())?.0)
 }
 
 /// Noise variance from the residual of all FRFs.
-fn full_variance(data: &Head, projected: &Projected, refined: &Refined) -> f64 {
+fn full_variance(data: &DataLayout, projected: &Projected, refined: &Refined) -> f64 {
     let dof = (data.lines.len() - refined.unknowns().min(data.lines.len() - 1)) * data.pairs.len();
     let left = projected.line_residual(&refined.projection.residual).sum();
     (left / (dof as f64 - refined.lambda.len() as f64).max(1.0)).max(1e-30)

@@ -7,9 +7,9 @@
 //! estimator on its own it is one to five times above the bound.
 
 use crate::damping::gram::Cauchy;
-use crate::data::columns::{basis, line_energy, Work};
+use crate::data::columns::{basis, line_energy, Columns};
 use crate::tolerances as tol;
-use crate::wide::{tall_qr, tall_r, wide_h};
+use chladni_linalg::blocked::{blocked_matmul_h, tall_qr, tall_r};
 use chladni_linalg::{
     cholesky, eigenvalues, matmul, matmul_h, solve_hermitian, solve_lower, LinalgError,
 };
@@ -34,7 +34,7 @@ pub(crate) struct Pool {
 
 /// Random mixtures of the columns (fixed seed): what vector fitting works on instead of
 /// all of them.
-pub(crate) fn mixtures(work: &Work, count: usize, seed: u64) -> Work {
+pub(crate) fn mixtures(work: &Columns, count: usize, seed: u64) -> Columns {
     if work.columns() <= count {
         return work.clone();
     }
@@ -47,7 +47,7 @@ pub(crate) fn mixtures(work: &Work, count: usize, seed: u64) -> Work {
 }
 
 /// Starting poles: the given seeds, and the rest spread evenly over the band.
-pub(crate) fn starts(work: &Work, seeds: &[Complex64], count: usize) -> Vec<Complex64> {
+pub(crate) fn starts(work: &Columns, seeds: &[Complex64], count: usize) -> Vec<Complex64> {
     let mut poles: Vec<Complex64> = seeds.iter().copied().take(count).collect();
     let (low, high) = work.range();
     let fill = count - poles.len();
@@ -74,7 +74,7 @@ fn separate(poles: &mut [Complex64]) {
 /// Relaxed vector fitting from `start`, at most `iterations` steps: of poles that will be
 /// refined, no more than change what they leave.
 pub(crate) fn vector_fit(
-    work: &Work,
+    work: &Columns,
     start: &[Complex64],
     powers: &[i32],
     iterations: usize,
@@ -125,13 +125,13 @@ pub(crate) enum Products {
 
 /// One step: zeros of σ, and the sum of squares that σ times the data leaves.
 fn relocate(
-    work: &Work,
+    work: &Columns,
     lambda: &[Complex64],
     powers: &[i32],
     how: Products,
 ) -> Result<(Vec<Complex64>, f64), LinalgError> {
     let (n, lines) = (lambda.len(), work.lines());
-    let ones = Work {
+    let ones = Columns {
         x: work.x.clone(),
         g: vec![1.0; lines],
         b: Array2::zeros((lines, 0)),
@@ -172,7 +172,7 @@ fn relocate(
 type Step = (Array2<Complex64>, Vec<Array2<Complex64>>);
 
 fn on_orthonormal_basis(
-    work: &Work,
+    work: &Columns,
     lambda: &[Complex64],
     powers: &[i32],
     psi: &Array2<Complex64>,
@@ -186,11 +186,14 @@ fn on_orthonormal_basis(
     let inside = (0..work.columns())
         .into_par_iter()
         .map(|l| matmul_h(times(&q, &|k| work.b[[k, l]].conj()).view(), psi.view()));
-    Ok((wide_h(weighted.view(), weighted.view()), inside.collect()))
+    Ok((
+        blocked_matmul_h(weighted.view(), weighted.view()),
+        inside.collect(),
+    ))
 }
 
 fn by_partial_fractions(
-    work: &Work,
+    work: &Columns,
     lambda: &[Complex64],
     powers: &[i32],
     psi: &Array2<Complex64>,
@@ -217,7 +220,7 @@ fn by_partial_fractions(
 /// Rᴴ of a basis by Cholesky from partial fractions, where all its columns stand well
 /// outside each other.
 fn well_conditioned(
-    work: &Work,
+    work: &Columns,
     lambda: &[Complex64],
     powers: &[i32],
 ) -> Option<Array2<Complex64>> {
@@ -290,7 +293,7 @@ struct Moments {
 }
 
 impl Moments {
-    fn new(work: &Work, cauchy: ArrayView2<Complex64>, powers: &[i32]) -> Self {
+    fn new(work: &Columns, cauchy: ArrayView2<Complex64>, powers: &[i32]) -> Self {
         let times = |factor: &dyn Fn(usize) -> f64| {
             Array2::from_shape_fn(work.b.raw_dim().f(), |(k, l)| work.b[[k, l]] * factor(k))
         };

@@ -1,6 +1,6 @@
 //! Which poles the data can tell from noise (theory.md, eq. 8).
 
-use crate::data::columns::Work;
+use crate::data::columns::Columns;
 use crate::poles::descent::Descent;
 use crate::poles::normal::Normal;
 use crate::poles::refine::{refine, Refined};
@@ -18,7 +18,7 @@ pub(crate) fn threshold(columns: usize, lines: usize) -> f64 {
 }
 
 /// A pole that one bad line makes.
-pub(crate) fn unphysical(work: &Work, lambda: Complex64) -> bool {
+pub(crate) fn unphysical(work: &Columns, lambda: Complex64) -> bool {
     work.in_band(lambda) && lambda.im < tol::SPIKE_SPACINGS * work.spacing(lambda.re)
 }
 
@@ -28,7 +28,7 @@ pub(crate) fn unphysical(work: &Work, lambda: Complex64) -> bool {
 ///
 /// `removable`: of `lambda` and `powers`; `variance`: of the noise.
 pub(crate) fn prune(
-    work: &Work,
+    work: &Columns,
     removable: Removable,
     lambda: &[Complex64],
     powers: &[i32],
@@ -45,7 +45,7 @@ pub(crate) fn prune(
 
 /// The same for the poles as they stand after some steps, as long as that takes any out:
 /// each that is gone spares its part of all steps to come.
-fn thinned(work: &Work, lambda: &[Complex64], powers: &[i32], limit: f64) -> Vec<Complex64> {
+fn thinned(work: &Columns, lambda: &[Complex64], powers: &[i32], limit: f64) -> Vec<Complex64> {
     let mut descent = Descent::new(work, lambda, powers, 0);
     let mut rounds = 0;
     let mut here = None;
@@ -78,7 +78,7 @@ fn weakest_first(rises: &[f64]) -> Vec<usize> {
 }
 
 /// The fit without pole q, the others roughly refined.
-fn without(work: &Work, refined: &Refined, q: usize) -> Result<Refined, LinalgError> {
+fn without(work: &Columns, refined: &Refined, q: usize) -> Result<Refined, LinalgError> {
     let mut fewer = refined.lambda.clone();
     fewer.remove(q);
     refine(
@@ -94,7 +94,7 @@ fn without(work: &Work, refined: &Refined, q: usize) -> Result<Refined, LinalgEr
 /// and the fit without it: once they are free to move, the sum of squares rises by less
 /// than `limit`. Those found `needed` are not judged twice.
 pub(crate) fn crutch(
-    work: &Work,
+    work: &Columns,
     refined: &Refined,
     limit: f64,
     may_go: impl Fn(Complex64) -> bool,

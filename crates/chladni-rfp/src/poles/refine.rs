@@ -9,12 +9,12 @@
 //! per step ≈ 8Nm(5m + 3r) flop. Not for finding poles: it needs a start within about a
 //! bandwidth.
 
-use crate::data::columns::{basis, basis_derivative, Work};
+use crate::data::columns::{basis, basis_derivative, Columns};
 use crate::poles::descent::{Descent, Point};
 use crate::poles::normal::{Normal, Plain};
 use crate::poles::removal::Removable;
 use crate::tolerances as tol;
-use crate::wide::{projected, tall_qr, wide_h};
+use chladni_linalg::blocked::{blocked_matmul_h, projected, tall_qr};
 use chladni_linalg::{matmul, solve_upper, LinalgError};
 use ndarray::Array2;
 use num_complex::Complex64;
@@ -37,7 +37,7 @@ pub(crate) struct Projection {
 impl Projection {
     /// Projects the columns of `work` on the basis of `lambda` and residual terms
     /// x^`powers`.
-    pub fn new(work: &Work, lambda: &[Complex64], powers: &[i32]) -> Result<Self, LinalgError> {
+    pub fn new(work: &Columns, lambda: &[Complex64], powers: &[i32]) -> Result<Self, LinalgError> {
         let (q, r) = tall_qr(basis(work, lambda, powers).view())?;
         let (qb, residual) = projected(q.view(), work.b.view());
         let sse = residual.iter().map(|v| v.norm_sqr()).sum();
@@ -83,7 +83,7 @@ impl Projection {
 
 /// What taking poles out one by one needs to know.
 pub(crate) fn removable(
-    work: &Work,
+    work: &Columns,
     lambda: &[Complex64],
     powers: &[i32],
 ) -> Result<Removable, LinalgError> {
@@ -110,7 +110,7 @@ pub(crate) struct Refined {
 
 /// Gauss–Newton matrix and gradient at one set of poles.
 fn newton_system(
-    work: &Work,
+    work: &Columns,
     lambda: &[Complex64],
     projection: &Projection,
     coefficients: &Array2<Complex64>,
@@ -120,9 +120,9 @@ fn newton_system(
     let derivative = basis_derivative(work, lambda);
     let (_, outside) = projected(projection.q.view(), derivative.view());
     let products = matmul(residues, residues.t().mapv(|v| v.conj()).view());
-    let mut information = wide_h(outside.view(), outside.view());
+    let mut information = blocked_matmul_h(outside.view(), outside.view());
     information.zip_mut_with(&products.t(), |h, p| *h *= p);
-    let along = wide_h(derivative.view(), projection.residual.view());
+    let along = blocked_matmul_h(derivative.view(), projection.residual.view());
     let gradient = Array2::from_shape_fn((n, 1), |(i, _)| {
         along
             .row(i)
@@ -141,7 +141,7 @@ struct Exact {
 }
 
 impl Exact {
-    fn new(work: &Work, lambda: &[Complex64], powers: &[i32]) -> Result<Self, LinalgError> {
+    fn new(work: &Columns, lambda: &[Complex64], powers: &[i32]) -> Result<Self, LinalgError> {
         let projection = Projection::new(work, lambda, powers)?;
         Ok(Self {
             coefficients: projection.coefficients()?,
@@ -152,7 +152,7 @@ impl Exact {
 
 impl Point for Exact {
     const LAST: bool = true;
-    fn at(work: &Work, _: f64, lambda: &[Complex64], powers: &[i32]) -> Option<Self> {
+    fn at(work: &Columns, _: f64, lambda: &[Complex64], powers: &[i32]) -> Option<Self> {
         Self::new(work, lambda, powers).ok()
     }
     fn sse(&self) -> f64 {
@@ -161,7 +161,11 @@ impl Point for Exact {
     fn rounding(&self, energy: f64) -> f64 {
         tol::STEP_ROUNDING * (energy * self.projection.sse).sqrt()
     }
-    fn system(&self, work: &Work, lambda: &[Complex64]) -> (Array2<Complex64>, Array2<Complex64>) {
+    fn system(
+        &self,
+        work: &Columns,
+        lambda: &[Complex64],
+    ) -> (Array2<Complex64>, Array2<Complex64>) {
         newton_system(work, lambda, &self.projection, &self.coefficients)
     }
 }
@@ -170,7 +174,7 @@ impl Point for Exact {
 /// `iterations` steps: by normal equations as far as they go, then on an orthonormal
 /// basis.
 pub(crate) fn refine(
-    work: &Work,
+    work: &Columns,
     start: &[Complex64],
     powers: &[i32],
     iterations: usize,
@@ -182,7 +186,7 @@ pub(crate) fn refine(
 
 /// The poles alone.
 pub(crate) fn refined_poles(
-    work: &Work,
+    work: &Columns,
     start: &[Complex64],
     powers: &[i32],
     iterations: usize,
@@ -197,7 +201,7 @@ pub(crate) fn refined_poles(
 
 /// As far as they go; where that is the end, with the last point.
 fn by_normal_equations<'a>(
-    work: &'a Work,
+    work: &'a Columns,
     start: &[Complex64],
     powers: &'a [i32],
     iterations: usize,
@@ -240,7 +244,7 @@ fn on_orthonormal_basis(
 impl Refined {
     /// Gauss–Newton matrix (DᴴP⊥D)∘(R̄Rᵀ), (n, n), on the lines and columns of the
     /// refinement.
-    pub fn information(&self, work: &Work) -> Array2<Complex64> {
+    pub fn information(&self, work: &Columns) -> Array2<Complex64> {
         self.information.clone().unwrap_or_else(|| {
             match Normal::at(work, work.energy(), &self.lambda, &self.powers) {
                 Some(normal) => normal.system(work, &self.lambda).0,
@@ -253,7 +257,7 @@ impl Refined {
         self.lambda.len() + self.powers.len()
     }
     /// Residual variance per line and column, from all degrees of freedom.
-    pub fn variance(&self, work: &Work) -> f64 {
+    pub fn variance(&self, work: &Columns) -> f64 {
         let dof = ((work.lines() - self.unknowns().min(work.lines())) * work.columns()) as f64
             - self.lambda.len() as f64;
         self.projection.sse / dof.max(1.0)

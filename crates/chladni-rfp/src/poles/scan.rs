@@ -1,7 +1,7 @@
 //! Where a pole may be missing: places at which a resonance of the usual width would
 //! explain what is left.
 
-use crate::data::columns::{basis, Work};
+use crate::data::columns::{basis, Columns};
 use crate::poles::refine::Refined;
 use chladni_linalg::matmul_h;
 use ndarray::{s, Array1, ArrayView1};
@@ -14,7 +14,7 @@ const BLOCK: usize = 64;
 const UNKNOWN_LOSS: f64 = 0.01;
 
 /// Median loss factor of the poles of the band.
-pub(crate) fn usual_loss(work: &Work, lambda: &[Complex64]) -> f64 {
+pub(crate) fn usual_loss(work: &Columns, lambda: &[Complex64]) -> f64 {
     let mut losses: Vec<f64> = lambda
         .iter()
         .filter(|p| work.in_band(**p))
@@ -29,7 +29,7 @@ pub(crate) fn usual_loss(work: &Work, lambda: &[Complex64]) -> f64 {
 
 /// Resonances of the usual loss factor over the band, half a bandwidth apart, at least
 /// one line.
-pub(crate) fn resonance_grid(work: &Work, lambda: &[Complex64]) -> Vec<Complex64> {
+pub(crate) fn resonance_grid(work: &Columns, lambda: &[Complex64]) -> Vec<Complex64> {
     let loss = usual_loss(work, lambda);
     let (low, high) = work.range();
     let mut grid = Vec::new();
@@ -46,7 +46,7 @@ pub(crate) fn resonance_grid(work: &Work, lambda: &[Complex64]) -> Vec<Complex64
 pub(crate) struct Scan(Vec<(f64, Complex64)>);
 
 /// Looks at all places of a grid.
-pub(crate) fn scan(work: &Work, refined: &Refined) -> Scan {
+pub(crate) fn scan(work: &Columns, refined: &Refined) -> Scan {
     let grid = resonance_grid(work, &refined.lambda);
     let gains = |chunk: &[Complex64]| -> Vec<(f64, Complex64)> {
         let columns = basis(work, chunk, &[]);
@@ -93,7 +93,7 @@ impl Scan {
 /// A stretch of lines, about a bandwidth wide, whose residual energy over all FRFs stands
 /// out of the rest.
 pub(crate) fn residual_peak(
-    work: &Work,
+    work: &Columns,
     line_residual: &Array1<f64>,
     frfs: usize,
     lambda: &[Complex64],

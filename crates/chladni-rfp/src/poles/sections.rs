@@ -5,7 +5,7 @@
 //! peaks, so that what belongs to the neighbour is fitted as modes and not forced into
 //! residual terms, and keeps only the poles between its cuts.
 
-use crate::data::columns::Work;
+use crate::data::columns::Columns;
 use crate::data::peaks::Peak;
 use std::ops::Range;
 
@@ -28,7 +28,7 @@ pub(crate) struct Section {
 
 /// Cuts the band into sections of about [`PEAKS`] peaks, in the widest gap near each even
 /// share.
-pub(crate) fn split(work: &Work, seen: &[Peak]) -> Vec<Section> {
+pub(crate) fn split(work: &Columns, seen: &[Peak]) -> Vec<Section> {
     let mut x: Vec<f64> = seen.iter().map(|p| p.lambda.re).collect();
     x.sort_by(f64::total_cmp);
     let count = if x.len() > WHOLE {
@@ -65,7 +65,7 @@ mod tests {
     use ndarray::Array2;
     use num_complex::Complex64;
 
-    fn work_and_peaks(positions: &[f64]) -> (Work, Vec<Peak>) {
+    fn work_and_peaks(positions: &[f64]) -> (Columns, Vec<Peak>) {
         let n = 1000;
         let x: Vec<f64> = (0..n).map(|k| (k + 1) as f64 / n as f64).collect();
         let peak = |&x: &f64| Peak {
@@ -76,7 +76,7 @@ mod tests {
             lambda: Complex64::new(x, 0.001),
         };
         (
-            Work {
+            Columns {
                 g: vec![1.0; n],
                 x,
                 b: Array2::zeros((n, 1)),

@@ -1,7 +1,7 @@
 //! The loop that settles the order: what cannot be a mode goes, what the residual shows
 //! comes, until neither changes anything.
 
-use crate::data::columns::Work;
+use crate::data::columns::Columns;
 use crate::poles::prune::{crutch, threshold, unphysical};
 use crate::poles::refine::{refine, Refined};
 use crate::poles::scan::{scan, Scan};
@@ -16,7 +16,7 @@ use num_complex::Complex64;
 /// columns; compressed columns hold all that the basis they were made with takes out of
 /// *all* FRFs, noise included. Returns the last look at the residual.
 pub(crate) fn settle(
-    work: &Work,
+    work: &Columns,
     refined: &mut Refined,
     variance: &mut f64,
     frfs: usize,
@@ -64,7 +64,7 @@ pub(crate) fn settle(
 /// or without which the sum of squares rises by less than `limit`, or else one
 /// [`crutch`].
 fn dispensable(
-    work: &Work,
+    work: &Columns,
     refined: &Refined,
     limit: f64,
     needed: &mut Vec<Complex64>,
@@ -99,7 +99,7 @@ fn dispensable(
 /// Keeps the `modes` in-band poles that matter most (an order given by the user); returns
 /// the others.
 pub(crate) fn keep_strongest(
-    work: &Work,
+    work: &Columns,
     refined: &mut Refined,
     modes: usize,
 ) -> Result<Vec<Complex64>, LinalgError> {

@@ -10,7 +10,7 @@
 //! noise coloured in at most [`tol::WHITE_FALSE_ALARM`] of all cases; misfit too small to
 //! matter is tolerated on top.
 
-use crate::data::columns::{line_energy, Work};
+use crate::data::columns::{line_energy, Columns};
 use crate::tolerances as tol;
 use ndarray::{s, Array1, Array2};
 use num_complex::Complex64;
@@ -69,7 +69,7 @@ impl Chance {
 
 /// [`judge`] for residual columns that are all there is.
 pub(crate) fn judge_columns(
-    work: &Work,
+    work: &Columns,
     lambda: &[Complex64],
     residual: &Array2<Complex64>,
     hz: f64,
@@ -84,7 +84,7 @@ pub(crate) fn judge_columns(
 /// * `sample`: some residual columns, for the correlation of neighbouring lines
 /// * `hz`: frequency of x = 1
 pub(crate) fn judge(
-    work: &Work,
+    work: &Columns,
     lambda: &[Complex64],
     line_residual: &Array1<f64>,
     frfs: usize,
@@ -217,7 +217,11 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     /// Circular white residuals of unit variance, with poles a few lines wide.
-    fn white(lines: usize, columns: usize, seed: u64) -> (Work, Vec<Complex64>, Array2<Complex64>) {
+    fn white(
+        lines: usize,
+        columns: usize,
+        seed: u64,
+    ) -> (Columns, Vec<Complex64>, Array2<Complex64>) {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut draw = || {
             let (u, turn): (f64, f64) = (random.random(), random.random());
@@ -229,7 +233,7 @@ mod tests {
             .map(|i| Complex64::new(i as f64 / 8.0, 1.5 / lines as f64))
             .collect();
         (
-            Work {
+            Columns {
                 g: vec![1.0; lines],
                 x,
                 b: residual.clone(),
@@ -239,12 +243,12 @@ mod tests {
         )
     }
 
-    fn judged(work: &Work, poles: &[Complex64], residual: &Array2<Complex64>) -> Whiteness {
+    fn judged(work: &Columns, poles: &[Complex64], residual: &Array2<Complex64>) -> Whiteness {
         let energy = residual.map_axis(Axis(1), |row| row.iter().map(|v| v.norm_sqr()).sum());
         judge(work, poles, &energy, residual.ncols(), residual, 1.0)
     }
 
-    fn verdict(work: &Work, poles: &[Complex64], residual: &Array2<Complex64>) -> bool {
+    fn verdict(work: &Columns, poles: &[Complex64], residual: &Array2<Complex64>) -> bool {
         judged(work, poles, residual).white
     }
 
@@ -289,25 +293,26 @@ mod tests {
 
     #[test]
     fn misfit_around_one_mode_two_noise_levels_and_leakage_are_seen() {
-        let spoilt = |columns: usize, spoil: &dyn Fn(&mut Array2<Complex64>, &Work, Complex64)| {
-            (0..40)
-                .filter(|seed| {
-                    let (work, poles, mut residual) = white(400, columns, *seed);
-                    spoil(&mut residual, &work, poles[2]);
-                    !verdict(&work, &poles, &residual)
-                })
-                .count()
-        };
+        let spoilt =
+            |columns: usize, spoil: &dyn Fn(&mut Array2<Complex64>, &Columns, Complex64)| {
+                (0..40)
+                    .filter(|seed| {
+                        let (work, poles, mut residual) = white(400, columns, *seed);
+                        spoil(&mut residual, &work, poles[2]);
+                        !verdict(&work, &poles, &residual)
+                    })
+                    .count()
+            };
         // twice the amplitude within three half-widths of one mode
-        let misfit = |residual: &mut Array2<Complex64>, work: &Work, pole: Complex64| {
+        let misfit = |residual: &mut Array2<Complex64>, work: &Columns, pole: Complex64| {
             let rows = work.window(pole, tol::WINDOW_HALF_WIDTHS, tol::WINDOW_LEAST_LINES);
             residual.slice_mut(s![rows, ..]).mapv_inplace(|v| 2.0 * v);
         };
-        let levels = |residual: &mut Array2<Complex64>, _: &Work, _: Complex64| {
+        let levels = |residual: &mut Array2<Complex64>, _: &Columns, _: Complex64| {
             residual.slice_mut(s![..200, ..]).mapv_inplace(|v| 0.2 * v);
         };
         // each line half its neighbour's
-        let leakage = |residual: &mut Array2<Complex64>, _: &Work, _: Complex64| {
+        let leakage = |residual: &mut Array2<Complex64>, _: &Columns, _: Complex64| {
             for mut column in residual.columns_mut() {
                 for k in (1..column.len()).rev() {
                     column[k] = 0.9 * column[k] + 0.45 * column[k - 1];

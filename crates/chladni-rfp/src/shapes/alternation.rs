@@ -3,7 +3,7 @@
 //! Blocks of responses on all threads, sums in fixed order.
 
 use crate::shapes::residues::{ridge, Residues};
-use crate::wide::wide;
+use chladni_linalg::blocked::blocked_matmul;
 use chladni_linalg::{matmul, solve_hermitian, LinalgError};
 use ndarray::{s, Array2, ArrayView2, Axis, ShapeBuilder};
 use num_complex::Complex64;
@@ -85,7 +85,7 @@ impl<'a> Halves<'a> {
         let Problem {
             residues, owner, ..
         } = problem;
-        let of_poles = wide(residues.weight.view(), residues.values.view());
+        let of_poles = blocked_matmul(residues.weight.view(), residues.values.view());
         let total = energy(residues.values.view(), of_poles.view());
         let mut weighted = Array2::zeros((owner.len(), of_poles.ncols()).f());
         for (mut terms, poles) in weighted.columns_mut().into_iter().zip(of_poles.columns()) {

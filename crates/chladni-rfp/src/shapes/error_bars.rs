@@ -5,7 +5,7 @@
 //! response i; an error δθ of the others moves them by −Jδθ, and independent of it is the
 //! noise of x_i itself. Last comes the scale, which hangs on the same numbers.
 
-use crate::data::columns::Work;
+use crate::data::columns::Columns;
 use crate::model::identified::Pole;
 use crate::shapes::residues::Shapes;
 use crate::shapes::tangent::{overlapping, taken, unknowns, LineProducts, Tangent, Unknown};
@@ -78,7 +78,7 @@ struct Group {
 /// Shapes with what is known of their noise.
 pub(crate) struct Noisy<'a> {
     /// Lines and weights.
-    pub work: &'a Work,
+    pub work: &'a Columns,
     /// Powers of x of the residual terms.
     pub powers: &'a [i32],
     pub poles: &'a [Pole],

@@ -8,7 +8,7 @@ use crate::data::columns::basis;
 use crate::poles::scan::resonance_grid;
 use crate::shapes::step::State;
 use crate::shapes::target::Target;
-use crate::wide::wide;
+use chladni_linalg::blocked::blocked_matmul;
 use chladni_linalg::{matmul_h, LinalgError};
 use ndarray::{Array1, Array2, Axis};
 use num_complex::Complex64;
@@ -61,7 +61,7 @@ pub(crate) fn candidate(
     for chunk in grid.chunks(BLOCK) {
         let columns = target.outside(&basis(work, chunk, &[]));
         let left = target.against(&columns)
-            - wide(
+            - blocked_matmul(
                 matmul_h(columns.view(), modes.view()).view(),
                 residues.view(),
             );

@@ -10,7 +10,7 @@
 use crate::shapes::acceleration::Acceleration;
 use crate::shapes::alternation::{Halves, Problem};
 use crate::tolerances as tol;
-use crate::wide::wide;
+use chladni_linalg::blocked::blocked_matmul;
 use chladni_linalg::{inverse_hermitian, matmul, matmul_h, solve_hermitian, svd_thin, LinalgError};
 use ndarray::{Array1, Array2, ArrayView1, Axis, ShapeBuilder};
 use num_complex::Complex64;
@@ -243,7 +243,9 @@ fn freed(
     let own = part(open, open);
     let answer = solve_hermitian(ridge(&own).view(), part(open, &closed).view())?;
     let mut moved = Array2::zeros((open.len(), residues.values.ncols()).f());
-    moved.assign(&(residues.values.select(Axis(0), open) - wide(answer.view(), change.view())));
+    moved.assign(
+        &(residues.values.select(Axis(0), open) - blocked_matmul(answer.view(), change.view())),
+    );
     Ok((moved, own))
 }
 

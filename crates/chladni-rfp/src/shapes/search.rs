@@ -10,9 +10,9 @@
 //! Needs every pair of response and reference, and the structural law (complex-analytic
 //! poles).
 
-use crate::data::layout::Head;
+use crate::data::layout::DataLayout;
 use crate::data::options::ShapeModel;
-use crate::poles::estimate::{Found, UNCERTAIN};
+use crate::poles::estimate::{PoleEstimate, UNCERTAIN};
 use crate::poles::prune::threshold;
 use crate::shapes::residues::{beyond_chance, strongest};
 use crate::shapes::step::{Enough, State};
@@ -73,8 +73,8 @@ pub(crate) enum Search {
 ///
 /// `fixed_order`: no mode may be added.
 pub(crate) fn structured(
-    data: &Head,
-    found: &Found,
+    data: &DataLayout,
+    found: &PoleEstimate,
     asked: ShapeModel,
     fixed_order: bool,
 ) -> Result<Search, LinalgError> {
@@ -91,8 +91,8 @@ pub(crate) fn structured(
 
 /// The search for the poles that `belongs` says; all others stay free.
 fn searched(
-    data: &Head,
-    found: &Found,
+    data: &DataLayout,
+    found: &PoleEstimate,
     asked: ShapeModel,
     fixed_order: bool,
     belongs: impl Fn(&Complex64) -> bool,
@@ -202,7 +202,7 @@ fn searched(
 
 /// Columns to pairs, (column, eliminated · other). Every pair is there, response by
 /// response.
-fn by_pair<'a>(data: &Head, found: &'a Found, swapped: bool) -> Cow<'a, Array2<f64>> {
+fn by_pair<'a>(data: &DataLayout, found: &'a PoleEstimate, swapped: bool) -> Cow<'a, Array2<f64>> {
     let (responses, references) = (data.responses.len(), data.references.len());
     let back = match &found.back {
         Some(back) => Cow::Borrowed(back),

@@ -4,10 +4,10 @@
 //! read off it.
 
 use crate::damping::gram::Cauchy;
-use crate::data::columns::Work;
+use crate::data::columns::Columns;
 use crate::shapes::target::background;
 use crate::tolerances as tol;
-use crate::wide::wide_h;
+use chladni_linalg::blocked::blocked_matmul_h;
 use chladni_linalg::{cholesky, matmul, matmul_h, solve_hermitian, solve_lower, LinalgError};
 use ndarray::{s, Array2, Axis, ShapeBuilder};
 use num_complex::Complex64;
@@ -33,8 +33,8 @@ pub(crate) struct LineProducts {
 impl LineProducts {
     /// `free`: orthonormal basis of what stays free in every pair, (line, ·).
     pub fn new(cauchy: &Cauchy, free: &Array2<Complex64>) -> Self {
-        let inside = wide_h(free.view(), cauchy.columns.view());
-        Self::parts(&(cauchy.gram() - wide_h(inside.view(), inside.view())))
+        let inside = blocked_matmul_h(free.view(), cauchy.columns.view());
+        Self::parts(&(cauchy.gram() - blocked_matmul_h(inside.view(), inside.view())))
     }
 
     /// Those of the poles `lambda`, where what stays free are residual terms and the
@@ -43,7 +43,7 @@ impl LineProducts {
     /// # Errors
     /// A kernel that fails.
     pub fn beside(
-        work: &Work,
+        work: &Columns,
         lambda: &[Complex64],
         others: &[Complex64],
         powers: &[i32],

@@ -2,11 +2,11 @@
 //! out-of-band poles are taken out, and the way back to pairs.
 
 use crate::damping::gram::Cauchy;
-use crate::data::columns::{basis, basis_derivative, Work};
+use crate::data::columns::{basis, basis_derivative, Columns};
 use crate::shapes::alternation::add_product;
 use crate::shapes::tangent::LineProducts;
 use crate::tolerances as tol;
-use crate::wide::{projected, range, wide_h, wide_mixed};
+use chladni_linalg::blocked::{blocked_matmul_h, blocked_matmul_mixed, projected, range};
 use chladni_linalg::{cholesky, matmul, solve_hermitian, LinalgError};
 use ndarray::{s, Array2, ArrayView2, Axis, Order, ShapeBuilder};
 use num_complex::Complex64;
@@ -19,7 +19,7 @@ const BLOCK: usize = 8;
 /// The data once residual terms and out-of-band poles are taken out: what the modes of
 /// the band must explain.
 pub(crate) struct Target<'a> {
-    pub work: &'a Work,
+    pub work: &'a Columns,
     /// Orthonormal basis of what stays free in every pair, (line, ·).
     free: Array2<Complex64>,
     /// The rest of the compressed data, (line, column).
@@ -37,7 +37,7 @@ impl<'a> Target<'a> {
     /// Poles `outside` the band keep free residues and, to first order, free positions:
     /// their columns and derivatives join the residual terms.
     pub fn new(
-        work: &'a Work,
+        work: &'a Columns,
         outside: &[Complex64],
         powers: &[i32],
         back: Cow<'a, Array2<f64>>,
@@ -96,14 +96,17 @@ impl<'a> Target<'a> {
 
     /// columnsᴴ · data of every pair, (column, own·other).
     pub fn against(&self, columns: &Array2<Complex64>) -> Array2<Complex64> {
-        wide_mixed(&wide_h(columns.view(), self.data.view()), self.back.view())
+        blocked_matmul_mixed(
+            &blocked_matmul_h(columns.view(), self.data.view()),
+            self.back.view(),
+        )
     }
 }
 
 /// Orthonormal basis of what stays free in every pair, (line, ·): residual terms, and
 /// poles `outside` the band with their residues and, to first order, their positions.
 pub(crate) fn background(
-    work: &Work,
+    work: &Columns,
     outside: &[Complex64],
     powers: &[i32],
 ) -> Result<Array2<Complex64>, LinalgError> {
@@ -150,7 +153,7 @@ impl Products {
         // the data have nothing inside what is free
         let cauchy = Cauchy::new(target.work, lambda, &[]);
         Self {
-            against: wide_h(cauchy.columns.view(), target.data.view()),
+            against: blocked_matmul_h(cauchy.columns.view(), target.data.view()),
             lines: LineProducts::new(&cauchy, &target.free),
         }
     }
@@ -173,7 +176,7 @@ impl Products {
             .into_par_iter()
             .map(|back| {
                 self.block(
-                    &wide_mixed(&self.against, back),
+                    &blocked_matmul_mixed(&self.against, back),
                     participation,
                     gram_inverse,
                     real,
@@ -248,15 +251,15 @@ pub(crate) fn free_residues(
     lambda: &[Complex64],
 ) -> Result<(Array2<Complex64>, f64), LinalgError> {
     let f = target.outside(&basis(target.work, lambda, &[]));
-    let against = wide_h(f.view(), target.data.view());
-    let residues = solve_hermitian(wide_h(f.view(), f.view()).view(), against.view())?;
+    let against = blocked_matmul_h(f.view(), target.data.view());
+    let residues = solve_hermitian(blocked_matmul_h(f.view(), f.view()).view(), against.view())?;
     let explained: f64 = residues
         .iter()
         .zip(&against)
         .map(|(r, b)| (r.conj() * b).re)
         .sum();
     Ok((
-        wide_mixed(&residues, target.back.view()),
+        blocked_matmul_mixed(&residues, target.back.view()),
         target.energy - explained,
     ))
 }

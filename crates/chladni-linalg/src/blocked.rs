@@ -2,7 +2,7 @@
 //! size depends on nothing but their number, so that the bits are the same on any number
 //! of threads.
 
-use chladni_linalg::{
+use crate::{
     add_matmul, matmul, qr_r, qr_thin, set_matmul, set_matmul_h, svd_thin, LinalgError, Scalar,
 };
 use ndarray::{s, Array1, Array2, ArrayView2, Axis, ShapeBuilder};
@@ -33,17 +33,17 @@ fn block(columns: usize, multiplications: usize) -> usize {
 
 /// Runs `work` on a thread of the pool: each of its many short products would otherwise
 /// wait for two of them to wake.
-pub(crate) fn in_pool<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+pub fn in_pool<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     rayon::scope(|_| work())
 }
 
 /// a·b.
-pub(crate) fn wide<T: Scalar>(a: ArrayView2<T>, b: ArrayView2<T>) -> Array2<T> {
+pub fn blocked_matmul<T: Scalar>(a: ArrayView2<T>, b: ArrayView2<T>) -> Array2<T> {
     blocked(a.nrows(), a.len(), b, |c, b| set_matmul(c, a, b))
 }
 
 /// aᴴ·b.
-pub(crate) fn wide_h<T: Scalar>(a: ArrayView2<T>, b: ArrayView2<T>) -> Array2<T> {
+pub fn blocked_matmul_h<T: Scalar>(a: ArrayView2<T>, b: ArrayView2<T>) -> Array2<T> {
     blocked(a.ncols(), a.len(), b, |c, b| set_matmul_h(c, a, b))
 }
 
@@ -66,7 +66,7 @@ fn blocked<T: Scalar>(
 /// Zeros to add products to, (row, column) by columns: written, for of memory that the
 /// system has only promised each page would be mapped twice, once where a product reads
 /// what it adds to.
-pub(crate) fn cleared(rows: usize, columns: usize) -> Array2<f64> {
+pub fn cleared(rows: usize, columns: usize) -> Array2<f64> {
     // the compiler must not make it a promise again
     let mut values = std::hint::black_box(Vec::with_capacity(rows * columns));
     values.resize(rows * columns, 0.0);
@@ -75,7 +75,7 @@ pub(crate) fn cleared(rows: usize, columns: usize) -> Array2<f64> {
 
 /// Sum of what `part` makes of each of `items` (at least one), by a tree that their
 /// number fixes: few parts are alive at once.
-pub(crate) fn tree_sum<I: Send, S: Send>(
+pub fn tree_sum<I: Send, S: Send>(
     mut items: Vec<I>,
     part: &(impl Fn(I) -> S + Sync),
     add: &(impl Fn(S, S) -> S + Sync),
@@ -89,7 +89,7 @@ pub(crate) fn tree_sum<I: Send, S: Send>(
 }
 
 /// Qᴴb and b − Q·Qᴴb.
-pub(crate) fn projected<T: Scalar>(q: ArrayView2<T>, b: ArrayView2<T>) -> (Array2<T>, Array2<T>) {
+pub fn projected<T: Scalar>(q: ArrayView2<T>, b: ArrayView2<T>) -> (Array2<T>, Array2<T>) {
     let (mut inside, mut outside) = (
         Array2::zeros((q.ncols(), b.ncols()).f()),
         Array2::zeros(b.raw_dim().f()),
@@ -113,7 +113,7 @@ pub(crate) fn projected<T: Scalar>(q: ArrayView2<T>, b: ArrayView2<T>) -> (Array
 ///
 /// # Errors
 /// As [`qr_thin`].
-pub(crate) fn tall_qr<T: Scalar>(a: ArrayView2<T>) -> Result<(Array2<T>, Array2<T>), LinalgError> {
+pub fn tall_qr<T: Scalar>(a: ArrayView2<T>) -> Result<(Array2<T>, Array2<T>), LinalgError> {
     let (rows, m) = a.dim();
     if rows < 2 * ROW_BLOCKS * m || a.len() * m < SMALL {
         return qr_thin(a);
@@ -147,7 +147,7 @@ pub(crate) fn tall_qr<T: Scalar>(a: ArrayView2<T>) -> Result<(Array2<T>, Array2<
 ///
 /// # Errors
 /// As [`svd_thin`].
-pub(crate) fn range<T: Scalar>(a: ArrayView2<T>, least: f64) -> Result<Array2<T>, LinalgError> {
+pub fn range<T: Scalar>(a: ArrayView2<T>, least: f64) -> Result<Array2<T>, LinalgError> {
     let kept =
         |s: &Array1<f64>| -> Vec<usize> { (0..s.len()).filter(|&i| s[i] > least * s[0]).collect() };
     if a.nrows() < a.ncols() {
@@ -160,14 +160,17 @@ pub(crate) fn range<T: Scalar>(a: ArrayView2<T>, least: f64) -> Result<Array2<T>
         return Ok(q);
     }
     let (u, s, _) = svd_thin(r.view())?;
-    Ok(wide(q.view(), u.select(Axis(1), &kept(&s)).view()))
+    Ok(blocked_matmul(
+        q.view(),
+        u.select(Axis(1), &kept(&s)).view(),
+    ))
 }
 
 /// R of the QR alone.
 ///
 /// # Errors
 /// As [`qr_thin`].
-pub(crate) fn tall_r<T: Scalar>(a: ArrayView2<T>) -> Result<Array2<T>, LinalgError> {
+pub fn tall_r<T: Scalar>(a: ArrayView2<T>) -> Result<Array2<T>, LinalgError> {
     let (rows, m) = a.dim();
     if rows < 2 * ROW_BLOCKS * m || a.len() * m < SMALL {
         return qr_r(a);
@@ -188,7 +191,7 @@ pub(crate) fn tall_r<T: Scalar>(a: ArrayView2<T>) -> Result<Array2<T>, LinalgErr
 }
 
 /// Real and imaginary part of each line in turn.
-pub(crate) fn stacked(b: &Array2<Complex64>) -> Array2<f64> {
+pub fn stacked(b: &Array2<Complex64>) -> Array2<f64> {
     let part = |value: Complex64, row: usize| {
         if row.is_multiple_of(2) {
             value.re
@@ -202,7 +205,7 @@ pub(crate) fn stacked(b: &Array2<Complex64>) -> Array2<f64> {
 }
 
 /// a·b for complex a and real b, as a real product of twice the rows.
-pub(crate) fn wide_mixed(a: &Array2<Complex64>, b: ArrayView2<f64>) -> Array2<Complex64> {
+pub fn blocked_matmul_mixed(a: &Array2<Complex64>, b: ArrayView2<f64>) -> Array2<Complex64> {
     let parts = stacked(a);
     let mut out = Array2::zeros((a.nrows(), b.ncols()).f());
     let size = block(b.ncols(), 2 * a.len() * b.ncols());
@@ -224,7 +227,7 @@ pub(crate) fn wide_mixed(a: &Array2<Complex64>, b: ArrayView2<f64>) -> Array2<Co
 #[cfg(test)]
 mod tests {
     use super::*;
-    use chladni_linalg::matmul_h;
+    use crate::matmul_h;
 
     fn values(rows: usize, columns: usize, seed: usize) -> Array2<Complex64> {
         let value = |k: usize| ((k * 7919 + seed) % 101) as f64 / 50.0 - 1.0;
@@ -239,10 +242,13 @@ mod tests {
         let near = |x: &Array2<Complex64>, y: &Array2<Complex64>| {
             x.iter().zip(y).all(|(x, y)| (x - y).norm() < 1e-12)
         };
-        assert!(near(&wide(a.view(), b.view()), &matmul(a.view(), b.view())));
+        assert!(near(
+            &blocked_matmul(a.view(), b.view()),
+            &matmul(a.view(), b.view())
+        ));
         let c = values(600, 333, 3);
         assert!(near(
-            &wide_h(a.view(), c.view()),
+            &blocked_matmul_h(a.view(), c.view()),
             &matmul_h(a.view(), c.view())
         ));
         let (q, r) = tall_qr(c.slice(s![.., ..5]).to_owned().view()).unwrap();
@@ -266,7 +272,7 @@ mod tests {
         ));
         let real = b.mapv(|v| v.re);
         assert!(near(
-            &wide_mixed(&a, real.view()),
+            &blocked_matmul_mixed(&a, real.view()),
             &matmul(a.view(), real.mapv(|v| Complex64::new(v, 0.0)).view())
         ));
     }
