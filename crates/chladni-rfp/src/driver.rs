@@ -1,13 +1,14 @@
 //! The fit: screen, find poles, choose the damping law, residues, shapes, model.
 
 use crate::checks::examine::examine;
+use crate::damping::structural::POWERS;
 use crate::damping::verdict::Law;
 use crate::data::columns::Columns;
 use crate::data::error::FitError;
 use crate::data::given_noise::{given_noise, Giver};
 use crate::data::layout::DataLayout;
-use crate::data::noise_weights::PairWeights;
 use crate::data::options::{FitOptions, Method};
+use crate::data::pair_weights::PairWeights;
 use crate::data::products::{project, Projected};
 use crate::data::screening::Screened;
 use crate::data::{outliers, window};
@@ -15,20 +16,21 @@ use crate::measured::path::measured_path;
 use crate::methods::aaa::aaa;
 use crate::methods::bars::fit_by_method;
 use crate::methods::circle::circle;
+use crate::methods::found::Finder;
+use crate::methods::found::Stabilization;
 use crate::methods::grfp::grfp;
 use crate::methods::lean::lean;
 use crate::methods::lscf::lscf;
 use crate::methods::peak::peak;
 use crate::methods::plscf::plscf;
 use crate::methods::rfp::rfp;
-use crate::methods::stabilization::Stabilization;
 use crate::methods::survey::Survey;
 use crate::methods::vf::vf;
 use crate::model::build::Shaped;
 use crate::model::decide::decide;
 use crate::model::exponential;
 use crate::model::identified::Identified;
-use crate::poles::chain::{fast_chain, Chain, Doubt, Outcome, POWERS};
+use crate::poles::chain::{fast_chain, Chain, Doubt, Outcome};
 use crate::poles::estimate::{more_than_asked, uncertainty_grade, Grade, PoleEstimate};
 use crate::poles::refine::{refine, Projection, Refined};
 use chladni_frf::{Damping, FrfSet, ModalModel, Trust};
@@ -177,6 +179,13 @@ enum Attempt {
     Outliers(Vec<usize>),
 }
 
+impl Attempt {
+    /// A fit whose checks go by the noise that it found.
+    fn whole(fit: Fit) -> Self {
+        Self::Fitted(Box::new(fit), true, Vec::new())
+    }
+}
+
 /// Runs the method asked for. Outlier lines end a run only where they are `sought`.
 fn identify(
     data: &Screened,
@@ -184,28 +193,26 @@ fn identify(
     sought: bool,
     progress: &dyn Fn(&str),
 ) -> Result<Attempt, FitError> {
-    let fitted = |fit: Result<Fit, FitError>| Ok(Attempt::Fitted(Box::new(fit?), true, Vec::new()));
+    let by = |method: Finder| {
+        let (model, stabilization) = fit_by_method(data, options, method, progress)?;
+        let history = Vec::new();
+        Ok(Attempt::whole(Fit {
+            model,
+            history,
+            stabilization,
+        }))
+    };
     match options.method {
         Method::Auto => fit_auto(data, options, sought, progress),
-        Method::Lean => fitted(fit_lean(data, options, progress)),
-        Method::Vf => fitted(fit_by_method(data, options, vf, progress)),
-        Method::Lscf => fitted(fit_by_method(data, options, lscf, progress)),
-        Method::Plscf => fitted(fit_by_method(data, options, plscf, progress)),
-        Method::Aaa => fitted(fit_by_method(data, options, aaa, progress)),
-        Method::Rfp => fitted(fit_by_method(
-            data,
-            options,
-            |survey, _, options| Ok(rfp(survey, options)?.into()),
-            progress,
-        )),
-        Method::Grfp => fitted(fit_by_method(
-            data,
-            options,
-            |survey, _, options| Ok(grfp(survey, options)?.into()),
-            progress,
-        )),
-        Method::Peak => fitted(fit_by_method(data, options, peak, progress)),
-        Method::Circle => fitted(fit_by_method(data, options, circle, progress)),
+        Method::Lean => Ok(Attempt::whole(fit_lean(data, options, progress)?)),
+        Method::Vf => by(vf),
+        Method::Lscf => by(lscf),
+        Method::Plscf => by(plscf),
+        Method::Aaa => by(aaa),
+        Method::Rfp => by(|survey, _, options| Ok(rfp(survey, options)?.into())),
+        Method::Grfp => by(|survey, _, options| Ok(grfp(survey, options)?.into())),
+        Method::Peak => by(peak),
+        Method::Circle => by(circle),
     }
 }
 

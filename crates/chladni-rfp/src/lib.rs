@@ -22,7 +22,7 @@ pub use data::error::FitError;
 pub use data::options::{Effort, FitOptions, Method, ShapeModel, Window};
 pub use driver::{fit, Fit};
 pub use methods::bars::stabilization;
-pub use methods::stabilization::{OrderPole, Stability, Stabilization};
+pub use methods::found::{OrderPole, Stability, Stabilization};
 pub use validation::cmif::cmif;
 pub use validation::complexity::{mean_phase_deviation_deg, modal_complexity_factor, mpc};
 pub use validation::mac::{auto_mac, mac, mac_matrix};

@@ -3,11 +3,12 @@
 
 use crate::checks::case::{Case, Finding};
 use crate::checks::moving::{pole, strength};
-use crate::data::columns::{basis, Columns};
+use crate::damping::structural::basis;
+use crate::damping::structural::POWERS;
+use crate::data::columns::Columns;
 use crate::data::options::ShapeModel;
-use crate::poles::chain::POWERS;
 use crate::poles::prune::threshold;
-use crate::shapes::target::background;
+use crate::shapes::line_products::background;
 use chladni_frf::Mode;
 use chladni_linalg::blocked::projected;
 use num_complex::Complex64;

@@ -12,7 +12,7 @@
 
 use crate::checks::case::Case;
 use crate::checks::moving::neighbourhood;
-use crate::data::window::Window;
+use crate::data::options::Window;
 use chladni_frf::Mode;
 use chladni_linalg::{lstsq, matmul, matmul_h, qr_thin, LinalgError};
 use ndarray::{Array2, ShapeBuilder};

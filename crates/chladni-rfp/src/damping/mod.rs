@@ -2,5 +2,6 @@
 //! law, and which law holds.
 
 pub(crate) mod gram;
+pub(crate) mod structural;
 pub(crate) mod verdict;
 pub(crate) mod viscous;

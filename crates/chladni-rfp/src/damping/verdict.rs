@@ -5,9 +5,9 @@
 //! squares decide where they differ by more than chance; otherwise the question is
 //! undecidable on these data, and the answer says so.
 
+use crate::damping::structural::POWERS;
 use crate::damping::viscous::{from_structural, refine_viscous, ViscousFit};
 use crate::data::columns::Columns;
-use crate::poles::chain::POWERS;
 use crate::poles::prune::threshold;
 use crate::poles::refine::Refined;
 use crate::tolerances as tol;

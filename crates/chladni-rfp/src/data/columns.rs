@@ -123,37 +123,6 @@ pub(crate) fn inverse(z: Complex64) -> Complex64 {
     Complex64::new(z.re * scale, -z.im * scale)
 }
 
-/// Columns g/(λ_n − x) and g·x^p: the basis of a common-pole model (theory.md, eq. 6).
-pub(crate) fn basis(work: &Columns, lambda: &[Complex64], powers: &[i32]) -> Array2<Complex64> {
-    let mut a = Array2::zeros((work.lines(), lambda.len() + powers.len()).f());
-    for (mut column, &pole) in a.columns_mut().into_iter().zip(lambda) {
-        let column = column.as_slice_mut().expect("column-major");
-        for ((value, &x), &g) in column.iter_mut().zip(&work.x).zip(&work.g) {
-            *value = inverse(pole - x) * g;
-        }
-    }
-    for (p, &power) in powers.iter().enumerate() {
-        let column = a.column_mut(lambda.len() + p);
-        for ((value, &x), &g) in column.into_iter().zip(&work.x).zip(&work.g) {
-            *value = Complex64::new(g * x.powi(power), 0.0);
-        }
-    }
-    a
-}
-
-/// ∂/∂λ of the pole columns: −g/(λ_n − x)².
-pub(crate) fn basis_derivative(work: &Columns, lambda: &[Complex64]) -> Array2<Complex64> {
-    let mut d = Array2::zeros((work.lines(), lambda.len()).f());
-    for (mut column, &pole) in d.columns_mut().into_iter().zip(lambda) {
-        let column = column.as_slice_mut().expect("column-major");
-        for ((value, &x), &g) in column.iter_mut().zip(&work.x).zip(&work.g) {
-            let inverse = inverse(pole - x);
-            *value = inverse * inverse * -g;
-        }
-    }
-    d
-}
-
 /// Mean of |row|² over the columns, per line.
 pub(crate) fn line_energy(b: &Array2<Complex64>) -> Array1<f64> {
     let mut energy = Array1::zeros(b.nrows());

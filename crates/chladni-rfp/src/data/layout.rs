@@ -2,8 +2,8 @@
 //! after the passes over the data needs no more.
 
 use crate::data::columns::Columns;
-use crate::data::noise_weights::PairWeights;
 use crate::data::options::Effort;
+use crate::data::pair_weights::PairWeights;
 use chladni_frf::{Dof, FrfKind, FrfSet, Node, ReferenceUnit};
 use ndarray::{Array2, ArrayView1};
 use num_complex::Complex64;

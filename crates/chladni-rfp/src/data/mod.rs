@@ -10,6 +10,7 @@ pub(crate) mod noise_weights;
 pub(crate) mod noisy_frfs;
 pub(crate) mod options;
 pub(crate) mod outliers;
+pub(crate) mod pair_weights;
 pub(crate) mod peaks;
 pub(crate) mod products;
 pub(crate) mod reading;

@@ -7,7 +7,7 @@
 //! L_j/t_j.
 
 use crate::data::layout::DataLayout;
-use chladni_frf::{FrfSet, FrfValues};
+use crate::data::pair_weights::PairWeights;
 
 /// Loss of variance by equal weights, mean(σ²)·mean(1/σ²) − 1, from which FRFs are
 /// weighted. Noise within a factor 1.5 stays below.
@@ -16,13 +16,6 @@ const WORTH_WEIGHING: f64 = 0.1;
 const ROUNDING: f64 = 1e-7;
 /// Sweeps of the two-way mean; a complete set is exact after one.
 const SWEEPS: usize = 20;
-
-/// 1/(s_i·t_j), about one in the mean.
-#[derive(Debug, Clone)]
-pub(crate) struct PairWeights {
-    pub response: Vec<f64>,
-    pub reference: Vec<f64>,
-}
 
 impl PairWeights {
     /// From the sum of squares `left` of each pair used by a model; `None` where equal
@@ -73,46 +66,6 @@ impl PairWeights {
         squares().sum::<f64>() * squares().map(f64::recip).sum::<f64>()
             / (data.pairs.len() as f64).powi(2)
             - 1.0
-    }
-
-    /// Of a pair (response, reference).
-    pub fn of(&self, (i, j): (usize, usize)) -> f64 {
-        self.response[i] * self.reference[j]
-    }
-
-    /// The set with every FRF times its weight.
-    pub fn applied(&self, frf: &FrfSet) -> FrfSet {
-        let mut out = frf.clone();
-        match &mut out.values {
-            FrfValues::F64(values) => values
-                .indexed_iter_mut()
-                .for_each(|((i, j, _), value)| *value *= self.of((i, j))),
-            FrfValues::F32(values) => values
-                .indexed_iter_mut()
-                .for_each(|((i, j, _), value)| *value *= self.of((i, j)) as f32),
-        }
-        out
-    }
-
-    /// What was done, for the path.
-    pub fn words(&self) -> String {
-        format!(
-            "FRFs weighted by their noise, which {}",
-            self.spread_in_words()
-        )
-    }
-
-    /// How the noise differs.
-    pub fn spread_in_words(&self) -> String {
-        let range = |values: &[f64]| {
-            values.iter().cloned().fold(f64::MIN, f64::max)
-                / values.iter().cloned().fold(f64::MAX, f64::min)
-        };
-        format!(
-            "differs {:.1} times between responses and {:.1} times between references",
-            range(&self.response),
-            range(&self.reference)
-        )
     }
 }
 

@@ -1,8 +1,8 @@
 //! What a user may turn.
 
-pub use crate::data::window::Window;
 use crate::tolerances as tol;
 use chladni_frf::Damping;
+use std::f64::consts::{PI, TAU};
 use std::fmt;
 use std::str::FromStr;
 
@@ -177,4 +177,54 @@ pub struct FitOptions {
     pub seed: u64,
     /// What is spent on finding poles.
     pub effort: Effort,
+}
+
+/// The window of the records that FRFs were estimated from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Window {
+    /// No bias: hammer, burst, sine or simulated data; nothing is done, and nothing said.
+    None,
+    /// Rectangular window on continuous random excitation.
+    Rectangular,
+    /// Hann window on continuous random excitation.
+    Hann,
+}
+
+impl FromStr for Window {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        Self::ALL
+            .into_iter()
+            .find(|window| window.as_str() == text)
+            .ok_or_else(|| format!("`{text}` is no window; write none, hann or rectangular"))
+    }
+}
+
+impl fmt::Display for Window {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.as_str())
+    }
+}
+
+impl Window {
+    /// All windows, in the order of the documentation.
+    pub const ALL: [Self; 3] = [Self::None, Self::Hann, Self::Rectangular];
+
+    /// Name on the command line and in result files.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Rectangular => "rectangular",
+            Self::Hann => "hann",
+        }
+    }
+
+    /// Autocorrelation at a lag of `u` record lengths (0..1), 1 at zero lag.
+    pub fn autocorrelation(self, u: f64) -> f64 {
+        match self {
+            Self::None => 1.0,
+            Self::Rectangular => 1.0 - u,
+            Self::Hann => ((1.0 - u) * (2.0 + (TAU * u).cos()) + 1.5 / PI * (TAU * u).sin()) / 3.0,
+        }
+    }
 }

@@ -3,9 +3,9 @@
 use crate::data::columns::{line_energy, Columns};
 use crate::data::error::FitError;
 use crate::data::layout::{DataLayout, Weighting};
-use crate::data::noise_weights::PairWeights;
 use crate::data::noisy_frfs::far_noisier;
 use crate::data::options::FitOptions;
+use crate::data::pair_weights::PairWeights;
 use crate::data::reading::{energy, visit, Usable};
 use crate::data::sketch::{Mixing, Sums};
 use chladni_frf::FrfSet;

@@ -1,9 +1,10 @@
 //! Evidence about one pole: what the residual, the neighbourhood and the other runs say
 //! of it.
 
-use crate::data::columns::{basis, Columns};
+use crate::damping::structural::basis;
+use crate::data::columns::Columns;
 use crate::measured::candidates::Origin;
-use crate::measured::search::Record;
+use crate::measured::record::Record;
 use crate::poles::refine::Refined;
 use ndarray::{s, Array1, Array2};
 use num_complex::Complex64;

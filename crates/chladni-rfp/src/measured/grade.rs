@@ -2,7 +2,7 @@
 
 use crate::measured::candidates::Origin;
 use crate::measured::evidence::Evidence;
-use crate::measured::search::Record;
+use crate::measured::record::Record;
 use crate::poles::estimate::Grade;
 use chladni_frf::Trust;
 use num_complex::Complex64;

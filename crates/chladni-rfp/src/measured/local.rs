@@ -4,7 +4,8 @@
 //! others stands still. That costs the square of a handful of poles on some tens of
 //! lines, where a refit of the whole costs the square of all on all.
 
-use crate::data::columns::{basis, Columns};
+use crate::damping::structural::basis;
+use crate::data::columns::Columns;
 use crate::measured::candidates::{Candidates, Change};
 use crate::poles::refine::{refine, Projection, Refined};
 use crate::tolerances as tol;

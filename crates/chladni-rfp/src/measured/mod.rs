@@ -14,6 +14,7 @@ pub(crate) mod grade;
 pub(crate) mod impulse;
 pub(crate) mod local;
 pub(crate) mod path;
+pub(crate) mod record;
 pub(crate) mod resolved;
 pub(crate) mod sandwich;
 pub(crate) mod search;

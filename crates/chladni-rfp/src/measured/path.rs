@@ -1,6 +1,7 @@
 //! The measured-data path as one walk: screen the record, search each section (votes of
 //! several orders, error model, local tests, twins), join what was found, grade it.
 
+use crate::damping::structural::POWERS;
 use crate::data::columns::{line_energy, Columns};
 use crate::data::layout::DataLayout;
 use crate::data::peaks::{fourth_difference_noise, peaks, thinned, Peak};
@@ -9,8 +10,8 @@ use crate::measured::error_model::{column_scales, normalised};
 use crate::measured::evidence::Evidence;
 use crate::measured::grade::{grade_all, Graded};
 use crate::measured::impulse::{padding_factor, windowed};
-use crate::measured::search::{Finished, Record, Search};
-use crate::poles::chain::POWERS;
+use crate::measured::record::Record;
+use crate::measured::search::{Finished, Search};
 use crate::poles::estimate::{more_than_asked, Grade};
 use crate::poles::refine::{refine, Refined};
 use crate::poles::sections::split;

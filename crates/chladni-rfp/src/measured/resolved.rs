@@ -1,7 +1,8 @@
 //! Isolated modes that the lines resolve: what the peak itself says, free of the error
 //! model.
 
-use crate::data::columns::{basis, Columns};
+use crate::damping::structural::basis;
+use crate::data::columns::Columns;
 use crate::measured::sandwich::variances;
 use crate::poles::refine::{refine, Refined};
 use crate::tolerances as tol;

@@ -1,7 +1,8 @@
 //! Covariance from the residual as it is: H⁻¹GH⁻¹ with neighbouring lines correlated
 //! (theory.md, eq. 23).
 
-use crate::data::columns::{basis_derivative, Columns};
+use crate::damping::structural::basis_derivative;
+use crate::data::columns::Columns;
 use crate::poles::refine::Refined;
 use chladni_linalg::{inverse_hermitian, matmul, matmul_h, LinalgError};
 use ndarray::Array2;

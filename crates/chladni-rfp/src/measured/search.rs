@@ -1,5 +1,6 @@
 //! The search for modes in one section: votes, error model, local tests, twins.
 
+use crate::damping::structural::POWERS;
 use crate::data::columns::{line_energy, Columns};
 use crate::data::peaks::{fourth_difference_noise, peaks, Peak};
 use crate::measured::candidates::{Candidates, Origin};
@@ -7,10 +8,10 @@ use crate::measured::consensus::consensus;
 use crate::measured::error_model::NoiseModel;
 use crate::measured::evidence::{look, Evidence};
 use crate::measured::local::{one_column_gains, remove, remove_unneeded, try_add};
+use crate::measured::record::Record;
 use crate::measured::resolved::refine_resolved;
 use crate::measured::sandwich::variances;
 use crate::measured::twins::{merge, own_poles};
-use crate::poles::chain::POWERS;
 use crate::poles::refine::{refine, Refined};
 use crate::poles::sections::Section;
 use crate::tolerances as tol;
@@ -26,26 +27,6 @@ const WEIGHT_ROUNDS: usize = 2;
 const RESEED: (usize, usize) = (20, 2);
 /// Height of a residual peak over the residual's noise, dB.
 const RESEED_OVER_NOISE_DB: f64 = 10.0;
-
-/// What a search needs to know of the record it is part of.
-pub(crate) struct Record<'a> {
-    /// Scaled columns on all lines used.
-    pub work: &'a Columns,
-    /// Additive noise variance per line.
-    pub noise: &'a Array1<f64>,
-    /// Visible peaks.
-    pub seen: &'a [Peak],
-    /// Number of FRFs.
-    pub frfs: usize,
-    /// Factors from columns to FRFs; `None` where the columns are mixtures.
-    pub scales: Option<Array1<f64>>,
-    /// True where all FRFs were measured from one reference.
-    pub one_reference: bool,
-    /// True where the records went through a window that broadens lines.
-    pub windowed: bool,
-    /// Hz per √x.
-    pub hz: f64,
-}
 
 /// A section with the poles found in it.
 pub(crate) struct Search<'a> {

@@ -1,7 +1,8 @@
 //! Twins: two poles that stand for one mode which moves between FRFs (roving mass,
 //! temperature).
 
-use crate::data::columns::{basis, Columns};
+use crate::damping::structural::basis;
+use crate::data::columns::Columns;
 use crate::measured::candidates::{Candidates, Change};
 use crate::measured::local::Neighbourhood;
 use crate::poles::refine::{refine, Refined};

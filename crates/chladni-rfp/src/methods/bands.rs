@@ -11,8 +11,8 @@
 use crate::data::options::FitOptions;
 use crate::data::peaks::Peak;
 use crate::data::screening::Screened;
-use crate::methods::common::{ORDER_HELD, PEAKS_PER_BAND, SPARE_PAIRS};
 use crate::methods::equation_error::largest_order;
+use crate::methods::limits::{ORDER_HELD, PEAKS_PER_BAND, SPARE_PAIRS};
 use crate::methods::survey::Survey;
 use ndarray::Array1;
 use std::f64::consts::TAU;

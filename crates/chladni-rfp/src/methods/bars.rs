@@ -6,25 +6,24 @@
 //! an efficient estimator at this residual, and the first steps of [`crate::refine`] from
 //! the method's poles, which are not taken.
 
+use crate::damping::structural::POWERS;
 use crate::damping::verdict::expressible_pole;
 use crate::data::columns::Columns;
 use crate::data::error::FitError;
 use crate::data::options::FitOptions;
 use crate::data::screening::Screened;
-use crate::driver::Fit;
-use crate::methods::common::{Finder, MethodPoles};
+use crate::methods::found::Stabilization;
+use crate::methods::found::{Finder, MethodPoles};
 use crate::methods::lscf::lscf;
 use crate::methods::selection::{rises, variance_left};
-use crate::methods::stabilization::Stabilization;
 use crate::methods::survey::{Compressed, Survey};
 use crate::model::build::Shaped;
 use crate::model::identified::{structural_pole, viscous_pole, Identified, Pole};
-use crate::poles::chain::POWERS;
 use crate::poles::estimate::{Grade, UNCERTAIN};
 use crate::poles::prune::threshold;
 use crate::poles::refine::{refine, Projection, Refined};
 use crate::tolerances as tol;
-use chladni_frf::{Damping, FrfSet, Trust};
+use chladni_frf::{Damping, FrfSet, ModalModel, Trust};
 use chladni_linalg::{inverse_hermitian, LinalgError};
 use num_complex::Complex64;
 
@@ -35,7 +34,8 @@ const MOST_LEFT: f64 = 0.2;
 /// could not be told apart.
 const SAME_POLE: f64 = 1e-3;
 
-/// Poles by `method`, residues of every FRF by least squares at these poles.
+/// The model of poles by `method`, residues of every FRF by least squares at these poles;
+/// poles by order where the method looks at several.
 ///
 /// # Errors
 /// Those of the method; fewer lines than the poles need.
@@ -44,7 +44,7 @@ pub(crate) fn fit_by_method(
     options: &FitOptions,
     method: Finder,
     progress: &dyn Fn(&str),
-) -> Result<Fit, FitError> {
+) -> Result<(ModalModel, Option<Stabilization>), FitError> {
     progress("sketch");
     let survey = Survey::new(data, options.seed);
     progress("compression");
@@ -93,11 +93,7 @@ pub(crate) fn fit_by_method(
             100.0 * model.quality.relative_error
         ));
     }
-    Ok(Fit {
-        model,
-        history: Vec::new(),
-        stabilization: found.stabilization,
-    })
+    Ok((model, found.stabilization))
 }
 
 /// Poles of rising order for a stabilization diagram, by the method lscf in the band of

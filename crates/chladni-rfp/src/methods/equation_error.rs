@@ -32,8 +32,8 @@
 //! Cost per band: 8·lines·(numerator + denominator)·columns·order flop for A, then its
 //! QR.
 
-use crate::methods::common::{LINES_PER_UNKNOWN, NUMERATOR_EXTRA};
 use crate::methods::forsythe::Forsythe;
+use crate::methods::limits::{LINES_PER_UNKNOWN, NUMERATOR_EXTRA};
 use chladni_linalg::{matmul, matmul_h, qr_r, svd_thin, LinalgError};
 use ndarray::{s, Array2, ArrayView2, Axis, ShapeBuilder};
 use num_complex::Complex64;

@@ -23,7 +23,8 @@
 use crate::data::error::FitError;
 use crate::data::options::FitOptions;
 use crate::methods::bands::{in_hertz, BandPlan};
-use crate::methods::common::{health, BandLines, ClassicPoles};
+use crate::methods::classic::{health, BandLines};
+use crate::methods::found::ClassicPoles;
 use crate::methods::survey::Survey;
 use ndarray::s;
 

@@ -18,14 +18,15 @@
 //!
 //! Equations: theory.md, section 2.
 
-use crate::data::columns::{basis, Columns};
+use crate::damping::structural::basis;
+use crate::damping::structural::POWERS;
+use crate::data::columns::Columns;
 use crate::data::error::FitError;
 use crate::data::options::FitOptions;
 use crate::data::products::project;
 use crate::methods::selection::{fewer, inside, left_by, select};
 use crate::methods::survey::Survey;
 use crate::methods::vf::{pool, signed};
-use crate::poles::chain::POWERS;
 use crate::poles::estimate::{Grade, PoleEstimate};
 use crate::poles::pool::Products;
 use crate::poles::prune::threshold;

@@ -25,7 +25,7 @@
 
 use crate::data::error::FitError;
 use crate::data::options::{FitOptions, Method};
-use crate::methods::common::MethodPoles;
+use crate::methods::found::MethodPoles;
 use crate::methods::matrix_fraction::{Circle, MatrixFraction};
 use crate::methods::stabilization::Ladder;
 use crate::methods::survey::{Compressed, Survey};

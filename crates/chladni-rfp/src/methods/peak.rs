@@ -18,7 +18,7 @@
 
 use crate::data::error::FitError;
 use crate::data::options::FitOptions;
-use crate::methods::common::MethodPoles;
+use crate::methods::found::MethodPoles;
 use crate::methods::selection::modes_of;
 use crate::methods::survey::{Compressed, Survey};
 use num_complex::Complex64;

@@ -1,12 +1,12 @@
 //! Which poles are modes, for methods that find them in the plane x: the significance of
 //! their residues.
 
+use crate::damping::structural::POWERS;
 use crate::damping::viscous::from_structural;
 use crate::data::columns::Columns;
 use crate::data::options::FitOptions;
-use crate::methods::common::MethodPoles;
+use crate::methods::found::MethodPoles;
 use crate::methods::survey::Survey;
-use crate::poles::chain::POWERS;
 use crate::poles::prune::{crutch, threshold, unphysical};
 use crate::poles::refine::{refine, removable, Projection};
 use crate::tolerances as tol;

@@ -8,7 +8,8 @@
 
 use crate::data::options::FitOptions;
 use crate::methods::clusters::{clusters, median_pole};
-use crate::methods::common::MethodPoles;
+use crate::methods::found::MethodPoles;
+use crate::methods::found::{OrderPole, Stability, Stabilization};
 use crate::methods::matrix_fraction::MatrixFraction;
 use crate::methods::selection::modes_of;
 use crate::methods::survey::Survey;
@@ -34,39 +35,6 @@ const HEAVIEST: f64 = 0.2;
 const BEYOND: f64 = 0.1;
 /// Radius of a cluster for poles sharper than the lines resolve, in line spacings.
 const CLUSTER_SPACINGS: f64 = 0.25;
-
-/// How a pole compares with those of the order before.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Stability {
-    /// No pole of the order before is near.
-    New,
-    /// One has nearly the same natural frequency, but another damping.
-    Frequency,
-    /// Frequency and damping are those of the order before.
-    Stable,
-}
-
-/// A stable (Re s < 0) pole of one order.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct OrderPole {
-    /// Order of the denominator.
-    pub order: usize,
-    /// |s|/2π.
-    pub frequency_hz: f64,
-    /// −Re s/|s|.
-    pub damping_ratio: f64,
-    /// Compared with the order before.
-    pub stability: Stability,
-}
-
-/// Data of a stabilization diagram.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Stabilization {
-    /// Orders, rising.
-    pub orders: Vec<usize>,
-    /// Poles by order, then by frequency.
-    pub poles: Vec<OrderPole>,
-}
 
 /// Poles at every order up to the highest.
 pub(crate) struct Ladder {

@@ -16,13 +16,13 @@
 //! B. Gustavsen, A. Semlyen, IEEE Trans. Power Delivery 14 (1999) 1052; B. Gustavsen,
 //! ibid. 21 (2006) 1587 (relaxed).
 
+use crate::damping::structural::POWERS;
 use crate::data::columns::Columns;
 use crate::data::error::FitError;
 use crate::data::options::FitOptions;
-use crate::methods::common::MethodPoles;
+use crate::methods::found::MethodPoles;
 use crate::methods::selection::modes_of;
 use crate::methods::survey::{Compressed, Survey};
-use crate::poles::chain::POWERS;
 use crate::poles::pool::{mixtures, starts, vector_fit, Pool, Products};
 use crate::tolerances as tol;
 use chladni_linalg::LinalgError;

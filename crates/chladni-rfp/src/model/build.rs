@@ -9,9 +9,9 @@ use crate::data::screening::Screened;
 use crate::model::modes::{modes, rejected_mode, scale_unknown, scales, unscaled};
 use crate::model::residues::{linear, synthesis, Linear};
 use crate::shapes::error_bars::{shape_bars, Noisy, Scale, ShapeBars};
-use crate::shapes::residues::{
-    beyond_chance, eliminated, low_rank, low_rank_around, significant_rank, Given, Residues, Shapes,
-};
+use crate::shapes::low_rank::{low_rank, low_rank_around};
+use crate::shapes::low_rank::{Given, Shapes};
+use crate::shapes::residues::{beyond_chance, eliminated, significant_rank, Residues};
 use crate::tolerances as tol;
 use chladni_frf::{
     ComplexMatrix, Damping, ModalModel, Quality, ResidualTerm, ResidualTerms, Scaling, Trust,

@@ -3,7 +3,7 @@
 use crate::damping::verdict::{expressible_pole, shift, Law};
 use crate::data::columns::Columns;
 use crate::poles::estimate::{uncertainty_grade, Grade, PoleEstimate};
-use crate::shapes::residues::Given;
+use crate::shapes::low_rank::Given;
 use crate::shapes::search::Structured;
 use chladni_frf::{Damping, Trust};
 use chladni_linalg::{inverse_hermitian, LinalgError};

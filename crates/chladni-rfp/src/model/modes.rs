@@ -3,7 +3,7 @@
 use crate::data::layout::DataLayout;
 use crate::model::identified::Pole;
 use crate::shapes::error_bars::{Scale, ShapeBars};
-use crate::shapes::residues::Shapes;
+use crate::shapes::low_rank::Shapes;
 use crate::validation::complexity::mpc;
 use chladni_frf::{ComplexVector, Damping, Mode, ReferenceUnit, Scaling};
 use ndarray::Array1;

@@ -1,8 +1,9 @@
 //! What is linear at given poles: residues, residual terms, and how the one answers a
 //! change of the other.
 
+use crate::damping::structural::basis;
 use crate::damping::viscous::viscous_basis;
-use crate::data::columns::{basis, Columns};
+use crate::data::columns::Columns;
 use crate::data::layout::DataLayout;
 use crate::data::products::real_basis;
 use crate::poles::normal::{Parted, Plain};

@@ -1,6 +1,6 @@
 //! Residues of a block at the poles of a model.
 
-use crate::data::columns::basis;
+use crate::damping::structural::basis;
 use crate::data::options::FitOptions;
 use crate::data::products::project;
 use crate::data::screening::Screened;

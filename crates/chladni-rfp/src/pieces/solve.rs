@@ -1,12 +1,14 @@
 //! Poles of a merged sketch; the fit of merged products.
 
 use crate::checks::examine::examine;
-use crate::data::columns::{basis, Columns};
+use crate::damping::structural::basis;
+use crate::damping::structural::POWERS;
+use crate::data::columns::Columns;
 use crate::data::error::FitError;
 use crate::data::layout::DataLayout;
-use crate::data::noise_weights::PairWeights;
 use crate::data::options::FitOptions;
 use crate::data::outliers;
+use crate::data::pair_weights::PairWeights;
 use crate::data::products::{Products, Projected};
 use crate::data::screening::{enough, lines_left_out};
 use crate::driver::{conjugated, finished, from_chain, Fit, OUTLIER_ROUNDS};
@@ -16,7 +18,7 @@ use crate::pieces::error::PieceError;
 use crate::pieces::partial::{Block, Partial, ProductSums, SketchSums, Sums};
 use crate::pieces::plan::Plan;
 use crate::pieces::poles::{Matrix, Path, Poles};
-use crate::poles::chain::{of_columns, of_sketch, Chain, Doubt, First, Outcome, POWERS};
+use crate::poles::chain::{of_columns, of_sketch, Chain, Doubt, First, Outcome};
 use crate::poles::estimate::PoleEstimate;
 use crate::poles::passes::{on_all_lines, same, Pass};
 use crate::poles::refine::refine;

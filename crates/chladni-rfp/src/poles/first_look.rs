@@ -2,9 +2,9 @@
 
 use crate::data::columns::Columns;
 use crate::data::peaks::Peak;
-use crate::poles::chain::{pool_size, started, Start};
 use crate::poles::pool::mixtures;
 use crate::poles::sections::split;
+use crate::poles::start::{pool_size, started, Start};
 use crate::poles::whiteness::judge_columns;
 use crate::tolerances as tol;
 use chladni_linalg::LinalgError;

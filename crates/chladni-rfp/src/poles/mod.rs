@@ -14,4 +14,5 @@ pub(crate) mod removal;
 pub(crate) mod scan;
 pub(crate) mod sections;
 pub(crate) mod settle;
+pub(crate) mod start;
 pub(crate) mod whiteness;

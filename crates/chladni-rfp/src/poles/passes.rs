@@ -1,11 +1,12 @@
 //! Passes over all FRFs: the second one, and those few that a mode may need that no
 //! sketch shows.
 
-use crate::data::columns::{basis, Columns};
+use crate::damping::structural::basis;
+use crate::damping::structural::POWERS;
+use crate::data::columns::Columns;
 use crate::data::layout::DataLayout;
 use crate::data::products::{energies, project, Projected};
 use crate::data::screening::Screened;
-use crate::poles::chain::POWERS;
 use crate::poles::prune::threshold;
 use crate::poles::refine::{refine, Refined};
 use crate::poles::scan::{residual_peak, Scan};

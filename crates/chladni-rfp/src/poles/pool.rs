@@ -7,7 +7,8 @@
 //! estimator on its own it is one to five times above the bound.
 
 use crate::damping::gram::Cauchy;
-use crate::data::columns::{basis, line_energy, Columns};
+use crate::damping::structural::basis;
+use crate::data::columns::{line_energy, Columns};
 use crate::tolerances as tol;
 use chladni_linalg::blocked::{blocked_matmul_h, tall_qr, tall_r};
 use chladni_linalg::{

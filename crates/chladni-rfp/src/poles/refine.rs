@@ -9,7 +9,8 @@
 //! per step ≈ 8Nm(5m + 3r) flop. Not for finding poles: it needs a start within about a
 //! bandwidth.
 
-use crate::data::columns::{basis, basis_derivative, Columns};
+use crate::damping::structural::{basis, basis_derivative};
+use crate::data::columns::Columns;
 use crate::poles::descent::{Descent, Point};
 use crate::poles::normal::{Normal, Plain};
 use crate::poles::removal::Removable;

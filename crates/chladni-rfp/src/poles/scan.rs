@@ -1,7 +1,8 @@
 //! Where a pole may be missing: places at which a resonance of the usual width would
 //! explain what is left.
 
-use crate::data::columns::{basis, Columns};
+use crate::damping::structural::basis;
+use crate::data::columns::Columns;
 use crate::poles::refine::Refined;
 use chladni_linalg::matmul_h;
 use ndarray::{s, Array1, ArrayView1};

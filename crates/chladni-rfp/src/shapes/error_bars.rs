@@ -7,8 +7,9 @@
 
 use crate::data::columns::Columns;
 use crate::model::identified::Pole;
-use crate::shapes::residues::Shapes;
-use crate::shapes::tangent::{overlapping, taken, unknowns, LineProducts, Tangent, Unknown};
+use crate::shapes::line_products::LineProducts;
+use crate::shapes::low_rank::Shapes;
+use crate::shapes::tangent::{overlapping, taken, unknowns, Tangent, Unknown};
 use crate::tolerances as tol;
 use chladni_linalg::{
     cholesky, eigh, inverse_hermitian, matmul, matmul_h, solve_lower, LinalgError, Scalar,

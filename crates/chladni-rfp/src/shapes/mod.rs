@@ -6,6 +6,8 @@ pub(crate) mod alternation;
 pub(crate) mod error_bars;
 pub(crate) mod factor;
 pub(crate) mod growth;
+pub(crate) mod line_products;
+pub(crate) mod low_rank;
 pub(crate) mod residues;
 pub(crate) mod search;
 pub(crate) mod step;

@@ -7,29 +7,10 @@
 //! correctly; it alternates between all shapes and all participations, each an exact
 //! linear problem. The model file holds the result, and with it the whole fit.
 
-use crate::shapes::acceleration::Acceleration;
-use crate::shapes::alternation::{Halves, Problem};
 use crate::tolerances as tol;
-use chladni_linalg::blocked::blocked_matmul;
 use chladni_linalg::{inverse_hermitian, matmul, matmul_h, solve_hermitian, svd_thin, LinalgError};
 use ndarray::{Array1, Array2, ArrayView1, Axis, ShapeBuilder};
 use num_complex::Complex64;
-use rayon::prelude::*;
-
-/// Shapes and participations of all poles.
-#[derive(Debug, Clone)]
-pub(crate) struct Shapes {
-    /// Pole of each row.
-    pub owner: Vec<usize>,
-    /// (mode, response).
-    pub shape: Array2<Complex64>,
-    /// (mode, reference).
-    pub participation: Array2<Complex64>,
-    /// Rise of the sum of squares over free residues.
-    pub rise: f64,
-    /// Number of real constraints that the rank-one form sets on free residues.
-    pub constraints: usize,
-}
 
 /// Free residues, their weight, and which pairs exist.
 pub(crate) struct Residues<'a> {
@@ -43,76 +24,12 @@ pub(crate) struct Residues<'a> {
 
 impl Residues<'_> {
     /// The residues of one pole, (response, reference).
-    fn of_pole(&self, pole: usize) -> Array2<Complex64> {
+    pub(crate) fn of_pole(&self, pole: usize) -> Array2<Complex64> {
         let (responses, references) = self.present.dim();
         Array2::from_shape_fn((responses, references).f(), |(i, j)| {
             self.values[[pole, i * references + j]]
         })
     }
-}
-
-/// Fits R_n = Σ ψ·Lᵀ to all poles at once, with `ranks[n]` terms for pole n (one for a
-/// mode; more for a repeated pole, or for an out-of-band pole that stands for several
-/// modes). The result has one row per term, poles in order.
-pub(crate) fn low_rank(residues: &Residues, ranks: &[usize]) -> Result<Shapes, LinalgError> {
-    let (poles, (responses, references)) = (residues.values.nrows(), residues.present.dim());
-    let owner: Vec<usize> = (0..poles)
-        .flat_map(|n| std::iter::repeat_n(n, ranks[n]))
-        .collect();
-    let (mut shape, mut participation) = (
-        Array2::zeros((owner.len(), responses).f()),
-        Array2::zeros((owner.len(), references).f()),
-    );
-    let start = |n: usize| strongest(&residues.of_pole(n), ranks[n]);
-    let starts = (0..poles)
-        .into_par_iter()
-        .map(start)
-        .collect::<Result<Vec<_>, LinalgError>>()?;
-    for (row, (own, other)) in starts.into_iter().flatten().enumerate() {
-        shape.row_mut(row).assign(&own);
-        participation.row_mut(row).assign(&other);
-    }
-    balance(&mut shape, &mut participation);
-    let problem = Problem::new(residues, &owner);
-    let mut rise = 0.0;
-    if references > 1 || residues.present.iter().any(|p| !p) {
-        let halves = Halves::new(&problem);
-        let (mut from, mut acceleration) = (participation.clone(), Acceleration::default());
-        let mut before = f64::MAX;
-        for _ in 0..tol::RANK_ONE_ITERATIONS {
-            let mut next = halves.shapes(&from)?;
-            let (mut made, explained) = halves.participations(&next)?;
-            balance(&mut next, &mut made);
-            // of exact data the difference of two sums is rounding
-            let known = halves.total - explained;
-            let risen = if known > tol::RANK_ONE_KNOWN * halves.total {
-                known
-            } else {
-                problem.misfit(&next, &made)
-            };
-            let change = tol::RANK_ONE_CHANGE * risen.max(1e-12 * halves.total);
-            if risen > before + change {
-                // too far: on from the best, one step at a time
-                acceleration = Acceleration::default();
-                from.assign(&participation);
-                before = f64::MAX;
-                continue;
-            }
-            (shape, participation, rise) = (next, made, risen);
-            if before - rise <= change {
-                break;
-            }
-            before = rise;
-            from = acceleration.next(&from, &participation);
-        }
-    }
-    Ok(Shapes {
-        constraints: constraints(residues, &owner),
-        owner,
-        shape,
-        participation,
-        rise,
-    })
 }
 
 /// u and v of a term u·vᵀ.
@@ -144,122 +61,6 @@ pub(crate) fn strongest(
     Ok(vec![(along(&v), v)])
 }
 
-/// Shapes and participations of some poles that are given: (row, response) and (row,
-/// reference).
-pub(crate) type Given = Option<(Array2<Complex64>, Array2<Complex64>)>;
-
-/// [`low_rank`] with the shapes of some poles given: only the others are fitted, around
-/// them.
-pub(crate) fn low_rank_around(
-    residues: &Residues,
-    ranks: &[usize],
-    given: &[Given],
-) -> Result<Shapes, LinalgError> {
-    if given.iter().all(Option::is_none) {
-        return low_rank(residues, ranks);
-    }
-    let (poles, (responses, references)) = (residues.values.nrows(), residues.present.dim());
-    let open: Vec<usize> = (0..poles).filter(|&n| given[n].is_none()).collect();
-    let fitted = if open.is_empty() {
-        None
-    } else {
-        let (moved, weight) = freed(residues, &open, given)?;
-        let open_ranks: Vec<usize> = open.iter().map(|&n| ranks[n]).collect();
-        Some(low_rank(
-            &Residues {
-                values: &moved,
-                weight: &weight,
-                present: residues.present,
-            },
-            &open_ranks,
-        )?)
-    };
-    let (mut shape, mut participation, mut owner) = (
-        Array2::zeros((0, responses)),
-        Array2::zeros((0, references)),
-        Vec::new(),
-    );
-    for n in 0..poles {
-        let (rows, columns) = match (&given[n], &fitted) {
-            (Some(given), _) => given.clone(),
-            (None, Some(fitted)) => {
-                let rows: Vec<usize> = (0..fitted.owner.len())
-                    .filter(|&row| open[fitted.owner[row]] == n)
-                    .collect();
-                (
-                    fitted.shape.select(Axis(0), &rows),
-                    fitted.participation.select(Axis(0), &rows),
-                )
-            }
-            (None, None) => continue,
-        };
-        owner.extend(std::iter::repeat_n(n, rows.nrows()));
-        shape
-            .append(Axis(0), rows.view())
-            .expect("one value per response");
-        participation
-            .append(Axis(0), columns.view())
-            .expect("one value per reference");
-    }
-    let problem = Problem::new(residues, &owner);
-    let rise = problem.misfit(&shape, &participation);
-    Ok(Shapes {
-        constraints: constraints(residues, &owner),
-        owner,
-        shape,
-        participation,
-        rise,
-    })
-}
-
-/// Free residues of the `open` poles where those of the others are as given, and their
-/// weight.
-fn freed(
-    residues: &Residues,
-    open: &[usize],
-    given: &[Given],
-) -> Result<(Array2<Complex64>, Array2<Complex64>), LinalgError> {
-    let references = residues.present.ncols();
-    let closed: Vec<usize> = (0..given.len()).filter(|&n| given[n].is_some()).collect();
-    let mut change = Array2::zeros((closed.len(), residues.values.ncols()).f());
-    for (row, &n) in closed.iter().enumerate() {
-        let Some((shape, participation)) = &given[n] else {
-            continue;
-        };
-        let product = matmul(shape.t(), participation.view());
-        for (l, value) in change.row_mut(row).iter_mut().enumerate() {
-            let at = [l / references, l % references];
-            if residues.present[at] {
-                *value = product[at] - residues.values[[n, l]];
-            }
-        }
-    }
-    let part = |rows: &[usize], columns: &[usize]| {
-        residues
-            .weight
-            .select(Axis(0), rows)
-            .select(Axis(1), columns)
-    };
-    let own = part(open, open);
-    let answer = solve_hermitian(ridge(&own).view(), part(open, &closed).view())?;
-    let mut moved = Array2::zeros((open.len(), residues.values.ncols()).f());
-    moved.assign(
-        &(residues.values.select(Axis(0), open) - blocked_matmul(answer.view(), change.view())),
-    );
-    Ok((moved, own))
-}
-
-/// Real constraints that rows of low rank set on free residues.
-fn constraints(residues: &Residues, owner: &[usize]) -> usize {
-    let (poles, (responses, references)) = (residues.values.nrows(), residues.present.dim());
-    let present = residues.present.iter().filter(|p| **p).count();
-    let rank = |n: usize| owner.iter().filter(|&&m| m == n).count();
-    let used: usize = (0..poles)
-        .map(|n| rank(n) * (responses + references - rank(n).min(responses + references)))
-        .sum();
-    (2 * poles * present).saturating_sub(2 * used)
-}
-
 /// A rise of the sum of squares over that of a wider model, against what chance allows:
 /// standard deviations over the mean of χ² with `constraints` degrees of freedom, for
 /// complex data of noise variance `variance`. `rounding`: of the sums of squares.
@@ -287,20 +88,6 @@ pub(crate) fn significant_rank(
         .filter(|s| **s > tol::RANK_OVER_NOISE * noise)
         .count()
         .max(1))
-}
-
-/// Equal norms of both factors: keeps the alternation away from overflow.
-fn balance(shape: &mut Array2<Complex64>, participation: &mut Array2<Complex64>) {
-    for (mut s, mut p) in shape.rows_mut().into_iter().zip(participation.rows_mut()) {
-        let norm =
-            |v: ndarray::ArrayView1<Complex64>| v.iter().map(|c| c.norm_sqr()).sum::<f64>().sqrt();
-        let (a, b) = (norm(s.view()), norm(p.view()));
-        if a > 0.0 && b > 0.0 {
-            let factor = (b / a).sqrt();
-            s.mapv_inplace(|v| v * factor);
-            p.mapv_inplace(|v| v / factor);
-        }
-    }
 }
 
 /// Weight of the `kept` poles' residues where those of the `free` ones answer every

@@ -7,7 +7,8 @@
 //! Hermitian solve per cluster of overlapping modes.
 
 use crate::shapes::factor::Factor;
-use crate::shapes::tangent::{overlapping, pivot, taken, unknowns, LineProducts, Tangent, Unknown};
+use crate::shapes::line_products::LineProducts;
+use crate::shapes::tangent::{overlapping, pivot, taken, unknowns, Tangent, Unknown};
 use crate::shapes::target::{Products, Shapes, Target};
 use crate::tolerances as tol;
 use chladni_linalg::{inverse_hermitian, matmul, LinalgError};

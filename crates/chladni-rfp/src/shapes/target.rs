@@ -2,11 +2,13 @@
 //! out-of-band poles are taken out, and the way back to pairs.
 
 use crate::damping::gram::Cauchy;
-use crate::data::columns::{basis, basis_derivative, Columns};
+use crate::damping::structural::basis;
+use crate::data::columns::Columns;
 use crate::shapes::alternation::add_product;
-use crate::shapes::tangent::LineProducts;
+use crate::shapes::line_products::background;
+use crate::shapes::line_products::LineProducts;
 use crate::tolerances as tol;
-use chladni_linalg::blocked::{blocked_matmul_h, blocked_matmul_mixed, projected, range};
+use chladni_linalg::blocked::{blocked_matmul_h, blocked_matmul_mixed, projected};
 use chladni_linalg::{cholesky, matmul, solve_hermitian, LinalgError};
 use ndarray::{s, Array2, ArrayView2, Axis, Order, ShapeBuilder};
 use num_complex::Complex64;
@@ -101,31 +103,6 @@ impl<'a> Target<'a> {
             self.back.view(),
         )
     }
-}
-
-/// Orthonormal basis of what stays free in every pair, (line, ·): residual terms, and
-/// poles `outside` the band with their residues and, to first order, their positions.
-pub(crate) fn background(
-    work: &Columns,
-    outside: &[Complex64],
-    powers: &[i32],
-) -> Result<Array2<Complex64>, LinalgError> {
-    let (columns, derivatives) = (
-        basis(work, outside, powers),
-        basis_derivative(work, outside),
-    );
-    let mut all = ndarray::concatenate(Axis(1), &[columns.view(), derivatives.view()])
-        .expect("the same lines");
-    for mut column in all.columns_mut() {
-        let norm = column
-            .iter()
-            .map(|v| v.norm_sqr())
-            .sum::<f64>()
-            .sqrt()
-            .max(f64::MIN_POSITIVE);
-        column.mapv_inplace(|v| v / norm);
-    }
-    range(all.view(), tol::FREE_RANK)
 }
 
 /// Products over lines at one set of poles: F the pole columns, D their derivatives, B

@@ -1,0 +1,25 @@
+//! The record that a search is part of.
+
+use crate::data::columns::Columns;
+use crate::data::peaks::Peak;
+use ndarray::Array1;
+
+/// What a search needs to know of the record it is part of.
+pub(crate) struct Record<'a> {
+    /// Scaled columns on all lines used.
+    pub work: &'a Columns,
+    /// Additive noise variance per line.
+    pub noise: &'a Array1<f64>,
+    /// Visible peaks.
+    pub seen: &'a [Peak],
+    /// Number of FRFs.
+    pub frfs: usize,
+    /// Factors from columns to FRFs; `None` where the columns are mixtures.
+    pub scales: Option<Array1<f64>>,
+    /// True where all FRFs were measured from one reference.
+    pub one_reference: bool,
+    /// True where the records went through a window that broadens lines.
+    pub windowed: bool,
+    /// Hz per √x.
+    pub hz: f64,
+}

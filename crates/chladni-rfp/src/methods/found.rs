@@ -1,0 +1,107 @@
+//! Poles of one method, and what it says of them.
+
+use crate::data::error::FitError;
+use crate::data::options::FitOptions;
+use crate::methods::equation_error::Root;
+
+use crate::methods::survey::{Compressed, Survey};
+use chladni_frf::Damping;
+use num_complex::Complex64;
+
+/// What a method found.
+#[derive(Debug, Clone)]
+pub(crate) struct MethodPoles {
+    /// s/ω_max, upper half plane, Re s < 0; those out of the band stand for what lies
+    /// there.
+    pub poles: Vec<Complex64>,
+    /// One sigma of |s|/ω_max and of η per pole where the method knows its own scatter.
+    pub deviation: Option<Vec<[f64; 2]>>,
+    /// Damping law to report in where none was asked for.
+    pub law: Damping,
+    /// What a user should know.
+    pub warnings: Vec<String>,
+    /// How they were found, in words.
+    pub how: &'static str,
+    /// Poles by order, where the method looks at several.
+    pub stabilization: Option<Stabilization>,
+}
+
+impl From<ClassicPoles> for MethodPoles {
+    fn from(found: ClassicPoles) -> Self {
+        Self {
+            poles: found.poles,
+            deviation: Some(found.deviation),
+            law: Damping::Viscous,
+            warnings: found.warnings,
+            how: "linear equation error in orthogonal polynomials",
+            stabilization: None,
+        }
+    }
+}
+
+/// What a classic method found.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct ClassicPoles {
+    /// s/ω_max, viscous, upper half plane, Re s < 0, rising in frequency.
+    pub poles: Vec<Complex64>,
+    /// One sigma of |s|/ω_max and of η = 2ζ per pole: scatter, not the method's bias.
+    pub deviation: Vec<[f64; 2]>,
+    /// What a user should know.
+    pub warnings: Vec<String>,
+}
+
+impl ClassicPoles {
+    /// Sorts out of `modes` what the user asked for: the most certain ones, all if no
+    /// number was given.
+    pub(crate) fn with_modes(mut self, mut modes: Vec<Root>, asked: Option<usize>) -> Self {
+        modes.sort_by(|a, b| a.uncertainty().total_cmp(&b.uncertainty()));
+        modes.truncate(asked.unwrap_or(usize::MAX));
+        modes.sort_by(|a, b| a.s.im.total_cmp(&b.s.im));
+        if let Some(asked) = asked.filter(|asked| *asked > modes.len()) {
+            self.warnings.push(format!(
+                "{asked} modes asked for, {} found: no further damped pole in the \
+                               band is certain enough",
+                modes.len()
+            ));
+        }
+        self.poles = modes.iter().map(|root| root.s).collect();
+        self.deviation = modes.iter().map(|root| root.deviation).collect();
+        self
+    }
+}
+
+/// A method: poles from the two passes over the data.
+pub(crate) type Finder = fn(&Survey, &Compressed, &FitOptions) -> Result<MethodPoles, FitError>;
+
+/// How a pole compares with those of the order before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Stability {
+    /// No pole of the order before is near.
+    New,
+    /// One has nearly the same natural frequency, but another damping.
+    Frequency,
+    /// Frequency and damping are those of the order before.
+    Stable,
+}
+
+/// A stable (Re s < 0) pole of one order.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OrderPole {
+    /// Order of the denominator.
+    pub order: usize,
+    /// |s|/2π.
+    pub frequency_hz: f64,
+    /// −Re s/|s|.
+    pub damping_ratio: f64,
+    /// Compared with the order before.
+    pub stability: Stability,
+}
+
+/// Data of a stabilization diagram.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Stabilization {
+    /// Orders, rising.
+    pub orders: Vec<usize>,
+    /// Poles by order, then by frequency.
+    pub poles: Vec<OrderPole>,
+}

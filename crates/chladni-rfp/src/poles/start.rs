@@ -1,0 +1,100 @@
+//! The start of a search: how many poles, and a pool of them that noise cannot make.
+
+use crate::damping::structural::POWERS;
+use crate::data::columns::Columns;
+use crate::poles::pool::{starts, vector_fit, Products};
+use crate::poles::prune::prune;
+use crate::poles::refine::{refine, removable, Refined};
+use crate::poles::removal::Removable;
+use crate::tolerances as tol;
+use chladni_linalg::{svd_thin, LinalgError};
+use num_complex::Complex64;
+
+/// Poles of a pool that noise alone cannot make, roughly refined.
+pub(crate) struct Start {
+    pub refined: Refined,
+    /// Noise variance of the sketch as the whole pool leaves it.
+    pub variance: f64,
+}
+
+/// `iterations` of vector fitting with `size` poles on mixtures, pruning and rough
+/// refinement on the sketch.
+pub(crate) fn started(
+    sketch: &Columns,
+    mixed: &Columns,
+    seeds: &[Complex64],
+    size: usize,
+    iterations: usize,
+) -> Result<Start, LinalgError> {
+    let pool = vector_fit(
+        mixed,
+        &starts(sketch, seeds, size),
+        &POWERS,
+        iterations,
+        Products::PartialFractions,
+    )?;
+    let stable: Vec<Complex64> = pool
+        .lambda
+        .iter()
+        .zip(&pool.flipped)
+        .filter(|(_, flipped)| !**flipped)
+        .map(|(pole, _)| *pole)
+        .collect();
+    let all = removable(sketch, &stable, &POWERS)?;
+    let variance = pool_variance(sketch, &all);
+    let kept = prune(sketch, all, &stable, &POWERS, variance);
+    Ok(Start {
+        refined: refine(sketch, &kept, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?,
+        variance,
+    })
+}
+
+/// Number of singular values above the noise, and whether the noise floor was seen at
+/// all.
+pub(crate) fn visible_rank(work: &Columns) -> Result<(usize, bool), LinalgError> {
+    // eigenvalues of the small Gram would square the condition; a thin QR first keeps the
+    // SVD small
+    let r = if work.lines() > work.columns() {
+        chladni_linalg::qr_r(work.b.view())?
+    } else {
+        work.b.clone()
+    };
+    Ok(rank_over_noise(
+        &svd_thin(r.view())?.1.to_vec(),
+        work.lines(),
+    ))
+}
+
+/// The same of falling singular values of columns with `lines` lines.
+pub(crate) fn rank_over_noise(singular_values: &[f64], lines: usize) -> (usize, bool) {
+    let count = singular_values.len();
+    let tail = &singular_values[count * 3 / 4..];
+    let noise = tail.iter().map(|v| v * v).sum::<f64>() / tail.len().max(1) as f64;
+    // the largest singular value of noise alone is (1 + √(r/N)) times the typical one;
+    // 1.6 covers the tail's own bias
+    let ratio = (count as f64 / lines as f64).sqrt();
+    let limit = 1.6 * noise.sqrt() * (1.0 + ratio) / (1.0 - ratio).abs().max(0.2);
+    let rank = singular_values.iter().filter(|v| **v > limit).count();
+    (rank, rank * 4 < count * 3)
+}
+
+/// Starting order of the pool.
+pub(crate) fn pool_size(
+    work: &Columns,
+    seeds: usize,
+    asked: Option<usize>,
+) -> Result<usize, LinalgError> {
+    let (rank, floor_seen) = visible_rank(work)?;
+    let wanted = match asked {
+        Some(modes) => modes + 6,
+        None if floor_seen => (13 * rank.max(seeds)) / 10 + 6,
+        None => ((13 * rank) / 10).max(2 * seeds) + 8,
+    };
+    Ok(wanted.min(work.lines() / 3).max(1))
+}
+
+/// Noise variance of the sketch from the over-fitted pool.
+pub(crate) fn pool_variance(work: &Columns, pool: &Removable) -> f64 {
+    let dof = (work.lines() - pool.alone.len().min(work.lines() - 1)) * work.columns();
+    (pool.sse / dof as f64).max(1e-30 * work.energy() / (work.lines() * work.columns()) as f64)
+}
