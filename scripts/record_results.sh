@@ -65,7 +65,7 @@ done
 run report report panel-auto.json weights-default.json -o report.html --charts charts --force
 run accuracy bench accuracy --quick -o bench --no-knobs
 for table in bench/accuracy.csv bench/accuracy-modes.csv; do
-    [ -f $table ] && awk -F, '/^#/ {next} !n {for (i=1; i<=NF; i++) cut[i] = $i ~ /(^|_)(time|cpu)(_|$)|_s$|^pareto/; n=1}
+    [ -f $table ] && awk -F, '/^#/ {next} !n {for (i=1; i<=NF; i++) cut[i] = $i ~ /(^|_)(time|cpu)(_|$)|_s$|^on_front$/; n=1}
         {line=""; for (i=1; i<=NF; i++) if (!cut[i]) line = line "," $i; print line}' $table > "$table.no-times"
 done
 
