@@ -1,14 +1,14 @@
 //! `chladni block`: the fit in pieces.
 
 use crate::asked_model::AskedModel;
-use crate::console::Console;
 use crate::fit::{distrust, echo_of, parse_band, summary, text};
-use crate::input::{expand, model_of, read_frf, Reading};
-use crate::memory::{parse_memory, MEMORY};
-use crate::outcome::Outcome;
-use crate::output::{Output, MODEL, PARTIAL, POLES_OR_MODEL};
 use crate::streaming::{explain_piece, Resume, Stream};
-use crate::table::{counted, significant, table};
+use chladni_console::input::{expand, model_of, read_frf, Reading};
+use chladni_console::memory::{parse_memory, MEMORY};
+use chladni_console::output::{Output, MODEL, PARTIAL, POLES_OR_MODEL};
+use chladni_console::table::{counted, significant, table};
+use chladni_console::Console;
+use chladni_console::Outcome;
 use chladni_frf::{Error, ErrorKind, Result};
 use chladni_io::{write_atomically, write_model, FrfParts};
 use chladni_rfp::pieces::{residues, solve, Partial, Poles, Reducer, Solved};
@@ -351,7 +351,7 @@ fn residues_of(args: &Residues, console: &Console) -> Result<Outcome> {
     let options = FitOptions::default();
     let mut model = residues(&frf, &given, &options)
         .map_err(|error| explain_piece(error, &options, &files[0]))?;
-    sources.push(crate::input::source(&args.model)?);
+    sources.push(chladni_console::input::source(&args.model)?);
     model.source = sources;
     args.reading.echo(&mut model.options);
     console.warn_all(model.quality.warnings.iter().cloned());

@@ -1,10 +1,10 @@
 //! `chladni convert`: measured data and models from any format to any other.
 
-use crate::console::Console;
-use crate::input::{expand, model_of, read_weights, source, warn_of_files, Reading};
-use crate::outcome::Outcome;
-use crate::output::{Output, DATA, MODEL_OR_SHAPES, SHAPES};
-use crate::table::counted;
+use chladni_console::input::{expand, model_of, read_weights, source, warn_of_files, Reading};
+use chladni_console::output::{Output, DATA, MODEL_OR_SHAPES, SHAPES};
+use chladni_console::table::counted;
+use chladni_console::Console;
+use chladni_console::Outcome;
 use chladni_frf::{Dof, Error, Geometry, ModalModel, Result};
 use chladni_io::{
     detect_format, field_shape, model_shapes, read_contents, read_model, write_contents,

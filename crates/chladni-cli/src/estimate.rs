@@ -1,10 +1,10 @@
 //! `chladni estimate`: FRFs and coherence from time records.
 
-use crate::console::Console;
-use crate::input::{expand, warn_of_files};
-use crate::outcome::Outcome;
-use crate::output::{Output, FRF};
-use crate::table::{counted, significant};
+use chladni_console::input::{expand, warn_of_files};
+use chladni_console::output::{Output, FRF};
+use chladni_console::table::{counted, significant};
+use chladni_console::Console;
+use chladni_console::Outcome;
 use chladni_frf::{Dof, Error, ErrorKind, Geometry, Result, Source};
 use chladni_io::{read_documents, write_contents, Contents, ReadOptions};
 use chladni_io::{runs_of, ChannelOverride};

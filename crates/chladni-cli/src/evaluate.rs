@@ -1,10 +1,10 @@
 //! `chladni evaluate`: given weights on other data.
 
-use crate::console::Console;
 use crate::indices::indices_table;
-use crate::input::{expand, model_of, read_frf, read_weights, source, Reading};
-use crate::outcome::Outcome;
-use crate::table::significant;
+use chladni_console::input::{expand, model_of, read_frf, read_weights, source, Reading};
+use chladni_console::table::significant;
+use chladni_console::Console;
+use chladni_console::Outcome;
 use chladni_frf::Result;
 use chladni_render::{Evaluation, On, Scene};
 use serde_json::{json, Map, Value};

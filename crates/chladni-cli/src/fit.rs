@@ -1,14 +1,14 @@
 //! `chladni fit`: modes from FRFs.
 
 use crate::asked_model::AskedModel;
-use crate::console::Console;
-use crate::input::{expand, read_frf, Reading};
-use crate::memory::{parse_memory, MEMORY};
-use crate::outcome::Outcome;
-use crate::output::{Output, MODEL};
 use crate::scene_band::SceneBand;
 use crate::streaming::{too_large, Resume, Stream};
-use crate::table::{counted, significant, table, with_bound};
+use chladni_console::input::{expand, read_frf, Reading};
+use chladni_console::memory::{parse_memory, MEMORY};
+use chladni_console::output::{Output, MODEL};
+use chladni_console::table::{counted, significant, table, with_bound};
+use chladni_console::Console;
+use chladni_console::Outcome;
 use chladni_frf::{
     Damping, Error, ErrorKind, FrfSet, ModalModel, Mode, Result, Scaling, Source, Trust,
 };

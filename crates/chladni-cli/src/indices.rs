@@ -1,6 +1,6 @@
 //! How well weights do, as a table.
 
-use crate::table::{significant, table};
+use chladni_console::table::{significant, table};
 use chladni_render::{FrequencySweep, Indices, StressRow, SweptFrequency, Weights};
 
 /// Indices at the responses and over the area between them.

@@ -1,10 +1,10 @@
 //! `chladni info`: what is inside files, and what is wrong with it.
 
-use crate::console::Console;
-use crate::input::{expand, read_weights, Reading};
-use crate::oddities;
-use crate::outcome::Outcome;
-use crate::table::{counted, shortened, significant, table};
+use chladni_console::input::{expand, read_weights, Reading};
+use chladni_console::oddities;
+use chladni_console::table::{counted, shortened, significant, table};
+use chladni_console::Console;
+use chladni_console::Outcome;
 use chladni_frf::{Dof, Error, FrfKind, FrfSet, Result};
 use chladni_io::{
     assemble, list_document, read_model, DatasetInfo, Document, FileFormat, ReadOptions,

@@ -1,13 +1,10 @@
 //! The command line of Chladni: arguments, progress, messages, exit codes. One file per
 //! command; no arithmetic here.
 
-// the error carries file, line, field and advice; it is built once, where a run ends
-
 mod args;
 mod asked_model;
 mod bench;
 mod block;
-mod console;
 mod convert;
 mod curves;
 mod demo;
@@ -16,13 +13,6 @@ mod evaluate;
 mod fit;
 mod indices;
 mod info;
-mod input;
-mod interrupt;
-mod memory;
-mod oddities;
-mod outcome;
-mod output;
-mod progress;
 mod render;
 mod report;
 mod scene_band;
@@ -31,40 +21,21 @@ mod shell;
 mod simulate;
 mod streaming;
 mod studio;
-mod table;
 mod truth;
-mod usage;
 
-use args::{Cli, Command, Common};
-use chladni_frf::{Error, ErrorKind, Result};
-use clap::Parser;
-use console::Console;
-use outcome::Outcome;
+use args::{Cli, Command};
+use chladni_console::{start, Console, Outcome};
+use chladni_frf::Result;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let json = usage::asks_for_json(std::env::args_os());
-    let cli = match Cli::try_parse() {
-        Ok(cli) => cli,
-        Err(answer) => return usage::report(&answer, json),
-    };
-    let console = Console::new(&cli.common);
-    interrupt::install(json);
-    let result = outcome::without_panic(|| run(&cli.command, &cli.common, &console));
-    outcome::report(result, &console)
+    start(
+        |cli: &Cli| &cli.common,
+        |cli, console| run(&cli.command, console),
+    )
 }
 
-fn run(command: &Command, common: &Common, console: &Console) -> Result<Outcome> {
-    if let Some(threads) = common.threads {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads.into())
-            .build_global();
-        pool.map_err(|error| {
-            Error::new(ErrorKind::Internal, error.to_string())
-                .field("--threads")
-                .found(threads)
-        })?;
-    }
+fn run(command: &Command, console: &Console) -> Result<Outcome> {
     match command {
         Command::Demo(args) => demo::run(args, console),
         Command::Info(args) => info::run(args, console),
@@ -77,7 +48,7 @@ fn run(command: &Command, common: &Common, console: &Console) -> Result<Outcome>
         Command::Evaluate(args) => evaluate::run(args, console),
         Command::Report(args) => report::run(args, console),
         Command::Studio(args) => studio::run(args, console),
-        Command::Bench(what) => bench::run(what, console),
+        Command::Bench(args) => bench::run(args),
         Command::Block(what) => block::run(what, console),
         Command::Completions(args) => Ok(shell::completions(args)),
         Command::Man(args) => shell::man(args),

@@ -1,11 +1,11 @@
 //! `chladni render`: weights that move a panel here and keep it quiet there.
 
-use crate::console::Console;
 use crate::indices::{indices_table, stress_table, sweep_table, weights_table};
-use crate::input::{expand, read_frf, source, Reading};
-use crate::outcome::Outcome;
-use crate::output::{Output, SIGNALS, WEIGHTS};
-use crate::table::{counted, significant};
+use chladni_console::input::{expand, read_frf, source, Reading};
+use chladni_console::output::{Output, SIGNALS, WEIGHTS};
+use chladni_console::table::{counted, significant};
+use chladni_console::Console;
+use chladni_console::Outcome;
 use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result, Source};
 use chladni_io::{read_model, write_atomically};
 use chladni_render::{

@@ -1,11 +1,11 @@
 //! `chladni report`: models and weights as one HTML page, and its views as files.
 
-use crate::console::Console;
 use crate::curves::curves;
-use crate::input::{expand, read_frf, read_weights, source, Reading};
-use crate::outcome::Outcome;
-use crate::output::{make_folder, Output, HTML, PICTURE, TABLE};
-use crate::table::{counted, shortened};
+use chladni_console::input::{expand, read_frf, read_weights, source, Reading};
+use chladni_console::output::{make_folder, Output, HTML, PICTURE, TABLE};
+use chladni_console::table::{counted, shortened};
+use chladni_console::Console;
+use chladni_console::Outcome;
 use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result, Source};
 use chladni_io::{detect_format, write_atomically, FileFormat};
 use chladni_render::{evaluate, Evaluation, On, Scene, Weights};

@@ -1,8 +1,8 @@
 //! `chladni fit --scene`: fits only the band that a scene needs, and says what was left
 //! out.
 
-use crate::input::source;
-use crate::table::{counted, shortened, significant};
+use chladni_console::input::source;
+use chladni_console::table::{counted, shortened, significant};
 use chladni_frf::{FrfKind, FrfSet, ModalModel, Result, Source};
 use chladni_render::{needed_band, NeededBand, Operator, Scene};
 use chladni_rfp::{FitOptions, Method};

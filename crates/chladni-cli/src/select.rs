@@ -1,11 +1,11 @@
 //! `chladni select`: keep or drop modes by hand, reproducibly.
 
-use crate::console::Console;
 use crate::fit::{distrust, summary, text};
-use crate::input::source;
-use crate::outcome::Outcome;
-use crate::output::{Output, MODEL};
-use crate::table::{counted, significant};
+use chladni_console::input::source;
+use chladni_console::output::{Output, MODEL};
+use chladni_console::table::{counted, significant};
+use chladni_console::Console;
+use chladni_console::Outcome;
 use chladni_frf::{Result, Selected, Source};
 use chladni_io::{read_model, write_model};
 use std::path::PathBuf;

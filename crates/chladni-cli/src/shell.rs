@@ -1,7 +1,7 @@
 //! Completions and manual pages, made of the same definitions as the options themselves.
 
 use crate::args::Cli;
-use crate::outcome::Outcome;
+use chladni_console::Outcome;
 use chladni_frf::{nearest_word, Error, ErrorKind, Result};
 use clap::CommandFactory;
 use clap_complete::Shell;

@@ -1,11 +1,11 @@
 //! `chladni simulate`: FRFs of a virtual panel, and the model behind them.
 
-use crate::console::Console;
-use crate::input::source;
-use crate::memory::{parse_memory, MEMORY};
-use crate::outcome::Outcome;
-use crate::output::{Output, FRF, MODEL};
-use crate::table::{counted, significant};
+use chladni_console::input::source;
+use chladni_console::memory::{parse_memory, MEMORY};
+use chladni_console::output::{Output, FRF, MODEL};
+use chladni_console::table::{counted, significant};
+use chladni_console::Console;
+use chladni_console::Outcome;
 use chladni_frf::{Error, ErrorKind, Result};
 use chladni_io::{write_contents, write_model, Contents};
 use chladni_plate::{simulate, Panel};

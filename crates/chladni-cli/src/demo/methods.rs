@@ -1,8 +1,8 @@
 //! Speed against accuracy on the demonstration's own FRFs: a few methods, one fit each,
 //! beside what the noise allows.
 
-use crate::console::Console;
 use crate::truth::Comparison;
+use chladni_console::Console;
 use chladni_frf::{FrfSet, FrfValues, ModalModel, Mode, Result};
 use chladni_plate::{cramer_rao, mean_square};
 use chladni_report::Table;

@@ -2,17 +2,16 @@
 
 mod methods;
 
-use crate::console::Console;
 use crate::curves::curves;
 use crate::fit::{echo_of, fit_model};
-use crate::input::source;
-use crate::outcome::Outcome;
-use crate::output::{make_folder, Output, FRF, HTML, MODEL, SCENE, WEIGHTS};
 use crate::render::{render_scene, write_weights, Trials};
 use crate::report::write_page;
-use crate::table::{counted, table};
 use crate::truth::Comparison;
-use chladni_bench::median;
+use chladni_console::input::source;
+use chladni_console::output::{make_folder, Output, FRF, HTML, MODEL, SCENE, WEIGHTS};
+use chladni_console::table::{counted, table};
+use chladni_console::Console;
+use chladni_console::Outcome;
 use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result};
 use chladni_io::{write_atomically, write_contents, write_model, Contents};
 use chladni_plate::{simulate, Panel};
@@ -375,4 +374,14 @@ fn text(args: &Args, comparison: &Comparison, scenes: &[Judged]) -> String {
         ),
         args.output.display()
     )
+}
+
+/// The middle of rising values, the mean of both where they are even in number; NaN
+/// without values.
+fn median(sorted: &[f64]) -> f64 {
+    let Some(last) = sorted.len().checked_sub(1) else {
+        return f64::NAN;
+    };
+    let (low, high) = (sorted[last / 2], sorted[last.div_ceil(2)]);
+    low + 0.5 * (high - low)
 }

@@ -3,9 +3,9 @@
 
 mod resume;
 
-use crate::console::Console;
 use crate::fit::explain;
-use crate::input::source;
+use chladni_console::input::source;
+use chladni_console::Console;
 use chladni_frf::{Error, ErrorKind, FrfValues, Result, Source};
 use chladni_io::{Checksums, FrfParts, Part, Turn};
 use chladni_rfp::pieces::{solve, Partial, PieceError, Poles, Reducer, Solved};

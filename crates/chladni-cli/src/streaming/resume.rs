@@ -2,7 +2,7 @@
 //!
 //! One line of JSON that says of which files it is, then the partial so far.
 
-use crate::interrupt::unbroken;
+use chladni_console::unbroken;
 use chladni_frf::{Error, Result};
 use chladni_io::write_atomically;
 use chladni_rfp::pieces::Partial;

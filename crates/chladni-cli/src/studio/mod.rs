@@ -8,9 +8,9 @@ mod draft;
 mod server;
 mod session;
 
-use crate::console::Console;
-use crate::input::Reading;
-use crate::outcome::{print_line, Outcome};
+use chladni_console::input::Reading;
+use chladni_console::Console;
+use chladni_console::{print_line, Outcome};
 use chladni_frf::{Error, ErrorKind, Result};
 use serde_json::json;
 use session::Session;

@@ -1,11 +1,11 @@
 //! What the studio works on: the measured FRFs, and the model of the moment.
 
 use super::draft::few_lines;
-use crate::console::Console;
 use crate::curves::curves;
 use crate::fit::{echo_of, explain};
-use crate::input::{expand, model_of, read_frf, Reading};
 use crate::report::Contents;
+use chladni_console::input::{expand, model_of, read_frf, Reading};
+use chladni_console::Console;
 use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result, Source};
 use chladni_render::{render, MethodChoice, RenderOptions, Scene};
 use chladni_report::{data, draft_data, scene_data, RenderedScene, ReportInput};

@@ -1,10 +1,10 @@
 //! `chladni bench scene --paper`: the seed paper reproduced.
 
 use super::{shown, Place};
-use crate::console::Console;
-use crate::outcome::Outcome;
-use crate::table::{significant, table};
 use chladni_bench::{paper, paper_csv, paper_figures, PaperRow, PAPER_MODES};
+use chladni_console::table::{significant, table};
+use chladni_console::Console;
+use chladni_console::Outcome;
 use chladni_frf::Result;
 use serde_json::json;
 

@@ -1,14 +1,14 @@
 //! `chladni bench stability`.
 
 use super::{shown, Place};
-use crate::console::Console;
-use crate::outcome::Outcome;
-use crate::output::{Output, FRF, MODEL};
-use crate::table::table;
 use chladni_bench::{
     calibration, calibration_csv, failures_csv, stability, stability_csv, stability_figures,
     Calibration, Map, Solver, StabilityOptions, StabilityRow, MAPS,
 };
+use chladni_console::output::{Output, FRF, MODEL};
+use chladni_console::table::table;
+use chladni_console::Console;
+use chladni_console::Outcome;
 use chladni_frf::Result;
 use chladni_io::{write_contents, write_model, Contents};
 use clap::builder::{PossibleValuesParser, TypedValueParser};

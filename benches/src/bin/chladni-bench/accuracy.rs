@@ -1,15 +1,15 @@
 //! `chladni bench accuracy`.
 
 use super::{shown, Place};
-use crate::console::Console;
-use crate::outcome::Outcome;
-use crate::output::{Output, FRF, MODEL};
-use crate::table::table;
 use chladni_bench::{
     accuracy, accuracy_csv, accuracy_figures, accuracy_modes_csv, scene_figures, scene_knobs,
     scenes, AccuracyOptions, AccuracyRow, Case, Means, PeerRow, SceneCase, SceneOptions, SceneRow,
     Solver, CASES, SCENE_CASES,
 };
+use chladni_console::output::{Output, FRF, MODEL};
+use chladni_console::table::table;
+use chladni_console::Console;
+use chladni_console::Outcome;
 use chladni_frf::Result;
 use chladni_io::{write_contents, write_model, Contents};
 use chladni_rfp::ShapeModel;

@@ -1,4 +1,5 @@
-//! `chladni bench`: speed and accuracy on cases whose truth is known.
+//! `chladni bench`: speed and accuracy on cases whose truth is known. A program of its
+//! own, run by `chladni bench`.
 
 mod accuracy;
 mod paper;
@@ -7,21 +8,39 @@ mod scene;
 mod solvers;
 mod stability;
 
-use crate::console::Console;
-use crate::outcome::Outcome;
-use crate::output::{make_folder, Output, HTML, PICTURE, TABLE};
 use chladni_bench::Journal;
+use chladni_console::output::{make_folder, Output, HTML, PICTURE, TABLE};
+use chladni_console::{start, Common, Console, Outcome};
 use chladni_frf::Result;
 use chladni_io::write_atomically;
 use chladni_report::Figure;
+use clap::Parser;
 use std::path::PathBuf;
+use std::process::ExitCode;
 
 /// Pixels of a PNG file per px of the picture.
 const PNG_SCALE: f64 = 2.0;
 
+/// Speed and accuracy on cases whose truth is known
+#[derive(Debug, Parser)]
+#[command(name = "chladni-bench", bin_name = "chladni bench", version)]
+struct Cli {
+    #[command(flatten)]
+    common: Common,
+    #[command(subcommand)]
+    bench: Bench,
+}
+
+fn main() -> ExitCode {
+    start(
+        |cli: &Cli| &cli.common,
+        |cli, console| run(&cli.bench, console),
+    )
+}
+
 /// What to measure.
 #[derive(Debug, clap::Subcommand)]
-pub enum Bench {
+enum Bench {
     /// Error against time: every method on every case, over many noise seeds, measured by
     /// the Cramér-Rao bound
     Accuracy(accuracy::Args),
@@ -37,11 +56,7 @@ pub enum Bench {
     Stability(stability::Args),
 }
 
-/// Runs the command.
-///
-/// # Errors
-/// Those of writing.
-pub fn run(what: &Bench, console: &Console) -> Result<Outcome> {
+fn run(what: &Bench, console: &Console) -> Result<Outcome> {
     match what {
         Bench::Accuracy(args) => accuracy::run(args, console),
         Bench::Profile(args) => profile::run(args, console),
@@ -53,7 +68,7 @@ pub fn run(what: &Bench, console: &Console) -> Result<Outcome> {
 
 /// Options of all benches.
 #[derive(Debug, clap::Args)]
-pub struct Place {
+struct Place {
     /// Folder to write into
     #[arg(short, value_name = "DIR")]
     output: PathBuf,

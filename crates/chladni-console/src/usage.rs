@@ -1,10 +1,9 @@
 //! Wrong usage, in the same words and the same JSON as every other error.
 
-use crate::args::Cli;
 use crate::outcome::print_error;
 use chladni_frf::{Error, ErrorKind};
 use clap::error::{ContextKind, ContextValue, ErrorKind as ClapKind};
-use clap::CommandFactory;
+use clap::Command;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
@@ -15,7 +14,7 @@ pub fn asks_for_json(args: impl Iterator<Item = OsString>) -> bool {
 }
 
 /// Help and version go to stdout (exit 0), errors to stderr (exit 2).
-pub fn report(answer: &clap::Error, json: bool) -> ExitCode {
+pub fn report(answer: &clap::Error, program: &Command, json: bool) -> ExitCode {
     let no_command = answer.kind() == ClapKind::DisplayHelpOnMissingArgumentOrSubcommand;
     if !answer.use_stderr() || (no_command && !json) {
         // a reader that has seen enough is no error
@@ -24,7 +23,7 @@ pub fn report(answer: &clap::Error, json: bool) -> ExitCode {
             u8::try_from(answer.exit_code()).unwrap_or(ErrorKind::Usage.exit_code()),
         );
     }
-    let error = error_of(answer);
+    let error = error_of(answer, program);
     eprintln!("error: {error}");
     if json {
         print_error(&error);
@@ -32,7 +31,7 @@ pub fn report(answer: &clap::Error, json: bool) -> ExitCode {
     ExitCode::from(ErrorKind::Usage.exit_code())
 }
 
-fn error_of(answer: &clap::Error) -> Error {
+fn error_of(answer: &clap::Error, program: &Command) -> Error {
     let context = |kind| answer.get(kind).map(words).filter(|text| !text.is_empty());
     let argument = context(ContextKind::InvalidArg);
     let value = context(ContextKind::InvalidValue);
@@ -90,18 +89,21 @@ fn error_of(answer: &clap::Error) -> Error {
         .filter(|_| answer.kind() != ClapKind::UnknownArgument)
         .map(|usage| usage.trim_start_matches("Usage: ").trim().to_owned());
     error.help(match usage {
-        Some(usage) => format!("usage: {usage}; see `chladni {}--help`", subcommand()),
-        None => format!("see `chladni {}--help`", subcommand()),
+        Some(usage) => format!("usage: {usage}; see `{} --help`", called(program)),
+        None => format!("see `{} --help`", called(program)),
     })
 }
 
-/// The command among the arguments, with a blank; empty where there is none.
-fn subcommand() -> String {
-    let cli = Cli::command();
-    let args = std::env::args()
+/// The program and the command among the arguments, as they are called.
+fn called(program: &Command) -> String {
+    let name = program.get_bin_name().unwrap_or(program.get_name());
+    let command = std::env::args()
         .skip(1)
-        .find(|arg| cli.find_subcommand(arg).is_some());
-    args.map(|name| name + " ").unwrap_or_default()
+        .find(|arg| program.find_subcommand(arg).is_some());
+    match command {
+        Some(command) => format!("{name} {command}"),
+        None => name.to_owned(),
+    }
 }
 
 /// `--band <LO:HI>` into its name and what its value looks like.

@@ -1,14 +1,14 @@
 //! `chladni bench profile`.
 
 use super::{shown, Place};
-use crate::console::Console;
-use crate::input::{expand, read_frf, Reading};
-use crate::outcome::Outcome;
-use crate::table::table;
 use chladni_bench::{
     profile, profile_csv, profile_figure, scaling, scaling_csv, scaling_figure, ProfileCase,
     ProfileOptions, ProfileRow, ProfileSource, ScalingRow, PROFILE_CASES,
 };
+use chladni_console::input::{expand, read_frf, Reading};
+use chladni_console::table::table;
+use chladni_console::Console;
+use chladni_console::Outcome;
 use chladni_frf::Result;
 use chladni_rfp::Method;
 use clap::builder::{PossibleValuesParser, TypedValueParser};

@@ -1,12 +1,12 @@
 //! `chladni bench scene`.
 
 use super::{paper, shown, Place};
-use crate::console::Console;
-use crate::outcome::Outcome;
-use crate::table::{significant, table};
 use chladni_bench::{
     scene_csv, scene_figures, scenes, Means, SceneCase, SceneOptions, SceneRow, SCENE_CASES,
 };
+use chladni_console::table::{significant, table};
+use chladni_console::Console;
+use chladni_console::Outcome;
 use chladni_frf::Result;
 use chladni_render::{Count, Method, MethodChoice};
 use clap::builder::{PossibleValuesParser, TypedValueParser};

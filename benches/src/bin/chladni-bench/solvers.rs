@@ -1,10 +1,10 @@
 //! `chladni bench solvers`.
 
 use super::{shown, Place};
-use crate::console::Console;
-use crate::outcome::Outcome;
-use crate::table::table;
 use chladni_bench::{kernels, kernels_csv, kernels_figure};
+use chladni_console::table::table;
+use chladni_console::Console;
+use chladni_console::Outcome;
 use chladni_frf::Result;
 use serde_json::json;
 

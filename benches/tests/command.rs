@@ -1,0 +1,252 @@
+//! The program `chladni-bench`: tables and charts of the named cases.
+
+mod common;
+
+use common::Folder;
+
+#[test]
+fn accuracy_writes_a_table_and_a_chart_for_each_case() {
+    let folder = Folder::new();
+    let line = "accuracy -o out --case few-lines --method auto --seeds 2";
+    let json = folder.run(&format!("{line} --json")).exits(0).json();
+    assert_eq!(
+        (json["seeds"].as_u64(), json["rows"].as_u64()),
+        (Some(2), Some(1))
+    );
+    for name in [
+        "accuracy.csv",
+        "accuracy-few-lines.svg",
+        "accuracy-few-lines.png",
+    ] {
+        assert!(folder.path().join("out").join(name).is_file(), "{name}");
+    }
+    let csv = folder.text("out/accuracy.csv");
+    let header = csv.lines().find(|line| !line.starts_with('#')).unwrap();
+    assert!(
+        header.starts_with("case,method,time_s,frequency_rmse_over_crlb,"),
+        "{header}"
+    );
+
+    let again = folder.run(line).exits(73);
+    assert!(again.stderr.contains("--force"), "{}", again.stderr);
+    folder.run(&format!("{line} --force -q")).exits(0);
+}
+
+#[test]
+fn an_unknown_case_is_answered_with_the_known_ones() {
+    let run = Folder::new().run("accuracy -o out --case hard").exits(2);
+    assert!(
+        run.stderr.contains("overlap-3") && run.stderr.contains("hard"),
+        "{}",
+        run.stderr
+    );
+    let run = Folder::new().run("profile -o nowhere/out").exits(73);
+    assert!(run.stderr.contains("folder"), "{}", run.stderr);
+}
+
+#[test]
+fn scenes_are_judged_on_the_true_plate() {
+    let folder = Folder::new();
+    let line = "scene -o out --case quarter-1-335-hz --method robust --method modal \
+                --actuators 7,all --json";
+    assert_eq!(folder.run(line).exits(0).json()["rows"], 4);
+    let csv = folder.text("out/scene.csv");
+    let mut lines = csv
+        .lines()
+        .filter(|line| !line.starts_with('#'))
+        .map(|line| line.split(',').collect::<Vec<_>>());
+    let header = lines.next().unwrap();
+    assert_eq!(header[..4], ["scene", "method", "modes", "actuators"]);
+    let column = |name: &str| header.iter().position(|cell| *cell == name).unwrap();
+    let rows: Vec<Vec<&str>> = lines.collect();
+    let value = |row: usize, name: &str| rows[row][column(name)].parse::<f64>().unwrap();
+    // seven actuators, all of them; then the two-step inverse
+    assert_eq!((rows[0][3], rows[1][3], rows[2][1]), ("7", "34", "modal"));
+    assert!(
+        value(1, "points_success") >= 0.99
+            && value(1, "window_hot") >= 0.97
+            && value(1, "window_cold") >= 0.97,
+        "{csv}"
+    );
+    assert!(
+        value(1, "drift_least") >= 0.97
+            && value(1, "max_force_n") <= 2e-3
+            && value(1, "touched_least") >= 0.93,
+        "{csv}"
+    );
+    assert!(value(3, "window_total") < 0.9, "{csv}");
+    assert!(folder
+        .run("scene -o out --case nowhere")
+        .exits(2)
+        .stderr
+        .contains("quarter-1"));
+}
+
+#[test]
+fn the_paper_is_reproduced_by_one_command() {
+    let folder = Folder::new();
+    let json = folder.run("scene --paper -o out --json").exits(0).json();
+    let files = json["files"].as_array().unwrap();
+    let figures = [
+        "coefficients",
+        "weightings",
+        "levels",
+        "field",
+        "field-default",
+        "modes",
+        "places",
+    ];
+    for name in figures
+        .iter()
+        .flat_map(|name| ["svg", "png"].map(|end| format!("paper-{name}.{end}")))
+    {
+        assert!(
+            files
+                .iter()
+                .any(|file| file.as_str().unwrap().ends_with(&name)),
+            "{name} of {files:?}"
+        );
+        assert!(folder.path().join("out").join(&name).is_file(), "{name}");
+    }
+    assert!(folder.text("out/paper.html").contains("paper-coefficients"));
+
+    let csv = folder.text("out/paper.csv");
+    let mut lines = csv
+        .lines()
+        .filter(|line| !line.starts_with('#'))
+        .map(|line| line.split(',').collect::<Vec<_>>());
+    let header = lines.next().unwrap();
+    let rows: Vec<Vec<&str>> = lines.collect();
+    assert_eq!(json["rows"], rows.len());
+    let column = |name: &str| header.iter().position(|cell| *cell == name).unwrap();
+    let cell = |row: &[&str], name: &str| row[column(name)].to_owned();
+    let value = |row: &[&str], name: &str| cell(row, name).parse::<f64>().unwrap();
+    // the default method serves every response at every place
+    let ours: Vec<_> = rows
+        .iter()
+        .filter(|row| cell(row, "method") == "robust")
+        .collect();
+    assert_eq!(ours.len(), 14);
+    assert!(
+        ours.iter()
+            .all(|row| value(row, "points_success") >= 0.99 && value(row, "max_force_n") < 0.01),
+        "{csv}"
+    );
+    // what symmetry leaves of the rank of 34 modes at 34 actuators; on the exact panel
+    // the same in every quarter
+    let is_paper = |row: &[&str]| cell(row, "modes_of") == "exact" && cell(row, "modes") == "34";
+    let paper: Vec<_> = rows
+        .iter()
+        .filter(|row| {
+            is_paper(row)
+                && cell(row, "scene").starts_with("quarter")
+                && cell(row, "scene").len() == 9
+        })
+        .collect();
+    assert_eq!(paper.len(), 4);
+    for row in &paper {
+        assert_eq!(
+            (cell(row, "psi_rank"), cell(row, "psi_condition")),
+            ("31".into(), String::new())
+        );
+        for name in [
+            "points_hot",
+            "points_cold",
+            "points_success",
+            "window_total",
+        ] {
+            assert!(
+                (value(row, name) - value(paper[0], name)).abs() < 1e-9,
+                "{name}: {row:?}"
+            );
+        }
+    }
+    // no number of modes makes the two steps of a quarter worth more than silence, 53 of
+    // 68 judged responses
+    let quarters = || {
+        rows.iter()
+            .filter(|row| cell(row, "scene") == "quarter-1" && cell(row, "method") == "modal")
+    };
+    assert!(quarters().count() > 68);
+    assert!(
+        quarters().all(|row| (value(row, "points_silence") - 53.0 / 68.0).abs() < 1e-4),
+        "{csv}"
+    );
+    assert!(
+        quarters().all(|row| value(row, "points_success") < value(row, "points_silence")),
+        "{csv}"
+    );
+
+    // and it is the modes that no equation has which spoil it: without them 28 modes
+    // serve everything
+    let alone = quarters()
+        .find(|row| cell(row, "modes_of") == "exact" && cell(row, "modes") == "28")
+        .unwrap();
+    assert_eq!(
+        (value(alone, "alone_hot"), value(alone, "alone_cold")),
+        (1.0, 1.0)
+    );
+
+    assert!(folder
+        .run("scene --paper -o out --case quarter-1")
+        .exits(2)
+        .stderr
+        .contains("--case"));
+}
+
+#[test]
+fn stability_writes_cells_failures_calibration_and_a_page() {
+    let folder = Folder::new();
+    let line = "stability -o out --case spacing-references --method peak --seeds 1 --quick \
+                --export-silent --json";
+    let json = folder.run(line).exits(0).json();
+    assert_eq!(json["rows"], 9);
+    assert!(folder
+        .text("out/stability.csv")
+        .contains("case,method,spacing_bandwidths,references,found,missed,spurious,announced,"));
+    assert!(folder
+        .text("out/stability-calibration.csv")
+        .contains("wrong_silent"));
+    assert!(folder
+        .text("out/stability.html")
+        .contains("stability-spacing-references-peak"));
+    assert!(!folder.path().join("out/stability.journal").exists());
+    // peaks closer than their width are one peak: what went wrong in silence can be
+    // fitted again
+    let silent = json["files"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter(|file| file.as_str().unwrap().ends_with(".h5"))
+        .count();
+    assert!(silent > 0 && silent <= 20, "{json}");
+    let run = folder.run("stability -o out --case nowhere").exits(2);
+    assert!(run.stderr.contains("snr-overlap"), "{}", run.stderr);
+}
+
+#[test]
+fn solvers_and_profile_write_their_tables() {
+    let folder = Folder::new();
+    folder.run("solvers -o out --quick").exits(0);
+    let csv = folder.text("out/solvers.csv");
+    assert!(
+        csv.contains("kernel,backend,size,time_s,") && csv.contains("\nsvd,"),
+        "{csv}"
+    );
+    assert!(folder.path().join("out/solvers.svg").is_file());
+
+    folder.write("panel.toml", "[frf]\nstop_hz = 150\nstep_hz = 0.5\n");
+    folder.run("simulate panel.toml -o panel.h5").exits(0);
+    folder.run("profile -o out --input panel.h5").exits(0);
+    let csv = folder.text("out/profile.csv");
+    assert!(
+        csv.lines()
+            .any(|line| line.starts_with("fit,") && line.contains(",panel.h5,auto,")),
+        "{csv}"
+    );
+    assert!(folder
+        .run("profile -o out --input nowhere.h5 --force")
+        .exits(66)
+        .stderr
+        .contains("nowhere.h5"));
+}

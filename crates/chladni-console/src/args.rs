@@ -1,0 +1,40 @@
+//! The options that all commands have.
+
+use clap::{ArgAction, Args, ValueEnum};
+
+/// Options of all commands.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Common options")]
+pub struct Common {
+    /// Print one JSON object on stdout, errors too
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// No warnings, no progress, no summary of what was written
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    pub quiet: bool,
+    /// Say more: every dataset, rejected modes, time of each stage
+    #[arg(short, long, global = true, action = ArgAction::Count)]
+    pub verbose: u8,
+    /// Threads to compute with; the result is the same for any number [default: all
+    /// cores]
+    #[arg(long, global = true, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Overwrite existing output files
+    #[arg(long, global = true)]
+    pub force: bool,
+    /// Progress on stderr: a bar on a terminal only, a line per stage, or nothing
+    #[arg(long, global = true, value_name = "HOW", value_enum, default_value_t = ProgressChoice::Auto)]
+    pub progress: ProgressChoice,
+}
+
+/// How progress is shown. (Plain comments below: documented values would make every help
+/// page three times as long.)
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ProgressChoice {
+    // a bar where stderr is a terminal, nothing elsewhere
+    Auto,
+    // one line per stage
+    Plain,
+    // nothing
+    None,
+}

@@ -1,0 +1,21 @@
+//! What the programs of Chladni share: options, messages, progress, outputs that are
+//! refused before the work, and exit codes.
+
+mod args;
+mod console;
+pub mod input;
+mod interrupt;
+pub mod memory;
+pub mod oddities;
+mod outcome;
+pub mod output;
+mod progress;
+mod start;
+pub mod table;
+mod usage;
+
+pub use args::Common;
+pub use console::Console;
+pub use interrupt::unbroken;
+pub use outcome::{print_line, Outcome};
+pub use start::start;
