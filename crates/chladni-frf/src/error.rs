@@ -1,7 +1,7 @@
 //! One shape for every error about a user's input: what was found, what was expected,
 //! where, and what to do.
 
-use crate::words::{is_near, nearest_word};
+use crate::words::{is_near, nearest_word, printable};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -238,7 +238,7 @@ impl Error {
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(file) = &self.file {
-            write!(f, "{}: ", file.display())?;
+            write!(f, "{}: ", printable(&file.to_string_lossy(), &[]))?;
         }
         if let Some(dataset) = self.dataset {
             write!(f, "dataset {dataset}: ")?;

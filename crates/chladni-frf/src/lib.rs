@@ -32,7 +32,7 @@ pub use model::{
     Scaling, Source, Trust, MODEL_FORMAT,
 };
 pub use selection::{Selected, Selection};
-pub use words::{line_of_byte, nearest_word, parser_complaint, toml_complaint};
+pub use words::{line_of_byte, nearest_word, parser_complaint, printable, toml_complaint};
 
 /// The name and version that every result carries in `created_by`.
 pub const CREATED_BY: &str = concat!("chladni ", env!("CARGO_PKG_VERSION"));

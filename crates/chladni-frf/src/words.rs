@@ -3,6 +3,23 @@
 
 use crate::Error;
 
+/// Text for a terminal: control characters, which it would obey, and marks that turn the
+/// direction of writing around are escaped, but for those in `kept`.
+pub fn printable(text: &str, kept: &[char]) -> String {
+    let is_obeyed = |c: char| {
+        let turns = matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+        (c.is_control() || turns) && !kept.contains(&c)
+    };
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        match is_obeyed(c) {
+            true => shown.extend(c.escape_unicode()),
+            false => shown.push(c),
+        }
+    }
+    shown
+}
+
 /// The known word that `word` may stand for: one that begins with it (a name without its
 /// unit or extension), else the one with the fewest letters to change, insert or delete
 /// (Levenshtein 1966); the first of equals, `None` where none is known.

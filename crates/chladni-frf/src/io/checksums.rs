@@ -1,10 +1,10 @@
 //! SHA-256 of files: of one that is read for it, and of many whose bytes pass by while
 //! they are read part by part.
 
+use super::door;
 use super::paths::file_name;
 use crate::{Error, Result, Source};
 use sha2::{Digest, Sha256};
-use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::sync::{Condvar, Mutex, MutexGuard};
@@ -25,7 +25,7 @@ pub fn sha256_of(path: &Path) -> Result<String> {
 /// Adds the bytes `from..to` of a file, or up to its end.
 fn feed(hash: &mut Sha256, path: &Path, from: u64, to: u64) -> Result<()> {
     let on_read = |error: std::io::Error| Error::from_read(&error, path);
-    let mut file = File::open(path).map_err(on_read)?;
+    let mut file = door::open(path)?;
     file.seek(SeekFrom::Start(from)).map_err(on_read)?;
     let mut file = file.take(to - from);
     let mut block = vec![0; BLOCK];

@@ -14,6 +14,7 @@ mod contents;
 mod csv;
 mod detect;
 mod document;
+mod door;
 mod hdf5;
 mod json;
 mod mat;
@@ -25,6 +26,8 @@ mod paths;
 mod read;
 mod save;
 mod shape;
+mod spool;
+mod temporary;
 mod time_sign;
 pub mod uff;
 mod unit_label;
@@ -32,13 +35,16 @@ mod vtk;
 mod wav;
 
 pub use assemble::assemble;
-pub use atomic::{create_atomically, refuse_output_among_inputs, write_atomically};
+pub use atomic::{
+    create_atomically, is_same_place, refuse_output_among_inputs, try_place, write_atomically,
+};
 pub use checksums::{sha256_of, Checksums, Turn};
 pub use contents::Contents;
 pub use detect::detect_format;
 pub use document::{
     Abscissa, Axis, DatasetInfo, Document, Duplicates, FileFormat, Function, Ordinate, ReadOptions,
 };
+pub use door::{read_bytes, stamp_of, Claim, KeptInputs};
 pub use json::{json_error, write_json};
 pub use model_file::{read_model, write_model};
 pub use model_shapes::{field_shape, model_shapes};

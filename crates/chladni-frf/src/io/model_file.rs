@@ -2,7 +2,7 @@
 
 use super::atomic::write_atomically;
 use super::json::{json_error, write_json};
-use super::{detect_format, hdf5, read_text, FileFormat};
+use super::{detect_format, hdf5, read_text, FileFormat, KeptInputs};
 use crate::{Error, ErrorKind, ModalModel, Mode, Result, MODEL_FORMAT};
 use num_complex::Complex64;
 use std::path::Path;
@@ -17,6 +17,7 @@ const VERSION: u32 = 1;
 /// size than the responses and references say, not finite, or of another format or
 /// version.
 pub fn read_model(path: &Path) -> Result<ModalModel> {
+    let _kept = KeptInputs::new();
     let wrong = |message: &str, found: &str| {
         Error::bad_data(message)
             .file(path)

@@ -1,13 +1,13 @@
 //! From paths to documents, and from documents to one set.
 
 use super::checksums::{sha256_of, sha256_of_bytes};
+use super::door::{read_bytes, size_of};
 use super::paths::{shortened, NAMES_LISTED};
 use super::{
     assemble, csv, detect_format, expand_paths, function_name, hdf5, json_error, mat, numpy,
-    read_model, uff, wav, Contents, DatasetInfo, Document, FileFormat, ReadOptions,
+    read_model, uff, wav, Contents, DatasetInfo, Document, FileFormat, KeptInputs, ReadOptions,
 };
 use crate::{Error, FrfSet, Geometry, Result, Source, Trust};
-use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Everything in one file, by content; damaged datasets are in its `errors`.
@@ -29,8 +29,8 @@ const LISTED_BY_HEADERS: u64 = 256 << 20;
 /// # Errors
 /// As [`read_document`].
 pub fn list_document(path: &Path, options: &ReadOptions) -> Result<Document> {
-    let is_large = fs::metadata(path).is_ok_and(|metadata| metadata.len() > LISTED_BY_HEADERS);
-    if !is_large || detect_format(path)? != FileFormat::Uff {
+    let _kept = KeptInputs::new();
+    if size_of(path)? <= LISTED_BY_HEADERS || detect_format(path)? != FileFormat::Uff {
         return read_document(path, options);
     }
     let mut document = uff::scan(path, options)?;
@@ -65,6 +65,7 @@ pub fn read_documents(paths: &[PathBuf], options: &ReadOptions) -> Result<Vec<Do
 /// # Errors
 /// As [`expand_paths`], [`read_documents`] and [`assemble()`].
 pub fn read_contents(paths: &[PathBuf], options: &ReadOptions) -> Result<Contents> {
+    let _kept = KeptInputs::new();
     let inputs = expand_paths(paths)?;
     let mut contents = assemble(read_documents(&inputs.files, options)?, options)?;
     contents.warnings.splice(0..0, inputs.warnings);
@@ -111,6 +112,7 @@ pub fn read_frf(
     paths: &[PathBuf],
     options: &ReadOptions,
 ) -> Result<(FrfSet, Vec<Source>, Vec<String>)> {
+    let _kept = KeptInputs::new();
     let inputs = expand_paths(paths)?;
     let documents = read_documents(&inputs.files, options)?;
     let (result, listed) = (result_among(&documents), listed(&documents));
@@ -156,7 +158,8 @@ pub fn read_frf(
 }
 
 fn read_numbered(path: &Path, options: &ReadOptions, next_node: &mut u64) -> Result<Document> {
-    let bytes = || fs::read(path).map_err(|error| Error::from_read(&error, path));
+    let _kept = KeptInputs::new();
+    let bytes = || read_bytes(path);
     let mut document = match detect_format(path)? {
         FileFormat::Uff => {
             let bytes = bytes()?;
@@ -191,13 +194,30 @@ fn read_numbered(path: &Path, options: &ReadOptions, next_node: &mut u64) -> Res
     Ok(document)
 }
 
+/// Most bytes of a file that is read as one text: a model of 10⁵ responses and 100 modes
+/// has 6·10⁸.
+const TEXT_MOST: u64 = 1 << 30;
+
+fn text_bytes(path: &Path, expected: &str) -> Result<Vec<u8>> {
+    let _kept = KeptInputs::new();
+    let bytes = size_of(path)?;
+    if bytes > TEXT_MOST {
+        return Err(Error::bad_data("too large for a text")
+            .file(path)
+            .found(format!("{bytes} bytes"))
+            .expected(format!("{expected}, of at most {} MiB", TEXT_MOST >> 20))
+            .help("check that the right file is named"));
+    }
+    read_bytes(path)
+}
+
 /// The text of a UTF-8 file without its byte-order mark; `expected` says what it should
 /// be: "a scene, TOML".
 ///
 /// # Errors
 /// Those of reading; [`crate::ErrorKind::BadData`] with the first byte that is no UTF-8.
 pub fn read_text(path: &Path, expected: &str) -> Result<String> {
-    let bytes = fs::read(path).map_err(|error| Error::from_read(&error, path))?;
+    let bytes = text_bytes(path, expected)?;
     let text = String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
         let found = if error.as_bytes().contains(&0) {
