@@ -8,7 +8,7 @@ use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 
 /// Modal identification of plates from measured FRFs, and vibration rendering with it
 #[derive(Debug, Parser)]
-#[command(name = "chladni", version, before_help = EXAMPLES)]
+#[command(name = "chladni", version, before_help = EXAMPLES, after_help = PIPES)]
 pub struct Cli {
     /// Options of all commands.
     #[command(flatten)]
@@ -25,6 +25,8 @@ const EXAMPLES: &str = "Examples:
   chladni render model.json corner.toml -o weights.json
   chladni report model.json weights.json -o report.html
   chladni studio measurement.uff                       all of it, live, on a local page";
+
+const PIPES: &str = "Input files may be pipes; one of them may be -, the standard input.";
 
 /// The verbs.
 #[derive(Debug, Subcommand)]

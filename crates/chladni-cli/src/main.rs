@@ -35,36 +35,52 @@ mod table;
 mod truth;
 mod usage;
 
-use args::{Cli, Command, Common};
+use args::{Command, Common};
+use chladni_frf::io::KeptInputs;
 use chladni_frf::{Error, ErrorKind, Result};
-use clap::Parser;
 use console::Console;
 use outcome::Outcome;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let json = usage::asks_for_json(std::env::args_os());
-    let cli = match Cli::try_parse() {
+    let cli = match usage::parse() {
         Ok(cli) => cli,
-        Err(answer) => return usage::report(&answer, json),
+        Err(answer) => return answer.report(json),
     };
+    let _kept = KeptInputs::of_run();
     let console = Console::new(&cli.common);
     interrupt::install(json);
     let result = outcome::without_panic(|| run(&cli.command, &cli.common, &console));
     outcome::report(result, &console)
 }
 
+/// Starts the threads to compute with, as many as there are cores where no number is
+/// asked for.
+fn start_threads(asked: Option<u16>) -> Result<()> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(asked.unwrap_or(0).into());
+    pool.build_global().map_err(|error| {
+        let count = asked.map_or("one for each core".into(), |count| count.to_string());
+        refused_threads(&error).field("--threads").found(count)
+    })
+}
+
+/// The error for threads that the system does not start.
+fn refused_threads(error: &dyn std::error::Error) -> Error {
+    // the words of the pool say nothing, those of the system behind them do
+    let reason = error
+        .source()
+        .map_or_else(|| error.to_string(), ToString::to_string);
+    Error::new(
+        ErrorKind::Io,
+        format!("the system starts no more threads: {reason}"),
+    )
+    .expected("a number that the limits on processes and memory allow")
+    .help("give fewer with --threads, or raise the limits (ulimit -u, ulimit -v)")
+}
+
 fn run(command: &Command, common: &Common, console: &Console) -> Result<Outcome> {
-    if let Some(threads) = common.threads {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads.into())
-            .build_global();
-        pool.map_err(|error| {
-            Error::new(ErrorKind::Internal, error.to_string())
-                .field("--threads")
-                .found(threads)
-        })?;
-    }
+    start_threads(common.threads)?;
     match command {
         Command::Demo(args) => demo::run(args, console),
         Command::Info(args) => info::run(args, console),
