@@ -2,7 +2,7 @@
 
 use crate::console::Console;
 use crate::interrupt::unbroken;
-use chladni_frf::io::refuse_output_among_inputs;
+use chladni_frf::io::{refuse_output_among_inputs, try_place, Claim};
 use chladni_frf::{Error, ErrorKind, Result};
 use std::path::{Path, PathBuf};
 
@@ -69,11 +69,12 @@ pub fn make_folder(folder: &Path) -> Result<()> {
 pub struct Output<'a> {
     path: &'a Path,
     force: bool,
+    _claim: Claim,
 }
 
 impl<'a> Output<'a> {
     /// Checks extension, folder and an existing file, so that hours of work do not end in
-    /// a refusal.
+    /// a refusal. From then on the file is no input.
     ///
     /// # Errors
     /// [`ErrorKind::Usage`] for an unknown extension, [`ErrorKind::CannotCreate`] for
@@ -106,9 +107,11 @@ impl<'a> Output<'a> {
         }
         refuse_output_among_inputs(path, inputs)?;
         refuse_place(path, console.force)?;
+        unbroken(|| try_place(path, console.force)).map_err(|error| error.field("-o"))?;
         Ok(Self {
             path,
             force: console.force,
+            _claim: Claim::new(path)?,
         })
     }
 

@@ -3,10 +3,11 @@
 use crate::console::Console;
 use crate::curves::curves;
 use crate::input::{expand, read_frf, read_weights, source, Reading};
+use crate::interrupt::unbroken;
 use crate::outcome::Outcome;
 use crate::output::{make_folder, Output, HTML, PICTURE, TABLE};
 use crate::table::{counted, shortened};
-use chladni_frf::io::{self, detect_format, write_atomically, FileFormat};
+use chladni_frf::io::{self, detect_format, try_place, write_atomically, FileFormat};
 use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result, Source};
 use chladni_render::{evaluate, Evaluation, On, Scene, Weights};
 use chladni_report::{charts, html, ChartFormats, Curves, RenderedScene, ReportInput, Table};
@@ -62,7 +63,10 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         .as_deref()
         .map(|path| Output::new(path, HTML, &args.files, console))
         .transpose()?;
-    args.charts.as_deref().map(make_folder).transpose()?;
+    if let Some(folder) = &args.charts {
+        make_folder(folder)?;
+        unbroken(|| try_place(&folder.join("figure"), true))?;
+    }
     console.stage("reading");
     let contents = Contents::read(&args.files, &args.measured, console)?;
     let input = contents.input(io::file_name(&args.files[0]), console);
