@@ -9,7 +9,7 @@ use clap::{Parser, Subcommand};
 
 /// Modal identification of plates from measured FRFs, and vibration rendering with it
 #[derive(Debug, Parser)]
-#[command(name = "chladni", version, before_help = EXAMPLES)]
+#[command(name = "chladni", version, before_help = EXAMPLES, after_help = PIPES)]
 pub struct Cli {
     /// Options of all commands.
     #[command(flatten)]
@@ -26,6 +26,8 @@ const EXAMPLES: &str = "Examples:
   chladni render model.json corner.toml -o weights.json
   chladni report model.json weights.json -o report.html
   chladni studio measurement.uff                       all of it, live, on a local page";
+
+const PIPES: &str = "Input files may be pipes; one of them may be -, the standard input.";
 
 /// The verbs.
 #[derive(Debug, Subcommand)]

@@ -7,16 +7,16 @@ use chladni_console::input::{expand, model_of, read_frf, Reading};
 use chladni_console::memory::{parse_memory, MEMORY};
 use chladni_console::output::{Output, MODEL, PARTIAL, POLES_OR_MODEL};
 use chladni_console::table::{counted, significant, table};
-use chladni_console::Console;
-use chladni_console::Outcome;
+use chladni_console::{Console, Outcome};
 use chladni_frf::{Error, ErrorKind, Result};
+use chladni_io::sha256_of;
 use chladni_io::{write_atomically, write_model, FrfParts};
 use chladni_rfp::pieces::{residues, solve, Partial, Poles, Reducer, Solved};
 use chladni_rfp::{FitOptions, Window};
+use chladni_text::door::read_bytes;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::Subcommand;
-use serde_json::{json, Value};
-use std::fs;
+use serde_json::{json, Map, Value};
 use std::path::{Path, PathBuf};
 
 /// The verbs.
@@ -74,7 +74,7 @@ pub struct Reduce {
     /// Memory to keep within: bytes, or with K, M, G, T (powers of 1024)
     #[arg(long, value_name = "SIZE", default_value = MEMORY, value_parser = parse_memory)]
     memory: u64,
-    /// Go on where an interrupted run with the same output ended
+    /// Go on where an interrupted run with the same files, options and output ended
     #[arg(long)]
     resume: bool,
     #[command(flatten)]
@@ -139,6 +139,19 @@ pub fn run(block: &Block, console: &Console) -> Result<Outcome> {
     }
 }
 
+impl Reduce {
+    /// All that can change the partial.
+    fn echo(&self, options: &FitOptions) -> Result<Map<String, Value>> {
+        let mut echo = echo_of(options);
+        self.reading.echo(&mut echo);
+        echo.insert("block".into(), self.block.into());
+        echo.insert("blocks".into(), self.blocks.into());
+        let poles = self.poles.as_deref().map(sha256_of).transpose()?;
+        echo.insert("poles".into(), poles.into());
+        Ok(echo)
+    }
+}
+
 fn reduce(args: &Reduce, console: &Console) -> Result<Outcome> {
     let files = expand(&args.files, console)?;
     let output = Output::new(&args.output, PARTIAL, &files, console)?;
@@ -169,7 +182,13 @@ fn reduce(args: &Reduce, console: &Console) -> Result<Outcome> {
         data = data.share(args.block, blocks)?;
     }
     let stream = Stream::new(data, &files, args.memory, &options, console)?;
-    let mut resume = Resume::new(Some(&args.output), &files, stream.len(), args.resume)?;
+    let mut resume = Resume::new(
+        Some(&args.output),
+        &files,
+        args.memory,
+        args.echo(&options)?,
+        args.resume,
+    )?;
     let reducer = Reducer::new(&options, poles.as_ref())
         .map_err(|error| explain_piece(error, &options, &files[0]))?;
     let stage = if reducer.is_second() {
@@ -366,7 +385,7 @@ fn residues_of(args: &Residues, console: &Console) -> Result<Outcome> {
 }
 
 fn bytes_of(path: &Path) -> Result<Vec<u8>> {
-    fs::read(path).map_err(|error| Error::from_read(&error, path))
+    read_bytes(path)
 }
 
 fn partial_of(path: &Path) -> Result<Partial> {

@@ -26,7 +26,8 @@ use std::path::{Path, PathBuf};
   chladni fit panel.h5 -o model.json --scene corner.toml     only the band that a scene needs
   chladni fit scan_*.uff --frf-kind mobility -o model.json")]
 pub struct Args {
-    /// FRF files, folders of them, or patterns; all are merged into one set
+    /// FRF files, folders of them, or patterns; all are merged into one set. - is the
+    /// standard input
     #[arg(required = true, value_name = "FRF")]
     files: Vec<PathBuf>,
     /// Model file to write, .json or .h5
@@ -61,8 +62,8 @@ pub struct Args {
     /// read part by part, twice
     #[arg(long, value_name = "SIZE", default_value = MEMORY, value_parser = parse_memory)]
     memory: u64,
-    /// Go on where an interrupted fit with the same output ended (a set read part by
-    /// part)
+    /// Go on where an interrupted fit with the same files, options and output ended (a set
+    /// read part by part)
     #[arg(long, requires = "output")]
     resume: bool,
     #[command(flatten)]
@@ -186,12 +187,19 @@ fn streamed(
         options,
         console,
     )?;
-    let mut resume = Resume::new(args.output.as_deref(), files, stream.len(), args.resume)?;
+    let mut echo = echo_of(options);
+    args.reading.echo(&mut echo);
+    let mut resume = Resume::new(
+        args.output.as_deref(),
+        files,
+        args.memory,
+        echo.clone(),
+        args.resume,
+    )?;
     let (fit, sources) = stream.with_sources(|| stream.fit(&mut resume))?;
     let mut model = fit.model;
     model.source = sources;
-    model.options = echo_of(options);
-    args.reading.echo(&mut model.options);
+    model.options = echo;
     model.quality.warnings.splice(0..0, console.warnings());
     Ok((model, resume))
 }

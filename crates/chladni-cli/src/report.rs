@@ -4,9 +4,9 @@ use crate::curves::curves;
 use chladni_console::input::{expand, read_frf, read_weights, source, Reading};
 use chladni_console::output::{make_folder, Output, HTML, PICTURE, TABLE};
 use chladni_console::table::{counted, shortened};
-use chladni_console::Console;
-use chladni_console::Outcome;
+use chladni_console::{unbroken, Console, Outcome};
 use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result, Source};
+use chladni_io::try_place;
 use chladni_io::{detect_format, write_atomically, FileFormat};
 use chladni_render::{evaluate, Evaluation, On, Scene, Weights};
 use chladni_report::{charts, html, ChartFormats, Curves, RenderedScene, ReportInput, Table};
@@ -62,7 +62,10 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         .as_deref()
         .map(|path| Output::new(path, HTML, &args.files, console))
         .transpose()?;
-    args.charts.as_deref().map(make_folder).transpose()?;
+    if let Some(folder) = &args.charts {
+        make_folder(folder)?;
+        unbroken(|| try_place(&folder.join("figure"), true))?;
+    }
     console.stage("reading");
     let contents = Contents::read(&args.files, &args.measured, console)?;
     let input = contents.input(chladni_text::file_name(&args.files[0]), console);

@@ -4,9 +4,9 @@ use chladni_console::input::source;
 use chladni_console::memory::{parse_memory, MEMORY};
 use chladni_console::output::{Output, FRF, MODEL};
 use chladni_console::table::{counted, significant};
-use chladni_console::Console;
-use chladni_console::Outcome;
+use chladni_console::{Console, Outcome};
 use chladni_frf::{Error, ErrorKind, Result};
+use chladni_io::is_same_place;
 use chladni_io::{write_contents, write_model, Contents};
 use chladni_plate::{simulate, Panel};
 use serde_json::json;
@@ -52,7 +52,11 @@ fn parse_snr(text: &str) -> std::result::Result<f64, String> {
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let inputs = std::slice::from_ref(&args.panel);
     let output = Output::new(&args.output, FRF, inputs, console)?;
-    if args.truth.as_ref() == Some(&args.output) {
+    if args
+        .truth
+        .as_deref()
+        .is_some_and(|truth| is_same_place(truth, &args.output))
+    {
         return Err(Error::new(
             ErrorKind::Usage,
             "the FRFs and the model behind them are two files",

@@ -2,8 +2,14 @@
 
 use crate::args::Common;
 use crate::progress::Progress;
+use chladni_frf::printable;
 use std::io::{IsTerminal, Write};
 use std::sync::{Mutex, MutexGuard};
+
+/// Text whose words may come from a file or its name, with lines and tabs only.
+pub fn for_terminal(text: &str) -> String {
+    printable(text, &['\n', '\t'])
+}
 
 /// The user's wishes about output, and everything said so far.
 pub struct Console {
@@ -106,6 +112,7 @@ impl Console {
         } else {
             (String::new(), "")
         };
+        let text = for_terminal(text);
         // a closed stderr must not stop the work
         self.progress
             .suspend(|| drop(writeln!(std::io::stderr(), "{start}{prefix}{end}{text}")));

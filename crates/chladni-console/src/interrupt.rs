@@ -3,6 +3,7 @@
 
 use crate::outcome::print_error;
 use chladni_frf::{Error, ErrorKind};
+use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Mutex;
 
@@ -11,25 +12,66 @@ static WRITING: Mutex<()> = Mutex::new(());
 /// Set once stdout is in use for the result.
 static PRINTING: AtomicBool = AtomicBool::new(false);
 
-/// Ends the process on Ctrl-C and on termination.
+/// Ends the process in order on Ctrl-C, on termination, when its terminal is closed and
+/// when its time is used up.
 ///
-/// Signals that are ignored already (background jobs, `nohup`) stay ignored, hence `try_`
-/// and no error.
+/// A signal that is ignored already (Ctrl-C in a background job, the closed terminal
+/// under `nohup`) stays ignored. One that comes before this is installed, or where it
+/// cannot be, ends the process at once: what it leaves is removed by the next run.
+#[cfg(unix)]
 pub fn install(json: bool) {
-    let _ = ctrlc::try_set_handler(move || {
-        // a file in the making is finished first: it takes moments, and leaves nothing
-        // behind
-        let _whole = WRITING.lock();
-        let error = Error::new(
-            ErrorKind::Interrupted,
-            "interrupted; nothing half-written was left behind",
-        );
-        eprintln!("\nerror: {error}");
-        if json && !PRINTING.load(Ordering::SeqCst) {
-            print_error(&error);
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXCPU, SIGXFSZ};
+    use signal_hook::iterator::Signals;
+    let ignored = ignored_signals();
+    let is_heard = |signal: &i32| ignored >> (signal - 1) & 1 == 0;
+    if is_heard(&SIGXFSZ) {
+        // a file has grown beyond what is allowed: the writing fails with its own error
+        drop(signal_hook::flag::register(SIGXFSZ, Default::default()));
+    }
+    let endings = [SIGHUP, SIGINT, SIGTERM, SIGXCPU];
+    let Ok(mut signals) = Signals::new(endings.into_iter().filter(is_heard)) else {
+        return;
+    };
+    let wait = move || {
+        if signals.forever().next().is_some() {
+            end(json);
         }
-        std::process::exit(ErrorKind::Interrupted.exit_code().into());
-    });
+    };
+    drop(
+        std::thread::Builder::new()
+            .name("signals".into())
+            .spawn(wait),
+    );
+}
+
+/// Elsewhere the system ends the process, and the next run removes what it leaves.
+#[cfg(not(unix))]
+pub fn install(_json: bool) {}
+
+/// A bit for each signal that this process ignores, the lowest for signal 1; only Linux
+/// tells.
+#[cfg(unix)]
+fn ignored_signals() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok())
+        .unwrap_or(0)
+}
+
+#[cfg(unix)]
+fn end(json: bool) {
+    // a file in the making is finished first: it takes moments, and leaves nothing behind
+    let _whole = WRITING.lock();
+    let error = Error::new(
+        ErrorKind::Interrupted,
+        "interrupted; nothing half-written was left behind",
+    );
+    // nobody may listen any more
+    drop(writeln!(io::stderr(), "\nerror: {error}"));
+    if json && !PRINTING.load(Ordering::SeqCst) {
+        print_error(&error);
+    }
+    std::process::exit(ErrorKind::Interrupted.exit_code().into());
 }
 
 /// Runs `write` to its end even where an interruption comes between.

@@ -18,4 +18,4 @@ pub use args::Common;
 pub use console::Console;
 pub use interrupt::unbroken;
 pub use outcome::{print_line, Outcome};
-pub use start::start;
+pub use start::{refused_threads, start};

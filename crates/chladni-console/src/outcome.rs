@@ -1,6 +1,6 @@
 //! How a run ends: the result on stdout, or an error; and the exit status.
 
-use crate::console::Console;
+use crate::console::{for_terminal, Console};
 use crate::interrupt;
 use chladni_frf::{Error, ErrorKind, Result};
 use serde_json::{json, Value};
@@ -109,7 +109,7 @@ fn print(outcome: &Outcome, console: &Console) -> Result<()> {
     }
     match &outcome.output {
         Some(_) if console.quiet => Ok(()),
-        _ => to_stdout(&outcome.text),
+        _ => to_stdout(&for_terminal(&outcome.text)),
     }
 }
 

@@ -4,6 +4,8 @@ use crate::console::Console;
 use crate::interrupt::unbroken;
 use chladni_frf::{Error, ErrorKind, Result};
 use chladni_io::refuse_output_among_inputs;
+use chladni_io::try_place;
+use chladni_text::door::Claim;
 use std::path::{Path, PathBuf};
 
 /// Extensions of FRF files.
@@ -69,11 +71,12 @@ pub fn make_folder(folder: &Path) -> Result<()> {
 pub struct Output<'a> {
     path: &'a Path,
     force: bool,
+    _claim: Claim,
 }
 
 impl<'a> Output<'a> {
     /// Checks extension, folder and an existing file, so that hours of work do not end in
-    /// a refusal.
+    /// a refusal. From then on the file is no input.
     ///
     /// # Errors
     /// [`ErrorKind::Usage`] for an unknown extension, [`ErrorKind::CannotCreate`] for
@@ -106,9 +109,11 @@ impl<'a> Output<'a> {
         }
         refuse_output_among_inputs(path, inputs)?;
         refuse_place(path, console.force)?;
+        unbroken(|| try_place(path, console.force)).map_err(|error| error.field("-o"))?;
         Ok(Self {
             path,
             force: console.force,
+            _claim: Claim::new(path)?,
         })
     }
 

@@ -5,6 +5,7 @@ use crate::console::Console;
 use crate::outcome::{self, Outcome};
 use crate::{interrupt, usage};
 use chladni_frf::{Error, ErrorKind, Result};
+use chladni_text::door::KeptInputs;
 use clap::Parser;
 use std::process::ExitCode;
 
@@ -17,30 +18,41 @@ pub fn start<C: Parser>(
     run: impl FnOnce(&C, &Console) -> Result<Outcome>,
 ) -> ExitCode {
     let json = usage::asks_for_json(std::env::args_os());
-    let cli = match C::try_parse() {
+    let cli: C = match usage::parse() {
         Ok(cli) => cli,
-        Err(answer) => return usage::report(&answer, &C::command(), json),
+        Err(answer) => return answer.report(&C::command(), json),
     };
+    let _kept = KeptInputs::of_run();
     let common = common(&cli);
     let console = Console::new(common);
     interrupt::install(json);
     let result = outcome::without_panic(|| {
-        set_threads(common.threads)?;
+        start_threads(common.threads)?;
         run(&cli, &console)
     });
     outcome::report(result, &console)
 }
 
-fn set_threads(threads: Option<u16>) -> Result<()> {
-    let Some(threads) = threads else {
-        return Ok(());
-    };
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads.into())
-        .build_global();
-    pool.map_err(|error| {
-        Error::new(ErrorKind::Internal, error.to_string())
-            .field("--threads")
-            .found(threads)
+/// Starts the threads to compute with, as many as there are cores where no number is
+/// asked for.
+fn start_threads(asked: Option<u16>) -> Result<()> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(asked.unwrap_or(0).into());
+    pool.build_global().map_err(|error| {
+        let count = asked.map_or("one for each core".into(), |count| count.to_string());
+        refused_threads(&error).field("--threads").found(count)
     })
+}
+
+/// The error for threads that the system does not start.
+pub fn refused_threads(error: &dyn std::error::Error) -> Error {
+    // the words of the pool say nothing, those of the system behind them do
+    let reason = error
+        .source()
+        .map_or_else(|| error.to_string(), ToString::to_string);
+    Error::new(
+        ErrorKind::Io,
+        format!("the system starts no more threads: {reason}"),
+    )
+    .expected("a number that the limits on processes and memory allow")
+    .help("give fewer with --threads, or raise the limits (ulimit -u, ulimit -v)")
 }

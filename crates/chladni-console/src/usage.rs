@@ -1,10 +1,12 @@
 //! Wrong usage, in the same words and the same JSON as every other error.
 
+use crate::console::for_terminal;
 use crate::outcome::print_error;
 use chladni_frf::{Error, ErrorKind};
 use clap::error::{ContextKind, ContextValue, ErrorKind as ClapKind};
-use clap::Command;
+use clap::{ArgMatches, Command, Parser};
 use std::ffi::OsString;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// True where `--json` stands among the arguments, however wrong the others are.
@@ -13,8 +15,53 @@ pub fn asks_for_json(args: impl Iterator<Item = OsString>) -> bool {
         .any(|arg| arg == "--json")
 }
 
-/// Help and version go to stdout (exit 0), errors to stderr (exit 2).
-pub fn report(answer: &clap::Error, program: &Command, json: bool) -> ExitCode {
+/// Why there is nothing to run.
+pub enum Answer {
+    /// Help, version, or arguments that are not understood.
+    Clap(clap::Error),
+    /// Arguments that do not go together.
+    Refused(Error),
+}
+
+/// The arguments of this process.
+pub fn parse<C: Parser>() -> Result<C, Answer> {
+    let matches = C::command().try_get_matches().map_err(Answer::Clap)?;
+    one_standard_input(&matches).map_err(Answer::Refused)?;
+    C::from_arg_matches(&matches).map_err(Answer::Clap)
+}
+
+/// Refuses a second file that is the standard input: it can be read once.
+fn one_standard_input(matches: &ArgMatches) -> Result<(), Error> {
+    let Some((_, matches)) = matches.subcommand() else {
+        return Ok(());
+    };
+    let files = matches
+        .ids()
+        .filter_map(|id| matches.try_get_many::<PathBuf>(id.as_str()).ok().flatten())
+        .flatten();
+    let count = files.filter(|file| file.as_os_str() == "-").count();
+    if count > 1 {
+        return Err(
+            Error::new(ErrorKind::Usage, "`-`, the standard input, is one file")
+                .found(format!("{count} times `-`"))
+                .expected("`-` once at most")
+                .help("give the other files by their names"),
+        );
+    }
+    one_standard_input(matches)
+}
+
+impl Answer {
+    /// Help and version go to stdout (exit 0), errors to stderr (exit 2).
+    pub fn report(&self, program: &Command, json: bool) -> ExitCode {
+        match self {
+            Self::Clap(answer) => report(answer, program, json),
+            Self::Refused(error) => refuse(error, json),
+        }
+    }
+}
+
+fn report(answer: &clap::Error, program: &Command, json: bool) -> ExitCode {
     let no_command = answer.kind() == ClapKind::DisplayHelpOnMissingArgumentOrSubcommand;
     if !answer.use_stderr() || (no_command && !json) {
         // a reader that has seen enough is no error
@@ -23,10 +70,13 @@ pub fn report(answer: &clap::Error, program: &Command, json: bool) -> ExitCode {
             u8::try_from(answer.exit_code()).unwrap_or(ErrorKind::Usage.exit_code()),
         );
     }
-    let error = error_of(answer, program);
-    eprintln!("error: {error}");
+    refuse(&error_of(answer, program), json)
+}
+
+fn refuse(error: &Error, json: bool) -> ExitCode {
+    eprintln!("error: {}", for_terminal(&error.to_string()));
     if json {
-        print_error(&error);
+        print_error(error);
     }
     ExitCode::from(ErrorKind::Usage.exit_code())
 }

@@ -2,6 +2,7 @@
 //! where, and what to do.
 
 use crate::nearest_word::{is_near, nearest_word};
+use crate::printable::printable;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -238,7 +239,7 @@ impl Error {
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(file) = &self.file {
-            write!(f, "{}: ", file.display())?;
+            write!(f, "{}: ", printable(&file.to_string_lossy(), &[]))?;
         }
         if let Some(dataset) = self.dataset {
             write!(f, "dataset {dataset}: ")?;

@@ -16,6 +16,7 @@ mod geometry;
 mod kind;
 mod model;
 mod nearest_word;
+mod printable;
 mod selection;
 mod time_record;
 
@@ -30,6 +31,7 @@ pub use model::{
     Scaling, Source, Trust, MODEL_FORMAT,
 };
 pub use nearest_word::nearest_word;
+pub use printable::printable;
 pub use selection::{ModeName, ModePick, Selected, Selection};
 pub use time_record::{Channel, Run, SignalUnit};
 

@@ -1,11 +1,13 @@
 //! Results are written beside their place and renamed into it: an interrupted run leaves
 //! the old file or none.
 
+use super::temporary;
 use chladni_frf::{Error, ErrorKind, Result};
+use chladni_text::door::{is_same, refuse_read};
 use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
-use tempfile::{NamedTempFile, TempPath};
+use tempfile::NamedTempFile;
 
 /// Writes `path` as a whole or not at all: `write` fills a temporary file beside it,
 /// which is then renamed.
@@ -39,7 +41,7 @@ pub fn write_atomically(
         write(&mut buffered).and_then(|()| buffered.flush())
     };
     written.map_err(|error| write_error(&error, path))?;
-    persist(file.into_temp_path(), &target, force)
+    persist(file, &target, force)
 }
 
 /// Like [`write_atomically`] for libraries that want a path: `write` creates the file
@@ -63,12 +65,32 @@ pub fn create_atomically(
         .help("give the name of a file with -o"));
     }
     let target = free_target(path, force)?;
-    let temporary = temporary_beside(&target)?.into_temp_path();
-    write(&temporary).map_err(|mut error| {
+    let temporary = temporary_beside(&target)?;
+    write(temporary.path()).map_err(|mut error| {
         error.file = Some(path.to_path_buf());
         error
     })?;
     persist(temporary, &target, force)
+}
+
+/// Finds out, before the work, whether `path` could be written after it: a temporary file
+/// beside it is made, and removed.
+///
+/// # Errors
+/// As [`write_atomically`].
+pub fn try_place(path: &Path, force: bool) -> Result<()> {
+    if is_device(path) {
+        return Ok(());
+    }
+    let target = free_target(path, force)?;
+    temporary_beside(&target).map(drop)
+}
+
+/// True where two outputs are, or would be, one file.
+pub fn is_same_place(one: &Path, other: &Path) -> bool {
+    let folder = |path: &Path| fs::canonicalize(folder_of(path)).ok();
+    let would_be = one.file_name() == other.file_name() && folder(one) == folder(other);
+    would_be || is_same(one, other)
 }
 
 /// Refuses an output that is one of the inputs, whatever way the path is written;
@@ -77,11 +99,8 @@ pub fn create_atomically(
 /// # Errors
 /// [`ErrorKind::CannotCreate`] naming the input.
 pub fn refuse_output_among_inputs(output: &Path, inputs: &[PathBuf]) -> Result<()> {
-    let Ok(output_file) = fs::canonicalize(output) else {
-        return Ok(());
-    };
     for input in inputs {
-        if fs::canonicalize(input).is_ok_and(|file| file == output_file) {
+        if is_same(input, output) {
             return Err(
                 Error::new(ErrorKind::CannotCreate, "the output is one of the inputs")
                     .file(output)
@@ -141,6 +160,7 @@ fn free_target(path: &Path, force: bool) -> Result<PathBuf> {
                 "choose another name with -o, or overwrite it with --force",
             );
         }
+        refuse_read(path)?;
         return fs::canonicalize(path).map_err(|error| write_error(&error, path));
     }
     if !folder_of(path).is_dir() {
@@ -152,28 +172,18 @@ fn free_target(path: &Path, force: bool) -> Result<PathBuf> {
     Ok(path.to_path_buf())
 }
 
-fn folder_of(path: &Path) -> &Path {
+pub(super) fn folder_of(path: &Path) -> &Path {
     path.parent()
         .filter(|folder| !folder.as_os_str().is_empty())
         .unwrap_or_else(|| Path::new("."))
 }
 
 fn temporary_beside(target: &Path) -> Result<NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".chladni-").suffix(".tmp");
-    #[cfg(unix)]
-    {
-        // the umask applies, as to every file a program creates
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    builder
-        .tempfile_in(folder_of(target))
-        .map_err(|error| write_error(&error, target))
+    temporary::beside(target).map_err(|error| write_error(&error, target))
 }
 
-fn persist(temporary: TempPath, target: &Path, force: bool) -> Result<()> {
-    let written = fs::File::open(&temporary).and_then(|file| file.sync_all());
+fn persist(temporary: NamedTempFile, target: &Path, force: bool) -> Result<()> {
+    let written = fs::File::open(temporary.path()).and_then(|file| file.sync_all());
     written.map_err(|error| write_error(&error, target))?;
     let renamed = if force {
         temporary.persist(target)

@@ -2,9 +2,10 @@
 //! they are read part by part.
 
 use chladni_frf::{Error, Result, Source};
+use chladni_text::door::{self, place_of, size_of};
 use chladni_text::file_name;
+
 use sha2::{Digest, Sha256};
-use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::sync::{Condvar, Mutex, MutexGuard};
@@ -25,7 +26,7 @@ pub fn sha256_of(path: &Path) -> Result<String> {
 /// Adds the bytes `from..to` of a file, or up to its end.
 fn feed(hash: &mut Sha256, path: &Path, from: u64, to: u64) -> Result<()> {
     let on_read = |error: std::io::Error| Error::from_read(&error, path);
-    let mut file = File::open(path).map_err(on_read)?;
+    let mut file = door::open(path)?;
     file.seek(SeekFrom::Start(from)).map_err(on_read)?;
     let mut file = file.take(to - from);
     let mut block = vec![0; BLOCK];
@@ -202,6 +203,25 @@ impl Drop for Turn<'_> {
             self.checksums.give_up();
         }
     }
+}
+
+/// What tells an input from another of the same name: when it was changed, or of a pipe
+/// what it gave. And its number of bytes.
+///
+/// # Errors
+/// As [`place_of`].
+pub fn stamp_of(path: &Path) -> Result<(u64, String)> {
+    let place = place_of(path)?;
+    if place.is_temporary() {
+        return Ok((size_of(path)?, sha256_of(path)?));
+    }
+    let metadata = std::fs::metadata(&*place).map_err(|error| Error::from_read(&error, path))?;
+    let changed = metadata.modified().ok();
+    let changed = changed.and_then(|time| time.duration_since(std::time::UNIX_EPOCH).ok());
+    Ok((
+        metadata.len(),
+        changed.map_or_else(String::new, |time| format!("{} ns", time.as_nanos())),
+    ))
 }
 
 #[cfg(test)]

@@ -1,7 +1,9 @@
 //! Formats are told apart by content, never by the name of the file.
 
 use super::{csv, mat, numpy, FileFormat};
+
 use chladni_frf::{Error, ErrorKind, Result, MODEL_FORMAT};
+use chladni_text::door;
 use chladni_text::json_error;
 use serde::Deserialize;
 use std::fs::File;
@@ -37,13 +39,7 @@ const WEIGHTS_FORMAT: &str = "chladni.weights";
 /// read.
 pub fn detect_format(file: &Path) -> Result<FileFormat> {
     let on_read = |error: std::io::Error| Error::from_read(&error, file);
-    let mut input = File::open(file).map_err(on_read)?;
-    if input.metadata().map_err(on_read)?.is_dir() {
-        return Err(Error::from_read(
-            &std::io::ErrorKind::IsADirectory.into(),
-            file,
-        ));
-    }
+    let mut input = door::open(file)?;
     let mut head = Vec::with_capacity(HEAD_BYTES);
     input
         .by_ref()
@@ -95,8 +91,7 @@ pub(super) fn not_readable(file: &Path) -> Result<Option<String>> {
         Ok(FileFormat::Csv) => {
             let on_read = |error: std::io::Error| Error::from_read(&error, file);
             let mut head = Vec::new();
-            File::open(file)
-                .map_err(on_read)?
+            door::open(file)?
                 .take(TABLE_HEAD_BYTES)
                 .read_to_end(&mut head)
                 .map_err(on_read)?;

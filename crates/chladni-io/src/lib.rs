@@ -27,6 +27,7 @@ mod runs;
 mod save;
 mod selection;
 mod shape;
+mod temporary;
 mod time_sign;
 pub mod uff;
 mod unit_label;
@@ -34,8 +35,10 @@ mod vtk;
 mod wav;
 
 pub use assemble::assemble;
-pub use atomic::{create_atomically, refuse_output_among_inputs, write_atomically};
-pub use checksums::{sha256_of, Checksums, Turn};
+pub use atomic::{
+    create_atomically, is_same_place, refuse_output_among_inputs, try_place, write_atomically,
+};
+pub use checksums::{sha256_of, stamp_of, Checksums, Turn};
 pub use contents::Contents;
 pub use detect::detect_format;
 pub use document::{

@@ -4,8 +4,8 @@ use super::atomic::write_atomically;
 use super::json::write_json;
 use super::{detect_format, hdf5, FileFormat};
 use chladni_frf::{Error, ErrorKind, ModalModel, Mode, Result, MODEL_FORMAT};
-use chladni_text::json_error;
-use chladni_text::read_text;
+use chladni_text::door::KeptInputs;
+use chladni_text::{json_error, read_text};
 use num_complex::Complex64;
 use std::path::Path;
 
@@ -19,6 +19,7 @@ const VERSION: u32 = 1;
 /// size than the responses and references say, not finite, or of another format or
 /// version.
 pub fn read_model(path: &Path) -> Result<ModalModel> {
+    let _kept = KeptInputs::new();
     let wrong = |message: &str, found: &str| {
         Error::bad_data(message)
             .file(path)

@@ -6,7 +6,8 @@
 use super::assemble;
 use super::{detect_format, hdf5, read_documents, uff, Checksums, FileFormat, ReadOptions, Turn};
 use chladni_frf::{Error, FrfSet, FrfValues, Result};
-use std::fs;
+use chladni_text::door::KeptInputs;
+use chladni_text::door::{self, size_of};
 use std::io::{Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -16,6 +17,7 @@ use std::path::{Path, PathBuf};
 pub struct FrfParts {
     files: Vec<Parted>,
     options: ReadOptions,
+    kept: KeptInputs,
 }
 
 /// A file and what of it belongs to the set.
@@ -58,8 +60,9 @@ impl FrfParts {
     /// # Errors
     /// Those of reading.
     pub fn open(files: &[PathBuf], options: &ReadOptions) -> Result<Self> {
+        let kept = KeptInputs::new();
         let parted = |(number, path): (usize, &PathBuf)| {
-            let mut bytes = size(path)?;
+            let mut bytes = size_of(path)?;
             let (cut, units) = match detect_format(path)? {
                 FileFormat::Hdf5 => match hdf5::Rows::open(path)? {
                     Some(rows) if options.map.is_empty() => {
@@ -117,6 +120,7 @@ impl FrfParts {
         Ok(Self {
             files,
             options: options.clone(),
+            kept,
         })
     }
 
@@ -159,6 +163,7 @@ impl FrfParts {
         Ok(Self {
             files,
             options: self.options.clone(),
+            kept: self.kept.clone(),
         })
     }
 
@@ -274,8 +279,7 @@ impl FrfParts {
             Cut::Functions { beside, functions } => {
                 let wanted: Vec<&Range<u64>> =
                     beside.iter().chain(&functions[units.clone()]).collect();
-                let bytes = stretches(&file.path, wanted)
-                    .map_err(|error| Error::from_read(&error, &file.path))?;
+                let bytes = stretches(&file.path, wanted)?;
                 vec![uff::read(&bytes, &file.path, options)?]
             }
         };
@@ -290,13 +294,6 @@ impl FrfParts {
     }
 }
 
-/// Bytes of a file.
-fn size(path: &Path) -> Result<u64> {
-    Ok(fs::metadata(path)
-        .map_err(|error| Error::from_read(&error, path))?
-        .len())
-}
-
 /// Bytes that the FRFs of files take in memory, about: from what their heads say, else
 /// the size of the file. Damage is for the reader to report.
 ///
@@ -307,8 +304,8 @@ pub fn frf_bytes(files: &[PathBuf]) -> Result<u64> {
         FileFormat::Hdf5 => hdf5::Rows::open(path)
             .ok()
             .flatten()
-            .map_or_else(|| size(path), |rows| Ok(rows.bytes())),
-        _ => size(path),
+            .map_or_else(|| size_of(path), |rows| Ok(rows.bytes())),
+        _ => size_of(path),
     };
     files
         .iter()
@@ -328,7 +325,8 @@ impl Parted {
 }
 
 /// Stretches of a file, one after the other; neighbours are read at once.
-fn stretches(path: &Path, wanted: Vec<&Range<u64>>) -> std::io::Result<Vec<u8>> {
+fn stretches(path: &Path, wanted: Vec<&Range<u64>>) -> Result<Vec<u8>> {
+    let on_read = |error: std::io::Error| Error::from_read(&error, path);
     let mut joined: Vec<Range<u64>> = Vec::new();
     for range in wanted {
         match joined.last_mut() {
@@ -336,13 +334,14 @@ fn stretches(path: &Path, wanted: Vec<&Range<u64>>) -> std::io::Result<Vec<u8>> 
             _ => joined.push(range.clone()),
         }
     }
-    let mut file = fs::File::open(path)?;
+    let mut file = door::open(path)?;
     let mut bytes = Vec::new();
     for range in joined {
-        file.seek(SeekFrom::Start(range.start))?;
+        file.seek(SeekFrom::Start(range.start)).map_err(on_read)?;
         (&mut file)
             .take(range.end - range.start)
-            .read_to_end(&mut bytes)?;
+            .read_to_end(&mut bytes)
+            .map_err(on_read)?;
     }
     Ok(bytes)
 }

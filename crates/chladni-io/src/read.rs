@@ -7,9 +7,8 @@ use super::{
     wav, Contents, DatasetInfo, Document, FileFormat, ReadOptions,
 };
 use chladni_frf::{Error, FrfSet, Geometry, Result, Source, Trust};
-use chladni_text::json_error;
-use chladni_text::read_text;
-use std::fs;
+use chladni_text::door::{read_bytes, size_of, KeptInputs};
+use chladni_text::{json_error, read_text};
 use std::path::{Path, PathBuf};
 
 /// Everything in one file, by content; damaged datasets are in its `errors`.
@@ -31,8 +30,8 @@ const LISTED_BY_HEADERS: u64 = 256 << 20;
 /// # Errors
 /// As [`read_document`].
 pub fn list_document(path: &Path, options: &ReadOptions) -> Result<Document> {
-    let is_large = fs::metadata(path).is_ok_and(|metadata| metadata.len() > LISTED_BY_HEADERS);
-    if !is_large || detect_format(path)? != FileFormat::Uff {
+    let _kept = KeptInputs::new();
+    if size_of(path)? <= LISTED_BY_HEADERS || detect_format(path)? != FileFormat::Uff {
         return read_document(path, options);
     }
     let mut document = uff::scan(path, options)?;
@@ -67,6 +66,7 @@ pub fn read_documents(paths: &[PathBuf], options: &ReadOptions) -> Result<Vec<Do
 /// # Errors
 /// As [`expand_paths`], [`read_documents`] and [`assemble()`].
 pub fn read_contents(paths: &[PathBuf], options: &ReadOptions) -> Result<Contents> {
+    let _kept = KeptInputs::new();
     let inputs = expand_paths(paths)?;
     let mut contents = assemble(read_documents(&inputs.files, options)?, options)?;
     contents.warnings.splice(0..0, inputs.warnings);
@@ -113,6 +113,7 @@ pub fn read_frf(
     paths: &[PathBuf],
     options: &ReadOptions,
 ) -> Result<(FrfSet, Vec<Source>, Vec<String>)> {
+    let _kept = KeptInputs::new();
     let inputs = expand_paths(paths)?;
     let documents = read_documents(&inputs.files, options)?;
     let (result, listed) = (result_among(&documents), listed(&documents));
@@ -158,7 +159,8 @@ pub fn read_frf(
 }
 
 fn read_numbered(path: &Path, options: &ReadOptions, next_node: &mut u64) -> Result<Document> {
-    let bytes = || fs::read(path).map_err(|error| Error::from_read(&error, path));
+    let _kept = KeptInputs::new();
+    let bytes = || read_bytes(path);
     let mut document = match detect_format(path)? {
         FileFormat::Uff => {
             let bytes = bytes()?;

@@ -1,8 +1,25 @@
 //! Text files and their names.
 
+use crate::door::{read_bytes, size_of, KeptInputs};
 use chladni_frf::{Error, Result};
-use std::fs;
 use std::path::Path;
+
+/// Most bytes of a file that is read as one text: a model of 10⁵ responses and 100 modes
+/// has 6·10⁸.
+const TEXT_MOST: u64 = 1 << 30;
+
+fn text_bytes(path: &Path, expected: &str) -> Result<Vec<u8>> {
+    let _kept = KeptInputs::new();
+    let bytes = size_of(path)?;
+    if bytes > TEXT_MOST {
+        return Err(Error::bad_data("too large for a text")
+            .file(path)
+            .found(format!("{bytes} bytes"))
+            .expected(format!("{expected}, of at most {} MiB", TEXT_MOST >> 20))
+            .help("check that the right file is named"));
+    }
+    read_bytes(path)
+}
 
 /// The text of a UTF-8 file without its byte-order mark; `expected` says what it should
 /// be: "a scene, TOML".
@@ -10,7 +27,7 @@ use std::path::Path;
 /// # Errors
 /// Those of reading; [`chladni_frf::ErrorKind::BadData`] with the first byte that is no UTF-8.
 pub fn read_text(path: &Path, expected: &str) -> Result<String> {
-    let bytes = fs::read(path).map_err(|error| Error::from_read(&error, path))?;
+    let bytes = text_bytes(path, expected)?;
     let text = String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
         let found = if error.as_bytes().contains(&0) {

@@ -1,8 +1,11 @@
-//! Text that people write, scenes, panels, selections and thresholds: read key by key, so
-//! that every error names the line, the key, what stood there and what belongs there.
+//! Inputs that people name and write. Every file is opened by one [`door`]; scenes, panels,
+//! selections and thresholds are read key by key, so that an error names the line, the key,
+//! what stood there and what belongs there.
 
+pub mod door;
 mod file;
 mod json;
+mod spool;
 pub mod toml_reader;
 mod words;
 

@@ -5,6 +5,7 @@ mod resume;
 
 use crate::fit::explain;
 use chladni_console::input::source;
+use chladni_console::refused_threads;
 use chladni_console::Console;
 use chladni_frf::{Error, ErrorKind, FrfValues, Result, Source};
 use chladni_io::{Checksums, FrfParts, Part, Turn};
@@ -88,22 +89,20 @@ impl<'a> Stream<'a> {
         }
         let files = self.files.clone();
         // not scoped: an error of `work` need not wait for the end of the files
-        let sources = thread::spawn(move || {
+        let read = move || {
             files
                 .iter()
                 .map(|file| source(file))
                 .collect::<Result<Vec<_>>>()
-        });
+        };
+        let sources = thread::Builder::new()
+            .spawn(read)
+            .map_err(|error| refused_threads(&error))?;
         let made = work()?;
         let sources = sources
             .join()
             .map_err(|_| Error::new(ErrorKind::Internal, "the thread of the checksums failed"))?;
         Ok((made, sources?))
-    }
-
-    /// Number of parts.
-    pub fn len(&self) -> usize {
-        self.parts.len()
     }
 
     /// One pass, where `before` is what an interrupted one had left.
@@ -141,7 +140,7 @@ impl<'a> Stream<'a> {
             let lane = |first: usize| {
                 let (sender, receiver) = sync_channel(1);
                 let (open, data, options) = (&open, &self.data, self.options);
-                scope.spawn(move || {
+                let work = move || {
                     let mut spare = None;
                     let mut run = || {
                         for (number, part) in open.iter().enumerate().skip(first).step_by(count) {
@@ -161,10 +160,20 @@ impl<'a> Stream<'a> {
                         Ok(alone) => alone.install(run),
                         Err(_) => run(),
                     }
-                });
-                receiver
+                };
+                let started = thread::Builder::new().spawn_scoped(scope, work);
+                started
+                    .map(|_| receiver)
+                    .map_err(|error| refused_threads(&error))
             };
-            let lanes: Vec<_> = (0..count).map(lane).collect();
+            let lanes = match (0..count).map(lane).collect::<Result<Vec<_>>>() {
+                Ok(lanes) => lanes,
+                Err(error) => {
+                    // no lane may wait for one that was not started
+                    checksums.iter().for_each(|checksums| checksums.give_up());
+                    return Err(error);
+                }
+            };
             // taken in turn: what is said comes in the order of the data
             let mut take_all = || {
                 for ((_, part), lane) in open.iter().zip(lanes.iter().cycle()) {

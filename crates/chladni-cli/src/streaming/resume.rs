@@ -1,52 +1,70 @@
 //! What an interrupted run leaves beside its output, so that the next can go on.
 //!
-//! One line of JSON that says of which files it is, then the partial so far.
+//! One line of JSON that says of which files it is, and with which options they were read
+//! and fitted, then the partial so far.
 
 use chladni_console::unbroken;
-use chladni_frf::{Error, Result};
-use chladni_io::write_atomically;
+use chladni_frf::{Error, Result, CREATED_BY};
+use chladni_io::{stamp_of, write_atomically};
 use chladni_rfp::pieces::Partial;
-use serde_json::{json, Value};
+use chladni_text::door::Claim;
+use chladni_text::file_name;
+use serde_json::{json, Map, Value};
 use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant, UNIX_EPOCH};
+use std::time::{Duration, Instant};
 
 /// Keeping what was done may cost one part in so many of the time.
 const SHARE: u32 = 40;
+/// Version of the first line; another one is refused.
+const VERSION: u64 = 2;
 
 /// What is kept, and where.
 pub struct Resume {
     place: Option<PathBuf>,
-    inputs: Value,
+    /// The first line of the file.
+    head: Value,
     /// When it was kept last, and how long that took.
     kept: Instant,
     cost: Duration,
     found: Option<Partial>,
+    /// What is kept is no input.
+    _claim: Option<Claim>,
 }
 
 impl Resume {
     /// Beside `output` (nowhere without one); with `goes_on` what an interrupted run left
     /// there is taken up.
     ///
-    /// * `parts`: number of parts that `files` are cut into
+    /// * `memory`: what the files are cut by
+    /// * `options`: all that can change a byte of the result, as results echo them
     ///
     /// # Errors
-    /// What was left belongs to other files, or is damaged.
+    /// What was left belongs to other files or options, or is damaged.
     pub fn new(
         output: Option<&Path>,
         files: &[PathBuf],
-        parts: usize,
+        memory: u64,
+        mut options: Map<String, Value>,
         goes_on: bool,
     ) -> Result<Self> {
+        options.insert("memory".into(), memory.into());
         let place = output.map(|output| {
             let mut name = OsString::from(output);
             name.push(".resume");
             PathBuf::from(name)
         });
         let mut this = Self {
+            _claim: place.as_deref().map(Claim::new).transpose()?,
             place,
-            inputs: described(files, parts)?,
+            head: json!({
+                "format": "chladni.resume",
+                "version": VERSION,
+                "created_by": CREATED_BY,
+                "inputs": described(files)?,
+                "options": options,
+            }),
             kept: Instant::now(),
             cost: Duration::ZERO,
             found: None,
@@ -56,7 +74,11 @@ impl Resume {
             .as_ref()
             .filter(|place| goes_on && place.exists())
         {
-            this.found = Some(this.read(place).map_err(|error| error.file(place))?);
+            let found = this.read(place);
+            this.found = Some(found.map_err(|error| match &error.help {
+                Some(_) => error.file(place),
+                None => error.file(place).help("run again without --resume"),
+            })?);
         }
         Ok(this)
     }
@@ -64,25 +86,26 @@ impl Resume {
     fn read(&self, place: &Path) -> Result<Partial> {
         let bytes = fs::read(place).map_err(|error| Error::from_read(&error, place))?;
         let end = bytes.iter().position(|byte| *byte == b'\n').unwrap_or(0);
-        let help = "run again without --resume";
-        match serde_json::from_slice::<Value>(&bytes[..end]) {
-            Ok(inputs) if inputs == self.inputs => {
-                Partial::from_bytes(&bytes[end + 1..]).map_err(|error| error.help(help))
+        let head: Value = serde_json::from_slice(&bytes[..end]).map_err(|_| {
+            Error::bad_data("this is nothing that an interrupted run left")
+                .found("something else")
+                .expected("one line of JSON")
+        })?;
+        for (key, what) in [
+            ("format", "is nothing that an interrupted run left"),
+            ("version", "was left by another version of this program"),
+            ("created_by", "was left by another version of this program"),
+            ("inputs", "was left by a fit of other files"),
+        ] {
+            if head[key] != self.head[key] {
+                return Err(Error::bad_data(format!("this {what}"))
+                    .field(key)
+                    .found(&head[key])
+                    .expected(&self.head[key]));
             }
-            Ok(inputs) => Err(Error::bad_data(
-                "what was interrupted was a fit of other files, or cut otherwise",
-            )
-            .field("inputs")
-            .found(inputs)
-            .expected(&self.inputs)
-            .help(help)),
-            Err(_) => Err(
-                Error::bad_data("this is nothing that an interrupted run left")
-                    .found("something else")
-                    .expected("one line of JSON")
-                    .help(help),
-            ),
         }
+        same_options(&head["options"], &self.head["options"])?;
+        Partial::from_bytes(&bytes[end + 1..])
     }
 
     /// What the interrupted run had done.
@@ -103,7 +126,7 @@ impl Resume {
             return Ok(());
         };
         let start = Instant::now();
-        let head = format!("{}\n", self.inputs);
+        let head = format!("{}\n", self.head);
         let bytes = partial.to_bytes();
         unbroken(|| {
             write_atomically(place, true, |file| {
@@ -125,18 +148,34 @@ impl Resume {
 }
 
 /// Names, sizes and times of the files: enough to tell whether they are the same.
-fn described(files: &[PathBuf], parts: usize) -> Result<Value> {
+fn described(files: &[PathBuf]) -> Result<Value> {
     let of = |file: &PathBuf| {
-        let metadata = fs::metadata(file).map_err(|error| Error::from_read(&error, file))?;
-        let modified = metadata
-            .modified()
-            .ok()
-            .and_then(|time| time.duration_since(UNIX_EPOCH).ok())
-            .map(|time| time.as_nanos().to_string());
-        Ok(
-            json!({"file": chladni_text::file_name(file), "bytes": metadata.len(), "modified_ns": modified}),
-        )
+        let (bytes, stamp) = stamp_of(file)?;
+        Ok(json!({"file": file_name(file), "bytes": bytes, "stamp": stamp}))
     };
-    let inputs = files.iter().map(of).collect::<Result<Vec<_>>>()?;
-    Ok(json!({"format": "chladni.resume", "version": 1, "inputs": inputs, "parts": parts}))
+    files.iter().map(of).collect()
+}
+
+/// Refuses the first option whose value was another one.
+fn same_options(were: &Value, are: &Value) -> Result<()> {
+    let no_options = Map::new();
+    let [were, are] = [were, are].map(|options| options.as_object().unwrap_or(&no_options));
+    let differs = |name: &&String| were.get(*name) != are.get(*name);
+    let Some(name) = are.keys().chain(were.keys()).find(differs) else {
+        return Ok(());
+    };
+    let shown = |options: &Map<String, Value>| match options.get(name) {
+        None | Some(Value::Null) => "not given".to_owned(),
+        Some(Value::String(text)) => text.clone(),
+        Some(value) => value.to_string(),
+    };
+    // results name the unit too
+    let flag = name.trim_end_matches("_hz").trim_end_matches("_per_s");
+    Err(
+        Error::bad_data("what was interrupted was a fit with other options")
+            .field(format!("--{}", flag.replace('_', "-")))
+            .found(shown(were))
+            .expected(format!("{}, as now", shown(are)))
+            .help("give the options of the interrupted run, or run again without --resume"),
+    )
 }

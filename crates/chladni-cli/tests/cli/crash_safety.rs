@@ -99,6 +99,120 @@ fn a_full_disk_leaves_the_old_file_and_nothing_else() {
     }
 }
 
+/// Moments of each signal and each way to start; `CHLADNI_ROUNDS=50 cargo test --release
+/// --test cli signal` tries more.
+#[cfg(target_os = "linux")]
+fn rounds() -> u32 {
+    std::env::var("CHLADNI_ROUNDS")
+        .map_or(3, |text| text.parse().expect("CHLADNI_ROUNDS is a number"))
+}
+
+/// Waits until a process has begun its work: it catches SIGTERM, the 15th.
+#[cfg(target_os = "linux")]
+fn wait_for_start(pid: u32) {
+    loop {
+        let Ok(status) = std::fs::read_to_string(format!("/proc/{pid}/status")) else {
+            return;
+        };
+        let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+        let caught = caught.map(|mask| u64::from_str_radix(mask.trim(), 16).unwrap());
+        if status.contains("State:\tZ") || caught.is_some_and(|mask| mask >> 14 & 1 == 1) {
+            return;
+        }
+        std::thread::sleep(Duration::from_micros(200));
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn any_signal_leaves_the_old_file_or_the_new_one_and_nothing_beside_it() {
+    let folder = Folder::with_panel();
+    folder
+        .run("simulate panel.toml -o other.h5 --seed 7 -q")
+        .exits(0);
+    let results = ["panel", "other"].map(|name| {
+        folder
+            .run(&format!("convert {name}.h5 -o {name}.unv -q"))
+            .exits(0);
+        folder.read(&format!("{name}.unv"))
+    });
+    folder.write("out.unv", &results[0]);
+    let names = folder.names();
+    let started = Instant::now();
+    folder
+        .run("convert panel.h5 -o out.unv --force -q")
+        .exits(0);
+    let whole = started.elapsed();
+    let mut left = 0;
+    // a job in the background ignores Ctrl-C, one under nohup the closed terminal
+    for start in ["trap '' INT QUIT; exec", "exec nohup", "exec"] {
+        for signal in ["KILL", "TERM", "HUP", "XFSZ"] {
+            let mut ends = Vec::new();
+            for k in 0..rounds() {
+                let name = ["panel", "other"][k as usize % 2];
+                let program = env!("CARGO_BIN_EXE_chladni");
+                let line = format!("{start} {program} convert {name}.h5 -o out.unv --force");
+                let mut child = Command::new("sh")
+                    .args(["-c", &line])
+                    .current_dir(folder.path())
+                    .stdout(Stdio::null())
+                    .stderr(Stdio::null())
+                    .spawn()
+                    .unwrap();
+                wait_for_start(child.id());
+                // golden-ratio steps spread the moments evenly over a run
+                let part = f64::from(k + 1) * 0.618_033_988_75 % 1.0;
+                std::thread::sleep(Duration::from_secs_f64(part * whole.as_secs_f64()));
+                let kill = format!("kill -s {signal} {}", child.id());
+                Command::new("sh").args(["-c", &kill]).output().unwrap();
+                let end = child.wait().unwrap();
+                ends.push(end.code());
+                let expected: &[Option<i32>] = match signal {
+                    "KILL" => &[Some(0), None],
+                    // growing too large is an error of writing, and not of this file
+                    "XFSZ" => &[Some(0)],
+                    _ if signal == "HUP" && start.contains("nohup") => &[Some(0)],
+                    _ => &[Some(0), Some(130)],
+                };
+                let told = format!("{start} {signal} {k}: {end}");
+                assert!(expected.contains(&end.code()), "{told}");
+                assert!(results.contains(&folder.read("out.unv")), "{told}");
+                if signal == "KILL" {
+                    left += usize::from(folder.names() != names);
+                } else {
+                    assert_eq!(folder.names(), names, "{told}");
+                }
+            }
+            // the next run takes away what a killed one left
+            folder
+                .run("convert panel.h5 -o out.unv --force -q")
+                .exits(0);
+            assert_eq!(folder.names(), names, "{start} {signal}");
+            println!("{start} {signal}: {ends:?}");
+        }
+    }
+    println!("{left} killed runs left a temporary file, until the next");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_file_that_grows_too_large_is_an_error_of_writing() {
+    let folder = Folder::with_panel();
+    let before = folder.names();
+    let line = format!(
+        "ulimit -f 64; exec {} --json convert panel.h5 -o out.csv",
+        env!("CARGO_BIN_EXE_chladni")
+    );
+    let output = Command::new("sh")
+        .args(["-c", &line])
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(output.status.code(), Some(74), "{answer}");
+    assert_eq!(folder.names(), before, "nothing was left behind");
+}
+
 #[test]
 fn an_output_that_is_an_input_or_cannot_be_made_is_refused() {
     let folder = Folder::with_panel();

@@ -275,12 +275,85 @@ fn what_cannot_be_done_in_parts_is_refused_with_the_next_step() {
         .iter()
         .all(|name| !["a.part", "b.part", "model.json"].contains(&name.as_str())));
 
-    // what was left by an interrupted fit of another file
-    std::fs::write(
-        folder.path().join("model.json.resume"),
-        b"{\"format\":\"chladni.resume\"}\nx",
-    )
-    .unwrap();
+    // what another version of the program left
+    folder.write("model.json.resume", b"{\"format\":\"chladni.resume\"}\nx");
     let resume = error(&format!("fit panel.h5 -o model.json --resume {LITTLE}"), 65);
-    assert_eq!(&resume["field"], "inputs", "{resume}");
+    assert_eq!(&resume["field"], "version", "{resume}");
+}
+
+/// Kills a run at rising moments until it leaves what `--resume` takes up.
+fn left_by_a_killed_run(folder: &Folder, line: &str, output: &str) {
+    for kill in 1..60 {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_chladni"))
+            .current_dir(folder.path())
+            .args(line.split_whitespace())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(Duration::from_millis(5 * kill));
+        child.kill().ok(); // SIGKILL
+        child.wait().unwrap();
+        if folder.names().contains(&format!("{output}.resume")) {
+            return;
+        }
+        std::fs::remove_file(folder.path().join(output)).ok();
+    }
+    panic!("no kill came while it ran: {line}");
+}
+
+#[test]
+fn what_was_read_or_fitted_otherwise_is_not_resumed() {
+    let folder = noisy();
+    for (line, output, others) in [
+        (
+            "fit panel.h5 --memory 1M -o a.json",
+            "a.json",
+            &[
+                ("--time-sign -", "--time-sign", "not given", "-"),
+                ("--frf-kind mobility", "--frf-kind", "not given", "mobility"),
+                ("--duplicates mean", "--duplicates", "not given", "mean"),
+                ("--lenient", "--lenient", "not given", "true"),
+                ("--reference 101", "--reference", "not given", "[101]"),
+                ("--band 30:300", "--band", "not given", "[30.0,300.0]"),
+                ("--seed 7", "--seed", "0", "7"),
+                ("--damping viscous", "--damping", "auto", "viscous"),
+                ("--modes 5", "--modes", "auto", "5"),
+                ("--shapes real", "--shapes", "auto", "real"),
+                ("--window none", "--window", "not given", "none"),
+                ("--memory 1030K", "--memory", "1048576", "1054720"),
+            ][..],
+        ),
+        (
+            "block reduce panel.h5 --memory 1M -o a.part --block 1 --blocks 2",
+            "a.part",
+            &[
+                ("--time-sign -", "--time-sign", "not given", "-"),
+                ("--block 0", "--block", "1", "0"),
+            ],
+        ),
+    ] {
+        left_by_a_killed_run(&folder, line, output);
+        let left = folder.read(&format!("{output}.resume"));
+        for &(other, field, were, is) in others {
+            // the last of an option that stands twice is refused by the command line
+            let name = other.split(' ').next().unwrap();
+            let words: Vec<&str> = line.split(' ').collect();
+            let at = words.iter().position(|word| *word == name);
+            let kept = |k: usize| at.is_none_or(|at| k != at && k != at + 1);
+            let line: Vec<&str> = (0..words.len())
+                .filter(|k| kept(*k))
+                .map(|k| words[k])
+                .collect();
+            let run = folder.run(&format!("{} {other} --resume --json", line.join(" ")));
+            let error = run.exits(65).json()["error"].clone();
+            assert_eq!(error["field"], field, "{error}");
+            assert_eq!(error["found"], were, "{error}");
+            let expected = error["expected"].as_str().unwrap();
+            assert_eq!(expected, format!("{is}, as now"), "{error}");
+            assert!(folder.read(&format!("{output}.resume")) == left);
+        }
+        folder.run(&format!("{line} --resume --force")).exits(0);
+        assert!(!folder.names().contains(&format!("{output}.resume")));
+    }
 }

@@ -16,6 +16,7 @@ use super::values::counts_disagree;
 use super::{part, Collector, UnitsInForce};
 use crate::{Document, ReadOptions};
 use chladni_frf::{Error, Result};
+use chladni_text::door::{place_of, size_of};
 use std::io;
 use std::ops::Range;
 use std::path::Path;
@@ -48,7 +49,8 @@ fn listed(
     start: UnitsInForce,
 ) -> Result<(Document, Option<UnitsInForce>)> {
     let on_read = |error: io::Error| Error::from_read(&error, path);
-    let mut datasets = Datasets::open(path).map_err(on_read)?;
+    let place = place_of(path)?;
+    let mut datasets = Datasets::open(&place).map_err(on_read)?;
     let mut collector = Collector::new(path);
     let (mut units, mut first, mut late) = (start, true, None);
     while let Some(passed) = datasets.next_dataset(options.lenient).map_err(on_read)? {
@@ -83,12 +85,13 @@ fn listed(
 /// Those of reading.
 pub(crate) fn places(path: &Path, lenient: bool) -> Result<Vec<(Option<u32>, Range<u64>)>> {
     let on_read = |error: io::Error| Error::from_read(&error, path);
-    let mut datasets = Datasets::open(path).map_err(on_read)?;
+    let place = place_of(path)?;
+    let mut datasets = Datasets::open(&place).map_err(on_read)?;
     let mut starts = Vec::new();
     while let Some(passed) = datasets.next_dataset(lenient).map_err(on_read)? {
         starts.push((passed.number, passed.byte));
     }
-    let end = std::fs::metadata(path).map_err(on_read)?.len();
+    let end = size_of(path)?;
     let ends = starts.iter().skip(1).map(|(_, byte)| *byte).chain([end]);
     Ok(starts
         .iter()

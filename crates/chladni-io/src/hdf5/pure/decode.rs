@@ -449,11 +449,11 @@ impl<'a> Windows<'a> {
         if let Some(mut turn) = turn {
             values.resize(self.count, T::zeroed());
             let bytes = bytemuck::cast_slice_mut(&mut values);
-            read_past_cache(&file.path, start, bytes)?;
+            read_past_cache(&file.place, start, bytes)?;
             turn.pass(start, bytes);
             return Ok(values);
         }
-        let mut file = std::fs::File::open(&file.path)?;
+        let mut file = std::fs::File::open(&*file.place)?;
         file.seek(SeekFrom::Start(start))?;
         values.reserve_exact(self.count - values.len());
         for at in (0..self.count).step_by(STRETCH_BYTES / size_of::<T>()) {

@@ -10,6 +10,7 @@ use crate::arrays::tree::{
 };
 use crate::Turn;
 use chladni_frf::{Error, Result};
+use chladni_text::door::{place_of, Place};
 use decode::{element_of, lies_in_one_stretch, values_of};
 use hdf5_pure::{AttrValue, Dataset, Datatype};
 use std::collections::HashMap;
@@ -19,18 +20,22 @@ use std::path::{Path, PathBuf};
 /// An open file.
 pub(super) struct File {
     path: PathBuf,
+    /// Where its bytes are read.
+    place: Place,
     bytes: u64,
     file: hdf5_pure::File,
 }
 
 impl File {
     pub(super) fn open(path: &Path) -> Result<Self> {
-        let file = hdf5_pure::File::open_streaming(path).map_err(|error| match error {
+        let place = place_of(path)?;
+        let file = hdf5_pure::File::open_streaming(&*place).map_err(|error| match error {
             hdf5_pure::Error::Io(error) => Error::from_read(&error, path),
             error => library_error(error, path),
         })?;
         Ok(Self {
             path: path.to_path_buf(),
+            place,
             bytes: file.file_size(),
             file,
         })

@@ -13,6 +13,7 @@ use crate::arrays::tree::{
 };
 use crate::Turn;
 use chladni_frf::{Direction, Dof, Error, Node, Result};
+use chladni_text::door::{place_of, Place};
 use hdf5::types::{
     FixedAscii, FixedUnicode, FloatSize, TypeDescriptor, VarLenAscii, VarLenUnicode,
 };
@@ -61,21 +62,25 @@ pub(super) struct File {
     path: PathBuf,
     bytes: u64,
     file: hdf5::File,
+    _place: Place,
 }
 
 impl File {
     pub(super) fn open(path: &Path) -> Result<Self> {
-        let metadata = std::fs::metadata(path).map_err(|error| Error::from_read(&error, path))?;
+        let place = place_of(path)?;
+        let metadata =
+            std::fs::metadata(&*place).map_err(|error| Error::from_read(&error, path))?;
         // no lock: it fails on some network shares, and where a process that was started
         // meanwhile still holds the writer's
         let unlocked = hdf5::File::with_options()
             .with_fapl(|access| access.file_locking(false))
-            .open(path);
+            .open(&*place);
         let file = unlocked.map_err(|error| library_error(error, path))?;
         Ok(Self {
             path: path.to_path_buf(),
             bytes: metadata.len(),
             file,
+            _place: place,
         })
     }
 
@@ -419,7 +424,11 @@ pub(super) fn write(path: &Path, root: &Group<'_>) -> Result<()> {
     let fail = |error: hdf5::Error| {
         Error::new(chladni_frf::ErrorKind::Io, format!("HDF5: {error}")).file(path)
     };
-    let file = hdf5::File::create(path).map_err(fail)?;
+    // the writer holds a lock already
+    let file = hdf5::File::with_options()
+        .with_fapl(|access| access.file_locking(false))
+        .create(path)
+        .map_err(fail)?;
     write_group(&file, root).map_err(fail)?;
     file.close().map_err(fail)
 }

@@ -1,0 +1,128 @@
+//! Temporary files beside results, and what killed runs left of them.
+//!
+//! A run holds a lock on its file until it has been renamed; the system takes the lock
+//! away with the process, however that ends. What lies in a folder without a lock is
+//! removed by the next run that writes there.
+
+use super::atomic::folder_of;
+use std::collections::HashSet;
+use std::fs::{self, File, TryLockError};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::{LazyLock, Mutex, PoisonError};
+use std::time::Duration;
+use tempfile::NamedTempFile;
+
+const PREFIX: &str = ".chladni-";
+const SUFFIX: &str = ".tmp";
+/// Age of a file of another machine (or of this one before it was started anew) at which
+/// it is nobody's: not every network share tells one machine of the locks of another.
+const ABANDONED: Duration = Duration::from_secs(24 * 3600);
+/// Another run may take a new file away before its lock is on it; so often in a row it
+/// does not.
+const TRIES: usize = 10;
+
+/// A new file beside `target`, under a lock where the file system knows locks.
+pub(super) fn beside(target: &Path) -> io::Result<NamedTempFile> {
+    let folder = folder_of(target);
+    remove_leftovers_once(folder);
+    let mut tries = 1;
+    loop {
+        let file = create(folder)?;
+        let is_ours = match file.as_file().try_lock() {
+            Ok(()) => file.path().exists(),
+            Err(TryLockError::WouldBlock) => false,
+            // without locks nobody takes it away
+            Err(TryLockError::Error(_)) => true,
+        };
+        if is_ours || tries == TRIES {
+            return Ok(file);
+        }
+        tries += 1;
+    }
+}
+
+fn create(folder: &Path) -> io::Result<NamedTempFile> {
+    let prefix = prefix();
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(&prefix).suffix(SUFFIX);
+    #[cfg(unix)]
+    {
+        // the umask applies, as to every file a program creates
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(folder)
+}
+
+/// Names of this machine since it was started: on Linux they carry the first letters of a
+/// number that is drawn at every start.
+fn prefix() -> String {
+    let start = fs::read_to_string("/proc/sys/kernel/random/boot_id").unwrap_or_default();
+    format!("{PREFIX}{}-", start.split('-').next().unwrap_or_default())
+}
+
+/// Removes what killed runs left in `folder`, when this process writes there first.
+fn remove_leftovers_once(folder: &Path) {
+    static SEEN: LazyLock<Mutex<HashSet<PathBuf>>> = LazyLock::new(Mutex::default);
+    let is_first = SEEN
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner)
+        .insert(folder.to_path_buf());
+    if is_first {
+        remove_leftovers(folder);
+    }
+}
+
+/// What cannot be removed stays: it is in nobody's way.
+fn remove_leftovers(folder: &Path) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        if name.starts_with(PREFIX) && name.ends_with(SUFFIX) {
+            drop(remove_leftover(&entry.path(), name.starts_with(&prefix())));
+        }
+    }
+}
+
+/// Removes a file that nobody holds a lock on; one of another machine only where it is
+/// old.
+fn remove_leftover(path: &Path, is_ours: bool) -> io::Result<()> {
+    let metadata = fs::symlink_metadata(path)?;
+    let age = metadata.modified()?.elapsed().unwrap_or_default();
+    if !metadata.is_file() || !(is_ours || age > ABANDONED) {
+        return Ok(());
+    }
+    let file = File::options().read(true).write(true).open(path)?;
+    match file.try_lock() {
+        Ok(()) => fs::remove_file(path),
+        Err(_) => Ok(()),
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_at_work_stays_and_a_leftover_goes() {
+        let folder = tempfile::tempdir().unwrap();
+        let target = folder.path().join("out.json");
+        let at_work = beside(&target).unwrap();
+        let leftover = folder.path().join(format!("{}abc{SUFFIX}", prefix()));
+        let of_another = folder.path().join(format!("{PREFIX}00000000-abc{SUFFIX}"));
+        let of_others = folder.path().join(".another-abc.tmp");
+        for path in [&leftover, &of_another, &of_others] {
+            fs::write(path, "half").unwrap();
+        }
+        remove_leftovers(folder.path());
+        assert!(at_work.path().exists() && of_another.exists() && of_others.exists());
+        assert!(!leftover.exists());
+        let old = std::time::SystemTime::now() - 2 * ABANDONED;
+        let file = File::options().write(true).open(&of_another).unwrap();
+        file.set_modified(old).unwrap();
+        drop(file);
+        remove_leftovers(folder.path());
+        assert!(at_work.path().exists() && !of_another.exists());
+    }
+}
