@@ -1,6 +1,7 @@
 //! `chladni fit`: modes from FRFs.
 
 use crate::asked_model::AskedModel;
+use crate::explain::explain;
 use crate::scene_band::SceneBand;
 use crate::streaming::{too_large, Resume, Stream};
 use chladni_console::input::{expand, read_frf, Reading};
@@ -262,11 +263,6 @@ impl Args {
             ..self.asked.options()
         }
     }
-}
-
-/// A fit that cannot be made, in words of the file and the command line.
-pub fn explain(error: &FitError, options: &FitOptions, file: &Path) -> Error {
-    error.told(options, |name| format!("--{name}")).file(file)
 }
 
 /// Why a model is not to be trusted.

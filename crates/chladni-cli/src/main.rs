@@ -10,6 +10,7 @@ mod curves;
 mod demo;
 mod estimate;
 mod evaluate;
+mod explain;
 mod fit;
 mod indices;
 mod info;
@@ -26,6 +27,7 @@ mod truth;
 use args::{Cli, Command};
 use chladni_console::{start, Console, Outcome};
 use chladni_frf::Result;
+use clap::CommandFactory;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -50,7 +52,7 @@ fn run(command: &Command, console: &Console) -> Result<Outcome> {
         Command::Studio(args) => studio::run(args, console),
         Command::Bench(args) => bench::run(args),
         Command::Block(what) => block::run(what, console),
-        Command::Completions(args) => Ok(shell::completions(args)),
-        Command::Man(args) => shell::man(args),
+        Command::Completions(args) => Ok(shell::completions(args, Cli::command())),
+        Command::Man(args) => shell::man(args, Cli::command()),
     }
 }

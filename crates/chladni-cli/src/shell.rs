@@ -1,9 +1,8 @@
 //! Completions and manual pages, made of the same definitions as the options themselves.
 
-use crate::args::Cli;
 use chladni_console::Outcome;
 use chladni_frf::{nearest_word, Error, ErrorKind, Result};
-use clap::CommandFactory;
+use clap::Command;
 use clap_complete::Shell;
 use clap_mangen::roff::{roman, Roff};
 use serde_json::json;
@@ -29,9 +28,9 @@ pub struct ManArgs {
 }
 
 /// Completions on stdout.
-pub fn completions(args: &CompletionsArgs) -> Outcome {
+pub fn completions(args: &CompletionsArgs, mut program: Command) -> Outcome {
     let mut text = Vec::new();
-    clap_complete::generate(args.shell, &mut Cli::command(), "chladni", &mut text);
+    clap_complete::generate(args.shell, &mut program, "chladni", &mut text);
     let text = String::from_utf8_lossy(&text).into_owned();
     Outcome::shown(json!({"completions": text}), text)
 }
@@ -40,13 +39,12 @@ pub fn completions(args: &CompletionsArgs) -> Outcome {
 ///
 /// # Errors
 /// [`ErrorKind::Usage`] for a command that does not exist.
-pub fn man(args: &ManArgs) -> Result<Outcome> {
-    let mut cli = Cli::command();
-    cli.build();
+pub fn man(args: &ManArgs, mut program: Command) -> Result<Outcome> {
+    program.build();
     let page = match &args.command {
-        None => cli,
-        Some(name) => cli.find_subcommand(name).cloned().ok_or_else(|| {
-            let known: Vec<&str> = cli.get_subcommands().map(clap::Command::get_name).collect();
+        None => program,
+        Some(name) => program.find_subcommand(name).cloned().ok_or_else(|| {
+            let known: Vec<&str> = program.get_subcommands().map(Command::get_name).collect();
             let error = Error::new(ErrorKind::Usage, "no such command")
                 .found(name)
                 .expected(known.join(", "));

@@ -12,7 +12,7 @@
 //! and its derivatives (Gautschi, *Orthogonal Polynomials: Computation and
 //! Approximation*, 2004, table 1.1).
 
-use crate::plate::Edge;
+use crate::edges::Edge;
 use chladni_linalg::matmul_h;
 use ndarray::Array2;
 

@@ -1,7 +1,7 @@
 //! Where a panel is measured and driven: nodes, labels and DOFs.
 
 use crate::panel::Panel;
-use crate::ritz::PointMass;
+use crate::point_mass::PointMass;
 use chladni_frf::{Direction, Dof, Geometry, Node};
 
 /// Positions and labels of all measured and driven points of a panel.
@@ -21,6 +21,13 @@ pub struct Layout {
     pub geometry: Geometry,
     /// The actuators as loads of the plate; empty where they weigh nothing.
     pub masses: Vec<PointMass>,
+}
+
+impl Panel {
+    /// Nodes and DOFs of the measurement.
+    pub fn layout(&self) -> Layout {
+        Layout::new(self)
+    }
 }
 
 impl Layout {

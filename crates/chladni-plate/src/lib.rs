@@ -24,17 +24,18 @@
 //! panels, and plates in heavy fluids. Published frequencies that come from short series
 //! (Leissa's 36 beam products) are upper bounds and lie 0.1 to 1 % above these.
 
-// the error carries file, line, field and advice; it is built once, where a run ends
-
+mod checks;
 mod cramer_rao;
 mod cramer_rao_structured;
 mod edge_basis;
+mod edges;
 mod layout;
 mod modes;
 mod noise;
 mod panel;
 mod panel_file;
 mod plate;
+mod point_mass;
 mod response;
 mod ritz;
 mod simulate;
@@ -44,13 +45,14 @@ pub mod tolerances;
 
 pub use cramer_rao::{cramer_rao, CramerRao};
 pub use cramer_rao_structured::{cramer_rao_rank_one, cramer_rao_real};
+pub use edges::{Edge, Edges};
 pub use layout::Layout;
 pub use modes::PlateModes;
 pub use noise::{add_noise_of_variance, add_white_noise, gain_noise, mean_square, outliers};
 pub use panel::{Measurement, Panel, ReferenceFrame, ResponseGrid};
-pub use plate::{Edge, Edges, LossFactor, Plate};
+pub use plate::{LossFactor, Plate};
+pub use point_mass::PointMass;
 pub use response::{synthesise, DampedPlate};
-pub use ritz::PointMass;
 pub use simulate::{simulate, Simulation};
 pub use synthetic::{Synthetic, SyntheticSet, SyntheticShapes};
 pub use time::{Excitation, TimeSet, TimeTest, Window};

@@ -3,7 +3,8 @@
 
 use crate::edge_basis::EdgeBasis;
 use crate::plate::Plate;
-use crate::ritz::{self, ModeRange, PointMass};
+use crate::point_mass::PointMass;
+use crate::ritz::{self, ModeRange};
 use crate::tolerances::{EDGE_SLACK, EXTRA_TERMS, MOST_BLOCK_TERMS};
 use chladni_frf::{Error, Result};
 use chladni_linalg::matmul;

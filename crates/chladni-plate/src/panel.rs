@@ -1,7 +1,7 @@
 //! A virtual panel: the plate, where it is measured and driven, and how. Field by field
 //! the panel file of `simulate`.
 
-use crate::layout::Layout;
+use crate::checks::{not_negative, positive};
 use crate::modes::needed_terms;
 use crate::plate::Plate;
 use crate::tolerances::{BAND_FACTOR, LEAST_MODES};
@@ -282,30 +282,5 @@ impl Panel {
             ))
             .expected(format!("at most {}", gib(limit_bytes as f64)))
             .help("take fewer points or lines, or allow more with --memory"))
-    }
-
-    /// Nodes and DOFs of the measurement.
-    pub fn layout(&self) -> Layout {
-        Layout::new(self)
-    }
-}
-
-pub(crate) fn positive(field: &str, value: f64) -> Result<()> {
-    match value.is_finite() && value > 0.0 {
-        true => Ok(()),
-        false => Err(Error::bad_data("not a usable value")
-            .field(field)
-            .found(value)
-            .expected("a finite number above 0")),
-    }
-}
-
-fn not_negative(field: &str, value: f64) -> Result<()> {
-    match value.is_finite() && value >= 0.0 {
-        true => Ok(()),
-        false => Err(Error::bad_data("not a usable value")
-            .field(field)
-            .found(value)
-            .expected("a finite number, 0 or above")),
     }
 }

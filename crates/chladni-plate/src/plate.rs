@@ -1,97 +1,15 @@
 //! A thin rectangular plate: sides, material, edges, and the numbers that follow from
 //! them.
 
+use crate::edges::Edges;
 use crate::tolerances::THIN_PLATE_WAVELENGTH_PER_THICKNESS;
 use chladni_frf::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
-use std::fmt;
-
-/// How one edge is held.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Edge {
-    /// Neither displacement nor slope is held.
-    Free,
-    /// Displacement is zero.
-    Supported,
-    /// Displacement and slope are zero.
-    Clamped,
-}
-
-impl Edge {
-    /// Power of the distance from the edge that every admissible shape carries: 0, 1
-    /// or 2.
-    pub fn power(self) -> usize {
-        self as usize
-    }
-    fn letter(self) -> char {
-        ['F', 'S', 'C'][self.power()]
-    }
-}
-
-/// The four edges, written as four letters F, S or C in the order x = 0, y = 0, x =
-/// length, y = width.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
-pub struct Edges {
-    /// Edges at x = 0 and x = length.
-    pub x: [Edge; 2],
-    /// Edges at y = 0 and y = width.
-    pub y: [Edge; 2],
-}
-
-impl Edges {
-    /// All four free.
-    pub const FREE: Self = Self {
-        x: [Edge::Free; 2],
-        y: [Edge::Free; 2],
-    };
-
-    /// Products (x degree, y degree) of the edge basis that cost no bending energy: the
-    /// rigid-body motions that the edges allow.
-    ///
-    /// Three on free edges (up and down, two tilts), one about a single simply supported
-    /// edge, none otherwise.
-    pub fn rigid_products(&self) -> Vec<(usize, usize)> {
-        let held = |pair: [Edge; 2]| pair[0].power() + pair[1].power();
-        match (held(self.x), held(self.y)) {
-            (0, 0) => vec![(0, 0), (1, 0), (0, 1)],
-            (1, 0) | (0, 1) => vec![(0, 0)],
-            _ => Vec::new(),
-        }
-    }
-}
-
-impl fmt::Display for Edges {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        [self.x[0], self.y[0], self.x[1], self.y[1]]
-            .iter()
-            .try_for_each(|edge| write!(f, "{}", edge.letter()))
-    }
-}
 
 impl From<Edges> for String {
     fn from(edges: Edges) -> Self {
         edges.to_string()
-    }
-}
-
-impl TryFrom<String> for Edges {
-    type Error = String;
-    fn try_from(text: String) -> std::result::Result<Self, String> {
-        let letter = |c| match c {
-            'F' => Some(Edge::Free),
-            'S' => Some(Edge::Supported),
-            'C' => Some(Edge::Clamped),
-            _ => None,
-        };
-        match text.chars().map(letter).collect::<Option<Vec<_>>>().as_deref() {
-            Some(&[x0, y0, x1, y1]) => Ok(Self { x: [x0, x1], y: [y0, y1] }),
-            _ => Err(format!(
-                "`{text}` names no four edges; write four letters F (free), S (simply supported) or C (clamped) \
-                 in the order x=0, y=0, x=length, y=width, for example \"FFFF\""
-            )),
-        }
     }
 }
 
@@ -211,7 +129,7 @@ impl Plate {
             ("youngs_modulus_pa", self.youngs_modulus_pa),
             ("density_kg_per_m3", self.density_kg_per_m3),
         ] {
-            crate::panel::positive(&format!("plate.{key}"), value)?;
+            crate::checks::positive(&format!("plate.{key}"), value)?;
         }
         if !(self.poisson_ratio > -1.0 && self.poisson_ratio < 0.5) {
             return Err(
@@ -229,7 +147,7 @@ impl Plate {
         self.loss_factor
             .entries()
             .iter()
-            .try_for_each(|&eta| crate::panel::positive("plate.loss_factor", eta))?;
+            .try_for_each(|&eta| crate::checks::positive("plate.loss_factor", eta))?;
         let shortest = self.length_m.min(self.width_m);
         if self.thickness_m > shortest / 10.0 {
             return Err(Error::bad_data(
@@ -267,19 +185,6 @@ mod tests {
         let wavelength = 2.0 * PI / plate.wavenumber(2.0 * PI * 300.0);
         assert!((wavelength - 0.153).abs() < 5e-4, "{wavelength}");
         assert!((plate.omega_of_wavenumber(plate.wavenumber(77.0)) - 77.0).abs() < 1e-10);
-    }
-
-    #[test]
-    fn edges_are_written_as_they_are_read() {
-        let edges = Edges::try_from("FSCF".to_string()).unwrap();
-        assert_eq!(
-            (edges.x, edges.y),
-            ([Edge::Free, Edge::Clamped], [Edge::Supported, Edge::Free])
-        );
-        assert_eq!(edges.to_string(), "FSCF");
-        for text in ["", "FFF", "FFFFF", "ffff", "FFXF"] {
-            assert!(Edges::try_from(text.to_string()).is_err(), "{text}");
-        }
     }
 
     #[test]

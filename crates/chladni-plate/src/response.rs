@@ -8,7 +8,7 @@
 
 use crate::modes::PlateModes;
 use crate::plate::{LossFactor, Plate};
-use crate::ritz::PointMass;
+use crate::point_mass::PointMass;
 use crate::tolerances::{BAND_FACTOR, LEAST_MODES};
 use chladni_frf::{Damping, FrfKind, ModalModel, Mode, Result, Trust};
 use chladni_linalg::matmul;

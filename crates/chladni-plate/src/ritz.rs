@@ -23,6 +23,7 @@
 
 use crate::edge_basis::{EdgeBasis, Integrals};
 use crate::plate::Plate;
+use crate::point_mass::PointMass;
 use crate::tolerances::SYMMETRY_SLACK;
 use chladni_frf::{Error, ErrorKind, Result};
 use chladni_linalg::{
@@ -30,15 +31,6 @@ use chladni_linalg::{
 };
 use ndarray::{s, Array1, Array2, Axis};
 use rayon::prelude::*;
-
-/// A mass without extent, fixed to the plate.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PointMass {
-    /// Position, m.
-    pub position_m: [f64; 2],
-    /// Mass, kg.
-    pub mass_kg: f64,
-}
 
 /// Which modes are kept: all up to a frequency, and at least so many.
 #[derive(Debug, Clone, Copy, PartialEq)]

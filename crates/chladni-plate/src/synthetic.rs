@@ -150,10 +150,10 @@ impl Synthetic {
         }
         self.natural_frequency_hz
             .iter()
-            .try_for_each(|&f| crate::panel::positive("natural_frequency_hz", f))?;
+            .try_for_each(|&f| crate::checks::positive("natural_frequency_hz", f))?;
         self.loss_factor
             .iter()
-            .try_for_each(|&eta| crate::panel::positive("loss_factor", eta))?;
+            .try_for_each(|&eta| crate::checks::positive("loss_factor", eta))?;
         match self
             .loss_factor
             .iter()

@@ -216,7 +216,7 @@ impl TimeTest {
             ("record_s", self.record_s),
             ("band_hz", self.band_hz[0]),
         ] {
-            crate::panel::positive(name, value)?;
+            crate::checks::positive(name, value)?;
         }
         if self.averages == 0 || self.padding == 0 || self.snr_db.is_nan() {
             return Err(Error::bad_data(

@@ -3,7 +3,7 @@
 
 mod resume;
 
-use crate::fit::explain;
+use crate::explain::explain;
 use chladni_console::input::source;
 use chladni_console::refused_threads;
 use chladni_console::Console;

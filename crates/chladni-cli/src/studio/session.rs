@@ -2,7 +2,8 @@
 
 use super::draft::few_lines;
 use crate::curves::curves;
-use crate::fit::{echo_of, explain};
+use crate::explain::explain;
+use crate::fit::echo_of;
 use crate::report::Contents;
 use chladni_console::input::{expand, model_of, read_frf, Reading};
 use chladni_console::Console;

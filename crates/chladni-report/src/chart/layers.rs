@@ -2,11 +2,12 @@
 
 use super::axis::Ruler;
 use super::clip::{clip_line, thinned};
-use super::layout::SAMPLE;
 use super::marks::disc;
 use super::{Cell, Disc, Layer, Place};
 use crate::drawing::{is_dark, text_width, Anchor, Colour, Drawing, Item, Point, Stroke};
 
+/// Width of a sample in the legend, px.
+pub(super) const SAMPLE: f64 = 24.0;
 /// Diameter of the mark at the end of a stem, px.
 const STEM_MARK: f64 = 7.0;
 

@@ -1,7 +1,7 @@
 //! From a figure to a picture: margins, ticks, labels, legends, colour bars.
 
 use super::axis::{Ruler, ALONG_X, ALONG_Y};
-use super::layers::{draw_layer, draw_sample, extent, legend_name};
+use super::layers::{draw_layer, draw_sample, extent, legend_name, SAMPLE};
 use super::{Axis, Chart, ColourBar, Figure, Height, Layer, RightAxis, Scale};
 use crate::drawing::{fitted, text_width, Anchor, Colour, Drawing, Image, Item, Stroke};
 
@@ -15,8 +15,6 @@ const TICK: f64 = 11.5;
 const EDGE: f64 = 8.0;
 /// Room for a colour bar with its numbers, beside the plotted box, px.
 const BAR: f64 = 78.0;
-/// Width of a sample in the legend, px.
-pub(super) const SAMPLE: f64 = 24.0;
 /// Height of a line of the legend, px.
 const LEGEND_LINE: f64 = 19.0;
 /// From one line of an axis label to the next, px.
