@@ -23,6 +23,7 @@ mod oddities;
 mod outcome;
 mod output;
 mod progress;
+mod quoting;
 mod render;
 mod report;
 mod scene_band;

@@ -17,4 +17,5 @@ mod pieces;
 mod render;
 mod shell;
 mod spoiled;
+mod studio;
 mod troubleshooting;
