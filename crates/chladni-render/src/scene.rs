@@ -261,7 +261,10 @@ fn read_threshold(table: &Table, beside: Beside) -> Result<(Threshold, f64)> {
     };
     let limen_db = table
         .get("limen_db")
-        .map_or(Ok(DEFAULT_LIMEN_DB), |value| value.not_negative())?;
+        .map_or(Ok(DEFAULT_LIMEN_DB), |value| {
+            value.not_negative()?;
+            decibels(&value)
+        })?;
     Ok((threshold, limen_db))
 }
 
@@ -379,6 +382,16 @@ fn rectangle(value: &Value) -> Result<[f64; 4]> {
     }
 }
 
+fn decibels(value: &Value) -> Result<f64> {
+    match value.number()? {
+        level if level.abs() <= tolerances::MOST_DB => Ok(level),
+        _ => Err(value.error(
+            "too many decibels",
+            format!("a level between -{0} and {0} dB", tolerances::MOST_DB),
+        )),
+    }
+}
+
 fn read_polygons(zones: &Table, value: &Value) -> Result<ZoneLayout> {
     for key in ["hot", "cells_m"] {
         if let Some(misplaced) = zones.get(key) {
@@ -442,7 +455,7 @@ fn read_polygon(value: &Value) -> Result<ZonePolygon> {
         ));
     }
     let level_db = match table.get("level_db") {
-        Some(value) if kind == PolygonKind::Hot => value.number()?,
+        Some(value) if kind == PolygonKind::Hot => decibels(&value)?,
         Some(value) => {
             return Err(value.error("only hot polygons have a level", "no such key here"))
         }

@@ -42,7 +42,6 @@ fit panel.h5 --band 300:200|2|usage|--band|300:200|LO:HI
 fit panel.h5 --band low:high|2|usage|--band|low:high|LO:HI
 fit panel.h5 --bend 20:300|2|usage|--bend|--band|chladni fit --help
 fit panel.h5 --modes 0|2|usage|--modes|found 0|auto
-fit panel.h5 --modes 18446744073709551615|65|bad_data|381 lines|18446744073709551615 modes
 fit panel.h5 --modes 500|65|bad_data|381 lines|500 modes
 fit panel.h5 --shapes ral|2|usage|--shapes|real, or another of
 fit panel.h5 --damping none|2|usage|--damping|none|viscous

@@ -9,6 +9,7 @@ mod documentation;
 mod errors;
 mod folders;
 mod formats;
+mod hostile;
 mod info;
 mod journey;
 mod malformed;
