@@ -24,6 +24,8 @@ SEEDS = {
     "model_json": (["model-*", "base"], []),
     "weights_json": (["weights"], [".weights.json"]),
     "toml_inputs": (["scene", "panel", "selection"], [".toml"]),
+    "model_render": (["model-*", "base"], []),
+    "scene_threshold": (["scene"], [".pair"]),
 }
 # chunks of HDF5 take room
 LARGEST = {"hdf5": 16384}
@@ -52,6 +54,15 @@ def sound_files(folder):
     (folder / "two.weights.json").write_text(weights)
     for scene in (ROOT / "fixtures").glob("*.toml"):
         (folder / scene.name).write_text(scene.read_text())
+    # as crates/chladni-render/tests/mutation/targets.rs parts them
+    table = "\n---\nfrequency_hz,velocity_m_per_s\n10.0,1e-4\n# a remark\n400,2e-4\n"
+    polygon = '[[zones.polygon]]\nkind = "hot"\nlevel_db = 1.5\npoints_m = [[-0.1, -0.1], [0.05, -0.1], [0.05, 0.2], [-0.1, 0.2]]\n'
+    cells = "[zones]\ngrid = [2, 1]\nhot = [1]\ncells_m = [-0.05, -0.05, 0.15, 0.15]\ntransition_m = 0.0\n"
+    for name, zones in (("polygon", polygon), ("cells", cells)):
+        head = '[threshold]\nprofile = "table.csv"\nlimen_db = 2.0\n'
+        rest = "[actuators]\nmax_force_n = 0.1\nmax_effort = 1.0\n[drift]\nfrequency_relative = 1e-3\ndrive_relative = 0.1\n"
+        for hz in ("60.0", "[50.0, [70.0, 74.0]]"):
+            (folder / f"{name}-{len(hz)}.pair").write_text(f"frequency_hz = {hz}\n{head}{zones}{rest}{table}")
     try:
         import h5py
         import numpy

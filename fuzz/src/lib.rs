@@ -1,6 +1,11 @@
 //! What every fuzz target does with its bytes: what the seeded mutations ask of a reader,
 //! on a file in memory.
 
+#[path = "../../crates/chladni-cli/src/studio/question.rs"]
+pub mod question;
+pub mod questions;
+#[path = "../../crates/chladni-render/tests/mutation/targets.rs"]
+pub mod scenes;
 #[path = "../../crates/chladni-io/tests/mutation/targets.rs"]
 pub mod targets;
 
@@ -31,8 +36,17 @@ const SLOWEST: Duration = Duration::from_secs(1);
 /// Where it hangs.
 pub fn on_file(data: &[u8], extension: &str, target: impl Fn(&Path, &[u8])) {
     let path = FOLDER.join("input").with_extension(extension);
+    in_time(|| target(&path, data));
+}
+
+/// Runs `work`, which has a second.
+///
+/// # Panics
+/// Where it hangs.
+pub fn in_time(work: impl FnOnce()) {
+    LazyLock::force(&FOLDER);
     let started = ThreadTime::now();
-    target(&path, data);
+    work();
     let worked = started.elapsed();
     assert!(worked < SLOWEST, "{worked:?} of work");
 }

@@ -14,7 +14,7 @@ use chladni_frf::{
     Damping, Error, ErrorKind, FrfSet, ModalModel, Mode, Result, Scaling, Source, Trust,
 };
 use chladni_io::{frf_bytes, write_model, FrfParts};
-use chladni_rfp::{FitError, FitOptions, Method, Window};
+use chladni_rfp::{FitOptions, Method, Window};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{json, Map, Value};
 use std::path::{Path, PathBuf};

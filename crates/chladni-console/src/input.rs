@@ -3,6 +3,7 @@
 
 use crate::console::Console;
 use crate::oddities;
+use crate::quoting::shell_word;
 use chladni_frf::{Error, FrfKind, FrfSet, ModalModel, Result, Source, TimeSign};
 use chladni_io::{detect_format, Duplicates, FileFormat, ReadOptions};
 use chladni_render::Weights;
@@ -111,7 +112,7 @@ impl Reading {
         }
     }
 
-    /// The options that were given, as on a command line.
+    /// The options that were given, as on a command line of a shell.
     pub fn flags(&self) -> Vec<String> {
         let mut echoed = Map::new();
         self.echo(&mut echoed);
@@ -131,7 +132,7 @@ impl Reading {
         };
         let flag = |(name, value): (&String, &Value)| match value {
             Value::Bool(_) => format!("--{}", name.replace('_', "-")),
-            value => format!("--{} {}", name.replace('_', "-"), words(value)),
+            value => format!("--{} {}", name.replace('_', "-"), shell_word(words(value))),
         };
         echoed.iter().map(flag).collect()
     }

@@ -10,6 +10,7 @@ pub mod oddities;
 mod outcome;
 pub mod output;
 mod progress;
+pub mod quoting;
 mod start;
 pub mod table;
 mod usage;

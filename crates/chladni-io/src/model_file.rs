@@ -3,7 +3,7 @@
 use super::atomic::write_atomically;
 use super::json::write_json;
 use super::{detect_format, hdf5, FileFormat};
-use chladni_frf::{Error, ErrorKind, ModalModel, Mode, Result, MODEL_FORMAT};
+use chladni_frf::{Damping, Error, ErrorKind, ModalModel, Mode, Result, MODEL_FORMAT};
 use chladni_text::door::KeptInputs;
 use chladni_text::{json_error, read_text};
 use num_complex::Complex64;
@@ -11,6 +11,16 @@ use std::path::Path;
 
 /// Version of the model file that is written and read here.
 const VERSION: u32 = 1;
+/// Largest number in a model, in its SI unit. No panel comes near it; the product of two
+/// is still a number.
+const LARGEST: f64 = 1e100;
+/// Farthest place of a node, m: a thousand kilometres.
+const FARTHEST_M: f64 = 1e6;
+/// Most modes: a hundred times what fits find. All of them are summed at every frequency.
+const MOST_MODES: usize = 100_000;
+/// Loss factor from which a viscous mode swings no more (ζ = 1): it has no pair of poles,
+/// and the model no form for it.
+const CRITICAL: f64 = 2.0;
 
 /// Reads a model, JSON or HDF5 by content, and checks it.
 ///
@@ -99,8 +109,8 @@ fn check_version(version: u32) -> Result<()> {
         .help("read it with the program that wrote it, or fit the model again"))
 }
 
-/// What every model keeps: format, version, array sizes that agree with the DOFs, finite
-/// numbers.
+/// What every model keeps: format, version, array sizes that agree with the DOFs, numbers
+/// that a panel can have.
 fn check(model: &ModalModel) -> Result<()> {
     if model.format != MODEL_FORMAT {
         return Err(Error::bad_data("not a modal model")
@@ -121,7 +131,7 @@ fn check(model: &ModalModel) -> Result<()> {
                 .expected("every DOF once"));
         }
     }
-    finite("band_hz", model.band_hz)?;
+    sane("band_hz", model.band_hz)?;
     if model.band_hz[0] > model.band_hz[1] {
         return Err(Error::bad_data("the band ends before it begins")
             .field("band_hz")
@@ -129,7 +139,8 @@ fn check(model: &ModalModel) -> Result<()> {
     }
     let mut labels = std::collections::HashSet::new();
     for node in &model.nodes {
-        finite(&format!("nodes, label {}", node.label), node.xyz_m)?;
+        let field = format!("nodes, label {}", node.label);
+        within(&field, node.xyz_m, FARTHEST_M)?;
         if !labels.insert(node.label) {
             return Err(Error::bad_data("a node stands twice")
                 .field("nodes")
@@ -137,11 +148,17 @@ fn check(model: &ModalModel) -> Result<()> {
                 .expected("every node once"));
         }
     }
+    if model.modes.len() > MOST_MODES {
+        return Err(Error::bad_data("too many modes")
+            .field("modes")
+            .found(model.modes.len())
+            .expected(format!("at most {MOST_MODES}")));
+    }
     for (k, mode) in model.modes.iter().enumerate() {
         check_mode(model, k, mode)?;
     }
     let terms = &model.residual_terms;
-    finite(
+    sane(
         "residual_terms.omega_scale_rad_per_s",
         [terms.omega_scale_rad_per_s],
     )?;
@@ -160,7 +177,7 @@ fn check(model: &ModalModel) -> Result<()> {
                 .found(format!("{:?}", term.matrix.0.dim()))
                 .expected(format!("{expected:?}, responses and references")));
         }
-        finite_complex(&field, &term.matrix.0)?;
+        sane_complex(&field, &term.matrix.0)?;
     }
     finite("quality.relative_error", [model.quality.relative_error])?;
     finite("quality.chi2_per_dof", [model.quality.chi2_per_dof])
@@ -176,8 +193,9 @@ fn check_mode(model: &ModalModel, index: usize, mode: &Mode) -> Result<()> {
         ("damping_ratio", mode.damping_ratio),
         ("mpc", mode.mpc),
     ] {
-        finite(&field(name), [value])?;
+        sane(&field(name), [value])?;
     }
+    check_pole(model, index, mode)?;
     for (name, found, expected, axis) in [
         (
             "shape",
@@ -205,10 +223,68 @@ fn check_mode(model: &ModalModel, index: usize, mode: &Mode) -> Result<()> {
                 .expected(format!("{expected}, one for each of the {axis}")));
         }
     }
-    finite_complex(&field("shape"), &mode.shape.0)?;
-    finite(&field("shape_std"), mode.shape_std.iter().copied())?;
-    finite(&field("scale_std"), mode.scale_std)?;
-    finite_complex(&field("participation"), &mode.participation.0)
+    sane_complex(&field("shape"), &mode.shape.0)?;
+    sane(&field("shape_std"), mode.shape_std.iter().copied())?;
+    sane(&field("scale_std"), mode.scale_std)?;
+    sane_complex(&field("participation"), &mode.participation.0)
+}
+
+/// A mode swings, and swinging costs it energy.
+fn check_pole(model: &ModalModel, index: usize, mode: &Mode) -> Result<()> {
+    let wrong = |message: &str, name: &str, value: f64| {
+        Error::bad_data(format!("{message} in the mode at {} Hz", mode.frequency_hz))
+            .field(format!("modes[{index}].{name}"))
+            .found(value)
+            .help("correct the mode, or take it off the list of modes")
+    };
+    for (name, value) in [
+        ("frequency_hz", mode.frequency_hz),
+        ("frequency_std_hz", mode.frequency_std_hz),
+        ("loss_factor", mode.loss_factor),
+        ("loss_factor_std", mode.loss_factor_std),
+        ("damping_ratio", mode.damping_ratio),
+    ] {
+        if value < 0.0 {
+            return Err(wrong("a negative number", name, value).expected("0 or more"));
+        }
+    }
+    if model.damping == Damping::Viscous && mode.loss_factor >= CRITICAL {
+        return Err(wrong(
+            "viscous damping that lets nothing swing",
+            "loss_factor",
+            mode.loss_factor,
+        )
+        .expected(format!("less than {CRITICAL}, a damping ratio below 1")));
+    }
+    Ok(())
+}
+
+fn sane(field: &str, values: impl IntoIterator<Item = f64>) -> Result<()> {
+    within(field, values, LARGEST)
+}
+
+fn sane_complex<'a>(field: &str, values: impl IntoIterator<Item = &'a Complex64>) -> Result<()> {
+    sane(
+        field,
+        values.into_iter().flat_map(|value| [value.re, value.im]),
+    )
+}
+
+fn within(field: &str, values: impl IntoIterator<Item = f64>, largest: f64) -> Result<()> {
+    let mut too_large = None;
+    let seen = values.into_iter().inspect(|value| {
+        if value.abs() > largest {
+            too_large.get_or_insert(*value);
+        }
+    });
+    finite(field, seen)?;
+    match too_large {
+        None => Ok(()),
+        Some(value) => Err(Error::bad_data("a number that no panel can have")
+            .field(field)
+            .found(format!("{value:e}"))
+            .expected(format!("a number between -{largest:e} and {largest:e}"))),
+    }
 }
 
 fn finite(field: &str, values: impl IntoIterator<Item = f64>) -> Result<()> {
@@ -219,11 +295,4 @@ fn finite(field: &str, values: impl IntoIterator<Item = f64>) -> Result<()> {
             .found(value)
             .expected("a finite number")),
     }
-}
-
-fn finite_complex<'a>(field: &str, values: impl IntoIterator<Item = &'a Complex64>) -> Result<()> {
-    finite(
-        field,
-        values.into_iter().flat_map(|value| [value.re, value.im]),
-    )
 }

@@ -22,7 +22,7 @@
 
 use crate::operator::Operator;
 use crate::options::Drift;
-use crate::problem::internal;
+use crate::problem::unsolvable;
 use crate::tolerances;
 use chladni_frf::{ModalModel, Mode, Result, Trust};
 use ndarray::{concatenate, Array1, Array2, Axis};
@@ -123,7 +123,7 @@ impl Covariance {
         }
         gram.diag_mut()
             .mapv_inplace(|value| value + mean * tolerances::RIDGE);
-        let lower = chladni_linalg::cholesky(gram.view()).map_err(internal)?;
+        let lower = chladni_linalg::cholesky(gram.view()).map_err(unsolvable)?;
         Ok(lower.t().mapv(|value| value.conj()))
     }
 

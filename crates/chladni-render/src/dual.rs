@@ -7,7 +7,7 @@
 //! from one Gram matrix. The search is not trusted: whatever the multipliers are that it
 //! ends at, the certificate is one eigenvalue of two matrices.
 
-use crate::problem::{internal, Drive};
+use crate::problem::{unsolvable, Drive};
 use crate::tolerances;
 use chladni_frf::Result;
 use chladni_linalg::{cholesky, eigh, matmul_h, solve_hermitian, solve_lower, solve_lower_adjoint};
@@ -265,12 +265,12 @@ fn gram(rows: ArrayView2<Complex64>, weight: impl Fn(usize) -> f64) -> Array2<Co
 
 /// The largest xᴴax/xᴴbx, b positive definite, and its x.
 fn largest_ratio(a: &Array2<Complex64>, b: &Array2<Complex64>) -> Result<(f64, Drive)> {
-    let lower = cholesky(b.view()).map_err(internal)?;
-    let half = solve_lower(lower.view(), a.view()).map_err(internal)?;
-    let whitened =
-        solve_lower(lower.view(), half.t().mapv(|value| value.conj()).view()).map_err(internal)?;
-    let (values, vectors) = eigh(whitened.view()).map_err(internal)?;
+    let lower = cholesky(b.view()).map_err(unsolvable)?;
+    let half = solve_lower(lower.view(), a.view()).map_err(unsolvable)?;
+    let whitened = solve_lower(lower.view(), half.t().mapv(|value| value.conj()).view())
+        .map_err(unsolvable)?;
+    let (values, vectors) = eigh(whitened.view()).map_err(unsolvable)?;
     let last = vectors.slice(s![.., vectors.ncols() - 1..]);
-    let drive = solve_lower_adjoint(lower.view(), last).map_err(internal)?;
+    let drive = solve_lower_adjoint(lower.view(), last).map_err(unsolvable)?;
     Ok((values[values.len() - 1], drive.column(0).to_owned()))
 }

@@ -177,7 +177,9 @@ fn grid_axes(responses: Rectangle, area: Rectangle, step_m: f64) -> Option<(Vec<
     if width <= tolerances::POSITION_M || height <= tolerances::POSITION_M {
         return None;
     }
-    let coarsest = (width * height / tolerances::MAX_AREA_POINTS as f64).sqrt();
+    let most = tolerances::MAX_AREA_POINTS as f64;
+    // of a narrow strip the length alone counts
+    let coarsest = (width * height / most).sqrt().max(width.max(height) / most);
     let step = step_m.max(coarsest);
     let axis = |[start, stop]: [f64; 2]| {
         // a thousandth of a step is room for the rounding of decimal lengths

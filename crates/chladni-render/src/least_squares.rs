@@ -4,7 +4,7 @@
 //! w_k h_kᴴh_k + R, R = Σ_k w_k·LᴴL + ridge·I. LᴴL is the expected error of one row, so
 //! that what is minimised is the expected squared misfit.
 
-use crate::problem::{internal, Problem};
+use crate::problem::{unsolvable, Problem};
 use crate::tolerances;
 use chladni_frf::Result;
 use chladni_linalg::{cholesky, matmul_h, solve_lower, solve_lower_adjoint};
@@ -29,7 +29,7 @@ impl<'a> LeastSquares<'a> {
     /// Those of the factorisation: a broken promise.
     pub(crate) fn new(problem: &'a Problem, extra_ridge: f64) -> Result<Self> {
         let [energy, regulariser] = parts(problem, 0..problem.rows.mobility.nrows(), extra_ridge);
-        let lower = cholesky((energy + &regulariser).view()).map_err(internal)?;
+        let lower = cholesky((energy + &regulariser).view()).map_err(unsolvable)?;
         Ok(Self {
             problem,
             regulariser,
@@ -68,7 +68,7 @@ impl<'a> LeastSquares<'a> {
     fn solve(&self, right: ArrayView2<Complex64>) -> Result<Array2<Complex64>> {
         let half = solve_lower(self.lower.view(), right);
         half.and_then(|half| solve_lower_adjoint(self.lower.view(), half.view()))
-            .map_err(internal)
+            .map_err(unsolvable)
     }
 }
 

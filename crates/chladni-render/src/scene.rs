@@ -138,12 +138,25 @@ impl Scene {
     /// [`chladni_frf::ErrorKind::BadData`] with line, key, what stands there and what
     /// belongs there.
     pub fn parse(text: &str, folder: &Path) -> Result<Self> {
+        Self::parse_beside(text, Beside::Folder(folder))
+    }
+
+    /// The same from its text alone: no file is looked at, and `threshold.profile` names a
+    /// built-in profile or one of `tables`.
+    ///
+    /// # Errors
+    /// As [`Self::parse`]; another profile.
+    pub fn parse_alone(text: &str, tables: &[ThresholdTable]) -> Result<Self> {
+        Self::parse_beside(text, Beside::Tables(tables))
+    }
+
+    fn parse_beside(text: &str, beside: Beside) -> Result<Self> {
         let document = parse(text)?;
         let root = Table::root(text, &document);
         root.only_keys(KEYS, "")?;
         let optional = |name: &str| root.get(name).map(|value| value.table()).transpose();
         let (threshold, limen_db) = match optional("threshold")? {
-            Some(table) => read_threshold(&table, folder)?,
+            Some(table) => read_threshold(&table, beside)?,
             None => (Threshold::Paper, DEFAULT_LIMEN_DB),
         };
         let mut tones = read_tones(&root.require("frequency_hz", "the drive frequency in Hz")?)?;
@@ -231,24 +244,51 @@ impl Scene {
     }
 }
 
-fn read_threshold(table: &Table, folder: &Path) -> Result<(Threshold, f64)> {
+/// Where a scene finds a threshold table.
+#[derive(Clone, Copy)]
+enum Beside<'a> {
+    /// As a file, by its path from this folder.
+    Folder(&'a Path),
+    /// Among these, by its name.
+    Tables(&'a [ThresholdTable]),
+}
+
+fn read_threshold(table: &Table, beside: Beside) -> Result<(Threshold, f64)> {
     table.only_keys(KEYS, "threshold")?;
     let threshold = match table.get("profile") {
-        Some(value) => read_profile(&value, folder)?,
+        Some(value) => read_profile(&value, beside)?,
         None => Threshold::Paper,
     };
     let limen_db = table
         .get("limen_db")
-        .map_or(Ok(DEFAULT_LIMEN_DB), |value| value.not_negative())?;
+        .map_or(Ok(DEFAULT_LIMEN_DB), |value| {
+            value.not_negative()?;
+            decibels(&value)
+        })?;
     Ok((threshold, limen_db))
 }
 
-fn read_profile(value: &Value, folder: &Path) -> Result<Threshold> {
+fn read_profile(value: &Value, beside: Beside) -> Result<Threshold> {
     let name = value.string()?;
-    if let Some(profile) = Threshold::built_in(name) {
-        return Ok(profile);
+    match (Threshold::built_in(name), beside) {
+        (Some(profile), _) => Ok(profile),
+        (None, Beside::Folder(folder)) => read_table(value, &folder.join(name)),
+        (None, Beside::Tables(tables)) => {
+            let same_name = |table: &&ThresholdTable| table.file.as_os_str() == name;
+            let table = tables.iter().find(same_name).cloned();
+            table.map(Threshold::Table).ok_or_else(|| {
+                value
+                    .error(
+                        "no such threshold profile, and no file is looked for here",
+                        Threshold::NAMES.join(", "),
+                    )
+                    .help("a table of your own is sent along as text, under the name that stands here")
+            })
+        }
     }
-    let file = folder.join(name);
+}
+
+fn read_table(value: &Value, file: &Path) -> Result<Threshold> {
     if !file.exists() {
         let known = Threshold::NAMES;
         return Err(value
@@ -258,10 +298,10 @@ fn read_profile(value: &Value, folder: &Path) -> Result<Threshold> {
             )
             .help(format!(
                 "did you mean `{}`? A path is taken relative to the scene file",
-                nearest_word(name, &known).unwrap_or_default()
+                nearest_word(value.string()?, &known).unwrap_or_default()
             )));
     }
-    Ok(Threshold::Table(ThresholdTable::read(&file)?))
+    Ok(Threshold::Table(ThresholdTable::read(file)?))
 }
 
 fn read_zones(table: &Table) -> Result<Zones> {
@@ -342,6 +382,16 @@ fn rectangle(value: &Value) -> Result<[f64; 4]> {
     }
 }
 
+fn decibels(value: &Value) -> Result<f64> {
+    match value.number()? {
+        level if level.abs() <= tolerances::MOST_DB => Ok(level),
+        _ => Err(value.error(
+            "too many decibels",
+            format!("a level between -{0} and {0} dB", tolerances::MOST_DB),
+        )),
+    }
+}
+
 fn read_polygons(zones: &Table, value: &Value) -> Result<ZoneLayout> {
     for key in ["hot", "cells_m"] {
         if let Some(misplaced) = zones.get(key) {
@@ -405,7 +455,7 @@ fn read_polygon(value: &Value) -> Result<ZonePolygon> {
         ));
     }
     let level_db = match table.get("level_db") {
-        Some(value) if kind == PolygonKind::Hot => value.number()?,
+        Some(value) if kind == PolygonKind::Hot => decibels(&value)?,
         Some(value) => {
             return Err(value.error("only hot polygons have a level", "no such key here"))
         }

@@ -14,6 +14,10 @@ pub const MAX_CELLS: usize = 100_000;
 /// quadratic time; ten times more would take half a minute.
 pub const MAX_POLYGON_POINTS: usize = 2000;
 
+/// Largest level of a scene, dB: from the threshold of a fingertip to what no panel
+/// survives are some 100 dB.
+pub const MOST_DB: f64 = 200.0;
+
 /// Frequencies closer than this, relative, are the same line. Six printed digits of an
 /// axis; ten times less calls a line of a single-precision axis another one, ten times
 /// more is a fifth of a bandwidth at 0.005 % loss.

@@ -70,9 +70,10 @@ pub fn scene_data(input: &ReportInput) -> Value {
     data::of_scene(input).unwrap_or_default()
 }
 
-/// The page of the studio, which asks its server for [`data`].
-pub fn studio_html(title: &str) -> String {
-    page::studio(title)
+/// The page of the studio, which asks its server for [`data`]; `number` says which page of
+/// the server it is.
+pub fn studio_html(title: &str, number: u64) -> String {
+    page::studio(title, number)
 }
 
 /// Which files [`charts`] makes.

@@ -116,10 +116,11 @@ fn a_gallery_shows_its_figures_without_a_script() {
 
 #[test]
 fn the_studio_asks_its_own_server_only() {
-    let page = studio_html("a <b>");
+    let page = studio_html("a <b>", 7);
     assert!(
         page.contains("connect-src 'self'")
             && page.contains("/api/scene")
+            && page.contains(r#"{"page":7}"#)
             && page.contains("a &lt;b&gt;")
     );
 }

@@ -9,6 +9,10 @@ use toml::Spanned;
 /// The keys a file may hold: table name (empty: top level) and its keys.
 pub type Keys = &'static [(&'static str, &'static [&'static str])];
 
+/// Largest number that is taken, in any unit: far above what is told of panels and scenes,
+/// and its square is still a number.
+const LARGEST: f64 = 1e15;
+
 /// Parses the text; a syntax error becomes an error with its line.
 pub fn parse(text: &str) -> Result<Spanned<DeTable<'_>>> {
     DeTable::parse(text).map_err(|error| {
@@ -130,7 +134,7 @@ impl<'a> Value<'a> {
             .expected(expected)
     }
 
-    /// A finite number, written with or without a decimal point.
+    /// A finite number of at most [`LARGEST`], written with or without a decimal point.
     pub fn number(&self) -> Result<f64> {
         let number = match self.value.get_ref() {
             DeValue::Float(float) => float.as_str().parse().ok(),
@@ -139,9 +143,12 @@ impl<'a> Value<'a> {
                 .map(|i| i as f64),
             _ => None,
         };
-        number
-            .filter(|n: &f64| n.is_finite())
-            .ok_or_else(|| self.error("not a number that can be used", "a finite number"))
+        number.filter(|n: &f64| n.abs() <= LARGEST).ok_or_else(|| {
+            self.error(
+                "not a number that can be used",
+                format!("a number between -{LARGEST:e} and {LARGEST:e}"),
+            )
+        })
     }
 
     /// A finite number greater than zero.

@@ -2,21 +2,26 @@
 //!
 //! `session.rs` fits and renders, on the lines that `draft.rs` chooses while a hand
 //! moves; `server.rs` answers the page, which lives in `chladni-report` and shares the
-//! report's views.
+//! report's views. `token.rs` tells the owner from other users of the machine, and
+//! `question.rs` says what may be asked.
 
 mod draft;
+mod question;
 mod server;
 mod session;
+mod token;
 
 use chladni_console::input::Reading;
 use chladni_console::Console;
 use chladni_console::{print_line, Outcome};
 use chladni_frf::{Error, ErrorKind, Result};
 use serde_json::json;
+use server::Door;
 use session::Session;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::path::PathBuf;
 use std::sync::Arc;
+use token::Token;
 
 /// Arguments of `studio`.
 #[derive(Debug, clap::Args)]
@@ -25,8 +30,8 @@ use std::sync::Arc;
   chladni studio model.json                            the same with a model that is fitted already
   chladni studio scans/ --frf-kind mobility --port 8080
 
-Prints the address of a page that this machine alone can open, and serves it until Ctrl-C. On the page: band and number of
-modes, hot and cold zones, drive frequency; the fit, the weights and the field follow at once. While anything is being
+Prints the address of a page, and serves it until Ctrl-C. Only this machine can open it, and only who knows the address: the
+token in it is new in every run (docs/security.md). On the page: band and number of modes, hot and cold zones, drive frequency; the fit, the weights and the field follow at once. While anything is being
 dragged the methods are `lean` and `fast`, afterwards `auto` and `best`. The page shows the commands and the TOML that do the same again;
 it writes no files.")]
 pub struct Args {
@@ -60,12 +65,19 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let listener = TcpListener::bind(wanted).map_err(refused)?;
     let address = listener.local_addr().map_err(refused)?;
     console.finish();
-    let url = format!("http://{address}/");
+    let door = Door {
+        address,
+        token: Token::random()?,
+    };
+    let url = door.url();
     match console.json {
         true => print_line(&json!({ "url": url }).to_string())?,
         false => print_line(&url)?,
     }
-    console.note("open this address in a browser on this machine; Ctrl-C ends the studio");
-    server::serve(Arc::new(session), listener, address).map_err(refused)?;
+    console.note(
+        "open this address in a browser on this machine, and show it to nobody: who knows it \
+         may ask the studio; Ctrl-C ends the studio",
+    );
+    server::serve(Arc::new(session), listener, door).map_err(refused)?;
     Ok(Outcome::shown(json!({}), String::new()))
 }

@@ -1,9 +1,11 @@
 //! The studio's page and its two questions: fit this, render that. One thread answers,
 //! others work.
 
-use super::session::{FitRequest, SceneRequest, Session};
+use super::question::{FitQuestion, SceneQuestion};
+use super::session::Session;
+use super::token::Token;
 use axum::extract::{DefaultBodyLimit, Request, State};
-use axum::http::{header, HeaderMap, StatusCode};
+use axum::http::{header, HeaderMap, HeaderName, HeaderValue, StatusCode};
 use axum::middleware::{from_fn_with_state, Next};
 use axum::response::{Html, IntoResponse, Response};
 use axum::routing::{get, post};
@@ -15,70 +17,117 @@ use std::sync::Arc;
 
 /// A question is a band or a scene: no more bytes than that needs.
 const LARGEST_QUESTION: usize = 1 << 20;
+/// Who is let in: who asks this address, from its own page, and shows the token.
+pub struct Door {
+    /// The address that is listened on.
+    pub address: SocketAddr,
+    /// What must be shown.
+    pub token: Token,
+}
+
+impl Door {
+    /// The address of the page, with the token in it.
+    pub fn url(&self) -> String {
+        format!("http://{}/?token={}", self.address, self.token)
+    }
+
+    /// The page's address carries the token; its questions carry it in a header, which a
+    /// page of another site cannot set unasked.
+    fn admits(&self, request: &Request) -> bool {
+        let shown = match request.uri().path() {
+            "/" => request
+                .uri()
+                .query()
+                .and_then(|query| query.strip_prefix("token=")),
+            _ => text(request.headers(), header::AUTHORIZATION)
+                .and_then(|words| words.strip_prefix("Bearer ")),
+        };
+        // both are always asked
+        self.token.is(shown.unwrap_or_default()) & self.is_from_here(request.headers())
+    }
+
+    /// False for pages of other sites that reach this port by a name of their own, or post
+    /// to it from elsewhere.
+    fn is_from_here(&self, headers: &HeaderMap) -> bool {
+        let here = [
+            self.address.to_string(),
+            format!("localhost:{}", self.address.port()),
+        ];
+        let host =
+            text(headers, header::HOST).is_some_and(|host| here.iter().any(|known| known == host));
+        host && text(headers, header::ORIGIN)
+            .is_none_or(|origin| here.iter().any(|known| origin == format!("http://{known}")))
+    }
+}
+
+fn text(headers: &HeaderMap, name: HeaderName) -> Option<&str> {
+    headers.get(name).and_then(|value| value.to_str().ok())
+}
 
 /// Serves `session` until the process ends.
 ///
 /// # Errors
 /// A listener that stops working.
-pub fn serve(
-    session: Arc<Session>,
-    listener: TcpListener,
-    address: SocketAddr,
-) -> std::io::Result<()> {
+pub fn serve(session: Arc<Session>, listener: TcpListener, door: Door) -> std::io::Result<()> {
     let routes = Router::new()
         .route("/", get(page))
         .route("/api/fit", post(fit))
         .route("/api/scene", post(scene))
         .layer(DefaultBodyLimit::max(LARGEST_QUESTION))
-        .layer(from_fn_with_state(address, only_from_here))
+        .layer(from_fn_with_state(Arc::new(door), only_who_may))
         .with_state(session);
     listener.set_nonblocking(true)?;
+    // the clock serves a listener that waits for a free place among too many connections
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(1)
-        .enable_io()
+        .enable_all()
         .build()?;
     runtime
         .block_on(async { axum::serve(tokio::net::TcpListener::from_std(listener)?, routes).await })
 }
 
-/// Refuses pages of other sites that reach this port by a name of their own, or post to
-/// it from elsewhere.
-async fn only_from_here(
-    State(address): State<SocketAddr>,
-    request: Request,
-    next: Next,
-) -> Response {
-    match is_from_here(request.headers(), address) {
+/// Refuses who is not let in, before anything is looked at that is asked for.
+async fn only_who_may(State(door): State<Arc<Door>>, request: Request, next: Next) -> Response {
+    let mut answer = match door.admits(&request) {
         true => next.run(request).await,
         false => (
             StatusCode::FORBIDDEN,
-            "the studio answers its own page only\n",
+            "the studio answers its own page only: open the address that it printed\n",
         )
             .into_response(),
-    }
+    };
+    answer.headers_mut().extend(discreet());
+    answer
 }
 
-fn is_from_here(headers: &HeaderMap, address: SocketAddr) -> bool {
-    let here = [address.to_string(), format!("localhost:{}", address.port())];
-    let text = |name| headers.get(name).and_then(|value| value.to_str().ok());
-    let host = text(header::HOST).is_some_and(|host| here.iter().any(|known| known == host));
-    host && text(header::ORIGIN)
-        .is_none_or(|origin| here.iter().any(|known| origin == format!("http://{known}")))
+/// What every answer carries: it is kept nowhere, its address is told to nobody, no other
+/// page shows it.
+fn discreet() -> [(HeaderName, HeaderValue); 4] {
+    [
+        (header::CACHE_CONTROL, "no-store"),
+        (header::REFERRER_POLICY, "no-referrer"),
+        (header::X_FRAME_OPTIONS, "DENY"),
+        (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+    ]
+    .map(|(name, value)| (name, HeaderValue::from_static(value)))
 }
 
 async fn page(State(session): State<Arc<Session>>) -> Html<String> {
-    Html(chladni_report::studio_html(&session.title))
+    Html(session.page())
 }
 
-async fn fit(State(session): State<Arc<Session>>, Json(request): Json<FitRequest>) -> Json<Value> {
-    at_work(move || session.fit(&request)).await
+async fn fit(
+    State(session): State<Arc<Session>>,
+    Json(question): Json<FitQuestion>,
+) -> Json<Value> {
+    at_work(move || session.fit(&question)).await
 }
 
 async fn scene(
     State(session): State<Arc<Session>>,
-    Json(request): Json<SceneRequest>,
+    Json(question): Json<SceneQuestion>,
 ) -> Json<Value> {
-    at_work(move || session.render(&request)).await
+    at_work(move || session.render(&question)).await
 }
 
 /// Runs `work` on a thread of its own; an error, and a bug too, is an answer in words.

@@ -1,22 +1,23 @@
 //! What the studio works on: the measured FRFs, and the model of the moment.
 
 use super::draft::few_lines;
+use super::question::{FitQuestion, SceneQuestion, Turn};
 use crate::curves::curves;
 use crate::explain::explain;
 use crate::fit::echo_of;
 use crate::report::Contents;
 use chladni_console::input::{expand, model_of, read_frf, Reading};
+use chladni_console::quoting::shell_path;
 use chladni_console::Console;
 use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result, Source};
-use chladni_render::{render, MethodChoice, RenderOptions, Scene};
-use chladni_report::{data, draft_data, scene_data, RenderedScene, ReportInput};
+use chladni_render::{render, MethodChoice, RenderOptions};
+use chladni_report::{data, draft_data, scene_data, studio_html, RenderedScene, ReportInput};
 use chladni_rfp::{Fit, FitOptions, Method};
-use serde::Deserialize;
 use serde_json::{json, Value};
 use std::panic::{catch_unwind, resume_unwind, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, RwLock};
+use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
 /// Name that the commands on the page give to the model.
 const MODEL: &str = "model.json";
@@ -24,7 +25,7 @@ const MODEL: &str = "model.json";
 /// Everything between two questions of the page.
 pub struct Session {
     /// Title of the page.
-    pub title: String,
+    title: String,
     /// Without measured FRFs nothing can be fitted again.
     frf: Option<FrfSet>,
     sources: Vec<Source>,
@@ -34,8 +35,10 @@ pub struct Session {
     /// The model was in the file.
     from_model: bool,
     fitted: RwLock<Fitted>,
+    /// Pages served so far.
+    pages: AtomicU64,
     /// The newest question about a fit: an older one is not worth going on with.
-    newest: AtomicU64,
+    newest: Mutex<Turn>,
 }
 
 /// What a fit that another question has overtaken unwinds with.
@@ -46,38 +49,12 @@ struct Overtaken;
 struct Fitted {
     /// The question that `latest` answers: an answer to an older one that comes later is
     /// not kept.
-    number: u64,
+    turn: Turn,
     /// What scenes are rendered by.
     latest: Option<Arc<ModalModel>>,
     /// The last one whose number of modes was decided by evidence or by the reader, not
     /// by a draft.
     settled: Option<Arc<ModalModel>>,
-}
-
-/// How to fit; of no account where a model was read.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct FitRequest {
-    /// Rises from question to question.
-    number: u64,
-    /// The hand still moves: the model that is quickest to have, and what changes with it
-    /// alone.
-    #[serde(default)]
-    draft: bool,
-    /// Hz; all lines where it is missing.
-    band_hz: Option<[f64; 2]>,
-    /// Decided by evidence where it is missing.
-    modes: Option<usize>,
-}
-
-/// What to render.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SceneRequest {
-    /// The scene file's text.
-    toml: String,
-    /// A method of `chladni render`.
-    method: String,
 }
 
 impl Session {
@@ -87,8 +64,7 @@ impl Session {
     /// Those of reading.
     pub fn open(files: &[PathBuf], reading: &Reading, console: &Console) -> Result<Self> {
         let files = expand(files, console)?;
-        let named = |file: &PathBuf| file.display().to_string();
-        let mut words: Vec<String> = files.iter().map(named).collect();
+        let mut words: Vec<String> = files.iter().map(|file| shell_path(file)).collect();
         let (frf, sources, model) = match files.as_slice() {
             [file] if model_of(file)?.is_some() => {
                 let contents = Contents::read(&files, &[], console)?;
@@ -114,26 +90,33 @@ impl Session {
                 latest: model.map(Arc::new),
                 ..Fitted::default()
             }),
-            newest: AtomicU64::new(0),
+            pages: AtomicU64::new(0),
+            newest: Mutex::default(),
         })
+    }
+
+    /// A new page.
+    pub fn page(&self) -> String {
+        studio_html(&self.title, 1 + self.pages.fetch_add(1, Ordering::Relaxed))
     }
 
     /// Fits anew, or hands over the model of the file; what the report would draw, all of
     /// it or the draft's part, and the command that does the same.
     ///
     /// # Errors
-    /// Those of a fit, and of drawing.
-    pub fn fit(&self, request: &FitRequest) -> Result<Value> {
+    /// Those of the question, of a fit, and of drawing.
+    pub fn fit(&self, question: &FitQuestion) -> Result<Value> {
+        let (options, turn) = question.checked(self.pages.load(Ordering::Relaxed))?;
         // a model that was read is the model; FRFs are fitted as they are asked to be
         let (model, command) = match (&self.frf, self.current()) {
             (_, Some(model)) if self.from_model => (model, String::new()),
-            (Some(frf), _) => match self.fitted(frf, request)? {
+            (Some(frf), _) => match self.fitted(frf, question, options, turn)? {
                 Some(fitted) => fitted,
                 None => return Ok(json!({"overtaken": true})),
             },
             (None, _) => return Err(Error::new(ErrorKind::Internal, "neither FRFs nor a model")),
         };
-        if request.draft {
+        if question.draft {
             return Ok(json!({"draft": draft_data(&model), "model_file": self.model_file()}));
         }
         let input = ReportInput {
@@ -157,26 +140,24 @@ impl Session {
     fn fitted(
         &self,
         frf: &FrfSet,
-        request: &FitRequest,
+        question: &FitQuestion,
+        mut options: FitOptions,
+        turn: Turn,
     ) -> Result<Option<(Arc<ModalModel>, String)>> {
-        let mut options = FitOptions {
-            band_hz: request.band_hz,
-            modes: request.modes,
-            ..FitOptions::default()
-        };
         let mut thinned = None;
-        if request.draft {
+        if question.draft {
             (options.method, options.modes) = (
                 Method::Lean,
-                request.modes.or_else(|| self.known_modes(request.band_hz)),
+                question
+                    .modes
+                    .or_else(|| self.known_modes(question.band_hz)),
             );
             let lines = self.settled().and_then(|settled| {
-                few_lines(frf.frequency_hz.as_slice()?, request.band_hz, &settled)
+                few_lines(frf.frequency_hz.as_slice()?, question.band_hz, &settled)
             });
             thinned = lines.map(|lines| frf.on_lines(&lines));
         }
-        let Some(fit) =
-            self.unless_overtaken(thinned.as_ref().unwrap_or(frf), &options, request.number)?
+        let Some(fit) = self.unless_overtaken(thinned.as_ref().unwrap_or(frf), &options, turn)?
         else {
             return Ok(None);
         };
@@ -184,18 +165,18 @@ impl Session {
         (model.source, model.options) = (self.sources.clone(), echo_of(&options));
         let model = Arc::new(model);
         if let Ok(mut fitted) = self.fitted.write() {
-            if request.number >= fitted.number {
-                (fitted.number, fitted.latest) = (request.number, Some(model.clone()));
+            if turn >= fitted.turn {
+                (fitted.turn, fitted.latest) = (turn, Some(model.clone()));
             }
-            if !request.draft {
+            if !question.draft {
                 fitted.settled = Some(model.clone());
             }
         }
-        let band = request
+        let band = question
             .band_hz
             .map(|[low, high]| format!(" --band {low}:{high}"))
             .unwrap_or_default();
-        let modes = request
+        let modes = question
             .modes
             .map(|modes| format!(" --modes {modes}"))
             .unwrap_or_default();
@@ -214,11 +195,16 @@ impl Session {
         &self,
         frf: &FrfSet,
         options: &FitOptions,
-        number: u64,
+        turn: Turn,
     ) -> Result<Option<Fit>> {
-        self.newest.fetch_max(number, Ordering::Relaxed);
+        // a place that never holds anything half-written is sound whoever panicked with it
+        let newest = || self.newest.lock().unwrap_or_else(PoisonError::into_inner);
+        {
+            let mut newest = newest();
+            *newest = turn.max(*newest);
+        }
         let look_around = |_: &str| {
-            if options.method == Method::Auto && self.newest.load(Ordering::Relaxed) > number {
+            if options.method == Method::Auto && *newest() > turn {
                 resume_unwind(Box::new(Overtaken));
             }
         };
@@ -254,12 +240,11 @@ impl Session {
     ///
     /// # Errors
     /// A scene that cannot be read or does not fit the model.
-    pub fn render(&self, request: &SceneRequest) -> Result<Value> {
+    pub fn render(&self, question: &SceneQuestion) -> Result<Value> {
         let model = self
             .current()
             .ok_or_else(|| Error::bad_data("no model yet").help("fit first"))?;
-        let method: MethodChoice = request.method.parse()?;
-        let scene = Scene::parse(&request.toml, Path::new(""))?;
+        let (scene, method) = question.checked()?;
         let rendering = render(
             &model,
             &scene,
@@ -281,7 +266,7 @@ impl Session {
         let command = format!(
             "chladni render {} scene.toml --method {} -o weights.json",
             self.model_file(),
-            request.method
+            question.method
         );
         Ok(
             json!({"scene": scene_data(&input), "command": command, "warnings": rendering.weights.warnings}),

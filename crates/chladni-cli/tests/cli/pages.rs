@@ -2,11 +2,9 @@
 //! and what the pages show.
 
 use crate::common::browser::Page;
+use crate::common::studio::Studio;
 use crate::common::Folder;
 use serde_json::Value;
-use std::io::{BufRead, BufReader, Read, Write};
-use std::net::TcpStream;
-use std::process::{Child, Command, Stdio};
 
 /// A page opens with less work than so many seconds: without other programs beside it, in
 /// less time than that.
@@ -233,106 +231,6 @@ fn a_scene_drawn_in_the_report_is_what_render_reads() {
     assert_eq!(page.complaints(), Vec::<String>::new());
 }
 
-/// A studio that ends with the test.
-struct Studio {
-    process: Child,
-    url: String,
-}
-
-impl Studio {
-    fn start(folder: &Folder, args: &str) -> Self {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_chladni"));
-        command
-            .current_dir(folder.path())
-            .arg("studio")
-            .args(args.split_whitespace())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::null());
-        let mut process = command.spawn().unwrap();
-        let mut url = String::new();
-        BufReader::new(process.stdout.take().unwrap())
-            .read_line(&mut url)
-            .unwrap();
-        Self {
-            process,
-            url: url.trim().to_owned(),
-        }
-    }
-
-    /// The answer to a request with another host than the studio's own.
-    fn asked_as(&self, head: &str) -> String {
-        self.asked(head, "")
-    }
-
-    /// The answer to a question of the page.
-    fn asked_about_fit(&self, question: &str) -> Value {
-        let head = format!(
-            "POST /api/fit HTTP/1.1\r\nHost: HERE\r\nContent-Type: \
-                            application/json\r\nContent-Length: {}",
-            question.len()
-        );
-        let answer = self.asked(&head, question);
-        serde_json::from_str(answer.split("\r\n\r\n").nth(1).unwrap())
-            .unwrap_or_else(|error| panic!("{error}: {answer}"))
-    }
-
-    fn asked(&self, head: &str, body: &str) -> String {
-        let address = self.url.trim_start_matches("http://").trim_end_matches('/');
-        let mut stream = TcpStream::connect(address).unwrap();
-        let head = head.replace("HERE", address);
-        write!(stream, "{head}\r\nConnection: close\r\n\r\n{body}").unwrap();
-        let mut answer = String::new();
-        stream.read_to_string(&mut answer).unwrap();
-        answer
-    }
-}
-
-impl Drop for Studio {
-    fn drop(&mut self) {
-        drop(self.process.kill());
-        drop(self.process.wait());
-    }
-}
-
-#[test]
-fn the_studio_answers_this_machine_and_its_own_page_only() {
-    let folder = Folder::with_panel();
-    let studio = Studio::start(&folder, "truth.json");
-    assert!(
-        studio.url.starts_with("http://127.0.0.1:"),
-        "{}",
-        studio.url
-    );
-    assert!(studio
-        .asked_as("GET / HTTP/1.1\r\nHost: HERE")
-        .starts_with("HTTP/1.1 200"));
-    assert!(studio
-        .asked_as("GET / HTTP/1.1\r\nHost: elsewhere.example")
-        .starts_with("HTTP/1.1 403"));
-    assert!(studio
-        .asked_as("GET / HTTP/1.1\r\nHost: HERE\r\nOrigin: http://elsewhere.example")
-        .starts_with("HTTP/1.1 403"));
-    let form =
-        "POST /api/fit HTTP/1.1\r\nHost: HERE\r\nContent-Type: text/plain\r\nContent-Length: 0";
-    assert!(
-        studio.asked_as(form).starts_with("HTTP/1.1 415"),
-        "only the page's own kind of question"
-    );
-}
-
-#[test]
-fn a_fit_that_a_newer_question_has_overtaken_is_given_up() {
-    let folder = Folder::with_panel();
-    let studio = Studio::start(&folder, "panel.h5");
-    assert!(studio.asked_about_fit(r#"{"number": 5, "draft": true}"#)["draft"].is_object());
-    assert_eq!(
-        studio.asked_about_fit(r#"{"number": 3}"#),
-        serde_json::json!({"overtaken": true})
-    );
-    // and what asks last is answered
-    assert!(studio.asked_about_fit(r#"{"number": 6}"#)["data"].is_object());
-}
-
 /// The weights that the studio shows, as its table has them.
 fn shown_weights(page: &mut Page) -> Vec<(String, f64)> {
     let rows = page
@@ -349,7 +247,7 @@ fn a_zone_drawn_in_the_studio_changes_the_weights_and_its_commands_do_the_same_a
         return;
     };
     let folder = Folder::with_panel();
-    let studio = Studio::start(&folder, "panel.h5");
+    let studio = Studio::start(&folder, &["panel.h5"]);
     page.open(&studio.url);
     page.wait(
         "document.querySelector('#result')?.dataset.method === 'best' || document.querySelector('#result')?.dataset.method === 'robust'",
@@ -416,6 +314,47 @@ fn a_zone_drawn_in_the_studio_changes_the_weights_and_its_commands_do_the_same_a
     assert_eq!(page.complaints(), Vec::<String>::new());
 }
 
+#[test]
+fn a_threshold_is_chosen_by_name_or_sent_along_as_a_table() {
+    let Some(mut page) = Page::new(1280, 800, false) else {
+        return;
+    };
+    let folder = Folder::with_panel();
+    let studio = Studio::start(&folder, &["truth.json"]);
+    let answers = "Number(document.querySelector('#result')?.dataset.answers ?? 0)";
+    let idle = "document.querySelector('#scene-status')?.textContent === ''";
+    page.open(&studio.url);
+    page.wait(&format!("{idle} && {answers} > 0"));
+    let plain = page.text("#scene-toml");
+    assert!(!plain.contains("profile"), "{plain}");
+    let chosen = "(() => { const s = document.querySelector('#scene-threshold'); s.value = 'classic'; s.dispatchEvent(new Event('change')); return true; })()";
+    let before = page.eval(answers);
+    page.eval(chosen);
+    page.wait(&format!("{idle} && {answers} > {before}"));
+    assert!(page.text("#scene-toml").contains("profile = \"classic\""));
+    let before = page.eval(answers);
+    page.eval(
+        "(() => { const list = new DataTransfer(); list.items.add(new File(['100,1e-5\\n900,1e-5\\n'], 'it\"s mine.csv')); \
+         const input = document.querySelector('#scene-threshold-table'); input.files = list.files; input.dispatchEvent(new Event('change')); })()",
+    );
+    page.wait(&format!("{idle} && {answers} > {before}"));
+    let toml = page.text("#scene-toml");
+    assert!(toml.contains(r#"profile = "it\"s mine.csv""#), "{toml}");
+    // what is shown is what the command makes of the scene beside that table
+    folder.write("scene.toml", &toml);
+    folder.write("it\"s mine.csv", "100,1e-5\n900,1e-5\n");
+    let command = page.text("#scene-command");
+    let rendered = folder.run(&format!(
+        "{} --json",
+        command.strip_prefix("chladni ").unwrap()
+    ));
+    assert!(rendered.code <= 1, "{}", rendered.stderr);
+    // the page is opened again, and goes on
+    page.open(&studio.url);
+    page.wait(&format!("{idle} && {answers} > 0"));
+    assert_eq!(page.complaints(), Vec::<String>::new());
+}
+
 /// Natural frequencies that the pole table shows, Hz.
 fn shown_frequencies(page: &mut Page) -> Vec<f64> {
     let cells = page.eval("[...document.querySelector('#poles table').tBodies[0].rows].map((row) => parseFloat(row.cells[2].textContent))");
@@ -429,7 +368,7 @@ fn fit_weights_and_field_follow_the_band_while_it_is_dragged() {
         return;
     };
     let folder = Folder::with_panel();
-    let studio = Studio::start(&folder, "panel.h5");
+    let studio = Studio::start(&folder, &["panel.h5"]);
     page.open(&studio.url);
     page.wait(ROBUST);
     let all = shown_frequencies(&mut page);

@@ -6,7 +6,7 @@
 //! as a start of [`super::mls`]; alone it lets the hot zone have nodal lines.
 
 use crate::least_squares::normal_matrix;
-use crate::problem::{internal, Drive, Problem};
+use crate::problem::{unsolvable, Drive, Problem};
 use chladni_frf::Result;
 use chladni_linalg::{eigh, matmul, solve_hermitian};
 
@@ -15,7 +15,7 @@ pub(crate) fn direction(problem: &Problem) -> Result<Drive> {
     let rows = &problem.rows;
     let cold = normal_matrix(problem, rows.hot..rows.mobility.nrows());
     let adjoint = rows.hot_rows().t().mapv(|value| value.conj());
-    let back = solve_hermitian(cold.view(), adjoint.view()).map_err(internal)?;
-    let (_, vectors) = eigh(matmul(rows.hot_rows(), back.view()).view()).map_err(internal)?;
+    let back = solve_hermitian(cold.view(), adjoint.view()).map_err(unsolvable)?;
+    let (_, vectors) = eigh(matmul(rows.hot_rows(), back.view()).view()).map_err(unsolvable)?;
     Ok(back.dot(&vectors.column(vectors.ncols() - 1)))
 }

@@ -14,7 +14,7 @@
 //! outside and residual terms have no place in the equations.
 
 use crate::methods::{pressure_matching::one_phase_target, Solution};
-use crate::problem::{amplitude, internal, Drive};
+use crate::problem::{amplitude, unsolvable, Drive};
 use crate::setup::Setup;
 use chladni_frf::{ComplexVector, Damping, Error, ModalModel, Mode, Result};
 use ndarray::{Array1, Array2};
@@ -127,7 +127,7 @@ fn pseudo_inverse_times(
     matrix: &Array2<Complex64>,
     right: &Array1<Complex64>,
 ) -> Result<(StepMatrix, Array1<Complex64>)> {
-    let (u, s, vh) = chladni_linalg::svd_thin(matrix.view()).map_err(internal)?;
+    let (u, s, vh) = chladni_linalg::svd_thin(matrix.view()).map_err(unsolvable)?;
     let largest = s.first().copied().unwrap_or(0.0);
     let noise = largest * f64::EPSILON * matrix.nrows().max(matrix.ncols()) as f64;
     let rank = s.iter().filter(|&&value| value > noise).count();

@@ -6,7 +6,7 @@
 //! that alone, it gives up good directions with the bad ones.
 
 use crate::methods::pressure_matching::one_phase_target;
-use crate::problem::{internal, Drive, Problem};
+use crate::problem::{unsolvable, Drive, Problem};
 use crate::tolerances;
 use chladni_frf::Result;
 use chladni_linalg::{eigh, matmul_h, solve_hermitian};
@@ -17,7 +17,7 @@ use num_complex::Complex64;
 pub(crate) fn solve(problem: &Problem) -> Result<Drive> {
     let mobility = problem.rows.mobility.view();
     let mut normal = matmul_h(mobility, mobility);
-    let (values, _) = eigh(normal.view()).map_err(internal)?;
+    let (values, _) = eigh(normal.view()).map_err(unsolvable)?;
     let ridge = tolerances::TIKHONOV * values.last().copied().unwrap_or(0.0);
     normal
         .diag_mut()
@@ -27,7 +27,7 @@ pub(crate) fn solve(problem: &Problem) -> Result<Drive> {
         one_phase_target(problem).insert_axis(Axis(1)).view(),
     );
     Ok(solve_hermitian(normal.view(), right.view())
-        .map_err(internal)?
+        .map_err(unsolvable)?
         .column(0)
         .to_owned())
 }

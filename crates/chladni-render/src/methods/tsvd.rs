@@ -6,7 +6,7 @@
 //! jump with the threshold.
 
 use crate::methods::pressure_matching::one_phase_target;
-use crate::problem::{internal, Drive, Problem};
+use crate::problem::{unsolvable, Drive, Problem};
 use crate::tolerances;
 use chladni_frf::Result;
 use ndarray::Array1;
@@ -14,7 +14,7 @@ use num_complex::Complex64;
 
 /// The drive of the truncated inverse.
 pub(crate) fn solve(problem: &Problem) -> Result<Drive> {
-    let (u, s, vh) = chladni_linalg::svd_thin(problem.rows.mobility.view()).map_err(internal)?;
+    let (u, s, vh) = chladni_linalg::svd_thin(problem.rows.mobility.view()).map_err(unsolvable)?;
     let least = tolerances::TSVD * s.first().copied().unwrap_or(0.0);
     let coordinates = u
         .t()

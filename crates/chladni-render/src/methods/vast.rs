@@ -6,7 +6,7 @@
 //! and Christensen 2018). R_c holds the error of the model, as in contrast control.
 
 use crate::least_squares::normal_matrix;
-use crate::problem::{internal, Drive, Problem};
+use crate::problem::{unsolvable, Drive, Problem};
 use crate::tolerances;
 use chladni_frf::Result;
 use chladni_linalg::{cholesky, eigh, matmul_h, solve_lower, solve_lower_adjoint};
@@ -17,14 +17,14 @@ use num_complex::Complex64;
 pub(crate) fn solve(problem: &Problem) -> Result<Drive> {
     let rows = &problem.rows;
     let lower = cholesky(normal_matrix(problem, rows.hot..rows.mobility.nrows()).view())
-        .map_err(internal)?;
+        .map_err(unsolvable)?;
     let adjoint = |matrix: &Array2<Complex64>| matrix.t().mapv(|value| value.conj());
     // columns L⁻¹·h_hᴴ: whitened hot rows
-    let hot =
-        solve_lower(lower.view(), adjoint(&rows.hot_rows().to_owned()).view()).map_err(internal)?;
+    let hot = solve_lower(lower.view(), adjoint(&rows.hot_rows().to_owned()).view())
+        .map_err(unsolvable)?;
     let whitened = adjoint(&hot);
     let (values, vectors) =
-        eigh(matmul_h(whitened.view(), whitened.view()).view()).map_err(internal)?;
+        eigh(matmul_h(whitened.view(), whitened.view()).view()).map_err(unsolvable)?;
     let target = hot.dot(&Array1::from_elem(rows.hot, Complex64::ONE));
     let rank = tolerances::VAST_RANK.min(values.len());
     let mut sum = Array1::<Complex64>::zeros(values.len());
@@ -38,6 +38,6 @@ pub(crate) fn solve(problem: &Problem) -> Result<Drive> {
         sum.scaled_add(share / (values[v] + 1.0), &direction);
     }
     let drive =
-        solve_lower_adjoint(lower.view(), sum.insert_axis(Axis(1)).view()).map_err(internal)?;
+        solve_lower_adjoint(lower.view(), sum.insert_axis(Axis(1)).view()).map_err(unsolvable)?;
     Ok(drive.column(0).to_owned())
 }

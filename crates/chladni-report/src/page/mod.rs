@@ -9,7 +9,7 @@ use crate::chart::Figure;
 use crate::text::{base64, escape};
 use bundle::{bundle, Module};
 use chladni_frf::CREATED_BY;
-use serde_json::Value;
+use serde_json::{json, Value};
 use sha2::{Digest, Sha256};
 
 const TEMPLATE: &str = include_str!("template.html");
@@ -70,14 +70,14 @@ pub(crate) fn report(title: &str, data: &Value) -> String {
     )
 }
 
-/// The studio: it asks its own server for everything.
-pub(crate) fn studio(title: &str) -> String {
+/// The studio: it asks its own server for everything, and says which page asks.
+pub(crate) fn studio(title: &str, number: u64) -> String {
     let start = "module_live.start();";
     fill_page(
         title,
         &format!("{}{start}\n", bundle(STUDIO_MODULES)),
         WITHOUT_SCRIPT,
-        "null",
+        &inert(&json!({ "page": number })),
         "'self'",
     )
 }

@@ -296,7 +296,7 @@ pub(crate) fn enough(
     modes: Option<usize>,
 ) -> Result<(), FitError> {
     let modes = modes.unwrap_or(1);
-    let needed = modes + LINES_TO_SPARE;
+    let needed = modes.saturating_add(LINES_TO_SPARE);
     match lines < needed {
         true => Err(FitError::TooFewLines {
             lines,

@@ -3,6 +3,7 @@
 #![allow(dead_code)] // every test file uses its own part
 
 pub mod browser;
+pub mod studio;
 
 use assert_cmd::Command;
 use serde_json::Value;

@@ -1,13 +1,16 @@
 // The studio: band, number of modes, zones and drive frequency in the reader's hand; fit, weights and field follow.
 
 import { h, section, slider, tick, takeAway } from "./dom.js";
-import { array, split } from "./data.js";
+import { array, embedded, split } from "./data.js";
 import { state, reset, change } from "./store.js";
 import { unpack, fitParts } from "./page.js";
 import { warningList, contents } from "./facts.js";
 import { sceneBody } from "./scenes.js";
 import { zoneBoard, sceneNumbers, startOfScene, sceneToml } from "./zones.js";
 import { fixed } from "./numbers.js";
+
+/** The address of this page carries what the server wants to be shown with every question. */
+const headers = { "Content-Type": "application/json", Authorization: `Bearer ${new URLSearchParams(location.search).get("token")}` };
 
 /** Asks the server; an answer that another question has overtaken is null. */
 class Asker {
@@ -30,7 +33,7 @@ class Asker {
       this.next = null;
       let said;
       try {
-        const response = await fetch(this.path, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(question) });
+        const response = await fetch(this.path, { method: "POST", headers, body: JSON.stringify(question) });
         said = response.ok ? await response.json() : { error: await response.text() };
       } catch {
         said = { error: "the studio does not answer: was it ended?" };
@@ -41,8 +44,8 @@ class Asker {
   }
 }
 
-/** Questions about fits are numbered by the clock, so that those of a page that is opened again are newer too. */
-const fits = { draft: new Asker("/api/fit"), full: new Asker("/api/fit"), asked: Date.now(), shown: 0 };
+/** Questions about fits are numbered from page to page, and from question to question of a page: what comes later is newer. */
+const fits = { draft: new Asker("/api/fit"), full: new Asker("/api/fit"), page: embedded().page, asked: 1, shown: 0 };
 const drafts = new Asker("/api/scene");
 const finals = new Asker("/api/scene");
 
@@ -58,7 +61,7 @@ let best = 0;
 export function start() {
   const page = document.getElementById("page");
   page.replaceChildren(h("p", { role: "status" }, "Fitting …"));
-  fits.full.ask({ number: fits.asked }, (said) => {
+  fits.full.ask({ page: fits.page, number: fits.asked }, (said) => {
     const trouble = said.overtaken ? "Another page of this studio asked for a fit; reload this one to go on here." : said.error;
     if (trouble) page.replaceChildren(h("p", { class: "error", role: "alert" }, trouble));
     else draw(page, said);
@@ -167,7 +170,7 @@ function fitControls(said, head) {
     const ends = [from.input.valueAsNumber, to.input.valueAsNumber].sort((a, b) => a - b);
     const whole = ends[0] <= low + step && ends[1] >= high - step;
     const number = ++fits.asked;
-    const question = { number, draft: moving, band_hz: whole ? null : ends.map((hz) => Number(hz.toFixed(3))), modes: count.disabled ? null : count.valueAsNumber || null };
+    const question = { page: fits.page, number, draft: moving, band_hz: whole ? null : ends.map((hz) => Number(hz.toFixed(3))), modes: count.disabled ? null : count.valueAsNumber || null };
     const asker = moving ? fits.draft : fits.full;
     if (!moving) status.textContent = "fitting …";
     asker.ask(question, (answer, more) => {
@@ -204,7 +207,7 @@ function scenePanel(first, geometry) {
   const numbers = sceneNumbers(first, () => {
     drive.set(numbers.values().frequencyHz);
     ask(false);
-  });
+  }, true);
   const [low, high] = here?.model.band_hz ?? [first.frequencyHz / 3, first.frequencyHz * 2];
   const drive = slider("Drive frequency", { min: low, max: high, step: "any", value: first.frequencyHz, words: (hz) => `${fixed(hz, 1)} Hz` }, (hz, moving) => {
     numbers.setFrequency(Number(hz.toFixed(1)));
@@ -228,10 +231,11 @@ function scenePanel(first, geometry) {
     }
     const number = ++asked;
     // `fast` at once; when the hand has let go `best` follows, which takes longer
-    drafts.ask({ toml: text, method: "fast" }, (said) => show(said, number, moving));
+    const scene = { toml: text, threshold: numbers.table() };
+    drafts.ask({ ...scene, method: "fast" }, (said) => show(said, number, moving));
     if (moving) return;
     status.textContent = "best drive: at work …";
-    finals.ask({ toml: text, method: "best" }, (said) => show(said, number, false, true));
+    finals.ask({ ...scene, method: "best" }, (said) => show(said, number, false, true));
   }
 
   function show(said, number, light, isBest = false) {

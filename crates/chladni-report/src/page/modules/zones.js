@@ -1,6 +1,6 @@
 // Hot and cold zones drawn on the panel, as the scene file that `chladni render` reads.
 
-import { h, section, takeAway } from "./dom.js";
+import { choice, h, section, takeAway } from "./dom.js";
 import { tomlNumber } from "./numbers.js";
 import { panelMap } from "./panel_map.js";
 
@@ -9,11 +9,14 @@ const RASTER = 0.001;
 /** A key moves the corner so far, m. */
 const STEP = 0.005;
 
+/** Threshold profiles that need no table; the first one holds where a scene names none. */
+const PROFILES = ["paper", "classic", "press-flat"];
+
 /** The scene as TOML. `zones`: [{kind, points}] in m. */
-export function sceneToml({ frequencyHz, limenDb, transitionM, zones }) {
+export function sceneToml({ frequencyHz, profile, limenDb, transitionM, zones }) {
   const point = ([x, y]) => `[${tomlNumber(x, 4)}, ${tomlNumber(y, 4)}]`;
   const polygons = zones.map(({ kind, points }) => `\n[[zones.polygon]]\nkind = "${kind}"\npoints_m = [${points.map(point).join(", ")}]\n`);
-  return `frequency_hz = ${tomlNumber(frequencyHz, 3)}\n\n[threshold]\nlimen_db = ${tomlNumber(limenDb, 2)}\n\n[zones]\ntransition_m = ${tomlNumber(transitionM, 4)}\n${polygons.join("")}`;
+  return `frequency_hz = ${tomlNumber(frequencyHz, 3)}\n\n[threshold]\n${profile === PROFILES[0] ? "" : `profile = ${JSON.stringify(profile)}\n`}limen_db = ${tomlNumber(limenDb, 2)}\n\n[zones]\ntransition_m = ${tomlNumber(transitionM, 4)}\n${polygons.join("")}`;
 }
 
 /** Hot zones and a drawing board: rectangles by pointer or by keys, polygons point by point. `onzones(zones, moving)` tells of every change. */
@@ -132,8 +135,8 @@ export function zoneBoard(geometry, first, onzones, id) {
   };
 }
 
-/** Numbers of a scene beside its zones: inputs and their values. */
-export function sceneNumbers(first, onchange) {
+/** What a scene says beside its zones: inputs and their values. With `takesTable` a threshold table may be chosen, which `table()` holds as text. */
+export function sceneNumbers(first, onchange, takesTable = false) {
   const number = (label, id, value, step, min) => {
     const input = h("input", { type: "number", id, value, step, min, onchange: () => input.checkValidity() && input.value !== "" && onchange() });
     return { element: h("label", { class: "control" }, `${label} `, input), value: () => (Number.isFinite(input.valueAsNumber) ? input.valueAsNumber : value), set: (to) => { input.value = to; } };
@@ -141,9 +144,22 @@ export function sceneNumbers(first, onchange) {
   const frequency = number("Frequency (Hz)", "scene-frequency", first.frequencyHz, "any", 0.001);
   const limen = number("Limen (dB)", "scene-limen", first.limenDb, "any", 0);
   const transition = number("Transition (mm)", "scene-transition", 1e3 * first.transitionM, "any", 0);
+  const profile = choice("Threshold", PROFILES, 0, () => onchange());
+  profile.select.id = "scene-threshold";
+  let table = null;
+  const file = h("input", { type: "file", id: "scene-threshold-table", accept: ".csv,.txt", onchange: async () => {
+    const [chosen] = file.files;
+    if (!chosen) return;
+    table = { name: chosen.name, csv: await chosen.text() };
+    profile.select.replaceChildren(...[...PROFILES, table.name].map((name) => h("option", {}, name)));
+    profile.select.selectedIndex = PROFILES.length;
+    onchange();
+  } });
+  const choose = takesTable ? h("label", { class: "control" }, "or a table (CSV) ", file) : null;
   return {
-    element: h("div", { class: "controls" }, frequency.element, limen.element, transition.element),
-    values: () => ({ frequencyHz: frequency.value(), limenDb: limen.value(), transitionM: 1e-3 * transition.value() }),
+    element: h("div", { class: "controls" }, frequency.element, profile.element, choose, limen.element, transition.element),
+    table: () => (profile.select.selectedIndex < PROFILES.length ? null : table),
+    values: () => ({ frequencyHz: frequency.value(), profile: profile.select.value, limenDb: limen.value(), transitionM: 1e-3 * transition.value() }),
     setFrequency: frequency.set,
   };
 }

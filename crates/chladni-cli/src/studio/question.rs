@@ -1,0 +1,131 @@
+//! What the page may ask, and the bounds of every number in it. No question names a file:
+//! what a scene needs besides comes along as text.
+
+use chladni_frf::{Error, Result};
+use chladni_render::{MethodChoice, Scene, Threshold, ThresholdTable};
+use chladni_rfp::FitOptions;
+use serde::Deserialize;
+use std::fmt::Debug;
+use std::ops::RangeInclusive;
+use std::path::Path;
+
+/// The largest whole number that the page's script counts exactly.
+const MOST_QUESTIONS: u64 = (1 << 53) - 1;
+/// Most modes that may be asked for, as on the page: ten times what bands of plates hold.
+const MOST_MODES: usize = 1000;
+/// Highest frequency, Hz: above the bandwidth of any vibrometer.
+const HIGHEST_HZ: f64 = 1e10;
+
+/// A question's place among those about fits: what a newer page asks is newer, and of one
+/// page what has the higher number.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Turn {
+    /// The page, as it was numbered when it was served.
+    page: u64,
+    /// Rises from question to question of a page.
+    number: u64,
+}
+
+/// How to fit; of no account where a model was read.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FitQuestion {
+    /// Which page asks; 0 for who asks without one.
+    #[serde(default)]
+    page: u64,
+    /// Rises from question to question.
+    number: u64,
+    /// The hand still moves: the model that is quickest to have, and what changes with it
+    /// alone.
+    #[serde(default)]
+    pub draft: bool,
+    /// Hz; all lines where it is missing.
+    pub band_hz: Option<[f64; 2]>,
+    /// Decided by evidence where it is missing.
+    pub modes: Option<usize>,
+}
+
+impl FitQuestion {
+    /// The fit that is asked for, and its turn; `pages` were served so far.
+    ///
+    /// # Errors
+    /// A number out of its bounds, by name.
+    pub fn checked(&self, pages: u64) -> Result<(FitOptions, Turn)> {
+        within("page", self.page, 0..=pages)?;
+        within("number", self.number, 0..=MOST_QUESTIONS)?;
+        if let Some(modes) = self.modes {
+            within("modes", modes, 1..=MOST_MODES)?;
+        }
+        for hz in self.band_hz.into_iter().flatten() {
+            within("band_hz", hz, 0.0..=HIGHEST_HZ)?;
+        }
+        let options = FitOptions {
+            band_hz: self.band_hz,
+            modes: self.modes,
+            ..FitOptions::default()
+        };
+        let turn = Turn {
+            page: self.page,
+            number: self.number,
+        };
+        Ok((options, turn))
+    }
+}
+
+/// What to render.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneQuestion {
+    /// The scene file's text.
+    toml: String,
+    /// A method of `chladni render`.
+    pub method: String,
+    /// The table that `threshold.profile` names, where it names none that is built in.
+    threshold: Option<TableText>,
+}
+
+/// A threshold table, as its file holds it.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TableText {
+    name: String,
+    csv: String,
+}
+
+impl TableText {
+    fn table(&self) -> Result<ThresholdTable> {
+        if Threshold::built_in(&self.name).is_some() {
+            return Err(
+                Error::bad_data("a threshold table with the name of a built-in profile")
+                    .field("threshold.name")
+                    .found(&self.name)
+                    .expected("another name"),
+            );
+        }
+        ThresholdTable::parse(&self.csv, Path::new(&self.name))
+            .map_err(|error| error.file(&self.name))
+    }
+}
+
+impl SceneQuestion {
+    /// The scene and the method.
+    ///
+    /// # Errors
+    /// A scene or a table that cannot be read, an unknown method, a threshold profile that
+    /// is neither built in nor sent along.
+    pub fn checked(&self) -> Result<(Scene, MethodChoice)> {
+        let table = self.threshold.as_ref().map(TableText::table).transpose()?;
+        let scene = Scene::parse_alone(&self.toml, table.as_slice())?;
+        Ok((scene, self.method.parse()?))
+    }
+}
+
+fn within<T: PartialOrd + Debug>(field: &str, value: T, bounds: RangeInclusive<T>) -> Result<()> {
+    if bounds.contains(&value) {
+        return Ok(());
+    }
+    Err(Error::bad_data("a number out of its bounds")
+        .field(field)
+        .found(format!("{value:?}"))
+        .expected(format!("{:?} to {:?}", bounds.start(), bounds.end())))
+}
