@@ -9,8 +9,8 @@ use chladni_bench::{
     summary, wild, wild_csv, wild_draws_csv, wild_figures, wild_measurement, Criterion, Difficulty,
     WildOptions, WildRow,
 };
-use chladni_frf::io::{write_contents, write_model, Contents};
 use chladni_frf::Result;
+use chladni_io::{write_contents, write_model, Contents};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 

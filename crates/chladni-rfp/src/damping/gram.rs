@@ -4,10 +4,10 @@
 //! 1/((ā − x)(b − x)) = [1/(ā − x) − 1/(b − x)]/(b − ā), and derivatives of that. No
 //! digit is lost: ā lies below the real axis and b above, however near a and b are.
 
-use chladni_linalg::blocked::blocked_matmul_h;
-use chladni_frf::Damping;
 use crate::damping::columns::{loss, resonance};
 use crate::data::columns::{inverse, Columns};
+use chladni_frf::Damping;
+use chladni_linalg::blocked::blocked_matmul_h;
 use chladni_linalg::matmul_h;
 use ndarray::{s, Array2, ArrayViewMut1, Axis, ShapeBuilder};
 use num_complex::Complex64;

@@ -1,9 +1,9 @@
 //! Covariance from the residual as it is: H⁻¹GH⁻¹ with neighbouring lines correlated
 //! (theory.md, eq. 23).
 
-use crate::data::information::covariance;
 use crate::damping::structural::basis_derivative;
 use crate::data::columns::Columns;
+use crate::data::information::covariance;
 use crate::poles::refine::Refined;
 use chladni_linalg::{matmul, matmul_h, LinalgError};
 use ndarray::Array2;

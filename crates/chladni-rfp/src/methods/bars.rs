@@ -6,11 +6,11 @@
 //! an efficient estimator at this residual, and the first steps of [`crate::refine`] from
 //! the method's poles, which are not taken.
 
-use crate::data::information::covariance;
 use crate::damping::structural::POWERS;
 use crate::damping::verdict::expressible_pole;
 use crate::data::columns::Columns;
 use crate::data::error::FitError;
+use crate::data::information::covariance;
 use crate::data::options::FitOptions;
 use crate::data::screening::Screened;
 use crate::methods::found::Stabilization;

@@ -75,7 +75,11 @@ fn told(data: &DataLayout, found: &PoleEstimate) -> Result<Verdict, LinalgError>
 
 /// Structured refinement where it applies: asked for, or the residual is noise that
 /// chance can be judged by.
-fn shape_search(data: &DataLayout, found: &PoleEstimate, options: &FitOptions) -> Result<Search, LinalgError> {
+fn shape_search(
+    data: &DataLayout,
+    found: &PoleEstimate,
+    options: &FitOptions,
+) -> Result<Search, LinalgError> {
     let forced = matches!(options.shapes, ShapeModel::Rank1 | ShapeModel::Real);
     if found.measured && !forced {
         return Ok(Search::Inapplicable);

@@ -1,6 +1,5 @@
 //! Poles of a merged sketch; the fit of merged products.
 
-use crate::model::in_law::in_law;
 use crate::checks::examine::examine;
 use crate::damping::structural::basis;
 use crate::damping::structural::POWERS;
@@ -15,6 +14,7 @@ use crate::data::screening::{enough, lines_left_out};
 use crate::driver::{conjugated, finished, from_chain, Fit, OUTLIER_ROUNDS};
 use crate::measured::path::{on_columns, strongest};
 use crate::model::exponential;
+use crate::model::in_law::in_law;
 use crate::pieces::error::PieceError;
 use crate::pieces::partial::{Block, Partial, ProductSums, SketchSums, Sums};
 use crate::pieces::plan::Plan;

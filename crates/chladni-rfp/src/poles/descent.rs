@@ -1,9 +1,9 @@
 //! The search for the likeliest poles: Gauss–Newton steps with Levenberg–Marquardt
 //! damping (theory.md, eq. 12), whatever makes the matrix and the gradient.
 
-use chladni_frf::Damping;
 use crate::data::columns::Columns;
 use crate::tolerances as tol;
+use chladni_frf::Damping;
 use chladni_linalg::solve_hermitian;
 use ndarray::{Array2, ArrayView1, Axis};
 use num_complex::Complex64;

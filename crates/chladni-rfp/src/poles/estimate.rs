@@ -1,8 +1,8 @@
 //! What a path to poles hands over, and how far each pole is to be trusted by its error
 //! bar alone.
 
-use crate::data::information::covariance;
 use crate::data::columns::Columns;
+use crate::data::information::covariance;
 use crate::poles::refine::Refined;
 use chladni_frf::Trust;
 use ndarray::Array2;

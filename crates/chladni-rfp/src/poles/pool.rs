@@ -6,11 +6,11 @@
 //! starter after which the maximum-likelihood step lost no mode in our study; as an
 //! estimator on its own it is one to five times above the bound.
 
-use chladni_frf::Damping;
 use crate::damping::gram::Cauchy;
 use crate::damping::structural::basis;
 use crate::data::columns::{line_energy, Columns};
 use crate::tolerances as tol;
+use chladni_frf::Damping;
 use chladni_linalg::blocked::{blocked_matmul_h, tall_qr, tall_r};
 use chladni_linalg::{
     cholesky, eigenvalues, matmul, matmul_h, solve_hermitian, solve_lower, LinalgError,

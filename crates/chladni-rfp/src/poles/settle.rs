@@ -1,12 +1,12 @@
 //! The loop that settles the order: what cannot be a mode goes, what the residual shows
 //! comes, until neither changes anything.
 
-use chladni_frf::Damping;
 use crate::data::columns::Columns;
 use crate::poles::prune::{crutch, threshold, unphysical};
 use crate::poles::refine::{refine, Refined};
 use crate::poles::scan::{scan, Scan};
 use crate::tolerances as tol;
+use chladni_frf::Damping;
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 

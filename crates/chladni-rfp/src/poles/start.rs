@@ -1,6 +1,5 @@
 //! The start of a search: how many poles, and a pool of them that noise cannot make.
 
-use chladni_frf::Damping;
 use crate::damping::columns::in_plane_of;
 use crate::damping::structural::POWERS;
 use crate::data::columns::Columns;
@@ -9,6 +8,7 @@ use crate::poles::prune::prune;
 use crate::poles::refine::{refine, removable, Refined};
 use crate::poles::removal::Removable;
 use crate::tolerances as tol;
+use chladni_frf::Damping;
 use chladni_linalg::{svd_thin, LinalgError};
 use num_complex::Complex64;
 

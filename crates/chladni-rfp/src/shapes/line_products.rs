@@ -1,9 +1,9 @@
 //! Products over lines of pole columns and their derivatives.
 
-use crate::data::information::answer;
 use crate::damping::gram::Cauchy;
 use crate::damping::structural::{basis, basis_derivative};
 use crate::data::columns::Columns;
+use crate::data::information::answer;
 
 use crate::tolerances as tol;
 use chladni_linalg::blocked::{blocked_matmul_h, range};
@@ -164,7 +164,11 @@ mod tests {
     fn a_pole_in_the_span_of_the_others_is_not_known_and_stops_nothing() {
         for rank in 1..=3 {
             let far = lines(&vec![Complex64::new(8.0, 0.1); rank]);
-            assert!((0..rank).all(|n| !far.is_left(n)), "rank {rank}: {}", far.ff);
+            assert!(
+                (0..rank).all(|n| !far.is_left(n)),
+                "rank {rank}: {}",
+                far.ff
+            );
             let near = lines(&vec![Complex64::new(1.02, 0.02); rank]);
             assert!((0..rank).all(|n| near.is_left(n)));
             for lines in [far, near] {
