@@ -7,7 +7,6 @@
 //! the method's poles, which are not taken.
 
 use crate::damping::structural::POWERS;
-use crate::damping::verdict::expressible_pole;
 use crate::data::columns::Columns;
 use crate::data::error::FitError;
 use crate::data::information::covariance;

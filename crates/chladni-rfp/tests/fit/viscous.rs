@@ -1,6 +1,6 @@
 //! Viscous structures with true modes outside the band.
 
-use crate::common::fitted;
+use crate::common::{fitted, missed_and_spurious};
 use chladni_frf::{Damping, ModalModel};
 use chladni_plate::{Synthetic, SyntheticSet};
 use chladni_rfp::FitOptions;
@@ -12,6 +12,17 @@ const OUTSIDE_HZ: [f64; 4] = [4.6, 569.0, 655.0, 771.0];
 /// Seven modes, two of them with a neighbour within half their bandwidth, and those
 /// `outside`.
 fn close(references: usize, outside: &[f64], snr_db: f64, seed: u64) -> SyntheticSet {
+    close_in(Damping::Viscous, references, outside, snr_db, seed)
+}
+
+/// The same in either law.
+fn close_in(
+    damping: Damping,
+    references: usize,
+    outside: &[f64],
+    snr_db: f64,
+    seed: u64,
+) -> SyntheticSet {
     let inside = [
         (75.1, 0.02),
         (144.0, 0.0125),
@@ -32,7 +43,7 @@ fn close(references: usize, outside: &[f64], snr_db: f64, seed: u64) -> Syntheti
         loss_factor: modes().map(|(_, loss)| loss).collect(),
         responses: 12,
         references,
-        damping: Damping::Viscous,
+        damping,
         frequency_hz: Array1::range(9.8, 499.6, 0.30625),
         snr_db,
         seed,
@@ -82,5 +93,43 @@ fn each_mode_outside_the_band_is_accounted_for_by_itself() {
                 "mode at {outside} Hz, {references} references, {snr_db} dB: χ² {chi2}"
             );
         }
+    }
+}
+
+/// Normal deviates within so many standard deviations, 95 % of them.
+const SIGMAS_95: f64 = 1.96;
+
+#[test]
+fn both_laws_are_told_and_error_bars_hold_in_each() {
+    for law in [Damping::Viscous, Damping::Structural] {
+        let (mut held, mut all) = (0, 0);
+        for (references, snr_db) in [(1, 50.0), (3, 40.0), (3, 60.0), (3, 80.0)] {
+            for seed in 1..=4 {
+                let set = close_in(law, references, &OUTSIDE_HZ, snr_db, seed);
+                let model = fitted(&set.frf, &FitOptions::default());
+                let case = format!("{law:?}, {references} references, {snr_db} dB, seed {seed}");
+                assert_eq!(model.damping, law, "{case}: {:?}", model.quality);
+                let (missed, spurious) = missed_and_spurious(&set.truth, &model);
+                assert_eq!((missed.len(), spurious.len()), (0, 0), "{case}");
+                let chi2 = model.quality.chi2_per_dof;
+                assert!((0.97..1.05).contains(&chi2), "{case}: χ² {chi2}");
+                for (mode, truth) in model.in_band_modes().zip(set.truth.in_band_modes()) {
+                    let errors = [
+                        (mode.frequency_hz - truth.frequency_hz) / mode.frequency_std_hz,
+                        (mode.loss_factor - truth.loss_factor) / mode.loss_factor_std,
+                    ];
+                    held += errors
+                        .iter()
+                        .filter(|error| error.abs() <= SIGMAS_95)
+                        .count();
+                    all += errors.len();
+                }
+            }
+        }
+        let share = f64::from(held as u32) / f64::from(all as u32);
+        assert!(
+            (0.90..0.99).contains(&share),
+            "{law:?}: {held} of {all} intervals hold"
+        );
     }
 }
