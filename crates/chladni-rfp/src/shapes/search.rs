@@ -86,8 +86,8 @@ pub(crate) fn structured(
 }
 
 fn attempted(
-    data: &Head,
-    found: &Found,
+    data: &DataLayout,
+    found: &PoleEstimate,
     asked: ShapeModel,
     fixed_order: bool,
 ) -> Result<Search, LinalgError> {
