@@ -8,6 +8,7 @@
 //! * [`profile`]: stage times, and the floor that no method can go below
 //!
 //! * [`stability`]: where methods fail, whether they know it, and whether error bars hold
+//! * [`wild`]: structures drawn from a seed, in either damping law, modes beyond the band
 //! * [`scenes`]: rendering from noisy FRFs to a drive on the true plate, by every method
 //! * [`kernels`]: dense kernels at the sizes of a fit, every back end that is linked in
 //!
@@ -34,6 +35,7 @@ mod score;
 mod solver;
 mod stability;
 mod statistics;
+mod wild;
 
 pub use accuracy::{accuracy, AccuracyOptions, AccuracyRow};
 pub use accuracy_tables::{accuracy_csv, accuracy_modes_csv};
@@ -63,3 +65,7 @@ pub use stability::{
     Calibration, Map, MapAxis, StabilityOptions, StabilityRow, Trial, MAPS,
 };
 pub use statistics::median;
+pub use wild::{
+    summary, wild, wild_csv, wild_draws_csv, wild_figures, wild_measurement, Criterion, Difficulty,
+    Draw, WildOptions, WildOutcome, WildRow,
+};

@@ -2,8 +2,6 @@
 
 use crate::checks::examine::examine;
 use crate::damping::structural::POWERS;
-use crate::damping::verdict::Law;
-use crate::data::columns::Columns;
 use crate::data::error::FitError;
 use crate::data::given_noise::{given_noise, Giver};
 use crate::data::layout::DataLayout;
@@ -30,13 +28,13 @@ use crate::model::build::Shaped;
 use crate::model::decide::decide;
 use crate::model::exponential;
 use crate::model::identified::Identified;
+use crate::model::in_law::in_law;
 use crate::poles::chain::{fast_chain, Chain, Doubt, Outcome};
-use crate::poles::estimate::{more_than_asked, uncertainty_grade, Grade, PoleEstimate};
+use crate::poles::estimate::{graded, more_than_asked, PoleEstimate};
 use crate::poles::refine::{refine, Projection, Refined};
-use chladni_frf::{Damping, FrfSet, ModalModel, Trust};
+use chladni_frf::{Damping, FrfSet, ModalModel};
 use chladni_linalg::blocked::in_pool;
-use chladni_linalg::{inverse_hermitian, LinalgError};
-use num_complex::Complex64;
+use chladni_linalg::LinalgError;
 
 /// A fit with its history.
 #[derive(Debug, Clone)]
@@ -225,14 +223,12 @@ fn fit_lean(
     progress("sketch");
     let survey = Survey::new(data, options.seed);
     progress("poles");
-    let found = lean(&survey, options, graded)?;
+    let mut found = lean(&survey, options)?;
     progress("shapes");
-    let law = Law::given(
-        &found.work,
-        &found.refined,
-        options.damping.unwrap_or(Damping::Structural),
-    )?;
-    let shaped = Shaped::new(data, Identified::new(found, law)?)?;
+    if options.damping == Some(Damping::Viscous) {
+        found = in_law(found, Damping::Viscous, None)?;
+    }
+    let shaped = Shaped::new(data, Identified::new(found))?;
     let left = shaped.left(data);
     let model = shaped.model(data, options, &left);
     Ok(Fit {
@@ -248,10 +244,10 @@ fn fit_auto(
     sought: bool,
     progress: &dyn Fn(&str),
 ) -> Result<Attempt, FitError> {
-    let (found, history) = match fast_chain(data, options.seed, options.modes, progress)? {
+    let (found, history) = match chain(data, options, progress)? {
         Outcome::White(chain) => {
             let history = chain.history.clone();
-            (from_chain(*chain, options.modes, data.hz())?, history)
+            (from_chain(*chain, options.modes, data.hz()), history)
         }
         Outcome::Ended(Doubt::Outliers(lines)) if sought => return Ok(Attempt::Outliers(lines)),
         Outcome::Ended(Doubt::Conjugated) => (from_conjugated(data, options)?, Vec::new()),
@@ -261,7 +257,16 @@ fn fit_auto(
         ),
     };
     let measured = found.measured;
-    let (model, left) = finished(data, found, options, progress, |shaped| shaped.left(data))?;
+    let again = |found: PoleEstimate, law: Damping| match found.measured {
+        true => in_law(found, law, None),
+        false => match fast_chain(&data.in_law(law), options.seed, options.modes, progress)? {
+            Outcome::White(chain) => Ok(from_chain(*chain, options.modes, data.hz())),
+            Outcome::Ended(_) => in_law(found, law, Some(data.pairs.len())),
+        },
+    };
+    let (model, left) = finished(data, found, options, progress, again, |shaped| {
+        shaped.left(data)
+    })?;
     let outliers = if sought && measured {
         outliers::outliers(data, &model)
     } else {
@@ -281,15 +286,40 @@ fn fit_auto(
     }
 }
 
-/// The model that poles lead to, and what it leaves of each FRF.
+/// The fast chain in the law asked for, in the structural one where none is; in the other
+/// where what that leaves is no noise.
+fn chain(
+    data: &Screened,
+    options: &FitOptions,
+    progress: &dyn Fn(&str),
+) -> Result<Outcome, LinalgError> {
+    let in_law = |law| fast_chain(&data.in_law(law), options.seed, options.modes, progress);
+    let law = options.damping.unwrap_or(Damping::Structural);
+    let first = in_law(law)?;
+    let Outcome::Ended(Doubt::NotWhite(_)) = first else {
+        return Ok(first);
+    };
+    let other = in_law(match law {
+        Damping::Structural => Damping::Viscous,
+        Damping::Viscous => Damping::Structural,
+    })?;
+    Ok(match other {
+        Outcome::White(_) => other,
+        Outcome::Ended(_) => first,
+    })
+}
+
+/// The model that poles lead to, and what it leaves of each FRF; `again`: the poles in
+/// another law.
 pub(crate) fn finished(
     data: &DataLayout,
     found: PoleEstimate,
     options: &FitOptions,
     progress: &dyn Fn(&str),
+    again: impl Fn(PoleEstimate, Damping) -> Result<PoleEstimate, LinalgError>,
     left: impl Fn(&Shaped) -> Vec<f64>,
 ) -> Result<(ModalModel, Vec<f64>), LinalgError> {
-    let (identified, mut warnings) = decide(data, found, options, progress)?;
+    let (identified, mut warnings) = decide(data, found, options, progress, &again)?;
     let shaped = Shaped::new(data, identified)?;
     let left = left(&shaped);
     let mut model = shaped.model(data, options, &left);
@@ -308,13 +338,9 @@ pub(crate) fn finished(
 /// peaks are.
 const MOSTLY_LEFT: f64 = 0.5;
 
-pub(crate) fn from_chain(
-    chain: Chain,
-    asked: Option<usize>,
-    hz: f64,
-) -> Result<PoleEstimate, LinalgError> {
-    let (grades, spread) = graded(&chain.refined, &chain.projected.work, chain.variance)?;
-    Ok(PoleEstimate {
+pub(crate) fn from_chain(chain: Chain, asked: Option<usize>, hz: f64) -> PoleEstimate {
+    let (grades, spread) = graded(&chain.refined, &chain.projected.work, chain.variance);
+    PoleEstimate {
         grades,
         spread,
         measured: false,
@@ -328,29 +354,7 @@ pub(crate) fn from_chain(
             .collect(),
         consistent: true,
         refined: chain.refined,
-    })
-}
-
-/// Linearised variances E|δλ|² of the poles, and grades by them.
-fn graded(
-    refined: &Refined,
-    work: &Columns,
-    variance: f64,
-) -> Result<(Vec<Grade>, Vec<f64>), LinalgError> {
-    let inverse = inverse_hermitian(refined.information(work).view())?;
-    let grade_of = |(&pole, &spread): (&Complex64, &f64)| match work.in_band(pole) {
-        true => uncertainty_grade(pole, [0.5 * spread; 2]),
-        false => (Trust::Sure, Vec::new()),
-    };
-    let spread: Vec<f64> = inverse
-        .diag()
-        .iter()
-        .map(|own| (variance * own.re).max(0.0))
-        .collect();
-    Ok((
-        refined.lambda.iter().zip(&spread).map(grade_of).collect(),
-        spread,
-    ))
+    }
 }
 
 fn from_conjugated(data: &Screened, options: &FitOptions) -> Result<PoleEstimate, FitError> {

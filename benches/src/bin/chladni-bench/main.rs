@@ -7,6 +7,7 @@ mod profile;
 mod scene;
 mod solvers;
 mod stability;
+mod wild;
 
 use chladni_bench::Journal;
 use chladni_console::output::{make_folder, Output, HTML, PICTURE, TABLE};
@@ -54,6 +55,9 @@ enum Bench {
     /// Where methods fail and whether they know it: maps over two things at a time,
     /// calibration of warnings and error bars
     Stability(stability::Args),
+    /// Structures drawn from a seed, in either damping law: what is found, made up and
+    /// announced, and whether error bars hold
+    Wild(wild::Args),
 }
 
 fn run(what: &Bench, console: &Console) -> Result<Outcome> {
@@ -63,6 +67,7 @@ fn run(what: &Bench, console: &Console) -> Result<Outcome> {
         Bench::Scene(args) => scene::run(args, console),
         Bench::Solvers(args) => solvers::run(args, console),
         Bench::Stability(args) => stability::run(args, console),
+        Bench::Wild(args) => wild::run(args, console),
     }
 }
 

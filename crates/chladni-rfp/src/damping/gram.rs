@@ -4,7 +4,10 @@
 //! 1/((ā − x)(b − x)) = [1/(ā − x) − 1/(b − x)]/(b − ā), and derivatives of that. No
 //! digit is lost: ā lies below the real axis and b above, however near a and b are.
 
+use crate::damping::columns::{loss, resonance};
 use crate::data::columns::{inverse, Columns};
+use chladni_frf::Damping;
+use chladni_linalg::blocked::blocked_matmul_h;
 use chladni_linalg::matmul_h;
 use ndarray::{s, Array2, ArrayViewMut1, Axis, ShapeBuilder};
 use num_complex::Complex64;
@@ -13,16 +16,18 @@ use rayon::prelude::*;
 /// Columns that a thread makes at a time: fewer take less time than to share them out.
 const POLES_AT_A_TIME: usize = 8;
 
-/// The columns of one set of poles, all above the real axis.
+/// The columns of one set of poles, all above the real axis, in the law of the lines.
 pub(crate) struct Cauchy<'a> {
     lambda: &'a [Complex64],
     /// Pole columns A, residual terms, and, unless left out, derivatives D of the pole
-    /// columns, (line, n + terms + n): see [`crate::work::basis`].
+    /// columns, (line, n + terms + n): see [`crate::damping::structural::basis`].
     pub columns: Array2<Complex64>,
     /// Number of residual terms.
     terms: usize,
     /// Σ g²/(λ − x) and, with derivatives, Σ g²/(λ − x)².
     sums: Vec<[Complex64; 2]>,
+    /// The law that the columns follow.
+    law: Damping,
 }
 
 impl<'a> Cauchy<'a> {
@@ -55,7 +60,7 @@ impl<'a> Cauchy<'a> {
             let lines = work.x.iter().zip(&work.g);
             let Some(mut derivative) = derivative else {
                 for (value, (&x, &g)) in column.iter_mut().zip(lines) {
-                    *value = inverse(pole - x) * g;
+                    *value = resonance(work.law, pole, x) * g;
                     sums[0] += *value * g;
                 }
                 return sums;
@@ -63,9 +68,9 @@ impl<'a> Cauchy<'a> {
             for ((value, slope), (&x, &g)) in
                 column.iter_mut().zip(derivative.iter_mut()).zip(lines)
             {
-                let inverse = inverse(pole - x);
-                *value = inverse * g;
-                *slope = -(inverse * *value);
+                let resonance = resonance(work.law, pole, x);
+                *value = resonance * g;
+                *slope = -(resonance * *value) * loss(work.law, pole, x);
                 sums[0] += *value * g;
                 sums[1] -= *slope * g;
             }
@@ -94,11 +99,19 @@ impl<'a> Cauchy<'a> {
             columns,
             terms: powers.len(),
             sums,
+            law: work.law,
         }
     }
 
     /// Inner products of all columns.
     pub fn gram(&self) -> Array2<Complex64> {
+        match self.law {
+            Damping::Structural => self.by_partial_fractions(),
+            Damping::Viscous => blocked_matmul_h(self.columns.view(), self.columns.view()),
+        }
+    }
+
+    fn by_partial_fractions(&self) -> Array2<Complex64> {
         let (n, all) = (self.lambda.len(), self.columns.ncols());
         let m = n + self.terms;
         let mut gram = Array2::zeros((all, all).f());
@@ -136,6 +149,7 @@ mod tests {
             x,
             g,
             b: Array2::zeros((300, 0)),
+            law: chladni_frf::Damping::Structural,
         };
         // narrower than a line, near a twin, and outside the lines
         let lambda = [

@@ -1,7 +1,9 @@
 //! Enters: lines and poles; leaves: columns, derivatives and inner products in one damping
 //! law, and which law holds.
 
+pub(crate) mod columns;
 pub(crate) mod gram;
+pub(crate) mod phased;
 pub(crate) mod structural;
 pub(crate) mod verdict;
 pub(crate) mod viscous;

@@ -1,168 +1,174 @@
-//! Damping law: structural, viscous, or decided by evidence (theory.md, eq. 16–17).
+//! Damping law: structural, viscous, or not to be told on these data (theory.md, eq.
+//! 57–60).
 //!
 //! Both laws describe a single light resonance almost equally well: the wrong one shifts
-//! the frequency by η²/4 and the loss factor by about 0.28η² (relative). The sums of
-//! squares decide where they differ by more than chance; otherwise the question is
-//! undecidable on these data, and the answer says so.
+//! the frequency by η²/4 and the loss factor by about 0.28η² (relative), and turns the
+//! residues by η/2. The turn decides, unless a phase or a delay of all FRFs explains it.
 
-use crate::damping::structural::POWERS;
-use crate::damping::viscous::{from_structural, refine_viscous, ViscousFit};
+use crate::damping::columns::in_plane_of;
+use crate::damping::phased::{Common, LawFit};
 use crate::data::columns::Columns;
-use crate::poles::prune::threshold;
+use crate::data::information::answer;
 use crate::poles::refine::Refined;
-use crate::tolerances as tol;
 use chladni_frf::Damping;
-use chladni_linalg::LinalgError;
+use chladni_linalg::{matmul, LinalgError};
+use ndarray::{Array1, Array2};
 use num_complex::Complex64;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// What the wrong law shifts a frequency and a loss factor by, relative and over η².
 const FREQUENCY_SHIFT: f64 = 0.25;
 const LOSS_SHIFT: f64 = 0.28;
+/// Difference of −2 ln likelihood that decides: for two models with as many unknowns each
+/// the wrong one wins by so much with a probability below Φ(−4) = 3e-5.
+const DECIDES: f64 = 16.0;
+/// Standard deviations of χ² that the angles of the better law may stand over its mean.
+const ANGLES_EXPLAINED: f64 = 4.0;
+/// Loss factor from which on a pole of the band is background.
+const BROAD: f64 = 0.3;
 
-/// Part of the difference that decides, below which what a step takes off no longer
-/// matters: steps shrink from one to the next.
-const LAW_SETTLED: f64 = 1e-2;
-
-/// A law, and its own poles where they are not the structural ones.
-#[derive(Debug)]
-pub(crate) struct Law {
-    /// The law of the numbers below.
-    pub damping: Damping,
-    /// The viscous fit where that is the law.
-    pub viscous: Option<ViscousFit>,
+/// What the data say of the law.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Verdict {
+    /// They follow this law, whatever phase and delay all FRFs have in common.
+    Decided(Damping),
+    /// They follow it if phases are true to better than so many degrees.
+    IfPhasesTrue(Damping, f64),
+    /// They do not tell.
+    Undecidable,
 }
 
-impl Law {
-    fn structural() -> Self {
-        Self {
-            damping: Damping::Structural,
-            viscous: None,
-        }
-    }
-    fn viscous(fit: ViscousFit) -> Self {
-        Self {
-            damping: Damping::Viscous,
-            viscous: Some(fit),
-        }
-    }
-
-    /// The law that is asked for, the other one not looked at.
-    pub fn given(work: &Columns, refined: &Refined, damping: Damping) -> Result<Self, LinalgError> {
-        Ok(match damping {
-            Damping::Structural => Self::structural(),
-            Damping::Viscous => Self::viscous(twin(
-                work,
-                &expressible(refined),
-                tol::FINE_STEP,
-                |_, _, _| false,
-            )?),
-        })
-    }
-}
-
-/// What free residues say of the laws.
-#[derive(Debug)]
-pub(crate) struct Choice {
-    /// The law asked for, or else the one that the data prefer.
-    pub law: Law,
-    /// The other one, where free residues cannot tell them apart.
-    pub rival: Option<Law>,
-    /// True where the data prefer the other law to the one asked for.
-    pub contradicted: bool,
-}
-
-impl From<Law> for Choice {
-    fn from(law: Law) -> Self {
-        Self {
-            law,
-            rival: None,
-            contradicted: false,
+impl Verdict {
+    /// The law, as far as there is one.
+    pub fn law(self) -> Option<Damping> {
+        match self {
+            Self::Decided(law) | Self::IfPhasesTrue(law, _) => Some(law),
+            Self::Undecidable => None,
         }
     }
 }
 
-/// True where both laws can express the pole: Re λ > 0 (ζ < 0.71), stable. Others are
-/// background, and the viscous twin has no need of what the structural law needed to
-/// mimic it.
-pub(crate) fn expressible_pole(lambda: Complex64) -> bool {
-    lambda.re > 0.0 && lambda.im > 0.0
-}
-
-/// Rise of the sum of squares that tells one law from the other: chance, for white noise
-/// of this variance.
-pub(crate) fn chance(work: &Columns, variance: f64) -> f64 {
-    threshold(work.columns(), work.lines()) * variance
-}
-
-/// Fits the viscous twin and lets the evidence decide: by a difference of more than
-/// `least_gain`, or not at all for light damping where line shapes are no pure
-/// resonances: `heaviest_sure` is the largest loss factor that is sure on measured data,
-/// `None` where the residual is white. A law that is `asked` for is taken, and the
-/// evidence told.
-pub(crate) fn choose(
+/// The verdict on poles found in the law of `work`; `frfs`: their number.
+///
+/// # Errors
+/// A kernel that fails.
+pub(crate) fn verdict(
     work: &Columns,
     refined: &Refined,
-    least_gain: f64,
-    heaviest_sure: Option<f64>,
-    asked: Option<Damping>,
-) -> Result<Choice, LinalgError> {
-    if refined.lambda.is_empty() || heaviest_sure.is_some_and(|loss| loss < tol::LAW_ALIKE) {
-        return Ok(Law::given(work, refined, asked.unwrap_or(Damping::Structural))?.into());
+    variance: f64,
+    frfs: usize,
+) -> Result<Verdict, LinalgError> {
+    let is_mode =
+        |pole: &Complex64| work.in_band(*pole) && pole.im > 0.0 && pole.im < BROAD * pole.re;
+    let (modes, others): (Vec<usize>, Vec<usize>) =
+        (0..refined.lambda.len()).partition(|&n| is_mode(&refined.lambda[n]));
+    if modes.is_empty() {
+        return Ok(Verdict::Undecidable);
     }
-    let start = expressible(refined);
-    let viscous_asked = asked == Some(Damping::Viscous);
-    let tolerance = if viscous_asked {
-        tol::FINE_STEP
-    } else {
-        tol::ROUGH_STEP
+    let outside: Vec<Complex64> = others.into_iter().map(|n| refined.lambda[n]).collect();
+    let common = Common::new(work, &outside, &refined.powers)?;
+    let angle = |n: usize| {
+        let squares: Complex64 = refined.coefficients.row(n).iter().map(|r| r * r).sum();
+        0.5 * squares.arg()
     };
-    // a race is over once the steps left can no longer change who wins
-    let structural_sse = refined.projection.sse;
-    let decided = |sse: f64, drop: f64, left: usize| {
-        !viscous_asked
-            && (sse - drop * left as f64 > structural_sse + least_gain
-                || drop < LAW_SETTLED * least_gain)
+    let fit = |law: Damping| {
+        let start: Vec<(Complex64, f64)> = modes
+            .iter()
+            .filter_map(|&n| {
+                let pole = refined.lambda[n];
+                let there = if law == work.law {
+                    Some(pole)
+                } else {
+                    in_plane_of(law, pole)
+                };
+                Some((there?, angle(n)))
+            })
+            .collect();
+        common.fit(&work.axis().in_law(law), &start, variance)
     };
-    let fit = twin(work, &start, tolerance, decided)?;
-    let gain = structural_sse - fit.sse;
-    // poles that the viscous law cannot express make it poorer: a narrow loss proves
-    // nothing then
-    let comparable = start.len() == refined.lambda.len();
-    let prefers = match gain {
-        gain if gain > least_gain => Some(Damping::Viscous),
-        gain if gain <= -least_gain && comparable => Some(Damping::Structural),
-        _ => None,
-    };
-    let (law, rival) = match asked.or(prefers) {
-        Some(Damping::Viscous) => (Law::viscous(fit), Law::structural()),
-        _ => (Law::structural(), Law::viscous(fit)),
-    };
-    let contradicted = prefers.is_some_and(|preferred| preferred != law.damping);
-    Ok(Choice {
-        law,
-        rival: prefers.is_none().then_some(rival),
-        contradicted,
-    })
+    let laws = [fit(Damping::Structural)?, fit(Damping::Viscous)?];
+    Ok(weighed(&laws, variance, frfs))
 }
 
-/// Where the viscous twin starts.
-fn expressible(refined: &Refined) -> Vec<Complex64> {
-    refined
-        .lambda
-        .iter()
-        .copied()
-        .filter(|l| expressible_pole(*l))
-        .map(from_structural)
+/// The verdict on the fits in the structural and in the viscous law.
+fn weighed(laws: &[LawFit; 2], variance: f64, frfs: usize) -> Verdict {
+    let modes = laws[0].turn.len();
+    // angles that differ from FRF to FRF know their mean the less
+    let scatter = laws
+        .each_ref()
+        .map(|law| law.relief / (0.5 * variance) / (modes * frfs.saturating_sub(1)).max(1) as f64);
+    let of_sums = 2.0 / variance * (laws[0].sse - laws[1].sse);
+    let decided = |angles: [f64; 2], freedom: usize| {
+        let k = freedom as f64;
+        let gain = of_sums + angles[0] - angles[1];
+        let better = usize::from(gain > 0.0);
+        let scale = 1f64.max(angles[better] / k).max(scatter[better]);
+        let explained = (angles[better] / scatter[better].max(1.0) - k) / (2.0 * k).sqrt();
+        (gain.abs() > DECIDES * scale && explained < ANGLES_EXPLAINED)
+            .then_some([Damping::Structural, Damping::Viscous][better])
+    };
+    let weight = 2.0 / variance;
+    if modes > 2 {
+        let angles = laws.each_ref().map(|law| weight * beside_delay(law));
+        if let Some(law) = decided(angles, modes - 2) {
+            return Verdict::Decided(law);
+        }
+    }
+    let angles = laws
+        .each_ref()
+        .map(|law| weight * form(&law.information, &wrapped(&law.turn, 0.0)));
+    match decided(angles, modes) {
+        Some(law) => Verdict::IfPhasesTrue(law, least_turn(laws).to_degrees()),
+        None => Verdict::Undecidable,
+    }
+}
+
+/// Angles modulo π, as near to `middle` as they come: the sign of a residue is free.
+fn wrapped(turn: &[f64], middle: f64) -> Array1<f64> {
+    turn.iter()
+        .map(|angle| middle + (angle - middle + FRAC_PI_2).rem_euclid(PI) - FRAC_PI_2)
         .collect()
 }
 
-fn twin(
-    work: &Columns,
-    start: &[Complex64],
-    tolerance: f64,
-    decided: impl Fn(f64, f64, usize) -> bool,
-) -> Result<ViscousFit, LinalgError> {
-    refine_viscous(work, start, &POWERS, tol::REFINE_FINE, tolerance, decided)
+/// θᵀWθ.
+fn form(weight: &Array2<f64>, angles: &Array1<f64>) -> f64 {
+    angles.dot(&weight.dot(angles))
+}
+
+/// The least of (θ − θ₀ + ωτ)ᵀW(θ − θ₀ + ωτ).
+fn beside_delay(law: &LawFit) -> f64 {
+    let sum: Complex64 = law
+        .turn
+        .iter()
+        .zip(law.information.diag())
+        .map(|(angle, weight)| Complex64::from_polar(*weight, 2.0 * angle))
+        .sum();
+    let turn = wrapped(&law.turn, 0.5 * sum.arg());
+    let design = Array2::from_shape_fn(
+        (turn.len(), 2),
+        |(n, p)| {
+            if p == 0 {
+                1.0
+            } else {
+                law.omega[n]
+            }
+        },
+    );
+    let weighted = matmul(law.information.view(), design.view());
+    let right = weighted.t().dot(&turn).insert_axis(ndarray::Axis(1));
+    match answer(matmul(design.t(), weighted.view()).view(), right.view()) {
+        Ok(found) => form(&law.information, &(&turn - &design.dot(&found.column(0)))),
+        Err(_) => form(&law.information, &turn),
+    }
+}
+
+/// The turn by which the laws differ, of the mode that tells them best: a phase error of
+/// that size would pass for the other law.
+fn least_turn(laws: &[LawFit; 2]) -> f64 {
+    let [structural, viscous] = laws.each_ref().map(|law| wrapped(&law.turn, 0.0));
+    let weight = laws[0].information.diag();
+    let mean = |values: &Array1<f64>| values.dot(&weight) / weight.sum();
+    (mean(&structural) - mean(&viscous)).abs() / 2.0
 }
 
 /// Shift of frequency or loss factor under the wrong law, whichever is more, in error
@@ -183,6 +189,15 @@ pub(crate) fn undecidable(taken: Damping, most: f64) -> String {
     )
 }
 
+/// What is said where only the phases as they were measured decide.
+pub(crate) fn if_phases_true(taken: Damping, degrees: f64) -> String {
+    format!(
+        "the damping law rests on the phases of the FRFs: {}, unless all of them share an error of {degrees:.2} degrees, which would pass for \
+         the other law (say --damping if you know the law)",
+        name(taken)
+    )
+}
+
 /// What is said of a law that the data contradict.
 pub(crate) fn contradicted(asked: Damping) -> String {
     let (own, other) = match asked {
@@ -199,5 +214,47 @@ fn name(damping: Damping) -> &'static str {
     match damping {
         Damping::Structural => "structural",
         Damping::Viscous => "viscous",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Angles of eight modes with the same weight, loss factors within a factor of two.
+    fn laws(error: impl Fn(f64) -> f64) -> [LawFit; 2] {
+        let omega: Vec<f64> = (1..=8).map(|n| 0.12 * f64::from(n)).collect();
+        let loss = |n: usize| 0.01 * (1.0 + ((7 * n) % 5) as f64 / 4.0);
+        [0.0, 0.5].map(|turned| LawFit {
+            sse: 1.0,
+            relief: 0.0,
+            turn: (0..8).map(|n| error(omega[n]) - turned * loss(n)).collect(),
+            omega: omega.clone(),
+            information: Array2::eye(8),
+        })
+    }
+
+    #[test]
+    fn a_phase_and_a_delay_decide_nothing_and_hide_nothing() {
+        // angles known to 1e-4 rad
+        let variance = 2.0 * 1e-8;
+        let errors: [fn(f64) -> f64; 3] = [|_| 0.0, |_| 0.01, |omega| 0.003 - 0.02 * omega];
+        for error in errors {
+            assert_eq!(
+                weighed(&laws(error), variance, 12),
+                Verdict::Decided(Damping::Structural)
+            );
+        }
+        // known to 0.1 rad
+        assert_eq!(
+            weighed(&laws(|_| 0.0), 2.0 * 1e-2, 12),
+            Verdict::Undecidable
+        );
+    }
+
+    #[test]
+    fn angles_that_no_law_explains_decide_nothing() {
+        let wild = |omega: f64| 0.05 * (40.0 * omega).sin();
+        assert_eq!(weighed(&laws(wild), 2.0 * 1e-8, 12), Verdict::Undecidable);
     }
 }

@@ -6,6 +6,7 @@
 //! receptance back into the measured kind, so that residuals are those of the measurement
 //! and white noise stays white.
 
+use chladni_frf::Damping;
 use ndarray::{Array1, Array2, ShapeBuilder};
 use num_complex::Complex64;
 
@@ -18,6 +19,8 @@ pub(crate) struct Columns {
     pub g: Vec<f64>,
     /// Data, weighted alike; axes (line, column), column-major.
     pub b: Array2<Complex64>,
+    /// The law that poles follow: see [`crate::damping::columns`].
+    pub law: Damping,
 }
 
 impl Columns {
@@ -80,7 +83,16 @@ impl Columns {
             x: self.x.clone(),
             g: self.g.clone(),
             b,
+            law: self.law,
         }
+    }
+    /// The same data, whose poles follow another law.
+    pub fn in_law(self, law: Damping) -> Self {
+        Self { law, ..self }
+    }
+    /// The same lines without data.
+    pub fn axis(&self) -> Self {
+        self.with_columns(Array2::zeros((self.lines(), 0)))
     }
     /// Only the given lines.
     pub fn select(&self, lines: &[usize]) -> Self {
@@ -92,6 +104,7 @@ impl Columns {
             x: lines.iter().map(|&k| self.x[k]).collect(),
             g: lines.iter().map(|&k| self.g[k]).collect(),
             b,
+            law: self.law,
         }
     }
     /// A stretch of lines.
@@ -102,6 +115,7 @@ impl Columns {
             x: self.x[rows.clone()].to_vec(),
             g: self.g[rows].to_vec(),
             b,
+            law: self.law,
         }
     }
     /// Rows multiplied by `weights`, in the data and in g.

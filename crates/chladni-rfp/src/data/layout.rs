@@ -4,7 +4,7 @@
 use crate::data::columns::Columns;
 use crate::data::options::Effort;
 use crate::data::pair_weights::PairWeights;
-use chladni_frf::{Dof, FrfKind, FrfSet, Node, ReferenceUnit};
+use chladni_frf::{Damping, Dof, FrfKind, FrfSet, Node, ReferenceUnit};
 use ndarray::{Array2, ArrayView1};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -38,6 +38,8 @@ pub(crate) struct DataLayout {
     pub x: Vec<f64>,
     /// g_k.
     pub g: Vec<f64>,
+    /// The law that poles are sought in.
+    pub law: Damping,
     /// What was left out, in words.
     pub warnings: Vec<String>,
     /// What is spent on finding poles.
@@ -105,6 +107,7 @@ impl DataLayout {
             rms: 1.0,
             x: Vec::new(),
             g: Vec::new(),
+            law: Damping::Structural,
             warnings: Vec::new(),
             effort,
             energy: Vec::new(),
@@ -184,6 +187,7 @@ impl DataLayout {
             x: self.x.clone(),
             g: self.g.clone(),
             b: Array2::zeros((self.x.len(), 0)),
+            law: self.law,
         }
     }
 }

@@ -59,6 +59,7 @@ impl Projected {
                 x: data.x.clone(),
                 g: data.g.clone(),
                 b,
+                law: data.law,
             },
             back: blocked_matmul_h(half.view(), r0.view()),
             beyond,

@@ -8,7 +8,7 @@ use crate::data::options::FitOptions;
 use crate::data::pair_weights::PairWeights;
 use crate::data::reading::{energy, visit, Usable};
 use crate::data::sketch::{Mixing, Sums};
-use chladni_frf::FrfSet;
+use chladni_frf::{Damping, FrfSet};
 use ndarray::{Array1, Array2, ArrayView1, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -160,6 +160,13 @@ impl<'a> Screened<'a> {
         }
     }
 
+    /// The same data, whose poles are sought in another law.
+    pub fn in_law(&self, law: Damping) -> Self {
+        let mut other = self.clone();
+        other.head.law = law;
+        other
+    }
+
     /// The same lines and pairs of `frf`, the data times `weights`.
     pub fn weighted<'b>(&self, frf: &'b FrfSet, weights: PairWeights) -> Screened<'b>
     where
@@ -217,6 +224,7 @@ impl<'a> Screened<'a> {
             x: self.x.clone(),
             g: self.g.clone(),
             b: sums.columns.mapv(|sum| sum * scale),
+            law: self.law,
         };
         (work, &sums.line_energy * self.factor().norm_sqr())
     }
@@ -245,6 +253,7 @@ impl<'a> Screened<'a> {
             x: self.x.clone(),
             g: self.g.clone(),
             b: self.block(0..self.pairs.len(), 0..self.lines.len()),
+            law: self.law,
         }
     }
 }

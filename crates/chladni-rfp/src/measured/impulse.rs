@@ -106,6 +106,7 @@ mod tests {
                 g: vec![1.0; n],
                 x: x.clone(),
                 b,
+                law: chladni_frf::Damping::Structural,
             },
             x,
         )

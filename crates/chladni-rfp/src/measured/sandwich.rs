@@ -3,8 +3,9 @@
 
 use crate::damping::structural::basis_derivative;
 use crate::data::columns::Columns;
+use crate::data::information::covariance;
 use crate::poles::refine::Refined;
-use chladni_linalg::{inverse_hermitian, matmul, matmul_h, LinalgError};
+use chladni_linalg::{matmul, matmul_h, LinalgError};
 use ndarray::Array2;
 use num_complex::Complex64;
 
@@ -34,11 +35,14 @@ pub(crate) fn variances(
     let scores = Array2::from_shape_fn((work.lines(), n), |(k, q)| {
         outside[[k, q]].conj() * er[[k, q]] / kept[k]
     });
-    let inverse = inverse_hermitian(refined.information(work).view())?;
+    let inverse = covariance(refined.information(work).view());
     let influence = matmul(scores.view(), inverse.t());
     let white = refined.variance(work);
     let robust = (0..n)
         .map(|q| {
+            if inverse[[q, q]].re.is_infinite() {
+                return f64::INFINITY;
+            }
             let pole = refined.lambda[q];
             let lag_most =
                 ((4.0 * pole.im / work.spacing(pole.re)) as usize).clamp(1, work.lines() / 4);

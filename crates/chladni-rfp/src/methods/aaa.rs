@@ -227,6 +227,7 @@ mod tests {
                 g: vec![1.0; x.len()],
                 x,
                 b,
+                law: chladni_frf::Damping::Structural,
             },
             poles,
         )

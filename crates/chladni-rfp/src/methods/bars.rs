@@ -7,9 +7,9 @@
 //! the method's poles, which are not taken.
 
 use crate::damping::structural::POWERS;
-use crate::damping::verdict::expressible_pole;
 use crate::data::columns::Columns;
 use crate::data::error::FitError;
+use crate::data::information::covariance;
 use crate::data::options::FitOptions;
 use crate::data::screening::Screened;
 use crate::methods::found::Stabilization;
@@ -24,7 +24,7 @@ use crate::poles::prune::threshold;
 use crate::poles::refine::{refine, Projection, Refined};
 use crate::tolerances as tol;
 use chladni_frf::{Damping, FrfSet, ModalModel, Trust};
-use chladni_linalg::{inverse_hermitian, LinalgError};
+use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 
 /// Rms residual over rms data beyond which such a fit is not trusted: it has no other way
@@ -71,7 +71,7 @@ pub(crate) fn fit_by_method(
         damping,
         poles,
         powers: POWERS.to_vec(),
-        work: columns.work,
+        work: columns.work.in_law(damping),
         back: columns.back,
         variance,
         path: format!(
@@ -162,7 +162,7 @@ fn graded(
                 pole.omega_std = pole.omega_std.max(own[n][0]);
                 pole.loss_factor_std = pole.loss_factor_std.max(own[n][1]);
             }
-            pole.grade = grade(&pole, rises[n] < limit && expressible_pole(lambda[n]));
+            pole.grade = grade(&pole, rises[n] < limit && lambda[n].re > 0.0);
             pole
         })
         .collect();
@@ -193,12 +193,8 @@ fn grade(pole: &Pole, insignificant: bool) -> Grade {
 /// E|δλ|² per pole: the inverse information at this variance, and the square of the way
 /// to the likelier pole.
 fn spread(work: &Columns, ahead: &Refined, lambda: &[Complex64], variance: f64) -> Vec<f64> {
-    let inverse = inverse_hermitian(ahead.information(work).view()).ok();
-    let scatter = |n: usize| {
-        inverse.as_ref().map_or(f64::INFINITY, |inverse| {
-            variance * inverse[[n, n]].re.max(0.0)
-        })
-    };
+    let inverse = covariance(ahead.information(work).view());
+    let scatter = |n: usize| variance * inverse[[n, n]].re.max(0.0);
     (0..lambda.len())
         .map(|n| scatter(n) + (ahead.lambda[n] - lambda[n]).norm_sqr())
         .collect()

@@ -27,7 +27,7 @@ use crate::data::products::project;
 use crate::methods::selection::{fewer, inside, left_by, select};
 use crate::methods::survey::Survey;
 use crate::methods::vf::{pool, signed};
-use crate::poles::estimate::{Grade, PoleEstimate};
+use crate::poles::estimate::{graded, PoleEstimate};
 use crate::poles::pool::Products;
 use crate::poles::prune::threshold;
 use crate::poles::refine::{refine, refined_poles, removable, Refined};
@@ -41,16 +41,11 @@ use num_complex::Complex64;
 /// asked for or visible, is no mode.
 const BROAD: f64 = 3.0;
 
-/// Poles at the maximum of the likelihood; `graded` says how sure each of them is, and
-/// its E|δλ|².
+/// Poles at the maximum of the likelihood.
 ///
 /// # Errors
 /// A decomposition that fails.
-pub(crate) fn lean(
-    survey: &Survey,
-    options: &FitOptions,
-    graded: impl Fn(&Refined, &Columns, f64) -> Result<(Vec<Grade>, Vec<f64>), LinalgError>,
-) -> Result<PoleEstimate, FitError> {
+pub(crate) fn lean(survey: &Survey, options: &FitOptions) -> Result<PoleEstimate, FitError> {
     let sketch = &survey.sketch;
     let modes = options.modes.unwrap_or(survey.peaks.len());
     let mut start = start(survey, modes, options)?;
@@ -76,6 +71,7 @@ pub(crate) fn lean(
         x: data.x.clone(),
         g: data.g.clone(),
         b: Array2::zeros((data.lines.len(), 0)),
+        law: data.law,
     };
     rough.extend(beyond(&all, &rough));
     let projected = project(
@@ -89,7 +85,7 @@ pub(crate) fn lean(
     let variance =
         (projected.line_residual(&refined.projection.residual).sum() / freedom as f64).max(1e-30);
     let found = inside(&projected.work, &refined.lambda);
-    let (grades, spread) = graded(&refined, &projected.work, variance)?;
+    let (grades, spread) = graded(&refined, &projected.work, variance);
     Ok(PoleEstimate {
         grades,
         spread,

@@ -9,10 +9,9 @@ use crate::data::screening::Screened;
 use crate::model::modes::{modes, rejected_mode, scale_unknown, scales, unscaled};
 use crate::model::residues::{linear, synthesis, Linear};
 use crate::shapes::error_bars::{shape_bars, Noisy, Scale, ShapeBars};
-use crate::shapes::low_rank::{low_rank, low_rank_around};
+use crate::shapes::low_rank::low_rank_around;
 use crate::shapes::low_rank::{Given, Shapes};
-use crate::shapes::residues::{beyond_chance, eliminated, significant_rank, Residues};
-use crate::tolerances as tol;
+use crate::shapes::residues::{significant_rank, Residues};
 use chladni_frf::{
     ComplexMatrix, Damping, ModalModel, Quality, ResidualTerm, ResidualTerms, Scaling, Trust,
     CREATED_BY, MODEL_FORMAT,
@@ -88,63 +87,6 @@ impl FreeFit {
             noise_of_response,
         })
     }
-}
-
-/// One shape per mode of the band, whatever lies outside left free. (An out-of-band pole
-/// that happens to need a high rank is no evidence on damping.)
-pub(crate) struct CommonShapes {
-    /// Sum of squares of the compressed columns: what two damping laws can be compared
-    /// by.
-    pub sse: f64,
-    /// Its rise over that of free residues, in standard deviations of what chance makes
-    /// of it.
-    pub sigmas: f64,
-}
-
-/// Fits one shape per mode of the band at the poles as they stand.
-pub(crate) fn common_shapes(
-    data: &DataLayout,
-    identified: &Identified,
-) -> Result<CommonShapes, LinalgError> {
-    let FreeFit {
-        poles,
-        linear,
-        all,
-        present,
-        noise,
-        ..
-    } = FreeFit::new(data, identified)?;
-    let (low, high) = identified.work.range();
-    let (inside, outside): (Vec<usize>, Vec<usize>) =
-        (0..poles.len()).partition(|&n| (low..=high).contains(&poles[n].omega.powi(2)));
-    if inside.is_empty() {
-        return Ok(CommonShapes {
-            sse: linear.sse,
-            sigmas: 0.0,
-        });
-    }
-    let weight = eliminated(&linear.weight, &inside, &outside)?;
-    let mut values = Array2::zeros((inside.len(), all.ncols()).f());
-    values.assign(&all.select(Axis(0), &inside));
-    let shapes = low_rank(
-        &Residues {
-            values: &values,
-            weight: &weight,
-            present: &present,
-        },
-        &vec![1; inside.len()],
-    )?;
-    let rise = shapes.rise / noise;
-    let sigmas = beyond_chance(
-        rise,
-        shapes.constraints,
-        identified.variance,
-        tol::STRUCTURE_ROUNDING * identified.work.energy(),
-    );
-    Ok(CommonShapes {
-        sse: linear.sse + rise,
-        sigmas,
-    })
 }
 
 /// Identified poles with the residues of every FRF brought into shapes: all but the
@@ -249,7 +191,7 @@ impl Shaped {
             noise_of_response,
             real: *real_shapes,
         };
-        let bars = shape_bars(&noisy, &scales)?;
+        let bars = shape_bars(&noisy, &scales);
         let terms = linear.terms;
         Ok(Self {
             identified,

@@ -1,10 +1,9 @@
 //! What the poles found say of the structure: the damping law, and whether one shape per
 //! mode, real or not, serves all references.
 
-use crate::damping::verdict::{chance, choose, contradicted as contradicted_words, undecidable};
+use crate::damping::verdict::{self, Verdict};
 use crate::data::layout::DataLayout;
 use crate::data::options::{FitOptions, ShapeModel};
-use crate::model::build::common_shapes;
 use crate::model::identified::Identified;
 use crate::poles::estimate::PoleEstimate;
 use crate::shapes::search::{structured, Search};
@@ -12,72 +11,41 @@ use crate::tolerances as tol;
 use chladni_frf::Damping;
 use chladni_linalg::LinalgError;
 
-/// Where the residual is not noise, one damping law must explain this share of it to be
-/// preferred.
-const LAW_SHARE: f64 = 0.05;
-
 /// Poles of the law that the data prefer, or that is asked for, structured where that
-/// holds; with what is to be said of it.
+/// holds; with what is to be said of it. `again`: the poles in another law.
 pub(crate) fn decide(
     data: &DataLayout,
     found: PoleEstimate,
     options: &FitOptions,
     progress: &dyn Fn(&str),
+    again: &dyn Fn(PoleEstimate, Damping) -> Result<PoleEstimate, LinalgError>,
 ) -> Result<(Identified, Vec<String>), LinalgError> {
     progress("damping law");
-    let chance = chance(&found.work, found.variance);
-    let measured = found.measured;
-    let least_gain = if measured {
-        chance.max(LAW_SHARE * found.refined.projection.sse)
+    let told = told(data, &found)?;
+    let law = options.damping.or(told.law()).unwrap_or(found.work.law);
+    let found = if found.work.law == law {
+        found
     } else {
-        chance
+        again(found, law)?
     };
-    let choice = choose(
-        &found.work,
-        &found.refined,
-        least_gain,
-        measured.then(|| found.heaviest_sure()),
-        options.damping,
-    )?;
     progress("shapes");
-    let (law, mut contradicted) = (choice.law, choice.contradicted);
-    // where no rival is fitted because such line shapes cannot tell
-    let mut undecided =
-        measured && found.heaviest_sure() < tol::LAW_ALIKE && !found.refined.lambda.is_empty();
-    let other = choice
-        .rival
-        .map(|rival| Identified::new(found.clone(), rival))
-        .transpose()?;
-    let (refined, mut unlike) = match shape_search(data, &found, options, law.damping)? {
+    let (refined, unlike) = match shape_search(data, &found, options)? {
         Search::Found(structured) => (Some(structured), None),
         Search::Refused(sigmas) => (None, Some(sigmas)),
         Search::Inapplicable => (None, None),
     };
-    let mut identified = Identified::new(found, law)?;
-    if let Some(other) = other {
-        // one shape for all references tells the laws apart where free residues absorb
-        // the difference; so does one real shape, which the wrong law does not admit. A
-        // mode that only structured refinement saw has to pay for itself
-        let real = refined.as_ref().filter(|structured| structured.real);
-        let own = real.map_or(f64::INFINITY, |structured| {
-            structured.sse + structured.added as f64 * chance
-        });
-        let gain =
-            own.min(common_shapes(data, &identified)?.sse) - common_shapes(data, &other)?.sse;
-        undecided = gain.abs() <= least_gain;
-        if gain > least_gain && options.damping.is_none() {
-            identified = other;
-        } else {
-            contradicted |= gain > least_gain;
-        }
-    }
+    let mut identified = Identified::new(found);
     let mut warnings = Vec::new();
-    if contradicted {
-        warnings.push(contradicted_words(identified.damping));
-    }
-    if identified.damping == Damping::Viscous && !measured {
-        unlike = Some(common_shapes(data, &identified)?.sigmas)
-            .filter(|sigmas| *sigmas > tol::STRUCTURE_SIGMAS);
+    let shift = identified.shift_by_other_law();
+    match told {
+        Verdict::Decided(other) if other != law => warnings.push(verdict::contradicted(law)),
+        Verdict::IfPhasesTrue(own, degrees) if own == law && options.damping.is_none() => {
+            warnings.extend((shift > 1.0).then(|| verdict::if_phases_true(law, degrees)));
+        }
+        Verdict::Undecidable if options.damping.is_none() && shift > 1.0 => {
+            warnings.push(verdict::undecidable(law, shift));
+        }
+        _ => {}
     }
     warnings.extend(unlike.map(|sigmas| {
         format!(
@@ -85,14 +53,24 @@ pub(crate) fn decide(
              overlap, or the references were not measured alike"
         )
     }));
-    let shift = identified.shift_by_other_law();
-    if undecided && shift > 1.0 {
-        warnings.push(undecidable(identified.damping, shift));
-    }
-    if let Some(structured) = refined.filter(|_| identified.damping == Damping::Structural) {
+    if let Some(structured) = refined {
         identified = identified.structured(structured);
     }
     Ok((identified, warnings))
+}
+
+/// What the data say of the law: nothing where there are no modes, or where line shapes
+/// are no pure resonances and damping is light.
+fn told(data: &DataLayout, found: &PoleEstimate) -> Result<Verdict, LinalgError> {
+    if found.measured && found.heaviest_sure() < tol::LAW_ALIKE {
+        return Ok(Verdict::Undecidable);
+    }
+    verdict::verdict(
+        &found.work,
+        &found.refined,
+        found.variance,
+        data.pairs.len(),
+    )
 }
 
 /// Structured refinement where it applies: asked for, or the residual is noise that
@@ -101,10 +79,9 @@ fn shape_search(
     data: &DataLayout,
     found: &PoleEstimate,
     options: &FitOptions,
-    damping: Damping,
 ) -> Result<Search, LinalgError> {
     let forced = matches!(options.shapes, ShapeModel::Rank1 | ShapeModel::Real);
-    if damping == Damping::Viscous || (found.measured && !forced) {
+    if found.measured && !forced {
         return Ok(Search::Inapplicable);
     }
     structured(data, found, options.shapes, options.modes.is_some())

@@ -80,6 +80,7 @@ impl GivenPoles {
     pub fn on(self, work: Columns, back: Option<Array2<f64>>) -> Result<Identified, LinalgError> {
         let values: Vec<Complex64> = self.poles.iter().map(|pole| pole.value).collect();
         let dof = work.lines().saturating_sub(self.unknowns()).max(1) * work.columns().max(1);
+        let work = work.in_law(self.damping);
         let variance = linear(&work, self.damping, &values, &self.powers)?.sse / dof as f64;
         Ok(Identified {
             damping: self.damping,

@@ -1,12 +1,12 @@
 //! Poles as the model will show them, with their error bars and grades.
 
-use crate::damping::verdict::{expressible_pole, shift, Law};
+use crate::damping::columns::viscous_pole_of;
+use crate::damping::verdict::shift;
 use crate::data::columns::Columns;
 use crate::poles::estimate::{uncertainty_grade, Grade, PoleEstimate};
 use crate::shapes::low_rank::Given;
 use crate::shapes::search::Structured;
 use chladni_frf::{Damping, Trust};
-use chladni_linalg::{inverse_hermitian, LinalgError};
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 
@@ -27,6 +27,30 @@ pub(crate) struct Pole {
     pub grade: Grade,
     /// Shapes and participations that came with the pole.
     pub given: Given,
+}
+
+/// Two poles are the same one within this part of themselves.
+const SAME: f64 = 1e-12;
+
+impl Pole {
+    /// ω_n²(1 + jη_n) over ω_max²: the pole in the x plane of its own law.
+    pub fn lambda(&self) -> Complex64 {
+        self.omega.powi(2) * Complex64::new(1.0, self.loss_factor)
+    }
+
+    /// What a saved residue is multiplied by to be that of [`crate::damping::columns`]:
+    /// 2jω_d in the viscous law, where r = ψL/(2jω_d).
+    pub fn residue_unit(&self, law: Damping) -> Complex64 {
+        match law {
+            Damping::Structural => Complex64::ONE,
+            Damping::Viscous => Complex64::new(0.0, 2.0 * self.value.im),
+        }
+    }
+
+    /// True where that is `lambda`, to rounding.
+    fn stands_at(&self, lambda: Complex64) -> bool {
+        (self.lambda() - lambda).norm() < SAME * lambda.norm()
+    }
 }
 
 /// Poles of one law with the data they were found on.
@@ -108,64 +132,32 @@ pub(crate) fn viscous_pole(s: Complex64, covariance: [[f64; 2]; 2], grade: Grade
 }
 
 impl Identified {
-    /// Poles of the chosen law with their deviations: in the viscous law from its own
-    /// information matrix, where the residual is noise.
-    pub fn new(found: PoleEstimate, law: Law) -> Result<Self, LinalgError> {
+    /// Poles with their deviations.
+    pub fn new(found: PoleEstimate) -> Self {
+        let law = found.work.law;
+        let pole = |((&lambda, &c), grade): ((&Complex64, &f64), Grade)| Pole {
+            value: match law {
+                Damping::Structural => lambda,
+                Damping::Viscous => viscous_pole_of(lambda),
+            },
+            ..structural_pole(lambda, [0.5 * c; 2], grade)
+        };
         let PoleEstimate {
             refined,
             work,
             back,
             variance,
             spread,
-            measured,
             grades,
             path,
             warnings,
             consistent,
+            ..
         } = found;
-        let mut poles: Vec<Pole> = refined
-            .lambda
-            .iter()
-            .zip(&spread)
-            .zip(grades)
-            .map(|((&lambda, &c), grade)| structural_pole(lambda, [0.5 * c; 2], grade))
-            .collect();
-        if let Some(fit) = law.viscous {
-            let own = match measured {
-                true => None,
-                false => Some(
-                    inverse_hermitian(fit.information(&work, &refined.powers)?.view())?
-                        * (0.5 * variance),
-                ),
-            };
-            let sources: Vec<usize> = (0..poles.len())
-                .filter(|&n| expressible_pole(refined.lambda[n]))
-                .collect();
-            poles = fit
-                .poles
-                .iter()
-                .zip(sources)
-                .enumerate()
-                .map(|(n, (&s, source))| {
-                    let grade = poles[source].grade.clone();
-                    let covariance = match &own {
-                        Some(own) => [
-                            [own[[2 * n, 2 * n]], own[[2 * n, 2 * n + 1]]],
-                            [own[[2 * n + 1, 2 * n]], own[[2 * n + 1, 2 * n + 1]]],
-                        ],
-                        // |ds| = |dλ|/(2|√λ|), alike in all directions
-                        None => {
-                            let c = 0.5 * spread[source] / (4.0 * refined.lambda[source].norm());
-                            [[c, 0.0], [0.0, c]]
-                        }
-                    };
-                    viscous_pole(s, covariance, grade)
-                })
-                .collect();
-        }
-        Ok(Self {
-            damping: law.damping,
-            poles,
+        let poles = refined.lambda.iter().zip(&spread).zip(grades);
+        Self {
+            damping: law,
+            poles: poles.map(pole).collect(),
             powers: refined.powers,
             work,
             back,
@@ -174,7 +166,7 @@ impl Identified {
             warnings,
             consistent,
             real_shapes: false,
-        })
+        }
     }
 
     /// The most that a sure mode of the band would shift by under the other damping law,
@@ -199,7 +191,7 @@ impl Identified {
         let (known, others): (Vec<Pole>, Vec<Pole>) = self
             .poles
             .into_iter()
-            .partition(|pole| structured.replaced.contains(&pole.value));
+            .partition(|pole| structured.replaced.iter().any(|l| pole.stands_at(*l)));
         self.poles = others;
         for found in structured.poles {
             let mut pole = structural_pole(
@@ -207,17 +199,22 @@ impl Identified {
                 found.spread.map(|v| v * self.variance),
                 uncertainty_grade(found.lambda, found.spread.map(|v| v * self.variance)),
             );
+            if self.damping == Damping::Viscous {
+                pole.value = viscous_pole_of(found.lambda);
+            }
+            let unit = pole.residue_unit(self.damping);
             let nearest = known.iter().min_by(|a, b| {
-                (a.value - found.lambda)
+                (a.lambda() - found.lambda)
                     .norm()
-                    .total_cmp(&(b.value - found.lambda).norm())
+                    .total_cmp(&(b.lambda() - found.lambda).norm())
             });
             if let Some(nearest) = nearest.filter(|pole| {
-                pole.grade.0 != Trust::Sure && (pole.value - found.lambda).norm() < found.lambda.im
+                pole.grade.0 != Trust::Sure
+                    && (pole.lambda() - found.lambda).norm() < found.lambda.im
             }) {
                 pole.grade = nearest.grade.clone();
             }
-            pole.given = Some((found.shape, found.participation));
+            pole.given = Some((found.shape, found.participation.mapv(|v| v / unit)));
             self.poles.push(pole);
         }
         self.real_shapes = structured.real;

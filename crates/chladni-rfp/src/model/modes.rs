@@ -12,13 +12,9 @@ use std::f64::consts::TAU;
 
 /// Factor that takes a participation in work units to SI units of receptance residues.
 fn to_si(data: &DataLayout, damping: Damping, pole: &Pole) -> Complex64 {
+    // R = ω_max²(λ − x) × receptance
     let size = data.rms * data.omega_max.powi(2 - data.kind.omega_power());
-    match damping {
-        // R = ω_max²(λ − x) × receptance
-        Damping::Structural => Complex64::new(size, 0.0),
-        // r·2jω_d
-        Damping::Viscous => Complex64::new(0.0, 2.0 * pole.value.im * size),
-    }
+    size * pole.residue_unit(damping)
 }
 
 /// Shape and participations of one term as the measured FRFs have them, weights undone.
@@ -134,13 +130,15 @@ pub(crate) fn modes(
             let factor = scales[n].factor;
             let si = to_si(data, damping, pole);
             let (shape, participation) = measured(data, shapes, n);
-            let shape = shape.iter().map(|v| v * factor).collect();
+            let shape: Vec<Complex64> = shape.iter().map(|v| v * factor).collect();
             let participation = participation.iter().map(|v| v * si / factor).collect();
+            // a shape that is not known may be anything of its own size
+            let largest = norm_of_largest(&shape);
             let deviation = |(i, v): (usize, &f64)| {
                 if v.is_finite() {
                     v / data.weight(i, 0)[0]
                 } else {
-                    0.0
+                    largest
                 }
             };
             let deviation = bars
@@ -209,7 +207,17 @@ pub(crate) fn rejected_mode(data: &DataLayout, pole: &Pole) -> Mode {
     )
 }
 
-/// A pole in Hz with its shape.
+fn norm_of_largest(shape: &[Complex64]) -> f64 {
+    shape.iter().map(|v| v.norm()).fold(0.0, f64::max)
+}
+
+/// Largest standard deviation of a loss factor in the file: a mode that vibrates has one
+/// below 2.
+const LOSS_FACTOR_UNKNOWN: f64 = 2.0;
+
+/// A pole in Hz with its shape. What the data do not tell of it has the standard
+/// deviation that says nothing: the width of the band. (JSON has no infinity, and whoever
+/// reads the file expects a number.)
 fn mode(
     data: &DataLayout,
     pole: &Pole,
@@ -219,11 +227,12 @@ fn mode(
 ) -> Mode {
     let hz = data.omega_max / TAU;
     let frequency_hz = pole.omega * hz;
+    let width_hz = data.band_hz[1] - data.band_hz[0];
     Mode {
         frequency_hz,
-        frequency_std_hz: pole.omega_std * hz,
+        frequency_std_hz: (pole.omega_std * hz).min(width_hz),
         loss_factor: pole.loss_factor,
-        loss_factor_std: pole.loss_factor_std,
+        loss_factor_std: pole.loss_factor_std.min(LOSS_FACTOR_UNKNOWN),
         damping_ratio: 0.5 * pole.loss_factor,
         in_band: frequency_hz >= data.band_hz[0] && frequency_hz <= data.band_hz[1],
         trust: pole.grade.0,

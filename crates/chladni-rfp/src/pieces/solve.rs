@@ -14,6 +14,7 @@ use crate::data::screening::{enough, lines_left_out};
 use crate::driver::{conjugated, finished, from_chain, Fit, OUTLIER_ROUNDS};
 use crate::measured::path::{on_columns, strongest};
 use crate::model::exponential;
+use crate::model::in_law::in_law;
 use crate::pieces::error::PieceError;
 use crate::pieces::partial::{Block, Partial, ProductSums, SketchSums, Sums};
 use crate::pieces::plan::Plan;
@@ -440,14 +441,18 @@ fn of_products(
             match settled(poles, &head, projected, &energy, history.clone(), progress)? {
                 Settled::Chain(chain) => {
                     let history = chain.history.clone();
-                    (from_chain(*chain, poles.modes, head.hz())?, history)
+                    (from_chain(*chain, poles.modes, head.hz()), history)
                 }
                 Settled::Again(poles) => return Ok(Solved::Poles(poles)),
             }
         }
     };
     let white = !found.measured;
-    let (mut model, left) = finished(&head, found, options, progress, |shaped| {
+    let again = |found: PoleEstimate, law| {
+        let frfs = (!found.measured).then_some(head.pairs.len());
+        in_law(found, law, frfs)
+    };
+    let (mut model, left) = finished(&head, found, options, progress, again, |shaped| {
         shaped.left_by_sums(&head)
     })?;
     if let Some(weights) =

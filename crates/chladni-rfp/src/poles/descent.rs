@@ -3,6 +3,7 @@
 
 use crate::data::columns::Columns;
 use crate::tolerances as tol;
+use chladni_frf::Damping;
 use chladni_linalg::solve_hermitian;
 use ndarray::{Array2, ArrayView1, Axis};
 use num_complex::Complex64;
@@ -32,6 +33,11 @@ fn step_cap(work: &Columns, lambda: Complex64) -> f64 {
     let (low, high) = work.range();
     let outside = (low - lambda.re).max(lambda.re - high).max(0.0);
     0.5 * lambda.im + 0.3 * outside
+}
+
+/// A viscous mode has no loss below zero, nor a natural frequency there.
+fn still_viscous(pole: Complex64, next: Complex64) -> Complex64 {
+    Complex64::new(next.re.max(0.2 * pole.re), next.im.max(0.2 * pole.im))
 }
 
 /// A search under way.
@@ -136,7 +142,10 @@ impl<'a> Descent<'a> {
                 delta
             };
             largest = largest.max(delta.norm() / pole.im);
-            pole + delta
+            match self.work.law {
+                Damping::Structural => pole + delta,
+                Damping::Viscous => still_viscous(pole, pole + delta),
+            }
         };
         (self.lambda.iter().zip(step).map(capped).collect(), largest)
     }

@@ -2,6 +2,7 @@
 //! bar alone.
 
 use crate::data::columns::Columns;
+use crate::data::information::covariance;
 use crate::poles::refine::Refined;
 use chladni_frf::Trust;
 use ndarray::Array2;
@@ -49,6 +50,24 @@ impl PoleEstimate {
     }
 }
 
+/// Linearised variances E|δλ|² of the poles, and grades by them.
+pub(crate) fn graded(refined: &Refined, work: &Columns, variance: f64) -> (Vec<Grade>, Vec<f64>) {
+    let inverse = covariance(refined.information(work).view());
+    let grade_of = |(&pole, &spread): (&Complex64, &f64)| match work.in_band(pole) {
+        true => uncertainty_grade(pole, [0.5 * spread; 2]),
+        false => (Trust::Sure, Vec::new()),
+    };
+    let spread: Vec<f64> = inverse
+        .diag()
+        .iter()
+        .map(|own| (variance * own.re).max(0.0))
+        .collect();
+    (
+        refined.lambda.iter().zip(&spread).map(grade_of).collect(),
+        spread,
+    )
+}
+
 /// What is said where the data show more modes than were asked for; `hz`: of x = 1.
 pub(crate) fn more_than_asked(asked: usize, dropped: &[Complex64], hz: f64) -> Option<String> {
     let places: Vec<String> = dropped
@@ -67,7 +86,9 @@ pub(crate) fn more_than_asked(asked: usize, dropped: &[Complex64], hz: f64) -> O
 /// Sure where the pole is known to a fraction of its half-bandwidth.
 pub(crate) fn uncertainty_grade(lambda: Complex64, variance: [f64; 2]) -> Grade {
     let deviation = (variance[0] + variance[1]).max(0.0).sqrt();
-    if deviation > UNCERTAIN * lambda.im {
+    if deviation.is_infinite() {
+        (Trust::Weak, vec![NOT_TOLD.into()])
+    } else if deviation > UNCERTAIN * lambda.im {
         (
             Trust::Weak,
             vec![format!(
@@ -79,6 +100,9 @@ pub(crate) fn uncertainty_grade(lambda: Complex64, variance: [f64; 2]) -> Grade 
         (Trust::Sure, Vec::new())
     }
 }
+
+/// Why a pole of infinite variance is not sure.
+const NOT_TOLD: &str = "the data do not tell it from its neighbours: its error bars are not known";
 
 /// Standard deviation of a pole, in half-bandwidths, beyond which its mode is not sure.
 pub(crate) const UNCERTAIN: f64 = 0.3;

@@ -10,6 +10,7 @@ use crate::damping::gram::Cauchy;
 use crate::damping::structural::basis;
 use crate::data::columns::{line_energy, Columns};
 use crate::tolerances as tol;
+use chladni_frf::Damping;
 use chladni_linalg::blocked::{blocked_matmul_h, tall_qr, tall_r};
 use chladni_linalg::{
     cholesky, eigenvalues, matmul, matmul_h, solve_hermitian, solve_lower, LinalgError,
@@ -81,6 +82,15 @@ pub(crate) fn vector_fit(
     iterations: usize,
     how: Products,
 ) -> Result<Pool, LinalgError> {
+    // zeros of σ are poles in x, whatever law they will be refined in
+    let structural;
+    let work = match work.law {
+        Damping::Structural => work,
+        Damping::Viscous => {
+            structural = work.clone().in_law(Damping::Structural);
+            &structural
+        }
+    };
     let mut pool = Pool {
         lambda: start.to_vec(),
         flipped: vec![false; start.len()],
@@ -136,6 +146,7 @@ fn relocate(
         x: work.x.clone(),
         g: vec![1.0; lines],
         b: Array2::zeros((lines, 0)),
+        law: work.law,
     };
     let psi = basis(&ones, lambda, &[0]);
     let sums: Array1<Complex64> = psi.columns().into_iter().map(|c| c.sum()).collect();

@@ -80,6 +80,7 @@ mod tests {
                 g: vec![1.0; n],
                 x,
                 b: Array2::zeros((n, 1)),
+                law: chladni_frf::Damping::Structural,
             },
             positions.iter().map(peak).collect(),
         )

@@ -6,6 +6,7 @@ use crate::poles::prune::{crutch, threshold, unphysical};
 use crate::poles::refine::{refine, Refined};
 use crate::poles::scan::{scan, Scan};
 use crate::tolerances as tol;
+use chladni_frf::Damping;
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 
@@ -32,7 +33,8 @@ pub(crate) fn settle(
             continue;
         }
         let scanned = scan(work, refined);
-        let Some(&pole) = scanned.beyond(limit * *variance, &tried).first() else {
+        let shown = scanned.beyond(limit * *variance, &tried).first().copied();
+        let Some(pole) = shown.or_else(|| beyond_the_band(work, &tried)) else {
             return Ok(scanned);
         };
         tried.push(pole);
@@ -51,13 +53,37 @@ pub(crate) fn settle(
             .significance()?
             .into_iter()
             .fold(f64::MAX, f64::min);
-        if gain > limit * *variance && weakest > limit * *variance && !unphysical(work, new) {
+        // one more beyond the band may take the place of those that are there
+        let needed_all = weakest > limit * *variance || !(work.in_band(pole) || work.in_band(new));
+        if gain > limit * *variance && needed_all && !unphysical(work, new) {
             *refined = candidate;
             *variance = variance.min(refined.variance(work));
             history.push((refined.lambda.len(), refined.variance(work)));
         }
     }
     Ok(scan(work, refined))
+}
+
+/// Natural frequencies outside the band at which a mode is sought, over that of its end.
+const BELOW: [f64; 2] = [0.8, 0.45];
+const ABOVE: [f64; 3] = [1.03, 1.12, 1.35];
+/// Loss factor that such a search begins with.
+const OUTSIDE_LOSS: f64 = 0.02;
+
+/// The next place outside the band where a viscous mode may lie: residual terms stand for
+/// it less well than in the structural law, and a pool has its poles elsewhere.
+fn beyond_the_band(work: &Columns, tried: &[Complex64]) -> Option<Complex64> {
+    if work.law == Damping::Structural {
+        return None;
+    }
+    let (low, high) = work.range();
+    let places = BELOW
+        .map(|f| low * f * f)
+        .into_iter()
+        .chain(ABOVE.map(|f| high * f * f));
+    places
+        .map(|x| Complex64::new(x, OUTSIDE_LOSS * x))
+        .find(|place| !tried.contains(place))
 }
 
 /// Poles that the data do not need, and the fit without them: all that stand for no mode

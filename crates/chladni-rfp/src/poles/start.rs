@@ -1,5 +1,6 @@
 //! The start of a search: how many poles, and a pool of them that noise cannot make.
 
+use crate::damping::columns::in_plane_of;
 use crate::damping::structural::POWERS;
 use crate::data::columns::Columns;
 use crate::poles::pool::{starts, vector_fit, Products};
@@ -7,6 +8,7 @@ use crate::poles::prune::prune;
 use crate::poles::refine::{refine, removable, Refined};
 use crate::poles::removal::Removable;
 use crate::tolerances as tol;
+use chladni_frf::Damping;
 use chladni_linalg::{svd_thin, LinalgError};
 use num_complex::Complex64;
 
@@ -33,12 +35,17 @@ pub(crate) fn started(
         iterations,
         Products::PartialFractions,
     )?;
+    // what stands for a viscous mode below the band may have a negative loss in x
+    let stands = |(pole, flipped): (&Complex64, &bool)| match sketch.law {
+        Damping::Structural => (!flipped).then_some(*pole),
+        Damping::Viscous if *flipped && sketch.in_band(*pole) => None,
+        Damping::Viscous => in_plane_of(Damping::Viscous, *pole),
+    };
     let stable: Vec<Complex64> = pool
         .lambda
         .iter()
         .zip(&pool.flipped)
-        .filter(|(_, flipped)| !**flipped)
-        .map(|(pole, _)| *pole)
+        .filter_map(stands)
         .collect();
     let all = removable(sketch, &stable, &POWERS)?;
     let variance = pool_variance(sketch, &all);

@@ -237,6 +237,7 @@ mod tests {
                 g: vec![1.0; lines],
                 x,
                 b: residual.clone(),
+                law: chladni_frf::Damping::Structural,
             },
             poles,
             residual,

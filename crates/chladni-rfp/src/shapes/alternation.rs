@@ -2,9 +2,10 @@
 //! participations at given shapes, each an exact linear problem (theory.md, eq. 18).
 //! Blocks of responses on all threads, sums in fixed order.
 
+use crate::data::information::answer;
 use crate::shapes::residues::{ridge, Residues};
 use chladni_linalg::blocked::blocked_matmul;
-use chladni_linalg::{matmul, solve_hermitian, LinalgError};
+use chladni_linalg::{matmul, LinalgError};
 use ndarray::{s, Array2, ArrayView2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -180,14 +181,14 @@ impl<'a> Halves<'a> {
         partners: impl Fn(usize) -> Vec<usize>,
     ) -> Result<Array2<Complex64>, LinalgError> {
         if self.problem.residues.present.iter().all(|p| *p) {
-            return solve_hermitian(
+            return answer(
                 self.problem.normal(fixed, &partners(0)).view(),
                 rights.view(),
             );
         }
         let mut out = Array2::zeros(rights.dim().f());
         for a in 0..rights.ncols() {
-            let solution = solve_hermitian(
+            let solution = answer(
                 self.problem.normal(fixed, &partners(a)).view(),
                 rights.slice(s![.., a..a + 1]),
             )?;

@@ -6,14 +6,13 @@
 //! noise of x_i itself. Last comes the scale, which hangs on the same numbers.
 
 use crate::data::columns::Columns;
+use crate::data::information::answer;
 use crate::model::identified::Pole;
 use crate::shapes::line_products::LineProducts;
 use crate::shapes::low_rank::Shapes;
 use crate::shapes::tangent::{overlapping, taken, unknowns, Tangent, Unknown};
 use crate::tolerances as tol;
-use chladni_linalg::{
-    cholesky, eigh, inverse_hermitian, matmul, matmul_h, solve_lower, LinalgError, Scalar,
-};
+use chladni_linalg::{cholesky, eigh, matmul, matmul_h, solve_lower, LinalgError, Scalar};
 use ndarray::{concatenate, Array1, Array2, ArrayView2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -103,8 +102,8 @@ pub(crate) struct ShapeBars {
 
 /// Error bars of every term, for shapes scaled as told. Modes of the band, and those
 /// found together with them, are judged with the poles outside left free, as they were
-/// found, and the other way round.
-pub(crate) fn shape_bars(noisy: &Noisy, scales: &[Scale]) -> Result<ShapeBars, LinalgError> {
+/// found, and the other way round. A shape that the data do not tell has infinite ones.
+pub(crate) fn shape_bars(noisy: &Noisy, scales: &[Scale]) -> ShapeBars {
     let Noisy {
         work,
         poles,
@@ -118,23 +117,42 @@ pub(crate) fn shape_bars(noisy: &Noisy, scales: &[Scale]) -> Result<ShapeBars, L
         let rows: Vec<usize> = (0..shapes.owner.len())
             .filter(|&row| kept.contains(&shapes.owner[row]))
             .collect();
-        if rows.is_empty() {
-            return Ok(Vec::new());
-        }
         let others: Vec<Complex64> = others.iter().map(|&n| twin(n)).collect();
-        ShapeErrors::new(noisy, &rows, &others)?.all(&rows, scales)
+        bars_of(noisy, rows, &others, scales).unwrap_or_default()
     };
     let (of_inside, of_outside) =
         rayon::join(|| of_rows(&inside, &outside), || of_rows(&outside, &inside));
     let mut out = ShapeBars {
-        shape: Array2::zeros(shapes.shape.raw_dim()),
-        scale: vec![0.0; scales.len()],
+        shape: Array2::from_elem(shapes.shape.raw_dim(), f64::INFINITY),
+        scale: vec![f64::INFINITY; scales.len()],
     };
-    for (row, shape, scale) in of_inside?.into_iter().chain(of_outside?) {
+    for (row, shape, scale) in of_inside.into_iter().chain(of_outside) {
         out.shape.row_mut(row).assign(&shape);
         out.scale[row] = scale;
     }
-    Ok(out)
+    out
+}
+
+/// Error bars of the terms `rows` beside the poles `others`; of those alone that the data
+/// tell from what stays free.
+fn bars_of(
+    noisy: &Noisy,
+    mut rows: Vec<usize>,
+    others: &[Complex64],
+    scales: &[Scale],
+) -> Result<Vec<Bars>, LinalgError> {
+    while !rows.is_empty() {
+        let errors = ShapeErrors::new(noisy, &rows, others)?;
+        let told: Vec<usize> = (0..rows.len())
+            .filter(|&n| errors.lines.is_left(n))
+            .map(|n| rows[n])
+            .collect();
+        if told.len() == rows.len() {
+            return Ok(errors.all(&rows, scales));
+        }
+        rows = told;
+    }
+    Ok(Vec::new())
 }
 
 /// A term (its row), its deviations, and that of its scale.
@@ -144,8 +162,9 @@ type Bars = (usize, Array1<f64>, f64);
 struct ShapeErrors {
     /// (term, response).
     shape: Array2<Complex64>,
-    /// (term, reference).
+    /// (term, reference), and what it was multiplied by to meet the columns of the lines.
     participation: Array2<Complex64>,
+    unit: Vec<Complex64>,
     lines: LineProducts,
     groups: Vec<Group>,
     /// λ of each term; in the viscous law that of the structural twin.
@@ -186,10 +205,15 @@ impl ShapeErrors {
         };
         let stated = of_terms.iter().map(variance_of).collect();
         let joint = of_terms.iter().any(|pole| pole.given.is_some());
-        let (shape, participation) = (
-            shapes.shape.select(Axis(0), rows),
-            shapes.participation.select(Axis(0), rows),
-        );
+        let shape = shapes.shape.select(Axis(0), rows);
+        let mut participation = shapes.participation.select(Axis(0), rows);
+        let unit: Vec<Complex64> = of_terms
+            .iter()
+            .map(|pole| pole.residue_unit(work.law))
+            .collect();
+        for (mut row, unit) in participation.rows_mut().into_iter().zip(&unit) {
+            row.mapv_inplace(|v| v * unit);
+        }
         let lines = LineProducts::beside(work, &lambda, others, powers)?;
         let outside = lines.outside()?;
         let real = real && joint;
@@ -198,6 +222,7 @@ impl ShapeErrors {
         let mut errors = Self {
             shape,
             participation,
+            unit,
             lines,
             groups,
             lambda,
@@ -229,30 +254,25 @@ impl ShapeErrors {
         };
         let references: Vec<usize> = (0..kept.len()).filter(|&j| kept[j]).collect();
         let along = gram(&self.participation, &references);
-        let mut normal = (&self.lines.ff * &along).mapv(|v| taken(self.real, v));
-        normal
-            .diag_mut()
-            .mapv_inplace(|v| v * (1.0 + tol::STRUCTURED_RIDGE) + f64::MIN_POSITIVE);
+        let normal = (&self.lines.ff * &along).mapv(|v| taken(self.real, v));
+        let normal = self.lines.regular(normal, |n| along[[n, n]].re);
+        let unit = Array2::eye(normal.nrows());
         let across = gram(&self.shape, &responses);
         Ok(Group {
             responses,
             kept,
             along,
             across,
-            gram_inverse: inverse_hermitian(normal.view())?,
+            gram_inverse: answer(normal.view(), unit.view())?,
         })
     }
 
     /// Error bars of the terms, which are `rows` of all.
-    fn all(&self, rows: &[usize], scales: &[Scale]) -> Result<Vec<Bars>, LinalgError> {
+    fn all(&self, rows: &[usize], scales: &[Scale]) -> Vec<Bars> {
         let clusters = overlapping(&self.lambda)
             .into_par_iter()
-            .map(|modes| self.of_cluster(modes, rows, scales));
-        Ok(clusters
-            .collect::<Result<Vec<_>, _>>()?
-            .into_iter()
-            .flatten()
-            .collect())
+            .filter_map(|modes| self.of_cluster(modes, rows, scales).ok());
+        clusters.collect::<Vec<_>>().into_iter().flatten().collect()
     }
 
     /// Those of a cluster.
@@ -429,6 +449,7 @@ impl ShapeErrors {
                 unknowns[a].mode == n && unknowns[a].other == Some(j)
             };
             let direct: Complex64 = scale.reference.iter().filter(own).map(|(_, c)| *c).sum();
+            let direct = direct / self.unit[n];
             let shift = |d: usize| -answers[group_of[d]][[n, a]] * x[[unknowns[a].mode, d]];
             taken(
                 self.real,

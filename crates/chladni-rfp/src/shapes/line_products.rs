@@ -3,10 +3,11 @@
 use crate::damping::gram::Cauchy;
 use crate::damping::structural::{basis, basis_derivative};
 use crate::data::columns::Columns;
+use crate::data::information::answer;
 
 use crate::tolerances as tol;
 use chladni_linalg::blocked::{blocked_matmul_h, range};
-use chladni_linalg::{cholesky, matmul_h, solve_hermitian, solve_lower, LinalgError};
+use chladni_linalg::{cholesky, matmul_h, solve_lower, LinalgError};
 use ndarray::{s, Array2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use std::ops::Range;
@@ -14,6 +15,8 @@ use std::ops::Range;
 /// Products over lines of the pole columns F and their derivatives D, what stays free in
 /// every pair taken out: (mode, mode).
 pub(crate) struct LineProducts {
+    /// ‖F_n‖² before what stays free was taken out.
+    pub whole: Vec<f64>,
     pub ff: Array2<Complex64>,
     pub fd: Array2<Complex64>,
     pub dd: Array2<Complex64>,
@@ -23,7 +26,11 @@ impl LineProducts {
     /// `free`: orthonormal basis of what stays free in every pair, (line, ·).
     pub fn new(cauchy: &Cauchy, free: &Array2<Complex64>) -> Self {
         let inside = blocked_matmul_h(free.view(), cauchy.columns.view());
-        Self::parts(&(cauchy.gram() - blocked_matmul_h(inside.view(), inside.view())))
+        let gram = cauchy.gram();
+        Self::parts(
+            &gram,
+            &(&gram - &blocked_matmul_h(inside.view(), inside.view())),
+        )
     }
 
     /// Those of the poles `lambda`, where what stays free are residual terms and the
@@ -62,16 +69,18 @@ impl LineProducts {
             gram[[free[i], own[j]]] / norm(free[i])
         });
         let inside = solve_lower(lower.view(), across.view())?;
-        let left = gram.select(Axis(0), &own).select(Axis(1), &own)
-            - matmul_h(inside.view(), inside.view());
-        Ok(Self::parts(&left))
+        let whole = gram.select(Axis(0), &own).select(Axis(1), &own);
+        let left = &whole - &matmul_h(inside.view(), inside.view());
+        Ok(Self::parts(&whole, &left))
     }
 
-    fn parts(all: &Array2<Complex64>) -> Self {
+    /// Of (F, D), whole and with what stays free taken out.
+    fn parts(whole: &Array2<Complex64>, all: &Array2<Complex64>) -> Self {
         let n = all.nrows() / 2;
         let part =
             |rows: Range<usize>, columns: Range<usize>| all.slice(s![rows, columns]).to_owned();
         Self {
+            whole: (0..n).map(|i| whole[[i, i]].re).collect(),
             ff: part(0..n, 0..n),
             fd: part(0..n, n..2 * n),
             dd: part(n..2 * n, n..2 * n),
@@ -83,11 +92,27 @@ impl LineProducts {
     /// # Errors
     /// A kernel that fails.
     pub fn outside(&self) -> Result<Array2<Complex64>, LinalgError> {
-        let Self { ff, fd, dd } = self;
-        let mut free = ff.clone();
-        free.diag_mut()
-            .mapv_inplace(|v| v * (1.0 + tol::STRUCTURED_RIDGE) + f64::MIN_POSITIVE);
-        Ok(dd - &matmul_h(fd.view(), solve_hermitian(free.view(), fd.view())?.view()))
+        let Self { ff, fd, dd, .. } = self;
+        let free = self.regular(ff.clone(), |_| 1.0);
+        Ok(dd - &matmul_h(fd.view(), answer(free.view(), fd.view())?.view()))
+    }
+
+    /// A Gram matrix of columns φ_n⊗L_n, `along(n)` = ‖L_n‖², kept regular: what is left
+    /// of a column is known to the rounding of the whole of it.
+    pub fn regular(
+        &self,
+        mut gram: Array2<Complex64>,
+        along: impl Fn(usize) -> f64,
+    ) -> Array2<Complex64> {
+        for (n, value) in gram.diag_mut().iter_mut().enumerate() {
+            *value += tol::STRUCTURED_RIDGE * self.whole[n] * along(n) + f64::MIN_POSITIVE;
+        }
+        gram
+    }
+
+    /// True where enough of a column is left to be told from rounding.
+    pub fn is_left(&self, n: usize) -> bool {
+        self.ff[[n, n]].re > tol::UNINFORMED * self.whole[n]
     }
 }
 
@@ -114,4 +139,44 @@ pub(crate) fn background(
         column.mapv_inplace(|v| v / norm);
     }
     range(all.view(), tol::FREE_RANK)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Poles at 0.1, 0.2, … 0.9 on 500 lines, and some beside them.
+    fn lines(rows: &[Complex64]) -> LineProducts {
+        let x: Vec<f64> = (0..500).map(|k| 0.05 + 0.0019 * f64::from(k)).collect();
+        let work = Columns {
+            g: vec![1.0; x.len()],
+            b: Array2::zeros((x.len(), 0)),
+            x,
+            law: chladni_frf::Damping::Structural,
+        };
+        let band: Vec<Complex64> = (1..10)
+            .map(|n| Complex64::new(0.1 * f64::from(n), 0.02))
+            .collect();
+        LineProducts::beside(&work, rows, &band, &[-1, 0, 1, 2]).unwrap()
+    }
+
+    #[test]
+    fn a_pole_in_the_span_of_the_others_is_not_known_and_stops_nothing() {
+        for rank in 1..=3 {
+            let far = lines(&vec![Complex64::new(8.0, 0.1); rank]);
+            assert!(
+                (0..rank).all(|n| !far.is_left(n)),
+                "rank {rank}: {}",
+                far.ff
+            );
+            let near = lines(&vec![Complex64::new(1.02, 0.02); rank]);
+            assert!((0..rank).all(|n| near.is_left(n)));
+            for lines in [far, near] {
+                assert!(
+                    lines.outside().unwrap().iter().all(|v| v.is_finite()),
+                    "rank {rank}"
+                );
+            }
+        }
+    }
 }

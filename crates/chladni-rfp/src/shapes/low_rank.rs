@@ -1,11 +1,12 @@
 //! Shapes and participations of all poles at once (theory.md, eq. 18–19).
 
+use crate::data::information::answer;
 use crate::shapes::acceleration::Acceleration;
 use crate::shapes::alternation::{Halves, Problem};
 use crate::shapes::residues::{ridge, strongest, Residues};
 use crate::tolerances as tol;
 use chladni_linalg::blocked::blocked_matmul;
-use chladni_linalg::{matmul, solve_hermitian, LinalgError};
+use chladni_linalg::{matmul, LinalgError};
 use ndarray::{Array2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -186,10 +187,10 @@ pub(crate) fn freed(
             .select(Axis(1), columns)
     };
     let own = part(open, open);
-    let answer = solve_hermitian(ridge(&own).view(), part(open, &closed).view())?;
+    let follow = answer(ridge(&own).view(), part(open, &closed).view())?;
     let mut moved = Array2::zeros((open.len(), residues.values.ncols()).f());
     moved.assign(
-        &(residues.values.select(Axis(0), open) - blocked_matmul(answer.view(), change.view())),
+        &(residues.values.select(Axis(0), open) - blocked_matmul(follow.view(), change.view())),
     );
     Ok((moved, own))
 }

@@ -7,8 +7,9 @@
 //! correctly; it alternates between all shapes and all participations, each an exact
 //! linear problem. The model file holds the result, and with it the whole fit.
 
+use crate::data::information::covariance;
 use crate::tolerances as tol;
-use chladni_linalg::{inverse_hermitian, matmul, matmul_h, solve_hermitian, svd_thin, LinalgError};
+use chladni_linalg::{matmul, matmul_h, svd_thin, LinalgError};
 use ndarray::{Array1, Array2, ArrayView1, Axis, ShapeBuilder};
 use num_complex::Complex64;
 
@@ -80,7 +81,7 @@ pub(crate) fn significant_rank(
 ) -> Result<usize, LinalgError> {
     let (responses, references) = residues.present.dim();
     let (_, sv, _) = svd_thin(residues.of_pole(pole).view())?;
-    let inverse = inverse_hermitian(ridge(residues.weight).view())?;
+    let inverse = covariance(ridge(residues.weight).view());
     let noise = (variance * inverse[[pole, pole]].re).sqrt()
         * ((responses as f64).sqrt() + (references as f64).sqrt());
     Ok(sv
@@ -88,22 +89,6 @@ pub(crate) fn significant_rank(
         .filter(|s| **s > tol::RANK_OVER_NOISE * noise)
         .count()
         .max(1))
-}
-
-/// Weight of the `kept` poles' residues where those of the `free` ones answer every
-/// change: a Schur complement.
-pub(crate) fn eliminated(
-    weight: &Array2<Complex64>,
-    kept: &[usize],
-    free: &[usize],
-) -> Result<Array2<Complex64>, LinalgError> {
-    let part =
-        |rows: &[usize], columns: &[usize]| weight.select(Axis(0), rows).select(Axis(1), columns);
-    if free.is_empty() {
-        return Ok(part(kept, kept));
-    }
-    let answer = solve_hermitian(ridge(&part(free, free)).view(), part(free, kept).view())?;
-    Ok(part(kept, kept) - matmul(part(kept, free).view(), answer.view()))
 }
 
 /// A pair of modes with the same pole makes the system singular; a trace of ridge shares

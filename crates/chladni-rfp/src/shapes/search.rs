@@ -78,6 +78,19 @@ pub(crate) fn structured(
     asked: ShapeModel,
     fixed_order: bool,
 ) -> Result<Search, LinalgError> {
+    match attempted(data, found, asked, fixed_order) {
+        // columns that cannot be told apart hold nothing against the data
+        Err(LinalgError::NotPositiveDefinite { .. }) => Ok(Search::Inapplicable),
+        other => other,
+    }
+}
+
+fn attempted(
+    data: &DataLayout,
+    found: &PoleEstimate,
+    asked: ShapeModel,
+    fixed_order: bool,
+) -> Result<Search, LinalgError> {
     let (work, lambda) = (&found.work, &found.refined.lambda);
     let (low, high) = work.range();
     let beside = |l: &Complex64| (low - l.re).max(l.re - high) < tol::BESIDE_HALF_WIDTHS * l.im;

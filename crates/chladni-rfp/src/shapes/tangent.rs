@@ -64,7 +64,7 @@ impl Tangent<'_> {
         inside: &Array2<Complex64>,
         ridge: f64,
     ) -> Array2<Complex64> {
-        let LineProducts { ff, fd, dd } = self.lines;
+        let LineProducts { ff, fd, dd, .. } = self.lines;
         let l = self.participation;
         let known = matmul_h(
             inside.view(),

@@ -13,3 +13,4 @@ mod simulated_in_time;
 mod structure;
 mod unequal_noise;
 mod validation;
+mod viscous;

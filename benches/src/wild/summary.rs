@@ -1,0 +1,209 @@
+//! What the seeds come to, beside what is asked for.
+
+use super::{Difficulty, WildRow};
+use chladni_frf::Damping;
+
+/// Loss factor and noise level from which on the law is to be decided.
+const DECIDED_FROM: (f64, f64) = (0.01, 40.0);
+/// χ² per degree of freedom of a fit that explains its data.
+const CHI2: [f64; 2] = [0.97, 1.05];
+
+/// One number and its goal.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Criterion {
+    /// What is counted.
+    pub name: &'static str,
+    /// Out of how many.
+    pub of: usize,
+    /// How many.
+    pub count: usize,
+    /// Least and largest share that the project asks for.
+    pub goal: [f64; 2],
+}
+
+impl Criterion {
+    /// Count over all; NaN of none.
+    pub fn share(&self) -> f64 {
+        self.count as f64 / self.of as f64
+    }
+
+    /// True where the goal is met, or nothing was counted.
+    pub fn met(&self) -> bool {
+        self.of == 0 || (self.goal[0]..=self.goal[1]).contains(&self.share())
+    }
+}
+
+/// All criteria of one run.
+pub fn summary(rows: &[WildRow]) -> Vec<Criterion> {
+    let calm = rows
+        .iter()
+        .all(|row| row.draw.difficulty == Difficulty::Calm);
+    let count = |name, goal, of: &dyn Fn(&&WildRow) -> bool, counts: &dyn Fn(&&WildRow) -> bool| {
+        let all = || rows.iter().filter(|row| of(row));
+        Criterion {
+            name,
+            of: all().count(),
+            count: all().filter(|row| counts(row)).count(),
+            goal,
+        }
+    };
+    let all = |_: &&WildRow| true;
+    let fitted = |row: &&WildRow| row.outcome.viscous.is_some();
+    let bug = |row: &&WildRow| row.outcome.internal.is_some();
+    let exact = |row: &&WildRow| row.outcome.exact();
+    let known = |row: &&WildRow| !row.outcome.wrong() || row.outcome.announced;
+    let silent = |row: &&WildRow| row.outcome.wrong() && !row.outcome.announced;
+    let wrong = |row: &&WildRow| row.outcome.wrong();
+    let told = |row: &&WildRow| row.outcome.announced;
+    let spurious = |row: &&WildRow| row.outcome.spurious_sure > 0;
+    let decided = |row: &&WildRow| fitted(row) && !row.outcome.undecidable;
+    let right = |row: &&WildRow| row.outcome.viscous == Some(row.draw.law == Damping::Viscous);
+    let tellable = |row: &&WildRow| {
+        let (loss_factor, snr_db) = DECIDED_FROM;
+        fitted(row) && row.draw.loss_factor >= loss_factor && row.draw.snr_db >= snr_db
+    };
+    let explained = |row: &&WildRow| (CHI2[0]..=CHI2[1]).contains(&row.outcome.chi2_per_dof);
+    let mut list = vec![
+        count("internal errors", [0.0, 0.0], &all, &bug),
+        count("spurious mode called sure", [0.0, 0.002], &all, &spurious),
+    ];
+    if calm {
+        list.extend([
+            count("exact", [0.98, 1.0], &all, &exact),
+            count("exact or announced", [0.998, 1.0], &all, &known),
+            count(
+                "exact, and warned of all the same",
+                [0.0, 0.1],
+                &exact,
+                &told,
+            ),
+            count("law right where decided", [1.0, 1.0], &decided, &right),
+            count(
+                "law decided, loss factor from 1 %, from 40 dB",
+                [0.8, 1.0],
+                &tellable,
+                &decided,
+            ),
+            count(
+                "chi2 per degree of freedom 0.97 to 1.05",
+                [0.95, 1.0],
+                &fitted,
+                &explained,
+            ),
+        ]);
+        for (law, names) in [
+            (Damping::Structural, COVERAGE[0]),
+            (Damping::Viscous, COVERAGE[1]),
+        ] {
+            list.extend([0, 1].map(|which| coverage(rows, law, which, names[which])));
+        }
+    } else {
+        list.extend([
+            count("exact", [0.0, 1.0], &all, &exact),
+            count("wrong ones announced", [0.99, 1.0], &wrong, &told),
+            count("wrong and silent", [0.0, 0.01], &all, &silent),
+            count("law right where decided", [1.0, 1.0], &decided, &right),
+        ]);
+    }
+    list
+}
+
+/// Names of the criteria of coverage: of each law, natural frequency and loss factor.
+const COVERAGE: [[&str; 2]; 2] = [
+    [
+        "structural: natural frequency within 95 %",
+        "structural: loss factor within 95 %",
+    ],
+    [
+        "viscous: natural frequency within 95 %",
+        "viscous: loss factor within 95 %",
+    ],
+];
+
+/// Modes of fits in the right law, and those within their 95 % intervals.
+fn coverage(rows: &[WildRow], law: Damping, which: usize, name: &'static str) -> Criterion {
+    let viscous = law == Damping::Viscous;
+    let own = rows
+        .iter()
+        .filter(|row| row.draw.law == law && row.outcome.viscous == Some(viscous));
+    let (of, count) = own.fold((0, 0), |(of, count), row| {
+        (of + row.outcome.found, count + row.outcome.covered[which])
+    });
+    Criterion {
+        name,
+        of,
+        count,
+        goal: [0.93, 0.97],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Draw, WildOutcome};
+    use super::*;
+
+    #[test]
+    fn each_failure_counts_where_it_belongs() {
+        let row = |seed: u64, outcome: WildOutcome| WildRow {
+            draw: Draw {
+                law: Damping::Viscous,
+                ..Draw::new(seed, Difficulty::Calm)
+            },
+            outcome,
+        };
+        let good = WildOutcome {
+            found: 4,
+            viscous: Some(true),
+            chi2_per_dof: 1.0,
+            covered: [4, 3],
+            ..WildOutcome::default()
+        };
+        let rows = [
+            row(1, good.clone()),
+            row(
+                2,
+                WildOutcome {
+                    spurious: 1,
+                    spurious_sure: 1,
+                    ..good.clone()
+                },
+            ),
+            row(
+                3,
+                WildOutcome {
+                    missed: 1,
+                    announced: true,
+                    viscous: Some(false),
+                    ..good.clone()
+                },
+            ),
+            row(
+                4,
+                WildOutcome {
+                    internal: Some("bug".into()),
+                    ..WildOutcome::default()
+                },
+            ),
+        ];
+        let list = summary(&rows);
+        let of = |name: &str| {
+            list.iter()
+                .find(|criterion| criterion.name == name)
+                .unwrap()
+        };
+        assert_eq!(
+            (of("internal errors").count, of("internal errors").met()),
+            (1, false)
+        );
+        assert_eq!((of("exact").count, of("exact").of), (1, 4));
+        assert_eq!(of("spurious mode called sure").count, 1);
+        let law = of("law right where decided");
+        assert_eq!((law.count, law.of), (2, 3));
+        let covered = of("viscous: loss factor within 95 %");
+        assert_eq!((covered.count, covered.of), (6, 8));
+        assert!(
+            of("structural: loss factor within 95 %").met(),
+            "none counted"
+        );
+    }
+}

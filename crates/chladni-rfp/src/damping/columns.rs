@@ -1,0 +1,101 @@
+//! The column of a mode and its derivative, in the law that a set of lines has.
+//!
+//! λ_n = (ω_n/ω_max)²(1 + jη_n) in both laws. A structural mode is 1/(λ − x); a viscous one
+//! has a loss that grows with frequency, 1/(Re λ + j·Im λ·√(x/Re λ) − x), which is
+//! 1/(ω_n² − ω² + jη_nω_nω), exact for real shapes (theory.md, eq. 16–17). Its derivative
+//! by Im λ over j stands for that by Re λ as well, from which it differs by half a loss
+//! factor: estimates lose η² of their information, steps converge by a factor of about η.
+
+use crate::data::columns::inverse;
+use chladni_frf::Damping;
+use num_complex::Complex64;
+
+/// Least loss factor of a pole that is taken from one law to the other: steps are
+/// measured in half-bandwidths.
+const LEAST_LOSS: f64 = 1e-6;
+
+/// Loss at x over that at the natural frequency.
+#[inline]
+pub(crate) fn loss(law: Damping, pole: Complex64, x: f64) -> f64 {
+    match law {
+        Damping::Structural => 1.0,
+        Damping::Viscous => (x / pole.re.max(f64::MIN_POSITIVE)).sqrt(),
+    }
+}
+
+/// What a residue of the pole multiplies at x.
+#[inline]
+pub(crate) fn resonance(law: Damping, pole: Complex64, x: f64) -> Complex64 {
+    match law {
+        Damping::Structural => inverse(pole - x),
+        Damping::Viscous => {
+            let lossy = pole.im * loss(law, pole, x);
+            inverse(Complex64::new(pole.re - x, lossy))
+        }
+    }
+}
+
+/// Where a pole of the other law lies in the plane of this one: the same resonance, s =
+/// j√λ, has ω_n² = |λ_structural|. `None`: Re λ ≤ 0 (ζ > 0.71), which is background.
+///
+/// |Im λ|: below the band the loss of a viscous mode, seen from above, rises where the
+/// structural one stands still, and the structural pole that mimics it best has a negative
+/// one.
+pub(crate) fn in_plane_of(law: Damping, lambda: Complex64) -> Option<Complex64> {
+    if lambda.re <= 0.0 {
+        return None;
+    }
+    let lambda = Complex64::new(lambda.re, lambda.im.abs().max(LEAST_LOSS * lambda.re));
+    Some(match law {
+        Damping::Viscous => {
+            let s = Complex64::i() * lambda.sqrt();
+            lambda.norm() * Complex64::new(1.0, -2.0 * s.re / s.norm())
+        }
+        Damping::Structural => -viscous_pole_of(lambda).powi(2),
+    })
+}
+
+/// s/ω_max of a viscous mode with ω_n² = Re λ and η_n = Im λ/Re λ.
+pub(crate) fn viscous_pole_of(lambda: Complex64) -> Complex64 {
+    let zeta = 0.5 * lambda.im / lambda.re;
+    let root = Complex64::new(1.0 - zeta * zeta, 0.0).sqrt();
+    lambda.re.sqrt() * (Complex64::i() * root - zeta)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn planes_of_both_laws_hold_the_same_resonances() {
+        for lambda in [Complex64::new(0.3, 0.02), Complex64::new(0.05, 0.03)] {
+            let viscous = in_plane_of(Damping::Viscous, lambda).unwrap();
+            let back = in_plane_of(Damping::Structural, viscous).unwrap();
+            assert!((back - lambda).norm() < 1e-14, "{back} for {lambda}");
+            let s = viscous_pole_of(viscous);
+            assert!((s - Complex64::i() * lambda.sqrt()).norm() < 1e-14, "{s}");
+        }
+        let mirrored = in_plane_of(Damping::Viscous, Complex64::new(0.3, -0.02));
+        assert_eq!(
+            mirrored,
+            in_plane_of(Damping::Viscous, Complex64::new(0.3, 0.02))
+        );
+        assert_eq!(
+            in_plane_of(Damping::Viscous, Complex64::new(-0.1, 0.02)),
+            None
+        );
+    }
+
+    #[test]
+    fn a_viscous_column_is_that_of_its_pair_of_poles() {
+        let lambda = Complex64::new(0.4, 0.4 * 0.06);
+        let s = viscous_pole_of(lambda);
+        for x in [0.05, 0.39, 0.4, 1.0_f64] {
+            let jy = Complex64::new(0.0, x.sqrt());
+            let over = Complex64::new(0.0, 2.0 * s.im);
+            let pair = 1.0 / (over * (jy - s)) - 1.0 / (over * (jy - s.conj()));
+            let column = resonance(Damping::Viscous, lambda, x);
+            assert!((column - pair).norm() < 1e-13 * pair.norm(), "{x}");
+        }
+    }
+}

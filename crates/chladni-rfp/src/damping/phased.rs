@@ -1,0 +1,366 @@
+//! Modes that have one phase each: what tells one damping law from the other
+//! (theory.md, eq. 57–59).
+//!
+//! Free residues take over nearly all that a wrong law leaves: it turns the residues of a
+//! light mode by half its loss factor, all alike. Here residues are real but for one angle
+//! θ_n per mode, and the fit tells pole and angle together, since an error of a natural
+//! frequency turns all residues of its mode too.
+
+use crate::damping::columns::{in_plane_of, loss};
+use crate::damping::structural::{basis, basis_derivative};
+use crate::data::columns::Columns;
+use crate::data::information::answer;
+use crate::tolerances as tol;
+use chladni_frf::Damping;
+use chladni_linalg::blocked::{blocked_matmul_h, projected, range};
+use chladni_linalg::{matmul, solve_hermitian, LinalgError};
+use ndarray::{concatenate, s, Array2, Axis};
+use num_complex::Complex64;
+
+/// Powers of y = √x beside those of x: the residual terms of the viscous law that the
+/// structural one has not.
+const ODD_POWERS: [i32; 4] = [-3, 1, 3, 5];
+/// Steps at most.
+const STEPS: usize = 20;
+/// What a step promises to take off the sum of squares, in units of the noise variance,
+/// below which it is the last: a thousandth of what decides.
+const PROMISED: f64 = 1e-2;
+/// Largest step of an angle, rad.
+const TURN: f64 = 0.3;
+
+/// The fit in one law.
+#[derive(Debug)]
+pub(crate) struct LawFit {
+    /// Sum of squares left.
+    pub sse: f64,
+    /// What residues free in their phases would leave less.
+    pub relief: f64,
+    /// √Re λ of each mode: its natural frequency over ω_max.
+    pub omega: Vec<f64>,
+    /// θ_n, rad.
+    pub turn: Vec<f64>,
+    /// What the data say of the angles with all else free, over (σ²/2)⁻¹.
+    pub information: Array2<f64>,
+}
+
+/// The data of both laws, with what neither has to explain taken out.
+pub(crate) struct Common {
+    background: Array2<Complex64>,
+    data: Array2<Complex64>,
+    energy: f64,
+}
+
+impl Common {
+    /// Residual terms of both laws are taken out, and the poles `outside` the band in both
+    /// laws, with their residues and, to first order, their positions: what one law needs
+    /// for the world outside must not count for or against its modes.
+    ///
+    /// # Errors
+    /// A kernel that fails.
+    pub fn new(work: &Columns, outside: &[Complex64], powers: &[i32]) -> Result<Self, LinalgError> {
+        let odd = Array2::from_shape_fn((work.lines(), ODD_POWERS.len()), |(k, p)| {
+            Complex64::from(work.g[k] * work.x[k].sqrt().powi(ODD_POWERS[p]))
+        });
+        let mut all = concatenate![Axis(1), basis(work, &[], powers), odd];
+        for law in [Damping::Structural, Damping::Viscous] {
+            let axis = work.axis().in_law(law);
+            let own: Vec<Complex64> = match law == work.law {
+                true => outside.to_vec(),
+                false => outside
+                    .iter()
+                    .filter_map(|l| in_plane_of(law, *l))
+                    .collect(),
+            };
+            all = concatenate![
+                Axis(1),
+                all,
+                basis(&axis, &own, &[]),
+                basis_derivative(&axis, &own)
+            ];
+        }
+        for mut column in all.columns_mut() {
+            let norm = column.iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt();
+            column.mapv_inplace(|v| v / norm.max(f64::MIN_POSITIVE));
+        }
+        let background = range(all.view(), tol::FREE_RANK)?;
+        let (_, data) = projected(background.view(), work.b.view());
+        let energy = data.iter().map(|v| v.norm_sqr()).sum();
+        Ok(Self {
+            background,
+            data,
+            energy,
+        })
+    }
+
+    /// The fit in the law of `work` from poles and angles.
+    ///
+    /// # Errors
+    /// A kernel that fails.
+    pub fn fit(
+        &self,
+        work: &Columns,
+        start: &[(Complex64, f64)],
+        variance: f64,
+    ) -> Result<LawFit, LinalgError> {
+        let (mut lambda, mut turn): (Vec<Complex64>, Vec<f64>) = start.iter().copied().unzip();
+        let mut here = Point::new(self, work, &lambda, &turn)?;
+        let mut damping = tol::LM_START;
+        for _ in 0..STEPS {
+            let (information, gradient) = here.system();
+            let mut damped = information.clone();
+            damped
+                .diag_mut()
+                .mapv_inplace(|v| v * (1.0 + damping) + f64::MIN_POSITIVE);
+            let step = solve_hermitian(damped.view(), gradient.view()).ok();
+            let promised = |step: &Array2<f64>| {
+                step.iter()
+                    .zip(&gradient)
+                    .map(|(step, along)| step * along)
+                    .sum::<f64>()
+            };
+            let last = step
+                .as_ref()
+                .is_some_and(|step| promised(step) < PROMISED * variance);
+            let next = step.and_then(|step| {
+                let moved = moved(&lambda, &turn, &step);
+                let point = Point::new(self, work, &moved.0, &moved.1).ok()?;
+                (point.sse <= here.sse).then_some((moved, point))
+            });
+            match next {
+                Some((moved, point)) => {
+                    ((lambda, turn), here) = (moved, point);
+                    damping *= 0.1;
+                }
+                None => damping = (damping * 10.0).max(1e-6),
+            }
+            if last || damping > tol::LM_GIVE_UP {
+                break;
+            }
+        }
+        let n = lambda.len();
+        let all = here.system().0;
+        let (of_poles, of_turns) = (
+            all.slice(s![..2 * n, ..2 * n]),
+            all.slice(s![2 * n.., 2 * n..]),
+        );
+        let across = all.slice(s![..2 * n, 2 * n..]);
+        let follow = answer(of_poles, across)?;
+        Ok(LawFit {
+            sse: here.sse,
+            relief: here.relief()?,
+            omega: lambda.iter().map(|l| l.re.sqrt()).collect(),
+            turn,
+            information: &of_turns - &matmul(across.t(), follow.view()),
+        })
+    }
+}
+
+/// Poles and angles after a step of (Re λ, Im λ, θ), at most half a half-bandwidth.
+fn moved(lambda: &[Complex64], turn: &[f64], step: &Array2<f64>) -> (Vec<Complex64>, Vec<f64>) {
+    let n = lambda.len();
+    let pole = |m: usize| {
+        let delta = Complex64::new(step[[m, 0]], step[[n + m, 0]]);
+        let cap = 0.5 * lambda[m].im;
+        let next = lambda[m] + delta * (cap / delta.norm().max(cap));
+        Complex64::new(next.re, next.im.max(0.2 * lambda[m].im))
+    };
+    let angle = |m: usize| turn[m] + step[[2 * n + m, 0]].clamp(-TURN, TURN);
+    ((0..n).map(pole).collect(), (0..n).map(angle).collect())
+}
+
+/// Everything at one set of poles and angles.
+struct Point {
+    /// Inner products of (φ, ∂φ/∂Re λ, ∂φ/∂Im λ) without background, (3n, 3n).
+    gram: Array2<Complex64>,
+    /// Those with the data, (3n, column).
+    against: Array2<Complex64>,
+    turn: Vec<f64>,
+    /// Real residues, (mode, column).
+    residues: Array2<f64>,
+    /// Gram matrix of the columns e^{jθ}φ over the reals.
+    own: Array2<f64>,
+    energy: f64,
+    sse: f64,
+}
+
+impl Point {
+    fn new(
+        common: &Common,
+        work: &Columns,
+        lambda: &[Complex64],
+        turn: &[f64],
+    ) -> Result<Self, LinalgError> {
+        let n = lambda.len();
+        let (down, across) = slopes(work, lambda);
+        let columns = concatenate![Axis(1), basis(work, lambda, &[]), down, across];
+        let (_, left) = projected(common.background.view(), columns.view());
+        let gram = blocked_matmul_h(left.view(), left.view());
+        let against = blocked_matmul_h(left.view(), common.data.view());
+        let phase: Vec<Complex64> = turn
+            .iter()
+            .map(|t| Complex64::from_polar(1.0, *t))
+            .collect();
+        let own = Array2::from_shape_fn((n, n), |(m, q)| {
+            (phase[m].conj() * phase[q] * gram[[m, q]]).re
+        });
+        let right = Array2::from_shape_fn((n, against.ncols()), |(m, c)| {
+            (phase[m].conj() * against[[m, c]]).re
+        });
+        let residues = answer(own.view(), right.view())?;
+        let explained: f64 = residues.iter().zip(&right).map(|(a, b)| a * b).sum();
+        Ok(Self {
+            gram,
+            against,
+            turn: turn.to_vec(),
+            residues,
+            own,
+            energy: common.energy,
+            sse: common.energy - explained,
+        })
+    }
+
+    /// Column and factor of the tangent along one unknown.
+    fn tangent(&self, unknown: usize) -> (usize, Complex64) {
+        let n = self.turn.len();
+        let phase = Complex64::from_polar(1.0, self.turn[unknown % n]);
+        if unknown < 2 * n {
+            (n + unknown, phase)
+        } else {
+            (unknown - 2 * n, phase * Complex64::I)
+        }
+    }
+
+    /// Gauss–Newton matrix and gradient of (Re λ, Im λ, θ), residues eliminated.
+    fn system(&self) -> (Array2<f64>, Array2<f64>) {
+        let n = self.turn.len();
+        let tangents: Vec<(usize, Complex64)> = (0..3 * n).map(|u| self.tangent(u)).collect();
+        let product = |(a, u): (usize, Complex64), (b, v): (usize, Complex64)| {
+            (u.conj() * v * self.gram[[a, b]]).re
+        };
+        let plain = |m: usize| (m, Complex64::from_polar(1.0, self.turn[m]));
+        let inside = Array2::from_shape_fn((n, 3 * n), |(m, u)| product(plain(m), tangents[u]));
+        let known = answer(self.own.view(), inside.view())
+            .map(|follow| matmul(inside.t(), follow.view()))
+            .unwrap_or_else(|_| Array2::zeros((3 * n, 3 * n)));
+        let residues = matmul(self.residues.view(), self.residues.t());
+        let information = Array2::from_shape_fn((3 * n, 3 * n), |(u, v)| {
+            (product(tangents[u], tangents[v]) - known[[u, v]]) * residues[[u % n, v % n]]
+        });
+        let gradient = Array2::from_shape_fn((3 * n, 1), |(u, _)| {
+            let (column, factor) = tangents[u];
+            let met: f64 = self
+                .against
+                .row(column)
+                .iter()
+                .zip(self.residues.row(u % n))
+                .map(|(b, r)| (factor.conj() * b).re * r)
+                .sum();
+            let model: f64 = (0..n).map(|m| inside[[m, u]] * residues[[m, u % n]]).sum();
+            met - model
+        });
+        (information, gradient)
+    }
+
+    /// What complex residues take off the sum of squares at the same poles.
+    fn relief(&self) -> Result<f64, LinalgError> {
+        let n = self.turn.len();
+        let (gram, against) = (
+            self.gram.slice(s![..n, ..n]),
+            self.against.slice(s![..n, ..]),
+        );
+        let free = answer(gram, against)?;
+        let explained: f64 = free
+            .iter()
+            .zip(&against)
+            .map(|(r, b)| (r.conj() * b).re)
+            .sum();
+        Ok((explained - (self.energy - self.sse)).max(0.0))
+    }
+}
+
+/// ∂φ/∂Re λ and ∂φ/∂Im λ in the law of `work`.
+fn slopes(work: &Columns, lambda: &[Complex64]) -> (Array2<Complex64>, Array2<Complex64>) {
+    let along = basis_derivative(work, lambda);
+    let across = along.mapv(|v| v * Complex64::I);
+    let mut down = along;
+    if work.law == Damping::Viscous {
+        for (mut column, pole) in down.columns_mut().into_iter().zip(lambda) {
+            for (value, &x) in column.iter_mut().zip(&work.x) {
+                // λ − x → Re λ + j·Im λ·√(x/Re λ) − x
+                let loss = loss(work.law, *pole, x);
+                *value *= Complex64::new(1.0, -0.5 * pole.im * loss / pole.re) / loss;
+            }
+        }
+    }
+    (down, across)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lines(law: Damping) -> Columns {
+        let x: Vec<f64> = (0..900)
+            .map(|k| (0.1 + 0.001 * f64::from(k)).powi(2))
+            .collect();
+        Columns {
+            g: x.iter().map(|x| x.sqrt()).collect(),
+            b: Array2::zeros((900, 0)),
+            x,
+            law,
+        }
+    }
+
+    #[test]
+    fn slopes_are_those_of_finite_differences() {
+        let pole = Complex64::new(0.25, 0.01);
+        for law in [Damping::Structural, Damping::Viscous] {
+            let work = lines(law);
+            let (down, across) = slopes(&work, &[pole]);
+            for (slope, unit) in [(down, Complex64::ONE), (across, Complex64::I)] {
+                let step = 1e-6;
+                let at = |sign: f64| basis(&work, &[pole + unit * (sign * step)], &[]);
+                let difference = (at(1.0) - at(-1.0)) / Complex64::from(2.0 * step);
+                let size = slope.iter().map(|v| v.norm()).fold(0.0, f64::max);
+                let error = (&difference - &slope)
+                    .iter()
+                    .map(|v| v.norm())
+                    .fold(0.0, f64::max);
+                assert!(error < 1e-5 * size, "{law:?} {unit}: {error} of {size}");
+            }
+        }
+    }
+
+    /// The other law turns residues by half a loss factor.
+    #[test]
+    fn a_viscous_mode_seen_structurally_is_turned_by_its_damping_ratio() {
+        let poles = [(0.09, 0.02), (0.3, 0.03), (0.6, 0.01)];
+        let poles = poles.map(|(x, loss)| Complex64::new(x, x * loss));
+        for (law, other, sign) in [
+            (Damping::Viscous, Damping::Structural, 1.0),
+            (Damping::Structural, Damping::Viscous, -1.0),
+        ] {
+            let work = lines(law);
+            let residues = Array2::from_shape_fn((3, 4), |(n, c)| {
+                Complex64::from(1.0 + 0.5 * ((3 * n + 2 * c) as f64).sin())
+            });
+            let b = matmul(basis(&work, &poles, &[]).view(), residues.view());
+            let work = work.with_columns(b);
+            let common = Common::new(&work, &[], &[-1, 0, 1, 2]).unwrap();
+            let start = poles.map(|pole| (pole, 0.0));
+            let own = common.fit(&work, &start, 1e-12).unwrap();
+            let wrong = common
+                .fit(&work.clone().in_law(other), &start, 1e-12)
+                .unwrap();
+            assert!(own.sse < 1e-9 * wrong.sse, "{} {}", own.sse, wrong.sse);
+            for (n, pole) in poles.iter().enumerate() {
+                let expected = sign * 0.5 * pole.im / pole.re;
+                assert!(
+                    (wrong.turn[n] - expected).abs() < 0.05 * expected.abs(),
+                    "{wrong:?}"
+                );
+                assert!(own.turn[n].abs() < 1e-6, "{own:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! Poles found in one damping law, taken to the other on the same columns.
+
+use crate::damping::columns::in_plane_of;
+use crate::damping::structural::POWERS;
+use crate::poles::estimate::{graded, PoleEstimate};
+use crate::poles::refine::refine;
+use crate::poles::settle::settle;
+use crate::tolerances as tol;
+use chladni_frf::Damping;
+use chladni_linalg::LinalgError;
+use num_complex::Complex64;
+
+/// The poles of `found` in the law asked for, refined there. Of `frfs` FRFs whose residual
+/// is noise the order is settled anew: what one law needs for the world outside, or beside
+/// its modes, may be of no use in the other.
+///
+/// # Errors
+/// A kernel that fails.
+pub(crate) fn in_law(
+    found: PoleEstimate,
+    law: Damping,
+    frfs: Option<usize>,
+) -> Result<PoleEstimate, LinalgError> {
+    if found.work.law == law {
+        return Ok(found);
+    }
+    let there: Vec<(usize, Complex64)> = found
+        .refined
+        .lambda
+        .iter()
+        .enumerate()
+        .filter_map(|(n, pole)| Some((n, in_plane_of(law, *pole)?)))
+        .collect();
+    let start: Vec<Complex64> = there.iter().map(|(_, pole)| *pole).collect();
+    let work = found.work.in_law(law);
+    let before = found.refined.projection.sse;
+    let steps = tol::REFINE_FINE;
+    let mut refined = refine(&work, &start, &POWERS, steps, tol::FINE_STEP)?;
+    let Some(frfs) = frfs else {
+        let of = |n: usize| (found.grades[n].clone(), found.spread[n]);
+        let (grades, spread) = there.iter().map(|(n, _)| of(*n)).unzip();
+        return Ok(PoleEstimate {
+            grades,
+            spread,
+            work,
+            refined,
+            ..found
+        });
+    };
+    let freedom = (work.lines() * frfs) as f64;
+    let rise = |sse: f64| (sse - before) / freedom;
+    let mut variance = found.variance;
+    settle(&work, &mut refined, &mut variance, frfs, &mut Vec::new())?;
+    refined = refine(&work, &refined.lambda, &POWERS, steps, tol::FINE_STEP)?;
+    let variance = (found.variance + rise(refined.projection.sse)).max(f64::MIN_POSITIVE);
+    let (grades, spread) = graded(&refined, &work, variance);
+    Ok(PoleEstimate {
+        grades,
+        spread,
+        work,
+        refined,
+        variance,
+        ..found
+    })
+}
