@@ -13,6 +13,7 @@
 
 use crate::field::Field;
 use crate::plane::Position;
+use crate::tolerances;
 use crate::zones::Ground;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -77,18 +78,21 @@ pub(crate) fn finger_rows(field: &Field) -> Vec<usize> {
     let middle = [0, 1].map(|axis| {
         hot.iter().map(|&k| field.positions_m[k][axis]).sum::<f64>() / hot.len() as f64
     });
-    let squared = |a: Position, b: Position| (a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2);
+    // in steps of the positions' tolerance: rounding must not choose among equal distances
+    let distance = |a: Position, b: Position| {
+        ((a[0] - b[0]).hypot(a[1] - b[1]) / tolerances::POSITION_M).round()
+    };
     let at = |k: usize| field.positions_m[k];
     let by = |key: &dyn Fn(usize) -> f64| {
         hot.iter()
             .copied()
             .min_by(|&a, &b| key(a).total_cmp(&key(b)).then(a.cmp(&b)))
     };
-    let Some(central) = by(&|k| squared(at(k), middle)) else {
+    let Some(central) = by(&|k| distance(at(k), middle)) else {
         return Vec::new();
     };
-    let far = by(&|k| -squared(at(k), middle)).unwrap_or(central);
-    let other = by(&|k| -squared(at(k), at(far))).unwrap_or(central);
+    let far = by(&|k| -distance(at(k), middle)).unwrap_or(central);
+    let other = by(&|k| -distance(at(k), at(far))).unwrap_or(central);
     let mut rows = vec![central, far, other];
     rows.dedup();
     rows

@@ -40,12 +40,14 @@ pub(crate) enum Interpolation {
     /// coefficient).
     Whole(Arc<Spline>, Array2<f64>),
     /// A spline of its own around each query.
-    Patches {
-        /// Nodes that each query's value is made of; axes (query, neighbour).
-        nodes: Array2<usize>,
-        /// Their weights; same axes.
-        weights: Array2<f64>,
-    },
+    Patches(Vec<Patch>),
+}
+
+/// The nodes that the value at one query is made of, and their weights.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Patch {
+    nodes: Vec<usize>,
+    weights: Array1<f64>,
 }
 
 impl Nodes {
@@ -65,28 +67,36 @@ impl Nodes {
             }
             Self::Many(nodes) => nodes,
         };
-        let shape = (queries.len(), tolerances::NEAREST_RESPONSES);
-        let (mut neighbours, mut weights) = (Array2::zeros(shape), Array2::zeros(shape));
-        for (q, &query) in queries.iter().enumerate() {
-            let squared =
-                |k: usize| (nodes[k][0] - query[0]).powi(2) + (nodes[k][1] - query[1]).powi(2);
-            let mut order: Vec<usize> = (0..nodes.len()).collect();
-            order.select_nth_unstable_by(tolerances::NEAREST_RESPONSES - 1, |&a, &b| {
-                squared(a).total_cmp(&squared(b)).then(a.cmp(&b))
-            });
-            order.truncate(tolerances::NEAREST_RESPONSES);
-            order.sort_unstable();
-            let patch: Vec<Position> = order.iter().map(|&k| nodes[k]).collect();
-            weights
-                .row_mut(q)
-                .assign(&Spline::through(&patch)?.weights(query));
-            neighbours.row_mut(q).assign(&Array1::from(order));
-        }
-        Some(Interpolation::Patches {
-            nodes: neighbours,
-            weights,
-        })
+        let patches: Option<Vec<Patch>> = queries
+            .iter()
+            .map(|&query| {
+                let near = nearest(nodes, query);
+                let around: Vec<Position> = near.iter().map(|&k| nodes[k]).collect();
+                let weights = Spline::through(&around)?.weights(query);
+                Some(Patch {
+                    nodes: near,
+                    weights,
+                })
+            })
+            .collect();
+        patches.map(Interpolation::Patches)
     }
+}
+
+/// The [`tolerances::NEAREST_RESPONSES`] nodes around a query, and all that lie as far as
+/// the last of them: on a grid many do, and which of them rounding puts first must not
+/// matter.
+fn nearest(nodes: &[Position], query: Position) -> Vec<usize> {
+    let distances: Vec<f64> = nodes
+        .iter()
+        .map(|node| (node[0] - query[0]).hypot(node[1] - query[1]))
+        .collect();
+    let mut sorted = distances.clone();
+    let last = tolerances::NEAREST_RESPONSES.min(nodes.len()) - 1;
+    let (_, &mut farthest, _) = sorted.select_nth_unstable_by(last, f64::total_cmp);
+    (0..nodes.len())
+        .filter(|&k| distances[k] <= farthest + tolerances::POSITION_M)
+        .collect()
 }
 
 impl Interpolation {
@@ -117,14 +127,10 @@ impl Interpolation {
                     Complex64::new(parts[[q, column]], parts[[q, fields + column]])
                 })
             }
-            Self::Patches { nodes, weights } => {
-                let mut fields = Array2::zeros((nodes.nrows(), values.ncols()));
-                for (mut row, (nodes, weights)) in fields
-                    .rows_mut()
-                    .into_iter()
-                    .zip(nodes.rows().into_iter().zip(weights.rows()))
-                {
-                    for (&node, &weight) in nodes.iter().zip(weights) {
+            Self::Patches(patches) => {
+                let mut fields = Array2::zeros((patches.len(), values.ncols()));
+                for (mut row, patch) in fields.rows_mut().into_iter().zip(patches) {
+                    for (&node, &weight) in patch.nodes.iter().zip(&patch.weights) {
                         row.zip_mut_with(&values.row(node), |sum, &value| *sum += value * weight);
                     }
                 }

@@ -191,6 +191,16 @@ impl Problem {
         self.rows.mobility.dot(drive)
     }
 
+    /// The drive with the phase that gives the mean velocity of the hot rows phase 0: a
+    /// drive whose phase is free then has one that no order of rows or axes chooses.
+    pub(crate) fn in_phase(&self, drive: Drive) -> Drive {
+        let mean = self.rows.hot_rows().dot(&drive).sum();
+        match mean.norm() {
+            size if size > 0.0 => drive * (mean.conj() / size),
+            _ => drive,
+        }
+    }
+
     /// How `drive` does.
     pub(crate) fn score(&self, drive: &Drive) -> Score {
         self.score_of(

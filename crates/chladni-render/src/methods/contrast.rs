@@ -10,12 +10,14 @@ use crate::problem::{unsolvable, Drive, Problem};
 use chladni_frf::Result;
 use chladni_linalg::{eigh, matmul, solve_hermitian};
 
-/// The contrast-control direction, of arbitrary gain and phase.
+/// The contrast-control direction, of arbitrary gain; the mean velocity of the hot rows
+/// has phase 0, whatever phase the eigenvector came with.
 pub(crate) fn direction(problem: &Problem) -> Result<Drive> {
     let rows = &problem.rows;
     let cold = normal_matrix(problem, rows.hot..rows.mobility.nrows());
     let adjoint = rows.hot_rows().t().mapv(|value| value.conj());
     let back = solve_hermitian(cold.view(), adjoint.view()).map_err(unsolvable)?;
     let (_, vectors) = eigh(matmul(rows.hot_rows(), back.view()).view()).map_err(unsolvable)?;
-    Ok(back.dot(&vectors.column(vectors.ncols() - 1)))
+    let direction = back.dot(&vectors.column(vectors.ncols() - 1));
+    Ok(problem.in_phase(direction))
 }

@@ -31,14 +31,21 @@ use num_complex::Complex64;
 use std::f64::consts::PI;
 
 /// Phase differences across the hot zone, in x and in y, of the tilted starts: half
-/// waves.
-const TILTS: [[f64; 2]; 6] = [
+/// waves. With each tilt the list holds its mirror images and the exchange of its axes,
+/// so that the starts of a mirrored or turned panel are those of the panel itself.
+const TILTS: [[f64; 2]; 12] = [
     [1.0, 0.0],
+    [-1.0, 0.0],
     [0.0, 1.0],
+    [0.0, -1.0],
     [1.0, 1.0],
+    [-1.0, 1.0],
     [1.0, -1.0],
+    [-1.0, -1.0],
     [2.0, 0.0],
+    [-2.0, 0.0],
     [0.0, 2.0],
+    [0.0, -2.0],
 ];
 
 /// The best drive found; `between` are rows between the responses, where there are any.
@@ -209,8 +216,10 @@ fn starts(least_squares: &LeastSquares) -> Result<Vec<Drive>> {
     let problem = least_squares.problem;
     let hot_m = &problem.rows.positions_m[..problem.rows.hot];
     let zone = Rectangle::around(hot_m).expect("a problem has a hot row");
-    let across =
-        |value: f64, low: f64, high: f64| (value - low) / (high - low).max(tolerances::POSITION_M);
+    // from −½ to ½: no corner of the zone is the first
+    let across = |value: f64, low: f64, high: f64| {
+        (value - 0.5 * (low + high)) / (high - low).max(tolerances::POSITION_M)
+    };
     let targets = Array2::from_shape_fn((hot_m.len(), 1 + TILTS.len()), |(k, column)| {
         let ([x, y], [half_waves_x, half_waves_y]) = (
             hot_m[k],
@@ -224,7 +233,7 @@ fn starts(least_squares: &LeastSquares) -> Result<Vec<Drive>> {
         .drives(targets.view())?
         .columns()
         .into_iter()
-        .map(|column| column.to_owned())
+        .map(|column| problem.in_phase(column.to_owned()))
         .collect();
     starts.insert(1, contrast::direction(problem)?);
     Ok(starts)

@@ -3,6 +3,7 @@
 mod area;
 mod common;
 mod covariance;
+mod equivariance;
 mod evaluate;
 mod fewest;
 mod methods;
