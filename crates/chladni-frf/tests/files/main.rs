@@ -7,6 +7,7 @@ mod documentation;
 mod estimate;
 mod hdf5;
 mod hdf5_foreign;
+mod layouts;
 mod model_file;
 mod selection;
 mod uff;
