@@ -5,6 +5,7 @@ use crate::console::Console;
 use crate::oddities;
 use crate::quoting::shell_word;
 use chladni_frf::{Error, FrfKind, FrfSet, ModalModel, Result, Source, TimeSign};
+use chladni_io::PhaseUnit;
 use chladni_io::{detect_format, Duplicates, FileFormat, ReadOptions};
 use chladni_render::Weights;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -38,6 +39,9 @@ pub struct Reading {
     /// What to do with a pair (response, reference) that occurs twice
     #[arg(long, value_name = "WHICH", value_parser = PossibleValuesParser::new(["error", "first", "last", "mean"]).map(duplicates))]
     pub duplicates: Option<Duplicates>,
+    /// Unit of phases in tables and arrays; needed where neither header nor numbers say
+    #[arg(long, value_name = "UNIT", value_parser = PossibleValuesParser::new(["deg", "rad"]).try_map(|text| text.parse::<PhaseUnit>()))]
+    pub phase_unit: Option<PhaseUnit>,
     /// Take the exact line spacing that the six printed digits of a universal file stand
     /// for
     #[arg(long)]
@@ -74,6 +78,7 @@ impl Reading {
             references: self.reference.clone(),
             map: self.map.clone(),
             duplicates: self.duplicates.unwrap_or_default(),
+            phase_unit: self.phase_unit,
             snap_df: self.snap_df,
             lenient: self.lenient,
         }
@@ -104,6 +109,9 @@ impl Reading {
         }
         if let Some(which) = self.duplicates {
             add("duplicates", format!("{which:?}").to_lowercase().into());
+        }
+        if let Some(unit) = self.phase_unit {
+            add("phase_unit", unit.as_str().into());
         }
         for (name, given) in [("snap_df", self.snap_df), ("lenient", self.lenient)] {
             if given {
@@ -160,6 +168,7 @@ impl Reading {
                 .filter_map(|(name, path)| Some((name.clone(), path.as_str()?.to_owned())))
                 .collect(),
             duplicates: text("duplicates").map(|name| duplicates(name.to_owned())),
+            phase_unit: text("phase_unit").and_then(|unit| unit.parse().ok()),
             snap_df: given("snap_df"),
             lenient: given("lenient"),
         }

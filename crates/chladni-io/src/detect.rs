@@ -60,6 +60,16 @@ pub fn detect_format(file: &Path) -> Result<FileFormat> {
     if is_universal(&head) {
         return Ok(FileFormat::Uff);
     }
+    if is_wide_text(&head) && is_universal(csv::decode(&head).as_bytes()) {
+        return Err(Error::bad_data(
+            "a universal file in UTF-16; its columns are counted in bytes",
+        )
+        .file(file)
+        .at_byte(0)
+        .found("the mark of UTF-16")
+        .expected("ASCII, Latin-1 or UTF-8")
+        .help("save it as ASCII or UTF-8, or export it again"));
+    }
     if head.starts_with(mat::SIGNATURE) {
         return Ok(FileFormat::Matlab);
     }
@@ -133,11 +143,17 @@ fn has_hdf5_signature(input: &mut File) -> std::io::Result<bool> {
 
 /// A universal file begins with a delimiter line: `-1` right-justified in columns 1 to 6.
 fn is_universal(head: &[u8]) -> bool {
-    let first_line = head
+    let text = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
+    let first_line = text
         .split(|&byte| byte == b'\n')
         .map(<[u8]>::trim_ascii)
         .find(|line| !line.is_empty());
     first_line == Some(b"-1")
+}
+
+/// True for the mark of UTF-16.
+fn is_wide_text(head: &[u8]) -> bool {
+    head.starts_with(b"\xff\xfe") || head.starts_with(b"\xfe\xff")
 }
 
 fn foreign_binary(head: &[u8]) -> Option<Error> {
@@ -156,8 +172,8 @@ fn foreign_binary(head: &[u8]) -> Option<Error> {
             "unpack it, or export the sheet as CSV",
         );
     }
-    if head.starts_with(b"\xff\xfe") || head.starts_with(b"\xfe\xff") {
-        return None; // UTF-16 text is full of zero bytes
+    if is_wide_text(head) {
+        return None; // full of zero bytes
     }
     head.contains(&0).then(|| {
         refuse(
@@ -214,6 +230,10 @@ mod tests {
             format_of(b"\r\n    -1      \r\n    58\r\n").unwrap(),
             FileFormat::Uff
         );
+        assert_eq!(
+            format_of(b"\xef\xbb\xbf    -1\n    58\n").unwrap(),
+            FileFormat::Uff
+        );
         assert_eq!(format_of(b"\x89HDF\r\n\x1a\n").unwrap(), FileFormat::Hdf5);
         let mut behind_user_block = b"MATLAB 7.3 MAT-file".to_vec();
         behind_user_block.resize(512, 0);
@@ -245,6 +265,7 @@ mod tests {
             (b"\x01\x00\x02", "UFF 58"),
             (b"{\"format\": \"other\"}", "chladni.model"),
             (b"{\"format\": ", "line 1"),
+            (b"\xff\xfe \0 \0 \0 \0-\01\0\n\0", "UTF-16"),
         ] {
             let error = format_of(bytes).unwrap_err();
             assert!(error.to_string().contains(words), "{error}");

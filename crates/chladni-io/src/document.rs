@@ -263,6 +263,8 @@ pub struct ReadOptions {
     pub map: Vec<(String, String)>,
     /// `--duplicates`.
     pub duplicates: Duplicates,
+    /// `--phase-unit`: of phases in tables and arrays.
+    pub phase_unit: Option<super::PhaseUnit>,
     /// `--snap-df`: take the exact step that the six printed digits stand for.
     pub snap_df: bool,
     /// `--lenient`: mask what cannot be read instead of refusing.

@@ -1,14 +1,14 @@
 //! `chladni bench wild`.
 
 use super::{shown, Place};
-use crate::console::Console;
-use crate::outcome::Outcome;
-use crate::output::{Output, FRF, MODEL};
-use crate::table::table;
 use chladni_bench::{
     summary, wild, wild_csv, wild_draws_csv, wild_figures, wild_measurement, Criterion, Difficulty,
     WildOptions, WildRow,
 };
+use chladni_console::output::{Output, FRF, MODEL};
+use chladni_console::table::table;
+use chladni_console::Console;
+use chladni_console::Outcome;
 use chladni_frf::Result;
 use chladni_io::{write_contents, write_model, Contents};
 use serde_json::json;

@@ -11,7 +11,14 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Texts that say something about the arrays beside them.
-const REMARKS: [&str; 5] = ["frf_kind", "reference_unit", "time_sign", "unit", "units"];
+const REMARKS: [&str; 6] = [
+    "axes",
+    "frf_kind",
+    "reference_unit",
+    "time_sign",
+    "unit",
+    "units",
+];
 /// What MATLAB's own writer marks every array with: it stands in reverse order.
 const MATLAB: &str = "MATLAB_class";
 
@@ -74,7 +81,7 @@ impl MemoryFile {
             .filter(|entry| entry.dataset.is_some())
             .map(info)
             .collect();
-        match read_foreign(&self, &entries, &options.map, &mut document.warnings)
+        match read_foreign(&self, &entries, options, &mut document.warnings)
             .map_err(|error| error.file(path))
         {
             Ok(None) => {}

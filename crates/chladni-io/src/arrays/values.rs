@@ -27,6 +27,24 @@ impl ComplexArray {
         }
     }
 
+    /// Extents of its axes.
+    pub(crate) fn shape(&self) -> &[usize] {
+        match self {
+            Self::Double(array) => array.shape(),
+            Self::Single(array) => array.shape(),
+        }
+    }
+
+    /// In double precision.
+    pub(crate) fn widened(self) -> Self {
+        match self {
+            Self::Single(array) => {
+                Self::Double(array.mapv(|value| Complex::new(value.re.into(), value.im.into())))
+            }
+            double => double,
+        }
+    }
+
     /// Axes in reverse order: what MATLAB calls (a, b, c) stands in the file as (c, b,
     /// a).
     pub(crate) fn reversed_axes(self) -> Self {
@@ -87,6 +105,13 @@ pub(crate) fn reals(entry: &Entry, values: Values<'static>) -> Result<Vec<f64>> 
         Values::Real32(values) => Ok(values.iter().map(|&value| value.into()).collect()),
         Values::Unsigned(values) => Ok(values.iter().map(|&value| value as f64).collect()),
         Values::Signed(values) => Ok(values.iter().map(|&value| value as f64).collect()),
+        // a program that keeps all its arrays complex
+        Values::Complex64(values) if values.iter().all(|value| value.im == 0.0) => {
+            Ok(values.iter().map(|value| value.re).collect())
+        }
+        Values::Complex32(values) if values.iter().all(|value| value.im == 0.0) => {
+            Ok(values.iter().map(|value| value.re.into()).collect())
+        }
         _ => Err(wrong_type(entry, "real numbers")),
     }
 }

@@ -92,11 +92,14 @@ pub fn assemble(documents: Vec<Document>, options: &ReadOptions) -> Result<Conte
     assembly.attach_coherence(&mut contents);
     assembly.apply_kind(options.frf_kind, &mut contents.warnings);
     let Assembly {
-        records,
+        mut records,
         responses,
         references,
         ..
     } = assembly;
+    if options.lenient {
+        record::lengthen(&mut records, &mut contents.warnings);
+    }
     let mut set = grid::build(
         records,
         responses,

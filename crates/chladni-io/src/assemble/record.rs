@@ -37,6 +37,13 @@ impl Line {
         (0..self.len()).all(|k| self.get(k).re.is_nan())
     }
 
+    fn lengthen(&mut self, lines: usize) {
+        match self {
+            Self::Single(values) => values.resize(lines, Complex32::new(f32::NAN, f32::NAN)),
+            Self::Double(values) => values.resize(lines, Complex64::new(f64::NAN, f64::NAN)),
+        }
+    }
+
     /// A value with one part that is not finite becomes NaN in both; returns how many
     /// were infinite or half a number.
     fn mask(&mut self) -> usize {
@@ -226,6 +233,42 @@ pub(super) fn from_set(
         ));
     }
     records
+}
+
+/// Brings FRFs that were cut short to the axis of the longest, whose beginning theirs is:
+/// what is missing is masked.
+pub(super) fn lengthen(records: &mut [Record], warnings: &mut Vec<String>) {
+    let Some(axis) = records
+        .iter()
+        .map(|record| &record.frequency_hz)
+        .max_by_key(|axis| axis.len())
+        .cloned()
+    else {
+        return;
+    };
+    for record in records {
+        let own = record.frequency_hz.len();
+        let spacing = |k: usize| axis[k + 1] - axis[k];
+        let is_beginning = own < axis.len()
+            && (record.frequency_hz.iter().zip(&*axis).enumerate())
+                .all(|(k, (a, b))| (a - b).abs() < 0.5 * spacing(k));
+        if !is_beginning {
+            continue;
+        }
+        warnings.push(format!(
+            "{}: ends after {own} of {} lines; the others are masked",
+            record.place,
+            axis.len()
+        ));
+        record.frequency_hz = axis.clone();
+        record.line.lengthen(axis.len());
+        if let Some(coherence) = &mut record.coherence {
+            coherence.resize(axis.len(), f32::NAN);
+        }
+        if let Some(variance) = &mut record.variance {
+            variance.resize(axis.len(), f64::NAN);
+        }
+    }
 }
 
 /// Coherence γ² in single precision; what lies outside 0..=1 becomes NaN and is counted.

@@ -1,19 +1,9 @@
 //! What the header of a column says: part of the FRF, unit, DOFs.
 
-use crate::unit_label::{frequency_unit, frf_unit, FrfUnit};
+use super::vocabulary::{is_decibel, is_filler, part_of, words, Part};
+use crate::unit_label::{self, frequency_unit, frf_unit, FrfUnit};
+use crate::PhaseUnit;
 use chladni_frf::Dof;
-
-/// Which part of an FRF a column holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Part {
-    Re,
-    Im,
-    Magnitude,
-    Phase,
-    Coherence,
-    /// The header does not say.
-    Unknown,
-}
 
 /// Header of one column.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,109 +11,105 @@ pub(super) struct Head {
     pub(super) part: Part,
     /// The name without part and unit, to find the partner of a column.
     pub(super) base: String,
-    /// Text in the last brackets, or of the unit row.
+    /// Unit in brackets, at the end of the name, or of the unit row.
     pub(super) unit: String,
     pub(super) dofs: Option<(Dof, Option<Dof>)>,
+    is_decibel: bool,
+    /// Units of a phase among the words of the name.
+    angles: Vec<PhaseUnit>,
 }
 
-const PARTS: [(Part, &[&str]); 5] = [
-    (Part::Re, &["re", "real"]),
-    (Part::Im, &["im", "imag", "imaginary"]),
-    (Part::Phase, &["phase", "phi", "angle", "arg"]),
-    (Part::Coherence, &["coherence", "coh", "gamma"]),
-    (
-        Part::Magnitude,
-        &[
-            "mag",
-            "magnitude",
-            "abs",
-            "amp",
-            "amplitude",
-            "modulus",
-            "db",
-        ],
-    ),
-];
+/// What a header says about the unit of a phase.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum AngleSaid {
+    Nothing,
+    Unit(PhaseUnit),
+    /// A label that is no unit of a phase, or two units.
+    NotUnderstood,
+}
 
 impl Head {
     /// Reads a column name such as `Re(x) [mm/s/N]`, `1Z:3Z imag`, `Magnitude (dB re 1
-    /// m/s/N)`, `coherence`.
+    /// m/s/N)`, `phase_rad`, `coherence`.
     pub(super) fn parse(name: &str, unit_row: &str) -> Self {
         let (rest, unit) = split_unit(name);
-        let unit = if unit.is_empty() {
-            unit_row
-                .trim()
-                .trim_matches(['[', ']', '(', ')'])
-                .to_owned()
+        let (rest, unit) = if unit.is_empty() {
+            let (rest, unit) = split_trailing_unit(rest);
+            (rest, unit.unwrap_or_else(|| without_brackets(unit_row)))
         } else {
-            unit
+            (rest, unit)
         };
-        let words: Vec<&str> = rest
-            .split(|c: char| c.is_whitespace() || "()[]_|,".contains(c))
-            .filter(|word| !word.is_empty())
-            .collect();
-        let part_of = |word: &str| {
-            let letters = word
-                .trim_end_matches(|c: char| c.is_ascii_digit() || c == '²')
-                .to_lowercase();
-            PARTS
-                .iter()
-                .find(|(_, names)| names.contains(&letters.as_str()))
-                .map(|(part, _)| *part)
-        };
-        let part = words
-            .iter()
-            .find_map(|word| part_of(word))
-            .unwrap_or(Part::Unknown);
-        let part = if part == Part::Unknown && unit.to_lowercase().starts_with("db") {
-            Part::Magnitude
-        } else {
-            part
-        };
-        let others: Vec<&str> = words
-            .iter()
-            .filter(|word| part_of(word).is_none())
-            .copied()
-            .collect();
-        let dofs = others.iter().find_map(|word| dof_pair(word));
-        Self {
-            part,
-            base: others.join(" ").to_lowercase(),
+        let is_decibel_unit = words(&unit).any(is_decibel);
+        let mut head = Self {
+            part: Part::Unknown,
+            base: String::new(),
+            is_decibel: is_decibel_unit,
             unit,
-            dofs,
+            dofs: None,
+            angles: Vec::new(),
+        };
+        let mut others = Vec::new();
+        let mut parts = Vec::new();
+        for token in rest
+            .split(|c: char| c.is_whitespace() || "()[]{}_,;".contains(c))
+            .filter(|token| !token.is_empty())
+        {
+            if let Some(dofs) = dof_pair(token) {
+                head.add_dofs(dofs);
+                others.push(token.to_lowercase());
+                continue;
+            }
+            if token.len() > 2 && token.matches('|').count() == 2 {
+                parts.push(Part::Magnitude); // |H|
+            }
+            for word in words(token) {
+                head.is_decibel |= is_decibel(word);
+                let lower = word.to_lowercase();
+                if let Some(part) = part_of(word) {
+                    parts.push(part);
+                } else if let Some(angle) = PhaseUnit::named(word) {
+                    head.angles.push(angle);
+                } else if !is_filler(&lower) {
+                    others.push(lower);
+                }
+            }
         }
+        parts.dedup();
+        head.base = others.join(" ");
+        head.part = match parts.as_slice() {
+            [] if head.is_decibel => Part::Magnitude,
+            &[part] => part,
+            _ => Part::Unknown,
+        };
+        head
     }
 
-    /// True where the phase is in radians; degrees are the rule.
-    pub(super) fn is_radian(&self) -> bool {
-        self.unit.trim().to_lowercase().starts_with("rad")
+    /// A second DOF beside the first is the reference: `H_1Z_3Z`.
+    fn add_dofs(&mut self, (response, reference): (Dof, Option<Dof>)) {
+        self.dofs = match self.dofs {
+            None => Some((response, reference)),
+            Some((first, None)) => Some((first, Some(response))),
+            known => known,
+        };
+    }
+
+    /// Unit of the phase that the header names.
+    pub(super) fn angle(&self) -> AngleSaid {
+        let label = self.unit.trim();
+        if label.is_empty() || ["-", "1", "none"].contains(&label) {
+            return match self.angles.as_slice() {
+                [] => AngleSaid::Nothing,
+                [first, rest @ ..] if rest.iter().all(|other| other == first) => {
+                    AngleSaid::Unit(*first)
+                }
+                _ => AngleSaid::NotUnderstood,
+            };
+        }
+        PhaseUnit::named(label).map_or(AngleSaid::NotUnderstood, AngleSaid::Unit)
     }
     /// True where the magnitude is in decibels.
     pub(super) fn is_decibel(&self) -> bool {
-        self.unit.to_lowercase().contains("db") || self.base.split(' ').any(|word| word == "db")
-    }
-    /// dB reference: `dB re 1e-6 m/s/N` gives (1e-6, "m/s/N").
-    pub(super) fn decibel_reference(&self) -> Option<(f64, &str)> {
-        let at = self.unit.to_lowercase().find("db")?;
-        let after = self
-            .unit
-            .get(at + 2..)?
-            .trim_start_matches(|c: char| c.is_whitespace() || "(:[".contains(c));
-        let lower = after.to_lowercase();
-        let word = ["reference", "ref.", "ref", "re.", "re", "rel."]
-            .into_iter()
-            .find(|word| lower.starts_with(word))?;
-        let after = after
-            .get(word.len()..)?
-            .trim_start_matches(|c: char| c.is_whitespace() || c == ':' || c == '=');
-        let digits = after
-            .find(|c: char| !(c.is_ascii_digit() || "+-.eE".contains(c)))
-            .unwrap_or(after.len());
-        let value: f64 = after.get(..digits)?.parse().ok()?;
-        (value.is_finite() && value > 0.0).then_some((
-            value,
-            after.get(digits..)?.trim().trim_end_matches([')', ']']),
-        ))
+        self.is_decibel
     }
     /// Unit of the FRF, where the header names one.
     pub(super) fn frf_unit(&self) -> Option<FrfUnit> {
@@ -131,9 +117,14 @@ impl Head {
     }
 }
 
+/// A label of a unit row.
+fn without_brackets(label: &str) -> String {
+    label.trim().trim_matches(['[', ']', '(', ')']).to_owned()
+}
+
 /// Splits `Re(x) [mm/s/N]` into `Re(x)` and `mm/s/N`. Round brackets count where their
-/// text is a unit.
-fn split_unit(name: &str) -> (&str, String) {
+/// text is a unit, square ones where it is no part of an FRF.
+pub(super) fn split_unit(name: &str) -> (&str, String) {
     let name = name.trim();
     for (open, close) in [('[', ']'), ('(', ')')] {
         if let Some(start) = name
@@ -142,13 +133,50 @@ fn split_unit(name: &str) -> (&str, String) {
         {
             let inside = name[start + 1..name.len() - 1].trim();
             let is_set_number = inside.bytes().all(|byte| byte.is_ascii_digit());
-            let is_unit = open == '[' || looks_like_unit(inside);
+            let is_part = words(inside).any(|word| part_of(word).is_some() && !is_decibel(word));
+            let is_unit = (open == '[' && !is_part) || looks_like_unit(inside);
             if is_unit && !is_set_number && dof_pair(inside).is_none() {
                 return (name[..start].trim(), inside.to_owned());
             }
         }
     }
     (name, String::new())
+}
+
+/// Splits what stands behind a name without brackets: `mag dB re 1 m/s/N`, `re mm/s/N`,
+/// `re_mm_per_s_per_N`, `re_mm_s_N`.
+fn split_trailing_unit(name: &str) -> (&str, Option<String>) {
+    let starts = name
+        .char_indices()
+        .zip(std::iter::once(' ').chain(name.chars()))
+        .filter(|(_, before)| before.is_whitespace() || "_/,;".contains(*before))
+        .map(|((at, _), _)| at);
+    for at in starts {
+        let (rest, label) = (
+            name[..at].trim_end_matches(['_', '/', ' ', ',', ';']),
+            &name[at..],
+        );
+        let lower = label.to_lowercase();
+        if lower.starts_with("db") && words(label).next().is_some_and(is_decibel) {
+            return (rest, Some(label.to_owned()));
+        }
+        let spelled = label.replace("_per_", "/").replace(" per ", "/");
+        let joined = spelled.replace('_', "/");
+        let is_unit = |text: &str| text.contains('/') && frf_unit(text).is_some();
+        if let Some(unit) = [spelled, joined].into_iter().find(|text| is_unit(text)) {
+            return (rest, Some(unit));
+        }
+        // a motion alone, or something else per something: not understood, and said so
+        if label.contains('/') && !label.contains([':', ' ', '_']) && dof_pair(label).is_none() {
+            let all_units = label
+                .split('/')
+                .all(|factor| unit_label::parse(factor).is_some());
+            if all_units {
+                return (rest, Some(label.to_owned()));
+            }
+        }
+    }
+    (name, None)
 }
 
 /// Position of the bracket that the closing one after `inner` belongs to.
@@ -169,22 +197,23 @@ fn matching_open(inner: &str, open: char, close: char) -> Option<usize> {
 
 /// True for a unit of an FRF, a frequency, an angle or decibels.
 pub(super) fn looks_like_unit(text: &str) -> bool {
-    let lower = text
-        .trim()
-        .trim_matches(['[', ']', '(', ')'])
-        .to_lowercase();
-    let known = ["", "-", "1", "deg", "degrees", "°", "rad", "none"].contains(&lower.as_str())
-        || lower.starts_with("db");
-    known
+    let label = without_brackets(text);
+    let lower = label.to_lowercase();
+    ["", "-", "1", "none"].contains(&lower.as_str())
+        || lower.starts_with("db")
+        || PhaseUnit::named(&label).is_some()
         || frequency_unit(text).is_some()
         || frf_unit(text).is_some()
-        || (text.contains('/') && !text.contains(':'))
+        || (text.contains('/') && !text.contains(':') && dof_pair(text).is_none())
 }
 
 /// A response and perhaps its reference: `12:+Z`, `1Z:3Z`, `12:+Z:101:+Z`,
 /// `12:+Z/101:+Z`.
 pub(super) fn dof_pair(text: &str) -> Option<(Dof, Option<Dof>)> {
     let text = text.trim();
+    if !text.contains(|c: char| c.is_ascii_digit()) {
+        return None;
+    }
     if let Ok(dof) = text.parse() {
         return Some((dof, None));
     }
@@ -194,37 +223,10 @@ pub(super) fn dof_pair(text: &str) -> Option<(Dof, Option<Dof>)> {
     })
 }
 
-/// Factor from the first column to Hz; `None` where its header names a unit that is no
-/// frequency.
-pub(super) fn frequency_factor(name: &str, unit_row: &str) -> Option<f64> {
-    let (rest, unit) = split_unit(name);
-    for label in [
-        unit.as_str(),
-        unit_row.trim().trim_matches(['[', ']', '(', ')']),
-    ] {
-        if !label.is_empty() {
-            return frequency_unit(label);
-        }
-    }
-    let lower = rest.to_lowercase();
-    let words: Vec<&str> = lower
-        .split(|c: char| !(c.is_alphanumeric() || c == '/'))
-        .collect();
-    for word in &words {
-        match *word {
-            "hz" => return Some(1.0),
-            "khz" => return Some(1e3),
-            "rad/s" => return frequency_unit(word),
-            "omega" | "w" | "time" | "t" | "s" => return None,
-            _ => {}
-        }
-    }
-    Some(1.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::unit_label::decibel_reference;
 
     #[test]
     fn column_names_of_formats_section_5() {
@@ -243,9 +245,39 @@ mod tests {
             ("12:+Z_imag", Part::Im, ""),
             ("1Z:3Z [2]", Part::Unknown, ""),
             ("H [dB]", Part::Magnitude, "dB"),
+            ("H dB", Part::Magnitude, "dB"),
+            ("mag_db", Part::Magnitude, "db"),
+            ("Magnitude dB re 1 m/s/N", Part::Magnitude, "dB re 1 m/s/N"),
+            ("H1 [Re]", Part::Re, ""),
+            ("|H|", Part::Magnitude, ""),
+            ("Imaginary part of H", Part::Im, ""),
+            ("Re / (mm/s/N)", Part::Re, "mm/s/N"),
+            ("re_mm_s_N", Part::Re, "mm/s/N"),
+            ("re_mm_per_s_per_N", Part::Re, "mm/s/N"),
+            ("Re mm/(s*N)", Part::Re, "mm/(s*N)"),
+            ("re mm/s", Part::Re, "mm/s"),
+            ("Re 12:+Z/101:+Z", Part::Re, ""),
+            ("real or imag", Part::Unknown, ""),
         ] {
             let head = Head::parse(name, "");
             assert_eq!((head.part, head.unit.as_str()), (part, unit), "{name}");
+        }
+    }
+
+    #[test]
+    fn units_of_a_phase_in_names_and_labels() {
+        use AngleSaid::{NotUnderstood, Nothing, Unit};
+        for (name, row, said) in [
+            ("phase", "", Nothing),
+            ("phase_rad", "", Unit(PhaseUnit::Radian)),
+            ("Phase (radians)", "", Unit(PhaseUnit::Radian)),
+            ("phase/deg", "", Unit(PhaseUnit::Degree)),
+            ("Phase(°)", "", Unit(PhaseUnit::Degree)),
+            ("phase", "rad", Unit(PhaseUnit::Radian)),
+            ("phase [mrad]", "", NotUnderstood),
+            ("phase", "-", Nothing),
+        ] {
+            assert_eq!(Head::parse(name, row).angle(), said, "{name} {row}");
         }
     }
 
@@ -264,40 +296,25 @@ mod tests {
         assert_eq!(show("1Z:3Z [2]"), pair("1:+Z", "3:+Z"));
         assert_eq!(show("Re(12:-Z:101:+Z)"), pair("12:-Z", "101:+Z"));
         assert_eq!(show("12:+Z_re"), pair("12:+Z", ""));
+        assert_eq!(show("re_1Z_3Z"), pair("1:+Z", "3:+Z"));
         assert_eq!(show("Re(x)"), None);
     }
 
     #[test]
     fn decibels_need_their_reference() {
-        assert_eq!(
-            Head::parse("Mag [dB re 1e-6 m/s/N]", "").decibel_reference(),
-            Some((1e-6, "m/s/N"))
-        );
-        assert_eq!(
-            Head::parse("Mag (dB ref 1 (m/s)/N)", "")
-                .decibel_reference()
-                .map(|(value, _)| value),
-            Some(1.0)
-        );
-        assert_eq!(Head::parse("Mag [dB]", "").decibel_reference(), None);
-    }
-
-    #[test]
-    fn units_of_the_frequency_column() {
-        for (name, row, factor) in [
-            ("f [kHz]", "", Some(1e3)),
-            ("freq_hz", "", Some(1.0)),
-            ("Frequency", "", Some(1.0)),
-            ("Frequency", "kHz", Some(1e3)),
-            ("omega", "", None),
-            ("f [V]", "", None),
-            ("Time", "", None),
+        for (name, reference) in [
+            ("Mag [dB re 1e-6 m/s/N]", Some((1e-6, "m/s/N"))),
+            ("Mag dB re 1e-6 m/s/N", Some((1e-6, "m/s/N"))),
+            ("Mag (dB ref 1 (m/s)/N)", Some((1.0, "(m/s)/N"))),
+            ("Mag [dB]", None),
         ] {
-            assert_eq!(frequency_factor(name, row), factor, "{name}");
+            let head = Head::parse(name, "");
+            assert!(head.is_decibel(), "{name}");
+            let found = decibel_reference(&head.unit);
+            assert_eq!(
+                found.map(|(value, _)| value),
+                reference.map(|(value, _)| value)
+            );
         }
-        assert!(
-            (frequency_factor("omega [rad/s]", "").unwrap() - 1.0 / std::f64::consts::TAU).abs()
-                < 1e-15
-        );
     }
 }

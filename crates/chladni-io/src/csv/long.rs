@@ -1,7 +1,12 @@
 //! Long tables: one row per FRF and line, `node,dir,ref_node,ref_dir,f,re,im`.
 
+use super::form::{Column, Form};
+use super::frequency::factor_to_hz;
+use super::head::Head;
+use super::table::both_commas;
 use super::text::{Cell, Dialect, Line};
-use super::Trace;
+use super::vocabulary::{is_frequency, words, Part};
+use super::{Said, Trace};
 use chladni_frf::{Direction, Dof, Error, Result};
 use num_complex::Complex64;
 use std::borrow::Cow;
@@ -20,11 +25,14 @@ struct Columns {
     response: DofColumns,
     reference: DofColumns,
     f: usize,
-    f_to_hz: f64,
-    re: usize,
-    im: usize,
+    /// Real part or magnitude.
+    first: usize,
+    /// Imaginary part or phase.
+    second: usize,
+    is_polar: bool,
     coherence: Option<usize>,
     names: Vec<String>,
+    heads: Vec<Head>,
     dialect: Dialect,
 }
 
@@ -37,7 +45,10 @@ enum DofColumns {
 /// The header line and its columns, where the file is a long table.
 pub(super) struct LongTable<'a> {
     columns: Columns,
-    rows: &'a [Line<'a>],
+    above: &'a [Line<'a>],
+    rows: Vec<&'a Line<'a>>,
+    /// Rows that are comments, and the line of the first.
+    commented: Option<(usize, u64)>,
 }
 
 /// Finds the header of a long table.
@@ -55,10 +66,11 @@ pub(super) fn find<'a>(lines: &'a [Line<'a>]) -> Option<LongTable<'a>> {
             let mut columns = any
                 .and_others()
                 .find_map(|dialect| header(&dialect.cells(line.text), dialect))?;
-            let rows = &lines[at + 1..];
+            let (comments, rows): (Vec<_>, Vec<_>) =
+                lines[at + 1..].iter().partition(|line| line.is_comment);
             if columns.dialect.delimiter != Some(',') {
-                let numbers = [columns.f, columns.re, columns.im];
-                let has_comma = |row: &Line<'_>| {
+                let numbers = [columns.f, columns.first, columns.second];
+                let has_comma = |row: &&Line<'_>| {
                     let cells = columns.dialect.cells(row.text);
                     numbers
                         .iter()
@@ -66,7 +78,19 @@ pub(super) fn find<'a>(lines: &'a [Line<'a>]) -> Option<LongTable<'a>> {
                 };
                 columns.dialect.decimal_comma = rows.iter().take(HEADER_LINES).any(has_comma);
             }
-            Some(LongTable { columns, rows })
+            let dialect = columns.dialect;
+            let mut commented = comments.iter().filter(|line| {
+                let cells = dialect.cells(line.text);
+                cells.len() == columns.names.len()
+                    && matches!(dialect.number(&cells[columns.f]), Cell::Value(_))
+            });
+            let first = commented.next().map(|line| line.number);
+            Some(LongTable {
+                above: &lines[..at],
+                commented: first.map(|line| (1 + commented.count(), line)),
+                columns,
+                rows,
+            })
         })
 }
 
@@ -85,42 +109,41 @@ fn header(cells: &[Cow<'_, str>], dialect: Dialect) -> Option<Columns> {
         (Some(one), None, _) => Some(DofColumns::Text(one)),
         _ => None,
     };
+    let response = dof(
+        &["response", "response_dof"],
+        &["node", "response_node", "rsp_node"],
+        &["dir", "direction", "response_dir", "rsp_dir"],
+    )?;
+    let reference = dof(
+        &["reference", "reference_dof"],
+        &["ref_node", "reference_node"],
+        &[
+            "ref_dir",
+            "reference_dir",
+            "ref_direction",
+            "reference_direction",
+        ],
+    )?;
+    let heads: Vec<Head> = cells.iter().map(|cell| Head::parse(cell, "")).collect();
+    let part = |part: Part| heads.iter().position(|head| head.part == part);
+    let (first, second, is_polar) = match (part(Part::Re), part(Part::Im)) {
+        (Some(re), Some(im)) => (re, im, false),
+        _ => (part(Part::Magnitude)?, part(Part::Phase)?, true),
+    };
+    let is_axis = |name: &String| {
+        let first = name.split('_').flat_map(words).next();
+        first.is_some_and(|word| is_frequency(word) || word.ends_with("hz") || word == "omega")
+    };
     Some(Columns {
-        response: dof(
-            &["response", "response_dof"],
-            &["node", "response_node", "rsp_node"],
-            &["dir", "direction", "response_dir", "rsp_dir"],
-        )?,
-        reference: dof(
-            &["reference", "reference_dof"],
-            &["ref_node", "reference_node"],
-            &[
-                "ref_dir",
-                "reference_dir",
-                "ref_direction",
-                "reference_direction",
-            ],
-        )?,
-        f: find(&[
-            "f",
-            "freq",
-            "frequency",
-            "f_hz",
-            "freq_hz",
-            "frequency_hz",
-            "f_khz",
-            "freq_khz",
-            "frequency_khz",
-        ])?,
-        f_to_hz: if names.iter().any(|name| name.ends_with("_khz")) {
-            1e3
-        } else {
-            1.0
-        },
-        re: find(&["re", "real"])?,
-        im: find(&["im", "imag"])?,
-        coherence: find(&["coherence", "coh"]),
-        names,
+        response,
+        reference,
+        f: names.iter().position(is_axis)?,
+        first,
+        second,
+        is_polar,
+        coherence: part(Part::Coherence),
+        names: cells.iter().map(|cell| cell.trim().to_owned()).collect(),
+        heads,
         dialect,
     })
 }
@@ -129,8 +152,11 @@ fn header(cells: &[Cow<'_, str>], dialect: Dialect) -> Option<Columns> {
 struct Pair {
     response: Dof,
     reference: Dof,
-    rows: Vec<(u64, f64, Complex64, f64)>,
+    rows: Vec<Row>,
 }
+
+/// Line, frequency as it stands there, the two numbers of a value, coherence.
+type Row = (u64, f64, [f64; 2], f64);
 
 impl LongTable<'_> {
     /// First row, for messages.
@@ -138,13 +164,28 @@ impl LongTable<'_> {
         self.rows.first().map_or(0, |row| row.number)
     }
 
+    /// All text above the header.
+    pub(super) fn text_above(&self) -> String {
+        let lines: Vec<&str> = self.above.iter().map(|line| line.text).collect();
+        lines.join("\n")
+    }
+
     /// Frequencies in Hz and one trace per pair, NaN where a pair has no row.
     pub(super) fn traces(
         &self,
+        said: &Said,
         lenient: bool,
         warnings: &mut Vec<String>,
     ) -> Result<(Vec<f64>, Vec<Trace>)> {
+        if let Some((count, line)) = self.commented {
+            warnings.push(format!(
+                "{count} rows of numbers are comments: left out (first in line {line})"
+            ));
+        }
+        self.refuse_doubled_columns()?;
+        let f_to_hz = self.frequency_factor(said)?;
         let pairs = self.pairs(lenient, warnings)?;
+        let form = self.form(&pairs, said, warnings)?;
         let Some(longest) = pairs.iter().max_by_key(|pair| {
             (
                 pair.rows.len(),
@@ -170,42 +211,101 @@ impl LongTable<'_> {
         let mut absent = 0;
         let mut traces = Vec::with_capacity(pairs.len());
         for pair in &pairs {
-            traces.push(self.on_axis(pair, &axis, &mut absent)?);
+            traces.push(self.on_axis(pair, &axis, &form, &mut absent)?);
         }
         if absent > 0 {
             warnings.push(format!(
                 "{absent} rows (pair and frequency) are missing; these lines are masked"
             ));
         }
-        Ok((axis, traces))
+        Ok((axis.into_iter().map(|f| f * f_to_hz).collect(), traces))
+    }
+
+    /// Two columns of one kind: none of them is the right one.
+    fn refuse_doubled_columns(&self) -> Result<()> {
+        for (column, head) in self.columns.heads.iter().enumerate() {
+            let before = &self.columns.heads[..column];
+            let doubled =
+                head.part != Part::Unknown && before.iter().any(|other| other.part == head.part);
+            if doubled {
+                return Err(Error::bad_data("a second column of the same kind")
+                    .field(format!("column {}", column + 1))
+                    .found(&self.columns.names[column])
+                    .expected("one FRF in the columns of a long table")
+                    .help("leave the column out, or rename it"));
+            }
+        }
+        Ok(())
+    }
+
+    fn frequency_factor(&self, said: &Said) -> Result<f64> {
+        let name = &self.columns.names[self.columns.f];
+        let own = factor_to_hz(name, "").ok_or_else(|| {
+            Error::bad_data("the unit of the frequency is not understood")
+                .field(format!("column {}", self.columns.f + 1))
+                .found(name)
+                .expected("Hz, kHz, MHz, rad/s or rpm")
+                .help("name the column as in `f [Hz]`")
+        })?;
+        said.frequency_factor(own, name)
+    }
+
+    /// How the two numbers of a row make its value.
+    fn form(&self, pairs: &[Pair], said: &Said, warnings: &mut Vec<String>) -> Result<Form> {
+        let values = |at: usize| -> Vec<f64> {
+            let rows = pairs.iter().flat_map(|pair| &pair.rows);
+            rows.map(|row| row.2[at]).collect()
+        };
+        let (a, b) = (values(0), values(1));
+        let column = |number: usize, values| Column {
+            number,
+            name: &self.columns.names[number],
+            head: &self.columns.heads[number],
+            values,
+        };
+        let first = column(self.columns.first, &a[..]);
+        let second = column(self.columns.second, &b[..]);
+        if self.columns.is_polar {
+            Form::polar(&first, &second, said, warnings)
+        } else {
+            Form::rectangular(&first, &second)
+        }
+    }
+
+    /// Refuses a row that has not as many cells as the header has names; empty ones at
+    /// the end do not count.
+    fn check_length(&self, row: &Line<'_>, cells: &[Cow<'_, str>]) -> Result<()> {
+        let names = self.columns.names.len();
+        let surplus = cells.get(names..).unwrap_or_default();
+        if cells.len() >= names && surplus.iter().all(|cell| cell.is_empty()) {
+            return Ok(());
+        }
+        let error = Error::bad_data("a row of another length")
+            .at_line(row.number)
+            .found(format!("{} columns: {}", cells.len(), row.text.trim()));
+        let commas = self.columns.dialect.delimiter == Some(',') && cells.len() > names;
+        Err(if commas && !row.text.contains('.') {
+            both_commas(error)
+        } else {
+            error.expected(format!("{names}, as in the header"))
+        })
     }
 
     fn pairs(&self, lenient: bool, warnings: &mut Vec<String>) -> Result<Vec<Pair>> {
         let mut pairs: Vec<Pair> = Vec::new();
         let mut index: HashMap<(Dof, Dof), usize> = HashMap::new();
         let mut masked: Option<(u64, usize)> = None;
-        for row in self.rows {
+        for &row in &self.rows {
             let cells = self.columns.dialect.cells(row.text);
-            if cells.len() < self.columns.names.len() {
-                return Err(Error::bad_data("a row of another length")
-                    .at_line(row.number)
-                    .found(format!("{} columns", cells.len()))
-                    .expected(format!("{}, as in the header", self.columns.names.len())));
-            }
+            self.check_length(row, &cells)?;
             let response = self.dof(row, &cells, &self.columns.response)?;
             let reference = self.dof(row, &cells, &self.columns.reference)?;
             let f = self
                 .number(row, &cells, self.columns.f)?
                 .ok_or_else(|| self.no_number(row, &cells, self.columns.f))?;
-            let f = f * self.columns.f_to_hz;
-            let re = self.masked_number(row, &cells, self.columns.re, lenient)?;
-            let im = self.masked_number(row, &cells, self.columns.im, lenient)?;
-            let value = if re.is_nan() || im.is_nan() {
-                Complex64::new(f64::NAN, f64::NAN)
-            } else {
-                Complex64::new(re, im)
-            };
-            if value.re.is_nan() {
+            let a = self.masked_number(row, &cells, self.columns.first, lenient)?;
+            let b = self.masked_number(row, &cells, self.columns.second, lenient)?;
+            if a.is_nan() || b.is_nan() {
                 masked.get_or_insert((row.number, 0)).1 += 1;
             }
             let coherence = match self.columns.coherence {
@@ -235,7 +335,7 @@ impl LongTable<'_> {
                     ))
                     .expected("strictly rising frequencies of each pair"));
             }
-            pairs[at].rows.push((row.number, f, value, coherence));
+            pairs[at].rows.push((row.number, f, [a, b], coherence));
         }
         if let Some((line, count)) = masked {
             warnings.push(format!(
@@ -321,11 +421,11 @@ impl LongTable<'_> {
     }
 
     /// The pair on the common axis: its rows must lie on it, and may leave lines out.
-    fn on_axis(&self, pair: &Pair, axis: &[f64], absent: &mut usize) -> Result<Trace> {
+    fn on_axis(&self, pair: &Pair, axis: &[f64], form: &Form, absent: &mut usize) -> Result<Trace> {
         let mut values = vec![Complex64::new(f64::NAN, f64::NAN); axis.len()];
         let mut coherence = vec![f64::NAN; axis.len()];
         let mut at = 0;
-        for &(line, f, value, gamma) in &pair.rows {
+        for &(line, f, [a, b], gamma) in &pair.rows {
             while at < axis.len() && axis[at] < f && !is_same_line(axis, at, f) {
                 at += 1;
             }
@@ -339,7 +439,9 @@ impl LongTable<'_> {
                 .expected("one frequency axis for all FRFs of a table")
                 .help("put FRFs with other axes into files of their own"));
             }
-            values[at] = value;
+            if !(a.is_nan() || b.is_nan()) {
+                values[at] = form.value(a, b);
+            }
             coherence[at] = gamma;
             at += 1;
         }
@@ -349,8 +451,8 @@ impl LongTable<'_> {
             reference: Some(pair.reference),
             values,
             coherence: self.columns.coherence.map(|_| coherence),
-            unit: None,
-            unit_text: String::new(),
+            unit: form.unit,
+            unit_text: form.unit_text.clone(),
         })
     }
 }

@@ -9,25 +9,32 @@
 //!
 //! `# key = value` lines say `frf_kind`, `unit`, `time_sign`, `reference_unit`, and
 //! `response` and `reference` of a single FRF. Delimiter and decimal sign are found by
-//! trying; a column `coherence` may follow each FRF. Phases are in degrees unless the
-//! header says rad, magnitudes in dB only where the header gives the reference.
+//! trying; a column `coherence` may follow each FRF. What a column is and in which unit,
+//! its header must say; where two readings are possible, the table is refused and the
+//! message says what to write or which option to give.
 
+mod form;
+mod frequency;
 mod head;
 mod long;
+mod said;
 mod table;
 mod text;
 mod time;
+mod vocabulary;
 mod wide;
 mod write;
 
 use super::assemble::{build_set, clean_coherence, TracedFrf};
 use super::unit_label::{frf_unit, FrfUnit};
 use super::{DatasetInfo, Document, FileFormat, ReadOptions};
-use chladni_frf::{Direction, Dof, Error, FrfKind, FrfSet, ReferenceUnit, Result, TimeSign};
+use chladni_frf::{Direction, Dof, Error, FrfKind, FrfSet, ReferenceUnit, Result};
 use num_complex::Complex64;
+use said::Said;
 use std::io::Write;
 use std::path::Path;
-use text::{decode, lines_and_remarks, refuse_complex_lists, Dialect, Remark};
+pub(super) use text::decode;
+use text::{lines_and_remarks, refuse_complex_lists, Dialect};
 
 /// One FRF of a table, as it stands there.
 struct Trace {
@@ -71,20 +78,25 @@ fn read_text(
     let (lines, remarks) = lines_and_remarks(&text);
     refuse_complex_lists(&lines)?;
     let mut warnings = Vec::new();
+    let mut said = Said::from_remarks(&remarks, &mut warnings)?;
+    said.told_phase_unit = options.phase_unit;
     let (first_line, (frequency_hz, traces)) = match long::find(&lines) {
-        Some(table) => (
-            table.first_line(),
-            table.traces(options.lenient, &mut warnings)?,
-        ),
+        Some(table) => {
+            said.header_text = table.text_above();
+            (
+                table.first_line(),
+                table.traces(&said, options.lenient, &mut warnings)?,
+            )
+        }
         None => {
             let table = table::Table::read(&lines, options.lenient, &mut warnings)?;
             if let Some(factor) = time::seconds(&table) {
                 return time::document(&table, factor, warnings, file);
             }
-            (table.lines[0], wide::traces(&table, &mut warnings)?)
+            said.header_text = table.header_text.clone();
+            (table.lines[0], wide::traces(&table, &said, &mut warnings)?)
         }
     };
-    let said = Said::from_remarks(&remarks)?;
     let units = Units::of(&said, &traces, options.frf_kind, &mut warnings)?;
     let dofs = name_dofs(&said, &traces, options, next_node, &mut warnings);
     let mut datasets = Vec::new();
@@ -134,50 +146,6 @@ fn read_text(
 /// Writes a set as our own long table.
 pub(super) fn write(out: &mut dyn Write, set: &FrfSet) -> std::io::Result<()> {
     write::write(out, set)
-}
-
-/// What the remarks say about the whole file.
-#[derive(Default)]
-struct Said {
-    kind: Option<FrfKind>,
-    unit: Option<String>,
-    time_sign: Option<TimeSign>,
-    reference_unit: Option<ReferenceUnit>,
-    response: Option<Dof>,
-    reference: Option<Dof>,
-}
-
-impl Said {
-    fn from_remarks(remarks: &[Remark]) -> Result<Self> {
-        let mut said = Self::default();
-        for remark in remarks {
-            let wrong = |message: String| {
-                Error::bad_word(&message, &remark.value)
-                    .at_line(remark.line)
-                    .field(&remark.key)
-            };
-            match remark.key.as_str() {
-                "frf_kind" => said.kind = Some(remark.value.parse().map_err(wrong)?),
-                "time_sign" => said.time_sign = Some(remark.value.parse().map_err(wrong)?),
-                "unit" => said.unit = Some(remark.value.clone()),
-                "response" => said.response = Some(remark.value.parse().map_err(wrong)?),
-                "reference" => said.reference = Some(remark.value.parse().map_err(wrong)?),
-                "reference_unit" => {
-                    said.reference_unit = Some(match remark.value.as_str() {
-                        "N" => ReferenceUnit::Newton,
-                        "V" => ReferenceUnit::Volt,
-                        _ => {
-                            return Err(
-                                wrong("unknown unit of the reference".into()).expected("N or V")
-                            )
-                        }
-                    })
-                }
-                _ => {} // free text such as a date or an operator
-            }
-        }
-        Ok(said)
-    }
 }
 
 /// Kind, reference unit and scale of a file.

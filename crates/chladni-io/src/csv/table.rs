@@ -1,7 +1,9 @@
 //! A table of numbers with its header: names, units, keywords.
 
-use super::head::looks_like_unit;
+use super::head::{looks_like_unit, Head};
 use super::text::{Cell, Dialect, Line};
+use super::vocabulary::{known_words, part_of, words, Part};
+use crate::unit_label::frequency_unit;
 use chladni_frf::{Error, Result};
 
 /// Keywords of ME'scope spreadsheets that stand in the first column above the data.
@@ -23,7 +25,7 @@ pub(super) struct Table {
     pub(super) units: Vec<String>,
     /// Keyword rows above the data, by keyword.
     keywords: Vec<(String, Vec<String>)>,
-    /// All header text in lower case, to see what an unnamed table may be about.
+    /// All text above the rows, to see what an unnamed column may be about.
     pub(super) header_text: String,
     pub(super) columns: usize,
     /// Row by row.
@@ -41,87 +43,185 @@ impl Table {
         warnings: &mut Vec<String>,
     ) -> Result<Self> {
         let dialect = Dialect::detect(lines).ok_or_else(|| no_numbers(lines))?;
-        let start = lines
-            .iter()
-            .position(|line| dialect.is_row(line.text))
-            .unwrap_or(0);
-        let (header, rows) = lines.split_at(start);
-        let columns = dialect.cells(rows[0].text).len();
+        let (header, rows, columns) = split(lines, dialect);
+        let first = dialect.cells(rows[0].text);
+        let filled = columns
+            - first
+                .iter()
+                .rev()
+                .take_while(|cell| cell.is_empty())
+                .count();
         let mut table = Self {
             names: vec![String::new(); columns],
             units: vec![String::new(); columns],
             keywords: Vec::new(),
             header_text: header
                 .iter()
-                .map(|line| line.text.to_lowercase())
+                .map(|line| line.text)
                 .collect::<Vec<_>>()
                 .join("\n"),
             columns,
             values: Vec::with_capacity(rows.len() * columns),
             lines: Vec::with_capacity(rows.len()),
         };
-        table.read_header(header, dialect);
-        refuse_decimal_comma(&rows[0], header, dialect, columns)?;
+        refuse_decimal_comma(&rows[0], header, dialect, filled)?;
+        table.read_header(header, dialect, filled)?;
+        table.refuse_whole_numbers(&rows, dialect)?;
         let mut masked = Masked::default();
-        for line in rows {
+        for line in &rows {
             table.read_row(line, dialect, lenient, &mut masked)?;
         }
         masked.report(warnings);
+        let commented: Vec<_> = lines
+            .iter()
+            .filter(|line| line.is_comment && dialect.is_row(line.text))
+            .collect();
+        if let Some(first) = commented.first() {
+            warnings.push(format!(
+                "{} rows of numbers are comments: left out (first in line {})",
+                commented.len(),
+                first.number
+            ));
+        }
         table.drop_empty_columns();
+        table.refuse_nameless_column()?;
         Ok(table)
     }
 
-    fn read_header(&mut self, header: &[Line<'_>], dialect: Dialect) {
+    /// Names, units and keywords. `filled` columns are not empty in the first row.
+    fn read_header(&mut self, header: &[Line<'_>], dialect: Dialect, filled: usize) -> Result<()> {
         let mut candidates: Vec<Vec<String>> = Vec::new();
-        for line in header {
-            let mut cut: Vec<Vec<String>> = dialect
-                .and_others()
-                .map(|dialect| {
-                    dialect
-                        .cells(line.text)
-                        .into_iter()
-                        .map(|cell| cell.into_owned())
-                        .collect()
-                })
-                .collect();
-            // names with single blanks in them, aligned by several
-            cut.push(
-                line.text
-                    .split("  ")
-                    .map(str::trim)
-                    .filter(|name| !name.is_empty())
-                    .map(str::to_owned)
-                    .collect(),
-            );
-            let keyword = |cells: &Vec<String>| {
-                let key = cells[0].trim_end_matches(':').to_lowercase();
-                KEYWORDS.contains(&key.as_str()).then_some(key)
-            };
-            if let Some((key, cells)) = cut
-                .iter()
-                .filter(|cells| !cells.is_empty())
-                .find_map(|cells| Some((keyword(cells)?, cells)))
-            {
-                self.keywords.push((key, cells.clone()));
-                continue;
+        for line in header.iter().filter(|line| !dialect.is_row(line.text)) {
+            let mut keyword = None;
+            let mut fitting = None;
+            for mut cells in cuts(line.text, dialect) {
+                let first = cells.first().map(|cell| cell.trim_end_matches(':'));
+                let key = first.unwrap_or_default().to_lowercase();
+                if KEYWORDS.contains(&key.as_str()) {
+                    keyword = Some((key, cells));
+                    break;
+                }
+                while cells.len() > filled && cells.last().is_some_and(String::is_empty) {
+                    cells.pop();
+                }
+                let fits = cells.len() == self.columns || cells.len() == filled;
+                let says = known_words(line.text) > 0
+                    || cells.iter().all(|cell| looks_like_unit(cell))
+                    || cells
+                        .iter()
+                        .any(|cell| Head::parse(cell, "").dofs.is_some());
+                // prose of as many words as there are columns is no header
+                let is_header = says || (line.text.contains(',') || line.text.contains(';'));
+                let has_words = words(line.text).next().is_some();
+                if fitting.is_none() && fits && is_header && has_words {
+                    cells.resize(self.columns, String::new());
+                    fitting = Some(cells);
+                }
             }
-            if let Some(cells) = cut.into_iter().find(|cells| cells.len() == self.columns) {
-                candidates.push(cells);
+            match (keyword, fitting) {
+                (Some((key, cells)), _) => self.keywords.push((key, filled_forward(cells))),
+                (None, Some(cells)) => candidates.push(cells),
+                (None, None) => {}
             }
         }
-        let is_unit_row = |cells: &Vec<String>| {
-            cells.iter().all(|cell| looks_like_unit(cell))
-                && cells.iter().any(|cell| !cell.is_empty())
+        let Some(names) = self.take_units(&mut candidates) else {
+            return self.refuse_header_that_does_not_fit(header);
         };
-        if let Some(last) = candidates.pop() {
-            if is_unit_row(&last) {
-                self.units = last;
-                if let Some(names) = candidates.pop() {
-                    self.names = names;
-                }
-            } else {
-                self.names = last;
+        self.names = names;
+        // DOFs or parts in a row of their own above the names
+        for above in candidates.iter().rev() {
+            let speaks = |cell: &String| {
+                let head = Head::parse(cell, "");
+                head.dofs.is_some() || words(cell).any(|word| part_of(word).is_some())
+            };
+            if !above[1..].iter().any(speaks) {
+                break;
             }
+            let cells = filled_forward(above.clone());
+            for (name, more) in self.names.iter_mut().zip(&cells).skip(1) {
+                if !name.contains(more.as_str()) {
+                    *name = format!("{more} {name}").trim().to_owned();
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes the row of units out of the rows above the data; what is left ends with the
+    /// names, which are returned.
+    fn take_units(&mut self, candidates: &mut Vec<Vec<String>>) -> Option<Vec<String>> {
+        let is_unit_row = |cells: &Vec<String>| {
+            let all = cells.iter().all(|cell| looks_like_unit(cell));
+            let names_parts = cells
+                .iter()
+                .flat_map(|cell| words(cell))
+                .any(|word| matches!(part_of(word), Some(part) if part != Part::Magnitude));
+            let first = cells[0].trim().trim_matches(['[', ']', '(', ')']);
+            cells.iter().any(|cell| !cell.is_empty())
+                && (all || (frequency_unit(first).is_some() && !names_parts))
+        };
+        let at = candidates.iter().rposition(is_unit_row);
+        // a row that can only be units, or one that stands beside names
+        if let Some(at) = at.filter(|at| at + 2 >= candidates.len()) {
+            let all = candidates[at].iter().all(|cell| looks_like_unit(cell));
+            if all || candidates.len() > 1 {
+                self.units = candidates.remove(at);
+            }
+        }
+        if candidates.is_empty() && self.units.iter().any(|unit| !unit.is_empty()) {
+            return Some(vec![String::new(); self.columns]);
+        }
+        candidates.pop()
+    }
+
+    /// A header whose names are not as many as the columns, and cannot be told apart.
+    fn refuse_header_that_does_not_fit(&self, header: &[Line<'_>]) -> Result<()> {
+        let Some(line) = header.iter().rev().find(|line| known_words(line.text) > 1) else {
+            return Ok(());
+        };
+        Err(Error::bad_data(
+            "the header does not fit the columns, which may be magnitude and phase, or real and \
+             imaginary part",
+        )
+        .at_line(line.number)
+        .found(line.text.trim())
+        .expected(format!("{} names, one for each column", self.columns))
+        .help("put a header line above the numbers: f,re,im or f,mag,phase"))
+    }
+
+    /// Whole numbers between commas, without names to count them, may be the halves of
+    /// numbers with a decimal comma.
+    fn refuse_whole_numbers(&self, rows: &[&Line<'_>], dialect: Dialect) -> Result<()> {
+        const ROWS_TRIED: usize = 50;
+        let whole = |row: &&Line<'_>| !row.text.contains(['.', 'e', 'E']);
+        if !self.is_nameless()
+            || dialect.delimiter != Some(',')
+            || !rows.iter().take(ROWS_TRIED).all(|row| whole(row))
+        {
+            return Ok(());
+        }
+        Err(both_commas(
+            Error::bad_data("whole numbers without names; do the numbers have a decimal comma?")
+                .at_line(rows[0].number)
+                .found(rows[0].text.trim()),
+        )
+        .expected("names that count the columns, or numbers with a decimal point"))
+    }
+
+    /// A column of numbers that the header does not count.
+    fn refuse_nameless_column(&self) -> Result<()> {
+        let nameless = (1..self.columns).find(|&column| {
+            self.names[column].is_empty()
+                && self.units[column].is_empty()
+                && self.keywords.is_empty()
+        });
+        match nameless.filter(|_| !self.is_nameless()) {
+            None => Ok(()),
+            Some(column) => Err(Error::bad_data("a column without a name beside named ones")
+                .field(format!("column {}", column + 1))
+                .found("no name")
+                .expected("a name for each column, as in f,re,im")
+                .help("name the column in the header line, or leave it out")),
         }
     }
 
@@ -183,21 +283,29 @@ impl Table {
 
     /// A delimiter at the end of each row makes a column without content or name.
     fn drop_empty_columns(&mut self) {
-        let rows = self.lines.len();
-        while self.columns > 1 {
-            let last = self.columns - 1;
-            let empty = self.names[last].is_empty()
-                && (0..rows).all(|row| self.values[row * self.columns + last].is_nan());
-            if !empty {
-                return;
-            }
-            self.values = (0..rows)
-                .flat_map(|row| self.values[row * self.columns..][..last].to_vec())
-                .collect();
-            self.names.pop();
-            self.units.pop();
-            self.columns = last;
+        let is_empty = |column: &usize| {
+            self.names[*column].is_empty()
+                && self
+                    .values
+                    .iter()
+                    .skip(*column)
+                    .step_by(self.columns)
+                    .all(|value| value.is_nan())
+        };
+        let empty = (1..self.columns).rev().take_while(is_empty).count();
+        if empty == 0 {
+            return;
         }
+        let kept = self.columns - empty;
+        self.values = self
+            .values
+            .chunks_exact(self.columns)
+            .flat_map(|row| &row[..kept])
+            .copied()
+            .collect();
+        self.names.truncate(kept);
+        self.units.truncate(kept);
+        self.columns = kept;
     }
 
     /// One column.
@@ -214,17 +322,89 @@ impl Table {
     /// left.
     pub(super) fn keyword(&self, key: &str, column: usize) -> Option<&str> {
         let (_, cells) = self.keywords.iter().find(|(found, _)| found == key)?;
-        let upto = cells.get(1..=column.min(cells.len().saturating_sub(1)))?;
-        upto.iter()
-            .rev()
-            .find(|cell| !cell.is_empty())
-            .map(String::as_str)
+        let at = column.min(cells.len().saturating_sub(1));
+        let cell = cells.get(at).filter(|cell| at > 0 && !cell.is_empty())?;
+        Some(cell)
     }
 
     /// True where no column has a name.
     pub(super) fn is_nameless(&self) -> bool {
         self.names.iter().all(String::is_empty)
     }
+}
+
+/// Header lines, rows and the number of columns: rows begin at the first clean row of
+/// numbers, or above it where cells of the first rows are missing, as at 0 Hz.
+fn split<'l, 't>(
+    lines: &'l [Line<'t>],
+    dialect: Dialect,
+) -> (&'l [Line<'t>], Vec<&'l Line<'t>>, usize) {
+    let clean = lines
+        .iter()
+        .position(|line| !line.is_comment && dialect.is_row(line.text))
+        .unwrap_or(0);
+    let columns = dialect.cells(lines[clean].text).len();
+    let damaged = lines[..clean]
+        .iter()
+        .rev()
+        .take_while(|line| line.is_comment || dialect.is_damaged_row(line.text, columns))
+        .collect::<Vec<_>>();
+    // comments above the first row belong to the header
+    let trailing = damaged
+        .iter()
+        .rev()
+        .take_while(|line| line.is_comment)
+        .count();
+    let start = clean - damaged.len() + trailing;
+    let rows = lines[start..].iter().filter(|line| !line.is_comment);
+    (&lines[..start], rows.collect(), columns)
+}
+
+/// The cells of a header line, cut as the numbers are and in every other way.
+fn cuts(line: &str, dialect: Dialect) -> impl Iterator<Item = Vec<String>> + '_ {
+    let by_dialect = dialect.and_others().map(move |dialect| {
+        let cells = dialect.cells(line).into_iter();
+        cells.map(|cell| cell.into_owned()).collect::<Vec<_>>()
+    });
+    // names with single blanks in them, aligned by several
+    let by_gaps = || {
+        line.split("  ")
+            .map(str::trim)
+            .filter(|name| !name.is_empty())
+            .map(str::to_owned)
+            .collect()
+    };
+    by_dialect
+        .chain(std::iter::once_with(by_gaps))
+        .chain(std::iter::once_with(|| outside_brackets(line)))
+}
+
+/// Cuts at blanks, but not inside brackets nor in front of them: `Frequency (Hz) Real`.
+fn outside_brackets(line: &str) -> Vec<String> {
+    let mut cells: Vec<String> = Vec::new();
+    let mut depth = 0_usize;
+    for word in line.split_whitespace() {
+        match cells.last_mut() {
+            Some(last) if depth > 0 || word.starts_with(['(', '[']) => {
+                last.push(' ');
+                last.push_str(word);
+            }
+            _ => cells.push(word.to_owned()),
+        }
+        depth += word.matches(['(', '[']).count();
+        depth = depth.saturating_sub(word.matches([')', ']']).count());
+    }
+    cells
+}
+
+/// Empty cells behind a filled one belong to it, but for the first column.
+fn filled_forward(mut cells: Vec<String>) -> Vec<String> {
+    for at in 2..cells.len() {
+        if cells[at].is_empty() {
+            cells[at] = cells[at - 1].clone();
+        }
+    }
+    cells
 }
 
 fn no_numbers(lines: &[Line<'_>]) -> Error {
@@ -241,7 +421,8 @@ fn no_numbers(lines: &[Line<'_>]) -> Error {
         .help("tables need rows like 10.5,0.1,-0.2 under a header like f,re,im")
 }
 
-fn both_commas(error: Error) -> Error {
+/// The error of a table with `,` for the decimal sign and the delimiter.
+pub(super) fn both_commas(error: Error) -> Error {
     error
         .expected("a decimal point, or another delimiter")
         .help(
@@ -256,18 +437,18 @@ fn refuse_decimal_comma(
     first: &Line<'_>,
     header: &[Line<'_>],
     dialect: Dialect,
-    columns: usize,
+    filled: usize,
 ) -> Result<()> {
     let Some(last) = header.last().filter(|_| dialect.delimiter == Some(',')) else {
         return Ok(());
     };
     let names = dialect.cells(last.text).len();
-    if names >= 2 && names < columns && columns <= 2 * names {
+    if names >= 2 && names < filled && filled <= 2 * names {
         return Err(both_commas(
             Error::bad_data("more columns than names; do the numbers have a decimal comma?")
                 .at_line(first.number)
                 .found(format!(
-                    "{columns} columns under {names} names: {}",
+                    "{filled} columns under {names} names: {}",
                     first.text.trim()
                 )),
         ));

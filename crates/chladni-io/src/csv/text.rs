@@ -4,7 +4,7 @@ use chladni_frf::{Error, Result};
 use std::borrow::Cow;
 
 /// The text of a file: UTF-8, UTF-16 with its mark, else Latin-1, which never fails.
-pub(super) fn decode(bytes: &[u8]) -> Cow<'_, str> {
+pub(crate) fn decode(bytes: &[u8]) -> Cow<'_, str> {
     if let Some(rest) = bytes.strip_prefix(b"\xef\xbb\xbf") {
         return decode(rest);
     }
@@ -36,9 +36,11 @@ pub(super) fn decode(bytes: &[u8]) -> Cow<'_, str> {
 pub(super) struct Line<'a> {
     pub(super) number: u64,
     pub(super) text: &'a str,
+    /// A comment, without its sign: it may be the header, and never is a row.
+    pub(super) is_comment: bool,
 }
 
-/// `# key = value` (or `%`, and `:`).
+/// `# key = value` (or `%`, `//`, and `:`); without a comment sign only known keys.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Remark {
     pub(super) line: u64,
@@ -46,55 +48,97 @@ pub(super) struct Remark {
     pub(super) value: String,
 }
 
+/// Keys that remarks are known by, each with its other names.
+const KEYS: [(&str, &[&str]); 8] = [
+    ("frf_kind", &[]),
+    (
+        "unit",
+        &["units", "frf_unit", "frf_units", "y_unit", "y_units"],
+    ),
+    (
+        "frequency_unit",
+        &[
+            "frequency_units",
+            "freq_unit",
+            "f_unit",
+            "x_unit",
+            "x_units",
+        ],
+    ),
+    ("phase_unit", &["phase_units", "angle_unit", "angle_units"]),
+    ("time_sign", &[]),
+    ("reference_unit", &[]),
+    ("response", &[]),
+    ("reference", &[]),
+];
+
+/// A key as it is known here: `Frequency units` is `frequency_unit`.
+fn key_of(text: &str) -> String {
+    let key = text.trim().to_lowercase().replace([' ', '-'], "_");
+    KEYS.iter()
+        .find(|(_, others)| others.contains(&key.as_str()))
+        .map_or(key, |(name, _)| (*name).to_owned())
+}
+
+fn is_known(key: &str) -> bool {
+    KEYS.iter().any(|(name, _)| *name == key)
+}
+
+/// Splits a comment at `=`, or at `:` behind a known key. A header with `=` in it, such
+/// as `f [Hz], Re(H=v/F)`, is no remark.
+fn remark_of_comment(comment: &str) -> Option<(String, &str)> {
+    let is_key = |key: &str| {
+        key.chars()
+            .all(|c| c.is_alphanumeric() || " _-.".contains(c))
+    };
+    if let Some((key, value)) = comment.split_once('=').filter(|(key, _)| is_key(key)) {
+        return Some((key_of(key), value));
+    }
+    let (key, value) = comment.split_once(':')?;
+    Some((key_of(key), value)).filter(|(key, _)| is_known(key))
+}
+
+/// Splits a line such as `Unit: mm/s/N` or `unit;mm/s/N`, where the key is known.
+fn remark_of_line(line: &str) -> Option<(String, &str)> {
+    line.match_indices(['=', ':', ',', ';', '\t'])
+        .next()
+        .map(|(at, sign)| (key_of(&line[..at]), &line[at + sign.len()..]))
+        .filter(|(key, value)| is_known(key) && !value.trim().contains([',', ';', '\t']))
+}
+
 /// Lines with content, and remarks. A comment that is no remark may be the header (as
 /// `numpy.savetxt` writes it), so it stays a line, without its sign.
 pub(super) fn lines_and_remarks(text: &str) -> (Vec<Line<'_>>, Vec<Remark>) {
     let (mut lines, mut remarks) = (Vec::new(), Vec::new());
-    for (index, raw) in text.split(['\n', '\r']).enumerate_lines(text) {
+    for (number, raw) in text.split(['\n', '\r']).enumerate_lines(text) {
         let trimmed = raw.trim();
-        let Some(comment) = trimmed.strip_prefix(['#', '%']) else {
-            if !trimmed.is_empty() {
-                // trailing tabs are empty columns: only the line end goes
-                lines.push(Line {
-                    number: index,
-                    text: raw,
-                });
-            }
-            continue;
+        let comment = trimmed
+            .strip_prefix(['#', '%'])
+            .or_else(|| trimmed.strip_prefix("//"))
+            .map(|comment| comment.trim_start_matches(['#', '%', '/']).trim());
+        let remark = match comment {
+            Some(comment) => remark_of_comment(comment),
+            None => remark_of_line(trimmed),
         };
-        let comment = comment.trim_start_matches(['#', '%']).trim();
-        let remark = comment
-            .split_once('=')
-            .or_else(|| comment.split_once(':').filter(|(key, _)| is_known_key(key)));
-        match remark {
-            Some((key, value)) => {
-                let key = key.trim().to_ascii_lowercase().replace([' ', '-'], "_");
-                remarks.push(Remark {
-                    line: index,
-                    key,
-                    value: value.trim().trim_matches('"').to_owned(),
-                });
-            }
-            None if !comment.is_empty() => lines.push(Line {
-                number: index,
-                text: comment,
-            }),
-            None => {}
+        if let Some((key, value)) = remark {
+            remarks.push(Remark {
+                line: number,
+                key,
+                value: value.trim().trim_matches('"').to_owned(),
+            });
+            continue;
+        }
+        // trailing tabs are empty columns: only the line end goes
+        let content = comment.unwrap_or(raw);
+        if !content.trim().is_empty() {
+            lines.push(Line {
+                number,
+                text: content,
+                is_comment: comment.is_some(),
+            });
         }
     }
     (lines, remarks)
-}
-
-fn is_known_key(key: &str) -> bool {
-    [
-        "frf_kind",
-        "unit",
-        "time_sign",
-        "reference_unit",
-        "response",
-        "reference",
-    ]
-    .contains(&key.trim().to_ascii_lowercase().as_str())
 }
 
 /// Numbers lines as editors do: LF, CRLF and lone CR each end one line.
@@ -185,6 +229,7 @@ impl Dialect {
     fn rows_among(self, lines: &[Line<'_>]) -> usize {
         lines
             .iter()
+            .filter(|line| !line.is_comment)
             .take(LINES_TRIED)
             .filter(|line| self.is_row(line.text))
             .count()
@@ -248,13 +293,26 @@ impl Dialect {
         values >= 2 && clean && matches!(self.number(&cells[0]), Cell::Value(_))
     }
 
+    /// True for a line that stands among rows of `columns` cells though it is no clean
+    /// one: it begins with a number, or holds nothing but numbers and gaps.
+    pub(super) fn is_damaged_row(self, line: &str, columns: usize) -> bool {
+        let cells = self.cells(line);
+        let number = |cell: &Cow<'_, str>| self.number(cell);
+        cells.len() == columns
+            && (matches!(number(&cells[0]), Cell::Value(_))
+                || (cells.iter().all(|cell| number(cell) != Cell::Text)
+                    && cells
+                        .iter()
+                        .any(|cell| matches!(number(cell), Cell::Value(_)))))
+    }
+
     /// What a cell holds.
     pub(super) fn number(self, cell: &str) -> Cell {
         let cell = cell.trim();
-        if cell.is_empty() || cell.eq_ignore_ascii_case("nan") {
+        let start = cell.trim_start_matches(['+', '-']);
+        if cell.is_empty() || is_gap(start) {
             return Cell::Empty;
         }
-        let start = cell.trim_start_matches(['+', '-']);
         if !start.starts_with(|c: char| {
             c.is_ascii_digit() || c == '.' || (self.decimal_comma && c == ',')
         }) {
@@ -264,10 +322,14 @@ impl Dialect {
                 Cell::Text
             };
         }
+        if start.to_ascii_lowercase().starts_with("1.#inf") {
+            return Cell::Overflow;
+        }
+        // a point beside decimal commas is a separator of thousands, or another table
+        if self.decimal_comma && (cell.contains('.') || cell.ends_with(',')) {
+            return Cell::Text;
+        }
         let plain: Cow<'_, str> = if self.decimal_comma && cell.contains(',') {
-            if cell.contains('.') || cell.ends_with(',') {
-                return Cell::Text;
-            }
             cell.replacen(',', ".", 1).into()
         } else {
             cell.into()
@@ -282,6 +344,18 @@ impl Dialect {
             Err(_) => Cell::Text,
         }
     }
+}
+
+/// True for what programs write where there is no number, without its sign.
+fn is_gap(text: &str) -> bool {
+    let lower = text.to_ascii_lowercase();
+    let not_a_number = lower.strip_prefix("nan").is_some_and(|rest| {
+        rest.is_empty() || rest.starts_with('(') // `nan(ind)` of the C library
+    });
+    not_a_number
+        || ["na", "n/a", "null", "1.#qnan", "1.#snan", "1.#ind"]
+            .iter()
+            .any(|gap| lower == *gap)
 }
 
 /// Content of a cell.
@@ -309,7 +383,7 @@ fn unquoted(cell: &str) -> Cow<'_, str> {
 
 /// Refuses lists of Python complex numbers: they have no frequency axis.
 pub(super) fn refuse_complex_lists(lines: &[Line<'_>]) -> Result<()> {
-    let Some(first) = lines.first() else {
+    let Some(first) = lines.iter().find(|line| !line.is_comment) else {
         return Ok(());
     };
     let text = first.text.trim();
@@ -381,6 +455,34 @@ mod tests {
     }
 
     #[test]
+    fn remarks_have_known_keys_or_a_comment_sign() {
+        let (lines, remarks) = lines_and_remarks(
+            "Units: mm/s/N\nunit;m/N\n// x units = kHz\n# f [Hz], Re(H=v/F), Im\nresponse,\
+             reference,f,re,im\nOperator: me\n# operator = me\n% 1,2,3\n",
+        );
+        let found: Vec<_> = remarks
+            .iter()
+            .map(|remark| (remark.key.as_str(), remark.value.as_str()))
+            .collect();
+        assert_eq!(
+            found,
+            [
+                ("unit", "mm/s/N"),
+                ("unit", "m/N"),
+                ("frequency_unit", "kHz"),
+                ("operator", "me")
+            ]
+        );
+        assert_eq!(
+            lines
+                .iter()
+                .map(|line| (line.number, line.is_comment))
+                .collect::<Vec<_>>(),
+            [(4, true), (5, false), (6, false), (8, true)]
+        );
+    }
+
+    #[test]
     fn quotes_protect_delimiters() {
         let dialect = Dialect {
             delimiter: Some(','),
@@ -400,7 +502,12 @@ mod tests {
         };
         assert_eq!(dialect.number("1,5"), Cell::Value(1.5));
         assert_eq!(dialect.number("1.234,5"), Cell::Text);
-        assert_eq!(dialect.number("NaN"), Cell::Empty);
+        assert_eq!(dialect.number("1.5"), Cell::Text);
+        for gap in [
+            "NaN", "-nan", "nan(ind)", "NA", "n/a", "null", "-1.#IND", "",
+        ] {
+            assert_eq!(dialect.number(gap), Cell::Empty, "{gap}");
+        }
         assert_eq!(dialect.number("-inf"), Cell::Overflow);
         assert_eq!(dialect.number("1e999"), Cell::Overflow);
         assert_eq!(dialect.number("*****"), Cell::Overflow);

@@ -1,42 +1,39 @@
 //! Tables with a frequency column and a pair of columns per FRF: one FRF per file, wide,
 //! named pairs.
 
-use super::head::{dof_pair, frequency_factor, Head, Part};
+use super::form::{push_once, Column, Form};
+use super::frequency::factor_to_hz;
+use super::head::{dof_pair, Head};
 use super::table::Table;
-use super::Trace;
-use crate::unit_label::{frequency_unit, frf_unit};
+use super::vocabulary::{is_frequency, words, Part};
+use super::{Said, Trace};
+use crate::unit_label::frequency_unit;
 use chladni_frf::{Error, Result};
-use num_complex::Complex64;
+use std::collections::{HashMap, VecDeque};
 
 /// Frequencies in Hz and one trace per pair of columns.
-pub(super) fn traces(table: &Table, warnings: &mut Vec<String>) -> Result<(Vec<f64>, Vec<Trace>)> {
+pub(super) fn traces(
+    table: &Table,
+    said: &Said,
+    warnings: &mut Vec<String>,
+) -> Result<(Vec<f64>, Vec<Trace>)> {
     let heads: Vec<Head> = (0..table.columns)
         .map(|column| Head::parse(&table.names[column], &table.units[column]))
         .collect();
-    let frequency_hz = frequency_axis(table)?;
+    let frequency_hz = frequency_axis(table, said)?;
     let mut traces: Vec<Trace> = Vec::new();
     for group in group_columns(table, &heads, warnings)? {
-        traces.push(trace(table, &heads, &group)?);
+        traces.push(trace(table, &heads, &group, said, warnings)?);
     }
     Ok((frequency_hz, traces))
 }
 
-fn frequency_axis(table: &Table) -> Result<Vec<f64>> {
-    let factor = match table.keyword("x axis units", 1) {
-        Some(unit) => frequency_unit(unit),
-        None => frequency_factor(&table.names[0], &table.units[0]),
-    };
-    let factor = factor.ok_or_else(|| {
-        Error::bad_data("the first column is no frequency axis, or its unit is not said")
-            .field("column 1")
-            .found(
-                format!("{} {}", table.names[0], table.units[0])
-                    .trim()
-                    .to_owned(),
-            )
-            .expected("a frequency in Hz, kHz or rad/s, with the unit in the header")
-    })?;
+fn frequency_axis(table: &Table, said: &Said) -> Result<Vec<f64>> {
     let raw = table.column(0);
+    let factor = frequency_factor(table, said)?;
+    if table.names[0].is_empty() && !table.is_nameless() {
+        refuse_row_numbers(table, &raw)?;
+    }
     for (k, pair) in raw.windows(2).enumerate() {
         if pair[1] <= pair[0] {
             let what = if pair[1] == pair[0] {
@@ -58,6 +55,45 @@ fn frequency_axis(table: &Table) -> Result<Vec<f64>> {
     Ok(raw.into_iter().map(|f| f * factor).collect())
 }
 
+/// Factor of the first column to Hz.
+fn frequency_factor(table: &Table, said: &Said) -> Result<f64> {
+    let factor = match table.keyword("x axis units", 1) {
+        Some(unit) => frequency_unit(unit),
+        None => factor_to_hz(&table.names[0], &table.units[0]),
+    };
+    let label = format!("{} {}", table.names[0], table.units[0]);
+    let factor = factor.ok_or_else(|| {
+        Error::bad_data("the first column is no frequency axis, or its unit is not said")
+            .field("column 1")
+            .found(label.trim())
+            .expected("a frequency in Hz, kHz, MHz, rad/s or rpm, with the unit in the header")
+            .help("name the first column as in `f [Hz]` or `omega [rad/s]`")
+    })?;
+    said.frequency_factor(factor, label.trim())
+}
+
+/// The index that tables of other programs begin with, in a column without a name.
+fn refuse_row_numbers(table: &Table, raw: &[f64]) -> Result<()> {
+    let counts = raw.len() > 1
+        && (raw.iter().enumerate()).all(|(row, value)| *value - raw[0] == row as f64)
+        && (raw[0] == 0.0 || raw[0] == 1.0);
+    let elsewhere = table.names[1..].iter().any(|name| {
+        words(name)
+            .next()
+            .is_some_and(|word| is_frequency(&word.to_lowercase()))
+    });
+    if !counts && !elsewhere {
+        return Ok(());
+    }
+    Err(
+        Error::bad_data("the first column has no name and may count the rows")
+            .field("column 1")
+            .found("no name")
+            .expected("the frequency in the first column")
+            .help("leave the column out, or name it in the header as in `f [Hz]`"),
+    )
+}
+
 /// Columns of one FRF, and whether they are magnitude and phase.
 struct Group {
     first: usize,
@@ -66,48 +102,78 @@ struct Group {
     coherence: Option<usize>,
 }
 
+/// Columns that have no partner yet.
+struct Partners<'a> {
+    heads: &'a [Head],
+    used: Vec<bool>,
+    /// By part and base, in the order of the columns.
+    waiting: HashMap<(Part, &'a str), VecDeque<usize>>,
+}
+
+impl<'a> Partners<'a> {
+    fn new(heads: &'a [Head]) -> Self {
+        let mut waiting: HashMap<_, VecDeque<usize>> = HashMap::new();
+        for (column, head) in heads.iter().enumerate().skip(1) {
+            let key = (head.part, head.base.as_str());
+            waiting.entry(key).or_default().push_back(column);
+        }
+        let mut used = vec![false; heads.len()];
+        used[0] = true;
+        Self {
+            heads,
+            used,
+            waiting,
+        }
+    }
+
+    /// Takes the column that goes with `column`: of the same base, else the next one,
+    /// where only one of the two has a base.
+    fn take(&mut self, wanted: Part, column: usize) -> Option<usize> {
+        let used = &self.used;
+        let base = self.heads[column].base.as_str();
+        let named = self.waiting.get_mut(&(wanted, base)).and_then(|queue| {
+            while queue.front().is_some_and(|&other| used[other]) {
+                queue.pop_front();
+            }
+            queue.pop_front()
+        });
+        let beside = Some(column + 1).filter(|&other| {
+            other < self.heads.len()
+                && !self.used[other]
+                && self.heads[other].part == wanted
+                && (base.is_empty() || self.heads[other].base.is_empty())
+        });
+        let found = named.or(beside)?;
+        self.used[found] = true;
+        Some(found)
+    }
+}
+
 fn group_columns(table: &Table, heads: &[Head], warnings: &mut Vec<String>) -> Result<Vec<Group>> {
     let mut groups: Vec<Group> = Vec::new();
-    let mut used = vec![false; heads.len()];
-    used[0] = true;
+    let mut partners = Partners::new(heads);
+    let some_are_known = heads[1..]
+        .iter()
+        .any(|head| !matches!(head.part, Part::Unknown | Part::Coherence));
     for column in 1..heads.len() {
-        if used[column] {
+        if partners.used[column] {
             continue;
         }
-        used[column] = true;
-        let partner = |wanted: Part, used: &[bool]| {
-            let fits = |&other: &usize| !used[other] && heads[other].part == wanted;
-            let beside = Some(column + 1)
-                .filter(|other| *other < heads.len())
-                .filter(|other| fits(other));
-            let named = (column + 1..heads.len())
-                .filter(|other| fits(other))
-                .find(|&other| heads[other].base == heads[column].base);
-            named.or(beside)
-        };
+        partners.used[column] = true;
         let (wanted, polar, column_is_first) = match heads[column].part {
             Part::Re => (Part::Im, false, true),
             Part::Im => (Part::Re, false, false),
             Part::Magnitude => (Part::Phase, true, true),
             Part::Phase => (Part::Magnitude, true, false),
+            Part::Unknown if some_are_known => return Err(unknown_column(table, column)),
             Part::Unknown => (Part::Unknown, false, true),
-            Part::Coherence => {
-                let mut open = groups
-                    .iter_mut()
-                    .rev()
-                    .filter(|group| group.coherence.is_none());
-                let owner = open
-                    .next()
-                    .ok_or_else(|| unpaired(table, column, "an FRF before it"))?;
-                owner.coherence = Some(column);
-                continue;
-            }
+            Part::Coherence => continue, // below
         };
-        let other =
-            partner(wanted, &used).ok_or_else(|| unpaired(table, column, partner_name(wanted)))?;
-        used[other] = true;
+        let other = partners
+            .take(wanted, column)
+            .ok_or_else(|| unpaired(table, column, partner_name(wanted)))?;
         let polar = if wanted == Part::Unknown {
-            unnamed_pair_is_polar(table, column, warnings)?
+            unnamed_pair_is_polar(table, column, other, warnings)?
         } else {
             polar
         };
@@ -128,7 +194,86 @@ fn group_columns(table: &Table, heads: &[Head], warnings: &mut Vec<String>) -> R
             .found(format!("{} columns", table.columns))
             .expected("f,re,im or f,mag,phase"));
     }
+    refuse_two_forms(table, heads, &groups)?;
+    attach_coherence(table, heads, &mut groups)?;
     Ok(groups)
+}
+
+/// Coherence goes to the FRF of its name, else to the only one before it that has none;
+/// as many as there are FRFs left go to them in their order.
+fn attach_coherence(table: &Table, heads: &[Head], groups: &mut [Group]) -> Result<()> {
+    let mut left = Vec::new();
+    for column in (1..heads.len()).filter(|&column| heads[column].part == Part::Coherence) {
+        let head = &heads[column];
+        let is_owner = |group: &Group| {
+            let first = &heads[group.first];
+            !head.base.is_empty() && head.base == first.base && head.dofs == first.dofs
+        };
+        let open = |group: &&mut Group| group.coherence.is_none();
+        let owner = match groups
+            .iter()
+            .position(|group| group.coherence.is_none() && is_owner(group))
+        {
+            Some(at) => Some(&mut groups[at]),
+            None => {
+                let mut before = groups
+                    .iter_mut()
+                    .filter(|group| group.first.max(group.second) < column)
+                    .filter(open);
+                let last = before.next_back();
+                last.filter(|_| before.next_back().is_none())
+            }
+        };
+        match owner {
+            Some(owner) => owner.coherence = Some(column),
+            None => left.push(column),
+        }
+    }
+    let open: Vec<_> = groups
+        .iter_mut()
+        .filter(|group| group.coherence.is_none())
+        .collect();
+    match left.first() {
+        Some(&first) if open.len() != left.len() => Err(unpaired(
+            table,
+            first,
+            "one FRF that it belongs to, by its name or its place",
+        )),
+        _ => {
+            for (group, column) in open.into_iter().zip(left) {
+                group.coherence = Some(column);
+            }
+            Ok(())
+        }
+    }
+}
+
+/// Real and imaginary part beside magnitude and phase of what seems the same FRF.
+fn refuse_two_forms(table: &Table, heads: &[Head], groups: &[Group]) -> Result<()> {
+    let mut forms: HashMap<&str, bool> = HashMap::new();
+    for group in groups {
+        let base = heads[group.first].base.as_str();
+        if *forms.entry(base).or_insert(group.polar) != group.polar
+            && table.keyword("y axis type", group.first).is_none()
+        {
+            return Err(Error::bad_data(
+                "one FRF stands twice, as real and imaginary part and as magnitude and phase",
+            )
+            .field(format!("column {}", group.first + 1))
+            .found(&table.names[group.first])
+            .expected("two columns for each FRF")
+            .help("leave one of the two pairs out, or name the FRFs by their DOFs"));
+        }
+    }
+    Ok(())
+}
+
+fn unknown_column(table: &Table, column: usize) -> Error {
+    Error::bad_data("a column whose name does not say what it holds")
+        .field(format!("column {}", column + 1))
+        .found(&table.names[column])
+        .expected("re, im, mag, phase or coherence in its name")
+        .help("name it, or leave the column out")
 }
 
 fn partner_name(part: Part) -> &'static str {
@@ -158,8 +303,16 @@ fn unpaired(table: &Table, column: usize, expected: &str) -> Error {
 }
 
 /// Columns whose names say nothing: a keyword decides, else the numbers must exclude
-/// magnitude and phase.
-fn unnamed_pair_is_polar(table: &Table, column: usize, warnings: &mut Vec<String>) -> Result<bool> {
+/// magnitude and phase, linear or in decibels.
+///
+/// A real part changes its sign over a band; an imaginary part that stays below 1 or goes
+/// beyond 360 is no phase.
+fn unnamed_pair_is_polar(
+    table: &Table,
+    column: usize,
+    other: usize,
+    warnings: &mut Vec<String>,
+) -> Result<bool> {
     if let Some(kind) = table.keyword("y axis type", column) {
         let kind = kind.to_lowercase();
         if kind.starts_with("mag") {
@@ -169,22 +322,22 @@ fn unnamed_pair_is_polar(table: &Table, column: usize, warnings: &mut Vec<String
             return Ok(false);
         }
     }
-    let (first, second) = (table.column(column), table.column(column + 1));
+    let (first, second) = (table.column(column), table.column(other));
     let largest = |values: &[f64]| {
         values
             .iter()
             .fold(0.0_f64, |most, value| most.max(value.abs()))
     };
-    let like_magnitude = !first.iter().any(|value| *value < 0.0);
-    let like_phase = largest(&second) <= 360.0 && largest(&second) > 4.0 * largest(&first);
+    let changes_sign = first.iter().any(|value| *value < 0.0) && first.iter().any(|v| *v > 0.0);
+    let is_no_phase = largest(&second) <= 1.0 || largest(&second) > 360.0;
     let header_hints = ["mag", "phase", "ampl", "abs", "db"]
         .iter()
-        .any(|word| table.header_text.contains(word));
-    if header_hints || (like_magnitude && like_phase) {
+        .any(|word| table.header_text.to_lowercase().contains(word));
+    if header_hints || !changes_sign || !is_no_phase {
         return Err(Error::bad_data(
             "the columns may be magnitude and phase, or real and imaginary part",
         )
-        .field(format!("columns {} and {}", column + 1, column + 2))
+        .field(format!("columns {} and {}", column + 1, other + 1))
         .found(if table.is_nameless() {
             "no column names".to_owned()
         } else {
@@ -193,85 +346,70 @@ fn unnamed_pair_is_polar(table: &Table, column: usize, warnings: &mut Vec<String
         .expected("names that say which")
         .help("put a header line above the numbers: f,re,im or f,mag,phase"));
     }
-    let warning =
-        "column names do not say what the pairs of columns are: taken as real and imaginary part";
-    if !warnings.iter().any(|known| known == warning) {
-        warnings.push(warning.into());
-    }
+    push_once(
+        warnings,
+        "column names do not say what the pairs of columns are: taken as real and imaginary part"
+            .into(),
+    );
     Ok(false)
 }
 
-fn trace(table: &Table, heads: &[Head], group: &Group) -> Result<Trace> {
-    let (first, second) = (&heads[group.first], &heads[group.second]);
+fn trace(
+    table: &Table,
+    heads: &[Head],
+    group: &Group,
+    said: &Said,
+    warnings: &mut Vec<String>,
+) -> Result<Trace> {
     let (a, b) = (table.column(group.first), table.column(group.second));
-    let mut unit = first.frf_unit().or(table
-        .keyword("y axis units", group.first)
-        .and_then(frf_unit));
-    let mut unit_text = if first.unit.is_empty() {
-        table
-            .keyword("y axis units", group.first)
-            .unwrap_or("")
-            .to_owned()
-    } else {
-        first.unit.clone()
+    let mut head = heads[group.first].clone();
+    if let Some(unit) = table.keyword("y axis units", group.first) {
+        if head.unit.is_empty() {
+            head.unit = unit.to_owned();
+        }
+    }
+    let first = Column {
+        number: group.first,
+        name: &table.names[group.first],
+        head: &head,
+        values: &a,
     };
-    let values: Vec<Complex64> = if group.polar {
-        let to_radians = if second.is_radian() {
-            1.0
-        } else {
-            1f64.to_radians()
-        };
-        let decibel = first.is_decibel();
-        let reference = if decibel {
-            let (reference, label) = first.decibel_reference().ok_or_else(|| {
-                Error::bad_data("a magnitude in dB without its reference")
-                    .field(format!("column {}", group.first + 1))
-                    .found(
-                        format!("{} {}", table.names[group.first], table.units[group.first])
-                            .trim()
-                            .to_owned(),
-                    )
-                    .expected("a header like `Magnitude [dB re 1 m/s/N]`")
-                    .help(
-                        "write the reference value and unit into the header, or export linear \
-                           values",
-                    )
-            })?;
-            unit = frf_unit(label).or(unit);
-            unit_text = label.to_owned();
-            reference
-        } else {
-            1.0
-        };
-        let magnitude = |value: f64| {
-            if decibel {
-                reference * 10f64.powf(value / 20.0)
-            } else {
-                value
-            }
-        };
-        a.iter()
-            .zip(&b)
-            .map(|(&m, &phase)| Complex64::from_polar(magnitude(m), phase * to_radians))
-            .collect()
-    } else {
-        a.iter()
-            .zip(&b)
-            .map(|(&re, &im)| Complex64::new(re, im))
-            .collect()
+    let second = Column {
+        number: group.second,
+        name: &table.names[group.second],
+        head: &heads[group.second],
+        values: &b,
     };
-    let dofs = first.dofs.or(second.dofs).or_else(|| {
-        table
-            .keyword("y axis dofs", group.first)
-            .and_then(|text| dof_pair(first_word(text)))
-    });
+    let form = if group.polar {
+        Form::polar(&first, &second, said, warnings)?
+    } else {
+        Form::rectangular(&first, &second)?
+    };
+    let keyword = || {
+        let text = table.keyword("y axis dofs", group.first)?;
+        dof_pair(first_word(text))
+    };
+    let dofs = match (first.head.dofs, second.head.dofs) {
+        (Some(one), Some(other)) if one != other => {
+            return Err(
+                Error::bad_data("two columns of one FRF name different DOFs")
+                    .field(format!("column {}", group.second + 1))
+                    .found(&table.names[group.second])
+                    .expected(format!("the DOFs of `{}`", table.names[group.first]))
+                    .help("correct the header"),
+            )
+        }
+        (one, other) => one.or(other).or_else(keyword),
+    };
     Ok(Trace {
         response: dofs.map(|(response, _)| response),
         reference: dofs.and_then(|(_, reference)| reference),
-        values,
+        values: (a.iter().zip(&b))
+            .map(|(&a, &b)| form.value(a, b))
+            .collect(),
         coherence: group.coherence.map(|column| table.column(column)),
-        unit,
-        unit_text,
+        unit: form.unit,
+        unit_text: form.unit_text,
     })
 }
 

@@ -1,6 +1,6 @@
 //! Own tables: remarks, a header, one row per FRF and line.
 
-use chladni_frf::{Dof, FrfSet};
+use chladni_frf::{Dof, FrfSet, FrfValues};
 use std::io::{self, Write};
 
 /// Writes the set; a pair that was not measured has no rows, a masked line has NaN.
@@ -43,13 +43,19 @@ fn write_pair(
     reference: &Dof,
 ) -> io::Result<()> {
     for (k, f) in set.frequency_hz.iter().enumerate() {
-        let value = set.values.get(i, j, k);
         let (a, b) = (response.direction.code(), reference.direction.code());
-        write!(
-            out,
-            "{},{a},{},{b},{f:?},{:?},{:?}",
-            response.node, reference.node, value.re, value.im
-        )?;
+        write!(out, "{},{a},{},{b},{f:?},", response.node, reference.node)?;
+        // six digits of a text file stay six digits
+        match &set.values {
+            FrfValues::F64(values) => {
+                let value = values[[i, j, k]];
+                write!(out, "{:?},{:?}", value.re, value.im)?;
+            }
+            FrfValues::F32(values) => {
+                let value = values[[i, j, k]];
+                write!(out, "{:?},{:?}", value.re, value.im)?;
+            }
+        }
         match &set.coherence {
             Some(coherence) if coherence[[i, j, k]].is_nan() => writeln!(out, ",")?,
             Some(coherence) => writeln!(out, ",{:?}", coherence[[i, j, k]])?,

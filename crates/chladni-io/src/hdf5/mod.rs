@@ -61,7 +61,7 @@ pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
     let outcome = if own.root().text("format") == Some(own::FORMAT) && options.map.is_empty() {
         read_own(&own, &mut document)
     } else {
-        foreign::read_foreign(&file, &entries, &options.map, &mut document.warnings)
+        foreign::read_foreign(&file, &entries, options, &mut document.warnings)
     };
     match outcome.map_err(|error| error.file(path)) {
         Ok(None) => {}

@@ -159,6 +159,7 @@ fn write_to(mut archive: ZipWriter<BufWriter<File>>, set: &FrfSet) -> io::Result
     texts("reference", &dofs(&set.references), &[references])?;
     texts("reference_unit", &[set.reference_unit.to_string()], &[])?;
     texts("time_sign", &["+".to_owned()], &[])?;
+    texts("axes", &["response-reference-line".to_owned()], &[])?;
     if let Some(kind) = set.kind {
         texts("frf_kind", &[kind.to_string()], &[])?;
         texts("unit", &[kind.unit(set.reference_unit)], &[])?;

@@ -3,8 +3,8 @@
 //! The format: NumPy enhancement proposal 1. Arrays of numbers, complex numbers and texts
 //! are read in either byte order and either order of axes; pickled objects never are.
 //! Written are `freq`, `frf` [response, reference, line], `response` and `reference`
-//! (DOFs as text), `frf_kind`, `reference_unit`, `unit`, `time_sign`, and `coherence`
-//! where there is one.
+//! (DOFs as text), `frf_kind`, `reference_unit`, `unit`, `time_sign`, `axes`, and
+//! `coherence` where there is one.
 
 mod archive;
 mod npy;

@@ -75,6 +75,9 @@ impl Header {
     }
 }
 
+/// Reference node where there is none, as some programs write it.
+const NO_REFERENCE: i64 = -1;
+
 /// Record 6.
 struct Record6 {
     codes: [i64; 4],
@@ -136,6 +139,9 @@ impl Record6 {
         let mut dofs = [Dof::new(0, Direction::SCALAR); 2];
         for (k, dof) in dofs.iter_mut().enumerate() {
             let (node, code) = (integer(4 + 2 * k)?, integer(5 + 2 * k)?);
+            if k == 1 && node == NO_REFERENCE {
+                continue; // node 0, as other programs write it
+            }
             let refuse = |field: usize, found: i64, expected: &str| {
                 Error::bad_data("no such degree of freedom")
                     .at_line(record.line)
@@ -335,6 +341,17 @@ mod tests {
             ([4, 0, 1, 0], [String::new(), "plate".to_string()])
         );
         assert_eq!(warnings.len(), 1);
+    }
+
+    #[test]
+    fn a_reference_of_minus_one_is_none() {
+        let text =
+            b"    1         0    0         0   NewModel         1   3       NONE        -1   0";
+        let read = Record6::read(record(text), &mut Vec::new()).unwrap();
+        assert_eq!(read.dofs.map(|dof| dof.to_string()), ["1:+Z", "0:S"]);
+        let response =
+            b"    1         0    0         0   NewModel        -1   3       NONE         1   3";
+        assert!(Record6::read(record(response), &mut Vec::new()).is_err());
     }
 
     #[test]

@@ -5,8 +5,10 @@
 //! engineers write it: `m/s/N` is (m/s)/N. What is not understood gives `None`; nothing
 //! is guessed.
 
+mod decibel;
 mod parser;
 
+pub(super) use decibel::{decibel_reference, is_decibel_label};
 pub(super) use parser::parse;
 
 use chladni_frf::{FrfKind, ReferenceUnit};

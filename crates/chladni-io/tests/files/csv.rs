@@ -1,5 +1,6 @@
 //! Text tables: every layout, every refusal with its words, our own round trip, real
 //! samples.
+use crate::PhaseUnit;
 use chladni_frf::{
     Error, ErrorKind, FrfKind, FrfSet, FrfValues, Geometry, ReferenceUnit, TimeSign,
 };
@@ -437,6 +438,247 @@ fn doubled_pairs_need_a_rule() {
             c(expected, 0.0)
         );
     }
+}
+
+#[test]
+fn a_header_is_a_header_whatever_follows_it() {
+    for first in ["0,NaN,NaN", "0,,", "0,NA,NA", "0,nan(ind),-nan(ind)"] {
+        let text = format!("f [Hz],7:-X/9:+Z re [mm/s/N],7:-X/9:+Z im\n{first}\n1,2,3\n2,4,5\n");
+        let (set, warnings) = read(&text).unwrap();
+        assert_eq!(set.responses[0].to_string(), "7:-X", "{text}");
+        assert_eq!(set.kind, Some(FrfKind::Mobility));
+        assert_eq!(set.frequency_hz.to_vec(), [0.0, 1.0, 2.0]);
+        assert!((set.values.get(0, 0, 1) - c(2e-3, 3e-3)).norm() < 1e-15);
+        assert!(set.values.get(0, 0, 0).re.is_nan());
+        assert!(!warnings.join("\n").contains("no unit"), "{warnings:?}");
+    }
+    let long = "node,dir,ref_node,ref_dir,f,re,im\n1,3,9,3,0,NA,NA\n1,3,9,3,1,2,3\n";
+    assert_eq!(read(long).unwrap().0.values.get(0, 0, 1), c(2.0, 3.0));
+    // a first row that is damaged is no header either
+    let text = refusal("f,re,im\n0,x,y\n1,2,3\n2,3,4\n");
+    assert!(
+        text.contains("line 2") && text.contains("re") && text.contains('x'),
+        "{text}"
+    );
+    let text = refusal("f,re,im\nNaN,1,2\n1,2,3\n2,3,4\n");
+    assert!(text.contains("line 2") && text.contains("NaN"), "{text}");
+}
+
+#[test]
+fn decimal_commas_between_commas_are_refused_in_every_layout() {
+    for text in [
+        "node,dir,ref_node,ref_dir,f,re,im\n1,3,101,3,10,5,0,0012,-0,0003\n\
+         1,3,101,3,11,5,0,0013,-0,0004\n",
+        "response,reference,f,re,im\n1Z,9Z,1,5,0,25,-3,5\n",
+        "1,0,5,-0,25\n2,0,6,-0,75\n",
+    ] {
+        assert!(refusal(text).contains("decimal comma"), "{text}");
+    }
+}
+
+#[test]
+fn a_point_among_decimal_commas_is_no_decimal_sign() {
+    // 1.000,5 and 1,000.5 are thousands: neither is 1.0005
+    let text = refusal("f;re;im\n1.000,5;0,5;1,5\n2.000,5;0,5;1,5\n");
+    assert!(
+        text.contains("1.000,5") || text.contains("no row of numbers"),
+        "{text}"
+    );
+    let text = refusal("f;re;im\n1,5;0,5;1,5\n2,5;0.5;1,5\n");
+    assert!(text.contains("line 3") && text.contains("0.5"), "{text}");
+}
+
+#[test]
+fn decibels_are_never_taken_for_linear_values() {
+    for header in [
+        "f,mag_db,phase",
+        "f,H dB,phase",
+        "f,dB(H),phase(H)",
+        "f,20log10(|H|),phase",
+        "f,Log Mag,Phase",
+        "# unit = dB\nf,mag,phase",
+    ] {
+        let text = refusal(format!("{header}\n1,-20,90\n2,-30,-90\n"));
+        assert!(text.contains("dB") && text.contains("column 2"), "{text}");
+    }
+    let text = refusal("f,mag,phase\n1,-20,90\n2,-30,-90\n");
+    assert!(
+        text.contains("below zero") && text.contains("-20"),
+        "{text}"
+    );
+    let (_, values) = values("f,mag_dB re 1 mm/s/N,phase_deg\n1,20,90\n2,0,0\n");
+    assert!((values[0] - c(0.0, 1e-2)).norm() < 1e-15);
+}
+
+#[test]
+fn radians_are_recognised_or_asked_for() {
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let rows = format!("1,10,{quarter}\n2,1,-3.1\n");
+    for header in [
+        "f,mag,phase_rad",
+        "f,Magnitude,Phase (radians)",
+        "f,mag,phase/rad",
+        "Hz,m/s/N,radians\nf,mag,phase",
+        "# phase_unit = rad\nf,mag,phase",
+    ] {
+        let (_, values) = values(format!("{header}\n{rows}"));
+        assert!(
+            (values[0] - c(0.0, 10.0)).norm() < 1e-12,
+            "{header}: {values:?}"
+        );
+    }
+    for header in ["f,mag,phase", "f,mag,phase [mrad]"] {
+        let text = refusal(format!("{header}\n{rows}"));
+        assert!(
+            text.contains("column 3") && text.contains("--phase-unit rad"),
+            "{text}"
+        );
+    }
+    let told = |phase_unit| ReadOptions {
+        phase_unit: Some(phase_unit),
+        ..ReadOptions::default()
+    };
+    let text = format!("f,mag,phase\n{rows}");
+    let (set, _) = read_with(&text, &told(PhaseUnit::Radian)).unwrap();
+    assert!((set.values.get(0, 0, 0) - c(0.0, 10.0)).norm() < 1e-12);
+    let (set, _) = read_with(&text, &told(PhaseUnit::Degree)).unwrap();
+    assert!(set.values.get(0, 0, 0).im < 0.3);
+    let said = "f,mag,phase [deg]\n1,10,1\n2,1,3\n";
+    let (_, warnings) = read_with(said, &told(PhaseUnit::Radian)).unwrap();
+    assert!(
+        warnings.join("\n").contains("--phase-unit says rad"),
+        "{warnings:?}"
+    );
+    let (_, warnings) = read("f,mag,phase\n1,10,90\n2,1,0\n").unwrap();
+    assert!(
+        warnings.join("\n").contains("taken as degrees"),
+        "{warnings:?}"
+    );
+}
+
+#[test]
+fn commented_rows_are_no_data() {
+    for sign in ["#", "%", "// "] {
+        let wide = format!("f,re,im\n1,2,3\n{sign}1.5,9,9\n2,4,5\n{sign} end\n");
+        let (set, warnings) = read(&wide).unwrap();
+        assert_eq!(set.frequency_hz.to_vec(), [1.0, 2.0]);
+        assert!(
+            warnings
+                .join("\n")
+                .contains("1 rows of numbers are comments: left out (first in line 3)"),
+            "{warnings:?}"
+        );
+        let long =
+            format!("response,reference,f,re,im\n1Z,9Z,1,2,3\n{sign}1Z,9Z,1.5,9,9\n1Z,9Z,2,4,5\n");
+        assert_eq!(read(&long).unwrap().0.frequency_hz.to_vec(), [1.0, 2.0]);
+        let above = format!("{sign}0.5,9,9\n{sign}f,im,re\n1,2,3\n2,4,5\n");
+        assert_eq!(
+            values(&above),
+            (vec![1.0, 2.0], vec![c(3.0, 2.0), c(5.0, 4.0)])
+        );
+    }
+}
+
+#[test]
+fn frequencies_in_every_unit_and_none_that_is_not_understood() {
+    for (header, factor) in [
+        ("f_MHz,re,im", 1e6),
+        ("f [rpm],re,im", 1.0 / 60.0),
+        ("f/kHz,re,im", 1e3),
+        ("# frequency unit = kHz\nf,re,im", 1e3),
+        ("response,reference,f [kHz],re,im", 1e3),
+    ] {
+        let row = |f: u32| match header.starts_with("response") {
+            true => format!("1Z,2Z,{f},2,3\n"),
+            false => format!("{f},2,3\n"),
+        };
+        let (axis, _) = values(format!("{header}\n{}{}", row(1), row(2)));
+        assert!(
+            (axis[1] / (2.0 * factor) - 1.0).abs() < 1e-12,
+            "{header}: {axis:?}"
+        );
+    }
+    for header in [
+        "f_mhz,re,im",
+        "omega,re,im",
+        "index,re,im",
+        "angular frequency,re,im",
+    ] {
+        assert!(
+            refusal(format!("{header}\n1,2,3\n2,3,4\n")).contains("column 1"),
+            "{header}"
+        );
+    }
+    let rows = refusal(",re,im\n0,2,3\n1,3,4\n2,4,5\n");
+    assert!(rows.contains("may count the rows"), "{rows}");
+}
+
+#[test]
+fn the_unit_of_an_imaginary_part_counts() {
+    let (_, second) = values("f,re,im [mm/s/N]\n1,2000,3000\n2,1,1\n");
+    assert!((second[0] - c(2.0, 3.0)).norm() < 1e-12);
+    let (_, both) = values("f,re [m/s/N],im [mm/s/N]\n1,2,3000\n2,1,1\n");
+    assert!((both[0] - c(2.0, 3.0)).norm() < 1e-12);
+    let text = refusal("f,re [m/s/N],im [m/N]\n1,2,3\n2,1,1\n");
+    assert!(
+        text.contains("column 3") && text.contains("different kinds"),
+        "{text}"
+    );
+}
+
+#[test]
+fn columns_that_belong_nowhere_are_named() {
+    for (header, words) in [
+        ("f,re,im,noise,offset", "column 4"),
+        ("f,re,im,mag,phase", "stands twice"),
+        ("f,Re(1Z:3Z),Im(2Z:3Z),re(2Z:3Z),im(1Z:3Z)", ""),
+        ("f,1Z re,1Z im,2Z real,3Z imag", "column"),
+        ("f,re,im,re2,", "column"),
+    ] {
+        let result = read(format!("{header}\n1,2,3,4,5\n2,3,4,5,6\n"));
+        match result {
+            Ok((set, _)) => {
+                // paired by name, whatever their order
+                assert_eq!(words, "", "{header}");
+                assert_eq!(set.values.get(0, 0, 0), c(2.0, 5.0));
+            }
+            Err(error) => {
+                let text = error.to_string();
+                assert!(
+                    !words.is_empty() && text.contains(words),
+                    "{header}: {text}"
+                );
+            }
+        }
+    }
+    let (set, _) =
+        read("f,re1,im1,re2,im2,coh1,coh2\n1,2,3,4,5,0.5,0.25\n2,2,3,4,5,0.5,0.25\n").unwrap();
+    let coherence = set.coherence.unwrap();
+    assert_eq!((coherence[[0, 0, 0]], coherence[[1, 0, 0]]), (0.5, 0.25));
+}
+
+#[test]
+fn dofs_may_stand_in_a_row_above_the_names() {
+    let (set, _) =
+        read(",1:+Z/9:+Z,,2:-Z/9:+Z,\nf,re,im,re,im\nHz,m/s/N,,m/s/N,\n1,1,2,3,4\n2,5,6,7,8\n")
+            .unwrap();
+    assert_eq!(set.responses[1].to_string(), "2:-Z");
+    assert_eq!(set.values.get(1, 0, 1), c(7.0, 8.0));
+    assert_eq!(set.kind, Some(FrfKind::Mobility));
+}
+
+#[test]
+fn a_wide_header_is_read_in_a_moment() {
+    let pairs = 100_000;
+    let header: String = (1..=pairs)
+        .map(|k| format!(",{k}:+Z/9:+Z re,{k}:+Z/9:+Z im"))
+        .collect();
+    let row = |f: u32| format!("{f}{}\n", ",1.5,-2.5".repeat(pairs));
+    let text = format!("f{header}\n{}{}", row(1), row(2));
+    let start = std::time::Instant::now();
+    let (set, _) = read(&text).unwrap();
+    assert_eq!(set.responses.len(), pairs);
+    assert!(start.elapsed().as_secs() < 6, "{:?}", start.elapsed());
 }
 
 fn small_set(values: Array3<Complex64>, coherence: bool) -> FrfSet {

@@ -6,6 +6,7 @@ mod csv;
 mod documentation;
 mod hdf5;
 mod hdf5_foreign;
+mod layouts;
 mod model_file;
 mod selection;
 mod uff;

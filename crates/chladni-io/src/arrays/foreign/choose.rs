@@ -2,7 +2,8 @@
 //! `--map`, else the only ones that fit.
 
 use super::super::tree::{Element, Entry};
-use super::super::values::reals;
+use super::super::values::{reals, ComplexArray};
+use super::parts::joined_axis;
 use super::{describe, length, Reader};
 use chladni_frf::{Error, ErrorKind, Result};
 
@@ -21,13 +22,20 @@ pub(super) const FREQUENCY_NAMES: [&str; 10] = [
 ];
 /// Pairs of real arrays that hold one complex array, and whether they are magnitude and
 /// phase.
-const PART_NAMES: [(&str, &str, bool); 6] = [
-    ("re", "im", false),
-    ("real", "imag", false),
-    ("mag", "phase", true),
-    ("magnitude", "phase", true),
-    ("abs", "phase", true),
-    ("amplitude", "phase", true),
+const PART_NAMES: [(&[&str], &[&str], bool); 2] = [
+    (&["re", "real"], &["im", "imag"], false),
+    (
+        &[
+            "mag",
+            "magnitude",
+            "abs",
+            "amplitude",
+            "mag_db",
+            "magnitude_db",
+        ],
+        &["phase", "phase_deg", "phase_rad", "angle"],
+        true,
+    ),
 ];
 
 /// The values, in one dataset or two.
@@ -36,26 +44,31 @@ pub(super) enum Source<'a> {
     Complex(&'a Entry),
     Parts(&'a Entry, &'a Entry),
     Polar(&'a Entry, &'a Entry),
+    /// Frequencies and FRFs beside each other in one array.
+    Joined(&'a Entry),
 }
 
 impl<'a> Source<'a> {
     /// The dataset that gives shape, unit and place.
     pub(super) fn first(self) -> &'a Entry {
         match self {
-            Self::Complex(entry) | Self::Parts(entry, _) | Self::Polar(entry, _) => entry,
+            Self::Complex(entry)
+            | Self::Parts(entry, _)
+            | Self::Polar(entry, _)
+            | Self::Joined(entry) => entry,
         }
     }
     /// All its datasets.
     pub(super) fn datasets(self) -> impl Iterator<Item = &'a Entry> {
         let second = match self {
-            Self::Complex(_) => None,
+            Self::Complex(_) | Self::Joined(_) => None,
             Self::Parts(_, second) | Self::Polar(_, second) => Some(second),
         };
         std::iter::once(self.first()).chain(second)
     }
     pub(super) fn describe(self) -> String {
         match self {
-            Self::Complex(entry) => describe(entry),
+            Self::Complex(entry) | Self::Joined(entry) => describe(entry),
             Self::Parts(a, b) | Self::Polar(a, b) => format!("{} with {}", describe(a), b.path),
         }
     }
@@ -66,7 +79,7 @@ impl<'a> Reader<'a> {
     pub(super) fn choose(&self) -> Result<Option<(Source<'a>, &'a Entry)>> {
         let sources = match self.mapped_source()? {
             Some(source) => vec![source],
-            None => self.source_candidates(),
+            None => self.source_candidates()?,
         };
         let axes = match self.mapped("freq")? {
             Some(entry) => vec![entry],
@@ -78,6 +91,17 @@ impl<'a> Reader<'a> {
                 .iter()
                 .filter(|axis| source.first().shape().contains(&length(axis)));
             pairs.extend(fitting.map(|&axis| (source, axis)));
+        }
+        // a single number may be an axis of one line, but not beside a real axis
+        if pairs.iter().any(|(_, axis)| length(axis) > 1) {
+            pairs.retain(|(_, axis)| length(axis) > 1);
+        }
+        if pairs.is_empty() && self.mapped("freq")?.is_none() {
+            if let &[Source::Complex(entry)] = sources.as_slice() {
+                if self.is_joined(entry)? {
+                    return Ok(Some((Source::Joined(entry), entry)));
+                }
+            }
         }
         // a frequency axis beside the array wins over one elsewhere
         let beside: Vec<_> = pairs
@@ -119,6 +143,18 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// True where frequencies stand in the array's own first row or column.
+    fn is_joined(&self, entry: &Entry) -> Result<bool> {
+        if entry.shape().len() != 2 {
+            return Ok(false);
+        }
+        let array = ComplexArray::new(entry, self.file.read(entry)?)?.widened();
+        let ComplexArray::Double(values) = array else {
+            return Ok(false);
+        };
+        Ok(joined_axis(&values.view()).is_some())
+    }
+
     fn mapped_source(&self) -> Result<Option<Source<'a>>> {
         if let Some(entry) = self.mapped("frf")? {
             return Ok(Some(Source::Complex(entry)));
@@ -141,16 +177,21 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn source_candidates(&self) -> Vec<Source<'a>> {
+    fn source_candidates(&self) -> Result<Vec<Source<'a>>> {
         let of_rank = |entry: &&Entry| (1..=3).contains(&entry.shape().len());
-        let complex: Vec<_> = self
-            .datasets()
-            .filter(|entry| matches!(entry.element(), Some(Element::Complex { .. })))
-            .filter(of_rank)
-            .map(Source::Complex)
-            .collect();
+        let mut complex = Vec::new();
+        for entry in self.datasets().filter(of_rank) {
+            let is_axis = || {
+                let values = self.file.read(entry);
+                values.map(|values| reals(entry, values).is_ok())
+            };
+            let named = super::is_frequency_name(entry.name());
+            if matches!(entry.element(), Some(Element::Complex { .. })) && !(named && is_axis()?) {
+                complex.push(Source::Complex(entry));
+            }
+        }
         if !complex.is_empty() {
-            return complex;
+            return Ok(complex);
         }
         let real = |entry: &&Entry| matches!(entry.element(), Some(Element::Real { .. }));
         let named = |name: &str, folder: &str| {
@@ -159,22 +200,23 @@ impl<'a> Reader<'a> {
         };
         let mut parts = Vec::new();
         for first in self.datasets().filter(of_rank).filter(real) {
-            for (name, partner, polar) in PART_NAMES {
-                if !first.name().eq_ignore_ascii_case(name) {
-                    continue;
-                }
-                if let Some(second) =
-                    named(partner, first.folder()).filter(|second| second.shape() == first.shape())
-                {
-                    parts.push(if polar {
-                        Source::Polar(first, second)
-                    } else {
-                        Source::Parts(first, second)
+            let is = |name: &&str| first.name().eq_ignore_ascii_case(name);
+            for (names, partners, polar) in PART_NAMES {
+                let second = partners
+                    .iter()
+                    .filter(|_| names.iter().any(|name| is(&name)))
+                    .find_map(|partner| {
+                        named(partner, first.folder())
+                            .filter(|second| second.shape() == first.shape())
                     });
+                match second {
+                    Some(second) if polar => parts.push(Source::Polar(first, second)),
+                    Some(second) => parts.push(Source::Parts(first, second)),
+                    None => {}
                 }
             }
         }
-        parts
+        Ok(parts)
     }
 
     /// Rising lists of real numbers with the name of a frequency axis.
@@ -184,11 +226,14 @@ impl<'a> Reader<'a> {
             let named = super::is_frequency_name(entry.name());
             let numbers = matches!(
                 entry.element(),
-                Some(Element::Real { .. } | Element::Integer)
+                Some(Element::Real { .. } | Element::Integer | Element::Complex { .. })
             );
-            let list = entry.shape().iter().filter(|&&extent| extent != 1).count() == 1;
+            let long = entry.shape().iter().filter(|&&extent| extent != 1).count();
+            let list = !entry.shape().is_empty() && long <= 1;
             if named && numbers && list {
-                let values = reals(entry, self.file.read(entry)?)?;
+                let Ok(values) = reals(entry, self.file.read(entry)?) else {
+                    continue; // complex, and no axis
+                };
                 if values.windows(2).all(|pair| pair[0] < pair[1]) {
                     found.push(entry);
                 }

@@ -4,18 +4,22 @@
 //! There is no standard layout. What cannot be decided is an error that lists the
 //! candidates; what was decided is said in a warning.
 
+mod axes;
 mod choose;
+mod parts;
 
-use super::tree::{Entry, Values};
+use super::tree::{Element, Entry, Values};
 use super::values::{real_array, reals, wrong_type, ComplexArray};
 use super::ArrayFile;
 use crate::paths::shortened;
 use crate::unit_label::{frequency_unit, frf_unit};
+use crate::ReadOptions;
+use axes::Lengths;
 use chladni_frf::{
     Direction, Dof, Error, ErrorKind, FrfSet, FrfValues, Geometry, ReferenceUnit, Result, TimeSign,
 };
 use choose::Source;
-use ndarray::{Array1, Array3, Zip};
+use ndarray::{Array1, Array3};
 use num_complex::Complex64;
 
 const RESPONSE_NAMES: [&str; 5] = [
@@ -87,10 +91,16 @@ pub(crate) struct Found {
 pub(crate) fn read_foreign(
     file: &dyn ArrayFile,
     entries: &[Entry],
-    map: &[(String, String)],
+    options: &ReadOptions,
     warnings: &mut Vec<String>,
 ) -> Result<Option<Found>> {
-    let reader = Reader { file, entries, map };
+    let map = &options.map;
+    let reader = Reader {
+        file,
+        entries,
+        map,
+        options,
+    };
     reader.check_map_keys()?;
     let Some((source, freq)) = reader.choose()? else {
         return Ok(None);
@@ -109,6 +119,7 @@ struct Reader<'a> {
     file: &'a dyn ArrayFile,
     entries: &'a [Entry],
     map: &'a [(String, String)],
+    options: &'a ReadOptions,
 }
 
 impl<'a> Reader<'a> {
@@ -155,23 +166,32 @@ impl<'a> Reader<'a> {
         freq: &'a Entry,
         warnings: &mut Vec<String>,
     ) -> Result<Found> {
-        let frequency_hz = Array1::from(self.frequency_hz(freq, warnings)?);
-        let shape = logical_shape(source.first());
-        let [response, reference, line] = self.axes(source, &shape, frequency_hz.len())?;
+        let array = self.array(source, warnings)?;
+        let (frequency_hz, array) = match source {
+            Source::Joined(_) => self.split_joined(freq, array, warnings)?,
+            _ => (self.frequency_hz(freq, warnings)?, array),
+        };
+        let frequency_hz = Array1::from(frequency_hz);
+        let shape = array.shape().to_vec();
+        let frf = source.first();
+        let lengths = Lengths {
+            response: self.dof_list("response", &RESPONSE_NAMES, frf)?,
+            reference: self.dof_list("reference", &REFERENCE_NAMES, frf)?,
+            lines: frequency_hz.len(),
+        };
+        let ([response, reference, line], told) = self.axes(source, &shape, &lengths)?;
         let line = line
             .ok_or_else(|| Error::new(ErrorKind::Internal, "the axis of the lines is not known"))?;
-        let mut values = self
-            .array(source)?
-            .into_frf_values(response, reference, line);
-        if shape.len() == 3 && line != 2 {
+        let mut values = array.into_frf_values(response, reference, line);
+        self.refuse_infinities(frf, &values)?;
+        if shape.len() == 3 && line != 2 && !told {
             warnings.push(format!(
                 "{}: the other axes are taken in the order response, reference",
                 source.first().path
             ));
         }
-        let (kind, reference_unit) = self.units(source.first(), &mut values, warnings);
+        let (kind, reference_unit) = self.units(source, &mut values, warnings)?;
         let (response_count, reference_count, _) = values.dim();
-        let frf = source.first();
         let response_entry = self.dof_entry("response", &RESPONSE_NAMES, frf, response_count)?;
         let reference_entry =
             self.dof_entry("reference", &REFERENCE_NAMES, frf, reference_count)?;
@@ -222,7 +242,7 @@ impl<'a> Reader<'a> {
 
     fn frequency_hz(&self, freq: &Entry, warnings: &mut Vec<String>) -> Result<Vec<f64>> {
         let mut values = reals(freq, self.file.read(freq)?)?;
-        if let Some(unit) = freq.text("unit").or(freq.text("units")) {
+        if let Some(unit) = unit_of(freq) {
             match frequency_unit(unit) {
                 Some(to_hz) => values.iter_mut().for_each(|f| *f *= to_hz),
                 None => warnings.push(format!(
@@ -232,79 +252,6 @@ impl<'a> Reader<'a> {
             }
         }
         Ok(values)
-    }
-
-    /// Axes of response, reference and line in the logical shape.
-    fn axes(
-        &self,
-        source: Source<'_>,
-        shape: &[usize],
-        lines: usize,
-    ) -> Result<[Option<usize>; 3]> {
-        if shape.len() > 3 {
-            return Err(wrong_type(
-                source.first(),
-                "at most three axes: response, reference, line",
-            )
-            .found(format!("shape {shape:?}")));
-        }
-        if let Some((_, text)) = self.map.iter().find(|(key, _)| key == "axes") {
-            return named_axes(text, shape, lines);
-        }
-        let candidates: Vec<usize> = (0..shape.len())
-            .filter(|&axis| shape[axis] == lines)
-            .collect();
-        let &[line] = candidates.as_slice() else {
-            return Err(Error::bad_data(format!(
-                "{} axes are as long as the frequency axis \
-                                                ({lines})",
-                candidates.len()
-            ))
-            .field(&source.first().path)
-            .found(format!("shape {shape:?}"))
-            .expected("one axis")
-            .help(
-                "name the axes in order, like --map \
-                       frf=PATH,freq=PATH,axes=response-reference-line",
-            ));
-        };
-        let mut others = (0..shape.len()).filter(|&axis| axis != line);
-        Ok([others.next(), others.next(), Some(line)])
-    }
-
-    fn array(&self, source: Source<'_>) -> Result<ComplexArray> {
-        let array = match source {
-            Source::Complex(entry) => ComplexArray::new(entry, self.file.read(entry)?)?,
-            Source::Parts(first, second) | Source::Polar(first, second) => {
-                let mut a = real_array(first, self.file.read(first)?)?;
-                let b = real_array(second, self.file.read(second)?)?;
-                if a.shape() != b.shape() {
-                    return Err(wrong_type(second, &format!("the shape of {}", first.path)));
-                }
-                let to_radians = if matches!(second.text("unit"), Some(unit) if unit.trim().starts_with("rad"))
-                {
-                    1.0
-                } else {
-                    1f64.to_radians()
-                };
-                let mut values = ndarray::ArrayD::zeros(a.raw_dim());
-                Zip::from(&mut values)
-                    .and(&mut a)
-                    .and(&b)
-                    .for_each(|value, &mut a, &b| {
-                        *value = match source {
-                            Source::Polar(..) => Complex64::from_polar(a, b * to_radians),
-                            _ => Complex64::new(a, b),
-                        }
-                    });
-                ComplexArray::Double(values)
-            }
-        };
-        Ok(if is_matlab(source.first()) {
-            array.reversed_axes()
-        } else {
-            array
-        })
     }
 
     /// Real numbers named `coherence` beside the FRFs and of their shape.
@@ -353,29 +300,72 @@ impl<'a> Reader<'a> {
     /// Kind and reference unit, as far as attributes say them; values are scaled to SI.
     fn units(
         &self,
-        entry: &'a Entry,
+        source: Source<'a>,
         values: &mut FrfValues,
         warnings: &mut Vec<String>,
-    ) -> (Option<chladni_frf::FrfKind>, ReferenceUnit) {
+    ) -> Result<(Option<chladni_frf::FrfKind>, ReferenceUnit)> {
+        let entry = source.first();
         let said = self
             .text_near(entry, "frf_kind")
             .and_then(|kind| kind.parse().ok());
-        let Some(label) = entry.text("unit").or(entry.text("units")) else {
+        let Some(label) = unit_of(entry) else {
             warnings.push(format!(
                 "{}: no attribute `unit`; values are taken as SI",
                 entry.path
             ));
-            return (said, ReferenceUnit::Newton);
+            return Ok((said, ReferenceUnit::Newton));
         };
+        let label = parts::linear_label(source, label)?;
         let Some(unit) = frf_unit(label) else {
             warnings.push(format!(
                 "{}: unit `{label}` is no motion per force or volt; values are taken as SI",
                 entry.path
             ));
-            return (said, ReferenceUnit::Newton);
+            return Ok((said, ReferenceUnit::Newton));
         };
         scale(values, unit.to_si);
-        (said.or(Some(unit.kind)), unit.reference)
+        Ok((said.or(Some(unit.kind)), unit.reference))
+    }
+
+    /// Number of DOFs in the list beside the FRFs, where there is one.
+    fn dof_list(&self, key: &str, names: &[&str], frf: &Entry) -> Result<Option<usize>> {
+        let is_list = |entry: &&Entry| {
+            entry.folder() == frf.folder()
+                && matches!(
+                    entry.element(),
+                    Some(Element::Text | Element::Dof | Element::Integer)
+                )
+                && (names.iter()).any(|name| entry.name().eq_ignore_ascii_case(name))
+        };
+        let mapped = self.mapped(key)?;
+        Ok(mapped.or_else(|| self.datasets().find(is_list)).map(length))
+    }
+
+    /// Infinities are errors, as in every format.
+    fn refuse_infinities(&self, frf: &Entry, values: &FrfValues) -> Result<()> {
+        let found = match values {
+            FrfValues::F64(values) => values
+                .indexed_iter()
+                .find(|(_, v)| v.re.is_infinite() || v.im.is_infinite())
+                .map(|(at, v)| (at, v.to_string())),
+            FrfValues::F32(values) => values
+                .indexed_iter()
+                .find(|(_, v)| v.re.is_infinite() || v.im.is_infinite())
+                .map(|(at, v)| (at, v.to_string())),
+        };
+        match found.filter(|_| !self.options.lenient) {
+            None => Ok(()),
+            Some(((i, j, k), value)) => Err(Error::bad_data("an infinite value")
+                .field(&frf.path)
+                .found(format!(
+                    "{value} at response {}, reference {}, line {}",
+                    i + 1,
+                    j + 1,
+                    k + 1
+                ))
+                .expected("finite numbers, or NaN where nothing was measured")
+                .help("export the data again, or read the file with --lenient, which masks it")),
+        }
     }
 
     /// The dataset of DOFs: the mapped one, else one of that name and length beside the
@@ -464,25 +454,9 @@ fn length(entry: &Entry) -> usize {
     entry.shape().iter().product()
 }
 
-/// `response-reference-line` in any order, two or three words.
-fn named_axes(text: &str, shape: &[usize], lines: usize) -> Result<[Option<usize>; 3]> {
-    let words: Vec<&str> = text.split(['-', ':', '/', ' ']).collect();
-    let find = |name: &str| {
-        words
-            .iter()
-            .position(|word| word.trim_end_matches('s') == name)
-    };
-    let axes = [find("response"), find("reference"), find("line")];
-    let complete = words.len() == shape.len() && axes.iter().flatten().count() == words.len();
-    if complete && axes[2].is_some_and(|axis| shape[axis] == lines) {
-        return Ok(axes);
-    }
-    Err(Error::new(ErrorKind::Usage, "the axes do not fit")
-        .field("--map axes")
-        .found(format!("{text} for shape {shape:?}"))
-        .expected(format!(
-            "one of response, reference, line for each axis, joined by '-', with {lines} lines"
-        )))
+/// The unit that an array carries.
+fn unit_of(entry: &Entry) -> Option<&str> {
+    entry.text("unit").or(entry.text("units"))
 }
 
 fn scale(values: &mut FrfValues, factor: f64) {

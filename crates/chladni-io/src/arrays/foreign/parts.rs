@@ -1,0 +1,191 @@
+//! Complex values from the arrays that hold them: complex ones, two parts, or a column of
+//! frequencies with the FRFs beside it.
+
+use super::choose::Source;
+use super::{is_matlab, unit_of, Reader};
+use crate::arrays::tree::Entry;
+use crate::arrays::values::{real_array, wrong_type, ComplexArray};
+use crate::unit_label::{decibel_reference, frequency_unit, is_decibel_label};
+use crate::PhaseUnit;
+use chladni_frf::{Error, Result};
+use ndarray::{Axis, Zip};
+use num_complex::Complex64;
+
+/// The label of linear values: that behind `dB re 1`, where values were in decibels.
+///
+/// # Errors
+/// Decibels of values that are no magnitude.
+pub(super) fn linear_label<'l>(source: Source<'_>, label: &'l str) -> Result<&'l str> {
+    if !is_decibel_label(label) {
+        return Ok(label);
+    }
+    match (source, decibel_reference(label)) {
+        (Source::Polar(..), Some((_, unit))) => Ok(unit),
+        _ => Err(without_reference(source.first(), label)),
+    }
+}
+
+fn without_reference(entry: &Entry, label: &str) -> Error {
+    Error::bad_data("values in dB, of which nobody can make an FRF")
+        .field(&entry.path)
+        .found(format!("unit `{label}`"))
+        .expected("linear values, or a magnitude with its reference: `dB re 1 m/s/N`")
+        .help("save linear complex values, or write the reference value and unit into `unit`")
+}
+
+impl<'a> Reader<'a> {
+    /// The values, axes in the order of the program that wrote them.
+    pub(super) fn array(
+        &self,
+        source: Source<'a>,
+        warnings: &mut Vec<String>,
+    ) -> Result<ComplexArray> {
+        let array = match source {
+            Source::Complex(entry) | Source::Joined(entry) => {
+                ComplexArray::new(entry, self.file.read(entry)?)?
+            }
+            Source::Parts(first, second) | Source::Polar(first, second) => {
+                let a = real_array(first, self.file.read(first)?)?;
+                let b = real_array(second, self.file.read(second)?)?;
+                if a.shape() != b.shape() {
+                    return Err(wrong_type(second, &format!("the shape of {}", first.path)));
+                }
+                let mut values = ndarray::ArrayD::zeros(a.raw_dim());
+                if matches!(source, Source::Polar(..)) {
+                    let decibel = self.decibel(first, a.iter().copied())?;
+                    let to_radians = self
+                        .phase_unit(second, b.iter().copied(), warnings)?
+                        .to_radians();
+                    Zip::from(&mut values)
+                        .and(&a)
+                        .and(&b)
+                        .for_each(|value, &m, &phase| {
+                            let magnitude =
+                                decibel.map_or(m, |reference| reference * 10f64.powf(m / 20.0));
+                            *value = Complex64::from_polar(magnitude, phase * to_radians);
+                        });
+                } else {
+                    Zip::from(&mut values)
+                        .and(&a)
+                        .and(&b)
+                        .for_each(|value, &re, &im| *value = Complex64::new(re, im));
+                }
+                ComplexArray::Double(values)
+            }
+        };
+        Ok(if is_matlab(source.first()) {
+            array.reversed_axes()
+        } else {
+            array
+        })
+    }
+
+    /// The value at 0 dB of a magnitude in decibels; `None` of a linear one.
+    fn decibel(&self, entry: &Entry, values: impl Iterator<Item = f64>) -> Result<Option<f64>> {
+        let label = unit_of(entry).unwrap_or_default();
+        let by_name = entry.name().to_lowercase().contains("db");
+        if is_decibel_label(label) || by_name {
+            return decibel_reference(label)
+                .map(|(reference, _)| Some(reference))
+                .ok_or_else(|| {
+                    let label = if label.is_empty() { "none" } else { label };
+                    without_reference(entry, label)
+                });
+        }
+        match values.into_iter().find(|value| *value < 0.0) {
+            None => Ok(None),
+            Some(value) => Err(Error::bad_data("a magnitude below zero; is it in dB?")
+                .field(&entry.path)
+                .found(value)
+                .expected("a linear magnitude, or dB with its reference in the attribute `unit`")
+                .help("save linear values, or complex ones")),
+        }
+    }
+
+    fn phase_unit(
+        &self,
+        entry: &Entry,
+        values: impl Iterator<Item = f64>,
+        warnings: &mut Vec<String>,
+    ) -> Result<PhaseUnit> {
+        if let Some(told) = self.options.phase_unit {
+            return Ok(told);
+        }
+        let in_name = entry.name().split('_').find_map(PhaseUnit::named);
+        let ask = |message: &str, found: &str| {
+            Error::bad_data(message)
+                .field(&entry.path)
+                .found(found)
+                .expected("deg or rad")
+                .help("say it with --phase-unit deg or --phase-unit rad, or in an attribute `unit`")
+        };
+        if let Some(label) = unit_of(entry).filter(|label| !label.trim().is_empty()) {
+            return PhaseUnit::named(label)
+                .ok_or_else(|| ask("the unit of the phase is not understood", label));
+        }
+        if let Some(unit) = in_name {
+            return Ok(unit);
+        }
+        let unit = PhaseUnit::by_size(values).ok_or_else(|| {
+            ask(
+                "the phase has no unit, and its numbers may be degrees or radians",
+                "no attribute `unit`",
+            )
+        })?;
+        warnings.push(format!(
+            "{}: no attribute `unit`: the phase is taken as degrees",
+            entry.path
+        ));
+        Ok(unit)
+    }
+
+    /// Frequencies, Hz, and the FRFs beside them in one array: the first row or column is
+    /// real and rises.
+    pub(super) fn split_joined(
+        &self,
+        entry: &Entry,
+        array: ComplexArray,
+        warnings: &mut Vec<String>,
+    ) -> Result<(Vec<f64>, ComplexArray)> {
+        let ComplexArray::Double(mut values) = array.widened() else {
+            return Err(wrong_type(entry, "complex numbers"));
+        };
+        let axis = joined_axis(&values.view())
+            .ok_or_else(|| wrong_type(entry, "frequencies in the first column"))?;
+        let mut frequency_hz: Vec<f64> = values
+            .index_axis(Axis(axis), 0)
+            .iter()
+            .map(|value| value.re)
+            .collect();
+        values.slice_axis_inplace(Axis(axis), (1..).into());
+        warnings.push(format!(
+            "{}: its first column is taken as the frequency axis, Hz; name others with --map",
+            entry.path
+        ));
+        if let Some(to_hz) = self
+            .text_near(entry, "frequency_unit")
+            .and_then(frequency_unit)
+        {
+            frequency_hz.iter_mut().for_each(|f| *f *= to_hz);
+        }
+        Ok((frequency_hz, ComplexArray::Double(values)))
+    }
+}
+
+/// The axis along which a frequency axis and the FRFs stand beside each other: its first
+/// slice is real, not negative and rises, and the others are not all real.
+pub(super) fn joined_axis(values: &ndarray::ArrayViewD<'_, Complex64>) -> Option<usize> {
+    let is_axis = |axis: &usize| {
+        let (first, others) = values.view().split_at(Axis(*axis), 1);
+        let frequencies: Vec<f64> = first.iter().map(|value| value.re).collect();
+        !others.is_empty()
+            && frequencies.len() > 1
+            && first.iter().all(|value| value.im == 0.0)
+            && frequencies[0] >= 0.0
+            && frequencies.windows(2).all(|pair| pair[0] < pair[1])
+            && others.iter().any(|value| value.im != 0.0)
+    };
+    (values.ndim() == 2)
+        .then(|| [1, 0].into_iter().find(is_axis))
+        .flatten()
+}

@@ -1,0 +1,229 @@
+//! How two columns make the complex values of an FRF, and in which unit.
+
+use super::head::{AngleSaid, Head};
+use super::vocabulary::{is_decibel, words};
+use super::Said;
+use crate::unit_label::{decibel_reference, frf_unit, FrfUnit};
+use crate::PhaseUnit;
+use chladni_frf::{Error, Result};
+use num_complex::Complex64;
+
+/// One column with its header.
+pub(super) struct Column<'a> {
+    /// Counted from 0.
+    pub(super) number: usize,
+    pub(super) name: &'a str,
+    pub(super) head: &'a Head,
+    pub(super) values: &'a [f64],
+}
+
+impl Column<'_> {
+    fn place(&self) -> String {
+        format!("column {}", self.number + 1)
+    }
+    /// Name and unit, as they stand there.
+    fn label(&self) -> String {
+        match (self.name.is_empty(), self.name.contains(&self.head.unit)) {
+            (true, _) if self.head.unit.is_empty() => "no name".into(),
+            (_, true) => self.name.to_owned(),
+            _ => format!("{} {}", self.name, self.head.unit)
+                .trim()
+                .to_owned(),
+        }
+    }
+}
+
+/// From the numbers of two columns to a complex value.
+pub(super) struct Form {
+    polar: Option<Polar>,
+    /// Factor of the second column to the unit of the first.
+    second_factor: f64,
+    pub(super) unit: Option<FrfUnit>,
+    pub(super) unit_text: String,
+}
+
+struct Polar {
+    to_radians: f64,
+    /// Of a magnitude in decibels: the value at 0 dB.
+    decibel: Option<f64>,
+}
+
+impl Form {
+    /// Of a real and an imaginary part.
+    pub(super) fn rectangular(first: &Column<'_>, second: &Column<'_>) -> Result<Self> {
+        for column in [first, second] {
+            if column.head.is_decibel() {
+                return Err(Error::bad_data("a part of a complex number in decibels")
+                    .field(column.place())
+                    .found(column.label())
+                    .expected("a linear real and imaginary part, or magnitude and phase")
+                    .help("export real and imaginary part in linear units"));
+            }
+        }
+        let (a, b) = (first.head.frf_unit(), second.head.frf_unit());
+        let second_factor = match (a, b) {
+            (Some(a), Some(b)) if (a.kind, a.reference) != (b.kind, b.reference) => {
+                return Err(Error::bad_data(
+                    "real and imaginary part have units of different kinds",
+                )
+                .field(second.place())
+                .found(format!("{} beside {}", second.label(), first.label()))
+                .expected("one unit for both")
+                .help("correct the header: both columns are parts of one FRF"))
+            }
+            (Some(a), Some(b)) => b.to_si / a.to_si,
+            _ => 1.0,
+        };
+        let from = if first.head.unit.is_empty() || (a.is_none() && b.is_some()) {
+            second
+        } else {
+            first
+        };
+        Ok(Self {
+            polar: None,
+            second_factor,
+            unit: a.or(b),
+            unit_text: from.head.unit.clone(),
+        })
+    }
+
+    /// Of a magnitude and a phase. What the columns do not say is taken from `said`.
+    pub(super) fn polar(
+        magnitude: &Column<'_>,
+        phase: &Column<'_>,
+        said: &Said,
+        warnings: &mut Vec<String>,
+    ) -> Result<Self> {
+        let label = if magnitude.head.unit.is_empty() {
+            said.unit.as_deref().unwrap_or("")
+        } else {
+            &magnitude.head.unit
+        };
+        let in_decibels = magnitude.head.is_decibel() || words(label).any(is_decibel);
+        let (decibel, label) = if in_decibels {
+            let (reference, unit) = decibel_reference(label)
+                .filter(|(_, unit)| frf_unit(unit).is_some())
+                .ok_or_else(|| decibels_without_reference(magnitude))?;
+            (Some(reference), unit)
+        } else {
+            linear(magnitude, said)?;
+            (None, label)
+        };
+        Ok(Self {
+            polar: Some(Polar {
+                to_radians: phase_unit(phase, said, warnings)?.to_radians(),
+                decibel,
+            }),
+            second_factor: 1.0,
+            unit: frf_unit(label),
+            unit_text: label.to_owned(),
+        })
+    }
+
+    /// The value of one line, in the unit of the first column.
+    pub(super) fn value(&self, first: f64, second: f64) -> Complex64 {
+        match &self.polar {
+            None => Complex64::new(first, second * self.second_factor),
+            Some(polar) => {
+                let magnitude = match polar.decibel {
+                    Some(reference) => reference * 10f64.powf(first / 20.0),
+                    None => first,
+                };
+                Complex64::from_polar(magnitude, second * polar.to_radians)
+            }
+        }
+    }
+}
+
+fn decibels_without_reference(magnitude: &Column<'_>) -> Error {
+    Error::bad_data("a magnitude in dB without its reference")
+        .field(magnitude.place())
+        .found(magnitude.label())
+        .expected("a header like `Magnitude [dB re 1 m/s/N]`")
+        .help("write the reference value and unit into the header, or export linear values")
+}
+
+/// Refuses a magnitude that is not linear: below zero, or in a file that speaks of
+/// decibels and gives this column no unit.
+fn linear(magnitude: &Column<'_>, said: &Said) -> Result<()> {
+    let below = magnitude.values.iter().find(|value| **value < 0.0);
+    let speaks_of_decibels = magnitude.head.unit.is_empty()
+        && said.unit.is_none()
+        && words(&said.header_text).any(is_decibel);
+    let (message, found) = match below {
+        Some(value) => ("a magnitude below zero; is it in dB?", value.to_string()),
+        None if speaks_of_decibels => (
+            "the file speaks of dB, and the magnitude has no unit",
+            magnitude.label(),
+        ),
+        None => return Ok(()),
+    };
+    Err(Error::bad_data(message)
+        .field(magnitude.place())
+        .found(found)
+        .expected("a linear magnitude, or dB with its reference in the header")
+        .help(
+            "name the unit in the header, as `Magnitude [m/s/N]` or `Magnitude [dB re 1 \
+             m/s/N]`, or export real and imaginary part",
+        ))
+}
+
+/// Unit of a phase: as the user says, else as the column or the file says, else by the
+/// size of its numbers.
+fn phase_unit(phase: &Column<'_>, said: &Said, warnings: &mut Vec<String>) -> Result<PhaseUnit> {
+    let own = match phase.head.angle() {
+        AngleSaid::Unit(unit) => Some(unit),
+        _ => None,
+    };
+    if let Some(told) = said.told_phase_unit {
+        if let Some(own) = own.filter(|own| *own != told) {
+            let (own, told) = (own.as_str(), told.as_str());
+            push_once(
+                warnings,
+                format!(
+                    "{} says {own}, --phase-unit says {told}: taken as {told}",
+                    phase.label()
+                ),
+            );
+        }
+        return Ok(told);
+    }
+    let ask = |message: &str| {
+        Error::bad_data(message)
+            .field(phase.place())
+            .found(phase.label())
+            .expected("deg or rad")
+            .help(
+                "say it with --phase-unit deg or --phase-unit rad, or in the header: `phase [rad]`",
+            )
+    };
+    if phase.head.angle() == AngleSaid::NotUnderstood {
+        return Err(ask("the unit of the phase is not understood"));
+    }
+    if let Some(known) = own.or(said.phase_unit) {
+        return Ok(known);
+    }
+    let by_text = |unit| words(&said.header_text).any(|word| PhaseUnit::named(word) == Some(unit));
+    if by_text(PhaseUnit::Radian) {
+        return Err(ask(
+            "the file speaks of radians, and the phase has no unit: is it in degrees or radians?",
+        ));
+    }
+    if by_text(PhaseUnit::Degree) {
+        return Ok(PhaseUnit::Degree);
+    }
+    let unit = PhaseUnit::by_size(phase.values.iter().copied())
+        .ok_or_else(|| ask("the phase has no unit, and its numbers may be degrees or radians"))?;
+    push_once(
+        warnings,
+        "the header does not say the unit of the phase: taken as degrees".into(),
+    );
+    Ok(unit)
+}
+
+/// One warning for many columns.
+pub(super) fn push_once(warnings: &mut Vec<String>, warning: String) {
+    if !warnings.contains(&warning) {
+        warnings.push(warning);
+    }
+}

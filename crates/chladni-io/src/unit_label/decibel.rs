@@ -1,0 +1,30 @@
+//! Decibels: a level over a reference value, which the label must name.
+
+/// dB reference: `dB re 1e-6 m/s/N` gives (1e-6, "m/s/N").
+pub(crate) fn decibel_reference(label: &str) -> Option<(f64, &str)> {
+    let at = label.to_lowercase().find("db")?;
+    let after = label
+        .get(at + 2..)?
+        .trim_start_matches(|c: char| c.is_whitespace() || "(:[".contains(c));
+    let lower = after.to_lowercase();
+    let word = ["reference", "ref.", "ref", "re.", "re", "rel."]
+        .into_iter()
+        .find(|word| lower.starts_with(word))?;
+    let after = after
+        .get(word.len()..)?
+        .trim_start_matches(|c: char| c.is_whitespace() || c == ':' || c == '=');
+    let digits = after
+        .find(|c: char| !(c.is_ascii_digit() || "+-.eE".contains(c)))
+        .unwrap_or(after.len());
+    let value: f64 = after.get(..digits)?.parse().ok()?;
+    (value.is_finite() && value > 0.0).then_some((
+        value,
+        after.get(digits..)?.trim().trim_end_matches([')', ']']),
+    ))
+}
+
+/// True for a label in decibels, with a reference or without.
+pub(crate) fn is_decibel_label(label: &str) -> bool {
+    let lower = label.trim().to_lowercase();
+    lower.starts_with("db") || lower.starts_with("decibel")
+}
