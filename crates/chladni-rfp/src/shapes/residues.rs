@@ -10,7 +10,7 @@
 use crate::data::information::covariance;
 use crate::tolerances as tol;
 use chladni_linalg::{matmul, matmul_h, svd_thin, LinalgError};
-use ndarray::{Array1, Array2, ArrayView1, Axis, ShapeBuilder};
+use ndarray::{Array1, Array2, ArrayView1, ShapeBuilder};
 use num_complex::Complex64;
 
 /// Free residues, their weight, and which pairs exist.
