@@ -43,8 +43,7 @@ pub fn wild_figures(rows: &[WildRow]) -> Vec<Figure> {
         title: "Which structures fail".into(),
         caption: format!(
             "{} structures, each property cut into five parts of equal count, shown at their \
-             medians. Wrong: a missed or spurious mode, or a sure one six stated standard \
-             deviations off.",
+             medians. Wrong: a missed or spurious mode.",
             rows.len()
         ),
         width: WIDTH_PX,
@@ -79,14 +78,14 @@ fn chart(rows: &[WildRow], name: &str, label: &str, unit: &str) -> Chart {
         .height(Height::Px(150.0))
         .marks(
             "wrong",
-            points(&|row| row.outcome.wrong()),
+            points(&|row| !row.outcome.exact()),
             Mark::Ring,
             Colour::Ink,
             9.0,
         )
         .marks(
             "wrong and silent",
-            points(&|row| row.outcome.wrong() && !row.outcome.announced),
+            points(&|row| row.outcome.silent()),
             Mark::Cross,
             Colour::Series(1),
             9.0,

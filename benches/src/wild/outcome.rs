@@ -142,9 +142,15 @@ impl Outcome {
         self.missed + self.spurious == 0 && self.failure().is_none()
     }
 
-    /// Wrong count, or an error that its bar does not admit.
-    pub fn wrong(&self) -> bool {
-        !self.exact() || self.beyond > 0
+    /// A sure mode lies beyond six of its stated standard deviations, and nothing is said
+    /// that would explain it: a law that cannot be told shifts all modes.
+    pub fn overconfident(&self) -> bool {
+        self.beyond > 0 && !self.undecidable && !self.announced
+    }
+
+    /// The count is wrong, and the result does not say that anything may be.
+    pub fn silent(&self) -> bool {
+        !self.exact() && !self.announced
     }
 
     /// Why there is no result.

@@ -51,9 +51,9 @@ pub fn summary(rows: &[WildRow]) -> Vec<Criterion> {
     let fitted = |row: &&WildRow| row.outcome.viscous.is_some();
     let bug = |row: &&WildRow| row.outcome.internal.is_some();
     let exact = |row: &&WildRow| row.outcome.exact();
-    let known = |row: &&WildRow| !row.outcome.wrong() || row.outcome.announced;
-    let silent = |row: &&WildRow| row.outcome.wrong() && !row.outcome.announced;
-    let wrong = |row: &&WildRow| row.outcome.wrong();
+    let known = |row: &&WildRow| !row.outcome.silent();
+    let wrong = |row: &&WildRow| !row.outcome.exact();
+    let proud = |row: &&WildRow| row.outcome.overconfident();
     let told = |row: &&WildRow| row.outcome.announced;
     let spurious = |row: &&WildRow| row.outcome.spurious_sure > 0;
     let decided = |row: &&WildRow| fitted(row) && !row.outcome.undecidable;
@@ -66,6 +66,12 @@ pub fn summary(rows: &[WildRow]) -> Vec<Criterion> {
     let mut list = vec![
         count("internal errors", [0.0, 0.0], &all, &bug),
         count("spurious mode called sure", [0.0, 0.002], &all, &spurious),
+        count(
+            "sure mode beyond 6 error bars, unsaid",
+            [0.0, 0.002],
+            &all,
+            &proud,
+        ),
     ];
     if calm {
         list.extend([
@@ -101,7 +107,6 @@ pub fn summary(rows: &[WildRow]) -> Vec<Criterion> {
         list.extend([
             count("exact", [0.0, 1.0], &all, &exact),
             count("wrong ones announced", [0.99, 1.0], &wrong, &told),
-            count("wrong and silent", [0.0, 0.01], &all, &silent),
             count("law right where decided", [1.0, 1.0], &decided, &right),
         ]);
     }

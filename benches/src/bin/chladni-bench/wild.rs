@@ -126,7 +126,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
 fn wrong(rows: &[WildRow]) -> impl Iterator<Item = &WildRow> {
     rows.iter().filter(|row| {
         let outcome = &row.outcome;
-        outcome.internal.is_some() || (outcome.wrong() && !outcome.announced)
+        outcome.internal.is_some() || outcome.silent() || outcome.overconfident()
     })
 }
 

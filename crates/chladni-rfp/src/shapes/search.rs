@@ -47,10 +47,6 @@ pub(crate) struct Structured {
     pub replaced: Vec<Complex64>,
     /// True where shapes are real.
     pub real: bool,
-    /// Sum of squares left of the compressed columns.
-    pub sse: f64,
-    /// Modes that free residues did not show.
-    pub added: usize,
     /// What was taken and why, for the result.
     pub evidence: String,
 }
@@ -201,14 +197,12 @@ fn searched(
     if !state.real {
         state = state.refined(target, Enough::Fine);
     }
-    let (real, sse) = (state.real, state.sse);
+    let real = state.real;
     let poles = merged([target, &whole], state, variance, swapped)?;
     Ok(Search::Found(Structured {
         poles,
         replaced: inside,
         real,
-        sse,
-        added,
         evidence,
     }))
 }
