@@ -71,6 +71,7 @@ pub(super) fn build(
         reference_unit,
         coherence: has_coherence.then(|| Array3::from_elem(dim, f32::NAN)),
         variance: has_variance.then(|| Array3::from_elem(dim, f64::NAN)),
+        estimation: None,
         geometry: Geometry::default(),
     };
     let mut at: Vec<_> = pairs.into_iter().collect();

@@ -140,6 +140,7 @@ impl Own<'_> {
             reference_unit: self.reference_unit()?,
             coherence: None,
             variance: None,
+            estimation: None,
             geometry: self.geometry()?,
         })
     }

@@ -29,6 +29,7 @@ fn set(responses: usize, references: usize, lines: usize) -> FrfSet {
             (responses, references, lines),
             |(i, j, k)| 1e-6 * (1 + i + j + k) as f64,
         )),
+        estimation: None,
         geometry: Geometry {
             nodes: vec![
                 Node {

@@ -32,6 +32,7 @@ pub fn example_set(frequency_hz: Vec<f64>) -> FrfSet {
         reference_unit: ReferenceUnit::Newton,
         coherence: None,
         variance: None,
+        estimation: None,
         geometry: Geometry {
             nodes: vec![Node {
                 label: 1,
