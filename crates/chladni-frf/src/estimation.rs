@@ -127,8 +127,20 @@ pub struct Estimation {
     pub lines_per_value: usize,
 }
 
+impl Estimation {
+    /// What is said of two sets at once; `None` where they differ in more than averages.
+    pub fn joined(self, other: Self) -> Option<Self> {
+        let averages = [
+            self.averages[0].min(other.averages[0]),
+            self.averages[1].max(other.averages[1]),
+        ];
+        let joined = Self { averages, ..self };
+        (joined == Self { averages, ..other }).then_some(joined)
+    }
+}
+
 impl fmt::Display for Estimation {
-    /// In one line of at most 80 characters.
+    /// In one line, short enough for those of universal files.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.estimator)?;
         if self.estimator.is_local() {

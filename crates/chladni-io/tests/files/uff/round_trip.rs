@@ -252,6 +252,43 @@ fn single_precision_and_coherence_round_trip() {
 }
 
 #[test]
+fn id_line_5_says_how_a_set_was_estimated() {
+    use chladni_frf::{BlockWindow, Estimation, Estimator};
+    let made = |estimator, window, averages| Estimation {
+        estimator,
+        window,
+        transform_s: 12.5,
+        gate_s: 12.5,
+        hop_s: 12.5 / 3.0,
+        averages,
+        lines_per_value: 13,
+    };
+    let window = BlockWindow::Exponential { rate_per_s: 0.25 };
+    for (estimation, expected) in [
+        (
+            made(Estimator::Hv, window, [10, 20]),
+            "hv window=exponential alpha=0.250000/s hop=4.166667s T=12.500000s n=10-20",
+        ),
+        (
+            made(Estimator::Lrm, BlockWindow::Rectangular, [1, 1]),
+            "lrm lines=13 T=12.500000s n=1",
+        ),
+    ] {
+        let contents = Contents {
+            frf: Some(FrfSet {
+                estimation: Some(estimation),
+                ..example_set(even_axis())
+            }),
+            ..Contents::default()
+        };
+        let (document, _) = round_trip(&contents, true);
+        for function in &document.functions {
+            assert_eq!(function.id_lines[4], expected);
+        }
+    }
+}
+
+#[test]
 fn masked_lines_stay_masked_in_binary_and_are_refused_as_text() {
     let mut set = example_set(even_axis());
     let FrfValues::F64(values) = &mut set.values else {
