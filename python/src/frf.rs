@@ -138,6 +138,7 @@ impl FrfSet {
             reference_unit: unit(py, reference_unit)?,
             coherence: None,
             variance: None,
+            estimation: None,
             geometry: Geometry {
                 nodes,
                 ..Geometry::default()

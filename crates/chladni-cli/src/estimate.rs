@@ -5,10 +5,12 @@ use chladni_console::output::{Output, FRF};
 use chladni_console::table::{counted, significant};
 use chladni_console::Console;
 use chladni_console::Outcome;
-use chladni_frf::{Dof, Error, ErrorKind, Geometry, Result, Source};
+use chladni_frf::{
+    BlockWindow, Dof, Error, ErrorKind, Estimation, Estimator, Geometry, Result, Source,
+};
 use chladni_io::{read_documents, write_contents, Contents, ReadOptions};
 use chladni_io::{runs_of, ChannelOverride};
-use chladni_signal::{estimate, BlockWindow, EstimateOptions, Estimator};
+use chladni_signal::{estimate, EstimateOptions};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::json;
 use std::path::PathBuf;
@@ -17,7 +19,8 @@ use std::path::PathBuf;
 #[derive(Debug, clap::Args)]
 #[command(before_help = "Examples:
   chladni estimate hammer_*.uff -o frf.h5                                  blows: one record each, averaged
-  chladni estimate shaker.uff -o frf.h5 --block 8192 --window hann --overlap 0.5
+  chladni estimate shaker.uff -o frf.h5                                    continuous random: no leakage
+  chladni estimate shaker.uff -o frf.h5 --estimator h1 --block 8192        the same by averaged Hann blocks
   chladni estimate take.wav -o frf.h5 --dofs 101:+Z,1:+Z --units V,m/s --scales 10,0.05")]
 pub struct Args {
     /// Time records: universal files, HDF5 of this program, tables (t, then a column per
@@ -28,9 +31,12 @@ pub struct Args {
     /// or .csv
     #[arg(short, value_name = "FRF")]
     output: PathBuf,
-    /// Where the noise is: at the responses (h1), at the references (h2), at both (hv)
-    #[arg(long, value_name = "WHICH", default_value = "h1", value_parser = PossibleValuesParser::new(["h1", "h2", "hv"]).map(estimator))]
-    estimator: Estimator,
+    /// Averaged blocks with the noise at the responses (h1), at the references (h2), at
+    /// both (hv); local rational (lrm) or polynomial (lpm) fits to the transform of the
+    /// whole record, free of leakage [default: lrm for one long record of continuous
+    /// random excitation without --window and --overlap, else h1]
+    #[arg(long, value_name = "WHICH", value_parser = PossibleValuesParser::new(Estimator::ALL.map(Estimator::name)).try_map(|name| name.parse::<Estimator>()))]
+    estimator: Option<Estimator>,
     /// Window of each block; exponential needs --exponential-window [default: hann for
     /// one long record, rectangular for several]
     #[arg(long, value_name = "WINDOW", value_parser = PossibleValuesParser::new(["rectangular", "hann", "exponential"]))]
@@ -39,12 +45,13 @@ pub struct Args {
     /// takes it off with the same option
     #[arg(long, value_name = "1/S")]
     exponential_window: Option<f64>,
-    /// Samples of a block [default: the whole record where there are several, else about
-    /// 16 blocks]
+    /// Samples of a block; with lrm and lpm, sampling rate over distance of lines
+    /// [default: the whole record where there are several, else about 16 blocks; lrm and
+    /// lpm: a line of the FRFs for 13 of the record]
     #[arg(long, value_name = "SAMPLES")]
     block: Option<usize>,
-    /// Overlap of blocks, as a part of their length [default: 0.5 with a Hann window,
-    /// else 0]
+    /// Overlap of blocks, as a part of their length [default: 2/3 with a Hann
+    /// window, else 0]
     #[arg(long, value_name = "PART", allow_negative_numbers = true)]
     overlap: Option<f64>,
     /// DOFs that excite [default: forces; voltages where there is no force]
@@ -67,14 +74,6 @@ pub struct Args {
     /// Leave out what cannot be read instead of refusing the file
     #[arg(long)]
     lenient: bool,
-}
-
-fn estimator(name: String) -> Estimator {
-    match name.as_str() {
-        "h2" => Estimator::H2,
-        "hv" => Estimator::Hv,
-        _ => Estimator::H1,
-    }
 }
 
 impl Args {
@@ -169,6 +168,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     warn_of_files(&files, warnings, console);
     console.stage("estimating FRFs");
     let result = estimate(&runs, &options)?;
+    let made = result.estimation;
     console.warn_all(result.warnings);
     let mut frf = result.frf;
     frf.geometry = geometry;
@@ -196,15 +196,18 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         "references": references,
         "lines": lines,
         "axis_hz": axis,
-        "estimator": format!("{:?}", args.estimator).to_lowercase(),
-        "window": result.window.name(),
-        "block": result.block,
-        "overlap": result.overlap,
-        "averages": result.averages,
+        "estimator": made.estimator.name(),
+        "window": made.window.name(),
+        "transform_s": made.transform_s,
+        "hop_s": made.hop_s,
+        "block": (made.transform_s * runs[0].sample_rate_hz).round(),
+        "overlap": 1.0 - made.hop_s / made.transform_s,
+        "averages": made.averages,
+        "lines_per_value": made.lines_per_value,
         "warnings": console.warnings(),
     });
     let text = format!(
-        "{}: {} of {} at {}, {} from {} to {} Hz, {} averaged\n",
+        "{}: {} of {} at {}, {} from {} to {} Hz by {}, {}\n",
         args.output.display(),
         kind.map_or("FRFs".to_owned(), |kind| kind.to_string()),
         counted(responses, "response"),
@@ -212,11 +215,26 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         counted(lines, "line"),
         significant(axis[0], 6),
         significant(axis[1], 6),
-        if result.averages[0] == result.averages[1] {
-            counted(result.averages[0], "block")
-        } else {
-            format!("{} to {} blocks", result.averages[0], result.averages[1])
-        }
+        made.estimator,
+        averaged(&made),
     );
     Ok(Outcome::written(&args.output, json, text))
+}
+
+/// Averages in words.
+fn averaged(made: &Estimation) -> String {
+    let word = if made.estimator.is_local() {
+        "record"
+    } else {
+        "block"
+    };
+    let count = match made.averages {
+        [least, most] if least == most => counted(least, word),
+        [least, most] => format!("{least} to {most} {word}s"),
+    };
+    if made.estimator.is_local() {
+        format!("{} a value, {count}", counted(made.lines_per_value, "line"))
+    } else {
+        format!("{count} averaged")
+    }
 }

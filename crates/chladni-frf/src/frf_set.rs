@@ -1,6 +1,6 @@
 //! A set of measured FRFs on one frequency axis.
 
-use crate::{Dof, Error, FrfKind, Geometry, ReferenceUnit, Result};
+use crate::{Dof, Error, Estimation, FrfKind, Geometry, ReferenceUnit, Result};
 use ndarray::{Array1, Array3, Axis};
 use num_complex::{Complex32, Complex64};
 
@@ -83,6 +83,8 @@ pub struct FrfSet {
     /// E|δH|² of each value, in its units squared, same axes; NaN where not known.
     /// Written by `estimate`.
     pub variance: Option<Array3<f64>>,
+    /// How the values were estimated from time records, where that is known.
+    pub estimation: Option<Estimation>,
     /// Nodes, where the file has them.
     pub geometry: Geometry,
 }
@@ -289,6 +291,7 @@ mod tests {
             reference_unit: ReferenceUnit::Newton,
             coherence: None,
             variance: Some(Array3::from_elem((1, 1, 2), 0.5)),
+            estimation: None,
             geometry: Geometry::default(),
         }
     }

@@ -11,6 +11,7 @@
 mod dof;
 mod driving_point;
 mod error;
+mod estimation;
 mod frf_set;
 mod geometry;
 mod kind;
@@ -23,6 +24,7 @@ mod time_record;
 pub use dof::{Direction, Dof};
 pub use driving_point::driving_point_faults;
 pub use error::{Error, ErrorKind, Result};
+pub use estimation::{BlockWindow, Estimation, Estimator};
 pub use frf_set::{FrfSet, FrfValues};
 pub use geometry::{Geometry, Node};
 pub use kind::{FrfKind, ReferenceUnit, TimeSign};

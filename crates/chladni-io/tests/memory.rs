@@ -148,6 +148,7 @@ fn reading_takes_at_most_eight_times_the_file() {
         reference_unit: ReferenceUnit::Newton,
         coherence: None,
         variance: None,
+        estimation: None,
         geometry: Geometry::default(),
     };
     for extension in ["uff", "unv", "h5", "csv", "npz"] {

@@ -70,6 +70,7 @@ pub fn simulate(panel: &Panel, seed: Option<u64>, snr_db: Option<f64>) -> Result
         reference_unit: ReferenceUnit::Newton,
         coherence: None,
         variance: None,
+        estimation: None,
         geometry: layout.geometry,
     };
     Ok(Simulation {

@@ -122,6 +122,7 @@ impl Synthetic {
             reference_unit: ReferenceUnit::Newton,
             coherence: None,
             variance: None,
+            estimation: None,
             geometry: Geometry::default(),
         };
         let quality = Quality {

@@ -132,6 +132,7 @@ impl TimeTest {
             reference_unit: ReferenceUnit::Newton,
             coherence: None,
             variance: None,
+            estimation: None,
             geometry: Geometry::default(),
         };
         Ok(TimeSet {

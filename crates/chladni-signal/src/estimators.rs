@@ -75,7 +75,7 @@ pub(super) fn estimate_line(averages: &Averages, k: usize, estimator: Estimator)
         .sum::<f64>()
         .clamp(0.0, 1.0);
     let frf: Array1<Complex64> = match estimator {
-        Estimator::H1 => row,
+        Estimator::H1 | Estimator::Lpm | Estimator::Lrm => row,
         Estimator::H2 if cross[0].norm() == 0.0 => return LineEstimate::unknown(references),
         Estimator::H2 => Array1::from_elem(1, cross[0].inv()),
         Estimator::Hv => match total_least_squares(&scaled) {

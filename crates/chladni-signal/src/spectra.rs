@@ -1,8 +1,7 @@
 //! Averaged products of the transforms of windowed blocks (Welch).
 
-use super::window::independent_blocks;
-use super::{BlockWindow, Run};
-use chladni_frf::{Dof, Result};
+use super::window::{independent_blocks, window_values};
+use chladni_frf::{BlockWindow, Dof, Result, Run};
 use ndarray::{s, Array3};
 use num_complex::Complex64;
 use rustfft::{Fft, FftPlanner};
@@ -32,9 +31,8 @@ impl Averages {
         response: Dof,
         window: BlockWindow,
         block: usize,
-        overlap: f64,
+        hop: usize,
     ) -> Result<Self> {
-        let hop = ((block as f64 * (1.0 - overlap)).round() as usize).max(1);
         let fft = FftPlanner::new().plan_fft_forward(block);
         let lines = block.div_ceil(2) - 1;
         let size = references.len() + 1;
@@ -57,7 +55,7 @@ impl Averages {
             if channels.len() != size {
                 continue;
             }
-            let values = window.values(block, run.sample_rate_hz);
+            let values = window_values(window, block, run.sample_rate_hz);
             let mut start = 0;
             let mut count = 0;
             while start + block <= run.samples() {

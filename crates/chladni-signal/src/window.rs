@@ -1,40 +1,16 @@
 //! Windows of blocks.
 
+use chladni_frf::BlockWindow;
 use std::f64::consts::PI;
 
-/// What a block is multiplied by before the transform, references and responses alike.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum BlockWindow {
-    /// Nothing: transients that die inside the block, periodic excitation.
-    Rectangular,
-    /// sin²(πt/T): continuous random excitation.
-    Hann,
-    /// e^{−αt}: hammer tests whose response does not die inside the block. It adds α to
-    /// every decay.
-    Exponential {
-        /// α, 1/s.
-        rate_per_s: f64,
-    },
-}
-
-impl BlockWindow {
-    /// As on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Rectangular => "rectangular",
-            Self::Hann => "hann",
-            Self::Exponential { .. } => "exponential",
-        }
-    }
-    /// Its values on a block of `count` samples (periodic form).
-    pub(super) fn values(self, count: usize, sample_rate_hz: f64) -> Vec<f64> {
-        let at = |k: usize| match self {
-            Self::Rectangular => 1.0,
-            Self::Hann => (PI * k as f64 / count as f64).sin().powi(2),
-            Self::Exponential { rate_per_s } => (-rate_per_s * k as f64 / sample_rate_hz).exp(),
-        };
-        (0..count).map(at).collect()
-    }
+/// Values of a window on a block of `count` samples (periodic form).
+pub(super) fn window_values(window: BlockWindow, count: usize, sample_rate_hz: f64) -> Vec<f64> {
+    let at = |k: usize| match window {
+        BlockWindow::Rectangular => 1.0,
+        BlockWindow::Hann => (PI * k as f64 / count as f64).sin().powi(2),
+        BlockWindow::Exponential { rate_per_s } => (-rate_per_s * k as f64 / sample_rate_hz).exp(),
+    };
+    (0..count).map(at).collect()
 }
 
 /// How many independent blocks `count` overlapping ones are worth: P. Welch (1967), eq.
@@ -63,7 +39,7 @@ mod tests {
 
     #[test]
     fn half_overlapped_hann_blocks_are_worth_their_known_part() {
-        let window = BlockWindow::Hann.values(1024, 1.0);
+        let window = window_values(BlockWindow::Hann, 1024, 1.0);
         // ρ = 1/6 at one half
         let expected = 100.0 / (1.0 + 2.0 * 0.99 / 36.0);
         assert!((independent_blocks(&window, 512, 100) - expected).abs() < 1e-6);

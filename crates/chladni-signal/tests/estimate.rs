@@ -1,9 +1,8 @@
 //! Estimators against closed forms: filters whose response is known, noise whose effect
 //! is known.
 
-use chladni_frf::{Channel, Run, SignalUnit};
-use chladni_frf::{Dof, FrfKind};
-use chladni_signal::{estimate, BlockWindow, Estimate, EstimateOptions, Estimator};
+use chladni_frf::{BlockWindow, Channel, Dof, Estimator, FrfKind, Run, SignalUnit};
+use chladni_signal::{estimate, Estimate, EstimateOptions};
 use ndarray::Array3;
 use num_complex::Complex64;
 use rand::{Rng, SeedableRng};
@@ -69,7 +68,7 @@ fn run(channels: Vec<Channel>) -> Run {
 
 fn options(estimator: Estimator) -> EstimateOptions {
     EstimateOptions {
-        estimator,
+        estimator: Some(estimator),
         window: Some(BlockWindow::Rectangular),
         block: Some(BLOCK),
         overlap: Some(0.0),
@@ -91,7 +90,7 @@ fn a_filter_without_noise_is_found_by_every_estimator() {
         let result = estimate(&[run(channels)], &options(estimator)).unwrap();
         assert_eq!(result.frf.kind, Some(FrfKind::Mobility));
         assert_eq!(
-            (result.frf.frequency_hz.len(), result.averages),
+            (result.frf.frequency_hz.len(), result.estimation.averages),
             (BLOCK / 2 - 1, [4, 4])
         );
         for (k, &f) in result.frf.frequency_hz.iter().enumerate() {

@@ -121,7 +121,7 @@ fn records_of_a_table_are_estimated() {
         "time.csv",
         format!("t [s],101:+Z [N],1:+Z [m/s]\n{}\n", rows.join("\n")),
     );
-    for estimator in ["h1", "h2", "hv"] {
+    for (estimator, averages) in [("h1", 94), ("h2", 94), ("hv", 94), ("lpm", 1), ("lrm", 1)] {
         let command = format!(
             "estimate time.csv -o frf.csv --estimator {estimator} --block 256 --force --json"
         );
@@ -130,8 +130,9 @@ fn records_of_a_table_are_estimated() {
             (&result["frf_kind"], &result["lines"]),
             (&"mobility".into(), &127.into())
         );
-        // 8192 samples in blocks of 256 that overlap by half
-        assert_eq!(result["averages"], serde_json::json!([63, 63]));
+        // 8192 samples in blocks of 256 that overlap by two thirds, or in one piece
+        assert_eq!(result["averages"], serde_json::json!([averages, averages]));
+        assert_eq!(result["estimator"], estimator);
         let table = folder.text("frf.csv");
         let mut lines = 0;
         for row in table.lines().filter(|row| row.starts_with("1,3,101,3,")) {
@@ -158,6 +159,26 @@ fn records_of_a_table_are_estimated() {
         .run("estimate time.csv -o frf.csv --block 256 --force")
         .exits(0);
     assert_eq!(folder.text("again.csv"), folder.text("frf.csv"));
+    // continuous noise without a word of windows: the local rational method
+    let result = folder
+        .run("estimate time.csv -o auto.csv --json")
+        .exits(0)
+        .json();
+    assert_eq!(
+        (&result["estimator"], &result["lines_per_value"]),
+        (&"lrm".into(), &13.into())
+    );
+    let result = folder
+        .run("estimate time.csv -o auto.csv --window hann --force --json")
+        .exits(0)
+        .json();
+    assert_eq!(result["estimator"], "h1");
+    folder
+        .run("estimate time.csv -o none.csv --estimator lrm --window hann")
+        .exits(2);
+    folder
+        .run("estimate time.csv -o none.csv --estimator lrm --block 4096")
+        .exits(65);
 }
 
 #[test]

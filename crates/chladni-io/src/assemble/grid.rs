@@ -46,6 +46,8 @@ pub(super) fn build(
     let single = records.iter().all(|record| record.line.is_single());
     let has_coherence = records.iter().any(|record| record.coherence.is_some());
     let has_variance = records.iter().any(|record| record.variance.is_some());
+    let estimations = records.iter().map(|record| record.estimation);
+    let estimation = estimations.reduce(|a, b| a?.joined(b?)).flatten();
 
     let mut pairs: HashMap<(usize, usize), Vec<Record>> = HashMap::new();
     let measured = records.len();
@@ -71,6 +73,7 @@ pub(super) fn build(
         reference_unit,
         coherence: has_coherence.then(|| Array3::from_elem(dim, f32::NAN)),
         variance: has_variance.then(|| Array3::from_elem(dim, f64::NAN)),
+        estimation,
         geometry: Geometry::default(),
     };
     let mut at: Vec<_> = pairs.into_iter().collect();

@@ -417,6 +417,7 @@ pub(super) fn build_set(
         line: Line::Double(frf.values),
         coherence: frf.coherence,
         variance: None,
+        estimation: None,
         kind,
         reference_unit,
         document: 0,

@@ -1,7 +1,7 @@
 //! One measured FRF or coherence on its way from a document into the set.
 
 use super::super::{Document, Function, Ordinate};
-use chladni_frf::{Dof, Error, FrfKind, FrfSet, FrfValues, ReferenceUnit, Result};
+use chladni_frf::{Dof, Error, Estimation, FrfKind, FrfSet, FrfValues, ReferenceUnit, Result};
 use ndarray::s;
 use num_complex::{Complex32, Complex64};
 use std::rc::Rc;
@@ -90,6 +90,7 @@ pub(super) struct Record {
     pub(super) line: Line,
     pub(super) coherence: Option<Vec<f32>>,
     pub(super) variance: Option<Vec<f64>>,
+    pub(super) estimation: Option<Estimation>,
     pub(super) kind: Option<FrfKind>,
     pub(super) reference_unit: ReferenceUnit,
     /// Number of the document it stands in.
@@ -180,6 +181,7 @@ pub(super) fn from_function(
         line,
         coherence: None,
         variance: None,
+        estimation: None,
         kind: function.kind,
         reference_unit: function.reference_unit,
         document,
@@ -220,6 +222,7 @@ pub(super) fn from_set(
                     .variance
                     .as_ref()
                     .map(|variance| variance.slice(s![i, j, ..]).to_vec()),
+                estimation: set.estimation,
                 kind: set.kind,
                 reference_unit: set.reference_unit,
                 document,

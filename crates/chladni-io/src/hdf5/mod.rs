@@ -10,6 +10,7 @@ mod backend;
 #[cfg(feature = "system")]
 #[path = "system/mod.rs"]
 mod backend;
+mod estimation;
 mod functions;
 mod model;
 mod own;

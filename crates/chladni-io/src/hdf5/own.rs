@@ -6,6 +6,7 @@
 //! /frf             complex [n_response, n_reference, n_line], compound {r, i}, attr unit; NaN where nothing was measured
 //! /coherence       f32 [n_response, n_reference, n_line], NaN where not given            optional
 //! /variance        f64 [n_response, n_reference, n_line], E|δH|², written by `estimate`  optional
+//! /estimation      how `estimate` made them, attributes alone: estimator, window, window_rate_per_s, transform_s, gate_s, hop_s, averages_least, averages_most, lines_per_value   optional
 //! /response        {node u64, dir i8} [n_response]
 //! /reference       {node u64, dir i8} [n_reference]
 //! /geometry/nodes  {label u64, x y z f64} [n_node], metres                               optional
@@ -16,6 +17,7 @@
 //! ```
 
 use super::backend::File;
+use super::estimation;
 use crate::arrays::tree::{Entry, Group, Values};
 use crate::arrays::values::{dofs, integers, real_array, reals, wrong_type, ComplexArray};
 use chladni_frf::{Error, FrfKind, FrfSet, FrfValues, Geometry, ReferenceUnit, Result, TimeSign};
@@ -140,6 +142,10 @@ impl Own<'_> {
             reference_unit: self.reference_unit()?,
             coherence: None,
             variance: None,
+            estimation: self
+                .find(estimation::PATH)
+                .map(estimation::read_estimation)
+                .transpose()?,
             geometry: self.geometry()?,
         })
     }
@@ -274,6 +280,9 @@ pub(super) fn add_frf<'a>(root: &mut Group<'a>, set: &'a FrfSet) {
     }
     if let Some(variance) = &set.variance {
         root.add("variance", &shape, Values::Real64(contiguous(variance)));
+    }
+    if let Some(made) = &set.estimation {
+        root.groups.push(estimation::estimation_group(made));
     }
     root.add(
         "response",

@@ -143,6 +143,7 @@ impl Rows {
             reference_unit: self.head.reference_unit,
             coherence: None,
             variance: None,
+            estimation: self.head.estimation,
             geometry: Geometry {
                 nodes,
                 ..Geometry::default()

@@ -48,6 +48,15 @@ pub(super) fn coherence(set: &FrfSet, response: usize, reference: usize) -> Opti
         .then(|| function(set, COHERENCE, dofs, axes, Ordinate::Real32(values)))
 }
 
+/// ID lines that say how the set was estimated, where that is known.
+fn estimated(set: &FrfSet) -> [String; 5] {
+    let mut lines: [String; 5] = Default::default();
+    if let Some(made) = &set.estimation {
+        lines[4] = made.to_string();
+    }
+    lines
+}
+
 fn function(
     set: &FrfSet,
     function_type: i32,
@@ -57,7 +66,7 @@ fn function(
 ) -> Function {
     Function {
         function_type,
-        id_lines: Default::default(),
+        id_lines: estimated(set),
         ids: [0; 3],
         entity_names: Default::default(),
         response,

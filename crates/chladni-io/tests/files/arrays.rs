@@ -324,6 +324,7 @@ fn set(values: FrfValues) -> FrfSet {
             |(i, _, k)| 0.5 + 0.1 * i as f32 - 0.01 * k as f32,
         )),
         variance: None,
+        estimation: None,
         geometry: Geometry::default(),
     }
 }

@@ -699,6 +699,7 @@ fn small_set(values: Array3<Complex64>, coherence: bool) -> FrfSet {
         reference_unit: ReferenceUnit::Volt,
         coherence: coherence.then(|| Array3::from_elem(dim, 1.0 / 3.0)),
         variance: None,
+        estimation: None,
         values: FrfValues::F64(values),
         geometry: Geometry::default(),
     }

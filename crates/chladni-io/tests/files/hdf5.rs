@@ -1,5 +1,8 @@
 //! HDF5 through the public door: round trips, damaged files, files of others.
-use chladni_frf::{ErrorKind, FrfKind, FrfSet, FrfValues, Geometry, Node, ReferenceUnit, TimeSign};
+use chladni_frf::{
+    BlockWindow, ErrorKind, Estimation, Estimator, FrfKind, FrfSet, FrfValues, Geometry, Node,
+    ReferenceUnit, TimeSign,
+};
 use chladni_io::{
     read_contents, read_document, read_frf, sha256_of, write_contents, write_frf, Abscissa, Axis,
     Contents, FrfParts, Function, Ordinate, ReadOptions,
@@ -29,6 +32,15 @@ fn set(responses: usize, references: usize, lines: usize) -> FrfSet {
             (responses, references, lines),
             |(i, j, k)| 1e-6 * (1 + i + j + k) as f64,
         )),
+        estimation: Some(Estimation {
+            estimator: Estimator::H1,
+            window: BlockWindow::Exponential { rate_per_s: 0.1 },
+            transform_s: 2.0,
+            gate_s: 1.5,
+            hop_s: 1.0 / 3.0,
+            averages: [3, 30],
+            lines_per_value: 1,
+        }),
         geometry: Geometry {
             nodes: vec![
                 Node {
@@ -113,6 +125,38 @@ fn a_set_returns_as_it_was_written_and_twice_the_same_bytes() {
         std::fs::read(&path).unwrap(),
         std::fs::read(&again).unwrap()
     );
+}
+
+#[test]
+fn files_that_are_merged_say_how_they_were_made_where_they_agree() {
+    let folder = tempfile::tempdir().unwrap();
+    let files = ["a.h5", "b.h5"].map(|name| folder.path().join(name));
+    let first = set(2, 1, 4);
+    let made = first.estimation.unwrap();
+    let more = Estimation {
+        averages: [40, 50],
+        ..made
+    };
+    let other = Estimation { hop_s: 0.5, ..made };
+    for (second, expected) in [
+        (
+            Some(more),
+            Some(Estimation {
+                averages: [3, 50],
+                ..made
+            }),
+        ),
+        (Some(other), None),
+        (None, None),
+    ] {
+        let mut set = set(2, 1, 4);
+        set.references = vec!["200:+Z".parse().unwrap()];
+        set.estimation = second;
+        write_frf(&files[0], &first, true).unwrap();
+        write_frf(&files[1], &set, true).unwrap();
+        let (merged, ..) = read_frf(&files, &ReadOptions::default()).unwrap();
+        assert_eq!(merged.estimation, expected);
+    }
 }
 
 #[test]

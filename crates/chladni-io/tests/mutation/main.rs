@@ -28,6 +28,7 @@ fn set() -> FrfSet {
         reference_unit: ReferenceUnit::Newton,
         coherence: Some(Array3::from_elem((2, 1, 6), 0.9)),
         variance: None,
+        estimation: None,
         geometry: Geometry {
             nodes: [1, 2, 101]
                 .map(|label| Node {

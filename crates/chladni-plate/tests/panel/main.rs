@@ -4,5 +4,6 @@ mod cramer_rao;
 mod estimate;
 mod fixtures;
 mod frequencies;
+mod leakage;
 mod response;
 mod time;

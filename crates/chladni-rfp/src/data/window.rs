@@ -109,6 +109,7 @@ pub(crate) fn undo(frf: &FrfSet, window: Window) -> Result<Option<FrfSet>, FitEr
         reference_unit: frf.reference_unit,
         coherence: None,
         variance: None,
+        estimation: frf.estimation,
         geometry: frf.geometry.clone(),
     }))
 }

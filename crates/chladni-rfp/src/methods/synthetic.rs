@@ -134,6 +134,7 @@ impl Structure {
             reference_unit: ReferenceUnit::Newton,
             coherence: None,
             variance: None,
+            estimation: None,
             geometry: Geometry::default(),
         }
     }

@@ -107,6 +107,7 @@ mod tests {
             reference_unit: ReferenceUnit::Newton,
             coherence: None,
             variance: None,
+            estimation: None,
             geometry: Geometry::default(),
         }
     }

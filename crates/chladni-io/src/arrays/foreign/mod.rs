@@ -221,6 +221,7 @@ impl<'a> Reader<'a> {
                 .map(|entry| self.coherence(entry, [response, reference, Some(line)]))
                 .transpose()?,
             variance: None,
+            estimation: None,
             geometry: Geometry::default(),
         };
         let time_sign = self

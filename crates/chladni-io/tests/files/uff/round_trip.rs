@@ -32,6 +32,7 @@ pub fn example_set(frequency_hz: Vec<f64>) -> FrfSet {
         reference_unit: ReferenceUnit::Newton,
         coherence: None,
         variance: None,
+        estimation: None,
         geometry: Geometry {
             nodes: vec![Node {
                 label: 1,
@@ -248,6 +249,43 @@ fn single_precision_and_coherence_round_trip() {
         document.functions[1].ordinate,
         Ordinate::Real32(coherence.into_iter().collect())
     );
+}
+
+#[test]
+fn id_line_5_says_how_a_set_was_estimated() {
+    use chladni_frf::{BlockWindow, Estimation, Estimator};
+    let made = |estimator, window, averages| Estimation {
+        estimator,
+        window,
+        transform_s: 12.5,
+        gate_s: 12.5,
+        hop_s: 12.5 / 3.0,
+        averages,
+        lines_per_value: 13,
+    };
+    let window = BlockWindow::Exponential { rate_per_s: 0.25 };
+    for (estimation, expected) in [
+        (
+            made(Estimator::Hv, window, [10, 20]),
+            "hv window=exponential alpha=0.250000/s hop=4.166667s T=12.500000s n=10-20",
+        ),
+        (
+            made(Estimator::Lrm, BlockWindow::Rectangular, [1, 1]),
+            "lrm lines=13 T=12.500000s n=1",
+        ),
+    ] {
+        let contents = Contents {
+            frf: Some(FrfSet {
+                estimation: Some(estimation),
+                ..example_set(even_axis())
+            }),
+            ..Contents::default()
+        };
+        let (document, _) = round_trip(&contents, true);
+        for function in &document.functions {
+            assert_eq!(function.id_lines[4], expected);
+        }
+    }
 }
 
 #[test]

@@ -102,6 +102,7 @@ fn random_test(window: Window, acting: f64, seed: u64) -> FrfSet {
         reference_unit: ReferenceUnit::Newton,
         coherence: None,
         variance: None,
+        estimation: None,
         geometry: Geometry::default(),
     }
 }

@@ -1,0 +1,82 @@
+//! FRFs from averaged blocks, of runs with the same references.
+
+use super::estimators::{estimate_line, LineEstimate};
+use super::setting::BlockSetting;
+use super::spectra::Averages;
+use super::table::Table;
+use super::Group;
+use chladni_frf::{Dof, Error, ErrorKind, Estimator, Result};
+use rayon::prelude::*;
+
+/// Adds the FRFs of a group.
+pub(super) fn add_group(table: &mut Table, group: &Group, setting: &BlockSetting) -> Result<()> {
+    let references = &group.references;
+    if setting.estimator == Estimator::H2 && references.len() > 1 {
+        return Err(Error::new(
+            ErrorKind::Usage,
+            "H2 is defined for one reference at a time",
+        )
+        .field("--estimator")
+        .found(format!("{} references at once", references.len()))
+        .expected("one")
+        .help("use h1 or hv"));
+    }
+    let done: Vec<(Dof, Averages, Vec<LineEstimate>)> = group
+        .responses
+        .par_iter()
+        .map(|&response| {
+            let averages = Averages::of(
+                group.runs,
+                references,
+                response,
+                setting.window,
+                setting.block,
+                setting.hop(),
+            )?;
+            check(&averages, group)?;
+            let lines = (0..averages.lines())
+                .map(|k| estimate_line(&averages, k, setting.estimator))
+                .collect();
+            Ok((response, averages, lines))
+        })
+        .collect::<Result<_>>()?;
+    let columns = table.columns(group);
+    for (response, averages, lines) in done {
+        table.count(averages.blocks);
+        let row = table.row(response);
+        let too_few = averages.blocks <= references.len();
+        for (k, line) in lines.iter().enumerate() {
+            // one block is coherent with itself, whatever it holds
+            let coherence = if too_few { f64::NAN } else { line.coherence };
+            for (j, &column) in columns.iter().enumerate() {
+                let value = (line.frf[j], line.variance[j]);
+                table.set([row, column, k], value, coherence);
+            }
+            if line.frf.iter().any(|value| value.re.is_nan()) {
+                table.mask();
+            }
+        }
+        if too_few {
+            table.warn_once("too few blocks were averaged for a coherence and a variance");
+        }
+    }
+    Ok(())
+}
+
+fn check(averages: &Averages, group: &Group) -> Result<()> {
+    let references = group.references.len();
+    if averages.blocks >= references {
+        return Ok(());
+    }
+    Err(
+        Error::bad_data("fewer blocks than references: their FRFs cannot be told apart")
+            .file(&group.runs[0].file)
+            .field("--block")
+            .found(format!(
+                "{} blocks for {references} references",
+                averages.blocks
+            ))
+            .expected("at least as many blocks as references, better ten times as many")
+            .help("choose a shorter --block, or measure more records"),
+    )
+}

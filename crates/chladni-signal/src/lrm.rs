@@ -1,0 +1,214 @@
+//! Local rational method: as the local polynomial method, with a denominator that all
+//! responses share,
+//!
+//! Y_l(r)·D(r) = Σ_j B_lj(r)·X_j(r) + C_l(r),  D = 1 + d₁r + d₂r²
+//!
+//! so that a mode inside the window is followed exactly, however narrow it is. D is found
+//! by least squares with each line weighted by 1/|D| of the step before (Sanathanan and
+//! Koerner), starting from D = 1. Each response counts by the noise that its fit leaves.
+//! For given D the other unknowns are those of the polynomial method; they are projected
+//! out, which leaves two unknowns, whatever the number of responses.
+//!
+//! R. Voorhoeve, A. van der Maas, T. Oomen, "Non-parametric identification of
+//! multivariable systems: a local rational modeling approach", Mech. Syst. Signal
+//! Process. 105 (2018) 129–152; C. Sanathanan, J. Koerner, IEEE Trans. Automatic Control
+//! 8 (1963) 56–58.
+
+use super::lpm::{coherence, inner, square, unknowns, Basis, LocalEstimate, Window};
+use num_complex::Complex64;
+
+/// Steps of Sanathanan and Koerner after the first, unweighted solution.
+const STEPS: usize = 2;
+/// Least power of a column beside what it had before projection, by which rounding is told
+/// from signal.
+const ROUNDING: f64 = 1e-24;
+
+/// d₁, d₂.
+type Denominator = [Complex64; 2];
+
+/// One response projected: residuals of y, r·y and r²·y.
+struct Projected {
+    /// Inner products of the three residuals.
+    gram: [[Complex64; 3]; 3],
+    /// B_j(0) of the three, per reference.
+    at_centre: Vec<[Complex64; 3]>,
+    /// ‖y‖² on the weighted lines.
+    power: f64,
+}
+
+/// FRFs of every response; `None` where references have no power or act as one.
+pub(super) fn estimate(window: &Window) -> Option<Vec<LocalEstimate>> {
+    let mut denominator = Denominator::default();
+    let mut noise: Option<Vec<f64>> = None;
+    for step in 0..=STEPS {
+        let weight = weights(&window.places, denominator);
+        let basis = Basis::new(window, &weight)?;
+        let projected: Vec<Projected> = window
+            .responses
+            .iter()
+            .map(|response| Projected::new(window, &basis, response, &weight))
+            .collect();
+        let before = noise.unwrap_or_else(|| projected.iter().map(|p| p.power).collect());
+        let normal = Normal::of(&projected, &before);
+        denominator = normal.solution();
+        let after: Vec<f64> = projected
+            .iter()
+            .zip(&before)
+            .map(|(p, &noise)| p.noise(window, denominator, normal.share(p, noise)))
+            .collect();
+        if step == STEPS {
+            let normal = Normal::of(&projected, &after);
+            return Some(finish(
+                window,
+                &basis,
+                &projected,
+                &normal,
+                denominator,
+                &after,
+            ));
+        }
+        noise = Some(after);
+    }
+    None
+}
+
+/// 1/|D| of each line.
+fn weights(places: &[f64], [d1, d2]: Denominator) -> Vec<f64> {
+    places
+        .iter()
+        .map(|r| 1.0 / (1.0 + d1 * r + d2 * r * r).norm().max(f64::MIN_POSITIVE))
+        .collect()
+}
+
+/// Values and variances at the frequency, where D = 1.
+fn finish(
+    window: &Window,
+    basis: &Basis,
+    projected: &[Projected],
+    normal: &Normal,
+    [d1, d2]: Denominator,
+    noise: &[f64],
+) -> Vec<LocalEstimate> {
+    let unit_variance = basis.unit_variance();
+    let of_response = |((p, &noise), response): ((&Projected, &f64), &&[Complex64])| {
+        let values = p
+            .at_centre
+            .iter()
+            .zip(&unit_variance)
+            .map(|(&[y, ry, rry], unit)| {
+                let by_denominator = normal.variance([ry, rry]);
+                (y + d1 * ry + d2 * rry, unit * noise + by_denominator)
+            })
+            .collect();
+        LocalEstimate {
+            values,
+            coherence: coherence(response, noise),
+        }
+    };
+    let responses = projected.iter().zip(noise).zip(&window.responses);
+    responses.map(of_response).collect()
+}
+
+impl Projected {
+    fn new(window: &Window, basis: &Basis, response: &[Complex64], weight: &[f64]) -> Self {
+        let lines = || response.iter().zip(weight).zip(&window.places);
+        let y: Vec<Complex64> = lines().map(|((y, w), _)| y * w).collect();
+        let power = square(&y);
+        let splits = [
+            basis.split(y),
+            basis.split(lines().map(|((y, w), r)| y * w * r).collect()),
+            basis.split(lines().map(|((y, w), r)| y * w * (r * r)).collect()),
+        ];
+        let gram = std::array::from_fn(|a| {
+            std::array::from_fn(|b| inner(&splits[a].rest, &splits[b].rest))
+        });
+        let at_centre = (0..window.references.len())
+            .map(|j| std::array::from_fn(|a| splits[a].at_centre[j]))
+            .collect();
+        Self {
+            gram,
+            at_centre,
+            power,
+        }
+    }
+
+    /// Variance of the noise on a line: what is left, over the freedom that is left;
+    /// `share` is the part of D's freedom that this response took.
+    fn noise(&self, window: &Window, [d1, d2]: Denominator, share: f64) -> f64 {
+        let factors = [Complex64::from(1.0), d1, d2];
+        let mut left = Complex64::default();
+        for (row, a) in self.gram.iter().zip(factors) {
+            for (product, b) in row.iter().zip(factors) {
+                left += a.conj() * product * b;
+            }
+        }
+        let free = window.places.len() - unknowns(window.references.len());
+        // a response without noise must not outweigh all others by rounding alone
+        left.re.max(ROUNDING * self.power) / (free as f64 - share)
+    }
+}
+
+/// The normal equations of D, responses over the variances of their noise.
+struct Normal {
+    /// Hermitian matrix: diagonal and upper element.
+    diagonal: [f64; 2],
+    upper: Complex64,
+    right: [Complex64; 2],
+}
+
+impl Normal {
+    fn of(projected: &[Projected], noise: &[f64]) -> Self {
+        let mut normal = Self {
+            diagonal: [0.0; 2],
+            upper: Complex64::default(),
+            right: [Complex64::default(); 2],
+        };
+        let acting = projected
+            .iter()
+            .zip(noise)
+            .filter(|(_, noise)| **noise > 0.0);
+        for (p, noise) in acting {
+            for i in 0..2 {
+                normal.diagonal[i] += (p.gram[i + 1][i + 1].re + ROUNDING * p.power) / noise;
+                normal.right[i] -= p.gram[i + 1][0] / noise;
+            }
+            normal.upper += p.gram[1][2] / noise;
+        }
+        normal
+    }
+
+    /// Inverse: diagonal and upper element; zero where nothing acts.
+    fn inverse(&self) -> ([f64; 2], Complex64) {
+        let [a, b] = self.diagonal;
+        let determinant = a * b - self.upper.norm_sqr();
+        if determinant.is_nan() || determinant <= 0.0 {
+            return ([0.0; 2], Complex64::default());
+        }
+        (
+            [b / determinant, a / determinant],
+            -self.upper / determinant,
+        )
+    }
+
+    fn solution(&self) -> Denominator {
+        let ([a, b], upper) = self.inverse();
+        let [p, q] = self.right;
+        [a * p + upper * q, upper.conj() * p + b * q]
+    }
+
+    /// gᴴ-variance of D: g·M⁻¹·gᴴ.
+    fn variance(&self, [g1, g2]: [Complex64; 2]) -> f64 {
+        let ([a, b], upper) = self.inverse();
+        a * g1.norm_sqr() + b * g2.norm_sqr() + 2.0 * (g1 * upper * g2.conj()).re
+    }
+
+    /// Part of D's two unknowns that a response determines.
+    fn share(&self, p: &Projected, noise: f64) -> f64 {
+        if noise <= 0.0 {
+            return 0.0;
+        }
+        let ([a, b], upper) = self.inverse();
+        let trace = a * p.gram[1][1].re + b * p.gram[2][2].re + 2.0 * (upper * p.gram[2][1]).re;
+        (trace / noise).clamp(0.0, 2.0)
+    }
+}

@@ -1,0 +1,270 @@
+//! What the options leave open, decided.
+
+use super::excitation::is_continuous_random;
+use super::lpm::wanted_lines;
+use super::whole_record::{smooth_length, Grid};
+use super::{EstimateOptions, BLOCKS, MOST_OVERLAP};
+use chladni_frf::{BlockWindow, Dof, Error, ErrorKind, Estimation, Estimator, Result, Run};
+use ndarray::Array1;
+
+/// Overlap of Hann blocks: beyond it the variance does not fall any further (the window
+/// has a hop of a third for which its squares add up to a constant).
+const HANN_OVERLAP: f64 = 2.0 / 3.0;
+
+/// How FRFs will be estimated.
+pub(super) enum Setting {
+    /// By averaged blocks.
+    Blocks(BlockSetting),
+    /// By local fits to the transform of whole records.
+    Local(LocalSetting),
+}
+
+/// Averages of blocks.
+pub(super) struct BlockSetting {
+    pub estimator: Estimator,
+    pub window: BlockWindow,
+    pub block: usize,
+    pub overlap: f64,
+    pub warnings: Vec<String>,
+}
+
+/// Local fits.
+pub(super) struct LocalSetting {
+    pub estimator: Estimator,
+    pub grid: Grid,
+    /// Samples of the shortest transform.
+    pub samples: usize,
+    pub warnings: Vec<String>,
+}
+
+impl Setting {
+    /// Decides, for records of one sampling rate.
+    pub(super) fn choose(runs: &[Run], options: &EstimateOptions) -> Result<Self> {
+        let for_blocks = options.window.is_some() || options.overlap.is_some();
+        let estimator = match options.estimator {
+            Some(estimator) => estimator,
+            None if !for_blocks && is_for_lrm(runs, options.block) => Estimator::Lrm,
+            None => Estimator::H1,
+        };
+        if !estimator.is_local() {
+            return BlockSetting::choose(runs, options, estimator).map(Self::Blocks);
+        }
+        if for_blocks {
+            return Err(Error::new(
+                ErrorKind::Usage,
+                format!("{estimator} takes neither window nor overlap"),
+            )
+            .field("--estimator")
+            .found(format!(
+                "--estimator {estimator} with --window or --overlap"
+            ))
+            .expected("one transform of the whole record")
+            .help("leave them out, or take --estimator h1"));
+        }
+        LocalSetting::choose(runs, options, estimator).map(Self::Local)
+    }
+
+    /// Frequencies of the FRFs, Hz.
+    pub(super) fn frequency_hz(&self, sample_rate_hz: f64) -> Array1<f64> {
+        match self {
+            Self::Blocks(setting) => {
+                let step_hz = sample_rate_hz / setting.block as f64;
+                let lines = 1..setting.block.div_ceil(2);
+                lines.map(|k| k as f64 * step_hz).collect()
+            }
+            Self::Local(setting) => (0..setting.grid.count)
+                .map(|k| setting.grid.frequency_hz(k))
+                .collect(),
+        }
+    }
+
+    /// How the FRFs are made, before anything is averaged.
+    pub(super) fn estimation(&self, sample_rate_hz: f64) -> Estimation {
+        let averages = [0; 2];
+        match self {
+            Self::Blocks(setting) => {
+                let block_s = setting.block as f64 / sample_rate_hz;
+                Estimation {
+                    estimator: setting.estimator,
+                    window: setting.window,
+                    transform_s: block_s,
+                    gate_s: block_s,
+                    hop_s: setting.hop() as f64 / sample_rate_hz,
+                    averages,
+                    lines_per_value: 1,
+                }
+            }
+            Self::Local(setting) => {
+                let record_s = setting.samples as f64 / sample_rate_hz;
+                Estimation {
+                    estimator: setting.estimator,
+                    window: BlockWindow::Rectangular,
+                    transform_s: record_s,
+                    gate_s: record_s,
+                    hop_s: record_s,
+                    averages,
+                    lines_per_value: (setting.grid.step_hz * record_s + 1e-6) as usize,
+                }
+            }
+        }
+    }
+
+    pub(super) fn warnings(&self) -> &[String] {
+        match self {
+            Self::Blocks(setting) => &setting.warnings,
+            Self::Local(setting) => &setting.warnings,
+        }
+    }
+}
+
+/// True where every response was measured once, in a record long enough, under continuous
+/// random excitation.
+fn is_for_lrm(runs: &[Run], block: Option<usize>) -> bool {
+    let once = groups(runs).iter().all(|group| {
+        let mut dofs: Vec<Dof> = group
+            .iter()
+            .flat_map(|run| run.responses().map(|channel| channel.dof))
+            .collect();
+        let count = dofs.len();
+        dofs.sort_unstable();
+        dofs.dedup();
+        dofs.len() == count
+    });
+    let long = |run: &Run| {
+        let wanted = wanted_lines(run.references().count());
+        block.is_none_or(|block| block * wanted <= smooth_length(run.samples()))
+    };
+    let is_random = |run: &Run| {
+        run.references().count() > 0
+            && run
+                .references()
+                .all(|channel| is_continuous_random(&channel.samples))
+    };
+    once && runs.iter().all(long) && runs.iter().all(is_random)
+}
+
+impl LocalSetting {
+    fn choose(runs: &[Run], options: &EstimateOptions, estimator: Estimator) -> Result<Self> {
+        let samples = runs
+            .iter()
+            .map(|run| smooth_length(run.samples()))
+            .min()
+            .unwrap_or(0);
+        let rate = runs[0].sample_rate_hz;
+        let wanted = runs
+            .iter()
+            .map(|run| wanted_lines(run.references().count()))
+            .max()
+            .unwrap_or(0);
+        if samples < 2 * wanted || options.block.is_some_and(|block| block < 4) {
+            return Err(Error::bad_data("no record for local fits")
+                .field("samples")
+                .found(format!(
+                    "{samples} samples in the shortest record, --block {}",
+                    options.block.map_or("not given".into(), |b| b.to_string())
+                ))
+                .expected(format!("at least {} samples, a --block of 4", 2 * wanted))
+                .help("measure a longer record, or take --estimator h1"));
+        }
+        let grid = match options.block {
+            Some(block) => Grid::new(rate / block as f64, rate),
+            None => Grid::finest(wanted, samples, rate),
+        };
+        grid.check(wanted, samples, rate)?;
+        let mut warnings = Vec::new();
+        if options.estimator.is_none() {
+            warnings.push(format!(
+                "continuous random excitation: estimated by {estimator}, lines {:.4} Hz apart; \
+                 --estimator h1 averages blocks instead",
+                grid.step_hz
+            ));
+        }
+        Ok(Self {
+            estimator,
+            grid,
+            samples,
+            warnings,
+        })
+    }
+}
+
+impl BlockSetting {
+    /// Samples from the start of one block to that of the next.
+    pub(super) fn hop(&self) -> usize {
+        ((self.block as f64 * (1.0 - self.overlap)).round() as usize).max(1)
+    }
+
+    fn choose(runs: &[Run], options: &EstimateOptions, estimator: Estimator) -> Result<Self> {
+        let shortest = runs.iter().map(Run::samples).min().unwrap_or(0);
+        let alone = groups(runs).iter().all(|group| group.len() == 1);
+        let mut warnings = Vec::new();
+        let window = options.window.unwrap_or(if alone {
+            BlockWindow::Hann
+        } else {
+            BlockWindow::Rectangular
+        });
+        let overlap = options.overlap.unwrap_or(if window == BlockWindow::Hann {
+            HANN_OVERLAP
+        } else {
+            0.0
+        });
+        if !(0.0..=MOST_OVERLAP).contains(&overlap) {
+            return Err(Error::new(ErrorKind::Usage, "no possible overlap")
+                .field("--overlap")
+                .found(overlap)
+                .expected(format!("0 to {MOST_OVERLAP}")));
+        }
+        let block = options.block.unwrap_or_else(|| {
+            if !alone {
+                return shortest;
+            }
+            // more overlap than a half gives more blocks, not longer ones
+            let blocks = 1.0 + (BLOCKS as f64 - 1.0) * (1.0 - overlap.min(0.5));
+            // even, so that half the sampling rate is a line
+            (shortest as f64 / blocks) as usize / 2 * 2
+        });
+        if options.window.is_none() || options.block.is_none() {
+            warnings.push(format!(
+                "blocks of {block} samples, {} window, overlap {overlap:.2}: --block, --window \
+                 and --overlap choose others",
+                window.name()
+            ));
+        }
+        if block < 4 || block > shortest {
+            return Err(Error::bad_data("no possible block")
+                .field("--block")
+                .found(format!("{block} samples"))
+                .expected(format!(
+                    "4 to {shortest}, the samples of the shortest record"
+                ))
+                .help("choose a shorter block"));
+        }
+        if let BlockWindow::Exponential { rate_per_s } = window {
+            warnings.push(format!(
+                "the exponential window adds {rate_per_s} 1/s to the decay of every mode: fit with \
+                 --exponential-window {rate_per_s}, which takes it off"
+            ));
+        }
+        Ok(Self {
+            estimator,
+            window,
+            block,
+            overlap,
+            warnings,
+        })
+    }
+}
+
+/// Runs with the same references.
+pub(super) fn groups(runs: &[Run]) -> Vec<Vec<&Run>> {
+    let mut groups: Vec<(Vec<Dof>, Vec<&Run>)> = Vec::new();
+    for run in runs {
+        let mut key: Vec<Dof> = run.references().map(|channel| channel.dof).collect();
+        key.sort_unstable();
+        match groups.iter_mut().find(|(known, _)| *known == key) {
+            Some((_, group)) => group.push(run),
+            None => groups.push((key, vec![run])),
+        }
+    }
+    groups.into_iter().map(|(_, group)| group).collect()
+}
