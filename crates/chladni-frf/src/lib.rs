@@ -17,6 +17,7 @@ mod kind;
 mod model;
 mod nearest_word;
 mod selection;
+mod shape_set;
 mod time_record;
 
 pub use dof::{Direction, Dof};
@@ -31,6 +32,7 @@ pub use model::{
 };
 pub use nearest_word::nearest_word;
 pub use selection::{ModeName, ModePick, Selected, Selection};
+pub use shape_set::{ShapeMode, ShapeSet};
 pub use time_record::{Channel, Run, SignalUnit};
 
 /// The name and version that every result carries in `created_by`.
