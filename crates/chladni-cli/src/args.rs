@@ -1,8 +1,8 @@
 //! The commands.
 
 use crate::{
-    bench, block, convert, demo, estimate, evaluate, fit, info, render, report, select, shell,
-    simulate, studio,
+    bench, block, compare, convert, demo, estimate, evaluate, fit, info, render, report, select,
+    shell, simulate, studio,
 };
 use chladni_console::Common;
 use clap::{Parser, Subcommand};
@@ -47,6 +47,8 @@ pub enum Command {
     Fit(fit::Args),
     /// Keep or drop modes of a model by hand, reproducibly
     Select(select::Args),
+    /// Pair the modes of two models, or follow them through many: MAC, shifts, what is missing
+    Compare(compare::Args),
     /// Find actuator weights that move a panel here and keep it quiet there
     Render(render::Args),
     /// Judge given weights on other data: measured FRFs or another model

@@ -5,6 +5,7 @@ mod args;
 mod asked_model;
 mod bench;
 mod block;
+mod compare;
 mod convert;
 mod curves;
 mod demo;
@@ -46,6 +47,7 @@ fn run(command: &Command, console: &Console) -> Result<Outcome> {
         Command::Simulate(args) => simulate::run(args, console),
         Command::Fit(args) => fit::run(args, console),
         Command::Select(args) => select::run(args, console),
+        Command::Compare(args) => compare::run(args, console),
         Command::Render(args) => render::run(args, console),
         Command::Evaluate(args) => evaluate::run(args, console),
         Command::Report(args) => report::run(args, console),

@@ -19,6 +19,7 @@ mod model;
 mod nearest_word;
 mod printable;
 mod selection;
+mod shape_set;
 mod time_record;
 
 pub use dof::{Direction, Dof};
@@ -35,6 +36,7 @@ pub use model::{
 pub use nearest_word::nearest_word;
 pub use printable::printable;
 pub use selection::{ModeName, ModePick, Selected, Selection};
+pub use shape_set::{ShapeMode, ShapeSet};
 pub use time_record::{Channel, Run, SignalUnit};
 
 /// The name and version that every result carries in `created_by`.

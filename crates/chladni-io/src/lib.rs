@@ -28,6 +28,7 @@ mod runs;
 mod save;
 mod selection;
 mod shape;
+mod shape_set;
 mod temporary;
 mod time_sign;
 pub mod uff;
@@ -56,6 +57,7 @@ pub use runs::{runs_of, ChannelOverride};
 pub use save::{write_contents, write_frf};
 pub use selection::{read_selection, selection_from_toml};
 pub use shape::{Analysis, Shape, ShapeForm, ShapeNumbers, TRANSLATION};
+pub use shape_set::{read_shape_set, shape_set};
 
 use contents::{function_name, not_carried};
 use save::{extension, unknown_extension};

@@ -24,6 +24,10 @@ pub use driver::{fit, Fit};
 pub use methods::bars::stabilization;
 pub use methods::found::{OrderPole, Stability, Stabilization};
 pub use validation::cmif::cmif;
+pub use validation::compare::{
+    compare, track, CompareOptions, Comparison, LoneMode, MacEstimate, ModePair, ModeTrack,
+    PairDofs, TrackAgainst, Tracking,
+};
 pub use validation::complexity::{mean_phase_deviation_deg, modal_complexity_factor, mpc};
 pub use validation::mac::{auto_mac, mac, mac_matrix};
 pub use validation::reciprocity::{reciprocity, ReciprocalPair};

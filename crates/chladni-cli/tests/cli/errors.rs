@@ -84,6 +84,10 @@ select truth.json typo.toml -o new.json|65|bad_data|typo.toml|line 1|frf|drop
 select truth.json many.toml -o new.json|65|bad_data|many.toml|line 1|drop[1]|999|the nearest is mode
 select panel.h5 many.toml -o new.json|65|bad_data|panel.h5|no model
 select truth.json many.toml -o truth.json --force|73|cannot_create|one of the inputs
+compare truth.json|2|usage|MODEL|SHAPES
+compare truth.json panel.h5|65|bad_data|panel.h5|FRFs|datasets 55 or 2414
+compare truth.json weights.json|65|bad_data|weights.json
+compare truth.json truth.json --least-mac 2|2|usage|--least-mac|0 to 1
 render truth.json typo.toml|65|bad_data|typo.toml|line
 render truth.json scen.toml|66|no_input|did you mean scene.toml?
 render truth.json binary.dat|65|bad_data|binary.dat|a binary file|a scene
@@ -268,6 +272,7 @@ fn help_and_version_are_no_errors_and_begin_with_examples() {
         "simulate",
         "fit",
         "select",
+        "compare",
         "render",
         "evaluate",
         "report",

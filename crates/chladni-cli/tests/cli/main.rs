@@ -3,6 +3,7 @@
 mod agreement;
 mod bench;
 mod common;
+mod compare;
 mod crash_safety;
 mod demo;
 mod documentation;

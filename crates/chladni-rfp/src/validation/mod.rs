@@ -1,8 +1,9 @@
 //! Enters: shapes, models, FRF sets; leaves: yardsticks of modal testing, of shapes (MAC, phase collinearity and deviation,
 //! complexity), of FRFs (mode indicator, reciprocity), and of a model against its data
-//! (reconstruction error).
+//! (reconstruction error); two models side by side.
 
 pub(crate) mod cmif;
+pub(crate) mod compare;
 pub(crate) mod complexity;
 pub(crate) mod mac;
 pub(crate) mod reciprocity;
