@@ -9,7 +9,6 @@
 use crate::data::columns::Columns;
 use crate::data::layout::DataLayout;
 use crate::data::screening::Screened;
-use crate::poles::refine::Projection;
 use crate::tolerances as tol;
 use chladni_linalg::blocked::{blocked_matmul, blocked_matmul_h, cleared, tree_sum};
 use chladni_linalg::{add_matmul, cholesky, eigh, set_matmul_h, solve_lower_adjoint, LinalgError};
@@ -69,9 +68,12 @@ impl Projected {
     /// What each line's residual energy over all FRFs would be without a model, if noise
     /// is all there is: a model takes up the share of noise that its leverage Σ|Q_k|²
     /// says, most of it at its poles.
-    pub fn line_noise(&self, projection: &Projection) -> Array1<f64> {
-        let mut energy = self.line_residual(&projection.residual);
-        for (energy, q) in energy.iter_mut().zip(projection.q.rows()) {
+    ///
+    /// * `q`: orthonormal basis of the model, (line, m)
+    /// * `residual`: of the compressed columns, (line, column)
+    pub fn line_noise(&self, q: &Array2<Complex64>, residual: &Array2<Complex64>) -> Array1<f64> {
+        let mut energy = self.line_residual(residual);
+        for (energy, q) in energy.iter_mut().zip(q.rows()) {
             *energy /= (1.0 - q.iter().map(|v| v.norm_sqr()).sum::<f64>()).max(tol::LEVERAGE_LEFT);
         }
         energy

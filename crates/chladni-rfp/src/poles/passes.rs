@@ -133,7 +133,7 @@ impl Pass {
         } = self;
         residual_peak(
             &projected.work,
-            &projected.line_noise(&refined.projection),
+            &projected.line_noise(&refined.projection.q, &refined.projection.residual),
             data.pairs.len(),
             &refined.lambda,
         )
