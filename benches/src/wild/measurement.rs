@@ -45,6 +45,7 @@ pub(super) fn measurement(draw: &Draw) -> Result<Measurement> {
         coherence: None,
         variance: None,
         geometry: Geometry::default(),
+        estimation: None,
     };
     Ok(Measurement {
         frf: frf.checked()?,
