@@ -1,16 +1,13 @@
 //! Ctrl-C and termination: an interrupted run leaves no half-written file and no
 //! temporary one.
 
-use crate::outcome::print_error;
+use crate::stdout::{is_printing, print_error};
 use chladni_frf::{Error, ErrorKind};
 use std::io::{self, Write};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Mutex;
 
 /// Held while a file is being written beside its place.
 static WRITING: Mutex<()> = Mutex::new(());
-/// Set once stdout is in use for the result.
-static PRINTING: AtomicBool = AtomicBool::new(false);
 
 /// Ends the process in order on Ctrl-C, on termination, when its terminal is closed and
 /// when its time is used up.
@@ -68,7 +65,7 @@ fn end(json: bool) {
     );
     // nobody may listen any more
     drop(writeln!(io::stderr(), "\nerror: {error}"));
-    if json && !PRINTING.load(Ordering::SeqCst) {
+    if json && !is_printing() {
         print_error(&error);
     }
     std::process::exit(ErrorKind::Interrupted.exit_code().into());
@@ -78,9 +75,4 @@ fn end(json: bool) {
 pub fn unbroken<T>(write: impl FnOnce() -> T) -> T {
     let _guard = WRITING.lock();
     write()
-}
-
-/// From now on stdout belongs to the result.
-pub fn printing() {
-    PRINTING.store(true, Ordering::SeqCst);
 }

@@ -12,11 +12,13 @@ pub mod output;
 mod progress;
 pub mod quoting;
 mod start;
+mod stdout;
 pub mod table;
 mod usage;
 
 pub use args::Common;
 pub use console::Console;
 pub use interrupt::unbroken;
-pub use outcome::{print_line, Outcome};
+pub use outcome::Outcome;
 pub use start::{refused_threads, start};
+pub use stdout::print_line;

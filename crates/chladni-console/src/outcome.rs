@@ -1,10 +1,9 @@
 //! How a run ends: the result on stdout, or an error; and the exit status.
 
 use crate::console::{for_terminal, Console};
-use crate::interrupt;
+use crate::stdout::{print_error, print_line, to_stdout};
 use chladni_frf::{Error, ErrorKind, Result};
-use serde_json::{json, Value};
-use std::io::{self, Write};
+use serde_json::Value;
 use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -113,25 +112,6 @@ fn print(outcome: &Outcome, console: &Console) -> Result<()> {
     }
 }
 
-/// Prints the error object of the contract: all keys always.
-pub fn print_error(error: &Error) {
-    let object = json!({"error": {
-        "code": error.kind.exit_code(),
-        "kind": error.kind.as_str(),
-        "message": error.message,
-        "file": error.file.as_ref().map(|file| file.display().to_string()),
-        "dataset": error.dataset,
-        "line": error.line,
-        "byte": error.byte,
-        "field": error.field,
-        "found": error.found,
-        "expected": error.expected,
-        "help": error.help,
-    }});
-    // the error is on stderr already; a closed stdout changes nothing
-    drop(print_line(&object.to_string()));
-}
-
 fn with_advice(error: Error) -> Error {
     match (error.kind, &error.help) {
         (ErrorKind::Internal, None) => error.help(
@@ -139,29 +119,6 @@ fn with_advice(error: Error) -> Error {
                         command and the input",
         ),
         _ => error,
-    }
-}
-
-/// Prints text that ends with a line feed.
-pub fn print_line(text: &str) -> Result<()> {
-    to_stdout(&format!("{text}\n"))
-}
-
-/// Writes to stdout; a reader that has seen enough (`| head`) is no error.
-fn to_stdout(text: &str) -> Result<()> {
-    interrupt::printing();
-    let mut stdout = io::stdout().lock();
-    match stdout
-        .write_all(text.as_bytes())
-        .and_then(|()| stdout.flush())
-    {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(Error::new(
-            ErrorKind::Io,
-            format!("cannot write to stdout: {error}"),
-        )
-        .file("stdout")
-        .help("free some space or write elsewhere")),
-        _ => Ok(()),
     }
 }
 

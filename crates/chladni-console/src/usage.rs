@@ -1,7 +1,7 @@
 //! Wrong usage, in the same words and the same JSON as every other error.
 
 use crate::console::for_terminal;
-use crate::outcome::print_error;
+use crate::stdout::print_error;
 use chladni_frf::{Error, ErrorKind};
 use clap::error::{ContextKind, ContextValue, ErrorKind as ClapKind};
 use clap::{ArgMatches, Command, Parser};
