@@ -290,7 +290,7 @@ fn ask_for_fit(body: &str) {
                     method: Method::Lean,
                     ..options
                 };
-                if let Err(error) = chladni_rfp::fit(&FRFS, &options, &|_| {}) {
+                if let Err(error) = chladni_rfp::fit(&FRFS, &options, &|_: &str| {}) {
                     is_said(&error.told(&options, str::to_owned));
                 }
             }
