@@ -23,6 +23,9 @@ const STEPS: usize = 2;
 /// from signal.
 const ROUNDING: f64 = 1e-24;
 
+/// |D| on a line, beside its largest, below which the line weighs no more.
+const LEAST_DENOMINATOR: f64 = 1e-6;
+
 /// d₁, d₂.
 type Denominator = [Complex64; 2];
 
@@ -74,10 +77,12 @@ pub(super) fn estimate(window: &Window) -> Option<Vec<LocalEstimate>> {
 
 /// 1/|D| of each line.
 fn weights(places: &[f64], [d1, d2]: Denominator) -> Vec<f64> {
-    places
+    let sizes: Vec<f64> = places
         .iter()
-        .map(|r| 1.0 / (1.0 + d1 * r + d2 * r * r).norm().max(f64::MIN_POSITIVE))
-        .collect()
+        .map(|r| (1.0 + d1 * r + d2 * r * r).norm())
+        .collect();
+    let least = LEAST_DENOMINATOR * sizes.iter().copied().fold(0.0, f64::max);
+    sizes.iter().map(|size| size.max(least).recip()).collect()
 }
 
 /// Values and variances at the frequency, where D = 1.

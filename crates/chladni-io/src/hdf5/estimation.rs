@@ -10,8 +10,9 @@ pub(super) const PATH: &str = "/estimation";
 pub(super) fn estimation_group<'a>(made: &Estimation) -> Group<'a> {
     let mut group = Group::new(PATH.trim_start_matches('/'));
     let count = |count: usize| Attribute::Integer(count as i64);
-    group.set("estimator", made.estimator.name());
-    group.set("window", made.window.name());
+    let text = |text: &str| Attribute::FixedText(text.to_owned());
+    group.set("estimator", text(made.estimator.name()));
+    group.set("window", text(made.window.name()));
     if let Some(rate_per_s) = made.window.rate_per_s() {
         group.set("window_rate_per_s", Attribute::Real(rate_per_s));
     }

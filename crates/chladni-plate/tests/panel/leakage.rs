@@ -142,13 +142,13 @@ fn fitted(frf: &FrfSet, truth: &ModalModel) -> Vec<[f64; 2]> {
             let residues = lstsq(e.columns.view(), e.right.view()).unwrap();
             residual.push(&e.right - &e.columns.dot(&residues));
             let moved: Vec<Array2<f64>> = e.derivatives.iter().map(|d| d.dot(&residues)).collect();
-            let views: Vec<_> = moved.iter().map(Array2::view).collect();
+            let views: Vec<_> = moved.iter().map(|part| part.view()).collect();
             let moved = ndarray::concatenate(Axis(1), &views).unwrap();
             let followed = lstsq(e.columns.view(), moved.view()).unwrap();
             jacobian.push(&moved - &e.columns.dot(&followed));
         }
         let stack = |parts: &[Array2<f64>]| {
-            let views: Vec<_> = parts.iter().map(Array2::view).collect();
+            let views: Vec<_> = parts.iter().map(|part| part.view()).collect();
             ndarray::concatenate(Axis(0), &views).unwrap()
         };
         let (jacobian, residual) = (stack(&jacobian), stack(&residual));
