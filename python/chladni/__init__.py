@@ -3,8 +3,9 @@
     import chladni
     frf = chladni.read("scan.uff", frf_kind="mobility")
     model = chladni.fit(frf, band=(20, 1900))
-    print(model.frequency_hz, model.loss_factor, model.trust)
-    drive = chladni.render(model, "corner.toml")
+    model                                        # a notebook shows the table of modes
+    chladni.compare(model, "fe_shapes.unv")      # MAC with its uncertainty, shifts, what has no partner
+    drive = chladni.render(model, "corner.toml") # or a dictionary, or chladni.scene(model, 300.0, hot=mask)
 
 Data larger than memory, or many machines: the same fit in pieces. Reduce every block of the FRFs, merge, solve; the first pass gives
 `Poles`, a second pass with them the `Model`.
@@ -21,18 +22,28 @@ import json as _json
 
 import numpy as _numpy
 
+from . import _chladni, _html
 from ._chladni import ChladniError, FrfSet, Model, Partial, Poles, Rendering, __version__
-from ._chladni import fit, load_model, merge, read, reduce_block, render, residues_block, simulate, solve_poles
-from ._chladni import evaluate as _evaluate
+from ._chladni import cmif, load_model, merge, read, reduce_block, report, residues_block, simulate
+from ._compare import Comparison, compare
+from ._plot import plot_field as _plot_field
+from ._plot import plot_frf as _plot_frf
+from ._plot import plot_shape as _plot_shape
+from ._progress import told as _told
+from ._scene import scene, text_or_path as _text_or_path, to_toml as scene_to_toml
 
 __all__ = [
     "ChladniError",
+    "Comparison",
     "FrfSet",
     "Model",
     "Partial",
     "Poles",
     "Rendering",
     "__version__",
+    "cmif",
+    "compare",
+    "estimate",
     "evaluate",
     "fit",
     "load_model",
@@ -40,20 +51,242 @@ __all__ = [
     "read",
     "reduce_block",
     "render",
+    "report",
     "residues_block",
+    "scene",
+    "scene_to_toml",
+    "select",
     "simulate",
     "solve_poles",
+    "stabilization",
 ]
 
 
+def fit(frf, *, progress=None, **options):
+    """
+    Identifies the modes in an FRF set.
+
+    Parameters
+    ----------
+    frf : FrfSet
+        FRFs, shape (response, reference, line).
+    band : (float, float), optional
+        Band, Hz; all lines without it.
+    modes : int, optional
+        Number of modes; decided by evidence without it.
+    damping : {"structural", "viscous"}, optional
+        Damping law; decided by evidence without it.
+    method : {"auto", "lean", "vf", "lscf", "plscf", "aaa", "rfp", "grfp", "peak", "circle"}
+        How poles are found.
+    shapes : {"auto", "free", "rank1", "real"}
+        What shapes may be while poles are refined.
+    window : str, optional
+        Window of the records that the FRFs were averaged from.
+    exponential_window_per_s : float, optional
+        Decay of a hammer test's window, 1/s: taken off the poles.
+    seed : int
+        Of the random mixtures of FRFs.
+    progress : bool or callable, optional
+        True: a bar (with tqdm where installed). A function is called with the name of each stage.
+
+    Returns
+    -------
+    Model
+    """
+    with _told(progress, "fit") as tell:
+        return _chladni.fit(frf, progress=tell, **options)
+
+
+def solve_poles(partial, *, progress=None, **options):
+    """
+    Poles of merged partials of the first pass, or the model of those of the second.
+
+    Parameters
+    ----------
+    partial : Partial
+        All blocks, merged.
+    progress : bool or callable, optional
+        As of `fit`.
+    **options
+        ``modes``, ``damping``, ``shapes``, ``exponential_window_per_s``, as of `fit`.
+
+    Returns
+    -------
+    Poles or Model
+    """
+    with _told(progress, "solve") as tell:
+        return _chladni.solve_poles(partial, progress=tell, **options)
+
+
+def estimate(
+    references,
+    responses,
+    sample_rate_hz,
+    *,
+    reference_names=None,
+    response_names=None,
+    kind="mobility",
+    reference_unit="N",
+    estimator="h1",
+    window=None,
+    exponential_window_per_s=None,
+    block=None,
+    overlap=None,
+):
+    """
+    FRFs with coherence and variance from time records.
+
+    Parameters
+    ----------
+    references : array_like, shape (reference, sample) or (run, reference, sample)
+        Forces, N, or voltages, V.
+    responses : array_like, shape (response, sample) or (run, response, sample)
+        Displacements, velocities or accelerations, SI; `kind` says which.
+    sample_rate_hz : float
+        Samples per second.
+    reference_names, response_names : list of str, optional
+        DOFs such as ``"12:+Z"``; without them responses are nodes 1, 2, ... and references the nodes after those.
+    kind : {"receptance", "mobility", "accelerance"}
+        Kind of the FRFs.
+    reference_unit : {"N", "V"}
+        Unit of the references.
+    estimator : {"h1", "h2", "hv"}
+        Where the noise is thought to be.
+    window : {"hann", "rectangular", "exponential"}, optional
+        Without it: Hann for one long record, none for several runs.
+    exponential_window_per_s : float, optional
+        Decay of an exponential window, 1/s.
+    block : int, optional
+        Samples of a block.
+    overlap : float, optional
+        Overlap of blocks, 0 to 0.95.
+
+    Returns
+    -------
+    FrfSet
+    """
+
+    def runs(signals):
+        signals = _numpy.atleast_2d(_numpy.asarray(signals, dtype=float))
+        if signals.ndim > 3:
+            raise ValueError(f"records have the axes ([run,] channel, sample), not {signals.ndim} of them")
+        return list(signals if signals.ndim == 3 else signals[None])
+
+    return _chladni.estimate(
+        runs(references),
+        runs(responses),
+        sample_rate_hz,
+        reference_names,
+        response_names,
+        kind,
+        reference_unit,
+        estimator,
+        window,
+        exponential_window_per_s,
+        block,
+        overlap,
+    )
+
+
+def select(model, *, keep=None, drop=None, near_hz=(), within_hz=0.5):
+    """
+    Keeps or drops modes by hand; nothing is fitted again.
+
+    Parameters
+    ----------
+    model : Model
+        What `fit` found.
+    keep, drop : list of int, optional
+        Places of modes, from 0 as in the arrays of the model; one of the two.
+    near_hz : list of float, optional
+        Further modes by their frequency, Hz.
+    within_hz : float
+        Largest distance from `near_hz`, Hz.
+
+    Returns
+    -------
+    Model
+    """
+    lines = [f"{name} = {[int(place) + 1 for place in places]}" for name, places in (("keep", keep), ("drop", drop)) if places is not None]
+    lines += [f"[[mode]]\nnear_hz = {float(hz)}\nwithin_hz = {float(within_hz)}" for hz in near_hz]
+    return _chladni.select(model, "\n".join(lines))
+
+
+def stabilization(frf, *, band=None):
+    """
+    Poles of rising order by the method lscf: the data of a stabilization diagram.
+
+    Parameters
+    ----------
+    frf : FrfSet
+        FRFs on an even axis.
+    band : (float, float), optional
+        Band, Hz.
+
+    Returns
+    -------
+    dict of ndarray
+        ``order``, ``frequency_hz``, ``damping_ratio`` and ``stability`` ("new", "frequency" or "stable"), a value for each pole.
+    """
+    order, frequency_hz, damping_ratio, stability = _chladni.stabilization(frf, band)
+    return {"order": order, "frequency_hz": frequency_hz, "damping_ratio": damping_ratio, "stability": _numpy.array(stability, dtype=str)}
+
+
+def render(model, scene, **options):
+    """
+    Weights that move the panel in the hot zones of a scene and keep it quiet in the cold ones.
+
+    Parameters
+    ----------
+    model : Model
+        What the panel does.
+    scene : path, str or dict
+        Scene file, its TOML text, or the same as a dictionary (see `scene`).
+    method : str
+        default, fast, best, or one of the methods of ``chladni render``.
+    modes, actuators : str
+        "all", "auto" or a number.
+    measured : FrfSet, optional
+        FRFs whose line at the drive frequency judges ``modes="auto"``.
+
+    Returns
+    -------
+    Rendering
+    """
+    return _chladni.render(model, _text_or_path(scene), **options)
+
+
 def evaluate(rendering, scene, on):
-    """The indices of a `Rendering` in a scene on other data (an `FrfSet` or a `Model`), as a dictionary."""
-    return _json.loads(_evaluate(rendering, scene, on))
+    """
+    The indices of a drive on other data.
+
+    Parameters
+    ----------
+    rendering : Rendering
+        The drive.
+    scene : path, str or dict
+        As of `render`.
+    on : FrfSet or Model
+        What it is judged on.
+
+    Returns
+    -------
+    dict
+    """
+    return _json.loads(_chladni.evaluate(rendering, _text_or_path(scene), on))
 
 
 def _to_dict(self):
-    """Everything the model file holds, as a dictionary."""
+    """Everything the file holds, as a dictionary."""
     return _json.loads(self.to_json())
+
+
+def _to_dataframe(self):
+    """A pandas DataFrame with a row for each mode of the band."""
+    import pandas
+
+    columns = ("frequency_hz", "frequency_std_hz", "loss_factor", "loss_factor_std", "damping_ratio", "trust")
+    return pandas.DataFrame({name: getattr(self, name) for name in columns})
 
 
 def _frf_reconstruct(self, frequency_hz):
@@ -66,9 +299,28 @@ def _auto_mac(self):
     return self.mac()
 
 
+def _get_poles(self):
+    """Poles, rad/s: the name that users of SDyPy-EMA know for `poles`, which are found by `fit` already."""
+    return self.poles
+
+
+def _modal_constants(self):
+    """Residues of the first reference, receptance, (response, mode): SDyPy-EMA's A."""
+    return (self.shapes * self.participations[:, :1] / (2j * self.poles.imag[:, None])).T
+
+
 Model.to_dict = _to_dict
+Model.to_dataframe = _to_dataframe
 Model.FRF_reconstruct = _frf_reconstruct
 Model.autoMAC = _auto_mac
+Model.get_poles = _get_poles
 Model.nat_freq = property(lambda self: self.frequency_hz, doc="Natural frequencies, Hz (SDyPy-EMA's name).")
 Model.nat_xi = property(lambda self: self.damping_ratio, doc="Damping ratios (SDyPy-EMA's name).")
-Rendering.to_dict = lambda self: _json.loads(self.to_json())
+Model.A = property(_modal_constants, doc=_modal_constants.__doc__)
+Model.plot_frf = _plot_frf
+Model.plot_shape = _plot_shape
+Model._repr_html_ = _html.model
+FrfSet._repr_html_ = _html.frf_set
+Rendering.to_dict = _to_dict
+Rendering.plot_field = _plot_field
+Rendering._repr_html_ = _html.rendering

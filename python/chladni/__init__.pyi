@@ -1,11 +1,20 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from os import PathLike
-from typing import Any
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 __version__: str
+
+FrfKind: TypeAlias = Literal["receptance", "mobility", "accelerance"]
+Unit: TypeAlias = Literal["N", "V"]
+DampingLaw: TypeAlias = Literal["structural", "viscous"]
+FitMethod: TypeAlias = Literal["auto", "lean", "vf", "lscf", "plscf", "aaa", "rfp", "grfp", "peak", "circle"]
+ShapeModel: TypeAlias = Literal["auto", "free", "rank1", "real"]
+Progress: TypeAlias = bool | Callable[[str], object] | None
+Scene: TypeAlias = str | PathLike[str] | dict[str, Any]
+Mask: TypeAlias = NDArray[np.bool_] | Sequence[bool]
 
 class ChladniError(ValueError):
     code: int
@@ -27,8 +36,8 @@ class FrfSet:
         *,
         responses: Sequence[str] | None = None,
         references: Sequence[str] | None = None,
-        kind: str = "mobility",
-        reference_unit: str = "N",
+        kind: FrfKind = "mobility",
+        reference_unit: Unit = "N",
         nodes_m: NDArray[np.float64] | None = None,
     ) -> None: ...
     @property
@@ -40,9 +49,9 @@ class FrfSet:
     @property
     def references(self) -> list[str]: ...
     @property
-    def kind(self) -> str | None: ...
+    def kind(self) -> FrfKind | None: ...
     @property
-    def reference_unit(self) -> str: ...
+    def reference_unit(self) -> Unit: ...
     @property
     def nodes_m(self) -> NDArray[np.float64]: ...
     @property
@@ -71,9 +80,21 @@ class Model:
     @property
     def participations(self) -> NDArray[np.complex128]: ...
     @property
-    def trust(self) -> list[str]: ...
+    def trust(self) -> list[Literal["sure", "weak"]]: ...
     @property
     def reasons(self) -> list[list[str]]: ...
+    @property
+    def poles(self) -> NDArray[np.complex128]: ...
+    @property
+    def A(self) -> NDArray[np.complex128]: ...
+    @property
+    def band_hz(self) -> tuple[float, float]: ...
+    @property
+    def kind(self) -> FrfKind: ...
+    @property
+    def scaling(self) -> Literal["unit_modal_mass", "unscaled"]: ...
+    @property
+    def points_m(self) -> NDArray[np.float64]: ...
     @property
     def trusted(self) -> bool: ...
     @property
@@ -81,7 +102,7 @@ class Model:
     @property
     def chi2_per_dof(self) -> float: ...
     @property
-    def damping(self) -> str: ...
+    def damping(self) -> DampingLaw: ...
     @property
     def warnings(self) -> list[str]: ...
     @property
@@ -91,11 +112,41 @@ class Model:
     def synthesise(self, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]: ...
     def FRF_reconstruct(self, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]: ...
     def mac(self, other: Model | None = None) -> NDArray[np.float64]: ...
+    def get_poles(self) -> NDArray[np.complex128]: ...
+    def to_dataframe(self) -> Any: ...
+    def plot_frf(
+        self,
+        response: int | str = 0,
+        reference: int | str = 0,
+        *,
+        frf: FrfSet | None = None,
+        frequency_hz: NDArray[np.float64] | Sequence[float] | None = None,
+        ax: Any = None,
+    ) -> Any: ...
+    def plot_shape(self, mode: int = 0, *, ax: Any = None) -> Any: ...
     def autoMAC(self) -> NDArray[np.float64]: ...
     def to_json(self) -> str: ...
     def to_dict(self) -> dict[str, Any]: ...
     def save(self, path: str | PathLike[str], *, force: bool = False) -> None: ...
     def __len__(self) -> int: ...
+
+class Comparison:
+    mac: NDArray[np.float64]
+    mac_std: NDArray[np.float64]
+    mac_noise_bias: NDArray[np.float64]
+    pairs: NDArray[np.int_]
+    frequency_shift_hz: NDArray[np.float64]
+    frequency_shift_sigmas: NDArray[np.float64]
+    loss_factor_shift: NDArray[np.float64]
+    loss_factor_shift_sigmas: NDArray[np.float64]
+    only_in_a: NDArray[np.int_]
+    only_in_b: NDArray[np.int_]
+    paired_by: Literal["name", "nearest"]
+    common_dofs: int
+    largest_distance_m: float | None
+    warnings: list[str]
+    def to_dict(self) -> dict[str, Any]: ...
+    def to_dataframe(self) -> Any: ...
 
 class Partial:
     @property
@@ -122,6 +173,11 @@ class Poles:
 
 class Rendering:
     @property
+    def points_m(self) -> NDArray[np.float64]: ...
+    @property
+    def other_tones(self) -> list[Rendering]: ...
+    def plot_field(self, *, ax: Any = None) -> Any: ...
+    @property
     def weights(self) -> NDArray[np.complex128]: ...
     @property
     def references(self) -> list[str]: ...
@@ -146,8 +202,8 @@ class Rendering:
 def read(
     paths: str | PathLike[str] | Sequence[str | PathLike[str]],
     *,
-    frf_kind: str | None = None,
-    time_sign: str = "+",
+    frf_kind: FrfKind | None = None,
+    time_sign: Literal["+", "-"] = "+",
     references: Sequence[int] | None = None,
     map: Mapping[str, str] | None = None,
     lenient: bool = False,
@@ -160,13 +216,13 @@ def fit(
     *,
     band: tuple[float, float] | None = None,
     modes: int | None = None,
-    damping: str | None = None,
-    method: str = "auto",
-    shapes: str = "auto",
+    damping: DampingLaw | None = None,
+    method: FitMethod = "auto",
+    shapes: ShapeModel = "auto",
     window: str | None = None,
     exponential_window_per_s: float | None = None,
     seed: int = 0,
-    progress: Callable[[str], object] | None = None,
+    progress: Progress = None,
 ) -> Model: ...
 def reduce_block(
     frf: FrfSet,
@@ -182,20 +238,63 @@ def solve_poles(
     partial: Partial,
     *,
     modes: int | None = None,
-    damping: str | None = None,
-    shapes: str = "auto",
+    damping: DampingLaw | None = None,
+    shapes: ShapeModel = "auto",
     exponential_window_per_s: float | None = None,
-    progress: Callable[[str], object] | None = None,
+    progress: Progress = None,
 ) -> Poles | Model: ...
 def residues_block(frf: FrfSet, model: Model, *, window: str | None = None) -> Model: ...
+def compare(
+    a: Model | str | PathLike[str],
+    b: Model | str | PathLike[str],
+    *,
+    pair_dofs: Literal["auto", "name", "nearest"] = "auto",
+    least_mac: float = 0.5,
+) -> Comparison: ...
+def estimate(
+    references: NDArray[np.float64],
+    responses: NDArray[np.float64],
+    sample_rate_hz: float,
+    *,
+    reference_names: Sequence[str] | None = None,
+    response_names: Sequence[str] | None = None,
+    kind: FrfKind = "mobility",
+    reference_unit: Unit = "N",
+    estimator: Literal["h1", "h2", "hv"] = "h1",
+    window: Literal["hann", "rectangular", "exponential"] | None = None,
+    exponential_window_per_s: float | None = None,
+    block: int | None = None,
+    overlap: float | None = None,
+) -> FrfSet: ...
+def select(
+    model: Model,
+    *,
+    keep: Sequence[int] | None = None,
+    drop: Sequence[int] | None = None,
+    near_hz: Sequence[float] = (),
+    within_hz: float = 0.5,
+) -> Model: ...
+def cmif(frf: FrfSet) -> NDArray[np.float64]: ...
+def stabilization(frf: FrfSet, *, band: tuple[float, float] | None = None) -> dict[str, NDArray[Any]]: ...
+def report(
+    path: str | PathLike[str],
+    model: Model,
+    *,
+    measured: FrfSet | None = None,
+    renderings: Sequence[Rendering] = (),
+    title: str = "Chladni",
+    force: bool = False,
+) -> None: ...
+def scene(model: Model, frequency_hz: float, hot: Mask, *, cold: Mask | None = None, **tables: Any) -> dict[str, Any]: ...
+def scene_to_toml(scene: dict[str, Any]) -> str: ...
 def load_model(path: str | PathLike[str]) -> Model: ...
 def render(
     model: Model,
-    scene: str | PathLike[str],
+    scene: Scene,
     *,
     method: str = "default",
     modes: str = "all",
     actuators: str = "all",
     measured: FrfSet | None = None,
 ) -> Rendering: ...
-def evaluate(rendering: Rendering, scene: str | PathLike[str], on: FrfSet | Model) -> dict[str, Any]: ...
+def evaluate(rendering: Rendering, scene: Scene, on: FrfSet | Model) -> dict[str, Any]: ...

@@ -31,10 +31,11 @@ pub struct FrfSet {
     pub set: chladni_frf::FrfSet,
     /// What the user must know about the files.
     #[pyo3(get)]
-    warnings: Vec<String>,
+    pub warnings: Vec<String>,
 }
 
-fn dofs(
+/// DOFs by name, or nodes from `first` on along +Z.
+pub fn dofs(
     py: Python<'_>,
     field: &str,
     names: Option<Vec<String>>,
@@ -57,7 +58,8 @@ fn dofs(
     }
 }
 
-fn unit(py: Python<'_>, text: &str) -> PyResult<ReferenceUnit> {
+/// Unit of the references by its name.
+pub fn unit(py: Python<'_>, text: &str) -> PyResult<ReferenceUnit> {
     match text {
         "N" => Ok(ReferenceUnit::Newton),
         "V" => Ok(ReferenceUnit::Volt),

@@ -1,5 +1,5 @@
-//! Python bindings: the four things the command line does with FRFs, models and scenes,
-//! on NumPy arrays.
+//! Python bindings: what the command line does with time records, FRFs, models and
+//! scenes, on NumPy arrays.
 //!
 //! `read` and `simulate` give an [`frf::FrfSet`], `fit` a [`model::Model`] of it,
 //! `render` a [`rendering::Rendering`] for a scene, and `evaluate` judges weights on
@@ -12,6 +12,8 @@ mod model;
 mod pieces;
 mod progress;
 mod rendering;
+mod report;
+mod signal;
 
 use pyo3::prelude::*;
 
@@ -32,6 +34,12 @@ fn _chladni(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(frf::simulate, module)?)?;
     module.add_function(wrap_pyfunction!(model::fit, module)?)?;
     module.add_function(wrap_pyfunction!(model::load_model, module)?)?;
+    module.add_function(wrap_pyfunction!(model::select, module)?)?;
+    module.add_function(wrap_pyfunction!(model::compare, module)?)?;
+    module.add_function(wrap_pyfunction!(signal::estimate, module)?)?;
+    module.add_function(wrap_pyfunction!(signal::cmif, module)?)?;
+    module.add_function(wrap_pyfunction!(signal::stabilization, module)?)?;
+    module.add_function(wrap_pyfunction!(report::report, module)?)?;
     module.add_function(wrap_pyfunction!(pieces::reduce_block, module)?)?;
     module.add_function(wrap_pyfunction!(pieces::merge, module)?)?;
     module.add_function(wrap_pyfunction!(pieces::solve_poles, module)?)?;

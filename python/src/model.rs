@@ -3,9 +3,9 @@
 use crate::error::{raised, unfitted, wrong_word};
 use crate::frf::FrfSet;
 use crate::progress::telling;
-use chladni_frf::{Damping, Error, ModalModel, Mode, Trust};
+use chladni_frf::{Damping, Error, ModalModel, Mode, Scaling, ShapeSet, Trust};
 use chladni_io::{read_model, write_model};
-use chladni_rfp::{mac_matrix, FitOptions, Method, ShapeModel, Window};
+use chladni_rfp::{CompareOptions, FitOptions, Method, ShapeModel, Window};
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1};
@@ -50,15 +50,6 @@ impl Model {
         let modes = self.modes();
         Array2::from_shape_fn((modes.len(), columns), |(n, i)| of(modes[n])[i]).into_pyarray(py)
     }
-}
-
-/// Shapes of the modes of the band.
-fn shapes(model: &Model) -> Vec<&[Complex64]> {
-    model
-        .model
-        .in_band_modes()
-        .map(|mode| mode.shape.0.as_slice())
-        .collect()
 }
 
 #[pymethods]
@@ -157,6 +148,51 @@ impl Model {
         self.model.quality.chi2_per_dof
     }
 
+    /// Poles of the viscous law with these frequencies and damping ratios, rad/s: (mode,).
+    #[getter]
+    fn poles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<Complex64>> {
+        let poles = self.model.in_band_modes().map(Mode::viscous_pole);
+        poles.collect::<Array1<_>>().into_pyarray(py)
+    }
+
+    /// Fitted band, Hz.
+    #[getter]
+    fn band_hz(&self) -> (f64, f64) {
+        let [low, high] = self.model.band_hz;
+        (low, high)
+    }
+
+    /// receptance, mobility or accelerance: the kind of the FRFs that were fitted.
+    #[getter]
+    fn kind(&self) -> &'static str {
+        self.model.frf_kind.as_str()
+    }
+
+    /// unit_modal_mass where a driving point or the panel set the scale, else unscaled.
+    #[getter]
+    fn scaling(&self) -> &'static str {
+        match self.model.scaling {
+            Scaling::UnitModalMass => "unit_modal_mass",
+            Scaling::Unscaled => "unscaled",
+        }
+    }
+
+    /// Positions of the responses, m, NaN where they are not known: (response, 3).
+    #[getter]
+    fn points_m<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        let places: std::collections::HashMap<u64, [f64; 3]> = self
+            .model
+            .nodes
+            .iter()
+            .map(|node| (node.label, node.xyz_m))
+            .collect();
+        let responses = &self.model.responses;
+        let coordinate = |(i, axis): (usize, usize)| {
+            (places.get(&responses[i].node)).map_or(f64::NAN, |place| place[axis])
+        };
+        Array2::from_shape_fn((responses.len(), 3), coordinate).into_pyarray(py)
+    }
+
     /// structural or viscous.
     #[getter]
     fn damping(&self) -> &'static str {
@@ -203,11 +239,22 @@ impl Model {
         py.detach(|| self.model.synthesise(&lines)).into_pyarray(py)
     }
 
-    /// MAC between the shapes of this model and of another (of itself without one):
-    /// (mode, mode of the other).
+    /// MAC between the shapes of this model and of another (of itself without one) at the
+    /// DOFs that both have, paired by name: (mode, mode of the other).
     #[pyo3(signature = (other=None))]
-    fn mac<'py>(&self, py: Python<'py>, other: Option<&Self>) -> Bound<'py, PyArray2<f64>> {
-        mac_matrix(&shapes(self), &shapes(other.unwrap_or(self))).into_pyarray(py)
+    fn mac<'py>(
+        &self,
+        py: Python<'py>,
+        other: Option<&Self>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let sets = [self, other.unwrap_or(self)].map(|model| ShapeSet::from(&model.model));
+        let options = CompareOptions {
+            pair_dofs: chladni_rfp::PairDofs::Name,
+            ..CompareOptions::default()
+        };
+        let comparison = chladni_rfp::compare(&sets[0], &sets[1], &options)
+            .map_err(|error| raised(py, &error))?;
+        Ok(comparison.mac_matrix(|mac| mac.value).into_pyarray(py))
     }
 
     /// The model file's text.
@@ -258,6 +305,47 @@ impl Model {
             self.damping()
         )
     }
+}
+
+/// The model with the modes that a selection (TOML) keeps.
+#[pyfunction]
+pub fn select(py: Python<'_>, model: &Model, selection: &str) -> PyResult<Model> {
+    chladni_io::selection_from_toml(selection)
+        .and_then(|selection| selection.apply(&model.model))
+        .map(|selected| Model::new(selected.model))
+        .map_err(|error| raised(py, &error))
+}
+
+/// Modes, of a model or of a file with shapes.
+fn shape_set(py: Python<'_>, modes: &Bound<'_, PyAny>) -> PyResult<ShapeSet> {
+    if let Ok(model) = modes.cast::<Model>() {
+        return Ok(ShapeSet::from(&model.get().model));
+    }
+    let path: PathBuf = modes.extract()?;
+    chladni_io::read_shape_set(&path)
+        .map(|(set, _)| set)
+        .map_err(|error| raised(py, &error))
+}
+
+/// Two sets of modes side by side, as a JSON text.
+#[pyfunction]
+pub fn compare(
+    py: Python<'_>,
+    a: &Bound<'_, PyAny>,
+    b: &Bound<'_, PyAny>,
+    pair_dofs: &str,
+    least_mac: f64,
+) -> PyResult<String> {
+    let options = CompareOptions {
+        pair_dofs: pair_dofs
+            .parse()
+            .map_err(|message: String| wrong_word(py, "pair_dofs", pair_dofs, &message))?,
+        least_mac,
+    };
+    let (a, b) = (shape_set(py, a)?, shape_set(py, b)?);
+    py.detach(|| chladni_rfp::compare(&a, &b, &options))
+        .map(|comparison| comparison.to_json().to_string())
+        .map_err(|error| raised(py, &error))
 }
 
 /// Reads a model file, .json or .h5.

@@ -4,45 +4,39 @@ use crate::error::{raised, wrong_word};
 use crate::frf::FrfSet;
 use crate::model::Model;
 use chladni_io::write_atomically;
-use chladni_render::{Count, MethodChoice, On, RenderOptions, Scene, Weights};
-use ndarray::Array1;
+use chladni_render::{Count, MethodChoice, On, RenderOptions, Scene};
+use ndarray::{Array1, Array2};
 use num_complex::Complex64;
-use numpy::{IntoPyArray, PyArray1};
+use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Actuator weights for a scene, and how they do in the model.
 #[pyclass(frozen, module = "chladni")]
 #[derive(Clone)]
-pub struct Rendering {
-    weights: Weights,
-    velocity: Vec<Complex64>,
-    responses: Vec<String>,
-    other_tones: Vec<Rendering>,
-}
+pub struct Rendering(pub Arc<chladni_render::Rendering>);
 
 impl From<chladni_render::Rendering> for Rendering {
     fn from(rendered: chladni_render::Rendering) -> Self {
-        Self {
-            responses: rendered
-                .field
-                .responses
-                .iter()
-                .map(ToString::to_string)
-                .collect(),
-            weights: rendered.weights,
-            velocity: rendered.field.velocity_m_per_s,
-            other_tones: rendered.other_tones.into_iter().map(Self::from).collect(),
-        }
+        Self(Arc::new(rendered))
     }
 }
 
 #[pymethods]
 impl Rendering {
+    /// Place of each response, m: (response, 2).
+    #[getter]
+    fn points_m<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        let points = &self.0.field.positions_m;
+        Array2::from_shape_fn((points.len(), 2), |(i, axis)| points[i][axis]).into_pyarray(py)
+    }
+
     /// Peak phasors of the weights in N or V: (actuator,).
     #[getter]
     fn weights<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<Complex64>> {
-        self.weights
+        self.0
+            .weights
             .weights
             .iter()
             .map(|weight| weight.value())
@@ -53,7 +47,8 @@ impl Rendering {
     /// Names of the actuators, as the weights.
     #[getter]
     fn references(&self) -> Vec<String> {
-        self.weights
+        self.0
+            .weights
             .weights
             .iter()
             .map(|weight| weight.reference.to_string())
@@ -63,55 +58,56 @@ impl Rendering {
     /// The same for what sounds with it at other frequencies.
     #[getter]
     fn other_tones(&self) -> Vec<Self> {
-        self.other_tones.clone()
+        self.0.other_tones.iter().cloned().map(Self::from).collect()
     }
 
     /// Drive frequency, Hz.
     #[getter]
     fn frequency_hz(&self) -> f64 {
-        self.weights.frequency_hz
+        self.0.weights.frequency_hz
     }
 
     /// Velocities along +Z in the model, m/s, peak phasors: (response,).
     #[getter]
     fn velocity_m_per_s<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<Complex64>> {
-        Array1::from(self.velocity.clone()).into_pyarray(py)
+        Array1::from(self.0.field.velocity_m_per_s.clone()).into_pyarray(py)
     }
 
     /// Names of the responses, as the velocities.
     #[getter]
     fn responses(&self) -> Vec<String> {
-        self.responses.clone()
+        let responses = self.0.field.responses.iter();
+        responses.map(ToString::to_string).collect()
     }
 
     /// The method that ran.
     #[getter]
     fn method(&self) -> &str {
-        &self.weights.method
+        &self.0.weights.method
     }
 
     /// True where every judged response keeps its limit within the force limits.
     #[getter]
     fn feasible(&self) -> bool {
-        self.weights.feasible
+        self.0.weights.feasible
     }
 
     /// Model errors, in standard deviations, under which every judged response keeps its
     /// limit.
     #[getter]
     fn kappa(&self) -> Option<f64> {
-        self.weights.kappa
+        self.0.weights.kappa
     }
 
     /// What the user must know.
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        self.weights.warnings.clone()
+        self.0.weights.warnings.clone()
     }
 
     /// The weights file's text.
     fn to_json(&self, py: Python<'_>) -> PyResult<String> {
-        self.weights.to_json().map_err(|error| raised(py, &error))
+        self.0.weights.to_json().map_err(|error| raised(py, &error))
     }
 
     /// Writes the weights file.
@@ -123,16 +119,16 @@ impl Rendering {
     }
 
     fn __repr__(&self) -> String {
-        let feasible = if self.weights.feasible {
+        let feasible = if self.0.weights.feasible {
             "feasible"
         } else {
             "not feasible"
         };
         format!(
             "Rendering({} actuators at {} Hz, {}, {feasible})",
-            self.weights.weights.len(),
-            self.weights.frequency_hz,
-            self.weights.method
+            self.0.weights.weights.len(),
+            self.0.weights.frequency_hz,
+            self.0.weights.method
         )
     }
 }
@@ -201,10 +197,10 @@ pub fn evaluate(
     let scene = scene_of(py, scene)?;
     let judged = match (on.cast::<Model>(), on.cast::<FrfSet>()) {
         (Ok(model), _) => {
-            chladni_render::evaluate(&rendering.weights, &scene, On::Model(&model.get().model))
+            chladni_render::evaluate(&rendering.0.weights, &scene, On::Model(&model.get().model))
         }
         (_, Ok(frf)) => {
-            chladni_render::evaluate(&rendering.weights, &scene, On::Frf(&frf.get().set))
+            chladni_render::evaluate(&rendering.0.weights, &scene, On::Frf(&frf.get().set))
         }
         _ => {
             return Err(wrong_word(

@@ -5,6 +5,26 @@
 //! axes, DOFs, kind and geometry), and the fit of `chladni-rfp` turns that into a
 //! [`ModalModel`]. This crate knows neither files nor fitting nor rendering.
 //!
+//! ```
+//! use chladni_frf::{FrfKind, FrfSet, FrfValues, Geometry, ReferenceUnit};
+//! use ndarray::{Array1, Array3};
+//!
+//! let set = FrfSet {
+//!     frequency_hz: Array1::range(10.0, 60.0, 0.5),
+//!     values: FrfValues::F64(Array3::zeros((2, 1, 100))),
+//!     responses: vec!["1:+Z".parse()?, "2:+Z".parse()?],
+//!     references: vec!["101:+Z".parse()?],
+//!     kind: Some(FrfKind::Mobility),
+//!     reference_unit: ReferenceUnit::Newton,
+//!     coherence: None,
+//!     variance: None,
+//!     geometry: Geometry::default(),
+//! };
+//! let set = set.checked()?; // sizes and axis agree
+//! assert_eq!(set.values.dim(), (2, 1, 100));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! Conventions, kept everywhere: time sign e^{+jωt}, SI units, peak amplitudes, FRF
 //! arrays with the axes (response, reference, line), lines contiguous.
 

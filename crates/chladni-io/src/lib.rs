@@ -3,6 +3,15 @@
 //!
 //! Formats are told apart by content when read and by extension when written; every
 //! result is written beside its place and renamed into it.
+//!
+//! ```no_run
+//! use chladni_io::{read_frf, write_frf, ReadOptions};
+//!
+//! let (frf, sources, warnings) = read_frf(&["scan.uff".into()], &ReadOptions::default())?;
+//! println!("{} responses, from {}", frf.responses.len(), sources[0].file);
+//! write_frf("scan.h5".as_ref(), &frf, false)?;
+//! # Ok::<(), chladni_frf::Error>(())
+//! ```
 
 mod arrays;
 mod assemble;

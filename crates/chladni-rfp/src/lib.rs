@@ -1,6 +1,30 @@
 //! Modal identification from FRFs: natural frequencies, loss factors, mode shapes and their
 //! error bars, without manual pole picking.
 //!
+//! ```
+//! use chladni_plate::{simulate, Panel};
+//! use chladni_rfp::{fit, FitOptions};
+//! # let mut panel = Panel::default();
+//! # panel.frf.stop_hz = 300.0;
+//!
+//! let frf = simulate(&panel, None, None)?.frf; // or chladni_io::read_frf, or an FrfSet of your arrays
+//! let model = fit(&frf, &FitOptions::default(), &|_stage| ())?.model;
+//! for mode in model.in_band_modes() {
+//!     println!("{:.3} Hz, loss factor {:.4}", mode.frequency_hz, mode.loss_factor);
+//! }
+//! assert!(model.quality.trusted);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! | you have | you call | you get |
+//! |---|---|---|
+//! | FRFs | [`fit()`] with [`FitOptions`] | [`Fit`]: the model with error bars and grades |
+//! | FRFs, before a fit | [`cmif()`], [`stabilization`], [`reciprocity()`] | indicator functions, diagrams, checks |
+//! | two models | [`compare()`], [`track`] | modes paired, MAC with its uncertainty, shifts |
+//! | more FRFs than memory | [`pieces`] | the same fit, block by block |
+//!
+//! Errors are [`FitError`]; the feature `system` computes with LAPACK.
+//!
 //! `driver.rs` is the walk: screen the data, run the fast chain (maximum likelihood for
 //! white noise), hand over to the measured-data path where the residual is not white, choose
 //! the damping law, turn residues into shapes. The equations are in `docs/theory.md`.

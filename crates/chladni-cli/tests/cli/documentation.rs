@@ -1,6 +1,6 @@
 //! The documents hold what they say: examples are read, commands are run.
 
-use crate::common::Folder;
+use crate::common::{skipped, Folder};
 use std::env::consts::EXE_EXTENSION;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -140,7 +140,7 @@ fn the_tutorial_does_what_it_says() {
     let folder = Folder::new();
     let beam = std::fs::copy(BEAM, folder.path().join("beam.uff")).is_ok();
     if !beam {
-        eprintln!("part 3 of the tutorial is skipped: beam.uff is not at hand");
+        skipped("part 3 of the tutorial: beam.uff is not at hand");
     }
     for step in steps(TUTORIAL) {
         match step {

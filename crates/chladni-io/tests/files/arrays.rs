@@ -275,6 +275,7 @@ fn a_published_measurement_is_read() {
         "/../../../shared/data/vtb-case1"
     ));
     let Ok(bytes) = std::fs::read(folder.join("case1.mat")) else {
+        crate::skipped("case1.mat is not beside this workspace");
         return;
     };
     let (_, contents) = read(

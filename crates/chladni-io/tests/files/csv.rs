@@ -773,7 +773,7 @@ fn sample(name: &str) -> Option<PathBuf> {
     let path =
         PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")).join(name);
     if !path.exists() {
-        println!("skipped: no sample {}", path.display());
+        crate::skipped(&format!("no sample {}", path.display()));
         return None;
     }
     Some(path)

@@ -10,3 +10,10 @@ mod layouts;
 mod model_file;
 mod selection;
 mod uff;
+
+/// Says what a test leaves out. Written past the test harness, which would keep it to
+/// itself.
+fn skipped(what: &str) {
+    use std::io::Write;
+    drop(writeln!(std::io::stderr(), "skipped: {what}"));
+}

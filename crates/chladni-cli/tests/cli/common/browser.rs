@@ -30,15 +30,15 @@ pub struct Page {
 }
 
 impl Page {
-    /// A tab of so many px, light or dark; `None`, with the reason on stderr, where there
-    /// is no browser.
+    /// A tab of so many px, light or dark; `None`, said on stderr, where there is no
+    /// browser.
     pub fn new(width: u32, height: u32, dark: bool) -> Option<Self> {
         let profile = tempfile::tempdir().unwrap();
         let Some(mut browser) = NAMES.iter().find_map(|name| launch(name, profile.path())) else {
-            eprintln!(
-                "skipped: no browser found ({}); scripts/setup.sh installs one",
+            super::skipped(&format!(
+                "no browser found ({}); scripts/setup.sh installs one",
                 NAMES.join(", ")
-            );
+            ));
             return None;
         };
         let Some(url) = devtools_url(profile.path()) else {

@@ -13,7 +13,7 @@ fn sample(name: &str) -> Option<Vec<u8>> {
     let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")).join(name);
     let bytes = std::fs::read(&path).ok();
     if bytes.is_none() {
-        println!("skipped: {name} is not beside this workspace");
+        crate::skipped(&format!("{name} is not beside this workspace"));
     }
     bytes
 }

@@ -9,14 +9,15 @@ use ndarray::Array2;
 use num_complex::Complex64;
 
 fn sample(name: &str) -> Option<Vec<u8>> {
-    std::fs::read(
-        std::path::Path::new(concat!(
-            env!("CARGO_MANIFEST_DIR"),
-            "/../../../shared/data/pyuff-uff-samples"
-        ))
-        .join(name),
-    )
-    .ok()
+    let folder = std::path::Path::new(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../../shared/data/pyuff-uff-samples"
+    ));
+    let bytes = std::fs::read(folder.join(name)).ok();
+    if bytes.is_none() {
+        crate::skipped(&format!("{name} is not beside this workspace"));
+    }
+    bytes
 }
 
 fn geometry() -> Geometry {

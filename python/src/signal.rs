@@ -1,0 +1,202 @@
+//! FRFs of time records, and what is read off FRFs before a fit.
+
+use crate::error::{raised, unfitted, wrong_word};
+use crate::frf::{dofs, unit, FrfSet};
+use chladni_frf::{Channel, Error, ErrorKind, FrfKind, ReferenceUnit, Run, SignalUnit};
+use chladni_rfp::{FitOptions, Stability};
+use chladni_signal::{BlockWindow, EstimateOptions, Estimator};
+use ndarray::{Array1, ArrayView2};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2};
+use pyo3::prelude::*;
+
+/// FRFs of time records; the Python half documents it.
+#[pyfunction]
+#[allow(clippy::too_many_arguments)] // keywords on the Python side
+pub fn estimate(
+    py: Python<'_>,
+    references: Vec<PyReadonlyArray2<'_, f64>>,
+    responses: Vec<PyReadonlyArray2<'_, f64>>,
+    sample_rate_hz: f64,
+    reference_names: Option<Vec<String>>,
+    response_names: Option<Vec<String>>,
+    kind: &str,
+    reference_unit: &str,
+    estimator: &str,
+    window: Option<&str>,
+    exponential_window_per_s: Option<f64>,
+    block: Option<usize>,
+    overlap: Option<f64>,
+) -> PyResult<FrfSet> {
+    let motion = match kind
+        .parse::<FrfKind>()
+        .map_err(|message| wrong_word(py, "kind", kind, &message.to_string()))?
+    {
+        FrfKind::Receptance => SignalUnit::Displacement,
+        FrfKind::Mobility => SignalUnit::Velocity,
+        FrfKind::Accelerance => SignalUnit::Acceleration,
+    };
+    let drive = match unit(py, reference_unit)? {
+        ReferenceUnit::Newton => SignalUnit::Force,
+        ReferenceUnit::Volt => SignalUnit::Volt,
+    };
+    if !(sample_rate_hz.is_finite() && sample_rate_hz > 0.0) {
+        let error = Error::new(ErrorKind::Usage, "no sampling rate")
+            .field("sample_rate_hz")
+            .found(sample_rate_hz);
+        return Err(raised(py, &error.expected("samples per second, above 0")));
+    }
+    let rows = |arrays: &[PyReadonlyArray2<'_, f64>]| {
+        arrays.first().map_or(0, |array| array.as_array().nrows())
+    };
+    let (of_responses, of_references) = (rows(&responses), rows(&references));
+    let response_dofs = dofs(py, "response_names", response_names, 1, of_responses)?;
+    let first = of_responses as u64 + 1;
+    let reference_dofs = dofs(py, "reference_names", reference_names, first, of_references)?;
+    if references.len() != responses.len() {
+        return Err(uneven(py, "runs", responses.len(), references.len()));
+    }
+    let mut runs = Vec::new();
+    for (references, responses) in references.iter().zip(&responses) {
+        let (references, responses) = (references.as_array(), responses.as_array());
+        if references.nrows() != reference_dofs.len() {
+            return Err(uneven(
+                py,
+                "references",
+                references.nrows(),
+                reference_dofs.len(),
+            ));
+        }
+        if responses.nrows() != response_dofs.len() {
+            return Err(uneven(
+                py,
+                "responses",
+                responses.nrows(),
+                response_dofs.len(),
+            ));
+        }
+        if references.ncols() != responses.ncols() {
+            return Err(uneven(py, "samples", responses.ncols(), references.ncols()));
+        }
+        let channels = |signals: ArrayView2<'_, f64>, dofs: &[chladni_frf::Dof], unit, driven| {
+            dofs.iter()
+                .zip(signals.rows())
+                .map(|(&dof, samples)| Channel {
+                    dof,
+                    unit,
+                    is_reference: driven,
+                    samples: samples.to_vec(),
+                })
+                .collect::<Vec<_>>()
+        };
+        let mut all = channels(references, &reference_dofs, drive, true);
+        all.extend(channels(responses, &response_dofs, motion, false));
+        runs.push(Run {
+            file: "record".into(),
+            line: 0,
+            sample_rate_hz,
+            channels: all,
+        });
+    }
+    let options = EstimateOptions {
+        estimator: estimator_of(py, estimator)?,
+        window: window_of(py, window, exponential_window_per_s)?,
+        block,
+        overlap,
+    };
+    let estimated = py
+        .detach(|| chladni_signal::estimate(&runs, &options))
+        .map_err(|error| raised(py, &error))?;
+    Ok(FrfSet {
+        set: estimated.frf,
+        warnings: estimated.warnings,
+    })
+}
+
+fn uneven(py: Python<'_>, what: &str, found: usize, expected: usize) -> PyErr {
+    let error = Error::new(ErrorKind::Usage, "records do not fit together").field(what);
+    raised(py, &error.found(found).expected(expected))
+}
+
+fn estimator_of(py: Python<'_>, name: &str) -> PyResult<Estimator> {
+    match name {
+        "h1" => Ok(Estimator::H1),
+        "h2" => Ok(Estimator::H2),
+        "hv" => Ok(Estimator::Hv),
+        _ => Err(wrong_word(
+            py,
+            "estimator",
+            name,
+            "no estimator; write h1, h2 or hv",
+        )),
+    }
+}
+
+fn window_of(
+    py: Python<'_>,
+    name: Option<&str>,
+    rate_per_s: Option<f64>,
+) -> PyResult<Option<BlockWindow>> {
+    match (name, rate_per_s) {
+        (None, None) => Ok(None),
+        (None | Some("exponential"), Some(rate_per_s)) if rate_per_s >= 0.0 => {
+            Ok(Some(BlockWindow::Exponential { rate_per_s }))
+        }
+        (Some("hann"), None) => Ok(Some(BlockWindow::Hann)),
+        (Some("rectangular"), None) => Ok(Some(BlockWindow::Rectangular)),
+        (name, _) => Err(wrong_word(
+            py,
+            "window",
+            name.unwrap_or("exponential"),
+            "no window that can be used; write hann, rectangular, or exponential with exponential_window_per_s",
+        )),
+    }
+}
+
+/// Complex mode indicator function: singular values of the FRF matrix of each line,
+/// falling: (line, singular value).
+#[pyfunction]
+pub fn cmif<'py>(py: Python<'py>, frf: &FrfSet) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    py.detach(|| chladni_rfp::cmif(&frf.set))
+        .map(|values| values.into_pyarray(py))
+        .map_err(|error| raised(py, &Error::bad_data(error.to_string()).field("values")))
+}
+
+/// Orders, natural frequencies, damping ratios, and stability of the poles of rising
+/// orders.
+type Diagram<'py> = (
+    Bound<'py, PyArray1<i64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Vec<&'static str>,
+);
+
+/// Poles of a stabilization diagram; the Python half makes a dictionary of it.
+#[pyfunction]
+pub fn stabilization<'py>(
+    py: Python<'py>,
+    frf: &FrfSet,
+    band: Option<(f64, f64)>,
+) -> PyResult<Diagram<'py>> {
+    let options = FitOptions {
+        band_hz: band.map(|(low, high)| [low, high]),
+        ..FitOptions::default()
+    };
+    let found = py
+        .detach(|| chladni_rfp::stabilization(&frf.set, &options))
+        .map_err(|error| unfitted(py, &error, &options))?;
+    let poles = &found.poles;
+    let orders: Array1<i64> = poles.iter().map(|pole| pole.order as i64).collect();
+    let frequency_hz: Array1<f64> = poles.iter().map(|pole| pole.frequency_hz).collect();
+    let damping_ratio: Array1<f64> = poles.iter().map(|pole| pole.damping_ratio).collect();
+    let stability = poles.iter().map(|pole| match pole.stability {
+        Stability::New => "new",
+        Stability::Frequency => "frequency",
+        Stability::Stable => "stable",
+    });
+    Ok((
+        orders.into_pyarray(py),
+        frequency_hz.into_pyarray(py),
+        damping_ratio.into_pyarray(py),
+        stability.collect(),
+    ))
+}
