@@ -278,5 +278,8 @@ fn wild_has_a_row_for_each_structure_and_exports_one_that_can_be_fitted() {
     let model = folder.run(&format!("fit out/wild-{seed}.h5 -o model.json -q"));
     assert!([0, 1].contains(&model.code), "{}", model.stderr);
     let truth = folder.text(&format!("out/wild-{seed}.json"));
-    assert!(truth.contains(rows[0][1]), "the law of the row is that of the truth");
+    assert!(
+        truth.contains(rows[0][1]),
+        "the law of the row is that of the truth"
+    );
 }
