@@ -23,6 +23,7 @@ pub(super) fn evidence(measured: &Measurement, k: usize) -> f64 {
         frf,
         truth,
         noise_variance,
+        tones,
     } = measured;
     let omega: Vec<f64> = frf.frequency_hz.iter().map(|f| TAU * f).collect();
     let kind = |w: f64| truth.frf_kind.from_receptance(w);
@@ -65,7 +66,7 @@ pub(super) fn evidence(measured: &Measurement, k: usize) -> f64 {
         .enumerate()
         .map(|(pair, variance)| {
             let (i, j) = (pair / references, pair % references);
-            (wanted.shape.0[i] * wanted.participation.0[j]).norm_sqr() / variance
+            (wanted.shape.0[i] * wanted.participation.0[j]).norm_sqr() / (variance * (1.0 + tones))
         })
         .sum();
     let frfs = noise_variance.len() as f64;

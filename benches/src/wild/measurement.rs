@@ -20,6 +20,8 @@ pub(super) struct Measurement {
     pub truth: ModalModel,
     /// E|n|² of the noise of each FRF, (response, reference) by turns.
     pub noise_variance: Vec<f64>,
+    /// Mean energy of tones over that of the noise.
+    pub tones: f64,
 }
 
 /// Measures the structure.
@@ -31,6 +33,11 @@ pub(super) fn measurement(draw: &Draw) -> Result<Measurement> {
     let mut values = synthesis(draw, &truth, &frequency_hz);
     let noise_variance = noise(draw, &mut values);
     faults(draw, &truth, &frequency_hz, &noise_variance, &mut values);
+    let tones = match draw.tones > 0.0 {
+        true => tones(draw, &frequency_hz).len() as f64 / frequency_hz.len() as f64,
+        false => 0.0,
+    };
+    let tones = 2.0 * draw.tones.powi(2) * tones;
     let values = match draw.single {
         true => FrfValues::F32(values.mapv(|v| Complex32::new(v.re as f32, v.im as f32))),
         false => FrfValues::F64(values),
@@ -51,6 +58,7 @@ pub(super) fn measurement(draw: &Draw) -> Result<Measurement> {
         frf: frf.checked()?,
         truth,
         noise_variance,
+        tones,
     })
 }
 

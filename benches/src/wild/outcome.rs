@@ -20,7 +20,8 @@ const BEYOND: f64 = 6.0;
 /// Beginnings of the warnings that speak of the damping law, or of the scale of shapes:
 /// they announce no wrong count.
 const LAW_UNDECIDABLE: &str = "damping law undecidable";
-const ASIDE: [&str; 3] = [
+const ASIDE: [&str; 4] = [
+    "the damping law rests on the phases",
     LAW_UNDECIDABLE,
     "the driving point lies near",
     "shapes are not mass-scaled",

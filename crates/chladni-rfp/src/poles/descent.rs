@@ -35,9 +35,25 @@ fn step_cap(work: &Columns, lambda: Complex64) -> f64 {
     0.5 * lambda.im + 0.3 * outside
 }
 
-/// A viscous mode has no loss below zero, nor a natural frequency there.
-fn still_viscous(pole: Complex64, next: Complex64) -> Complex64 {
-    Complex64::new(next.re.max(0.2 * pole.re), next.im.max(0.2 * pole.im))
+/// Part of itself that a step leaves of a pole's loss and of the square of its natural
+/// frequency where it would take all of it.
+const KEPT: f64 = 0.2;
+
+/// A pole after a step as a model can hold it, with a loss and a natural frequency above
+/// zero: what stands for the world outside would else be left out of the file, and what
+/// it explains with it. A structural pole in the band is told by its lines.
+fn still_physical(work: &Columns, pole: Complex64, next: Complex64) -> Complex64 {
+    if work.law == Damping::Structural && work.in_band(next) {
+        return next;
+    }
+    let kept = |next: f64, before: f64| {
+        if before > 0.0 {
+            next.max(KEPT * before)
+        } else {
+            next
+        }
+    };
+    Complex64::new(kept(next.re, pole.re), kept(next.im, pole.im))
 }
 
 /// A search under way.
@@ -142,10 +158,7 @@ impl<'a> Descent<'a> {
                 delta
             };
             largest = largest.max(delta.norm() / pole.im);
-            match self.work.law {
-                Damping::Structural => pole + delta,
-                Damping::Viscous => still_viscous(pole, pole + delta),
-            }
+            still_physical(self.work, pole, pole + delta)
         };
         (self.lambda.iter().zip(step).map(capped).collect(), largest)
     }

@@ -12,6 +12,9 @@ use chladni_frf::Damping;
 use chladni_linalg::{svd_thin, LinalgError};
 use num_complex::Complex64;
 
+/// Where a pole of no natural frequency is put: at so much of the x of the first line.
+const FAR_BELOW: f64 = 0.01;
+
 /// Poles of a pool that noise alone cannot make, roughly refined.
 pub(crate) struct Start {
     pub refined: Refined,
@@ -35,9 +38,11 @@ pub(crate) fn started(
         iterations,
         Products::PartialFractions,
     )?;
-    // what stands for a viscous mode below the band may have a negative loss in x
+    // a pole at x < 0 stands for what lies far below the band; what stands for a viscous
+    // mode there may have a negative loss in x
+    let least = FAR_BELOW * sketch.range().0;
     let stands = |(pole, flipped): (&Complex64, &bool)| match sketch.law {
-        Damping::Structural => (!flipped).then_some(*pole),
+        Damping::Structural => (!flipped).then(|| Complex64::new(pole.re.max(least), pole.im)),
         Damping::Viscous if *flipped && sketch.in_band(*pole) => None,
         Damping::Viscous => in_plane_of(Damping::Viscous, *pole),
     };
