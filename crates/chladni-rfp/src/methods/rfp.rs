@@ -27,7 +27,7 @@
 //! measurements using the rational fraction polynomial method*, Proc. IMAC 3 (1985).
 
 use crate::damping::structural::POWERS;
-use crate::damping::viscous::{from_structural, refine_viscous};
+use crate::damping::viscous::{from_structural, viscous_basis};
 use crate::data::columns::Columns;
 use crate::data::error::FitError;
 use crate::data::options::{FitOptions, RfpWeight};
@@ -44,6 +44,7 @@ use crate::poles::prune::{threshold, unphysical};
 use crate::poles::refine::{removable, Projection};
 use crate::poles::scan::usual_loss;
 use chladni_frf::Damping;
+use chladni_linalg::blocked::{projected, stacked, tall_qr};
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 
@@ -257,7 +258,9 @@ impl<'a> Search<'a> {
             Damping::Structural => Projection::new(work, lambda, &POWERS)?.sse,
             Damping::Viscous => {
                 let poles: Vec<Complex64> = lambda.iter().map(|l| from_structural(*l)).collect();
-                refine_viscous(work, &poles, &POWERS, 0, 0.0, |_, _, _| true)?.sse
+                let (q, _) = tall_qr(viscous_basis(work, &poles, &POWERS).view())?;
+                let (_, residual) = projected(q.view(), stacked(&work.b).view());
+                residual.iter().map(|v| v * v).sum()
             }
         };
         let freedom = work.lines().saturating_sub(unknowns).max(1) * work.columns();
