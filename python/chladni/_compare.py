@@ -57,8 +57,14 @@ class Comparison:
         """A pandas DataFrame with a row for each pair."""
         import pandas
 
-        rows = [{**pair, "frequency_a_hz": pair["frequency_hz"][0], "frequency_b_hz": pair["frequency_hz"][1]} for pair in self._found["pairs"]]
-        return pandas.DataFrame(rows).drop(columns=["frequency_hz", "loss_factor"], errors="ignore")
+        split = {"frequency_hz": ("frequency_a_hz", "frequency_b_hz"), "loss_factor": ("loss_factor_a", "loss_factor_b")}
+        rows = []
+        for pair in self._found["pairs"]:
+            row = {key: value for key, value in pair.items() if key not in split}
+            for key, names in split.items():
+                row.update(zip(names, pair[key]))
+            rows.append(row)
+        return pandas.DataFrame(rows)
 
     def __repr__(self):
         return (

@@ -39,10 +39,10 @@ def text_or_path(scene):
 
 def _rectangles(points_m, spacing_m):
     """Rectangles around points of a plane, neighbours of one row in one of them."""
-    half = 0.5 * spacing_m
+    half = 0.5 * float(spacing_m)
     order = np.lexsort((points_m[:, 0], np.round(points_m[:, 1] / _SAME_ROW_M)))
     runs = []
-    for x, y in points_m[order]:
+    for x, y in points_m[order].tolist():
         if runs and abs(runs[-1][2] - y) < _SAME_ROW_M and x - runs[-1][1] < 1.01 * spacing_m:
             runs[-1][1] = x
         else:

@@ -173,6 +173,29 @@ impl Mode {
             .max(0.0)
             .sqrt()
     }
+
+    /// `shape_std` without what only scales the whole shape: what is left of it in the
+    /// MAC.
+    ///
+    /// A shape that is scaled to 1 at its largest response has that response's error in
+    /// all others, std_i² = σ_i² + |ψ_i/ψ_m|²·σ_m², and none at itself; σ_m is taken as
+    /// the root mean square of the others.
+    pub fn shape_std_up_to_scale(&self) -> Vec<f64> {
+        let shape = &self.shape.0;
+        let std = (0..shape.len().min(self.shape_std.len()))
+            .map(|response| self.shape_std_at_known_scale(response));
+        let mut std: Vec<f64> = std.collect();
+        let largest = (0..std.len()).max_by(|&a, &b| shape[a].norm().total_cmp(&shape[b].norm()));
+        let Some(largest) = largest.filter(|&largest| std[largest] == 0.0) else {
+            return std;
+        };
+        for (std, value) in std.iter_mut().zip(shape) {
+            *std /= (1.0 + (value / shape[largest]).norm_sqr()).sqrt();
+        }
+        let others = std.len().saturating_sub(1).max(1) as f64;
+        std[largest] = (std.iter().map(|std| std * std).sum::<f64>() / others).sqrt();
+        std
+    }
 }
 
 /// One residual term: receptance += matrix·(ω/omega_scale)^power.

@@ -42,9 +42,7 @@ impl From<&ModalModel> for ShapeSet {
             loss_factor: Some(mode.loss_factor),
             loss_factor_std: mode.loss_factor_std,
             shape: mode.shape.0.clone(),
-            shape_std: (0..mode.shape.0.len())
-                .map(|response| mode.shape_std_at_known_scale(response))
-                .collect(),
+            shape_std: mode.shape_std_up_to_scale(),
         });
         Self {
             dofs: model.responses.clone(),

@@ -6,7 +6,7 @@ use super::{
 };
 use chladni_frf::{Direction, Dof, Error, Result, ShapeMode, ShapeSet};
 use num_complex::Complex64;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 /// Data characteristics of values at nodes: one number, three translations, and these
@@ -73,9 +73,13 @@ pub fn shape_set(contents: &Contents) -> Result<ShapeSet> {
         (shapes.iter().zip(&rows))
             .all(|(shape, rows)| shape.form == ShapeForm::AtNodes55 || rows.contains_key(node))
     };
-    let nodes = || first.nodes.iter().copied().filter(has_value);
-    let dofs: Vec<Dof> = nodes()
-        .flat_map(|node| axes.iter().map(move |&axis| Dof::new(node, axis)))
+    let mut seen = HashSet::new();
+    let nodes: Vec<u64> = (shapes.iter().flat_map(|shape| &shape.nodes).copied())
+        .filter(|node| has_value(node) && seen.insert(*node))
+        .collect();
+    let dofs: Vec<Dof> = nodes
+        .iter()
+        .flat_map(|&node| axes.iter().map(move |&axis| Dof::new(node, axis)))
         .collect();
     if dofs.is_empty() {
         return Err(Error::bad_data("no node has a value in every mode shape")
@@ -87,8 +91,9 @@ pub fn shape_set(contents: &Contents) -> Result<ShapeSet> {
             let row = rows.get(&node)?;
             shape.values.get([*row, component]).copied()
         };
-        nodes()
-            .flat_map(|node| (0..axes.len()).map(move |component| (node, component)))
+        nodes
+            .iter()
+            .flat_map(|&node| (0..axes.len()).map(move |component| (node, component)))
             .map(|(node, component)| value(node, component).unwrap_or_default())
             .collect()
     };
@@ -131,4 +136,80 @@ fn components(shape: &Shape) -> Option<Vec<Direction>> {
         _ => return None,
     };
     codes.map(Direction::from_code).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ShapeNumbers;
+    use ndarray::Array2;
+
+    fn shape(form: ShapeForm, analysis: Analysis, nodes: &[u64]) -> Shape {
+        Shape {
+            form,
+            name: String::new(),
+            id_lines: Default::default(),
+            model_type: 1,
+            analysis,
+            characteristic: TRANSLATIONS,
+            quantity: 8,
+            reference: None,
+            numbers: ShapeNumbers {
+                frequency_hz: 12.5,
+                viscous: 0.01,
+                ..ShapeNumbers::default()
+            },
+            complex: false,
+            nodes: nodes.to_vec(),
+            values: Array2::from_shape_fn((nodes.len(), 3), |(row, axis)| {
+                Complex64::new((10 * nodes[row]) as f64 + axis as f64, 0.0)
+            }),
+            scale_to_si: 1.0,
+            line: 0,
+            warnings: Vec::new(),
+        }
+    }
+
+    fn set(shapes: Vec<Shape>) -> Result<ShapeSet> {
+        shape_set(&Contents {
+            shapes,
+            ..Contents::default()
+        })
+    }
+
+    #[test]
+    fn a_node_left_out_is_at_rest_in_55_and_unknown_in_2414() {
+        let modes =
+            |form| [&[2, 3][..], &[1, 2]].map(|nodes| shape(form, Analysis::NormalMode, nodes));
+        let at_rest = set(modes(ShapeForm::AtNodes55).to_vec()).unwrap();
+        let labels: Vec<u64> = at_rest.dofs.iter().step_by(3).map(|dof| dof.node).collect();
+        assert_eq!(labels, [2, 3, 1]);
+        assert_eq!(at_rest.dofs[1].to_string(), "2:+Y");
+        let real = |mode: usize| -> Vec<f64> {
+            at_rest.modes[mode]
+                .shape
+                .iter()
+                .map(|value| value.re)
+                .collect()
+        };
+        assert_eq!(real(0), [20.0, 21.0, 22.0, 30.0, 31.0, 32.0, 0.0, 0.0, 0.0]);
+        assert_eq!(real(1), [20.0, 21.0, 22.0, 0.0, 0.0, 0.0, 10.0, 11.0, 12.0]);
+        assert_eq!(at_rest.modes[0].frequency_hz, 12.5);
+        assert_eq!(at_rest.modes[0].loss_factor, Some(0.02));
+        let unknown = set(modes(ShapeForm::Analysis2414).to_vec()).unwrap();
+        assert_eq!(unknown.dofs.len(), 3);
+        assert_eq!(unknown.modes[1].shape.len(), 3);
+    }
+
+    #[test]
+    fn what_is_no_mode_is_left_out_and_nothing_else_is_an_error() {
+        let field = shape(ShapeForm::AtNodes55, Analysis::FrequencyResponse, &[1, 2]);
+        let mode = shape(ShapeForm::AtNodes55, Analysis::NormalMode, &[1, 2]);
+        assert_eq!(set(vec![field.clone(), mode]).unwrap().modes.len(), 1);
+        let error = set(vec![field]).unwrap_err();
+        assert!(error.found.unwrap().contains("a field at one frequency"));
+        let apart =
+            [[1], [2]].map(|nodes| shape(ShapeForm::Analysis2414, Analysis::NormalMode, &nodes));
+        assert!(set(apart.to_vec()).unwrap_err().message.contains("no node"));
+    }
 }

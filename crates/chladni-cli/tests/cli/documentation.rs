@@ -224,6 +224,9 @@ fn commands_of_the_other_pages_are_run() {
     let folder = Folder::with_panel();
     folder.run("convert panel.h5 -o scan.uff -q").exits(0);
     folder.run("fit panel.h5 -o model.json -q").exits(0);
+    folder
+        .run("convert truth.json -o fe_shapes.unv -q")
+        .exits(0);
     folder.write("selection.toml", "drop = [1]\n");
     std::fs::copy(
         folder.path().join("scan.uff"),
@@ -236,7 +239,9 @@ fn commands_of_the_other_pages_are_run() {
     folder.write("bench", "");
     let benches = Path::new(env!("CARGO_BIN_EXE_chladni")).with_file_name("chladni-bench");
     if !benches.with_extension(EXE_EXTENSION).is_file() {
-        eprintln!("left out: the lines of `chladni bench`, which is not built (cargo test --release builds it)");
+        skipped(
+            "the lines of `chladni bench`, which is not built (cargo test --release builds it)",
+        );
     }
     let mut seen = 0;
     for page in [README, TROUBLESHOOTING, ACCURACY, PAPER] {

@@ -129,6 +129,61 @@ fn the_exact_mac_lies_within_its_stated_uncertainty() {
     }
 }
 
+/// The same scaled to 1 at its largest value, as a model without a driving point is, and
+/// with the error bars that this model states.
+fn scaled_to_largest(set: &ShapeSet) -> ShapeSet {
+    let mut out = set.clone();
+    for mode in &mut out.modes {
+        let size = |k: &usize| mode.shape[*k].norm();
+        let largest = (0..mode.shape.len())
+            .max_by(|a, b| size(a).total_cmp(&size(b)))
+            .unwrap();
+        let (peak, noise) = (mode.shape[largest], mode.shape_std[largest]);
+        let std = |k: usize| {
+            let own = mode.shape_std[k] / peak.norm();
+            own.hypot((mode.shape[k] / peak).norm() * noise / peak.norm())
+        };
+        let mut stated: Vec<f64> = (0..mode.shape.len()).map(std).collect();
+        stated[largest] = 0.0;
+        let model = chladni_frf::Mode {
+            frequency_hz: mode.frequency_hz,
+            frequency_std_hz: 0.0,
+            loss_factor: 0.01,
+            loss_factor_std: 0.0,
+            damping_ratio: 0.005,
+            in_band: true,
+            trust: chladni_frf::Trust::Sure,
+            reasons: Vec::new(),
+            mpc: 1.0,
+            shape: chladni_frf::ComplexVector(mode.shape.iter().map(|v| v / peak).collect()),
+            shape_std: stated,
+            scale_std: None,
+            participation: chladni_frf::ComplexVector::default(),
+        };
+        mode.shape_std = model.shape_std_up_to_scale();
+        mode.shape = model.shape.0;
+    }
+    out
+}
+
+#[test]
+fn the_error_of_the_scale_is_none_of_the_mac() {
+    let truth = exact();
+    let (mut all, mut within) = (0, 0);
+    for seed in 0..150 {
+        let scaled =
+            [2 * seed, 2 * seed + 1].map(|seed| scaled_to_largest(&measured(&truth, 0.03, seed)));
+        for pair in compared(&scaled[0], &scaled[1]).pairs {
+            all += 1;
+            let error = pair.mac - pair.mac_noise_bias - 1.0;
+            within += usize::from(error.abs() <= 1.96 * pair.mac_std);
+        }
+    }
+    let part = within as f64 / all as f64;
+    println!("scaled to the largest: {part}");
+    assert!((0.925..0.995).contains(&part), "{part}");
+}
+
 #[test]
 fn shifts_are_counted_in_their_own_standard_deviations() {
     let truth = exact();
