@@ -3,7 +3,7 @@
 //!
 //! Reweighted equation errors keep a bias: the noise of B_l stands on both sides of their
 //! normal equations. Here the left one is the model's own B̂_l, which the noise of the data
-//! does not move in step (theory.md, eq. 62):
+//! does not move in step (theory.md, eq. 60):
 //!
 //! ```text
 //! Σ_l (B̂_l R)ᴴ (I − QQᴴ) (B_l R)(d₀ + δ) = 0,   δ and the test space normal to d₀
@@ -14,7 +14,7 @@
 //! on both sides the steps are those of Gauss–Newton (Kaufman) and have the same fixed
 //! point.
 //!
-//! P. C. Young, Automatica 6 (1970) 271–287 (instrumental variables); F. M. Kaufman, BIT 15
+//! P. C. Young, Automatica 6 (1970) 271–287 (instrumental variables); L. Kaufman, BIT 15
 //! (1975) 49–57. Cost: twice a Sanathanan–Koerner step for the first, once for the second.
 
 use crate::methods::fraction::{damped, Denominator, Fraction, Lines};

@@ -2,7 +2,7 @@
 //! written in them.
 //!
 //! Lanczos on diag(t) from the square root of the weight gives p_0, p_1, … with
-//! t·p_k = β_{k+1}·p_{k+1} + α_k·p_k + β_k·p_{k−1} (theory.md, eq. 59). Each new one is
+//! t·p_k = β_{k+1}·p_{k+1} + α_k·p_k + β_k·p_{k−1} (theory.md, eq. 57). Each new one is
 //! orthogonalised twice against all before it: the weights S/|a|² have sharp peaks, and
 //! the short recurrence alone drifts. Roots are the eigenvalues of the comrade matrix: the
 //! recurrence with its last row changed. Powers of t lose all digits at degree 34.
