@@ -50,7 +50,7 @@ struct Point {
 /// Poles λ after at most `most` steps from `start`.
 ///
 /// # Errors
-/// Too few lines; a singular system.
+/// A decomposition that fails.
 pub(crate) fn improved(
     lines: &Lines,
     start: &[Complex64],
@@ -64,7 +64,12 @@ pub(crate) fn improved(
     let mut last: Option<Point> = None;
     let (mut taken, mut halved) = (0, 0);
     loop {
-        let mut point = Point::new(lines, &lambda, steps)?;
+        let mut point = match Point::new(lines, &lambda, steps) {
+            Ok(point) => point,
+            // two poles in one place, or one that the lines do not see: no step says more
+            Err(LinalgError::RankDeficient { .. }) => return Ok(lambda),
+            Err(error) => return Err(error),
+        };
         if let (Steps::GaussNewton, Some(before)) = (steps, &last) {
             if point.explained < before.explained && halved < HALVINGS {
                 halved += 1;
