@@ -3,7 +3,7 @@
 //!
 //! With h = g/x and u = 1/|a|, the weighted equation error of column l is u·(d·B_l − h·N_l).
 //! Q spans the numerators u·h·p, T = R·√S the denominators u·√S·p, S = Σ_l|B_l|². Both are
-//! orthonormal, so that eliminating the numerators leaves (theory.md, eq. 60)
+//! orthonormal, so that eliminating the numerators leaves (theory.md, eq. 58)
 //!
 //! ```text
 //! M = I − Σ_l C_lᴴ C_l,   C_l = Qᴴ diag(B_l) R

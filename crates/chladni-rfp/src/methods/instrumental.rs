@@ -3,7 +3,7 @@
 //!
 //! Reweighted equation errors keep a bias: the noise of B_l stands on both sides of their
 //! normal equations. Here the left one is the model's own B̂_l, which the noise of the data
-//! does not move in step (theory.md, eq. 62):
+//! does not move in step (theory.md, eq. 60):
 //!
 //! ```text
 //! Σ_l (B̂_l R)ᴴ (I − QQᴴ) (B_l R)(d₀ + δ) = 0,   δ and the test space normal to d₀
@@ -14,7 +14,7 @@
 //! on both sides the steps are those of Gauss–Newton (Kaufman) and have the same fixed
 //! point.
 //!
-//! P. C. Young, Automatica 6 (1970) 271–287 (instrumental variables); F. M. Kaufman, BIT 15
+//! P. C. Young, Automatica 6 (1970) 271–287 (instrumental variables); L. Kaufman, BIT 15
 //! (1975) 49–57. Cost: twice a Sanathanan–Koerner step for the first, once for the second.
 
 use crate::methods::fraction::{damped, Denominator, Fraction, Lines};
@@ -50,7 +50,7 @@ struct Point {
 /// Poles λ after at most `most` steps from `start`.
 ///
 /// # Errors
-/// Too few lines; a singular system.
+/// A decomposition that fails.
 pub(crate) fn improved(
     lines: &Lines,
     start: &[Complex64],
@@ -64,7 +64,12 @@ pub(crate) fn improved(
     let mut last: Option<Point> = None;
     let (mut taken, mut halved) = (0, 0);
     loop {
-        let mut point = Point::new(lines, &lambda, steps)?;
+        let mut point = match Point::new(lines, &lambda, steps) {
+            Ok(point) => point,
+            // two poles in one place, or one that the lines do not see: no step says more
+            Err(LinalgError::RankDeficient { .. }) => return Ok(lambda),
+            Err(error) => return Err(error),
+        };
         if let (Steps::GaussNewton, Some(before)) = (steps, &last) {
             if point.explained < before.explained && halved < HALVINGS {
                 halved += 1;

@@ -2,7 +2,7 @@
 //! written in them.
 //!
 //! Lanczos on diag(t) from the square root of the weight gives p_0, p_1, … with
-//! t·p_k = β_{k+1}·p_{k+1} + α_k·p_k + β_k·p_{k−1} (theory.md, eq. 59). Each new one is
+//! t·p_k = β_{k+1}·p_{k+1} + α_k·p_k + β_k·p_{k−1} (theory.md, eq. 57). Each new one is
 //! orthogonalised twice against all before it: the weights S/|a|² have sharp peaks, and
 //! the short recurrence alone drifts. Roots are the eigenvalues of the comrade matrix: the
 //! recurrence with its last row changed. Powers of t lose all digits at degree 34.
@@ -20,7 +20,10 @@ use num_complex::Complex64;
 
 /// A recurrence coefficient below this says that the lines carry no further polynomial:
 /// fewer of them have weight than the degree asks for.
-const BREAKDOWN: f64 = 1e-15;
+const BREAKDOWN: f64 = 1e-13;
+
+/// Size of a leading coefficient over the largest one below which it is rounding.
+const VANISHING: f64 = 1e-16;
 
 /// Symmetry of the weights about t = 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -97,18 +100,17 @@ impl Polynomials {
         })
     }
 
-    /// Highest degree.
-    pub fn degree(&self) -> usize {
-        self.beside.len()
-    }
-
-    /// Roots of Σ d_k p_k in t, in no particular order; `d` has one entry per polynomial,
-    /// the last not zero.
+    /// Roots of Σ d_k p_k in t, in no particular order; those at infinity are left out.
     ///
     /// # Errors
-    /// A leading coefficient of zero; no convergence.
+    /// Coefficients that are not finite; no convergence.
     pub fn roots(&self, d: &[Complex64]) -> Result<Vec<Complex64>, LinalgError> {
-        let n = self.degree();
+        let largest = d.iter().fold(0.0, |m: f64, v| m.max(v.norm()));
+        let carried = |v: &Complex64| v.norm() > VANISHING * largest;
+        let n = d.iter().rposition(carried).unwrap_or(0);
+        if n == 0 {
+            return Ok(Vec::new());
+        }
         let mut comrade = Array2::<Complex64>::zeros((n, n));
         for k in 0..n {
             comrade[[k, k]] += self.diagonal[k];

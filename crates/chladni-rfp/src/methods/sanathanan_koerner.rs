@@ -4,7 +4,7 @@
 //! The linear equation error d·B − N weights every line with |a|², which spans ten decades
 //! over a band of twelve modes: the fit looks where modes are not. Divided by the |a| of
 //! the step before, it becomes the error of the measured values as the steps converge
-//! (theory.md, eq. 61). The scale of d is fixed by the mean of d/a instead of its leading
+//! (theory.md, eq. 59). The scale of d is fixed by the mean of d/a instead of its leading
 //! coefficient (relaxed), so that noise pulls it nowhere.
 //!
 //! On a basis that is made once, the same steps fail: the polynomials that were orthonormal

@@ -19,7 +19,7 @@ const PEAKS_PER_BAND: usize = 8;
 const OVERLAP: f64 = 0.15;
 /// Poles beyond the visible ones.
 const SPARE_POLES: usize = 6;
-/// Lines that a border may stand off an equal share of the peaks, in shares.
+/// Peaks that a border may stand off an equal share of them, in shares.
 const LEEWAY: f64 = 0.35;
 /// Lines beyond twice the order that a fraction needs.
 const LEAST_LINES: usize = 8;
@@ -63,8 +63,11 @@ pub(crate) fn windows(peaks: &[Peak], energy: &Array1<f64>, count: Option<usize>
 fn valley(peaks: &[usize], energy: &Array1<f64>, cut: usize, count: usize) -> Option<usize> {
     let share = peaks.len() as f64 / count as f64;
     let middle = share * cut as f64;
-    let first = ((middle - LEEWAY * share).floor() as usize).max(1) - 1;
-    let last = ((middle + LEEWAY * share).ceil() as usize).min(peaks.len() - 1);
+    let left_of_it = middle.round().clamp(1.0, (peaks.len() - 1) as f64);
+    // fewest and most peaks left of the border
+    let fewest = (middle - LEEWAY * share).ceil().clamp(1.0, left_of_it) as usize;
+    let most = (middle + LEEWAY * share).floor().max(left_of_it) as usize;
+    let (first, last) = (fewest - 1, most.min(peaks.len() - 1));
     (peaks[first] + 1..peaks[last]).min_by(|&a, &b| energy[a].total_cmp(&energy[b]))
 }
 
