@@ -11,6 +11,7 @@ mod folders;
 mod formats;
 mod info;
 mod journey;
+mod layouts;
 mod malformed;
 mod pages;
 mod pieces;

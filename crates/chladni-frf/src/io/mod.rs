@@ -12,6 +12,7 @@ mod bulk;
 mod checksums;
 mod contents;
 mod csv;
+mod declared;
 mod detect;
 mod document;
 mod hdf5;
@@ -19,6 +20,7 @@ mod json;
 mod mat;
 mod model_file;
 mod model_shapes;
+mod model_table;
 mod numpy;
 mod parts;
 mod paths;
@@ -36,6 +38,7 @@ pub use assemble::assemble;
 pub use atomic::{create_atomically, refuse_output_among_inputs, write_atomically};
 pub use checksums::{sha256_of, Checksums, Turn};
 pub use contents::Contents;
+pub use declared::{DeclaredDofs, DeclaredRow};
 pub use detect::detect_format;
 pub use document::{
     Abscissa, Axis, DatasetInfo, Document, Duplicates, FileFormat, Function, Ordinate, ReadOptions,

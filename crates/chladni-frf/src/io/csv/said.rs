@@ -1,6 +1,6 @@
 //! What the remarks of a table say about the whole file.
 
-use super::text::Remark;
+use super::remarks::Remark;
 use crate::io::unit_label::frequency_unit;
 use crate::io::PhaseUnit;
 use crate::{Dof, Error, FrfKind, ReferenceUnit, Result, TimeSign};
