@@ -127,7 +127,7 @@ def estimate(
     response_names=None,
     kind="mobility",
     reference_unit="N",
-    estimator="h1",
+    estimator=None,
     window=None,
     exponential_window_per_s=None,
     block=None,
@@ -150,8 +150,9 @@ def estimate(
         Kind of the FRFs.
     reference_unit : {"N", "V"}
         Unit of the references.
-    estimator : {"h1", "h2", "hv"}
-        Where the noise is thought to be.
+    estimator : {"lrm", "lpm", "h1", "h2", "hv"}, optional
+        Local rational or polynomial method, or where averaged blocks take the noise to be.
+        Without it: "lrm" for long records of continuous random excitation, else "h1".
     window : {"hann", "rectangular", "exponential"}, optional
         Without it: Hann for one long record, none for several runs.
     exponential_window_per_s : float, optional

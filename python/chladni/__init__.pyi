@@ -260,7 +260,7 @@ def estimate(
     response_names: Sequence[str] | None = None,
     kind: FrfKind = "mobility",
     reference_unit: Unit = "N",
-    estimator: Literal["h1", "h2", "hv"] = "h1",
+    estimator: Literal["lrm", "lpm", "h1", "h2", "hv"] | None = None,
     window: Literal["hann", "rectangular", "exponential"] | None = None,
     exponential_window_per_s: float | None = None,
     block: int | None = None,

@@ -2,9 +2,11 @@
 
 use crate::error::{raised, unfitted, wrong_word};
 use crate::frf::{dofs, unit, FrfSet};
-use chladni_frf::{Channel, Error, ErrorKind, FrfKind, ReferenceUnit, Run, SignalUnit};
+use chladni_frf::{
+    BlockWindow, Channel, Error, ErrorKind, Estimator, FrfKind, ReferenceUnit, Run, SignalUnit,
+};
 use chladni_rfp::{FitOptions, Stability};
-use chladni_signal::{BlockWindow, EstimateOptions, Estimator};
+use chladni_signal::EstimateOptions;
 use ndarray::{Array1, ArrayView2};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -21,7 +23,7 @@ pub fn estimate(
     response_names: Option<Vec<String>>,
     kind: &str,
     reference_unit: &str,
-    estimator: &str,
+    estimator: Option<&str>,
     window: Option<&str>,
     exponential_window_per_s: Option<f64>,
     block: Option<usize>,
@@ -117,18 +119,12 @@ fn uneven(py: Python<'_>, what: &str, found: usize, expected: usize) -> PyErr {
     raised(py, &error.found(found).expected(expected))
 }
 
-fn estimator_of(py: Python<'_>, name: &str) -> PyResult<Estimator> {
-    match name {
-        "h1" => Ok(Estimator::H1),
-        "h2" => Ok(Estimator::H2),
-        "hv" => Ok(Estimator::Hv),
-        _ => Err(wrong_word(
-            py,
-            "estimator",
-            name,
-            "no estimator; write h1, h2 or hv",
-        )),
-    }
+fn estimator_of(py: Python<'_>, name: Option<&str>) -> PyResult<Option<Estimator>> {
+    name.map(|name| {
+        name.parse()
+            .map_err(|message: String| wrong_word(py, "estimator", name, &message))
+    })
+    .transpose()
 }
 
 fn window_of(

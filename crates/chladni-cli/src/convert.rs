@@ -19,15 +19,15 @@ use std::path::{Path, PathBuf};
 #[command(before_help = "Examples:
   chladni convert measurement.uff -o measurement.h5
   chladni convert scan_*.uff --reference 101,102,103 -o all.h5      one file per actuator
-  chladni convert model.json -o model.h5
+  chladni convert model.json -o model.h5                            exact; modes.csv and model.mat for other programs
   chladni convert model.json -o shapes.unv                          mode shapes for other programs; shapes.pvd for ParaView
   chladni convert model.json weights.json -o field.vtu              the field that the weights make")]
 pub struct Args {
     /// Input files, folders of them, or patterns; several are merged into one set
     #[arg(required = true, value_name = "IN")]
     files: Vec<PathBuf>,
-    /// File to write: .h5 (exact), .uff (binary), .unv (text), .csv; of models .json,
-    /// .h5, or their shapes as .unv, .uff, .vtu, .pvd
+    /// File to write: .h5 (exact), .uff (binary), .unv (text), .npz, .mat, .csv; of models
+    /// .json, .h5, .mat, .csv (a table of modes), or their shapes as .unv, .uff, .vtu, .pvd
     #[arg(short, value_name = "OUT")]
     output: PathBuf,
     #[command(flatten)]

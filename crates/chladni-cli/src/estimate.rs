@@ -21,6 +21,7 @@ use std::path::PathBuf;
   chladni estimate hammer_*.uff -o frf.h5                                  blows: one record each, averaged
   chladni estimate shaker.uff -o frf.h5                                    continuous random: no leakage
   chladni estimate shaker.uff -o frf.h5 --estimator h1 --block 8192        the same by averaged Hann blocks
+  chladni estimate hit_*.csv -o frf.h5 --sample-rate 48000                 columns force_N, acc_g without a time column
   chladni estimate take.wav -o frf.h5 --dofs 101:+Z,1:+Z --units V,m/s --scales 10,0.05")]
 pub struct Args {
     /// Time records: universal files, HDF5 of this program, tables (t, then a column per
@@ -71,9 +72,19 @@ pub struct Args {
         allow_negative_numbers = true
     )]
     scales: Vec<f64>,
+    /// Samples per second of tables without a time column
+    #[arg(long, value_name = "HZ", value_parser = positive)]
+    sample_rate: Option<f64>,
     /// Leave out what cannot be read instead of refusing the file
     #[arg(long)]
     lenient: bool,
+}
+
+fn positive(text: &str) -> std::result::Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|rate: &f64| rate.is_finite() && *rate > 0.0)
+        .ok_or_else(|| "no rate; write a number above 0, as in 48000".into())
 }
 
 impl Args {
@@ -138,6 +149,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         &files,
         &ReadOptions {
             lenient: args.lenient,
+            sample_rate_hz: args.sample_rate,
             ..ReadOptions::default()
         },
     )? {

@@ -5,11 +5,13 @@ use crate::console::Console;
 use crate::oddities;
 use crate::quoting::shell_word;
 use chladni_frf::{Error, FrfKind, FrfSet, ModalModel, Result, Source, TimeSign};
+use chladni_io::DeclaredDofs;
 use chladni_io::PhaseUnit;
 use chladni_io::{detect_format, Duplicates, FileFormat, ReadOptions};
 use chladni_render::Weights;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{Map, Value};
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 /// How FRFs are to be read.
@@ -33,6 +35,19 @@ pub struct Reading {
         allow_negative_numbers = true
     )]
     pub reference: Vec<u64>,
+    /// Response node of files that hold one response (a roving hammer): one for all files,
+    /// or one for each, in their order
+    #[arg(
+        long,
+        value_name = "N",
+        value_delimiter = ',',
+        allow_negative_numbers = true
+    )]
+    pub response: Vec<u64>,
+    /// List of the DOFs of all FRFs in their order: rows response,reference or
+    /// file,response,reference
+    #[arg(long, value_name = "FILE", value_parser = read_dofs)]
+    pub dofs: Option<DofFile>,
     /// Where the arrays of a foreign HDF5 file are: frf=/data/H,freq=/data/f
     #[arg(long, value_name = "NAME=PATH", value_delimiter = ',', value_parser = parse_map)]
     pub map: Vec<(String, String)>,
@@ -49,6 +64,37 @@ pub struct Reading {
     /// Mask or leave out what cannot be read instead of refusing the file
     #[arg(long)]
     pub lenient: bool,
+}
+
+/// A list of DOFs with the name of its file, for the result's `options`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DofFile {
+    name: String,
+    list: DeclaredDofs,
+}
+
+fn read_dofs(path: &str) -> std::result::Result<DofFile, String> {
+    let path = Path::new(path);
+    let list = chladni_text::read_text(path, "a list of DOFs")
+        .and_then(|text| DeclaredDofs::parse(&text).map_err(|error| error.file(path)))
+        .map_err(|error| error.to_string())?;
+    Ok(DofFile {
+        name: path.display().to_string(),
+        list,
+    })
+}
+
+impl DofFile {
+    /// Rows as they may stand in such a file.
+    fn rows(&self) -> impl Iterator<Item = String> + '_ {
+        self.list.rows.iter().map(|row| {
+            let file = row
+                .file
+                .as_ref()
+                .map_or(String::new(), |file| format!("{file},"));
+            format!("{file}{},{}", row.response, row.reference)
+        })
+    }
 }
 
 fn parse_map(text: &str) -> std::result::Result<(String, String), String> {
@@ -76,11 +122,14 @@ impl Reading {
             frf_kind: self.frf_kind,
             time_sign: self.time_sign.unwrap_or_default(),
             references: self.reference.clone(),
+            responses: self.response.clone(),
+            dofs: self.dofs.clone().map(|file| file.list).unwrap_or_default(),
             map: self.map.clone(),
             duplicates: self.duplicates.unwrap_or_default(),
             phase_unit: self.phase_unit,
             snap_df: self.snap_df,
             lenient: self.lenient,
+            ..ReadOptions::default()
         }
     }
 
@@ -96,6 +145,12 @@ impl Reading {
         }
         if !self.reference.is_empty() {
             add("reference", self.reference.clone().into());
+        }
+        if !self.response.is_empty() {
+            add("response", self.response.clone().into());
+        }
+        if let Some(file) = &self.dofs {
+            add("dofs", file.rows().collect::<Vec<_>>().into());
         }
         if !self.map.is_empty() {
             add(
@@ -139,6 +194,11 @@ impl Reading {
             other => plain(other),
         };
         let flag = |(name, value): (&String, &Value)| match value {
+            // the rows stand in a file
+            Value::Array(_) if name == "dofs" => {
+                let name = self.dofs.as_ref().map_or("", |file| file.name.as_str());
+                format!("--dofs {name}")
+            }
             Value::Bool(_) => format!("--{}", name.replace('_', "-")),
             value => format!("--{} {}", name.replace('_', "-"), shell_word(words(value))),
         };
@@ -154,16 +214,26 @@ impl Reading {
             .and_then(Value::as_object)
             .into_iter()
             .flatten();
-        Self {
-            frf_kind: text("frf_kind").and_then(|kind| kind.parse().ok()),
-            time_sign: text("time_sign").and_then(|sign| sign.parse().ok()),
-            reference: options
-                .get("reference")
+        let list = |name: &str| {
+            options
+                .get(name)
                 .and_then(Value::as_array)
                 .into_iter()
                 .flatten()
-                .filter_map(Value::as_u64)
-                .collect(),
+        };
+        let rows: Vec<&str> = list("dofs").filter_map(Value::as_str).collect();
+        let dofs = DeclaredDofs::parse(&rows.join("\n"))
+            .ok()
+            .map(|list| DofFile {
+                name: String::new(),
+                list,
+            });
+        Self {
+            frf_kind: text("frf_kind").and_then(|kind| kind.parse().ok()),
+            time_sign: text("time_sign").and_then(|sign| sign.parse().ok()),
+            reference: list("reference").filter_map(Value::as_u64).collect(),
+            response: list("response").filter_map(Value::as_u64).collect(),
+            dofs,
             map: map
                 .filter_map(|(name, path)| Some((name.clone(), path.as_str()?.to_owned())))
                 .collect(),
@@ -218,13 +288,38 @@ pub fn warn_of_files(files: &[PathBuf], warnings: Vec<String>, console: &Console
         .map(|folder| format!("{}/", folder.display().to_string().trim_end_matches('/')))
         .filter(|folder| folder.len() > 1)
         .collect();
-    for warning in warnings {
+    for warning in told_once(files, warnings) {
         console.warn(
             folders
                 .iter()
                 .fold(warning, |warning, folder| warning.replace(folder, "")),
         );
     }
+}
+
+/// What is said of several files in the same words is said once, with their number.
+fn told_once(files: &[PathBuf], warnings: Vec<String>) -> Vec<String> {
+    let names: HashSet<String> = files
+        .iter()
+        .map(|file| file.display().to_string())
+        .collect();
+    let words = |warning: &str| {
+        let (name, words) = warning.split_once(": ")?;
+        names.contains(name).then(|| words.to_owned())
+    };
+    let mut counts: HashMap<String, usize> = HashMap::new();
+    for words in warnings.iter().filter_map(|warning| words(warning)) {
+        *counts.entry(words).or_default() += 1;
+    }
+    let once = |warning: String| match words(&warning) {
+        None => Some(warning),
+        // the first of them takes the count, the others find none
+        Some(words) => match counts.remove(&words)? {
+            1 => Some(warning),
+            count => Some(format!("{warning} (and {} more files)", count - 1)),
+        },
+    };
+    warnings.into_iter().filter_map(once).collect()
 }
 
 /// Name and content of an input, for the result's `source`.

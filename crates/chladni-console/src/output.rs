@@ -10,17 +10,17 @@ use std::path::{Path, PathBuf};
 
 /// Extensions of FRF files.
 pub const FRF: &[&str] = &[
-    "h5", "hdf5", "npz", "uff", "ufb", "bunv", "unv", "uf", "csv", "txt",
+    "h5", "hdf5", "npz", "mat", "uff", "ufb", "bunv", "unv", "uf", "csv", "txt",
 ];
 /// Extensions of what `convert` writes of measured data.
 pub const DATA: &[&str] = &[
-    "h5", "hdf5", "npz", "uff", "ufb", "bunv", "unv", "uf", "csv", "txt", "vtu", "pvd",
+    "h5", "hdf5", "npz", "mat", "uff", "ufb", "bunv", "unv", "uf", "csv", "txt", "vtu", "pvd",
 ];
 /// Extensions of shapes and fields.
 pub const SHAPES: &[&str] = &["unv", "uff", "ufb", "bunv", "uf", "vtu", "pvd"];
 /// Extensions of what `convert` writes of a model.
 pub const MODEL_OR_SHAPES: &[&str] = &[
-    "json", "h5", "hdf5", "unv", "uff", "ufb", "bunv", "uf", "vtu", "pvd",
+    "json", "h5", "hdf5", "mat", "csv", "txt", "unv", "uff", "ufb", "bunv", "uf", "vtu", "pvd",
 ];
 /// Extensions of model files.
 pub const MODEL: &[&str] = &["json", "h5", "hdf5"];

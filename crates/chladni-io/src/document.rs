@@ -259,12 +259,20 @@ pub struct ReadOptions {
     /// `--reference N`: one reference node for all FRFs of files that each hold one
     /// reference (one entry, or one per file).
     pub references: Vec<u64>,
+    /// `--response N`: one response node for all FRFs of files that each hold one response
+    /// (one entry, or one per file).
+    pub responses: Vec<u64>,
+    /// `--dofs`: DOFs of every FRF, in their order; empty: as in the files.
+    pub dofs: super::DeclaredDofs,
     /// `--map`: `frf=/data/H,freq=/data/f`.
     pub map: Vec<(String, String)>,
     /// `--duplicates`.
     pub duplicates: Duplicates,
     /// `--phase-unit`: of phases in tables and arrays.
     pub phase_unit: Option<super::PhaseUnit>,
+    /// `estimate --sample-rate`: tables without a time column are time records at this
+    /// rate, Hz.
+    pub sample_rate_hz: Option<f64>,
     /// `--snap-df`: take the exact step that the six printed digits stand for.
     pub snap_df: bool,
     /// `--lenient`: mask what cannot be read instead of refusing.

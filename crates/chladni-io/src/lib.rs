@@ -21,6 +21,7 @@ mod bulk;
 mod checksums;
 mod contents;
 mod csv;
+mod declared;
 mod detect;
 mod document;
 mod hdf5;
@@ -28,6 +29,7 @@ mod json;
 mod mat;
 mod model_file;
 mod model_shapes;
+mod model_table;
 mod numpy;
 mod parts;
 mod paths;
@@ -51,6 +53,7 @@ pub use atomic::{
 };
 pub use checksums::{sha256_of, stamp_of, Checksums, Turn};
 pub use contents::Contents;
+pub use declared::{DeclaredDofs, DeclaredRow};
 pub use detect::detect_format;
 pub use document::{
     Abscissa, Axis, DatasetInfo, Document, Duplicates, FileFormat, Function, Ordinate, ReadOptions,

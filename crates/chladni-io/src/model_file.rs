@@ -2,7 +2,8 @@
 
 use super::atomic::write_atomically;
 use super::json::write_json;
-use super::{detect_format, hdf5, FileFormat};
+use super::mat::MatFile;
+use super::{detect_format, hdf5, model_table, FileFormat};
 use chladni_frf::{Damping, Error, ErrorKind, ModalModel, Mode, Result, MODEL_FORMAT};
 use chladni_text::door::KeptInputs;
 use chladni_text::{json_error, read_text};
@@ -56,7 +57,8 @@ pub fn read_model(path: &Path) -> Result<ModalModel> {
     Ok(model)
 }
 
-/// Writes a model: `.json`, or `.h5` / `.hdf5`.
+/// Writes a model: `.json`, or `.h5` / `.hdf5`; for other programs `.mat` (MATLAB) and
+/// `.csv` / `.txt` (a table of modes), which are not read again.
 ///
 /// # Errors
 /// [`ErrorKind::Usage`] for another extension, [`ErrorKind::Internal`] for a model that
@@ -72,7 +74,15 @@ pub fn write_model(path: &Path, model: &ModalModel, force: bool) -> Result<()> {
     match super::extension(path).as_str() {
         "json" => write_atomically(path, force, |out| write_json(out, model)),
         "h5" | "hdf5" => hdf5::write_model(path, model, force),
-        _ => Err(super::unknown_extension(path, ".json, .h5 or .hdf5")),
+        "mat" => {
+            let file = MatFile::of_model(model).map_err(|error| error.file(path))?;
+            write_atomically(path, force, |out| file.write(out))
+        }
+        "csv" | "txt" => write_atomically(path, force, |out| model_table::write(out, model)),
+        _ => Err(super::unknown_extension(
+            path,
+            ".json, .h5, .hdf5, .mat or .csv",
+        )),
     }
 }
 

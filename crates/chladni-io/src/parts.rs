@@ -60,6 +60,16 @@ impl FrfParts {
     /// # Errors
     /// Those of reading.
     pub fn open(files: &[PathBuf], options: &ReadOptions) -> Result<Self> {
+        if !options.dofs.rows.is_empty() {
+            return Err(Error::new(
+                chladni_frf::ErrorKind::Usage,
+                "files that are read in parts cannot take their DOFs from a list",
+            )
+            .field("--dofs")
+            .found(format!("{} rows", options.dofs.rows.len()))
+            .expected("DOFs in the files")
+            .help("write them into a file first: chladni convert ... --dofs LIST -o all.h5"));
+        }
         let kept = KeptInputs::new();
         let parted = |(number, path): (usize, &PathBuf)| {
             let mut bytes = size_of(path)?;

@@ -49,13 +49,17 @@ pub fn list_document(path: &Path, options: &ReadOptions) -> Result<Document> {
 /// The first of [`read_document`].
 pub fn read_documents(paths: &[PathBuf], options: &ReadOptions) -> Result<Vec<Document>> {
     let mut next_node = 1;
-    let per_file = options.references.len() > 1 && options.references.len() == paths.len();
+    let of_file = |nodes: &[u64], number: usize| match nodes {
+        nodes if nodes.len() > 1 && nodes.len() == paths.len() => vec![nodes[number]],
+        nodes => nodes.to_vec(),
+    };
     let read = |(number, path): (usize, &PathBuf)| {
-        let own = per_file.then(|| ReadOptions {
-            references: vec![options.references[number]],
+        let own = ReadOptions {
+            references: of_file(&options.references, number),
+            responses: of_file(&options.responses, number),
             ..options.clone()
-        });
-        read_numbered(path, own.as_ref().unwrap_or(options), &mut next_node)
+        };
+        read_numbered(path, &own, &mut next_node)
     };
     paths.iter().enumerate().map(read).collect()
 }

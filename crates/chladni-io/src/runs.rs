@@ -112,12 +112,12 @@ fn unit_of(function: &Function) -> SignalUnit {
         11 => SignalUnit::Velocity,
         12 => SignalUnit::Acceleration,
         9 | 13 => SignalUnit::Force,
-        _ => labelled(&axis.unit).map_or(SignalUnit::Unknown, |(unit, _)| unit),
+        _ => signal_unit(&axis.unit).map_or(SignalUnit::Unknown, |(unit, _)| unit),
     }
 }
 
 /// A unit label: what it measures, and its factor to SI.
-fn labelled(label: &str) -> Option<(SignalUnit, f64)> {
+pub(crate) fn signal_unit(label: &str) -> Option<(SignalUnit, f64)> {
     let unit = crate::unit_label::parse(label)?;
     let measured = match unit.powers {
         [1, 1, -2, 0, 0, 0] => SignalUnit::Force,
@@ -158,7 +158,7 @@ fn channel(function: &Function, k: usize, said: &ChannelOverride) -> Result<Chan
     let dof = of(said.dofs.len()).map_or(function.response, |at| said.dofs[at]);
     let (unit, factor) = match of(said.units.len()) {
         None => (unit_of(function), function.scale_to_si),
-        Some(at) => labelled(&said.units[at]).ok_or_else(|| {
+        Some(at) => signal_unit(&said.units[at]).ok_or_else(|| {
             Error::new(
                 chladni_frf::ErrorKind::Usage,
                 "no unit of a force, voltage or motion",

@@ -1,13 +1,15 @@
 //! Measured data to files, the format by extension.
 
 use super::atomic::write_atomically;
+use super::mat::MatFile;
 use super::{csv, hdf5, numpy, uff, vtk, Contents};
 use chladni_frf::{Error, ErrorKind, FrfSet, Result};
 use std::borrow::Cow;
 use std::path::Path;
 
 /// Extensions of measured data, for messages.
-const KNOWN: &str = ".h5, .hdf5, .npz, .csv, .txt, .uff, .ufb, .bunv, .unv, .uf, .vtu or .pvd";
+const KNOWN: &str =
+    ".h5, .hdf5, .npz, .mat, .csv, .txt, .uff, .ufb, .bunv, .unv, .uf, .vtu or .pvd";
 
 /// Writes a set; returns what the format cannot carry.
 ///
@@ -15,7 +17,8 @@ const KNOWN: &str = ".h5, .hdf5, .npz, .csv, .txt, .uff, .ufb, .bunv, .unv, .uf,
 /// |---|---|
 /// | `.h5`, `.hdf5` | HDF5, lossless |
 /// | `.npz` | NumPy, lossless, no geometry |
-/// | `.csv`, `.txt` | text table, numbers lossless (widened to double precision), no geometry |
+/// | `.mat` | MATLAB 5, lossless, no geometry |
+/// | `.csv`, `.txt` | text table, numbers in the digits of their precision, no geometry |
 /// | `.uff`, `.ufb`, `.bunv` | universal file with binary functions (58b): values lossless |
 /// | `.unv` | universal file with text functions (58), for programs that read no other: 13 digits |
 /// | `.uf` | the same with the old datasets 15 and 55 |
@@ -46,6 +49,12 @@ fn write(
         "h5" | "hdf5" => hdf5::write(path, frf, contents, force).map(|()| Vec::new()),
         "csv" | "txt" => write_table(path, frf, contents, force),
         "npz" => write_arrays(path, frf, contents, force),
+        "mat" => {
+            let set = needed(path, frf, "a MATLAB file")?;
+            let file = MatFile::of_set(set).map_err(|error| error.file(path))?;
+            write_atomically(path, force, |out| file.write(out))?;
+            Ok(left_out("a MATLAB file", set, contents))
+        }
         "uff" | "ufb" | "bunv" => write_universal(
             path,
             frf,

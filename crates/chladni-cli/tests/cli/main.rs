@@ -14,6 +14,7 @@ mod formats;
 mod hostile;
 mod info;
 mod journey;
+mod layouts;
 mod malformed;
 mod pages;
 mod pieces;

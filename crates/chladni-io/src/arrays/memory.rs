@@ -11,8 +11,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Texts that say something about the arrays beside them.
-const REMARKS: [&str; 6] = [
+const REMARKS: [&str; 7] = [
     "axes",
+    "format",
     "frf_kind",
     "reference_unit",
     "time_sign",
@@ -81,6 +82,12 @@ impl MemoryFile {
             .filter(|entry| entry.dataset.is_some())
             .map(info)
             .collect();
+        if entries[0].text("format") == Some(chladni_frf::MODEL_FORMAT) {
+            document
+                .warnings
+                .push("a model for other programs: read it from JSON or HDF5 here".into());
+            return Ok(document);
+        }
         match read_foreign(&self, &entries, options, &mut document.warnings)
             .map_err(|error| error.file(path))
         {

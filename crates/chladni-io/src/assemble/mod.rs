@@ -11,7 +11,9 @@ mod record;
 
 pub(crate) use record::clean_coherence;
 
-use super::{Contents, Document, Duplicates, FileFormat, Function, Ordinate, ReadOptions};
+use super::{
+    Contents, DeclaredDofs, Document, Duplicates, FileFormat, Function, Ordinate, ReadOptions,
+};
 use chladni_frf::{
     Dof, Error, ErrorKind, FrfKind, FrfSet, Geometry, ReferenceUnit, Result, Source, TimeSign,
 };
@@ -20,6 +22,7 @@ use grid::DofList;
 use num_complex::Complex64;
 use record::{axis_of, from_function, from_set, place_of, Line, Record};
 use std::collections::HashMap;
+use std::path::Path;
 use std::rc::Rc;
 
 /// Function types of dataset 58.
@@ -48,11 +51,18 @@ pub fn assemble(documents: Vec<Document>, options: &ReadOptions) -> Result<Conte
     };
     contents.warnings.extend(results.into_iter().map(left_out));
     let count = documents.len();
-    let is_one_set =
-        count == 1 && documents[0].frf.is_some() && !documents[0].functions.iter().any(is_measured);
+    let as_in_files = options.dofs.rows.is_empty();
+    let is_one_set = as_in_files
+        && count == 1
+        && documents[0].frf.is_some()
+        && !documents[0].functions.iter().any(is_measured);
     for (number, mut document) in documents.into_iter().enumerate() {
         report(&mut document, options.lenient, &mut contents.warnings)?;
-        override_reference(&mut document, reference_for(options, number, count)?)?;
+        let (responses, references) = (&options.responses, &options.references);
+        let node = node_for(Side::Response, responses, number, count)?;
+        override_node(&mut document, Side::Response, node)?;
+        let node = node_for(Side::Reference, references, number, count)?;
+        override_node(&mut document, Side::Reference, node)?;
         contents.sources.push(source_of(&document));
         contents.not_carried.extend(super::not_carried(&document));
         geometry::merge(
@@ -90,6 +100,9 @@ pub fn assemble(documents: Vec<Document>, options: &ReadOptions) -> Result<Conte
         return Ok(contents);
     }
     assembly.attach_coherence(&mut contents);
+    if !as_in_files {
+        assembly.declare(&options.dofs)?;
+    }
     assembly.apply_kind(options.frf_kind, &mut contents.warnings);
     let Assembly {
         mut records,
@@ -188,44 +201,69 @@ fn known_kind(
     told.or(said)
 }
 
-/// `--reference`: one node for all files, or one per file.
-fn reference_for(options: &ReadOptions, number: usize, count: usize) -> Result<Option<u64>> {
-    match options.references.as_slice() {
+/// One of the two DOFs of an FRF.
+#[derive(Clone, Copy, PartialEq)]
+enum Side {
+    Response,
+    Reference,
+}
+
+impl Side {
+    /// Its option, and its name.
+    fn names(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Response => ("--response", "response"),
+            Self::Reference => ("--reference", "reference"),
+        }
+    }
+}
+
+/// `--response` or `--reference`: one node for all files, or one per file.
+fn node_for(side: Side, nodes: &[u64], number: usize, count: usize) -> Result<Option<u64>> {
+    let (option, name) = side.names();
+    match nodes {
         [] => Ok(None),
         &[node] => Ok(Some(node)),
         nodes if nodes.len() == count => Ok(Some(nodes[number])),
         nodes => Err(Error::new(
             ErrorKind::Usage,
-            "the count of reference nodes does not fit the count of files",
+            format!("the count of {name} nodes does not fit the count of files"),
         )
-        .field("--reference")
+        .field(option)
         .found(nodes.len())
         .expected(format!("one for all, or {count}, one per file"))),
     }
 }
 
-/// Gives all FRFs of a single-reference file another reference node.
-fn override_reference(document: &mut Document, node: Option<u64>) -> Result<()> {
+/// Gives all FRFs of a file with one response, or one reference, another node.
+fn override_node(document: &mut Document, side: Side, node: Option<u64>) -> Result<()> {
     let Some(node) = node else { return Ok(()) };
-    let mut references: Vec<&mut Dof> = document
+    let (option, name) = side.names();
+    let mut dofs: Vec<&mut Dof> = document
         .functions
         .iter_mut()
         .filter(|function| is_measured(function))
-        .map(|function| &mut function.reference)
+        .map(|function| match side {
+            Side::Response => &mut function.response,
+            Side::Reference => &mut function.reference,
+        })
         .collect();
     if let Some(set) = &mut document.frf {
-        references.extend(&mut set.references);
+        dofs.extend(match side {
+            Side::Response => &mut set.responses,
+            Side::Reference => &mut set.references,
+        });
     }
-    let mut nodes: Vec<u64> = references.iter().map(|dof| dof.node).collect();
+    let mut nodes: Vec<u64> = dofs.iter().map(|dof| dof.node).collect();
     nodes.sort_unstable();
     nodes.dedup();
     if nodes.len() > 1 {
         return Err(Error::new(
             ErrorKind::Usage,
-            "the file holds more than one reference; one node cannot stand for all",
+            format!("the file holds more than one {name}; one node cannot stand for all"),
         )
         .file(&document.file)
-        .field("--reference")
+        .field(option)
         .found(
             nodes
                 .iter()
@@ -234,10 +272,10 @@ fn override_reference(document: &mut Document, node: Option<u64>) -> Result<()> 
                 .collect::<Vec<_>>()
                 .join(", "),
         )
-        .expected("one reference node")
-        .help("leave --reference out for this file"));
+        .expected(format!("one {name} node"))
+        .help(format!("leave {option} out for this file")));
     }
-    references.into_iter().for_each(|dof| dof.node = node);
+    dofs.into_iter().for_each(|dof| dof.node = node);
     Ok(())
 }
 
@@ -351,6 +389,24 @@ impl Assembly {
         contents
             .functions
             .extend(unmatched.into_iter().map(|(function, _)| function));
+    }
+
+    /// Gives every FRF the DOFs of a list.
+    fn declare(&mut self, list: &DeclaredDofs) -> Result<()> {
+        let (mut at, mut names) = (0, Vec::new());
+        (self.responses, self.references) = Default::default();
+        for records in self.records.chunk_by_mut(|a, b| a.document == b.document) {
+            let file = &self.files[records[0].document];
+            let name = file_name(Path::new(file));
+            let dofs = list.of_file(&name, records.len(), &mut at)?;
+            names.push(name);
+            for (record, (response, reference)) in records.iter_mut().zip(dofs) {
+                (record.response, record.reference) = (response, reference);
+                self.responses.index_of(response);
+                self.references.index_of(reference);
+            }
+        }
+        list.refuse_rest(&names, at)
     }
 
     /// Takes the coherence that belongs to no FRF, in an order that does not depend on

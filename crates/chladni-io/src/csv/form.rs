@@ -203,7 +203,12 @@ fn phase_unit(phase: &Column<'_>, said: &Said, warnings: &mut Vec<String>) -> Re
     if let Some(known) = own.or(said.phase_unit) {
         return Ok(known);
     }
-    let by_text = |unit| words(&said.header_text).any(|word| PhaseUnit::named(word) == Some(unit));
+    // whole words: `rad/s` is a frequency
+    let by_text = |unit| {
+        said.header_text
+            .split(|c: char| c.is_whitespace() || "()[],;:=".contains(c))
+            .any(|word| PhaseUnit::named(word) == Some(unit))
+    };
     if by_text(PhaseUnit::Radian) {
         return Err(ask(
             "the file speaks of radians, and the phase has no unit: is it in degrees or radians?",

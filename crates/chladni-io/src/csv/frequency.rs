@@ -1,6 +1,6 @@
 //! The frequency column: its unit, its name, its order.
 
-use super::head::split_unit;
+use super::head::{split_unit, without_brackets};
 use super::vocabulary::{after_frequency, is_filler, is_frequency};
 use crate::unit_label::{frequency_unit, parse};
 
@@ -8,10 +8,7 @@ use crate::unit_label::{frequency_unit, parse};
 /// another quantity, or nothing that is a frequency. A column without a name is in Hz.
 pub(super) fn factor_to_hz(name: &str, unit_row: &str) -> Option<f64> {
     let (rest, unit) = split_unit(name);
-    for label in [
-        unit.as_str(),
-        unit_row.trim().trim_matches(['[', ']', '(', ')']),
-    ] {
+    for label in [unit.as_str(), without_brackets(unit_row).as_str()] {
         if !label.is_empty() {
             return frequency_unit(label);
         }
@@ -28,6 +25,9 @@ pub(super) fn factor_to_hz(name: &str, unit_row: &str) -> Option<f64> {
     {
         let lower = token.to_lowercase();
         let (name, tail) = token.split_once('/').unwrap_or((token, ""));
+        if is_filler(&lower) {
+            continue; // "in" is no inch here
+        }
         if frequency_unit(token).is_some() || (parse(token).is_some() && !is_frequency(&lower)) {
             units.push(token);
         } else if is_frequency(&name.to_lowercase()) {
@@ -35,7 +35,7 @@ pub(super) fn factor_to_hz(name: &str, unit_row: &str) -> Option<f64> {
             units.extend(Some(tail).filter(|tail| !tail.is_empty()));
         } else if let Some(tail) = after_frequency(token).filter(|t| frequency_unit(t).is_some()) {
             units.push(tail);
-        } else if !is_filler(&lower) {
+        } else {
             return None; // another quantity, or one that is measured otherwise
         }
     }

@@ -1,6 +1,6 @@
 //! What the header of a column says: part of the FRF, unit, DOFs.
 
-use super::vocabulary::{is_decibel, is_filler, part_of, words, Part};
+use super::vocabulary::{is_decibel, is_filler, known_words, part_of, words, Part};
 use crate::unit_label::{self, frequency_unit, frf_unit, FrfUnit};
 use crate::PhaseUnit;
 use chladni_frf::Dof;
@@ -117,9 +117,16 @@ impl Head {
     }
 }
 
-/// A label of a unit row.
-fn without_brackets(label: &str) -> String {
-    label.trim().trim_matches(['[', ']', '(', ')']).to_owned()
+/// A label of a unit row, without brackets around the whole of it.
+pub(super) fn without_brackets(label: &str) -> String {
+    let label = label.trim();
+    let inside = [('[', ']'), ('(', ')')]
+        .into_iter()
+        .find_map(|(open, close)| {
+            let inner = label.strip_suffix(close)?;
+            (matching_open(inner, open, close) == Some(0)).then(|| inner[1..].trim())
+        });
+    inside.unwrap_or(label).to_owned()
 }
 
 /// Splits `Re(x) [mm/s/N]` into `Re(x)` and `mm/s/N`. Round brackets count where their
@@ -204,7 +211,10 @@ pub(super) fn looks_like_unit(text: &str) -> bool {
         || PhaseUnit::named(&label).is_some()
         || frequency_unit(text).is_some()
         || frf_unit(text).is_some()
-        || (text.contains('/') && !text.contains(':') && dof_pair(text).is_none())
+        || (text.contains('/')
+            && !text.contains(':')
+            && dof_pair(text).is_none()
+            && known_words(text) == 0)
 }
 
 /// A response and perhaps its reference: `12:+Z`, `1Z:3Z`, `12:+Z:101:+Z`,

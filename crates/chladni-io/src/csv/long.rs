@@ -3,6 +3,7 @@
 use super::form::{Column, Form};
 use super::frequency::factor_to_hz;
 use super::head::Head;
+use super::header::outside_brackets;
 use super::table::both_commas;
 use super::text::{Cell, Dialect, Line};
 use super::vocabulary::{is_frequency, words, Part};
@@ -65,7 +66,7 @@ pub(super) fn find<'a>(lines: &'a [Line<'a>]) -> Option<LongTable<'a>> {
             };
             let mut columns = any
                 .and_others()
-                .find_map(|dialect| header(&dialect.cells(line.text), dialect))?;
+                .find_map(|dialect| header(&names_of(line.text, dialect), dialect))?;
             let (comments, rows): (Vec<_>, Vec<_>) =
                 lines[at + 1..].iter().partition(|line| line.is_comment);
             if columns.dialect.delimiter != Some(',') {
@@ -94,7 +95,18 @@ pub(super) fn find<'a>(lines: &'a [Line<'a>]) -> Option<LongTable<'a>> {
         })
 }
 
-fn header(cells: &[Cow<'_, str>], dialect: Dialect) -> Option<Columns> {
+/// The names of a header line; blanks in front of a unit in brackets do not cut.
+fn names_of(line: &str, dialect: Dialect) -> Vec<String> {
+    match dialect.delimiter {
+        None => outside_brackets(line),
+        Some(_) => {
+            let cells = dialect.cells(line).into_iter();
+            cells.map(Cow::into_owned).collect()
+        }
+    }
+}
+
+fn header(cells: &[String], dialect: Dialect) -> Option<Columns> {
     let names: Vec<String> = cells
         .iter()
         .map(|cell| cell.trim().to_lowercase().replace([' ', '-'], "_"))

@@ -15,8 +15,11 @@
 
 mod form;
 mod frequency;
+mod groups;
 mod head;
+mod header;
 mod long;
+mod remarks;
 mod said;
 mod table;
 mod text;
@@ -30,11 +33,12 @@ use super::unit_label::{frf_unit, FrfUnit};
 use super::{DatasetInfo, Document, FileFormat, ReadOptions};
 use chladni_frf::{Direction, Dof, Error, FrfKind, FrfSet, ReferenceUnit, Result};
 use num_complex::Complex64;
+use remarks::lines_and_remarks;
 use said::Said;
 use std::io::Write;
 use std::path::Path;
 pub(super) use text::decode;
-use text::{lines_and_remarks, refuse_complex_lists, Dialect};
+use text::{refuse_complex_lists, Dialect};
 
 /// One FRF of a table, as it stands there.
 struct Trace {
@@ -90,10 +94,10 @@ fn read_text(
         }
         None => {
             let table = table::Table::read(&lines, options.lenient, &mut warnings)?;
-            if let Some(factor) = time::seconds(&table) {
-                return time::document(&table, factor, warnings, file);
+            if let Some(times) = time::axis(&table, options.sample_rate_hz) {
+                return time::document(&table, &times, warnings, file);
             }
-            said.header_text = table.header_text.clone();
+            said.header_text = table.prose.clone();
             (table.lines[0], wide::traces(&table, &said, &mut warnings)?)
         }
     };
@@ -246,19 +250,30 @@ fn name_dofs(
         [] => Dof::new(1, Direction::SCALAR),
         nodes => Dof::new(nodes[0], Direction::PLUS_Z),
     };
+    let told_response = match options.responses.as_slice() {
+        &[node] if traces.len() == 1 => Some(Dof::new(node, Direction::PLUS_Z)),
+        _ => None,
+    };
     let single = traces.len() == 1;
-    let mut numbered: Vec<u64> = Vec::new();
+    let mut numbered: Vec<Dof> = Vec::new();
     let mut without_reference = false;
+    // a guessed node is no driving point, whatever reference the user names
+    let guessed = |node: u64| match options.references.contains(&node) {
+        true => Dof::new(node, Direction::SCALAR),
+        false => Dof::new(node, Direction::PLUS_Z),
+    };
     let dofs = traces
         .iter()
         .map(|trace| {
             let response = trace
                 .response
                 .or(said.response.filter(|_| single))
+                .or(told_response)
                 .unwrap_or_else(|| {
-                    numbered.push(*next_node);
+                    let dof = guessed(*next_node);
+                    numbered.push(dof);
                     *next_node += 1;
-                    Dof::new(numbered[numbered.len() - 1], Direction::PLUS_Z)
+                    dof
                 });
             let reference = trace.reference.or(said.reference).unwrap_or_else(|| {
                 without_reference = true;
@@ -267,13 +282,16 @@ fn name_dofs(
             (response, reference)
         })
         .collect();
+    if !options.dofs.rows.is_empty() {
+        return dofs; // declared later
+    }
     match numbered.as_slice() {
         [] => {}
         [one] => warnings.push(format!(
-            "the file names no response DOF: taken as {one}:+Z, by its place among the files"
+            "the file names no response DOF: taken as {one}, by its place among the files"
         )),
         [first, .., last] => warnings.push(format!(
-            "the columns name no response DOFs: taken as {first}:+Z to {last}:+Z, in their order"
+            "the columns name no response DOFs: taken as {first} to {last}, in their order"
         )),
     }
     if without_reference {

@@ -1,6 +1,6 @@
 //! What the remarks of a table say about the whole file.
 
-use super::text::Remark;
+use super::remarks::Remark;
 use crate::unit_label::frequency_unit;
 use crate::PhaseUnit;
 use chladni_frf::{Dof, Error, FrfKind, ReferenceUnit, Result, TimeSign};

@@ -2,7 +2,8 @@
 
 use super::head::Head;
 use super::table::Table;
-use crate::unit_label;
+use crate::runs::signal_unit;
+use crate::unit_label::{self, Unit};
 use crate::{Abscissa, Axis, DatasetInfo, Document, FileFormat, Function, Ordinate};
 use chladni_frf::{Direction, Dof, Error, Result};
 use std::path::Path;
@@ -10,13 +11,63 @@ use std::path::Path;
 /// Names that a time axis goes by.
 const TIME_NAMES: [&str; 4] = ["t", "time", "zeit", "temps"];
 
-/// Factor of the first column to seconds, where its name or unit says that it is time.
-pub(super) fn seconds(table: &Table) -> Option<f64> {
+/// When the samples of a table were taken.
+pub(super) enum Times {
+    /// In the first column; factor to seconds.
+    FirstColumn(f64),
+    /// Evenly, Hz; no column says so.
+    Rate(f64),
+}
+
+/// The time axis of a table: its first column where name or unit say that it is time,
+/// else `rate_hz`, where the user gives one.
+pub(super) fn axis(table: &Table, rate_hz: Option<f64>) -> Option<Times> {
     let head = Head::parse(table.names.first()?, table.units.first()?);
     let named = TIME_NAMES.contains(&head.base.trim());
-    match unit_label::parse(&head.unit) {
+    let factor = match unit_label::parse(&head.unit).or_else(|| in_name(&table.names[0])) {
         Some(unit) => unit.to_seconds(),
         None => (named && head.unit.is_empty()).then_some(1.0),
+    };
+    factor.map(Times::FirstColumn).or(rate_hz.map(Times::Rate))
+}
+
+/// The unit of a time at the end of a name: `time_ms`, `t (s)`.
+fn in_name(name: &str) -> Option<Unit> {
+    let words: Vec<&str> = name
+        .split(|c: char| c.is_whitespace() || "_()[]".contains(c))
+        .filter(|word| !word.is_empty())
+        .collect();
+    match words.as_slice() {
+        [first, unit] if TIME_NAMES.contains(&first.to_lowercase().as_str()) => {
+            unit_label::parse(unit)
+        }
+        _ => None,
+    }
+}
+
+/// Label and unit of a channel: in brackets, in the unit row, or at the end of its name:
+/// `Force (N)`, `force_N`, `acc m/s^2`, `acc_m_s2`.
+fn channel_unit(name: &str, head: &Head) -> (String, Option<Unit>) {
+    if let Some(unit) = unit_label::parse(&head.unit) {
+        return (head.unit.clone(), Some(unit));
+    }
+    let is_signal = |label: &String| signal_unit(label).is_some();
+    let starts = name
+        .match_indices(|c: char| c.is_whitespace() || "_([".contains(c))
+        .map(|(at, sign)| at + sign.len());
+    let label = starts
+        .flat_map(|at| {
+            let label = name[at..].trim().trim_end_matches([')', ']']);
+            let label = label.replace("_per_", "/").replace(" per ", "/");
+            [label.replace('_', "/"), label]
+        })
+        .find(is_signal);
+    match label.filter(|_| head.unit.is_empty()) {
+        Some(label) => {
+            let unit = unit_label::parse(&label);
+            (label, unit)
+        }
+        None => (head.unit.clone(), None),
     }
 }
 
@@ -26,19 +77,22 @@ pub(super) fn seconds(table: &Table) -> Option<f64> {
 /// A time axis that does not rise; masked samples; no channel beside the time.
 pub(super) fn document(
     table: &Table,
-    to_seconds: f64,
+    times: &Times,
     mut warnings: Vec<String>,
     file: &Path,
 ) -> Result<Document> {
-    let times = table.column(0);
-    if let Some(k) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
-        return Err(Error::bad_data("the time axis does not rise")
-            .at_line(table.lines[k + 1])
-            .field("time")
-            .found(format!("{} after {}", times[k + 1], times[k]))
-            .expected("strictly rising times"));
-    }
-    if table.columns < 2 {
+    let (first_channel, abscissa, to_seconds) = match *times {
+        Times::FirstColumn(factor) => {
+            let times = table.column(0);
+            refuse_falling(table, &times)?;
+            (1, Abscissa::Uneven(times), factor)
+        }
+        Times::Rate(rate_hz) => {
+            let step = 1.0 / rate_hz;
+            (0, Abscissa::Even { start: 0.0, step }, 1.0)
+        }
+    };
+    if table.columns <= first_channel {
         return Err(Error::bad_data("a time axis without a channel")
             .at_line(table.lines[0])
             .found("1 column")
@@ -46,7 +100,7 @@ pub(super) fn document(
     }
     let mut document = Document::new(file, FileFormat::Csv);
     let mut numbered = 0;
-    for column in 1..table.columns {
+    for column in first_channel..table.columns {
         let head = Head::parse(&table.names[column], &table.units[column]);
         let samples = table.column(column);
         if let Some(row) = samples.iter().position(|sample| sample.is_nan()) {
@@ -59,11 +113,11 @@ pub(super) fn document(
         let response = head.dofs.map_or_else(
             || {
                 numbered += 1;
-                Dof::new(column as u64, Direction::SCALAR)
+                Dof::new((column + 1 - first_channel) as u64, Direction::SCALAR)
             },
             |(response, _)| response,
         );
-        let unit = unit_label::parse(&head.unit);
+        let (label, unit) = channel_unit(&table.names[column], &head);
         if unit.is_none() {
             warnings.push(format!(
                 "column {}: no unit that is understood; values are taken as they are",
@@ -80,7 +134,7 @@ pub(super) fn document(
         });
         let channel = Axis {
             label: table.names[column].clone(),
-            unit: head.unit.clone(),
+            unit: label,
             ..Axis::default()
         };
         document.functions.push(Function {
@@ -88,7 +142,7 @@ pub(super) fn document(
             abscissa_to_si: to_seconds,
             ..Function::time_record(
                 response,
-                Abscissa::Uneven(times.clone()),
+                abscissa.clone(),
                 channel,
                 Ordinate::Real64(samples),
             )
@@ -103,4 +157,15 @@ pub(super) fn document(
         warnings,
         ..document
     })
+}
+
+fn refuse_falling(table: &Table, times: &[f64]) -> Result<()> {
+    match times.windows(2).position(|pair| pair[1] <= pair[0]) {
+        None => Ok(()),
+        Some(k) => Err(Error::bad_data("the time axis does not rise")
+            .at_line(table.lines[k + 1])
+            .field("time")
+            .found(format!("{} after {}", times[k + 1], times[k]))
+            .expected("strictly rising times")),
+    }
 }

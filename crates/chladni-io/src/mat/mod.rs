@@ -8,6 +8,9 @@
 
 mod element;
 mod unpack;
+mod write;
+
+pub(super) use write::{damping_name, scaling_name, trust_name, MatFile, PER_MODE};
 
 use super::arrays::memory::MemoryFile;
 use super::arrays::tree::{check_nesting, Values};
@@ -116,6 +119,24 @@ impl Walk {
         }
     }
 
+    /// The texts of a cell array that holds nothing else.
+    fn texts(&self, cells: &[Result<Element<'_>>]) -> Result<Option<Vec<String>>> {
+        let mut texts = Vec::with_capacity(cells.len());
+        for cell in cells {
+            let Ok(cell) = cell else { return Ok(None) };
+            let parts: Vec<_> = Elements::new(cell.bytes, cell.byte, self.order).collect();
+            let [Ok(flags), Ok(_), Ok(_), Ok(characters)] = parts.as_slice() else {
+                return Ok(None);
+            };
+            let word = flags.unsigned(self.order)?.first().copied().unwrap_or(0) as u32;
+            if word & 0xff != CHAR {
+                return Ok(None);
+            }
+            texts.push(characters.text(self.order)?);
+        }
+        Ok((!texts.is_empty()).then_some(texts))
+    }
+
     /// An array at `folder`/its name; `name` of a field or number of a cell where it has
     /// none of its own.
     fn matrix(
@@ -160,7 +181,14 @@ impl Walk {
                 Ok(())
             }
             CELL => {
-                for (k, cell) in parts.enumerate() {
+                let cells: Vec<_> = parts.collect();
+                if let Some(texts) = self.texts(&cells)? {
+                    let count = texts.len();
+                    self.arrays
+                        .add(&path, vec![count], Values::Text(texts), false);
+                    return Ok(());
+                }
+                for (k, cell) in cells.into_iter().enumerate() {
                     self.matrix(&cell?, &path, Some(&(k + 1).to_string()), depth + 1)?;
                 }
                 Ok(())

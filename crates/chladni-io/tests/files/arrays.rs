@@ -552,3 +552,21 @@ proptest! {
         prop_assert_eq!(through_npz(&set), set);
     }
 }
+
+#[test]
+fn matlab_files_are_written_as_they_are_read() {
+    for shape in [(3, 2, 5), (3, 1, 1), (1, 1, 4), (2, 2, 2)] {
+        let values = Array3::from_shape_fn(shape, |(i, j, k)| value(i, j, k) + 1.0);
+        for values in [
+            FrfValues::F32(values.mapv(|v| Complex32::new(v.re as f32, v.im as f32))),
+            FrfValues::F64(values),
+        ] {
+            let set = set(values);
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join("set.mat");
+            write_frf(&path, &set, false).unwrap();
+            let (back, ..) = read_frf(&[path], &ReadOptions::default()).unwrap();
+            assert_eq!(back, set, "{shape:?}");
+        }
+    }
+}

@@ -1,6 +1,6 @@
 //! Text tables: every layout, every refusal with its words, our own round trip, real
 //! samples.
-use crate::PhaseUnit;
+use crate::{DeclaredDofs, PhaseUnit};
 use chladni_frf::{
     Error, ErrorKind, FrfKind, FrfSet, FrfValues, Geometry, ReferenceUnit, TimeSign,
 };
@@ -832,4 +832,118 @@ fn lists_of_python_complex_numbers_are_refused_and_readable_as_columns() {
         set.values.get(0, 0, 0),
         c(-0.0774752256830106, 2.6838208936737454e-08)
     );
+}
+
+/// Files of one FRF each in a folder of their own, in this order.
+fn written(texts: &[&str]) -> (tempfile::TempDir, Vec<PathBuf>) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |(k, text): (usize, &&str)| {
+        let path = folder.path().join(format!("p{}.csv", k + 1));
+        std::fs::write(&path, text).unwrap();
+        path
+    };
+    let paths = texts.iter().enumerate().map(path).collect();
+    (folder, paths)
+}
+
+const ONE: &str = "f,re,im\n1,2,3\n2,4,5\n";
+
+#[test]
+fn a_roving_hammer_is_declared_by_response_and_references() {
+    let (_folder, paths) = written(&[ONE; 3]);
+    let options = ReadOptions {
+        responses: vec![5],
+        references: vec![1, 2, 5],
+        ..ReadOptions::default()
+    };
+    let (set, _, warnings) = read_frf(&paths, &options).unwrap();
+    assert_eq!(set.values.dim(), (1, 3, 2));
+    assert_eq!(set.responses[0].to_string(), "5:+Z");
+    assert_eq!(set.references[2].to_string(), "5:+Z");
+    assert!(
+        !warnings.join("\n").contains("response DOF"),
+        "{warnings:?}"
+    );
+}
+
+#[test]
+fn a_guessed_response_is_no_driving_point() {
+    let (_folder, paths) = written(&[ONE; 3]);
+    let options = ReadOptions {
+        references: vec![1, 2, 3],
+        ..ReadOptions::default()
+    };
+    let (set, ..) = read_frf(&paths, &options).unwrap();
+    for response in &set.responses {
+        assert!(set
+            .references
+            .iter()
+            .all(|reference| !response.same_axis(*reference)));
+    }
+}
+
+#[test]
+fn a_list_declares_the_dofs_of_every_frf() {
+    let wide = "f,re1,im1,re2,im2\n1,2,3,4,5\n2,2,3,4,5\n";
+    let (_folder, paths) = written(&[wide, ONE]);
+    let with = |list: &str| ReadOptions {
+        dofs: DeclaredDofs::parse(list).unwrap(),
+        ..ReadOptions::default()
+    };
+    let (set, _, warnings) = read_frf(&paths, &with("5Z,101Z\n5Z,102Z\n5Z,103Z\n")).unwrap();
+    assert_eq!(set.values.dim(), (1, 3, 2));
+    assert_eq!(set.values.get(0, 1, 0), c(4.0, 5.0));
+    assert_eq!(set.references[2].to_string(), "103:+Z");
+    assert!(!warnings.join("\n").contains("DOF"), "{warnings:?}");
+    let by_file = "file,response,reference\np2.csv,7X,9Z\np1.csv,5Z,9Z\np1.csv,6Z,9Z\n";
+    let (set, ..) = read_frf(&paths, &with(by_file)).unwrap();
+    assert_eq!(set.responses[2].to_string(), "7:+X");
+    for list in [
+        "5Z,101Z\n",
+        "5Z,101Z\n5Z,102Z\n5Z,103Z\n5Z,104Z\n",
+        "p9.csv,1Z,2Z\n",
+    ] {
+        let error = read_frf(&paths, &with(list)).unwrap_err().to_string();
+        assert!(error.contains("--dofs"), "{error}");
+    }
+}
+
+#[test]
+fn hammer_records_need_no_time_column_and_units_may_stand_in_names() {
+    let text = "force_N,acc_m_s2,Velocity (mm/s),weight\n1,2,3000,4\n5,6,7000,8\n";
+    let (_folder, paths) = written(&[text]);
+    let options = ReadOptions {
+        sample_rate_hz: Some(48_000.0),
+        ..ReadOptions::default()
+    };
+    let document = read_document(&paths[0], &options).unwrap();
+    let channels: Vec<_> = document
+        .functions
+        .iter()
+        .map(|function| {
+            (
+                function.response.to_string(),
+                function.axes[1].unit.clone(),
+                function.scale_to_si,
+            )
+        })
+        .collect();
+    let expected = [
+        ("1:S", "N", 1.0),
+        ("2:S", "m/s2", 1.0),
+        ("3:S", "mm/s", 1e-3),
+        ("4:S", "", 1.0),
+    ];
+    assert_eq!(channels.len(), expected.len());
+    for ((dof, unit, scale), expected) in channels.iter().zip(expected) {
+        assert_eq!((dof.as_str(), unit.as_str(), *scale), expected);
+    }
+    let warnings = document.warnings.join("\n");
+    assert!(
+        warnings.contains("column 4: no unit") && !warnings.contains("column 3"),
+        "{warnings}"
+    );
+    // without the rate nobody takes the force for a frequency
+    let error = read_document(&paths[0], &ReadOptions::default()).unwrap_err();
+    assert!(error.to_string().contains("--sample-rate"), "{error}");
 }

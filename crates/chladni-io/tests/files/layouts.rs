@@ -219,7 +219,8 @@ impl Layout {
         {
             self.unit_place = UnitPlace::Square; // the second is a phase
         }
-        if self.shape == Shape::Long && self.unit_place == UnitPlace::Row {
+        let row_of_labels = self.unit_place == UnitPlace::Row;
+        if (self.shape == Shape::Long || (blanks && self.form == Form::Decibels)) && row_of_labels {
             self.unit_place = UnitPlace::Square;
         }
         if !self.header {
@@ -613,10 +614,20 @@ fn misread(layout: &Layout, truth: &Truth, set: &FrfSet, warnings: &[String]) ->
         if set.responses.get(i).map(ToString::to_string) != Some(expected) {
             return Some(format!("responses {:?}", set.responses));
         }
+        // without any header the assumption is said: real part first
+        let assumed = layout.form == Form::ImRe
+            && !layout.header
+            && warnings
+                .iter()
+                .any(|warning| warning.contains("taken as real"));
         let found = set.values.frf(i, 0);
         for (k, (a, b)) in found.iter().zip(values).enumerate() {
             let masked = k == 0 && layout.gap.is_some();
-            let b = b * factor;
+            let b = if assumed {
+                Complex64::new(b.im, b.re)
+            } else {
+                *b
+            } * factor;
             let right = if masked {
                 a.re.is_nan() && a.im.is_nan()
             } else {

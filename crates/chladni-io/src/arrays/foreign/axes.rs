@@ -57,7 +57,7 @@ impl<'a> Reader<'a> {
         let frf = source.first();
         if !(1..=3).contains(&shape.len()) {
             return Err(
-                super::wrong_type(frf, "one to three axes: response, reference, line")
+                super::wrong_type(frf, "at most three axes: response, reference, line")
                     .found(format!("shape {shape:?}")),
             );
         }
@@ -85,8 +85,10 @@ impl<'a> Reader<'a> {
             .iter()
             .any(|axes| axes[2] != first[2] && (lengths.lines > 1 || differs(axes[0], first[0])));
         if other_line {
+            let count = shape.iter().filter(|extent| **extent == lengths.lines);
             return Err(Error::bad_data(format!(
-                "more than one axis is as long as the frequency axis ({})",
+                "{} axes are as long as the frequency axis ({})",
+                count.count(),
                 lengths.lines
             ))
             .field(&frf.path)

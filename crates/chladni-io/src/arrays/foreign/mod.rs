@@ -407,9 +407,11 @@ impl<'a> Reader<'a> {
             } else {
                 format!("1:{direction} ... {count}:{direction}")
             };
-            warnings.push(format!(
-                "the file names no {key} DOFs; they are numbered {named}"
-            ));
+            if self.options.dofs.rows.is_empty() {
+                warnings.push(format!(
+                    "the file names no {key} DOFs; they are numbered {named}"
+                ));
+            }
             return Ok((1..=count as u64)
                 .map(|node| Dof::new(node, direction))
                 .collect());

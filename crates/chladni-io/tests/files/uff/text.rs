@@ -5,6 +5,7 @@ use super::{
     binary_58, identifier, le64, lenient, only_error, only_function, options, read_with, text_58,
     ONES, SI_164, TWO_COMPLEX,
 };
+use crate::{read_frf, write_frf};
 use chladni_frf::{FrfKind, ReferenceUnit};
 use chladni_io::Ordinate;
 use num_complex::Complex64;
@@ -299,4 +300,71 @@ fn a_complex_spectrum_with_zero_imaginary_part_is_accepted() {
         document.datasets[1].function.as_deref(),
         Some("power spectral density")
     );
+}
+
+/// Two functions of four lines; the second is cut behind its second line.
+fn cut_short() -> String {
+    let record_7 = TWO_COMPLEX.replace("         2         1", "         4         1");
+    let second = text_58(&record_7, ONES).replace("               5   3 ", "               6   3 ");
+    let whole = second.replace(&format!("{ONES}    -1\n"), ONES);
+    assert_ne!(second, whole);
+    [SI_164, &text_58(&record_7, &ONES.repeat(2)), &whole].concat()
+}
+
+#[test]
+fn the_sound_part_of_a_function_that_is_cut_short_is_kept_where_asked() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("cut.unv");
+    std::fs::write(&path, cut_short()).unwrap();
+    assert!(read_frf(std::slice::from_ref(&path), &options()).is_err());
+    let (set, _, warnings) = read_frf(&[path], &lenient()).unwrap();
+    assert_eq!(set.values.dim(), (2, 1, 4));
+    let one = Complex64::new(1.0, 1.0);
+    assert_eq!(set.values.frf(0, 0).to_vec(), [one; 4]);
+    assert_eq!(set.values.get(1, 0, 1), one);
+    assert!(set.values.get(1, 0, 2).re.is_nan());
+    let text = warnings.join("\n");
+    assert!(text.contains("ends after 2 of 4 lines"), "{text}");
+}
+
+#[test]
+fn a_mark_of_utf_8_is_passed_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("marked.unv");
+    let text = [SI_164, &text_58(TWO_COMPLEX, ONES)].concat();
+    std::fs::write(&path, [b"\xef\xbb\xbf", text.as_bytes()].concat()).unwrap();
+    let (set, ..) = read_frf(std::slice::from_ref(&path), &options()).unwrap();
+    assert_eq!(set.values.dim(), (1, 1, 2));
+    let wide: Vec<u8> = [0xfeff]
+        .into_iter()
+        .chain(text.encode_utf16())
+        .flat_map(u16::to_le_bytes)
+        .collect();
+    std::fs::write(&path, wide).unwrap();
+    let error = read_frf(&[path], &options()).unwrap_err().to_string();
+    assert!(error.contains("universal file in UTF-16"), "{error}");
+}
+
+#[test]
+fn six_digits_of_a_text_file_stay_six_in_a_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let (path, table) = (folder.path().join("six.unv"), folder.path().join("six.csv"));
+    let record_7 = TWO_COMPLEX.replacen("         6", "         5", 1);
+    let data = "  1.23457E-03 -2.34568E+01  3.45679E-10  1.00000E-01\n";
+    std::fs::write(&path, [SI_164, &text_58(&record_7, data)].concat()).unwrap();
+    let (set, ..) = read_frf(&[path], &options()).unwrap();
+    write_frf(&table, &set, false).unwrap();
+    let text = std::fs::read_to_string(&table).unwrap();
+    for row in [",1.0,0.00123457,-23.4568\n", ",1.5,3.45679e-10,0.1\n"] {
+        assert!(text.contains(row), "{row}{text}");
+    }
+}
+
+#[test]
+fn a_reference_that_is_none_is_no_error() {
+    for none in ["        -1   0\n", "         0   0\n"] {
+        let text = text_58(TWO_COMPLEX, ONES).replace("       101   3\n", none);
+        let document = read_with([SI_164, &text].concat(), &options());
+        assert_eq!(only_function(&document).reference.to_string(), "0:S");
+    }
 }

@@ -1,0 +1,244 @@
+//! The header of a table: which line holds the names, which the units, and how they are
+//! cut.
+
+use super::head::{looks_like_unit, without_brackets, Head};
+use super::table::{both_commas, Table};
+use super::text::{Dialect, Line};
+use super::vocabulary::{known_words, part_of, words, Part};
+use crate::unit_label::frequency_unit;
+use chladni_frf::{Error, Result};
+
+/// Keywords of ME'scope spreadsheets that stand in the first column above the data.
+const KEYWORDS: [&str; 6] = [
+    "measurement type",
+    "x axis spacing",
+    "x axis units",
+    "y axis type",
+    "y axis units",
+    "y axis dofs",
+];
+
+impl Table {
+    /// Names, units and keywords. `filled` columns are not empty in the first row.
+    pub(super) fn read_header(
+        &mut self,
+        header: &[Line<'_>],
+        dialect: Dialect,
+        filled: usize,
+    ) -> Result<()> {
+        let mut candidates: Vec<Vec<String>> = Vec::new();
+        for line in header.iter().filter(|line| !dialect.is_row(line.text)) {
+            let mut keyword = None;
+            let mut fitting = None;
+            for mut cells in cuts(line.text, dialect) {
+                let first = cells.first().map(|cell| cell.trim_end_matches(':'));
+                let key = first.unwrap_or_default().to_lowercase();
+                if KEYWORDS.contains(&key.as_str()) {
+                    keyword = Some((key, cells));
+                    break;
+                }
+                while cells.len() > filled && cells.last().is_some_and(String::is_empty) {
+                    cells.pop();
+                }
+                if cells.len() != self.columns && cells.len() != filled {
+                    continue;
+                }
+                // prose of as many words as there are columns is no header
+                let is_header = line.text.contains([',', ';'])
+                    || known_words(line.text) > 0
+                    || cells.iter().all(|cell| looks_like_unit(cell))
+                    || cells
+                        .iter()
+                        .any(|cell| Head::parse(cell, "").dofs.is_some());
+                if is_header && words(line.text).next().is_some() {
+                    cells.resize(self.columns, String::new());
+                    fitting = Some(cells);
+                    break;
+                }
+            }
+            match (keyword, fitting) {
+                (Some((key, cells)), _) => self.keywords.push((key, filled_forward(cells))),
+                (None, Some(cells)) => candidates.push(cells),
+                (None, None) => {
+                    self.prose.push_str(line.text);
+                    self.prose.push('\n');
+                }
+            }
+        }
+        let Some(names) = self.take_units(&mut candidates) else {
+            return self.refuse_header_that_does_not_fit(header);
+        };
+        self.names = names;
+        // DOFs or parts in a row of their own above the names
+        for above in candidates.iter().rev() {
+            let speaks = |cell: &String| {
+                let head = Head::parse(cell, "");
+                head.dofs.is_some() || words(cell).any(|word| part_of(word).is_some())
+            };
+            if !above[1..].iter().any(speaks) {
+                break;
+            }
+            let cells = filled_forward(above.clone());
+            for (name, more) in self.names.iter_mut().zip(&cells).skip(1) {
+                if !name.is_empty() && !name.contains(more.as_str()) {
+                    *name = format!("{more} {name}").trim().to_owned();
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes the row of units out of the rows above the data; what is left ends with the
+    /// names, which are returned.
+    fn take_units(&mut self, candidates: &mut Vec<Vec<String>>) -> Option<Vec<String>> {
+        let is_unit_row = |cells: &Vec<String>| {
+            let all = cells.iter().all(|cell| looks_like_unit(cell));
+            let names_parts = cells
+                .iter()
+                .flat_map(|cell| words(cell))
+                .any(|word| matches!(part_of(word), Some(part) if part != Part::Magnitude));
+            let first = without_brackets(&cells[0]);
+            cells.iter().any(|cell| !cell.is_empty())
+                && (all || (frequency_unit(&first).is_some() && !names_parts))
+        };
+        let at = candidates.iter().rposition(is_unit_row);
+        // a row that can only be units, or one that stands beside names
+        if let Some(at) = at.filter(|at| at + 2 >= candidates.len()) {
+            let all = candidates[at].iter().all(|cell| looks_like_unit(cell));
+            if all || candidates.len() > 1 {
+                self.units = candidates.remove(at);
+            }
+        }
+        if candidates.is_empty() && self.units.iter().any(|unit| !unit.is_empty()) {
+            return Some(vec![String::new(); self.columns]);
+        }
+        candidates.pop()
+    }
+
+    /// A header whose names are not as many as the columns, and cannot be told apart.
+    fn refuse_header_that_does_not_fit(&self, header: &[Line<'_>]) -> Result<()> {
+        let Some(line) = header
+            .iter()
+            .rev()
+            .find(|line| self.keywords.is_empty() && known_words(line.text) > 1)
+        else {
+            return Ok(());
+        };
+        Err(Error::bad_data(
+            "the header does not fit the columns, which may be magnitude and phase, or real and \
+             imaginary part",
+        )
+        .at_line(line.number)
+        .found(line.text.trim())
+        .expected(format!("{} names, one for each column", self.columns))
+        .help("put a header line above the numbers: f,re,im or f,mag,phase"))
+    }
+
+    /// Whole numbers between commas, without names to count them, may be the halves of
+    /// numbers with a decimal comma.
+    pub(super) fn refuse_whole_numbers(&self, rows: &[&Line<'_>], dialect: Dialect) -> Result<()> {
+        const ROWS_TRIED: usize = 50;
+        let whole = |row: &&Line<'_>| !row.text.contains(['.', 'e', 'E']);
+        if !self.is_nameless()
+            || dialect.delimiter != Some(',')
+            || !rows.iter().take(ROWS_TRIED).all(|row| whole(row))
+        {
+            return Ok(());
+        }
+        Err(both_commas(
+            Error::bad_data("whole numbers without names; do the numbers have a decimal comma?")
+                .at_line(rows[0].number)
+                .found(rows[0].text.trim()),
+        )
+        .expected("names that count the columns, or numbers with a decimal point"))
+    }
+
+    /// A column of numbers that the header does not count.
+    pub(super) fn refuse_nameless_column(&self) -> Result<()> {
+        let nameless = (1..self.columns).find(|&column| {
+            self.names[column].is_empty()
+                && self.units[column].is_empty()
+                && self.keywords.is_empty()
+        });
+        match nameless.filter(|_| !self.is_nameless()) {
+            None => Ok(()),
+            Some(column) => Err(Error::bad_data("a column without a name beside named ones")
+                .field(format!("column {}", column + 1))
+                .found("no name")
+                .expected("a name for each column, as in f,re,im")
+                .help("name the column in the header line, or leave it out")),
+        }
+    }
+}
+
+/// The cells of a header line, cut as the numbers are and in every other way.
+fn cuts(line: &str, dialect: Dialect) -> impl Iterator<Item = Vec<String>> + '_ {
+    let by_dialect = dialect.and_others().map(move |dialect| {
+        let cells = dialect.cells(line).into_iter();
+        cells.map(|cell| cell.into_owned()).collect::<Vec<_>>()
+    });
+    // names with single blanks in them, aligned by several
+    let by_gaps = || {
+        line.split("  ")
+            .map(str::trim)
+            .filter(|name| !name.is_empty())
+            .map(str::to_owned)
+            .collect()
+    };
+    by_dialect
+        .chain(std::iter::once_with(by_gaps))
+        .chain(std::iter::once_with(|| outside_brackets(line)))
+}
+
+/// Cuts at blanks, but not inside brackets nor in front of them: `Frequency (Hz) Real`.
+pub(super) fn outside_brackets(line: &str) -> Vec<String> {
+    let mut cells: Vec<String> = Vec::new();
+    let mut depth = 0_usize;
+    for word in line.split_whitespace() {
+        match cells.last_mut() {
+            Some(last) if depth > 0 || word.starts_with(['(', '[']) => {
+                last.push(' ');
+                last.push_str(word);
+            }
+            _ => cells.push(word.to_owned()),
+        }
+        depth += word.matches(['(', '[']).count();
+        depth = depth.saturating_sub(word.matches([')', ']']).count());
+    }
+    cells
+}
+
+/// Empty cells behind a filled one belong to it, but for the first column.
+fn filled_forward(mut cells: Vec<String>) -> Vec<String> {
+    for at in 2..cells.len() {
+        if cells[at].is_empty() {
+            cells[at] = cells[at - 1].clone();
+        }
+    }
+    cells
+}
+
+/// More cells than names, up to twice as many: the commas inside the numbers were taken
+/// for delimiters.
+pub(super) fn refuse_decimal_comma(
+    first: &Line<'_>,
+    header: &[Line<'_>],
+    dialect: Dialect,
+    filled: usize,
+) -> Result<()> {
+    let Some(last) = header.last().filter(|_| dialect.delimiter == Some(',')) else {
+        return Ok(());
+    };
+    let names = dialect.cells(last.text).len();
+    if names >= 2 && names < filled && filled <= 2 * names {
+        return Err(both_commas(
+            Error::bad_data("more columns than names; do the numbers have a decimal comma?")
+                .at_line(first.number)
+                .found(format!(
+                    "{filled} columns under {names} names: {}",
+                    first.text.trim()
+                )),
+        ));
+    }
+    Ok(())
+}
