@@ -167,6 +167,9 @@ fn split_trailing_unit(name: &str) -> (&str, Option<String>) {
         if lower.starts_with("db") && words(label).next().is_some_and(is_decibel) {
             return (rest, Some(label.to_owned()));
         }
+        if !label.contains(['/', '_']) && !label.contains(" per ") {
+            continue;
+        }
         let spelled = label.replace("_per_", "/").replace(" per ", "/");
         let joined = spelled.replace('_', "/");
         let is_unit = |text: &str| text.contains('/') && frf_unit(text).is_some();

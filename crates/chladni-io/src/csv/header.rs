@@ -60,6 +60,7 @@ impl Table {
                 (Some((key, cells)), _) => self.keywords.push((key, filled_forward(cells))),
                 (None, Some(cells)) => candidates.push(cells),
                 (None, None) => {
+                    refuse_units_that_do_not_fit(line, self.columns)?;
                     self.prose.push_str(line.text);
                     self.prose.push('\n');
                 }
@@ -140,6 +141,7 @@ impl Table {
         const ROWS_TRIED: usize = 50;
         let whole = |row: &&Line<'_>| !row.text.contains(['.', 'e', 'E']);
         if !self.is_nameless()
+            || !self.keywords.is_empty()
             || dialect.delimiter != Some(',')
             || !rows.iter().take(ROWS_TRIED).all(|row| whole(row))
         {
@@ -216,6 +218,30 @@ fn filled_forward(mut cells: Vec<String>) -> Vec<String> {
         }
     }
     cells
+}
+
+/// A row of units that are not as many as the columns, such as one with blanks between
+/// them that leaves one out: nobody can tell which unit is whose.
+fn refuse_units_that_do_not_fit(line: &Line<'_>, columns: usize) -> Result<()> {
+    let labels: Vec<&str> = line
+        .text
+        .split(|c: char| c.is_whitespace() || ",;".contains(c))
+        .filter(|label| !label.is_empty())
+        .collect();
+    let begins_with_frequency = labels
+        .first()
+        .is_some_and(|label| frequency_unit(&without_brackets(label)).is_some());
+    if labels.len() < 2
+        || !begins_with_frequency
+        || !labels.iter().all(|label| looks_like_unit(label))
+    {
+        return Ok(());
+    }
+    Err(Error::bad_data("the row of units does not fit the columns")
+        .at_line(line.number)
+        .found(line.text.trim())
+        .expected(format!("{columns} units, one for each column"))
+        .help("write `-` where a column has no unit, or put the units into the names"))
 }
 
 /// More cells than names, up to twice as many: the commas inside the numbers were taken

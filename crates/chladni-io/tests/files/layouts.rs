@@ -265,6 +265,11 @@ impl Layout {
         {
             return Expected::Refused;
         }
+        // a row of units between blanks cannot leave one out
+        let blanks = self.delimiter.trim_matches(' ').is_empty();
+        if self.unit_place == UnitPlace::Row && blanks && polar && !self.phase_labelled {
+            return Expected::Refused;
+        }
         if !self.header {
             return Expected::Either;
         }

@@ -289,7 +289,7 @@ fn other_files_are_told_apart() {
     let error = write_model(&folder.path().join("model.xml"), &model(), false).unwrap_err();
     assert_eq!(
         (error.kind, error.expected.as_deref()),
-        (ErrorKind::Usage, Some(".json, .h5 or .hdf5"))
+        (ErrorKind::Usage, Some(".json, .h5, .hdf5, .mat or .csv"))
     );
     let mut broken = model();
     broken.modes[1].loss_factor = f64::NAN;
