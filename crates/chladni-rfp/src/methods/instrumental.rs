@@ -234,3 +234,87 @@ fn normal_to(
     )?;
     Ok(matmul(space, along.view()).column(0).to_vec())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::damping::structural::POWERS;
+    use crate::damping::viscous::{from_structural, refine_viscous};
+    use crate::data::options::FitOptions;
+    use crate::data::screening::Screened;
+    use crate::methods::plane::Plane;
+    use crate::poles::refine::refined_poles;
+    use chladni_frf::Damping;
+    use chladni_plate::{Synthetic, SyntheticSet};
+    use ndarray::Array1;
+    use std::f64::consts::TAU;
+
+    fn noisy(damping: Damping) -> SyntheticSet {
+        let natural: Vec<f64> = (0..12).map(|n| 20.0 + 10.0 * f64::from(n)).collect();
+        Synthetic {
+            loss_factor: natural.iter().map(|f| 1.0 / f).collect(),
+            natural_frequency_hz: natural,
+            damping,
+            responses: 6,
+            references: 2,
+            frequency_hz: Array1::linspace(12.0, 138.0, 800),
+            snr_db: 40.0,
+            ..Synthetic::default()
+        }
+        .build()
+        .unwrap()
+    }
+
+    fn start(set: &SyntheticSet, omega_max: f64) -> Vec<Complex64> {
+        set.truth
+            .in_band_modes()
+            .map(|mode| {
+                let x = (TAU * mode.frequency_hz / omega_max).powi(2);
+                Complex64::new(1.0, 1.02 * mode.loss_factor) * x
+            })
+            .collect()
+    }
+
+    fn apart(a: &[Complex64], b: &[Complex64]) -> f64 {
+        assert_eq!(a.len(), b.len());
+        largest_step(a, b)
+    }
+
+    #[test]
+    fn the_fixed_point_is_that_of_maximum_likelihood() {
+        let set = noisy(Damping::Structural);
+        let data = Screened::new(&set.frf, &FitOptions::default()).unwrap();
+        let work = data.work();
+        let start = start(&set, data.omega_max);
+        let likeliest = refined_poles(&work, &start, &POWERS, 50, 1e-11).unwrap();
+        let lines = Lines::new(Plane::new(Damping::Structural, &work.x), &work);
+        for (steps, most) in [(Steps::Instrumental, 8), (Steps::GaussNewton, 12)] {
+            let found = improved(&lines, &start, steps, most).unwrap();
+            let apart = apart(&likeliest, &found);
+            assert!(apart < 1e-6, "{steps:?}: {apart:e}");
+        }
+    }
+
+    #[test]
+    fn and_in_the_viscous_law() {
+        let set = noisy(Damping::Viscous);
+        let data = Screened::new(&set.frf, &FitOptions::default()).unwrap();
+        let work = data.work();
+        let start = start(&set, data.omega_max);
+        let viscous: Vec<Complex64> = start.iter().map(|l| from_structural(*l)).collect();
+        let likeliest: Vec<Complex64> =
+            refine_viscous(&work, &viscous, &POWERS, 50, 1e-11, |_, _, _| false)
+                .unwrap()
+                .poles
+                .iter()
+                .map(|s| -s * s)
+                .collect();
+        let lines = Lines::new(Plane::new(Damping::Viscous, &work.x), &work);
+        for (steps, most) in [(Steps::Instrumental, 8), (Steps::GaussNewton, 12)] {
+            let found = improved(&lines, &start, steps, most).unwrap();
+            // residual terms of one parity more leave the two a thousandth apart
+            let apart = apart(&likeliest, &found);
+            assert!(apart < 1e-2, "{steps:?}: {apart:e}");
+        }
+    }
+}

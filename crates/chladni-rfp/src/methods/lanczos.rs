@@ -125,3 +125,120 @@ impl Polynomials {
         Ok(eigenvalues(comrade.view())?.to_vec())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::methods::fraction::Denominator;
+    use chladni_linalg::matmul_h;
+
+    /// Modes spread evenly over (−1, 1), as many lines for each as a panel has.
+    fn even(modes: usize) -> (Vec<f64>, Vec<Complex64>) {
+        let lines = 50 * modes;
+        let nodes = (0..lines).map(|k| 2.0 * (k as f64 + 0.5) / lines as f64 - 1.0);
+        let poles = (0..modes).map(|n| {
+            Complex64::new(
+                2.0 * (n as f64 + 0.5) / modes as f64 - 1.0,
+                0.1 / modes as f64,
+            )
+        });
+        (nodes.collect(), poles.collect())
+    }
+
+    /// Root of the weight S/|a|², S the energy of resonances of equal size.
+    fn peaked(nodes: &[f64], poles: &[Complex64], known: &Denominator) -> Array1<f64> {
+        let energy: Array1<f64> = nodes
+            .iter()
+            .map(|t| {
+                poles
+                    .iter()
+                    .map(|p| 1.0 / (*p - *t).norm_sqr())
+                    .sum::<f64>()
+                    .sqrt()
+            })
+            .collect();
+        &energy * &known.inverse
+    }
+
+    #[test]
+    fn polynomials_are_orthonormal_to_the_last_digit() {
+        for modes in [12, 34, 100] {
+            let (nodes, poles) = even(modes);
+            let known = Denominator::of(&nodes, &poles);
+            for weight in [Array1::ones(nodes.len()), peaked(&nodes, &poles, &known)] {
+                let t = Polynomials::new(&nodes, weight, modes, Symmetry::None)
+                    .unwrap()
+                    .columns;
+                let gram = matmul_h(t.view(), t.view());
+                let worst = (gram - Array2::<f64>::eye(modes + 1))
+                    .iter()
+                    .fold(0.0, |m: f64, v| m.max(v.abs()));
+                assert!(worst <= 1e-14, "{modes} modes: {worst:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn roots_of_a_hundred_modes_hold_ten_digits_of_a_half_bandwidth() {
+        for modes in [34, 100] {
+            let (nodes, poles) = even(modes);
+            let known = Denominator::of(&nodes, &poles);
+            let weight = peaked(&nodes, &poles, &known);
+            let basis = Polynomials::new(&nodes, weight.clone(), modes, Symmetry::None).unwrap();
+            // the denominator itself in units of its weight
+            let d: Vec<Complex64> = basis
+                .columns
+                .columns()
+                .into_iter()
+                .map(|column| {
+                    let sum = column
+                        .iter()
+                        .zip(&known.phase)
+                        .zip(&weight)
+                        .zip(&known.inverse);
+                    sum.map(|(((t, phase), w), inverse)| phase * (t * w / inverse))
+                        .sum()
+                })
+                .collect();
+            let length = d.iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt();
+            assert!(
+                d[modes].norm() > 1e-3 * length,
+                "the last coefficient is lost"
+            );
+            let roots = basis.roots(&d).unwrap();
+            let worst = poles
+                .iter()
+                .map(|p| {
+                    let nearest = roots.iter().map(|r| (r - p).norm());
+                    nearest.fold(f64::INFINITY, f64::min) / p.im
+                })
+                .fold(0.0, f64::max);
+            assert!(worst <= 1e-10, "{modes} modes: {worst:e}");
+        }
+    }
+
+    #[test]
+    fn an_even_weight_makes_polynomials_of_one_parity_each() {
+        let nodes: Vec<f64> = (1..=60).map(|k| f64::from(k) / 60.0).collect();
+        let start = Array1::from_elem(60, 1.0);
+        let half = Polynomials::new(&nodes, start, 7, Symmetry::Even).unwrap();
+        let mirrored: Vec<f64> = nodes.iter().map(|t| -t).chain(nodes.clone()).collect();
+        let whole = Polynomials::new(&mirrored, Array1::ones(120), 7, Symmetry::None).unwrap();
+        for k in 0..=7 {
+            for row in 0..60 {
+                let twice = 2f64.sqrt() * whole.columns[[60 + row, k]];
+                assert!((half.columns[[row, k]] - twice).abs() < 1e-12, "{k} {row}");
+            }
+        }
+    }
+
+    #[test]
+    fn too_few_lines_are_an_error() {
+        let outcome = Polynomials::new(&[-1.0, 0.0, 1.0], Array1::ones(3), 3, Symmetry::None);
+        assert!(
+            matches!(outcome, Err(LinalgError::RankDeficient { .. })),
+            "{outcome:?}"
+        );
+        assert!(Polynomials::new(&[0.5], Array1::zeros(1), 0, Symmetry::None).is_err());
+    }
+}
