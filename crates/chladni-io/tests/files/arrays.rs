@@ -1,10 +1,10 @@
 //! MATLAB and NumPy files: every class, order and packing; what we write reads back the
 //! same.
 
-use crate::{
+use chladni_frf::{Error, FrfKind, FrfSet, FrfValues, Geometry, ReferenceUnit};
+use chladni_io::{
     assemble, read_document, read_frf, write_frf, Contents, Document, PhaseUnit, ReadOptions,
 };
-use chladni_frf::{Error, FrfKind, FrfSet, FrfValues, Geometry, ReferenceUnit};
 use flate2::write::ZlibEncoder;
 use ndarray::{Array1, Array3};
 use num_complex::{Complex32, Complex64};

@@ -1,10 +1,10 @@
 //! Text tables: every layout, every refusal with its words, our own round trip, real
 //! samples.
-use crate::{DeclaredDofs, PhaseUnit};
 use chladni_frf::{
     Error, ErrorKind, FrfKind, FrfSet, FrfValues, Geometry, ReferenceUnit, TimeSign,
 };
 use chladni_io::{read_document, read_frf, write_frf, Duplicates, ReadOptions};
+use chladni_io::{DeclaredDofs, PhaseUnit};
 use ndarray::{Array1, Array3};
 use num_complex::Complex64;
 use proptest::prelude::*;

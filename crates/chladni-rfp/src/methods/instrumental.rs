@@ -238,8 +238,8 @@ fn normal_to(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::damping::columns::{in_plane_of, viscous_pole_of};
     use crate::damping::structural::POWERS;
-    use crate::damping::viscous::{from_structural, refine_viscous};
     use crate::data::options::FitOptions;
     use crate::data::screening::Screened;
     use crate::methods::plane::Plane;
@@ -301,14 +301,16 @@ mod tests {
         let data = Screened::new(&set.frf, &FitOptions::default()).unwrap();
         let work = data.work();
         let start = start(&set, data.omega_max);
-        let viscous: Vec<Complex64> = start.iter().map(|l| from_structural(*l)).collect();
-        let likeliest: Vec<Complex64> =
-            refine_viscous(&work, &viscous, &POWERS, 50, 1e-11, |_, _, _| false)
-                .unwrap()
-                .poles
-                .iter()
-                .map(|s| -s * s)
-                .collect();
+        let viscous: Vec<Complex64> = start
+            .iter()
+            .filter_map(|pole| in_plane_of(Damping::Viscous, *pole))
+            .collect();
+        let lawful = work.clone().in_law(Damping::Viscous);
+        let likeliest: Vec<Complex64> = refined_poles(&lawful, &viscous, &POWERS, 50, 1e-11)
+            .unwrap()
+            .into_iter()
+            .map(|pole| -viscous_pole_of(pole).powi(2))
+            .collect();
         let lines = Lines::new(Plane::new(Damping::Viscous, &work.x), &work);
         for (steps, most) in [(Steps::Instrumental, 8), (Steps::GaussNewton, 12)] {
             let found = improved(&lines, &start, steps, most).unwrap();

@@ -5,9 +5,9 @@ use super::{
     binary_58, identifier, le64, lenient, only_error, only_function, options, read_with, text_58,
     ONES, SI_164, TWO_COMPLEX,
 };
-use crate::{read_frf, write_frf};
 use chladni_frf::{FrfKind, ReferenceUnit};
 use chladni_io::Ordinate;
+use chladni_io::{read_frf, write_frf};
 use num_complex::Complex64;
 
 #[test]
