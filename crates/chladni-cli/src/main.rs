@@ -44,13 +44,13 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let json = usage::asks_for_json(std::env::args_os());
+    interrupt::install(json);
     let cli = match usage::parse() {
         Ok(cli) => cli,
         Err(answer) => return answer.report(json),
     };
     let _kept = KeptInputs::of_run();
     let console = Console::new(&cli.common);
-    interrupt::install(json);
     let result = outcome::without_panic(|| run(&cli.command, &cli.common, &console));
     outcome::report(result, &console)
 }
