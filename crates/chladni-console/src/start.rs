@@ -18,6 +18,7 @@ pub fn start<C: Parser>(
     run: impl FnOnce(&C, &Console) -> Result<Outcome>,
 ) -> ExitCode {
     let json = usage::asks_for_json(std::env::args_os());
+    interrupt::install(json);
     let cli: C = match usage::parse() {
         Ok(cli) => cli,
         Err(answer) => return answer.report(&C::command(), json),
@@ -25,7 +26,6 @@ pub fn start<C: Parser>(
     let _kept = KeptInputs::of_run();
     let common = common(&cli);
     let console = Console::new(common);
-    interrupt::install(json);
     let result = outcome::without_panic(|| {
         start_threads(common.threads)?;
         run(&cli, &console)

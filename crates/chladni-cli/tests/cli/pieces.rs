@@ -345,7 +345,10 @@ fn what_was_read_or_fitted_otherwise_is_not_resumed() {
                 .filter(|k| kept(*k))
                 .map(|k| words[k])
                 .collect();
-            let run = folder.run(&format!("{} {other} --resume --json", line.join(" ")));
+            let run = folder.run(&format!(
+                "{} {other} --resume --force --json",
+                line.join(" ")
+            ));
             let error = run.exits(65).json()["error"].clone();
             assert_eq!(error["field"], field, "{error}");
             assert_eq!(error["found"], were, "{error}");
