@@ -15,8 +15,12 @@ const CALLS: [&str; 7] = [
     "const UNDECIDABLE: &str = ",
 ];
 /// Crates that speak to the user.
-const CRATES: [&str; 5] = [
+const CRATES: [&str; 9] = [
     "chladni-frf",
+    "chladni-text",
+    "chladni-io",
+    "chladni-signal",
+    "chladni-console",
     "chladni-rfp",
     "chladni-render",
     "chladni-plate",
