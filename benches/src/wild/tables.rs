@@ -150,7 +150,10 @@ mod tests {
                 ..WildOutcome::default()
             },
         };
-        for table in [wild_csv(&[row.clone()]), wild_draws_csv(&[row])] {
+        for table in [
+            wild_csv(std::slice::from_ref(&row)),
+            wild_draws_csv(std::slice::from_ref(&row)),
+        ] {
             let cells: Vec<usize> = table
                 .lines()
                 .skip(1)

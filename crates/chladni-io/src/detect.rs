@@ -265,7 +265,7 @@ mod tests {
             (b"\x01\x00\x02", "UFF 58"),
             (b"{\"format\": \"other\"}", "chladni.model"),
             (b"{\"format\": ", "line 1"),
-            (b"\xff\xfe \0 \0 \0 \0-\01\0\n\0", "UTF-16"),
+            (b"\xff\xfe \0 \0 \0 \0-\x001\0\n\0", "UTF-16"),
         ] {
             let error = format_of(bytes).unwrap_err();
             assert!(error.to_string().contains(words), "{error}");

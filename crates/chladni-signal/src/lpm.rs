@@ -210,7 +210,8 @@ pub(super) fn estimate(window: &Window) -> Option<Vec<LocalEstimate>> {
     let unit_variance = basis.unit_variance();
     let freedom = (lines - unknowns(window.references.len())) as f64;
     let of_response = |response: &&[Complex64]| {
-        let split = basis.split(response.to_vec());
+        let own: Vec<Complex64> = response.to_vec();
+        let split = basis.split(own);
         let noise = square(&split.rest) / freedom;
         LocalEstimate {
             values: split

@@ -114,6 +114,7 @@ impl Claim {
                         .help("give the result another name"),
                 );
             }
+            #[allow(clippy::clone_on_copy)] // a path where files have no numbers
             run.claimed.push(id.clone());
         }
         Ok(Self(id))

@@ -143,7 +143,7 @@ impl Table {
         if !self.is_nameless()
             || !self.keywords.is_empty()
             || dialect.delimiter != Some(',')
-            || !rows.iter().take(ROWS_TRIED).all(|row| whole(row))
+            || !rows.iter().take(ROWS_TRIED).all(whole)
         {
             return Ok(());
         }

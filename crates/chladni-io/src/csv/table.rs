@@ -49,7 +49,7 @@ impl Table {
             values: Vec::with_capacity(rows.len() * columns),
             lines: Vec::with_capacity(rows.len()),
         };
-        refuse_decimal_comma(&rows[0], header, dialect, filled)?;
+        refuse_decimal_comma(rows[0], header, dialect, filled)?;
         table.read_header(header, dialect, filled)?;
         table.refuse_whole_numbers(&rows, dialect)?;
         let mut masked = Masked::default();

@@ -214,8 +214,11 @@ impl MatFile {
     }
 }
 
+/// A number of a mode, and its name in the model file.
+type NamedNumber = (&'static str, fn(&Mode) -> f64);
+
 /// Values of each mode, under the names of the model file.
-pub(crate) const PER_MODE: [(&str, fn(&Mode) -> f64); 7] = [
+pub(crate) const PER_MODE: [NamedNumber; 7] = [
     ("frequency_hz", |mode| mode.frequency_hz),
     ("frequency_std_hz", |mode| mode.frequency_std_hz),
     ("loss_factor", |mode| mode.loss_factor),

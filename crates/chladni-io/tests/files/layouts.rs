@@ -235,7 +235,7 @@ impl Layout {
                 self.shape = Shape::One;
             }
         }
-        if self.header_sign != "" && self.unit_place == UnitPlace::Row {
+        if !self.header_sign.is_empty() && self.unit_place == UnitPlace::Row {
             self.unit_place = UnitPlace::Square;
         }
         if self.dofs == DofPlace::RowAbove && (blanks || !self.header_sign.is_empty()) {
@@ -477,7 +477,7 @@ fn table(layout: &Layout, truth: &Truth) -> String {
         for (i, (response, values)) in truth.frfs.iter().enumerate() {
             for (row, value) in values.iter().enumerate() {
                 let f = layout.number(truth.frequency_hz[row] / layout.frequency.1);
-                let mut line: Vec<String> = if layout.names % 2 == 0 {
+                let mut line: Vec<String> = if layout.names.is_multiple_of(2) {
                     let (node, direction) = response.split_once(':').unwrap();
                     let code = if direction == "-X" { "-1" } else { "3" };
                     vec![node.into(), code.into(), "101".into(), "3".into()]
@@ -517,7 +517,7 @@ fn table(layout: &Layout, truth: &Truth) -> String {
 fn headers(layout: &Layout, truth: &Truth) -> Vec<Vec<String>> {
     let mut names = Vec::new();
     if layout.shape == Shape::Long {
-        if layout.names % 2 == 0 {
+        if layout.names.is_multiple_of(2) {
             names.extend(["node", "dir", "ref_node", "ref_dir"].map(str::to_owned));
         } else {
             names.extend(["response", "reference"].map(str::to_owned));

@@ -202,13 +202,14 @@ impl<'a> Reader<'a> {
         for first in self.datasets().filter(of_rank).filter(real) {
             let is = |name: &&str| first.name().eq_ignore_ascii_case(name);
             for (names, partners, polar) in PART_NAMES {
-                let second = partners
-                    .iter()
-                    .filter(|_| names.iter().any(|name| is(&name)))
-                    .find_map(|partner| {
-                        named(partner, first.folder())
-                            .filter(|second| second.shape() == first.shape())
-                    });
+                let second =
+                    partners
+                        .iter()
+                        .filter(|_| names.iter().any(&is))
+                        .find_map(|partner| {
+                            named(partner, first.folder())
+                                .filter(|second| second.shape() == first.shape())
+                        });
                 match second {
                     Some(second) if polar => parts.push(Source::Polar(first, second)),
                     Some(second) => parts.push(Source::Parts(first, second)),

@@ -242,7 +242,7 @@ fn a_missing_mode_is_named_on_the_side_that_has_it() {
 /// Some DOFs of a set in a new order, some with the other sense of their axis.
 fn rearranged(set: &ShapeSet, places: &[usize]) -> ShapeSet {
     let mut out = set.clone();
-    let turned = |place: usize| place % 3 == 0;
+    let turned = |place: usize| place.is_multiple_of(3);
     out.dofs = (places.iter())
         .map(|&place| {
             let dof = set.dofs[place];
