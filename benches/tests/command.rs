@@ -2,6 +2,9 @@
 
 mod common;
 
+use chladni_io::{read_frf, write_frf, ReadOptions};
+use chladni_plate::{simulate, Panel};
+use chladni_rfp::FitOptions;
 use common::Folder;
 
 #[test]
@@ -235,8 +238,10 @@ fn solvers_and_profile_write_their_tables() {
     );
     assert!(folder.path().join("out/solvers.svg").is_file());
 
-    folder.write("panel.toml", "[frf]\nstop_hz = 150\nstep_hz = 0.5\n");
-    folder.run("simulate panel.toml -o panel.h5").exits(0);
+    let mut panel = Panel::default();
+    (panel.frf.stop_hz, panel.frf.step_hz) = (150.0, 0.5);
+    let frf = simulate(&panel, None, None).unwrap().frf;
+    write_frf(&folder.path().join("panel.h5"), &frf, false).unwrap();
     folder.run("profile -o out --input panel.h5").exits(0);
     let csv = folder.text("out/profile.csv");
     assert!(
@@ -249,4 +254,36 @@ fn solvers_and_profile_write_their_tables() {
         .exits(66)
         .stderr
         .contains("nowhere.h5"));
+}
+
+#[test]
+fn wild_has_a_row_for_each_structure_and_exports_one_that_can_be_fitted() {
+    let folder = Folder::new();
+    let line = "wild -o out --quick --seed 3 --seeds 3 --export --json";
+    let json = folder.run(line).exits(0).json();
+    assert_eq!(json["seeds"], 3);
+    let internal = &json["criteria"][0];
+    assert_eq!(
+        (internal["name"].as_str(), internal["count"].as_u64()),
+        (Some("internal errors"), Some(0))
+    );
+    let csv = folder.text("out/wild.csv");
+    let mut lines = csv.lines().filter(|line| !line.starts_with('#'));
+    assert_eq!(
+        lines.next().unwrap(),
+        "seed,law,kind,modes,references,responses,snr_db,complexity,found,spurious,spurious_sure,\
+         announced,damping,undecidable,chi2_per_dof,frequency_within_95,time_s"
+    );
+    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows.len(), 3);
+    let seed = rows[0][0];
+    let files = [folder.path().join(format!("out/wild-{seed}.h5"))];
+    let (frf, ..) = read_frf(&files, &ReadOptions::default()).unwrap();
+    let fit = chladni_rfp::fit(&frf, &FitOptions::default(), &|_| {}).unwrap();
+    assert!(fit.model.modes.len() < 200);
+    let truth = folder.text(&format!("out/wild-{seed}.json"));
+    assert!(
+        truth.contains(rows[0][1]),
+        "the law of the row is that of the truth"
+    );
 }

@@ -16,7 +16,10 @@ use std::f64::consts::TAU;
 pub(crate) const BEYOND: f64 = 5.0;
 /// Beginnings of the warnings that speak of the damping law alone, or of the scale of
 /// shapes alone.
-const LAW_ALONE: &str = "damping law undecidable";
+const LAW_ALONE: [&str; 2] = [
+    "damping law undecidable",
+    "the damping law rests on the phases",
+];
 const SCALE_ALONE: [&str; 2] = ["the driving point lies near", "shapes are not mass-scaled"];
 /// Standard deviations of the noise that a mode must stand out by for the data to show
 /// it.
@@ -99,12 +102,9 @@ impl Trial {
     /// shapes alone.
     pub fn announced(&self) -> bool {
         let of_law = self.beyond > 0 && self.missed + self.spurious_sure + self.spurious_weak == 0;
-        let of_scale = |text: &String| {
-            SCALE_ALONE
-                .iter()
-                .any(|beginning| text.starts_with(beginning))
-        };
-        let tells = |text: &String| (of_law || !text.starts_with(LAW_ALONE)) && !of_scale(text);
+        let begins = |text: &str, with: &[&str]| with.iter().any(|words| text.starts_with(words));
+        let tells =
+            |text: &String| (of_law || !begins(text, &LAW_ALONE)) && !begins(text, &SCALE_ALONE);
         self.weak > 0 || !self.trusted || self.refused || self.warnings.iter().any(tells)
     }
 

@@ -38,33 +38,3 @@ fn arguments_and_exit_code_are_handed_on() {
     assert_eq!(run.status.code(), Some(73));
     assert_eq!(run.stdout, b"--json accuracy -o bench --help\n");
 }
-
-#[test]
-fn wild_has_a_row_for_each_structure_and_exports_one_that_can_be_fitted() {
-    let folder = Folder::new();
-    let line = "bench wild -o out --quick --seed 3 --seeds 3 --export --json";
-    let json = folder.run(line).exits(0).json();
-    assert_eq!(json["seeds"], 3);
-    let internal = &json["criteria"][0];
-    assert_eq!(
-        (internal["name"].as_str(), internal["count"].as_u64()),
-        (Some("internal errors"), Some(0))
-    );
-    let csv = folder.text("out/wild.csv");
-    let mut lines = csv.lines().filter(|line| !line.starts_with('#'));
-    assert_eq!(
-        lines.next().unwrap(),
-        "seed,law,kind,modes,references,responses,snr_db,complexity,found,spurious,spurious_sure,\
-         announced,damping,undecidable,chi2_per_dof,frequency_within_95,time_s"
-    );
-    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
-    assert_eq!(rows.len(), 3);
-    let seed = rows[0][0];
-    let model = folder.run(&format!("fit out/wild-{seed}.h5 -o model.json -q"));
-    assert!([0, 1].contains(&model.code), "{}", model.stderr);
-    let truth = folder.text(&format!("out/wild-{seed}.json"));
-    assert!(
-        truth.contains(rows[0][1]),
-        "the law of the row is that of the truth"
-    );
-}
