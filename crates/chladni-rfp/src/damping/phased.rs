@@ -1,5 +1,5 @@
 //! Modes that have one phase each: what tells one damping law from the other
-//! (theory.md, eq. 57–59).
+//! (theory.md, eq. L1–L3).
 //!
 //! Free residues take over nearly all that a wrong law leaves: it turns the residues of a
 //! light mode by half its loss factor, all alike. Here residues are real but for one angle

@@ -1,5 +1,5 @@
 //! Damping law: structural, viscous, or not to be told on these data (theory.md, eq.
-//! 57–60).
+//! L1–L3).
 //!
 //! Both laws describe a single light resonance almost equally well: the wrong one shifts
 //! the frequency by η²/4 and the loss factor by about 0.28η² (relative), and turns the
