@@ -147,11 +147,7 @@ fn what_no_panel_can_have_is_refused_by_name() {
             "/modes/1/loss_factor",
             json!(-0.01),
             "structural",
-            [
-                "modes[1].loss_factor",
-                "-0.01, of the mode at 55 Hz",
-                "0 or more",
-            ],
+            ["modes[1].loss_factor", "the mode at 55 Hz", "0 or more"],
         ),
         (
             "/modes/1/loss_factor",
