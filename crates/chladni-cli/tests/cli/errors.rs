@@ -68,7 +68,7 @@ fit panel.h5 -o no/such/model.json|73|cannot_create|no such folder|no/such
 fit panel.h5 -o model.xyz|2|usage|.xyz|.json
 convert panel.h5 -o panel.h5 --force|73|cannot_create|one of the inputs
 convert panel.h5 -o new.json|2|usage|.json|.h5
-convert truth.json -o new.csv|2|usage|.csv|.json
+convert truth.json -o new.ods|2|usage|.ods|.json
 convert unknown.unv -o new.h5|65|bad_data|nothing|carried over
 convert weights.json -o new.json|65|bad_data|weights.json|a weights file
 simulate typo.toml -o new.h5|65|bad_data|typo.toml|line 2|stop_hz
