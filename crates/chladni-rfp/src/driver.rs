@@ -16,6 +16,7 @@ use crate::methods::bars::fit_by_method;
 use crate::methods::circle::circle;
 use crate::methods::found::Finder;
 use crate::methods::found::Stabilization;
+use crate::methods::grfp::grfp;
 use crate::methods::lean::lean;
 use crate::methods::lscf::lscf;
 use crate::methods::peak::peak;
@@ -206,7 +207,8 @@ fn identify(
         Method::Lscf => by(lscf),
         Method::Plscf => by(plscf),
         Method::Aaa => by(aaa),
-        Method::Rfp | Method::Grfp => by(rfp),
+        Method::Rfp => by(|survey, _, options| Ok(rfp(survey, options)?.into())),
+        Method::Grfp => by(|survey, _, options| Ok(grfp(survey, options)?.into())),
         Method::Peak => by(peak),
         Method::Circle => by(circle),
     }

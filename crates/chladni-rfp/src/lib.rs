@@ -43,7 +43,7 @@ mod tolerances;
 mod validation;
 
 pub use data::error::FitError;
-pub use data::options::{Effort, FitOptions, Method, RfpOptions, RfpWeight, ShapeModel, Window};
+pub use data::options::{Effort, FitOptions, Method, ShapeModel, Window};
 pub use driver::{fit, Fit};
 pub use methods::bars::stabilization;
 pub use methods::found::{OrderPole, Stability, Stabilization};
