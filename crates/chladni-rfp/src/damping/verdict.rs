@@ -198,15 +198,20 @@ pub(crate) fn if_phases_true(taken: Damping, degrees: f64) -> String {
     )
 }
 
-/// What is said of a law that the data contradict.
-pub(crate) fn contradicted(asked: Damping) -> String {
+/// What is said of a law that the data contradict; `degrees`: only if phases are true to
+/// better than this.
+pub(crate) fn contradicted(asked: Damping, degrees: Option<f64>) -> String {
     let (own, other) = match asked {
         Damping::Structural => (name(asked), name(Damping::Viscous)),
         Damping::Viscous => (name(asked), name(Damping::Structural)),
     };
+    let condition = degrees.map_or(String::new(), |degrees| {
+        format!(", if phases are true to better than {degrees:.2} degrees")
+    });
     format!(
-        "the data contradict the {own} damping that was asked for: {other} damping explains them better than noise allows; frequencies and \
-         loss factors are off by more than their error bars (leave --damping out)"
+        "the data contradict the {own} damping that was asked for{condition}: {other} damping \
+         explains them better than noise allows; frequencies and loss factors are off by more \
+         than their error bars (leave --damping out)"
     )
 }
 

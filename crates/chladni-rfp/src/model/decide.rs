@@ -38,7 +38,12 @@ pub(crate) fn decide(
     let mut warnings = Vec::new();
     let shift = identified.shift_by_other_law();
     match told {
-        Verdict::Decided(other) if other != law => warnings.push(verdict::contradicted(law)),
+        Verdict::Decided(other) if other != law => {
+            warnings.push(verdict::contradicted(law, None));
+        }
+        Verdict::IfPhasesTrue(other, degrees) if other != law => {
+            warnings.push(verdict::contradicted(law, Some(degrees)));
+        }
         Verdict::IfPhasesTrue(own, degrees) if own == law && options.damping.is_none() => {
             warnings.extend((shift > 1.0).then(|| verdict::if_phases_true(law, degrees)));
         }
