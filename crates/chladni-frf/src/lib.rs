@@ -19,6 +19,7 @@
 //!     coherence: None,
 //!     variance: None,
 //!     geometry: Geometry::default(),
+//!     estimation: None,
 //! };
 //! let set = set.checked()?; // sizes and axis agree
 //! assert_eq!(set.values.dim(), (2, 1, 100));
