@@ -9,6 +9,7 @@
 //!
 //! * [`stability`]: where methods fail, whether they know it, and whether error bars hold
 //! * [`scenes`]: rendering from noisy FRFs to a drive on the true plate, by every method
+//! * [`time`]: bursts, by every way of ramping and by the inverse filter
 //! * [`kernels`]: dense kernels at the sizes of a fit, every back end that is linked in
 //!
 //! `chladni bench` writes the files; `docs/accuracy.md` says what they show. Criterion's
@@ -34,6 +35,7 @@ mod score;
 mod solver;
 mod stability;
 mod statistics;
+mod time;
 
 pub use accuracy::{accuracy, AccuracyOptions, AccuracyRow};
 pub use accuracy_tables::{accuracy_csv, accuracy_modes_csv};
@@ -63,3 +65,4 @@ pub use stability::{
     Calibration, Map, MapAxis, StabilityOptions, StabilityRow, Trial, MAPS,
 };
 pub use statistics::median;
+pub use time::{time, time_cases, time_csv, time_figures, TimeCase, TimeRow};

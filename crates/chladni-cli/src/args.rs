@@ -1,8 +1,8 @@
 //! The commands, and the options that all of them have.
 
 use crate::{
-    bench, block, convert, demo, estimate, evaluate, fit, info, render, report, select, shell,
-    simulate, studio,
+    bench, block, convert, demo, estimate, evaluate, fit, info, play, render, report, select,
+    shell, simulate, studio,
 };
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 
@@ -46,6 +46,8 @@ pub enum Command {
     Select(select::Args),
     /// Find actuator weights that move a panel here and keep it quiet there
     Render(render::Args),
+    /// Turn weights into drive signals: bursts, fades, moving zones, and quiet ramps
+    Play(play::Args),
     /// Judge given weights on other data: measured FRFs or another model
     Evaluate(evaluate::Args),
     /// Write models and weights as one HTML page

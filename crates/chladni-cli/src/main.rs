@@ -22,16 +22,19 @@ mod memory;
 mod oddities;
 mod outcome;
 mod output;
+mod play;
 mod progress;
 mod render;
 mod report;
 mod scene_band;
 mod select;
 mod shell;
+mod signal_files;
 mod simulate;
 mod streaming;
 mod studio;
 mod table;
+mod time_table;
 mod truth;
 mod usage;
 
@@ -74,6 +77,7 @@ fn run(command: &Command, common: &Common, console: &Console) -> Result<Outcome>
         Command::Fit(args) => fit::run(args, console),
         Command::Select(args) => select::run(args, console),
         Command::Render(args) => render::run(args, console),
+        Command::Play(args) => play::run(args, console),
         Command::Evaluate(args) => evaluate::run(args, console),
         Command::Report(args) => report::run(args, console),
         Command::Studio(args) => studio::run(args, console),

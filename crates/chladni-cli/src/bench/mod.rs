@@ -6,6 +6,7 @@ mod profile;
 mod scene;
 mod solvers;
 mod stability;
+mod time;
 
 use crate::console::Console;
 use crate::outcome::Outcome;
@@ -35,6 +36,9 @@ pub enum Bench {
     /// Where methods fail and whether they know it: maps over two things at a time,
     /// calibration of warnings and error bars
     Stability(stability::Args),
+    /// Bursts: rise time, force and cold overshoot of every way of ramping, beside the
+    /// spatio-temporal inverse filter
+    Time(time::Args),
 }
 
 /// Runs the command.
@@ -48,6 +52,7 @@ pub fn run(what: &Bench, console: &Console) -> Result<Outcome> {
         Bench::Scene(args) => scene::run(args, console),
         Bench::Solvers(args) => solvers::run(args, console),
         Bench::Stability(args) => stability::run(args, console),
+        Bench::Time(args) => time::run(args, console),
     }
 }
 

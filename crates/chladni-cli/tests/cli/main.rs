@@ -14,6 +14,7 @@ mod journey;
 mod malformed;
 mod pages;
 mod pieces;
+mod play;
 mod render;
 mod shell;
 mod spoiled;

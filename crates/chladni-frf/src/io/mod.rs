@@ -42,6 +42,7 @@ pub use document::{
 pub use json::{json_error, write_json};
 pub use model_file::{read_model, write_model};
 pub use model_shapes::{field_shape, model_shapes};
+pub use numpy::{write_npz, NamedArray};
 pub use parts::{frf_bytes, FrfParts, Part};
 pub use paths::{expand_paths, file_name, Inputs};
 pub use read::{list_document, read_contents, read_document, read_documents, read_frf, read_text};
