@@ -134,7 +134,7 @@ impl<'a> Value<'a> {
             .expected(expected)
     }
 
-    /// A finite number of at most [`LARGEST`], written with or without a decimal point.
+    /// A finite number of at most `LARGEST`, written with or without a decimal point.
     pub fn number(&self) -> Result<f64> {
         let number = match self.value.get_ref() {
             DeValue::Float(float) => float.as_str().parse().ok(),
