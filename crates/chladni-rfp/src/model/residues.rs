@@ -75,16 +75,11 @@ pub(crate) fn linear(
                     Complex64::new(solution[[from + 2 * i, c]], solution[[from + 2 * i + 1, c]])
                 })
             };
-            // a residue r multiplies 2jω_d times the column of a real shape, and so it is
-            // weighed: far outside the band the pole near the axis alone would mislead
-            let twins: Vec<Complex64> = poles
-                .iter()
-                .map(|s| s.norm_sqr() * Complex64::new(1.0, -2.0 * s.re / s.norm()))
-                .collect();
-            let mut near = basis(&work.axis().in_law(Damping::Viscous), &twins, &[]);
-            for (mut column, s) in near.columns_mut().into_iter().zip(poles) {
-                column.mapv_inplace(|v| v * Complex64::new(0.0, 2.0 * s.im));
-            }
+            // near-pole columns weigh the residues: the far pole adds a smooth part of
+            // order η
+            let near = Array2::from_shape_fn((lines, n).f(), |(k, i)| {
+                work.g[k] / (Complex64::new(0.0, work.x[k].sqrt()) - poles[i])
+            });
             let others = basis(work, &[], powers);
             Ok(Linear {
                 residues: pairs(0, n),
