@@ -84,7 +84,7 @@ pub fn accuracy_csv(rows: &[AccuracyRow], scenes: &[SceneRow]) -> String {
     csv::table(comment, &HEADER, fits.chain(drives))
 }
 
-/// Whether no other method of its case beats a row in time and error together; `None`
+/// True where no other method of its case beats a row in time and error together; `None`
 /// where it has no error over a bound, or turns a knob.
 pub fn on_front(rows: &[AccuracyRow]) -> Vec<Option<bool>> {
     let takes_part = |row: &AccuracyRow| row.setting.is_none() && row.with_missed.is_finite();

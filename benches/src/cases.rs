@@ -6,7 +6,7 @@ use chladni_frf::Result;
 use chladni_plate::{Panel, Synthetic};
 use ndarray::Array1;
 
-/// What the fit of a case must reach, as root mean square error over the Cramér-Rao
+/// The goals of the fit of a case, as root mean square error over the Cramér-Rao
 /// bound.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Target {
@@ -158,7 +158,7 @@ pub const CASES: [Case; 14] = [
     },
 ];
 
-/// What all abstract cases share: real shapes, six responses, two references, and a world
+/// The common part of all abstract cases: real shapes, six responses, two references, and a world
 /// outside the band.
 fn modes(
     natural_frequency_hz: Vec<f64>,

@@ -1,4 +1,4 @@
-//! What a long run has finished, kept on disk line by line: an interrupted run goes on
+//! The finished pieces of a long run, kept on disk line by line: an interrupted run goes on
 //! where it stopped.
 //!
 //! The first line says what is being run; a journal of something else is begun anew. A

@@ -91,7 +91,7 @@ impl Place {
         })
     }
 
-    /// What an interrupted run of the same `verb` with the same `purpose` has finished in
+    /// The pieces that an interrupted run of the same `verb` with the same `purpose` has finished in
     /// this folder; a new build begins anew.
     fn journal(&self, verb: &str, purpose: &str, console: &Console) -> Result<Journal> {
         let built = std::env::current_exe()
