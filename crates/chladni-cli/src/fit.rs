@@ -11,7 +11,7 @@ use chladni_console::table::{counted, significant, table, with_bound};
 use chladni_console::Console;
 use chladni_console::Outcome;
 use chladni_frf::{
-    Damping, Error, ErrorKind, FrfSet, ModalModel, Mode, Result, Scaling, Source, Trust,
+    Damping, Error, ErrorKind, Finding, FrfSet, ModalModel, Mode, Result, Scaling, Source, Trust,
 };
 use chladni_io::{frf_bytes, write_model, FrfParts};
 use chladni_rfp::{FitOptions, Method, Window};
@@ -130,7 +130,10 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     )?;
     if let Some(scene) = &scene {
         let said = scene.said(&model, &frf);
-        model.quality.warnings.push(said);
+        model
+            .quality
+            .findings
+            .push(Finding::note("scene-band", said));
     }
     drop(frf);
     written(args, model, output.as_ref(), console)
@@ -143,7 +146,7 @@ fn written(
     output: Option<&Output>,
     console: &Console,
 ) -> Result<Outcome> {
-    console.warn_all(model.quality.warnings.iter().cloned());
+    console.find_all(&model.quality.findings);
     if let Some(output) = output {
         console.stage("writing");
         output.write(|path, force| write_model(path, &model, force))?;
@@ -201,7 +204,10 @@ fn streamed(
     let mut model = fit.model;
     model.source = sources;
     model.options = echo;
-    model.quality.warnings.splice(0..0, console.warnings());
+    model
+        .quality
+        .findings
+        .splice(0..0, of_reading(console.warnings()));
     Ok((model, resume))
 }
 
@@ -224,9 +230,15 @@ pub fn fit_model(
     let mut model = fit.model;
     model.source = sources;
     model.options = echo;
-    let own = std::mem::replace(&mut model.quality.warnings, warnings);
-    model.quality.warnings.extend(own);
+    model.quality.findings.splice(0..0, of_reading(warnings));
     Ok(model)
+}
+
+/// The sentences of reading as findings.
+fn of_reading(warnings: Vec<String>) -> impl Iterator<Item = Finding> {
+    warnings
+        .into_iter()
+        .map(|text| Finding::caution("reading", text))
 }
 
 /// The options that can change the result.
@@ -286,7 +298,8 @@ fn value_of(model: &ModalModel) -> Result<Value> {
 /// The whole model, as its file holds it, and the warnings at the top.
 fn whole(model: &ModalModel) -> Result<Value> {
     let mut value = value_of(model)?;
-    value["warnings"] = json!(model.quality.warnings);
+    value["warnings"] = json!(model.quality.warnings());
+    value["findings"] = json!(model.quality.findings);
     Ok(value)
 }
 
@@ -317,7 +330,8 @@ pub fn summary(model: &ModalModel, output: &Path) -> Result<Value> {
     ];
     let mut summary = Map::from_iter([("output".to_owned(), json!(output.display().to_string()))]);
     summary.extend(keys.iter().map(|&key| (key.to_owned(), value[key].take())));
-    summary.insert("warnings".into(), json!(model.quality.warnings));
+    summary.insert("warnings".into(), json!(model.quality.warnings()));
+    summary.insert("findings".into(), json!(model.quality.findings));
     Ok(summary.into())
 }
 
@@ -394,7 +408,7 @@ fn row(mode: &Mode, number: &mut usize) -> Vec<String> {
         Trust::Weak => "weak",
         Trust::Rejected => "rejected",
     };
-    let mut reasons = mode.reasons.clone();
+    let mut reasons = mode.reasons.sentences();
     if !mode.in_band {
         reasons.insert(0, "outside the band".into());
     }

@@ -22,7 +22,7 @@ pub(crate) fn all(input: &ReportInput) -> Vec<[String; 2]> {
         warnings.extend(
             model
                 .quality
-                .warnings
+                .warnings()
                 .iter()
                 .map(|text| about("Model", text)),
         );
