@@ -335,7 +335,43 @@ pub fn summary(model: &ModalModel, output: &Path) -> Result<Value> {
     Ok(summary.into())
 }
 
-/// The table of modes, and a line about the whole.
+/// The sentence that a result begins with: how many modes, how sure, and how much of the
+/// data they explain.
+fn sentence(model: &ModalModel) -> String {
+    let modes = model.in_band_modes().count();
+    let sure = model
+        .in_band_modes()
+        .filter(|mode| mode.trust == Trust::Sure)
+        .count();
+    let [low, high] = model.band_hz.map(|hz| significant(hz, 6));
+    let share = (1.0 - model.quality.relative_error).max(0.0);
+    let explained = format!(
+        "{} % of the data, {low} to {high} Hz",
+        significant(100.0 * share, 3)
+    );
+    let noise = match share < HALF {
+        true => ": most of it is noise, or no resonance",
+        false => "",
+    };
+    match (sure, modes - sure) {
+        (0, 0) => format!("No mode between {low} and {high} Hz."),
+        (1, 0) => format!("1 sure mode explains {explained}{noise}."),
+        (_, 0) => format!("{sure} sure modes explain {explained}{noise}."),
+        (0, 1) => format!("1 weak mode and no sure one; it explains {explained}{noise}."),
+        (0, _) => {
+            format!("{modes} weak modes and no sure one; they explain {explained}{noise}.")
+        }
+        (_, weak) => format!(
+            "{}, {weak} weak; together they explain {explained}{noise}.",
+            counted(sure, "sure mode")
+        ),
+    }
+}
+
+/// Share of the data from which on modes explain most of them.
+const HALF: f64 = 0.5;
+
+/// The sentence, the table of modes, and a line about the whole.
 pub fn text(model: &ModalModel, verbose: bool) -> String {
     const HEADER: [&str; 8] = [
         "mode",
@@ -355,7 +391,6 @@ pub fn text(model: &ModalModel, verbose: bool) -> String {
         .filter(listed)
         .map(|mode| row(mode, &mut number))
         .collect();
-    let modes = model.in_band_modes().count();
     let outside = model
         .modes
         .iter()
@@ -369,29 +404,18 @@ pub fn text(model: &ModalModel, verbose: bool) -> String {
         Scaling::UnitModalMass => "shapes of unit modal mass",
         Scaling::Unscaled => "unscaled shapes",
     };
-    let [low, high] = model.band_hz.map(|hz| significant(hz, 6));
-    let mut text = if rows.is_empty() {
-        String::new()
-    } else {
-        table(&HEADER, &rows)
-    };
-    text += &format!(
-        "{} between {low} and {high} Hz, {law} damping, {scaling}",
-        counted(modes, "mode")
-    );
-    if outside > 0 {
-        text += &format!("; the rest: {} outside the band", counted(outside, "pole"));
+    let mut text = format!("{}\n", sentence(model));
+    if !rows.is_empty() {
+        text += &format!("\n{}", table(&HEADER, &rows));
     }
-    text += &format!(
-        "; method {}, residual {} % of the data, {}\n",
-        model.method,
-        significant(100.0 * model.quality.relative_error, 3),
-        if model.quality.trusted {
-            "trusted"
-        } else {
-            "not trusted"
-        }
-    );
+    text += &format!("{law} damping, {scaling}, method {}", model.method);
+    if outside > 0 {
+        text += &format!(
+            "; {} outside the band as residual terms",
+            counted(outside, "pole")
+        );
+    }
+    text.push('\n');
     match &model.quality.path {
         Some(path) if verbose => text + &format!("path: {path}\n"),
         _ => text,

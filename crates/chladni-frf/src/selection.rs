@@ -190,7 +190,7 @@ fn judge(whole: &ModalModel, left: &mut ModalModel, dropped: usize) {
         left.quality.chi2_per_dof *= after / before;
     }
     left.quality.findings.push(
-        Finding::note(
+        Finding::caution(
             "dropped-by-hand",
             format!(
                 "{dropped} mode(s) dropped by hand and nothing fitted again: their part counts as \
