@@ -361,7 +361,7 @@ fn the_wrong_time_sign_is_named_and_not_trusted() {
             .quality
             .findings
             .iter()
-            .any(|w| w.contains("--time-sign")),
+            .any(|w| w.contains("the other time sign")),
         "{:?}",
         model.quality.findings
     );

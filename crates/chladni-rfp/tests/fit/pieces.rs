@@ -321,7 +321,7 @@ fn outlier_lines_gain_noise_and_the_wrong_time_sign_take_their_paths() {
                 .quality
                 .findings
                 .iter()
-                .any(|w| w.contains("--time-sign")),
+                .any(|w| w.contains("the other time sign")),
         "{:?}",
         model.quality.findings
     );

@@ -157,7 +157,7 @@ fn the_wrong_time_sign_is_named() {
         set.frf.conjugate();
         let model = fitted(&set.frf);
         assert!(
-            !model.quality.trusted && says(&model, "--time-sign"),
+            !model.quality.trusted && says(&model, "the other time sign"),
             "{:?}",
             model.quality
         );

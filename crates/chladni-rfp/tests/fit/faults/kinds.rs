@@ -43,7 +43,7 @@ fn at_driving_points_every_wrong_kind_is_named() {
             assert_eq!(model.quality.trusted, is == declared, "{is} as {declared}");
             if is != declared {
                 assert!(
-                    says(&model, &format!("--frf-kind {is}")),
+                    says(&model, &format!("read them as {is}")),
                     "{is} as {declared}: {:?}",
                     model.quality.findings
                 );

@@ -135,7 +135,7 @@ fn the_bias_of_a_known_window_is_undone() {
         let before = damping_ratios(&biased);
         assert!(before[0] > at_least, "{window}: {before:?}");
         assert!(
-            says(&biased, "1/(πb)") && says(&biased, "--window"),
+            says(&biased, "1/(πb)") && says(&biased, "which window was used"),
             "{:?}",
             biased.quality.findings
         );
