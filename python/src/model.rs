@@ -126,7 +126,7 @@ impl Model {
     fn reasons(&self) -> Vec<Vec<String>> {
         self.model
             .in_band_modes()
-            .map(|mode| mode.reasons.clone())
+            .map(|mode| mode.reasons.sentences())
             .collect()
     }
 
@@ -205,7 +205,7 @@ impl Model {
     /// What the user must know.
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        self.model.quality.warnings.clone()
+        self.model.quality.warnings()
     }
 
     /// Names of the response DOFs.

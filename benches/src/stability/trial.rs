@@ -200,7 +200,12 @@ impl Trial {
                 .filter(|mode| mode.trust == Trust::Weak)
                 .count(),
             trusted: model.quality.trusted,
-            warnings: model.quality.warnings.clone(),
+            warnings: model
+                .quality
+                .findings
+                .iter()
+                .map(|f| f.text.clone())
+                .collect(),
             refused: false,
             chi2: model.quality.chi2_per_dof,
             condition: f64::NAN,
@@ -341,7 +346,7 @@ mod tests {
             .unwrap()
             .model;
         // a notice that the law cannot be known would announce errors
-        model.quality.warnings.clear();
+        model.quality.findings.clear();
         model
             .modes
             .iter_mut()

@@ -4,7 +4,7 @@ use super::draw::Draw;
 use super::evidence::evidence;
 use super::measurement::{measurement, Measurement};
 use crate::journal::nan;
-use chladni_frf::{Damping, FrfSet, ModalModel, Mode, Result, Trust};
+use chladni_frf::{Damping, Finding, FrfSet, ModalModel, Mode, Result, Trust};
 use chladni_rfp::{fit, FitError, FitOptions};
 use serde::{Deserialize, Serialize};
 use std::panic::{catch_unwind, AssertUnwindSafe};
@@ -208,18 +208,22 @@ fn broken(model: &ModalModel) -> Option<String> {
 }
 
 fn announced(model: &ModalModel) -> bool {
-    let tells = |text: &String| !ASIDE.iter().any(|beginning| text.starts_with(beginning));
+    let tells = |finding: &Finding| {
+        !ASIDE
+            .iter()
+            .any(|beginning| finding.text.starts_with(beginning))
+    };
     !model.quality.trusted
         || model.in_band_modes().any(|mode| mode.trust == Trust::Weak)
-        || model.quality.warnings.iter().any(tells)
+        || model.quality.findings.iter().any(tells)
 }
 
 fn warns_of(model: &ModalModel, beginning: &str) -> bool {
     model
         .quality
-        .warnings
+        .findings
         .iter()
-        .any(|text| text.starts_with(beginning))
+        .any(|finding| finding.text.starts_with(beginning))
 }
 
 /// Pairs (true mode, found mode), nearest first: within half the half-power bandwidth,

@@ -173,7 +173,7 @@ fn mode(draw: &Draw, resonance: &Resonance, band_hz: [f64; 2], random: &mut Rand
         damping_ratio: 0.5 * loss_factor,
         in_band: band_hz[0] <= frequency_hz && frequency_hz <= band_hz[1],
         trust: Trust::Sure,
-        reasons: Vec::new(),
+        reasons: Default::default(),
         mpc: chladni_rfp::mpc(&shape),
         shape_std: vec![0.0; shape.len()],
         scale_std: None,
@@ -229,7 +229,7 @@ fn model(draw: &Draw, modes: Vec<Mode>, terms: Vec<ResidualTerm>, band_hz: [f64;
             relative_error: 0.0,
             chi2_per_dof: 1.0,
             trusted: true,
-            warnings: Vec::new(),
+            findings: Vec::new(),
             path: None,
         },
     }

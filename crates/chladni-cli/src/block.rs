@@ -300,7 +300,7 @@ fn solved(args: &Solve, console: &Console) -> Result<Outcome> {
             let mut model = fit.model;
             model.source = partial.sources();
             model.options = echo_of(&options);
-            console.warn_all(model.quality.warnings.iter().cloned());
+            console.find_all(&model.quality.findings);
             output.write(|path, force| write_model(path, &model, force))?;
             let doubt = (!model.quality.trusted).then(|| distrust(&model));
             Ok(Outcome::written(
@@ -373,7 +373,7 @@ fn residues_of(args: &Residues, console: &Console) -> Result<Outcome> {
     sources.push(chladni_console::input::source(&args.model)?);
     model.source = sources;
     args.reading.echo(&mut model.options);
-    console.warn_all(model.quality.warnings.iter().cloned());
+    console.find_all(&model.quality.findings);
     output.write(|path, force| write_model(path, &model, force))?;
     let doubt = (!model.quality.trusted).then(|| distrust(&model));
     Ok(Outcome::written(

@@ -87,7 +87,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let tracking = track(&sets, against, &options)
         .map_err(|error| error.file(args.others.first().unwrap_or(&args.first)))?;
     for comparison in &tracking.comparisons {
-        console.warn_all(comparison.warnings.iter().cloned());
+        console.find_all(&comparison.findings);
     }
     let json = json!({
         "format": FORMAT,

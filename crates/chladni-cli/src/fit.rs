@@ -11,7 +11,7 @@ use chladni_console::table::{counted, significant, table, with_bound};
 use chladni_console::Console;
 use chladni_console::Outcome;
 use chladni_frf::{
-    Damping, Error, ErrorKind, FrfSet, ModalModel, Mode, Result, Scaling, Source, Trust,
+    Damping, Error, ErrorKind, Finding, FrfSet, ModalModel, Mode, Result, Scaling, Source, Trust,
 };
 use chladni_io::{frf_bytes, write_model, FrfParts};
 use chladni_rfp::{FitOptions, Method, Window};
@@ -130,7 +130,10 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     )?;
     if let Some(scene) = &scene {
         let said = scene.said(&model, &frf);
-        model.quality.warnings.push(said);
+        model
+            .quality
+            .findings
+            .push(Finding::note("scene-band", said));
     }
     drop(frf);
     written(args, model, output.as_ref(), console)
@@ -143,7 +146,7 @@ fn written(
     output: Option<&Output>,
     console: &Console,
 ) -> Result<Outcome> {
-    console.warn_all(model.quality.warnings.iter().cloned());
+    console.find_all(&model.quality.findings);
     if let Some(output) = output {
         console.stage("writing");
         output.write(|path, force| write_model(path, &model, force))?;
@@ -201,7 +204,10 @@ fn streamed(
     let mut model = fit.model;
     model.source = sources;
     model.options = echo;
-    model.quality.warnings.splice(0..0, console.warnings());
+    model
+        .quality
+        .findings
+        .splice(0..0, of_reading(console.warnings()));
     Ok((model, resume))
 }
 
@@ -224,9 +230,15 @@ pub fn fit_model(
     let mut model = fit.model;
     model.source = sources;
     model.options = echo;
-    let own = std::mem::replace(&mut model.quality.warnings, warnings);
-    model.quality.warnings.extend(own);
+    model.quality.findings.splice(0..0, of_reading(warnings));
     Ok(model)
+}
+
+/// The sentences of reading as findings.
+fn of_reading(warnings: Vec<String>) -> impl Iterator<Item = Finding> {
+    warnings
+        .into_iter()
+        .map(|text| Finding::caution("reading", text))
 }
 
 /// The options that can change the result.
@@ -286,7 +298,8 @@ fn value_of(model: &ModalModel) -> Result<Value> {
 /// The whole model, as its file holds it, and the warnings at the top.
 fn whole(model: &ModalModel) -> Result<Value> {
     let mut value = value_of(model)?;
-    value["warnings"] = json!(model.quality.warnings);
+    value["warnings"] = json!(model.quality.warnings());
+    value["findings"] = json!(model.quality.findings);
     Ok(value)
 }
 
@@ -317,11 +330,48 @@ pub fn summary(model: &ModalModel, output: &Path) -> Result<Value> {
     ];
     let mut summary = Map::from_iter([("output".to_owned(), json!(output.display().to_string()))]);
     summary.extend(keys.iter().map(|&key| (key.to_owned(), value[key].take())));
-    summary.insert("warnings".into(), json!(model.quality.warnings));
+    summary.insert("warnings".into(), json!(model.quality.warnings()));
+    summary.insert("findings".into(), json!(model.quality.findings));
     Ok(summary.into())
 }
 
-/// The table of modes, and a line about the whole.
+/// The sentence that a result begins with: how many modes, how sure, and how much of the
+/// data they explain.
+fn sentence(model: &ModalModel) -> String {
+    let modes = model.in_band_modes().count();
+    let sure = model
+        .in_band_modes()
+        .filter(|mode| mode.trust == Trust::Sure)
+        .count();
+    let [low, high] = model.band_hz.map(|hz| significant(hz, 6));
+    let share = (1.0 - model.quality.relative_error).max(0.0);
+    let explained = format!(
+        "{} % of the data, {low} to {high} Hz",
+        significant(100.0 * share, 3)
+    );
+    let noise = match share < HALF {
+        true => ": most of it is noise, or no resonance",
+        false => "",
+    };
+    match (sure, modes - sure) {
+        (0, 0) => format!("No mode between {low} and {high} Hz."),
+        (1, 0) => format!("1 sure mode explains {explained}{noise}."),
+        (_, 0) => format!("{sure} sure modes explain {explained}{noise}."),
+        (0, 1) => format!("1 weak mode and no sure one; it explains {explained}{noise}."),
+        (0, _) => {
+            format!("{modes} weak modes and no sure one; they explain {explained}{noise}.")
+        }
+        (_, weak) => format!(
+            "{}, {weak} weak; together they explain {explained}{noise}.",
+            counted(sure, "sure mode")
+        ),
+    }
+}
+
+/// Share of the data from which on modes explain most of them.
+const HALF: f64 = 0.5;
+
+/// The sentence, the table of modes, and a line about the whole.
 pub fn text(model: &ModalModel, verbose: bool) -> String {
     const HEADER: [&str; 8] = [
         "mode",
@@ -341,7 +391,6 @@ pub fn text(model: &ModalModel, verbose: bool) -> String {
         .filter(listed)
         .map(|mode| row(mode, &mut number))
         .collect();
-    let modes = model.in_band_modes().count();
     let outside = model
         .modes
         .iter()
@@ -355,29 +404,18 @@ pub fn text(model: &ModalModel, verbose: bool) -> String {
         Scaling::UnitModalMass => "shapes of unit modal mass",
         Scaling::Unscaled => "unscaled shapes",
     };
-    let [low, high] = model.band_hz.map(|hz| significant(hz, 6));
-    let mut text = if rows.is_empty() {
-        String::new()
-    } else {
-        table(&HEADER, &rows)
-    };
-    text += &format!(
-        "{} between {low} and {high} Hz, {law} damping, {scaling}",
-        counted(modes, "mode")
-    );
-    if outside > 0 {
-        text += &format!("; the rest: {} outside the band", counted(outside, "pole"));
+    let mut text = format!("{}\n", sentence(model));
+    if !rows.is_empty() {
+        text += &format!("\n{}", table(&HEADER, &rows));
     }
-    text += &format!(
-        "; method {}, residual {} % of the data, {}\n",
-        model.method,
-        significant(100.0 * model.quality.relative_error, 3),
-        if model.quality.trusted {
-            "trusted"
-        } else {
-            "not trusted"
-        }
-    );
+    text += &format!("{law} damping, {scaling}, method {}", model.method);
+    if outside > 0 {
+        text += &format!(
+            "; {} outside the band as residual terms",
+            counted(outside, "pole")
+        );
+    }
+    text.push('\n');
     match &model.quality.path {
         Some(path) if verbose => text + &format!("path: {path}\n"),
         _ => text,
@@ -394,7 +432,7 @@ fn row(mode: &Mode, number: &mut usize) -> Vec<String> {
         Trust::Weak => "weak",
         Trust::Rejected => "rejected",
     };
-    let mut reasons = mode.reasons.clone();
+    let mut reasons = mode.reasons.sentences();
     if !mode.in_band {
         reasons.insert(0, "outside the band".into());
     }

@@ -56,7 +56,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         .map(|file| source(file))
         .collect::<Result<_>>()?;
     model.source.extend(inputs);
-    console.warn_all(model.quality.warnings.iter().cloned());
+    console.find_all(&model.quality.findings);
 
     console.stage("writing");
     output.write(|path, force| write_model(path, &model, force))?;

@@ -1,14 +1,23 @@
 //! What is said on stderr while a command runs: stages, warnings, notes.
 
 use crate::args::Common;
+use crate::next_step::option_for;
 use crate::progress::Progress;
-use chladni_frf::printable;
+use chladni_frf::{printable, Finding, Severity};
 use std::io::{IsTerminal, Write};
 use std::sync::{Mutex, MutexGuard};
 
 /// Text whose words may come from a file or its name, with lines and tabs only.
 pub fn for_terminal(text: &str) -> String {
     printable(text, &['\n', '\t'])
+}
+
+/// A finding with its next step, and the option that takes it.
+fn told(finding: &Finding) -> String {
+    match option_for(&finding.code) {
+        Some(option) => format!("{finding} ({option})"),
+        None => finding.to_string(),
+    }
 }
 
 /// The user's wishes about output, and everything said so far.
@@ -24,6 +33,7 @@ pub struct Console {
     progress: Progress,
     colour: bool,
     warnings: Mutex<Vec<String>>,
+    findings: Mutex<Vec<Finding>>,
 }
 
 impl Console {
@@ -38,6 +48,7 @@ impl Console {
             colour: std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
                 && std::io::stderr().is_terminal(),
             warnings: Mutex::default(),
+            findings: Mutex::default(),
         }
     }
 
@@ -66,6 +77,47 @@ impl Console {
     /// Several warnings.
     pub fn warn_all(&self, warnings: impl IntoIterator<Item = String>) {
         warnings.into_iter().for_each(|warning| self.warn(warning));
+    }
+
+    /// Findings: faults first, then cautions, each with its next step; notes by their
+    /// number, unless all is asked for. What was said before is not said again.
+    pub fn find_all(&self, findings: &[Finding]) {
+        let mut known = self
+            .findings
+            .lock()
+            .expect("nothing panics while it is held");
+        let mut new: Vec<&Finding> = findings
+            .iter()
+            .filter(|finding| !known.contains(finding) && !self.said().contains(&finding.text))
+            .collect();
+        new.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
+        let mut folded = 0;
+        for finding in &new {
+            if finding.severity > Severity::Note {
+                self.said().push(finding.text.clone());
+            }
+            match finding.severity {
+                _ if self.quiet => {}
+                Severity::Note if !self.verbose => folded += 1,
+                Severity::Note => self.line("", "note: ", &told(finding)),
+                Severity::Caution => self.line("33", "warning: ", &told(finding)),
+                Severity::Fault => self.line("31", "fault: ", &told(finding)),
+            }
+        }
+        match folded {
+            0 => {}
+            1 => self.line("", "", "1 note: -v shows it"),
+            count => self.line("", "", &format!("{count} notes: -v shows them")),
+        }
+        known.extend(new.into_iter().cloned());
+    }
+
+    /// All findings so far, in order.
+    pub fn findings(&self) -> Vec<Finding> {
+        self.findings
+            .lock()
+            .expect("nothing panics while it is held")
+            .clone()
     }
 
     fn said(&self) -> MutexGuard<'_, Vec<String>> {

@@ -6,6 +6,7 @@ mod console;
 pub mod input;
 mod interrupt;
 pub mod memory;
+pub mod next_step;
 pub mod oddities;
 mod outcome;
 pub mod output;

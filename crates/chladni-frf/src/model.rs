@@ -3,7 +3,8 @@
 //! The fields are those of the model file (`docs/formats.md`); the file alone reproduces
 //! the fit.
 
-use crate::{Dof, FrfKind, Node, ReferenceUnit};
+use crate::finding::{numbered, warnings};
+use crate::{Dof, Finding, FrfKind, Node, Reason, Reasons, ReferenceUnit};
 use ndarray::{Array1, Array2, Array3, Axis};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -147,8 +148,9 @@ pub struct Mode {
     pub in_band: bool,
     /// Grade.
     pub trust: Trust,
-    /// Why not `sure`, in words of the trade.
-    pub reasons: Vec<String>,
+    /// Why not `sure`.
+    #[serde(flatten)]
+    pub reasons: Reasons,
     /// Modal phase collinearity of the shape, 0..=1 (1: real).
     pub mpc: f64,
     /// ψ_n at the responses.
@@ -219,6 +221,7 @@ pub struct ResidualTerms {
 
 /// How well the model explains its data.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(from = "QualityFields", into = "QualityFields")]
 pub struct Quality {
     /// Rms residual over rms data, in the measured kind.
     pub relative_error: f64,
@@ -226,11 +229,57 @@ pub struct Quality {
     pub chi2_per_dof: f64,
     /// False: no mode is sure, or the data as a whole contradict the model.
     pub trusted: bool,
-    /// Everything the user must know.
-    pub warnings: Vec<String>,
+    /// Everything the user should know, in the order it was found.
+    pub findings: Vec<Finding>,
     /// Which path found the modes, and why; absent for hand-made models.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub path: Option<String>,
+}
+
+impl Quality {
+    /// The sentences of cautions and faults.
+    pub fn warnings(&self) -> Vec<String> {
+        warnings(&self.findings)
+    }
+}
+
+/// Quality in files, where `warnings` repeats the sentences of `findings` for readers that
+/// know no codes.
+#[derive(Serialize, Deserialize)]
+struct QualityFields {
+    relative_error: f64,
+    chi2_per_dof: f64,
+    trusted: bool,
+    warnings: Vec<String>,
+    findings: Option<Vec<Finding>>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    path: Option<String>,
+}
+
+impl From<QualityFields> for Quality {
+    fn from(fields: QualityFields) -> Self {
+        Self {
+            relative_error: fields.relative_error,
+            chi2_per_dof: fields.chi2_per_dof,
+            trusted: fields.trusted,
+            findings: fields
+                .findings
+                .unwrap_or_else(|| fields.warnings.into_iter().map(Finding::from).collect()),
+            path: fields.path,
+        }
+    }
+}
+
+impl From<Quality> for QualityFields {
+    fn from(quality: Quality) -> Self {
+        Self {
+            warnings: quality.warnings(),
+            relative_error: quality.relative_error,
+            chi2_per_dof: quality.chi2_per_dof,
+            trusted: quality.trusted,
+            findings: Some(quality.findings),
+            path: quality.path,
+        }
+    }
 }
 
 /// An input file, by name (without its folder) and content.
@@ -403,6 +452,30 @@ impl ModalModel {
         self.modes
             .iter()
             .filter(|mode| mode.in_band && mode.trust != Trust::Rejected)
+    }
+
+    /// Gives the findings the numbers of the modes that they are about.
+    pub fn number_findings(&mut self) {
+        let frequencies: Vec<f64> = self.in_band_modes().map(|mode| mode.frequency_hz).collect();
+        numbered(&mut self.quality.findings, &frequencies);
+    }
+
+    /// Reasons of all modes of the band, by code in the order of appearance, with the
+    /// numbers of their modes.
+    pub fn reasons_by_code(&self) -> Vec<(&Reason, Vec<usize>)> {
+        let mut by_code: Vec<(&Reason, Vec<usize>)> = Vec::new();
+        for (n, mode) in self.in_band_modes().enumerate() {
+            for reason in mode.reasons.iter() {
+                let alike = |known: &&mut (&Reason, _)| {
+                    (&known.0.code, &known.0.text) == (&reason.code, &reason.text)
+                };
+                match by_code.iter_mut().find(alike) {
+                    Some((_, modes)) => modes.push(n + 1),
+                    None => by_code.push((reason, vec![n + 1])),
+                }
+            }
+        }
+        by_code
     }
 }
 

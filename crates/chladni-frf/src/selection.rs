@@ -3,7 +3,7 @@
 //! Poles outside the band stand for the world beyond it and stay; rejected candidates stay
 //! listed.
 
-use crate::{Error, FrfKind, ModalModel, Mode, Result, Trust, CREATED_BY};
+use crate::{Error, Finding, FrfKind, ModalModel, Mode, Result, Trust, CREATED_BY};
 use serde_json::json;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -189,17 +189,27 @@ fn judge(whole: &ModalModel, left: &mut ModalModel, dropped: usize) {
     if before > 0.0 {
         left.quality.chi2_per_dof *= after / before;
     }
-    left.quality.warnings.push(format!(
-        "{dropped} mode(s) dropped by hand and nothing fitted again: their part counts as unexplained, which makes the relative error \
-         {:.3} instead of {:.3} (computed from the model; the FRFs were not read again)",
-        after.sqrt(),
-        before.sqrt()
-    ));
+    left.quality.findings.push(
+        Finding::caution(
+            "dropped-by-hand",
+            format!(
+                "{dropped} mode(s) dropped by hand and nothing fitted again: their part counts as \
+                 unexplained, and the relative error is {:.3} instead of {:.3} (computed from the \
+                 model, without the FRFs)",
+                after.sqrt(),
+                before.sqrt()
+            ),
+        )
+        .value("modes_dropped", dropped as f64)
+        .value("relative_error", after.sqrt())
+        .help("fit again for poles without the dropped modes"),
+    );
     if !left.in_band_modes().any(|mode| mode.trust == Trust::Sure) {
         left.quality.trusted = false;
-        left.quality
-            .warnings
-            .push("no sure mode is left after the selection".into());
+        left.quality.findings.push(
+            Finding::fault("none-sure-left", "no sure mode is left after the selection")
+                .help("keep a sure mode"),
+        );
     }
 }
 

@@ -32,7 +32,7 @@ pub(super) fn write(out: &mut dyn Write, model: &ModalModel) -> io::Result<()> {
         for (_, value) in PER_MODE {
             write!(out, ",{}", value(mode))?;
         }
-        let reasons = mode.reasons.join("; ").replace('"', "'");
+        let reasons = mode.reasons.sentences().join("; ").replace('"', "'");
         write!(out, ",{},\"{reasons}\"", trust_name(mode.trust))?;
         for value in mode.shape.0.iter().chain(&mode.participation.0) {
             write!(out, ",{:?},{:?}", value.re, value.im)?;

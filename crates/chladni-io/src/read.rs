@@ -215,7 +215,7 @@ fn model_document(path: &Path) -> Result<Document> {
         warnings: if mode.trust == Trust::Sure {
             Vec::new()
         } else {
-            mode.reasons.clone()
+            mode.reasons.sentences()
         },
         ..DatasetInfo::default()
     });
@@ -225,7 +225,7 @@ fn model_document(path: &Path) -> Result<Document> {
             nodes: model.nodes.clone(),
             ..Geometry::default()
         },
-        warnings: model.quality.warnings.clone(),
+        warnings: model.quality.warnings(),
         ..Document::new(path, FileFormat::Model)
     })
 }

@@ -31,7 +31,7 @@ pub fn read_shape_set(file: &Path) -> Result<(ShapeSet, Vec<String>)> {
         _ => None,
     };
     if let Some(model) = model {
-        return Ok((ShapeSet::from(&model), model.quality.warnings));
+        return Ok((ShapeSet::from(&model), model.quality.warnings()));
     }
     let contents = read_contents(&[PathBuf::from(file)], &ReadOptions::default())
         .map_err(|error| error.file(file))?;

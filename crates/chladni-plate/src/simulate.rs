@@ -110,7 +110,7 @@ fn truth(
             damping_ratio: loss_factors[n] / 2.0,
             in_band: band_hz[0] <= frequencies[n] && frequencies[n] <= band_hz[1],
             trust: Trust::Sure,
-            reasons: Vec::new(),
+            reasons: Default::default(),
             mpc: 1.0,
             shape: column(&shapes, n),
             shape_std: vec![0.0; shapes.nrows()],
@@ -163,7 +163,7 @@ fn truth(
             relative_error,
             chi2_per_dof: 1.0,
             trusted: true,
-            warnings: Vec::new(),
+            findings: Vec::new(),
             path: None,
         },
     })

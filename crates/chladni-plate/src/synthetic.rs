@@ -220,7 +220,7 @@ impl Synthetic {
                 relative_error: 0.0,
                 chi2_per_dof: 1.0,
                 trusted: true,
-                warnings: Vec::new(),
+                findings: Vec::new(),
                 path: None,
             },
         };
@@ -257,7 +257,7 @@ impl Synthetic {
             damping_ratio: loss_factor / 2.0,
             in_band: band_hz[0] <= frequency_hz && frequency_hz <= band_hz[1],
             trust: Trust::Sure,
-            reasons: Vec::new(),
+            reasons: Default::default(),
             mpc: phase_collinearity(&shape[..self.responses]),
             shape: ComplexVector(shape[..self.responses].to_vec()),
             shape_std: vec![0.0; self.responses],

@@ -133,7 +133,7 @@ mod tests {
             damping_ratio: 0.01,
             in_band: true,
             trust: Trust::Sure,
-            reasons: Vec::new(),
+            reasons: Default::default(),
             mpc: 1.0,
             shape: Default::default(),
             shape_std: Vec::new(),

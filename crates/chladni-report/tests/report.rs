@@ -2,7 +2,7 @@
 
 use base64::engine::general_purpose::STANDARD;
 use base64::Engine;
-use chladni_frf::{FrfSet, ModalModel, Source, Trust};
+use chladni_frf::{Finding, FrfSet, ModalModel, Reason, Source, Trust};
 use chladni_plate::{simulate, Panel, Simulation};
 use chladni_render::{evaluate, render, stress, sweep, On, Rendering, Scene, StressOptions};
 use chladni_report::{
@@ -204,8 +204,9 @@ fn foreign_text_cannot_become_markup() {
         sha256: EVIL.into(),
     }];
     (model.method, model.quality.path) = (EVIL.into(), Some(EVIL.into()));
-    model.quality.warnings = vec![EVIL.into()];
-    (model.modes[0].trust, model.modes[0].reasons) = (Trust::Weak, vec![EVIL.into()]);
+    model.quality.findings = vec![Finding::from(EVIL.to_owned())];
+    (model.modes[0].trust, model.modes[0].reasons) =
+        (Trust::Weak, vec![Reason::new(EVIL, EVIL)].into());
     let mut rendering = rendering(&small().truth);
     (rendering.weights.scene, rendering.weights.method) = (EVIL.into(), EVIL.into());
     rendering.weights.warnings = vec![EVIL.into()];
@@ -224,8 +225,10 @@ fn foreign_text_cannot_become_markup() {
 #[test]
 fn warnings_come_with_what_they_are_about() {
     let mut model = small().truth.clone();
-    (model.modes[1].trust, model.modes[1].reasons) =
-        (Trust::Weak, vec!["hardly above the noise".into()]);
+    (model.modes[1].trust, model.modes[1].reasons) = (
+        Trust::Weak,
+        vec![Reason::new("hardly", "hardly above the noise")].into(),
+    );
     model.quality.trusted = false;
     let all = data(&ReportInput {
         title: "Panel".into(),

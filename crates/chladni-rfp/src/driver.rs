@@ -32,7 +32,7 @@ use crate::model::in_law::in_law;
 use crate::poles::chain::{fast_chain, Chain, Doubt, Outcome};
 use crate::poles::estimate::{graded, more_than_asked, PoleEstimate};
 use crate::poles::refine::{refine, Projection, Refined};
-use chladni_frf::{Damping, FrfSet, ModalModel};
+use chladni_frf::{Damping, Finding, FrfSet, ModalModel};
 use chladni_linalg::blocked::in_pool;
 use chladni_linalg::LinalgError;
 
@@ -116,8 +116,8 @@ fn weighted_fit(
             let mut fit = weighted_fit(screened, None, options, progress)?;
             fit.model
                 .quality
-                .warnings
-                .extend(unequal.map(|_| COHERENCE_CONTRADICTED.into()));
+                .findings
+                .extend(unequal.map(|_| coherence_contradicted()));
             return Ok(fit);
         }
         (Some((weights, giver)), _) => {
@@ -149,7 +149,7 @@ fn weighted_fit(
     if !dropped.is_empty() {
         fit.model
             .quality
-            .warnings
+            .findings
             .push(outliers::words(&data, &mut dropped));
     }
     examine(&data, Some(&data), options, white, &mut fit.model);
@@ -159,10 +159,14 @@ fn weighted_fit(
     Ok(fit)
 }
 
-/// Said where a coherence was given and not used.
-const COHERENCE_CONTRADICTED: &str =
-    "the coherence of the set does not tell its noise: what the model leaves of the FRFs differs \
-     otherwise; weighted by that instead";
+/// The finding where a coherence was given and not used.
+fn coherence_contradicted() -> Finding {
+    Finding::note(
+        "coherence-contradicted",
+        "the coherence of the set does not tell its noise: the residuals of the FRFs differ \
+         otherwise; weighted by those instead",
+    )
+}
 
 /// Rounds of leaving out outlier lines and fitting again: the second finds those that hid
 /// beside the first.
@@ -324,13 +328,21 @@ pub(crate) fn finished(
     let left = left(&shaped);
     let mut model = shaped.model(data, options, &left);
     if model.quality.relative_error > MOSTLY_LEFT {
-        warnings.push(format!(
-            "the model leaves {:.0} % of the data: most of this band holds noise, or what no resonance explains; give the band in which \
-             peaks stand clear of it (--band)",
-            100.0 * model.quality.relative_error
-        ));
+        warnings.push(
+            Finding::caution(
+                "mostly-unexplained",
+                format!(
+                    "the model leaves {:.0} % of the data: most of this band holds noise, or \
+                     motion that no resonance explains",
+                    100.0 * model.quality.relative_error
+                ),
+            )
+            .value("relative_error", model.quality.relative_error)
+            .help("fit the band in which peaks stand clear of the noise"),
+        );
     }
-    model.quality.warnings.append(&mut warnings);
+    model.quality.findings.append(&mut warnings);
+    model.number_findings();
     Ok((model, left))
 }
 
@@ -380,11 +392,11 @@ pub(crate) fn conjugated(projected: Projected) -> Result<PoleEstimate, LinalgErr
         measured: true,
         grades: Vec::new(),
         path: "stopped after the pole pool".into(),
-        warnings: vec![
-            "every resonance turns the wrong way: the data follow e^(-jwt); read them \
-                        with --time-sign -"
-                .into(),
-        ],
+        warnings: vec![Finding::fault(
+            "conjugated",
+            "every resonance turns the wrong way: the data follow e^(-jwt)",
+        )
+        .help("read the data with the other time sign")],
         consistent: false,
     })
 }

@@ -182,7 +182,7 @@ fn identify(files: &Files, frf: &FrfSet, console: &Console) -> Result<(ModalMode
         console,
     )?;
     let time_s = start.elapsed().as_secs_f64();
-    console.warn_all(model.quality.warnings.iter().cloned());
+    console.find_all(&model.quality.findings);
     Output::new(&files.model, MODEL, &[], console)?
         .write(|path, force| write_model(path, &model, force))?;
     Ok((model, time_s))

@@ -107,20 +107,32 @@ fn stdout_carries_the_result_and_nothing_else() {
     let folder = Folder::with_panel();
     let table = folder.run("fit panel.h5").exits(0);
     assert!(
-        table.stdout.starts_with("mode") && table.stdout.contains("sure"),
+        table.stdout.contains(" explain ") && table.stdout.contains("\nmode"),
         "{}",
         table.stdout
     );
     assert!(
-        table.stderr.contains("warning: "),
-        "no driving point is a warning: {}",
+        table.stderr.contains("notes: -v shows them"),
+        "no driving point is a note: {}",
         table.stderr
+    );
+    let verbose = folder.run("fit panel.h5 -v").exits(0);
+    assert!(
+        verbose.stderr.contains("note: shapes are not mass-scaled"),
+        "{}",
+        verbose.stderr
     );
     let quiet = folder.run("fit panel.h5 -o model.json -q").exits(0);
     assert_eq!((quiet.stdout.as_str(), quiet.stderr.as_str()), ("", ""));
     let whole = folder.run("fit panel.h5 --json").exits(0).json();
     assert_eq!(whole["format"], "chladni.model");
-    assert!(whole["warnings"][0].is_string());
+    assert_eq!(whole["warnings"], serde_json::json!([]));
+    let unscaled = whole["findings"].as_array().unwrap().iter();
+    let unscaled: Vec<&Value> = unscaled.filter(|f| f["code"] == "unscaled").collect();
+    assert_eq!(
+        (unscaled.len(), &unscaled[0]["severity"]),
+        (1, &"note".into())
+    );
     // the object on stdout is a model file itself
     folder.write(
         "copy.json",

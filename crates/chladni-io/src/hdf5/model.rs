@@ -8,8 +8,8 @@ use super::own::Own;
 use crate::arrays::tree::{Attribute, Entry, Group, Values};
 use crate::arrays::values::{dofs, integers, reals, texts, wrong_type, ComplexArray};
 use chladni_frf::{
-    ComplexMatrix, ComplexVector, Error, ModalModel, Mode, Quality, ResidualTerm, ResidualTerms,
-    Result, Source, MODEL_FORMAT,
+    ComplexMatrix, ComplexVector, Error, Finding, ModalModel, Mode, Quality, Reasons, ResidualTerm,
+    ResidualTerms, Result, Source, MODEL_FORMAT,
 };
 use ndarray::{Array2, Array3, Ix2, Ix3};
 use num_complex::Complex64;
@@ -119,7 +119,14 @@ fn modes_group(model: &ModalModel) -> Group<'static> {
     );
     group.add_texts(
         "reasons",
-        modes.iter().map(|mode| word(&mode.reasons)).collect(),
+        modes
+            .iter()
+            .map(|mode| word(&mode.reasons.sentences()))
+            .collect(),
+    );
+    group.add_texts(
+        "doubts",
+        modes.iter().map(|mode| word(&mode.reasons.0)).collect(),
     );
     let complex = |part: fn(&Mode) -> &ComplexVector| {
         Values::Complex64(modes.iter().flat_map(|mode| part(mode).0.clone()).collect())
@@ -184,7 +191,8 @@ fn quality_group(quality: &Quality) -> Group<'static> {
     if let Some(path) = &quality.path {
         group.set("path", path.as_str());
     }
-    group.add_texts("warnings", quality.warnings.clone());
+    group.add_texts("warnings", quality.warnings());
+    group.add_texts("findings", quality.findings.iter().map(word).collect());
     group
 }
 
@@ -342,6 +350,11 @@ fn read_modes(own: &Own<'_>) -> Result<Vec<Mode>> {
     let (trust, reasons) = (part.texts("trust")?, part.texts("reasons")?);
     part.expect_count("trust", trust.len(), count)?;
     part.expect_count("reasons", reasons.len(), count)?;
+    let doubts = match part.has("doubts") {
+        true => part.texts("doubts")?,
+        false => vec!["[]".into(); count],
+    };
+    part.expect_count("doubts", doubts.len(), count)?;
     let (shape, participation) = (
         part.matrix("shape", count)?,
         part.matrix("participation", count)?,
@@ -365,7 +378,10 @@ fn read_modes(own: &Own<'_>) -> Result<Vec<Mode>> {
                 mpc: numbers[5][k],
                 in_band: in_band[k] != 0,
                 trust: parse_word(&trust[k], &field("trust"))?,
-                reasons: parse_word(&reasons[k], &field("reasons"))?,
+                reasons: Reasons::of_file(
+                    parse_word(&reasons[k], &field("reasons"))?,
+                    parse_word(&doubts[k], &field("doubts"))?,
+                ),
                 shape: ComplexVector(shape.row(k).to_vec()),
                 shape_std: shape_std[k * shape.ncols()..(k + 1) * shape.ncols()].to_vec(),
                 scale_std: Some(scale_std[k]).filter(|value| !value.is_nan()),
@@ -399,7 +415,18 @@ fn read_quality(own: &Own<'_>) -> Result<Quality> {
         relative_error: part.real("relative_error")?,
         chi2_per_dof: part.real("chi2_per_dof")?,
         trusted: part.real("trusted")? != 0.0,
-        warnings: part.texts("warnings")?,
+        findings: match part.has("findings") {
+            true => part
+                .texts("findings")?
+                .iter()
+                .map(|text| parse_word(text, "findings"))
+                .collect::<Result<_>>()?,
+            false => part
+                .texts("warnings")?
+                .into_iter()
+                .map(Finding::from)
+                .collect(),
+        },
         path: part.group.text("path").map(str::to_owned),
     })
 }

@@ -1,7 +1,8 @@
 //! Model files: both formats return every field; what is wrong is named.
 use chladni_frf::{
-    ComplexMatrix, ComplexVector, Damping, ErrorKind, FrfKind, ModalModel, Mode, Node, Quality,
-    ReferenceUnit, ResidualTerm, ResidualTerms, Scaling, Source, Trust, MODEL_FORMAT,
+    ComplexMatrix, ComplexVector, Damping, ErrorKind, Finding, FrfKind, ModalModel, Mode, Node,
+    Quality, Reason, Reasons, ReferenceUnit, ResidualTerm, ResidualTerms, Scaling, Source, Trust,
+    MODEL_FORMAT,
 };
 use chladni_io::{read_document, read_model, write_model, FileFormat, ReadOptions};
 use ndarray::Array2;
@@ -27,9 +28,12 @@ fn mode(frequency_hz: f64, trust: Trust) -> Mode {
         in_band: trust == Trust::Sure,
         trust,
         reasons: if trust == Trust::Sure {
-            vec![]
+            Reasons::default()
         } else {
-            vec!["only in one FRF".into(), "a \"quoted\"\nline".into()]
+            Reasons(vec![
+                Reason::new("one-frf-alone", "only in one FRF").detail("20 dB"),
+                Reason::new("quoted", "a \"quoted\"\nline"),
+            ])
         },
         mpc: 0.999,
         shape: vector(&[(0.1, -1e-300), (1.0 / 3.0, 2.0), (0.0, 0.0)]),
@@ -95,7 +99,7 @@ fn model() -> ModalModel {
             relative_error: 0.01,
             chi2_per_dof: 1.0,
             trusted: false,
-            warnings: vec!["look".into()],
+            findings: vec![Finding::caution("look", "look").help("look")],
             path: Some("lean".into()),
         },
     }
@@ -115,7 +119,7 @@ fn empty_model() -> ModalModel {
             relative_error: 1.0,
             chi2_per_dof: 2.0,
             trusted: true,
-            warnings: vec![],
+            findings: vec![],
             path: None,
         },
         ..model()
@@ -181,7 +185,7 @@ fn info_lists_the_modes() {
         ),
         (Some(54.4), Some(0.005))
     );
-    assert_eq!(document.datasets[1].warnings[0], "only in one FRF");
+    assert_eq!(document.datasets[1].warnings[0], "only in one FRF (20 dB)");
     assert_eq!(document.sha256.len(), 64);
 }
 

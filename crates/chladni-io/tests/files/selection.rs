@@ -18,7 +18,7 @@ fn mode(frequency_hz: f64, in_band: bool, trust: Trust) -> Mode {
         damping_ratio: 0.005,
         in_band,
         trust,
-        reasons: Vec::new(),
+        reasons: Default::default(),
         mpc: 1.0,
         shape: one(()),
         shape_std: vec![0.0],
@@ -60,7 +60,7 @@ fn model() -> ModalModel {
             relative_error: 0.01,
             chi2_per_dof: 1.0,
             trusted: true,
-            warnings: Vec::new(),
+            findings: Vec::new(),
             path: None,
         },
     }
@@ -136,7 +136,7 @@ fn a_dropped_mode_counts_as_unexplained() {
         selected.quality.relative_error
     );
     assert!((selected.quality.chi2_per_dof / (expected / 0.01).powi(2) - 1.0).abs() < 0.04);
-    assert!(selected.quality.trusted && selected.quality.warnings[0].contains("dropped by hand"));
+    assert!(selected.quality.trusted && selected.quality.findings[0].contains("dropped by hand"));
     // nothing dropped, nothing said
     assert_eq!(
         chladni_io::selection_from_toml("keep = [1, 2, 3]")

@@ -38,7 +38,7 @@ fn mode(mode: &Mode) -> Value {
         "loss_factor_std": mode.loss_factor_std,
         "in_band": mode.in_band,
         "trust": mode.trust,
-        "reasons": mode.reasons,
+        "reasons": mode.reasons.sentences(),
         "mpc": mode.mpc,
         "mpd_deg": mean_phase_deviation_deg(&mode.shape.0),
         "mcf": modal_complexity_factor(&mode.shape.0),

@@ -22,9 +22,9 @@ pub(crate) fn all(input: &ReportInput) -> Vec<[String; 2]> {
         warnings.extend(
             model
                 .quality
-                .warnings
+                .findings
                 .iter()
-                .map(|text| about("Model", text)),
+                .map(|finding| about("Model", &finding.to_string())),
         );
         let weak = model
             .in_band_modes()

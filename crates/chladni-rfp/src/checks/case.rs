@@ -3,7 +3,7 @@
 use crate::data::layout::DataLayout;
 use crate::data::options::FitOptions;
 use crate::data::screening::Screened;
-use chladni_frf::{ModalModel, Mode, Trust};
+use chladni_frf::{Finding, ModalModel, Mode, Reason, Trust};
 
 /// What a check may look at.
 pub(crate) struct Case<'a> {
@@ -20,35 +20,20 @@ pub(crate) struct Case<'a> {
     pub white: bool,
 }
 
-/// What a check found.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Finding {
-    /// The fault, the evidence, what to do.
-    pub words: String,
-    /// True where the data as a whole contradict the model: it cannot be trusted then.
-    pub contradiction: bool,
-    /// Modes (positions in the model) that are weak for it.
-    pub weak: Vec<usize>,
-    /// Why.
-    pub reason: &'static str,
+/// The outcome of a check. A fault: the data as a whole contradict the model.
+pub(crate) struct Checked {
+    /// The fault of the data, the evidence, the next step.
+    pub finding: Finding,
+    /// Modes (positions in the model) that are weak for it, with the reason.
+    pub weak: Vec<(usize, Reason)>,
 }
 
-impl Finding {
-    pub(crate) fn new(words: String, contradiction: bool) -> Self {
+impl From<Finding> for Checked {
+    fn from(finding: Finding) -> Self {
         Self {
-            words,
-            contradiction,
+            finding,
             weak: Vec::new(),
-            reason: "",
         }
-    }
-    /// Words alone.
-    pub(crate) fn note(words: String) -> Self {
-        Self::new(words, false)
-    }
-    /// The data as a whole contradict the model.
-    pub(crate) fn contradiction(words: String) -> Self {
-        Self::new(words, true)
     }
 }
 

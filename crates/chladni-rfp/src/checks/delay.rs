@@ -5,8 +5,8 @@
 //! R_o2·R̄_o1 = L_n2·L̄_n1·Σ|ψ_n|², each mode weighted by how well its phase is known
 //! (theory.md, eq. F2). Poles and rank-one shapes absorb the delay; real shapes do not.
 
-use crate::checks::case::{Case, Finding};
-use chladni_frf::Mode;
+use crate::checks::case::{Case, Checked};
+use chladni_frf::{Finding, Mode};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -33,7 +33,7 @@ struct Delay {
 }
 
 /// Names references that lag or lead the first.
-pub(crate) fn delayed_reference(case: &Case) -> Option<Finding> {
+pub(crate) fn delayed_reference(case: &Case) -> Option<Checked> {
     let modes = case.sure_modes();
     let omega: Vec<f64> = modes.iter().map(|mode| TAU * mode.frequency_hz).collect();
     if case.model.references.len() < 2 || (omega.len() as f64) < LEAST_MODES {
@@ -58,12 +58,15 @@ pub(crate) fn delayed_reference(case: &Case) -> Option<Finding> {
         .first()
         .filter(|_| !found.is_empty())?;
     let words = format!(
-        "delayed reference: against {first}, {}, read off the phases of {} modes; poles are not touched, but participations turn with \
-         frequency and real shapes will not fit: correct the delay",
+        "delayed reference: against {first}, {}, read off the phases of {} modes; poles are not \
+         touched, but participations turn with frequency and real shapes do not fit",
         found.join(", "),
         modes.len()
     );
-    Some(Finding::note(words))
+    let finding = Finding::caution("delayed-reference", words)
+        .dofs([*first])
+        .help("correct the delay of that channel");
+    Some(finding.into())
 }
 
 /// Delay of reference `second` against `first` where the modes show one.

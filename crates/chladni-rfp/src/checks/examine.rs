@@ -5,16 +5,16 @@
 //! (`data/outliers.rs`), the wrong time sign (`poles/chain.rs`), padded records
 //! (`measured/impulse.rs`), missing values (`data/screening.rs`).
 
-use crate::checks::case::{Case, Finding};
+use crate::checks::case::{Case, Checked};
 use crate::checks::{delay, hidden, kind, moving, reciprocal, split, window_bias};
 use crate::data::layout::DataLayout;
 use crate::data::options::FitOptions;
 use crate::data::screening::Screened;
-use chladni_frf::{ModalModel, Trust};
+use chladni_frf::{ModalModel, Severity, Trust};
 use rayon::prelude::*;
 
 /// Every check that runs after a fit.
-const CHECKS: [fn(&Case) -> Option<Finding>; 8] = [
+const CHECKS: [fn(&Case) -> Option<Checked>; 8] = [
     kind::wrong_kind,
     moving::moving_poles,
     split::split_modes,
@@ -25,7 +25,7 @@ const CHECKS: [fn(&Case) -> Option<Finding>; 8] = [
     window_bias::possible_bias,
 ];
 
-/// Runs all checks; their words join the model's warnings.
+/// Runs all checks; what they find joins the model's findings.
 pub(crate) fn examine(
     data: &DataLayout,
     values: Option<&Screened>,
@@ -40,15 +40,15 @@ pub(crate) fn examine(
         options,
         white,
     };
-    let found: Vec<Finding> = CHECKS.par_iter().filter_map(|check| check(&case)).collect();
-    for finding in found {
-        model.quality.trusted &= !finding.contradiction;
-        for &n in &finding.weak {
+    let found: Vec<Checked> = CHECKS.par_iter().filter_map(|check| check(&case)).collect();
+    for checked in found {
+        model.quality.trusted &= checked.finding.severity != Severity::Fault;
+        for (n, reason) in checked.weak {
             let mode = &mut model.modes[n];
             mode.trust = Trust::Weak;
-            mode.reasons.push(finding.reason.into());
+            mode.reasons.push(reason);
         }
-        model.quality.warnings.push(finding.words);
+        model.quality.findings.push(checked.finding);
     }
     let sure = model.in_band_modes().any(|mode| mode.trust == Trust::Sure);
     model.quality.trusted &= sure;

@@ -1,7 +1,7 @@
 //! What these data could not show: a mode at a node of the only FRF, or between modes
 //! that overlap (theory.md, eq. F7).
 
-use crate::checks::case::{Case, Finding};
+use crate::checks::case::{Case, Checked};
 use crate::checks::moving::{pole, strength};
 use crate::damping::structural::basis;
 use crate::damping::structural::POWERS;
@@ -9,7 +9,7 @@ use crate::data::columns::Columns;
 use crate::data::options::ShapeModel;
 use crate::poles::prune::threshold;
 use crate::shapes::line_products::background;
-use chladni_frf::Mode;
+use chladni_frf::{Finding, Mode};
 use chladni_linalg::blocked::projected;
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -25,19 +25,20 @@ const NEIGHBOURS: usize = 6;
 const WINDOW: (f64, usize) = (8.0, 16);
 
 /// One FRF does not show every mode.
-pub(crate) fn single_frf(case: &Case) -> Option<Finding> {
+pub(crate) fn single_frf(case: &Case) -> Option<Checked> {
     (case.data.pairs.len() == 1).then(|| {
         Finding::note(
-            "one FRF: a mode with a node at its response or its reference does not show \
-                       in it; measure more points"
-                .into(),
+            "one-frf",
+            "one FRF: a mode with a node at its response or its reference does not show in it",
         )
+        .help("measure more points")
+        .into()
     })
 }
 
 /// Gaps between overlapping modes in which one more, as strong as they are, would not
 /// stand out of the noise.
-pub(crate) fn between_modes(case: &Case) -> Option<Finding> {
+pub(crate) fn between_modes(case: &Case) -> Option<Checked> {
     if !case.white {
         return None;
     }
@@ -55,11 +56,14 @@ pub(crate) fn between_modes(case: &Case) -> Option<Finding> {
             pair[0].frequency_hz, pair[1].frequency_hz
         )
     };
-    Some(Finding::note(format!(
-        "modes overlap: between {} Hz one more, as strong as they are, could hide in this noise; \
-         more references or less noise would show it",
+    let words = format!(
+        "modes overlap: between {} Hz one more, as strong as they are, could hide in this noise",
         gaps.iter().map(between).collect::<Vec<_>>().join("; ")
-    )))
+    );
+    let finding = Finding::note("mode-could-hide", words)
+        .modes_hz(gaps.iter().copied().flatten().map(|mode| mode.frequency_hz))
+        .help("more references or less noise would show it");
+    Some(finding.into())
 }
 
 /// True where a mode halfway between two others would add less to the data than a mode

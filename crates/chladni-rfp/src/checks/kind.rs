@@ -7,8 +7,8 @@
 //! resonances tells them apart, since −ω²/(λ − ω²) = 1 − λ/(λ − ω²) and −1/(ω²(λ − ω²)) =
 //! −(1/ω² + 1/(λ − ω²))/λ (theory.md, eq. F1).
 
-use crate::checks::case::{Case, Finding};
-use chladni_frf::{FrfKind, ModalModel, Mode, ReferenceUnit};
+use crate::checks::case::{Case, Checked};
+use chladni_frf::{Finding, FrfKind, ModalModel, Mode, ReferenceUnit, Severity};
 use num_complex::Complex64;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -22,7 +22,7 @@ const NEAR: f64 = PI / 6.0;
 const LEAST_MODES: [usize; 2] = [2, 3];
 
 /// Looks at the common phase of the residues.
-pub(crate) fn wrong_kind(case: &Case) -> Option<Finding> {
+pub(crate) fn wrong_kind(case: &Case) -> Option<Checked> {
     let modes = case.sure_modes();
     let driving = driving_residues(case.model, &modes);
     let declared = case.model.frf_kind;
@@ -68,25 +68,34 @@ pub(crate) fn wrong_kind(case: &Case) -> Option<Finding> {
         _ => return None,
     };
     let names: Vec<&str> = candidates.iter().map(|kind| kind.as_str()).collect();
-    let words = match names.as_slice() {
-        [] => format!(
-            "{evidence}: a channel is integrated or turned by a filter; real shapes and \
-                       their scale are wrong"
-        ),
-        names => {
-            let names = names.join(" or ");
-            format!(
-                "wrong FRF kind? {evidence}, as if the data were {names}: read them with \
-                     --frf-kind {}",
-                names.replace(" or ", "|")
-            )
-        }
+    // between a voltage and its force stands an amplifier, whose phase is no fault
+    let severity = match case.model.reference_unit {
+        ReferenceUnit::Newton => Severity::Fault,
+        ReferenceUnit::Volt => Severity::Caution,
     };
-    // between a voltage and its force stands an amplifier, whose phase is nobody's fault
-    Some(Finding::new(
-        words,
-        case.model.reference_unit == ReferenceUnit::Newton,
-    ))
+    let finding = match names.as_slice() {
+        [] => Finding::new(
+            severity,
+            "turned-channel",
+            format!(
+                "{evidence}: a channel is integrated or turned by a filter; real shapes and their \
+                 scale are wrong"
+            ),
+        )
+        .help("look at the signal path of the channel"),
+        names => wrong(severity, &evidence, &names.join(" or ")),
+    };
+    Some(finding.value("turn_deg", phase.to_degrees()).into())
+}
+
+/// The finding of data that look like another kind of FRF.
+fn wrong(severity: Severity, evidence: &str, kinds: &str) -> Finding {
+    Finding::new(
+        severity,
+        "wrong-kind",
+        format!("wrong FRF kind? {evidence}, as if the data were {kinds}"),
+    )
+    .help(format!("read them as {kinds}"))
 }
 
 /// Residues at the driving points over what they could be at most, one for each mode that
@@ -145,7 +154,7 @@ fn kind_of(declared: FrfKind, more: i32) -> Option<FrfKind> {
 }
 
 /// Negative driving points: two differentiations, or a direction that is reversed.
-fn reversed(model: &ModalModel, modes: &[&Mode], driving: &[Complex64], evidence: &str) -> Finding {
+fn reversed(model: &ModalModel, modes: &[&Mode], driving: &[Complex64], evidence: &str) -> Checked {
     let pairs = driving_points(model);
     // Σ over driving points of the coefficient of ω^power
     let beside = |power: i32| -> f64 {
@@ -179,16 +188,21 @@ fn reversed(model: &ModalModel, modes: &[&Mode], driving: &[Complex64], evidence
         FrfKind::Accelerance if beside(-2) < -0.5 * of_modes(0) => Some(FrfKind::Receptance),
         _ => None,
     };
-    let words = match other {
-        Some(kind) => format!(
-            "wrong FRF kind? {evidence}, and so is what stands beside them, as \
-                               if the data were {kind}: read them with --frf-kind {kind}"
+    let finding = match other {
+        Some(kind) => wrong(
+            Severity::Fault,
+            &format!("{evidence}, and so are the residual terms"),
+            kind.as_str(),
         ),
-        None => format!(
-            "{evidence} ({} modes negative): a sensor or a driver points the other way; correct \
-             its direction, or mass-scaled shapes come out imaginary",
-            driving.len()
-        ),
+        None => Finding::caution(
+            "sensor-reversed",
+            format!(
+                "{evidence} ({} modes negative): a sensor or a driver points the other way, and \
+                 mass-scaled shapes come out imaginary",
+                driving.len()
+            ),
+        )
+        .help("correct its direction"),
     };
-    Finding::new(words, other.is_some())
+    finding.into()
 }

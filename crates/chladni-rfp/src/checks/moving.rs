@@ -2,12 +2,12 @@
 //! temperature, a clamp that settles. One set of poles then contradicts the data as a
 //! whole, however well each FRF could be fitted by itself.
 
-use crate::checks::case::{Case, Finding};
+use crate::checks::case::{Case, Checked};
 use crate::data::columns::Columns;
 use crate::model::given::value_of;
 use crate::poles::refine::refine;
 use crate::tolerances as tol;
-use chladni_frf::{Damping, Mode};
+use chladni_frf::{Damping, Finding, Mode};
 use ndarray::{Array1, Array2, ShapeBuilder};
 use num_complex::Complex64;
 use std::ops::Range;
@@ -25,7 +25,7 @@ const OVER_NOISE: f64 = 3.0;
 const SHARE: f64 = 0.5;
 
 /// Lets every FRF have its own pole near each mode.
-pub(crate) fn moving_poles(case: &Case) -> Option<Finding> {
+pub(crate) fn moving_poles(case: &Case) -> Option<Checked> {
     if case.white || case.data.pairs.len() < 2 {
         return None;
     }
@@ -40,12 +40,15 @@ pub(crate) fn moving_poles(case: &Case) -> Option<Finding> {
     }
     let most = moving.iter().copied().fold(0.0, f64::max);
     let words = format!(
-        "poles differ between FRFs: {} of {} modes scatter by more than {MOVES} half-bandwidths (at most {most:.1}): a roving sensor's \
-         mass, temperature, or a support that changes; one set of poles cannot serve all FRFs",
+        "poles differ between FRFs: {} of {} modes scatter by more than {MOVES} half-bandwidths (at \
+         most {most:.1}): a roving sensor's mass, temperature, or a support that changes",
         moving.len(),
         scatter.len()
     );
-    Some(Finding::contradiction(words))
+    let finding = Finding::fault("moving-poles", words)
+        .value("scatter_half_bandwidths", most)
+        .help("measure with a fixed mass dummy, or fit the FRFs of each set-up by themselves");
+    Some(finding.into())
 }
 
 /// Rms distance, in half-bandwidths along the frequency axis, of the FRFs' own poles from

@@ -1,9 +1,10 @@
 //! A reference whose gain, wiring or place is wrong, where reciprocity shows it. The
 //! poles do not mind; shapes that take their mass scale from a driving point do.
 
-use crate::checks::case::{Case, Finding};
+use crate::checks::case::{Case, Checked};
 use crate::validation::reciprocity::reciprocity;
 use crate::validation::reciprocity::ReciprocalPair;
+use chladni_frf::Finding;
 
 /// Gain difference that is named, as a ratio: calibrated chains agree to one or two per
 /// cent.
@@ -14,7 +15,7 @@ const SIGMAS: f64 = 5.0;
 const UNLIKE: f64 = 0.3;
 
 /// Compares every pair of FRFs that reciprocity makes equal.
-pub(crate) fn not_reciprocal(case: &Case) -> Option<Finding> {
+pub(crate) fn not_reciprocal(case: &Case) -> Option<Checked> {
     let pairs = reciprocity(case.values?.frf, case.data.band_hz);
     let lines = case.data.lines.len() as f64;
     let noise = case.model.quality.relative_error;
@@ -45,10 +46,13 @@ pub(crate) fn not_reciprocal(case: &Case) -> Option<Finding> {
         )
     };
     let words = format!(
-        "not reciprocal: {} of {} pairs of FRFs; H({a} from {b}) and H({b} from {a}) {what}. Poles \
-         are not touched, mass-scaled shapes are",
+        "not reciprocal: {} of {} pairs of FRFs; H({a} from {b}) and H({b} from {a}) {what}; \
+         mass-scaled shapes are affected, poles are not",
         found.len(),
         pairs.len()
     );
-    Some(Finding::note(words))
+    let finding = Finding::caution("not-reciprocal", words)
+        .dofs([a, b])
+        .help("check the calibration and the place of sensors and drivers");
+    Some(finding.into())
 }

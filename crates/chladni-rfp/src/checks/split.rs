@@ -6,12 +6,12 @@
 //! side was measured under its own conditions (a roving sensor or hammer) and there are
 //! several on the other; with one reference nothing but the second order does.
 
-use crate::checks::case::{Case, Finding};
+use crate::checks::case::{Case, Checked};
 use crate::checks::moving::{pole, strength, without_others};
 use crate::poles::prune::threshold;
 use crate::poles::refine::{refine, Projection};
 use crate::tolerances as tol;
-use chladni_frf::{Mode, Trust};
+use chladni_frf::{Finding, Mode, Reason, Trust};
 use chladni_linalg::LinalgError;
 use ndarray::Axis;
 use num_complex::Complex64;
@@ -25,7 +25,7 @@ const WINDOW: (f64, usize) = (4.0, 8);
 const FRFS_MOST: usize = 48;
 
 /// Sure modes that one mode per measurement set-up explains as well.
-pub(crate) fn split_modes(case: &Case) -> Option<Finding> {
+pub(crate) fn split_modes(case: &Case) -> Option<Checked> {
     if !case.white {
         return None;
     }
@@ -51,19 +51,24 @@ pub(crate) fn split_modes(case: &Case) -> Option<Finding> {
             .join(" and ")
     };
     let words = format!(
-        "modes at {} Hz: one mode whose frequency differs between measurements (a roving sensor's mass, temperature) explains each group as \
-         well as several; measure more references, or all points at once",
+        "modes at {} Hz: one mode whose frequency differs between measurements (a roving sensor's \
+         mass, temperature) explains each group as well as several",
         doubted.iter().map(places).collect::<Vec<_>>().join("; ")
     );
     let named = |mode: &Mode| doubted.iter().any(|group| group.contains(&mode));
+    let reason = Reason::new(
+        "split-mode",
+        "one mode that moves between FRFs explains it and its neighbour as well",
+    );
     let weak = (0..case.model.modes.len())
         .filter(|&n| named(&case.model.modes[n]))
+        .map(|n| (n, reason.clone()))
         .collect();
-    Some(Finding {
-        weak,
-        reason: "one mode that moves between FRFs explains it and its neighbour as well",
-        ..Finding::note(words)
-    })
+    let concerned = doubted.iter().copied().flatten();
+    let finding = Finding::caution("split-modes", words)
+        .modes_hz(concerned.map(|mode| mode.frequency_hz))
+        .help("measure another reference, or all points at once");
+    Some(Checked { finding, weak })
 }
 
 /// True where a pole of its own for each DOF of the side that was moved leaves no more of

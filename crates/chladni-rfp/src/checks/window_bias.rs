@@ -1,9 +1,9 @@
 //! Damping that a window of the test may have raised, where nobody said which it was.
 
-use crate::checks::case::{Case, Finding};
+use crate::checks::case::{Case, Checked};
 use crate::checks::line_shape::{likely_window, DECIDES};
 use crate::data::options::Window;
-use chladni_frf::Mode;
+use chladni_frf::{Finding, Mode};
 use std::f64::consts::PI;
 
 /// Loss factors that a window could have raised by this much, relative, are worth a word
@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 const BIAS: f64 = 0.03;
 
 /// Where nobody said which window was used: how much too high damping can be.
-pub(crate) fn possible_bias(case: &Case) -> Option<Finding> {
+pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
     if case.options.window.is_some() || case.white {
         return None;
     }
@@ -34,13 +34,17 @@ pub(crate) fn possible_bias(case: &Case) -> Option<Finding> {
         _ => "the line shapes do not tell".into(),
     };
     let words = format!(
-        "error bars assume no window bias: if these FRFs were averaged from windowed records of random excitation, the loss factors of {} \
-         mode(s) are too high by up to 1/(πb) ({:.0} % at {:.2} Hz, b = {:.1} lines per bandwidth); {evidence}. Say --window hann or \
-         rectangular to undo it, --window none if there was none",
+        "error bars assume no window bias: if these FRFs were averaged from windowed records of \
+         random excitation, the loss factors of {} mode(s) are too high by up to 1/(πb) ({:.0} % \
+         at {:.2} Hz, b = {:.1} lines per bandwidth); {evidence}",
         concerned.len(),
         100.0 * bias(worst),
         worst.frequency_hz,
         1.0 / (PI * bias(worst))
     );
-    Some(Finding::note(words))
+    let finding = Finding::note("window-bias", words)
+        .modes_hz(concerned.iter().map(|mode| mode.frequency_hz))
+        .value("bias_relative", bias(worst))
+        .help("say which window was used, or that there was none");
+    Some(finding.into())
 }

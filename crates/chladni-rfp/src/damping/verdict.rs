@@ -10,7 +10,7 @@ use crate::damping::phased::{Common, LawFit};
 use crate::data::columns::Columns;
 use crate::data::information::answer;
 use crate::poles::refine::Refined;
-use chladni_frf::Damping;
+use chladni_frf::{Damping, Finding};
 use chladni_linalg::{matmul, LinalgError};
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
@@ -181,26 +181,37 @@ pub(crate) fn shift(loss_factor: f64, relative_omega_std: f64, loss_factor_std: 
 
 /// What is said where neither free residues nor common shapes decide; `most`: the largest
 /// [`shift`].
-pub(crate) fn undecidable(taken: Damping, most: f64) -> String {
-    format!(
-        "damping law undecidable: structural and viscous damping explain these data equally well; the numbers follow the {} law \
-         (frequencies under the other one differ by about η²/4, up to {most:.0} error bars here; say --damping if you know the law)",
-        name(taken)
+pub(crate) fn undecidable(taken: Damping, most: f64) -> Finding {
+    Finding::note(
+        "law-undecidable",
+        format!(
+            "damping law undecidable: structural and viscous damping explain these data equally \
+             well; the numbers follow the {} law (frequencies under the other one differ by about \
+             η²/4, up to {most:.0} error bars here)",
+            name(taken)
+        ),
     )
+    .value("shift_over_error_bar", most)
+    .help("say which law holds, if you know it")
 }
 
 /// What is said where only the phases as they were measured decide.
-pub(crate) fn if_phases_true(taken: Damping, degrees: f64) -> String {
-    format!(
-        "the damping law rests on the phases of the FRFs: {}, unless all of them share an error of {degrees:.2} degrees, which would pass for \
-         the other law (say --damping if you know the law)",
-        name(taken)
+pub(crate) fn if_phases_true(taken: Damping, degrees: f64) -> Finding {
+    Finding::note(
+        "law-if-phases-true",
+        format!(
+            "the damping law rests on the phases of the FRFs: {}, unless all of them share an \
+             error of {degrees:.2} degrees, which would pass for the other law",
+            name(taken)
+        ),
     )
+    .value("phase_error_deg", degrees)
+    .help("say which law holds, if you know it")
 }
 
 /// What is said of a law that the data contradict; `degrees`: only if phases are true to
 /// better than this.
-pub(crate) fn contradicted(asked: Damping, degrees: Option<f64>) -> String {
+pub(crate) fn contradicted(asked: Damping, degrees: Option<f64>) -> Finding {
     let (own, other) = match asked {
         Damping::Structural => (name(asked), name(Damping::Viscous)),
         Damping::Viscous => (name(asked), name(Damping::Structural)),
@@ -208,11 +219,15 @@ pub(crate) fn contradicted(asked: Damping, degrees: Option<f64>) -> String {
     let condition = degrees.map_or(String::new(), |degrees| {
         format!(", if phases are true to better than {degrees:.2} degrees")
     });
-    format!(
-        "the data contradict the {own} damping that was asked for{condition}: {other} damping \
-         explains them better than noise allows; frequencies and loss factors are off by more \
-         than their error bars (leave --damping out)"
+    Finding::caution(
+        "law-contradicted",
+        format!(
+            "the data contradict the {own} damping that was asked for{condition}: {other} damping \
+             explains them better than noise allows; frequencies and loss factors are off by more \
+             than their error bars"
+        ),
     )
+    .help("let the data choose the law")
 }
 
 fn name(damping: Damping) -> &'static str {

@@ -4,7 +4,7 @@
 use crate::data::columns::Columns;
 use crate::data::options::Effort;
 use crate::data::pair_weights::PairWeights;
-use chladni_frf::{Damping, Dof, FrfKind, FrfSet, Node, ReferenceUnit};
+use chladni_frf::{Damping, Dof, Finding, FrfKind, FrfSet, Node, ReferenceUnit};
 use ndarray::{Array2, ArrayView1};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -41,7 +41,7 @@ pub(crate) struct DataLayout {
     /// The law that poles are sought in.
     pub law: Damping,
     /// What was left out, in words.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Finding>,
     /// What is spent on finding poles.
     pub effort: Effort,
     /// Sum of squares of each pair on these lines, in SI units of the kind; empty where

@@ -10,7 +10,7 @@ use crate::data::layout::DataLayout;
 use crate::data::peaks::running_median;
 use crate::data::screening::Screened;
 use crate::tolerances as tol;
-use chladni_frf::{ModalModel, Trust};
+use chladni_frf::{Finding, ModalModel, Trust};
 use rayon::prelude::*;
 
 /// Residual energy over the level around it from which a line is an outlier. (One FRF of
@@ -111,7 +111,7 @@ fn level(left: &[f64], fitted: &[f64]) -> Vec<f64> {
 }
 
 /// What is said of the lines left out (Hz).
-pub(crate) fn words(data: &DataLayout, dropped: &mut [f64]) -> String {
+pub(crate) fn words(data: &DataLayout, dropped: &mut [f64]) -> Finding {
     const SHOWN: usize = 8;
     dropped.sort_by(f64::total_cmp);
     let mut names: Vec<String> = dropped
@@ -122,10 +122,14 @@ pub(crate) fn words(data: &DataLayout, dropped: &mut [f64]) -> String {
     if dropped.len() > SHOWN {
         names.push(format!("and {} more", dropped.len() - SHOWN));
     }
-    format!(
-        "{} outlier lines of {} that no neighbouring line supports are left out: {} Hz",
-        dropped.len(),
-        data.lines.len() + dropped.len(),
-        names.join(", ")
+    Finding::note(
+        "outlier-lines",
+        format!(
+            "{} outlier lines of {} that no neighbouring line supports are left out: {} Hz",
+            dropped.len(),
+            data.lines.len() + dropped.len(),
+            names.join(", ")
+        ),
     )
+    .list("lines_hz", dropped.iter().copied())
 }

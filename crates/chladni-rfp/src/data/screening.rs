@@ -8,7 +8,7 @@ use crate::data::options::FitOptions;
 use crate::data::pair_weights::PairWeights;
 use crate::data::reading::{energy, visit, Usable};
 use crate::data::sketch::{Mixing, Sums};
-use chladni_frf::{Damping, FrfSet};
+use chladni_frf::{Damping, Finding, FrfSet};
 use ndarray::{Array1, Array2, ArrayView1, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -72,11 +72,17 @@ impl<'a> Screened<'a> {
             return Err(FitError::NoData);
         }
         if pairs.len() < frf.pairs() {
-            warnings.push(format!(
-                "{} of {} FRFs hold no values in the band and are left out",
-                frf.pairs() - pairs.len(),
-                frf.pairs()
-            ));
+            let without = frf.pairs() - pairs.len();
+            warnings.push(
+                Finding::note(
+                    "frfs-without-values",
+                    format!(
+                        "{without} of {} FRFs hold no values in the band and are left out",
+                        frf.pairs()
+                    ),
+                )
+                .value("frfs_left_out", without as f64),
+            );
         }
         if bad.iter().any(|b| *b) {
             let dropped = bad.iter().filter(|b| **b).count();
@@ -94,11 +100,22 @@ impl<'a> Screened<'a> {
             .collect();
         if !noisy.is_empty() {
             pairs.retain(|pair| !noisy.contains(pair));
-            warnings.push(format!(
-                "far noisier than the other FRFs and left out, their values follow \
-                               from the shapes: {}",
-                named(frf, &noisy)
-            ));
+            warnings.push(
+                Finding::caution(
+                    "far-noisier",
+                    format!(
+                        "far noisier than the other FRFs and left out, their values follow from \
+                         the shapes: {}",
+                        named(frf, &noisy)
+                    ),
+                )
+                .dofs(
+                    noisy
+                        .iter()
+                        .flat_map(|&(i, j)| [frf.responses[i], frf.references[j]]),
+                )
+                .help("measure these points again"),
+            );
         }
         enough(lines.len(), [low, high], options.modes)?;
         let mut head = DataLayout {
@@ -288,11 +305,15 @@ pub(crate) fn lines_in_band(
 }
 
 /// What is said of lines without values.
-pub(crate) fn lines_left_out(dropped: usize) -> String {
-    format!(
-        "{dropped} lines hold no finite value in at least one FRF, or zeros in all, and are \
+pub(crate) fn lines_left_out(dropped: usize) -> Finding {
+    Finding::note(
+        "lines-without-values",
+        format!(
+            "{dropped} lines hold no finite value in at least one FRF, or zeros in all, and are \
              left out"
+        ),
     )
+    .value("lines_left_out", dropped as f64)
 }
 
 /// Whether so many lines can bear the modes asked for, one where none are.

@@ -3,8 +3,8 @@
 use crate::measured::candidates::Origin;
 use crate::measured::evidence::Evidence;
 use crate::measured::record::Record;
-use crate::poles::estimate::Grade;
-use chladni_frf::Trust;
+use crate::poles::estimate::{self, Grade};
+use chladni_frf::{Finding, Reason, Trust};
 use num_complex::Complex64;
 
 /// Median loss of the six modes nearest to candidate q among those that are `sure`;
@@ -81,18 +81,49 @@ const SIDE_LOBE_DB: f64 = 8.0;
 /// Half-bandwidths beyond which the size of an error bar says nothing more.
 const NO_WIDTH: f64 = 3.0;
 
-/// What an error bar of so many half-bandwidths means.
-fn uncertain(deviation: f64) -> String {
+/// The reason that an error bar of so many half-bandwidths is.
+fn uncertain(deviation: f64) -> Reason {
     match deviation > NO_WIDTH {
-        true => "uncertain by more than its own width: a line, of which nobody can say that it is \
-                 a resonance"
-            .into(),
-        false => format!("uncertain by {deviation:.1} half-bandwidths (one sigma)"),
+        true => Reason::new("too-narrow", "too narrow to tell a resonance from a tone"),
+        false => estimate::uncertain(deviation),
+    }
+}
+
+/// A doubt about the damping of a mode that is there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum DampingDoubt {
+    /// Too few lines within the half-power bandwidth.
+    UpperBound,
+    /// A peak without the shape of a resonance.
+    Indicative,
+}
+
+impl DampingDoubt {
+    /// The finding about modes at these frequencies.
+    pub fn finding(self, places: &str) -> Finding {
+        match self {
+            Self::UpperBound => Finding::caution(
+                "damping-upper-bound",
+                format!(
+                    "fewer than two lines within the half-power bandwidth, prone to leakage: the \
+                     damping is an upper bound at {places} Hz"
+                ),
+            )
+            .help("measure longer records for finer lines"),
+            Self::Indicative => Finding::caution(
+                "damping-indicative",
+                format!(
+                    "the peak does not have the shape of a resonance: the damping is indicative \
+                     only at {places} Hz"
+                ),
+            )
+            .help("measure at a lower level, or fit these modes in a narrow band"),
+        }
     }
 }
 
 /// A grade with the doubt about damping, if there is one.
-pub(crate) type Graded = (Grade, Option<&'static str>);
+pub(crate) type Graded = (Grade, Option<DampingDoubt>);
 
 /// Grades every pole of `all` (in order of frequency); poles outside the band pass
 /// ungraded.
@@ -126,17 +157,20 @@ fn grade(all: &[Evidence], q: usize, frfs: usize, windowed: bool, usual: Usual) 
         return (
             (
                 Trust::Rejected,
-                vec!["background: broader than any mode".into()],
+                vec![Reason::new(
+                    "background",
+                    "background: broader than any mode",
+                )],
             ),
             None,
         );
     }
     let mut reasons = Vec::new();
     let mut severe = 0;
-    let mut note = |bad: bool, is_severe: bool, text: String| {
+    let mut note = |bad: bool, is_severe: bool, reason: Reason| {
         if bad {
             severe += usize::from(is_severe);
-            reasons.push(text);
+            reasons.push(reason);
         }
     };
     match e.origin {
@@ -144,74 +178,93 @@ fn grade(all: &[Evidence], q: usize, frfs: usize, windowed: bool, usual: Usual) 
             note(
                 score < 0.75,
                 false,
-                format!(
-                    "found by only {:.0} % of the model orders and line halves",
-                    100.0 * score
-                ),
+                Reason::new(
+                    "few-orders",
+                    "found by few of the model orders and line halves",
+                )
+                .detail(format!("{:.0} %", 100.0 * score)),
             );
         }
         Origin::Added => note(
             true,
             false,
-            "found at a peak that the model orders had left".into(),
+            Reason::new(
+                "left-over-peak",
+                "found at a peak that the model orders had left",
+            ),
         ),
-        Origin::Nuisance => note(true, true, "wandered in from outside the band".into()),
+        Origin::Nuisance => note(
+            true,
+            true,
+            Reason::new(
+                "drifted-in",
+                "the estimate drifted in from outside the band",
+            ),
+        ),
     }
     note(
         e.misfit > 0.5,
         true,
-        format!(
-            "the line shape misses the data by {:.0} % around the peak",
+        Reason::new(
+            "line-shape",
+            "the peak does not have the shape of a resonance",
+        )
+        .detail(format!(
+            "misses the data around it by {:.0} %",
             100.0 * e.misfit
-        ),
+        )),
     );
     if let Some(d) = e.odd_even() {
         note(
             d > 0.5,
             false,
-            format!("odd and even lines disagree by {d:.1} half-bandwidths"),
+            Reason::new("odd-even", "odd and even lines disagree")
+                .detail(format!("{d:.1} half-bandwidths")),
         );
     }
     note(
         e.gain < 1.5,
         false,
-        format!(
-            "its neighbourhood hardly needs it (residual energy rises by {:.0} % without it)",
+        Reason::new("hardly-needed", "the data around it hardly need it").detail(format!(
+            "residual energy rises by {:.0} % without it",
             100.0 * e.gain
-        ),
+        )),
     );
     note(e.deviation > 0.3, false, uncertain(e.deviation));
     note(
         e.edge < 2.0,
         false,
-        format!(
-            "only {:.1} half-bandwidths from the band edge: widen the band",
-            e.edge
-        ),
+        Reason::new("band-edge", "close to the band edge: widen the band")
+            .detail(format!("{:.1} half-bandwidths", e.edge)),
     );
     note(
         e.part < 0.1,
         false,
-        "more than 20 dB below the response around it".into(),
+        Reason::new("buried", "more than 20 dB below the response around it"),
     );
     if let Some(s) = e.scatter {
         note(
             s > 0.5,
             false,
-            format!("its frequency scatters by {s:.1} half-bandwidths over the FRFs"),
+            Reason::new("scatters", "its frequency differs between FRFs")
+                .detail(format!("{s:.1} half-bandwidths")),
         );
     }
     note(
         e.half_width_lines < 0.5 && e.gain_without_nearest < 1.0,
         true,
-        "one-line spike: nothing is left of it without its two nearest lines".into(),
+        Reason::new(
+            "one-line-spike",
+            "one-line spike: nothing is left of it without its two nearest lines",
+        ),
     );
     note(
         e.half_width_lines < 1.0 && e.gain_of_skirts < 1.0,
         false,
-        "no skirts: nothing is left of it beyond its four nearest lines (a tone, or a mode that \
-         the lines do not resolve)"
-            .into(),
+        Reason::new(
+            "no-skirts",
+            "no skirts: nothing is left of it beyond its four nearest lines",
+        ),
     );
     let beside = |reach: f64, fall_db: f64| {
         all.iter().enumerate().any(|(other, o)| {
@@ -223,19 +276,27 @@ fn grade(all: &[Evidence], q: usize, frfs: usize, windowed: bool, usual: Usual) 
     note(
         e.half_width_lines < 1.0 && beside(SIDE_LOBE_LINES, SIDE_LOBE_DB),
         true,
-        "side lobe of the stronger peak beside it (leakage)".into(),
+        Reason::new(
+            "side-lobe",
+            "side lobe of the stronger peak beside it: leakage",
+        ),
     );
     note(
         windowed && beside(SIDE_LOBE_LINES, 0.0),
         false,
-        "beside a stronger peak of windowed records: may be its side lobe".into(),
+        Reason::new(
+            "windowed-side-lobe",
+            "beside a stronger peak of windowed records: may be its side lobe",
+        ),
     );
     if let Some(usual) = usual.loss {
         note(
             e.lambda.im / e.lambda.re < 0.12 * usual,
             true,
-            "damped far less than the sure modes around it: a tone (mains, fan) rather than a mode"
-                .into(),
+            Reason::new(
+                "tone",
+                "damped far less than the sure modes around it: a tone rather than a mode",
+            ),
         );
     }
     let convincing = (e.misfit < 0.1 && e.deviation < 0.05 && e.part > 0.5)
@@ -243,10 +304,10 @@ fn grade(all: &[Evidence], q: usize, frfs: usize, windowed: bool, usual: Usual) 
     note(
         e.stands_out_db < 10.0 && !convincing,
         true,
-        format!(
-            "does not stand out of its surroundings ({:.0} dB)",
-            e.stands_out_db
-        ),
+        Reason::new("no-distinct-peak", "no distinct peak").detail(match e.stands_out_db < 0.0 {
+            true => format!("{:.0} dB below its surroundings", -e.stands_out_db),
+            false => format!("{:.0} dB above its surroundings", e.stands_out_db),
+        }),
     );
     let near = |reach: f64| {
         let close =
@@ -258,16 +319,21 @@ fn grade(all: &[Evidence], q: usize, frfs: usize, windowed: bool, usual: Usual) 
     note(
         e.alone_db.is_some_and(|db| db > ALONE_DB),
         false,
-        "one FRF alone shows it (20 dB over all others): a disturbance of that measurement, or \
-         nodes at all other points"
-            .into(),
+        Reason::new(
+            "one-frf-alone",
+            "one FRF alone shows it, 20 dB over all others",
+        ),
     );
     if let Some(stand) = e.stand {
         let mpc = stand.norm_sqr();
         note(
             mpc < NO_COMMON_PHASE && !near(ISOLATED),
             false,
-            format!("its points have no common phase (MPC {mpc:.2}), and no mode stands near"),
+            Reason::new(
+                "no-common-phase",
+                "its points have no common phase, and no other mode is near",
+            )
+            .detail(format!("MPC {mpc:.2}")),
         );
         let off = usual.stand.map_or(0.0, |usual| {
             0.5 * (stand * usual.conj()).arg().abs().to_degrees()
@@ -275,14 +341,18 @@ fn grade(all: &[Evidence], q: usize, frfs: usize, windowed: bool, usual: Usual) 
         note(
             off > OFF_DEGREES,
             false,
-            format!("its residues stand {off:.0} degrees off those of the sure modes"),
+            Reason::new("off-phase", "its phase differs from that of the sure modes")
+                .detail(format!("{off:.0} degrees off")),
         );
     }
     if frfs == 1 {
         note(
             near(2.0),
             false,
-            "half of a close pair that one FRF alone cannot tell from one mode".into(),
+            Reason::new(
+                "half-pair",
+                "half of a close pair that one FRF alone cannot tell from one mode",
+            ),
         );
     }
 
@@ -295,12 +365,9 @@ fn grade(all: &[Evidence], q: usize, frfs: usize, windowed: bool, usual: Usual) 
         Trust::Weak
     };
     let damping = if 2.0 * e.half_width_lines < 2.0 {
-        Some(
-            "fewer than two lines within the half-power bandwidth, prone to leakage: take the \
-              damping as an upper bound at",
-        )
+        Some(DampingDoubt::UpperBound)
     } else if e.misfit > 0.2 {
-        Some("the line is not a resonance curve: the damping is indicative only at")
+        Some(DampingDoubt::Indicative)
     } else {
         None
     };
@@ -364,19 +431,19 @@ mod tests {
                 }
             }),
             ("model orders had left", |e| e.origin = Origin::Added),
-            ("wandered in", |e| e.origin = Origin::Nuisance),
+            ("drifted in", |e| e.origin = Origin::Nuisance),
             ("odd and even lines", |e| {
                 e.origin = Origin::Agreed {
                     score: 1.0,
                     odd_even: Some(0.0015),
                 }
             }),
-            ("misses the data", |e| e.misfit = 0.6),
-            ("hardly needs it", |e| e.gain = 1.0),
-            ("uncertain by", |e| e.deviation = 0.4),
+            ("shape of a resonance", |e| e.misfit = 0.6),
+            ("hardly need it", |e| e.gain = 1.0),
+            ("is uncertain", |e| e.deviation = 0.4),
             ("band edge", |e| e.edge = 1.0),
             ("20 dB below", |e| e.part = 0.05),
-            ("scatters", |e| e.scatter = Some(0.8)),
+            ("differs between FRFs", |e| e.scatter = Some(0.8)),
             ("one-line spike", |e| {
                 (e.half_width_lines, e.gain_without_nearest) = (0.3, 0.5)
             }),
@@ -389,7 +456,7 @@ mod tests {
                 e.stand = Some(Complex64::new(0.5, 0.1))
             }),
             ("degrees off", |e| e.stand = Some(Complex64::new(-0.6, 0.7))),
-            ("stand out", |e| {
+            ("no distinct peak", |e| {
                 (e.stands_out_db, e.deviation, e.misfit) = (5.0, 0.1, 0.3)
             }),
         ];

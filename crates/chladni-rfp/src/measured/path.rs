@@ -8,7 +8,7 @@ use crate::data::peaks::{fourth_difference_noise, peaks, thinned, Peak};
 use crate::data::screening::Screened;
 use crate::measured::error_model::{column_scales, normalised};
 use crate::measured::evidence::Evidence;
-use crate::measured::grade::{grade_all, Graded};
+use crate::measured::grade::{grade_all, DampingDoubt, Graded};
 use crate::measured::impulse::{padding_factor, windowed};
 use crate::measured::record::Record;
 use crate::measured::search::{Finished, Search};
@@ -16,7 +16,7 @@ use crate::poles::estimate::{more_than_asked, Grade};
 use crate::poles::refine::{refine, Refined};
 use crate::poles::sections::split;
 use crate::tolerances as tol;
-use chladni_frf::Trust;
+use chladni_frf::{Finding, Trust};
 use chladni_linalg::{matmul, svd_thin, LinalgError};
 use ndarray::{s, Array1, Array2};
 use num_complex::Complex64;
@@ -40,7 +40,7 @@ pub(crate) struct MeasuredPoles {
     /// Grade of each pole; nuisance poles are `Weak` without reasons.
     pub grades: Vec<Grade>,
     /// Warnings.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Finding>,
 }
 
 /// Columns for the path: scaled FRFs, or the strongest mixtures of many.
@@ -93,10 +93,17 @@ pub(crate) fn on_columns(
     let hz = data.hz();
     let factor = padding_factor(&work, &data.line_hz);
     if factor > 1 {
-        warnings.push(format!(
-            "the impulse response ends at 1/{factor} of the record: zero-padded; every {factor}th \
-             line is used (the others are interpolation)"
-        ));
+        warnings.push(
+            Finding::note(
+                "padded",
+                format!(
+                    "the impulse response ends at 1/{factor} of the record (zero-padded): only \
+                     every {} line is used, the others are interpolation",
+                    ordinal(factor)
+                ),
+            )
+            .value("padding_factor", factor as f64),
+        );
         work = work.select(&(0..work.lines()).step_by(factor).collect::<Vec<_>>());
     }
     let windowed = windowed(
@@ -110,9 +117,13 @@ pub(crate) fn on_columns(
     );
     if windowed {
         warnings.push(
-            "the impulse response decays ever faster: the records went through a window (Hann or similar) that broadens every line; \
-             take damping as an upper bound, and poles beside a stronger one as its side lobes"
-                .into(),
+            Finding::caution(
+                "windowed",
+                "the impulse response decays ever faster: the records went through a window (Hann \
+                 or similar) that broadens every line; poles beside a stronger one may be its \
+                 side lobes",
+            )
+            .help("take the damping as an upper bound, or measure without that window"),
         );
     }
     let noise = fourth_difference_noise(&work.b, (work.lines() / 20).clamp(30, 400));
@@ -154,13 +165,12 @@ pub(crate) fn on_columns(
     warnings.extend(finished.iter().flat_map(|f| f.notes.iter().cloned()));
     let (evidence, weights) = join(&work, &finished);
     let graded = grade_all(&evidence, &record);
-    warnings.extend(damping_warnings(&evidence, &graded, hz));
-    warnings.extend(unexplained(&seen, &evidence, &graded).map(|peak| {
-        format!(
-            "visible peak at {:.2} Hz that no accepted mode explains",
-            peak.lambda.re.max(0.0).sqrt() * hz
-        )
-    }));
+    warnings.extend(damping_doubts(&evidence, &graded, hz));
+    warnings.extend(peaks_left(
+        unexplained(&seen, &evidence, &graded)
+            .map(|peak| peak.lambda.re.max(0.0).sqrt() * hz)
+            .collect(),
+    ));
 
     let work = work.reweighted(&weights);
     let lambda: Vec<Complex64> = evidence.iter().map(|e| e.lambda).collect();
@@ -246,21 +256,53 @@ fn unexplained<'a>(
         .filter(move |peak| peak.is_striking() && !accepted(peak))
 }
 
-/// One warning per kind of doubt about damping, with the frequencies it concerns.
-fn damping_warnings(evidence: &[Evidence], graded: &[Graded], hz: f64) -> Vec<String> {
-    let mut kinds: Vec<(&str, Vec<String>)> = Vec::new();
-    for (e, (grade, note)) in evidence.iter().zip(graded) {
-        let Some(note) = note.filter(|_| grade.0 != Trust::Rejected) else {
-            continue;
-        };
-        let frequency = format!("{:.2}", e.lambda.re.max(0.0).sqrt() * hz);
-        match kinds.iter_mut().find(|(kind, _)| *kind == note) {
-            Some((_, list)) => list.push(frequency),
-            None => kinds.push((note, vec![frequency])),
-        }
-    }
-    kinds
+/// The finding of visible peaks, Hz, that no accepted mode explains.
+fn peaks_left(mut places: Vec<f64>) -> Option<Finding> {
+    places.sort_by(f64::total_cmp);
+    let text = match places.as_slice() {
+        [] => return None,
+        [one] => format!("a visible peak at {one:.2} Hz that no accepted mode explains"),
+        [first, .., last] => format!(
+            "{} visible peaks, {first:.1} to {last:.1} Hz, that no accepted mode explains",
+            places.len()
+        ),
+    };
+    let help = "look at them in the report; add a mode there, or fit a band without them";
+    Some(
+        Finding::caution("peak-unexplained", text)
+            .list("peaks_hz", places)
+            .help(help),
+    )
+}
+
+/// One finding per kind of doubt about damping, with the modes it concerns.
+fn damping_doubts(evidence: &[Evidence], graded: &[Graded], hz: f64) -> Vec<Finding> {
+    let concerned = |kind: DampingDoubt| -> Vec<f64> {
+        evidence
+            .iter()
+            .zip(graded)
+            .filter(|(_, (grade, doubt))| grade.0 != Trust::Rejected && *doubt == Some(kind))
+            .map(|(e, _)| e.lambda.re.max(0.0).sqrt() * hz)
+            .collect()
+    };
+    [DampingDoubt::UpperBound, DampingDoubt::Indicative]
         .into_iter()
-        .map(|(note, list)| format!("{note}: {} Hz", list.join(", ")))
+        .filter_map(|kind| {
+            let places = concerned(kind);
+            let named: Vec<String> = places.iter().map(|hz| format!("{hz:.2}")).collect();
+            (!places.is_empty()).then(|| kind.finding(&named.join(", ")).modes_hz(places))
+        })
         .collect()
+}
+
+/// "2nd", "3rd", "4th": counts of lines, which are small.
+fn ordinal(number: usize) -> String {
+    let ending = match (number % 10, number % 100) {
+        (_, 11..=13) => "th",
+        (1, _) => "st",
+        (2, _) => "nd",
+        (3, _) => "rd",
+        _ => "th",
+    };
+    format!("{number}{ending}")
 }

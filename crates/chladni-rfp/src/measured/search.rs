@@ -15,6 +15,7 @@ use crate::measured::twins::{merge, own_poles};
 use crate::poles::refine::{refine, Refined};
 use crate::poles::sections::Section;
 use crate::tolerances as tol;
+use chladni_frf::Finding;
 use chladni_linalg::LinalgError;
 use ndarray::{s, Array1, Array2};
 use num_complex::Complex64;
@@ -41,7 +42,7 @@ pub(crate) struct Search<'a> {
     /// Poles.
     pub candidates: Candidates,
     /// Mergers.
-    pub notes: Vec<(Complex64, String)>,
+    pub notes: Vec<(Complex64, Finding)>,
 }
 
 impl<'a> Search<'a> {
@@ -306,7 +307,7 @@ pub(crate) struct Finished {
     /// Lines of the section.
     pub lines: std::ops::Range<usize>,
     /// Mergers.
-    pub notes: Vec<String>,
+    pub notes: Vec<Finding>,
 }
 
 /// Rms distance of the own poles from the common one, each FRF weighted by how strongly

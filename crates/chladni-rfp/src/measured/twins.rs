@@ -7,6 +7,7 @@ use crate::measured::candidates::{Candidates, Change};
 use crate::measured::local::Neighbourhood;
 use crate::poles::refine::{refine, Refined};
 use crate::tolerances as tol;
+use chladni_frf::Finding;
 use chladni_linalg::{lstsq, matmul, LinalgError};
 use ndarray::{s, Array2};
 use num_complex::Complex64;
@@ -74,7 +75,7 @@ pub(crate) fn merge(
     work: &Columns,
     candidates: &mut Candidates,
     omega_to_hz: f64,
-) -> Result<Vec<(Complex64, String)>, LinalgError> {
+) -> Result<Vec<(Complex64, Finding)>, LinalgError> {
     let mut notes = Vec::new();
     while let Some((a, b, own)) = if work.columns() < 2 {
         None
@@ -101,12 +102,17 @@ pub(crate) fn merge(
         )?;
         let spread =
             (own.iter().map(|p| (p - mean).norm_sqr()).sum::<f64>() / own.len() as f64).sqrt();
-        let note = format!(
-            "two poles near {:.2} Hz are one mode that differs between FRFs (scatter {:.2} Hz): \
-             merged",
-            start.re.max(0.0).sqrt() * omega_to_hz,
-            spread / (2.0 * start.re.max(f64::MIN_POSITIVE).sqrt()) * omega_to_hz
-        );
+        let place = start.re.max(0.0).sqrt() * omega_to_hz;
+        let scatter = spread / (2.0 * start.re.max(f64::MIN_POSITIVE).sqrt()) * omega_to_hz;
+        let note = Finding::note(
+            "merged-twins",
+            format!(
+                "two poles near {place:.2} Hz are one mode that differs between FRFs (scatter \
+                 {scatter:.2} Hz): merged"
+            ),
+        )
+        .modes_hz([place])
+        .value("scatter_hz", scatter);
         notes.push((start, note));
     }
     Ok(notes)

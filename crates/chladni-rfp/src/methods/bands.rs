@@ -14,6 +14,7 @@ use crate::data::screening::Screened;
 use crate::methods::equation_error::largest_order;
 use crate::methods::limits::{ORDER_HELD, PEAKS_PER_BAND, SPARE_PAIRS};
 use crate::methods::survey::Survey;
+use chladni_frf::Finding;
 use ndarray::Array1;
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -33,7 +34,7 @@ pub(crate) struct BandPlan {
     /// Bands, rising in frequency, without gaps or overlap.
     pub bands: Vec<Band>,
     /// In words.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Finding>,
 }
 
 impl BandPlan {
@@ -48,9 +49,11 @@ impl BandPlan {
         let mut warnings = Vec::new();
         if visible.is_empty() && options.modes.is_none() {
             warnings.push(
-                "no peak stands out of the noise, so no order can be chosen; say how \
-                           many modes the band holds"
-                    .into(),
+                Finding::caution(
+                    "no-peak",
+                    "no peak stands out of the noise, so no order can be chosen",
+                )
+                .help("say how many modes the band holds"),
             );
             return Self {
                 bands: Vec::new(),
@@ -66,19 +69,33 @@ impl BandPlan {
             if band.order > most {
                 if band.order >= most + SPARE_PAIRS {
                     let lines = band.rows.len();
-                    warnings.push(format!(
-                        "{label}: {lines} lines support {most} pole pairs, none to spare for \
-                         noise; widen the band or take finer lines"
-                    ));
+                    warnings.push(
+                        Finding::caution(
+                            "few-lines",
+                            format!(
+                                "{label}: {lines} lines support {most} pole pairs, none to spare \
+                                 for noise"
+                            ),
+                        )
+                        .help("widen the band, or measure finer lines"),
+                    );
                 }
                 band.order = most;
             }
             if band.order > ORDER_HELD {
-                warnings.push(format!(
-                    "{label}: {} pole pairs ({SPARE_PAIRS} of them spare) are more than this method holds in one band \
-                     ({ORDER_HELD}): expect missed and spurious modes; fit narrower bands, or use the method auto",
-                    band.order
-                ));
+                warnings.push(
+                    Finding::caution(
+                        "order-too-high",
+                        format!(
+                            "{label}: {} pole pairs ({SPARE_PAIRS} of them spare) are more than \
+                             this method holds in one band ({ORDER_HELD}): expect missed and \
+                             spurious modes",
+                            band.order
+                        ),
+                    )
+                    .value("pole_pairs", band.order as f64)
+                    .help("fit narrower bands, or use the method auto"),
+                );
             }
         }
         Self { bands, warnings }

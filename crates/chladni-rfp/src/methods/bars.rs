@@ -19,11 +19,11 @@ use crate::methods::selection::{rises, variance_left};
 use crate::methods::survey::{Compressed, Survey};
 use crate::model::build::Shaped;
 use crate::model::identified::{structural_pole, viscous_pole, Identified, Pole};
-use crate::poles::estimate::{Grade, UNCERTAIN};
+use crate::poles::estimate::{self, Grade, UNCERTAIN};
 use crate::poles::prune::threshold;
 use crate::poles::refine::{refine, Projection, Refined};
 use crate::tolerances as tol;
-use chladni_frf::{Damping, FrfSet, ModalModel, Trust};
+use chladni_frf::{Damping, Finding, FrfSet, ModalModel, Reason, Trust};
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 
@@ -87,11 +87,17 @@ pub(crate) fn fit_by_method(
     let mut model = shaped.model(data, options, &left);
     if model.quality.relative_error > MOST_LEFT {
         model.quality.trusted = false;
-        model.quality.warnings.push(format!(
-            "{:.0} % of the data are left unexplained: modes are missing or wrong; use --method \
-             auto, or a narrower --band",
-            100.0 * model.quality.relative_error
-        ));
+        model.quality.findings.push(
+            Finding::fault(
+                "mostly-unexplained",
+                format!(
+                    "{:.0} % of the data are left unexplained: modes are missing or wrong",
+                    100.0 * model.quality.relative_error
+                ),
+            )
+            .value("relative_error", model.quality.relative_error)
+            .help("use the method auto, or fit a narrower band"),
+        );
     }
     Ok((model, found.stabilization))
 }
@@ -173,12 +179,13 @@ fn grade(pole: &Pole, insignificant: bool) -> Grade {
     let mut reasons = Vec::new();
     let uncertain = 2.0 * pole.omega_std / (pole.omega * pole.loss_factor);
     if uncertain > UNCERTAIN {
-        reasons.push(format!(
-            "uncertain by {uncertain:.1} half-bandwidths (one sigma)"
-        ));
+        reasons.push(estimate::uncertain(uncertain));
     }
     if insignificant {
-        reasons.push("explains no more of the data than noise would".into());
+        reasons.push(Reason::new(
+            "no-gain",
+            "explains no more of the data than noise would",
+        ));
     }
     (
         if reasons.is_empty() {

@@ -30,6 +30,7 @@ use crate::methods::found::MethodPoles;
 use crate::methods::peak::picked;
 use crate::methods::selection::modes_of;
 use crate::methods::survey::{Compressed, Survey};
+use chladni_frf::Finding;
 use chladni_linalg::{lstsq, solve_hermitian};
 use ndarray::{Array2, Axis};
 use num_complex::Complex64;
@@ -61,10 +62,13 @@ pub(crate) fn circle(
         .collect();
     let mut found = modes_of(survey, &poles, options, "circles around visible peaks")?;
     if poles.len() < starts.len() {
-        found.warnings.push(format!(
-            "{} of {} peaks trace no circle and are left out",
-            starts.len() - poles.len(),
-            starts.len()
+        found.warnings.push(Finding::caution(
+            "no-circle",
+            format!(
+                "{} of {} peaks trace no circle and are left out",
+                starts.len() - poles.len(),
+                starts.len()
+            ),
         ));
     }
     Ok(found)

@@ -5,6 +5,7 @@ use crate::data::screening::Screened;
 use crate::methods::bands::Band;
 use crate::methods::equation_error::{BandEquations, Root};
 use crate::methods::limits::{BROADEST, CONDITION_HELD, MOST_UNCERTAIN};
+use chladni_frf::Finding;
 use num_complex::Complex64;
 
 /// The lines of one band: equations, limits of what counts as a mode there.
@@ -50,7 +51,7 @@ pub(crate) fn health(
     conditions: &[f64],
     roots: &[Root],
     lines: &BandLines,
-) -> Vec<String> {
+) -> Vec<Finding> {
     let mut warnings = Vec::new();
     let ill = conditions.iter().filter(|c| **c > CONDITION_HELD).count();
     if ill > 0 {
@@ -60,19 +61,41 @@ pub(crate) fn health(
         } else {
             String::new()
         };
-        warnings.push(format!(
-            "{label}: the equations are ill-conditioned{of} (condition {worst:.0e}): the order is higher than the data can tell \
-             (harmless without noise, where the order can be any); ask for fewer modes or fit a narrower band"
-        ));
+        warnings.push(
+            Finding::caution(
+                "ill-conditioned",
+                format!(
+                    "{label}: the equations are ill-conditioned{of} (condition {worst:.0e}): the \
+                     order is higher than the data can tell (harmless without noise)"
+                ),
+            )
+            .value("condition", worst)
+            .help("ask for fewer modes, or fit a narrower band"),
+        );
     }
     let inside: Vec<&Root> = roots.iter().filter(|root| lines.in_band(root.s)).collect();
     let negative = inside.iter().filter(|root| root.s.re > 0.0).count();
     if 2 * negative > inside.len() {
-        warnings.push(format!(
-            "{label}: {negative} of {} poles in the band have negative damping; the data may \
-             follow e^(-jwt), or hold no mode",
-            inside.len()
+        warnings.push(negative_damping(
+            &format!("{label}: "),
+            negative,
+            inside.len(),
         ));
     }
     warnings
+}
+
+/// The finding where most poles of a band gain energy; `label` ends with a colon and a
+/// blank, or is empty.
+pub(crate) fn negative_damping(label: &str, negative: usize, all: usize) -> Finding {
+    Finding::caution(
+        "negative-damping",
+        format!(
+            "{label}{negative} of {all} poles in the band have negative damping; the data may \
+             follow e^(-jwt), or hold no mode"
+        ),
+    )
+    .value("poles_negative", negative as f64)
+    .value("poles", all as f64)
+    .help("read the data with the other time sign, if they follow e^(-jwt)")
 }

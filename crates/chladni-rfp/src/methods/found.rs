@@ -3,9 +3,9 @@
 use crate::data::error::FitError;
 use crate::data::options::FitOptions;
 use crate::methods::equation_error::Root;
-
+use crate::methods::selection::fewer_modes;
 use crate::methods::survey::{Compressed, Survey};
-use chladni_frf::Damping;
+use chladni_frf::{Damping, Finding};
 use num_complex::Complex64;
 
 /// What a method found.
@@ -19,7 +19,7 @@ pub(crate) struct MethodPoles {
     /// Damping law to report in where none was asked for.
     pub law: Damping,
     /// What a user should know.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Finding>,
     /// How they were found, in words.
     pub how: &'static str,
     /// Poles by order, where the method looks at several.
@@ -47,7 +47,7 @@ pub(crate) struct ClassicPoles {
     /// One sigma of |s|/ω_max and of η = 2ζ per pole: scatter, not the method's bias.
     pub deviation: Vec<[f64; 2]>,
     /// What a user should know.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Finding>,
 }
 
 impl ClassicPoles {
@@ -58,10 +58,10 @@ impl ClassicPoles {
         modes.truncate(asked.unwrap_or(usize::MAX));
         modes.sort_by(|a, b| a.s.im.total_cmp(&b.s.im));
         if let Some(asked) = asked.filter(|asked| *asked > modes.len()) {
-            self.warnings.push(format!(
-                "{asked} modes asked for, {} found: no further damped pole in the \
-                               band is certain enough",
-                modes.len()
+            self.warnings.push(fewer_modes(
+                asked,
+                modes.len(),
+                ": no further damped pole in the band is certain enough",
             ));
         }
         self.poles = modes.iter().map(|root| root.s).collect();

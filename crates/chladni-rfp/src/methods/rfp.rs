@@ -35,6 +35,7 @@ use crate::methods::clusters::{clusters, median, median_pole};
 use crate::methods::equation_error::{Denominator, Root};
 use crate::methods::found::ClassicPoles;
 use crate::methods::survey::Survey;
+use chladni_frf::Finding;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -64,10 +65,13 @@ pub(crate) fn rfp(survey: &Survey, options: &FitOptions) -> Result<ClassicPoles,
     };
     let used = evenly(data.pairs.len(), FRFS_USED);
     if used.len() < data.pairs.len() {
-        found.warnings.push(format!(
-            "poles come from {} of {} FRFs, evenly chosen",
-            used.len(),
-            data.pairs.len()
+        found.warnings.push(Finding::note(
+            "some-frfs-used",
+            format!(
+                "poles come from {} of {} FRFs, evenly chosen",
+                used.len(),
+                data.pairs.len()
+            ),
         ));
     }
     let mut modes = Vec::new();
@@ -76,10 +80,13 @@ pub(crate) fn rfp(survey: &Survey, options: &FitOptions) -> Result<ClassicPoles,
         let fits = fit_each(data, band, &lines, &used);
         if fits.len() < used.len() {
             let label = in_hertz(data, &band.rows);
-            found.warnings.push(format!(
-                "{label}: {} of {} FRFs could not be fitted",
-                used.len() - fits.len(),
-                used.len()
+            found.warnings.push(Finding::caution(
+                "frfs-not-fitted",
+                format!(
+                    "{label}: {} of {} FRFs could not be fitted",
+                    used.len() - fits.len(),
+                    used.len()
+                ),
             ));
         }
         let conditions: Vec<f64> = fits.iter().map(|fit| fit.condition).collect();

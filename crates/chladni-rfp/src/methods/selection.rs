@@ -5,12 +5,13 @@ use crate::damping::structural::POWERS;
 use crate::damping::viscous::from_structural;
 use crate::data::columns::Columns;
 use crate::data::options::FitOptions;
+use crate::methods::classic::negative_damping;
 use crate::methods::found::MethodPoles;
 use crate::methods::survey::Survey;
 use crate::poles::prune::{crutch, threshold, unphysical};
 use crate::poles::refine::{refine, removable, Projection};
 use crate::tolerances as tol;
-use chladni_frf::Damping;
+use chladni_frf::{Damping, Finding};
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 use std::ops::RangeInclusive;
@@ -114,10 +115,7 @@ pub(crate) fn modes_of(
         inside(work, &unstable) + inside(work, &stable),
     );
     if 2 * turning > all {
-        warnings.push(format!(
-            "{turning} of {all} poles in the band have negative damping; the \
-                               data may follow e^(-jwt), or hold no mode"
-        ));
+        warnings.push(negative_damping("", turning, all));
     }
     warnings.extend(fewer(options, inside(work, &chosen)));
     Ok(MethodPoles {
@@ -136,11 +134,23 @@ pub(crate) fn inside(work: &Columns, lambda: &[Complex64]) -> usize {
 }
 
 /// Fewer modes than asked for, in words.
-pub(crate) fn fewer(options: &FitOptions, found: usize) -> Option<String> {
+pub(crate) fn fewer(options: &FitOptions, found: usize) -> Option<Finding> {
     options
         .modes
         .filter(|asked| *asked > found)
-        .map(|asked| format!("{asked} modes asked for, {found} found"))
+        .map(|asked| fewer_modes(asked, found, ""))
+}
+
+/// The finding where a method finds fewer modes than were asked for; `why` begins with a
+/// colon, or is empty.
+pub(crate) fn fewer_modes(asked: usize, found: usize, why: &str) -> Finding {
+    Finding::caution(
+        "fewer-modes",
+        format!("{asked} modes asked for, {found} found{why}"),
+    )
+    .value("modes_asked", asked as f64)
+    .value("modes_found", found as f64)
+    .help("ask for fewer modes, or fit a wider band")
 }
 
 /// Rise of the sum of squares without each of the poles (theory.md, eq. 8).

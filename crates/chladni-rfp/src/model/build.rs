@@ -13,8 +13,8 @@ use crate::shapes::low_rank::low_rank_around;
 use crate::shapes::low_rank::{Given, Shapes};
 use crate::shapes::residues::{significant_rank, Residues};
 use chladni_frf::{
-    ComplexMatrix, Damping, ModalModel, Quality, ResidualTerm, ResidualTerms, Scaling, Trust,
-    CREATED_BY, MODEL_FORMAT,
+    ComplexMatrix, Damping, Finding, ModalModel, Quality, ResidualTerm, ResidualTerms, Scaling,
+    Trust, CREATED_BY, MODEL_FORMAT,
 };
 use chladni_linalg::blocked::blocked_matmul_mixed;
 use chladni_linalg::LinalgError;
@@ -230,10 +230,18 @@ impl Shaped {
         } = identified;
         let (responses, references) = (data.responses.len(), data.references.len());
         if chi2_per_dof > SHAPE_MISFIT {
-            warnings.push(format!(
-                "one shape per mode explains the references together worse than free residues (χ² per degree of freedom {chi2_per_dof:.1}): \
-                 modes may be missing, or a reference is delayed or not reciprocal"
-            ));
+            warnings.push(
+                Finding::caution(
+                    "one-shape-worse",
+                    format!(
+                        "one shape per mode explains the references together worse than free \
+                         residues (χ² per degree of freedom {chi2_per_dof:.1}): modes may be \
+                         missing, or a reference is delayed or not reciprocal"
+                    ),
+                )
+                .value("chi2_per_dof", chi2_per_dof)
+                .help("look for a delay or a gain of one reference, or fit a narrower band"),
+            );
         }
 
         let mut modes = modes(data, damping, &poles, &shapes, &scales, &bars);
@@ -278,13 +286,19 @@ impl Shaped {
             .filter(|m| m.in_band && m.trust == Trust::Sure)
             .count();
         if in_band == 0 {
-            warnings.push("no mode stands out of the noise in this band".into());
+            warnings.push(
+                Finding::fault("no-mode", "no mode stands out of the noise in this band")
+                    .help("look at the FRFs, and fit a band with visible peaks"),
+            );
         } else if sure == 0 {
-            warnings.push("no mode is sure: see the reasons given with each".into());
+            warnings.push(
+                Finding::fault("none-sure", "no mode is sure")
+                    .help("see the reasons given with each mode"),
+            );
         }
         let mut all_warnings = data.warnings.clone();
         all_warnings.append(&mut warnings);
-        ModalModel {
+        let mut model = ModalModel {
             format: MODEL_FORMAT.into(),
             version: 1,
             created_by: CREATED_BY.into(),
@@ -305,10 +319,12 @@ impl Shaped {
                 relative_error,
                 chi2_per_dof,
                 trusted: consistent && sure > 0,
-                warnings: all_warnings,
+                findings: all_warnings,
                 path: Some(path),
             },
-        }
+        };
+        model.number_findings();
+        model
     }
 
     /// Sum of squares, in work units, that the model as saved leaves of each FRF in the

@@ -8,7 +8,7 @@ use crate::model::identified::Identified;
 use crate::poles::estimate::PoleEstimate;
 use crate::shapes::search::{structured, Search};
 use crate::tolerances as tol;
-use chladni_frf::Damping;
+use chladni_frf::{Damping, Finding};
 use chladni_linalg::LinalgError;
 
 /// Poles of the law that the data prefer, or that is asked for, structured where that
@@ -19,7 +19,7 @@ pub(crate) fn decide(
     options: &FitOptions,
     progress: &dyn Fn(&str),
     again: &dyn Fn(PoleEstimate, Damping) -> Result<PoleEstimate, LinalgError>,
-) -> Result<(Identified, Vec<String>), LinalgError> {
+) -> Result<(Identified, Vec<Finding>), LinalgError> {
     progress("damping law");
     let told = told(data, &found)?;
     let law = options.damping.or(told.law()).unwrap_or(found.work.law);
@@ -53,10 +53,16 @@ pub(crate) fn decide(
         _ => {}
     }
     warnings.extend(unlike.map(|sigmas| {
-        format!(
-            "one shape per mode does not explain all references together ({sigmas:.0} sigma beyond chance): modes may hide in each other's \
-             overlap, or the references were not measured alike"
+        Finding::caution(
+            "one-shape-refused",
+            format!(
+                "one shape per mode does not explain all references together ({sigmas:.0} sigma \
+                 beyond chance): modes may hide in each other's overlap, or the references were \
+                 not measured alike"
+            ),
         )
+        .value("beyond_chance_sigma", sigmas)
+        .help("look for a delay or a gain of one reference, or fit a narrower band")
     }));
     if let Some(structured) = refined {
         identified = identified.structured(structured);

@@ -5,7 +5,7 @@
 //! factor and modal constants follow from it (theory.md, eq. F5). Correcting the damping
 //! alone leaves the frequency off: |s| changes too.
 
-use chladni_frf::{Damping, FrfKind, ModalModel, Mode, Scaling, Trust};
+use chladni_frf::{Damping, Finding, FrfKind, ModalModel, Mode, Reason, Scaling, Trust};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -39,22 +39,39 @@ pub(crate) fn undo(model: &mut ModalModel, alpha: f64) {
         } else if mode.in_band {
             explained += 1;
             mode.trust = Trust::Rejected;
-            mode.reasons.push(format!(
-                "decays by {:.3} 1/s, less than the exponential window alone ({alpha} 1/s)",
-                -measured.re
-            ));
+            mode.reasons.push(
+                Reason::new(
+                    "slower-than-window",
+                    "it decays more slowly than the exponential window alone",
+                )
+                .detail(format!("{:.3} against {alpha} 1/s", -measured.re)),
+            );
         }
     }
-    model.quality.warnings.push(format!(
-        "poles are those of the structure without the exponential window of {alpha} 1/s (s + α); the error and χ² are those of the fit to \
-         the windowed FRFs, which the model does not reproduce"
-    ));
+    model.quality.findings.push(
+        Finding::note(
+            "window-undone",
+            format!(
+                "poles are those of the structure without the exponential window of {alpha} 1/s \
+                 (s + α); error and χ² are those of the fit to the windowed FRFs, which the model \
+                 does not reproduce"
+            ),
+        )
+        .value("decay_per_s", alpha),
+    );
     if explained > 0 {
         model.quality.trusted = false;
-        model.quality.warnings.push(format!(
-            "{explained} mode(s) decay more slowly than the exponential window of {alpha} 1/s: its α is smaller, or the data are not windowed \
-             (α = ln(1/end value)/record length)"
-        ));
+        model.quality.findings.push(
+            Finding::fault(
+                "decays-not-windowed",
+                format!(
+                    "{explained} mode(s) decay more slowly than the exponential window of {alpha} \
+                     1/s: its α is smaller, or the data are not windowed"
+                ),
+            )
+            .value("decay_per_s", alpha)
+            .help("give the window's own α: ln(1/end value)/record length"),
+        );
     }
 }
 

@@ -35,7 +35,7 @@ impl GivenPoles {
             loss_factor: mode.loss_factor,
             omega_std: TAU * mode.frequency_std_hz / omega_max,
             loss_factor_std: mode.loss_factor_std,
-            grade: (mode.trust, mode.reasons.clone()),
+            grade: (mode.trust, mode.reasons.0.clone()),
             given: None,
         };
         let mut poles: Vec<Pole> = model

@@ -6,7 +6,7 @@ use crate::data::columns::Columns;
 use crate::poles::estimate::{uncertainty_grade, Grade, PoleEstimate};
 use crate::shapes::low_rank::Given;
 use crate::shapes::search::Structured;
-use chladni_frf::{Damping, Trust};
+use chladni_frf::{Damping, Finding, Trust};
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 
@@ -71,7 +71,7 @@ pub(crate) struct Identified {
     /// Which path found them, and why.
     pub path: String,
     /// Warnings so far.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Finding>,
     /// False where the data as a whole contradict the model.
     pub consistent: bool,
     /// True where shapes and participations given with poles are real.

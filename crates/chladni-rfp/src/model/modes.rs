@@ -5,7 +5,7 @@ use crate::model::identified::Pole;
 use crate::shapes::error_bars::{Scale, ShapeBars};
 use crate::shapes::low_rank::Shapes;
 use crate::validation::complexity::mpc;
-use chladni_frf::{ComplexVector, Damping, Mode, ReferenceUnit, Scaling};
+use chladni_frf::{ComplexVector, Damping, Finding, Mode, ReferenceUnit, Scaling};
 use ndarray::Array1;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -164,14 +164,18 @@ pub(crate) fn modes(
 }
 
 /// Why shapes have no absolute scale.
-pub(crate) fn unscaled(unit: ReferenceUnit) -> String {
+pub(crate) fn unscaled(unit: ReferenceUnit) -> Finding {
     match unit {
-        ReferenceUnit::Volt => "shapes are not mass-scaled: the references are voltages".into(),
-        ReferenceUnit::Newton => {
-            "shapes are not mass-scaled: no response is measured at a reference (driving point); natural frequencies, \
-                                  damping and rendering do not need it, modal masses do: measure at one driver for them"
-                .into()
-        }
+        ReferenceUnit::Volt => Finding::note(
+            "unscaled",
+            "shapes are not mass-scaled: the references are voltages",
+        ),
+        ReferenceUnit::Newton => Finding::note(
+            "unscaled",
+            "shapes are not mass-scaled: no driving point was measured (a response at a \
+             reference); frequencies, damping and rendering do not need one",
+        )
+        .help("for modal masses, measure at one driver at least"),
     }
 }
 
@@ -179,18 +183,24 @@ pub(crate) fn unscaled(unit: ReferenceUnit) -> String {
 pub(crate) fn scale_unknown<'a>(
     data: &DataLayout,
     poles: impl Iterator<Item = &'a Pole>,
-) -> Option<String> {
+) -> Option<Finding> {
     let hz = data.omega_max / TAU;
     let inside = poles
         .map(|pole| pole.omega * hz)
         .filter(|f| (data.band_hz[0]..=data.band_hz[1]).contains(f));
-    let named: Vec<String> = inside.map(|f| format!("{f:.1}")).collect();
-    (!named.is_empty()).then(|| {
-        format!(
-            "the driving point lies near a node of the modes at {} Hz: their scale to unit modal mass is not known, their shapes hold up \
-             to a factor; measure a driving point where they move",
-            named.join(", ")
+    let places: Vec<f64> = inside.collect();
+    let named: Vec<String> = places.iter().map(|f| format!("{f:.1}")).collect();
+    (!places.is_empty()).then(|| {
+        Finding::caution(
+            "scale-unknown",
+            format!(
+                "the driving point lies near a node of the modes at {} Hz: their scale to unit \
+                 modal mass is not known, their shapes hold up to a factor",
+                named.join(", ")
+            ),
         )
+        .modes_hz(places)
+        .help("measure a driving point where these modes move")
     })
 }
 
@@ -236,7 +246,7 @@ fn mode(
         damping_ratio: 0.5 * pole.loss_factor,
         in_band: frequency_hz >= data.band_hz[0] && frequency_hz <= data.band_hz[1],
         trust: pole.grade.0,
-        reasons: pole.grade.1.clone(),
+        reasons: pole.grade.1.clone().into(),
         mpc: mpc(&shape.0),
         shape,
         shape_std,

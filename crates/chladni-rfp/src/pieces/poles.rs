@@ -6,6 +6,7 @@ use crate::data::layout::DataLayout;
 use crate::data::options::{Effort, FitOptions};
 use crate::pieces::plan::Plan;
 use crate::poles::estimate::Grade;
+use chladni_frf::Finding;
 use ndarray::Array2;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -46,7 +47,7 @@ pub(crate) enum Path {
         evidence: String,
         spread: Vec<f64>,
         grades: Vec<Grade>,
-        warnings: Vec<String>,
+        warnings: Vec<Finding>,
     },
     /// Stopped: every resonance turns the wrong way.
     Conjugated,

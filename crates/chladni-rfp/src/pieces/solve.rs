@@ -24,7 +24,7 @@ use crate::poles::estimate::PoleEstimate;
 use crate::poles::passes::{on_all_lines, same, Pass};
 use crate::poles::refine::refine;
 use crate::tolerances as tol;
-use chladni_frf::{Dof, Error, Node};
+use chladni_frf::{Dof, Error, Finding, Node};
 use chladni_linalg::blocked::{in_pool, projected};
 use chladni_linalg::LinalgError;
 use ndarray::{Array1, Array2, ArrayView1, Axis, ShapeBuilder};
@@ -459,18 +459,22 @@ fn of_products(
         PairWeights::new(&head, &left, model.quality.relative_error).filter(|_| white)
     {
         let words = weights.spread_in_words();
-        model.quality.warnings.push(format!(
-            "noise {words}, and a fit in pieces weighs all FRFs alike: fit the whole set in memory"
-        ));
+        model.quality.findings.push(
+            Finding::note(
+                "weights-refused",
+                format!("noise {words}, and a fit in pieces weighs all FRFs alike"),
+            )
+            .help("fit the whole set in memory"),
+        );
     }
     if !poles.dropped_hz.is_empty() {
         model
             .quality
-            .warnings
+            .findings
             .push(outliers::words(&head, &mut poles.dropped_hz.clone()));
     }
     examine(&head, None, options, white, &mut model);
-    model.quality.warnings.push(UNCHECKED.into());
+    model.quality.findings.push(unchecked());
     if let Some(alpha) = options.exponential_window_per_s {
         exponential::undo(&mut model, alpha);
     }
@@ -481,10 +485,15 @@ fn of_products(
     })))
 }
 
-/// What no fit in pieces can look at.
-const UNCHECKED: &str =
-    "fitted in pieces: whether poles move between FRFs, a reference is delayed or not reciprocal, or a window broadens \
-                         the lines was not looked at; fit some blocks by themselves to see";
+/// The checks that no fit in pieces can make.
+fn unchecked() -> Finding {
+    Finding::note(
+        "not-checked",
+        "fitted in pieces: whether poles move between FRFs, a reference is delayed or not \
+         reciprocal, or a window broadens the lines was not looked at",
+    )
+    .help("fit some blocks by themselves to see")
+}
 
 /// What the products come to.
 enum Settled {

@@ -4,12 +4,12 @@
 use crate::data::columns::Columns;
 use crate::data::information::covariance;
 use crate::poles::refine::Refined;
-use chladni_frf::Trust;
+use chladni_frf::{Finding, Reason, Trust};
 use ndarray::Array2;
 use num_complex::Complex64;
 
 /// Grade of one pole with its reasons.
-pub(crate) type Grade = (Trust, Vec<String>);
+pub(crate) type Grade = (Trust, Vec<Reason>);
 
 /// What a path hands over.
 #[derive(Debug, Clone)]
@@ -32,7 +32,7 @@ pub(crate) struct PoleEstimate {
     /// Which path, and why.
     pub path: String,
     /// Warnings.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Finding>,
     /// False where the data as a whole contradict the model.
     pub consistent: bool,
 }
@@ -69,17 +69,24 @@ pub(crate) fn graded(refined: &Refined, work: &Columns, variance: f64) -> (Vec<G
 }
 
 /// What is said where the data show more modes than were asked for; `hz`: of x = 1.
-pub(crate) fn more_than_asked(asked: usize, dropped: &[Complex64], hz: f64) -> Option<String> {
-    let places: Vec<String> = dropped
+pub(crate) fn more_than_asked(asked: usize, dropped: &[Complex64], hz: f64) -> Option<Finding> {
+    let places: Vec<f64> = dropped
         .iter()
-        .map(|pole| format!("{:.2}", pole.re.max(0.0).sqrt() * hz))
+        .map(|pole| pole.re.max(0.0).sqrt() * hz)
         .collect();
+    let named: Vec<String> = places.iter().map(|hz| format!("{hz:.2}")).collect();
     (!places.is_empty()).then(|| {
-        format!(
-            "{asked} modes were asked for and the data show more: left out at {} Hz; the others and the shapes are off by what these leave \
-             (leave --modes out)",
-            places.join(", ")
+        Finding::caution(
+            "more-modes",
+            format!(
+                "{asked} modes were asked for and the data show more: left out at {} Hz; the \
+                 others and the shapes are off by what these leave",
+                named.join(", ")
+            ),
         )
+        .value("modes_asked", asked as f64)
+        .list("left_out_hz", places)
+        .help("let the data decide how many modes there are, or fit a narrower band")
     })
 }
 
@@ -87,18 +94,18 @@ pub(crate) fn more_than_asked(asked: usize, dropped: &[Complex64], hz: f64) -> O
 pub(crate) fn uncertainty_grade(lambda: Complex64, variance: [f64; 2]) -> Grade {
     let deviation = (variance[0] + variance[1]).max(0.0).sqrt();
     if deviation.is_infinite() {
-        (Trust::Weak, vec![NOT_TOLD.into()])
+        (Trust::Weak, vec![Reason::new("not-told-apart", NOT_TOLD)])
     } else if deviation > UNCERTAIN * lambda.im {
-        (
-            Trust::Weak,
-            vec![format!(
-                "uncertain by {:.1} half-bandwidths (one sigma)",
-                deviation / lambda.im
-            )],
-        )
+        (Trust::Weak, vec![uncertain(deviation / lambda.im)])
     } else {
         (Trust::Sure, Vec::new())
     }
+}
+
+/// The reason that an error bar of so many half-bandwidths is.
+pub(crate) fn uncertain(half_bandwidths: f64) -> Reason {
+    Reason::new("uncertain", "its frequency or damping is uncertain")
+        .detail(format!("{half_bandwidths:.1} half-bandwidths, one sigma"))
 }
 
 /// Why a pole of infinite variance is not sure.

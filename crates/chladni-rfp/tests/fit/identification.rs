@@ -238,11 +238,11 @@ fn single_precision_and_missing_pairs_change_nothing_but_digits() {
     assert!(
         model
             .quality
-            .warnings
+            .findings
             .iter()
             .any(|w| w.contains("1 of 12 FRFs")),
         "{:?}",
-        model.quality.warnings
+        model.quality.findings
     );
     for (a, b) in model.in_band_modes().zip(whole.in_band_modes()) {
         assert!((a.frequency_hz - b.frequency_hz).abs() < 3.0 * b.frequency_std_hz);
@@ -265,11 +265,11 @@ fn the_damping_law_is_decided_where_the_data_can_and_named_undecidable_where_not
     assert!(
         model
             .quality
-            .warnings
+            .findings
             .iter()
             .any(|w| w.contains("undecidable")),
         "{:?}",
-        model.quality.warnings
+        model.quality.findings
     );
     let heavy = Synthetic {
         damping: Damping::Viscous,
@@ -359,11 +359,11 @@ fn the_wrong_time_sign_is_named_and_not_trusted() {
     assert!(
         model
             .quality
-            .warnings
+            .findings
             .iter()
-            .any(|w| w.contains("--time-sign")),
+            .any(|w| w.contains("the other time sign")),
         "{:?}",
-        model.quality.warnings
+        model.quality.findings
     );
 }
 

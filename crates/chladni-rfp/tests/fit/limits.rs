@@ -129,14 +129,14 @@ fn a_driving_point_at_a_node_is_named_and_its_error_bars_hold_all_the_same() {
                 ..Default::default()
             },
         );
-        let named: Vec<&String> = model
+        let named: Vec<&chladni_frf::Finding> = model
             .quality
-            .warnings
+            .findings
             .iter()
             .filter(|warning| warning.contains("scale to unit modal mass"))
             .collect();
         let [warning] = named[..] else {
-            panic!("{:?}", model.quality.warnings)
+            panic!("{:?}", model.quality.findings)
         };
         assert!(
             warning.contains("70.0 Hz") && !warning.contains("40.0") && !warning.contains("110.0"),

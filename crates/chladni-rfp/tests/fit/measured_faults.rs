@@ -181,8 +181,8 @@ fn a_mode_that_moves_between_frfs_is_one_mode() {
         .collect();
     let said = there
         .iter()
-        .flat_map(|m| &m.reasons)
-        .chain(&model.quality.warnings);
+        .flat_map(|m| m.reasons.sentences())
+        .chain(model.quality.findings.iter().map(ToString::to_string));
     assert!(
         said.clone()
             .any(|t| t.contains("differs between FRFs") || t.contains("scatters")),
@@ -246,14 +246,14 @@ fn a_peak_that_turns_the_wrong_way_is_listed_as_unexplained() {
     assert!(near(&model, 122.0, 0.6)
         .iter()
         .all(|m| m.trust != Trust::Sure));
-    let warned = model.quality.warnings.iter().any(|w| {
+    let warned = model.quality.findings.iter().any(|w| {
         w.contains("no accepted mode explains") && (w.contains("121.") || w.contains("122."))
     });
     let there: Vec<_> = near(&model, 122.0, 4.0)
         .into_iter()
         .map(|m| (m.frequency_hz, m.loss_factor, m.trust, &m.reasons))
         .collect();
-    assert!(warned, "{:?} {there:?}", model.quality.warnings);
+    assert!(warned, "{:?} {there:?}", model.quality.findings);
 }
 
 #[test]

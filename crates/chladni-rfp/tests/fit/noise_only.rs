@@ -48,7 +48,7 @@ fn white_noise_has_no_mode_not_even_a_weak_one() {
             assert!(!model.quality.trusted);
             assert!(model
                 .quality
-                .warnings
+                .findings
                 .iter()
                 .any(|w| w.contains("no mode stands out")));
         }

@@ -261,11 +261,11 @@ fn missing_lines_and_frfs_are_left_out_as_in_memory() {
     assert!(
         model
             .quality
-            .warnings
+            .findings
             .iter()
-            .any(|w| w.starts_with("4 lines hold no finite value")),
+            .any(|w| w.text.starts_with("4 lines hold no finite value")),
         "{:?}",
-        model.quality.warnings
+        model.quality.findings
     );
 }
 
@@ -284,11 +284,11 @@ fn outlier_lines_gain_noise_and_the_wrong_time_sign_take_their_paths() {
     assert!(
         model
             .quality
-            .warnings
+            .findings
             .iter()
             .any(|w| w.contains("outlier lines")),
         "{:?}",
-        model.quality.warnings
+        model.quality.findings
     );
 
     let mut noisy = set();
@@ -319,11 +319,11 @@ fn outlier_lines_gain_noise_and_the_wrong_time_sign_take_their_paths() {
         !model.quality.trusted
             && model
                 .quality
-                .warnings
+                .findings
                 .iter()
-                .any(|w| w.contains("--time-sign")),
+                .any(|w| w.contains("the other time sign")),
         "{:?}",
-        model.quality.warnings
+        model.quality.findings
     );
 }
 

@@ -296,11 +296,11 @@ fn a_hann_window_on_bursts_is_named() {
     assert!(
         model
             .quality
-            .warnings
+            .findings
             .iter()
             .any(|w| w.contains("went through a window")),
         "{:?}",
-        model.quality.warnings
+        model.quality.findings
     );
     let right = Case {
         window: Window::Rectangular,
@@ -312,11 +312,11 @@ fn a_hann_window_on_bursts_is_named() {
     assert!(
         !model
             .quality
-            .warnings
+            .findings
             .iter()
             .any(|w| w.contains("went through a window")),
         "{:?}",
-        model.quality.warnings
+        model.quality.findings
     );
 }
 
@@ -342,11 +342,11 @@ fn a_padded_record_is_thinned_to_the_lines_that_are_measured() {
         assert!(
             model
                 .quality
-                .warnings
+                .findings
                 .iter()
                 .any(|w| w.contains(&format!("1/{padding} of the record"))),
             "{:?}",
-            model.quality.warnings
+            model.quality.findings
         );
         let (missed, wrong) = missed_and_false(&case, &model);
         assert!(

@@ -93,7 +93,7 @@ fn modes_that_free_residues_cannot_see_are_found_by_their_common_shape() {
             assert_eq!(
                 found, 12,
                 "overlap {overlap}, {snr_db} dB, seed {seed}: {:?}, {:?}",
-                model.quality.path, model.quality.warnings
+                model.quality.path, model.quality.findings
             );
             let worst = set
                 .truth

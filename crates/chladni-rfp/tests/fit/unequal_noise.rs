@@ -129,7 +129,7 @@ fn coherence_gives_the_weights_where_the_residual_does_not_contradict_it() {
     assert_eq!(path(&wrong), path(&learnt));
     assert!(wrong
         .quality
-        .warnings
+        .findings
         .iter()
         .any(|warning| warning.contains("coherence of the set does not tell its noise")));
     assert_eq!(wrong.modes, learnt.modes);

@@ -9,7 +9,7 @@ pub use common_dofs::PairDofs;
 pub use mac_estimate::MacEstimate;
 pub use tracking::{track, ModeTrack, TrackAgainst, Tracking};
 
-use chladni_frf::{Error, Result, ShapeMode, ShapeSet};
+use chladni_frf::{Error, Finding, Result, ShapeMode, ShapeSet};
 use common_dofs::CommonDofs;
 use mac_estimate::{mac_estimate, UncertainShape};
 use ndarray::Array2;
@@ -95,7 +95,7 @@ pub struct Comparison {
     /// Modes of the second set alone.
     pub only_in_b: Vec<LoneMode>,
     /// What the user must know.
-    pub warnings: Vec<String>,
+    pub findings: Vec<Finding>,
 }
 
 impl Comparison {
@@ -136,7 +136,8 @@ impl Comparison {
             "pairs": self.pairs,
             "only_in_a": alone(&self.only_in_a),
             "only_in_b": alone(&self.only_in_b),
-            "warnings": self.warnings,
+            "warnings": chladni_frf::warnings(&self.findings),
+            "findings": self.findings,
         })
     }
 }
@@ -173,7 +174,7 @@ pub fn compare(a: &ShapeSet, b: &ShapeSet, options: &CompareOptions) -> Result<C
         only_in_b: alone(b, &mac.t().to_owned(), |m| {
             places.iter().all(|&(_, b)| b != m)
         }),
-        warnings: warnings(a, b, &dofs),
+        findings: findings(a, b, &dofs),
         paired_by: dofs.by,
         common_dofs: dofs.pairs.len(),
         largest_distance_m: dofs.largest_distance_m,
@@ -292,23 +293,38 @@ fn alone(
         .collect()
 }
 
-fn warnings(a: &ShapeSet, b: &ShapeSet, dofs: &CommonDofs) -> Vec<String> {
-    let mut warnings = Vec::new();
+fn findings(a: &ShapeSet, b: &ShapeSet, dofs: &CommonDofs) -> Vec<Finding> {
+    let mut findings = Vec::new();
     let (common, modes) = (dofs.pairs.len(), a.modes.len().max(b.modes.len()));
     if dofs.names_contradicted && dofs.by == PairDofs::Nearest {
-        warnings.push(
-            "names of nodes are shared, but stand for other places: paired by place instead".into(),
-        );
-    }
-    if dofs.names_contradicted && dofs.by == PairDofs::Name {
-        warnings.push("nodes of one name lie at different places: paired by name as asked".into());
-    }
-    if common < modes {
-        warnings.push(format!(
-            "{common} DOFs in common for up to {modes} modes: different shapes can look alike"
+        findings.push(Finding::note(
+            "nodes-renumbered",
+            "names of nodes are shared, but stand for other places: paired by place instead",
         ));
     }
-    warnings
+    if dofs.names_contradicted && dofs.by == PairDofs::Name {
+        findings.push(
+            Finding::caution(
+                "nodes-elsewhere",
+                "nodes of one name lie at different places: paired by name as asked",
+            )
+            .help("check the units and the origin of the positions"),
+        );
+    }
+    if common < modes {
+        findings.push(
+            Finding::caution(
+                "few-common-dofs",
+                format!(
+                    "{common} DOFs in common for up to {modes} modes: different shapes can look \
+                     alike"
+                ),
+            )
+            .value("common_dofs", common as f64)
+            .help("compare at more points, or read the pairs with their frequencies"),
+        );
+    }
+    findings
 }
 
 #[cfg(test)]

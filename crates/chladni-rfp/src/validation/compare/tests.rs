@@ -153,7 +153,7 @@ fn scaled_to_largest(set: &ShapeSet) -> ShapeSet {
             damping_ratio: 0.005,
             in_band: true,
             trust: chladni_frf::Trust::Sure,
-            reasons: Vec::new(),
+            reasons: chladni_frf::Reasons::default(),
             mpc: 1.0,
             shape: chladni_frf::ComplexVector(mode.shape.iter().map(|v| v / peak).collect()),
             shape_std: stated,
@@ -279,7 +279,7 @@ fn half_of_the_dofs_are_enough() {
     assert_eq!((numbers(&found), found.common_dofs), (same(6), 20));
     assert!(found.pairs.iter().all(|pair| pair.mac > 0.99));
     let few = compared(&a, &rearranged(&b, &[0, 13, 22, 30]));
-    assert!(few.warnings[0].contains("4 DOFs in common for up to 6 modes"));
+    assert!(few.findings[0].contains("4 DOFs in common for up to 6 modes"));
 }
 
 #[test]
@@ -301,14 +301,14 @@ fn a_finite_element_program_numbers_its_nodes_in_its_own_way() {
         (40, PairDofs::Nearest)
     );
     assert!((found.largest_distance_m.unwrap() - 0.001).abs() < 1e-9);
-    assert!(found.warnings[0].contains("names of nodes are shared"));
+    assert!(found.findings[0].contains("names of nodes are shared"));
     // without any label in common there is nothing to warn of
     let mut other = b.clone();
     other.nodes.iter_mut().for_each(|node| node.label += 1000);
     for dof in &mut other.dofs {
         *dof = Dof::new(dof.node + 1000, dof.direction);
     }
-    assert!(compared(&a, &other).warnings.is_empty());
+    assert!(compared(&a, &other).findings.is_empty());
     // half the spacing away it is another point
     other.nodes.iter_mut().for_each(|node| node.xyz_m[2] += 0.5);
     let error = compare(&a, &other, &CompareOptions::default()).unwrap_err();

@@ -9,11 +9,11 @@ use std::f64::consts::TAU;
 fn number_before(model: &ModalModel, words: &str, unit: &str) -> f64 {
     let warning = model
         .quality
-        .warnings
+        .findings
         .iter()
         .find(|w| w.contains(words))
-        .unwrap_or_else(|| panic!("{:?}", model.quality.warnings));
-    let before = warning.split(unit).next().unwrap_or_default();
+        .unwrap_or_else(|| panic!("{:?}", model.quality.findings));
+    let before = warning.text.split(unit).next().unwrap_or_default();
     before
         .rsplit(' ')
         .find(|word| !word.is_empty())
@@ -65,7 +65,7 @@ fn a_delay_of_all_references_or_none_is_not_called_relative() {
     assert!(
         !says(&model, "delayed") && model.quality.trusted,
         "{:?}",
-        model.quality.warnings
+        model.quality.findings
     );
 }
 
@@ -82,7 +82,7 @@ fn complex_shapes_are_no_delay() {
         assert!(
             !says(&model, "delayed") && !says(&model, "kind?"),
             "{:?}",
-            model.quality.warnings
+            model.quality.findings
         );
         assert!(model.quality.trusted);
     }
@@ -103,7 +103,7 @@ fn a_gain_error_of_a_reference_is_named_and_harmless_to_poles() {
     assert!(
         says(&model, "not reciprocal: 1 of 1 pairs") && says(&model, "factor 1.2"),
         "{:?}",
-        model.quality.warnings
+        model.quality.findings
     );
     assert!(model.quality.trusted);
 }
@@ -157,7 +157,7 @@ fn the_wrong_time_sign_is_named() {
         set.frf.conjugate();
         let model = fitted(&set.frf);
         assert!(
-            !model.quality.trusted && says(&model, "--time-sign"),
+            !model.quality.trusted && says(&model, "the other time sign"),
             "{:?}",
             model.quality
         );

@@ -38,14 +38,14 @@ fn at_driving_points_every_wrong_kind_is_named() {
                 named,
                 is != declared,
                 "{is} as {declared}: {:?}",
-                model.quality.warnings
+                model.quality.findings
             );
             assert_eq!(model.quality.trusted, is == declared, "{is} as {declared}");
             if is != declared {
                 assert!(
-                    says(&model, &format!("--frf-kind {is}")),
+                    says(&model, &format!("read them as {is}")),
                     "{is} as {declared}: {:?}",
-                    model.quality.warnings
+                    model.quality.findings
                 );
             }
         }
@@ -62,7 +62,7 @@ fn without_driving_points_one_derivative_is_named() {
                 says(&model, "wrong FRF kind"),
                 quarter,
                 "{is} as {declared}: {:?}",
-                model.quality.warnings
+                model.quality.findings
             );
             assert_eq!(model.quality.trusted, !quarter, "{is} as {declared}");
         }
@@ -83,7 +83,7 @@ fn a_reversed_direction_is_not_taken_for_another_kind() {
         assert!(
             says(&model, "points the other way") && !says(&model, "kind?"),
             "{kind}: {:?}",
-            model.quality.warnings
+            model.quality.findings
         );
         assert!(model.quality.trusted);
     }

@@ -201,7 +201,7 @@ fn outlier_lines_are_found_and_left_out() {
         assert!(
             says(&model, "outlier lines"),
             "{:?}",
-            model.quality.warnings
+            model.quality.findings
         );
         let worst = worst_frequency(&set.truth, &model);
         assert!(
@@ -231,7 +231,7 @@ fn narrow_resonances_are_no_outliers() {
     .build()
     .unwrap();
     let model = fitted(&set.frf);
-    assert!(!says(&model, "outlier"), "{:?}", model.quality.warnings);
+    assert!(!says(&model, "outlier"), "{:?}", model.quality.findings);
     assert_eq!(
         missed_spurious_false(&set.truth, &model),
         (0, 0, 0),

@@ -61,7 +61,7 @@ fn worst_frequency(truth: &ModalModel, model: &ModalModel) -> f64 {
 fn says(model: &ModalModel, words: &str) -> bool {
     model
         .quality
-        .warnings
+        .findings
         .iter()
         .any(|warning| warning.contains(words))
 }

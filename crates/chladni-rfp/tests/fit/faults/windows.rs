@@ -135,9 +135,9 @@ fn the_bias_of_a_known_window_is_undone() {
         let before = damping_ratios(&biased);
         assert!(before[0] > at_least, "{window}: {before:?}");
         assert!(
-            says(&biased, "1/(πb)") && says(&biased, "--window"),
+            says(&biased, "1/(πb)") && says(&biased, "which window was used"),
             "{:?}",
-            biased.quality.warnings
+            biased.quality.findings
         );
         // the lines themselves tell a Hann window; a rectangular one bends the decay too
         // little to be told at 2.4 lines per bandwidth
@@ -150,12 +150,12 @@ fn the_bias_of_a_known_window_is_undone() {
             says(&biased, "those of a hann window"),
             window == Window::Hann,
             "{:?}",
-            biased.quality.warnings
+            biased.quality.findings
         );
         assert!(
             !says(&biased, &format!("those of a {other} window")),
             "{:?}",
-            biased.quality.warnings
+            biased.quality.findings
         );
         let cured = fitted_with(&frf, &options(Some(window)));
         let after = damping_ratios(&cured);
@@ -211,7 +211,7 @@ fn a_burst_has_no_bias() {
     assert!(
         !says(&unsaid, "those of a"),
         "{:?}",
-        unsaid.quality.warnings
+        unsaid.quality.findings
     );
 }
 
@@ -322,7 +322,7 @@ fn a_window_that_decays_faster_than_the_modes_is_not_trusted() {
     assert!(
         !model.quality.trusted && says(&model, "decay more slowly"),
         "{:?}",
-        model.quality.warnings
+        model.quality.findings
     );
     assert_eq!(model.in_band_modes().count(), 0);
 }
