@@ -17,6 +17,7 @@ use chladni_text::door::read_bytes;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::Subcommand;
 use serde_json::{json, Map, Value};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// The verbs.
@@ -38,6 +39,9 @@ pub enum Block {
     /// Shapes of a block of FRFs at the poles of a model
     Residues(Residues),
 }
+
+/// Reading options that say which DOFs and arrays a file holds: each block has its own.
+const OF_A_BLOCK: [&str; 4] = ["reference", "response", "dofs", "map"];
 
 /// Arguments of `block reduce`.
 #[derive(Debug, clap::Args)]
@@ -150,6 +154,16 @@ impl Reduce {
         echo.insert("poles".into(), poles.into());
         Ok(echo)
     }
+
+    /// The reading options that all blocks of a fit share, as JSON.
+    fn shared_reading(&self) -> BTreeMap<String, String> {
+        let mut echo = Map::new();
+        self.reading.echo(&mut echo);
+        echo.into_iter()
+            .filter(|(name, _)| !OF_A_BLOCK.contains(&name.as_str()))
+            .map(|(name, value)| (name, value.to_string()))
+            .collect()
+    }
 }
 
 fn reduce(args: &Reduce, console: &Console) -> Result<Outcome> {
@@ -190,7 +204,8 @@ fn reduce(args: &Reduce, console: &Console) -> Result<Outcome> {
         args.resume,
     )?;
     let reducer = Reducer::new(&options, poles.as_ref())
-        .map_err(|error| explain_piece(error, &options, &files[0]))?;
+        .map_err(|error| explain_piece(error, &options, &files[0]))?
+        .with_reading(args.shared_reading());
     let stage = if reducer.is_second() {
         "second pass"
     } else {
@@ -300,6 +315,10 @@ fn solved(args: &Solve, console: &Console) -> Result<Outcome> {
             let mut model = fit.model;
             model.source = partial.sources();
             model.options = echo_of(&options);
+            for (name, json) in partial.reading() {
+                let value = serde_json::from_str(json).unwrap_or_else(|_| json.as_str().into());
+                model.options.insert(name.clone(), value);
+            }
             console.find_all(&model.quality.findings);
             output.write(|path, force| write_model(path, &model, force))?;
             let doubt = (!model.quality.trusted).then(|| distrust(&model));

@@ -281,6 +281,42 @@ fn what_cannot_be_done_in_parts_is_refused_with_the_next_step() {
     assert_eq!(&resume["field"], "version", "{resume}");
 }
 
+#[test]
+fn blocks_that_were_read_otherwise_are_refused_by_name() {
+    let folder = noisy();
+    let reduce = |k: usize, more: &str| {
+        format!("block reduce panel.h5 --block {k} --blocks 2 -o {k}.part --force {more}")
+    };
+    let refused = |line: &str| {
+        let error = folder.run(&format!("{line} --json")).exits(65).json()["error"].clone();
+        assert_eq!(error["field"], "time sign", "{error}");
+        assert!(error["found"].as_str().unwrap().contains('-'), "{error}");
+        assert_eq!(error["expected"], "not given, as in the others", "{error}");
+    };
+    folder.run(&reduce(0, "")).exits(0);
+    folder.run(&reduce(1, "--time-sign -")).exits(0);
+    refused("block merge 0.part 1.part -o all.part");
+    // and the second pass reads as the first did
+    folder.run("block reduce panel.h5 -o whole.part").exits(0);
+    folder.run("block solve whole.part -o found.poles").exits(0);
+    refused(&reduce(1, "--poles found.poles --time-sign -"));
+    // what is merged and solved says how it was read
+    folder.run(&reduce(0, "--lenient")).exits(0);
+    folder.run(&reduce(1, "--lenient")).exits(0);
+    folder.run("block merge 0.part 1.part -o all.part").exits(0);
+    folder.run("block solve all.part -o all.poles").exits(0);
+    for k in 0..2 {
+        folder
+            .run(&reduce(k, "--lenient --poles all.poles"))
+            .exits(0);
+    }
+    folder
+        .run("block merge 0.part 1.part -o all.part --force")
+        .exits(0);
+    folder.run("block solve all.part -o model.json").exits(0);
+    assert_eq!(model(&folder, "model.json")["options"]["lenient"], true);
+}
+
 /// Kills a run at rising moments until it leaves what `--resume` takes up.
 fn left_by_a_killed_run(folder: &Folder, line: &str, output: &str) {
     for kill in 1..60 {

@@ -18,7 +18,7 @@ use ndarray::{Array2, Axis};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
 
 /// A pass over blocks, with what all of them need.
@@ -28,6 +28,7 @@ pub struct Reducer {
     /// Of the products.
     basis: Option<Basis>,
     pass: Pass,
+    reading: BTreeMap<String, String>,
 }
 
 /// What a pass leaves.
@@ -76,6 +77,7 @@ impl Reducer {
             options: options.clone(),
             basis: poles.map(|poles| Basis::new(poles, options)).transpose()?,
             pass,
+            reading: BTreeMap::new(),
         })
     }
 
@@ -90,6 +92,7 @@ impl Reducer {
             options: options.clone(),
             basis: Some(Basis::new(pilot, options)?),
             pass: Pass::First,
+            reading: BTreeMap::new(),
         })
     }
 
@@ -102,6 +105,14 @@ impl Reducer {
             Some(pilot) => Self::with_pilot(options, pilot),
             None => Self::new(options, partial.poles()),
         }
+    }
+
+    /// The options that the data are read with, by name: what was reduced with others is
+    /// refused where both meet.
+    #[must_use]
+    pub fn with_reading(mut self, reading: BTreeMap<String, String>) -> Self {
+        self.reading = reading;
+        self
     }
 
     /// True for the second pass.
@@ -123,7 +134,10 @@ impl Reducer {
         number: u64,
         sources: Vec<Source>,
     ) -> Result<Partial, PieceError> {
-        let plan = Plan::new(frf, &self.options)?;
+        let plan = Plan {
+            reading: self.reading.clone(),
+            ..Plan::new(frf, &self.options)?
+        };
         let unbiased = self
             .options
             .window

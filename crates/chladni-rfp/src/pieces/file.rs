@@ -2,7 +2,7 @@
 //! content.
 //!
 //! ```text
-//! {"format":"chladni.partial","version":2,"created_by":"chladni 0.1.0","bytes":1234,"sha256":"..."}
+//! {"format":"chladni.partial","version":3,"created_by":"chladni 0.1.0","bytes":1234,"sha256":"..."}
 //! ```
 
 use crate::pieces::partial::Partial;
@@ -12,7 +12,7 @@ use serde::{de::DeserializeOwned, Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 /// Version of the content; another one is refused.
-const VERSION: u64 = 2;
+const VERSION: u64 = 3;
 /// Most bytes of the first line.
 const HEAD_MOST: usize = 1024;
 

@@ -5,7 +5,7 @@ use crate::pieces::poles::{Matrix, Poles};
 use chladni_frf::{Dof, Error, Node, Source};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
 
 /// What is left of one or more blocks after a pass over them.
@@ -247,6 +247,11 @@ impl Partial {
         all.filter(|source| seen.insert((&source.file, &source.sha256)))
             .cloned()
             .collect()
+    }
+
+    /// The options that the data were read with, as [`crate::pieces::Reducer`] was told.
+    pub fn reading(&self) -> &BTreeMap<String, String> {
+        &self.plan.reading
     }
 
     /// The sums over all blocks.

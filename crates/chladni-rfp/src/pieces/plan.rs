@@ -7,6 +7,7 @@ use crate::data::screening::lines_in_band;
 use chladni_frf::{Error, FrfKind, FrfSet, ReferenceUnit};
 use ndarray::ArrayView1;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// Axis, kind and the options that a sketch depends on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -22,6 +23,8 @@ pub(crate) struct Plan {
     pub columns: usize,
     /// Window whose bias is undone.
     pub window: Option<String>,
+    /// Options that the data were read with, as the caller names them.
+    pub reading: BTreeMap<String, String>,
 }
 
 impl Plan {
@@ -34,6 +37,7 @@ impl Plan {
             seed: options.seed,
             columns: options.effort.sketch_columns.max(1),
             window: options.window.map(|window| window.as_str().into()),
+            reading: BTreeMap::new(),
         })
     }
 
@@ -109,6 +113,25 @@ impl Plan {
             let words =
                 |window: &Option<String>| window.clone().unwrap_or_else(|| "not said".into());
             return error("window", words(&other.window), words(&self.window));
+        }
+        let differs = |name: &&String| self.reading.get(*name) != other.reading.get(*name);
+        if let Some(name) = self
+            .reading
+            .keys()
+            .chain(other.reading.keys())
+            .find(differs)
+        {
+            let words = |reading: &BTreeMap<String, String>| {
+                reading
+                    .get(name)
+                    .map_or("not given", String::as_str)
+                    .to_owned()
+            };
+            return error(
+                &name.replace('_', " "),
+                words(&other.reading),
+                words(&self.reading),
+            );
         }
         Ok(())
     }
