@@ -36,6 +36,7 @@ mod estimation;
 mod frf_set;
 mod geometry;
 mod kind;
+mod measured_field;
 mod model;
 mod nearest_word;
 mod printable;
@@ -50,6 +51,7 @@ pub use estimation::{BlockWindow, Estimation, Estimator};
 pub use frf_set::{FrfSet, FrfValues};
 pub use geometry::{Geometry, Node};
 pub use kind::{FrfKind, ReferenceUnit, TimeSign};
+pub use measured_field::{FieldPoint, MeasuredField};
 pub use model::{
     ComplexMatrix, ComplexVector, Damping, ModalModel, Mode, Quality, ResidualTerm, ResidualTerms,
     Scaling, Source, Trust, MODEL_FORMAT,
