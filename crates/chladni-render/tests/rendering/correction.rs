@@ -96,12 +96,11 @@ fn one_field_mends_gains_and_channels() {
 }
 
 #[test]
-fn two_fields_mend_a_mass_and_a_finger_that_stays() {
-    for load in [Finger::of_mass(0.5e-3), Finger::default()] {
-        let rig = |seed| Rig::new(300.0, seed).loaded(&load, [0.06 + 0.02 * seed as f64, 0.06]);
-        let means = course(2, rig, |field| field);
-        assert!(means[2] >= REACHED, "{load:?}: {means:?}");
-    }
+fn two_fields_mend_most_of_a_mass_that_stays() {
+    let mass = Finger::of_mass(0.5e-3);
+    let rig = |seed| Rig::new(300.0, seed).loaded(&mass, [0.06 + 0.02 * seed as f64, 0.06]);
+    let means = course(2, rig, |field| field);
+    assert!(means[2] >= REACHED, "{means:?}");
 }
 
 #[test]
