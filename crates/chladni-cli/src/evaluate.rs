@@ -1,11 +1,13 @@
 //! `chladni evaluate`: given weights on other data.
 
+mod field;
+
 use crate::indices::indices_table;
 use chladni_console::input::{expand, model_of, read_frf, read_weights, source, Reading};
 use chladni_console::table::significant;
 use chladni_console::Console;
 use chladni_console::Outcome;
-use chladni_frf::Result;
+use chladni_frf::{Error, ErrorKind, Result};
 use chladni_render::{Evaluation, On, Scene};
 use serde_json::{json, Map, Value};
 use std::path::PathBuf;
@@ -14,7 +16,9 @@ use std::path::PathBuf;
 #[derive(Debug, clap::Args)]
 #[command(before_help = "Examples:
   chladni evaluate weights.json --scene corner.toml --on measured.h5     on the measured line at the drive frequency
-  chladni evaluate weights.json --scene corner.toml --on other.json      on another model")]
+  chladni evaluate weights.json --scene corner.toml --on other.json      on another model
+  chladni evaluate weights.json --scene corner.toml --on model.json --field scan.csv     a measured field, against its
+      prediction: how near they are, and what may be wrong with the rig")]
 pub struct Args {
     /// Weights file, as `chladni render` writes it
     #[arg(value_name = "WEIGHTS")]
@@ -25,6 +29,10 @@ pub struct Args {
     /// FRFs or a model to judge on; several FRF files are merged
     #[arg(long, required = true, value_name = "FRF|MODEL")]
     on: Vec<PathBuf>,
+    /// Fields measured while the weights were played: rows response,re,im[,std] or
+    /// response,magnitude[,std] under the lines `# frequency_hz = ...` and `# unit = m/s`
+    #[arg(long, value_name = "FIELD.csv")]
+    field: Vec<PathBuf>,
     #[command(flatten)]
     reading: Reading,
 }
@@ -43,6 +51,16 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         [one] => model_of(one)?,
         _ => None,
     };
+    if !args.field.is_empty() {
+        let model = model.ok_or_else(|| {
+            Error::new(ErrorKind::Usage, "a measured field is held against a model")
+                .field("--on")
+                .found("FRFs")
+                .expected("the model that the weights were rendered with")
+        })?;
+        sources.push(source(&files[0])?);
+        return field::run(args, &weights, &scene, &model, sources, console);
+    }
     let judge = |on: On| {
         console.stage("judging");
         chladni_render::evaluate(&weights, &scene, on).map_err(|error| error.file(&files[0]))

@@ -7,6 +7,7 @@ mod bench;
 mod block;
 mod compare;
 mod convert;
+mod correct;
 mod curves;
 mod demo;
 mod estimate;
@@ -50,6 +51,7 @@ fn run(command: &Command, console: &Console) -> Result<Outcome> {
         Command::Compare(args) => compare::run(args, console),
         Command::Render(args) => render::run(args, console),
         Command::Evaluate(args) => evaluate::run(args, console),
+        Command::Correct(args) => correct::run(args, console),
         Command::Report(args) => report::run(args, console),
         Command::Studio(args) => studio::run(args, console),
         Command::Bench(args) => bench::run(args),

@@ -37,6 +37,7 @@ mod finding;
 mod frf_set;
 mod geometry;
 mod kind;
+mod measured_field;
 mod model;
 mod nearest_word;
 mod printable;
@@ -52,6 +53,7 @@ pub use finding::{numbered, warnings, Finding, Reason, Reasons, Severity, Values
 pub use frf_set::{FrfSet, FrfValues};
 pub use geometry::{Geometry, Node};
 pub use kind::{FrfKind, ReferenceUnit, TimeSign};
+pub use measured_field::{FieldPoint, MeasuredField};
 pub use model::{
     ComplexMatrix, ComplexVector, Damping, ModalModel, Mode, Quality, ResidualTerm, ResidualTerms,
     Scaling, Source, Trust, MODEL_FORMAT,

@@ -24,6 +24,7 @@ mod csv;
 mod declared;
 mod detect;
 mod document;
+mod field_file;
 mod hdf5;
 mod json;
 mod mat;
@@ -58,6 +59,7 @@ pub use detect::detect_format;
 pub use document::{
     Abscissa, Axis, DatasetInfo, Document, Duplicates, FileFormat, Function, Ordinate, ReadOptions,
 };
+pub use field_file::{field_csv, parse_field, read_field};
 pub use json::write_json;
 pub use model_file::{read_model, write_model};
 pub use model_shapes::{field_shape, model_shapes};

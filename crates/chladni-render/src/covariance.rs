@@ -88,6 +88,20 @@ impl Covariance {
         }
     }
 
+    /// From LᴴL itself.
+    ///
+    /// # Errors
+    /// Those of the factorisation: no covariance.
+    pub(crate) fn of_gram(gram: Array2<Complex64>) -> Result<Self> {
+        let mut whole = Self {
+            rows: Array2::zeros((0, gram.ncols())),
+            own: Array1::zeros(gram.ncols()),
+            gram,
+        };
+        whole.rows = whole.triangular_root()?;
+        Ok(whole)
+    }
+
     /// LᴴL, ((m/s)/N)².
     pub fn gram(&self) -> &Array2<Complex64> {
         &self.gram

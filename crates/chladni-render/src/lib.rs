@@ -60,6 +60,7 @@ mod options;
 mod plane;
 mod problem;
 mod render;
+mod rig;
 mod scene;
 mod setup;
 mod signals;
@@ -85,6 +86,10 @@ pub use operator::Operator;
 pub use options::{Drift, Effort, RenderOptions};
 pub use plane::{Position, Rectangle};
 pub use render::{render, render_measured, render_with_others, Rendering};
+pub use rig::{
+    correct, evaluate_field, Agreement, ChannelGain, Correction, FieldEvaluation, Hypothesis,
+    KalmanOperator, Place, PointAgreement, TakenField,
+};
 pub use scene::{
     Actuators, Limits, Scene, DEFAULT_LIMEN_DB, DEFAULT_MAX_FORCE_N, DEFAULT_TRANSITION_M,
 };

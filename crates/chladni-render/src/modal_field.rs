@@ -5,9 +5,31 @@ use crate::operator::Operator;
 use crate::problem::Drive;
 use crate::tolerances;
 use chladni_frf::{Damping, FrfKind, ModalModel, Mode, Scaling, Trust};
-use ndarray::Array1;
+use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
+
+/// What `mode` adds to the mobility of `operator`; axes (response, actuator).
+pub(crate) fn mode_mobility(
+    model: &ModalModel,
+    operator: &Operator,
+    mode: &Mode,
+) -> Array2<Complex64> {
+    let alone = ModalModel {
+        modes: vec![mode.clone()],
+        residual_terms: chladni_frf::ResidualTerms {
+            terms: Vec::new(),
+            ..model.residual_terms.clone()
+        },
+        ..model.clone()
+    };
+    let all = alone.frf_matrix(FrfKind::Mobility, operator.frequency_hz);
+    let at = |(i, j): (usize, usize)| {
+        all[[operator.response_rows[i], operator.reference_columns[j]]]
+            * operator.responses[i].direction.sign()
+    };
+    Array2::from_shape_fn(operator.mobility.dim(), at)
+}
 
 /// A model under a drive, taken apart.
 pub(crate) struct ModalField<'a> {
@@ -80,6 +102,16 @@ impl<'a> ModalField<'a> {
     /// moves the responses for what it moves the actuators
     /// ([`tolerances::RESPONSES_OVER_ACTUATORS`]).
     pub(crate) fn perhaps_touched(&self, finger: &Finger, row: usize) -> Array1<Complex64> {
+        self.touched(finger, row)
+            .unwrap_or_else(|| self.pressed(finger, row, |mode| self.guessed_scale(mode)))
+    }
+
+    /// What ψψᵀ of a mode is over what its shape says: 1 where the model is mass-scaled, else
+    /// a guess.
+    fn guessed_scale(&self, mode: &Mode) -> f64 {
+        if self.model.scaling == Scaling::UnitModalMass {
+            return 1.0;
+        }
         let rms = |values: &[Complex64], picked: &[usize]| {
             (picked.iter().map(|&k| values[k].norm_sqr()).sum::<f64>() / picked.len() as f64).sqrt()
         };
@@ -87,15 +119,12 @@ impl<'a> ModalField<'a> {
             &self.operator.response_rows,
             &self.operator.reference_columns,
         );
-        self.touched(finger, row).unwrap_or_else(|| {
-            self.pressed(finger, row, |mode| match rms(&mode.shape.0, rows) {
-                size if size > 0.0 => {
-                    tolerances::RESPONSES_OVER_ACTUATORS * rms(&mode.participation.0, columns)
-                        / size
-                }
-                _ => 0.0,
-            })
-        })
+        match rms(&mode.shape.0, rows) {
+            size if size > 0.0 => {
+                tolerances::RESPONSES_OVER_ACTUATORS * rms(&mode.participation.0, columns) / size
+            }
+            _ => 0.0,
+        }
     }
 
     /// Velocities with `finger` at `row`, where ψψᵀ of a mode is `scale` times what its
@@ -106,17 +135,63 @@ impl<'a> ModalField<'a> {
         row: usize,
         scale: impl Fn(&Mode) -> f64,
     ) -> Array1<Complex64> {
-        let mut from_finger = Array1::zeros(self.free.len());
+        let from_finger = self.from_response(row, scale);
+        let force = self.free[row]
+            / (finger.impedance(self.operator.frequency_hz).inv() + from_finger[row]);
+        &self.free - &(from_finger * force)
+    }
+
+    /// Mobility from the response `row` to all, of the modes alone, where ψψᵀ of a mode is
+    /// `scale` times what its shape says.
+    fn from_response(&self, row: usize, scale: impl Fn(&Mode) -> f64) -> Array1<Complex64> {
+        let mut sum = Array1::zeros(self.free.len());
         for (n, _) in &self.parts {
             let mode = &self.model.modes[*n];
             let here = mode.shape.0[self.operator.response_rows[row]]
                 * self.operator.responses[row].direction.sign()
                 * scale(mode);
-            from_finger += &self.mode_at(mode, here, here.conj());
+            sum += &self.mode_at(mode, here, here.conj());
         }
-        let force = self.free[row]
-            / (finger.impedance(self.operator.frequency_hz).inv() + from_finger[row]);
-        &self.free - &(from_finger * force)
+        sum
+    }
+
+    /// Numbers and natural frequencies, Hz, of the modes in the band.
+    pub(crate) fn in_band(&self, model: &ModalModel) -> Vec<(usize, f64)> {
+        let of = |(number, (n, _)): (usize, &(usize, Array1<Complex64>))| {
+            let mode = &model.modes[*n];
+            mode.in_band.then_some((number, mode.frequency_hz))
+        };
+        self.parts.iter().enumerate().filter_map(of).collect()
+    }
+
+    /// The mode of a number.
+    pub(crate) fn mode(&self, number: usize) -> &Mode {
+        &self.model.modes[self.parts[number].0]
+    }
+
+    /// What the mode of a number adds to the field.
+    pub(crate) fn part_of(&self, number: usize) -> &Array1<Complex64> {
+        &self.parts[number].1
+    }
+
+    /// ∂v/∂ln ω_n of the mode of a number.
+    pub(crate) fn slope(&self, number: usize) -> Array1<Complex64> {
+        let step = tolerances::SLOPE_STEP;
+        let moved = |sign: f64| {
+            self.with_frequencies(|n| if n == number { 1.0 + sign * step } else { 1.0 })
+        };
+        (moved(1.0) - moved(-1.0)) / Complex64::from(2.0 * step)
+    }
+
+    /// Mobility from every response to every other, of the modes alone; where the model is
+    /// not mass-scaled with the guess of [`Self::perhaps_touched`].
+    pub(crate) fn between_responses(&self) -> Array2<Complex64> {
+        let count = self.free.len();
+        let mut all = Array2::zeros((count, count));
+        for (row, mut to_all) in all.rows_mut().into_iter().enumerate() {
+            to_all.assign(&self.from_response(row, |mode| self.guessed_scale(mode)));
+        }
+        all
     }
 
     fn part(&self, mode: &Mode) -> Array1<Complex64> {

@@ -237,6 +237,7 @@ fn render_tone(
         indices,
         stress: None,
         sweep: None,
+        correction: None,
         warnings,
         other_tones: Vec::new(),
     };

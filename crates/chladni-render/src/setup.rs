@@ -125,6 +125,21 @@ impl Setup {
         setup
     }
 
+    /// The same with an operator that measured fields have corrected, and its covariance.
+    ///
+    /// # Errors
+    /// Those of the factorisation of the covariance.
+    pub(crate) fn with_operator(
+        &self,
+        mobility: Array2<Complex64>,
+        covariance: Array2<Complex64>,
+    ) -> Result<Self> {
+        let none = Array2::zeros((0, mobility.ncols()));
+        let mut setup = self.with_model(mobility, none, self.modes.clone());
+        setup.problem.covariance = Covariance::of_gram(covariance)?;
+        Ok(setup)
+    }
+
     /// The responses as nodes of interpolation, where they carry an area.
     pub(crate) fn nodes(&self) -> Option<&Nodes> {
         self.nodes

@@ -6,6 +6,7 @@ use crate::frequency_sweep::FrequencySweep;
 use crate::indices::Indices;
 use crate::methods::ModalSteps;
 use crate::problem::Drive;
+use crate::rig::Correction;
 use crate::stress::StressRow;
 use crate::tones::is_same;
 use chladni_frf::{Dof, Error, ReferenceUnit, Result, Source};
@@ -70,6 +71,9 @@ pub struct Weights {
     /// The scene at other frequencies; where it was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sweep: Option<FrequencySweep>,
+    /// What measured fields corrected; of `chladni correct`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub correction: Option<Correction>,
     /// What the user must know.
     pub warnings: Vec<String>,
     /// What is driven at the same time at other frequencies: each a set of weights of its

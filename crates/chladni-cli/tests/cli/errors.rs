@@ -275,6 +275,7 @@ fn help_and_version_are_no_errors_and_begin_with_examples() {
         "compare",
         "render",
         "evaluate",
+        "correct",
         "report",
         "completions",
         "man",

@@ -16,6 +16,7 @@ mod info;
 mod journey;
 mod layouts;
 mod malformed;
+mod measured_fields;
 mod pages;
 mod pieces;
 mod pipes;

@@ -2,12 +2,14 @@
 
 mod area;
 mod common;
+mod correction;
 mod covariance;
 mod equivariance;
 mod evaluate;
 mod fewest;
 mod methods;
 mod modal;
+mod rig;
 mod robust;
 mod scene_file;
 mod signals;

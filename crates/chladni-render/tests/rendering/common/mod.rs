@@ -1,6 +1,8 @@
 //! The virtual panel, its truth, and models that are a little wrong.
 #![allow(dead_code)] // each test program uses a part of this
 
+pub mod rig;
+
 use chladni_frf::{ComplexMatrix, FrfKind, ModalModel, ResidualTerm};
 use chladni_plate::{simulate, Panel, Simulation};
 use chladni_render::Scene;

@@ -1,0 +1,19 @@
+//! The real rig: a measured field enters; how it agrees with its prediction, what is wrong
+//! with the rig, and a corrected drive leave.
+//!
+//! `field` (a measured field laid over the operator) → `agreement` (how near) →
+//! `diagnosis` (why not nearer) → `structured` and `kalman` (two corrections of the
+//! operator) → `correction` (which of them, and the drive).
+
+mod agreement;
+mod correction;
+mod diagnosis;
+mod field;
+mod kalman;
+mod structured;
+
+pub use agreement::{Agreement, PointAgreement};
+pub use correction::{correct, ChannelGain, Correction, TakenField};
+pub use diagnosis::{Hypothesis, Place};
+pub use field::{evaluate_field, FieldEvaluation};
+pub use kalman::KalmanOperator;
