@@ -1,7 +1,7 @@
 //! Results are written beside their place and renamed into it: an interrupted run leaves
 //! the old file or none.
 
-use super::temporary;
+use super::temporary::{self, folder_of};
 use chladni_frf::{Error, ErrorKind, Result};
 use chladni_text::door::{is_same, refuse_read};
 use std::fs;
@@ -170,12 +170,6 @@ fn free_target(path: &Path, force: bool) -> Result<PathBuf> {
         );
     }
     Ok(path.to_path_buf())
-}
-
-pub(super) fn folder_of(path: &Path) -> &Path {
-    path.parent()
-        .filter(|folder| !folder.as_os_str().is_empty())
-        .unwrap_or_else(|| Path::new("."))
 }
 
 fn temporary_beside(target: &Path) -> Result<NamedTempFile> {

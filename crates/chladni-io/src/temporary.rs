@@ -4,7 +4,6 @@
 //! away with the process, however that ends. What lies in a folder without a lock is
 //! removed by the next run that writes there.
 
-use super::atomic::folder_of;
 use std::collections::HashSet;
 use std::fs::{self, File, TryLockError};
 use std::io;
@@ -21,6 +20,13 @@ const ABANDONED: Duration = Duration::from_secs(24 * 3600);
 /// Another run may take a new file away before its lock is on it; so often in a row it
 /// does not.
 const TRIES: usize = 10;
+
+/// The folder that a path lies in.
+pub(super) fn folder_of(path: &Path) -> &Path {
+    path.parent()
+        .filter(|folder| !folder.as_os_str().is_empty())
+        .unwrap_or_else(|| Path::new("."))
+}
 
 /// A new file beside `target`, under a lock where the file system knows locks.
 pub(super) fn beside(target: &Path) -> io::Result<NamedTempFile> {
