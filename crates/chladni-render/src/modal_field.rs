@@ -135,7 +135,7 @@ impl<'a> ModalField<'a> {
         row: usize,
         scale: impl Fn(&Mode) -> f64,
     ) -> Array1<Complex64> {
-        let from_finger = self.from_response(row, scale);
+        let from_finger = self.due_to_response(row, scale);
         let force = self.free[row]
             / (finger.impedance(self.operator.frequency_hz).inv() + from_finger[row]);
         &self.free - &(from_finger * force)
@@ -143,7 +143,7 @@ impl<'a> ModalField<'a> {
 
     /// Mobility from the response `row` to all, of the modes alone, where ψψᵀ of a mode is
     /// `scale` times what its shape says.
-    fn from_response(&self, row: usize, scale: impl Fn(&Mode) -> f64) -> Array1<Complex64> {
+    fn due_to_response(&self, row: usize, scale: impl Fn(&Mode) -> f64) -> Array1<Complex64> {
         let mut sum = Array1::zeros(self.free.len());
         for (n, _) in &self.parts {
             let mode = &self.model.modes[*n];
@@ -189,7 +189,7 @@ impl<'a> ModalField<'a> {
         let count = self.free.len();
         let mut all = Array2::zeros((count, count));
         for (row, mut to_all) in all.rows_mut().into_iter().enumerate() {
-            to_all.assign(&self.from_response(row, |mode| self.guessed_scale(mode)));
+            to_all.assign(&self.due_to_response(row, |mode| self.guessed_scale(mode)));
         }
         all
     }

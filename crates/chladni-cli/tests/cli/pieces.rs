@@ -317,9 +317,10 @@ fn blocks_that_were_read_otherwise_are_refused_by_name() {
     assert_eq!(model(&folder, "model.json")["options"]["lenient"], true);
 }
 
-/// Kills a run at rising moments until it leaves what `--resume` takes up.
+/// Kills a run as soon as it has written what `--resume` takes up.
 fn left_by_a_killed_run(folder: &Folder, line: &str, output: &str) {
-    for kill in 1..60 {
+    let resume = format!("{output}.resume");
+    for _ in 0..60 {
         let mut child = Command::new(env!("CARGO_BIN_EXE_chladni"))
             .current_dir(folder.path())
             .args(line.split_whitespace())
@@ -327,10 +328,12 @@ fn left_by_a_killed_run(folder: &Folder, line: &str, output: &str) {
             .stderr(Stdio::null())
             .spawn()
             .unwrap();
-        std::thread::sleep(Duration::from_millis(5 * kill));
+        while child.try_wait().unwrap().is_none() && !folder.names().contains(&resume) {
+            std::thread::sleep(Duration::from_millis(1));
+        }
         child.kill().ok(); // SIGKILL
         child.wait().unwrap();
-        if folder.names().contains(&format!("{output}.resume")) {
+        if folder.names().contains(&resume) {
             return;
         }
         std::fs::remove_file(folder.path().join(output)).ok();

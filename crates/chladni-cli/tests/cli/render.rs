@@ -159,7 +159,7 @@ fn a_fit_for_a_scene_takes_only_the_band_that_it_needs() {
         band[0] > 20.0 && band[0] < 290.0 && band[1] > 310.0 && band[1] < 690.0,
         "{band:?}"
     );
-    let said = json["warnings"].to_string();
+    let said = json["findings"].to_string();
     assert!(
         said.contains("what corner.toml needs at 300 Hz")
             && said.contains("stand as residual terms"),

@@ -230,5 +230,5 @@ fn missing_driving_point() {
     folder
         .run("simulate without.toml -o spoiled.h5 -q")
         .exits(0);
-    named(&folder, "fit", "spoiled.h5", "clean.h5", "driving point");
+    named(&folder, "fit -v", "spoiled.h5", "clean.h5", "driving point");
 }

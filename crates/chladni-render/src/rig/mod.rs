@@ -2,12 +2,14 @@
 //! with the rig, and a corrected drive leave.
 //!
 //! `field` (a measured field laid over the operator) → `agreement` (how near) →
-//! `diagnosis` (why not nearer) → `structured` and `kalman` (two corrections of the
-//! operator) → `correction` (which of them, and the drive).
+//! `diagnosis` (why not nearer) → `evaluation` (both beside the indices). `structured` and
+//! `kalman` (two corrections of the operator) → `correction` (which of them, and the
+//! drive).
 
 mod agreement;
 mod correction;
 mod diagnosis;
+mod evaluation;
 mod field;
 mod kalman;
 mod structured;
@@ -15,5 +17,5 @@ mod structured;
 pub use agreement::{Agreement, PointAgreement};
 pub use correction::{correct, ChannelGain, Correction, TakenField};
 pub use diagnosis::{Hypothesis, Place};
-pub use field::{evaluate_field, FieldEvaluation};
+pub use evaluation::{evaluate_field, FieldEvaluation};
 pub use kalman::KalmanOperator;

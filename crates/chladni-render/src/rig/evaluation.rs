@@ -1,0 +1,120 @@
+//! A measured field judged: its indices, its agreement with the prediction, what may be
+//! the cause of the difference.
+
+use super::agreement::{agreement, Agreement};
+use super::field::{LaidField, Prediction};
+use crate::covariance::Covariance;
+use crate::evaluate::{laid, Laid, On};
+use crate::field::Field;
+use crate::indices::{Indices, PointIndices};
+use crate::options::Drift;
+use crate::scene::{Limits, Scene};
+use crate::tolerances;
+use crate::weights::Weights;
+use crate::zones::ZoneMap;
+use chladni_frf::{MeasuredField, ModalModel, Result};
+use ndarray::Axis;
+
+/// How a measured field does, and what it says of the rig.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FieldEvaluation {
+    /// Indices of the measured field.
+    pub indices: Indices,
+    /// Agreement with the prediction, and the likeliest causes of what is left.
+    pub agreement: Agreement,
+    /// The measured field; where phases are unknown, with those of the prediction.
+    pub measured: Field,
+    /// The prediction at the same responses.
+    pub predicted: Field,
+    /// The zones.
+    pub zones: ZoneMap,
+    /// Velocity limits.
+    pub limits: Limits,
+    /// What the user must know.
+    pub warnings: Vec<String>,
+}
+
+/// Scores the field that was measured while `weights` were played, against its prediction
+/// by `model`.
+///
+/// * `sha256`: of the weights file, held against the field's own
+///
+/// # Errors
+/// As [`crate::evaluate()`]; a field of another frequency, of other weights, with a
+/// response that the model lacks, or without hot or cold responses.
+pub fn evaluate_field(
+    weights: &Weights,
+    scene: &Scene,
+    model: &ModalModel,
+    field: &MeasuredField,
+    sha256: Option<&str>,
+) -> Result<FieldEvaluation> {
+    let Laid {
+        operator,
+        drive,
+        limits,
+        zones,
+        mut warnings,
+    } = laid(weights, scene, On::Model(model))?;
+    let laid_field = LaidField::new(field, &operator, sha256)?;
+    let all: Vec<usize> = (0..operator.responses.len()).collect();
+    let drift = scene.drift.unwrap_or_default();
+    let drift = Drift {
+        drive_relative: drift.drive_relative.max(tolerances::RIG_DRIVE_ERROR),
+        ..drift
+    };
+    let mobility = operator.mobility.select(Axis(0), &laid_field.rows);
+    let prediction = Prediction {
+        velocity: mobility.dot(&drive),
+        deviation: Covariance::of_model(model, &operator, &all, &drift).deviation(&drive),
+        mobility,
+        drive: drive.clone(),
+    };
+    let predicted = part(&Field::new(&operator, &zones, &drive), &laid_field.rows);
+    let measured = Field {
+        velocity_m_per_s: laid_field.phased(&prediction.velocity).to_vec(),
+        ..predicted.clone()
+    };
+    let points = PointIndices::of_field(&measured, &zones, &limits, &drive, operator.unit)?;
+    if laid_field.rows.len() < operator.responses.len() {
+        let words = format!(
+            "the field holds {} of the {} responses; only these are judged",
+            laid_field.rows.len(),
+            operator.responses.len()
+        );
+        warnings.push(words);
+    }
+    if laid_field.noise_assumed {
+        let words = format!(
+            "the field does not say how sure its values are: a noise of {} % of their rms is \
+             assumed; add a column std, or repeats",
+            100.0 * tolerances::FIELD_NOISE
+        );
+        warnings.push(words);
+    }
+    let agreement = agreement(model, &operator, &laid_field, &prediction)?;
+    // between few responses nothing is interpolated
+    let area = (laid_field.rows.len() == operator.responses.len())
+        .then(|| measured.area(&zones))
+        .flatten()
+        .map(|area| crate::indices::AreaIndices::of_area(&area, &zones, &limits));
+    Ok(FieldEvaluation {
+        indices: Indices { points, area },
+        agreement,
+        measured,
+        predicted,
+        zones,
+        limits,
+        warnings,
+    })
+}
+
+/// The field at some of its responses.
+fn part(field: &Field, rows: &[usize]) -> Field {
+    Field {
+        responses: rows.iter().map(|&k| field.responses[k]).collect(),
+        positions_m: rows.iter().map(|&k| field.positions_m[k]).collect(),
+        ground: rows.iter().map(|&k| field.ground[k]).collect(),
+        velocity_m_per_s: rows.iter().map(|&k| field.velocity_m_per_s[k]).collect(),
+    }
+}
