@@ -3,7 +3,7 @@
 
 use crate::console::Console;
 use crate::oddities;
-use crate::quoting::shell_word;
+use crate::quoting::{shell_path, shell_word};
 use chladni_frf::{Error, FrfKind, FrfSet, ModalModel, Result, Source, TimeSign};
 use chladni_io::DeclaredDofs;
 use chladni_io::PhaseUnit;
@@ -197,7 +197,7 @@ impl Reading {
             // the rows stand in a file
             Value::Array(_) if name == "dofs" => {
                 let name = self.dofs.as_ref().map_or("", |file| file.name.as_str());
-                format!("--dofs {name}")
+                format!("--dofs {}", shell_path(Path::new(name)))
             }
             Value::Bool(_) => format!("--{}", name.replace('_', "-")),
             value => format!("--{} {}", name.replace('_', "-"), shell_word(words(value))),
@@ -367,4 +367,17 @@ pub fn model_of(file: &Path) -> Result<Option<ModalModel>> {
 pub fn read_weights(file: &Path) -> Result<Weights> {
     Weights::parse(&chladni_text::read_text(file, "a weights file, JSON")?)
         .map_err(|error| error.file(file))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_copied_command_runs_nothing_of_the_name_of_a_list() {
+        let rows = serde_json::json!({"dofs": ["1:+Z,2:+Z"]});
+        let mut reading = Reading::from_echo(rows.as_object().unwrap());
+        reading.dofs.as_mut().unwrap().name = "; touch X".into();
+        assert_eq!(reading.flags(), ["--dofs '; touch X'"]);
+    }
 }
