@@ -29,8 +29,9 @@ pub struct Args {
     /// FRFs or a model to judge on; several FRF files are merged
     #[arg(long, required = true, value_name = "FRF|MODEL")]
     on: Vec<PathBuf>,
-    /// Fields measured while the weights were played: rows response,re,im[,std] or
-    /// response,magnitude[,std] under the lines `# frequency_hz = ...` and `# unit = m/s`
+    /// Fields measured while the weights were played: rows response,re,im or
+    /// response,magnitude, and std where it is known, under the lines `# frequency_hz = ...`
+    /// and `# unit = m/s`
     #[arg(long, value_name = "FIELD.csv")]
     field: Vec<PathBuf>,
     #[command(flatten)]

@@ -16,7 +16,7 @@ use num_complex::Complex64;
 pub struct KalmanOperator {
     /// Mobility, axes (response, actuator).
     pub mobility: Array2<Complex64>,
-    /// Covariance of each row, E[δhᴴδh].
+    /// Covariance of each row: the mean of δhᴴδh.
     pub covariance: Array2<Complex64>,
 }
 
