@@ -19,7 +19,7 @@ const UNCODED: &str = "earlier-version";
 /// [`Finding::values`].
 pub const MODES_HZ: &str = "modes_hz";
 
-/// How much a finding matters.
+/// Weight of a finding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
@@ -67,7 +67,7 @@ impl Values {
 pub struct Finding {
     /// Kebab-case, stable, anchor in `docs/troubleshooting.md`.
     pub code: Cow<'static, str>,
-    /// How much it matters.
+    /// Its weight.
     pub severity: Severity,
     /// Modes it is about, counted from 1 as in the table of modes.
     #[serde(default)]
@@ -78,7 +78,7 @@ pub struct Finding {
     /// Numbers behind the sentence, with their unit in the name.
     #[serde(default)]
     pub values: BTreeMap<Cow<'static, str>, Values>,
-    /// What was found, one sentence.
+    /// The finding itself, one sentence.
     pub text: String,
     /// The next step; empty where there is nothing to do.
     #[serde(default)]
@@ -224,9 +224,9 @@ const SAME_MODE: f64 = 1e-3;
 pub struct Reason {
     /// Kebab-case, stable, anchor in `docs/troubleshooting.md`.
     pub code: Cow<'static, str>,
-    /// What is doubted, in the same words for every mode.
+    /// The doubt, in the same words for every mode.
     pub text: Cow<'static, str>,
-    /// How much, for this mode; empty where there is no number.
+    /// Its size for this mode; empty where there is no number.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub detail: String,
 }

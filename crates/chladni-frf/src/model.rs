@@ -4,7 +4,7 @@
 //! the fit.
 
 use crate::finding::{numbered, warnings};
-use crate::{Dof, Finding, FrfKind, Node, Reason, Reasons, ReferenceUnit};
+use crate::{Dof, Finding, FrfKind, Node, Reasons, ReferenceUnit};
 use ndarray::{Array1, Array2, Array3, Axis};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -458,24 +458,6 @@ impl ModalModel {
     pub fn number_findings(&mut self) {
         let frequencies: Vec<f64> = self.in_band_modes().map(|mode| mode.frequency_hz).collect();
         numbered(&mut self.quality.findings, &frequencies);
-    }
-
-    /// Reasons of all modes of the band, by code in the order of appearance, with the
-    /// numbers of their modes.
-    pub fn reasons_by_code(&self) -> Vec<(&Reason, Vec<usize>)> {
-        let mut by_code: Vec<(&Reason, Vec<usize>)> = Vec::new();
-        for (n, mode) in self.in_band_modes().enumerate() {
-            for reason in mode.reasons.iter() {
-                let alike = |known: &&mut (&Reason, _)| {
-                    (&known.0.code, &known.0.text) == (&reason.code, &reason.text)
-                };
-                match by_code.iter_mut().find(alike) {
-                    Some((_, modes)) => modes.push(n + 1),
-                    None => by_code.push((reason, vec![n + 1])),
-                }
-            }
-        }
-        by_code
     }
 }
 

@@ -95,7 +95,7 @@ fn missing(field: &str, line: &str, expected: &str) -> Error {
         .help(format!("add the line `{line}` at the top of the file"))
 }
 
-/// What the lines with `#` say.
+/// The lines with `#`.
 #[derive(Default)]
 struct Remarks {
     frequency_hz: Option<f64>,

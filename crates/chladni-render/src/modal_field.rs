@@ -9,7 +9,7 @@ use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// What `mode` adds to the mobility of `operator`; axes (response, actuator).
+/// Share of `mode` in the mobility of `operator`; axes (response, actuator).
 pub(crate) fn mode_mobility(
     model: &ModalModel,
     operator: &Operator,
@@ -106,8 +106,8 @@ impl<'a> ModalField<'a> {
             .unwrap_or_else(|| self.pressed(finger, row, |mode| self.guessed_scale(mode)))
     }
 
-    /// What ψψᵀ of a mode is over what its shape says: 1 where the model is mass-scaled, else
-    /// a guess.
+    /// Factor from the product of a mode's saved shape to ψψᵀ: 1 where the model is
+    /// mass-scaled, else a guess.
     fn guessed_scale(&self, mode: &Mode) -> f64 {
         if self.model.scaling == Scaling::UnitModalMass {
             return 1.0;
