@@ -1,14 +1,29 @@
 //! `bench` hands on to the program `chladni-bench` beside it.
 
 use crate::common::Folder;
+use std::io::ErrorKind;
 use std::path::Path;
 use std::process::{Command, Output};
+use std::time::Duration;
+
+/// Waits until a program just written can run. A process that another test starts while the
+/// file is being written holds it open for a moment.
+fn wait_until_runnable(program: &Path) {
+    let busy = || match Command::new(program).arg("--version").output() {
+        Err(error) => error.kind() == ErrorKind::ExecutableFileBusy,
+        Ok(_) => false,
+    };
+    while busy() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
 
 /// Runs a copy of the program in a folder that PATH does not name.
 fn alone(folder: &Path, line: &str) -> Output {
     let copy = folder.join("chladni");
     if !copy.exists() {
         std::fs::copy(env!("CARGO_BIN_EXE_chladni"), &copy).unwrap();
+        wait_until_runnable(&copy);
     }
     Command::new(copy)
         .args(line.split(' '))
@@ -34,6 +49,7 @@ fn arguments_and_exit_code_are_handed_on() {
     let program = folder.path().join("chladni-bench");
     std::fs::write(&program, "#!/bin/sh\necho \"$@\"\nexit 73\n").unwrap();
     std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).unwrap();
+    wait_until_runnable(&program);
     let run = alone(folder.path(), "--json bench accuracy -o bench --help");
     assert_eq!(run.status.code(), Some(73));
     assert_eq!(run.stdout, b"--json accuracy -o bench --help\n");
