@@ -1,8 +1,10 @@
 //! The structured update: gains of the channels, shifts of the poles.
 //!
-//! H(θ) = [Σ_n f_n(δ_n + c)·P_n + R]·diag(1 + g), f_n(δ) = (λ_n − ω²)/(λ_n(1+δ)² − ω²)
+//! H(θ) = [Σ_n f_n(δ_n + c)·P_n + R]·diag(1 + g), f_n(δ) = d_n(0)/d_n(δ)
 //! (theory.md, eq. 58),
 //!
+//! with d_n(δ) = ω_n²(1 + jη_n)(1 + δ)² − ω² under structural damping and
+//! ω_n²(1 + δ)² + jη_nω_nω(1 + δ) − ω² under viscous damping,
 //! with a complex gain error g for each channel, a complex shift δ for each mode in the band
 //! and a real shift c of all. θ is the most probable one given all fields (Gauss-Newton),
 //! with a noise σ² + s²‖A‖². The scales of s, gains, common shift and shifts are those of the
@@ -14,7 +16,7 @@ use crate::modal_field::mode_mobility;
 use crate::operator::Operator;
 use crate::problem::{unsolvable, Drive};
 use crate::tolerances;
-use chladni_frf::{ModalModel, Mode, Result, Trust};
+use chladni_frf::{Damping, ModalModel, Mode, Result, Trust};
 use ndarray::{Array1, Array2, Axis};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -48,7 +50,7 @@ pub(crate) struct Scales {
     pub(crate) modes: f64,
 }
 
-/// What the fields say of gains and poles.
+/// Gains and poles as the fields tell them.
 #[derive(Debug, Clone)]
 pub(crate) struct Structured {
     /// Scales of the largest evidence.
@@ -69,10 +71,10 @@ pub(crate) struct Structured {
 
 /// The parts of the mobility that can move.
 pub(crate) struct Parts {
-    /// λ_n of each mode in the band, and ω².
-    poles: Vec<Complex64>,
+    /// Of each mode in the band, a and b of its denominator a(1 + δ)² + b(1 + δ) − ω².
+    poles: Vec<[Complex64; 2]>,
     omega_squared: f64,
-    /// What each of these modes adds to the mobility.
+    /// Share of each of these modes in the mobility.
     modes: Vec<Array2<Complex64>>,
     /// The mobility as the model has it.
     whole: Array2<Complex64>,
@@ -92,11 +94,21 @@ impl Parts {
         let omega = TAU * operator.frequency_hz;
         let counts = |mode: &&Mode| mode.in_band && mode.trust != Trust::Rejected;
         let modes: Vec<&Mode> = model.modes.iter().filter(counts).collect();
-        let squared = |mode: &&Mode| {
-            (TAU * mode.frequency_hz).powi(2) * Complex64::new(1.0, mode.loss_factor)
+        let denominator = |mode: &&Mode| {
+            let own = TAU * mode.frequency_hz;
+            match model.damping {
+                Damping::Structural => [
+                    own * own * Complex64::new(1.0, mode.loss_factor),
+                    Complex64::ZERO,
+                ],
+                Damping::Viscous => [
+                    (own * own).into(),
+                    Complex64::new(0.0, mode.loss_factor * own * omega),
+                ],
+            }
         };
         Self {
-            poles: modes.iter().map(squared).collect(),
+            poles: modes.iter().map(denominator).collect(),
             omega_squared: omega * omega,
             modes: modes
                 .iter()
@@ -117,12 +129,11 @@ impl Parts {
 
     /// f_n and its slope at a shift.
     fn factor(&self, n: usize, shift: Complex64) -> (Complex64, Complex64) {
-        let moved = self.poles[n] * (1.0 + shift).powi(2) - self.omega_squared;
-        let factor = (self.poles[n] - self.omega_squared) / moved;
-        (
-            factor,
-            -factor * 2.0 * self.poles[n] * (1.0 + shift) / moved,
-        )
+        let [square, linear] = self.poles[n];
+        let at = 1.0 + shift;
+        let moved = (square * at + linear) * at - self.omega_squared;
+        let factor = (square + linear - self.omega_squared) / moved;
+        (factor, -factor * (2.0 * square * at + linear) / moved)
     }
 
     fn shift(&self, theta: &Array1<f64>, n: usize) -> Complex64 {
@@ -475,5 +486,56 @@ impl Seen {
                 foretold * (seen.norm() / foretold.norm().max(f64::MIN_POSITIVE))
             })
             .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chladni_frf::{Dof, Node};
+    use chladni_plate::{Synthetic, SyntheticShapes};
+
+    #[test]
+    fn a_shift_of_all_poles_is_that_of_the_model_in_both_laws() {
+        for damping in [Damping::Structural, Damping::Viscous] {
+            let mut model = Synthetic {
+                natural_frequency_hz: vec![80.0, 120.0],
+                loss_factor: vec![0.08, 0.05],
+                responses: 5,
+                references: 2,
+                shapes: SyntheticShapes::Real,
+                damping,
+                frequency_hz: Array1::range(10.0, 200.0, 1.0),
+                residual_powers: Vec::new(),
+                ..Synthetic::default()
+            }
+            .build()
+            .unwrap()
+            .truth;
+            let node = |(k, dof): (usize, &Dof)| Node {
+                label: dof.node,
+                xyz_m: [0.01 * k as f64, 0.01 * (k % 2) as f64, 0.0],
+            };
+            model.nodes = model.responses.iter().enumerate().map(node).collect();
+            let operator = |model: &ModalModel| Operator::of_model(model, 100.0, None).unwrap();
+            let parts = Parts::new(&model, &operator(&model));
+            let shift = 1e-5;
+            let mut theta = Array1::zeros(parts.unknowns());
+            theta[parts.unknowns() - 1] = shift;
+            let mut moved = model.clone();
+            for mode in &mut moved.modes {
+                mode.frequency_hz *= 1.0 + shift;
+            }
+            let before = operator(&model).mobility;
+            let change = operator(&moved).mobility - &before;
+            let error = parts.mobility(&theta) - &before - &change;
+            let size = |values: &Array2<Complex64>| rms(&values.iter().copied().collect());
+            assert!(
+                size(&error) < 1e-3 * size(&change),
+                "{damping:?}: {} of {}",
+                size(&error),
+                size(&change)
+            );
+        }
     }
 }
