@@ -10,6 +10,7 @@
 //! * [`stability`]: where methods fail, whether they know it, and whether error bars hold
 //! * [`wild`]: structures drawn from a seed, in either damping law, modes beyond the band
 //! * [`scenes`]: rendering from noisy FRFs to a drive on the true plate, by every method
+//! * [`rigs`]: drives corrected by measured fields, on rigs with faults drawn from a seed
 //! * [`kernels`]: dense kernels at the sizes of a fit, every back end that is linked in
 //!
 //! `chladni bench` writes the files; `docs/accuracy.md` says what they show. Criterion's
@@ -30,6 +31,7 @@ mod pareto;
 mod peers;
 mod problem;
 mod profile;
+mod rig;
 mod scene;
 mod score;
 mod solver;
@@ -53,6 +55,7 @@ pub use profile::{
     profile, profile_csv, profile_figure, scaling, scaling_csv, scaling_figure, Floor, ProfileCase,
     ProfileOptions, ProfileRow, ProfileSource, ScalingRow, PROFILE_CASES,
 };
+pub use rig::{rig_csv, rig_figures, rigs, RigError, RigOptions, RigRow, RigWay};
 pub use scene::{
     paper, paper_csv, paper_figures, scene_csv, scene_figures, scene_knobs, scenes, Means,
     PaperModes, PaperRow, PaperRun, SceneCase, SceneDrive, SceneOptions, ScenePanel, SceneRow,

@@ -231,7 +231,7 @@ pub(crate) struct MeasuredPanel {
 }
 
 impl ScenePanel {
-    fn panel(self) -> Panel {
+    pub(crate) fn panel(self) -> Panel {
         let mut panel = Panel::default();
         match self {
             Self::Glass | Self::Rim => {}

@@ -251,7 +251,7 @@ pub fn scenes(
     Ok(rows)
 }
 
-fn measured_and_fitted(kind: ScenePanel) -> Result<(MeasuredPanel, ModalModel)> {
+pub(crate) fn measured_and_fitted(kind: ScenePanel) -> Result<(MeasuredPanel, ModalModel)> {
     let panel = kind.measure()?;
     let fitted = fit(&panel.frf, &FitOptions::default(), &|_| {});
     let model = fitted

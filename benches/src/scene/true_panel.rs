@@ -77,6 +77,11 @@ impl TruePanel {
         &self.plate.modes
     }
 
+    /// Their loss factors.
+    pub(crate) fn loss_factors(&self) -> Array1<f64> {
+        self.plate.loss_factors()
+    }
+
     /// What the drive serves on the plate as it is.
     pub(crate) fn free(
         &self,

@@ -7,7 +7,7 @@ mod evidence;
 mod figures;
 mod measurement;
 mod outcome;
-mod random;
+pub(crate) mod random;
 mod structure;
 mod summary;
 mod tables;

@@ -5,7 +5,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal, Uniform};
 
 /// A stream of random numbers; the same seed and stream give the same ones.
-pub(super) struct Random(ChaCha8Rng);
+#[derive(Debug, Clone)]
+pub(crate) struct Random(ChaCha8Rng);
 
 impl Random {
     /// One stream of a seed; streams are independent of each other.

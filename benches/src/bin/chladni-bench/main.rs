@@ -4,6 +4,7 @@
 mod accuracy;
 mod paper;
 mod profile;
+mod rig;
 mod scene;
 mod solvers;
 mod stability;
@@ -47,6 +48,8 @@ enum Bench {
     Accuracy(accuracy::Args),
     /// Time of each stage of a fit, and the floor that no method can go below
     Profile(profile::Args),
+    /// Drives corrected by measured fields, on rigs whose faults are drawn from a seed
+    Rig(rig::Args),
     /// Success against time: every rendering method on named scenes, from noisy FRFs to
     /// the true plate
     Scene(scene::Args),
@@ -64,6 +67,7 @@ fn run(what: &Bench, console: &Console) -> Result<Outcome> {
     match what {
         Bench::Accuracy(args) => accuracy::run(args, console),
         Bench::Profile(args) => profile::run(args, console),
+        Bench::Rig(args) => rig::run(args, console),
         Bench::Scene(args) => scene::run(args, console),
         Bench::Solvers(args) => solvers::run(args, console),
         Bench::Stability(args) => stability::run(args, console),
