@@ -74,11 +74,13 @@ pub enum RigWay {
     Learning,
     /// The first drive, again and again.
     Unchanged,
+    /// By the default method, for the true mobility: what a drive can do on this rig.
+    Known,
 }
 
 impl RigWay {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Correct, Self::Learning, Self::Unchanged];
+    pub const ALL: [Self; 4] = [Self::Correct, Self::Learning, Self::Unchanged, Self::Known];
 
     /// Name in tables.
     pub fn name(self) -> &'static str {
@@ -86,6 +88,7 @@ impl RigWay {
             Self::Correct => "correct",
             Self::Learning => "learning",
             Self::Unchanged => "unchanged",
+            Self::Known => "known",
         }
     }
 }
@@ -111,6 +114,12 @@ pub struct RigRow {
     pub time_s: f64,
     /// Cells and frequency of the scene.
     pub scene: String,
+    /// The smaller share that the correction foretells; NaN where there is none.
+    #[serde(deserialize_with = "nan")]
+    pub predicted: f64,
+    /// NIS of the newest field; NaN where there is none.
+    #[serde(deserialize_with = "nan")]
+    pub nis: f64,
 }
 
 /// A panel as a rig starts: fitted, with a drive for each scene.
@@ -199,7 +208,13 @@ impl Bench {
             let mut weights = first.weights.clone();
             let mut played = Vec::new();
             let mut time_s = f64::NAN;
+            if way == RigWay::Known {
+                let known = rig.known(&self.model, &first.field);
+                let rendering = render(&known, scene, &RenderOptions::default())?;
+                drive = drive_of(&rendering);
+            }
             for taken in 0..=fields {
+                let told = weights.correction.as_ref();
                 rows.push(RigRow {
                     panel: self.name.into(),
                     seed,
@@ -209,13 +224,17 @@ impl Bench {
                     way,
                     time_s,
                     scene: words.clone(),
+                    predicted: told.map_or(f64::NAN, |told| told.predicted),
+                    nis: told
+                        .and_then(|told| told.fields.last())
+                        .map_or(f64::NAN, |field| field.nis),
                 });
-                if taken == fields || way == RigWay::Unchanged && taken > 0 {
+                if taken == fields {
                     continue;
                 }
-                let field = rig.measured(&drive, &first.field);
                 match way {
                     RigWay::Correct => {
+                        let field = rig.measured(&drive, &first.field);
                         played.push((weights, field, None));
                         let clock = Instant::now();
                         let options = RenderOptions::default();
@@ -224,9 +243,10 @@ impl Bench {
                         drive = weights.weights.iter().map(|w| w.value()).collect();
                     }
                     RigWay::Learning => {
+                        let field = rig.measured(&drive, &first.field);
                         drive = learning::next(&self.model, first, &drive, &field)?;
                     }
-                    RigWay::Unchanged => {}
+                    RigWay::Unchanged | RigWay::Known => {}
                 }
             }
         }

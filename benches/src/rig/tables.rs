@@ -3,7 +3,7 @@
 use super::RigRow;
 use crate::csv;
 
-const HEADER: [&str; 8] = [
+const HEADER: [&str; 10] = [
     "panel",
     "seed",
     "error",
@@ -12,6 +12,8 @@ const HEADER: [&str; 8] = [
     "way",
     "time_s",
     "scene",
+    "predicted",
+    "nis",
 ];
 
 /// A row for each rig, way and number of measured fields, as CSV.
@@ -28,6 +30,8 @@ pub fn rig_csv(rows: &[RigRow]) -> String {
             row.way.name().into(),
             csv::number(row.time_s),
             row.scene.clone(),
+            csv::number(row.predicted),
+            csv::number(row.nis),
         ]
     });
     csv::table(comment, &HEADER, cells)

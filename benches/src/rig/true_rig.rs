@@ -1,7 +1,9 @@
 //! The rig as it is: the true plate with its faults, and a scanner in front of it.
 
 use super::fault::Faults;
-use chladni_frf::{FieldPoint, MeasuredField, Result};
+use chladni_frf::{
+    ComplexMatrix, FieldPoint, MeasuredField, ModalModel, ResidualTerm, ResidualTerms, Result,
+};
 use chladni_plate::PlateModes;
 use chladni_render::{Field, Ground, Limits};
 use ndarray::{s, Array1, Array2};
@@ -18,10 +20,8 @@ pub(super) struct Plate<'a> {
 
 /// A rig with its faults.
 pub(super) struct TrueRig {
-    /// True mobility at the responses, faults in it.
-    at_responses: Array2<Complex64>,
-    /// The same at the places that the scanner really looks at.
-    at_scanned: Array2<Complex64>,
+    /// True mobility, faults in it, at the places that the scanner really looks at.
+    mobility: Array2<Complex64>,
     faults: Faults,
     frequency_hz: f64,
 }
@@ -50,10 +50,10 @@ impl TrueRig {
             .iter()
             .map(|[a, b]| [(a + off()).clamp(x[0], x[1]), (b + off()).clamp(y[0], y[1])])
             .collect();
-        let rows = [responses, scanned.as_slice(), &loads_m].concat();
+        let rows = [scanned.as_slice(), &loads_m].concat();
         let columns = [plate.actuators_m, &loads_m].concat();
         let mut mobility = plate.mobility(&rows, &columns, &mut faults)?;
-        let [first_row, first_column] = [2 * responses.len(), plate.actuators_m.len()];
+        let [first_row, first_column] = [scanned.len(), plate.actuators_m.len()];
         for (k, load) in faults.loads.iter().enumerate() {
             let (row, column) = (first_row + k, first_column + k);
             let bound = load.what.impedance(plate.frequency_hz).inv() + mobility[[row, column]];
@@ -66,13 +66,8 @@ impl TrueRig {
         for (i, gain) in faults.gains.iter().enumerate() {
             mobility.column_mut(i).mapv_inplace(|value| value * gain);
         }
-        let part = |from: usize| {
-            let rows = from * responses.len()..(from + 1) * responses.len();
-            mobility.slice(s![rows, ..first_column]).to_owned()
-        };
         Ok(Self {
-            at_responses: part(0),
-            at_scanned: part(1),
+            mobility: mobility.slice(s![..first_row, ..first_column]).to_owned(),
             faults,
             frequency_hz: plate.frequency_hz,
         })
@@ -81,7 +76,7 @@ impl TrueRig {
     /// Smaller share of hot and cold responses that a drive truly serves.
     pub(super) fn served(&self, drive: &Array1<Complex64>, field: &Field, limits: &Limits) -> f64 {
         let mut counts = [[0.0; 2]; 2];
-        for (ground, value) in field.ground.iter().zip(self.at_responses.dot(drive)) {
+        for (ground, value) in field.ground.iter().zip(self.mobility.dot(drive)) {
             let (kind, inside) = match ground {
                 Ground::Hot => (0, limits.is_felt(value.norm())),
                 Ground::Cold => (1, limits.is_quiet(value.norm())),
@@ -93,9 +88,27 @@ impl TrueRig {
         (counts[0][1] / counts[0][0]).min(counts[1][1] / counts[1][0])
     }
 
+    /// `model` with the true mobility in place of its modes.
+    pub(super) fn known(&self, model: &ModalModel, field: &Field) -> ModalModel {
+        let receptance = Complex64::new(0.0, TAU * self.frequency_hz).inv();
+        let term = ResidualTerm {
+            power: 0,
+            matrix: ComplexMatrix(self.mobility.mapv(|value| value * receptance)),
+        };
+        ModalModel {
+            responses: field.responses.clone(),
+            modes: Vec::new(),
+            residual_terms: ResidualTerms {
+                terms: vec![term],
+                ..model.residual_terms.clone()
+            },
+            ..model.clone()
+        }
+    }
+
     /// What the scanner says of a drive.
     pub(super) fn measured(&mut self, drive: &Array1<Complex64>, field: &Field) -> MeasuredField {
-        let truth = self.at_scanned.dot(drive);
+        let truth = self.mobility.dot(drive);
         let square = truth.iter().map(Complex64::norm_sqr).sum::<f64>() / truth.len() as f64;
         let std = self.faults.noise * square.sqrt();
         let random = &mut self.faults.random;

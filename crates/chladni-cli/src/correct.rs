@@ -146,7 +146,7 @@ fn correction(told: &Correction) -> String {
         (true, Some(best)) => {
             format!("no better drive is foretold than that of field {best}: it is given again\n")
         }
-        _ => format!("corrected by the {} estimator\n", told.estimator),
+        _ => format!("corrected by the {} estimator\n", told.estimator.name()),
     };
     fields.chain(odd).chain([drive]).collect()
 }

@@ -87,8 +87,8 @@ pub use options::{Drift, Effort, RenderOptions};
 pub use plane::{Position, Rectangle};
 pub use render::{render, render_measured, render_with_others, Rendering};
 pub use rig::{
-    correct, evaluate_field, Agreement, ChannelGain, Correction, FieldEvaluation, Hypothesis,
-    KalmanOperator, Place, PointAgreement, TakenField,
+    correct, evaluate_field, Agreement, ChannelGain, Correction, Estimator, FieldEvaluation,
+    Hypothesis, KalmanOperator, Place, PointAgreement, TakenField,
 };
 pub use scene::{
     Actuators, Limits, Scene, DEFAULT_LIMEN_DB, DEFAULT_MAX_FORCE_N, DEFAULT_TRANSITION_M,

@@ -97,6 +97,12 @@ pub(crate) struct Score {
     pub(crate) kappa: f64,
 }
 
+/// Chance that an amplitude `slack` inside its limit stays inside, under a complex error of
+/// the standard deviation `deviation`, of which 1/√2 lies along its phase.
+pub(crate) fn chance_above(slack: f64, deviation: f64) -> f64 {
+    0.5 * libm::erfc(-slack / deviation)
+}
+
 impl Problem {
     /// A problem of measured responses, all of weight 1.
     pub(crate) fn new(
@@ -207,6 +213,24 @@ impl Problem {
             &self.field(drive).map(amplitude),
             self.covariance.deviation(drive),
         )
+    }
+
+    /// The smaller share of hot and cold rows to be expected inside their limit, each
+    /// amplitude with the standard deviation ‖L·A‖/√2 along its phase.
+    pub(crate) fn expected_ratio(&self, drive: &Drive) -> f64 {
+        let spread = self.covariance.deviation(drive).max(f64::MIN_POSITIVE);
+        let mut sums = [0.0; 2];
+        for (k, amplitude) in self.field(drive).map(amplitude).iter().enumerate() {
+            let (kind, slack) = match k < self.rows.hot {
+                true => (
+                    0,
+                    (amplitude - self.limits.hot_m_per_s) * self.rows.levels[k],
+                ),
+                false => (1, self.limits.cold_m_per_s - amplitude),
+            };
+            sums[kind] += chance_above(slack, spread);
+        }
+        (sums[0] / self.rows.hot as f64).min(sums[1] / self.rows.cold() as f64)
     }
 
     /// κ at which every row keeps its limit with [`tolerances::CONFIDENCE`], or more

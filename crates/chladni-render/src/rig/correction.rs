@@ -6,7 +6,7 @@
 //! modes want to move by the largest scale. Then the robust program runs on that operator
 //! and its posterior covariance.
 
-use super::field::LaidField;
+use super::field::{noise_assumed, LaidField};
 use super::kalman::KalmanOperator;
 use super::structured::{Parts, Seen, Structured};
 use crate::covariance::Covariance;
@@ -15,24 +15,45 @@ use crate::field::Field;
 use crate::indices::{AreaIndices, Indices, PointIndices};
 use crate::methods::Method;
 use crate::options::{Drift, RenderOptions};
-use crate::problem::Drive;
+use crate::problem::{chance_above, Drive};
 use crate::scene::Scene;
 use crate::setup::Setup;
 use crate::tolerances;
 use crate::weights::{weight_list, Weights, WEIGHTS_FORMAT, WEIGHTS_VERSION};
 use chladni_frf::{Dof, Error, MeasuredField, ModalModel, Result, CREATED_BY};
-use ndarray::{Array1, Array2, Axis};
+use ndarray::{Array1, Axis};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
+
+/// A way to correct the operator.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Estimator {
+    /// Gains and poles, then an operator update on what they leave.
+    Structured,
+    /// The operator update alone.
+    Kalman,
+}
+
+impl Estimator {
+    /// Name in files and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Structured => "structured",
+            Self::Kalman => "kalman",
+        }
+    }
+}
 
 /// What a correction took and found; `/correction` of a weights file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Correction {
     /// Number of fields that were taken in.
     pub iteration: usize,
-    /// `structured` or `kalman`: which operator the drive was made for.
-    pub estimator: String,
-    /// Smaller of hot and cold ratio that the corrected operator foretells.
+    /// The operator that the drive was made for.
+    pub estimator: Estimator,
+    /// Smaller of hot and cold ratio to be expected under the error bars of the corrected
+    /// operator; as measured where a measured drive is given again.
     pub predicted: f64,
     /// A new scan of FRFs is due.
     pub scan_due: bool,
@@ -83,6 +104,24 @@ struct Estimators {
     kalman: KalmanOperator,
 }
 
+impl Estimators {
+    fn operator(&self, estimator: Estimator) -> &KalmanOperator {
+        match estimator {
+            Estimator::Structured => &self.remainder,
+            Estimator::Kalman => &self.kalman,
+        }
+    }
+}
+
+/// What all fields together tell.
+struct Learned {
+    estimators: Estimators,
+    /// The estimator that counts.
+    chosen: Estimator,
+    /// NIS of each field against what was foretold of it.
+    nis: Vec<f64>,
+}
+
 /// A drive for `scene`, corrected by the fields that were measured under earlier weights,
 /// oldest first.
 ///
@@ -102,11 +141,7 @@ pub fn correct(
             .expected("one frequency")
             .help("correct the tones one by one"));
     }
-    let drift = scene.drift.unwrap_or(options.drift);
-    let drift = Drift {
-        drive_relative: drift.drive_relative.max(tolerances::RIG_DRIVE_ERROR),
-        ..drift
-    };
+    let drift = rig_drift(scene.drift.unwrap_or(options.drift));
     let scene = &Scene {
         drift: Some(drift),
         ..scene.clone()
@@ -114,110 +149,144 @@ pub fn correct(
     let setup = Setup::new(model, scene, &drift)?;
     let mut warnings = setup.warnings.clone();
     let seen = see(&setup, scene, model, played, &mut warnings)?;
-    let all: Vec<usize> = (0..setup.operator.responses.len()).collect();
-    let design = Covariance::of_model(model, &setup.operator, &all, &drift);
-    let parts = Parts::new(model, &setup.operator);
-    let mut nis = Vec::new();
-    let mut chosen = "structured";
-    let mut before: Option<Estimators> = None;
-    for count in 1..=seen.len() {
-        let newest = &seen[count - 1];
-        let foretold = match &before {
-            Some(known) => {
-                let errors =
-                    [&known.remainder, &known.kalman].map(|operator| miss(operator, newest));
-                let whole = newest.rows.len() == all.len();
-                let better = [&known.remainder, &known.kalman];
-                let which = usize::from(whole && errors[1] < errors[0]);
-                chosen = ["structured", "kalman"][which];
-                better[which].clone()
-            }
-            None => KalmanOperator {
-                mobility: setup.operator.mobility.clone(),
-                covariance: design.gram().clone(),
-            },
-        };
-        nis.push(score(&foretold, newest));
-        let estimators = estimate(&parts, &setup, design.gram(), &seen[..count])?;
-        let largest = tolerances::MODE_SCALES[tolerances::MODE_SCALES.len() - 1];
-        if count == 1 && newest.rows.len() == all.len() {
-            let restless = estimators.structured.scales.modes >= largest;
-            chosen = if restless { "kalman" } else { "structured" };
-        }
-        before = Some(estimators);
-    }
-    let Some(known) = before else {
-        return Err(Error::bad_data("no field to correct by")
-            .field("field")
-            .found("none")
-            .expected("at least one pair of weights and measured field"));
-    };
-    let operator = match chosen {
-        "kalman" => &known.kalman,
-        _ => &known.remainder,
-    };
-    let corrected = setup.with_operator(operator.mobility.clone(), operator.covariance.clone())?;
+    let learned = Learned::of(model, &setup, &drift, &seen)?;
+    let operator = learned.estimators.operator(learned.chosen);
+    let covariance = operator
+        .covariance
+        .mapv(|value| value * learned.inflation());
+    let corrected = setup.with_operator(operator.mobility.clone(), covariance)?;
     let solution = Method::Robust.solve(&corrected, model, options.effort)?;
     warnings.extend(solution.warnings);
     let measured: Vec<Option<f64>> = seen
         .iter()
-        .map(|seen| measured_ratio(&setup, seen))
+        .map(|seen| measured_ratio(&setup, seen, Count::Plain))
         .collect();
-    let new = corrected.problem.score(&solution.drive);
-    let (drive, best, kept) = best_of(&corrected, &solution.drive, &seen, &measured);
-    let (scan_due, reason) = scan(&nis, &known.structured);
-    let field = Field::new(&corrected.operator, &setup.zones, &drive);
+    let given = best_of(&corrected, solution.drive, &seen);
+    let structured = &learned.estimators.structured;
+    let scan_reason = scan(&learned.nis, structured);
+    if let Some(reason) = &scan_reason {
+        warnings.push(format!("a new scan of the FRFs is due: {reason}"));
+    }
+    let fields = learned.nis.iter().zip(&measured);
+    let correction = Correction {
+        iteration: seen.len(),
+        estimator: learned.chosen,
+        predicted: given.predicted,
+        scan_due: scan_reason.is_some(),
+        scan_reason,
+        fields: fields
+            .map(|(&nis, &min_ratio)| TakenField { nis, min_ratio })
+            .collect(),
+        best_measured: given.best_measured.map(|best| best + 1),
+        kept: given.kept,
+        gains: gains(&setup, structured),
+        common_shift: structured.common,
+    };
+    let weights = weights_of(&corrected, scene, &given.drive)?;
+    Ok(Weights {
+        options: options.to_json(&drift),
+        correction: Some(correction),
+        warnings,
+        ..weights
+    })
+}
+
+/// The drift with at least the error of amplifiers that every rig has.
+pub(crate) fn rig_drift(drift: Drift) -> Drift {
+    Drift {
+        drive_relative: drift.drive_relative.max(tolerances::RIG_DRIVE_ERROR),
+        ..drift
+    }
+}
+
+impl Learned {
+    /// Takes in the fields one by one: each is foretold from those before it.
+    fn of(model: &ModalModel, setup: &Setup, drift: &Drift, seen: &[Seen]) -> Result<Self> {
+        let all: Vec<usize> = (0..setup.operator.responses.len()).collect();
+        let design = Covariance::of_model(model, &setup.operator, &all, drift);
+        let parts = Parts::new(model, &setup.operator);
+        let first = KalmanOperator {
+            mobility: setup.operator.mobility.clone(),
+            covariance: design.gram().clone(),
+        };
+        let mut learned: Option<Self> = None;
+        for (count, newest) in (1..).zip(seen) {
+            let whole = newest.rows.len() == all.len();
+            let (mut chosen, mut nis) = (Estimator::Structured, Vec::new());
+            match learned {
+                Some(known) => {
+                    chosen = known.chosen;
+                    if whole {
+                        let error = |of| miss(known.estimators.operator(of), newest);
+                        let other = error(Estimator::Kalman) < error(Estimator::Structured);
+                        chosen = [Estimator::Structured, Estimator::Kalman][usize::from(other)];
+                    }
+                    nis = known.nis;
+                    nis.push(score(known.estimators.operator(chosen), newest));
+                }
+                None => nis.push(score(&first, newest)),
+            }
+            let estimators = estimate(&parts, &first, &seen[..count])?;
+            let largest = tolerances::MODE_SCALES[tolerances::MODE_SCALES.len() - 1];
+            if count == 1 && whole && estimators.structured.scales.modes >= largest {
+                chosen = Estimator::Kalman;
+            }
+            learned = Some(Self {
+                estimators,
+                chosen,
+                nis,
+            });
+        }
+        learned.ok_or_else(|| {
+            Error::bad_data("no field to correct by")
+                .field("field")
+                .found("none")
+                .expected("at least one pair of weights and measured field")
+                .help("play the weights, measure the field, and give both")
+        })
+    }
+
+    /// Factor on the covariance: where the newest field was not what was foretold, the
+    /// error bars were too small by that much. Of a first field nothing is known.
+    fn inflation(&self) -> f64 {
+        match self.nis.as_slice() {
+            [_, .., newest] => newest.max(1.0),
+            _ => 1.0,
+        }
+    }
+}
+
+/// The weights file of a drive that keeps `setup`.
+fn weights_of(setup: &Setup, scene: &Scene, drive: &Drive) -> Result<Weights> {
     let unit = setup.operator.unit;
-    let points = PointIndices::of_field(&field, &setup.zones, &setup.limits, &drive, unit)?;
-    let area = corrected
+    let field = Field::new(&setup.operator, &setup.zones, drive);
+    let points = PointIndices::of_field(&field, &setup.zones, &setup.limits, drive, unit)?;
+    let area = setup
         .nodes()
         .and_then(|nodes| field.area_from(nodes, &setup.zones))
         .map(|area| AreaIndices::of_area(&area, &setup.zones, &setup.limits));
-    if let Some(reason) = &reason {
-        warnings.push(format!("a new scan of the FRFs is due: {reason}"));
-    }
-    let correction = Correction {
-        iteration: seen.len(),
-        estimator: chosen.into(),
-        predicted: if kept {
-            points.min_ratio
-        } else {
-            new.min_ratio
-        },
-        scan_due,
-        scan_reason: reason,
-        fields: nis
-            .iter()
-            .zip(&measured)
-            .map(|(&nis, &min_ratio)| TakenField { nis, min_ratio })
-            .collect(),
-        best_measured: best.map(|best| best + 1),
-        kept,
-        gains: gains(&setup, &known.structured),
-        common_shift: known.structured.common,
-    };
     Ok(Weights {
         format: WEIGHTS_FORMAT.into(),
         version: WEIGHTS_VERSION,
         created_by: CREATED_BY.into(),
         source: Vec::new(),
-        options: options.to_json(&drift),
+        options: Default::default(),
         frequency_hz: scene.frequency_hz,
         method: "robust".into(),
         scene: scene.name(),
-        weights: weight_list(&setup.operator.references, &drive, unit),
+        weights: weight_list(&setup.operator.references, drive, unit),
         modes_used: setup.modes.len(),
         actuators_used: drive.iter().filter(|weight| weight.norm() > 0.0).count(),
         feasible: points.min_ratio == 1.0,
         ceiling: None,
-        kappa: Some(corrected.problem.score(&drive).kappa).filter(|kappa| kappa.is_finite()),
+        kappa: Some(setup.problem.score(drive).kappa).filter(|kappa| kappa.is_finite()),
         endurance: None,
         modal: None,
         indices: Indices { points, area },
         stress: None,
         sweep: None,
-        correction: Some(correction),
-        warnings,
+        correction: None,
+        warnings: Vec::new(),
         other_tones: Vec::new(),
     })
 }
@@ -238,7 +307,8 @@ fn see(
             return Err(Error::bad_data("the weights are for another frequency")
                 .field("frequency_hz")
                 .found(format!("{} Hz", weights.frequency_hz))
-                .expected(format!("{asked} Hz, as the scene")));
+                .expected(format!("{asked} Hz, as the scene"))
+                .help("give weights that were rendered for this scene"));
         }
         let Laid {
             operator, drive, ..
@@ -255,6 +325,7 @@ fn see(
                     .field("weights")
                     .found(reference)
                     .expected("the actuators of the scene")
+                    .help("use the same actuators in the scene, or render its weights anew")
             })?;
             whole[place] = weight;
         }
@@ -270,33 +341,20 @@ fn see(
         });
     }
     if assumed {
-        let words = format!(
-            "the field does not say how sure its values are: a noise of {} % of their rms is \
-             assumed; add a column std, or repeats",
-            100.0 * tolerances::FIELD_NOISE
-        );
-        warnings.push(words);
+        warnings.push(noise_assumed());
     }
     Ok(all)
 }
 
-/// Both estimators from all fields so far.
-fn estimate(
-    parts: &Parts,
-    setup: &Setup,
-    design: &Array2<Complex64>,
-    seen: &[Seen],
-) -> Result<Estimators> {
+/// Both estimators from all fields so far; `first` is the model with its error bars.
+fn estimate(parts: &Parts, first: &KalmanOperator, seen: &[Seen]) -> Result<Estimators> {
     let structured = parts.update(seen)?;
     let share = Complex64::from(tolerances::DESIGN_SHARE);
     let mut remainder = KalmanOperator {
         mobility: structured.mobility.clone(),
-        covariance: &structured.covariance + &design.mapv(|value| value * share),
+        covariance: &structured.covariance + &first.covariance.mapv(|value| value * share),
     };
-    let mut kalman = KalmanOperator {
-        mobility: setup.operator.mobility.clone(),
-        covariance: design.clone(),
-    };
+    let mut kalman = first.clone();
     for seen in seen {
         for operator in [&mut remainder, &mut kalman] {
             let velocity = seen.phased(&operator.mobility);
@@ -339,68 +397,91 @@ fn score(operator: &KalmanOperator, seen: &Seen) -> f64 {
     miss(operator, seen) / bar / seen.rows.len() as f64
 }
 
+/// How a measured response counts as inside its limit.
+#[derive(Clone, Copy)]
+enum Count {
+    /// As it was measured.
+    Plain,
+    /// By the chance that it is, given the noise of the field.
+    Expected,
+}
+
 /// Smaller of hot and cold ratio of a field as measured; `None` where it holds too little.
-fn measured_ratio(setup: &Setup, seen: &Seen) -> Option<f64> {
-    let rows = &setup.problem.rows;
-    let mut counts = [[0usize; 2]; 2];
+fn measured_ratio(setup: &Setup, seen: &Seen, count: Count) -> Option<f64> {
+    let (rows, limits) = (&setup.problem.rows, &setup.limits);
+    let mut shares = [[0.0; 2]; 2];
     for (number, row) in setup.judged.iter().enumerate() {
         let Some(place) = seen.rows.iter().position(|seen| seen == row) else {
             continue;
         };
-        let speed = seen.velocity[place].norm() / rows.levels[number];
-        let (kind, inside) = match number < rows.hot {
-            true => (0, setup.limits.is_felt(speed)),
-            false => (1, setup.limits.is_quiet(speed)),
+        let level = rows.levels[number];
+        let speed = seen.velocity[place].norm() / level;
+        let (kind, inside, slack) = match number < rows.hot {
+            true => (0, limits.is_felt(speed), speed - limits.hot_m_per_s),
+            false => (1, limits.is_quiet(speed), limits.cold_m_per_s - speed),
         };
-        counts[kind][0] += usize::from(inside);
-        counts[kind][1] += 1;
+        let noise = (seen.noise / level).max(f64::MIN_POSITIVE);
+        shares[kind][0] += match count {
+            Count::Plain => f64::from(u8::from(inside)),
+            Count::Expected => chance_above(slack, noise),
+        };
+        shares[kind][1] += 1.0;
     }
-    let ratio = |[inside, all]: [usize; 2]| (all > 0).then(|| inside as f64 / all as f64);
-    Some(ratio(counts[0])?.min(ratio(counts[1])?))
+    let ratio = |[inside, all]: [f64; 2]| (all > 0.0).then(|| inside / all);
+    Some(ratio(shares[0])?.min(ratio(shares[1])?))
 }
 
-/// The drive to give: the new one, or the best measured one where no better is foretold.
-fn best_of(
-    corrected: &Setup,
-    new: &Drive,
-    seen: &[Seen],
-    measured: &[Option<f64>],
-) -> (Drive, Option<usize>, bool) {
+/// The drive to give.
+struct Given {
+    drive: Drive,
+    /// The smaller of hot and cold ratio to be expected of it.
+    predicted: f64,
+    /// The best measured field, from 0.
+    best_measured: Option<usize>,
+    /// True where its drive is given again.
+    kept: bool,
+}
+
+/// The new drive, or the best measured one where no better is to be expected.
+fn best_of(corrected: &Setup, new: Drive, seen: &[Seen]) -> Given {
     let whole = corrected.operator.responses.len();
     let best = (0..seen.len())
         .filter(|&k| seen[k].rows.len() == whole)
-        .filter_map(|k| Some((measured[k]?, k)))
+        .filter_map(|k| Some((measured_ratio(corrected, &seen[k], Count::Expected)?, k)))
         .max_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let Some((ratio, k)) = best else {
-        return (new.clone(), None, false);
-    };
-    let foretold = corrected.problem.score(new);
-    let known = corrected.problem.score(&seen[k].drive);
-    let kept = ratio > foretold.min_ratio
-        || (ratio == foretold.min_ratio && known.kappa >= foretold.kappa);
-    let drive = if kept { &seen[k].drive } else { new };
-    (drive.clone(), Some(k), kept)
+    let expected = corrected.problem.expected_ratio(&new);
+    match best {
+        Some((ratio, k)) if ratio >= expected => Given {
+            drive: seen[k].drive.clone(),
+            predicted: ratio,
+            best_measured: Some(k),
+            kept: true,
+        },
+        _ => Given {
+            drive: new,
+            predicted: expected,
+            best_measured: best.map(|(_, k)| k),
+            kept: false,
+        },
+    }
 }
 
-/// Whether a new scan is due, and why.
-fn scan(nis: &[f64], structured: &Structured) -> (bool, Option<String>) {
+/// Why a new scan is due; `None` where it is not.
+fn scan(nis: &[f64], structured: &Structured) -> Option<String> {
     let beyond = |nis: &f64| *nis > tolerances::SCAN_NIS;
     if nis.len() > 2 && nis[nis.len() - 2..].iter().all(beyond) {
-        let words = format!(
+        return Some(format!(
             "the last two fields were not what the correction foretold (NIS {:.1} and {:.1})",
             nis[nis.len() - 2],
             nis[nis.len() - 1]
-        );
-        return (true, Some(words));
+        ));
     }
-    if structured.scales.unexplained >= tolerances::SCAN_UNEXPLAINED && nis.len() > 1 {
-        let words = format!(
+    (structured.scales.unexplained >= tolerances::SCAN_UNEXPLAINED && nis.len() > 1).then(|| {
+        format!(
             "gains and natural frequencies leave {:.0} % of the mobility unexplained",
             100.0 * structured.scales.unexplained
-        );
-        return (true, Some(words));
-    }
-    (false, None)
+        )
+    })
 }
 
 fn gains(setup: &Setup, structured: &Structured) -> Vec<ChannelGain> {

@@ -2,14 +2,13 @@
 //! the cause of the difference.
 
 use super::agreement::{agreement, Agreement};
-use super::field::{LaidField, Prediction};
+use super::correction::rig_drift;
+use super::field::{noise_assumed, LaidField, Prediction};
 use crate::covariance::Covariance;
 use crate::evaluate::{laid, Laid, On};
 use crate::field::Field;
 use crate::indices::{Indices, PointIndices};
-use crate::options::Drift;
 use crate::scene::{Limits, Scene};
-use crate::tolerances;
 use crate::weights::Weights;
 use crate::zones::ZoneMap;
 use chladni_frf::{MeasuredField, ModalModel, Result};
@@ -58,11 +57,7 @@ pub fn evaluate_field(
     } = laid(weights, scene, On::Model(model))?;
     let laid_field = LaidField::new(field, &operator, sha256)?;
     let all: Vec<usize> = (0..operator.responses.len()).collect();
-    let drift = scene.drift.unwrap_or_default();
-    let drift = Drift {
-        drive_relative: drift.drive_relative.max(tolerances::RIG_DRIVE_ERROR),
-        ..drift
-    };
+    let drift = rig_drift(scene.drift.unwrap_or_default());
     let mobility = operator.mobility.select(Axis(0), &laid_field.rows);
     let prediction = Prediction {
         velocity: mobility.dot(&drive),
@@ -85,12 +80,7 @@ pub fn evaluate_field(
         warnings.push(words);
     }
     if laid_field.noise_assumed {
-        let words = format!(
-            "the field does not say how sure its values are: a noise of {} % of their rms is \
-             assumed; add a column std, or repeats",
-            100.0 * tolerances::FIELD_NOISE
-        );
-        warnings.push(words);
+        warnings.push(noise_assumed());
     }
     let agreement = agreement(model, &operator, &laid_field, &prediction)?;
     // between few responses nothing is interpolated

@@ -107,6 +107,15 @@ impl LaidField {
     }
 }
 
+/// The sentence on fields without deviations.
+pub(crate) fn noise_assumed() -> String {
+    format!(
+        "the field does not say how sure its values are: a noise of {} % of their rms is \
+         assumed; add a column std, or repeats",
+        100.0 * tolerances::FIELD_NOISE
+    )
+}
+
 /// Root of the mean square.
 pub(crate) fn rms(values: &Array1<Complex64>) -> f64 {
     let square = values.iter().map(Complex64::norm_sqr).sum::<f64>();

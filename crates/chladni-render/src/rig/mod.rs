@@ -15,7 +15,7 @@ mod kalman;
 mod structured;
 
 pub use agreement::{Agreement, PointAgreement};
-pub use correction::{correct, ChannelGain, Correction, TakenField};
+pub use correction::{correct, ChannelGain, Correction, Estimator, TakenField};
 pub use diagnosis::{Hypothesis, Place};
 pub use evaluation::{evaluate_field, FieldEvaluation};
 pub use kalman::KalmanOperator;

@@ -88,10 +88,7 @@ fn one_field_mends_gains_and_channels() {
     for gain in [0.0, -1.0] {
         let rig = |seed| Rig::new(300.0, seed).channel(channel(seed), gain);
         let means = course(1, rig, |field| field);
-        assert!(
-            means[0] < 0.9 && means[1] > means[0] + 0.2,
-            "{gain}: {means:?}"
-        );
+        assert!(means[0] < 0.9 && means[1] >= 0.99, "{gain}: {means:?}");
     }
 }
 
@@ -140,7 +137,7 @@ fn a_correction_tells_gains_and_keeps_what_was_best() {
         (1, Some(1), false)
     );
     assert!(told.fields[0].nis > 3.0 && told.fields[0].min_ratio.unwrap() < 0.9);
-    assert!(!told.scan_due && told.predicted == 1.0, "{told:?}");
+    assert!(!told.scan_due && told.predicted > 0.99, "{told:?}");
     // the file carries it
     let again = Weights::parse(&corrected.to_json().unwrap()).unwrap();
     assert_eq!(again, corrected);
