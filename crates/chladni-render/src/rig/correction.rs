@@ -6,7 +6,7 @@
 //! modes want to move by the largest scale. Then the robust program runs on that operator
 //! and its posterior covariance.
 
-use super::field::LaidField;
+use super::field::{noise_assumed, LaidField};
 use super::kalman::KalmanOperator;
 use super::structured::{Parts, Seen, Structured};
 use crate::covariance::Covariance;
@@ -20,7 +20,7 @@ use crate::scene::Scene;
 use crate::setup::Setup;
 use crate::tolerances;
 use crate::weights::{weight_list, Weights, WEIGHTS_FORMAT, WEIGHTS_VERSION};
-use chladni_frf::{Dof, Error, MeasuredField, ModalModel, Result, CREATED_BY};
+use chladni_frf::{Dof, Error, Finding, MeasuredField, ModalModel, Result, CREATED_BY};
 use ndarray::{Array1, Array2, Axis};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -112,8 +112,8 @@ pub fn correct(
         ..scene.clone()
     };
     let setup = Setup::new(model, scene, &drift)?;
-    let mut warnings = setup.warnings.clone();
-    let seen = see(&setup, scene, model, played, &mut warnings)?;
+    let mut findings = setup.findings.clone();
+    let seen = see(&setup, scene, model, played, &mut findings)?;
     let all: Vec<usize> = (0..setup.operator.responses.len()).collect();
     let design = Covariance::of_model(model, &setup.operator, &all, &drift);
     let parts = Parts::new(model, &setup.operator);
@@ -158,7 +158,7 @@ pub fn correct(
     };
     let corrected = setup.with_operator(operator.mobility.clone(), operator.covariance.clone())?;
     let solution = Method::Robust.solve(&corrected, model, options.effort)?;
-    warnings.extend(solution.warnings);
+    findings.extend(solution.findings);
     let measured: Vec<Option<f64>> = seen
         .iter()
         .map(|seen| measured_ratio(&setup, seen))
@@ -174,7 +174,11 @@ pub fn correct(
         .and_then(|nodes| field.area_from(nodes, &setup.zones))
         .map(|area| AreaIndices::of_area(&area, &setup.zones, &setup.limits));
     if let Some(reason) = &reason {
-        warnings.push(format!("a new scan of the FRFs is due: {reason}"));
+        let words = format!("a new scan of the FRFs is due: {reason}");
+        findings.push(
+            Finding::caution("scan-due", words)
+                .help("take away what lies on the panel, or measure the FRFs again"),
+        );
     }
     let correction = Correction {
         iteration: seen.len(),
@@ -217,7 +221,7 @@ pub fn correct(
         stress: None,
         sweep: None,
         correction: Some(correction),
-        warnings,
+        findings: findings.into(),
         other_tones: Vec::new(),
     })
 }
@@ -228,7 +232,7 @@ fn see(
     scene: &Scene,
     model: &ModalModel,
     played: &[(Weights, MeasuredField, Option<String>)],
-    warnings: &mut Vec<String>,
+    findings: &mut Vec<Finding>,
 ) -> Result<Vec<Seen>> {
     let mut assumed = false;
     let mut all = Vec::with_capacity(played.len());
@@ -270,12 +274,7 @@ fn see(
         });
     }
     if assumed {
-        let words = format!(
-            "the field does not say how sure its values are: a noise of {} % of their rms is \
-             assumed; add a column std, or repeats",
-            100.0 * tolerances::FIELD_NOISE
-        );
-        warnings.push(words);
+        findings.push(noise_assumed());
     }
     Ok(all)
 }

@@ -2,7 +2,7 @@
 //! the cause of the difference.
 
 use super::agreement::{agreement, Agreement};
-use super::field::{LaidField, Prediction};
+use super::field::{noise_assumed, LaidField, Prediction};
 use crate::covariance::Covariance;
 use crate::evaluate::{laid, Laid, On};
 use crate::field::Field;
@@ -12,7 +12,7 @@ use crate::scene::{Limits, Scene};
 use crate::tolerances;
 use crate::weights::Weights;
 use crate::zones::ZoneMap;
-use chladni_frf::{MeasuredField, ModalModel, Result};
+use chladni_frf::{Finding, MeasuredField, ModalModel, Result};
 use ndarray::Axis;
 
 /// How a measured field does, and what it says of the rig.
@@ -30,8 +30,8 @@ pub struct FieldEvaluation {
     pub zones: ZoneMap,
     /// Velocity limits.
     pub limits: Limits,
-    /// What the user must know.
-    pub warnings: Vec<String>,
+    /// Everything the user should know.
+    pub findings: Vec<Finding>,
 }
 
 /// Scores the field that was measured while `weights` were played, against its prediction
@@ -54,7 +54,7 @@ pub fn evaluate_field(
         drive,
         limits,
         zones,
-        mut warnings,
+        mut findings,
     } = laid(weights, scene, On::Model(model))?;
     let laid_field = LaidField::new(field, &operator, sha256)?;
     let all: Vec<usize> = (0..operator.responses.len()).collect();
@@ -82,15 +82,10 @@ pub fn evaluate_field(
             laid_field.rows.len(),
             operator.responses.len()
         );
-        warnings.push(words);
+        findings.push(Finding::note("field-of-some-responses", words));
     }
     if laid_field.noise_assumed {
-        let words = format!(
-            "the field does not say how sure its values are: a noise of {} % of their rms is \
-             assumed; add a column std, or repeats",
-            100.0 * tolerances::FIELD_NOISE
-        );
-        warnings.push(words);
+        findings.push(noise_assumed());
     }
     let agreement = agreement(model, &operator, &laid_field, &prediction)?;
     // between few responses nothing is interpolated
@@ -105,7 +100,7 @@ pub fn evaluate_field(
         predicted,
         zones,
         limits,
-        warnings,
+        findings,
     })
 }
 
