@@ -277,6 +277,11 @@ def evaluate(rendering, scene, on):
     return _json.loads(_chladni.evaluate(rendering, _text_or_path(scene), on))
 
 
+def _all_findings(self):
+    """All findings: dictionaries with code, severity, modes, dofs, values, text and help."""
+    return _json.loads(self._findings())
+
+
 def _to_dict(self):
     """Everything the file holds, as a dictionary."""
     return _json.loads(self.to_json())
@@ -310,6 +315,9 @@ def _modal_constants(self):
     return (self.shapes * self.participations[:, :1] / (2j * self.poles.imag[:, None])).T
 
 
+FrfSet.findings = property(_all_findings)
+Model.findings = property(_all_findings)
+Rendering.findings = property(_all_findings)
 Model.to_dict = _to_dict
 Model.to_dataframe = _to_dataframe
 Model.FRF_reconstruct = _frf_reconstruct

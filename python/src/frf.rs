@@ -1,9 +1,11 @@
 //! FRF sets: read, simulated, or made of NumPy arrays.
 
 use crate::error::{raised, wrong_word};
+use crate::findings::{findings_json, sentences};
 use crate::model::Model;
 use chladni_frf::{
-    Direction, Dof, Error, ErrorKind, FrfKind, FrfValues, Geometry, Node, ReferenceUnit, TimeSign,
+    Direction, Dof, Error, ErrorKind, Finding, FrfKind, FrfValues, Geometry, Node, ReferenceUnit,
+    TimeSign,
 };
 use chladni_io::{read_frf, write_frf, ReadOptions};
 use chladni_plate::Panel;
@@ -29,9 +31,8 @@ use std::path::PathBuf;
 #[pyclass(frozen, module = "chladni")]
 pub struct FrfSet {
     pub set: chladni_frf::FrfSet,
-    /// What the user must know about the files.
-    #[pyo3(get)]
-    pub warnings: Vec<String>,
+    /// Findings about the files.
+    pub findings: Vec<Finding>,
 }
 
 /// DOFs by name, or nodes from `first` on along +Z.
@@ -148,8 +149,19 @@ impl FrfSet {
         };
         Ok(Self {
             set: set.checked().map_err(|error| raised(py, &error))?,
-            warnings: Vec::new(),
+            findings: Vec::new(),
         })
+    }
+
+    /// The sentences of cautions and faults about the files.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        sentences(&self.findings)
+    }
+
+    /// All findings as JSON.
+    fn _findings(&self) -> PyResult<String> {
+        findings_json(&self.findings)
     }
 
     /// Lines, Hz: (line,).
@@ -222,8 +234,10 @@ impl FrfSet {
     /// Writes the set; the format follows from the name (.h5, .uff, .unv, .csv, .npz).
     #[pyo3(signature = (path, *, force=false))]
     fn save(&self, py: Python<'_>, path: PathBuf, force: bool) -> PyResult<Vec<String>> {
-        py.detach(|| write_frf(&path, &self.set, force))
-            .map_err(|error| raised(py, &error))
+        let lost = py
+            .detach(|| write_frf(&path, &self.set, force))
+            .map_err(|error| raised(py, &error))?;
+        Ok(lost.into_iter().map(|finding| finding.text).collect())
     }
 
     fn __repr__(&self) -> String {
@@ -276,10 +290,10 @@ pub fn read(
         lenient,
         ..ReadOptions::default()
     };
-    let (set, _, warnings) = py
+    let (set, _, findings) = py
         .detach(|| read_frf(&paths, &options))
         .map_err(|error| raised(py, &error))?;
-    Ok(FrfSet { set, warnings })
+    Ok(FrfSet { set, findings })
 }
 
 /// FRFs of a virtual panel and the model behind them, from a panel file (TOML).
@@ -307,7 +321,7 @@ pub fn simulate(
     Ok((
         FrfSet {
             set: simulation.frf,
-            warnings: simulation.warnings,
+            findings: simulation.findings,
         },
         Model::new(simulation.truth),
     ))

@@ -7,6 +7,7 @@
 //! machines. Long work runs without the interpreter's lock.
 
 mod error;
+mod findings;
 mod frf;
 mod model;
 mod pieces;

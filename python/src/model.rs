@@ -1,6 +1,7 @@
 //! Modal models: fitted, loaded, and what notebooks ask of them.
 
 use crate::error::{raised, unfitted, wrong_word};
+use crate::findings::findings_json;
 use crate::frf::FrfSet;
 use crate::progress::telling;
 use chladni_frf::{Damping, Error, ModalModel, Mode, Scaling, ShapeSet, Trust};
@@ -202,10 +203,15 @@ impl Model {
         }
     }
 
-    /// What the user must know.
+    /// The sentences of cautions and faults.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.model.quality.warnings()
+    }
+
+    /// All findings as JSON.
+    fn _findings(&self) -> PyResult<String> {
+        findings_json(&self.model.quality.findings)
     }
 
     /// Names of the response DOFs.

@@ -1,6 +1,7 @@
 //! Weights for a scene, and what they do on other data.
 
 use crate::error::{raised, wrong_word};
+use crate::findings::findings_json;
 use crate::frf::FrfSet;
 use crate::model::Model;
 use chladni_io::write_atomically;
@@ -99,10 +100,15 @@ impl Rendering {
         self.0.weights.kappa
     }
 
-    /// What the user must know.
+    /// The sentences of cautions and faults.
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        self.0.weights.warnings.clone()
+        self.0.weights.findings.warnings()
+    }
+
+    /// All findings as JSON.
+    fn _findings(&self) -> PyResult<String> {
+        findings_json(&self.0.weights.findings)
     }
 
     /// The weights file's text.
@@ -212,7 +218,7 @@ pub fn evaluate(
         }
     };
     let judged = judged.map_err(|error| raised(py, &error))?;
-    let of = |tone: &chladni_render::Evaluation| serde_json::json!({"frequency_hz": tone.frequency_hz, "indices": tone.indices, "warnings": tone.warnings});
+    let of = |tone: &chladni_render::Evaluation| serde_json::json!({"frequency_hz": tone.frequency_hz, "indices": tone.indices, "warnings": chladni_frf::warnings(&tone.findings), "findings": tone.findings});
     let mut all = of(&judged);
     if !judged.other_tones.is_empty() {
         all["other_tones"] = judged.other_tones.iter().map(of).collect();

@@ -110,7 +110,7 @@ pub fn estimate(
         .map_err(|error| raised(py, &error))?;
     Ok(FrfSet {
         set: estimated.frf,
-        warnings: estimated.warnings,
+        findings: estimated.findings,
     })
 }
 

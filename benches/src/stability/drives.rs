@@ -196,10 +196,10 @@ impl Stage {
         let least = judge(&drive, &rendering)?.least();
         // what is said of baselines as such tells nothing of this scene
         let warnings = weights
-            .warnings
+            .findings
             .iter()
-            .filter(|text| !text.contains("is a baseline to compare with"))
-            .cloned()
+            .filter(|finding| finding.code != "baseline-method")
+            .map(ToString::to_string)
             .collect();
         Ok(Trial {
             found: usize::from(least >= SERVES),

@@ -222,7 +222,7 @@ fn reduce(args: &Reduce, console: &Console) -> Result<Outcome> {
         args.block,
         counted(partial.frfs(), "FRF")
     );
-    let json = json!({"output": shown(&args.output), "block": args.block, "frfs": partial.frfs(), "pass": pass(&partial), "warnings": console.warnings()});
+    let json = json!({"output": shown(&args.output), "block": args.block, "frfs": partial.frfs(), "pass": pass(&partial)});
     Ok(Outcome::written(&args.output, json, said))
 }
 
@@ -244,7 +244,7 @@ fn merge(args: &Merge, console: &Console) -> Result<Outcome> {
         counted(merged.blocks(), "block"),
         counted(merged.frfs(), "FRF")
     );
-    let json = json!({"output": shown(&args.output), "blocks": merged.blocks(), "frfs": merged.frfs(), "pass": pass(&merged), "warnings": console.warnings()});
+    let json = json!({"output": shown(&args.output), "blocks": merged.blocks(), "frfs": merged.frfs(), "pass": pass(&merged)});
     Ok(Outcome::written(&args.output, json, said))
 }
 
@@ -284,7 +284,7 @@ fn solved(args: &Solve, console: &Console) -> Result<Outcome> {
             write(&output, &poles.to_bytes())?;
             Ok(Outcome::written(
                 &args.output,
-                poles_json(&poles, &args.output, console),
+                poles_json(&poles, &args.output),
                 poles_text(&poles, &args.output),
             ))
         }
@@ -304,12 +304,10 @@ fn solved(args: &Solve, console: &Console) -> Result<Outcome> {
                  --poles {}, then merge and solve",
                 path.display()
             );
-            Ok(Outcome::written(
-                &path,
-                poles_json(&poles, &path, console),
-                poles_text(&poles, &path),
+            Ok(
+                Outcome::written(&path, poles_json(&poles, &path), poles_text(&poles, &path))
+                    .doubted(Some(doubt)),
             )
-            .doubted(Some(doubt)))
         }
         Solved::Fit(fit) => {
             let mut model = fit.model;
@@ -428,13 +426,13 @@ fn pass(partial: &Partial) -> u8 {
     }
 }
 
-fn poles_json(poles: &Poles, path: &Path, console: &Console) -> Value {
+fn poles_json(poles: &Poles, path: &Path) -> Value {
     let modes: Vec<Value> = poles
         .modes()
         .iter()
         .map(|(f, eta)| json!({"frequency_hz": f, "loss_factor": eta}))
         .collect();
-    json!({"output": shown(path), "poles": poles.count(), "modes": modes, "evidence": poles.evidence(), "warnings": console.warnings()})
+    json!({"output": shown(path), "poles": poles.count(), "modes": modes, "evidence": poles.evidence()})
 }
 
 fn poles_text(poles: &Poles, path: &Path) -> String {

@@ -1,7 +1,7 @@
 //! `chladni compare`: two models side by side, or a mode followed through many.
 
 use chladni_console::input::{source, warn_of_files};
-use chladni_console::table::{counted, significant, table, with_bound, SIGMAS_95};
+use chladni_console::table::{bounded, counted, significant, table, SIGMAS_95};
 use chladni_console::{Console, Outcome};
 use chladni_frf::{Result, ShapeSet, Source};
 use chladni_rfp::{
@@ -97,7 +97,6 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         "options": {"pair_dofs": args.pair_dofs.as_str(), "least_mac": args.least_mac, "against": args.against},
         "comparisons": tracking.comparisons.iter().map(Comparison::to_json).collect::<Vec<_>>(),
         "tracks": tracking.tracks.iter().map(|track| &track.modes).collect::<Vec<_>>(),
-        "warnings": console.warnings(),
     });
     let text = match tracking.comparisons.as_slice() {
         [one] => of_two(one, &sources),
@@ -153,7 +152,10 @@ fn mac(pair: &ModePair) -> String {
     if SIGMAS_95 * pair.mac_std < f64::EPSILON {
         return significant(pair.mac, 6);
     }
-    with_bound((pair.mac - pair.mac_noise_bias).min(1.0), pair.mac_std).join(" ")
+    bounded(
+        (pair.mac - pair.mac_noise_bias).min(1.0),
+        SIGMAS_95 * pair.mac_std,
+    )
 }
 
 fn dofs(comparison: &Comparison) -> String {

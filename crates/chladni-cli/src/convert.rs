@@ -5,7 +5,7 @@ use chladni_console::output::{Output, DATA, MODEL_OR_SHAPES, SHAPES};
 use chladni_console::table::counted;
 use chladni_console::Console;
 use chladni_console::Outcome;
-use chladni_frf::{Dof, Error, Geometry, ModalModel, Result};
+use chladni_frf::{Dof, Error, Finding, Geometry, ModalModel, Result};
 use chladni_io::{
     detect_format, field_shape, model_shapes, read_contents, read_model, write_contents,
     write_model, Contents, FileFormat, Shape, ShapeForm,
@@ -57,7 +57,11 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let output = Output::new(&args.output, DATA, &files, console)?;
     let mut contents = read_contents(&files, &args.reading.options())?;
     warn_of_files(&files, std::mem::take(&mut contents.warnings), console);
-    warn_of_files(&files, std::mem::take(&mut contents.not_carried), console);
+    let not_carried = std::mem::take(&mut contents.not_carried);
+    let not_carried = not_carried
+        .into_iter()
+        .map(|words| Finding::note("not-carried", words));
+    warn_of_files(&files, not_carried.collect(), console);
 
     let nothing = contents.functions.is_empty()
         && contents.shapes.is_empty()
@@ -70,7 +74,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
             .help("`chladni info` lists what is inside"));
     }
     console.stage("writing");
-    console.warn_all(output.write(|path, force| write_contents(path, &contents, force))?);
+    console.find_all(&output.write(|path, force| write_contents(path, &contents, force))?);
     let (responses, references, lines) = contents
         .frf
         .as_ref()
@@ -85,7 +89,6 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         "functions": contents.functions.len(),
         "shapes": contents.shapes.len(),
         "nodes": contents.geometry().nodes.len(),
-        "warnings": console.warnings(),
     });
     let text = format!(
         "{}: {} of {} at {}, {}, {}, {}\n",
@@ -127,7 +130,6 @@ fn convert_model(
         "responses": model.responses.len(),
         "references": model.references.len(),
         "modes": modes,
-        "warnings": console.warnings(),
     });
     Ok(Outcome::written(
         &args.output,
@@ -177,13 +179,12 @@ fn write_shapes(
         other_geometry,
         ..Contents::default()
     };
-    console.warn_all(output.write(|path, force| write_contents(path, &contents, force))?);
+    console.find_all(&output.write(|path, force| write_contents(path, &contents, force))?);
     let json = json!({
         "output": args.output.display().to_string(),
         "source": files.iter().map(|file| source(file)).collect::<Result<Vec<_>>>()?,
         "shapes": contents.shapes.len(),
         "nodes": model.nodes.len(),
-        "warnings": console.warnings(),
     });
     let text = format!(
         "{}: {}, {}\n",

@@ -84,9 +84,9 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         .iter()
         .map(|file| source(file))
         .collect::<Result<_>>()?;
-    console.warn_all(weights.warnings.iter().cloned());
+    console.find_all(weights.findings.iter());
     let text = text(&weights);
-    let doubt = (!weights.feasible).then(|| "the scene is not met: see the warnings".to_owned());
+    let doubt = (!weights.feasible).then(|| "the scene is not met: see above".to_owned());
     let outcome = match (&args.output, &output) {
         (Some(path), Some(output)) => {
             console.stage("writing");
@@ -99,7 +99,8 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
                 "kappa": weights.kappa,
                 "indices": weights.indices,
                 "correction": weights.correction,
-                "warnings": weights.warnings,
+                "warnings": weights.findings.warnings(),
+                "findings": weights.findings.0,
             });
             Outcome::written(path, json, text)
         }

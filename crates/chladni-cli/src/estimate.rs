@@ -6,7 +6,7 @@ use chladni_console::table::{counted, significant};
 use chladni_console::Console;
 use chladni_console::Outcome;
 use chladni_frf::{
-    BlockWindow, Dof, Error, ErrorKind, Estimation, Estimator, Geometry, Result, Source,
+    BlockWindow, Dof, Error, ErrorKind, Estimation, Estimator, Finding, Geometry, Result, Source,
 };
 use chladni_io::{read_documents, write_contents, Contents, ReadOptions};
 use chladni_io::{runs_of, ChannelOverride};
@@ -155,19 +155,18 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     )? {
         match document.errors.first() {
             Some(error) if !args.lenient => return Err(error.clone().file(&document.file)),
-            _ => warnings.extend(
-                document
-                    .errors
-                    .iter()
-                    .map(|error| format!("left out: {error}")),
-            ),
+            _ => {
+                warnings.extend(document.errors.iter().map(|error| {
+                    Finding::caution("damaged-left-out", format!("left out: {error}"))
+                }))
+            }
         }
         runs.extend(runs_of(&document, &said)?);
         warnings.extend(
             document
                 .warnings
                 .iter()
-                .map(|warning| format!("{}: {warning}", document.file.display())),
+                .map(|warning| warning.about(document.file.display())),
         );
         sources.push(Source {
             file: chladni_text::file_name(&document.file),
@@ -181,14 +180,13 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     console.stage("estimating FRFs");
     let result = estimate(&runs, &options)?;
     let made = result.estimation;
-    console.warn_all(result.warnings);
+    console.find_all(&result.findings);
     let mut frf = result.frf;
     frf.geometry = geometry;
     if frf.kind.is_none() {
-        console.warn(
-            "the units do not say the FRF kind: other commands need --frf-kind, or name \
-                      the units here with --units"
-                .to_owned(),
+        console.find(
+            &Finding::note("kind-unknown", "the units do not say the FRF kind")
+                .help("other commands need --frf-kind; or name the units here with --units"),
         );
     }
     console.stage("writing");
@@ -199,7 +197,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         sources,
         ..Contents::default()
     };
-    console.warn_all(output.write(|path, force| write_contents(path, &contents, force))?);
+    console.find_all(&output.write(|path, force| write_contents(path, &contents, force))?);
     let json = json!({
         "output": args.output.display().to_string(),
         "source": contents.sources,
@@ -216,7 +214,6 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         "overlap": 1.0 - made.hop_s / made.transform_s,
         "averages": made.averages,
         "lines_per_value": made.lines_per_value,
-        "warnings": console.warnings(),
     });
     let text = format!(
         "{}: {} of {} at {}, {} from {} to {} Hz by {}, {}\n",

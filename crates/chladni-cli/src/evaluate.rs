@@ -77,21 +77,15 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
             judge(On::Frf(&frf))?
         }
     };
-    console.warn_all(evaluation.warnings.iter().cloned());
+    console.find_all(&evaluation.findings);
     for tone in &evaluation.other_tones {
-        console.warn_all(
-            tone.warnings
-                .iter()
-                .filter(|warning| !evaluation.warnings.contains(warning))
-                .cloned(),
-        );
+        console.find_all(&tone.findings);
     }
     let json = json!({
         "weights": args.weights.display().to_string(),
         "scene": args.scene.display().to_string(),
         "on": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
         "source": sources,
-        "warnings": console.warnings(),
     });
     let mut summary = judged(&evaluation);
     if !evaluation.other_tones.is_empty() {

@@ -1,18 +1,23 @@
 //! `chladni fit`: modes from FRFs.
 
+mod band;
+mod text;
+
+pub use text::text;
+
 use crate::asked_model::AskedModel;
 use crate::explain::explain;
 use crate::scene_band::SceneBand;
 use crate::streaming::{too_large, Resume, Stream};
+use band::better_band;
 use chladni_console::input::{expand, read_frf, Reading};
 use chladni_console::memory::{parse_memory, MEMORY};
 use chladni_console::output::{Output, MODEL};
-use chladni_console::table::{counted, significant, table, with_bound};
+use chladni_console::quoting::shell_path;
+use chladni_console::table::significant;
 use chladni_console::Console;
 use chladni_console::Outcome;
-use chladni_frf::{
-    Damping, Error, ErrorKind, Finding, FrfSet, ModalModel, Mode, Result, Scaling, Source, Trust,
-};
+use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Source, Trust};
 use chladni_io::{frf_bytes, write_model, FrfParts};
 use chladni_rfp::{FitOptions, Method, Window};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -124,7 +129,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         &options,
         sources,
         echo,
-        console.warnings(),
+        console.findings(),
         &files[0],
         console,
     )?;
@@ -157,8 +162,37 @@ fn written(
         Some(path) => Outcome::written(path, summary(&model, path)?, text),
         None => Outcome::shown(whole(&model)?, text),
     };
-    Ok(outcome.doubted(doubt))
+    let outcome = outcome.doubted(doubt);
+    Ok(match next_step(args, &model) {
+        Some(next) => outcome.next(next),
+        None => outcome,
+    })
 }
+
+/// The command that comes next: a better band where one is known, else the report.
+fn next_step(args: &Args, model: &ModalModel) -> Option<String> {
+    /// Files that a command to copy may name.
+    const MOST_FILES: usize = 3;
+    let output = args.output.as_deref().map(shell_path);
+    if model
+        .quality
+        .findings
+        .iter()
+        .any(|finding| finding.code == MOSTLY_UNEXPLAINED)
+    {
+        let [low, high] = better_band(model)?.hz.map(|hz| significant(hz, 6));
+        let files: Vec<String> = args.files.iter().map(|file| shell_path(file)).collect();
+        let own = [files, args.reading.flags()].concat().join(" ");
+        let output = output.map_or(String::new(), |file| format!(" -o {file} --force"));
+        return (args.files.len() <= MOST_FILES)
+            .then(|| format!("chladni fit {own} --band {low}:{high}{output}"));
+    }
+    let output = output.filter(|_| model.quality.trusted)?;
+    Some(format!("chladni report {output} -o report.html"))
+}
+
+/// Code of the finding that most of the data are left unexplained.
+const MOSTLY_UNEXPLAINED: &str = "mostly-unexplained";
 
 /// Fits a set larger than memory part by part.
 fn streamed(
@@ -204,14 +238,11 @@ fn streamed(
     let mut model = fit.model;
     model.source = sources;
     model.options = echo;
-    model
-        .quality
-        .findings
-        .splice(0..0, of_reading(console.warnings()));
+    model.quality.findings.splice(0..0, console.findings());
     Ok((model, resume))
 }
 
-/// Fits a set and completes the model with its sources, its options and the `warnings` of
+/// Fits a set and completes the model with its sources, its options and the findings of
 /// reading.
 ///
 /// # Errors
@@ -221,7 +252,7 @@ pub fn fit_model(
     options: &FitOptions,
     sources: Vec<Source>,
     echo: Map<String, Value>,
-    warnings: Vec<String>,
+    of_reading: Vec<Finding>,
     file: &Path,
     console: &Console,
 ) -> Result<ModalModel> {
@@ -230,15 +261,8 @@ pub fn fit_model(
     let mut model = fit.model;
     model.source = sources;
     model.options = echo;
-    model.quality.findings.splice(0..0, of_reading(warnings));
+    model.quality.findings.splice(0..0, of_reading);
     Ok(model)
-}
-
-/// The sentences of reading as findings.
-fn of_reading(warnings: Vec<String>) -> impl Iterator<Item = Finding> {
-    warnings
-        .into_iter()
-        .map(|text| Finding::caution("reading", text))
 }
 
 /// The options that can change the result.
@@ -280,7 +304,7 @@ impl Args {
 /// Why a model is not to be trusted.
 pub fn distrust(model: &ModalModel) -> String {
     let reason = match model.in_band_modes().any(|mode| mode.trust == Trust::Sure) {
-        true => "the data as a whole contradict the model (see the warnings)",
+        true => "the data as a whole contradict the model, see above",
         false => "no mode is sure",
     };
     format!("the fit is not to be trusted: {reason}")
@@ -333,121 +357,4 @@ pub fn summary(model: &ModalModel, output: &Path) -> Result<Value> {
     summary.insert("warnings".into(), json!(model.quality.warnings()));
     summary.insert("findings".into(), json!(model.quality.findings));
     Ok(summary.into())
-}
-
-/// The sentence that a result begins with: how many modes, how sure, and how much of the
-/// data they explain.
-fn sentence(model: &ModalModel) -> String {
-    let modes = model.in_band_modes().count();
-    let sure = model
-        .in_band_modes()
-        .filter(|mode| mode.trust == Trust::Sure)
-        .count();
-    let [low, high] = model.band_hz.map(|hz| significant(hz, 6));
-    let share = (1.0 - model.quality.relative_error).max(0.0);
-    let explained = format!(
-        "{} % of the data, {low} to {high} Hz",
-        significant(100.0 * share, 3)
-    );
-    let noise = match share < HALF {
-        true => ": most of it is noise, or no resonance",
-        false => "",
-    };
-    match (sure, modes - sure) {
-        (0, 0) => format!("No mode between {low} and {high} Hz."),
-        (1, 0) => format!("1 sure mode explains {explained}{noise}."),
-        (_, 0) => format!("{sure} sure modes explain {explained}{noise}."),
-        (0, 1) => format!("1 weak mode and no sure one; it explains {explained}{noise}."),
-        (0, _) => {
-            format!("{modes} weak modes and no sure one; they explain {explained}{noise}.")
-        }
-        (_, weak) => format!(
-            "{}, {weak} weak; together they explain {explained}{noise}.",
-            counted(sure, "sure mode")
-        ),
-    }
-}
-
-/// Share of the data from which on modes explain most of them.
-const HALF: f64 = 0.5;
-
-/// The sentence, the table of modes, and a line about the whole.
-pub fn text(model: &ModalModel, verbose: bool) -> String {
-    const HEADER: [&str; 8] = [
-        "mode",
-        "frequency, Hz",
-        "95 %",
-        "loss factor",
-        "95 %",
-        "damping ratio",
-        "trust",
-        "reasons",
-    ];
-    let listed = |mode: &&Mode| verbose || (mode.in_band && mode.trust != Trust::Rejected);
-    let mut number = 0;
-    let rows: Vec<Vec<String>> = model
-        .modes
-        .iter()
-        .filter(listed)
-        .map(|mode| row(mode, &mut number))
-        .collect();
-    let outside = model
-        .modes
-        .iter()
-        .filter(|mode| !mode.in_band && mode.trust != Trust::Rejected)
-        .count();
-    let law = match model.damping {
-        Damping::Structural => "structural",
-        Damping::Viscous => "viscous",
-    };
-    let scaling = match model.scaling {
-        Scaling::UnitModalMass => "shapes of unit modal mass",
-        Scaling::Unscaled => "unscaled shapes",
-    };
-    let mut text = format!("{}\n", sentence(model));
-    if !rows.is_empty() {
-        text += &format!("\n{}", table(&HEADER, &rows));
-    }
-    text += &format!("{law} damping, {scaling}, method {}", model.method);
-    if outside > 0 {
-        text += &format!(
-            "; {} outside the band as residual terms",
-            counted(outside, "pole")
-        );
-    }
-    text.push('\n');
-    match &model.quality.path {
-        Some(path) if verbose => text + &format!("path: {path}\n"),
-        _ => text,
-    }
-}
-
-fn row(mode: &Mode, number: &mut usize) -> Vec<String> {
-    let counts = mode.in_band && mode.trust != Trust::Rejected;
-    *number += usize::from(counts);
-    let [frequency, frequency_bound] = with_bound(mode.frequency_hz, mode.frequency_std_hz);
-    let [loss_factor, loss_factor_bound] = with_bound(mode.loss_factor, mode.loss_factor_std);
-    let trust = match mode.trust {
-        Trust::Sure => "sure",
-        Trust::Weak => "weak",
-        Trust::Rejected => "rejected",
-    };
-    let mut reasons = mode.reasons.sentences();
-    if !mode.in_band {
-        reasons.insert(0, "outside the band".into());
-    }
-    vec![
-        if counts {
-            number.to_string()
-        } else {
-            String::new()
-        },
-        frequency,
-        frequency_bound,
-        loss_factor,
-        loss_factor_bound,
-        significant(mode.damping_ratio, 4),
-        trust.into(),
-        reasons.join("; "),
-    ]
 }

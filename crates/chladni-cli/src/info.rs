@@ -2,10 +2,11 @@
 
 use chladni_console::input::{expand, read_weights, Reading};
 use chladni_console::oddities;
+use chladni_console::settings::{error_with_options, finding_with_options};
 use chladni_console::table::{counted, shortened, significant, table};
 use chladni_console::Console;
 use chladni_console::Outcome;
-use chladni_frf::{Dof, Error, FrfKind, FrfSet, Result};
+use chladni_frf::{warnings, Dof, Error, Finding, FrfKind, FrfSet, Result};
 use chladni_io::{
     assemble, list_document, read_model, DatasetInfo, Document, FileFormat, ReadOptions,
 };
@@ -38,7 +39,6 @@ pub struct Args {
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let files = expand(&args.files, console)?;
     console.stage("reading");
-    let left_out = console.warnings();
     let mut listings = Vec::new();
     let mut first_error = None;
     for file in &files {
@@ -58,13 +58,13 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         }
         _ => listings
             .iter()
-            .for_each(|listing| console.warn_all(listing.all_warnings())),
+            .for_each(|listing| console.find_all(&listing.all_findings())),
     }
     let doubt = listings
         .iter()
         .any(|listing| listing.damaged)
-        .then(|| "some of it cannot be read: see the warnings".to_owned());
-    let json = json!({"files": listings.iter().map(Listing::json).collect::<Vec<_>>(), "warnings": left_out});
+        .then(|| "some of it cannot be read: see above".to_owned());
+    let json = json!({"files": listings.iter().map(Listing::json).collect::<Vec<_>>()});
     let text = match listings.len() > SHOWN_ALIKE && !console.verbose {
         true => {
             listings.iter().map(Listing::headline).collect::<String>()
@@ -89,7 +89,7 @@ struct Listing {
     responses: Vec<Dof>,
     references: Vec<Dof>,
     axis: Option<String>,
-    warnings: Vec<String>,
+    findings: Vec<Finding>,
     datasets: Vec<DatasetInfo>,
     damaged: bool,
 }
@@ -105,10 +105,7 @@ impl Listing {
             responses: Vec::new(),
             references: Vec::new(),
             axis: None,
-            warnings: vec![one_line(&Error {
-                file: None,
-                ..error.clone()
-            })],
+            findings: vec![damage(error)],
             datasets: Vec::new(),
             damaged: true,
         }
@@ -117,19 +114,14 @@ impl Listing {
     fn new(mut document: Document, options: &ReadOptions) -> Self {
         // errors without a dataset of their own are told here; the others stand beside
         // their datasets
-        let mut warnings = std::mem::take(&mut document.warnings);
+        let mut findings = std::mem::take(&mut document.warnings);
         let errors = std::mem::take(&mut document.errors);
         let beside = |error: &Error| {
             document.datasets.iter().any(|info| {
                 error.line.is_some() && info.warnings.iter().any(|w| w.contains(&error.message))
             })
         };
-        warnings.extend(errors.iter().filter(|error| !beside(error)).map(|error| {
-            one_line(&Error {
-                file: None,
-                ..error.clone()
-            })
-        }));
+        findings.extend(errors.iter().filter(|error| !beside(error)).map(damage));
         document
             .functions
             .iter_mut()
@@ -143,7 +135,7 @@ impl Listing {
             responses: Vec::new(),
             references: Vec::new(),
             axis: None,
-            warnings,
+            findings,
             datasets: std::mem::take(&mut document.datasets),
             damaged: !errors.is_empty(),
         };
@@ -175,7 +167,7 @@ impl Listing {
                     .iter()
                     .map(|weight| weight.reference)
                     .collect();
-                self.warnings.extend(weights.warnings);
+                self.findings.extend(weights.findings.0);
             }
             Err(error) => self.refuse(&error),
         }
@@ -231,22 +223,20 @@ impl Listing {
             Err(error) => return self.refuse(&error),
         };
         let prefix = format!("{}: ", self.file.display());
-        self.warnings.extend(
-            contents
-                .warnings
-                .into_iter()
-                .map(|warning| warning.trim_start_matches(&prefix).to_owned()),
-        );
+        self.findings
+            .extend(contents.warnings.into_iter().map(|finding| Finding {
+                text: finding.text.trim_start_matches(&prefix).to_owned(),
+                ..finding
+            }));
         let Some(frf) = contents.frf else { return };
         if frf.kind.is_none() {
-            self.warnings.push(
-                "the file does not say its FRF kind; other commands need --frf-kind \
-                                receptance|mobility|accelerance"
-                    .into(),
+            self.findings.push(
+                Finding::note("kind-unknown", "the file does not say its FRF kind")
+                    .help("other commands need `frf_kind receptance|mobility|accelerance`"),
             );
         }
-        self.warnings.extend(oddities::of_set(&frf));
-        self.warnings.extend(oddities::of_listing(&frf));
+        self.findings.extend(oddities::of_set(&frf));
+        self.findings.extend(oddities::of_listing(&frf));
         self.axis = axis(&frf);
         (self.frf_kind, self.responses, self.references) =
             (frf.kind, frf.responses, frf.references);
@@ -254,26 +244,20 @@ impl Listing {
 
     fn refuse(&mut self, error: &Error) {
         self.damaged = true;
-        self.warnings.push(one_line(&Error {
-            file: None,
-            ..error.clone()
-        }));
+        self.findings.push(damage(error));
     }
 
-    /// Warnings of the file and of its datasets, with the place; what is said of several
+    /// Findings of the file and of its datasets, with the place; what is said of several
     /// datasets is said once, of the first.
-    fn all_warnings(&self) -> Vec<String> {
+    fn all_findings(&self) -> Vec<Finding> {
         let file = self.file.display();
-        let of_file = self
-            .warnings
-            .iter()
-            .map(|warning| format!("{file}: {warning}"));
-        let mut alike: Vec<(&DatasetInfo, &String, usize)> = Vec::new();
+        let of_file = self.findings.iter().map(|finding| finding.about(&file));
+        let mut alike: Vec<(&DatasetInfo, &Finding, usize)> = Vec::new();
         for info in &self.datasets {
-            for warning in &info.warnings {
-                match alike.iter_mut().find(|(_, known, _)| *known == warning) {
+            for finding in &info.warnings {
+                match alike.iter_mut().find(|(_, known, _)| *known == finding) {
                     Some((.., count)) => *count += 1,
-                    None => alike.push((info, warning, 1)),
+                    None => alike.push((info, finding, 1)),
                 }
             }
         }
@@ -284,13 +268,16 @@ impl Listing {
                 String::new()
             }
         };
-        let of_datasets = alike.iter().map(|(info, warning, count)| {
-            format!("{file}: {}: {warning}{}", place(info), more(*count))
+        let of_datasets = alike.iter().map(|(info, finding, count)| {
+            let mut finding = finding.about(place(info)).about(&file);
+            finding.text += &more(*count);
+            finding
         });
         of_file.chain(of_datasets).collect()
     }
 
     fn json(&self) -> Value {
+        let with_options: Vec<Finding> = self.findings.iter().map(finding_with_options).collect();
         json!({
             "file": self.file.display().to_string(),
             "format": self.format,
@@ -299,7 +286,8 @@ impl Listing {
             "nodes": self.nodes,
             "responses": self.responses,
             "references": self.references,
-            "warnings": self.warnings,
+            "warnings": warnings(&with_options),
+            "findings": with_options,
             "datasets": self.datasets,
         })
     }
@@ -364,9 +352,16 @@ fn axis(frf: &FrfSet) -> Option<String> {
     ))
 }
 
-/// An error without line breaks.
-fn one_line(error: &Error) -> String {
-    error.to_string().replace("\n  help: ", "; help: ")
+/// An error as a finding of the file, in one line.
+fn damage(error: &Error) -> Finding {
+    let error = error_with_options(Error {
+        file: None,
+        ..error.clone()
+    });
+    Finding::fault(
+        "damaged",
+        error.to_string().replace("\n  help: ", "; help: "),
+    )
 }
 
 fn place(info: &DatasetInfo) -> String {

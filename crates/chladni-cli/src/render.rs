@@ -149,7 +149,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     for tone in &mut weights.other_tones {
         trials.on(tone, &model, &scene, &options, console)?;
     }
-    console.warn_all(weights.warnings.iter().cloned());
+    console.find_all(weights.findings.iter());
     if let Some(output) = &output {
         console.stage("writing");
         write_weights(output, &weights)?;
@@ -157,7 +157,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     if let (Some(path), Some(output)) = (&args.wav, &signals) {
         write_signals(path, output, &weights)?;
     }
-    let doubt = (!weights.feasible).then(|| "the scene is not met: see the warnings".to_owned());
+    let doubt = (!weights.feasible).then(|| "the scene is not met: see above".to_owned());
     let text = text(&weights);
     let outcome = match &args.output {
         Some(path) => Outcome::written(path, summary(&weights, path)?, text),
@@ -214,7 +214,7 @@ impl Trials {
     ) -> Result<()> {
         if let Some(seed) = self.stress_seed {
             console.stage("stress");
-            let (rows, warnings) = stress(
+            let (rows, findings) = stress(
                 weights,
                 scene,
                 model,
@@ -225,7 +225,7 @@ impl Trials {
             )?;
             weights.options.insert("stress_seed".into(), seed.into());
             weights.stress = Some(rows);
-            weights.warnings.extend(warnings);
+            weights.findings.extend(findings);
         }
         if let Some(range) = self.sweep_hz {
             console.stage("sweeping frequencies");

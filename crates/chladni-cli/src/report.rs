@@ -5,7 +5,7 @@ use chladni_console::input::{expand, read_frf, read_weights, source, Reading};
 use chladni_console::output::{make_folder, Output, HTML, PICTURE, TABLE};
 use chladni_console::table::{counted, shortened};
 use chladni_console::{unbroken, Console, Outcome};
-use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result, Source};
+use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Source};
 use chladni_io::try_place;
 use chladni_io::{detect_format, write_atomically, FileFormat};
 use chladni_render::{evaluate, Evaluation, On, Scene, Weights};
@@ -96,7 +96,6 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         "measured": input.measured.is_some(),
         "scenes": input.scenes.len(),
         "tables": input.tables.len(),
-        "warnings": console.warnings(),
     });
     let written = args
         .output
@@ -176,7 +175,7 @@ impl Contents {
             measured: self.measured.as_ref(),
             scenes: self.shown.iter().map(ShownWeights::scene).collect(),
             tables: self.tables.clone(),
-            warnings: console.warnings(),
+            findings: console.findings(),
         }
     }
 }
@@ -343,19 +342,22 @@ fn measured_of(file: &Path, model: &ModalModel, console: &Console) -> Option<Frf
     if files.len() < fitted.len() {
         let names: Vec<String> = fitted.iter().map(|source| source.file.clone()).collect();
         let names = shortened(&names, 3);
-        console.warn(format!(
+        let words = format!(
             "the measured FRFs ({names}) do not lie beside the model, unchanged: its synthesis \
-             alone is shown; name them with --measured"
-        ));
+             alone is shown"
+        );
+        console
+            .find(&Finding::caution("measured-not-found", words).help("name them with `measured`"));
         return None;
     }
     match chladni_io::read_frf(&files, &Reading::from_echo(&model.options).options()) {
         Ok((frf, ..)) => Some(frf),
         Err(error) => {
-            console.warn(format!(
+            let words = format!(
                 "the measured FRFs cannot be read: {}; the model's synthesis alone is shown",
                 error.message
-            ));
+            );
+            console.find(&Finding::caution("measured-not-found", words));
             None
         }
     }
@@ -411,10 +413,11 @@ fn show(
         }
         (None, _) => {
             let shown: Vec<ShownWeights> = tones.map(without_field).collect();
-            console.warn(format!(
+            let words = format!(
                 "{}: this scene does not lie beside the weights, unchanged: no field is shown",
                 shown[0].weights.scene
-            ));
+            );
+            console.find(&Finding::caution("scene-not-found", words));
             Ok(shown)
         }
         (Some(_), None) => Ok(tones.map(without_field).collect()),

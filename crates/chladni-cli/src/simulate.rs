@@ -78,7 +78,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     console.stage("simulating the panel");
     let simulation =
         simulate(&panel, args.seed, args.snr_db).map_err(|error| error.file(&args.panel))?;
-    console.warn_all(simulation.warnings);
+    console.find_all(&simulation.findings);
 
     console.stage("writing");
     let mut truth = simulation.truth;
@@ -90,7 +90,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         sources: sources.clone(),
         ..Contents::default()
     };
-    console.warn_all(output.write(|path, force| write_contents(path, &contents, force))?);
+    console.find_all(&output.write(|path, force| write_contents(path, &contents, force))?);
     truth.source = sources;
     if let Some(place) = &truth_output {
         place.write(|path, force| write_model(path, &truth, force))?;
@@ -109,7 +109,6 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         "modes": modes,
         "snr_db": snr_db,
         "seed": args.seed.unwrap_or(panel.frf.seed),
-        "warnings": console.warnings(),
     });
     let text = format!(
         "{}: {} of {} at {}, {} from {} to {} Hz, {}, signal-to-noise ratio {} dB\n",

@@ -1,8 +1,9 @@
 //! What is said on stderr while a command runs: stages, warnings, notes.
 
 use crate::args::Common;
-use crate::next_step::option_for;
 use crate::progress::Progress;
+use crate::settings::finding_with_options;
+use crate::telling;
 use chladni_frf::{printable, Finding, Severity};
 use std::io::{IsTerminal, Write};
 use std::sync::{Mutex, MutexGuard};
@@ -10,14 +11,6 @@ use std::sync::{Mutex, MutexGuard};
 /// Text whose words may come from a file or its name, with lines and tabs only.
 pub fn for_terminal(text: &str) -> String {
     printable(text, &['\n', '\t'])
-}
-
-/// A finding with its next step, and the option that takes it.
-fn told(finding: &Finding) -> String {
-    match option_for(&finding.code) {
-        Some(option) => format!("{finding} ({option})"),
-        None => finding.to_string(),
-    }
 }
 
 /// The user's wishes about output, and everything said so far.
@@ -32,7 +25,6 @@ pub struct Console {
     pub force: bool,
     progress: Progress,
     colour: bool,
-    warnings: Mutex<Vec<String>>,
     findings: Mutex<Vec<Finding>>,
 }
 
@@ -47,7 +39,6 @@ impl Console {
             progress: Progress::new(common.progress, common.quiet),
             colour: std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
                 && std::io::stderr().is_terminal(),
-            warnings: Mutex::default(),
             findings: Mutex::default(),
         }
     }
@@ -62,73 +53,51 @@ impl Console {
         self.progress.so_far(done, left);
     }
 
-    /// A warning: on stderr now, and in the result later; the same words count once.
-    pub fn warn(&self, warning: impl Into<String>) {
-        let warning = warning.into();
-        if self.said().contains(&warning) {
-            return;
+    /// A finding; the same one counts once. It is told at the end, with the others.
+    pub fn find(&self, finding: &Finding) {
+        let finding = finding_with_options(finding);
+        let mut known = self.known();
+        if !known.contains(&finding) {
+            known.push(finding);
         }
-        if !self.quiet {
-            self.line("33", "warning: ", &warning);
-        }
-        self.said().push(warning);
     }
 
-    /// Several warnings.
-    pub fn warn_all(&self, warnings: impl IntoIterator<Item = String>) {
-        warnings.into_iter().for_each(|warning| self.warn(warning));
-    }
-
-    /// Findings: faults first, then cautions, each with its next step; notes by their
-    /// number, unless all is asked for. What was said before is not said again.
-    pub fn find_all(&self, findings: &[Finding]) {
-        let mut known = self
-            .findings
-            .lock()
-            .expect("nothing panics while it is held");
-        let mut new: Vec<&Finding> = findings
-            .iter()
-            .filter(|finding| !known.contains(finding) && !self.said().contains(&finding.text))
-            .collect();
-        new.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
-        let mut folded = 0;
-        for finding in &new {
-            if finding.severity > Severity::Note {
-                self.said().push(finding.text.clone());
-            }
-            match finding.severity {
-                _ if self.quiet => {}
-                Severity::Note if !self.verbose => folded += 1,
-                Severity::Note => self.line("", "note: ", &told(finding)),
-                Severity::Caution => self.line("33", "warning: ", &told(finding)),
-                Severity::Fault => self.line("31", "fault: ", &told(finding)),
-            }
-        }
-        match folded {
-            0 => {}
-            1 => self.line("", "", "1 note: -v shows it"),
-            count => self.line("", "", &format!("{count} notes: -v shows them")),
-        }
-        known.extend(new.into_iter().cloned());
+    /// Several findings.
+    pub fn find_all<'a>(&self, findings: impl IntoIterator<Item = &'a Finding>) {
+        findings.into_iter().for_each(|finding| self.find(finding));
     }
 
     /// All findings so far, in order.
     pub fn findings(&self) -> Vec<Finding> {
+        self.known().clone()
+    }
+
+    /// The sentences of all cautions and faults so far.
+    pub fn warnings(&self) -> Vec<String> {
+        chladni_frf::warnings(&self.known())
+    }
+
+    fn known(&self) -> MutexGuard<'_, Vec<Finding>> {
         self.findings
             .lock()
             .expect("nothing panics while it is held")
-            .clone()
     }
 
-    fn said(&self) -> MutexGuard<'_, Vec<String>> {
-        self.warnings
-            .lock()
-            .expect("nothing panics while it is held")
-    }
-
-    /// All warnings so far, in order.
-    pub fn warnings(&self) -> Vec<String> {
-        self.said().clone()
+    /// Tells the findings on stderr: by code, faults first, notes by their number unless
+    /// all is asked for.
+    pub fn tell(&self) {
+        if self.quiet {
+            return;
+        }
+        for told in telling::told(&self.known(), self.verbose) {
+            let colour = match told.severity {
+                Some(Severity::Fault) => "31",
+                Some(Severity::Caution) => "33",
+                _ => "",
+            };
+            let label = told.severity.map_or(String::new(), telling::label);
+            self.line(colour, &label, &told.text);
+        }
     }
 
     /// Something good to know that belongs into no result.

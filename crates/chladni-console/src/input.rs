@@ -4,7 +4,7 @@
 use crate::console::Console;
 use crate::oddities;
 use crate::quoting::{shell_path, shell_word};
-use chladni_frf::{Error, FrfKind, FrfSet, ModalModel, Result, Source, TimeSign};
+use chladni_frf::{Error, Finding, FrfKind, FrfSet, ModalModel, Result, Source, TimeSign};
 use chladni_io::DeclaredDofs;
 use chladni_io::PhaseUnit;
 use chladni_io::{detect_format, Duplicates, FileFormat, ReadOptions};
@@ -252,7 +252,7 @@ impl Reading {
 /// Those of [`chladni_io::expand_paths`].
 pub fn expand(paths: &[PathBuf], console: &Console) -> Result<Vec<PathBuf>> {
     let inputs = chladni_io::expand_paths(paths)?;
-    console.warn_all(inputs.warnings);
+    console.find_all(&inputs.warnings);
     Ok(inputs.files)
 }
 
@@ -268,14 +268,14 @@ pub fn read_frf(
     console.stage("reading FRFs");
     let (frf, sources, warnings) = chladni_io::read_frf(files, &reading.options())?;
     warn_of_files(files, warnings, console);
-    console.warn_all(oddities::of_set(&frf));
+    console.find_all(&oddities::of_set(&frf));
     frf.known_kind().map_err(|error| error.file(&files[0]))?;
     Ok((frf, sources))
 }
 
-/// Warnings about files, which they name without their folders: results are the same
+/// Findings about files, which they name without their folders: results are the same
 /// wherever the files lie.
-pub fn warn_of_files(files: &[PathBuf], warnings: Vec<String>, console: &Console) {
+pub fn warn_of_files(files: &[PathBuf], findings: Vec<Finding>, console: &Console) {
     let folders: Vec<String> = files
         .iter()
         .flat_map(|file| {
@@ -288,38 +288,40 @@ pub fn warn_of_files(files: &[PathBuf], warnings: Vec<String>, console: &Console
         .map(|folder| format!("{}/", folder.display().to_string().trim_end_matches('/')))
         .filter(|folder| folder.len() > 1)
         .collect();
-    for warning in told_once(files, warnings) {
-        console.warn(
-            folders
-                .iter()
-                .fold(warning, |warning, folder| warning.replace(folder, "")),
-        );
+    for finding in told_once(files, findings) {
+        let text = folders.iter().fold(finding.text.clone(), |text, folder| {
+            text.replace(folder, "")
+        });
+        console.find(&Finding { text, ..finding });
     }
 }
 
 /// What is said of several files in the same words is said once, with their number.
-fn told_once(files: &[PathBuf], warnings: Vec<String>) -> Vec<String> {
+fn told_once(files: &[PathBuf], findings: Vec<Finding>) -> Vec<Finding> {
     let names: HashSet<String> = files
         .iter()
         .map(|file| file.display().to_string())
         .collect();
-    let words = |warning: &str| {
-        let (name, words) = warning.split_once(": ")?;
+    let words = |finding: &Finding| {
+        let (name, words) = finding.text.split_once(": ")?;
         names.contains(name).then(|| words.to_owned())
     };
     let mut counts: HashMap<String, usize> = HashMap::new();
-    for words in warnings.iter().filter_map(|warning| words(warning)) {
+    for words in findings.iter().filter_map(words) {
         *counts.entry(words).or_default() += 1;
     }
-    let once = |warning: String| match words(&warning) {
-        None => Some(warning),
+    let once = |finding: Finding| match words(&finding) {
+        None => Some(finding),
         // the first of them takes the count, the others find none
         Some(words) => match counts.remove(&words)? {
-            1 => Some(warning),
-            count => Some(format!("{warning} (and {} more files)", count - 1)),
+            1 => Some(finding),
+            count => Some(Finding {
+                text: format!("{} (and {} more files)", finding.text, count - 1),
+                ..finding
+            }),
         },
     };
-    warnings.into_iter().filter_map(once).collect()
+    findings.into_iter().filter_map(once).collect()
 }
 
 /// Name and content of an input, for the result's `source`.

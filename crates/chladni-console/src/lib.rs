@@ -12,9 +12,11 @@ mod outcome;
 pub mod output;
 mod progress;
 pub mod quoting;
+pub mod settings;
 mod start;
 mod stdout;
 pub mod table;
+mod telling;
 mod usage;
 
 pub use args::Common;

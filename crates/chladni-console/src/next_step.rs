@@ -13,6 +13,10 @@ pub fn option_for(code: &str) -> Option<&'static str> {
         "order-too-high" => "--method auto",
         "window-bias" => "--window hann, rectangular or none",
         "decays-not-windowed" => "--exponential-window",
+        "mode-on-drive" | "frequency-sensitive" | "touch-sensitive" => "--sweep LO:HI",
+        "ground-between" | "too-few-actuators" => "--actuators",
+        "quicker-method" => "--method robust",
+        "replayed-worse" => "--modes",
         _ => return None,
     })
 }

@@ -2,7 +2,7 @@
 //! fit can tell is in `chladni-rfp` (faults).
 
 use crate::table::counted;
-use chladni_frf::{driving_point_faults, Dof, FrfSet};
+use chladni_frf::{driving_point_faults, Dof, Finding, FrfSet};
 use num_complex::Complex64;
 
 /// No test of a structure that fits on a table ends so low, Hz; one whose kHz are called
@@ -15,7 +15,7 @@ const LINES_OF_A_TEST: usize = 50;
 const CLIPPED_LINES: usize = 5;
 
 /// Oddities that matter to every command.
-pub fn of_set(frf: &FrfSet) -> Vec<String> {
+pub fn of_set(frf: &FrfSet) -> Vec<Finding> {
     [kilohertz(frf), clipped(frf), directions(frf)]
         .into_iter()
         .flatten()
@@ -23,13 +23,16 @@ pub fn of_set(frf: &FrfSet) -> Vec<String> {
 }
 
 /// What may well be meant, and how to tell: for who asks what is inside.
-pub fn of_listing(frf: &FrfSet) -> Vec<String> {
+pub fn of_listing(frf: &FrfSet) -> Vec<Finding> {
     let (responses, references) = (frf.responses.len(), frf.references.len());
     let swapped = (references > responses).then(|| {
-        format!(
-            "more references ({references}) than responses ({responses}): as a roving hammer gives them; if the sensor or the laser roved and the \
-             force stayed in its place, response and reference may be swapped: the references listed here are then the places of the sensor, \
-             and the export is to be corrected"
+        let words = format!(
+            "more references ({references}) than responses ({responses}), as a roving hammer \
+             gives them"
+        );
+        Finding::note("more-references", words).help(
+            "if the sensor roved and the force stayed in its place, response and reference are \
+             swapped: correct the export",
         )
     });
     // commands that fit say the same of the fitted model, and better
@@ -39,31 +42,34 @@ pub fn of_listing(frf: &FrfSet) -> Vec<String> {
         .collect()
 }
 
-fn kilohertz(frf: &FrfSet) -> Option<String> {
+fn kilohertz(frf: &FrfSet) -> Option<Finding> {
     let last = *frf.frequency_hz.last()?;
     (last < LOWEST_END_HZ && frf.frequency_hz.len() >= LINES_OF_A_TEST).then(|| {
-        format!(
-            "the frequency axis ends at {last} Hz: is it in kHz? natural frequencies come out \
-                 a thousand times too low then; correct the axis or its unit"
-        )
+        let words = format!("the frequency axis ends at {last} Hz: is it in kHz?");
+        Finding::caution("axis-in-khz", words).help("correct the axis or its unit")
     })
 }
 
-fn clipped(frf: &FrfSet) -> Option<String> {
+fn clipped(frf: &FrfSet) -> Option<Finding> {
     let pairs =
         (0..frf.responses.len()).flat_map(|i| (0..frf.references.len()).map(move |j| (i, j)));
     let found: Vec<(usize, usize)> = pairs
         .filter(|&(i, j)| is_clipped(frf.values.frf(i, j).as_slice().unwrap_or(&[])))
         .collect();
     let &(i, j) = found.first()?;
-    Some(format!(
-        "clipped: {} of {} FRFs stay at their largest value over {CLIPPED_LINES} lines or more, the first of them ({}, {}); an overloaded \
-         channel or a limited export: measure again at a lower level",
+    let words = format!(
+        "{} of {} FRFs are clipped: they stay at their largest value over {CLIPPED_LINES} lines or \
+         more, the first of them ({}, {})",
         found.len(),
         frf.pairs(),
         frf.responses[i],
         frf.references[j]
-    ))
+    );
+    Some(
+        Finding::caution("clipped", words)
+            .dofs([frf.responses[i], frf.references[j]])
+            .help("measure again at a lower level, or export without limits"),
+    )
 }
 
 fn is_clipped(values: &[Complex64]) -> bool {
@@ -83,7 +89,7 @@ fn is_clipped(values: &[Complex64]) -> bool {
     })
 }
 
-fn directions(frf: &FrfSet) -> Option<String> {
+fn directions(frf: &FrfSet) -> Option<Finding> {
     let mut axes: Vec<(Dof, usize)> = Vec::new();
     for &dof in &frf.responses {
         match axes
@@ -105,10 +111,11 @@ fn directions(frf: &FrfSet) -> Option<String> {
         })
         .collect();
     (axes.len() > 1).then(|| {
-        format!(
+        let words = format!(
             "mixed axes: {}; maps show the most frequent one, scenes judge +Z alone",
             names.join(", ")
-        )
+        );
+        Finding::note("mixed-axes", words)
     })
 }
 

@@ -1,9 +1,10 @@
 //! How a run ends: the result on stdout, or an error; and the exit status.
 
 use crate::console::{for_terminal, Console};
+use crate::settings::error_with_options;
 use crate::stdout::{print_error, print_line, to_stdout};
 use chladni_frf::{Error, ErrorKind, Result};
-use serde_json::Value;
+use serde_json::{json, Value};
 use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -21,6 +22,8 @@ pub struct Outcome {
     pub output: Option<PathBuf>,
     /// Why the result cannot be trusted (exit 1).
     pub doubt: Option<String>,
+    /// The command that comes next, where there is one to propose.
+    pub next: Option<String>,
 }
 
 impl Outcome {
@@ -31,6 +34,7 @@ impl Outcome {
             text,
             output: None,
             doubt: None,
+            next: None,
         }
     }
 
@@ -41,12 +45,21 @@ impl Outcome {
             text,
             output: Some(output.to_path_buf()),
             doubt: None,
+            next: None,
         }
     }
 
     /// The same with a doubt.
     pub fn doubted(self, doubt: Option<String>) -> Self {
         Self { doubt, ..self }
+    }
+
+    /// The same with the command that comes next.
+    pub fn next(self, next: impl Into<String>) -> Self {
+        Self {
+            next: Some(next.into()),
+            ..self
+        }
     }
 }
 
@@ -76,13 +89,22 @@ pub fn without_panic(work: impl FnOnce() -> Result<Outcome>) -> Result<Outcome> 
     })
 }
 
-/// Prints the result or the error, and gives the exit status.
+/// Prints the result, what was found on the way, and the next step; or the error. Gives
+/// the exit status.
 pub fn report(result: Result<Outcome>, console: &Console) -> ExitCode {
     console.finish();
     let printed = result.and_then(|outcome| {
         print(&outcome, console)?;
         Ok(outcome)
     });
+    console.tell();
+    if let Some(next) = printed
+        .as_ref()
+        .ok()
+        .and_then(|outcome| outcome.next.as_ref())
+    {
+        console.note(&format!("Next: {next}"));
+    }
     match printed {
         Ok(Outcome { doubt: None, .. }) => ExitCode::SUCCESS,
         Ok(Outcome {
@@ -92,7 +114,7 @@ pub fn report(result: Result<Outcome>, console: &Console) -> ExitCode {
             ExitCode::from(DOUBTED)
         }
         Err(error) => {
-            let error = with_advice(error);
+            let error = error_with_options(with_advice(error));
             console.error(&error.to_string());
             if console.json {
                 print_error(&error);
@@ -104,12 +126,26 @@ pub fn report(result: Result<Outcome>, console: &Console) -> ExitCode {
 
 fn print(outcome: &Outcome, console: &Console) -> Result<()> {
     if console.json {
-        return print_line(&outcome.json.to_string());
+        return print_line(&with_findings(&outcome.json, console).to_string());
     }
     match &outcome.output {
         Some(_) if console.quiet => Ok(()),
         _ => to_stdout(&for_terminal(&outcome.text)),
     }
+}
+
+/// The result with `findings` and `warnings`, where it holds none of its own.
+fn with_findings(result: &Value, console: &Console) -> Value {
+    let mut result = result.clone();
+    if let Value::Object(fields) = &mut result {
+        fields
+            .entry("findings")
+            .or_insert_with(|| json!(console.findings()));
+        fields
+            .entry("warnings")
+            .or_insert_with(|| json!(console.warnings()));
+    }
+    result
 }
 
 fn with_advice(error: Error) -> Error {

@@ -32,18 +32,20 @@ pub fn table(header: &[&str], rows: &[Vec<String>]) -> String {
         .collect()
 }
 
-/// A value and its 95 % bound, with two digits of the bound; a bound that is not known is
-/// left out.
-pub fn with_bound(value: f64, standard_deviation: f64) -> [String; 2] {
-    let bound = SIGMAS_95 * standard_deviation;
+/// A value with its bound, whose first digit is the last of both; a bound that is not
+/// known is left out.
+pub fn bounded(value: f64, bound: f64) -> String {
     if !(bound.is_finite() && bound > 0.0) {
-        return [significant(value, 6), String::new()];
+        return significant(value, 6);
     }
-    let decimals = (1.0 - bound.log10().floor()).clamp(0.0, 12.0) as usize;
-    [
-        format!("{value:.decimals$}"),
-        format!("±{bound:.decimals$}"),
-    ]
+    // 0.96 is 1 in one digit
+    let leading = format!("{bound:.0e}");
+    let exponent: f64 = leading
+        .split_once('e')
+        .and_then(|(_, exponent)| exponent.parse().ok())
+        .unwrap_or(0.0);
+    let decimals = (-exponent).clamp(0.0, 12.0) as usize;
+    format!("{value:.decimals$} ± {bound:.decimals$}")
 }
 
 /// A value with `digits` significant digits, without trailing zeros.
@@ -85,9 +87,10 @@ mod tests {
 
     #[test]
     fn digits_follow_the_error_bar() {
-        assert_eq!(with_bound(54.351_234, 0.001), ["54.3512", "±0.0020"]);
-        assert_eq!(with_bound(54.351_234, 10.0), ["54", "±20"]);
-        assert_eq!(with_bound(54.351_234, 0.0), ["54.3512", ""]);
+        assert_eq!(bounded(54.351_234, 0.001_96), "54.351 ± 0.002");
+        assert_eq!(bounded(54.351_234, 0.000_98), "54.351 ± 0.001");
+        assert_eq!(bounded(54.351_234, 19.6), "54 ± 20");
+        assert_eq!(bounded(54.351_234, 0.0), "54.3512");
         assert_eq!(significant(0.010_000_00, 3), "0.01");
         assert_eq!(significant(1234.5, 2), "1234");
     }

@@ -6,7 +6,7 @@
 //! so that Y is imaginary there; a reversed sensor makes it negative. The other time sign
 //! is seen first: through a resonance the phase falls, so that Σ Im(Y*_k·Y_{k+1}) < 0.
 
-use crate::{FrfKind, FrfSet, ReferenceUnit};
+use crate::{Finding, FrfKind, FrfSet, ReferenceUnit};
 use num_complex::Complex64;
 
 /// Part of a sum that must have one sign (or one phase): noise and a band without
@@ -20,10 +20,10 @@ const PLAUSIBLE_KG: [f64; 2] = [1e-6, 1e8];
 /// Fewer lines say nothing.
 const LEAST_LINES: usize = 16;
 
-/// What is wrong at the driving points of a set, in words, each with the way out; nothing
+/// Findings about the driving points of a set, each with the way out; nothing
 /// without a kind or a driving point. References in volts are left alone: what their
 /// amplifier does to the phase is nobody's fault.
-pub fn driving_point_faults(set: &FrfSet) -> Vec<String> {
+pub fn driving_point_faults(set: &FrfSet) -> Vec<Finding> {
     let (Some(kind), ReferenceUnit::Newton) = (set.kind, set.reference_unit) else {
         return Vec::new();
     };
@@ -60,12 +60,11 @@ pub fn driving_point_faults(set: &FrfSet) -> Vec<String> {
     found
         .into_iter()
         .map(|(fault, names)| {
-            format!(
-                "driving point {} ({} of {points}): {}",
-                names[0],
-                names.len(),
-                fault.words(kind)
-            )
+            let (words, help) = fault.words(kind);
+            let place = format!("driving point {} ({} of {points})", names[0], names.len());
+            Finding::caution("driving-point", words)
+                .help(help)
+                .about(place)
         })
         .collect()
 }
@@ -80,24 +79,43 @@ enum Fault {
 }
 
 impl Fault {
-    fn words(self, said: FrfKind) -> String {
-        match self {
-            Self::TimeSign => "the phase rises through the resonances, as with e^(-jωt): read the \
-                               file with --time-sign -".into(),
-            Self::Reversed => {
-                "the structure gives power out: its response or its force points the other way; correct that direction (a receptance that is \
-                 called an accelerance looks the same, and the other way round)"
-                    .into()
-            }
-            Self::Kind(kind) => format!("the values are no {said}; they look like {kind}: read the \
-                                         file with --frf-kind {kind}"),
-            Self::NoKind => format!("the values are no {said}, nor another FRF kind: a channel is \
-                                     integrated once too often, or turned by a filter"),
-            Self::Unit { too_light } => format!(
-                "an apparent mass |F/a| {} kg at most lines: are the units right?",
-                if too_light { format!("below {:e}", PLAUSIBLE_KG[0]) } else { format!("above {:e}", PLAUSIBLE_KG[1]) }
+    /// The fault, and the next step.
+    fn words(self, said: FrfKind) -> (String, String) {
+        let (words, help) = match self {
+            Self::TimeSign => (
+                "the phase rises through the resonances, as with e^(-jωt)".into(),
+                "read the file with `time_sign -`".into(),
             ),
-        }
+            Self::Reversed => (
+                "the structure gives power out: its response or its force points the other way"
+                    .into(),
+                "correct that direction (a receptance that is called an accelerance looks the \
+                 same, and the other way round)"
+                    .into(),
+            ),
+            Self::Kind(kind) => (
+                format!("the values are no {said}; they look like {kind}"),
+                format!("read the file with `frf_kind {kind}`"),
+            ),
+            Self::NoKind => (
+                format!("the values are no {said}, nor another FRF kind"),
+                "look for a channel that is integrated once too often, or turned by a filter"
+                    .into(),
+            ),
+            Self::Unit { too_light } => {
+                let limit = match too_light {
+                    true => format!("below {:e}", PLAUSIBLE_KG[0]),
+                    false => format!("above {:e}", PLAUSIBLE_KG[1]),
+                };
+                (
+                    format!(
+                        "an apparent mass |F/a| {limit} kg at most lines: are the units right?"
+                    ),
+                    "check the units".into(),
+                )
+            }
+        };
+        (words, help)
     }
 }
 
@@ -226,7 +244,7 @@ mod tests {
         for kind in KINDS {
             assert_eq!(
                 driving_point_faults(&set(kind, kind, |value| value)),
-                Vec::<String>::new(),
+                Vec::<Finding>::new(),
                 "{kind}"
             );
             // both directions reversed: the same
@@ -234,7 +252,7 @@ mod tests {
             turned.responses = vec!["5:-Z".parse().unwrap()];
             assert_eq!(
                 driving_point_faults(&turned),
-                Vec::<String>::new(),
+                Vec::<Finding>::new(),
                 "{kind}"
             );
         }
@@ -250,7 +268,7 @@ mod tests {
             };
             assert!(one(|value| -value).contains("other way"), "{kind}");
             assert!(
-                one(|value| value.conj()).contains("--time-sign -"),
+                one(|value| value.conj()).contains("`time_sign -`"),
                 "{kind}"
             );
             assert!(one(|value| value * 1e9).contains("units"), "{kind}");
@@ -263,7 +281,7 @@ mod tests {
         for (written, said) in [(0, 1), (1, 0), (1, 2), (2, 1)] {
             let found = driving_point_faults(&set(KINDS[written], KINDS[said], |value| value));
             assert!(
-                found.len() == 1 && found[0].contains(&format!("--frf-kind {}", KINDS[written])),
+                found.len() == 1 && found[0].contains(&format!("`frf_kind {}`", KINDS[written])),
                 "{found:?}"
             );
         }
@@ -293,7 +311,7 @@ mod tests {
             ..wrong
         };
         for set in [elsewhere, unsaid, volts] {
-            assert_eq!(driving_point_faults(&set), Vec::<String>::new());
+            assert_eq!(driving_point_faults(&set), Vec::<Finding>::new());
         }
     }
 }

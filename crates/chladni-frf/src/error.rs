@@ -70,7 +70,7 @@ impl ErrorKind {
 ///     .field("ordinate")
 ///     .found("abc")
 ///     .expected("a decimal number")
-///     .help("open the file at that line and correct it, or read it with --lenient");
+///     .help("open the file at that line and correct it, or read it with `lenient`");
 /// assert!(error.to_string().contains("line 12"));
 /// ```
 #[derive(Debug, Clone, PartialEq)]

@@ -152,6 +152,14 @@ impl Finding {
         }
     }
 
+    /// The same, with what it is about before its sentence.
+    pub fn about(&self, what: impl fmt::Display) -> Self {
+        Self {
+            text: format!("{what}: {}", self.text),
+            ..self.clone()
+        }
+    }
+
     /// True where text or next step contain these words.
     pub fn contains(&self, words: &str) -> bool {
         self.text.contains(words) || self.help.contains(words)

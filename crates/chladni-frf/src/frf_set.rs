@@ -272,7 +272,7 @@ impl FrfSet {
             .field("FRF kind")
             .found("neither quantity codes nor unit labels that name one")
             .expected("receptance (m/N), mobility (m/s/N) or accelerance (m/s^2/N)")
-            .help("say it with --frf-kind receptance|mobility|accelerance")
+            .help("say it with `frf_kind receptance|mobility|accelerance`")
         })
     }
 }

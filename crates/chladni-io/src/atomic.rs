@@ -62,7 +62,7 @@ pub fn create_atomically(
         .file(path)
         .found("a device or pipe")
         .expected("the name of a file")
-        .help("give the name of a file with -o"));
+        .help("give the name of a file"));
     }
     let target = free_target(path, force)?;
     let temporary = temporary_beside(&target)?;
@@ -125,7 +125,7 @@ pub(crate) fn write_error(error: &io::Error, path: &Path) -> Error {
         | io::ErrorKind::ReadOnlyFilesystem => {
             Error::new(ErrorKind::CannotCreate, format!("cannot create: {error}"))
                 .file(path)
-                .help("check the folder and its permissions, or choose another with -o")
+                .help("check the folder and its permissions, or choose another")
         }
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
             Error::new(ErrorKind::Io, format!("cannot write: {error}"))
@@ -150,14 +150,14 @@ fn free_target(path: &Path, force: bool) -> Result<PathBuf> {
     if path.file_name().is_none() || path.is_dir() {
         return refuse(
             "a folder stands where the file should be written",
-            "give the name of a file with -o",
+            "give the name of a file",
         );
     }
     if path.exists() {
         if !force {
             return refuse(
                 "the file exists",
-                "choose another name with -o, or overwrite it with --force",
+                "choose another name, or overwrite it with `force`",
             );
         }
         refuse_read(path)?;
@@ -166,7 +166,7 @@ fn free_target(path: &Path, force: bool) -> Result<PathBuf> {
     if !folder_of(path).is_dir() {
         return refuse(
             "no such folder for the output",
-            "create the folder first, or choose another with -o",
+            "create the folder first, or choose another",
         );
     }
     Ok(path.to_path_buf())
@@ -187,7 +187,7 @@ fn persist(temporary: NamedTempFile, target: &Path, force: bool) -> Result<()> {
     renamed.map_err(|failure| match failure.error.kind() {
         io::ErrorKind::AlreadyExists => Error::new(ErrorKind::CannotCreate, "the file exists")
             .file(target)
-            .help("choose another name with -o, or overwrite it with --force"),
+            .help("choose another name, or overwrite it with `force`"),
         _ => write_error(&failure.error, target),
     })?;
     // the new name itself reaches the disk with its folder; not every file system can do
@@ -218,7 +218,7 @@ mod tests {
         write_atomically(&path, false, |out| out.write_all(b"one")).unwrap();
         let error = write_atomically(&path, false, |out| out.write_all(b"two")).unwrap_err();
         assert_eq!(error.kind, ErrorKind::CannotCreate);
-        assert!(error.to_string().contains("--force"), "{error}");
+        assert!(error.to_string().contains("`force`"), "{error}");
         assert_eq!(fs::read(&path).unwrap(), b"one");
         write_atomically(&path, true, |out| out.write_all(b"two")).unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"two");

@@ -2,7 +2,7 @@
 
 use super::paths::{shortened, NAMES_LISTED};
 use super::{DatasetInfo, Document, Function, Shape};
-use chladni_frf::{FrfSet, Geometry, Source};
+use chladni_frf::{Finding, FrfSet, Geometry, Source};
 
 /// What the files of one command hold together.
 #[derive(Debug, Clone, Default)]
@@ -21,7 +21,7 @@ pub struct Contents {
     /// `convert` names them.
     pub not_carried: Vec<String>,
     /// Everything the user must know.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Finding>,
 }
 
 impl Contents {

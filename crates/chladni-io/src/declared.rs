@@ -102,7 +102,7 @@ impl DeclaredDofs {
         }
         Err(
             Error::bad_data("the list of DOFs does not fit the FRFs of the file")
-                .field("--dofs")
+                .field("dofs")
                 .found(format!("{} rows for {file}", found.len()))
                 .expected(format!("{count}, one for each FRF"))
                 .help("`chladni info -v` lists the FRFs in their order"),
@@ -124,7 +124,7 @@ impl DeclaredDofs {
         };
         Err(
             Error::bad_data("the list of DOFs has rows that no FRF belongs to")
-                .field("--dofs")
+                .field("dofs")
                 .found(found)
                 .expected(format!("{at} rows, one for each FRF"))
                 .help("leave them out, or give their files"),

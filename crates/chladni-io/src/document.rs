@@ -1,7 +1,7 @@
 //! What a reader hands over: everything found in one file, FRF or not.
 
 use super::Shape;
-use chladni_frf::{Direction, Dof, Error, FrfKind, FrfSet, Geometry, ReferenceUnit};
+use chladni_frf::{Direction, Dof, Error, Finding, FrfKind, FrfSet, Geometry, ReferenceUnit};
 use num_complex::{Complex32, Complex64};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -50,7 +50,7 @@ pub struct Document {
     /// Errors of damaged datasets; `info` lists them, everything else stops at the first.
     pub errors: Vec<Error>,
     /// What is odd about the file.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Finding>,
 }
 
 impl Document {
@@ -97,8 +97,9 @@ pub struct DatasetInfo {
     /// 58: kind of FRF that codes or labels say.
     #[serde(skip)]
     pub frf_kind: Option<FrfKind>,
-    /// What is odd about it, or the error that makes it unreadable.
-    pub warnings: Vec<String>,
+    /// Findings about it, with the error that makes it unreadable.
+    #[serde(serialize_with = "in_words")]
+    pub warnings: Vec<Finding>,
     /// True where nothing else in the document holds its content: `convert` cannot carry
     /// it over.
     #[serde(skip)]
@@ -207,7 +208,12 @@ pub struct Function {
     /// Line of the dataset in the file, counted from 1.
     pub line: u64,
     /// What is odd about it.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Finding>,
+}
+
+/// The findings of a dataset as its listing holds them: all in words.
+fn in_words<S: serde::Serializer>(findings: &[Finding], to: S) -> Result<S::Ok, S::Error> {
+    to.collect_seq(findings.iter().map(ToString::to_string))
 }
 
 /// Function type and quantity code of dataset 58.

@@ -5,7 +5,7 @@
 
 use super::assemble;
 use super::{detect_format, hdf5, read_documents, uff, Checksums, FileFormat, ReadOptions, Turn};
-use chladni_frf::{Error, FrfSet, FrfValues, Result};
+use chladni_frf::{Error, Finding, FrfSet, FrfValues, Result};
 use chladni_text::door::KeptInputs;
 use chladni_text::door::{self, size_of};
 use std::io::{Read, Seek, SeekFrom};
@@ -65,10 +65,10 @@ impl FrfParts {
                 chladni_frf::ErrorKind::Usage,
                 "files that are read in parts cannot take their DOFs from a list",
             )
-            .field("--dofs")
+            .field("dofs")
             .found(format!("{} rows", options.dofs.rows.len()))
             .expected("DOFs in the files")
-            .help("write them into a file first: chladni convert ... --dofs LIST -o all.h5"));
+            .help("convert the files with that list into one first"));
         }
         let kept = KeptInputs::new();
         let parted = |(number, path): (usize, &PathBuf)| {
@@ -147,7 +147,7 @@ impl FrfParts {
                 "the data cannot be cut into so many \
                                                             blocks",
             )
-            .field("--blocks")
+            .field("blocks")
             .found(count)
             .expected(format!(
                 "at most {all}: responses of our own HDF5 layout, functions of a \
@@ -197,7 +197,7 @@ impl FrfParts {
                     most >> 20
                 ))
                 .help(
-                    "raise --memory, or convert the file to .h5 where there is memory \
+                    "raise `memory`, or convert the file to .h5 where there is memory \
                            enough",
                 ));
             }
@@ -255,7 +255,7 @@ impl FrfParts {
         part: &Part,
         turn: Option<Turn>,
         spare: Option<FrfValues>,
-    ) -> Result<(FrfSet, Vec<String>)> {
+    ) -> Result<(FrfSet, Vec<Finding>)> {
         let file = &self.files[part.file];
         let mut options = self.options.clone();
         if options.references.len() > 1 {
@@ -282,7 +282,7 @@ impl FrfParts {
         units: &Range<usize>,
         turn: Option<Turn>,
         spare: Option<FrfValues>,
-    ) -> Result<(FrfSet, Vec<String>)> {
+    ) -> Result<(FrfSet, Vec<Finding>)> {
         let documents = match &file.cut {
             Cut::Nowhere => read_documents(std::slice::from_ref(&file.path), options)?,
             Cut::Responses(rows) => vec![rows.read(options, units.clone(), turn, spare)?],

@@ -2,7 +2,7 @@
 //! apart here.
 
 use super::detect::not_readable;
-use chladni_frf::{Error, ErrorKind, Result};
+use chladni_frf::{Error, ErrorKind, Finding, Result};
 use chladni_text::file_name;
 use std::cmp::Ordering;
 use std::fs;
@@ -14,7 +14,7 @@ pub struct Inputs {
     /// Files to read, in order.
     pub files: Vec<PathBuf>,
     /// Files of folders that no reader knows, by the reason.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Finding>,
 }
 
 /// Names that a warning lists before it only counts.
@@ -73,13 +73,15 @@ impl Inputs {
             }
         }
         let left_out = strangers.into_iter().map(|(reason, names)| {
-            format!(
+            let words = format!(
                 "left out of the folder: {} ({reason})",
                 shortened(&names, NAMES_LISTED)
-            )
+            );
+            Finding::note("not-read", words)
         });
         if self.files.len() == before {
-            let found = left_out.collect::<Vec<_>>().join("; ");
+            let texts: Vec<String> = left_out.map(|finding| finding.text).collect();
+            let found = texts.join("; ");
             return Err(Error::new(
                 ErrorKind::NoInput,
                 "the folder has no file that can be read",

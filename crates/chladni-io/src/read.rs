@@ -6,7 +6,7 @@ use super::{
     assemble, csv, detect_format, expand_paths, function_name, hdf5, mat, numpy, read_model, uff,
     wav, Contents, DatasetInfo, Document, FileFormat, ReadOptions,
 };
-use chladni_frf::{Error, FrfSet, Geometry, Result, Source, Trust};
+use chladni_frf::{Error, Finding, FrfSet, Geometry, Mode, Reason, Result, Source, Trust};
 use chladni_text::door::{read_bytes, size_of, KeptInputs};
 use chladni_text::{json_error, read_text};
 use std::path::{Path, PathBuf};
@@ -36,8 +36,11 @@ pub fn list_document(path: &Path, options: &ReadOptions) -> Result<Document> {
     }
     let mut document = uff::scan(path, options)?;
     let size = LISTED_BY_HEADERS >> 20;
-    document.warnings.push(format!(
-        "larger than {size} MiB: its headers are listed; values and checksum were not read"
+    document.warnings.push(Finding::note(
+        "headers-only",
+        format!(
+            "larger than {size} MiB: its headers are listed; values and checksum were not read"
+        ),
     ));
     Ok(document)
 }
@@ -116,7 +119,7 @@ fn listed(documents: &[Document]) -> String {
 pub fn read_frf(
     paths: &[PathBuf],
     options: &ReadOptions,
-) -> Result<(FrfSet, Vec<Source>, Vec<String>)> {
+) -> Result<(FrfSet, Vec<Source>, Vec<Finding>)> {
     let _kept = KeptInputs::new();
     let inputs = expand_paths(paths)?;
     let documents = read_documents(&inputs.files, options)?;
@@ -155,7 +158,7 @@ pub fn read_frf(
             ),
             (None, None) => error.found(listed).help(
                 "`chladni info` lists what is inside; in HDF5 name the \
-                                          arrays with --map frf=PATH,freq=PATH",
+                                          arrays with `map frf=PATH,freq=PATH`",
             ),
         }
     })?;
@@ -215,7 +218,7 @@ fn model_document(path: &Path) -> Result<Document> {
         warnings: if mode.trust == Trust::Sure {
             Vec::new()
         } else {
-            mode.reasons.sentences()
+            doubts(mode)
         },
         ..DatasetInfo::default()
     });
@@ -225,9 +228,18 @@ fn model_document(path: &Path) -> Result<Document> {
             nodes: model.nodes.clone(),
             ..Geometry::default()
         },
-        warnings: model.quality.warnings(),
+        warnings: model.quality.findings.clone(),
         ..Document::new(path, FileFormat::Model)
     })
+}
+
+/// The reasons of a mode, as findings.
+fn doubts(mode: &Mode) -> Vec<Finding> {
+    let doubt = |reason: &Reason| Finding {
+        code: reason.code.clone(),
+        ..Finding::from(reason.to_string())
+    };
+    mode.reasons.iter().map(doubt).collect()
 }
 
 /// A weights file as `info` lists it: one entry per reference.

@@ -43,9 +43,9 @@ pub fn runs_of(document: &Document, said: &ChannelOverride) -> Result<Vec<Run>> 
         .filter(|function| function.function_type == TIME)
         .collect();
     for (name, count) in [
-        ("--dofs", said.dofs.len()),
-        ("--units", said.units.len()),
-        ("--scales", said.scales.len()),
+        ("dofs", said.dofs.len()),
+        ("units", said.units.len()),
+        ("scales", said.scales.len()),
     ] {
         if count > 0 && !records.len().is_multiple_of(count) {
             return Err(Error::new(
@@ -163,7 +163,7 @@ fn channel(function: &Function, k: usize, said: &ChannelOverride) -> Result<Chan
                 chladni_frf::ErrorKind::Usage,
                 "no unit of a force, voltage or motion",
             )
-            .field("--units")
+            .field("units")
             .found(&said.units[at])
             .expected("N, V, m, m/s, m/s^2, g or the like")
         })?,

@@ -3,7 +3,7 @@
 use super::atomic::write_atomically;
 use super::mat::MatFile;
 use super::{csv, hdf5, numpy, uff, vtk, Contents};
-use chladni_frf::{Error, ErrorKind, FrfSet, Result};
+use chladni_frf::{Error, ErrorKind, Finding, FrfSet, Result};
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -26,7 +26,7 @@ const KNOWN: &str =
 ///
 /// # Errors
 /// [`ErrorKind::Usage`] for another extension; else as [`write_atomically`].
-pub fn write_frf(path: &Path, frf: &FrfSet, force: bool) -> Result<Vec<String>> {
+pub fn write_frf(path: &Path, frf: &FrfSet, force: bool) -> Result<Vec<Finding>> {
     write(path, Some(frf), &Contents::default(), force)
 }
 
@@ -35,7 +35,7 @@ pub fn write_frf(path: &Path, frf: &FrfSet, force: bool) -> Result<Vec<String>> 
 ///
 /// # Errors
 /// As [`write_frf`].
-pub fn write_contents(path: &Path, contents: &Contents, force: bool) -> Result<Vec<String>> {
+pub fn write_contents(path: &Path, contents: &Contents, force: bool) -> Result<Vec<Finding>> {
     write(path, contents.frf.as_ref(), contents, force)
 }
 
@@ -44,7 +44,7 @@ fn write(
     frf: Option<&FrfSet>,
     contents: &Contents,
     force: bool,
-) -> Result<Vec<String>> {
+) -> Result<Vec<Finding>> {
     match extension(path).as_str() {
         "h5" | "hdf5" => hdf5::write(path, frf, contents, force).map(|()| Vec::new()),
         "csv" | "txt" => write_table(path, frf, contents, force),
@@ -87,7 +87,7 @@ fn write_arrays(
     frf: Option<&FrfSet>,
     contents: &Contents,
     force: bool,
-) -> Result<Vec<String>> {
+) -> Result<Vec<Finding>> {
     let set = needed(path, frf, "a NumPy archive")?;
     numpy::write(path, set, force)?;
     Ok(left_out("a NumPy archive", set, contents))
@@ -108,32 +108,44 @@ fn needed<'a>(path: &Path, frf: Option<&'a FrfSet>, format: &str) -> Result<&'a 
 }
 
 /// What a format of FRFs alone cannot hold.
-fn left_out(format: &str, set: &FrfSet, contents: &Contents) -> Vec<String> {
+fn left_out(format: &str, set: &FrfSet, contents: &Contents) -> Vec<Finding> {
     let mut lost = Vec::new();
     if !set.geometry.nodes.is_empty() {
-        lost.push(format!(
-            "{format} holds no geometry: {} nodes are left out",
-            set.geometry.nodes.len()
+        lost.push(Finding::note(
+            "not-carried",
+            format!(
+                "{format} holds no geometry: {} nodes are left out",
+                set.geometry.nodes.len()
+            ),
         ));
     }
     lost.extend(set.variance.as_ref().map(|_| lost_variance(format)));
     if !contents.functions.is_empty() {
-        lost.push(format!(
-            "{format} holds FRFs only: {} other functions are left out",
-            contents.functions.len()
+        lost.push(Finding::note(
+            "not-carried",
+            format!(
+                "{format} holds FRFs only: {} other functions are left out",
+                contents.functions.len()
+            ),
         ));
     }
     if !contents.shapes.is_empty() {
-        lost.push(format!(
-            "{format} holds FRFs only: {} shapes are left out",
-            contents.shapes.len()
+        lost.push(Finding::note(
+            "not-carried",
+            format!(
+                "{format} holds FRFs only: {} shapes are left out",
+                contents.shapes.len()
+            ),
         ));
     }
     lost
 }
 
-fn lost_variance(format: &str) -> String {
-    format!("{format} holds no variances: those of the FRFs are left out (HDF5 holds them)")
+fn lost_variance(format: &str) -> Finding {
+    Finding::note(
+        "not-carried",
+        format!("{format} holds no variances: those of the FRFs are left out (HDF5 holds them)"),
+    )
 }
 
 fn write_table(
@@ -141,15 +153,16 @@ fn write_table(
     frf: Option<&FrfSet>,
     contents: &Contents,
     force: bool,
-) -> Result<Vec<String>> {
+) -> Result<Vec<Finding>> {
     let set = needed(path, frf, "a text table")?;
     write_atomically(path, force, |out| csv::write(out, set))?;
     let mut lost = left_out("a text table", set, contents);
     let (responses, references) = unmeasured(set);
     for (count, what) in [(responses, "responses"), (references, "references")] {
         if count > 0 {
-            lost.push(format!(
-                "{count} {what} without any FRF are left out of the table"
+            lost.push(Finding::note(
+                "not-carried",
+                format!("{count} {what} without any FRF are left out of the table"),
             ));
         }
     }
@@ -177,7 +190,7 @@ fn write_universal(
     contents: &Contents,
     options: uff::WriteOptions,
     force: bool,
-) -> Result<Vec<String>> {
+) -> Result<Vec<Finding>> {
     let whole = match (&contents.frf, frf) {
         (None, Some(frf)) => Cow::Owned(Contents {
             frf: Some(frf.clone()),
@@ -215,5 +228,5 @@ pub(super) fn unknown_extension(path: &Path, known: &str) -> Error {
             .map_or("none".into(), |extension| extension.to_string_lossy()),
     )
     .expected(known)
-    .help("the extension of -o decides the format")
+    .help("the extension of the output decides the format")
 }

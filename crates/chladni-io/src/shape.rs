@@ -1,6 +1,6 @@
 //! Values at nodes: mode shapes and vibration fields, as datasets 55 and 2414 hold them.
 
-use chladni_frf::Dof;
+use chladni_frf::{Dof, Finding};
 use ndarray::Array2;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -153,7 +153,7 @@ pub struct Shape {
     /// Line of the dataset in the file, counted from 1; 0 in other formats.
     pub line: u64,
     /// What is odd about it.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Finding>,
 }
 
 impl Shape {

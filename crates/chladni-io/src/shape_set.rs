@@ -4,7 +4,7 @@ use super::{
     detect_format, read_contents, read_model, Analysis, Contents, FileFormat, ReadOptions, Shape,
     ShapeForm,
 };
-use chladni_frf::{Direction, Dof, Error, Result, ShapeMode, ShapeSet};
+use chladni_frf::{Direction, Dof, Error, Finding, Result, ShapeMode, ShapeSet};
 use num_complex::Complex64;
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -20,7 +20,7 @@ const TRANSLATIONS_AND_ROTATIONS: i64 = 3;
 ///
 /// # Errors
 /// Those of reading; [`chladni_frf::ErrorKind::BadData`] where the file holds no mode.
-pub fn read_shape_set(file: &Path) -> Result<(ShapeSet, Vec<String>)> {
+pub fn read_shape_set(file: &Path) -> Result<(ShapeSet, Vec<Finding>)> {
     let model = match detect_format(file)? {
         FileFormat::Model => Some(read_model(file)?),
         FileFormat::Hdf5 => match read_model(file) {
@@ -31,7 +31,7 @@ pub fn read_shape_set(file: &Path) -> Result<(ShapeSet, Vec<String>)> {
         _ => None,
     };
     if let Some(model) = model {
-        return Ok((ShapeSet::from(&model), model.quality.warnings()));
+        return Ok((ShapeSet::from(&model), model.quality.findings));
     }
     let contents = read_contents(&[PathBuf::from(file)], &ReadOptions::default())
         .map_err(|error| error.file(file))?;

@@ -1,6 +1,6 @@
 //! The time sign of a file against the user's word.
 
-use chladni_frf::{FrfSet, TimeSign};
+use chladni_frf::{Finding, FrfSet, TimeSign};
 
 /// Brings `set` to e^{+jωt}: conjugates it where the file says minus, or the user does
 /// (once, where both do).
@@ -11,13 +11,13 @@ pub(super) fn to_plus(
     set: &mut FrfSet,
     said: Option<TimeSign>,
     told: TimeSign,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Finding>,
 ) {
     if told == TimeSign::Minus && said == Some(TimeSign::Plus) {
-        warnings.push(
-            "the file says time sign + and --time-sign says -: conjugated, as --time-sign says"
-                .into(),
-        );
+        warnings.push(Finding::note(
+            "option-overrules-file",
+            "the file says time sign +, you say -: conjugated, as you say",
+        ));
     }
     if told == TimeSign::Minus || said == Some(TimeSign::Minus) {
         set.conjugate();

@@ -9,7 +9,7 @@
 
 use super::atomic::write_atomically;
 use super::{Contents, Shape, ShapeForm, TRANSLATION};
-use chladni_frf::{Error, ErrorKind, Geometry, Result};
+use chladni_frf::{Error, ErrorKind, Finding, Geometry, Result};
 use num_complex::Complex64;
 use std::collections::HashMap;
 use std::io::{self, Write};
@@ -26,7 +26,7 @@ const QUADRILATERAL: u8 = 9;
 ///
 /// # Errors
 /// [`ErrorKind::Usage`] without nodes and shapes; else as [`write_atomically`].
-pub(super) fn write_vtu(path: &Path, contents: &Contents, force: bool) -> Result<Vec<String>> {
+pub(super) fn write_vtu(path: &Path, contents: &Contents, force: bool) -> Result<Vec<Finding>> {
     let lost = check(path, contents)?;
     let shapes: Vec<&Shape> = contents.shapes.iter().collect();
     let grid = Grid::new(contents.geometry());
@@ -39,7 +39,7 @@ pub(super) fn write_vtu(path: &Path, contents: &Contents, force: bool) -> Result
 ///
 /// # Errors
 /// As [`write_vtu`]; a file that exists and `force` is false, before anything is written.
-pub(super) fn write_pvd(path: &Path, contents: &Contents, force: bool) -> Result<Vec<String>> {
+pub(super) fn write_pvd(path: &Path, contents: &Contents, force: bool) -> Result<Vec<Finding>> {
     let lost = check(path, contents)?;
     let parts: Vec<PathBuf> = (1..=contents.shapes.len()).map(|k| part(path, k)).collect();
     if let Some(taken) = parts.iter().find(|part| !force && part.exists()) {
@@ -47,8 +47,8 @@ pub(super) fn write_pvd(path: &Path, contents: &Contents, force: bool) -> Result
             Error::new(ErrorKind::CannotCreate, "a file of the list exists")
                 .file(taken)
                 .found("a file of that name")
-                .expected("a new name, or --force")
-                .help("choose another name with -o, or overwrite it with --force"),
+                .expected("a new name, or `force`")
+                .help("choose another name, or overwrite it with `force`"),
         );
     }
     let grid = Grid::new(contents.geometry());
@@ -90,7 +90,7 @@ fn steps(shapes: &[Shape]) -> Vec<f64> {
         .unwrap_or_else(|| (1..=shapes.len()).map(|k| k as f64).collect())
 }
 
-fn check(path: &Path, contents: &Contents) -> Result<Vec<String>> {
+fn check(path: &Path, contents: &Contents) -> Result<Vec<Finding>> {
     let missing = |what: &str, help: &str| {
         Err(
             Error::new(ErrorKind::Usage, format!("there is no {what} to draw"))
@@ -115,27 +115,29 @@ fn check(path: &Path, contents: &Contents) -> Result<Vec<String>> {
     }
     let mut lost = Vec::new();
     if contents.frf.is_some() || !contents.functions.is_empty() {
-        lost.push(
+        lost.push(Finding::note(
+            "not-carried",
             "FRFs and other functions are not drawn: only nodes, lines, faces and shapes are \
-                   written"
-                .into(),
-        );
+             written",
+        ));
     }
     if contents
         .shapes
         .iter()
         .any(|shape| shape.values.ncols() > TRANSLATION)
     {
-        lost.push(
-            "rotations and tensors are left out: the first three components are written".into(),
-        );
+        lost.push(Finding::note(
+            "not-carried",
+            "rotations and tensors are left out: the first three components are written",
+        ));
     }
     let known: HashMap<u64, usize> = index_of(geometry);
     let without = |shape: &&Shape| shape.nodes.iter().any(|node| !known.contains_key(node));
     let count = contents.shapes.iter().filter(without).count();
     if count > 0 {
-        lost.push(format!(
-            "{count} shapes have values at nodes without coordinates: these are left out"
+        lost.push(Finding::note(
+            "not-carried",
+            format!("{count} shapes have values at nodes without coordinates: these are left out"),
         ));
     }
     Ok(lost)

@@ -2,7 +2,7 @@
 //! scale.
 
 use super::{Abscissa, Axis, DatasetInfo, Document, FileFormat, Function, Ordinate};
-use chladni_frf::{Direction, Dof, Error, Result};
+use chladni_frf::{Direction, Dof, Error, Finding, Result};
 use hound::{SampleFormat, WavReader};
 use std::io::Cursor;
 use std::path::Path;
@@ -94,8 +94,9 @@ pub(super) fn read(bytes: &[u8], file: &Path) -> Result<Document> {
             ordinate,
         ));
     }
-    document
-        .warnings
-        .push("a sound file says no DOFs and no units: values are parts of full scale".into());
+    document.warnings.push(Finding::caution(
+        "unit-assumed",
+        "a sound file says no DOFs and no units: values are parts of full scale",
+    ));
     Ok(document)
 }

@@ -281,6 +281,6 @@ impl Panel {
                 self.frf.stop_hz
             ))
             .expected(format!("at most {}", gib(limit_bytes as f64)))
-            .help("take fewer points or lines, or allow more with --memory"))
+            .help("take fewer points or lines, or allow more with `memory`"))
     }
 }

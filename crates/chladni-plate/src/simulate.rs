@@ -7,9 +7,9 @@ use crate::panel::Panel;
 use crate::response::DampedPlate;
 use crate::tolerances::LEAST_LINES_PER_BANDWIDTH;
 use chladni_frf::{
-    ComplexMatrix, ComplexVector, Damping, Error, ErrorKind, FrfSet, FrfValues, ModalModel, Mode,
-    Quality, ReferenceUnit, ResidualTerm, ResidualTerms, Result, Scaling, Trust, CREATED_BY,
-    MODEL_FORMAT,
+    ComplexMatrix, ComplexVector, Damping, Error, ErrorKind, Finding, FrfSet, FrfValues,
+    ModalModel, Mode, Quality, ReferenceUnit, ResidualTerm, ResidualTerms, Result, Scaling, Trust,
+    CREATED_BY, MODEL_FORMAT,
 };
 use ndarray::Array2;
 use num_complex::Complex64;
@@ -27,7 +27,7 @@ pub struct Simulation {
     /// The plate, for FRFs at any other points.
     pub plate: DampedPlate,
     /// What the user should know about this panel.
-    pub warnings: Vec<String>,
+    pub findings: Vec<Finding>,
 }
 
 /// Simulates the measurement that `panel` describes.
@@ -59,7 +59,7 @@ pub fn simulate(panel: &Panel, seed: Option<u64>, snr_db: Option<f64>) -> Result
     let noise_variance = add_white_noise(&mut values, panel.frf.snr_db, panel.frf.seed)?;
     let relative_error = (noise_variance / mean_square(&values)).sqrt();
 
-    let warnings = warnings(&panel, &plate);
+    let findings = findings(&panel, &plate);
     let truth = truth(&panel, &layout, &plate, relative_error)?;
     let frf = FrfSet {
         frequency_hz,
@@ -78,7 +78,7 @@ pub fn simulate(panel: &Panel, seed: Option<u64>, snr_db: Option<f64>) -> Result
         truth,
         noise_variance,
         plate,
-        warnings,
+        findings,
     })
 }
 
@@ -169,40 +169,44 @@ fn truth(
     })
 }
 
-fn warnings(panel: &Panel, plate: &DampedPlate) -> Vec<String> {
-    let mut warnings = Vec::new();
+fn findings(panel: &Panel, plate: &DampedPlate) -> Vec<Finding> {
+    let mut findings = Vec::new();
     let (frequencies, loss_factors) = (plate.modes.frequency_hz(), plate.loss_factors());
     let in_band = |n: &usize| (panel.frf.start_hz..=panel.frf.stop_hz).contains(&frequencies[*n]);
     let modes: Vec<usize> = (plate.modes.rigid_count()..plate.modes.len())
         .filter(in_band)
         .collect();
     if modes.is_empty() {
-        warnings.push(format!(
+        let words = format!(
             "no elastic mode between {} and {} Hz; the first one lies at {:.1} Hz",
             panel.frf.start_hz,
             panel.frf.stop_hz,
             frequencies[plate.modes.rigid_count()]
-        ));
+        );
+        findings.push(Finding::caution("no-mode-simulated", words).help("widen the band"));
     }
     let narrow = |n: &&usize| {
         loss_factors[**n] * frequencies[**n] < LEAST_LINES_PER_BANDWIDTH * panel.frf.step_hz
     };
     if let Some(&first) = modes.iter().find(narrow) {
-        warnings.push(format!(
-            "{} modes have half-power bandwidths below the line spacing of {} Hz (the mode at {:.1} Hz: {:.3} Hz), \
-             so that their damping can hardly be identified; take a smaller step_hz",
+        let words = format!(
+            "{} modes have half-power bandwidths below the line spacing of {} Hz (the mode at {:.1} Hz: {:.3} Hz): \
+             their damping can hardly be identified",
             modes.iter().filter(narrow).count(),
             panel.frf.step_hz,
             frequencies[first],
             loss_factors[first] * frequencies[first]
-        ));
+        );
+        findings
+            .push(Finding::caution("lines-too-far-apart", words).help("take a smaller step_hz"));
     }
     if panel.plate.is_thick_at(TAU * panel.frf.stop_hz) {
-        warnings.push(format!(
+        let words = format!(
             "at {} Hz the bending wavelength is below 20 thicknesses; real plates have lower \
              frequencies there than this thin-plate model",
             panel.frf.stop_hz
-        ));
+        );
+        findings.push(Finding::note("beyond-thin-plates", words));
     }
-    warnings
+    findings
 }

@@ -11,7 +11,7 @@ use crate::modal_field::ModalField;
 use crate::problem::{amplitude, Drive};
 use crate::setup::Setup;
 use crate::tolerances;
-use chladni_frf::{ModalModel, Scaling};
+use chladni_frf::{Finding, ModalModel, Scaling};
 use ndarray::Array1;
 use num_complex::Complex64;
 use rand_chacha::rand_core::SeedableRng;
@@ -62,29 +62,39 @@ impl Endurance {
         }
     }
 
-    /// What must be said of it.
-    pub(crate) fn warnings(&self) -> Vec<String> {
-        let mut warnings = Vec::new();
+    /// Findings about it.
+    pub(crate) fn findings(&self) -> Vec<Finding> {
+        let mut findings = Vec::new();
         if self.frequency_relative < tolerances::THIN_FREQUENCY_ERROR {
-            warnings.push(format!(
-                "the drive holds for natural frequencies up to {:.1} % off: a model of another day or temperature may be further off; check with \
-                 --measured or `chladni evaluate`, or look for another frequency with --sweep",
+            let words = format!(
+                "the drive holds for natural frequencies up to {:.1} % off; on another day or at \
+                 another temperature they may be further off",
                 100.0 * self.frequency_relative
-            ));
+            );
+            findings.push(
+                Finding::caution("frequency-sensitive", words)
+                    .value("frequency_relative", self.frequency_relative)
+                    .help("check on a fresh measurement, or choose a less sensitive frequency"),
+            );
         }
         if self.touched_min_ratio < tolerances::TOUCHED_SERVES {
             let how = if self.touch_is_known {
                 ""
             } else {
-                " (estimated: without a driving point the model does not know how much it moves)"
+                " (estimated: no driving point was measured)"
             };
-            warnings.push(format!(
-                "a light finger in the hot zone leaves {:.0} % of the hot or of the cold responses inside their limit{how}: look for a frequency \
-                 that bears it with --sweep",
+            let words = format!(
+                "under a light touch, {:.0} % of the responses in the worse zone meet their \
+                 limit{how}",
                 100.0 * self.touched_min_ratio
-            ));
+            );
+            findings.push(
+                Finding::caution("touch-sensitive", words)
+                    .value("touched_min_ratio", self.touched_min_ratio)
+                    .help("choose a less sensitive frequency"),
+            );
         }
-        warnings
+        findings
     }
 }
 

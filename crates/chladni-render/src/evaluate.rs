@@ -7,10 +7,10 @@ use crate::operator::Operator;
 use crate::problem::Drive;
 use crate::render::strength;
 use crate::scene::{Limits, Scene};
-use crate::setup::{lay_zones, scene_warnings};
+use crate::setup::{lay_zones, scene_findings};
 use crate::weights::Weights;
 use crate::zones::ZoneMap;
-use chladni_frf::{Dof, Error, FrfSet, ModalModel, Result};
+use chladni_frf::{Dof, Error, Finding, FrfSet, ModalModel, Result};
 use num_complex::Complex64;
 
 /// What the weights are judged on.
@@ -37,8 +37,8 @@ pub struct Evaluation {
     pub zones: ZoneMap,
     /// Velocity limits.
     pub limits: Limits,
-    /// What the user must know.
-    pub warnings: Vec<String>,
+    /// Everything the user should know.
+    pub findings: Vec<Finding>,
     /// The same of the other tones of the weights.
     pub other_tones: Vec<Evaluation>,
 }
@@ -70,12 +70,12 @@ fn evaluate_tone(weights: &Weights, scene: &Scene, on: On) -> Result<Evaluation>
         drive,
         limits,
         zones,
-        mut warnings,
+        mut findings,
     } = laid(weights, scene, on)?;
     let field = Field::new(&operator, &zones, &drive);
     let points = PointIndices::of_field(&field, &zones, &limits, &drive, operator.unit)?;
     let area = field.area(&zones);
-    warnings.extend(strength(&field, &limits));
+    findings.extend(strength(&field, &limits));
     Ok(Evaluation {
         frequency_hz: operator.frequency_hz,
         indices: Indices {
@@ -88,7 +88,7 @@ fn evaluate_tone(weights: &Weights, scene: &Scene, on: On) -> Result<Evaluation>
         area,
         zones,
         limits,
-        warnings,
+        findings,
         other_tones: Vec::new(),
     })
 }
@@ -99,7 +99,7 @@ pub(crate) struct Laid {
     pub(crate) drive: Drive,
     pub(crate) limits: Limits,
     pub(crate) zones: ZoneMap,
-    pub(crate) warnings: Vec<String>,
+    pub(crate) findings: Vec<Finding>,
 }
 
 /// Lays `weights` and `scene` over the data.
@@ -126,7 +126,7 @@ pub(crate) fn laid(weights: &Weights, scene: &Scene, on: On) -> Result<Laid> {
                     frequency_hz,
                     ..scene.clone()
                 },
-                Some(words),
+                Some(Finding::caution("judged-elsewhere", words)),
             )
         }
     };
@@ -154,14 +154,14 @@ pub(crate) fn laid(weights: &Weights, scene: &Scene, on: On) -> Result<Laid> {
     let drive = drive_on(&operator, weights);
     let limits = scene.limits()?;
     let zones = lay_zones(&scene, &operator);
-    let mut warnings = scene_warnings(&scene, &operator, &zones);
-    warnings.extend(other_frequency);
+    let mut findings = scene_findings(&scene, &operator, &zones);
+    findings.extend(other_frequency);
     Ok(Laid {
         operator,
         drive,
         limits,
         zones,
-        warnings,
+        findings,
     })
 }
 

@@ -18,14 +18,14 @@ use crate::methods::mls;
 use crate::problem::{amplitude, Drive, Problem};
 use crate::setup::Setup;
 use crate::tolerances;
-use chladni_frf::Result;
+use chladni_frf::{Finding, Result};
 use ndarray::Array1;
 use rayon::prelude::*;
 
 /// Columns of the operator to use, rising, and what must be said about them.
 pub(crate) struct Choice {
     pub(crate) columns: Vec<usize>,
-    pub(crate) warning: Option<String>,
+    pub(crate) finding: Option<Finding>,
 }
 
 /// Chooses among the actuators of `setups`, the same for all: those that serve every
@@ -39,15 +39,17 @@ pub(crate) fn choose(setups: &[&Setup], count: Count) -> Result<Choice> {
         Count::All => {
             return Ok(Choice {
                 columns: (0..all).collect(),
-                warning: None,
+                finding: None,
             })
         }
         Count::Number(number) if number >= all => {
-            let warning = (number > all)
-                .then(|| format!("{number} actuators were asked for, {all} may be used"));
+            let finding = (number > all).then(|| {
+                let words = format!("{number} actuators were asked for, {all} may be used");
+                Finding::note("fewer-actuators", words)
+            });
             return Ok(Choice {
                 columns: (0..all).collect(),
-                warning,
+                finding,
             });
         }
         Count::Number(number) => number,
@@ -64,11 +66,11 @@ pub(crate) fn choose(setups: &[&Setup], count: Count) -> Result<Choice> {
         } else {
             "every scene"
         };
-        let warning =
+        let words =
             format!("all actuators are used: not even all of them serve every response of {which}");
         return Ok(Choice {
             columns: (0..all).collect(),
-            warning: Some(warning),
+            finding: Some(Finding::caution("all-actuators-needed", words)),
         });
     }
     if possible {
@@ -81,12 +83,13 @@ pub(crate) fn choose(setups: &[&Setup], count: Count) -> Result<Choice> {
         subset.exchange()?;
     }
     let forced = subset.columns.len().saturating_sub(target);
-    let warning = (count != Count::Auto && forced > 0).then(|| {
-        format!(
+    let finding = (count != Count::Auto && forced > 0).then(|| {
+        let words = format!(
             "{} actuators serve every response of this scene, {target} were asked for: the weakest \
              {forced} were left out",
             subset.columns.len()
-        )
+        );
+        Finding::caution("too-few-actuators", words)
     });
     if count != Count::Auto {
         subset.columns.truncate(target);
@@ -94,7 +97,7 @@ pub(crate) fn choose(setups: &[&Setup], count: Count) -> Result<Choice> {
     subset.columns.sort_unstable();
     Ok(Choice {
         columns: subset.columns,
-        warning,
+        finding,
     })
 }
 

@@ -16,7 +16,7 @@ use crate::options::RenderOptions;
 use crate::problem::{Drive, Problem, Rows};
 use crate::setup::Setup;
 use crate::tolerances;
-use chladni_frf::{Error, FrfSet, ModalModel, Result};
+use chladni_frf::{Error, Finding, FrfSet, ModalModel, Result};
 use ndarray::Array2;
 use num_complex::Complex64;
 
@@ -28,8 +28,8 @@ pub(crate) struct Judge {
     rows: Vec<usize>,
     /// The whole model at all judged rows.
     whole: Array2<Complex64>,
-    /// What is to be known of it.
-    pub(crate) warnings: Vec<String>,
+    /// Findings about it.
+    pub(crate) findings: Vec<Finding>,
     /// Responses and ground between them; only the whole model knows it.
     ground: Option<Problem>,
 }
@@ -45,7 +45,7 @@ impl Judge {
             points: setup.problem.clone(),
             rows: (0..setup.judged.len()).collect(),
             whole: setup.problem.rows.mobility.clone(),
-            warnings: Vec::new(),
+            findings: Vec::new(),
             ground,
         }
     }
@@ -61,7 +61,7 @@ impl Judge {
         if line.unit != operator.unit {
             return Err(
                 Error::bad_data("the measured FRFs and the model have different units")
-                    .field("--measured")
+                    .field("measured")
                     .found(line.unit)
                     .expected(format!(
                         "{}, the unit of the model's references",
@@ -100,7 +100,7 @@ impl Judge {
             .count();
         if hot == 0 || hot == pairs.len() {
             return Err(Error::bad_data("the measured FRFs cannot judge this scene")
-                .field("--measured")
+                .field("measured")
                 .found(format!(
                     "{hot} hot and {} cold responses of the scene among the measured ones",
                     pairs.len() - hot
@@ -127,7 +127,7 @@ impl Judge {
             points,
             rows: pairs.into_iter().map(|(k, _)| k).collect(),
             whole: setup.problem.rows.mobility.clone(),
-            warnings: line.warnings,
+            findings: line.findings,
             ground: None,
         })
     }
@@ -167,7 +167,7 @@ impl Judge {
 /// A setup whose model sums so many modes explicitly.
 pub(crate) struct Reduced {
     pub(crate) setup: Setup,
-    pub(crate) warning: Option<String>,
+    pub(crate) finding: Option<Finding>,
 }
 
 /// Chooses the modes of `model` that stay explicit for the scene of `setup`.
@@ -184,19 +184,20 @@ pub(crate) fn choose(
     match options.modes {
         Count::All => Ok(Reduced {
             setup,
-            warning: None,
+            finding: None,
         }),
         Count::Number(number) => {
             let ranked = ranked();
-            let warning = (number > ranked.len()).then(|| {
-                format!(
+            let finding = (number > ranked.len()).then(|| {
+                let words = format!(
                     "{number} modes were asked for, the model has {}",
                     ranked.len()
-                )
+                );
+                Finding::note("fewer-modes-in-model", words)
             });
             Ok(Reduced {
                 setup: reduced(&setup, model, &ranked, number.min(ranked.len())),
-                warning,
+                finding,
             })
         }
         Count::Auto => {
@@ -222,15 +223,16 @@ pub(crate) fn choose(
                 if as_good && (wanted[0] < 1.0 || judge.error_fits(&smaller.problem, &drive)) {
                     return Ok(Reduced {
                         setup: smaller,
-                        warning: None,
+                        finding: None,
                     });
                 }
             }
             Ok(Reduced {
                 setup,
-                warning: Some(
-                    "no smaller number of modes serves the scene as well: all are used".into(),
-                ),
+                finding: Some(Finding::note(
+                    "all-modes-needed",
+                    "no smaller number of modes serves the scene as well: all are used",
+                )),
             })
         }
     }

@@ -68,7 +68,7 @@ pub fn sweep(
     if !(low_hz > 0.0 && (0.0..tolerances::MOST_SWEPT).contains(&steps)) {
         return Err(
             Error::new(ErrorKind::Usage, "no usable range of frequencies")
-                .field("--sweep")
+                .field("sweep")
                 .found(format!("{low_hz}:{high_hz}"))
                 .expected(format!(
                     "LO:HI in Hz, above 0, rising, at most {} Hz wide",

@@ -6,7 +6,7 @@
 use crate::methods::Solution;
 use crate::problem::{amplitude, Drive, Problem};
 use crate::tolerances;
-use chladni_frf::Result;
+use chladni_frf::{Finding, Result};
 use ndarray::{Array1, Axis};
 
 impl Problem {
@@ -130,11 +130,14 @@ pub(crate) fn within_drive_limit(
             break;
         }
     }
-    solution.warnings.push(format!(
+    let words = format!(
         "{} binds: the drive was regularised more strongly (ridge {ridge_used:.0e}), and {:.1} % \
          of the responses keep their limit",
         problem.drive_limits.binding(&solution.drive),
         100.0 * score.success_ratio
-    ));
+    );
+    solution
+        .findings
+        .push(Finding::caution("limit-binds", words));
     Ok(solution)
 }

@@ -9,7 +9,7 @@
 use crate::plane::Position;
 use crate::tolerances;
 use chladni_frf::{
-    Direction, Dof, Error, FrfKind, FrfSet, ModalModel, Node, ReferenceUnit, Result,
+    Direction, Dof, Error, Finding, FrfKind, FrfSet, ModalModel, Node, ReferenceUnit, Result,
 };
 use ndarray::Array2;
 use num_complex::Complex64;
@@ -36,8 +36,8 @@ pub struct Operator {
     /// Velocity per unit of each actuator, (m/s)/N or (m/s)/V; axes (response,
     /// reference).
     pub mobility: Array2<Complex64>,
-    /// What was left out, and why.
-    pub warnings: Vec<String>,
+    /// Findings about what was left out.
+    pub findings: Vec<Finding>,
 }
 
 impl Operator {
@@ -84,10 +84,13 @@ impl Operator {
             ));
         }
         if model.in_band_modes().next().is_none() {
-            operator.warnings.push(
-                "the model has no mode in its band: what stands for modes \
-                                    outside it makes the whole field"
-                    .into(),
+            operator.findings.push(
+                Finding::caution(
+                    "field-of-residuals",
+                    "the model has no mode in its band: out-of-band poles and residual terms make \
+                     the whole field",
+                )
+                .help("fit the band around the drive frequency"),
             );
         }
         Ok(operator)
@@ -115,10 +118,16 @@ impl Operator {
         operator.fill(|row, column| factor * frf.values.get(row, column, line));
         if (operator.frequency_hz - frequency_hz).abs() > tolerances::SAME_FREQUENCY * frequency_hz
         {
-            operator.warnings.push(format!(
-                "judged on the line at {} Hz, the nearest to {frequency_hz} Hz",
-                operator.frequency_hz
-            ));
+            operator.findings.push(
+                Finding::note(
+                    "nearest-line",
+                    format!(
+                        "judged on the line at {} Hz, the nearest to {frequency_hz} Hz",
+                        operator.frequency_hz
+                    ),
+                )
+                .value("line_hz", operator.frequency_hz),
+            );
         }
         operator.drop_unmeasured()?;
         Ok(operator)
@@ -140,7 +149,7 @@ impl Operator {
             reference_columns: Vec::new(),
             unit,
             mobility: Array2::zeros((0, 0)),
-            warnings: Vec::new(),
+            findings: Vec::new(),
         };
         operator.select_responses(responses, nodes)?;
         operator.select_references(references, only)?;
@@ -151,7 +160,7 @@ impl Operator {
         let positions: HashMap<u64, [f64; 3]> =
             nodes.iter().map(|node| (node.label, node.xyz_m)).collect();
         let mut taken: HashMap<[i64; 2], Dof> = HashMap::new();
-        let (mut sideways, mut nowhere) = (Vec::new(), Vec::new());
+        let (mut sideways, mut nowhere, mut again) = (Vec::new(), Vec::new(), Vec::new());
         for (row, &dof) in responses.iter().enumerate() {
             let Some(&[x, y, _]) = positions.get(&dof.node) else {
                 nowhere.push(dof);
@@ -162,10 +171,8 @@ impl Operator {
                 continue;
             }
             let place = [x, y].map(|metres| (metres / tolerances::POSITION_M).round() as i64);
-            if let Some(first) = taken.get(&place) {
-                self.warnings.push(format!(
-                    "response {dof} lies where {first} lies; only {first} is used"
-                ));
+            if taken.contains_key(&place) {
+                again.push(dof);
                 continue;
             }
             taken.insert(place, dof);
@@ -173,17 +180,23 @@ impl Operator {
             self.response_rows.push(row);
             self.positions_m.push([x, y]);
         }
-        for (list, reason) in [
-            (&sideways, "are not along Z"),
-            (&nowhere, "belong to nodes without a position"),
-        ] {
-            if let Some(first) = list.first() {
-                self.warnings.push(format!(
-                    "{} responses {reason} and are not used, the first of them {first}",
-                    list.len()
-                ));
-            }
-        }
+        let left_out = |finding: Finding, list: &[Dof]| {
+            let first = list.first()?;
+            let text = format!(
+                "{} left out: {}; the first is {first}",
+                responses_in_words(list.len()),
+                finding.text
+            );
+            let dofs = list.iter().copied();
+            Some(Finding { text, ..finding }.dofs(dofs))
+        };
+        let coincide = Finding::note("responses-coincide", "at the place of another one");
+        let not_along = Finding::note("responses-not-along-z", "not along Z");
+        let no_place = Finding::caution("responses-without-position", "no position in the file")
+            .help("give the file its geometry (nodes in metres)");
+        self.findings.extend(left_out(coincide, &again));
+        self.findings.extend(left_out(not_along, &sideways));
+        self.findings.extend(left_out(no_place, &nowhere));
         if self.responses.is_empty() {
             return Err(Error::bad_data("no response can be judged")
                 .field("responses")
@@ -234,7 +247,10 @@ impl Operator {
         let keep: Vec<usize> = (0..self.responses.len())
             .filter(|&i| self.mobility.row(i).iter().all(|v| v.is_finite()))
             .collect();
-        let dropped = self.responses.len() - keep.len();
+        let dropped: Vec<Dof> = (0..self.responses.len())
+            .filter(|i| !keep.contains(i))
+            .map(|i| self.responses[i])
+            .collect();
         if keep.is_empty() {
             return Err(Error::bad_data(
                 "no response was measured for every actuator in use at this line",
@@ -243,17 +259,32 @@ impl Operator {
             .found(format!("NaN, at {} Hz", self.frequency_hz))
             .help("measure the missing pairs, or leave their actuators out with actuators.use"));
         }
-        if dropped > 0 {
-            self.warnings.push(format!(
-                "{dropped} responses are not judged: not measured for every actuator at {} Hz",
-                self.frequency_hz
-            ));
+        if !dropped.is_empty() {
+            self.findings.push(
+                Finding::caution(
+                    "responses-unmeasured",
+                    format!(
+                        "{} not judged: not measured for every actuator at {} Hz",
+                        responses_in_words(dropped.len()),
+                        self.frequency_hz
+                    ),
+                )
+                .dofs(dropped)
+                .help("measure the missing pairs"),
+            );
             self.mobility = self.mobility.select(ndarray::Axis(0), &keep);
             self.responses = keep.iter().map(|&i| self.responses[i]).collect();
             self.response_rows = keep.iter().map(|&i| self.response_rows[i]).collect();
             self.positions_m = keep.iter().map(|&i| self.positions_m[i]).collect();
         }
         Ok(())
+    }
+}
+
+fn responses_in_words(count: usize) -> String {
+    match count {
+        1 => "1 response".into(),
+        _ => format!("{count} responses"),
     }
 }
 

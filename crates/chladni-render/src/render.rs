@@ -15,7 +15,7 @@ use crate::setup::Setup;
 use crate::tolerances;
 use crate::weights::{weight_list, Weights, WEIGHTS_FORMAT, WEIGHTS_VERSION};
 use crate::zones::ZoneMap;
-use chladni_frf::{Error, FrfSet, ModalModel, Result, CREATED_BY};
+use chladni_frf::{numbered, Error, Finding, FrfSet, ModalModel, Result, CREATED_BY};
 use std::borrow::Cow;
 
 /// Weights, and the field that they make in the model.
@@ -128,7 +128,7 @@ fn render_tone(
     };
     let Reduced {
         setup,
-        warning: of_modes,
+        finding: of_modes,
     } = fewest_modes::choose(whole, model, &judge, options)?;
     let chosen = fewest_actuators::choose(
         &std::iter::once(&setup).chain(&others).collect::<Vec<_>>(),
@@ -141,11 +141,11 @@ fn render_tone(
     let Decision {
         method,
         effort,
-        warning,
+        finding,
     } = options.method.decide(&used.problem, options.effort);
     let Solution {
         drive,
-        warnings: said,
+        findings: said,
         modal,
     } = method.solve(&used, model, effort)?;
     let sparse = drive;
@@ -157,11 +157,11 @@ fn render_tone(
         problem,
         ..
     } = &setup;
-    let mut warnings = [
-        setup.warnings.clone(),
+    let mut findings = [
+        setup.findings.clone(),
         Vec::from_iter(of_modes),
-        Vec::from_iter(chosen.warning),
-        Vec::from_iter(warning),
+        Vec::from_iter(chosen.finding),
+        Vec::from_iter(finding),
         said,
     ]
     .concat();
@@ -188,7 +188,7 @@ fn render_tone(
         None
     };
     if !feasible {
-        warnings.push(shortfall(&points, ceiling.as_ref(), limits, method));
+        findings.push(shortfall(&points, ceiling.as_ref(), limits, method));
     }
     let [_, replayed, _] = judge.served(&drive);
     if replayed < points.success_ratio {
@@ -197,15 +197,20 @@ fn render_tone(
         } else {
             "whole model"
         };
-        warnings.push(format!(
+        let words = format!(
             "replayed through the {through}, {:.1} % of the responses keep their limit, where \
              {:.1} % do in the model with {} modes",
             100.0 * replayed,
             100.0 * points.success_ratio,
             setup.modes.len()
-        ));
+        );
+        findings.push(
+            Finding::caution("replayed-worse", words)
+                .value("replayed_ratio", replayed)
+                .help("sum more modes"),
+        );
     }
-    warnings.extend(
+    findings.extend(
         indices
             .area
             .filter(|_| feasible && options.actuators != Count::All)
@@ -214,9 +219,10 @@ fn render_tone(
     // what is quick must stay so, and what is not met needs no limit of what it endures
     let endures = feasible && matches!(method, Method::Mls | Method::Robust | Method::MinEffort);
     let endurance = endures.then(|| Endurance::of(&setup, model, &drive));
-    warnings.extend(endurance.iter().flat_map(Endurance::warnings));
-    warnings.extend(judge.warnings);
-    warnings.extend(strength(&field, limits));
+    findings.extend(endurance.iter().flat_map(Endurance::findings));
+    findings.extend(judge.findings);
+    findings.extend(strength(&field, limits));
+    numbered(&mut findings, &in_band_hz(model));
     let weights = Weights {
         format: WEIGHTS_FORMAT.into(),
         version: WEIGHTS_VERSION,
@@ -238,7 +244,7 @@ fn render_tone(
         stress: None,
         sweep: None,
         correction: None,
-        warnings,
+        findings: findings.into(),
         other_tones: Vec::new(),
     };
     Ok(Rendering {
@@ -257,16 +263,16 @@ impl Rendering {
         let weights = &mut self.weights;
         for Self { weights: tone, .. } in &other_tones {
             weights.feasible &= tone.feasible;
-            let new: Vec<&String> = tone
-                .warnings
+            let new: Vec<Finding> = tone
+                .findings
                 .iter()
-                .filter(|warning| !weights.warnings.contains(warning))
+                .filter(|finding| !weights.findings.contains(finding))
+                .map(|finding| Finding {
+                    text: format!("at {} Hz: {}", tone.frequency_hz, finding.text),
+                    ..finding.clone()
+                })
                 .collect();
-            let said: Vec<String> = new
-                .into_iter()
-                .map(|warning| format!("at {} Hz: {warning}", tone.frequency_hz))
-                .collect();
-            weights.warnings.extend(said);
+            weights.findings.extend(new);
         }
         weights.other_tones = other_tones
             .iter()
@@ -288,13 +294,21 @@ fn spread(drive: &Drive, columns: &[usize], actuators: usize) -> Drive {
     all
 }
 
+/// Frequencies of the modes that count, Hz, in the order of the table.
+fn in_band_hz(model: &ModalModel) -> Vec<f64> {
+    model
+        .in_band_modes()
+        .map(|mode| mode.frequency_hz)
+        .collect()
+}
+
 /// What an infeasible scene got instead, what physics would allow, and what could help.
 fn shortfall(
     points: &PointIndices,
     ceiling: Option<&Ceiling>,
     limits: &Limits,
     method: Method,
-) -> String {
+) -> Finding {
     let contrast = points.contrast_db.map_or("no contrast".into(), |db| {
         format!("a contrast of {db:.1} dB")
     });
@@ -303,44 +317,66 @@ fn shortfall(
         100.0 * points.hot_ratio,
         100.0 * points.cold_ratio
     );
-    let help = "try a wider transition_m, more of the actuators, another frequency_hz";
-    match ceiling {
-        Some(ceiling) if ceiling.forbids() => format!(
-            "the scene is impossible: possible {:.1} dB, asked {:.1} dB (certified: no drive within the limits of the actuators gives more in this \
-             model); {served}, with {contrast}; {help}",
-            ceiling.possible_db, ceiling.asked_db
-        ),
-        Some(ceiling) => format!(
-            "the scene is not met: possible at most {:.1} dB, asked {:.1} dB, found {:.1} dB; \
-             {served}, with {contrast}; {help}",
-            ceiling.possible_db, ceiling.asked_db, ceiling.reached_db
-        ),
-        None => {
-            let better = if method == Method::Robust { "" } else { ", or take method `robust`, \
-                which also says what is possible" };
-            format!("the scene is not met: {served}, with {contrast} where {:.1} dB are needed; \
-                     {help}{better}", limits.apart_db())
+    let help = "widen transition_m, use more actuators, or another frequency";
+    let of_ceiling = |finding: Finding, ceiling: &Ceiling| {
+        finding
+            .value("possible_db", ceiling.possible_db)
+            .value("asked_db", ceiling.asked_db)
+    };
+    let finding = match ceiling {
+        Some(ceiling) if ceiling.forbids() => {
+            let words = format!(
+                "the scene is impossible: possible {:.1} dB, asked {:.1} dB (certified: no drive \
+                 within the limits of the actuators gives more in this model); {served}, with \
+                 {contrast}",
+                ceiling.possible_db, ceiling.asked_db
+            );
+            of_ceiling(Finding::fault("scene-impossible", words), ceiling)
         }
+        Some(ceiling) => {
+            let words = format!(
+                "the scene is not met: possible at most {:.1} dB, asked {:.1} dB, found {:.1} dB; \
+                 {served}, with {contrast}",
+                ceiling.possible_db, ceiling.asked_db, ceiling.reached_db
+            );
+            of_ceiling(Finding::fault("scene-not-met", words), ceiling)
+        }
+        None => {
+            let words = format!(
+                "the scene is not met: {served}, with {contrast} where {:.1} dB are needed",
+                limits.apart_db()
+            );
+            Finding::fault("scene-not-met", words)
+        }
+    };
+    match (ceiling, method) {
+        (None, Method::Mls | Method::PressureMatching) => {
+            finding.help(format!("{help}; method `robust` says what is possible"))
+        }
+        _ => finding.help(help),
     }
 }
 
 /// Warns where few actuators serve every response and not the ground between them.
-fn ground_lost(area: &AreaIndices, actuators: usize) -> Option<String> {
+fn ground_lost(area: &AreaIndices, actuators: usize) -> Option<Finding> {
     let least = [area.hot_ratio, area.cold_ratio]
         .into_iter()
         .flatten()
         .fold(1.0, f64::min);
     (least < tolerances::SERVES).then(|| {
-        format!(
-            "{actuators} actuators serve every response, but between the responses only {:.0} % of the hot or of the cold ground: a few more \
-             (--actuators N) serve that, too",
+        let words = format!(
+            "{actuators} actuators serve every response, but between the responses only {:.0} % of \
+             the hot or of the cold ground",
             100.0 * least
-        )
+        );
+        Finding::caution("ground-between", words)
+            .value("least_area_ratio", least)
+            .help("use a few more actuators")
     })
 }
 
 /// Warns of motion far above the threshold.
-pub(crate) fn strength(field: &Field, limits: &Limits) -> Option<String> {
+pub(crate) fn strength(field: &Field, limits: &Limits) -> Option<Finding> {
     let largest = field
         .velocity_m_per_s
         .iter()
@@ -348,9 +384,9 @@ pub(crate) fn strength(field: &Field, limits: &Limits) -> Option<String> {
         .fold(0.0, f64::max);
     let level = 20.0 * (largest / limits.threshold_m_per_s).log10();
     (level > tolerances::STRONG_DB).then(|| {
-        format!(
-            "the panel moves {level:.0} dB above the threshold somewhere: check \
-                          limits of exposure and of the actuators"
-        )
+        let words = format!("the panel moves {level:.0} dB above the threshold somewhere");
+        Finding::caution("strong-motion", words)
+            .value("level_db", level)
+            .help("check the limits of exposure and of the actuators")
     })
 }

@@ -13,7 +13,7 @@ use crate::problem::{DriveLimits, Problem, Rows};
 use crate::scene::{Limits, Scene, DEFAULT_MAX_FORCE_N};
 use crate::tolerances;
 use crate::zones::{Ground, ZoneMap};
-use chladni_frf::{Error, ModalModel, ReferenceUnit, Result, Trust};
+use chladni_frf::{Error, Finding, ModalModel, ReferenceUnit, Result, Trust};
 use ndarray::{Array2, Axis};
 use num_complex::Complex64;
 use std::cell::OnceCell;
@@ -38,8 +38,8 @@ pub(crate) struct Setup {
     between: [OnceCell<Option<Rows>>; 2],
     /// Modes of the model that are summed explicitly, rising.
     pub(crate) modes: Vec<usize>,
-    /// What is to be known whatever the drive.
-    pub(crate) warnings: Vec<String>,
+    /// Findings that hold whatever the drive.
+    pub(crate) findings: Vec<Finding>,
 }
 
 impl Setup {
@@ -53,15 +53,21 @@ impl Setup {
             Operator::of_model(model, scene.frequency_hz, scene.actuators.only.as_deref())?;
         let zones = lay_zones(scene, &operator);
         let (judged, hot) = judged_rows(&operator, &zones)?;
-        let mut warnings = scene_warnings(scene, &operator, &zones);
-        let (drive_limits, warning) = drive_limits(scene, operator.unit)?;
-        warnings.extend(warning);
-        warnings.extend(controllability(model, &operator));
-        warnings.extend(mode_on(model, scene.frequency_hz).map(|hz| {
-            format!(
-                "the mode at {hz:.1} Hz sits on the drive frequency: a finger or a little \
-                     warming changes the field; --sweep finds a better one"
+        let mut findings = scene_findings(scene, &operator, &zones);
+        let (drive_limits, unlimited) = drive_limits(scene, operator.unit)?;
+        findings.extend(unlimited);
+        findings.extend(controllability(model, &operator));
+        findings.extend(mode_on(model, scene.frequency_hz).map(|hz| {
+            Finding::caution(
+                "mode-on-drive",
+                format!(
+                    "the mode at {hz:.1} Hz is {:.1} Hz from the drive: a touch or a little \
+                     warming changes the field",
+                    (hz - scene.frequency_hz).abs()
+                ),
             )
+            .modes_hz([hz])
+            .help("choose a less sensitive frequency")
         }));
         let covariance = Covariance::of_model(
             model,
@@ -93,7 +99,7 @@ impl Setup {
             nodes,
             between,
             modes,
-            warnings,
+            findings,
         })
     }
 
@@ -227,10 +233,10 @@ fn hot_then_cold(places: &[Position], zones: &ZoneMap) -> (Vec<usize>, usize) {
     ([hot, cold].concat(), count)
 }
 
-/// What is to be known of a scene on these responses, whatever the drive.
-pub(crate) fn scene_warnings(scene: &Scene, operator: &Operator, zones: &ZoneMap) -> Vec<String> {
-    let mut warnings = operator.warnings.clone();
-    warnings.extend(scene.threshold.warning(scene.frequency_hz));
+/// Findings about a scene on these responses, whatever the drive.
+pub(crate) fn scene_findings(scene: &Scene, operator: &Operator, zones: &ZoneMap) -> Vec<Finding> {
+    let mut findings = operator.findings.clone();
+    findings.extend(scene.threshold.finding(scene.frequency_hz));
     let (area, e) = (zones.area(), tolerances::POSITION_M);
     let scanned =
         Rectangle::around(&operator.positions_m).expect("an operator has at least one response");
@@ -239,32 +245,35 @@ pub(crate) fn scene_warnings(scene: &Scene, operator: &Operator, zones: &ZoneMap
         || area.x_max > scanned.x_max + e
         || area.y_max > scanned.y_max + e
     {
-        warnings.push(format!(
+        let words = format!(
             "area_m goes beyond the responses, which cover x {} to {} m, y {} to {} m; nothing \
              outside them is judged",
             scanned.x_min, scanned.x_max, scanned.y_min, scanned.y_max
-        ));
+        );
+        findings.push(Finding::caution("area-beyond-responses", words));
     }
     let (zone_count, actuators) = (zones.hot_outlines().len(), operator.references.len());
     if actuators > 1 && zone_count > actuators {
-        warnings.push(format!(
-            "{zone_count} hot cells or polygons for {actuators} actuators: they \
-                               cannot be set apart from each other"
-        ));
+        let words = format!(
+            "{zone_count} hot cells or polygons for {actuators} actuators: these cannot set them \
+             apart from each other"
+        );
+        findings.push(Finding::caution("more-zones-than-actuators", words));
     }
     if operator.references.len() == 1 {
-        warnings.push(format!(
+        let words = format!(
             "a single actuator ({}) can only scale one pattern, not shape it",
             operator.references[0]
-        ));
+        );
+        findings.push(Finding::caution("one-actuator", words).dofs([operator.references[0]]));
     }
-    warnings
+    findings
 }
 
 /// The limits of the drive that the scene gives, N or V.
-fn drive_limits(scene: &Scene, unit: ReferenceUnit) -> Result<(DriveLimits, Option<String>)> {
+fn drive_limits(scene: &Scene, unit: ReferenceUnit) -> Result<(DriveLimits, Option<Finding>)> {
     let actuators = &scene.actuators;
-    let (each, warning) = largest_weight(scene, unit)?;
+    let (each, unlimited) = largest_weight(scene, unit)?;
     // peaks of tones add, their efforts add as squares
     let effort = actuators.max_effort.unwrap_or(f64::INFINITY) * scene.share.peak.sqrt();
     Ok((
@@ -272,12 +281,12 @@ fn drive_limits(scene: &Scene, unit: ReferenceUnit) -> Result<(DriveLimits, Opti
             each: each * scene.share.peak,
             effort,
         },
-        warning,
+        unlimited,
     ))
 }
 
 /// The largest |A_i| that the scene allows, N or V.
-fn largest_weight(scene: &Scene, unit: ReferenceUnit) -> Result<(f64, Option<String>)> {
+fn largest_weight(scene: &Scene, unit: ReferenceUnit) -> Result<(f64, Option<Finding>)> {
     let actuators = &scene.actuators;
     match unit {
         ReferenceUnit::Newton => Ok((actuators.max_force_n.unwrap_or(DEFAULT_MAX_FORCE_N), None)),
@@ -294,9 +303,12 @@ fn largest_weight(scene: &Scene, unit: ReferenceUnit) -> Result<(f64, Option<Str
             (None, None) => Ok((
                 f64::INFINITY,
                 Some(
-                    "the references are volts and the scene gives no actuators.max_voltage_v: no \
-                      limit was kept"
-                        .into(),
+                    Finding::caution(
+                        "no-drive-limit",
+                        "the references are volts and the scene gives no actuators.max_voltage_v: \
+                         no limit was kept",
+                    )
+                    .help("give the limit in the scene"),
                 ),
             )),
         },
@@ -304,7 +316,7 @@ fn largest_weight(scene: &Scene, unit: ReferenceUnit) -> Result<(f64, Option<Str
 }
 
 /// Modes that no actuator in use can drive.
-fn controllability(model: &ModalModel, operator: &Operator) -> Vec<String> {
+fn controllability(model: &ModalModel, operator: &Operator) -> Option<Finding> {
     let strength = |participation: &[Complex64]| {
         operator
             .reference_columns
@@ -316,14 +328,17 @@ fn controllability(model: &ModalModel, operator: &Operator) -> Vec<String> {
         .in_band_modes()
         .map(|mode| strength(&mode.participation.0))
         .fold(0.0, f64::max);
-    let idle = model
+    let idle: Vec<f64> = model
         .in_band_modes()
-        .filter(|mode| strength(&mode.participation.0) <= tolerances::NO_PARTICIPATION * largest);
-    idle.map(|mode| {
-        format!(
-            "the mode at {:.1} Hz has zero participation: no actuator in use can drive or stop it",
-            mode.frequency_hz
-        )
+        .filter(|mode| strength(&mode.participation.0) <= tolerances::NO_PARTICIPATION * largest)
+        .map(|mode| mode.frequency_hz)
+        .collect();
+    let places: Vec<String> = idle.iter().map(|hz| format!("{hz:.1} Hz")).collect();
+    (!idle.is_empty()).then(|| {
+        let words = format!(
+            "no actuator in use can drive or stop the mode at {}",
+            places.join(", ")
+        );
+        Finding::caution("not-driven", words).modes_hz(idle)
     })
-    .collect()
 }

@@ -9,7 +9,7 @@ use crate::options::Drift;
 use crate::problem::Drive;
 use crate::scene::Scene;
 use crate::weights::Weights;
-use chladni_frf::{ModalModel, Mode, Result};
+use chladni_frf::{Finding, ModalModel, Mode, Result};
 use ndarray::Array1;
 use num_complex::Complex64;
 use rand_chacha::rand_core::SeedableRng;
@@ -87,7 +87,7 @@ pub fn stress(
     scene: &Scene,
     model: &ModalModel,
     options: &StressOptions,
-) -> Result<(Vec<StressRow>, Vec<String>)> {
+) -> Result<(Vec<StressRow>, Vec<Finding>)> {
     let Laid {
         operator,
         drive,
@@ -140,7 +140,7 @@ pub fn stress(
         shifted.to_vec(),
     )?;
 
-    let mut warnings = Vec::new();
+    let mut findings = Vec::new();
     for (trial, finger) in [
         ("a finger in the hot zone", options.finger),
         (
@@ -154,10 +154,13 @@ pub fn stress(
             .collect();
         match touched {
             Some(fields) => add(trial, fields)?,
-            None => warnings.push(format!(
-                "{trial} cannot be tried: it needs mass-scaled modes, that is at \
-                               least one driving point among the FRFs"
-            )),
+            None => findings.push(
+                Finding::note(
+                    "trial-needs-scale",
+                    format!("{trial} cannot be tried: the shapes are not mass-scaled"),
+                )
+                .help("measure a driving point"),
+            ),
         }
     }
 
@@ -177,7 +180,7 @@ pub fn stress(
         &format!("a converter of {} bits", options.converter_bits),
         vec![of_drive(&quantised(&drive, options.converter_bits))],
     )?;
-    Ok((rows, warnings))
+    Ok((rows, findings))
 }
 
 impl StressRow {

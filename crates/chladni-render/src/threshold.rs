@@ -9,7 +9,7 @@
 //! al., JASA 84, 1680-1694, 1988). Between two entries the level in dB is linear in log
 //! f; outside the table there is no threshold, and nothing is extrapolated.
 
-use chladni_frf::{Error, Result};
+use chladni_frf::{Error, Finding, Result};
 use chladni_text::read_text;
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
@@ -120,13 +120,17 @@ impl Threshold {
     }
 
     /// What a user should know about the profile at this frequency.
-    pub fn warning(&self, frequency_hz: f64) -> Option<String> {
+    pub fn finding(&self, frequency_hz: f64) -> Option<Finding> {
         let [low, high] = PAPER_BAND_HZ;
         (*self == Self::Paper && !(low..=high).contains(&frequency_hz)).then(|| {
-            format!(
-                "threshold profile `paper` (0.2 mm/s) is stated for {low} to {high} Hz, not for {frequency_hz} Hz; \
-                 profile `classic` covers 4 to 400 Hz"
+            Finding::caution(
+                "threshold-unknown-here",
+                format!(
+                    "threshold profile `paper` (0.2 mm/s) is stated for {low} to {high} Hz, not \
+                     for {frequency_hz} Hz"
+                ),
             )
+            .help("profile `classic` covers 4 to 400 Hz")
         })
     }
 
@@ -299,7 +303,7 @@ mod tests {
     fn the_paper_profile_warns_outside_its_band() {
         assert_eq!(Threshold::Paper.velocity_m_per_s(1000.0).unwrap(), 0.2e-3);
         assert!(
-            Threshold::Paper.warning(249.0).is_some() && Threshold::Paper.warning(350.0).is_none()
+            Threshold::Paper.finding(249.0).is_some() && Threshold::Paper.finding(350.0).is_none()
         );
     }
 

@@ -9,7 +9,7 @@ use crate::problem::Drive;
 use crate::rig::Correction;
 use crate::stress::StressRow;
 use crate::tones::is_same;
-use chladni_frf::{Dof, Error, ReferenceUnit, Result, Source};
+use chladni_frf::{Dof, Error, Findings, ReferenceUnit, Result, Source};
 use chladni_text::json_error;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -74,8 +74,9 @@ pub struct Weights {
     /// What measured fields corrected; of `chladni correct`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub correction: Option<Correction>,
-    /// What the user must know.
-    pub warnings: Vec<String>,
+    /// Everything the user should know, of all tones.
+    #[serde(flatten)]
+    pub findings: Findings,
     /// What is driven at the same time at other frequencies: each a set of weights of its
     /// own.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

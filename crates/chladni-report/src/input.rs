@@ -1,6 +1,6 @@
 //! What a report is made of.
 
-use chladni_frf::{Error, FrfKind, FrfSet, ModalModel, ReferenceUnit, Result};
+use chladni_frf::{Error, Finding, FrfKind, FrfSet, ModalModel, ReferenceUnit, Result};
 use chladni_render::{AreaField, Evaluation, Field, Indices, Limits, Rendering, Weights, ZoneMap};
 use num_complex::Complex64;
 
@@ -18,8 +18,8 @@ pub struct ReportInput<'a> {
     /// Tables of `chladni bench`: speed against accuracy, scenes over modes and
     /// actuators.
     pub tables: Vec<Table>,
-    /// What the caller has to say, as that the measured file is gone.
-    pub warnings: Vec<String>,
+    /// Findings of the caller, as that the measured file is gone.
+    pub findings: Vec<Finding>,
 }
 
 /// A table of `chladni bench`.
@@ -85,8 +85,8 @@ pub struct ShownField<'a> {
     pub limits: Limits,
     /// Indices of this field.
     pub indices: &'a Indices,
-    /// What the user must know of this field, beside the warnings of the weights.
-    pub warnings: &'a [String],
+    /// Findings about this field, beside those of the weights.
+    pub findings: &'a [Finding],
 }
 
 impl<'a> RenderedScene<'a> {
@@ -99,7 +99,7 @@ impl<'a> RenderedScene<'a> {
             zones: &rendering.zones,
             limits: rendering.limits,
             indices: &rendering.weights.indices,
-            warnings: &[],
+            findings: &[],
         };
         Self {
             weights: &rendering.weights,
@@ -117,7 +117,7 @@ impl<'a> RenderedScene<'a> {
             zones: &evaluation.zones,
             limits: evaluation.limits,
             indices: &evaluation.indices,
-            warnings: &evaluation.warnings,
+            findings: &evaluation.findings,
         };
         Self {
             weights,

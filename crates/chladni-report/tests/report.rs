@@ -209,9 +209,9 @@ fn foreign_text_cannot_become_markup() {
         (Trust::Weak, vec![Reason::new(EVIL, EVIL)].into());
     let mut rendering = rendering(&small().truth);
     (rendering.weights.scene, rendering.weights.method) = (EVIL.into(), EVIL.into());
-    rendering.weights.warnings = vec![EVIL.into()];
+    rendering.weights.findings = vec![Finding::from(EVIL.to_owned())].into();
     let mut input = input(&model, None, &rendering);
-    (input.title, input.warnings) = (EVIL.into(), vec![EVIL.into()]);
+    (input.title, input.findings) = (EVIL.into(), vec![Finding::from(EVIL.to_owned())]);
     let page = html(&input).unwrap();
     assert_eq!(
         page.matches("<script").count(),

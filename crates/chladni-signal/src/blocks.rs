@@ -5,7 +5,7 @@ use super::setting::BlockSetting;
 use super::spectra::Averages;
 use super::table::Table;
 use super::Group;
-use chladni_frf::{Dof, Error, ErrorKind, Estimator, Result};
+use chladni_frf::{Dof, Error, ErrorKind, Estimator, Finding, Result};
 use rayon::prelude::*;
 
 /// Adds the FRFs of a group.
@@ -16,7 +16,7 @@ pub(super) fn add_group(table: &mut Table, group: &Group, setting: &BlockSetting
             ErrorKind::Usage,
             "H2 is defined for one reference at a time",
         )
-        .field("--estimator")
+        .field("estimator")
         .found(format!("{} references at once", references.len()))
         .expected("one")
         .help("use h1 or hv"));
@@ -57,7 +57,10 @@ pub(super) fn add_group(table: &mut Table, group: &Group, setting: &BlockSetting
             }
         }
         if too_few {
-            table.warn_once("too few blocks were averaged for a coherence and a variance");
+            table.warn_once(Finding::caution(
+                "few-averages",
+                "too few blocks were averaged for a coherence and a variance",
+            ));
         }
     }
     Ok(())
@@ -71,12 +74,12 @@ fn check(averages: &Averages, group: &Group) -> Result<()> {
     Err(
         Error::bad_data("fewer blocks than references: their FRFs cannot be told apart")
             .file(&group.runs[0].file)
-            .field("--block")
+            .field("block")
             .found(format!(
                 "{} blocks for {references} references",
                 averages.blocks
             ))
             .expected("at least as many blocks as references, better ten times as many")
-            .help("choose a shorter --block, or measure more records"),
+            .help("choose a shorter `block`, or measure more records"),
     )
 }

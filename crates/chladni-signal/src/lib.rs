@@ -29,7 +29,7 @@ mod units;
 mod whole_record;
 mod window;
 
-use chladni_frf::{BlockWindow, Dof, Error, Estimation, Estimator, FrfSet, Result, Run};
+use chladni_frf::{BlockWindow, Dof, Error, Estimation, Estimator, Finding, FrfSet, Result, Run};
 use setting::{groups, Setting};
 use table::Table;
 
@@ -63,8 +63,8 @@ pub struct Estimate {
     pub frf: FrfSet,
     /// How they were made; `frf` carries the same.
     pub estimation: Estimation,
-    /// What the user must know.
-    pub warnings: Vec<String>,
+    /// Everything the user should know.
+    pub findings: Vec<Finding>,
 }
 
 /// FRFs of all runs.
@@ -143,7 +143,7 @@ impl<'a> Group<'a> {
                     self.responses.len()
                 ))
                 .expected("at least one of each")
-                .help("name the reference channels with --references DOF,..."),
+                .help("name the reference channels with `references DOF,...`"),
         )
     }
 }

@@ -4,7 +4,9 @@ use super::excitation::is_continuous_random;
 use super::lpm::wanted_lines;
 use super::whole_record::{smooth_length, Grid};
 use super::{EstimateOptions, BLOCKS, MOST_OVERLAP};
-use chladni_frf::{BlockWindow, Dof, Error, ErrorKind, Estimation, Estimator, Result, Run};
+use chladni_frf::{
+    BlockWindow, Dof, Error, ErrorKind, Estimation, Estimator, Finding, Result, Run,
+};
 use ndarray::Array1;
 
 /// Overlap of Hann blocks: beyond it the variance does not fall any further (the window
@@ -25,7 +27,7 @@ pub(super) struct BlockSetting {
     pub window: BlockWindow,
     pub block: usize,
     pub overlap: f64,
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Finding>,
 }
 
 /// Local fits.
@@ -34,7 +36,7 @@ pub(super) struct LocalSetting {
     pub grid: Grid,
     /// Samples of the shortest transform.
     pub samples: usize,
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Finding>,
 }
 
 impl Setting {
@@ -54,12 +56,12 @@ impl Setting {
                 ErrorKind::Usage,
                 format!("{estimator} takes neither window nor overlap"),
             )
-            .field("--estimator")
+            .field("estimator")
             .found(format!(
-                "--estimator {estimator} with --window or --overlap"
+                "`estimator {estimator}` with `window` or `overlap`"
             ))
             .expected("one transform of the whole record")
-            .help("leave them out, or take --estimator h1"));
+            .help("leave them out, or take `estimator h1`"));
         }
         LocalSetting::choose(runs, options, estimator).map(Self::Local)
     }
@@ -109,7 +111,7 @@ impl Setting {
         }
     }
 
-    pub(super) fn warnings(&self) -> &[String] {
+    pub(super) fn warnings(&self) -> &[Finding] {
         match self {
             Self::Blocks(setting) => &setting.warnings,
             Self::Local(setting) => &setting.warnings,
@@ -160,11 +162,11 @@ impl LocalSetting {
             return Err(Error::bad_data("no record for local fits")
                 .field("samples")
                 .found(format!(
-                    "{samples} samples in the shortest record, --block {}",
+                    "{samples} samples in the shortest record, `block` {}",
                     options.block.map_or("not given".into(), |b| b.to_string())
                 ))
-                .expected(format!("at least {} samples, a --block of 4", 2 * wanted))
-                .help("measure a longer record, or take --estimator h1"));
+                .expected(format!("at least {} samples, a `block` of 4", 2 * wanted))
+                .help("measure a longer record, or take `estimator h1`"));
         }
         let grid = match options.block {
             Some(block) => Grid::new(rate / block as f64, rate),
@@ -173,11 +175,14 @@ impl LocalSetting {
         grid.check(wanted, samples, rate)?;
         let mut warnings = Vec::new();
         if options.estimator.is_none() {
-            warnings.push(format!(
-                "continuous random excitation: estimated by {estimator}, lines {:.4} Hz apart; \
-                 --estimator h1 averages blocks instead",
+            let words = format!(
+                "continuous random excitation: estimated by {estimator}, lines {:.4} Hz apart",
                 grid.step_hz
-            ));
+            );
+            warnings.push(
+                Finding::note("estimator-chosen", words)
+                    .help("`estimator h1` averages blocks instead"),
+            );
         }
         Ok(Self {
             estimator,
@@ -210,7 +215,7 @@ impl BlockSetting {
         });
         if !(0.0..=MOST_OVERLAP).contains(&overlap) {
             return Err(Error::new(ErrorKind::Usage, "no possible overlap")
-                .field("--overlap")
+                .field("overlap")
                 .found(overlap)
                 .expected(format!("0 to {MOST_OVERLAP}")));
         }
@@ -224,15 +229,18 @@ impl BlockSetting {
             (shortest as f64 / blocks) as usize / 2 * 2
         });
         if options.window.is_none() || options.block.is_none() {
-            warnings.push(format!(
-                "blocks of {block} samples, {} window, overlap {overlap:.2}: --block, --window \
-                 and --overlap choose others",
+            let words = format!(
+                "blocks of {block} samples, {} window, overlap {overlap:.2}",
                 window.name()
-            ));
+            );
+            warnings.push(
+                Finding::note("blocks-chosen", words)
+                    .help("`block`, `window` and `overlap` choose others"),
+            );
         }
         if block < 4 || block > shortest {
             return Err(Error::bad_data("no possible block")
-                .field("--block")
+                .field("block")
                 .found(format!("{block} samples"))
                 .expected(format!(
                     "4 to {shortest}, the samples of the shortest record"
@@ -240,10 +248,15 @@ impl BlockSetting {
                 .help("choose a shorter block"));
         }
         if let BlockWindow::Exponential { rate_per_s } = window {
-            warnings.push(format!(
-                "the exponential window adds {rate_per_s} 1/s to the decay of every mode: fit with \
-                 --exponential-window {rate_per_s}, which takes it off"
-            ));
+            let words =
+                format!("the exponential window adds {rate_per_s} 1/s to the decay of every mode");
+            warnings.push(
+                Finding::caution("window-adds-damping", words)
+                    .value("decay_per_s", rate_per_s)
+                    .help(format!(
+                        "fit with `exponential_window {rate_per_s}`, which takes it off"
+                    )),
+            );
         }
         Ok(Self {
             estimator,

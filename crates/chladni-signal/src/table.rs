@@ -2,7 +2,7 @@
 
 use super::setting::Setting;
 use super::{units, Estimate, Group};
-use chladni_frf::{Dof, Estimation, FrfSet, FrfValues, Geometry, Result, Run};
+use chladni_frf::{Dof, Estimation, Finding, FrfSet, FrfValues, Geometry, Result, Run};
 use ndarray::{s, Array3};
 use num_complex::Complex64;
 
@@ -14,7 +14,7 @@ pub(super) struct Table {
     responses: Vec<Dof>,
     references: Vec<Dof>,
     averages: [usize; 2],
-    warnings: Vec<String>,
+    warnings: Vec<Finding>,
     /// Lines that got no value.
     masked: usize,
 }
@@ -92,9 +92,9 @@ impl Table {
         self.masked += 1;
     }
 
-    pub(super) fn warn_once(&mut self, warning: &str) {
-        if !self.warnings.iter().any(|known| known == warning) {
-            self.warnings.push(warning.to_owned());
+    pub(super) fn warn_once(&mut self, warning: Finding) {
+        if !self.warnings.contains(&warning) {
+            self.warnings.push(warning);
         }
     }
 
@@ -106,10 +106,12 @@ impl Table {
         rate_hz: f64,
     ) -> Result<Estimate> {
         if self.masked > 0 {
-            self.warnings.push(format!(
+            let words = format!(
                 "{} lines have no power at a reference, or references that act as one: masked",
                 self.masked
-            ));
+            );
+            self.warnings
+                .push(Finding::caution("lines-without-power", words));
         }
         let (kind, reference_unit) = units::kind_of(runs)?;
         let estimation = Estimation {
@@ -131,7 +133,7 @@ impl Table {
         Ok(Estimate {
             frf: frf.checked()?,
             estimation,
-            warnings: self.warnings,
+            findings: self.warnings,
         })
     }
 }

@@ -104,12 +104,12 @@ impl Grid {
             return Ok(());
         }
         Err(Error::bad_data("too few lines for a local fit")
-            .field("--block")
+            .field("block")
             .found(format!(
                 "{lines} lines of the transform of {samples} samples per line of the FRFs"
             ))
             .expected(format!("at least {least}"))
-            .help("choose a shorter --block, measure a longer record, or take --estimator h1"))
+            .help("choose a shorter `block`, measure a longer record, or take `estimator h1`"))
     }
 }
 

@@ -259,11 +259,11 @@ fn an_exponential_window_moves_every_pole_by_its_rate() {
     }
     assert!(
         windowed
-            .warnings
+            .findings
             .iter()
-            .any(|warning| warning.contains("--exponential-window 25")),
+            .any(|warning| warning.contains("`exponential_window 25`")),
         "{:?}",
-        windowed.warnings
+        windowed.findings
     );
     assert!(
         variance_of(&windowed)
@@ -308,11 +308,11 @@ fn what_does_not_fit_together_is_refused() {
     let same_twice = estimate(&[run(vec![force(), second, velocity()])], &h1).unwrap();
     assert!(
         same_twice
-            .warnings
+            .findings
             .iter()
             .any(|warning| warning.contains("act as one")),
         "{:?}",
-        same_twice.warnings
+        same_twice.findings
     );
     let slower = Run {
         sample_rate_hz: 500.0,

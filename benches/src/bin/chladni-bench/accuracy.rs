@@ -191,7 +191,6 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         "seeds": seeds,
         "rows": rows.len() + drives.len(),
         "off_target": rows.iter().filter(|row| wrong(row)).map(|row| json!({"case": row.case.name, "method": row.method.as_str()})).collect::<Vec<_>>(),
-        "warnings": console.warnings(),
     });
     let folder = args.place.output.display();
     Ok(Outcome::written(

@@ -34,7 +34,6 @@ pub fn run(place: &Place, console: &Console) -> Result<Outcome> {
         "output": place.output.display().to_string(),
         "files": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
         "rows": run.rows.len(),
-        "warnings": console.warnings(),
     });
     Ok(Outcome::written(&place.output, json, text(&run.rows)))
 }

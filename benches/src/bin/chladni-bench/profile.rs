@@ -113,7 +113,6 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
             "case": row.case, "method": row.method.as_str(), "time_s": row.time_s, "over_floor": row.over_floor,
             "target": row.target(), "memory_over_data": row.memory_over_data, "peak_bytes": row.peak_bytes,
         })).collect::<Vec<_>>(),
-        "warnings": console.warnings(),
     });
     Ok(Outcome::written(
         &args.place.output,

@@ -43,7 +43,6 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         "files": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
         "rows": rows.len(),
         "backends": backends,
-        "warnings": console.warnings(),
     });
     let cells = rows.iter().map(|row| {
         let numbers = [

@@ -124,7 +124,6 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         "methods": calibrations.iter().filter(|c| c.map.is_none()).map(|c| json!({
             "method": c.solver.to_string(), "right": c.quiet + c.false_alarms, "wrong_announced": c.announced, "wrong_silent": c.silent,
         })).collect::<Vec<_>>(),
-        "warnings": console.warnings(),
     });
     let folder = args.place.output.display();
     Ok(Outcome::written(

@@ -113,7 +113,6 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
             "name": c.name, "of": c.of, "count": c.count, "goal": c.goal, "met": c.met(),
         })).collect::<Vec<_>>(),
         "wrong": wrong(&rows).map(|row| row.draw.seed).collect::<Vec<_>>(),
-        "warnings": console.warnings(),
     });
     Ok(Outcome::written(
         &args.place.output,

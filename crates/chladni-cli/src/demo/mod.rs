@@ -12,7 +12,7 @@ use chladni_console::output::{make_folder, Output, FRF, HTML, MODEL, SCENE, WEIG
 use chladni_console::table::{counted, table};
 use chladni_console::Console;
 use chladni_console::Outcome;
-use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result};
+use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result};
 use chladni_io::{write_atomically, write_contents, write_model, Contents};
 use chladni_plate::{simulate, Panel};
 use chladni_render::{evaluate, On, PointIndices, RenderOptions, Rendering, Scene};
@@ -110,7 +110,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let doubt = (!doubts.is_empty()).then(|| doubts.join("; "));
     console.finish();
     console.times();
-    let json = json(args, &files, &comparison, &scenes, &console.warnings());
+    let json = json(args, &files, &comparison, &scenes);
     Ok(Outcome::written(&args.output, json, text(args, &comparison, &scenes)).doubted(doubt))
 }
 
@@ -150,7 +150,7 @@ impl Files {
 fn measure(files: &Files, panel: &Panel, console: &Console) -> Result<(FrfSet, ModalModel)> {
     console.stage("simulating the panel");
     let simulation = simulate(panel, None, None)?;
-    console.warn_all(simulation.warnings);
+    console.find_all(&simulation.findings);
     console.stage("writing the FRFs");
     let contents = Contents {
         frf: Some(simulation.frf),
@@ -213,13 +213,12 @@ fn render_one(
     if k == 0 {
         TRIALS.on(&mut rendering.weights, model, &scene, &options, console)?;
     }
-    console.warn_all(
-        rendering
-            .weights
-            .warnings
-            .iter()
-            .map(|warning| format!("scene-{}.toml: {warning}", k + 1)),
-    );
+    let of_scene = |finding: &Finding| Finding {
+        text: format!("scene-{}.toml: {}", k + 1, finding.text),
+        ..finding.clone()
+    };
+    let findings: Vec<Finding> = rendering.weights.findings.iter().map(of_scene).collect();
+    console.find_all(&findings);
     write_weights(
         &Output::new(&files.weights[k], WEIGHTS, &[], console)?,
         &rendering.weights,
@@ -284,13 +283,7 @@ fn unmet(scenes: &[Judged]) -> Vec<String> {
     .collect()
 }
 
-fn json(
-    args: &Args,
-    files: &Files,
-    comparison: &Comparison,
-    scenes: &[Judged],
-    warnings: &[String],
-) -> Value {
+fn json(args: &Args, files: &Files, comparison: &Comparison, scenes: &[Judged]) -> Value {
     let name = |path: &PathBuf| {
         path.file_name()
             .map(|name| name.to_string_lossy().into_owned())
@@ -312,7 +305,6 @@ fn json(
         "loss_factor_error": spread(&comparison.loss_factor),
         "mac": {"worst": comparison.mac.first(), "median": median(&comparison.mac)},
         "scenes": scenes.iter().enumerate().map(scene).collect::<Vec<_>>(),
-        "warnings": warnings,
     })
 }
 

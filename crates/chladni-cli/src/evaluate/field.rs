@@ -39,7 +39,7 @@ pub fn run(
             .find(|tone| tone.frequency_hz == field.frequency_hz);
         let judged = evaluate_field(tone.unwrap_or(weights), scene, model, &field, Some(&sha256))
             .map_err(|error| error.file(file))?;
-        console.warn_all(judged.warnings.iter().cloned());
+        console.find_all(&judged.findings);
         text += &format!(
             "{} at {} Hz\n",
             file.display(),
@@ -58,7 +58,6 @@ pub fn run(
         "weights": args.weights.display().to_string(),
         "scene": args.scene.display().to_string(),
         "source": sources,
-        "warnings": console.warnings(),
         "fields": all,
     });
     if let (Value::Object(summary), Value::Object(first)) = (&mut summary, first) {

@@ -7,7 +7,7 @@ use crate::explain::explain;
 use chladni_console::input::source;
 use chladni_console::refused_threads;
 use chladni_console::Console;
-use chladni_frf::{Error, ErrorKind, FrfValues, Result, Source};
+use chladni_frf::{Error, ErrorKind, Finding, FrfValues, Result, Source};
 use chladni_io::{Checksums, FrfParts, Part, Turn};
 use chladni_rfp::pieces::{solve, Partial, PieceError, Poles, Reducer, Solved};
 use chladni_rfp::{Fit, FitOptions};
@@ -182,7 +182,7 @@ impl<'a> Stream<'a> {
                         return Ok(false);
                     }; // it panicked: so does the scope
                     let (partial, warnings) = made?;
-                    self.console.warn_all(warnings);
+                    self.console.find_all(&warnings);
                     let partial = partial?;
                     merged = Some(match merged.take() {
                         Some(merged) => {
@@ -280,7 +280,7 @@ fn reduced(
     (number, part): &(u64, &Part),
     turn: Option<Turn>,
     spare: &mut Option<FrfValues>,
-) -> Result<(Result<Partial>, Vec<String>)> {
+) -> Result<(Result<Partial>, Vec<Finding>)> {
     let (frf, warnings) = data.read(part, turn, spare.take())?;
     let file = data.file(part);
     let partial = match frf.known_kind() {

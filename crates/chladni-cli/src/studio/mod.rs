@@ -65,6 +65,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let listener = TcpListener::bind(wanted).map_err(refused)?;
     let address = listener.local_addr().map_err(refused)?;
     console.finish();
+    console.tell();
     let door = Door {
         address,
         token: Token::random()?,

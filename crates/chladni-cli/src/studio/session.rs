@@ -9,7 +9,7 @@ use crate::report::Contents;
 use chladni_console::input::{expand, model_of, read_frf, Reading};
 use chladni_console::quoting::shell_path;
 use chladni_console::Console;
-use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result, Source};
+use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Source};
 use chladni_render::{render, MethodChoice, RenderOptions};
 use chladni_report::{data, draft_data, scene_data, studio_html, RenderedScene, ReportInput};
 use chladni_rfp::{Fit, FitOptions, Method};
@@ -29,7 +29,7 @@ pub struct Session {
     /// Without measured FRFs nothing can be fitted again.
     frf: Option<FrfSet>,
     sources: Vec<Source>,
-    warnings: Vec<String>,
+    findings: Vec<Finding>,
     /// The files and options of reading, as on a command line.
     words: String,
     /// The model was in the file.
@@ -83,7 +83,7 @@ impl Session {
                 Some(model) => model.source.clone(),
                 None => sources,
             },
-            warnings: console.warnings(),
+            findings: console.findings(),
             words: words.join(" "),
             from_model: model.is_some(),
             fitted: RwLock::new(Fitted {
@@ -123,7 +123,7 @@ impl Session {
             title: self.title.clone(),
             model: Some(&model),
             measured: self.frf.as_ref(),
-            warnings: self.warnings.clone(),
+            findings: self.findings.clone(),
             ..ReportInput::default()
         };
         let lines = self
@@ -269,7 +269,7 @@ impl Session {
             question.method
         );
         Ok(
-            json!({"scene": scene_data(&input), "command": command, "warnings": rendering.weights.warnings}),
+            json!({"scene": scene_data(&input), "command": command, "warnings": rendering.weights.findings.warnings(), "findings": rendering.weights.findings.0}),
         )
     }
 

@@ -6,7 +6,7 @@ use super::tree::{Attribute, Entry, Values};
 use super::ArrayFile;
 use crate::time_sign::to_plus;
 use crate::{DatasetInfo, Document, FileFormat, ReadOptions};
-use chladni_frf::{Error, Result};
+use chladni_frf::{Error, Finding, Result};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -28,7 +28,7 @@ const MATLAB: &str = "MATLAB_class";
 pub(crate) struct MemoryFile {
     arrays: BTreeMap<String, (Entry, Values<'static>)>,
     /// What was passed over.
-    pub(crate) warnings: Vec<String>,
+    pub(crate) warnings: Vec<Finding>,
 }
 
 impl MemoryFile {
@@ -42,8 +42,10 @@ impl MemoryFile {
         reversed: bool,
     ) {
         if self.arrays.contains_key(path) {
-            self.warnings
-                .push(format!("{path} stands twice; the first is kept"));
+            self.warnings.push(Finding::note(
+                "not-read",
+                format!("{path} occurs twice; the first is kept"),
+            ));
             return;
         }
         let attributes = if reversed {
@@ -83,9 +85,10 @@ impl MemoryFile {
             .map(info)
             .collect();
         if entries[0].text("format") == Some(chladni_frf::MODEL_FORMAT) {
-            document
-                .warnings
-                .push("a model for other programs: read it from JSON or HDF5 here".into());
+            document.warnings.push(Finding::caution(
+                "not-read",
+                "a model for other programs: read it from JSON or HDF5 here",
+            ));
             return Ok(document);
         }
         match read_foreign(&self, &entries, options, &mut document.warnings)

@@ -1,6 +1,6 @@
 //! Geometry of several files in one.
 
-use chladni_frf::{Error, FrfSet, Geometry, Result};
+use chladni_frf::{Error, Finding, FrfSet, Geometry, Result};
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
@@ -54,7 +54,7 @@ fn add_new(known: &mut Vec<Vec<u64>>, more: Vec<Vec<u64>>) {
 pub(super) fn note_nodes_without_place(
     geometry: &Geometry,
     set: &FrfSet,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Finding>,
 ) {
     if geometry.nodes.is_empty() {
         return;
@@ -69,11 +69,14 @@ pub(super) fn note_nodes_without_place(
     lost.dedup();
     if !lost.is_empty() {
         let shown: Vec<String> = lost.iter().take(10).map(u64::to_string).collect();
-        warnings.push(format!(
-            "{} response nodes have no coordinates: {}{}",
-            lost.len(),
-            shown.join(", "),
-            if lost.len() > 10 { ", ..." } else { "" }
+        warnings.push(Finding::note(
+            "nodes-without-place",
+            format!(
+                "{} response nodes have no coordinates: {}{}",
+                lost.len(),
+                shown.join(", "),
+                if lost.len() > 10 { ", ..." } else { "" }
+            ),
         ));
     }
 }

@@ -2,7 +2,9 @@
 
 use super::super::Duplicates;
 use super::record::{Line, Record};
-use chladni_frf::{Dof, Error, FrfKind, FrfSet, FrfValues, Geometry, ReferenceUnit, Result};
+use chladni_frf::{
+    Dof, Error, Finding, FrfKind, FrfSet, FrfValues, Geometry, ReferenceUnit, Result,
+};
 use ndarray::{Array1, Array3};
 use num_complex::{Complex32, Complex64, ComplexFloat};
 use std::collections::HashMap;
@@ -38,7 +40,7 @@ pub(super) fn build(
     mut responses: DofList,
     mut references: DofList,
     duplicates: Duplicates,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Finding>,
 ) -> Result<FrfSet> {
     let axis = common_axis(&records, warnings)?;
     let kind = common_kind(&records)?;
@@ -96,8 +98,8 @@ pub(super) fn build(
                 .found(format!("{} and {}", records[0].place, records[1].place))
                 .expected("each pair once")
                 .help(
-                    "choose with --duplicates first|last|mean; files that all say reference \
-                           node 1 need --reference N",
+                    "choose with `duplicates first|last|mean`; files that all say reference \
+                           node 1 need `reference N`",
                 ));
             }
             doubled.push(name);
@@ -118,17 +120,20 @@ pub(super) fn build(
             Duplicates::Mean => "their mean is taken",
             Duplicates::Error => "",
         };
-        warnings.push(format!(
-            "{} pairs are there more than once, {rule}: {}",
-            doubled.len(),
-            listed(doubled.into_iter())
+        warnings.push(Finding::note(
+            "pairs-doubled",
+            format!(
+                "{} pairs are there more than once, {rule}: {}",
+                doubled.len(),
+                listed(doubled.into_iter())
+            ),
         ));
     }
     set.checked()
 }
 
 /// The axis of the first record; the others must lie within half a line of it.
-fn common_axis(records: &[Record], warnings: &mut Vec<String>) -> Result<Array1<f64>> {
+fn common_axis(records: &[Record], warnings: &mut Vec<Finding>) -> Result<Array1<f64>> {
     let Some(first) = records.first() else {
         return Ok(Array1::zeros(0));
     };
@@ -180,10 +185,13 @@ fn common_axis(records: &[Record], warnings: &mut Vec<String>) -> Result<Array1<
     }
     // one part in a thousand of a line moves no pole that anyone could see
     if let Some((lines, record)) = largest.filter(|(lines, _)| *lines > 1e-3) {
-        warnings.push(format!(
-            "frequency axes differ by up to {lines:.3} of a line ({} against {}); that of the \
+        warnings.push(Finding::note(
+            "axes-differ",
+            format!(
+                "frequency axes differ by up to {lines:.3} of a line ({} against {}); that of the \
              first is used",
-            record.place, first.place
+                record.place, first.place
+            ),
         ));
     }
     Ok(Array1::from(axis.to_vec()))
@@ -240,7 +248,7 @@ fn common_kind(records: &[Record]) -> Result<Option<FrfKind>> {
                 .field("FRF kind")
                 .found(format!("{} in {}", name(other.kind), other.place))
                 .expected(format!("{} as in {}", name(first.kind), first.place))
-                .help("convert them separately, or say one kind for all with --frf-kind"),
+                .help("convert them separately, or say one kind for all with `frf_kind`"),
         ),
     }
 }
@@ -380,7 +388,7 @@ fn all_finite<C: ComplexFloat>(values: &[C]) -> bool {
 
 /// A set as it was read: pairs of zeros become missing, values that are not finite NaN,
 /// and both are said.
-pub(super) fn clean(set: &mut FrfSet, file: &str, warnings: &mut Vec<String>) {
+pub(super) fn clean(set: &mut FrfSet, file: &str, warnings: &mut Vec<Finding>) {
     fn clean_array<C: ComplexFloat>(
         values: &mut Array3<C>,
         zero_value: C,
@@ -417,23 +425,27 @@ pub(super) fn clean(set: &mut FrfSet, file: &str, warnings: &mut Vec<String>) {
         } else {
             format!("{file}: ")
         };
-        warnings.push(format!(
-            "{place}{masked} values are not finite; these lines are masked"
+        warnings.push(Finding::caution(
+            "lines-masked",
+            format!("{place}{masked} values are not finite; these lines are masked"),
         ));
     }
     report_missing(set, zero, warnings);
 }
 
-fn report_missing(set: &FrfSet, mut zero: Vec<(usize, usize)>, warnings: &mut Vec<String>) {
+fn report_missing(set: &FrfSet, mut zero: Vec<(usize, usize)>, warnings: &mut Vec<Finding>) {
     let missing = set.missing_pairs();
     zero.retain(|pair| missing.binary_search(pair).is_ok());
     zero.sort_unstable();
     zero.dedup();
     if !zero.is_empty() {
         let names = listed(zero.iter().map(|&pair| pair_name(set, pair)));
-        warnings.push(format!(
-            "{} pairs are exactly zero on every line and are treated as missing: {names}",
-            zero.len()
+        warnings.push(Finding::caution(
+            "pairs-zero",
+            format!(
+                "{} pairs are exactly zero on every line and are treated as missing: {names}",
+                zero.len()
+            ),
         ));
     }
     let absent: Vec<_> = missing
@@ -442,10 +454,13 @@ fn report_missing(set: &FrfSet, mut zero: Vec<(usize, usize)>, warnings: &mut Ve
         .collect();
     if !absent.is_empty() {
         let names = listed(absent.iter().map(|&pair| pair_name(set, pair)));
-        warnings.push(format!(
-            "{} of {} pairs are missing (response, reference): {names}",
-            absent.len(),
-            set.pairs()
+        warnings.push(Finding::note(
+            "pairs-missing",
+            format!(
+                "{} of {} pairs are missing (response, reference): {names}",
+                absent.len(),
+                set.pairs()
+            ),
         ));
     }
 }

@@ -15,7 +15,8 @@ use super::{
     Contents, DeclaredDofs, Document, Duplicates, FileFormat, Function, Ordinate, ReadOptions,
 };
 use chladni_frf::{
-    Dof, Error, ErrorKind, FrfKind, FrfSet, Geometry, ReferenceUnit, Result, Source, TimeSign,
+    Dof, Error, ErrorKind, Finding, FrfKind, FrfSet, Geometry, ReferenceUnit, Result, Source,
+    TimeSign,
 };
 use chladni_text::file_name;
 use grid::DofList;
@@ -44,10 +45,11 @@ pub fn assemble(documents: Vec<Document>, options: &ReadOptions) -> Result<Conte
         .into_iter()
         .partition(|document| matches!(document.format, FileFormat::Model | FileFormat::Weights));
     let left_out = |document: Document| {
-        format!(
+        let words = format!(
             "{}: left out, a result and no measurement",
             document.file.display()
-        )
+        );
+        Finding::note("not-read", words)
     };
     contents.warnings.extend(results.into_iter().map(left_out));
     let count = documents.len();
@@ -128,7 +130,7 @@ pub fn assemble(documents: Vec<Document>, options: &ReadOptions) -> Result<Conte
 }
 
 /// Errors of damaged datasets stop here; warnings are passed on, equal ones once.
-fn report(document: &mut Document, lenient: bool, warnings: &mut Vec<String>) -> Result<()> {
+fn report(document: &mut Document, lenient: bool, warnings: &mut Vec<Finding>) -> Result<()> {
     let errors = std::mem::take(&mut document.errors)
         .into_iter()
         .map(|error| error.file(&document.file));
@@ -136,16 +138,14 @@ fn report(document: &mut Document, lenient: bool, warnings: &mut Vec<String>) ->
         if !lenient {
             return Err(error);
         }
-        warnings.push(format!("left out: {error}"));
+        warnings.push(Finding::caution(
+            "damaged-left-out",
+            format!("left out: {error}"),
+        ));
     }
     let file = document.file.display();
-    warnings.extend(
-        document
-            .warnings
-            .iter()
-            .map(|warning| format!("{file}: {warning}")),
-    );
-    let mut counted: Vec<(&String, u64, usize)> = Vec::new();
+    warnings.extend(document.warnings.iter().map(|warning| warning.about(&file)));
+    let mut counted: Vec<(&Finding, u64, usize)> = Vec::new();
     let of_functions = document
         .functions
         .iter()
@@ -163,12 +163,11 @@ fn report(document: &mut Document, lenient: bool, warnings: &mut Vec<String>) ->
         }
     }
     for (warning, line, count) in counted {
-        let more = if count > 1 {
-            format!(" (and {} more datasets)", count - 1)
-        } else {
-            String::new()
-        };
-        warnings.push(format!("{}: {warning}{more}", place_of(document, line)));
+        let mut warning = warning.about(place_of(document, line));
+        if count > 1 {
+            warning.text += &format!(" (and {} more datasets)", count - 1);
+        }
+        warnings.push(warning);
     }
     Ok(())
 }
@@ -189,12 +188,13 @@ fn known_kind(
     said: Option<FrfKind>,
     told: Option<FrfKind>,
     file: &str,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Finding>,
 ) -> Option<FrfKind> {
     if let (Some(said), Some(told)) = (said, told) {
         if said != told {
-            warnings.push(format!(
-                "{file} says {said}, --frf-kind says {told}: taken as {told}"
+            warnings.push(Finding::note(
+                "option-overrules-file",
+                format!("{file} says {said}, you say {told}: taken as {told}"),
             ));
         }
     }
@@ -209,18 +209,18 @@ enum Side {
 }
 
 impl Side {
-    /// Its option, and its name.
-    fn names(self) -> (&'static str, &'static str) {
+    /// Its name, and that of its setting.
+    fn name(self) -> &'static str {
         match self {
-            Self::Response => ("--response", "response"),
-            Self::Reference => ("--reference", "reference"),
+            Self::Response => "response",
+            Self::Reference => "reference",
         }
     }
 }
 
-/// `--response` or `--reference`: one node for all files, or one per file.
+/// The node of one side: one node for all files, or one per file.
 fn node_for(side: Side, nodes: &[u64], number: usize, count: usize) -> Result<Option<u64>> {
-    let (option, name) = side.names();
+    let name = side.name();
     match nodes {
         [] => Ok(None),
         &[node] => Ok(Some(node)),
@@ -229,7 +229,7 @@ fn node_for(side: Side, nodes: &[u64], number: usize, count: usize) -> Result<Op
             ErrorKind::Usage,
             format!("the count of {name} nodes does not fit the count of files"),
         )
-        .field(option)
+        .field(name)
         .found(nodes.len())
         .expected(format!("one for all, or {count}, one per file"))),
     }
@@ -238,7 +238,7 @@ fn node_for(side: Side, nodes: &[u64], number: usize, count: usize) -> Result<Op
 /// Gives all FRFs of a file with one response, or one reference, another node.
 fn override_node(document: &mut Document, side: Side, node: Option<u64>) -> Result<()> {
     let Some(node) = node else { return Ok(()) };
-    let (option, name) = side.names();
+    let name = side.name();
     let mut dofs: Vec<&mut Dof> = document
         .functions
         .iter_mut()
@@ -263,7 +263,7 @@ fn override_node(document: &mut Document, side: Side, node: Option<u64>) -> Resu
             format!("the file holds more than one {name}; one node cannot stand for all"),
         )
         .file(&document.file)
-        .field(option)
+        .field(name)
         .found(
             nodes
                 .iter()
@@ -273,7 +273,7 @@ fn override_node(document: &mut Document, side: Side, node: Option<u64>) -> Resu
                 .join(", "),
         )
         .expected(format!("one {name} node"))
-        .help(format!("leave {option} out for this file")));
+        .help(format!("leave `{name}` out for this file")));
     }
     dofs.into_iter().for_each(|dof| dof.node = node);
     Ok(())
@@ -369,21 +369,27 @@ impl Assembly {
             let (function, place) = found.remove(at);
             let (values, outside) = clean_coherence(real_part(&function.ordinate));
             if outside > 0 {
-                contents.warnings.push(format!(
-                    "{place}: coherence outside 0 to 1 on {outside} \
+                contents.warnings.push(Finding::caution(
+                    "coherence-invalid",
+                    format!(
+                        "{place}: coherence outside 0 to 1 on {outside} \
                                                 lines; taken as not given there"
+                    ),
                 ));
             }
             record.coherence = Some(values);
         }
         let unmatched = self.left_coherence();
         if let Some((function, place)) = unmatched.first() {
-            contents.warnings.push(format!(
+            contents.warnings.push(Finding::note(
+                "coherence-unmatched",
+                format!(
                 "{} coherence functions belong to no FRF, the first is ({}, {}) in {place}; not \
                  used as weights",
                 unmatched.len(),
                 function.response,
                 function.reference
+            ),
             ));
         }
         contents
@@ -427,7 +433,7 @@ impl Assembly {
         left
     }
 
-    fn apply_kind(&mut self, told: Option<FrfKind>, warnings: &mut Vec<String>) {
+    fn apply_kind(&mut self, told: Option<FrfKind>, warnings: &mut Vec<Finding>) {
         let mut named = None;
         for record in &mut self.records {
             let mut unheard = Vec::new();
@@ -463,7 +469,7 @@ pub(super) fn build_set(
     reference_unit: ReferenceUnit,
     duplicates: Duplicates,
     place: &str,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Finding>,
 ) -> Result<FrfSet> {
     let axis: Rc<[f64]> = frequency_hz.into();
     let record = |frf: TracedFrf| Record {

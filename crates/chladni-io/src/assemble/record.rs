@@ -1,7 +1,9 @@
 //! One measured FRF or coherence on its way from a document into the set.
 
 use super::super::{Document, Function, Ordinate};
-use chladni_frf::{Dof, Error, Estimation, FrfKind, FrfSet, FrfValues, ReferenceUnit, Result};
+use chladni_frf::{
+    Dof, Error, Estimation, Finding, FrfKind, FrfSet, FrfValues, ReferenceUnit, Result,
+};
 use ndarray::s;
 use num_complex::{Complex32, Complex64};
 use std::rc::Rc;
@@ -131,7 +133,7 @@ pub(super) fn from_function(
     document: usize,
     place: String,
     conjugate: bool,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Finding>,
 ) -> Result<Record> {
     if !function.scale_to_si.is_finite() || function.scale_to_si == 0.0 {
         return Err(Error::bad_data("the unit gives no usable scale")
@@ -140,8 +142,9 @@ pub(super) fn from_function(
             .expected("a finite factor, not 0"));
     }
     if matches!(function.ordinate, Ordinate::Real32(_) | Ordinate::Real64(_)) {
-        warnings.push(format!(
-            "{place}: an FRF of real values; the imaginary parts are taken as zero"
+        warnings.push(Finding::caution(
+            "real-frf",
+            format!("{place}: an FRF of real values; the imaginary parts are taken as zero"),
         ));
     }
     let scale = function.scale_to_si;
@@ -170,8 +173,9 @@ pub(super) fn from_function(
     };
     let masked = line.mask();
     if masked > 0 {
-        warnings.push(format!(
-            "{place}: {masked} values are not finite; these lines are masked"
+        warnings.push(Finding::caution(
+            "lines-masked",
+            format!("{place}: {masked} values are not finite; these lines are masked"),
         ));
     }
     Ok(Record {
@@ -194,7 +198,7 @@ pub(super) fn from_set(
     set: &FrfSet,
     document: usize,
     place: &str,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Finding>,
 ) -> Vec<Record> {
     let axis: Rc<[f64]> = set.frequency_hz.to_vec().into();
     let mut records = Vec::with_capacity(set.pairs());
@@ -231,8 +235,9 @@ pub(super) fn from_set(
         }
     }
     if masked > 0 {
-        warnings.push(format!(
-            "{place}: {masked} values are not finite; these lines are masked"
+        warnings.push(Finding::caution(
+            "lines-masked",
+            format!("{place}: {masked} values are not finite; these lines are masked"),
         ));
     }
     records
@@ -240,7 +245,7 @@ pub(super) fn from_set(
 
 /// Brings FRFs that were cut short to the axis of the longest, whose beginning theirs is:
 /// what is missing is masked.
-pub(super) fn lengthen(records: &mut [Record], warnings: &mut Vec<String>) {
+pub(super) fn lengthen(records: &mut [Record], warnings: &mut Vec<Finding>) {
     let Some(axis) = records
         .iter()
         .map(|record| &record.frequency_hz)
@@ -258,10 +263,13 @@ pub(super) fn lengthen(records: &mut [Record], warnings: &mut Vec<String>) {
         if !is_beginning {
             continue;
         }
-        warnings.push(format!(
-            "{}: ends after {own} of {} lines; the others are masked",
-            record.place,
-            axis.len()
+        warnings.push(Finding::caution(
+            "values-missing",
+            format!(
+                "{}: ends after {own} of {} lines; the others are masked",
+                record.place,
+                axis.len()
+            ),
         ));
         record.frequency_hz = axis.clone();
         record.line.lengthen(axis.len());

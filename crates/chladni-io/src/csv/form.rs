@@ -5,7 +5,7 @@ use super::vocabulary::{is_decibel, words};
 use super::Said;
 use crate::unit_label::{decibel_reference, frf_unit, FrfUnit};
 use crate::PhaseUnit;
-use chladni_frf::{Error, Result};
+use chladni_frf::{Error, Finding, Result};
 use num_complex::Complex64;
 
 /// One column with its header.
@@ -92,7 +92,7 @@ impl Form {
         magnitude: &Column<'_>,
         phase: &Column<'_>,
         said: &Said,
-        warnings: &mut Vec<String>,
+        warnings: &mut Vec<Finding>,
     ) -> Result<Self> {
         let label = if magnitude.head.unit.is_empty() {
             said.unit.as_deref().unwrap_or("")
@@ -170,7 +170,7 @@ fn linear(magnitude: &Column<'_>, said: &Said) -> Result<()> {
 
 /// Unit of a phase: as the user says, else as the column or the file says, else by the
 /// size of its numbers.
-fn phase_unit(phase: &Column<'_>, said: &Said, warnings: &mut Vec<String>) -> Result<PhaseUnit> {
+fn phase_unit(phase: &Column<'_>, said: &Said, warnings: &mut Vec<Finding>) -> Result<PhaseUnit> {
     let own = match phase.head.angle() {
         AngleSaid::Unit(unit) => Some(unit),
         _ => None,
@@ -178,13 +178,11 @@ fn phase_unit(phase: &Column<'_>, said: &Said, warnings: &mut Vec<String>) -> Re
     if let Some(told) = said.told_phase_unit {
         if let Some(own) = own.filter(|own| *own != told) {
             let (own, told) = (own.as_str(), told.as_str());
-            push_once(
-                warnings,
-                format!(
-                    "{} says {own}, --phase-unit says {told}: taken as {told}",
-                    phase.label()
-                ),
+            let words = format!(
+                "{} says {own}, you say {told}: taken as {told}",
+                phase.label()
             );
+            push_once(warnings, Finding::note("option-overrules-file", words));
         }
         return Ok(told);
     }
@@ -194,7 +192,7 @@ fn phase_unit(phase: &Column<'_>, said: &Said, warnings: &mut Vec<String>) -> Re
             .found(phase.label())
             .expected("deg or rad")
             .help(
-                "say it with --phase-unit deg or --phase-unit rad, or in the header: `phase [rad]`",
+                "say it with `phase_unit deg` or `phase_unit rad`, or in the header: `phase [rad]`",
             )
     };
     if phase.head.angle() == AngleSaid::NotUnderstood {
@@ -221,13 +219,16 @@ fn phase_unit(phase: &Column<'_>, said: &Said, warnings: &mut Vec<String>) -> Re
         .ok_or_else(|| ask("the phase has no unit, and its numbers may be degrees or radians"))?;
     push_once(
         warnings,
-        "the header does not say the unit of the phase: taken as degrees".into(),
+        Finding::caution(
+            "phase-in-degrees",
+            "the header does not say the unit of the phase: taken as degrees",
+        ),
     );
     Ok(unit)
 }
 
 /// One warning for many columns.
-pub(super) fn push_once(warnings: &mut Vec<String>, warning: String) {
+pub(super) fn push_once(warnings: &mut Vec<Finding>, warning: Finding) {
     if !warnings.contains(&warning) {
         warnings.push(warning);
     }

@@ -4,7 +4,7 @@ use super::form::push_once;
 use super::head::Head;
 use super::table::Table;
 use super::vocabulary::Part;
-use chladni_frf::{Error, Result};
+use chladni_frf::{Error, Finding, Result};
 use std::collections::{HashMap, VecDeque};
 
 /// Columns of one FRF, and whether they are magnitude and phase.
@@ -69,7 +69,7 @@ impl<'a> Partners<'a> {
 pub(super) fn group_columns(
     table: &Table,
     heads: &[Head],
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Finding>,
 ) -> Result<Vec<Group>> {
     let mut groups: Vec<Group> = Vec::new();
     let mut partners = Partners::new(heads);
@@ -232,7 +232,7 @@ fn unnamed_pair_is_polar(
     table: &Table,
     column: usize,
     other: usize,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Finding>,
 ) -> Result<bool> {
     if let Some(kind) = table.keyword("y axis type", column) {
         let kind = kind.to_lowercase();
@@ -269,8 +269,11 @@ fn unnamed_pair_is_polar(
     }
     push_once(
         warnings,
-        "column names do not say what the pairs of columns are: taken as real and imaginary part"
-            .into(),
+        Finding::caution(
+            "layout-guessed",
+            "column names do not say what the pairs of columns are: taken as real and imaginary \
+             part",
+        ),
     );
     Ok(false)
 }

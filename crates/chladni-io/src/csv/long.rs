@@ -8,7 +8,7 @@ use super::table::both_commas;
 use super::text::{Cell, Dialect, Line};
 use super::vocabulary::{is_frequency, words, Part};
 use super::{Said, Trace};
-use chladni_frf::{Direction, Dof, Error, Result};
+use chladni_frf::{Direction, Dof, Error, Finding, Result};
 use num_complex::Complex64;
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -187,11 +187,12 @@ impl LongTable<'_> {
         &self,
         said: &Said,
         lenient: bool,
-        warnings: &mut Vec<String>,
+        warnings: &mut Vec<Finding>,
     ) -> Result<(Vec<f64>, Vec<Trace>)> {
         if let Some((count, line)) = self.commented {
-            warnings.push(format!(
-                "{count} rows of numbers are comments: left out (first in line {line})"
+            warnings.push(Finding::caution(
+                "rows-left-out",
+                format!("{count} rows of numbers are comments: left out (first in line {line})"),
             ));
         }
         self.refuse_doubled_columns()?;
@@ -226,8 +227,9 @@ impl LongTable<'_> {
             traces.push(self.on_axis(pair, &axis, &form, &mut absent)?);
         }
         if absent > 0 {
-            warnings.push(format!(
-                "{absent} rows (pair and frequency) are missing; these lines are masked"
+            warnings.push(Finding::caution(
+                "lines-masked",
+                format!("{absent} rows (pair and frequency) are missing; these lines are masked"),
             ));
         }
         Ok((axis.into_iter().map(|f| f * f_to_hz).collect(), traces))
@@ -263,7 +265,7 @@ impl LongTable<'_> {
     }
 
     /// How the two numbers of a row make its value.
-    fn form(&self, pairs: &[Pair], said: &Said, warnings: &mut Vec<String>) -> Result<Form> {
+    fn form(&self, pairs: &[Pair], said: &Said, warnings: &mut Vec<Finding>) -> Result<Form> {
         let values = |at: usize| -> Vec<f64> {
             let rows = pairs.iter().flat_map(|pair| &pair.rows);
             rows.map(|row| row.2[at]).collect()
@@ -303,7 +305,7 @@ impl LongTable<'_> {
         })
     }
 
-    fn pairs(&self, lenient: bool, warnings: &mut Vec<String>) -> Result<Vec<Pair>> {
+    fn pairs(&self, lenient: bool, warnings: &mut Vec<Finding>) -> Result<Vec<Pair>> {
         let mut pairs: Vec<Pair> = Vec::new();
         let mut index: HashMap<(Dof, Dof), usize> = HashMap::new();
         let mut masked: Option<(u64, usize)> = None;
@@ -350,8 +352,9 @@ impl LongTable<'_> {
             pairs[at].rows.push((row.number, f, [a, b], coherence));
         }
         if let Some((line, count)) = masked {
-            warnings.push(format!(
-                "{count} rows hold no finite value; masked (first in line {line})"
+            warnings.push(Finding::caution(
+                "lines-masked",
+                format!("{count} rows hold no finite value; masked (first in line {line})"),
             ));
         }
         Ok(pairs)
@@ -429,7 +432,7 @@ impl LongTable<'_> {
                 &cells[column]
             })
             .expected("a number")
-            .help("correct the cell, or read the file with --lenient, which masks it")
+            .help("correct the cell, or read the file with `lenient`, which masks it")
     }
 
     /// The pair on the common axis: its rows must lie on it, and may leave lines out.

@@ -31,7 +31,7 @@ mod write;
 use super::assemble::{build_set, clean_coherence, TracedFrf};
 use super::unit_label::{frf_unit, FrfUnit};
 use super::{DatasetInfo, Document, FileFormat, ReadOptions};
-use chladni_frf::{Direction, Dof, Error, FrfKind, FrfSet, ReferenceUnit, Result};
+use chladni_frf::{Direction, Dof, Error, Finding, FrfKind, FrfSet, ReferenceUnit, Result};
 use num_complex::Complex64;
 use remarks::lines_and_remarks;
 use said::Said;
@@ -164,7 +164,7 @@ impl Units {
         said: &Said,
         traces: &[Trace],
         told: Option<FrfKind>,
-        warnings: &mut Vec<String>,
+        warnings: &mut Vec<Finding>,
     ) -> Result<Self> {
         let file = said.unit.as_deref().and_then(frf_unit);
         let mut found: Option<(FrfUnit, &str)> =
@@ -199,11 +199,15 @@ impl Units {
             }
         }
         if let Some(label) = unknown {
-            warnings.push(format!(
-                "unit `{label}` is no motion per force or volt; values are taken as SI"
+            warnings.push(Finding::caution(
+                "unit-assumed",
+                format!("unit `{label}` is no motion per force or volt; values are taken as SI"),
             ));
         } else if unlabelled {
-            warnings.push("no unit in the file; values are taken as SI".into());
+            warnings.push(Finding::caution(
+                "unit-assumed",
+                "no unit in the file; values are taken as SI",
+            ));
         }
         let by_unit = found.map(|(unit, _)| unit.kind);
         if let (Some(kind), Some(by_unit), None) = (said.kind, by_unit, told) {
@@ -215,7 +219,7 @@ impl Units {
                         found.map_or("", |(_, label)| label)
                     ))
                     .expected(format!("{by_unit} for that unit"))
-                    .help("say which is right with --frf-kind"));
+                    .help("say which is right with `frf_kind`"));
             }
         }
         let reference = said
@@ -244,7 +248,7 @@ fn name_dofs(
     traces: &[Trace],
     options: &ReadOptions,
     next_node: &mut u64,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Finding>,
 ) -> Vec<(Dof, Dof)> {
     let fallback = match options.references.as_slice() {
         [] => Dof::new(1, Direction::SCALAR),
@@ -287,28 +291,33 @@ fn name_dofs(
     }
     match numbered.as_slice() {
         [] => {}
-        [one] => warnings.push(format!(
-            "the file names no response DOF: taken as {one}, by its place among the files"
+        [one] => warnings.push(Finding::caution(
+            "dofs-assumed",
+            format!("the file names no response DOF: taken as {one}, by its place among the files"),
         )),
-        [first, .., last] => warnings.push(format!(
-            "the columns name no response DOFs: taken as {first} to {last}, in their order"
+        [first, .., last] => warnings.push(Finding::caution(
+            "dofs-assumed",
+            format!(
+                "the columns name no response DOFs: taken as {first} to {last}, in their order"
+            ),
         )),
     }
     if without_reference {
         let advice = if options.references.is_empty() {
-            "; say it with --reference N"
+            "; say it with `reference N`"
         } else {
             ""
         };
-        warnings.push(format!(
-            "the file names no reference DOF: taken as {fallback}{advice}"
+        warnings.push(Finding::caution(
+            "dofs-assumed",
+            format!("the file names no reference DOF: taken as {fallback}{advice}"),
         ));
     }
     dofs
 }
 
 /// Coherence with NaN where it is impossible; at 0 Hz that is normal.
-fn checked_coherence(values: Vec<f64>, at_zero: bool, warnings: &mut Vec<String>) -> Vec<f32> {
+fn checked_coherence(values: Vec<f64>, at_zero: bool, warnings: &mut Vec<Finding>) -> Vec<f32> {
     let zero_is_outside = at_zero
         && values
             .first()
@@ -316,11 +325,15 @@ fn checked_coherence(values: Vec<f64>, at_zero: bool, warnings: &mut Vec<String>
     let (cleaned, outside) = clean_coherence(values);
     let others = outside - usize::from(zero_is_outside);
     if zero_is_outside {
-        warnings.push("coherence at 0 Hz is outside 0 to 1: taken as not given there".into());
+        warnings.push(Finding::note(
+            "coherence-invalid",
+            "coherence at 0 Hz is outside 0 to 1: taken as not given there",
+        ));
     }
     if others > 0 {
-        warnings.push(format!(
-            "coherence is outside 0 to 1 on {others} lines: taken as not given there"
+        warnings.push(Finding::caution(
+            "coherence-invalid",
+            format!("coherence is outside 0 to 1 on {others} lines: taken as not given there"),
         ));
     }
     cleaned

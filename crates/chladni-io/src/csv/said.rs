@@ -3,7 +3,7 @@
 use super::remarks::Remark;
 use crate::unit_label::frequency_unit;
 use crate::PhaseUnit;
-use chladni_frf::{Dof, Error, FrfKind, ReferenceUnit, Result, TimeSign};
+use chladni_frf::{Dof, Error, Finding, FrfKind, ReferenceUnit, Result, TimeSign};
 
 /// What stands in remarks, in other text above the table and in the options.
 #[derive(Default)]
@@ -26,7 +26,7 @@ pub(super) struct Said {
 impl Said {
     /// # Errors
     /// A value that its key does not have.
-    pub(super) fn from_remarks(remarks: &[Remark], warnings: &mut Vec<String>) -> Result<Self> {
+    pub(super) fn from_remarks(remarks: &[Remark], warnings: &mut Vec<Finding>) -> Result<Self> {
         let mut said = Self::default();
         for remark in remarks {
             let wrong = |message: String| {
@@ -58,10 +58,15 @@ impl Said {
                         }
                     })
                 }
-                key if key.ends_with("unit") || key.ends_with("units") => warnings.push(format!(
-                    "line {}: `{key}` is no remark that is understood; not used",
-                    remark.line
-                )),
+                key if key.ends_with("unit") || key.ends_with("units") => {
+                    warnings.push(Finding::note(
+                        "remark-not-used",
+                        format!(
+                            "line {}: `{key}` is no remark that is understood; not used",
+                            remark.line
+                        ),
+                    ))
+                }
                 _ => {} // free text such as a date or an operator
             }
         }

@@ -2,7 +2,7 @@
 
 use super::header::refuse_decimal_comma;
 use super::text::{Cell, Dialect, Line};
-use chladni_frf::{Error, Result};
+use chladni_frf::{Error, Finding, Result};
 
 /// Rows of numbers, NaN where a cell is empty or masked.
 #[derive(Debug)]
@@ -30,7 +30,7 @@ impl Table {
     pub(super) fn read(
         lines: &[Line<'_>],
         lenient: bool,
-        warnings: &mut Vec<String>,
+        warnings: &mut Vec<Finding>,
     ) -> Result<Self> {
         let dialect = Dialect::detect(lines).ok_or_else(|| no_numbers(lines))?;
         let (header, rows, columns) = split(lines, dialect);
@@ -62,10 +62,13 @@ impl Table {
             .filter(|line| line.is_comment && dialect.is_row(line.text))
             .collect();
         if let Some(first) = commented.first() {
-            warnings.push(format!(
-                "{} rows of numbers are comments: left out (first in line {})",
-                commented.len(),
-                first.number
+            warnings.push(Finding::caution(
+                "rows-left-out",
+                format!(
+                    "{} rows of numbers are comments: left out (first in line {})",
+                    commented.len(),
+                    first.number
+                ),
             ));
         }
         table.drop_empty_columns();
@@ -90,7 +93,7 @@ impl Table {
                 .at_line(line.number)
                 .found(format!("{} columns", cells.len()))
                 .expected(format!("{}, as in the first row of numbers", self.columns))
-                .help("correct the row, or read it with --lenient, which leaves it out"));
+                .help("correct the row, or read it with `lenient`, which leaves it out"));
         }
         for (column, cell) in cells.iter().enumerate() {
             let value = match dialect.number(cell) {
@@ -119,7 +122,7 @@ impl Table {
                         })
                         .expected("a number")
                         .help(
-                            "correct the cell, or read the file with --lenient, which masks it",
+                            "correct the cell, or read the file with `lenient`, which masks it",
                         ));
                 }
             };
@@ -269,14 +272,17 @@ impl Masked {
     fn skip(&mut self, line: u64) {
         Self::count(&mut self.skipped, line);
     }
-    fn report(self, warnings: &mut Vec<String>) {
+    fn report(self, warnings: &mut Vec<Finding>) {
         for (slot, what) in [
             (self.empty, "cells are empty or NaN; masked"),
             (self.bad, "cells are no finite numbers; masked"),
             (self.skipped, "rows have another length; left out"),
         ] {
             if let Some((line, count)) = slot {
-                warnings.push(format!("{count} {what} (first in line {line})"));
+                warnings.push(Finding::caution(
+                    "lines-masked",
+                    format!("{count} {what} (first in line {line})"),
+                ));
             }
         }
     }

@@ -5,7 +5,7 @@ use super::table::Table;
 use crate::runs::signal_unit;
 use crate::unit_label::{self, Unit};
 use crate::{Abscissa, Axis, DatasetInfo, Document, FileFormat, Function, Ordinate};
-use chladni_frf::{Direction, Dof, Error, Result};
+use chladni_frf::{Direction, Dof, Error, Finding, Result};
 use std::path::Path;
 
 /// Names that a time axis goes by.
@@ -78,7 +78,7 @@ fn channel_unit(name: &str, head: &Head) -> (String, Option<Unit>) {
 pub(super) fn document(
     table: &Table,
     times: &Times,
-    mut warnings: Vec<String>,
+    mut warnings: Vec<Finding>,
     file: &Path,
 ) -> Result<Document> {
     let (first_channel, abscissa, to_seconds) = match *times {
@@ -119,9 +119,12 @@ pub(super) fn document(
         );
         let (label, unit) = channel_unit(&table.names[column], &head);
         if unit.is_none() {
-            warnings.push(format!(
-                "column {}: no unit that is understood; values are taken as they are",
-                column + 1
+            warnings.push(Finding::caution(
+                "unit-assumed",
+                format!(
+                    "column {}: no unit that is understood; values are taken as they are",
+                    column + 1
+                ),
             ));
         }
         document.datasets.push(DatasetInfo {
@@ -149,8 +152,9 @@ pub(super) fn document(
         });
     }
     if numbered > 0 {
-        warnings.push(format!(
-            "{numbered} columns name no DOF; they are numbered by their place, as 2:S"
+        warnings.push(Finding::caution(
+            "dofs-assumed",
+            format!("{numbered} columns name no DOF; they are numbered by their place, as 2:S"),
         ));
     }
     Ok(Document {

@@ -9,13 +9,13 @@ use super::table::Table;
 use super::vocabulary::{is_frequency, words};
 use super::{Said, Trace};
 use crate::unit_label::frequency_unit;
-use chladni_frf::{Error, Result};
+use chladni_frf::{Error, Finding, Result};
 
 /// Frequencies in Hz and one trace per pair of columns.
 pub(super) fn traces(
     table: &Table,
     said: &Said,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Finding>,
 ) -> Result<(Vec<f64>, Vec<Trace>)> {
     let heads: Vec<Head> = (0..table.columns)
         .map(|column| Head::parse(&table.names[column], &table.units[column]))
@@ -69,7 +69,7 @@ fn frequency_factor(table: &Table, said: &Said) -> Result<f64> {
             .expected("a frequency in Hz, kHz, MHz, rad/s or rpm, with the unit in the header")
             .help(
                 "name the first column as in `f [Hz]` or `omega [rad/s]`; time records without a \
-                 time column need `chladni estimate --sample-rate HZ`",
+                 time column need `sample_rate HZ` of the estimation",
             )
     })?;
     said.frequency_factor(factor, label.trim())
@@ -102,7 +102,7 @@ fn trace(
     heads: &[Head],
     group: &Group,
     said: &Said,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Finding>,
 ) -> Result<Trace> {
     let (a, b) = (table.column(group.first), table.column(group.second));
     let mut head = heads[group.first].clone();

@@ -24,7 +24,7 @@ use super::atomic::create_atomically;
 use super::time_sign::to_plus;
 use super::{Contents, DatasetInfo, Document, FileFormat, ReadOptions};
 use backend::File;
-use chladni_frf::{Error, FrfSet, FrfValues, ModalModel, Result};
+use chladni_frf::{Error, Finding, FrfSet, FrfValues, ModalModel, Result};
 use ndarray::Array3;
 use num_complex::ComplexFloat;
 use own::Own;
@@ -52,7 +52,7 @@ pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
             entry
                 .unread_attributes
                 .iter()
-                .map(|warning| format!("{}: {warning}", entry.path)),
+                .map(|warning| Finding::note("not-read", format!("{}: {warning}", entry.path))),
         );
     }
     let own = Own {
@@ -135,7 +135,7 @@ fn read_own(own: &Own<'_>, document: &mut Document) -> Result<Option<Found>> {
 
 /// Lines that are NaN in a pair that was measured; pairs that are NaN throughout are
 /// missing, and listed later.
-fn report_masked(set: &FrfSet, warnings: &mut Vec<String>) {
+fn report_masked(set: &FrfSet, warnings: &mut Vec<Finding>) {
     fn masked<C: ComplexFloat>(values: &Array3<C>) -> usize {
         let counts = values
             .rows()
@@ -150,7 +150,10 @@ fn report_masked(set: &FrfSet, warnings: &mut Vec<String>) {
         FrfValues::F32(values) => masked(values),
     };
     if masked > 0 {
-        warnings.push(format!("{masked} lines are NaN in the file: masked"));
+        warnings.push(Finding::note(
+            "lines-masked",
+            format!("{masked} lines are NaN in the file: masked"),
+        ));
     }
 }
 
@@ -173,7 +176,11 @@ fn dataset_info(entry: &Entry) -> DatasetInfo {
         function: Some(function),
         values: entry.shape().last().copied(),
         nodes,
-        warnings: entry.unread_attributes.clone(),
+        warnings: entry
+            .unread_attributes
+            .iter()
+            .map(|warning| Finding::note("not-read", warning))
+            .collect(),
         left_behind: true, // until something of the document is made of it
         ..DatasetInfo::default()
     }

@@ -15,7 +15,7 @@ pub(super) use write::{damping_name, scaling_name, trust_name, MatFile, PER_MODE
 use super::arrays::memory::MemoryFile;
 use super::arrays::tree::{check_nesting, Values};
 use super::{Document, FileFormat, ReadOptions};
-use chladni_frf::{Error, Result};
+use chladni_frf::{Error, Finding, Result};
 use element::{Element, Elements, Order};
 use num_complex::{Complex32, Complex64};
 use std::borrow::Cow;
@@ -59,9 +59,10 @@ fn read_arrays(bytes: &[u8]) -> Result<MemoryFile> {
         walk.variable(&element?)?;
     }
     if walk.arrays.is_empty() {
-        walk.arrays
-            .warnings
-            .push("no array of numbers is in the file".into());
+        walk.arrays.warnings.push(Finding::caution(
+            "not-read",
+            "no array of numbers is in the file",
+        ));
     }
     Ok(walk.arrays)
 }
@@ -110,9 +111,12 @@ impl Walk {
                 self.matrix(&inner, "", None, 0)
             }
             other => {
-                self.arrays.warnings.push(format!(
-                    "an element of type {other} at byte {} is not read",
-                    element.byte
+                self.arrays.warnings.push(Finding::note(
+                    "not-read",
+                    format!(
+                        "an element of type {other} at byte {} is not read",
+                        element.byte
+                    ),
                 ));
                 Ok(())
             }
@@ -242,9 +246,10 @@ impl Walk {
                 Ok(())
             }
             _ => {
-                self.arrays
-                    .warnings
-                    .push(format!("{path}: {} is not read", class_name(class)));
+                self.arrays.warnings.push(Finding::note(
+                    "not-read",
+                    format!("{path}: {} is not read", class_name(class)),
+                ));
                 Ok(())
             }
         }

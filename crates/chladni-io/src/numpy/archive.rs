@@ -4,7 +4,7 @@ use super::npy;
 use crate::arrays::memory::MemoryFile;
 use crate::arrays::tree::check_nesting;
 use crate::atomic::{create_atomically, write_error};
-use chladni_frf::{Error, FrfSet, FrfValues, Result};
+use chladni_frf::{Error, Finding, FrfSet, FrfValues, Result};
 use std::fs::File;
 use std::io::{self, BufWriter, Cursor, Read, Write};
 use std::path::Path;
@@ -42,7 +42,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<MemoryFile> {
         let mut member = archive.by_index(k).map_err(damaged)?;
         let name = member.name().map_err(damaged)?.into_owned();
         let Some(stem) = name.strip_suffix(".npy") else {
-            arrays.warnings.push(format!("{name}: no array, not read"));
+            arrays.warnings.push(Finding::note(
+                "not-read",
+                format!("{name}: no array, not read"),
+            ));
             continue;
         };
         let mut content = Vec::new();

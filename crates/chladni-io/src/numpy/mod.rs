@@ -13,7 +13,7 @@ pub(super) use archive::write;
 
 use super::arrays::memory::MemoryFile;
 use super::{Document, FileFormat, ReadOptions};
-use chladni_frf::Result;
+use chladni_frf::{Finding, Result};
 use std::path::Path;
 
 /// First bytes of an NPY file.
@@ -25,11 +25,11 @@ pub(super) fn read_npy(bytes: &[u8], path: &Path, options: &ReadOptions) -> Resu
     npy::read_array(bytes, "/array", &mut arrays).map_err(|error| error.file(path))?;
     let mut document = arrays.document(path, FileFormat::Numpy, options)?;
     if document.frf.is_none() {
-        document.warnings.push(
+        document.warnings.push(Finding::caution(
+            "no-frequency-axis",
             "one array has no frequency axis beside it: save both with \
-                                numpy.savez(file, frf=..., freq=...)"
-                .into(),
-        );
+                                numpy.savez(file, frf=..., freq=...)",
+        ));
     }
     Ok(document)
 }

@@ -10,7 +10,7 @@
 use super::container::{is_marker, Lines, HEADER_RECORDS};
 use super::fields::{numbers, whole, Record};
 use super::layout::{Layout, Record7};
-use chladni_frf::{Error, Result};
+use chladni_frf::{Error, Finding, Result};
 use std::borrow::Cow;
 
 /// The identifier line.
@@ -27,7 +27,7 @@ impl Identifier {
     ///
     /// # Errors
     /// An unknown byte order, or floats that are not IEEE 754.
-    pub(super) fn read(record: Record<'_>, warnings: &mut Vec<String>) -> Result<Self> {
+    pub(super) fn read(record: Record<'_>, warnings: &mut Vec<Finding>) -> Result<Self> {
         let after_b = record
             .text
             .iter()
@@ -76,10 +76,13 @@ impl Identifier {
         let header_lines = match whole(record, "count of header lines", lines)? {
             more if (HEADER_RECORDS as i64..100).contains(&more) => more as usize,
             other => {
-                warnings.push(format!(
-                    "line {}: the identifier states {other} header lines; \
+                warnings.push(Finding::note(
+                    "loosely-written",
+                    format!(
+                        "line {}: the identifier states {other} header lines; \
                                        {HEADER_RECORDS} are read",
-                    record.line
+                        record.line
+                    ),
                 ));
                 HEADER_RECORDS
             }
@@ -299,7 +302,7 @@ pub(super) fn locate(
     identifier: Identifier,
     record7: Record<'_>,
     lenient: bool,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Finding>,
 ) -> Result<Landed> {
     let layout = Record7::read(record7, &mut Vec::new())?.layout;
     let search = Search {
@@ -318,9 +321,12 @@ pub(super) fn locate(
     if let Some(at) = search.any_of(&allowed(layout), &[Landing::Strict, Landing::Loose]) {
         let (declared, length) = (search.declared, at.length);
         if declared != length {
-            warnings.push(format!(
-                "the identifier line states {declared} bytes of data, the header \
+            warnings.push(Finding::note(
+                "loosely-written",
+                format!(
+                    "the identifier line states {declared} bytes of data, the header \
                                {length}; {length} are there and are read"
+                ),
             ));
         }
         return Ok(at);
@@ -330,8 +336,11 @@ pub(super) fn locate(
             [layout.double, at.form.y_bytes == 8]
                 .map(|double| if double { "double" } else { "single" });
         if lenient {
-            warnings.push(format!(
+            warnings.push(Finding::caution(
+                "loosely-written",
+                format!(
                 "the header says {said} precision, the data are in {written} precision and read so"
+            ),
             ));
             return Ok(at);
         }
@@ -346,14 +355,17 @@ pub(super) fn locate(
                 layout.count
             ))
             .expected(format!("data in {said} precision"))
-            .help("read it with --lenient, which takes the data as they are written"));
+            .help("read it with `lenient`, which takes the data as they are written"));
     }
     if let Some(at) = search.declared_length() {
         let present = at.length / at.form.point_bytes() as u64;
         if lenient {
-            warnings.push(format!(
-                "the header declares {} values, the data hold {present}; these are read",
-                layout.count
+            warnings.push(Finding::caution(
+                "values-missing",
+                format!(
+                    "the header declares {} values, the data hold {present}; these are read",
+                    layout.count
+                ),
             ));
             return Ok(at);
         }
@@ -361,14 +373,17 @@ pub(super) fn locate(
             wrong("the declared number of values and the data disagree", COUNT)
                 .found(format!("{} declared, {present} present", layout.count))
                 .expected("equal numbers")
-                .help("export the file again, or read what is there with --lenient"),
+                .help("export the file again, or read what is there with `lenient`"),
         );
     }
     if let Some(at) = search
         .any_of(&allowed(layout), &[Landing::FileEnd])
         .filter(|_| lenient)
     {
-        warnings.push("the file ends behind the data, without a closing -1 line".into());
+        warnings.push(Finding::note(
+            "loosely-written",
+            "the file ends behind the data, without a closing -1 line",
+        ));
         return Ok(at);
     }
     Err(

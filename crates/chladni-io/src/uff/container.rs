@@ -7,7 +7,7 @@
 
 use super::binary::{self, Payload};
 use super::fields::Record;
-use chladni_frf::{Error, Result};
+use chladni_frf::{Error, Finding, Result};
 
 /// One dataset, cut out of the file.
 #[derive(Debug)]
@@ -29,7 +29,7 @@ pub(super) struct Block<'a> {
     pub fault: Option<Error>,
     /// False where the file ends before the closing `-1`.
     pub closed: bool,
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Finding>,
 }
 
 /// Lines of a part of the file, numbered as in the file.
@@ -116,7 +116,7 @@ pub(super) fn number_line(text: &[u8]) -> Option<(u32, bool)> {
 pub(super) fn datasets<'a>(
     bytes: &'a [u8],
     lenient: bool,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Finding>,
 ) -> Vec<Block<'a>> {
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let whole_file = Lines { bytes, line: 1 };
@@ -145,8 +145,9 @@ pub(super) fn datasets<'a>(
         {
             // The marker taken as the end of the last dataset opens this one: the last
             // one was not closed.
-            warnings.push(format!(
-                "line {closing_line}: the dataset before this line has no closing -1"
+            warnings.push(Finding::note(
+                "loosely-written",
+                format!("line {closing_line}: the dataset before this line has no closing -1"),
             ));
             let (block, after) = dataset(whole_file, before, closing_line, lenient);
             closing_line = after.line.saturating_sub(1);
@@ -158,9 +159,12 @@ pub(super) fn datasets<'a>(
             while next.next().is_some_and(|record| !is_marker(record.text)) {
                 at = next;
             }
-            warnings.push(format!(
-                "lines {first} to {}: text outside of any dataset is not read",
-                at.line - 1
+            warnings.push(Finding::note(
+                "not-read",
+                format!(
+                    "lines {first} to {}: text outside of any dataset is not read",
+                    at.line - 1
+                ),
             ));
         }
     }
@@ -349,7 +353,7 @@ mod tests {
     /// Number, line and whether it is closed.
     type Listed = (Option<u32>, u64, bool);
 
-    fn numbers(text: &str) -> (Vec<Listed>, Vec<String>) {
+    fn numbers(text: &str) -> (Vec<Listed>, Vec<Finding>) {
         let mut warnings = Vec::new();
         let blocks = datasets(text.as_bytes(), false, &mut warnings);
         (
@@ -398,8 +402,8 @@ mod tests {
         let (found, warnings) = numbers("hello\nworld\n    -1\n   151\n    -1\n");
         assert_eq!(found, [(Some(151), 3, true)]);
         assert_eq!(
-            warnings,
-            ["lines 1 to 2: text outside of any dataset is not read"]
+            warnings[0].text,
+            "lines 1 to 2: text outside of any dataset is not read"
         );
     }
 

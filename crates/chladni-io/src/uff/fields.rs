@@ -2,7 +2,7 @@
 //! blanks. Adjacent numbers may touch, so that blanks alone do not separate them.
 
 use super::number::{float, Fault};
-use chladni_frf::{Error, Result};
+use chladni_frf::{Error, Finding, Result};
 
 /// One line of the file.
 #[derive(Debug, Clone, Copy)]
@@ -191,7 +191,7 @@ pub(super) type Column = (&'static str, usize);
 pub(super) fn numbers<const N: usize>(
     record: Record<'_>,
     columns: [Column; N],
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Finding>,
 ) -> Result<[f64; N]> {
     let mut values = [0.0; N];
     match line_numbers(record.text, &columns.map(|(_, width)| width), &mut values) {
@@ -209,10 +209,13 @@ pub(super) fn numbers<const N: usize>(
 }
 
 /// Warns once per dataset that a line was not written in the format's columns.
-pub(super) fn warn_split(line: u64, warnings: &mut Vec<String>) {
+pub(super) fn warn_split(line: u64, warnings: &mut Vec<Finding>) {
     const WHAT: &str = "not in the format's columns, split on blanks (first such line)";
-    if !warnings.iter().any(|warning| warning.ends_with(WHAT)) {
-        warnings.push(format!("line {line}: {WHAT}"));
+    if !warnings.iter().any(|warning| warning.text.ends_with(WHAT)) {
+        warnings.push(Finding::note(
+            "loosely-written",
+            format!("line {line}: {WHAT}"),
+        ));
     }
 }
 
@@ -229,7 +232,7 @@ pub(super) fn bad_field(record: Record<'_>, name: &str, bad: BadField) -> Error 
         .found(decode(record.text.get(start..end).unwrap_or_default()).trim())
         .expected("a finite decimal number")
         .help(
-            "correct the file at that line; --lenient masks values of a function that cannot be \
+            "correct the file at that line; `lenient` masks values of a function that cannot be \
                read",
         )
 }

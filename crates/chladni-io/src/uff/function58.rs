@@ -9,10 +9,10 @@ use super::scaling::scaling;
 use super::step;
 use super::values::{read_binary, read_text, Values};
 use crate::{Abscissa, Function, Ordinate, ReadOptions};
-use chladni_frf::{Error, Result};
+use chladni_frf::{Error, Finding, Result};
 
 /// Takes DOFs from entity names where the node number is 0; says so, or asks.
-fn dofs_from_entities(header: &mut Header, warnings: &mut Vec<String>) {
+fn dofs_from_entities(header: &mut Header, warnings: &mut Vec<Finding>) {
     let one_sided = !matches!(header.function_type, 3..=6);
     for (k, what) in ["response", "reference"].into_iter().enumerate() {
         let dof = if k == 0 {
@@ -26,19 +26,28 @@ fn dofs_from_entities(header: &mut Header, warnings: &mut Vec<String>) {
         }
         match entity_dof(name) {
             Some(found) => {
-                warnings.push(format!(
-                    "the {what} node is 0; {found} is read from the entity name \
+                warnings.push(Finding::caution(
+                    "dofs-assumed",
+                    format!(
+                        "the {what} node is 0; {found} is read from the entity name \
                                        `{name}`"
+                    ),
                 ));
                 *dof = found;
             }
-            None if k == 0 => warnings.push(format!(
-                "the response node is 0 and the entity name \
+            None if k == 0 => warnings.push(Finding::caution(
+                "dofs-assumed",
+                format!(
+                    "the response node is 0 and the entity name \
                                                      `{name}` names no DOF"
+                ),
             )),
-            None => warnings.push(format!(
-                "the reference node is 0 and the entity name `{name}` names \
-                                       no DOF: state it with --reference N"
+            None => warnings.push(Finding::caution(
+                "dofs-assumed",
+                format!(
+                    "the reference node is 0 and the entity name `{name}` names \
+                                       no DOF: state it with `reference N`"
+                ),
             )),
         }
     }
@@ -48,7 +57,7 @@ fn dofs_from_entities(header: &mut Header, warnings: &mut Vec<String>) {
 pub(super) struct ReadFunction {
     pub header: Option<Header>,
     pub function: Result<Function>,
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Finding>,
 }
 
 /// Reads a text or binary dataset 58.
@@ -102,7 +111,7 @@ pub(super) fn not_closed(block: &Block<'_>) -> Error {
         .at_line(block.line)
         .found("the end of the file")
         .expected("a closing -1 line")
-        .help("the file is cut short: copy or export it again; --lenient reads what is there")
+        .help("the file is cut short: copy or export it again; `lenient` reads what is there")
 }
 
 fn assemble(
@@ -111,7 +120,7 @@ fn assemble(
     block: &Block<'_>,
     units: Option<Units>,
     options: &ReadOptions,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Finding>,
 ) -> Function {
     let directions = [header.response.direction, header.reference.direction];
     let scaling = scaling(
@@ -154,7 +163,7 @@ fn abscissa(
     count: usize,
     is_text: bool,
     snap: bool,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Finding>,
 ) -> Abscissa {
     let Record7 {
         layout,
@@ -181,17 +190,23 @@ fn abscissa(
         };
     }
     if step.value <= 0.0 && count > 1 {
-        warnings.push(format!(
-            "the abscissa step is {}: the axis does not rise",
-            step.value
+        warnings.push(Finding::caution(
+            "axis-does-not-rise",
+            format!(
+                "the abscissa step is {}: the axis does not rise",
+                step.value
+            ),
         ));
     }
     let exact = match tagged_step {
         Some(tagged) if step.agrees(tagged) => Some(tagged),
         Some(tagged) => {
-            warnings.push(format!(
-                "df={tagged} in ID line 4 contradicts the step {} of record 7, which is used",
-                step.value
+            warnings.push(Finding::caution(
+                "step-contradicted",
+                format!(
+                    "df={tagged} in ID line 4 contradicts the step {} of record 7, which is used",
+                    step.value
+                ),
             ));
             None
         }
@@ -225,8 +240,11 @@ fn abscissa(
     }
 }
 
-fn candidate_warning(step: f64, what: &str) -> String {
-    format!("{what}; the exact step is probably {step}: --snap-df uses it")
+fn candidate_warning(step: f64, what: &str) -> Finding {
+    let words = format!("{what}; the exact step is probably {step}");
+    Finding::note("step-rounded", words)
+        .value("step_hz", step)
+        .help("take it with `snap_df`")
 }
 
 /// Number of values of a function, for the listing.

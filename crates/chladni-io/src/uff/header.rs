@@ -10,7 +10,7 @@
 //! holds nothing but text; it is listed and not read.
 
 use super::fields::{numbers, whole, Record};
-use chladni_frf::{Error, Result};
+use chladni_frf::{Error, Finding, Result};
 
 /// Factors of dataset 164: a value in the file divided by its factor is in SI.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,7 +57,7 @@ const FACTOR_TOLERANCE: f64 = 1e-3;
 /// A factor that is missing, not positive, or no number.
 pub(super) fn read_units<'a>(
     mut records: impl Iterator<Item = Record<'a>>,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Finding>,
 ) -> Result<Units> {
     let missing = |what: &str| {
         Error::bad_data("the units dataset is too short")
@@ -98,10 +98,13 @@ pub(super) fn read_units<'a>(
             ("force", force, known_force),
         ] {
             if (factor / known - 1.0).abs() > FACTOR_TOLERANCE {
-                warnings.push(format!(
+                warnings.push(Finding::note(
+                    "unit-contradicted",
+                    format!(
                     "line {}: units code {code} ({name}) has the {what} factor {known}, the file \
                      says {factor}; {factor} is used",
                     second.line
+                ),
                 ));
             }
         }
@@ -130,7 +133,7 @@ pub(super) fn dataset_name(number: u32) -> String {
 mod tests {
     use super::*;
 
-    fn read(text: &str) -> (Result<Units>, Vec<String>) {
+    fn read(text: &str) -> (Result<Units>, Vec<Finding>) {
         let mut warnings = Vec::new();
         let records = text.lines().zip(1..).map(|(text, line)| Record {
             line,

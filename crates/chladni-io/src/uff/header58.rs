@@ -12,7 +12,7 @@ use super::fields::{bad_field, decode, label, line_numbers, warn_split, whole, B
 use super::layout::Record7;
 use super::number::{float, Fault};
 use crate::Axis;
-use chladni_frf::{Direction, Dof, Error, Result};
+use chladni_frf::{Direction, Dof, Error, Finding, Result};
 
 /// Records 1 to 11.
 #[derive(Debug, Clone)]
@@ -34,7 +34,7 @@ impl Header {
     /// A record that is missing or a field that is not what it must be.
     pub(super) fn read<'a>(
         mut lines: Lines<'a>,
-        warnings: &mut Vec<String>,
+        warnings: &mut Vec<Finding>,
     ) -> Result<(Self, Lines<'a>)> {
         let mut records = [Record {
             line: lines.line,
@@ -101,7 +101,7 @@ const RECORD_6_NAMES: [(usize, usize); 2] = [(31, 41), (56, 66)];
 type Fields6 = ([f64; 8], [String; 2]);
 
 impl Record6 {
-    fn read(record: Record<'_>, warnings: &mut Vec<String>) -> Result<Self> {
+    fn read(record: Record<'_>, warnings: &mut Vec<Finding>) -> Result<Self> {
         // Columns count characters; in a file that pads by bytes, a name in UTF-8 shifts
         // them.
         let by_character: Vec<char> = decode(record.text).chars().collect();
@@ -207,7 +207,7 @@ fn text_at(line: &[char], start: usize, end: usize) -> String {
 }
 
 /// Records 8 to 11: I10,3I5,2(1X,20A1).
-fn read_axis(record: Record<'_>, warnings: &mut Vec<String>) -> Result<Axis> {
+fn read_axis(record: Record<'_>, warnings: &mut Vec<Finding>) -> Result<Axis> {
     const NAMES: [&str; 4] = [
         "quantity code",
         "length exponent",

@@ -13,7 +13,7 @@
 
 use super::fields::{numbers, whole, Column, Record};
 use super::step::Printed;
-use chladni_frf::{Error, Result};
+use chladni_frf::{Error, Finding, Result};
 
 /// Layout of the data of one function.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,7 +77,7 @@ impl Record7 {
     ///
     /// # Errors
     /// A field that is no number, or a code that the definition does not have.
-    pub(super) fn read(record: Record<'_>, warnings: &mut Vec<String>) -> Result<Self> {
+    pub(super) fn read(record: Record<'_>, warnings: &mut Vec<Finding>) -> Result<Self> {
         let mut splits = Vec::new();
         let [code, count, spacing, start, step, z] = numbers(record, COLUMNS, &mut splits)?;
         let unknown = |field: &str, found: f64, expected: &str| {

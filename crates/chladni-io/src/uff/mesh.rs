@@ -9,7 +9,7 @@
 //! more.
 
 use super::fields::{line_numbers, numbers, warn_split, whole, Column, Found, Record};
-use chladni_frf::{Error, Result};
+use chladni_frf::{Error, Finding, Result};
 
 /// Polylines and polygons of node labels.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -63,7 +63,7 @@ const BRICK: [&[usize]; 6] = [
 /// A field that is no number, fewer or more labels than a line declares.
 pub(super) fn read_82<'a>(
     records: impl Iterator<Item = Record<'a>>,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Finding>,
 ) -> Result<Mesh> {
     let mut records = records.peekable();
     let mut mesh = Mesh::default();
@@ -98,7 +98,7 @@ pub(super) fn read_82<'a>(
 /// As [`read_82`].
 pub(super) fn read_2412<'a>(
     records: impl Iterator<Item = Record<'a>>,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Finding>,
 ) -> Result<(Mesh, usize)> {
     let mut records = records
         .filter(|record| !record.text.trim_ascii().is_empty())
@@ -135,9 +135,12 @@ pub(super) fn read_2412<'a>(
         }
     }
     for descriptor in unknown {
-        warnings.push(format!(
-            "elements with descriptor {descriptor} are no lines, faces or solids \
+        warnings.push(Finding::note(
+            "not-carried",
+            format!(
+                "elements with descriptor {descriptor} are no lines, faces or solids \
                                that are known here: not carried"
+            ),
         ));
     }
     Ok((mesh, elements))
@@ -185,7 +188,7 @@ fn labels<'a>(
     records: &mut impl Iterator<Item = Record<'a>>,
     head: Record<'a>,
     count: u64,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Finding>,
 ) -> Result<Vec<u64>> {
     let mut labels = Vec::new();
     while (labels.len() as u64) < count {

@@ -44,7 +44,7 @@ pub use scan::scan;
 pub use write::{write, Plan, WriteOptions};
 
 use super::{DatasetInfo, Document, FileFormat, Function, ReadOptions, Shape};
-use chladni_frf::{Error, Result};
+use chladni_frf::{Error, Finding, Result};
 use container::Block;
 use header::Units;
 use mesh::Mesh;
@@ -120,9 +120,10 @@ impl Collector {
                 .help("check that this is a universal file (.uff, .unv) and complete"));
         }
         if !nodes.is_empty() && !has_units {
-            document
-                .warnings
-                .push("the file has nodes and no units dataset (164): metres are assumed".into());
+            document.warnings.push(Finding::note(
+                "unit-assumed",
+                "the file has nodes and no units dataset (164): metres are assumed",
+            ));
         }
         document.geometry = nodes::geometry(&nodes, &systems, &mut document.warnings);
         (document.geometry.lines, document.geometry.faces) = (mesh.lines, mesh.faces);
@@ -170,9 +171,12 @@ fn note_lost_nodes(document: &mut Document) {
     lost.sort_unstable();
     lost.dedup();
     if let Some(first) = lost.first() {
-        document.warnings.push(format!(
-            "lines or elements name {} nodes without coordinates, the first is {first}",
-            lost.len()
+        document.warnings.push(Finding::note(
+            "nodes-without-place",
+            format!(
+                "lines or elements name {} nodes without coordinates, the first is {first}",
+                lost.len()
+            ),
         ));
     }
 }
@@ -219,9 +223,10 @@ fn part(block: &Block<'_>, units: &UnitsInForce, options: &ReadOptions) -> Part 
             Some(number) => error.dataset(number),
             None => error,
         };
-        part.info
-            .warnings
-            .push(error.to_string().replace("\n  help: ", "; help: "));
+        part.info.warnings.push(Finding::fault(
+            "damaged",
+            error.to_string().replace("\n  help: ", "; help: "),
+        ));
         part.error = Some(error);
     }
     part

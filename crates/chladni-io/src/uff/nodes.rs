@@ -10,7 +10,7 @@
 
 use super::fields::{numbers, whole, Column, Record};
 use super::header::Units;
-use chladni_frf::{Error, Geometry, Node, Result};
+use chladni_frf::{Error, Finding, Geometry, Node, Result};
 use std::collections::HashMap;
 
 /// A node with the coordinate systems that it names.
@@ -38,7 +38,7 @@ const NODE_FIELDS: [Column; 4] = [
 /// A field that is no number.
 pub(super) fn read_15<'a>(
     records: impl Iterator<Item = Record<'a>>,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Finding>,
 ) -> Result<Vec<FileNode>> {
     let [label, position, displacement, colour] = NODE_FIELDS;
     let columns = [
@@ -64,7 +64,7 @@ pub(super) fn read_15<'a>(
 /// A field that is no number, or a node without its position.
 pub(super) fn read_2411<'a>(
     records: impl Iterator<Item = Record<'a>>,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Finding>,
 ) -> Result<Vec<FileNode>> {
     let mut records = records.filter(|record| !record.text.trim_ascii().is_empty());
     let mut nodes = Vec::new();
@@ -150,7 +150,7 @@ const SIX: [Column; 6] = [
 pub(super) fn read_systems<'a>(
     number: u32,
     records: impl Iterator<Item = Record<'a>>,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Finding>,
 ) -> Result<Vec<System>> {
     let mut records = records.skip(if number == 2420 { 2 } else { 0 });
     let mut systems = Vec::new();
@@ -209,7 +209,7 @@ pub(super) fn read_systems<'a>(
 pub(super) fn geometry(
     datasets: &[(Vec<FileNode>, Units)],
     systems: &[System],
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Finding>,
 ) -> Geometry {
     let mut geometry = Geometry::default();
     let known: HashMap<i64, System> = systems
@@ -296,14 +296,15 @@ impl Names {
             self.first.push(label.to_string());
         }
     }
-    fn warn(&self, warnings: &mut Vec<String>, what: &str) {
+    fn warn(&self, warnings: &mut Vec<Finding>, what: &str) {
         if self.count > 0 {
             let more = if self.count > self.first.len() {
                 format!(" and {} more", self.count - self.first.len())
             } else {
                 String::new()
             };
-            warnings.push(format!("nodes {}{more} {what}", self.first.join(", ")));
+            let words = format!("nodes {}{more} {what}", self.first.join(", "));
+            warnings.push(Finding::caution("coordinate-systems", words));
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::container::{Block, Lines};
 use crate::DatasetInfo;
-use chladni_frf::Error;
+use chladni_frf::{Error, Finding};
 
 /// A dataset with its data left out.
 pub(super) struct Passed {
@@ -21,7 +21,7 @@ pub(super) struct Passed {
     pub too_large: bool,
     pub fault: Option<Error>,
     pub closed: bool,
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Finding>,
 }
 
 impl Passed {
@@ -53,9 +53,12 @@ impl Passed {
         if !info.warnings.is_empty() {
             info.warnings.insert(
                 0,
-                format!(
-                    "this dataset begins at byte {}; lines are counted from byte {}",
-                    self.byte, self.counted_from
+                Finding::note(
+                    "loosely-written",
+                    format!(
+                        "this dataset begins at byte {}; lines are counted from byte {}",
+                        self.byte, self.counted_from
+                    ),
                 ),
             );
         }

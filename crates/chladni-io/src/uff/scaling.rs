@@ -8,7 +8,7 @@
 use super::header::Units;
 use crate::unit_label::{self, Unit};
 use crate::Axis;
-use chladni_frf::{Direction, FrfKind, ReferenceUnit};
+use chladni_frf::{Direction, Finding, FrfKind, ReferenceUnit};
 
 pub(super) const DISPLACEMENT: i32 = 8;
 pub(super) const VELOCITY: i32 = 11;
@@ -50,7 +50,7 @@ pub(super) fn scaling(
     axes: &[Axis; 4],
     directions: [Direction; 2],
     units: Option<Units>,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Finding>,
 ) -> Scaling {
     let mut scaling = Scaling {
         kind: None,
@@ -63,11 +63,11 @@ pub(super) fn scaling(
         // products of two signals: vendors disagree on what their units are
         2 | 3 | 7..=10 => {
             if units.is_some_and(|units| !units.is_si()) {
-                warnings.push(
+                warnings.push(Finding::note(
+                    "unit-kept",
                     "units of power quantities are not turned into SI: values are kept \
-                               as in the file"
-                        .into(),
-                );
+                               as in the file",
+                ));
             }
         }
         // coherences, mode indicators and phases have no unit
@@ -79,7 +79,10 @@ pub(super) fn scaling(
         }
     }
     if !(scaling.scale_to_si.is_normal() && scaling.scale_to_si > 0.0) {
-        warnings.push("the unit factor is out of range: values are kept as in the file".into());
+        warnings.push(Finding::caution(
+            "unit-assumed",
+            "the unit factor is out of range: values are kept as in the file",
+        ));
         scaling.scale_to_si = 1.0;
     }
     scaling.abscissa_to_si = abscissa(&axes[0], function_type, warnings);
@@ -111,7 +114,7 @@ fn side(
     axis: &Axis,
     direction: Direction,
     units: Option<Units>,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Finding>,
 ) -> f64 {
     let label = unit_label::parse(&axis.unit);
     let Some(exponents) = exponents(axis, direction) else {
@@ -123,7 +126,10 @@ fn side(
             // N = kg·m/s²: force shows as a power of kg
             let measures_this = unit.powers[..2] == [exponents[0] + exponents[1], exponents[1]];
             if exponents != [0, 0] && (!measures_this || differ(factor, unit.factor)) {
-                warnings.push(contradiction(&axis.unit, factor, unit.factor));
+                warnings.push(Finding::caution(
+                    "unit-contradicted",
+                    contradiction(&axis.unit, factor, unit.factor),
+                ));
             }
             factor
         }
@@ -131,10 +137,10 @@ fn side(
         (None, Some(unit)) => unit.factor,
         (None, None) => {
             if exponents != [0, 0] {
-                warnings.push(
-                    "neither a units dataset (164) nor a label states the unit: SI is assumed"
-                        .into(),
-                );
+                warnings.push(Finding::caution(
+                    "unit-assumed",
+                    "neither a units dataset (164) nor a label states the unit: SI is assumed",
+                ));
             }
             1.0
         }
@@ -171,7 +177,7 @@ fn frf(
     directions: [Direction; 2],
     units: Option<Units>,
     scaling: &mut Scaling,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Finding>,
 ) {
     let [_, numerator, denominator, _] = axes;
     let (above, below) = (
@@ -207,13 +213,16 @@ fn frf(
     }
     if let (Some(codes), Some(label)) = (by_codes, by_label) {
         if codes != label {
-            warnings.push(format!(
+            warnings.push(Finding::caution(
+                "unit-contradicted",
+                format!(
                 "the quantity codes say {} ({}), the unit label `{shown}` says {} ({}); the codes \
                  are used",
                 codes.0,
                 codes.0.unit(codes.1),
                 label.0,
                 label.0.unit(label.1)
+            ),
             ));
         }
     }
@@ -231,7 +240,10 @@ fn frf(
     scaling.scale_to_si = match (dataset_factor, label_factor) {
         (Some(used), Some(label)) => {
             if differ(used, label) {
-                warnings.push(contradiction(&shown, used, label));
+                warnings.push(Finding::caution(
+                    "unit-contradicted",
+                    contradiction(&shown, used, label),
+                ));
             }
             used
         }
@@ -247,27 +259,30 @@ fn frf(
         (None, Some(label)) => label,
         (None, None) => {
             if units.is_none_or(|units| !units.is_si()) {
-                warnings.push("the file does not state the unit of the FRF: SI is assumed".into());
+                warnings.push(Finding::caution(
+                    "unit-assumed",
+                    "the file does not state the unit of the FRF: SI is assumed",
+                ));
             }
             1.0
         }
     };
     if numerator.quantity == EXCITATION_FORCE && motion(denominator.quantity).is_some() {
-        warnings.push(
-            "the quantity codes say force over motion: response and reference are swapped (correct the export), or these are dynamic \
-             stiffnesses (export the FRFs themselves)"
-                .into(),
-        );
+        warnings.push(Finding::caution("swapped-codes", "the quantity codes say force over motion: response and reference are swapped (correct the export), or these are dynamic \
+             stiffnesses (export the FRFs themselves)"));
     } else if scaling.kind.is_none() && (numerator.quantity > 1 || denominator.quantity > 1) {
-        warnings.push(format!(
+        warnings.push(Finding::caution(
+            "swapped-codes",
+            format!(
             "quantity codes {} over {} are no receptance (8/13), mobility (11/13) or accelerance \
              (12/13)",
             numerator.quantity, denominator.quantity
+        ),
         ));
     }
 }
 
-fn abscissa(axis: &Axis, function_type: i32, warnings: &mut Vec<String>) -> f64 {
+fn abscissa(axis: &Axis, function_type: i32, warnings: &mut Vec<Finding>) -> f64 {
     let label = unit_label::parse(&axis.unit);
     let (factor, assumed) = match axis.quantity {
         TIME => (label.and_then(Unit::to_seconds), "s"),
@@ -279,9 +294,12 @@ fn abscissa(axis: &Axis, function_type: i32, warnings: &mut Vec<String>) -> f64 
     };
     factor.unwrap_or_else(|| {
         if !axis.unit.is_empty() {
-            warnings.push(format!(
-                "abscissa unit `{}` is not understood: {assumed} is assumed",
-                axis.unit
+            warnings.push(Finding::caution(
+                "unit-assumed",
+                format!(
+                    "abscissa unit `{}` is not understood: {assumed} is assumed",
+                    axis.unit
+                ),
             ));
         }
         1.0
@@ -305,7 +323,7 @@ mod tests {
         }
     }
 
-    fn read(numerator: Axis, denominator: Axis, units: Option<Units>) -> (Scaling, Vec<String>) {
+    fn read(numerator: Axis, denominator: Axis, units: Option<Units>) -> (Scaling, Vec<Finding>) {
         let mut warnings = Vec::new();
         let axes = [
             axis(FREQUENCY, "Hz"),

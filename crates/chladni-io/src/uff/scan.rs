@@ -15,7 +15,7 @@ use super::stream::{FileLines, LONGEST_LINE};
 use super::values::counts_disagree;
 use super::{part, Collector, UnitsInForce};
 use crate::{Document, ReadOptions};
-use chladni_frf::{Error, Result};
+use chladni_frf::{Error, Finding, Result};
 use chladni_text::door::{place_of, size_of};
 use std::io;
 use std::ops::Range;
@@ -107,7 +107,7 @@ struct Datasets {
     after_closing: bool,
     /// The last line is the number line of a dataset.
     at_number: bool,
-    warnings: Vec<String>,
+    warnings: Vec<Finding>,
 }
 
 impl Datasets {
@@ -178,9 +178,12 @@ impl Datasets {
                 }
                 if let Some(byte) = first_behind.filter(|_| number_line(&self.lines.text).is_some())
                 {
-                    self.warnings.push(format!(
-                        "line {}: the dataset before this line has no closing -1",
-                        self.lines.line - 1
+                    self.warnings.push(Finding::note(
+                        "loosely-written",
+                        format!(
+                            "line {}: the dataset before this line has no closing -1",
+                            self.lines.line - 1
+                        ),
                     ));
                     return Ok(Some((self.lines.line - 1, byte)));
                 }
@@ -194,9 +197,12 @@ impl Datasets {
 
     fn note_outside(&mut self, first: &mut Option<u64>) {
         if let Some(first) = first.take() {
-            self.warnings.push(format!(
-                "lines {first} to {}: text outside of any dataset is not read",
-                self.lines.line - 1
+            self.warnings.push(Finding::note(
+                "not-read",
+                format!(
+                    "lines {first} to {}: text outside of any dataset is not read",
+                    self.lines.line - 1
+                ),
             ));
         }
     }
@@ -223,9 +229,12 @@ impl Datasets {
         }
         if passed.too_large {
             passed.records = Vec::new();
-            passed.warnings.push(format!(
-                "longer than {} MiB: listed, not looked into",
-                LARGEST_DATASET >> 20
+            passed.warnings.push(Finding::note(
+                "headers-only",
+                format!(
+                    "longer than {} MiB: listed, not looked into",
+                    LARGEST_DATASET >> 20
+                ),
             ));
         }
         Ok(())
@@ -265,18 +274,24 @@ impl Datasets {
         };
         let declared = layout.count.saturating_mul(per_point);
         if is_cut {
-            passed.warnings.push(format!(
-                "lines of {LONGEST_LINE} bytes or more: the number of values was not checked"
+            passed.warnings.push(Finding::note(
+                "headers-only",
+                format!(
+                    "lines of {LONGEST_LINE} bytes or more: the number of values was not checked"
+                ),
             ));
         }
         if present == declared || tokens == declared || is_cut {
             passed.values = Some(layout.count);
         } else if lenient {
             passed.values = Some(present.min(declared) / per_point);
-            passed.warnings.push(format!(
-                "the header declares {} values, the data hold {}",
-                layout.count,
-                present / per_point
+            passed.warnings.push(Finding::caution(
+                "values-missing",
+                format!(
+                    "the header declares {} values, the data hold {}",
+                    layout.count,
+                    present / per_point
+                ),
             ));
         } else {
             passed.fault = Some(counts_disagree(

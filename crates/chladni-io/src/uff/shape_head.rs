@@ -4,7 +4,7 @@
 use super::fields::{decode, label, numbers, whole, Column, Record};
 use crate::shape::MOST_COMPONENTS;
 use crate::{Analysis, Shape, ShapeForm, ShapeNumbers};
-use chladni_frf::{Direction, Dof, Error, Result};
+use chladni_frf::{Direction, Dof, Error, Finding, Result};
 use ndarray::Array2;
 use num_complex::Complex64;
 
@@ -51,7 +51,7 @@ pub(super) struct Reader<'w, I> {
     pub records: I,
     /// Line of the record read last.
     pub last_line: u64,
-    pub warnings: &'w mut Vec<String>,
+    pub warnings: &'w mut Vec<Finding>,
 }
 
 impl<'a, I: Iterator<Item = Record<'a>>> Reader<'_, I> {
@@ -177,11 +177,11 @@ impl<'a, I: Iterator<Item = Record<'a>>> Reader<'_, I> {
             modal_b: pair(10),
         };
         if location != 1 {
-            self.warnings.push(
+            self.warnings.push(Finding::caution(
+                "not-read",
                 "the values do not stand at nodes (location 2, 3 or 5): they are \
-                                listed and not read"
-                    .into(),
-            );
+                                listed and not read",
+            ));
         }
         Ok(Head {
             shape,
@@ -210,9 +210,12 @@ impl<'a, I: Iterator<Item = Record<'a>>> Reader<'_, I> {
             (_, 5) | (ShapeForm::Analysis2414, 6) => true,
             // outside of the definition of 55, and written all the same
             (ShapeForm::AtNodes55, 4 | 6) => {
-                self.warnings.push(format!(
-                    "data type {data_type} is not of dataset 55; read as {}",
-                    if data_type == 4 { 2 } else { 5 }
+                self.warnings.push(Finding::note(
+                    "loosely-written",
+                    format!(
+                        "data type {data_type} is not of dataset 55; read as {}",
+                        if data_type == 4 { 2 } else { 5 }
+                    ),
                 ));
                 data_type == 6
             }

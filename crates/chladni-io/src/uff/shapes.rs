@@ -16,7 +16,7 @@ use super::header::Units;
 use super::scaling::{ACCELERATION, DISPLACEMENT, VELOCITY};
 use super::shape_head::{Head, Reader, SIX_REALS};
 use crate::Shape;
-use chladni_frf::{Error, Result};
+use chladni_frf::{Error, Finding, Result};
 use ndarray::Array2;
 use num_complex::Complex64;
 use std::collections::HashSet;
@@ -31,7 +31,7 @@ pub(super) fn read<'a>(
     line: u64,
     records: impl Iterator<Item = Record<'a>>,
     units: Option<Units>,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Finding>,
 ) -> Result<Option<Shape>> {
     let mut reader = Reader {
         records,
@@ -59,7 +59,7 @@ pub(super) fn read<'a>(
 
 /// Shapes of modes have a scaling of their own; everything that moves in metres is turned
 /// into metres.
-fn scale(shape: &Shape, units: Option<Units>, warnings: &mut Vec<String>) -> f64 {
+fn scale(shape: &Shape, units: Option<Units>, warnings: &mut Vec<Finding>) -> f64 {
     let moves = [DISPLACEMENT, VELOCITY, ACCELERATION]
         .iter()
         .any(|&code| i64::from(code) == shape.quantity);
@@ -67,19 +67,20 @@ fn scale(shape: &Shape, units: Option<Units>, warnings: &mut Vec<String>) -> f64
         return 1.0;
     };
     if shape.analysis.is_mode() {
-        warnings.push(
+        warnings.push(Finding::note(
+            "unit-kept",
             "the shape of a mode has a scaling of its own: values are kept as in the \
-                       file, not turned into SI"
-                .into(),
-        );
+                       file, not turned into SI",
+        ));
         return 1.0;
     }
     match moves {
         true if shape.values.ncols() <= 3 => 1.0 / units.factor([1, 0]),
         _ => {
-            warnings.push(
-                "units of these values are not turned into SI: they are kept as in the file".into(),
-            );
+            warnings.push(Finding::note(
+                "unit-kept",
+                "units of these values are not turned into SI: they are kept as in the file",
+            ));
             1.0
         }
     }
@@ -131,7 +132,7 @@ fn read_values<'a>(
 }
 
 /// A positive node label in the first ten columns.
-fn node_label(record: Record<'_>, warnings: &mut Vec<String>) -> Result<u64> {
+fn node_label(record: Record<'_>, warnings: &mut Vec<Finding>) -> Result<u64> {
     let [value] = numbers(record, [("node", 10)], warnings)?;
     let number = whole(record, "node", value)?;
     u64::try_from(number)

@@ -13,7 +13,7 @@ use super::fields::{
 use super::layout::Layout;
 use super::number::{self, Fault};
 use crate::Ordinate;
-use chladni_frf::{Error, Result};
+use chladni_frf::{Error, Finding, Result};
 use num_complex::{Complex32, Complex64};
 
 /// Abscissa values (none for an even axis) and ordinate values.
@@ -32,7 +32,7 @@ pub(super) fn read_text(
     data: Lines<'_>,
     layout: Layout,
     lenient: bool,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Finding>,
 ) -> Result<Values> {
     let data = Lines {
         bytes: data.bytes.trim_ascii_end(),
@@ -63,10 +63,13 @@ pub(super) fn read_text(
         reader.free_format(data, warnings)?;
     } else if lenient {
         let read = present.min(declared) / per_point;
-        warnings.push(format!(
-            "the header declares {} values, the data hold {}; {read} are read",
-            layout.count,
-            present / per_point
+        warnings.push(Finding::caution(
+            "values-missing",
+            format!(
+                "the header declares {} values, the data hold {}; {read} are read",
+                layout.count,
+                present / per_point
+            ),
         ));
         reader.lines(data, read * per_point, warnings)?;
     } else {
@@ -77,8 +80,9 @@ pub(super) fn read_text(
         ));
     }
     if let Some((count, first)) = reader.masked {
-        warnings.push(format!(
-            "{count} values that are no finite numbers are masked (first in line {first})"
+        warnings.push(Finding::caution(
+            "lines-masked",
+            format!("{count} values that are no finite numbers are masked (first in line {first})"),
         ));
     }
     Ok(split(reader.numbers, layout))
@@ -97,7 +101,7 @@ pub(super) fn counts_disagree(line: u64, declared: u64, present: u64) -> Error {
         .expected("equal numbers")
         .help(
             "the file is cut short or its header is wrong: export it again, or read what is \
-               there with --lenient",
+               there with `lenient`",
         )
 }
 
@@ -147,7 +151,7 @@ struct TextReader {
 
 impl TextReader {
     /// The first `wanted` numbers of lines in the layout's columns.
-    fn lines(&mut self, data: Lines<'_>, wanted: u64, warnings: &mut Vec<String>) -> Result<()> {
+    fn lines(&mut self, data: Lines<'_>, wanted: u64, warnings: &mut Vec<Finding>) -> Result<()> {
         let widths = self.layout.widths();
         // A number takes at least one byte: the file itself bounds the allocation.
         self.numbers
@@ -185,7 +189,7 @@ impl TextReader {
     }
 
     /// All numbers between blanks, for lines of another length than the layout's.
-    fn free_format(&mut self, data: Lines<'_>, warnings: &mut Vec<String>) -> Result<()> {
+    fn free_format(&mut self, data: Lines<'_>, warnings: &mut Vec<Finding>) -> Result<()> {
         warn_split(data.line, warnings);
         for record in data {
             for token in record
@@ -275,7 +279,7 @@ impl TextReader {
             .found(format!("{filled} numbers"))
             .expected(format!("{expected} numbers"))
             .help(
-                "correct the file at that line, or read it with --lenient, which masks what is \
+                "correct the file at that line, or read it with `lenient`, which masks what is \
                    missing",
             )
     }
@@ -343,7 +347,7 @@ fn narrow(value: Complex64) -> Complex32 {
 /// # Errors
 /// An abscissa value that is not finite; ordinate values that are not finite are masked
 /// and reported.
-pub(super) fn read_binary(payload: &Payload<'_>, warnings: &mut Vec<String>) -> Result<Values> {
+pub(super) fn read_binary(payload: &Payload<'_>, warnings: &mut Vec<Finding>) -> Result<Values> {
     let form = payload.form;
     let big = payload.big_endian;
     let points = || payload.bytes.chunks_exact(form.point_bytes());
@@ -403,7 +407,7 @@ fn masked<T: Copy>(
     values: impl Iterator<Item = T>,
     mask: T,
     is_finite: impl Fn(&T) -> bool,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Finding>,
 ) -> Vec<T> {
     let mut values: Vec<T> = values.collect();
     // without a way out of the loop, several values are looked at in one step
@@ -422,8 +426,9 @@ fn masked<T: Copy>(
         *value = mask;
         count += 1;
     }
-    warnings.push(format!(
-        "{count} values that are NaN or infinite are masked (first: value {first})"
+    warnings.push(Finding::caution(
+        "lines-masked",
+        format!("{count} values that are NaN or infinite are masked (first: value {first})"),
     ));
     values
 }

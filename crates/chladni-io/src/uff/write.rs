@@ -18,7 +18,7 @@
 use super::write_function::{coherence, frf, in_si};
 use super::{write58, write_mesh, write_shape};
 use crate::{Abscissa, Contents, Function, Shape, ShapeForm};
-use chladni_frf::{Error, ErrorKind, Result, CREATED_BY};
+use chladni_frf::{Error, ErrorKind, Finding, Result, CREATED_BY};
 use std::io::{self, Write};
 
 /// How a universal file is written.
@@ -41,7 +41,7 @@ pub struct Plan<'a> {
     options: WriteOptions,
     /// Axis of the FRF set.
     axis: Abscissa,
-    warnings: Vec<String>,
+    warnings: Vec<Finding>,
 }
 
 /// Writes `contents` at once and returns what the format could not carry; see [`Plan`] to
@@ -53,7 +53,7 @@ pub fn write(
     sink: &mut dyn Write,
     contents: &Contents,
     options: WriteOptions,
-) -> Result<Vec<String>> {
+) -> Result<Vec<Finding>> {
     let plan = Plan::new(contents, options)?;
     plan.write(sink)
         .map_err(|error| Error::new(ErrorKind::Io, format!("cannot write: {error}")))?;
@@ -95,20 +95,23 @@ impl<'a> Plan<'a> {
         }
         let many_cornered = write_mesh::faces_as_lines(geometry);
         if many_cornered > 0 {
-            plan.warnings.push(format!(
-                "{many_cornered} faces with more than four corners are \
+            plan.warnings.push(Finding::note(
+                "digits-lost",
+                format!(
+                    "{many_cornered} faces with more than four corners are \
                                         written as closed trace lines (82)"
+                ),
             ));
         }
         if options.old_datasets && !geometry.nodes.is_empty() {
-            plan.warnings.push(
-                "dataset 15 keeps 6 digits of the coordinates; 2411 (.uff, .unv) and HDF5 keep all"
-                    .into(),
-            );
+            plan.warnings.push(Finding::note(
+                "digits-lost",
+                "dataset 15 keeps 6 digits of the coordinates; 2411 (.uff, .unv) and HDF5 keep all",
+            ));
         }
         plan.check_shapes()?;
         let mut count = 0;
-        let mut lost: Vec<String> = Vec::new();
+        let mut lost: Vec<Finding> = Vec::new();
         plan.each_function(|function| {
             count += 1;
             check_node(function.response.node)?;
@@ -123,11 +126,11 @@ impl<'a> Plan<'a> {
         })?;
         plan.warnings.append(&mut lost);
         if count > 0 && !options.binary {
-            plan.warnings.push(
+            plan.warnings.push(Finding::note(
+                "digits-lost",
                 "text keeps 13 digits of double and 6 of single precision; the \
-                                binary form and HDF5 are exact"
-                    .into(),
-            );
+                                binary form and HDF5 are exact",
+            ));
         }
         Ok(plan)
     }
@@ -136,8 +139,10 @@ impl<'a> Plan<'a> {
         let shapes = &self.contents.shapes;
         shapes.iter().try_for_each(write_shape::check)?;
         if !shapes.is_empty() {
-            self.warnings
-                .push("datasets 55 and 2414 keep 6 digits of shapes; HDF5 keeps all".into());
+            self.warnings.push(Finding::note(
+                "digits-lost",
+                "datasets 55 and 2414 keep 6 digits of shapes; HDF5 keeps all",
+            ));
         }
         let at_rest = |shape: &&Shape| {
             let becomes_55 = self.options.old_datasets && shape.form == ShapeForm::Analysis2414;
@@ -145,15 +150,18 @@ impl<'a> Plan<'a> {
         };
         let count = shapes.iter().filter(at_rest).count();
         if count > 0 {
-            self.warnings.push(format!(
-                "{count} shapes have no value at some nodes: dataset 55 takes these as at rest"
+            self.warnings.push(Finding::note(
+                "digits-lost",
+                format!(
+                    "{count} shapes have no value at some nodes: dataset 55 takes these as at rest"
+                ),
             ));
         }
         Ok(())
     }
 
     /// What the format cannot carry.
-    pub fn warnings(&self) -> &[String] {
+    pub fn warnings(&self) -> &[Finding] {
         &self.warnings
     }
 

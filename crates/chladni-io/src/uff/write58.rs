@@ -4,7 +4,7 @@ use super::layout::Layout;
 use super::step::{multiple_near, Printed};
 use super::write::WriteOptions;
 use crate::{Abscissa, Axis, Function, Ordinate};
-use chladni_frf::{Error, Result};
+use chladni_frf::{Error, Finding, Result};
 use num_complex::Complex;
 use std::fmt::Write as _;
 use std::io::{self, Write};
@@ -13,7 +13,7 @@ use std::io::{self, Write};
 ///
 /// # Errors
 /// Values that are not finite, in text; numbers that do not fit their columns.
-pub(super) fn check(function: &Function, options: WriteOptions) -> Result<Vec<String>> {
+pub(super) fn check(function: &Function, options: WriteOptions) -> Result<Vec<Finding>> {
     let whose = || format!("function {} / {}", function.response, function.reference);
     let count = function.ordinate.len();
     let mut warnings = Vec::new();
@@ -54,10 +54,10 @@ pub(super) fn check(function: &Function, options: WriteOptions) -> Result<Vec<St
                 .expected(format!("{count}, one per value")));
         }
         if !options.binary {
-            warnings.push(
-                "text keeps 6 digits of an uneven abscissa; the binary form and HDF5 keep all"
-                    .into(),
-            );
+            warnings.push(Finding::note(
+                "digits-lost",
+                "text keeps 6 digits of an uneven abscissa; the binary form and HDF5 keep all",
+            ));
         }
     }
     if !finite_axis || !function.z.is_finite() {
@@ -81,17 +81,26 @@ pub(super) fn check(function: &Function, options: WriteOptions) -> Result<Vec<St
         .iter()
         .any(|name| name.chars().count() > 10)
     {
-        warnings.push("entity names are cut to 10 characters".into());
+        warnings.push(Finding::note(
+            "digits-lost",
+            "entity names are cut to 10 characters",
+        ));
     }
     if function
         .axes
         .iter()
         .any(|axis| axis.label.chars().count() > 20 || axis.unit.chars().count() > 20)
     {
-        warnings.push("axis and unit labels are cut to 20 characters".into());
+        warnings.push(Finding::note(
+            "digits-lost",
+            "axis and unit labels are cut to 20 characters",
+        ));
     }
     if id_line_4(function).1 {
-        warnings.push("ID line 4 is full: the exact step df= replaces its text".into());
+        warnings.push(Finding::note(
+            "digits-lost",
+            "ID line 4 is full: the exact step df= replaces its text",
+        ));
     }
     Ok(warnings)
 }

@@ -411,7 +411,7 @@ impl Npz {
             archive.write_all(bytes).unwrap();
         }
         archive.finish().unwrap();
-        read_frf(&[path], options).map(|(set, _, warnings)| (set, warnings))
+        read_frf(&[path], options).map(|(set, _, warnings)| (set, crate::words(&warnings)))
     }
 }
 
@@ -491,7 +491,7 @@ fn magnitudes_and_phases_say_their_unit_or_are_asked_for() {
         .unwrap_err()
         .to_string();
     assert!(
-        error.contains("/phase") && error.contains("--phase-unit rad"),
+        error.contains("/phase") && error.contains("`phase_unit rad`"),
         "{error}"
     );
     let told = ReadOptions {
@@ -538,7 +538,7 @@ fn frequencies_may_be_complex_and_stand_beside_the_frfs() {
         let (set, warnings) = npz.read(&ReadOptions::default()).unwrap();
         assert_eq!(set.frequency_hz.to_vec(), [1.0, 2.0, 3.0]);
         assert_eq!(set.values.frf(0, 0).to_vec(), frf);
-        assert!(warnings.join("\n").contains("--map"), "{warnings:?}");
+        assert!(warnings.join("\n").contains("`map"), "{warnings:?}");
     }
 }
 

@@ -58,7 +58,8 @@ fn document(name: &str, functions: Vec<Function>) -> Document {
 }
 
 fn merge(documents: Vec<Document>, options: &ReadOptions) -> Result<(FrfSet, Vec<String>), Error> {
-    assemble(documents, options).map(|contents| (contents.frf.unwrap(), contents.warnings))
+    assemble(documents, options)
+        .map(|contents| (contents.frf.unwrap(), crate::words(&contents.warnings)))
 }
 
 fn names(dofs: &[chladni_frf::Dof]) -> Vec<String> {
@@ -105,7 +106,7 @@ fn files_that_all_say_reference_one_need_the_override() {
     let error = merge(documents(), &ReadOptions::default()).unwrap_err();
     let text = error.to_string();
     assert!(
-        text.contains("a.uff line 12 and b.uff line 12") && text.contains("--reference N"),
+        text.contains("a.uff line 12 and b.uff line 12") && text.contains("`reference N`"),
         "{text}"
     );
     let options = ReadOptions {
@@ -310,7 +311,7 @@ fn kinds_and_reference_units_must_agree_unless_the_user_says_the_kind() {
     assert_eq!(set.kind, Some(FrfKind::Receptance));
     assert_eq!(
         warnings,
-        ["a.uff says mobility, --frf-kind says receptance: taken as receptance"]
+        ["a.uff says mobility, you say receptance: taken as receptance"]
     );
     let unknown = vec![document("b.uff", vec![other.clone()])];
     assert_eq!(
@@ -393,7 +394,7 @@ fn coherence_finds_its_frf_and_other_functions_go_along() {
     let gamma = set.coherence.unwrap();
     assert_eq!(gamma[[0, 0, 0]], 0.5);
     assert!(gamma[[0, 0, 1]].is_nan() && gamma[[0, 0, 2]].is_nan());
-    let text = contents.warnings.join("\n");
+    let text = crate::words(&contents.warnings).join("\n");
     assert!(
         text.contains("outside 0 to 1 on 2 lines") && text.contains("the first is (7:+Z, 9:+Z)"),
         "{text}"
@@ -459,7 +460,9 @@ fn a_damaged_dataset_stops_the_reading_unless_lenient() {
         document
             .errors
             .push(Error::bad_data("cut short").dataset(58).at_line(99));
-        document.warnings.push("odd".into());
+        document
+            .warnings
+            .push(chladni_frf::Finding::note("odd", "odd"));
         vec![document]
     };
     let error = merge(damaged(), &ReadOptions::default()).unwrap_err();

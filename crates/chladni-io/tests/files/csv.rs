@@ -17,7 +17,7 @@ fn read_with(
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("table.txt");
     std::fs::write(&path, text).unwrap();
-    read_frf(&[path], options).map(|(set, _, warnings)| (set, warnings))
+    read_frf(&[path], options).map(|(set, _, warnings)| (set, crate::words(&warnings)))
 }
 
 fn read(text: impl AsRef<[u8]>) -> Result<(FrfSet, Vec<String>), Error> {
@@ -206,7 +206,7 @@ fn a_file_without_dofs_names_its_assumption_and_no_driving_point() {
     assert!(!set.responses[0].same_axis(set.references[0]));
     let text = warnings.join("\n");
     assert!(
-        text.contains("taken as 1:+Z") && text.contains("taken as 1:S; say it with --reference N"),
+        text.contains("taken as 1:+Z") && text.contains("taken as 1:S; say it with `reference N`"),
         "{text}"
     );
     let options = ReadOptions {
@@ -281,7 +281,7 @@ fn units_decide_kind_and_scale_and_contradictions_are_refused() {
         (Some(FrfKind::Mobility), c(2.0, 0.0))
     );
     let contradiction = "# frf_kind = receptance\n# unit = m/s/N\nf,re,im\n1,2,0\n2,1,0\n";
-    assert!(refusal(contradiction).contains("--frf-kind"));
+    assert!(refusal(contradiction).contains("`frf_kind`"));
     let options = ReadOptions {
         frf_kind: Some(FrfKind::Mobility),
         ..ReadOptions::default()
@@ -291,7 +291,7 @@ fn units_decide_kind_and_scale_and_contradictions_are_refused() {
     assert!(
         warnings
             .join("\n")
-            .contains("says receptance, --frf-kind says mobility"),
+            .contains("says receptance, you say mobility"),
         "{warnings:?}"
     );
     let (set, warnings) = read("f,re,im [furlong]\n1,2,0\n2,1,0\n").unwrap();
@@ -323,7 +323,7 @@ fn two_minus_signs_conjugate_once() {
     }
     let (set, warnings) = read_with(text.replace("= -", "= +"), &told(TimeSign::Minus)).unwrap();
     assert_eq!(set.values.get(0, 0, 0), c(2.0, -3.0));
-    assert!(warnings.join("\n").contains("--time-sign says -"));
+    assert!(warnings.join("\n").contains("you say -"));
 }
 
 #[test]
@@ -421,7 +421,7 @@ fn doubled_pairs_need_a_rule() {
     let text = "f,1Z:3Z re,1Z:3Z im,1Z:3Z re,1Z:3Z im\n1,1,0,3,0\n2,1,0,3,0\n";
     let message = refusal(text);
     assert!(
-        message.contains("(1:+Z, 3:+Z) is there 2 times") && message.contains("--duplicates"),
+        message.contains("(1:+Z, 3:+Z) is there 2 times") && message.contains("`duplicates"),
         "{message}"
     );
     for (duplicates, expected) in [
@@ -530,7 +530,7 @@ fn radians_are_recognised_or_asked_for() {
     for header in ["f,mag,phase", "f,mag,phase [mrad]"] {
         let text = refusal(format!("{header}\n{rows}"));
         assert!(
-            text.contains("column 3") && text.contains("--phase-unit rad"),
+            text.contains("column 3") && text.contains("`phase_unit rad`"),
             "{text}"
         );
     }
@@ -545,10 +545,7 @@ fn radians_are_recognised_or_asked_for() {
     assert!(set.values.get(0, 0, 0).im < 0.3);
     let said = "f,mag,phase [deg]\n1,10,1\n2,1,3\n";
     let (_, warnings) = read_with(said, &told(PhaseUnit::Radian)).unwrap();
-    assert!(
-        warnings.join("\n").contains("--phase-unit says rad"),
-        "{warnings:?}"
-    );
+    assert!(warnings.join("\n").contains("you say rad"), "{warnings:?}");
     let (_, warnings) = read("f,mag,phase\n1,10,90\n2,1,0\n").unwrap();
     assert!(
         warnings.join("\n").contains("taken as degrees"),
@@ -732,6 +729,7 @@ proptest! {
         let path = folder.path().join("own.csv");
         write_frf(&path, &set, false).unwrap();
         let (back, _, warnings) = read_frf(&[path], &ReadOptions::default()).unwrap();
+    let warnings = crate::words(&warnings);
         prop_assert_eq!(&back, &set);
         prop_assert!(warnings.is_empty(), "{:?}", warnings);
     }
@@ -769,6 +767,7 @@ fn own_tables_keep_gaps_and_say_what_they_cannot_hold() {
         "{text}"
     );
     let (back, _, warnings) = read_frf(&[path], &ReadOptions::default()).unwrap();
+    let warnings = crate::words(&warnings);
     set.geometry = Geometry::default();
     let measured = |set: &FrfSet| format!("{:?}", set.values);
     assert_eq!(measured(&back), measured(&set));
@@ -796,6 +795,7 @@ fn a_measured_frf_with_coherence() {
     };
     let (set, _, warnings) =
         read_frf(std::slice::from_ref(&path), &ReadOptions::default()).unwrap();
+    let warnings = crate::words(&warnings);
     assert_eq!(
         (set.frequency_hz.len(), set.frequency_hz[1600]),
         (1601, 500.0)
@@ -867,6 +867,7 @@ fn a_roving_hammer_is_declared_by_response_and_references() {
         ..ReadOptions::default()
     };
     let (set, _, warnings) = read_frf(&paths, &options).unwrap();
+    let warnings = crate::words(&warnings);
     assert_eq!(set.values.dim(), (1, 3, 2));
     assert_eq!(set.responses[0].to_string(), "5:+Z");
     assert_eq!(set.references[2].to_string(), "5:+Z");
@@ -901,6 +902,7 @@ fn a_list_declares_the_dofs_of_every_frf() {
         ..ReadOptions::default()
     };
     let (set, _, warnings) = read_frf(&paths, &with("5Z,101Z\n5Z,102Z\n5Z,103Z\n")).unwrap();
+    let warnings = crate::words(&warnings);
     assert_eq!(set.values.dim(), (1, 3, 2));
     assert_eq!(set.values.get(0, 1, 0), c(4.0, 5.0));
     assert_eq!(set.references[2].to_string(), "103:+Z");
@@ -914,7 +916,7 @@ fn a_list_declares_the_dofs_of_every_frf() {
         "p9.csv,1Z,2Z\n",
     ] {
         let error = read_frf(&paths, &with(list)).unwrap_err().to_string();
-        assert!(error.contains("--dofs"), "{error}");
+        assert!(error.contains("dofs"), "{error}");
     }
 }
 
@@ -948,12 +950,12 @@ fn hammer_records_need_no_time_column_and_units_may_stand_in_names() {
     for ((dof, unit, scale), expected) in channels.iter().zip(expected) {
         assert_eq!((dof.as_str(), unit.as_str(), *scale), expected);
     }
-    let warnings = document.warnings.join("\n");
+    let warnings = crate::words(&document.warnings).join("\n");
     assert!(
         warnings.contains("column 4: no unit") && !warnings.contains("column 3"),
         "{warnings}"
     );
     // without the rate nobody takes the force for a frequency
     let error = read_document(&paths[0], &ReadOptions::default()).unwrap_err();
-    assert!(error.to_string().contains("--sample-rate"), "{error}");
+    assert!(error.to_string().contains("`sample_rate HZ`"), "{error}");
 }

@@ -23,6 +23,7 @@ fn both_table_layouts_hold_the_same_frfs() {
         let path = folder.path().join(name);
         std::fs::write(&path, table).unwrap();
         let (set, _, warnings) = read_frf(&[path], &ReadOptions::default()).unwrap();
+        let warnings = crate::words(&warnings);
         assert!(warnings.is_empty(), "{name}: {warnings:?}");
         assert_eq!(set.kind, Some(FrfKind::Mobility), "{name}");
         assert_eq!(set.frequency_hz.to_vec(), [10.0, 10.5], "{name}");

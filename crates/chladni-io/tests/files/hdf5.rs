@@ -72,7 +72,7 @@ fn folder_with(name: &str) -> (tempfile::TempDir, PathBuf) {
 fn read_one(path: &Path, options: &ReadOptions) -> chladni_frf::Result<(FrfSet, Vec<String>)> {
     let (set, sources, warnings) = read_frf(&[path.to_path_buf()], options)?;
     assert_eq!(sources[0].sha256.len(), 64);
-    Ok((set, warnings))
+    Ok((set, crate::words(&warnings)))
 }
 
 #[test]
@@ -112,7 +112,10 @@ fn files_that_are_merged_keep_the_variance_of_each_pair_and_their_mean_has_less(
 fn a_set_returns_as_it_was_written_and_twice_the_same_bytes() {
     let (folder, path) = folder_with("set.h5");
     let set = set(3, 2, 5);
-    assert_eq!(write_frf(&path, &set, false).unwrap(), Vec::<String>::new());
+    assert_eq!(
+        write_frf(&path, &set, false).unwrap(),
+        Vec::<chladni_frf::Finding>::new()
+    );
     let (back, warnings) = read_one(&path, &ReadOptions::default()).unwrap();
     assert_same(&back, &set);
     assert_eq!(
@@ -320,8 +323,7 @@ fn the_user_overrules_kind_time_sign_and_reference() {
     assert_eq!(back.values.get(1, 0, 2), set.values.get(1, 0, 2).conj());
     let text = warnings.join("\n");
     assert!(
-        text.contains("says mobility, --frf-kind says accelerance")
-            && text.contains("--time-sign says -"),
+        text.contains("says mobility, you say accelerance") && text.contains("you say -"),
         "{text}"
     );
 }

@@ -72,7 +72,7 @@ fn read(builder: FileBuilder, map: &[(&str, &str)]) -> chladni_frf::Result<(FrfS
             ..ReadOptions::default()
         },
     )
-    .map(|(set, _, warnings)| (set, warnings))
+    .map(|(set, _, warnings)| (set, crate::words(&warnings)))
 }
 
 #[track_caller]
@@ -300,7 +300,7 @@ fn a_file_without_frfs_says_so() {
     file.create_dataset("numbers").with_f64_data(&[1.0, 2.0]);
     let text = read(file, &[]).unwrap_err().to_string();
     assert!(
-        text.contains("no FRF in the input") && text.contains("--map"),
+        text.contains("no FRF in the input") && text.contains("`map"),
         "{text}"
     );
 }

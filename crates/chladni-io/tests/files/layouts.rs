@@ -681,7 +681,7 @@ fn every_layout_is_read_right_or_refused_by_name() {
         let complaint = match &result {
             Ok((set, _, warnings)) => {
                 read += 1;
-                match misread(&layout, &truth, set, warnings) {
+                match misread(&layout, &truth, set, &crate::words(warnings)) {
                     None if expected == Expected::Refused => Some("read, by chance".into()),
                     complaint => complaint,
                 }

@@ -17,3 +17,8 @@ fn skipped(what: &str) {
     use std::io::Write;
     drop(writeln!(std::io::stderr(), "skipped: {what}"));
 }
+
+/// Findings in words, with their next steps.
+fn words(findings: &[chladni_frf::Finding]) -> Vec<String> {
+    findings.iter().map(ToString::to_string).collect()
+}

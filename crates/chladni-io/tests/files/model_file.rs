@@ -185,7 +185,10 @@ fn info_lists_the_modes() {
         ),
         (Some(54.4), Some(0.005))
     );
-    assert_eq!(document.datasets[1].warnings[0], "only in one FRF (20 dB)");
+    assert_eq!(
+        document.datasets[1].warnings[0].text,
+        "only in one FRF (20 dB)"
+    );
     assert_eq!(document.sha256.len(), 64);
 }
 

@@ -36,7 +36,7 @@ fn the_second_panel_adds_its_driving_points_only() {
         (2.0, 1000.0)
     );
     assert_eq!(simulation.truth.in_band_modes().count(), 25);
-    assert!(simulation.warnings.is_empty());
+    assert!(simulation.findings.is_empty());
 }
 
 #[test]
@@ -50,5 +50,5 @@ fn what_is_no_panel_is_refused_with_its_name() {
         "{readme}"
     );
     let small = Panel::read(&fixture("panel.toml"), 1 << 20).unwrap_err();
-    assert!(small.to_string().contains("--memory"), "{small}");
+    assert!(small.to_string().contains("`memory`"), "{small}");
 }

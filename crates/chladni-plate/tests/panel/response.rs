@@ -202,20 +202,20 @@ fn frfs_have_the_same_bits_at_any_number_of_threads() {
 fn warnings_name_bands_without_modes_and_lines_too_far_apart() {
     let mut panel = small_panel();
     (panel.frf.start_hz, panel.frf.stop_hz) = (2.0, 40.0);
-    let warnings = simulate(&panel, None, None).unwrap().warnings;
+    let warnings = simulate(&panel, None, None).unwrap().findings;
     assert!(
         warnings[0].contains("no elastic mode") && warnings[0].contains("54.3"),
         "{warnings:?}"
     );
     panel.frf.stop_hz = 100.0;
-    let warnings = simulate(&panel, None, None).unwrap().warnings;
+    let warnings = simulate(&panel, None, None).unwrap().findings;
     assert!(
         warnings[0].contains("2 modes") && warnings[0].contains("step_hz"),
         "{warnings:?}"
     );
     assert!(simulate(&Panel::default(), None, None)
         .unwrap()
-        .warnings
+        .findings
         .is_empty());
 }
 

@@ -4,7 +4,7 @@ use crate::methods::Method;
 use crate::options::Effort;
 use crate::problem::Problem;
 use crate::tolerances;
-use chladni_frf::{Error, Result};
+use chladni_frf::{Error, Finding, Result};
 use std::fmt;
 use std::str::FromStr;
 
@@ -29,7 +29,7 @@ pub(crate) struct Decision {
     /// What it spends.
     pub(crate) effort: Effort,
     /// Why it is not what the user might expect.
-    pub(crate) warning: Option<String>,
+    pub(crate) finding: Option<Finding>,
 }
 
 impl MethodChoice {
@@ -53,7 +53,7 @@ impl MethodChoice {
         let decision = |method| Decision {
             method,
             effort,
-            warning: None,
+            finding: None,
         };
         match self {
             Self::Only(method) => decision(method),
@@ -71,12 +71,16 @@ impl MethodChoice {
                 if size <= tolerances::ROBUST_SIZE {
                     return decision(Method::Robust);
                 }
+                let words = format!(
+                    "method `mls` ran: {rows} responses for {} actuators would take `robust` more \
+                     than about a second",
+                    problem.rows.mobility.ncols()
+                );
                 Decision {
-                    warning: Some(format!(
-                        "method `mls` ran: {rows} responses for {} actuators would take `robust` more than about a second; \
-                         ask for it with --method robust",
-                        problem.rows.mobility.ncols()
-                    )),
+                    finding: Some(
+                        Finding::note("quicker-method", words)
+                            .help("ask for method `robust` if you can wait"),
+                    ),
                     ..decision(Method::Mls)
                 }
             }

@@ -22,7 +22,7 @@ use crate::options::Effort;
 use crate::problem::{Drive, Problem};
 use crate::setup::Setup;
 use crate::tolerances;
-use chladni_frf::{Error, ErrorKind, ModalModel, Result};
+use chladni_frf::{Error, ErrorKind, Finding, ModalModel, Result};
 use std::fmt;
 use std::str::FromStr;
 
@@ -115,8 +115,11 @@ impl Method {
             Self::TimeReversal => Solution::of_direction(problem, &time_reversal::solve(problem)),
         };
         if self.is_baseline() {
-            solution.warnings.push(format!(
-                "method `{self}` is a baseline to compare with; `robust` and `mls` serve more"
+            solution.findings.push(Finding::note(
+                "baseline-method",
+                format!(
+                    "method `{self}` is a baseline to compare with; `robust` and `mls` serve more"
+                ),
             ));
         }
         Ok(solution)
@@ -149,7 +152,7 @@ impl FromStr for Method {
 /// A drive and what must be said about how it was found.
 pub(crate) struct Solution {
     pub(crate) drive: Drive,
-    pub(crate) warnings: Vec<String>,
+    pub(crate) findings: Vec<Finding>,
     /// What lies between target and drive, of the method that goes through modal
     /// coefficients.
     pub(crate) modal: Option<ModalSteps>,
@@ -160,7 +163,7 @@ impl Solution {
     pub(crate) fn of_drive(drive: Drive) -> Self {
         Self {
             drive,
-            warnings: Vec::new(),
+            findings: Vec::new(),
             modal: None,
         }
     }
@@ -168,12 +171,13 @@ impl Solution {
     /// A drive of arbitrary gain, with the best one.
     fn of_direction(problem: &Problem, direction: &Drive) -> Self {
         let drive = problem.with_best_gain(direction);
-        let mut warnings = Vec::new();
+        let mut findings = Vec::new();
         if problem.drive_limits.allowed_gain(&drive) <= 1.0 + tolerances::AT_LIMIT {
-            warnings.push(format!("{} binds", problem.drive_limits.binding(&drive)));
+            let words = format!("{} binds", problem.drive_limits.binding(&drive));
+            findings.push(Finding::caution("limit-binds", words));
         }
         Self {
-            warnings,
+            findings,
             ..Self::of_drive(drive)
         }
     }

@@ -16,7 +16,7 @@
 use crate::methods::{pressure_matching::one_phase_target, Solution};
 use crate::problem::{amplitude, unsolvable, Drive};
 use crate::setup::Setup;
-use chladni_frf::{ComplexVector, Damping, Error, ModalModel, Mode, Result};
+use chladni_frf::{ComplexVector, Damping, Error, Finding, ModalModel, Mode, Result};
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -92,10 +92,10 @@ pub(crate) fn solve(setup: &Setup, model: &ModalModel) -> Result<Solution> {
         ("Gamma (modes at the responses)", &gamma),
         ("Psi (modes at the actuators)", &of_psi),
     ];
-    let warnings = matrices
+    let findings = matrices
         .iter()
         .zip(sizes)
-        .filter_map(|((name, matrix), size)| matrix.warning(name, size))
+        .filter_map(|((name, matrix), size)| matrix.finding(name, size))
         .collect();
     let modal = ModalSteps {
         frequency_hz: modes.iter().map(|mode| mode.frequency_hz).collect(),
@@ -106,7 +106,7 @@ pub(crate) fn solve(setup: &Setup, model: &ModalModel) -> Result<Solution> {
     };
     Ok(Solution {
         drive,
-        warnings,
+        findings,
         modal: Some(modal),
     })
 }
@@ -158,8 +158,8 @@ impl StepMatrix {
         }
     }
 
-    /// What is to be said of an inverse that cannot be trusted.
-    fn warning(&self, name: &str, [rows, columns]: [usize; 2]) -> Option<String> {
+    /// The finding about an inverse that cannot be trusted.
+    fn finding(&self, name: &str, [rows, columns]: [usize; 2]) -> Option<Finding> {
         let Self {
             singular_values,
             rank,
@@ -169,20 +169,22 @@ impl StepMatrix {
                 .iter()
                 .map(|value| format!("{value:.1e}"))
                 .collect();
-            return Some(format!(
+            let words = format!(
                 "{name} is rank deficient: {rows} x {columns}, rank {rank} of {}; singular values {}",
                 values.len(),
                 values.join(", ")
-            ));
+            );
+            return Some(Finding::caution("rank-deficient", words));
         }
         (self.condition() > crate::tolerances::ILL_CONDITIONED).then(|| {
             let [first, last] = [
                 singular_values[0],
                 singular_values[singular_values.len() - 1],
             ];
-            format!(
+            let words = format!(
                 "{name} is ill conditioned: singular values from {first:.1e} down to {last:.1e}"
-            )
+            );
+            Finding::caution("nearly-rank-deficient", words)
         })
     }
 }

@@ -20,7 +20,7 @@ use crate::scene::Scene;
 use crate::setup::Setup;
 use crate::tolerances;
 use crate::weights::{weight_list, Weights, WEIGHTS_FORMAT, WEIGHTS_VERSION};
-use chladni_frf::{Dof, Error, MeasuredField, ModalModel, Result, CREATED_BY};
+use chladni_frf::{Dof, Error, Finding, MeasuredField, ModalModel, Result, CREATED_BY};
 use ndarray::{Array1, Axis};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -147,8 +147,8 @@ pub fn correct(
         ..scene.clone()
     };
     let setup = Setup::new(model, scene, &drift)?;
-    let mut warnings = setup.warnings.clone();
-    let seen = see(&setup, scene, model, played, &mut warnings)?;
+    let mut findings = setup.findings.clone();
+    let seen = see(&setup, scene, model, played, &mut findings)?;
     let learned = Learned::of(model, &setup, &drift, &seen)?;
     let operator = learned.estimators.operator(learned.chosen);
     let covariance = operator
@@ -156,7 +156,7 @@ pub fn correct(
         .mapv(|value| value * learned.inflation());
     let corrected = setup.with_operator(operator.mobility.clone(), covariance)?;
     let solution = Method::Robust.solve(&corrected, model, options.effort)?;
-    warnings.extend(solution.warnings);
+    findings.extend(solution.findings);
     let measured: Vec<Option<f64>> = seen
         .iter()
         .map(|seen| measured_ratio(&setup, seen, Count::Plain))
@@ -165,7 +165,11 @@ pub fn correct(
     let structured = &learned.estimators.structured;
     let scan_reason = scan(&learned.nis, structured);
     if let Some(reason) = &scan_reason {
-        warnings.push(format!("a new scan of the FRFs is due: {reason}"));
+        let words = format!("a new scan of the FRFs is due: {reason}");
+        findings.push(
+            Finding::caution("scan-due", words)
+                .help("take away what lies on the panel, or measure the FRFs again"),
+        );
     }
     let fields = learned.nis.iter().zip(&measured);
     let correction = Correction {
@@ -186,7 +190,7 @@ pub fn correct(
     Ok(Weights {
         options: options.to_json(&drift),
         correction: Some(correction),
-        warnings,
+        findings: findings.into(),
         ..weights
     })
 }
@@ -286,7 +290,7 @@ fn weights_of(setup: &Setup, scene: &Scene, drive: &Drive) -> Result<Weights> {
         stress: None,
         sweep: None,
         correction: None,
-        warnings: Vec::new(),
+        findings: Default::default(),
         other_tones: Vec::new(),
     })
 }
@@ -297,7 +301,7 @@ fn see(
     scene: &Scene,
     model: &ModalModel,
     played: &[(Weights, MeasuredField, Option<String>)],
-    warnings: &mut Vec<String>,
+    findings: &mut Vec<Finding>,
 ) -> Result<Vec<Seen>> {
     let mut assumed = false;
     let mut all = Vec::with_capacity(played.len());
@@ -341,7 +345,7 @@ fn see(
         });
     }
     if assumed {
-        warnings.push(noise_assumed());
+        findings.push(noise_assumed());
     }
     Ok(all)
 }

@@ -11,7 +11,7 @@ use crate::indices::{Indices, PointIndices};
 use crate::scene::{Limits, Scene};
 use crate::weights::Weights;
 use crate::zones::ZoneMap;
-use chladni_frf::{MeasuredField, ModalModel, Result};
+use chladni_frf::{Finding, MeasuredField, ModalModel, Result};
 use ndarray::Axis;
 
 /// How a measured field does, and what it says of the rig.
@@ -29,8 +29,8 @@ pub struct FieldEvaluation {
     pub zones: ZoneMap,
     /// Velocity limits.
     pub limits: Limits,
-    /// What the user must know.
-    pub warnings: Vec<String>,
+    /// Everything the user should know.
+    pub findings: Vec<Finding>,
 }
 
 /// Scores the field that was measured while `weights` were played, against its prediction
@@ -53,7 +53,7 @@ pub fn evaluate_field(
         drive,
         limits,
         zones,
-        mut warnings,
+        mut findings,
     } = laid(weights, scene, On::Model(model))?;
     let laid_field = LaidField::new(field, &operator, sha256)?;
     let all: Vec<usize> = (0..operator.responses.len()).collect();
@@ -77,10 +77,10 @@ pub fn evaluate_field(
             laid_field.rows.len(),
             operator.responses.len()
         );
-        warnings.push(words);
+        findings.push(Finding::note("field-of-some-responses", words));
     }
     if laid_field.noise_assumed {
-        warnings.push(noise_assumed());
+        findings.push(noise_assumed());
     }
     let agreement = agreement(model, &operator, &laid_field, &prediction)?;
     // between few responses nothing is interpolated
@@ -95,7 +95,7 @@ pub fn evaluate_field(
         predicted,
         zones,
         limits,
-        warnings,
+        findings,
     })
 }
 

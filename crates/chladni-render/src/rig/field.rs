@@ -2,7 +2,7 @@
 
 use crate::problem::Drive;
 use crate::tolerances;
-use chladni_frf::{Error, MeasuredField, Result};
+use chladni_frf::{Error, Finding, MeasuredField, Result};
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 
@@ -18,6 +18,15 @@ pub(crate) struct LaidField {
     pub(crate) magnitudes_only: bool,
     /// True where the file does not say how sure its values are.
     pub(crate) noise_assumed: bool,
+}
+
+/// The finding about a field that does not say how sure its values are.
+pub(crate) fn noise_assumed() -> Finding {
+    let words = format!(
+        "the field does not say how sure its values are: a noise of {} % of their rms is assumed",
+        100.0 * tolerances::FIELD_NOISE
+    );
+    Finding::note("field-noise-assumed", words).help("add a column std, or repeats")
 }
 
 impl LaidField {
@@ -105,15 +114,6 @@ impl LaidField {
             })
             .collect()
     }
-}
-
-/// The sentence on fields without deviations.
-pub(crate) fn noise_assumed() -> String {
-    format!(
-        "the field does not say how sure its values are: a noise of {} % of their rms is \
-         assumed; add a column std, or repeats",
-        100.0 * tolerances::FIELD_NOISE
-    )
 }
 
 /// Root of the mean square.

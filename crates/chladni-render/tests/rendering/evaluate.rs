@@ -82,18 +82,18 @@ fn the_line_must_lie_within_half_a_line_of_the_drive() {
     let near = at(304.9).unwrap();
     assert_eq!(near.frequency_hz, 300.0);
     assert!(
-        near.warnings
+        near.findings
             .iter()
             .any(|warning| warning.contains("the line at 300 Hz")),
         "{:?}",
-        near.warnings
+        near.findings
     );
     assert!(
-        near.warnings
+        near.findings
             .iter()
             .any(|warning| warning.contains("judged there, not at the scene's 300 Hz")),
         "{:?}",
-        near.warnings
+        near.findings
     );
     assert_eq!(at(95.1).unwrap().frequency_hz, 100.0);
     for outside in [94.9, 1005.1] {
@@ -119,11 +119,11 @@ fn unmeasured_pairs_matter_only_where_they_are_driven() {
     assert_eq!(evaluation.field.responses.len(), 76);
     assert!(
         evaluation
-            .warnings
+            .findings
             .iter()
-            .any(|warning| warning.contains("1 responses are not judged")),
+            .any(|warning| warning.contains("1 response not judged")),
         "{:?}",
-        evaluation.warnings
+        evaluation.findings
     );
     let mut without = rendering.weights.clone();
     (without.weights[3].re, without.weights[3].im) = (0.0, 0.0);
@@ -209,7 +209,7 @@ fn motion_far_above_the_threshold_is_warned_about() {
         .for_each(|weight| (weight.re, weight.im) = (100.0 * weight.re, 100.0 * weight.im));
     let warnings = evaluate(&rendering.weights, &scene, On::Model(truth()))
         .unwrap()
-        .warnings;
+        .findings;
     assert!(
         warnings
             .iter()

@@ -70,21 +70,21 @@ fn a_number_of_actuators_is_kept() {
         [5, 20].map(|number| with_actuators(truth(), &scene, Count::Number(number)).weights);
     assert_eq!((few.actuators_used, few.feasible), (5, false));
     assert!(
-        few.warnings
+        few.findings
             .iter()
             .any(|warning| warning.contains("5 were asked for")),
         "{:?}",
-        few.warnings
+        few.findings
     );
     assert_eq!((many.actuators_used, many.feasible), (20, true));
     let all = with_actuators(truth(), &scene, Count::Number(50)).weights;
     assert_eq!(all.actuators_used, 34);
     assert!(
-        all.warnings
+        all.findings
             .iter()
             .any(|warning| warning.contains("50 actuators were asked for, 34 may be used")),
         "{:?}",
-        all.warnings
+        all.findings
     );
 }
 
@@ -95,11 +95,11 @@ fn an_impossible_scene_uses_all_actuators_and_says_so() {
     assert_eq!(weights.actuators_used, 34);
     assert!(
         weights
-            .warnings
+            .findings
             .iter()
             .any(|warning| warning.contains("not even all of them")),
         "{:?}",
-        weights.warnings
+        weights.findings
     );
 }
 
@@ -193,11 +193,11 @@ fn where_too_few_modes_are_asked_for_the_replay_says_so() {
     assert_eq!(weights.modes_used, 1);
     assert!(
         weights
-            .warnings
+            .findings
             .iter()
             .any(|warning| warning.contains("replayed through the whole model")),
         "{:?}",
-        weights.warnings
+        weights.findings
     );
 }
 

@@ -149,9 +149,9 @@ fn the_two_step_method_says_that_psi_is_rank_deficient() {
     assert_eq!(rendering.weights.modes_used, 31);
     let warning = rendering
         .weights
-        .warnings
+        .findings
         .iter()
-        .find(|warning| warning.starts_with("Psi"))
+        .find(|warning| warning.text.starts_with("Psi"))
         .expect("a warning about Psi");
     assert!(
         warning.contains("rank deficient") && warning.contains("singular values"),
@@ -159,7 +159,7 @@ fn the_two_step_method_says_that_psi_is_rank_deficient() {
     );
     assert!(rendering
         .weights
-        .warnings
+        .findings
         .iter()
         .any(|warning| warning.contains("baseline")));
 }
@@ -201,9 +201,9 @@ fn a_force_limit_is_kept_and_said_to_bind() {
         );
         if [Method::PressureMatching, Method::Mls].contains(&method) {
             assert!(
-                limited.weights.warnings.iter().any(|w| w.contains("binds")),
+                limited.weights.findings.iter().any(|w| w.contains("binds")),
                 "{method}: {:?}",
-                limited.weights.warnings
+                limited.weights.findings
             );
         }
     }
@@ -236,7 +236,7 @@ fn an_infeasible_scene_says_what_is_possible() {
     let weights = rendered(truth(), &scene, Method::Robust).weights;
     assert!(!weights.feasible && weights.kappa.unwrap() < 0.0);
     let said = weights
-        .warnings
+        .findings
         .iter()
         .find(|warning| warning.contains("impossible"))
         .expect("what is possible");
@@ -324,7 +324,7 @@ fn a_single_actuator_is_driven_with_a_warning() {
         assert!(
             rendering
                 .weights
-                .warnings
+                .findings
                 .iter()
                 .any(|w| w.contains("a single actuator (101:+Z)")),
             "{method}"
@@ -339,15 +339,15 @@ fn a_mode_that_no_actuator_can_drive_is_named() {
     model.modes[2].participation.0.fill(0.0.into());
     let warnings = rendered(&model, &cell_scene([2, 2], 1, ""), Method::Mls)
         .weights
-        .warnings;
+        .findings;
     let expected = format!(
-        "the mode at {:.1} Hz has zero participation",
+        "no actuator in use can drive or stop the mode at {:.1} Hz",
         model.modes[2].frequency_hz
     );
     assert!(
         warnings
             .iter()
-            .any(|warning| warning.starts_with(&expected)),
+            .any(|warning| warning.text.starts_with(&expected)),
         "{warnings:?}"
     );
 }
@@ -437,7 +437,7 @@ fn volts_have_a_limit_of_their_own() {
     );
     let unlimited = rendered(&model, &cell_scene([2, 2], 1, ""), Method::Mls).weights;
     assert!(unlimited
-        .warnings
+        .findings
         .iter()
         .any(|w| w.contains("no limit was kept")));
     assert_eq!(unlimited.indices.points.max_force_n, None);
@@ -455,7 +455,7 @@ fn unusual_scenes_are_warned_about() {
     let warned = |text: &str, expected: &str| {
         let warnings = rendered(truth(), &scene(text), Method::PressureMatching)
             .weights
-            .warnings;
+            .findings;
         assert!(
             warnings.iter().any(|warning| warning.contains(expected)),
             "{expected}: {warnings:?}"
@@ -484,18 +484,18 @@ fn responses_that_cannot_be_judged_are_left_out_and_named() {
     let rendering = rendered(&model, &cell_scene([2, 2], 4, ""), Method::PressureMatching);
     assert_eq!(rendering.field.responses.len(), 74);
     for expected in [
-        "1 responses are not along Z",
-        "1 responses belong to nodes without a position",
-        "lies where",
+        "1 response left out: not along Z",
+        "1 response left out: no position",
+        "at the place of another one",
     ] {
         assert!(
             rendering
                 .weights
-                .warnings
+                .findings
                 .iter()
                 .any(|warning| warning.contains(expected)),
             "{:?}",
-            rendering.weights.warnings
+            rendering.weights.findings
         );
     }
     model.nodes.clear();

@@ -181,7 +181,7 @@ fn rows_in_any_order_and_sense_are_the_same_field_and_strangers_are_refused_by_n
     let judged = evaluated(&half).unwrap();
     assert_eq!(judged.measured.responses.len(), 39);
     assert!(judged
-        .warnings
+        .findings
         .iter()
         .any(|words| words.contains("39 of the 77 responses")));
 

@@ -154,7 +154,7 @@ fn the_centre_of_the_whole_panel_is_proven_impossible() {
     );
     let said = rendering
         .weights
-        .warnings
+        .findings
         .iter()
         .find(|warning| warning.contains("impossible"))
         .expect("a warning");
@@ -395,7 +395,7 @@ fn a_louder_zone_moves_more() {
         assert!(
             rendering.weights.feasible,
             "{:?}",
-            rendering.weights.warnings
+            rendering.weights.findings
         );
         let field = &rendering.field;
         let hot = |low: bool| {

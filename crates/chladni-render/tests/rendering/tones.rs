@@ -91,7 +91,7 @@ fn each_tone_is_felt_and_quiet_ground_is_quiet_under_all_together() {
             .collect::<Vec<_>>(),
         [260.0, 335.0]
     );
-    assert!(weights.feasible, "{:?}", weights.warnings);
+    assert!(weights.feasible, "{:?}", weights.findings);
     let limen = 10f64.powf(2.0 / 20.0);
     let field = over_threshold(&weights, &scene);
     let judged = evaluate(&weights, &scene, On::Model(truth())).unwrap();
@@ -136,7 +136,7 @@ fn the_lines_of_a_band_add_up_to_what_a_tone_owes() {
     assert!(
         weights.feasible && weights.tones().count() == 3,
         "{:?}",
-        weights.warnings
+        weights.findings
     );
     let field = over_threshold(&weights, &scene);
     let judged = evaluate(&weights, &scene, On::Model(truth())).unwrap();

@@ -30,7 +30,7 @@ fn keys(value: &Value) -> Vec<&str> {
 #[test]
 fn the_fields_are_those_of_the_contract() {
     let value: Value = serde_json::from_str(&weights().to_json().unwrap()).unwrap();
-    let expected = "actuators_used created_by feasible format frequency_hz indices kappa method modes_used options scene source version \
+    let expected = "actuators_used created_by feasible findings format frequency_hz indices kappa method modes_used options scene source version \
                     warnings weights";
     assert_eq!(
         keys(&value),

@@ -8,9 +8,9 @@ use chladni_frf::Trust;
 pub(crate) fn all(input: &ReportInput) -> Vec<[String; 2]> {
     let about = |what: &str, text: &str| [what.to_owned(), text.to_owned()];
     let mut warnings: Vec<[String; 2]> = input
-        .warnings
+        .findings
         .iter()
-        .map(|text| about("Report", text))
+        .map(|finding| about("Report", &finding.to_string()))
         .collect();
     if let Some(model) = input.model {
         if !model.quality.trusted {
@@ -49,14 +49,14 @@ pub(crate) fn all(input: &ReportInput) -> Vec<[String; 2]> {
                 &format!("not met: the worse zone keeps its limit at {ratio} % of its responses"),
             ));
         }
-        let shown = scene.shown.map_or(&[][..], |shown| shown.warnings);
+        let shown = scene.shown.map_or(&[][..], |shown| shown.findings);
         warnings.extend(
             scene
                 .weights
-                .warnings
+                .findings
                 .iter()
                 .chain(shown)
-                .map(|text| about(&of, text)),
+                .map(|finding| about(&of, &finding.to_string())),
         );
     }
     warnings

@@ -99,26 +99,31 @@ pub(crate) enum DampingDoubt {
 }
 
 impl DampingDoubt {
-    /// The finding about modes at these frequencies.
-    pub fn finding(self, places: &str) -> Finding {
-        match self {
+    /// The finding about modes at these frequencies, rising; none without a mode.
+    pub fn finding(self, places_hz: Vec<f64>) -> Option<Finding> {
+        let subject = match places_hz.as_slice() {
+            [] => return None,
+            [one] => format!("the mode at {one:.2} Hz"),
+            [first, .., last] => {
+                format!("{} modes, {first:.1} to {last:.1} Hz", places_hz.len())
+            }
+        };
+        let finding = match self {
             Self::UpperBound => Finding::caution(
                 "damping-upper-bound",
                 format!(
-                    "fewer than two lines within the half-power bandwidth, prone to leakage: the \
-                     damping is an upper bound at {places} Hz"
+                    "{subject}: fewer than two lines within the half-power bandwidth; the damping \
+                     is an upper bound"
                 ),
             )
             .help("measure longer records for finer lines"),
             Self::Indicative => Finding::caution(
                 "damping-indicative",
-                format!(
-                    "the peak does not have the shape of a resonance: the damping is indicative \
-                     only at {places} Hz"
-                ),
+                format!("{subject}: no shape of a resonance; the damping is indicative only"),
             )
             .help("measure at a lower level, or fit these modes in a narrow band"),
-        }
+        };
+        Some(finding.modes_hz(places_hz))
     }
 }
 

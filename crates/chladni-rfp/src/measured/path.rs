@@ -287,11 +287,7 @@ fn damping_doubts(evidence: &[Evidence], graded: &[Graded], hz: f64) -> Vec<Find
     };
     [DampingDoubt::UpperBound, DampingDoubt::Indicative]
         .into_iter()
-        .filter_map(|kind| {
-            let places = concerned(kind);
-            let named: Vec<String> = places.iter().map(|hz| format!("{hz:.2}")).collect();
-            (!places.is_empty()).then(|| kind.finding(&named.join(", ")).modes_hz(places))
-        })
+        .filter_map(|kind| kind.finding(concerned(kind)))
         .collect()
 }
 

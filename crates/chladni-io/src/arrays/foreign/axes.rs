@@ -95,8 +95,8 @@ impl<'a> Reader<'a> {
             .found(format!("shape {shape:?}"))
             .expected("one axis")
             .help(
-                "name the axes in order, like --map \
-                 frf=PATH,freq=PATH,axes=response-reference-line",
+                "name the axes in order, like `map \
+                 frf=PATH,freq=PATH,axes=response-reference-line`",
             ));
         }
         let by_lists = lengths.response.is_some() || lengths.reference.is_some();
@@ -120,7 +120,7 @@ fn no_way(path: &str, shape: &[usize], lengths: &Lengths) -> Error {
             list("response", lengths.response),
             list("reference", lengths.reference)
         ))
-        .help("correct the lists, or name others with --map response=PATH,reference=PATH")
+        .help("correct the lists, or name others with `map response=PATH,reference=PATH`")
 }
 
 /// `response-reference-line` in any order, two or three words.
@@ -137,7 +137,7 @@ fn named_axes(text: &str, shape: &[usize], lines: usize) -> Result<[Option<usize
         return Ok(axes);
     }
     Err(Error::new(ErrorKind::Usage, "the axes do not fit")
-        .field("--map axes")
+        .field("map axes")
         .found(format!("{text} for shape {shape:?}"))
         .expected(format!(
             "one of response, reference, line for each axis, joined by '-', with {lines} lines"

@@ -134,7 +134,7 @@ impl<'a> Reader<'a> {
                 ))
                 .expected("one of each")
                 .help(format!(
-                    "name them with --map frf=PATH,freq=PATH; complex arrays: {}; frequency \
+                    "name them with `map frf=PATH,freq=PATH`; complex arrays: {}; frequency \
                          axes: {}",
                     list(sources.iter().map(|source| source.describe()).collect()),
                     list(axes.iter().map(|axis| describe(axis)).collect()),
@@ -169,8 +169,8 @@ impl<'a> Reader<'a> {
             (Some(re), Some(im), None, None) => Ok(Some(Source::Parts(re, im))),
             (None, None, Some(mag), Some(phase)) => Ok(Some(Source::Polar(mag, phase))),
             _ => Err(
-                Error::new(ErrorKind::Usage, "the values of --map are not complete")
-                    .field("--map")
+                Error::new(ErrorKind::Usage, "the values of `map` are not complete")
+                    .field("map")
                     .found("one part of two, or parts of two kinds")
                     .expected("frf, or re and im, or mag and phase"),
             ),

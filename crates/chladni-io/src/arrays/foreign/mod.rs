@@ -16,7 +16,8 @@ use crate::unit_label::{frequency_unit, frf_unit};
 use crate::ReadOptions;
 use axes::Lengths;
 use chladni_frf::{
-    Direction, Dof, Error, ErrorKind, FrfSet, FrfValues, Geometry, ReferenceUnit, Result, TimeSign,
+    Direction, Dof, Error, ErrorKind, Finding, FrfSet, FrfValues, Geometry, ReferenceUnit, Result,
+    TimeSign,
 };
 use choose::Source;
 use ndarray::{Array1, Array3};
@@ -92,7 +93,7 @@ pub(crate) fn read_foreign(
     file: &dyn ArrayFile,
     entries: &[Entry],
     options: &ReadOptions,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Finding>,
 ) -> Result<Option<Found>> {
     let map = &options.map;
     let reader = Reader {
@@ -106,10 +107,13 @@ pub(crate) fn read_foreign(
         return Ok(None);
     };
     if map.is_empty() {
-        warnings.push(format!(
-            "took {} as the FRFs and {} as their frequency axis; name others with --map",
-            source.describe(),
-            describe(freq)
+        warnings.push(Finding::note(
+            "layout-guessed",
+            format!(
+                "took {} as the FRFs and {} as their frequency axis; name others with `map`",
+                source.describe(),
+                describe(freq)
+            ),
         ));
     }
     reader.frf_set(source, freq, warnings).map(Some)
@@ -130,8 +134,8 @@ impl<'a> Reader<'a> {
             .find(|(key, _)| !MAP_KEYS.contains(&key.as_str()))
         {
             None => Ok(()),
-            Some((key, _)) => Err(Error::new(ErrorKind::Usage, "unknown key in --map")
-                .field("--map")
+            Some((key, _)) => Err(Error::new(ErrorKind::Usage, "unknown key in `map`")
+                .field("map")
                 .found(key)
                 .expected(MAP_KEYS.join(", "))),
         }
@@ -147,7 +151,7 @@ impl<'a> Reader<'a> {
         entry.map(Some).ok_or_else(|| {
             let known: Vec<String> = self.datasets().map(|entry| entry.path.clone()).collect();
             let error = Error::bad_data("no such dataset")
-                .field(format!("--map {key}"))
+                .field(format!("map {key}"))
                 .found(&path);
             error.expected("the path of a dataset").help(format!(
                 "the file has {}",
@@ -164,7 +168,7 @@ impl<'a> Reader<'a> {
         &self,
         source: Source<'a>,
         freq: &'a Entry,
-        warnings: &mut Vec<String>,
+        warnings: &mut Vec<Finding>,
     ) -> Result<Found> {
         let array = self.array(source, warnings)?;
         let (frequency_hz, array) = match source {
@@ -185,9 +189,12 @@ impl<'a> Reader<'a> {
         let mut values = array.into_frf_values(response, reference, line);
         self.refuse_infinities(frf, &values)?;
         if shape.len() == 3 && line != 2 && !told {
-            warnings.push(format!(
-                "{}: the other axes are taken in the order response, reference",
-                source.first().path
+            warnings.push(Finding::note(
+                "layout-guessed",
+                format!(
+                    "{}: the other axes are taken in the order response, reference",
+                    source.first().path
+                ),
             ));
         }
         let (kind, reference_unit) = self.units(source, &mut values, warnings)?;
@@ -241,14 +248,14 @@ impl<'a> Reader<'a> {
         })
     }
 
-    fn frequency_hz(&self, freq: &Entry, warnings: &mut Vec<String>) -> Result<Vec<f64>> {
+    fn frequency_hz(&self, freq: &Entry, warnings: &mut Vec<Finding>) -> Result<Vec<f64>> {
         let mut values = reals(freq, self.file.read(freq)?)?;
         if let Some(unit) = unit_of(freq) {
             match frequency_unit(unit) {
                 Some(to_hz) => values.iter_mut().for_each(|f| *f *= to_hz),
-                None => warnings.push(format!(
-                    "{}: unit `{unit}` is no frequency; taken as Hz",
-                    freq.path
+                None => warnings.push(Finding::caution(
+                    "unit-assumed",
+                    format!("{}: unit `{unit}` is no frequency; taken as Hz", freq.path),
                 )),
             }
         }
@@ -303,24 +310,30 @@ impl<'a> Reader<'a> {
         &self,
         source: Source<'a>,
         values: &mut FrfValues,
-        warnings: &mut Vec<String>,
+        warnings: &mut Vec<Finding>,
     ) -> Result<(Option<chladni_frf::FrfKind>, ReferenceUnit)> {
         let entry = source.first();
         let said = self
             .text_near(entry, "frf_kind")
             .and_then(|kind| kind.parse().ok());
         let Some(label) = unit_of(entry) else {
-            warnings.push(format!(
-                "{}: no attribute `unit`; values are taken as SI",
-                entry.path
+            warnings.push(Finding::caution(
+                "unit-assumed",
+                format!(
+                    "{}: no attribute `unit`; values are taken as SI",
+                    entry.path
+                ),
             ));
             return Ok((said, ReferenceUnit::Newton));
         };
         let label = parts::linear_label(source, label)?;
         let Some(unit) = frf_unit(label) else {
-            warnings.push(format!(
-                "{}: unit `{label}` is no motion per force or volt; values are taken as SI",
-                entry.path
+            warnings.push(Finding::caution(
+                "unit-assumed",
+                format!(
+                    "{}: unit `{label}` is no motion per force or volt; values are taken as SI",
+                    entry.path
+                ),
             ));
             return Ok((said, ReferenceUnit::Newton));
         };
@@ -365,7 +378,7 @@ impl<'a> Reader<'a> {
                     k + 1
                 ))
                 .expected("finite numbers, or NaN where nothing was measured")
-                .help("export the data again, or read the file with --lenient, which masks it")),
+                .help("export the data again, or read the file with `lenient`, which masks it")),
         }
     }
 
@@ -399,7 +412,7 @@ impl<'a> Reader<'a> {
         key: &str,
         direction: Direction,
         count: usize,
-        warnings: &mut Vec<String>,
+        warnings: &mut Vec<Finding>,
     ) -> Result<Vec<Dof>> {
         let Some(entry) = entry else {
             let named = if count == 1 {
@@ -408,8 +421,9 @@ impl<'a> Reader<'a> {
                 format!("1:{direction} ... {count}:{direction}")
             };
             if self.options.dofs.rows.is_empty() {
-                warnings.push(format!(
-                    "the file names no {key} DOFs; they are numbered {named}"
+                warnings.push(Finding::caution(
+                    "dofs-assumed",
+                    format!("the file names no {key} DOFs; they are numbered {named}"),
                 ));
             }
             return Ok((1..=count as u64)
@@ -419,9 +433,12 @@ impl<'a> Reader<'a> {
         let dofs: Vec<Dof> = match self.file.read(entry)? {
             Values::Dofs(dofs) => dofs,
             Values::Unsigned(nodes) => {
-                warnings.push(format!(
-                    "{}: node numbers without a direction; {direction} is assumed",
-                    entry.path
+                warnings.push(Finding::caution(
+                    "dofs-assumed",
+                    format!(
+                        "{}: node numbers without a direction; {direction} is assumed",
+                        entry.path
+                    ),
                 ));
                 nodes
                     .iter()

@@ -7,7 +7,7 @@ use crate::arrays::tree::Entry;
 use crate::arrays::values::{real_array, wrong_type, ComplexArray};
 use crate::unit_label::{decibel_reference, frequency_unit, is_decibel_label};
 use crate::PhaseUnit;
-use chladni_frf::{Error, Result};
+use chladni_frf::{Error, Finding, Result};
 use ndarray::{Axis, Zip};
 use num_complex::Complex64;
 
@@ -38,7 +38,7 @@ impl<'a> Reader<'a> {
     pub(super) fn array(
         &self,
         source: Source<'a>,
-        warnings: &mut Vec<String>,
+        warnings: &mut Vec<Finding>,
     ) -> Result<ComplexArray> {
         let array = match source {
             Source::Complex(entry) | Source::Joined(entry) => {
@@ -106,7 +106,7 @@ impl<'a> Reader<'a> {
         &self,
         entry: &Entry,
         values: impl Iterator<Item = f64>,
-        warnings: &mut Vec<String>,
+        warnings: &mut Vec<Finding>,
     ) -> Result<PhaseUnit> {
         if let Some(told) = self.options.phase_unit {
             return Ok(told);
@@ -117,7 +117,7 @@ impl<'a> Reader<'a> {
                 .field(&entry.path)
                 .found(found)
                 .expected("deg or rad")
-                .help("say it with --phase-unit deg or --phase-unit rad, or in an attribute `unit`")
+                .help("say it with `phase_unit deg` or `phase_unit rad`, or in an attribute `unit`")
         };
         if let Some(label) = unit_of(entry).filter(|label| !label.trim().is_empty()) {
             return PhaseUnit::named(label)
@@ -132,9 +132,12 @@ impl<'a> Reader<'a> {
                 "no attribute `unit`",
             )
         })?;
-        warnings.push(format!(
-            "{}: no attribute `unit`: the phase is taken as degrees",
-            entry.path
+        warnings.push(Finding::caution(
+            "phase-in-degrees",
+            format!(
+                "{}: no attribute `unit`: the phase is taken as degrees",
+                entry.path
+            ),
         ));
         Ok(unit)
     }
@@ -145,7 +148,7 @@ impl<'a> Reader<'a> {
         &self,
         entry: &Entry,
         array: ComplexArray,
-        warnings: &mut Vec<String>,
+        warnings: &mut Vec<Finding>,
     ) -> Result<(Vec<f64>, ComplexArray)> {
         let ComplexArray::Double(mut values) = array.widened() else {
             return Err(wrong_type(entry, "complex numbers"));
@@ -158,9 +161,12 @@ impl<'a> Reader<'a> {
             .map(|value| value.re)
             .collect();
         values.slice_axis_inplace(Axis(axis), (1..).into());
-        warnings.push(format!(
-            "{}: its first column is taken as the frequency axis, Hz; name others with --map",
-            entry.path
+        warnings.push(Finding::note(
+            "layout-guessed",
+            format!(
+                "{}: its first column is taken as the frequency axis, Hz; name others with `map`",
+                entry.path
+            ),
         ));
         if let Some(to_hz) = self
             .text_near(entry, "frequency_unit")

@@ -16,7 +16,10 @@ fn both_byte_orders_are_read() {
             &options(),
         );
         assert_eq!(only_function(&document).ordinate, complex_pairs());
-        assert_eq!(only_function(&document).warnings, Vec::<String>::new());
+        assert_eq!(
+            only_function(&document).warnings,
+            Vec::<chladni_frf::Finding>::new()
+        );
     }
 }
 

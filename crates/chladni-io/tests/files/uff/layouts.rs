@@ -12,7 +12,7 @@ const EVEN: Abscissa = Abscissa::Even {
 pub fn layout(record_7: &str, data: &str) -> (Abscissa, Ordinate) {
     let document = read_with([SI_164, &text_58(record_7, data)].concat(), &options());
     let function = only_function(&document);
-    assert_eq!(function.warnings, Vec::<String>::new());
+    assert_eq!(function.warnings, Vec::<chladni_frf::Finding>::new());
     assert_eq!(document.datasets[1].values, Some(function.ordinate.len()));
     (function.abscissa.clone(), function.ordinate.clone())
 }

@@ -43,7 +43,7 @@ pub fn example_set(frequency_hz: Vec<f64>) -> FrfSet {
     }
 }
 
-fn round_trip(contents: &Contents, binary: bool) -> (Document, Vec<String>) {
+fn round_trip(contents: &Contents, binary: bool) -> (Document, Vec<chladni_frf::Finding>) {
     let mut bytes = Vec::new();
     let warnings = write(
         &mut bytes,
@@ -56,7 +56,7 @@ fn round_trip(contents: &Contents, binary: bool) -> (Document, Vec<String>) {
     .unwrap();
     let document = read_with(&bytes, &options());
     assert_eq!(document.errors, []);
-    assert_eq!(document.warnings, Vec::<String>::new());
+    assert_eq!(document.warnings, Vec::<chladni_frf::Finding>::new());
     (document, warnings)
 }
 
@@ -89,7 +89,7 @@ fn a_set_written_as_binary_reads_back_bit_for_bit() {
                 ..Contents::default()
             };
             let (document, warnings) = round_trip(&contents, true);
-            assert_eq!(warnings, Vec::<String>::new());
+            assert_eq!(warnings, Vec::<chladni_frf::Finding>::new());
             assert_eq!(document.geometry, set.geometry);
             assert_eq!(
                 document.functions.len(),
@@ -116,7 +116,7 @@ fn a_set_written_as_binary_reads_back_bit_for_bit() {
                 if kind.is_some() {
                     assert_eq!(function.reference_unit, reference_unit);
                 }
-                assert_eq!(function.warnings, Vec::<String>::new());
+                assert_eq!(function.warnings, Vec::<chladni_frf::Finding>::new());
             }
         }
     }
@@ -157,7 +157,7 @@ fn a_set_written_as_text_reads_back_to_the_printed_digits() {
             even_axis(),
             "df= in ID line 4 keeps the axis exact"
         );
-        assert_eq!(function.warnings, Vec::<String>::new());
+        assert_eq!(function.warnings, Vec::<chladni_frf::Finding>::new());
     }
 }
 

@@ -41,7 +41,7 @@ fn a_measured_beam_is_read() {
         );
         assert_eq!(function.ordinate.len(), 64000);
         assert_eq!(function.abscissa.values(64000)[63999], 6399.9);
-        assert_eq!(function.warnings, Vec::<String>::new());
+        assert_eq!(function.warnings, Vec::<chladni_frf::Finding>::new());
     }
     let Ordinate::Complex64(values) = &document.functions[2].ordinate else {
         panic!()

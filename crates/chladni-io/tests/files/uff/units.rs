@@ -73,7 +73,7 @@ fn millimetres_are_divided_by_their_factor() {
         (function.scale_to_si, function.reference_unit),
         (1e-3, ReferenceUnit::Volt)
     );
-    assert_eq!(function.warnings, Vec::<String>::new());
+    assert_eq!(function.warnings, Vec::<chladni_frf::Finding>::new());
 }
 
 #[test]
@@ -158,7 +158,7 @@ fn the_exact_step_behind_six_digits_is_named_and_taken_with_snap_df() {
         }
     );
     assert!(
-        function.warnings[0].contains("2.44140625") && function.warnings[0].contains("--snap-df"),
+        function.warnings[0].contains("2.44140625") && function.warnings[0].contains("`snap_df`"),
         "{:?}",
         function.warnings
     );
@@ -176,7 +176,10 @@ fn the_exact_step_behind_six_digits_is_named_and_taken_with_snap_df() {
             step: 2.44140625
         }
     );
-    assert_eq!(only_function(&document).warnings, Vec::<String>::new());
+    assert_eq!(
+        only_function(&document).warnings,
+        Vec::<chladni_frf::Finding>::new()
+    );
 }
 
 #[test]
@@ -200,7 +203,10 @@ fn the_exact_step_in_id_line_4_is_taken_where_it_agrees() {
             step: 2.44140625
         }
     );
-    assert_eq!(only_function(&document).warnings, Vec::<String>::new());
+    assert_eq!(
+        only_function(&document).warnings,
+        Vec::<chladni_frf::Finding>::new()
+    );
     let document = read_with([SI_164, &text("df=2.5")].concat(), &options());
     assert_eq!(
         only_function(&document).abscissa,

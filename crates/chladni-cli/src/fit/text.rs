@@ -1,0 +1,252 @@
+//! A model in words: the sentence that a fit begins with, and the table of its modes.
+
+use super::band::better_band;
+use chladni_console::table::{bounded, counted, significant, table, SIGMAS_95};
+use chladni_frf::{Damping, ModalModel, Mode, Scaling, Trust};
+
+/// Share of the data from which on modes explain most of them.
+const HALF: f64 = 0.5;
+/// Modes up to which weak ones are listed unasked, and from which on a table without
+/// remarks has two columns.
+const FEW_MODES: usize = 16;
+/// Modes that are listed at most unless all are asked for.
+const MOST_MODES: usize = 40;
+/// Width of one of two columns.
+const COLUMN_WIDTH: usize = 38;
+
+/// The sentence, the table of modes, and a line about the whole.
+pub fn text(model: &ModalModel, verbose: bool) -> String {
+    let mut text = format!("{}\n", sentence(model));
+    text += &match verbose {
+        true => every_mode(model),
+        false => modes(model),
+    };
+    text += &format!("{}\n", whole(model, verbose));
+    match &model.quality.path {
+        Some(path) if verbose => text + &format!("path: {path}\n"),
+        _ => text,
+    }
+}
+
+/// How many modes, how sure, how much of the data they explain, and what to do where that
+/// is little.
+fn sentence(model: &ModalModel) -> String {
+    let modes = model.in_band_modes().count();
+    let sure = model
+        .in_band_modes()
+        .filter(|mode| mode.trust == Trust::Sure)
+        .count();
+    let [low, high] = model.band_hz.map(|hz| significant(hz, 6));
+    let share = (1.0 - model.quality.relative_error).max(0.0);
+    let percent = significant(100.0 * share, 3);
+    let explained = match share < HALF {
+        false => format!("{percent} % of the data, {low} to {high} Hz."),
+        true => {
+            let advice = better_band(model).map_or_else(String::new, |band| {
+                let [low, high] = band.hz.map(|hz| significant(hz, 6));
+                format!(
+                    " Fit {low} to {high} Hz: {} of {} lie there.",
+                    band.sure,
+                    counted(sure, "sure mode")
+                )
+            });
+            format!(
+                "{percent} % of the data, {low} to {high} Hz: most of it is noise, or motion that \
+                 no resonance explains.{advice}"
+            )
+        }
+    };
+    match (sure, modes - sure) {
+        (0, 0) => format!("No mode between {low} and {high} Hz."),
+        (1, 0) => format!("1 sure mode explains {explained}"),
+        (_, 0) => format!("{sure} sure modes explain {explained}"),
+        (0, 1) => format!("1 weak mode and no sure one; it explains {explained}"),
+        (0, _) => format!("{modes} weak modes and no sure one; they explain {explained}"),
+        (_, weak) => format!(
+            "{}, {weak} weak; together they explain {explained}",
+            counted(sure, "sure mode")
+        ),
+    }
+}
+
+/// A mode with its number in the table.
+struct Numbered<'a> {
+    number: usize,
+    mode: &'a Mode,
+    /// Doubts about its damping alone, and why it is weak.
+    remark: String,
+}
+
+/// The modes that count, as many as a screen holds: sure ones before weak ones.
+fn modes(model: &ModalModel) -> String {
+    let all: Vec<Numbered> = model
+        .in_band_modes()
+        .zip(1..)
+        .map(|(mode, number)| Numbered {
+            number,
+            mode,
+            remark: remark(model, mode, number),
+        })
+        .collect();
+    let lists_weak = all.len() <= FEW_MODES;
+    let listed: Vec<&Numbered> = all
+        .iter()
+        .filter(|one| lists_weak || one.mode.trust == Trust::Sure)
+        .take(MOST_MODES)
+        .collect();
+    let mut text = match listed.is_empty() {
+        true => String::new(),
+        false if listed.len() > FEW_MODES && listed.iter().all(|one| one.remark.is_empty()) => {
+            two_columns(&listed)
+        }
+        false => with_remarks(&listed),
+    };
+    let left: Vec<&Numbered> = all
+        .iter()
+        .filter(|one| !listed.iter().any(|listed| listed.number == one.number))
+        .collect();
+    if let (Some(first), Some(last)) = (left.first(), left.last()) {
+        let kind = match left.iter().all(|one| one.mode.trust == Trust::Weak) {
+            true => "weak mode",
+            false => "more mode",
+        };
+        text += &format!(
+            "{}, {:.1} to {:.1} Hz: -v lists them with their reasons\n",
+            counted(left.len(), kind),
+            first.mode.frequency_hz,
+            last.mode.frequency_hz
+        );
+    }
+    text
+}
+
+/// Number, frequency and damping ratio in percent, with their bounds.
+fn cells(one: &Numbered) -> [String; 3] {
+    let Mode {
+        frequency_hz,
+        frequency_std_hz,
+        damping_ratio,
+        loss_factor_std,
+        ..
+    } = *one.mode;
+    let bound = 0.5 * SIGMAS_95 * loss_factor_std;
+    [
+        one.number.to_string(),
+        bounded(frequency_hz, SIGMAS_95 * frequency_std_hz),
+        bounded(100.0 * damping_ratio, 100.0 * bound),
+    ]
+}
+
+const HEADER: [&str; 4] = ["mode", "f, Hz ± 95 %", "ζ, % ± 95 %", ""];
+
+fn with_remarks(listed: &[&Numbered]) -> String {
+    let row = |one: &&Numbered| [cells(one).to_vec(), vec![one.remark.clone()]].concat();
+    let rows: Vec<Vec<String>> = listed.iter().map(row).collect();
+    format!("\n{}", table(&HEADER, &rows))
+}
+
+fn two_columns(listed: &[&Numbered]) -> String {
+    let half = listed.len().div_ceil(2);
+    let column = |part: &[&Numbered]| -> Vec<String> {
+        let rows: Vec<Vec<String>> = part.iter().map(|one| cells(one).to_vec()).collect();
+        table(&HEADER[..3], &rows)
+            .lines()
+            .map(str::to_owned)
+            .collect()
+    };
+    let [left, right] = [&listed[..half], &listed[half..]].map(column);
+    let beside = |(k, line): (usize, &String)| {
+        let right = right.get(k).map_or("", String::as_str);
+        let gap = COLUMN_WIDTH.saturating_sub(line.chars().count()) + 2;
+        format!("{line}{:gap$}{right}", "").trim_end().to_owned() + "\n"
+    };
+    format!(
+        "\n{}",
+        left.iter().enumerate().map(beside).collect::<String>()
+    )
+}
+
+/// What the row of a mode says beside its numbers.
+fn remark(model: &ModalModel, mode: &Mode, number: usize) -> String {
+    let said = |code: &str| {
+        let mut findings = model.quality.findings.iter();
+        findings.any(|finding| finding.code == code && finding.modes.contains(&number))
+    };
+    let damping = if said("damping-upper-bound") {
+        "ζ is an upper bound"
+    } else if said("damping-indicative") {
+        "ζ is indicative only"
+    } else {
+        ""
+    };
+    let weak = (mode.trust != Trust::Sure).then(|| {
+        let first = mode.reasons.first().map_or("", |reason| &reason.text);
+        match mode.reasons.len() {
+            0 => "weak".to_owned(),
+            1 => format!("weak: {first}"),
+            more => format!("weak: {first}; {} more", more - 1),
+        }
+    });
+    weak.unwrap_or_else(|| damping.to_owned())
+}
+
+/// Every mode with all that the file says of it in a row: also rejected ones, and those
+/// outside the band.
+fn every_mode(model: &ModalModel) -> String {
+    const HEADER: [&str; 5] = ["mode", "f, Hz ± 95 %", "ζ, % ± 95 %", "", "reasons"];
+    let mut number = 0;
+    let row = |mode: &Mode| {
+        let counts = mode.in_band && mode.trust != Trust::Rejected;
+        number += usize::from(counts);
+        let one = Numbered {
+            number,
+            mode,
+            remark: String::new(),
+        };
+        let [own, frequency, damping] = cells(&one);
+        let grade = match (mode.in_band, mode.trust) {
+            (false, _) => "outside the band",
+            (true, Trust::Sure) => "sure",
+            (true, Trust::Weak) => "weak",
+            (true, Trust::Rejected) => "rejected",
+        };
+        vec![
+            if counts { own } else { String::new() },
+            frequency,
+            damping,
+            grade.into(),
+            mode.reasons.sentences().join("; "),
+        ]
+    };
+    let rows: Vec<Vec<String>> = model.modes.iter().map(row).collect();
+    match rows.is_empty() {
+        true => String::new(),
+        false => format!("\n{}", table(&HEADER, &rows)),
+    }
+}
+
+/// Damping law and scale; with all of it also the method and the poles outside.
+fn whole(model: &ModalModel, verbose: bool) -> String {
+    let law = match model.damping {
+        Damping::Structural => "structural",
+        Damping::Viscous => "viscous",
+    };
+    let scaling = match model.scaling {
+        Scaling::UnitModalMass => "shapes of unit modal mass",
+        Scaling::Unscaled => "unscaled shapes",
+    };
+    let outside = model
+        .modes
+        .iter()
+        .filter(|mode| !mode.in_band && mode.trust != Trust::Rejected)
+        .count();
+    let mut line = format!("Damping law: {law}; {scaling}");
+    if verbose {
+        line += &format!(
+            "; method {}; {} outside the band (residual terms)",
+            model.method,
+            counted(outside, "pole")
+        );
+    }
+    line + "."
+}

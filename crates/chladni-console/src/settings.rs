@@ -1,0 +1,130 @@
+//! Settings that libraries name in their sentences, as options of the command line.
+//!
+//! A library knows no option. It names a setting of its own by the name of its field in
+//! backticks, with a value where it proposes one: `` `frf_kind mobility` ``. From Python
+//! that is the keyword; here it becomes `--frf-kind mobility`.
+
+use chladni_frf::{Error, ErrorKind, Finding};
+
+const SETTINGS: [&str; 22] = [
+    "block",
+    "blocks",
+    "dofs",
+    "duplicates",
+    "estimator",
+    "exponential_window",
+    "force",
+    "frf_kind",
+    "lenient",
+    "map",
+    "measured",
+    "memory",
+    "overlap",
+    "phase_unit",
+    "reference",
+    "references",
+    "response",
+    "sample_rate",
+    "scales",
+    "snap_df",
+    "time_sign",
+    "window",
+];
+
+/// The text with every setting as an option.
+pub fn as_options(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some((before, quoted, after)) = next_quoted(rest) {
+        out += before;
+        match option_of(quoted) {
+            Some(option) => out += &option,
+            None => out += &format!("`{quoted}`"),
+        }
+        rest = after;
+    }
+    out + rest
+}
+
+/// What stands before the next words in backticks, these, and what follows.
+fn next_quoted(text: &str) -> Option<(&str, &str, &str)> {
+    let (before, rest) = text.split_once('`')?;
+    let (quoted, after) = rest.split_once('`')?;
+    Some((before, quoted, after))
+}
+
+/// `frf_kind mobility` as `--frf-kind mobility`; `None` for what is no setting.
+fn option_of(quoted: &str) -> Option<String> {
+    let name = quoted
+        .split(' ')
+        .next()
+        .filter(|name| SETTINGS.contains(name))?;
+    Some(format!(
+        "--{}{}",
+        name.replace('_', "-"),
+        &quoted[name.len()..]
+    ))
+}
+
+/// The finding with every setting as an option.
+pub fn finding_with_options(finding: &Finding) -> Finding {
+    Finding {
+        text: as_options(&finding.text),
+        help: as_options(&finding.help).into(),
+        ..finding.clone()
+    }
+}
+
+/// The error with every setting as an option; a wrong option is named as one.
+pub fn error_with_options(error: Error) -> Error {
+    let field = error.field.as_deref().map(|field| {
+        option_of(field)
+            .filter(|_| error.kind == ErrorKind::Usage)
+            .unwrap_or_else(|| field.to_owned())
+    });
+    let text = |text: &Option<String>| text.as_deref().map(as_options);
+    Error {
+        message: as_options(&error.message),
+        found: text(&error.found),
+        expected: text(&error.expected),
+        help: text(&error.help),
+        field,
+        ..error
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_become_options_and_other_words_in_backticks_stay() {
+        for (text, expected) in [
+            ("say it with `frf_kind`", "say it with --frf-kind"),
+            (
+                "unit `mm/s`: say it with `frf_kind mobility` or `time_sign -`.",
+                "unit `mm/s`: say it with --frf-kind mobility or --time-sign -.",
+            ),
+            ("`lenient` masks `x`", "--lenient masks `x`"),
+            ("method `robust` serves more", "method `robust` serves more"),
+            ("an open ` and `map", "an open ` and `map"),
+            ("`map` or `map frf=H`", "--map or --map frf=H"),
+        ] {
+            assert_eq!(as_options(text), expected);
+        }
+    }
+
+    #[test]
+    fn a_wrong_setting_is_named_as_the_option() {
+        let wrong = Error::new(ErrorKind::Usage, "no possible overlap").field("overlap");
+        assert_eq!(
+            error_with_options(wrong).field.as_deref(),
+            Some("--overlap")
+        );
+        let column = Error::bad_data("no number").field("reference");
+        assert_eq!(
+            error_with_options(column).field.as_deref(),
+            Some("reference")
+        );
+    }
+}

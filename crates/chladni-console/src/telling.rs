@@ -1,0 +1,144 @@
+//! Findings as a terminal shows them: one paragraph for each code, in the order of their
+//! weight.
+
+use crate::next_step::option_for;
+use crate::table::counted;
+use chladni_frf::{Finding, Severity};
+use std::cmp::Reverse;
+
+/// Columns of a terminal; pipes get the same text.
+const COLUMNS: usize = 80;
+/// Columns of the word before a finding: `caution`, and two blanks.
+const INDENT: usize = 9;
+
+/// A paragraph for the terminal.
+#[derive(Debug, PartialEq)]
+pub(crate) struct Told {
+    /// Of the finding; `None` for a line about all notes.
+    pub severity: Option<Severity>,
+    /// Its text without that word, in lines that fit beside it.
+    pub text: String,
+}
+
+/// Findings of one code as one paragraph, faults first; notes are counted unless all is
+/// `verbose`.
+pub(crate) fn told(findings: &[Finding], verbose: bool) -> Vec<Told> {
+    let mut groups: Vec<Vec<&Finding>> = Vec::new();
+    for finding in findings {
+        match groups.iter_mut().find(|group| alike(group[0], finding)) {
+            Some(group) if !verbose => group.push(finding),
+            _ => groups.push(vec![finding]),
+        }
+    }
+    groups.sort_by_key(|group| Reverse(group[0].severity));
+    let is_shown = |group: &&Vec<&Finding>| verbose || group[0].severity > Severity::Note;
+    let folded: usize = groups
+        .iter()
+        .filter(|group| !is_shown(group))
+        .map(Vec::len)
+        .sum();
+    let mut paragraphs: Vec<Told> = groups
+        .iter()
+        .filter(is_shown)
+        .map(|group| Told {
+            severity: Some(group[0].severity),
+            text: wrapped(&sentence(group, verbose)),
+        })
+        .collect();
+    if folded > 0 {
+        let them = if folded == 1 { "it" } else { "them" };
+        paragraphs.push(Told {
+            severity: None,
+            text: format!("{}: -v shows {them}", counted(folded, "note")),
+        });
+    }
+    paragraphs
+}
+
+fn alike(a: &Finding, b: &Finding) -> bool {
+    (&a.code, a.severity) == (&b.code, b.severity)
+}
+
+/// The first of the group, how many more there are, and what to do.
+fn sentence(group: &[&Finding], verbose: bool) -> String {
+    let first = group[0];
+    let mut sentence = first.text.clone();
+    if group.len() > 1 {
+        sentence += &format!(" (and {} more like it: -v)", group.len() - 1);
+    }
+    if verbose && !first.modes.is_empty() {
+        let modes: Vec<String> = first.modes.iter().map(usize::to_string).collect();
+        let noun = if modes.len() == 1 { "mode" } else { "modes" };
+        sentence += &format!(" [{noun} {}]", modes.join(", "));
+    }
+    if !first.help.is_empty() {
+        sentence += &format!("; {}", first.help);
+    }
+    match option_for(&first.code) {
+        Some(option) => sentence + &format!(" ({option})"),
+        None => sentence,
+    }
+}
+
+/// The text in lines that leave room for the word before it; words are never cut.
+fn wrapped(text: &str) -> String {
+    let mut lines = vec![String::new()];
+    for paragraph in text.lines() {
+        for word in paragraph.split_whitespace() {
+            let line = lines.last_mut().expect("there is at least one line");
+            let width = line.chars().count() + 1 + word.chars().count();
+            if !line.is_empty() && width > COLUMNS - INDENT {
+                lines.push(word.to_owned());
+            } else {
+                if !line.is_empty() {
+                    line.push(' ');
+                }
+                line.push_str(word);
+            }
+        }
+    }
+    lines.join(&format!("\n{}", " ".repeat(INDENT)))
+}
+
+/// The word before a finding, padded.
+pub(crate) fn label(severity: Severity) -> String {
+    format!("{:INDENT$}", severity.as_str())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn findings_of_one_code_are_one_paragraph_and_faults_come_first() {
+        let findings = [
+            Finding::note("a", "a note"),
+            Finding::caution("zero", "file a: zero pairs").help("nothing"),
+            Finding::caution("zero", "file b: zero pairs"),
+            Finding::fault("kind", "wrong kind"),
+            Finding::note("b", "another note"),
+        ];
+        let texts = |verbose| -> Vec<String> {
+            let all = told(&findings, verbose).into_iter();
+            all.map(|told| told.text).collect()
+        };
+        assert_eq!(
+            texts(false),
+            [
+                "wrong kind",
+                "file a: zero pairs (and 1 more like it: -v); nothing",
+                "2 notes: -v shows them"
+            ]
+        );
+        assert_eq!(texts(true).len(), 5);
+    }
+
+    #[test]
+    fn long_sentences_are_wrapped_beside_their_word() {
+        let finding = [Finding::caution("long", "word ".repeat(40))];
+        let told = told(&finding, false).remove(0);
+        let lines: Vec<&str> = told.text.lines().collect();
+        assert!(lines.len() == 3 && lines[1].starts_with("         word"));
+        assert!(lines.iter().all(|line| line.len() <= 80), "{lines:?}");
+    }
+}
