@@ -52,7 +52,8 @@ pub struct Reading {
     #[arg(long, value_name = "NAME=PATH", value_delimiter = ',', value_parser = parse_map)]
     pub map: Vec<(String, String)>,
     /// What to do with a pair (response, reference) that occurs twice
-    #[arg(long, value_name = "WHICH", value_parser = PossibleValuesParser::new(["error", "first", "last", "mean"]).map(duplicates))]
+    #[arg(long, value_name = "WHICH", value_parser = PossibleValuesParser::new(["error", "first", "last", "mean"])
+        .try_map(|text| text.parse::<Duplicates>()))]
     pub duplicates: Option<Duplicates>,
     /// Unit of phases in tables and arrays; needed where neither header nor numbers say
     #[arg(long, value_name = "UNIT", value_parser = PossibleValuesParser::new(["deg", "rad"]).try_map(|text| text.parse::<PhaseUnit>()))]
@@ -73,18 +74,20 @@ pub struct DofFile {
     list: DeclaredDofs,
 }
 
-fn read_dofs(path: &str) -> std::result::Result<DofFile, String> {
+fn read_dofs(path: &str) -> Result<DofFile> {
     let path = Path::new(path);
-    let list = chladni_text::read_text(path, "a list of DOFs")
-        .and_then(|text| DeclaredDofs::parse(&text).map_err(|error| error.file(path)))
-        .map_err(|error| error.to_string())?;
     Ok(DofFile {
         name: path.display().to_string(),
-        list,
+        list: DeclaredDofs::read(path)?,
     })
 }
 
 impl DofFile {
+    /// True where it is the standard input.
+    pub fn is_standard_input(&self) -> bool {
+        self.name == "-"
+    }
+
     /// Rows as they may stand in such a file.
     fn rows(&self) -> impl Iterator<Item = String> + '_ {
         self.list.rows.iter().map(|row| {
@@ -103,15 +106,6 @@ fn parse_map(text: &str) -> std::result::Result<(String, String), String> {
             Ok((name.trim().into(), path.trim().into()))
         }
         _ => Err("no entry NAME=PATH, as in frf=/data/H,freq=/data/f".into()),
-    }
-}
-
-fn duplicates(name: String) -> Duplicates {
-    match name.as_str() {
-        "first" => Duplicates::First,
-        "last" => Duplicates::Last,
-        "mean" => Duplicates::Mean,
-        _ => Duplicates::Error,
     }
 }
 
@@ -237,7 +231,7 @@ impl Reading {
             map: map
                 .filter_map(|(name, path)| Some((name.clone(), path.as_str()?.to_owned())))
                 .collect(),
-            duplicates: text("duplicates").map(|name| duplicates(name.to_owned())),
+            duplicates: text("duplicates").and_then(|name| name.parse().ok()),
             phase_unit: text("phase_unit").and_then(|unit| unit.parse().ok()),
             snap_df: given("snap_df"),
             lenient: given("lenient"),

@@ -19,18 +19,19 @@ pub fn start<C: Parser>(
 ) -> ExitCode {
     let json = usage::asks_for_json(std::env::args_os());
     interrupt::install(json);
+    // before the arguments: some options read a file
+    let _kept = KeptInputs::of_run();
     let cli: C = match usage::parse() {
         Ok(cli) => cli,
         Err(answer) => return answer.report(&C::command(), json),
     };
-    let _kept = KeptInputs::of_run();
     let common = common(&cli);
     let console = Console::new(common);
     let result = outcome::without_panic(|| {
         start_threads(common.threads)?;
         run(&cli, &console)
     });
-    outcome::report(result, &console)
+    outcome::report(result.map_err(interrupt::told), &console)
 }
 
 /// Starts the threads to compute with, as many as there are cores where no number is

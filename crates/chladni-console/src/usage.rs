@@ -1,6 +1,7 @@
 //! Wrong usage, in the same words and the same JSON as every other error.
 
 use crate::console::for_terminal;
+use crate::input::DofFile;
 use crate::stdout::print_error;
 use chladni_frf::{Error, ErrorKind};
 use clap::error::{ContextKind, ContextValue, ErrorKind as ClapKind};
@@ -39,7 +40,11 @@ fn one_standard_input(matches: &ArgMatches) -> Result<(), Error> {
         .ids()
         .filter_map(|id| matches.try_get_many::<PathBuf>(id.as_str()).ok().flatten())
         .flatten();
-    let count = files.filter(|file| file.as_os_str() == "-").count();
+    let lists = matches
+        .ids()
+        .filter_map(|id| matches.try_get_one::<DofFile>(id.as_str()).ok().flatten());
+    let count = files.filter(|file| file.as_os_str() == "-").count()
+        + lists.filter(|list| list.is_standard_input()).count();
     if count > 1 {
         return Err(
             Error::new(ErrorKind::Usage, "`-`, the standard input, is one file")
@@ -78,10 +83,15 @@ fn refuse(error: &Error, json: bool) -> ExitCode {
     if json {
         print_error(error);
     }
-    ExitCode::from(ErrorKind::Usage.exit_code())
+    ExitCode::from(error.kind.exit_code())
 }
 
 fn error_of(answer: &clap::Error, program: &Command) -> Error {
+    // a file that an option names could not be read: no wrong usage
+    let reason = std::error::Error::source(answer).and_then(|reason| reason.downcast_ref());
+    if let Some(error) = reason {
+        return Error::clone(error);
+    }
     let context = |kind| answer.get(kind).map(words).filter(|text| !text.is_empty());
     let argument = context(ContextKind::InvalidArg);
     let value = context(ContextKind::InvalidValue);

@@ -1,6 +1,7 @@
 //! DOFs that the user declares for FRFs whose files do not name them, or name them wrong.
 
 use chladni_frf::{Dof, Error, Result};
+use std::path::Path;
 
 /// A list of DOFs, one row for each FRF in the order of the files.
 ///
@@ -26,7 +27,44 @@ pub struct DeclaredRow {
     pub reference: Dof,
 }
 
+impl DeclaredRow {
+    /// A row of the cells `response, reference` or `file, response, reference`.
+    ///
+    /// # Errors
+    /// [`chladni_frf::ErrorKind::BadData`] for other cells.
+    pub fn of_cells(cells: &[impl AsRef<str>]) -> Result<Self> {
+        let cells: Vec<&str> = cells.iter().map(AsRef::as_ref).collect();
+        let (file, response, reference) = match cells.as_slice() {
+            [response, reference] => (None, response, reference),
+            [file, response, reference] => (Some((*file).to_owned()), response, reference),
+            _ => {
+                return Err(Error::bad_data("no row of a list of DOFs")
+                    .found(cells.join(", "))
+                    .expected("response, reference or file, response, reference"))
+            }
+        };
+        let dof = |name: &str, text: &str| {
+            text.parse::<Dof>()
+                .map_err(|message| Error::bad_word(&message, text).field(name))
+        };
+        Ok(Self {
+            file,
+            response: dof("response", response)?,
+            reference: dof("reference", reference)?,
+        })
+    }
+}
+
 impl DeclaredDofs {
+    /// Reads a file of such rows.
+    ///
+    /// # Errors
+    /// Those of reading, and of [`Self::parse`].
+    pub fn read(path: &Path) -> Result<Self> {
+        let text = chladni_text::read_text(path, "a list of DOFs")?;
+        Self::parse(&text).map_err(|error| error.file(path))
+    }
+
     /// Reads rows `response, reference` or `file, response, reference`, cut at commas,
     /// semicolons, tabs or blanks. A first line of names and lines with `#` count
     /// nothing.
@@ -45,25 +83,8 @@ impl DeclaredDofs {
             if line.is_empty() || line.starts_with('#') || is_header {
                 continue;
             }
-            let (file, response, reference) = match cells.as_slice() {
-                [response, reference] => (None, response, reference),
-                [file, response, reference] => (Some((*file).to_owned()), response, reference),
-                _ => {
-                    return Err(Error::bad_data("no row of a list of DOFs")
-                        .at_line(number)
-                        .found(line)
-                        .expected("response, reference or file, response, reference"))
-                }
-            };
-            let dof = |name: &str, text: &str| {
-                text.parse::<Dof>()
-                    .map_err(|message| Error::bad_word(&message, text).at_line(number).field(name))
-            };
-            rows.push(DeclaredRow {
-                file,
-                response: dof("response", response)?,
-                reference: dof("reference", reference)?,
-            });
+            let row = DeclaredRow::of_cells(&cells);
+            rows.push(row.map_err(|error| error.at_line(number))?);
         }
         if rows.is_empty() {
             return Err(Error::bad_data("the list of DOFs is empty")

@@ -298,3 +298,18 @@ pub enum Duplicates {
     /// Average them.
     Mean,
 }
+
+impl std::str::FromStr for Duplicates {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "error" => Ok(Self::Error),
+            "first" => Ok(Self::First),
+            "last" => Ok(Self::Last),
+            "mean" => Ok(Self::Mean),
+            _ => Err(format!(
+                "`{text}` is no choice among pairs that occur twice; write error, first, last or mean"
+            )),
+        }
+    }
+}

@@ -172,3 +172,22 @@ fn dofs_are_declared_by_options_and_by_a_list() {
     let run = folder.run("convert p1.csv p2.csv --dofs short.txt -o none.csv");
     assert_eq!(run.code, 65, "{}", run.stderr);
 }
+
+#[test]
+fn a_list_of_dofs_is_an_input_like_any_other() {
+    let folder = Folder::new();
+    folder.write("p.csv", "f,re [m/s/N],im\n1,2,3\n2,4,5\n");
+    folder.write("dofs.txt", "5:+Z,101:+Z\n");
+    let missing = folder.run("info p.csv --dofs none.txt --json");
+    assert_eq!(missing.code, 66, "{}", missing.stderr);
+    assert_eq!(missing.json()["error"]["file"], "none.txt");
+    folder.write("bad.txt", "5:+Z,101:+Q\n");
+    let bad = folder.run("info p.csv --dofs bad.txt --json");
+    assert_eq!(bad.code, 65, "{}", bad.stderr);
+    assert_eq!(bad.json()["error"]["line"], 1);
+    // it is never written over
+    folder
+        .run("convert p.csv --dofs dofs.txt -o dofs.txt --force")
+        .exits(73);
+    assert_eq!(folder.text("dofs.txt"), "5:+Z,101:+Z\n");
+}

@@ -154,6 +154,7 @@ fn the_standard_input_is_one_file() {
         assert!(error["message"].as_str().unwrap().contains('-'), "{error}");
         assert_eq!(error["found"], "2 times `-`", "{error}");
     }
+    bash(&folder, "echo 5:+Z,101:+Z | chladni info - --dofs -").exits(2);
     // the value of an option is no file
     bash(
         &folder,
