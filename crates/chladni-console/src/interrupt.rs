@@ -4,13 +4,17 @@
 use crate::stdout::{is_printing, print_error};
 use chladni_frf::{Error, ErrorKind};
 use std::io::{self, Write};
-use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, LazyLock, Mutex};
 
 /// Held while a file is being written beside its place.
 static WRITING: Mutex<()> = Mutex::new(());
 
+/// True once a file has grown beyond what this process may write (SIGXFSZ).
+static TOO_LARGE: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
+
 /// Ends the process in order on Ctrl-C, on termination, when its terminal is closed and
-/// when its time is used up.
+/// when its time or the size of its files is used up.
 ///
 /// A signal that is ignored already (Ctrl-C in a background job, the closed terminal
 /// under `nohup`) stays ignored. One that comes before this is installed, or where it
@@ -22,28 +26,60 @@ pub fn install(json: bool) {
     let ignored = ignored_signals();
     let is_heard = |signal: &i32| ignored >> (signal - 1) & 1 == 0;
     if is_heard(&SIGXFSZ) {
-        // a file has grown beyond what is allowed: the writing fails with its own error
-        drop(signal_hook::flag::register(SIGXFSZ, Default::default()));
+        // known before the writing fails, so that its error says why
+        drop(signal_hook::flag::register(SIGXFSZ, TOO_LARGE.clone()));
     }
-    let endings = [SIGHUP, SIGINT, SIGTERM, SIGXCPU];
+    let endings = [SIGHUP, SIGINT, SIGTERM, SIGXCPU, SIGXFSZ];
     let Ok(mut signals) = Signals::new(endings.into_iter().filter(is_heard)) else {
         return;
     };
-    let wait = move || {
-        if signals.forever().next().is_some() {
+    watch(json, move || signals.forever().next().is_some());
+}
+
+/// The same for Ctrl-C, and for termination by a program of the same C library: there is
+/// nothing to wait for, so that a flag is looked at.
+#[cfg(not(unix))]
+pub fn install(json: bool) {
+    use signal_hook::consts::{SIGINT, SIGTERM};
+    /// Time between two looks: nobody notices it at a keyboard.
+    const LOOK: std::time::Duration = std::time::Duration::from_millis(50);
+    let ended = Arc::new(AtomicBool::new(false));
+    for signal in [SIGINT, SIGTERM] {
+        drop(signal_hook::flag::register(signal, ended.clone()));
+    }
+    watch(json, move || {
+        while !ended.load(Ordering::Relaxed) {
+            std::thread::sleep(LOOK);
+        }
+        true
+    });
+}
+
+/// Ends the process when `wait`, on a thread of its own, comes back with a signal.
+fn watch(json: bool, wait: impl FnOnce() -> bool + Send + 'static) {
+    let work = move || {
+        if wait() {
             end(json);
         }
     };
     drop(
         std::thread::Builder::new()
             .name("signals".into())
-            .spawn(wait),
+            .spawn(work),
     );
 }
 
-/// Elsewhere the system ends the process, and the next run removes what it leaves.
-#[cfg(not(unix))]
-pub fn install(_json: bool) {}
+/// The error of a run whose file has grown too large: an interruption like the others.
+pub fn told(error: Error) -> Error {
+    if !TOO_LARGE.load(Ordering::Relaxed) {
+        return error;
+    }
+    Error {
+        kind: ErrorKind::Interrupted,
+        ..error
+    }
+    .help("raise the limit on the size of files (ulimit -f); nothing half-written was left behind")
+}
 
 /// A bit for each signal that this process ignores, the lowest for signal 1; only Linux
 /// tells.
@@ -55,7 +91,6 @@ fn ignored_signals() -> u64 {
         .unwrap_or(0)
 }
 
-#[cfg(unix)]
 fn end(json: bool) {
     // a file in the making is finished first: it takes moments, and leaves nothing behind
     let _whole = WRITING.lock();

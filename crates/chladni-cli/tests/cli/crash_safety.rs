@@ -169,8 +169,6 @@ fn any_signal_leaves_the_old_file_or_the_new_one_and_nothing_beside_it() {
                 ends.push(end.code());
                 let expected: &[Option<i32>] = match signal {
                     "KILL" => &[Some(0), None],
-                    // growing too large is an error of writing, and not of this file
-                    "XFSZ" => &[Some(0)],
                     _ if signal == "HUP" && start.contains("nohup") => &[Some(0)],
                     _ => &[Some(0), Some(130)],
                 };
@@ -196,21 +194,24 @@ fn any_signal_leaves_the_old_file_or_the_new_one_and_nothing_beside_it() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_file_that_grows_too_large_is_an_error_of_writing() {
+fn a_file_that_grows_too_large_is_an_interruption() {
     let folder = Folder::with_panel();
     let before = folder.names();
-    let line = format!(
-        "ulimit -f 64; exec {} --json convert panel.h5 -o out.csv",
-        env!("CARGO_BIN_EXE_chladni")
-    );
-    let output = Command::new("sh")
-        .args(["-c", &line])
-        .current_dir(folder.path())
-        .output()
-        .unwrap();
-    let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert_eq!(output.status.code(), Some(74), "{answer}");
-    assert_eq!(folder.names(), before, "nothing was left behind");
+    for extension in ["csv", "h5", "uff", "npz"] {
+        let line = format!(
+            "ulimit -f 64; exec {} --json convert panel.h5 -o out.{extension}",
+            env!("CARGO_BIN_EXE_chladni")
+        );
+        let output = Command::new("sh")
+            .args(["-c", &line])
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(output.status.code(), Some(130), "{answer}");
+        assert_eq!(answer["error"]["code"], 130);
+        assert_eq!(folder.names(), before, "nothing was left behind");
+    }
 }
 
 #[test]
