@@ -11,12 +11,23 @@ use axum::response::{Html, IntoResponse, Response};
 use axum::routing::{get, post};
 use axum::{Json, Router};
 use chladni_frf::Result;
+use hyper::server::conn::http1;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::service::TowerToHyperService;
 use serde_json::{json, Value};
 use std::net::{SocketAddr, TcpListener};
 use std::sync::Arc;
+use std::time::Duration;
+use tokio::net::TcpStream;
 
 /// A question is a band or a scene: no more bytes than that needs.
 const LARGEST_QUESTION: usize = 1 << 20;
+/// Time for the head of a request, and between two of one connection: a browser on this
+/// machine needs milliseconds, and who takes longer holds a handle that others may need.
+const REQUEST_DEADLINE: Duration = Duration::from_secs(5);
+/// Wait for a free handle where the system grants no more of them.
+const PAUSE: Duration = Duration::from_millis(200);
+
 /// Who is let in: who asks this address, from its own page, and shows the token.
 pub struct Door {
     /// The address that is listened on.
@@ -77,13 +88,30 @@ pub fn serve(session: Arc<Session>, listener: TcpListener, door: Door) -> std::i
         .layer(from_fn_with_state(Arc::new(door), only_who_may))
         .with_state(session);
     listener.set_nonblocking(true)?;
-    // the clock serves a listener that waits for a free place among too many connections
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(1)
         .enable_all()
         .build()?;
-    runtime
-        .block_on(async { axum::serve(tokio::net::TcpListener::from_std(listener)?, routes).await })
+    runtime.block_on(async {
+        let listener = tokio::net::TcpListener::from_std(listener)?;
+        loop {
+            match listener.accept().await {
+                Ok((stream, _)) => drop(tokio::spawn(answer(stream, routes.clone()))),
+                // too many connections: until some of them are closed
+                Err(_) => tokio::time::sleep(PAUSE).await,
+            }
+        }
+    })
+}
+
+/// Answers the requests of one connection, each of which is said in time.
+async fn answer(stream: TcpStream, routes: Router) {
+    let connection = http1::Builder::new()
+        .timer(TokioTimer::new())
+        .header_read_timeout(REQUEST_DEADLINE)
+        .serve_connection(TokioIo::new(stream), TowerToHyperService::new(routes));
+    // one that was closed too early, or said nothing in time, gets no answer
+    drop(connection.await);
 }
 
 /// Refuses who is not let in, before anything is looked at that is asked for.
