@@ -7,6 +7,7 @@
 
 use crate::pieces::partial::Partial;
 use crate::pieces::poles::Poles;
+use crate::pieces::sound::Sound;
 use chladni_frf::{Error, CREATED_BY};
 use serde::{de::DeserializeOwned, Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -82,7 +83,7 @@ fn to_bytes(format: &str, content: &impl Serialize) -> Vec<u8> {
     bytes
 }
 
-fn from_bytes<T: DeserializeOwned>(format: &str, bytes: &[u8]) -> Result<T, Error> {
+fn from_bytes<T: DeserializeOwned + Sound>(format: &str, bytes: &[u8]) -> Result<T, Error> {
     let end = bytes.iter().take(HEAD_MOST).position(|byte| *byte == b'\n');
     let head: Option<DataLayout> = end.and_then(|end| serde_json::from_slice(&bytes[..end]).ok());
     let (Some(end), Some(head)) = (end, head) else {
@@ -118,10 +119,12 @@ fn from_bytes<T: DeserializeOwned>(format: &str, bytes: &[u8]) -> Result<T, Erro
             .found(digest(content))
             .expected(head.sha256));
     }
-    postcard::from_bytes(content).map_err(|error| {
+    let content: T = postcard::from_bytes(content).map_err(|error| {
         Error::bad_data("the content cannot be read")
             .field("content")
             .found(error)
             .expected("what its first line says")
-    })
+    })?;
+    content.check()?;
+    Ok(content)
 }

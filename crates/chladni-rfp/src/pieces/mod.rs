@@ -25,6 +25,7 @@ pub(crate) mod partial;
 pub(crate) mod plan;
 pub(crate) mod poles;
 pub(crate) mod solve;
+pub(crate) mod sound;
 
 pub use block::{reduce, Reducer};
 pub use error::PieceError;
