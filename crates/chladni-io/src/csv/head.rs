@@ -1,6 +1,6 @@
 //! What the header of a column says: part of the FRF, unit, DOFs.
 
-use super::vocabulary::{is_decibel, is_filler, known_words, part_of, words, Part};
+use super::vocabulary::{is_decibel, is_filler, is_squared, known_words, part_of, words, Part};
 use crate::unit_label::{self, frequency_unit, frf_unit, FrfUnit};
 use crate::PhaseUnit;
 use chladni_frf::Dof;
@@ -78,6 +78,8 @@ impl Head {
         head.base = others.join(" ");
         head.part = match parts.as_slice() {
             [] if head.is_decibel => Part::Magnitude,
+            // a power spectrum is no FRF
+            [Part::Magnitude] if is_squared(rest) => Part::Unknown,
             &[part] => part,
             _ => Part::Unknown,
         };
@@ -260,6 +262,11 @@ mod tests {
             ("H [dB]", Part::Magnitude, "dB"),
             ("H dB", Part::Magnitude, "dB"),
             ("mag_db", Part::Magnitude, "db"),
+            ("|H|^2", Part::Unknown, ""),
+            ("mag squared [1]", Part::Unknown, "1"),
+            ("coherence^2", Part::Coherence, ""),
+            ("mag [m/s^2/N]", Part::Magnitude, "m/s^2/N"),
+            ("|H(f)| m/s²/N", Part::Magnitude, "m/s²/N"),
             ("Magnitude dB re 1 m/s/N", Part::Magnitude, "dB re 1 m/s/N"),
             ("H1 [Re]", Part::Re, ""),
             ("|H|", Part::Magnitude, ""),

@@ -56,6 +56,16 @@ const PARTS: [(Part, &[&str]); 5] = [
 ];
 /// Words for a magnitude on a logarithmic scale.
 const DECIBEL: [&str; 6] = ["db", "decibel", "decibels", "log", "log10", "20log10"];
+/// Words for the square of a magnitude.
+const SQUARED: [&str; 7] = [
+    "squared",
+    "square",
+    "power",
+    "psd",
+    "quadrat",
+    "betragsquadrat",
+    "magsq",
+];
 /// Names that a frequency axis goes by.
 const FREQUENCY: [&str; 15] = [
     "f",
@@ -104,6 +114,14 @@ pub(super) fn part_of(word: &str) -> Option<Part> {
 /// True for a word that says decibels or another logarithm.
 pub(super) fn is_decibel(word: &str) -> bool {
     DECIBEL.contains(&word.to_lowercase().as_str())
+}
+
+/// True for a word or a sign behind it that says a square: `|H|²`, `|H|^2`.
+pub(super) fn is_squared(text: &str) -> bool {
+    text.contains("^2")
+        || text.contains("**2")
+        || text.contains('²')
+        || words(text).any(|word| SQUARED.contains(&word.to_lowercase().as_str()))
 }
 
 /// True for a name of a frequency axis, in lower case.

@@ -284,12 +284,16 @@ fn frf(
 
 fn abscissa(axis: &Axis, function_type: i32, warnings: &mut Vec<Finding>) -> f64 {
     let label = unit_label::parse(&axis.unit);
+    let over_frequency = function_type == FRF || function_type == COHERENCE;
+    if axis.quantity == TIME && over_frequency {
+        warnings.push(format!(
+            "a function of frequency over an abscissa of time (quantity code {TIME}): the abscissa is taken as Hz"
+        ));
+    }
     let (factor, assumed) = match axis.quantity {
-        TIME => (label.and_then(Unit::to_seconds), "s"),
+        TIME if !over_frequency => (label.and_then(Unit::to_seconds), "s"),
         FREQUENCY => (label.and_then(Unit::to_hertz), "Hz"),
-        _ if function_type == FRF || function_type == COHERENCE => {
-            (label.and_then(Unit::to_hertz), "Hz")
-        }
+        _ if over_frequency => (label.and_then(Unit::to_hertz), "Hz"),
         _ => return 1.0,
     };
     factor.unwrap_or_else(|| {
@@ -335,6 +339,20 @@ mod tests {
             scaling(FRF, &axes, [Direction::PLUS_Z; 2], units, &mut warnings),
             warnings,
         )
+    }
+
+    #[test]
+    fn an_frf_over_time_is_said() {
+        for (quantity, unit, factor, said) in [
+            (FREQUENCY, "kHz", 1e3, false),
+            (TIME, "s", 1.0, true),
+            (TIME, "kHz", 1e3, true),
+        ] {
+            let mut warnings = Vec::new();
+            assert_eq!(abscissa(&axis(quantity, unit), FRF, &mut warnings), factor);
+            let text = warnings.join("\n");
+            assert_eq!(text.contains("over an abscissa of time"), said, "{text}");
+        }
     }
 
     #[test]

@@ -434,6 +434,13 @@ fn lists_of_dofs_say_which_axis_is_which() {
         "{warnings:?}"
     );
 
+    let nameless = Npz(Vec::new())
+        .complex("frf", &[2, 3, 5], &values)
+        .reals("freq", &[1.0, 2.0, 3.0, 4.0, 5.0]);
+    let (_, warnings) = nameless.read(&ReadOptions::default()).unwrap();
+    let text = warnings.join("\n");
+    assert!(text.contains("in the order response, reference"), "{text}");
+
     let wrong = Npz(Vec::new())
         .complex("frf", &[2, 3, 5], &values)
         .reals("freq", &[1.0, 2.0, 3.0, 4.0, 5.0])

@@ -778,21 +778,18 @@ fn own_tables_keep_gaps_and_say_what_they_cannot_hold() {
     );
 }
 
-fn sample(name: &str) -> Option<PathBuf> {
-    let path =
-        PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")).join(name);
-    if !path.exists() {
-        crate::skipped(&format!("no sample {}", path.display()));
-        return None;
-    }
-    Some(path)
+/// A measured file of the project.
+fn sample(name: &str) -> PathBuf {
+    PathBuf::from(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../fixtures/measured"
+    ))
+    .join(name)
 }
 
 #[test]
 fn a_measured_frf_with_coherence() {
-    let Some(path) = sample("vtb-case1/case1_frf.csv") else {
-        return;
-    };
+    let path = sample("vtb-case1/case1_frf.csv");
     let (set, _, warnings) =
         read_frf(std::slice::from_ref(&path), &ReadOptions::default()).unwrap();
     let warnings = crate::words(&warnings);
@@ -816,9 +813,7 @@ fn a_measured_frf_with_coherence() {
 
 #[test]
 fn lists_of_python_complex_numbers_are_refused_and_readable_as_columns() {
-    let Some(path) = sample("pyuff-measured-beam-txt/meas_point_1.txt") else {
-        return;
-    };
+    let path = sample("pyuff-measured-beam-txt/meas_point_1.txt");
     let error = read_frf(std::slice::from_ref(&path), &ReadOptions::default()).unwrap_err();
     assert!(
         error.to_string().contains("without a frequency axis"),

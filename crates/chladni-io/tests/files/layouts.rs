@@ -1,7 +1,7 @@
 //! Small FRF tables in thousands of layouts, with the truth beside them: each is read
 //! right, or refused by a message that names the place and what to do. None is misread.
 //!
-//! `CHLADNI_LAYOUTS=2000 cargo test -p chladni-frf --test files layouts` runs as many.
+//! `CHLADNI_LAYOUTS=2000 cargo test -p chladni-io --test files layouts` runs as many.
 
 use chladni_frf::{Error, ErrorKind, FrfKind, FrfSet, ReferenceUnit};
 use chladni_io::{read_frf, ReadOptions};

@@ -188,7 +188,8 @@ impl<'a> Reader<'a> {
             .ok_or_else(|| Error::new(ErrorKind::Internal, "the axis of the lines is not known"))?;
         let mut values = array.into_frf_values(response, reference, line);
         self.refuse_infinities(frf, &values)?;
-        if shape.len() == 3 && line != 2 && !told {
+        // with one reference a swap would show in the number of responses
+        if shape.len() == 3 && values.dim().1 > 1 && !told {
             warnings.push(Finding::note(
                 "layout-guessed",
                 format!(
