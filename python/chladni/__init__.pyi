@@ -210,8 +210,13 @@ def read(
     *,
     frf_kind: FrfKind | None = None,
     time_sign: Literal["+", "-"] = "+",
-    references: Sequence[int] | None = None,
+    reference: int | Sequence[int] | None = None,
+    response: int | Sequence[int] | None = None,
+    dofs: str | PathLike[str] | Sequence[tuple[str, str] | tuple[str, str, str]] | None = None,
     map: Mapping[str, str] | None = None,
+    duplicates: Literal["error", "first", "last", "mean"] = "error",
+    phase_unit: Literal["deg", "rad"] | None = None,
+    snap_df: bool = False,
     lenient: bool = False,
 ) -> FrfSet: ...
 def simulate(

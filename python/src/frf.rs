@@ -7,7 +7,7 @@ use chladni_frf::{
     Direction, Dof, Error, ErrorKind, Finding, FrfKind, FrfValues, Geometry, Node, ReferenceUnit,
     TimeSign,
 };
-use chladni_io::{read_frf, write_frf, ReadOptions};
+use chladni_io::{read_frf, write_frf, DeclaredDofs, DeclaredRow, ReadOptions};
 use chladni_plate::Panel;
 use ndarray::Array3;
 use num_complex::{Complex32, Complex64};
@@ -17,6 +17,7 @@ use numpy::{
 };
 use pyo3::prelude::*;
 use std::path::PathBuf;
+use std::str::FromStr;
 
 /// FRFs of a structure: values[response, reference, line] on frequency_hz, SI units of
 /// the kind per N or V.
@@ -257,36 +258,92 @@ fn standard<T: Clone>(values: Array3<T>) -> Array3<T> {
     }
 }
 
+/// One node for all files, or one for each.
+#[derive(FromPyObject)]
+pub enum Nodes {
+    One(u64),
+    Each(Vec<u64>),
+}
+
+impl From<Nodes> for Vec<u64> {
+    fn from(nodes: Nodes) -> Self {
+        match nodes {
+            Nodes::One(node) => vec![node],
+            Nodes::Each(nodes) => nodes,
+        }
+    }
+}
+
+/// DOFs of all FRFs: a file of them, or rows (response, reference) or (file, response,
+/// reference).
+#[derive(FromPyObject)]
+pub enum DofList {
+    File(PathBuf),
+    Rows(Vec<Vec<String>>),
+}
+
+impl DofList {
+    fn declared(self, py: Python<'_>) -> PyResult<DeclaredDofs> {
+        let list = match self {
+            Self::File(path) => DeclaredDofs::read(&path),
+            Self::Rows(rows) => rows
+                .iter()
+                .map(|row| DeclaredRow::of_cells(row))
+                .collect::<chladni_frf::Result<Vec<_>>>()
+                .map(|rows| DeclaredDofs { rows }),
+        };
+        list.map_err(|error| raised(py, &error))
+    }
+}
+
 /// Reads files, a folder or a pattern as one FRF set.
 ///
-/// frf_kind: needed where the files do not say. time_sign: "-" for data in e^{-jωt}. map:
-/// HDF5 or MATLAB names, {"frf": "/data/H"}.
+/// frf_kind: needed where the files do not say. time_sign: "-" for data in e^{-jωt}.
+/// reference, response: node of files that hold one reference or one response, one for all
+/// or one for each. dofs: of all FRFs in their order, rows (response, reference) or (file,
+/// response, reference), or a file of them. map: HDF5 or MATLAB names, {"frf": "/data/H"}.
+/// duplicates: a pair that occurs twice is an "error", or its "first", "last" or "mean"
+/// counts. phase_unit: "deg" or "rad", where neither header nor numbers say. snap_df: the
+/// exact line spacing that the printed digits of a universal file stand for. lenient: mask
+/// what cannot be read.
 #[pyfunction]
-#[pyo3(signature = (paths, *, frf_kind=None, time_sign="+", references=None, map=None, lenient=false))]
+#[pyo3(signature = (paths, *, frf_kind=None, time_sign="+", reference=None, response=None, dofs=None, map=None, duplicates="error", phase_unit=None, snap_df=false, lenient=false))]
+#[allow(clippy::too_many_arguments)] // those of the command line
 pub fn read(
     py: Python<'_>,
     paths: &Bound<'_, PyAny>,
     frf_kind: Option<&str>,
     time_sign: &str,
-    references: Option<Vec<u64>>,
+    reference: Option<Nodes>,
+    response: Option<Nodes>,
+    dofs: Option<DofList>,
     map: Option<std::collections::BTreeMap<String, String>>,
+    duplicates: &str,
+    phase_unit: Option<&str>,
+    snap_df: bool,
     lenient: bool,
 ) -> PyResult<FrfSet> {
     let paths: Vec<PathBuf> = match paths.extract::<PathBuf>() {
         Ok(one) => vec![one],
         Err(_) => paths.extract()?,
     };
-    let kind = frf_kind.map(|text| {
-        text.parse::<FrfKind>()
-            .map_err(|message| wrong_word(py, "frf_kind", text, &message.to_string()))
-    });
     let options = ReadOptions {
-        frf_kind: kind.transpose()?,
-        time_sign: time_sign
-            .parse::<TimeSign>()
-            .map_err(|message| wrong_word(py, "time_sign", time_sign, &message.to_string()))?,
-        references: references.unwrap_or_default(),
+        frf_kind: frf_kind
+            .map(|text| word(py, "frf_kind", text))
+            .transpose()?,
+        time_sign: word(py, "time_sign", time_sign)?,
+        references: reference.map(Vec::from).unwrap_or_default(),
+        responses: response.map(Vec::from).unwrap_or_default(),
+        dofs: dofs
+            .map(|list| list.declared(py))
+            .transpose()?
+            .unwrap_or_default(),
         map: map.unwrap_or_default().into_iter().collect(),
+        duplicates: word(py, "duplicates", duplicates)?,
+        phase_unit: phase_unit
+            .map(|text| word(py, "phase_unit", text))
+            .transpose()?,
+        snap_df,
         lenient,
         ..ReadOptions::default()
     };
@@ -294,6 +351,15 @@ pub fn read(
         .detach(|| read_frf(&paths, &options))
         .map_err(|error| raised(py, &error))?;
     Ok(FrfSet { set, findings })
+}
+
+/// The value that a word stands for.
+fn word<T: FromStr>(py: Python<'_>, name: &str, text: &str) -> PyResult<T>
+where
+    T::Err: std::fmt::Display,
+{
+    text.parse()
+        .map_err(|message: T::Err| wrong_word(py, name, text, &message.to_string()))
 }
 
 /// FRFs of a virtual panel and the model behind them, from a panel file (TOML).

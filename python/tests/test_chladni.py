@@ -82,6 +82,29 @@ def test_files_come_back_bit_by_bit(frf, model, tmp_path):
     assert refused.value.code == 73 and str(tmp_path / "set.h5") == refused.value.file
 
 
+def test_what_files_do_not_say_is_declared_as_on_the_command_line(tmp_path):
+    for number in (1, 2):
+        (tmp_path / f"p{number}.csv").write_text("f,mag [m/s/N],phase\n1,2,1.5\n2,4,-1.5\n")
+    files = [tmp_path / "p1.csv", tmp_path / "p2.csv"]
+    with pytest.raises(chladni.ChladniError, match="phase"):
+        chladni.read(files)
+    hammer = chladni.read(files, phase_unit="rad", response=7, reference=[1, 7])
+    assert (hammer.responses, hammer.references) == (["7:+Z"], ["1:+Z", "7:+Z"])
+    assert np.allclose(hammer.values[0, 0], [2 * np.exp(1.5j), 4 * np.exp(-1.5j)])
+    rows = [("5:+Z", "101:+Z"), ("5:+Z", "102:-X")]
+    listed = chladni.read(files, phase_unit="deg", dofs=rows)
+    assert (listed.responses, listed.references) == (["5:+Z"], ["101:+Z", "102:-X"])
+    (tmp_path / "dofs.txt").write_text("response,reference\n5:+Z,101:+Z\n5:+Z,102:-X\n")
+    assert chladni.read(files, phase_unit="deg", dofs=tmp_path / "dofs.txt").references == listed.references
+    with pytest.raises(chladni.ChladniError) as missing:
+        chladni.read(files, dofs=tmp_path / "none.txt")
+    assert missing.value.code == 66
+    for name, value in (("phase_unit", "gon"), ("duplicates", "both")):
+        with pytest.raises(chladni.ChladniError) as word:
+            chladni.read(files, **{name: value})
+        assert word.value.field == name and word.value.found == value
+
+
 def test_errors_carry_the_fields_of_the_contract(frf, tmp_path):
     with pytest.raises(chladni.ChladniError) as missing:
         chladni.read(tmp_path / "nothing.uff")
