@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs what the checks need beyond Rust and a C compiler: the C libraries of the `system` flavour, and a browser for the tests of the
-# report and the studio (without one they are skipped and say so). The default flavour needs nothing of this. OpenBLAS with threads on
+# Installs what the checks need beyond Rust and a C compiler: the C libraries of the `system` flavour, cargo-deny, and a browser for the tests of
+# the report and the studio (without one they are skipped and say so). The default flavour needs nothing of this. OpenBLAS with threads on
 # purpose: the build without them has no locks either, and our threads would have to queue for it (crates/chladni-linalg/src/lapack.rs).
 set -euo pipefail
 
@@ -33,3 +33,6 @@ done
 for component in rustfmt clippy; do
     cargo "${component/rust/}" --version >/dev/null 2>&1 || rustup component add "$component"
 done
+
+# licences, sources and advisories of the dependencies; where it cannot be had, that check is left out
+command -v cargo-deny >/dev/null || timeout 1200 cargo install -q cargo-deny --locked || echo "cargo-deny could not be installed"
