@@ -1,6 +1,8 @@
 //! What every fuzz target does with its bytes: what the seeded mutations ask of a reader,
 //! on a file in memory.
 
+pub mod differential;
+pub mod pieces;
 #[path = "../../crates/chladni-cli/src/studio/question.rs"]
 pub mod question;
 pub mod questions;
@@ -18,9 +20,17 @@ use std::time::Duration;
 /// need.
 static FOLDER: LazyLock<PathBuf> = LazyLock::new(|| {
     // work handed to another thread and waited for takes longer, too
-    rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global().unwrap();
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(1)
+        .use_current_thread()
+        .build_global()
+        .unwrap();
     let memory = Path::new("/dev/shm");
-    let parent = if memory.is_dir() { memory.to_path_buf() } else { std::env::temp_dir() };
+    let parent = if memory.is_dir() {
+        memory.to_path_buf()
+    } else {
+        std::env::temp_dir()
+    };
     let folder = parent.join(format!("chladni-fuzz-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     folder

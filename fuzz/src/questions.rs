@@ -115,7 +115,9 @@ impl Number {
 impl Profile {
     fn text(&self) -> String {
         match self {
-            Self::Known(k) => ["paper", "classic", "press-flat", "Paper"][usize::from(k % 4)].into(),
+            Self::Known(k) => {
+                ["paper", "classic", "press-flat", "Paper"][usize::from(k % 4)].into()
+            }
             Self::Table => "mine.csv".into(),
             Self::Path(k) => {
                 ["/etc/hostname", "/dev/zero", "../x.csv", ".", ""][usize::from(k % 5)].into()
@@ -132,7 +134,10 @@ impl Fit {
         let given = [
             ("page", self.page.map(Number::json)),
             ("draft", self.draft.map(Value::from)),
-            ("band_hz", self.band_hz.map(|band| json!(band.map(Number::json)))),
+            (
+                "band_hz",
+                self.band_hz.map(|band| json!(band.map(Number::json))),
+            ),
             ("modes", self.modes.map(Number::json)),
         ];
         for (name, value) in given {
@@ -170,7 +175,10 @@ impl Scene {
         let mut toml = match self.frequencies.as_slice() {
             [] => "frequency_hz = 60.0\n".to_owned(),
             [one] => format!("frequency_hz = {}\n", one.toml()),
-            several => format!("frequency_hz = {}\n", list(&several[..several.len().min(3)])),
+            several => format!(
+                "frequency_hz = {}\n",
+                list(&several[..several.len().min(3)])
+            ),
         };
         toml += "[threshold]\n";
         if let Some(profile) = &self.profile {
@@ -237,7 +245,7 @@ impl Key {
 }
 
 /// FRFs of the small panel on a few lines.
-static FRFS: LazyLock<FrfSet> = LazyLock::new(|| {
+pub static FRFS: LazyLock<FrfSet> = LazyLock::new(|| {
     let frequency_hz = Array1::from_iter((0..40).map(|k| 40.0 + f64::from(k)));
     let values = SMALL.synthesise(&frequency_hz);
     FrfSet {
@@ -249,6 +257,7 @@ static FRFS: LazyLock<FrfSet> = LazyLock::new(|| {
         reference_unit: ReferenceUnit::Newton,
         coherence: None,
         variance: None,
+        estimation: None,
         geometry: Geometry {
             nodes: SMALL.nodes.clone(),
             ..Geometry::default()
@@ -275,8 +284,12 @@ fn ask_for_fit(body: &str) {
     match question.checked(PAGES) {
         Err(error) => is_said(&error),
         Ok((options, turn)) => {
-            assert!(options.modes.is_none_or(|modes| (1..=1000).contains(&modes)));
-            assert!(options.band_hz.is_none_or(|band| band.into_iter().all(|hz| (0.0..=1e10).contains(&hz))));
+            assert!(options
+                .modes
+                .is_none_or(|modes| (1..=1000).contains(&modes)));
+            assert!(options
+                .band_hz
+                .is_none_or(|band| band.into_iter().all(|hz| (0.0..=1e10).contains(&hz))));
             let (_, newest) = serde_json::from_value::<FitQuestion>(
                 json!({"page": PAGES, "number": (1_u64 << 53) - 1}),
             )
