@@ -263,7 +263,7 @@ mod tests {
             ("H dB", Part::Magnitude, "dB"),
             ("mag_db", Part::Magnitude, "db"),
             ("|H|^2", Part::Unknown, ""),
-            ("mag squared [1]", Part::Unknown, "1"),
+            ("mag squared", Part::Unknown, ""),
             ("coherence^2", Part::Coherence, ""),
             ("mag [m/s^2/N]", Part::Magnitude, "m/s^2/N"),
             ("|H(f)| m/s²/N", Part::Magnitude, "m/s²/N"),
