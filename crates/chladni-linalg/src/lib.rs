@@ -40,6 +40,7 @@ pub const RANK_TOLERANCE: f64 = 1e-13;
 
 /// Why a kernel gave no result.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum LinalgError {
     /// NaN or infinity in the input.
     #[error("{operation}: the matrix holds NaN or infinity")]

@@ -8,6 +8,7 @@ use thiserror::Error;
 /// A fit that cannot be done. A fit that was done but cannot be trusted is no error: see
 /// the result's quality.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum FitError {
     /// The FRF kind is not known.
     #[error("the FRF kind is unknown; say receptance, mobility or accelerance")]
