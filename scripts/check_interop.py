@@ -7,6 +7,7 @@ Needs numpy, h5py, pyuff and scipy. Usage: scripts/check_interop.py [path of the
 * text universal files: to the printed digit
 * mode shapes (55, 2414), nodes (15, 2411), trace lines (82), elements (2412): to the printed digit
 * files written by pyuff, h5py, scipy and numpy: read bit-equal
+* random sets, written by Python and handed on through all formats: bit-equal
 * speed: text 58 against pyuff, 58b against its raw bytes, in processor time
 """
 import json
@@ -151,6 +152,43 @@ def foreign_files(folder):
             check(f"{name}: bit-equal", np.array_equal(npz["frf"], frf) and np.array_equal(npz["freq"], freq))
 
 
+def random_sets(folder, count=20):
+    """Sets of any size, precision and order of axes, from every writer of Python and back through every writer of ours."""
+    random = np.random.default_rng(5)
+    bad = []
+    for number in range(count):
+        responses, references, lines = random.integers(1, 5), random.integers(1, 4), random.integers(5, 9)
+        frf = random.normal(size=(responses, references, lines)) + 1j * random.normal(size=(responses, references, lines))
+        frf = (frf * 10.0 ** random.integers(-30, 30)).astype(random.choice(["<c16", "<c8", ">c16"]))
+        freq = np.cumsum(random.integers(1, 999, lines)) / 64
+        axes = random.permutation(3)
+        names = "-".join(np.array(["response", "reference", "line"])[axes])
+        stored = frf.transpose(axes)
+        path = folder / ["random.npz", "random.mat", "random.h5"][number % 3]
+        if path.suffix == ".npz":
+            np.savez(path, frf=random.choice([np.asfortranarray, np.ascontiguousarray])(stored), freq=freq)
+        elif path.suffix == ".mat":
+            scipy.io.savemat(path, dict(frf=stored, freq=freq), do_compression=bool(random.integers(2)))
+        else:
+            with h5py.File(path, "w") as h5:
+                h5.create_dataset("frf", data=stored, chunks=bool(random.integers(2)) or None)
+                h5["freq"] = freq
+        place = "" if path.suffix == ".npz" else "/"
+        chladni("convert", path, "--map", f"frf={place}frf,freq={place}freq,axes={names}", "--frf-kind", "mobility", "-o", folder / "first.h5")
+        source = folder / "first.h5"
+        for extension in random.permutation(["npz", "mat", "csv", "uff", "h5"]):
+            target = folder / f"chain-{number}.{extension}"
+            chladni("convert", source, "--frf-kind", "mobility", "-o", target)
+            source = target
+        chladni("convert", source, "--frf-kind", "mobility", "-o", folder / "last.npz")
+        with np.load(folder / "last.npz") as npz:
+            # text has the digits of single precision
+            same = npz["frf"].shape == frf.shape and np.array_equal(npz["frf"].astype(frf.dtype), frf) and np.allclose(npz["freq"], freq, rtol=1e-12, atol=0)
+        if not same:
+            bad.append(f"{number} ({path.suffix}, {names})")
+    check(f"{count} random sets of numpy, scipy and h5py through npz, mat, csv, uff and h5: bit-equal" + "".join(f"; not {one}" for one in bad), not bad)
+
+
 def speed(folder):
     random = np.random.default_rng(3)
     frf, freq = random.normal(size=(40, 2, 3200)) * (1 - 0.5j), 1.0 + 0.3125 * np.arange(3200)
@@ -186,7 +224,7 @@ def speed(folder):
 def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        for part in (written_files, shapes, foreign_files, speed):
+        for part in (written_files, shapes, foreign_files, random_sets, speed):
             part(folder)
     if FAILED:
         raise SystemExit(f"{len(FAILED)} wrong")
