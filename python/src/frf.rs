@@ -5,7 +5,6 @@ use crate::findings::{findings_json, sentences};
 use crate::model::Model;
 use chladni_frf::{
     Direction, Dof, Error, ErrorKind, Finding, FrfKind, FrfValues, Geometry, Node, ReferenceUnit,
-    TimeSign,
 };
 use chladni_io::{read_frf, write_frf, DeclaredDofs, DeclaredRow, ReadOptions};
 use chladni_plate::Panel;

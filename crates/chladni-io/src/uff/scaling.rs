@@ -286,8 +286,12 @@ fn abscissa(axis: &Axis, function_type: i32, warnings: &mut Vec<Finding>) -> f64
     let label = unit_label::parse(&axis.unit);
     let over_frequency = function_type == FRF || function_type == COHERENCE;
     if axis.quantity == TIME && over_frequency {
-        warnings.push(format!(
-            "a function of frequency over an abscissa of time (quantity code {TIME}): the abscissa is taken as Hz"
+        warnings.push(Finding::caution(
+            "frequency-over-time",
+            format!(
+                "a function of frequency over an abscissa of time (quantity code {TIME}): the \
+                 abscissa is taken as Hz"
+            ),
         ));
     }
     let (factor, assumed) = match axis.quantity {
@@ -350,8 +354,8 @@ mod tests {
         ] {
             let mut warnings = Vec::new();
             assert_eq!(abscissa(&axis(quantity, unit), FRF, &mut warnings), factor);
-            let text = warnings.join("\n");
-            assert_eq!(text.contains("over an abscissa of time"), said, "{text}");
+            let told = |found: &Finding| found.code == "frequency-over-time";
+            assert_eq!(warnings.iter().any(told), said, "{warnings:?}");
         }
     }
 
