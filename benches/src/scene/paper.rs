@@ -20,6 +20,8 @@ use num_complex::Complex64;
 pub const PAPER_MODES: usize = 34;
 /// Numbers of exact modes beyond those.
 const MORE_MODES: [usize; 4] = [40, 50, 60, 80];
+/// What small singular values are cut below, of the largest: the two steps as one.
+pub const PAPER_CUT: f64 = 3e-3;
 /// Methods on the first place, each of which takes one step away from the paper.
 const STEPS: [Method; 3] = [Method::Tikhonov, Method::PressureMatching, Method::Mls];
 /// The first place with every response judged, those on the border of the zones too.
@@ -58,6 +60,8 @@ pub struct PaperRow {
     scene: Scene,
     /// Whose modes it was made with.
     pub modes_of: PaperModes,
+    /// Singular values left out of the two steps as one; `None`: one after the other.
+    pub cut: Option<f64>,
     /// What the drive is, and how the model judges it.
     pub weights: Weights,
     /// How the two steps do where no other mode than those that were summed moves.
@@ -87,14 +91,18 @@ impl PaperRow {
 }
 
 impl PaperRun {
-    /// The two steps on a scene, by rising number of modes.
+    /// The two steps on a scene, by rising number of modes; with a cut as one.
     pub(crate) fn two_steps<'a>(
         &'a self,
         scene: &'a str,
         modes_of: PaperModes,
+        cut: Option<f64>,
     ) -> impl Iterator<Item = &'a PaperRow> {
         self.rows.iter().filter(move |row| {
-            row.case.name == scene && row.modes_of == modes_of && row.steps().is_some()
+            row.case.name == scene
+                && row.modes_of == modes_of
+                && row.cut == cut
+                && row.steps().is_some()
         })
     }
 
@@ -137,26 +145,19 @@ pub fn paper(progress: &dyn Fn(&str)) -> Result<PaperRun> {
                 .filter(|_| modes_of == PaperModes::Exact);
             for count in (1..=PAPER_MODES).chain(more) {
                 let lowest = lowest_modes(model, count);
-                let row = judged(
-                    case,
-                    &panel,
-                    &lowest,
-                    modes_of,
-                    &unlimited,
-                    Method::Modal.into(),
-                )?;
-                let alone = render(
-                    &without_others(lowest),
-                    &unlimited,
-                    &options(Method::Modal.into()),
-                )?
-                .weights
-                .indices
-                .points;
-                rows.push(PaperRow {
-                    alone: Some(alone),
-                    ..row
-                });
+                let alone = without_others(lowest.clone());
+                for cut in [None, Some(PAPER_CUT)] {
+                    let options = RenderOptions {
+                        cut,
+                        ..options(Method::Modal.into())
+                    };
+                    let row = judged(case, &panel, &lowest, modes_of, &unlimited, &options)?;
+                    let alone = render(&alone, &unlimited, &options)?;
+                    rows.push(PaperRow {
+                        alone: Some(alone.weights.indices.points),
+                        ..row
+                    });
+                }
             }
         }
         let steps = STEPS
@@ -164,13 +165,14 @@ pub fn paper(progress: &dyn Fn(&str)) -> Result<PaperRun> {
             .into_iter()
             .filter(|_| case.name == SCENE_CASES[0].name);
         for asked in steps.chain([MethodChoice::Default]) {
+            let options = options(asked);
             rows.push(judged(
                 case,
                 &panel,
                 &fitted,
                 PaperModes::Fitted,
                 &scene,
-                asked,
+                &options,
             )?);
         }
     }
@@ -261,9 +263,9 @@ fn judged(
     model: &ModalModel,
     modes_of: PaperModes,
     scene: &Scene,
-    asked: MethodChoice,
+    options: &RenderOptions,
 ) -> Result<PaperRow> {
-    let rendering = render(model, scene, &options(asked))?;
+    let rendering = render(model, scene, options)?;
     let drive: Array1<Complex64> = rendering
         .weights
         .weights
@@ -274,8 +276,9 @@ fn judged(
     Ok(PaperRow {
         case,
         scene: scene.clone(),
-        asked,
+        asked: options.method,
         modes_of,
+        cut: options.cut,
         alone: None,
         highest_hz: model
             .in_band_modes()

@@ -1,7 +1,7 @@
 //! The figures of the seed paper, drawn from its reproduction, and its success over modes
 //! and places.
 
-use super::paper::{places, PaperModes, PaperRow, PaperRun, PAPER_MODES};
+use super::paper::{places, PaperModes, PaperRow, PaperRun, PAPER_CUT, PAPER_MODES};
 use chladni_frf::{ComplexVector, Result};
 use chladni_render::{Evaluation, Ground};
 use chladni_report::{
@@ -28,7 +28,7 @@ pub fn paper_figures(run: &PaperRun) -> Result<Vec<Figure>> {
         return Ok(Vec::new());
     };
     let paper = run
-        .two_steps(first.name, PaperModes::Exact)
+        .two_steps(first.name, PaperModes::Exact, None)
         .find(|row| row.weights.modes_used == PAPER_MODES);
     let (Some(paper), Some(ours)) = (paper, run.ours(first.name)) else {
         return Ok(Vec::new());
@@ -244,13 +244,14 @@ fn over_modes(run: &PaperRun, ours: &PaperRow) -> Figure {
             .range([0.0, PAPER_MODES as f64 + 1.0])
             .step(2.0)
     };
-    let curve = |modes_of: PaperModes, value: &dyn Fn(&PaperRow) -> f64| -> Vec<Place> {
+    let curve_of = |modes_of, cut, value: &dyn Fn(&PaperRow) -> f64| -> Vec<Place> {
         let rows = run
-            .two_steps(name, modes_of)
+            .two_steps(name, modes_of, cut)
             .filter(|row| row.weights.modes_used <= PAPER_MODES);
         rows.map(|row| [row.weights.modes_used as f64, value(row)])
             .collect()
     };
+    let curve = |modes_of, value: &dyn Fn(&PaperRow) -> f64| curve_of(modes_of, None, value);
     let level = |name: &str, value: f64, stroke: Stroke| Layer::Horizontals {
         name: Some(name.into()),
         at: vec![value],
@@ -297,6 +298,11 @@ fn over_modes(run: &PaperRun, ours: &PaperRow) -> Figure {
                 Colour::Series(4),
                 6.0,
             )
+            .line(
+                "both, the two steps as one with a cut",
+                curve_of(modes_of, Some(PAPER_CUT), &|row| row.points.total),
+                Stroke::new(Colour::Ink, 1.6).dashed(Dash::Dotted),
+            )
             .line("both", both.clone(), Stroke::new(Colour::Ink, 2.0))
             .marks("", both, Mark::Dot, Colour::Ink, 4.0)
     };
@@ -336,16 +342,22 @@ fn over_modes(run: &PaperRun, ours: &PaperRow) -> Figure {
 /// Share served at every place of the hot zone.
 fn over_places(run: &PaperRun) -> Figure {
     let mut names: Vec<(f64, String)> = Vec::new();
-    let mut rows: Vec<(f64, [Option<&PaperRow>; 3])> = Vec::new();
+    let mut rows: Vec<(f64, [Option<&PaperRow>; 4])> = Vec::new();
     for case in places() {
         // a gap between quarters and ninths
         let at = (rows.len() + 1 + usize::from(case.grid != [2, 2])) as f64;
         names.push((at, format!("{}/{}", case.hot, case.grid[0] * case.grid[1])));
-        let paper = [PaperModes::Exact, PaperModes::Fitted].map(|modes_of| {
-            run.two_steps(case.name, modes_of)
+        let paper = |modes_of, cut| {
+            run.two_steps(case.name, modes_of, cut)
                 .find(|row| row.weights.modes_used == PAPER_MODES)
-        });
-        rows.push((at, [paper[0], paper[1], run.ours(case.name)]));
+        };
+        let of_case = [
+            paper(PaperModes::Exact, None),
+            paper(PaperModes::Fitted, None),
+            run.ours(case.name),
+            paper(PaperModes::Fitted, Some(PAPER_CUT)),
+        ];
+        rows.push((at, of_case));
     }
     let last = rows.last().map_or(0.0, |row| row.0);
     let chart = |label: &str, share: fn(&PaperRow) -> f64, silence: bool| {
@@ -387,6 +399,13 @@ fn over_places(run: &PaperRun) -> Figure {
                 points(1, &share),
                 Mark::Cross,
                 Colour::Series(1),
+                8.0,
+            )
+            .marks(
+                "both as one with a cut, 34 fitted modes",
+                points(3, &share),
+                Mark::Diamond,
+                Colour::Series(2),
                 8.0,
             )
             .marks(

@@ -78,7 +78,7 @@ pub fn scene_csv(rows: &[SceneRow]) -> String {
     )
 }
 
-const PAPER_HEADER: [&str; 20] = [
+const PAPER_HEADER: [&str; 21] = [
     "scene",
     "method",
     "modes_of",
@@ -99,6 +99,7 @@ const PAPER_HEADER: [&str; 20] = [
     "predicted_cold",
     "alone_hot",
     "alone_cold",
+    "cut",
 ];
 
 /// A row for each drive of the seed paper's reproduction, as CSV.
@@ -135,6 +136,7 @@ pub fn paper_csv(rows: &[PaperRow]) -> String {
         .chain([steps.map_or_else(String::new, |steps| steps.psi.rank.to_string())])
         .chain([condition(steps.map(|steps| steps.psi.condition()))])
         .chain(judged.map(csv::number))
+        .chain([row.cut.map_or_else(String::new, csv::number)])
         .collect()
     });
     csv::table(

@@ -58,6 +58,9 @@ pub struct Args {
     /// Try the weights on a panel that errs, drifts, is touched, loses an actuator
     #[arg(long)]
     stress: bool,
+    /// Method modal in one step, without singular values below this share of the largest
+    #[arg(long, value_name = "X", value_parser = parse_share)]
+    cut: Option<f64>,
     /// Try other drive frequencies and suggest the best, Hz
     #[arg(long, value_name = "LO:HI", value_parser = parse_range)]
     sweep: Option<[f64; 2]>,
@@ -81,6 +84,11 @@ fn parse_range(text: &str) -> std::result::Result<[f64; 2], String> {
         Some(&[low, high]) => Ok([low, high]),
         _ => Err("no range LO:HI, as in 250:350".into()),
     }
+}
+
+fn parse_share(text: &str) -> std::result::Result<f64, String> {
+    let share = text.parse().ok().filter(|share| (0.0..1.0).contains(share));
+    share.ok_or_else(|| "no share from 0 to below 1, as in 0.01".into())
 }
 
 /// Runs the command.
@@ -129,6 +137,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         method: args.method,
         modes: args.modes,
         actuators: args.actuators,
+        cut: args.cut,
         ..RenderOptions::default()
     };
     let rendered = render_with_others(&model, &scene, &others, &options, measured.as_ref())

@@ -204,7 +204,7 @@ pub(crate) fn choose(
             let solve = |setup: &Setup| -> Result<Drive> {
                 let Decision { method, effort, .. } =
                     options.method.decide(&setup.problem, options.effort);
-                Ok(method.solve(setup, model, effort)?.drive)
+                Ok(method.solve(setup, model, effort, options.cut)?.drive)
             };
             let (ranked, whole) = (ranked(), solve(&setup)?);
             let wanted = judge.served(&whole);

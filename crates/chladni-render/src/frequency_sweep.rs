@@ -123,7 +123,7 @@ fn at(
         other => other,
     };
     let Decision { method, effort, .. } = method.decide(&setup.problem, options.effort);
-    let drive = method.solve(&setup, model, effort)?.drive;
+    let drive = method.solve(&setup, model, effort, options.cut)?.drive;
     let score = setup.problem.score(&drive);
     Ok(SweptFrequency {
         frequency_hz,

@@ -17,6 +17,9 @@ pub struct RenderOptions {
     pub drift: Drift,
     /// What is spent on finding weights.
     pub effort: Effort,
+    /// Method `modal`: its two steps as one, (ΓΨ)⁺, without singular values below this
+    /// share of the largest; `None`: one step after the other, without a cut.
+    pub cut: Option<f64>,
 }
 
 /// How much is spent on the search for the largest κ: what moves the conic methods along
@@ -58,6 +61,7 @@ impl RenderOptions {
         ]
         .into_iter()
         .chain(effort)
+        .chain(self.cut.map(|cut| ("cut", cut.into())))
         .map(|(key, value): (&str, serde_json::Value)| (key.to_owned(), value))
         .collect()
     }

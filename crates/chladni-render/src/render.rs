@@ -147,7 +147,7 @@ fn render_tone(
         drive,
         findings: said,
         modal,
-    } = method.solve(&used, model, effort)?;
+    } = method.solve(&used, model, effort, options.cut)?;
     let sparse = drive;
     let drive = spread(&sparse, &chosen.columns, setup.operator.references.len());
     let Setup {

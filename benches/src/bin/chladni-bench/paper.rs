@@ -71,7 +71,10 @@ fn text(rows: &[PaperRow]) -> String {
             ];
             [
                 row.case.name.to_owned(),
-                row.weights.method.clone(),
+                match row.cut {
+                    Some(cut) => format!("{}, cut {cut}", row.weights.method),
+                    None => row.weights.method.clone(),
+                },
                 format!("{} {}", row.weights.modes_used, row.modes_of.as_str()),
             ]
             .into_iter()

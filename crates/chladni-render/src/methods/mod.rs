@@ -98,6 +98,7 @@ impl Method {
         setup: &Setup,
         model: &ModalModel,
         effort: Effort,
+        cut: Option<f64>,
     ) -> Result<Solution> {
         let problem = &setup.problem;
         let mut solution = match self {
@@ -105,7 +106,7 @@ impl Method {
             Self::Mls => mls::solve(problem, setup.between())?,
             Self::Robust => robust::solve(setup, effort)?,
             Self::MinEffort => min_effort::solve(problem, setup.between(), effort)?,
-            Self::Modal => modal::solve(setup, model)?,
+            Self::Modal => modal::solve(setup, model, cut)?,
             Self::Tikhonov => Solution::of_direction(problem, &tikhonov::solve(problem)?),
             Self::Tsvd => Solution::of_direction(problem, &tsvd::solve(problem)?),
             Self::ContrastControl => {

@@ -4,6 +4,10 @@
 //!    Γ·W (seed paper, eq. 10);
 //! 2. A = Ψ⁺·W, Ψ the modes at the actuators (eq. 12 and 13).
 //!
+//! With a cut both are one: A = (ΓΨ)⁺·v_d, without small singular values. Where Γ has full
+//! column rank and Ψ full row rank, Ψ⁺Γ⁺ = (ΓΨ)⁺: the same equations, and what the rig can
+//! hardly do is no longer asked of it (docs/paper.md).
+//!
 //! Not for use: with the exact modes of the paper's panel it serves 29 to 66 % of the
 //! points of a quarter at any number of modes (docs/paper.md), because what the first
 //! step does not model the second one drives hard, and 34 modes of a symmetric panel
@@ -52,7 +56,8 @@ pub struct StepMatrix {
 }
 
 /// The drive of the two-step inverse with the modes that `setup` sums.
-pub(crate) fn solve(setup: &Setup, model: &ModalModel) -> Result<Solution> {
+/// * `cut`: see [`crate::RenderOptions::cut`]
+pub(crate) fn solve(setup: &Setup, model: &ModalModel, cut: Option<f64>) -> Result<Solution> {
     let Setup {
         problem,
         operator,
@@ -80,8 +85,14 @@ pub(crate) fn solve(setup: &Setup, model: &ModalModel) -> Result<Solution> {
         modes[n].participation.0[operator.reference_columns[j]]
     });
 
-    let (gamma, asked) = pseudo_inverse_times(&gamma, &one_phase_target(problem))?;
-    let (of_psi, drive): (_, Drive) = pseudo_inverse_times(&psi, &asked)?;
+    let target = one_phase_target(problem);
+    let whole = gamma.dot(&psi);
+    let (gamma, asked) = pseudo_inverse_times(&gamma, &target, None)?;
+    let (of_psi, two_steps): (_, Drive) = pseudo_inverse_times(&psi, &asked, None)?;
+    let drive = match cut {
+        Some(_) => pseudo_inverse_times(&whole, &target, cut)?.1,
+        None => two_steps,
+    };
     let gain = Complex64::from(problem.best_gain(&problem.field(&drive).map(amplitude), &drive));
     let drive = drive * gain;
     let sizes = [
@@ -94,6 +105,7 @@ pub(crate) fn solve(setup: &Setup, model: &ModalModel) -> Result<Solution> {
     ];
     let findings = matrices
         .iter()
+        .filter(|_| cut.is_none())
         .zip(sizes)
         .filter_map(|((name, matrix), size)| matrix.finding(name, size))
         .collect();
@@ -122,14 +134,17 @@ fn gamma(mode: &Mode, damping: Damping, omega: f64) -> Complex64 {
     Complex64::new(0.0, omega) / Complex64::new(omega_n * omega_n - omega * omega, loss)
 }
 
-/// matrix⁺·right by the SVD.
+/// matrix⁺·right by the SVD, without singular values below `cut` of the largest, or below
+/// rounding.
 fn pseudo_inverse_times(
     matrix: &Array2<Complex64>,
     right: &Array1<Complex64>,
+    cut: Option<f64>,
 ) -> Result<(StepMatrix, Array1<Complex64>)> {
     let (u, s, vh) = chladni_linalg::svd_thin(matrix.view()).map_err(unsolvable)?;
     let largest = s.first().copied().unwrap_or(0.0);
-    let noise = largest * f64::EPSILON * matrix.nrows().max(matrix.ncols()) as f64;
+    let rounding = f64::EPSILON * matrix.nrows().max(matrix.ncols()) as f64;
+    let noise = largest * rounding.max(cut.unwrap_or(0.0));
     let rank = s.iter().filter(|&&value| value > noise).count();
     let coordinates = u.t().mapv(|value| value.conj()).dot(right);
     let scaled = Array1::from_shape_fn(s.len(), |k| {

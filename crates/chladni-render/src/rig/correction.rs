@@ -155,7 +155,7 @@ pub fn correct(
         .covariance
         .mapv(|value| value * learned.inflation());
     let corrected = setup.with_operator(operator.mobility.clone(), covariance)?;
-    let solution = Method::Robust.solve(&corrected, model, options.effort)?;
+    let solution = Method::Robust.solve(&corrected, model, options.effort, None)?;
     findings.extend(solution.findings);
     let measured: Vec<Option<f64>> = seen
         .iter()
@@ -217,6 +217,7 @@ impl Learned {
         for (count, newest) in (1..).zip(seen) {
             let whole = newest.rows.len() == all.len();
             let (mut chosen, mut nis) = (Estimator::Structured, Vec::new());
+            let mut before = None;
             match learned {
                 Some(known) => {
                     chosen = known.chosen;
@@ -227,10 +228,11 @@ impl Learned {
                     }
                     nis = known.nis;
                     nis.push(score(known.estimators.operator(chosen), newest));
+                    before = Some(known.estimators.structured);
                 }
                 None => nis.push(score(&first, newest)),
             }
-            let estimators = estimate(&parts, &first, &seen[..count])?;
+            let estimators = estimate(&parts, &first, &seen[..count], before.as_ref())?;
             let largest = tolerances::MODE_SCALES[tolerances::MODE_SCALES.len() - 1];
             if count == 1 && whole && estimators.structured.scales.modes >= largest {
                 chosen = Estimator::Kalman;
@@ -351,8 +353,13 @@ fn see(
 }
 
 /// Both estimators from all fields so far; `first` is the model with its error bars.
-fn estimate(parts: &Parts, first: &KalmanOperator, seen: &[Seen]) -> Result<Estimators> {
-    let structured = parts.update(seen)?;
+fn estimate(
+    parts: &Parts,
+    first: &KalmanOperator,
+    seen: &[Seen],
+    before: Option<&Structured>,
+) -> Result<Estimators> {
+    let structured = parts.update(seen, before)?;
     let share = Complex64::from(tolerances::DESIGN_SHARE);
     let mut remainder = KalmanOperator {
         mobility: structured.mobility.clone(),

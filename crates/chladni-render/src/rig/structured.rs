@@ -16,9 +16,10 @@ use crate::modal_field::mode_mobility;
 use crate::operator::Operator;
 use crate::problem::{unsolvable, Drive};
 use crate::tolerances;
-use chladni_frf::{Damping, ModalModel, Mode, Result, Trust};
+use chladni_frf::{Damping, Error, ErrorKind, ModalModel, Mode, Result, Trust};
 use ndarray::{Array1, Array2, Axis};
 use num_complex::Complex64;
+use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 /// A measured field as an update takes it.
@@ -67,6 +68,8 @@ pub(crate) struct Structured {
     pub(crate) covariance: Array2<Complex64>,
     /// Standard deviation of each gain error.
     pub(crate) gain_std: Vec<f64>,
+    /// All unknowns: where the search goes on once another field is known.
+    theta: Array1<f64>,
 }
 
 /// The parts of the mobility that can move.
@@ -86,6 +89,13 @@ struct Normal {
     right: Array1<f64>,
     /// −½ rᵀr − Σ ln σ, to a constant.
     ln_likelihood: f64,
+}
+
+/// Normal equations under a prior.
+struct Weighed {
+    matrix: Array2<f64>,
+    right: Array1<f64>,
+    ln_evidence: f64,
 }
 
 impl Parts {
@@ -264,28 +274,26 @@ impl Parts {
         precision
     }
 
-    /// The most probable gains and shifts under all fields.
+    /// The most probable gains and shifts under all fields, sought from `start` on.
     ///
     /// # Errors
     /// Those of the factorisations.
-    pub(crate) fn update(&self, fields: &[Seen]) -> Result<Structured> {
-        let mut theta = Array1::zeros(self.unknowns());
-        let mut best: Option<Posterior> = None;
-        for _ in 0..tolerances::STRUCTURED_STEPS {
-            let found = self.likeliest(&theta, fields)?;
-            let change = (&found.theta - &theta)
-                .iter()
-                .map(|d| d * d)
-                .sum::<f64>()
-                .sqrt();
-            let size = found.theta.dot(&found.theta).sqrt();
-            theta.assign(&found.theta);
-            best = Some(found);
+    pub(crate) fn update(&self, fields: &[Seen], start: Option<&Structured>) -> Result<Structured> {
+        let mut theta = match start {
+            Some(start) => start.theta.clone(),
+            None => Array1::zeros(self.unknowns()),
+        };
+        let mut best = self.likeliest(&theta, fields)?;
+        for _ in 1..tolerances::STRUCTURED_STEPS {
+            let change = &best.theta - &theta;
+            let [change, size] = [&change, &best.theta].map(|values| values.dot(values).sqrt());
             if change <= tolerances::STRUCTURED_CHANGE * size {
                 break;
             }
+            theta.assign(&best.theta);
+            best = self.likeliest(&theta, fields)?;
         }
-        let best = best.expect("at least one step");
+        let theta = best.theta;
         let count = self.actuators();
         let of = |at: usize| Complex64::new(theta[at], theta[at + 1]);
         Ok(Structured {
@@ -301,84 +309,118 @@ impl Parts {
                 })
                 .collect(),
             odd: best.odd,
+            theta,
         })
     }
 
     /// One Gauss-Newton step at the scales and odd channels of the largest evidence.
     fn likeliest(&self, theta: &Array1<f64>, fields: &[Seen]) -> Result<Posterior> {
         let normals: Vec<(f64, Normal)> = tolerances::UNEXPLAINED_SCALES
-            .iter()
+            .par_iter()
             .map(|&s| (s, self.normal(theta, fields, s)))
             .collect();
+        let alternatives = (self.actuators() as f64).ln();
         let mut odd = Vec::new();
         loop {
-            let mut plain: Option<(f64, Posterior)> = None;
-            let mut wider: Option<(f64, usize)> = None;
-            for (unexplained, normal) in &normals {
-                for (gains, common, modes) in grid() {
+            // the best of each scale of gains: an odd channel goes with narrow ones
+            let posteriors: Vec<Posterior> = tolerances::GAIN_SCALES
+                .par_iter()
+                .map(|&gains| self.best_of_gains(theta, &normals, gains, &odd))
+                .collect::<Result<_>>()?;
+            let wider = posteriors
+                .iter()
+                .filter_map(|posterior| {
+                    let (channel, gain) = self.oddest(posterior, &odd)?;
+                    Some((posterior.ln_evidence + gain, channel))
+                })
+                .max_by(|a, b| a.0.total_cmp(&b.0));
+            let plain = posteriors
+                .into_iter()
+                .max_by(|a, b| a.ln_evidence.total_cmp(&b.ln_evidence))
+                .ok_or_else(|| Error::new(ErrorKind::Internal, "no scale of gains"))?;
+            match wider {
+                Some((with, channel))
+                    if with - plain.ln_evidence - alternatives > tolerances::ODD_EVIDENCE
+                        && odd.len() < tolerances::MOST_ODD =>
+                {
+                    odd.push(channel);
+                }
+                _ => return Ok(Posterior { odd, ..plain }),
+            }
+        }
+    }
+
+    /// The posterior of the largest evidence at one scale of gains.
+    fn best_of_gains(
+        &self,
+        theta: &Array1<f64>,
+        normals: &[(f64, Normal)],
+        gains: f64,
+        odd: &[usize],
+    ) -> Result<Posterior> {
+        let mut best: Option<(f64, Scales, &Normal)> = None;
+        for (unexplained, normal) in normals {
+            for common in tolerances::COMMON_SCALES {
+                for modes in tolerances::MODE_SCALES {
                     let scales = Scales {
                         unexplained: *unexplained,
                         gains,
                         common,
                         modes,
                     };
-                    let posterior = self.posterior(theta, normal, scales, &odd)?;
-                    if let Some((channel, gain)) = self.oddest(&posterior, &odd) {
-                        let evidence = posterior.ln_evidence + gain;
-                        if wider.is_none_or(|(best, _)| evidence > best) {
-                            wider = Some((evidence, channel));
-                        }
-                    }
-                    if plain
-                        .as_ref()
-                        .is_none_or(|(best, _)| posterior.ln_evidence > *best)
-                    {
-                        plain = Some((posterior.ln_evidence, posterior));
+                    let evidence = self.weighed(theta, normal, &scales, odd)?.ln_evidence;
+                    if best.is_none_or(|(most, ..)| evidence > most) {
+                        best = Some((evidence, scales, normal));
                     }
                 }
-            }
-            let (evidence, posterior) = plain.expect("there are scales");
-            let alternatives = (self.actuators() as f64).ln();
-            match wider {
-                Some((with, channel))
-                    if with - evidence - alternatives > tolerances::ODD_EVIDENCE
-                        && odd.len() < tolerances::MOST_ODD =>
-                {
-                    odd.push(channel);
-                }
-                _ => return Ok(Posterior { odd, ..posterior }),
             }
         }
+        let (_, scales, normal) =
+            best.ok_or_else(|| Error::new(ErrorKind::Internal, "no scale of shifts"))?;
+        let Weighed {
+            matrix,
+            right,
+            ln_evidence,
+        } = self.weighed(theta, normal, &scales, odd)?;
+        let covariance = chladni_linalg::inverse_hermitian(matrix.view()).map_err(unsolvable)?;
+        Ok(Posterior {
+            theta: covariance.dot(&right),
+            ln_evidence,
+            covariance,
+            scales,
+            odd: Vec::new(),
+        })
     }
 
-    fn posterior(
+    /// The normal equations under a prior, and the evidence for it.
+    fn weighed(
         &self,
         theta: &Array1<f64>,
         normal: &Normal,
-        scales: Scales,
+        scales: &Scales,
         odd: &[usize],
-    ) -> Result<Posterior> {
-        let precision = self.prior(&scales, odd);
+    ) -> Result<Weighed> {
+        let precision = self.prior(scales, odd);
         let mut matrix = normal.matrix.clone();
         for (value, precision) in matrix.diag_mut().iter_mut().zip(&precision) {
             *value += precision;
         }
         // around θ the data see M·θ + b
-        let right = &normal.right + &normal.matrix.dot(theta);
+        let shifted = normal.matrix.dot(theta);
+        let right = &normal.right + &shifted;
         let root = chladni_linalg::cholesky(matrix.view()).map_err(unsolvable)?;
-        let covariance = chladni_linalg::inverse_hermitian(matrix.view()).map_err(unsolvable)?;
-        let next = covariance.dot(&right);
+        let column = right.view().insert_axis(Axis(1));
+        let white = chladni_linalg::solve_lower(root.view(), column).map_err(unsolvable)?;
         let ln_det = 2.0 * root.diag().iter().map(|value| value.ln()).sum::<f64>();
         let ln_prior = precision.iter().map(|value| value.ln()).sum::<f64>();
         // −½ rᵀr at θ, moved to the next one
-        let quadratic =
-            next.dot(&right) - theta.dot(&normal.matrix.dot(theta)) - 2.0 * normal.right.dot(theta);
-        Ok(Posterior {
+        let quadratic = white.iter().map(|value| value * value).sum::<f64>()
+            - theta.dot(&shifted)
+            - 2.0 * normal.right.dot(theta);
+        Ok(Weighed {
+            matrix,
+            right,
             ln_evidence: normal.ln_likelihood + 0.5 * (quadratic - ln_det + ln_prior),
-            theta: next,
-            covariance,
-            scales,
-            odd: Vec::new(),
         })
     }
 
@@ -459,18 +501,6 @@ struct Posterior {
     covariance: Array2<f64>,
     scales: Scales,
     odd: Vec<usize>,
-}
-
-fn grid() -> impl Iterator<Item = (f64, f64, f64)> {
-    tolerances::GAIN_SCALES.into_iter().flat_map(|gains| {
-        tolerances::COMMON_SCALES
-            .into_iter()
-            .flat_map(move |common| {
-                tolerances::MODE_SCALES
-                    .into_iter()
-                    .map(move |modes| (gains, common, modes))
-            })
-    })
 }
 
 impl Seen {
