@@ -59,7 +59,7 @@ pub use rig::{rig_csv, rig_figures, rigs, RigError, RigOptions, RigRow, RigWay};
 pub use scene::{
     paper, paper_csv, paper_figures, scene_csv, scene_figures, scene_knobs, scenes, Means,
     PaperModes, PaperRow, PaperRun, SceneCase, SceneDrive, SceneOptions, ScenePanel, SceneRow,
-    Served, PAPER_MODES, SCENE_CASES,
+    Served, PAPER_CUTS, PAPER_MODES, SCENE_CASES,
 };
 pub use score::{Match, Score};
 pub use solver::Solver;

@@ -13,7 +13,7 @@ pub(crate) use cases::MeasuredPanel;
 pub use cases::{SceneCase, ScenePanel, SCENE_CASES};
 pub use figures::scene_figures;
 pub(crate) use figures::scenes_on_front;
-pub use paper::{paper, PaperModes, PaperRow, PaperRun, PAPER_MODES};
+pub use paper::{paper, PaperModes, PaperRow, PaperRun, PAPER_CUTS, PAPER_MODES};
 pub use paper_figures::paper_figures;
 pub use tables::{paper_csv, scene_csv};
 pub use true_panel::Served;

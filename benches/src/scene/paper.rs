@@ -20,8 +20,9 @@ use num_complex::Complex64;
 pub const PAPER_MODES: usize = 34;
 /// Numbers of exact modes beyond those.
 const MORE_MODES: [usize; 4] = [40, 50, 60, 80];
-/// What small singular values are cut below, of the largest: the two steps as one.
-pub const PAPER_CUT: f64 = 3e-3;
+/// Shares of the largest singular value below which those of the two steps as one are left
+/// out; the second is drawn.
+pub const PAPER_CUTS: [f64; 3] = [1e-3, 3e-3, 1e-2];
 /// Methods on the first place, each of which takes one step away from the paper.
 const STEPS: [Method; 3] = [Method::Tikhonov, Method::PressureMatching, Method::Mls];
 /// The first place with every response judged, those on the border of the zones too.
@@ -36,6 +37,8 @@ const NO_TRANSITION: SceneCase = SceneCase {
 pub enum PaperModes {
     /// Those of the plate, rigid-body modes first.
     Exact,
+    /// The elastic ones of the plate; the rigid body is a residual term, as in a fit.
+    Elastic,
     /// Those of a fit, all elastic.
     Fitted,
 }
@@ -45,6 +48,7 @@ impl PaperModes {
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Exact => "exact",
+            Self::Elastic => "elastic",
             Self::Fitted => "fitted",
         }
     }
@@ -131,13 +135,18 @@ pub fn paper(progress: &dyn Fn(&str)) -> Result<PaperRun> {
     progress("measuring and fitting the panel");
     let (panel, fitted) = measured_and_fitted(ScenePanel::ManyModes)?;
     let exact = with_rigid_modes(&panel)?;
+    let elastic = all_counted(panel.exact.clone());
     let cases: Vec<SceneCase> = places().chain([NO_TRANSITION]).collect();
     let mut countdown = Countdown::new(cases.len(), progress);
     let mut rows = Vec::new();
     for case in cases {
         countdown.next(case.name, false);
         let scene = case.scene(&panel)?;
-        for (modes_of, model) in [(PaperModes::Exact, &exact), (PaperModes::Fitted, &fitted)] {
+        for (modes_of, model) in [
+            (PaperModes::Exact, &exact),
+            (PaperModes::Elastic, &elastic),
+            (PaperModes::Fitted, &fitted),
+        ] {
             let unlimited = unlimited(&scene);
             let more = MORE_MODES
                 .iter()
@@ -146,7 +155,7 @@ pub fn paper(progress: &dyn Fn(&str)) -> Result<PaperRun> {
             for count in (1..=PAPER_MODES).chain(more) {
                 let lowest = lowest_modes(model, count);
                 let alone = without_others(lowest.clone());
-                for cut in [None, Some(PAPER_CUT)] {
+                for cut in std::iter::once(None).chain(PAPER_CUTS.map(Some)) {
                     let options = RenderOptions {
                         cut,
                         ..options(Method::Modal.into())
@@ -226,9 +235,13 @@ fn with_rigid_modes(panel: &MeasuredPanel) -> Result<ModalModel> {
         ..model.modes[0].clone()
     });
     model.modes = rigid.chain(model.modes.iter().cloned()).collect();
-    model.modes.iter_mut().for_each(|mode| mode.in_band = true);
     model.residual_terms.terms.clear();
-    Ok(model)
+    Ok(all_counted(model))
+}
+
+fn all_counted(mut model: ModalModel) -> ModalModel {
+    model.modes.iter_mut().for_each(|mode| mode.in_band = true);
+    model
 }
 
 /// The model with its lowest `count` modes counted; the others stay what they are to the

@@ -1,7 +1,7 @@
 //! The figures of the seed paper, drawn from its reproduction, and its success over modes
 //! and places.
 
-use super::paper::{places, PaperModes, PaperRow, PaperRun, PAPER_CUT, PAPER_MODES};
+use super::paper::{places, PaperModes, PaperRow, PaperRun, PAPER_CUTS, PAPER_MODES};
 use chladni_frf::{ComplexVector, Result};
 use chladni_render::{Evaluation, Ground};
 use chladni_report::{
@@ -300,7 +300,7 @@ fn over_modes(run: &PaperRun, ours: &PaperRow) -> Figure {
             )
             .line(
                 "both, the two steps as one with a cut",
-                curve_of(modes_of, Some(PAPER_CUT), &|row| row.points.total),
+                curve_of(modes_of, Some(PAPER_CUTS[1]), &|row| row.points.total),
                 Stroke::new(Colour::Ink, 1.6).dashed(Dash::Dotted),
             )
             .line("both", both.clone(), Stroke::new(Colour::Ink, 2.0))
@@ -355,7 +355,7 @@ fn over_places(run: &PaperRun) -> Figure {
             paper(PaperModes::Exact, None),
             paper(PaperModes::Fitted, None),
             run.ours(case.name),
-            paper(PaperModes::Fitted, Some(PAPER_CUT)),
+            paper(PaperModes::Fitted, Some(PAPER_CUTS[1])),
         ];
         rows.push((at, of_case));
     }
