@@ -13,12 +13,14 @@ mod speed;
 mod stabilization;
 mod stress;
 mod sweep;
+mod time;
 mod weights_around_edge;
 mod zones;
 
 pub(crate) use cmif::Cmif;
 pub use field_map::field_map;
 pub(crate) use mode_shape::shown_responses;
+pub use time::time;
 pub use weights_around_edge::weights_around_edge;
 
 use crate::chart::{Chart, Figure, Mark, Place};
