@@ -20,6 +20,8 @@ use std::time::Instant;
 const RISES_MS: [f64; 5] = [3.0, 5.0, 8.0, 10.0, 15.0];
 /// Force limits under which envelope programs are tried, N.
 const FORCES_N: [f64; 2] = [0.1, 0.002];
+/// Longest ramp that is to be found, ms.
+const AUTO_MS: f64 = 10.0;
 /// Length of the bursts, s.
 const BURST_S: f64 = 0.1;
 /// When they begin, s: room for what an inverse filter does before.
@@ -320,6 +322,67 @@ pub fn time_csv(rows: &[TimeRow]) -> String {
         &header,
         rows.iter().map(line),
     )
+}
+
+/// How many of the glass panel's cases keep every limit, by the ways that promise it.
+pub fn time_verdict(rows: &[TimeRow]) -> String {
+    let glass: Vec<&TimeRow> = rows
+        .iter()
+        .filter(|row| row.case.starts_with("glass"))
+        .collect();
+    let autos: Vec<&TimeRow> = glass
+        .iter()
+        .copied()
+        .filter(|row| row.ramps == "modal auto")
+        .collect();
+    let fast = autos
+        .iter()
+        .filter(|row| row.rise_ms <= AUTO_MS + 1e-6 && row.holds());
+    let mut lines = vec![format!(
+        "modal ramps of at most {AUTO_MS} ms, found by themselves: {} of {}",
+        fast.count(),
+        autos.len()
+    )];
+    for rise_ms in RISES_MS {
+        for limit_n in FORCES_N {
+            let tried: Vec<&TimeRow> = glass
+                .iter()
+                .copied()
+                .filter(|row| row.ramps == "program" && (row.rise_ms - rise_ms).abs() < 1e-6)
+                .filter(|row| row.limit_n == limit_n)
+                .collect();
+            if tried.is_empty() {
+                continue;
+            }
+            let count = tried.len();
+            let (kept, missed): (Vec<&TimeRow>, Vec<&TimeRow>) =
+                tried.into_iter().partition(|row| row.holds());
+            let figures: Vec<String> = missed.iter().map(|row| row.miss()).collect();
+            lines.push(format!(
+                "programs of {rise_ms} ms within {} mN: {} of {}{}{}",
+                1e3 * limit_n,
+                kept.len(),
+                count,
+                if figures.is_empty() { "" } else { "; " },
+                figures.join(", ")
+            ));
+        }
+    }
+    lines.join("\n") + "\n"
+}
+
+impl TimeRow {
+    /// True where no response misses its limit.
+    fn holds(&self) -> bool {
+        self.worst_cold_db <= 0.0 && self.worst_hot_db >= 0.0
+    }
+
+    /// By how much one does.
+    fn miss(&self) -> String {
+        let worst_db = self.worst_cold_db.max(-self.worst_hot_db);
+        let loss = 100.0 * self.loss_factor;
+        format!("{} at {loss} % misses by {worst_db:.2} dB", self.case)
+    }
 }
 
 /// Cold overshoot over the rise, one figure for each case and loss factor of 1 %.

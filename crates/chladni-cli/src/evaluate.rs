@@ -4,7 +4,7 @@ mod field;
 
 use crate::indices::indices_table;
 use crate::render::of_scene;
-use crate::time_table::{sentence, time_table};
+use crate::time_table::time_table;
 use chladni_console::input::{expand, model_of, read_frf, read_weights, source, Reading};
 use chladni_console::table::significant;
 use chladni_console::{Console, Outcome};
@@ -84,7 +84,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
             if scene.time.is_some() {
                 let played = play(&model, &scene, Some(&weights), &PlayOptions::default())
                     .map_err(|error| of_scene(error, &scene))?;
-                console.warn_all(played.warnings);
+                console.find_all(&played.findings);
                 in_time = Some(played.indices);
             }
             judge(On::Model(&model))?
@@ -158,9 +158,9 @@ fn of_signal(args: &Args, console: &Console) -> Result<Outcome> {
     let recorded =
         Recorded::from_samples(&samples, rate_hz, &sidecar).map_err(|error| error.file(file))?;
     console.stage("judging");
-    let (indices, warnings) = evaluate_signal(&recorded, &sidecar.events, &scene, &model)
+    let (indices, findings) = evaluate_signal(&recorded, &sidecar.events, &scene, &model)
         .map_err(|error| of_scene(error, &scene))?;
-    console.warn_all(warnings);
+    console.find_all(&findings);
     let sources = [file, &beside, &args.scene, &files[0]]
         .into_iter()
         .map(|file| source(file))
@@ -171,6 +171,7 @@ fn of_signal(args: &Args, console: &Console) -> Result<Outcome> {
         "on": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
         "time": indices,
         "source": sources,
+        "findings": console.findings(),
         "warnings": console.warnings(),
     });
     Ok(Outcome::shown(json, in_words(&indices)))
@@ -202,7 +203,7 @@ fn sound(file: &Path) -> Result<(Array2<f64>, f64)> {
 }
 
 fn in_words(indices: &TimeIndices) -> String {
-    format!("{}\n{}", sentence(indices), time_table(indices))
+    format!("{}\n{}", indices.sentence(), time_table(indices))
 }
 
 /// Frequency, limits and indices of a tone.

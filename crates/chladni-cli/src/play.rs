@@ -2,22 +2,25 @@
 
 use crate::render::of_scene;
 use crate::signal_files::SignalFiles;
-use crate::time_table::{sentence, time_table};
+use crate::time_table::{stress_table, time_table};
 use chladni_console::input::{read_weights, source};
-use chladni_console::output::{make_folder, Output, PICTURE, SIGNALS};
+use chladni_console::output::{make_folder, Output, MOVING, SIGNALS};
 use chladni_console::table::significant;
 use chladni_console::{Console, Outcome};
-use chladni_frf::Result;
+use chladni_frf::{ModalModel, Result};
 use chladni_io::{read_model, write_atomically};
 use chladni_render::{
-    play, ChannelMap, MethodChoice, PlayOptions, Played, Ramps, RenderOptions, SampleFormat, Scene,
-    Signal, SignalOptions,
+    play, stress_in_time, ChannelMap, MethodChoice, PlayOptions, Played, Ramps, RenderOptions,
+    SampleFormat, Scene, Signal, SignalOptions, StressOptions, TimeStressRow,
 };
-use chladni_report::time_figure;
+use chladni_report::{moving_field, time_figure};
 use chladni_text::read_text;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::json;
 use std::path::{Path, PathBuf};
+
+/// Pictures of the ground, in a chart of places over time and in a moving one.
+const FRAMES: usize = 120;
 
 /// Pixels of a PNG file per px of the picture.
 const PNG_SCALE: f64 = 2.0;
@@ -29,6 +32,7 @@ const PNG_SCALE: f64 = 2.0;
   chladni play model.json bursts.toml --weights weights.json -o drive.wav --format i24
   chladni play model.json bursts.toml -o drive.wav --channel-map dac.csv --full-scale 5
   chladni play model.json bursts.toml --charts figures                  hot and cold ground over time, plain ramps behind
+  chladni play model.json bursts.toml --stress                          on a panel that errs, drifts, is touched, loses an actuator
   chladni play model.json bursts.toml                                   only how it would be felt")]
 pub struct Args {
     /// Model file, as `chladni fit` writes it
@@ -70,7 +74,15 @@ pub struct Args {
     /// on it, as V/N
     #[arg(long, value_name = "FILE")]
     channel_map: Option<PathBuf>,
-    /// Folder for a chart of hot and cold ground over time, SVG and PNG
+    /// Try the drive on a panel that errs, drifts, loses an actuator, and under a finger
+    /// that comes and goes
+    #[arg(long)]
+    stress: bool,
+    /// Seed of the stress table's draws
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// Folder for pictures: hot and cold ground, forces and places over time (SVG, PNG), and
+    /// the moving ground (GIF)
     #[arg(long, value_name = "DIR")]
     charts: Option<PathBuf>,
 }
@@ -132,11 +144,16 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
             method: args.method,
             ..RenderOptions::default()
         },
+        frames: if args.charts.is_some() { FRAMES } else { 0 },
         ..PlayOptions::default()
     };
     let played = play(&model, &scene, weights.as_ref(), &options)
         .map_err(|error| of_scene(error, &scene))?;
-    console.warn_all(played.warnings.iter().cloned());
+    console.find_all(&played.findings);
+    let stress = match args.stress {
+        false => None,
+        true => Some(tried(&played, &scene, &model, args.seed, console)?),
+    };
     let signal_options = SignalOptions {
         rate_hz: args.rate,
         format: args.format,
@@ -154,18 +171,26 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         let options = PlayOptions {
             ramps: Some(Ramps::Plain),
             area: false,
+            frames: 0,
             ..options
         };
         let plain = play(&model, &scene, weights.as_ref(), &options).ok();
         draw(folder, &scene, &played, plain.as_ref(), console)?;
     }
-    let json = summary(args, files.as_ref(), &played, &signal);
-    let text = format!(
+    let mut json = summary(args, files.as_ref(), &played, &signal);
+    let mut text = format!(
         "{}\n{}{}",
-        sentence(&played.indices),
+        played.indices.sentence(),
         time_table(&played.indices),
         signal_line(&played, &signal, args)
     );
+    if let Some(rows) = &stress {
+        json["stress"] = json!(rows);
+        json["stress_seed"] = json!(args.seed);
+        text += &format!("\n{}", stress_table(rows));
+    }
+    json["findings"] = json!(console.findings());
+    json["warnings"] = json!(console.warnings());
     let doubt =
         (!played.feasible).then(|| "the scene is not met in time: see the warnings".to_owned());
     let outcome = match &args.output {
@@ -173,6 +198,28 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         None => Outcome::shown(json, text),
     };
     Ok(outcome.doubted(doubt))
+}
+
+/// Draws of each random trial in time: each plays the whole scene, and the worst twentieth
+/// is two of them.
+const STRESS_DRAWS: usize = 40;
+
+fn tried(
+    played: &Played,
+    scene: &Scene,
+    model: &ModalModel,
+    seed: u64,
+    console: &Console,
+) -> Result<Vec<TimeStressRow>> {
+    console.stage("stress");
+    let options = StressOptions {
+        seed,
+        draws: STRESS_DRAWS,
+        ..StressOptions::default()
+    };
+    let (rows, findings) = stress_in_time(played, scene, model, &options)?;
+    console.find_all(&findings);
+    Ok(rows)
 }
 
 /// Writes the chart; plain ramps lie behind.
@@ -186,14 +233,24 @@ fn draw(
     make_folder(folder)?;
     let plain = plain.map(|played| &played.traces);
     let title = format!("{} over time", scene.name());
-    let figure = time_figure("time", &title, &played.traces, plain, played.unit);
+    let figure = time_figure(
+        "time",
+        &title,
+        &played.traces,
+        plain,
+        played.frames.as_ref(),
+        played.unit,
+    );
     let drawing = figure.draw();
-    for (extension, content) in PICTURE
-        .iter()
-        .zip([drawing.to_svg().into_bytes(), drawing.to_png(PNG_SCALE)])
-    {
+    let mut files: Vec<(&str, Vec<u8>)> = vec![
+        ("svg", drawing.to_svg().into_bytes()),
+        ("png", drawing.to_png(PNG_SCALE)),
+    ];
+    let moving = played.frames.as_ref().and_then(moving_field);
+    files.extend(moving.map(|bytes| ("gif", bytes)));
+    for (extension, content) in files {
         let path = folder.join(format!("time.{extension}"));
-        Output::new(&path, PICTURE, &[], console)?
+        Output::new(&path, MOVING, &[], console)?
             .write(|path, force| write_atomically(path, force, |out| out.write_all(&content)))?;
     }
     Ok(())
@@ -213,7 +270,6 @@ fn summary(
         "time": played.indices,
         "signal": signal.sidecar,
         "peak": signal.peak,
-        "warnings": played.warnings,
     })
 }
 

@@ -91,8 +91,7 @@ impl SignalFiles {
 
     fn write_npz(&self, signal: &Signal) -> Result<()> {
         let channels = &signal.sidecar.channels;
-        let columns: Vec<usize> = channels.iter().map(|channel| channel.channel - 1).collect();
-        let drive = signal.drive.select(ndarray::Axis(1), &columns);
+        let drive = signal.driven();
         let values: Vec<f64> = drive.iter().copied().collect();
         let (frames, count) = drive.dim();
         let references = channels.iter().map(|channel| channel.reference.to_string());

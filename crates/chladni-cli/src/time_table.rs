@@ -1,43 +1,7 @@
 //! How ground does in time, for people.
 
 use chladni_console::table::table;
-use chladni_render::{TimeIndices, TimeMeasure};
-
-/// One sentence, by the measure at each instant.
-pub fn sentence(indices: &TimeIndices) -> String {
-    let peak = &indices.peak;
-    let hot = match peak.hot_reached_s {
-        Some(reached_s) => format!("hot after {:.0} ms", 1e3 * reached_s),
-        None => "hot ground never has its limit everywhere".into(),
-    };
-    let cold = match (peak.worst_cold_db, peak.ever_over_ratio > 0.0) {
-        (None, _) => "cold never moves".into(),
-        (Some(level), false) => format!("cold never over ({level:+.1} dB)"),
-        (Some(level), true) => format!(
-            "cold over by up to {level:.1} dB for {:.0} ms",
-            1e3 * peak.over_s
-        ),
-    };
-    let end = indices
-        .events
-        .iter()
-        .map(|event| event.end_s - event.start_s);
-    let drive_s = end.fold(0.0, f64::max);
-    let quiet = match peak.quiet_s {
-        Some(quiet_s) if quiet_s <= drive_s => {
-            format!(
-                "quiet {:.0} ms before the drive ends",
-                1e3 * (drive_s - quiet_s)
-            )
-        }
-        Some(quiet_s) => format!(
-            "quiet {:.0} ms after the drive ends",
-            1e3 * (quiet_s - drive_s)
-        ),
-        None => "not quiet before the next event".into(),
-    };
-    format!("{hot}, {cold}, {quiet}")
-}
+use chladni_render::{TimeIndices, TimeMeasure, TimeStressRow};
 
 /// All measures.
 pub fn time_table(indices: &TimeIndices) -> String {
@@ -80,4 +44,27 @@ pub fn time_table(indices: &TimeIndices) -> String {
         rows.push(row("rms, area".into(), &area.rms));
     }
     table(&header, &rows)
+}
+
+/// Trials of a drive in time.
+pub fn stress_table(rows: &[TimeStressRow]) -> String {
+    let header = [
+        "stress",
+        "cases",
+        "cold, dB",
+        "hot, dB",
+        "ever over",
+        "hot held",
+    ];
+    let row = |row: &TimeStressRow| {
+        vec![
+            row.trial.clone(),
+            row.cases.to_string(),
+            format!("{:.1}", row.worst_cold_db),
+            format!("{:.1}", row.worst_hot_db),
+            format!("{:.3}", row.ever_over_mean),
+            format!("{:.3}", row.hot_held_mean),
+        ]
+    };
+    table(&header, &rows.iter().map(row).collect::<Vec<_>>())
 }

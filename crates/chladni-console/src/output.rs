@@ -44,6 +44,8 @@ pub const HTML: &[&str] = &["html", "htm"];
 pub const TABLE: &[&str] = &["csv"];
 /// Extensions of pictures.
 pub const PICTURE: &[&str] = &["svg", "png"];
+/// Pictures, moving ones among them.
+pub const MOVING: &[&str] = &["svg", "png", "gif"];
 
 /// Makes `folder` where it does not exist.
 ///

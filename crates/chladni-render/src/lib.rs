@@ -98,10 +98,10 @@ pub use signals::signal_csv;
 pub use stress::{stress, StressOptions, StressRow};
 pub use threshold::{Threshold, ThresholdTable};
 pub use time::{
-    evaluate_signal, modal_ramp, play, AreaMeasures, Burst, Channel, ChannelMap, Fade, Level,
-    Mapped, Measure, Move, PlayOptions, Played, RampTime, Ramps, Recorded, SampleFormat, Sidecar,
-    Signal, SignalOptions, TimeEvent, TimeIndices, TimeMeasure, TimeTable, TimeTraces,
-    SIGNAL_FORMAT, SIGNAL_VERSION,
+    evaluate_signal, modal_ramp, play, stress_in_time, AreaFrames, AreaMeasures, Burst, Channel,
+    ChannelMap, Fade, Level, Mapped, Measure, Move, PlayOptions, Played, RampTime, Ramps, Recorded,
+    SampleFormat, Sidecar, Signal, SignalOptions, TimeEvent, TimeFrames, TimeIndices, TimeMeasure,
+    TimeStressRow, TimeTable, TimeTraces, SIGNAL_FORMAT, SIGNAL_VERSION,
 };
 pub use tones::{Share, Tone};
 pub use weights::{Weight, Weights, WEIGHTS_FORMAT, WEIGHTS_VERSION};

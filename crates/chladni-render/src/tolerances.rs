@@ -415,6 +415,10 @@ pub const MODAL_RAMP_RIDGE: f64 = 0.01;
 /// it.
 pub const JUDGE_STEP_S: f64 = 2.5e-4;
 
+/// Relative step of the frequency over which the steepness of a threshold is taken: within
+/// it the profiles run straight.
+pub const THRESHOLD_STEP: f64 = 0.01;
+
 /// Samples that are simulated and judged at once: bounds the memory of long signals.
 pub const JUDGE_BLOCK: usize = 2048;
 
@@ -487,6 +491,14 @@ pub const PROGRAM_STEP_S: f64 = 5e-4;
 pub const POWER_STEPS: usize = 12;
 /// See [`POWER_STEPS`].
 pub const POWER_ROOM: f64 = 1.1;
+
+/// Curvature that an envelope program begins with, over the steepest that can be; what it
+/// becomes where a step was too long, and from step to step.
+pub const PROGRAM_CURVATURE: f64 = 0.02;
+/// See [`PROGRAM_CURVATURE`].
+pub const PROGRAM_STEEPER: f64 = 2.0;
+/// See [`PROGRAM_CURVATURE`].
+pub const PROGRAM_FLATTER: f64 = 0.97;
 
 /// Most gradient steps of an envelope program.
 pub const PROGRAM_STEPS: usize = 400;

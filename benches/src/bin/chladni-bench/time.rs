@@ -1,7 +1,7 @@
 //! `chladni bench time`.
 
 use super::{shown, Place};
-use chladni_bench::{time, time_cases, time_csv, time_figures, TimeRow};
+use chladni_bench::{time, time_cases, time_csv, time_figures, time_verdict, TimeRow};
 use chladni_console::table::table;
 use chladni_console::{Console, Outcome};
 use chladni_frf::Result;
@@ -77,7 +77,8 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
             shown(row.time_s, 2),
         ]
     };
-    let text = table(&header, &rows.iter().map(line).collect::<Vec<_>>());
+    let lines = rows.iter().map(line).collect::<Vec<_>>();
+    let text = format!("{}\n{}", table(&header, &lines), time_verdict(&rows));
     let json = json!({
         "output": args.place.output.display().to_string(),
         "files": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),

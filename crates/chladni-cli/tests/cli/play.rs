@@ -32,6 +32,10 @@ fn bursts_become_a_sound_file_that_is_judged_again_from_its_samples() {
         .exits(0)
         .json();
     let time = &played["time"];
+    assert_eq!(
+        played["findings"][0]["code"], "time-burst-short",
+        "{played}"
+    );
     assert!(
         time["ramp_s"].as_f64().unwrap() <= 0.0101 && time["peak"]["ever_over_ratio"] == 0.0,
         "{time}"
@@ -78,6 +82,30 @@ fn bursts_become_a_sound_file_that_is_judged_again_from_its_samples() {
 }
 
 #[test]
+fn a_drive_in_time_is_tried_on_panels_that_differ_and_under_fingers() {
+    let folder = prepared();
+    let command = "play model.json burst.toml --method mls --stress --json";
+    let run = || folder.run(command).json();
+    let json = run();
+    let rows = json["stress"].as_array().unwrap();
+    let of = |trial: &str| {
+        let row = rows.iter().find(|row| row["trial"] == trial);
+        row.unwrap_or_else(|| panic!("{trial}: {json}"))
+    };
+    let level = |trial: &str| of(trial)["worst_cold_db"].as_f64().unwrap();
+    let near = (level("none") - json["time"]["peak"]["worst_cold_db"].as_f64().unwrap()).abs();
+    assert!(near < 1e-9, "{json}");
+    assert!(level("drift") < level("none") + 0.6, "{json}");
+    assert!(
+        level("one reversed actuator") > level("none") + 1.0,
+        "{json}"
+    );
+    assert_eq!(of("a finger that comes and goes")["cases"], 40);
+    assert_eq!(of("a finger in the hot zone")["cases"], 3);
+    assert_eq!(run()["stress"], json["stress"], "one seed, one table");
+}
+
+#[test]
 fn plain_ramps_exit_with_1_by_the_strict_measure() {
     let folder = prepared();
     let strict = BURSTS.replace("[time]", "[time]\nmeasure = \"peak\"");
@@ -89,8 +117,12 @@ fn plain_ramps_exit_with_1_by_the_strict_measure() {
         ),
     );
     folder
-        .run("play model.json strict.toml --method mls -o modal.npz -q")
+        .run("play model.json strict.toml --method mls -o modal.npz --charts figures -q")
         .exits(0);
+    assert!(folder.read("figures/time.gif").starts_with(b"GIF89a"));
+    assert!(folder
+        .text("figures/time.svg")
+        .contains("Drive of each actuator"));
     let run = folder
         .run("play model.json strict.toml --method mls --ramps plain -o plain.csv")
         .exits(1);

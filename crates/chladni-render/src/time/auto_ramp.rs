@@ -147,7 +147,7 @@ impl RampFinder<'_> {
     fn steady_db(&self, stop: usize) -> [f64; 2] {
         let map = &self.judging.maps[stop];
         let mut worst = [f64::NEG_INFINITY; 2];
-        for (voice, (model, (limits, _))) in self
+        for (voice, (model, tone)) in self
             .voices
             .iter()
             .zip(self.listener.models.iter().zip(&self.listener.limits))
@@ -157,10 +157,10 @@ impl RampFinder<'_> {
                 let db = |ratio: f64| 20.0 * ratio.log10();
                 match map.classify(place) {
                     crate::zones::Ground::Cold => {
-                        worst[0] = worst[0].max(db(v.norm() / limits.cold_m_per_s))
+                        worst[0] = worst[0].max(db(v.norm() / tone.limits.cold_m_per_s))
                     }
                     crate::zones::Ground::Hot => {
-                        let limit = limits.hot_m_per_s * map.level_at(place);
+                        let limit = tone.limits.hot_m_per_s * map.level_at(place);
                         worst[1] = worst[1].max(db(limit / v.norm()))
                     }
                     crate::zones::Ground::Ignored => {}

@@ -107,6 +107,71 @@ impl CausalModel {
         }
     }
 
+    /// Σψz: how `states`, axes (pole, time), move the rows; axes (time, row).
+    ///
+    /// Poles come in pairs, ψz + ψ*z' = Re ψ·(z + z') + j·Im ψ·(z − z'): a product of real
+    /// matrices, half of it where all shapes are real.
+    pub(crate) fn moved(&self, states: ArrayView2<Complex64>) -> Array2<Complex64> {
+        let (modes, times) = (self.modes(), states.ncols());
+        let shapes = self.real_shapes();
+        let mut parts = Array2::<f64>::zeros((shapes.ncols(), 2 * times));
+        for n in 0..modes {
+            let pairs = states.row(n).into_iter().zip(states.row(n + modes));
+            for (k, (z, mirrored)) in pairs.enumerate() {
+                let (sum, difference) = (z + mirrored, z - mirrored);
+                parts[[n, k]] = sum.re;
+                parts[[n, times + k]] = sum.im;
+                if shapes.ncols() > modes {
+                    parts[[modes + n, k]] = -difference.im;
+                    parts[[modes + n, times + k]] = difference.re;
+                }
+            }
+        }
+        let moved = chladni_linalg::matmul(parts.t(), shapes.t());
+        Array2::from_shape_fn((times, shapes.nrows()), |(k, row)| {
+            Complex64::new(moved[[k, row]], moved[[times + k, row]])
+        })
+    }
+
+    /// ψᴴp: the adjoint of [`Self::moved`], of `pull` with the axes (row, time); axes
+    /// (pole, time).
+    pub(crate) fn pulled(&self, pull: ArrayView2<Complex64>) -> Array2<Complex64> {
+        let (modes, times) = (self.modes(), pull.ncols());
+        let shapes = self.real_shapes();
+        let parts = Array2::from_shape_fn((pull.nrows(), 2 * times), |(row, k)| {
+            if k < times {
+                pull[[row, k]].re
+            } else {
+                pull[[row, k - times]].im
+            }
+        });
+        let pulled = chladni_linalg::matmul(shapes.t(), parts.view());
+        let of =
+            |part: usize, k: usize| Complex64::new(pulled[[part, k]], pulled[[part, times + k]]);
+        Array2::from_shape_fn((2 * modes, times), |(pole, k)| {
+            let real = of(pole % modes, k);
+            if shapes.ncols() == modes {
+                return real;
+            }
+            let turned = Complex64::I * of(modes + pole % modes, k);
+            if pole < modes {
+                real - turned
+            } else {
+                real + turned
+            }
+        })
+    }
+
+    /// Re ψ of every mode, and beside it Im ψ unless all of it is zero; axes (row, part).
+    fn real_shapes(&self) -> Array2<f64> {
+        let shapes = self.shapes.slice(s![.., ..self.modes()]);
+        let real = shapes.mapv(|value| value.re);
+        if shapes.iter().all(|value| value.im == 0.0) {
+            return real;
+        }
+        concatenate![Axis(1), real, shapes.mapv(|value| value.im)]
+    }
+
     /// Rms of the shape of a mode over the rows.
     pub(crate) fn rms_shape(&self, mode: usize) -> f64 {
         let column = self.shapes.column(mode);
@@ -134,7 +199,7 @@ fn pole(mode: &Mode, damping: Damping) -> Complex64 {
 
 /// r = p/(p − p*): what a unit of modal force adds to the velocity of this pole. A pole
 /// at rest shares with its conjugate.
-fn share(pole: Complex64) -> Complex64 {
+pub(crate) fn share(pole: Complex64) -> Complex64 {
     if pole.im == 0.0 {
         return Complex64::from(0.5);
     }
@@ -163,4 +228,45 @@ fn slope(model: &ModalModel, operator: &Operator, carrier: f64) -> Array2<Comple
         }
     }
     slope
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chladni_linalg::{matmul, matmul_h};
+
+    #[test]
+    fn pairs_move_the_rows_as_all_poles_do() {
+        let some = |seed: f64, dim: (usize, usize)| {
+            Array2::from_shape_fn(dim, |(i, j)| {
+                Complex64::from_polar(1.0, seed * (3 * i + 5 * j + 1) as f64)
+            })
+        };
+        let conjugate = |matrix: &Array2<Complex64>| matrix.mapv(|value| value.conj());
+        let complex = some(0.7, (5, 3));
+        let real = complex.mapv(|value| Complex64::from(value.re));
+        for shapes in [complex, real] {
+            let poles = vec![Complex64::new(-9.0, 1800.0); 3];
+            let model = CausalModel {
+                carrier_rad_per_s: 1885.0,
+                poles: poles
+                    .iter()
+                    .copied()
+                    .chain(poles.iter().map(Complex64::conj))
+                    .collect(),
+                inputs: Array2::zeros((6, 2)),
+                shapes: concatenate![Axis(1), shapes, conjugate(&shapes)],
+                direct: Array2::zeros((5, 2)),
+                slope: Array2::zeros((5, 2)),
+            };
+            let (states, pull) = (some(1.3, (6, 4)), some(0.4, (5, 4)));
+            let apart = |a: Array2<Complex64>, b: Array2<Complex64>| {
+                (a - b).iter().map(|value| value.norm()).fold(0.0, f64::max)
+            };
+            let slow = matmul(model.shapes.view(), states.view());
+            assert!(apart(model.moved(states.view()), slow.reversed_axes()) < 1e-13);
+            let slow = matmul_h(model.shapes.view(), pull.view());
+            assert!(apart(model.pulled(pull.view()), slow) < 1e-13);
+        }
+    }
 }

@@ -90,7 +90,7 @@ impl<'a> Splines<'a> {
                 }
             }
         }
-        let mut field = matmul(self.model.shapes.view(), states.view());
+        let mut field = self.model.moved(states.view()).reversed_axes();
         for (direct, basis) in [
             (&self.model.direct, &self.values),
             (&self.model.slope, &self.slopes),
@@ -103,7 +103,7 @@ impl<'a> Splines<'a> {
 
     /// The adjoint of [`Self::field`].
     fn adjoint(&self, pull: &Array2<Complex64>) -> Array2<Complex64> {
-        let states = matmul_h(self.model.shapes.view(), pull.view());
+        let states = self.model.pulled(pull.view());
         let mut forces = Array2::<Complex64>::zeros((states.nrows(), self.count));
         for (p, mut force) in forces.rows_mut().into_iter().enumerate() {
             let (kernel, state) = (self.kernels.row(p), states.row(p));
@@ -200,8 +200,8 @@ pub(crate) fn solve(
         .fold(0.0, f64::max)
         .max(f64::MIN_POSITIVE);
     let scale = unit / threshold;
-    let lipschitz = 2.0 * splines.gain() * scale * scale;
-    let ridge = tolerances::PROGRAM_RIDGE * lipschitz;
+    let steepest = 2.0 * splines.gain() * scale * scale;
+    let ridge = tolerances::PROGRAM_RIDGE * steepest;
     let field =
         |control: &Array2<Complex64>| splines.field(control).mapv(|value| value * scale) + fixed;
     let project = |value: Complex64| {
@@ -212,35 +212,94 @@ pub(crate) fn solve(
             value
         }
     };
-    let mut control = start.mapv(|value| project(value / unit));
-    let mut ahead = control.clone();
+    let control = start.mapv(|value| project(value / unit));
+    let mut here = Point::of(field(&control), asked, control);
+    let mut ahead = here.clone();
     let mut momentum: f64 = 1.0;
-    let mut last = f64::INFINITY;
+    // few places miss their limit, so that the curvature met is far below the steepest
+    let mut curvature = tolerances::PROGRAM_CURVATURE * steepest;
     for _ in 0..tolerances::PROGRAM_STEPS {
-        let mut pull = field(&ahead);
-        let missed = missed(&mut pull, asked);
-        if missed < tolerances::PROGRAM_MISSED {
-            control = ahead;
+        if here.missed < tolerances::PROGRAM_MISSED {
             break;
         }
-        let gradient = splines.adjoint(&pull).mapv(|value| value * scale);
-        let step = 1.0 / (lipschitz + ridge);
-        let next = Array2::from_shape_fn(control.dim(), |at| {
-            project(ahead[at] - step * (gradient[at] + ridge * ahead[at]))
-        });
-        // a step that leads up again begins anew
-        let faster = 0.5 * (1.0 + (1.0 + 4.0 * momentum * momentum).sqrt());
-        let carry = if missed > last {
-            0.0
-        } else {
-            (momentum - 1.0) / faster
+        let gradient = splines.adjoint(&ahead.pull).mapv(|value| value * scale)
+            + ahead.control.mapv(|value| value * ridge);
+        let next = loop {
+            let control = Array2::from_shape_fn(gradient.dim(), |at| {
+                project(ahead.control[at] - gradient[at] / curvature)
+            });
+            let next = Point::of(field(&control), asked, control);
+            let (along, length) = ahead.way_to(&next, &gradient);
+            let bound = ahead.missed + along + 0.5 * curvature * length;
+            if next.missed <= bound || curvature >= steepest {
+                break next;
+            }
+            curvature = (tolerances::PROGRAM_STEEPER * curvature).min(steepest);
         };
-        momentum = if missed > last { 1.0 } else { faster };
-        ahead = &next + &((&next - &control) * Complex64::from(carry));
-        control = next;
-        last = missed;
+        curvature *= tolerances::PROGRAM_FLATTER;
+        // a step that leads up again begins anew
+        if next.missed > here.missed && momentum > 1.0 {
+            momentum = 1.0;
+            ahead = here.clone();
+            continue;
+        }
+        let faster = 0.5 * (1.0 + (1.0 + 4.0 * momentum * momentum).sqrt());
+        ahead = next.beyond(&here, (momentum - 1.0) / faster, asked);
+        momentum = faster;
+        here = next;
     }
-    control.mapv(|value| value * unit)
+    here.control.mapv(|value| value * unit)
+}
+
+/// Control points, and what they come to.
+#[derive(Clone)]
+struct Point {
+    control: Array2<Complex64>,
+    /// In thresholds; axes (row, time).
+    field: Array2<Complex64>,
+    /// What pulls it to its limits.
+    pull: Array2<Complex64>,
+    missed: f64,
+}
+
+impl Point {
+    fn of(field: Array2<Complex64>, asked: &Asked, control: Array2<Complex64>) -> Self {
+        let mut pull = field.clone();
+        let missed = missed(&mut pull, asked);
+        Self {
+            control,
+            field,
+            pull,
+            missed,
+        }
+    }
+
+    /// So far beyond this point on the way from `before`: the field is linear.
+    fn beyond(&self, before: &Self, share: f64, asked: &Asked) -> Self {
+        let on = |here: &Array2<Complex64>, before: &Array2<Complex64>| {
+            here + &((here - before) * Complex64::from(share))
+        };
+        Self::of(
+            on(&self.field, &before.field),
+            asked,
+            on(&self.control, &before.control),
+        )
+    }
+
+    /// How far the gradient rises on the way to another point, and the square of its
+    /// length.
+    fn way_to(&self, other: &Self, gradient: &Array2<Complex64>) -> (f64, f64) {
+        let (mut along, mut length) = (0.0, 0.0);
+        ndarray::Zip::from(&self.control)
+            .and(&other.control)
+            .and(gradient)
+            .for_each(|from, to, slope| {
+                let step = to - from;
+                along += (slope.conj() * step).re;
+                length += step.norm_sqr();
+            });
+        (along, length)
+    }
 }
 
 /// Turns the field into what pulls it to its limits; the sum of what was missed.
@@ -304,10 +363,11 @@ fn norm(matrix: &Array2<Complex64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ndarray::{concatenate, Axis};
 
     fn model() -> CausalModel {
         let pole = |re: f64, im: f64| Complex64::new(re, im);
-        let poles = vec![pole(-9.0, 1800.0), pole(-12.0, 2300.0)];
+        let poles = [pole(-9.0, 1800.0), pole(-12.0, 2300.0)];
         let poles: Vec<_> = poles
             .iter()
             .copied()
@@ -318,10 +378,11 @@ mod tests {
                 Complex64::from_polar(1.0 + 0.1 * i as f64, seed + 1.7 * i as f64 + 0.6 * j as f64)
             }
         };
+        let shapes = Array2::from_shape_fn((5, 2), some(0.7));
         CausalModel {
             carrier_rad_per_s: 1885.0,
             inputs: Array2::from_shape_fn((4, 3), some(0.1)),
-            shapes: Array2::from_shape_fn((5, 4), some(0.7)),
+            shapes: concatenate![Axis(1), shapes, shapes.mapv(|value| value.conj())],
             direct: Array2::from_shape_fn((5, 3), some(1.3)).mapv(|value| value * 1e-3),
             slope: Array2::from_shape_fn((5, 3), some(2.3)).mapv(|value| value * 1e-6),
             poles,

@@ -7,8 +7,10 @@
 
 mod auto_ramp;
 mod causal;
+mod contact;
 mod envelope;
 mod envelope_program;
+mod frames;
 mod judge;
 mod listener;
 mod modal_ramp;
@@ -19,12 +21,14 @@ mod read_table;
 mod recorded;
 mod signal;
 mod simulate;
+mod stress;
 mod table;
 mod timeline;
 mod tracks;
 mod voice;
 mod wav_file;
 
+pub use frames::{AreaFrames, TimeFrames};
 pub use judge::{TimeMeasure, TimeTraces};
 pub use modal_ramp::modal_ramp;
 pub use play::{play, AreaMeasures, PlayOptions, Played, TimeEvent, TimeIndices};
@@ -33,5 +37,6 @@ pub use recorded::{evaluate_signal, Recorded};
 pub use signal::{
     Channel, ChannelMap, Mapped, Sidecar, Signal, SignalOptions, SIGNAL_FORMAT, SIGNAL_VERSION,
 };
+pub use stress::{stress_in_time, TimeStressRow};
 pub use table::{Burst, Fade, Level, Measure, Move, RampTime, Ramps, TimeTable};
 pub use wav_file::SampleFormat;

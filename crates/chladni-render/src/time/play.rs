@@ -6,8 +6,9 @@ use crate::options::RenderOptions;
 use crate::plane::Rectangle;
 use crate::scene::Scene;
 use crate::time::auto_ramp::{shortest_s, RampFinder};
+use crate::time::frames::{self, TimeFrames};
 use crate::time::judge::{TimeMeasure, TimeTraces};
-use crate::time::listener::{Heard, Judging, Listener};
+use crate::time::listener::{Heard, Judging, Listener, ToneLimits};
 use crate::time::plan::{Chain, Plan};
 use crate::time::signal::schroeder;
 use crate::time::table::{Level, Measure, Ramps, TimeTable};
@@ -17,7 +18,7 @@ use crate::time::voice::Voice;
 use crate::tolerances;
 use crate::weights::Weights;
 use crate::zones::ZoneMap;
-use chladni_frf::{Dof, Error, ErrorKind, ModalModel, ReferenceUnit, Result};
+use chladni_frf::{Dof, Error, ErrorKind, Finding, ModalModel, ReferenceUnit, Result};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
@@ -30,6 +31,8 @@ pub struct PlayOptions {
     pub render: RenderOptions,
     /// Judge the ground between the responses, too.
     pub area: bool,
+    /// About so many pictures of the ground; 0: none.
+    pub frames: usize,
 }
 
 impl Default for PlayOptions {
@@ -38,6 +41,7 @@ impl Default for PlayOptions {
             ramps: None,
             render: RenderOptions::default(),
             area: true,
+            frames: 0,
         }
     }
 }
@@ -57,10 +61,19 @@ pub struct Played {
     pub indices: TimeIndices,
     /// The responses over time.
     pub traces: TimeTraces,
+    /// Pictures of the ground, where they were asked for.
+    pub frames: Option<TimeFrames>,
     /// No ground misses its limit by the measure of the scene.
     pub feasible: bool,
     /// What the user must know.
-    pub warnings: Vec<String>,
+    pub findings: Vec<Finding>,
+}
+
+impl Played {
+    /// The sentences of what is more than a note.
+    pub fn warnings(&self) -> Vec<String> {
+        chladni_frf::warnings(&self.findings)
+    }
 }
 
 /// How the ground does in time.
@@ -139,32 +152,29 @@ pub fn play(
         shortest_s: stage.shortest_s,
         known: HashMap::new(),
     };
-    let mut warnings: Vec<String> = Vec::new();
+    let mut findings: Vec<Finding> = Vec::new();
     for voice in &stage.voices {
-        warnings.extend(voice.warnings.iter().cloned());
+        findings.extend(voice.findings.iter().cloned());
     }
     let mut ramps_s = Vec::with_capacity(plan.events.len());
     for event in &plan.events {
         let (ramp_s, passed) = finder.of(event)?;
         if !passed {
-            warnings.push(format!(
-                "{}: no ramp up to {:.0} ms keeps every limit at every instant; {:.0} ms come \
-                 nearest",
-                event.name,
-                1e3 * event.longest_ramp_s().min(tolerances::LONGEST_AUTO_RAMP_S),
-                1e3 * ramp_s
-            ));
+            let longest_s = event.longest_ramp_s().min(tolerances::LONGEST_AUTO_RAMP_S);
+            findings.push(no_ramp(&event.name, longest_s, ramp_s));
         }
         ramps_s.push(ramp_s);
     }
     let chains = plan.chains(|number, _| ramps_s[number])?;
-    let (tones, gains) = stage.drive(&chains, ramps, &points, &judging, &mut warnings)?;
+    let (tones, gains) = stage.drive(&chains, ramps, &points, &judging, &mut findings)?;
     let heard = points.hear(&tones, &chains, &judging, &Measure::ALL);
     let area = match options.area {
         true => stage.area(),
         false => None,
     }
     .map(|area| area.hear(&tones, &chains, &judging, &Measure::ALL));
+    let length_s = chains.iter().map(Chain::end_s).fold(0.0, f64::max);
+    let frames = (options.frames > 0).then(|| stage.frames(&tones, length_s, options.frames));
     let events = chains
         .iter()
         .zip(&gains)
@@ -178,23 +188,51 @@ pub fn play(
         .collect();
     let indices = indices(&heard, area.as_ref(), events, &stage);
     let feasible = is_met(&indices, &table);
-    warnings.extend(said(&indices, &table));
-    dedup(&mut warnings);
+    findings.extend(said(&indices, &table));
+    dedup(&mut findings);
     Ok(Played {
         references: stage.voices[0].operator.references.clone(),
         unit: stage.voices[0].operator.unit,
-        length_s: chains.iter().map(Chain::end_s).fold(0.0, f64::max),
+        length_s,
+        frames,
         tones,
         indices,
         traces: heard.traces.unwrap_or_default(),
         feasible,
-        warnings,
+        findings,
     })
 }
 
-fn dedup(warnings: &mut Vec<String>) {
+fn dedup(findings: &mut Vec<Finding>) {
     let mut seen = std::collections::HashSet::new();
-    warnings.retain(|warning| seen.insert(warning.clone()));
+    findings.retain(|finding| seen.insert(finding.text.clone()));
+}
+
+fn no_ramp(event: &str, longest_s: f64, ramp_s: f64) -> Finding {
+    Finding::caution(
+        "time-no-ramp",
+        format!(
+            "{event}: no ramp up to {:.0} ms keeps every limit at every instant; {:.0} ms come \
+             nearest",
+            1e3 * longest_s,
+            1e3 * ramp_s
+        ),
+    )
+    .value("ramp_s", ramp_s)
+    .help("take ramps = \"program\", or a steady drive with more margin")
+}
+
+fn too_strong(event: &str, unit: ReferenceUnit, asked: f64, allowed: f64) -> Finding {
+    Finding::caution(
+        "time-force-limited",
+        format!(
+            "{event} is limited by the actuators: it would take {asked:.3e} {unit} and has \
+             {allowed:.3e}"
+        ),
+    )
+    .value("asked", asked)
+    .value("allowed", allowed)
+    .help("take longer ramps, or raise the limit of the actuators")
 }
 
 /// The tones of a scene with the steady drives of all places.
@@ -232,6 +270,7 @@ struct Stage<'a> {
     voices: Vec<Voice>,
     maps: Vec<ZoneMap>,
     scanned: Rectangle,
+    limits: Vec<ToneLimits>,
     shortest_s: f64,
 }
 
@@ -274,6 +313,11 @@ impl<'a> Stage<'a> {
             voices,
             maps,
             scanned,
+            limits: scene
+                .tones()
+                .iter()
+                .map(ToneLimits::of)
+                .collect::<Result<_>>()?,
             shortest_s: shortest,
         })
     }
@@ -296,35 +340,60 @@ impl<'a> Stage<'a> {
                 .iter()
                 .map(|voice| voice.model.clone())
                 .collect(),
-            limits: self.limits(),
+            limits: self.limits.clone(),
+            touch: None,
         }
     }
 
-    fn limits(&self) -> Vec<(crate::scene::Limits, crate::tones::Share)> {
-        let shares = self.scene.tones().into_iter().map(|tone| tone.share);
-        self.voices
-            .iter()
-            .map(|voice| voice.limits)
-            .zip(shares)
-            .collect()
+    fn grid(&self) -> Option<AreaGrid> {
+        AreaGrid::new(
+            &self.voices[0].operator.positions_m,
+            self.maps[0].area(),
+            tolerances::AREA_STEP_M,
+        )
+    }
+
+    /// Pictures of the ground over `length_s`.
+    fn frames(&self, tones: &[Tracks], length_s: f64, wanted: usize) -> TimeFrames {
+        let rhythm = frames::rhythm(length_s, wanted);
+        let step_s = tolerances::JUDGE_STEP_S * rhythm.0 as f64;
+        let operator = &self.voices[0].operator;
+        let (first, positions) = (&self.maps[0], &operator.positions_m);
+        let area = first.area();
+        TimeFrames {
+            step_s,
+            names: operator.responses.clone(),
+            ground: positions
+                .iter()
+                .map(|&place| first.classify(place))
+                .collect(),
+            responses: self.points().frames(tones, rhythm.0, rhythm.1),
+            drive: frames::drives(tones, operator.references.len(), step_s, rhythm.1),
+            area: self.grid().map(|grid| {
+                let listener = self.at(&grid);
+                frames::of_area(grid, &listener, tones, rhythm)
+            }),
+            hot: first.hot_outlines().to_vec(),
+            area_m: [area.x_min, area.y_min, area.x_max, area.y_max],
+        }
     }
 
     /// The ground between them; `None` where they carry none.
     fn area(&self) -> Option<Listener> {
-        let grid = AreaGrid::new(
-            &self.voices[0].operator.positions_m,
-            self.maps[0].area(),
-            tolerances::AREA_STEP_M,
-        )?;
-        Some(Listener {
+        self.grid().map(|grid| self.at(&grid))
+    }
+
+    fn at(&self, grid: &AreaGrid) -> Listener {
+        Listener {
             positions_m: grid.places.iter().map(|place| place.1).collect(),
             models: self
                 .voices
                 .iter()
                 .map(|voice| voice.model.at(grid.interpolation()))
                 .collect(),
-            limits: self.limits(),
-        })
+            limits: self.limits.clone(),
+            touch: None,
+        }
     }
 
     /// The drive of every tone, and the gain of every chain.
@@ -334,7 +403,7 @@ impl<'a> Stage<'a> {
         ramps: Ramps,
         points: &Listener,
         judging: &Judging,
-        warnings: &mut Vec<String>,
+        findings: &mut Vec<Finding>,
     ) -> Result<(Vec<Tracks>, Vec<f64>)> {
         let mut tones: Vec<Tracks> = self
             .voices
@@ -368,13 +437,9 @@ impl<'a> Stage<'a> {
             for (voice, &peak) in self.voices.iter().zip(&heard.peaks) {
                 let allowed = voice.drive_limits.each / peak;
                 if gain > allowed * (1.0 + tolerances::LIMIT) {
-                    warnings.push(format!(
-                        "{} is limited by the actuators: it would take {:.3e} {} and has {:.3e}",
-                        chain.name,
-                        gain * peak,
-                        voice.operator.unit,
-                        voice.drive_limits.each
-                    ));
+                    let most = voice.drive_limits.each;
+                    let unit = voice.operator.unit;
+                    findings.push(too_strong(&chain.name, unit, gain * peak, most));
                     gain = allowed;
                 }
             }
@@ -440,6 +505,33 @@ fn indices(
 }
 
 impl TimeIndices {
+    /// The whole in a sentence, by the measure at each instant.
+    pub fn sentence(&self) -> String {
+        let peak = &self.peak;
+        let hot = match peak.hot_reached_s {
+            Some(reached_s) => format!("hot after {:.0} ms", 1e3 * reached_s),
+            None => "hot ground never has its limit everywhere".into(),
+        };
+        let cold = match (peak.worst_cold_db, peak.ever_over_ratio > 0.0) {
+            (None, _) => "cold never moves".into(),
+            (Some(level), false) => format!("cold never over ({level:+.1} dB)"),
+            (Some(level), true) => format!(
+                "cold over by up to {level:.1} dB for {:.0} ms",
+                1e3 * peak.over_s
+            ),
+        };
+        let lengths = self.events.iter().map(|event| event.end_s - event.start_s);
+        let drive_s = lengths.fold(0.0, f64::max);
+        let quiet = match peak.quiet_s.map(|quiet_s| 1e3 * (quiet_s - drive_s)) {
+            Some(late_ms) if late_ms <= 0.0 => {
+                format!("quiet {:.0} ms before the drive ends", -late_ms)
+            }
+            Some(late_ms) => format!("quiet {late_ms:.0} ms after the drive ends"),
+            None => "not quiet before the next event".into(),
+        };
+        format!("{hot}, {cold}, {quiet}")
+    }
+
     /// By one of the measures.
     pub fn by(&self, measure: Measure) -> &TimeMeasure {
         match measure {
@@ -462,40 +554,68 @@ fn is_met(indices: &TimeIndices, table: &TimeTable) -> bool {
 }
 
 /// What is to be known of the outcome.
-fn said(indices: &TimeIndices, table: &TimeTable) -> Vec<String> {
+fn said(indices: &TimeIndices, table: &TimeTable) -> Vec<Finding> {
     let mut said = Vec::new();
     let measure = indices.by(table.measure);
     if let Some(over) = measure
         .worst_cold_db
         .filter(|_| measure.ever_over_ratio > 0.0)
     {
-        said.push(format!(
-            "cold ground is over its limit by up to {over:.1} dB ({}), {:.0} ms in all: take \
-             longer ramps, or ramps = \"modal\"",
-            table.measure.as_str(),
-            1e3 * measure.over_s
-        ));
+        said.push(
+            Finding::caution(
+                "time-cold-over",
+                format!(
+                    "cold ground is over its limit by up to {over:.1} dB ({}), {:.0} ms in all",
+                    table.measure.as_str(),
+                    1e3 * measure.over_s
+                ),
+            )
+            .value("worst_cold_db", over)
+            .value("over_s", measure.over_s)
+            .help("take longer ramps, or ramps = \"modal\""),
+        );
     }
     if table.measure != Measure::Peak && indices.peak.ever_over_ratio > 0.0 {
-        said.push(format!(
-            "at some instants cold ground is over its limit by up to {:.1} dB; summed over time \
-             it may not be felt",
-            indices.peak.worst_cold_db.unwrap_or(0.0)
-        ));
+        let over = indices.peak.worst_cold_db.unwrap_or(0.0);
+        said.push(
+            Finding::caution(
+                "time-cold-instants",
+                format!(
+                    "at some instants cold ground is over its limit by up to {over:.1} dB; summed \
+                     over time it may not be felt"
+                ),
+            )
+            .value("worst_cold_db", over)
+            .help("ask for it by measure = \"peak\""),
+        );
     }
     if indices.peak.hot_held_ratio < 1.0 && table.level == Level::Steady {
-        said.push(format!(
-            "hot ground is not held: at some instant it is {:.1} dB below its limit",
-            -indices.peak.worst_hot_db.unwrap_or(f64::NEG_INFINITY)
-        ));
+        let under = -indices.peak.worst_hot_db.unwrap_or(f64::NEG_INFINITY);
+        said.push(
+            Finding::caution(
+                "time-hot-not-held",
+                format!(
+                    "hot ground is not held: at some instant it is {under:.1} dB below its limit"
+                ),
+            )
+            .value("worst_hot_db", -under)
+            .help("take longer ramps, or a steady drive with more margin"),
+        );
     }
     if let Some(level) = indices.summed.worst_hot_db.filter(|&level| level < 0.0) {
         if table.level == Level::Steady && table.measure == Measure::Summed {
-            said.push(format!(
-                "the events are short for the sense of touch, which sums over {} s: hot ground \
-                 stays {:.1} dB below its limit; level = \"compensated\" makes up for it",
-                table.summation_s, -level
-            ));
+            said.push(
+                Finding::caution(
+                    "time-burst-short",
+                    format!(
+                        "the events are short for the sense of touch, which sums over {} s: hot \
+                         ground stays {:.1} dB below its limit",
+                        table.summation_s, -level
+                    ),
+                )
+                .value("worst_hot_db", level)
+                .help("level = \"compensated\" makes up for it"),
+            );
         }
     }
     said

@@ -10,8 +10,8 @@ use crate::tolerances;
 use crate::zones::{Ground, ZoneMap};
 use ndarray::{Array1, Array2, Axis};
 use num_complex::Complex64;
-use std::cell::RefCell;
 use std::collections::HashMap;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// What a chain begins and ends with.
 pub(crate) struct Ends {
@@ -23,7 +23,16 @@ pub(crate) struct Ends {
 }
 
 /// Programs that were solved, by place, kind, ramp and shaped time.
-pub(crate) type Programs = RefCell<HashMap<(usize, bool, u64, u64), Array2<Complex64>>>;
+#[derive(Default)]
+pub(crate) struct Programs(Mutex<Solved>);
+
+type Solved = HashMap<(usize, bool, u64, u64), Array2<Complex64>>;
+
+impl Programs {
+    fn known(&self) -> MutexGuard<'_, Solved> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
 
 /// A place, the phase of its pattern, and its zones.
 type End<'a> = (usize, Complex64, &'a ZoneMap);
@@ -54,9 +63,8 @@ pub(crate) fn program_ends(voice: &Voice, chain: &Chain, [first, last]: [End; 2]
         beyond_s: fall_beyond,
         falls: true,
     };
-    let (up, knot_s) = rise.control();
+    let ((up, knot_s), (down, fall_knot_s)) = rayon::join(|| rise.control(), || down.control());
     let fall_s = end_s - fall.duration_s - fall_beyond;
-    let (down, fall_knot_s) = down.control();
     let turned = |control: &Array2<Complex64>, turn: Complex64| control.mapv(|value| value * turn);
     let mut tracks = tracks_of(&turned(&up, first.1), start_s, knot_s);
     tracks.extend(tracks_of(&turned(&down, last.1), fall_s, fall_knot_s));
@@ -95,7 +103,7 @@ impl Program<'_> {
         let knot_s = (self.ramp_s / tolerances::KNOTS_PER_RAMP).max(tolerances::LEAST_KNOT_S);
         // the last splines of a fall end with it
         let shaped_s = self.ramp_s + self.beyond_s - if self.falls { 3.0 * knot_s } else { 0.0 };
-        if let Some(known) = self.voice.programs.borrow().get(&key) {
+        if let Some(known) = self.voice.programs.known().get(&key) {
             return (known.clone(), knot_s);
         }
         let judged_s = self.ramp_s + self.beyond_s + tolerances::JUDGED_BEYOND_S;
@@ -106,10 +114,7 @@ impl Program<'_> {
         let threshold = self.voice.limits.threshold_m_per_s;
         let limit = self.voice.drive_limits.each;
         let control = solve(&splines, threshold, &fixed, &asked, limit, start);
-        self.voice
-            .programs
-            .borrow_mut()
-            .insert(key, control.clone());
+        self.voice.programs.known().insert(key, control.clone());
         (control, knot_s)
     }
 

@@ -9,7 +9,7 @@ use crate::plane::Rectangle;
 use crate::scene::Scene;
 use crate::time::causal::CausalModel;
 use crate::time::judge::TimeMeasure;
-use crate::time::listener::{Judging, Listener, Sounds};
+use crate::time::listener::{Judging, Listener, Sounds, ToneLimits};
 use crate::time::plan::{Chain, Plan};
 use crate::time::play::{AreaMeasures, TimeEvent, TimeIndices};
 use crate::time::signal::Sidecar;
@@ -18,7 +18,7 @@ use crate::time::table::{Measure, RampTime};
 use crate::time::timeline::zones_of;
 use crate::tolerances;
 use crate::zones::ZoneMap;
-use chladni_frf::{Dof, Error, ErrorKind, ModalModel, Result};
+use chladni_frf::{Dof, Error, ErrorKind, Finding, ModalModel, Result};
 use ndarray::{s, Array2, Axis};
 use num_complex::Complex64;
 use rustfft::FftPlanner;
@@ -185,7 +185,7 @@ pub fn evaluate_signal(
     events: &[TimeEvent],
     scene: &Scene,
     model: &ModalModel,
-) -> Result<(TimeIndices, Vec<String>)> {
+) -> Result<(TimeIndices, Vec<Finding>)> {
     if !scene.other_tones.is_empty() {
         return Err(
             Error::new(ErrorKind::Usage, "a signal is judged at one frequency")
@@ -197,7 +197,7 @@ pub fn evaluate_signal(
     }
     let table = scene.time.clone().unwrap_or_default();
     let plan = Plan::new(&table, &scene.zones)?;
-    let mut warnings = Vec::new();
+    let mut findings = Vec::new();
     let mut guessed = false;
     let chains = plan.chains(|_, event| match event.ramp {
         RampTime::Seconds(seconds) => seconds,
@@ -212,10 +212,18 @@ pub fn evaluate_signal(
         guessed |= event.ramp == RampTime::Auto && !known;
     }
     if guessed {
-        warnings.push(format!(
-            "the scene leaves its ramps open and the signal does not say them: {:.0} ms are taken",
-            1e3 * tolerances::GUESSED_RAMP_S
-        ));
+        let taken_ms = 1e3 * tolerances::GUESSED_RAMP_S;
+        findings.push(
+            Finding::caution(
+                "time-ramps-guessed",
+                format!(
+                    "the scene leaves its ramps open and the signal does not say them: \
+                     {taken_ms:.0} ms are taken"
+                ),
+            )
+            .value("ramp_s", tolerances::GUESSED_RAMP_S)
+            .help("write ramp_s into the scene"),
+        );
     }
     let operator = Operator::of_model(model, scene.frequency_hz, scene.actuators.only.as_deref())?;
     let step_s = tolerances::JUDGE_STEP_S;
@@ -234,11 +242,12 @@ pub fn evaluate_signal(
         summation_s: table.summation_s,
     };
     let causal = CausalModel::new(model, &operator);
-    let limits = vec![(scene.limits()?, scene.share)];
+    let limits = vec![ToneLimits::of(scene)?];
     let points = Listener {
         positions_m: operator.positions_m.clone(),
         models: vec![causal.clone()],
         limits: limits.clone(),
+        touch: None,
     };
     let envelopes = [envelopes];
     let heard = points.hear(&envelopes, &chains, &judging, &Measure::ALL);
@@ -252,6 +261,7 @@ pub fn evaluate_signal(
             positions_m: grid.places.iter().map(|place| place.1).collect(),
             models: vec![causal.at(grid.interpolation())],
             limits,
+            touch: None,
         };
         of_three(
             &there
@@ -274,9 +284,15 @@ pub fn evaluate_signal(
     let outside = recorded.drive.len_of(Axis(0)) as f64 / recorded.rate_hz
         < chains.iter().map(Chain::end_s).fold(0.0, f64::max) - step_s;
     if outside {
-        warnings.push("the signal ends before the last event of the scene".into());
+        findings.push(
+            Finding::caution(
+                "time-signal-short",
+                "the signal ends before the last event of the scene",
+            )
+            .help("play the scene again"),
+        );
     }
-    Ok((indices, warnings))
+    Ok((indices, findings))
 }
 
 fn of_three(measures: &[TimeMeasure]) -> AreaMeasures {

@@ -5,7 +5,7 @@ use crate::time::play::{Played, TimeEvent};
 use crate::time::tracks::Tracks;
 use crate::time::wav_file::{wav_bytes, SampleFormat};
 use chladni_frf::{Dof, Error, ErrorKind, ReferenceUnit, Result, Source};
-use ndarray::Array2;
+use ndarray::{Array1, Array2, Axis};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -472,6 +472,14 @@ impl Signal {
         )
     }
 
+    /// Drive of the channels with an actuator, in the order of the sidecar, N or V; axes
+    /// (frame, channel).
+    pub fn driven(&self) -> Array2<f64> {
+        let channels = self.sidecar.channels.iter();
+        let columns: Vec<usize> = channels.map(|channel| channel.channel - 1).collect();
+        self.drive.select(Axis(1), &columns)
+    }
+
     /// A table: the time, and the drive of each channel in its unit.
     pub fn csv(&self) -> String {
         let mut text = String::from("time_s");
@@ -527,6 +535,18 @@ impl Tracks {
             track.pattern.mapv_inplace(|value| value * turn);
             if let Some(correction) = &mut track.correction {
                 correction.mapv_inplace(|value| value * turn);
+            }
+        }
+        self
+    }
+
+    /// The same through channels of these complex gains.
+    pub(crate) fn with_gains(mut self, gains: &[Complex64]) -> Self {
+        let gains = Array1::from(gains.to_vec());
+        for track in &mut self.tracks {
+            track.pattern *= &gains;
+            if let Some(correction) = &mut track.correction {
+                *correction *= &gains;
             }
         }
         self

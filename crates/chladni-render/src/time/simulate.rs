@@ -3,7 +3,7 @@
 
 use crate::time::causal::CausalModel;
 use chladni_linalg::matmul;
-use ndarray::{Array2, Axis};
+use ndarray::Array2;
 use num_complex::Complex64;
 
 /// Below this |λh| the exact functions of the recursion lose digits, and their series has
@@ -45,19 +45,19 @@ impl<'a> Motion<'a> {
     pub(crate) fn under(&mut self, drive: &SampledDrive) -> Array2<Complex64> {
         let states = self.modal(drive);
         let of_patterns = |direct: &Array2<Complex64>| matmul(drive.patterns.view(), direct.t());
-        matmul(states.view(), self.model.shapes.t())
+        self.model.moved(states.view())
             + matmul(drive.values.view(), of_patterns(&self.model.direct).view())
             + matmul(drive.slopes.view(), of_patterns(&self.model.slope).view())
     }
 
-    /// z over the samples; axes (time, pole).
+    /// z over the samples; axes (pole, time).
     fn modal(&mut self, drive: &SampledDrive) -> Array2<Complex64> {
-        let forces = matmul(drive.patterns.view(), self.model.inputs.t());
-        let mut states = matmul(drive.values.view(), forces.view());
-        let columns = states.axis_iter_mut(Axis(1)).zip(&mut self.states);
-        for (n, (mut column, [z, before])) in columns.enumerate() {
+        let forces = matmul(self.model.inputs.view(), drive.patterns.t());
+        let mut states = matmul(forces.view(), drive.values.t());
+        let rows = states.rows_mut().into_iter().zip(&mut self.states);
+        for (n, (mut row, [z, before])) in rows.enumerate() {
             let Step { decay, last, next } = Step::of(-self.model.distance(n), drive.step_s);
-            for value in &mut column {
+            for value in &mut row {
                 *z = decay * *z + last * *before + next * *value;
                 *before = std::mem::replace(value, *z);
             }
@@ -116,7 +116,10 @@ mod tests {
         panel.plate.loss_factor = chladni_plate::LossFactor::Common(0.05);
         (panel.responses.grid, panel.responses.spacing_m) = ([4, 3], 0.04);
         (panel.references.edge_count, panel.references.spacing_m) = ([3, 2], 0.07);
-        chladni_plate::simulate(&panel, None, None).unwrap().truth
+        let mut truth = chladni_plate::simulate(&panel, None, None).unwrap().truth;
+        // what a push leaves behind in a free plate has no line in a spectrum
+        truth.modes.retain(|mode| mode.frequency_hz > 1.0);
+        truth
     }
 
     fn burst(actuators: usize) -> Tracks {
@@ -129,16 +132,26 @@ mod tests {
                 .map(|j| Complex64::from_polar(1.0, seed * (j * j) as f64))
                 .collect()
         };
+        // whose derivatives the lines of a spectrum below 3 kHz can hold
+        let spline = Track {
+            pattern: some(1.3),
+            correction: Some(some(1.9) * Complex64::from(1e-3)),
+            envelope: Envelope::Spline {
+                start_s: 0.03,
+                knot_s: 0.005,
+            },
+        };
+        let gate = Track {
+            pattern: some(0.7),
+            correction: None,
+            envelope: Envelope::Gate {
+                rise: Edge::Cosine(ramp(0.02)),
+                fall: Edge::Cosine(ramp(0.12)),
+            },
+        };
         Tracks {
             frequency_hz: 300.0,
-            tracks: vec![Track {
-                pattern: some(0.7),
-                correction: Some(some(1.9) * Complex64::from(1e-3)),
-                envelope: Envelope::Gate {
-                    rise: Edge::Cosine(ramp(0.02)),
-                    fall: Edge::Cosine(ramp(0.12)),
-                },
-            }],
+            tracks: vec![gate, spline],
         }
     }
 
@@ -173,8 +186,8 @@ mod tests {
         let constant = &causal.direct - &residual(causal.carrier_rad_per_s);
         let rows = causal.shapes.nrows();
         let mut moved = vec![vec![Complex64::ZERO; FRAMES]; rows];
-        // beyond 3 kHz the burst has nothing, and below 20 Hz only the push of free edges
-        for line in 40..6000 {
+        // beyond 3 kHz the burst has nothing
+        for line in 1..6000 {
             let omega = TAU * RATE_HZ * line as f64 / FRAMES as f64;
             let force: Array1<Complex64> = forces.iter().map(|force| force[line]).collect();
             let mut states = causal.inputs.dot(&force);
@@ -229,6 +242,7 @@ mod tests {
             rise: Edge::Cosine(ramp(0.0)),
             fall: Edge::Cosine(ramp(9.0)),
         };
+        tracks.tracks.truncate(1);
         let steady = operator.mobility.dot(&tracks.tracks[0].pattern);
         let mut motion = Motion::new(&causal);
         let mut last = Array1::zeros(0);

@@ -19,7 +19,7 @@ use crate::time::timeline::zones_of;
 use crate::time::tracks::{Track, Tracks};
 use crate::weights::Weights;
 use crate::zones::ZoneMap;
-use chladni_frf::{ModalModel, Result};
+use chladni_frf::{Finding, ModalModel, Result};
 use ndarray::{Array2, Axis};
 use num_complex::Complex64;
 
@@ -39,7 +39,7 @@ pub(crate) struct Voice {
     /// Programs that were solved.
     pub(crate) programs: Programs,
     /// What is to be known of the steady drives.
-    pub(crate) warnings: Vec<String>,
+    pub(crate) findings: Vec<Finding>,
 }
 
 impl Voice {
@@ -56,7 +56,7 @@ impl Voice {
         given: Option<&Weights>,
         options: &RenderOptions,
     ) -> Result<Self> {
-        let mut warnings = Vec::new();
+        let mut findings = Vec::new();
         let operator =
             Operator::of_model(model, scene.frequency_hz, scene.actuators.only.as_deref())?;
         let mut patterns = Array2::zeros((places.len(), operator.references.len()));
@@ -87,7 +87,8 @@ impl Voice {
                     drive_limits.get_or_insert(setup()?.problem.drive_limits);
                     let weights = render(model, &there, options)?.weights;
                     if !weights.feasible {
-                        warnings.extend(weights.warnings.iter().cloned());
+                        let said = weights.warnings.iter();
+                        findings.extend(said.map(|text| Finding::caution("time-steady", text)));
                     }
                     drive_on(&operator, &weights)
                 }
@@ -112,7 +113,7 @@ impl Voice {
             operator,
             patterns,
             corrections,
-            warnings,
+            findings,
         })
     }
 

@@ -1,23 +1,25 @@
 //! Hot and cold ground over time, and the drive that moves it.
 
-use crate::chart::{Axis, Chart, Figure, Height, Layer, Place};
-use crate::drawing::{Colour, Dash, Stroke};
-use crate::sizes::WIDE_PX;
+use crate::chart::{Axis, Chart, ColourBar, Figure, Height, Layer, Place};
+use crate::drawing::{Colour, ColourMap, Dash, Image, Stroke};
+use crate::sizes::{FIELD_RANGE_DB, WIDE_PX};
 use chladni_frf::ReferenceUnit;
-use chladni_render::TimeTraces;
+use chladni_render::{Ground, TimeFrames, TimeTraces};
+use ndarray::ArrayView1;
 
 /// Levels below the limits that are shown, dB.
 const SHOWN_BELOW_DB: f64 = -25.0;
 /// Levels above them.
 const SHOWN_ABOVE_DB: f64 = 10.0;
 
-/// The weakest hot and the loudest cold response over their limits, and the largest
-/// drive; `plain` are those of plain ramps, behind.
+/// The weakest hot and the loudest cold response over their limits, the drives, and with
+/// `frames` every response over time; `plain` are those of plain ramps, behind.
 pub fn time(
     name: &str,
     title: &str,
     traces: &TimeTraces,
     plain: Option<&TimeTraces>,
+    frames: Option<&TimeFrames>,
     unit: ReferenceUnit,
 ) -> Figure {
     let range = [SHOWN_BELOW_DB, SHOWN_ABOVE_DB];
@@ -65,27 +67,102 @@ pub fn time(
         at: vec![0.0],
         stroke: Stroke::new(Colour::Muted, 1.2),
     });
-    let scale = 1e3;
-    let drive: Vec<Place> = traces
-        .drive
-        .iter()
-        .enumerate()
-        .map(|(k, value)| [1e3 * traces.step_s * k as f64, scale * value])
-        .collect();
-    let forces = Chart::new(
-        Axis::linear("Time", "ms"),
-        Axis::linear("Largest drive", &format!("m{unit}")),
-    )
-    .height(Height::Px(120.0))
-    .line("", drive, Stroke::new(Colour::Series(2), 1.6));
+    let mut charts = vec![levels, forces(traces, frames, unit)];
+    charts.extend(frames.map(places));
     Figure {
         name: name.into(),
         title: title.into(),
         caption: "Hot ground is to stay above its limit, cold ground below, at every instant."
             .into(),
         width: WIDE_PX,
-        charts: vec![levels, forces],
+        charts,
     }
+}
+
+/// The amplitude of every actuator, or the largest one where pictures are lacking.
+fn forces(traces: &TimeTraces, frames: Option<&TimeFrames>, unit: ReferenceUnit) -> Chart {
+    let at = |step_s: f64, k: usize, value: f64| [1e3 * step_s * k as f64, 1e3 * value];
+    let (label, lines, width): (&str, Vec<Vec<Place>>, f64) = match frames {
+        Some(frames) => {
+            let of = |column: ArrayView1<f64>| {
+                let values = column.iter().enumerate();
+                values
+                    .map(|(k, &value)| at(frames.step_s, k, value))
+                    .collect()
+            };
+            let lines = frames.drive.columns().into_iter().map(of).collect();
+            ("Drive of each actuator", lines, 0.7)
+        }
+        None => {
+            let values = traces.drive.iter().enumerate();
+            let line = values
+                .map(|(k, &value)| at(traces.step_s, k, value))
+                .collect();
+            ("Largest drive", vec![line], 1.6)
+        }
+    };
+    Chart::new(
+        Axis::linear("Time", "ms"),
+        Axis::linear(label, &format!("m{unit}")),
+    )
+    .height(Height::Px(140.0))
+    .with(Layer::Lines {
+        name: None,
+        lines,
+        stroke: Stroke::new(Colour::Series(2), width),
+    })
+}
+
+/// Every response over time: hot ones above, cold ones below.
+fn places(frames: &TimeFrames) -> Chart {
+    let mut order: Vec<usize> = (0..frames.names.len()).collect();
+    order.sort_by_key(|&k| match frames.ground[k] {
+        Ground::Hot => 0,
+        Ground::Ignored => 1,
+        Ground::Cold => 2,
+    });
+    let (columns, rows) = (frames.responses.nrows(), order.len());
+    let mut rgba = Vec::with_capacity(4 * columns * rows);
+    for &response in &order {
+        for &value in frames.responses.column(response) {
+            let level = 20.0 * value.log10();
+            let [r, g, b] = ColourMap::Sequential.at(0.5 + 0.5 * level / FIELD_RANGE_DB);
+            rgba.extend([r, g, b, 255]);
+        }
+    }
+    let end_ms = 1e3 * frames.step_s * columns as f64;
+    let hot = frames
+        .ground
+        .iter()
+        .filter(|&&ground| ground == Ground::Hot)
+        .count();
+    let border = (rows - hot) as f64;
+    let mut chart = Chart::new(
+        Axis::linear("Time", "ms"),
+        Axis::linear("Responses, hot ones above", "number"),
+    )
+    .height(Height::Px(240.0))
+    .with(Layer::Pixels {
+        x: [0.0, end_ms],
+        y: [0.0, rows as f64],
+        image: Image {
+            columns,
+            rows,
+            rgba,
+        },
+    })
+    .with(Layer::Horizontals {
+        name: None,
+        at: vec![border],
+        stroke: Stroke::new(Colour::Rgb([255, 255, 255]), 1.4),
+    });
+    chart.colour_bar = Some(ColourBar {
+        axis: Axis::linear("Velocity", "dB re threshold").range([-FIELD_RANGE_DB, FIELD_RANGE_DB]),
+        map: ColourMap::Sequential,
+        bands: 0,
+        lines: Vec::new(),
+    });
+    chart
 }
 
 /// Pieces of a trace without gaps; what lies far below is drawn at the lower end.
