@@ -1,10 +1,10 @@
 //! `chladni bench time`.
 
 use super::{shown, Place};
-use chladni_bench::{time, time_cases, time_csv, time_figures, time_verdict, TimeRow};
+use chladni_bench::{time, time_cases, time_csv, time_figures, time_verdict, TimeCase, TimeRow};
 use chladni_console::table::table;
 use chladni_console::{Console, Outcome};
-use chladni_frf::Result;
+use chladni_frf::{Error, ErrorKind, Result};
 use serde_json::json;
 
 /// The table.
@@ -18,10 +18,14 @@ limit, at any instant, by each way of ramping.";
 #[command(before_help = "Examples:
   chladni bench time -o bench --quick
   chladni bench time -o bench
+  chladni bench time -o bench --case glass              the twelve cases on glass
 
 Plays bursts on quarters and the ninth in the middle of two panels, at 300 and 330 Hz, with loss factors of 0.5, 1 and 3 %, by plain, modal
 and program ramps and by the spatio-temporal inverse filter. Writes time.csv, time-CASE.svg/png and time.html.")]
 pub struct Args {
+    /// Only cases whose name begins so, as glass or aluminium-centre
+    #[arg(long, value_name = "NAME")]
+    case: Option<String>,
     #[command(flatten)]
     place: Place,
 }
@@ -32,10 +36,19 @@ pub struct Args {
 /// Those of writing.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     args.place.prepare(&[TABLE], console)?;
-    let mut journal = args
-        .place
-        .journal("time", &args.place.quick.to_string(), console)?;
-    let cases = time_cases(args.place.quick);
+    let wanted = args.case.as_deref().unwrap_or("");
+    let cases: Vec<TimeCase> = time_cases(args.place.quick)
+        .into_iter()
+        .filter(|case| case.name.starts_with(wanted))
+        .collect();
+    if cases.is_empty() {
+        return Err(Error::new(ErrorKind::Usage, "no such case")
+            .field("--case")
+            .found(wanted)
+            .expected("the beginning of a name, as glass-quarter or aluminium-centre"));
+    }
+    let options = format!("{} {wanted}", args.place.quick);
+    let mut journal = args.place.journal("time", &options, console)?;
     let rows = time(&cases, args.place.quick, &mut journal, &|stage| {
         console.stage(stage)
     })?;
