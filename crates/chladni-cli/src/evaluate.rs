@@ -171,8 +171,6 @@ fn of_signal(args: &Args, console: &Console) -> Result<Outcome> {
         "on": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
         "time": indices,
         "source": sources,
-        "findings": console.findings(),
-        "warnings": console.warnings(),
     });
     Ok(Outcome::shown(json, in_words(&indices)))
 }

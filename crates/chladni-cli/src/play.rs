@@ -189,8 +189,6 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         json["stress_seed"] = json!(args.seed);
         text += &format!("\n{}", stress_table(rows));
     }
-    json["findings"] = json!(console.findings());
-    json["warnings"] = json!(console.warnings());
     let doubt =
         (!played.feasible).then(|| "the scene is not met in time: see the warnings".to_owned());
     let outcome = match &args.output {

@@ -79,10 +79,11 @@ impl InTime {
         let played = match played {
             Ok(played) => played,
             Err(error) => {
-                console.warn(format!(
+                let words = format!(
                     "{}: the scene cannot be shown in time: {}",
                     weights.scene, error.message
-                ));
+                );
+                console.find(&Finding::caution("scene-not-in-time", words));
                 return None;
             }
         };

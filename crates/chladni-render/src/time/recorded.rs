@@ -192,7 +192,7 @@ pub fn evaluate_signal(
                 .field("frequency_hz")
                 .found(format!("{} tones", 1 + scene.other_tones.len()))
                 .expected("a scene with one frequency")
-                .help("evaluate the weights instead: evaluate WEIGHTS --scene SCENE --on MODEL"),
+                .help("judge the weights instead, tone by tone"),
         );
     }
     let table = scene.time.clone().unwrap_or_default();

@@ -87,8 +87,7 @@ impl Voice {
                     drive_limits.get_or_insert(setup()?.problem.drive_limits);
                     let weights = render(model, &there, options)?.weights;
                     if !weights.feasible {
-                        let said = weights.warnings.iter();
-                        findings.extend(said.map(|text| Finding::caution("time-steady", text)));
+                        findings.extend(weights.findings.iter().cloned());
                     }
                     drive_on(&operator, &weights)
                 }
