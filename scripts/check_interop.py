@@ -6,6 +6,7 @@ Needs numpy, h5py, pyuff and scipy. Usage: scripts/check_interop.py [path of the
 * binary universal files (pyuff), HDF5 (h5py) and NPZ (numpy): bit-equal
 * text universal files: to the printed digit
 * mode shapes (55, 2414), nodes (15, 2411), trace lines (82), elements (2412): to the printed digit
+* drive signals (scipy, numpy): rate, channels and values of f32, i24 and i16 against the table in newtons
 * files written by pyuff, h5py, scipy and numpy: read bit-equal
 * random sets, written by Python and handed on through all formats: bit-equal
 * speed: text 58 against pyuff, 58b against its raw bytes, in processor time
@@ -22,6 +23,7 @@ import h5py
 import numpy as np
 import pyuff
 import scipy.io
+import scipy.io.wavfile
 
 BINARY = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else "target/release/chladni").resolve()
 FAILED = []
@@ -189,6 +191,40 @@ def random_sets(folder, count=20):
     check(f"{count} random sets of numpy, scipy and h5py through npz, mat, csv, uff and h5: bit-equal" + "".join(f"; not {one}" for one in bad), not bad)
 
 
+SCENE = """frequency_hz = 330.0
+[zones]
+grid = [2, 2]
+hot = [1]
+cells_m = [0.0, 0.0, 0.268, 0.170]
+[time]
+[[time.burst]]
+duration_s = 0.1
+ramp_s = 0.015
+"""
+
+
+def signals(folder):
+    (folder / "panel.toml").write_text("[frf]\nstart_hz = 2\nstop_hz = 1000\nstep_hz = 99.8\n")
+    (folder / "burst.toml").write_text(SCENE)
+    chladni("simulate", folder / "panel.toml", "-o", folder / "few.h5", "--truth", folder / "truth.json")
+    play = ("play", folder / "truth.json", folder / "burst.toml", "--method", "fast", "--rate", 44100)
+    chladni(*play, "-o", folder / "drive.csv")
+    chladni(*play, "-o", folder / "drive.npz")
+    drive = np.loadtxt(folder / "drive.csv", delimiter=",", skiprows=1)[:, 1:]
+    held = np.load(folder / "drive.npz")
+    check("a drive in NPZ has rate, names and values of the table", held["rate_hz"] == 44100 and held["reference"][0] == "101:+Z" and np.array_equal(held["drive"], drive))
+    for form, dtype, steps in (("f32", np.float32, 2.0**24), ("i24", np.int32, 2.0**23), ("i16", np.int16, 2.0**15)):
+        chladni(*play, "-o", folder / "drive.wav", "--format", form)
+        rate, samples = scipy.io.wavfile.read(folder / "drive.wav")
+        sidecar = json.loads((folder / "drive.json").read_text())
+        check(f"a drive in {form} has the stated rate, channels, frames and kind", rate == sidecar["rate_hz"] == 44100 and samples.shape == drive.shape == (sidecar["frames"], 34) and samples.dtype == dtype)
+        # 24-bit samples lie in the upper bytes of 32-bit ones
+        whole = {"f32": 1.0, "i24": 2.0**31, "i16": 2.0**15}[form]
+        scale = np.array([channel["full_scale"] for channel in sidecar["channels"]])
+        error = np.abs(samples / whole * scale - drive).max() / scale.max()
+        check(f"its values are those of the table to half a step ({error * steps:.2f} steps)", error * steps <= 0.51)
+
+
 def speed(folder):
     random = np.random.default_rng(3)
     frf, freq = random.normal(size=(40, 2, 3200)) * (1 - 0.5j), 1.0 + 0.3125 * np.arange(3200)
@@ -224,7 +260,7 @@ def speed(folder):
 def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        for part in (written_files, shapes, foreign_files, random_sets, speed):
+        for part in (written_files, shapes, foreign_files, random_sets, signals, speed):
             part(folder)
     if FAILED:
         raise SystemExit(f"{len(FAILED)} wrong")

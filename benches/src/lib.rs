@@ -11,6 +11,7 @@
 //! * [`wild`]: structures drawn from a seed, in either damping law, modes beyond the band
 //! * [`scenes`]: rendering from noisy FRFs to a drive on the true plate, by every method
 //! * [`rigs`]: drives corrected by measured fields, on rigs with faults drawn from a seed
+//! * [`time`]: bursts, by every way of ramping and by the inverse filter
 //! * [`kernels`]: dense kernels at the sizes of a fit, every back end that is linked in
 //!
 //! `chladni bench` writes the files; `docs/accuracy.md` says what they show. Criterion's
@@ -37,6 +38,7 @@ mod score;
 mod solver;
 mod stability;
 mod statistics;
+mod time;
 mod wild;
 
 pub use accuracy::{accuracy, AccuracyOptions, AccuracyRow};
@@ -68,6 +70,7 @@ pub use stability::{
     Calibration, Map, MapAxis, StabilityOptions, StabilityRow, Trial, MAPS,
 };
 pub use statistics::median;
+pub use time::{time, time_cases, time_csv, time_figures, time_verdict, TimeCase, TimeRow};
 pub use wild::{
     summary, wild, wild_csv, wild_draws_csv, wild_figures, wild_measurement, Criterion, Difficulty,
     Draw, WildOptions, WildOutcome, WildRow,

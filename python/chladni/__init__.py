@@ -23,7 +23,7 @@ import json as _json
 import numpy as _numpy
 
 from . import _chladni, _html
-from ._chladni import ChladniError, FrfSet, Model, Partial, Poles, Rendering, __version__
+from ._chladni import ChladniError, FrfSet, Model, Partial, Playing, Poles, Rendering, __version__
 from ._chladni import cmif, load_model, merge, read, reduce_block, report, residues_block, simulate
 from ._compare import Comparison, compare
 from ._plot import plot_field as _plot_field
@@ -38,6 +38,7 @@ __all__ = [
     "FrfSet",
     "Model",
     "Partial",
+    "Playing",
     "Poles",
     "Rendering",
     "__version__",
@@ -48,6 +49,7 @@ __all__ = [
     "fit",
     "load_model",
     "merge",
+    "play",
     "read",
     "reduce_block",
     "render",
@@ -257,9 +259,34 @@ def render(model, scene, **options):
     return _chladni.render(model, _text_or_path(scene), **options)
 
 
+def play(model, scene, **options):
+    """
+    The drive over time of a scene with a table ``[time]``: bursts, fades, moving spots.
+
+    Parameters
+    ----------
+    model : Model
+        What the panel does.
+    scene : path, str or dict
+        As of `render`.
+    rendering : Rendering, optional
+        Steady weights of the scene's own zones; rendered without it.
+    ramps : {"modal", "plain", "program"}, optional
+        How the drive comes and goes, in place of the scene's.
+    method : str
+        How steady weights are found, as of `render`.
+
+    Returns
+    -------
+    Playing
+        ``indices`` is a dictionary, ``save("drive.wav")`` writes what a rig plays, ``drive()`` the same as an array.
+    """
+    return _chladni.play(model, _text_or_path(scene), **options)
+
+
 def evaluate(rendering, scene, on):
     """
-    The indices of a drive on other data.
+    The indices of a drive on other data; on a model, and in a scene with a table ``[time]``, those in time beside them.
 
     Parameters
     ----------
@@ -330,6 +357,7 @@ Model.plot_frf = _plot_frf
 Model.plot_shape = _plot_shape
 Model._repr_html_ = _html.model
 FrfSet._repr_html_ = _html.frf_set
+Playing.indices = property(lambda self: _json.loads(self._indices()), doc="How the ground does in time, by every measure.")
 Rendering.to_dict = _to_dict
 Rendering.plot_field = _plot_field
 Rendering._repr_html_ = _html.rendering

@@ -308,4 +308,40 @@ def render(
     actuators: str = "all",
     measured: FrfSet | None = None,
 ) -> Rendering: ...
+class Playing:
+    feasible: bool
+    warnings: list[str]
+    length_s: float
+    references: list[str]
+    time_s: NDArray[np.float64]
+    hot_db: NDArray[np.float64]
+    cold_db: NDArray[np.float64]
+    largest_drive: NDArray[np.float64]
+    indices: dict[str, Any]
+    def drive(
+        self,
+        rate_hz: int = 48_000,
+        *,
+        full_scale: float | None = None,
+        channel_map: Sequence[tuple[int, str, float]] | None = None,
+    ) -> NDArray[np.float64]: ...
+    def save(
+        self,
+        path: str | PathLike[str],
+        rate_hz: int = 48_000,
+        *,
+        format: Literal["f32", "i24", "i16"] = "f32",
+        full_scale: float | None = None,
+        channel_map: Sequence[tuple[int, str, float]] | None = None,
+        force: bool = False,
+    ) -> None: ...
+
+def play(
+    model: Model,
+    scene: Scene,
+    *,
+    rendering: Rendering | None = None,
+    ramps: Literal["modal", "plain", "program"] | None = None,
+    method: str = "default",
+) -> Playing: ...
 def evaluate(rendering: Rendering, scene: Scene, on: FrfSet | Model) -> dict[str, Any]: ...

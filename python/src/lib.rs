@@ -11,6 +11,7 @@ mod findings;
 mod frf;
 mod model;
 mod pieces;
+mod playing;
 mod progress;
 mod rendering;
 mod report;
@@ -46,5 +47,7 @@ fn _chladni(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(pieces::solve_poles, module)?)?;
     module.add_function(wrap_pyfunction!(pieces::residues_block, module)?)?;
     module.add_function(wrap_pyfunction!(rendering::render, module)?)?;
+    module.add_class::<playing::Playing>()?;
+    module.add_function(wrap_pyfunction!(playing::play, module)?)?;
     module.add_function(wrap_pyfunction!(rendering::evaluate, module)?)
 }

@@ -140,7 +140,7 @@ impl Rendering {
 }
 
 /// A scene file, or the text of one (anything with a line end or an equals sign).
-fn scene_of(py: Python<'_>, scene: &Bound<'_, PyAny>) -> PyResult<Scene> {
+pub fn scene_of(py: Python<'_>, scene: &Bound<'_, PyAny>) -> PyResult<Scene> {
     let read = match scene.extract::<String>() {
         Ok(text) if text.contains(['\n', '=']) => Scene::parse(&text, Path::new("")),
         _ => Scene::read(&scene.extract::<PathBuf>()?),
@@ -218,10 +218,23 @@ pub fn evaluate(
         }
     };
     let judged = judged.map_err(|error| raised(py, &error))?;
+    let in_time = match on.cast::<Model>() {
+        Ok(model) if scene.time.is_some() => {
+            let options = chladni_render::PlayOptions::default();
+            let weights = Some(&rendering.0.weights);
+            chladni_render::play(&model.get().model, &scene, weights, &options)
+                .map(|played| Some(played.indices))
+                .map_err(|error| raised(py, &error))?
+        }
+        _ => None,
+    };
     let of = |tone: &chladni_render::Evaluation| serde_json::json!({"frequency_hz": tone.frequency_hz, "indices": tone.indices, "warnings": chladni_frf::warnings(&tone.findings), "findings": tone.findings});
     let mut all = of(&judged);
     if !judged.other_tones.is_empty() {
         all["other_tones"] = judged.other_tones.iter().map(of).collect();
+    }
+    if let Some(indices) = in_time {
+        all["time"] = serde_json::json!(indices);
     }
     Ok(all.to_string())
 }

@@ -179,3 +179,46 @@ def test_importing_the_package_imports_nothing_heavy():
 def test_progress_is_a_bar(frf, capsys):
     chladni.fit(frf, progress=True)
     assert "fit" in capsys.readouterr().err
+
+
+BURST = {
+    "frequency_hz": 330.0,
+    "zones": {"grid": [2, 2], "hot": [1], "cells_m": [0.0, 0.0, 0.268, 0.170]},
+    "time": {"burst": [{"duration_s": 0.1, "ramp_s": 0.015}]},
+}
+
+
+def test_bursts_are_played_judged_and_written(truth, tmp_path):
+    played = chladni.play(truth, BURST, method="mls")
+    assert played.indices["peak"]["ever_over_ratio"] == 0.0 and "modal" not in repr(played)
+    plain = chladni.play(truth, BURST, method="mls", ramps="plain")
+    assert plain.indices["peak"]["worst_cold_db"] > played.indices["peak"]["worst_cold_db"] + 1.0
+    assert played.time_s.shape == played.cold_db.shape == played.hot_db.shape == played.largest_drive.shape
+    drive = played.drive(44_100)
+    assert drive.shape == (int(np.ceil(0.1 * 44_100)) + 1, len(played.references))
+    for form, step in (("f32", 2.0**-24), ("i16", 2.0**-15)):
+        played.save(tmp_path / f"{form}.wav", 44_100, format=form)
+        sidecar = json.loads((tmp_path / f"{form}.json").read_text())
+        scale = sidecar["channels"][0]["full_scale"]
+        assert sidecar["format"] == "chladni.signal" and sidecar["frames"] == len(drive)
+        bytes_of = (tmp_path / f"{form}.wav").read_bytes()
+        samples = np.frombuffer(bytes_of[-drive.size * (4 if form == "f32" else 2) :], dtype="<f4" if form == "f32" else "<i2")
+        values = samples.reshape(drive.shape) * (scale if form == "f32" else scale * 2.0**-15)
+        assert np.abs(values - drive).max() <= 0.51 * step * scale
+    played.save(tmp_path / "drive.npz", 44_100)
+    held = np.load(tmp_path / "drive.npz")
+    assert np.array_equal(held["drive"], drive) and list(held["reference"]) == played.references
+    channels = [(k + 2, name, 2.0) for k, name in enumerate(played.references)]
+    moved = played.drive(44_100, channel_map=channels)
+    assert moved.shape[1] == drive.shape[1] + 1 and np.all(moved[:, 0] == 0.0) and np.array_equal(moved[:, 1:], drive)
+    with pytest.raises(chladni.ChladniError, match="full_scale|clips"):
+        played.save(tmp_path / "loud.wav", full_scale=1e-9)
+    with pytest.raises(chladni.ChladniError, match="rate_hz"):
+        played.drive(600)
+    assert not (tmp_path / "loud.wav").exists()
+
+
+def test_weights_are_judged_in_time_where_the_scene_has_one(truth):
+    drive = chladni.render(truth, BURST, method="mls")
+    judged = chladni.evaluate(drive, BURST, truth)
+    assert judged["time"] == chladni.play(truth, BURST, rendering=drive).indices

@@ -1,8 +1,8 @@
 //! The commands.
 
 use crate::{
-    bench, block, compare, convert, correct, demo, estimate, evaluate, fit, info, render, report,
-    select, shell, simulate, studio,
+    bench, block, compare, convert, correct, demo, estimate, evaluate, fit, info, play, render,
+    report, select, shell, simulate, studio,
 };
 use chladni_console::Common;
 use clap::{Parser, Subcommand};
@@ -51,6 +51,8 @@ pub enum Command {
     Compare(compare::Args),
     /// Find actuator weights that move a panel here and keep it quiet there
     Render(render::Args),
+    /// Turn weights into drive signals: bursts, fades, moving zones, and quiet ramps
+    Play(play::Args),
     /// Judge given weights on other data: measured FRFs, another model, or a measured field
     Evaluate(evaluate::Args),
     /// Correct weights by the fields that were measured under them

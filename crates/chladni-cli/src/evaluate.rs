@@ -3,25 +3,33 @@
 mod field;
 
 use crate::indices::indices_table;
+use crate::render::of_scene;
+use crate::time_table::time_table;
 use chladni_console::input::{expand, model_of, read_frf, read_weights, source, Reading};
 use chladni_console::table::significant;
-use chladni_console::Console;
-use chladni_console::Outcome;
+use chladni_console::{Console, Outcome};
 use chladni_frf::{Error, ErrorKind, Result};
-use chladni_render::{Evaluation, On, Scene};
+use chladni_io::{detect_format, read_document, Abscissa, FileFormat, Ordinate, ReadOptions};
+use chladni_render::{
+    evaluate_signal, play, Evaluation, On, PlayOptions, Recorded, Scene, Sidecar, TimeIndices,
+};
+use chladni_text::read_text;
+use ndarray::Array2;
 use serde_json::{json, Map, Value};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `evaluate`.
 #[derive(Debug, clap::Args)]
 #[command(before_help = "Examples:
   chladni evaluate weights.json --scene corner.toml --on measured.h5     on the measured line at the drive frequency
-  chladni evaluate weights.json --scene corner.toml --on other.json      on another model
+  chladni evaluate weights.json --scene corner.toml --on other.json      on another model, in time where the scene has [time]
   chladni evaluate weights.json --scene corner.toml --on model.json --field scan.csv     a measured field, against its
-      prediction: how near they are, and what may be wrong with the rig")]
+      prediction: how near they are, and what may be wrong with the rig
+  chladni evaluate drive.wav --scene corner.toml --on model.json         a drive signal with its sidecar drive.json")]
 pub struct Args {
-    /// Weights file, as `chladni render` writes it
-    #[arg(value_name = "WEIGHTS")]
+    /// Weights file, as `chladni render` writes it, or a sound file with its sidecar, as
+    /// `chladni play` does
+    #[arg(value_name = "WEIGHTS|DRIVE.wav")]
     weights: PathBuf,
     /// Scene file with the zones and limits to judge by
     #[arg(long, value_name = "SCENE.toml")]
@@ -44,6 +52,9 @@ pub struct Args {
 /// Those of reading, and data that the weights do not fit.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     console.stage("reading");
+    if detect_format(&args.weights)? == FileFormat::Wav {
+        return of_signal(args, console);
+    }
     let weights = read_weights(&args.weights)?;
     let scene = Scene::read(&args.scene)?;
     let mut sources = vec![source(&args.weights)?, source(&args.scene)?];
@@ -66,9 +77,16 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         console.stage("judging");
         chladni_render::evaluate(&weights, &scene, on).map_err(|error| error.file(&files[0]))
     };
+    let mut in_time = None;
     let evaluation = match model {
         Some(model) => {
             sources.push(source(&files[0])?);
+            if scene.time.is_some() {
+                let played = play(&model, &scene, Some(&weights), &PlayOptions::default())
+                    .map_err(|error| of_scene(error, &scene))?;
+                console.find_all(&played.findings);
+                in_time = Some(played.indices);
+            }
             judge(On::Model(&model))?
         }
         None => {
@@ -102,11 +120,88 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     if let Value::Object(fields) = json {
         summary.extend(fields);
     }
+    if let Some(indices) = &in_time {
+        summary.insert("time".into(), json!(indices));
+    }
     let tones = std::iter::once(&evaluation).chain(&evaluation.other_tones);
-    Ok(Outcome::shown(
-        summary.into(),
-        tones.map(text).collect::<Vec<_>>().join("\n"),
-    ))
+    let mut words = tones.map(text).collect::<Vec<_>>().join("\n");
+    if let Some(indices) = &in_time {
+        words += &format!("\n{}", in_words(indices));
+    }
+    Ok(Outcome::shown(summary.into(), words))
+}
+
+/// A drive signal on a model.
+fn of_signal(args: &Args, console: &Console) -> Result<Outcome> {
+    let file = &args.weights;
+    let beside = file.with_extension("json");
+    let sidecar = read_text(&beside, "a signal's sidecar, JSON")
+        .and_then(|text| Sidecar::parse(&text).map_err(|error| error.file(&beside)))
+        .map_err(|error| error.help("the file beside the sound file says which actuator is on which channel; `chladni play` writes both"))?;
+    let scene = Scene::read(&args.scene)?;
+    let files = expand(&args.on, console)?;
+    let model = match files.as_slice() {
+        [one] => model_of(one)?,
+        _ => None,
+    };
+    let Some(model) = model else {
+        return Err(
+            Error::new(ErrorKind::Usage, "a signal is judged on a model")
+                .file(&files[0])
+                .field("--on")
+                .found("measured data")
+                .expected("one model file")
+                .help("fit the data first: chladni fit FRF -o model.json"),
+        );
+    };
+    let (samples, rate_hz) = sound(file)?;
+    let recorded =
+        Recorded::from_samples(&samples, rate_hz, &sidecar).map_err(|error| error.file(file))?;
+    console.stage("judging");
+    let (indices, findings) = evaluate_signal(&recorded, &sidecar.events, &scene, &model)
+        .map_err(|error| of_scene(error, &scene))?;
+    console.find_all(&findings);
+    let sources = [file, &beside, &args.scene, &files[0]]
+        .into_iter()
+        .map(|file| source(file))
+        .collect::<Result<Vec<_>>>()?;
+    let json = json!({
+        "signal": file.display().to_string(),
+        "scene": args.scene.display().to_string(),
+        "on": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
+        "time": indices,
+        "source": sources,
+    });
+    Ok(Outcome::shown(json, in_words(&indices)))
+}
+
+/// Samples of a sound file, −1 to 1, axes (frame, channel), and its rate.
+fn sound(file: &Path) -> Result<(Array2<f64>, f64)> {
+    let document = read_document(file, &ReadOptions::default())?;
+    let frames = document
+        .functions
+        .first()
+        .map_or(0, |function| function.ordinate.len());
+    let mut samples = Array2::zeros((frames, document.functions.len()));
+    let mut rate_hz = 0.0;
+    for (mut column, function) in samples.columns_mut().into_iter().zip(&document.functions) {
+        match &function.ordinate {
+            Ordinate::Real32(values) => column
+                .iter_mut()
+                .zip(values)
+                .for_each(|(to, &v)| *to = v.into()),
+            Ordinate::Real64(values) => column.iter_mut().zip(values).for_each(|(to, &v)| *to = v),
+            _ => {}
+        }
+        if let Abscissa::Even { step, .. } = function.abscissa {
+            rate_hz = (1.0 / step).round();
+        }
+    }
+    Ok((samples, rate_hz))
+}
+
+fn in_words(indices: &TimeIndices) -> String {
+    format!("{}\n{}", indices.sentence(), time_table(indices))
 }
 
 /// Frequency, limits and indices of a tone.

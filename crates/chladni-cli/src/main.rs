@@ -16,14 +16,17 @@ mod explain;
 mod fit;
 mod indices;
 mod info;
+mod play;
 mod render;
 mod report;
 mod scene_band;
 mod select;
 mod shell;
+mod signal_files;
 mod simulate;
 mod streaming;
 mod studio;
+mod time_table;
 mod truth;
 
 use args::{Cli, Command};
@@ -50,6 +53,7 @@ fn run(command: &Command, console: &Console) -> Result<Outcome> {
         Command::Select(args) => select::run(args, console),
         Command::Compare(args) => compare::run(args, console),
         Command::Render(args) => render::run(args, console),
+        Command::Play(args) => play::run(args, console),
         Command::Evaluate(args) => evaluate::run(args, console),
         Command::Correct(args) => correct::run(args, console),
         Command::Report(args) => report::run(args, console),

@@ -1,16 +1,17 @@
 //! `chladni render`: weights that move a panel here and keep it quiet there.
 
 use crate::indices::{indices_table, stress_table, sweep_table, weights_table};
+use crate::signal_files::SignalFiles;
 use chladni_console::input::{expand, read_frf, source, Reading};
-use chladni_console::output::{Output, SIGNALS, WEIGHTS};
+use chladni_console::output::{Output, SIGNAL_OR_TABLE, WEIGHTS};
 use chladni_console::table::{counted, significant};
 use chladni_console::Console;
 use chladni_console::Outcome;
 use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result, Source};
 use chladni_io::{read_model, write_atomically};
 use chladni_render::{
-    render_with_others, signal_csv, stress, sweep, wav, Count, MethodChoice, RenderOptions,
-    Rendering, Scene, SignalOptions, StressOptions, Weights,
+    play, render_with_others, signal_csv, stress, sweep, Count, MethodChoice, PlayOptions,
+    RenderOptions, Rendering, Scene, SignalOptions, StressOptions, Weights,
 };
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{json, Map, Value};
@@ -64,8 +65,8 @@ pub struct Args {
     /// Try other drive frequencies and suggest the best, Hz
     #[arg(long, value_name = "LO:HI", value_parser = parse_range)]
     sweep: Option<[f64; 2]>,
-    /// Drive signals to write: .wav (32-bit float, one channel per actuator) or .csv
-    /// (amplitude and phase)
+    /// Drive signals to write: .wav, as `chladni play` makes it of the scene's [time] or
+    /// of two steady seconds, or .csv (a table of amplitude and phase)
     #[arg(long, value_name = "FILE")]
     wav: Option<PathBuf>,
     /// Seed of the stress table's draws
@@ -106,8 +107,18 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let signals = args
         .wav
         .as_deref()
-        .map(|path| Output::new(path, SIGNALS, &inputs, console))
+        .map(|path| SignalFiles::new(path, SIGNAL_OR_TABLE, &inputs, console))
         .transpose()?;
+    if signals.as_ref().and_then(SignalFiles::sidecar) == args.output.as_deref()
+        && args.output.is_some()
+    {
+        return Err(
+            Error::new(ErrorKind::Usage, "two outputs would be one file")
+                .field("--wav")
+                .found("a sound file whose sidecar has the name of the weights file")
+                .expected("another name: the sidecar is the sound file with .json"),
+        );
+    }
     console.stage("reading");
     let model = read_model(&args.model)?;
     let scene = Scene::read(&args.scene)?;
@@ -163,8 +174,8 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         console.stage("writing");
         write_weights(output, &weights)?;
     }
-    if let (Some(path), Some(output)) = (&args.wav, &signals) {
-        write_signals(path, output, &weights)?;
+    if let Some(files) = &signals {
+        write_signals(files, &model, &scene, &weights)?;
     }
     let doubt = (!weights.feasible).then(|| "the scene is not met: see above".to_owned());
     let text = text(&weights);
@@ -193,7 +204,7 @@ pub fn render_scene(
 }
 
 /// The error with the scene's file.
-fn of_scene(error: Error, scene: &Scene) -> Error {
+pub fn of_scene(error: Error, scene: &Scene) -> Error {
     match &scene.file {
         Some(file) => error.file(file),
         None => error,
@@ -247,17 +258,22 @@ impl Trials {
     }
 }
 
-/// Writes drive signals, in the format that the extension names.
-fn write_signals(path: &Path, output: &Output, weights: &Weights) -> Result<()> {
-    let is_wav = path
-        .extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("wav"));
-    let bytes = if is_wav {
-        wav(weights, &SignalOptions::default())?
-    } else {
-        signal_csv(weights).into_bytes()
-    };
-    output.write(|path, force| write_atomically(path, force, |out| out.write_all(&bytes)))
+/// Writes drive signals: a table of amplitudes and phases, or what `play` makes of them.
+fn write_signals(
+    files: &SignalFiles,
+    model: &ModalModel,
+    scene: &Scene,
+    weights: &Weights,
+) -> Result<()> {
+    if files.is("csv") {
+        return files.write_text(&signal_csv(weights));
+    }
+    let played = play(model, scene, Some(weights), &PlayOptions::default())
+        .map_err(|error| of_scene(error, scene))?;
+    let options = SignalOptions::default();
+    let mut signal = played.signal(&options, &scene.name())?;
+    signal.sidecar.source = weights.source.clone();
+    files.write(&signal, options.format)
 }
 
 /// Writes a weights file.

@@ -8,8 +8,12 @@ use chladni_console::{unbroken, Console, Outcome};
 use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Source};
 use chladni_io::try_place;
 use chladni_io::{detect_format, write_atomically, FileFormat};
-use chladni_render::{evaluate, Evaluation, On, Scene, Weights};
-use chladni_report::{charts, html, ChartFormats, Curves, RenderedScene, ReportInput, Table};
+use chladni_render::{
+    evaluate, play, Evaluation, On, PlayOptions, Played, Ramps, Scene, TimeTraces, Weights,
+};
+use chladni_report::{
+    charts, html, ChartFormats, Curves, RenderedScene, ReportInput, ShownTime, Table,
+};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -50,6 +54,58 @@ struct ShownWeights {
     weights: Weights,
     evaluation: Option<Evaluation>,
     curves: Option<Curves>,
+    time: Option<InTime>,
+}
+
+/// A scene in time, and its traces under plain ramps.
+struct InTime {
+    played: Played,
+    plain: Option<TimeTraces>,
+}
+
+/// Pictures of the ground in a page: 16 a second of a burst of 0.25 s run at a tenth of
+/// its speed.
+const FRAMES: usize = 60;
+
+impl InTime {
+    /// None where the scene is a steady tone; a scene that cannot be played says why.
+    fn of(model: &ModalModel, scene: &Scene, weights: &Weights, console: &Console) -> Option<Self> {
+        scene.time.as_ref()?;
+        let options = PlayOptions {
+            frames: FRAMES,
+            ..PlayOptions::default()
+        };
+        let played = play(model, scene, Some(weights), &options);
+        let played = match played {
+            Ok(played) => played,
+            Err(error) => {
+                let words = format!(
+                    "{}: the scene cannot be shown in time: {}",
+                    weights.scene, error.message
+                );
+                console.find(&Finding::caution("scene-not-in-time", words));
+                return None;
+            }
+        };
+        let options = PlayOptions {
+            ramps: Some(Ramps::Plain),
+            area: false,
+            frames: 0,
+            ..options
+        };
+        let plain = play(model, scene, Some(weights), &options);
+        Some(Self {
+            played,
+            plain: plain.ok().map(|plain| plain.traces),
+        })
+    }
+
+    fn shown(&self) -> ShownTime<'_> {
+        ShownTime {
+            played: &self.played,
+            plain: self.plain.as_ref(),
+        }
+    }
 }
 
 /// Runs the command.
@@ -374,6 +430,7 @@ fn show(
     let scene = beside(file, &weights.source)
         .into_iter()
         .find(|path| path.file_name().is_some_and(|name| *name == *weights.scene));
+    let whole = weights.clone();
     let other_tones = std::mem::take(&mut weights.other_tones);
     let several = !other_tones.is_empty();
     let tones = std::iter::once(weights).chain(other_tones);
@@ -381,10 +438,12 @@ fn show(
         weights,
         evaluation: None,
         curves: None,
+        time: None,
     };
     match (scene, model) {
         (Some(scene), Some(model)) => {
             let scene = Scene::read(&scene)?;
+            let mut in_time = InTime::of(model, &scene, &whole, console);
             let show_tone = |weights: Weights| {
                 let evaluation = Some(evaluate(&weights, &scene, On::Model(model))?);
                 let curves = Some(curves(
@@ -404,6 +463,7 @@ fn show(
                     weights: Weights { scene, ..weights },
                     evaluation,
                     curves,
+                    time: in_time.take(),
                 })
             };
             tones
@@ -430,6 +490,7 @@ impl ShownWeights {
             Some(evaluation) => {
                 RenderedScene::of_evaluation(&self.weights, evaluation, "the model")
                     .with_curves(self.curves.as_ref())
+                    .with_time(self.time.as_ref().map(InTime::shown))
             }
             None => RenderedScene::of_weights(&self.weights),
         }

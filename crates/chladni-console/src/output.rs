@@ -30,8 +30,11 @@ pub const PARTIAL: &[&str] = &["part"];
 pub const POLES_OR_MODEL: &[&str] = &["poles", "json", "h5", "hdf5"];
 /// Extensions of weights files.
 pub const WEIGHTS: &[&str] = &["json"];
+/// Extensions of what `render --wav` writes: a drive signal, or a table of amplitudes and
+/// phases.
+pub const SIGNAL_OR_TABLE: &[&str] = &["wav", "csv"];
 /// Extensions of drive signals.
-pub const SIGNALS: &[&str] = &["wav", "csv"];
+pub const SIGNALS: &[&str] = &["wav", "csv", "npz"];
 /// Extensions of scene files.
 pub const SCENE: &[&str] = &["toml"];
 /// Extensions of reports.
@@ -41,6 +44,8 @@ pub const HTML: &[&str] = &["html", "htm"];
 pub const TABLE: &[&str] = &["csv"];
 /// Extensions of pictures.
 pub const PICTURE: &[&str] = &["svg", "png"];
+/// Pictures, moving ones among them.
+pub const MOVING: &[&str] = &["svg", "png", "gif"];
 
 /// Makes `folder` where it does not exist.
 ///

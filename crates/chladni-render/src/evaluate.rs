@@ -167,7 +167,7 @@ pub(crate) fn laid(weights: &Weights, scene: &Scene, on: On) -> Result<Laid> {
 
 /// The weights in the order of the operator's columns; a reference of the opposite sense
 /// turns its weight round.
-fn drive_on(operator: &Operator, weights: &Weights) -> Drive {
+pub(crate) fn drive_on(operator: &Operator, weights: &Weights) -> Drive {
     let weight_of = |reference: &Dof| {
         let weight = weights
             .weights

@@ -119,6 +119,11 @@ impl AreaGrid {
         })
     }
 
+    /// From the responses to [`Self::places`].
+    pub(crate) fn interpolation(&self) -> &Interpolation {
+        &self.interpolation
+    }
+
     /// The field between the responses from its values at them; axes (row, column), NaN
     /// outside their hull.
     pub fn field(&self, at_responses: &[Complex64]) -> Array2<Complex64> {

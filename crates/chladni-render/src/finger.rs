@@ -72,17 +72,21 @@ pub fn finger_places(field: &Field) -> Vec<Position> {
 
 /// The same as rows of the field.
 pub(crate) fn finger_rows(field: &Field) -> Vec<usize> {
-    let hot: Vec<usize> = (0..field.ground.len())
-        .filter(|&k| field.ground[k] == Ground::Hot)
+    finger_rows_of(&field.ground, &field.positions_m)
+}
+
+/// The same of places and what is asked of them.
+pub(crate) fn finger_rows_of(ground: &[Ground], positions_m: &[Position]) -> Vec<usize> {
+    let hot: Vec<usize> = (0..ground.len())
+        .filter(|&k| ground[k] == Ground::Hot)
         .collect();
-    let middle = [0, 1].map(|axis| {
-        hot.iter().map(|&k| field.positions_m[k][axis]).sum::<f64>() / hot.len() as f64
-    });
+    let middle = [0, 1]
+        .map(|axis| hot.iter().map(|&k| positions_m[k][axis]).sum::<f64>() / hot.len() as f64);
     // in steps of the positions' tolerance: rounding must not choose among equal distances
     let distance = |a: Position, b: Position| {
         ((a[0] - b[0]).hypot(a[1] - b[1]) / tolerances::POSITION_M).round()
     };
-    let at = |k: usize| field.positions_m[k];
+    let at = |k: usize| positions_m[k];
     let by = |key: &dyn Fn(usize) -> f64| {
         hot.iter()
             .copied()

@@ -66,6 +66,7 @@ mod setup;
 mod signals;
 mod stress;
 mod threshold;
+mod time;
 pub mod tolerances;
 mod tones;
 mod weights;
@@ -93,9 +94,15 @@ pub use rig::{
 pub use scene::{
     Actuators, Limits, Scene, DEFAULT_LIMEN_DB, DEFAULT_MAX_FORCE_N, DEFAULT_TRANSITION_M,
 };
-pub use signals::{signal_csv, wav, SignalOptions};
+pub use signals::signal_csv;
 pub use stress::{stress, StressOptions, StressRow};
 pub use threshold::{Threshold, ThresholdTable};
+pub use time::{
+    evaluate_signal, modal_ramp, play, stress_in_time, AreaFrames, AreaMeasures, Burst, Channel,
+    ChannelMap, Fade, Level, Mapped, Measure, Move, PlayOptions, Played, RampTime, Ramps, Recorded,
+    SampleFormat, Sidecar, Signal, SignalOptions, TimeEvent, TimeFrames, TimeIndices, TimeMeasure,
+    TimeStressRow, TimeTable, TimeTraces, SIGNAL_FORMAT, SIGNAL_VERSION,
+};
 pub use tones::{Share, Tone};
 pub use weights::{Weight, Weights, WEIGHTS_FORMAT, WEIGHTS_VERSION};
 pub use zones::{Ground, PolygonKind, ZoneLayout, ZoneMap, ZonePolygon, Zones};

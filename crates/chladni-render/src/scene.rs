@@ -3,6 +3,7 @@
 use crate::options::Drift;
 use crate::plane::Position;
 use crate::threshold::{Threshold, ThresholdTable};
+use crate::time::{read_time, TimeTable};
 use crate::tolerances;
 use crate::tones::{is_same, read_tones, Share, Tone};
 use crate::zones::{PolygonKind, ZoneLayout, ZonePolygon, Zones};
@@ -15,7 +16,14 @@ use std::path::{Path, PathBuf};
 const KEYS: Keys = &[
     (
         "",
-        &["frequency_hz", "threshold", "zones", "actuators", "drift"],
+        &[
+            "frequency_hz",
+            "threshold",
+            "zones",
+            "actuators",
+            "drift",
+            "time",
+        ],
     ),
     (
         "drift",
@@ -43,6 +51,34 @@ const KEYS: Keys = &[
     (
         "actuators",
         &["use", "max_force_n", "max_voltage_v", "max_effort"],
+    ),
+    (
+        "time",
+        &[
+            "measure",
+            "summation_s",
+            "level",
+            "ramps",
+            "burst",
+            "fade",
+            "move",
+        ],
+    ),
+    (
+        "time.burst",
+        &["start_s", "duration_s", "ramp_s", "repeat", "hot"],
+    ),
+    ("time.fade", &["from", "to", "start_s", "fade_s", "ramp_s"]),
+    (
+        "time.move",
+        &[
+            "start_s",
+            "path_m",
+            "speed_m_per_s",
+            "hot_radius_m",
+            "quiet_from_m",
+            "ramp_s",
+        ],
     ),
 ];
 
@@ -76,6 +112,8 @@ pub struct Scene {
     /// How far the panel may move away from its model; `None`: as the options of the
     /// rendering say.
     pub drift: Option<Drift>,
+    /// What happens when; `None`: a steady tone.
+    pub time: Option<TimeTable>,
 }
 
 /// Which actuators may be used, and how hard.
@@ -164,6 +202,17 @@ impl Scene {
             frequency_hz,
             share,
         } = tones.remove(0);
+        let zones = read_zones(
+            &root
+                .require(
+                    "zones",
+                    "a table [zones] with grid and hot, or [[zones.polygon]]",
+                )?
+                .table()?,
+        )?;
+        let time = optional("time")?
+            .map(|table| read_time(&table, &zones, KEYS))
+            .transpose()?;
         Ok(Self {
             file: None,
             frequency_hz,
@@ -171,14 +220,7 @@ impl Scene {
             other_tones: tones,
             threshold,
             limen_db,
-            zones: read_zones(
-                &root
-                    .require(
-                        "zones",
-                        "a table [zones] with grid and hot, or [[zones.polygon]]",
-                    )?
-                    .table()?,
-            )?,
+            zones,
             actuators: match optional("actuators")? {
                 Some(table) => read_actuators(&table)?,
                 None => Actuators {
@@ -191,6 +233,7 @@ impl Scene {
             drift: optional("drift")?
                 .map(|table| read_drift(&table))
                 .transpose()?,
+            time,
         })
     }
 

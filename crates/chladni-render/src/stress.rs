@@ -14,7 +14,7 @@ use ndarray::Array1;
 use num_complex::Complex64;
 use rand_chacha::rand_core::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+use rand_distr::{Distribution, Open01, StandardNormal};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -216,10 +216,10 @@ fn quantised(drive: &Drive, bits: u32) -> Drive {
 }
 
 /// Seeded random changes.
-struct Draw(ChaCha8Rng);
+pub(crate) struct Draw(ChaCha8Rng);
 
 impl Draw {
-    fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         Self(ChaCha8Rng::seed_from_u64(seed))
     }
 
@@ -227,9 +227,14 @@ impl Draw {
         StandardNormal.sample(&mut self.0)
     }
 
+    /// Evenly from 0 to 1.
+    pub(crate) fn uniform(&mut self) -> f64 {
+        Open01.sample(&mut self.0)
+    }
+
     /// An error of the size that the model states. Poles outside the band stand for the
     /// world outside and keep still.
-    fn fit_error(&mut self, mode: &mut Mode) {
+    pub(crate) fn fit_error(&mut self, mode: &mut Mode) {
         if !mode.in_band {
             return;
         }
@@ -242,7 +247,7 @@ impl Draw {
         }
     }
 
-    fn drift(&mut self, mode: &mut Mode, drift: &Drift) {
+    pub(crate) fn drift(&mut self, mode: &mut Mode, drift: &Drift) {
         mode.frequency_hz *= 1.0 + drift.frequency_relative * self.normal();
         mode.loss_factor *= 1.0 + drift.loss_factor_relative * self.normal();
         for value in &mut mode.shape.0 {
@@ -250,7 +255,7 @@ impl Draw {
         }
     }
 
-    fn gain(&mut self, options: &StressOptions) -> Complex64 {
+    pub(crate) fn gain(&mut self, options: &StressOptions) -> Complex64 {
         let amplitude = 1.0 + options.amplitude_relative * self.normal();
         Complex64::from_polar(amplitude, options.phase_deg.to_radians() * self.normal())
     }

@@ -396,3 +396,123 @@ pub const SCAN_NIS: f64 = 3.0;
 
 /// Unexplained part of the mobility from which on a new scan is due.
 pub const SCAN_UNEXPLAINED: f64 = 0.03;
+
+/// Frequencies within this distance of the carrier follow a ramp with lag, Hz: modal
+/// ramps steer these modes one by one. Twice as many changes nothing on the study's
+/// panel, half as many costs its fastest ramps.
+pub const NEAR_MODES_HZ: f64 = 300.0;
+
+/// Distance of a pole from the carrier below which modal ramps count it no more, Hz: a
+/// mode on the carrier would outweigh all others.
+pub const NEAREST_POLE_HZ: f64 = 20.0;
+
+/// Ridge of modal ramps over the largest singular value. Flat from 1e-3 to 3e-2; at 0.1
+/// ground is over its limit again.
+pub const MODAL_RAMP_RIDGE: f64 = 0.01;
+
+/// Time from sample to sample where ground is judged in time, s: a thirteenth of a period
+/// at 300 Hz. The field errs by −44 dB of the cold limit there, and by −50 dB at half of
+/// it.
+pub const JUDGE_STEP_S: f64 = 2.5e-4;
+
+/// Relative step of the frequency over which the steepness of a threshold is taken: within
+/// it the profiles run straight.
+pub const THRESHOLD_STEP: f64 = 0.01;
+
+/// Samples that are simulated and judged at once: bounds the memory of long signals.
+pub const JUDGE_BLOCK: usize = 2048;
+
+/// How long ground is judged after the last event, s: it is quiet long before that, or it
+/// rings.
+pub const JUDGE_TAIL_S: f64 = 0.15;
+
+/// Ramps take at least so many periods of the distance from the carrier to the nearer end
+/// of the model's band: what is faster excites what the model does not know. A rule of
+/// thumb.
+pub const RAMP_PERIODS: f64 = 2.0;
+
+/// A band that begins below this share of the lowest natural frequency has nothing below
+/// it.
+pub const BEGINS_BELOW: f64 = 0.5;
+
+/// Longest ramp that `ramp_s = "auto"` tries, s. What does not pass then will not.
+pub const LONGEST_AUTO_RAMP_S: f64 = 0.05;
+
+/// Step of the ramps that are tried, s.
+pub const AUTO_RAMP_STEP_S: f64 = 1e-3;
+
+/// Hold between rise and fall where a ramp is tried, s: what a rise leaves behind shows
+/// within it.
+pub const TRIAL_HOLD_S: f64 = 0.06;
+
+/// Largest distance of the keyframes of a moving spot along its path, m. Half of it is
+/// added to what is hot and to what is cold in each, so that ground keeps its limit
+/// between two of them; without that, at 16 mm, cold ground was over by 0.6 dB.
+pub const KEYFRAME_M: f64 = 0.008;
+
+/// Time for which the ground under a moving spot is taken as it is in the middle of that
+/// time, s: 0.8 mm at 800 mm/s.
+pub const SPOT_STEP_S: f64 = 1e-3;
+
+/// Most repetitions of a burst, and keyframes of a move: bounds what a scene file can
+/// ask for.
+pub const MOST_EVENTS: usize = 10_000;
+
+/// Longest signal, s.
+pub const LONGEST_SIGNAL_S: f64 = 600.0;
+
+/// Times nearer than this are the same, s: rounding of decimal seconds.
+pub const SAME_TIME_S: f64 = 1e-9;
+
+/// By how much a ramp may miss what the steady drive misses already, dB: scenes that are
+/// not quite met have ramps, too.
+pub const STEADY_MISS_DB: f64 = 0.05;
+
+/// Ramps of a signal that nobody tells, s: what most scenes take.
+pub const GUESSED_RAMP_S: f64 = 0.01;
+
+/// Intervals between the knots of an envelope program within a ramp.
+pub const KNOTS_PER_RAMP: f64 = 6.0;
+
+/// Least distance of these knots, s: a thirteenth of a period at 300 Hz. Closer ones ask
+/// the envelopes for what the carrier itself does.
+pub const LEAST_KNOT_S: f64 = 2.5e-4;
+
+/// How long after a rise, or before a fall, its program shapes the drive, s.
+pub const SHAPED_BEYOND_S: f64 = 0.012;
+
+/// How long after that ground is looked at, s: a beat of two neighbouring modes.
+pub const JUDGED_BEYOND_S: f64 = 0.03;
+
+/// Largest time from sample to sample of an envelope program, s.
+pub const PROGRAM_STEP_S: f64 = 5e-4;
+
+/// Steps that find the gain of an envelope program, and room for what they do not see.
+pub const POWER_STEPS: usize = 12;
+/// See [`POWER_STEPS`].
+pub const POWER_ROOM: f64 = 1.1;
+
+/// Curvature that an envelope program begins with, over the steepest that can be; what it
+/// becomes where a step was too long, and from step to step.
+pub const PROGRAM_CURVATURE: f64 = 0.02;
+/// See [`PROGRAM_CURVATURE`].
+pub const PROGRAM_STEEPER: f64 = 2.0;
+/// See [`PROGRAM_CURVATURE`].
+pub const PROGRAM_FLATTER: f64 = 0.97;
+
+/// Most gradient steps of an envelope program.
+pub const PROGRAM_STEPS: usize = 400;
+
+/// Sum of squares, over the threshold, of what is missed at the end of a program: a
+/// hundredth of a threshold at one place and time.
+pub const PROGRAM_MISSED: f64 = 1e-4;
+
+/// Price of the control points over the largest curvature.
+pub const PROGRAM_RIDGE: f64 = 1e-6;
+
+/// Margin that an envelope program aims at where the steady drive has as much, dB.
+pub const PROGRAM_MARGIN_DB: f64 = 0.6;
+
+/// Share of the steady drive's margin, in dB, that is asked of an envelope program where
+/// it has less than that.
+pub const PROGRAM_MARGIN: f64 = 0.9;

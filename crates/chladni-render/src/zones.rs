@@ -13,6 +13,9 @@ use crate::plane::{
 use crate::tolerances;
 use std::collections::BTreeSet;
 
+/// Corners of the outline of a spot, for pictures.
+const SPOT_CORNERS: usize = 48;
+
 /// What is asked of a place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -62,6 +65,16 @@ pub enum ZoneLayout {
     /// Polygons: `ignore` wins over `hot`, `hot` over `cold`; without any `cold` polygon
     /// all the rest is cold.
     Polygons(Vec<ZonePolygon>),
+    /// A disc: hot within one radius, cold beyond the other, not judged between; no
+    /// scene file says it, a spot that moves does.
+    Spot {
+        /// Middle, m.
+        centre_m: Position,
+        /// Ground within it is hot, m.
+        hot_radius_m: f64,
+        /// Ground beyond it is cold, m.
+        quiet_from_m: f64,
+    },
 }
 
 /// The `[zones]` of a scene.
@@ -88,6 +101,8 @@ pub struct ZoneMap {
     border: Vec<[Position; 2]>,
     metric: Metric,
     transition_m: f64,
+    /// Middle of a spot and its two radii, m.
+    spot: Option<(Position, [f64; 2])>,
 }
 
 impl Zones {
@@ -103,12 +118,18 @@ impl Zones {
             border: Vec::new(),
             metric: Metric::Larger,
             transition_m: self.transition_m,
+            spot: None,
         };
         match &self.layout {
             ZoneLayout::Grid { grid, hot, cells_m } => {
                 map.add_cells(*grid, hot, cells_m.map_or(area, Rectangle::from_array))
             }
             ZoneLayout::Polygons(polygons) => map.add_polygons(polygons),
+            ZoneLayout::Spot {
+                centre_m,
+                hot_radius_m,
+                quiet_from_m,
+            } => map.add_spot(*centre_m, [*hot_radius_m, *quiet_from_m]),
         }
         map.border
             .retain(|&[a, b]| area_goes_on_beyond(&area, a, b));
@@ -119,6 +140,15 @@ impl Zones {
 impl ZoneMap {
     /// What is asked of the place `point`, m.
     pub fn classify(&self, point: Position) -> Ground {
+        if let Some((centre, [hot, quiet])) = self.spot {
+            let from_centre = (point[0] - centre[0]).hypot(point[1] - centre[1]);
+            return match from_centre {
+                _ if !self.area.contains(point) => Ground::Ignored,
+                r if r <= hot + tolerances::POSITION_M => Ground::Hot,
+                r if r >= quiet - tolerances::POSITION_M => Ground::Cold,
+                _ => Ground::Ignored,
+            };
+        }
         let inside = |polygons: &[Vec<Position>]| {
             polygons
                 .iter()
@@ -207,6 +237,20 @@ impl ZoneMap {
             self.hot.push(corners.to_vec());
             self.levels.push(1.0);
         }
+    }
+
+    fn add_spot(&mut self, centre: Position, radii_m: [f64; 2]) {
+        let corner = |k: usize| {
+            let angle = std::f64::consts::TAU * k as f64 / SPOT_CORNERS as f64;
+            let (sine, cosine) = angle.sin_cos();
+            [
+                centre[0] + radii_m[0] * cosine,
+                centre[1] + radii_m[0] * sine,
+            ]
+        };
+        self.hot.push((0..SPOT_CORNERS).map(corner).collect());
+        self.levels.push(1.0);
+        self.spot = Some((centre, radii_m));
     }
 
     fn add_polygons(&mut self, polygons: &[ZonePolygon]) {

@@ -1,7 +1,9 @@
 //! What a report is made of.
 
 use chladni_frf::{Error, Finding, FrfKind, FrfSet, ModalModel, ReferenceUnit, Result};
-use chladni_render::{AreaField, Evaluation, Field, Indices, Limits, Rendering, Weights, ZoneMap};
+use chladni_render::{
+    AreaField, Evaluation, Field, Indices, Limits, Played, Rendering, TimeTraces, Weights, ZoneMap,
+};
 use num_complex::Complex64;
 
 /// What a report is made of; every part may be missing, and the report says so.
@@ -42,6 +44,17 @@ pub struct RenderedScene<'a> {
     pub shown: Option<ShownField<'a>>,
     /// The same scene with fewer modes or actuators.
     pub curves: Option<&'a Curves>,
+    /// The scene in time, where it has a table `[time]`.
+    pub time: Option<ShownTime<'a>>,
+}
+
+/// A scene in time.
+#[derive(Debug, Clone, Copy)]
+pub struct ShownTime<'a> {
+    /// The drive, with pictures of the ground.
+    pub played: &'a Played,
+    /// The responses under plain ramps, to compare with.
+    pub plain: Option<&'a TimeTraces>,
 }
 
 /// How a scene does over the number of modes and of actuators; every point has weights of
@@ -105,6 +118,7 @@ impl<'a> RenderedScene<'a> {
             weights: &rendering.weights,
             shown: Some(shown),
             curves: None,
+            time: None,
         }
     }
 
@@ -123,6 +137,7 @@ impl<'a> RenderedScene<'a> {
             weights,
             shown: Some(shown),
             curves: None,
+            time: None,
         }
     }
 
@@ -132,12 +147,18 @@ impl<'a> RenderedScene<'a> {
             weights,
             shown: None,
             curves: None,
+            time: None,
         }
     }
 
     /// The same with curves over the number of modes and actuators.
     pub fn with_curves(self, curves: Option<&'a Curves>) -> Self {
         Self { curves, ..self }
+    }
+
+    /// The same with the scene in time.
+    pub fn with_time(self, time: Option<ShownTime<'a>>) -> Self {
+        Self { time, ..self }
     }
 }
 

@@ -28,8 +28,10 @@ pub use chart::{
     Axis, Cell, Chart, ColourBar, Disc, Figure, Height, Layer, Mark, Place, RightAxis, Scale,
 };
 pub use drawing::{Anchor, Colour, ColourMap, Dash, Drawing, Image, Stroke, SERIES};
-pub use figures::{all as figures, field_map, weights_around_edge};
-pub use input::{CurvePoint, Curves, RenderedScene, ReportInput, ShownField, Table};
+pub use figures::{
+    all as figures, field_map, moving_field, time as time_figure, weights_around_edge,
+};
+pub use input::{CurvePoint, Curves, RenderedScene, ReportInput, ShownField, ShownTime, Table};
 
 use chladni_frf::{ModalModel, Result};
 use serde_json::Value;

@@ -8,6 +8,7 @@ mod rig;
 mod scene;
 mod solvers;
 mod stability;
+mod time;
 mod wild;
 
 use chladni_bench::Journal;
@@ -61,6 +62,9 @@ enum Bench {
     /// Structures drawn from a seed, in either damping law: what is found, made up and
     /// announced, and whether error bars hold
     Wild(wild::Args),
+    /// Bursts: rise time, force and cold overshoot of every way of ramping, beside the
+    /// spatio-temporal inverse filter
+    Time(time::Args),
 }
 
 fn run(what: &Bench, console: &Console) -> Result<Outcome> {
@@ -72,6 +76,7 @@ fn run(what: &Bench, console: &Console) -> Result<Outcome> {
         Bench::Solvers(args) => solvers::run(args, console),
         Bench::Stability(args) => stability::run(args, console),
         Bench::Wild(args) => wild::run(args, console),
+        Bench::Time(args) => time::run(args, console),
     }
 }
 

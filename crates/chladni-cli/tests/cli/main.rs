@@ -20,6 +20,7 @@ mod measured_fields;
 mod pages;
 mod pieces;
 mod pipes;
+mod play;
 mod render;
 mod shell;
 mod spoiled;

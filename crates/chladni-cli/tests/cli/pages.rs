@@ -459,6 +459,46 @@ fn foreign_words_stay_words() {
 }
 
 #[test]
+fn a_slider_shows_the_ground_of_a_burst_at_any_instant() {
+    let Some(mut page) = Page::new(1280, 800, false) else {
+        return;
+    };
+    let folder = Folder::new();
+    folder.write(
+        "panel.toml",
+        "[frf]\nstart_hz = 2\nstop_hz = 1000\nstep_hz = 99.8\n",
+    );
+    folder
+        .run("simulate panel.toml -o panel.h5 --truth model.json -q")
+        .exits(0);
+    folder.write(
+        "burst.toml",
+        "frequency_hz = 330\n[zones]\ngrid = [2, 2]\nhot = [1]\ncells_m = [0.0, 0.0, 0.268, 0.170]\n\
+         [time]\n[[time.burst]]\nduration_s = 0.1\nramp_s = 0.015\n",
+    );
+    folder
+        .run("render model.json burst.toml -o weights.json --method mls -q")
+        .exits(0);
+    folder
+        .run("report model.json weights.json -o report.html --charts figures -q")
+        .exits(0);
+    assert!(folder.read("figures/time-1.png").starts_with(b"\x89PNG"));
+    page.open_file(&folder.path().join("report.html"));
+    assert!(page.text("#scene-1 .time").contains("hot after 1"));
+    let shown = "[...document.querySelectorAll('#time-1')].map((svg) => svg.previousSibling.toDataURL())[0]";
+    let lines = page.eval("document.querySelectorAll('#scene-1 .time .force-line').length");
+    assert_eq!(lines, 34, "one line per actuator");
+    page.place("#time-1");
+    let silent = page.eval(shown);
+    page.eval("(() => { const s = document.querySelector('#scene-1 .time input[type=range]'); s.value = Math.round(s.max * 0.2); s.dispatchEvent(new Event('input')); })()");
+    assert!(page
+        .text("#scene-1 .time figure:last-child .figure-title")
+        .contains("51 ms"));
+    assert_ne!(page.eval(shown), silent, "the ground moves in the hold");
+    assert_eq!(page.complaints(), Vec::<String>::new());
+}
+
+#[test]
 fn every_view_is_drawn_in_any_window_and_either_theme() {
     let folder = folder_with_report();
     let report = folder.path().join("report.html");

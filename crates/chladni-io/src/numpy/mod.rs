@@ -7,9 +7,11 @@
 //! `coherence` where there is one.
 
 mod archive;
+mod named;
 mod npy;
 
 pub(super) use archive::write;
+pub use named::{write_npz, NamedArray};
 
 use super::arrays::memory::MemoryFile;
 use super::{Document, FileFormat, ReadOptions};

@@ -17,6 +17,7 @@ use crate::climb::Climb;
 use crate::drive_program::Asked;
 use crate::methods::{mls, Solution};
 use crate::options::Effort;
+use crate::problem::Drive;
 use crate::setup::Setup;
 use crate::tolerances;
 use chladni_frf::Result;
@@ -24,6 +25,30 @@ use chladni_frf::Result;
 /// The most robust drive found from the best drive of `mls`; with more than one start
 /// from others that it found, too.
 pub(crate) fn solve(setup: &Setup, effort: Effort) -> Result<Solution> {
+    let starts = mls::leading_drives(&setup.problem, setup.between())?;
+    Ok(Solution::of_drive(climb_from(setup, &starts, effort)?))
+}
+
+/// The most robust drive near `before`, which served a place nearby: fields that are to
+/// pass into each other must be alike. Where it leads to no drive that serves every
+/// response, the search begins anew.
+pub(crate) fn follow(setup: &Setup, before: &Drive, effort: Effort) -> Result<Drive> {
+    let problem = &setup.problem;
+    let near = climb_from(setup, std::slice::from_ref(before), effort)?;
+    if problem.score(&near).min_ratio == 1.0 {
+        return Ok(near);
+    }
+    let anew = solve(setup, effort)?.drive;
+    let served = |drive: &Drive| problem.score(drive).min_ratio;
+    Ok(if served(&anew) > served(&near) {
+        anew
+    } else {
+        near
+    })
+}
+
+/// The best drive that any of `starts` leads to.
+fn climb_from(setup: &Setup, starts: &[Drive], effort: Effort) -> Result<Drive> {
     let problem = &setup.problem;
     let enough = problem.kappa_of_confidence();
     let climb_on = |rows| Climb::new(rows).map(|climb| climb.rounds(effort.conic_rounds));
@@ -36,7 +61,6 @@ pub(crate) fn solve(setup: &Setup, effort: Effort) -> Result<Solution> {
     let (mut served, mut others) = (contest(enough), contest(f64::INFINITY));
     let serves = |kappa: f64| kappa >= tolerances::KAPPA_LEAST * (1.0 - tolerances::SAME_KAPPA);
     let mut most = 0.0;
-    let starts = mls::leading_drives(problem, setup.between())?;
     for (number, start) in starts.iter().take(effort.starts.max(1)).enumerate() {
         others.offer(problem, start);
         let (kappa, on_points) =
@@ -68,7 +92,5 @@ pub(crate) fn solve(setup: &Setup, effort: Effort) -> Result<Solution> {
             others.offer_as_is(&by_need()?.serve_ground(on_points, asked)?);
         }
     }
-    Ok(Solution::of_drive(
-        served.best().unwrap_or_else(|| others.into_best()),
-    ))
+    Ok(served.best().unwrap_or_else(|| others.into_best()))
 }

@@ -14,6 +14,7 @@ mod robust;
 mod scene_file;
 mod signals;
 mod stress;
+mod time;
 mod tones;
 mod weights_file;
 mod zones;

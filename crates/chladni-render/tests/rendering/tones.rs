@@ -2,13 +2,12 @@
 
 use crate::common::{scene, truth};
 use chladni_render::{
-    evaluate, needed_band, render, signal_csv, sweep, wav, Count, Ground, Method, On,
+    evaluate, needed_band, play, render, signal_csv, sweep, Count, Ground, Method, On, PlayOptions,
     RenderOptions, Scene, SignalOptions, Weights,
 };
 use num_complex::Complex64;
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
-use std::io::Cursor;
 
 fn quarter(frequency_hz: &str) -> Scene {
     scene(&format!(
@@ -206,20 +205,9 @@ fn what_is_played_holds_every_tone() {
     let weights = render(truth(), &quarter("[250.0, [330.0, 334.0]]"), &options)
         .unwrap()
         .weights;
-    let bytes = wav(
-        &weights,
-        &SignalOptions {
-            duration_s: 1.2,
-            ramp_s: 0.05,
-            ..Default::default()
-        },
-    )
-    .unwrap();
-    let samples: Vec<f32> = hound::WavReader::new(Cursor::new(bytes))
-        .unwrap()
-        .samples::<f32>()
-        .map(Result::unwrap)
-        .collect();
+    let scene = quarter("[250.0, [330.0, 334.0]]");
+    let played = play(truth(), &scene, Some(&weights), &PlayOptions::default()).unwrap();
+    let signal = played.signal(&SignalOptions::default(), "").unwrap();
     // from 0.1 to 1.1 s are whole periods of each tone
     for tone in weights.tones() {
         let phasor = |k: usize| -> Complex64 {
@@ -229,9 +217,7 @@ fn what_is_played_holds_every_tone() {
                     -TAU * tone.frequency_hz * n as f64 / 48_000.0,
                 )
             };
-            (4800..52_800)
-                .map(|n| f64::from(samples[34 * n + k]) * turn(n))
-                .sum()
+            (4800..52_800).map(|n| signal.drive[[n, k]] * turn(n)).sum()
         };
         // a turn that all channels of a tone share is free
         let common = phasor(0) / tone.weights[0].value();
@@ -251,12 +237,12 @@ fn what_is_played_holds_every_tone() {
     }
     assert_eq!(signal_csv(&weights).lines().count(), 1 + 4 * 34);
     let slow = SignalOptions {
-        sample_rate_hz: 600,
+        rate_hz: 600,
         ..Default::default()
     };
     assert_eq!(
-        wav(&weights, &slow).unwrap_err().field.as_deref(),
-        Some("sample_rate_hz"),
+        played.signal(&slow, "").unwrap_err().field.as_deref(),
+        Some("rate_hz"),
         "334 Hz need more than 668"
     );
 }

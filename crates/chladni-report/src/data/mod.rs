@@ -11,6 +11,7 @@ mod geometry;
 mod lines;
 mod model;
 mod scenes;
+mod time;
 mod warnings;
 
 pub(crate) use diagrams::stabilization_options;

@@ -2,12 +2,14 @@
 
 mod colour;
 mod font;
+mod gif;
 mod png;
 mod svg;
 
 pub(crate) use colour::is_dark;
 pub use colour::{Colour, ColourMap, SERIES};
 pub(crate) use font::{fitted, text_width};
+pub(crate) use gif::gif;
 pub(crate) use png::image_png;
 
 /// A place in the picture, px, y downwards.

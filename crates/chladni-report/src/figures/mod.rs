@@ -7,18 +7,22 @@ mod curves;
 mod field_map;
 mod frf_overlay;
 mod mode_shape;
+mod moving;
 pub(crate) mod plane;
 mod poles;
 mod speed;
 mod stabilization;
 mod stress;
 mod sweep;
+mod time;
 mod weights_around_edge;
 mod zones;
 
 pub(crate) use cmif::Cmif;
 pub use field_map::field_map;
 pub(crate) use mode_shape::shown_responses;
+pub use moving::moving_field;
+pub use time::time;
 pub use weights_around_edge::weights_around_edge;
 
 use crate::chart::{Chart, Figure, Mark, Place};
@@ -79,6 +83,19 @@ pub fn all(input: &ReportInput) -> Result<Vec<Figure>> {
                 .and_then(|model| weights_around_edge::weights_around_edge(weights, model, number)),
         );
         figures.push(weights_around_edge::weights_by_actuator(weights, number));
+        figures.extend(scene.time.as_ref().map(|shown| {
+            let played = shown.played;
+            let title = format!("{}: {}", weights.scene, played.indices.sentence());
+            let (frames, unit) = (played.frames.as_ref(), played.unit);
+            time::time(
+                &format!("time-{number}"),
+                &title,
+                &played.traces,
+                shown.plain,
+                frames,
+                unit,
+            )
+        }));
         figures.extend(sweep::sweep(weights, number));
         figures.extend(curves::curves(scene, number));
         figures.extend(stress::stress(weights, number));

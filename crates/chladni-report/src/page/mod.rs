@@ -46,6 +46,7 @@ const STUDIO_MODULES: &[Module] = modules!(
     "field",
     "weights",
     "curves",
+    "time",
     "scenes",
     "zones",
     "tables",

@@ -5,6 +5,7 @@ import { fixed, percent, significant } from "./numbers.js";
 import { fieldView, unpackField, unpackModal } from "./field.js";
 import { weightsView } from "./weights.js";
 import { curvesView } from "./curves.js";
+import { timeView } from "./time.js";
 
 /** Section of one scene; `number` counts from 1. */
 export function sceneSection(scene, number, model, geometry) {
@@ -21,6 +22,7 @@ export function sceneBody(coded, number, model, geometry, light = false) {
     levels(scene.indices.points),
     scene.field ? fieldView(scene, model, geometry, `field-${number}`).element : h("p", {}, "The field is not shown: weights alone do not carry it, and their scene and model do not lie beside them."),
     weightsView(scene, geometry, `weights-${number}`),
+    timeView(scene.time, geometry, `time-${number}`),
     light ? null : curvesView(scene, model),
     stressView(scene),
   ].filter(Boolean);

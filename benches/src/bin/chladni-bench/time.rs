@@ -1,0 +1,101 @@
+//! `chladni bench time`.
+
+use super::{shown, Place};
+use chladni_bench::{time, time_cases, time_csv, time_figures, time_verdict, TimeCase, TimeRow};
+use chladni_console::table::table;
+use chladni_console::{Console, Outcome};
+use chladni_frf::{Error, ErrorKind, Result};
+use serde_json::json;
+
+/// The table.
+const TABLE: &str = "time.csv";
+/// Above the figures of the page.
+const WORDS: &str = "Bursts of 100 ms in the model's truth: how far cold ground goes over its \
+limit, at any instant, by each way of ramping.";
+
+/// Arguments of `bench time`.
+#[derive(Debug, clap::Args)]
+#[command(before_help = "Examples:
+  chladni bench time -o bench --quick
+  chladni bench time -o bench
+  chladni bench time -o bench --case glass              the twelve cases on glass
+
+Plays bursts on quarters and the ninth in the middle of two panels, at 300 and 330 Hz, with loss factors of 0.5, 1 and 3 %, by plain, modal
+and program ramps and by the spatio-temporal inverse filter. Writes time.csv, time-CASE.svg/png and time.html.")]
+pub struct Args {
+    /// Only cases whose name begins so, as glass or aluminium-centre
+    #[arg(long, value_name = "NAME")]
+    case: Option<String>,
+    #[command(flatten)]
+    place: Place,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Those of writing.
+pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
+    args.place.prepare(&[TABLE], console)?;
+    let wanted = args.case.as_deref().unwrap_or("");
+    let cases: Vec<TimeCase> = time_cases(args.place.quick)
+        .into_iter()
+        .filter(|case| case.name.starts_with(wanted))
+        .collect();
+    if cases.is_empty() {
+        return Err(Error::new(ErrorKind::Usage, "no such case")
+            .field("--case")
+            .found(wanted)
+            .expected("the beginning of a name, as glass-quarter or aluminium-centre"));
+    }
+    let options = format!("{} {wanted}", args.place.quick);
+    let mut journal = args.place.journal("time", &options, console)?;
+    let rows = time(&cases, args.place.quick, &mut journal, &|stage| {
+        console.stage(stage)
+    })?;
+    let figures = time_figures(&rows);
+    let mut files = args
+        .place
+        .write(&[(TABLE, time_csv(&rows))], &figures, console)?;
+    files.push(args.place.page(
+        "time",
+        "Bursts, by every way of ramping",
+        WORDS,
+        &figures,
+        console,
+    )?);
+    journal.finish();
+    let header = [
+        "case",
+        "loss, %",
+        "ramps",
+        "limit, mN",
+        "rise, ms",
+        "cold, dB",
+        "hot, dB",
+        "force, mN",
+        "steady, mN",
+        "time, s",
+    ];
+    let line = |row: &TimeRow| {
+        vec![
+            row.case.clone(),
+            shown(100.0 * row.loss_factor, 1),
+            row.ramps.clone(),
+            shown(1e3 * row.limit_n, 0),
+            shown(row.rise_ms, 1),
+            shown(row.worst_cold_db, 2),
+            shown(row.worst_hot_db, 2),
+            shown(1e3 * row.peak_n, 2),
+            shown(1e3 * row.steady_n, 2),
+            shown(row.time_s, 2),
+        ]
+    };
+    let lines = rows.iter().map(line).collect::<Vec<_>>();
+    let text = format!("{}\n{}", table(&header, &lines), time_verdict(&rows));
+    let json = json!({
+        "output": args.place.output.display().to_string(),
+        "files": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
+        "rows": rows.len(),
+    });
+    Ok(Outcome::written(&args.place.output, json, text))
+}

@@ -1,0 +1,294 @@
+//! `chladni play`: drive signals of a scene in time.
+
+use crate::render::of_scene;
+use crate::signal_files::SignalFiles;
+use crate::time_table::{stress_table, time_table};
+use chladni_console::input::{read_weights, source};
+use chladni_console::output::{make_folder, Output, MOVING, SIGNALS};
+use chladni_console::table::significant;
+use chladni_console::{Console, Outcome};
+use chladni_frf::{ModalModel, Result};
+use chladni_io::{read_model, write_atomically};
+use chladni_render::{
+    play, stress_in_time, ChannelMap, MethodChoice, PlayOptions, Played, Ramps, RenderOptions,
+    SampleFormat, Scene, Signal, SignalOptions, StressOptions, TimeStressRow,
+};
+use chladni_report::{moving_field, time_figure};
+use chladni_text::read_text;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+
+/// Pictures of the ground, in a chart of places over time and in a moving one.
+const FRAMES: usize = 120;
+
+/// Pixels of a PNG file per px of the picture.
+const PNG_SCALE: f64 = 2.0;
+
+/// Arguments of `play`.
+#[derive(Debug, clap::Args)]
+#[command(before_help = "Examples:
+  chladni play model.json bursts.toml -o drive.wav                      [time] of the scene, ramps that stay quiet
+  chladni play model.json bursts.toml --weights weights.json -o drive.wav --format i24
+  chladni play model.json bursts.toml -o drive.wav --channel-map dac.csv --full-scale 5
+  chladni play model.json bursts.toml --charts figures                  hot and cold ground over time, plain ramps behind
+  chladni play model.json bursts.toml --stress                          on a panel that errs, drifts, is touched, loses an actuator
+  chladni play model.json bursts.toml                                   only how it would be felt")]
+pub struct Args {
+    /// Model file, as `chladni fit` writes it
+    #[arg(value_name = "MODEL")]
+    model: PathBuf,
+    /// Scene file with a table [time]; without it two steady seconds are played
+    #[arg(value_name = "SCENE.toml")]
+    scene: PathBuf,
+    /// Steady weights of the scene's own zones, as `chladni render` wrote them; all others
+    /// are rendered
+    #[arg(long, value_name = "WEIGHTS")]
+    weights: Option<PathBuf>,
+    /// Signal to write: .wav (with a .json beside it), .csv or .npz
+    #[arg(short, value_name = "DRIVE")]
+    output: Option<PathBuf>,
+    /// How the drive comes and goes, in place of the scene's `ramps`
+    #[arg(long, value_name = "RAMPS", value_parser = PossibleValuesParser::new(Ramps::ALL.map(Ramps::as_str)))]
+    ramps: Option<String>,
+    /// How steady weights are found
+    #[arg(long, value_name = "METHOD", default_value = "default", value_parser = PossibleValuesParser::new(MethodChoice::names())
+        .try_map(|name| name.parse::<MethodChoice>()))]
+    method: MethodChoice,
+    /// Samples per second
+    #[arg(long, value_name = "HZ", default_value_t = 48_000)]
+    rate: u32,
+    /// Samples of a sound file: 32-bit float, 24-bit or 16-bit integer
+    #[arg(long, value_name = "FORMAT", default_value = "f32", value_parser = PossibleValuesParser::new(SampleFormat::ALL.map(SampleFormat::as_str))
+        .try_map(|name| name.parse::<SampleFormat>()))]
+    format: SampleFormat,
+    /// What a sample of 1 means, N or V: the smallest round number above the peak, or this
+    #[arg(
+        long,
+        value_name = "auto|X",
+        default_value = "auto",
+        allow_negative_numbers = true
+    )]
+    full_scale: FullScale,
+    /// CSV file channel,reference,gain: which actuator is on which channel, and a factor
+    /// on it, as V/N
+    #[arg(long, value_name = "FILE")]
+    channel_map: Option<PathBuf>,
+    /// Try the drive on a panel that errs, drifts, loses an actuator, and under a finger
+    /// that comes and goes
+    #[arg(long)]
+    stress: bool,
+    /// Seed of the stress table's draws
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// Folder for pictures: hot and cold ground, forces and places over time (SVG, PNG), and
+    /// the moving ground (GIF)
+    #[arg(long, value_name = "DIR")]
+    charts: Option<PathBuf>,
+}
+
+/// What a sample of 1 means; `None`: a round number above the peak.
+#[derive(Debug, Clone, Copy)]
+struct FullScale(Option<f64>);
+
+impl std::str::FromStr for FullScale {
+    type Err = String;
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        match (text, text.parse::<f64>()) {
+            ("auto", _) => Ok(Self(None)),
+            (_, Ok(number)) if number.is_finite() && number > 0.0 => Ok(Self(Some(number))),
+            _ => Err("neither `auto` nor a number above 0".into()),
+        }
+    }
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Those of reading and writing, of a scene that does not fit the model, and of a signal
+/// that cannot be. A scene that cannot be met in time is a result.
+pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
+    let inputs: Vec<PathBuf> = [&args.model, &args.scene]
+        .into_iter()
+        .chain(&args.weights)
+        .chain(&args.channel_map)
+        .cloned()
+        .collect();
+    let files = args
+        .output
+        .as_deref()
+        .map(|path| SignalFiles::new(path, SIGNALS, &inputs, console))
+        .transpose()?;
+    console.stage("reading");
+    let model = read_model(&args.model)?;
+    let scene = Scene::read(&args.scene)?;
+    let weights = args.weights.as_deref().map(read_weights).transpose()?;
+    let channels = match &args.channel_map {
+        None => None,
+        Some(file) => {
+            let text = read_text(file, "a channel map, CSV")?;
+            Some(ChannelMap::parse(&text).map_err(|error| error.file(file))?)
+        }
+    };
+    let sources = inputs
+        .iter()
+        .map(|file| source(file))
+        .collect::<Result<Vec<_>>>()?;
+    console.stage("rendering");
+    let options = PlayOptions {
+        ramps: args
+            .ramps
+            .as_deref()
+            .and_then(|name| Ramps::ALL.into_iter().find(|ramps| ramps.as_str() == name)),
+        render: RenderOptions {
+            method: args.method,
+            ..RenderOptions::default()
+        },
+        frames: if args.charts.is_some() { FRAMES } else { 0 },
+        ..PlayOptions::default()
+    };
+    let played = play(&model, &scene, weights.as_ref(), &options)
+        .map_err(|error| of_scene(error, &scene))?;
+    console.find_all(&played.findings);
+    let stress = match args.stress {
+        false => None,
+        true => Some(tried(&played, &scene, &model, args.seed, console)?),
+    };
+    let signal_options = SignalOptions {
+        rate_hz: args.rate,
+        format: args.format,
+        full_scale: args.full_scale.0,
+        channels,
+    };
+    let mut signal = played.signal(&signal_options, &scene.name())?;
+    signal.sidecar.source = sources;
+    if let Some(files) = &files {
+        console.stage("writing");
+        files.write(&signal, args.format)?;
+    }
+    if let Some(folder) = &args.charts {
+        console.stage("drawing");
+        let options = PlayOptions {
+            ramps: Some(Ramps::Plain),
+            area: false,
+            frames: 0,
+            ..options
+        };
+        let plain = play(&model, &scene, weights.as_ref(), &options).ok();
+        draw(folder, &scene, &played, plain.as_ref(), console)?;
+    }
+    let mut json = summary(args, files.as_ref(), &played, &signal);
+    let mut text = format!(
+        "{}\n{}{}",
+        played.indices.sentence(),
+        time_table(&played.indices),
+        signal_line(&played, &signal, args)
+    );
+    if let Some(rows) = &stress {
+        json["stress"] = json!(rows);
+        json["stress_seed"] = json!(args.seed);
+        text += &format!("\n{}", stress_table(rows));
+    }
+    let doubt =
+        (!played.feasible).then(|| "the scene is not met in time: see the warnings".to_owned());
+    let outcome = match &args.output {
+        Some(path) => Outcome::written(path, json, text),
+        None => Outcome::shown(json, text),
+    };
+    Ok(outcome.doubted(doubt))
+}
+
+/// Draws of each random trial in time: each plays the whole scene, and the worst twentieth
+/// is two of them.
+const STRESS_DRAWS: usize = 40;
+
+fn tried(
+    played: &Played,
+    scene: &Scene,
+    model: &ModalModel,
+    seed: u64,
+    console: &Console,
+) -> Result<Vec<TimeStressRow>> {
+    console.stage("stress");
+    let options = StressOptions {
+        seed,
+        draws: STRESS_DRAWS,
+        ..StressOptions::default()
+    };
+    let (rows, findings) = stress_in_time(played, scene, model, &options)?;
+    console.find_all(&findings);
+    Ok(rows)
+}
+
+/// Writes the chart; plain ramps lie behind.
+fn draw(
+    folder: &Path,
+    scene: &Scene,
+    played: &Played,
+    plain: Option<&Played>,
+    console: &Console,
+) -> Result<()> {
+    make_folder(folder)?;
+    let plain = plain.map(|played| &played.traces);
+    let title = format!("{} over time", scene.name());
+    let figure = time_figure(
+        "time",
+        &title,
+        &played.traces,
+        plain,
+        played.frames.as_ref(),
+        played.unit,
+    );
+    let drawing = figure.draw();
+    let mut files: Vec<(&str, Vec<u8>)> = vec![
+        ("svg", drawing.to_svg().into_bytes()),
+        ("png", drawing.to_png(PNG_SCALE)),
+    ];
+    let moving = played.frames.as_ref().and_then(moving_field);
+    files.extend(moving.map(|bytes| ("gif", bytes)));
+    for (extension, content) in files {
+        let path = folder.join(format!("time.{extension}"));
+        Output::new(&path, MOVING, &[], console)?
+            .write(|path, force| write_atomically(path, force, |out| out.write_all(&content)))?;
+    }
+    Ok(())
+}
+
+fn summary(
+    args: &Args,
+    files: Option<&SignalFiles>,
+    played: &Played,
+    signal: &Signal,
+) -> serde_json::Value {
+    let shown = |path: &std::path::Path| path.display().to_string();
+    json!({
+        "output": args.output.as_deref().map(shown),
+        "sidecar": files.and_then(SignalFiles::sidecar).map(shown),
+        "feasible": played.feasible,
+        "time": played.indices,
+        "signal": signal.sidecar,
+        "peak": signal.peak,
+    })
+}
+
+/// What the file holds, in words.
+fn signal_line(played: &Played, signal: &Signal, args: &Args) -> String {
+    let scales = signal
+        .sidecar
+        .channels
+        .iter()
+        .map(|channel| channel.full_scale * channel.gain);
+    let full_scale = scales.fold(0.0, f64::max);
+    format!(
+        "{} channels at {} Hz, {} frames, {}; full scale is {} {}, the peak {:.1} dB below it; ramps of {} ms, force up to {:.2} of the steady one\n",
+        signal.sidecar.channels.len(),
+        args.rate,
+        signal.sidecar.frames,
+        args.format.as_str(),
+        significant(full_scale, 3),
+        played.unit,
+        -20.0 * signal.peak.log10(),
+        significant(1e3 * played.indices.ramp_s, 3),
+        played.indices.peak_drive / played.indices.steady_drive
+    )
+}

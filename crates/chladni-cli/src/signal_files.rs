@@ -1,0 +1,108 @@
+//! A drive signal and the file beside it.
+
+use chladni_console::output::Output;
+use chladni_console::{unbroken, Console};
+use chladni_frf::Result;
+use chladni_io::{write_atomically, write_npz, NamedArray};
+use chladni_render::{SampleFormat, Signal};
+use chladni_text::door::Claim;
+use std::path::{Path, PathBuf};
+
+/// Where a signal goes.
+pub struct SignalFiles {
+    path: PathBuf,
+    /// Of a sound file.
+    sidecar: Option<PathBuf>,
+    force: bool,
+    /// So that neither is read as an input.
+    _claims: Vec<Claim>,
+}
+
+impl SignalFiles {
+    /// Checks both places before the work.
+    ///
+    /// # Errors
+    /// As [`Output::new`].
+    pub fn new(
+        path: &Path,
+        extensions: &[&str],
+        inputs: &[PathBuf],
+        console: &Console,
+    ) -> Result<Self> {
+        let mut files = Self {
+            path: path.to_path_buf(),
+            sidecar: None,
+            force: console.force,
+            _claims: Vec::new(),
+        };
+        Output::new(path, extensions, inputs, console)?;
+        if files.is("wav") {
+            let sidecar = path.with_extension("json");
+            Output::new(&sidecar, &["json"], inputs, console)?;
+            files._claims.push(Claim::new(&sidecar)?);
+            files.sidecar = Some(sidecar);
+        }
+        files._claims.push(Claim::new(path)?);
+        Ok(files)
+    }
+
+    /// True for this extension.
+    pub fn is(&self, extension: &str) -> bool {
+        self.path
+            .extension()
+            .is_some_and(|found| found.eq_ignore_ascii_case(extension))
+    }
+
+    /// The file beside the sound file.
+    pub fn sidecar(&self) -> Option<&Path> {
+        self.sidecar.as_deref()
+    }
+
+    /// Writes the signal in the format that the extension names.
+    ///
+    /// # Errors
+    /// Those of writing.
+    pub fn write(&self, signal: &Signal, format: SampleFormat) -> Result<()> {
+        if self.is("csv") {
+            return self.write_text(&signal.csv());
+        }
+        if self.is("npz") {
+            return self.write_npz(signal);
+        }
+        let bytes = signal.wav(format)?;
+        let text = signal.sidecar.to_json()?;
+        if let Some(sidecar) = &self.sidecar {
+            self.write_bytes(sidecar, text.as_bytes())?;
+        }
+        self.write_bytes(&self.path, &bytes)
+    }
+
+    /// Writes a text instead.
+    ///
+    /// # Errors
+    /// Those of writing.
+    pub fn write_text(&self, text: &str) -> Result<()> {
+        self.write_bytes(&self.path, text.as_bytes())
+    }
+
+    fn write_bytes(&self, path: &Path, bytes: &[u8]) -> Result<()> {
+        unbroken(|| write_atomically(path, self.force, |out| out.write_all(bytes)))
+    }
+
+    fn write_npz(&self, signal: &Signal) -> Result<()> {
+        let channels = &signal.sidecar.channels;
+        let drive = signal.driven();
+        let values: Vec<f64> = drive.iter().copied().collect();
+        let (frames, count) = drive.dim();
+        let references = channels.iter().map(|channel| channel.reference.to_string());
+        let units = channels.iter().map(|channel| channel.unit.to_string());
+        let rate = [f64::from(signal.sidecar.rate_hz)];
+        let arrays = [
+            ("drive", NamedArray::Numbers(&values, vec![frames, count])),
+            ("rate_hz", NamedArray::Numbers(&rate, Vec::new())),
+            ("reference", NamedArray::Texts(references.collect())),
+            ("unit", NamedArray::Texts(units.collect())),
+        ];
+        unbroken(|| write_npz(&self.path, &arrays, self.force))
+    }
+}

@@ -1,0 +1,186 @@
+//! `play`: drive signals on the command line, and what they are worth on other data.
+
+use crate::common::Folder;
+use serde_json::Value;
+
+const ZONES: &str = "frequency_hz = 330\n[zones]\ngrid = [2, 2]\nhot = [1]\narea_m = [0.034, 0.025, 0.234, 0.145]\n\
+                     cells_m = [0.0, 0.0, 0.268, 0.170]\n";
+const BURSTS: &str = "[time]\n[[time.burst]]\nduration_s = 0.1\nrepeat = [2, 0.15]\n";
+
+/// The glass panel at few lines from below its lowest mode; its truth is the model.
+fn prepared() -> Folder {
+    let folder = Folder::new();
+    folder.write(
+        "panel.toml",
+        "[frf]\nstart_hz = 2\nstop_hz = 1000\nstep_hz = 99.8\n",
+    );
+    folder
+        .run("simulate panel.toml -o panel.h5 --truth model.json -q")
+        .exits(0);
+    folder.write("burst.toml", format!("{ZONES}{BURSTS}"));
+    folder
+}
+
+#[test]
+fn bursts_become_a_sound_file_that_is_judged_again_from_its_samples() {
+    let folder = prepared();
+    folder
+        .run("render model.json burst.toml -o weights.json -q")
+        .exits(0);
+    let played = folder
+        .run("play model.json burst.toml --weights weights.json -o drive.wav --format i24 --json")
+        .exits(0)
+        .json();
+    let time = &played["time"];
+    assert_eq!(
+        played["findings"][0]["code"], "time-burst-short",
+        "{played}"
+    );
+    assert!(
+        time["ramp_s"].as_f64().unwrap() <= 0.0101 && time["peak"]["ever_over_ratio"] == 0.0,
+        "{time}"
+    );
+    let wav = folder.read("drive.wav");
+    let word = |at: usize| u16::from_le_bytes([wav[at], wav[at + 1]]);
+    let long = |at: usize| u32::from_le_bytes([wav[at], wav[at + 1], wav[at + 2], wav[at + 3]]);
+    assert_eq!(
+        (word(20), word(22), long(24), word(34), long(40)),
+        (0xFFFE, 34, 48_000, 24, 0),
+        "extensible, 34 channels, 48 kHz, 24 bits, no loudspeaker"
+    );
+    let sidecar: Value = serde_json::from_str(&folder.text("drive.json")).unwrap();
+    assert_eq!(
+        (
+            &sidecar["format"],
+            &sidecar["rate_hz"],
+            &sidecar["channels"][33]["reference"]
+        ),
+        (&"chladni.signal".into(), &48_000.into(), &"134:+Z".into())
+    );
+    assert_eq!(sidecar["source"].as_array().unwrap().len(), 3);
+    let again = folder
+        .run("evaluate drive.wav --scene burst.toml --on model.json --json")
+        .exits(0)
+        .json();
+    for (measure, key) in [("peak", "worst_cold_db"), ("summed", "worst_hot_db")] {
+        let of = |json: &Value| json["time"][measure][key].as_f64().unwrap();
+        assert!((of(&again) - of(&played)).abs() < 0.05, "{again} {played}");
+    }
+    let steady = folder
+        .run("evaluate weights.json --scene burst.toml --on model.json --json")
+        .exits(0)
+        .json();
+    assert_eq!(&steady["time"], time, "weights with ramps");
+    let text = folder
+        .run("play model.json burst.toml --weights weights.json")
+        .exits(0)
+        .stdout;
+    assert!(
+        text.contains("hot after") && text.contains("cold never over"),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_drive_in_time_is_tried_on_panels_that_differ_and_under_fingers() {
+    let folder = prepared();
+    let command = "play model.json burst.toml --method mls --stress --json";
+    let run = || folder.run(command).json();
+    let json = run();
+    let rows = json["stress"].as_array().unwrap();
+    let of = |trial: &str| {
+        let row = rows.iter().find(|row| row["trial"] == trial);
+        row.unwrap_or_else(|| panic!("{trial}: {json}"))
+    };
+    let level = |trial: &str| of(trial)["worst_cold_db"].as_f64().unwrap();
+    let near = (level("none") - json["time"]["peak"]["worst_cold_db"].as_f64().unwrap()).abs();
+    assert!(near < 1e-9, "{json}");
+    assert!(level("drift") < level("none") + 0.6, "{json}");
+    assert!(
+        level("one reversed actuator") > level("none") + 1.0,
+        "{json}"
+    );
+    assert_eq!(of("a finger that comes and goes")["cases"], 40);
+    assert_eq!(of("a finger in the hot zone")["cases"], 3);
+    assert_eq!(run()["stress"], json["stress"], "one seed, one table");
+}
+
+#[test]
+fn plain_ramps_exit_with_1_by_the_strict_measure() {
+    let folder = prepared();
+    let strict = BURSTS.replace("[time]", "[time]\nmeasure = \"peak\"");
+    folder.write(
+        "strict.toml",
+        format!(
+            "{ZONES}{}",
+            strict.replace("duration_s", "ramp_s = 0.01\nduration_s")
+        ),
+    );
+    folder
+        .run("play model.json strict.toml --method mls -o modal.npz --charts figures -q")
+        .exits(0);
+    assert!(folder.read("figures/time.gif").starts_with(b"GIF89a"));
+    assert!(folder
+        .text("figures/time.svg")
+        .contains("Drive of each actuator"));
+    let run = folder
+        .run("play model.json strict.toml --method mls --ramps plain -o plain.csv")
+        .exits(1);
+    assert!(run.stderr.contains("over its limit"), "{}", run.stderr);
+    let csv = folder.text("plain.csv");
+    assert!(
+        csv.starts_with("time_s,101:+Z [N],102:+Z [N]"),
+        "{}",
+        &csv[..80]
+    );
+    assert_eq!(csv.lines().count(), 1 + 12_001);
+    assert!(folder.read("modal.npz").starts_with(b"PK"));
+}
+
+#[test]
+fn signals_that_cannot_be_are_refused_before_anything_is_written() {
+    let folder = prepared();
+    folder.write("map.csv", "channel,reference,gain\n1,101:+Z,1\n");
+    folder.write(
+        "bad.toml",
+        format!("{ZONES}[time]\n[[time.burst]]\nduration_s = -1\n"),
+    );
+    folder.write(
+        "fast.toml",
+        format!("{ZONES}[time]\n[[time.burst]]\nduration_s = 0.1\nramp_s = 0.001\n"),
+    );
+    for (line, code, words) in [
+        ("burst.toml -o drive.mp3", 2, ".wav"),
+        ("burst.toml -o drive.wav --rate 600", 2, "rate_hz"),
+        ("burst.toml -o drive.wav --full-scale 1e-9", 2, "clips"),
+        ("burst.toml -o drive.wav --full-scale -1", 2, "auto"),
+        ("burst.toml -o drive.wav --format i8", 2, "i16"),
+        (
+            "burst.toml -o drive.wav --channel-map map.csv",
+            65,
+            "lacks an actuator",
+        ),
+        ("bad.toml -o drive.wav", 65, "duration_s"),
+        ("fast.toml -o drive.wav", 65, "ramp_s"),
+    ] {
+        let run = folder
+            .run(&format!("play model.json {line} --method fast"))
+            .exits(code);
+        assert!(run.stderr.contains(words), "{line}: {}", run.stderr);
+    }
+    let names = folder.names();
+    assert!(
+        names
+            .iter()
+            .all(|name| !name.starts_with("drive") && !name.contains("tmp")),
+        "{names:?}"
+    );
+    folder
+        .run("play model.json burst.toml --method fast -o drive.wav -q")
+        .exits(1);
+    folder.write("drive.json", "{}");
+    let run = folder
+        .run("evaluate drive.wav --scene burst.toml --on model.json")
+        .exits(65);
+    assert!(run.stderr.contains("drive.json"), "{}", run.stderr);
+}

@@ -1,0 +1,172 @@
+//! The least ramp that keeps every limit.
+
+use crate::time::listener::{Judging, Listener};
+use crate::time::plan::Event;
+use crate::time::table::{Measure, RampTime, Ramps};
+use crate::time::voice::Voice;
+use crate::tolerances;
+use chladni_frf::{Error, ModalModel, Result, Trust};
+use std::collections::HashMap;
+
+/// Shortest ramp that the band of a model can describe at `frequency_hz`, s; outside the
+/// band the longest that is ever tried.
+///
+/// Where the band begins well below the lowest mode there is nothing below it that a ramp
+/// could excite, and only its upper end counts.
+pub(crate) fn shortest_s(model: &ModalModel, frequency_hz: f64) -> f64 {
+    let [low, high] = model.band_hz;
+    let lowest_hz = model
+        .modes
+        .iter()
+        .filter(|mode| mode.trust != Trust::Rejected)
+        .map(|mode| mode.frequency_hz)
+        .fold(f64::INFINITY, f64::min);
+    let below = match low < tolerances::BEGINS_BELOW * lowest_hz {
+        true if frequency_hz > low => f64::INFINITY,
+        _ => frequency_hz - low,
+    };
+    let room = below.min(high - frequency_hz).max(0.0);
+    (tolerances::RAMP_PERIODS / room).min(tolerances::LONGEST_AUTO_RAMP_S)
+}
+
+/// Refuses a ramp that the band cannot describe.
+///
+/// # Errors
+/// [`chladni_frf::ErrorKind::BadData`].
+pub(crate) fn refuse_short(event: &Event, ramp_s: f64, shortest_s: f64) -> Result<()> {
+    if ramp_s >= shortest_s * (1.0 - tolerances::SAME_FREQUENCY) {
+        return Ok(());
+    }
+    Err(
+        Error::bad_data("the ramp is faster than the model's band can describe")
+            .field(format!("{} ramp_s", event.name))
+            .found(format!("{ramp_s} s"))
+            .expected(format!("at least {shortest_s:.4} s"))
+            .help("take longer ramps, or fit a wider band about the drive frequency"),
+    )
+}
+
+/// Finds ramps for events.
+pub(crate) struct RampFinder<'a> {
+    pub(crate) voices: &'a [Voice],
+    pub(crate) listener: &'a Listener,
+    pub(crate) judging: &'a Judging<'a>,
+    pub(crate) ramps: Ramps,
+    pub(crate) shortest_s: f64,
+    /// Found before, by the stops that were tried.
+    pub(crate) known: HashMap<Vec<usize>, (f64, bool)>,
+}
+
+impl RampFinder<'_> {
+    /// The ramp of an event, s; and whether it passed, where that was asked.
+    ///
+    /// # Errors
+    /// A ramp that the band cannot describe.
+    pub(crate) fn of(&mut self, event: &Event) -> Result<(f64, bool)> {
+        if let RampTime::Seconds(ramp_s) = event.ramp {
+            refuse_short(event, ramp_s, self.shortest_s)?;
+            return Ok((ramp_s, true));
+        }
+        let mut tried: Vec<usize> = event
+            .stops
+            .first()
+            .into_iter()
+            .chain(event.stops.last())
+            .copied()
+            .collect();
+        tried.dedup();
+        if let Some(&known) = self.known.get(&tried) {
+            return Ok((known.0.min(event.longest_ramp_s()), known.1));
+        }
+        let step_s = tolerances::AUTO_RAMP_STEP_S;
+        let first = (self.shortest_s / step_s - 1e-6).ceil().max(1.0) as usize;
+        let longest_s = event.longest_ramp_s().min(tolerances::LONGEST_AUTO_RAMP_S);
+        let mut best: Option<(f64, f64)> = None;
+        let mut passed = false;
+        for k in first.. {
+            let ramp_s = step_s * k as f64;
+            if ramp_s > longest_s + tolerances::SAME_TIME_S {
+                break;
+            }
+            let excess_db = self.excess_db(event, &tried, ramp_s)?;
+            if best.is_none_or(|(_, least)| excess_db < least) {
+                best = Some((ramp_s, excess_db));
+            }
+            if excess_db <= 0.0 {
+                passed = true;
+                break;
+            }
+        }
+        let ramp_s = match best {
+            Some((ramp_s, _)) => ramp_s,
+            None => {
+                refuse_short(event, longest_s, self.shortest_s)?;
+                longest_s
+            }
+        };
+        self.known.insert(tried, (ramp_s, passed));
+        Ok((ramp_s, passed))
+    }
+
+    /// By how much the worst ground misses its limit at any instant beyond what the steady
+    /// drive misses, dB; 0 or less: none does.
+    fn excess_db(&self, event: &Event, stops: &[usize], ramp_s: f64) -> Result<f64> {
+        let mut most = f64::NEG_INFINITY;
+        for &stop in stops {
+            let worst = |ramp_s: f64, hold_s: f64| {
+                let chain = event.trial(stop, ramp_s, hold_s);
+                let sounding: Vec<_> = self
+                    .voices
+                    .iter()
+                    .map(|voice| {
+                        voice.sounding(voice.tracks(&chain, self.ramps, self.judging.maps))
+                    })
+                    .collect();
+                let heard = self.listener.hear(
+                    &sounding,
+                    std::slice::from_ref(&chain),
+                    self.judging,
+                    &[Measure::Peak],
+                );
+                let measure = heard.measures[0];
+                [
+                    measure.worst_cold_db.unwrap_or(f64::NEG_INFINITY),
+                    -measure.worst_hot_db.unwrap_or(f64::NEG_INFINITY),
+                ]
+            };
+            let tried = worst(ramp_s, tolerances::TRIAL_HOLD_S);
+            let steady = self.steady_db(stop);
+            for (tried, steady) in tried.into_iter().zip(steady) {
+                most = most.max(tried - f64::max(steady + tolerances::STEADY_MISS_DB, 0.0));
+            }
+        }
+        Ok(most)
+    }
+
+    /// The same of the steady drive of a stop: cold over, hot under its limit.
+    fn steady_db(&self, stop: usize) -> [f64; 2] {
+        let map = &self.judging.maps[stop];
+        let mut worst = [f64::NEG_INFINITY; 2];
+        for (voice, (model, tone)) in self
+            .voices
+            .iter()
+            .zip(self.listener.models.iter().zip(&self.listener.limits))
+        {
+            let field = model.steady(voice.patterns.view());
+            for (v, &place) in field.column(stop).iter().zip(&self.listener.positions_m) {
+                let db = |ratio: f64| 20.0 * ratio.log10();
+                match map.classify(place) {
+                    crate::zones::Ground::Cold => {
+                        worst[0] = worst[0].max(db(v.norm() / tone.limits.cold_m_per_s))
+                    }
+                    crate::zones::Ground::Hot => {
+                        let limit = tone.limits.hot_m_per_s * map.level_at(place);
+                        worst[1] = worst[1].max(db(limit / v.norm()))
+                    }
+                    crate::zones::Ground::Ignored => {}
+                }
+            }
+        }
+        worst
+    }
+}

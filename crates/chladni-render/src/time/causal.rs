@@ -1,0 +1,272 @@
+//! A model as a causal system about its carrier: poles, what drives them, how they move
+//! the ground, and what follows at once (theory.md, eq. 60 and 61).
+//!
+//! Structural damping answers before it is asked: its second pole lies on the wrong side.
+//! Each mode therefore has the conjugate pair p, p* with p = jω_n√(1+jη_n), or the
+//! viscous s_n. What that, and all else of the model, leaves at the carrier is a constant
+//! D₀, so that a steady drive moves the ground exactly as `render` says.
+
+use crate::interpolation::Interpolation;
+use crate::operator::Operator;
+use chladni_frf::{Damping, ModalModel, Mode, Trust};
+use ndarray::{concatenate, s, Array1, Array2, ArrayView2, Axis};
+use num_complex::Complex64;
+use std::f64::consts::TAU;
+
+/// A model at the rows and actuators of an operator, about the carrier.
+#[derive(Debug, Clone)]
+pub(crate) struct CausalModel {
+    /// ω₀, rad/s.
+    pub(crate) carrier_rad_per_s: f64,
+    /// p of every mode, then p* of every mode, rad/s.
+    pub(crate) poles: Vec<Complex64>,
+    /// r·L of each pole; axes (pole, actuator).
+    pub(crate) inputs: Array2<Complex64>,
+    /// ψ of each pole, ψ* of the second half; axes (row, pole).
+    pub(crate) shapes: Array2<Complex64>,
+    /// D₀; axes (row, actuator).
+    pub(crate) direct: Array2<Complex64>,
+    /// D₁: velocity per rate of change of the drive; same axes.
+    pub(crate) slope: Array2<Complex64>,
+}
+
+impl CausalModel {
+    /// Of `model`, whose mobility at the carrier is `operator`.
+    pub(crate) fn new(model: &ModalModel, operator: &Operator) -> Self {
+        let modes: Vec<&Mode> = model
+            .modes
+            .iter()
+            .filter(|mode| mode.trust != Trust::Rejected)
+            .collect();
+        let (rows, columns) = (&operator.response_rows, &operator.reference_columns);
+        let near: Vec<Complex64> = modes.iter().map(|mode| pole(mode, model.damping)).collect();
+        let inputs = Array2::from_shape_fn((modes.len(), columns.len()), |(n, j)| {
+            share(near[n]) * modes[n].participation.0[columns[j]]
+        });
+        let sign = |i: usize| operator.responses[i].direction.sign();
+        let shapes = Array2::from_shape_fn((rows.len(), modes.len()), |(i, n)| {
+            modes[n].shape.0[rows[i]] * sign(i)
+        });
+        let carrier = TAU * operator.frequency_hz;
+        let slope = slope(model, operator, carrier);
+        let conjugate = |matrix: &Array2<Complex64>| matrix.mapv(|value| value.conj());
+        let mut causal = Self {
+            carrier_rad_per_s: carrier,
+            poles: near
+                .iter()
+                .copied()
+                .chain(near.iter().map(Complex64::conj))
+                .collect(),
+            inputs: concatenate![Axis(0), inputs, conjugate(&inputs)],
+            shapes: concatenate![Axis(1), shapes, conjugate(&shapes)],
+            direct: Array2::zeros((0, 0)),
+            slope,
+        };
+        causal.direct = &operator.mobility - &causal.of_poles(0..causal.poles.len(), 1);
+        causal
+    }
+
+    /// Number of modes: half of the poles.
+    pub(crate) fn modes(&self) -> usize {
+        self.poles.len() / 2
+    }
+
+    /// Σψ·r·L/(jω₀ − p)^power over some of the poles; axes (row, actuator).
+    pub(crate) fn of_poles(
+        &self,
+        poles: impl IntoIterator<Item = usize>,
+        power: i32,
+    ) -> Array2<Complex64> {
+        let picked: Vec<usize> = poles.into_iter().collect();
+        let mut inputs = self.inputs.select(Axis(0), &picked);
+        for (mut row, &n) in inputs.rows_mut().into_iter().zip(&picked) {
+            let factor = self.distance(n).powi(-power);
+            row.mapv_inplace(|value| value * factor);
+        }
+        let shapes = self.shapes.select(Axis(1), &picked);
+        chladni_linalg::matmul(shapes.view(), inputs.view())
+    }
+
+    /// jω₀ − p of a pole, rad/s.
+    pub(crate) fn distance(&self, pole: usize) -> Complex64 {
+        Complex64::new(0.0, self.carrier_rad_per_s) - self.poles[pole]
+    }
+
+    /// The same model seen at other places.
+    pub(crate) fn at(&self, places: &Interpolation) -> Self {
+        let columns = [self.shapes.ncols(), self.direct.ncols()];
+        let all = concatenate![Axis(1), self.shapes, self.direct, self.slope];
+        let there = places.apply(all.view());
+        let (shapes, rest) = there.view().split_at(Axis(1), columns[0]);
+        let (direct, slope) = rest.split_at(Axis(1), columns[1]);
+        Self {
+            shapes: shapes.to_owned(),
+            direct: direct.to_owned(),
+            slope: slope.to_owned(),
+            ..self.clone()
+        }
+    }
+
+    /// Σψz: how `states`, axes (pole, time), move the rows; axes (time, row).
+    ///
+    /// Poles come in pairs, ψz + ψ*z' = Re ψ·(z + z') + j·Im ψ·(z − z'): a product of real
+    /// matrices, half of it where all shapes are real.
+    pub(crate) fn moved(&self, states: ArrayView2<Complex64>) -> Array2<Complex64> {
+        let (modes, times) = (self.modes(), states.ncols());
+        let shapes = self.real_shapes();
+        let mut parts = Array2::<f64>::zeros((shapes.ncols(), 2 * times));
+        for n in 0..modes {
+            let pairs = states.row(n).into_iter().zip(states.row(n + modes));
+            for (k, (z, mirrored)) in pairs.enumerate() {
+                let (sum, difference) = (z + mirrored, z - mirrored);
+                parts[[n, k]] = sum.re;
+                parts[[n, times + k]] = sum.im;
+                if shapes.ncols() > modes {
+                    parts[[modes + n, k]] = -difference.im;
+                    parts[[modes + n, times + k]] = difference.re;
+                }
+            }
+        }
+        let moved = chladni_linalg::matmul(parts.t(), shapes.t());
+        Array2::from_shape_fn((times, shapes.nrows()), |(k, row)| {
+            Complex64::new(moved[[k, row]], moved[[times + k, row]])
+        })
+    }
+
+    /// ψᴴp: the adjoint of [`Self::moved`], of `pull` with the axes (row, time); axes
+    /// (pole, time).
+    pub(crate) fn pulled(&self, pull: ArrayView2<Complex64>) -> Array2<Complex64> {
+        let (modes, times) = (self.modes(), pull.ncols());
+        let shapes = self.real_shapes();
+        let parts = Array2::from_shape_fn((pull.nrows(), 2 * times), |(row, k)| {
+            if k < times {
+                pull[[row, k]].re
+            } else {
+                pull[[row, k - times]].im
+            }
+        });
+        let pulled = chladni_linalg::matmul(shapes.t(), parts.view());
+        let of =
+            |part: usize, k: usize| Complex64::new(pulled[[part, k]], pulled[[part, times + k]]);
+        Array2::from_shape_fn((2 * modes, times), |(pole, k)| {
+            let real = of(pole % modes, k);
+            if shapes.ncols() == modes {
+                return real;
+            }
+            let turned = Complex64::I * of(modes + pole % modes, k);
+            if pole < modes {
+                real - turned
+            } else {
+                real + turned
+            }
+        })
+    }
+
+    /// Re ψ of every mode, and beside it Im ψ unless all of it is zero; axes (row, part).
+    fn real_shapes(&self) -> Array2<f64> {
+        let shapes = self.shapes.slice(s![.., ..self.modes()]);
+        let real = shapes.mapv(|value| value.re);
+        if shapes.iter().all(|value| value.im == 0.0) {
+            return real;
+        }
+        concatenate![Axis(1), real, shapes.mapv(|value| value.im)]
+    }
+
+    /// Rms of the shape of a mode over the rows.
+    pub(crate) fn rms_shape(&self, mode: usize) -> f64 {
+        let column = self.shapes.column(mode);
+        let sum: f64 = column.iter().map(Complex64::norm_sqr).sum();
+        (sum / column.len() as f64).sqrt()
+    }
+
+    /// Velocity of the rows under steady `patterns`; axes (row, pattern).
+    pub(crate) fn steady(&self, patterns: ArrayView2<Complex64>) -> Array2<Complex64> {
+        let mobility = &self.direct + &self.of_poles(0..self.poles.len(), 1);
+        chladni_linalg::matmul(mobility.view(), patterns.t())
+    }
+}
+
+/// p of a mode, rad/s, in the upper half plane.
+fn pole(mode: &Mode, damping: Damping) -> Complex64 {
+    match damping {
+        Damping::Structural => {
+            let root = Complex64::new(1.0, mode.loss_factor).sqrt();
+            Complex64::new(0.0, TAU * mode.frequency_hz) * root
+        }
+        Damping::Viscous => mode.viscous_pole(),
+    }
+}
+
+/// r = p/(p − p*): what a unit of modal force adds to the velocity of this pole. A pole
+/// at rest shares with its conjugate.
+pub(crate) fn share(pole: Complex64) -> Complex64 {
+    if pole.im == 0.0 {
+        return Complex64::from(0.5);
+    }
+    pole / Complex64::new(0.0, 2.0 * pole.im)
+}
+
+/// D₁ = Σ (power+1)·C·(ω₀/ω_s)^power of the residual terms.
+fn slope(model: &ModalModel, operator: &Operator, carrier: f64) -> Array2<Complex64> {
+    let mut slope = Array2::zeros(operator.mobility.dim());
+    for term in &model.residual_terms.terms {
+        let scale = (carrier / model.residual_terms.omega_scale_rad_per_s).powi(term.power);
+        let factor = f64::from(term.power + 1) * scale;
+        for (i, (&row, dof)) in operator
+            .response_rows
+            .iter()
+            .zip(&operator.responses)
+            .enumerate()
+        {
+            let values: Array1<Complex64> = operator
+                .reference_columns
+                .iter()
+                .map(|&column| term.matrix.0[[row, column]] * (factor * dof.direction.sign()))
+                .collect();
+            let mut to = slope.slice_mut(s![i, ..]);
+            to += &values;
+        }
+    }
+    slope
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chladni_linalg::{matmul, matmul_h};
+
+    #[test]
+    fn pairs_move_the_rows_as_all_poles_do() {
+        let some = |seed: f64, dim: (usize, usize)| {
+            Array2::from_shape_fn(dim, |(i, j)| {
+                Complex64::from_polar(1.0, seed * (3 * i + 5 * j + 1) as f64)
+            })
+        };
+        let conjugate = |matrix: &Array2<Complex64>| matrix.mapv(|value| value.conj());
+        let complex = some(0.7, (5, 3));
+        let real = complex.mapv(|value| Complex64::from(value.re));
+        for shapes in [complex, real] {
+            let poles = vec![Complex64::new(-9.0, 1800.0); 3];
+            let model = CausalModel {
+                carrier_rad_per_s: 1885.0,
+                poles: poles
+                    .iter()
+                    .copied()
+                    .chain(poles.iter().map(Complex64::conj))
+                    .collect(),
+                inputs: Array2::zeros((6, 2)),
+                shapes: concatenate![Axis(1), shapes, conjugate(&shapes)],
+                direct: Array2::zeros((5, 2)),
+                slope: Array2::zeros((5, 2)),
+            };
+            let (states, pull) = (some(1.3, (6, 4)), some(0.4, (5, 4)));
+            let apart = |a: Array2<Complex64>, b: Array2<Complex64>| {
+                (a - b).iter().map(|value| value.norm()).fold(0.0, f64::max)
+            };
+            let slow = matmul(model.shapes.view(), states.view());
+            assert!(apart(model.moved(states.view()), slow.reversed_axes()) < 1e-13);
+            let slow = matmul_h(model.shapes.view(), pull.view());
+            assert!(apart(model.pulled(pull.view()), slow) < 1e-13);
+        }
+    }
+}

@@ -1,0 +1,316 @@
+//! Places that are judged in time, under all tones at once.
+
+use crate::plane::Position;
+use crate::plane::Rectangle;
+use crate::scene::{Limits, Scene};
+use crate::time::causal::CausalModel;
+use crate::time::contact::{Contact, Touch};
+use crate::time::judge::{Energies, EnergyLimits, Judge, TimeMeasure, TimeTraces};
+use crate::time::plan::Chain;
+use crate::time::simulate::{Motion, SampledDrive};
+use crate::time::table::Measure;
+use crate::time::timeline::Timeline;
+use crate::time::tracks::Tracks;
+use crate::tolerances;
+use crate::tones::Share;
+use crate::zones::{ZoneMap, Zones};
+use chladni_frf::Result;
+use chladni_linalg::matmul;
+use ndarray::{Array1, Array2};
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+/// The panel at some places, for every tone.
+#[derive(Clone)]
+pub(crate) struct Listener {
+    pub(crate) positions_m: Vec<Position>,
+    /// Of each tone.
+    pub(crate) models: Vec<CausalModel>,
+    /// What each tone owes.
+    pub(crate) limits: Vec<ToneLimits>,
+    /// A finger on one of the places.
+    pub(crate) touch: Option<Touch>,
+}
+
+/// Limits of one tone.
+#[derive(Clone, Copy)]
+pub(crate) struct ToneLimits {
+    pub(crate) limits: Limits,
+    share: Share,
+    /// d ln T/d ln f of its threshold.
+    steepness: f64,
+}
+
+impl ToneLimits {
+    /// Of a scene with one frequency.
+    ///
+    /// # Errors
+    /// A threshold that is not known there.
+    pub(crate) fn of(tone: &Scene) -> Result<Self> {
+        let limits = tone.limits()?;
+        let at = |factor: f64| {
+            let found = tone.threshold.velocity_m_per_s(factor * tone.frequency_hz);
+            match found {
+                Ok(velocity) => (factor, velocity),
+                Err(_) => (1.0, limits.threshold_m_per_s),
+            }
+        };
+        let step = tolerances::THRESHOLD_STEP;
+        let (below, above) = (at(1.0 - step), at(1.0 + step));
+        let span = (above.0 / below.0).ln();
+        Ok(Self {
+            limits,
+            share: tone.share,
+            steepness: if span > 0.0 {
+                (above.1 / below.1).ln() / span
+            } else {
+                0.0
+            },
+        })
+    }
+
+    /// Weighs what lies beside the carrier by its own threshold, v⁺·T(f₀)/T(f), to first
+    /// order: v⁺ + j(p/ω₀)·dv⁺/dt; `last` is the sample before.
+    fn weigh(
+        &self,
+        moved: &mut Array2<Complex64>,
+        last: &mut Array1<Complex64>,
+        carrier_rad_per_s: f64,
+        step_s: f64,
+    ) {
+        if self.steepness == 0.0 {
+            return;
+        }
+        let factor = Complex64::new(0.0, self.steepness / (carrier_rad_per_s * step_s));
+        for mut row in moved.rows_mut() {
+            let here = row.to_owned();
+            row += &((&here - &*last) * factor);
+            *last = here;
+        }
+    }
+}
+
+/// Where and by what is judged.
+pub(crate) struct Judging<'a> {
+    pub(crate) zones: &'a Zones,
+    /// Of every place.
+    pub(crate) maps: &'a [ZoneMap],
+    /// The box around the responses.
+    pub(crate) scanned: Rectangle,
+    pub(crate) summation_s: f64,
+}
+
+/// What a drive is over some samples: of tracks, or of a recording.
+pub(crate) trait Sounds {
+    /// The envelopes of a block.
+    fn block(&self, step_s: f64, first: usize, count: usize) -> SampledDrive;
+}
+
+impl Sounds for Tracks {
+    fn block(&self, step_s: f64, first: usize, count: usize) -> SampledDrive {
+        self.sampled(step_s, first, count)
+    }
+}
+
+/// Judged by each measure, in their order; hot levels of each group by the measure asked
+/// for; largest |a| of each tone.
+pub(crate) struct Heard {
+    pub(crate) measures: Vec<TimeMeasure>,
+    pub(crate) hot_levels: Vec<Vec<Option<f64>>>,
+    pub(crate) peaks: Vec<f64>,
+    /// By the measure at each instant, where it was asked for.
+    pub(crate) traces: Option<TimeTraces>,
+}
+
+impl Listener {
+    /// How `chains` do when `voices` sound, one per tone.
+    pub(crate) fn hear<S: Sounds>(
+        &self,
+        voices: &[S],
+        chains: &[Chain],
+        judging: &Judging,
+        measures: &[Measure],
+    ) -> Heard {
+        let step_s = tolerances::JUDGE_STEP_S;
+        let end_s = chains.iter().map(Chain::end_s).fold(0.0, f64::max);
+        let count = ((end_s + tolerances::JUDGE_TAIL_S) / step_s).ceil() as usize;
+        let timeline = Timeline::new(
+            chains,
+            judging.maps,
+            judging.zones,
+            judging.scanned,
+            &self.positions_m,
+            step_s,
+            count,
+        );
+        let limits = EnergyLimits::of(&self.limits[0].limits, &self.limits[0].share);
+        let mut judges: Vec<Judge> = measures
+            .iter()
+            .map(|&measure| {
+                Judge::new(
+                    measure,
+                    judging.summation_s,
+                    step_s,
+                    limits,
+                    &timeline.segments,
+                    &timeline.grounds,
+                )
+            })
+            .collect();
+        let mut motions: Vec<Motion> = self.models.iter().map(Motion::new).collect();
+        let mut last = vec![Array1::zeros(self.positions_m.len()); self.models.len()];
+        let mut contacts: Vec<Contact> = match &self.touch {
+            None => Vec::new(),
+            Some(touch) => {
+                let of = |model| Contact::new(model, touch);
+                self.models.iter().map(of).collect()
+            }
+        };
+        let mut peaks = vec![0.0; voices.len()];
+        let mut largest = Vec::with_capacity(count);
+        for first in (0..count).step_by(tolerances::JUDGE_BLOCK) {
+            let length = tolerances::JUDGE_BLOCK.min(count - first);
+            let drives: Vec<SampledDrive> = voices
+                .iter()
+                .map(|voice| voice.block(step_s, first, length))
+                .collect();
+            let mut sums = vec![0.0; length];
+            for (peak, drive) in peaks.iter_mut().zip(&drives) {
+                for (sum, size) in sums.iter_mut().zip(drive.amplitudes()) {
+                    *peak = f64::max(*peak, size);
+                    *sum += size;
+                }
+            }
+            largest.extend(sums);
+            let mut moved: Vec<Array2<Complex64>> = motions
+                .iter_mut()
+                .zip(&drives)
+                .map(|(motion, drive)| motion.under(drive))
+                .collect();
+            for (contact, moved) in contacts.iter_mut().zip(&mut moved) {
+                contact.lay_over(moved, first, step_s);
+            }
+            for (k, moved) in moved.iter_mut().enumerate() {
+                let carrier = self.models[k].carrier_rad_per_s;
+                self.limits[k].weigh(moved, &mut last[k], carrier, step_s);
+            }
+            let energies = self.energies(&moved);
+            judges
+                .par_iter_mut()
+                .for_each(|judge| judge.feed(first, &energies));
+        }
+        let at_once = measures
+            .iter()
+            .position(|&measure| measure == Measure::Peak);
+        Heard {
+            traces: at_once.map(|k| judges[k].traces(largest)),
+            measures: judges
+                .iter()
+                .map(|judge| judge.result(&timeline.starts_s, &timeline.ends))
+                .collect(),
+            hot_levels: judges.iter().map(Judge::hot_levels).collect(),
+            peaks,
+        }
+    }
+
+    /// Amplitudes of the places over their thresholds, of all tones together, at every
+    /// `every`-th sample; axes (frame, place).
+    pub(crate) fn frames<S: Sounds>(
+        &self,
+        voices: &[S],
+        every: usize,
+        count: usize,
+    ) -> Array2<f64> {
+        let step_s = tolerances::JUDGE_STEP_S;
+        let mut motions: Vec<Motion> = self.models.iter().map(Motion::new).collect();
+        let mut frames = Array2::zeros((count, self.positions_m.len()));
+        let samples = every * count;
+        for first in (0..samples).step_by(tolerances::JUDGE_BLOCK) {
+            let length = tolerances::JUDGE_BLOCK.min(samples - first);
+            let moved: Vec<Array2<Complex64>> = motions
+                .iter_mut()
+                .zip(voices)
+                .map(|(motion, voice)| motion.under(&voice.block(step_s, first, length)))
+                .collect();
+            let energies = self.energies(&moved).cold;
+            let begun = first.div_ceil(every);
+            for (frame, mut row) in frames.rows_mut().into_iter().enumerate().skip(begun) {
+                if every * frame >= first + length {
+                    break;
+                }
+                row.assign(&energies.row(every * frame - first).mapv(f64::sqrt));
+            }
+        }
+        frames
+    }
+
+    /// Energies of the velocities of every tone.
+    fn energies(&self, moved: &[Array2<Complex64>]) -> Energies {
+        let of = |k: usize| {
+            let threshold = self.limits[k].limits.threshold_m_per_s;
+            moved[k].mapv(|v| v.norm_sqr() / (threshold * threshold))
+        };
+        let first = of(0);
+        let mut energies = Energies {
+            hot: &first / self.limits[0].share.hot,
+            cold: first,
+        };
+        for k in 1..moved.len() {
+            let tone = of(k);
+            let share = self.limits[k].share.hot;
+            energies
+                .hot
+                .zip_mut_with(&tone, |least, &value| *least = least.min(value / share));
+            energies.cold += &tone;
+        }
+        energies
+    }
+}
+
+impl SampledDrive {
+    /// Largest |a_i| at each sample, N or V.
+    fn amplitudes(&self) -> Vec<f64> {
+        if self.patterns.is_empty() {
+            return vec![0.0; self.values.nrows()];
+        }
+        let drive = matmul(self.values.view(), self.patterns.view());
+        let largest = |row: ndarray::ArrayView1<Complex64>| {
+            row.iter()
+                .map(Complex64::norm_sqr)
+                .fold(0.0, f64::max)
+                .sqrt()
+        };
+        drive.rows().into_iter().map(largest).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+    use std::path::Path;
+
+    #[test]
+    fn what_lies_beside_the_carrier_is_weighed_by_its_own_threshold() {
+        let text = "frequency_hz = 100.0\n[threshold]\nprofile = \"classic\"\n[zones]\ngrid = [2, 2]\nhot = [1]\n";
+        let scene = Scene::parse(text, Path::new("")).unwrap();
+        let tone = ToneLimits::of(&scene).unwrap();
+        let carrier = TAU * 100.0;
+        let step_s = 1e-5;
+        for beside_hz in [-5.0, 5.0] {
+            let turn = |k: usize| Complex64::from_polar(1.0, TAU * beside_hz * step_s * k as f64);
+            let mut moved = Array2::from_shape_fn((50, 1), |(k, _)| turn(k + 1));
+            let mut last = Array1::from_elem(1, turn(0));
+            tone.weigh(&mut moved, &mut last, carrier, step_s);
+            let there = scene.threshold.velocity_m_per_s(100.0 + beside_hz).unwrap();
+            let expected = tone.limits.threshold_m_per_s / there;
+            let found = moved[[49, 0]].norm();
+            assert!(
+                (found - expected).abs() < 0.1 * (expected - 1.0).abs(),
+                "{beside_hz}: {found} {expected}"
+            );
+        }
+        let flat = Scene::parse(&text.replace("classic", "paper"), Path::new("")).unwrap();
+        assert_eq!(ToneLimits::of(&flat).unwrap().steepness, 0.0);
+    }
+}

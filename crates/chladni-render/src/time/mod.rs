@@ -1,0 +1,42 @@
+//! Bursts, fades and moving zones: what the ground does while the drive changes, and
+//! drives that keep cold ground quiet meanwhile.
+//!
+//! `table` (what a scene says) → `plan` (chains of places and ramps) → `voice` (the panel
+//! about each carrier, the steady drives) → `tracks` (the drive over time) → `simulate`
+//! → `judge`; `modal_ramp` makes ramps that every mode follows.
+
+mod auto_ramp;
+mod causal;
+mod contact;
+mod envelope;
+mod envelope_program;
+mod frames;
+mod judge;
+mod listener;
+mod modal_ramp;
+mod plan;
+mod play;
+mod program_ramp;
+mod read_table;
+mod recorded;
+mod signal;
+mod simulate;
+mod stress;
+mod table;
+mod timeline;
+mod tracks;
+mod voice;
+mod wav_file;
+
+pub use frames::{AreaFrames, TimeFrames};
+pub use judge::{TimeMeasure, TimeTraces};
+pub use modal_ramp::modal_ramp;
+pub use play::{play, AreaMeasures, PlayOptions, Played, TimeEvent, TimeIndices};
+pub(crate) use read_table::read_time;
+pub use recorded::{evaluate_signal, Recorded};
+pub use signal::{
+    Channel, ChannelMap, Mapped, Sidecar, Signal, SignalOptions, SIGNAL_FORMAT, SIGNAL_VERSION,
+};
+pub use stress::{stress_in_time, TimeStressRow};
+pub use table::{Burst, Fade, Level, Measure, Move, RampTime, Ramps, TimeTable};
+pub use wav_file::SampleFormat;

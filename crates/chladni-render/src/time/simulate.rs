@@ -1,0 +1,298 @@
+//! The ground in time: exact recursion of each pole under drives that run straight from
+//! sample to sample (theory.md, eq. 62).
+
+use crate::time::causal::CausalModel;
+use chladni_linalg::matmul;
+use ndarray::Array2;
+use num_complex::Complex64;
+
+/// Below this |λh| the exact functions of the recursion lose digits, and their series has
+/// them all: the first term left out is below 1e-16.
+const SMALL_STEP: f64 = 1e-3;
+
+/// Complex envelopes of a drive on even samples: a(t_k) = Σ_b values[k, b]·patterns[b].
+#[derive(Debug, Clone)]
+pub(crate) struct SampledDrive {
+    /// Time from sample to sample, s.
+    pub(crate) step_s: f64,
+    /// What the envelopes multiply; axes (pattern, actuator).
+    pub(crate) patterns: Array2<Complex64>,
+    /// Axes (time, pattern).
+    pub(crate) values: Array2<Complex64>,
+    /// Their derivatives, 1/s; same axes.
+    pub(crate) slopes: Array2<Complex64>,
+}
+
+/// A model in motion: takes a drive block by block.
+pub(crate) struct Motion<'a> {
+    model: &'a CausalModel,
+    /// z of each pole, and what drove it at the last sample.
+    states: Vec<[Complex64; 2]>,
+}
+
+impl<'a> Motion<'a> {
+    /// At rest.
+    pub(crate) fn new(model: &'a CausalModel) -> Self {
+        Self {
+            model,
+            states: vec![[Complex64::ZERO; 2]; model.poles.len()],
+        }
+    }
+
+    /// v⁺ of the rows over the samples that follow the last block, m/s; axes (time, row).
+    ///
+    /// ż = (p − jω₀)·z + r·Lᵀa of each pole, v⁺ = Σψz + D₀a + D₁ȧ.
+    pub(crate) fn under(&mut self, drive: &SampledDrive) -> Array2<Complex64> {
+        let states = self.modal(drive);
+        let of_patterns = |direct: &Array2<Complex64>| matmul(drive.patterns.view(), direct.t());
+        self.model.moved(states.view())
+            + matmul(drive.values.view(), of_patterns(&self.model.direct).view())
+            + matmul(drive.slopes.view(), of_patterns(&self.model.slope).view())
+    }
+
+    /// z over the samples; axes (pole, time).
+    fn modal(&mut self, drive: &SampledDrive) -> Array2<Complex64> {
+        let forces = matmul(self.model.inputs.view(), drive.patterns.t());
+        let mut states = matmul(forces.view(), drive.values.t());
+        let rows = states.rows_mut().into_iter().zip(&mut self.states);
+        for (n, (mut row, [z, before])) in rows.enumerate() {
+            let Step { decay, last, next } = Step::of(-self.model.distance(n), drive.step_s);
+            for value in &mut row {
+                *z = decay * *z + last * *before + next * *value;
+                *before = std::mem::replace(value, *z);
+            }
+        }
+        states
+    }
+}
+
+/// One step of a pole: z⁺ = decay·z + last·u_k + next·u_{k+1}.
+pub(crate) struct Step {
+    pub(crate) decay: Complex64,
+    pub(crate) last: Complex64,
+    pub(crate) next: Complex64,
+}
+
+impl Step {
+    /// With λ = `rate` rad/s and steps of h s: e^{λh}, h(φ₁ − φ₂), hφ₂.
+    pub(crate) fn of(rate: Complex64, step_s: f64) -> Self {
+        let x = rate * step_s;
+        let decay = x.exp();
+        let (first, second) = if x.norm() < SMALL_STEP {
+            (
+                1.0 + x / 2.0 + x * x / 6.0 + x.powi(3) / 24.0,
+                0.5 + x / 6.0 + x * x / 24.0 + x.powi(3) / 120.0,
+            )
+        } else {
+            ((decay - 1.0) / x, (decay - 1.0 - x) / (x * x))
+        };
+        Self {
+            decay,
+            last: (first - second) * step_s,
+            next: second * step_s,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use crate::operator::Operator;
+    use crate::time::envelope::{Edge, Envelope, Ramp};
+    use crate::time::tracks::{Track, Tracks};
+    use chladni_frf::{Damping, ModalModel};
+    use ndarray::Array1;
+    use rustfft::FftPlanner;
+    use std::f64::consts::TAU;
+
+    const RATE_HZ: f64 = 48_000.0;
+    const FRAMES: usize = 96_000;
+
+    fn panel() -> ModalModel {
+        let mut panel = chladni_plate::Panel::default();
+        (panel.frf.start_hz, panel.frf.step_hz) = (100.0, 300.0);
+        // so that two seconds later nothing rings
+        panel.plate.loss_factor = chladni_plate::LossFactor::Common(0.05);
+        (panel.responses.grid, panel.responses.spacing_m) = ([4, 3], 0.04);
+        (panel.references.edge_count, panel.references.spacing_m) = ([3, 2], 0.07);
+        let mut truth = chladni_plate::simulate(&panel, None, None).unwrap().truth;
+        // what a push leaves behind in a free plate has no line in a spectrum
+        truth.modes.retain(|mode| mode.frequency_hz > 1.0);
+        truth
+    }
+
+    fn burst(actuators: usize) -> Tracks {
+        let ramp = |start_s: f64| Ramp {
+            start_s,
+            duration_s: 0.01,
+        };
+        let some = |seed: f64| -> Array1<Complex64> {
+            (0..actuators)
+                .map(|j| Complex64::from_polar(1.0, seed * (j * j) as f64))
+                .collect()
+        };
+        // whose derivatives the lines of a spectrum below 3 kHz can hold
+        let spline = Track {
+            pattern: some(1.3),
+            correction: Some(some(1.9) * Complex64::from(1e-3)),
+            envelope: Envelope::Spline {
+                start_s: 0.03,
+                knot_s: 0.005,
+            },
+        };
+        let gate = Track {
+            pattern: some(0.7),
+            correction: None,
+            envelope: Envelope::Gate {
+                rise: Edge::Cosine(ramp(0.02)),
+                fall: Edge::Cosine(ramp(0.12)),
+            },
+        };
+        Tracks {
+            frequency_hz: 300.0,
+            tracks: vec![gate, spline],
+        }
+    }
+
+    /// Velocities by an FFT of the real signal: every line of it through the exact
+    /// mobility of the causal model.
+    fn by_fft(model: &ModalModel, causal: &CausalModel, tracks: &Tracks) -> Array2<f64> {
+        let actuators = causal.inputs.ncols();
+        let mut planner = FftPlanner::new();
+        let (forward, back) = (
+            planner.plan_fft_forward(FRAMES),
+            planner.plan_fft_inverse(FRAMES),
+        );
+        let mut forces = vec![vec![Complex64::ZERO; FRAMES]; actuators];
+        let mut sum = vec![Complex64::ZERO; actuators];
+        for k in 0..FRAMES {
+            let time_s = k as f64 / RATE_HZ;
+            tracks.at(time_s, &mut sum);
+            for (force, a) in forces.iter_mut().zip(&sum) {
+                let turn = Complex64::from_polar(1.0, causal.carrier_rad_per_s * time_s);
+                force[k] = (a * turn).re.into();
+            }
+        }
+        forces.iter_mut().for_each(|force| forward.process(force));
+        let residual = |omega: f64| {
+            let mut matrix = Array2::<Complex64>::zeros(causal.direct.dim());
+            for term in &model.residual_terms.terms {
+                let scale = (omega / model.residual_terms.omega_scale_rad_per_s).powi(term.power);
+                matrix.scaled_add(Complex64::new(0.0, omega * scale), &term.matrix.0);
+            }
+            matrix
+        };
+        let constant = &causal.direct - &residual(causal.carrier_rad_per_s);
+        let rows = causal.shapes.nrows();
+        let mut moved = vec![vec![Complex64::ZERO; FRAMES]; rows];
+        // beyond 3 kHz the burst has nothing
+        for line in 1..6000 {
+            let omega = TAU * RATE_HZ * line as f64 / FRAMES as f64;
+            let force: Array1<Complex64> = forces.iter().map(|force| force[line]).collect();
+            let mut states = causal.inputs.dot(&force);
+            for (state, pole) in states.iter_mut().zip(&causal.poles) {
+                *state /= Complex64::new(0.0, omega) - pole;
+            }
+            let field = causal.shapes.dot(&states) + (&constant + &residual(omega)).dot(&force);
+            for (moved, v) in moved.iter_mut().zip(&field) {
+                moved[line] = v * (2.0 / FRAMES as f64);
+            }
+        }
+        moved.iter_mut().for_each(|row| back.process(row));
+        Array2::from_shape_fn((FRAMES, rows), |(k, row)| moved[row][k].re)
+    }
+
+    #[test]
+    fn envelopes_move_the_ground_as_the_real_signal_does() {
+        for damping in [Damping::Structural, Damping::Viscous] {
+            let model = ModalModel { damping, ..panel() };
+            let operator = Operator::of_model(&model, 300.0, None).unwrap();
+            let causal = CausalModel::new(&model, &operator);
+            let tracks = burst(causal.inputs.ncols());
+            let exact = by_fft(&model, &causal, &tracks);
+            let drive = tracks.sampled(1.0 / RATE_HZ, 0, 14_400);
+            let envelopes = Motion::new(&causal).under(&drive);
+            let largest = envelopes.iter().map(|v| v.norm()).fold(0.0, f64::max);
+            let mut worst: f64 = 0.0;
+            for ((k, row), v) in envelopes.indexed_iter() {
+                let turn = causal.carrier_rad_per_s * k as f64 / RATE_HZ;
+                let moved = (v * Complex64::from_polar(1.0, turn)).re;
+                worst = worst.max((moved - exact[[k, row]]).abs());
+            }
+            assert!(
+                worst < 1e-4 * largest,
+                "{damping:?}: {:.1e}",
+                worst / largest
+            );
+        }
+    }
+
+    #[test]
+    fn a_plateau_is_what_the_operator_says_whatever_the_blocks() {
+        let model = panel();
+        let operator = Operator::of_model(&model, 300.0, None).unwrap();
+        let causal = CausalModel::new(&model, &operator);
+        let ramp = |start_s: f64| Ramp {
+            start_s,
+            duration_s: 0.05,
+        };
+        let mut tracks = burst(causal.inputs.ncols());
+        tracks.tracks[0].envelope = Envelope::Gate {
+            rise: Edge::Cosine(ramp(0.0)),
+            fall: Edge::Cosine(ramp(9.0)),
+        };
+        tracks.tracks.truncate(1);
+        let steady = operator.mobility.dot(&tracks.tracks[0].pattern);
+        let mut motion = Motion::new(&causal);
+        let mut last = Array1::zeros(0);
+        for block in 0..24 {
+            let moved = motion.under(&tracks.sampled(2.5e-4, 500 * block, 500));
+            last = moved.row(499).to_owned();
+        }
+        for (v, steady) in last.iter().zip(&steady) {
+            // 0.01 dB
+            assert!((v - steady).norm() < 1e-3 * steady.norm(), "{v} {steady}");
+        }
+        let once = Motion::new(&causal).under(&tracks.sampled(2.5e-4, 0, 1000));
+        let mut again = Motion::new(&causal);
+        again.under(&tracks.sampled(2.5e-4, 0, 600));
+        let rest = again.under(&tracks.sampled(2.5e-4, 600, 400));
+        for (a, b) in once.slice(ndarray::s![600.., ..]).iter().zip(&rest) {
+            assert!((a - b).norm() <= 1e-12 * a.norm().max(1e-9));
+        }
+    }
+
+    #[test]
+    fn a_step_is_exact_for_forces_that_run_straight() {
+        // ż = λz + t from rest: z = (e^{λt} − 1 − λt)/λ²
+        for rate in [
+            Complex64::new(-3.0, 40.0),
+            Complex64::new(-1e-3, 0.0),
+            Complex64::new(0.0, 3e-2),
+        ] {
+            let (h, mut z) = (0.01, Complex64::ZERO);
+            let step = Step::of(rate, h);
+            for k in 0..50 {
+                let t = h * f64::from(k);
+                z = step.decay * z + step.last * t + step.next * (t + h);
+            }
+            let t: f64 = 0.5;
+            let expected = (0..20)
+                .map(|k| {
+                    let factorial: f64 = (1..=k + 2).map(f64::from).product();
+                    rate.powi(k) * t.powi(k + 2) / factorial
+                })
+                .sum::<Complex64>();
+            if rate.norm() < 1.0 {
+                assert!(
+                    (z - expected).norm() < 1e-13 * expected.norm(),
+                    "{z} {expected}"
+                );
+            } else {
+                let exact = ((rate * t).exp() - 1.0 - rate * t) / (rate * rate);
+                assert!((z - exact).norm() < 1e-13, "{z} {exact}");
+            }
+        }
+    }
+}

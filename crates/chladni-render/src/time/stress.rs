@@ -1,0 +1,324 @@
+//! What becomes of a drive in time when the world is not the model: the stress table of
+//! bursts, fades and moving spots.
+
+use crate::finger::{finger_rows_of, Finger};
+use crate::operator::Operator;
+use crate::plane::Rectangle;
+use crate::scene::Scene;
+use crate::stress::{Draw, StressOptions};
+use crate::time::causal::CausalModel;
+use crate::time::contact::Touch;
+use crate::time::judge::TimeMeasure;
+use crate::time::listener::{Judging, Listener, ToneLimits};
+use crate::time::plan::{Chain, Plan};
+use crate::time::play::Played;
+use crate::time::table::Measure;
+use crate::time::timeline::zones_of;
+use crate::time::tracks::Tracks;
+use crate::zones::{Ground, ZoneMap};
+use chladni_frf::{Error, ErrorKind, Finding, ModalModel, Mode, Result, Scaling};
+use num_complex::Complex64;
+use serde::{Deserialize, Serialize};
+
+/// Mean time for which a finger stays, and stays away, s: taps of a hand that explores.
+const STAYS_S: f64 = 0.05;
+/// Largest share of the impedance of a light finger by which one that comes and goes may
+/// press: firm.
+const FIRMEST: f64 = 3.0;
+
+/// One trial in time, at the responses, at each instant.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TimeStressRow {
+    /// What was done.
+    pub trial: String,
+    /// How often, each time otherwise.
+    pub cases: usize,
+    /// The most that cold ground is over its limit in 95 % of the cases, dB; the most of
+    /// all where there are fewer than twenty.
+    pub worst_cold_db: f64,
+    /// The same of how far hot ground is above its limit in the hold, the least.
+    pub worst_hot_db: f64,
+    /// Mean share of cold ground that is ever over.
+    pub ever_over_mean: f64,
+    /// Mean share of hot ground that is held.
+    pub hot_held_mean: f64,
+}
+
+impl TimeStressRow {
+    fn of(trial: &str, judged: &[TimeMeasure]) -> Option<Self> {
+        let worst = |of: &dyn Fn(&TimeMeasure) -> Option<f64>| {
+            let mut values: Vec<f64> = judged.iter().filter_map(of).collect();
+            values.sort_by(f64::total_cmp);
+            values.get(values.len() / 20).copied()
+        };
+        let mean = |of: &dyn Fn(&TimeMeasure) -> f64| {
+            judged.iter().map(of).sum::<f64>() / judged.len() as f64
+        };
+        Some(Self {
+            trial: trial.into(),
+            cases: judged.len(),
+            worst_cold_db: -worst(&|m| m.worst_cold_db.map(|level| -level))?,
+            worst_hot_db: worst(&|m| m.worst_hot_db)?,
+            ever_over_mean: mean(&|m| m.ever_over_ratio),
+            hot_held_mean: mean(&|m| m.hot_held_ratio),
+        })
+    }
+
+    /// True where no ground misses its limit.
+    fn holds(&self) -> bool {
+        self.worst_cold_db <= 0.0 && self.worst_hot_db >= 0.0
+    }
+
+    /// How ground misses its limit.
+    fn missed(&self) -> String {
+        let mut missed = Vec::new();
+        if self.worst_cold_db > 0.0 {
+            missed.push(format!("cold ground over by {:.1} dB", self.worst_cold_db));
+        }
+        if self.worst_hot_db < 0.0 {
+            missed.push(format!("hot ground under by {:.1} dB", -self.worst_hot_db));
+        }
+        missed.join(", ")
+    }
+}
+
+/// How a drive in time does when the panel is not `model`.
+///
+/// # Errors
+/// As [`crate::play`].
+pub fn stress_in_time(
+    played: &Played,
+    scene: &Scene,
+    model: &ModalModel,
+    options: &StressOptions,
+) -> Result<(Vec<TimeStressRow>, Vec<Finding>)> {
+    let bench = Bench::new(played, scene, model)?;
+    let mut rows = Vec::new();
+    let mut add = |trial: &str, judged: Vec<TimeMeasure>| {
+        rows.extend(TimeStressRow::of(trial, &judged));
+    };
+    add("none", vec![bench.as_it_is(&played.tones)]);
+    let mut draw = Draw::new(options.seed);
+    let fits = (0..options.draws).map(|_| bench.with_modes(|mode| draw.fit_error(mode)));
+    add("errors of the fit", fits.collect::<Result<_>>()?);
+    let drifted =
+        (0..options.draws).map(|_| bench.with_modes(|mode| draw.drift(mode, &options.drift)));
+    add("drift", drifted.collect::<Result<_>>()?);
+    let shifted = [-1.0, 1.0].map(|sign| {
+        bench.with_modes(|mode| mode.frequency_hz *= 1.0 + sign * options.common_shift)
+    });
+    let shift = format!(
+        "all frequencies {} % lower or higher",
+        100.0 * options.common_shift
+    );
+    add(&shift, shifted.into_iter().collect::<Result<_>>()?);
+    let actuators = played.references.len();
+    let one = |odd: usize, gain: f64| -> Vec<Complex64> {
+        (0..actuators)
+            .map(|i| {
+                if i == odd {
+                    gain.into()
+                } else {
+                    Complex64::ONE
+                }
+            })
+            .collect()
+    };
+    for (trial, gain) in [("one dead actuator", 0.0), ("one reversed actuator", -1.0)] {
+        add(
+            trial,
+            (0..actuators)
+                .map(|i| bench.with_gains(&one(i, gain)))
+                .collect(),
+        );
+    }
+    let wrong = (0..options.draws).map(|_| {
+        let gains: Vec<Complex64> = (0..actuators).map(|_| draw.gain(options)).collect();
+        bench.with_gains(&gains)
+    });
+    add("amplitudes and phases of the drives", wrong.collect());
+
+    let mut findings = Vec::new();
+    let fingers = bench.finger_rows();
+    if model.scaling == Scaling::UnitModalMass {
+        let stays = |&row: &usize| {
+            bench.touched(Touch {
+                row,
+                finger: options.finger,
+                steps: vec![(f64::NEG_INFINITY, 1.0)],
+            })
+        };
+        add(
+            "a finger in the hot zone",
+            fingers.iter().map(stays).collect(),
+        );
+        let comes = (0..options.draws * fingers.len().min(1)).map(|k| {
+            let row = fingers[k % fingers.len()];
+            bench.touched(coming_and_going(
+                options.finger,
+                row,
+                played.length_s,
+                &mut draw,
+            ))
+        });
+        add("a finger that comes and goes", comes.collect());
+    } else {
+        findings.push(
+            Finding::caution(
+                "time-no-finger",
+                "fingers cannot be tried in time: that needs mass-scaled modes",
+            )
+            .help("measure at least one driving point"),
+        );
+    }
+    findings.extend(fragile(&rows));
+    Ok((rows, findings))
+}
+
+/// The trials that a drive does not bear although it is met without them.
+fn fragile(rows: &[TimeStressRow]) -> Option<Finding> {
+    let (none, tried) = rows.split_first()?;
+    let fails: Vec<&TimeStressRow> = tried.iter().filter(|row| !row.holds()).collect();
+    if fails.is_empty() || !none.holds() {
+        return None;
+    }
+    let list: Vec<String> = fails
+        .iter()
+        .map(|row| format!("{} ({})", row.trial, row.missed()))
+        .collect();
+    Some(
+        Finding::caution(
+            "time-fragile",
+            format!(
+                "the drive keeps its limits in the model and not under: {}",
+                list.join("; ")
+            ),
+        )
+        .list("worst_cold_db", fails.iter().map(|row| row.worst_cold_db))
+        .list("worst_hot_db", fails.iter().map(|row| row.worst_hot_db))
+        .help("longer ramps and a drive with more margin bear more"),
+    )
+}
+
+/// A finger that jumps between absence and random impedances up to a firm one.
+fn coming_and_going(finger: Finger, row: usize, length_s: f64, draw: &mut Draw) -> Touch {
+    let mut steps = Vec::new();
+    let (mut time_s, mut there) = (0.0, false);
+    while time_s < length_s {
+        time_s += -STAYS_S * (1.0 - draw.uniform()).ln();
+        there = !there;
+        let share = if there { FIRMEST * draw.uniform() } else { 0.0 };
+        steps.push((time_s, share));
+    }
+    Touch { row, finger, steps }
+}
+
+/// What all trials share.
+struct Bench<'a> {
+    scene: &'a Scene,
+    model: &'a ModalModel,
+    played: &'a Played,
+    chains: Vec<Chain>,
+    maps: Vec<ZoneMap>,
+    scanned: Rectangle,
+    listener: Listener,
+    summation_s: f64,
+}
+
+impl<'a> Bench<'a> {
+    fn new(played: &'a Played, scene: &'a Scene, model: &'a ModalModel) -> Result<Self> {
+        let table = scene.time.clone().unwrap_or_default();
+        let plan = Plan::new(&table, &scene.zones)?;
+        let ramps = &played.indices.events;
+        let chains = plan.chains(|_, event| {
+            let known = ramps.iter().find(|known| known.event == event.name);
+            known.map_or(0.0, |known| known.ramp_s)
+        })?;
+        let listener = listener(model, scene)?;
+        let scanned = Rectangle::around(&listener.positions_m)
+            .ok_or_else(|| Error::new(ErrorKind::Internal, "an operator without responses"))?;
+        let maps = plan
+            .places
+            .iter()
+            .map(|place| zones_of(place, &scene.zones).over(scanned))
+            .collect();
+        Ok(Self {
+            scene,
+            model,
+            played,
+            chains,
+            maps,
+            scanned,
+            listener,
+            summation_s: table.summation_s,
+        })
+    }
+
+    fn judged(&self, tones: &[Tracks], listener: &Listener) -> TimeMeasure {
+        let judging = Judging {
+            zones: &self.scene.zones,
+            maps: &self.maps,
+            scanned: self.scanned,
+            summation_s: self.summation_s,
+        };
+        listener
+            .hear(tones, &self.chains, &judging, &[Measure::Peak])
+            .measures[0]
+    }
+
+    fn as_it_is(&self, tones: &[Tracks]) -> TimeMeasure {
+        self.judged(tones, &self.listener)
+    }
+
+    fn with_modes(&self, mut change: impl FnMut(&mut Mode)) -> Result<TimeMeasure> {
+        let mut changed = self.model.clone();
+        changed.modes.iter_mut().for_each(&mut change);
+        Ok(self.judged(&self.played.tones, &listener(&changed, self.scene)?))
+    }
+
+    fn with_gains(&self, gains: &[Complex64]) -> TimeMeasure {
+        let tones: Vec<Tracks> = self
+            .played
+            .tones
+            .iter()
+            .map(|tone| tone.clone().with_gains(gains))
+            .collect();
+        self.as_it_is(&tones)
+    }
+
+    fn touched(&self, touch: Touch) -> TimeMeasure {
+        let listener = Listener {
+            touch: Some(touch),
+            ..self.listener.clone()
+        };
+        self.judged(&self.played.tones, &listener)
+    }
+
+    /// Rows where fingers are tried: hot ground of the first place.
+    fn finger_rows(&self) -> Vec<usize> {
+        let positions = &self.listener.positions_m;
+        let map = &self.maps[self.chains.first().map_or(0, |chain| chain.stops[0])];
+        let ground: Vec<Ground> = positions.iter().map(|&place| map.classify(place)).collect();
+        finger_rows_of(&ground, positions)
+    }
+}
+
+/// The responses of a model, for every tone of the scene.
+fn listener(model: &ModalModel, scene: &Scene) -> Result<Listener> {
+    let mut models = Vec::new();
+    let mut limits = Vec::new();
+    let mut positions_m = Vec::new();
+    for tone in scene.tones() {
+        let operator =
+            Operator::of_model(model, tone.frequency_hz, tone.actuators.only.as_deref())?;
+        models.push(CausalModel::new(model, &operator));
+        limits.push(ToneLimits::of(&tone)?);
+        positions_m = operator.positions_m;
+    }
+    Ok(Listener {
+        positions_m,
+        models,
+        limits,
+        touch: None,
+    })
+}

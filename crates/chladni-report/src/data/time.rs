@@ -1,0 +1,79 @@
+//! A scene in time: traces, forces, and pictures of the ground in a byte a place.
+
+use super::array::{f32s, u8s};
+use crate::input::ShownTime;
+use chladni_frf::ReferenceUnit;
+use chladni_render::{AreaFrames, TimeFrames, TimeTraces};
+use serde_json::{json, Value};
+
+/// Levels of the first and the last colour, dB re threshold.
+const RANGE_DB: f64 = 12.0;
+/// Codes of levels, and that of ground without one.
+const LAST: f64 = 254.0;
+const NONE: u8 = 255;
+
+/// Everything about it.
+pub(crate) fn value(shown: &ShownTime) -> Value {
+    let played = shown.played;
+    let traces = &played.traces;
+    let frames = played.frames.as_ref();
+    json!({
+        "sentence": played.indices.sentence(),
+        "step_s": traces.step_s,
+        "hot_db": levels(&traces.hot_db),
+        "cold_db": levels(&traces.cold_db),
+        "plain": shown.plain.map(plain),
+        "unit": match played.unit { ReferenceUnit::Newton => "N", ReferenceUnit::Volt => "V" },
+        "forces": frames.map(forces),
+        "ground": frames.and_then(|frames| Some(ground(frames, frames.area.as_ref()?))),
+    })
+}
+
+fn levels(trace: &[Option<f64>]) -> Value {
+    f32s(trace.iter().map(|level| level.unwrap_or(f64::NAN)))
+}
+
+fn plain(traces: &TimeTraces) -> Value {
+    json!({"hot_db": levels(&traces.hot_db), "cold_db": levels(&traces.cold_db)})
+}
+
+fn forces(frames: &TimeFrames) -> Value {
+    json!({"shape": frames.drive.shape(), "step_s": frames.step_s, "values": f32s(frames.drive.iter().copied())})
+}
+
+fn ground(frames: &TimeFrames, area: &AreaFrames) -> Value {
+    let columns = area.x_m.len();
+    let size = columns * area.y_m.len();
+    let mut codes = vec![NONE; size * area.values.nrows()];
+    for (picture, values) in codes.chunks_mut(size.max(1)).zip(area.values.rows()) {
+        for (&[row, column], &value) in area.places.iter().zip(values) {
+            picture[row * columns + column] = code(value);
+        }
+    }
+    json!({
+        "x": area.x_m,
+        "y": area.y_m,
+        "count": area.values.nrows(),
+        "step_s": frames.step_s,
+        "hot": frames.hot,
+        "area_m": frames.area_m,
+        "codes": u8s(codes),
+    })
+}
+
+/// The level of an amplitude over the threshold, as a colour of the page.
+pub(crate) fn code(value: f64) -> u8 {
+    let place = 0.5 + 0.5 * 20.0 * value.log10() / RANGE_DB;
+    (LAST * place.clamp(0.0, 1.0)).round() as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_threshold_lies_in_the_middle_of_the_colours() {
+        assert_eq!([code(0.0), code(1.0), code(100.0)], [0, 127, 254]);
+        assert_eq!(code(10f64.powf(0.3)), 191, "6 dB");
+    }
+}

@@ -1,0 +1,200 @@
+//! Hot and cold ground over time, and the drive that moves it.
+
+use crate::chart::{Axis, Chart, ColourBar, Figure, Height, Layer, Place};
+use crate::drawing::{Colour, ColourMap, Dash, Image, Stroke};
+use crate::sizes::{FIELD_RANGE_DB, WIDE_PX};
+use chladni_frf::ReferenceUnit;
+use chladni_render::{Ground, TimeFrames, TimeTraces};
+use ndarray::ArrayView1;
+
+/// Levels below the limits that are shown, dB.
+const SHOWN_BELOW_DB: f64 = -25.0;
+/// Levels above them.
+const SHOWN_ABOVE_DB: f64 = 10.0;
+
+/// The weakest hot and the loudest cold response over their limits, the drives, and with
+/// `frames` every response over time; `plain` are those of plain ramps, behind.
+pub fn time(
+    name: &str,
+    title: &str,
+    traces: &TimeTraces,
+    plain: Option<&TimeTraces>,
+    frames: Option<&TimeFrames>,
+    unit: ReferenceUnit,
+) -> Figure {
+    let range = [SHOWN_BELOW_DB, SHOWN_ABOVE_DB];
+    let mut levels = Chart::new(
+        Axis::linear("Time", "ms"),
+        Axis::linear("Over its own limit", "dB").range(range),
+    )
+    .height(Height::Px(280.0));
+    if let Some(plain) = plain {
+        levels = with_lines(
+            levels,
+            &curves(plain, &plain.hot_db),
+            "hot, plain ramps",
+            0,
+            1.0,
+            Dash::Dotted,
+        );
+        levels = with_lines(
+            levels,
+            &curves(plain, &plain.cold_db),
+            "cold, plain ramps",
+            1,
+            1.0,
+            Dash::Dotted,
+        );
+    }
+    levels = with_lines(
+        levels,
+        &curves(traces, &traces.hot_db),
+        "weakest hot response",
+        0,
+        1.8,
+        Dash::Solid,
+    );
+    levels = with_lines(
+        levels,
+        &curves(traces, &traces.cold_db),
+        "loudest cold response",
+        1,
+        1.8,
+        Dash::Solid,
+    );
+    levels = levels.with(Layer::Horizontals {
+        name: Some("limit".into()),
+        at: vec![0.0],
+        stroke: Stroke::new(Colour::Muted, 1.2),
+    });
+    let mut charts = vec![levels, forces(traces, frames, unit)];
+    charts.extend(frames.map(places));
+    Figure {
+        name: name.into(),
+        title: title.into(),
+        caption: "Hot ground is to stay above its limit, cold ground below, at every instant."
+            .into(),
+        width: WIDE_PX,
+        charts,
+    }
+}
+
+/// The amplitude of every actuator, or the largest one where pictures are lacking.
+fn forces(traces: &TimeTraces, frames: Option<&TimeFrames>, unit: ReferenceUnit) -> Chart {
+    let at = |step_s: f64, k: usize, value: f64| [1e3 * step_s * k as f64, 1e3 * value];
+    let (label, lines, width): (&str, Vec<Vec<Place>>, f64) = match frames {
+        Some(frames) => {
+            let of = |column: ArrayView1<f64>| {
+                let values = column.iter().enumerate();
+                values
+                    .map(|(k, &value)| at(frames.step_s, k, value))
+                    .collect()
+            };
+            let lines = frames.drive.columns().into_iter().map(of).collect();
+            ("Drive of each actuator", lines, 0.7)
+        }
+        None => {
+            let values = traces.drive.iter().enumerate();
+            let line = values
+                .map(|(k, &value)| at(traces.step_s, k, value))
+                .collect();
+            ("Largest drive", vec![line], 1.6)
+        }
+    };
+    Chart::new(
+        Axis::linear("Time", "ms"),
+        Axis::linear(label, &format!("m{unit}")),
+    )
+    .height(Height::Px(140.0))
+    .with(Layer::Lines {
+        name: None,
+        lines,
+        stroke: Stroke::new(Colour::Series(2), width),
+    })
+}
+
+/// Every response over time: hot ones above, cold ones below.
+fn places(frames: &TimeFrames) -> Chart {
+    let mut order: Vec<usize> = (0..frames.names.len()).collect();
+    order.sort_by_key(|&k| match frames.ground[k] {
+        Ground::Hot => 0,
+        Ground::Ignored => 1,
+        Ground::Cold => 2,
+    });
+    let (columns, rows) = (frames.responses.nrows(), order.len());
+    let mut rgba = Vec::with_capacity(4 * columns * rows);
+    for &response in &order {
+        for &value in frames.responses.column(response) {
+            let level = 20.0 * value.log10();
+            let [r, g, b] = ColourMap::Sequential.at(0.5 + 0.5 * level / FIELD_RANGE_DB);
+            rgba.extend([r, g, b, 255]);
+        }
+    }
+    let end_ms = 1e3 * frames.step_s * columns as f64;
+    let hot = frames
+        .ground
+        .iter()
+        .filter(|&&ground| ground == Ground::Hot)
+        .count();
+    let border = (rows - hot) as f64;
+    let mut chart = Chart::new(
+        Axis::linear("Time", "ms"),
+        Axis::linear("Responses, hot ones above", "number"),
+    )
+    .height(Height::Px(240.0))
+    .with(Layer::Pixels {
+        x: [0.0, end_ms],
+        y: [0.0, rows as f64],
+        image: Image {
+            columns,
+            rows,
+            rgba,
+        },
+    })
+    .with(Layer::Horizontals {
+        name: None,
+        at: vec![border],
+        stroke: Stroke::new(Colour::Rgb([255, 255, 255]), 1.4),
+    });
+    chart.colour_bar = Some(ColourBar {
+        axis: Axis::linear("Velocity", "dB re threshold").range([-FIELD_RANGE_DB, FIELD_RANGE_DB]),
+        map: ColourMap::Sequential,
+        bands: 0,
+        lines: Vec::new(),
+    });
+    chart
+}
+
+/// Pieces of a trace without gaps; what lies far below is drawn at the lower end.
+fn curves(traces: &TimeTraces, levels: &[Option<f64>]) -> Vec<Vec<Place>> {
+    let mut pieces: Vec<Vec<Place>> = vec![Vec::new()];
+    for (k, level) in levels.iter().enumerate() {
+        match level {
+            Some(level) => {
+                let at = [1e3 * traces.step_s * k as f64, level.max(SHOWN_BELOW_DB)];
+                if let Some(piece) = pieces.last_mut() {
+                    piece.push(at);
+                }
+            }
+            None if pieces.last().is_some_and(|piece| !piece.is_empty()) => pieces.push(Vec::new()),
+            None => {}
+        }
+    }
+    pieces.retain(|piece| piece.len() > 1);
+    pieces
+}
+
+fn with_lines(
+    chart: Chart,
+    lines: &[Vec<Place>],
+    name: &str,
+    series: u8,
+    width: f64,
+    dash: Dash,
+) -> Chart {
+    chart.with(Layer::Lines {
+        name: Some(name.into()),
+        lines: lines.to_vec(),
+        stroke: Stroke::new(Colour::Series(series), width).dashed(dash),
+    })
+}

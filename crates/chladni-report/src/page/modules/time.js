@@ -1,0 +1,118 @@
+// A scene in time: hot and cold ground over their limits, forces, and the ground at any instant.
+
+import { h, slider } from "./dom.js";
+import { array } from "./data.js";
+import { colourAt } from "./colour.js";
+import { fixed } from "./numbers.js";
+import { chart } from "./chart.js";
+import { panelMap, colourBar } from "./panel_map.js";
+
+/** Ends of the colours, dB re threshold, and the code of ground without a level. */
+const RANGE_DB = 12;
+const NONE = 255;
+/** Ends of the levels that are drawn, dB over the limit. */
+const [LOW_DB, HIGH_DB] = [-25, 10];
+/** Seconds of the scene in a second of the page. */
+const PACE = 0.1;
+
+/** What is known of a scene in time; null where it is a steady tone. */
+export function timeView(time, geometry, id) {
+  if (!time) return null;
+  const parts = [h("h3", {}, "In time"), h("p", {}, `${time.sentence}.`)];
+  const marker = levels(time);
+  parts.push(marker.element);
+  if (time.forces) parts.push(forces(time));
+  if (time.ground) parts.push(ground(time, geometry, id, marker.at));
+  return h("div", { class: "time" }, parts);
+}
+
+/** Levels over the limits; `at(seconds)` draws a line there. */
+function levels(time) {
+  const x = axis(time.step_s, array(time.hot_db).length);
+  const end = x[x.length - 1];
+  const shown = (coded) => Array.from(array(coded), (value) => (Number.isNaN(value) ? NaN : Math.max(LOW_DB, value)));
+  const series = [
+    { name: "weakest hot response", x, y: shown(time.hot_db), style: "hot-line" },
+    { name: "loudest cold response", x, y: shown(time.cold_db), style: "cold-line" },
+  ];
+  if (time.plain) {
+    series.push({ name: "hot, plain ramps", x, y: shown(time.plain.hot_db), style: "hot-line behind" }, { name: "cold, plain ramps", x, y: shown(time.plain.cold_db), style: "cold-line behind" });
+  }
+  const spec = {
+    title: "Hot and cold ground over time", height: 260, series, horizontals: [{ at: 0, style: "band-line" }],
+    caption: "Hot ground is to stay above its limit (0 dB), cold ground below, at every instant.",
+    x: { label: "Time", unit: "ms", range: [0, end] }, y: { label: "Over its own limit", unit: "dB", range: [LOW_DB, HIGH_DB] },
+  };
+  const view = chart(spec);
+  return { element: view.element, at: (seconds) => view.update({ ...spec, verticals: [{ name: "shown below", at: [1e3 * seconds], style: "pole-line" }] }) };
+}
+
+function forces(time) {
+  const [rows, columns] = time.forces.shape;
+  const values = array(time.forces.values);
+  const x = axis(time.forces.step_s, rows);
+  const series = Array.from({ length: columns }, (_, j) => ({ x, y: x.map((_, k) => 1e3 * values[k * columns + j]), style: "force-line" }));
+  const most = Math.max(1e-9, ...values.map((value) => 1e3 * value));
+  return chart({
+    title: "Amplitudes of the drives over time", caption: "One line per actuator.", height: 180, series,
+    x: { label: "Time", unit: "ms", range: [0, x[rows - 1]] }, y: { label: "Amplitude", unit: `m${time.unit}`, range: [0, 1.05 * most] },
+  }).element;
+}
+
+/** The ground at the instant of a slider. */
+function ground(time, geometry, id, mark) {
+  const { x, y, count, step_s: step, hot, area_m: area } = time.ground;
+  const codes = array(time.ground.codes);
+  const box = geometry?.box ?? [x[0], y[0], x[x.length - 1], y[y.length - 1]];
+  const map = panelMap(box, geometry?.axes ?? ["x", "y"], "Field over time");
+  map.svg.id = id;
+  const title = h("p", { class: "figure-title" });
+  const size = x.length * y.length;
+  const corners = ([x0, y0, x1, y1]) => [[x0, y0], [x1, y0], [x1, y1], [x0, y1]];
+  const outlines = [{ points: corners(area), style: "area" }, ...hot.map((points) => ({ points, style: "hot-zone" }))];
+  let playing = false;
+  let [last, place] = [0, 0];
+
+  function show(frame) {
+    place = frame;
+    title.textContent = `The ground at ${fixed(1e3 * step * frame, 0)} ms`;
+    const colour = (k) => {
+      const code = codes[frame * size + k];
+      return code === NONE ? null : colourAt("sequential", code / (NONE - 1));
+    };
+    map.draw({ surface: { x, y }, colour, outlines });
+    mark(step * frame);
+  }
+
+  const control = slider("Time", { min: 0, max: count - 1, step: 1, value: 0, words: (frame) => `${fixed(1e3 * step * frame, 0)} ms` }, (frame) => show(frame));
+  const button = h("button", { type: "button", onclick: () => play(!playing) }, "Play");
+
+  function play(on) {
+    playing = on;
+    button.textContent = on ? "Pause" : "Play";
+    last = performance.now();
+    if (on) requestAnimationFrame(run);
+  }
+
+  function run(now) {
+    if (!playing || !button.isConnected) return;
+    const passed = Math.floor((PACE * (now - last)) / 1000 / step);
+    if (passed > 0) {
+      last = now;
+      const next = (place + passed) % count;
+      control.set(next);
+      show(next);
+    }
+    requestAnimationFrame(run);
+  }
+
+  show(0);
+  const colour = (value) => colourAt("sequential", 0.5 + (0.5 * value) / RANGE_DB);
+  const bar = colourBar(colour, [-RANGE_DB, RANGE_DB], "velocity, dB re threshold");
+  const caption = `Level of the amplitude re the threshold. "Play" runs ${fixed(1 / PACE, 0)} times slower than the scene.`;
+  return h("figure", {}, title, map.element, bar, h("div", { class: "controls" }, control.element, button), h("figcaption", {}, caption));
+}
+
+function axis(step, count) {
+  return Array.from({ length: count }, (_, k) => 1e3 * step * k);
+}
