@@ -17,14 +17,14 @@ const SIGMAS_95: f64 = 1.96;
 const SIGMAS_PAIR: f64 = 4.0;
 /// An error beyond so many of its own standard deviations is a wrong result.
 const BEYOND: f64 = 6.0;
-/// Beginnings of the warnings that speak of the damping law, or of the scale of shapes:
-/// they announce no wrong count.
-const LAW_UNDECIDABLE: &str = "damping law undecidable";
+/// Findings that speak of the damping law, or of the scale of shapes: they announce no wrong
+/// count.
+const LAW_UNDECIDABLE: &str = "law-undecidable";
 const ASIDE: [&str; 4] = [
-    "the damping law rests on the phases",
     LAW_UNDECIDABLE,
-    "the driving point lies near",
-    "shapes are not mass-scaled",
+    "law-if-phases-true",
+    "scale-unknown",
+    "unscaled",
 ];
 
 /// What came of one seed.
@@ -44,6 +44,9 @@ pub struct Outcome {
     pub beyond: usize,
     /// The result says that something may be wrong: exit 1, a weak mode, a warning.
     pub announced: bool,
+    /// Codes of the findings, in order.
+    #[serde(default)]
+    pub findings: Vec<String>,
     /// The law of the result; `None` where there is none.
     pub viscous: Option<bool>,
     /// The result says that the laws cannot be told apart.
@@ -130,6 +133,12 @@ impl Outcome {
                 .count(),
             beyond: inside.iter().filter(beyond).count(),
             announced: announced(model),
+            findings: model
+                .quality
+                .findings
+                .iter()
+                .map(|f| f.code.to_string())
+                .collect(),
             viscous: Some(model.damping == Damping::Viscous),
             undecidable: warns_of(model, LAW_UNDECIDABLE),
             chi2_per_dof: model.quality.chi2_per_dof,
@@ -208,22 +217,18 @@ fn broken(model: &ModalModel) -> Option<String> {
 }
 
 fn announced(model: &ModalModel) -> bool {
-    let tells = |finding: &Finding| {
-        !ASIDE
-            .iter()
-            .any(|beginning| finding.text.starts_with(beginning))
-    };
+    let tells = |finding: &Finding| !ASIDE.contains(&finding.code.as_ref());
     !model.quality.trusted
         || model.in_band_modes().any(|mode| mode.trust == Trust::Weak)
         || model.quality.findings.iter().any(tells)
 }
 
-fn warns_of(model: &ModalModel, beginning: &str) -> bool {
+fn warns_of(model: &ModalModel, code: &str) -> bool {
     model
         .quality
         .findings
         .iter()
-        .any(|finding| finding.text.starts_with(beginning))
+        .any(|finding| finding.code == code)
 }
 
 /// Pairs (true mode, found mode), nearest first: within half the half-power bandwidth,

@@ -116,7 +116,7 @@ pub fn wild_draws_csv(rows: &[WildRow]) -> String {
         .into_iter()
         .chain(PROPERTIES.map(|(name, _)| name))
         .chain(COUNTS.map(|(name, _)| name))
-        .chain(["failure"])
+        .chain(["findings", "failure"])
         .collect();
     let cells = rows.iter().map(|row| {
         let drawn = PROPERTIES
@@ -129,7 +129,10 @@ pub fn wild_draws_csv(rows: &[WildRow]) -> String {
             .into_iter()
             .chain(drawn)
             .chain(counted)
-            .chain([row.outcome.failure().unwrap_or_default().to_owned()])
+            .chain([
+                row.outcome.findings.join(" "),
+                row.outcome.failure().unwrap_or_default().to_owned(),
+            ])
             .collect()
     });
     csv::table("what each seed of wild.csv draws", &header, cells)

@@ -151,11 +151,9 @@ pub(crate) fn on_columns(
         .map(|section| Search::run(&record, section, asked))
         .collect::<Result<Vec<_>, LinalgError>>()?;
     if let Some(modes) = asked {
-        warnings.extend(more_than_asked(
-            modes,
-            &keep_strongest(&mut searches, modes)?,
-            hz,
-        ));
+        let trust = standing(&searches, &record)?;
+        let dropped = keep_strongest(&mut searches, modes, &trust)?;
+        warnings.extend(more_than_asked(modes, &dropped, hz));
     }
     progress("error bars and grades");
     let finished = searches
@@ -213,24 +211,41 @@ fn join(work: &Columns, finished: &[Finished]) -> (Vec<Evidence>, Vec<f64>) {
     (all, normalised(&variance))
 }
 
-/// Drops the in-band poles with the least local gain until `modes` are left in all
-/// sections together; returns the dropped ones.
-fn keep_strongest(searches: &mut [Search], modes: usize) -> Result<Vec<Complex64>, LinalgError> {
+/// What the poles would be graded as the searches stand.
+fn standing(searches: &[Search], record: &Record) -> Result<Vec<(Complex64, Trust)>, LinalgError> {
+    let finished = searches
+        .par_iter()
+        .map(|search| search.clone().finish())
+        .collect::<Result<Vec<_>, LinalgError>>()?;
+    let (evidence, _) = join(record.work, &finished);
+    let grades = grade_all(&evidence, record);
+    let of_pole = |(e, graded): (&Evidence, Graded)| (e.lambda, graded.0 .0);
+    Ok(evidence.iter().zip(grades).map(of_pole).collect())
+}
+
+/// Drops in-band poles until `modes` are left in all sections together, those that would
+/// not be sure before those that would, the least local gain first; returns the dropped
+/// ones. Poles that are no modes are not counted.
+fn keep_strongest(
+    searches: &mut [Search],
+    modes: usize,
+    trust: &[(Complex64, Trust)],
+) -> Result<Vec<Complex64>, LinalgError> {
     let mut dropped = Vec::new();
     let mut weakest = searches
         .iter()
-        .map(Search::weakest)
+        .map(|search| search.weakest(trust))
         .collect::<Result<Vec<_>, LinalgError>>()?;
-    while weakest.iter().map(|w| w.0).sum::<usize>() > modes {
+    while weakest.iter().map(|w| w.count).sum::<usize>() > modes {
         let least = weakest
             .iter()
             .enumerate()
-            .filter_map(|(s, (_, w))| w.map(|(q, gain)| (s, q, gain)))
-            .min_by(|a, b| a.2.total_cmp(&b.2));
-        let Some((s, q, _)) = least else { break };
-        dropped.push(searches[s].candidates.refined.lambda[q]);
-        searches[s].drop(q)?;
-        weakest[s] = searches[s].weakest()?;
+            .filter_map(|(s, w)| Some((s, w.least?)))
+            .min_by(|(_, a), (_, b)| a.after(b));
+        let Some((s, least)) = least else { break };
+        dropped.push(searches[s].candidates.refined.lambda[least.pole]);
+        searches[s].drop(least.pole)?;
+        weakest[s] = searches[s].weakest(trust)?;
     }
     Ok(dropped)
 }

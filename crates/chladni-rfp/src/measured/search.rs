@@ -15,7 +15,7 @@ use crate::measured::twins::{merge, own_poles};
 use crate::poles::refine::{refine, Refined};
 use crate::poles::sections::Section;
 use crate::tolerances as tol;
-use chladni_frf::Finding;
+use chladni_frf::{Finding, Trust};
 use chladni_linalg::LinalgError;
 use ndarray::{s, Array1, Array2};
 use num_complex::Complex64;
@@ -30,6 +30,7 @@ const RESEED: (usize, usize) = (20, 2);
 const RESEED_OVER_NOISE_DB: f64 = 10.0;
 
 /// A section with the poles found in it.
+#[derive(Clone)]
 pub(crate) struct Search<'a> {
     record: &'a Record<'a>,
     /// Where it searched.
@@ -213,22 +214,35 @@ impl<'a> Search<'a> {
             && pole.re < self.section.core.end + 0.5 * pole.im
     }
 
-    /// Owned poles that may be dropped where the user asks for fewer modes: (pole, local
-    /// gain), the weakest one.
-    pub fn weakest(&self) -> Result<(usize, Option<(usize, f64)>), LinalgError> {
+    /// Owned modes that may be dropped where the user asks for fewer, and the one of least
+    /// evidence; `trust`: what poles would be graded.
+    pub fn weakest(&self, trust: &[(Complex64, Trust)]) -> Result<Weakest, LinalgError> {
         let gains = one_column_gains(&self.weighted, &self.candidates.refined, 0)?;
-        let open: Vec<usize> = (0..gains.len())
-            .filter(|&q| {
-                let pole = self.candidates.refined.lambda[q];
-                self.candidates.may_go(q) && self.weighted.in_band(pole) && self.owns(pole)
+        let graded = |pole: Complex64| {
+            let near = trust
+                .iter()
+                .filter(|(known, _)| (known - pole).norm() < pole.im);
+            near.min_by(|(a, _), (b, _)| (a - pole).norm().total_cmp(&(b - pole).norm()))
+                .map_or(Trust::Weak, |(_, trust)| *trust)
+        };
+        let open: Vec<Dispensable> = (0..gains.len())
+            .filter_map(|q| {
+                let lambda = self.candidates.refined.lambda[q];
+                let counts = self.candidates.may_go(q)
+                    && self.weighted.in_band(lambda)
+                    && self.owns(lambda)
+                    && graded(lambda) != Trust::Rejected;
+                counts.then(|| Dispensable {
+                    pole: q,
+                    sure: graded(lambda) == Trust::Sure,
+                    gain: gains[q],
+                })
             })
             .collect();
-        Ok((
-            open.len(),
-            open.into_iter()
-                .map(|q| (q, gains[q]))
-                .min_by(|a, b| a.1.total_cmp(&b.1)),
-        ))
+        Ok(Weakest {
+            count: open.len(),
+            least: open.into_iter().min_by(Dispensable::after),
+        })
     }
 
     /// Drops one pole.
@@ -295,6 +309,31 @@ impl<'a> Search<'a> {
             lines: self.section.lines.clone(),
             notes,
         })
+    }
+}
+
+/// Modes that a section may drop.
+pub(crate) struct Weakest {
+    /// How many.
+    pub count: usize,
+    /// The one of least evidence.
+    pub least: Option<Dispensable>,
+}
+
+/// One of them.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Dispensable {
+    /// Its place.
+    pub pole: usize,
+    sure: bool,
+    gain: f64,
+}
+
+impl Dispensable {
+    /// Order in which they go.
+    pub fn after(&self, other: &Self) -> std::cmp::Ordering {
+        let own = self.sure.cmp(&other.sure);
+        own.then(self.gain.total_cmp(&other.gain))
     }
 }
 

@@ -5,6 +5,7 @@ use crate::damping::verdict::{self, Verdict};
 use crate::data::layout::DataLayout;
 use crate::data::options::{FitOptions, ShapeModel};
 use crate::model::identified::Identified;
+use crate::model::outside::settle_outside;
 use crate::poles::estimate::PoleEstimate;
 use crate::shapes::search::{structured, Search};
 use crate::tolerances as tol;
@@ -34,6 +35,7 @@ pub(crate) fn decide(
         Search::Refused(sigmas) => (None, Some(sigmas)),
         Search::Inapplicable => (None, None),
     };
+    let free_sse = found.refined.projection.sse;
     let mut identified = Identified::new(found);
     let mut warnings = Vec::new();
     let shift = identified.shift_by_other_law();
@@ -67,6 +69,7 @@ pub(crate) fn decide(
     if let Some(structured) = refined {
         identified = identified.structured(structured);
     }
+    settle_outside(data, &mut identified, free_sse)?;
     Ok((identified, warnings))
 }
 
@@ -81,6 +84,7 @@ fn told(data: &DataLayout, found: &PoleEstimate) -> Result<Verdict, LinalgError>
         &found.refined,
         found.variance,
         data.pairs.len(),
+        !found.measured,
     )
 }
 

@@ -72,8 +72,7 @@ impl<'a> Problem<'a> {
                         values[n] -= shape[[term, i]] * participation[[term, j]];
                     }
                 }
-                let weighted = matmul(self.residues.weight.view(), difference.view());
-                energy(difference.view(), weighted.view())
+                self.residues.rise(difference.view())
             })
             .collect();
         parts.iter().sum()
