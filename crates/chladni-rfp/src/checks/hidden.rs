@@ -126,9 +126,10 @@ fn unshared(case: &Case, modes: usize) -> f64 {
 /// Root of the mode's energy at its resonance over all FRFs, in work units.
 fn height(case: &Case, mode: &Mode) -> f64 {
     let data = case.data;
-    let residue = data.pairs.iter().map(|&(i, j)| {
-        (strength(mode, (i, j)) * data.weight(i, j).iter().product::<f64>()).powi(2)
-    });
+    let residue = data
+        .pairs
+        .iter()
+        .map(|&(i, j)| (strength(mode, (i, j)) * data.weight_of((i, j))).powi(2));
     let omega = TAU * mode.frequency_hz;
     let kind = data.kind.from_receptance(omega).norm();
     residue.sum::<f64>().sqrt() * kind * data.factor().norm() / (mode.loss_factor * omega * omega)
