@@ -250,7 +250,7 @@ impl<'a> Merged<'a> {
     /// A pass that others must make.
     fn asked(&self, pass: Pass, way: Option<Way>) -> Poles {
         let sketch = match pass {
-            Pass::Anew => Array2::zeros((0, 0)),
+            Pass::Anew => Array2::zeros((self.lines.len(), 0)),
             Pass::Products | Pass::Pilot => self.sketch.clone(),
         };
         let weighting = self.head.weighting.as_ref();
