@@ -113,7 +113,17 @@ pub(crate) fn walk<S: Source>(
             Attempt::Fitted(fit, white, left) => break (*fit, white, left),
         }
     };
-    match (&fitted.weighting, unequal(&fitted, &fit, white, &left)) {
+    // what is left in measured units, seen with the weights
+    let seen: Vec<f64> = fitted
+        .pairs
+        .iter()
+        .zip(&left)
+        .map(|(&pair, left)| left * fitted.weight_of(pair).powi(2))
+        .collect();
+    let error = fit.model.quality.relative_error;
+    let unequal = PairWeights::new(&fitted, &seen, error)
+        .filter(|_| white && fitted.weights_left != Weights::None);
+    match (&fitted.weighting, unequal) {
         // the measured-data path has an error model of its own
         (Some(weighting), unequal)
             if weighting.giver == Some(Giver::Coherence) && (!white || unequal.is_some()) =>
@@ -138,7 +148,9 @@ pub(crate) fn walk<S: Source>(
         (None, None) => {}
     }
     fit.model.quality.findings.extend(outliers::words(&fitted));
-    examine(&fitted, fitted.values(), options, white, &mut fit.model);
+    let noise = noise_variance(&fitted, &seen, error);
+    let values = fitted.values();
+    examine(&fitted, values, options, white, noise, &mut fit.model);
     if fitted.values().is_none() {
         fit.model.quality.findings.push(not_checked());
     }
@@ -148,17 +160,13 @@ pub(crate) fn walk<S: Source>(
     Ok(fit)
 }
 
-/// The weights that a white residual tells, what is `left` of each FRF in measured units;
-/// `None` where equal ones, or those that were given, are good enough.
-fn unequal(data: &DataLayout, fit: &Fit, white: bool, left: &[f64]) -> Option<PairWeights> {
-    let seen: Vec<f64> = data
-        .pairs
-        .iter()
-        .zip(left)
-        .map(|(&pair, left)| left * data.weight_of(pair).powi(2))
-        .collect();
-    PairWeights::new(data, &seen, fit.model.quality.relative_error)
-        .filter(|_| white && data.weights_left != Weights::None)
+/// Noise variance of one work value, where what is left of FRFs is noise and known; else
+/// as the model's error says.
+fn noise_variance(data: &DataLayout, seen: &[f64], relative_error: f64) -> f64 {
+    match data.weighting.is_some() && !seen.is_empty() {
+        true => seen.iter().sum::<f64>() / (data.lines.len() * data.pairs.len()) as f64,
+        false => (relative_error * data.measured_over_used()).powi(2),
+    }
 }
 
 /// The finding where a coherence was given and not used.

@@ -178,7 +178,8 @@ impl<'a> Merged<'a> {
         let good: Vec<usize> = (0..lines.len())
             .filter(|&k| !bad[k] && line_energy[k] > 0.0)
             .collect();
-        let used = |k: &usize| asked.is_none_or(|poles| poles.lines.contains(&lines[*k]));
+        let used =
+            |k: &usize| asked.is_none_or(|poles| poles.lines.binary_search(&lines[*k]).is_ok());
         let kept: Vec<usize> = good.iter().copied().filter(used).collect();
         if kept.is_empty() {
             return Err(FitError::NoData.into());
