@@ -80,6 +80,12 @@ impl DofWeights {
         }
     }
 
+    /// All weights, and the scale.
+    pub fn numbers(&self) -> impl Iterator<Item = f64> + '_ {
+        let weights = self.responses.iter().chain(&self.references);
+        weights.map(|(_, weight)| *weight).chain([self.rms])
+    }
+
     /// Those of the FRFs of these DOFs.
     pub fn of(&self, responses: &[Dof], references: &[Dof]) -> Weighting {
         let of = |dofs: &[Dof], all: &[(Dof, f64)]| {
