@@ -5,7 +5,7 @@ use chladni_bench::{corner_scene, panel_77x34_1997_lines, Case};
 use chladni_frf::FrfSet;
 use chladni_io::{read_frf, write_contents, Contents, ReadOptions};
 use chladni_render::{render, Method as RenderMethod, RenderOptions};
-use chladni_rfp::{fit, Effort, FitOptions, Method};
+use chladni_rfp::{fit, fit_watched, CancelToken, Effort, FitOptions, Method};
 use criterion::{criterion_group, criterion_main, Criterion, Throughput};
 use std::hint::black_box;
 use std::sync::Mutex;
@@ -35,7 +35,7 @@ fn time_in(frf: &FrfSet, options: &FitOptions, name: &str) -> Duration {
             .expect("nothing panics while it is held")
             .push((stage == name, Instant::now()))
     };
-    let fitted = fit(frf, options, &mark);
+    let fitted = fit_watched(frf, options, &mark, &CancelToken::new());
     mark("the end");
     let _ = black_box(fitted);
     let marks = marks.into_inner().expect("nothing panics while it is held");
@@ -144,10 +144,10 @@ fn identification(c: &mut Criterion) {
             ..FitOptions::default()
         };
         group.bench_function(format!("panel_77x34_1997_lines/{method}"), |b| {
-            b.iter(|| fit(black_box(&panel), &options, &|_| {}))
+            b.iter(|| fit(black_box(&panel), &options))
         });
         group.bench_function(format!("easy/{method}"), |b| {
-            b.iter(|| fit(black_box(&easy), &options, &|_| {}))
+            b.iter(|| fit(black_box(&easy), &options))
         });
     }
     group.finish();

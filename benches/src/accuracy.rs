@@ -195,7 +195,7 @@ fn run(
     };
     let options = setting.map_or(options.clone(), |setting| setting.options(options, modes));
     let start = Instant::now();
-    let fitted = fit(&frf, &options, &|_| {});
+    let fitted = fit(&frf, &options);
     let time_s = start.elapsed().as_secs_f64();
     (
         fitted.map_or_else(

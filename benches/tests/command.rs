@@ -279,7 +279,7 @@ fn wild_has_a_row_for_each_structure_and_exports_one_that_can_be_fitted() {
     let seed = rows[0][0];
     let files = [folder.path().join(format!("out/wild-{seed}.h5"))];
     let (frf, ..) = read_frf(&files, &ReadOptions::default()).unwrap();
-    let fit = chladni_rfp::fit(&frf, &FitOptions::default(), &|_| {}).unwrap();
+    let fit = chladni_rfp::fit(&frf, &FitOptions::default()).unwrap();
     assert!(fit.model.modes.len() < 200);
     let truth = folder.text(&format!("out/wild-{seed}.json"));
     assert!(

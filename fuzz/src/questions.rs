@@ -303,7 +303,7 @@ fn ask_for_fit(body: &str) {
                     method: Method::Lean,
                     ..options
                 };
-                if let Err(error) = chladni_rfp::fit(&FRFS, &options, &|_: &str| {}) {
+                if let Err(error) = chladni_rfp::fit(&FRFS, &options) {
                     is_said(&error.told(&options, str::to_owned));
                 }
             }

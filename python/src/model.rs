@@ -6,7 +6,7 @@ use crate::frf::FrfSet;
 use crate::progress::telling;
 use chladni_frf::{Damping, Error, ModalModel, Mode, Scaling, ShapeSet, Trust};
 use chladni_io::{read_model, write_model};
-use chladni_rfp::{CompareOptions, FitOptions, Method, ShapeModel, Window};
+use chladni_rfp::{CancelToken, CompareOptions, FitOptions, Method, ShapeModel, Window};
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1};
@@ -399,7 +399,7 @@ pub fn fit(
         ..FitOptions::default()
     };
     let fitted = telling(py, progress, |tell| {
-        chladni_rfp::fit(&frf.set, &options, tell)
+        chladni_rfp::fit_watched(&frf.set, &options, tell, &CancelToken::new())
     })?;
     fitted
         .map(|fitted| Model::new(fitted.model))

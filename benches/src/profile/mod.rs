@@ -19,7 +19,7 @@ use crate::large::{large, Size};
 use crate::problem::Problem;
 use crate::statistics::{largest, median};
 use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result, Trust};
-use chladni_rfp::{fit, FitOptions, Method};
+use chladni_rfp::{fit_watched, CancelToken, FitOptions, Method};
 use least_work::least_work;
 use serde::{Deserialize, Serialize};
 use std::sync::Mutex;
@@ -242,12 +242,13 @@ impl Run {
         };
         let before = memory::resident_bytes().filter(|_| memory::forget_peak());
         let marks = Mutex::new(vec![(FIRST_STAGE.to_owned(), Instant::now())]);
-        let fitted = fit(frf, &options, &|stage| {
+        let mark = |stage: &str| {
             marks
                 .lock()
                 .expect("no other thread")
                 .push((stage.to_owned(), Instant::now()))
-        });
+        };
+        let fitted = fit_watched(frf, &options, &mark, &CancelToken::new());
         let end = Instant::now();
         let peak = memory::peak_bytes();
         let model = fitted

@@ -139,7 +139,7 @@ fn least_time(axis: &str, value: usize, method: Method, base: Size, repeats: usi
     let mut least = f64::INFINITY;
     for _ in 0..repeats {
         let start = Instant::now();
-        let fitted = pool.install(|| fit(&frf, &options, &|_| {}));
+        let fitted = pool.install(|| fit(&frf, &options));
         fitted.map_err(|error| {
             Error::new(
                 ErrorKind::Internal,

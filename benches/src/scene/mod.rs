@@ -253,7 +253,7 @@ pub fn scenes(
 
 pub(crate) fn measured_and_fitted(kind: ScenePanel) -> Result<(MeasuredPanel, ModalModel)> {
     let panel = kind.measure()?;
-    let fitted = fit(&panel.frf, &FitOptions::default(), &|_| {});
+    let fitted = fit(&panel.frf, &FitOptions::default());
     let model = fitted
         .map_err(|error| {
             Error::new(

@@ -32,7 +32,7 @@ impl Stage {
     /// None for this panel.
     pub(crate) fn new() -> Result<Self> {
         let panel = ScenePanel::Glass.measure()?;
-        let fitted = fit(&panel.frf, &FitOptions::default(), &|_| {});
+        let fitted = fit(&panel.frf, &FitOptions::default());
         let model = fitted
             .map_err(|error| {
                 Error::new(

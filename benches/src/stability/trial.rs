@@ -130,7 +130,6 @@ impl Trial {
                 modes,
                 ..options.clone()
             },
-            &|_| {},
         );
         let condition = condition(&problem.truth, &problem.clean.frequency_hz);
         match fitted {
@@ -342,9 +341,7 @@ mod tests {
     #[test]
     fn an_error_beyond_its_bar_is_wrong_and_a_refusal_is_announced() {
         let measured = measured(3);
-        let mut model = fit(&measured.frf, &FitOptions::default(), &|_| {})
-            .unwrap()
-            .model;
+        let mut model = fit(&measured.frf, &FitOptions::default()).unwrap().model;
         // a notice that the law cannot be known would announce errors
         model.quality.findings.clear();
         model

@@ -171,9 +171,7 @@ impl Outcome {
 
 /// The model; else why there is none, `Err` where that is a bug.
 fn attempt(frf: &FrfSet) -> std::result::Result<ModalModel, std::result::Result<String, String>> {
-    let fitted = catch_unwind(AssertUnwindSafe(|| {
-        fit(frf, &FitOptions::default(), &|_| {})
-    }));
+    let fitted = catch_unwind(AssertUnwindSafe(|| fit(frf, &FitOptions::default())));
     match fitted {
         Ok(Ok(fitted)) => match broken(&fitted.model) {
             None => Ok(fitted.model),

@@ -300,8 +300,9 @@ fn solved(args: &Solve, console: &Console) -> Result<Outcome> {
                 &poles.to_bytes(),
             )?;
             let doubt = format!(
-                "the second pass shows what the first could not: reduce all blocks once more, with \
-                 --poles {}, then merge and solve",
+                "another pass is needed ({}): reduce all blocks once more, with --poles {}, then merge \
+                 and solve",
+                poles.evidence(),
                 path.display()
             );
             Ok(

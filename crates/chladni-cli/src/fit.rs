@@ -19,7 +19,7 @@ use chladni_console::Console;
 use chladni_console::Outcome;
 use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Source, Trust};
 use chladni_io::{frf_bytes, write_model, FrfParts};
-use chladni_rfp::{FitOptions, Method, Window};
+use chladni_rfp::{CancelToken, FitOptions, Method, Window};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{json, Map, Value};
 use std::path::{Path, PathBuf};
@@ -256,7 +256,8 @@ pub fn fit_model(
     file: &Path,
     console: &Console,
 ) -> Result<ModalModel> {
-    let fit = chladni_rfp::fit(frf, options, &|stage| console.stage(stage))
+    let progress = |stage: &str| console.stage(stage);
+    let fit = chladni_rfp::fit_watched(frf, options, &progress, &CancelToken::new())
         .map_err(|error| explain(&error, options, file))?;
     let mut model = fit.model;
     model.source = sources;

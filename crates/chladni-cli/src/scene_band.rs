@@ -39,7 +39,7 @@ impl SceneBand {
             band_hz: None,
             ..options.clone()
         };
-        let needed = match chladni_rfp::fit(frf, &look, &|_| {}) {
+        let needed = match chladni_rfp::fit(frf, &look) {
             Ok(quick) => {
                 needed_band(&quick.model, &scene, whole_hz).map_err(|error| error.file(file))?
             }

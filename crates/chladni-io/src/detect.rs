@@ -1,6 +1,7 @@
 //! Formats are told apart by content, never by the name of the file.
 
-use super::{csv, mat, numpy, FileFormat};
+use super::{csv, FileFormat};
+use crate::signatures::{is_npz, MAT_SIGNATURE, NPY_SIGNATURE};
 
 use chladni_frf::{Error, ErrorKind, Result, MODEL_FORMAT};
 use chladni_text::door;
@@ -70,10 +71,10 @@ pub fn detect_format(file: &Path) -> Result<FileFormat> {
         .expected("ASCII, Latin-1 or UTF-8")
         .help("save it as ASCII or UTF-8, or export it again"));
     }
-    if head.starts_with(mat::SIGNATURE) {
+    if head.starts_with(MAT_SIGNATURE) {
         return Ok(FileFormat::Matlab);
     }
-    if head.starts_with(numpy::NPY_SIGNATURE) || numpy::is_npz(&head) {
+    if head.starts_with(NPY_SIGNATURE) || is_npz(&head) {
         return Ok(FileFormat::Numpy);
     }
     if head.starts_with(b"RIFF") && head.get(8..12) == Some(b"WAVE") {

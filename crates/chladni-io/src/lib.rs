@@ -41,6 +41,7 @@ mod save;
 mod selection;
 mod shape;
 mod shape_set;
+mod signatures;
 mod temporary;
 mod time_sign;
 pub mod uff;

@@ -185,7 +185,7 @@ fn read_numbered(path: &Path, options: &ReadOptions, next_node: &mut u64) -> Res
         FileFormat::Matlab => mat::read(&bytes()?, path, options)?,
         FileFormat::Numpy => {
             let bytes = bytes()?;
-            let read = if bytes.starts_with(numpy::NPY_SIGNATURE) {
+            let read = if bytes.starts_with(crate::signatures::NPY_SIGNATURE) {
                 numpy::read_npy
             } else {
                 numpy::read_npz

@@ -13,7 +13,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     std::fs::create_dir_all(&folder)?;
     let panel = Panel::from_toml("[plate]\n", 4 << 30)?;
     let simulation = simulate(&panel, None, None)?;
-    let model = chladni_rfp::fit(&simulation.frf, &Default::default(), &|_| {})?.model;
+    let model = chladni_rfp::fit(&simulation.frf, &Default::default())?.model;
     let scene = |cell: usize| {
         format!(
             "frequency_hz = 300.0\n[zones]\ngrid = [2, 2]\nhot = [{cell}]\ncells_m = [0.0, \

@@ -1,21 +1,24 @@
-//! The fit: screen, find poles, choose the damping law, residues, shapes, model.
+//! The driver of every fit, whoever holds its data: find poles, choose the damping law, turn
+//! residues into shapes and a model, ask what is wrong with the data.
+//!
+//! The walk is written once over a [`Source`]. In memory it goes through. Over partials it
+//! stops at a pass that others must make, and goes on from there when it is made.
 
 use crate::checks::examine::examine;
-use crate::damping::structural::POWERS;
 use crate::data::error::FitError;
-use crate::data::given_noise::{given_noise, Giver};
-use crate::data::layout::DataLayout;
+use crate::data::layout::{DataLayout, Weighting};
 use crate::data::options::{FitOptions, Method};
-use crate::data::pair_weights::PairWeights;
-use crate::data::products::{project, Projected};
+use crate::data::outliers;
+use crate::data::pair_weights::{Giver, PairWeights, Weights};
 use crate::data::screening::Screened;
-use crate::data::{outliers, window};
-use crate::measured::path::measured_path;
+use crate::data::source::Source;
+use crate::data::watch::{CancelToken, Watch};
+use crate::data::window;
 use crate::methods::aaa::aaa;
+use crate::methods::auto::{auto, Attempt, Fit};
 use crate::methods::bars::fit_by_method;
 use crate::methods::circle::circle;
 use crate::methods::found::Finder;
-use crate::methods::found::Stabilization;
 use crate::methods::grfp::grfp;
 use crate::methods::lean::lean;
 use crate::methods::lscf::lscf;
@@ -25,138 +28,145 @@ use crate::methods::rfp::rfp;
 use crate::methods::survey::Survey;
 use crate::methods::vf::vf;
 use crate::model::build::Shaped;
-use crate::model::decide::decide;
 use crate::model::exponential;
 use crate::model::identified::Identified;
 use crate::model::in_law::in_law;
-use crate::poles::chain::{fast_chain, Chain, Doubt, Outcome};
-use crate::poles::estimate::{graded, more_than_asked, PoleEstimate};
-use crate::poles::refine::{refine, Projection, Refined};
 use chladni_frf::{Damping, Finding, FrfSet, ModalModel};
 use chladni_linalg::blocked::in_pool;
-use chladni_linalg::LinalgError;
-
-/// A fit with its history.
-#[derive(Debug, Clone)]
-pub struct Fit {
-    /// The model, ready to be saved.
-    pub model: ModalModel,
-    /// Orders tried: (poles, residual variance relative to the data's mean square), in
-    /// order.
-    pub history: Vec<(usize, f64)>,
-    /// Poles by order, where the method looks at several.
-    pub stabilization: Option<Stabilization>,
-}
 
 /// Identifies the modes in `frf`.
-///
-/// `progress` is told the name of each stage as it begins.
 ///
 /// # Errors
 /// [`FitError`]: unknown kind, a band outside the data, too few lines, no data, a window
 /// that cannot be undone on these lines. A fit that was made but cannot be trusted is no
 /// error: `model.quality.trusted` says so, with the reasons in its warnings.
-pub fn fit(
+pub fn fit(frf: &FrfSet, options: &FitOptions) -> Result<Fit, FitError> {
+    fit_watched(frf, options, &|_stage| (), &CancelToken::new())
+}
+
+/// The same as [`fit`], watched: `progress` is told the name of each stage as it begins,
+/// and the fit stops there once `cancel` asks for it.
+///
+/// ```
+/// # use chladni_plate::{simulate, Panel};
+/// use chladni_rfp::{fit_watched, CancelToken, FitError, FitOptions};
+/// # let mut panel = Panel::default();
+/// # panel.frf.stop_hz = 150.0;
+/// # let frf = simulate(&panel, None, None)?.frf;
+///
+/// let cancel = CancelToken::new(); // a clone of it goes to whoever may stop the fit
+/// let progress = |stage: &str| {
+///     eprintln!("{stage}");
+///     cancel.cancel();
+/// };
+/// let stopped = fit_watched(&frf, &FitOptions::default(), &progress, &cancel);
+/// assert_eq!(stopped.unwrap_err(), FitError::Cancelled);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// Those of [`fit`], and [`FitError::Cancelled`].
+pub fn fit_watched(
     frf: &FrfSet,
     options: &FitOptions,
     progress: &(dyn Fn(&str) + Sync),
+    cancel: &CancelToken,
 ) -> Result<Fit, FitError> {
-    in_pool(|| fit_here(frf, options, progress))
-}
-
-fn fit_here(frf: &FrfSet, options: &FitOptions, progress: &dyn Fn(&str)) -> Result<Fit, FitError> {
-    let unbiased = options
-        .window
-        .map_or(Ok(None), |window| window::undo(frf, window))?;
-    let frf = unbiased.as_ref().unwrap_or(frf);
-    let screened = Screened::new(frf, options)?;
-    let known = given_noise(&screened)
-        .and_then(|(noise, giver)| Some((PairWeights::of_given(&screened, &noise)?, giver)));
-    weighted_fit(screened, known, options, progress)
-}
-
-/// Fits data whose noise is `known`, or with weights as the residual tells them.
-fn weighted_fit(
-    screened: Screened,
-    known: Option<(PairWeights, Giver)>,
-    options: &FitOptions,
-    progress: &dyn Fn(&str),
-) -> Result<Fit, FitError> {
-    let weighted = known
-        .as_ref()
-        .map(|(weights, _)| weights.applied(screened.frf));
-    let mut data = match (&known, &weighted) {
-        (Some((weights, _)), Some(weighted)) => screened.weighted(weighted, weights.clone()),
-        _ => screened.clone(),
+    let watch = Watch {
+        tell: progress,
+        cancel,
     };
-    let mut dropped = Vec::new();
-    let mut rounds = 0;
+    in_pool(|| {
+        let unbiased = options
+            .window
+            .map_or(Ok(None), |window| window::undo(frf, window))?;
+        let screened = Screened::new(unbiased.as_ref().unwrap_or(frf), options)?;
+        walk(screened, options, &watch)
+    })
+}
+
+/// Fits `data` weighted by the noise that they tell themselves; else as they are, and once
+/// more with the weights that the residual tells.
+///
+/// # Errors
+/// A fit that cannot be made; a pass that others must make.
+pub(crate) fn walk<S: Source>(
+    data: S,
+    options: &FitOptions,
+    watch: &Watch,
+) -> Result<Fit, S::Stop> {
+    let given = match data.weights_left {
+        Weights::Given => data.given_noise(),
+        Weights::OfResidual | Weights::None => None,
+    };
+    let given = given.and_then(|(noise, giver)| {
+        let weights = PairWeights::of_given(&data, &noise)?;
+        Some((weights, Some(giver)))
+    });
+    let mut fitted = match given {
+        Some(weights) => data.weighted(Some(weights), Weights::OfResidual)?,
+        None => data.clone(),
+    };
     let (mut fit, white, left) = loop {
-        match identify(&data, options, rounds < OUTLIER_ROUNDS, progress)? {
-            Attempt::Outliers(places) => {
-                dropped.extend(places.iter().map(|&place| data.line_hz[place]));
-                data = data.without(&places);
-                rounds += 1;
-            }
+        match identify(&fitted, options, sought(&fitted), watch)? {
+            Attempt::Outliers(places) => fitted = fitted.without(&places),
             Attempt::Fitted(fit, white, left) => break (*fit, white, left),
         }
     };
     // what is left in measured units, seen with the weights
-    let seen: Vec<f64> = data
+    let seen: Vec<f64> = fitted
         .pairs
         .iter()
         .zip(&left)
-        .map(|(&(i, j), left)| left * data.weight(i, j).iter().product::<f64>().powi(2))
+        .map(|(&pair, left)| left * fitted.weight_of(pair).powi(2))
         .collect();
-    let still_unequal =
-        PairWeights::new(&data, &seen, fit.model.quality.relative_error).filter(|_| white);
-    match (known, still_unequal) {
+    let error = fit.model.quality.relative_error;
+    let unequal = PairWeights::new(&fitted, &seen, error)
+        .filter(|_| white && fitted.weights_left != Weights::None);
+    match (&fitted.weighting, unequal) {
         // the measured-data path has an error model of its own
-        (Some((_, Giver::Coherence)), unequal) if !white || unequal.is_some() => {
-            let mut fit = weighted_fit(screened, None, options, progress)?;
-            fit.model
-                .quality
-                .findings
-                .extend(unequal.map(|_| coherence_contradicted()));
-            return Ok(fit);
+        (Some(weighting), unequal)
+            if weighting.giver == Some(Giver::Coherence) && (!white || unequal.is_some()) =>
+        {
+            let noted = data.noted(unequal.map(|_| coherence_contradicted()));
+            return walk(noted.weighted(None, Weights::OfResidual)?, options, watch);
         }
-        (Some((weights, giver)), _) => {
-            fit.model.quality.path = fit
-                .model
-                .quality
-                .path
-                .map(|path| format!("{path}; {}, as {}", weights.words(), giver.words()));
+        // weights that a residual told and that leave none of noise were none
+        (Some(weighting), _) if weighting.giver.is_none() && !white => {
+            return walk(fitted.weighted(None, Weights::None)?, options, watch);
+        }
+        (Some(weighting), _) => {
+            let words = weighting.words();
+            let path = fit.model.quality.path;
+            fit.model.quality.path = path.map(|path| format!("{path}; {words}"));
         }
         (None, Some(weights)) => {
-            progress("FRFs weighted by their noise");
-            let weighted = weights.applied(data.frf);
-            if let Attempt::Fitted(mut again, true, _) = identify(
-                &data.weighted(&weighted, weights.clone()),
-                options,
-                false,
-                progress,
-            )? {
-                again.model.quality.path = again
-                    .model
-                    .quality
-                    .path
-                    .map(|path| format!("{path}; {}", weights.words()));
-                fit = *again;
-            }
+            watch.stage("FRFs weighted by their noise")?;
+            let weighted = fitted.weighted(Some((weights, None)), Weights::None)?;
+            return walk(weighted, options, watch);
         }
         (None, None) => {}
     }
-    if !dropped.is_empty() {
-        fit.model
-            .quality
-            .findings
-            .push(outliers::words(&data, &mut dropped));
+    fit.model.quality.findings.extend(outliers::words(&fitted));
+    let noise = noise_variance(&fitted, &seen, error);
+    let values = fitted.values();
+    examine(&fitted, values, options, white, noise, &mut fit.model);
+    if fitted.values().is_none() {
+        fit.model.quality.findings.push(not_checked());
     }
-    examine(&data, Some(&data), options, white, &mut fit.model);
     if let Some(alpha) = options.exponential_window_per_s {
         exponential::undo(&mut fit.model, alpha);
     }
     Ok(fit)
+}
+
+/// Noise variance of one work value, where what is left of FRFs is noise and known; else
+/// as the model's error says.
+fn noise_variance(data: &DataLayout, seen: &[f64], relative_error: f64) -> f64 {
+    match data.weighting.is_some() && !seen.is_empty() {
+        true => seen.iter().sum::<f64>() / (data.lines.len() * data.pairs.len()) as f64,
+        false => (relative_error * data.measured_over_used()).powi(2),
+    }
 }
 
 /// The finding where a coherence was given and not used.
@@ -168,45 +178,45 @@ fn coherence_contradicted() -> Finding {
     )
 }
 
+/// The checks that need single FRFs, where these are not at hand.
+fn not_checked() -> Finding {
+    Finding::note(
+        "not-checked",
+        "fitted in pieces: whether poles move between FRFs or split into several, a reference is \
+         not reciprocal, or a window broadens the lines was not looked at",
+    )
+    .help("fit some blocks by themselves to see")
+}
+
 /// Rounds of leaving out outlier lines and fitting again: the second finds those that hid
 /// beside the first.
-pub(crate) const OUTLIER_ROUNDS: usize = 5;
+const OUTLIER_ROUNDS: usize = 5;
 
-/// What a run of a method came to.
-enum Attempt {
-    /// A fit, whether its residual is white, and the sum of squares left of each FRF
-    /// where that tells its noise.
-    Fitted(Box<Fit>, bool, Vec<f64>),
-    /// Lines (positions among those used) that must go first.
-    Outliers(Vec<usize>),
+/// True where outlier lines may end a run: not for ever, and not under weights that a run
+/// without them has told.
+fn sought(data: &DataLayout) -> bool {
+    let told = |weighting: &Weighting| weighting.giver.is_none();
+    data.outlier_rounds < OUTLIER_ROUNDS && !data.weighting.as_ref().is_some_and(told)
 }
 
-impl Attempt {
-    /// A fit whose checks go by the noise that it found.
-    fn whole(fit: Fit) -> Self {
-        Self::Fitted(Box::new(fit), true, Vec::new())
-    }
-}
-
-/// Runs the method asked for. Outlier lines end a run only where they are `sought`.
-fn identify(
-    data: &Screened,
+/// Runs the method asked for; the default one where single FRFs are not at hand. Outlier
+/// lines end a run only where they are `sought`.
+fn identify<S: Source>(
+    data: &S,
     options: &FitOptions,
     sought: bool,
-    progress: &dyn Fn(&str),
-) -> Result<Attempt, FitError> {
-    let by = |method: Finder| {
-        let (model, stabilization) = fit_by_method(data, options, method, progress)?;
-        let history = Vec::new();
-        Ok(Attempt::whole(Fit {
-            model,
-            history,
-            stabilization,
-        }))
+    watch: &Watch,
+) -> Result<Attempt, S::Stop> {
+    let Some(values) = data.values() else {
+        return auto(data, options, sought, watch);
+    };
+    let by = |method: Finder| -> Result<Attempt, S::Stop> {
+        let (model, stabilization) = fit_by_method(values, options, method, watch)?;
+        Ok(Attempt::whole(model, stabilization))
     };
     match options.method {
-        Method::Auto => fit_auto(data, options, sought, progress),
-        Method::Lean => Ok(Attempt::whole(fit_lean(data, options, progress)?)),
+        Method::Auto => auto(data, options, sought, watch),
+        Method::Lean => Ok(Attempt::whole(fit_lean(values, options, watch)?, None)),
         Method::Vf => by(vf),
         Method::Lscf => by(lscf),
         Method::Plscf => by(plscf),
@@ -219,220 +229,16 @@ fn identify(
 }
 
 /// The fast chain with the order given.
-fn fit_lean(
-    data: &Screened,
-    options: &FitOptions,
-    progress: &dyn Fn(&str),
-) -> Result<Fit, FitError> {
-    progress("sketch");
+fn fit_lean(data: &Screened, options: &FitOptions, watch: &Watch) -> Result<ModalModel, FitError> {
+    watch.stage("sketch")?;
     let survey = Survey::new(data, options.seed);
-    progress("poles");
+    watch.stage("poles")?;
     let mut found = lean(&survey, options)?;
-    progress("shapes");
+    watch.stage("shapes")?;
     if options.damping == Some(Damping::Viscous) {
         found = in_law(found, Damping::Viscous, None)?;
     }
     let shaped = Shaped::new(data, Identified::new(found))?;
     let left = shaped.left(data);
-    let model = shaped.model(data, options, &left);
-    Ok(Fit {
-        model,
-        history: Vec::new(),
-        stabilization: None,
-    })
-}
-
-fn fit_auto(
-    data: &Screened,
-    options: &FitOptions,
-    sought: bool,
-    progress: &dyn Fn(&str),
-) -> Result<Attempt, FitError> {
-    let (found, history) = match chain(data, options, progress)? {
-        Outcome::White(chain) => {
-            let history = chain.history.clone();
-            (from_chain(*chain, options.modes, data.hz()), history)
-        }
-        Outcome::Ended(Doubt::Outliers(lines)) if sought => return Ok(Attempt::Outliers(lines)),
-        Outcome::Ended(Doubt::Conjugated) => (from_conjugated(data, options)?, Vec::new()),
-        Outcome::Ended(doubt) => (
-            from_measured(data, options, &doubt.words(), progress)?,
-            Vec::new(),
-        ),
-    };
-    let measured = found.measured;
-    let again = |found: PoleEstimate, law: Damping| match found.measured {
-        true => in_law(found, law, None),
-        false => match fast_chain(&data.in_law(law), options.seed, options.modes, progress)? {
-            Outcome::White(chain) => Ok(from_chain(*chain, options.modes, data.hz())),
-            Outcome::Ended(_) => in_law(found, law, Some(data.pairs.len())),
-        },
-    };
-    let (model, left) = finished(data, found, options, progress, again, |shaped| {
-        shaped.left(data)
-    })?;
-    let outliers = if sought && measured {
-        outliers::outliers(data, &model)
-    } else {
-        Vec::new()
-    };
-    match outliers.is_empty() {
-        true => Ok(Attempt::Fitted(
-            Box::new(Fit {
-                model,
-                history,
-                stabilization: None,
-            }),
-            !measured,
-            left,
-        )),
-        false => Ok(Attempt::Outliers(outliers)),
-    }
-}
-
-/// The fast chain in the law asked for, in the structural one where none is; in the other
-/// where what that leaves is no noise.
-fn chain(
-    data: &Screened,
-    options: &FitOptions,
-    progress: &dyn Fn(&str),
-) -> Result<Outcome, LinalgError> {
-    let in_law = |law| fast_chain(&data.in_law(law), options.seed, options.modes, progress);
-    let law = options.damping.unwrap_or(Damping::Structural);
-    let first = in_law(law)?;
-    let Outcome::Ended(Doubt::NotWhite(_)) = first else {
-        return Ok(first);
-    };
-    let other = in_law(match law {
-        Damping::Structural => Damping::Viscous,
-        Damping::Viscous => Damping::Structural,
-    })?;
-    Ok(match other {
-        Outcome::White(_) => other,
-        Outcome::Ended(_) => first,
-    })
-}
-
-/// The model that poles lead to, and what it leaves of each FRF; `again`: the poles in
-/// another law.
-pub(crate) fn finished(
-    data: &DataLayout,
-    found: PoleEstimate,
-    options: &FitOptions,
-    progress: &dyn Fn(&str),
-    again: impl Fn(PoleEstimate, Damping) -> Result<PoleEstimate, LinalgError>,
-    left: impl Fn(&Shaped) -> Vec<f64>,
-) -> Result<(ModalModel, Vec<f64>), LinalgError> {
-    let (identified, mut warnings) = decide(data, found, options, progress, &again)?;
-    let shaped = Shaped::new(data, identified)?;
-    let left = left(&shaped);
-    let mut model = shaped.model(data, options, &left);
-    if model.quality.relative_error > MOSTLY_LEFT {
-        warnings.push(
-            Finding::caution(
-                "mostly-unexplained",
-                format!(
-                    "the model leaves {:.0} % of the data: most of this band holds noise, or \
-                     motion that no resonance explains",
-                    100.0 * model.quality.relative_error
-                ),
-            )
-            .value("relative_error", model.quality.relative_error)
-            .help("fit the band in which peaks stand clear of the noise"),
-        );
-    }
-    model.quality.findings.append(&mut warnings);
-    model.number_findings();
-    Ok((model, left))
-}
-
-/// Residual over data beyond which the band as a whole is not explained, whatever single
-/// peaks are.
-const MOSTLY_LEFT: f64 = 0.5;
-
-pub(crate) fn from_chain(chain: Chain, asked: Option<usize>, hz: f64) -> PoleEstimate {
-    let (grades, spread) = graded(&chain.refined, &chain.projected.work, chain.variance);
-    PoleEstimate {
-        grades,
-        spread,
-        measured: false,
-        work: chain.projected.work,
-        back: Some(chain.projected.back),
-        variance: chain.variance,
-        path: format!("fast chain: {}", chain.whiteness.evidence),
-        warnings: asked
-            .and_then(|asked| more_than_asked(asked, &chain.dropped, hz))
-            .into_iter()
-            .collect(),
-        consistent: true,
-        refined: chain.refined,
-    }
-}
-
-fn from_conjugated(data: &Screened, options: &FitOptions) -> Result<PoleEstimate, FitError> {
-    let (sketch, energy) = data.sketch(options.seed);
-    Ok(conjugated(project(
-        data,
-        &Projection::new(&sketch, &[], &POWERS)?.q,
-        &energy,
-    )?)?)
-}
-
-/// No modes: the data contradict any passive structure in e^{+jωt}; they are not
-/// corrected without being told.
-pub(crate) fn conjugated(projected: Projected) -> Result<PoleEstimate, LinalgError> {
-    let refined = refine(&projected.work, &[], &POWERS, 0, 0.0)?;
-    let variance = refined.variance(&projected.work);
-    Ok(PoleEstimate {
-        refined,
-        work: projected.work,
-        back: Some(projected.back),
-        variance,
-        spread: Vec::new(),
-        measured: true,
-        grades: Vec::new(),
-        path: "stopped after the pole pool".into(),
-        warnings: vec![Finding::fault(
-            "conjugated",
-            "every resonance turns the wrong way: the data follow e^(-jwt)",
-        )
-        .help("read the data with the other time sign")],
-        consistent: false,
-    })
-}
-
-fn from_measured(
-    data: &Screened,
-    options: &FitOptions,
-    evidence: &str,
-    progress: &dyn Fn(&str),
-) -> Result<PoleEstimate, FitError> {
-    let found = measured_path(data, options.seed, options.modes, progress)?;
-    let (refined, work, back) = match found.back {
-        Some(back) => (found.refined, found.work, back),
-        None => {
-            // the path ran on mixtures: residues come from one pass over all FRFs
-            let Refined { lambda, powers, .. } = &found.refined;
-            let (sketch, energy) = data.sketch(options.seed);
-            let projected = project(data, &Projection::new(&sketch, lambda, powers)?.q, &energy)?;
-            (
-                refine(&projected.work, lambda, powers, 0, 0.0)?,
-                projected.work,
-                projected.back,
-            )
-        }
-    };
-    let variance = refined.variance(&work);
-    Ok(PoleEstimate {
-        refined,
-        work,
-        back: Some(back),
-        variance,
-        spread: found.variance,
-        measured: true,
-        grades: found.grades,
-        path: format!("measured-data path: {evidence}"),
-        warnings: found.warnings,
-        consistent: true,
-    })
+    Ok(shaped.model(data, options, &left))
 }

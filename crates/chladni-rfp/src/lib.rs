@@ -8,7 +8,7 @@
 //! # panel.frf.stop_hz = 300.0;
 //!
 //! let frf = simulate(&panel, None, None)?.frf; // or chladni_io::read_frf, or an FrfSet of your arrays
-//! let model = fit(&frf, &FitOptions::default(), &|_stage| ())?.model;
+//! let model = fit(&frf, &FitOptions::default())?.model;
 //! for mode in model.in_band_modes() {
 //!     println!("{:.3} Hz, loss factor {:.4}", mode.frequency_hz, mode.loss_factor);
 //! }
@@ -18,7 +18,7 @@
 //!
 //! | you have | you call | you get |
 //! |---|---|---|
-//! | FRFs | [`fit()`] with [`FitOptions`] | [`Fit`]: the model with error bars and grades |
+//! | FRFs | [`fit()`] with [`FitOptions`]; [`fit_watched`] with progress and a [`CancelToken`] | [`Fit`]: the model with error bars and grades |
 //! | FRFs, before a fit | [`cmif()`], [`stabilization`], [`reciprocity()`] | indicator functions, diagrams, checks |
 //! | two models | [`compare()`], [`track`] | modes paired, MAC with its uncertainty, shifts |
 //! | more FRFs than memory | [`pieces`] | the same fit, block by block |
@@ -44,7 +44,9 @@ mod validation;
 
 pub use data::error::FitError;
 pub use data::options::{Effort, FitOptions, Method, ShapeModel, Window};
-pub use driver::{fit, Fit};
+pub use data::watch::CancelToken;
+pub use driver::{fit, fit_watched};
+pub use methods::auto::Fit;
 pub use methods::bars::stabilization;
 pub use methods::found::{OrderPole, Stability, Stabilization};
 pub use validation::cmif::cmif;

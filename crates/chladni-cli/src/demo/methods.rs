@@ -76,7 +76,7 @@ pub fn speed_against_accuracy(
             ..FitOptions::default()
         };
         let start = Instant::now();
-        let fitted = fit(frf, &options, &|_| {});
+        let fitted = fit(frf, &options);
         let time_s = start.elapsed().as_secs_f64();
         rows.extend(fitted.ok().map(|fitted| row(method, time_s, &fitted.model)));
     }

@@ -12,9 +12,8 @@ use chladni_console::Console;
 use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Source};
 use chladni_render::{render, MethodChoice, RenderOptions};
 use chladni_report::{data, draft_data, scene_data, studio_html, RenderedScene, ReportInput};
-use chladni_rfp::{Fit, FitOptions, Method};
+use chladni_rfp::{fit_watched, CancelToken, Fit, FitError, FitOptions, Method};
 use serde_json::{json, Value};
-use std::panic::{catch_unwind, resume_unwind, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
@@ -40,9 +39,6 @@ pub struct Session {
     /// The newest question about a fit: an older one is not worth going on with.
     newest: Mutex<Turn>,
 }
-
-/// What a fit that another question has overtaken unwinds with.
-struct Overtaken;
 
 /// The models of the moment.
 #[derive(Default)]
@@ -188,9 +184,6 @@ impl Session {
 
     /// Fits, and gives up at the next stage once a newer question has come; drafts, which
     /// are over in a moment, go on.
-    ///
-    /// A fit says where it is and asks nothing, so that it is left by unwinding: it holds
-    /// no lock and nothing of it is used afterwards.
     fn unless_overtaken(
         &self,
         frf: &FrfSet,
@@ -203,19 +196,16 @@ impl Session {
             let mut newest = newest();
             *newest = turn.max(*newest);
         }
+        let overtaken = CancelToken::new();
         let look_around = |_: &str| {
             if options.method == Method::Auto && *newest() > turn {
-                resume_unwind(Box::new(Overtaken));
+                overtaken.cancel();
             }
         };
-        match catch_unwind(AssertUnwindSafe(|| {
-            chladni_rfp::fit(frf, options, &look_around)
-        })) {
-            Ok(fit) => fit
-                .map(Some)
-                .map_err(|error| explain(&error, options, Path::new(&self.title))),
-            Err(reason) if reason.is::<Overtaken>() => Ok(None),
-            Err(bug) => resume_unwind(bug),
+        match fit_watched(frf, options, &look_around, &overtaken) {
+            Ok(fit) => Ok(Some(fit)),
+            Err(FitError::Cancelled) => Ok(None),
+            Err(error) => Err(explain(&error, options, Path::new(&self.title))),
         }
     }
 

@@ -2,8 +2,8 @@
 //! cut.
 
 use super::head::{looks_like_unit, without_brackets, Head};
-use super::table::{both_commas, Table};
-use super::text::{Dialect, Line};
+use super::table::Table;
+use super::text::{both_commas, Dialect, Line};
 use super::vocabulary::{known_words, part_of, words, Part};
 use crate::unit_label::frequency_unit;
 use chladni_frf::{Error, Result};
@@ -242,29 +242,4 @@ fn refuse_units_that_do_not_fit(line: &Line<'_>, columns: usize) -> Result<()> {
         .found(line.text.trim())
         .expected(format!("{columns} units, one for each column"))
         .help("write `-` where a column has no unit, or put the units into the names"))
-}
-
-/// More cells than names, up to twice as many: the commas inside the numbers were taken
-/// for delimiters.
-pub(super) fn refuse_decimal_comma(
-    first: &Line<'_>,
-    header: &[Line<'_>],
-    dialect: Dialect,
-    filled: usize,
-) -> Result<()> {
-    let Some(last) = header.last().filter(|_| dialect.delimiter == Some(',')) else {
-        return Ok(());
-    };
-    let names = dialect.cells(last.text).len();
-    if names >= 2 && names < filled && filled <= 2 * names {
-        return Err(both_commas(
-            Error::bad_data("more columns than names; do the numbers have a decimal comma?")
-                .at_line(first.number)
-                .found(format!(
-                    "{filled} columns under {names} names: {}",
-                    first.text.trim()
-                )),
-        ));
-    }
-    Ok(())
 }

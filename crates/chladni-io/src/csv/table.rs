@@ -1,7 +1,6 @@
 //! A table of numbers with its header: names, units, keywords.
 
-use super::header::refuse_decimal_comma;
-use super::text::{Cell, Dialect, Line};
+use super::text::{both_commas, refuse_decimal_comma, Cell, Dialect, Line};
 use chladni_frf::{Error, Finding, Result};
 
 /// Rows of numbers, NaN where a cell is empty or masked.
@@ -239,16 +238,6 @@ fn no_numbers(lines: &[Line<'_>]) -> Error {
     error
         .expected("columns of numbers, frequency first")
         .help("tables need rows like 10.5,0.1,-0.2 under a header like f,re,im")
-}
-
-/// The error of a table with `,` for the decimal sign and the delimiter.
-pub(super) fn both_commas(error: Error) -> Error {
-    error
-        .expected("a decimal point, or another delimiter")
-        .help(
-            "a decimal comma together with `,` as delimiter cannot be read: export with `;` or \
-               tabs between the columns",
-        )
 }
 
 /// What was left out or masked, and where first.

@@ -280,6 +280,41 @@ pub(super) fn refuse_complex_lists(lines: &[Line<'_>]) -> Result<()> {
     )
 }
 
+/// More cells than names, up to twice as many: the commas inside the numbers were taken
+/// for delimiters.
+pub(super) fn refuse_decimal_comma(
+    first: &Line<'_>,
+    header: &[Line<'_>],
+    dialect: Dialect,
+    filled: usize,
+) -> Result<()> {
+    let Some(last) = header.last().filter(|_| dialect.delimiter == Some(',')) else {
+        return Ok(());
+    };
+    let names = dialect.cells(last.text).len();
+    if names >= 2 && names < filled && filled <= 2 * names {
+        return Err(both_commas(
+            Error::bad_data("more columns than names; do the numbers have a decimal comma?")
+                .at_line(first.number)
+                .found(format!(
+                    "{filled} columns under {names} names: {}",
+                    first.text.trim()
+                )),
+        ));
+    }
+    Ok(())
+}
+
+/// The error of a table with `,` for the decimal sign and the delimiter.
+pub(super) fn both_commas(error: Error) -> Error {
+    error
+        .expected("a decimal point, or another delimiter")
+        .help(
+            "a decimal comma together with `,` as delimiter cannot be read: export with `;` or \
+               tabs between the columns",
+        )
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::remarks::lines_and_remarks;

@@ -21,8 +21,6 @@ use num_complex::{Complex32, Complex64};
 use std::borrow::Cow;
 use std::path::Path;
 
-/// First bytes of the header.
-pub(super) const SIGNATURE: &[u8] = b"MATLAB 5.0 MAT-file";
 const HEADER_BYTES: usize = 128;
 /// Element types that stand for more than numbers.
 const MATRIX: u32 = 14;

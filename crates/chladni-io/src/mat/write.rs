@@ -1,7 +1,8 @@
 //! MATLAB files of version 5, as `save -v6` writes them: one element for each variable,
 //! little endian, not packed. No date stands in the header: same input, same bytes.
 
-use super::{CELL, CHAR, COMPLEX, HEADER_BYTES, MATRIX, SIGNATURE, SINGLE};
+use super::{CELL, CHAR, COMPLEX, HEADER_BYTES, MATRIX, SINGLE};
+use crate::signatures::MAT_SIGNATURE;
 use chladni_frf::{
     Damping, Dof, Error, FrfSet, FrfValues, ModalModel, Mode, Result, Scaling, Trust,
 };
@@ -27,7 +28,7 @@ pub(crate) struct MatFile {
 
 impl MatFile {
     fn new() -> Self {
-        let mut bytes = SIGNATURE.to_vec();
+        let mut bytes = MAT_SIGNATURE.to_vec();
         bytes.extend(format!(", written by {}", chladni_frf::CREATED_BY).bytes());
         bytes.resize(HEADER_BYTES - 4, b' ');
         bytes.extend([0, 1, b'I', b'M']);

@@ -18,9 +18,6 @@ use super::{Document, FileFormat, ReadOptions};
 use chladni_frf::{Finding, Result};
 use std::path::Path;
 
-/// First bytes of an NPY file.
-pub(super) const NPY_SIGNATURE: &[u8] = b"\x93NUMPY";
-
 /// Reads one array, which is listed; alone it says no frequency axis.
 pub(super) fn read_npy(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Document> {
     let mut arrays = MemoryFile::default();
@@ -41,16 +38,4 @@ pub(super) fn read_npz(bytes: &[u8], path: &Path, options: &ReadOptions) -> Resu
     archive::read(bytes)
         .map_err(|error| error.file(path))?
         .document(path, FileFormat::Numpy, options)
-}
-
-/// True for a zip archive whose first entry is an array.
-pub(super) fn is_npz(head: &[u8]) -> bool {
-    // local file header: length of the name at byte 26, the name from byte 30
-    let length = head.get(26..28).map_or(0, |bytes| {
-        usize::from(u16::from_le_bytes([bytes[0], bytes[1]]))
-    });
-    head.starts_with(b"PK\x03\x04")
-        && head
-            .get(30..30 + length)
-            .is_some_and(|name| name.ends_with(b".npy"))
 }

@@ -89,7 +89,7 @@ fn split(bytes: &[u8]) -> Result<(Header, &[u8])> {
         )
     };
     let version = bytes
-        .strip_prefix(super::NPY_SIGNATURE)
+        .strip_prefix(crate::signatures::NPY_SIGNATURE)
         .and_then(|rest| rest.first().copied());
     let (length, start): (usize, usize) = match (version, bytes.get(8..12)) {
         (Some(1), Some(&[a, b, ..])) => (usize::from(u16::from_le_bytes([a, b])), 10),
@@ -266,7 +266,7 @@ pub(super) fn header(code: &str, shape: &[usize]) -> Vec<u8> {
         text.push(' ');
     }
     text.push('\n');
-    let mut header = super::NPY_SIGNATURE.to_vec();
+    let mut header = crate::signatures::NPY_SIGNATURE.to_vec();
     header.extend([1, 0]);
     header.extend((text.len() as u16).to_le_bytes());
     header.extend(text.as_bytes());

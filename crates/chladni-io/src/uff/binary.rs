@@ -7,9 +7,9 @@
 //! The length of the payload comes from record 7, not from the identifier: common writers
 //! state it wrongly. A length counts as right when it lands on a closing `-1` line.
 
-use super::container::{is_marker, Lines, HEADER_RECORDS};
 use super::fields::{numbers, whole, Record};
 use super::layout::{Layout, Record7};
+use super::lines::{is_marker, Lines, HEADER_RECORDS};
 use chladni_frf::{Error, Finding, Result};
 use std::borrow::Cow;
 

@@ -7,9 +7,10 @@
 //! | 7 | 3I10,3E13.5 | see `layout` |
 //! | 8–11 | I10,3I5,2(1X,20A1) | abscissa, numerator, denominator, z axis: quantity, exponents, label, unit |
 
-use super::container::{ends_in_header, Lines, HEADER_RECORDS};
+use super::container::ends_in_header;
 use super::fields::{bad_field, decode, label, line_numbers, warn_split, whole, BadField, Record};
 use super::layout::Record7;
+use super::lines::{Lines, HEADER_RECORDS};
 use super::number::{float, Fault};
 use crate::Axis;
 use chladni_frf::{Direction, Dof, Error, Finding, Result};

@@ -22,6 +22,7 @@ mod function58;
 mod header;
 mod header58;
 mod layout;
+mod lines;
 mod mesh;
 mod nodes;
 mod number;
@@ -37,11 +38,13 @@ mod write;
 mod write58;
 mod write_function;
 mod write_mesh;
+mod write_options;
 mod write_shape;
 
 pub(crate) use scan::places;
 pub use scan::scan;
-pub use write::{write, Plan, WriteOptions};
+pub use write::{write, Plan};
+pub use write_options::WriteOptions;
 
 use super::{DatasetInfo, Document, FileFormat, Function, ReadOptions, Shape};
 use chladni_frf::{Error, Finding, Result};

@@ -1,6 +1,7 @@
 //! What is kept of a dataset whose data were passed over.
 
-use super::container::{Block, Lines};
+use super::container::Block;
+use super::lines::Lines;
 use crate::DatasetInfo;
 use chladni_frf::{Error, Finding};
 

@@ -6,10 +6,11 @@
 //! that is held; one that is not small is listed by its name.
 
 use super::binary;
-use super::container::{ends_in_header, is_marker, no_number, number_line, HEADER_RECORDS};
+use super::container::{ends_in_header, no_number, number_line};
 use super::fields::{count_fields, count_tokens, Record};
 use super::header::{self, Units};
 use super::layout::{Layout, Record7};
+use super::lines::{is_marker, HEADER_RECORDS};
 use super::passed::Passed;
 use super::stream::{FileLines, LONGEST_LINE};
 use super::values::counts_disagree;

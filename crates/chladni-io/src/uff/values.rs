@@ -5,12 +5,12 @@
 //! parts.
 
 use super::binary::Payload;
-use super::container::Lines;
 use super::fields::{
     bad_field, count_fields, count_tokens, line_numbers, masked_numbers, warn_split, BadField,
     Found, Record,
 };
 use super::layout::Layout;
+use super::lines::Lines;
 use super::number::{self, Fault};
 use crate::Ordinate;
 use chladni_frf::{Error, Finding, Result};

@@ -16,20 +16,11 @@
 //! * Dates are blank: the same data give the same bytes.
 
 use super::write_function::{coherence, frf, in_si};
+use super::write_options::WriteOptions;
 use super::{write58, write_mesh, write_shape};
 use crate::{Abscissa, Contents, Function, Shape, ShapeForm};
 use chladni_frf::{Error, ErrorKind, Finding, Result, CREATED_BY};
 use std::io::{self, Write};
-
-/// How a universal file is written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct WriteOptions {
-    /// Binary 58 (IEEE 754, little endian): exact, and much smaller and faster than text.
-    pub binary: bool,
-    /// Datasets 15 and 55 in place of 2411 and 2414, for programs that know nothing
-    /// newer: six digits.
-    pub old_datasets: bool,
-}
 
 /// Largest number that a field of ten columns holds.
 pub(super) const LARGEST_NODE: u64 = 9_999_999_999;

@@ -2,7 +2,7 @@
 
 use super::layout::Layout;
 use super::step::{multiple_near, Printed};
-use super::write::WriteOptions;
+use super::write_options::WriteOptions;
 use crate::{Abscissa, Axis, Function, Ordinate};
 use chladni_frf::{Error, Finding, Result};
 use num_complex::Complex;
@@ -399,9 +399,7 @@ mod tests {
 
     #[test]
     fn an_id_line_cannot_end_the_dataset() {
-        assert!(!super::super::container::is_marker(
-            id_line("  -1").as_bytes()
-        ));
+        assert!(!super::super::lines::is_marker(id_line("  -1").as_bytes()));
         assert_eq!(id_line(" a\nb "), "a b");
         assert_eq!(id_line(""), "NONE");
     }

@@ -18,6 +18,8 @@ pub(crate) struct Case<'a> {
     pub options: &'a FitOptions,
     /// True where the residual is white: the lines are pure resonances within the noise.
     pub white: bool,
+    /// Noise variance of one work value, where the residual is noise.
+    pub noise_variance: f64,
 }
 
 /// The outcome of a check. A fault: the data as a whole contradict the model.
@@ -38,11 +40,6 @@ impl From<Finding> for Checked {
 }
 
 impl Case<'_> {
-    /// Noise variance of one work value, where the residual is noise.
-    pub(crate) fn noise_variance(&self) -> f64 {
-        (self.model.quality.relative_error * self.data.measured_over_used()).powi(2)
-    }
-
     /// In-band modes without doubts.
     pub(crate) fn sure_modes(&self) -> Vec<&Mode> {
         self.model

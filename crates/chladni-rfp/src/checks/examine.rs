@@ -26,11 +26,15 @@ const CHECKS: [fn(&Case) -> Option<Checked>; 8] = [
 ];
 
 /// Runs all checks; what they find joins the model's findings.
+///
+/// * `white`: whether the residual is
+/// * `noise_variance`: of one work value, where it is
 pub(crate) fn examine(
     data: &DataLayout,
     values: Option<&Screened>,
     options: &FitOptions,
     white: bool,
+    noise_variance: f64,
     model: &mut ModalModel,
 ) {
     let case = Case {
@@ -39,6 +43,7 @@ pub(crate) fn examine(
         model,
         options,
         white,
+        noise_variance,
     };
     let found: Vec<Checked> = CHECKS.par_iter().filter_map(|check| check(&case)).collect();
     for checked in found {

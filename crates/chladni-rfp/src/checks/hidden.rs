@@ -109,7 +109,7 @@ fn could_hide(case: &Case, axis: &Columns, pair: &[&Mode]) -> Option<bool> {
         * height(case, pair[1])
         * (free * beside_terms + (1.0 - free) * beside_all);
     let frfs = case.data.pairs.len();
-    Some(energy < (threshold(frfs, local.lines()) - frfs as f64) * case.noise_variance())
+    Some(energy < (threshold(frfs, local.lines()) - frfs as f64) * case.noise_variance)
 }
 
 /// Part of the residues of one more mode that `modes` of rank one cannot take over,
@@ -126,9 +126,10 @@ fn unshared(case: &Case, modes: usize) -> f64 {
 /// Root of the mode's energy at its resonance over all FRFs, in work units.
 fn height(case: &Case, mode: &Mode) -> f64 {
     let data = case.data;
-    let residue = data.pairs.iter().map(|&(i, j)| {
-        (strength(mode, (i, j)) * data.weight(i, j).iter().product::<f64>()).powi(2)
-    });
+    let residue = data
+        .pairs
+        .iter()
+        .map(|&(i, j)| (strength(mode, (i, j)) * data.weight_of((i, j))).powi(2));
     let omega = TAU * mode.frequency_hz;
     let kind = data.kind.from_receptance(omega).norm();
     residue.sum::<f64>().sqrt() * kind * data.factor().norm() / (mode.loss_factor * omega * omega)

@@ -161,12 +161,17 @@ pub(crate) fn without_others(
             .assign(&data.block(l..l + 1, rows.clone()).column(0));
     }
     let factor = data.factor();
+    let weights: Vec<f64> = frfs
+        .iter()
+        .map(|&l| data.weight_of(data.pairs[l]))
+        .collect();
     for (row, k) in rows.clone().enumerate() {
         let rest = others.frf_matrix(data.kind, data.line_hz[k]);
         let rest: Array1<Complex64> = of_response
             .iter()
             .zip(&of_reference)
-            .map(|(&i, &j)| rest[[i, j]] * factor)
+            .zip(&weights)
+            .map(|((&i, &j), &weight)| rest[[i, j]] * weight * factor)
             .collect();
         own.row_mut(row)
             .scaled_add(Complex64::new(-1.0, 0.0), &rest);

@@ -101,7 +101,7 @@ fn one_moving(case: &Case, group: &[&Mode]) -> Result<bool, LinalgError> {
             .projection
             .sse;
     }
-    Ok(moving < common + threshold(all.len(), local.lines()) * case.noise_variance())
+    Ok(moving < common + threshold(all.len(), local.lines()) * case.noise_variance)
 }
 
 /// FRFs (positions among the pairs) that were measured together, if the side with more

@@ -83,6 +83,9 @@ pub enum FitError {
         /// Responses times references.
         total: usize,
     },
+    /// The caller asked it to stop.
+    #[error("the fit was stopped before its end, as asked")]
+    Cancelled,
     /// A kernel failed: our bug, not the user's.
     #[error("internal: {0}")]
     Kernel(#[from] LinalgError),
@@ -179,6 +182,10 @@ impl FitError {
                 .help(format!(
                     "take {method} auto, lscf or vf, which need no whole matrix"
                 )),
+            Self::Cancelled => FileError::new(
+                ErrorKind::Interrupted,
+                "the fit was stopped before its end, as asked",
+            ),
             Self::Kernel(error) => {
                 FileError::new(ErrorKind::Internal, format!("internal error: {error}"))
             }

@@ -1,23 +1,7 @@
 //! Noise that a set tells of itself: the variance of its values, else their coherence.
 
+use crate::data::pair_weights::Giver;
 use crate::data::screening::Screened;
-
-/// Who tells it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Giver {
-    Variance,
-    Coherence,
-}
-
-impl Giver {
-    /// For the path.
-    pub fn words(self) -> &'static str {
-        match self {
-            Self::Variance => "the variances of the set say",
-            Self::Coherence => "the coherence of the set says",
-        }
-    }
-}
 
 /// Noise energy of each FRF on the lines used, in work units (by coherence: up to a
 /// factor, the number of averages), where the set tells it of every value.

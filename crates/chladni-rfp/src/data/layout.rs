@@ -3,7 +3,7 @@
 
 use crate::data::columns::Columns;
 use crate::data::options::Effort;
-use crate::data::pair_weights::PairWeights;
+use crate::data::pair_weights::{Giver, PairWeights, Weights};
 use chladni_frf::{Damping, Dof, Finding, FrfKind, FrfSet, Node, ReferenceUnit};
 use ndarray::{Array2, ArrayView1};
 use num_complex::Complex64;
@@ -49,6 +49,12 @@ pub(crate) struct DataLayout {
     pub energy: Vec<f64>,
     /// Where the data used are the measurement weighted by its noise.
     pub weighting: Option<Weighting>,
+    /// Weights that may be tried after these.
+    pub weights_left: Weights,
+    /// Outlier lines left out, Hz.
+    pub dropped_hz: Vec<f64>,
+    /// Rounds of leaving them out.
+    pub outlier_rounds: usize,
 }
 
 /// What takes weighted data back to what was measured.
@@ -58,6 +64,19 @@ pub(crate) struct Weighting {
     pub weights: PairWeights,
     /// Root mean square of the FRFs as they were measured.
     pub rms: f64,
+    /// Who tells them; `None`: the residual of a fit without weights.
+    pub giver: Option<Giver>,
+}
+
+impl Weighting {
+    /// What was done, for the path.
+    pub fn words(&self) -> String {
+        let words = self.weights.words();
+        match self.giver {
+            Some(giver) => format!("{words}, as {}", giver.words()),
+            None => words,
+        }
+    }
 }
 
 impl DataLayout {
@@ -112,6 +131,9 @@ impl DataLayout {
             effort,
             energy: Vec::new(),
             weighting: None,
+            weights_left: Weights::Given,
+            dropped_hz: Vec::new(),
+            outlier_rounds: 0,
         };
         let ratio: Vec<f64> = head
             .line_hz
@@ -134,6 +156,19 @@ impl DataLayout {
             energy: Vec::new(),
             ..self.clone()
         }
+    }
+
+    /// Without the lines at `places` (among those used), which are outliers; and where the
+    /// others stood.
+    pub fn without(&self, places: &[usize]) -> (Self, Vec<usize>) {
+        let kept: Vec<usize> = (0..self.lines.len())
+            .filter(|place| !places.contains(place))
+            .collect();
+        let mut left = self.select(&kept);
+        left.dropped_hz
+            .extend(places.iter().map(|&place| self.line_hz[place]));
+        left.outlier_rounds += 1;
+        (left, kept)
     }
 
     /// Usual distance of neighbouring lines, Hz: the median, which gaps do not move.
@@ -167,11 +202,24 @@ impl DataLayout {
         })
     }
 
-    /// Root mean square of the measured data over that of the data used.
-    pub fn measured_over_used(&self) -> f64 {
+    /// The product of both.
+    pub fn weight_of(&self, (i, j): (usize, usize)) -> f64 {
+        self.weight(i, j).iter().product()
+    }
+
+    /// Root mean square of the data as they were measured.
+    pub fn measured_rms(&self) -> f64 {
         self.weighting
             .as_ref()
-            .map_or(1.0, |weighting| weighting.rms / self.rms)
+            .map_or(self.rms, |weighting| weighting.rms)
+    }
+
+    /// Root mean square of the measured data over that of the data used.
+    pub fn measured_over_used(&self) -> f64 {
+        match self.weighting {
+            Some(_) => self.measured_rms() / self.rms,
+            None => 1.0,
+        }
     }
 
     /// Factor that takes a measured value to a work value: the kind's phase undone, unit

@@ -1,12 +1,20 @@
-//! Passes over the data, FRF by FRF: groups that run side by side, each read block by
-//! block.
+//! A set in memory as the source of a fit, and its passes over the data, FRF by FRF: groups
+//! that run side by side, each read block by block.
 
-use crate::data::reading::{in_place, squares, visit};
+use crate::data::columns::{line_energy, Columns};
+use crate::data::error::FitError;
+use crate::data::given_noise::given_noise;
+use crate::data::layout::Weighting;
+use crate::data::pair_weights::{Giver, PairWeights, Weights};
+use crate::data::products::{project, Projected};
+use crate::data::reading::{energy, in_place, squares, visit};
 use crate::data::screening::Screened;
+use crate::data::sketch::{Mixing, Sums};
+use crate::data::source::{Source, Way};
 use crate::tolerances as tol;
-use chladni_frf::FrfValues;
+use chladni_frf::{Damping, Finding};
 use chladni_linalg::add_matmul;
-use ndarray::{Array2, ArrayView2, ArrayViewMut2, ShapeBuilder};
+use ndarray::{Array1, Array2, ArrayView2, ArrayViewMut2, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -39,20 +47,23 @@ impl Screened<'_> {
     ) {
         for first in group.clone().step_by(tol::BLOCK_FRFS) {
             let frfs = first..(first + tol::BLOCK_FRFS).min(group.end);
-            match in_place(&self.frf.values, &self.pairs[frfs.clone()], &self.lines) {
+            let in_place = in_place(&self.frf.values, &self.pairs[frfs.clone()], &self.lines);
+            match in_place.filter(|_| self.weighting.is_none()) {
                 Some(block) => see(frfs, block),
-                None => self.each_copy(&self.frf.values, frfs, |frfs, block| {
-                    see(frfs, block.view())
-                }),
+                None => self.each_copy(
+                    frfs,
+                    |pair| self.weight_of(pair),
+                    |frfs, block| see(frfs, block.view()),
+                ),
             }
         }
     }
 
-    /// The same with blocks that can be changed.
+    /// The same with blocks that can be changed, each FRF times its `weight`.
     fn each_copy(
         &self,
-        values: &FrfValues,
         group: Range<usize>,
+        weight: impl Fn((usize, usize)) -> f64,
         mut see: impl FnMut(Range<usize>, ArrayViewMut2<f64>),
     ) {
         let rows = 2 * self.lines.len();
@@ -61,12 +72,13 @@ impl Screened<'_> {
             let frfs = first..(first + tol::BLOCK_FRFS).min(group.end);
             let block = &mut scratch[..rows * frfs.len()];
             for (frf, &pair) in block.chunks_exact_mut(rows).zip(&self.pairs[frfs.clone()]) {
+                let weight = weight(pair);
                 visit(
-                    values,
+                    &self.frf.values,
                     pair,
                     &self.lines,
                     frf.chunks_exact_mut(2),
-                    |out, value| (out[0], out[1]) = (value.re, value.im),
+                    |out, value| (out[0], out[1]) = (value.re * weight, value.im * weight),
                 );
             }
             see(
@@ -95,11 +107,13 @@ impl Screened<'_> {
             }
         }
         let unit = self.factor().norm_sqr();
-        let of_group =
-            |group: Range<usize>| {
-                let mut factors = vec![0.0; columns * tol::BLOCK_FRFS];
-                let mut sums = Vec::with_capacity(group.len());
-                self.each_copy(&self.measured().values, group, |frfs, mut left| {
+        let of_group = |group: Range<usize>| {
+            let mut factors = vec![0.0; columns * tol::BLOCK_FRFS];
+            let mut sums = Vec::with_capacity(group.len());
+            self.each_copy(
+                group,
+                |_| 1.0,
+                |frfs, mut left| {
                     let factors = &mut factors[..columns * frfs.len()];
                     factors.fill(0.0);
                     factors
@@ -112,12 +126,122 @@ impl Screened<'_> {
                     sums.extend(left.columns().into_iter().map(|frf| {
                         unit * squares(frf.to_slice().expect("one FRF after the other"))
                     }));
-                });
-                sums
-            };
+                },
+            );
+            sums
+        };
         self.groups()
             .into_par_iter()
             .flat_map_iter(of_group)
             .collect()
+    }
+}
+
+impl Source for Screened<'_> {
+    type Stop = FitError;
+
+    /// Count sketch: each FRF is added with a random sign to one of a few columns, scaled
+    /// so that the noise keeps its variance. Few FRFs are left as they are.
+    fn sketch(&self, seed: u64) -> (Columns, Array1<f64>) {
+        let (total, width) = (self.pairs.len(), self.effort.sketch_columns.max(1));
+        if total <= width {
+            let work = self.work();
+            let energy = line_energy(&work.b) * total as f64;
+            return (work, energy);
+        }
+        let made;
+        let sums = match &self.sums {
+            Some((drawn, sums)) if *drawn == seed => sums,
+            _ => {
+                made = Sums::new(
+                    &self.frf.values,
+                    &self.pairs,
+                    &self.lines,
+                    &Mixing::even(total, width, seed),
+                    self.weighting.as_ref().map(|weighting| &weighting.weights),
+                );
+                &made
+            }
+        };
+        let scale = (width as f64 / total as f64).sqrt() * self.factor();
+        let work = self
+            .axis()
+            .with_columns(sums.columns.mapv(|sum| sum * scale));
+        (work, &sums.line_energy * self.factor().norm_sqr())
+    }
+
+    fn projected(
+        &self,
+        _: &Way,
+        q: &Array2<Complex64>,
+        energy: &Array1<f64>,
+    ) -> Result<Projected, FitError> {
+        Ok(project(self, q, energy)?)
+    }
+
+    fn way(&self) -> Option<&Way> {
+        None
+    }
+
+    fn without(&self, places: &[usize]) -> Self {
+        let (head, kept) = self.head.without(places);
+        let sums = self
+            .sums
+            .as_ref()
+            .map(|(seed, sums)| (*seed, sums.select(&kept)));
+        Self {
+            head,
+            sums,
+            ..*self
+        }
+    }
+
+    fn in_law(&self, law: Damping) -> Self {
+        let mut other = self.clone();
+        other.head.law = law;
+        other
+    }
+
+    fn given_noise(&self) -> Option<(Vec<f64>, Giver)> {
+        given_noise(self)
+    }
+
+    fn weighted(
+        &self,
+        weights: Option<(PairWeights, Option<Giver>)>,
+        left: Weights,
+    ) -> Result<Self, FitError> {
+        let mut other = self.clone();
+        let head = &mut other.head;
+        head.weights_left = left;
+        let rms = head.measured_rms();
+        if weights.is_none() && head.weighting.is_none() {
+            return Ok(other);
+        }
+        head.weighting = weights.map(|(weights, giver)| Weighting {
+            weights,
+            rms,
+            giver,
+        });
+        let weighted = |&pair: &(usize, usize)| {
+            energy(&self.frf.values, pair, &head.lines, head.weight_of(pair)).0
+        };
+        head.energy = head.pairs.par_iter().map(weighted).collect();
+        head.rms = match head.weighting {
+            Some(_) => head.mean_square().sqrt(),
+            None => rms,
+        };
+        other.sums = None;
+        Ok(other)
+    }
+
+    fn noted(&self, finding: Option<Finding>) -> Self {
+        let mut other = self.clone();
+        other.head.warnings.extend(finding);
+        other
+    }
+
+    fn values(&self) -> Option<&Screened<'_>> {
+        Some(self)
     }
 }

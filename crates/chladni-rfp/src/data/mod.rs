@@ -17,4 +17,6 @@ pub(crate) mod products;
 pub(crate) mod reading;
 pub(crate) mod screening;
 pub(crate) mod sketch;
+pub(crate) mod source;
+pub(crate) mod watch;
 pub(crate) mod window;

@@ -76,16 +76,16 @@ pub(crate) fn single_lines(left: &[f64], fitted: &[f64]) -> Vec<usize> {
     found
 }
 
-/// Energies of residual and model over all FRFs on one line.
+/// Energies of residual and model over all FRFs on one line, each times its weight.
 fn energies(data: &Screened, model: &ModalModel, k: usize) -> (f64, f64) {
     let matrix = model.frf_matrix(data.kind, data.frf.frequency_hz[k]);
     data.pairs
         .iter()
         .fold((0.0, 0.0), |(left, fitted), &(i, j)| {
-            let value = matrix[[i, j]];
+            let (value, weight) = (matrix[[i, j]], data.weight_of((i, j)));
             (
-                left + (data.frf.values.get(i, j, k) - value).norm_sqr(),
-                fitted + value.norm_sqr(),
+                left + ((data.frf.values.get(i, j, k) - value) * weight).norm_sqr(),
+                fitted + (value * weight).norm_sqr(),
             )
         })
 }
@@ -110,9 +110,13 @@ fn level(left: &[f64], fitted: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// What is said of the lines left out (Hz).
-pub(crate) fn words(data: &DataLayout, dropped: &mut [f64]) -> Finding {
+/// What is said of the lines left out, if any.
+pub(crate) fn words(data: &DataLayout) -> Option<Finding> {
     const SHOWN: usize = 8;
+    let mut dropped = data.dropped_hz.clone();
+    if dropped.is_empty() {
+        return None;
+    }
     dropped.sort_by(f64::total_cmp);
     let mut names: Vec<String> = dropped
         .iter()
@@ -122,7 +126,7 @@ pub(crate) fn words(data: &DataLayout, dropped: &mut [f64]) -> Finding {
     if dropped.len() > SHOWN {
         names.push(format!("and {} more", dropped.len() - SHOWN));
     }
-    Finding::note(
+    let finding = Finding::note(
         "outlier-lines",
         format!(
             "{} outlier lines of {} that no neighbouring line supports are left out: {} Hz",
@@ -130,6 +134,6 @@ pub(crate) fn words(data: &DataLayout, dropped: &mut [f64]) -> Finding {
             data.lines.len() + dropped.len(),
             names.join(", ")
         ),
-    )
-    .list("lines_hz", dropped.iter().copied())
+    );
+    Some(finding.list("lines_hz", dropped))
 }

@@ -1,6 +1,34 @@
 //! Weights of FRFs: the product of a response's and a reference's.
 
-use chladni_frf::{FrfSet, FrfValues};
+use serde::{Deserialize, Serialize};
+
+/// Who tells the noise of a set, where the set does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Giver {
+    Variance,
+    Coherence,
+}
+
+impl Giver {
+    /// For the path.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Variance => "the variances of the set say",
+            Self::Coherence => "the coherence of the set says",
+        }
+    }
+}
+
+/// Weights of FRFs that may still be tried.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub(crate) enum Weights {
+    /// None.
+    None,
+    /// Those that the residual of a fit tells.
+    OfResidual,
+    /// Those as well that the data tell themselves.
+    Given,
+}
 
 /// 1/(s_i·t_j), about one in the mean.
 #[derive(Debug, Clone)]
@@ -13,20 +41,6 @@ impl PairWeights {
     /// Of a pair (response, reference).
     pub fn of(&self, (i, j): (usize, usize)) -> f64 {
         self.response[i] * self.reference[j]
-    }
-
-    /// The set with every FRF times its weight.
-    pub fn applied(&self, frf: &FrfSet) -> FrfSet {
-        let mut out = frf.clone();
-        match &mut out.values {
-            FrfValues::F64(values) => values
-                .indexed_iter_mut()
-                .for_each(|((i, j, _), value)| *value *= self.of((i, j))),
-            FrfValues::F32(values) => values
-                .indexed_iter_mut()
-                .for_each(|((i, j, _), value)| *value *= self.of((i, j)) as f32),
-        }
-        out
     }
 
     /// What was done, for the path.

@@ -38,13 +38,13 @@ impl Projected {
     /// A decomposition that fails.
     pub fn new(
         data: &DataLayout,
-        products: Products,
+        products: &Products,
         line_energy: &Array1<f64>,
     ) -> Result<Self, LinalgError> {
         let Products { t, gram, r0 } = products;
         let lines = data.lines.len();
         let factor = data.factor();
-        let half = inverse_root(&gram)?;
+        let half = inverse_root(gram)?;
         let columns = blocked_matmul(t.view(), half.view());
         let complex = |(k, c): (usize, usize)| {
             factor * Complex64::new(columns[[2 * k, c]], columns[[2 * k + 1, c]])
@@ -150,7 +150,7 @@ pub(crate) fn project(
     q: &Array2<Complex64>,
     line_energy: &Array1<f64>,
 ) -> Result<Projected, LinalgError> {
-    Projected::new(data, products(data, &measured_basis(data, q)), line_energy)
+    Projected::new(data, &products(data, &measured_basis(data, q)), line_energy)
 }
 
 /// The pass itself, with a [`measured_basis`].

@@ -93,11 +93,17 @@ pub(crate) fn in_place<'a>(
     ArrayView2::from_shape(shape, &parts[2 * (first_pair * all + first)..]).ok()
 }
 
-/// Sum of squares of one pair on `lines`, and whether one of its values is zero.
-pub(crate) fn energy(values: &FrfValues, pair: (usize, usize), lines: &[usize]) -> (f64, bool) {
+/// Sum of squares of one pair times its `weight` on `lines`, and whether one of its values
+/// is zero.
+pub(crate) fn energy(
+    values: &FrfValues,
+    pair: (usize, usize),
+    lines: &[usize],
+    weight: f64,
+) -> (f64, bool) {
     let (mut sums, mut zero) = ([0.0; LANES], false);
     visit(values, pair, lines, 0.., |row: usize, value| {
-        let square = value.norm_sqr();
+        let square = (value * weight).norm_sqr();
         sums[row % LANES] += square;
         zero |= square == 0.0;
     });
@@ -148,7 +154,7 @@ impl Usable {
         let all: Vec<(usize, usize)> = frf.all_pairs().collect();
         let sums: Vec<(f64, bool)> = all
             .par_iter()
-            .map(|&pair| energy(&frf.values, pair, lines))
+            .map(|&pair| energy(&frf.values, pair, lines, 1.0))
             .collect();
         let mut bad = vec![false; lines.len()];
         let mut zeros = vec![0; lines.len()];

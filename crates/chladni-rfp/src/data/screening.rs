@@ -1,15 +1,14 @@
 //! Screening: which lines and FRFs are used, and their scale (theory.md, eq. 5).
 
-use crate::data::columns::{line_energy, Columns};
+use crate::data::columns::Columns;
 use crate::data::error::FitError;
-use crate::data::layout::{DataLayout, Weighting};
+use crate::data::layout::DataLayout;
 use crate::data::noisy_frfs::far_noisier;
 use crate::data::options::FitOptions;
-use crate::data::pair_weights::PairWeights;
 use crate::data::reading::{energy, visit, Usable};
 use crate::data::sketch::{Mixing, Sums};
-use chladni_frf::{Damping, Finding, FrfSet};
-use ndarray::{Array1, Array2, ArrayView1, ShapeBuilder};
+use chladni_frf::{Finding, FrfSet};
+use ndarray::{Array2, ArrayView1, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::ops::{Deref, Range};
@@ -18,14 +17,11 @@ use std::ops::{Deref, Range};
 /// data.
 #[derive(Debug, Clone)]
 pub(crate) struct Screened<'a> {
-    head: DataLayout,
-    /// The data.
+    pub head: DataLayout,
+    /// The data as they were measured; they are weighted as they are read.
     pub frf: &'a FrfSet,
-    /// The FRFs as they were measured, where `frf` is not the measurement itself but
-    /// weighted by its noise.
-    measured: Option<&'a FrfSet>,
     /// The first pass with the seed that it was drawn with, where it is done already.
-    sums: Option<(u64, Sums)>,
+    pub sums: Option<(u64, Sums)>,
 }
 
 impl Deref for Screened<'_> {
@@ -53,6 +49,7 @@ impl<'a> Screened<'a> {
                 &all,
                 &lines,
                 &Mixing::even(all.len(), width, options.seed),
+                None,
             )
         });
         let sums = sums.filter(|sums| !sums.flawed);
@@ -126,7 +123,7 @@ impl<'a> Screened<'a> {
         head.energy = if bad.contains(&true) {
             head.pairs
                 .par_iter()
-                .map(|&pair| energy(&frf.values, pair, &head.lines).0)
+                .map(|&pair| energy(&frf.values, pair, &head.lines, 1.0).0)
                 .collect()
         } else {
             head.pairs
@@ -141,12 +138,7 @@ impl<'a> Screened<'a> {
         let sums = sums
             .filter(|sums| sums.frf_energy.len() == head.pairs.len())
             .map(|sums| (options.seed, sums));
-        Ok(Self {
-            head,
-            frf,
-            measured: None,
-            sums,
-        })
+        Ok(Self { head, frf, sums })
     }
 
     /// Lines, pairs and scale that were chosen elsewhere, in a part of the data.
@@ -154,111 +146,24 @@ impl<'a> Screened<'a> {
         Self {
             head,
             frf,
-            measured: None,
             sums: None,
         }
     }
 
-    /// The same data without the lines at `places` (among the lines used); the scale
-    /// stays.
-    pub fn without(&self, places: &[usize]) -> Self {
-        let kept: Vec<usize> = (0..self.lines.len())
-            .filter(|place| !places.contains(place))
-            .collect();
-        let sums = self
-            .sums
-            .as_ref()
-            .map(|(seed, sums)| (*seed, sums.select(&kept)));
-        Self {
-            head: self.head.select(&kept),
-            frf: self.frf,
-            measured: self.measured,
-            sums,
-        }
-    }
-
-    /// The same data, whose poles are sought in another law.
-    pub fn in_law(&self, law: Damping) -> Self {
-        let mut other = self.clone();
-        other.head.law = law;
-        other
-    }
-
-    /// The same lines and pairs of `frf`, the data times `weights`.
-    pub fn weighted<'b>(&self, frf: &'b FrfSet, weights: PairWeights) -> Screened<'b>
-    where
-        'a: 'b,
-    {
-        let mut head = self.head.clone();
-        head.energy = head
-            .pairs
-            .par_iter()
-            .map(|&pair| energy(&frf.values, pair, &head.lines).0)
-            .collect();
-        head.weighting = Some(Weighting {
-            weights,
-            rms: head.rms,
-        });
-        head.rms = head.mean_square().sqrt();
-        Screened {
-            head,
-            frf,
-            measured: Some(self.frf),
-            sums: None,
-        }
-    }
-
-    /// The FRFs as they were measured.
-    pub fn measured(&self) -> &FrfSet {
-        self.measured.unwrap_or(self.frf)
-    }
-
-    /// First pass: count sketch (each FRF added with a random sign to one of a few
-    /// columns, scaled so that the noise keeps its variance) and the energy of each line
-    /// over all FRFs. Few FRFs are left as they are.
-    pub fn sketch(&self, seed: u64) -> (Columns, Array1<f64>) {
-        let (total, width) = (self.pairs.len(), self.effort.sketch_columns.max(1));
-        if total <= width {
-            let work = self.work();
-            let energy = line_energy(&work.b) * total as f64;
-            return (work, energy);
-        }
-        let made;
-        let sums = match &self.sums {
-            Some((drawn, sums)) if *drawn == seed => sums,
-            _ => {
-                made = Sums::new(
-                    &self.frf.values,
-                    &self.pairs,
-                    &self.lines,
-                    &Mixing::even(total, width, seed),
-                );
-                &made
-            }
-        };
-        let scale = (width as f64 / total as f64).sqrt() * self.factor();
-        let work = Columns {
-            x: self.x.clone(),
-            g: self.g.clone(),
-            b: sums.columns.mapv(|sum| sum * scale),
-            law: self.law,
-        };
-        (work, &sums.line_energy * self.factor().norm_sqr())
-    }
-
-    /// Writes the values of `pairs[range]` on lines `lines[rows]` into a (line, column)
-    /// array.
+    /// Writes the values of `pairs[range]` times their weights on lines `lines[rows]` into
+    /// a (line, column) array.
     pub fn block(&self, columns: Range<usize>, rows: Range<usize>) -> Array2<Complex64> {
         let factor = self.factor();
         let lines = &self.lines[rows];
         let mut out = Array2::zeros((lines.len(), columns.len()).f());
         for (mut column, &pair) in out.columns_mut().into_iter().zip(&self.pairs[columns]) {
+            let weight = self.weight_of(pair);
             visit(
                 &self.frf.values,
                 pair,
                 lines,
                 column.iter_mut(),
-                |out, value| *out = value * factor,
+                |out, value| *out = value * weight * factor,
             );
         }
         out

@@ -1,6 +1,7 @@
 //! First pass over the data: the count sketch (theory.md, eq. 6), and with it the energy
 //! of each line and each FRF.
 
+use crate::data::pair_weights::PairWeights;
 use crate::data::reading::{in_place, visit};
 use crate::tolerances as tol;
 use chladni_frf::FrfValues;
@@ -110,6 +111,7 @@ fn summed(
     pairs: &[(usize, usize)],
     lines: &[usize],
     mixing: &Mixing,
+    weights: Option<&PairWeights>,
     mut columns: ArrayViewMut2<Complex64>,
     frfs_of: &[Vec<usize>],
 ) -> (Vec<f64>, Vec<(usize, f64)>) {
@@ -122,9 +124,9 @@ fn summed(
             bytemuck::cast_slice_mut(column.as_slice_mut().expect("column-major"));
         for two in frfs.chunks(2) {
             let [first, second] = &mut copies;
-            let one = stretch(values, pairs[two[0]], lines, first);
+            let one = stretch(values, pairs[two[0]], lines, weights, first);
             let other = two.get(1).map_or(nothing.as_slice(), |&l| {
-                stretch(values, pairs[l], lines, second)
+                stretch(values, pairs[l], lines, weights, second)
             });
             let signs = [
                 mixing.sign[two[0]],
@@ -137,14 +139,17 @@ fn summed(
     (energy, of_frfs)
 }
 
-/// An FRF where it lies, or copied into `copy`.
+/// An FRF where it lies, or copied into `copy` with its weight.
 fn stretch<'a>(
     values: &'a FrfValues,
     pair: (usize, usize),
     lines: &[usize],
+    weights: Option<&PairWeights>,
     copy: &'a mut Vec<f64>,
 ) -> &'a [f64] {
+    let weight = weights.map_or(1.0, |weights| weights.of(pair));
     in_place(values, &[pair], lines)
+        .filter(|_| weights.is_none())
         .and_then(|frf| frf.to_slice_memory_order())
         .unwrap_or_else(|| {
             copy.resize(2 * lines.len(), 0.0);
@@ -153,20 +158,21 @@ fn stretch<'a>(
                 pair,
                 lines,
                 copy.chunks_exact_mut(2),
-                |out, value| (out[0], out[1]) = (value.re, value.im),
+                |out, value| (out[0], out[1]) = (value.re * weight, value.im * weight),
             );
             copy
         })
 }
 
 impl Sums {
-    /// Runs the pass over `pairs` on `lines`: column by column, so that every FRF is read
-    /// in one stretch.
+    /// Runs the pass over `pairs` times their `weights` on `lines`: column by column, so
+    /// that every FRF is read in one stretch.
     pub fn new(
         values: &FrfValues,
         pairs: &[(usize, usize)],
         lines: &[usize],
         mixing: &Mixing,
+        weights: Option<&PairWeights>,
     ) -> Self {
         let mut frfs_of = vec![Vec::new(); mixing.width];
         mixing
@@ -182,7 +188,9 @@ impl Sums {
             .collect();
         let parts: Vec<_> = groups
             .into_par_iter()
-            .map(|(columns, frfs_of)| summed(values, pairs, lines, mixing, columns, frfs_of))
+            .map(|(columns, frfs_of)| {
+                summed(values, pairs, lines, mixing, weights, columns, frfs_of)
+            })
             .collect();
         let mut sums = Self {
             columns,

@@ -3,9 +3,11 @@
 
 use crate::damping::structural::POWERS;
 use crate::data::columns::{line_energy, Columns};
+use crate::data::error::FitError;
 use crate::data::layout::DataLayout;
 use crate::data::peaks::{fourth_difference_noise, peaks, thinned, Peak};
-use crate::data::screening::Screened;
+use crate::data::source::Source;
+use crate::data::watch::Watch;
 use crate::measured::error_model::{column_scales, normalised};
 use crate::measured::evidence::Evidence;
 use crate::measured::grade::{grade_all, DampingDoubt, Graded};
@@ -43,25 +45,29 @@ pub(crate) struct MeasuredPoles {
     pub warnings: Vec<Finding>,
 }
 
-/// Columns for the path: scaled FRFs, or the strongest mixtures of many.
-fn columns(data: &Screened, seed: u64) -> Result<(Columns, Option<Array2<f64>>), LinalgError> {
-    if data.pairs.len() <= COLUMNS_MOST {
-        let raw = data.work();
-        let scales = column_scales(&raw);
-        let mut b = raw.b.clone();
-        for (mut column, scale) in b.columns_mut().into_iter().zip(&scales) {
-            column.mapv_inplace(|v| v / scale);
-        }
-        return Ok((
-            raw.with_columns(b),
-            Some(Array2::from_diag(&Array1::from(scales))),
-        ));
+/// Columns for the path: scaled FRFs, or the strongest mixtures of many; then without the
+/// way back.
+fn columns<S: Source>(data: &S, seed: u64) -> Result<(Columns, Option<Array2<f64>>), LinalgError> {
+    let few = data
+        .values()
+        .filter(|values| values.pairs.len() <= COLUMNS_MOST);
+    let Some(values) = few else {
+        return Ok((strongest(&data.sketch(seed).0)?, None));
+    };
+    let raw = values.work();
+    let scales = column_scales(&raw);
+    let mut b = raw.b.clone();
+    for (mut column, scale) in b.columns_mut().into_iter().zip(&scales) {
+        column.mapv_inplace(|v| v / scale);
     }
-    Ok((strongest(&data.sketch(seed).0)?, None))
+    Ok((
+        raw.with_columns(b),
+        Some(Array2::from_diag(&Array1::from(scales))),
+    ))
 }
 
 /// The strongest mixtures of the columns of a sketch.
-pub(crate) fn strongest(sketch: &Columns) -> Result<Columns, LinalgError> {
+fn strongest(sketch: &Columns) -> Result<Columns, LinalgError> {
     let (_, _, vh) = svd_thin(sketch.b.view())?;
     let mixing = vh
         .slice(s![..COLUMNS_MOST.min(vh.nrows()), ..])
@@ -70,25 +76,28 @@ pub(crate) fn strongest(sketch: &Columns) -> Result<Columns, LinalgError> {
 }
 
 /// Runs the path. `asked` fixes the number of modes.
-pub(crate) fn measured_path(
-    data: &Screened,
+///
+/// # Errors
+/// A kernel that fails; a watch that ends it.
+pub(crate) fn measured_path<S: Source>(
+    data: &S,
     seed: u64,
     asked: Option<usize>,
-    progress: &dyn Fn(&str),
-) -> Result<MeasuredPoles, LinalgError> {
+    watch: &Watch,
+) -> Result<MeasuredPoles, FitError> {
     let (work, back) = columns(data, seed)?;
-    on_columns(data, work, back, asked, progress)
+    on_columns(data, work, back, asked, watch)
 }
 
 /// The path on columns that are made already; `back` where they are scaled FRFs.
-pub(crate) fn on_columns(
+fn on_columns(
     data: &DataLayout,
     mut work: Columns,
     back: Option<Array2<f64>>,
     asked: Option<usize>,
-    progress: &dyn Fn(&str),
-) -> Result<MeasuredPoles, LinalgError> {
-    progress("screening");
+    watch: &Watch,
+) -> Result<MeasuredPoles, FitError> {
+    watch.stage("screening")?;
     let mut warnings = Vec::new();
     let hz = data.hz();
     let factor = padding_factor(&work, &data.line_hz);
@@ -144,7 +153,7 @@ pub(crate) fn on_columns(
         hz,
     };
 
-    progress("pole pool and local tests");
+    watch.stage("pole pool and local tests")?;
     let sections = split(&work, &seen);
     let mut searches = sections
         .par_iter()
@@ -155,7 +164,7 @@ pub(crate) fn on_columns(
         let dropped = keep_strongest(&mut searches, modes, &trust)?;
         warnings.extend(more_than_asked(modes, &dropped, hz));
     }
-    progress("error bars and grades");
+    watch.stage("error bars and grades")?;
     let finished = searches
         .into_par_iter()
         .map(Search::finish)

@@ -12,6 +12,7 @@ use crate::data::error::FitError;
 use crate::data::information::covariance;
 use crate::data::options::FitOptions;
 use crate::data::screening::Screened;
+use crate::data::watch::Watch;
 use crate::methods::found::Stabilization;
 use crate::methods::found::{Finder, MethodPoles};
 use crate::methods::lscf::lscf;
@@ -43,15 +44,15 @@ pub(crate) fn fit_by_method(
     data: &Screened,
     options: &FitOptions,
     method: Finder,
-    progress: &dyn Fn(&str),
+    watch: &Watch,
 ) -> Result<(ModalModel, Option<Stabilization>), FitError> {
-    progress("sketch");
+    watch.stage("sketch")?;
     let survey = Survey::new(data, options.seed);
-    progress("compression");
+    watch.stage("compression")?;
     let columns = survey.compress()?;
-    progress("poles");
+    watch.stage("poles")?;
     let mut found = method(&survey, &columns, options)?;
-    progress("residues");
+    watch.stage("residues")?;
     merge_equal(&mut found);
     let (lines, modes) = (data.lines.len(), found.poles.len());
     let needed = modes + POWERS.len() + 1;

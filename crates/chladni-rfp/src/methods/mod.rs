@@ -3,6 +3,7 @@
 //!
 //! | method | idea | source |
 //! |---|---|---|
+//! | `auto` | maximum likelihood, or the measured-data path | theory.md, sections 2 and 3 |
 //! | `lean` | vector fitting, then maximum likelihood, order given | theory.md, section 2 |
 //! | `vf` | relaxed vector fitting in x = ω² | Gustavsen 2006 |
 //! | `lscf` | common denominator in z, stabilization | Van der Auweraer et al. 2001 |
@@ -21,6 +22,7 @@
 //! residues (`selection`).
 
 pub(crate) mod aaa;
+pub(crate) mod auto;
 pub(crate) mod bands;
 pub(crate) mod bars;
 pub(crate) mod circle;

@@ -6,7 +6,7 @@ use crate::damping::viscous::from_structural;
 use crate::data::columns::Columns;
 use crate::data::options::FitOptions;
 use crate::methods::classic::negative_damping;
-use crate::methods::found::MethodPoles;
+use crate::methods::found::{fewer_modes, MethodPoles};
 use crate::methods::survey::Survey;
 use crate::poles::prune::{crutch, threshold, unphysical};
 use crate::poles::refine::{refine, removable, Projection};
@@ -139,18 +139,6 @@ pub(crate) fn fewer(options: &FitOptions, found: usize) -> Option<Finding> {
         .modes
         .filter(|asked| *asked > found)
         .map(|asked| fewer_modes(asked, found, ""))
-}
-
-/// The finding where a method finds fewer modes than were asked for; `why` begins with a
-/// colon, or is empty.
-pub(crate) fn fewer_modes(asked: usize, found: usize, why: &str) -> Finding {
-    Finding::caution(
-        "fewer-modes",
-        format!("{asked} modes asked for, {found} found{why}"),
-    )
-    .value("modes_asked", asked as f64)
-    .value("modes_found", found as f64)
-    .help("ask for fewer modes, or fit a wider band")
 }
 
 /// Rise of the sum of squares without each of the poles (theory.md, eq. 8).

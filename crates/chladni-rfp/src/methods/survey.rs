@@ -13,6 +13,7 @@ use crate::data::options::FitOptions;
 use crate::data::peaks::{fourth_difference_noise, peaks, thinned, Peak};
 use crate::data::products::project;
 use crate::data::screening::Screened;
+use crate::data::source::Source;
 use crate::poles::start::rank_over_noise;
 use crate::tolerances as tol;
 use chladni_linalg::{matmul, qr_thin, svd_thin, LinalgError};
@@ -78,23 +79,29 @@ impl<'a> Survey<'a> {
             outside: 0.0,
             rank,
         };
-        if sketch.lines() <= sketch.columns() {
+        let of_frfs = sketch.columns() == self.data.pairs.len();
+        let wide = sketch.lines() <= sketch.columns();
+        if wide && of_frfs {
             return Ok(whole(self.peaks.len()));
         }
-        let (q, r) = qr_thin(sketch.b.view())?;
-        let (u, singular_values, _) = svd_thin(r.view())?;
+        let (u, singular_values) = if wide {
+            let (u, values, _) = svd_thin(sketch.b.view())?;
+            (u, values)
+        } else {
+            let (q, r) = qr_thin(sketch.b.view())?;
+            let (u, values, _) = svd_thin(r.view())?;
+            (matmul(q.view(), u.view()), values)
+        };
         let (rank, floor_seen) = rank_over_noise(&singular_values.to_vec(), sketch.lines());
         // a direction of noise alone would come back from the second pass as if it were
         // signal
-        let directions = (if floor_seen { rank } else { sketch.columns() })
+        let directions = (if floor_seen { rank } else { u.ncols() })
             .max(self.peaks.len())
-            .clamp(1, sketch.columns());
-        if sketch.columns() == self.data.pairs.len()
-            && (!floor_seen || 2 * directions >= sketch.columns())
-        {
+            .clamp(1, u.ncols());
+        if of_frfs && (!floor_seen || 2 * directions >= sketch.columns()) {
             return Ok(whole(rank));
         }
-        let q = matmul(q.view(), u.slice(s![.., ..directions]));
+        let q = u.slice(s![.., ..directions]).to_owned();
         let projected = project(self.data, &q, &self.energy)?;
         let outside = (self.energy.sum() - projected.work.energy()).max(0.0);
         Ok(Compressed {

@@ -268,8 +268,7 @@ impl Shaped {
                 .map(|(p, &power)| {
                     let mut matrix = Array2::zeros((responses, references));
                     for (l, &(i, j)) in data.pairs.iter().enumerate() {
-                        matrix[[i, j]] =
-                            terms[[p, l]] * scale / data.weight(i, j).iter().product::<f64>();
+                        matrix[[i, j]] = terms[[p, l]] * scale / data.weight_of((i, j));
                     }
                     ResidualTerm {
                         power: 2 * power,
@@ -340,8 +339,7 @@ impl Shaped {
         }
         .unwrap_or_else(|| {
             let of_frf = |l: usize, factors: &mut [f64]| {
-                let (i, j) = data.pairs[l];
-                let weight: f64 = data.weight(i, j).iter().product();
+                let weight = data.weight_of(data.pairs[l]);
                 self.coefficients(data, l, factors);
                 factors.iter_mut().for_each(|factor| *factor /= weight);
             };

@@ -2,8 +2,10 @@
 //! mode, real or not, serves all references.
 
 use crate::damping::verdict::{self, Verdict};
+use crate::data::error::FitError;
 use crate::data::layout::DataLayout;
 use crate::data::options::{FitOptions, ShapeModel};
+use crate::data::watch::Watch;
 use crate::model::identified::Identified;
 use crate::model::outside::settle_outside;
 use crate::poles::estimate::PoleEstimate;
@@ -14,14 +16,14 @@ use chladni_linalg::LinalgError;
 
 /// Poles of the law that the data prefer, or that is asked for, structured where that
 /// holds; with what is to be said of it. `again`: the poles in another law.
-pub(crate) fn decide(
+pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
     data: &DataLayout,
     found: PoleEstimate,
     options: &FitOptions,
-    progress: &dyn Fn(&str),
-    again: &dyn Fn(PoleEstimate, Damping) -> Result<PoleEstimate, LinalgError>,
-) -> Result<(Identified, Vec<Finding>), LinalgError> {
-    progress("damping law");
+    watch: &Watch,
+    again: &dyn Fn(PoleEstimate, Damping) -> Result<PoleEstimate, E>,
+) -> Result<(Identified, Vec<Finding>), E> {
+    watch.stage("damping law")?;
     let told = told(data, &found)?;
     let law = options.damping.or(told.law()).unwrap_or(found.work.law);
     let found = if found.work.law == law {
@@ -29,7 +31,7 @@ pub(crate) fn decide(
     } else {
         again(found, law)?
     };
-    progress("shapes");
+    watch.stage("shapes")?;
     let (refined, unlike) = match shape_search(data, &found, options)? {
         Search::Found(structured) => (Some(structured), None),
         Search::Refused(sigmas) => (None, Some(sigmas)),

@@ -73,8 +73,7 @@ fn sums(model: &Laid, data: &DataLayout) -> Option<Vec<(f64, f64)>> {
             .zip(c.columns())
             .zip(met.columns().into_iter().zip(own.columns()));
         sums.map(|((l, c), (met, own))| {
-            let (i, j) = data.pairs[l];
-            let weight = data.weight(i, j).iter().product::<f64>().powi(2);
+            let weight = data.weight_of(data.pairs[l]).powi(2);
             let energy = unit * data.energy[l];
             (
                 (energy - 2.0 * c.dot(&met) + c.dot(&own)) / weight,

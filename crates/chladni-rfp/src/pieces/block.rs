@@ -1,17 +1,20 @@
 //! One block of FRFs, reduced.
 
 use crate::data::error::FitError;
-use crate::data::layout::DataLayout;
-use crate::data::options::FitOptions;
+use crate::data::given_noise::given_noise;
+use crate::data::layout::{DataLayout, Weighting};
+use crate::data::options::{Effort, FitOptions};
+use crate::data::pair_weights::Giver;
 use crate::data::products::{measured_basis, products};
 use crate::data::reading::{squares_of, Usable};
 use crate::data::screening::Screened;
 use crate::data::sketch::{self, Mixing};
+use crate::data::source::Way;
 use crate::data::window;
 use crate::pieces::error::PieceError;
 use crate::pieces::partial::{Block, Partial, ProductSums, Run, SketchSums, Sums};
 use crate::pieces::plan::Plan;
-use crate::pieces::poles::{Matrix, Poles};
+use crate::pieces::poles::{Matrix, Pass, Poles};
 use crate::poles::passes::on_all_lines;
 use chladni_frf::{Error, FrfSet, Source};
 use ndarray::{Array2, Axis};
@@ -25,25 +28,16 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub struct Reducer {
     options: FitOptions,
+    /// What the pass is run with; `None`: the first, which leaves a sketch.
+    poles: Option<Arc<Poles>>,
     /// Of the products.
     basis: Option<Basis>,
-    pass: Pass,
     reading: BTreeMap<String, String>,
-}
-
-/// What a pass leaves.
-#[derive(Debug, PartialEq)]
-enum Pass {
-    /// A sketch, and the products too where there is a basis and nothing is missing.
-    First,
-    /// The products.
-    Second,
 }
 
 /// What products are made with.
 #[derive(Debug)]
 struct Basis {
-    poles: Arc<Poles>,
     head: DataLayout,
     /// Orthonormal on the lines used, as it meets measured values: (real and imaginary
     /// part of each line, unknown).
@@ -51,32 +45,29 @@ struct Basis {
 }
 
 impl Basis {
-    fn new(poles: &Poles, options: &FitOptions) -> Result<Self, PieceError> {
-        let head = poles.head(options.effort)?;
-        let measured = measured_basis(&head, &on_all_lines(&head, &poles.lambda)?);
-        Ok(Self {
-            poles: Arc::new(poles.clone()),
-            measured,
-            head,
-        })
+    fn new(poles: &Poles, way: &Way, options: &FitOptions) -> Result<Self, PieceError> {
+        let head = DataLayout {
+            law: way.law,
+            ..poles.head(options.effort)?
+        };
+        let measured = measured_basis(&head, &on_all_lines(&head, &way.lambda)?);
+        Ok(Self { measured, head })
     }
 }
 
 impl Reducer {
-    /// Without `poles` the first pass, with them the second.
+    /// Without `poles` the first pass, with them the one that they ask for.
     ///
     /// # Errors
     /// Poles of an axis without lines in their band.
     pub fn new(options: &FitOptions, poles: Option<&Poles>) -> Result<Self, PieceError> {
-        let pass = if poles.is_some() {
-            Pass::Second
-        } else {
-            Pass::First
-        };
+        let basis = poles.and_then(|poles| Some((poles, poles.way.as_ref()?)));
         Ok(Self {
             options: options.clone(),
-            basis: poles.map(|poles| Basis::new(poles, options)).transpose()?,
-            pass,
+            poles: poles.cloned().map(Arc::new),
+            basis: basis
+                .map(|(poles, way)| Basis::new(poles, way, options))
+                .transpose()?,
             reading: BTreeMap::new(),
         })
     }
@@ -88,12 +79,12 @@ impl Reducer {
     /// # Errors
     /// As [`Self::new`].
     pub fn with_pilot(options: &FitOptions, pilot: &Poles) -> Result<Self, PieceError> {
-        Ok(Self {
-            options: options.clone(),
-            basis: Some(Basis::new(pilot, options)?),
-            pass: Pass::First,
-            reading: BTreeMap::new(),
-        })
+        let pilot = Poles {
+            pass: Pass::Pilot,
+            weighting: None,
+            ..pilot.clone()
+        };
+        Self::new(options, Some(&pilot))
     }
 
     /// The pass that left `partial`, to go on with it.
@@ -101,10 +92,7 @@ impl Reducer {
     /// # Errors
     /// As [`Self::new`].
     pub fn of(options: &FitOptions, partial: &Partial) -> Result<Self, PieceError> {
-        match partial.pilot() {
-            Some(pilot) => Self::with_pilot(options, pilot),
-            None => Self::new(options, partial.poles()),
-        }
+        Self::new(options, partial.poles.as_deref())
     }
 
     /// The options that the data are read with, by name: what was reduced with others is
@@ -115,9 +103,13 @@ impl Reducer {
         self
     }
 
-    /// True for the second pass.
+    /// True for a pass after the first.
     pub fn is_second(&self) -> bool {
-        self.pass == Pass::Second
+        self.pass().is_some_and(|pass| pass != Pass::Pilot)
+    }
+
+    fn pass(&self) -> Option<Pass> {
+        self.poles.as_ref().map(|poles| poles.pass)
     }
 
     /// Reduces the FRFs of one block.
@@ -143,43 +135,46 @@ impl Reducer {
             .window
             .map_or(Ok(None), |window| window::undo(frf, window))?;
         let frf = unbiased.as_ref().unwrap_or(frf);
-        if let Some(basis) = &self.basis {
-            basis.poles.plan.same(&plan, &format!("block {number}"))?;
+        if let Some(poles) = &self.poles {
+            poles.plan.same(&plan, &format!("block {number}"))?;
         }
-        let (block, sums) = match (&self.basis, &self.pass) {
-            (Some(basis), Pass::Second) => {
-                let (block, products) = second_pass(frf, basis, None)?;
-                (
-                    block,
-                    Sums {
-                        sketch: None,
-                        products: Some(products),
-                    },
-                )
+        let weighting = self
+            .poles
+            .as_ref()
+            .and_then(|poles| poles.weighting.as_ref())
+            .map(|weights| weights.of(&frf.responses, &frf.references));
+        let products = |energy| -> Option<Result<(Block, ProductSums), PieceError>> {
+            Some(second_pass(frf, self.basis.as_ref()?, &weighting, energy))
+        };
+        let (block, sums) = match self.pass() {
+            Some(Pass::Products) => {
+                let (block, products) = products(None).unwrap_or_else(|| Err(no_poles()))?;
+                let sums = Sums {
+                    sketch: None,
+                    products: Some(products),
+                };
+                (block, sums)
             }
-            (basis, _) => {
+            _ => {
                 let (lines, _) = plan.lines()?;
-                let (block, sketch, energy) = first_pass(frf, &plan, &lines)?;
-                let known = |basis: &Basis| energy.filter(|_| basis.head.lines == lines);
-                let both = basis
-                    .as_ref()
-                    .and_then(|basis| second_pass(frf, basis, known(basis)).ok());
-                match both.filter(|(other, _)| other.pairs == block.pairs) {
-                    Some((block, products)) => (
-                        block,
-                        Sums {
-                            sketch: Some(sketch),
-                            products: Some(products),
-                        },
-                    ),
-                    None => (
-                        block,
-                        Sums {
-                            sketch: Some(sketch),
-                            products: None,
-                        },
-                    ),
-                }
+                let (block, sketch, energy) = first_pass(frf, &plan, &lines, &weighting)?;
+                let all = |basis: &Basis| basis.head.lines == lines;
+                let energy = energy.filter(|_| self.basis.as_ref().is_some_and(all));
+                // products only of the very FRFs that are in the sketch
+                let both = products(energy).and_then(Result::ok);
+                let both = both.filter(|(other, _)| other.pairs == block.pairs);
+                let (block, products) = match both {
+                    Some((with, products)) => {
+                        let given = block.given;
+                        (Block { given, ..with }, Some(products))
+                    }
+                    None => (block, None),
+                };
+                let sums = Sums {
+                    sketch: Some(sketch),
+                    products,
+                };
+                (block, sums)
             }
         };
         let labels: HashSet<u64> = frf
@@ -202,10 +197,9 @@ impl Reducer {
             sources,
             ..block
         };
-        let poles = self.basis.as_ref().map(|basis| basis.poles.clone());
         Ok(Partial {
             plan,
-            poles,
+            poles: self.poles.clone(),
             blocks: vec![block],
             runs: vec![Run {
                 first: number,
@@ -241,8 +235,17 @@ fn of_pairs(pairs: Vec<(usize, usize)>) -> Block {
         pairs,
         energy: Vec::new(),
         r0: None,
+        given: None,
         sources: Vec::new(),
     }
+}
+
+fn no_poles() -> PieceError {
+    Error::bad_data("no poles to make products with")
+        .field("poles")
+        .found("none")
+        .expected("those that a first pass led to")
+        .into()
 }
 
 /// The sketch; and the sum of squares of each FRF, where none is flawed.
@@ -250,11 +253,13 @@ fn first_pass(
     frf: &FrfSet,
     plan: &Plan,
     lines: &[usize],
+    weighting: &Option<Weighting>,
 ) -> Result<(Block, SketchSums, Option<Vec<f64>>), PieceError> {
+    let weights = weighting.as_ref().map(|weighting| &weighting.weights);
     let run = |pairs: &[(usize, usize)]| {
         let mixing = mixing(frf, pairs, plan);
         (
-            sketch::Sums::new(&frf.values, pairs, lines, &mixing),
+            sketch::Sums::new(&frf.values, pairs, lines, &mixing, weights),
             mixing,
         )
     };
@@ -285,7 +290,36 @@ fn first_pass(
         line_energy: sums.line_energy.to_vec(),
         bad,
     };
-    Ok((of_pairs(pairs), sums, energy))
+    let given = match weighting {
+        Some(_) => None,
+        None => noise_told(frf, plan, lines, &sums.bad, &pairs)?,
+    };
+    let block = Block {
+        given,
+        ..of_pairs(pairs)
+    };
+    Ok((block, sums, energy))
+}
+
+/// The noise of each FRF as the data tell it on sound lines.
+fn noise_told(
+    frf: &FrfSet,
+    plan: &Plan,
+    lines: &[usize],
+    bad: &[bool],
+    pairs: &[(usize, usize)],
+) -> Result<Option<(Giver, Vec<f64>)>, FitError> {
+    let sound = lines.iter().zip(bad).filter(|(_, bad)| !**bad);
+    let sound: Vec<usize> = sound.map(|(line, _)| *line).collect();
+    if sound.is_empty() {
+        return Ok(None);
+    }
+    let head = DataLayout {
+        pairs: pairs.to_vec(),
+        ..plan.head(sound, Effort::default())?
+    };
+    let told = given_noise(&Screened::part(frf, head));
+    Ok(told.map(|(noise, giver)| (giver, noise)))
 }
 
 /// A column and a sign for each FRF that depend on its DOFs and the seed alone, not on
@@ -320,9 +354,14 @@ fn mixing(frf: &FrfSet, pairs: &[(usize, usize)], plan: &Plan) -> Mixing {
 fn second_pass(
     frf: &FrfSet,
     basis: &Basis,
+    weighting: &Option<Weighting>,
     energy: Option<Vec<f64>>,
 ) -> Result<(Block, ProductSums), PieceError> {
     let head = &basis.head;
+    let weight = |pair: (usize, usize)| {
+        let weights = weighting.as_ref().map(|weighting| &weighting.weights);
+        weights.map_or(1.0, |weights| weights.of(pair))
+    };
     // on the lines used, an FRF is there or it is not
     let is_finite = |(i, j): (usize, usize), k: usize| frf.values.get(i, j, k).is_finite();
     let (mut pairs, missing): (Vec<_>, Vec<_>) = frf
@@ -333,6 +372,7 @@ fn second_pass(
             frf,
             DataLayout {
                 pairs: pairs.clone(),
+                weighting: weighting.clone(),
                 ..head.clone()
             },
         ),
@@ -343,7 +383,7 @@ fn second_pass(
         .unwrap_or_else(|| {
             pairs
                 .par_iter()
-                .map(|&pair| squares_of(&frf.values, pair, &head.lines))
+                .map(|&pair| weight(pair).powi(2) * squares_of(&frf.values, pair, &head.lines))
                 .collect()
         });
     let broken = pairs

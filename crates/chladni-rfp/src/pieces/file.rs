@@ -2,7 +2,7 @@
 //! content.
 //!
 //! ```text
-//! {"format":"chladni.partial","version":3,"created_by":"chladni 0.1.0","bytes":1234,"sha256":"..."}
+//! {"format":"chladni.partial","version":4,"created_by":"chladni 0.1.0","bytes":1234,"sha256":"..."}
 //! ```
 
 use crate::pieces::partial::Partial;
@@ -13,13 +13,13 @@ use serde::{de::DeserializeOwned, Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 /// Version of the content; another one is refused.
-const VERSION: u64 = 3;
+const VERSION: u64 = 4;
 /// Most bytes of the first line.
 const HEAD_MOST: usize = 1024;
 
 /// The first line.
 #[derive(Debug, Serialize, Deserialize)]
-struct DataLayout {
+struct FirstLine {
     format: String,
     version: u64,
     created_by: String,
@@ -70,7 +70,7 @@ fn digest(content: &[u8]) -> String {
 
 fn to_bytes(format: &str, content: &impl Serialize) -> Vec<u8> {
     let content = postcard::to_allocvec(content).expect("plain data of known length");
-    let head = DataLayout {
+    let head = FirstLine {
         format: format.into(),
         version: VERSION,
         created_by: CREATED_BY.into(),
@@ -85,7 +85,7 @@ fn to_bytes(format: &str, content: &impl Serialize) -> Vec<u8> {
 
 fn from_bytes<T: DeserializeOwned + Sound>(format: &str, bytes: &[u8]) -> Result<T, Error> {
     let end = bytes.iter().take(HEAD_MOST).position(|byte| *byte == b'\n');
-    let head: Option<DataLayout> = end.and_then(|end| serde_json::from_slice(&bytes[..end]).ok());
+    let head: Option<FirstLine> = end.and_then(|end| serde_json::from_slice(&bytes[..end]).ok());
     let (Some(end), Some(head)) = (end, head) else {
         let expected = format!("one line of JSON with \"format\":\"{format}\"");
         return Err(Error::bad_data(format!("no {format} file"))

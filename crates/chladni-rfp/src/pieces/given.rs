@@ -4,6 +4,7 @@ use crate::damping::structural::basis;
 use crate::data::options::FitOptions;
 use crate::data::products::project;
 use crate::data::screening::Screened;
+use crate::data::source::Source;
 use crate::data::window;
 use crate::model::build::Shaped;
 use crate::model::given::GivenPoles;

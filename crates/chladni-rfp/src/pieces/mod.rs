@@ -13,14 +13,16 @@
 //! are made in an order that the numbers of the blocks fix: the same blocks give the same
 //! bits in whatever order and grouping they arrive.
 //!
-//! What needs the FRFs themselves again is left out, and a fit says so: weighing FRFs by
-//! their noise, and the checks for poles that move between FRFs, delayed references and
-//! windows.
+//! The walk from sums to a model is that of every fit (`driver.rs`): it stops at a pass
+//! that is not made yet, and goes on from there. What needs single FRFs is left out, and a
+//! fit says so: the checks for poles that move between FRFs or split, references that are
+//! not reciprocal, and windows.
 
 pub(crate) mod block;
 pub(crate) mod error;
 pub(crate) mod file;
 pub(crate) mod given;
+pub(crate) mod merged;
 pub(crate) mod partial;
 pub(crate) mod plan;
 pub(crate) mod poles;

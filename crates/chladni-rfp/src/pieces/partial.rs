@@ -1,7 +1,8 @@
 //! What is left of blocks of FRFs, and how it is merged.
 
+use crate::data::pair_weights::Giver;
 use crate::pieces::plan::Plan;
-use crate::pieces::poles::{Matrix, Poles};
+use crate::pieces::poles::{Matrix, Pass, Poles};
 use chladni_frf::{Dof, Error, Node, Source};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -12,7 +13,7 @@ use std::sync::Arc;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Partial {
     pub(crate) plan: Plan,
-    /// Those that the pass was run with, or a pilot's; `None`: the first pass.
+    /// Those that the pass was run with; `None`: the first pass without a pilot.
     pub(crate) poles: Option<Arc<Poles>>,
     /// By rising number.
     pub(crate) blocks: Vec<Block>,
@@ -37,6 +38,8 @@ pub(crate) struct Block {
     pub energy: Vec<f64>,
     /// R₀, (unknown, FRF) (second pass).
     pub r0: Option<Matrix<f64>>,
+    /// Noise energy of each FRF, up to a factor, where the data tell it (first pass).
+    pub given: Option<(Giver, Vec<f64>)>,
     /// Files that it came from.
     pub sources: Vec<Source>,
 }
@@ -226,18 +229,18 @@ impl Partial {
             .is_ok()
     }
 
-    /// The poles that the second pass was run with; `None` after the first.
+    /// The poles that the pass was run with; `None` after the first.
     pub fn poles(&self) -> Option<&Poles> {
-        self.poles.as_deref().filter(|_| !self.is_first())
+        self.poles
+            .as_deref()
+            .filter(|poles| poles.pass != Pass::Pilot)
     }
 
     /// The poles of the pilot that the first pass was run with, if any.
     pub fn pilot(&self) -> Option<&Poles> {
-        self.poles.as_deref().filter(|_| self.is_first())
-    }
-
-    fn is_first(&self) -> bool {
-        self.runs.iter().all(|run| run.sums.sketch.is_some())
+        self.poles
+            .as_deref()
+            .filter(|poles| poles.pass == Pass::Pilot)
     }
 
     /// The files that the blocks came from, each once.

@@ -2,23 +2,24 @@
 //! know.
 
 use crate::data::error::FitError;
-use crate::data::layout::DataLayout;
+use crate::data::layout::{DataLayout, Weighting};
 use crate::data::options::{Effort, FitOptions};
+use crate::data::pair_weights::{Giver, PairWeights, Weights};
+use crate::data::source::{as_json, By, Way};
 use crate::pieces::plan::Plan;
-use crate::poles::estimate::Grade;
-use chladni_frf::Finding;
+use chladni_frf::{Dof, Finding};
 use ndarray::Array2;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
 
-/// Poles to run the second pass with.
+/// Poles to run a pass with, and all that a fit needs to go on from there.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Poles {
     pub(crate) plan: Plan,
+    pub(crate) pass: Pass,
     /// Indices of the lines used.
     pub(crate) lines: Vec<usize>,
-    /// In the x plane.
-    pub(crate) lambda: Vec<Complex64>,
     /// Root mean square of the data, in SI units of their kind.
     pub(crate) rms: f64,
     /// Energy of each line used over all FRFs, in work units.
@@ -29,28 +30,79 @@ pub struct Poles {
     pub(crate) frfs: usize,
     /// Number of modes asked for.
     pub(crate) modes: Option<usize>,
+    /// What the pass multiplies FRFs by.
+    pub(crate) weighting: Option<DofWeights>,
+    /// Weights that may be tried after these.
+    pub(crate) weights_left: Weights,
     /// Outlier lines left out, Hz.
     pub(crate) dropped_hz: Vec<f64>,
-    /// How often poles were sought: the second pass may show that they must be sought
-    /// again.
-    pub(crate) rounds: usize,
-    pub(crate) path: Path,
+    /// Rounds of leaving them out.
+    pub(crate) outlier_rounds: usize,
+    /// What is to be said of the data.
+    #[serde(with = "as_json")]
+    pub(crate) warnings: Vec<Finding>,
+    /// The poles, and how they were found; `None` where none were sought yet.
+    pub(crate) way: Option<Way>,
 }
 
-/// How poles were found.
+/// What a pass with poles makes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Pass {
+    /// Products with their basis: the second pass.
+    Products,
+    /// A sketch, and such products besides: a first pass with the poles of a pilot.
+    Pilot,
+    /// The same anew, of FRFs with other weights.
+    Anew,
+}
+
+/// Weights of FRFs by their DOFs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(crate) enum Path {
-    /// Fast chain; what was tried: (poles, residual variance), in order.
-    Fast { history: Vec<(usize, f64)> },
-    /// Measured-data path, and why; E|δλ|² and grade of each pole.
-    Measured {
-        evidence: String,
-        spread: Vec<f64>,
-        grades: Vec<Grade>,
-        warnings: Vec<Finding>,
-    },
-    /// Stopped: every resonance turns the wrong way.
-    Conjugated,
+pub(crate) struct DofWeights {
+    responses: Vec<(Dof, f64)>,
+    references: Vec<(Dof, f64)>,
+    /// Root mean square of the FRFs as they were measured.
+    rms: f64,
+    giver: Option<Giver>,
+}
+
+impl DofWeights {
+    /// Those of the FRFs of `data`.
+    pub fn new(data: &DataLayout, weights: &PairWeights, giver: Option<Giver>, rms: f64) -> Self {
+        let of = |dofs: &[Dof], values: &[f64]| -> Vec<(Dof, f64)> {
+            dofs.iter().copied().zip(values.iter().copied()).collect()
+        };
+        Self {
+            responses: of(&data.responses, &weights.response),
+            references: of(&data.references, &weights.reference),
+            rms,
+            giver,
+        }
+    }
+
+    /// All weights, and the scale.
+    pub fn numbers(&self) -> impl Iterator<Item = f64> + '_ {
+        let weights = self.responses.iter().chain(&self.references);
+        weights.map(|(_, weight)| *weight).chain([self.rms])
+    }
+
+    /// Those of the FRFs of these DOFs.
+    pub fn of(&self, responses: &[Dof], references: &[Dof]) -> Weighting {
+        let of = |dofs: &[Dof], all: &[(Dof, f64)]| {
+            let all: HashMap<Dof, f64> = all.iter().copied().collect();
+            dofs.iter()
+                .map(|dof| all.get(dof).copied().unwrap_or(1.0))
+                .collect()
+        };
+        Weighting {
+            weights: PairWeights {
+                response: of(responses, &self.responses),
+                reference: of(references, &self.references),
+            },
+            rms: self.rms,
+            giver: self.giver,
+        }
+    }
 }
 
 /// A matrix, column by column.
@@ -85,7 +137,12 @@ impl<T: Copy> Matrix<T> {
 impl Poles {
     /// Number of poles, those beside the band included.
     pub fn count(&self) -> usize {
-        self.lambda.len()
+        self.lambda().len()
+    }
+
+    /// In the x plane.
+    fn lambda(&self) -> &[Complex64] {
+        self.way.as_ref().map_or(&[], |way| &way.lambda)
     }
 
     /// Options of the first pass, to run the second with: band, seed, window, sketch, and
@@ -122,7 +179,7 @@ impl Poles {
             .first()
             .map_or(0.0, |&k| self.plan.frequency_hz[k]);
         let mut modes: Vec<(f64, f64)> = self
-            .lambda
+            .lambda()
             .iter()
             .map(|l| (l.re.max(0.0).sqrt() * hz, l.im / l.re))
             .collect();
@@ -133,11 +190,29 @@ impl Poles {
 
     /// How they were found, in words.
     pub fn evidence(&self) -> String {
-        match &self.path {
-            Path::Fast { .. } => "fast chain on the sketch".into(),
-            Path::Measured { evidence, .. } => format!("measured-data path: {evidence}"),
-            Path::Conjugated => "every resonance turns the wrong way".into(),
+        let found = match self.way.as_ref().map(|way| &way.by) {
+            Some(By::Fast { .. }) => "fast chain on the sketch".into(),
+            Some(By::Measured { evidence, .. }) => format!("measured-data path: {evidence}"),
+            Some(By::Conjugated) => "every resonance turns the wrong way".into(),
+            None => "not sought yet".to_owned(),
+        };
+        match (self.pass, &self.weighting) {
+            (Pass::Anew, Some(_)) => format!("{found}; the next pass weighs FRFs by their noise"),
+            (Pass::Anew, None) => format!("{found}; the next pass weighs all FRFs alike"),
+            _ => found,
         }
+    }
+
+    /// What else is known of the data, for those of these FRFs.
+    pub(crate) fn tell(&self, head: &mut DataLayout) {
+        head.weighting = self
+            .weighting
+            .as_ref()
+            .map(|weights| weights.of(&head.responses, &head.references));
+        head.weights_left = self.weights_left;
+        head.dropped_hz.clone_from(&self.dropped_hz);
+        head.outlier_rounds = self.outlier_rounds;
+        head.warnings.clone_from(&self.warnings);
     }
 
     /// Lines and scale, without DOFs.

@@ -1,9 +1,10 @@
 //! Sizes and numbers of partials and poles that came as bytes: a checksum says that they
 //! are as they were written, not that they were written by this program.
 
+use crate::data::source::{By, Way};
 use crate::pieces::partial::{Block, Partial, ProductSums, Run, SketchSums};
 use crate::pieces::plan::Plan;
-use crate::pieces::poles::{Matrix, Path, Poles};
+use crate::pieces::poles::{DofWeights, Matrix, Pass, Poles};
 use chladni_frf::Error;
 use std::fmt::Display;
 
@@ -11,7 +12,7 @@ use std::fmt::Display;
 const RUN_MOST: u64 = 1 << 62;
 /// Most FRFs in one column of a sketch: sums of many are numbers.
 const FRFS_MOST: u64 = 1 << 48;
-/// Most times that poles can have been sought.
+/// Most passes and rounds that a fit can have made.
 const ROUNDS_MOST: usize = 1 << 10;
 
 /// Content whose parts must fit each other.
@@ -151,6 +152,9 @@ impl Block {
         if !self.energy.is_empty() {
             count("energies of the FRFs", self.energy.len(), self.pairs.len())?;
         }
+        if let Some((_, noise)) = &self.given {
+            count("noise of the FRFs", noise.len(), self.pairs.len())?;
+        }
         if let Some(r0) = &self.r0 {
             size("the products of a block", r0, r0.rows, self.pairs.len())?;
             finite("products of a block", r0.values.iter().copied())?;
@@ -218,22 +222,49 @@ impl Sound for Poles {
         size("the sketch", &self.sketch, lines, columns)?;
         count("energies of the lines", self.line_energy.len(), lines)?;
         finite("energies of the lines", self.line_energy.iter().copied())?;
-        let parts = self.sketch.values.iter().chain(&self.lambda);
-        finite(
-            "poles and sketch",
-            parts.flat_map(|value| [value.re, value.im]),
-        )?;
+        let sketch = self.sketch.values.iter();
+        finite("sketch", sketch.flat_map(|value| [value.re, value.im]))?;
         if !(self.rms.is_finite() && self.rms > 0.0) {
             return Err(refused("root mean square", self.rms, "a positive number"));
         }
-        if self.rounds > ROUNDS_MOST {
-            return Err(refused("rounds", self.rounds, "a few"));
+        if self.outlier_rounds > ROUNDS_MOST {
+            return Err(refused("rounds", self.outlier_rounds, "a few"));
         }
-        if let Path::Measured { spread, grades, .. } = &self.path {
-            count("spread of the poles", spread.len(), self.lambda.len())?;
-            count("grades of the poles", grades.len(), self.lambda.len())?;
+        if let Some(weighting) = &self.weighting {
+            weighting.check()?;
         }
-        Ok(())
+        match &self.way {
+            Some(way) => way.check(),
+            None if self.pass == Pass::Products => Err(refused("poles", "none", "some")),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Way {
+    fn check(&self) -> Result<(), Error> {
+        let poles = self.lambda.iter();
+        finite("poles", poles.flat_map(|value| [value.re, value.im]))?;
+        match &self.by {
+            By::Measured { spread, grades, .. } => {
+                count("spread of the poles", spread.len(), self.lambda.len())?;
+                count("grades of the poles", grades.len(), self.lambda.len())
+            }
+            By::Fast { extra_passes, .. } if *extra_passes > ROUNDS_MOST => {
+                Err(refused("passes", extra_passes, "a few"))
+            }
+            By::Fast { .. } | By::Conjugated => Ok(()),
+        }
+    }
+}
+
+impl DofWeights {
+    fn check(&self) -> Result<(), Error> {
+        let bad = |weight: &f64| !(weight.is_finite() && *weight > 0.0);
+        match self.numbers().find(bad) {
+            Some(weight) => Err(refused("weights", weight, "positive numbers")),
+            None => Ok(()),
+        }
     }
 }
 

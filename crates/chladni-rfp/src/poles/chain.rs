@@ -7,18 +7,20 @@
 
 use crate::damping::structural::POWERS;
 use crate::data::columns::{line_energy, Columns};
+use crate::data::error::FitError;
 use crate::data::layout::DataLayout;
 use crate::data::outliers::single_lines;
 use crate::data::peaks::{fourth_difference_noise, peaks, thinned};
 use crate::data::products::Projected;
-use crate::data::screening::Screened;
+use crate::data::source::{By, Source, Way};
+use crate::data::watch::Watch;
 use crate::poles::first_look::first_look;
-use crate::poles::passes::{compressed, Pass};
+use crate::poles::passes::{basis_of, on_all_lines, Pass, Start};
 use crate::poles::pool::{mixtures, starts, vector_fit, Products};
 use crate::poles::prune::unphysical;
 use crate::poles::refine::{refine, Projection, Refined};
 use crate::poles::settle::{keep_strongest, settle};
-use crate::poles::start::{pool_size, started, Start};
+use crate::poles::start::{self, pool_size, started};
 use crate::poles::whiteness::{judge, judge_columns, Whiteness};
 use crate::tolerances as tol;
 use chladni_linalg::LinalgError;
@@ -57,23 +59,11 @@ impl Doubt {
 }
 
 /// What the sketch alone tells.
-#[derive(Debug)]
-pub(crate) enum First {
+enum First {
     /// Poles to project on.
-    Poles(Box<Sketched>),
+    Poles(Box<Start>),
     /// What need not be projected.
     Ended(Doubt),
-}
-
-/// Poles of the sketch with what they were found on.
-#[derive(Debug)]
-pub(crate) struct Sketched {
-    /// The sketch on the lines that were looked at: all, or on long records some.
-    pub sketch: Columns,
-    /// Poles, as sharp as the sketch shows them.
-    pub refined: Refined,
-    /// What was tried: (poles, residual variance), in order.
-    pub history: Vec<(usize, f64)>,
 }
 
 /// What the fast chain found.
@@ -93,50 +83,52 @@ pub(crate) struct Chain {
     pub history: Vec<(usize, f64)>,
 }
 
-/// Runs the chain. `asked` fixes the number of in-band modes.
-pub(crate) fn fast_chain(
-    data: &Screened,
+/// Runs the chain, or goes on where it stopped for a pass that was made since. `asked`
+/// fixes the number of in-band modes.
+///
+/// * `doubt`: what speaks against the other law, where that was tried before
+///
+/// # Errors
+/// A kernel that fails; a pass that others must make; a watch that ends it.
+pub(crate) fn fast_chain<S: Source>(
+    data: &S,
     seed: u64,
     asked: Option<usize>,
-    progress: &dyn Fn(&str),
-) -> Result<Outcome, LinalgError> {
-    progress("sketch");
+    doubt: Option<&str>,
+    watch: &Watch,
+) -> Result<Outcome, S::Stop> {
+    watch.stage("sketch")?;
     let (sketch, energy) = data.sketch(seed);
-    let Sketched {
-        sketch,
-        refined,
-        mut history,
-    } = match of_sketch(data, sketch, seed, asked, progress)? {
-        First::Poles(sketched) => *sketched,
-        First::Ended(doubt) => return Ok(Outcome::Ended(doubt)),
+    let start = match data.way() {
+        Some(way) if way.law == data.law => went_on(data, sketch, way)?,
+        _ => match of_sketch(data, sketch, seed, asked, watch)? {
+            First::Poles(start) => Start {
+                doubt: doubt.map(str::to_owned),
+                ..*start
+            },
+            First::Ended(doubt) => return Ok(Outcome::Ended(doubt)),
+        },
     };
-    progress("projection");
-    let pass = compressed(
-        data,
-        &sketch,
-        &energy,
-        &refined,
-        asked.is_none(),
-        &mut history,
-    )?;
-    of_columns(data, pass, &energy, asked, history)
+    watch.stage("projection")?;
+    let (pass, history) = start.compressed(data, &energy, asked.is_none())?;
+    Ok(of_columns(data, pass, &energy, asked, history)?)
 }
 
 /// The chain up to the second pass over the data.
-pub(crate) fn of_sketch(
+fn of_sketch(
     data: &DataLayout,
     sketch: Columns,
     seed: u64,
     asked: Option<usize>,
-    progress: &dyn Fn(&str),
-) -> Result<First, LinalgError> {
+    watch: &Watch,
+) -> Result<First, FitError> {
     let hz = data.hz();
     let ended = |doubt| Ok(First::Ended(doubt));
     let noise = fourth_difference_noise(&sketch.b, 40);
     let peaks = peaks(&sketch, &line_energy(&sketch.b), &noise);
     let seeds: Vec<Complex64> = peaks.iter().map(|p| p.lambda).collect();
 
-    progress("pole pool");
+    watch.stage("pole pool")?;
     let size = pool_size(&sketch, seeds.len(), asked)?;
     let rows = thinned(&sketch, &peaks);
     let sketch = if rows.len() < sketch.lines() {
@@ -177,7 +169,7 @@ pub(crate) fn of_sketch(
             first = look(&start.refined);
         }
     }
-    let Start {
+    let start::Start {
         mut refined,
         mut variance,
     } = start;
@@ -214,15 +206,38 @@ pub(crate) fn of_sketch(
         data.effort.likelihood_steps,
         tol::FINE_STEP,
     )?;
-    Ok(First::Poles(Box::new(Sketched {
+    Ok(First::Poles(Box::new(Start {
+        q: basis_of(data, &refined)?,
         sketch,
-        refined,
+        lambda: refined.lambda,
         history,
+        extra_passes: 0,
+        doubt: None,
     })))
 }
 
+/// Where the chain stopped on its `way`.
+fn went_on(data: &DataLayout, sketch: Columns, way: &Way) -> Result<Start, LinalgError> {
+    let (history, extra_passes, doubt) = match &way.by {
+        By::Fast {
+            history,
+            extra_passes,
+            doubt,
+        } => (history.clone(), *extra_passes, doubt.clone()),
+        By::Measured { .. } | By::Conjugated => Default::default(),
+    };
+    Ok(Start {
+        sketch,
+        lambda: way.lambda.clone(),
+        q: on_all_lines(data, &way.lambda)?,
+        history,
+        extra_passes,
+        doubt,
+    })
+}
+
 /// The chain from the second pass on; `energy`: of each line over all FRFs.
-pub(crate) fn of_columns(
+fn of_columns(
     data: &DataLayout,
     mut pass: Pass,
     energy: &Array1<f64>,

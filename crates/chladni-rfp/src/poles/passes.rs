@@ -5,8 +5,9 @@ use crate::damping::structural::basis;
 use crate::damping::structural::POWERS;
 use crate::data::columns::Columns;
 use crate::data::layout::DataLayout;
-use crate::data::products::{energies, project, Projected};
+use crate::data::products::{energies, Projected};
 use crate::data::screening::Screened;
+use crate::data::source::{By, Source, Way};
 use crate::poles::prune::threshold;
 use crate::poles::refine::{refine, Refined};
 use crate::poles::scan::{residual_peak, Scan};
@@ -32,51 +33,99 @@ pub(crate) struct Pass {
     lost: usize,
 }
 
-/// Compresses all FRFs with the poles of the `sketch`, settles the order on the
-/// compressed columns and, where poles are `sought`, asks all FRFs for those that the
-/// sketch did not show. `energy`: of each line over all FRFs.
-pub(crate) fn compressed(
-    data: &Screened,
-    sketch: &Columns,
-    energy: &Array1<f64>,
-    start: &Refined,
-    sought: bool,
-    history: &mut Vec<(usize, f64)>,
-) -> Result<Pass, LinalgError> {
-    let mut best = Pass::new(data, energy, start, history)?;
-    let mut tried = Vec::new();
-    for _ in 0..if sought { data.effort.extra_passes } else { 0 } {
-        if let Some((pole, vague)) = best.missed(data, &tried) {
-            tried.push(pole);
-            let mut more = best.refined.lambda.clone();
-            more.push(pole);
-            let more = refine(sketch, &more, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
-            let there = [pole, *more.lambda.last().expect("one was added")];
-            if vague
-                && !best
-                    .shares(data, &there)
-                    .iter()
-                    .any(|share| *share > tol::CONFIRMED_REFINED)
+/// Where the passes over all FRFs begin.
+#[derive(Debug)]
+pub(crate) struct Start {
+    /// The sketch on the lines that were looked at.
+    pub sketch: Columns,
+    /// Poles, as sharp as it shows them.
+    pub lambda: Vec<Complex64>,
+    /// Basis of the model with these poles on all lines, orthonormal.
+    pub q: Array2<Complex64>,
+    /// What was tried: (poles, residual variance), in order.
+    pub history: Vec<(usize, f64)>,
+    /// Passes made already beyond the second.
+    pub extra_passes: usize,
+    /// What spoke against the other damping law, where this is the second tried.
+    pub doubt: Option<String>,
+}
+
+impl Start {
+    /// Compresses all FRFs, settles the order on the compressed columns and, where poles
+    /// are `sought`, asks all FRFs for those that the sketch did not show; with what was
+    /// tried. `energy`: of each line over all FRFs.
+    ///
+    /// # Errors
+    /// A kernel that fails; a pass that others must make.
+    pub fn compressed<S: Source>(
+        mut self,
+        data: &S,
+        energy: &Array1<f64>,
+        sought: bool,
+    ) -> Result<(Pass, Vec<(usize, f64)>), S::Stop> {
+        let mut best = self.pass(data, energy)?;
+        let mut tried = Vec::new();
+        let most = if sought { data.effort.extra_passes } else { 0 };
+        while self.extra_passes < most {
+            self.extra_passes += 1;
+            if let Some((pole, vague)) = best.missed(data, data.values(), &tried) {
+                tried.push(pole);
+                let mut more = best.refined.lambda.clone();
+                more.push(pole);
+                let steps = tol::REFINE_ROUGH;
+                let more = refine(&self.sketch, &more, &POWERS, steps, tol::ROUGH_STEP)?;
+                let there = [pole, *more.lambda.last().expect("one was added")];
+                if vague
+                    && !best
+                        .shares(data.values(), &there)
+                        .iter()
+                        .any(|share| *share > tol::CONFIRMED_REFINED)
+                {
+                    continue;
+                }
+                // a pass of others is dear: none for the poles that these columns are of
+                if data.values().is_none() && same(&more.lambda, &self.lambda) {
+                    break;
+                }
+                (self.q, self.lambda) = (basis_of(data, &more)?, more.lambda);
+                let with = self.pass(data, energy)?;
+                // the same poles on columns that one more pole helped to choose: nothing is
+                // learned
+                if !same(&with.refined.lambda, &best.refined.lambda) {
+                    best = with;
+                }
+            } else if best.lost > 0
+                && best.projected.work.columns() < data.pairs.len()
+                && data.values().is_some()
             {
-                continue;
+                self.q = basis_of(data, &best.refined)?;
+                self.lambda = best.refined.lambda;
+                best = self.pass(data, energy)?;
+            } else {
+                break;
             }
-            let with = Pass::new(data, energy, &more, history)?;
-            // the same poles on columns that one more pole helped to choose: nothing is
-            // learned
-            if !same(&with.refined.lambda, &best.refined.lambda) {
-                best = with;
-            }
-        } else if best.lost > 0 && best.projected.work.columns() < data.pairs.len() {
-            best = Pass::new(data, energy, &best.refined, history)?;
-        } else {
-            break;
         }
+        Ok((best, self.history))
     }
-    Ok(best)
+
+    /// One pass with these poles.
+    fn pass<S: Source>(&mut self, data: &S, energy: &Array1<f64>) -> Result<Pass, S::Stop> {
+        let way = Way {
+            law: data.law,
+            lambda: self.lambda.clone(),
+            by: By::Fast {
+                history: self.history.clone(),
+                extra_passes: self.extra_passes,
+                doubt: self.doubt.clone(),
+            },
+        };
+        let projected = data.projected(&way, &self.q, energy)?;
+        Ok(Pass::of(data, projected, &self.lambda, &mut self.history)?)
+    }
 }
 
 /// True where both are the same poles, to a part of a half-bandwidth.
-pub(crate) fn same(these: &[Complex64], those: &[Complex64]) -> bool {
+fn same(these: &[Complex64], those: &[Complex64]) -> bool {
     these.len() == those.len()
         && these
             .iter()
@@ -84,22 +133,8 @@ pub(crate) fn same(these: &[Complex64], those: &[Complex64]) -> bool {
 }
 
 impl Pass {
-    fn new(
-        data: &Screened,
-        energy: &Array1<f64>,
-        start: &Refined,
-        history: &mut Vec<(usize, f64)>,
-    ) -> Result<Self, LinalgError> {
-        Self::of(
-            data,
-            project(data, &basis_of(data, start)?, energy)?,
-            &start.lambda,
-            history,
-        )
-    }
-
     /// The order settled on columns that were compressed with the poles `start`.
-    pub fn of(
+    fn of(
         data: &DataLayout,
         projected: Projected,
         start: &[Complex64],
@@ -127,7 +162,7 @@ impl Pass {
 
     /// Where a mode that the sketch did not show stands out of the residual over all
     /// FRFs.
-    pub fn stands_out(&self, data: &DataLayout) -> Option<Complex64> {
+    fn stands_out(&self, data: &DataLayout) -> Option<Complex64> {
         let Self {
             projected, refined, ..
         } = self;
@@ -142,7 +177,12 @@ impl Pass {
     /// Where a mode that the sketch did not show stands out of the residual over all
     /// FRFs, or out of the compressed columns. True where the whole of it is still to be
     /// confirmed.
-    fn missed(&self, data: &Screened, tried: &[Complex64]) -> Option<(Complex64, bool)> {
+    fn missed(
+        &self,
+        data: &DataLayout,
+        values: Option<&Screened>,
+        tried: &[Complex64],
+    ) -> Option<(Complex64, bool)> {
         let Self {
             projected,
             variance,
@@ -158,18 +198,18 @@ impl Pass {
         places.truncate(tol::PLACES);
         places
             .iter()
-            .zip(self.shares(data, &places))
+            .zip(self.shares(values, &places))
             .find(|(_, share)| *share > tol::CONFIRMED)
             .map(|(pole, _)| (*pole, true))
     }
 
     /// What a pole at each of the `places` takes out of all FRFs beyond their noise, as
-    /// part of what a pole of the model must. A pass with that pole in the basis would
-    /// have the last word, and costs far more.
-    fn shares(&self, data: &Screened, places: &[Complex64]) -> Vec<f64> {
-        if places.is_empty() {
+    /// part of what a pole of the model must; nothing where the FRFs are not at hand. A
+    /// pass with that pole in the basis would have the last word, and costs far more.
+    fn shares(&self, values: Option<&Screened>, places: &[Complex64]) -> Vec<f64> {
+        let Some(data) = values.filter(|_| !places.is_empty()) else {
             return Vec::new();
-        }
+        };
         let (_, mut outside) = projected(
             self.refined.projection.q.view(),
             basis(&self.projected.work, places, &[]).view(),
@@ -189,7 +229,10 @@ impl Pass {
 
 /// The basis of the second pass on all lines, whether or not the poles were found on a
 /// thinned record.
-fn basis_of(data: &DataLayout, refined: &Refined) -> Result<Array2<Complex64>, LinalgError> {
+pub(crate) fn basis_of(
+    data: &DataLayout,
+    refined: &Refined,
+) -> Result<Array2<Complex64>, LinalgError> {
     if refined.projection.q.nrows() == data.lines.len() {
         return Ok(refined.projection.q.clone());
     }

@@ -13,7 +13,6 @@ fn run(frf: &FrfSet, method: Method, modes: Option<usize>) -> Result<ModalModel,
             modes,
             ..FitOptions::default()
         },
-        &|_| {},
     )
     .map(|fit| fit.model)
 }
@@ -125,7 +124,7 @@ fn bars_of_every_method_hold_its_bias() {
             damping: Some(Damping::Structural),
             ..FitOptions::default()
         };
-        let model = fit(&set.frf, &options, &|_| {}).unwrap().model;
+        let model = fit(&set.frf, &options).unwrap().model;
         let pulls = set.truth.in_band_modes().zip(model.in_band_modes());
         let rms = (pulls
             .map(|(t, m)| ((m.frequency_hz - t.frequency_hz) / m.frequency_std_hz).powi(2))
@@ -274,7 +273,7 @@ fn what_cannot_be_fitted_is_an_error_or_not_trusted() {
                     band_hz,
                     ..FitOptions::default()
                 };
-                match fit(&set.frf, &options, &|_| {}) {
+                match fit(&set.frf, &options) {
                     Err(FitError::TooFewLines { .. }) => {}
                     Err(error) => panic!("{method}, {lines} lines, {modes:?}: {error}"),
                     Ok(fit) => assert!(fit.model.in_band_modes().count() <= lines as usize),
@@ -387,7 +386,6 @@ fn every_mode_is_a_column_of_the_stabilization_diagram() {
                 method,
                 ..FitOptions::default()
             },
-            &|_| {},
         )
         .unwrap()
         .stabilization
@@ -410,4 +408,29 @@ fn threads_do_not_change_a_bit_of_any_method() {
         };
         assert_eq!(on(1), on(2), "{method}");
     }
+}
+
+#[test]
+fn a_narrow_band_of_many_frfs_takes_no_sketch_for_the_frfs() {
+    let set = Synthetic {
+        responses: 64,
+        references: 3,
+        ..easy()
+    };
+    let frf = set.build().unwrap().frf;
+    // 60 lines, fewer than the columns of the sketch of 192 FRFs
+    let options = FitOptions {
+        band_hz: Some([130.0, 135.9]),
+        method: Method::Vf,
+        ..FitOptions::default()
+    };
+    let model = fit(&frf, &options).unwrap().model;
+    let mode = model.in_band_modes().next().expect("one mode");
+    assert!(
+        (mode.frequency_hz - 133.0).abs() < 0.01,
+        "{}",
+        mode.frequency_hz
+    );
+    assert_eq!(mode.shape.0.len(), 64);
+    assert!(model.quality.relative_error < 0.1);
 }

@@ -427,7 +427,7 @@ fn classic_methods_find_separate_modes_on_clean_data() {
 #[test]
 fn what_cannot_be_fitted_says_why() {
     let set = easy(40.0, 1).build().unwrap();
-    let error = |options: &FitOptions, frf: &FrfSet| fit(frf, options, &|_| {}).unwrap_err();
+    let error = |options: &FitOptions, frf: &FrfSet| fit(frf, options).unwrap_err();
     let outside = FitOptions {
         band_hz: Some([500.0, 600.0]),
         ..Default::default()

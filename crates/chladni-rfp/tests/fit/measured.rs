@@ -91,7 +91,6 @@ fn the_beam_of_64000_lines_has_its_eight_bending_modes() {
             band_hz: Some([20.0, 1900.0]),
             ..FitOptions::default()
         },
-        &|_| {},
     )
     .unwrap()
     .model;
@@ -127,9 +126,7 @@ fn the_whole_record_of_64000_lines_ends_and_keeps_the_eight() {
     let Some(path) = data("pyuff-beam/beam.uff") else {
         return;
     };
-    let model = fit(&read(&[path]), &FitOptions::default(), &|_| {})
-        .unwrap()
-        .model;
+    let model = fit(&read(&[path]), &FitOptions::default()).unwrap().model;
     for (frequency, spread) in [
         (52.554, 0.003),
         (144.632, 0.002),
@@ -187,9 +184,7 @@ fn modes_narrower_than_a_line_are_found_between_the_lines() {
         std::fs::write(&path, csv).unwrap();
         paths.push(path);
     }
-    let model = fit(&read(&paths), &FitOptions::default(), &|_| {})
-        .unwrap()
-        .model;
+    let model = fit(&read(&paths), &FitOptions::default()).unwrap().model;
     judge(
         &model,
         &[
@@ -208,9 +203,7 @@ fn one_measured_frf_has_its_published_mode() {
     let Some(path) = data("vtb-case1/case1_frf.csv") else {
         return;
     };
-    let model = fit(&read(&[path]), &FitOptions::default(), &|_| {})
-        .unwrap()
-        .model;
+    let model = fit(&read(&[path]), &FitOptions::default()).unwrap().model;
     judge(&model, &[Reference(212.0925, 0.003, 0.0008625, 0.0000035)]);
     assert!(model.quality.trusted);
 }

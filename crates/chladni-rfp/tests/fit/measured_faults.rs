@@ -32,7 +32,7 @@ fn measured(specification: Synthetic) -> SyntheticSet {
 }
 
 fn fitted(frf: &FrfSet) -> ModalModel {
-    let model = fit(frf, &FitOptions::default(), &|_| {}).unwrap().model;
+    let model = fit(frf, &FitOptions::default()).unwrap().model;
     assert!(
         model
             .quality
@@ -106,9 +106,7 @@ fn gain_noise_of_five_per_cent_common_to_all_frfs_adds_no_mode() {
     for (fraction, seed) in [(0.005, 1), (0.02, 2), (0.05, 3), (0.05, 4), (0.05, 5)] {
         let mut set = structure().build().unwrap();
         gain_noise(&mut set.frf, fraction, true, seed);
-        let model = fit(&set.frf, &FitOptions::default(), &|_| {})
-            .unwrap()
-            .model;
+        let model = fit(&set.frf, &FitOptions::default()).unwrap().model;
         assert_all_sure(&model, &MODES);
         let extra: Vec<f64> = model
             .in_band_modes()
@@ -214,7 +212,6 @@ fn a_mode_at_the_edge_of_the_band_is_weak() {
             band_hz: Some([20.0, edge]),
             ..FitOptions::default()
         },
-        &|_| {},
     )
     .unwrap()
     .model;

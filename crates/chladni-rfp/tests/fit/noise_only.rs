@@ -38,7 +38,7 @@ fn white_noise_has_no_mode_not_even_a_weak_one() {
     for responses in [1, 6] {
         for seed in 0..6 {
             let frf = noise(responses, 1601, seed, |row| row.clone());
-            let model = fit(&frf, &FitOptions::default(), &|_| {}).unwrap().model;
+            let model = fit(&frf, &FitOptions::default()).unwrap().model;
             let found: Vec<f64> = model.in_band_modes().map(|m| m.frequency_hz).collect();
             assert!(
                 found.is_empty(),
@@ -87,13 +87,9 @@ fn coloured_noise_has_no_sure_mode() {
     for (name, shape) in &shapes {
         for responses in [1, 6] {
             for seed in 0..3 {
-                let model = fit(
-                    &noise(responses, 1201, seed, shape),
-                    &FitOptions::default(),
-                    &|_| {},
-                )
-                .unwrap()
-                .model;
+                let model = fit(&noise(responses, 1201, seed, shape), &FitOptions::default())
+                    .unwrap()
+                    .model;
                 let sure: Vec<f64> = model
                     .in_band_modes()
                     .filter(|m| m.trust == Trust::Sure)
@@ -124,7 +120,7 @@ fn the_fast_chain_is_left_for_white_noise_in_at_most_one_case_of_a_hundred() {
                 seed,
                 ..Synthetic::default()
             };
-            let model = fit(&set.build().unwrap().frf, &FitOptions::default(), &|_| {})
+            let model = fit(&set.build().unwrap().frf, &FitOptions::default())
                 .unwrap()
                 .model;
             !model

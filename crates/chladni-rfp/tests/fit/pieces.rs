@@ -46,17 +46,136 @@ fn reduced(blocks: &[(u64, FrfSet)], poles: Option<&Poles>) -> Vec<Partial> {
         .collect()
 }
 
-/// Both passes, as often as they are asked for, and the merged partial of the last.
+/// All passes that are asked for, and the merged partial of the last; poles go through
+/// their file.
 fn in_pieces(blocks: &[(u64, FrfSet)]) -> (ModalModel, Partial) {
+    let (model, merged, _) = in_passes(blocks);
+    (model, merged)
+}
+
+/// The same with the number of passes.
+fn in_passes(blocks: &[(u64, FrfSet)]) -> (ModalModel, Partial, usize) {
     let mut poles: Option<Poles> = None;
-    for _ in 0..6 {
+    for passes in 1..8 {
         let merged = Partial::merge(reduced(blocks, poles.as_ref())).unwrap();
         match solve(&merged, &FitOptions::default(), &|_| {}).unwrap() {
-            Solved::Poles(found) => poles = Some(*found),
-            Solved::Fit(fit) => return (fit.model, merged),
+            Solved::Poles(found) => {
+                let read = Poles::from_bytes(&found.to_bytes()).unwrap();
+                assert_eq!(read, *found);
+                poles = Some(read);
+            }
+            Solved::Fit(fit) => return (fit.model, merged, passes),
         }
     }
     panic!("no end")
+}
+
+/// Every mode of the band within so many standard deviations of the other model's, with
+/// error bars within a part of its own, and sure where that one is.
+fn agree(model: &ModalModel, memory: &ModalModel, deviations: f64, part: f64) {
+    assert_eq!(
+        model.in_band_modes().count(),
+        memory.in_band_modes().count()
+    );
+    for (mode, other) in model.in_band_modes().zip(memory.in_band_modes()) {
+        let off = (mode.frequency_hz - other.frequency_hz).abs() / other.frequency_std_hz;
+        let eta = (mode.loss_factor - other.loss_factor).abs() / other.loss_factor_std;
+        let bar = (mode.frequency_std_hz / other.frequency_std_hz - 1.0).abs();
+        let at = other.frequency_hz;
+        assert!(
+            off < deviations && eta < deviations && bar < part,
+            "{at} Hz: {off:.3}, {eta:.3} deviations, bar {bar:.3}"
+        );
+        assert_eq!(mode.trust, other.trust, "{at} Hz");
+    }
+}
+
+/// The set with noise 45 dB below the data, times a factor of each response and reference.
+fn unequal() -> FrfSet {
+    let mut set = easy(f64::INFINITY, 3);
+    (set.responses, set.references) = (64, 3);
+    let mut frf = set.build().unwrap().frf;
+    let FrfValues::F64(values) = &mut frf.values else {
+        panic!("synthetic sets are in double precision")
+    };
+    let variance =
+        10f64.powf(-4.5) * values.iter().map(|v| v.norm_sqr()).sum::<f64>() / values.len() as f64;
+    let mut noise = Array3::zeros(values.dim());
+    add_noise_of_variance(&mut noise, variance, 103);
+    for (((i, j, _), value), noise) in values.indexed_iter_mut().zip(&noise) {
+        *value += noise * level(i, j);
+    }
+    frf
+}
+
+fn level(i: usize, j: usize) -> f64 {
+    [1.0, 4.0, 1.0, 6.0, 5.0, 2.0][i % 6] * [2.0, 1.0, 3.0][j % 3]
+}
+
+#[test]
+fn frfs_of_unequal_noise_are_weighted_as_in_memory() {
+    let frf = unequal();
+    let (model, _, passes) = in_passes(&blocks(&frf, 5));
+    let memory = fitted(&frf, &FitOptions::default());
+    agree(&model, &memory, 0.05, 0.01);
+    let weights = |model: &ModalModel| {
+        let path = model.quality.path.clone().unwrap();
+        path.split_once("FRFs weighted").unwrap().1.to_owned()
+    };
+    assert_eq!(weights(&model), weights(&memory));
+    assert!(
+        passes <= 3,
+        "{passes}: sketch, products, and both once more with weights"
+    );
+    // as the data themselves tell it: from the start
+    let mut given = frf;
+    given.variance = Some(Array3::from_shape_fn(given.values.dim(), |(i, j, _)| {
+        (1e-3 * level(i, j)).powi(2)
+    }));
+    let cut = |count: usize| -> Vec<(u64, FrfSet)> {
+        let variance = given.variance.as_ref().unwrap();
+        let of = |b: usize| b * 64 / count;
+        let with = |(b, block): (u64, FrfSet)| {
+            let rows = of(b as usize)..of(b as usize + 1);
+            let variance = Some(variance.slice(s![rows, .., ..]).to_owned());
+            (b, FrfSet { variance, ..block })
+        };
+        blocks(&given, count).into_iter().map(with).collect()
+    };
+    let (model, _, passes) = in_passes(&cut(5));
+    let memory = fitted(&given, &FitOptions::default());
+    agree(&model, &memory, 0.05, 0.01);
+    assert_eq!(weights(&model), weights(&memory));
+    assert!(weights(&model).ends_with("as the variances of the set say"));
+    assert!(passes <= 3, "{passes}");
+}
+
+#[test]
+fn outlier_lines_of_measured_data_are_left_out_as_in_memory() {
+    let mut noisy = set();
+    gain_noise(&mut noisy.frf, 0.05, true, 4);
+    outliers(&mut noisy.frf, 1e-4, 30.0, 3);
+    let (model, _) = in_pieces(&blocks(&noisy.frf, 5));
+    let memory = fitted(&noisy.frf, &FitOptions::default());
+    let lines = |model: &ModalModel| -> Vec<f64> {
+        let found = model.quality.findings.iter();
+        let found = found.filter(|finding| finding.code == "outlier-lines");
+        found
+            .flat_map(|finding| finding.values["lines_hz"].as_slice().to_vec())
+            .collect()
+    };
+    let (own, whole) = (lines(&model), lines(&memory));
+    assert!(!whole.is_empty());
+    let shared = own.iter().filter(|hz| whole.contains(hz)).count();
+    assert!(
+        10 * shared >= 9 * whole.len() && 10 * shared >= 9 * own.len(),
+        "{own:?} against {whole:?}"
+    );
+    let sure = |model: &ModalModel| {
+        let modes = model.in_band_modes();
+        modes.filter(|mode| mode.trust == Trust::Sure).count()
+    };
+    assert_eq!((sure(&model), sure(&memory)), (8, 8));
 }
 
 /// Largest relative difference of natural frequencies and loss factors.
@@ -122,7 +241,8 @@ fn piloted(blocks: &[(u64, FrfSet)], pilot: &FrfSet) -> Solved {
             .map(|(number, frf)| reducer.block(frf, *number, Vec::new()).unwrap()),
     )
     .unwrap();
-    assert!(merged.poles().is_none() && merged.pilot() == Some(&*pilot));
+    assert!(merged.poles().is_none());
+    assert_eq!(merged.pilot().unwrap().modes(), pilot.modes());
     solve(&merged, &options, &|_| {}).unwrap()
 }
 

@@ -206,9 +206,7 @@ fn run(seed: u64) -> Tally {
     let mut tally = Tally::default();
     for (number, case) in cases().iter().enumerate() {
         let set = case.build(seed + 100 * number as u64);
-        let model = fit(&set.frf, &FitOptions::default(), &|_| {})
-            .unwrap()
-            .model;
+        let model = fit(&set.frf, &FitOptions::default()).unwrap().model;
         let (missed, wrong) = missed_and_false(case, &model);
         tally.count(&model, &set.truth);
         if !missed.is_empty() || !wrong.is_empty() {
@@ -290,7 +288,7 @@ fn a_hann_window_on_bursts_is_named() {
         lines_per_bandwidth: 1.5,
         snr_db: 40.0,
     };
-    let model = fit(&case.build(0).frf, &FitOptions::default(), &|_| {})
+    let model = fit(&case.build(0).frf, &FitOptions::default())
         .unwrap()
         .model;
     assert!(
@@ -306,7 +304,7 @@ fn a_hann_window_on_bursts_is_named() {
         window: Window::Rectangular,
         ..case
     };
-    let model = fit(&right.build(0).frf, &FitOptions::default(), &|_| {})
+    let model = fit(&right.build(0).frf, &FitOptions::default())
         .unwrap()
         .model;
     assert!(
@@ -336,9 +334,7 @@ fn a_padded_record_is_thinned_to_the_lines_that_are_measured() {
         }
         .build()
         .unwrap();
-        let model = fit(&set.frf, &FitOptions::default(), &|_| {})
-            .unwrap()
-            .model;
+        let model = fit(&set.frf, &FitOptions::default()).unwrap().model;
         assert!(
             model
                 .quality

@@ -2,8 +2,10 @@
 //! data, and comes back in measured units.
 
 use crate::common::{easy, fitted, resynthesis_error};
-use chladni_frf::{FrfSet, FrfValues, ModalModel};
-use chladni_plate::{add_noise_of_variance, cramer_rao_real, CramerRao, SyntheticSet};
+use chladni_frf::{Finding, FrfSet, FrfValues, ModalModel};
+use chladni_plate::{
+    add_noise_of_variance, cramer_rao_real, gain_noise, outliers, CramerRao, SyntheticSet,
+};
 use chladni_rfp::FitOptions;
 use ndarray::Array3;
 use num_complex::Complex64;
@@ -78,6 +80,35 @@ fn variances_that_the_set_gives_are_the_weights_from_the_start() {
     );
     given.variance.as_mut().unwrap()[[0, 0, 700]] = f64::NAN;
     assert_eq!(path(&fitted(&given, &FitOptions::default())), path(&learnt));
+}
+
+#[test]
+fn given_weights_hide_no_outlier_line_and_make_no_pole_move() {
+    let (mut set, _) = unequal(3);
+    gain_noise(&mut set.frf, 0.05, true, 4);
+    outliers(&mut set.frf, 2e-3, 30.0, 3);
+    let lines = |model: &ModalModel| -> Vec<f64> {
+        let found = model.quality.findings.iter();
+        let found = found.filter(|finding| finding.code == "outlier-lines");
+        found
+            .flat_map(|finding| finding.values["lines_hz"].as_slice().to_vec())
+            .collect()
+    };
+    let plain = fitted(&set.frf, &FitOptions::default());
+    set.frf.variance = Some(Array3::from_shape_fn(set.frf.values.dim(), |(i, j, _)| {
+        (1e-3 * RESPONSES[i] * REFERENCES[j]).powi(2)
+    }));
+    let model = fitted(&set.frf, &FitOptions::default());
+    assert!(path(&model).starts_with("measured-data path"));
+    assert!(path(&model).ends_with("as the variances of the set say"));
+    let (whole, own) = (lines(&plain), lines(&model));
+    let shared = own.iter().filter(|hz| whole.contains(hz)).count();
+    assert!(
+        !whole.is_empty() && 10 * shared >= 8 * whole.len(),
+        "{own:?} against {whole:?}"
+    );
+    let moving = |finding: &&Finding| finding.code == "moving-poles";
+    assert_eq!(model.quality.findings.iter().find(moving), None);
 }
 
 /// The coherence of 1/(1 + noise over signal), where the noise of a pair stands 45 dB

@@ -3,9 +3,10 @@
 
 use super::super::tree::{Element, Entry};
 use super::super::values::{reals, ComplexArray};
-use super::parts::joined_axis;
 use super::{describe, length, Reader};
 use chladni_frf::{Error, ErrorKind, Result};
+use ndarray::Axis;
+use num_complex::Complex64;
 
 /// Names that a frequency axis goes by.
 pub(super) const FREQUENCY_NAMES: [&str; 10] = [
@@ -242,4 +243,22 @@ impl<'a> Reader<'a> {
         }
         Ok(found)
     }
+}
+
+/// The axis along which a frequency axis and the FRFs stand beside each other: its first
+/// slice is real, not negative and rises, and the others are not all real.
+pub(super) fn joined_axis(values: &ndarray::ArrayViewD<'_, Complex64>) -> Option<usize> {
+    let is_axis = |axis: &usize| {
+        let (first, others) = values.view().split_at(Axis(*axis), 1);
+        let frequencies: Vec<f64> = first.iter().map(|value| value.re).collect();
+        !others.is_empty()
+            && frequencies.len() > 1
+            && first.iter().all(|value| value.im == 0.0)
+            && frequencies[0] >= 0.0
+            && frequencies.windows(2).all(|pair| pair[0] < pair[1])
+            && others.iter().any(|value| value.im != 0.0)
+    };
+    (values.ndim() == 2)
+        .then(|| [1, 0].into_iter().find(is_axis))
+        .flatten()
 }

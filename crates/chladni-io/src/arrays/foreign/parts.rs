@@ -1,7 +1,7 @@
 //! Complex values from the arrays that hold them: complex ones, two parts, or a column of
 //! frequencies with the FRFs beside it.
 
-use super::choose::Source;
+use super::choose::{joined_axis, Source};
 use super::{is_matlab, unit_of, Reader};
 use crate::arrays::tree::Entry;
 use crate::arrays::values::{real_array, wrong_type, ComplexArray};
@@ -176,22 +176,4 @@ impl<'a> Reader<'a> {
         }
         Ok((frequency_hz, ComplexArray::Double(values)))
     }
-}
-
-/// The axis along which a frequency axis and the FRFs stand beside each other: its first
-/// slice is real, not negative and rises, and the others are not all real.
-pub(super) fn joined_axis(values: &ndarray::ArrayViewD<'_, Complex64>) -> Option<usize> {
-    let is_axis = |axis: &usize| {
-        let (first, others) = values.view().split_at(Axis(*axis), 1);
-        let frequencies: Vec<f64> = first.iter().map(|value| value.re).collect();
-        !others.is_empty()
-            && frequencies.len() > 1
-            && first.iter().all(|value| value.im == 0.0)
-            && frequencies[0] >= 0.0
-            && frequencies.windows(2).all(|pair| pair[0] < pair[1])
-            && others.iter().any(|value| value.im != 0.0)
-    };
-    (values.ndim() == 2)
-        .then(|| [1, 0].into_iter().find(is_axis))
-        .flatten()
 }

@@ -22,7 +22,7 @@ pub fn easy(snr_db: f64, seed: u64) -> Synthetic {
 }
 
 pub fn fitted(frf: &FrfSet, options: &FitOptions) -> ModalModel {
-    fit(frf, options, &|_| {}).expect("a fit").model
+    fit(frf, options).expect("a fit").model
 }
 
 /// True modes that no mode of the model matches within half a bandwidth, and modes of the

@@ -263,7 +263,7 @@ fn nothing_but_missing_values_is_an_error() {
         Complex64::new(f64::NAN, f64::NAN)
     });
     assert_eq!(
-        fit(&set.frf, &FitOptions::default(), &|_| {}).unwrap_err(),
+        fit(&set.frf, &FitOptions::default()).unwrap_err(),
         FitError::NoData
     );
 }

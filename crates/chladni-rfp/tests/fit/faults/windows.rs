@@ -223,7 +223,7 @@ fn a_window_is_undone_on_whole_records_only() {
     };
     let set = easy(40.0, 42).build().unwrap(); // begins at 20 Hz
     assert!(matches!(
-        fit(&set.frf, &options, &|_| {}),
+        fit(&set.frf, &options),
         Err(FitError::WindowAxis { .. })
     ));
     let none = FitOptions {

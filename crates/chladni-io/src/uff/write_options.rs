@@ -1,0 +1,11 @@
+//! What may be asked of a universal file that is written.
+
+/// How a universal file is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct WriteOptions {
+    /// Binary 58 (IEEE 754, little endian): exact, and much smaller and faster than text.
+    pub binary: bool,
+    /// Datasets 15 and 55 in place of 2411 and 2414, for programs that know nothing
+    /// newer: six digits.
+    pub old_datasets: bool,
+}

@@ -1,0 +1,127 @@
+//! The source of a fit's data: who holds the FRFs, and makes the passes over them that a
+//! fit asks for.
+//!
+//! A set in memory makes every pass at once. Merged partials answer what they were made for
+//! and stop the fit at the next question, with all that it needs to go on from there once
+//! others have made the pass.
+
+use crate::data::columns::Columns;
+use crate::data::error::FitError;
+use crate::data::layout::DataLayout;
+use crate::data::pair_weights::{Giver, PairWeights, Weights};
+use crate::data::products::Projected;
+use crate::data::screening::Screened;
+use chladni_frf::{Damping, Finding, Reason, Trust};
+use chladni_linalg::LinalgError;
+use ndarray::{Array1, Array2};
+use num_complex::Complex64;
+use serde::{Deserialize, Serialize};
+use std::ops::Deref;
+
+/// Data that a fit may ask. What is known of them besides their values is their
+/// [`DataLayout`].
+pub(crate) trait Source: Deref<Target = DataLayout> + Clone + Sync {
+    /// Why a fit does not go on: an error, or a pass that others must make.
+    type Stop: From<FitError> + From<LinalgError>;
+
+    /// First pass: a sketch of all FRFs, in work units, and the energy of each line over
+    /// them.
+    fn sketch(&self, seed: u64) -> (Columns, Array1<f64>);
+
+    /// Second pass: all FRFs compressed on the basis of a model with the poles of `way`.
+    ///
+    /// * `q`: that basis, orthonormal, (line, unknown)
+    /// * `energy`: of each line over all FRFs
+    ///
+    /// # Errors
+    /// A kernel that fails; the pass itself, where others must make it.
+    fn projected(
+        &self,
+        way: &Way,
+        q: &Array2<Complex64>,
+        energy: &Array1<f64>,
+    ) -> Result<Projected, Self::Stop>;
+
+    /// The way that a fit was on when it stopped for the pass that was made since.
+    fn way(&self) -> Option<&Way>;
+
+    /// The same data without the lines at `places` (among the lines used), which are
+    /// outliers; the scale stays.
+    fn without(&self, places: &[usize]) -> Self;
+
+    /// The same data, whose poles are sought in another law.
+    fn in_law(&self, law: Damping) -> Self;
+
+    /// Noise energy of each FRF on the lines used, where the data tell it themselves.
+    fn given_noise(&self) -> Option<(Vec<f64>, Giver)>;
+
+    /// The same data times `weights`, as measured where there are none; `left`: those that
+    /// may be tried after these.
+    ///
+    /// # Errors
+    /// As [`Self::projected`].
+    fn weighted(
+        &self,
+        weights: Option<(PairWeights, Option<Giver>)>,
+        left: Weights,
+    ) -> Result<Self, Self::Stop>;
+
+    /// The same data with one more thing to say of them.
+    fn noted(&self, finding: Option<Finding>) -> Self;
+
+    /// The single FRFs, where they are at hand.
+    fn values(&self) -> Option<&Screened<'_>>;
+}
+
+/// Poles that a second pass is made for, and how they were found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Way {
+    /// The law that they follow.
+    pub law: Damping,
+    /// In the x plane.
+    pub lambda: Vec<Complex64>,
+    pub by: By,
+}
+
+/// How poles were found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) enum By {
+    /// Fast chain.
+    Fast {
+        /// What was tried: (poles, residual variance), in order.
+        history: Vec<(usize, f64)>,
+        /// Passes made beyond the second.
+        extra_passes: usize,
+        /// What spoke against the other law, where this one is the second tried.
+        doubt: Option<String>,
+    },
+    /// Measured-data path.
+    Measured {
+        /// Why.
+        evidence: String,
+        /// E|δλ|² of each pole.
+        spread: Vec<f64>,
+        #[serde(with = "as_json")]
+        grades: Vec<(Trust, Vec<Reason>)>,
+        #[serde(with = "as_json")]
+        findings: Vec<Finding>,
+    },
+    /// Stopped: every resonance turns the wrong way.
+    Conjugated,
+}
+
+/// What tells its own kind, in the content of a file that does not: findings and reasons
+/// leave out what is empty, and hold values of several kinds.
+pub(crate) mod as_json {
+    use serde::{de, de::DeserializeOwned, ser, Deserialize, Deserializer, Serialize, Serializer};
+
+    pub fn serialize<S: Serializer>(value: &impl Serialize, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(&serde_json::to_string(value).map_err(ser::Error::custom)?)
+    }
+
+    pub fn deserialize<'de, T: DeserializeOwned, D: Deserializer<'de>>(
+        from: D,
+    ) -> Result<T, D::Error> {
+        serde_json::from_str(&String::deserialize(from)?).map_err(de::Error::custom)
+    }
+}

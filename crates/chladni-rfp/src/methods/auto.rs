@@ -1,0 +1,339 @@
+//! The default method: maximum likelihood where the residual is white, the measured-data
+//! path where it is not. It goes on where it stopped for a pass that others made.
+
+use crate::damping::structural::POWERS;
+use crate::data::options::FitOptions;
+use crate::data::outliers::{self, single_lines};
+use crate::data::products::Projected;
+use crate::data::source::{By, Source, Way};
+use crate::data::watch::Watch;
+use crate::measured::path::measured_path;
+use crate::methods::found::Stabilization;
+use crate::model::build::Shaped;
+use crate::model::decide::decide;
+use crate::model::in_law::in_law;
+use crate::poles::chain::{fast_chain, Chain, Doubt, Outcome};
+use crate::poles::estimate::{graded, more_than_asked, PoleEstimate};
+use crate::poles::prune::unphysical;
+use crate::poles::refine::{refine, Projection};
+use chladni_frf::{Damping, Finding, ModalModel, Trust};
+use chladni_linalg::LinalgError;
+use ndarray::Array1;
+use num_complex::Complex64;
+
+/// A fit with its history.
+#[derive(Debug, Clone)]
+pub struct Fit {
+    /// The model, ready to be saved.
+    pub model: ModalModel,
+    /// Orders tried: (poles, residual variance relative to the data's mean square), in
+    /// order.
+    pub history: Vec<(usize, f64)>,
+    /// Poles by order, where the method looks at several.
+    pub stabilization: Option<Stabilization>,
+}
+
+/// What a run of a method came to.
+pub(crate) enum Attempt {
+    /// A fit, whether its residual is white, and the sum of squares left of each FRF
+    /// where that tells its noise.
+    Fitted(Box<Fit>, bool, Vec<f64>),
+    /// Lines (positions among those used) that must go first.
+    Outliers(Vec<usize>),
+}
+
+impl Attempt {
+    /// A fit whose checks go by the noise that it found.
+    pub fn whole(model: ModalModel, stabilization: Option<Stabilization>) -> Self {
+        let history = Vec::new();
+        let fit = Fit {
+            model,
+            history,
+            stabilization,
+        };
+        Self::Fitted(Box::new(fit), true, Vec::new())
+    }
+}
+
+/// Poles by the fast chain where what it leaves is noise, else by the measured-data path, and
+/// the model that they lead to.
+///
+/// # Errors
+/// A fit that cannot be made; a pass that others must make.
+pub(crate) fn auto<S: Source>(
+    data: &S,
+    options: &FitOptions,
+    sought: bool,
+    watch: &Watch,
+) -> Result<Attempt, S::Stop> {
+    let mut history = Vec::new();
+    let found = match data.way() {
+        // where the walk stopped
+        Some(way) if !matches!(way.by, By::Fast { .. }) => {
+            on_way(data, way.clone(), options, sought)?
+        }
+        _ => match chain(data, options, watch)? {
+            Outcome::White(chain) => {
+                history.clone_from(&chain.history);
+                Ok(from_chain(*chain, options.modes, data.hz()))
+            }
+            Outcome::Ended(Doubt::Outliers(lines)) if sought => Err(lines),
+            Outcome::Ended(Doubt::Conjugated) => {
+                let way = Way {
+                    law: data.law,
+                    lambda: Vec::new(),
+                    by: By::Conjugated,
+                };
+                on_way(data, way, options, sought)?
+            }
+            Outcome::Ended(doubt) => from_measured(data, options, sought, doubt.words(), watch)?,
+        },
+    };
+    let found = match found {
+        Ok(found) => found,
+        Err(outliers) => return Ok(Attempt::Outliers(outliers)),
+    };
+    let measured = found.measured;
+    let (model, left) = finished(data, found, options, watch)?;
+    let outliers = match data.values().filter(|_| sought && measured) {
+        Some(values) => outliers::outliers(values, &model),
+        None => Vec::new(),
+    };
+    if !outliers.is_empty() {
+        return Ok(Attempt::Outliers(outliers));
+    }
+    let fit = Fit {
+        model,
+        history,
+        stabilization: None,
+    };
+    Ok(Attempt::Fitted(Box::new(fit), !measured, left))
+}
+
+/// The fast chain in the law asked for, in the structural one where none is; in the other
+/// where what that leaves is no noise.
+fn chain<S: Source>(data: &S, options: &FitOptions, watch: &Watch) -> Result<Outcome, S::Stop> {
+    let in_law = |law, doubt: Option<&str>| {
+        fast_chain(&data.in_law(law), options.seed, options.modes, doubt, watch)
+    };
+    let (law, doubt) = match data.way() {
+        Some(Way {
+            law,
+            by: By::Fast { doubt, .. },
+            ..
+        }) => (*law, doubt.clone()),
+        _ => (options.damping.unwrap_or(Damping::Structural), None),
+    };
+    let (other, evidence) = match doubt {
+        Some(evidence) => (law, evidence),
+        None => match in_law(law, None)? {
+            Outcome::Ended(Doubt::NotWhite(evidence)) => (other_than(law), evidence),
+            whole => return Ok(whole),
+        },
+    };
+    Ok(match in_law(other, Some(&evidence))? {
+        white @ Outcome::White(_) => white,
+        Outcome::Ended(_) => Outcome::Ended(Doubt::NotWhite(evidence)),
+    })
+}
+
+fn other_than(law: Damping) -> Damping {
+    match law {
+        Damping::Structural => Damping::Viscous,
+        Damping::Viscous => Damping::Structural,
+    }
+}
+
+/// The model that poles lead to, and what it leaves of each FRF.
+fn finished<S: Source>(
+    data: &S,
+    found: PoleEstimate,
+    options: &FitOptions,
+    watch: &Watch,
+) -> Result<(ModalModel, Vec<f64>), S::Stop> {
+    let again = |found: PoleEstimate, law: Damping| -> Result<PoleEstimate, S::Stop> {
+        let frfs = (!found.measured).then_some(data.pairs.len());
+        if found.measured || data.values().is_none() {
+            return Ok(in_law(found, law, frfs)?);
+        }
+        match fast_chain(&data.in_law(law), options.seed, options.modes, None, watch)? {
+            Outcome::White(chain) => Ok(from_chain(*chain, options.modes, data.hz())),
+            Outcome::Ended(_) => Ok(in_law(found, law, frfs)?),
+        }
+    };
+    let (identified, mut warnings) = decide(data, found, options, watch, &again)?;
+    let shaped = Shaped::new(data, identified)?;
+    let left = match data.values() {
+        Some(values) => shaped.left(values),
+        None => shaped.left_by_sums(data),
+    };
+    let mut model = shaped.model(data, options, &left);
+    if model.quality.relative_error > MOSTLY_LEFT {
+        warnings.push(
+            Finding::caution(
+                "mostly-unexplained",
+                format!(
+                    "the model leaves {:.0} % of the data: most of this band holds noise, or \
+                     motion that no resonance explains",
+                    100.0 * model.quality.relative_error
+                ),
+            )
+            .value("relative_error", model.quality.relative_error)
+            .help("fit the band in which peaks stand clear of the noise"),
+        );
+    }
+    model.quality.findings.append(&mut warnings);
+    model.number_findings();
+    Ok((model, left))
+}
+
+/// Residual over data beyond which the band as a whole is not explained, whatever single
+/// peaks are.
+const MOSTLY_LEFT: f64 = 0.5;
+
+fn from_chain(chain: Chain, asked: Option<usize>, hz: f64) -> PoleEstimate {
+    let (grades, spread) = graded(&chain.refined, &chain.projected.work, chain.variance);
+    PoleEstimate {
+        grades,
+        spread,
+        measured: false,
+        work: chain.projected.work,
+        back: Some(chain.projected.back),
+        variance: chain.variance,
+        path: format!("fast chain: {}", chain.whiteness.evidence),
+        warnings: asked
+            .and_then(|asked| more_than_asked(asked, &chain.dropped, hz))
+            .into_iter()
+            .collect(),
+        consistent: true,
+        refined: chain.refined,
+    }
+}
+
+/// Poles by the measured-data path, or the lines that must go first.
+fn from_measured<S: Source>(
+    data: &S,
+    options: &FitOptions,
+    sought: bool,
+    evidence: String,
+    watch: &Watch,
+) -> Result<Result<PoleEstimate, Vec<usize>>, S::Stop> {
+    let found = measured_path(data, options.seed, options.modes, watch)?;
+    let Some(back) = found.back else {
+        // the path ran on mixtures: residues come from one pass over all FRFs
+        let way = Way {
+            law: data.law,
+            lambda: found.refined.lambda,
+            by: By::Measured {
+                evidence,
+                spread: found.variance,
+                grades: found.grades,
+                findings: found.warnings,
+            },
+        };
+        return on_way(data, way, options, sought);
+    };
+    Ok(Ok(PoleEstimate {
+        variance: found.refined.variance(&found.work),
+        refined: found.refined,
+        work: found.work,
+        back: Some(back),
+        spread: found.variance,
+        measured: true,
+        grades: found.grades,
+        path: measured_words(&evidence),
+        warnings: found.warnings,
+        consistent: true,
+    }))
+}
+
+fn measured_words(evidence: &str) -> String {
+    format!("measured-data path: {evidence}")
+}
+
+/// The poles of a way other than the fast chain on columns of all FRFs; or the lines that
+/// must go first, where the FRFs themselves cannot be asked for them.
+fn on_way<S: Source>(
+    data: &S,
+    way: Way,
+    options: &FitOptions,
+    sought: bool,
+) -> Result<Result<PoleEstimate, Vec<usize>>, S::Stop> {
+    let (sketch, energy) = data.sketch(options.seed);
+    let q = Projection::new(&sketch, &way.lambda, &POWERS)?.q;
+    let projected = data.projected(&way, &q, &energy)?;
+    if data.values().is_none() && sought {
+        let outliers = spoilt_lines(&way, &projected, &energy)?;
+        if !outliers.is_empty() {
+            return Ok(Err(outliers));
+        }
+    }
+    let refined = refine(&projected.work, &way.lambda, &POWERS, 0, 0.0)?;
+    let consistent = way.by != By::Conjugated;
+    let (spread, grades, path, warnings) = match way.by {
+        By::Measured {
+            evidence,
+            spread,
+            grades,
+            findings,
+        } => (spread, grades, measured_words(&evidence), findings),
+        // the data contradict any passive structure in e^{+jωt}; they are not corrected
+        // without being told
+        By::Fast { .. } | By::Conjugated => (
+            Vec::new(),
+            Vec::new(),
+            "stopped after the pole pool".into(),
+            vec![conjugated()],
+        ),
+    };
+    Ok(Ok(PoleEstimate {
+        variance: refined.variance(&projected.work),
+        refined,
+        work: projected.work,
+        back: Some(projected.back),
+        spread,
+        measured: true,
+        grades,
+        path,
+        warnings,
+        consistent,
+    }))
+}
+
+fn conjugated() -> Finding {
+    Finding::fault(
+        "conjugated",
+        "every resonance turns the wrong way: the data follow e^(-jwt)",
+    )
+    .help("read the data with the other time sign")
+}
+
+/// Lines that no neighbour supports, by the sums over all FRFs: what the poles that are
+/// wider than a line and not rejected leave of each.
+fn spoilt_lines(
+    way: &Way,
+    projected: &Projected,
+    energy: &Array1<f64>,
+) -> Result<Vec<usize>, LinalgError> {
+    let By::Measured { grades, .. } = &way.by else {
+        return Ok(Vec::new());
+    };
+    let work = &projected.work;
+    let sound: Vec<Complex64> = way
+        .lambda
+        .iter()
+        .zip(grades)
+        .filter(|(pole, grade)| grade.0 != Trust::Rejected && !unphysical(work, **pole))
+        .map(|(pole, _)| *pole)
+        .collect();
+    if !sound.iter().any(|pole| work.in_band(*pole)) {
+        return Ok(Vec::new()); // nothing to judge by
+    }
+    let left = projected.line_residual(&Projection::new(work, &sound, &POWERS)?.residual);
+    let fitted: Vec<f64> = energy
+        .iter()
+        .zip(&left)
+        .map(|(all, left)| (all - left).max(0.0))
+        .collect();
+    Ok(single_lines(&left.to_vec(), &fitted))
+}
