@@ -1,29 +1,40 @@
-//! `chladni simulate`: FRFs of a virtual panel, and the model behind them.
+//! `chladni simulate`: FRFs of a virtual panel and the model behind them, or the field that
+//! weights make on it.
 
-use chladni_console::input::source;
+use chladni_console::input::{read_weights, source};
 use chladni_console::memory::{parse_memory, MEMORY};
-use chladni_console::output::{Output, FRF, MODEL};
+use chladni_console::output::{Output, FRF, MODEL, TABLE};
 use chladni_console::table::{counted, significant};
 use chladni_console::{Console, Outcome};
-use chladni_frf::{Error, ErrorKind, Result};
-use chladni_io::is_same_place;
-use chladni_io::{write_contents, write_model, Contents};
-use chladni_plate::{simulate, Panel};
+use chladni_frf::{Error, ErrorKind, FieldPoint, MeasuredField, ReferenceUnit, Result};
+use chladni_io::{
+    field_csv, is_same_place, sha256_of, write_atomically, write_contents, write_model, Contents,
+};
+use chladni_plate::{add_white_noise, simulate, DampedPlate, Layout, Panel};
+use chladni_render::Weights;
+use ndarray::{Array1, Axis};
+use num_complex::Complex64;
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `simulate`.
 #[derive(Debug, clap::Args)]
 #[command(before_help = "Examples:
   chladni simulate panel.toml -o panel.h5
-  chladni simulate panel.toml -o noisy.uff --truth truth.json --snr-db 20 --seed 7")]
+  chladni simulate panel.toml -o noisy.uff --truth truth.json --snr-db 20 --seed 7
+  chladni simulate panel.toml --play weights.json -o field.csv")]
 pub struct Args {
     /// Panel file: plate, measured grid, driven points, frequency axis, noise
     #[arg(value_name = "PANEL.toml")]
     panel: PathBuf,
-    /// FRF file to write: .h5 (exact), .uff (binary), .unv (text) or .csv
+    /// FRF file to write: .h5 (exact), .uff (binary), .unv (text) or .csv; with --play the
+    /// field, .csv
     #[arg(short, value_name = "FRF")]
     output: PathBuf,
+    /// Play these weights on the panel and write the field at its responses, as a scanner
+    /// would, for `evaluate --field` and `correct`
+    #[arg(long, value_name = "WEIGHTS", conflicts_with = "truth")]
+    play: Option<PathBuf>,
     /// Also write the modal model behind the FRFs, .json or .h5
     #[arg(long, value_name = "MODEL.json")]
     truth: Option<PathBuf>,
@@ -50,6 +61,9 @@ fn parse_snr(text: &str) -> std::result::Result<f64, String> {
 /// # Errors
 /// Those of the panel and of writing.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
+    if let Some(weights) = &args.play {
+        return play(weights, args, console);
+    }
     let inputs = std::slice::from_ref(&args.panel);
     let output = Output::new(&args.output, FRF, inputs, console)?;
     if args
@@ -123,4 +137,94 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         snr_db
     );
     Ok(Outcome::written(&args.output, json, text))
+}
+
+/// Writes the field of weights.
+fn play(file: &Path, args: &Args, console: &Console) -> Result<Outcome> {
+    let inputs = [args.panel.clone(), file.to_path_buf()];
+    let output = Output::new(&args.output, TABLE, &inputs, console)?;
+    let panel = Panel::read(&args.panel, args.memory)?;
+    let weights = read_weights(file)?;
+    let layout = panel.layout();
+    let drive = forces(&weights, &layout).map_err(|error| error.file(file))?;
+    console.stage("simulating the field");
+    let frequency_hz = weights.frequency_hz;
+    let top_hz = panel.frf.stop_hz.max(frequency_hz);
+    let plate = DampedPlate::new(&panel.plate, &layout.masses, top_hz)
+        .map_err(|error| error.file(&args.panel))?;
+    let mobility =
+        plate.mobility_matrix(&layout.responses_m, &layout.references_m, frequency_hz)?;
+    let mut values = mobility
+        .dot(&drive)
+        .insert_axis(Axis(1))
+        .insert_axis(Axis(2));
+    let snr_db = args.snr_db.unwrap_or(panel.frf.snr_db);
+    let seed = args.seed.unwrap_or(panel.frf.seed);
+    let variance = add_white_noise(&mut values, snr_db, seed)?;
+    let points = layout.response_dofs.iter().zip(&values);
+    let field = MeasuredField {
+        frequency_hz,
+        weights_sha256: Some(sha256_of(file)?),
+        magnitudes_only: false,
+        points: points
+            .map(|(&response, &velocity_m_per_s)| FieldPoint {
+                response,
+                velocity_m_per_s,
+                std_m_per_s: (variance > 0.0).then(|| variance.sqrt()),
+                repeats: 1,
+            })
+            .collect(),
+    };
+    console.stage("writing");
+    let text = field_csv(&field);
+    output
+        .write(|path, force| write_atomically(path, force, |out| out.write_all(text.as_bytes())))?;
+    let count = field.points.len();
+    let json = json!({
+        "output": args.output.display().to_string(),
+        "weights": file.display().to_string(),
+        "frequency_hz": frequency_hz,
+        "responses": count,
+        "snr_db": snr_db,
+        "seed": seed,
+    });
+    let text = format!(
+        "{}: field at {} under {}, {} Hz, signal-to-noise ratio {} dB\n",
+        args.output.display(),
+        counted(count, "response"),
+        file.display(),
+        significant(frequency_hz, 6),
+        snr_db
+    );
+    Ok(Outcome::written(&args.output, json, text))
+}
+
+/// The weights as forces on the references of the panel, N.
+fn forces(weights: &Weights, layout: &Layout) -> Result<Array1<Complex64>> {
+    let mut drive = Array1::zeros(layout.reference_dofs.len());
+    for weight in &weights.weights {
+        if weight.unit != ReferenceUnit::Newton {
+            return Err(Error::bad_data("a panel is driven by forces")
+                .field("weights")
+                .found(format!("a weight in {}", weight.unit))
+                .expected("weights in N")
+                .help("render with a model whose references are forces"));
+        }
+        let same = |dof: &chladni_frf::Dof| dof.same_axis(weight.reference);
+        let place = layout.reference_dofs.iter().position(same).ok_or_else(|| {
+            Error::bad_data("the panel has no such reference")
+                .field("weights")
+                .found(weight.reference)
+                .expected(format!(
+                    "one of its {} references, from {} on",
+                    layout.reference_dofs.len(),
+                    layout.reference_dofs[0]
+                ))
+                .help("give the panel that the weights were rendered for")
+        })?;
+        let sense =
+            weight.reference.direction.sign() * layout.reference_dofs[place].direction.sign();
+        drive[place] += weight.value() * sense;
+    }
+    Ok(drive)
 }

@@ -63,6 +63,34 @@ fn field(folder: &Folder, unit: &str) -> String {
 }
 
 #[test]
+fn a_played_field_is_what_was_foretold() {
+    let folder = prepared();
+    folder
+        .run("simulate panel.toml --play w0.json -o played.csv --snr-db 40 --seed 3 -q")
+        .exits(0);
+    let text = folder.text("played.csv");
+    assert!(text.contains("# weights_sha256 = ") && text.contains("response,re,im,std"));
+    let json = folder
+        .run("evaluate w0.json --scene scene.toml --on model.json --field played.csv --json")
+        .exits(0)
+        .json();
+    assert_eq!(json["agreement"]["hypotheses"][0]["kind"], "nothing");
+    assert!(json["agreement"]["coefficient"].as_f64().unwrap() > 0.999);
+    assert_eq!(json["indices"]["points"]["min_ratio"], 1.0);
+    // another panel has other references
+    folder.write("other.toml", "[references]\nedge_count = [3, 2]\n");
+    let run = folder
+        .run("simulate other.toml --play w0.json -o other.csv -q")
+        .exits(65);
+    assert!(
+        run.stderr.contains("has no such reference"),
+        "{}",
+        run.stderr
+    );
+    assert!(!folder.names().contains(&"other.csv".to_owned()));
+}
+
+#[test]
 fn a_dead_channel_is_named_and_corrected() {
     let folder = prepared();
     let run = folder
