@@ -27,7 +27,8 @@ const EXAMPLES: &str = "Examples:
   chladni report model.json weights.json -o report.html
   chladni studio measurement.uff                       all of it, live, on a local page";
 
-const PIPES: &str = "Input files may be pipes; one of them may be -, the standard input.";
+const PIPES: &str = "Input files may be pipes; one of them may be -, the standard input.
+COMMAND -h: its own options; COMMAND --help: all of them. What a finding means: docs/troubleshooting.md";
 
 /// The verbs.
 #[derive(Debug, Subcommand)]

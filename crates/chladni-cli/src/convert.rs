@@ -60,7 +60,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let not_carried = std::mem::take(&mut contents.not_carried);
     let not_carried = not_carried
         .into_iter()
-        .map(|words| Finding::note("not-carried", words));
+        .map(|words| Finding::caution("not-carried", words));
     warn_of_files(&files, not_carried.collect(), console);
 
     let nothing = contents.functions.is_empty()

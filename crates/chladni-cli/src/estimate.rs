@@ -185,7 +185,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     frf.geometry = geometry;
     if frf.kind.is_none() {
         console.find(
-            &Finding::note("kind-unknown", "the units do not say the FRF kind")
+            &Finding::caution("kind-unknown", "the units do not say the FRF kind")
                 .help("other commands need --frf-kind; or name the units here with --units"),
         );
     }

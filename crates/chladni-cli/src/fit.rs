@@ -1,6 +1,5 @@
 //! `chladni fit`: modes from FRFs.
 
-mod band;
 mod text;
 
 pub use text::text;
@@ -9,7 +8,6 @@ use crate::asked_model::AskedModel;
 use crate::explain::explain;
 use crate::scene_band::SceneBand;
 use crate::streaming::{too_large, Resume, Stream};
-use band::better_band;
 use chladni_console::input::{expand, read_frf, Reading};
 use chladni_console::memory::{parse_memory, MEMORY};
 use chladni_console::output::{Output, MODEL};
@@ -19,6 +17,7 @@ use chladni_console::Console;
 use chladni_console::Outcome;
 use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Source, Trust};
 use chladni_io::{frf_bytes, write_model, FrfParts};
+use chladni_report::better_band;
 use chladni_rfp::{CancelToken, FitOptions, Method, Window};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{json, Map, Value};

@@ -91,8 +91,30 @@ pub fn stress_table(rows: &[StressRow]) -> String {
     format!("\n{}", table(&header, &cells.collect::<Vec<_>>()))
 }
 
-/// The scene at other frequencies, and the suggestion.
-pub fn sweep_table(sweep: &FrequencySweep) -> String {
+/// Frequencies of a sweep that are listed unless all are asked for.
+const BEST_SHOWN: usize = 6;
+
+/// The best frequencies of a sweep, in rising order: most responses served, touched ones
+/// first; among equals the largest κ.
+fn best_of(sweep: &FrequencySweep) -> Vec<&SweptFrequency> {
+    let rank = |f: &SweptFrequency| {
+        let touched = f.touched_ratio.unwrap_or(f.success_ratio);
+        [touched, f.success_ratio, f.kappa.unwrap_or(f64::INFINITY)]
+    };
+    let mut best: Vec<&SweptFrequency> = sweep.frequencies.iter().collect();
+    best.sort_by(|a, b| {
+        let pairs = rank(b).into_iter().zip(rank(a));
+        pairs.fold(std::cmp::Ordering::Equal, |order, (b, a)| {
+            order.then(b.total_cmp(&a))
+        })
+    });
+    best.truncate(BEST_SHOWN);
+    best.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+    best
+}
+
+/// The scene at other frequencies, the best ones or all of them, and the suggestion.
+pub fn sweep_table(sweep: &FrequencySweep, all: bool) -> String {
     let shown = |value: Option<f64>, decimals: usize| {
         value.map_or_else(|| "unknown".into(), |value| format!("{value:.decimals$}"))
     };
@@ -107,13 +129,22 @@ pub fn sweep_table(sweep: &FrequencySweep) -> String {
                 .map_or_else(String::new, |hz| format!("on the mode at {hz:.1} Hz")),
         ]
     };
-    let rows: Vec<Vec<String>> = sweep.frequencies.iter().map(row).collect();
+    let shown_rows = match all {
+        true => sweep.frequencies.iter().collect(),
+        false => best_of(sweep),
+    };
+    let left = sweep.frequencies.len() - shown_rows.len();
+    let rows: Vec<Vec<String>> = shown_rows.into_iter().map(row).collect();
+    let more = match left {
+        0 => String::new(),
+        _ => format!("the best of {}: -v lists all; ", sweep.frequencies.len()),
+    };
     let suggestion = match sweep.suggested_hz {
         Some(hz) => format!("suggested: {} Hz\n", significant(hz, 6)),
         None => "no frequency serves any response\n".into(),
     };
     format!(
-        "\n{}{suggestion}",
+        "\n{}{more}{suggestion}",
         table(
             &[
                 "frequency, Hz",

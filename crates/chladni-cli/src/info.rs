@@ -126,6 +126,10 @@ impl Listing {
             .functions
             .iter_mut()
             .for_each(|function| function.warnings.clear());
+        document
+            .shapes
+            .iter_mut()
+            .for_each(|shape| shape.warnings.clear());
         let mut listing = Self {
             file: document.file.clone(),
             format: Some(document.format),
@@ -231,7 +235,7 @@ impl Listing {
         let Some(frf) = contents.frf else { return };
         if frf.kind.is_none() {
             self.findings.push(
-                Finding::note("kind-unknown", "the file does not say its FRF kind")
+                Finding::caution("kind-unknown", "the file does not say its FRF kind")
                     .help("other commands need `frf_kind receptance|mobility|accelerance`"),
             );
         }

@@ -1,10 +1,12 @@
 //! `chladni render`: weights that move a panel here and keep it quiet there.
 
-use crate::indices::{indices_table, stress_table, sweep_table, weights_table};
+mod text;
+
 use crate::signal_files::SignalFiles;
 use chladni_console::input::{expand, read_frf, source, Reading};
 use chladni_console::output::{Output, SIGNAL_OR_TABLE, WEIGHTS};
-use chladni_console::table::{counted, significant};
+use chladni_console::quoting::shell_path;
+use chladni_console::table::significant;
 use chladni_console::Console;
 use chladni_console::Outcome;
 use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result, Source};
@@ -153,7 +155,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     };
     let rendered = render_with_others(&model, &scene, &others, &options, measured.as_ref())
         .map_err(|error| of_scene(error, &scene))?;
-    let mut weights = rendered.weights;
+    let mut weights = rendered.weights.clone();
     weights.source = sources;
     if !others.is_empty() {
         weights
@@ -178,12 +180,49 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         write_signals(files, &model, &scene, &weights)?;
     }
     let doubt = (!weights.feasible).then(|| "the scene is not met: see above".to_owned());
-    let text = text(&weights);
+    let text = text::text(&weights, &rendered, console.verbose);
     let outcome = match &args.output {
         Some(path) => Outcome::written(path, summary(&weights, path)?, text),
         None => Outcome::shown(value_of(&weights)?, text),
     };
-    Ok(outcome.doubted(doubt))
+    let outcome = outcome.doubted(doubt);
+    Ok(match next_step(args, &weights) {
+        Some(next) => outcome.next(next),
+        None => outcome,
+    })
+}
+
+/// A sweep where the drive is too sensitive, the suggested frequency after one; else the
+/// report.
+fn next_step(args: &Args, weights: &Weights) -> Option<String> {
+    /// Hz on both sides of the drive that a sweep tries.
+    const SWEEP_HZ: f64 = 30.0;
+    const SENSITIVE: [&str; 3] = ["mode-on-drive", "frequency-sensitive", "touch-sensitive"];
+    let [model, scene] = [&args.model, &args.scene].map(|path| shell_path(path));
+    let again = format!("chladni render {model} {scene}");
+    let drive_hz = weights.frequency_hz;
+    let is_sensitive = weights
+        .findings
+        .iter()
+        .any(|finding| SENSITIVE.contains(&&*finding.code));
+    match (&weights.sweep, is_sensitive || !weights.feasible) {
+        (Some(sweep), true) => {
+            let hz = sweep.suggested_hz.filter(|hz| *hz != drive_hz)?;
+            Some(format!(
+                "set frequency_hz = {} in {scene}, then {again}",
+                significant(hz, 6)
+            ))
+        }
+        (None, true) => {
+            let [low, high] = [drive_hz - SWEEP_HZ, drive_hz + SWEEP_HZ];
+            let low = significant(low.max(1.0), 6);
+            Some(format!("{again} --sweep {low}:{}", significant(high, 6)))
+        }
+        _ => {
+            let output = args.output.as_deref().map(shell_path)?;
+            Some(format!("chladni report {model} {output} -o report.html"))
+        }
+    }
 }
 
 /// Renders one scene; the weights know their sources.
@@ -316,73 +355,4 @@ fn light(fields: Map<String, Value>) -> impl Iterator<Item = (String, Value)> {
     fields
         .into_iter()
         .filter(|(key, _)| !HEAVY.contains(&key.as_str()))
-}
-
-fn text(weights: &Weights) -> String {
-    weights
-        .tones()
-        .map(tone_text)
-        .collect::<Vec<_>>()
-        .join("\n")
-}
-
-fn tone_text(weights: &Weights) -> String {
-    let scene = if weights.scene.is_empty() {
-        "scene"
-    } else {
-        &weights.scene
-    };
-    format!(
-        "{scene} at {} Hz, method {}, {}, {}: {}\n{}{}\n{}",
-        significant(weights.frequency_hz, 6),
-        weights.method,
-        counted(weights.modes_used, "mode"),
-        counted(weights.actuators_used, "actuator"),
-        if weights.feasible {
-            "feasible"
-        } else {
-            "not feasible"
-        },
-        certainty(weights),
-        indices_table(&weights.indices),
-        weights_table(weights)
-    ) + &weights
-        .stress
-        .as_deref()
-        .map(stress_table)
-        .unwrap_or_default()
-        + &weights.sweep.as_ref().map(sweep_table).unwrap_or_default()
-}
-
-/// What κ, the ceiling and what the drive endures mean, in words.
-fn certainty(weights: &Weights) -> String {
-    let kappa = weights.kappa.map(|kappa| match kappa >= 0.0 {
-        true => format!(
-            "every response keeps its limit under model errors of {kappa:.1} standard deviations\n"
-        ),
-        false => format!(
-            "some response misses its limit by {:.1} standard deviations of the model's error\n",
-            -kappa
-        ),
-    });
-    let ceiling = weights.ceiling.map(|ceiling| {
-        format!(
-            "possible at most {:.1} dB (certified), asked {:.1} dB, found {:.1} dB\n",
-            ceiling.possible_db, ceiling.asked_db, ceiling.reached_db
-        )
-    });
-    let endurance = weights.endurance.map(|endurance| {
-        format!(
-            "it holds for natural frequencies up to {:.1} % off (all at random, rms); a light \
-             finger in the hot zone leaves {:.0} % inside{}\n",
-            100.0 * endurance.frequency_relative,
-            100.0 * endurance.touched_min_ratio,
-            if endurance.touch_is_known {
-                ""
-            } else {
-                " (estimated)"
-            }
-        )
-    });
-    [kappa, ceiling, endurance].into_iter().flatten().collect()
 }

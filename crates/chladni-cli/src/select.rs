@@ -18,11 +18,12 @@ use std::path::PathBuf;
 
   selection.toml:
     drop = [3, 7]          # numbers as in the table of `chladni fit`, from 1
-                           # (or keep = [1, 2, 4]: all others go)
+                           # (or keep = [1, 2, 4]: all others go;
+                           # or keep = \"sure\": all weak ones go)
     [[mode]]               # one more of them, by its frequency
     near_hz = 54.4
     within_hz = 0.5",
-    after_help = "With [[mode]] tables alone, these modes are kept. Poles outside the band stand for the world beyond it and stay.
+    after_help = "With [[mode]] tables alone, these modes are kept. Out-of-band poles (residual terms) stay.
 Nothing is fitted again: what the dropped modes explained counts as residual."
 )]
 pub struct Args {

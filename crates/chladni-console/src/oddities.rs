@@ -115,7 +115,7 @@ fn directions(frf: &FrfSet) -> Option<Finding> {
             "mixed axes: {}; maps show the most frequent one, scenes judge +Z alone",
             names.join(", ")
         );
-        Finding::note("mixed-axes", words)
+        Finding::caution("mixed-axes", words)
     })
 }
 

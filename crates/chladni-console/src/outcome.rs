@@ -98,12 +98,13 @@ pub fn report(result: Result<Outcome>, console: &Console) -> ExitCode {
         Ok(outcome)
     });
     console.tell();
-    if let Some(next) = printed
-        .as_ref()
-        .ok()
-        .and_then(|outcome| outcome.next.as_ref())
+    if let Ok(Outcome {
+        next: Some(next), ..
+    }) = &printed
     {
-        console.note(&format!("Next: {next}"));
+        if !console.json {
+            console.note(&format!("Next: {next}"));
+        }
     }
     match printed {
         Ok(Outcome { doubt: None, .. }) => ExitCode::SUCCESS,

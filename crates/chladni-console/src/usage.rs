@@ -5,7 +5,7 @@ use crate::input::DofFile;
 use crate::stdout::print_error;
 use chladni_frf::{Error, ErrorKind};
 use clap::error::{ContextKind, ContextValue, ErrorKind as ClapKind};
-use clap::{ArgMatches, Command, Parser};
+use clap::{Arg, ArgMatches, Command, Parser};
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -26,9 +26,39 @@ pub enum Answer {
 
 /// The arguments of this process.
 pub fn parse<C: Parser>() -> Result<C, Answer> {
-    let matches = C::command().try_get_matches().map_err(Answer::Clap)?;
+    let matches = purpose_first(C::command())
+        .try_get_matches()
+        .map_err(Answer::Clap)?;
     one_standard_input(&matches).map_err(Answer::Refused)?;
     C::from_arg_matches(&matches).map_err(Answer::Clap)
+}
+
+/// A help page: what the command is for, examples, then its options.
+const HELP: &str = "{about-with-newline}
+{before-help}{usage-heading} {usage}
+
+{all-args}{after-help}";
+
+/// Options under these headings are those of many commands: `--help` lists them, `-h`
+/// does not.
+const SHARED: [&str; 2] = ["Common options", "Reading FRFs"];
+/// One of them that many files need.
+const OFTEN_NEEDED: &str = "frf_kind";
+
+/// The command and all below it with help pages that begin with their purpose, and short
+/// ones that hold their own options.
+fn purpose_first(command: Command) -> Command {
+    let is_shared = |arg: &Arg| {
+        let heading = arg.get_help_heading();
+        arg.get_id().as_str() != OFTEN_NEEDED && heading.is_some_and(|name| SHARED.contains(&name))
+    };
+    command
+        .help_template(HELP)
+        .mut_args(|arg| {
+            let hide = is_shared(&arg);
+            arg.hide_short_help(hide)
+        })
+        .mut_subcommands(purpose_first)
 }
 
 /// Refuses a second file that is the standard input: it can be read once.

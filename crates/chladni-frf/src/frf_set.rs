@@ -156,7 +156,7 @@ impl FrfSet {
         ] {
             let mut seen = std::collections::HashSet::new();
             if let Some(twice) = dofs.iter().find(|dof| !seen.insert(**dof)) {
-                return Err(Error::bad_data("a DOF stands twice")
+                return Err(Error::bad_data("a DOF occurs twice")
                     .field(field)
                     .found(twice)
                     .expected("every DOF once"));

@@ -144,7 +144,7 @@ pub struct Mode {
     pub loss_factor_std: f64,
     /// η_n/2 in both laws.
     pub damping_ratio: f64,
-    /// Inside `band_hz`; false marks poles that stand for the world outside the band.
+    /// Inside `band_hz`; false marks out-of-band poles (residual terms).
     pub in_band: bool,
     /// Grade.
     pub trust: Trust,
@@ -447,7 +447,7 @@ impl ModalModel {
         frf
     }
 
-    /// Modes inside the band (`sure` and `weak`); the others stand for the world outside.
+    /// Modes inside the band (`sure` and `weak`); the others are residual terms.
     pub fn in_band_modes(&self) -> impl Iterator<Item = &Mode> {
         self.modes
             .iter()

@@ -1,7 +1,6 @@
 //! Modes kept or dropped by hand, reproducibly: what a selection does to a model.
 //!
-//! Poles outside the band stand for the world beyond it and stay; rejected candidates stay
-//! listed.
+//! Out-of-band poles (residual terms) stay; rejected candidates stay listed.
 
 use crate::{Error, Finding, FrfKind, ModalModel, Mode, Result, Trust, CREATED_BY};
 use serde_json::json;
@@ -30,7 +29,7 @@ pub struct ModePick {
     pub field: String,
 }
 
-/// A mode by its number or by its frequency.
+/// A mode by its number or by its frequency, or all sure ones.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ModeName {
     /// In the table of modes, from 1.
@@ -42,6 +41,8 @@ pub enum ModeName {
         /// Largest distance, Hz.
         within_hz: f64,
     },
+    /// All sure modes.
+    Sure,
 }
 
 /// A model after the selection.
@@ -68,7 +69,7 @@ impl Selection {
         let modes: Vec<&Mode> = model.in_band_modes().collect();
         let mut named = vec![false; modes.len()];
         for pick in &self.picks {
-            pick.find(&modes)?.for_each(|n| named[n] = true);
+            pick.find(&modes)?.into_iter().for_each(|n| named[n] = true);
         }
         let mut left = model.clone();
         let mut number = 0;
@@ -119,13 +120,14 @@ impl ModeName {
             Self::Frequency { near_hz, within_hz } => {
                 json!({"near_hz": near_hz, "within_hz": within_hz})
             }
+            Self::Sure => json!("sure"),
         }
     }
 }
 
 impl ModePick {
-    /// Indices of the modes meant: one, or all of a repeated pole.
-    fn find(&self, modes: &[&Mode]) -> Result<impl Iterator<Item = usize>> {
+    /// Indices of the modes meant: one, all of a repeated pole, or all sure ones.
+    fn find(&self, modes: &[&Mode]) -> Result<Vec<usize>> {
         let say = |message: &str| {
             Error::bad_data(message)
                 .at_line(self.line)
@@ -170,8 +172,19 @@ impl ModePick {
                 }
                 first..last + 1
             }
+            ModeName::Sure => {
+                let is_sure = |n: &usize| modes[*n].trust == Trust::Sure;
+                let sure: Vec<usize> = (0..modes.len()).filter(is_sure).collect();
+                return match sure.is_empty() {
+                    true => Err(say("no mode is sure")
+                        .found(format!("{} weak modes", modes.len()))
+                        .expected("at least one sure mode")
+                        .help("name modes by their numbers")),
+                    false => Ok(sure),
+                };
+            }
         };
-        Ok(range)
+        Ok(range.collect())
     }
 }
 

@@ -77,7 +77,7 @@ impl Inputs {
                 "left out of the folder: {} ({reason})",
                 shortened(&names, NAMES_LISTED)
             );
-            Finding::note("not-read", words)
+            Finding::caution("not-read", words)
         });
         if self.files.len() == before {
             let texts: Vec<String> = left_out.map(|finding| finding.text).collect();

@@ -111,7 +111,7 @@ fn needed<'a>(path: &Path, frf: Option<&'a FrfSet>, format: &str) -> Result<&'a 
 fn left_out(format: &str, set: &FrfSet, contents: &Contents) -> Vec<Finding> {
     let mut lost = Vec::new();
     if !set.geometry.nodes.is_empty() {
-        lost.push(Finding::note(
+        lost.push(Finding::caution(
             "not-carried",
             format!(
                 "{format} holds no geometry: {} nodes are left out",
@@ -121,7 +121,7 @@ fn left_out(format: &str, set: &FrfSet, contents: &Contents) -> Vec<Finding> {
     }
     lost.extend(set.variance.as_ref().map(|_| lost_variance(format)));
     if !contents.functions.is_empty() {
-        lost.push(Finding::note(
+        lost.push(Finding::caution(
             "not-carried",
             format!(
                 "{format} holds FRFs only: {} other functions are left out",
@@ -130,7 +130,7 @@ fn left_out(format: &str, set: &FrfSet, contents: &Contents) -> Vec<Finding> {
         ));
     }
     if !contents.shapes.is_empty() {
-        lost.push(Finding::note(
+        lost.push(Finding::caution(
             "not-carried",
             format!(
                 "{format} holds FRFs only: {} shapes are left out",
@@ -142,7 +142,7 @@ fn left_out(format: &str, set: &FrfSet, contents: &Contents) -> Vec<Finding> {
 }
 
 fn lost_variance(format: &str) -> Finding {
-    Finding::note(
+    Finding::caution(
         "not-carried",
         format!("{format} holds no variances: those of the FRFs are left out (HDF5 holds them)"),
     )
@@ -160,7 +160,7 @@ fn write_table(
     let (responses, references) = unmeasured(set);
     for (count, what) in [(responses, "responses"), (references, "references")] {
         if count > 0 {
-            lost.push(Finding::note(
+            lost.push(Finding::caution(
                 "not-carried",
                 format!("{count} {what} without any FRF are left out of the table"),
             ));

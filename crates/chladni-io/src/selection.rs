@@ -1,7 +1,8 @@
 //! The selection file: modes kept or dropped by hand.
 //!
 //! ```toml
-//! drop = [3, 7]        # numbers as in the table of modes, from 1; `keep = [...]` instead: all others go
+//! drop = [3, 7]        # numbers as in the table of modes, from 1; `keep = [...]` instead: all others go;
+//!                      # `keep = "sure"`: all weak ones go
 //!
 //! [[mode]]             # one more of them, by its frequency
 //! near_hz = 54.4
@@ -19,6 +20,9 @@ const KEYS: Keys = &[
     ("", &["keep", "drop", "mode"]),
     ("mode", &["near_hz", "within_hz"]),
 ];
+
+/// Keeps all sure modes.
+const SURE: &str = "sure";
 
 /// Reads a selection file.
 ///
@@ -46,8 +50,20 @@ pub fn selection_from_toml(text: &str) -> Result<Selection> {
     }
     let kept = drop.is_none();
     let mut picks = Vec::new();
+    let all_sure = keep.as_ref().filter(|value| value.is_string());
+    if let Some(value) = all_sure {
+        if value.string()? != SURE {
+            return Err(value.error("no such modes", "a list of numbers, or \"sure\""));
+        }
+        picks.push(ModePick {
+            name: ModeName::Sure,
+            line: value.line(),
+            field: "keep".into(),
+        });
+    }
     for (place, value) in keep
         .or(drop)
+        .filter(|value| !value.is_string() || !kept)
         .map(|list| list.list())
         .transpose()?
         .into_iter()

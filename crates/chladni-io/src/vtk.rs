@@ -115,7 +115,7 @@ fn check(path: &Path, contents: &Contents) -> Result<Vec<Finding>> {
     }
     let mut lost = Vec::new();
     if contents.frf.is_some() || !contents.functions.is_empty() {
-        lost.push(Finding::note(
+        lost.push(Finding::caution(
             "not-carried",
             "FRFs and other functions are not drawn: only nodes, lines, faces and shapes are \
              written",
@@ -126,7 +126,7 @@ fn check(path: &Path, contents: &Contents) -> Result<Vec<Finding>> {
         .iter()
         .any(|shape| shape.values.ncols() > TRANSLATION)
     {
-        lost.push(Finding::note(
+        lost.push(Finding::caution(
             "not-carried",
             "rotations and tensors are left out: the first three components are written",
         ));
@@ -135,7 +135,7 @@ fn check(path: &Path, contents: &Contents) -> Result<Vec<Finding>> {
     let without = |shape: &&Shape| shape.nodes.iter().any(|node| !known.contains_key(node));
     let count = contents.shapes.iter().filter(without).count();
     if count > 0 {
-        lost.push(Finding::note(
+        lost.push(Finding::caution(
             "not-carried",
             format!("{count} shapes have values at nodes without coordinates: these are left out"),
         ));

@@ -13,6 +13,7 @@
 
 // the error carries file, line, field and advice; it is built once, where a run ends
 
+mod better_band;
 mod chart;
 mod comparison;
 mod data;
@@ -20,10 +21,12 @@ mod drawing;
 mod figures;
 mod input;
 mod page;
+mod sentence;
 mod sizes;
 mod surface;
 mod text;
 
+pub use better_band::{better_band, BetterBand};
 pub use chart::{
     Axis, Cell, Chart, ColourBar, Disc, Figure, Height, Layer, Mark, Place, RightAxis, Scale,
 };
@@ -32,6 +35,7 @@ pub use figures::{
     all as figures, field_map, moving_field, time as time_figure, weights_around_edge,
 };
 pub use input::{CurvePoint, Curves, RenderedScene, ReportInput, ShownField, ShownTime, Table};
+pub use sentence::sentence;
 
 use chladni_frf::{ModalModel, Result};
 use serde_json::Value;

@@ -21,6 +21,9 @@ pub(crate) const SHOWN_LINES: usize = 6000;
 /// Points of the grid on which shapes are shown; each mode costs 11 kB per thousand.
 pub(crate) const GRID_POINTS: f64 = 1500.0;
 
+/// Fewer responses tell no shapes apart: the MAC of any two of them is large.
+pub(crate) const MAC_RESPONSES: usize = 4;
+
 /// DOF pairs whose FRFs are shown in full.
 pub(crate) const PAIRS: usize = 12;
 /// Driving points among them at most.

@@ -223,23 +223,33 @@ fn foreign_text_cannot_become_markup() {
 }
 
 #[test]
-fn warnings_come_with_what_they_are_about() {
+fn findings_come_by_weight_with_what_they_are_about_beside_the_sentence() {
     let mut model = small().truth.clone();
     (model.modes[1].trust, model.modes[1].reasons) = (
         Trust::Weak,
         vec![Reason::new("hardly", "hardly above the noise")].into(),
     );
-    model.quality.trusted = false;
+    model.quality.findings = vec![
+        Finding::caution("look", "look here"),
+        Finding::fault("wrong", "this is wrong").help("mend it"),
+    ];
     let all = data(&ReportInput {
         title: "Panel".into(),
         model: Some(&model),
         ..Default::default()
     })
     .unwrap();
-    let warnings = all["warnings"].to_string();
+    let findings = all["findings"].as_array().unwrap();
+    let codes: Vec<&str> = findings
+        .iter()
+        .map(|finding| finding["code"].as_str().unwrap())
+        .collect();
+    assert_eq!(codes, ["wrong", "look"]);
+    assert_eq!(findings[0]["about"], "Model");
+    let sentence = all["sentence"].as_str().unwrap();
     assert!(
-        warnings.contains("not to be trusted") && warnings.contains("1 mode kept with doubts"),
-        "{warnings}"
+        sentence.contains(", 1 weak; together they explain"),
+        "{sentence}"
     );
     assert_eq!(
         all["model"]["modes"][1]["reasons"][0],

@@ -86,7 +86,6 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         "output": args.place.output.display().to_string(),
         "files": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
         "rows": rows.len(),
-        "warnings": console.warnings(),
     });
     Ok(Outcome::written(
         &args.place.output,

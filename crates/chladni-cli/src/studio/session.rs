@@ -259,7 +259,7 @@ impl Session {
             question.method
         );
         Ok(
-            json!({"scene": scene_data(&input), "command": command, "warnings": rendering.weights.findings.warnings(), "findings": rendering.weights.findings.0}),
+            json!({"scene": scene_data(&input), "command": command, "findings": rendering.weights.findings.0}),
         )
     }
 

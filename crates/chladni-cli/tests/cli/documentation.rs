@@ -326,10 +326,10 @@ fn equations_of_the_theory_are_numbered_in_order() {
 }
 
 #[test]
-fn every_help_page_begins_with_examples() {
+fn every_help_page_says_its_purpose_and_examples_before_options() {
     let folder = Folder::new();
     let overview = folder.run("--help").exits(0).stdout;
-    assert!(overview.starts_with("Examples:"), "{overview}");
+    assert!(purpose_comes_first(&overview), "{overview}");
     let verbs: Vec<&str> = overview
         .lines()
         .skip_while(|line| *line != "Commands:")
@@ -344,9 +344,20 @@ fn every_help_page_begins_with_examples() {
     {
         let help = folder.run(&format!("{verb} --help")).exits(0).stdout;
         assert!(
-            help.starts_with("Examples:"),
+            purpose_comes_first(&help),
             "{verb}: {}",
             &help[..help.len().min(200)]
         );
+        let short = folder.run(&format!("{verb} -h")).exits(0).stdout;
+        assert!(
+            !short.contains("--threads") && (short.len() < help.len() || verb == "block"),
+            "{verb}: {short}"
+        );
     }
+}
+
+/// A line or two on what it is for, then the examples, then the usage.
+fn purpose_comes_first(help: &str) -> bool {
+    let place = |words: &str| help.find(words).unwrap_or(usize::MAX);
+    (10..300).contains(&place("Examples:")) && place("Examples:") < place("Usage:")
 }

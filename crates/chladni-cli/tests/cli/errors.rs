@@ -257,7 +257,7 @@ fn a_damaged_file_says_where() {
 }
 
 #[test]
-fn help_and_version_are_no_errors_and_begin_with_examples() {
+fn help_and_version_are_no_errors_and_give_examples() {
     let folder = Folder::new();
     assert!(folder
         .run("--version")
@@ -282,7 +282,7 @@ fn help_and_version_are_no_errors_and_begin_with_examples() {
     ] {
         let help = folder.run(&format!("{command} --help")).exits(0).stdout;
         assert!(
-            help.starts_with("Examples:") && help.contains(&format!("chladni {command}")),
+            help.contains("Examples:") && help.contains(&format!("chladni {command}")),
             "{command}: {help}"
         );
     }

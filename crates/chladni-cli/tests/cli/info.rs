@@ -138,7 +138,7 @@ fn what_is_damaged_is_listed_beside_what_is_sound() {
         .count();
     assert_eq!(damaged, 1, "{datasets:?}");
     assert!(datasets.len() > 100);
-    assert!(run.stderr.contains("warning: truncated.unv"));
+    assert!(run.stderr.contains("fault    truncated.unv"));
 }
 
 #[test]

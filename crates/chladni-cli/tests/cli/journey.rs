@@ -118,7 +118,9 @@ fn stdout_carries_the_result_and_nothing_else() {
     );
     let verbose = folder.run("fit panel.h5 -v").exits(0);
     assert!(
-        verbose.stderr.contains("note: shapes are not mass-scaled"),
+        verbose
+            .stderr
+            .contains("note     shapes are not mass-scaled"),
         "{}",
         verbose.stderr
     );
@@ -139,6 +141,31 @@ fn stdout_carries_the_result_and_nothing_else() {
         folder.run("fit panel.h5 --json -q").exits(0).stdout,
     );
     assert!(folder.run("info copy.json --json").exits(0).json()["files"][0]["format"] == "model");
+}
+
+/// Lines of a terminal that nobody has made larger, twice: command and result on one
+/// screen of a large one.
+const SCREEN: usize = 40;
+
+#[test]
+fn what_the_terminal_shows_fits_one_screen_and_begins_with_a_sentence() {
+    let folder = Folder::with_panel();
+    for (line, first) in [
+        ("info panel.h5", "panel.h5: hdf5, mobility"),
+        ("fit panel.h5 -o model.json", " sure modes explain "),
+        (
+            "render model.json scene.toml -o weights.json",
+            "The scene is met at ",
+        ),
+    ] {
+        let run = folder.run(line).exits(0);
+        let begins = run.stdout.lines().next().unwrap_or_default();
+        assert!(begins.contains(first), "{line}: {begins}");
+        let lines = run.stdout.lines().count() + run.stderr.lines().count();
+        assert!(lines <= SCREEN, "{lines}\n{}{}", run.stdout, run.stderr);
+        let widest = run.stderr.lines().map(|line| line.chars().count()).max();
+        assert!(widest.unwrap_or(0) <= 100, "{}", run.stderr);
+    }
 }
 
 #[test]
@@ -181,7 +208,7 @@ fn modes_are_selected_by_hand_and_the_result_says_so() {
         .run("select model.json selection.toml -o selected.json --json")
         .exits(0);
     assert!(
-        run.stderr.contains("2 mode(s) dropped by hand"),
+        run.said().contains("2 mode(s) dropped by hand"),
         "{}",
         run.stderr
     );
@@ -307,7 +334,7 @@ fn noise_alone_has_no_mode_and_says_so() {
     assert_eq!(accepted.count(), 0, "{fit}");
     assert_eq!(fit["quality"]["trusted"], false);
     assert!(
-        run.stderr.contains("no mode stands out of the noise"),
+        run.said().contains("no mode stands out of the noise"),
         "{}",
         run.stderr
     );

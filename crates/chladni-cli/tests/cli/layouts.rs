@@ -148,7 +148,7 @@ fn hammer_records_without_a_time_column_are_estimated() {
         "{}",
         run.stderr
     );
-    assert!(run.stderr.contains("(and 2 more files)"), "{}", run.stderr);
+    assert!(run.said().contains("(and 2 more files)"), "{}", run.stderr);
 }
 
 #[test]

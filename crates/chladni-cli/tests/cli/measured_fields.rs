@@ -96,7 +96,7 @@ fn a_dead_channel_is_named_and_corrected() {
     let run = folder
         .run("evaluate w0.json --scene scene.toml --on model.json --field field.csv --json")
         .exits(0);
-    let (json, stderr) = (run.json(), run.stderr);
+    let (json, said) = (run.json(), run.said());
     let weights: Value = serde_json::from_str(&folder.text("w0.json")).unwrap();
     let dead = &weights["weights"][strongest(&weights)]["reference"];
     let likeliest = &json["agreement"]["hypotheses"][0];
@@ -107,8 +107,8 @@ fn a_dead_channel_is_named_and_corrected() {
     );
     assert!(json["agreement"]["nis"].as_f64().unwrap() > 3.0);
     assert!(
-        stderr.contains("does not say how sure its values are"),
-        "{stderr}"
+        said.contains("does not say how sure its values are"),
+        "{said}"
     );
     let run = folder
         .run("evaluate w0.json --scene scene.toml --on model.json --field field.csv")

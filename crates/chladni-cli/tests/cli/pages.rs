@@ -436,6 +436,40 @@ fn fit_weights_and_field_follow_the_band_while_it_is_dragged() {
 }
 
 #[test]
+fn keep_only_sure_is_one_click_and_what_select_reads() {
+    let Some(mut page) = Page::new(1280, 800, false) else {
+        return;
+    };
+    let folder = folder_with_report();
+    let mut model: Value = serde_json::from_str(&folder.text("model.json")).unwrap();
+    let doubtful = model["modes"]
+        .as_array_mut()
+        .unwrap()
+        .iter_mut()
+        .find(|mode| mode["in_band"] == true)
+        .unwrap();
+    doubtful["trust"] = "weak".into();
+    folder.write("doubtful.json", model.to_string());
+    folder
+        .run("report doubtful.json -o doubtful.html -q")
+        .exits(0);
+    page.open_file(&folder.path().join("doubtful.html"));
+    assert!(page.text(".sentence").contains(", 1 weak"));
+    page.eval("document.querySelector('#keep-sure').click()");
+    assert_eq!(page.text("#selection-toml"), "keep = \"sure\"\n");
+    folder.write("sure.toml", page.text("#selection-toml"));
+    let sure = folder
+        .run("select doubtful.json sure.toml -o sure.json --json")
+        .exits(0)
+        .json();
+    let modes = sure["modes"].as_array().unwrap();
+    assert!(modes
+        .iter()
+        .all(|mode| mode["in_band"] != true || mode["trust"] == "sure"));
+    assert_eq!(page.complaints(), Vec::<String>::new());
+}
+
+#[test]
 fn foreign_words_stay_words() {
     const EVIL: &str = "</script><img src=x onerror=document.title=1>";
     let Some(mut page) = Page::new(1280, 800, false) else {
@@ -452,7 +486,7 @@ fn foreign_words_stay_words() {
     folder.run("report evil.json -o evil.html -q").exits(0);
     page.open_file(&folder.path().join("evil.html"));
     assert_eq!(page.eval("document.querySelectorAll('img').length"), 0);
-    assert!(page.text(".warnings").contains(EVIL) && page.text("#model").contains(EVIL));
+    assert!(page.text(".findings").contains(EVIL) && page.text("#model").contains(EVIL));
     // nor would a script that slipped in be run
     page.eval("document.body.append(Object.assign(document.createElement('script'), { textContent: 'document.title = \"ran\"' }))");
     assert_ne!(page.eval("document.title"), "ran");

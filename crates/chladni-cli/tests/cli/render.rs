@@ -50,7 +50,7 @@ fn as_few_modes_and_actuators_as_the_scene_needs() {
         .run("render model.json corner.toml --modes few")
         .exits(2);
     assert!(
-        run.stderr.contains("--modes") && run.stderr.contains("few"),
+        run.said().contains("--modes") && run.said().contains("few"),
         "{}",
         run.stderr
     );
@@ -67,7 +67,7 @@ fn an_impossible_scene_exits_1_with_what_is_possible_and_what_was_asked() {
         .run("render model.json weak.toml -o weights.json")
         .exits(1);
     assert!(
-        run.stderr.contains("possible") && run.stderr.contains("asked 4.0 dB"),
+        run.said().contains("possible") && run.said().contains("asked 4.0 dB"),
         "{}",
         run.stderr
     );

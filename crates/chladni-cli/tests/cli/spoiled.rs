@@ -48,7 +48,7 @@ fn each_value(frf: &mut FrfSet, change: impl Fn(Complex64) -> Complex64) {
 
 /// All that a command says on stderr.
 fn says(folder: &Folder, line: &str) -> String {
-    folder.run(line).stderr
+    folder.run(line).said()
 }
 
 /// Checks that `words` are said of the spoiled file and not of the clean one.

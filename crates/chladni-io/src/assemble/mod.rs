@@ -49,7 +49,7 @@ pub fn assemble(documents: Vec<Document>, options: &ReadOptions) -> Result<Conte
             "{}: left out, a result and no measurement",
             document.file.display()
         );
-        Finding::note("not-read", words)
+        Finding::caution("not-read", words)
     };
     contents.warnings.extend(results.into_iter().map(left_out));
     let count = documents.len();

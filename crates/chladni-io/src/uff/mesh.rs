@@ -135,7 +135,7 @@ pub(super) fn read_2412<'a>(
         }
     }
     for descriptor in unknown {
-        warnings.push(Finding::note(
+        warnings.push(Finding::caution(
             "not-carried",
             format!(
                 "elements with descriptor {descriptor} are no lines, faces or solids \

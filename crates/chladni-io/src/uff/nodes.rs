@@ -256,22 +256,34 @@ pub(super) fn geometry(
     }
     moved.warn(
         warnings,
-        "stand twice with different positions; the first is kept",
+        Finding::caution(
+            "node-moved",
+            "occur twice with different positions; the first is kept",
+        ),
     );
     undefined.warn(
         warnings,
-        "name a displacement coordinate system that no dataset 18 or 2420 defines; \
-                         their directions cannot be trusted",
+        Finding::caution(
+            "coordinate-systems",
+            "name a displacement coordinate system that no dataset 18 or 2420 defines; their \
+             directions cannot be trusted",
+        ),
     );
     local.warn(
         warnings,
-        "measure along their own coordinate systems (18 or 2420); directions are kept as in the \
-         file, not turned to global axes",
+        Finding::note(
+            "own-directions",
+            "measure along their own coordinate systems (18 or 2420); directions are kept as in \
+             the file, not turned to global axes",
+        ),
     );
     displaced.warn(
         warnings,
-        "are placed in a coordinate system of their own; positions are kept as in \
-                         the file, not turned to global axes",
+        Finding::caution(
+            "coordinate-systems",
+            "are placed in a coordinate system of their own; positions are kept as in the file, \
+             not turned to global axes",
+        ),
     );
     geometry
 }
@@ -296,15 +308,15 @@ impl Names {
             self.first.push(label.to_string());
         }
     }
-    fn warn(&self, warnings: &mut Vec<Finding>, what: &str) {
+    fn warn(&self, warnings: &mut Vec<Finding>, finding: Finding) {
         if self.count > 0 {
             let more = if self.count > self.first.len() {
                 format!(" and {} more", self.count - self.first.len())
             } else {
                 String::new()
             };
-            let words = format!("nodes {}{more} {what}", self.first.join(", "));
-            warnings.push(Finding::caution("coordinate-systems", words));
+            let text = format!("nodes {}{more} {}", self.first.join(", "), finding.text);
+            warnings.push(Finding { text, ..finding });
         }
     }
 }

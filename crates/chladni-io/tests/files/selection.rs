@@ -118,6 +118,35 @@ fn what_is_no_mode_in_the_band_stays() {
 }
 
 #[test]
+fn all_sure_modes_are_kept_by_one_word() {
+    let selected = chladni_io::selection_from_toml("keep = \"sure\"")
+        .unwrap()
+        .apply(&model())
+        .unwrap();
+    let left = selected.model.in_band_modes();
+    assert!(left.into_iter().all(|mode| mode.trust == Trust::Sure));
+    let weak = model()
+        .in_band_modes()
+        .filter(|mode| mode.trust == Trust::Weak)
+        .count();
+    assert_eq!((selected.dropped.len(), weak > 0), (weak, true));
+    assert_eq!(
+        selected.model.options["selections"][0]["keep"],
+        serde_json::json!(["sure"])
+    );
+    let mut doubtful = model();
+    doubtful
+        .modes
+        .iter_mut()
+        .for_each(|mode| mode.trust = Trust::Weak);
+    let error = chladni_io::selection_from_toml("keep = \"sure\"")
+        .unwrap()
+        .apply(&doubtful)
+        .unwrap_err();
+    assert!(error.to_string().contains("no mode is sure"), "{error}");
+}
+
+#[test]
 fn a_dropped_mode_counts_as_unexplained() {
     let whole = model();
     let selected = chladni_io::selection_from_toml("drop = [2]")
@@ -212,6 +241,7 @@ fn wrong_selections_say_line_and_key() {
         ("", &["names no mode"]),
         ("keep = [0]", &["keep[1]", "found 0"]),
         ("keep = 3", &["keep", "a list"]),
+        ("keep = \"all\"", &["line 1", "keep", "sure"]),
         ("mode = 3", &["mode", "a list"]),
         ("[[mode]]\nnear_hz = 40.0", &["within_hz", "missing"]),
     ] {

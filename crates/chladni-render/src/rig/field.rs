@@ -26,7 +26,7 @@ pub(crate) fn noise_assumed() -> Finding {
         "the field does not say how sure its values are: a noise of {} % of their rms is assumed",
         100.0 * tolerances::FIELD_NOISE
     );
-    Finding::note("field-noise-assumed", words).help("add a column std, or repeats")
+    Finding::caution("field-noise-assumed", words).help("add a column std, or repeats")
 }
 
 impl LaidField {

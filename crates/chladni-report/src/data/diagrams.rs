@@ -61,6 +61,9 @@ pub(crate) fn stabilization_options(model: Option<&ModalModel>) -> FitOptions {
 
 /// MAC of every shape with every other, row by row; `None` without modes in the band.
 pub(crate) fn mac(model: &ModalModel) -> Option<Value> {
+    if model.responses.len() < sizes::MAC_RESPONSES {
+        return None;
+    }
     let modes: Vec<&Mode> = model.in_band_modes().take(sizes::MAC_MODES).collect();
     let shapes: Vec<&[Complex64]> = modes.iter().map(|mode| mode.shape.0.as_slice()).collect();
     let mac = chladni_rfp::mac_matrix(&shapes, &shapes);

@@ -6,18 +6,19 @@
 
 mod array;
 mod diagrams;
+mod findings;
 mod frfs;
 mod geometry;
 mod lines;
 mod model;
 mod scenes;
 mod time;
-mod warnings;
 
 pub(crate) use diagrams::stabilization_options;
 
 use crate::comparison::Comparison;
 use crate::input::ReportInput;
+use crate::sentence::sentence;
 use chladni_frf::{ModalModel, Result, CREATED_BY};
 use serde_json::{json, Value};
 
@@ -32,7 +33,8 @@ pub(crate) fn of(input: &ReportInput) -> Result<Value> {
     Ok(json!({
         "title": input.title,
         "created_by": CREATED_BY,
-        "warnings": warnings::all(input),
+        "sentence": input.model.map(sentence),
+        "findings": findings::all(input),
         "model": input.model.map(model::value),
         "frfs": comparison.as_ref().map(frfs::value),
         "cmif": comparison.as_ref().map(|comparison| diagrams::cmif(comparison, input.measured)).transpose()?,

@@ -78,7 +78,7 @@ fn facts(model: &ModalModel) -> Vec<[String; 2]> {
         .as_ref()
         .map(|path| format!("; {path}"))
         .unwrap_or_default();
-    let rows = [
+    let mut rows = vec![
         ("Source", sources(&model.source)),
         (
             "FRFs",
@@ -110,17 +110,12 @@ fn facts(model: &ModalModel) -> Vec<[String; 2]> {
                 significant(model.quality.chi2_per_dof, 4)
             ),
         ),
-        (
-            "Trust",
-            if model.quality.trusted {
-                "trusted"
-            } else {
-                "not trusted, see the warnings"
-            }
-            .into(),
-        ),
     ];
-    rows.map(|(word, text)| [word.to_owned(), text]).into()
+    if !model.quality.trusted {
+        rows.push(("Doubt", "not to be used as it is: see the findings".into()));
+    }
+    let named = |(word, text): (&str, String)| [word.to_owned(), text];
+    rows.into_iter().map(named).collect()
 }
 
 /// The files in words: of many the first ones, without their hashes, which the model file

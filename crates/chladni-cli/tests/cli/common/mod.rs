@@ -42,6 +42,10 @@ impl Run {
             panic!("{error} in {:?}; stderr {:?}", self.stdout, self.stderr)
         })
     }
+    /// What stderr says, in one line: the terminal's line breaks are no words.
+    pub fn said(&self) -> String {
+        self.stderr.split_whitespace().collect::<Vec<_>>().join(" ")
+    }
     /// Checks the exit status.
     pub fn exits(self, code: i32) -> Self {
         assert_eq!(

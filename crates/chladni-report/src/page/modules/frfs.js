@@ -14,13 +14,23 @@ function levels(values) {
   return Float64Array.from(values, level);
 }
 
-/** Section of the FRFs; `model` may be null. */
+/** The values on lines of the fitted band; elsewhere nothing was fitted, and nothing is drawn. */
+function inBand(model, x, y) {
+  if (!model) return y;
+  const [low, high] = model.band_hz;
+  return y.map((value, k) => (x[k] >= low && x[k] <= high ? value : NaN));
+}
+
+/** Section of the sum over all FRFs, what a result is judged by first; `model` may be null. */
+export function sumSection(frfs, model) {
+  const heading = model && frfs.residuals ? "Synthesis over measured" : model ? "Synthesis" : "Measured";
+  return section("sum", heading, sumChart(frfs, model).element);
+}
+
+/** Section of single FRFs; `model` may be null. */
 export function frfSection(frfs, model) {
   const source = new Source(frfs, model);
-  const both = model && frfs.residuals;
-  const body = [note(frfs, model), sumChart(frfs, model).element];
-  if (source.pairs) body.push(...pairView(source, frfs, model));
-  return section("frfs", both ? "Measured FRFs and synthesis" : "FRFs", ...body);
+  return source.pairs ? section("frfs", "Single FRFs", note(frfs, model), ...pairView(source, frfs, model)) : null;
 }
 
 function note(frfs, model) {
@@ -49,7 +59,7 @@ function range(lists) {
 
 function sumChart(frfs, model) {
   const x = array(frfs.lines);
-  const curve = (name, coded, style) => coded && { name, x, y: levels(array(coded)), style };
+  const curve = (name, coded, style) => coded && { name, x, y: style === "measured" ? levels(array(coded)) : inBand(model, x, levels(array(coded))), style };
   const series = [
     curve("measured", frfs.sums.measured, "measured"),
     curve("synthesised", frfs.sums.synthesis, "synthesised"),
@@ -165,7 +175,7 @@ function pairView(source, frfs, model) {
   response.select.id = "response";
   reference.select.id = "reference";
   const telling = frfs.full.filter((pair) => frfs.responses.includes(pair.response) && frfs.references.includes(pair.reference));
-  const jump = choice("Telling pairs", telling.map((pair) => `${pair.label}: ${pair.why}`), 0, (k) => {
+  const jump = choice("Notable FRFs", telling.map((pair) => `${pair.label}: ${pair.why}`), 0, (k) => {
     change({ pair: [frfs.responses.indexOf(telling[k].response), frfs.references.indexOf(telling[k].reference)] });
   });
   let residualShown = true;
@@ -180,11 +190,11 @@ function pairView(source, frfs, model) {
     reference.select.selectedIndex = j;
     const { frequency, measured, synthesis, residual, all } = source.curves(i, j);
     const parts = [["measured", measured, "measured"], ["synthesised", synthesis, "synthesised"], ["residual", residualShown ? residual : null, "residual"]];
-    const series = (of, breaks) => parts.filter(([, curve]) => curve).map(([name, curve, style]) => ({ name, x: frequency, y: of(curve), style, breaks }));
+    const series = (of, breaks) => parts.filter(([, curve]) => curve).map(([name, curve, style]) => ({ name, x: frequency, y: style === "measured" ? of(curve) : inBand(model, frequency, of(curve)), style, breaks }));
     const amplitudes = series(magnitude);
     const error = source.errors?.[source.pair(i, j)];
     const difference = Number.isFinite(error) ? `, residual ${fixed(100 * error, 2)} % of the measured rms in the band` : "";
-    const thin = measured && !all ? ` Shown are ${counted(frequency.length, "line")} of ${frfs.total_lines}, all near resonances; telling pairs have all.` : "";
+    const thin = measured && !all ? ` Shown are ${counted(frequency.length, "line")} of ${frfs.total_lines}, all near resonances; notable FRFs have all.` : "";
     amplitude.update({
       title: `${frfs.quantity} of response / reference ${names[0][i]} / ${names[1][j]}${difference}`,
       caption: `${state.dropped.size ? "The synthesis leaves the dropped modes out. " : ""}Keys [ and ] take the response before and after.${thin}`,

@@ -3,8 +3,8 @@
 import { h, section, slider, tick, takeAway } from "./dom.js";
 import { array, embedded, split } from "./data.js";
 import { state, reset, change } from "./store.js";
-import { unpack, fitParts } from "./page.js";
-import { warningList, contents } from "./facts.js";
+import { unpack, fitParts, resultHead } from "./page.js";
+import { findingList, contents } from "./facts.js";
 import { sceneBody } from "./scenes.js";
 import { zoneBoard, sceneNumbers, startOfScene, sceneToml } from "./zones.js";
 import { fixed } from "./numbers.js";
@@ -131,7 +131,7 @@ function showFit(answer, head) {
   full = { data: said.data, model, terms: said.data.frfs?.terms && split(array(said.data.frfs.terms)) };
   parts.forEach(put);
   const sections = ["studio", "scene", ...holders.keys()].map((id) => document.getElementById(id)).filter((one) => one?.tagName === "SECTION" && one.id !== "stabilization");
-  head.replaceChildren(h("h1", {}, said.data.title), warningList(said.data.warnings), contents(sections));
+  head.replaceChildren(...resultHead(said.data), contents(sections));
   count("fits");
 }
 
@@ -234,7 +234,7 @@ function scenePanel(first, geometry) {
     const scene = { toml: text, threshold: numbers.table() };
     drafts.ask({ ...scene, method: "fast" }, (said) => show(said, number, moving));
     if (moving) return;
-    status.textContent = "best drive: at work …";
+    status.textContent = "computing the best drive …";
     finals.ask({ ...scene, method: "best" }, (said) => show(said, number, false, true));
   }
 
@@ -249,7 +249,7 @@ function scenePanel(first, geometry) {
     if (isBest) best = number;
     if (isBest || light) status.textContent = "";
     const body = sceneBody(said.scene, 1, model, places, light);
-    result.replaceChildren(said.warnings.length ? warningList(said.warnings.map((text) => ["Scene", text])) : "", ...body);
+    result.replaceChildren(findingList(said.findings.map((finding) => ({ about: "Scene", ...finding }))), ...body);
     result.dataset.method = said.scene.method;
     result.dataset.answers = String(Number(result.dataset.answers ?? 0) + 1);
     command.set(said.command);

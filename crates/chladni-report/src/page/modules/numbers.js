@@ -19,10 +19,11 @@ function raised(exponent) {
   return String(exponent).replace("-", "⁻").replace(/\d/g, (digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit]);
 }
 
-/** Value ± bound, both with so many places that the bound has two significant digits. */
+/** Value ± bound, both with so many places that the bound has one significant digit. */
 export function withBound(value, bound) {
   if (!(bound > 0)) return significant(value, 6);
-  const decimals = Math.min(9, Math.max(0, 1 - Math.floor(Math.log10(bound))));
+  const exponent = Number(bound.toExponential(0).split("e")[1]);
+  const decimals = Math.min(12, Math.max(0, -exponent));
   return `${fixed(value, decimals)} ± ${fixed(bound, decimals)}`;
 }
 

@@ -1,10 +1,11 @@
 // The report from top to bottom.
 
 import { h } from "./dom.js";
+import { array } from "./data.js";
 import { reset, change } from "./store.js";
 import { unpackModel } from "./synthesis.js";
-import { warningList, contents, modelFacts } from "./facts.js";
-import { frfSection } from "./frfs.js";
+import { findingList, contents, modelFacts } from "./facts.js";
+import { frfSection, sumSection } from "./frfs.js";
 import { stabilizationSection } from "./stabilization.js";
 import { poleSection } from "./poles.js";
 import { macSection } from "./mac.js";
@@ -13,6 +14,9 @@ import { shapeSection, unpackGeometry } from "./shapes.js";
 import { sceneSection } from "./scenes.js";
 import { zoneSection } from "./zones.js";
 import { tableSections } from "./tables.js";
+
+/** A band that leaves out no more is shown with all lines. */
+const NEARLY_ALL = 0.98;
 
 /** Model and geometry of the page's data, ready for the views. */
 export function unpack(data) {
@@ -23,19 +27,44 @@ export function unpack(data) {
 /** The sections of identification, all that depends on the fit and on no scene: pairs of an anchor and what makes its section, or null. */
 export function fitParts(data, model, geometry) {
   return [
-    ["model", () => model && modelFacts(model)],
+    ["sum", () => data.frfs && sumSection(data.frfs, model)],
     ["poles", () => model && poleSection(model)],
     ["frfs", () => data.frfs && frfSection(data.frfs, model)],
+    ["model", () => model && modelFacts(model)],
     ["stabilization", () => stabilizationSection(data, model)?.element],
-    ["mac", () => model && macSection(data.mac, model)],
     ["shapes", () => model && shapeSection(model, geometry)],
+    ["mac", () => model && macSection(data.mac, model)],
     ["complexity", () => model && complexitySection(model)],
   ];
+}
+
+/** The charts begin with the fitted band where that is a part of the lines. */
+function showBand(frfs, { band_hz: [low, high] }) {
+  const lines = array(frfs.lines);
+  const whole = lines[lines.length - 1] - lines[0];
+  if (high - low < NEARLY_ALL * whole) change({ range: [low, high] });
+}
+
+/** The sentence of the result, and what was found about it. */
+export function resultHead(data) {
+  return [h("h1", {}, data.title || "Chladni report"), data.sentence ? h("p", { class: "sentence" }, data.sentence) : "", findingList(data.findings)];
+}
+
+/** Nothing stays folded on paper, and nothing that was folded stays open afterwards. */
+function unfoldForPrint() {
+  const folded = () => [...document.querySelectorAll("details:not([open])")];
+  let opened = [];
+  addEventListener("beforeprint", () => {
+    opened = folded();
+    opened.forEach((one) => (one.open = true));
+  });
+  addEventListener("afterprint", () => opened.forEach((one) => (one.open = false)));
 }
 
 /** Draws the whole page. */
 export function show(data) {
   reset();
+  unfoldForPrint();
   const { model, geometry } = unpack(data);
   if (model?.inBand.length) change({ mode: model.inBand[0] });
   const sections = [
@@ -44,7 +73,8 @@ export function show(data) {
     zoneSection(geometry, data.scenes, model),
     ...tableSections(data.tables),
   ].filter(Boolean);
-  const head = h("header", {}, h("h1", {}, data.title || "Chladni report"), warningList(data.warnings), contents(sections));
+  const head = h("header", {}, resultHead(data), contents(sections));
   document.getElementById("page").replaceChildren(head, h("main", {}, sections));
+  if (model && data.frfs) showBand(data.frfs, model);
   document.documentElement.dataset.drawn = String(Math.round(performance.now()));
 }

@@ -18,11 +18,23 @@ export function poleSection(model) {
     "poles",
     "Poles",
     h("p", {}, words),
-    model.inBand.length ? poleTable(model, model.inBand, true) : h("p", {}, "No mode in the band."),
-    more("Poles outside the band, which stand for the world beyond it", model, outside),
+    ...counting(model),
+    more("Poles outside the band (residual terms)", model, outside),
     more("Rejected candidates", model, rejected),
     selectionView(model),
   );
+}
+
+/** Modes up to which weak ones stand among the others. */
+const FEW = 24;
+
+/** The modes that count: of many the weak ones are folded. */
+function counting(model) {
+  if (!model.inBand.length) return [h("p", {}, "No mode in the band.")];
+  const weak = model.inBand.filter((k) => model.modes[k].trust !== "sure");
+  if (model.inBand.length <= FEW || !weak.length || weak.length === model.inBand.length) return [poleTable(model, model.inBand, true)];
+  const sure = model.inBand.filter((k) => model.modes[k].trust === "sure");
+  return [poleTable(model, sure, true), h("details", { class: "weak-modes" }, h("summary", {}, `Weak modes: ${weak.length}`), poleTable(model, weak, true))];
 }
 
 function more(title, model, indices) {
@@ -33,9 +45,9 @@ function poleTable(model, indices, inBand) {
   const header = [inBand ? "Keep" : "", { number: "Mode" }, { number: "Natural frequency (Hz)" }, { number: "Loss factor η (%)" }, { number: "Damping ratio ζ (%)" },
     { number: "MPC (0 to 1)" }, { number: "MPD (°)" }, { number: "MCF (0 to 1)" }, "Trust"];
   const boxes = new Map();
-  const rows = indices.map((k, place) => {
+  const rows = indices.map((k) => {
     const mode = model.modes[k];
-    const number = inBand ? String(place + 1) : "–";
+    const number = inBand ? String(model.inBand.indexOf(k) + 1) : "–";
     const box = inBand ? h("input", { type: "checkbox", "aria-label": `keep mode ${number}`, "data-mode": number, onchange: () => toggleMode(k) }) : "";
     boxes.set(k, box);
     const look = inBand ? h("button", { type: "button", class: "link", title: "show its shape", onclick: () => change({ mode: k }) }, number) : number;

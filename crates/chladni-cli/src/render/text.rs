@@ -1,0 +1,194 @@
+//! Rendered scenes in words: whether the scene is met, a map of the responses, and what
+//! the drive endures.
+
+use crate::indices::{stress_table, sweep_table, weights_table};
+use chladni_console::table::{counted, significant, table};
+use chladni_render::{Field, Ground, Limits, Rendering, Weights};
+
+/// Columns and rows of responses that a terminal shows as a map.
+const MOST_COLUMNS: usize = 36;
+const MOST_ROWS: usize = 12;
+/// Two coordinates nearer than this are one column or row, m.
+const SAME_M: f64 = 1e-6;
+
+/// All tones, one below the other; `weights` carry what the trials added to the rendering.
+pub fn text(weights: &Weights, rendering: &Rendering, verbose: bool) -> String {
+    let fields = std::iter::once(rendering).chain(&rendering.other_tones);
+    let tones: Vec<String> = weights
+        .tones()
+        .zip(fields)
+        .map(|(weights, shown)| tone(weights, &shown.field, &shown.limits, verbose))
+        .collect();
+    tones.join("\n")
+}
+
+fn tone(weights: &Weights, field: &Field, limits: &Limits, verbose: bool) -> String {
+    let judged = Judged::of(field, limits);
+    let mut text = format!("{}\n\n", sentence(weights, &judged));
+    if let Some(map) = map(field, limits) {
+        text += &format!("{map}▲ felt  · quiet  △ ✕ limit missed; blank: not judged\n\n");
+    }
+    text += &indices(weights, &judged, limits);
+    text += &match verbose {
+        true => format!("\n{}", weights_table(weights)),
+        false => format!(
+            "{} driven by method {}: -v lists the weights\n",
+            counted(weights.actuators_used, "actuator"),
+            weights.method
+        ),
+    };
+    text + &weights
+        .stress
+        .as_deref()
+        .map(stress_table)
+        .unwrap_or_default()
+        + &weights
+            .sweep
+            .as_ref()
+            .map(|sweep| sweep_table(sweep, verbose))
+            .unwrap_or_default()
+}
+
+/// Responses inside their limits, and all of them: hot, cold.
+struct Judged([[usize; 2]; 2]);
+
+impl Judged {
+    fn of(field: &Field, limits: &Limits) -> Self {
+        let mut counts = [[0; 2]; 2];
+        for (ground, velocity) in field.ground.iter().zip(&field.velocity_m_per_s) {
+            let (kind, inside) = match ground {
+                Ground::Hot => (0, limits.is_felt(velocity.norm())),
+                Ground::Cold => (1, limits.is_quiet(velocity.norm())),
+                Ground::Ignored => continue,
+            };
+            counts[kind][0] += usize::from(inside);
+            counts[kind][1] += 1;
+        }
+        Self(counts)
+    }
+
+    fn words(&self) -> [String; 2] {
+        self.0.map(|[inside, all]| format!("{inside} of {all}"))
+    }
+}
+
+/// Whether the scene is met, by how much, and what speaks against it.
+fn sentence(weights: &Weights, judged: &Judged) -> String {
+    let hz = significant(weights.frequency_hz, 6);
+    let finding = |code: &str| weights.findings.iter().find(|finding| finding.code == code);
+    if finding("scene-impossible").is_some() {
+        return format!("The scene is impossible at {hz} Hz: no drive can meet it.");
+    }
+    let [hot, cold] = judged.words();
+    if !weights.feasible {
+        return format!("The scene is not met at {hz} Hz: {hot} hot felt, {cold} cold quiet.");
+    }
+    let spare = weights
+        .indices
+        .points
+        .margin_db
+        .map_or_else(String::new, |db| format!(" with {db:.1} dB to spare"));
+    let but = match (finding("mode-on-drive"), finding("frequency-sensitive")) {
+        (Some(mode), _) => match mode.modes.first() {
+            Some(number) => format!(", but mode {number} lies on the drive"),
+            None => ", but a mode lies on the drive".into(),
+        },
+        (None, Some(_)) => ", but only while natural frequencies stay as they are".into(),
+        (None, None) => String::new(),
+    };
+    format!("The scene is met at {hz} Hz{spare}{but}.")
+}
+
+/// The responses as they lie on the panel, one sign each; `None` where they are no grid
+/// that a terminal can show.
+fn map(field: &Field, limits: &Limits) -> Option<String> {
+    let axis = |k: usize| -> Vec<f64> {
+        let mut places: Vec<f64> = field.positions_m.iter().map(|place| place[k]).collect();
+        places.sort_by(f64::total_cmp);
+        places.dedup_by(|a, b| (*a - *b).abs() < SAME_M);
+        places
+    };
+    let [columns, rows] = [axis(0), axis(1)];
+    let fits = columns.len() <= MOST_COLUMNS && rows.len() <= MOST_ROWS;
+    let is_grid = columns.len() * rows.len() <= 2 * field.positions_m.len();
+    if !fits || !is_grid || columns.len() < 2 || rows.len() < 2 {
+        return None;
+    }
+    let mut cells = vec![vec![' '; columns.len()]; rows.len()];
+    let nearest = |axis: &[f64], place: f64| axis.partition_point(|&known| known < place - SAME_M);
+    for (k, place) in field.positions_m.iter().enumerate() {
+        let speed = field.velocity_m_per_s[k].norm();
+        cells[nearest(&rows, place[1])][nearest(&columns, place[0])] = match field.ground[k] {
+            Ground::Hot if limits.is_felt(speed) => '▲',
+            Ground::Hot => '△',
+            Ground::Cold if limits.is_quiet(speed) => '·',
+            Ground::Cold => '✕',
+            Ground::Ignored => ' ',
+        };
+    }
+    let line = |row: &Vec<char>| {
+        let signs: Vec<String> = row.iter().map(char::to_string).collect();
+        signs.join(" ").trim_end().to_owned() + "\n"
+    };
+    // y rises upwards
+    Some(cells.iter().rev().map(line).collect())
+}
+
+/// Indices, and what the drive endures.
+fn indices(weights: &Weights, judged: &Judged, limits: &Limits) -> String {
+    let points = &weights.indices.points;
+    let area = weights.indices.area.as_ref();
+    let percent = |ratio: Option<f64>| {
+        ratio.map_or_else(String::new, |ratio| format!("{:.1} %", 100.0 * ratio))
+    };
+    let [hot, cold] = judged.words();
+    let one = |name: &str, value: String, remark: String| vec![name.to_owned(), value, remark];
+    let mut rows = vec![
+        one(
+            "hot ground felt",
+            hot,
+            percent(area.and_then(|area| area.hot_ratio)),
+        ),
+        one(
+            "cold ground quiet",
+            cold,
+            percent(area.and_then(|area| area.cold_ratio)),
+        ),
+    ];
+    if let Some(db) = points.contrast_db {
+        let needed = format!("{:.1} needed", limits.apart_db());
+        rows.push(one("contrast", format!("{db:.1} dB"), needed));
+    }
+    if let Some(ceiling) = weights.ceiling {
+        let asked = format!("{:.1} asked (certified)", ceiling.asked_db);
+        rows.push(one(
+            "possible",
+            format!("{:.1} dB", ceiling.possible_db),
+            asked,
+        ));
+    }
+    if let Some(db) = points.margin_db {
+        rows.push(one("least margin", format!("{db:.1} dB"), String::new()));
+    }
+    let drive = match (points.max_force_n, points.max_voltage_v) {
+        (Some(force), _) => Some(format!("{} mN", significant(1e3 * force, 3))),
+        (None, Some(voltage)) => Some(format!("{} V", significant(voltage, 3))),
+        (None, None) => None,
+    };
+    rows.extend(drive.map(|drive| one("largest drive", drive, String::new())));
+    if let Some(kappa) = weights.kappa {
+        let bears = "standard deviations of the model's error".into();
+        rows.push(one("bears", format!("{kappa:.1}"), bears));
+    }
+    if let Some(endurance) = weights.endurance {
+        let off = format!("{:.1} %", 100.0 * endurance.frequency_relative);
+        rows.push(one("frequencies off by", off, "rms, all at random".into()));
+        let touched = format!("{:.0} %", 100.0 * endurance.touched_min_ratio);
+        let how = match endurance.touch_is_known {
+            true => "of the worse zone meet their limit",
+            false => "of the worse zone meet their limit (estimated)",
+        };
+        rows.push(one("under a light touch", touched, how.into()));
+    }
+    table(&["", "responses", "ground between"], &rows)
+}

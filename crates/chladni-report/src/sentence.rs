@@ -1,0 +1,49 @@
+//! The sentence that a result begins with.
+
+use crate::better_band::better_band;
+use crate::text::{counted, plain, significant};
+use chladni_frf::{ModalModel, Trust};
+
+/// Share of the data from which on modes explain most of them.
+const HALF: f64 = 0.5;
+
+/// How many modes, how sure, how much of the data they explain, and what to do where that
+/// is little.
+pub fn sentence(model: &ModalModel) -> String {
+    let modes = model.in_band_modes().count();
+    let sure = model
+        .in_band_modes()
+        .filter(|mode| mode.trust == Trust::Sure)
+        .count();
+    let [low, high] = model.band_hz.map(plain);
+    let share = (1.0 - model.quality.relative_error).max(0.0);
+    let percent = significant(100.0 * share, 3);
+    let explained = match share < HALF {
+        false => format!("{percent} % of the data, {low} to {high} Hz."),
+        true => {
+            let advice = better_band(model).map_or_else(String::new, |band| {
+                let [low, high] = band.hz.map(plain);
+                format!(
+                    " Fit {low} to {high} Hz: {} of {} lie there.",
+                    band.sure,
+                    counted(sure, "sure mode")
+                )
+            });
+            format!(
+                "{percent} % of the data, {low} to {high} Hz: most of it is noise, or motion that \
+                 no resonance explains.{advice}"
+            )
+        }
+    };
+    match (sure, modes - sure) {
+        (0, 0) => format!("No mode between {low} and {high} Hz."),
+        (1, 0) => format!("1 sure mode explains {explained}"),
+        (_, 0) => format!("{sure} sure modes explain {explained}"),
+        (0, 1) => format!("1 weak mode and no sure one; it explains {explained}"),
+        (0, _) => format!("{modes} weak modes and no sure one; they explain {explained}"),
+        (_, weak) => format!(
+            "{}, {weak} weak; together they explain {explained}",
+            counted(sure, "sure mode")
+        ),
+    }
+}
