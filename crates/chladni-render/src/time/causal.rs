@@ -246,7 +246,7 @@ mod tests {
         let complex = some(0.7, (5, 3));
         let real = complex.mapv(|value| Complex64::from(value.re));
         for shapes in [complex, real] {
-            let poles = vec![Complex64::new(-9.0, 1800.0); 3];
+            let poles = [Complex64::new(-9.0, 1800.0); 3];
             let model = CausalModel {
                 carrier_rad_per_s: 1885.0,
                 poles: poles
