@@ -119,8 +119,8 @@ fn refuse(error: &Error, json: bool) -> ExitCode {
 fn error_of(answer: &clap::Error, program: &Command) -> Error {
     // a file that an option names could not be read: no wrong usage
     let reason = std::error::Error::source(answer).and_then(|reason| reason.downcast_ref());
-    if let Some(error) = reason {
-        return Error::clone(error);
+    if let Some(error) = reason.filter(|error: &&Error| error.file.is_some()) {
+        return error.clone();
     }
     let context = |kind| answer.get(kind).map(words).filter(|text| !text.is_empty());
     let argument = context(ContextKind::InvalidArg);

@@ -32,10 +32,9 @@ fn bursts_become_a_sound_file_that_is_judged_again_from_its_samples() {
         .exits(0)
         .json();
     let time = &played["time"];
-    assert_eq!(
-        played["findings"][0]["code"], "time-burst-short",
-        "{played}"
-    );
+    let findings = played["findings"].as_array().unwrap();
+    let short = |finding: &Value| finding["code"] == "time-burst-short";
+    assert!(findings.iter().any(short), "{played}");
     assert!(
         time["ramp_s"].as_f64().unwrap() <= 0.0101 && time["peak"]["ever_over_ratio"] == 0.0,
         "{time}"
