@@ -292,17 +292,17 @@ mod tests {
 
     #[test]
     fn what_lies_beside_the_carrier_is_weighed_by_its_own_threshold() {
-        let text = "frequency_hz = 100.0\n[threshold]\nprofile = \"classic\"\n[zones]\ngrid = [2, 2]\nhot = [1]\n";
+        let text = "frequency_hz = 110.0\n[threshold]\nprofile = \"classic\"\n[zones]\ngrid = [2, 2]\nhot = [1]\n";
         let scene = Scene::parse(text, Path::new("")).unwrap();
         let tone = ToneLimits::of(&scene).unwrap();
-        let carrier = TAU * 100.0;
+        let carrier = TAU * 110.0;
         let step_s = 1e-5;
         for beside_hz in [-5.0, 5.0] {
             let turn = |k: usize| Complex64::from_polar(1.0, TAU * beside_hz * step_s * k as f64);
             let mut moved = Array2::from_shape_fn((50, 1), |(k, _)| turn(k + 1));
             let mut last = Array1::from_elem(1, turn(0));
             tone.weigh(&mut moved, &mut last, carrier, step_s);
-            let there = scene.threshold.velocity_m_per_s(100.0 + beside_hz).unwrap();
+            let there = scene.threshold.velocity_m_per_s(110.0 + beside_hz).unwrap();
             let expected = tone.limits.threshold_m_per_s / there;
             let found = moved[[49, 0]].norm();
             assert!(

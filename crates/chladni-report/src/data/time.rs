@@ -74,6 +74,6 @@ mod tests {
     #[test]
     fn the_threshold_lies_in_the_middle_of_the_colours() {
         assert_eq!([code(0.0), code(1.0), code(100.0)], [0, 127, 254]);
-        assert_eq!(code(10f64.powf(0.3)), 191, "6 dB");
+        assert_eq!(code(10f64.powf(0.15)), 159, "3 dB");
     }
 }

@@ -91,7 +91,7 @@ fn forces(traces: &TimeTraces, frames: Option<&TimeFrames>, unit: ReferenceUnit)
                     .collect()
             };
             let lines = frames.drive.columns().into_iter().map(of).collect();
-            ("Drive of each actuator", lines, 0.7)
+            ("Drives", lines, 0.7)
         }
         None => {
             let values = traces.drive.iter().enumerate();
