@@ -144,7 +144,7 @@ impl RampFinder<'_> {
     }
 
     /// The same of the steady drive of a stop: cold over, hot under its limit.
-    fn steady_db(&self, stop: usize) -> [f64; 2] {
+    pub(crate) fn steady_db(&self, stop: usize) -> [f64; 2] {
         let map = &self.judging.maps[stop];
         let mut worst = [f64::NEG_INFINITY; 2];
         for (voice, (model, tone)) in self

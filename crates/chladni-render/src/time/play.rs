@@ -9,9 +9,9 @@ use crate::time::auto_ramp::{shortest_s, RampFinder};
 use crate::time::frames::{self, TimeFrames};
 use crate::time::judge::{TimeMeasure, TimeTraces};
 use crate::time::listener::{Heard, Judging, Listener, ToneLimits};
-use crate::time::plan::{Chain, Plan};
+use crate::time::plan::{Chain, Event, Plan};
 use crate::time::signal::schroeder;
-use crate::time::table::{Level, Measure, Ramps, TimeTable};
+use crate::time::table::{Level, Measure, RampTime, Ramps, TimeTable};
 use crate::time::timeline::zones_of;
 use crate::time::tracks::Tracks;
 use crate::time::voice::Voice;
@@ -157,17 +157,48 @@ pub fn play(
         findings.extend(voice.findings.iter().cloned());
     }
     let mut ramps_s = Vec::with_capacity(plan.events.len());
+    let is_auto = |event: &Event| event.ramp == RampTime::Auto;
+    let mut open = table.level == Level::Steady && plan.events.iter().any(is_auto);
     for event in &plan.events {
         let (ramp_s, passed) = finder.of(event)?;
+        open &= passed;
         if !passed {
             let longest_s = event.longest_ramp_s().min(tolerances::LONGEST_AUTO_RAMP_S);
             findings.push(no_ramp(&event.name, longest_s, ramp_s));
         }
         ramps_s.push(ramp_s);
     }
-    let chains = plan.chains(|number, _| ramps_s[number])?;
-    let (tones, gains) = stage.drive(&chains, ramps, &points, &judging, &mut findings)?;
-    let heard = points.hear(&tones, &chains, &judging, &Measure::ALL);
+    let stops = plan.events.iter().flat_map(|event| &event.stops);
+    let steady_db = stops
+        .map(|&stop| finder.steady_db(stop)[0])
+        .fold(f64::NEG_INFINITY, f64::max);
+    let allowed_db = f64::max(steady_db + tolerances::STEADY_MISS_DB, 0.0);
+    let make = |longer_s: f64| -> Result<_> {
+        let chains = plan.chains(|number, event| match event.ramp {
+            RampTime::Auto => f64::min(ramps_s[number] + longer_s, event.longest_ramp_s()),
+            RampTime::Seconds(seconds) => seconds,
+        })?;
+        let mut limited = Vec::new();
+        let (tones, gains) = stage.drive(&chains, ramps, &points, &judging, &mut limited)?;
+        let heard = points.hear(&tones, &chains, &judging, &Measure::ALL);
+        Ok((chains, tones, gains, heard, limited))
+    };
+    let over = |heard: &Heard| {
+        let cold_db = heard.measures[1].worst_cold_db;
+        cold_db.is_some_and(|level| level > allowed_db)
+    };
+    // an event may hear what the one before has left: ramps that are open grow together
+    let mut made = make(0.0)?;
+    let mut longer_s = tolerances::AUTO_RAMP_STEP_S;
+    while open && over(&made.3) && longer_s < tolerances::LONGEST_AUTO_RAMP_S {
+        match make(longer_s) {
+            Ok(longer) => made = longer,
+            Err(_) => break,
+        }
+        longer_s += tolerances::AUTO_RAMP_STEP_S;
+    }
+    let (chains, tones, gains, heard, limited) = made;
+    findings.extend(limited);
     let area = match options.area {
         true => stage.area(),
         false => None,
