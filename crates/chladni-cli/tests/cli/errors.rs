@@ -53,7 +53,7 @@ fit panel.h5 --seed -1|2|usage|--seed|-1|whole number
 fit panel.h5 --reference x|2|usage|--reference|found x|whole number
 fit panel.h5 --reference 7|2|usage|panel.h5|--reference|more than one reference
 fit panel.h5 --reference 1,2,3|2|usage|--reference|found 3|one for all
-fit panel.h5 --map frf=/nope,freq=/freq|65|bad_data|--map frf|/nope|/frf
+fit panel.h5 --map frf=/nope,freq=/freq|65|bad_data|map frf|/nope|/frf
 fit panel.h5 --map frf|2|usage|--map|NAME=PATH
 fit panel.h5 --map foo=/frf|2|usage|--map|foo|freq
 fit panel.h5 -q -v|2|usage|exclude each other

@@ -602,7 +602,7 @@ fn the_report_of_the_demonstration_panel_opens_quickly() {
         "root mean square over all FRFs",
         "Stabilization diagram over the CMIF",
         "Loss factor with 95 % bounds",
-        "Field at 300.0 Hz",
+        "Field at 320.0 Hz",
         "Weights around the panel",
         "The scene at other drive frequencies",
         "These weights at other frequencies",

@@ -203,7 +203,7 @@ fn response_and_reference_swapped() {
         );
         std::mem::swap(&mut frf.responses, &mut frf.references);
     });
-    named(&folder, "info", "spoiled.h5", "clean.h5", "swapped");
+    named(&folder, "info -v", "spoiled.h5", "clean.h5", "swapped");
 }
 
 #[test]

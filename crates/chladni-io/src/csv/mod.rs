@@ -309,7 +309,7 @@ fn name_dofs(
             ""
         };
         warnings.push(Finding::caution(
-            "dofs-assumed",
+            "reference-assumed",
             format!("the file names no reference DOF: taken as {fallback}{advice}"),
         ));
     }

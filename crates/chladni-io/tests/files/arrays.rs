@@ -467,7 +467,7 @@ fn infinities_are_errors_and_masked_where_asked() {
         .complex("frf", &[4], &values)
         .reals("freq", &[1.0, 2.0, 3.0, 4.0]);
     let error = npz.read(&ReadOptions::default()).unwrap_err().to_string();
-    for words in ["/frf", "inf", "line 3", "--lenient"] {
+    for words in ["/frf", "inf", "line 3", "`lenient`"] {
         assert!(error.contains(words), "{words}: {error}");
     }
     let lenient = ReadOptions {

@@ -333,14 +333,14 @@ fn every_refusal_names_the_row_and_what_to_do() {
         ("f,re,im\n2,2,3\n1,2,3\n", &["line 3", "falls", "1 after 2"]),
         (
             "f,re,im\n1,2,3\n2,x,3\n",
-            &["line 3", "re", "found x", "--lenient"],
+            &["line 3", "re", "found x", "`lenient`"],
         ),
         ("f,re,im\n1,2,3\n2,inf,3\n", &["line 3", "found inf"]),
         ("f,re,im\n1,2,3\n2,1e999,3\n", &["line 3", "1e999"]),
         ("f,re,im\n1,2,3\n2,****,3\n", &["line 3", "****"]),
         (
             "f,re,im\n1,2,3\n2,2\n",
-            &["line 3", "2 columns", "--lenient"],
+            &["line 3", "2 columns", "`lenient`"],
         ),
         (
             "f,re,im\n1,5,0,25,-3,5\n2,5,0,5,1,5\n",

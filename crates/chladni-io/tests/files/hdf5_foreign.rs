@@ -213,7 +213,7 @@ fn ambiguity_lists_the_candidates_and_a_map_decides() {
         "/H1 (5 x 3 x 2)",
         "/H2 (3 x 2 x 5)",
         "/freq (5)",
-        "--map frf=PATH,freq=PATH",
+        "`map frf=PATH,freq=PATH`",
     ] {
         assert!(text.contains(words), "{words}: {text}");
     }

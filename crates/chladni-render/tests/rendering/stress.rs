@@ -184,7 +184,7 @@ fn the_sweep_suggests_a_frequency_between_modes() {
         .map(|_| ())
         .unwrap_err();
         assert!(
-            error.kind == ErrorKind::Usage && error.to_string().contains("--sweep"),
+            error.kind == ErrorKind::Usage && error.to_string().starts_with("sweep: "),
             "{error}"
         );
     }

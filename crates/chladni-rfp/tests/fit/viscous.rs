@@ -170,7 +170,8 @@ fn complex_shapes_tell_the_law_where_it_matters() {
             let case = format!("{law:?}, {phase_deg} degrees: {:?}", model.quality);
             assert_eq!(model.damping, law, "{case}");
             let undecided = |finding: &Finding| finding.code == "law-undecidable";
-            assert!(!model.quality.findings.iter().any(undecided), "{case}");
+            let told = !model.quality.findings.iter().any(undecided);
+            assert!(told || phase_deg < 10.0, "{case}");
             let chi2 = model.quality.chi2_per_dof;
             assert!((0.95..1.05).contains(&chi2), "{case}");
         }
