@@ -98,7 +98,7 @@ fn around(data: &DataLayout, identified: &Identified, given: &[&Pole]) -> Option
     {
         return None;
     }
-    let mut residues: Array2<Complex64> = Array2::zeros((given.len(), data.pairs.len()).f());
+    let mut residues = Array2::zeros((given.len(), data.pairs.len()).f());
     for (mut row, (shape, participation)) in residues
         .rows_mut()
         .into_iter()
