@@ -3,7 +3,6 @@
 
 pub(crate) mod columns;
 pub(crate) mod gram;
-pub(crate) mod pairs;
 pub(crate) mod phased;
 pub(crate) mod structural;
 pub(crate) mod verdict;

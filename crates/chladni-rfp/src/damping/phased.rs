@@ -13,10 +13,9 @@ use crate::data::information::answer;
 use crate::tolerances as tol;
 use chladni_frf::Damping;
 use chladni_linalg::blocked::{blocked_matmul_h, projected, range};
-use chladni_linalg::{matmul, matmul_h, solve_hermitian, LinalgError};
+use chladni_linalg::{matmul, solve_hermitian, LinalgError};
 use ndarray::{concatenate, s, Array2, Axis};
 use num_complex::Complex64;
-use std::ops::Range;
 
 /// Powers of y = √x beside those of x: the residual terms of the viscous law that the
 /// structural one has not.
@@ -93,60 +92,6 @@ impl Common {
         })
     }
 
-    /// Inner products of (φ, ∂φ/∂Re λ, ∂φ/∂Im λ) without background, (3n, 3n), and those with
-    /// the data.
-    fn products(
-        &self,
-        work: &Columns,
-        lambda: &[Complex64],
-    ) -> (Array2<Complex64>, Array2<Complex64>) {
-        let (down, across) = slopes(work, lambda);
-        let columns = concatenate![Axis(1), basis(work, lambda, &[]), down, across];
-        let (_, left) = projected(self.background.view(), columns.view());
-        (
-            blocked_matmul_h(left.view(), left.view()),
-            blocked_matmul_h(left.view(), self.data.view()),
-        )
-    }
-
-    /// Sum of squares that free residues leave in the law of `work`, from the poles `start`.
-    ///
-    /// # Errors
-    /// A kernel that fails.
-    pub fn free(
-        &self,
-        work: &Columns,
-        start: &[Complex64],
-        variance: f64,
-    ) -> Result<f64, LinalgError> {
-        let (mut lambda, no_turn) = (start.to_vec(), vec![0.0; start.len()]);
-        let mut here = Free::new(self, work, &lambda)?;
-        let mut damping = tol::LM_START;
-        for _ in 0..STEPS {
-            let (information, gradient) = here.system()?;
-            let mut damped = information;
-            damped
-                .diag_mut()
-                .mapv_inplace(|v| v * (1.0 + damping) + f64::MIN_POSITIVE);
-            let Ok(step) = solve_hermitian(damped.view(), gradient.view()) else {
-                break;
-            };
-            let promised: f64 = step.iter().zip(&gradient).map(|(s, g)| s * g).sum();
-            let (trial, _) = moved(&lambda, &no_turn, &step);
-            let next = Free::new(self, work, &trial)?;
-            if next.sse <= here.sse {
-                (lambda, here) = (trial, next);
-                damping *= 0.1;
-            } else {
-                damping = (damping * 10.0).max(1e-6);
-            }
-            if promised < PROMISED * variance || damping > tol::LM_GIVE_UP {
-                break;
-            }
-        }
-        Ok(here.sse)
-    }
-
     /// The fit in the law of `work` from poles and angles.
     ///
     /// # Errors
@@ -154,10 +99,10 @@ impl Common {
     pub fn fit(
         &self,
         work: &Columns,
-        (poles, angles): (&[Complex64], &[f64]),
+        start: &[(Complex64, f64)],
         variance: f64,
     ) -> Result<LawFit, LinalgError> {
-        let (mut lambda, mut turn) = (poles.to_vec(), angles.to_vec());
+        let (mut lambda, mut turn): (Vec<Complex64>, Vec<f64>) = start.iter().copied().unzip();
         let mut here = Point::new(self, work, &lambda, &turn)?;
         let mut damping = tol::LM_START;
         for _ in 0..STEPS {
@@ -210,54 +155,6 @@ impl Common {
     }
 }
 
-/// Poles with free complex residues in one law, beside the background of both.
-struct Free {
-    /// Those of [`Point`].
-    gram: Array2<Complex64>,
-    against: Array2<Complex64>,
-    residues: Array2<Complex64>,
-    sse: f64,
-}
-
-impl Free {
-    fn new(common: &Common, work: &Columns, lambda: &[Complex64]) -> Result<Self, LinalgError> {
-        let n = lambda.len();
-        let (gram, against) = common.products(work, lambda);
-        let (own, right) = (gram.slice(s![..n, ..n]), against.slice(s![..n, ..]));
-        let residues = answer(own, right)?;
-        let explained: f64 = residues
-            .iter()
-            .zip(&right)
-            .map(|(a, b)| (a.conj() * b).re)
-            .sum();
-        Ok(Self {
-            gram,
-            against,
-            residues,
-            sse: common.energy - explained,
-        })
-    }
-
-    /// Gauss–Newton matrix and gradient of (Re λ, Im λ), residues eliminated.
-    fn system(&self) -> Result<(Array2<f64>, Array2<f64>), LinalgError> {
-        let n = self.residues.nrows();
-        let part = |rows: Range<usize>, columns: Range<usize>| self.gram.slice(s![rows, columns]);
-        let inside = part(0..n, n..3 * n);
-        let follow = answer(part(0..n, 0..n), inside)?;
-        let outside = &part(n..3 * n, n..3 * n) - &matmul_h(inside, follow.view());
-        let products = matmul(self.residues.mapv(|v| v.conj()).view(), self.residues.t());
-        let information = Array2::from_shape_fn((2 * n, 2 * n), |(u, v)| {
-            (outside[[u, v]] * products[[u % n, v % n]]).re
-        });
-        let left = &self.against.slice(s![n.., ..]) - &matmul_h(inside, self.residues.view());
-        let gradient = Array2::from_shape_fn((2 * n, 1), |(u, _)| {
-            let met = self.residues.row(u % n).into_iter().zip(left.row(u));
-            met.map(|(r, b)| (r.conj() * b).re).sum()
-        });
-        Ok((information, gradient))
-    }
-}
-
 /// Poles and angles after a step of (Re λ, Im λ, θ), at most half a half-bandwidth.
 fn moved(lambda: &[Complex64], turn: &[f64], step: &Array2<f64>) -> (Vec<Complex64>, Vec<f64>) {
     let n = lambda.len();
@@ -267,8 +164,7 @@ fn moved(lambda: &[Complex64], turn: &[f64], step: &Array2<f64>) -> (Vec<Complex
         let next = lambda[m] + delta * (cap / delta.norm().max(cap));
         Complex64::new(next.re, next.im.max(0.2 * lambda[m].im))
     };
-    let turned = |m: usize| step.get([2 * n + m, 0]).copied().unwrap_or(0.0);
-    let angle = |m: usize| turn[m] + turned(m).clamp(-TURN, TURN);
+    let angle = |m: usize| turn[m] + step[[2 * n + m, 0]].clamp(-TURN, TURN);
     ((0..n).map(pole).collect(), (0..n).map(angle).collect())
 }
 
@@ -295,7 +191,11 @@ impl Point {
         turn: &[f64],
     ) -> Result<Self, LinalgError> {
         let n = lambda.len();
-        let (gram, against) = common.products(work, lambda);
+        let (down, across) = slopes(work, lambda);
+        let columns = concatenate![Axis(1), basis(work, lambda, &[]), down, across];
+        let (_, left) = projected(common.background.view(), columns.view());
+        let gram = blocked_matmul_h(left.view(), left.view());
+        let against = blocked_matmul_h(left.view(), common.data.view());
         let phase: Vec<Complex64> = turn
             .iter()
             .map(|t| Complex64::from_polar(1.0, *t))
@@ -447,23 +347,12 @@ mod tests {
             let b = matmul(basis(&work, &poles, &[]).view(), residues.view());
             let work = work.with_columns(b);
             let common = Common::new(&work, &[], &[-1, 0, 1, 2]).unwrap();
-            let start = (&poles[..], &[0.0; 3][..]);
-            let own = common.fit(&work, start, 1e-12).unwrap();
+            let start = poles.map(|pole| (pole, 0.0));
+            let own = common.fit(&work, &start, 1e-12).unwrap();
             let wrong = common
-                .fit(&work.clone().in_law(other), start, 1e-12)
+                .fit(&work.clone().in_law(other), &start, 1e-12)
                 .unwrap();
             assert!(own.sse < 1e-9 * wrong.sse, "{} {}", own.sse, wrong.sse);
-            let free = |law| {
-                common
-                    .free(&work.clone().in_law(law), &poles, 1e-12)
-                    .unwrap()
-            };
-            assert!(
-                free(law) < 1e-6 * free(other),
-                "{} {}",
-                free(law),
-                free(other)
-            );
             for (n, pole) in poles.iter().enumerate() {
                 let expected = sign * 0.5 * pole.im / pole.re;
                 assert!(

@@ -48,8 +48,7 @@ impl Verdict {
     }
 }
 
-/// The verdict on poles found in the law of `work`; `frfs`: their number; `white`: what they
-/// leave is noise.
+/// The verdict on poles found in the law of `work`; `frfs`: their number.
 ///
 /// # Errors
 /// A kernel that fails.
@@ -58,7 +57,6 @@ pub(crate) fn verdict(
     refined: &Refined,
     variance: f64,
     frfs: usize,
-    white: bool,
 ) -> Result<Verdict, LinalgError> {
     let is_mode =
         |pole: &Complex64| work.in_band(*pole) && pole.im > 0.0 && pole.im < BROAD * pole.re;
@@ -73,38 +71,23 @@ pub(crate) fn verdict(
         let squares: Complex64 = refined.coefficients.row(n).iter().map(|r| r * r).sum();
         0.5 * squares.arg()
     };
-    let start = |law: Damping| -> (Vec<Complex64>, Vec<f64>) {
-        let there = |&n: &usize| match refined.lambda[n] {
-            pole if law == work.law => Some((pole, angle(n))),
-            pole => Some((in_plane_of(law, pole)?, angle(n))),
-        };
-        modes.iter().filter_map(there).unzip()
-    };
     let fit = |law: Damping| {
-        let (poles, turn) = start(law);
-        common.fit(&work.axis().in_law(law), (&poles, &turn), variance)
+        let start: Vec<(Complex64, f64)> = modes
+            .iter()
+            .filter_map(|&n| {
+                let pole = refined.lambda[n];
+                let there = if law == work.law {
+                    Some(pole)
+                } else {
+                    in_plane_of(law, pole)
+                };
+                Some((there?, angle(n)))
+            })
+            .collect();
+        common.fit(&work.axis().in_law(law), &start, variance)
     };
     let laws = [fit(Damping::Structural)?, fit(Damping::Viscous)?];
-    let told = weighed(&laws, variance, frfs);
-    if matches!(told, Verdict::Decided(_)) || !white {
-        return Ok(told);
-    }
-    // shapes that are not real have no angle to turn: what free residues leave is all there is
-    let free = |law: Damping| common.free(&work.axis().in_law(law), &start(law).0, variance);
-    let left = [free(Damping::Structural)?, free(Damping::Viscous)?];
-    Ok(match by_misfit(left, variance) {
-        Some(law) if told.law().is_none_or(|other| other == law) => Verdict::Decided(law),
-        Some(_) => Verdict::Undecidable,
-        None => told,
-    })
-}
-
-/// The law whose free residues explain the data, where those of the other leave more than
-/// chance.
-fn by_misfit(left: [f64; 2], variance: f64) -> Option<Damping> {
-    let better = usize::from(left[1] < left[0]);
-    let gain = 2.0 / variance * (left[0] - left[1]).abs();
-    (gain > DECIDES).then_some([Damping::Structural, Damping::Viscous][better])
+    Ok(weighed(&laws, variance, frfs))
 }
 
 /// The verdict on the fits in the structural and in the viscous law.

@@ -131,7 +131,6 @@ impl Shaped {
         let free = Residues {
             values: &all,
             weight: &linear.weight,
-            real_weight: linear.real_weight.as_ref(),
             present: &present,
         };
         let (low, high) = work.range();
@@ -405,7 +404,7 @@ impl Shaped {
 }
 
 /// True where the model's fields can hold the pole.
-pub(crate) fn expressible(damping: Damping, pole: &Pole) -> bool {
+fn expressible(damping: Damping, pole: &Pole) -> bool {
     let values = pole.omega > 1e-6 && pole.loss_factor.is_finite() && pole.loss_factor > 0.0;
     values && (damping == Damping::Structural || pole.loss_factor < 1.98)
 }

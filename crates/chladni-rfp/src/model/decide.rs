@@ -7,7 +7,6 @@ use crate::data::layout::DataLayout;
 use crate::data::options::{FitOptions, ShapeModel};
 use crate::data::watch::Watch;
 use crate::model::identified::Identified;
-use crate::model::outside::settle_outside;
 use crate::poles::estimate::PoleEstimate;
 use crate::shapes::search::{structured, Search};
 use crate::tolerances as tol;
@@ -37,7 +36,6 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
         Search::Refused(sigmas) => (None, Some(sigmas)),
         Search::Inapplicable => (None, None),
     };
-    let free_sse = found.refined.projection.sse;
     let mut identified = Identified::new(found);
     let mut warnings = Vec::new();
     let shift = identified.shift_by_other_law();
@@ -71,7 +69,6 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
     if let Some(structured) = refined {
         identified = identified.structured(structured);
     }
-    settle_outside(data, &mut identified, free_sse)?;
     Ok((identified, warnings))
 }
 
@@ -86,7 +83,6 @@ fn told(data: &DataLayout, found: &PoleEstimate) -> Result<Verdict, LinalgError>
         &found.refined,
         found.variance,
         data.pairs.len(),
-        !found.measured,
     )
 }
 

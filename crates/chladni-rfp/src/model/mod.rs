@@ -8,6 +8,5 @@ pub(crate) mod given;
 pub(crate) mod identified;
 pub(crate) mod in_law;
 pub(crate) mod modes;
-pub(crate) mod outside;
 pub(crate) mod residual_energy;
 pub(crate) mod residues;

@@ -2,13 +2,13 @@
 //! change of the other.
 
 use crate::damping::structural::basis;
-use crate::damping::viscous::{halves, viscous_basis};
+use crate::damping::viscous::viscous_basis;
 use crate::data::columns::Columns;
 use crate::data::layout::DataLayout;
 use crate::data::products::real_basis;
 use crate::poles::normal::{Parted, Plain};
 use crate::poles::refine::Projection;
-use crate::shapes::residues::{interleaved, schur_weight};
+use crate::shapes::residues::schur_weight;
 use chladni_frf::Damping;
 use chladni_linalg::blocked::blocked_matmul;
 use chladni_linalg::{lstsq, matmul, LinalgError};
@@ -21,8 +21,6 @@ pub(crate) struct Linear {
     pub terms: Array2<Complex64>,
     /// Weight of residues with the residual terms eliminated, (mode, mode).
     pub weight: Array2<Complex64>,
-    /// The same over the reals where that is not the whole of it (viscous law).
-    pub real_weight: Option<Array2<f64>>,
     /// How the residual terms answer a change of residues: (term, mode) in the structural
     /// law, stacked reals in the viscous.
     pub answer: Answer,
@@ -57,7 +55,6 @@ pub(crate) fn linear(
                 residues: coefficients.slice(s![..n, ..]).to_owned(),
                 terms: coefficients.slice(s![n.., ..]).to_owned(),
                 weight,
-                real_weight: None,
                 answer: Answer::Structural(answer),
                 sse,
             })
@@ -65,7 +62,9 @@ pub(crate) fn linear(
         Damping::Viscous => {
             let a = viscous_basis(work, poles, powers);
             let lines = work.lines();
-            let b = halves(&work.b);
+            let mut b = Array2::zeros((2 * lines, work.columns()).f());
+            b.slice_mut(s![..lines, ..]).assign(&work.b.mapv(|v| v.re));
+            b.slice_mut(s![lines.., ..]).assign(&work.b.mapv(|v| v.im));
             let solution = lstsq(a.view(), b.view())?;
             let sse = (&b - &matmul(a.view(), solution.view()))
                 .iter()
@@ -76,21 +75,17 @@ pub(crate) fn linear(
                     Complex64::new(solution[[from + 2 * i, c]], solution[[from + 2 * i + 1, c]])
                 })
             };
-            // near-pole columns weigh the residues of modes: the far pole adds a smooth part
-            // of order η
+            // near-pole columns weigh the residues: the far pole adds a smooth part of
+            // order η
             let near = Array2::from_shape_fn((lines, n).f(), |(k, i)| {
                 work.g[k] / (Complex64::new(0.0, work.x[k].sqrt()) - poles[i])
             });
             let others = basis(work, &[], powers);
-            let (modes, terms) = (a.slice(s![.., ..2 * n]), a.slice(s![.., 2 * n..]));
-            let answer = lstsq(terms, modes)?;
-            let outside = &modes - &matmul(terms, answer.view());
             Ok(Linear {
                 residues: pairs(0, n),
                 terms: pairs(2 * n, p),
                 weight: schur_weight(&near, &others)?,
-                real_weight: Some(matmul(outside.t(), outside.view())),
-                answer: Answer::Viscous(answer),
+                answer: Answer::Viscous(lstsq(a.slice(s![.., 2 * n..]), a.slice(s![.., ..2 * n]))?),
                 sse,
             })
         }
@@ -123,7 +118,14 @@ impl Answer {
         match self {
             Self::Structural(answer) => *terms -= &blocked_matmul(answer.view(), change.view()),
             Self::Viscous(answer) => {
-                let stacked = interleaved(change.view());
+                let (n, m) = change.dim();
+                let stacked = Array2::from_shape_fn((2 * n, m).f(), |(i, c)| {
+                    if i % 2 == 0 {
+                        change[[i / 2, c]].re
+                    } else {
+                        change[[i / 2, c]].im
+                    }
+                });
                 let shift = blocked_matmul(answer.view(), stacked.view());
                 for ((i, c), value) in terms.indexed_iter_mut() {
                     *value -= Complex64::new(shift[[2 * i, c]], shift[[2 * i + 1, c]]);

@@ -72,7 +72,8 @@ impl<'a> Problem<'a> {
                         values[n] -= shape[[term, i]] * participation[[term, j]];
                     }
                 }
-                self.residues.rise(difference.view())
+                let weighted = matmul(self.residues.weight.view(), difference.view());
+                energy(difference.view(), weighted.view())
             })
             .collect();
         parts.iter().sum()

@@ -3,7 +3,7 @@
 use crate::data::information::answer;
 use crate::shapes::acceleration::Acceleration;
 use crate::shapes::alternation::{Halves, Problem};
-use crate::shapes::residues::{interleaved, paired, ridge, strongest, Residues};
+use crate::shapes::residues::{ridge, strongest, Residues};
 use crate::tolerances as tol;
 use chladni_linalg::blocked::blocked_matmul;
 use chladni_linalg::{matmul, LinalgError};
@@ -84,9 +84,6 @@ pub(crate) fn low_rank(residues: &Residues, ranks: &[usize]) -> Result<Shapes, L
             before = rise;
             from = acceleration.next(&from, &participation);
         }
-        if residues.real_weight.is_some() {
-            rise = problem.misfit(&shape, &participation);
-        }
     }
     Ok(Shapes {
         constraints: constraints(residues, &owner),
@@ -112,13 +109,12 @@ pub(crate) fn low_rank_around(
     let fitted = if open.is_empty() {
         None
     } else {
-        let freed = freed(residues, &open, given)?;
+        let (moved, weight) = freed(residues, &open, given)?;
         let open_ranks: Vec<usize> = open.iter().map(|&n| ranks[n]).collect();
         Some(low_rank(
             &Residues {
-                values: &freed.values,
-                weight: &freed.weight,
-                real_weight: freed.real_weight.as_ref(),
+                values: &moved,
+                weight: &weight,
                 present: residues.present,
             },
             &open_ranks,
@@ -162,12 +158,13 @@ pub(crate) fn low_rank_around(
     })
 }
 
-/// Free residues of the `open` poles where those of the others are as given.
+/// Free residues of the `open` poles where those of the others are as given, and their
+/// weight.
 pub(crate) fn freed(
     residues: &Residues,
     open: &[usize],
     given: &[Given],
-) -> Result<Freed, LinalgError> {
+) -> Result<(Array2<Complex64>, Array2<Complex64>), LinalgError> {
     let references = residues.present.ncols();
     let closed: Vec<usize> = (0..given.len()).filter(|&n| given[n].is_some()).collect();
     let mut change = Array2::zeros((closed.len(), residues.values.ncols()).f());
@@ -190,38 +187,12 @@ pub(crate) fn freed(
             .select(Axis(1), columns)
     };
     let own = part(open, open);
-    let (shift, real_weight) = match residues.real_weight {
-        None => {
-            let follow = answer(ridge(&own).view(), part(open, &closed).view())?;
-            (blocked_matmul(follow.view(), change.view()), None)
-        }
-        Some(weight) => {
-            let twice = |poles: &[usize]| -> Vec<usize> {
-                poles.iter().flat_map(|n| [2 * n, 2 * n + 1]).collect()
-            };
-            let (rows, others) = (twice(open), twice(&closed));
-            let own = weight.select(Axis(0), &rows);
-            let across = own.select(Axis(1), &others);
-            let own = own.select(Axis(1), &rows);
-            let follow = answer(own.view(), across.view())?;
-            let shift = blocked_matmul(follow.view(), interleaved(change.view()).view());
-            (paired(shift.view()), Some(own))
-        }
-    };
+    let follow = answer(ridge(&own).view(), part(open, &closed).view())?;
     let mut moved = Array2::zeros((open.len(), residues.values.ncols()).f());
-    moved.assign(&(residues.values.select(Axis(0), open) - shift));
-    Ok(Freed {
-        values: moved,
-        weight: own,
-        real_weight,
-    })
-}
-
-/// Residues of some poles where those of the others are given.
-pub(crate) struct Freed {
-    values: Array2<Complex64>,
-    weight: Array2<Complex64>,
-    real_weight: Option<Array2<f64>>,
+    moved.assign(
+        &(residues.values.select(Axis(0), open) - blocked_matmul(follow.view(), change.view())),
+    );
+    Ok((moved, own))
 }
 
 /// Real constraints that rows of low rank set on free residues.

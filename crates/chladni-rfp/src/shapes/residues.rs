@@ -10,7 +10,7 @@
 use crate::data::information::covariance;
 use crate::tolerances as tol;
 use chladni_linalg::{matmul, matmul_h, svd_thin, LinalgError};
-use ndarray::{Array1, Array2, ArrayView1, ArrayView2, ShapeBuilder};
+use ndarray::{Array1, Array2, ArrayView1, ShapeBuilder};
 use num_complex::Complex64;
 
 /// Free residues, their weight, and which pairs exist.
@@ -19,31 +19,11 @@ pub(crate) struct Residues<'a> {
     pub values: &'a Array2<Complex64>,
     /// Weight matrix K, (mode, mode): the sum of squares rises by δᴴKδ per pair.
     pub weight: &'a Array2<Complex64>,
-    /// The same over the reals, (2·mode, 2·mode), real and imaginary part in turn, where the
-    /// columns of a mode are no complex multiples of each other (viscous law): K is then
-    /// only near it.
-    pub real_weight: Option<&'a Array2<f64>>,
     /// (response, reference): false where a pair was not measured.
     pub present: &'a Array2<bool>,
 }
 
 impl Residues<'_> {
-    /// Rise of the sum of squares where residues differ by these, (mode, pair).
-    pub(crate) fn rise(&self, difference: ArrayView2<Complex64>) -> f64 {
-        match self.real_weight {
-            Some(weight) => {
-                let parts = interleaved(difference);
-                let weighted = matmul(weight.view(), parts.view());
-                parts.iter().zip(&weighted).map(|(a, b)| a * b).sum()
-            }
-            None => {
-                let weighted = matmul(self.weight.view(), difference);
-                let products = difference.iter().zip(&weighted);
-                products.map(|(a, b)| (a.conj() * b).re).sum()
-            }
-        }
-    }
-
     /// The residues of one pole, (response, reference).
     pub(crate) fn of_pole(&self, pole: usize) -> Array2<Complex64> {
         let (responses, references) = self.present.dim();
@@ -51,25 +31,6 @@ impl Residues<'_> {
             self.values[[pole, i * references + j]]
         })
     }
-}
-
-/// Real and imaginary part of each row in turn.
-pub(crate) fn interleaved(values: ArrayView2<Complex64>) -> Array2<f64> {
-    Array2::from_shape_fn((2 * values.nrows(), values.ncols()).f(), |(row, c)| {
-        let value = values[[row / 2, c]];
-        if row % 2 == 0 {
-            value.re
-        } else {
-            value.im
-        }
-    })
-}
-
-/// The complex rows again.
-pub(crate) fn paired(parts: ArrayView2<f64>) -> Array2<Complex64> {
-    Array2::from_shape_fn((parts.nrows() / 2, parts.ncols()).f(), |(n, c)| {
-        Complex64::new(parts[[2 * n, c]], parts[[2 * n + 1, c]])
-    })
 }
 
 /// u and v of a term u·vᵀ.
