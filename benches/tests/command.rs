@@ -175,10 +175,12 @@ fn the_paper_is_reproduced_by_one_command() {
     let quarters = || modal().filter(|row| plain(row));
     // as one, without small singular values, 16 exact modes and more do
     let cut = modal().filter(|row| {
-        cell(row, "modes_of") == "exact" && value(row, "modes") >= 16.0 && !plain(row)
+        cell(row, "modes_of") == "exact"
+            && value(row, "modes") >= 16.0
+            && cell(row, "cut") == "0.0030000"
     });
     assert!(
-        cut.clone().count() > 60 && cut.clone().all(|row| value(row, "points_success") > 0.8),
+        cut.clone().count() == 23 && cut.clone().all(|row| value(row, "points_success") > 0.8),
         "{csv}"
     );
     assert!(quarters().count() > 68);

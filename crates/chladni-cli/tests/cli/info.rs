@@ -68,11 +68,11 @@ fn what_physics_denies_at_a_driving_point_is_said() {
     assert!(!warnings("").contains("driving point"), "{}", warnings(""));
     let wrong = warnings("--frf-kind accelerance");
     assert!(
-        wrong.contains("driving point 101:+Z") && wrong.contains("frf_kind mobility"),
+        wrong.contains("driving point 101:+Z") && wrong.contains("--frf-kind mobility"),
         "{wrong}"
     );
     let mirrored = warnings("--time-sign -");
-    assert!(mirrored.contains("time_sign -"), "{mirrored}");
+    assert!(mirrored.contains("--time-sign -"), "{mirrored}");
 }
 
 #[cfg(unix)]

@@ -63,7 +63,7 @@ fn bursts_become_a_sound_file_that_is_judged_again_from_its_samples() {
         .json();
     for (measure, key) in [("peak", "worst_cold_db"), ("summed", "worst_hot_db")] {
         let of = |json: &Value| json["time"][measure][key].as_f64().unwrap();
-        assert!((of(&again) - of(&played)).abs() < 0.05, "{again} {played}");
+        assert!((of(&again) - of(&played)).abs() < 0.1, "{again} {played}");
     }
     let steady = folder
         .run("evaluate weights.json --scene burst.toml --on model.json --json")

@@ -116,11 +116,18 @@ pub(super) fn is_decibel(word: &str) -> bool {
     DECIBEL.contains(&word.to_lowercase().as_str())
 }
 
-/// True for a word or a sign behind it that says a square: `|H|²`, `|H|^2`.
+/// True for a word that says a square, or its sign behind a magnitude: `|H|²`, `mag^2`; the
+/// square of a unit, m/s², is none.
 pub(super) fn is_squared(text: &str) -> bool {
-    text.contains("^2")
-        || text.contains("**2")
-        || text.contains('²')
+    let of_magnitude = |before: &str| {
+        let word = words(before).last().unwrap_or_default().to_lowercase();
+        before.ends_with(['|', ')'])
+            || before.ends_with(char::is_alphanumeric) && part_of(&word) == Some(Part::Magnitude)
+    };
+    ["^2", "**2", "²"]
+        .iter()
+        .flat_map(|sign| text.match_indices(sign))
+        .any(|(place, _)| of_magnitude(&text[..place]))
         || words(text).any(|word| SQUARED.contains(&word.to_lowercase().as_str()))
 }
 

@@ -135,7 +135,7 @@ mod tests {
             correction: Some(some(1.9) * Complex64::from(1e-3)),
             envelope: Envelope::Spline {
                 start_s: 0.03,
-                knot_s: 0.005,
+                knot_s: 0.02,
             },
         };
         let gate = Track {

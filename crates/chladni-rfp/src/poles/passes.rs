@@ -42,13 +42,16 @@ pub(crate) struct Start {
     pub lambda: Vec<Complex64>,
     /// Basis of the model with these poles on all lines, orthonormal.
     pub q: Array2<Complex64>,
-    /// What was tried: (poles, residual variance), in order.
-    pub history: Vec<(usize, f64)>,
+    /// What was tried, in order.
+    pub history: Tried,
     /// Passes made already beyond the second.
     pub extra_passes: usize,
     /// What spoke against the other damping law, where this is the second tried.
     pub doubt: Option<String>,
 }
+
+/// Numbers of poles that were tried, each with its residual variance.
+pub(crate) type Tried = Vec<(usize, f64)>;
 
 impl Start {
     /// Compresses all FRFs, settles the order on the compressed columns and, where poles
@@ -62,7 +65,7 @@ impl Start {
         data: &S,
         energy: &Array1<f64>,
         sought: bool,
-    ) -> Result<(Pass, Vec<(usize, f64)>), S::Stop> {
+    ) -> Result<(Pass, Tried), S::Stop> {
         let mut best = self.pass(data, energy)?;
         let mut tried = Vec::new();
         let most = if sought { data.effort.extra_passes } else { 0 };
