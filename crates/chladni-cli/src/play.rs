@@ -38,7 +38,7 @@ pub struct Args {
     /// Model file, as `chladni fit` writes it
     #[arg(value_name = "MODEL")]
     model: PathBuf,
-    /// Scene file with a table [time]; without it two steady seconds are played
+    /// Scene file with a table `time`; without it two steady seconds are played
     #[arg(value_name = "SCENE.toml")]
     scene: PathBuf,
     /// Steady weights of the scene's own zones, as `chladni render` wrote them; all others

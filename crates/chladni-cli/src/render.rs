@@ -67,7 +67,7 @@ pub struct Args {
     /// Try other drive frequencies and suggest the best, Hz
     #[arg(long, value_name = "LO:HI", value_parser = parse_range)]
     sweep: Option<[f64; 2]>,
-    /// Drive signals to write: .wav, as `chladni play` makes it of the scene's [time] or
+    /// Drive signals to write: .wav, as `chladni play` makes it of the scene's table `time` or
     /// of two steady seconds, or .csv (a table of amplitude and phase)
     #[arg(long, value_name = "FILE")]
     wav: Option<PathBuf>,

@@ -266,7 +266,7 @@ mod tests {
             ("mag squared", Part::Unknown, ""),
             ("coherence^2", Part::Coherence, ""),
             ("mag [m/s^2/N]", Part::Magnitude, "m/s^2/N"),
-            ("|H(f)| m/s²/N", Part::Magnitude, "m/s²/N"),
+            ("|H| m/s²/N", Part::Magnitude, "m/s²/N"),
             ("Magnitude dB re 1 m/s/N", Part::Magnitude, "dB re 1 m/s/N"),
             ("H1 [Re]", Part::Re, ""),
             ("|H|", Part::Magnitude, ""),
