@@ -26,10 +26,10 @@ pub fn install(json: bool) {
     let ignored = ignored_signals();
     let is_heard = |signal: &i32| ignored >> (signal - 1) & 1 == 0;
     if is_heard(&SIGXFSZ) {
-        // known before the writing fails, so that its error says why
+        // the writing fails then, and its error ends the run
         drop(signal_hook::flag::register(SIGXFSZ, TOO_LARGE.clone()));
     }
-    let endings = [SIGHUP, SIGINT, SIGTERM, SIGXCPU, SIGXFSZ];
+    let endings = [SIGHUP, SIGINT, SIGTERM, SIGXCPU];
     let Ok(mut signals) = Signals::new(endings.into_iter().filter(is_heard)) else {
         return;
     };
