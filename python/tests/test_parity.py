@@ -203,7 +203,7 @@ def test_bursts_are_played_judged_and_written(truth, tmp_path):
         assert sidecar["format"] == "chladni.signal" and sidecar["frames"] == len(drive)
         bytes_of = (tmp_path / f"{form}.wav").read_bytes()
         samples = np.frombuffer(bytes_of[-drive.size * (4 if form == "f32" else 2) :], dtype="<f4" if form == "f32" else "<i2")
-        values = samples.reshape(drive.shape) * (scale if form == "f32" else scale * 2.0**-15)
+        values = samples.astype(float).reshape(drive.shape) * (scale if form == "f32" else scale * 2.0**-15)
         assert np.abs(values - drive).max() <= 0.51 * step * scale
     played.save(tmp_path / "drive.npz", 44_100)
     held = np.load(tmp_path / "drive.npz")
