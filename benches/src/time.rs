@@ -66,7 +66,7 @@ pub struct TimeRow {
     pub peak_n: f64,
     /// The same of the steady drive.
     pub steady_n: f64,
-    /// How long before the burst the drive begins, ms.
+    /// Time from the drive's beginning to the burst, ms.
     pub ahead_ms: f64,
 }
 
@@ -324,7 +324,7 @@ pub fn time_csv(rows: &[TimeRow]) -> String {
     )
 }
 
-/// How many of the glass panel's cases keep every limit, by the ways that promise it.
+/// Count of the glass panel's cases that keep every limit, by the ways that promise it.
 pub fn time_verdict(rows: &[TimeRow]) -> String {
     let glass: Vec<&TimeRow> = rows
         .iter()

@@ -89,7 +89,7 @@ pub(super) struct Load {
     pub(super) place: [f64; 2],
 }
 
-/// What is wrong with one rig.
+/// Faults of one rig.
 #[derive(Debug, Clone)]
 pub(super) struct Faults {
     /// Complex gain of each channel.

@@ -50,7 +50,7 @@ const STREAM: u64 = 41;
 /// Rigs that a thread takes at a time, so that the journal is written often.
 const BATCH: usize = 4;
 
-/// What to run.
+/// Rigs to run, and how many of them.
 #[derive(Debug, Clone)]
 pub struct RigOptions {
     /// Kinds of faults.
@@ -65,7 +65,7 @@ pub struct RigOptions {
     pub corner_only: bool,
 }
 
-/// How the next drive is made.
+/// Way from one drive to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum RigWay {
     /// By `correct`.
@@ -107,7 +107,7 @@ pub struct RigRow {
     /// Smaller share of hot and cold responses that are truly served.
     #[serde(deserialize_with = "nan")]
     pub min_ratio: f64,
-    /// How the drive was made.
+    /// Way that made the drive.
     pub way: RigWay,
     /// Time of the correction, s; NaN where there is none.
     #[serde(deserialize_with = "nan")]

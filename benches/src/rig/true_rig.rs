@@ -106,7 +106,7 @@ impl TrueRig {
         }
     }
 
-    /// What the scanner says of a drive.
+    /// Field of a drive as the scanner tells it.
     pub(super) fn measured(&mut self, drive: &Array1<Complex64>, field: &Field) -> MeasuredField {
         let truth = self.mobility.dot(drive);
         let square = truth.iter().map(Complex64::norm_sqr).sum::<f64>() / truth.len() as f64;

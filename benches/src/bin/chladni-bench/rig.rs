@@ -41,7 +41,7 @@ pub struct Args {
     /// Measured fields of each rig
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=20))]
     fields: u32,
-    /// What is wrong with the rigs; may be repeated [default: mixed]
+    /// Kind of fault of the rigs; may be repeated [default: mixed]
     #[arg(long = "error", value_name = "KIND", value_parser = PossibleValuesParser::new(RigError::ALL.map(RigError::name))
         .try_map(|name| RigError::named(&name).ok_or("no such kind")))]
     errors: Vec<RigError>,
