@@ -2,12 +2,10 @@
 
 use crate::error::{raised, wrong_word};
 use crate::findings::{findings_json, sentences};
-use crate::model::Model;
 use chladni_frf::{
     Direction, Dof, Error, ErrorKind, Finding, FrfKind, FrfValues, Geometry, Node, ReferenceUnit,
 };
 use chladni_io::{read_frf, write_frf, DeclaredDofs, DeclaredRow, ReadOptions};
-use chladni_plate::Panel;
 use ndarray::Array3;
 use num_complex::{Complex32, Complex64};
 use numpy::{
@@ -359,35 +357,4 @@ where
 {
     text.parse()
         .map_err(|message: T::Err| wrong_word(py, name, text, &message.to_string()))
-}
-
-/// FRFs of a virtual panel and the model behind them, from a panel file (TOML).
-#[pyfunction]
-#[pyo3(signature = (panel, *, snr_db=None, seed=None, memory_bytes=2 << 30))]
-pub fn simulate(
-    py: Python<'_>,
-    panel: PathBuf,
-    snr_db: Option<f64>,
-    seed: Option<u64>,
-    memory_bytes: u64,
-) -> PyResult<(FrfSet, Model)> {
-    let simulation = py
-        .detach(|| chladni_plate::simulate(&Panel::read(&panel, memory_bytes)?, seed, snr_db))
-        .map_err(|error| {
-            raised(
-                py,
-                &if error.file.is_none() {
-                    error.file(&panel)
-                } else {
-                    error
-                },
-            )
-        })?;
-    Ok((
-        FrfSet {
-            set: simulation.frf,
-            findings: simulation.findings,
-        },
-        Model::new(simulation.truth),
-    ))
 }

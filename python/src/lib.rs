@@ -16,6 +16,7 @@ mod progress;
 mod rendering;
 mod report;
 mod signal;
+mod simulation;
 
 use pyo3::prelude::*;
 
@@ -33,7 +34,7 @@ fn _chladni(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<pieces::Partial>()?;
     module.add_class::<pieces::Poles>()?;
     module.add_function(wrap_pyfunction!(frf::read, module)?)?;
-    module.add_function(wrap_pyfunction!(frf::simulate, module)?)?;
+    module.add_function(wrap_pyfunction!(simulation::simulate, module)?)?;
     module.add_function(wrap_pyfunction!(model::fit, module)?)?;
     module.add_function(wrap_pyfunction!(model::load_model, module)?)?;
     module.add_function(wrap_pyfunction!(model::select, module)?)?;

@@ -20,9 +20,9 @@
 //! those of a surrogate and are left out, the drift is not. Viscous models use the same
 //! formula: at the relative size of an error bar both laws agree.
 
+use crate::drift::Drift;
+use crate::kernel_error::unsolvable;
 use crate::operator::Operator;
-use crate::options::Drift;
-use crate::problem::unsolvable;
 use crate::tolerances;
 use chladni_frf::{ModalModel, Mode, Result, Trust};
 use ndarray::{concatenate, Array1, Array2, Axis};

@@ -7,7 +7,8 @@
 //! from one Gram matrix. The search is not trusted: whatever the multipliers are that it
 //! ends at, the certificate is one eigenvalue of two matrices.
 
-use crate::problem::{unsolvable, Drive};
+use crate::kernel_error::unsolvable;
+use crate::problem::Drive;
 use crate::tolerances;
 use chladni_frf::Result;
 use chladni_linalg::{cholesky, eigh, matmul_h, solve_hermitian, solve_lower, solve_lower_adjoint};

@@ -7,6 +7,7 @@
 use crate::finger::{finger_rows, Finger};
 use crate::methods::{Decision, MethodChoice};
 use crate::modal_field::ModalField;
+use crate::operator::mode_on;
 use crate::options::RenderOptions;
 use crate::problem::Drive;
 use crate::scene::Scene;
@@ -154,14 +155,4 @@ fn touched_ratio(setup: &Setup, model: &ModalModel, drive: &Drive) -> Option<f64
         least = Some(least.map_or(ratio, |least: f64| least.min(ratio)));
     }
     least
-}
-
-/// The mode in whose half-power bandwidth `frequency_hz` lies, Hz.
-pub(crate) fn mode_on(model: &ModalModel, frequency_hz: f64) -> Option<f64> {
-    let distance = |hz: f64| (hz - frequency_hz).abs();
-    let near = model
-        .in_band_modes()
-        .filter(|mode| distance(mode.frequency_hz) <= 0.5 * mode.loss_factor * mode.frequency_hz);
-    near.map(|mode| mode.frequency_hz)
-        .min_by(|a, b| distance(*a).total_cmp(&distance(*b)))
 }

@@ -4,7 +4,8 @@
 //! w_k h_kᴴh_k + R, R = Σ_k w_k·LᴴL + ridge·I. LᴴL is the expected error of one row, so
 //! that what is minimised is the expected squared misfit.
 
-use crate::problem::{unsolvable, Problem};
+use crate::kernel_error::unsolvable;
+use crate::problem::Problem;
 use crate::tolerances;
 use chladni_frf::Result;
 use chladni_linalg::{cholesky, matmul_h, solve_lower, solve_lower_adjoint};

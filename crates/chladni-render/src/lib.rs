@@ -38,8 +38,10 @@ mod climb;
 mod conic;
 mod count;
 mod covariance;
+mod drift;
 mod drive_program;
 mod dual;
+mod effort;
 mod endurance;
 mod evaluate;
 mod fewest_actuators;
@@ -51,6 +53,7 @@ mod frequency_sweep;
 mod gain;
 mod indices;
 mod interpolation;
+mod kernel_error;
 mod lattice;
 mod least_squares;
 mod methods;
@@ -76,6 +79,8 @@ pub use band::{needed_band, NeededBand};
 pub use ceiling::Ceiling;
 pub use count::Count;
 pub use covariance::Covariance;
+pub use drift::Drift;
+pub use effort::Effort;
 pub use endurance::Endurance;
 pub use evaluate::{evaluate, Evaluation, On};
 pub use field::{AreaField, AreaGrid, Field};
@@ -84,7 +89,7 @@ pub use frequency_sweep::{sweep, FrequencySweep, SweptFrequency};
 pub use indices::{AreaIndices, Indices, PointIndices};
 pub use methods::{Method, MethodChoice, ModalSteps, StepMatrix};
 pub use operator::Operator;
-pub use options::{Drift, Effort, RenderOptions};
+pub use options::RenderOptions;
 pub use plane::{Position, Rectangle};
 pub use render::{render, render_measured, render_with_others, Rendering};
 pub use rig::{
@@ -95,7 +100,7 @@ pub use scene::{
     Actuators, Limits, Scene, DEFAULT_LIMEN_DB, DEFAULT_MAX_FORCE_N, DEFAULT_TRANSITION_M,
 };
 pub use signals::signal_csv;
-pub use stress::{stress, StressOptions, StressRow};
+pub use stress::{stress, StressOptions};
 pub use threshold::{Threshold, ThresholdTable};
 pub use time::{
     evaluate_signal, modal_ramp, play, stress_in_time, AreaFrames, AreaMeasures, Burst, Channel,
@@ -104,5 +109,5 @@ pub use time::{
     TimeStressRow, TimeTable, TimeTraces, SIGNAL_FORMAT, SIGNAL_VERSION,
 };
 pub use tones::{Share, Tone};
-pub use weights::{Weight, Weights, WEIGHTS_FORMAT, WEIGHTS_VERSION};
+pub use weights::{StressRow, Weight, Weights, WEIGHTS_FORMAT, WEIGHTS_VERSION};
 pub use zones::{Ground, PolygonKind, ZoneLayout, ZoneMap, ZonePolygon, Zones};

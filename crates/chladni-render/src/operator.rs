@@ -401,3 +401,13 @@ fn check_model(model: &ModalModel) -> Result<()> {
     }
     Ok(())
 }
+
+/// The mode in whose half-power bandwidth `frequency_hz` lies, Hz.
+pub(crate) fn mode_on(model: &ModalModel, frequency_hz: f64) -> Option<f64> {
+    let distance = |hz: f64| (hz - frequency_hz).abs();
+    let near = model
+        .in_band_modes()
+        .filter(|mode| distance(mode.frequency_hz) <= 0.5 * mode.loss_factor * mode.frequency_hz);
+    near.map(|mode| mode.frequency_hz)
+        .min_by(|a, b| distance(*a).total_cmp(&distance(*b)))
+}

@@ -6,8 +6,6 @@ use crate::plane::Position;
 use crate::scene::Limits;
 use crate::tolerances;
 use crate::zones::ZoneMap;
-use chladni_frf::{Error, ErrorKind};
-use chladni_linalg::LinalgError;
 use ndarray::{concatenate, s, Array1, Array2, ArrayView2, Axis};
 use num_complex::Complex64;
 
@@ -332,20 +330,4 @@ impl Rows {
 /// |v|. Velocities and forces are far from where squares overflow, and the safe norm takes ten times as long.
 pub(crate) fn amplitude(value: &Complex64) -> f64 {
     value.norm_sqr().sqrt()
-}
-
-/// What a kernel refuses although model and scene are sound number by number: they lie too
-/// far apart for arithmetic of sixteen digits. Sizes that do not fit are a broken promise of
-/// our own.
-pub(crate) fn unsolvable(error: LinalgError) -> Error {
-    if let LinalgError::Shape { .. } = error {
-        return Error::new(ErrorKind::Internal, error.to_string());
-    }
-    Error::bad_data("model and scene hold numbers that lie too far apart to compute with")
-        .found(error)
-        .expected("shapes, participations, standard deviations and limits of a real panel")
-        .help(
-            "look for a mode whose shape or standard deviation is out of all proportion, and \
-             for absurd limits in the scene",
-        )
 }

@@ -1,6 +1,6 @@
 //! The scene file: drive frequency, threshold, zones and actuators.
 
-use crate::options::Drift;
+use crate::drift::Drift;
 use crate::plane::Position;
 use crate::threshold::{Threshold, ThresholdTable};
 use crate::time::{read_time, TimeTable};

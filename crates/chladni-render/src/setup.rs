@@ -2,12 +2,11 @@
 //! about it.
 
 use crate::covariance::Covariance;
+use crate::drift::Drift;
 use crate::field::Places;
-use crate::frequency_sweep::mode_on;
 use crate::indices::check_zones;
 use crate::interpolation::Nodes;
-use crate::operator::Operator;
-use crate::options::Drift;
+use crate::operator::{mode_on, Operator};
 use crate::plane::{Position, Rectangle};
 use crate::problem::{DriveLimits, Problem, Rows};
 use crate::scene::{Limits, Scene, DEFAULT_MAX_FORCE_N};

@@ -1,21 +1,20 @@
 //! What becomes of given weights when the world is not the model: the stress table.
 
+use crate::drift::Drift;
 use crate::evaluate::{laid, Laid, On};
 use crate::field::Field;
 use crate::finger::{finger_rows, Finger};
 use crate::indices::PointIndices;
 use crate::modal_field::ModalField;
-use crate::options::Drift;
 use crate::problem::Drive;
 use crate::scene::Scene;
-use crate::weights::Weights;
+use crate::weights::{StressRow, Weights};
 use chladni_frf::{Finding, ModalModel, Mode, Result};
 use ndarray::Array1;
 use num_complex::Complex64;
 use rand_chacha::rand_core::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Open01, StandardNormal};
-use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_1_SQRT_2;
 
 /// How hard.
@@ -57,22 +56,6 @@ impl Default for StressOptions {
             converter_bits: 8,
         }
     }
-}
-
-/// One trial of the stress table; shares of judged responses inside their limits.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct StressRow {
-    /// What was done.
-    pub trial: String,
-    /// How often, each time otherwise.
-    pub cases: usize,
-    /// Mean share of responses served.
-    pub success_mean: f64,
-    /// Share that 95 % of the cases reach; the least of all where there are fewer than
-    /// twenty.
-    pub success_worst_5_percent: f64,
-    /// The same for the smaller of hot and cold ratio.
-    pub min_worst_5_percent: f64,
 }
 
 /// Indices of `weights` in `scene` when the panel is not `model`.

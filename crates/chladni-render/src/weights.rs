@@ -7,7 +7,6 @@ use crate::indices::Indices;
 use crate::methods::ModalSteps;
 use crate::problem::Drive;
 use crate::rig::Correction;
-use crate::stress::StressRow;
 use crate::tones::is_same;
 use chladni_frf::{Dof, Error, Findings, ReferenceUnit, Result, Source};
 use chladni_text::json_error;
@@ -239,4 +238,20 @@ pub(crate) fn weight_list(references: &[Dof], drive: &Drive, unit: ReferenceUnit
         .zip(drive)
         .map(|(&reference, &value)| Weight::new(reference, value, unit))
         .collect()
+}
+
+/// One trial of the stress table; shares of judged responses inside their limits.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StressRow {
+    /// What was done.
+    pub trial: String,
+    /// How often, each time otherwise.
+    pub cases: usize,
+    /// Mean share of responses served.
+    pub success_mean: f64,
+    /// Share that 95 % of the cases reach; the least of all where there are fewer than
+    /// twenty.
+    pub success_worst_5_percent: f64,
+    /// The same for the smaller of hot and cold ratio.
+    pub min_worst_5_percent: f64,
 }

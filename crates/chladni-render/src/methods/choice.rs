@@ -1,7 +1,7 @@
 //! Which method runs: one by name, or one along the front of speed against accuracy.
 
+use crate::effort::Effort;
 use crate::methods::Method;
-use crate::options::Effort;
 use crate::problem::Problem;
 use crate::tolerances;
 use chladni_frf::{Error, Finding, Result};

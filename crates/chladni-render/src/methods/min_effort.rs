@@ -7,8 +7,8 @@
 
 use crate::climb::Climb;
 use crate::drive_program::Asked;
+use crate::effort::Effort;
 use crate::methods::{mls, Solution};
-use crate::options::Effort;
 use crate::problem::{Problem, Rows};
 use crate::tolerances;
 use chladni_frf::Result;

@@ -18,7 +18,7 @@ pub(crate) use choice::Decision;
 pub use choice::MethodChoice;
 pub use modal::{ModalSteps, StepMatrix};
 
-use crate::options::Effort;
+use crate::effort::Effort;
 use crate::problem::{Drive, Problem};
 use crate::setup::Setup;
 use crate::tolerances;

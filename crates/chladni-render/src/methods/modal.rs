@@ -17,8 +17,9 @@
 //! that are summed explicitly are used (all in band, unless fewer are asked for): poles
 //! outside and residual terms have no place in the equations.
 
+use crate::kernel_error::unsolvable;
 use crate::methods::{pressure_matching::one_phase_target, Solution};
-use crate::problem::{amplitude, unsolvable, Drive};
+use crate::problem::{amplitude, Drive};
 use crate::setup::Setup;
 use chladni_frf::{ComplexVector, Damping, Error, Finding, ModalModel, Mode, Result};
 use ndarray::{Array1, Array2};

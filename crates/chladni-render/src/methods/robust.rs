@@ -15,8 +15,8 @@
 
 use crate::climb::Climb;
 use crate::drive_program::Asked;
+use crate::effort::Effort;
 use crate::methods::{mls, Solution};
-use crate::options::Effort;
 use crate::problem::Drive;
 use crate::setup::Setup;
 use crate::tolerances;

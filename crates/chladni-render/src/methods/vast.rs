@@ -5,8 +5,9 @@
 //! largest λ carry the target: A = Σ_v u_v (u_vᴴ H_hᴴ 1)/(λ_v + 1) (Lee, Nielsen, Jensen
 //! and Christensen 2018). R_c holds the error of the model, as in contrast control.
 
+use crate::kernel_error::unsolvable;
 use crate::least_squares::normal_matrix;
-use crate::problem::{unsolvable, Drive, Problem};
+use crate::problem::{Drive, Problem};
 use crate::tolerances;
 use chladni_frf::Result;
 use chladni_linalg::{cholesky, eigh, matmul_h, solve_lower, solve_lower_adjoint};

@@ -11,10 +11,10 @@
 
 use super::field::{rms, LaidField, Prediction};
 use crate::interpolation::{Interpolation, Nodes};
+use crate::kernel_error::unsolvable;
 use crate::modal_field::ModalField;
 use crate::operator::Operator;
 use crate::plane::{Position, Rectangle};
-use crate::problem::unsolvable;
 use crate::tolerances;
 use chladni_frf::{Dof, ModalModel, Result};
 use ndarray::{Array1, Array2, ArrayView1, Axis};

@@ -12,9 +12,10 @@
 //! the evidence for that is beyond doubt.
 
 use super::field::rms;
+use crate::kernel_error::unsolvable;
 use crate::modal_field::mode_mobility;
 use crate::operator::Operator;
-use crate::problem::{unsolvable, Drive};
+use crate::problem::Drive;
 use crate::tolerances;
 use chladni_frf::{Damping, Error, ErrorKind, ModalModel, Mode, Result, Trust};
 use ndarray::{Array1, Array2, Axis};
