@@ -6,12 +6,14 @@ use std::path::{Path, PathBuf};
 
 const PAGE: &str = include_str!("../../../../docs/troubleshooting.md");
 /// Calls whose first text is a code.
-const CODED: [&str; 5] = [
+const CODED: [&str; 7] = [
     "Finding::note(",
     "Finding::caution(",
     "Finding::fault(",
     "Finding::new(",
     "Reason::new(",
+    "Rule::doubt(",
+    "Rule::severe(",
 ];
 /// Code of sentences that files of earlier versions hold.
 const UNCODED: &str = "earlier-version";

@@ -104,12 +104,15 @@ pub(crate) fn uncertainty_grade(lambda: Complex64, variance: [f64; 2]) -> Grade 
 
 /// The reason that an error bar of so many half-bandwidths is.
 pub(crate) fn uncertain(half_bandwidths: f64) -> Reason {
-    Reason::new("uncertain", "its frequency or damping is uncertain")
+    Reason::new("uncertain", UNCERTAIN_SENTENCE)
         .detail(format!("{half_bandwidths:.1} half-bandwidths, one sigma"))
 }
 
 /// Why a pole of infinite variance is not sure.
 const NOT_TOLD: &str = "the data do not tell it from its neighbours: its error bars are not known";
+
+/// Reason for a large error bar.
+pub(crate) const UNCERTAIN_SENTENCE: &str = "its frequency or damping is uncertain";
 
 /// Standard deviation of a pole, in half-bandwidths, beyond which its mode is not sure.
 pub(crate) const UNCERTAIN: f64 = 0.3;

@@ -1,0 +1,218 @@
+//! Grades: what a modal engineer would say of each pole, with the reasons.
+
+mod damping_doubt;
+mod limits;
+mod rules;
+mod usual;
+
+use crate::measured::evidence::Evidence;
+use crate::measured::record::Record;
+use crate::poles::estimate::Grade;
+use chladni_frf::{Reason, Trust};
+pub(crate) use damping_doubt::DampingDoubt;
+use limits::*;
+use rules::{Seen, RULES};
+use usual::Usual;
+
+/// A grade with the doubt about damping, if there is one.
+pub(crate) type Graded = (Grade, Option<DampingDoubt>);
+
+/// Grades every pole of `all` (in order of frequency); poles outside the band pass
+/// ungraded.
+pub(crate) fn grade_all(all: &[Evidence], record: &Record) -> Vec<Graded> {
+    let grade = |list: &[Evidence], q: usize, usual: Usual| {
+        grade(list, q, record.frfs, record.windowed, usual)
+    };
+    let inside: Vec<Evidence> = all.iter().filter(|e| e.in_band()).cloned().collect();
+    let sure: Vec<bool> = (0..inside.len())
+        .map(|q| grade(&inside, q, Usual::default()).0 .0 == Trust::Sure)
+        .collect();
+    let mut graded = (0..inside.len()).map(|q| grade(&inside, q, Usual::beside(q, &inside, &sure)));
+    all.iter()
+        .map(|e| {
+            if e.in_band() { graded.next() } else { None }
+                .unwrap_or(((Trust::Weak, Vec::new()), None))
+        })
+        .collect()
+}
+
+/// The grade of pole `q` of `all`, by [`RULES`].
+fn grade(all: &[Evidence], q: usize, frfs: usize, windowed: bool, usual: Usual) -> Graded {
+    let own = &all[q];
+    if own.lambda.im > BACKGROUND_LOSS * own.lambda.re {
+        let reason = Reason::new("background", "background: broader than any mode");
+        return ((Trust::Rejected, vec![reason]), None);
+    }
+    let others: Vec<&Evidence> = all[..q].iter().chain(&all[q + 1..]).collect();
+    let seen = Seen {
+        own,
+        others: &others,
+        usual,
+        frfs,
+        windowed,
+    };
+    let raised: Vec<(bool, Reason)> = RULES
+        .iter()
+        .filter_map(|rule| Some((rule.severe, rule.reason(&seen)?)))
+        .collect();
+    let severe = raised.iter().filter(|(severe, _)| *severe).count();
+    let reasons: Vec<Reason> = raised.into_iter().map(|(_, reason)| reason).collect();
+    let visible_line = own.stands_out_db > VISIBLE_DB && own.half_width_lines < SPIKE_LINES;
+    let no_mode = own.misfit > NO_MODE || own.gain < NOT_NEEDED || severe >= SEVERE;
+    let trust = if no_mode && !visible_line {
+        Trust::Rejected
+    } else if reasons.is_empty() {
+        Trust::Sure
+    } else {
+        Trust::Weak
+    };
+    ((trust, reasons), DampingDoubt::of(own))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measured::candidates::Origin;
+    use num_complex::Complex64;
+
+    /// A mode beyond doubt at x = 0.3, 4 lines wide.
+    fn good(x: f64) -> Evidence {
+        Evidence {
+            lambda: Complex64::new(x, 0.002),
+            origin: Origin::Agreed {
+                score: 1.0,
+                odd_even: Some(1e-5),
+            },
+            gain: 100.0,
+            gain_without_nearest: 50.0,
+            gain_of_skirts: 30.0,
+            deviation: 0.01,
+            scatter: Some(0.01),
+            misfit: 0.05,
+            part: 0.9,
+            half_width_lines: 2.0,
+            stands_out_db: 30.0,
+            edge: 50.0,
+            level_db: 0.0,
+            alone_db: Some(3.0),
+            stand: Some(Complex64::new(0.99, 0.05)),
+        }
+    }
+
+    fn graded(
+        change: impl Fn(&mut Evidence),
+        frfs: usize,
+        windowed: bool,
+        neighbours: &[Evidence],
+    ) -> Grade {
+        let mut all = vec![good(0.3)];
+        change(&mut all[0]);
+        all.extend(neighbours.iter().cloned());
+        let usual = Usual {
+            loss: Some(0.007),
+            stand: Some(Complex64::new(5.0, 0.0)),
+        };
+        grade(&all, 0, frfs, windowed, usual).0
+    }
+
+    #[test]
+    fn each_doubt_is_named_and_nothing_else() {
+        let (trust, reasons) = graded(|_| (), 3, false, &[]);
+        assert_eq!((trust, reasons.len()), (Trust::Sure, 0));
+        type Doubt = (&'static str, fn(&mut Evidence));
+        let doubts: [Doubt; 17] = [
+            ("model orders and line halves", |e| {
+                e.origin = Origin::Agreed {
+                    score: 0.6,
+                    odd_even: None,
+                }
+            }),
+            ("model orders had left", |e| e.origin = Origin::Added),
+            ("drifted in", |e| e.origin = Origin::Nuisance),
+            ("odd and even lines", |e| {
+                e.origin = Origin::Agreed {
+                    score: 1.0,
+                    odd_even: Some(0.0015),
+                }
+            }),
+            ("shape of a resonance", |e| e.misfit = 0.6),
+            ("hardly need it", |e| e.gain = 1.0),
+            ("is uncertain", |e| e.deviation = 0.4),
+            ("band edge", |e| e.edge = 1.0),
+            ("20 dB below", |e| e.part = 0.05),
+            ("differs between FRFs", |e| e.scatter = Some(0.8)),
+            ("one-line spike", |e| {
+                (e.half_width_lines, e.gain_without_nearest) = (0.3, 0.5)
+            }),
+            ("no skirts", |e| {
+                (e.half_width_lines, e.gain_of_skirts) = (0.7, 0.5)
+            }),
+            ("a tone", |e| e.lambda.im = 0.0001),
+            ("one FRF alone", |e| e.alone_db = Some(25.0)),
+            ("no common phase", |e| {
+                e.stand = Some(Complex64::new(0.5, 0.1))
+            }),
+            ("degrees off", |e| e.stand = Some(Complex64::new(-0.6, 0.7))),
+            ("no distinct peak", |e| {
+                (e.stands_out_db, e.deviation, e.misfit) = (5.0, 0.1, 0.3)
+            }),
+        ];
+        for (words, change) in doubts {
+            let (trust, reasons) = graded(change, 3, false, &[]);
+            assert_eq!(trust, Trust::Weak, "{words}: {reasons:?}");
+            assert!(
+                reasons.len() == 1 && reasons[0].contains(words),
+                "{words}: {reasons:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn stronger_neighbours_make_side_lobes_and_half_pairs() {
+        let stronger = |lines: f64| Evidence {
+            level_db: 20.0,
+            ..good(0.3 + 0.001 * lines)
+        };
+        let narrow = |e: &mut Evidence| (e.lambda.im, e.half_width_lines) = (0.0009, 0.9);
+        let (trust, reasons) = graded(narrow, 3, false, &[stronger(3.0)]);
+        assert!(
+            trust == Trust::Weak && reasons[0].contains("side lobe of the stronger peak"),
+            "{reasons:?}"
+        );
+        assert_eq!(
+            graded(narrow, 3, false, &[stronger(9.0)]).0,
+            Trust::Sure,
+            "too far for a side lobe"
+        );
+        assert_eq!(
+            graded(|_| (), 3, false, &[stronger(3.0)]).0,
+            Trust::Sure,
+            "too broad for a side lobe"
+        );
+        let (trust, reasons) = graded(|_| (), 3, true, &[stronger(3.0)]);
+        assert!(
+            trust == Trust::Weak && reasons[0].contains("windowed"),
+            "{reasons:?}"
+        );
+        let (trust, reasons) = graded(|_| (), 1, false, &[good(0.303)]);
+        assert!(
+            trust == Trust::Weak && reasons[0].contains("half of a close pair"),
+            "{reasons:?}"
+        );
+    }
+
+    #[test]
+    fn two_severe_doubts_reject_but_a_visible_line_is_shown() {
+        let spoilt = |e: &mut Evidence| {
+            (e.misfit, e.half_width_lines, e.gain_without_nearest) = (0.7, 0.3, 0.5)
+        };
+        let hidden = |e: &mut Evidence| {
+            spoilt(e);
+            e.stands_out_db = 15.0;
+        };
+        assert_eq!(graded(hidden, 3, false, &[]).0, Trust::Rejected);
+        assert_eq!(graded(spoilt, 3, false, &[]).0, Trust::Weak);
+        let (trust, reasons) = graded(|e| e.lambda.im = 0.2, 3, false, &[]);
+        assert!(trust == Trust::Rejected && reasons[0].contains("background"));
+    }
+}

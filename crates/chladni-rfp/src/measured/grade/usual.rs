@@ -1,0 +1,65 @@
+//! What the sure modes of a set have in common: a pole that differs from it is doubtful.
+
+use crate::measured::evidence::Evidence;
+use num_complex::Complex64;
+
+/// Sure modes nearest to a pole whose losses are taken together, and the fewest that tell.
+const NEIGHBOURS: usize = 6;
+/// See above.
+const FEWEST_NEIGHBOURS: usize = 3;
+/// Error bar, in half-bandwidths, below which modes count as equally well known.
+const BEST_KNOWN: f64 = 0.01;
+/// Modes, of equal weight, that it takes to tell where residues usually stand; and the
+/// least share of them that agrees.
+const FEW: f64 = 3.0;
+/// See above.
+const COMMON: f64 = 0.9;
+
+/// What the sure modes have in common.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Usual {
+    /// Median loss of the sure modes nearest to the pole.
+    pub loss: Option<f64>,
+    /// Twice the angle at which residues stand.
+    pub stand: Option<Complex64>,
+}
+
+impl Usual {
+    /// As pole `q` of `all` sees it: every sure mode but itself.
+    pub fn beside(q: usize, all: &[Evidence], sure: &[bool]) -> Self {
+        let others: Vec<&Evidence> = all
+            .iter()
+            .zip(sure)
+            .enumerate()
+            .filter(|(other, (_, sure))| *other != q && **sure)
+            .map(|(_, (evidence, _))| evidence)
+            .collect();
+        Self {
+            loss: usual_loss(&others, all[q].lambda.re),
+            stand: usual_stand(&others),
+        }
+    }
+}
+
+/// Median loss of the modes nearest to `x`; `None` where there are too few.
+fn usual_loss(others: &[&Evidence], x: f64) -> Option<f64> {
+    let mut nearest: Vec<Complex64> = others.iter().map(|other| other.lambda).collect();
+    nearest.sort_by(|a, b| (a.re - x).abs().total_cmp(&(b.re - x).abs()));
+    nearest.truncate(NEIGHBOURS);
+    let mut losses: Vec<f64> = nearest.iter().map(|pole| pole.im / pole.re).collect();
+    losses.sort_by(f64::total_cmp);
+    (losses.len() >= FEWEST_NEIGHBOURS).then(|| losses[losses.len() / 2])
+}
+
+/// Where residues stand, each weighted by how well it is known; `None` where they are few,
+/// or stand everywhere.
+fn usual_stand(others: &[&Evidence]) -> Option<Complex64> {
+    let (mut sum, mut weights, mut squares) = (Complex64::ZERO, 0.0, 0.0);
+    for (stand, deviation) in others.iter().filter_map(|e| Some((e.stand?, e.deviation))) {
+        let weight = deviation.max(BEST_KNOWN).powi(-2);
+        sum += weight * stand;
+        weights += weight;
+        squares += weight * weight;
+    }
+    (weights * weights >= FEW * squares && sum.norm() > COMMON * weights).then_some(sum)
+}
