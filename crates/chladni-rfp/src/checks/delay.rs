@@ -6,22 +6,10 @@
 //! (theory.md, eq. F2). Poles and rank-one shapes absorb the delay; real shapes do not.
 
 use crate::checks::case::{Case, Checked};
+use crate::checks::limits;
 use chladni_frf::{Finding, Mode};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
-
-/// Phase of a well-known mode, rad: real structures are not real to more than some
-/// degrees.
-const NATURAL_PHASE: f64 = 0.03;
-/// Modes that must carry the evidence: fewer fit some delay by chance.
-const LEAST_MODES: f64 = 4.0;
-/// Rms phase, rad, that may be left after the delay is taken off: shapes more complex
-/// than that hide a delay.
-const LEFT_OVER: f64 = 0.2;
-/// A delay counts from so many of its standard deviations ...
-const SIGMAS: f64 = 5.0;
-/// ... and from this phase at the highest mode, rad (3°).
-const LEAST_PHASE: f64 = 0.05;
 
 /// A delay with its standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,7 +24,7 @@ struct Delay {
 pub(crate) fn delayed_reference(case: &Case) -> Option<Checked> {
     let modes = case.sure_modes();
     let omega: Vec<f64> = modes.iter().map(|mode| TAU * mode.frequency_hz).collect();
-    if case.model.references.len() < 2 || (omega.len() as f64) < LEAST_MODES {
+    if case.model.references.len() < 2 || (omega.len() as f64) < limits::DELAY_LEAST_MODES {
         return None;
     }
     let trials = Trials::new(&omega);
@@ -83,11 +71,11 @@ fn relative_delay(
         .collect();
     let weight: Vec<f64> = modes
         .iter()
-        .map(|mode| 1.0 / (NATURAL_PHASE.powi(2) + phase_variance(mode, first, second)))
+        .map(|mode| 1.0 / (limits::NATURAL_PHASE.powi(2) + phase_variance(mode, first, second)))
         .collect();
     let total: f64 = weight.iter().sum();
     let effective = total * total / weight.iter().map(|w| w * w).sum::<f64>();
-    if !effective.is_finite() || effective < LEAST_MODES {
+    if !effective.is_finite() || effective < limits::DELAY_LEAST_MODES {
         return None;
     }
     let doubled: Vec<Complex64> = u
@@ -124,9 +112,9 @@ fn relative_delay(
         / (effective - 1.0);
     let deviation = (left * total / moment / effective).sqrt();
     let top = omega.iter().copied().fold(0.0, f64::max);
-    let shown = left.sqrt() < LEFT_OVER
-        && seconds.abs() > SIGMAS * deviation
-        && seconds.abs() * top > LEAST_PHASE;
+    let shown = left.sqrt() < limits::LEFT_OVER
+        && seconds.abs() > limits::DELAY_SIGMAS * deviation
+        && seconds.abs() * top > limits::LEAST_PHASE;
     shown.then_some(Delay { seconds, deviation })
 }
 

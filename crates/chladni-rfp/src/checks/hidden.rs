@@ -2,6 +2,7 @@
 //! that overlap (theory.md, eq. F7).
 
 use crate::checks::case::{Case, Checked};
+use crate::checks::limits;
 use crate::checks::moving::{pole, strength};
 use crate::damping::structural::basis;
 use crate::damping::structural::POWERS;
@@ -19,10 +20,6 @@ use std::ops::Range;
 /// Modal overlap (half-bandwidths of both neighbours over their distance) at which a mode
 /// may hide between two others; of nearer ones it goes without saying.
 const OVERLAP: Range<f64> = 0.3..1.5;
-/// Poles around such a place that may take over what a mode there would add.
-const NEIGHBOURS: usize = 6;
-/// Half-bandwidths, and lines, on both sides of it.
-const WINDOW: (f64, usize) = (8.0, 16);
 
 /// One FRF does not show every mode.
 pub(crate) fn single_frf(case: &Case) -> Option<Checked> {
@@ -74,7 +71,11 @@ fn could_hide(case: &Case, axis: &Columns, pair: &[&Mode]) -> Option<bool> {
     if !OVERLAP.contains(&(2.0 * place.im / (poles[1].re - poles[0].re))) {
         return None;
     }
-    let local = axis.select(&axis.window(place, WINDOW.0, WINDOW.1).collect::<Vec<_>>());
+    let local = axis.select(
+        &axis
+            .window(place, limits::HIDDEN_WINDOW.0, limits::HIDDEN_WINDOW.1)
+            .collect::<Vec<_>>(),
+    );
     let mut around: Vec<Complex64> = case
         .model
         .modes
@@ -82,7 +83,7 @@ fn could_hide(case: &Case, axis: &Columns, pair: &[&Mode]) -> Option<bool> {
         .map(|mode| pole(case, mode))
         .collect();
     around.sort_by(|a, b| (a - place).norm().total_cmp(&(b - place).norm()));
-    around.truncate(NEIGHBOURS);
+    around.truncate(limits::NEIGHBOURS);
     // of unit height at its resonance
     let top = axis
         .x

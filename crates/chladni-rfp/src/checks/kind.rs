@@ -8,18 +8,10 @@
 //! −(1/ω² + 1/(λ − ω²))/λ (theory.md, eq. F1).
 
 use crate::checks::case::{Case, Checked};
+use crate::checks::limits;
 use chladni_frf::{Finding, FrfKind, ModalModel, Mode, ReferenceUnit, Severity};
 use num_complex::Complex64;
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
-
-/// Mean of unit phasors (or of (ΣR²)/Σ|R|²) from which the modes count as of one phase;
-/// random phases of five modes reach it in less than one case of a hundred, complex
-/// shapes with 20° of scatter lie above it.
-const COHERENT: f64 = 0.7;
-/// The phase must lie this near to a multiple of 90°, rad.
-const NEAR: f64 = PI / 6.0;
-/// Modes needed, with driving points and without.
-const LEAST_MODES: [usize; 2] = [2, 3];
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Looks at the common phase of the residues.
 pub(crate) fn wrong_kind(case: &Case) -> Option<Checked> {
@@ -27,9 +19,9 @@ pub(crate) fn wrong_kind(case: &Case) -> Option<Checked> {
     let driving = driving_residues(case.model, &modes);
     let declared = case.model.frf_kind;
     let with_driving_point = !driving.is_empty();
-    let (phase, count) = if driving.len() >= LEAST_MODES[0] {
+    let (phase, count) = if driving.len() >= limits::KIND_LEAST_MODES[0] {
         (common_phase(driving.iter().copied())?, driving.len())
-    } else if !with_driving_point && modes.len() >= LEAST_MODES[1] {
+    } else if !with_driving_point && modes.len() >= limits::KIND_LEAST_MODES[1] {
         // squares: the sign of a residue between two points says nothing
         (
             common_phase(
@@ -43,7 +35,7 @@ pub(crate) fn wrong_kind(case: &Case) -> Option<Checked> {
         return None;
     };
     let turned = |quarters: f64| {
-        (phase - quarters * FRAC_PI_2).sin().abs() < NEAR.sin()
+        (phase - quarters * FRAC_PI_2).sin().abs() < limits::KIND_NEAR.sin()
             && (phase - quarters * FRAC_PI_2).cos() > 0.0
     };
     let evidence = format!(
@@ -143,7 +135,7 @@ fn common_phase(phasors: impl Iterator<Item = Complex64>) -> Option<f64> {
         (sum + p, count + 1)
     });
     let mean = sum / f64::from(count.max(1));
-    (mean.norm() > COHERENT).then(|| mean.arg())
+    (mean.norm() > limits::COHERENT).then(|| mean.arg())
 }
 
 /// The kind with `more` differentiations.

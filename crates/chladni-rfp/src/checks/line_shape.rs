@@ -11,6 +11,7 @@
 //! sums of squares are compared: three hypotheses with the same number of unknowns.
 
 use crate::checks::case::Case;
+use crate::checks::limits;
 use crate::checks::moving::neighbourhood;
 use crate::data::options::Window;
 use chladni_frf::Mode;
@@ -19,19 +20,6 @@ use ndarray::{Array2, ShapeBuilder};
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 
-/// Strongest FRFs looked at for each mode.
-const FRFS_MOST: usize = 16;
-/// Half-bandwidths, and lines, on both sides of a mode.
-const REACH: (f64, usize) = (4.0, 8);
-/// Half-bandwidths to the next mode.
-const ALONE: f64 = 12.0;
-/// Steps of the fit of one pole.
-const STEPS: usize = 20;
-/// A step smaller than this part of the decay ends the fit.
-const STILL: f64 = 1e-4;
-/// Lines are counted once however many FRFs there are: leakage errors of one record are
-/// common to all of them.
-const UNKNOWNS: usize = 4;
 /// Log-likelihood by which one window must beat the others.
 pub(crate) const DECIDES: f64 = 12.0;
 
@@ -65,14 +53,15 @@ pub(crate) fn likely_window(case: &Case) -> Option<(Window, f64, usize)> {
 fn mode_scores(case: &Case, mode: &Mode, modes: &[&Mode]) -> Option<[f64; Window::ALL.len()]> {
     let half_width = 0.5 * mode.loss_factor * mode.frequency_hz;
     let near = |other: &&Mode| {
-        *other != mode && (other.frequency_hz - mode.frequency_hz).abs() < ALONE * half_width
+        *other != mode
+            && (other.frequency_hz - mode.frequency_hz).abs() < limits::ALONE * half_width
     };
     if half_width <= 0.0 || modes.iter().any(near) {
         return None;
     }
     let record_s = 1.0 / case.data.line_spacing_hz();
-    let (work, own) = neighbourhood(case, mode, REACH, FRFS_MOST)?;
-    if work.lines() < 2 * UNKNOWNS {
+    let (work, own) = neighbourhood(case, mode, limits::REACH, limits::LINE_SHAPE_FRFS_MOST)?;
+    if work.lines() < 2 * limits::UNKNOWNS {
         return None;
     }
     let s: Vec<Complex64> = work
@@ -90,7 +79,7 @@ fn mode_scores(case: &Case, mode: &Mode, modes: &[&Mode]) -> Option<[f64; Window
             (1.0 / record_s).min(-0.7 * pole.re)
         };
         let sse = best(&s, &own, window, record_s, pole + shift).ok()?;
-        *score = -((work.lines() - UNKNOWNS) as f64) * sse.max(f64::MIN_POSITIVE).ln();
+        *score = -((work.lines() - limits::UNKNOWNS) as f64) * sse.max(f64::MIN_POSITIVE).ln();
     }
     Some(scores)
 }
@@ -106,7 +95,7 @@ fn best(
     let mut pole = start;
     let mut now = Fitted::new(s, own, window, record_s, pole)?;
     let mut damping = 1.0;
-    for _ in 0..STEPS {
+    for _ in 0..limits::STEPS {
         let h = 1e-4 * pole.re;
         let difference: Array2<Complex64> = (column(s, window, record_s, pole + h)
             - column(s, window, record_s, pole - h))
@@ -136,7 +125,7 @@ fn best(
         } else {
             damping *= 0.3;
         }
-        if step.norm() < -STILL * pole.re {
+        if step.norm() < -limits::STILL * pole.re {
             break;
         }
     }

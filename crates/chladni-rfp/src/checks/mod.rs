@@ -6,6 +6,7 @@ pub(crate) mod delay;
 pub(crate) mod examine;
 pub(crate) mod hidden;
 pub(crate) mod kind;
+mod limits;
 pub(crate) mod line_shape;
 pub(crate) mod moving;
 pub(crate) mod reciprocal;

@@ -3,6 +3,7 @@
 //! whole, however well each FRF could be fitted by itself.
 
 use crate::checks::case::{Case, Checked};
+use crate::checks::limits;
 use crate::data::columns::Columns;
 use crate::model::given::value_of;
 use crate::poles::refine::refine;
@@ -11,18 +12,6 @@ use chladni_frf::{Damping, Finding, Mode};
 use ndarray::{Array1, Array2, ShapeBuilder};
 use num_complex::Complex64;
 use std::ops::Range;
-
-/// FRFs looked at for each mode: the strongest.
-const FRFS_MOST: usize = 48;
-/// Half-bandwidths, and lines, on both sides of a mode.
-const WINDOW: (f64, usize) = (4.0, 6);
-/// Scatter of the frequency over the FRFs, in half-bandwidths, at which a mode moves.
-const MOVES: f64 = 0.5;
-/// ... and that must exceed so many times what noise does.
-const OVER_NOISE: f64 = 3.0;
-/// Share of the modes that must move before the data as a whole contradict one set of
-/// poles.
-const SHARE: f64 = 0.5;
 
 /// Lets every FRF have its own pole near each mode.
 pub(crate) fn moving_poles(case: &Case) -> Option<Checked> {
@@ -34,16 +23,21 @@ pub(crate) fn moving_poles(case: &Case) -> Option<Checked> {
         .iter()
         .filter_map(|mode| scatter(case, mode))
         .collect();
-    let moving: Vec<f64> = scatter.iter().copied().filter(|s| *s > MOVES).collect();
-    if moving.is_empty() || (moving.len() as f64) < SHARE * scatter.len() as f64 {
+    let moving: Vec<f64> = scatter
+        .iter()
+        .copied()
+        .filter(|s| *s > limits::MOVES)
+        .collect();
+    if moving.is_empty() || (moving.len() as f64) < limits::SHARE * scatter.len() as f64 {
         return None;
     }
     let most = moving.iter().copied().fold(0.0, f64::max);
     let words = format!(
-        "poles differ between FRFs: {} of {} modes scatter by more than {MOVES} half-bandwidths (at \
+        "poles differ between FRFs: {} of {} modes scatter by more than {} half-bandwidths (at \
          most {most:.1}): a roving sensor's mass, temperature, or a support that changes",
         moving.len(),
-        scatter.len()
+        scatter.len(),
+        limits::MOVES
     );
     let finding = Finding::fault("moving-poles", words)
         .value("scatter_half_bandwidths", most)
@@ -61,8 +55,8 @@ fn scatter(case: &Case, mode: &Mode) -> Option<f64> {
     if lambda.im <= 0.0 || case.model.in_band_modes().any(near) {
         return None;
     }
-    let frfs = strongest(case, mode, FRFS_MOST);
-    let (local, own) = neighbourhood(case, mode, WINDOW, FRFS_MOST)?;
+    let frfs = strongest(case, mode, limits::MOVING_FRFS_MOST);
+    let (local, own) = neighbourhood(case, mode, limits::MOVING_WINDOW, limits::MOVING_FRFS_MOST)?;
     let (mut places, mut noise, mut total) = (Vec::new(), 0.0, 0.0);
     for (column, &(strength, _)) in frfs.iter().enumerate() {
         let single = local.with_columns(own.slice(ndarray::s![.., column..column + 1]).to_owned());
@@ -89,11 +83,13 @@ fn scatter(case: &Case, mode: &Mode) -> Option<f64> {
         .sum::<f64>()
         / total;
     let noise = noise / total / lambda.im.powi(2);
-    Some(if variance > OVER_NOISE * OVER_NOISE * noise {
-        (variance - noise).sqrt()
-    } else {
-        0.0
-    })
+    Some(
+        if variance > limits::OVER_NOISE * limits::OVER_NOISE * noise {
+            (variance - noise).sqrt()
+        } else {
+            0.0
+        },
+    )
 }
 
 /// λ of a mode in the plane x = ω²/ω_max².

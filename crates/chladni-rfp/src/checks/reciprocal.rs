@@ -2,17 +2,10 @@
 //! poles do not mind; shapes that take their mass scale from a driving point do.
 
 use crate::checks::case::{Case, Checked};
+use crate::checks::limits;
 use crate::validation::reciprocity::reciprocity;
 use crate::validation::reciprocity::ReciprocalPair;
 use chladni_frf::Finding;
-
-/// Gain difference that is named, as a ratio: calibrated chains agree to one or two per
-/// cent.
-const GAIN: f64 = 0.05;
-/// ... and must exceed so many of its standard deviations.
-const SIGMAS: f64 = 5.0;
-/// Share of an FRF that no factor explains.
-const UNLIKE: f64 = 0.3;
 
 /// Compares every pair of FRFs that reciprocity makes equal.
 pub(crate) fn not_reciprocal(case: &Case) -> Option<Checked> {
@@ -23,15 +16,16 @@ pub(crate) fn not_reciprocal(case: &Case) -> Option<Checked> {
     let deviation = |pair: &ReciprocalPair| pair.misfit / (lines / 8.0).max(1.0).sqrt();
     let gain_error = |pair: &ReciprocalPair| (pair.gain - 1.0).norm();
     let wrong = |pair: &&ReciprocalPair| {
-        pair.misfit > UNLIKE + 3.0 * noise
-            || (pair.misfit < UNLIKE && gain_error(pair) > GAIN.max(SIGMAS * deviation(pair)))
+        pair.misfit > limits::UNLIKE + 3.0 * noise
+            || (pair.misfit < limits::UNLIKE
+                && gain_error(pair) > limits::GAIN.max(limits::RECIPROCAL_SIGMAS * deviation(pair)))
     };
     let found: Vec<&ReciprocalPair> = pairs.iter().filter(wrong).collect();
     let worst = *found
         .iter()
         .max_by(|a, b| (gain_error(a) + a.misfit).total_cmp(&(gain_error(b) + b.misfit)))?;
     let [a, b] = worst.dofs;
-    let what = if worst.misfit > UNLIKE {
+    let what = if worst.misfit > limits::UNLIKE {
         format!(
             "differ by {:.0} % whatever the factor between them: sensors do not sit where the \
                  drivers do",

@@ -7,6 +7,7 @@
 //! several on the other; with one reference nothing but the second order does.
 
 use crate::checks::case::{Case, Checked};
+use crate::checks::limits;
 use crate::checks::moving::{pole, strength, without_others};
 use crate::poles::prune::threshold;
 use crate::poles::refine::{refine, Projection};
@@ -17,13 +18,6 @@ use ndarray::Axis;
 use num_complex::Complex64;
 use std::ops::Range;
 
-/// Poles nearer than so many of the larger half-bandwidth are looked at together.
-const NEAR: f64 = 2.0;
-/// Half-bandwidths, and lines, on both sides.
-const WINDOW: (f64, usize) = (4.0, 8);
-/// FRFs looked at: of the DOFs that show the modes best.
-const FRFS_MOST: usize = 48;
-
 /// Sure modes that one mode per measurement set-up explains as well.
 pub(crate) fn split_modes(case: &Case) -> Option<Checked> {
     if !case.white {
@@ -32,7 +26,7 @@ pub(crate) fn split_modes(case: &Case) -> Option<Checked> {
     let modes: Vec<&Mode> = case.model.in_band_modes().collect();
     let near = |a: &&Mode, b: &&Mode| {
         let (a, b) = (pole(case, a), pole(case, b));
-        (a.re - b.re).abs() < NEAR * a.im.max(b.im)
+        (a.re - b.re).abs() < limits::SPLIT_NEAR * a.im.max(b.im)
     };
     let groups = modes
         .chunk_by(near)
@@ -80,7 +74,7 @@ fn one_moving(case: &Case, group: &[&Mode]) -> Result<bool, LinalgError> {
     let axis = case.data.axis();
     let rows = poles
         .iter()
-        .map(|&pole| axis.window(pole, WINDOW.0, WINDOW.1));
+        .map(|&pole| axis.window(pole, limits::SPLIT_WINDOW.0, limits::SPLIT_WINDOW.1));
     let rows = rows
         .reduce(|all, own| Range {
             start: all.start.min(own.start),
@@ -119,7 +113,7 @@ fn by_set_up(case: &Case, group: &[&Mode]) -> Vec<Vec<usize>> {
         set.push(l);
     }
     sets.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let mut left = FRFS_MOST;
+    let mut left = limits::SPLIT_FRFS_MOST;
     let room = |(_, set): &(f64, Vec<usize>)| {
         let fits = !set.is_empty() && left > 0;
         left = left.saturating_sub(set.len());

@@ -1,14 +1,11 @@
 //! Damping that a window of the test may have raised, where nobody said which it was.
 
 use crate::checks::case::{Case, Checked};
+use crate::checks::limits;
 use crate::checks::line_shape::{likely_window, DECIDES};
 use crate::data::options::Window;
 use chladni_frf::{Finding, Mode};
 use std::f64::consts::PI;
-
-/// Loss factors that a window could have raised by this much, relative, are worth a word
-/// ...
-const BIAS: f64 = 0.03;
 
 /// Where nobody said which window was used: how much too high damping can be.
 pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
@@ -18,7 +15,8 @@ pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
     let step = case.data.line_spacing_hz();
     let bias = |mode: &Mode| step / (PI * mode.loss_factor * mode.frequency_hz);
     // ... where the error bar does not cover them anyway
-    let open = |mode: &&Mode| bias(mode) > BIAS.max(2.0 * mode.loss_factor_std / mode.loss_factor);
+    let open =
+        |mode: &&Mode| bias(mode) > limits::BIAS.max(2.0 * mode.loss_factor_std / mode.loss_factor);
     let concerned: Vec<&Mode> = case.sure_modes().into_iter().filter(open).collect();
     let worst = *concerned
         .iter()

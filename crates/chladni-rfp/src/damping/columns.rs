@@ -6,13 +6,10 @@
 //! by Im λ over j stands for that by Re λ as well, from which it differs by half a loss
 //! factor: estimates lose η² of their information, steps converge by a factor of about η.
 
+use crate::damping::limits;
 use crate::data::columns::inverse;
 use chladni_frf::Damping;
 use num_complex::Complex64;
-
-/// Least loss factor of a pole that is taken from one law to the other: steps are
-/// measured in half-bandwidths.
-const LEAST_LOSS: f64 = 1e-6;
 
 /// Loss at x over that at the natural frequency.
 #[inline]
@@ -45,7 +42,10 @@ pub(crate) fn in_plane_of(law: Damping, lambda: Complex64) -> Option<Complex64> 
     if lambda.re <= 0.0 {
         return None;
     }
-    let lambda = Complex64::new(lambda.re, lambda.im.abs().max(LEAST_LOSS * lambda.re));
+    let lambda = Complex64::new(
+        lambda.re,
+        lambda.im.abs().max(limits::LEAST_LOSS * lambda.re),
+    );
     Some(match law {
         Damping::Viscous => {
             let s = Complex64::i() * lambda.sqrt();

@@ -5,6 +5,7 @@
 //! digit is lost: ā lies below the real axis and b above, however near a and b are.
 
 use crate::damping::columns::{loss, resonance};
+use crate::damping::limits;
 use crate::data::columns::{inverse, Columns};
 use chladni_frf::Damping;
 use chladni_linalg::blocked::blocked_matmul_h;
@@ -12,9 +13,6 @@ use chladni_linalg::matmul_h;
 use ndarray::{s, Array2, ArrayViewMut1, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
-
-/// Columns that a thread makes at a time: fewer take less time than to share them out.
-const POLES_AT_A_TIME: usize = 8;
 
 /// The columns of one set of poles, all above the real axis, in the law of the lines.
 pub(crate) struct Cauchy<'a> {
@@ -84,7 +82,7 @@ impl<'a> Cauchy<'a> {
             .collect();
         let sums = poles
             .into_par_iter()
-            .with_min_len(POLES_AT_A_TIME)
+            .with_min_len(limits::POLES_AT_A_TIME)
             .map(of_pole)
             .collect();
         for (column, &power) in plain.columns_mut().into_iter().skip(n).zip(powers) {

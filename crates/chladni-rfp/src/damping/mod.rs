@@ -3,6 +3,7 @@
 
 pub(crate) mod columns;
 pub(crate) mod gram;
+mod limits;
 pub(crate) mod phased;
 pub(crate) mod structural;
 pub(crate) mod verdict;

@@ -7,6 +7,7 @@
 //! frequency turns all residues of its mode too.
 
 use crate::damping::columns::{in_plane_of, loss};
+use crate::damping::limits;
 use crate::damping::structural::{basis, basis_derivative};
 use crate::data::columns::Columns;
 use crate::data::information::answer;
@@ -16,17 +17,6 @@ use chladni_linalg::blocked::{blocked_matmul_h, projected, range};
 use chladni_linalg::{matmul, solve_hermitian, LinalgError};
 use ndarray::{concatenate, s, Array2, Axis};
 use num_complex::Complex64;
-
-/// Powers of y = √x beside those of x: the residual terms of the viscous law that the
-/// structural one has not.
-const ODD_POWERS: [i32; 4] = [-3, 1, 3, 5];
-/// Steps at most.
-const STEPS: usize = 20;
-/// What a step promises to take off the sum of squares, in units of the noise variance,
-/// below which it is the last: a thousandth of what decides.
-const PROMISED: f64 = 1e-2;
-/// Largest step of an angle, rad.
-const TURN: f64 = 0.3;
 
 /// The fit in one law.
 #[derive(Debug)]
@@ -58,8 +48,8 @@ impl Common {
     /// # Errors
     /// A kernel that fails.
     pub fn new(work: &Columns, outside: &[Complex64], powers: &[i32]) -> Result<Self, LinalgError> {
-        let odd = Array2::from_shape_fn((work.lines(), ODD_POWERS.len()), |(k, p)| {
-            Complex64::from(work.g[k] * work.x[k].sqrt().powi(ODD_POWERS[p]))
+        let odd = Array2::from_shape_fn((work.lines(), limits::ODD_POWERS.len()), |(k, p)| {
+            Complex64::from(work.g[k] * work.x[k].sqrt().powi(limits::ODD_POWERS[p]))
         });
         let mut all = concatenate![Axis(1), basis(work, &[], powers), odd];
         for law in [Damping::Structural, Damping::Viscous] {
@@ -105,7 +95,7 @@ impl Common {
         let (mut lambda, mut turn): (Vec<Complex64>, Vec<f64>) = start.iter().copied().unzip();
         let mut here = Point::new(self, work, &lambda, &turn)?;
         let mut damping = tol::LM_START;
-        for _ in 0..STEPS {
+        for _ in 0..limits::STEPS {
             let (information, gradient) = here.system();
             let mut damped = information.clone();
             damped
@@ -120,7 +110,7 @@ impl Common {
             };
             let last = step
                 .as_ref()
-                .is_some_and(|step| promised(step) < PROMISED * variance);
+                .is_some_and(|step| promised(step) < limits::PROMISED * variance);
             let next = step.and_then(|step| {
                 let moved = moved(&lambda, &turn, &step);
                 let point = Point::new(self, work, &moved.0, &moved.1).ok()?;
@@ -164,7 +154,7 @@ fn moved(lambda: &[Complex64], turn: &[f64], step: &Array2<f64>) -> (Vec<Complex
         let next = lambda[m] + delta * (cap / delta.norm().max(cap));
         Complex64::new(next.re, next.im.max(0.2 * lambda[m].im))
     };
-    let angle = |m: usize| turn[m] + step[[2 * n + m, 0]].clamp(-TURN, TURN);
+    let angle = |m: usize| turn[m] + step[[2 * n + m, 0]].clamp(-limits::TURN, limits::TURN);
     ((0..n).map(pole).collect(), (0..n).map(angle).collect())
 }
 

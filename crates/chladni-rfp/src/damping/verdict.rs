@@ -6,6 +6,7 @@
 //! residues by η/2. The turn decides, unless a phase or a delay of all FRFs explains it.
 
 use crate::damping::columns::in_plane_of;
+use crate::damping::limits;
 use crate::damping::phased::{Common, LawFit};
 use crate::data::columns::Columns;
 use crate::data::information::answer;
@@ -15,17 +16,6 @@ use chladni_linalg::{matmul, LinalgError};
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 use std::f64::consts::{FRAC_PI_2, PI};
-
-/// What the wrong law shifts a frequency and a loss factor by, relative and over η².
-const FREQUENCY_SHIFT: f64 = 0.25;
-const LOSS_SHIFT: f64 = 0.28;
-/// Difference of −2 ln likelihood that decides: for two models with as many unknowns each
-/// the wrong one wins by so much with a probability below Φ(−4) = 3e-5.
-const DECIDES: f64 = 16.0;
-/// Standard deviations of χ² that the angles of the better law may stand over its mean.
-const ANGLES_EXPLAINED: f64 = 4.0;
-/// Loss factor from which on a pole of the band is background.
-const BROAD: f64 = 0.3;
 
 /// What the data say of the law.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,8 +48,9 @@ pub(crate) fn verdict(
     variance: f64,
     frfs: usize,
 ) -> Result<Verdict, LinalgError> {
-    let is_mode =
-        |pole: &Complex64| work.in_band(*pole) && pole.im > 0.0 && pole.im < BROAD * pole.re;
+    let is_mode = |pole: &Complex64| {
+        work.in_band(*pole) && pole.im > 0.0 && pole.im < limits::BROAD * pole.re
+    };
     let (modes, others): (Vec<usize>, Vec<usize>) =
         (0..refined.lambda.len()).partition(|&n| is_mode(&refined.lambda[n]));
     if modes.is_empty() {
@@ -104,7 +95,7 @@ fn weighed(laws: &[LawFit; 2], variance: f64, frfs: usize) -> Verdict {
         let better = usize::from(gain > 0.0);
         let scale = 1f64.max(angles[better] / k).max(scatter[better]);
         let explained = (angles[better] / scatter[better].max(1.0) - k) / (2.0 * k).sqrt();
-        (gain.abs() > DECIDES * scale && explained < ANGLES_EXPLAINED)
+        (gain.abs() > limits::DECIDES * scale && explained < limits::ANGLES_EXPLAINED)
             .then_some([Damping::Structural, Damping::Viscous][better])
     };
     let weight = 2.0 / variance;
@@ -175,8 +166,8 @@ fn least_turn(laws: &[LawFit; 2]) -> f64 {
 /// bars.
 pub(crate) fn shift(loss_factor: f64, relative_omega_std: f64, loss_factor_std: f64) -> f64 {
     let square = loss_factor * loss_factor;
-    (FREQUENCY_SHIFT * square / relative_omega_std)
-        .max(LOSS_SHIFT * square * loss_factor / loss_factor_std)
+    (limits::FREQUENCY_SHIFT * square / relative_omega_std)
+        .max(limits::LOSS_SHIFT * square * loss_factor / loss_factor_std)
 }
 
 /// What is said where neither free residues nor common shapes decide; `most`: the largest

@@ -2,15 +2,12 @@
 //! not told: they have an infinite variance, or no part in the answer, and no fit ends
 //! for them.
 
+use crate::data::limits;
 use crate::tolerances as tol;
 use chladni_linalg::{
     eigh, inverse_hermitian, matmul, matmul_h, solve_hermitian, LinalgError, Scalar,
 };
 use ndarray::{Array2, ArrayView2, Axis};
-
-/// Part of an unknown (its square) in directions without information from which on it is
-/// not known. Rounding of the eigenvectors reaches 1e-12.
-const IN_THE_DARK: f64 = 1e-6;
 
 /// Inverse of a Hermitian information matrix. Unknowns that the data do not tell have an
 /// infinite variance and no covariance.
@@ -63,7 +60,7 @@ impl<T: Scalar> Told<T> {
             (0..n).partition(|&c| values[c] > tol::UNINFORMED);
         let known = |a: usize| {
             let part = |&c: &usize| vectors[[a, c]].modulus().powi(2);
-            size[a] > 0.0 && dark.iter().map(part).sum::<f64>() < IN_THE_DARK
+            size[a] > 0.0 && dark.iter().map(part).sum::<f64>() < limits::IN_THE_DARK
         };
         let sizes = Array2::from_shape_fn((n, n), |(a, b)| {
             T::of_real(if a == b { size[a] } else { 0.0 })

@@ -5,6 +5,7 @@ use crate::data::columns::{line_energy, Columns};
 use crate::data::error::FitError;
 use crate::data::given_noise::given_noise;
 use crate::data::layout::Weighting;
+use crate::data::limits;
 use crate::data::pair_weights::{Giver, PairWeights, Weights};
 use crate::data::products::{project, Projected};
 use crate::data::reading::{energy, in_place, squares, visit};
@@ -35,7 +36,7 @@ impl Screened<'_> {
         self.pairs
             .len()
             .div_ceil(tol::PASS_GROUPS)
-            .max(tol::GROUP_FRFS)
+            .max(limits::GROUP_FRFS)
     }
 
     /// Reads a group: `see` is given a range of FRFs and their values, (real and
@@ -45,8 +46,8 @@ impl Screened<'_> {
         group: Range<usize>,
         mut see: impl FnMut(Range<usize>, ArrayView2<f64>),
     ) {
-        for first in group.clone().step_by(tol::BLOCK_FRFS) {
-            let frfs = first..(first + tol::BLOCK_FRFS).min(group.end);
+        for first in group.clone().step_by(limits::BLOCK_FRFS) {
+            let frfs = first..(first + limits::BLOCK_FRFS).min(group.end);
             let in_place = in_place(&self.frf.values, &self.pairs[frfs.clone()], &self.lines);
             match in_place.filter(|_| self.weighting.is_none()) {
                 Some(block) => see(frfs, block),
@@ -67,9 +68,9 @@ impl Screened<'_> {
         mut see: impl FnMut(Range<usize>, ArrayViewMut2<f64>),
     ) {
         let rows = 2 * self.lines.len();
-        let mut scratch = vec![0.0; rows * tol::BLOCK_FRFS.min(group.len())];
-        for first in group.clone().step_by(tol::BLOCK_FRFS) {
-            let frfs = first..(first + tol::BLOCK_FRFS).min(group.end);
+        let mut scratch = vec![0.0; rows * limits::BLOCK_FRFS.min(group.len())];
+        for first in group.clone().step_by(limits::BLOCK_FRFS) {
+            let frfs = first..(first + limits::BLOCK_FRFS).min(group.end);
             let block = &mut scratch[..rows * frfs.len()];
             for (frf, &pair) in block.chunks_exact_mut(rows).zip(&self.pairs[frfs.clone()]) {
                 let weight = weight(pair);
@@ -108,7 +109,7 @@ impl Screened<'_> {
         }
         let unit = self.factor().norm_sqr();
         let of_group = |group: Range<usize>| {
-            let mut factors = vec![0.0; columns * tol::BLOCK_FRFS];
+            let mut factors = vec![0.0; columns * limits::BLOCK_FRFS];
             let mut sums = Vec::with_capacity(group.len());
             self.each_copy(
                 group,

@@ -6,6 +6,7 @@ pub(crate) mod error;
 pub(crate) mod given_noise;
 pub(crate) mod information;
 pub(crate) mod layout;
+mod limits;
 pub(crate) mod memory;
 pub(crate) mod noise_weights;
 pub(crate) mod noisy_frfs;

@@ -7,21 +7,14 @@
 //! L_j/t_j.
 
 use crate::data::layout::DataLayout;
+use crate::data::limits;
 use crate::data::pair_weights::PairWeights;
-
-/// Loss of variance by equal weights, mean(σ²)·mean(1/σ²) − 1, from which FRFs are
-/// weighted. Noise within a factor 1.5 stays below.
-const WORTH_WEIGHING: f64 = 0.1;
-/// Residual over data below which it is rounding and not noise.
-const ROUNDING: f64 = 1e-7;
-/// Sweeps of the two-way mean; a complete set is exact after one.
-const SWEEPS: usize = 20;
 
 impl PairWeights {
     /// From the sum of squares `left` of each pair used by a model; `None` where equal
     /// weights are good enough, or nothing is known.
     pub fn new(data: &DataLayout, left: &[f64], relative_error: f64) -> Option<Self> {
-        (relative_error >= ROUNDING)
+        (relative_error >= limits::ROUNDING)
             .then(|| Self::of_given(data, left))
             .flatten()
     }
@@ -38,7 +31,7 @@ impl PairWeights {
             vec![0.0; data.responses.len()],
             vec![0.0; data.references.len()],
         );
-        for _ in 0..SWEEPS {
+        for _ in 0..limits::SWEEPS {
             s = means(
                 s.len(),
                 data.pairs
@@ -58,7 +51,7 @@ impl PairWeights {
             response: s.iter().map(|v| (-v).exp()).collect(),
             reference: t.iter().map(|v| (-v).exp()).collect(),
         };
-        (weights.loss(data) > WORTH_WEIGHING).then_some(weights)
+        (weights.loss(data) > limits::WORTH_WEIGHING).then_some(weights)
     }
 
     fn loss(&self, data: &DataLayout) -> f64 {

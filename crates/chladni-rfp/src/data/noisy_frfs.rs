@@ -6,26 +6,15 @@
 //! it is left out like a pair that was not measured; its values follow from the shapes,
 //! as long as its response and its reference are measured elsewhere.
 
+use crate::data::limits;
 use chladni_frf::FrfSet;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-/// Noise over the median noise, absolute and relative to the FRF, from which an FRF is
-/// left out. It then carries less than 2 % of the information of another; smooth
-/// differences of shape between FRFs reach 3.
-const FAR: f64 = 8.0;
-/// Largest share of the FRFs that may go: beyond it there is no usual noise to compare
-/// with.
-const SHARE_MOST: f64 = 0.25;
-/// Stencils of five lines that the noise is estimated from: in all, and of one FRF. 16
-/// give it to a quarter, and many FRFs together still cost far less than a pass over the
-/// data.
-const STENCILS_IN_ALL: usize = 50_000;
-const STENCILS: (usize, usize) = (16, 200);
-
 /// Positions in `pairs` of FRFs far noisier than the others on `lines`.
 pub(crate) fn far_noisier(frf: &FrfSet, pairs: &[(usize, usize)], lines: &[usize]) -> Vec<usize> {
-    let stencils = (STENCILS_IN_ALL / pairs.len().max(1)).clamp(STENCILS.0, STENCILS.1);
+    let stencils = (limits::STENCILS_IN_ALL / pairs.len().max(1))
+        .clamp(limits::STENCILS.0, limits::STENCILS.1);
     let level =
         |&(i, j): &(usize, usize)| noise(|k| frf.values.get(i, j, lines[k]), lines.len(), stencils);
     let levels: Vec<[f64; 2]> = pairs.par_iter().map(level).collect();
@@ -39,7 +28,7 @@ pub(crate) fn far_noisier(frf: &FrfSet, pairs: &[(usize, usize)], lines: &[usize
     };
     let usual = [median(0), median(1)];
     let far: Vec<usize> = (0..pairs.len())
-        .filter(|&l| (0..2).all(|which| levels[l][which] > FAR * usual[which]))
+        .filter(|&l| (0..2).all(|which| levels[l][which] > limits::FAR * usual[which]))
         .collect();
     let elsewhere = |l: usize| {
         let sound = |m: &usize| !far.contains(m);
@@ -47,7 +36,7 @@ pub(crate) fn far_noisier(frf: &FrfSet, pairs: &[(usize, usize)], lines: &[usize
         (0..pairs.len()).filter(sound).any(|m| pairs[m].0 == i)
             && (0..pairs.len()).filter(sound).any(|m| pairs[m].1 == j)
     };
-    match far.len() as f64 <= SHARE_MOST * pairs.len() as f64 {
+    match far.len() as f64 <= limits::NOISY_FRFS_SHARE_MOST * pairs.len() as f64 {
         true => far.iter().copied().filter(|&l| elsewhere(l)).collect(),
         false => Vec::new(),
     }

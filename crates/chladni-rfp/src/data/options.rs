@@ -1,5 +1,6 @@
 //! What a user may turn.
 
+use crate::data::limits;
 use crate::tolerances as tol;
 use chladni_frf::Damping;
 use std::f64::consts::{PI, TAU};
@@ -146,9 +147,9 @@ pub struct Effort {
 impl Default for Effort {
     fn default() -> Self {
         Self {
-            sketch_columns: tol::SKETCH_COLUMNS,
+            sketch_columns: limits::SKETCH_COLUMNS,
             pool_iterations: tol::POOL_ITERATIONS,
-            extra_passes: tol::EXTRA_PASSES,
+            extra_passes: limits::EXTRA_PASSES,
             likelihood_steps: tol::REFINE_FINE,
         }
     }

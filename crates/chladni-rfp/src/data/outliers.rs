@@ -7,26 +7,12 @@
 //! narrow, has tails on the lines beside it.
 
 use crate::data::layout::DataLayout;
+use crate::data::limits;
 use crate::data::peaks::running_median;
 use crate::data::screening::Screened;
 use crate::tolerances as tol;
 use chladni_frf::{Finding, ModalModel, Trust};
 use rayon::prelude::*;
-
-/// Residual energy over the level around it from which a line is an outlier. (One FRF of
-/// white noise reaches 20 times its median on one line of a million.)
-const OVER_LEVEL: f64 = 30.0;
-/// Level up to which a neighbour is sound.
-const SOUND: f64 = 8.0;
-/// Share of the model's own energy on the line that the residual must reach: less is
-/// misfit of a resonance.
-const OF_MODEL: f64 = 0.1;
-/// Most neighbouring outliers.
-const RUN_MOST: usize = 2;
-/// Largest share of the lines that may go; more than that is no matter of outliers.
-const SHARE_MOST: f64 = 0.15;
-/// Lines on both sides that the level is taken from.
-const AROUND: usize = 20;
 
 /// Positions among the lines used that are outliers under `model`; empty where there are
 /// none or too many.
@@ -54,23 +40,25 @@ pub(crate) fn outliers(data: &Screened, model: &ModalModel) -> Vec<usize> {
 pub(crate) fn single_lines(left: &[f64], fitted: &[f64]) -> Vec<usize> {
     let level = level(left, fitted);
     let n = left.len();
-    let high = |k: usize| left[k] > OVER_LEVEL * level[k] && left[k] > OF_MODEL * fitted[k];
+    let high = |k: usize| {
+        left[k] > limits::OVER_LEVEL * level[k] && left[k] > limits::OF_MODEL * fitted[k]
+    };
     let mut found = Vec::new();
     let mut k = 0;
     while k < n {
         let run = (k..n).take_while(|&i| high(i)).count();
         let beside = [k.checked_sub(1), Some(k + run).filter(|&i| i < n)];
-        if (1..=RUN_MOST).contains(&run)
+        if (1..=limits::RUN_MOST).contains(&run)
             && beside
                 .into_iter()
                 .flatten()
-                .all(|i| left[i] < SOUND * level[i])
+                .all(|i| left[i] < limits::SOUND * level[i])
         {
             found.extend(k..k + run);
         }
         k += run.max(1);
     }
-    if found.len() as f64 > SHARE_MOST * n as f64 {
+    if found.len() as f64 > limits::OUTLIERS_SHARE_MOST * n as f64 {
         found.clear();
     }
     found
@@ -103,7 +91,7 @@ fn level(left: &[f64], fitted: &[f64]) -> Vec<f64> {
         .collect();
     let middle = shares.len() / 2;
     let share = *shares.select_nth_unstable_by(middle, f64::total_cmp).1;
-    running_median(left, AROUND)
+    running_median(left, limits::AROUND)
         .iter()
         .zip(fitted)
         .map(|(l, f)| l + share * f)

@@ -1,7 +1,7 @@
 //! Visible peaks: seeds of poles, and the yardstick of what a person would call a mode.
 
 use crate::data::columns::Columns;
-use crate::tolerances as tol;
+use crate::data::limits;
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 
@@ -24,8 +24,8 @@ impl Peak {
     /// A person would call it a mode: it deserves a try of its own, and a word where it
     /// stays unexplained.
     pub fn is_striking(&self) -> bool {
-        self.prominence_db >= tol::STRIKING_PROMINENCE_DB
-            && self.over_noise_db > tol::STRIKING_OVER_NOISE_DB
+        self.prominence_db >= limits::STRIKING_PROMINENCE_DB
+            && self.over_noise_db > limits::STRIKING_OVER_NOISE_DB
     }
 }
 
@@ -98,7 +98,7 @@ pub(crate) fn peaks(work: &Columns, energy: &Array1<f64>, noise: &Array1<f64>) -
     // (Laurent & Massart 2000)
     let looks = (n as f64).ln() / work.columns() as f64;
     let chance_db = 10.0 * (1.0 + 2.0 * looks.sqrt() + looks).log10();
-    let over_noise_least = tol::SEED_OVER_NOISE_DB.max(chance_db);
+    let over_noise_least = limits::SEED_OVER_NOISE_DB.max(chance_db);
     let mut found = Vec::new();
     for k in 1..n - 1 {
         if !(level[k] > level[k - 1] && level[k] >= level[k + 1]) {
@@ -106,7 +106,7 @@ pub(crate) fn peaks(work: &Columns, energy: &Array1<f64>, noise: &Array1<f64>) -
         }
         let prominence_db = prominence(&level, k);
         let over_noise_db = level[k] - 10.0 * noise[k].max(1e-300).log10();
-        if prominence_db < tol::SEED_PROMINENCE_DB || over_noise_db < over_noise_least {
+        if prominence_db < limits::SEED_PROMINENCE_DB || over_noise_db < over_noise_least {
             continue;
         }
         // −3 dB width, or what is visible of it
@@ -135,7 +135,7 @@ pub(crate) fn peaks(work: &Columns, energy: &Array1<f64>, noise: &Array1<f64>) -
         });
     }
     found.sort_by(|a, b| b.prominence_db.total_cmp(&a.prominence_db));
-    found.truncate(tol::SEEDS_MOST);
+    found.truncate(limits::SEEDS_MOST);
     found
 }
 
@@ -165,7 +165,7 @@ fn prominence(level: &[f64], k: usize) -> f64 {
 /// Rows of a long record to keep: all near the peaks, the rest thinned out evenly.
 pub(crate) fn thinned(work: &Columns, peaks: &[Peak]) -> Vec<usize> {
     let n = work.lines();
-    if n <= tol::DECIMATE_ABOVE_LINES {
+    if n <= limits::DECIMATE_ABOVE_LINES {
         return (0..n).collect();
     }
     let mut keep = vec![false; n];
@@ -177,7 +177,7 @@ pub(crate) fn thinned(work: &Columns, peaks: &[Peak]) -> Vec<usize> {
         }
     }
     let near = keep.iter().filter(|k| **k).count();
-    let stride = (n - near) / (tol::DECIMATE_ABOVE_LINES / 2) + 1;
+    let stride = (n - near) / (limits::DECIMATE_ABOVE_LINES / 2) + 1;
     for flag in keep.iter_mut().step_by(stride) {
         *flag = true;
     }

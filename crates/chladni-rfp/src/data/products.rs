@@ -8,8 +8,8 @@
 
 use crate::data::columns::Columns;
 use crate::data::layout::DataLayout;
+use crate::data::limits;
 use crate::data::screening::Screened;
-use crate::tolerances as tol;
 use chladni_linalg::blocked::{blocked_matmul, blocked_matmul_h, cleared, tree_sum};
 use chladni_linalg::{add_matmul, cholesky, eigh, set_matmul_h, solve_lower_adjoint, LinalgError};
 use ndarray::{s, Array1, Array2, ArrayViewMut2, Axis, ShapeBuilder};
@@ -74,7 +74,8 @@ impl Projected {
     pub fn line_noise(&self, q: &Array2<Complex64>, residual: &Array2<Complex64>) -> Array1<f64> {
         let mut energy = self.line_residual(residual);
         for (energy, q) in energy.iter_mut().zip(q.rows()) {
-            *energy /= (1.0 - q.iter().map(|v| v.norm_sqr()).sum::<f64>()).max(tol::LEVERAGE_LEFT);
+            *energy /=
+                (1.0 - q.iter().map(|v| v.norm_sqr()).sum::<f64>()).max(limits::LEVERAGE_LEFT);
         }
         energy
     }
@@ -95,7 +96,7 @@ fn inverse_root(gram: &Array2<f64>) -> Result<Array2<f64>, LinalgError> {
             .diag()
             .iter()
             .zip(gram.diag())
-            .all(|(pivot, all)| pivot * pivot > tol::GRAM_SOUND * all)
+            .all(|(pivot, all)| pivot * pivot > limits::GRAM_SOUND * all)
     };
     if let Some(lower) = cholesky(gram.view()).ok().filter(carries_all) {
         return solve_lower_adjoint(lower.view(), Array2::eye(gram.nrows()).view());
@@ -103,7 +104,7 @@ fn inverse_root(gram: &Array2<f64>) -> Result<Array2<f64>, LinalgError> {
     let (values, vectors) = eigh(gram.view())?;
     let largest = values.last().copied().unwrap_or(0.0);
     let kept: Vec<usize> = (0..values.len())
-        .filter(|&i| values[i] > tol::GRAM_ROUNDING * largest)
+        .filter(|&i| values[i] > limits::GRAM_ROUNDING * largest)
         .collect();
     Ok(Array2::from_shape_fn(
         (values.len(), kept.len()).f(),

@@ -1,12 +1,10 @@
 //! Reading FRFs in the order in which they lie in memory, widened on the way.
 
+use crate::data::limits;
 use chladni_frf::{FrfSet, FrfValues};
 use ndarray::{ArrayView1, ArrayView2, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
-
-/// Sums that need not wait for each other.
-const LANES: usize = 4;
 
 /// Calls `see` with each of `targets` and the value on each of `lines` of one pair.
 #[inline]
@@ -101,10 +99,10 @@ pub(crate) fn energy(
     lines: &[usize],
     weight: f64,
 ) -> (f64, bool) {
-    let (mut sums, mut zero) = ([0.0; LANES], false);
+    let (mut sums, mut zero) = ([0.0; limits::READING_LANES], false);
     visit(values, pair, lines, 0.., |row: usize, value| {
         let square = (value * weight).norm_sqr();
-        sums[row % LANES] += square;
+        sums[row % limits::READING_LANES] += square;
         zero |= square == 0.0;
     });
     (sums.iter().sum(), zero)
@@ -129,8 +127,8 @@ pub(crate) fn squares_of(values: &FrfValues, pair: (usize, usize), lines: &[usiz
 
 /// Sum of squares.
 pub(crate) fn squares(values: &[f64]) -> f64 {
-    let mut sums = [0.0; 2 * LANES];
-    for values in values.chunks(2 * LANES) {
+    let mut sums = [0.0; 2 * limits::READING_LANES];
+    for values in values.chunks(2 * limits::READING_LANES) {
         sums.iter_mut()
             .zip(values)
             .for_each(|(sum, value)| *sum += value * value);

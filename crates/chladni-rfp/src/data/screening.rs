@@ -3,6 +3,7 @@
 use crate::data::columns::Columns;
 use crate::data::error::FitError;
 use crate::data::layout::DataLayout;
+use crate::data::limits;
 use crate::data::noisy_frfs::far_noisier;
 use crate::data::options::FitOptions;
 use crate::data::reading::{energy, visit, Usable};
@@ -231,7 +232,7 @@ pub(crate) fn enough(
     modes: Option<usize>,
 ) -> Result<(), FitError> {
     let modes = modes.unwrap_or(1);
-    let needed = modes.saturating_add(LINES_TO_SPARE);
+    let needed = modes.saturating_add(limits::LINES_TO_SPARE);
     match lines < needed {
         true => Err(FitError::TooFewLines {
             lines,
@@ -243,9 +244,6 @@ pub(crate) fn enough(
         false => Ok(()),
     }
 }
-
-/// Lines needed beyond the number of modes.
-const LINES_TO_SPARE: usize = 8;
 
 /// The first of a list of pairs, in words.
 fn named(frf: &FrfSet, pairs: &[(usize, usize)]) -> String {

@@ -1,6 +1,7 @@
 //! First pass over the data: the count sketch (theory.md, eq. 6), and with it the energy
 //! of each line and each FRF.
 
+use crate::data::limits;
 use crate::data::pair_weights::PairWeights;
 use crate::data::reading::{in_place, visit};
 use crate::tolerances as tol;
@@ -58,9 +59,6 @@ pub(crate) struct Sums {
     pub flawed: bool,
 }
 
-/// Sums that need not wait for each other.
-const LANES: usize = 8;
-
 /// Adds `signs` times two FRFs to their column and their squares to the energy of the
 /// lines; the sum of squares of each. Two at a time are waited for together. Inlined, the
 /// compiler would no longer know that the slices do not overlap, and add one value at a
@@ -73,7 +71,7 @@ fn add(
     other: &[f64],
     signs: [f64; 2],
 ) -> [f64; 2] {
-    let mut sums = [[0.0; LANES]; 2];
+    let mut sums = [[0.0; limits::SKETCH_LANES]; 2];
     let mut lanes = |column: &mut [f64], energy: &mut [f64], one: &[f64], other: &[f64]| {
         let [first, second] = &mut sums;
         let sums = first.iter_mut().zip(second);
@@ -88,11 +86,13 @@ fn add(
         }
     };
     let ((columns, last_column), (energies, last_energy)) = (
-        column.as_chunks_mut::<LANES>(),
-        energy.as_chunks_mut::<LANES>(),
+        column.as_chunks_mut::<{ limits::SKETCH_LANES }>(),
+        energy.as_chunks_mut::<{ limits::SKETCH_LANES }>(),
     );
-    let ((ones, last_one), (others, last_other)) =
-        (one.as_chunks::<LANES>(), other.as_chunks::<LANES>());
+    let ((ones, last_one), (others, last_other)) = (
+        one.as_chunks::<{ limits::SKETCH_LANES }>(),
+        other.as_chunks::<{ limits::SKETCH_LANES }>(),
+    );
     for ((column, energy), (one, other)) in columns
         .iter_mut()
         .zip(energies)

@@ -11,15 +11,13 @@
 //! the exponential window see `model/exponential.rs`.
 
 use crate::data::error::FitError;
+use crate::data::limits;
 use crate::data::options::Window;
 use chladni_frf::{FrfSet, FrfValues};
 use ndarray::{Array1, Array3};
 use num_complex::Complex64;
 use rayon::prelude::*;
 use rustfft::FftPlanner;
-
-/// Largest deviation of a line from an even axis, as a part of the spacing.
-const EVEN: f64 = 0.01;
 
 /// The FRFs that records without a window would have given, in the mean, on every second
 /// line; `None` for [`Window::None`].
@@ -38,7 +36,7 @@ pub(crate) fn undo(frf: &FrfSet, window: Window) -> Result<Option<FrfSet>, FitEr
     let off = axis
         .iter()
         .enumerate()
-        .any(|(k, f)| (f - (k + missing) as f64 * step).abs() > EVEN * step);
+        .any(|(k, f)| (f - (k + missing) as f64 * step).abs() > limits::EVEN * step);
     if lines < 16 || missing > 1 || off {
         return Err(FitError::WindowAxis {
             found: format!(

@@ -1,6 +1,7 @@
 //! From poles to the model file: residues of every FRF, shapes, scaling, error bars.
 
 use crate::model::identified::{Identified, Pole};
+use crate::model::limits;
 use crate::model::residual_energy::{above_rounding, by_sums, Laid};
 
 use crate::data::layout::DataLayout;
@@ -21,11 +22,6 @@ use chladni_linalg::LinalgError;
 use ndarray::{Array1, Array2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
-
-/// χ² per degree of freedom beyond which one shape per mode does not hold.
-const SHAPE_MISFIT: f64 = 1.5;
-/// FRFs per block of what is done FRF by FRF.
-const BLOCK: usize = 1024;
 
 /// Residues of every FRF at identified poles, each by itself.
 struct FreeFit {
@@ -145,8 +141,8 @@ impl Shaped {
         // residues of the shapes less the free ones
         let mut change = linear.residues;
         let blocks: Vec<_> = change
-            .axis_chunks_iter_mut(Axis(1), BLOCK)
-            .zip(data.pairs.chunks(BLOCK))
+            .axis_chunks_iter_mut(Axis(1), limits::BUILD_BLOCK)
+            .zip(data.pairs.chunks(limits::BUILD_BLOCK))
             .collect();
         blocks.into_par_iter().for_each(|(mut change, pairs)| {
             change.mapv_inplace(|v| -v);
@@ -229,7 +225,7 @@ impl Shaped {
             ..
         } = identified;
         let (responses, references) = (data.responses.len(), data.references.len());
-        if chi2_per_dof > SHAPE_MISFIT {
+        if chi2_per_dof > limits::SHAPE_MISFIT {
             warnings.push(
                 Finding::caution(
                     "one-shape-worse",

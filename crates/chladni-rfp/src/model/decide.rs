@@ -7,9 +7,9 @@ use crate::data::layout::DataLayout;
 use crate::data::options::{FitOptions, ShapeModel};
 use crate::data::watch::Watch;
 use crate::model::identified::Identified;
+use crate::model::limits;
 use crate::poles::estimate::PoleEstimate;
 use crate::shapes::search::{structured, Search};
-use crate::tolerances as tol;
 use chladni_frf::{Damping, Finding};
 use chladni_linalg::LinalgError;
 
@@ -75,7 +75,7 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
 /// What the data say of the law: nothing where there are no modes, or where line shapes
 /// are no pure resonances and damping is light.
 fn told(data: &DataLayout, found: &PoleEstimate) -> Result<Verdict, LinalgError> {
-    if found.measured && found.heaviest_sure() < tol::LAW_ALIKE {
+    if found.measured && found.heaviest_sure() < limits::LAW_ALIKE {
         return Ok(Verdict::Undecidable);
     }
     verdict::verdict(

@@ -3,6 +3,7 @@
 use crate::damping::columns::viscous_pole_of;
 use crate::damping::verdict::shift;
 use crate::data::columns::Columns;
+use crate::model::limits;
 use crate::poles::estimate::{uncertainty_grade, Grade, PoleEstimate};
 use crate::shapes::low_rank::Given;
 use crate::shapes::search::Structured;
@@ -29,9 +30,6 @@ pub(crate) struct Pole {
     pub given: Given,
 }
 
-/// Two poles are the same one within this part of themselves.
-const SAME: f64 = 1e-12;
-
 impl Pole {
     /// ω_n²(1 + jη_n) over ω_max²: the pole in the x plane of its own law.
     pub fn lambda(&self) -> Complex64 {
@@ -49,7 +47,7 @@ impl Pole {
 
     /// True where that is `lambda`, to rounding.
     fn stands_at(&self, lambda: Complex64) -> bool {
-        (self.lambda() - lambda).norm() < SAME * lambda.norm()
+        (self.lambda() - lambda).norm() < limits::SAME * lambda.norm()
     }
 }
 

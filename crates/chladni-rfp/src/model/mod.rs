@@ -7,6 +7,7 @@ pub(crate) mod exponential;
 pub(crate) mod given;
 pub(crate) mod identified;
 pub(crate) mod in_law;
+mod limits;
 pub(crate) mod modes;
 pub(crate) mod residual_energy;
 pub(crate) mod residues;

@@ -2,6 +2,7 @@
 
 use crate::data::layout::DataLayout;
 use crate::model::identified::Pole;
+use crate::model::limits;
 use crate::shapes::error_bars::{Scale, ShapeBars};
 use crate::shapes::low_rank::Shapes;
 use crate::validation::complexity::mpc;
@@ -221,10 +222,6 @@ fn norm_of_largest(shape: &[Complex64]) -> f64 {
     shape.iter().map(|v| v.norm()).fold(0.0, f64::max)
 }
 
-/// Largest standard deviation of a loss factor in the file: a mode that vibrates has one
-/// below 2.
-const LOSS_FACTOR_UNKNOWN: f64 = 2.0;
-
 /// A pole in Hz with its shape. What the data do not tell of it has the standard
 /// deviation that says nothing: the width of the band. (JSON has no infinity, and whoever
 /// reads the file expects a number.)
@@ -242,7 +239,7 @@ fn mode(
         frequency_hz,
         frequency_std_hz: (pole.omega_std * hz).min(width_hz),
         loss_factor: pole.loss_factor,
-        loss_factor_std: pole.loss_factor_std.min(LOSS_FACTOR_UNKNOWN),
+        loss_factor_std: pole.loss_factor_std.min(limits::LOSS_FACTOR_UNKNOWN),
         damping_ratio: 0.5 * pole.loss_factor,
         in_band: frequency_hz >= data.band_hz[0] && frequency_hz <= data.band_hz[1],
         trust: pole.grade.0,

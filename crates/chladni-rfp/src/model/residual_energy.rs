@@ -4,16 +4,11 @@
 
 use crate::data::columns::Columns;
 use crate::data::layout::DataLayout;
+use crate::model::limits;
 use chladni_linalg::blocked::{blocked_matmul_h, stacked};
 use chladni_linalg::matmul;
 use ndarray::{s, Array2, ShapeBuilder};
 use rayon::prelude::*;
-
-/// Part of an FRF's energy that the difference of such sums knows a residual to; less,
-/// and it is rounding.
-const KNOWN: f64 = 1e-9;
-/// FRFs per block.
-const BLOCK: usize = 256;
 
 /// A model laid over the columns that it was found on.
 pub(crate) struct Laid<'a> {
@@ -33,7 +28,7 @@ pub(crate) struct Laid<'a> {
 pub(crate) fn above_rounding(model: &Laid, data: &DataLayout) -> Option<Vec<f64>> {
     let sums = sums(model, data)?;
     sums.iter()
-        .all(|(left, energy)| left > &(KNOWN * energy))
+        .all(|(left, energy)| left > &(limits::KNOWN * energy))
         .then(|| sums.into_iter().map(|(left, _)| left).collect())
 }
 
@@ -60,9 +55,11 @@ fn sums(model: &Laid, data: &DataLayout) -> Option<Vec<(f64, f64)>> {
         blocked_matmul_h(basis.view(), stacked(&work.b).view()),
     );
     let unit = data.factor().norm_sqr();
-    let starts: Vec<usize> = (0..data.pairs.len()).step_by(BLOCK).collect();
+    let starts: Vec<usize> = (0..data.pairs.len())
+        .step_by(limits::RESIDUAL_ENERGY_BLOCK)
+        .collect();
     let of_block = |first: usize| {
-        let frfs = first..(first + BLOCK).min(data.pairs.len());
+        let frfs = first..(first + limits::RESIDUAL_ENERGY_BLOCK).min(data.pairs.len());
         let mut c = Array2::zeros((basis.ncols(), frfs.len()).f());
         for (mut column, l) in c.columns_mut().into_iter().zip(frfs.clone()) {
             (model.coefficients)(l, column.as_slice_memory_order_mut().expect("column-major"));

@@ -5,17 +5,13 @@
 //! {"format":"chladni.partial","version":4,"created_by":"chladni 0.1.0","bytes":1234,"sha256":"..."}
 //! ```
 
+use crate::pieces::limits;
 use crate::pieces::partial::Partial;
 use crate::pieces::poles::Poles;
 use crate::pieces::sound::Sound;
 use chladni_frf::{Error, CREATED_BY};
 use serde::{de::DeserializeOwned, Deserialize, Serialize};
 use sha2::{Digest, Sha256};
-
-/// Version of the content; another one is refused.
-const VERSION: u64 = 4;
-/// Most bytes of the first line.
-const HEAD_MOST: usize = 1024;
 
 /// The first line.
 #[derive(Debug, Serialize, Deserialize)]
@@ -72,7 +68,7 @@ fn to_bytes(format: &str, content: &impl Serialize) -> Vec<u8> {
     let content = postcard::to_allocvec(content).expect("plain data of known length");
     let head = FirstLine {
         format: format.into(),
-        version: VERSION,
+        version: limits::VERSION,
         created_by: CREATED_BY.into(),
         bytes: content.len(),
         sha256: digest(&content),
@@ -84,7 +80,10 @@ fn to_bytes(format: &str, content: &impl Serialize) -> Vec<u8> {
 }
 
 fn from_bytes<T: DeserializeOwned + Sound>(format: &str, bytes: &[u8]) -> Result<T, Error> {
-    let end = bytes.iter().take(HEAD_MOST).position(|byte| *byte == b'\n');
+    let end = bytes
+        .iter()
+        .take(limits::HEAD_MOST)
+        .position(|byte| *byte == b'\n');
     let head: Option<FirstLine> = end.and_then(|end| serde_json::from_slice(&bytes[..end]).ok());
     let (Some(end), Some(head)) = (end, head) else {
         let expected = format!("one line of JSON with \"format\":\"{format}\"");
@@ -99,11 +98,11 @@ fn from_bytes<T: DeserializeOwned + Sound>(format: &str, bytes: &[u8]) -> Result
             .found(head.format)
             .expected(format));
     }
-    if head.version != VERSION {
+    if head.version != limits::VERSION {
         return Err(Error::bad_data("a file of another version")
             .field("version")
             .found(format!("{} (written by {})", head.version, head.created_by))
-            .expected(VERSION)
+            .expected(limits::VERSION)
             .help("make it anew: the versions of all machines must agree"));
     }
     let content = &bytes[end + 1..];

@@ -11,11 +11,11 @@ use crate::data::products::{Products, Projected};
 use crate::data::screening::{enough, lines_left_out, Screened};
 use crate::data::source::{Source, Way};
 use crate::pieces::error::PieceError;
+use crate::pieces::limits;
 use crate::pieces::partial::{Block, Partial, ProductSums, SketchSums, Sums};
 use crate::pieces::plan::Plan;
 use crate::pieces::poles::{DofWeights, Matrix, Pass, Poles};
 use crate::poles::passes::on_all_lines;
-use crate::tolerances as tol;
 use chladni_frf::{Damping, Dof, Error, Finding, Node};
 use chladni_linalg::blocked::projected;
 use chladni_linalg::LinalgError;
@@ -298,7 +298,7 @@ impl<'a> Merged<'a> {
             .columns()
             .into_iter()
             .zip(columns.columns())
-            .all(|(outside, all)| energy(outside) < tol::PILOT_SHARE * energy(all)))
+            .all(|(outside, all)| energy(outside) < limits::PILOT_SHARE * energy(all)))
     }
 }
 

@@ -22,6 +22,7 @@ pub(crate) mod block;
 pub(crate) mod error;
 pub(crate) mod file;
 pub(crate) mod given;
+mod limits;
 pub(crate) mod merged;
 pub(crate) mod partial;
 pub(crate) mod plan;

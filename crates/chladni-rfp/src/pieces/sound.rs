@@ -2,18 +2,12 @@
 //! are as they were written, not that they were written by this program.
 
 use crate::data::source::{By, Way};
+use crate::pieces::limits;
 use crate::pieces::partial::{Block, Partial, ProductSums, Run, SketchSums};
 use crate::pieces::plan::Plan;
 use crate::pieces::poles::{DofWeights, Matrix, Pass, Poles};
 use chladni_frf::Error;
 use std::fmt::Display;
-
-/// Longest run of blocks: two of them can be one.
-const RUN_MOST: u64 = 1 << 62;
-/// Most FRFs in one column of a sketch: sums of many are numbers.
-const FRFS_MOST: u64 = 1 << 48;
-/// Most passes and rounds that a fit can have made.
-const ROUNDS_MOST: usize = 1 << 10;
 
 /// Content whose parts must fit each other.
 pub(crate) trait Sound {
@@ -168,7 +162,7 @@ impl Run {
     /// The number of its last block; the run before ended with `before`.
     fn check(&self, before: Option<u64>) -> Result<u64, Error> {
         let whole = self.length.is_power_of_two()
-            && self.length <= RUN_MOST
+            && self.length <= limits::RUN_MOST
             && self.first.is_multiple_of(self.length)
             && before.is_none_or(|before| self.first > before);
         match whole {
@@ -186,7 +180,7 @@ impl SketchSums {
     fn check(&self, lines: usize) -> Result<(), Error> {
         count("lines of the sketch", self.line_energy.len(), lines)?;
         count("lines of the sketch", self.bad.len(), lines)?;
-        if self.counts.iter().any(|&frfs| frfs > FRFS_MOST) {
+        if self.counts.iter().any(|&frfs| frfs > limits::FRFS_MOST) {
             return Err(refused("FRFs of a column", "too many", "their number"));
         }
         size("the sketch", &self.columns, lines, self.counts.len())
@@ -227,7 +221,7 @@ impl Sound for Poles {
         if !(self.rms.is_finite() && self.rms > 0.0) {
             return Err(refused("root mean square", self.rms, "a positive number"));
         }
-        if self.outlier_rounds > ROUNDS_MOST {
+        if self.outlier_rounds > limits::ROUNDS_MOST {
             return Err(refused("rounds", self.outlier_rounds, "a few"));
         }
         if let Some(weighting) = &self.weighting {
@@ -250,7 +244,7 @@ impl Way {
                 count("spread of the poles", spread.len(), self.lambda.len())?;
                 count("grades of the poles", grades.len(), self.lambda.len())
             }
-            By::Fast { extra_passes, .. } if *extra_passes > ROUNDS_MOST => {
+            By::Fast { extra_passes, .. } if *extra_passes > limits::ROUNDS_MOST => {
                 Err(refused("passes", extra_passes, "a few"))
             }
             By::Fast { .. } | By::Conjugated => Ok(()),

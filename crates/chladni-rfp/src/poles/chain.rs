@@ -15,6 +15,7 @@ use crate::data::products::Projected;
 use crate::data::source::{By, Source, Way};
 use crate::data::watch::Watch;
 use crate::poles::first_look::first_look;
+use crate::poles::limits;
 use crate::poles::passes::{basis_of, on_all_lines, Pass, Start};
 use crate::poles::pool::{mixtures, starts, vector_fit, Products};
 use crate::poles::prune::unphysical;
@@ -154,7 +155,7 @@ fn of_sketch(
     // a missing mode leaves its mark in one place and in the shape of the residual;
     // misfit around most modes, or misfit without shape, is no question of order
     let mut first = look(&start.refined);
-    if first.misfit_share > tol::MISFIT_SHARE && asked.is_none() {
+    if first.misfit_share > limits::MISFIT_SHARE && asked.is_none() {
         // unless a larger pool takes it away: many modes hide behind few peaks, or few
         // FRFs
         let larger = started(
@@ -164,7 +165,7 @@ fn of_sketch(
             (2 * size).min(sketch.lines() / 3),
             iterations,
         )?;
-        if larger.variance < tol::LARGER_POOL_GAIN * start.variance {
+        if larger.variance < limits::LARGER_POOL_GAIN * start.variance {
             start = larger;
             first = look(&start.refined);
         }
@@ -174,11 +175,11 @@ fn of_sketch(
         mut variance,
     } = start;
     let mut history = vec![(refined.lambda.len(), refined.variance(&sketch))];
-    if first.misfit_share > tol::MISFIT_SHARE || refined.lambda.is_empty() {
+    if first.misfit_share > limits::MISFIT_SHARE || refined.lambda.is_empty() {
         if conjugate_fits_better(&mixed, &seeds, size)? {
             return ended(Doubt::Conjugated);
         }
-        if first.misfit_share > tol::MISFIT_SHARE {
+        if first.misfit_share > limits::MISFIT_SHARE {
             return ended(Doubt::NotWhite(first.evidence));
         }
     }
@@ -330,5 +331,5 @@ fn conjugate_fits_better(
         Ok(Projection::new(work, &stable, &POWERS)?.sse)
     };
     Ok(left_over(&mixed.with_columns(mixed.b.mapv(|v| v.conj())))?
-        < tol::CONJUGATE_SHARE * left_over(mixed)?)
+        < limits::CONJUGATE_SHARE * left_over(mixed)?)
 }

@@ -2,6 +2,7 @@
 //! damping (theory.md, eq. 12), whatever makes the matrix and the gradient.
 
 use crate::data::columns::Columns;
+use crate::poles::limits;
 use crate::tolerances as tol;
 use chladni_frf::Damping;
 use chladni_linalg::solve_hermitian;
@@ -35,10 +36,6 @@ fn step_cap(work: &Columns, lambda: Complex64) -> f64 {
     0.5 * lambda.im + 0.3 * outside
 }
 
-/// Part of itself that a step leaves of a pole's loss and of the square of its natural
-/// frequency where it would take all of it.
-const KEPT: f64 = 0.2;
-
 /// A pole after a step as a model can hold it, with a loss and a natural frequency above
 /// zero: what stands for the world outside would else be left out of the file, and what
 /// it explains with it. A structural pole in the band is told by its lines.
@@ -48,7 +45,7 @@ fn still_physical(work: &Columns, pole: Complex64, next: Complex64) -> Complex64
     }
     let kept = |next: f64, before: f64| {
         if before > 0.0 {
-            next.max(KEPT * before)
+            next.max(limits::KEPT * before)
         } else {
             next
         }
@@ -121,7 +118,7 @@ impl<'a> Descent<'a> {
                 .map(|(step, along)| (step.conj() * along).re)
                 .sum();
             let enough = largest < tolerance
-                || promised < tol::PROMISED * point.sse() / self.work.b.len() as f64;
+                || promised < limits::PROMISED * point.sse() / self.work.b.len() as f64;
             match P::at(self.work, self.energy, &trial, self.powers) {
                 // near the end rounding decides which sum of squares is the smaller: it
                 // must not refuse good steps

@@ -2,6 +2,7 @@
 
 use crate::data::columns::Columns;
 use crate::data::peaks::Peak;
+use crate::poles::limits;
 use crate::poles::pool::mixtures;
 use crate::poles::sections::split;
 use crate::poles::start::{pool_size, started, Start};
@@ -9,12 +10,6 @@ use crate::poles::whiteness::judge_columns;
 use crate::tolerances as tol;
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
-
-/// Sections that are asked.
-const ASKED: usize = 3;
-
-/// Excess over what white noise allows that a mode missed by a rough fit hardly makes.
-const CLEAR: f64 = 3.0;
 
 /// Many modes make the chain dear, and where most of them are misfitted it is in vain:
 /// the sections with the strongest peaks are asked first. Evidence that their residual is
@@ -25,7 +20,7 @@ pub(crate) fn first_look(
     seed: u64,
     hz: f64,
 ) -> Result<Option<String>, LinalgError> {
-    if peaks.len() < tol::FIRST_LOOK_ABOVE {
+    if peaks.len() < limits::FIRST_LOOK_ABOVE {
         return Ok(None);
     }
     let mut asked: Vec<(Columns, Vec<Peak>)> = split(sketch, peaks)
@@ -51,7 +46,7 @@ pub(crate) fn first_look(
     // one section may lack a mode that the whole chain would find; two do not by chance
     let mut doubts = asked
         .iter()
-        .take(ASKED)
+        .take(limits::ASKED)
         .filter_map(|(work, inside)| misfit(work, inside, seed, hz).transpose());
     let first = doubts.next().transpose()?;
     let second = doubts.next().transpose()?;
@@ -85,6 +80,7 @@ fn misfit(
         .filter(|pole| peaks.iter().any(|p| p.is_striking() && stands_for(pole, p)))
         .collect();
     let look = judge_columns(work, &strong, &refined.projection.residual, hz);
-    let doubt = look.misfit_share > tol::MISFIT_SHARE || look.shapeless || look.excess > CLEAR;
+    let doubt =
+        look.misfit_share > limits::MISFIT_SHARE || look.shapeless || look.excess > limits::CLEAR;
     Ok(doubt.then_some(look.evidence))
 }

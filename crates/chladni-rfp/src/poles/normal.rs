@@ -9,8 +9,8 @@
 use crate::damping::gram::Cauchy;
 use crate::data::columns::Columns;
 use crate::poles::descent::Point;
+use crate::poles::limits;
 use crate::poles::removal::Removable;
-use crate::tolerances as tol;
 use chladni_linalg::blocked::blocked_matmul_h;
 use chladni_linalg::{
     cholesky, inverse_hermitian, matmul, matmul_h, solve_hermitian, solve_lower,
@@ -89,7 +89,7 @@ impl Plain {
                 .into_iter()
                 .map(|c| c.iter().map(|v| v.norm()).sum::<f64>().powi(2))
                 .sum::<f64>();
-        let sound = rounding <= tol::NORMAL_ROUNDING * sse;
+        let sound = rounding <= limits::NORMAL_ROUNDING * sse;
         if !sound {
             return None;
         }
@@ -167,7 +167,7 @@ impl Point for Normal {
         // a derivative that is a mixture of columns but for its last digits tells nothing
         // of its pole
         if (0..lambda.len())
-            .any(|n| outside[[n, n]].re < tol::DERIVATIVE_OUTSIDE * products[[m + n, m + n]].re)
+            .any(|n| outside[[n, n]].re < limits::DERIVATIVE_OUTSIDE * products[[m + n, m + n]].re)
         {
             return None;
         }

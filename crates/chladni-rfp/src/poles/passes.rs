@@ -8,6 +8,7 @@ use crate::data::layout::DataLayout;
 use crate::data::products::{energies, Projected};
 use crate::data::screening::Screened;
 use crate::data::source::{By, Source, Way};
+use crate::poles::limits;
 use crate::poles::prune::threshold;
 use crate::poles::refine::{refine, Refined};
 use crate::poles::scan::{residual_peak, Scan};
@@ -82,7 +83,7 @@ impl Start {
                     && !best
                         .shares(data.values(), &there)
                         .iter()
-                        .any(|share| *share > tol::CONFIRMED_REFINED)
+                        .any(|share| *share > limits::CONFIRMED_REFINED)
                 {
                     continue;
                 }
@@ -130,9 +131,11 @@ impl Start {
 /// True where both are the same poles, to a part of a half-bandwidth.
 fn same(these: &[Complex64], those: &[Complex64]) -> bool {
     these.len() == those.len()
-        && these
-            .iter()
-            .all(|a| those.iter().any(|b| (a - b).norm() < tol::SAME_POLE * a.im))
+        && these.iter().all(|a| {
+            those
+                .iter()
+                .any(|b| (a - b).norm() < limits::SAME_POLE * a.im)
+        })
 }
 
 impl Pass {
@@ -198,11 +201,11 @@ impl Pass {
             return peak.map(|peak| (peak, false));
         }
         let mut places = scanned.beyond(threshold(work.columns(), work.lines()) * variance, tried);
-        places.truncate(tol::PLACES);
+        places.truncate(limits::PLACES);
         places
             .iter()
             .zip(self.shares(values, &places))
-            .find(|(_, share)| *share > tol::CONFIRMED)
+            .find(|(_, share)| *share > limits::CONFIRMED)
             .map(|(pole, _)| (*pole, true))
     }
 

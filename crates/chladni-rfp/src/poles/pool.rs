@@ -9,6 +9,7 @@
 use crate::damping::gram::Cauchy;
 use crate::damping::structural::basis;
 use crate::data::columns::{line_energy, Columns};
+use crate::poles::limits;
 use crate::tolerances as tol;
 use chladni_frf::Damping;
 use chladni_linalg::blocked::{blocked_matmul_h, tall_qr, tall_r};
@@ -20,9 +21,6 @@ use num_complex::Complex64;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-
-/// Part of a basis column outside those before it below which it is rounding.
-const DEPENDENT: f64 = 1e-11;
 
 /// Poles as the last step left them; those with Im λ ≤ 0 are flipped in `lambda` and
 /// marked in `flipped`.
@@ -114,7 +112,7 @@ pub(crate) fn vector_fit(
         };
         separate(&mut pool.lambda);
         if matches!(how, Products::PartialFractions)
-            && (before - left).abs() < tol::POOL_SETTLED * left
+            && (before - left).abs() < limits::POOL_SETTLED * left
         {
             break;
         }
@@ -260,7 +258,7 @@ fn sound_adjoint(r: &Array2<Complex64>) -> Array2<Complex64> {
     let mut lower = r.t().mapv(|v| v.conj());
     for i in 0..lower.nrows() {
         let norm = r.column(i).iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt();
-        if lower[[i, i]].norm() <= DEPENDENT * norm {
+        if lower[[i, i]].norm() <= limits::DEPENDENT * norm {
             lower[[i, i]] = Complex64::from(norm / f64::EPSILON.powi(2));
         }
     }

@@ -2,6 +2,7 @@
 
 use crate::data::columns::Columns;
 use crate::poles::descent::Descent;
+use crate::poles::limits;
 use crate::poles::normal::Normal;
 use crate::poles::refine::{refine, Refined};
 use crate::poles::removal::Removable;
@@ -14,7 +15,7 @@ use num_complex::Complex64;
 pub(crate) fn threshold(columns: usize, lines: usize) -> f64 {
     let r = columns as f64;
     let looks = (4.0 * lines as f64).ln();
-    r + tol::SIGNIFICANCE * (2.0 * (r * looks).sqrt() + 2.0 * looks)
+    r + limits::SIGNIFICANCE * (2.0 * (r * looks).sqrt() + 2.0 * looks)
 }
 
 /// A pole that one bad line makes.
@@ -49,11 +50,11 @@ fn thinned(work: &Columns, lambda: &[Complex64], powers: &[i32], limit: f64) -> 
     let mut descent = Descent::new(work, lambda, powers, 0);
     let mut rounds = 0;
     let mut here = None;
-    while rounds < tol::THINNING_ROUNDS && !descent.lambda.is_empty() {
+    while rounds < limits::THINNING_ROUNDS && !descent.lambda.is_empty() {
         let Some(mut point) = here.take().or_else(|| descent.here::<Normal>()) else {
             break;
         };
-        descent.steps = tol::THINNING_STEPS;
+        descent.steps = limits::THINNING_STEPS;
         let ended = descent.go(&mut point, tol::ROUGH_STEP);
         let Ok(removable) = point.plain.removable() else {
             break;
@@ -103,7 +104,7 @@ pub(crate) fn crutch(
     let rises = refined.significance()?;
     for q in weakest_first(&rises)
         .into_iter()
-        .take_while(|&q| rises[q] < tol::LEANING * limit)
+        .take_while(|&q| rises[q] < limits::LEANING * limit)
     {
         let pole = refined.lambda[q];
         if !may_go(pole) || needed.iter().any(|known| (known - pole).norm() < pole.im) {

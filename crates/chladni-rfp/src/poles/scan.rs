@@ -3,16 +3,12 @@
 
 use crate::damping::structural::basis;
 use crate::data::columns::Columns;
+use crate::poles::limits;
 use crate::poles::refine::Refined;
 use chladni_linalg::matmul_h;
 use ndarray::{s, Array1, ArrayView1};
 use num_complex::Complex64;
 use rayon::prelude::*;
-
-/// Places per block of products.
-const BLOCK: usize = 64;
-/// Loss factor where no pole of the band tells the usual one.
-const UNKNOWN_LOSS: f64 = 0.01;
 
 /// Median loss factor of the poles of the band.
 pub(crate) fn usual_loss(work: &Columns, lambda: &[Complex64]) -> f64 {
@@ -25,7 +21,7 @@ pub(crate) fn usual_loss(work: &Columns, lambda: &[Complex64]) -> f64 {
     losses
         .get(losses.len() / 2)
         .copied()
-        .unwrap_or(UNKNOWN_LOSS)
+        .unwrap_or(limits::UNKNOWN_LOSS)
 }
 
 /// Resonances of the usual loss factor over the band, half a bandwidth apart, at least
@@ -65,7 +61,7 @@ pub(crate) fn scan(work: &Columns, refined: &Refined) -> Scan {
         chunk.iter().enumerate().filter_map(gain).collect()
     };
     let mut found: Vec<(f64, Complex64)> = grid
-        .par_chunks(BLOCK)
+        .par_chunks(limits::BLOCK)
         .map(gains)
         .collect::<Vec<_>>()
         .concat();

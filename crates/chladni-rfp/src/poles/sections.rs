@@ -7,15 +7,8 @@
 
 use crate::data::columns::Columns;
 use crate::data::peaks::Peak;
+use crate::poles::limits;
 use std::ops::Range;
-
-/// Bands with no more visible peaks than this are searched in one piece.
-const WHOLE: usize = 12;
-/// Peaks between two cuts, about. Half as many doubles the share of the overlaps, twice
-/// as many doubles the cost.
-const PEAKS: usize = 6;
-/// Peaks of the neighbour that a section reaches over.
-const OVERLAP: usize = 2;
 
 /// One stretch.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,13 +19,13 @@ pub(crate) struct Section {
     pub core: Range<f64>,
 }
 
-/// Cuts the band into sections of about [`PEAKS`] peaks, in the widest gap near each even
+/// Cuts the band into sections of about [`limits::PEAKS`] peaks, in the widest gap near each even
 /// share.
 pub(crate) fn split(work: &Columns, seen: &[Peak]) -> Vec<Section> {
     let mut x: Vec<f64> = seen.iter().map(|p| p.lambda.re).collect();
     x.sort_by(f64::total_cmp);
-    let count = if x.len() > WHOLE {
-        x.len().div_ceil(PEAKS)
+    let count = if x.len() > limits::WHOLE {
+        x.len().div_ceil(limits::PEAKS)
     } else {
         1
     };
@@ -53,7 +46,8 @@ pub(crate) fn split(work: &Columns, seen: &[Peak]) -> Vec<Section> {
     let line = |x: f64| work.x.partition_point(|v| *v < x);
     cuts.windows(2)
         .map(|cut| Section {
-            lines: line(below(cut[0].saturating_sub(OVERLAP)))..line(below(cut[1] + OVERLAP)),
+            lines: line(below(cut[0].saturating_sub(limits::OVERLAP)))
+                ..line(below(cut[1] + limits::OVERLAP)),
             core: below(cut[0])..below(cut[1]),
         })
         .collect()

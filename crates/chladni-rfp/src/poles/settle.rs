@@ -2,6 +2,7 @@
 //! comes, until neither changes anything.
 
 use crate::data::columns::Columns;
+use crate::poles::limits;
 use crate::poles::prune::{crutch, threshold, unphysical};
 use crate::poles::refine::{refine, Refined};
 use crate::poles::scan::{scan, Scan};
@@ -25,7 +26,7 @@ pub(crate) fn settle(
 ) -> Result<Scan, LinalgError> {
     let limit = threshold(frfs, work.lines());
     let (mut tried, mut needed): (Vec<Complex64>, Vec<Complex64>) = (Vec::new(), Vec::new());
-    for _ in 0..tol::SCAN_ROUNDS * 3 {
+    for _ in 0..limits::SCAN_ROUNDS * 3 {
         if let Some((gone, fewer)) = dispensable(work, refined, limit * *variance, &mut needed)? {
             tried.extend(gone);
             *refined = fewer;
@@ -64,12 +65,6 @@ pub(crate) fn settle(
     Ok(scan(work, refined))
 }
 
-/// Natural frequencies outside the band at which a mode is sought, over that of its end.
-const BELOW: [f64; 2] = [0.8, 0.45];
-const ABOVE: [f64; 3] = [1.03, 1.12, 1.35];
-/// Loss factor that such a search begins with.
-const OUTSIDE_LOSS: f64 = 0.02;
-
 /// The next place outside the band where a viscous mode may lie: residual terms stand for
 /// it less well than in the structural law, and a pool has its poles elsewhere.
 fn beyond_the_band(work: &Columns, tried: &[Complex64]) -> Option<Complex64> {
@@ -77,12 +72,12 @@ fn beyond_the_band(work: &Columns, tried: &[Complex64]) -> Option<Complex64> {
         return None;
     }
     let (low, high) = work.range();
-    let places = BELOW
+    let places = limits::BELOW
         .map(|f| low * f * f)
         .into_iter()
-        .chain(ABOVE.map(|f| high * f * f));
+        .chain(limits::ABOVE.map(|f| high * f * f));
     places
-        .map(|x| Complex64::new(x, OUTSIDE_LOSS * x))
+        .map(|x| Complex64::new(x, limits::OUTSIDE_LOSS * x))
         .find(|place| !tried.contains(place))
 }
 

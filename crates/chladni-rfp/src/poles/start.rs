@@ -3,6 +3,7 @@
 use crate::damping::columns::in_plane_of;
 use crate::damping::structural::POWERS;
 use crate::data::columns::Columns;
+use crate::poles::limits;
 use crate::poles::pool::{starts, vector_fit, Products};
 use crate::poles::prune::prune;
 use crate::poles::refine::{refine, removable, Refined};
@@ -11,9 +12,6 @@ use crate::tolerances as tol;
 use chladni_frf::Damping;
 use chladni_linalg::{svd_thin, LinalgError};
 use num_complex::Complex64;
-
-/// Where a pole of no natural frequency is put: at so much of the x of the first line.
-const FAR_BELOW: f64 = 0.01;
 
 /// Poles of a pool that noise alone cannot make, roughly refined.
 pub(crate) struct Start {
@@ -40,7 +38,7 @@ pub(crate) fn started(
     )?;
     // a pole at x < 0 stands for what lies far below the band; what stands for a viscous
     // mode there may have a negative loss in x
-    let least = FAR_BELOW * sketch.range().0;
+    let least = limits::FAR_BELOW * sketch.range().0;
     let stands = |(pole, flipped): (&Complex64, &bool)| match sketch.law {
         Damping::Structural => (!flipped).then(|| Complex64::new(pole.re.max(least), pole.im)),
         Damping::Viscous if *flipped && sketch.in_band(*pole) => None,

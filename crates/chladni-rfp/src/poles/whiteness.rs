@@ -7,10 +7,11 @@
 //! Statist. 28 (2000) 1302, lemma 1: level around every mode (misfit of the line shape),
 //! level over tenths of the band (one noise level cannot serve), correlation of
 //! neighbouring lines (leakage, windows, missing modes). All looks together call white
-//! noise coloured in at most [`tol::WHITE_FALSE_ALARM`] of all cases; misfit too small to
+//! noise coloured in at most [`limits::WHITE_FALSE_ALARM`] of all cases; misfit too small to
 //! matter is tolerated on top.
 
 use crate::data::columns::{line_energy, Columns};
+use crate::poles::limits;
 use crate::tolerances as tol;
 use ndarray::{s, Array1, Array2};
 use num_complex::Complex64;
@@ -49,7 +50,7 @@ struct Chance {
 impl Chance {
     fn of(looks: usize) -> Self {
         Self {
-            t: (looks as f64 / tol::WHITE_FALSE_ALARM).ln(),
+            t: (looks as f64 / limits::WHITE_FALSE_ALARM).ln(),
         }
     }
     /// χ²_ν/ν stays below this.
@@ -93,7 +94,7 @@ pub(crate) fn judge(
 ) -> Whiteness {
     let n = work.lines();
     let mean = line_residual.sum() / n as f64;
-    if mean * n as f64 <= tol::EXPLAINED * work.energy() {
+    if mean * n as f64 <= limits::EXPLAINED * work.energy() {
         return Whiteness {
             white: true,
             evidence: "the model explains the data to rounding".into(),
@@ -127,7 +128,7 @@ pub(crate) fn judge(
             let words = format!("residual {seen:.1} times the average around {place:.2} Hz");
             Look {
                 seen,
-                limit: chance.high(nu) + tol::WHITE_LOCAL,
+                limit: chance.high(nu) + limits::WHITE_LOCAL,
                 words,
             }
         })
@@ -148,12 +149,12 @@ pub(crate) fn judge(
         .iter()
         .map(around)
         .fold((0.0, 0.0), |sum, part| (sum.0 + part.0, sum.1 + part.1));
-    let shapeless = !misfitted.is_empty() && along < tol::SHAPELESS * total;
+    let shapeless = !misfitted.is_empty() && along < limits::SHAPELESS * total;
     for tenth in 0..tenths {
         let (seen, nu) = level(tenth * n / tenths..(tenth + 1) * n / tenths);
         let words = format!("residual level {seen:.2} times the average over a tenth of the band");
         // the look from below is the look from above at the inverse
-        let low = chance.low(nu) / tol::WHITE_SEGMENT;
+        let low = chance.low(nu) / limits::WHITE_SEGMENT;
         looks.push(Look {
             seen: low,
             limit: seen,
@@ -161,7 +162,7 @@ pub(crate) fn judge(
         });
         looks.push(Look {
             seen,
-            limit: tol::WHITE_SEGMENT * chance.high(nu),
+            limit: limits::WHITE_SEGMENT * chance.high(nu),
             words,
         });
     }
@@ -170,7 +171,7 @@ pub(crate) fn judge(
     let count = (n * sample.ncols().min(frfs).max(1)) as f64;
     looks.push(Look {
         seen,
-        limit: tol::WHITE_CORRELATION + chance.correlation(count),
+        limit: limits::WHITE_CORRELATION + chance.correlation(count),
         words: format!("neighbouring residual lines correlate by {seen:.2}"),
     });
 

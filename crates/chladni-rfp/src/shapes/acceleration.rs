@@ -4,7 +4,7 @@
 //! if G were linear. D. G. Anderson, J. ACM 12 (1965) 547; H. F. Walker, P. Ni, SIAM J.
 //! Numer. Anal. 49 (2011) 1715.
 
-use crate::tolerances as tol;
+use crate::shapes::limits;
 use chladni_linalg::solve_hermitian;
 use ndarray::Array2;
 use num_complex::Complex64;
@@ -31,7 +31,7 @@ impl Acceleration {
             self.changes
                 .push_back((&change - &last_change, made - &last_made));
         }
-        if self.changes.len() > tol::STEPS_REMEMBERED {
+        if self.changes.len() > limits::STEPS_REMEMBERED {
             self.changes.pop_front();
         }
         let along = |a: &Array2<Complex64>, b: &Array2<Complex64>| {
@@ -48,7 +48,7 @@ impl Acceleration {
         let steps = &self.changes;
         let gram = Array2::from_shape_fn((size.len(), size.len()), |(i, j)| {
             // steps that tell nearly the same twice share what they explain
-            let ridge = if i == j { tol::STEPS_RIDGE } else { 0.0 };
+            let ridge = if i == j { limits::STEPS_RIDGE } else { 0.0 };
             along(&steps[i].0, &steps[j].0) / (size[i] * size[j]) + ridge
         });
         let right = Array2::from_shape_fn((size.len(), 1), |(i, _)| {

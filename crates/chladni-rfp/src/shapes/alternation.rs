@@ -3,16 +3,13 @@
 //! Blocks of responses on all threads, sums in fixed order.
 
 use crate::data::information::answer;
+use crate::shapes::limits;
 use crate::shapes::residues::{ridge, Residues};
 use chladni_linalg::blocked::blocked_matmul;
 use chladni_linalg::{matmul, LinalgError};
 use ndarray::{s, Array2, ArrayView2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
-
-/// Responses per block: some hundred kilobytes of residues, and several blocks for each
-/// thread where there are few responses.
-const BLOCK: usize = 16;
 
 /// One row per term, with the weights and right-hand sides that do not change.
 pub(crate) struct Problem<'a> {
@@ -55,7 +52,7 @@ impl<'a> Problem<'a> {
         let blocks: Vec<_> = self
             .residues
             .values
-            .axis_chunks_iter(Axis(1), BLOCK * references)
+            .axis_chunks_iter(Axis(1), limits::ALTERNATION_BLOCK * references)
             .enumerate()
             .collect();
         let parts: Vec<f64> = blocks
@@ -63,7 +60,10 @@ impl<'a> Problem<'a> {
             .map(|(number, block)| {
                 let mut difference = block.to_owned();
                 for (pair, mut values) in difference.columns_mut().into_iter().enumerate() {
-                    let (i, j) = (number * BLOCK + pair / references, pair % references);
+                    let (i, j) = (
+                        number * limits::ALTERNATION_BLOCK + pair / references,
+                        pair % references,
+                    );
                     if !self.residues.present[[i, j]] {
                         values.fill(Complex64::default());
                         continue;
@@ -105,10 +105,12 @@ impl<'a> Halves<'a> {
     /// The weighted residues of blocks of responses, with the first response of each.
     fn blocks(&self) -> Vec<(usize, ArrayView2<'_, Complex64>)> {
         let references = self.problem.residues.present.ncols();
-        let blocks = self.weighted.axis_chunks_iter(Axis(1), BLOCK * references);
+        let blocks = self
+            .weighted
+            .axis_chunks_iter(Axis(1), limits::ALTERNATION_BLOCK * references);
         blocks
             .enumerate()
-            .map(|(number, block)| (number * BLOCK, block))
+            .map(|(number, block)| (number * limits::ALTERNATION_BLOCK, block))
             .collect()
     }
 
@@ -120,7 +122,7 @@ impl<'a> Halves<'a> {
         let (responses, references) = self.problem.residues.present.dim();
         let mut rights = Array2::zeros((self.problem.owner.len(), responses).f());
         let outs: Vec<_> = rights
-            .axis_chunks_iter_mut(Axis(1), BLOCK)
+            .axis_chunks_iter_mut(Axis(1), limits::ALTERNATION_BLOCK)
             .zip(self.blocks())
             .collect();
         outs.into_par_iter()

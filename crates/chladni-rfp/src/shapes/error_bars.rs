@@ -8,6 +8,7 @@
 use crate::data::columns::Columns;
 use crate::data::information::answer;
 use crate::model::identified::Pole;
+use crate::shapes::limits;
 use crate::shapes::line_products::LineProducts;
 use crate::shapes::low_rank::Shapes;
 use crate::shapes::tangent::{overlapping, taken, unknowns, Tangent, Unknown};
@@ -39,7 +40,7 @@ impl Scale {
         }
         let u2 = (self.half_width(variance.sqrt()))
             .powi(2)
-            .min(tol::SCALE_KNOWN);
+            .min(limits::SCALE_KNOWN);
         u2 / (1.0 - u2)
     }
 
@@ -53,7 +54,7 @@ impl Scale {
     /// Relative 95 % half-width of what a mass scale is the root of, from the relative
     /// standard deviation of the scale.
     fn half_width(&self, deviation: f64) -> f64 {
-        2.0 * tol::SIGMAS_95 * deviation
+        2.0 * limits::SIGMAS_95 * deviation
     }
 
     /// True where the driving points do not tell the mass scale from any other.
@@ -561,7 +562,7 @@ fn inverse_root<T: Scalar>(
         lower
             .diag()
             .iter()
-            .all(|pivot| pivot.modulus().powi(2) > tol::WELL_INFORMED)
+            .all(|pivot| pivot.modulus().powi(2) > limits::WELL_INFORMED)
     };
     if let Some(lower) = cholesky(even.view()).ok().filter(well_known) {
         return solve_lower(lower.view(), columns.view());

@@ -6,18 +6,13 @@
 
 use crate::damping::structural::basis;
 use crate::poles::scan::resonance_grid;
+use crate::shapes::limits;
 use crate::shapes::step::State;
 use crate::shapes::target::Target;
 use chladni_linalg::blocked::blocked_matmul;
 use chladni_linalg::{matmul_h, LinalgError};
 use ndarray::{Array1, Array2, Axis};
 use num_complex::Complex64;
-
-/// Candidates per block of products.
-const BLOCK: usize = 64;
-/// Power iterations for the largest singular value: a lower bound within a few per cent,
-/// enough to rank places.
-const POWER_STEPS: usize = 8;
 
 /// Largest singular value squared of a matrix and its right singular vector.
 fn strongest(matrix: &Array2<Complex64>) -> (f64, Array1<Complex64>) {
@@ -31,7 +26,7 @@ fn strongest(matrix: &Array2<Complex64>) -> (f64, Array1<Complex64>) {
         .mapv(|v| v.conj());
     let mut vector = start;
     let mut value = 0.0;
-    for _ in 0..POWER_STEPS {
+    for _ in 0..limits::GROWTH_POWER_STEPS {
         let norm = energy(vector.view()).sqrt();
         if norm == 0.0 {
             return (0.0, vector);
@@ -58,7 +53,7 @@ pub(crate) fn candidate(
     let modes = target.outside(&basis(work, &state.lambda, &[]));
     let residues = state.residues();
     let mut best: Option<(f64, Complex64, Array1<Complex64>)> = None;
-    for chunk in grid.chunks(BLOCK) {
+    for chunk in grid.chunks(limits::GROWTH_BLOCK) {
         let columns = target.outside(&basis(work, chunk, &[]));
         let left = target.against(&columns)
             - blocked_matmul(

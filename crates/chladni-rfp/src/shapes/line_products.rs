@@ -4,6 +4,7 @@ use crate::damping::gram::Cauchy;
 use crate::damping::structural::{basis, basis_derivative};
 use crate::data::columns::Columns;
 use crate::data::information::answer;
+use crate::shapes::limits;
 
 use crate::tolerances as tol;
 use chladni_linalg::blocked::{blocked_matmul_h, range};
@@ -105,7 +106,7 @@ impl LineProducts {
         along: impl Fn(usize) -> f64,
     ) -> Array2<Complex64> {
         for (n, value) in gram.diag_mut().iter_mut().enumerate() {
-            *value += tol::STRUCTURED_RIDGE * self.whole[n] * along(n) + f64::MIN_POSITIVE;
+            *value += limits::STRUCTURED_RIDGE * self.whole[n] * along(n) + f64::MIN_POSITIVE;
         }
         gram
     }

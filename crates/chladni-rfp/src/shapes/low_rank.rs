@@ -3,8 +3,8 @@
 use crate::data::information::answer;
 use crate::shapes::acceleration::Acceleration;
 use crate::shapes::alternation::{Halves, Problem};
+use crate::shapes::limits;
 use crate::shapes::residues::{ridge, strongest, Residues};
-use crate::tolerances as tol;
 use chladni_linalg::blocked::blocked_matmul;
 use chladni_linalg::{matmul, LinalgError};
 use ndarray::{Array2, Axis, ShapeBuilder};
@@ -58,18 +58,18 @@ pub(crate) fn low_rank(residues: &Residues, ranks: &[usize]) -> Result<Shapes, L
         let halves = Halves::new(&problem);
         let (mut from, mut acceleration) = (participation.clone(), Acceleration::default());
         let mut before = f64::MAX;
-        for _ in 0..tol::RANK_ONE_ITERATIONS {
+        for _ in 0..limits::RANK_ONE_ITERATIONS {
             let mut next = halves.shapes(&from)?;
             let (mut made, explained) = halves.participations(&next)?;
             balance(&mut next, &mut made);
             // of exact data the difference of two sums is rounding
             let known = halves.total - explained;
-            let risen = if known > tol::RANK_ONE_KNOWN * halves.total {
+            let risen = if known > limits::RANK_ONE_KNOWN * halves.total {
                 known
             } else {
                 problem.misfit(&next, &made)
             };
-            let change = tol::RANK_ONE_CHANGE * risen.max(1e-12 * halves.total);
+            let change = limits::RANK_ONE_CHANGE * risen.max(1e-12 * halves.total);
             if risen > before + change {
                 // too far: on from the best, one step at a time
                 acceleration = Acceleration::default();

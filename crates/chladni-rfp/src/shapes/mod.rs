@@ -6,6 +6,7 @@ pub(crate) mod alternation;
 pub(crate) mod error_bars;
 pub(crate) mod factor;
 pub(crate) mod growth;
+mod limits;
 pub(crate) mod line_products;
 pub(crate) mod low_rank;
 pub(crate) mod residues;

@@ -8,7 +8,7 @@
 //! linear problem. The model file holds the result, and with it the whole fit.
 
 use crate::data::information::covariance;
-use crate::tolerances as tol;
+use crate::shapes::limits;
 use chladni_linalg::{matmul, matmul_h, svd_thin, LinalgError};
 use ndarray::{Array1, Array2, ArrayView1, ShapeBuilder};
 use num_complex::Complex64;
@@ -56,7 +56,7 @@ pub(crate) fn strongest(
         &v / Complex64::from(squares(v.view()).sqrt().max(f64::MIN_POSITIVE))
     };
     let mut v = unit(largest.expect("a response at least").to_owned());
-    for _ in 0..tol::POWER_STEPS {
+    for _ in 0..limits::POWER_STEPS {
         v = unit(along(&v).mapv(|u| u.conj()).dot(matrix));
     }
     Ok(vec![(along(&v), v)])
@@ -86,7 +86,7 @@ pub(crate) fn significant_rank(
         * ((responses as f64).sqrt() + (references as f64).sqrt());
     Ok(sv
         .iter()
-        .filter(|s| **s > tol::RANK_OVER_NOISE * noise)
+        .filter(|s| **s > limits::RANK_OVER_NOISE * noise)
         .count()
         .max(1))
 }

@@ -14,6 +14,7 @@ use crate::data::layout::DataLayout;
 use crate::data::options::ShapeModel;
 use crate::poles::estimate::{PoleEstimate, UNCERTAIN};
 use crate::poles::prune::threshold;
+use crate::shapes::limits;
 use crate::shapes::residues::{beyond_chance, strongest};
 use crate::shapes::step::{Enough, State};
 use crate::shapes::target::{free_residues, Target};
@@ -89,7 +90,7 @@ fn attempted(
 ) -> Result<Search, LinalgError> {
     let (work, lambda) = (&found.work, &found.refined.lambda);
     let (low, high) = work.range();
-    let beside = |l: &Complex64| (low - l.re).max(l.re - high) < tol::BESIDE_HALF_WIDTHS * l.im;
+    let beside = |l: &Complex64| (low - l.re).max(l.re - high) < limits::BESIDE_HALF_WIDTHS * l.im;
     if asked == ShapeModel::Auto && lambda.iter().any(|l| beside(l) && !work.in_band(*l)) {
         if let Search::Found(structured) = searched(data, found, asked, fixed_order, beside)? {
             return Ok(Search::Found(structured));
@@ -130,7 +131,7 @@ fn searched(
     let condensed = whole.condensed();
     let target = condensed.as_ref().unwrap_or(&whole);
     let variance = found.variance;
-    let rounding = tol::STRUCTURE_ROUNDING * target.energy;
+    let rounding = limits::STRUCTURE_ROUNDING * target.energy;
     let (residues, free_sse) = free_residues(target, &inside)?;
     let constraints = |n: usize| 2 * n * (sides[0] - 1) * (sides[1] - 1);
     let rank_one = |state: &State| {
@@ -141,7 +142,7 @@ fn searched(
             rounding,
         )
     };
-    let chance = |sigmas: f64| sigmas <= tol::STRUCTURE_SIGMAS;
+    let chance = |sigmas: f64| sigmas <= limits::STRUCTURE_SIGMAS;
 
     let mut state = State::new(
         target,
@@ -255,7 +256,7 @@ fn grown(
     settled: Enough,
     holds: &dyn Fn(&State) -> bool,
 ) -> Result<State, LinalgError> {
-    for _ in 0..tol::GROWTH_MOST {
+    for _ in 0..limits::GROWTH_MOST {
         if holds(&state) {
             break;
         }
@@ -326,7 +327,7 @@ fn merged(
         let near = (0..n).filter(|&m| owner[m] == m).find(|&m| {
             let allowed =
                 variance * (spread[m].iter().sum::<f64>() + spread[n].iter().sum::<f64>());
-            (state.lambda[m] - state.lambda[n]).norm_sqr() < tol::REPEATED_SIGMAS * allowed
+            (state.lambda[m] - state.lambda[n]).norm_sqr() < limits::REPEATED_SIGMAS * allowed
         });
         let Some(m) = near else { continue };
         let share = [0, 1].map(|d| spread[n][d] / (spread[m][d] + spread[n][d]));
@@ -338,7 +339,7 @@ fn merged(
             continue;
         };
         if one.sse - state.sse
-            < tol::REPEATED_SIGMAS * variance + tol::STRUCTURE_ROUNDING * target.energy
+            < limits::REPEATED_SIGMAS * variance + limits::STRUCTURE_ROUNDING * target.energy
         {
             state = one;
             spread = state.spread();

@@ -7,6 +7,7 @@
 //! Hermitian solve per cluster of overlapping modes.
 
 use crate::shapes::factor::Factor;
+use crate::shapes::limits;
 use crate::shapes::line_products::LineProducts;
 use crate::shapes::tangent::{overlapping, pivot, taken, unknowns, Tangent, Unknown};
 use crate::shapes::target::{Products, Shapes, Target};
@@ -35,8 +36,8 @@ impl Enough {
     /// `largest`: step in half-bandwidths; `drop`: of the sum of squares by it.
     fn is_reached(self, largest: f64, drop: f64) -> bool {
         let step = match self {
-            Self::SumOfSquares(least) if drop < least => tol::STRUCTURED_ROUGH_STEP,
-            Self::Fine | Self::SumOfSquares(_) => tol::STRUCTURED_FINE_STEP,
+            Self::SumOfSquares(least) if drop < least => limits::STRUCTURED_ROUGH_STEP,
+            Self::Fine | Self::SumOfSquares(_) => limits::STRUCTURED_FINE_STEP,
             Self::Rough => tol::ROUGH_STEP,
         };
         largest < step
@@ -132,7 +133,11 @@ impl State {
             gram_inverse: &self.gram_inverse,
             real: self.real,
         };
-        tangent.information(unknowns, &tangent.inside(unknowns), tol::STRUCTURED_RIDGE)
+        tangent.information(
+            unknowns,
+            &tangent.inside(unknowns),
+            limits::STRUCTURED_RIDGE,
+        )
     }
 
     /// Gradient along the same unknowns.
@@ -206,7 +211,8 @@ impl State {
             for &n in modes {
                 let size = moves[n].norm() / self.lambda[n].im;
                 largest = largest.max(size);
-                lambda[n] += moves[n] * (tol::STRUCTURED_STEP / size.max(tol::STRUCTURED_STEP));
+                lambda[n] +=
+                    moves[n] * (limits::STRUCTURED_STEP / size.max(limits::STRUCTURED_STEP));
                 lambda[n].im = lambda[n].im.max(0.1 * self.lambda[n].im);
             }
         }
@@ -231,14 +237,14 @@ impl State {
                 Ok(((next, largest), kept)) if next.sse <= self.sse + rounding => {
                     let drop = self.sse - next.sse;
                     clusters =
-                        (largest < tol::MATRIX_KEPT && next.pivot == self.pivot).then_some(kept);
+                        (largest < limits::MATRIX_KEPT && next.pivot == self.pivot).then_some(kept);
                     self = next;
                     damping *= 0.1;
                     if enough.is_reached(largest, drop) {
                         break;
                     }
                 }
-                Ok(((_, largest), _)) if largest < tol::STRUCTURED_FINE_STEP => break,
+                Ok(((_, largest), _)) if largest < limits::STRUCTURED_FINE_STEP => break,
                 _ => {
                     damping = (damping * 10.0).max(1e-6);
                     if damping > tol::LM_GIVE_UP {

@@ -3,8 +3,8 @@
 //! (theory.md, eq. 28). Structured refinement steps along it, error bars of shapes are
 //! read off it.
 
+use crate::shapes::limits;
 use crate::shapes::line_products::LineProducts;
-use crate::tolerances as tol;
 use chladni_linalg::{matmul, matmul_h};
 use ndarray::Array2;
 use num_complex::Complex64;
@@ -158,7 +158,8 @@ pub(crate) fn overlapping(lambda: &[Complex64]) -> Vec<Vec<usize>> {
     let mut clusters: Vec<Vec<usize>> = Vec::new();
     for n in order {
         let near = |&m: &usize| {
-            lambda[n].re - lambda[m].re < tol::CLUSTER_HALF_WIDTHS * lambda[m].im.max(lambda[n].im)
+            lambda[n].re - lambda[m].re
+                < limits::CLUSTER_HALF_WIDTHS * lambda[m].im.max(lambda[n].im)
         };
         match clusters
             .last_mut()

@@ -5,6 +5,7 @@ use crate::damping::gram::Cauchy;
 use crate::damping::structural::basis;
 use crate::data::columns::Columns;
 use crate::shapes::alternation::add_product;
+use crate::shapes::limits;
 use crate::shapes::line_products::background;
 use crate::shapes::line_products::LineProducts;
 use crate::tolerances as tol;
@@ -14,9 +15,6 @@ use ndarray::{s, Array2, ArrayView2, Axis, Order, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::borrow::Cow;
-
-/// DOFs of the eliminated side per block: several for each thread where there are few.
-const BLOCK: usize = 8;
 
 /// The data once residual terms and out-of-band poles are taken out: what the modes of
 /// the band must explain.
@@ -147,7 +145,7 @@ impl Products {
         let other = target.sides[1];
         let blocks: Vec<ArrayView2<f64>> = target
             .back
-            .axis_chunks_iter(Axis(1), BLOCK * other)
+            .axis_chunks_iter(Axis(1), limits::TARGET_BLOCK * other)
             .collect();
         let parts: Vec<Shapes> = blocks
             .into_par_iter()
@@ -166,10 +164,10 @@ impl Products {
             along_shape: Array2::zeros(participation.dim()),
             along_both: Array2::zeros((participation.nrows(), 1)),
         };
-        for (part, mut shape) in parts
-            .iter()
-            .zip(all.shape.axis_chunks_iter_mut(Axis(1), BLOCK))
-        {
+        for (part, mut shape) in parts.iter().zip(
+            all.shape
+                .axis_chunks_iter_mut(Axis(1), limits::TARGET_BLOCK),
+        ) {
             shape.assign(&part.shape);
             all.explained += part.explained;
             all.along_shape += &part.along_shape;

@@ -1,0 +1,90 @@
+//! Every constant of this room: meaning, unit, where it comes from, and what happens at other
+//! values where that was tried.
+
+// delay.rs
+
+/// Phase of a well-known mode, rad: real structures are not real to more than some
+/// degrees.
+pub(super) const NATURAL_PHASE: f64 = 0.03;
+/// Modes that must carry the evidence: fewer fit some delay by chance.
+pub(super) const DELAY_LEAST_MODES: f64 = 4.0;
+/// Rms phase, rad, that may be left after the delay is taken off: shapes more complex
+/// than that hide a delay.
+pub(super) const LEFT_OVER: f64 = 0.2;
+/// A delay counts from so many of its standard deviations ...
+pub(super) const DELAY_SIGMAS: f64 = 5.0;
+/// ... and from this phase at the highest mode, rad (3°).
+pub(super) const LEAST_PHASE: f64 = 0.05;
+
+// hidden.rs
+
+/// Poles around such a place that may take over what a mode there would add.
+pub(super) const NEIGHBOURS: usize = 6;
+/// Half-bandwidths, and lines, on both sides of it.
+pub(super) const HIDDEN_WINDOW: (f64, usize) = (8.0, 16);
+
+// kind.rs
+
+/// Mean of unit phasors (or of (ΣR²)/Σ|R|²) from which the modes count as of one phase;
+/// random phases of five modes reach it in less than one case of a hundred, complex
+/// shapes with 20° of scatter lie above it.
+pub(super) const COHERENT: f64 = 0.7;
+/// The phase must lie this near to a multiple of 90°, rad.
+pub(super) const KIND_NEAR: f64 = std::f64::consts::PI / 6.0;
+/// Modes needed, with driving points and without.
+pub(super) const KIND_LEAST_MODES: [usize; 2] = [2, 3];
+
+// line_shape.rs
+
+/// Strongest FRFs looked at for each mode.
+pub(super) const LINE_SHAPE_FRFS_MOST: usize = 16;
+/// Half-bandwidths, and lines, on both sides of a mode.
+pub(super) const REACH: (f64, usize) = (4.0, 8);
+/// Half-bandwidths to the next mode.
+pub(super) const ALONE: f64 = 12.0;
+/// Steps of the fit of one pole.
+pub(super) const STEPS: usize = 20;
+/// A step smaller than this part of the decay ends the fit.
+pub(super) const STILL: f64 = 1e-4;
+/// Lines are counted once however many FRFs there are: leakage errors of one record are
+/// common to all of them.
+pub(super) const UNKNOWNS: usize = 4;
+
+// moving.rs
+
+/// FRFs looked at for each mode: the strongest.
+pub(super) const MOVING_FRFS_MOST: usize = 48;
+/// Half-bandwidths, and lines, on both sides of a mode.
+pub(super) const MOVING_WINDOW: (f64, usize) = (4.0, 6);
+/// Scatter of the frequency over the FRFs, in half-bandwidths, at which a mode moves.
+pub(super) const MOVES: f64 = 0.5;
+/// ... and that must exceed so many times what noise does.
+pub(super) const OVER_NOISE: f64 = 3.0;
+/// Share of the modes that must move before the data as a whole contradict one set of
+/// poles.
+pub(super) const SHARE: f64 = 0.5;
+
+// reciprocal.rs
+
+/// Gain difference that is named, as a ratio: calibrated chains agree to one or two per
+/// cent.
+pub(super) const GAIN: f64 = 0.05;
+/// ... and must exceed so many of its standard deviations.
+pub(super) const RECIPROCAL_SIGMAS: f64 = 5.0;
+/// Share of an FRF that no factor explains.
+pub(super) const UNLIKE: f64 = 0.3;
+
+// split.rs
+
+/// Poles nearer than so many of the larger half-bandwidth are looked at together.
+pub(super) const SPLIT_NEAR: f64 = 2.0;
+/// Half-bandwidths, and lines, on both sides.
+pub(super) const SPLIT_WINDOW: (f64, usize) = (4.0, 8);
+/// FRFs looked at: of the DOFs that show the modes best.
+pub(super) const SPLIT_FRFS_MOST: usize = 48;
+
+// window_bias.rs
+
+/// Loss factors that a window could have raised by this much, relative, are worth a word
+/// ...
+pub(super) const BIAS: f64 = 0.03;

@@ -1,0 +1,40 @@
+//! Every constant of this room: meaning, unit, where it comes from, and what happens at other
+//! values where that was tried.
+
+// columns.rs
+
+/// Least loss factor of a pole that is taken from one law to the other: steps are
+/// measured in half-bandwidths.
+pub(super) const LEAST_LOSS: f64 = 1e-6;
+
+// gram.rs
+
+/// Columns that a thread makes at a time: fewer take less time than to share them out.
+pub(super) const POLES_AT_A_TIME: usize = 8;
+
+// phased.rs
+
+/// Powers of y = √x beside those of x: the residual terms of the viscous law that the
+/// structural one has not.
+pub(super) const ODD_POWERS: [i32; 4] = [-3, 1, 3, 5];
+/// Steps at most.
+pub(super) const STEPS: usize = 20;
+/// What a step promises to take off the sum of squares, in units of the noise variance,
+/// below which it is the last: a thousandth of what decides.
+pub(super) const PROMISED: f64 = 1e-2;
+/// Largest step of an angle, rad.
+pub(super) const TURN: f64 = 0.3;
+
+// verdict.rs
+
+/// What the wrong law shifts a frequency and a loss factor by, relative and over η².
+pub(super) const FREQUENCY_SHIFT: f64 = 0.25;
+/// See above.
+pub(super) const LOSS_SHIFT: f64 = 0.28;
+/// Difference of −2 ln likelihood that decides: for two models with as many unknowns each
+/// the wrong one wins by so much with a probability below Φ(−4) = 3e-5.
+pub(super) const DECIDES: f64 = 16.0;
+/// Standard deviations of χ² that the angles of the better law may stand over its mean.
+pub(super) const ANGLES_EXPLAINED: f64 = 4.0;
+/// Loss factor from which on a pole of the band is background.
+pub(super) const BROAD: f64 = 0.3;

@@ -1,0 +1,117 @@
+//! Every constant of this room: meaning, unit, where it comes from, and what happens at other
+//! values where that was tried.
+
+// information.rs
+
+/// Part of an unknown (its square) in directions without information from which on it is
+/// not known. Rounding of the eigenvectors reaches 1e-12.
+pub(super) const IN_THE_DARK: f64 = 1e-6;
+
+// memory.rs
+
+/// FRFs per block in a streaming pass: a block of 2000 lines stays in the second-level
+/// cache.
+pub(super) const BLOCK_FRFS: usize = 64;
+/// Least FRFs of one such sum: fewer, and adding the sums costs more than making them.
+pub(super) const GROUP_FRFS: usize = 128;
+
+// noise_weights.rs
+
+/// Loss of variance by equal weights, mean(σ²)·mean(1/σ²) − 1, from which FRFs are
+/// weighted. Noise within a factor 1.5 stays below.
+pub(super) const WORTH_WEIGHING: f64 = 0.1;
+/// Residual over data below which it is rounding and not noise.
+pub(super) const ROUNDING: f64 = 1e-7;
+/// Sweeps of the two-way mean; a complete set is exact after one.
+pub(super) const SWEEPS: usize = 20;
+
+// noisy_frfs.rs
+
+/// Noise over the median noise, absolute and relative to the FRF, from which an FRF is
+/// left out. It then carries less than 2 % of the information of another; smooth
+/// differences of shape between FRFs reach 3.
+pub(super) const FAR: f64 = 8.0;
+/// Largest share of the FRFs that may go: beyond it there is no usual noise to compare
+/// with.
+pub(super) const NOISY_FRFS_SHARE_MOST: f64 = 0.25;
+/// Stencils of five lines that the noise is estimated from: in all, and of one FRF. 16
+/// give it to a quarter, and many FRFs together still cost far less than a pass over the
+/// data.
+pub(super) const STENCILS_IN_ALL: usize = 50_000;
+/// See above: fewest and most of one FRF.
+pub(super) const STENCILS: (usize, usize) = (16, 200);
+
+// options.rs
+
+/// Columns of the count sketch, unless told otherwise. 64–96 keep every mode that stands
+/// out of the noise (study); fewer lose weak modes that share a bucket, more only cost
+/// time.
+pub(super) const SKETCH_COLUMNS: usize = 80;
+/// Most passes over the data beyond the two, for modes that only all FRFs together show
+/// and for columns without the noise of poles that are gone.
+pub(super) const EXTRA_PASSES: usize = 3;
+
+// outliers.rs
+
+/// Residual energy over the level around it from which a line is an outlier. (One FRF of
+/// white noise reaches 20 times its median on one line of a million.)
+pub(super) const OVER_LEVEL: f64 = 30.0;
+/// Level up to which a neighbour is sound.
+pub(super) const SOUND: f64 = 8.0;
+/// Share of the model's own energy on the line that the residual must reach: less is
+/// misfit of a resonance.
+pub(super) const OF_MODEL: f64 = 0.1;
+/// Most neighbouring outliers.
+pub(super) const RUN_MOST: usize = 2;
+/// Largest share of the lines that may go; more than that is no matter of outliers.
+pub(super) const OUTLIERS_SHARE_MOST: f64 = 0.15;
+/// Lines on both sides that the level is taken from.
+pub(super) const AROUND: usize = 20;
+
+// peaks.rs
+
+/// Prominence of a peak of the mean |FRF|² that may seed a pole, dB.
+pub(super) const SEED_PROMINENCE_DB: f64 = 4.0;
+/// Height of a seed over the local noise, dB.
+pub(super) const SEED_OVER_NOISE_DB: f64 = 6.0;
+/// Prominence and height over the local noise of a peak that must be explained, dB. Side
+/// lobes and noise stay below.
+pub(super) const STRIKING_PROMINENCE_DB: f64 = 12.0;
+/// See above, dB.
+pub(super) const STRIKING_OVER_NOISE_DB: f64 = 20.0;
+/// Most seeds.
+pub(super) const SEEDS_MOST: usize = 100;
+/// Records longer than this keep all lines near the peaks and thin out the rest.
+pub(super) const DECIMATE_ABOVE_LINES: usize = 4000;
+
+// products.rs
+
+/// Least share of a line's noise that a model leaves: less, and the residual there tells
+/// rounding, not noise.
+pub(super) const LEVERAGE_LEFT: f64 = 0.05;
+/// Directions of the second pass weaker than this part of the strongest (in energy) are
+/// rounding: the Gram matrix holds them to about 1e-16 of it.
+pub(super) const GRAM_ROUNDING: f64 = 1e-13;
+/// Part of a direction of the second pass outside those before it from which on none is
+/// near rounding.
+pub(super) const GRAM_SOUND: f64 = 1e-6;
+
+// reading.rs
+
+/// Sums that need not wait for each other.
+pub(super) const READING_LANES: usize = 4;
+
+// screening.rs
+
+/// Lines needed beyond the number of modes.
+pub(super) const LINES_TO_SPARE: usize = 8;
+
+// sketch.rs
+
+/// Sums that need not wait for each other.
+pub(super) const SKETCH_LANES: usize = 8;
+
+// window.rs
+
+/// Largest deviation of a line from an even axis, as a part of the spacing.
+pub(super) const EVEN: f64 = 0.01;

@@ -1,0 +1,142 @@
+//! Every constant of this room: meaning, unit, where it comes from, and what happens at other
+//! values where that was tried.
+
+// several files
+
+/// Part of the modes whose neighbourhood is misfitted beyond which the fast chain gives
+/// up before it settles the order.
+pub(super) const MISFIT_SHARE: f64 = 0.4;
+
+// chain.rs
+
+/// Share of the residual energy left after conjugation that proves the wrong time sign.
+/// Right-signed data lose a factor of 100 and more by conjugation; data of no structure
+/// lose nothing either way.
+pub(super) const CONJUGATE_SHARE: f64 = 0.25;
+/// Drop of the noise variance by which a pool of twice the size proves that the first was
+/// too small. Measured misfit (1 to 20 % of the data) cannot fall so far; hidden modes at
+/// 60 dB and more do.
+pub(super) const LARGER_POOL_GAIN: f64 = 1e-2;
+
+// descent.rs
+
+/// What a step promises to take off the sum of squares, in units of the noise variance,
+/// below which it is the last: no pole moves by more than 1e-3 of its error bar in it,
+/// and what is left after it is a tenth and less of that.
+pub(super) const PROMISED: f64 = 1e-6;
+/// Part of itself that a step leaves of a pole's loss and of the square of its natural
+/// frequency where it would take all of it.
+pub(super) const KEPT: f64 = 0.2;
+
+// first_look.rs
+
+/// Visible peaks from which the strongest sections of the band are judged before the
+/// chain begins: below, the whole chain costs no more than a few such looks.
+pub(super) const FIRST_LOOK_ABOVE: usize = 50;
+/// Sections that are asked.
+pub(super) const ASKED: usize = 3;
+/// Excess over what white noise allows that a mode missed by a rough fit hardly makes.
+pub(super) const CLEAR: f64 = 3.0;
+
+// normal.rs
+
+/// Part of the residual's energy that the rounding of normal equations may reach: a
+/// thousandth of the noise of one value in a set of some 10⁵.
+pub(super) const NORMAL_ROUNDING: f64 = 1e-8;
+/// Part of a derivative outside the columns (its square) that normal equations still tell
+/// from rounding.
+pub(super) const DERIVATIVE_OUTSIDE: f64 = 1e-9;
+
+// passes.rs
+
+/// What a place must take out of all FRFs beyond their noise, as part of what a pole
+/// there would have to, before a pass is spent on it: the place is not refined yet, and
+/// sees at least this much of a mode next to it.
+pub(super) const CONFIRMED: f64 = 0.5;
+/// The same of a place that the sketch has refined, before a whole pass is made for it:
+/// it sees nearly all of a mode.
+pub(super) const CONFIRMED_REFINED: f64 = 0.9;
+/// Most places that one such look asks for.
+pub(super) const PLACES: usize = 16;
+/// Distance in half-bandwidths within which two passes found the same pole.
+pub(super) const SAME_POLE: f64 = 0.3;
+
+// pool.rs
+
+/// Change of what a step leaves, as part of it, after which there is no further one: a
+/// panel then stands still after four, heavy overlap and wide bands take all eight.
+pub(super) const POOL_SETTLED: f64 = 2e-3;
+/// Part of a basis column outside those before it below which it is rounding.
+pub(super) const DEPENDENT: f64 = 1e-11;
+
+// prune.rs
+
+/// Factor on the tail of the noise in the significance threshold (theory.md, eq. 8). 1.0
+/// finds one more mode in heavy overlap, 3 (about BIC) loses one to three there; no
+/// spurious mode was seen between.
+pub(super) const SIGNIFICANCE: f64 = 1.5;
+/// Rise of the sum of squares, in units of the significance threshold, below which a pole
+/// is judged by a fit without it. Poles that lean on a neighbour were seen at 2 to 5;
+/// modes in noise stand at 10 and more, and each costs a refinement.
+pub(super) const LEANING: f64 = 10.0;
+/// Steps after which a pool is thinned again: poles of noise are told from others long
+/// before they stand still.
+pub(super) const THINNING_STEPS: usize = 2;
+/// Times that this may take none out before the pool counts as thinned.
+pub(super) const THINNING_ROUNDS: usize = 3;
+
+// scan.rs
+
+/// Places per block of products.
+pub(super) const BLOCK: usize = 64;
+/// Loss factor where no pole of the band tells the usual one.
+pub(super) const UNKNOWN_LOSS: f64 = 0.01;
+
+// sections.rs
+
+/// Bands with no more visible peaks than this are searched in one piece.
+pub(super) const WHOLE: usize = 12;
+/// Peaks between two cuts, about. Half as many doubles the share of the overlaps, twice
+/// as many doubles the cost.
+pub(super) const PEAKS: usize = 6;
+/// Peaks of the neighbour that a section reaches over.
+pub(super) const OVERLAP: usize = 2;
+
+// settle.rs
+
+/// Rounds of adding poles at residual peaks before the order stands.
+pub(super) const SCAN_ROUNDS: usize = 6;
+/// Natural frequencies outside the band at which a mode is sought, over that of its end.
+pub(super) const BELOW: [f64; 2] = [0.8, 0.45];
+/// See above.
+pub(super) const ABOVE: [f64; 3] = [1.03, 1.12, 1.35];
+/// Loss factor that such a search begins with.
+pub(super) const OUTSIDE_LOSS: f64 = 0.02;
+
+// start.rs
+
+/// Where a pole of no natural frequency is put: at so much of the x of the first line.
+pub(super) const FAR_BELOW: f64 = 0.01;
+
+// whiteness.rs
+
+/// Excess of the residual energy around a mode, over the whole band's and beyond chance,
+/// that still counts as white: poles of the projection are not yet the refined ones. Real
+/// misfit (windows, moving poles, non-linear supports) stands 10 to 1000 times above the
+/// noise there.
+pub(super) const WHITE_LOCAL: f64 = 0.35;
+/// Correlation of neighbouring residual lines up to which a residual counts as white.
+pub(super) const WHITE_CORRELATION: f64 = 0.1;
+/// Correlation of neighbouring residual lines around misfitted modes below which the
+/// misfit has no shape. Gain noise gives 0 (less, where it is fitted away), a missing
+/// mode a line wide and more 0.4 to 1.
+pub(super) const SHAPELESS: f64 = 0.2;
+/// Ratio of the noise of a tenth of the band to the whole band beyond which one noise
+/// level cannot serve.
+pub(super) const WHITE_SEGMENT: f64 = 2.5;
+/// Rate at which all whiteness looks together may call white noise coloured. A tenth of
+/// it widens every limit by some 10 %.
+pub(super) const WHITE_FALSE_ALARM: f64 = 0.01;
+/// Share of the data's energy below which a residual is rounding and need not be white:
+/// −140 dB, what no converter resolves.
+pub(super) const EXPLAINED: f64 = 1e-14;

@@ -1,0 +1,106 @@
+//! Every constant of this room: meaning, unit, where it comes from, and what happens at other
+//! values where that was tried.
+
+// several files
+
+/// Regularisation of structured refinement relative to a derivative's own sum of squares:
+/// far below any information of interest, far above rounding.
+pub(super) const STRUCTURED_RIDGE: f64 = 1e-11;
+
+// acceleration.rs
+
+/// Steps that the rank-one refit remembers: three slow rates at a time and one to spare.
+/// On the panel 1, 2 and 8 took 20 sweeps, 4 took 25, none 39.
+pub(super) const STEPS_REMEMBERED: usize = 4;
+/// Ridge on the correlations of the steps remembered: what rounding makes of them.
+pub(super) const STEPS_RIDGE: f64 = 1e-15;
+
+// alternation.rs
+
+/// Responses per block: some hundred kilobytes of residues, and several blocks for each
+/// thread where there are few responses.
+pub(super) const ALTERNATION_BLOCK: usize = 16;
+
+// error_bars.rs
+
+/// Square of the least pivot of such a matrix from which on every direction counts as
+/// known.
+pub(super) const WELL_INFORMED: f64 = 1e-5;
+/// 95 % of a normal distribution lie within so many standard deviations.
+pub(super) const SIGMAS_95: f64 = 1.96;
+/// Square of the relative half-width of a driving-point residue beyond which its mode's
+/// scale is called no less known: the error bars are a hundred times those of first
+/// order.
+pub(super) const SCALE_KNOWN: f64 = 1.0 - 1e-4;
+
+// growth.rs
+
+/// Candidates per block of products.
+pub(super) const GROWTH_BLOCK: usize = 64;
+/// Power iterations for the largest singular value: a lower bound within a few per cent,
+/// enough to rank places.
+pub(super) const GROWTH_POWER_STEPS: usize = 8;
+
+// low_rank.rs
+
+/// Iterations of the alternating rank-one refit of residues; separated modes need two,
+/// close ones some tens.
+pub(super) const RANK_ONE_ITERATIONS: usize = 60;
+/// Relative change of the structured sum of squares that ends the rank-one refit.
+pub(super) const RANK_ONE_CHANGE: f64 = 1e-9;
+/// Part of the energy of free residues above which the misfit of low rank is told by a
+/// difference of sums.
+pub(super) const RANK_ONE_KNOWN: f64 = 1e-6;
+
+// residues.rs
+
+/// Power steps towards the strongest term of one mode's residues: its next singular value
+/// is noise, or the search that follows finds it.
+pub(super) const POWER_STEPS: usize = 4;
+/// Singular values of an out-of-band pole's residues count where they exceed this times
+/// the largest that noise makes; below it the weak direction costs more in noise than it
+/// explains.
+pub(super) const RANK_OVER_NOISE: f64 = 1.5;
+
+// search.rs
+
+/// Standard deviations of χ² by which a structural constraint may raise the sum of
+/// squares: chance passes in all but one of some thousand sets, complex shapes of 10
+/// degrees scatter stand hundreds away.
+pub(super) const STRUCTURE_SIGMAS: f64 = 4.0;
+/// Part of the data's energy that the difference of two sums of squares loses to
+/// rounding.
+pub(super) const STRUCTURE_ROUNDING: f64 = 1e-12;
+/// Most modes that structured growth adds.
+pub(super) const GROWTH_MOST: usize = 12;
+/// Squared distance of two poles, in units of its variance, up to which they count as one
+/// repeated pole: equal poles lie farther apart in one set of a hundred.
+pub(super) const REPEATED_SIGMAS: f64 = 4.6;
+/// Half-bandwidths beyond the ends of the band within which a pole is sought with those
+/// inside.
+pub(super) const BESIDE_HALF_WIDTHS: f64 = 4.0;
+
+// step.rs
+
+/// Largest step of a pole in structured refinement, half-bandwidths.
+pub(super) const STRUCTURED_STEP: f64 = 0.5;
+/// Step, in half-bandwidths, from which structured refinement keeps its Gauss–Newton
+/// matrices: they change by about this part of themselves, so each later step still
+/// leaves a hundredth of the error, at a tenth of the cost.
+pub(super) const MATRIX_KEPT: f64 = 1e-2;
+/// The same where only a sum of squares is asked for.
+pub(super) const STRUCTURED_ROUGH_STEP: f64 = 1e-4;
+/// Step, in half-bandwidths, that ends structured refinement: clusters stepped apart
+/// converge linearly, so the error left is of the step's own size.
+pub(super) const STRUCTURED_FINE_STEP: f64 = 1e-11;
+
+// tangent.rs
+
+/// Modes farther apart than this many half-bandwidths are stepped apart: their columns
+/// share a tenth of their energy, which a few more steps make good.
+pub(super) const CLUSTER_HALF_WIDTHS: f64 = 8.0;
+
+// target.rs
+
+/// DOFs of the eliminated side per block: several for each thread where there are few.
+pub(super) const TARGET_BLOCK: usize = 8;
