@@ -10,7 +10,6 @@ use crate::damping::limits;
 use crate::damping::phased::{Common, LawFit};
 use crate::data::columns::Columns;
 use crate::data::information::answer;
-use crate::poles::refine::Refined;
 use chladni_frf::{Damping, Finding};
 use chladni_linalg::{matmul, LinalgError};
 use ndarray::{Array1, Array2};
@@ -38,35 +37,44 @@ impl Verdict {
     }
 }
 
-/// The verdict on poles found in the law of `work`; `frfs`: their number.
+/// Poles with the linear part of their fit, in the law of the columns they were found on.
+pub(crate) struct Fitted<'a> {
+    /// Poles in the x plane.
+    pub lambda: &'a [Complex64],
+    /// Powers of x of the residual terms.
+    pub powers: &'a [i32],
+    /// Residues, then residual terms; axes (row, column).
+    pub coefficients: &'a Array2<Complex64>,
+    /// Noise variance of a value.
+    pub variance: f64,
+    /// Number of FRFs.
+    pub frfs: usize,
+}
+
+/// The verdict on poles found in the law of `work`.
 ///
 /// # Errors
 /// A kernel that fails.
-pub(crate) fn verdict(
-    work: &Columns,
-    refined: &Refined,
-    variance: f64,
-    frfs: usize,
-) -> Result<Verdict, LinalgError> {
+pub(crate) fn verdict(work: &Columns, fitted: &Fitted) -> Result<Verdict, LinalgError> {
     let is_mode = |pole: &Complex64| {
         work.in_band(*pole) && pole.im > 0.0 && pole.im < limits::BROAD * pole.re
     };
     let (modes, others): (Vec<usize>, Vec<usize>) =
-        (0..refined.lambda.len()).partition(|&n| is_mode(&refined.lambda[n]));
+        (0..fitted.lambda.len()).partition(|&n| is_mode(&fitted.lambda[n]));
     if modes.is_empty() {
         return Ok(Verdict::Undecidable);
     }
-    let outside: Vec<Complex64> = others.into_iter().map(|n| refined.lambda[n]).collect();
-    let common = Common::new(work, &outside, &refined.powers)?;
+    let outside: Vec<Complex64> = others.into_iter().map(|n| fitted.lambda[n]).collect();
+    let common = Common::new(work, &outside, fitted.powers)?;
     let angle = |n: usize| {
-        let squares: Complex64 = refined.coefficients.row(n).iter().map(|r| r * r).sum();
+        let squares: Complex64 = fitted.coefficients.row(n).iter().map(|r| r * r).sum();
         0.5 * squares.arg()
     };
     let fit = |law: Damping| {
         let start: Vec<(Complex64, f64)> = modes
             .iter()
             .filter_map(|&n| {
-                let pole = refined.lambda[n];
+                let pole = fitted.lambda[n];
                 let there = if law == work.law {
                     Some(pole)
                 } else {
@@ -75,10 +83,10 @@ pub(crate) fn verdict(
                 Some((there?, angle(n)))
             })
             .collect();
-        common.fit(&work.axis().in_law(law), &start, variance)
+        common.fit(&work.axis().in_law(law), &start, fitted.variance)
     };
     let laws = [fit(Damping::Structural)?, fit(Damping::Viscous)?];
-    Ok(weighed(&laws, variance, frfs))
+    Ok(weighed(&laws, fitted.variance, fitted.frfs))
 }
 
 /// The verdict on the fits in the structural and in the viscous law.

@@ -1,17 +1,19 @@
 //! From poles to the model file: residues of every FRF, shapes, scaling, error bars.
 
-use crate::model::identified::{Identified, Pole};
+use crate::model::identified::Identified;
 use crate::model::limits;
 use crate::model::residual_energy::{above_rounding, by_sums, Laid};
+use crate::poles::pole::Pole;
 
 use crate::data::layout::DataLayout;
 use crate::data::options::FitOptions;
 use crate::data::screening::Screened;
 use crate::model::modes::{modes, rejected_mode, scale_unknown, scales, unscaled};
 use crate::model::residues::{linear, synthesis, Linear};
+use crate::poles::pole::Given;
 use crate::shapes::error_bars::{shape_bars, Noisy, Scale, ShapeBars};
 use crate::shapes::low_rank::low_rank_around;
-use crate::shapes::low_rank::{Given, Shapes};
+use crate::shapes::low_rank::Shapes;
 use crate::shapes::residues::{significant_rank, Residues};
 use chladni_frf::{
     ComplexMatrix, Damping, Finding, ModalModel, Quality, ResidualTerm, ResidualTerms, Scaling,

@@ -1,7 +1,7 @@
 //! What the poles found say of the structure: the damping law, and whether one shape per
 //! mode, real or not, serves all references.
 
-use crate::damping::verdict::{self, Verdict};
+use crate::damping::verdict::{self, Fitted, Verdict};
 use crate::data::error::FitError;
 use crate::data::layout::DataLayout;
 use crate::data::options::{FitOptions, ShapeModel};
@@ -78,12 +78,14 @@ fn told(data: &DataLayout, found: &PoleEstimate) -> Result<Verdict, LinalgError>
     if found.measured && found.heaviest_sure() < limits::LAW_ALIKE {
         return Ok(Verdict::Undecidable);
     }
-    verdict::verdict(
-        &found.work,
-        &found.refined,
-        found.variance,
-        data.pairs.len(),
-    )
+    let fitted = Fitted {
+        lambda: &found.refined.lambda,
+        powers: &found.refined.powers,
+        coefficients: &found.refined.coefficients,
+        variance: found.variance,
+        frfs: data.pairs.len(),
+    };
+    verdict::verdict(&found.work, &fitted)
 }
 
 /// Structured refinement where it applies: asked for, or the residual is noise that

@@ -1,8 +1,9 @@
 //! Poles of a model, to be fitted to other FRFs of the same structure.
 
 use crate::data::columns::Columns;
-use crate::model::identified::{Identified, Pole};
+use crate::model::identified::Identified;
 use crate::model::residues::linear;
+use crate::poles::pole::Pole;
 use chladni_frf::{Damping, ModalModel, Mode, Trust};
 use chladni_linalg::LinalgError;
 use ndarray::Array2;

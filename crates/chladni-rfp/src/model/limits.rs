@@ -14,11 +14,6 @@ pub(super) const BUILD_BLOCK: usize = 1024;
 /// than measured line shapes can tell.
 pub(super) const LAW_ALIKE: f64 = 0.02;
 
-// identified.rs
-
-/// Two poles are the same one within this part of themselves.
-pub(super) const SAME: f64 = 1e-12;
-
 // modes.rs
 
 /// Largest standard deviation of a loss factor in the file: a mode that vibrates has one

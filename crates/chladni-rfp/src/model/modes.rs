@@ -1,8 +1,8 @@
 //! Modes in SI units, scaled.
 
 use crate::data::layout::DataLayout;
-use crate::model::identified::Pole;
 use crate::model::limits;
+use crate::poles::pole::Pole;
 use crate::shapes::error_bars::{Scale, ShapeBars};
 use crate::shapes::low_rank::Shapes;
 use crate::validation::complexity::mpc;

@@ -61,6 +61,11 @@ pub(super) const PLACES: usize = 16;
 /// Distance in half-bandwidths within which two passes found the same pole.
 pub(super) const SAME_POLE: f64 = 0.3;
 
+// pole.rs
+
+/// Two poles are the same one within this part of themselves.
+pub(super) const SAME: f64 = 1e-12;
+
 // pool.rs
 
 /// Change of what a step leaves, as part of it, after which there is no further one: a

@@ -8,6 +8,7 @@ pub(crate) mod first_look;
 mod limits;
 pub(crate) mod normal;
 pub(crate) mod passes;
+pub(crate) mod pole;
 pub(crate) mod pool;
 pub(crate) mod prune;
 pub(crate) mod refine;

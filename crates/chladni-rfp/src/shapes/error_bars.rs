@@ -7,7 +7,7 @@
 
 use crate::data::columns::Columns;
 use crate::data::information::answer;
-use crate::model::identified::Pole;
+use crate::poles::pole::Pole;
 use crate::shapes::limits;
 use crate::shapes::line_products::LineProducts;
 use crate::shapes::low_rank::Shapes;

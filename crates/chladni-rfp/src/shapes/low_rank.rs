@@ -1,6 +1,7 @@
 //! Shapes and participations of all poles at once (theory.md, eq. 18–19).
 
 use crate::data::information::answer;
+use crate::poles::pole::Given;
 use crate::shapes::acceleration::Acceleration;
 use crate::shapes::alternation::{Halves, Problem};
 use crate::shapes::limits;
@@ -25,10 +26,6 @@ pub(crate) struct Shapes {
     /// Number of real constraints that the rank-one form sets on free residues.
     pub constraints: usize,
 }
-
-/// Shapes and participations of some poles that are given: (row, response) and (row,
-/// reference).
-pub(crate) type Given = Option<(Array2<Complex64>, Array2<Complex64>)>;
 
 /// Fits R_n = Σ ψ·Lᵀ to all poles at once, with `ranks[n]` terms for pole n (one for a
 /// mode; more for a repeated pole, or for an out-of-band pole that stands for several
