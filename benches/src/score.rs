@@ -135,6 +135,12 @@ fn pair(known: &[&Mode], found: &[&Mode]) -> Vec<(usize, usize)> {
             }
         }
     }
+    nearest_first(near)
+}
+
+/// Pairs (true mode, found mode) of candidates (distance, true, found), the nearest first;
+/// each mode once.
+pub(crate) fn nearest_first(mut near: Vec<(f64, usize, usize)>) -> Vec<(usize, usize)> {
     near.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut pairs: Vec<(usize, usize)> = Vec::new();
     for (_, k, f) in near {

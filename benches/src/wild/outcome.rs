@@ -4,6 +4,7 @@ use super::draw::Draw;
 use super::evidence::evidence;
 use super::measurement::{measurement, Measurement};
 use crate::journal::nan;
+use crate::score::nearest_first;
 use chladni_frf::{Damping, Finding, FrfSet, ModalModel, Mode, Result, Trust};
 use chladni_rfp::{fit, FitError, FitOptions};
 use serde::{Deserialize, Serialize};
@@ -243,12 +244,5 @@ fn pair(known: &[&Mode], found: &[&Mode]) -> Vec<(usize, usize)> {
             }
         }
     }
-    near.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut pairs: Vec<(usize, usize)> = Vec::new();
-    for (_, k, f) in near {
-        if pairs.iter().all(|&(known, found)| known != k && found != f) {
-            pairs.push((k, f));
-        }
-    }
-    pairs
+    nearest_first(near)
 }

@@ -64,11 +64,7 @@ pub fn cramer_rao(
                 matmul_h(outside.view(), outside.view()) * residue_gram,
                 modes.len(),
             )?;
-            Ok(root
-                .columns()
-                .into_iter()
-                .map(PoleVariance::circular)
-                .collect())
+            Ok(PoleVariance::circular(&root))
         },
     )
 }
@@ -82,15 +78,18 @@ pub(crate) struct PoleVariance {
 }
 
 impl PoleVariance {
-    /// Of a complex unknown whose column of the inverse root is `column`: both parts
-    /// share the variance.
-    pub fn circular(column: ArrayView1<Complex64>) -> Self {
-        let variance = column.iter().map(|v| v.norm_sqr()).sum();
-        Self {
-            re: variance,
-            im: variance,
-            cross: 0.0,
-        }
+    /// Of complex unknowns, one per column of the inverse root: both parts share the
+    /// variance.
+    pub fn circular(root: &Array2<Complex64>) -> Vec<Self> {
+        let of = |column: ArrayView1<Complex64>| {
+            let variance = column.iter().map(|v| v.norm_sqr()).sum();
+            Self {
+                re: variance,
+                im: variance,
+                cross: 0.0,
+            }
+        };
+        root.columns().into_iter().map(of).collect()
     }
 }
 

@@ -42,11 +42,7 @@ pub fn cramer_rao_rank_one(
         residual_powers,
         |lines, modes| {
             let root = Structure::new(lines, modes)?.inverse_root(modes.len())?;
-            Ok(root
-                .columns()
-                .into_iter()
-                .map(PoleVariance::circular)
-                .collect())
+            Ok(PoleVariance::circular(&root))
         },
     )
 }

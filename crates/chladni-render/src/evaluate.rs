@@ -11,7 +11,6 @@ use crate::setup::{lay_zones, scene_findings};
 use crate::weights::Weights;
 use crate::zones::ZoneMap;
 use chladni_frf::{Dof, Error, Finding, FrfSet, ModalModel, Result};
-use num_complex::Complex64;
 
 /// What the weights are judged on.
 #[derive(Debug, Clone, Copy)]
@@ -168,16 +167,7 @@ pub(crate) fn laid(weights: &Weights, scene: &Scene, on: On) -> Result<Laid> {
 /// The weights in the order of the operator's columns; a reference of the opposite sense
 /// turns its weight round.
 pub(crate) fn drive_on(operator: &Operator, weights: &Weights) -> Drive {
-    let weight_of = |reference: &Dof| {
-        let weight = weights
-            .weights
-            .iter()
-            .find(|weight| weight.reference.same_axis(*reference));
-        weight.map_or(Complex64::ZERO, |weight| {
-            weight.value() * weight.reference.direction.sign() * reference.direction.sign()
-        })
-    };
-    operator.references.iter().map(weight_of).collect()
+    weights.at(&operator.references).into()
 }
 
 /// A missing actuator is here a matter of the weights, not of the scene's list.

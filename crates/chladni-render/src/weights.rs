@@ -118,6 +118,21 @@ impl Weight {
 }
 
 impl Weights {
+    /// The weight of each of `references`, N or V; 0 for those that are not driven. One of
+    /// the opposite sense is turned round.
+    pub fn at(&self, references: &[Dof]) -> Vec<Complex64> {
+        let weight_of = |reference: &Dof| {
+            let weight = self
+                .weights
+                .iter()
+                .find(|weight| weight.reference.same_axis(*reference));
+            weight.map_or(Complex64::ZERO, |weight| {
+                weight.value() * weight.reference.direction.sign() * reference.direction.sign()
+            })
+        };
+        references.iter().map(weight_of).collect()
+    }
+
     /// Reads a weights file's text.
     ///
     /// # Errors

@@ -168,15 +168,13 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         (TABLES[1], accuracy_modes_csv(&rows)),
     ];
     let figures = [accuracy_figures(&rows, &peers), scene_figures(&drives)].concat();
-    let mut files = args.place.write(&tables, &figures, console)?;
-    files.push(args.place.page(
-        "accuracy",
-        "Speed against accuracy",
-        WORDS,
+    let mut files = args.place.finish(
+        ("accuracy", "Speed against accuracy", WORDS),
+        &tables,
         &figures,
+        journal,
         console,
-    )?);
-    journal.finish();
+    )?;
     if args.export || args.export_wrong {
         let all = (args.seed..args.seed + seeds as u64).collect::<Vec<_>>();
         let wrong =

@@ -18,6 +18,7 @@ use chladni_frf::Result;
 use chladni_io::write_atomically;
 use chladni_report::Figure;
 use clap::Parser;
+use serde_json::json;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -117,6 +118,32 @@ impl Place {
             ));
         }
         Ok(journal)
+    }
+
+    /// Writes what `verb` found: tables, figures, and all figures as one page. Returns the
+    /// files; the journal of the run ends.
+    fn finish(
+        &self,
+        (verb, title, words): (&str, &str, &str),
+        tables: &[(&str, String)],
+        figures: &[Figure],
+        journal: Journal,
+        console: &Console,
+    ) -> Result<Vec<PathBuf>> {
+        let mut files = self.write(tables, figures, console)?;
+        files.push(self.page(verb, title, words, figures, console)?);
+        journal.finish();
+        Ok(files)
+    }
+
+    /// The answer of a verb that tells no more than its files and the number of rows.
+    fn answer(&self, files: &[PathBuf], rows: usize, text: String) -> Outcome {
+        let json = json!({
+            "output": self.output.display().to_string(),
+            "files": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
+            "rows": rows,
+        });
+        Outcome::written(&self.output, json, text)
     }
 
     /// Writes all figures as one page, `verb`.html.

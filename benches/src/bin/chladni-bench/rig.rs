@@ -7,7 +7,6 @@ use chladni_console::Console;
 use chladni_console::Outcome;
 use chladni_frf::Result;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use serde_json::json;
 
 /// The table.
 const TABLE: &str = "rig.csv";
@@ -71,27 +70,14 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let mut journal = args.place.journal("rig", &purpose, console)?;
     let rows = rigs(&options, &mut journal, &|stage| console.stage(stage))?;
     let figures = rig_figures(&rows);
-    let mut files = args
-        .place
-        .write(&[(TABLE, rig_csv(&rows))], &figures, console)?;
-    files.push(args.place.page(
-        "rig",
-        "Drives corrected by measured fields",
-        WORDS,
+    let files = args.place.finish(
+        ("rig", "Drives corrected by measured fields", WORDS),
+        &[(TABLE, rig_csv(&rows))],
         &figures,
+        journal,
         console,
-    )?);
-    journal.finish();
-    let json = json!({
-        "output": args.place.output.display().to_string(),
-        "files": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
-        "rows": rows.len(),
-    });
-    Ok(Outcome::written(
-        &args.place.output,
-        json,
-        text(&rows, &options),
-    ))
+    )?;
+    Ok(args.place.answer(&files, rows.len(), text(&rows, &options)))
 }
 
 fn text(rows: &[RigRow], options: &RigOptions) -> String {

@@ -10,7 +10,6 @@ use chladni_console::Outcome;
 use chladni_frf::Result;
 use chladni_render::{Count, Method, MethodChoice};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use serde_json::json;
 
 /// The table.
 const TABLE: &str = "scene.csv";
@@ -110,23 +109,18 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         })?);
     }
     let figures = scene_figures(&rows);
-    let mut files = args
-        .place
-        .write(&[(TABLE, scene_csv(&rows))], &figures, console)?;
-    files.push(args.place.page(
-        "scene",
-        "Scenes: speed, success, and what each means buys",
-        WORDS,
+    let files = args.place.finish(
+        (
+            "scene",
+            "Scenes: speed, success, and what each means buys",
+            WORDS,
+        ),
+        &[(TABLE, scene_csv(&rows))],
         &figures,
+        journal,
         console,
-    )?);
-    journal.finish();
-    let json = json!({
-        "output": args.place.output.display().to_string(),
-        "files": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
-        "rows": rows.len(),
-    });
-    Ok(Outcome::written(&args.place.output, json, text(&rows)))
+    )?;
+    Ok(args.place.answer(&files, rows.len(), text(&rows)))
 }
 
 /// Every number of modes with every number of actuators.

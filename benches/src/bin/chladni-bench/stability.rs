@@ -107,12 +107,13 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         (TABLES[2], calibration_csv(&calibrations)),
     ];
     let figures = stability_figures(&rows, &calibrations);
-    let mut files = args.place.write(&tables, &figures, console)?;
-    files.push(
-        args.place
-            .page("stability", "Where methods fail", WORDS, &figures, console)?,
-    );
-    journal.finish();
+    let mut files = args.place.finish(
+        ("stability", "Where methods fail", WORDS),
+        &tables,
+        &figures,
+        journal,
+        console,
+    )?;
     if args.export_silent {
         files.extend(export_silent(&rows, &args.place.output, console)?);
     }

@@ -85,15 +85,13 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         (TABLES[1], wild_draws_csv(&rows)),
     ];
     let figures = wild_figures(&rows);
-    let mut files = args.place.write(&tables, &figures, console)?;
-    files.push(args.place.page(
-        "wild",
-        "Structures that nobody chose",
-        WORDS,
+    let mut files = args.place.finish(
+        ("wild", "Structures that nobody chose", WORDS),
+        &tables,
         &figures,
+        journal,
         console,
-    )?);
-    journal.finish();
+    )?;
     if args.export {
         for row in &rows {
             let seed = row.draw.seed;

@@ -18,8 +18,8 @@ fn chladni(folder: &Folder, line: &str) -> Command {
     command
 }
 
-#[test]
-fn a_killed_run_leaves_the_old_file_or_the_new_one() {
+/// A folder with two panels, and each as universal file.
+fn two_results() -> (Folder, [Vec<u8>; 2]) {
     let folder = Folder::with_panel();
     folder
         .run("simulate panel.toml -o other.h5 --seed 7 -q")
@@ -30,6 +30,12 @@ fn a_killed_run_leaves_the_old_file_or_the_new_one() {
             .exits(0);
         folder.read(&format!("{name}.unv"))
     });
+    (folder, results)
+}
+
+#[test]
+fn a_killed_run_leaves_the_old_file_or_the_new_one() {
+    let (folder, results) = two_results();
     assert_ne!(results[0], results[1]);
     folder.write("out.unv", &results[0]);
     let started = Instant::now();
@@ -126,16 +132,7 @@ fn wait_for_start(pid: u32) {
 #[cfg(target_os = "linux")]
 #[test]
 fn any_signal_leaves_the_old_file_or_the_new_one_and_nothing_beside_it() {
-    let folder = Folder::with_panel();
-    folder
-        .run("simulate panel.toml -o other.h5 --seed 7 -q")
-        .exits(0);
-    let results = ["panel", "other"].map(|name| {
-        folder
-            .run(&format!("convert {name}.h5 -o {name}.unv -q"))
-            .exits(0);
-        folder.read(&format!("{name}.unv"))
-    });
+    let (folder, results) = two_results();
     folder.write("out.unv", &results[0]);
     let names = folder.names();
     let started = Instant::now();

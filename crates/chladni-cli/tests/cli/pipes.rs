@@ -15,12 +15,7 @@ fn bash(folder: &Folder, line: &str) -> Run {
         .current_dir(folder.path())
         .output()
         .unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    Run {
-        code: output.status.code().unwrap(),
-        stdout: text(output.stdout),
-        stderr: text(output.stderr),
-    }
+    Run::of(output)
 }
 
 /// The ways to give a file that can be read once.

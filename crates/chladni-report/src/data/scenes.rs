@@ -18,7 +18,7 @@ pub(crate) fn value(
     geometry: Option<&Geometry>,
 ) -> Value {
     let weights = scene.weights;
-    let drive = input.model.map(|model| drive_of(weights, model));
+    let drive = input.model.map(|model| weights.at(&model.references));
     json!({
         "name": weights.scene,
         "frequency_hz": weights.frequency_hz,
@@ -87,21 +87,6 @@ fn field(shown: &ShownField, geometry: Option<&Geometry>) -> Value {
         "surface": shown.area.map(|area| json!({"x": area.x_m, "y": area.y_m, "velocity": complex(&area.velocity_m_per_s),
             "ground": u8s(area.ground.iter().map(|&ground| code(ground)))})),
     })
-}
-
-/// The weights in the order of the model's references; none for those that are not
-/// driven.
-fn drive_of(weights: &Weights, model: &ModalModel) -> Vec<Complex64> {
-    let of = |reference: &chladni_frf::Dof| {
-        let weight = weights
-            .weights
-            .iter()
-            .find(|weight| weight.reference.same_axis(*reference));
-        weight.map_or(Complex64::ZERO, |weight| {
-            weight.value() * weight.reference.direction.sign() * reference.direction.sign()
-        })
-    };
-    model.references.iter().map(of).collect()
 }
 
 /// Participation of each mode in the drive, and what the residual terms make of it at the

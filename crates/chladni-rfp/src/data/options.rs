@@ -78,14 +78,22 @@ impl fmt::Display for Method {
 impl FromStr for Method {
     type Err = String;
     fn from_str(text: &str) -> Result<Self, String> {
-        Self::ALL
-            .into_iter()
-            .find(|m| m.as_str() == text)
-            .ok_or_else(|| {
-                let names: Vec<&str> = Self::ALL.iter().map(|m| m.as_str()).collect();
-                format!("`{text}` is no method; write {}", names.join(", "))
-            })
+        named(&Self::ALL, Self::as_str, text, "method")
     }
+}
+
+/// The one of `all` whose name is `text`.
+fn named<T: Copy>(
+    all: &[T],
+    name: fn(T) -> &'static str,
+    text: &str,
+    kind: &str,
+) -> Result<T, String> {
+    let found = all.iter().copied().find(|&one| name(one) == text);
+    found.ok_or_else(|| {
+        let names: Vec<&str> = all.iter().map(|&one| name(one)).collect();
+        format!("`{text}` is no {kind}; write {}", names.join(", "))
+    })
 }
 
 /// What residues may be (several references, or real modes).
@@ -120,13 +128,7 @@ impl ShapeModel {
 impl FromStr for ShapeModel {
     type Err = String;
     fn from_str(text: &str) -> Result<Self, String> {
-        Self::ALL
-            .into_iter()
-            .find(|m| m.as_str() == text)
-            .ok_or_else(|| {
-                let names: Vec<&str> = Self::ALL.iter().map(|m| m.as_str()).collect();
-                format!("`{text}` is no model of shapes; write {}", names.join(", "))
-            })
+        named(&Self::ALL, Self::as_str, text, "model of shapes")
     }
 }
 
