@@ -22,6 +22,7 @@ pub const MODES_HZ: &str = "modes_hz";
 /// Weight of a finding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Severity {
     /// Good to know; nothing need be done.
     Note,

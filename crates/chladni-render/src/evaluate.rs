@@ -23,6 +23,7 @@ pub enum On<'a> {
 
 /// How given weights do on other data.
 #[derive(Debug, Clone, PartialEq)]
+#[must_use]
 pub struct Evaluation {
     /// Frequency at which they were judged, Hz: the line's, where FRFs were given.
     pub frequency_hz: f64,

@@ -36,6 +36,7 @@ pub struct SweptFrequency {
 
 /// A sweep and what it suggests.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[must_use]
 pub struct FrequencySweep {
     /// Rising.
     pub frequencies: Vec<SweptFrequency>,

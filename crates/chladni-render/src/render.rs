@@ -20,6 +20,7 @@ use std::borrow::Cow;
 
 /// Weights, and the field that they make in the model.
 #[derive(Debug, Clone, PartialEq)]
+#[must_use]
 pub struct Rendering {
     /// What the weights file holds.
     pub weights: Weights,

@@ -56,6 +56,7 @@ pub const MOST_OVERLAP: f64 = 0.95;
 
 /// What was estimated.
 #[derive(Debug, Clone)]
+#[must_use]
 pub struct Estimate {
     /// FRFs with their coherence (the multiple one where several references act at once)
     /// and their variance, NaN where too few blocks were averaged to say; lines from the

@@ -10,6 +10,7 @@ use std::str::FromStr;
 
 /// What the user asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum MethodChoice {
     /// `robust`, or `mls` where that would take more than about a second.
     #[default]

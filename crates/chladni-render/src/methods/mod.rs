@@ -28,6 +28,7 @@ use std::str::FromStr;
 
 /// How the weights are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Method {
     /// One regularised least-squares solution with one phase all over the hot zone:
     /// instant, and several points worse.

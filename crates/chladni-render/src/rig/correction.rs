@@ -48,6 +48,7 @@ impl Estimator {
 
 /// What a correction took and found; `/correction` of a weights file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[must_use]
 pub struct Correction {
     /// Number of fields that were taken in.
     pub iteration: usize,

@@ -16,6 +16,7 @@ use ndarray::Axis;
 
 /// How a measured field does, and what it says of the rig.
 #[derive(Debug, Clone, PartialEq)]
+#[must_use]
 pub struct FieldEvaluation {
     /// Indices of the measured field.
     pub indices: Indices,

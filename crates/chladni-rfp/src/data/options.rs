@@ -9,6 +9,7 @@ use std::str::FromStr;
 
 /// Identification method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum Method {
     /// The fast chain where its residual is white, the measured-data path where it is
     /// not.
@@ -98,6 +99,7 @@ fn named<T: Copy>(
 
 /// What residues may be (several references, or real modes).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum ShapeModel {
     /// The narrowest of the others that the data do not contradict.
     #[default]
@@ -184,6 +186,7 @@ pub struct FitOptions {
 
 /// The window of the records that FRFs were estimated from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Window {
     /// No bias: hammer, burst, sine or simulated data; nothing is done, and nothing said.
     None,

@@ -23,6 +23,7 @@ use num_complex::Complex64;
 
 /// A fit with its history.
 #[derive(Debug, Clone)]
+#[must_use]
 pub struct Fit {
     /// The model, ready to be saved.
     pub model: ModalModel,

@@ -110,6 +110,7 @@ pub struct OrderPole {
 
 /// Data of a stabilization diagram.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[must_use]
 pub struct Stabilization {
     /// Orders, rising.
     pub orders: Vec<usize>,

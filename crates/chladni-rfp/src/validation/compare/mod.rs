@@ -79,6 +79,7 @@ pub struct LoneMode {
 
 /// Two sets of modes side by side.
 #[derive(Debug, Clone, PartialEq)]
+#[must_use]
 pub struct Comparison {
     /// How DOFs found their partners: by name or by place.
     pub paired_by: PairDofs,

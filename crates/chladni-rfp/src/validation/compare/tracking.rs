@@ -22,6 +22,7 @@ pub struct ModeTrack {
 
 /// Many sets of modes side by side.
 #[derive(Debug, Clone, PartialEq)]
+#[must_use]
 pub struct Tracking {
     /// One comparison for each set but the first; its `a` is the first or the one before.
     pub comparisons: Vec<Comparison>,
