@@ -90,6 +90,10 @@ pub(super) const THINNING_STEPS: usize = 2;
 /// Times that this may take none out before the pool counts as thinned.
 pub(super) const THINNING_ROUNDS: usize = 3;
 
+/// Lines to either side of a pole that one bad line may have made which do not speak for
+/// it.
+pub(super) const OWN_LINES: f64 = 1.5;
+
 // scan.rs
 
 /// Places per block of products.

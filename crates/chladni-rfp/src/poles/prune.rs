@@ -18,9 +18,39 @@ pub(crate) fn threshold(columns: usize, lines: usize) -> f64 {
     r + limits::SIGNIFICANCE * (2.0 * (r * looks).sqrt() + 2.0 * looks)
 }
 
-/// A pole that one bad line makes.
+/// A pole that one bad line may make.
 pub(crate) fn unphysical(work: &Columns, lambda: Complex64) -> bool {
     work.in_band(lambda) && lambda.im < tol::SPIKE_SPACINGS * work.spacing(lambda.re)
+}
+
+/// A pole that one bad line makes: narrower than its line, and without it the sum of
+/// squares over all other lines rises by less than `limit`. A resonance that narrow has
+/// skirts.
+pub(crate) fn is_spike(
+    work: &Columns,
+    refined: &Refined,
+    q: usize,
+    limit: f64,
+) -> Result<bool, LinalgError> {
+    let pole = refined.lambda[q];
+    if !unphysical(work, pole) {
+        return Ok(false);
+    }
+    let projection = &refined.projection;
+    let outside = projection.outside_of_others(q)?;
+    let reach = limits::OWN_LINES * work.spacing(pole.re);
+    let rise: f64 = (0..work.lines())
+        .filter(|&k| (work.x[k] - pole.re).abs() > reach)
+        .map(|k| {
+            let row = projection.residual.row(k);
+            let own = refined.coefficients.row(q);
+            row.iter()
+                .zip(own)
+                .map(|(left, residue)| (left + outside[k] * residue).norm_sqr() - left.norm_sqr())
+                .sum::<f64>()
+        })
+        .sum();
+    Ok(rise < limit)
 }
 
 /// Takes poles out one by one, the least significant first, residues refitted exactly

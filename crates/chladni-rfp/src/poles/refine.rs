@@ -17,7 +17,7 @@ use crate::poles::removal::Removable;
 use crate::tolerances as tol;
 use chladni_linalg::blocked::{blocked_matmul_h, projected, tall_qr};
 use chladni_linalg::{matmul, solve_upper, LinalgError};
-use ndarray::Array2;
+use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 
 /// Linear part at fixed poles.
@@ -68,6 +68,16 @@ impl Projection {
             alone,
             sse: self.sse,
         })
+    }
+    /// The part of column q of the basis that lies outside all others: what its residue is
+    /// told by.
+    pub fn outside_of_others(&self, q: usize) -> Result<Array1<Complex64>, LinalgError> {
+        // with Rᴴy = e_q, Qy is orthogonal to all other columns, and 1 along this one
+        let unit = Array2::from_diag_elem(self.r.nrows(), Complex64::new(1.0, 0.0));
+        let inverse = solve_upper(self.r.view(), unit.view())?;
+        let y = inverse.row(q).mapv(|v| v.conj());
+        let length = y.iter().map(|v| v.norm_sqr()).sum::<f64>();
+        Ok(self.q.dot(&y) / Complex64::from(length))
     }
     /// (AᴴA)⁻¹ of the basis A.
     pub fn gram_inverse(&self) -> Result<Array2<Complex64>, LinalgError> {

@@ -3,7 +3,7 @@
 
 use crate::data::columns::Columns;
 use crate::poles::limits;
-use crate::poles::prune::{crutch, threshold, unphysical};
+use crate::poles::prune::{crutch, is_spike, threshold};
 use crate::poles::refine::{refine, Refined};
 use crate::poles::scan::{scan, Scan};
 use crate::tolerances as tol;
@@ -56,8 +56,14 @@ pub(crate) fn settle(
             .fold(f64::MAX, f64::min);
         // one more beyond the band may take the place of those that are there
         let needed_all = weakest > limit * *variance || !(work.in_band(pole) || work.in_band(new));
-        if gain > limit * *variance && needed_all && !unphysical(work, new) {
+        let last = candidate.lambda.len() - 1;
+        if gain > limit * *variance
+            && needed_all
+            && !is_spike(work, &candidate, last, limit * *variance)?
+        {
             *refined = candidate;
+            // what the others needed to make up for this one they need no more
+            needed.clear();
             *variance = variance.min(refined.variance(work));
             history.push((refined.lambda.len(), refined.variance(work)));
         }
@@ -91,12 +97,13 @@ fn dispensable(
     needed: &mut Vec<Complex64>,
 ) -> Result<Option<(Vec<Complex64>, Refined)>, LinalgError> {
     let lambda = &refined.lambda;
+    let spikes = (0..lambda.len())
+        .map(|q| is_spike(work, refined, q, limit))
+        .collect::<Result<Vec<bool>, LinalgError>>()?;
     let kept = refined
         .projection
         .removable()?
-        .thin_out(lambda, |_, q, rise, _| {
-            rise < limit || unphysical(work, lambda[q])
-        });
+        .thin_out(lambda, |_, q, rise, _| rise < limit || spikes[q]);
     if kept.len() < lambda.len() {
         let gone = lambda
             .iter()

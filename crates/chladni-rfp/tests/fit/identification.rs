@@ -3,7 +3,7 @@
 
 use crate::common::{easy, fitted};
 use chladni_frf::{Damping, FrfKind, FrfSet, FrfValues, ModalModel, Mode, Trust};
-use chladni_plate::{cramer_rao, gain_noise, Synthetic, SyntheticShapes};
+use chladni_plate::{cramer_rao, gain_noise, simulate, Panel, Synthetic, SyntheticShapes};
 use chladni_rfp::{fit, mac, FitError, FitOptions, Method, ShapeModel};
 use ndarray::Array1;
 
@@ -32,6 +32,30 @@ fn every_mode_is_found_and_none_invented_down_to_20_db() {
                     .filter(|m| m.trust == Trust::Sure)
                     .count(),
                 8
+            );
+        }
+    }
+}
+
+/// Lines far coarser than the bandwidths: the resonances stand between them, and their
+/// skirts tell where.
+#[test]
+fn modes_narrower_than_a_line_are_found_by_their_skirts() {
+    let mut panel = Panel::default();
+    panel.frf.step_hz = 8.0;
+    for seed in 1..4 {
+        panel.frf.seed = seed;
+        let set = simulate(&panel, None, None).unwrap();
+        let model = fitted(&set.frf, &FitOptions::default());
+        let known: Vec<&Mode> = set.truth.in_band_modes().collect();
+        let found: Vec<&Mode> = model.in_band_modes().collect();
+        assert_eq!(found.len(), known.len(), "{:?}", model.quality);
+        for (known, found) in known.into_iter().zip(found) {
+            let off = (found.frequency_hz - known.frequency_hz).abs() / found.frequency_std_hz;
+            assert!(
+                off < 5.0 && found.trust == Trust::Sure,
+                "{} Hz is {off:.1} error bars off",
+                known.frequency_hz
             );
         }
     }
