@@ -7,7 +7,7 @@ use crate::fewest_actuators;
 use crate::fewest_modes::{self, Judge, Reduced};
 use crate::field::{AreaField, Field};
 use crate::indices::{AreaIndices, Indices, PointIndices};
-use crate::methods::{Decision, Method, MethodChoice, Solution};
+use crate::methods::{Method, MethodChoice, Solution};
 use crate::options::RenderOptions;
 use crate::problem::Drive;
 use crate::scene::{Limits, Scene};
@@ -139,16 +139,13 @@ fn render_tone(
         true => Cow::Owned(setup.with_actuators(&chosen.columns)),
         false => Cow::Borrowed(&setup),
     };
-    let Decision {
-        method,
-        effort,
-        finding,
-    } = options.method.decide(&used.problem, options.effort);
+    let decision = options.method.decide(&used.problem, options.effort);
+    let (method, solution) = decision.run(&used, model, options.cut)?;
     let Solution {
         drive,
         findings: said,
         modal,
-    } = method.solve(&used, model, effort, options.cut)?;
+    } = solution;
     let sparse = drive;
     let drive = spread(&sparse, &chosen.columns, setup.operator.references.len());
     let Setup {
@@ -162,7 +159,6 @@ fn render_tone(
         setup.findings.clone(),
         Vec::from_iter(of_modes),
         Vec::from_iter(chosen.finding),
-        Vec::from_iter(finding),
         said,
     ]
     .concat();

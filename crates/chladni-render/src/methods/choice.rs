@@ -1,10 +1,11 @@
 //! Which method runs: one by name, or one along the front of speed against accuracy.
 
 use crate::effort::Effort;
-use crate::methods::Method;
+use crate::methods::{Method, Solution};
 use crate::problem::Problem;
+use crate::setup::Setup;
 use crate::tolerances;
-use chladni_frf::{Error, Finding, Result};
+use chladni_frf::{Error, Finding, ModalModel, Result};
 use std::fmt;
 use std::str::FromStr;
 
@@ -12,7 +13,7 @@ use std::str::FromStr;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum MethodChoice {
-    /// `robust`, or `mls` where that would take more than about a second.
+    /// `robust`; `mls` where that would take more than about a second and is not needed.
     #[default]
     Default,
     /// `pressure-matching`: below a millisecond.
@@ -29,8 +30,45 @@ pub(crate) struct Decision {
     pub(crate) method: Method,
     /// What it spends.
     pub(crate) effort: Effort,
-    /// Why it is not what the user might expect.
-    pub(crate) finding: Option<Finding>,
+    /// True where a quicker method runs because the problem is large: a scene that it
+    /// leaves unmet is tried again by `robust`.
+    pub(crate) quick: bool,
+}
+
+impl Decision {
+    /// The drive, with the method that found it; the solution tells why it is not what the
+    /// user might expect.
+    pub(crate) fn run(
+        &self,
+        setup: &Setup,
+        model: &ModalModel,
+        cut: Option<f64>,
+    ) -> Result<(Method, Solution)> {
+        let unmet = |solution: &Solution| setup.problem.score(&solution.drive).min_ratio < 1.0;
+        let mut solution = self.method.solve(setup, model, self.effort, cut)?;
+        if !self.quick {
+            return Ok((self.method, solution));
+        }
+        if unmet(&solution) {
+            let thorough = Method::Robust.solve(setup, model, self.effort, cut)?;
+            let [before, now] = [&solution, &thorough]
+                .map(|solution| setup.problem.score(&solution.drive).min_ratio);
+            if now > before {
+                return Ok((Method::Robust, thorough));
+            }
+        }
+        let size = setup.problem.rows.mobility.dim();
+        let words = format!(
+            "method `{}` ran: {} responses for {} actuators would take `robust` more than about a \
+             second",
+            self.method, size.0, size.1
+        );
+        solution.findings.insert(
+            0,
+            Finding::note("quicker-method", words).help("ask for method `robust` if you can wait"),
+        );
+        Ok((self.method, solution))
+    }
 }
 
 impl MethodChoice {
@@ -54,7 +92,7 @@ impl MethodChoice {
         let decision = |method| Decision {
             method,
             effort,
-            finding: None,
+            quick: false,
         };
         match self {
             Self::Only(method) => decision(method),
@@ -72,16 +110,8 @@ impl MethodChoice {
                 if size <= tolerances::ROBUST_SIZE {
                     return decision(Method::Robust);
                 }
-                let words = format!(
-                    "method `mls` ran: {rows} responses for {} actuators would take `robust` more \
-                     than about a second",
-                    problem.rows.mobility.ncols()
-                );
                 Decision {
-                    finding: Some(
-                        Finding::note("quicker-method", words)
-                            .help("ask for method `robust` if you can wait"),
-                    ),
+                    quick: true,
                     ..decision(Method::Mls)
                 }
             }

@@ -5,7 +5,9 @@ use crate::common::{
 };
 use chladni_frf::{ErrorKind, ModalModel};
 use chladni_plate::{simulate, Panel};
-use chladni_render::{evaluate, render, Drift, Method, On, RenderOptions, Rendering, Scene};
+use chladni_render::{
+    evaluate, render, Drift, Method, MethodChoice, On, RenderOptions, Rendering, Scene,
+};
 use std::fmt::Write as _;
 
 fn options(method: Method) -> RenderOptions {
@@ -45,6 +47,33 @@ fn mls_from_a_fitted_model_serves_every_response_of_every_quarter() {
             assert!(force < 0.01, "{force} N");
         }
     }
+}
+
+/// A measurement so dense that the default takes the quick method first.
+#[test]
+fn the_default_leaves_no_response_that_the_thorough_method_serves() {
+    let mut panel = Panel::default();
+    (panel.frf.start_hz, panel.frf.step_hz) = (100.0, 300.0);
+    (panel.responses.grid, panel.responses.spacing_m) = ([22, 15], 0.0105);
+    let model = simulate(&panel, None, None).unwrap().truth;
+    let least = |method: MethodChoice, limen: &str| {
+        let scene = cell_scene([2, 2], 1, limen);
+        let options = RenderOptions {
+            method,
+            ..Default::default()
+        };
+        let weights = render(&model, &scene, &options).unwrap().weights;
+        (weights.indices.points.min_ratio, weights.method)
+    };
+    let hard = "[threshold]\nlimen_db = 3.0\n";
+    let [quick, thorough] = [Method::Mls, Method::Robust].map(|m| least(m.into(), hard));
+    assert!(quick.0 < thorough.0, "{quick:?} {thorough:?}");
+    assert_eq!(least(MethodChoice::Default, hard), thorough);
+    let easy = "[threshold]\nlimen_db = 1.0\n";
+    assert_eq!(
+        least(MethodChoice::Default, easy),
+        least(Method::Mls.into(), easy)
+    );
 }
 
 #[test]
