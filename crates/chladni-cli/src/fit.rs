@@ -15,7 +15,7 @@ use chladni_console::quoting::shell_path;
 use chladni_console::table::significant;
 use chladni_console::Console;
 use chladni_console::Outcome;
-use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Source, Trust};
+use chladni_frf::{Damping, Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Source, Trust};
 use chladni_io::{frf_bytes, write_model, FrfParts};
 use chladni_report::better_band;
 use chladni_rfp::{CancelToken, FitOptions, Method, Window};
@@ -285,8 +285,46 @@ pub fn echo_of(options: &FitOptions) -> Map<String, Value> {
     if let Some(decay) = options.exponential_window_per_s {
         echo.insert("exponential_window_per_s".into(), decay.into());
     }
+    if !options.added_hz.is_empty() {
+        echo.insert("added_hz".into(), json!(options.added_hz));
+    }
     echo.insert("seed".into(), options.seed.into());
     echo
+}
+
+/// The options that [`echo_of`] left in a model; what it lacks is as by default.
+pub fn options_of(echo: &Map<String, Value>) -> FitOptions {
+    let text = |name: &str| echo.get(name).and_then(Value::as_str);
+    let numbers = |name: &str| -> Vec<f64> {
+        let list = echo.get(name).and_then(Value::as_array);
+        list.into_iter()
+            .flatten()
+            .filter_map(Value::as_f64)
+            .collect()
+    };
+    FitOptions {
+        band_hz: <[f64; 2]>::try_from(numbers("band_hz")).ok(),
+        modes: echo
+            .get("modes")
+            .and_then(Value::as_u64)
+            .and_then(|modes| usize::try_from(modes).ok()),
+        damping: match text("damping") {
+            Some("structural") => Some(Damping::Structural),
+            Some("viscous") => Some(Damping::Viscous),
+            _ => None,
+        },
+        method: text("method")
+            .and_then(|name| name.parse().ok())
+            .unwrap_or_default(),
+        shapes: text("shapes")
+            .and_then(|name| name.parse().ok())
+            .unwrap_or_default(),
+        window: text("window").and_then(|name| name.parse().ok()),
+        exponential_window_per_s: echo.get("exponential_window_per_s").and_then(Value::as_f64),
+        added_hz: numbers("added_hz"),
+        seed: echo.get("seed").and_then(Value::as_u64).unwrap_or_default(),
+        ..FitOptions::default()
+    }
 }
 
 impl Args {

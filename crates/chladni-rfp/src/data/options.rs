@@ -178,10 +178,32 @@ pub struct FitOptions {
     /// Decay of the exponential window that the responses were multiplied with (hammer
     /// tests), 1/s: e^{−αt}.
     pub exponential_window_per_s: Option<f64>,
+    /// Frequencies at which the user has seen a mode, Hz: a pole is fitted there with the
+    /// others, whatever the evidence, and graded like them (`auto` only).
+    pub added_hz: Vec<f64>,
     /// Seed of the random sketch and mixtures.
     pub seed: u64,
     /// What is spent on finding poles.
     pub effort: Effort,
+}
+
+/// What the user knows of the modes before the fit.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Asked<'a> {
+    /// Number of modes in the band; `None`: decided by evidence.
+    pub modes: Option<usize>,
+    /// Frequencies of modes that were seen, Hz.
+    pub added_hz: &'a [f64],
+}
+
+impl FitOptions {
+    /// What the user knows of the modes.
+    pub(crate) fn asked(&self) -> Asked<'_> {
+        Asked {
+            modes: self.modes,
+            added_hz: &self.added_hz,
+        }
+    }
 }
 
 /// The window of the records that FRFs were estimated from.
