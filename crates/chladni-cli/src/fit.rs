@@ -292,41 +292,6 @@ pub fn echo_of(options: &FitOptions) -> Map<String, Value> {
     echo
 }
 
-/// The options that [`echo_of`] left in a model; what it lacks is as by default.
-pub fn options_of(echo: &Map<String, Value>) -> FitOptions {
-    let text = |name: &str| echo.get(name).and_then(Value::as_str);
-    let numbers = |name: &str| -> Vec<f64> {
-        let list = echo.get(name).and_then(Value::as_array);
-        list.into_iter()
-            .flatten()
-            .filter_map(Value::as_f64)
-            .collect()
-    };
-    FitOptions {
-        band_hz: <[f64; 2]>::try_from(numbers("band_hz")).ok(),
-        modes: echo
-            .get("modes")
-            .and_then(Value::as_u64)
-            .and_then(|modes| usize::try_from(modes).ok()),
-        damping: match text("damping") {
-            Some("structural") => Some(Damping::Structural),
-            Some("viscous") => Some(Damping::Viscous),
-            _ => None,
-        },
-        method: text("method")
-            .and_then(|name| name.parse().ok())
-            .unwrap_or_default(),
-        shapes: text("shapes")
-            .and_then(|name| name.parse().ok())
-            .unwrap_or_default(),
-        window: text("window").and_then(|name| name.parse().ok()),
-        exponential_window_per_s: echo.get("exponential_window_per_s").and_then(Value::as_f64),
-        added_hz: numbers("added_hz"),
-        seed: echo.get("seed").and_then(Value::as_u64).unwrap_or_default(),
-        ..FitOptions::default()
-    }
-}
-
 impl Args {
     fn fit_options(&self) -> FitOptions {
         FitOptions {

@@ -1,7 +1,7 @@
 //! `chladni select`: keep or drop modes by hand, reproducibly.
 
 use crate::explain::explain;
-use crate::fit::{distrust, options_of, summary, text};
+use crate::fit::{distrust, summary, text};
 use crate::report::measured_of;
 use chladni_console::input::{expand, read_frf, source, Reading};
 use chladni_console::output::{Output, MODEL};
@@ -121,7 +121,7 @@ impl Args {
                 .expected("the FRFs that the model was fitted to, beside it")
                 .help("name them: --measured FRF")
         })?;
-        let mut options = options_of(&model.options);
+        let options = FitOptions::adding_to(model, added_hz);
         if options.method != Method::Auto {
             return Err(
                 Error::bad_data("modes are added to fits of the method auto")
@@ -132,7 +132,6 @@ impl Args {
                     .help("fit again without --method"),
             );
         }
-        options.added_hz.extend(added_hz);
         let stage = |name: &str| console.stage(name);
         let fit = fit_watched(&frf, &options, &stage, &CancelToken::new())
             .map_err(|error| explain(&error, &options, &self.model))?;

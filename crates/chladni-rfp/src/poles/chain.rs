@@ -249,10 +249,13 @@ fn of_columns(
     asked: Asked,
     history: Vec<(usize, f64)>,
 ) -> Result<Outcome, LinalgError> {
-    let dropped = asked.modes.map_or(Ok(Vec::new()), |modes| {
+    let mut dropped = asked.modes.map_or(Ok(Vec::new()), |modes| {
         keep_strongest(&pass.projected.work, &mut pass.refined, modes)
     })?;
     let idle = add(data, &mut pass, asked)?;
+    // what was added is not left out
+    let there = &pass.refined.lambda;
+    dropped.retain(|gone| there.iter().all(|pole| (pole - gone).norm() > gone.im));
     let Pass {
         refined,
         projected,

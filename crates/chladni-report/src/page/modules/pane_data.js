@@ -9,7 +9,7 @@ import { Source, inBand, magnitude, phase, range, sumSpec } from "./frfs.js";
 import { work, edit } from "./work.js";
 
 /** Heights of the charts, px. */
-const [SUM_PX, FRF_PX, PHASE_PX] = [176, 190, 86];
+const [SUM_PX, FRF_PX, PHASE_PX] = [184, 210, 92];
 /** Ends of the data so near to the band, part of the lines, are all lines. */
 const WHOLE = 1e-3;
 

@@ -63,7 +63,7 @@ export function panelPane(oncancel) {
     const db = h("input", { type: "number", id: "zone-level", "data-focus": "level", step: 0.5, min: 0, max: 40, value: zone.level_db ?? 0, onchange: () => db.checkValidity() && levelled(index, db.valueAsNumber || 0) });
     const level = zone.kind === "hot" ? h("label", {}, "louder by ", db, " dB") : null;
     const remove = h("button", { type: "button", id: "zone-delete", onclick: () => view.editor.remove(index) }, "Delete");
-    redraw(zoneRow, h("b", {}, `Zone ${index + 1}: ${zone.kind}`), level, remove, h("span", { class: "muted" }, "Arrow keys move it, with Ctrl they resize."));
+    redraw(zoneRow, h("b", {}, `Zone ${index + 1}: ${zone.kind}`), level, remove, h("span", { class: "muted" }, "Arrows move it, Ctrl+arrows resize."));
   }
 
   function levelled(index, db) {
@@ -76,7 +76,7 @@ export function panelPane(oncancel) {
     actuators = actuatorList(geometry.reference_names);
     const [x0, y0, x1, y1] = geometry.box;
     size.textContent = `${Math.round(1e3 * (x1 - x0))} × ${Math.round(1e3 * (y1 - y0))} mm`;
-    const bar = h("div", { class: "row legend-row" }, levelBar(work.limen, levelMap()), h("span", { class: "muted" }, "─ felt  ┄ quiet  ▲ hot  • cold  ✕ missed  stripes: not judged"));
+    const bar = h("div", { class: "row legend-row" }, levelBar(work.limen, levelMap()), h("span", { class: "muted" }, "▲ hot  • cold  ✕ missed  stripes: not judged"));
     const drive = h("div", { class: "row" }, numbers[0].element, profile.element, h("label", { class: "file", title: "Threshold table, CSV" }, "Table…", file), numbers[1].element, numbers[2].element, actuators.element);
     field.replaceChildren(view.editor.tools, zoneRow, h("div", { class: "board-holder" }, view.editor.element), bar, sweep.element, drive, result);
     showZone(null);
