@@ -18,7 +18,7 @@ pub(crate) use diagrams::stabilization_options;
 
 use crate::comparison::Comparison;
 use crate::input::ReportInput;
-use crate::sentence::sentence;
+use crate::sentence::{advised_band, sentence};
 use chladni_frf::{FrfSet, ModalModel, Result, CREATED_BY};
 use serde_json::{json, Value};
 
@@ -34,6 +34,7 @@ pub(crate) fn of(input: &ReportInput) -> Result<Value> {
         "title": input.title,
         "created_by": CREATED_BY,
         "sentence": input.model.map(sentence),
+        "better_band": input.model.and_then(advised_band).map(|band| band.hz),
         "findings": findings::all(input),
         "model": input.model.map(model::value),
         "frfs": comparison.as_ref().map(frfs::value),

@@ -31,7 +31,7 @@ export function dataPane() {
   const response = choice("FRF", [], 0, (k) => change({ pair: [k, state.pair[1]] }));
   const reference = choice("/", [], 0, (k) => change({ pair: [state.pair[0], k] }));
   const modes = h("input", { type: "number", id: "modes", min: 1, max: 1000, step: 1, "aria-label": "Most modes", onchange: () => modes.checkValidity() && edit({ modes: modes.valueAsNumber || null }) });
-  const auto = h("input", { type: "checkbox", id: "by-evidence", onchange: () => edit({ modes: auto.checked ? null : modes.valueAsNumber || null }) });
+  const auto = h("input", { type: "checkbox", id: "by-evidence", checked: true, onchange: () => edit({ modes: auto.checked ? null : modes.valueAsNumber || null }) });
   const bandRow = h("div", { class: "row" }, "Band ", from, " to ", to, " Hz ", whole);
   const modesRow = h("div", { class: "row" }, h("label", {}, auto, " modes by evidence"), h("label", {}, " at most ", modes));
   const holder = h("div", {}, h("div", { class: "row" }, response.element, reference.element, part.element), single.element, angle.element);

@@ -136,17 +136,17 @@ export function panelPane(oncancel) {
         [parts, forget] = passing(() => shapeView(model, fitted, structure));
         mode.replaceChildren(...parts);
       }
+      const few = model.references.length < 2;
+      if (few && structure !== undefined) {
+        field.replaceChildren(noField());
+        if (hasShapes) mode.append(noField());
+        open(hasShapes ? "Mode" : "Field");
+      }
       if (fitted?.grid) {
         if (!geometry) {
           geometry = fitted;
           buildField();
         }
-      }
-      const few = model.references.length < 2;
-      if (few) {
-        field.replaceChildren(h("div", { class: "card" }, h("b", {}, "No field can be rendered from this file: it has one reference."),
-          h("p", {}, "A field that differs between zones needs several references: at least one per zone, better 8 or more. Shapes, damping and downloads work as for any file.")));
-        open("Mode");
       }
       sweep.place(model);
       return !few && Boolean(geometry);
@@ -173,4 +173,9 @@ export function panelPane(oncancel) {
     },
     key: (key) => view?.editor.toolKey(key) ?? false,
   };
+}
+
+function noField() {
+  return h("div", { class: "card" }, h("b", {}, "No field can be rendered from this file: it has one reference."),
+    h("p", {}, "A field that differs between zones needs several references: at least one per zone, better 8 or more. Shapes, damping and downloads work as for any file."));
 }

@@ -42,6 +42,7 @@ export function polesPane(oncancel) {
   let model = null;
   let data = null;
   let lanes = null;
+  [view.element, table].forEach((one) => (one.hidden = true));
 
   /** Shows the row that adds a pole, at `hz` or where the reader will say; hides it for null. */
   function offer(hz) {
@@ -135,6 +136,7 @@ export function polesPane(oncancel) {
       view.update({ ...spec, series: spec.series.slice(0, 1), y: { ...spec.y, label: "largest singular value" }, right: spec.right && { ...spec.right, label: "order" } });
       adding.disabled = !canAdd;
       showAdded();
+      [view.element, table].forEach((one) => (one.hidden = false));
       const weak = model.inBand.filter((k) => model.modes[k].trust !== "sure").length;
       count.textContent = [`${model.inBand.length - weak} sure`, weak ? `${weak} weak` : ""].filter(Boolean).join(", ");
       sure.disabled = !weak || weak === model.inBand.length;

@@ -289,7 +289,8 @@ function cancelScene() {
 function showSentence() {
   const parts = [full?.data.sentence ? `${full.data.sentence} ` : ""];
   const findings = fitFindings.map((one) => one);
-  let offer = null;
+  const better = full?.data.better_band;
+  let offer = better && !work.band ? { words: `Fit ${better[0]} to ${better[1]} Hz`, action: () => edit({ band: better }) } : null;
   if (shown) {
     const { scene, findings: found } = shown.said;
     findings.push(...found.map((one) => ({ about: "Scene", ...one })));
@@ -299,8 +300,8 @@ function showSentence() {
     const on = here.model.inBand.find((k) => Math.abs(here.model.frequency[k] - scene.frequency_hz) <= 0.5 * here.model.modes[k].loss_factor * here.model.frequency[k]);
     if (on !== undefined) parts.push(`, but mode ${here.model.inBand.indexOf(on) + 1} (${fixed(here.model.frequency[on], 1)} Hz) lies on the drive`);
     parts.push(".");
-    const better = shown.sweep?.suggested_hz;
-    if (better && better !== work.frequency && (on !== undefined || !scene.feasible)) offer = { words: `Use ${fixed(better, 0)} Hz`, action: () => edit({ frequency: better }) };
+    const calmer = shown.sweep?.suggested_hz;
+    if (calmer && calmer !== work.frequency && (on !== undefined || !scene.feasible)) offer = { words: `Use ${fixed(calmer, 0)} Hz`, action: () => edit({ frequency: calmer }) };
   }
   result.show(parts, findings, offer);
 }

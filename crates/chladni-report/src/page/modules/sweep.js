@@ -13,9 +13,11 @@ export function sweepChart() {
   const view = chart({ compact: true, height: HEIGHT_PX, still: true, x: { label: "Frequency", unit: "Hz", range: [0, 1] }, y: { label: "", unit: "", range: [0, 1] }, series: [] });
   let swept = null;
   let model = null;
+  view.element.hidden = true;
 
   function draw() {
     if (!model) return;
+    view.element.hidden = false;
     const ends = swept ? [swept.frequencies[0].frequency_hz, swept.frequencies[swept.frequencies.length - 1].frequency_hz] : around(work.frequency);
     const near = model.inBand.filter((k) => model.frequency[k] >= ends[0] && model.frequency[k] <= ends[1]);
     const grip = {
