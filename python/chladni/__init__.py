@@ -191,9 +191,9 @@ def estimate(
     )
 
 
-def select(model, *, keep=None, drop=None, near_hz=(), within_hz=0.5):
+def select(model, *, keep=None, drop=None, near_hz=(), within_hz=0.5, add=(), frf=None):
     """
-    Keeps or drops modes by hand; nothing is fitted again.
+    Keeps or drops modes by hand. Nothing is fitted again, unless modes are added.
 
     Parameters
     ----------
@@ -205,14 +205,21 @@ def select(model, *, keep=None, drop=None, near_hz=(), within_hz=0.5):
         Further modes by their frequency, Hz.
     within_hz : float
         Largest distance from `near_hz`, Hz.
+    add : list of float, optional
+        Frequencies of modes that the fit did not take, Hz: the FRFs are fitted anew with a
+        mode at each, which is graded like all others. Places in `keep` and `drop` are
+        those of `model`.
+    frf : FrfSet, optional
+        The FRFs that the model was fitted to; needed with `add`.
 
     Returns
     -------
     Model
     """
-    lines = [f"{name} = {[int(place) + 1 for place in places]}" for name, places in (("keep", keep), ("drop", drop)) if places is not None]
+    lines = [f"add = [{', '.join(f'{{frequency_hz = {float(hz)}}}' for hz in add)}]"] if len(add) else []
+    lines += [f"{name} = {[int(place) + 1 for place in places]}" for name, places in (("keep", keep), ("drop", drop)) if places is not None]
     lines += [f"[[mode]]\nnear_hz = {float(hz)}\nwithin_hz = {float(within_hz)}" for hz in near_hz]
-    return _chladni.select(model, "\n".join(lines))
+    return _chladni.select(model, "\n".join(lines), frf)
 
 
 def stabilization(frf, *, band=None):

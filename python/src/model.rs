@@ -313,13 +313,35 @@ impl Model {
     }
 }
 
-/// The model with the modes that a selection (TOML) keeps.
+/// The model with the modes that a selection (TOML) keeps, fitted anew to `frf` where it
+/// adds some.
 #[pyfunction]
-pub fn select(py: Python<'_>, model: &Model, selection: &str) -> PyResult<Model> {
-    chladni_io::selection_from_toml(selection)
-        .and_then(|selection| selection.apply(&model.model))
+#[pyo3(signature = (model, selection, frf=None))]
+pub fn select(
+    py: Python<'_>,
+    model: &Model,
+    selection: &str,
+    frf: Option<&FrfSet>,
+) -> PyResult<Model> {
+    let failed = |error| raised(py, &error);
+    let before = &model.model;
+    let mut selection = chladni_io::selection_from_toml(selection).map_err(failed)?;
+    let mut again = None;
+    if let (Some(frf), false) = (frf, selection.added_hz().is_empty()) {
+        let options = FitOptions::adding_to(before, selection.added_hz());
+        let fitted = py.detach(|| chladni_rfp::fit(&frf.set, &options));
+        let mut fitted = fitted
+            .map_err(|error| unfitted(py, &error, &options))?
+            .model;
+        fitted.source.clone_from(&before.source);
+        fitted.options.clone_from(&before.options);
+        selection = selection.carried(before, &fitted).map_err(failed)?;
+        again = Some(fitted);
+    }
+    let selected = selection.apply(again.as_ref().unwrap_or(before));
+    selected
         .map(|selected| Model::new(selected.model))
-        .map_err(|error| raised(py, &error))
+        .map_err(failed)
 }
 
 /// Modes, of a model or of a file with shapes.

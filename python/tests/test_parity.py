@@ -76,6 +76,16 @@ def test_modes_are_dropped_by_their_place(model):
     assert chladni.compare(model, left).only_in_a.tolist() == [1]
 
 
+def test_a_mode_is_added_by_a_new_fit(frf, model):
+    few = chladni.fit(frf, modes=len(model) - 1)
+    missing = [hz for hz in model.frequency_hz if np.min(np.abs(few.frequency_hz / hz - 1)) > 1e-3]
+    more = chladni.select(few, add=missing, frf=frf)
+    assert np.allclose(more.frequency_hz, model.frequency_hz, rtol=1e-4)
+    with pytest.raises(chladni.ChladniError) as wrong:
+        chladni.select(few, add=missing)
+    assert wrong.value.field == "add"
+
+
 def test_frfs_of_records_are_those_of_the_filter():
     noise = np.random.default_rng(2).standard_normal((1, 16384))
     taps = np.array([0.5, 0.3, -0.2])

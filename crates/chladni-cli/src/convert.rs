@@ -5,7 +5,7 @@ use chladni_console::output::{Output, DATA, MODEL_OR_SHAPES, SHAPES};
 use chladni_console::table::counted;
 use chladni_console::Console;
 use chladni_console::Outcome;
-use chladni_frf::{Dof, Error, Finding, Geometry, ModalModel, Result};
+use chladni_frf::{Dof, Error, Finding, ModalModel, Result};
 use chladni_io::{
     detect_format, field_shape, model_shapes, read_contents, read_model, write_contents,
     write_model, Contents, FileFormat, Shape, ShapeForm,
@@ -170,13 +170,9 @@ fn write_shapes(
     output: &Output<'_>,
     console: &Console,
 ) -> Result<Outcome> {
-    let other_geometry = Geometry {
-        nodes: model.nodes.clone(),
-        ..Geometry::default()
-    };
     let contents = Contents {
         shapes,
-        other_geometry,
+        other_geometry: model.geometry(),
         ..Contents::default()
     };
     console.find_all(&output.write(|path, force| write_contents(path, &contents, force))?);

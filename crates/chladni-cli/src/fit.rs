@@ -15,7 +15,7 @@ use chladni_console::quoting::shell_path;
 use chladni_console::table::significant;
 use chladni_console::Console;
 use chladni_console::Outcome;
-use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Source, Trust};
+use chladni_frf::{Damping, Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Source, Trust};
 use chladni_io::{frf_bytes, write_model, FrfParts};
 use chladni_report::better_band;
 use chladni_rfp::{CancelToken, FitOptions, Method, Window};
@@ -284,6 +284,9 @@ pub fn echo_of(options: &FitOptions) -> Map<String, Value> {
     }
     if let Some(decay) = options.exponential_window_per_s {
         echo.insert("exponential_window_per_s".into(), decay.into());
+    }
+    if !options.added_hz.is_empty() {
+        echo.insert("added_hz".into(), json!(options.added_hz));
     }
     echo.insert("seed".into(), options.seed.into());
     echo

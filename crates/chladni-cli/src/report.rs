@@ -244,6 +244,7 @@ fn write_charts(folder: &Path, input: &ReportInput, console: &Console) -> Result
         ChartFormats {
             svg: true,
             png: true,
+            gif: true,
         },
     )?;
     let places: Vec<PathBuf> = files.iter().map(|(name, _)| folder.join(name)).collect();
@@ -383,7 +384,7 @@ fn subfolders(folder: &Path) -> Vec<PathBuf> {
 
 /// The FRFs that a model was fitted to, read as they were then; none where one of the
 /// files is gone or another.
-fn measured_of(file: &Path, model: &ModalModel, console: &Console) -> Option<FrfSet> {
+pub fn measured_of(file: &Path, model: &ModalModel, console: &Console) -> Option<FrfSet> {
     if model.source.is_empty() || model.method == SIMULATED {
         return None;
     }

@@ -1,13 +1,16 @@
 //! `chladni select`: keep or drop modes by hand, reproducibly.
 
+use crate::explain::explain;
 use crate::fit::{distrust, summary, text};
-use chladni_console::input::source;
+use crate::report::measured_of;
+use chladni_console::input::{expand, read_frf, source, Reading};
 use chladni_console::output::{Output, MODEL};
 use chladni_console::table::{counted, significant};
 use chladni_console::Console;
 use chladni_console::Outcome;
-use chladni_frf::{Result, Selected, Source};
+use chladni_frf::{Error, ModalModel, Result, Selected, Source, Trust};
 use chladni_io::{read_model, write_model};
+use chladni_rfp::{fit_watched, CancelToken, FitOptions, Method};
 use std::path::PathBuf;
 
 /// Arguments of `select`.
@@ -20,11 +23,13 @@ use std::path::PathBuf;
     drop = [3, 7]          # numbers as in the table of `chladni fit`, from 1
                            # (or keep = [1, 2, 4]: all others go;
                            # or keep = \"sure\": all weak ones go)
-    [[mode]]               # one more of them, by its frequency
+    add = [{frequency_hz = 123.4}]     # a mode that the fit did not take: fitted anew with it
+    [[mode]]               # one more of those above, by its frequency
     near_hz = 54.4
     within_hz = 0.5",
     after_help = "With [[mode]] tables alone, these modes are kept. Out-of-band poles (residual terms) stay.
-Nothing is fitted again: what the dropped modes explained counts as residual."
+Without `add` nothing is fitted again: what the dropped modes explained counts as residual. With it the FRFs are fitted
+anew, and the added modes are graded like all others; numbers are still those of MODEL."
 )]
 pub struct Args {
     /// Model file, as `chladni fit` writes it
@@ -36,6 +41,9 @@ pub struct Args {
     /// Model file to write, .json or .h5
     #[arg(short, value_name = "MODEL")]
     output: PathBuf,
+    /// FRFs that the model was fitted to, for `add`, where they lie elsewhere now
+    #[arg(long, value_name = "FRF", num_args = 1..)]
+    measured: Vec<PathBuf>,
 }
 
 /// Runs the command.
@@ -48,9 +56,15 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     console.stage("reading");
     let whole = read_model(&args.model)?;
     let selection = chladni_io::read_selection(&args.selection)?;
-    let Selected { mut model, dropped } = selection
-        .apply(&whole)
-        .map_err(|error| error.file(&args.selection))?;
+    let of_file = |error: Error| error.file(&args.selection);
+    let (selection, whole) = match selection.added_hz() {
+        [] => (selection, whole),
+        added_hz => {
+            let again = args.fitted_with(&whole, added_hz, console)?;
+            (selection.carried(&whole, &again).map_err(of_file)?, again)
+        }
+    };
+    let Selected { mut model, dropped } = selection.apply(&whole).map_err(of_file)?;
     // what the model was fitted to stays named, so that a report finds the FRFs
     let inputs: Vec<Source> = inputs
         .iter()
@@ -71,11 +85,95 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     } else {
         format!("dropped {}", gone.join(", "))
     };
+    let added: String = selection
+        .added_hz()
+        .iter()
+        .map(|&hz| format!("{}\n", become_of(&whole, hz)))
+        .collect();
     let text = format!(
-        "{}\n{}: {kept} kept, {dropped}\n",
+        "{}\n{added}{}: {kept} kept, {dropped}\n",
         text(&model, console.verbose),
         args.output.display()
     );
     let doubt = (!model.quality.trusted).then(|| distrust(&model));
     Ok(Outcome::written(&args.output, summary(&model, &args.output)?, text).doubted(doubt))
+}
+
+impl Args {
+    /// `model` fitted anew to its FRFs, with modes at these frequencies beside the others.
+    fn fitted_with(
+        &self,
+        model: &ModalModel,
+        added_hz: &[f64],
+        console: &Console,
+    ) -> Result<ModalModel> {
+        let frf = match self.measured.as_slice() {
+            [] => measured_of(&self.model, model, console),
+            files => {
+                let reading = Reading::from_echo(&model.options);
+                Some(read_frf(&expand(files, console)?, &reading, console)?.0)
+            }
+        };
+        let frf = frf.ok_or_else(|| {
+            Error::bad_data("a mode is added by a new fit, and the FRFs are not at hand")
+                .file(&self.model)
+                .field("add")
+                .expected("the FRFs that the model was fitted to, beside it")
+                .help("name them: --measured FRF")
+        })?;
+        let options = FitOptions::adding_to(model, added_hz);
+        if options.method != Method::Auto {
+            return Err(
+                Error::bad_data("modes are added to fits of the method auto")
+                    .file(&self.model)
+                    .field("method")
+                    .found(options.method)
+                    .expected("auto")
+                    .help("fit again without --method"),
+            );
+        }
+        let stage = |name: &str| console.stage(name);
+        let fit = fit_watched(&frf, &options, &stage, &CancelToken::new())
+            .map_err(|error| explain(&error, &options, &self.model))?;
+        Ok(again(fit.model, model, &options))
+    }
+}
+
+/// A new fit of the files of `before`.
+fn again(mut model: ModalModel, before: &ModalModel, options: &FitOptions) -> ModalModel {
+    model.source.clone_from(&before.source);
+    model.options.clone_from(&before.options);
+    let added = options.added_hz.clone();
+    model.options.insert("added_hz".into(), added.into());
+    model
+}
+
+/// What became of a mode that was added at `hz`.
+fn become_of(model: &ModalModel, hz: f64) -> String {
+    let near = model
+        .modes
+        .iter()
+        .filter(|mode| mode.in_band)
+        .min_by(|a, b| {
+            (a.frequency_hz - hz)
+                .abs()
+                .total_cmp(&(b.frequency_hz - hz).abs())
+        });
+    let place = significant(hz, 6);
+    let Some(mode) = near else {
+        return format!("added at {place} Hz: no mode came of it");
+    };
+    let grade = match mode.trust {
+        Trust::Sure => "sure",
+        Trust::Weak => "weak",
+        Trust::Rejected => "rejected: more likely absent than present",
+    };
+    let reasons = mode.reasons.sentences();
+    let why = if reasons.is_empty() {
+        String::new()
+    } else {
+        format!(" ({})", reasons.join("; "))
+    };
+    let found = significant(mode.frequency_hz, 6);
+    format!("added at {place} Hz: {found} Hz, {grade}{why}")
 }

@@ -43,7 +43,7 @@ pub const HTML: &[&str] = &["html", "htm"];
 /// Extensions of tables.
 pub const TABLE: &[&str] = &["csv"];
 /// Extensions of pictures.
-pub const PICTURE: &[&str] = &["svg", "png"];
+pub const PICTURE: &[&str] = &["svg", "png", "gif"];
 /// Pictures, moving ones among them.
 pub const MOVING: &[&str] = &["svg", "png", "gif"];
 

@@ -11,6 +11,10 @@ const COLUMNS: usize = 80;
 /// Columns of the word before a finding: `caution`, and two blanks.
 const INDENT: usize = 9;
 
+/// Notes that ask how the data were measured: they are shown in full, for nobody else can
+/// answer.
+const QUESTIONS: [&str; 1] = ["more-references"];
+
 /// A paragraph for the terminal.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Told {
@@ -21,7 +25,7 @@ pub(crate) struct Told {
 }
 
 /// Findings of one code as one paragraph, faults first; notes are counted unless all is
-/// `verbose`.
+/// `verbose`, or they ask something.
 pub(crate) fn told(findings: &[Finding], verbose: bool) -> Vec<Told> {
     let mut groups: Vec<Vec<&Finding>> = Vec::new();
     for finding in findings {
@@ -31,7 +35,9 @@ pub(crate) fn told(findings: &[Finding], verbose: bool) -> Vec<Told> {
         }
     }
     groups.sort_by_key(|group| Reverse(group[0].severity));
-    let is_shown = |group: &&Vec<&Finding>| verbose || group[0].severity > Severity::Note;
+    let asks = |finding: &Finding| QUESTIONS.contains(&&*finding.code);
+    let is_shown =
+        |group: &&Vec<&Finding>| verbose || group[0].severity > Severity::Note || asks(group[0]);
     let folded: usize = groups
         .iter()
         .filter(|group| !is_shown(group))
@@ -140,5 +146,16 @@ mod tests {
         let lines: Vec<&str> = told.text.lines().collect();
         assert!(lines.len() == 3 && lines[1].starts_with("         word"));
         assert!(lines.iter().all(|line| line.len() <= 80), "{lines:?}");
+    }
+
+    #[test]
+    fn a_note_that_asks_is_shown_and_the_others_are_counted() {
+        let findings = [
+            Finding::note("a", "a note"),
+            Finding::note("more-references", "more references than responses"),
+        ];
+        let told = told(&findings, false);
+        assert_eq!(told[0].text, "more references than responses");
+        assert_eq!(told[1].text, "1 note: -v shows it");
     }
 }

@@ -4,7 +4,7 @@
 //! the fit.
 
 use crate::finding::{numbered, warnings};
-use crate::{Dof, Finding, FrfKind, Node, Reasons, ReferenceUnit};
+use crate::{Dof, Finding, FrfKind, Geometry, Node, Reasons, ReferenceUnit};
 use ndarray::{Array1, Array2, Array3, Axis};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -319,8 +319,14 @@ pub struct ModalModel {
     pub responses: Vec<Dof>,
     /// Reference DOFs.
     pub references: Vec<Dof>,
-    /// Geometry.
+    /// Where the nodes are.
     pub nodes: Vec<Node>,
+    /// Trace lines of the measured structure, node labels; for pictures.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub lines: Vec<Vec<u64>>,
+    /// Faces of the measured structure, node labels; for pictures.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub faces: Vec<Vec<u64>>,
     /// What ran.
     pub method: String,
     /// Modes and out-of-band poles, by rising frequency.
@@ -353,6 +359,15 @@ impl Mode {
 }
 
 impl ModalModel {
+    /// Nodes with the lines and faces that join them.
+    pub fn geometry(&self) -> Geometry {
+        Geometry {
+            nodes: self.nodes.clone(),
+            lines: self.lines.clone(),
+            faces: self.faces.clone(),
+        }
+    }
+
     /// Receptance of every pair at `frequency_hz`, m per unit of the reference; axes
     /// (response, reference).
     pub fn receptance(&self, frequency_hz: f64) -> Array2<Complex64> {

@@ -11,11 +11,21 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 const POINTS_PER_MODE: usize = 40;
 const POINTS_OVER_BAND: usize = 400;
 
-/// Which modes of a model stay.
+/// Half-bandwidths between a mode before and after a new fit, at most: farther ones are
+/// two.
+const SAME_MODE: f64 = 1.0;
+/// The same between an added mode and the place where it was seen, and the part of its
+/// frequency that a reader's eye may be off.
+const AS_SEEN: (f64, f64) = (4.0, 5e-3);
+
+/// Which modes of a model stay, and which are to be added to it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Selection {
     keep: bool,
     picks: Vec<ModePick>,
+    added_hz: Vec<f64>,
+    /// The model is fitted with the added ones.
+    is_fitted: bool,
 }
 
 /// One mode that a selection names, and where it does.
@@ -57,7 +67,69 @@ pub struct Selected {
 impl Selection {
     /// Keeps the modes picked, or drops them.
     pub fn new(keep: bool, picks: Vec<ModePick>) -> Self {
-        Self { keep, picks }
+        Self {
+            keep,
+            picks,
+            added_hz: Vec::new(),
+            is_fitted: false,
+        }
+    }
+
+    /// The same, and modes at these frequencies (Hz) are to be added by a new fit.
+    #[must_use]
+    pub fn adding(self, added_hz: Vec<f64>) -> Self {
+        Self { added_hz, ..self }
+    }
+
+    /// Frequencies of the modes that are to be added, Hz.
+    pub fn added_hz(&self) -> &[f64] {
+        &self.added_hz
+    }
+
+    /// The same selection for `after`, which was fitted with the added modes: the modes
+    /// that it names in `before` by number or frequency are those nearest to them, and
+    /// what was added is kept.
+    ///
+    /// # Errors
+    /// As [`Self::apply`], on `before`.
+    pub fn carried(&self, before: &ModalModel, after: &ModalModel) -> Result<Self> {
+        let (old, new): (Vec<&Mode>, Vec<&Mode>) = (
+            before.in_band_modes().collect(),
+            after.in_band_modes().collect(),
+        );
+        let nearest = |hz: f64, bandwidths: f64, part: f64| {
+            let off = |n: &usize| (new[*n].frequency_hz - hz).abs();
+            let near = (0..new.len()).min_by(|a, b| off(a).total_cmp(&off(b)))?;
+            let half_width = 0.5 * new[near].loss_factor * new[near].frequency_hz;
+            (off(&near) <= (bandwidths * half_width).max(part * hz)).then_some(near)
+        };
+        let mut picks = Vec::new();
+        for pick in &self.picks {
+            if pick.name == ModeName::Sure {
+                picks.push(pick.clone());
+                continue;
+            }
+            let found = pick.find(&old)?.into_iter();
+            let again = found.filter_map(|n| nearest(old[n].frequency_hz, SAME_MODE, 0.0));
+            picks.extend(again.map(|n| pick.numbered(n + 1)));
+        }
+        if self.keep {
+            let (bandwidths, part) = AS_SEEN;
+            let added = self
+                .added_hz
+                .iter()
+                .filter_map(|&hz| nearest(hz, bandwidths, part));
+            picks.extend(added.map(|n| ModePick {
+                name: ModeName::Number(n + 1),
+                line: 0,
+                field: "add".into(),
+            }));
+        }
+        Ok(Self {
+            picks,
+            is_fitted: true,
+            ..self.clone()
+        })
     }
 
     /// Takes out of `model` what the selection drops.
@@ -66,6 +138,13 @@ impl Selection {
     /// [`crate::ErrorKind::BadData`] with the line, where a mode that is named does not
     /// exist (naming the nearest) or a frequency fits several.
     pub fn apply(&self, model: &ModalModel) -> Result<Selected> {
+        if !self.is_fitted && !self.added_hz.is_empty() {
+            return Err(Error::bad_data("a mode is added by a new fit")
+                .field("add")
+                .found(format!("{} Hz and no FRFs", self.added_hz[0]))
+                .expected("the FRFs that the model was fitted to")
+                .help("put them beside the model, or name them with `measured`"));
+        }
         let modes: Vec<&Mode> = model.in_band_modes().collect();
         let mut named = vec![false; modes.len()];
         for pick in &self.picks {
@@ -101,7 +180,11 @@ impl Selection {
             .iter()
             .map(|(n, f)| json!({"number": n, "frequency_hz": f}))
             .collect();
-        let entry = json!({ if self.keep { "keep" } else { "drop" }: named, "dropped": gone });
+        let mut entry = json!({ if self.keep { "keep" } else { "drop" }: named, "dropped": gone });
+        if !self.added_hz.is_empty() {
+            let place = |hz: &f64| json!({ "frequency_hz": hz });
+            entry["add"] = self.added_hz.iter().map(place).collect();
+        }
         match model
             .options
             .get_mut("selections")
@@ -126,6 +209,14 @@ impl ModeName {
 }
 
 impl ModePick {
+    /// The mode of this number, named in the same place.
+    fn numbered(&self, number: usize) -> Self {
+        Self {
+            name: ModeName::Number(number),
+            ..self.clone()
+        }
+    }
+
     /// Indices of the modes meant: one, all of a repeated pole, or all sure ones.
     fn find(&self, modes: &[&Mode]) -> Result<Vec<usize>> {
         let say = |message: &str| {

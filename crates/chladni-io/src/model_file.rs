@@ -86,6 +86,18 @@ pub fn write_model(path: &Path, model: &ModalModel, force: bool) -> Result<()> {
     }
 }
 
+/// The text of a model's `.json` file.
+///
+/// # Errors
+/// A model that cannot be written.
+pub fn model_json(model: &ModalModel) -> Result<String> {
+    check(model)?;
+    let mut text = Vec::new();
+    write_json(&mut text, model)
+        .map_err(|error| Error::new(ErrorKind::Internal, error.to_string()))?;
+    String::from_utf8(text).map_err(|error| Error::new(ErrorKind::Internal, error.to_string()))
+}
+
 fn read_json(path: &Path) -> Result<ModalModel> {
     let text = read_text(path, "a model, JSON")?;
     let explain = |error: serde_json::Error| {

@@ -6,7 +6,7 @@ use super::{
     assemble, csv, detect_format, expand_paths, function_name, hdf5, mat, numpy, read_model, uff,
     wav, Contents, DatasetInfo, Document, FileFormat, ReadOptions,
 };
-use chladni_frf::{Error, Finding, FrfSet, Geometry, Mode, Reason, Result, Source, Trust};
+use chladni_frf::{Error, Finding, FrfSet, Mode, Reason, Result, Source, Trust};
 use chladni_text::door::{read_bytes, size_of, KeptInputs};
 use chladni_text::{json_error, read_text};
 use std::path::{Path, PathBuf};
@@ -224,10 +224,7 @@ fn model_document(path: &Path) -> Result<Document> {
     });
     Ok(Document {
         datasets: listed.collect(),
-        geometry: Geometry {
-            nodes: model.nodes.clone(),
-            ..Geometry::default()
-        },
+        geometry: model.geometry(),
         warnings: model.quality.findings.clone(),
         ..Document::new(path, FileFormat::Model)
     })

@@ -9,7 +9,8 @@
 //! within_hz = 0.5
 //! ```
 //!
-//! With `[[mode]]` tables alone, these modes are kept.
+//! With `[[mode]]` tables alone, these modes are kept. `add = [{frequency_hz = 123.4}]`
+//! fits anew with a mode there, beside the others; it may stand alone.
 
 use chladni_frf::{Error, ModeName, ModePick, Result, Selection};
 use chladni_text::read_text;
@@ -17,8 +18,9 @@ use chladni_text::toml_reader::{parse, Keys, Table, Value};
 use std::path::Path;
 
 const KEYS: Keys = &[
-    ("", &["keep", "drop", "mode"]),
+    ("", &["keep", "drop", "mode", "add"]),
     ("mode", &["near_hz", "within_hz"]),
+    ("add", &["frequency_hz"]),
 ];
 
 /// Keeps all sure modes.
@@ -87,15 +89,33 @@ pub fn selection_from_toml(text: &str) -> Result<Selection> {
     {
         picks.push(by_frequency(&value, place + 1)?);
     }
+    let added_hz = added(&root)?;
+    if picks.is_empty() && !added_hz.is_empty() {
+        // nothing goes
+        return Ok(Selection::new(false, picks).adding(added_hz));
+    }
     if picks.is_empty() {
         return Err(Error::bad_data("the selection names no mode")
             .expected(
-                "keep = [1, 2, ...], drop = [3, ...], or [[mode]] tables with near_hz \
-                       and within_hz",
+                "keep = [1, 2, ...], drop = [3, ...], [[mode]] tables with near_hz and \
+                 within_hz, or add = [{frequency_hz = ...}]",
             )
             .help("numbers are those of the table that `chladni fit` prints"));
     }
-    Ok(Selection::new(kept, picks))
+    Ok(Selection::new(kept, picks).adding(added_hz))
+}
+
+/// Frequencies of the modes to add, Hz.
+fn added(root: &Table) -> Result<Vec<f64>> {
+    let list = root.get("add").map(|list| list.list()).transpose()?;
+    let of = |value: &Value| {
+        let table = value.table()?;
+        table.only_keys(KEYS, "add")?;
+        table
+            .require("frequency_hz", "where a mode was seen, Hz")?
+            .positive()
+    };
+    list.into_iter().flatten().map(|value| of(&value)).collect()
 }
 
 fn by_frequency(value: &Value, place: usize) -> Result<ModePick> {

@@ -154,6 +154,8 @@ fn truth(
         responses: layout.response_dofs.clone(),
         references: layout.reference_dofs.clone(),
         nodes: layout.geometry.nodes.clone(),
+        lines: layout.geometry.lines.clone(),
+        faces: layout.geometry.faces.clone(),
         method: "simulate".into(),
         modes,
         residual_terms: ResidualTerms {

@@ -210,6 +210,8 @@ impl Synthetic {
             responses: dofs(self.responses),
             references: dofs(self.references),
             nodes: Vec::new(),
+            lines: Vec::new(),
+            faces: Vec::new(),
             method: "synthetic".into(),
             modes,
             residual_terms: ResidualTerms {

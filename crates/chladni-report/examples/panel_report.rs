@@ -59,6 +59,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ChartFormats {
             svg: true,
             png: true,
+            gif: true,
         },
     )? {
         std::fs::write(folder.join(name), bytes)?;

@@ -23,6 +23,7 @@ mod input;
 mod page;
 mod sentence;
 mod sizes;
+mod structure;
 mod surface;
 mod text;
 
@@ -37,7 +38,7 @@ pub use figures::{
 pub use input::{CurvePoint, Curves, RenderedScene, ReportInput, ShownField, ShownTime, Table};
 pub use sentence::sentence;
 
-use chladni_frf::{ModalModel, Result};
+use chladni_frf::{FrfSet, ModalModel, Result};
 use serde_json::Value;
 
 /// The report as one HTML page.
@@ -62,6 +63,15 @@ pub fn gallery(title: &str, words: &str, figures: &[Figure]) -> String {
 /// Those of [`html`].
 pub fn data(input: &ReportInput) -> Result<Value> {
     data::of(input)
+}
+
+/// The measured FRFs alone, with the places where they were measured: what the studio
+/// shows before the first fit.
+///
+/// # Errors
+/// [`chladni_frf::ErrorKind::UnknownFrfKind`].
+pub fn measured_data(set: &FrfSet) -> Result<Value> {
+    data::of_measured(set)
 }
 
 /// The parts of [`data`] that a fit of the same FRFs changes, `model`, `mac` and
@@ -89,6 +99,8 @@ pub struct ChartFormats {
     pub svg: bool,
     /// PNG files.
     pub png: bool,
+    /// A moving picture of each shape, where the structure has lines or faces.
+    pub gif: bool,
 }
 
 /// The views of the report as files: name (`cmif.svg`, `mode-03.png`) and content, in the
@@ -112,6 +124,9 @@ pub fn charts(input: &ReportInput, formats: ChartFormats) -> Result<Vec<(String,
                 drawing.to_png(sizes::PNG_SCALE),
             ));
         }
+    }
+    if let Some(model) = input.model.filter(|_| formats.gif) {
+        files.extend(figures::moving_shapes(model));
     }
     Ok(files)
 }

@@ -1,11 +1,17 @@
 //! The sentence that a result begins with.
 
-use crate::better_band::better_band;
+use crate::better_band::{better_band, BetterBand};
 use crate::text::{counted, plain, significant};
 use chladni_frf::{ModalModel, Trust};
 
 /// Share of the data from which on modes explain most of them.
 const HALF: f64 = 0.5;
+
+/// The band to fit instead, where the modes explain little of this one.
+pub(crate) fn advised_band(model: &ModalModel) -> Option<BetterBand> {
+    let is_little = 1.0 - model.quality.relative_error < HALF;
+    better_band(model).filter(|_| is_little)
+}
 
 /// How many modes, how sure, how much of the data they explain, and what to do where that
 /// is little.
@@ -21,7 +27,7 @@ pub fn sentence(model: &ModalModel) -> String {
     let explained = match share < HALF {
         false => format!("{percent} % of the data, {low} to {high} Hz."),
         true => {
-            let advice = better_band(model).map_or_else(String::new, |band| {
+            let advice = advised_band(model).map_or_else(String::new, |band| {
                 let [low, high] = band.hz.map(plain);
                 format!(
                     " Fit {low} to {high} Hz: {} of {} lie there.",

@@ -15,6 +15,7 @@ use std::sync::OnceLock;
 const BOTH: ChartFormats = ChartFormats {
     svg: true,
     png: true,
+    gif: true,
 };
 /// A page of the demonstration panel stays below.
 const MAX_PAGE_BYTES: usize = 8_000_000;
@@ -295,6 +296,38 @@ fn what_is_missing_is_null_and_the_rest_is_there() {
 }
 
 #[test]
+fn a_beam_has_a_structure_and_no_map() {
+    let mut beam = small().truth.clone();
+    for (k, node) in beam.nodes.iter_mut().enumerate() {
+        node.xyz_m = [0.01 * k as f64, 0.0, 0.0];
+    }
+    (beam.lines, beam.faces) = (Vec::new(), Vec::new());
+    let input = ReportInput {
+        model: Some(&beam),
+        ..Default::default()
+    };
+    let shown = data(&input).unwrap();
+    assert!(shown["geometry"].is_null());
+    let structure = &shown["structure"];
+    assert_eq!(
+        structure["lines"].as_array().unwrap().len(),
+        1,
+        "{structure}"
+    );
+    assert_eq!(
+        structure["moves"].as_array().unwrap().len(),
+        beam.responses.len()
+    );
+    let plate = ReportInput {
+        model: Some(&small().truth),
+        ..Default::default()
+    };
+    let faces = data(&plate).unwrap()["structure"]["faces"].clone();
+    assert_eq!(faces.as_array().unwrap().len(), small().truth.faces.len());
+    assert!(!small().truth.faces.is_empty());
+}
+
+#[test]
 fn weights_judged_on_the_measured_line_name_it() {
     let rendering = rendering(&small().truth);
     let evaluation = evaluate(&rendering.weights, &scene(), On::Frf(&small().frf)).unwrap();
@@ -346,8 +379,18 @@ fn chart_files_are_sound_and_have_their_own_names() {
     model.modes.truncate(3);
     let rendering = rendering(&model);
     let files = charts(&input(&model, Some(&small().frf), &rendering), BOTH).unwrap();
-    let (pngs, svgs): (Vec<_>, Vec<_>) = files.iter().partition(|file| file.0.ends_with(".png"));
-    assert_eq!((pngs.len(), svgs.len()), (25, 25));
+    let of = |ending: &str| {
+        let files = files.iter().filter(|file| file.0.ends_with(ending));
+        files.collect::<Vec<_>>()
+    };
+    let (pngs, svgs, gifs) = (of(".png"), of(".svg"), of(".gif"));
+    assert_eq!((pngs.len(), svgs.len(), gifs.len()), (25, 25, 3));
+    for (name, bytes) in gifs {
+        assert!(
+            bytes.starts_with(b"GIF89a") && bytes.ends_with(b"\x3b"),
+            "{name}"
+        );
+    }
     for (name, bytes) in pngs {
         assert!(
             bytes.starts_with(b"\x89PNG\r\n\x1a\n") && bytes.ends_with(b"IEND\xaeB`\x82"),

@@ -1,12 +1,14 @@
 //! `chladni studio`: the report, live, on a page that only this machine can open.
 //!
-//! `session.rs` fits and renders, on the lines that `draft.rs` chooses while a hand
-//! moves; `server.rs` answers the page, which lives in `chladni-report` and shares the
+//! `session.rs` fits, on the lines that `draft.rs` chooses while a hand moves, and
+//! `progress.rs` knows how far it is; `scenes.rs` renders; `server.rs` answers the page, which lives in `chladni-report` and shares the
 //! report's views. `token.rs` tells the owner from other users of the machine, and
 //! `question.rs` says what may be asked.
 
 mod draft;
+mod progress;
 mod question;
+mod scenes;
 mod server;
 mod session;
 mod token;
@@ -31,9 +33,10 @@ use token::Token;
   chladni studio scans/ --frf-kind mobility --port 8080
 
 Prints the address of a page, and serves it until Ctrl-C. Only this machine can open it, and only who knows the address: the
-token in it is new in every run (docs/security.md). On the page: band and number of modes, hot and cold zones, drive frequency; the fit, the weights and the field follow at once. While anything is being
-dragged the methods are `lean` and `fast`, afterwards `auto` and `best`. The page shows the commands and the TOML that do the same again;
-it writes no files.")]
+token in it is new in every run (docs/security.md). On one screen: the FRFs with the band, the poles (drop them, add one at an empty peak), the
+panel with its field, on which zones are drawn, moved and resized. The fit, the weights and the field follow at once: while anything
+is being dragged by the methods `lean` and `fast`, afterwards by `auto` and `best`. The page shows the commands and the TOML that do
+the same again, and offers model, weights, drive signals and report as downloads. ? lists the keys.")]
 pub struct Args {
     /// FRFs of any format that `chladni fit` reads, or a model
     #[arg(required = true, value_name = "FILE")]

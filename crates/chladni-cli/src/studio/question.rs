@@ -43,6 +43,9 @@ pub struct FitQuestion {
     pub band_hz: Option<[f64; 2]>,
     /// Decided by evidence where it is missing.
     pub modes: Option<usize>,
+    /// Modes that the reader has seen, Hz.
+    #[serde(default)]
+    pub added_hz: Vec<f64>,
 }
 
 impl FitQuestion {
@@ -59,9 +62,14 @@ impl FitQuestion {
         for hz in self.band_hz.into_iter().flatten() {
             within("band_hz", hz, 0.0..=HIGHEST_HZ)?;
         }
+        within("number of added_hz", self.added_hz.len(), 0..=MOST_MODES)?;
+        for &hz in &self.added_hz {
+            within("added_hz", hz, 0.0..=HIGHEST_HZ)?;
+        }
         let options = FitOptions {
             band_hz: self.band_hz,
             modes: self.modes,
+            added_hz: self.added_hz.clone(),
             ..FitOptions::default()
         };
         let turn = Turn {
@@ -73,7 +81,7 @@ impl FitQuestion {
 }
 
 /// What to render.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneQuestion {
     /// The scene file's text.
@@ -82,10 +90,48 @@ pub struct SceneQuestion {
     pub method: String,
     /// The table that `threshold.profile` names, where it names none that is built in.
     threshold: Option<TableText>,
+    /// Numbers of the modes that were dropped on the page, from 1.
+    #[serde(default)]
+    pub drop: Vec<usize>,
+    /// Drive frequencies to try, Hz; for a sweep.
+    pub range_hz: Option<[f64; 2]>,
+}
+
+/// A result to take along.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FileQuestion {
+    /// Which one.
+    pub name: FileName,
+    /// Numbers of the modes that were dropped on the page, from 1.
+    #[serde(default)]
+    pub drop: Vec<usize>,
+    /// What was rendered, for files of a scene.
+    pub scene: Option<SceneQuestion>,
+}
+
+/// The files that the studio hands out; it writes none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+pub enum FileName {
+    /// The model without what was dropped.
+    #[serde(rename = "model.json")]
+    Model,
+    /// The weights.
+    #[serde(rename = "weights.json")]
+    Weights,
+    /// The drive signals.
+    #[serde(rename = "drive.wav")]
+    Sound,
+    /// The file beside them.
+    #[serde(rename = "drive.json")]
+    Sidecar,
+    /// The report.
+    #[serde(rename = "report.html")]
+    Report,
 }
 
 /// A threshold table, as its file holds it.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct TableText {
     name: String,
@@ -115,8 +161,19 @@ impl SceneQuestion {
     /// is neither built in nor sent along.
     pub fn checked(&self) -> Result<(Scene, MethodChoice)> {
         let table = self.threshold.as_ref().map(TableText::table).transpose()?;
+        for hz in self.range_hz.into_iter().flatten() {
+            within("range_hz", hz, 0.0..=HIGHEST_HZ)?;
+        }
         let scene = Scene::parse_alone(&self.toml, table.as_slice())?;
-        Ok((scene, self.method.parse()?))
+        Ok((scene, self.method()?))
+    }
+
+    /// The method.
+    ///
+    /// # Errors
+    /// An unknown one.
+    pub fn method(&self) -> Result<MethodChoice> {
+        self.method.parse()
     }
 }
 

@@ -1,7 +1,7 @@
-//! The studio's page and its two questions: fit this, render that. One thread answers,
-//! others work.
+//! The studio's page and its questions: fit this, render that, hand it over. One thread
+//! answers, others work.
 
-use super::question::{FitQuestion, SceneQuestion};
+use super::question::{FileQuestion, FitQuestion, SceneQuestion};
 use super::session::Session;
 use super::token::Token;
 use axum::extract::{DefaultBodyLimit, Request, State};
@@ -82,8 +82,13 @@ fn text(headers: &HeaderMap, name: HeaderName) -> Option<&str> {
 pub fn serve(session: Arc<Session>, listener: TcpListener, door: Door) -> std::io::Result<()> {
     let routes = Router::new()
         .route("/", get(page))
+        .route("/api/start", post(start))
         .route("/api/fit", post(fit))
+        .route("/api/progress", post(progress))
+        .route("/api/cancel", post(cancel))
         .route("/api/scene", post(scene))
+        .route("/api/sweep", post(sweep))
+        .route("/api/file", post(file))
         .layer(DefaultBodyLimit::max(LARGEST_QUESTION))
         .layer(from_fn_with_state(Arc::new(door), only_who_may))
         .with_state(session);
@@ -144,6 +149,18 @@ async fn page(State(session): State<Arc<Session>>) -> Html<String> {
     Html(session.page())
 }
 
+async fn start(State(session): State<Arc<Session>>) -> Json<Value> {
+    at_work(move || session.start()).await
+}
+
+async fn progress(State(session): State<Arc<Session>>) -> Json<Value> {
+    Json(session.progress.value())
+}
+
+async fn cancel(State(session): State<Arc<Session>>) -> Json<Value> {
+    at_work(move || session.cancel()).await
+}
+
 async fn fit(
     State(session): State<Arc<Session>>,
     Json(question): Json<FitQuestion>,
@@ -156,6 +173,28 @@ async fn scene(
     Json(question): Json<SceneQuestion>,
 ) -> Json<Value> {
     at_work(move || session.render(&question)).await
+}
+
+async fn sweep(
+    State(session): State<Arc<Session>>,
+    Json(question): Json<SceneQuestion>,
+) -> Json<Value> {
+    at_work(move || session.sweep(&question)).await
+}
+
+/// The bytes of a file, which the page offers as a download.
+async fn file(State(session): State<Arc<Session>>, Json(question): Json<FileQuestion>) -> Response {
+    match tokio::task::spawn_blocking(move || session.file(&question)).await {
+        Ok(Ok(bytes)) => {
+            ([(header::CONTENT_TYPE, "application/octet-stream")], bytes).into_response()
+        }
+        Ok(Err(error)) => (StatusCode::UNPROCESSABLE_ENTITY, error.to_string()).into_response(),
+        Err(bug) => (
+            StatusCode::INTERNAL_SERVER_ERROR,
+            format!("internal error: {bug}"),
+        )
+            .into_response(),
+    }
 }
 
 /// Runs `work` on a thread of its own; an error, and a bug too, is an answer in words.

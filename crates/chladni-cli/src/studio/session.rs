@@ -1,8 +1,9 @@
 //! What the studio works on: the measured FRFs, and the model of the moment.
 
 use super::draft::few_lines;
-use super::question::{FitQuestion, SceneQuestion, Turn};
-use crate::curves::curves;
+use super::progress::Progress;
+use super::question::{FitQuestion, Turn};
+use super::scenes::Rendered;
 use crate::explain::explain;
 use crate::fit::echo_of;
 use crate::report::Contents;
@@ -10,8 +11,7 @@ use chladni_console::input::{expand, model_of, read_frf, Reading};
 use chladni_console::quoting::shell_path;
 use chladni_console::Console;
 use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Source};
-use chladni_render::{render, MethodChoice, RenderOptions};
-use chladni_report::{data, draft_data, scene_data, studio_html, RenderedScene, ReportInput};
+use chladni_report::{data, draft_data, measured_data, studio_html, ReportInput};
 use chladni_rfp::{fit_watched, CancelToken, Fit, FitError, FitOptions, Method};
 use serde_json::{json, Value};
 use std::path::{Path, PathBuf};
@@ -19,7 +19,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
 /// Name that the commands on the page give to the model.
-const MODEL: &str = "model.json";
+pub(super) const MODEL: &str = "model.json";
 
 /// Everything between two questions of the page.
 pub struct Session {
@@ -38,6 +38,12 @@ pub struct Session {
     pages: AtomicU64,
     /// The newest question about a fit: an older one is not worth going on with.
     newest: Mutex<Turn>,
+    /// Stops the full fit that was begun last.
+    running: Mutex<CancelToken>,
+    /// How far that is.
+    pub(super) progress: Progress,
+    /// The last rendering, with the whole model that it was made with.
+    pub(super) last: Mutex<Option<(Arc<ModalModel>, Arc<Rendered>)>>,
 }
 
 /// The models of the moment.
@@ -88,12 +94,57 @@ impl Session {
             }),
             pages: AtomicU64::new(0),
             newest: Mutex::default(),
+            running: Mutex::default(),
+            progress: Progress::default(),
+            last: Mutex::default(),
         })
     }
 
     /// A new page.
     pub fn page(&self) -> String {
         studio_html(&self.title, 1 + self.pages.fetch_add(1, Ordering::Relaxed))
+    }
+
+    /// What is known before any fit: the FRFs as they were measured, and the places.
+    ///
+    /// # Errors
+    /// Those of drawing.
+    pub fn start(&self) -> Result<Value> {
+        let data = self.frf.as_ref().map(measured_data).transpose()?;
+        Ok(json!({
+            "title": self.title,
+            "data": data,
+            "lines_hz": self.lines_hz(),
+            "refit": self.refits(),
+        }))
+    }
+
+    /// Stops the full fit at its next stage.
+    pub fn cancel(&self) -> Result<Value> {
+        let running = self.running.lock();
+        running.unwrap_or_else(PoisonError::into_inner).cancel();
+        Ok(json!({}))
+    }
+
+    /// First and last line of the data, Hz.
+    fn lines_hz(&self) -> Option<[f64; 2]> {
+        let axis = &self.frf.as_ref()?.frequency_hz;
+        Some([*axis.first()?, *axis.last()?])
+    }
+
+    fn refits(&self) -> bool {
+        !self.from_model && self.frf.is_some()
+    }
+
+    /// A model with its data, as a report takes them.
+    pub(super) fn input<'a>(&'a self, model: &'a ModalModel) -> ReportInput<'a> {
+        ReportInput {
+            title: self.title.clone(),
+            model: Some(model),
+            measured: self.frf.as_ref(),
+            findings: self.findings.clone(),
+            ..ReportInput::default()
+        }
     }
 
     /// Fits anew, or hands over the model of the file; what the report would draw, all of
@@ -108,28 +159,20 @@ impl Session {
             (_, Some(model)) if self.from_model => (model, String::new()),
             (Some(frf), _) => match self.fitted(frf, question, options, turn)? {
                 Some(fitted) => fitted,
-                None => return Ok(json!({"overtaken": true})),
+                None => return Ok(json!({ self.why_not(turn): true })),
             },
             (None, _) => return Err(Error::new(ErrorKind::Internal, "neither FRFs nor a model")),
         };
         if question.draft {
             return Ok(json!({"draft": draft_data(&model), "model_file": self.model_file()}));
         }
-        let input = ReportInput {
-            title: self.title.clone(),
-            model: Some(&model),
-            measured: self.frf.as_ref(),
-            findings: self.findings.clone(),
-            ..ReportInput::default()
-        };
-        let lines = self
-            .frf
-            .as_ref()
-            .and_then(|frf| Some([*frf.frequency_hz.first()?, *frf.frequency_hz.last()?]));
-        let refit = !self.from_model && self.frf.is_some();
-        Ok(
-            json!({"data": data(&input)?, "command": command, "lines_hz": lines, "model_file": self.model_file(), "refit": refit}),
-        )
+        Ok(json!({
+            "data": data(&self.input(&model))?,
+            "command": command,
+            "lines_hz": self.lines_hz(),
+            "model_file": self.model_file(),
+            "refit": self.refits(),
+        }))
     }
 
     /// `None` where a newer question has overtaken this one.
@@ -196,16 +239,38 @@ impl Session {
             let mut newest = newest();
             *newest = turn.max(*newest);
         }
-        let overtaken = CancelToken::new();
-        let look_around = |_: &str| {
-            if options.method == Method::Auto && *newest() > turn {
-                overtaken.cancel();
+        let stop = CancelToken::new();
+        let is_full = options.method == Method::Auto;
+        if is_full {
+            *self.running.lock().unwrap_or_else(PoisonError::into_inner) = stop.clone();
+            self.progress.begin();
+        }
+        let look_around = |name: &str| {
+            if is_full {
+                self.progress.stage(name);
+            }
+            if is_full && *newest() > turn {
+                stop.cancel();
             }
         };
-        match fit_watched(frf, options, &look_around, &overtaken) {
+        let fitted = fit_watched(frf, options, &look_around, &stop);
+        if is_full {
+            self.progress.end();
+        }
+        match fitted {
             Ok(fit) => Ok(Some(fit)),
             Err(FitError::Cancelled) => Ok(None),
             Err(error) => Err(explain(&error, options, Path::new(&self.title))),
+        }
+    }
+
+    /// Why a fit was given up.
+    fn why_not(&self, turn: Turn) -> &'static str {
+        let newest = *self.newest.lock().unwrap_or_else(PoisonError::into_inner);
+        if newest > turn {
+            "overtaken"
+        } else {
+            "cancelled"
         }
     }
 
@@ -226,53 +291,17 @@ impl Session {
         (known && inside > 0).then_some(inside)
     }
 
-    /// Renders a scene with the model of the moment.
-    ///
-    /// # Errors
-    /// A scene that cannot be read or does not fit the model.
-    pub fn render(&self, question: &SceneQuestion) -> Result<Value> {
-        let model = self
-            .current()
-            .ok_or_else(|| Error::bad_data("no model yet").help("fit first"))?;
-        let (scene, method) = question.checked()?;
-        let rendering = render(
-            &model,
-            &scene,
-            &RenderOptions {
-                method,
-                ..RenderOptions::default()
-            },
-        )?;
-        // curves for the drive that stays, not for those in passing
-        let curves = (method != MethodChoice::Fast)
-            .then(|| curves(&model, &scene, &rendering.weights))
-            .transpose()?;
-        let scenes = vec![RenderedScene::of_rendering(&rendering).with_curves(curves.as_ref())];
-        let input = ReportInput {
-            model: Some(&model),
-            scenes,
-            ..ReportInput::default()
-        };
-        let command = format!(
-            "chladni render {} scene.toml --method {} -o weights.json",
-            self.model_file(),
-            question.method
-        );
-        Ok(
-            json!({"scene": scene_data(&input), "command": command, "findings": rendering.weights.findings.0}),
-        )
-    }
-
-    fn current(&self) -> Option<Arc<ModalModel>> {
+    pub(super) fn current(&self) -> Option<Arc<ModalModel>> {
         self.fitted.read().ok()?.latest.clone()
     }
 
-    /// The file of the model, in the words of the commands.
-    fn model_file(&self) -> &str {
-        if self.from_model {
-            &self.words
-        } else {
-            MODEL
-        }
+    /// True where a model was read, and nothing is fitted.
+    pub(super) fn from_model(&self) -> bool {
+        self.from_model
+    }
+
+    /// The files and options of reading, as on a command line.
+    pub(super) fn words(&self) -> &str {
+        &self.words
     }
 }

@@ -2,6 +2,7 @@
 
 mod agreement;
 mod bench;
+mod by_hand;
 mod common;
 mod compare;
 mod crash_safety;
@@ -24,5 +25,7 @@ mod play;
 mod render;
 mod shell;
 mod spoiled;
+mod structure;
 mod studio;
 mod troubleshooting;
+mod workbench;

@@ -50,6 +50,11 @@ fn without_the_token_everything_is_refused() {
         ("GET", "/api/fit"),
         ("POST", "/api/fit"),
         ("POST", "/api/scene"),
+        ("POST", "/api/start"),
+        ("POST", "/api/progress"),
+        ("POST", "/api/cancel"),
+        ("POST", "/api/sweep"),
+        ("POST", "/api/file"),
         ("OPTIONS", "/api/scene"),
         ("DELETE", "/nowhere"),
         ("GET", "/../../etc/hostname"),
@@ -220,6 +225,97 @@ fn a_fit_that_a_newer_question_has_overtaken_is_given_up() {
     );
     // and what asks last is answered
     assert!(studio.asked_about("fit", r#"{"number": 6}"#)["data"].is_object());
+}
+
+#[test]
+fn the_data_are_shown_before_any_fit_and_a_fit_tells_its_stages() {
+    let folder = Folder::with_panel();
+    let studio = Studio::start(&folder, &["panel.h5"]);
+    let start = studio.asked_about("start", "{}");
+    let data = &start["data"];
+    assert_eq!(data["responses"], 24, "{start}");
+    assert!(data["frfs"]["sums"]["measured"].is_object());
+    assert_eq!(data["geometry"]["places"].as_array().unwrap().len(), 24);
+    let over = |studio: &Studio| studio.asked_about("progress", "{}")["over"].clone();
+    assert_eq!(over(&studio), json!([]), "nothing was asked for yet");
+    assert!(studio.asked_about("fit", r#"{"number": 1}"#)["data"].is_object());
+    let stages = over(&studio);
+    assert!(stages.as_array().unwrap().len() >= 3, "{stages}");
+    // what is over cannot be cancelled, and the next fit is not
+    studio.asked_about("cancel", "{}");
+    assert!(studio.asked_about("fit", r#"{"number": 2}"#)["data"].is_object());
+}
+
+#[test]
+fn files_that_the_studio_hands_over_are_those_of_the_command_line() {
+    let folder = Folder::with_panel();
+    let studio = Studio::start(&folder, &["truth.json"]);
+    let scene = json!({"toml": SCENE, "method": "mls", "drop": [1]});
+    let file = |name: &str, scene: Option<&Value>| -> Vec<u8> {
+        let question = json!({"name": name, "drop": [1], "scene": scene}).to_string();
+        let answer = studio.asked_bytes(&studio.head("file", &question), &question);
+        let split = answer
+            .windows(4)
+            .position(|four| four == b"\r\n\r\n")
+            .unwrap();
+        assert!(answer.starts_with(b"HTTP/1.1 200"), "{name}");
+        answer[split + 4..].to_vec()
+    };
+    folder.write("selection.toml", "drop = [1]\n");
+    folder.write("scene.toml", SCENE);
+    folder
+        .run("select truth.json selection.toml -o selected.json -q")
+        .exits(0);
+    let modes = |text: &[u8]| {
+        let model: Value = serde_json::from_slice(text).unwrap();
+        model["modes"].as_array().unwrap().len()
+    };
+    assert_eq!(
+        modes(&file("model.json", None)),
+        modes(&folder.read("selected.json"))
+    );
+    let rendered = folder
+        .run("render selected.json scene.toml --method mls -o weights.json -q --wav drive.wav");
+    assert!(rendered.code <= 1, "{}", rendered.stderr);
+    let amplitudes = |text: &[u8]| {
+        let weights: Value = serde_json::from_slice(text).unwrap();
+        weights["weights"].clone()
+    };
+    let weights = file("weights.json", Some(&scene));
+    assert_eq!(
+        amplitudes(&weights),
+        amplitudes(&folder.read("weights.json"))
+    );
+    assert!(file("drive.wav", Some(&scene)) == folder.read("drive.wav"));
+    assert!(file("report.html", Some(&scene)).starts_with(b"<!doctype html>"));
+    let unknown = r#"{"name": "../secret"}"#;
+    let refused = studio.asked(&studio.head("file", unknown), unknown);
+    assert_eq!(status(&refused), "422");
+    let without = r#"{"name": "weights.json"}"#;
+    let refused = studio.asked(&studio.head("file", without), without);
+    assert!(
+        status(&refused) == "422" && refused.contains("no scene"),
+        "{refused}"
+    );
+}
+
+#[test]
+fn a_sweep_has_bounds() {
+    let folder = Folder::with_panel();
+    let studio = Studio::start(&folder, &["truth.json"]);
+    let sweep = |range: Value| {
+        let question = json!({"toml": SCENE, "method": "default", "range_hz": range});
+        studio.asked_about("sweep", &question.to_string())
+    };
+    let found = sweep(json!([298.0, 301.0]));
+    assert_eq!(
+        found["sweep"]["frequencies"].as_array().unwrap().len(),
+        4,
+        "{found}"
+    );
+    assert!(complaint(&sweep(Value::Null)).contains("range_hz"));
+    assert!(complaint(&sweep(json!([1.0, 1e9]))).contains("sweep"));
+    assert!(complaint(&sweep(json!([1.0, 1e300]))).contains("range_hz"));
 }
 
 /// Connections that say half of a request and no more.

@@ -4,7 +4,7 @@
 //! Texts and single numbers are attributes; lists of texts and `options` are JSON text
 //! where HDF5 has nothing as faithful.
 
-use super::own::Own;
+use super::own::{add_label_lists, Own};
 use crate::arrays::tree::{Attribute, Entry, Group, Values};
 use crate::arrays::values::{dofs, integers, reals, texts, wrong_type, ComplexArray};
 use chladni_frf::{
@@ -74,6 +74,7 @@ pub(super) fn model_group(model: &ModalModel) -> Group<'_> {
         &[model.nodes.len()],
         Values::Nodes(model.nodes.clone()),
     );
+    add_label_lists(&mut group, &model.lines, &model.faces);
     group.groups.push(source_group(&model.source));
     group.groups.push(modes_group(model));
     group
@@ -316,6 +317,8 @@ pub(super) fn read_model(own: &Own<'_>) -> Result<ModalModel> {
         responses: dof_list("responses")?,
         references: dof_list("references")?,
         nodes,
+        lines: own.label_lists("/model/lines")?,
+        faces: own.label_lists("/model/faces")?,
         method: part.text("method")?,
         modes: read_modes(own)?,
         residual_terms: read_residual_terms(own)?,

@@ -206,7 +206,8 @@ impl Own<'_> {
         Ok(geometry)
     }
 
-    fn label_lists(&self, path: &str) -> Result<Vec<Vec<u64>>> {
+    /// Node labels of polylines or faces; none where the file has none.
+    pub(super) fn label_lists(&self, path: &str) -> Result<Vec<Vec<u64>>> {
         if self.find(path).is_none() {
             return Ok(Vec::new());
         }
@@ -306,7 +307,15 @@ pub(super) fn add_geometry(root: &mut Group<'_>, geometry: &Geometry) {
             Values::Nodes(geometry.nodes.clone()),
         );
     }
-    for (name, lists) in [("lines", &geometry.lines), ("faces", &geometry.faces)] {
+    add_label_lists(&mut group, &geometry.lines, &geometry.faces);
+    if !group.datasets.is_empty() {
+        root.groups.push(group);
+    }
+}
+
+/// Adds lines and faces to a group, where there are any.
+pub(super) fn add_label_lists(group: &mut Group<'_>, lines: &[Vec<u64>], faces: &[Vec<u64>]) {
+    for (name, lists) in [("lines", lines), ("faces", faces)] {
         if lists.is_empty() {
             continue;
         }
@@ -323,9 +332,6 @@ pub(super) fn add_geometry(root: &mut Group<'_>, geometry: &Geometry) {
             Values::Unsigned(starts.into()),
         );
         group.add(name, &[labels.len()], Values::Unsigned(labels.into()));
-    }
-    if !group.datasets.is_empty() {
-        root.groups.push(group);
     }
 }
 

@@ -76,6 +76,8 @@ fn model() -> ModalModel {
             label: 1,
             xyz_m: [0.034, 0.025, 0.0],
         }],
+        lines: vec![vec![1, 1]],
+        faces: vec![vec![1, 1, 1], vec![1, 1, 1, 1]],
         method: "auto".into(),
         modes: vec![
             mode(54.4, Trust::Sure),

@@ -44,6 +44,8 @@ fn model() -> ModalModel {
         responses: vec!["1:+Z".parse().unwrap()],
         references: vec!["1:+Z".parse().unwrap()],
         nodes: Vec::new(),
+        lines: Vec::new(),
+        faces: Vec::new(),
         method: "auto".into(),
         modes: vec![
             mode(40.0, true, Trust::Sure),

@@ -6,7 +6,8 @@ use crate::figures::plane::Plane;
 use crate::figures::shown_responses;
 use crate::input::ReportInput;
 use crate::sizes;
-use chladni_frf::{Dof, ModalModel};
+use crate::structure::Structure;
+use chladni_frf::{Dof, FrfSet, ModalModel};
 use chladni_render::{tolerances::AREA_STEP_M, AreaGrid, Position, Rectangle};
 use num_complex::Complex64;
 use serde_json::{json, Value};
@@ -26,7 +27,7 @@ impl<'a> Geometry<'a> {
     pub(crate) fn of(input: &ReportInput<'a>) -> Option<Self> {
         let model = input.model?;
         let plane = Plane::of(model)?;
-        let shown = shown_responses(model);
+        let shown = shown_responses(&model.responses);
         let places: Vec<Position> = shown
             .iter()
             .map(|&k| plane.position(&model.nodes, &model.responses[k]))
@@ -64,13 +65,6 @@ impl<'a> Geometry<'a> {
     pub(crate) fn value(&self) -> Value {
         let model = self.model;
         let around = self.plane.around;
-        let xyz = |k: usize| {
-            model
-                .nodes
-                .iter()
-                .find(|node| node.label == model.responses[k].node)
-                .map_or([0.0; 3], |node| node.xyz_m)
-        };
         let references = model
             .references
             .iter()
@@ -89,11 +83,43 @@ impl<'a> Geometry<'a> {
             "axes": self.plane.names(),
             "box": [around.x_min, around.y_min, around.x_max, around.y_max],
             "shown": self.shown,
-            "signs": self.shown.iter().map(|&k| model.responses[k].direction.sign()).collect::<Vec<_>>(),
             "places": self.places,
-            "xyz": f32s(self.shown.iter().flat_map(|&k| xyz(k))),
             "references": references,
+            "reference_names": model.references,
             "grid": grid,
         })
     }
+}
+
+/// The structure in space: nodes, lines and faces, and how responses move them.
+pub(crate) fn structure(model: &ModalModel) -> Option<Value> {
+    let structure = Structure::of(model)?;
+    let moves = structure.moves.iter().map(|moves| {
+        let (node, [x, y, z]) = (*moves)?;
+        Some(json!([node, x, y, z]))
+    });
+    Some(json!({
+        "xyz": f32s(structure.places_m.iter().flatten().copied()),
+        "lines": structure.lines,
+        "faces": structure.faces,
+        "moves": moves.collect::<Vec<_>>(),
+        "turned": structure.is_turned,
+    }))
+}
+
+/// The plane with the places of an [`FrfSet`]: what zones are drawn on before a fit;
+/// `None` without positions.
+pub(crate) fn board(set: &FrfSet) -> Option<Value> {
+    let nodes = &set.geometry.nodes;
+    let plane = Plane::of_nodes(nodes)?;
+    let shown = shown_responses(&set.responses);
+    let place = |dof: &Dof| plane.position(nodes, dof);
+    let around = plane.around;
+    Some(json!({
+        "axes": plane.names(),
+        "box": [around.x_min, around.y_min, around.x_max, around.y_max],
+        "places": shown.iter().filter_map(|&k| place(&set.responses[k])).collect::<Vec<_>>(),
+        "references": set.references.iter().map(place).collect::<Vec<_>>(),
+        "reference_names": set.references,
+    }))
 }

@@ -18,8 +18,8 @@ pub(crate) use diagrams::stabilization_options;
 
 use crate::comparison::Comparison;
 use crate::input::ReportInput;
-use crate::sentence::sentence;
-use chladni_frf::{ModalModel, Result, CREATED_BY};
+use crate::sentence::{advised_band, sentence};
+use chladni_frf::{FrfSet, ModalModel, Result, CREATED_BY};
 use serde_json::{json, Value};
 
 /// The whole object.
@@ -34,6 +34,7 @@ pub(crate) fn of(input: &ReportInput) -> Result<Value> {
         "title": input.title,
         "created_by": CREATED_BY,
         "sentence": input.model.map(sentence),
+        "better_band": input.model.and_then(advised_band).map(|band| band.hz),
         "findings": findings::all(input),
         "model": input.model.map(model::value),
         "frfs": comparison.as_ref().map(frfs::value),
@@ -41,8 +42,31 @@ pub(crate) fn of(input: &ReportInput) -> Result<Value> {
         "stabilization": input.measured.map(|set| diagrams::stabilization(set, input.model)),
         "mac": input.model.and_then(diagrams::mac),
         "geometry": geometry.as_ref().map(geometry::Geometry::value),
+        "structure": input.model.and_then(geometry::structure),
         "scenes": input.scenes.iter().map(|scene| scenes::value(scene, input, geometry.as_ref())).collect::<Vec<_>>(),
         "tables": input.tables.iter().map(|table| json!({"name": table.name, "header": table.header, "rows": table.rows})).collect::<Vec<_>>(),
+    }))
+}
+
+/// The measured FRFs alone, with the places where they were measured: the first picture
+/// of the studio.
+///
+/// # Errors
+/// [`chladni_frf::ErrorKind::UnknownFrfKind`].
+pub(crate) fn of_measured(set: &FrfSet) -> Result<Value> {
+    set.known_kind()?;
+    let input = ReportInput {
+        measured: Some(set),
+        ..ReportInput::default()
+    };
+    let comparison = Comparison::new(&input)?;
+    Ok(json!({
+        "frfs": comparison.as_ref().map(frfs::value),
+        "geometry": geometry::board(set),
+        "responses": set.responses.len(),
+        "references": set.references.len(),
+        "lines": set.frequency_hz.len(),
+        "has_coherence": set.coherence.is_some(),
     }))
 }
 

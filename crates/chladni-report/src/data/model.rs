@@ -17,6 +17,8 @@ pub(crate) fn value(model: &ModalModel) -> Value {
         "band_hz": model.band_hz,
         "damping": model.damping,
         "kind": model.frf_kind,
+        "relative_error": model.quality.relative_error,
+        "chi2_per_dof": model.quality.chi2_per_dof,
         "unit_modal_mass": model.scaling == Scaling::UnitModalMass,
         "source": model.source.first().map(|source| &source.file),
         "responses": model.responses,

@@ -10,7 +10,7 @@ use chladni_frf::ModalModel;
 
 /// `None` without modes in the band.
 pub(crate) fn complexity(model: &ModalModel) -> Option<Figure> {
-    let shown = shown_responses(model);
+    let shown = shown_responses(&model.responses);
     let mut points: Vec<Place> = Vec::new();
     for mode in model.in_band_modes() {
         points.extend(

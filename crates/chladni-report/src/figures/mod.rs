@@ -8,6 +8,7 @@ mod field_map;
 mod frf_overlay;
 mod mode_shape;
 mod moving;
+mod moving_shape;
 pub(crate) mod plane;
 mod poles;
 mod speed;
@@ -22,6 +23,7 @@ pub(crate) use cmif::Cmif;
 pub use field_map::field_map;
 pub(crate) use mode_shape::shown_responses;
 pub use moving::moving_field;
+pub(crate) use moving_shape::moving_shapes;
 pub use time::time;
 pub use weights_around_edge::weights_around_edge;
 

@@ -6,7 +6,7 @@ use crate::drawing::{Anchor, Colour, ColourMap, Dash, Image, Stroke};
 use crate::sizes;
 use crate::surface::{contours, Surface};
 use crate::text::fixed;
-use chladni_frf::{ModalModel, Mode, Trust};
+use chladni_frf::{Dof, ModalModel, Mode, Trust};
 use chladni_render::tolerances::AREA_STEP_M;
 use chladni_render::{AreaGrid, Position};
 use ndarray::Array2;
@@ -17,7 +17,7 @@ const CONTOURS: [f64; 4] = [0.2, 0.4, 0.6, 0.8];
 
 /// One figure per mode in the band.
 pub(crate) fn mode_shapes(model: &ModalModel) -> Vec<Figure> {
-    let shown = shown_responses(model);
+    let shown = shown_responses(&model.responses);
     let plane = Plane::of(model);
     let places: Option<Vec<Position>> = plane.as_ref().and_then(|plane| {
         shown
@@ -72,10 +72,10 @@ fn caption(mode: &Mode, imaginary: f64) -> String {
 }
 
 /// Responses along the axis that most of them have.
-pub(crate) fn shown_responses(model: &ModalModel) -> Vec<usize> {
+pub(crate) fn shown_responses(responses: &[Dof]) -> Vec<usize> {
     let along = |code: i8| -> Vec<usize> {
-        (0..model.responses.len())
-            .filter(|&k| model.responses[k].direction.axis().code() == code)
+        (0..responses.len())
+            .filter(|&k| responses[k].direction.axis().code() == code)
             .collect()
     };
     // the first of equals: Z before X before Y
@@ -271,7 +271,7 @@ mod tests {
             .0
             .iter_mut()
             .for_each(|value| *value *= Complex64::from_polar(3.0, 2.0));
-        let shown = shown_responses(&sim.truth);
+        let shown = shown_responses(&sim.truth.responses);
         let (values, imaginary) = turned_real(&sim.truth, &mode, &shown);
         assert!(imaginary < 1e-12);
         assert!((values.iter().copied().fold(f64::MIN, f64::max) - 1.0).abs() < 1e-12);

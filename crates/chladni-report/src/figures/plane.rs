@@ -17,8 +17,13 @@ pub(crate) struct Plane {
 impl Plane {
     /// `None` without nodes, or where they all lie on one line.
     pub(crate) fn of(model: &ModalModel) -> Option<Self> {
+        Self::of_nodes(&model.nodes)
+    }
+
+    /// The same of nodes that no model has yet.
+    pub(crate) fn of_nodes(nodes: &[Node]) -> Option<Self> {
         let extent = |axis: usize| {
-            let values = model.nodes.iter().map(|node| node.xyz_m[axis]);
+            let values = nodes.iter().map(|node| node.xyz_m[axis]);
             values.clone().fold(f64::NEG_INFINITY, f64::max) - values.fold(f64::INFINITY, f64::min)
         };
         let mut axes = [0, 1, 2];
@@ -26,8 +31,7 @@ impl Plane {
         axes.sort_by(|&a, &b| extent(b).total_cmp(&extent(a)));
         let mut axes = [axes[0], axes[1]];
         axes.sort_unstable();
-        let positions: Vec<Position> = model
-            .nodes
+        let positions: Vec<Position> = nodes
             .iter()
             .map(|node| axes.map(|axis| node.xyz_m[axis]))
             .collect();

@@ -14,6 +14,8 @@ use sha2::{Digest, Sha256};
 
 const TEMPLATE: &str = include_str!("template.html");
 const STYLE: &str = include_str!("style.css");
+/// What the studio's page has besides.
+const STUDIO_STYLE: &str = include_str!("studio.css");
 /// What stands in the page until its script has drawn it.
 const WITHOUT_SCRIPT: &str = include_str!("without_script.html");
 
@@ -41,6 +43,7 @@ const STUDIO_MODULES: &[Module] = modules!(
     "poles",
     "mac",
     "complexity",
+    "structure",
     "space",
     "shapes",
     "field",
@@ -48,15 +51,31 @@ const STUDIO_MODULES: &[Module] = modules!(
     "curves",
     "time",
     "scenes",
+    "zone_shapes",
+    "zone_editor",
     "zones",
     "tables",
     "page",
-    "live"
+    "ask",
+    "work",
+    "pane_data",
+    "pane_poles",
+    "actuators",
+    "board",
+    "sweep",
+    "pane_panel",
+    "drawer",
+    "downloads",
+    "top",
+    "studio"
 );
 
-/// The report's script: all but the last.
+/// Modules of the studio alone: the last ones.
+const OF_STUDIO: usize = 11;
+
+/// The report's script.
 fn report_modules() -> &'static [Module] {
-    &STUDIO_MODULES[..STUDIO_MODULES.len() - 1]
+    &STUDIO_MODULES[..STUDIO_MODULES.len() - OF_STUDIO]
 }
 
 /// The report with its data.
@@ -64,6 +83,7 @@ pub(crate) fn report(title: &str, data: &Value) -> String {
     let start = "module_page.show(module_data.embedded());";
     fill_page(
         title,
+        STYLE.trim(),
         &format!("{}{start}\n", bundle(report_modules())),
         WITHOUT_SCRIPT,
         &inert(data),
@@ -73,12 +93,13 @@ pub(crate) fn report(title: &str, data: &Value) -> String {
 
 /// The studio: it asks its own server for everything, and says which page asks.
 pub(crate) fn studio(title: &str, number: u64) -> String {
-    let start = "module_live.start();";
+    let start = "module_studio.start();";
     fill_page(
         title,
+        &format!("{}\n{}", STYLE.trim(), STUDIO_STYLE.trim()),
         &format!("{}{start}\n", bundle(STUDIO_MODULES)),
         WITHOUT_SCRIPT,
-        &inert(&json!({ "page": number })),
+        &inert(&json!({ "page": number, "title": title })),
         "'self'",
     )
 }
@@ -110,17 +131,24 @@ pub(crate) fn gallery(title: &str, words: &str, figures: &[Figure]) -> String {
         figures.iter().map(link).collect::<String>(),
         figures.iter().map(section).collect::<String>()
     );
-    fill_page(title, "", &body, "null", "'none'")
+    fill_page(title, STYLE.trim(), "", &body, "null", "'none'")
 }
 
-fn fill_page(title: &str, script: &str, body: &str, data: &str, connect: &str) -> String {
+fn fill_page(
+    title: &str,
+    style: &str,
+    script: &str,
+    body: &str,
+    data: &str,
+    connect: &str,
+) -> String {
     // the hash is of what stands between the tags
     let script = format!("\n{script}");
     let hash = base64(&Sha256::digest(script.as_bytes()));
     fill(
         TEMPLATE,
         &[
-            ("style", STYLE.trim()),
+            ("style", style),
             ("script", &script),
             ("script_hash", &hash),
             ("connect", connect),
@@ -178,6 +206,12 @@ mod tests {
             "a {{y}} b 1 c"
         );
         assert!(!fill(TEMPLATE, &[]).contains("{{"));
+    }
+
+    #[test]
+    fn the_report_ends_where_the_studio_begins() {
+        let last = report_modules().last().map(|module| module.0);
+        assert_eq!(last, Some("page"));
     }
 
     #[test]

@@ -18,6 +18,10 @@ pub(crate) struct DataLayout {
     pub references: Vec<Dof>,
     /// Nodes of the set.
     pub nodes: Vec<Node>,
+    /// Trace lines, node labels.
+    pub traced: Vec<Vec<u64>>,
+    /// Faces, node labels.
+    pub faces: Vec<Vec<u64>>,
     /// Unit of the references.
     pub reference_unit: ReferenceUnit,
     /// Kind of the FRFs.
@@ -94,6 +98,8 @@ impl DataLayout {
             responses: frf.responses.clone(),
             references: frf.references.clone(),
             nodes: frf.geometry.nodes.clone(),
+            traced: frf.geometry.lines.clone(),
+            faces: frf.geometry.faces.clone(),
             reference_unit: frf.reference_unit,
             ..Self::on_lines(frf.frequency_hz.view(), kind, lines, band_hz, effort)
         }
@@ -116,6 +122,8 @@ impl DataLayout {
             responses: Vec::new(),
             references: Vec::new(),
             nodes: Vec::new(),
+            traced: Vec::new(),
+            faces: Vec::new(),
             reference_unit: ReferenceUnit::default(),
             kind,
             lines,

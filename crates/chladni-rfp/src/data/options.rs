@@ -2,7 +2,8 @@
 
 use crate::data::limits;
 use crate::tolerances as tol;
-use chladni_frf::Damping;
+use chladni_frf::{Damping, ModalModel};
+use serde_json::Value;
 use std::f64::consts::{PI, TAU};
 use std::fmt;
 use std::str::FromStr;
@@ -178,10 +179,60 @@ pub struct FitOptions {
     /// Decay of the exponential window that the responses were multiplied with (hammer
     /// tests), 1/s: e^{−αt}.
     pub exponential_window_per_s: Option<f64>,
+    /// Frequencies at which the user has seen a mode, Hz: a pole is fitted there with the
+    /// others, whatever the evidence, and graded like them (`auto` only).
+    pub added_hz: Vec<f64>,
     /// Seed of the random sketch and mixtures.
     pub seed: u64,
     /// What is spent on finding poles.
     pub effort: Effort,
+}
+
+/// What the user knows of the modes before the fit.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Asked<'a> {
+    /// Number of modes in the band; `None`: decided by evidence.
+    pub modes: Option<usize>,
+    /// Frequencies of modes that were seen, Hz.
+    pub added_hz: &'a [f64],
+}
+
+impl FitOptions {
+    /// The options that a model was fitted with, as its file tells them, with modes at
+    /// these frequencies (Hz) beside its own.
+    pub fn adding_to(model: &ModalModel, added_hz: &[f64]) -> Self {
+        let echo = &model.options;
+        let text = |name: &str| echo.get(name).and_then(Value::as_str);
+        let number = |name: &str| echo.get(name).and_then(Value::as_u64);
+        let list = echo.get("added_hz").and_then(Value::as_array);
+        let before = list.into_iter().flatten().filter_map(Value::as_f64);
+        Self {
+            band_hz: Some(model.band_hz),
+            modes: number("modes").and_then(|modes| usize::try_from(modes).ok()),
+            damping: match text("damping") {
+                Some("structural") => Some(Damping::Structural),
+                Some("viscous") => Some(Damping::Viscous),
+                _ => None,
+            },
+            method: model.method.parse().unwrap_or_default(),
+            shapes: text("shapes")
+                .and_then(|name| name.parse().ok())
+                .unwrap_or_default(),
+            window: text("window").and_then(|name| name.parse().ok()),
+            exponential_window_per_s: echo.get("exponential_window_per_s").and_then(Value::as_f64),
+            added_hz: before.chain(added_hz.iter().copied()).collect(),
+            seed: number("seed").unwrap_or_default(),
+            ..Self::default()
+        }
+    }
+
+    /// What the user knows of the modes.
+    pub(crate) fn asked(&self) -> Asked<'_> {
+        Asked {
+            modes: self.modes,
+            added_hz: &self.added_hz,
+        }
+    }
 }
 
 /// The window of the records that FRFs were estimated from.

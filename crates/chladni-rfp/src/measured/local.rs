@@ -7,6 +7,7 @@
 use crate::damping::structural::basis;
 use crate::data::columns::Columns;
 use crate::measured::candidates::{Candidates, Change};
+use crate::poles::by_hand::held;
 use crate::poles::refine::{refine, Projection, Refined};
 use crate::tolerances as tol;
 use chladni_linalg::{matmul, LinalgError};
@@ -272,10 +273,45 @@ pub(crate) fn try_add(
     candidates: &mut Candidates,
     start: Complex64,
 ) -> Result<bool, LinalgError> {
+    let Some((change, gain)) = tried(work, candidates, start)? else {
+        return Ok(false);
+    };
+    if gain >= NEEDED {
+        candidates.apply(work, vec![change])?;
+    }
+    Ok(gain >= NEEDED)
+}
+
+/// Keeps a pole at `start` whatever its neighbourhood gains from it.
+pub(crate) fn add(
+    work: &Columns,
+    candidates: &mut Candidates,
+    start: Complex64,
+) -> Result<(), LinalgError> {
+    let near = tried(work, candidates, start)?.map(|(change, _)| change);
+    let stays = |change: &Change| {
+        change
+            .added
+            .is_some_and(|pole| held(work, start, pole) == pole)
+    };
+    let change = near.filter(stays).unwrap_or(Change {
+        added: Some(start),
+        ..Change::default()
+    });
+    candidates.apply(work, vec![change])
+}
+
+/// The pole that its neighbourhood makes of `start`, and what it gains from it; `None`
+/// where that is no pole of the band.
+fn tried(
+    work: &Columns,
+    candidates: &Candidates,
+    start: Complex64,
+) -> Result<Option<(Change, f64)>, LinalgError> {
     let refined = &candidates.refined;
     let hood = Neighbourhood::around(work, refined, start);
     if hood.local.lines() < hood.near.len() + POWERS.len() + 2 {
-        return Ok(false);
+        return Ok(None);
     }
     let (_, without) = hood.replace(refined, &[], &[])?;
     let (moved, with) = hood.replace(refined, &[], &[start])?;
@@ -284,19 +320,14 @@ pub(crate) fn try_add(
         .last()
         .filter(|p| work.in_band(**p) && p.im > 0.0)
     else {
-        return Ok(false);
+        return Ok(None);
     };
     let (with, without) = hood.compare(work, pole, &with.projection, &without.projection);
     let gain = (without - with) / with.max(1e-300);
-    if gain >= NEEDED {
-        candidates.apply(
-            work,
-            vec![Change {
-                removed: None,
-                moved,
-                added: Some(pole),
-            }],
-        )?;
-    }
-    Ok(gain >= NEEDED)
+    let change = Change {
+        removed: None,
+        moved,
+        added: Some(pole),
+    };
+    Ok(Some((change, gain)))
 }

@@ -5,6 +5,7 @@ use crate::damping::structural::POWERS;
 use crate::data::columns::{line_energy, Columns};
 use crate::data::error::FitError;
 use crate::data::layout::DataLayout;
+use crate::data::options::Asked;
 use crate::data::peaks::{fourth_difference_noise, peaks, thinned, Peak};
 use crate::data::source::Source;
 use crate::data::watch::Watch;
@@ -75,14 +76,14 @@ fn strongest(sketch: &Columns) -> Result<Columns, LinalgError> {
     Ok(sketch.with_columns(matmul(sketch.b.view(), mixing.t())))
 }
 
-/// Runs the path. `asked` fixes the number of modes.
+/// Runs the path. `asked` may fix the number of modes, and add some.
 ///
 /// # Errors
 /// A kernel that fails; a watch that ends it.
 pub(crate) fn measured_path<S: Source>(
     data: &S,
     seed: u64,
-    asked: Option<usize>,
+    asked: Asked,
     watch: &Watch,
 ) -> Result<MeasuredPoles, FitError> {
     let (work, back) = columns(data, seed)?;
@@ -94,7 +95,7 @@ fn on_columns(
     data: &DataLayout,
     mut work: Columns,
     back: Option<Array2<f64>>,
-    asked: Option<usize>,
+    asked: Asked,
     watch: &Watch,
 ) -> Result<MeasuredPoles, FitError> {
     watch.stage("screening")?;
@@ -157,12 +158,15 @@ fn on_columns(
     let sections = split(&work, &seen);
     let mut searches = sections
         .par_iter()
-        .map(|section| Search::run(&record, section, asked))
+        .map(|section| Search::run(&record, section, asked.modes))
         .collect::<Result<Vec<_>, LinalgError>>()?;
-    if let Some(modes) = asked {
+    if let Some(modes) = asked.modes {
         let trust = standing(&searches, &record)?;
         let dropped = keep_strongest(&mut searches, modes, &trust)?;
         warnings.extend(more_than_asked(modes, &dropped, hz));
+    }
+    for search in &mut searches {
+        search.add(asked)?;
     }
     watch.stage("error bars and grades")?;
     let finished = searches

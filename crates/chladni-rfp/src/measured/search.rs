@@ -2,16 +2,18 @@
 
 use crate::damping::structural::POWERS;
 use crate::data::columns::{line_energy, Columns};
+use crate::data::options::Asked;
 use crate::data::peaks::{fourth_difference_noise, peaks, Peak};
 use crate::measured::candidates::{Candidates, Origin};
 use crate::measured::consensus::consensus;
 use crate::measured::error_model::NoiseModel;
 use crate::measured::evidence::{look, Evidence};
-use crate::measured::local::{one_column_gains, remove, remove_unneeded, try_add};
+use crate::measured::local::{add, one_column_gains, remove, remove_unneeded, try_add};
 use crate::measured::record::Record;
 use crate::measured::resolved::refine_resolved;
 use crate::measured::sandwich::variances;
 use crate::measured::twins::{merge, own_poles};
+use crate::poles::by_hand;
 use crate::poles::refine::{refine, Refined};
 use crate::poles::sections::Section;
 use crate::tolerances as tol;
@@ -243,6 +245,21 @@ impl<'a> Search<'a> {
             count: open.len(),
             least: open.into_iter().min_by(Dispensable::after),
         })
+    }
+
+    /// Fits a pole at each place that the user has seen and none explains; what it is worth
+    /// its grade will say.
+    pub fn add(&mut self, asked: Asked) -> Result<(), LinalgError> {
+        let known = &self.candidates.refined.lambda;
+        let mut starts = by_hand::starts(asked.added_hz, &self.plain, known, self.record.hz);
+        starts.retain(|start| self.owns(*start));
+        if starts.is_empty() {
+            return Ok(());
+        }
+        for start in starts {
+            add(&self.weighted, &mut self.candidates, start)?;
+        }
+        self.reweigh()
     }
 
     /// Drops one pole.

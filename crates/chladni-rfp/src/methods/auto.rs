@@ -16,7 +16,7 @@ use crate::poles::chain::{fast_chain, Chain, Doubt, Outcome};
 use crate::poles::estimate::{graded, more_than_asked, PoleEstimate};
 use crate::poles::prune::unphysical;
 use crate::poles::refine::{refine, Projection};
-use chladni_frf::{Damping, Finding, ModalModel, Trust};
+use chladni_frf::{Damping, Finding, ModalModel, Reason, Trust};
 use chladni_linalg::LinalgError;
 use ndarray::Array1;
 use num_complex::Complex64;
@@ -115,7 +115,13 @@ pub(crate) fn auto<S: Source>(
 /// where what that leaves is no noise.
 fn chain<S: Source>(data: &S, options: &FitOptions, watch: &Watch) -> Result<Outcome, S::Stop> {
     let in_law = |law, doubt: Option<&str>| {
-        fast_chain(&data.in_law(law), options.seed, options.modes, doubt, watch)
+        fast_chain(
+            &data.in_law(law),
+            options.seed,
+            options.asked(),
+            doubt,
+            watch,
+        )
     };
     let (law, doubt) = match data.way() {
         Some(Way {
@@ -157,7 +163,13 @@ fn finished<S: Source>(
         if found.measured || data.values().is_none() {
             return Ok(in_law(found, law, frfs)?);
         }
-        match fast_chain(&data.in_law(law), options.seed, options.modes, None, watch)? {
+        match fast_chain(
+            &data.in_law(law),
+            options.seed,
+            options.asked(),
+            None,
+            watch,
+        )? {
             Outcome::White(chain) => Ok(from_chain(*chain, options.modes, data.hz())),
             Outcome::Ended(_) => Ok(in_law(found, law, frfs)?),
         }
@@ -193,7 +205,11 @@ fn finished<S: Source>(
 const MOSTLY_LEFT: f64 = 0.5;
 
 fn from_chain(chain: Chain, asked: Option<usize>, hz: f64) -> PoleEstimate {
-    let (grades, spread) = graded(&chain.refined, &chain.projected.work, chain.variance);
+    let (mut grades, spread) = graded(&chain.refined, &chain.projected.work, chain.variance);
+    for &n in &chain.idle {
+        let reason = Reason::new("no-gain", "explains no more of the data than noise would");
+        grades[n] = (Trust::Rejected, vec![reason]);
+    }
     PoleEstimate {
         grades,
         spread,
@@ -219,7 +235,7 @@ fn from_measured<S: Source>(
     evidence: String,
     watch: &Watch,
 ) -> Result<Result<PoleEstimate, Vec<usize>>, S::Stop> {
-    let found = measured_path(data, options.seed, options.modes, watch)?;
+    let found = measured_path(data, options.seed, options.asked(), watch)?;
     let Some(back) = found.back else {
         // the path ran on mixtures: residues come from one pass over all FRFs
         let way = Way {

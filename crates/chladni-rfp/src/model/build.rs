@@ -309,6 +309,8 @@ impl Shaped {
             responses: data.responses.clone(),
             references: data.references.clone(),
             nodes: data.nodes.clone(),
+            lines: data.traced.clone(),
+            faces: data.faces.clone(),
             method: options.method.to_string(),
             modes,
             residual_terms,

@@ -9,17 +9,19 @@ use crate::damping::structural::POWERS;
 use crate::data::columns::{line_energy, Columns};
 use crate::data::error::FitError;
 use crate::data::layout::DataLayout;
+use crate::data::options::Asked;
 use crate::data::outliers::single_lines;
 use crate::data::peaks::{fourth_difference_noise, peaks, thinned};
 use crate::data::products::Projected;
 use crate::data::source::{By, Source, Way};
 use crate::data::watch::Watch;
+use crate::poles::by_hand::{self, held};
 use crate::poles::first_look::first_look;
 use crate::poles::limits;
 use crate::poles::passes::{basis_of, on_all_lines, Pass, Start};
 use crate::poles::pool::{mixtures, starts, vector_fit, Products};
-use crate::poles::prune::unphysical;
-use crate::poles::refine::{refine, Projection, Refined};
+use crate::poles::prune::{threshold, unphysical};
+use crate::poles::refine::{refine, removable, Projection, Refined};
 use crate::poles::settle::{keep_strongest, settle};
 use crate::poles::start::{self, pool_size, started};
 use crate::poles::whiteness::{judge, judge_columns, Whiteness};
@@ -80,12 +82,14 @@ pub(crate) struct Chain {
     pub whiteness: Whiteness,
     /// Modes that the data show beyond the number asked for.
     pub dropped: Vec<Complex64>,
+    /// Places among the poles of those added by hand that explain nothing.
+    pub idle: Vec<usize>,
     /// What was tried: (poles, residual variance), in order.
     pub history: Vec<(usize, f64)>,
 }
 
 /// Runs the chain, or goes on where it stopped for a pass that was made since. `asked`
-/// fixes the number of in-band modes.
+/// may fix the number of in-band modes, and add some.
 ///
 /// * `doubt`: what speaks against the other law, where that was tried before
 ///
@@ -94,7 +98,7 @@ pub(crate) struct Chain {
 pub(crate) fn fast_chain<S: Source>(
     data: &S,
     seed: u64,
-    asked: Option<usize>,
+    asked: Asked,
     doubt: Option<&str>,
     watch: &Watch,
 ) -> Result<Outcome, S::Stop> {
@@ -102,7 +106,7 @@ pub(crate) fn fast_chain<S: Source>(
     let (sketch, energy) = data.sketch(seed);
     let start = match data.way() {
         Some(way) if way.law == data.law => went_on(data, sketch, way)?,
-        _ => match of_sketch(data, sketch, seed, asked, watch)? {
+        _ => match of_sketch(data, sketch, seed, asked.modes, watch)? {
             First::Poles(start) => Start {
                 doubt: doubt.map(str::to_owned),
                 ..*start
@@ -111,7 +115,7 @@ pub(crate) fn fast_chain<S: Source>(
         },
     };
     watch.stage("projection")?;
-    let (pass, history) = start.compressed(data, &energy, asked.is_none())?;
+    let (pass, history) = start.compressed(data, &energy, asked.modes.is_none())?;
     Ok(of_columns(data, pass, &energy, asked, history)?)
 }
 
@@ -242,12 +246,16 @@ fn of_columns(
     data: &DataLayout,
     mut pass: Pass,
     energy: &Array1<f64>,
-    asked: Option<usize>,
+    asked: Asked,
     history: Vec<(usize, f64)>,
 ) -> Result<Outcome, LinalgError> {
-    let dropped = asked.map_or(Ok(Vec::new()), |modes| {
+    let mut dropped = asked.modes.map_or(Ok(Vec::new()), |modes| {
         keep_strongest(&pass.projected.work, &mut pass.refined, modes)
     })?;
+    let idle = add(data, &mut pass, asked)?;
+    // what was added is not left out
+    let there = &pass.refined.lambda;
+    dropped.retain(|gone| there.iter().all(|pole| (pole - gone).norm() > gone.im));
     let Pass {
         refined,
         projected,
@@ -283,8 +291,36 @@ fn of_columns(
         variance,
         whiteness,
         dropped,
+        idle,
         history,
     })))
+}
+
+/// Refines the poles with those added by hand; returns the places of the added ones that
+/// explain no more than noise would.
+fn add(data: &DataLayout, pass: &mut Pass, asked: Asked) -> Result<Vec<usize>, LinalgError> {
+    let work = &pass.projected.work;
+    let known = pass.refined.lambda.len();
+    let starts = by_hand::starts(asked.added_hz, work, &pass.refined.lambda, data.hz());
+    if starts.is_empty() {
+        return Ok(Vec::new());
+    }
+    let mut lambda = pass.refined.lambda.clone();
+    lambda.extend(&starts);
+    let steps = data.effort.likelihood_steps;
+    let refined = refine(work, &lambda, &POWERS, steps, tol::FINE_STEP)?;
+    lambda = refined.lambda.clone();
+    for (pole, start) in lambda[known..].iter_mut().zip(&starts) {
+        *pole = held(work, *start, *pole);
+    }
+    pass.refined = match lambda == refined.lambda {
+        true => refined,
+        false => refine(work, &lambda, &POWERS, 0, tol::FINE_STEP)?,
+    };
+    let least = threshold(work.columns(), work.lines()) * pass.variance;
+    let without = removable(work, &lambda, &POWERS)?;
+    let is_idle = |n: &usize| without.rise(*n) < least;
+    Ok((known..lambda.len()).filter(is_idle).collect())
 }
 
 /// Single lines that poles narrower than a line stand for, and those like them.

@@ -1,6 +1,7 @@
 //! Enters: columns and a damping law; leaves: refined poles, their covariance, and whether
 //! the residual is white.
 
+pub(crate) mod by_hand;
 pub(crate) mod chain;
 pub(crate) mod descent;
 pub(crate) mod estimate;

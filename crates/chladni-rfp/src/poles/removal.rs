@@ -17,6 +17,12 @@ pub(crate) struct Removable {
 }
 
 impl Removable {
+    /// Rise of the sum of squares without the `n`-th pole (theory.md, eq. 8).
+    pub fn rise(&self, n: usize) -> f64 {
+        let energy: f64 = self.coefficients.row(n).iter().map(|v| v.norm_sqr()).sum();
+        energy / self.inverse[[n, n]].re
+    }
+
     /// Takes poles out one by one, the least significant first, residues refitted exactly
     /// after each, while a rule allows it: `may_go(kept, q, rise, inflation)` says
     /// whether pole q may be taken out of those `kept`, where that makes the sum of

@@ -207,9 +207,15 @@ impl Page {
     /// Presses a key so many times.
     pub fn keys(&mut self, key: &str, times: usize) {
         for _ in 0..times {
-            for kind in ["keyDown", "keyUp"] {
-                self.send("Input.dispatchKeyEvent", json!({"type": kind, "key": key}));
-            }
+            self.key_with(key, 0);
+        }
+    }
+
+    /// Presses a key with modifiers held down: 2 is Ctrl, 8 is Shift.
+    pub fn key_with(&mut self, key: &str, modifiers: u32) {
+        for kind in ["keyDown", "keyUp"] {
+            let event = json!({"type": kind, "key": key, "modifiers": modifiers});
+            self.send("Input.dispatchKeyEvent", event);
         }
     }
 

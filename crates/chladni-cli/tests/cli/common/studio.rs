@@ -57,13 +57,18 @@ impl Studio {
     /// The answer to a request of these lines, in which HERE stands for the address and
     /// TOKEN for the token.
     pub fn asked(&self, head: &str, body: &str) -> String {
+        String::from_utf8(self.asked_bytes(head, body)).unwrap()
+    }
+
+    /// The same where it is no text.
+    pub fn asked_bytes(&self, head: &str, body: &str) -> Vec<u8> {
         let mut stream = TcpStream::connect(&self.address).unwrap();
         let head = head
             .replace("HERE", &self.address)
             .replace("TOKEN", &self.token);
         write!(stream, "{head}\r\nConnection: close\r\n\r\n{body}").unwrap();
-        let mut answer = String::new();
-        stream.read_to_string(&mut answer).unwrap();
+        let mut answer = Vec::new();
+        stream.read_to_end(&mut answer).unwrap();
         answer
     }
 

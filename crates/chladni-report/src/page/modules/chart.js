@@ -1,10 +1,16 @@
 // A chart of curves, marks and error bars in SVG: zoom, move, read values, pick points, by pointer and by keys.
 
-import { s, h, unbroken } from "./dom.js";
+import { s, h, unbroken, redraw } from "./dom.js";
 import { significant, ends } from "./numbers.js";
 import { ruler, ticks } from "./scale.js";
 
 const MARGIN = { left: 62, right: 18, top: 10, bottom: 42 };
+/** The same where labels stand above the frame and the unit beside the last number. */
+const COMPACT = { left: 40, right: 14, top: 18, bottom: 20 };
+/** Room for the unit behind the last number, px. */
+const UNIT_PX = 24;
+/** Half width of a grip, px, and of where it is caught. */
+const GRIP = [4, 12];
 /** Width of a turned label with its gaps, and of a digit, px. */
 const LABEL_PX = 30;
 const LETTER_PX = 7;
@@ -22,7 +28,8 @@ const CLICK = 5;
  * A chart in a figure. `spec`: {title, caption, height, x: {label, unit, range, log}, y: {...}, right: {label, unit, range},
  * series: [{name, x, y, style, right}], marks: [{name, points: [[x, y]], style, sign, right}], bars: [{x, y, dx, dy, style, right}],
  * stems: [{points, style}],
- * verticals: [{name, at, style}], labels: [{x, y, text}], onpick(x, y, distance), onrange(range|null), square}.
+ * verticals: [{name, at, style}], labels: [{x, y, text}], onpick(x, y, distance), onrange(range|null), square, compact,
+ * shades: [[low, high]], grips: [{name, at, label, words, low, high, step, onmove(value, moving)}], lines that are dragged along x}.
  * `update(spec)` draws it anew and keeps the zoom.
  */
 export function chart(first) {
@@ -47,30 +54,38 @@ export function chart(first) {
     svg.setAttribute("width", wide);
     svg.setAttribute("height", height);
     svg.setAttribute("aria-label", `${spec.title ?? "chart"}: ${spec.y.label} over ${spec.x.label}. Arrow keys move, plus and minus zoom, 0 shows all.`);
-    const right = spec.right ? 52 : MARGIN.right;
+    const margin = spec.compact ? COMPACT : MARGIN;
+    svg.setAttribute("role", spec.grips ? "group" : "img");
+    const right = spec.right ? (spec.compact ? 34 : 52) : margin.right;
     // numbers that are wider than usual leave the label its place
-    const numbers = ticks(ruler(spec.y.range, [height - MARGIN.bottom, MARGIN.top], spec.y.log).ends, (height - MARGIN.bottom - MARGIN.top) / 45, spec.y.log, spec.y.step);
-    const left = Math.max(MARGIN.left, LABEL_PX + LETTER_PX * Math.max(0, ...numbers.map(([, text]) => text.length)));
-    const box = { left, right: wide - right, top: MARGIN.top, bottom: height - MARGIN.bottom };
+    const numbers = ticks(ruler(spec.y.range, [height - margin.bottom, margin.top], spec.y.log).ends, (height - margin.bottom - margin.top) / 45, spec.y.log, spec.y.step);
+    const left = Math.max(margin.left, (spec.compact ? 0 : LABEL_PX) + LETTER_PX * Math.max(0, ...numbers.map(([, text]) => text.length)));
+    const box = { left, right: wide - right, top: margin.top, bottom: height - margin.bottom };
     const x = ruler(zoom ?? spec.x.range, [box.left, box.right], spec.x.log);
     const y = ruler(spec.y.range, [box.bottom, box.top], spec.y.log);
     const y2 = spec.right ? ruler(spec.right.range, [box.bottom, box.top]) : y;
     axes = { box, x, y, y2 };
     const clip = `clip-${Math.round(box.right)}-${Math.round(box.bottom)}`;
-    svg.replaceChildren(
+    redraw(svg,
       s("defs", {}, s("clipPath", { id: clip }, s("rect", { x: box.left, y: box.top, width: box.right - box.left, height: box.bottom - box.top }))),
       ...frame(box, x, y, y2),
       s("g", { "clip-path": `url(#${clip})` }, ...content(box, x, y, y2)),
+      ...grips(box, x),
     );
     drawLegend();
   }
 
   function frame(box, x, y, y2) {
-    const parts = [];
-    for (const [value, text] of ticks(x.ends, Math.max(spec.x.names ? 1 : LEAST_TICKS, (box.right - box.left) / 90), spec.x.log, spec.x.step)) {
+    const parts = (spec.shades ?? []).map(([low, high]) => {
+      const [from, to] = [low, high].map((value) => Math.max(box.left, Math.min(box.right, x.place(value))));
+      return s("rect", { class: "shade", x: from, y: box.top, width: Math.max(0, to - from), height: box.bottom - box.top });
+    });
+    const columns = ticks(x.ends, Math.max(spec.x.names ? 1 : LEAST_TICKS, (box.right - box.left) / 90), spec.x.log, spec.x.step);
+    const last = columns.length - 1;
+    for (const [k, [value, text]] of columns.entries()) {
       const at = x.place(value);
       parts.push(s("line", { class: "grid", x1: at, x2: at, y1: box.top, y2: box.bottom }));
-      parts.push(s("text", { x: at, y: box.bottom + 16, "text-anchor": "middle" }, spec.x.names ? (spec.x.names[value] ?? "") : text));
+      parts.push(s("text", { x: at, y: box.bottom + 16, "text-anchor": spec.compact && k === last && box.right - at < UNIT_PX ? "end" : "middle" }, spec.x.names ? (spec.x.names[value] ?? "") : spec.compact && k === last ? `${text} ${spec.x.unit}` : text));
     }
     for (const [value, text] of ticks(y.ends, (box.bottom - box.top) / 45, spec.y.log, spec.y.step)) {
       const at = y.place(value);
@@ -81,12 +96,33 @@ export function chart(first) {
       for (const [value, text] of ticks(y2.ends, (box.bottom - box.top) / 45)) {
         parts.push(s("text", { x: box.right + 6, y: y2.place(value) + 4 }, text));
       }
-      parts.push(turned(`${spec.right.label} (${spec.right.unit})`, box.right + 44, (box.top + box.bottom) / 2));
+      if (spec.compact) parts.push(s("text", { x: box.right + 30, y: 11, "text-anchor": "end" }, spec.right.label));
+      else parts.push(turned(`${spec.right.label} (${spec.right.unit})`, box.right + 44, (box.top + box.bottom) / 2));
     }
     parts.push(s("rect", { class: "frame", x: box.left, y: box.top, width: box.right - box.left, height: box.bottom - box.top }));
+    if (spec.compact) {
+      parts.push(s("text", { x: box.left, y: 11 }, [spec.y.unit, spec.y.label].filter(Boolean).join(", ")));
+      return parts;
+    }
     parts.push(s("text", { x: (box.left + box.right) / 2, y: box.bottom + 35, "text-anchor": "middle" }, `${spec.x.label} (${spec.x.unit})`));
     parts.push(turned(`${spec.y.label} (${spec.y.unit})`, 14, (box.top + box.bottom) / 2));
     return parts;
+  }
+
+  function grips(box, x) {
+    return (spec.grips ?? []).map(({ name, at, label, words, low, high }, k) => {
+      const middle = x.place(at);
+      const caught = { x: middle - GRIP[1], y: box.top, width: 2 * GRIP[1], height: box.bottom - box.top };
+      const half = (box.top + box.bottom) / 2;
+      return s("g", { class: "grip", tabindex: 0, role: "slider", id: name, "data-focus": name, "data-grip": k, "aria-label": label, "aria-valuemin": low, "aria-valuemax": high, "aria-valuenow": at, "aria-valuetext": words(at) },
+        s("rect", { class: "caught", ...caught }), s("path", { d: `M${middle} ${box.top}V${box.bottom}` }), s("rect", { x: middle - GRIP[0], y: half - 9, width: 2 * GRIP[0], height: 18, rx: 2 }));
+    });
+  }
+
+  /** Moves a grip; `moving` while the hand does. */
+  function pull(k, value, moving) {
+    const { low, high, onmove } = spec.grips[k];
+    onmove(Math.max(low, Math.min(high, value)), moving);
   }
 
   function turned(text, x, y) {
@@ -194,12 +230,22 @@ export function chart(first) {
   }
 
   let pressed = null;
+  let pulled = null;
   let rubber = null;
   svg.addEventListener("pointerdown", (event) => {
-    pressed = place(event);
+    const grip = event.target.closest?.("[data-grip]");
     svg.setPointerCapture?.(event.pointerId);
+    if (grip) {
+      pulled = Number(grip.dataset.grip);
+      grip.focus({ preventScroll: true });
+      event.preventDefault();
+    } else pressed = place(event);
   });
   svg.addEventListener("pointermove", (event) => {
+    if (pulled !== null) {
+      pull(pulled, axes.x.value(place(event).x), true);
+      return;
+    }
     moved(event);
     if (!pressed || spec.still) return;
     const at = place(event);
@@ -213,6 +259,12 @@ export function chart(first) {
   });
   svg.addEventListener("pointerup", (event) => {
     const at = place(event);
+    if (pulled !== null) {
+      const k = pulled;
+      pulled = null;
+      pull(k, axes.x.value(at.x), false);
+      return;
+    }
     const from = pressed;
     pressed = null;
     rubber?.remove();
@@ -223,6 +275,15 @@ export function chart(first) {
   svg.addEventListener("pointerleave", () => { readout.hidden = true; });
   svg.addEventListener("dblclick", () => { if (!spec.still) setZoom(null); });
   svg.addEventListener("keydown", (event) => {
+    const grip = event.target.dataset?.grip;
+    const sense = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1 }[event.key];
+    if (grip !== undefined && sense) {
+      const { at, step } = spec.grips[grip];
+      event.preventDefault();
+      event.stopPropagation();
+      pull(Number(grip), at + sense * step * (event.shiftKey ? 10 : 1), false);
+      return;
+    }
     if (spec.onkey?.(event.key)) {
       event.preventDefault();
       return;
@@ -328,8 +389,10 @@ function nearest(list, value) {
 function sign(kind, x, y) {
   const [a, b] = [x.toFixed(1), y.toFixed(1)];
   if (kind === "cross") return `M${a} ${b}m-3 -3l6 6m0 -6l-6 6`;
+  if (kind === "tiny") return `M${a} ${b}m-1.5 -1.5l3 3m0 -3l-3 3`;
   if (kind === "square") return `M${a} ${b}m-4 -4h8v8h-8z`;
   if (kind === "triangle") return `M${a} ${b}m0 -5l5 8.5h-10z`;
+  if (kind === "down") return `M${a} ${b}m-4.5 -4h9l-4.5 8z`;
   if (kind === "bar") return `M${a} ${b}m-3 0h6`;
   const radius = kind === "big" ? 5.5 : kind === "small" ? 1.8 : 3.2;
   return `M${a} ${b}m${-radius} 0a${radius} ${radius} 0 1 0 ${2 * radius} 0a${radius} ${radius} 0 1 0 ${-2 * radius} 0z`;

@@ -5,6 +5,8 @@ const ANCHORS = {
   sequential: [[42, 18, 84], [52, 80, 140], [36, 126, 140], [80, 172, 112], [176, 212, 74], [253, 236, 116]],
   diverging: [[8, 48, 107], [66, 130, 190], [176, 208, 230], [250, 250, 248], [248, 205, 155], [214, 120, 40], [115, 48, 6]],
   cyclic: [[236, 226, 214], [120, 165, 205], [62, 84, 160], [44, 24, 62], [130, 40, 62], [205, 120, 88], [236, 226, 214]],
+  // lightness rises evenly, from blue by grey to orange: fields on dark ground
+  rising: [[10, 18, 48], [28, 62, 122], [58, 100, 152], [122, 128, 138], [196, 142, 86], [242, 164, 74], [255, 204, 120]],
   white: [[255, 255, 255], [150, 190, 222], [40, 110, 175], [5, 40, 90]],
 };
 
@@ -30,4 +32,9 @@ export function isDark([r, g, b]) {
 /** The value of a colour of the page's theme, for canvases. */
 export function themeColour(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+}
+
+/** The map of field levels in the page's theme. */
+export function levelMap() {
+  return matchMedia("(prefers-color-scheme: dark)").matches ? "rising" : "diverging";
 }

@@ -100,3 +100,10 @@ export function table(header, rows, attributes) {
   const head = h("thead", {}, h("tr", {}, header.map(cell("th"))));
   return h("div", { class: "scroll" }, h("table", attributes ?? {}, head, h("tbody", {}, rows.map((row) => h("tr", {}, row.map(cell("td")))))));
 }
+
+/** Draws anew what `element` holds; what had the focus there has it again, by its `data-focus`. */
+export function redraw(element, ...children) {
+  const name = element.contains(document.activeElement) ? document.activeElement.dataset.focus : null;
+  element.replaceChildren(...children.flat(Infinity).filter((child) => child !== null && child !== undefined));
+  if (name) element.querySelector(`[data-focus="${name}"]`)?.focus({ preventScroll: true });
+}

@@ -65,11 +65,11 @@ export function fieldView(scene, model, geometry, id) {
     const speeds = Array.from(at.re, (re, k) => Math.hypot(re, at.im[k]));
     const { hot, cold, both } = shares(field, speeds);
     said.textContent = `At the responses: hot ${fixed(100 * hot, 1)} %, cold ${fixed(100 * cold, 1)} %, both ${fixed(100 * both, 1)} % keep their limits.`;
-    map.draw(layers(field, surface, speeds, limenDb));
+    map.draw(fieldLayers(field, surface, speeds, limenDb));
     if (moving && surface) moving.set({ surface });
   }
 
-  const parts = [title, map.element, bar(limenDb), said];
+  const parts = [title, map.element, levelBar(limenDb, "sequential"), said];
   if (scene.modal?.termsOnGrid && geometry?.grid) {
     const f = scene.frequency_hz;
     const step = Number((f / 2000).toPrecision(1));
@@ -87,13 +87,14 @@ function caption(field, limenDb) {
   return `Level of the velocity re the threshold of ${fixed(1e3 * field.threshold, 3)} mm/s peak. Hot ground is to lie above +${limen} dB (full line), cold ground below −${limen} dB (dashed line); hatched ground is not judged. Levels beyond ±${RANGE_DB} dB have the colours of the ends.`;
 }
 
-function bar(limenDb) {
-  const colour = (value) => colourAt("sequential", 0.5 + (0.5 * value) / RANGE_DB);
-  return colourBar(colour, [-RANGE_DB, RANGE_DB], "velocity, dB re threshold", [{ value: limenDb, style: "felt" }, { value: -limenDb, style: "quiet" }]);
+/** The colours of levels, with the limits. */
+export function levelBar(limenDb, map) {
+  const colour = (value) => colourAt(map, 0.5 + (0.5 * value) / RANGE_DB);
+  return colourBar(colour, [-RANGE_DB, RANGE_DB], "dB re threshold", [{ value: limenDb, style: "felt" }, { value: -limenDb, style: "quiet" }]);
 }
 
-/** Layers of the map for a surface and speeds at the responses. */
-function layers(field, surface, speeds, limenDb) {
+/** Layers of the map for a surface and speeds at the responses: `look` = {columns, map, stripe} of the pixels. */
+export function fieldLayers(field, surface, speeds, limenDb, look = { columns: COLUMNS, map: "sequential", stripe: [255, 255, 255] }) {
   const judged = (wanted) => speeds.map((_, k) => k).filter(wanted);
   const marks = [
     [judged((k) => field.ground[k] === HOT && keeps(field, k, speeds[k])), "response hot-mark", "triangle", "felt as wished"],
@@ -107,7 +108,7 @@ function layers(field, surface, speeds, limenDb) {
   const [x0, y0, x1, y1] = field.area_m;
   const outlines = [{ points: [[x0, y0], [x1, y0], [x1, y1], [x0, y1]], style: "area" }, ...field.hot.map((points) => ({ points, style: "hot-zone", text: "hot" }))];
   if (!surface) return { marks, outlines };
-  const fine = refined(surface, COLUMNS);
+  const fine = refined(surface, look.columns);
   const levels = fine.re.map((re, k) => {
     const speed = Math.hypot(re, fine.im[k]);
     return Number.isNaN(speed) ? NaN : level(Math.max(1e-15, speed / field.threshold));
@@ -116,7 +117,7 @@ function layers(field, surface, speeds, limenDb) {
   const colour = (k, x, y, row, column) => {
     if (Number.isNaN(levels[k])) return null;
     const hatched = ground(x, y) === IGNORED && (row + column) % 6 < 2;
-    return hatched ? [255, 255, 255] : colourAt("sequential", 0.5 + (0.5 * levels[k]) / RANGE_DB);
+    return hatched ? look.stripe : colourAt(look.map, 0.5 + (0.5 * levels[k]) / RANGE_DB);
   };
   const lines = (at, style) => ({ pieces: contours(fine.x, fine.y, levels, at), style });
   return { surface: fine, colour, contours: [lines(limenDb, "felt"), lines(-limenDb, "quiet")], outlines, marks };

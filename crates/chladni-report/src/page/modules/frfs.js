@@ -15,7 +15,7 @@ function levels(values) {
 }
 
 /** The values on lines of the fitted band; elsewhere nothing was fitted, and nothing is drawn. */
-function inBand(model, x, y) {
+export function inBand(model, x, y) {
   if (!model) return y;
   const [low, high] = model.band_hz;
   return y.map((value, k) => (x[k] >= low && x[k] <= high ? value : NaN));
@@ -24,7 +24,10 @@ function inBand(model, x, y) {
 /** Section of the sum over all FRFs, what a result is judged by first; `model` may be null. */
 export function sumSection(frfs, model) {
   const heading = model && frfs.residuals ? "Synthesis over measured" : model ? "Synthesis" : "Measured";
-  return section("sum", heading, sumChart(frfs, model).element);
+  const view = chart({ ...sumSpec(frfs, model), height: 280, onrange: (zoom) => change({ range: zoom }) });
+  listen(["dropped"], () => view.update({ verticals: sumSpec(frfs, model).verticals }));
+  listen(["range"], () => view.zoomTo(state.range));
+  return section("sum", heading, view.element);
 }
 
 /** Section of single FRFs; `model` may be null. */
@@ -43,7 +46,7 @@ function note(frfs, model) {
   return h("p", {}, words.join(" "));
 }
 
-function poleLines(model) {
+export function poleLines(model) {
   return model ? [{ name: "natural frequency", at: model.inBand.filter((k) => !state.dropped.has(k)).map((k) => model.frequency[k]), style: "pole-line" }] : [];
 }
 
@@ -52,12 +55,13 @@ function bandLines(model, [low, high]) {
   return inside.length ? [{ name: "border of the fitted band", at: inside, style: "band-line" }] : [];
 }
 
-function range(lists) {
+export function range(lists) {
   const [low, high] = padded(lists, 0.05, RANGE_DB);
   return [low, high];
 }
 
-function sumChart(frfs, model) {
+/** The chart of the sum over all FRFs. */
+export function sumSpec(frfs, model) {
   const x = array(frfs.lines);
   const curve = (name, coded, style) => coded && { name, x, y: style === "measured" ? levels(array(coded)) : inBand(model, x, levels(array(coded))), style };
   const series = [
@@ -66,23 +70,18 @@ function sumChart(frfs, model) {
     curve("residual", frfs.sums.residual, "residual"),
   ].filter(Boolean);
   const ends = [x[0], x[x.length - 1]];
-  const view = chart({
+  return {
     title: `${frfs.quantity}, root mean square over all FRFs`,
     caption: frfs.sums.residual ? "Where the residual is flat and shapeless it is noise; peaks in it are motion that the model lacks." : "",
-    height: 280,
     x: { label: "Frequency", unit: "Hz", range: ends },
     y: { label: frfs.quantity, unit: frfs.unit, range: range(series.map((one) => one.y)) },
     series,
     verticals: [...poleLines(model), ...bandLines(model, ends)],
-    onrange: (zoom) => change({ range: zoom }),
-  });
-  listen(["dropped"], () => view.update({ verticals: [...poleLines(model), ...bandLines(model, ends)] }));
-  listen(["range"], () => view.zoomTo(state.range));
-  return view;
+  };
 }
 
 /** Curves of any pair. */
-class Source {
+export class Source {
   constructor(frfs, model) {
     this.frfs = frfs;
     this.model = model;
@@ -148,8 +147,8 @@ function sum(a, b, sense = 1) {
   return { re: a.re.map((re, k) => re + sense * b.re[k]), im: a.im.map((im, k) => im + sense * b.im[k]) };
 }
 
-const magnitude = (curve) => curve && Float64Array.from(curve.re, (re, k) => level(Math.hypot(re, curve.im[k])));
-const phase = (curve) => curve && Float64Array.from(curve.re, (re, k) => (Math.atan2(curve.im[k], re) * 180) / Math.PI);
+export const magnitude = (curve) => curve && Float64Array.from(curve.re, (re, k) => level(Math.hypot(re, curve.im[k])));
+export const phase = (curve) => curve && Float64Array.from(curve.re, (re, k) => (Math.atan2(curve.im[k], re) * 180) / Math.PI);
 
 function pairView(source, frfs, model) {
   const names = [frfs.response_names, frfs.reference_names];

@@ -11,6 +11,7 @@ import { poleSection } from "./poles.js";
 import { macSection } from "./mac.js";
 import { complexitySection } from "./complexity.js";
 import { shapeSection, unpackGeometry } from "./shapes.js";
+import { unpackStructure } from "./structure.js";
 import { sceneSection } from "./scenes.js";
 import { zoneSection } from "./zones.js";
 import { tableSections } from "./tables.js";
@@ -21,18 +22,18 @@ const NEARLY_ALL = 0.98;
 /** Model and geometry of the page's data, ready for the views. */
 export function unpack(data) {
   const model = data.model && unpackModel(data.model);
-  return { model, geometry: unpackGeometry(data.geometry) };
+  return { model, geometry: unpackGeometry(data.geometry), structure: unpackStructure(data.structure) };
 }
 
 /** The sections of identification, all that depends on the fit and on no scene: pairs of an anchor and what makes its section, or null. */
-export function fitParts(data, model, geometry) {
+function fitParts(data, { model, geometry, structure }) {
   return [
     ["sum", () => data.frfs && sumSection(data.frfs, model)],
     ["poles", () => model && poleSection(model)],
     ["frfs", () => data.frfs && frfSection(data.frfs, model)],
     ["model", () => model && modelFacts(model)],
     ["stabilization", () => stabilizationSection(data, model)?.element],
-    ["shapes", () => model && shapeSection(model, geometry)],
+    ["shapes", () => model && shapeSection(model, geometry, structure)],
     ["mac", () => model && macSection(data.mac, model)],
     ["complexity", () => model && complexitySection(model)],
   ];
@@ -65,10 +66,11 @@ function unfoldForPrint() {
 export function show(data) {
   reset();
   unfoldForPrint();
-  const { model, geometry } = unpack(data);
+  const parts = unpack(data);
+  const { model, geometry } = parts;
   if (model?.inBand.length) change({ mode: model.inBand[0] });
   const sections = [
-    ...fitParts(data, model, geometry).map(([, make]) => make()),
+    ...fitParts(data, parts).map(([, make]) => make()),
     ...data.scenes.map((scene, k) => sceneSection(scene, k + 1, model, geometry)),
     zoneSection(geometry, data.scenes, model),
     ...tableSections(data.tables),

@@ -1,15 +1,19 @@
 // The panel from above: pixels of a field on a canvas, with lines, zones and marks in SVG over it.
 
-import { s, h } from "./dom.js";
+import { s, h, redraw } from "./dom.js";
 import { themeColour } from "./colour.js";
 import { ticks } from "./scale.js";
 
-const MARGIN = { left: 52, right: 12, top: 12, bottom: 40 };
+const WITH_AXES = { left: 52, right: 12, top: 12, bottom: 40 };
+/** Without axes: the map is as large as its place allows. */
+const BARE = { left: 6, right: 6, top: 6, bottom: 6 };
 /** Free ground around the nodes, part of their larger extent. */
 const BORDER = 0.07;
 
-/** A map over `box` = [x0, y0, x1, y1] (m) with the names of its axes; `draw(layers)` shows pixels, contours and marks. */
-export function panelMap(box, axes, label, widest = 640) {
+/** A map over `box` = [x0, y0, x1, y1] (m) with the names of its axes; `draw(layers)` shows pixels, contours and marks. A `bare` map has no axes, and
+ fits into width and height of its place. */
+export function panelMap(box, axes, label, widest = 640, bare = false) {
+  const MARGIN = bare ? BARE : WITH_AXES;
   const room = BORDER * Math.max(box[2] - box[0], box[3] - box[1]);
   const ends = [box[0] - room, box[1] - room, box[2] + room, box[3] + room];
   const canvas = h("canvas", { "aria-hidden": "true" });
@@ -34,29 +38,32 @@ export function panelMap(box, axes, label, widest = 640) {
     canvas.height = Math.round(height);
     paint();
     const parts = [];
-    for (const [value, text] of ticks([1e3 * ends[0], 1e3 * ends[2]], 7)) {
+    for (const [value, text] of bare ? [] : ticks([1e3 * ends[0], 1e3 * ends[2]], 7)) {
       const [at, y] = px([1e-3 * value, ends[1]]);
       parts.push(s("line", { class: "tick", x1: at, x2: at, y1: y, y2: y + 4 }), s("text", { x: at, y: y + 17, "text-anchor": "middle" }, text));
     }
-    for (const [value, text] of ticks([1e3 * ends[1], 1e3 * ends[3]], 5)) {
+    for (const [value, text] of bare ? [] : ticks([1e3 * ends[1], 1e3 * ends[3]], 5)) {
       const [x, at] = px([ends[0], 1e-3 * value]);
       parts.push(s("line", { class: "tick", x1: x - 4, x2: x, y1: at, y2: at }), s("text", { x: x - 7, y: at + 4, "text-anchor": "end" }, text));
     }
     const [left, top] = px([ends[0], ends[3]]);
     parts.push(s("rect", { class: "frame", x: left, y: top, width: width - MARGIN.left - MARGIN.right, height: tall }));
-    parts.push(s("text", { x: (left + width) / 2, y: height - 6, "text-anchor": "middle" }, `${axes[0]} (mm)`));
-    parts.push(s("text", { transform: `translate(13 ${top + tall / 2}) rotate(-90)`, "text-anchor": "middle" }, `${axes[1]} (mm)`));
+    if (!bare) {
+      parts.push(s("text", { x: (left + width) / 2, y: height - 6, "text-anchor": "middle" }, `${axes[0]} (mm)`));
+      parts.push(s("text", { transform: `translate(13 ${top + tall / 2}) rotate(-90)`, "text-anchor": "middle" }, `${axes[1]} (mm)`));
+    }
     for (const { pieces, style } of layers.contours ?? []) {
       const d = pieces.map(([x0, y0, x1, y1]) => `M${xy([x0, y0])}L${xy([x1, y1])}`).join("");
       parts.push(s("path", { class: `casing ${style}`, d }), s("path", { class: style, d }));
     }
-    for (const { points, style, text, id } of layers.outlines ?? []) {
+    for (const { points, style, text, id, label } of layers.outlines ?? []) {
       const d = `M${points.map(xy).join("L")}Z`;
-      parts.push(s("path", { class: `casing ${style}`, d }), s("path", { class: style, d, "data-zone": id }));
+      const live = label ? { tabindex: 0, role: "button", "aria-label": label, "data-focus": `zone-${id}` } : {};
+      parts.push(s("path", { class: `casing ${style}`, d }), s("path", { class: style, d, "data-zone": id, ...live }));
       if (text) {
-        const middle = [0, 1].map((k) => (Math.min(...points.map((p) => p[k])) + Math.max(...points.map((p) => p[k]))) / 2);
-        const [x, y] = px(middle);
-        parts.push(s("text", { class: "zone-name", x, y: y + 4, "text-anchor": "middle" }, text));
+        // in the upper left corner, where it hides least
+        const [x, y] = px([Math.min(...points.map((p) => p[0])), Math.max(...points.map((p) => p[1]))]);
+        parts.push(s("text", { class: "zone-name", x: x + 7, y: y + 15 }, text));
       }
     }
     for (const { points, style, mark, hints } of layers.marks ?? []) {
@@ -69,7 +76,7 @@ export function panelMap(box, axes, label, widest = 640) {
       });
     }
     parts.push(...(layers.extra?.({ px, scale, s }) ?? []));
-    svg.replaceChildren(...parts);
+    redraw(svg, parts);
   }
 
   const xy = (point) => px(point).map((value) => value.toFixed(1)).join(" ");
@@ -103,7 +110,10 @@ export function panelMap(box, axes, label, widest = 640) {
   }
 
   new ResizeObserver(([entry]) => {
-    const now = Math.max(260, Math.min(widest, Math.round(entry.contentRect.width)));
+    const { width: wide, height: high } = entry.contentRect;
+    const [across, up] = [ends[2] - ends[0], ends[3] - ends[1]];
+    const fits = bare ? MARGIN.left + MARGIN.right + ((high - MARGIN.top - MARGIN.bottom) * across) / up : Infinity;
+    const now = Math.max(bare ? 120 : 260, Math.floor(Math.min(widest, wide, fits)));
     if (now !== width) {
       width = now;
       draw();
@@ -124,6 +134,8 @@ export function panelMap(box, axes, label, widest = 640) {
       return [ends[0] + (x - MARGIN.left) / scale, ends[3] - (y - MARGIN.top) / scale];
     },
     ends,
+    /** Pixels in a metre. */
+    scale: () => scale,
   };
 }
 

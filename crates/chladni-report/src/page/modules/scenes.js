@@ -32,7 +32,7 @@ function indexTable(scene) {
   const { points, area } = scene.indices;
   const least = area && area.hot_ratio !== null && area.cold_ratio !== null ? Math.min(area.hot_ratio, area.cold_ratio) : null;
   const row = (name, ...shares) => [name, ...shares.map((share) => ({ number: percent(share) }))];
-  return table([`Share that keeps its limit (${scene.judged_on})`, { number: "At the responses" }, { number: "Over the area" }, { number: "Silence would score" }], [
+  return table([`Share that keeps its limit (${scene.judged_on})`, { number: "At the responses" }, { number: "Over the area" }, { number: "With no drive" }], [
     row("Hot ground that is felt", points.hot_ratio, area?.hot_ratio, 0),
     row("Cold ground that is quiet", points.cold_ratio, area?.cold_ratio, 1),
     row("The smaller of the two", points.min_ratio, least, 0),

@@ -7,7 +7,8 @@ import { colourAt } from "./colour.js";
 import { fixed } from "./numbers.js";
 import { refined, contours } from "./surface.js";
 import { panelMap, colourBar } from "./panel_map.js";
-import { turned, turnedShape } from "./complexity.js";
+import { turned } from "./complexity.js";
+import { motionOf } from "./structure.js";
 import { space } from "./space.js";
 
 const CONTOURS = [0.2, 0.4, 0.6, 0.8];
@@ -17,19 +18,28 @@ const COLUMNS = 110;
 export function unpackGeometry(geometry) {
   if (!geometry) return null;
   const grid = geometry.grid && { x: geometry.grid.x, y: geometry.grid.y, shapes: split(array(geometry.grid.shapes)) };
-  return { ...geometry, xyz: array(geometry.xyz), grid };
+  return { ...geometry, grid };
 }
 
 /** Section of the shapes. */
-export function shapeSection(model, geometry) {
+export function shapeSection(model, geometry, structure) {
   if (!model.inBand.length) return null;
-  if (!geometry) {
-    return section("shapes", "Mode shapes", h("p", {}, "The file holds no positions of the nodes, so that no shape can be drawn. Convert the measurement with its geometry, or add the nodes."));
+  if (!structure) {
+    return section("shapes", "Mode shapes", h("p", {}, "The file holds no positions of the measured nodes, so that no shape can be drawn. Convert the measurement with its geometry, or add the nodes."));
   }
-  const body = geometry.grid ? onGrid(model, geometry) : atPoints(model, geometry);
-  const axisOnly = geometry.shown.length < model.responses.length ? ` Shown is the motion along one axis, at ${geometry.shown.length} of ${model.responses.length} response DOFs.` : "";
-  const words = `Each shape is turned to the phase at which it is as real as can be; its largest motion is +1. Full lines are contours of motion one way, dashed ones of motion the other way, thick lines stand still.${axisOnly}`;
-  return section("shapes", "Mode shapes", h("p", {}, words), ...body);
+  const axisOnly = geometry?.grid && geometry.shown.length < model.responses.length ? ` The map shows the motion along one axis, at ${geometry.shown.length} of ${model.responses.length} response DOFs.` : "";
+  const map = geometry?.grid ? " On the map full lines are contours of motion one way, dashed ones of motion the other way, thick lines stand still." : "";
+  const words = `Each shape is turned to the phase at which it is as real as can be; its largest motion is +1.${map}${axisOnly}${aboutStructure(structure)}`;
+  return section("shapes", "Mode shapes", h("p", {}, words), ...shapeView(model, geometry, structure));
+}
+
+/** What must be said of the picture in space. */
+function aboutStructure(structure) {
+  const still = structure.count - new Set(structure.moves.filter(Boolean).map(([node]) => node)).size;
+  const parts = ["", "Dashed grey is the structure at rest."];
+  if (still) parts.push(`${still} nodes were not measured and stay at rest.`);
+  if (structure.turned) parts.push("The file gives motion along the beam in axes of its own nodes; it is drawn across the beam.");
+  return parts.join(" ");
 }
 
 function modeChoice(model) {
@@ -51,17 +61,20 @@ export function shapeSurface(model, geometry, n) {
   return { x, y, ...turned(part(shapes.re), part(shapes.im)) };
 }
 
-function onGrid(model, geometry) {
+/** A choice of the mode, its shape in space, and the map where the responses span one. */
+export function shapeView(model, geometry, structure) {
   const moving = space("Mode shape in three dimensions");
   moving.canvas.id = "shape-3d";
-  const map = panelMap(geometry.box, geometry.axes, "Mode shape from above", 560);
+  const map = geometry?.grid ? panelMap(geometry.box, geometry.axes, "Mode shape from above", 560) : null;
   const title = h("p", { class: "figure-title" });
   const show = () => {
     const n = state.mode;
     const mode = model.modes[n];
-    const surface = shapeSurface(model, geometry, n);
+    const surface = map && shapeSurface(model, geometry, n);
     title.textContent = `Mode ${model.inBand.indexOf(n) + 1}: ${fixed(mode.frequency_hz, 2)} Hz, η = ${fixed(100 * mode.loss_factor, 2)} %, MPC ${fixed(mode.mpc, 3)}`;
-    moving.set({ surface });
+    if (surface && !structure.joined) moving.set({ surface });
+    else moving.set({ structure, motion: motionOf(model, structure, n) });
+    if (!map) return;
     const fine = refined({ ...surface, im: null }, COLUMNS);
     const lines = (sense) => CONTOURS.flatMap((part) => contours(fine.x, fine.y, fine.re, sense * part));
     map.draw({
@@ -78,7 +91,8 @@ function onGrid(model, geometry) {
   listen(["mode"], show);
   show();
   const bar = colourBar((value) => colourAt("diverging", 0.5 + 0.5 * value), [-1, 1], "shape, largest = 1", [{ value: 0, style: "nodal" }]);
-  return [modeChoice(model), title, h("div", { class: "pair" }, h("figure", {}, moving.element), h("figure", {}, map.element, bar))];
+  const views = [h("figure", {}, moving.element), map ? h("figure", {}, map.element, bar) : null];
+  return [modeChoice(model), title, h("div", { class: "pair" }, views)];
 }
 
 /** + and − at the extremes, so that grey tells them apart. */
@@ -89,18 +103,4 @@ function signs({ x, y, re }) {
     const [left, top] = px([x[k % x.length], y[Math.floor(k / x.length)]]);
     return s("text", { class: "zone-name", x: left, y: top + 4, "text-anchor": "middle" }, text);
   });
-}
-
-function atPoints(model, geometry) {
-  const moving = space("Mode shape in three dimensions");
-  moving.canvas.id = "shape-3d";
-  const title = h("p", { class: "figure-title" });
-  const show = () => {
-    const mode = model.modes[state.mode];
-    title.textContent = `Mode ${model.inBand.indexOf(state.mode) + 1}: ${fixed(mode.frequency_hz, 2)} Hz`;
-    moving.set({ xyz: geometry.xyz, ...turnedShape(model, state.mode, geometry.shown, geometry.signs) });
-  };
-  listen(["mode"], show);
-  show();
-  return [modeChoice(model), title, h("figure", {}, moving.element)];
 }

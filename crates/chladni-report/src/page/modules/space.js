@@ -2,6 +2,7 @@
 
 import { h } from "./dom.js";
 import { colourAt, themeColour } from "./colour.js";
+import { drawAxes, drawStructure } from "./structure.js";
 
 /** Height of the largest motion, part of the longer side. */
 const HEIGHT = 0.16;
@@ -10,7 +11,7 @@ const PACE = 0.5;
 const TURN = 0.12;
 
 /**
- * A canvas that shows `surface` {x, y, re, im} (m; any unit of motion), or, without one, points at `xyz` that move up and down.
+ * A canvas that shows `surface` {x, y, re, im} (m; any unit of motion), or a `structure` with its `motion`.
  * `set` changes what is shown; motion is Re(z·e^{jφ}).
  */
 export function space(label) {
@@ -57,7 +58,14 @@ export function space(label) {
     context.clearRect(0, 0, width, height);
     const camera = view(shown, width, height);
     if (shown.surface) mesh(context, camera);
-    else dots(context, camera);
+    else drawStructure(context, camera, shown, phase, (HEIGHT * shown.size) / shown.largest);
+    drawAxes(context, turnedAxis, height);
+  }
+
+  /** Where a direction points in the view, without perspective: right and up. */
+  function turnedAxis(x, y, z) {
+    const away = x * Math.sin(azimuth) + y * Math.cos(azimuth);
+    return [x * Math.cos(azimuth) - y * Math.sin(azimuth), z * Math.cos(elevation) + away * Math.sin(elevation)];
   }
 
   /** From m to px; the whole box around the motion is in view. */
@@ -71,7 +79,9 @@ export function space(label) {
       return [right * near, (w * ce + away * se) * near, depth];
     };
     const lift = HEIGHT * size;
-    const corners = sides[0].flatMap((x) => sides[1].flatMap((y) => [sides[2][0] - lift, sides[2][1] + lift].map((z) => seen(x, y, z))));
+    // a surface moves up and down, a structure whichever way
+    const wide = shown.surface ? sides : sides.map(([low, high], axis) => (axis < 2 && high > low ? [low, high] : [low - lift, high + lift]));
+    const corners = wide[0].flatMap((x) => wide[1].flatMap((y) => [sides[2][0] - lift, sides[2][1] + lift].map((z) => seen(x, y, z))));
     const [[left, right], [low, high]] = [0, 1].map((k) => [Math.min(...corners.map((corner) => corner[k])), Math.max(...corners.map((corner) => corner[k]))]);
     const zoom = 0.97 * Math.min(width / (right - left), height / (high - low));
     return (x, y, z) => {
@@ -118,25 +128,6 @@ export function space(label) {
     }
   }
 
-  function dots(context, camera) {
-    const { xyz, re, im } = shown;
-    const lift = (HEIGHT * shown.size) / shown.largest;
-    context.strokeStyle = themeColour("--muted");
-    for (let k = 0; k < re.length; k++) {
-      const now = motion(re[k], im[k]);
-      const [a, b] = [camera(xyz[3 * k], xyz[3 * k + 1], xyz[3 * k + 2]), camera(xyz[3 * k], xyz[3 * k + 1], xyz[3 * k + 2] + now * lift)];
-      context.beginPath();
-      context.moveTo(a[0], a[1]);
-      context.lineTo(b[0], b[1]);
-      context.stroke();
-      context.fillStyle = `rgb(${colourAt("diverging", 0.5 + (0.5 * now) / shown.largest).join(",")})`;
-      context.beginPath();
-      context.arc(b[0], b[1], 4, 0, 7);
-      context.fill();
-      context.stroke();
-    }
-  }
-
   function turn(right, up) {
     azimuth += right;
     elevation = Math.max(-1.5, Math.min(1.5, elevation + up));
@@ -165,10 +156,11 @@ export function space(label) {
     element,
     canvas,
     set: (next) => {
-      const { surface, xyz } = next;
+      const { surface, structure } = next;
+      const xyz = structure?.xyz;
       const axis = (k) => (surface ? [surface.x, surface.y, [0]][k] : Array.from({ length: xyz.length / 3 }, (_, n) => xyz[3 * n + k]));
       const sides = [0, 1, 2].map((k) => [Math.min(...axis(k)), Math.max(...axis(k))]);
-      const { re, im } = surface ?? next;
+      const { re, im } = surface ?? next.motion;
       const largest = Array.from(re, (value, k) => Math.hypot(value, im[k])).reduce((most, value) => (value > most ? value : most), 0) || 1;
       shown = { ...next, re, im, largest, sides, centre: sides.map(([low, high]) => (low + high) / 2), size: Math.max(...sides.map(([low, high]) => high - low)) || 1 };
       paint();

@@ -15,24 +15,8 @@ const REACH = 18;
 export function stabilizationSection(data, model) {
   const { cmif, stabilization } = data;
   if (!cmif && !model) return null;
-  const ends = cmif ? endsOf(array(cmif.frequency_hz)) : model.band_hz;
-  const curves = cmif ? cmifSeries(cmif) : [];
-  const orders = stabilization?.orders ?? [];
-  const top = orders.length ? orders[orders.length - 1] : 1;
-  const lanes = { kept: top * 1.05, dropped: top * 1.05 };
-  const view = chart({
-    title: `${orders.length ? "Stabilization diagram over the CMIF" : "Complex mode indicator function"} ${cmif ? cmif.of : ""}`.trim(),
-    caption: caption(stabilization),
-    height: 420,
-    x: { label: "Frequency", unit: "Hz", range: ends },
-    y: cmif ? { label: "Singular value", unit: cmif.unit, range: padded(curves.map((one) => one.y), 0.05, 140) } : { label: "", unit: "–", range: [0, 1] },
-    right: orders.length || model ? { label: "Order of the denominator", unit: "poles", range: [0, top * 1.12] } : undefined,
-    series: curves,
-    onrange: (zoom) => change({ range: zoom }),
-    onpick: (x, y, distance) => model && pick(model, lanes, distance, x),
-    onhover: (x, y, distance) => model && hover(model, lanes, distance, x),
-    onkey: (key) => model && byKey(key, model),
-  });
+  const { lanes, ...spec } = diagram(data, model);
+  const view = chart({ ...spec, height: 420, onrange: (zoom) => change({ range: zoom }) });
   view.svg.id = "stabilization-chart";
   const bars = model ? barChart(model) : null;
   const show = () => view.update(poleLayers(model, stabilization, lanes));
@@ -42,6 +26,33 @@ export function stabilizationSection(data, model) {
   const how = model ? h("p", {}, "Click near a pole to drop it, again to keep it. With the keyboard: Page Up and Page Down choose a pole, Enter keeps or drops it.") : null;
   const missing = stabilization?.missing ? h("p", {}, `No stabilization diagram: ${stabilization.missing}.`) : null;
   return { element: section("stabilization", "Stabilization diagram", how, missing, view.element, bars?.element), view };
+}
+
+/** The chart of the diagram, and the heights of its pole marks; `onempty(hz)` where no pole is near a click. */
+export function diagram(data, model, onempty) {
+  const { cmif, stabilization } = data;
+  const ends = cmif ? endsOf(array(cmif.frequency_hz)) : model.band_hz;
+  const curves = cmif ? cmifSeries(cmif) : [];
+  const orders = stabilization?.orders ?? [];
+  const top = orders.length ? orders[orders.length - 1] : 1;
+  const lanes = { kept: top * 1.05, dropped: top * 1.05 };
+  return {
+    lanes,
+    title: `${orders.length ? "Stabilization diagram over the CMIF" : "Complex mode indicator function"} ${cmif ? cmif.of : ""}`.trim(),
+    caption: caption(stabilization),
+    x: { label: "Frequency", unit: "Hz", range: ends },
+    y: cmif ? { label: "Singular value", unit: cmif.unit, range: padded(curves.map((one) => one.y), 0.05, 140) } : { label: "", unit: "–", range: [0, 1] },
+    right: orders.length || model ? { label: "Order of the denominator", unit: "poles", range: [0, top * 1.12] } : undefined,
+    series: curves,
+    onpick: (x, y, distance) => model && (pick(model, lanes, distance, x) || onempty?.(x)),
+    onhover: (x, y, distance) => model && hover(model, lanes, distance, x),
+    onkey: (key) => model && byKey(key, model),
+  };
+}
+
+/** Curves of the singular values. */
+export function cmifOf({ cmif }) {
+  return cmif ? cmifSeries(cmif) : [];
 }
 
 function endsOf(list) {
@@ -61,23 +72,27 @@ function caption(stabilization) {
   return `${stabilization && !stabilization.missing ? columns : ""}The marks at the top are the poles of the model, found by its own method; their bars are 95 % bounds of the natural frequency.`;
 }
 
-function poleLayers(model, stabilization, lanes) {
+/** Poles of every order, and those of the model. */
+export function poleLayers(model, stabilization, lanes, compact = false) {
   const marks = [];
   if (stabilization?.order) {
     const [order, frequency, stability] = [array(stabilization.order), array(stabilization.frequency_hz), array(stabilization.stability)];
     KINDS.forEach(([name, style, sign], kind) => {
       const points = [];
       order.forEach((value, k) => { if (stability[k] === kind) points.push([frequency[k], value]); });
-      marks.push({ name, points, style, sign, right: true });
+      marks.push({ name, points, style: compact && kind < 2 ? "new" : style, sign: compact ? ["tiny", "tiny", "small"][kind] : sign, right: true });
     });
   }
   if (!model) return { marks };
   const place = (k) => [model.frequency[k], state.dropped.has(k) ? lanes.dropped : lanes.kept];
   const of = (wanted) => model.inBand.filter(wanted).map(place);
   const chosen = state.mode;
-  marks.push({ name: "pole of the model, kept", points: of((k) => !state.dropped.has(k)), style: "kept", sign: "big", right: true });
+  if (compact) {
+    const graded = (sure) => of((k) => !state.dropped.has(k) && (model.modes[k].trust === "sure") === sure);
+    marks.push({ points: graded(true), style: "kept", sign: "down", right: true }, { points: graded(false), style: "doubted", sign: "down", right: true });
+  } else marks.push({ name: "pole of the model, kept", points: of((k) => !state.dropped.has(k)), style: "kept", sign: "big", right: true });
   marks.push({ name: "dropped", points: of((k) => state.dropped.has(k)), style: "dropped", sign: "cross", right: true });
-  marks.push({ points: model.inBand.includes(chosen) ? [place(chosen)] : [], style: "chosen", sign: "big", right: true });
+  marks.push({ points: model.inBand.includes(chosen) ? [place(chosen)] : [], style: "chosen", sign: compact ? "down" : "big", right: true });
   const bars = model.inBand.map((k) => ({ x: model.frequency[k], y: lanes.kept, dx: SIGMAS * model.modes[k].frequency_std_hz, dy: 0, style: "error-bar", right: true }));
   const lines = model.inBand.filter((k) => !state.dropped.has(k)).map((k) => model.frequency[k]);
   return { marks, bars, verticals: [{ name: "natural frequency", at: lines, style: "pole-line" }] };
@@ -86,7 +101,9 @@ function poleLayers(model, stabilization, lanes) {
 function pick(model, lanes, distance, x) {
   const k = nearest(model, x);
   // only the distance along frequency counts: a whole column belongs to its pole
-  if (k !== null && along(model, lanes, distance, x, k) <= REACH) toggleMode(k);
+  const isNear = k !== null && along(model, lanes, distance, x, k) <= REACH;
+  if (isNear) toggleMode(k);
+  return isNear;
 }
 
 function nearest(model, x) {

@@ -6,9 +6,22 @@ const listeners = new Map();
 /** The state; write to it through `change`. */
 export const state = { dropped: new Set(), mode: 0, pair: null, range: null };
 
+/** Listeners of the view that is being made. */
+let own = null;
+
 /** Calls `listener` whenever one of `keys` changes. */
 export function listen(keys, listener) {
   for (const key of keys) listeners.set(key, [...(listeners.get(key) ?? []), listener]);
+  own?.push(listener);
+}
+
+/** A view that is to be replaced: what `make` gives, and what ends its listening. */
+export function passing(make) {
+  own = [];
+  const view = make();
+  const ended = new Set(own);
+  own = null;
+  return [view, () => listeners.forEach((list, key) => listeners.set(key, list.filter((one) => !ended.has(one))))];
 }
 
 /** Changes the state and tells who listens, each once. */

@@ -1,0 +1,91 @@
+//! How far the fit of the moment is: its stages with their times, for the page to show.
+
+use serde_json::{json, Value};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+/// The stages of the last full fit, and the one at work.
+#[derive(Default)]
+pub struct Progress(Mutex<Stages>);
+
+#[derive(Default)]
+struct Stages {
+    /// Names and seconds of those that are over.
+    over: Vec<(String, f64)>,
+    running: Option<(String, Instant)>,
+}
+
+impl Progress {
+    /// A new fit: nothing of it is done.
+    pub fn begin(&self) {
+        *self.stages() = Stages::default();
+    }
+
+    /// A stage begins, and the one before is over. The next round of a stage counts as
+    /// the same one.
+    pub fn stage(&self, name: &str) {
+        let mut stages = self.stages();
+        if stages
+            .running
+            .as_ref()
+            .is_some_and(|(known, _)| known == name)
+        {
+            return;
+        }
+        stages.close();
+        stages.running = Some((name.to_owned(), Instant::now()));
+    }
+
+    /// Nothing is at work any more.
+    pub fn end(&self) {
+        self.stages().close();
+    }
+
+    /// The stages as the page reads them.
+    pub fn value(&self) -> Value {
+        let stages = self.stages();
+        let running = stages
+            .running
+            .as_ref()
+            .map(|(name, since)| json!([name, since.elapsed().as_secs_f64()]));
+        json!({"over": stages.over, "running": running})
+    }
+
+    fn stages(&self) -> MutexGuard<'_, Stages> {
+        // a list of names is sound whoever panicked with it
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Stages {
+    fn close(&mut self) {
+        let Some((name, since)) = self.running.take() else {
+            return;
+        };
+        let seconds = since.elapsed().as_secs_f64();
+        match self.over.iter_mut().find(|(known, _)| *known == name) {
+            Some(known) => known.1 += seconds,
+            None => self.over.push((name, seconds)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stages_follow_each_other_and_rounds_add_up() {
+        let progress = Progress::default();
+        for name in ["sketch", "poles", "poles", "sketch"] {
+            progress.stage(name);
+        }
+        let value = progress.value();
+        assert_eq!(value["running"][0], "sketch");
+        assert_eq!(value["over"].as_array().unwrap().len(), 2, "{value}");
+        progress.end();
+        assert_eq!(progress.value()["running"], Value::Null);
+        progress.begin();
+        assert_eq!(progress.value(), json!({"over": [], "running": null}));
+    }
+}

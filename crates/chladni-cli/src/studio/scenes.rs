@@ -1,0 +1,194 @@
+//! Scenes of the studio: rendered by the model of the moment, swept, and as files.
+
+use super::question::{FileName, FileQuestion, SceneQuestion};
+use super::session::{Session, MODEL};
+use crate::curves::curves;
+use chladni_frf::{Error, ModalModel, ModeName, ModePick, Result, Selection};
+use chladni_render::{
+    play, render, stress, sweep, MethodChoice, PlayOptions, RenderOptions, Rendering, Scene,
+    SignalOptions, StressOptions, Weights,
+};
+use chladni_report::{html, scene_data, RenderedScene, ReportInput};
+use serde_json::{json, Value};
+use std::sync::{Arc, PoisonError};
+
+/// A rendering with the question that it answers and the model that it was made with.
+pub struct Rendered {
+    question: SceneQuestion,
+    model: Arc<ModalModel>,
+    scene: Scene,
+    rendering: Rendering,
+}
+
+impl Session {
+    /// Renders a scene with the model of the moment.
+    ///
+    /// # Errors
+    /// A scene that cannot be read or does not fit the model.
+    pub fn render(&self, question: &SceneQuestion) -> Result<Value> {
+        let rendered = self.rendered(question)?;
+        let (model, rendering) = (&rendered.model, &rendered.rendering);
+        // curves for the drive that stays, not for those in passing
+        let curves = (question.method()? != MethodChoice::Fast)
+            .then(|| curves(model, &rendered.scene, &rendering.weights))
+            .transpose()?;
+        let scenes = vec![RenderedScene::of_rendering(rendering).with_curves(curves.as_ref())];
+        let input = ReportInput {
+            model: Some(model),
+            scenes,
+            ..ReportInput::default()
+        };
+        Ok(json!({
+            "scene": scene_data(&input),
+            "command": self.render_command(question),
+            "findings": rendering.weights.findings.0,
+        }))
+    }
+
+    /// The scene at other drive frequencies.
+    ///
+    /// # Errors
+    /// Those of [`Self::render`]; no range, or none that can be swept.
+    pub fn sweep(&self, question: &SceneQuestion) -> Result<Value> {
+        let model = self.selected(&question.drop)?;
+        let (scene, _) = question.checked()?;
+        let range = question.range_hz.ok_or_else(|| {
+            Error::bad_data("no range of frequencies")
+                .field("range_hz")
+                .expected("two frequencies, Hz")
+        })?;
+        let swept = sweep(&model, &scene, &RenderOptions::default(), range)?;
+        Ok(json!({ "sweep": swept }))
+    }
+
+    /// A result as the file that the command line would write.
+    ///
+    /// # Errors
+    /// Those of [`Self::render`]; a file of a scene without one.
+    pub fn file(&self, question: &FileQuestion) -> Result<Vec<u8>> {
+        let model = self.selected(&question.drop)?;
+        let rendered = || {
+            let scene = question.scene.as_ref();
+            self.rendered(scene.ok_or_else(|| {
+                Error::bad_data("no scene")
+                    .field("scene")
+                    .expected("what was rendered")
+            })?)
+        };
+        Ok(match question.name {
+            FileName::Model => chladni_io::model_json(&model)?.into_bytes(),
+            FileName::Weights => rendered()?.rendering.weights.to_json()?.into_bytes(),
+            FileName::Sound => signal(&rendered()?)?.wav(SignalOptions::default().format)?,
+            FileName::Sidecar => signal(&rendered()?)?.sidecar.to_json()?.into_bytes(),
+            FileName::Report => {
+                let rendered = question.scene.is_some().then(rendered).transpose()?;
+                let scenes = rendered
+                    .iter()
+                    .map(|rendered| RenderedScene::of_rendering(&rendered.rendering));
+                let input = ReportInput {
+                    scenes: scenes.collect(),
+                    ..self.input(&model)
+                };
+                html(&input)?.into_bytes()
+            }
+        })
+    }
+
+    /// The command that renders the same.
+    fn render_command(&self, question: &SceneQuestion) -> String {
+        let stress = if question.method == "best" {
+            " --stress"
+        } else {
+            ""
+        };
+        let model = match (question.drop.is_empty(), self.model_file()) {
+            (true, file) => file,
+            (false, _) => "selected.json",
+        };
+        format!(
+            "chladni render {model} scene.toml --method {}{stress} -o weights.json",
+            question.method
+        )
+    }
+
+    /// The rendering of the last question, or a new one.
+    fn rendered(&self, question: &SceneQuestion) -> Result<Arc<Rendered>> {
+        let whole = self.model_of_the_moment()?;
+        let last = || self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((model, known)) = last().as_ref() {
+            if Arc::ptr_eq(model, &whole) && known.question == *question {
+                return Ok(known.clone());
+            }
+        }
+        let model = self.selected(&question.drop)?;
+        let (scene, method) = question.checked()?;
+        let options = RenderOptions {
+            method,
+            ..RenderOptions::default()
+        };
+        let mut rendering = render(&model, &scene, &options)?;
+        if method == MethodChoice::Best {
+            try_out(&mut rendering.weights, &scene, &model)?;
+        }
+        let rendered = Arc::new(Rendered {
+            question: question.clone(),
+            model,
+            scene,
+            rendering,
+        });
+        *last() = Some((whole, rendered.clone()));
+        Ok(rendered)
+    }
+
+    /// The model of the moment without the modes that were dropped on the page.
+    fn selected(&self, drop: &[usize]) -> Result<Arc<ModalModel>> {
+        let model = self.model_of_the_moment()?;
+        if drop.is_empty() {
+            return Ok(model);
+        }
+        let pick = |&number: &usize| ModePick {
+            name: ModeName::Number(number),
+            line: 0,
+            field: "drop".into(),
+        };
+        let selection = Selection::new(false, drop.iter().map(pick).collect());
+        Ok(Arc::new(selection.apply(&model)?.model))
+    }
+
+    fn model_of_the_moment(&self) -> Result<Arc<ModalModel>> {
+        self.current()
+            .ok_or_else(|| Error::bad_data("no model yet").help("fit first"))
+    }
+
+    /// The file of the model, in the words of the commands.
+    pub(super) fn model_file(&self) -> &str {
+        if self.from_model() {
+            self.words()
+        } else {
+            MODEL
+        }
+    }
+}
+
+/// Puts the weights to the trials of `render --stress`.
+fn try_out(weights: &mut Weights, scene: &Scene, model: &ModalModel) -> Result<()> {
+    let options = StressOptions::default();
+    let (rows, findings) = stress(weights, scene, model, &options)?;
+    weights
+        .options
+        .insert("stress_seed".into(), options.seed.into());
+    weights.stress = Some(rows);
+    weights.findings.extend(findings);
+    Ok(())
+}
+
+fn signal(rendered: &Rendered) -> Result<chladni_render::Signal> {
+    let weights = Some(&rendered.rendering.weights);
+    let played = play(
+        &rendered.model,
+        &rendered.scene,
+        weights,
+        &PlayOptions::default(),
+    )?;
+    played.signal(&SignalOptions::default(), &rendered.scene.name())
+}

@@ -1,0 +1,160 @@
+//! Modes added by hand: fitted with the others, and graded like them.
+
+use crate::common::Folder;
+use serde_json::Value;
+
+/// Frequencies, Hz, and grades of the modes of the band, rejected ones too.
+fn modes(model: &Value) -> Vec<(f64, String)> {
+    let modes = model["modes"].as_array().unwrap().iter();
+    modes
+        .filter(|mode| mode["in_band"] == true)
+        .map(|mode| {
+            let hz = mode["frequency_hz"].as_f64().unwrap();
+            (hz, mode["trust"].as_str().unwrap().to_owned())
+        })
+        .collect()
+}
+
+fn model(folder: &Folder, name: &str) -> Value {
+    serde_json::from_str(&folder.text(name)).unwrap()
+}
+
+fn counted(model: &Value) -> usize {
+    modes(model)
+        .iter()
+        .filter(|mode| mode.1 != "rejected")
+        .count()
+}
+
+fn error_of(model: &Value) -> f64 {
+    model["quality"]["relative_error"].as_f64().unwrap()
+}
+
+#[test]
+fn a_mode_that_was_left_out_comes_back_sure_and_changes_the_model() {
+    let folder = Folder::with_panel();
+    folder.run("fit panel.h5 -o whole.json -q").exits(0);
+    let whole = model(&folder, "whole.json");
+    let count = counted(&whole);
+    let run = folder.run(&format!(
+        "fit panel.h5 --modes {} -o few.json -q",
+        count - 1
+    ));
+    assert!(run.code <= 1, "{}", run.stderr);
+    let few = model(&folder, "few.json");
+    assert_eq!(counted(&few), count - 1);
+    let near = |model: &Value, hz: f64| {
+        let modes = modes(model).into_iter();
+        let mut near = modes.filter(|mode| (mode.0 / hz - 1.0).abs() < 1e-3);
+        near.find(|mode| mode.1 != "rejected")
+    };
+    let (hz, _) = modes(&whole)
+        .into_iter()
+        .find(|mode| near(&few, mode.0).is_none())
+        .unwrap();
+    // the reader's eye is half a line off
+    folder.write(
+        "add.toml",
+        format!("add = [{{frequency_hz = {:.1}}}]\n", hz + 0.4),
+    );
+    let said = folder.run("select few.json add.toml -o more.json").exits(0);
+    assert!(said.stdout.contains("added at"), "{}", said.stdout);
+    let more = model(&folder, "more.json");
+    assert_eq!(counted(&more), count);
+    let (found, trust) = near(&more, hz).unwrap();
+    assert!(
+        (found / hz - 1.0).abs() < 1e-4 && trust == "sure",
+        "{found} {hz} {trust}"
+    );
+    assert!(
+        error_of(&more) < 0.5 * error_of(&few),
+        "{} {}",
+        error_of(&more),
+        error_of(&few)
+    );
+    let names = &more["options"]["selections"][0]["add"][0]["frequency_hz"];
+    assert!((names.as_f64().unwrap() - hz).abs() < 0.5, "{names}");
+
+    // with a mode dropped by its old number, and without the FRFs
+    let drop = format!("add = [{{frequency_hz = {hz:.1}}}]\ndrop = [1]\n");
+    folder.write("both.toml", drop);
+    folder
+        .run("select few.json both.toml -o both.json -q")
+        .exits(0);
+    let both = model(&folder, "both.json");
+    assert_eq!(counted(&both), count - 1);
+    assert!(near(&both, modes(&few)[0].0).is_none() && near(&both, hz).is_some());
+    std::fs::rename(
+        folder.path().join("panel.h5"),
+        folder.path().join("away.h5"),
+    )
+    .unwrap();
+    std::fs::create_dir(folder.path().join("there")).unwrap();
+    std::fs::rename(
+        folder.path().join("few.json"),
+        folder.path().join("there/few.json"),
+    )
+    .unwrap();
+    let lost = folder.run("select there/few.json add.toml -o lost.json");
+    assert_eq!(lost.code, 65);
+    assert!(lost.said().contains("--measured"), "{}", lost.stderr);
+    folder
+        .run("select there/few.json add.toml -o found.json --measured away.h5 -q")
+        .exits(0);
+    assert_eq!(counted(&model(&folder, "found.json")), count);
+}
+
+#[test]
+fn a_mode_added_where_nothing_is_is_rejected() {
+    let folder = Folder::with_panel();
+    folder.run("fit panel.h5 -o whole.json -q").exits(0);
+    let whole = model(&folder, "whole.json");
+    let known = modes(&whole);
+    // in the middle of the widest gap
+    let gap = known
+        .windows(2)
+        .max_by(|a, b| (a[1].0 - a[0].0).total_cmp(&(b[1].0 - b[0].0)));
+    let hz = gap.map(|pair| 0.5 * (pair[0].0 + pair[1].0)).unwrap();
+    let both = format!(
+        "add = [{{frequency_hz = {hz}}}, {{frequency_hz = {}}}]\n",
+        known[0].0
+    );
+    folder.write("add.toml", both);
+    let said = folder
+        .run("select whole.json add.toml -o added.json")
+        .exits(0);
+    assert!(
+        said.stdout
+            .contains("rejected: more likely absent than present"),
+        "{}",
+        said.stdout
+    );
+    let added = model(&folder, "added.json");
+    assert_eq!(
+        counted(&added),
+        counted(&whole),
+        "it is no mode, and the other was known"
+    );
+    let rejected = modes(&added)
+        .into_iter()
+        .find(|mode| mode.1 == "rejected")
+        .unwrap();
+    assert!((rejected.0 / hz - 1.0).abs() < 0.1, "{rejected:?} {hz}");
+    assert!((error_of(&added) / error_of(&whole) - 1.0).abs() < 0.01);
+}
+
+#[test]
+fn wrong_additions_say_line_and_key() {
+    let folder = Folder::with_panel();
+    for (text, words) in [
+        ("add = [123.4]\n", "table"),
+        ("add = [{frequency_hz = -1}]\n", "frequency_hz"),
+        ("add = [{hz = 100}]\n", "hz"),
+        ("add = []\n", "names no mode"),
+    ] {
+        folder.write("add.toml", text);
+        let run = folder.run("select truth.json add.toml -o out.json");
+        assert_eq!(run.code, 65, "{text}");
+        assert!(run.said().contains(words), "{text}: {}", run.stderr);
+    }
+}

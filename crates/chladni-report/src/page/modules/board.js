@@ -1,0 +1,49 @@
+// The board of the studio: zones, and under them the field that the drive makes.
+
+import { levelMap } from "./colour.js";
+import { level } from "./numbers.js";
+import { fieldLayers, unpackField } from "./field.js";
+import { zoneEditor } from "./zone_editor.js";
+import { actuatorAt, discs, toggleActuator } from "./actuators.js";
+import { work, edit } from "./work.js";
+
+/** Stripes of ground that is not judged: the paper's colour. */
+const stripe = () => (levelMap() === "rising" ? [19, 21, 24] : [255, 255, 255]);
+/** Columns of the field's pixels while the hand moves, and when it rests. */
+const [COARSE, FINE] = [90, 180];
+
+/** The board; `onselect` hears which zone is chosen. */
+export function board(geometry, onselect) {
+  const editor = zoneEditor(geometry, {
+    zones: work.zones, id: "zone-board", tool: "select", bare: true, onselect,
+    onzones: (zones, moving) => edit({ zones }, moving),
+    onpress: (place) => {
+      const name = actuatorAt(geometry, place, editor.map.scale());
+      if (name) toggleActuator(name, geometry.reference_names);
+      return Boolean(name);
+    },
+  });
+  let shown = null;
+
+  function draw(moving) {
+    if (!shown) return editor.show({ extra: discs(geometry, [], "N") });
+    const { field, scene } = shown;
+    const speeds = Array.from(field.velocity.re, (re, k) => Math.hypot(re, field.velocity.im[k]));
+    const layers = fieldLayers(field, field.surface, speeds, level(field.felt / field.threshold), { columns: moving ? COARSE : FINE, map: levelMap(), stripe: stripe() });
+    editor.show({ ...layers, extra: discs(geometry, scene.weights, scene.unit) });
+  }
+
+  draw(false);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => draw(false));
+  return {
+    editor,
+    /** A rendered scene, or null while there is none. */
+    show: (scene, moving) => {
+      const field = scene && unpackField(scene.field);
+      shown = field ? { field, scene } : null;
+      draw(moving);
+      return field;
+    },
+    again: () => draw(false),
+  };
+}

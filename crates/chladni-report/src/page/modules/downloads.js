@@ -1,0 +1,42 @@
+// Results as files: the studio's server hands them over, the browser saves them.
+
+import { h } from "./dom.js";
+import { fileOf } from "./ask.js";
+
+/** Names and words of the files; those with a scene need one that is rendered. */
+const FILES = [
+  ["model.json", "Model, without dropped modes", false], ["weights.json", "Weights", true], ["drive.wav", "Drive signals, 2 s", true], ["drive.json", "Channels and full scale of drive.wav", true],
+  ["scene.toml", "Scene", true], ["selection.toml", "Modes kept and dropped", false], ["report.html", "Report", false],
+];
+
+/** A menu. `question()` gives {drop, scene or null}; `text(name)` a file that the page itself holds, or null. */
+export function downloads(question, text) {
+  const said = h("p", { class: "muted", role: "status" });
+  const buttons = FILES.map(([name, words, ofScene]) => ({ ofScene, element: h("button", { type: "button", class: "ghost", "data-file": name, onclick: () => take(name, ofScene) }, h("b", {}, name), ` ${words}`) }));
+  const menu = h("details", { class: "menu", id: "download" }, h("summary", {}, "Download"), h("div", { class: "menu-body" }, buttons.map((one) => one.element), said));
+
+  async function take(name, ofScene) {
+    said.textContent = `preparing ${name} …`;
+    try {
+      const { drop, scene } = question();
+      if (ofScene && !scene) throw new Error("no scene is rendered yet: draw a hot zone");
+      const own = text(name);
+      save(name, own === null ? await fileOf({ name, drop, scene }) : new Blob([own], { type: "text/plain" }));
+      said.textContent = `${name} is saved`;
+    } catch (error) {
+      said.textContent = error.message;
+    }
+  }
+
+  return menu;
+}
+
+function save(name, blob) {
+  const url = URL.createObjectURL(blob);
+  const link = h("a", { href: url, download: name });
+  document.body.append(link);
+  link.click();
+  link.remove();
+  // the browser has begun to save by then
+  setTimeout(() => URL.revokeObjectURL(url), 10_000);
+}

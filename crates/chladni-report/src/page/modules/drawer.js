@@ -1,0 +1,36 @@
+// The drawer at the foot of the studio: commands and files that do the same again, to copy.
+
+import { h, takeAway } from "./dom.js";
+
+/** Tabs [id, words, takeAways]; one is open at a time, or none. */
+export function drawer() {
+  const texts = {
+    fit: takeAway("The same fit", "fit-command"), select: takeAway("Without the dropped modes", "select-command"), scene: takeAway("The same weights", "scene-command"),
+    toml: takeAway("scene.toml", "scene-toml"), selection: takeAway("selection.toml", "selection-toml"),
+  };
+  const tabs = [["Commands", ["fit", "select", "scene"]], ["scene.toml", ["toml"]], ["selection.toml", ["selection"]]].map(([words, names]) => {
+    const body = h("div", { class: "drawer-body", hidden: true }, names.map((name) => texts[name].element));
+    const button = h("button", { type: "button", class: "ghost", "aria-expanded": "false", onclick: () => toggle(words) }, words);
+    return { words, body, button };
+  });
+  const current = h("code", { class: "current-command" });
+  const element = h("footer", { id: "drawer", "aria-label": "Commands and files" }, tabs.map((tab) => tab.body), h("div", { class: "drawer-bar" }, tabs.map((tab) => tab.button), current));
+
+  function toggle(words) {
+    for (const tab of tabs) {
+      const open = tab.words === words && tab.body.hidden;
+      tab.body.hidden = !open;
+      tab.button.setAttribute("aria-expanded", String(open));
+    }
+  }
+
+  return {
+    element,
+    set: (name, text) => {
+      texts[name].set(text);
+      if (text && name !== "toml" && name !== "selection") current.textContent = text;
+    },
+    toggle: () => toggle(tabs.find((tab) => !tab.body.hidden)?.words ?? tabs[0].words),
+    close: () => tabs.forEach((tab) => tab.body.hidden || toggle(tab.words)),
+  };
+}

@@ -1,0 +1,181 @@
+// The studio's third pane: the board with the field, the drive, what it gives, and shapes.
+
+import { h, choice, redraw } from "./dom.js";
+import { passing } from "./store.js";
+import { fixed, level, percent, significant } from "./numbers.js";
+import { levelMap } from "./colour.js";
+import { keeps, levelBar } from "./field.js";
+import { shapeView } from "./shapes.js";
+import { PROFILES, sceneToml } from "./zones.js";
+import { actuatorList, used } from "./actuators.js";
+import { board } from "./board.js";
+import { sweepChart } from "./sweep.js";
+import { work, edit } from "./work.js";
+
+const [COLD, HOT] = [1, 2];
+/** Trials of the stress table that have a place, and their words. */
+const TRIALS = [["drift", "Drift"], ["lower or higher", "Temperature"], ["a finger", "Light touch"], ["amplifiers", "Amplifiers"], ["one actuator", "One drive dead"]];
+
+/** The pane; `oncancel` stops what is being computed. */
+export function panelPane(oncancel) {
+  const size = h("span", { class: "muted" });
+  const chip = h("span", { class: "chip", id: "scene-status", role: "status" });
+  const cancel = h("button", { type: "button", class: "link", hidden: true, onclick: oncancel }, "cancel");
+  const tabs = ["Field", "Mode"].map((name) => h("button", { type: "button", role: "tab", id: `tab-${name.toLowerCase()}`, "aria-selected": "false", onclick: () => open(name) }, name));
+  const field = h("div", { class: "field-tab", role: "tabpanel", "aria-labelledby": "tab-field" });
+  const mode = h("div", { class: "mode-tab", role: "tabpanel", "aria-labelledby": "tab-mode", hidden: true });
+  const result = h("div", { id: "result" });
+  const element = h("section", { id: "pane-3", class: "pane", tabindex: -1, "aria-label": "Panel" },
+    h("div", { class: "pane-head" }, h("h2", {}, "3 Panel"), size, h("span", { class: "gap" }), chip, cancel, h("span", { role: "tablist", class: "segments" }, tabs)), field, mode);
+  let geometry = null;
+  let view = null;
+  let actuators = null;
+  let forget = null;
+  let table = null;
+  const sweep = sweepChart();
+
+  function open(name) {
+    tabs.forEach((tab) => tab.setAttribute("aria-selected", String(tab.textContent === name)));
+    field.hidden = name !== "Field";
+    mode.hidden = name === "Field";
+  }
+
+  const number = (label, id, key, unit, factor = 1) => {
+    const input = h("input", { type: "number", id, step: "any", min: 0, onchange: () => input.checkValidity() && input.value !== "" && edit({ [key]: input.valueAsNumber / factor }) });
+    return { element: h("label", {}, `${label} `, input, ` ${unit}`), show: () => (input.value = Number((factor * work[key]).toFixed(3))) };
+  };
+  const numbers = [number("Drive", "scene-frequency", "frequency", "Hz"), number("±", "scene-limen", "limen", "dB"), number("Border", "scene-transition", "transition", "mm", 1e3)];
+  const profile = choice("Threshold", PROFILES, 0, () => edit({ profile: profile.select.value }));
+  profile.select.id = "scene-threshold";
+  const file = h("input", { type: "file", id: "scene-threshold-table", accept: ".csv,.txt", "aria-label": "Threshold table, CSV", onchange: async () => {
+    const [chosen] = file.files;
+    if (!chosen) return;
+    table = { name: chosen.name, csv: await chosen.text() };
+    profile.select.replaceChildren(...[...PROFILES, table.name].map((name) => h("option", {}, name)));
+    edit({ profile: table.name });
+  } });
+  const zoneRow = h("div", { class: "row zone-row" });
+
+  /** What is chosen of a zone: its level, and its end. */
+  function showZone(index) {
+    const zone = work.zones[index ?? -1];
+    if (!zone) return redraw(zoneRow, h("span", { class: "muted" }, work.zones.length ? "Choose a zone to move, resize or delete it." : "Draw a hot zone: it is felt, all the rest is quiet."));
+    const db = h("input", { type: "number", id: "zone-level", "data-focus": "level", step: 0.5, min: 0, max: 40, value: zone.level_db ?? 0, onchange: () => db.checkValidity() && levelled(index, db.valueAsNumber || 0) });
+    const level = zone.kind === "hot" ? h("label", {}, "louder by ", db, " dB") : null;
+    const remove = h("button", { type: "button", id: "zone-delete", onclick: () => view.editor.remove(index) }, "Delete");
+    redraw(zoneRow, h("b", {}, `Zone ${index + 1}: ${zone.kind}`), level, remove, h("span", { class: "muted" }, "Arrows move it, Ctrl+arrows resize."));
+  }
+
+  function levelled(index, db) {
+    const { level_db: _, ...plain } = work.zones[index];
+    view.editor.put(work.zones.map((zone, k) => (k === index ? { ...plain, ...(db ? { level_db: db } : {}) } : zone)));
+  }
+
+  function buildField() {
+    view = board(geometry, showZone);
+    actuators = actuatorList(geometry.reference_names);
+    const [x0, y0, x1, y1] = geometry.box;
+    size.textContent = `${Math.round(1e3 * (x1 - x0))} × ${Math.round(1e3 * (y1 - y0))} mm`;
+    const bar = h("div", { class: "row legend-row" }, levelBar(work.limen, levelMap()), h("span", { class: "muted" }, "▲ hot  • cold  ✕ missed  stripes: not judged"));
+    const drive = h("div", { class: "row" }, numbers[0].element, profile.element, h("label", { class: "file", title: "Threshold table, CSV" }, "Table…", file), numbers[1].element, numbers[2].element, actuators.element);
+    field.replaceChildren(view.editor.tools, zoneRow, h("div", { class: "board-holder" }, view.editor.element), bar, sweep.element, drive, result);
+    showZone(null);
+    showWork();
+  }
+
+  function showWork() {
+    numbers.forEach((one) => one.show());
+    profile.select.value = work.profile;
+    actuators?.show();
+    view?.editor.set(work.zones);
+  }
+
+  function tiles(scene, shown) {
+    const { points } = scene.indices;
+    const speeds = Array.from(shown.velocity.re, (re, k) => Math.hypot(re, shown.velocity.im[k]));
+    const of = (ground) => speeds.map((_, k) => k).filter((k) => shown.ground[k] === ground);
+    const count = (ground) => `${of(ground).filter((k) => keeps(shown, k, speeds[k])).length} of ${of(ground).length}`;
+    const db = (value) => (Number.isFinite(value) ? `${fixed(value, 1)} dB` : "–");
+    const force = Number.isFinite(points.max_force_n) ? ["Largest force", `${significant(1e3 * points.max_force_n, 3)} mN`] : ["Largest voltage", `${significant(points.max_voltage_v, 3)} V`];
+    const rows = [["Hot felt", count(HOT), points.hot_ratio < 1], ["Cold quiet", count(COLD), points.cold_ratio < 1], ["Contrast", db(points.contrast_db)], ["Least margin", db(points.margin_db), points.margin_db < 0], force];
+    return h("dl", { class: "tiles" }, rows.map(([word, text, isBad]) => h("div", {}, h("dt", {}, word), h("dd", { class: isBad ? "bad" : "" }, text))));
+  }
+
+  function trials(scene) {
+    const rows = TRIALS.flatMap(([part, word]) => (scene.stress ?? []).filter((row) => row.trial.includes(part)).slice(0, 1).map((row) => [word, row]));
+    const cell = ([word, row]) => h("div", { title: `${row.trial}: ${row.cases} cases` }, h("span", {}, word), h("b", {}, percent(row.min_worst_5_percent)), h("meter", { min: 0, max: 1, low: 0.8, high: 0.95, optimum: 1, value: row.min_worst_5_percent }));
+    return rows.map(cell);
+  }
+
+  function weightTable(scene) {
+    const rows = scene.weights.map((weight) => h("tr", {}, h("td", {}, weight.reference), h("td", {}, fixed(1e3 * Math.hypot(weight.re, weight.im), 4)), h("td", {}, fixed((Math.atan2(weight.im, weight.re) * 180) / Math.PI, 2))));
+    const head = h("tr", {}, h("th", {}, "Actuator"), h("th", { class: "number" }, `Amplitude (m${scene.unit} peak)`), h("th", {}, "Phase (°)"));
+    return h("details", { class: "menu weights" }, h("summary", {}, "Weights"), h("div", { class: "menu-body" }, h("table", {}, h("thead", {}, head), h("tbody", {}, rows))));
+  }
+
+  return {
+    element,
+    chip,
+    sweep,
+    showWork,
+    /** The board before any fit, or what stands in its place. */
+    start: (places) => {
+      open("Field");
+      geometry = places;
+      if (geometry) buildField();
+      else field.replaceChildren(h("p", { class: "card" }, "The file holds no positions of the nodes: no scene can be drawn. Shapes and damping work as for any file."));
+    },
+    /** A new model: shapes, and the drive's place. */
+    fit: (model, fitted, structure) => {
+      // a draft says nothing of shapes
+      const hasShapes = structure && model.inBand.length > 0;
+      if (structure !== undefined) tabs[1].disabled = !hasShapes;
+      if (hasShapes) {
+        forget?.();
+        let parts;
+        [parts, forget] = passing(() => shapeView(model, fitted, structure));
+        mode.replaceChildren(...parts);
+      }
+      const few = model.references.length < 2;
+      if (few && structure !== undefined) {
+        field.replaceChildren(noField());
+        if (hasShapes) mode.append(noField());
+        open(hasShapes ? "Mode" : "Field");
+      }
+      if (fitted?.grid) {
+        if (!geometry) {
+          geometry = fitted;
+          buildField();
+        }
+      }
+      sweep.place(model);
+      return !few && Boolean(geometry);
+    },
+    /** The scene's file, and a threshold table that goes with it. */
+    scene: () => {
+      const text = sceneToml({ frequencyHz: work.frequency, profile: work.profile, limenDb: work.limen, transitionM: work.transition, zones: work.zones, use: geometry && used(geometry.reference_names) });
+      return { toml: text, threshold: PROFILES.includes(work.profile) ? null : table };
+    },
+    hasHot: () => work.zones.some((zone) => zone.kind === "hot"),
+    hasBoard: () => Boolean(view),
+    /** What is being computed; nothing while `words` are empty. */
+    busy: (words, canCancel = false) => {
+      chip.textContent = words;
+      chip.classList.toggle("busy", Boolean(words));
+      cancel.hidden = !canCancel;
+    },
+    /** A rendered scene; `moving` while the hand does. */
+    show: (scene, moving) => {
+      const shown = view.show(scene, moving);
+      redraw(result, tiles(scene, shown), h("div", { class: "trials" }, trials(scene), weightTable(scene)));
+      result.dataset.method = scene.method;
+      result.dataset.answers = String(Number(result.dataset.answers ?? 0) + 1);
+    },
+    key: (key) => view?.editor.toolKey(key) ?? false,
+  };
+}
+
+function noField() {
+  return h("div", { class: "card" }, h("b", {}, "No field can be rendered from this file: it has one reference."),
+    h("p", {}, "A field that differs between zones needs several references: at least one per zone, better 8 or more. Shapes, damping and downloads work as for any file."));
+}

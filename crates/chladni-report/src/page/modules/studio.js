@@ -1,0 +1,338 @@
+// The studio: one screen of three panes. What is set lives in work.js; this file asks the server for what follows from it.
+
+import { h } from "./dom.js";
+import { array, embedded, split } from "./data.js";
+import { state, listen, change } from "./store.js";
+import { counted, fixed } from "./numbers.js";
+import { selectionToml } from "./selection.js";
+import { startOfScene } from "./zones.js";
+import { unpack } from "./page.js";
+import { Asker, answerTo } from "./ask.js";
+import { work, beginWork, edit, onWork, undo, redo } from "./work.js";
+import { dataPane } from "./pane_data.js";
+import { polesPane } from "./pane_poles.js";
+import { panelPane } from "./pane_panel.js";
+import { SWEEP_HZ } from "./sweep.js";
+import { drawer } from "./drawer.js";
+import { downloads } from "./downloads.js";
+import { topBar, resultBar } from "./top.js";
+
+/** How often the page asks how far the fit is, ms. */
+const LOOK_MS = 200;
+/** The best drive is asked for so long after the last change, ms. */
+const REST_MS = 300;
+/** A dropped pole is found again within this part of its frequency, or its half-power bandwidth. */
+const SAME_POLE = 1e-3;
+const OF_FIT = ["band", "modes", "added"];
+
+/** Questions about fits are numbered from page to page, and from question to question of a page: what comes later is newer. */
+const fits = { draft: new Asker("fit"), full: new Asker("fit"), page: embedded().page, asked: 0, shown: 0, open: 0 };
+const scenes = { draft: new Asker("scene"), best: new Asker("scene"), sweep: new Asker("sweep"), asked: 0, bestShown: 0, timer: 0 };
+
+/** The fit that is shown, the last full one, the scene that is shown. */
+let here = null;
+let full = null;
+let shown = null;
+let fitFindings = [];
+/** True where a model was opened: nothing is fitted. */
+let fromFile = false;
+
+const poles = polesPane(cancelFit);
+const data = dataPane();
+const panel = panelPane(cancelScene);
+const foot = drawer();
+const result = resultBar();
+let top = null;
+
+/** Draws the empty studio, then what the server knows, then the fit. */
+export async function start() {
+  const menu = downloads(() => ({ drop: droppedNumbers(), scene: shown && { ...shown.question } }), (name) => ({ "scene.toml": panel.scene().toml, "selection.toml": here && selectionToml(here.model, state.dropped, work.added) })[name] ?? null);
+  top = topBar(embedded().title, menu);
+  document.body.classList.add("workbench");
+  document.title = `${embedded().title} · Chladni studio`;
+  const names = ["Data", "Poles", "Panel"];
+  const tabs = h("nav", { class: "pane-tabs", "aria-label": "Panes" }, names.map((name, k) => h("button", { type: "button", onclick: () => showPane(k + 1) }, name)));
+  document.getElementById("page").replaceChildren(top.element, result.element, tabs, h("main", {}, data.element, poles.element, panel.element), foot.element);
+  showPane(1);
+  result.show(["Reading …"], [], null);
+  const said = await answerTo("start");
+  if (said.error) return result.show([h("span", { class: "error", role: "alert" }, said.error)], [], null);
+  begin(said);
+  document.documentElement.dataset.drawn = String(Math.round(performance.now()));
+  askFit(false);
+}
+
+/** The first picture, and where a scene begins. */
+function begin(said) {
+  const places = said.data?.geometry ?? null;
+  const zones = places ? startZones(places) : [];
+  const { frequencyHz } = startOfScene([], { band_hz: said.lines_hz ?? [0, Infinity] });
+  beginWork({ zones, frequency: frequencyHz });
+  fromFile = !said.refit;
+  data.start(said);
+  panel.start(places);
+  top.show();
+  if (said.data) {
+    const { responses, references, lines } = said.data;
+    const [low, high] = said.lines_hz.map((hz) => Number(hz.toPrecision(4)));
+    top.facts(`${counted(responses, "response")} × ${counted(references, "reference")}, ${counted(lines, "line")}, ${low} to ${high} Hz`);
+  }
+  listen(["dropped"], keepDropped);
+  onWork(follow);
+  addEventListener("keydown", byKey);
+}
+
+/** A quarter of the panel is hot. */
+function startZones({ box: [x0, y0, x1, y1] }) {
+  const [x, y] = [(x0 + x1) / 2, (y0 + y1) / 2];
+  return [{ kind: "hot", points: [[x0, y0], [x, y0], [x, y], [x0, y]].map((point) => point.map((value) => Math.round(1e3 * value) / 1e3)) }];
+}
+
+/** What was set is asked for. */
+function follow(keys, moving) {
+  top.show();
+  const has = (names) => names.some((name) => keys.includes(name));
+  if (has(["band"])) data.showBand();
+  if (!moving || !has(["zones"])) panel.showWork();
+  if (has(["frequency"])) {
+    poles.showPoles();
+    panel.sweep.place(here?.model);
+  }
+  if (has(["dropped"])) restoreDropped();
+  if (has(OF_FIT)) askFit(moving);
+  else askScene(moving);
+}
+
+// ---- the fit
+
+function askFit(moving) {
+  const number = ++fits.asked;
+  const question = { page: fits.page, number, draft: moving, band_hz: work.band, modes: work.modes, added_hz: work.added };
+  if (!moving) beginProgress();
+  (moving ? fits.draft : fits.full).ask(question, (said, more) => {
+    if (!moving) endProgress();
+    // an older answer never takes the place of a newer one
+    if (number < fits.shown || (more && !moving)) return;
+    if (said.overtaken && number === fits.asked) return result.show(["Another page of this studio asked for a fit; reload this one to go on here."], [], null);
+    if (said.cancelled) return result.show(["The fit was cancelled. "], [], { words: "Fit again", action: () => askFit(false) });
+    if (said.overtaken) return;
+    if (said.error) return result.show([h("span", { class: "error", role: "alert" }, said.error)], fitFindings, here ? null : { words: "Fit again", action: () => askFit(false) });
+    fits.shown = number;
+    showFit(said);
+    askScene(moving);
+  });
+}
+
+/** A draft as the data of a whole fit: what it does not change is that of the last full one. */
+function completed(said) {
+  if (!said.draft) return said;
+  const { terms: own, ...changed } = said.draft;
+  const frfs = full.data.frfs && { ...full.data.frfs, terms: own, errors: null, sums: { measured: full.data.frfs.sums.measured }, base: { model: full.model, terms: full.terms } };
+  return { ...said, data: { ...full.data, ...changed, frfs } };
+}
+
+function showFit(answer) {
+  const said = completed(answer);
+  const { model, geometry, structure } = unpack(said.data);
+  model.file = said.model_file;
+  here = { model, geometry, data: said.data };
+  const numbers = work.dropped;
+  change({ dropped: new Set(), mode: nearestMode(state.lookedAt) ?? model.inBand[0] ?? 0 });
+  work.dropped = numbers;
+  restoreDropped();
+  data.fit(said.data, model);
+  poles.fit(said.data, model, !fromFile);
+  const hasBoard = panel.fit(model, said.draft ? null : geometry, said.draft ? undefined : structure);
+  data.status.textContent = said.draft ? `${model.inBand.length} modes, draft` : "";
+  if (!said.draft) {
+    full = { data: said.data, model, terms: said.data.frfs?.terms && split(array(said.data.frfs.terms)) };
+    fitFindings = said.data.findings;
+    foot.set("fit", said.command || "# the model was read from its file");
+    if (!hasBoard) shown = null;
+  }
+  showSentence();
+  count(said.draft ? "drafts" : "fits");
+}
+
+/** Counts what was drawn, for who waits for it. */
+function count(what) {
+  document.documentElement.dataset[what] = String(Number(document.documentElement.dataset[what] ?? 0) + 1);
+}
+
+let looking = 0;
+
+function beginProgress() {
+  clearInterval(looking);
+  poles.progress({ over: [], running: null });
+  data.status.textContent = "fitting …";
+  if (!here) result.show([h("b", {}, "Finding poles. "), "The data are drawn; zones can be drawn meanwhile."], [], null);
+  fits.open += 1;
+  looking = setInterval(async () => {
+    const said = await answerTo("progress");
+    if (fits.open && said.over) poles.progress(said);
+  }, LOOK_MS);
+}
+
+function endProgress() {
+  fits.open = Math.max(0, fits.open - 1);
+  if (fits.open) return;
+  clearInterval(looking);
+  poles.progress(null);
+  data.status.textContent = "";
+}
+
+function cancelFit() {
+  answerTo("cancel");
+}
+
+// ---- dropped poles: kept as frequencies, for numbers change with every fit
+
+function nearestMode(hz) {
+  if (hz === undefined || !here) return null;
+  const far = (k) => Math.abs(here.model.frequency[k] - hz);
+  const best = here.model.inBand.reduce((a, b) => (a === null || far(b) < far(a) ? b : a), null);
+  return best !== null && far(best) <= Math.max(SAME_POLE, here.model.modes[best].loss_factor / 2) * hz ? best : null;
+}
+
+/** From the set of poles to what is kept. */
+function keepDropped() {
+  if (!here) return;
+  const dropped = [...state.dropped].map((k) => Number(here.model.frequency[k].toFixed(4))).sort((a, b) => a - b);
+  if (JSON.stringify(dropped) !== JSON.stringify(work.dropped)) edit({ dropped });
+  showSelection();
+}
+
+function restoreDropped() {
+  if (!here) return;
+  const wanted = new Set(work.dropped.map(nearestMode).filter((k) => k !== null));
+  const same = wanted.size === state.dropped.size && [...wanted].every((k) => state.dropped.has(k));
+  if (!same) change({ dropped: wanted });
+  showSelection();
+}
+
+function droppedNumbers() {
+  return here ? [...state.dropped].map((k) => here.model.inBand.indexOf(k) + 1).filter((number) => number > 0) : [];
+}
+
+function showSelection() {
+  state.lookedAt = here.model.frequency[state.mode];
+  foot.set("selection", selectionToml(here.model, state.dropped, work.added));
+  foot.set("select", state.dropped.size || work.added.length ? `chladni select ${here.model.file} selection.toml -o selected.json` : "");
+}
+
+// ---- the scene
+
+function askScene(moving) {
+  if (!panel.hasBoard()) return;
+  const scene = panel.scene();
+  foot.set("toml", scene.toml);
+  clearTimeout(scenes.timer);
+  scenes.best.cancel();
+  scenes.sweep.cancel();
+  if (!here || here.model.references.length < 2) return;
+  if (!panel.hasHot()) return panel.busy("draw a hot zone");
+  const number = ++scenes.asked;
+  const question = { ...scene, drop: droppedNumbers() };
+  panel.busy(moving ? "fast" : "fast; computing the best drive …", !moving);
+  const fast = { ...question, method: "fast" };
+  scenes.draft.ask(fast, (said) => showScene(said, fast, number, true));
+  if (moving) return;
+  scenes.timer = setTimeout(() => {
+    const best = { ...question, method: "best" };
+    scenes.best.ask(best, (said) => {
+      if (said.cancelled) return;
+      showScene(said, best, number, false);
+      askSweep(question, number);
+    });
+  }, REST_MS);
+}
+
+function showScene(said, question, number, light) {
+  // while the hand moves an answer of a moment ago is better than none; nothing is better than the best
+  if (number <= scenes.bestShown || (number < scenes.asked && !light) || said.cancelled) return;
+  if (said.error) {
+    panel.busy(said.error);
+    return;
+  }
+  if (!light) {
+    scenes.bestShown = number;
+    panel.busy("computing other frequencies …", true);
+  }
+  shown = { question, said };
+  panel.show(said.scene, light);
+  foot.set("scene", said.command);
+  showSentence();
+}
+
+/** The scene at other frequencies, once the best drive is known. */
+function askSweep(question, number) {
+  const [low, high] = here.model.band_hz;
+  const range = [Math.max(low, Math.ceil(work.frequency - SWEEP_HZ)), Math.min(high, Math.floor(work.frequency + SWEEP_HZ))];
+  if (number !== scenes.asked || !(range[0] < range[1])) return panel.busy("");
+  scenes.sweep.ask({ ...question, method: "default", range_hz: range }, (said) => {
+    if (said.cancelled || number !== scenes.asked) return;
+    panel.busy("");
+    panel.sweep.show(said.sweep ?? null);
+    shown.sweep = said.sweep;
+    showSentence();
+  });
+}
+
+function cancelScene() {
+  clearTimeout(scenes.timer);
+  [scenes.best, scenes.sweep].forEach((asker) => asker.cancel());
+  panel.busy("");
+}
+
+// ---- what is said
+
+function showSentence() {
+  const parts = [full?.data.sentence ? `${full.data.sentence} ` : ""];
+  const findings = fitFindings.map((one) => one);
+  const better = full?.data.better_band;
+  let offer = better && !work.band ? { words: `Fit ${better[0]} to ${better[1]} Hz`, action: () => edit({ band: better }) } : null;
+  if (shown) {
+    const { scene, findings: found } = shown.said;
+    findings.push(...found.map((one) => ({ about: "Scene", ...one })));
+    const margin = scene.indices.points.margin_db;
+    const spare = Number.isFinite(margin) ? (margin >= 0 ? `, ${fixed(margin, 1)} dB to spare` : `, ${fixed(-margin, 1)} dB short`) : "";
+    parts.push(h("b", {}, `Scene ${scene.feasible ? "met" : "missed"} at ${fixed(scene.frequency_hz, 1)} Hz${spare}`));
+    const on = here.model.inBand.find((k) => Math.abs(here.model.frequency[k] - scene.frequency_hz) <= 0.5 * here.model.modes[k].loss_factor * here.model.frequency[k]);
+    if (on !== undefined) parts.push(`, but mode ${here.model.inBand.indexOf(on) + 1} (${fixed(here.model.frequency[on], 1)} Hz) lies on the drive`);
+    parts.push(".");
+    const calmer = shown.sweep?.suggested_hz;
+    if (calmer && calmer !== work.frequency && (on !== undefined || !scene.feasible)) offer = { words: `Use ${fixed(calmer, 0)} Hz`, action: () => edit({ frequency: calmer }) };
+  }
+  result.show(parts, findings, offer);
+}
+
+// ---- keys and panes
+
+function showPane(number) {
+  document.body.dataset.pane = String(number);
+  document.querySelectorAll(".pane-tabs button").forEach((button, k) => button.setAttribute("aria-pressed", String(k + 1 === number)));
+}
+
+function byKey(event) {
+  const typing = event.target.closest?.("input:not([type=checkbox]):not([type=radio]), select, textarea, dialog");
+  const isUndo = (event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z";
+  if (isUndo && !typing) (event.shiftKey ? redo : undo)();
+  else if (event.key === "Escape") closeAll();
+  else if (typing || event.ctrlKey || event.metaKey || event.altKey) return;
+  else if ("123".includes(event.key)) {
+    showPane(Number(event.key));
+    document.getElementById(`pane-${event.key}`).focus();
+  } else if (event.key === "d" || event.key === "D") foot.toggle();
+  else if (event.key === "f" || event.key === "F") result.menu.open = !result.menu.open;
+  else if (event.key === "[" || event.key === "]") edit({ frequency: Number((work.frequency + (event.key === "[" ? -1 : 1)).toFixed(1)) });
+  else if (event.key === "?") top.showKeys();
+  else if (!panel.key(event.key.toLowerCase())) return;
+  event.preventDefault();
+}
+
+function closeAll() {
+  foot.close();
+  document.querySelectorAll("details.menu[open]").forEach((menu) => (menu.open = false));
+  if (fits.open) cancelFit();
+  cancelScene();
+}
