@@ -44,6 +44,7 @@ __all__ = [
     "__version__",
     "cmif",
     "compare",
+    "correct",
     "estimate",
     "evaluate",
     "fit",
@@ -289,6 +290,36 @@ def play(model, scene, **options):
         ``indices`` is a dictionary, ``save("drive.wav")`` writes what a rig plays, ``drive()`` the same as an array.
     """
     return _chladni.play(model, _text_or_path(scene), **options)
+
+
+def correct(model, scene, weights, fields, *, output=None, calibration=None, force=False):
+    """
+    A drive corrected by the fields that were measured under earlier weights.
+
+    Parameters
+    ----------
+    model : Model
+        The model that the weights were rendered with.
+    scene : path, str or dict
+        As of `render`; a calibration that it names is where the correction starts.
+    weights, fields : sequence of path
+        Weights files that were played, oldest first, and the measured field of each.
+    output, calibration : path, optional
+        Weights file and calibration file to write.
+    force : bool
+        Overwrite them.
+
+    Returns
+    -------
+    dict
+        The weights file.
+    """
+    drive, learned = _chladni.correct(model, _text_or_path(scene), list(weights), list(fields))
+    for path, text in ((output, drive), (calibration, learned)):
+        if path is not None:
+            with open(path, "w" if force else "x", encoding="utf-8") as out:
+                out.write(text)
+    return _json.loads(drive)
 
 
 def evaluate(rendering, scene, on):

@@ -346,4 +346,14 @@ def play(
     ramps: Literal["modal", "plain", "program"] | None = None,
     method: str = "default",
 ) -> Playing: ...
+def correct(
+    model: Model,
+    scene: Scene,
+    weights: Sequence[str | PathLike[str]],
+    fields: Sequence[str | PathLike[str]],
+    *,
+    output: str | PathLike[str] | None = None,
+    calibration: str | PathLike[str] | None = None,
+    force: bool = False,
+) -> dict[str, Any]: ...
 def evaluate(rendering: Rendering, scene: Scene, on: FrfSet | Model) -> dict[str, Any]: ...

@@ -50,5 +50,6 @@ fn _chladni(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(rendering::render, module)?)?;
     module.add_class::<playing::Playing>()?;
     module.add_function(wrap_pyfunction!(playing::play, module)?)?;
+    module.add_function(wrap_pyfunction!(rendering::correct, module)?)?;
     module.add_function(wrap_pyfunction!(rendering::evaluate, module)?)
 }

@@ -191,6 +191,46 @@ pub fn render(
         .map_err(|error| raised(py, &error))
 }
 
+/// A drive corrected by measured fields, as the text of its weights file and of the
+/// calibration.
+///
+/// weights: the files that were played, oldest first; fields: what was measured under each.
+#[pyfunction]
+#[pyo3(signature = (model, scene, weights, fields))]
+pub fn correct(
+    py: Python<'_>,
+    model: &Model,
+    scene: &Bound<'_, PyAny>,
+    weights: Vec<PathBuf>,
+    fields: Vec<PathBuf>,
+) -> PyResult<(String, String)> {
+    if weights.len() != fields.len() {
+        let found = format!("{} weights and {} fields", weights.len(), fields.len());
+        return Err(wrong_word(
+            py,
+            "fields",
+            &found,
+            "one field for each of the weights",
+        ));
+    }
+    let scene = scene_of(py, scene)?;
+    let corrected = py.detach(|| {
+        let mut played = Vec::new();
+        for (weights, field) in weights.iter().zip(&fields) {
+            let text = chladni_text::read_text(weights, "weights, JSON")?;
+            let read =
+                chladni_render::Weights::parse(&text).map_err(|error| error.file(weights))?;
+            let sha256 = Some(chladni_io::sha256_of(weights)?);
+            played.push((read, chladni_io::read_field(field)?, sha256));
+        }
+        let options = RenderOptions::default();
+        let (weights, calibration) =
+            chladni_render::calibrate(&model.model, &scene, &played, &options)?;
+        Ok((weights.to_json()?, calibration.to_json()?))
+    });
+    corrected.map_err(|error: chladni_frf::Error| raised(py, &error))
+}
+
 /// The indices of weights on other data, as a JSON text: measured FRFs or a model.
 #[pyfunction]
 #[pyo3(signature = (rendering, scene, on))]

@@ -219,6 +219,8 @@ fn model(draw: &Draw, modes: Vec<Mode>, terms: Vec<ResidualTerm>, band_hz: [f64;
         responses: (1..=draw.responses as u64).map(dof).collect(),
         references: (first..).take(draw.references).map(dof).collect(),
         nodes: Vec::new(),
+        lines: Vec::new(),
+        faces: Vec::new(),
         method: "drawn".into(),
         modes,
         residual_terms: ResidualTerms {

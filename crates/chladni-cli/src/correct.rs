@@ -4,11 +4,11 @@ use crate::indices::{indices_table, weights_table};
 use crate::render::write_weights;
 use chladni_console::input::{read_weights, source};
 use chladni_console::output::{Output, WEIGHTS};
-use chladni_console::table::significant;
+use chladni_console::table::{counted, significant};
 use chladni_console::{Console, Outcome};
-use chladni_frf::{Error, ErrorKind, Result};
-use chladni_io::{read_field, read_model, sha256_of};
-use chladni_render::{Correction, RenderOptions, Scene, Weights};
+use chladni_frf::{Error, ErrorKind, Result, Source};
+use chladni_io::{read_field, read_model, sha256_of, write_atomically};
+use chladni_render::{calibrate, Correction, RenderOptions, Scene, Weights};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -17,6 +17,8 @@ use std::path::PathBuf;
 #[command(before_help = "Examples:
   chladni correct model.json corner.toml --weights w0.json --field scan0.csv -o w1.json
   chladni correct model.json corner.toml --weights w0.json --field scan0.csv --weights w1.json --field scan1.csv -o w2.json
+  chladni correct model.json corner.toml --weights w0.json --field scan0.csv -o w1.json --calibration rig.json
+      the next scene starts corrected with `calibration = \"rig.json\"` under [actuators]
 
 A field is a table response,re,im[,std] or response,magnitude[,std] under the lines `# frequency_hz = ...` and
 `# unit = m/s`; some of the responses are enough.")]
@@ -36,6 +38,11 @@ pub struct Args {
     /// Weights file to write, .json
     #[arg(short, value_name = "WEIGHTS")]
     output: Option<PathBuf>,
+    /// Calibration file to write, .json: gains, dead channels, natural frequencies and the
+    /// mobility at this frequency, for the next scene. One that the scene names is where it
+    /// starts from; give the fields that came after it
+    #[arg(long, value_name = "OUT.json")]
+    calibration: Option<PathBuf>,
 }
 
 /// Runs the command.
@@ -67,9 +74,23 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         .as_deref()
         .map(|path| Output::new(path, WEIGHTS, &inputs, console))
         .transpose()?;
+    let calibration_output = args
+        .calibration
+        .as_deref()
+        .map(|path| Output::new(path, WEIGHTS, &inputs, console))
+        .transpose()?;
+    if args.calibration.is_some() && args.calibration == args.output {
+        return Err(
+            Error::new(ErrorKind::Usage, "two outputs would be one file")
+                .field("--calibration")
+                .found("the name of the weights file")
+                .expected("a name of its own"),
+        );
+    }
     console.stage("reading");
     let model = read_model(&args.model)?;
     let scene = Scene::read(&args.scene)?;
+    refuse_known_fields(&args.field, &scene)?;
     let mut played = Vec::new();
     for (weights, field) in args.weights.iter().zip(&args.field) {
         played.push((
@@ -79,13 +100,34 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         ));
     }
     console.stage("correcting");
-    let mut weights = chladni_render::correct(&model, &scene, &played, &RenderOptions::default())?;
+    let (mut weights, mut calibration) =
+        calibrate(&model, &scene, &played, &RenderOptions::default())?;
+    let before = scene.actuators.calibration_file.iter();
     weights.source = inputs
         .iter()
+        .chain(before)
         .map(|file| source(file))
         .collect::<Result<_>>()?;
+    for file in &inputs {
+        let file = source(file)?;
+        if !calibration.source.contains(&file) {
+            calibration.source.push(file);
+        }
+    }
     console.find_all(weights.findings.iter());
-    let text = text(&weights);
+    let mut text = text(&weights);
+    if let (Some(path), Some(output)) = (&args.calibration, &calibration_output) {
+        console.stage("writing");
+        let json = calibration.to_json()?;
+        output.write(|path, force| {
+            write_atomically(path, force, |out| out.write_all(json.as_bytes()))
+        })?;
+        text += &format!(
+            "calibration of {}: {}\n",
+            counted(calibration.fields, "measured field"),
+            path.display()
+        );
+    }
     let doubt = (!weights.feasible).then(|| "the scene is not met: see above".to_owned());
     let outcome = match (&args.output, &output) {
         (Some(path), Some(output)) => {
@@ -99,6 +141,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
                 "kappa": weights.kappa,
                 "indices": weights.indices,
                 "correction": weights.correction,
+                "calibration": args.calibration.as_ref().map(|path| path.display().to_string()),
                 "warnings": weights.findings.warnings(),
                 "findings": weights.findings.0,
             });
@@ -115,6 +158,31 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         }
     };
     Ok(outcome.doubted(doubt))
+}
+
+/// Fields that the calibration of the scene holds already would count twice.
+fn refuse_known_fields(fields: &[PathBuf], scene: &Scene) -> Result<()> {
+    let Some(calibration) = &scene.actuators.calibration else {
+        return Ok(());
+    };
+    for file in fields {
+        let Source { sha256, .. } = source(file)?;
+        if calibration
+            .source
+            .iter()
+            .any(|known| known.sha256 == sha256)
+        {
+            return Err(
+                Error::bad_data("the calibration of the scene holds this field already")
+                    .file(file)
+                    .field("actuators.calibration")
+                    .found("a field that would count twice")
+                    .expected("fields that were measured after the calibration")
+                    .help("leave the field out, or take the calibration out of the scene"),
+            );
+        }
+    }
+    Ok(())
 }
 
 fn text(weights: &Weights) -> String {

@@ -58,6 +58,9 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let weights = read_weights(&args.weights)?;
     let scene = Scene::read(&args.scene)?;
     let mut sources = vec![source(&args.weights)?, source(&args.scene)?];
+    if let Some(file) = &scene.actuators.calibration_file {
+        sources.push(source(file)?);
+    }
     let files = expand(&args.on, console)?;
     let model = match files.as_slice() {
         [one] => model_of(one)?,

@@ -15,7 +15,7 @@ use chladni_console::quoting::shell_path;
 use chladni_console::table::significant;
 use chladni_console::Console;
 use chladni_console::Outcome;
-use chladni_frf::{Damping, Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Source, Trust};
+use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Source, Trust};
 use chladni_io::{frf_bytes, write_model, FrfParts};
 use chladni_report::better_band;
 use chladni_rfp::{CancelToken, FitOptions, Method, Window};

@@ -130,6 +130,9 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         .map(|file| Scene::read(file))
         .collect::<Result<Vec<_>>>()?;
     let mut sources = vec![source(&args.model)?, source(&args.scene)?];
+    if let Some(file) = &scene.actuators.calibration_file {
+        sources.push(source(file)?);
+    }
     sources.extend(
         args.also
             .iter()

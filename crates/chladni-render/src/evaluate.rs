@@ -1,11 +1,13 @@
 //! Given weights on other data: the measured line at the drive frequency, or another
 //! model.
 
+use crate::drift::Drift;
 use crate::field::{AreaField, Field};
 use crate::indices::{AreaIndices, Indices, PointIndices};
 use crate::operator::Operator;
 use crate::problem::Drive;
 use crate::render::strength;
+use crate::rig::{gain_of, Calibrated};
 use crate::scene::{Limits, Scene};
 use crate::setup::{lay_zones, scene_findings};
 use crate::weights::Weights;
@@ -65,6 +67,22 @@ pub fn evaluate(weights: &Weights, scene: &Scene, on: On) -> Result<Evaluation> 
 
 /// The same of one tone.
 fn evaluate_tone(weights: &Weights, scene: &Scene, on: On) -> Result<Evaluation> {
+    let On::Model(model) = on else {
+        return judged(weights, scene, on);
+    };
+    let at = Some(weights.frequency_hz);
+    let Calibrated {
+        model,
+        scene,
+        findings,
+    } = Calibrated::new(model, scene, at, &Drift::default())?;
+    let mut evaluation = judged(weights, &scene, On::Model(&model))?;
+    evaluation.findings.extend(findings);
+    Ok(evaluation)
+}
+
+/// The indices of one tone, calibrated or not.
+fn judged(weights: &Weights, scene: &Scene, on: On) -> Result<Evaluation> {
     let Laid {
         operator,
         drive,
@@ -138,11 +156,17 @@ pub(crate) fn laid(weights: &Weights, scene: &Scene, on: On) -> Result<Laid> {
         .collect();
     // Silence is judged with any actuator: its column does not matter.
     let only = (!driven.is_empty()).then_some(driven.as_slice());
-    let operator = match on {
+    let mut operator = match on {
         On::Model(model) => Operator::of_model(model, frequency_hz, only),
         On::Frf(frf) => Operator::of_line(frf, frequency_hz, only),
     }
     .map_err(rename_field)?;
+    // what a calibration says of the channels holds for measured lines, too
+    let columns = operator.mobility.columns_mut().into_iter();
+    for (mut column, &reference) in columns.zip(&operator.references) {
+        let gain = gain_of(&scene.actuators, reference);
+        column.mapv_inplace(|value| value * gain);
+    }
     if operator.unit != weights.unit() {
         return Err(
             Error::bad_data("the weights and the data have different units")

@@ -10,6 +10,7 @@ use crate::modal_field::ModalField;
 use crate::operator::mode_on;
 use crate::options::RenderOptions;
 use crate::problem::Drive;
+use crate::rig::Calibrated;
 use crate::scene::Scene;
 use crate::setup::Setup;
 use crate::tolerances;
@@ -119,7 +120,10 @@ fn at(
         frequency_hz,
         ..scene.clone()
     };
-    let setup = Setup::new(model, &scene, &options.drift)?;
+    let Calibrated { model, scene, .. } =
+        Calibrated::new(model, &scene, Some(frequency_hz), &options.drift)?;
+    let (model, scene) = (&*model, &*scene);
+    let setup = Setup::new(model, scene, &options.drift)?;
     let method = match options.method {
         MethodChoice::Default => MethodChoice::Only(crate::methods::Method::Mls),
         other => other,

@@ -93,8 +93,10 @@ pub use options::RenderOptions;
 pub use plane::{Position, Rectangle};
 pub use render::{render, render_measured, render_with_others, Rendering};
 pub use rig::{
-    correct, evaluate_field, Agreement, ChannelGain, Correction, Estimator, FieldEvaluation,
-    Hypothesis, KalmanOperator, Place, PointAgreement, TakenField,
+    calibrate, correct, evaluate_field, evaluate_signal, play, stress_in_time, Agreement,
+    CalibratedMode, CalibratedOperator, Calibration, ChannelGain, Correction, Estimator,
+    FieldEvaluation, Hypothesis, KalmanOperator, Place, PointAgreement, TakenField,
+    CALIBRATION_FORMAT, CALIBRATION_VERSION,
 };
 pub use scene::{
     Actuators, Limits, Scene, DEFAULT_LIMEN_DB, DEFAULT_MAX_FORCE_N, DEFAULT_TRANSITION_M,
@@ -103,10 +105,10 @@ pub use signals::signal_csv;
 pub use stress::{stress, StressOptions};
 pub use threshold::{Threshold, ThresholdTable};
 pub use time::{
-    evaluate_signal, modal_ramp, play, stress_in_time, AreaFrames, AreaMeasures, Burst, Channel,
-    ChannelMap, Fade, Level, Mapped, Measure, Move, PlayOptions, Played, RampTime, Ramps, Recorded,
-    SampleFormat, Sidecar, Signal, SignalOptions, TimeEvent, TimeFrames, TimeIndices, TimeMeasure,
-    TimeStressRow, TimeTable, TimeTraces, SIGNAL_FORMAT, SIGNAL_VERSION,
+    modal_ramp, AreaFrames, AreaMeasures, Burst, Channel, ChannelMap, Fade, Level, Mapped, Measure,
+    Move, PlayOptions, Played, RampTime, Ramps, Recorded, SampleFormat, Sidecar, Signal,
+    SignalOptions, TimeEvent, TimeFrames, TimeIndices, TimeMeasure, TimeStressRow, TimeTable,
+    TimeTraces, SIGNAL_FORMAT, SIGNAL_VERSION,
 };
 pub use tones::{Share, Tone};
 pub use weights::{StressRow, Weight, Weights, WEIGHTS_FORMAT, WEIGHTS_VERSION};

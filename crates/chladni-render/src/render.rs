@@ -10,6 +10,7 @@ use crate::indices::{AreaIndices, Indices, PointIndices};
 use crate::methods::{Method, MethodChoice, Solution};
 use crate::options::RenderOptions;
 use crate::problem::Drive;
+use crate::rig::Calibrated;
 use crate::scene::{Limits, Scene};
 use crate::setup::Setup;
 use crate::tolerances;
@@ -105,11 +106,21 @@ fn render_tone(
     options: &RenderOptions,
     measured: Option<&FrfSet>,
 ) -> Result<Rendering> {
-    let whole = Setup::new(model, scene, &options.drift)?;
     let others = others
         .iter()
-        .map(|other| Setup::new(model, other, &options.drift))
+        .map(|other| {
+            let Calibrated { model, scene, .. } =
+                Calibrated::new(model, other, Some(other.frequency_hz), &options.drift)?;
+            Setup::new(&model, &scene, &options.drift)
+        })
         .collect::<Result<Vec<_>>>()?;
+    let Calibrated {
+        model,
+        scene,
+        findings: of_rig,
+    } = Calibrated::new(model, scene, Some(scene.frequency_hz), &options.drift)?;
+    let (model, scene) = (&*model, &*scene);
+    let whole = Setup::new(model, scene, &options.drift)?;
     if let Some(other) = others
         .iter()
         .find(|other| other.operator.references != whole.operator.references)
@@ -156,6 +167,7 @@ fn render_tone(
         ..
     } = &setup;
     let mut findings = [
+        of_rig,
         setup.findings.clone(),
         Vec::from_iter(of_modes),
         Vec::from_iter(chosen.finding),

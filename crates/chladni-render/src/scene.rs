@@ -2,6 +2,7 @@
 
 use crate::drift::Drift;
 use crate::plane::Position;
+use crate::rig::calibration::{CalibratedOperator, Calibration};
 use crate::threshold::{Threshold, ThresholdTable};
 use crate::time::{read_time, TimeTable};
 use crate::tolerances;
@@ -11,6 +12,7 @@ use chladni_frf::{nearest_word, Dof, Error, Result};
 use chladni_text::read_text;
 use chladni_text::toml_reader::{parse, Keys, Table, Value};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Every key of a scene, by table.
 const KEYS: Keys = &[
@@ -50,7 +52,14 @@ const KEYS: Keys = &[
     ("zones.polygon", &["kind", "points_m", "level_db"]),
     (
         "actuators",
-        &["use", "max_force_n", "max_voltage_v", "max_effort"],
+        &[
+            "use",
+            "max_force_n",
+            "max_voltage_v",
+            "max_effort",
+            "dead",
+            "calibration",
+        ],
     ),
     (
         "time",
@@ -114,6 +123,9 @@ pub struct Scene {
     pub drift: Option<Drift>,
     /// What happens when; `None`: a steady tone.
     pub time: Option<TimeTable>,
+    /// Errors that measured fields have left of the mobility; of scenes over a calibrated
+    /// model.
+    pub learned: Option<Arc<CalibratedOperator>>,
 }
 
 /// Which actuators may be used, and how hard.
@@ -127,6 +139,12 @@ pub struct Actuators {
     pub max_voltage_v: Option<f64>,
     /// Limit of √Σ|A_i|² over all actuators, N or V peak.
     pub max_effort: Option<f64>,
+    /// Reference DOFs that do not move the panel, and are known not to.
+    pub dead: Vec<Dof>,
+    /// What earlier fields have taught of the rig.
+    pub calibration: Option<Arc<Calibration>>,
+    /// The file that says so.
+    pub calibration_file: Option<PathBuf>,
 }
 
 /// Velocity limits of a scene, m/s peak.
@@ -222,18 +240,22 @@ impl Scene {
             limen_db,
             zones,
             actuators: match optional("actuators")? {
-                Some(table) => read_actuators(&table)?,
+                Some(table) => read_actuators(&table, beside)?,
                 None => Actuators {
                     only: None,
                     max_force_n: None,
                     max_voltage_v: None,
                     max_effort: None,
+                    dead: Vec::new(),
+                    calibration: None,
+                    calibration_file: None,
                 },
             },
             drift: optional("drift")?
                 .map(|table| read_drift(&table))
                 .transpose()?,
             time,
+            learned: None,
         })
     }
 
@@ -523,7 +545,7 @@ fn polygon_area(points: &[Position]) -> f64 {
     0.5 * points.windows(2).map(triangle).sum::<f64>()
 }
 
-fn read_actuators(table: &Table) -> Result<Actuators> {
+fn read_actuators(table: &Table, beside: Beside) -> Result<Actuators> {
     table.only_keys(KEYS, "actuators")?;
     let limit = |key| {
         table
@@ -531,6 +553,10 @@ fn read_actuators(table: &Table) -> Result<Actuators> {
             .map(|value: Value| value.positive())
             .transpose()
     };
+    let calibration = table
+        .get("calibration")
+        .map(|value| calibration_file(&value, beside))
+        .transpose()?;
     Ok(Actuators {
         only: table
             .get("use")
@@ -540,7 +566,50 @@ fn read_actuators(table: &Table) -> Result<Actuators> {
         max_force_n: limit("max_force_n")?,
         max_voltage_v: limit("max_voltage_v")?,
         max_effort: limit("max_effort")?,
+        dead: table
+            .get("dead")
+            .map(|value| read_dofs(&value, "a list of reference DOFs like \"110:+Z\""))
+            .transpose()?
+            .unwrap_or_default(),
+        calibration: calibration
+            .as_deref()
+            .map(|file| Calibration::read(file).map(Arc::new))
+            .transpose()?,
+        calibration_file: calibration,
     })
+}
+
+/// The calibration file that a scene names.
+fn calibration_file(value: &Value, beside: Beside) -> Result<PathBuf> {
+    let name = value.string()?;
+    let Beside::Folder(folder) = beside else {
+        return Err(value
+            .error(
+                "no file is looked for here",
+                "a scene without a calibration",
+            )
+            .help("take the line out, or give the scene as a file"));
+    };
+    let file = folder.join(name);
+    if !file.exists() {
+        return Err(value
+            .error(
+                "no such file",
+                "the path of a calibration, from the scene file's folder",
+            )
+            .help("`chladni correct` writes calibrations"));
+    }
+    Ok(file)
+}
+
+fn read_dofs(list: &Value, expected: &str) -> Result<Vec<Dof>> {
+    let entry = |entry: &Value| {
+        entry
+            .string()?
+            .parse::<Dof>()
+            .map_err(|reason| entry.error(&reason, expected))
+    };
+    list.list()?.iter().map(entry).collect()
 }
 
 fn read_drift(table: &Table) -> Result<Drift> {
@@ -563,17 +632,7 @@ fn read_use(value: &Value) -> Result<Option<Vec<Dof>>> {
             Err(value.error("no list of actuators", EXPECTED))
         };
     }
-    let entry = |entry: &Value| {
-        entry
-            .string()?
-            .parse::<Dof>()
-            .map_err(|reason| entry.error(&reason, EXPECTED))
-    };
-    let only = value
-        .list()?
-        .iter()
-        .map(entry)
-        .collect::<Result<Vec<Dof>>>()?;
+    let only = read_dofs(value, EXPECTED)?;
     if only.is_empty() {
         return Err(value.error("no actuator is left", EXPECTED));
     }

@@ -68,12 +68,14 @@ impl Setup {
             .modes_hz([hz])
             .help("choose a less sensitive frequency")
         }));
-        let covariance = Covariance::of_model(
-            model,
-            &operator,
-            &judged,
-            scene.drift.as_ref().unwrap_or(drift),
-        );
+        let learned = scene.learned.as_deref();
+        let covariance = match learned.and_then(|known| known.covariance_of(&operator.references)) {
+            Some(gram) => Covariance::of_gram(gram)?,
+            None => {
+                let drift = scene.drift.as_ref().unwrap_or(drift);
+                Covariance::of_model(model, &operator, &judged, drift)
+            }
+        };
         let positions_m: Vec<Position> = judged
             .iter()
             .map(|&row| operator.positions_m[row])

@@ -7,6 +7,7 @@ use crate::finger::{finger_rows, Finger};
 use crate::indices::PointIndices;
 use crate::modal_field::ModalField;
 use crate::problem::Drive;
+use crate::rig::Calibrated;
 use crate::scene::Scene;
 use crate::weights::{StressRow, Weights};
 use chladni_frf::{Finding, ModalModel, Mode, Result};
@@ -71,6 +72,9 @@ pub fn stress(
     model: &ModalModel,
     options: &StressOptions,
 ) -> Result<(Vec<StressRow>, Vec<Finding>)> {
+    let Calibrated { model, scene, .. } =
+        Calibrated::new(model, scene, Some(weights.frequency_hz), &options.drift)?;
+    let (model, scene) = (&*model, &*scene);
     let Laid {
         operator,
         drive,

@@ -325,6 +325,17 @@ pub const LEAST_FIELD_NOISE: f64 = 1e-4;
 /// complex factor: amplifiers of 2 % and 2° have 0.04.
 pub const RIG_DRIVE_ERROR: f64 = 0.03;
 
+/// The same at least of gains that fields have taught, at another frequency or on another
+/// day: amplifiers are flat to so much over some ten hertz.
+pub const CALIBRATED_DRIVE_ERROR: f64 = 0.005;
+
+/// Size of an odd channel's factor below which it is dead.
+pub const DEAD_GAIN: f64 = 0.1;
+
+/// Natural frequencies nearer than this, relative, are those of one model: decimals of a
+/// file.
+pub const SAME_MODE: f64 = 1e-9;
+
 /// Isotropic error of a prediction beside its error bars, over its rms. With ten times as
 /// much nothing but a dead channel is seen, with ten times less the error of a fit is a
 /// fault of the rig.

@@ -8,6 +8,7 @@
 mod draft;
 mod progress;
 mod question;
+mod rendered;
 mod scenes;
 mod server;
 mod session;

@@ -1,24 +1,17 @@
 //! Scenes of the studio: rendered by the model of the moment, swept, and as files.
 
 use super::question::{FileName, FileQuestion, SceneQuestion};
+use super::rendered::Rendered;
 use super::session::{Session, MODEL};
 use crate::curves::curves;
 use chladni_frf::{Error, ModalModel, ModeName, ModePick, Result, Selection};
 use chladni_render::{
-    play, render, stress, sweep, MethodChoice, PlayOptions, RenderOptions, Rendering, Scene,
-    SignalOptions, StressOptions, Weights,
+    play, render, stress, sweep, MethodChoice, PlayOptions, RenderOptions, Scene, SignalOptions,
+    StressOptions, Weights,
 };
 use chladni_report::{html, scene_data, RenderedScene, ReportInput};
 use serde_json::{json, Value};
 use std::sync::{Arc, PoisonError};
-
-/// A rendering with the question that it answers and the model that it was made with.
-pub struct Rendered {
-    question: SceneQuestion,
-    model: Arc<ModalModel>,
-    scene: Scene,
-    rendering: Rendering,
-}
 
 impl Session {
     /// Renders a scene with the model of the moment.
@@ -67,7 +60,7 @@ impl Session {
     /// Those of [`Self::render`]; a file of a scene without one.
     pub fn file(&self, question: &FileQuestion) -> Result<Vec<u8>> {
         let model = self.selected(&question.drop)?;
-        let rendered = || {
+        let rendered = || -> Result<Arc<Rendered>> {
             let scene = question.scene.as_ref();
             self.rendered(scene.ok_or_else(|| {
                 Error::bad_data("no scene")
@@ -78,8 +71,13 @@ impl Session {
         Ok(match question.name {
             FileName::Model => chladni_io::model_json(&model)?.into_bytes(),
             FileName::Weights => rendered()?.rendering.weights.to_json()?.into_bytes(),
-            FileName::Sound => signal(&rendered()?)?.wav(SignalOptions::default().format)?,
-            FileName::Sidecar => signal(&rendered()?)?.sidecar.to_json()?.into_bytes(),
+            FileName::Sound => {
+                signal(rendered()?.as_ref())?.wav(SignalOptions::default().format)?
+            }
+            FileName::Sidecar => signal(rendered()?.as_ref())?
+                .sidecar
+                .to_json()?
+                .into_bytes(),
             FileName::Report => {
                 let rendered = question.scene.is_some().then(rendered).transpose()?;
                 let scenes = rendered

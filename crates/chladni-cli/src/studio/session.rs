@@ -3,7 +3,7 @@
 use super::draft::few_lines;
 use super::progress::Progress;
 use super::question::{FitQuestion, Turn};
-use super::scenes::Rendered;
+use super::rendered::Rendered;
 use crate::explain::explain;
 use crate::fit::echo_of;
 use crate::report::Contents;

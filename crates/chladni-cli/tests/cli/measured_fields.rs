@@ -34,26 +34,42 @@ fn strongest(weights: &Value) -> usize {
         .unwrap()
 }
 
+fn weights_in(folder: &Folder, file: &str) -> Value {
+    serde_json::from_str(&folder.text(file)).unwrap()
+}
+
+/// The channel that moves nothing.
+fn dead_channel(folder: &Folder) -> String {
+    let weights = weights_in(folder, "w0.json");
+    let dead = &weights["weights"][strongest(&weights)]["reference"];
+    dead.as_str().unwrap().to_owned()
+}
+
+/// The field of the first weights.
 fn field(folder: &Folder, unit: &str) -> String {
+    field_of(folder, "w0.json", unit)
+}
+
+/// The field that weights truly make, mm/s.
+fn field_of(folder: &Folder, file: &str, unit: &str) -> String {
     use chladni_frf::FrfKind;
     use num_complex::Complex64;
-    let weights: Value = serde_json::from_str(&folder.text("w0.json")).unwrap();
+    let weights = weights_in(folder, file);
     let model = chladni_io::read_model(&folder.path().join("model.json")).unwrap();
     let mobility = model.frf_matrix(FrfKind::Mobility, 330.0);
-    let dead = strongest(&weights);
-    let drive: Vec<Complex64> = weights["weights"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .enumerate()
-        .map(|(k, weight)| match k == dead {
-            true => Complex64::ZERO,
-            false => Complex64::new(
-                weight["re"].as_f64().unwrap(),
-                weight["im"].as_f64().unwrap(),
-            ),
-        })
-        .collect();
+    let dead = dead_channel(folder);
+    let mut drive = vec![Complex64::ZERO; model.references.len()];
+    for weight in weights["weights"].as_array().unwrap() {
+        let name = weight["reference"].as_str().unwrap();
+        let channel = model
+            .references
+            .iter()
+            .position(|dof| dof.to_string() == name);
+        let part = |key: &str| weight[key].as_f64().unwrap();
+        if name != dead {
+            drive[channel.unwrap()] = Complex64::new(part("re"), part("im"));
+        }
+    }
     let mut text = format!("# frequency_hz = 330.0\n{unit}response,re,im\n");
     for (response, row) in model.responses.iter().zip(mobility.rows()) {
         let v: Complex64 = row.iter().zip(&drive).map(|(h, a)| h * a * 1e3).sum();
@@ -162,4 +178,114 @@ fn bad_fields_are_refused_by_name() {
         .run("correct model.json scene.toml --weights w0.json w0.json --field field.csv")
         .exits(2);
     assert!(!run.stderr.is_empty());
+}
+
+/// The scene on the opposite corner, with more lines under [actuators].
+fn next_scene(folder: &Folder, actuators: &str) -> String {
+    let scene = folder.text("scene.toml").replace("hot = [1]", "hot = [4]");
+    format!("{scene}[actuators]\n{actuators}\n")
+}
+
+#[test]
+fn a_calibration_starts_the_next_scene_corrected() {
+    let folder = prepared();
+    let run = folder
+        .run(
+            "correct model.json scene.toml --weights w0.json --field field.csv -o w1.json \
+             --calibration rig.json --json",
+        )
+        .exits(0);
+    assert_eq!(run.json()["calibration"], "rig.json");
+    let calibration: Value = serde_json::from_str(&folder.text("rig.json")).unwrap();
+    assert_eq!(calibration["format"], "chladni.calibration");
+    assert_eq!(calibration["dead"][0], dead_channel(&folder).as_str());
+    assert_eq!(calibration["source"].as_array().unwrap().len(), 4);
+
+    folder.write(
+        "next.toml",
+        next_scene(&folder, "calibration = \"rig.json\""),
+    );
+    let said = folder
+        .run("render model.json next.toml -o w2.json")
+        .exits(0)
+        .said();
+    assert!(!said.contains("another model"), "{said}");
+    let weights = weights_in(&folder, "w2.json");
+    assert_eq!(weights["source"][2]["file"], "rig.json");
+    assert_eq!(weights["weights"].as_array().unwrap().len(), 33);
+    folder.write(
+        "field2.csv",
+        field_of(&folder, "w2.json", "# unit = mm/s\n"),
+    );
+    let on = "--on model.json --field field2.csv --json";
+    let json = folder
+        .run(&format!("evaluate w2.json --scene next.toml {on}"))
+        .exits(0)
+        .json();
+    assert_eq!(json["indices"]["points"]["min_ratio"], 1.0);
+    assert_eq!(
+        json["agreement"]["hypotheses"][0]["kind"], "nothing",
+        "{json}"
+    );
+    folder
+        .run("play model.json next.toml --weights w2.json -o drive.csv -q")
+        .exits(0);
+
+    // a field counts once
+    let again = "correct model.json next.toml --weights w0.json --field field.csv -o no.json";
+    let run = folder.run(again).exits(65);
+    assert!(
+        run.stderr.contains("holds this field already"),
+        "{}",
+        run.stderr
+    );
+    let newer = "correct model.json next.toml --weights w2.json --field field2.csv -o w3.json \
+                 --calibration rig-2.json -q";
+    folder.run(newer).exits(0);
+    let newer: Value = serde_json::from_str(&folder.text("rig-2.json")).unwrap();
+    assert_eq!(
+        (&newer["fields"], &newer["operators"][0]["fields"]),
+        (&2.into(), &2.into())
+    );
+}
+
+#[test]
+fn bad_calibrations_are_refused_by_name() {
+    let folder = prepared();
+    folder
+        .run(
+            "correct model.json scene.toml --weights w0.json --field field.csv -o w1.json \
+             --calibration rig.json -q",
+        )
+        .exits(0);
+    let good = folder.text("rig.json");
+    folder.write("weights.json", folder.text("w0.json"));
+    folder.write("stranger.json", good.replace("\"101:+Z\"", "\"4711:+Z\""));
+    folder.write("short.json", &good[..good.len() / 2]);
+    folder.write(
+        "volts.json",
+        good.replace("\"unit\":\"N\"", "\"unit\":\"V\""),
+    );
+    for (actuators, words) in [
+        ("calibration = \"none.json\"", "no such file"),
+        ("calibration = \"weights.json\"", "not a calibration file"),
+        ("calibration = \"short.json\"", "not a calibration file"),
+        ("calibration = \"stranger.json\"", "4711:+Z"),
+        ("calibration = \"volts.json\"", "another unit"),
+        ("dead = [\"4711:+Z\"]", "4711:+Z"),
+    ] {
+        folder.write("next.toml", next_scene(&folder, actuators));
+        let run = folder
+            .run("render model.json next.toml -o no.json")
+            .exits(65);
+        assert!(run.stderr.contains(words), "{actuators}: {}", run.stderr);
+    }
+    let run = folder
+        .run(
+            "correct model.json scene.toml --weights w0.json --field field.csv -o one.json \
+             --calibration one.json",
+        )
+        .exits(2);
+    assert!(run.stderr.contains("two outputs"), "{}", run.stderr);
+    assert!(!folder.names().contains(&"no.json".to_owned()));
 }

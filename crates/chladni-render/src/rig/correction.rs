@@ -6,6 +6,11 @@
 //! modes want to move by the largest scale. Then the robust program runs on that operator
 //! and its posterior covariance.
 
+use super::calibrated::{dead_of, movable_modes, Calibrated};
+use super::calibration::{
+    scan_due, CalibratedMode, CalibratedOperator, Calibration, ChannelGain, Estimator,
+    CALIBRATION_FORMAT, CALIBRATION_VERSION,
+};
 use super::field::{noise_assumed, LaidField};
 use super::kalman::KalmanOperator;
 use super::structured::{Parts, Seen, Structured};
@@ -15,36 +20,19 @@ use crate::evaluate::{laid, Laid, On};
 use crate::field::Field;
 use crate::indices::{AreaIndices, Indices, PointIndices};
 use crate::methods::Method;
+use crate::operator::Operator;
 use crate::options::RenderOptions;
 use crate::problem::{chance_above, Drive};
 use crate::scene::Scene;
 use crate::setup::Setup;
 use crate::tolerances;
 use crate::weights::{weight_list, Weights, WEIGHTS_FORMAT, WEIGHTS_VERSION};
-use chladni_frf::{Dof, Error, Finding, MeasuredField, ModalModel, Result, CREATED_BY};
+use chladni_frf::{
+    ComplexMatrix, Dof, Error, Finding, MeasuredField, ModalModel, Result, CREATED_BY,
+};
 use ndarray::{Array1, Axis};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
-
-/// A way to correct the operator.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Estimator {
-    /// Gains and poles, then an operator update on what they leave.
-    Structured,
-    /// The operator update alone.
-    Kalman,
-}
-
-impl Estimator {
-    /// Name in files and tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Structured => "structured",
-            Self::Kalman => "kalman",
-        }
-    }
-}
 
 /// What a correction took and found; `/correction` of a weights file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -81,21 +69,6 @@ pub struct TakenField {
     /// Smaller of hot and cold ratio as measured; `None` where it holds no hot or no cold
     /// response.
     pub min_ratio: Option<f64>,
-}
-
-/// The gain of one channel.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct ChannelGain {
-    /// Reference DOF.
-    pub reference: Dof,
-    /// Real part of the factor on its weight.
-    pub re: f64,
-    /// Imaginary part.
-    pub im: f64,
-    /// Standard deviation of the factor.
-    pub std: f64,
-    /// True where it lies beyond what the other channels show.
-    pub odd: bool,
 }
 
 /// The two estimators after some fields.
@@ -136,6 +109,20 @@ pub fn correct(
     played: &[(Weights, MeasuredField, Option<String>)],
     options: &RenderOptions,
 ) -> Result<Weights> {
+    calibrate(model, scene, played, options).map(|(weights, _)| weights)
+}
+
+/// The same, and what the fields taught of the rig. A calibration that the scene names is
+/// where it starts: give the fields that came after it.
+///
+/// # Errors
+/// As [`correct`].
+pub fn calibrate(
+    model: &ModalModel,
+    scene: &Scene,
+    played: &[(Weights, MeasuredField, Option<String>)],
+    options: &RenderOptions,
+) -> Result<(Weights, Calibration)> {
     if !scene.other_tones.is_empty() {
         return Err(Error::bad_data("a correction is of one tone")
             .field("frequency_hz")
@@ -143,15 +130,30 @@ pub fn correct(
             .expected("one frequency")
             .help("correct the tones one by one"));
     }
-    let drift = rig_drift(scene.drift.unwrap_or(options.drift));
+    let (own, asked) = (model, scene);
+    let before = asked.actuators.calibration.as_deref();
+    let Calibrated {
+        model,
+        scene,
+        mut findings,
+    } = Calibrated::new(own, asked, Some(asked.frequency_hz), &options.drift)?;
+    let model = &*model;
+    let drift = prior_drift(asked, &scene, options.drift);
     let scene = &Scene {
         drift: Some(drift),
-        ..scene.clone()
+        ..scene.into_owned()
     };
     let setup = Setup::new(model, scene, &drift)?;
-    let mut findings = setup.findings.clone();
-    let seen = see(&setup, scene, model, played, &mut findings)?;
-    let learned = Learned::of(model, &setup, &drift, &seen)?;
+    findings.extend(setup.findings.iter().cloned());
+    let seen = see(
+        &setup,
+        scene,
+        model,
+        played,
+        &dead_of(&asked.actuators),
+        &mut findings,
+    )?;
+    let learned = Learned::of(model, &setup, scene, &seen)?;
     let operator = learned.estimators.operator(learned.chosen);
     let covariance = operator
         .covariance
@@ -166,13 +168,8 @@ pub fn correct(
     let given = best_of(&corrected, solution.drive, &seen);
     let structured = &learned.estimators.structured;
     let scan_reason = scan(&learned.nis, structured);
-    if let Some(reason) = &scan_reason {
-        let words = format!("a new scan of the FRFs is due: {reason}");
-        findings.push(
-            Finding::caution("scan-due", words)
-                .help("take away what lies on the panel, or measure the FRFs again"),
-        );
-    }
+    findings.retain(|finding| finding.code != "scan-due");
+    findings.extend(scan_reason.as_deref().map(scan_due));
     let fields = learned.nis.iter().zip(&measured);
     let correction = Correction {
         iteration: seen.len(),
@@ -188,28 +185,62 @@ pub fn correct(
         gains: gains(&setup, structured),
         common_shift: structured.common,
     };
+    let calibration = learned.calibration([own, model], &corrected, before, &correction);
     let weights = weights_of(&corrected, scene, &given.drive)?;
-    Ok(Weights {
+    let weights = Weights {
         options: options.to_json(&drift),
         correction: Some(correction),
         findings: findings.into(),
         ..weights
-    })
+    };
+    Ok((weights, calibration))
 }
 
 /// The drift with at least the error of amplifiers that every rig has.
-pub(crate) fn rig_drift(drift: Drift) -> Drift {
+fn rig_drift(drift: Drift) -> Drift {
     Drift {
         drive_relative: drift.drive_relative.max(tolerances::RIG_DRIVE_ERROR),
         ..drift
     }
 }
 
+/// The drift that a prediction has: of a rig that no field has calibrated at least the
+/// usual error of amplifiers.
+///
+/// * `asked`, `scene`: the scene as it was given, and as its calibration makes it
+pub(crate) fn prior_drift(asked: &Scene, scene: &Scene, default: Drift) -> Drift {
+    let drift = scene.drift.unwrap_or(default);
+    match asked.actuators.calibration {
+        Some(_) => drift,
+        None => rig_drift(drift),
+    }
+}
+
+/// Error of a prediction before any new field: what earlier fields have left, or that of
+/// the model under `drift`.
+///
+/// # Errors
+/// Those of the factorisation.
+pub(crate) fn design(
+    model: &ModalModel,
+    operator: &Operator,
+    scene: &Scene,
+    drift: &Drift,
+) -> Result<Covariance> {
+    let learned = scene.learned.as_deref();
+    if let Some(gram) = learned.and_then(|known| known.covariance_of(&operator.references)) {
+        return Covariance::of_gram(gram);
+    }
+    let all: Vec<usize> = (0..operator.responses.len()).collect();
+    Ok(Covariance::of_model(model, operator, &all, drift))
+}
+
 impl Learned {
     /// Takes in the fields one by one: each is foretold from those before it.
-    fn of(model: &ModalModel, setup: &Setup, drift: &Drift, seen: &[Seen]) -> Result<Self> {
+    fn of(model: &ModalModel, setup: &Setup, scene: &Scene, seen: &[Seen]) -> Result<Self> {
+        let drift = &scene.drift.unwrap_or_default();
         let all: Vec<usize> = (0..setup.operator.responses.len()).collect();
-        let design = Covariance::of_model(model, &setup.operator, &all, drift);
+        let design = design(model, &setup.operator, scene, drift)?;
         let parts = Parts::new(model, &setup.operator);
         let first = KalmanOperator {
             mobility: setup.operator.mobility.clone(),
@@ -262,6 +293,95 @@ impl Learned {
             _ => 1.0,
         }
     }
+
+    /// What is known of the rig now.
+    ///
+    /// * `own`, `model`: the model as it was fitted, and as the calibration before made it
+    fn calibration(
+        &self,
+        [own, model]: [&ModalModel; 2],
+        corrected: &Setup,
+        before: Option<&Calibration>,
+        told: &Correction,
+    ) -> Calibration {
+        let frequency_hz = corrected.operator.frequency_hz;
+        let structured = &self.estimators.structured;
+        let holds = self.chosen == Estimator::Structured;
+        let gain_before = |dof| before.map_or(Complex64::ONE, |known| known.gain_of(dof));
+        let mut gains: Vec<ChannelGain> = Vec::new();
+        for gain in &told.gains {
+            let known = gain_before(gain.reference);
+            let factor = match holds || gain.odd {
+                true => known * Complex64::new(gain.re, gain.im),
+                false => known,
+            };
+            gains.push(ChannelGain {
+                re: factor.re,
+                im: factor.im,
+                ..*gain
+            });
+        }
+        let mut dead: Vec<Dof> = before.map_or(Vec::new(), |known| known.dead.clone());
+        dead.extend(
+            gains
+                .iter()
+                .filter(|gain| gain.is_dead())
+                .map(|gain| gain.reference),
+        );
+        let at = |n: usize| [&own.modes[n], &model.modes[n]];
+        let modes = movable_modes(own).into_iter().enumerate().map(|(k, n)| {
+            let [fitted, known] = at(n);
+            let (frequency_hz, loss_factor) = match holds {
+                true => structured.moved_pole(k, known, model.damping, frequency_hz),
+                false => (known.frequency_hz, known.loss_factor),
+            };
+            CalibratedMode {
+                model_hz: fitted.frequency_hz,
+                frequency_hz,
+                loss_factor,
+                std: structured.shift_std[k],
+            }
+        });
+        let operator = CalibratedOperator {
+            frequency_hz,
+            fields: told.iteration
+                + before
+                    .and_then(|known| known.at(frequency_hz))
+                    .map_or(0, |known| known.fields),
+            estimator: self.chosen,
+            responses: corrected.operator.responses.clone(),
+            references: corrected.operator.references.clone(),
+            mobility: ComplexMatrix(corrected.operator.mobility.clone()),
+            covariance: ComplexMatrix(corrected.problem.covariance.gram().clone()),
+        };
+        let mut operators = vec![operator];
+        let elsewhere = |known: &&CalibratedOperator| {
+            let distance = (known.frequency_hz - frequency_hz).abs();
+            distance > tolerances::SAME_FREQUENCY * frequency_hz
+        };
+        operators.extend(
+            before
+                .iter()
+                .flat_map(|known| &known.operators)
+                .filter(elsewhere)
+                .cloned(),
+        );
+        operators.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+        Calibration {
+            format: CALIBRATION_FORMAT.into(),
+            version: CALIBRATION_VERSION,
+            created_by: CREATED_BY.into(),
+            source: before.map_or(Vec::new(), |known| known.source.clone()),
+            unit: corrected.operator.unit,
+            fields: told.iteration + before.map_or(0, |known| known.fields),
+            scan_due: told.scan_due,
+            scan_reason: told.scan_reason.clone(),
+            gains,
+            dead,
+            modes: modes.collect(),
+            operators,
+        }
+    }
 }
 
 /// The weights file of a drive that keeps `setup`.
@@ -305,6 +425,7 @@ fn see(
     scene: &Scene,
     model: &ModalModel,
     played: &[(Weights, MeasuredField, Option<String>)],
+    dead: &[Dof],
     findings: &mut Vec<Finding>,
 ) -> Result<Vec<Seen>> {
     let mut assumed = false;
@@ -323,6 +444,10 @@ fn see(
         } = laid(weights, scene, On::Model(model))?;
         let mut whole = Drive::zeros(setup.operator.references.len());
         for (reference, &weight) in operator.references.iter().zip(&drive) {
+            // what was played into a dead channel moved nothing
+            if dead.iter().any(|dead| dead.same_axis(*reference)) {
+                continue;
+            }
             let place = setup
                 .operator
                 .references

@@ -2,9 +2,10 @@
 //! the cause of the difference.
 
 use super::agreement::{agreement, Agreement};
-use super::correction::rig_drift;
+use super::calibrated::Calibrated;
+use super::correction::{design, prior_drift};
 use super::field::{noise_assumed, LaidField, Prediction};
-use crate::covariance::Covariance;
+use crate::drift::Drift;
 use crate::evaluate::{laid, Laid, On};
 use crate::field::Field;
 use crate::indices::{Indices, PointIndices};
@@ -49,6 +50,13 @@ pub fn evaluate_field(
     field: &MeasuredField,
     sha256: Option<&str>,
 ) -> Result<FieldEvaluation> {
+    let asked = scene;
+    let Calibrated {
+        model,
+        scene,
+        findings: of_rig,
+    } = Calibrated::new(model, scene, Some(weights.frequency_hz), &Drift::default())?;
+    let (model, scene) = (&*model, &*scene);
     let Laid {
         operator,
         drive,
@@ -56,13 +64,14 @@ pub fn evaluate_field(
         zones,
         mut findings,
     } = laid(weights, scene, On::Model(model))?;
+    findings.extend(of_rig);
     let laid_field = LaidField::new(field, &operator, sha256)?;
-    let all: Vec<usize> = (0..operator.responses.len()).collect();
-    let drift = rig_drift(scene.drift.unwrap_or_default());
+    let drift = prior_drift(asked, scene, Drift::default());
+    let covariance = design(model, &operator, scene, &drift)?;
     let mobility = operator.mobility.select(Axis(0), &laid_field.rows);
     let prediction = Prediction {
         velocity: mobility.dot(&drive),
-        deviation: Covariance::of_model(model, &operator, &all, &drift).deviation(&drive),
+        deviation: covariance.deviation(&drive),
         mobility,
         drive: drive.clone(),
     };

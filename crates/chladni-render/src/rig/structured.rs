@@ -69,6 +69,10 @@ pub(crate) struct Structured {
     pub(crate) covariance: Array2<Complex64>,
     /// Standard deviation of each gain error.
     pub(crate) gain_std: Vec<f64>,
+    /// Relative shift of each mode in the band, the common one included.
+    pub(crate) shifts: Vec<Complex64>,
+    /// Standard deviation of their real parts.
+    pub(crate) shift_std: Vec<f64>,
     /// All unknowns: where the search goes on once another field is known.
     theta: Array1<f64>,
 }
@@ -105,21 +109,11 @@ impl Parts {
         let omega = TAU * operator.frequency_hz;
         let counts = |mode: &&Mode| mode.in_band && mode.trust != Trust::Rejected;
         let modes: Vec<&Mode> = model.modes.iter().filter(counts).collect();
-        let denominator = |mode: &&Mode| {
-            let own = TAU * mode.frequency_hz;
-            match model.damping {
-                Damping::Structural => [
-                    own * own * Complex64::new(1.0, mode.loss_factor),
-                    Complex64::ZERO,
-                ],
-                Damping::Viscous => [
-                    (own * own).into(),
-                    Complex64::new(0.0, mode.loss_factor * own * omega),
-                ],
-            }
-        };
+        let poles = modes.iter();
         Self {
-            poles: modes.iter().map(denominator).collect(),
+            poles: poles
+                .map(|mode| denominator(mode, model.damping, omega))
+                .collect(),
             omega_squared: omega * omega,
             modes: modes
                 .iter()
@@ -309,6 +303,17 @@ impl Parts {
                     (variance[[2 * i, 2 * i]] + variance[[2 * i + 1, 2 * i + 1]]).sqrt()
                 })
                 .collect(),
+            shifts: (0..self.modes.len())
+                .map(|n| self.shift(&theta, n))
+                .collect(),
+            shift_std: (0..self.modes.len())
+                .map(|n| {
+                    let (own, common) = (2 * (count + n), theta.len() - 1);
+                    let variance = &best.covariance;
+                    let sum = variance[[own, own]] + variance[[common, common]];
+                    (sum + 2.0 * variance[[own, common]]).max(0.0).sqrt()
+                })
+                .collect(),
             odd: best.odd,
             theta,
         })
@@ -495,6 +500,47 @@ impl Parts {
     }
 }
 
+impl Structured {
+    /// Natural frequency, Hz, and loss factor that give mode `k` in the band the denominator
+    /// of its shift at the drive frequency.
+    pub(crate) fn moved_pole(
+        &self,
+        k: usize,
+        mode: &Mode,
+        damping: Damping,
+        drive_hz: f64,
+    ) -> (f64, f64) {
+        let omega = TAU * drive_hz;
+        let [square, linear] = denominator(mode, damping, omega);
+        let at = 1.0 + self.shifts[k];
+        let moved = (square * at + linear) * at;
+        if moved.re <= 0.0 || moved.im < 0.0 {
+            return (mode.frequency_hz, mode.loss_factor);
+        }
+        let own = moved.re.sqrt();
+        let loss_factor = match damping {
+            Damping::Structural => moved.im / moved.re,
+            Damping::Viscous => moved.im / (own * omega),
+        };
+        (own / TAU, loss_factor)
+    }
+}
+
+/// a and b of the denominator a(1 + δ)² + b(1 + δ) − ω² of a mode.
+fn denominator(mode: &Mode, damping: Damping, omega: f64) -> [Complex64; 2] {
+    let own = TAU * mode.frequency_hz;
+    match damping {
+        Damping::Structural => [
+            own * own * Complex64::new(1.0, mode.loss_factor),
+            Complex64::ZERO,
+        ],
+        Damping::Viscous => [
+            (own * own).into(),
+            Complex64::new(0.0, mode.loss_factor * own * omega),
+        ],
+    }
+}
+
 /// A linear model of all fields around θ.
 struct Posterior {
     ln_evidence: f64,
@@ -567,6 +613,53 @@ mod tests {
                 size(&error),
                 size(&change)
             );
+        }
+    }
+
+    #[test]
+    fn a_moved_pole_has_the_denominator_of_its_shift() {
+        let mode = |damping| Synthetic {
+            natural_frequency_hz: vec![80.0],
+            loss_factor: vec![0.08],
+            responses: 2,
+            references: 1,
+            shapes: SyntheticShapes::Real,
+            damping,
+            frequency_hz: Array1::range(10.0, 200.0, 1.0),
+            residual_powers: Vec::new(),
+            ..Synthetic::default()
+        };
+        for damping in [Damping::Structural, Damping::Viscous] {
+            let mode = mode(damping).build().unwrap().truth.modes[0].clone();
+            let [square, linear] = denominator(&mode, damping, TAU * 100.0);
+            let shift = Complex64::new(0.01, 0.005);
+            let structured = Structured {
+                scales: Scales {
+                    unexplained: 0.0,
+                    gains: 0.0,
+                    common: 0.0,
+                    modes: 0.0,
+                },
+                odd: Vec::new(),
+                gains: Array1::zeros(1),
+                common: 0.0,
+                mobility: Array2::zeros((2, 1)),
+                covariance: Array2::zeros((1, 1)),
+                gain_std: vec![0.0],
+                shifts: vec![shift],
+                shift_std: vec![0.0],
+                theta: Array1::zeros(1),
+            };
+            let (frequency_hz, loss_factor) = structured.moved_pole(0, &mode, damping, 100.0);
+            let moved = Mode {
+                frequency_hz,
+                loss_factor,
+                ..mode
+            };
+            let [a, b] = denominator(&moved, damping, TAU * 100.0);
+            let asked = (square * (1.0 + shift) + linear) * (1.0 + shift);
+            assert!((a + b - asked).norm() < 1e-9 * asked.norm(), "{damping:?}");
+            assert!(frequency_hz > 80.5 && loss_factor > 0.085, "{damping:?}");
         }
     }
 }

@@ -73,14 +73,24 @@ impl Rig {
         self.mobility.dot(&(drive * &self.gains))
     }
 
+    /// Weights in the order of the channels; those without one are still.
+    pub fn drive(&self, weights: &Weights) -> Array1<Complex64> {
+        let references = &super::truth().references;
+        let weight = |dof| {
+            weights
+                .weights
+                .iter()
+                .find(|weight| weight.reference == dof)
+        };
+        let values = references.iter().map(|&dof| weight(dof));
+        values
+            .map(|weight| weight.map_or(Complex64::ZERO, |weight| weight.value()))
+            .collect()
+    }
+
     /// What a scanner says of it, at the responses `rows`, with noise over the rms.
     pub fn measured(&mut self, weights: &Weights, noise: f64, rows: &[usize]) -> MeasuredField {
-        let drive = weights
-            .weights
-            .iter()
-            .map(|weight| weight.value())
-            .collect();
-        let field = self.field(&drive);
+        let field = self.field(&self.drive(weights));
         let rms = (field.iter().map(Complex64::norm_sqr).sum::<f64>() / field.len() as f64).sqrt();
         let field = field.select(Axis(0), rows);
         let frequency_hz = self.frequency_hz;
