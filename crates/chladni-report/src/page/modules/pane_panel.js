@@ -31,6 +31,7 @@ export function panelPane(oncancel) {
   let view = null;
   let actuators = null;
   let forget = null;
+  let chosen = null;
   let table = null;
   const sweep = sweepChart();
 
@@ -58,6 +59,7 @@ export function panelPane(oncancel) {
 
   /** What is chosen of a zone: its level, and its end. */
   function showZone(index) {
+    chosen = index;
     const zone = work.zones[index ?? -1];
     if (!zone) return redraw(zoneRow, h("span", { class: "muted" }, work.zones.length ? "Choose a zone to move, resize or delete it." : "Draw a hot zone: it is felt, all the rest is quiet."));
     const db = h("input", { type: "number", id: "zone-level", "data-focus": "level", step: 0.5, min: 0, max: 40, value: zone.level_db ?? 0, onchange: () => db.checkValidity() && levelled(index, db.valueAsNumber || 0) });
@@ -88,6 +90,7 @@ export function panelPane(oncancel) {
     profile.select.value = work.profile;
     actuators?.show();
     view?.editor.set(work.zones);
+    if (view) showZone(chosen);
   }
 
   function tiles(scene, shown) {
