@@ -148,6 +148,9 @@ fn again(mut model: ModalModel, before: &ModalModel, options: &FitOptions) -> Mo
     model
 }
 
+/// A mode is the one that was seen where it lies so near, part of its frequency.
+const AS_SEEN: f64 = 0.05;
+
 /// What became of a mode that was added at `hz`.
 fn become_of(model: &ModalModel, hz: f64) -> String {
     let near = model
@@ -160,7 +163,8 @@ fn become_of(model: &ModalModel, hz: f64) -> String {
                 .total_cmp(&(b.frequency_hz - hz).abs())
         });
     let place = significant(hz, 6);
-    let Some(mode) = near else {
+    let is_there = |mode: &&chladni_frf::Mode| (mode.frequency_hz / hz - 1.0).abs() < AS_SEEN;
+    let Some(mode) = near.filter(is_there) else {
         return format!("added at {place} Hz: no mode came of it");
     };
     let grade = match mode.trust {

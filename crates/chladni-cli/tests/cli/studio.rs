@@ -202,7 +202,7 @@ fn the_last_question_of_one_page_does_not_stop_those_of_the_next() {
     let studio = Studio::start(&folder, &["panel.h5"]);
     for page in 1..=2 {
         let answer = studio.asked("GET /?token=TOKEN HTTP/1.1\r\nHost: HERE", "");
-        assert!(answer.contains(&format!("{{\"page\":{page}}}")), "{answer}");
+        assert!(answer.contains(&format!("{{\"page\":{page},")), "{answer}");
         let question = json!({"page": page, "number": 9007199254740991_u64, "draft": true});
         let answer = studio.asked_about("fit", &question.to_string());
         assert!(answer["draft"].is_object(), "{answer}");
@@ -310,7 +310,7 @@ fn a_sweep_has_bounds() {
     let found = sweep(json!([298.0, 301.0]));
     assert_eq!(
         found["sweep"]["frequencies"].as_array().unwrap().len(),
-        4,
+        2,
         "{found}"
     );
     assert!(complaint(&sweep(Value::Null)).contains("range_hz"));

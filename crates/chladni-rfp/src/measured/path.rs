@@ -160,14 +160,21 @@ fn on_columns(
         .par_iter()
         .map(|section| Search::run(&record, section, asked.modes))
         .collect::<Result<Vec<_>, LinalgError>>()?;
+    let mut dropped = Vec::new();
     if let Some(modes) = asked.modes {
         let trust = standing(&searches, &record)?;
-        let dropped = keep_strongest(&mut searches, modes, &trust)?;
-        warnings.extend(more_than_asked(modes, &dropped, hz));
+        dropped = keep_strongest(&mut searches, modes, &trust)?;
     }
     for search in &mut searches {
         search.add(asked)?;
     }
+    // what was added is not left out
+    dropped.retain(|gone| searches.iter().all(|search| !search.holds(*gone)));
+    warnings.extend(
+        asked
+            .modes
+            .and_then(|modes| more_than_asked(modes, &dropped, hz)),
+    );
     watch.stage("error bars and grades")?;
     let finished = searches
         .into_par_iter()

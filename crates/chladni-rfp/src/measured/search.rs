@@ -262,6 +262,12 @@ impl<'a> Search<'a> {
         self.reweigh()
     }
 
+    /// True where a pole of this section stands within a half-bandwidth of `pole`.
+    pub fn holds(&self, pole: Complex64) -> bool {
+        let poles = &self.candidates.refined.lambda;
+        self.owns(pole) && poles.iter().any(|known| (known - pole).norm() < pole.im)
+    }
+
     /// Drops one pole.
     pub fn drop(&mut self, q: usize) -> Result<(), LinalgError> {
         remove(&self.weighted, &mut self.candidates, q)

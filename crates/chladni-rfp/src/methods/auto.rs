@@ -16,7 +16,7 @@ use crate::poles::chain::{fast_chain, Chain, Doubt, Outcome};
 use crate::poles::estimate::{graded, more_than_asked, PoleEstimate};
 use crate::poles::prune::unphysical;
 use crate::poles::refine::{refine, Projection};
-use chladni_frf::{Damping, Finding, ModalModel, Reason, Trust};
+use chladni_frf::{Damping, Finding, ModalModel, Trust};
 use chladni_linalg::LinalgError;
 use ndarray::Array1;
 use num_complex::Complex64;
@@ -205,11 +205,7 @@ fn finished<S: Source>(
 const MOSTLY_LEFT: f64 = 0.5;
 
 fn from_chain(chain: Chain, asked: Option<usize>, hz: f64) -> PoleEstimate {
-    let (mut grades, spread) = graded(&chain.refined, &chain.projected.work, chain.variance);
-    for &n in &chain.idle {
-        let reason = Reason::new("no-gain", "explains no more of the data than noise would");
-        grades[n] = (Trust::Rejected, vec![reason]);
-    }
+    let (grades, spread) = graded(&chain.refined, &chain.projected.work, chain.variance);
     PoleEstimate {
         grades,
         spread,
@@ -217,6 +213,7 @@ fn from_chain(chain: Chain, asked: Option<usize>, hz: f64) -> PoleEstimate {
         work: chain.projected.work,
         back: Some(chain.projected.back),
         variance: chain.variance,
+        idle: chain.idle,
         path: format!("fast chain: {}", chain.whiteness.evidence),
         warnings: asked
             .and_then(|asked| more_than_asked(asked, &chain.dropped, hz))
@@ -258,6 +255,7 @@ fn from_measured<S: Source>(
         spread: found.variance,
         measured: true,
         grades: found.grades,
+        idle: Vec::new(),
         path: measured_words(&evidence),
         warnings: found.warnings,
         consistent: true,
@@ -311,6 +309,7 @@ fn on_way<S: Source>(
         spread,
         measured: true,
         grades,
+        idle: Vec::new(),
         path,
         warnings,
         consistent,

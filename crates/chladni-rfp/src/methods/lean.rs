@@ -93,6 +93,7 @@ pub(crate) fn lean(survey: &Survey, options: &FitOptions) -> Result<PoleEstimate
         work: projected.work,
         back: Some(projected.back),
         variance,
+        idle: Vec::new(),
         path: match options.modes {
             Some(modes) => format!("fast chain for {modes} modes, its residual not judged"),
             None => format!("fast chain from {modes} visible peaks, its residual not judged"),

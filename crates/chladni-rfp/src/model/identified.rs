@@ -6,7 +6,7 @@ use crate::data::columns::Columns;
 use crate::poles::estimate::{uncertainty_grade, Grade, PoleEstimate};
 use crate::poles::pole::{structural_pole, Pole};
 use crate::shapes::search::Structured;
-use chladni_frf::{Damping, Finding, Trust};
+use chladni_frf::{Damping, Finding, Reason, Trust};
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 
@@ -66,15 +66,24 @@ impl Identified {
             variance,
             spread,
             grades,
+            idle,
             path,
             warnings,
             consistent,
             ..
         } = found;
         let poles = refined.lambda.iter().zip(&spread).zip(grades);
+        let no_gain = Reason::new("no-gain", "explains no more of the data than noise would");
+        // as wide as it is uncertain
+        let spreads: Vec<f64> = idle.iter().map(|pole| 2.0 * pole.im * pole.im).collect();
+        let rejected = (Trust::Rejected, vec![no_gain]);
+        let rejected = idle
+            .iter()
+            .zip(&spreads)
+            .map(|idle| (idle, rejected.clone()));
         Self {
             damping: law,
-            poles: poles.map(pole).collect(),
+            poles: poles.chain(rejected).map(pole).collect(),
             powers: refined.powers,
             work,
             back,

@@ -82,8 +82,8 @@ pub(crate) struct Chain {
     pub whiteness: Whiteness,
     /// Modes that the data show beyond the number asked for.
     pub dropped: Vec<Complex64>,
-    /// Places among the poles of those added by hand that explain nothing.
-    pub idle: Vec<usize>,
+    /// Poles added by hand that explain nothing.
+    pub idle: Vec<Complex64>,
     /// What was tried: (poles, residual variance), in order.
     pub history: Vec<(usize, f64)>,
 }
@@ -296,31 +296,43 @@ fn of_columns(
     })))
 }
 
-/// Refines the poles with those added by hand; returns the places of the added ones that
-/// explain no more than noise would.
-fn add(data: &DataLayout, pass: &mut Pass, asked: Asked) -> Result<Vec<usize>, LinalgError> {
+/// Refines the poles with those added by hand; returns the added ones that explain no more
+/// than noise would, which are left out.
+fn add(data: &DataLayout, pass: &mut Pass, asked: Asked) -> Result<Vec<Complex64>, LinalgError> {
     let work = &pass.projected.work;
-    let known = pass.refined.lambda.len();
-    let starts = by_hand::starts(asked.added_hz, work, &pass.refined.lambda, data.hz());
+    let known = pass.refined.lambda.clone();
+    let starts = by_hand::starts(asked.added_hz, work, &known, data.hz());
     if starts.is_empty() {
-        return Ok(Vec::new());
+        return Ok(starts);
     }
-    let mut lambda = pass.refined.lambda.clone();
-    lambda.extend(&starts);
-    let steps = data.effort.likelihood_steps;
-    let refined = refine(work, &lambda, &POWERS, steps, tol::FINE_STEP)?;
-    lambda = refined.lambda.clone();
-    for (pole, start) in lambda[known..].iter_mut().zip(&starts) {
-        *pole = held(work, *start, *pole);
-    }
-    pass.refined = match lambda == refined.lambda {
-        true => refined,
-        false => refine(work, &lambda, &POWERS, 0, tol::FINE_STEP)?,
+    let refined = |added: &[Complex64]| {
+        let all = [&known, added].concat();
+        refine(
+            work,
+            &all,
+            &POWERS,
+            data.effort.likelihood_steps,
+            tol::FINE_STEP,
+        )
     };
+    let with = refined(&starts)?;
     let least = threshold(work.columns(), work.lines()) * pass.variance;
-    let without = removable(work, &lambda, &POWERS)?;
-    let is_idle = |n: &usize| without.rise(*n) < least;
-    Ok((known..lambda.len()).filter(is_idle).collect())
+    let without = removable(work, &with.lambda, &POWERS)?;
+    let serves = |n: usize| {
+        let pole = with.lambda[known.len() + n];
+        held(work, starts[n], pole) == pole && without.rise(known.len() + n) >= least
+    };
+    let (kept, idle): (Vec<usize>, Vec<usize>) = (0..starts.len()).partition(|&n| serves(n));
+    let at = |places: Vec<usize>| places.into_iter().map(|n| starts[n]).collect::<Vec<_>>();
+    let kept = at(kept);
+    if !kept.is_empty() {
+        pass.refined = if idle.is_empty() {
+            with
+        } else {
+            refined(&kept)?
+        };
+    }
+    Ok(at(idle))
 }
 
 /// Single lines that poles narrower than a line stand for, and those like them.

@@ -29,6 +29,8 @@ pub(crate) struct PoleEstimate {
     pub measured: bool,
     /// Grades.
     pub grades: Vec<Grade>,
+    /// Poles added by hand that explain nothing; they are not among `refined`.
+    pub idle: Vec<Complex64>,
     /// Which path, and why.
     pub path: String,
     /// Warnings.
