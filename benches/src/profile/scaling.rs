@@ -1,12 +1,16 @@
 //! How the time of a fit grows with FRFs, lines, modes and threads: exponents fitted over
-//! doublings of one of them.
+//! doublings of one of them. And what becomes of it where the panel is cut: less data must
+//! not cost more.
 
+use crate::cases::panel;
 use crate::countdown::Countdown;
 use crate::csv;
 use crate::journal::Journal;
 use crate::large::{large, Size};
-use chladni_frf::{Error, ErrorKind, Result};
+use crate::problem::Problem;
+use chladni_frf::{Error, ErrorKind, FrfSet, FrfValues, Result};
 use chladni_rfp::{fit, FitOptions, Method};
+use ndarray::Axis;
 use std::time::Instant;
 
 /// The set that one thing is varied of.
@@ -31,10 +35,21 @@ const REPEATS: usize = 3;
 /// The same for a quick run.
 const QUICK_REPEATS: usize = 2;
 
+/// The panel with one of every so many lines, FRFs (by responses), or both.
+const CUTS: [usize; 5] = [1, 2, 4, 8, 16];
+/// Modes of the panel inside its band.
+const PANEL_MODES: usize = 34;
+/// What is cut: the axis, whether lines are, whether FRFs are.
+const CUT_AXES: [(&str, bool, bool); 3] = [
+    ("lines of the panel", true, false),
+    ("FRFs of the panel", false, true),
+    ("values of the panel", true, true),
+];
+
 /// One time.
 #[derive(Debug, Clone)]
 pub struct ScalingRow {
-    /// What is varied: FRFs, lines, modes, threads.
+    /// What is varied: FRFs, lines, modes, threads, or what is left of the panel.
     pub axis: &'static str,
     /// Its value.
     pub value: usize,
@@ -71,12 +86,17 @@ pub fn scaling(
     let threads: Vec<usize> = std::iter::successors(Some(1), |count| Some(2 * count))
         .take_while(|count| *count <= cores)
         .collect();
-    let axes: [(&'static str, Vec<usize>); 4] = [
+    let mut axes: Vec<(&'static str, Vec<usize>)> = vec![
         ("FRFs", doublings(first, 5)),
         ("lines", doublings(first, 4)),
         ("modes", doublings(5, 4)),
         ("threads", threads),
     ];
+    let whole = Problem::of_panel(&panel())?.measured(1);
+    axes.extend(CUT_AXES.map(|(axis, _, _)| {
+        let cuts = CUTS[..if quick { 3 } else { CUTS.len() }].iter().rev();
+        (axis, cuts.map(|&step| left(&whole, axis, step).1).collect())
+    }));
     let pieces = axes
         .iter()
         .map(|(_, values)| values.len() * methods.len())
@@ -91,7 +111,10 @@ pub fn scaling(
                 countdown.next(&name, journal.has(&name));
                 times.push((
                     value,
-                    journal.once(&name, || least_time(axis, value, method, base, repeats))?,
+                    journal.once(&name, || {
+                        let set = set(axis, value, base, &whole)?;
+                        least_time(axis, value, method, &set, repeats)
+                    })?,
                 ));
             }
             let exponent = slope(&times);
@@ -107,7 +130,33 @@ pub fn scaling(
     Ok(rows)
 }
 
-fn least_time(axis: &str, value: usize, method: Method, base: Size, repeats: usize) -> Result<f64> {
+/// What a cut leaves of the panel, and how many lines, FRFs or values these are.
+fn left(whole: &FrfSet, axis: &str, step: usize) -> (FrfSet, usize) {
+    let (_, of_lines, of_frfs) = CUT_AXES
+        .into_iter()
+        .find(|(name, _, _)| *name == axis)
+        .unwrap_or(CUT_AXES[2]);
+    let every = |count: usize, cut: bool| -> Vec<usize> {
+        (0..count).step_by(if cut { step } else { 1 }).collect()
+    };
+    let mut set = whole.on_lines(&every(whole.frequency_hz.len(), of_lines));
+    let rows = every(whole.responses.len(), of_frfs);
+    set.responses = rows.iter().map(|&row| whole.responses[row]).collect();
+    set.values = match &set.values {
+        FrfValues::F64(values) => FrfValues::F64(values.select(Axis(0), &rows)),
+        FrfValues::F32(values) => FrfValues::F32(values.select(Axis(0), &rows)),
+    };
+    let (responses, references, lines) = set.values.dim();
+    let count = match (of_lines, of_frfs) {
+        (true, false) => lines,
+        (false, _) => responses * references,
+        (true, true) => responses * references * lines,
+    };
+    (set, count)
+}
+
+/// The data of one time, and the number of their modes.
+fn set(axis: &str, value: usize, base: Size, whole: &FrfSet) -> Result<(FrfSet, usize)> {
     let size = match axis {
         "FRFs" => Size {
             responses: value / base.references,
@@ -123,23 +172,40 @@ fn least_time(axis: &str, value: usize, method: Method, base: Size, repeats: usi
         },
         _ => base,
     };
+    if CUT_AXES.iter().all(|(name, _, _)| *name != axis) {
+        return Ok((large(size)?, size.modes));
+    }
+    let mut cuts = CUTS.into_iter().map(|step| left(whole, axis, step));
+    let found = cuts.find(|(_, count)| *count == value);
+    Ok((
+        found.map_or_else(|| whole.clone(), |(set, _)| set),
+        PANEL_MODES,
+    ))
+}
+
+fn least_time(
+    axis: &str,
+    value: usize,
+    method: Method,
+    (frf, modes): &(FrfSet, usize),
+    repeats: usize,
+) -> Result<f64> {
     let threads = if axis == "threads" {
         value
     } else {
         rayon::current_num_threads()
     };
-    let frf = large(size)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|error| Error::new(ErrorKind::Internal, error.to_string()))?;
     let options = FitOptions {
         method,
-        modes: (method == Method::Lean).then_some(size.modes),
+        modes: (method == Method::Lean).then_some(*modes),
         ..FitOptions::default()
     };
     let mut least = f64::INFINITY;
     for _ in 0..repeats {
         let start = Instant::now();
-        let fitted = pool.install(|| fit(&frf, &options));
+        let fitted = pool.install(|| fit(frf, &options));
         drop(fitted.map_err(|error| {
             Error::new(
                 ErrorKind::Internal,
@@ -209,12 +275,23 @@ mod tests {
 
     #[test]
     fn sets_of_any_length_are_fitted_and_timed() {
-        let rows = [500, 1000].map(|value| {
-            (
-                value,
-                least_time("lines", value, Method::Peak, QUICK_BASE, 1).unwrap(),
-            )
-        });
-        assert!(rows.iter().all(|(_, time_s)| *time_s > 0.0));
+        let whole = large(QUICK_BASE).unwrap();
+        for value in [500, 1000] {
+            let lines = set("lines", value, QUICK_BASE, &whole).unwrap();
+            assert_eq!(lines.0.frequency_hz.len(), value + 1);
+            assert!(least_time("lines", value, Method::Peak, &lines, 1).unwrap() > 0.0);
+        }
+    }
+
+    #[test]
+    fn a_cut_keeps_one_of_every_so_many() {
+        let whole = large(QUICK_BASE).unwrap();
+        let (lines, count) = left(&whole, "lines of the panel", 4);
+        assert_eq!((lines.values.dim(), count), ((100, 5, 126), 126));
+        assert_eq!(lines.values.get(7, 3, 5), whole.values.get(7, 3, 20));
+        let (both, count) = left(&whole, "values of the panel", 2);
+        assert_eq!((both.values.dim(), count), ((50, 5, 251), 62_750));
+        assert_eq!(both.values.get(7, 3, 5), whole.values.get(14, 3, 10));
+        assert_eq!(both.responses[7], whole.responses[14]);
     }
 }

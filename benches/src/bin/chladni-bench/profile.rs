@@ -26,7 +26,7 @@ const TABLES: [&str; 2] = ["profile.csv", "profile-scaling.csv"];
   chladni bench profile -o bench --input scan.uff --frf-kind mobility
   chladni bench profile -o bench --growth
 
-Writes profile.csv (a row for each stage), profile.svg/png, and profile-scaling.csv/svg/png (how the time grows with FRFs, lines, modes and threads).
+Writes profile.csv (a row for each stage), profile.svg/png, and profile-scaling.csv/svg/png (how the time grows with FRFs, lines, modes and threads, and what becomes of it where the panel is cut).
 The large sets take up to 3.2 GB of memory. An interrupted run goes on where it stopped.")]
 pub struct Args {
     #[command(flatten)]
@@ -40,7 +40,7 @@ pub struct Args {
     input: Vec<PathBuf>,
     #[command(flatten)]
     reading: Reading,
-    /// Only how the time grows with FRFs, lines, modes and threads
+    /// Only how the time grows with FRFs, lines, modes and threads, and where data are cut
     #[arg(long, conflicts_with_all = ["cases", "input"])]
     growth: bool,
     /// Sets to run; may be repeated [default: all]
