@@ -86,13 +86,19 @@ impl View {
             .map(|[low, high]| high - low)
             .fold(0.0, f64::max);
         let lift_m = LIFT * longest.max(f64::MIN_POSITIVE);
+        // room on the axes along which nodes move
+        let moves = |axis: usize| {
+            let moved = structure.moves.iter().flatten();
+            moved.map(|(_, to)| to[axis].abs()).fold(0.0, f64::max)
+        };
+        let room_m = [0, 1, 2].map(|axis| lift_m * moves(axis));
         let corners = (0..8).map(|k| {
             seen([0, 1, 2].map(|axis| {
                 let [low, high] = sides[axis];
                 if (k >> axis) & 1 == 0 {
-                    low - lift_m
+                    low - room_m[axis]
                 } else {
-                    high + lift_m
+                    high + room_m[axis]
                 }
             }))
         });
@@ -186,8 +192,11 @@ impl View {
                 }
             }
         }
-        for (at, code) in moved.iter().flatten() {
-            canvas.dot(*at, *code);
+        // faces show by themselves where they are
+        if structure.faces.is_empty() {
+            for (at, code) in moved.iter().flatten() {
+                canvas.dot(*at, *code);
+            }
         }
         canvas.0
     }

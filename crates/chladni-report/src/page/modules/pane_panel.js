@@ -2,7 +2,7 @@
 
 import { h, choice, redraw } from "./dom.js";
 import { passing } from "./store.js";
-import { fixed, level, percent, significant } from "./numbers.js";
+import { fixed, significant } from "./numbers.js";
 import { levelMap } from "./colour.js";
 import { keeps, levelBar } from "./field.js";
 import { shapeView } from "./shapes.js";
@@ -13,8 +13,9 @@ import { sweepChart } from "./sweep.js";
 import { work, edit } from "./work.js";
 
 const [COLD, HOT] = [1, 2];
-/** Trials of the stress table that have a place, and their words. */
-const TRIALS = [["drift", "Drift"], ["lower or higher", "Temperature"], ["a finger", "Light touch"], ["amplifiers", "Amplifiers"], ["one actuator", "One drive dead"]];
+/** Trials of the stress table that have a place, by a part of their name, and their words; four at most are shown. */
+const TRIALS = [["lower or higher", "f ± 0.2 %"], ["a finger", "Light touch"], ["amplitudes and phases", "Drives ± 2 %"], ["one dead", "One dead"], ["drift", "Drift"]];
+const MOST_TRIALS = 4;
 
 /** The pane; `oncancel` stops what is being computed. */
 export function panelPane(oncancel) {
@@ -106,8 +107,8 @@ export function panelPane(oncancel) {
 
   function trials(scene) {
     const rows = TRIALS.flatMap(([part, word]) => (scene.stress ?? []).filter((row) => row.trial.includes(part)).slice(0, 1).map((row) => [word, row]));
-    const cell = ([word, row]) => h("div", { title: `${row.trial}: ${row.cases} cases` }, h("span", {}, word), h("b", {}, percent(row.min_worst_5_percent)), h("meter", { min: 0, max: 1, low: 0.8, high: 0.95, optimum: 1, value: row.min_worst_5_percent }));
-    return rows.map(cell);
+    const cell = ([word, row]) => h("div", { title: `${row.trial}: ${row.cases} cases` }, h("span", {}, word), h("b", {}, `${fixed(100 * row.min_worst_5_percent, 0)} %`), h("meter", { min: 0, max: 1, low: 0.8, high: 0.95, optimum: 1, value: row.min_worst_5_percent }));
+    return rows.slice(0, MOST_TRIALS).map(cell);
   }
 
   function weightTable(scene) {

@@ -49,6 +49,7 @@ export function space(label) {
     const ratio = Math.min(2, devicePixelRatio || 1);
     const height = Math.round(0.62 * width);
     canvas.style.height = `${height}px`;
+    canvas.style.width = `${width}px`;
     if (canvas.width !== Math.round(width * ratio)) {
       canvas.width = Math.round(width * ratio);
       canvas.height = Math.round(height * ratio);

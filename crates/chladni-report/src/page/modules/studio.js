@@ -36,6 +36,8 @@ let shown = null;
 let fitFindings = [];
 /** True where a model was opened: nothing is fitted. */
 let fromFile = false;
+/** True once a scene is set. */
+let hasBegun = false;
 
 const poles = polesPane(cancelFit);
 const data = dataPane();
@@ -65,9 +67,7 @@ export async function start() {
 /** The first picture, and where a scene begins. */
 function begin(said) {
   const places = said.data?.geometry ?? null;
-  const zones = places ? startZones(places) : [];
-  const { frequencyHz } = startOfScene([], { band_hz: said.lines_hz ?? [0, Infinity] });
-  beginWork({ zones, frequency: frequencyHz });
+  if (said.data) beginScene(places, said.lines_hz);
   fromFile = !said.refit;
   data.start(said);
   panel.start(places);
@@ -80,6 +80,12 @@ function begin(said) {
   listen(["dropped"], keepDropped);
   onWork(follow);
   addEventListener("keydown", byKey);
+}
+
+/** The first scene: a quarter of the panel at a usual frequency, or what the address says. Of a model alone the places come with it. */
+function beginScene(places, band) {
+  hasBegun = true;
+  beginWork({ zones: places ? startZones(places) : [], frequency: startOfScene([], { band_hz: band }).frequencyHz });
 }
 
 /** A quarter of the panel is hot. */
@@ -136,6 +142,7 @@ function showFit(answer) {
   const { model, geometry, structure } = unpack(said.data);
   model.file = said.model_file;
   here = { model, geometry, data: said.data };
+  if (!hasBegun) beginScene(geometry, model.band_hz);
   const numbers = work.dropped;
   change({ dropped: new Set(), mode: nearestMode(state.lookedAt) ?? model.inBand[0] ?? 0 });
   work.dropped = numbers;
