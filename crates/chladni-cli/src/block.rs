@@ -14,7 +14,6 @@ use chladni_io::{write_atomically, write_model, FrfParts};
 use chladni_rfp::pieces::{residues, solve, Partial, Poles, Reducer, Solved};
 use chladni_rfp::{FitOptions, Window};
 use chladni_text::door::read_bytes;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::Subcommand;
 use serde_json::{json, Map, Value};
 use std::collections::BTreeMap;
