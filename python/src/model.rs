@@ -389,7 +389,8 @@ pub fn load_model(py: Python<'_>, path: PathBuf) -> PyResult<Model> {
 /// band: (low, high) in Hz. modes: their number; None: decided by evidence. damping:
 /// "structural" or "viscous"; None: decided. method: auto, lean, vf, lscf, plscf, aaa,
 /// rfp, grfp, peak or circle. shapes: auto, free, rank1 or real. window: of the records
-/// that the FRFs were averaged from. exponential_window_per_s: decay of a hammer test's
+/// that the FRFs were averaged from, as the set says where it is None: hann, hamming,
+/// blackman, flattop, rectangular, kaiser:BETA, burst:PART, transient or none. exponential_window_per_s: decay of a hammer test's
 /// window. progress: called with the name of each stage.
 #[pyfunction]
 #[pyo3(signature = (frf, *, band=None, modes=None, damping=None, method="auto", shapes="auto", window=None, exponential_window_per_s=None, seed=0, progress=None))]
