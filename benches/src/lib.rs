@@ -9,6 +9,7 @@
 //!
 //! * [`stability`]: where methods fail, whether they know it, and whether error bars hold
 //! * [`wild`]: structures drawn from a seed, in either damping law, modes beyond the band
+//! * [`measured`]: tests simulated in time, over ways to measure
 //! * [`scenes`]: rendering from noisy FRFs to a drive on the true plate, by every method
 //! * [`rigs`]: drives corrected by measured fields, on rigs with faults drawn from a seed
 //! * [`time`]: bursts, by every way of ramping and by the inverse filter
@@ -27,6 +28,7 @@ mod journal;
 mod kernels;
 mod knobs;
 mod large;
+mod measured;
 mod mode_errors;
 mod pareto;
 mod peers;
@@ -49,6 +51,10 @@ pub use journal::Journal;
 pub use kernels::{kernels, kernels_csv, kernels_figure, KernelRow};
 pub use knobs::Setting;
 pub use large::{large, Size};
+pub use measured::{
+    measured, measured_csv, measured_figures, measured_summary, MeasuredCell, MeasuredForce,
+    MeasuredOptions, MeasuredOutcome, MeasuredRow, MeasuredSummary, MeasuredWay, MEASURED_CELLS,
+};
 pub use mode_errors::{ModeErrors, Spread};
 pub use pareto::{accuracy_figures, front};
 pub use peers::PeerRow;

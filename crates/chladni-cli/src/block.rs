@@ -14,7 +14,6 @@ use chladni_io::{write_atomically, write_model, FrfParts};
 use chladni_rfp::pieces::{residues, solve, Partial, Poles, Reducer, Solved};
 use chladni_rfp::{FitOptions, Window};
 use chladni_text::door::read_bytes;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::Subcommand;
 use serde_json::{json, Map, Value};
 use std::collections::BTreeMap;
@@ -70,10 +69,9 @@ pub struct Reduce {
     /// pass that of the first]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     seed: Option<u64>,
-    /// Window of the records that the FRFs were averaged from: its bias is undone
-    /// [default: not said; in the second pass as in the first]
-    #[arg(long, value_name = "WINDOW", value_parser = PossibleValuesParser::new(Window::ALL.map(Window::as_str))
-        .try_map(|name| name.parse::<Window>()))]
+    /// Window of the records that the FRFs were averaged from, as in `fit` [default: as
+    /// the file says, else not known; in the second pass as in the first]
+    #[arg(long, value_name = "WINDOW")]
     window: Option<Window>,
     /// Memory to keep within: bytes, or with K, M, G, T (powers of 1024)
     #[arg(long, value_name = "SIZE", default_value = MEMORY, value_parser = parse_memory)]

@@ -42,8 +42,8 @@ pub struct Args {
     /// one long record, rectangular for several]
     #[arg(long, value_name = "WINDOW", value_parser = PossibleValuesParser::new(["rectangular", "hann", "exponential"]))]
     window: Option<String>,
-    /// Decay α of an exponential window e^(-αt) on references and responses, 1/s; the fit
-    /// takes it off with the same option
+    /// Decay α of an exponential window e^(-αt) on references and responses, 1/s; a fit of
+    /// the same file takes it off
     #[arg(long, value_name = "1/S")]
     exponential_window: Option<f64>,
     /// Samples of a block; with lrm and lpm, sampling rate over distance of lines
@@ -208,6 +208,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         "axis_hz": axis,
         "estimator": made.estimator.name(),
         "window": made.window.name(),
+        "forcing": made.forcing.map(chladni_frf::Forcing::name),
         "transform_s": made.transform_s,
         "hop_s": made.hop_s,
         "block": (made.transform_s * runs[0].sample_rate_hz).round(),

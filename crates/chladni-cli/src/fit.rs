@@ -49,11 +49,11 @@ pub struct Args {
     #[arg(long, value_name = "METHOD", default_value = "auto", value_parser = PossibleValuesParser::new(Method::ALL.map(Method::as_str))
         .try_map(|name| name.parse::<Method>()))]
     method: Method,
-    /// Window of the records of random excitation that the FRFs were averaged from: its
-    /// bias is undone (needs all lines from 0 Hz on); none: hammer, burst, sine [default:
-    /// not known, the possible bias is named]
-    #[arg(long, value_name = "WINDOW", value_parser = PossibleValuesParser::new(Window::ALL.map(Window::as_str))
-        .try_map(|name| name.parse::<Window>()))]
+    /// Window of the records that the FRFs were averaged from: the fit has its line shape.
+    /// Continuous random force: rectangular, hann, hamming, blackman, flattop, kaiser:BETA;
+    /// noise in a part of each record: burst:PART; hammer, sine: none [default: as the file
+    /// says, else not known, and the possible bias is named]
+    #[arg(long, value_name = "WINDOW")]
     window: Option<Window>,
     /// Seed of the random mixtures inside the fit
     #[arg(
@@ -321,7 +321,7 @@ pub fn echo_of(options: &FitOptions) -> Map<String, Value> {
     }
     echo.insert("shapes".into(), options.shapes.as_str().into());
     if let Some(window) = options.window {
-        echo.insert("window".into(), window.as_str().into());
+        echo.insert("window".into(), window.to_string().into());
     }
     if let Some(decay) = options.exponential_window_per_s {
         echo.insert("exponential_window_per_s".into(), decay.into());

@@ -106,6 +106,53 @@ impl BlockWindow {
     }
 }
 
+/// Course of the force over a block: with the window it decides what leaks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Forcing {
+    /// Random from before the block to after it.
+    Continuous,
+    /// Random in the first part of the block, then silent.
+    Burst {
+        /// That part, above 0 to 1.
+        part: f64,
+    },
+    /// Blows, sweeps and what else is silent at the end of the block.
+    Transient,
+    /// The same in every block, and before them.
+    Periodic,
+}
+
+impl Forcing {
+    /// As in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Continuous => "continuous",
+            Self::Burst { .. } => "burst",
+            Self::Transient => "transient",
+            Self::Periodic => "periodic",
+        }
+    }
+
+    /// The course of this name; `part` is that of a burst.
+    pub fn named(name: &str, part: Option<f64>) -> Option<Self> {
+        match (name, part) {
+            ("continuous", None) => Some(Self::Continuous),
+            ("transient", None) => Some(Self::Transient),
+            ("periodic", None) => Some(Self::Periodic),
+            ("burst", Some(part)) if part > 0.0 && part <= 1.0 => Some(Self::Burst { part }),
+            _ => None,
+        }
+    }
+
+    /// Part of the block with noise, of a burst.
+    pub fn part(self) -> Option<f64> {
+        match self {
+            Self::Burst { part } => Some(part),
+            _ => None,
+        }
+    }
+}
+
 /// What was done to time records to make FRFs of them. The variance of each value stands
 /// beside the values.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -114,6 +161,8 @@ pub struct Estimation {
     pub estimator: Estimator,
     /// Window of each block.
     pub window: BlockWindow,
+    /// Course of the force, where it is known.
+    pub forcing: Option<Forcing>,
     /// Length T of the transform, s: of a block, or of the shortest record of a local
     /// method.
     pub transform_s: f64,
@@ -139,6 +188,15 @@ impl Estimation {
     }
 }
 
+/// Decimals of a time or rate in words.
+const DECIMALS: i32 = 6;
+
+/// Rounded to [`DECIMALS`].
+fn rounded(value: f64) -> f64 {
+    let unit = 10f64.powi(DECIMALS);
+    (value * unit).round() / unit
+}
+
 impl fmt::Display for Estimation {
     /// In one line, short enough for those of universal files.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -148,15 +206,130 @@ impl fmt::Display for Estimation {
         } else {
             write!(f, " window={}", self.window.name())?;
             if let Some(rate_per_s) = self.window.rate_per_s() {
-                write!(f, " alpha={rate_per_s:.6}/s")?;
+                write!(f, " alpha={}/s", rounded(rate_per_s))?;
             }
-            write!(f, " hop={:.6}s", self.hop_s)?;
+            write!(f, " hop={}s", rounded(self.hop_s))?;
+        }
+        write!(f, " T={}s", rounded(self.transform_s))?;
+        if self.gate_s != self.transform_s {
+            write!(f, " gate={}s", rounded(self.gate_s))?;
         }
         let [least, most] = self.averages;
-        write!(f, " T={:.6}s n={least}", self.transform_s)?;
+        write!(f, " n={least}")?;
         if most != least {
             write!(f, "-{most}")?;
         }
-        Ok(())
+        match self.forcing {
+            Some(Forcing::Burst { part }) => write!(f, " force=burst:{:.3}", part),
+            Some(forcing) => write!(f, " force={}", forcing.name()),
+            None => Ok(()),
+        }
+    }
+}
+
+impl FromStr for Estimation {
+    type Err = String;
+
+    /// Reads the line back, times and rates to six decimals.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || format!("`{text}` does not say how FRFs were estimated");
+        let mut words = text.split_whitespace();
+        let estimator: Estimator = words.next().ok_or_else(wrong)?.parse()?;
+        let said = |name: &str| {
+            let of = |word: &str| Some(word.strip_prefix(name)?.strip_prefix('=')?.to_owned());
+            text.split_whitespace().find_map(of)
+        };
+        let number = |name: &str, unit: &str| -> Option<f64> {
+            let value: f64 = said(name)?.strip_suffix(unit)?.parse().ok()?;
+            (value.is_finite() && value > 0.0).then_some(value)
+        };
+        let transform_s = number("T", "s").ok_or_else(wrong)?;
+        let averages = said("n").ok_or_else(wrong)?;
+        let (least, most) = averages.split_once('-').unwrap_or((&averages, &averages));
+        let count = |text: &str| text.parse::<usize>().map_err(|_| wrong());
+        let local = estimator.is_local();
+        let window = match said("window") {
+            Some(name) => BlockWindow::named(&name, number("alpha", "/s")).ok_or_else(wrong)?,
+            None if local => BlockWindow::Rectangular,
+            None => return Err(wrong()),
+        };
+        let forcing = match said("force") {
+            Some(words) => {
+                let (name, part) = words.split_once(':').unwrap_or((&words, ""));
+                Some(Forcing::named(name, part.parse().ok()).ok_or_else(wrong)?)
+            }
+            None => None,
+        };
+        Ok(Self {
+            estimator,
+            window,
+            forcing,
+            transform_s,
+            gate_s: number("gate", "s").unwrap_or(transform_s),
+            hop_s: number("hop", "s").unwrap_or(transform_s),
+            averages: [count(least)?, count(most)?],
+            lines_per_value: match said("lines") {
+                Some(lines) => count(&lines)?,
+                None => 1,
+            },
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_line_is_read_as_it_was_written() {
+        let hann = Estimation {
+            estimator: Estimator::H1,
+            window: BlockWindow::Hann,
+            forcing: Some(Forcing::Continuous),
+            transform_s: 2.0,
+            gate_s: 2.0,
+            hop_s: 0.666667,
+            averages: [44, 44],
+            lines_per_value: 1,
+        };
+        let all = [
+            hann,
+            Estimation {
+                window: BlockWindow::Exponential { rate_per_s: 3.7 },
+                forcing: Some(Forcing::Transient),
+                gate_s: 1.5,
+                averages: [3, 12],
+                ..hann
+            },
+            Estimation {
+                window: BlockWindow::Rectangular,
+                forcing: Some(Forcing::Burst { part: 0.625 }),
+                ..hann
+            },
+            Estimation {
+                estimator: Estimator::Lrm,
+                window: BlockWindow::Rectangular,
+                forcing: None,
+                hop_s: 2.0,
+                lines_per_value: 13,
+                ..hann
+            },
+        ];
+        for made in all {
+            let words = made.to_string();
+            assert!(words.len() <= 80, "{words}");
+            assert_eq!(words.parse(), Ok(made));
+        }
+        for wrong in [
+            "",
+            "h1",
+            "FRF 1",
+            "h1 window=hann T=0s n=4",
+            "h1 window=hann T=2s n=x",
+            "h1 window=hann T=2s n=4 force=burst:7",
+            "h1 window=exponential T=2s n=4",
+        ] {
+            assert!(wrong.parse::<Estimation>().is_err(), "{wrong}");
+        }
     }
 }

@@ -49,7 +49,7 @@ mod time_record;
 pub use dof::{Direction, Dof};
 pub use driving_point::driving_point_faults;
 pub use error::{Error, ErrorKind, Result};
-pub use estimation::{BlockWindow, Estimation, Estimator};
+pub use estimation::{BlockWindow, Estimation, Estimator, Forcing};
 pub use finding::{numbered, warnings, Finding, Reason, Reasons, Severity, Values, MODES_HZ};
 pub use findings::Findings;
 pub use frf_set::{FrfSet, FrfValues};

@@ -4,7 +4,9 @@
 //! The walk is written once over a [`Source`]. In memory it goes through. Over partials it
 //! stops at a pass that others must make, and goes on from there when it is made.
 
+use crate::checks::case::Case;
 use crate::checks::examine::examine;
+use crate::checks::window_bias;
 use crate::data::error::FitError;
 use crate::data::layout::{DataLayout, Weighting};
 use crate::data::options::{FitOptions, Method};
@@ -37,7 +39,7 @@ use chladni_linalg::blocked::in_pool;
 ///
 /// # Errors
 /// [`FitError`]: unknown kind, a band outside the data, too few lines, no data, a window
-/// that cannot be undone on these lines. A fit that was made but cannot be trusted is no
+/// of records whose length the lines do not tell. A fit that was made but cannot be trusted is no
 /// error: `model.quality.trusted` says so, with the reasons in its warnings.
 pub fn fit(frf: &FrfSet, options: &FitOptions) -> Result<Fit, FitError> {
     fit_watched(frf, options, &|_stage| (), &CancelToken::new())
@@ -76,12 +78,45 @@ pub fn fit_watched(
         cancel,
     };
     in_pool(|| {
-        let unbiased = options
-            .window
-            .map_or(Ok(None), |window| window::undo(frf, window))?;
-        let screened = Screened::new(unbiased.as_ref().unwrap_or(frf), options)?;
-        walk(screened, options, &watch)
+        let options = window::told(frf, options);
+        let fit = walk(Screened::new(frf, &options)?, &options, &watch)?;
+        if !window_bias::is_open(&fit.model) {
+            return Ok(fit);
+        }
+        with_window_found(frf, fit, options, &watch)
     })
+}
+
+/// The fit once more with the window that the first one has found, where it has.
+///
+/// # Errors
+/// Those of [`fit`].
+fn with_window_found(
+    frf: &FrfSet,
+    fit: Fit,
+    options: FitOptions,
+    watch: &Watch,
+) -> Result<Fit, FitError> {
+    let screened = Screened::new(frf, &options)?;
+    let case = Case {
+        data: &screened,
+        values: Some(&screened),
+        model: &fit.model,
+        options: &options,
+        white: false,
+        noise_variance: 0.0,
+    };
+    let Some((window, finding)) = window_bias::decided(&case) else {
+        return Ok(fit);
+    };
+    watch.stage("line shape of the window")?;
+    let options = FitOptions {
+        window: Some(window),
+        ..options
+    };
+    let mut fit = walk(Screened::new(frf, &options)?, &options, watch)?;
+    fit.model.quality.findings.push(finding);
+    Ok(fit)
 }
 
 /// Fits `data` weighted by the noise that they tell themselves; else as they are, and once

@@ -1,6 +1,7 @@
 //! Tells continuous random excitation from blows, bursts, sweeps and periodic signals.
 
 use super::whole_record::{smooth_length, spectrum};
+use chladni_frf::{Forcing, Run};
 use num_complex::Complex64;
 use rustfft::FftPlanner;
 
@@ -31,6 +32,72 @@ pub(super) fn is_continuous_random(samples: &[f64]) -> bool {
     let mut lines = spectrum(samples);
     lines[0] = Complex64::default();
     has_rough_lines(&lines) && !repeats(lines)
+}
+
+/// Pieces of a block whose powers tell where a burst ends.
+const BLOCK_PIECES: usize = 256;
+/// Power of a piece beside the largest from which on the force acts.
+const ACTING: f64 = 0.01;
+
+/// Samples of a reference that are looked at, and fewest blocks.
+const LOOKED_AT: (usize, usize) = (1 << 20, 4);
+
+/// Course of the force over blocks of `block` samples, where all references agree on it.
+/// Bursts begin with their block.
+pub(super) fn forcing(runs: &[Run], block: usize) -> Option<Forcing> {
+    let references = runs.iter().map(|run| run.references().count()).min()?;
+    let of = |reference: usize| course(&blocks(runs, reference, block), block);
+    let first = (references > 0).then(|| of(0))?;
+    let likewise = |reference: usize| match (first, of(reference)) {
+        (Forcing::Burst { part }, Forcing::Burst { part: other }) => {
+            (part - other).abs() <= 2.0 / BLOCK_PIECES as f64
+        }
+        (_, other) => first == other,
+    };
+    (1..references).all(likewise).then_some(first)
+}
+
+/// Whole blocks of one reference of all runs, one after the other.
+fn blocks(runs: &[Run], reference: usize, block: usize) -> Vec<f64> {
+    let channels = runs
+        .iter()
+        .filter_map(|run| run.references().nth(reference));
+    let blocks = channels.flat_map(|channel| channel.samples.chunks_exact(block));
+    let most = (LOOKED_AT.0 / block).max(LOOKED_AT.1);
+    blocks.take(most).flatten().copied().collect()
+}
+
+fn course(samples: &[f64], block: usize) -> Forcing {
+    if is_continuous_random(samples) {
+        return Forcing::Continuous;
+    }
+    let part = acting_part(samples, block);
+    if part == 1.0 {
+        return Forcing::Periodic;
+    }
+    let acting = (part * block as f64) as usize;
+    let bursts = samples
+        .chunks_exact(block)
+        .flat_map(|block| &block[..acting]);
+    match is_continuous_random(&bursts.copied().collect::<Vec<f64>>()) {
+        true => Forcing::Burst { part },
+        false => Forcing::Transient,
+    }
+}
+
+/// Part of a block after which the force is silent, the mean over all blocks.
+fn acting_part(samples: &[f64], block: usize) -> f64 {
+    let piece = (block / BLOCK_PIECES).max(1);
+    let mut powers = vec![0.0; block.div_ceil(piece)];
+    for samples in samples.chunks_exact(block) {
+        for (power, samples) in powers.iter_mut().zip(samples.chunks(piece)) {
+            *power += samples.iter().map(|x| x * x).sum::<f64>();
+        }
+    }
+    let largest = powers.iter().copied().fold(0.0, f64::max);
+    let acts = |power: &f64| *power > ACTING * largest;
+    let last = powers.iter().rposition(acts).map_or(0, |last| last + 1);
+    ((last * piece) as f64 / block as f64).min(1.0)
 }
 
 fn is_steady(samples: &[f64]) -> bool {
@@ -129,5 +196,55 @@ mod tests {
         ] {
             assert!(!is_continuous_random(&signal), "{name}");
         }
+    }
+
+    #[test]
+    fn the_course_of_a_force_over_its_blocks() {
+        use chladni_frf::{Channel, SignalUnit};
+        let run = |samples: Vec<f64>| Run {
+            file: "a".into(),
+            line: 0,
+            sample_rate_hz: 1.0,
+            channels: vec![Channel {
+                dof: "1:+Z".parse().unwrap(),
+                unit: SignalUnit::Force,
+                is_reference: true,
+                samples,
+            }],
+        };
+        let block = 4000;
+        let cut = |samples: Vec<f64>, part: f64| -> Vec<f64> {
+            let acts = |k: usize| f64::from(u8::from(((k % block) as f64) < part * block as f64));
+            samples
+                .into_iter()
+                .enumerate()
+                .map(|(k, x)| x * acts(k))
+                .collect()
+        };
+        let all = noise(10 * block, 4);
+        let part_of = |forcing| match forcing {
+            Some(Forcing::Burst { part }) => part,
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(
+            forcing(&[run(all.clone())], block),
+            Some(Forcing::Continuous)
+        );
+        for part in [0.3, 0.5, 0.9] {
+            let found = part_of(forcing(&[run(cut(all.clone(), part))], block));
+            assert!((found - part).abs() < 0.01, "{found} for {part}");
+        }
+        let blows = cut(vec![1.0; 10 * block], 0.002);
+        assert_eq!(
+            forcing(&[run(blows.clone())], block),
+            Some(Forcing::Transient)
+        );
+        let periodic = noise(block, 5).repeat(10);
+        assert_eq!(forcing(&[run(periodic)], block), Some(Forcing::Periodic));
+        // a run of each kind is none of them
+        assert_ne!(
+            forcing(&[run(all), run(blows)], block),
+            Some(Forcing::Continuous)
+        );
     }
 }

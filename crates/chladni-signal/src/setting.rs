@@ -1,11 +1,11 @@
 //! What the options leave open, decided.
 
-use super::excitation::is_continuous_random;
+use super::excitation::{forcing, is_continuous_random};
 use super::lpm::wanted_lines;
 use super::whole_record::{smooth_length, Grid};
 use super::{EstimateOptions, BLOCKS, MOST_OVERLAP};
 use chladni_frf::{
-    BlockWindow, Dof, Error, ErrorKind, Estimation, Estimator, Finding, Result, Run,
+    BlockWindow, Dof, Error, ErrorKind, Estimation, Estimator, Finding, Forcing, Result, Run,
 };
 use ndarray::Array1;
 
@@ -89,6 +89,7 @@ impl Setting {
                 Estimation {
                     estimator: setting.estimator,
                     window: setting.window,
+                    forcing: None,
                     transform_s: block_s,
                     gate_s: block_s,
                     hop_s: setting.hop() as f64 / sample_rate_hz,
@@ -101,6 +102,7 @@ impl Setting {
                 Estimation {
                     estimator: setting.estimator,
                     window: BlockWindow::Rectangular,
+                    forcing: None,
                     transform_s: record_s,
                     gate_s: record_s,
                     hop_s: record_s,
@@ -108,6 +110,14 @@ impl Setting {
                     lines_per_value: (setting.grid.step_hz * record_s + 1e-6) as usize,
                 }
             }
+        }
+    }
+
+    /// Course of the force over a block; a local method asks for none.
+    pub(super) fn forcing(&self, runs: &[Run]) -> Option<Forcing> {
+        match self {
+            Self::Blocks(setting) => forcing(runs, setting.block),
+            Self::Local(_) => None,
         }
     }
 
@@ -254,7 +264,8 @@ impl BlockSetting {
                 Finding::caution("window-adds-damping", words)
                     .value("decay_per_s", rate_per_s)
                     .help(format!(
-                        "fit with `exponential_window {rate_per_s}`, which takes it off"
+                        "a fit of the set takes it off; where a file does not carry it, say \
+                         `exponential_window {rate_per_s}`"
                     )),
             );
         }

@@ -116,6 +116,7 @@ impl Table {
         let (kind, reference_unit) = units::kind_of(runs)?;
         let estimation = Estimation {
             averages: self.averages,
+            forcing: setting.forcing(runs),
             ..setting.estimation(rate_hz)
         };
         let frf = FrfSet {

@@ -2,6 +2,7 @@
 //! own, run by `chladni bench`.
 
 mod accuracy;
+mod measured;
 mod paper;
 mod profile;
 mod rig;
@@ -48,6 +49,9 @@ enum Bench {
     /// Error against time: every method on every case, over many noise seeds, measured by
     /// the Cramér-Rao bound
     Accuracy(accuracy::Args),
+    /// Tests simulated in time: what windows, averages and force make of damping and its
+    /// error bars
+    Measured(measured::Args),
     /// Time of each stage of a fit, and the floor that no method can go below
     Profile(profile::Args),
     /// Drives corrected by measured fields, on rigs whose faults are drawn from a seed
@@ -71,6 +75,7 @@ enum Bench {
 fn run(what: &Bench, console: &Console) -> Result<Outcome> {
     match what {
         Bench::Accuracy(args) => accuracy::run(args, console),
+        Bench::Measured(args) => measured::run(args, console),
         Bench::Profile(args) => profile::run(args, console),
         Bench::Rig(args) => rig::run(args, console),
         Bench::Scene(args) => scene::run(args, console),

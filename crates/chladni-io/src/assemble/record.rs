@@ -185,12 +185,22 @@ pub(super) fn from_function(
         line,
         coherence: None,
         variance: None,
-        estimation: None,
+        estimation: estimated(&function.id_lines[4]),
         kind: function.kind,
         reference_unit: function.reference_unit,
         document,
         place,
     })
+}
+
+/// Characters of an ID line: one that fills it may have lost its end.
+const ID_LINE: usize = 80;
+
+/// How an FRF was estimated, as ID line 5 says where `estimate` wrote it.
+fn estimated(line: &str) -> Option<Estimation> {
+    let whole = line.trim_end();
+    let parsed = whole.parse().ok();
+    parsed.filter(|_| whole.chars().count() < ID_LINE)
 }
 
 /// The measured pairs of a set, one record each.

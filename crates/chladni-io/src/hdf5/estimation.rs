@@ -1,7 +1,7 @@
 //! How FRFs were estimated: the group `/estimation`, without datasets.
 
 use crate::arrays::tree::{Attribute, Entry, Group};
-use chladni_frf::{BlockWindow, Error, Estimation, Result};
+use chladni_frf::{BlockWindow, Error, Estimation, Forcing, Result};
 
 /// Path of the group.
 pub(super) const PATH: &str = "/estimation";
@@ -15,6 +15,12 @@ pub(super) fn estimation_group<'a>(made: &Estimation) -> Group<'a> {
     group.set("window", text(made.window.name()));
     if let Some(rate_per_s) = made.window.rate_per_s() {
         group.set("window_rate_per_s", Attribute::Real(rate_per_s));
+    }
+    if let Some(forcing) = made.forcing {
+        group.set("forcing", text(forcing.name()));
+        if let Some(part) = forcing.part() {
+            group.set("burst_part", Attribute::Real(part));
+        }
     }
     group.set("transform_s", Attribute::Real(made.transform_s));
     group.set("gate_s", Attribute::Real(made.gate_s));
@@ -61,6 +67,15 @@ pub(super) fn read_estimation(entry: &Entry) -> Result<Estimation> {
                 "window",
                 "rectangular, hann, or exponential with its window_rate_per_s",
             )
+        })?,
+        forcing: entry.text("forcing").map_or(Ok(None), |name| {
+            let known = Forcing::named(name, entry.real("burst_part"));
+            known.map(Some).ok_or_else(|| {
+                wrong(
+                    "forcing",
+                    "continuous, transient, periodic, or burst with its burst_part",
+                )
+            })
         })?,
         transform_s: seconds("transform_s")?,
         gate_s: seconds("gate_s")?,

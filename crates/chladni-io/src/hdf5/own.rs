@@ -6,7 +6,7 @@
 //! /frf             complex [n_response, n_reference, n_line], compound {r, i}, attr unit; NaN where nothing was measured
 //! /coherence       f32 [n_response, n_reference, n_line], NaN where not given            optional
 //! /variance        f64 [n_response, n_reference, n_line], E|δH|², written by `estimate`  optional
-//! /estimation      how `estimate` made them, attributes alone: estimator, window, window_rate_per_s, transform_s, gate_s, hop_s, averages_least, averages_most, lines_per_value   optional
+//! /estimation      how `estimate` made them, attributes alone: estimator, window, window_rate_per_s, forcing, burst_part, transform_s, gate_s, hop_s, averages_least, averages_most, lines_per_value   optional
 //! /response        {node u64, dir i8} [n_response]
 //! /reference       {node u64, dir i8} [n_reference]
 //! /geometry/nodes  {label u64, x y z f64} [n_node], metres                               optional

@@ -1,7 +1,7 @@
 //! HDF5 through the public door: round trips, damaged files, files of others.
 use chladni_frf::{
-    BlockWindow, ErrorKind, Estimation, Estimator, FrfKind, FrfSet, FrfValues, Geometry, Node,
-    ReferenceUnit, TimeSign,
+    BlockWindow, ErrorKind, Estimation, Estimator, Forcing, FrfKind, FrfSet, FrfValues, Geometry,
+    Node, ReferenceUnit, TimeSign,
 };
 use chladni_io::{
     read_contents, read_document, read_frf, sha256_of, write_contents, write_frf, Abscissa, Axis,
@@ -35,6 +35,7 @@ fn set(responses: usize, references: usize, lines: usize) -> FrfSet {
         estimation: Some(Estimation {
             estimator: Estimator::H1,
             window: BlockWindow::Exponential { rate_per_s: 0.1 },
+            forcing: Some(Forcing::Burst { part: 0.5 }),
             transform_s: 2.0,
             gate_s: 1.5,
             hop_s: 1.0 / 3.0,

@@ -1,6 +1,6 @@
 //! All checks after a fit: each names one fault of the data with its evidence.
 //!
-//! Elsewhere: windows that are undone before the fit (`data/window.rs`), FRFs far noisier
+//! Elsewhere: what windows leak (`damping/leakage.rs`), FRFs far noisier
 //! than the others (`data/noisy_frfs.rs`), lines that no neighbour supports
 //! (`data/outliers.rs`), the wrong time sign (`poles/chain.rs`), padded records
 //! (`measured/impulse.rs`), missing values (`data/screening.rs`).
@@ -14,7 +14,7 @@ use chladni_frf::{ModalModel, Severity, Trust};
 use rayon::prelude::*;
 
 /// Every check that runs after a fit.
-const CHECKS: [fn(&Case) -> Option<Checked>; 8] = [
+const CHECKS: [fn(&Case) -> Option<Checked>; 9] = [
     kind::wrong_kind,
     moving::moving_poles,
     split::split_modes,
@@ -23,6 +23,7 @@ const CHECKS: [fn(&Case) -> Option<Checked>; 8] = [
     delay::delayed_reference,
     reciprocal::not_reciprocal,
     window_bias::possible_bias,
+    window_bias::modelled,
 ];
 
 /// Runs all checks; what they find joins the model's findings.

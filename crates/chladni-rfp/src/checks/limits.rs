@@ -88,3 +88,37 @@ pub(super) const SPLIT_FRFS_MOST: usize = 48;
 /// Loss factors that a window could have raised by this much, relative, are worth a word
 /// ...
 pub(super) const BIAS: f64 = 0.03;
+
+// witness.rs
+
+/// Lines of a stretch whose errors are looked at together.
+pub(super) const STRETCH: usize = 40;
+
+/// Fewest stretches over all FRFs that are asked.
+pub(super) const STRETCHES_LEAST: usize = 3;
+
+/// Distance to the next mode, in bandwidths, and in lines.
+pub(super) const BESIDE: (f64, f64) = (4.0, 10.0);
+
+/// Level of a line over the lower quartile of all from which on it is not noise alone.
+pub(super) const NOISE_ONLY: f64 = 2.5;
+
+/// Lines on both sides that the level is a median of.
+pub(super) const LEVEL_AROUND: usize = 20;
+
+/// FRFs that are asked, and how many of them count as independent: one force is in all.
+pub(super) const FRFS_ASKED: (usize, usize) = (16, 4);
+
+/// α·T of exponential windows.
+pub(super) const DECAYS: [f64; 9] = [0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0];
+
+/// Weights of a fourth difference.
+pub(super) const FOURTH: [f64; 5] = [1.0, -4.0, 6.0, -4.0, 1.0];
+
+/// Part of the variance that is white in any case: no correlation is exact.
+pub(super) const ALWAYS_WHITE: f64 = 1e-3;
+
+// window_bias.rs
+
+/// Log-likelihood from which on the errors of neighbouring lines say something.
+pub(super) const SAYS: f64 = 5.0;

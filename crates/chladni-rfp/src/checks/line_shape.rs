@@ -1,11 +1,7 @@
 //! Which window the line shapes speak of.
 //!
 //! A resonance in H1 of windowed random records is the transform of e^{pt}ρ(t) over one
-//! record, not 1/(s − p). With z = (s − p)T, f(z) = ∫(1−u)e^{−zu}du and e(z) = ∫e^{−zu}du
-//! over 0..1 it is (theory.md, eq. F4)
-//!
-//! rectangular: T·f(z); Hann: T·[2f(z) + ½f(z−2πj) + ½f(z+2πj) + (3/4πj)(e(z−2πj) −
-//! e(z+2πj))]/3.
+//! record, not 1/(s − p). With z = (s − p)T it is (theory.md, eq. F4) T·g(z) of [`WindowKernel`].
 //!
 //! Each shape is fitted to the lines around every isolated mode, its pole free, and the
 //! sums of squares are compared: three hypotheses with the same number of unknowns.
@@ -13,13 +9,16 @@
 use crate::checks::case::Case;
 use crate::checks::limits;
 use crate::checks::moving::neighbourhood;
+use crate::damping::window_kernel::WindowKernel;
 use crate::data::options::Window;
 use chladni_frf::Mode;
 use chladni_linalg::{lstsq, matmul, matmul_h, qr_thin, LinalgError};
 use ndarray::{Array2, ShapeBuilder};
 use num_complex::Complex64;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
+/// Line shapes compared.
+const TRIED: [Window; 3] = [Window::None, Window::Hann, Window::Rectangular];
 /// Log-likelihood by which one window must beat the others.
 pub(crate) const DECIDES: f64 = 12.0;
 
@@ -27,7 +26,7 @@ pub(crate) const DECIDES: f64 = 12.0;
 /// and on how many modes.
 pub(crate) fn likely_window(case: &Case) -> Option<(Window, f64, usize)> {
     let modes: Vec<&Mode> = case.model.in_band_modes().collect();
-    let mut scores = [0.0; Window::ALL.len()];
+    let mut scores = [0.0; TRIED.len()];
     let mut count = 0;
     for mode in &modes {
         if let Some(own) = mode_scores(case, mode, &modes) {
@@ -40,17 +39,11 @@ pub(crate) fn likely_window(case: &Case) -> Option<(Window, f64, usize)> {
     }
     let mut order: Vec<usize> = (0..scores.len()).collect();
     order.sort_by(|&a, &b| scores[b].total_cmp(&scores[a]));
-    (count > 0).then(|| {
-        (
-            Window::ALL[order[0]],
-            scores[order[0]] - scores[order[1]],
-            count,
-        )
-    })
+    (count > 0).then(|| (TRIED[order[0]], scores[order[0]] - scores[order[1]], count))
 }
 
 /// Log-likelihood of each window on the lines around one mode.
-fn mode_scores(case: &Case, mode: &Mode, modes: &[&Mode]) -> Option<[f64; Window::ALL.len()]> {
+fn mode_scores(case: &Case, mode: &Mode, modes: &[&Mode]) -> Option<[f64; TRIED.len()]> {
     let half_width = 0.5 * mode.loss_factor * mode.frequency_hz;
     let near = |other: &&Mode| {
         *other != mode
@@ -70,15 +63,16 @@ fn mode_scores(case: &Case, mode: &Mode, modes: &[&Mode]) -> Option<[f64; Window
         .map(|x| Complex64::new(0.0, x.sqrt() * case.data.omega_max))
         .collect();
     let pole = Complex64::new(-half_width, mode.frequency_hz) * TAU;
-    let mut scores = [0.0; Window::ALL.len()];
-    for (score, window) in scores.iter_mut().zip(Window::ALL) {
+    let mut scores = [0.0; TRIED.len()];
+    for (score, window) in scores.iter_mut().zip(TRIED) {
         // without its window a line is narrower by about 1/T
         let shift = if window == Window::None {
             0.0
         } else {
             (1.0 / record_s).min(-0.7 * pole.re)
         };
-        let sse = best(&s, &own, window, record_s, pole + shift).ok()?;
+        let kernel = window.kernel();
+        let sse = best(&s, &own, kernel.as_ref(), record_s, pole + shift).ok()?;
         *score = -((work.lines() - limits::UNKNOWNS) as f64) * sse.max(f64::MIN_POSITIVE).ln();
     }
     Some(scores)
@@ -88,17 +82,17 @@ fn mode_scores(case: &Case, mode: &Mode, modes: &[&Mode]) -> Option<[f64; Window
 fn best(
     s: &[Complex64],
     own: &Array2<Complex64>,
-    window: Window,
+    kernel: Option<&WindowKernel>,
     record_s: f64,
     start: Complex64,
 ) -> Result<f64, LinalgError> {
     let mut pole = start;
-    let mut now = Fitted::new(s, own, window, record_s, pole)?;
+    let mut now = Fitted::new(s, own, kernel, record_s, pole)?;
     let mut damping = 1.0;
     for _ in 0..limits::STEPS {
         let h = 1e-4 * pole.re;
-        let difference: Array2<Complex64> = (column(s, window, record_s, pole + h)
-            - column(s, window, record_s, pole - h))
+        let difference: Array2<Complex64> = (column(s, kernel, record_s, pole + h)
+            - column(s, kernel, record_s, pole - h))
             / (2.0 * h);
         let outside = &difference
             - &matmul(
@@ -119,7 +113,7 @@ fn best(
         } else {
             step
         };
-        let trial = Fitted::new(s, own, window, record_s, pole + step)?;
+        let trial = Fitted::new(s, own, kernel, record_s, pole + step)?;
         if trial.sse < now.sse {
             (pole, now, damping) = (pole + step, trial, 1.0);
         } else {
@@ -145,11 +139,11 @@ impl Fitted {
     fn new(
         s: &[Complex64],
         own: &Array2<Complex64>,
-        window: Window,
+        kernel: Option<&WindowKernel>,
         record_s: f64,
         pole: Complex64,
     ) -> Result<Self, LinalgError> {
-        let resonance = column(s, window, record_s, pole);
+        let resonance = column(s, kernel, record_s, pole);
         let (first, span) = (s[0].im, s[s.len() - 1].im - s[0].im);
         let basis = Array2::from_shape_fn((s.len(), 3).f(), |(k, c)| match c {
             0 => resonance[[k, 0]],
@@ -171,47 +165,14 @@ impl Fitted {
 
 /// The line shape of a pole, rad/s, on the lines `s`, as one column; in units of the
 /// record length.
-fn column(s: &[Complex64], window: Window, record_s: f64, pole: Complex64) -> Array2<Complex64> {
+fn column(
+    s: &[Complex64],
+    kernel: Option<&WindowKernel>,
+    record_s: f64,
+    pole: Complex64,
+) -> Array2<Complex64> {
     Array2::from_shape_fn((s.len(), 1).f(), |(k, _)| {
-        line_shape(window, (s[k] - pole) * record_s)
+        let z = (s[k] - pole) * record_s;
+        kernel.map_or(z.inv(), |kernel| kernel.value_and_slope(z)[0])
     })
-}
-
-/// ∫ρ(u)e^{−zu}du over 0..1; 1/z without a window.
-pub(crate) fn line_shape(window: Window, z: Complex64) -> Complex64 {
-    let flat = |z: Complex64| (1.0 - (-z).exp()) / z;
-    let falling = |z: Complex64| (1.0 - flat(z)) / z;
-    let turn = Complex64::new(0.0, TAU);
-    match window {
-        Window::None => z.inv(),
-        Window::Rectangular => falling(z),
-        Window::Hann => {
-            let sides = 0.5 * (falling(z - turn) + falling(z + turn));
-            let sine = (flat(z - turn) - flat(z + turn)) / Complex64::new(0.0, 2.0);
-            (2.0 * falling(z) + sides + 1.5 / PI * sine) / 3.0
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn line_shapes_are_the_transforms_of_the_autocorrelations() {
-        let n = 200_000;
-        for window in [Window::Rectangular, Window::Hann] {
-            for z in [
-                Complex64::new(0.5, 0.3),
-                Complex64::new(3.0, -12.0),
-                Complex64::new(10.0, 40.0),
-            ] {
-                let sum: Complex64 = (0..n)
-                    .map(|k| (k as f64 + 0.5) / n as f64)
-                    .map(|u| window.autocorrelation(u) * (-z * u).exp() / n as f64)
-                    .sum();
-                assert!((line_shape(window, z) - sum).norm() < 1e-8, "{window} {z}");
-            }
-        }
-    }
 }

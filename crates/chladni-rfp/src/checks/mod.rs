@@ -12,3 +12,4 @@ pub(crate) mod moving;
 pub(crate) mod reciprocal;
 pub(crate) mod split;
 pub(crate) mod window_bias;
+pub(crate) mod witness;

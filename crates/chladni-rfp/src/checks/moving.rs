@@ -4,6 +4,7 @@
 
 use crate::checks::case::{Case, Checked};
 use crate::checks::limits;
+use crate::damping::measured_model::frf_matrix;
 use crate::data::columns::Columns;
 use crate::model::given::value_of;
 use crate::poles::refine::refine;
@@ -162,7 +163,9 @@ pub(crate) fn without_others(
         .map(|&l| data.weight_of(data.pairs[l]))
         .collect();
     for (row, k) in rows.clone().enumerate() {
-        let rest = others.frf_matrix(data.kind, data.line_hz[k]);
+        let leakage = data.leakage.as_deref();
+        let in_units = (data.kind, data.omega_max);
+        let rest = frf_matrix(&others, leakage, in_units, data.line_hz[k]);
         let rest: Array1<Complex64> = of_response
             .iter()
             .zip(&of_reference)

@@ -3,13 +3,42 @@
 use crate::checks::case::{Case, Checked};
 use crate::checks::limits;
 use crate::checks::line_shape::{likely_window, DECIDES};
+use crate::checks::witness::{decades, witness, Correlation};
 use crate::data::options::Window;
-use chladni_frf::{Finding, Mode};
+use chladni_frf::{Finding, ModalModel, Mode};
 use std::f64::consts::PI;
+
+/// Code of the finding where nobody said which window was used.
+const OPEN: &str = "window-bias";
+
+/// Where it is known which window was used: what it does is in the columns, as long as the
+/// force is white.
+pub(crate) fn modelled(case: &Case) -> Option<Checked> {
+    let window = case.data.window.filter(|_| case.data.leakage.is_some())?;
+    let modes: Vec<&Mode> = case.model.in_band_modes().collect();
+    let step = case.data.line_spacing_hz();
+    let broadened = |mode: &Mode| step / (PI * mode.loss_factor * mode.frequency_hz);
+    let worst = modes.iter().map(|mode| broadened(mode)).fold(0.0, f64::max);
+    let words = match window {
+        Window::Transient => "responses are cut at the end of their records, and the fit has the \
+                              line shape of that"
+            .to_owned(),
+        _ => format!(
+            "the fit has the line shape of records under a {window} window: the loss factors are \
+             those of the structure, up to {:.0} % below those of the broadened lines; a shaker's \
+             force that drops at resonances leaves the truth between both",
+            100.0 * worst / (1.0 + worst)
+        ),
+    };
+    let finding = Finding::note("window-modelled", words)
+        .value("bias_relative", worst)
+        .help("window none shows the broadened lines");
+    Some(finding.into())
+}
 
 /// Where nobody said which window was used: how much too high damping can be.
 pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
-    if case.options.window.is_some() || case.white {
+    if case.data.window.is_some() || case.white {
         return None;
     }
     let step = case.data.line_spacing_hz();
@@ -31,6 +60,16 @@ pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
         }
         _ => "the line shapes do not tell".into(),
     };
+    let errors = witness(case).filter(|found| found.gain > limits::SAYS);
+    let evidence = match errors {
+        Some(found) => format!(
+            "{evidence}; the errors of neighbouring lines are those of FRFs {} (10^{:.0} times as \
+             likely as any other)",
+            found.likeliest,
+            decades(found.gain)
+        ),
+        None => evidence,
+    };
     let words = format!(
         "error bars assume no window bias: if these FRFs were averaged from windowed records of \
          random excitation, the loss factors of {} mode(s) are too high by up to 1/(πb) ({:.0} % \
@@ -40,9 +79,38 @@ pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
         worst.frequency_hz,
         1.0 / (PI * bias(worst))
     );
-    let finding = Finding::note("window-bias", words)
+    let finding = Finding::note(OPEN, words)
         .modes_hz(concerned.iter().map(|mode| mode.frequency_hz))
         .value("bias_relative", bias(worst))
         .help("say which window was used, or that there was none");
     Some(finding.into())
+}
+
+/// True where damping may be biased and nobody said by which window.
+pub(crate) fn is_open(model: &ModalModel) -> bool {
+    let mut findings = model.quality.findings.iter();
+    findings.any(|finding| finding.code == OPEN)
+}
+
+/// The window that line shapes and the errors of neighbouring lines both speak of, each by
+/// itself clearly: neither alone corrects anything.
+pub(crate) fn decided(case: &Case) -> Option<(Window, Finding)> {
+    let (window, of_shapes, modes) = likely_window(case)?;
+    let errors = witness(case)?;
+    let agree = window == Window::Hann && errors.likeliest == Correlation::Hann;
+    if !agree || of_shapes.min(errors.gain) < DECIDES {
+        return None;
+    }
+    let words = format!(
+        "the FRFs were made of records under a {window} window, so the fit has its line shape: the \
+         line shapes of {modes} mode(s) and the errors of neighbouring lines both say so \
+         (10^{:.0} and 10^{:.0} times as likely as any other window)",
+        decades(of_shapes),
+        decades(errors.gain)
+    );
+    let finding = Finding::caution("window-found", words)
+        .value("line_shape_nats", of_shapes)
+        .value("error_correlation_nats", errors.gain)
+        .help("say which window was used, or that there was none");
+    Some((window, finding))
 }

@@ -6,6 +6,7 @@
 //! by Im λ over j stands for that by Re λ as well, from which it differs by half a loss
 //! factor: estimates lose η² of their information, steps converge by a factor of about η.
 
+use crate::damping::leakage::{Leakage, LeakingPole};
 use crate::damping::limits;
 use crate::data::columns::inverse;
 use chladni_frf::Damping;
@@ -28,6 +29,67 @@ pub(crate) fn resonance(law: Damping, pole: Complex64, x: f64) -> Complex64 {
         Damping::Viscous => {
             let lossy = pole.im * loss(law, pole, x);
             inverse(Complex64::new(pole.re - x, lossy))
+        }
+    }
+}
+
+/// What a residue of a pole multiplies where FRFs leak, with its derivative.
+pub(crate) struct Leaking<'a> {
+    law: Damping,
+    leakage: &'a Leakage,
+    /// Above the real axis.
+    pole: Complex64,
+    /// The pole asked for lies below: its column is the conjugate.
+    mirrored: bool,
+    of_receptance: LeakingPole,
+}
+
+impl<'a> Leaking<'a> {
+    pub fn new(law: Damping, leakage: &'a Leakage, pole: Complex64) -> Self {
+        let mirrored = pole.im < 0.0;
+        let pole = if mirrored { pole.conj() } else { pole };
+        Self {
+            law,
+            leakage,
+            pole,
+            mirrored,
+            of_receptance: leaking_pole(law, pole),
+        }
+    }
+
+    /// Column and derivative at x.
+    #[inline]
+    pub fn at(&self, x: f64) -> [Complex64; 2] {
+        let plain = resonance(self.law, self.pole, x);
+        let [factor, slope] = self.leakage.factor(&self.of_receptance, x.sqrt());
+        let along = -plain * plain * loss(self.law, self.pole, x);
+        let both = [plain * factor, along * factor + plain * slope];
+        if self.mirrored {
+            both.map(|v| v.conj())
+        } else {
+            both
+        }
+    }
+}
+
+/// The pole of receptance of λ (Im λ ≥ 0).
+pub(crate) fn leaking_pole(law: Damping, pole: Complex64) -> LeakingPole {
+    match law {
+        Damping::Viscous if pole.re > 0.0 => {
+            let s = viscous_pole_of(pole);
+            LeakingPole {
+                s,
+                other: s.conj(),
+                slope: Complex64::new(0.0, 0.5 / pole.re.sqrt()),
+            }
+        }
+        _ => {
+            let s = Complex64::i() * pole.sqrt();
+            LeakingPole {
+                s,
+                other: -s,
+                slope: -0.5 / s,
+            }
         }
     }
 }

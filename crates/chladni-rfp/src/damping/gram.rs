@@ -4,7 +4,7 @@
 //! 1/((ā − x)(b − x)) = [1/(ā − x) − 1/(b − x)]/(b − ā), and derivatives of that. No
 //! digit is lost: ā lies below the real axis and b above, however near a and b are.
 
-use crate::damping::columns::{loss, resonance};
+use crate::damping::columns::{loss, resonance, Leaking};
 use crate::damping::limits;
 use crate::data::columns::{inverse, Columns};
 use chladni_frf::Damping;
@@ -24,8 +24,8 @@ pub(crate) struct Cauchy<'a> {
     terms: usize,
     /// Σ g²/(λ − x) and, with derivatives, Σ g²/(λ − x)².
     sums: Vec<[Complex64; 2]>,
-    /// The law that the columns follow.
-    law: Damping,
+    /// The columns follow the structural law and nothing leaks.
+    rational: bool,
 }
 
 impl<'a> Cauchy<'a> {
@@ -56,6 +56,22 @@ impl<'a> Cauchy<'a> {
         let of_pole = |((mut column, derivative), &pole): (Pair, _)| {
             let mut sums = [Complex64::ZERO; 2];
             let lines = work.x.iter().zip(&work.g);
+            if let Some(leakage) = &work.leakage {
+                let leaking = Leaking::new(work.law, leakage, pole);
+                let of_lines = lines.map(|(&x, &g)| leaking.at(x).map(|v| v * g));
+                match derivative {
+                    None => column
+                        .iter_mut()
+                        .zip(of_lines)
+                        .for_each(|(value, [own, _])| *value = own),
+                    Some(mut derivative) => column
+                        .iter_mut()
+                        .zip(derivative.iter_mut())
+                        .zip(of_lines)
+                        .for_each(|((value, slope), both)| [*value, *slope] = both),
+                }
+                return sums;
+            }
             let Some(mut derivative) = derivative else {
                 for (value, (&x, &g)) in column.iter_mut().zip(lines) {
                     *value = resonance(work.law, pole, x) * g;
@@ -97,15 +113,15 @@ impl<'a> Cauchy<'a> {
             columns,
             terms: powers.len(),
             sums,
-            law: work.law,
+            rational: work.law == Damping::Structural && work.leakage.is_none(),
         }
     }
 
     /// Inner products of all columns.
     pub fn gram(&self) -> Array2<Complex64> {
-        match self.law {
-            Damping::Structural => self.by_partial_fractions(),
-            Damping::Viscous => blocked_matmul_h(self.columns.view(), self.columns.view()),
+        match self.rational {
+            true => self.by_partial_fractions(),
+            false => blocked_matmul_h(self.columns.view(), self.columns.view()),
         }
     }
 
@@ -148,6 +164,7 @@ mod tests {
             g,
             b: Array2::zeros((300, 0)),
             law: chladni_frf::Damping::Structural,
+            leakage: None,
         };
         // narrower than a line, near a twin, and outside the lines
         let lambda = [

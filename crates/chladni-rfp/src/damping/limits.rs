@@ -38,3 +38,20 @@ pub(super) const DECIDES: f64 = 16.0;
 pub(super) const ANGLES_EXPLAINED: f64 = 4.0;
 /// Loss factor from which on a pole of the band is background.
 pub(super) const BROAD: f64 = 0.3;
+
+// window_kernel.rs
+
+/// Below this |z| quotients lose digits and series are used.
+pub(super) const SERIES_BELOW: f64 = 1.0;
+
+/// Terms of a series: the last is below 1/22! of the sum.
+pub(super) const SERIES_TERMS: u32 = 20;
+
+/// Harmonics at the end of a series with less than this share of it are left out.
+pub(super) const CUT_SHARE: f64 = 1e-9;
+
+// leakage.rs
+
+/// Least part of its decay that a pole keeps where a window's broadening is taken off
+/// roughly.
+pub(super) const LEAST_DECAY_LEFT: f64 = 0.3;

@@ -3,8 +3,11 @@
 
 pub(crate) mod columns;
 pub(crate) mod gram;
+pub(crate) mod leakage;
 mod limits;
+pub(crate) mod measured_model;
 pub(crate) mod phased;
 pub(crate) mod structural;
 pub(crate) mod verdict;
 pub(crate) mod viscous;
+pub(crate) mod window_kernel;

@@ -298,6 +298,7 @@ mod tests {
             b: Array2::zeros((900, 0)),
             x,
             law,
+            leakage: None,
         }
     }
 

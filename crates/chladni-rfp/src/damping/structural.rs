@@ -2,7 +2,7 @@
 //! structural law, where they are complex-analytic in the poles, and what stands for them
 //! in the viscous one.
 
-use crate::damping::columns::{loss, resonance};
+use crate::damping::columns::{loss, resonance, Leaking};
 use crate::data::columns::Columns;
 use ndarray::{Array2, ShapeBuilder};
 use num_complex::Complex64;
@@ -16,8 +16,13 @@ pub(crate) fn basis(work: &Columns, lambda: &[Complex64], powers: &[i32]) -> Arr
     let mut a = Array2::zeros((work.lines(), lambda.len() + powers.len()).f());
     for (mut column, &pole) in a.columns_mut().into_iter().zip(lambda) {
         let column = column.as_slice_mut().expect("column-major");
-        for ((value, &x), &g) in column.iter_mut().zip(&work.x).zip(&work.g) {
-            *value = resonance(work.law, pole, x) * g;
+        let lines = column.iter_mut().zip(&work.x).zip(&work.g);
+        match &work.leakage {
+            None => lines.for_each(|((value, &x), &g)| *value = resonance(work.law, pole, x) * g),
+            Some(leakage) => {
+                let leaking = Leaking::new(work.law, leakage, pole);
+                lines.for_each(|((value, &x), &g)| *value = leaking.at(x)[0] * g);
+            }
         }
     }
     for (p, &power) in powers.iter().enumerate() {
@@ -34,9 +39,16 @@ pub(crate) fn basis_derivative(work: &Columns, lambda: &[Complex64]) -> Array2<C
     let mut d = Array2::zeros((work.lines(), lambda.len()).f());
     for (mut column, &pole) in d.columns_mut().into_iter().zip(lambda) {
         let column = column.as_slice_mut().expect("column-major");
-        for ((value, &x), &g) in column.iter_mut().zip(&work.x).zip(&work.g) {
-            let resonance = resonance(work.law, pole, x);
-            *value = resonance * resonance * (-g * loss(work.law, pole, x));
+        let lines = column.iter_mut().zip(&work.x).zip(&work.g);
+        match &work.leakage {
+            None => lines.for_each(|((value, &x), &g)| {
+                let resonance = resonance(work.law, pole, x);
+                *value = resonance * resonance * (-g * loss(work.law, pole, x));
+            }),
+            Some(leakage) => {
+                let leaking = Leaking::new(work.law, leakage, pole);
+                lines.for_each(|((value, &x), &g)| *value = leaking.at(x)[1] * g);
+            }
         }
     }
     d

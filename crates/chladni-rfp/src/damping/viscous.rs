@@ -34,8 +34,15 @@ pub(crate) fn viscous_basis(work: &Columns, poles: &[Complex64], powers: &[i32])
     for (n, &pole) in poles.iter().enumerate() {
         let uv = || {
             work.x.iter().zip(&work.g).map(move |(&x, &g)| {
-                let jy = Complex64::new(0.0, x.sqrt());
-                (inverse(jy - pole) * g, inverse(jy - pole.conj()) * g)
+                let y = x.sqrt();
+                let jy = Complex64::new(0.0, y);
+                let (own, other) = (inverse(jy - pole) * g, inverse(jy - pole.conj()) * g);
+                match &work.leakage {
+                    Some(leakage) if pole.re < 0.0 => {
+                        (own * leakage.factor_of_pole(pole, y), other)
+                    }
+                    _ => (own, other),
+                }
             })
         };
         stack_into(&mut a, 2 * n, uv().map(|(u, v)| u + v));

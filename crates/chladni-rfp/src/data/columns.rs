@@ -6,9 +6,11 @@
 //! receptance back into the measured kind, so that residuals are those of the measurement
 //! and white noise stays white.
 
+use crate::damping::leakage::Leakage;
 use chladni_frf::Damping;
 use ndarray::{Array1, Array2, ShapeBuilder};
 use num_complex::Complex64;
+use std::sync::Arc;
 
 /// Weighted columns on the selected lines.
 #[derive(Debug, Clone)]
@@ -21,6 +23,8 @@ pub(crate) struct Columns {
     pub b: Array2<Complex64>,
     /// The law that poles follow: see [`crate::damping::columns`].
     pub law: Damping,
+    /// What records and windows do to the columns of poles, where it is known.
+    pub leakage: Option<Arc<Leakage>>,
 }
 
 impl Columns {
@@ -84,11 +88,17 @@ impl Columns {
             g: self.g.clone(),
             b,
             law: self.law,
+            leakage: self.leakage.clone(),
         }
     }
     /// The same data, whose poles follow another law.
     pub fn in_law(self, law: Damping) -> Self {
         Self { law, ..self }
+    }
+    /// Lines of records whose first 1/`factor` alone holds samples.
+    pub fn of_padded(self, factor: usize) -> Self {
+        let leakage = self.leakage.map(|leakage| Arc::new(leakage.padded(factor)));
+        Self { leakage, ..self }
     }
     /// The same lines without data.
     pub fn axis(&self) -> Self {
@@ -105,6 +115,7 @@ impl Columns {
             g: lines.iter().map(|&k| self.g[k]).collect(),
             b,
             law: self.law,
+            leakage: self.leakage.clone(),
         }
     }
     /// A stretch of lines.
@@ -116,6 +127,7 @@ impl Columns {
             g: self.g[rows].to_vec(),
             b,
             law: self.law,
+            leakage: self.leakage.clone(),
         }
     }
     /// Rows multiplied by `weights`, in the data and in g.

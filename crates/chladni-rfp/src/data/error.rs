@@ -45,10 +45,10 @@ pub enum FitError {
         /// Lines needed.
         needed: usize,
     },
-    /// The bias of a window can be undone on whole records only.
+    /// The length of the records follows from the distance of lines.
     #[error(
-        "a window's bias is undone in the time domain, which needs every line from 0 Hz on, \
-             evenly spaced; found {found}"
+        "what a window does to the lines depends on the length of the records, which is the \
+             inverse of the line spacing: evenly spaced lines are needed; found {found}"
     )]
     WindowAxis {
         /// What stands in the way.

@@ -1,13 +1,15 @@
 //! What is known of the data besides their values: lines, FRFs, scale. All that comes
 //! after the passes over the data needs no more.
 
+use crate::damping::leakage::Leakage;
 use crate::data::columns::Columns;
-use crate::data::options::Effort;
+use crate::data::options::{Effort, Window};
 use crate::data::pair_weights::{Giver, PairWeights, Weights};
 use chladni_frf::{Damping, Dof, Finding, FrfKind, FrfSet, Node, ReferenceUnit};
 use ndarray::{Array2, ArrayView1};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// Which lines and FRFs are used, and what they are measured in.
 #[derive(Debug, Clone)]
@@ -44,6 +46,10 @@ pub(crate) struct DataLayout {
     pub g: Vec<f64>,
     /// The law that poles are sought in.
     pub law: Damping,
+    /// How the records were windowed, where it is known.
+    pub window: Option<Window>,
+    /// What that does to the columns of poles; `None` where it does nothing.
+    pub leakage: Option<Arc<Leakage>>,
     /// What was left out, in words.
     pub warnings: Vec<Finding>,
     /// What is spent on finding poles.
@@ -135,6 +141,8 @@ impl DataLayout {
             x: Vec::new(),
             g: Vec::new(),
             law: Damping::Structural,
+            window: None,
+            leakage: None,
             warnings: Vec::new(),
             effort,
             energy: Vec::new(),
@@ -151,6 +159,23 @@ impl DataLayout {
         head.x = ratio.iter().map(|r| r * r).collect();
         head.g = ratio.iter().map(|r| r.powi(kind.omega_power())).collect();
         head
+    }
+
+    /// Records under `window`, as `made` or, where that is not known, of the inverse of the
+    /// line spacing.
+    ///
+    /// * `record_s`: part of a record that holds samples
+    pub fn windowed(self, window: Option<Window>, record_s: f64) -> Self {
+        let kernel = window.and_then(Window::kernel);
+        let leakage = kernel.map(|kernel| {
+            let record = record_s * self.omega_max;
+            Arc::new(Leakage::new(kernel, record, self.kind.omega_power()))
+        });
+        Self {
+            window,
+            leakage,
+            ..self
+        }
     }
 
     /// Only the lines at `kept` (positions among those used); the scale stays.
@@ -244,6 +269,7 @@ impl DataLayout {
             g: self.g.clone(),
             b: Array2::zeros((self.x.len(), 0)),
             law: self.law,
+            leakage: self.leakage.clone(),
         }
     }
 }

@@ -115,3 +115,11 @@ pub(super) const SKETCH_LANES: usize = 8;
 
 /// Largest deviation of a line from an even axis, as a part of the spacing.
 pub(super) const EVEN: f64 = 0.01;
+
+// options.rs
+
+/// Largest β: of a window that is all but a point.
+pub(super) const BETA_MOST: f64 = 40.0;
+
+/// Values and harmonics that a window without a closed form is taken by.
+pub(super) const BY_VALUES: (usize, usize) = (1024, 256);

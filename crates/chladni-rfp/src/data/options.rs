@@ -1,10 +1,10 @@
 //! What a user may turn.
 
+use crate::damping::window_kernel::{WindowKernel, BLACKMAN, FLATTOP, HAMMING, HANN};
 use crate::data::limits;
 use crate::tolerances as tol;
 use chladni_frf::{Damping, ModalModel};
 use serde_json::Value;
-use std::f64::consts::{PI, TAU};
 use std::fmt;
 use std::str::FromStr;
 
@@ -226,11 +226,11 @@ pub struct FitOptions {
     pub rfp: RfpOptions,
     /// What shapes may be while poles are refined (`auto` only).
     pub shapes: ShapeModel,
-    /// Window of the records that the FRFs were averaged from (random excitation);
-    /// `None`: not known, nothing is undone and the possible bias named.
+    /// Window of the records that the FRFs were averaged from; `None`: as the set says
+    /// itself, else not known: nothing leaks, and the possible bias is named.
     pub window: Option<Window>,
     /// Decay of the exponential window that the responses were multiplied with (hammer
-    /// tests), 1/s: e^{−αt}.
+    /// tests), 1/s: e^{−αt}; `None`: as the set says itself.
     pub exponential_window_per_s: Option<f64>,
     /// Frequencies at which the user has seen a mode, Hz: a pole is fitted there with the
     /// others, whatever the evidence, and graded like them (`auto` only).
@@ -288,53 +288,167 @@ impl FitOptions {
     }
 }
 
-/// The window of the records that FRFs were estimated from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// How the records that FRFs were estimated from were excited and windowed: both decide
+/// what leaks.
+#[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Window {
-    /// No bias: hammer, burst, sine or simulated data; nothing is done, and nothing said.
+    /// No bias: stepped or periodic signals, local methods, simulated data; nothing is
+    /// done, and nothing said.
     None,
-    /// Rectangular window on continuous random excitation.
+    /// Blows and what else ends inside the record, the response to the end of it: damping
+    /// has no bias, residues lose what is cut off.
+    Transient,
+    /// Continuous random excitation without a window.
     Rectangular,
-    /// Hann window on continuous random excitation.
+    /// Continuous random excitation, sin²(πt/T).
     Hann,
+    /// Continuous random excitation, 0.54 − 0.46 cos(2πt/T).
+    Hamming,
+    /// Continuous random excitation, 0.42 − 0.5 cos(2πt/T) + 0.08 cos(4πt/T).
+    Blackman,
+    /// Continuous random excitation, the flat top of ISO 18431-2.
+    Flattop,
+    /// Continuous random excitation, Kaiser's window.
+    Kaiser {
+        /// Its parameter β, 0 to 40.
+        beta: f64,
+    },
+    /// Random excitation in the first part of each record alone, the response to its end.
+    Burst {
+        /// That part, above 0 to 1.
+        part: f64,
+    },
 }
 
 impl FromStr for Window {
     type Err = String;
     fn from_str(text: &str) -> Result<Self, String> {
-        Self::ALL
-            .into_iter()
-            .find(|window| window.as_str() == text)
-            .ok_or_else(|| format!("`{text}` is no window; write none, hann or rectangular"))
+        let (name, number) = match text.split_once(':') {
+            Some((name, number)) => (name, number.parse::<f64>().ok().filter(|n| n.is_finite())),
+            None => (text, None),
+        };
+        match (name, number) {
+            ("kaiser", Some(beta)) if (0.0..=limits::BETA_MOST).contains(&beta) => {
+                Ok(Self::Kaiser { beta })
+            }
+            ("burst", Some(part)) if part > 0.0 && part <= 1.0 => Ok(Self::Burst { part }),
+            _ => Self::NAMED
+                .into_iter()
+                .find(|window| window.to_string() == text)
+                .ok_or_else(|| {
+                    format!(
+                        "`{text}` is no window that FRFs can have; write {}",
+                        Self::WORDS
+                    )
+                }),
+        }
     }
 }
 
 impl fmt::Display for Window {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.as_str())
+        match self {
+            Self::None => f.write_str("none"),
+            Self::Transient => f.write_str("transient"),
+            Self::Rectangular => f.write_str("rectangular"),
+            Self::Hann => f.write_str("hann"),
+            Self::Hamming => f.write_str("hamming"),
+            Self::Blackman => f.write_str("blackman"),
+            Self::Flattop => f.write_str("flattop"),
+            Self::Kaiser { beta } => write!(f, "kaiser:{beta}"),
+            Self::Burst { part } => write!(f, "burst:{part}"),
+        }
     }
 }
 
 impl Window {
-    /// All windows, in the order of the documentation.
-    pub const ALL: [Self; 3] = [Self::None, Self::Hann, Self::Rectangular];
+    /// Those without a number.
+    const NAMED: [Self; 7] = [
+        Self::None,
+        Self::Transient,
+        Self::Hann,
+        Self::Hamming,
+        Self::Blackman,
+        Self::Flattop,
+        Self::Rectangular,
+    ];
+    /// All, as they are written.
+    pub const WORDS: &'static str = "none, transient, hann, hamming, blackman, flattop, \
+                                     rectangular, kaiser:BETA (0 to 40) or burst:PART (above 0 to 1)";
 
-    /// Name on the command line and in result files.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Rectangular => "rectangular",
-            Self::Hann => "hann",
+    /// What it does to the columns of a fit; `None`: nothing.
+    pub(crate) fn kernel(self) -> Option<WindowKernel> {
+        Some(match self {
+            Self::None => return None,
+            Self::Transient => WindowKernel::Transient,
+            Self::Rectangular => WindowKernel::cosines(&[1.0]),
+            Self::Hann => WindowKernel::cosines(&HANN),
+            Self::Hamming => WindowKernel::cosines(&HAMMING),
+            Self::Blackman => WindowKernel::cosines(&BLACKMAN),
+            Self::Flattop => WindowKernel::cosines(&FLATTOP),
+            Self::Kaiser { beta } => {
+                let (values, harmonics) = limits::BY_VALUES;
+                let place = |k: usize| 2.0 * (k as f64 + 0.5) / values as f64 - 1.0;
+                let value = |k: usize| bessel_0(beta * (1.0 - place(k).powi(2)).sqrt());
+                let window: Vec<f64> = (0..values).map(value).collect();
+                WindowKernel::of_values(&window, harmonics)
+            }
+            Self::Burst { part } => WindowKernel::Burst { part },
+        })
+    }
+}
+
+/// I₀(x), the modified Bessel function of the first kind: Σ_k (x²/4)^k/(k!)².
+fn bessel_0(x: f64) -> f64 {
+    let quarter = 0.25 * x * x;
+    let (mut term, mut sum, mut k) = (1.0, 1.0, 0.0);
+    while term > f64::EPSILON * sum {
+        k += 1.0;
+        term *= quarter / (k * k);
+        sum += term;
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use num_complex::Complex64;
+
+    #[test]
+    fn windows_are_read_as_they_are_written() {
+        for window in Window::NAMED
+            .into_iter()
+            .chain([Window::Kaiser { beta: 8.6 }, Window::Burst { part: 0.5 }])
+        {
+            assert_eq!(window.to_string().parse(), Ok(window));
+            assert!(Window::WORDS.contains(window.to_string().split(':').next().unwrap()));
+        }
+        for wrong in [
+            "",
+            "hanning",
+            "kaiser",
+            "kaiser:-1",
+            "kaiser:nan",
+            "burst:0",
+            "burst:1.5",
+        ] {
+            let message = wrong.parse::<Window>().unwrap_err();
+            assert!(message.contains("burst:PART"), "{message}");
         }
     }
 
-    /// Autocorrelation at a lag of `u` record lengths (0..1), 1 at zero lag.
-    pub fn autocorrelation(self, u: f64) -> f64 {
-        match self {
-            Self::None => 1.0,
-            Self::Rectangular => 1.0 - u,
-            Self::Hann => ((1.0 - u) * (2.0 + (TAU * u).cos()) + 1.5 / PI * (TAU * u).sin()) / 3.0,
-        }
+    #[test]
+    fn kaisers_window_without_a_taper_is_rectangular() {
+        assert!((bessel_0(5.0) - 27.239_871_823_604_44).abs() < 1e-12);
+        let z = Complex64::new(2.0, 3.0);
+        let [kaiser, rectangular] = [Window::Kaiser { beta: 0.0 }, Window::Rectangular]
+            .map(|window| window.kernel().unwrap().value_and_slope(z)[0]);
+        // the series of a triangle converges slowly
+        assert!(
+            (kaiser - rectangular).norm() < 1e-3,
+            "{kaiser} {rectangular}"
+        );
     }
 }

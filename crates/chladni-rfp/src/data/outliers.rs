@@ -6,6 +6,7 @@
 //! many times the level around it while its neighbours are sound. A resonance, however
 //! narrow, has tails on the lines beside it.
 
+use crate::damping::measured_model::frf_matrix;
 use crate::data::layout::DataLayout;
 use crate::data::limits;
 use crate::data::peaks::running_median;
@@ -66,7 +67,9 @@ pub(crate) fn single_lines(left: &[f64], fitted: &[f64]) -> Vec<usize> {
 
 /// Energies of residual and model over all FRFs on one line, each times its weight.
 fn energies(data: &Screened, model: &ModalModel, k: usize) -> (f64, f64) {
-    let matrix = model.frf_matrix(data.kind, data.frf.frequency_hz[k]);
+    let leakage = data.leakage.as_deref();
+    let in_units = (data.kind, data.omega_max);
+    let matrix = frf_matrix(model, leakage, in_units, data.frf.frequency_hz[k]);
     data.pairs
         .iter()
         .fold((0.0, 0.0), |(left, fitted), &(i, j)| {

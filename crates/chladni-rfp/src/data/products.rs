@@ -59,6 +59,7 @@ impl Projected {
                 g: data.g.clone(),
                 b,
                 law: data.law,
+                leakage: data.leakage.clone(),
             },
             back: blocked_matmul_h(half.view(), r0.view()),
             beyond,

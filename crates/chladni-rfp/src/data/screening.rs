@@ -8,6 +8,7 @@ use crate::data::noisy_frfs::far_noisier;
 use crate::data::options::FitOptions;
 use crate::data::reading::{energy, visit, Usable};
 use crate::data::sketch::{Mixing, Sums};
+use crate::data::window::record_s;
 use chladni_frf::{Finding, FrfSet};
 use ndarray::{Array2, ArrayView1, ShapeBuilder};
 use num_complex::Complex64;
@@ -120,6 +121,7 @@ impl<'a> Screened<'a> {
             pairs,
             warnings,
             ..DataLayout::new(frf, kind, lines, [low, high], options.effort)
+                .windowed(options.window, record_s(frf, options)?)
         };
         head.energy = if bad.contains(&true) {
             head.pairs
@@ -177,6 +179,7 @@ impl<'a> Screened<'a> {
             g: self.g.clone(),
             b: self.block(0..self.pairs.len(), 0..self.lines.len()),
             law: self.law,
+            leakage: self.leakage.clone(),
         }
     }
 }

@@ -107,6 +107,7 @@ mod tests {
                 x: x.clone(),
                 b,
                 law: chladni_frf::Damping::Structural,
+                leakage: None,
             },
             x,
         )

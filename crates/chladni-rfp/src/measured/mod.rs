@@ -19,6 +19,3 @@ pub(crate) mod resolved;
 pub(crate) mod sandwich;
 pub(crate) mod search;
 pub(crate) mod twins;
-// not used by the fit yet: the columns take it up once an FRF set's window is known to it
-#[allow(dead_code)]
-pub(crate) mod window_kernel;

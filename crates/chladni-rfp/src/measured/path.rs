@@ -114,17 +114,13 @@ fn on_columns(
             )
             .value("padding_factor", factor as f64),
         );
-        work = work.select(&(0..work.lines()).step_by(factor).collect::<Vec<_>>());
+        work = work
+            .select(&(0..work.lines()).step_by(factor).collect::<Vec<_>>())
+            .of_padded(factor);
     }
-    let windowed = windowed(
-        &work,
-        &data
-            .line_hz
-            .iter()
-            .copied()
-            .step_by(factor)
-            .collect::<Vec<_>>(),
-    );
+    let thinned_hz = data.line_hz.iter().copied().step_by(factor);
+    // a window that is known is in the columns
+    let windowed = data.window.is_none() && windowed(&work, &thinned_hz.collect::<Vec<_>>());
     if windowed {
         warnings.push(
             Finding::caution(

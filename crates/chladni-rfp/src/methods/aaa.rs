@@ -228,6 +228,7 @@ mod tests {
                 x,
                 b,
                 law: chladni_frf::Damping::Structural,
+                leakage: None,
             },
             poles,
         )

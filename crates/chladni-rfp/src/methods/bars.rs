@@ -55,6 +55,11 @@ pub(crate) fn fit_by_method(
     watch.stage("poles")?;
     let mut found = method(&survey, &columns, options)?;
     watch.stage("residues")?;
+    let mut how = String::from("no maximum-likelihood step");
+    if data.leakage.is_some() {
+        off_window(&columns.work, &mut found)?;
+        how = "then maximum likelihood with the line shape of the window".into();
+    }
     merge_equal(&mut found);
     let (lines, modes) = (data.lines.len(), found.poles.len());
     let needed = modes + POWERS.len() + 1;
@@ -77,10 +82,7 @@ pub(crate) fn fit_by_method(
         work: columns.work.in_law(damping),
         back: columns.back,
         variance,
-        path: format!(
-            "{}: {}, no maximum-likelihood step",
-            options.method, found.how
-        ),
+        path: format!("{}: {}, {how}", options.method, found.how),
         warnings: found.warnings,
         consistent: true,
         real_shapes: false,
@@ -117,6 +119,16 @@ pub fn stabilization(frf: &FrfSet, options: &FitOptions) -> Result<Stabilization
     Ok(lscf(&survey, &columns, options)?
         .stabilization
         .unwrap_or_default())
+}
+
+/// Takes poles of pure resonances to those of the lines that a window broadens: no method
+/// but maximum likelihood has its line shape.
+fn off_window(work: &Columns, found: &mut MethodPoles) -> Result<(), LinalgError> {
+    let lambda: Vec<Complex64> = found.poles.iter().map(|s| -s * s).collect();
+    let refined = refine(work, &lambda, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?;
+    let poles = refined.lambda.iter().map(|l| Complex64::i() * l.sqrt());
+    found.poles = poles.collect();
+    Ok(())
 }
 
 /// Drops poles that stand on another one.

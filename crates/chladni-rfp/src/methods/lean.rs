@@ -34,7 +34,6 @@ use crate::poles::refine::{refine, refined_poles, removable, Refined};
 use crate::poles::scan::usual_loss;
 use crate::tolerances as tol;
 use chladni_linalg::{qr_thin, LinalgError};
-use ndarray::Array2;
 use num_complex::Complex64;
 
 /// Loss factor over the usual one from which a pole of the band, beyond as many as are
@@ -67,12 +66,7 @@ pub(crate) fn lean(survey: &Survey, options: &FitOptions) -> Result<PoleEstimate
     }
 
     let data = survey.data;
-    let all = Columns {
-        x: data.x.clone(),
-        g: data.g.clone(),
-        b: Array2::zeros((data.lines.len(), 0)),
-        law: data.law,
-    };
+    let all = data.axis();
     rough.extend(beyond(&all, &rough));
     let projected = project(
         data,

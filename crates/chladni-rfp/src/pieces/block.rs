@@ -10,7 +10,7 @@ use crate::data::reading::{squares_of, Usable};
 use crate::data::screening::Screened;
 use crate::data::sketch::{self, Mixing};
 use crate::data::source::Way;
-use crate::data::window;
+use crate::data::window::told;
 use crate::pieces::error::PieceError;
 use crate::pieces::partial::{Block, Partial, ProductSums, Run, SketchSums, Sums};
 use crate::pieces::plan::Plan;
@@ -119,7 +119,7 @@ impl Reducer {
     ///
     /// # Errors
     /// [`FitError`]: unknown kind, a band outside the data, no FRF with values, a window
-    /// that cannot be undone; data that differ from those the poles were found on.
+    /// of records whose length the lines do not tell; data that differ from those the poles were found on.
     pub fn block(
         &self,
         frf: &FrfSet,
@@ -128,13 +128,8 @@ impl Reducer {
     ) -> Result<Partial, PieceError> {
         let plan = Plan {
             reading: self.reading.clone(),
-            ..Plan::new(frf, &self.options)?
+            ..Plan::new(frf, &told(frf, &self.options))?
         };
-        let unbiased = self
-            .options
-            .window
-            .map_or(Ok(None), |window| window::undo(frf, window))?;
-        let frf = unbiased.as_ref().unwrap_or(frf);
         if let Some(poles) = &self.poles {
             poles.plan.same(&plan, &format!("block {number}"))?;
         }

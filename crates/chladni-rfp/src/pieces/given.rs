@@ -5,7 +5,7 @@ use crate::data::options::FitOptions;
 use crate::data::products::project;
 use crate::data::screening::Screened;
 use crate::data::source::Source;
-use crate::data::window;
+use crate::data::window::told;
 use crate::model::build::Shaped;
 use crate::model::given::GivenPoles;
 use crate::pieces::error::PieceError;
@@ -25,12 +25,9 @@ pub fn residues(
 ) -> Result<ModalModel, PieceError> {
     let options = FitOptions {
         band_hz: Some(model.band_hz),
-        ..options.clone()
+        ..told(frf, options)
     };
-    let unbiased = options
-        .window
-        .map_or(Ok(None), |window| window::undo(frf, window))?;
-    let data = Screened::new(unbiased.as_ref().unwrap_or(frf), &options)?;
+    let data = Screened::new(frf, &options)?;
     let given = GivenPoles::new(model, data.omega_max);
     let given = if data.pairs.len() <= 2 * given.unknowns() {
         given.on(data.work(), None)?

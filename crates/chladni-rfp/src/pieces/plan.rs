@@ -2,8 +2,9 @@
 
 use crate::data::error::FitError;
 use crate::data::layout::DataLayout;
-use crate::data::options::{Effort, FitOptions};
+use crate::data::options::{Effort, FitOptions, Window};
 use crate::data::screening::lines_in_band;
+use crate::data::window::record_s;
 use chladni_frf::{Error, FrfKind, FrfSet, ReferenceUnit};
 use ndarray::ArrayView1;
 use serde::{Deserialize, Serialize};
@@ -21,8 +22,12 @@ pub(crate) struct Plan {
     pub seed: u64,
     /// Of the sketch.
     pub columns: usize,
-    /// Window whose bias is undone.
+    /// Window of the records.
     pub window: Option<String>,
+    /// Part of each record that holds samples, s.
+    pub record_s: f64,
+    /// Decay that the data say was added to every pole, 1/s.
+    pub exponential_window_per_s: Option<f64>,
     /// Options that the data were read with, as the caller names them.
     pub reading: BTreeMap<String, String>,
 }
@@ -36,7 +41,9 @@ impl Plan {
             band_hz: options.band_hz,
             seed: options.seed,
             columns: options.effort.sketch_columns.max(1),
-            window: options.window.map(|window| window.as_str().into()),
+            window: options.window.map(|window| window.to_string()),
+            record_s: record_s(frf, options)?,
+            exponential_window_per_s: options.exponential_window_per_s,
             reading: BTreeMap::new(),
         })
     }
@@ -58,8 +65,13 @@ impl Plan {
         );
         Ok(DataLayout {
             reference_unit: self.reference_unit,
-            ..head
+            ..head.windowed(self.window(), self.record_s)
         })
+    }
+
+    /// Window of the records, where it is known.
+    pub fn window(&self) -> Option<Window> {
+        self.window.as_deref().and_then(|name| name.parse().ok())
     }
 
     /// Whether `other` belongs to the same fit.
@@ -113,6 +125,23 @@ impl Plan {
             let words =
                 |window: &Option<String>| window.clone().unwrap_or_else(|| "not said".into());
             return error("window", words(&other.window), words(&self.window));
+        }
+        if self.record_s != other.record_s {
+            let words = |record_s: f64| format!("{record_s} s");
+            return error(
+                "length of the records",
+                words(other.record_s),
+                words(self.record_s),
+            );
+        }
+        if self.exponential_window_per_s != other.exponential_window_per_s {
+            let words =
+                |decay: Option<f64>| decay.map_or("none".into(), |decay| format!("{decay} 1/s"));
+            return error(
+                "exponential window",
+                words(other.exponential_window_per_s),
+                words(self.exponential_window_per_s),
+            );
         }
         let differs = |name: &&String| self.reading.get(*name) != other.reading.get(*name);
         if let Some(name) = self

@@ -148,11 +148,6 @@ impl Poles {
     /// Options of the first pass, to run the second with: band, seed, window, sketch, and
     /// the number of modes asked for.
     pub fn options(&self) -> FitOptions {
-        let window = self
-            .plan
-            .window
-            .as_deref()
-            .and_then(|name| name.parse().ok());
         let effort = Effort {
             sketch_columns: self.plan.columns,
             ..Effort::default()
@@ -161,7 +156,7 @@ impl Poles {
             band_hz: self.plan.band_hz,
             modes: self.modes,
             seed: self.plan.seed,
-            window,
+            window: self.plan.window(),
             effort,
             ..FitOptions::default()
         }

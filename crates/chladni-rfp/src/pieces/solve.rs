@@ -44,6 +44,9 @@ pub fn solve(
         let options = FitOptions {
             modes: merged.modes(),
             seed: partial.plan.seed,
+            exponential_window_per_s: options
+                .exponential_window_per_s
+                .or(partial.plan.exponential_window_per_s),
             ..options.clone()
         };
         match walk(merged, &options, &watch) {

@@ -54,6 +54,8 @@ impl Plan {
     /// Number of lines in the band.
     fn check(&self) -> Result<usize, Error> {
         finite("frequency axis", self.frequency_hz.iter().copied())?;
+        finite("length of the records", [self.record_s])?;
+        finite("exponential window", self.exponential_window_per_s)?;
         let axis = &self.frequency_hz;
         if axis.first().is_some_and(|hz| *hz < 0.0) || axis.windows(2).any(|two| two[1] <= two[0]) {
             return Err(refused(

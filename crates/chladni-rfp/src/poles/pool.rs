@@ -80,13 +80,17 @@ pub(crate) fn vector_fit(
     iterations: usize,
     how: Products,
 ) -> Result<Pool, LinalgError> {
-    // zeros of σ are poles in x, whatever law they will be refined in
-    let structural;
-    let work = match work.law {
-        Damping::Structural => work,
-        Damping::Viscous => {
-            structural = work.clone().in_law(Damping::Structural);
-            &structural
+    // zeros of σ are poles in x, whatever law they will be refined in and whatever leaks
+    let rational;
+    let leakage = work.leakage.as_deref();
+    let work = match (work.law, leakage) {
+        (Damping::Structural, None) => work,
+        _ => {
+            rational = Columns {
+                leakage: None,
+                ..work.clone().in_law(Damping::Structural)
+            };
+            &rational
         }
     };
     let mut pool = Pool {
@@ -118,6 +122,11 @@ pub(crate) fn vector_fit(
         }
         before = left;
     }
+    if let Some(leakage) = leakage {
+        for pole in &mut pool.lambda {
+            *pole = leakage.narrowed(*pole);
+        }
+    }
     Ok(pool)
 }
 
@@ -145,6 +154,7 @@ fn relocate(
         g: vec![1.0; lines],
         b: Array2::zeros((lines, 0)),
         law: work.law,
+        leakage: None,
     };
     let psi = basis(&ones, lambda, &[0]);
     let sums: Array1<Complex64> = psi.columns().into_iter().map(|c| c.sum()).collect();

@@ -75,6 +75,7 @@ mod tests {
                 x,
                 b: Array2::zeros((n, 1)),
                 law: chladni_frf::Damping::Structural,
+                leakage: None,
             },
             positions.iter().map(peak).collect(),
         )

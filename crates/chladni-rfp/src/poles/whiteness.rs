@@ -239,6 +239,7 @@ mod tests {
                 x,
                 b: residual.clone(),
                 law: chladni_frf::Damping::Structural,
+                leakage: None,
             },
             poles,
             residual,

@@ -154,6 +154,7 @@ mod tests {
             b: Array2::zeros((x.len(), 0)),
             x,
             law: chladni_frf::Damping::Structural,
+            leakage: None,
         };
         let band: Vec<Complex64> = (1..10)
             .map(|n| Complex64::new(0.1 * f64::from(n), 0.02))

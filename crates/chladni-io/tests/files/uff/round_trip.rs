@@ -253,10 +253,11 @@ fn single_precision_and_coherence_round_trip() {
 
 #[test]
 fn id_line_5_says_how_a_set_was_estimated() {
-    use chladni_frf::{BlockWindow, Estimation, Estimator};
+    use chladni_frf::{BlockWindow, Estimation, Estimator, Forcing};
     let made = |estimator, window, averages| Estimation {
         estimator,
         window,
+        forcing: (!Estimator::is_local(estimator)).then_some(Forcing::Transient),
         transform_s: 12.5,
         gate_s: 12.5,
         hop_s: 12.5 / 3.0,
@@ -267,11 +268,11 @@ fn id_line_5_says_how_a_set_was_estimated() {
     for (estimation, expected) in [
         (
             made(Estimator::Hv, window, [10, 20]),
-            "hv window=exponential alpha=0.250000/s hop=4.166667s T=12.500000s n=10-20",
+            "hv window=exponential alpha=0.25/s hop=4.166667s T=12.5s n=10-20 force=transient",
         ),
         (
             made(Estimator::Lrm, BlockWindow::Rectangular, [1, 1]),
-            "lrm lines=13 T=12.500000s n=1",
+            "lrm lines=13 T=12.5s n=1",
         ),
     ] {
         let contents = Contents {
@@ -285,6 +286,14 @@ fn id_line_5_says_how_a_set_was_estimated() {
         for function in &document.functions {
             assert_eq!(function.id_lines[4], expected);
         }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("made.unv");
+        chladni_io::write_frf(&path, contents.frf.as_ref().unwrap(), false).unwrap();
+        let (set, ..) = chladni_io::read_frf(&[path], &chladni_io::ReadOptions::default()).unwrap();
+        assert_eq!(
+            set.estimation.map(|made| made.to_string()),
+            Some(expected.into())
+        );
     }
 }
 

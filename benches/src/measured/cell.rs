@@ -1,0 +1,150 @@
+//! The ways to measure that are simulated.
+
+use chladni_frf::BlockWindow;
+
+/// How the structure is excited.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum MeasuredForce {
+    /// Noise without beginning or end.
+    Random,
+    /// Noise in the first part of each record, the structure at rest before.
+    Burst(f64),
+    /// A blow at the start of each record, the structure at rest before.
+    Hammer,
+}
+
+/// One way to measure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeasuredCell {
+    /// Excitation.
+    pub force: MeasuredForce,
+    /// Window of the blocks.
+    pub window: BlockWindow,
+    /// Length of all that is measured, in records.
+    pub records: usize,
+    /// Overlap of blocks.
+    pub overlap: f64,
+    /// Lines per half-power bandwidth of every mode.
+    pub lines_per_bandwidth: f64,
+    /// How far the force drops at each resonance, dB.
+    pub drop_db: f64,
+    /// Noise of the force below it, dB.
+    pub force_snr_db: f64,
+}
+
+impl MeasuredCell {
+    /// Blocks that are averaged.
+    pub fn averages(&self) -> usize {
+        let hop = 1.0 - self.overlap;
+        ((self.records as f64 - 1.0) / hop + 1e-6) as usize + 1
+    }
+
+    /// In words, its own for each cell of the table.
+    pub fn name(&self) -> String {
+        let force = match self.force {
+            MeasuredForce::Random => "random".into(),
+            MeasuredForce::Burst(part) => format!("burst {part}"),
+            MeasuredForce::Hammer => "hammer".into(),
+        };
+        let mut name = format!("{force} {} {}", self.window.name(), self.averages());
+        if self.overlap > 0.0 {
+            name += &format!(" x {:.2}", self.overlap);
+        }
+        name += &format!(" b={}", self.lines_per_bandwidth);
+        if self.drop_db > 0.0 {
+            name += &format!(" drop {} dB", self.drop_db);
+        }
+        if self.force_snr_db.is_finite() {
+            name += &format!(" force {} dB", self.force_snr_db);
+        }
+        name
+    }
+}
+
+/// 16 records of continuous noise, Hann, two thirds overlap: what `estimate --estimator
+/// h1` does.
+const HANN: MeasuredCell = MeasuredCell {
+    force: MeasuredForce::Random,
+    window: BlockWindow::Hann,
+    records: 16,
+    overlap: 2.0 / 3.0,
+    lines_per_bandwidth: 2.0,
+    drop_db: 0.0,
+    force_snr_db: f64::INFINITY,
+};
+const RECTANGULAR: MeasuredCell = MeasuredCell {
+    window: BlockWindow::Rectangular,
+    records: 30,
+    overlap: 0.0,
+    ..HANN
+};
+const BURST: MeasuredCell = MeasuredCell {
+    force: MeasuredForce::Burst(0.9),
+    ..RECTANGULAR
+};
+const HAMMER: MeasuredCell = MeasuredCell {
+    force: MeasuredForce::Hammer,
+    records: 5,
+    ..RECTANGULAR
+};
+/// e^{−3} at the end of a record.
+const EXPONENTIAL: MeasuredCell = MeasuredCell {
+    window: BlockWindow::Exponential {
+        rate_per_s: 3.0 / super::simulation::RECORD_S,
+    },
+    ..HAMMER
+};
+
+const fn at(lines_per_bandwidth: f64, cell: MeasuredCell) -> MeasuredCell {
+    MeasuredCell {
+        lines_per_bandwidth,
+        ..cell
+    }
+}
+
+const fn dropping(drop_db: f64, cell: MeasuredCell) -> MeasuredCell {
+    MeasuredCell { drop_db, ..cell }
+}
+
+const fn noisy(force_snr_db: f64, cell: MeasuredCell) -> MeasuredCell {
+    MeasuredCell {
+        force_snr_db,
+        ..cell
+    }
+}
+
+/// All of them.
+pub const MEASURED_CELLS: &[MeasuredCell] = &[
+    at(1.0, HANN),
+    at(2.0, HANN),
+    at(4.0, HANN),
+    at(8.0, HANN),
+    MeasuredCell {
+        records: 64,
+        ..at(1.0, HANN)
+    },
+    MeasuredCell {
+        records: 64,
+        ..at(2.0, HANN)
+    },
+    MeasuredCell {
+        overlap: 0.0,
+        records: 30,
+        ..at(2.0, HANN)
+    },
+    at(1.0, RECTANGULAR),
+    at(2.0, RECTANGULAR),
+    at(4.0, RECTANGULAR),
+    at(1.0, BURST),
+    at(2.0, BURST),
+    at(4.0, BURST),
+    at(1.0, HAMMER),
+    at(2.0, HAMMER),
+    at(1.0, EXPONENTIAL),
+    at(4.0, EXPONENTIAL),
+    dropping(12.0, at(2.0, HANN)),
+    dropping(12.0, at(4.0, HANN)),
+    dropping(30.0, at(4.0, HANN)),
+    noisy(34.0, at(4.0, HANN)),
+    noisy(34.0, dropping(20.0, at(4.0, HANN))),
+];

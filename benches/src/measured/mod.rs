@@ -1,0 +1,144 @@
+//! Tests simulated in time, estimated and fitted as the program does by itself: what
+//! excitation, window, averages, lines per bandwidth, a force that drops at resonances and
+//! its noise make of frequencies, damping, shapes and their error bars.
+//!
+//! The order is the program's own. Truth is that of the simulation (`simulation.rs`), which
+//! knows nothing of the identification.
+
+mod cell;
+mod figures;
+mod outcome;
+mod simulation;
+mod summary;
+
+pub use cell::{MeasuredCell, MeasuredForce, MEASURED_CELLS};
+pub use figures::measured_figures;
+pub use outcome::{MeasuredOutcome, MeasuredWay};
+pub use summary::{measured_csv, measured_summary, MeasuredSummary};
+
+use crate::countdown::Countdown;
+use crate::journal::Journal;
+use chladni_frf::Result;
+use rayon::prelude::*;
+use std::sync::Mutex;
+
+/// What to run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MeasuredOptions {
+    /// Only every n-th cell.
+    pub every: usize,
+    /// Tests of each cell.
+    pub seeds: usize,
+    /// The first seed; the others follow it.
+    pub first_seed: u64,
+}
+
+/// One test of a cell, fitted in one way.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredRow {
+    /// How it was measured.
+    pub cell: MeasuredCell,
+    /// How it was estimated and fitted.
+    pub way: MeasuredWay,
+    /// Of structure, force and noise.
+    pub seed: u64,
+    /// What came of it.
+    pub outcome: MeasuredOutcome,
+}
+
+/// Simulates and fits all tests, as many at a time as there are threads.
+///
+/// # Errors
+/// Those of the journal; a test that cannot be estimated.
+pub fn measured(
+    options: &MeasuredOptions,
+    journal: &mut Journal,
+    progress: &dyn Fn(&str),
+) -> Result<Vec<MeasuredRow>> {
+    let cells: Vec<&MeasuredCell> = MEASURED_CELLS.iter().step_by(options.every).collect();
+    let mut countdown = Countdown::new(cells.len(), progress);
+    let mut rows = Vec::new();
+    for cell in cells {
+        let seeds = options.first_seed..options.first_seed + options.seeds as u64;
+        let name = |seed: u64| format!("{} {seed}", cell.name());
+        let done = seeds.clone().all(|seed| journal.has(&name(seed)));
+        countdown.next(&cell.name(), done);
+        let shared = Mutex::new(&mut *journal);
+        let kept = || shared.lock().unwrap_or_else(|lock| lock.into_inner());
+        let of_seed = |seed: u64| -> Result<Vec<MeasuredRow>> {
+            let done = kept().has(&name(seed));
+            let fresh = if done {
+                None
+            } else {
+                Some(outcome::outcomes(cell, seed)?)
+            };
+            let outcomes = kept().once(&name(seed), || {
+                fresh.map_or_else(|| outcome::outcomes(cell, seed), Ok)
+            })?;
+            let row = |(way, outcome)| MeasuredRow {
+                cell: *cell,
+                way,
+                seed,
+                outcome,
+            };
+            Ok(outcomes.into_iter().map(row).collect())
+        };
+        let all: Vec<Vec<MeasuredRow>> = seeds
+            .into_par_iter()
+            .map(of_seed)
+            .collect::<Result<Vec<_>>>()?;
+        rows.extend(all.into_iter().flatten());
+    }
+    Ok(rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statistics::mean;
+
+    /// A cell of the table, by its name.
+    fn rows_of(name: &str, seeds: usize) -> Vec<MeasuredRow> {
+        let cell = MEASURED_CELLS.iter().find(|cell| cell.name() == name);
+        let cell = cell.unwrap_or_else(|| panic!("no cell {name}"));
+        (0..seeds as u64)
+            .flat_map(|seed| {
+                let row = move |(way, outcome)| MeasuredRow {
+                    cell: *cell,
+                    way,
+                    seed,
+                    outcome,
+                };
+                outcome::outcomes(cell, seed).unwrap().into_iter().map(row)
+            })
+            .collect()
+    }
+
+    fn loss_ratio(rows: &[MeasuredRow], way: MeasuredWay) -> f64 {
+        let own = rows.iter().filter(|row| row.way == way);
+        mean(own.flat_map(|row| row.outcome.modes.iter().map(|mode| 1.0 + mode.loss_error)))
+    }
+
+    #[test]
+    fn names_of_cells_are_their_own() {
+        for (n, cell) in MEASURED_CELLS.iter().enumerate() {
+            let twin = MEASURED_CELLS[..n]
+                .iter()
+                .find(|other| other.name() == cell.name());
+            assert_eq!(twin, None);
+        }
+    }
+
+    #[test]
+    fn the_window_is_off_at_one_line_per_bandwidth() {
+        let rows = rows_of("random hann 46 x 0.67 b=1", 4);
+        let found: usize = rows.iter().map(|row| row.outcome.modes.len()).sum();
+        let asked: usize = rows.iter().map(|row| row.outcome.true_modes).sum();
+        assert!(found as f64 > 0.9 * asked as f64, "{found} of {asked}");
+        let [told, plain, lrm] = [MeasuredWay::Told, MeasuredWay::Plain, MeasuredWay::Lrm]
+            .map(|way| loss_ratio(&rows, way));
+        assert!(plain > 1.4, "{plain}");
+        assert!((told - 1.0).abs() < 0.15, "{told}");
+        assert!((lrm - 1.0).abs() < 0.02, "{lrm}");
+    }
+}

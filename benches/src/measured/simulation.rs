@@ -1,0 +1,224 @@
+//! A test in time: viscous modes, driven from sample to sample.
+//!
+//! The response of a mode to impulses is sampled: its poles are exact, and what sampling
+//! adds to an FRF is smooth. Where the force drops, white noise goes through a filter with a
+//! zero at every pole s of the structure and a pole at d·Re s + j·Im s: at resonance the
+//! force lies 20·lg d dB lower.
+
+use super::cell::{MeasuredCell, MeasuredForce};
+use chladni_frf::{Channel, Direction, Dof, Run, SignalUnit};
+use num_complex::Complex64;
+use rand_chacha::rand_core::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use std::f64::consts::TAU;
+
+/// Length of a record, s: lines 0.5 Hz apart.
+pub(super) const RECORD_S: f64 = 2.0;
+const RATE_HZ: f64 = 512.0;
+/// Samples of a record.
+pub(super) const RECORD: usize = 1024;
+/// Band that is fitted, Hz.
+pub(super) const BAND_HZ: [f64; 2] = [20.0, 245.0];
+/// Natural frequencies, Hz, before each structure moves its own.
+const MODES_HZ: [f64; 4] = [60.0, 112.0, 168.0, 221.0];
+/// ... by so much of themselves (rms).
+const MOVED: f64 = 0.01;
+/// Responses; the force acts at the first.
+const RESPONSES: usize = 3;
+/// Noise of the responses below their mean square, dB.
+const SNR_DB: f64 = 50.0;
+/// Records before the first that counts, of a continuous force.
+const SETTLING: usize = 6;
+
+/// A mode as it is.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct TrueMode {
+    pub frequency_hz: f64,
+    pub loss_factor: f64,
+    /// At the responses.
+    pub shape: [f64; RESPONSES],
+}
+
+impl TrueMode {
+    fn pole(&self) -> Complex64 {
+        let (omega, zeta) = (TAU * self.frequency_hz, 0.5 * self.loss_factor);
+        omega * Complex64::new(-zeta, (1.0 - zeta * zeta).sqrt())
+    }
+}
+
+/// A test: what was measured, and the truth.
+pub(super) struct Simulated {
+    pub runs: Vec<Run>,
+    pub modes: Vec<TrueMode>,
+}
+
+/// The test of a seed.
+pub(super) fn simulated(cell: &MeasuredCell, seed: u64) -> Simulated {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };
+    let modes = structure(cell, &mut normal);
+    let mut channels = responses(cell, &modes, &mut normal);
+    let velocities = &channels[1..];
+    let power = mean_square(velocities.iter().flatten());
+    let sigma = (power * 10f64.powf(-0.1 * SNR_DB)).sqrt();
+    let force_sigma =
+        (mean_square(channels[0].iter()) * 10f64.powf(-0.1 * cell.force_snr_db)).sqrt();
+    for (n, channel) in channels.iter_mut().enumerate() {
+        let sigma = if n == 0 { force_sigma } else { sigma };
+        channel.iter_mut().for_each(|x| *x += sigma * normal());
+    }
+    let length = match cell.force {
+        MeasuredForce::Random => channels[0].len(),
+        MeasuredForce::Burst(_) | MeasuredForce::Hammer => RECORD,
+    };
+    let runs = (0..channels[0].len() / length)
+        .map(|run| as_run(&channels, run * length..(run + 1) * length))
+        .collect();
+    Simulated { runs, modes }
+}
+
+fn mean_square<'a>(values: impl Iterator<Item = &'a f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), x| (sum + x * x, count + 1.0));
+    sum / count
+}
+
+/// Modes that every response shows.
+fn structure(cell: &MeasuredCell, normal: &mut impl FnMut() -> f64) -> Vec<TrueMode> {
+    let bandwidth_hz = cell.lines_per_bandwidth / RECORD_S;
+    let mode = |hz: &f64| {
+        let frequency_hz = hz * (1.0 + MOVED * normal());
+        let mut value = || {
+            let x = normal();
+            x.signum() * (0.4 + x.abs())
+        };
+        TrueMode {
+            frequency_hz,
+            loss_factor: bandwidth_hz / frequency_hz,
+            shape: [value(), value(), value()],
+        }
+    };
+    MODES_HZ.iter().map(mode).collect()
+}
+
+/// Force and velocities over all that is measured.
+fn responses(
+    cell: &MeasuredCell,
+    modes: &[TrueMode],
+    normal: &mut impl FnMut() -> f64,
+) -> Vec<Vec<f64>> {
+    let poles: Vec<Complex64> = modes.iter().map(TrueMode::pole).collect();
+    let steps: Vec<Complex64> = poles.iter().map(|s| (s / RATE_HZ).exp()).collect();
+    let gains: Vec<Complex64> = poles
+        .iter()
+        .map(|s| s / Complex64::new(0.0, s.im))
+        .collect();
+    let mut filter = Filter::new(&poles, cell.drop_db);
+    let settling = match cell.force {
+        MeasuredForce::Random => SETTLING,
+        _ => 0,
+    };
+    let mut states = vec![Complex64::default(); modes.len()];
+    let mut channels = vec![Vec::new(); RESPONSES + 1];
+    for record in 0..settling + cell.records {
+        if cell.force != MeasuredForce::Random {
+            states.fill(Complex64::default());
+            filter.rest();
+        }
+        for k in 0..RECORD {
+            let drive = match cell.force {
+                MeasuredForce::Random => normal(),
+                MeasuredForce::Burst(part) if (k as f64) < part * RECORD as f64 => normal(),
+                MeasuredForce::Hammer if k == 0 => 1.0,
+                _ => 0.0,
+            };
+            let force = filter.next(drive);
+            for (state, step) in states.iter_mut().zip(&steps) {
+                *state = *state * step + force;
+            }
+            if record < settling {
+                continue;
+            }
+            channels[0].push(force);
+            for (i, channel) in channels[1..].iter_mut().enumerate() {
+                let of_mode = |((mode, state), gain): ((&TrueMode, &Complex64), &Complex64)| {
+                    mode.shape[i] * mode.shape[0] * (gain * state).re / RATE_HZ
+                };
+                channel.push(modes.iter().zip(&states).zip(&gains).map(of_mode).sum());
+            }
+        }
+    }
+    channels
+}
+
+/// Second-order sections, one for each pole.
+struct Filter {
+    sections: Vec<Section>,
+}
+
+struct Section {
+    zero: [f64; 2],
+    pole: [f64; 2],
+    inputs: [f64; 2],
+    outputs: [f64; 2],
+}
+
+impl Filter {
+    fn new(poles: &[Complex64], drop_db: f64) -> Self {
+        let wider = 10f64.powf(drop_db / 20.0);
+        // 1 − 2 Re(e)·z⁻¹ + |e|²·z⁻²
+        let of = |s: Complex64| {
+            let e = (s / RATE_HZ).exp();
+            [-2.0 * e.re, e.norm_sqr()]
+        };
+        let section = |s: &Complex64| Section {
+            zero: of(*s),
+            pole: of(Complex64::new(wider * s.re, s.im)),
+            inputs: [0.0; 2],
+            outputs: [0.0; 2],
+        };
+        let sections = if drop_db > 0.0 {
+            poles.iter().map(section).collect()
+        } else {
+            Vec::new()
+        };
+        Self { sections }
+    }
+
+    fn rest(&mut self) {
+        for section in &mut self.sections {
+            (section.inputs, section.outputs) = ([0.0; 2], [0.0; 2]);
+        }
+    }
+
+    fn next(&mut self, input: f64) -> f64 {
+        self.sections.iter_mut().fold(input, |x, section| {
+            let [x1, x2] = section.inputs;
+            let [y1, y2] = section.outputs;
+            let y = x + section.zero[0] * x1 + section.zero[1] * x2
+                - section.pole[0] * y1
+                - section.pole[1] * y2;
+            (section.inputs, section.outputs) = ([x, x1], [y, y1]);
+            y
+        })
+    }
+}
+
+fn as_run(channels: &[Vec<f64>], part: std::ops::Range<usize>) -> Run {
+    let channel = |(n, samples): (usize, &Vec<f64>)| Channel {
+        dof: Dof::new(n.max(1) as u64, Direction::PLUS_Z),
+        unit: if n == 0 {
+            SignalUnit::Force
+        } else {
+            SignalUnit::Velocity
+        },
+        is_reference: n == 0,
+        samples: samples[part.clone()].to_vec(),
+    };
+    Run {
+        file: "simulated".into(),
+        line: 0,
+        sample_rate_hz: RATE_HZ,
+        channels: channels.iter().enumerate().map(channel).collect(),
+    }
+}

@@ -1,0 +1,215 @@
+//! What windowed, finite records make of the column of a mode (theory.md, eq. F4).
+//!
+//! Near a pole s the column of receptance is (singular part)/(jω − s) and something
+//! smooth. Leakage acts on the singular part, in the kind that was measured: with F(z) =
+//! z·g(z) of [`WindowKernel`] and z = (jω − s)T the plain column is multiplied by
+//!
+//! 1 + (F(z) − 1)·κ,  κ = (s/jω)^p·(jω − s̄)/(s − s̄),
+//!
+//! p the power of jω that leads from receptance to the kind, s̄ the other pole of the
+//! column: −s in the structural law, s* in the viscous one. κ is 1 at the pole. What the
+//! other pole leaks is of order 1/(ωT) and left out.
+
+use crate::damping::limits;
+use crate::damping::window_kernel::WindowKernel;
+use num_complex::Complex64;
+
+/// The forward model of one set of FRFs.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Leakage {
+    kernel: WindowKernel,
+    /// Length T of the records times ω_max.
+    record: f64,
+    /// p: 0 receptance, 1 mobility, 2 accelerance.
+    omega_power: i32,
+}
+
+/// A pole of receptance and how it moves with λ, in units of ω_max.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LeakingPole {
+    /// s, decaying.
+    pub s: Complex64,
+    /// The other pole of the column.
+    pub other: Complex64,
+    /// ds/dλ.
+    pub slope: Complex64,
+}
+
+impl Leakage {
+    /// * `record`: T·ω_max
+    pub fn new(kernel: WindowKernel, record: f64, omega_power: i32) -> Self {
+        Self {
+            kernel,
+            record,
+            omega_power,
+        }
+    }
+
+    /// Records of which only the first 1/`factor` holds samples, the rest zeros.
+    pub fn padded(&self, factor: usize) -> Self {
+        Self {
+            record: self.record / factor as f64,
+            ..self.clone()
+        }
+    }
+
+    /// F(z) − 1 and its derivative by s on the line y = ω/ω_max.
+    fn excess(&self, s: Complex64, y: f64) -> [Complex64; 2] {
+        let z = (Complex64::new(0.0, y) - s) * self.record;
+        let [g, slope] = self.kernel.value_and_slope(z);
+        [z * g - 1.0, -(g + z * slope) * self.record]
+    }
+
+    /// (s/jω)^p.
+    fn in_kind(&self, s: Complex64, y: f64) -> Complex64 {
+        (s / Complex64::new(0.0, y)).powi(self.omega_power)
+    }
+
+    /// What the plain column of a pole is multiplied by, and its derivative by λ.
+    pub fn factor(&self, pole: &LeakingPole, y: f64) -> [Complex64; 2] {
+        let LeakingPole { s, other, slope } = *pole;
+        let jy = Complex64::new(0.0, y);
+        let [excess, by_s] = self.excess(s, y);
+        let kind = self.in_kind(s, y);
+        let kappa = kind * (jy - other) / (s - other);
+        // s̄ moves against s
+        let kappa_by_s = f64::from(self.omega_power) * kappa / s
+            - kind * (jy - 0.5 * (s + other)) * 2.0 / ((s - other) * (s - other));
+        [
+            1.0 + excess * kappa,
+            (by_s * kappa + excess * kappa_by_s) * slope,
+        ]
+    }
+
+    /// What 1/(jω − s) is multiplied by.
+    pub fn factor_of_pole(&self, s: Complex64, y: f64) -> Complex64 {
+        1.0 + self.excess(s, y)[0] * self.in_kind(s, y)
+    }
+
+    /// What leakage adds to the column of receptance in the kind: (F(z) − 1)·s^p/((s −
+    /// s̄)(jω − s)), in powers of ω_max.
+    pub fn added(&self, pole: &LeakingPole, y: f64) -> Complex64 {
+        let LeakingPole { s, other, .. } = *pole;
+        let jy = Complex64::new(0.0, y);
+        self.excess(s, y)[0] * s.powi(self.omega_power) / ((s - other) * (jy - s))
+    }
+
+    /// A pole of plain columns, in the structural plane, less what a window usually adds to
+    /// its decay, 1/T: where a refinement starts.
+    pub fn narrowed(&self, lambda: Complex64) -> Complex64 {
+        if self.kernel == WindowKernel::Transient {
+            return lambda;
+        }
+        let root = lambda.sqrt();
+        let decay = (root.im - 1.0 / self.record).max(limits::LEAST_DECAY_LEFT * root.im);
+        Complex64::new(root.re, decay).powi(2)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::damping::columns::{leaking_pole, resonance, Leaking};
+    use crate::data::options::Window;
+    use chladni_frf::Damping;
+
+    /// T·ω_max: lines 1/500 of ω_max apart.
+    const RECORD: f64 = 500.0 * std::f64::consts::TAU;
+
+    /// What leakage adds to ∫₀^∞ e^{st}e^{−jωt} dt, by the rectangle rule on a record whose
+    /// force and response are `window` times noise and what it makes.
+    fn by_quadrature(window: &[f64], s: Complex64, y: f64) -> Complex64 {
+        let count = window.len();
+        let power: f64 = window.iter().map(|w| w * w).sum();
+        let step = RECORD / count as f64;
+        let turn = s - Complex64::new(0.0, y);
+        let value = |lag: usize| {
+            let shared: f64 = window.iter().zip(&window[lag..]).map(|(a, b)| a * b).sum();
+            let half = if lag == 0 { 0.5 } else { 1.0 };
+            shared / power * half * (turn * step * lag as f64).exp() * step
+        };
+        (0..count).map(value).sum::<Complex64>() + 1.0 / turn
+    }
+
+    #[test]
+    fn the_column_is_that_of_a_simulated_windowed_record() {
+        let count = 8000;
+        let hann: Vec<f64> = (0..count)
+            .map(|k| {
+                (std::f64::consts::PI * (k as f64 + 0.5) / count as f64)
+                    .sin()
+                    .powi(2)
+            })
+            .collect();
+        for law in [Damping::Structural, Damping::Viscous] {
+            // one line per half-power bandwidth
+            let lambda = Complex64::new(0.36, 0.0012);
+            let pole = leaking_pole(law, lambda);
+            for (kind, line) in [(0, 300), (1, 299), (2, 302), (1, 310)] {
+                let y = f64::from(line) / 500.0;
+                let leakage = Leakage::new(Window::Hann.kernel().unwrap(), RECORD, kind);
+                let added = leakage.added(&pole, y);
+                let expected =
+                    by_quadrature(&hann, pole.s, y) * pole.s.powi(kind) / (pole.s - pole.other);
+                assert!(
+                    (added - expected).norm() < 1e-4 * expected.norm(),
+                    "{law:?} {kind} {line}: {added} for {expected}"
+                );
+                // the column in the kind is the plain one and that
+                let column = Leaking::new(law, &leakage, lambda).at(y * y)[0];
+                let plain = resonance(law, lambda, y * y);
+                let of_kind = added / Complex64::new(0.0, y).powi(kind);
+                assert!(
+                    (column - plain - of_kind).norm() < 1e-12 * plain.norm(),
+                    "{law:?} {kind} {line}: {column} for {}",
+                    plain + of_kind
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn slopes_are_those_of_finite_differences() {
+        let windows = [
+            Window::Transient,
+            Window::Rectangular,
+            Window::Hann,
+            Window::Flattop,
+            Window::Kaiser { beta: 8.6 },
+            Window::Burst { part: 0.7 },
+        ];
+        for window in windows {
+            let leakage = Leakage::new(window.kernel().unwrap(), RECORD, 1);
+            for lambda in [Complex64::new(0.36, 0.0012), Complex64::new(0.36, -0.004)] {
+                // the derivative of the viscous law is one by j·Im λ
+                for (law, unit) in [
+                    (Damping::Structural, Complex64::ONE),
+                    (Damping::Structural, Complex64::I),
+                    (Damping::Viscous, Complex64::I),
+                ] {
+                    let step = 1e-7;
+                    let at = |lambda, y: f64| Leaking::new(law, &leakage, lambda).at(y * y);
+                    let lines = (285..315).map(|line| f64::from(line) / 500.0);
+                    let (mut off, mut size) = (0.0f64, 0.0f64);
+                    for y in lines {
+                        let sides = [1.0, -1.0].map(|sign| at(lambda + unit * (sign * step), y)[0]);
+                        let difference = (sides[0] - sides[1]) / (2.0 * step * unit);
+                        let slope = at(lambda, y)[1];
+                        off = off.max((difference - slope).norm());
+                        size = size.max(slope.norm());
+                    }
+                    assert!(
+                        off < 1e-2 * size,
+                        "{window} {law:?} {lambda}: {off} of {size}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn zeros_behind_a_record_cut_it() {
+        let of = |record| Leakage::new(Window::Hann.kernel().unwrap(), record, 1);
+        assert_eq!(of(RECORD).padded(2), of(RECORD / 2.0));
+    }
+}

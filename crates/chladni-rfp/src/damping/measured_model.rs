@@ -1,0 +1,50 @@
+//! What a model says of FRFs as they were measured: with what leaks, where that is known.
+
+use crate::damping::leakage::{Leakage, LeakingPole};
+use chladni_frf::{Damping, FrfKind, ModalModel, Mode};
+use ndarray::Array2;
+use num_complex::Complex64;
+use std::f64::consts::TAU;
+
+/// The FRF matrix of `model` on one line.
+pub(crate) fn frf_matrix(
+    model: &ModalModel,
+    leakage: Option<&Leakage>,
+    (kind, omega_max): (FrfKind, f64),
+    frequency_hz: f64,
+) -> Array2<Complex64> {
+    let mut matrix = model.frf_matrix(kind, frequency_hz);
+    let Some(leakage) = leakage else {
+        return matrix;
+    };
+    let unit = omega_max.powi(kind.omega_power() - 2);
+    for mode in &model.modes {
+        let pole = pole(model.damping, mode, omega_max);
+        let added = unit * leakage.added(&pole, TAU * frequency_hz / omega_max);
+        for (mut row, shape) in matrix.rows_mut().into_iter().zip(&mode.shape.0) {
+            for (value, participation) in row.iter_mut().zip(&mode.participation.0) {
+                *value += added * shape * participation;
+            }
+        }
+    }
+    matrix
+}
+
+/// s over ω_max.
+fn pole(law: Damping, mode: &Mode, omega_max: f64) -> LeakingPole {
+    let s = match law {
+        Damping::Viscous => mode.viscous_pole(),
+        Damping::Structural => {
+            TAU * mode.frequency_hz * Complex64::i() * Complex64::new(1.0, mode.loss_factor).sqrt()
+        }
+    } / omega_max;
+    let other = match law {
+        Damping::Viscous => s.conj(),
+        Damping::Structural => -s,
+    };
+    LeakingPole {
+        s,
+        other,
+        slope: Complex64::default(),
+    }
+}

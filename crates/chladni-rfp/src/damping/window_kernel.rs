@@ -1,0 +1,335 @@
+//! Forward model of a measured FRF: the column of a pole in the mean of H1.
+//!
+//! H1 of records of length T under a white force is, in the mean, the transform of h(τ)ρ(τ),
+//!
+//! ρ(τ) = Σ_t w_x(t)·w_y(t+τ)/Σ_t w_x(t)²
+//!
+//! with the factors w_x of the force and w_y of the response (gate and window). A pole s
+//! then has the column T·g(z) in place of 1/(jω − s) = T/z, with z = (jω − s)T and
+//!
+//! g(z) = ∫₀¹ ρ(uT)·e^{−zu} du
+//!
+//! so that the fit's column is multiplied by z·g(z): 1 where nothing leaks, and analytic
+//! in z. All are sums of
+//!
+//! e(z) = ∫₀¹ e^{−zu} du = (1 − e^{−z})/z,  f(z) = ∫₀¹ (1 − u)·e^{−zu} du = (1 − e(z))/z
+//!
+//! (theory.md, eq. F4).
+
+use crate::damping::limits;
+use num_complex::Complex64;
+use std::f64::consts::{PI, TAU};
+
+/// Correlation ρ of the factors of force and response.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum WindowKernel {
+    /// Blows, periodic signals: ρ = 1. The response is cut at the end of the record.
+    Transient,
+    /// Noise over the first part of the record, the response to its end: ρ = 1, then
+    /// falling to 0 over the last `part`.
+    Burst {
+        /// Part of the record with noise, above 0 to 1.
+        part: f64,
+    },
+    /// Continuous noise under a sum of cosines, ρ = Σ_q [a_q·(1 − u)·cos 2πqu + b_q·sin 2πqu].
+    Cosines {
+        /// (a_q, b_q) for q = 0, 1, ...
+        waves: Vec<[f64; 2]>,
+    },
+    /// Continuous noise, any window, by the cosine series of its autocorrelation, Σ_p a_p
+    /// cos(πpu).
+    Series {
+        /// a_0, a_1, ..., of sum 1.
+        harmonics: Vec<f64>,
+    },
+}
+
+/// c_n of windows Σ_n c_n e^{2πjnu} with c_{−n} = c_n. Hann: 1/2 − 1/2 cos 2πu.
+pub(crate) const HANN: [f64; 2] = [0.5, -0.25];
+/// Of R. Blackman and J. Tukey (1958): 0.54 − 0.46 cos 2πu.
+pub(crate) const HAMMING: [f64; 2] = [0.54, -0.23];
+/// 0.42 − 0.5 cos 2πu + 0.08 cos 4πu.
+pub(crate) const BLACKMAN: [f64; 3] = [0.42, -0.25, 0.04];
+/// 1 − 1.933 cos 2πu + 1.286 cos 4πu − 0.388 cos 6πu + 0.028 cos 8πu, of ISO 18431-2.
+pub(crate) const FLATTOP: [f64; 5] = [1.0, -0.9665, 0.643, -0.194, 0.014];
+
+impl WindowKernel {
+    /// Continuous noise under Σ_n c_n e^{2πjnu} on force and response; a_q = c_q² over
+    /// Σ c_n², twice for q > 0, and b_q = −(2/π)·c_q·Σ_{m≠−q} c_m/(q + m) over the same.
+    pub(crate) fn cosines(coefficients: &[f64]) -> Self {
+        let most = coefficients.len() as i32 - 1;
+        let c = |n: i32| coefficients[n.unsigned_abs() as usize];
+        let power: f64 = (-most..=most).map(|n| c(n) * c(n)).sum();
+        let wave = |q: i32| {
+            let others = (-most..=most).filter(|m| q > 0 && m + q != 0);
+            let across: f64 = others.map(|m| c(m) / f64::from(q + m)).sum();
+            let sides = if q == 0 { 1.0 } else { 2.0 };
+            [
+                sides * c(q) * c(q) / power,
+                -2.0 / PI * c(q) * across / power,
+            ]
+        };
+        Self::Cosines {
+            waves: (0..=most).map(wave).collect(),
+        }
+    }
+
+    /// Continuous noise, a window by its values at the middles of equal parts of the
+    /// record: a_0 ∝ |W(0)|², a_p ∝ 2|W(p/2)|² with its transform W at p/2 periods per
+    /// record.
+    pub(crate) fn of_values(window: &[f64], harmonics: usize) -> Self {
+        let power = |p: usize| {
+            let turn = PI * p as f64 / window.len() as f64;
+            let sum: Complex64 = window
+                .iter()
+                .enumerate()
+                .map(|(k, w)| w * Complex64::from_polar(1.0, turn * (k as f64 + 0.5)))
+                .sum();
+            sum.norm_sqr() * if p == 0 { 1.0 } else { 2.0 }
+        };
+        let mut powers: Vec<f64> = (0..harmonics).map(power).collect();
+        let sum: f64 = powers.iter().sum();
+        powers.iter_mut().for_each(|power| *power /= sum);
+        // harmonics that say nothing cost time in every column
+        while powers.last().is_some_and(|&last| last < limits::CUT_SHARE) {
+            powers.pop();
+        }
+        Self::Series { harmonics: powers }
+    }
+
+    /// g(z) and its derivative.
+    pub(crate) fn value_and_slope(&self, z: Complex64) -> [Complex64; 2] {
+        let left = (-z).exp();
+        match self {
+            Self::Transient => {
+                let ramps = Ramps::new(z, left);
+                [ramps.e, ramps.e_slope()]
+            }
+            Self::Burst { part } => {
+                let full = 1.0 - part;
+                let over = (-z * full).exp();
+                let flat = Ramps::new(z * full, over);
+                let falling = Ramps::new(z * part, (-z * *part).exp());
+                let fall = part * over;
+                [
+                    full * flat.e + fall * falling.f,
+                    full * full * flat.e_slope()
+                        + fall * (part * falling.f_slope() - full * falling.f),
+                ]
+            }
+            Self::Cosines { waves } => {
+                let mut sum = [Complex64::default(); 2];
+                for (q, &[a, b]) in waves.iter().enumerate() {
+                    let turn = Complex64::new(0.0, TAU * q as f64);
+                    let up = Ramps::new(z - turn, left);
+                    if q == 0 {
+                        sum[0] += a * up.f;
+                        sum[1] += a * up.f_slope();
+                        continue;
+                    }
+                    let down = Ramps::new(z + turn, left);
+                    let sine = Complex64::new(0.0, -0.5 * b);
+                    sum[0] += 0.5 * a * (up.f + down.f) + sine * (up.e - down.e);
+                    sum[1] += 0.5 * a * (up.f_slope() + down.f_slope())
+                        + sine * (up.e_slope() - down.e_slope());
+                }
+                sum
+            }
+            Self::Series { harmonics } => {
+                let mut sum = [Complex64::default(); 2];
+                for (p, a) in harmonics.iter().enumerate() {
+                    let turn = Complex64::new(0.0, PI * p as f64);
+                    let left = if p % 2 == 0 { left } else { -left };
+                    let (up, down) = (Ramps::new(z - turn, left), Ramps::new(z + turn, left));
+                    sum[0] += 0.5 * a * (up.e + down.e);
+                    sum[1] += 0.5 * a * (up.e_slope() + down.e_slope());
+                }
+                sum
+            }
+        }
+    }
+}
+
+/// e and f at one place.
+struct Ramps {
+    z: Complex64,
+    /// 1/z.
+    over: Complex64,
+    e: Complex64,
+    f: Complex64,
+}
+
+impl Ramps {
+    /// * `left`: e^{−z}
+    fn new(z: Complex64, left: Complex64) -> Self {
+        let over = z.inv();
+        let (e, f) = if z.norm_sqr() < limits::SERIES_BELOW * limits::SERIES_BELOW {
+            (series(z, 1), series(z, 2))
+        } else {
+            let e = (1.0 - left) * over;
+            (e, (1.0 - e) * over)
+        };
+        Self { z, over, e, f }
+    }
+
+    /// e′ = −∫ u·e^{−zu} du.
+    fn e_slope(&self) -> Complex64 {
+        self.f - self.e
+    }
+
+    /// f′ = −∫ u(1 − u)·e^{−zu} du.
+    fn f_slope(&self) -> Complex64 {
+        if self.z.norm_sqr() < limits::SERIES_BELOW * limits::SERIES_BELOW {
+            return 2.0 * series(self.z, 3) - self.f;
+        }
+        (self.e - 2.0 * self.f) * self.over
+    }
+}
+
+/// Σ_k (−z)^k/(k + first)!, by Horner.
+fn series(z: Complex64, first: u32) -> Complex64 {
+    let inner = (1..=limits::SERIES_TERMS)
+        .rev()
+        .fold(Complex64::from(1.0), |sum, k| {
+            1.0 - z * sum / f64::from(k + first)
+        });
+    inner / f64::from((1..=first).product::<u32>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points of Simpson's rule.
+    const POINTS: usize = 1200;
+
+    /// ∫₀¹ of a smooth function.
+    fn integral<T>(of: impl Fn(f64) -> T) -> T
+    where
+        T: std::iter::Sum<T> + std::ops::Mul<f64, Output = T>,
+    {
+        let weight = |k: usize| match k {
+            0 | POINTS => 1.0,
+            k if k % 2 == 1 => 4.0,
+            _ => 2.0,
+        };
+        (0..=POINTS)
+            .map(|k| of(k as f64 / POINTS as f64) * (weight(k) / (3 * POINTS) as f64))
+            .sum()
+    }
+
+    /// ∫ w(t)·w(t + u) dt of a window on force and response.
+    fn overlap(window: impl Fn(f64) -> f64, u: f64) -> f64 {
+        (1.0 - u) * integral(|t| window(t * (1.0 - u)) * window(t * (1.0 - u) + u))
+    }
+
+    /// Near a mode, between lines, far away; weakly and strongly damped.
+    fn places() -> impl Iterator<Item = Complex64> {
+        let re = [0.0, 1e-9, 0.1, 1.0, 3.0, 12.0];
+        let im = [0.0, 1e-6, 0.4, 1.0, PI, TAU, 2.0 * TAU, 20.0, -7.5];
+        re.into_iter()
+            .flat_map(move |re| im.map(|im| Complex64::new(re, im)))
+    }
+
+    fn value(kernel: &WindowKernel, z: Complex64) -> Complex64 {
+        kernel.value_and_slope(z)[0]
+    }
+
+    fn check(name: &str, kernel: &WindowKernel, rho: impl Fn(f64) -> f64) {
+        let rho: Vec<f64> = (0..=POINTS)
+            .map(|k| rho(k as f64 / POINTS as f64))
+            .collect();
+        let at = |u: f64| rho[(u * POINTS as f64).round() as usize];
+        for z in places() {
+            let [value, slope] = kernel.value_and_slope(z);
+            let expected = integral(|u| (-z * u).exp() * at(u));
+            let error = (value - expected).norm();
+            assert!(error < 1e-7, "{name}, z = {z}: {error:e}");
+            let error = (slope - integral(|u| -u * (-z * u).exp() * at(u))).norm();
+            assert!(error < 1e-7, "{name}, slope, z = {z}: {error:e}");
+        }
+    }
+
+    fn cosines(coefficients: &[f64], u: f64) -> f64 {
+        let term = |(n, c): (usize, &f64)| {
+            let twice = if n == 0 { 1.0 } else { 2.0 };
+            twice * c * (TAU * n as f64 * u).cos()
+        };
+        coefficients.iter().enumerate().map(term).sum()
+    }
+
+    #[test]
+    fn every_cosine_window_is_the_integral_of_its_autocorrelation() {
+        for (name, coefficients) in [
+            ("rectangular", &[1.0][..]),
+            ("hann", &HANN[..]),
+            ("hamming", &HAMMING[..]),
+            ("blackman", &BLACKMAN[..]),
+            ("flattop", &FLATTOP[..]),
+        ] {
+            let window = |t| cosines(coefficients, t);
+            let power = overlap(window, 0.0);
+            check(name, &WindowKernel::cosines(coefficients), |u| {
+                overlap(window, u) / power
+            });
+        }
+    }
+
+    #[test]
+    fn blows_and_bursts_are_their_integrals() {
+        check("transient", &WindowKernel::Transient, |_| 1.0);
+        // corners on points of the rule, and a burst as long as the record
+        for part in [0.25, 0.5, 0.9, 1.0] {
+            let kernel = WindowKernel::Burst { part };
+            let full = 1.0 - part;
+            for z in places() {
+                let both = |weight: &dyn Fn(f64) -> f64| {
+                    let flat = |u: f64| (-z * u * full).exp() * weight(u * full);
+                    let falling = |u: f64| {
+                        let place = full + part * u;
+                        (1.0 - u) * (-z * place).exp() * weight(place)
+                    };
+                    integral(flat) * full + integral(falling) * part
+                };
+                let [value, slope] = kernel.value_and_slope(z);
+                let error = (value - both(&|_| 1.0)).norm();
+                assert!(error < 1e-7, "burst {part}, z = {z}: {error:e}");
+                let error = (slope - both(&|u| -u)).norm();
+                assert!(error < 1e-7, "burst {part}, slope, z = {z}: {error:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn windows_by_their_values_are_the_closed_forms() {
+        let values = |coefficients: &[f64]| -> Vec<f64> {
+            (0..POINTS)
+                .map(|k| cosines(coefficients, (k as f64 + 0.5) / POINTS as f64))
+                .collect()
+        };
+        for coefficients in [&HANN[..], &BLACKMAN[..]] {
+            let kernel = WindowKernel::cosines(coefficients);
+            let series = WindowKernel::of_values(&values(coefficients), 200);
+            for z in places() {
+                let error = (value(&series, z) - value(&kernel, z)).norm();
+                assert!(error < 1e-7, "{coefficients:?}, z = {z}: {error:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_column_far_from_its_pole_is_the_plain_one() {
+        let far = Complex64::new(400.0, 3000.0);
+        for kernel in [
+            WindowKernel::Transient,
+            WindowKernel::Burst { part: 0.5 },
+            WindowKernel::cosines(&HANN),
+            WindowKernel::cosines(&FLATTOP),
+        ] {
+            assert!(
+                (far * value(&kernel, far) - 1.0).norm() < 2e-3,
+                "{kernel:?}"
+            );
+        }
+    }
+}
