@@ -234,7 +234,9 @@ function restoreDropped() {
   if (!here) return;
   const wanted = new Set(work.dropped.map(nearestMode).filter((k) => k !== null));
   const same = wanted.size === state.dropped.size && [...wanted].every((k) => state.dropped.has(k));
+  isNumbered = false;
   if (!same) change({ dropped: wanted });
+  isNumbered = true;
   showSelection();
 }
 
