@@ -81,6 +81,11 @@ pub fn draft_data(model: &ModalModel) -> Value {
     data::of_draft(model)
 }
 
+/// The parts of [`data`] that a result begins with: `sentence`, `findings`, `better_band`.
+pub fn head_data(input: &ReportInput) -> Value {
+    data::head(input)
+}
+
 /// The first scene of `input` alone, as it stands in [`data`]; null without a scene.
 pub fn scene_data(input: &ReportInput) -> Value {
     data::of_scene(input).unwrap_or_default()

@@ -46,6 +46,30 @@ pub struct FitQuestion {
     /// Modes that the reader has seen, Hz.
     #[serde(default)]
     pub added_hz: Vec<f64>,
+    /// What takes longer than the fit, the page asks for afterwards.
+    #[serde(default)]
+    pub light: bool,
+}
+
+/// Which fit is to be drawn.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DataQuestion {
+    /// The page that asked for the fit.
+    #[serde(default)]
+    page: u64,
+    /// The question that it answered.
+    number: u64,
+}
+
+impl DataQuestion {
+    /// The turn of that question.
+    pub fn turn(&self) -> Turn {
+        Turn {
+            page: self.page,
+            number: self.number,
+        }
+    }
 }
 
 impl FitQuestion {

@@ -1,7 +1,7 @@
 //! The studio's page and its questions: fit this, render that, hand it over. One thread
 //! answers, others work.
 
-use super::question::{FileQuestion, FitQuestion, SceneQuestion};
+use super::question::{DataQuestion, FileQuestion, FitQuestion, SceneQuestion};
 use super::session::Session;
 use super::token::Token;
 use axum::extract::{DefaultBodyLimit, Request, State};
@@ -84,6 +84,7 @@ pub fn serve(session: Arc<Session>, listener: TcpListener, door: Door) -> std::i
         .route("/", get(page))
         .route("/api/start", post(start))
         .route("/api/fit", post(fit))
+        .route("/api/data", post(data))
         .route("/api/progress", post(progress))
         .route("/api/cancel", post(cancel))
         .route("/api/scene", post(scene))
@@ -166,6 +167,13 @@ async fn fit(
     Json(question): Json<FitQuestion>,
 ) -> Json<Value> {
     at_work(move || session.fit(&question)).await
+}
+
+async fn data(
+    State(session): State<Arc<Session>>,
+    Json(question): Json<DataQuestion>,
+) -> Json<Value> {
+    at_work(move || session.data(&question)).await
 }
 
 async fn scene(

@@ -2,7 +2,7 @@
 
 use super::draft::few_lines;
 use super::progress::Progress;
-use super::question::{FitQuestion, Turn};
+use super::question::{DataQuestion, FitQuestion, Turn};
 use super::rendered::Rendered;
 use crate::explain::explain;
 use crate::fit::echo_of;
@@ -11,7 +11,7 @@ use chladni_console::input::{expand, model_of, read_frf, Reading};
 use chladni_console::quoting::shell_path;
 use chladni_console::Console;
 use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Source};
-use chladni_report::{data, draft_data, measured_data, studio_html, ReportInput};
+use chladni_report::{data, draft_data, head_data, measured_data, studio_html, ReportInput};
 use chladni_rfp::{fit_watched, CancelToken, Fit, FitError, FitOptions, Method};
 use serde_json::{json, Value};
 use std::path::{Path, PathBuf};
@@ -57,6 +57,8 @@ struct Fitted {
     /// The last one whose number of modes was decided by evidence or by the reader, not
     /// by a draft.
     settled: Option<Arc<ModalModel>>,
+    /// The question that `settled` answers.
+    settled_turn: Turn,
 }
 
 impl Session {
@@ -163,16 +165,34 @@ impl Session {
             },
             (None, _) => return Err(Error::new(ErrorKind::Internal, "neither FRFs nor a model")),
         };
-        if question.draft {
-            return Ok(json!({"draft": draft_data(&model), "model_file": self.model_file()}));
+        let mut answer = json!({"model_file": self.model_file(), "refit": self.refits()});
+        if question.draft || question.light {
+            answer["draft"] = draft_data(&model);
         }
-        Ok(json!({
-            "data": data(&self.input(&model))?,
-            "command": command,
-            "lines_hz": self.lines_hz(),
-            "model_file": self.model_file(),
-            "refit": self.refits(),
-        }))
+        if !question.draft {
+            answer["command"] = command.into();
+            let input = self.input(&model);
+            match question.light {
+                true => answer["head"] = head_data(&input),
+                false => answer["data"] = data(&input)?,
+            }
+        }
+        Ok(answer)
+    }
+
+    /// What the report would draw of a full fit, where that is still the last one.
+    ///
+    /// # Errors
+    /// Those of drawing.
+    pub fn data(&self, question: &DataQuestion) -> Result<Value> {
+        let fitted = self.fitted.read().ok();
+        let settled = fitted
+            .filter(|fitted| fitted.settled_turn == question.turn())
+            .and_then(|fitted| fitted.settled.clone());
+        match settled {
+            Some(model) => Ok(json!({"data": data(&self.input(&model))?})),
+            None => Ok(json!({"overtaken": true})),
+        }
     }
 
     /// `None` where a newer question has overtaken this one.
@@ -208,7 +228,7 @@ impl Session {
                 (fitted.turn, fitted.latest) = (turn, Some(model.clone()));
             }
             if !question.draft {
-                fitted.settled = Some(model.clone());
+                (fitted.settled_turn, fitted.settled) = (turn, Some(model.clone()));
             }
         }
         let band = question

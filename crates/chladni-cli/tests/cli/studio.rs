@@ -51,6 +51,7 @@ fn without_the_token_everything_is_refused() {
         ("POST", "/api/fit"),
         ("POST", "/api/scene"),
         ("POST", "/api/start"),
+        ("POST", "/api/data"),
         ("POST", "/api/progress"),
         ("POST", "/api/cancel"),
         ("POST", "/api/sweep"),
@@ -241,9 +242,20 @@ fn the_data_are_shown_before_any_fit_and_a_fit_tells_its_stages() {
     assert!(studio.asked_about("fit", r#"{"number": 1}"#)["data"].is_object());
     let stages = over(&studio);
     assert!(stages.as_array().unwrap().len() >= 3, "{stages}");
+    // what takes longer than a fit is drawn afterwards, while that fit is the last one
+    let light = studio.asked_about("fit", r#"{"number": 2, "light": true}"#);
+    assert!(light["draft"]["model"].is_object() && light["data"].is_null());
+    assert!(light["head"]["sentence"]
+        .as_str()
+        .unwrap()
+        .contains("sure modes"));
+    let drawn = studio.asked_about("data", r#"{"number": 2}"#);
+    assert!(drawn["data"]["frfs"]["residuals"].is_object());
+    let overtaken = json!({"overtaken": true});
+    assert_eq!(studio.asked_about("data", r#"{"number": 1}"#), overtaken);
     // what is over cannot be cancelled, and the next fit is not
     studio.asked_about("cancel", "{}");
-    assert!(studio.asked_about("fit", r#"{"number": 2}"#)["data"].is_object());
+    assert!(studio.asked_about("fit", r#"{"number": 3}"#)["data"].is_object());
 }
 
 #[test]

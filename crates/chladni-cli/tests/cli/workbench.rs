@@ -332,6 +332,61 @@ fn a_pole_added_by_hand_changes_the_model() {
     assert_eq!(page.complaints(), Vec::<String>::new());
 }
 
+/// Moves of a hand, and the page's work for each, s: a picture in 50 ms.
+const MOVES: usize = 50;
+const WORK_OF_A_MOVE_S: f64 = 0.05;
+
+/// From a move of the hand to the field that it makes, measured in the page.
+const LATENCY: &str = "(() => { window.waits = []; let since = 0; \
+    document.querySelector('#zone-board').addEventListener('pointermove', () => { since = performance.now(); }, true); \
+    new MutationObserver(() => { if (since) { window.waits.push(performance.now() - since); since = 0; } }) \
+      .observe(document.querySelector('#result'), { attributes: true, attributeFilter: ['data-answers'] }); })()";
+
+#[test]
+fn a_drag_shows_the_field_at_once_on_the_demonstration_panel() {
+    let Some(mut page) = Page::new(1280, 800, false) else {
+        return;
+    };
+    let folder = Folder::new();
+    folder.write("panel.toml", "");
+    folder
+        .run("simulate panel.toml -o panel.h5 --truth truth.json -q")
+        .exits(0);
+    let studio = Studio::start(&folder, &["panel.h5"]);
+    let first_ms = page.open(&studio.url);
+    page.wait(AT_REST);
+    page.wait("document.documentElement.dataset.fits === '1'");
+    page.eval(LATENCY);
+    let [left, top, right, bottom] = zone(&mut page, 0);
+    let from = [0.5 * (left + right) + 5.0, 0.5 * (top + bottom)];
+    page.drag_and_hold(from, [from[0] - 20.0, from[1]]);
+    let before_s = page.worked_s();
+    let answered = "window.waits.length";
+    for k in 0..MOVES {
+        let known = page.eval(answered).as_u64().unwrap();
+        let to = [
+            from[0] + 10.0 * (k % 7) as f64,
+            from[1] - 10.0 * (k % 5) as f64,
+        ];
+        page.move_to(to);
+        page.wait(&format!("{answered} > {known}"));
+    }
+    let work_s = (page.worked_s() - before_s) / MOVES as f64;
+    page.release(from);
+    let waits = page.eval("window.waits.sort((a, b) => a - b)");
+    let waits: Vec<f64> = serde_json::from_value(waits).unwrap();
+    println!(
+        "first picture after {first_ms} ms; a move shows its field after {:.0} ms (median of {}), \
+         {:.0} ms of work in the page",
+        waits[waits.len() / 2],
+        waits.len(),
+        1e3 * work_s
+    );
+    assert!(waits.len() >= MOVES);
+    assert!(work_s < WORK_OF_A_MOVE_S, "{work_s} s");
+    assert_eq!(page.complaints(), Vec::<String>::new());
+}
+
 /// Elements that are drawn and stand beyond the window, or whose text is cut off.
 const BEYOND: &str = "[...document.querySelectorAll('body *')].filter((e) => { \
     const r = e.getBoundingClientRect(); \

@@ -82,6 +82,16 @@ pub(crate) fn of_draft(model: &ModalModel) -> Value {
         "terms": frfs::model_terms(model),
         "mac": diagrams::mac(model),
         "geometry": geometry::Geometry::of(&input).as_ref().map(geometry::Geometry::value),
+        "structure": geometry::structure(model),
+    })
+}
+
+/// What a result begins with: its sentence, findings, and the band to fit instead.
+pub(crate) fn head(input: &ReportInput) -> Value {
+    json!({
+        "sentence": input.model.map(sentence),
+        "findings": findings::all(input),
+        "better_band": input.model.and_then(advised_band).map(|band| band.hz),
     })
 }
 

@@ -195,6 +195,11 @@ impl Page {
         }
     }
 
+    /// Moves on, the button held down.
+    pub fn move_to(&mut self, to: [f64; 2]) {
+        self.mouse("mouseMoved", to, 1);
+    }
+
     /// Lets go.
     pub fn release(&mut self, at: [f64; 2]) {
         self.mouse("mouseReleased", at, 0);

@@ -67,7 +67,7 @@ export function dataPane() {
   }
 
   function showPair() {
-    if (!source?.pairs) return;
+    if (!frfs || !source?.pairs) return;
     const [i, j] = state.pair;
     response.select.selectedIndex = i;
     reference.select.selectedIndex = j;

@@ -14,7 +14,7 @@ import { work, edit } from "./work.js";
 
 const [COLD, HOT] = [1, 2];
 /** Trials of the stress table that have a place, by a part of their name, and their words; four at most are shown. */
-const TRIALS = [["lower or higher", "f ± 0.2 %"], ["a finger", "Light touch"], ["amplitudes and phases", "Drives ± 2 %"], ["one dead", "One dead"], ["drift", "Drift"]];
+const TRIALS = [["lower or higher", "f ± 0.2 %"], ["a finger", "Light touch"], ["amplitudes and phases", "Drives"], ["one dead", "One dead"], ["drift", "Drift"]];
 const MOST_TRIALS = 4;
 
 /** The pane; `oncancel` stops what is being computed. */

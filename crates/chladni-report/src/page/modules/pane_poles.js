@@ -85,7 +85,8 @@ export function polesPane(oncancel) {
     if (!model) return;
     const layers = poleLayers(model, data.stabilization, lanes, true);
     const drive = { name: "drive", at: [work.frequency], style: "drive-line" };
-    view.update({ ...layers, bars: [], verticals: [drive] });
+    // where nothing can be rendered there is no drive
+    view.update({ ...layers, bars: [], verticals: model.references.length > 1 ? [drive] : [] });
     for (const row of body.rows) {
       const k = Number(row.dataset.index);
       row.classList.toggle("out", state.dropped.has(k));

@@ -26,14 +26,17 @@ const SAME_POLE = 1e-3;
 const OF_FIT = ["band", "modes", "added"];
 
 /** Questions about fits are numbered from page to page, and from question to question of a page: what comes later is newer. */
-const fits = { draft: new Asker("fit"), full: new Asker("fit"), page: embedded().page, asked: 0, shown: 0, open: 0 };
+const fits = { draft: new Asker("fit"), full: new Asker("fit"), data: new Asker("data"), page: embedded().page, asked: 0, shown: 0, open: 0 };
 const scenes = { draft: new Asker("scene"), best: new Asker("scene"), sweep: new Asker("sweep"), asked: 0, bestShown: 0, timer: 0 };
 
 /** The fit that is shown, the last full one, the scene that is shown. */
 let here = null;
 let full = null;
 let shown = null;
-let fitFindings = [];
+/** What the last full fit begins with: sentence, findings, better band. */
+let head = null;
+/** What was drawn before any fit. */
+let measured = null;
 /** True where a model was opened: nothing is fitted. */
 let fromFile = false;
 /** True once a scene is set. */
@@ -69,6 +72,7 @@ function begin(said) {
   const places = said.data?.geometry ?? null;
   if (said.data) beginScene(places, said.lines_hz);
   fromFile = !said.refit;
+  measured = said.data;
   data.start(said);
   panel.start(places);
   top.show();
@@ -113,7 +117,7 @@ function follow(keys, moving) {
 
 function askFit(moving) {
   const number = ++fits.asked;
-  const question = { page: fits.page, number, draft: moving, band_hz: work.band, modes: work.modes, added_hz: work.added };
+  const question = { page: fits.page, number, draft: moving, band_hz: work.band, modes: work.modes, added_hz: work.added, light: !moving && !fromFile };
   if (!moving) beginProgress();
   (moving ? fits.draft : fits.full).ask(question, (said, more) => {
     if (!moving) endProgress();
@@ -122,19 +126,31 @@ function askFit(moving) {
     if (said.overtaken && number === fits.asked) return result.show(["Another page of this studio asked for a fit; reload this one to go on here."], [], null);
     if (said.cancelled) return result.show(["The fit was cancelled. "], [], { words: "Fit again", action: () => askFit(false) });
     if (said.overtaken) return;
-    if (said.error) return result.show([h("span", { class: "error", role: "alert" }, said.error)], fitFindings, here ? null : { words: "Fit again", action: () => askFit(false) });
+    if (said.error) return result.show([h("span", { class: "error", role: "alert" }, said.error)], head?.findings ?? [], here ? null : { words: "Fit again", action: () => askFit(false) });
     fits.shown = number;
     showFit(said);
     askScene(moving);
+    if (said.head) askData(said, number);
   });
 }
 
-/** A draft as the data of a whole fit: what it does not change is that of the last full one. */
+/** What takes longer than the fit: residuals, sums, diagrams. */
+function askData(said, number) {
+  fits.data.ask({ page: fits.page, number }, (rest) => {
+    if (rest.data && number === fits.shown) showFit({ ...said, draft: null, head: null, data: rest.data });
+  });
+}
+
+/** A draft as the data of a whole fit: what it does not change is that of the last full one, or of the measurement. */
 function completed(said) {
   if (!said.draft) return said;
-  const { terms: own, ...changed } = said.draft;
-  const frfs = full.data.frfs && { ...full.data.frfs, terms: own, errors: null, sums: { measured: full.data.frfs.sums.measured }, base: { model: full.model, terms: full.terms } };
-  return { ...said, data: { ...full.data, ...changed, frfs } };
+  const { terms, ...changed } = said.draft;
+  const before = full?.data ?? { frfs: measured.frfs, cmif: null, stabilization: null };
+  const base = full ? { model: full.model, terms: full.terms } : { model: null, terms: null };
+  const names = (frfs, side) => frfs[side].map((k, n) => said.draft.model[side][k] === frfs[side === "responses" ? "response_names" : "reference_names"][n]);
+  const isSame = before.frfs && ["responses", "references"].every((side) => names(before.frfs, side).every(Boolean));
+  const frfs = isSame ? { ...before.frfs, terms, errors: null, sums: { measured: before.frfs.sums.measured }, base } : null;
+  return { ...said, data: { ...before, ...changed, frfs } };
 }
 
 function showFit(answer) {
@@ -143,22 +159,24 @@ function showFit(answer) {
   model.file = said.model_file;
   here = { model, geometry, data: said.data };
   if (!hasBegun) beginScene(geometry, model.band_hz);
-  const numbers = work.dropped;
+  // numbers of modes are those of the fit before: what was dropped is found again by frequency
+  isNumbered = false;
   change({ dropped: new Set(), mode: nearestMode(state.lookedAt) ?? model.inBand[0] ?? 0 });
-  work.dropped = numbers;
+  isNumbered = true;
   restoreDropped();
   data.fit(said.data, model);
   poles.fit(said.data, model, !fromFile);
-  const hasBoard = panel.fit(model, said.draft ? null : geometry, said.draft ? undefined : structure);
-  data.status.textContent = said.draft ? `${model.inBand.length} modes, draft` : "";
-  if (!said.draft) {
-    full = { data: said.data, model, terms: said.data.frfs?.terms && split(array(said.data.frfs.terms)) };
-    fitFindings = said.data.findings;
+  const passing = said.draft && !said.head;
+  const hasBoard = panel.fit(model, passing ? null : geometry, passing ? undefined : structure);
+  data.status.textContent = passing ? `${model.inBand.length} modes, draft` : "";
+  if (!passing) {
+    head = said.head ?? said.data;
     foot.set("fit", said.command || "# the model was read from its file");
     if (!hasBoard) shown = null;
   }
+  if (!said.draft) full = { data: said.data, model, terms: said.data.frfs?.terms && split(array(said.data.frfs.terms)) };
   showSentence();
-  count(said.draft ? "drafts" : "fits");
+  count(passing ? "drafts" : said.head ? "begun" : "fits");
 }
 
 /** Counts what was drawn, for who waits for it. */
@@ -201,9 +219,12 @@ function nearestMode(hz) {
   return best !== null && far(best) <= Math.max(SAME_POLE, here.model.modes[best].loss_factor / 2) * hz ? best : null;
 }
 
+/** False while the set of poles is not yet that of the model. */
+let isNumbered = true;
+
 /** From the set of poles to what is kept. */
 function keepDropped() {
-  if (!here) return;
+  if (!here || !isNumbered) return;
   const dropped = [...state.dropped].map((k) => Number(here.model.frequency[k].toFixed(4))).sort((a, b) => a - b);
   if (JSON.stringify(dropped) !== JSON.stringify(work.dropped)) edit({ dropped });
   showSelection();
@@ -213,7 +234,9 @@ function restoreDropped() {
   if (!here) return;
   const wanted = new Set(work.dropped.map(nearestMode).filter((k) => k !== null));
   const same = wanted.size === state.dropped.size && [...wanted].every((k) => state.dropped.has(k));
+  isNumbered = false;
   if (!same) change({ dropped: wanted });
+  isNumbered = true;
   showSelection();
 }
 
@@ -294,9 +317,9 @@ function cancelScene() {
 // ---- what is said
 
 function showSentence() {
-  const parts = [full?.data.sentence ? `${full.data.sentence} ` : ""];
-  const findings = fitFindings.map((one) => one);
-  const better = full?.data.better_band;
+  const parts = [head?.sentence ? `${head.sentence} ` : ""];
+  const findings = [...(head?.findings ?? [])];
+  const better = head?.better_band;
   let offer = better && !work.band ? { words: `Fit ${better[0]} to ${better[1]} Hz`, action: () => edit({ band: better }) } : null;
   if (shown) {
     const { scene, findings: found } = shown.said;
