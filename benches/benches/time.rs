@@ -59,10 +59,9 @@ fn in_time(c: &mut Criterion) {
             b.iter(|| black_box(play(&model, &scene, Some(&weights), &options(ramps, area))))
         });
     }
-    // 240 mm: 16 keyframes
+    // 120 mm: 16 keyframes
     let moving = scene(
-        "[[time.move]]\npath_m = [[0.05, 0.045], [0.21, 0.045], [0.21, 0.125]]\nspeed_m_per_s = \
-         0.4\nhot_radius_m = 0.025\nquiet_from_m = 0.06\nramp_s = 0.015\n",
+        "[[time.move]]\npath_m = [[0.05, 0.045], [0.17, 0.045]]\nspeed_m_per_s = 0.4\nhot_radius_m = 0.025\nquiet_from_m = 0.06\nramp_s = 0.015\n",
     );
     group.bench_function("play_16_keyframes", |b| {
         b.iter(|| black_box(play(&model, &moving, None, &options(Ramps::Modal, false))))

@@ -76,7 +76,10 @@ pub use stability::{
     Calibration, Map, MapAxis, StabilityOptions, StabilityRow, Trial, MAPS,
 };
 pub use statistics::median;
-pub use time::{time, time_cases, time_csv, time_figures, time_verdict, TimeCase, TimeRow};
+pub use time::{
+    fitted_csv, fitted_verdict, time, time_cases, time_csv, time_figures, time_fitted,
+    time_verdict, FittedRow, TimeCase, TimeRow,
+};
 pub use wild::{
     summary, wild, wild_csv, wild_draws_csv, wild_figures, wild_measurement, Criterion, Difficulty,
     Draw, WildOptions, WildOutcome, WildRow,

@@ -1,7 +1,10 @@
 //! Bursts: rise time, force and cold overshoot of each way of ramping, beside the
 //! spatio-temporal inverse filter.
 
+mod fitted;
 mod inverse_filter;
+
+pub use fitted::{fitted_csv, fitted_verdict, FittedRow};
 
 use crate::csv::{number, table};
 use crate::journal::Journal;
@@ -20,6 +23,9 @@ use std::time::Instant;
 const RISES_MS: [f64; 5] = [3.0, 5.0, 8.0, 10.0, 15.0];
 /// Force limits under which envelope programs are tried, N.
 const FORCES_N: [f64; 2] = [0.1, 0.002];
+/// Rises beyond which programs are not tried, ms, and beyond which the smaller of the
+/// limits is not.
+const PROGRAM_MS: [f64; 2] = [10.0, 5.0];
 /// Longest ramp that is to be found, ms.
 const AUTO_MS: f64 = 10.0;
 /// Length of the bursts, s.
@@ -69,6 +75,16 @@ pub struct TimeRow {
     /// Time from the drive's beginning to the burst, ms.
     pub ahead_ms: f64,
 }
+
+/// The case of the whole way.
+const GLASS_QUARTER: TimeCase = TimeCase {
+    name: "glass-quarter",
+    panel: ScenePanel::Glass,
+    grid: 2,
+    hot: 1,
+    frequency_hz: 300.0,
+    loss_factor: 0.01,
+};
 
 /// Every case: quarters and the ninth in the middle of two panels.
 pub fn time_cases(quick: bool) -> Vec<TimeCase> {
@@ -149,6 +165,15 @@ pub fn time(
     Ok(rows)
 }
 
+/// The whole way from noisy FRFs to the true plate.
+///
+/// # Errors
+/// Those of fitting and playing: a bug.
+pub fn time_fitted(journal: &mut Journal, stage: &dyn Fn(&str)) -> Result<Vec<FittedRow>> {
+    stage("fitted");
+    journal.once("fitted", fitted::fitted)
+}
+
 fn of_case(case: &TimeCase, quick: bool) -> Result<Vec<TimeRow>> {
     let model = case.model()?;
     let mut rows = Vec::new();
@@ -179,7 +204,10 @@ fn of_case(case: &TimeCase, quick: bool) -> Result<Vec<TimeRow>> {
                 rows.push(run(Ramps::Modal, &rise)?);
                 rows.extend(filtered(case, &model, &steady, rise_ms, limit_n)?);
             }
-            rows.push(run(Ramps::Program, &rise)?);
+            let most_ms = PROGRAM_MS[usize::from(limit_n != FORCES_N[0])];
+            if rise_ms <= most_ms {
+                rows.push(run(Ramps::Program, &rise)?);
+            }
         }
     }
     Ok(rows)

@@ -413,6 +413,10 @@ pub const SCAN_UNEXPLAINED: f64 = 0.03;
 /// panel, half as many costs its fastest ramps.
 pub const NEAR_MODES_HZ: f64 = 300.0;
 
+/// Least singular value, over the largest, by which residual terms like 1/ω² get a pole at
+/// rest; what is below is the noise of a fit, and its first order about the carrier will do.
+pub const REST_POLE: f64 = 1e-2;
+
 /// Distance of a pole from the carrier below which modal ramps count it no more, Hz: a
 /// mode on the carrier would outweigh all others.
 pub const NEAREST_POLE_HZ: f64 = 20.0;
@@ -441,6 +445,9 @@ pub const JUDGE_TAIL_S: f64 = 0.15;
 /// of the model's band: what is faster excites what the model does not know. A rule of
 /// thumb.
 pub const RAMP_PERIODS: f64 = 2.0;
+
+/// Periods of a raised-cosine ramp from its tone to the first zero of its spectrum.
+pub const RAMP_SPREAD: f64 = 1.5;
 
 /// A band that begins below this share of the lowest natural frequency has nothing below
 /// it.

@@ -1,7 +1,10 @@
 //! `chladni bench time`.
 
 use super::{shown, Place};
-use chladni_bench::{time, time_cases, time_csv, time_figures, time_verdict, TimeCase, TimeRow};
+use chladni_bench::{
+    fitted_csv, fitted_verdict, time, time_cases, time_csv, time_figures, time_fitted,
+    time_verdict, TimeCase, TimeRow,
+};
 use chladni_console::table::table;
 use chladni_console::{Console, Outcome};
 use chladni_frf::{Error, ErrorKind, Result};
@@ -9,6 +12,10 @@ use serde_json::json;
 
 /// The table.
 const TABLE: &str = "time.csv";
+/// That of the whole way.
+const FITTED_TABLE: &str = "time-fitted.csv";
+/// Its case.
+const FITTED: &str = "fitted";
 /// Above the figures of the page.
 const WORDS: &str = "Bursts of 100 ms in the model's truth: how far cold ground goes over its \
 limit, at any instant, by each way of ramping.";
@@ -21,9 +28,10 @@ limit, at any instant, by each way of ramping.";
   chladni bench time -o bench --case glass              the twelve cases on glass
 
 Plays bursts on quarters and the ninth in the middle of two panels, at 300 and 330 Hz, with loss factors of 0.5, 1 and 3 %, by plain, modal
-and program ramps and by the spatio-temporal inverse filter. Writes time.csv, time-CASE.svg/png and time.html.")]
+and program ramps and by the spatio-temporal inverse filter; then one of them the whole way, from FRFs with noise through the fit to the true
+plate, as it is and drifted. Writes time.csv, time-fitted.csv, time-CASE.svg/png and time.html.")]
 pub struct Args {
-    /// Only cases whose name begins so, as glass or aluminium-centre
+    /// Only cases whose name begins so, as glass, aluminium-centre or fitted
     #[arg(long, value_name = "NAME")]
     case: Option<String>,
     #[command(flatten)]
@@ -35,27 +43,34 @@ pub struct Args {
 /// # Errors
 /// Those of writing.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
-    args.place.prepare(&[TABLE], console)?;
+    args.place.prepare(&[TABLE, FITTED_TABLE], console)?;
     let wanted = args.case.as_deref().unwrap_or("");
     let cases: Vec<TimeCase> = time_cases(args.place.quick)
         .into_iter()
         .filter(|case| case.name.starts_with(wanted))
         .collect();
-    if cases.is_empty() {
+    let whole_way = FITTED.starts_with(wanted) && !args.place.quick;
+    if cases.is_empty() && !whole_way {
         return Err(Error::new(ErrorKind::Usage, "no such case")
             .field("--case")
             .found(wanted)
-            .expected("the beginning of a name, as glass-quarter or aluminium-centre"));
+            .expected("the beginning of a name, as glass-quarter, aluminium-centre or fitted"));
     }
     let options = format!("{} {wanted}", args.place.quick);
     let mut journal = args.place.journal("time", &options, console)?;
     let rows = time(&cases, args.place.quick, &mut journal, &|stage| {
         console.stage(stage)
     })?;
+    let fitted = match whole_way {
+        true => time_fitted(&mut journal, &|stage| console.stage(stage))?,
+        false => Vec::new(),
+    };
     let figures = time_figures(&rows);
-    let mut files = args
-        .place
-        .write(&[(TABLE, time_csv(&rows))], &figures, console)?;
+    let mut tables = vec![(TABLE, time_csv(&rows))];
+    if whole_way {
+        tables.push((FITTED_TABLE, fitted_csv(&fitted)));
+    }
+    let mut files = args.place.write(&tables, &figures, console)?;
     files.push(args.place.page(
         "time",
         "Bursts, by every way of ramping",
@@ -91,7 +106,12 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         ]
     };
     let lines = rows.iter().map(line).collect::<Vec<_>>();
-    let text = format!("{}\n{}", table(&header, &lines), time_verdict(&rows));
+    let text = format!(
+        "{}\n{}{}",
+        table(&header, &lines),
+        time_verdict(&rows),
+        fitted_verdict(&fitted)
+    );
     let json = json!({
         "output": args.place.output.display().to_string(),
         "files": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),

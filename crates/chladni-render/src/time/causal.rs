@@ -3,13 +3,17 @@
 //!
 //! Structural damping answers before it is asked: its second pole lies on the wrong side.
 //! Each mode therefore has the conjugate pair p, p* with p = jω_n√(1+jη_n), or the
-//! viscous s_n. What that, and all else of the model, leaves at the carrier is a constant
-//! D₀, so that a steady drive moves the ground exactly as `render` says.
+//! viscous s_n; what runs like 1/ω², as a free panel does as a whole, has poles at rest.
+//! What that, and all else of the model, leaves at the carrier is D₀ and D₁, so that a
+//! steady drive moves the ground exactly as `render` says.
 
 use crate::interpolation::Interpolation;
 use crate::operator::Operator;
-use chladni_frf::{Damping, ModalModel, Mode, Trust};
-use ndarray::{concatenate, s, Array1, Array2, ArrayView2, Axis};
+use crate::problem::unsolvable;
+use crate::tolerances;
+use chladni_frf::{Damping, ModalModel, Mode, Result, Trust};
+use chladni_linalg::{matmul, svd_thin};
+use ndarray::{concatenate, s, Array2, ArrayView2, Axis};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -32,23 +36,17 @@ pub(crate) struct CausalModel {
 
 impl CausalModel {
     /// Of `model`, whose mobility at the carrier is `operator`.
-    pub(crate) fn new(model: &ModalModel, operator: &Operator) -> Self {
-        let modes: Vec<&Mode> = model
-            .modes
-            .iter()
-            .filter(|mode| mode.trust != Trust::Rejected)
-            .collect();
-        let (rows, columns) = (&operator.response_rows, &operator.reference_columns);
-        let near: Vec<Complex64> = modes.iter().map(|mode| pole(mode, model.damping)).collect();
-        let inputs = Array2::from_shape_fn((modes.len(), columns.len()), |(n, j)| {
-            share(near[n]) * modes[n].participation.0[columns[j]]
-        });
-        let sign = |i: usize| operator.responses[i].direction.sign();
-        let shapes = Array2::from_shape_fn((rows.len(), modes.len()), |(i, n)| {
-            modes[n].shape.0[rows[i]] * sign(i)
-        });
+    ///
+    /// # Errors
+    /// Those of the factorisation: a broken promise.
+    pub(crate) fn new(model: &ModalModel, operator: &Operator) -> Result<Self> {
         let carrier = TAU * operator.frequency_hz;
-        let slope = slope(model, operator, carrier);
+        let rest = Rest::of(model, operator)?;
+        let (near, inputs, shapes) = of_modes(model, operator);
+        let at_rest = vec![Complex64::ZERO; rest.inputs.nrows()];
+        let near: Vec<Complex64> = near.into_iter().chain(at_rest).collect();
+        let inputs = concatenate![Axis(0), inputs, rest.inputs];
+        let shapes = concatenate![Axis(1), shapes, rest.shapes];
         let conjugate = |matrix: &Array2<Complex64>| matrix.mapv(|value| value.conj());
         let mut causal = Self {
             carrier_rad_per_s: carrier,
@@ -60,10 +58,14 @@ impl CausalModel {
             inputs: concatenate![Axis(0), inputs, conjugate(&inputs)],
             shapes: concatenate![Axis(1), shapes, conjugate(&shapes)],
             direct: Array2::zeros((0, 0)),
-            slope,
+            slope: rest.slope,
         };
         causal.direct = &operator.mobility - &causal.of_poles(0..causal.poles.len(), 1);
-        causal
+        // the rest is a real system, too: what turns it is a slope through 0 Hz
+        let turning = &causal.direct - &rest.direct;
+        let slope = turning.mapv(|value| Complex64::from(value.im / carrier));
+        causal.slope += &slope;
+        Ok(causal)
     }
 
     /// Number of modes: half of the poles.
@@ -84,7 +86,12 @@ impl CausalModel {
             row.mapv_inplace(|value| value * factor);
         }
         let shapes = self.shapes.select(Axis(1), &picked);
-        chladni_linalg::matmul(shapes.view(), inputs.view())
+        matmul(shapes.view(), inputs.view())
+    }
+
+    /// True for poles of what moves as a whole, which only the actuators know.
+    pub(crate) fn is_at_rest(&self, pole: usize) -> bool {
+        self.poles[pole] == Complex64::ZERO
     }
 
     /// jω₀ − p of a pole, rad/s.
@@ -127,7 +134,7 @@ impl CausalModel {
                 }
             }
         }
-        let moved = chladni_linalg::matmul(parts.t(), shapes.t());
+        let moved = matmul(parts.t(), shapes.t());
         Array2::from_shape_fn((times, shapes.nrows()), |(k, row)| {
             Complex64::new(moved[[k, row]], moved[[times + k, row]])
         })
@@ -145,7 +152,7 @@ impl CausalModel {
                 pull[[row, k - times]].im
             }
         });
-        let pulled = chladni_linalg::matmul(shapes.t(), parts.view());
+        let pulled = matmul(shapes.t(), parts.view());
         let of =
             |part: usize, k: usize| Complex64::new(pulled[[part, k]], pulled[[part, times + k]]);
         Array2::from_shape_fn((2 * modes, times), |(pole, k)| {
@@ -182,7 +189,7 @@ impl CausalModel {
     /// Velocity of the rows under steady `patterns`; axes (row, pattern).
     pub(crate) fn steady(&self, patterns: ArrayView2<Complex64>) -> Array2<Complex64> {
         let mobility = &self.direct + &self.of_poles(0..self.poles.len(), 1);
-        chladni_linalg::matmul(mobility.view(), patterns.t())
+        matmul(mobility.view(), patterns.t())
     }
 }
 
@@ -206,34 +213,97 @@ pub(crate) fn share(pole: Complex64) -> Complex64 {
     pole / Complex64::new(0.0, 2.0 * pole.im)
 }
 
-/// D₁ = Σ (power+1)·C·(ω₀/ω_s)^power of the residual terms.
-fn slope(model: &ModalModel, operator: &Operator, carrier: f64) -> Array2<Complex64> {
-    let mut slope = Array2::zeros(operator.mobility.dim());
-    for term in &model.residual_terms.terms {
-        let scale = (carrier / model.residual_terms.omega_scale_rad_per_s).powi(term.power);
-        let factor = f64::from(term.power + 1) * scale;
-        for (i, (&row, dof)) in operator
-            .response_rows
-            .iter()
-            .zip(&operator.responses)
-            .enumerate()
-        {
-            let values: Array1<Complex64> = operator
-                .reference_columns
-                .iter()
-                .map(|&column| term.matrix.0[[row, column]] * (factor * dof.direction.sign()))
-                .collect();
-            let mut to = slope.slice_mut(s![i, ..]);
-            to += &values;
+/// Poles of the modes, what drives them and how they move the rows.
+fn of_modes(
+    model: &ModalModel,
+    operator: &Operator,
+) -> (Vec<Complex64>, Array2<Complex64>, Array2<Complex64>) {
+    let modes: Vec<&Mode> = model
+        .modes
+        .iter()
+        .filter(|mode| mode.trust != Trust::Rejected)
+        .collect();
+    let (rows, columns) = (&operator.response_rows, &operator.reference_columns);
+    let poles: Vec<Complex64> = modes.iter().map(|mode| pole(mode, model.damping)).collect();
+    let inputs = Array2::from_shape_fn((modes.len(), columns.len()), |(n, j)| {
+        share(poles[n]) * modes[n].participation.0[columns[j]]
+    });
+    let sign = |i: usize| operator.responses[i].direction.sign();
+    let shapes = Array2::from_shape_fn((rows.len(), modes.len()), |(i, n)| {
+        modes[n].shape.0[rows[i]] * sign(i)
+    });
+    (poles, inputs, shapes)
+}
+
+/// The residual terms of a model: those like 1/ω² as poles at rest, the others to first
+/// order about the carrier.
+struct Rest {
+    /// Of half of the poles; axes (pole, actuator).
+    inputs: Array2<Complex64>,
+    /// Axes (row, pole).
+    shapes: Array2<Complex64>,
+    /// Velocity at the carrier of what has no pole; axes (row, actuator).
+    direct: Array2<Complex64>,
+    /// Its derivative by s: Σ (power+1)·C·(ω₀/ω_s)^power.
+    slope: Array2<Complex64>,
+}
+
+impl Rest {
+    fn of(model: &ModalModel, operator: &Operator) -> Result<Self> {
+        let carrier = TAU * operator.frequency_hz;
+        let scale = model.residual_terms.omega_scale_rad_per_s;
+        let (rows, actuators) = operator.mobility.dim();
+        let mut rest = Self {
+            inputs: Array2::zeros((0, actuators)),
+            shapes: Array2::zeros((rows, 0)),
+            direct: Array2::zeros((rows, actuators)),
+            slope: Array2::zeros((rows, actuators)),
+        };
+        for term in &model.residual_terms.terms {
+            let mut matrix = Array2::from_shape_fn((rows, actuators), |(i, j)| {
+                let at = [operator.response_rows[i], operator.reference_columns[j]];
+                term.matrix.0[at] * operator.responses[i].direction.sign()
+            });
+            if term.power == -2 {
+                matrix -= &rest.take_poles(&matrix, scale)?;
+            }
+            let here = (carrier / scale).powi(term.power);
+            let slope = f64::from(term.power + 1) * here;
+            rest.direct += &matrix.mapv(|value| Complex64::I * (carrier * here) * value);
+            rest.slope += &matrix.mapv(|value| value * slope);
         }
+        Ok(rest)
     }
-    slope
+
+    /// Makes −ω_s²·C/s of poles at rest, as many as matter, and says what part of C they
+    /// are.
+    fn take_poles(
+        &mut self,
+        matrix: &Array2<Complex64>,
+        scale_rad_per_s: f64,
+    ) -> Result<Array2<Complex64>> {
+        let real = matrix.mapv(|value| value.re);
+        let (left, singular, right) = svd_thin(real.view()).map_err(unsolvable)?;
+        let least = tolerances::REST_POLE * singular.first().copied().unwrap_or(0.0);
+        let count = singular.iter().filter(|&&value| value > least).count();
+        let mut left = left.slice_move(s![.., ..count]);
+        for (mut column, size) in left.columns_mut().into_iter().zip(&singular) {
+            column.mapv_inplace(|value| value * size);
+        }
+        let right = right.slice_move(s![..count, ..]);
+        let half = share(Complex64::ZERO);
+        let inputs = right.mapv(|value| value * half);
+        let shapes = left.mapv(|value| Complex64::from(-scale_rad_per_s.powi(2) * value));
+        self.inputs = concatenate![Axis(0), self.inputs, inputs];
+        self.shapes = concatenate![Axis(1), self.shapes, shapes];
+        Ok(matmul(left.view(), right.view()).mapv(Complex64::from))
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use chladni_linalg::{matmul, matmul_h};
+    use chladni_linalg::matmul_h;
 
     #[test]
     fn pairs_move_the_rows_as_all_poles_do() {

@@ -48,9 +48,11 @@ pub(crate) struct Contact<'a> {
 impl<'a> Contact<'a> {
     /// At rest.
     pub(crate) fn new(model: &'a CausalModel, touch: &'a Touch) -> Self {
-        let inputs = (0..model.poles.len())
-            .map(|n| share(model.poles[n]) * model.shapes[[touch.row, n]])
-            .collect();
+        let input = |n: usize| match model.is_at_rest(n) {
+            true => Complex64::ZERO,
+            false => share(model.poles[n]) * model.shapes[[touch.row, n]],
+        };
+        let inputs = (0..model.poles.len()).map(input).collect();
         Self {
             model,
             touch,
@@ -104,7 +106,7 @@ mod tests {
         (panel.frf.start_hz, panel.frf.step_hz) = (100.0, 300.0);
         let model = chladni_plate::simulate(&panel, None, None).unwrap().truth;
         let operator = Operator::of_model(&model, 300.0, None).unwrap();
-        let causal = CausalModel::new(&model, &operator);
+        let causal = CausalModel::new(&model, &operator).unwrap();
         let drive: Array1<Complex64> = (0..causal.inputs.ncols())
             .map(|j| Complex64::from_polar(1e-3, 0.7 * (j * j) as f64))
             .collect();

@@ -1,7 +1,8 @@
 //! Places that are judged in time, under all tones at once.
 
-use crate::plane::Position;
-use crate::plane::Rectangle;
+use crate::field::AreaGrid;
+use crate::operator::Operator;
+use crate::plane::{Position, Rectangle};
 use crate::scene::{Limits, Scene};
 use crate::time::causal::CausalModel;
 use crate::time::contact::{Contact, Touch};
@@ -14,7 +15,7 @@ use crate::time::tracks::Tracks;
 use crate::tolerances;
 use crate::tones::Share;
 use crate::zones::{ZoneMap, Zones};
-use chladni_frf::Result;
+use chladni_frf::{ModalModel, Result};
 use chladni_linalg::matmul;
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
@@ -123,6 +124,38 @@ pub(crate) struct Heard {
 }
 
 impl Listener {
+    /// The responses of a model, for every tone of a scene.
+    ///
+    /// # Errors
+    /// As [`Operator::of_model`]; a threshold that is not known at a tone.
+    pub(crate) fn at_responses(model: &ModalModel, scene: &Scene) -> Result<Self> {
+        let mut there = Self {
+            positions_m: Vec::new(),
+            models: Vec::new(),
+            limits: Vec::new(),
+            touch: None,
+        };
+        for tone in scene.tones() {
+            let only = tone.actuators.only.as_deref();
+            let operator = Operator::of_model(model, tone.frequency_hz, only)?;
+            there.models.push(CausalModel::new(model, &operator)?);
+            there.limits.push(ToneLimits::of(&tone)?);
+            there.positions_m = operator.positions_m;
+        }
+        Ok(there)
+    }
+
+    /// The same panel on a grid between these places.
+    pub(crate) fn over(&self, grid: &AreaGrid) -> Self {
+        let there = |model: &CausalModel| model.at(grid.interpolation());
+        Self {
+            positions_m: grid.places.iter().map(|place| place.1).collect(),
+            models: self.models.iter().map(there).collect(),
+            limits: self.limits.clone(),
+            touch: None,
+        }
+    }
+
     /// How `chains` do when `voices` sound, one per tone.
     pub(crate) fn hear<S: Sounds>(
         &self,

@@ -7,10 +7,12 @@
 
 mod auto_ramp;
 mod causal;
+mod channel_map;
 mod contact;
 mod envelope;
 mod envelope_program;
 mod frames;
+mod indices;
 mod judge;
 mod listener;
 mod modal_ramp;
@@ -19,8 +21,11 @@ mod play;
 mod program_ramp;
 mod read_table;
 mod recorded;
+mod sidecar;
 mod signal;
 mod simulate;
+mod splines;
+mod stage;
 mod stress;
 mod table;
 mod timeline;
@@ -28,15 +33,16 @@ mod tracks;
 mod voice;
 mod wav_file;
 
+pub use channel_map::{ChannelMap, Mapped};
 pub use frames::{AreaFrames, TimeFrames};
+pub use indices::{AreaMeasures, TimeEvent, TimeIndices};
 pub use judge::{TimeMeasure, TimeTraces};
 pub use modal_ramp::modal_ramp;
-pub use play::{play, AreaMeasures, PlayOptions, Played, TimeEvent, TimeIndices};
+pub use play::{play, PlayOptions, Played};
 pub(crate) use read_table::read_time;
 pub use recorded::{evaluate_signal, Recorded};
-pub use signal::{
-    Channel, ChannelMap, Mapped, Sidecar, Signal, SignalOptions, SIGNAL_FORMAT, SIGNAL_VERSION,
-};
+pub use sidecar::{Channel, Sidecar, SIGNAL_FORMAT, SIGNAL_VERSION};
+pub use signal::{Signal, SignalOptions};
 pub use stress::{stress_in_time, TimeStressRow};
 pub use table::{Burst, Fade, Level, Measure, Move, RampTime, Ramps, TimeTable};
 pub use wav_file::SampleFormat;

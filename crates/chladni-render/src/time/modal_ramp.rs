@@ -23,7 +23,7 @@ use std::f64::consts::TAU;
 /// As [`Operator::of_model`].
 pub fn modal_ramp(model: &ModalModel, frequency_hz: f64) -> Result<Array2<Complex64>> {
     let operator = Operator::of_model(model, frequency_hz, None)?;
-    correction(&CausalModel::new(model, &operator))
+    correction(&CausalModel::new(model, &operator)?)
 }
 
 /// K, s; axes (actuator, actuator). Without a mode near the carrier it undoes the lag of
@@ -54,6 +54,9 @@ pub(crate) fn correction(model: &CausalModel) -> Result<Array2<Complex64>> {
 
 /// True for poles whose frequency lies so near that they do not follow at once.
 fn is_near(model: &CausalModel, pole: usize) -> bool {
+    if model.is_at_rest(pole) {
+        return false;
+    }
     let frequency = model.poles[pole].norm();
     (frequency - model.carrier_rad_per_s).abs() < TAU * tolerances::NEAR_MODES_HZ
 }

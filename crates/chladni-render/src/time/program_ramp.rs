@@ -1,9 +1,10 @@
 //! Rise and fall of a chain by envelope programs.
 
 use crate::time::envelope::{Edge, Envelope, Ramp};
-use crate::time::envelope_program::{control_of, solve, tracks_of, Asked, Splines};
+use crate::time::envelope_program::{solve, Asked};
 use crate::time::plan::Chain;
 use crate::time::simulate::Motion;
+use crate::time::splines::{control_of, tracks_of, Splines};
 use crate::time::tracks::{Track, Tracks};
 use crate::time::voice::Voice;
 use crate::tolerances;

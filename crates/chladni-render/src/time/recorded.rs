@@ -1,25 +1,23 @@
 //! A signal that someone recorded or made, judged like a drive of our own.
 //!
-//! Each channel becomes a complex envelope about the carrier: its spectrum from 0 to twice
-//! the carrier, moved down by it. What lies beyond does not take part.
+//! Each channel becomes a complex envelope about each tone: the spectrum nearest to it, from
+//! 0 to twice the tone where it sounds alone, moved down by it.
 
 use crate::field::AreaGrid;
 use crate::operator::Operator;
 use crate::plane::Rectangle;
 use crate::scene::Scene;
-use crate::time::causal::CausalModel;
-use crate::time::judge::TimeMeasure;
-use crate::time::listener::{Judging, Listener, Sounds, ToneLimits};
-use crate::time::plan::{Chain, Plan};
-use crate::time::play::{AreaMeasures, TimeEvent, TimeIndices};
-use crate::time::signal::Sidecar;
+use crate::time::indices::{AreaMeasures, TimeEvent, TimeIndices};
+use crate::time::listener::{Judging, Listener, Sounds};
+use crate::time::plan::{Chain, Event, Plan};
+use crate::time::sidecar::Sidecar;
 use crate::time::simulate::SampledDrive;
 use crate::time::table::{Measure, RampTime};
 use crate::time::timeline::zones_of;
 use crate::tolerances;
 use crate::zones::ZoneMap;
 use chladni_frf::{Dof, Error, ErrorKind, Finding, ModalModel, Result};
-use ndarray::{s, Array2, Axis};
+use ndarray::{s, Array2};
 use num_complex::Complex64;
 use rustfft::FftPlanner;
 use std::f64::consts::TAU;
@@ -78,16 +76,23 @@ impl Recorded {
     }
 }
 
-/// Envelopes of a recording on even samples.
+/// Envelopes of a recording on even samples, and their derivatives, 1/s.
 struct Envelopes {
-    step_s: f64,
     /// Axes (sample, actuator).
     values: Array2<Complex64>,
+    /// The same.
+    slopes: Array2<Complex64>,
 }
 
 impl Envelopes {
-    /// About `frequency_hz`, on samples `step_s` apart, in the order of `references`.
-    fn new(recorded: &Recorded, operator: &Operator, step_s: f64) -> Result<Self> {
+    /// About `tone_hz`, from what lies in `band_hz`, on samples `step_s` apart, in the
+    /// order of the operator's references.
+    fn new(
+        recorded: &Recorded,
+        operator: &Operator,
+        band_hz: [f64; 2],
+        step_s: f64,
+    ) -> Result<Self> {
         let frames = recorded.drive.nrows();
         let count = (frames as f64 / recorded.rate_hz / step_s).ceil() as usize + 1;
         // so many frames that both rates have whole samples in the same time
@@ -100,77 +105,95 @@ impl Envelopes {
         );
         let line_hz = recorded.rate_hz / padded as f64;
         let carrier = (operator.frequency_hz / line_hz).round() as i64;
-        let half = carrier.min(count as i64 / 2 - 1);
         let offset_hz = operator.frequency_hz - line_hz * carrier as f64;
-        let mut values = Array2::zeros((count, operator.references.len()));
+        let [low, high] = band_hz.map(|edge_hz| (edge_hz / line_hz).round() as i64);
+        let most = count as i64 / 2 - 1;
+        let lines = low.max(1).max(carrier - most)..high.min(padded as i64 / 2).min(carrier + most);
+        let mut envelopes = Self {
+            values: Array2::zeros((count, operator.references.len())),
+            slopes: Array2::zeros((count, operator.references.len())),
+        };
         for (k, reference) in recorded.references.iter().enumerate() {
-            let Some(column) = operator
-                .references
-                .iter()
-                .position(|r| r.same_axis(*reference))
-            else {
-                return Err(
-                    Error::bad_data("the signal drives an actuator that the model lacks")
-                        .field("channels")
-                        .found(reference)
-                        .expected(format!("one of {} references", operator.references.len())),
-                );
-            };
-            let sign = reference.direction.sign() * operator.references[column].direction.sign();
+            let (column, sign) = column_of(operator, *reference)?;
             let mut spectrum = vec![Complex64::ZERO; padded];
             for (to, from) in spectrum.iter_mut().zip(recorded.drive.column(k)) {
                 *to = (from * sign).into();
             }
             forward.process(&mut spectrum);
-            let mut low = vec![Complex64::ZERO; count];
-            for line in -half..half {
-                let from = carrier + line;
-                if (1..padded as i64 / 2).contains(&from) {
-                    let to = line.rem_euclid(count as i64) as usize;
-                    low[to] = spectrum[from as usize] * (2.0 / padded as f64);
+            let mut lowered = [(); 2].map(|()| vec![Complex64::ZERO; count]);
+            for from in lines.clone() {
+                let line = from - carrier;
+                let beside_hz = line_hz * line as f64 - offset_hz;
+                let to = line.rem_euclid(count as i64) as usize;
+                let value = spectrum[from as usize] * (2.0 / padded as f64);
+                lowered[0][to] = value;
+                lowered[1][to] = value * Complex64::new(0.0, TAU * beside_hz);
+            }
+            let [values, slopes] = &mut lowered;
+            for (lowered, to) in [
+                (values, &mut envelopes.values),
+                (slopes, &mut envelopes.slopes),
+            ] {
+                back.process(lowered);
+                for (n, value) in lowered.iter().enumerate() {
+                    let time_s = step_s * n as f64;
+                    to[[n, column]] = value * Complex64::from_polar(1.0, -TAU * offset_hz * time_s);
                 }
             }
-            back.process(&mut low);
-            for (n, value) in low.into_iter().enumerate() {
-                let time_s = step_s * n as f64;
-                values[[n, column]] = value * Complex64::from_polar(1.0, -TAU * offset_hz * time_s);
-            }
         }
-        Ok(Self { step_s, values })
+        Ok(envelopes)
     }
+}
 
-    fn at(&self, sample: usize) -> Option<ndarray::ArrayView1<'_, Complex64>> {
-        (sample < self.values.nrows()).then(|| self.values.row(sample))
-    }
+/// Column of an actuator, and the sign by which its sense differs.
+fn column_of(operator: &Operator, reference: Dof) -> Result<(usize, f64)> {
+    let column = operator
+        .references
+        .iter()
+        .position(|known| known.same_axis(reference))
+        .ok_or_else(|| {
+            Error::bad_data("the signal drives an actuator that the model lacks")
+                .field("channels")
+                .found(reference)
+                .expected(format!("one of {} references", operator.references.len()))
+        })?;
+    let known = operator.references[column];
+    Ok((column, reference.direction.sign() * known.direction.sign()))
 }
 
 impl Sounds for Envelopes {
     fn block(&self, step_s: f64, first: usize, count: usize) -> SampledDrive {
-        let actuators = self.values.ncols();
-        let mut values = Array2::zeros((count, actuators));
-        let mut slopes = Array2::zeros((count, actuators));
-        for k in 0..count {
-            if let Some(row) = self.at(first + k) {
-                values.row_mut(k).assign(&row);
+        let block = |from: &Array2<Complex64>| {
+            let mut to = Array2::zeros((count, from.ncols()));
+            let end = from.nrows().min(first + count);
+            if first < end {
+                let known = from.slice(s![first..end, ..]);
+                to.slice_mut(s![..end - first, ..]).assign(&known);
             }
-            let [before, after] = [(first + k).checked_sub(1), Some(first + k + 1)]
-                .map(|sample| sample.and_then(|sample| self.at(sample)));
-            let mut slope = slopes.slice_mut(s![k, ..]);
-            if let Some(after) = after {
-                slope += &after;
-            }
-            if let Some(before) = before {
-                slope -= &before;
-            }
-            slope.mapv_inplace(|value| value / (2.0 * self.step_s));
-        }
+            to
+        };
         SampledDrive {
             step_s,
-            patterns: Array2::from_diag_elem(actuators, Complex64::ONE),
-            values,
-            slopes,
+            patterns: Array2::from_diag_elem(self.values.ncols(), Complex64::ONE),
+            values: block(&self.values),
+            slopes: block(&self.slopes),
         }
     }
+}
+
+/// What belongs to each of some tones: up to the middle between it and the next, from 0 to
+/// twice the tone where there is none.
+fn bands_hz(tones_hz: &[f64]) -> Vec<[f64; 2]> {
+    let band = |&tone_hz: &f64| {
+        let others = tones_hz.iter().copied();
+        let below = others.clone().filter(|&other| other < tone_hz);
+        let above = others.filter(|&other| other > tone_hz);
+        [
+            0.5 * (tone_hz + below.fold(-tone_hz, f64::max)),
+            0.5 * (tone_hz + above.fold(3.0 * tone_hz, f64::min)),
+        ]
+    };
+    tones_hz.iter().map(band).collect()
 }
 
 /// How a recorded drive does in `scene` on the panel of `model`, and what the user must
@@ -179,39 +202,84 @@ impl Sounds for Envelopes {
 /// * `events`: those of its sidecar, where it has them: ramps that the scene leaves open
 ///
 /// # Errors
-/// As [`crate::play`]; a scene with several tones.
+/// As [`crate::play`].
 pub fn evaluate_signal(
     recorded: &Recorded,
     events: &[TimeEvent],
     scene: &Scene,
     model: &ModalModel,
 ) -> Result<(TimeIndices, Vec<Finding>)> {
-    if !scene.other_tones.is_empty() {
-        return Err(
-            Error::new(ErrorKind::Usage, "a signal is judged at one frequency")
-                .field("frequency_hz")
-                .found(format!("{} tones", 1 + scene.other_tones.len()))
-                .expected("a scene with one frequency")
-                .help("judge the weights instead, tone by tone"),
-        );
-    }
     let table = scene.time.clone().unwrap_or_default();
     let plan = Plan::new(&table, &scene.zones)?;
     let mut findings = Vec::new();
-    let mut guessed = false;
-    let chains = plan.chains(|_, event| match event.ramp {
-        RampTime::Seconds(seconds) => seconds,
-        RampTime::Auto => events
-            .iter()
-            .find(|known| known.event == event.name)
-            .map_or(tolerances::GUESSED_RAMP_S, |known| known.ramp_s)
-            .min(event.longest_ramp_s()),
-    })?;
-    for event in &plan.events {
-        let known = events.iter().any(|known| known.event == event.name);
-        guessed |= event.ramp == RampTime::Auto && !known;
+    let chains = chains(&plan, events, &mut findings)?;
+    let events: Vec<TimeEvent> = chains
+        .iter()
+        .map(|chain| TimeEvent::of(chain, 1.0))
+        .collect();
+    let ramp_s = events.iter().map(|event| event.ramp_s).fold(0.0, f64::max);
+    let tones = scene.tones();
+    let tones_hz: Vec<f64> = tones.iter().map(|tone| tone.frequency_hz).collect();
+    let bands = bands_hz(&tones_hz);
+    findings.extend(too_close(&tones_hz, ramp_s));
+    let step_s = tolerances::JUDGE_STEP_S;
+    let mut envelopes = Vec::new();
+    for (tone, band_hz) in tones.iter().zip(bands) {
+        let only = tone.actuators.only.as_deref();
+        let operator = Operator::of_model(model, tone.frequency_hz, only)?;
+        envelopes.push(Envelopes::new(recorded, &operator, band_hz, step_s)?);
     }
-    if guessed {
+    let points = Listener::at_responses(model, scene)?;
+    let scanned = Rectangle::around(&points.positions_m)
+        .ok_or_else(|| Error::new(ErrorKind::Internal, "an operator without responses"))?;
+    let maps: Vec<ZoneMap> = plan
+        .places
+        .iter()
+        .map(|place| zones_of(place, &scene.zones).over(scanned))
+        .collect();
+    let judging = Judging {
+        zones: &scene.zones,
+        maps: &maps,
+        scanned,
+        summation_s: table.summation_s,
+    };
+    let heard = points.hear(&envelopes, &chains, &judging, &Measure::ALL);
+    let grid = AreaGrid::new(&points.positions_m, maps[0].area(), tolerances::AREA_STEP_M);
+    let area = grid.map(|grid| {
+        let there = points.over(&grid);
+        let heard = there.hear(&envelopes, &chains, &judging, &Measure::ALL);
+        AreaMeasures::of(&heard.measures)
+    });
+    let AreaMeasures { summed, peak, rms } = AreaMeasures::of(&heard.measures);
+    let end_s = chains.iter().map(Chain::end_s).fold(0.0, f64::max);
+    if recorded.drive.nrows() as f64 / recorded.rate_hz < end_s - step_s {
+        findings.push(
+            Finding::caution(
+                "time-signal-short",
+                "the signal ends before the last event of the scene",
+            )
+            .help("play the scene again"),
+        );
+    }
+    let indices = TimeIndices {
+        summed,
+        peak,
+        rms,
+        area,
+        ramp_s,
+        peak_drive: heard.peaks.iter().copied().fold(0.0, f64::max),
+        steady_drive: 0.0,
+        events,
+    };
+    Ok((indices, findings))
+}
+
+/// The events of a scene; ramps that it leaves open are those of `events`, where it has
+/// them.
+fn chains(plan: &Plan, events: &[TimeEvent], findings: &mut Vec<Finding>) -> Result<Vec<Chain>> {
+    let known = |event: &Event| events.iter().find(|known| known.event == event.name);
+    let is_open = |event: &&Event| event.ramp == RampTime::Auto && known(event).is_none();
+    if plan.events.iter().any(|event| is_open(&event)) {
         let taken_ms = 1e3 * tolerances::GUESSED_RAMP_S;
         findings.push(
             Finding::caution(
@@ -225,90 +293,46 @@ pub fn evaluate_signal(
             .help("write ramp_s into the scene"),
         );
     }
-    let operator = Operator::of_model(model, scene.frequency_hz, scene.actuators.only.as_deref())?;
-    let step_s = tolerances::JUDGE_STEP_S;
-    let envelopes = Envelopes::new(recorded, &operator, step_s)?;
-    let scanned = Rectangle::around(&operator.positions_m)
-        .ok_or_else(|| Error::new(ErrorKind::Internal, "an operator without responses"))?;
-    let maps: Vec<ZoneMap> = plan
-        .places
-        .iter()
-        .map(|place| zones_of(place, &scene.zones).over(scanned))
-        .collect();
-    let judging = Judging {
-        zones: &scene.zones,
-        maps: &maps,
-        scanned,
-        summation_s: table.summation_s,
+    plan.chains(|_, event| match event.ramp {
+        RampTime::Seconds(seconds) => seconds,
+        RampTime::Auto => known(event)
+            .map_or(tolerances::GUESSED_RAMP_S, |known| known.ramp_s)
+            .min(event.longest_ramp_s()),
+    })
+}
+
+/// Tones whose ramps reach into each other's bands.
+fn too_close(tones_hz: &[f64], ramp_s: f64) -> Option<Finding> {
+    let apart = |k: usize| {
+        let others = tones_hz[k + 1..].iter();
+        others.map(move |other_hz| (other_hz - tones_hz[k]).abs())
     };
-    let causal = CausalModel::new(model, &operator);
-    let limits = vec![ToneLimits::of(scene)?];
-    let points = Listener {
-        positions_m: operator.positions_m.clone(),
-        models: vec![causal.clone()],
-        limits: limits.clone(),
-        touch: None,
-    };
-    let envelopes = [envelopes];
-    let heard = points.hear(&envelopes, &chains, &judging, &Measure::ALL);
-    let area = AreaGrid::new(
-        &operator.positions_m,
-        maps[0].area(),
-        tolerances::AREA_STEP_M,
-    )
-    .map(|grid| {
-        let there = Listener {
-            positions_m: grid.places.iter().map(|place| place.1).collect(),
-            models: vec![causal.at(grid.interpolation())],
-            limits,
-            touch: None,
-        };
-        of_three(
-            &there
-                .hear(&envelopes, &chains, &judging, &Measure::ALL)
-                .measures,
+    let nearest_hz = (0..tones_hz.len())
+        .flat_map(apart)
+        .fold(f64::INFINITY, f64::min);
+    let needed_hz = 2.0 * tolerances::RAMP_SPREAD / ramp_s;
+    (nearest_hz < needed_hz).then(|| {
+        Finding::caution(
+            "time-tones-close",
+            format!(
+                "tones lie {nearest_hz:.0} Hz apart, and ramps of {:.0} ms spread over \
+                 {needed_hz:.0} Hz: part of one tone's ramp is judged as the other's",
+                1e3 * ramp_s
+            ),
         )
-    });
-    let AreaMeasures { summed, peak, rms } = of_three(&heard.measures);
-    let events = chains.iter().map(event_of).collect::<Vec<_>>();
-    let indices = TimeIndices {
-        summed,
-        peak,
-        rms,
-        area,
-        ramp_s: events.iter().map(|event| event.ramp_s).fold(0.0, f64::max),
-        peak_drive: heard.peaks.iter().copied().fold(0.0, f64::max),
-        steady_drive: 0.0,
-        events,
-    };
-    let outside = recorded.drive.len_of(Axis(0)) as f64 / recorded.rate_hz
-        < chains.iter().map(Chain::end_s).fold(0.0, f64::max) - step_s;
-    if outside {
-        findings.push(
-            Finding::caution(
-                "time-signal-short",
-                "the signal ends before the last event of the scene",
-            )
-            .help("play the scene again"),
-        );
-    }
-    Ok((indices, findings))
+        .value("nearest_hz", nearest_hz)
+        .value("needed_hz", needed_hz)
+        .help("judge the weights with their ramps instead of the signal")
+    })
 }
 
-fn of_three(measures: &[TimeMeasure]) -> AreaMeasures {
-    AreaMeasures {
-        summed: measures[0],
-        peak: measures[1],
-        rms: measures[2],
-    }
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-fn event_of(chain: &Chain) -> TimeEvent {
-    TimeEvent {
-        event: chain.name.clone(),
-        start_s: chain.start_s(),
-        end_s: chain.end_s(),
-        ramp_s: chain.ramp_s,
-        gain: 1.0,
+    #[test]
+    fn every_line_belongs_to_the_nearest_tone() {
+        assert_eq!(bands_hz(&[300.0]), [[0.0, 600.0]]);
+        assert_eq!(bands_hz(&[330.0, 250.0]), [[290.0, 660.0], [0.0, 290.0]]);
     }
 }

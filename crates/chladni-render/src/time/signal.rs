@@ -1,19 +1,13 @@
-//! The samples that a rig plays: which actuator is on which channel, how large full scale
-//! is, and the JSON file beside the sound file that says so.
+//! The samples that a rig plays, and how large full scale is.
 
-use crate::time::play::{Played, TimeEvent};
-use crate::time::tracks::Tracks;
+use crate::time::channel_map::{ChannelMap, Mapped};
+use crate::time::play::Played;
+use crate::time::sidecar::{Channel, Sidecar, SIGNAL_FORMAT, SIGNAL_VERSION};
 use crate::time::wav_file::{wav_bytes, SampleFormat};
-use chladni_frf::{Dof, Error, ErrorKind, ReferenceUnit, Result, Source};
-use ndarray::{Array1, Array2, Axis};
+use chladni_frf::{Error, ErrorKind, Result};
+use ndarray::{Array2, Axis};
 use num_complex::Complex64;
-use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
-
-/// Value of `format` in a signal's sidecar.
-pub const SIGNAL_FORMAT: &str = "chladni.signal";
-/// Version of the layout.
-pub const SIGNAL_VERSION: u32 = 1;
 
 /// Most bytes of a sound file: its header counts them in 32 bits.
 const MOST_BYTES: f64 = 4_294_900_000.0;
@@ -43,148 +37,6 @@ impl Default for SignalOptions {
     }
 }
 
-/// A channel of a map.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Mapped {
-    /// Counted from 1.
-    pub channel: usize,
-    /// Its actuator.
-    pub reference: Dof,
-    /// Factor on its samples, as V/N of its amplifier and coil.
-    pub gain: f64,
-}
-
-/// Which actuator is on which channel.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ChannelMap(pub Vec<Mapped>);
-
-impl ChannelMap {
-    /// Most channels of a converter.
-    const MOST: usize = 1024;
-
-    /// Actuators in their order, without gains.
-    fn plain(references: &[Dof]) -> Self {
-        let mapped = references.iter().enumerate().map(|(k, &reference)| Mapped {
-            channel: k + 1,
-            reference,
-            gain: 1.0,
-        });
-        Self(mapped.collect())
-    }
-
-    /// From the text of a CSV file `channel,reference,gain`; the gain may be left out.
-    ///
-    /// # Errors
-    /// [`ErrorKind::BadData`] with the line: another header, no channel number, no DOF, a
-    /// gain of 0, a channel or an actuator twice.
-    pub fn parse(text: &str) -> Result<Self> {
-        let bad = |line: usize, message: &str, field: &str, found: &str, expected: &str| {
-            Error::bad_data(message)
-                .at_line(line as u64 + 1)
-                .field(field)
-                .found(found)
-                .expected(expected)
-        };
-        let mut lines = text
-            .lines()
-            .enumerate()
-            .map(|(k, line)| (k, line.trim().trim_start_matches('\u{feff}')))
-            .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
-        let cells = |line: &str| -> Vec<String> {
-            line.split(',').map(|cell| cell.trim().to_owned()).collect()
-        };
-        let header = lines.next().map(|(k, line)| (k, cells(line)));
-        let with_gain = match &header {
-            Some((_, names)) if *names == ["channel", "reference", "gain"] => true,
-            Some((_, names)) if *names == ["channel", "reference"] => false,
-            other => {
-                let (line, found) = other.clone().unwrap_or_default();
-                return Err(bad(
-                    line,
-                    "not a channel map",
-                    "header",
-                    &found.join(","),
-                    "channel,reference,gain",
-                ));
-            }
-        };
-        let mut mapped: Vec<Mapped> = Vec::new();
-        for (line, text) in lines {
-            let cells = cells(text);
-            if cells.len() != 2 + usize::from(with_gain) {
-                return Err(bad(
-                    line,
-                    "wrong number of cells",
-                    "row",
-                    text,
-                    "one cell for each name of the header",
-                ));
-            }
-            let channel = cells[0]
-                .parse::<usize>()
-                .ok()
-                .filter(|channel| (1..=Self::MOST).contains(channel))
-                .ok_or_else(|| {
-                    bad(
-                        line,
-                        "no such channel",
-                        "channel",
-                        &cells[0],
-                        "a number from 1 to 1024",
-                    )
-                })?;
-            let reference = cells[1].parse::<Dof>().map_err(|_| {
-                bad(
-                    line,
-                    "no DOF",
-                    "reference",
-                    &cells[1],
-                    "a reference like 101:+Z",
-                )
-            })?;
-            let gain = if with_gain {
-                cells[2].parse::<f64>().unwrap_or(f64::NAN)
-            } else {
-                1.0
-            };
-            if !(gain.is_finite() && gain != 0.0) {
-                return Err(bad(
-                    line,
-                    "no usable gain",
-                    "gain",
-                    &cells[2],
-                    "a finite number other than 0",
-                ));
-            }
-            if mapped.iter().any(|m| m.channel == channel) {
-                return Err(bad(
-                    line,
-                    "a channel occurs twice",
-                    "channel",
-                    &cells[0],
-                    "each channel once",
-                ));
-            }
-            if mapped.iter().any(|m| m.reference.same_axis(reference)) {
-                return Err(bad(
-                    line,
-                    "an actuator occurs twice",
-                    "reference",
-                    &cells[1],
-                    "each actuator once",
-                ));
-            }
-            mapped.push(Mapped {
-                channel,
-                reference,
-                gain,
-            });
-        }
-        mapped.sort_by_key(|mapped| mapped.channel);
-        Ok(Self(mapped))
-    }
-}
-
 /// A drive as samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Signal {
@@ -195,89 +47,6 @@ pub struct Signal {
     pub drive: Array2<f64>,
     /// Largest |drive| over full scale.
     pub peak: f64,
-}
-
-/// The JSON file beside a signal.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Sidecar {
-    /// Always [`SIGNAL_FORMAT`].
-    pub format: String,
-    /// Version of the layout: 1.
-    pub version: u32,
-    /// Samples per second.
-    pub rate_hz: u32,
-    /// Samples of each channel.
-    pub frames: usize,
-    /// Time of the first sample in the scene, s.
-    pub start_s: f64,
-    /// File name of the scene.
-    pub scene: String,
-    /// The files it was made from; filled by whoever read them.
-    pub source: Vec<Source>,
-    /// What happens when; empty where another program made the signal.
-    #[serde(default)]
-    pub events: Vec<TimeEvent>,
-    /// Channels with an actuator.
-    pub channels: Vec<Channel>,
-}
-
-/// A channel with an actuator.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Channel {
-    /// Counted from 1.
-    pub channel: usize,
-    /// Its actuator.
-    pub reference: Dof,
-    /// Unit of sample · full scale.
-    pub unit: ReferenceUnit,
-    /// What a sample of 1 means, in `unit`, the gain taken into account.
-    pub full_scale: f64,
-    /// Factor that its samples were multiplied by, as V/N.
-    pub gain: f64,
-}
-
-impl Sidecar {
-    /// Reads a sidecar's text.
-    ///
-    /// # Errors
-    /// [`ErrorKind::BadData`]: no JSON, a missing field, another format, channels that
-    /// cannot be.
-    pub fn parse(text: &str) -> Result<Self> {
-        let sidecar: Self = serde_json::from_str(text)
-            .map_err(|error| chladni_text::json_error("not a signal's sidecar", &error))?;
-        if sidecar.format != SIGNAL_FORMAT || sidecar.version != SIGNAL_VERSION {
-            return Err(Error::bad_data("not a sidecar that this version reads")
-                .field("format")
-                .found(format!("{} version {}", sidecar.format, sidecar.version))
-                .expected(format!("{SIGNAL_FORMAT} version {SIGNAL_VERSION}")));
-        }
-        for (k, channel) in sidecar.channels.iter().enumerate() {
-            let twice = sidecar.channels[..k].iter().any(|other| {
-                other.channel == channel.channel || other.reference.same_axis(channel.reference)
-            });
-            let scale = channel.full_scale.is_finite() && channel.full_scale != 0.0;
-            if channel.channel == 0 || twice || !scale {
-                return Err(Error::bad_data("a channel that cannot be")
-                    .field(format!("channels[{}]", k + 1))
-                    .found(format!(
-                        "channel {} of {}, full scale {}",
-                        channel.channel, channel.reference, channel.full_scale
-                    ))
-                    .expected("channels from 1, each once, with a full scale"));
-            }
-        }
-        Ok(sidecar)
-    }
-
-    /// Its text.
-    ///
-    /// # Errors
-    /// [`ErrorKind::Internal`] where a number is not finite: a bug.
-    pub fn to_json(&self) -> Result<String> {
-        serde_json::to_string_pretty(self)
-            .map(|text| text + "\n")
-            .map_err(|error| Error::new(ErrorKind::Internal, error.to_string()))
-    }
 }
 
 impl Played {
@@ -518,39 +287,6 @@ fn usage(field: &str, found: String, expected: String) -> Error {
         .field(field)
         .found(found)
         .expected(expected)
-}
-
-/// Turns of the tones against each other: phases mean nothing to the field, and
-/// Schroeder's (IEEE Trans. Inf. Theory 16, 1970) keep the lines of a band from adding up
-/// to pulses.
-pub(crate) fn schroeder(number: usize, count: usize) -> Complex64 {
-    let product = (number * number.saturating_sub(1)) as f64;
-    Complex64::from_polar(1.0, std::f64::consts::PI * product / count as f64)
-}
-
-impl Tracks {
-    /// The same with every pattern turned.
-    pub(crate) fn turned(mut self, turn: Complex64) -> Self {
-        for track in &mut self.tracks {
-            track.pattern.mapv_inplace(|value| value * turn);
-            if let Some(correction) = &mut track.correction {
-                correction.mapv_inplace(|value| value * turn);
-            }
-        }
-        self
-    }
-
-    /// The same through channels of these complex gains.
-    pub(crate) fn with_gains(mut self, gains: &[Complex64]) -> Self {
-        let gains = Array1::from(gains.to_vec());
-        for track in &mut self.tracks {
-            track.pattern *= &gains;
-            if let Some(correction) = &mut track.correction {
-                *correction *= &gains;
-            }
-        }
-        self
-    }
 }
 
 #[cfg(test)]

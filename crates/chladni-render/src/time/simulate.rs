@@ -101,7 +101,7 @@ mod tests {
     use crate::operator::Operator;
     use crate::time::envelope::{Edge, Envelope, Ramp};
     use crate::time::tracks::{Track, Tracks};
-    use chladni_frf::{Damping, ModalModel};
+    use chladni_frf::{ComplexMatrix, Damping, ModalModel, Mode, ResidualTerm};
     use ndarray::Array1;
     use rustfft::FftPlanner;
     use std::f64::consts::TAU;
@@ -161,10 +161,87 @@ mod tests {
         Real,
     }
 
-    /// Velocities by an FFT of the signal: every line of it through the mobility of the
-    /// causal model, exact but for the residual terms, which it knows to first order.
-    fn by_fft(causal: &CausalModel, tracks: &Tracks, signal: Signal) -> Array2<Complex64> {
-        let actuators = causal.inputs.ncols();
+    /// The mobility of a model at any frequency: the causal pairs of its modes, its
+    /// residual terms as they are, and what is left at the carrier as a real system has it.
+    struct Exact<'a> {
+        model: &'a ModalModel,
+        operator: &'a Operator,
+        causal: &'a CausalModel,
+        left: Array2<Complex64>,
+    }
+
+    impl<'a> Exact<'a> {
+        fn new(model: &'a ModalModel, operator: &'a Operator, causal: &'a CausalModel) -> Self {
+            let mut exact = Self {
+                model,
+                operator,
+                causal,
+                left: Array2::zeros(operator.mobility.dim()),
+            };
+            for (j, mut column) in exact.left.columns_mut().into_iter().enumerate() {
+                let mut force = Array1::zeros(causal.inputs.ncols());
+                force[j] = Complex64::ONE;
+                let known = terms(model, operator, causal.carrier_rad_per_s, &force)
+                    + modal(causal, causal.carrier_rad_per_s, &force);
+                column.assign(&(&operator.mobility.column(j) - &known));
+            }
+            exact
+        }
+
+        fn under(&self, omega: f64, force: &Array1<Complex64>) -> Array1<Complex64> {
+            let turn = omega / self.causal.carrier_rad_per_s;
+            let left = |value: Complex64| Complex64::new(value.re, turn * value.im);
+            modal(self.causal, omega, force)
+                + terms(self.model, self.operator, omega, force)
+                + self.left.mapv(left).dot(force)
+        }
+    }
+
+    impl Exact<'_> {
+        /// Of the panel as a whole.
+        fn acceleration(&self) -> Array2<Complex64> {
+            let terms = &self.model.residual_terms;
+            let mut sum = Array2::zeros(self.operator.mobility.dim());
+            for term in terms.terms.iter().filter(|term| term.power == -2) {
+                let factor = -terms.omega_scale_rad_per_s.powi(2);
+                sum.scaled_add(factor.into(), &term.matrix.0);
+            }
+            sum
+        }
+    }
+
+    /// Velocity of the modes.
+    fn modal(causal: &CausalModel, omega: f64, force: &Array1<Complex64>) -> Array1<Complex64> {
+        let mut states = causal.inputs.dot(force);
+        for (state, pole) in states.iter_mut().zip(&causal.poles) {
+            *state = match *pole == Complex64::ZERO {
+                true => Complex64::ZERO,
+                false => *state / (Complex64::new(0.0, omega) - pole),
+            };
+        }
+        causal.shapes.dot(&states)
+    }
+
+    /// Velocity of the residual terms.
+    fn terms(
+        model: &ModalModel,
+        operator: &Operator,
+        omega: f64,
+        force: &Array1<Complex64>,
+    ) -> Array1<Complex64> {
+        let mut moved = Array1::zeros(operator.response_rows.len());
+        let terms = &model.residual_terms;
+        for term in &terms.terms {
+            let factor = omega * (omega / terms.omega_scale_rad_per_s).powi(term.power);
+            let field = term.matrix.0.dot(force);
+            moved.scaled_add(Complex64::new(0.0, factor), &field);
+        }
+        moved
+    }
+
+    /// Velocities by an FFT of the signal: every line of it through the exact mobility.
+    fn by_fft(exact: &Exact, tracks: &Tracks, signal: Signal) -> Array2<Complex64> {
+        let (rows, actuators) = exact.operator.mobility.dim();
         let mut planner = FftPlanner::new();
         let (forward, back) = (
             planner.plan_fft_forward(FRAMES),
@@ -176,7 +253,8 @@ mod tests {
             let time_s = k as f64 / RATE_HZ;
             tracks.at(time_s, &mut sum);
             for (force, a) in forces.iter_mut().zip(&sum) {
-                let turn = Complex64::from_polar(1.0, causal.carrier_rad_per_s * time_s);
+                let carrier = exact.causal.carrier_rad_per_s;
+                let turn = Complex64::from_polar(1.0, carrier * time_s);
                 force[k] = match signal {
                     Signal::Complex => a * turn,
                     Signal::Real => (a * turn).re.into(),
@@ -184,45 +262,76 @@ mod tests {
             }
         }
         forces.iter_mut().for_each(|force| forward.process(force));
-        let rows = causal.shapes.nrows();
         let mut moved = vec![vec![Complex64::ZERO; FRAMES]; rows];
         // beyond 3 kHz the burst has nothing
         let (first, scale) = match signal {
             Signal::Complex => (-5999, 1.0),
             Signal::Real => (1, 2.0),
         };
-        for signed in first..6000_i32 {
+        for signed in (first..6000_i32).filter(|&line| line != 0) {
             let line = signed.rem_euclid(FRAMES as i32) as usize;
             let omega = TAU * RATE_HZ * f64::from(signed) / FRAMES as f64;
             let force: Array1<Complex64> = forces.iter().map(|force| force[line]).collect();
-            let mut states = causal.inputs.dot(&force);
-            for (state, pole) in states.iter_mut().zip(&causal.poles) {
-                *state /= Complex64::new(0.0, omega) - pole;
-            }
-            let beside = Complex64::new(0.0, omega - causal.carrier_rad_per_s);
-            let at_once = &causal.direct + &causal.slope.mapv(|value| value * beside);
-            let field = causal.shapes.dot(&states) + at_once.dot(&force);
+            let field = exact.under(omega, &force);
             for (moved, v) in moved.iter_mut().zip(&field) {
                 moved[line] = v * (scale / FRAMES as f64);
             }
         }
         moved.iter_mut().for_each(|row| back.process(row));
-        Array2::from_shape_fn((FRAMES, rows), |(k, row)| moved[row][k])
+        // the line at 0 Hz drives the panel as a whole, from rest at the beginning
+        let mean: Array1<Complex64> = forces
+            .iter()
+            .map(|force| force[0] / FRAMES as f64)
+            .collect();
+        let gain = exact.acceleration().dot(&mean);
+        Array2::from_shape_fn((FRAMES, rows), |(k, row)| {
+            moved[row][k] - moved[row][0] + gain[row] * (k as f64 / RATE_HZ)
+        })
+    }
+
+    /// The model of a fit: modes above `above_hz` are residual terms.
+    fn folded(mut model: ModalModel, above_hz: f64) -> ModalModel {
+        let scale = model.residual_terms.omega_scale_rad_per_s;
+        let (keep, far) = model
+            .modes
+            .into_iter()
+            .partition(|mode| mode.frequency_hz < above_hz);
+        model.modes = keep;
+        let far: Vec<Mode> = far;
+        for power in [0, 2, 4] {
+            let mut sum = Array2::zeros((model.responses.len(), model.references.len()));
+            for mode in &far {
+                let factor = (scale / (TAU * mode.frequency_hz)).powi(power)
+                    / (TAU * mode.frequency_hz).powi(2);
+                for ((i, j), to) in sum.indexed_iter_mut() {
+                    *to += mode.shape.0[i] * mode.participation.0[j] * factor;
+                }
+            }
+            model.residual_terms.terms.push(ResidualTerm {
+                power,
+                matrix: ComplexMatrix(sum),
+            });
+        }
+        model
     }
 
     #[test]
     fn envelopes_move_the_ground_as_the_real_signal_does() {
-        for damping in [Damping::Structural, Damping::Viscous] {
-            let model = ModalModel { damping, ..panel() };
+        let structural = panel();
+        let viscous = ModalModel {
+            damping: Damping::Viscous,
+            ..panel()
+        };
+        for model in [folded(panel(), 1500.0), structural, viscous] {
             let operator = Operator::of_model(&model, 300.0, None).unwrap();
-            let causal = CausalModel::new(&model, &operator);
+            let causal = CausalModel::new(&model, &operator).unwrap();
             let tracks = burst(causal.inputs.ncols());
             let drive = tracks.sampled(1.0 / RATE_HZ, 0, 14_400);
             let envelopes = Motion::new(&causal).under(&drive);
             let largest = envelopes.iter().map(|v| v.norm()).fold(0.0, f64::max);
-            // the residual terms to first order beside the carrier are another world beyond 0 Hz
-            for (signal, bound) in [(Signal::Complex, 1e-4), (Signal::Real, 5e-4)] {
-                let exact = by_fft(&causal, &tracks, signal);
+            let mobility = Exact::new(&model, &operator, &causal);
+            for signal in [Signal::Complex, Signal::Real] {
+                let exact = by_fft(&mobility, &tracks, signal);
                 let mut worst: f64 = 0.0;
                 for ((k, row), v) in envelopes.indexed_iter() {
                     let turn = causal.carrier_rad_per_s * k as f64 / RATE_HZ;
@@ -233,7 +342,12 @@ mod tests {
                     });
                 }
                 let relative = worst / largest;
-                assert!(relative < bound, "{damping:?}, {signal:?}: {relative:.1e}");
+                println!("{:?} {signal:?}: {relative:.2e}", model.damping);
+                assert!(
+                    relative < 1e-2,
+                    "{:?}, {signal:?}: {relative:.1e}",
+                    model.damping
+                );
             }
         }
     }
@@ -242,7 +356,7 @@ mod tests {
     fn a_plateau_is_what_the_operator_says_whatever_the_blocks() {
         let model = panel();
         let operator = Operator::of_model(&model, 300.0, None).unwrap();
-        let causal = CausalModel::new(&model, &operator);
+        let causal = CausalModel::new(&model, &operator).unwrap();
         let ramp = |start_s: f64| Ramp {
             start_s,
             duration_s: 0.05,

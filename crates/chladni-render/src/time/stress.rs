@@ -2,14 +2,12 @@
 //! bursts, fades and moving spots.
 
 use crate::finger::{finger_rows_of, Finger};
-use crate::operator::Operator;
 use crate::plane::Rectangle;
 use crate::scene::Scene;
 use crate::stress::{Draw, StressOptions};
-use crate::time::causal::CausalModel;
 use crate::time::contact::Touch;
 use crate::time::judge::TimeMeasure;
-use crate::time::listener::{Judging, Listener, ToneLimits};
+use crate::time::listener::{Judging, Listener};
 use crate::time::plan::{Chain, Plan};
 use crate::time::play::Played;
 use crate::time::table::Measure;
@@ -234,7 +232,7 @@ impl<'a> Bench<'a> {
             let known = ramps.iter().find(|known| known.event == event.name);
             known.map_or(0.0, |known| known.ramp_s)
         })?;
-        let listener = listener(model, scene)?;
+        let listener = Listener::at_responses(model, scene)?;
         let scanned = Rectangle::around(&listener.positions_m)
             .ok_or_else(|| Error::new(ErrorKind::Internal, "an operator without responses"))?;
         let maps = plan
@@ -273,7 +271,10 @@ impl<'a> Bench<'a> {
     fn with_modes(&self, mut change: impl FnMut(&mut Mode)) -> Result<TimeMeasure> {
         let mut changed = self.model.clone();
         changed.modes.iter_mut().for_each(&mut change);
-        Ok(self.judged(&self.played.tones, &listener(&changed, self.scene)?))
+        Ok(self.judged(
+            &self.played.tones,
+            &Listener::at_responses(&changed, self.scene)?,
+        ))
     }
 
     fn with_gains(&self, gains: &[Complex64]) -> TimeMeasure {
@@ -301,24 +302,4 @@ impl<'a> Bench<'a> {
         let ground: Vec<Ground> = positions.iter().map(|&place| map.classify(place)).collect();
         finger_rows_of(&ground, positions)
     }
-}
-
-/// The responses of a model, for every tone of the scene.
-fn listener(model: &ModalModel, scene: &Scene) -> Result<Listener> {
-    let mut models = Vec::new();
-    let mut limits = Vec::new();
-    let mut positions_m = Vec::new();
-    for tone in scene.tones() {
-        let operator =
-            Operator::of_model(model, tone.frequency_hz, tone.actuators.only.as_deref())?;
-        models.push(CausalModel::new(model, &operator));
-        limits.push(ToneLimits::of(&tone)?);
-        positions_m = operator.positions_m;
-    }
-    Ok(Listener {
-        positions_m,
-        models,
-        limits,
-        touch: None,
-    })
 }

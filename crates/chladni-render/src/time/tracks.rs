@@ -93,7 +93,7 @@ impl Tracks {
     }
 
     /// The same with every pattern times `factor`.
-    pub(crate) fn scaled(mut self, factor: f64) -> Self {
+    pub(crate) fn times(mut self, factor: Complex64) -> Self {
         for track in &mut self.tracks {
             track.pattern.mapv_inplace(|value| value * factor);
             if let Some(correction) = &mut track.correction {
@@ -102,6 +102,26 @@ impl Tracks {
         }
         self
     }
+
+    /// The same through channels of these complex gains.
+    pub(crate) fn with_gains(mut self, gains: &[Complex64]) -> Self {
+        let gains = Array1::from(gains.to_vec());
+        for track in &mut self.tracks {
+            track.pattern *= &gains;
+            if let Some(correction) = &mut track.correction {
+                *correction *= &gains;
+            }
+        }
+        self
+    }
+}
+
+/// Turns of the tones against each other: phases mean nothing to the field, and
+/// Schroeder's (IEEE Trans. Inf. Theory 16, 1970) keep the lines of a band from adding up
+/// to pulses.
+pub(crate) fn schroeder(number: usize, count: usize) -> Complex64 {
+    let product = (number * number.saturating_sub(1)) as f64;
+    Complex64::from_polar(1.0, std::f64::consts::PI * product / count as f64)
 }
 
 fn add(sum: &mut [Complex64], pattern: &Array1<Complex64>, factor: f64) {

@@ -97,7 +97,7 @@ impl Voice {
             }
             row.assign(&drive);
         }
-        let causal = CausalModel::new(model, &operator);
+        let causal = CausalModel::new(model, &operator)?;
         let corrections = corrected(&correction(&causal)?, &patterns);
         Ok(Self {
             frequency_hz: scene.frequency_hz,

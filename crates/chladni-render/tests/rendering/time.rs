@@ -1,6 +1,6 @@
 //! Scenes in time: what is simulated is what happens, and cold ground stays quiet.
 
-use crate::common::{cell_scene, disturbed, DRIFT, FIT_40_DB};
+use crate::common::{cell_scene, disturbed, scene, DRIFT, FIT_40_DB};
 use chladni_frf::{ErrorKind, ModalModel};
 use chladni_plate::{simulate, Panel};
 use chladni_render::{
@@ -141,6 +141,51 @@ fn a_recorded_drive_is_judged_as_the_drive_itself() {
             "{measure:?}: {a:?} {b:?}"
         );
     }
+}
+
+#[test]
+fn two_tones_have_a_matrix_each_and_their_signal_is_judged_tone_by_tone() {
+    let with_ramps = |ramp_s: f64| {
+        scene(&format!(
+            "frequency_hz = [260.0, 335.0]\n[zones]\ngrid = [2, 2]\nhot = [1]\ncells_m = [0.0, \
+             0.0, 0.268, 0.170]\n[time]\n[[time.burst]]\nduration_s = 0.2\nramp_s = {ramp_s}\n"
+        ))
+    };
+    let weights = render(truth(), &with_ramps(0.05), &RenderOptions::default())
+        .unwrap()
+        .weights;
+    let made = |ramp_s: f64, ramps: Ramps| {
+        let options = PlayOptions {
+            ramps: Some(ramps),
+            area: false,
+            ..PlayOptions::default()
+        };
+        play(truth(), &with_ramps(ramp_s), Some(&weights), &options).unwrap()
+    };
+    let cold_db = |ramps: Ramps| made(0.015, ramps).indices.peak.worst_cold_db.unwrap();
+    let [modal_db, plain_db] = [Ramps::Modal, Ramps::Plain].map(cold_db);
+    assert!(modal_db < plain_db - 2.0, "{modal_db} {plain_db}");
+    let slow = made(0.05, Ramps::Modal);
+    let signal = slow.signal(&SignalOptions::default(), "").unwrap();
+    let recorded = Recorded {
+        rate_hz: 48_000.0,
+        references: truth().references.clone(),
+        drive: signal.drive,
+    };
+    let judged = |ramp_s: f64| {
+        let events = &slow.indices.events;
+        evaluate_signal(&recorded, events, &with_ramps(ramp_s), truth()).unwrap()
+    };
+    let (again, findings) = judged(0.05);
+    assert!(findings.is_empty(), "{findings:?}");
+    let (a, b) = (slow.indices.peak, again.peak);
+    let near = |a: Option<f64>, b: Option<f64>| (a.unwrap() - b.unwrap()).abs() < 0.2;
+    assert!(
+        near(a.worst_cold_db, b.worst_cold_db) && near(a.worst_hot_db, b.worst_hot_db),
+        "{a:?} {b:?}"
+    );
+    let close = judged(0.015).1;
+    assert!(close.iter().any(|f| f.code == "time-tones-close"));
 }
 
 #[test]

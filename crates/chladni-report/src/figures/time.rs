@@ -12,6 +12,9 @@ const SHOWN_BELOW_DB: f64 = -25.0;
 /// Levels above them.
 const SHOWN_ABOVE_DB: f64 = 10.0;
 
+/// Room above the largest drive.
+const ROOM: f64 = 1.05;
+
 /// The weakest hot and the loudest cold response over their limits, the drives, and with
 /// `frames` every response over time; `plain` are those of plain ramps, behind.
 pub fn time(
@@ -23,52 +26,25 @@ pub fn time(
     unit: ReferenceUnit,
 ) -> Figure {
     let range = [SHOWN_BELOW_DB, SHOWN_ABOVE_DB];
+    let end_ms = 1e3 * traces.step_s * traces.drive.len() as f64;
     let mut levels = Chart::new(
-        Axis::linear("Time", "ms"),
+        time_axis(end_ms),
         Axis::linear("Over its own limit", "dB").range(range),
     )
     .height(Height::Px(280.0));
     if let Some(plain) = plain {
-        levels = with_lines(
-            levels,
-            &curves(plain, &plain.hot_db),
-            "hot, plain ramps",
-            0,
-            1.0,
-            Dash::Dotted,
-        );
-        levels = with_lines(
-            levels,
-            &curves(plain, &plain.cold_db),
-            "cold, plain ramps",
-            1,
-            1.0,
-            Dash::Dotted,
-        );
+        let names = ["hot, plain ramps", "cold, plain ramps"];
+        levels = with_levels(levels, plain, names, 0.8);
     }
-    levels = with_lines(
-        levels,
-        &curves(traces, &traces.hot_db),
-        "weakest hot response",
-        0,
-        1.8,
-        Dash::Solid,
-    );
-    levels = with_lines(
-        levels,
-        &curves(traces, &traces.cold_db),
-        "loudest cold response",
-        1,
-        1.8,
-        Dash::Solid,
-    );
+    let names = ["weakest hot response", "loudest cold response"];
+    levels = with_levels(levels, traces, names, 1.8);
     levels = levels.with(Layer::Horizontals {
         name: Some("limit".into()),
         at: vec![0.0],
         stroke: Stroke::new(Colour::Muted, 1.2),
     });
-    let mut charts = vec![levels, forces(traces, frames, unit)];
-    charts.extend(frames.map(places));
+    let mut charts = vec![levels, forces(traces, frames, unit, end_ms)];
+    charts.extend(frames.map(|frames| places(frames, end_ms)));
     Figure {
         name: name.into(),
         title: title.into(),
@@ -80,7 +56,12 @@ pub fn time(
 }
 
 /// The amplitude of every actuator, or the largest one where pictures are lacking.
-fn forces(traces: &TimeTraces, frames: Option<&TimeFrames>, unit: ReferenceUnit) -> Chart {
+fn forces(
+    traces: &TimeTraces,
+    frames: Option<&TimeFrames>,
+    unit: ReferenceUnit,
+    end_ms: f64,
+) -> Chart {
     let at = |step_s: f64, k: usize, value: f64| [1e3 * step_s * k as f64, 1e3 * value];
     let (label, lines, width): (&str, Vec<Vec<Place>>, f64) = match frames {
         Some(frames) => {
@@ -101,9 +82,11 @@ fn forces(traces: &TimeTraces, frames: Option<&TimeFrames>, unit: ReferenceUnit)
             ("Largest drive", vec![line], 1.6)
         }
     };
+    let most = lines.iter().flatten().map(|at| at[1]).fold(0.0, f64::max);
+    let room = ROOM * most.max(f64::MIN_POSITIVE);
     Chart::new(
-        Axis::linear("Time", "ms"),
-        Axis::linear(label, &format!("m{unit}")),
+        time_axis(end_ms),
+        Axis::linear(label, &format!("m{unit}")).range([0.0, room]),
     )
     .height(Height::Px(140.0))
     .with(Layer::Lines {
@@ -114,7 +97,7 @@ fn forces(traces: &TimeTraces, frames: Option<&TimeFrames>, unit: ReferenceUnit)
 }
 
 /// Every response over time: hot ones above, cold ones below.
-fn places(frames: &TimeFrames) -> Chart {
+fn places(frames: &TimeFrames, end_ms: f64) -> Chart {
     let mut order: Vec<usize> = (0..frames.names.len()).collect();
     order.sort_by_key(|&k| match frames.ground[k] {
         Ground::Hot => 0,
@@ -130,7 +113,7 @@ fn places(frames: &TimeFrames) -> Chart {
             rgba.extend([r, g, b, 255]);
         }
     }
-    let end_ms = 1e3 * frames.step_s * columns as f64;
+    let last_ms = 1e3 * frames.step_s * columns as f64;
     let hot = frames
         .ground
         .iter()
@@ -138,12 +121,12 @@ fn places(frames: &TimeFrames) -> Chart {
         .count();
     let border = (rows - hot) as f64;
     let mut chart = Chart::new(
-        Axis::linear("Time", "ms"),
+        time_axis(end_ms),
         Axis::linear("Responses, hot ones above", "number"),
     )
     .height(Height::Px(240.0))
     .with(Layer::Pixels {
-        x: [0.0, end_ms],
+        x: [0.0, last_ms],
         y: [0.0, rows as f64],
         image: Image {
             columns,
@@ -165,6 +148,10 @@ fn places(frames: &TimeFrames) -> Chart {
     chart
 }
 
+fn time_axis(end_ms: f64) -> Axis {
+    Axis::linear("Time", "ms").range([0.0, end_ms])
+}
+
 /// Pieces of a trace without gaps; what lies far below is drawn at the lower end.
 fn curves(traces: &TimeTraces, levels: &[Option<f64>]) -> Vec<Vec<Place>> {
     let mut pieces: Vec<Vec<Place>> = vec![Vec::new()];
@@ -184,17 +171,16 @@ fn curves(traces: &TimeTraces, levels: &[Option<f64>]) -> Vec<Vec<Place>> {
     pieces
 }
 
-fn with_lines(
-    chart: Chart,
-    lines: &[Vec<Place>],
-    name: &str,
-    series: u8,
-    width: f64,
-    dash: Dash,
-) -> Chart {
-    chart.with(Layer::Lines {
-        name: Some(name.into()),
-        lines: lines.to_vec(),
-        stroke: Stroke::new(Colour::Series(series), width).dashed(dash),
+/// Hot and cold ground of one way of ramping; colours and dashes as on the page.
+fn with_levels(chart: Chart, traces: &TimeTraces, names: [&str; 2], width: f64) -> Chart {
+    let styles = [(1, Dash::Solid), (0, Dash::Dashed)];
+    let levels = [&traces.hot_db, &traces.cold_db];
+    let named = names.into_iter().zip(levels).zip(styles);
+    named.fold(chart, |chart, ((name, levels), (series, dash))| {
+        chart.with(Layer::Lines {
+            name: Some(name.into()),
+            lines: curves(traces, levels),
+            stroke: Stroke::new(Colour::Series(series), width).dashed(dash),
+        })
     })
 }

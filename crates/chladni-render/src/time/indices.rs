@@ -1,0 +1,195 @@
+//! How the ground does in time: the figures, the sentence, and what the user must know.
+
+use crate::time::judge::TimeMeasure;
+use crate::time::plan::Chain;
+use crate::time::table::{Level, Measure, TimeTable};
+use chladni_frf::Finding;
+use serde::{Deserialize, Serialize};
+
+/// How the ground does in time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TimeIndices {
+    /// By the energy that touch adds up; at the responses, as the next two.
+    pub summed: TimeMeasure,
+    /// At each instant.
+    pub peak: TimeMeasure,
+    /// By the root mean square over a sliding window.
+    pub rms: TimeMeasure,
+    /// The same on a grid between the responses; `None` where they carry no area.
+    pub area: Option<AreaMeasures>,
+    /// The longest ramp, s.
+    pub ramp_s: f64,
+    /// Largest |a_i| at any instant, N or V.
+    pub peak_drive: f64,
+    /// The same of the steady drives.
+    pub steady_drive: f64,
+    /// What happened when.
+    pub events: Vec<TimeEvent>,
+}
+
+/// The measures over ground between the responses.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct AreaMeasures {
+    /// By the energy that touch adds up.
+    pub summed: TimeMeasure,
+    /// At each instant.
+    pub peak: TimeMeasure,
+    /// By the root mean square over a sliding window.
+    pub rms: TimeMeasure,
+}
+
+/// One event.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TimeEvent {
+    /// Its table in the scene.
+    pub event: String,
+    /// First and last instant, s.
+    pub start_s: f64,
+    /// See `start_s`.
+    pub end_s: f64,
+    /// Rise and fall, s.
+    pub ramp_s: f64,
+    /// Factor on the steady drive, by the level that was asked for.
+    pub gain: f64,
+}
+
+impl TimeEvent {
+    /// A chain, and the factor on its steady drive.
+    pub(crate) fn of(chain: &Chain, gain: f64) -> Self {
+        Self {
+            event: chain.name.clone(),
+            start_s: chain.start_s(),
+            end_s: chain.end_s(),
+            ramp_s: chain.ramp_s,
+            gain,
+        }
+    }
+}
+
+impl AreaMeasures {
+    /// Of measures in the order of [`Measure::ALL`].
+    pub(crate) fn of(measures: &[TimeMeasure]) -> Self {
+        Self {
+            summed: measures[0],
+            peak: measures[1],
+            rms: measures[2],
+        }
+    }
+}
+
+impl TimeIndices {
+    /// The whole in a sentence, by the measure at each instant.
+    pub fn sentence(&self) -> String {
+        let peak = &self.peak;
+        let hot = match peak.hot_reached_s {
+            Some(reached_s) => format!("hot after {:.0} ms", 1e3 * reached_s),
+            None => "hot ground never has its limit everywhere".into(),
+        };
+        let cold = match (peak.worst_cold_db, peak.ever_over_ratio > 0.0) {
+            (None, _) => "cold never moves".into(),
+            (Some(level), false) => format!("cold never over ({level:+.1} dB)"),
+            (Some(level), true) => format!(
+                "cold over by up to {level:.1} dB for {:.0} ms",
+                1e3 * peak.over_s
+            ),
+        };
+        let lengths = self.events.iter().map(|event| event.end_s - event.start_s);
+        let drive_s = lengths.fold(0.0, f64::max);
+        let quiet = match peak.quiet_s.map(|quiet_s| 1e3 * (quiet_s - drive_s)) {
+            Some(late_ms) if late_ms <= 0.0 => {
+                format!("quiet {:.0} ms before the drive ends", -late_ms)
+            }
+            Some(late_ms) => format!("quiet {late_ms:.0} ms after the drive ends"),
+            None => "not quiet before the next event".into(),
+        };
+        format!("{hot}, {cold}, {quiet}")
+    }
+
+    /// By one of the measures.
+    pub fn by(&self, measure: Measure) -> &TimeMeasure {
+        match measure {
+            Measure::Summed => &self.summed,
+            Measure::Peak => &self.peak,
+            Measure::Rms => &self.rms,
+        }
+    }
+}
+
+/// Cold ground keeps its limit by the measure; hot ground, too, or, where the drive is no
+/// stronger than the steady one, at every instant of the hold.
+pub(crate) fn is_met(indices: &TimeIndices, table: &TimeTable) -> bool {
+    let cold = indices.by(table.measure).ever_over_ratio == 0.0;
+    let hot = match table.level {
+        Level::Steady => indices.peak.hot_held_ratio,
+        Level::Compensated => indices.by(table.measure).hot_held_ratio,
+    };
+    cold && hot == 1.0
+}
+
+/// What is to be known of the outcome.
+pub(crate) fn said(indices: &TimeIndices, table: &TimeTable) -> Vec<Finding> {
+    let mut said = Vec::new();
+    let measure = indices.by(table.measure);
+    if let Some(over) = measure
+        .worst_cold_db
+        .filter(|_| measure.ever_over_ratio > 0.0)
+    {
+        said.push(
+            Finding::caution(
+                "time-cold-over",
+                format!(
+                    "cold ground is over its limit by up to {over:.1} dB ({}), {:.0} ms in all",
+                    table.measure.as_str(),
+                    1e3 * measure.over_s
+                ),
+            )
+            .value("worst_cold_db", over)
+            .value("over_s", measure.over_s)
+            .help("take longer ramps, or ramps = \"modal\""),
+        );
+    }
+    if table.measure != Measure::Peak && indices.peak.ever_over_ratio > 0.0 {
+        let over = indices.peak.worst_cold_db.unwrap_or(0.0);
+        said.push(
+            Finding::caution(
+                "time-cold-instants",
+                format!(
+                    "at some instants cold ground is over its limit by up to {over:.1} dB; summed \
+                     over time it may not be felt"
+                ),
+            )
+            .value("worst_cold_db", over)
+            .help("ask for it by measure = \"peak\""),
+        );
+    }
+    if indices.peak.hot_held_ratio < 1.0 && table.level == Level::Steady {
+        let under = -indices.peak.worst_hot_db.unwrap_or(f64::NEG_INFINITY);
+        said.push(
+            Finding::caution(
+                "time-hot-not-held",
+                format!(
+                    "hot ground is not held: at some instant it is {under:.1} dB below its limit"
+                ),
+            )
+            .value("worst_hot_db", -under)
+            .help("take longer ramps, or a steady drive with more margin"),
+        );
+    }
+    if let Some(level) = indices.summed.worst_hot_db.filter(|&level| level < 0.0) {
+        if table.level == Level::Steady && table.measure == Measure::Summed {
+            said.push(
+                Finding::caution(
+                    "time-burst-short",
+                    format!(
+                        "the events are short for the sense of touch, which sums over {} s: hot \
+                         ground stays {:.1} dB below its limit",
+                        table.summation_s, -level
+                    ),
+                )
+                .value("worst_hot_db", level)
+                .help("level = \"compensated\" makes up for it"),
+            );
+        }
+    }
+    said
+}

@@ -1,0 +1,232 @@
+//! All that is known before a drive in time is made: the tones with the steady drives of
+//! every place, the zones of each, the limits, and who listens.
+
+use crate::field::AreaGrid;
+use crate::plane::Rectangle;
+use crate::scene::Scene;
+use crate::time::auto_ramp::shortest_s;
+use crate::time::frames::{self, TimeFrames};
+use crate::time::judge::TimeMeasure;
+use crate::time::listener::{Heard, Judging, Listener, ToneLimits};
+use crate::time::plan::{Chain, Plan};
+use crate::time::table::{Level, Measure, Ramps, TimeTable};
+use crate::time::timeline::zones_of;
+use crate::time::tracks::{schroeder, Tracks};
+use crate::time::voice::Voice;
+use crate::tolerances;
+use crate::zones::ZoneMap;
+use chladni_frf::{Error, ErrorKind, Finding, ModalModel, ReferenceUnit, Result};
+
+/// All that is known before a drive is made.
+pub(crate) struct Stage<'a> {
+    scene: &'a Scene,
+    table: &'a TimeTable,
+    pub(crate) voices: Vec<Voice>,
+    maps: Vec<ZoneMap>,
+    scanned: Rectangle,
+    limits: Vec<ToneLimits>,
+    pub(crate) shortest_s: f64,
+}
+
+impl<'a> Stage<'a> {
+    pub(crate) fn new(
+        model: &ModalModel,
+        scene: &'a Scene,
+        table: &'a TimeTable,
+        plan: &Plan,
+        voices: Vec<Voice>,
+    ) -> Result<Self> {
+        let positions = &voices[0].operator.positions_m;
+        let scanned = Rectangle::around(positions)
+            .ok_or_else(|| Error::new(ErrorKind::Internal, "an operator without responses"))?;
+        let maps: Vec<ZoneMap> = plan
+            .places
+            .iter()
+            .map(|place| zones_of(place, &scene.zones).over(scanned))
+            .collect();
+        let area = scene.zones.area_m.map_or(scanned, Rectangle::from_array);
+        for (number, moving) in table.moves.iter().enumerate() {
+            if let Some(outside) = moving.path_m.iter().find(|point| !area.contains(**point)) {
+                return Err(Error::bad_data("the path leaves the ground that is judged")
+                    .at_line(moving.line)
+                    .field(format!("[[time.move]] {} path_m", number + 1))
+                    .found(format!("[{}, {}]", outside[0], outside[1]))
+                    .expected(format!(
+                        "points inside x {} to {} m, y {} to {} m",
+                        area.x_min, area.x_max, area.y_min, area.y_max
+                    )));
+            }
+        }
+        let shortest = voices
+            .iter()
+            .map(|voice| shortest_s(model, voice.frequency_hz))
+            .fold(0.0, f64::max);
+        Ok(Self {
+            scene,
+            table,
+            voices,
+            maps,
+            scanned,
+            limits: scene
+                .tones()
+                .iter()
+                .map(ToneLimits::of)
+                .collect::<Result<_>>()?,
+            shortest_s: shortest,
+        })
+    }
+
+    pub(crate) fn judging(&self) -> Judging<'_> {
+        Judging {
+            zones: &self.scene.zones,
+            maps: &self.maps,
+            scanned: self.scanned,
+            summation_s: self.table.summation_s,
+        }
+    }
+
+    /// The responses.
+    pub(crate) fn points(&self) -> Listener {
+        Listener {
+            positions_m: self.voices[0].operator.positions_m.clone(),
+            models: self
+                .voices
+                .iter()
+                .map(|voice| voice.model.clone())
+                .collect(),
+            limits: self.limits.clone(),
+            touch: None,
+        }
+    }
+
+    fn grid(&self) -> Option<AreaGrid> {
+        AreaGrid::new(
+            &self.voices[0].operator.positions_m,
+            self.maps[0].area(),
+            tolerances::AREA_STEP_M,
+        )
+    }
+
+    /// Pictures of the ground over `length_s`.
+    pub(crate) fn frames(&self, tones: &[Tracks], length_s: f64, wanted: usize) -> TimeFrames {
+        let rhythm = frames::rhythm(length_s, wanted);
+        let step_s = tolerances::JUDGE_STEP_S * rhythm.0 as f64;
+        let operator = &self.voices[0].operator;
+        let (first, positions) = (&self.maps[0], &operator.positions_m);
+        let area = first.area();
+        TimeFrames {
+            step_s,
+            names: operator.responses.clone(),
+            ground: positions
+                .iter()
+                .map(|&place| first.classify(place))
+                .collect(),
+            responses: self.points().frames(tones, rhythm.0, rhythm.1),
+            drive: frames::drives(tones, operator.references.len(), step_s, rhythm.1),
+            area: self.grid().map(|grid| {
+                let listener = self.points().over(&grid);
+                frames::of_area(grid, &listener, tones, rhythm)
+            }),
+            hot: first.hot_outlines().to_vec(),
+            area_m: [area.x_min, area.y_min, area.x_max, area.y_max],
+        }
+    }
+
+    /// The ground between them; `None` where they carry none.
+    pub(crate) fn area(&self) -> Option<Listener> {
+        self.grid().map(|grid| self.points().over(&grid))
+    }
+
+    /// The drive of every tone, and the gain of every chain.
+    pub(crate) fn drive(
+        &self,
+        chains: &[Chain],
+        ramps: Ramps,
+        points: &Listener,
+        judging: &Judging,
+        findings: &mut Vec<Finding>,
+    ) -> Result<(Vec<Tracks>, Vec<f64>)> {
+        let mut tones: Vec<Tracks> = self
+            .voices
+            .iter()
+            .map(|voice| voice.sounding(Vec::new()))
+            .collect();
+        let mut gains = Vec::with_capacity(chains.len());
+        for chain in chains {
+            let mut alone: Vec<Tracks> = self
+                .voices
+                .iter()
+                .enumerate()
+                .map(|(k, voice)| {
+                    let turn = schroeder(k, self.voices.len());
+                    voice
+                        .sounding(voice.tracks(chain, ramps, judging.maps))
+                        .times(turn)
+                })
+                .collect();
+            let heard = points.hear(
+                &alone,
+                std::slice::from_ref(chain),
+                judging,
+                &[self.table.measure, Measure::Peak],
+            );
+            let mut gain = match self.table.level {
+                Level::Compensated => compensation(&heard),
+                Level::Steady if chain.moving.is_some() => balance(&heard.measures[1]),
+                Level::Steady => 1.0,
+            };
+            for (voice, &peak) in self.voices.iter().zip(&heard.peaks) {
+                let allowed = voice.drive_limits.each / peak;
+                if gain > allowed * (1.0 + tolerances::LIMIT) {
+                    let most = voice.drive_limits.each;
+                    let unit = voice.operator.unit;
+                    findings.push(too_strong(&chain.name, unit, gain * peak, most));
+                    gain = allowed;
+                }
+            }
+            for (tone, alone) in tones.iter_mut().zip(alone.drain(..)) {
+                tone.tracks.extend(alone.times(gain.into()).tracks);
+            }
+            gains.push(gain);
+        }
+        Ok((tones, gains))
+    }
+}
+
+/// The factor by which every hot place of a chain reaches its limit.
+fn compensation(heard: &Heard) -> f64 {
+    let least = heard.hot_levels[0]
+        .iter()
+        .flatten()
+        .copied()
+        .fold(f64::INFINITY, f64::min);
+    if least > 0.0 && least < 1.0 {
+        1.0 / least.sqrt()
+    } else {
+        1.0
+    }
+}
+
+/// The factor that gives hot and cold ground under a moving spot the same margin, where
+/// one of them misses its limit: between keyframes both are a little louder.
+fn balance(peak: &TimeMeasure) -> f64 {
+    match (peak.worst_cold_db, peak.worst_hot_db) {
+        (Some(cold_db), Some(hot_db)) if cold_db > 0.0 || hot_db < 0.0 => {
+            10f64.powf(-0.5 * (cold_db + hot_db) / 20.0)
+        }
+        _ => 1.0,
+    }
+}
+
+fn too_strong(event: &str, unit: ReferenceUnit, asked: f64, allowed: f64) -> Finding {
+    Finding::caution(
+        "time-force-limited",
+        format!(
+            "{event} is limited by the actuators: it would take {asked:.3e} {unit} and has \
+             {allowed:.3e}"
+        ),
+    )
+    .value("asked", asked)
+    .value("allowed", allowed)
+    .help("take longer ramps, or raise the limit of the actuators")
+}
