@@ -325,7 +325,7 @@ pub fn select(
     selection: &str,
     frf: Option<&FrfSet>,
 ) -> PyResult<Model> {
-    let failed = |error| raised(py, &error);
+    let failed = |error: Error| raised(py, &error);
     let before = &model.model;
     let mut selection = chladni_io::selection_from_toml(selection).map_err(failed)?;
     let mut again = None;

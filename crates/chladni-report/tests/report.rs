@@ -120,8 +120,8 @@ fn the_studio_asks_its_own_server_only() {
     let page = studio_html("a <b>", 7);
     assert!(
         page.contains("connect-src 'self'")
-            && page.contains("/api/scene")
-            && page.contains(r#"{"page":7}"#)
+            && page.contains("fetch(`/api/${path}`")
+            && page.contains(r#"{"page":7,"#)
             && page.contains("a &lt;b&gt;")
     );
 }

@@ -71,7 +71,7 @@ const STUDIO_MODULES: &[Module] = modules!(
 );
 
 /// Modules of the studio alone: the last ones.
-const OF_STUDIO: usize = 11;
+const OF_STUDIO: usize = 12;
 
 /// The report's script.
 fn report_modules() -> &'static [Module] {
