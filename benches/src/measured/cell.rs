@@ -2,6 +2,9 @@
 
 use chladni_frf::BlockWindow;
 
+/// Length of a record, s: lines 0.5 Hz apart.
+pub(super) const RECORD_S: f64 = 2.0;
+
 /// How the structure is excited.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MeasuredForce {
@@ -90,7 +93,7 @@ const HAMMER: MeasuredCell = MeasuredCell {
 /// e^{−3} at the end of a record.
 const EXPONENTIAL: MeasuredCell = MeasuredCell {
     window: BlockWindow::Exponential {
-        rate_per_s: 3.0 / super::simulation::RECORD_S,
+        rate_per_s: 3.0 / RECORD_S,
     },
     ..HAMMER
 };

@@ -1,7 +1,7 @@
 //! A simulated test, estimated and fitted in several ways, held against the truth.
 
-use super::cell::{MeasuredCell, MeasuredForce};
-use super::simulation::{simulated, TrueMode, BAND_HZ, RECORD, RECORD_S};
+use super::cell::{MeasuredCell, MeasuredForce, RECORD_S};
+use super::simulation::{simulated, TrueMode, BAND_HZ, RECORD};
 use chladni_frf::{Estimator, FrfSet, Mode, Result, Run, Trust};
 use chladni_rfp::{fit, FitOptions, Window};
 use chladni_signal::{estimate, EstimateOptions};

@@ -5,7 +5,7 @@
 //! zero at every pole s of the structure and a pole at d·Re s + j·Im s: at resonance the
 //! force lies 20·lg d dB lower.
 
-use super::cell::{MeasuredCell, MeasuredForce};
+use super::cell::{MeasuredCell, MeasuredForce, RECORD_S};
 use chladni_frf::{Channel, Direction, Dof, Run, SignalUnit};
 use num_complex::Complex64;
 use rand_chacha::rand_core::SeedableRng;
@@ -13,8 +13,6 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::TAU;
 
-/// Length of a record, s: lines 0.5 Hz apart.
-pub(super) const RECORD_S: f64 = 2.0;
 const RATE_HZ: f64 = 512.0;
 /// Samples of a record.
 pub(super) const RECORD: usize = 1024;

@@ -49,7 +49,6 @@ fit panel.h5 --rfp-weight iv|2|usage|--method|auto|--rfp-weight|--method rfp
 fit panel.h5 --method rfp --rfp-weight best|2|usage|--rfp-weight|best|linear
 fit panel.h5 --method rfp --rfp-bands 0|2|usage|--rfp-bands|found 0|auto
 fit panel.h5 --method rfp --rfp-local --rfp-bands 2|2|usage|--rfp-local|--rfp-bands
-fit panel.h5 --window hann|65|bad_data|--window|panel.h5|20|from 0 Hz
 fit panel.h5 --window flat|2|usage|--window|flat|rectangular
 fit panel.h5 --exponential-window 0|2|usage|--exponential-window|record length
 fit panel.h5 --threads 0|2|usage|--threads|whole number

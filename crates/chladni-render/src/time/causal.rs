@@ -8,8 +8,8 @@
 //! steady drive moves the ground exactly as `render` says.
 
 use crate::interpolation::Interpolation;
+use crate::kernel_error::unsolvable;
 use crate::operator::Operator;
-use crate::problem::unsolvable;
 use crate::tolerances;
 use chladni_frf::{Damping, ModalModel, Mode, Result, Trust};
 use chladni_linalg::{matmul, svd_thin};

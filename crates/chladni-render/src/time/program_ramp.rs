@@ -23,18 +23,6 @@ pub(crate) struct Ends {
     pub(crate) tracks: Vec<Track>,
 }
 
-/// Programs that were solved, by place, kind, ramp and shaped time.
-#[derive(Default)]
-pub(crate) struct Programs(Mutex<Solved>);
-
-type Solved = HashMap<(usize, bool, u64, u64), Array2<Complex64>>;
-
-impl Programs {
-    fn known(&self) -> MutexGuard<'_, Solved> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
 /// A place, the phase of its pattern, and its zones.
 type End<'a> = (usize, Complex64, &'a ZoneMap);
 

@@ -61,17 +61,16 @@ pub(crate) fn record_s(frf: &FrfSet, options: &FitOptions) -> Result<f64, FitErr
     }
     let axis = &frf.frequency_hz;
     let lines = axis.len();
-    let step_hz = (axis[lines.max(1) - 1] - axis[0]) / (lines.max(2) - 1) as f64;
+    if lines == 0 {
+        return Ok(0.0);
+    }
+    let step_hz = (axis[lines - 1] - axis[0]) / (lines.max(2) - 1) as f64;
     let off =
         |(k, f): (usize, &f64)| (f - axis[0] - k as f64 * step_hz).abs() > limits::EVEN * step_hz;
     let leaks = options.window.is_some_and(|window| window != Window::None);
     if leaks && (lines < 2 || axis.iter().enumerate().any(off)) {
         return Err(FitError::WindowAxis {
-            found: format!(
-                "{lines} lines from {} to {} Hz",
-                axis[0],
-                axis[lines.max(1) - 1]
-            ),
+            found: format!("{lines} lines from {} to {} Hz", axis[0], axis[lines - 1]),
         });
     }
     Ok(if step_hz > 0.0 { 1.0 / step_hz } else { 0.0 })
