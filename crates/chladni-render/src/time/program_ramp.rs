@@ -11,8 +11,6 @@ use crate::tolerances;
 use crate::zones::{Ground, ZoneMap};
 use ndarray::{Array1, Array2, Axis};
 use num_complex::Complex64;
-use std::collections::HashMap;
-use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// What a chain begins and ends with.
 pub(crate) struct Ends {

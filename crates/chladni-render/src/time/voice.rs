@@ -10,17 +10,13 @@ use crate::render::render;
 use crate::scene::{Limits, Scene};
 use crate::setup::Setup;
 use crate::time::causal::CausalModel;
-use crate::time::envelope::{Edge, Envelope, Travel};
 use crate::time::modal_ramp::{corrected, correction};
-use crate::time::plan::{Chain, Place};
+use crate::time::plan::Place;
 use crate::time::programs::Programs;
-use crate::time::table::Ramps;
 use crate::time::timeline::zones_of;
-use crate::time::tracks::{Track, Tracks};
 use crate::weights::Weights;
-use crate::zones::ZoneMap;
 use chladni_frf::{Finding, ModalModel, Result};
-use ndarray::{Array2, Axis};
+use ndarray::Array2;
 use num_complex::Complex64;
 
 /// One tone.
