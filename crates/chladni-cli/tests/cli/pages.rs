@@ -377,6 +377,30 @@ fn every_view_is_drawn_in_any_window_and_either_theme() {
         .all(|shot| shot.starts_with(b"\x89PNG") && shot.len() > 10_000));
 }
 
+/// Widths of A4 and of Letter less margins of 12 mm, at 96 px an inch.
+const PAPER_PX: [u32; 2] = [703, 725];
+
+#[test]
+fn nothing_is_cut_off_or_folded_on_paper() {
+    let Some((_folder, mut page)) = report_in_a_browser() else {
+        return;
+    };
+    page.on_paper();
+    for width in PAPER_PX {
+        page.resize(width, 1000);
+        let beyond = page.eval(
+            "[...document.querySelectorAll('header *, main *')].filter((e) => { \
+               const r = e.getBoundingClientRect(); \
+               return r.width && r.right > innerWidth + 1 && !e.closest('svg'); \
+             }).map((e) => `${e.tagName}.${e.className}`)",
+        );
+        assert_eq!(beyond, serde_json::json!([]), "{width} px");
+    }
+    let folded = page.eval("document.querySelectorAll('details:not([open])').length");
+    assert_eq!(folded, 0);
+    assert_eq!(page.complaints(), Vec::<String>::new());
+}
+
 #[test]
 fn the_report_of_the_demonstration_panel_opens_quickly() {
     let Some(mut page) = Page::new(1280, 800, false) else {

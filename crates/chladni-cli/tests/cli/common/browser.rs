@@ -89,6 +89,12 @@ impl Page {
         self.send("Emulation.setDeviceMetricsOverride", size);
     }
 
+    /// Shows the page as it is printed.
+    pub fn on_paper(&mut self) {
+        self.send("Emulation.setEmulatedMedia", json!({"media": "print"}));
+        self.eval("dispatchEvent(new Event('beforeprint'))");
+    }
+
     /// Opens an address and waits until the page has drawn itself; milliseconds from its
     /// start to then.
     pub fn open(&mut self, url: &str) -> u64 {
