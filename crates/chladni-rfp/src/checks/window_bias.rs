@@ -14,11 +14,17 @@ const OPEN: &str = "window-bias";
 /// Where it is known which window was used: what it does is in the columns, as long as the
 /// force is white.
 pub(crate) fn modelled(case: &Case) -> Option<Checked> {
-    let window = case.data.window.filter(|_| case.data.leakage.is_some())?;
-    let modes: Vec<&Mode> = case.model.in_band_modes().collect();
-    let step = case.data.line_spacing_hz();
-    let broadened = |mode: &Mode| step / (PI * mode.loss_factor * mode.frequency_hz);
-    let worst = modes.iter().map(|mode| broadened(mode)).fold(0.0, f64::max);
+    let window = case.data.window?;
+    let leakage = case.data.leakage.as_deref()?;
+    let broadened = |mode: &Mode| {
+        let decay = PI * mode.loss_factor * mode.frequency_hz / case.data.omega_max;
+        leakage.broadening(decay)
+    };
+    let worst = case
+        .model
+        .in_band_modes()
+        .map(broadened)
+        .fold(0.0, f64::max);
     let words = match window {
         Window::Transient => "responses are cut at the end of their records, and the fit has the \
                               line shape of that"

@@ -94,6 +94,14 @@ impl Leakage {
         self.excess(s, y)[0] * s.powi(self.omega_power) / ((s - other) * (jy - s))
     }
 
+    /// How much too high a decay (over ω_max) is read, relative to it, where a line is taken
+    /// for a pure resonance of the same height: 1/F − 1 at the resonance.
+    pub fn broadening(&self, decay: f64) -> f64 {
+        let z = decay * self.record;
+        let [g, _] = self.kernel.value_and_slope(Complex64::from(z));
+        1.0 / (z * g.re) - 1.0
+    }
+
     /// A pole of plain columns, in the structural plane, less what a window usually adds to
     /// its decay, 1/T: where a refinement starts.
     pub fn narrowed(&self, lambda: Complex64) -> Complex64 {
