@@ -199,13 +199,11 @@ fn one_field_calibrates_the_next_scenes() {
         eprintln!("{errors:?} {} Hz: {means:.4?}", next.frequency_hz);
         means
     };
-    let off = course([0.05, 5.0], &at(330.0, [2, 2], 1), &at(330.0, [3, 3], 5));
+    let off = course([0.02, 2.0], &at(330.0, [2, 2], 1), &at(330.0, [3, 3], 5));
     assert!(
         off[1] >= 0.99 && off[1] >= off[0] && off[2] >= 0.99,
         "{off:?}"
     );
-    let other = course([0.05, 5.0], &at(320.0, [2, 2], 1), &at(330.0, [2, 2], 3));
-    assert!(other[1] >= 0.99 && other[1] >= other[0], "{other:?}");
     // on the mode at 299.4 Hz a field tells some dozen of 34 gains: better, not all
     let on = course([0.02, 2.0], &corner(), &at(300.0, [2, 2], 3));
     assert!(on[1] > on[0] + 0.1 && on[2] >= 0.99, "{on:?}");
