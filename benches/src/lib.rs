@@ -65,9 +65,9 @@ pub use profile::{
 };
 pub use rig::{rig_csv, rig_figures, rigs, RigError, RigOptions, RigRow, RigWay};
 pub use scene::{
-    paper, paper_csv, paper_figures, scene_csv, scene_figures, scene_knobs, scenes, Means,
-    PaperModes, PaperRow, PaperRun, SceneCase, SceneDrive, SceneOptions, ScenePanel, SceneRow,
-    Served, PAPER_CUTS, PAPER_MODES, SCENE_CASES,
+    paper, paper_csv, paper_figures, scene_csv, scene_figures, scene_knobs, scenes, touch,
+    touch_csv, Means, PaperModes, PaperRow, PaperRun, SceneCase, SceneDrive, SceneOptions,
+    ScenePanel, SceneRow, Served, TouchRow, PAPER_CUTS, PAPER_MODES, SCENE_CASES,
 };
 pub use score::{Match, Score};
 pub use solver::Solver;

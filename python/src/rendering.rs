@@ -210,7 +210,7 @@ pub fn correct(
             py,
             "fields",
             &found,
-            "one field for each of the weights",
+            "weights and fields are no pairs; write one field for each of the weights",
         ));
     }
     let scene = scene_of(py, scene)?;

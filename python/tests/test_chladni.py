@@ -149,3 +149,21 @@ def test_a_panel_is_simulated_fitted_and_driven():
     assert drive.to_dict()["format"] == "chladni.weights"
     judged = chladni.evaluate(drive, scene.read_text(), frf)
     assert 0 <= judged["indices"]["points"]["min_ratio"] <= 1
+
+
+def test_a_measured_field_corrects_and_calibrates(tmp_path):
+    _, truth = chladni.simulate(FIXTURES / "panel-driving-points.toml", seed=3)
+    scene = (FIXTURES / "scene-corner.toml").read_text()
+    drive = chladni.render(truth, scene, method="fast")
+    drive.save(tmp_path / "w0.json")
+    rows = [f"{name},{v.real!r},{v.imag!r}" for name, v in zip(drive.responses, drive.velocity_m_per_s * 1.02)]
+    head = [f"# frequency_hz = {drive.frequency_hz}", "# unit = m/s", "response,re,im"]
+    (tmp_path / "f0.csv").write_text("\n".join(head + rows) + "\n")
+    learned = tmp_path / "rig.json"
+    corrected = chladni.correct(truth, scene, [tmp_path / "w0.json"], [tmp_path / "f0.csv"], calibration=learned)
+    assert corrected["correction"]["iteration"] == 1 and corrected["format"] == "chladni.weights"
+    calibration = json.loads(learned.read_text())
+    gains = [gain["re"] for gain in calibration["gains"]]
+    assert len(gains) == len(drive.references) and abs(np.mean(gains) - 1.02) < 0.02
+    with pytest.raises(chladni.ChladniError):
+        chladni.correct(truth, scene, [tmp_path / "w0.json"], [])

@@ -350,10 +350,22 @@ impl MeasuredPanel {
         frequency_hz: f64,
         transition_m: f64,
     ) -> Result<Scene> {
+        self.scene_with(grid, hot, frequency_hz, transition_m, "")
+    }
+
+    /// The same with more tables.
+    pub(crate) fn scene_with(
+        &self,
+        grid: [usize; 2],
+        hot: usize,
+        frequency_hz: f64,
+        transition_m: f64,
+        tables: &str,
+    ) -> Result<Scene> {
         let [length_m, width_m] = self.sides_m;
         let text = format!(
             "frequency_hz = {frequency_hz:?}\n[zones]\ngrid = {grid:?}\nhot = [{hot}]\narea_m = {:?}\ncells_m = [0.0, 0.0, {length_m:?}, \
-             {width_m:?}]\ntransition_m = {transition_m:?}\n",
+             {width_m:?}]\ntransition_m = {transition_m:?}\n{tables}",
             self.area_m
         );
         Scene::parse(&text, Path::new(""))

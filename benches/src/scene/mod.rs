@@ -7,6 +7,7 @@ mod knobs;
 mod paper;
 mod paper_figures;
 mod tables;
+mod touch;
 mod true_panel;
 
 pub(crate) use cases::MeasuredPanel;
@@ -16,6 +17,7 @@ pub(crate) use figures::scenes_on_front;
 pub use paper::{paper, PaperModes, PaperRow, PaperRun, PAPER_CUTS, PAPER_MODES};
 pub use paper_figures::paper_figures;
 pub use tables::{paper_csv, scene_csv};
+pub use touch::{touch, touch_csv, TouchRow};
 pub use true_panel::Served;
 
 use crate::countdown::Countdown;

@@ -161,6 +161,32 @@ impl TruePanel {
         Ok(self.served(&(self.field(drive, &factors) - pressed), zones, limits))
     }
 
+    /// The same at the responses of `field` alone.
+    ///
+    /// # Errors
+    /// A place off the plate.
+    pub(crate) fn touched_at(
+        &self,
+        drive: &Array1<Complex64>,
+        frequency_hz: f64,
+        finger: &Finger,
+        place_m: [f64; 2],
+        field: &Field,
+        limits: &Limits,
+    ) -> Result<Served> {
+        let factors = self.factors(frequency_hz, None);
+        let shapes = |places: &[[f64; 2]]| -> Result<Array2<Complex64>> {
+            Ok(self.plate.modes.evaluate(places)?.mapv(Complex64::from))
+        };
+        let (here, there) = (shapes(&[place_m])?, shapes(&field.positions_m)?);
+        let modal = self.modal_force(drive) * &factors;
+        let weighted = &here.row(0) * &factors;
+        let bound = finger.impedance(frequency_hz).inv() + here.row(0).dot(&weighted);
+        let force = here.row(0).dot(&modal) / bound;
+        let velocity = there.dot(&(modal - weighted.mapv(|value| value * force)));
+        Ok(count(field.ground.iter().copied().zip(&velocity), limits))
+    }
+
     /// jω/(ω_n²(1+jη_n) − ω²), drifted where a seed is given.
     fn factors(&self, frequency_hz: f64, seed: Option<u64>) -> Array1<Complex64> {
         let omega = TAU * frequency_hz;

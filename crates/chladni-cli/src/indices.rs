@@ -123,7 +123,10 @@ pub fn sweep_table(sweep: &FrequencySweep, all: bool) -> String {
             significant(f.frequency_hz, 6),
             shown(f.kappa, 1),
             format!("{:.3}", f.success_ratio),
-            shown(f.touched_ratio, 3),
+            match f.touched_kappa {
+                Some(kappa) => format!("κ {kappa:.1}"),
+                None => shown(f.touched_ratio, 3),
+            },
             significant(f.largest_drive, 3),
             f.on_mode_hz
                 .map_or_else(String::new, |hz| format!("on the mode at {hz:.1} Hz")),

@@ -12,12 +12,15 @@ use chladni_console::Outcome;
 use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result, Source};
 use chladni_io::{read_model, write_atomically};
 use chladni_render::{
-    play, render_with_others, signal_csv, stress, sweep, Count, MethodChoice, PlayOptions,
-    RenderOptions, Rendering, Scene, SignalOptions, StressOptions, Weights,
+    play, render_with_others, signal_csv, stress, sweep, Count, FrequencySweep, MethodChoice,
+    PlayOptions, RenderOptions, Rendering, Scene, SignalOptions, StressOptions, Weights,
 };
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{json, Map, Value};
 use std::path::{Path, PathBuf};
+
+/// Hz on both sides of the drive that a sweep tries.
+const SWEEP_HZ: f64 = 30.0;
 
 /// Arguments of `render`.
 #[derive(Debug, clap::Args)]
@@ -67,6 +70,10 @@ pub struct Args {
     /// Try other drive frequencies and suggest the best, Hz
     #[arg(long, value_name = "LO:HI", value_parser = parse_range)]
     sweep: Option<[f64; 2]>,
+    /// Drive frequency in place of the scene's, Hz; auto: the one that --sweep suggests, from
+    /// 30 Hz below to 30 Hz above the scene's where no range is given
+    #[arg(long, value_name = "auto|HZ")]
+    frequency: Option<Frequency>,
     /// Drive signals to write: .wav, as `chladni play` makes it of the scene's table `time` or
     /// of two steady seconds, or .csv (a table of amplitude and phase)
     #[arg(long, value_name = "FILE")]
@@ -76,6 +83,46 @@ pub struct Args {
     seed: u64,
     #[command(flatten)]
     reading: Reading,
+}
+
+/// Drive frequency on the command line.
+#[derive(Debug, Clone, Copy)]
+enum Frequency {
+    /// The best one of a sweep.
+    Auto,
+    /// Hz.
+    Hertz(f64),
+}
+
+impl std::str::FromStr for Frequency {
+    type Err = String;
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        match (text, text.parse::<f64>()) {
+            ("auto", _) => Ok(Self::Auto),
+            (_, Ok(hz)) if hz.is_finite() && hz > 0.0 => Ok(Self::Hertz(hz)),
+            _ => Err("neither `auto` nor a frequency in Hz".into()),
+        }
+    }
+}
+
+impl Args {
+    /// Sets the scene to the frequency that a sweep suggests; returns its range and the sweep.
+    fn better_frequency(
+        &self,
+        model: &ModalModel,
+        scene: &mut Scene,
+        options: &RenderOptions,
+        console: &Console,
+    ) -> Result<([f64; 2], FrequencySweep)> {
+        console.stage("sweeping frequencies");
+        let hz = scene.frequency_hz;
+        let range = self
+            .sweep
+            .unwrap_or([(hz - SWEEP_HZ).max(1.0), hz + SWEEP_HZ]);
+        let sweep = sweep(model, scene, options, range).map_err(|error| of_scene(error, scene))?;
+        scene.frequency_hz = sweep.suggested_hz.unwrap_or(hz);
+        Ok((range, sweep))
+    }
 }
 
 fn parse_range(text: &str) -> std::result::Result<[f64; 2], String> {
@@ -123,7 +170,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     }
     console.stage("reading");
     let model = read_model(&args.model)?;
-    let scene = Scene::read(&args.scene)?;
+    let mut scene = Scene::read(&args.scene)?;
     let others = args
         .also
         .iter()
@@ -156,6 +203,16 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         cut: args.cut,
         ..RenderOptions::default()
     };
+    let swept = match args.frequency {
+        Some(Frequency::Auto) => {
+            Some(args.better_frequency(&model, &mut scene, &options, console)?)
+        }
+        Some(Frequency::Hertz(hz)) => {
+            scene.frequency_hz = hz;
+            None
+        }
+        None => None,
+    };
     let rendered = render_with_others(&model, &scene, &others, &options, measured.as_ref())
         .map_err(|error| of_scene(error, &scene))?;
     let mut weights = rendered.weights.clone();
@@ -168,9 +225,16 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     args.reading.echo(&mut weights.options);
     let trials = Trials {
         stress_seed: args.stress.then_some(args.seed),
-        sweep_hz: args.sweep,
+        sweep_hz: args.sweep.filter(|_| swept.is_none()),
     };
     trials.on(&mut weights, &model, &scene, &options, console)?;
+    if let Some((range, sweep)) = swept {
+        weights.options.insert("frequency".into(), "auto".into());
+        weights
+            .options
+            .insert("sweep_hz".into(), range.to_vec().into());
+        weights.sweep = Some(sweep);
+    }
     for tone in &mut weights.other_tones {
         trials.on(tone, &model, &scene, &options, console)?;
     }
@@ -198,8 +262,6 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
 /// A sweep where the drive is too sensitive, the suggested frequency after one; else the
 /// report.
 fn next_step(args: &Args, weights: &Weights) -> Option<String> {
-    /// Hz on both sides of the drive that a sweep tries.
-    const SWEEP_HZ: f64 = 30.0;
     const SENSITIVE: [&str; 3] = ["mode-on-drive", "frequency-sensitive", "touch-sensitive"];
     let [model, scene] = [&args.model, &args.scene].map(|path| shell_path(path));
     let again = format!("chladni render {model} {scene}");

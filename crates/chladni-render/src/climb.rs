@@ -21,6 +21,8 @@ pub(crate) struct Climb<'a> {
     active: Vec<usize>,
     /// Most programs in a row for each thing that is sought.
     rounds: usize,
+    /// Rows that join at once.
+    joining: usize,
 }
 
 impl<'a> Climb<'a> {
@@ -32,12 +34,18 @@ impl<'a> Climb<'a> {
             program: DriveProgram::new(problem)?,
             active,
             rounds: tolerances::ROUNDS,
+            joining: tolerances::ROWS_JOINING,
         })
     }
 
     /// The same with at most so many programs in a row.
     pub(crate) fn rounds(self, rounds: usize) -> Self {
         Self { rounds, ..self }
+    }
+
+    /// The same with so many rows that join at once.
+    pub(crate) fn joining(self, joining: usize) -> Self {
+        Self { joining, ..self }
     }
 
     /// The same over the `measured` rows alone at first; others join where they are
@@ -107,7 +115,7 @@ impl<'a> Climb<'a> {
     }
 
     /// Less peak force, inside by `asked`.
-    fn lower_peak(&mut self, start: Drive, asked: Asked) -> Result<Drive> {
+    pub(crate) fn lower_peak(&mut self, start: Drive, asked: Asked) -> Result<Drive> {
         self.lower(start, asked, DriveProgram::least_peak, peak)
     }
 
@@ -276,7 +284,7 @@ impl<'a> Climb<'a> {
             .filter(|&(slack, _)| slack < -tolerances::JOIN_SLACK)
             .collect();
         missed.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        missed.truncate(tolerances::ROWS_JOINING);
+        missed.truncate(self.joining);
         self.active.extend(missed.iter().map(|&(_, k)| k));
         self.active.sort_unstable();
         !missed.is_empty()

@@ -30,18 +30,33 @@ pub struct Finger {
 }
 
 impl Default for Finger {
-    /// A light touch, of the order that fingertip measurements report; assumed, not
-    /// measured.
     fn default() -> Self {
-        Self {
-            damping_n_s_per_m: 1.5,
-            mass_kg: 0.15e-3,
-            stiffness_n_per_m: 1500.0,
-        }
+        Self::MID
     }
 }
 
+/// Fingertips of the order that measurements report (Lundström 1984; Pawluk and Howe 1999;
+/// Wiertlewski and Hayward 2012), from memory; none of them was measured here.
 impl Finger {
+    /// A finger that rests lightly.
+    pub const LIGHT: Self = Self {
+        damping_n_s_per_m: 0.5,
+        mass_kg: 0.10e-3,
+        stiffness_n_per_m: 800.0,
+    };
+    /// The usual touch.
+    pub const MID: Self = Self {
+        damping_n_s_per_m: 1.5,
+        mass_kg: 0.15e-3,
+        stiffness_n_per_m: 1500.0,
+    };
+    /// A finger that presses.
+    pub const FIRM: Self = Self {
+        damping_n_s_per_m: 4.0,
+        mass_kg: 0.30e-3,
+        stiffness_n_per_m: 3000.0,
+    };
+
     /// A mass that is glued on.
     pub fn of_mass(mass_kg: f64) -> Self {
         Self {

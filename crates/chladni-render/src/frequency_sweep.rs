@@ -14,7 +14,9 @@ use crate::rig::Calibrated;
 use crate::scene::Scene;
 use crate::setup::Setup;
 use crate::tolerances;
+use crate::touch::{touched_kappa, Touch};
 use chladni_frf::{Error, ErrorKind, ModalModel, Result};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// A frequency of the sweep.
@@ -29,6 +31,9 @@ pub struct SweptFrequency {
     /// The least share with a finger at each of three places in the hot zone; `None`
     /// where the model is not mass-scaled.
     pub touched_ratio: Option<f64>,
+    /// κ under the fingers of the scene; `None` where it expects none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub touched_kappa: Option<f64>,
     /// Largest weight, N or V.
     pub largest_drive: f64,
     /// The mode whose bandwidth holds this frequency, Hz.
@@ -80,10 +85,15 @@ pub fn sweep(
         );
     }
     let frequencies = (0..=steps as usize).map(|k| low_hz + tolerances::SWEEP_STEP_HZ * k as f64);
+    let frequencies: Vec<f64> = frequencies.collect();
     let frequencies = frequencies
+        .into_par_iter()
         .map(|frequency_hz| at(model, scene, options, frequency_hz))
         .collect::<Result<Vec<_>>>()?;
     let key = |f: &SweptFrequency| {
+        if let Some(kappa) = f.touched_kappa {
+            return [kappa, f.success_ratio, f.kappa.unwrap_or(f64::INFINITY)];
+        }
         [
             f.touched_ratio.unwrap_or(f.success_ratio),
             f.success_ratio,
@@ -136,6 +146,10 @@ fn at(
         kappa: Some(score.kappa).filter(|kappa| kappa.is_finite()),
         success_ratio: score.success_ratio,
         touched_ratio: touched_ratio(&setup, model, &drive),
+        touched_kappa: match &setup.touch {
+            Some(plan) => Some(touched_kappa(&setup, plan, &drive)?),
+            None => None,
+        },
         largest_drive: drive.iter().map(|weight| weight.norm()).fold(0.0, f64::max),
         on_mode_hz: mode_on(model, frequency_hz),
     })
@@ -160,4 +174,82 @@ fn touched_ratio(setup: &Setup, model: &ModalModel, drive: &Drive) -> Option<f64
         least = Some(least.map_or(ratio, |least: f64| least.min(ratio)));
     }
     least
+}
+
+/// A frequency near that of the scene at which firmer fingers are borne than here, Hz, the κ
+/// there and the fingertip: the best of a few where a finger takes least of its own motion.
+///
+/// * `firmest`: what is borne here
+pub(crate) fn bearing_frequency(
+    model: &ModalModel,
+    scene: &Scene,
+    options: &RenderOptions,
+    firmest: Option<&str>,
+) -> Result<Option<(f64, f64, String)>> {
+    let Some(touch) = &scene.touch else {
+        return Ok(None);
+    };
+    for softest in (1..=touch.impedances.len()).rev() {
+        let name = &touch.impedances[softest - 1].name;
+        if Some(name.as_str()) == firmest {
+            break;
+        }
+        let mut asked = scene.clone();
+        asked.touch = Some(Touch {
+            impedances: touch.impedances[..softest].to_vec(),
+            ..touch.clone()
+        });
+        let tried = still_frequencies(model, &asked, options)?
+            .into_par_iter()
+            .map(|hz| at(model, &asked, options, hz))
+            .collect::<Result<Vec<_>>>()?;
+        let borne = tried
+            .iter()
+            .filter_map(|f| Some((f.frequency_hz, f.touched_kappa?)));
+        let enough = borne.filter(|(_, kappa)| *kappa >= touch.kappa_least);
+        if let Some((hz, kappa)) = enough.max_by(|a, b| a.1.total_cmp(&b.1)) {
+            return Ok(Some((hz, kappa, name.clone())));
+        }
+    }
+    Ok(None)
+}
+
+/// Frequencies near that of the scene where a finger takes least of its own motion, Hz.
+fn still_frequencies(
+    model: &ModalModel,
+    scene: &Scene,
+    options: &RenderOptions,
+) -> Result<Vec<f64>> {
+    let [reach, step] = tolerances::TOUCH_SEARCH_HZ;
+    let steps = (reach / step) as i32;
+    let mut candidates: Vec<(f64, f64)> = Vec::new();
+    for k in (-steps..=steps).filter(|&k| k != 0) {
+        let frequency_hz = scene.frequency_hz + f64::from(k) * step;
+        let there = Scene {
+            frequency_hz,
+            ..scene.clone()
+        };
+        let inside = model.band_hz[0] <= frequency_hz && frequency_hz <= model.band_hz[1];
+        if !inside || there.limits().is_err() {
+            continue;
+        }
+        let setup = Setup::new(model, &there, &options.drift)?;
+        if let Some(plan) = &setup.touch {
+            candidates.push((plan.loss_db(plan.touch.impedances.len()), frequency_hz));
+        }
+    }
+    candidates.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    candidates.truncate(tolerances::TOUCH_TRIED);
+    Ok(candidates.into_iter().map(|(_, hz)| hz).collect())
+}
+
+/// The mode nearest to `frequency_hz` within twice its bandwidth, Hz: one that a finger moves
+/// across it.
+pub(crate) fn mode_near(model: &ModalModel, frequency_hz: f64) -> Option<f64> {
+    let distance = |hz: f64| (hz - frequency_hz).abs();
+    let near = model
+        .in_band_modes()
+        .filter(|mode| distance(mode.frequency_hz) <= 2.0 * mode.loss_factor * mode.frequency_hz);
+    near.map(|mode| mode.frequency_hz)
+        .min_by(|a, b| distance(*a).total_cmp(&distance(*b)))
 }

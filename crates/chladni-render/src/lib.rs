@@ -72,6 +72,7 @@ mod threshold;
 mod time;
 pub mod tolerances;
 mod tones;
+mod touch;
 mod weights;
 mod zones;
 
@@ -111,5 +112,6 @@ pub use time::{
     TimeTraces, SIGNAL_FORMAT, SIGNAL_VERSION,
 };
 pub use tones::{Share, Tone};
+pub use touch::{Touch, TouchCriterion, TouchIndices, TouchPlaces, TouchPoints, Touching};
 pub use weights::{StressRow, Weight, Weights, WEIGHTS_FORMAT, WEIGHTS_VERSION};
 pub use zones::{Ground, PolygonKind, ZoneLayout, ZoneMap, ZonePolygon, Zones};

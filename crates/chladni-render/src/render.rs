@@ -6,6 +6,7 @@ use crate::endurance::Endurance;
 use crate::fewest_actuators;
 use crate::fewest_modes::{self, Judge, Reduced};
 use crate::field::{AreaField, Field};
+use crate::frequency_sweep::{bearing_frequency, mode_near};
 use crate::indices::{AreaIndices, Indices, PointIndices};
 use crate::methods::{Method, MethodChoice, Solution};
 use crate::options::RenderOptions;
@@ -14,6 +15,7 @@ use crate::rig::Calibrated;
 use crate::scene::{Limits, Scene};
 use crate::setup::Setup;
 use crate::tolerances;
+use crate::touch::{findings as touch_findings, judged, TouchIndices, TouchPlan};
 use crate::weights::{weight_list, Weights, WEIGHTS_FORMAT, WEIGHTS_VERSION};
 use crate::zones::ZoneMap;
 use chladni_frf::{numbered, Error, Finding, FrfSet, ModalModel, Result, CREATED_BY};
@@ -156,6 +158,7 @@ fn render_tone(
         drive,
         findings: said,
         modal,
+        touched_db,
     } = solution;
     let sparse = drive;
     let drive = spread(&sparse, &chosen.columns, setup.operator.references.len());
@@ -229,6 +232,19 @@ fn render_tone(
     let endures = feasible && matches!(method, Method::Mls | Method::Robust | Method::MinEffort);
     let endurance = endures.then(|| Endurance::of(&setup, model, &drive));
     findings.extend(endurance.iter().flat_map(Endurance::findings));
+    let touch = under_fingers(model, scene, &setup, &drive);
+    if let (Some(told), Some(plan)) = (&touch, &setup.touch) {
+        let asked = [scene.frequency_hz, limits.apart_db()];
+        let is_borne = told.firmest == plan.touch.impedances.last().map(|t| t.name.clone());
+        let elsewhere = match is_borne {
+            true => None,
+            false => bearing_frequency(model, scene, options, told.firmest.as_deref())?,
+        };
+        let mode_hz = mode_near(model, scene.frequency_hz);
+        findings.extend(touch_findings(
+            told, plan, asked, touched_db, mode_hz, elsewhere,
+        ));
+    }
     findings.extend(judge.findings);
     findings.extend(strength(&field, limits));
     numbered(&mut findings, &in_band_hz(model));
@@ -251,6 +267,7 @@ fn render_tone(
         modal,
         indices,
         stress: None,
+        touch,
         sweep: None,
         correction: None,
         findings: findings.into(),
@@ -292,6 +309,25 @@ impl Rendering {
             ..self
         }
     }
+}
+
+/// How a drive does under the fingers that the scene expects, at places between those that
+/// it was made for.
+fn under_fingers(
+    model: &ModalModel,
+    scene: &Scene,
+    setup: &Setup,
+    drive: &Drive,
+) -> Option<TouchIndices> {
+    let (plan, touch) = (setup.touch.as_deref()?, scene.touch.as_ref()?);
+    let between = TouchPlan::new(model, &setup.operator, &setup.zones, touch, true);
+    let tried = between.as_ref().unwrap_or(plan);
+    Some(TouchIndices::of(
+        &setup.problem,
+        judged(setup),
+        [plan, tried],
+        drive,
+    ))
 }
 
 /// The drive of some actuators as a drive of all, the others still.

@@ -7,6 +7,7 @@ use crate::threshold::{Threshold, ThresholdTable};
 use crate::time::{read_time, TimeTable};
 use crate::tolerances;
 use crate::tones::{is_same, read_tones, Share, Tone};
+use crate::touch::{read_touch, Touch};
 use crate::zones::{PolygonKind, ZoneLayout, ZonePolygon, Zones};
 use chladni_frf::{nearest_word, Dof, Error, Result};
 use chladni_text::read_text;
@@ -24,6 +25,7 @@ const KEYS: Keys = &[
             "zones",
             "actuators",
             "drift",
+            "touch",
             "time",
         ],
     ),
@@ -61,6 +63,18 @@ const KEYS: Keys = &[
             "calibration",
         ],
     ),
+    (
+        "touch",
+        &[
+            "fingers",
+            "where",
+            "points_m",
+            "criterion",
+            "impedance",
+            "kappa_least",
+        ],
+    ),
+    ("touch.impedance", &["c", "m", "k"]),
     (
         "time",
         &[
@@ -121,6 +135,8 @@ pub struct Scene {
     /// How far the panel may move away from its model; `None`: as the options of the
     /// rendering say.
     pub drift: Option<Drift>,
+    /// Fingers that the drive must bear; `None`: nobody touches.
+    pub touch: Option<Touch>,
     /// What happens when; `None`: a steady tone.
     pub time: Option<TimeTable>,
     /// Errors that measured fields have left of the mobility; of scenes over a calibrated
@@ -253,6 +269,9 @@ impl Scene {
             },
             drift: optional("drift")?
                 .map(|table| read_drift(&table))
+                .transpose()?,
+            touch: optional("touch")?
+                .map(|table| read_touch(&table, KEYS))
                 .transpose()?,
             time,
             learned: None,

@@ -11,11 +11,13 @@ use crate::plane::{Position, Rectangle};
 use crate::problem::{DriveLimits, Problem, Rows};
 use crate::scene::{Limits, Scene, DEFAULT_MAX_FORCE_N};
 use crate::tolerances;
+use crate::touch::TouchPlan;
 use crate::zones::{Ground, ZoneMap};
 use chladni_frf::{Error, Finding, ModalModel, ReferenceUnit, Result, Trust};
 use ndarray::{Array2, Axis};
 use num_complex::Complex64;
 use std::cell::OnceCell;
+use std::sync::Arc;
 
 /// A scene over a model.
 #[derive(Clone)]
@@ -37,6 +39,8 @@ pub(crate) struct Setup {
     between: [OnceCell<Option<Rows>>; 2],
     /// Modes of the model that are summed explicitly, rising.
     pub(crate) modes: Vec<usize>,
+    /// Fingers that the scene expects.
+    pub(crate) touch: Option<Arc<TouchPlan>>,
     /// Findings that hold whatever the drive.
     pub(crate) findings: Vec<Finding>,
 }
@@ -69,7 +73,7 @@ impl Setup {
             .help("choose a less sensitive frequency")
         }));
         let learned = scene.learned.as_deref();
-        let covariance = match learned.and_then(|known| known.covariance_of(&operator.references)) {
+        let covariance = match learned.and_then(|known| known.covariance_of(&operator)) {
             Some(gram) => Covariance::of_gram(gram)?,
             None => {
                 let drift = scene.drift.as_ref().unwrap_or(drift);
@@ -90,8 +94,11 @@ impl Setup {
         let counts =
             |n: &usize| model.modes[*n].in_band && model.modes[*n].trust != Trust::Rejected;
         let modes = (0..model.modes.len()).filter(counts).collect();
+        let plan = |touch| TouchPlan::new(model, &operator, &zones, touch, false);
+        let touch = scene.touch.as_ref().and_then(plan).map(Arc::new);
         let (nodes, between) = Default::default();
         Ok(Self {
+            touch,
             limits,
             operator,
             zones,

@@ -336,6 +336,38 @@ pub const DEAD_GAIN: f64 = 0.1;
 /// file.
 pub const SAME_MODE: f64 = 1e-9;
 
+/// Most fingers at once: those of one hand.
+pub const MOST_FINGERS: usize = 5;
+
+/// Distance of the places that fingers are tried at, m: a fifteenth of a wavelength on the
+/// study's panel, half of its responses' spacing.
+pub const TOUCH_STEP_M: f64 = 0.010;
+
+/// Most of these places; beyond, they lie farther apart.
+pub const MOST_TOUCH_PLACES: usize = 150;
+
+/// Touched rows that join a conic program at once: they are alike from place to place, so
+/// that a few of the worst speak for most.
+pub const TOUCH_ROWS_JOINING: usize = 60;
+
+/// Relative shortfall of κ under fingers that counts as none: rows join only where they miss
+/// by more than [`JOIN_SLACK`].
+pub const SAME_TOUCHED_KAPPA: f64 = 0.02;
+
+/// Motion that a finger takes from its own place, dB, above which no program is tried in a
+/// sweep: the study found none that bears it.
+pub const TOUCH_LOSS_DB: f64 = 3.0;
+
+/// Rounds of programs that a frequency of a sweep is worth.
+pub const TOUCH_SWEEP_ROUNDS: usize = 4;
+
+/// Distance from the drive, Hz, within which another frequency is looked for where fingers
+/// are not borne, and the step of that.
+pub const TOUCH_SEARCH_HZ: [f64; 2] = [40.0, 10.0];
+
+/// Frequencies of these that are tried by a program.
+pub const TOUCH_TRIED: usize = 3;
+
 /// Isotropic error of a prediction beside its error bars, over its rms. With ten times as
 /// much nothing but a dead channel is seen, with ten times less the error of a fit is a
 /// fault of the rig.

@@ -8,6 +8,7 @@ use crate::methods::ModalSteps;
 use crate::problem::Drive;
 use crate::rig::Correction;
 use crate::tones::is_same;
+use crate::touch::TouchIndices;
 use chladni_frf::{Dof, Error, Findings, ReferenceUnit, Result, Source};
 use chladni_text::json_error;
 use num_complex::Complex64;
@@ -67,6 +68,9 @@ pub struct Weights {
     /// for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stress: Option<Vec<StressRow>>,
+    /// How the drive does while fingers touch; where the scene expects them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub touch: Option<TouchIndices>,
     /// The scene at other frequencies; where it was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sweep: Option<FrequencySweep>,

@@ -2,7 +2,8 @@
 
 use super::{paper, shown, Place};
 use chladni_bench::{
-    scene_csv, scene_figures, scenes, Means, SceneCase, SceneOptions, SceneRow, SCENE_CASES,
+    scene_csv, scene_figures, scenes, touch, touch_csv, Means, SceneCase, SceneOptions, SceneRow,
+    SCENE_CASES,
 };
 use chladni_console::table::{significant, table};
 use chladni_console::Console;
@@ -13,6 +14,8 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 /// The table.
 const TABLE: &str = "scene.csv";
+/// The table of `--touch`.
+const TOUCH_TABLE: &str = "touch.csv";
 
 /// Numbers of modes, of actuators and of residual terms where they are turned.
 const MODES: [usize; 8] = [1, 2, 4, 6, 8, 11, 15, 20];
@@ -29,6 +32,7 @@ its limit, on a 4 mm grid.";
   chladni bench scene -o bench --case quarter-1 --method robust --modes 4,6,8,10,14,all
   chladni bench scene -o bench --case quarter-1 --actuators 3,5,7,9,12,20,all
   chladni bench scene -o bench --paper
+  chladni bench scene -o bench --touch
 
 Simulates panels with 40 dB of noise, fits them, renders every scene by every method, and judges the drives on the true plate: at the
 responses, on a 4 mm grid, after random drift, and with a finger in the hot zone. Writes scene.csv,
@@ -62,6 +66,10 @@ pub struct Args {
     /// the hot zone, beside the default method
     #[arg(long, conflicts_with_all = ["methods", "cases", "modes", "actuators", "means", "measured"])]
     paper: bool,
+    /// Scenes that light and mid fingers touch, from 300 to 340 Hz, with a drive that expects
+    /// them and one that does not
+    #[arg(long, conflicts_with_all = ["methods", "cases", "modes", "actuators", "means", "measured", "paper"])]
+    touch: bool,
 }
 
 /// Runs the command.
@@ -71,6 +79,9 @@ pub struct Args {
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     if args.paper {
         return paper::run(&args.place, console);
+    }
+    if args.touch {
+        return touched(&args.place, console);
     }
     args.place.prepare(&[TABLE], console)?;
     let options = SceneOptions {
@@ -121,6 +132,43 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         console,
     )?;
     Ok(args.place.answer(&files, rows.len(), text(&rows)))
+}
+
+/// Runs `bench scene --touch`.
+fn touched(place: &Place, console: &Console) -> Result<Outcome> {
+    place.prepare(&[TOUCH_TABLE], console)?;
+    let rows = touch(place.quick, &|stage| console.stage(stage))?;
+    let files = place.write(&[(TOUCH_TABLE, touch_csv(&rows))], &[], console)?;
+    let json = json!({
+        "output": place.output.display().to_string(),
+        "files": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
+        "rows": rows.len(),
+    });
+    let cells: Vec<Vec<String>> = rows
+        .iter()
+        .map(|row| {
+            vec![
+                row.scene.to_owned(),
+                significant(row.frequency_hz, 6),
+                (if row.touch { "yes" } else { "no" }).to_owned(),
+                row.firmest.clone(),
+                shown(row.kappa, 1),
+                shown(1e3 * row.max_force_n, 1),
+                shown(row.total, 3),
+                shown(row.least, 2),
+                shown(row.area, 3),
+                shown(row.time_s, 1),
+            ]
+        })
+        .collect();
+    const HEADER: [&str; 10] = [
+        "scene", "Hz", "touch", "bears", "kappa", "mN", "total", "least", "ground", "s",
+    ];
+    Ok(Outcome::written(
+        &place.output,
+        json,
+        table(&HEADER, &cells),
+    ))
 }
 
 /// Every number of modes with every number of actuators.

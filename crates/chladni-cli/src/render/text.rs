@@ -190,5 +190,19 @@ fn indices(weights: &Weights, judged: &Judged, limits: &Limits) -> String {
         };
         rows.push(one("under a light touch", touched, how.into()));
     }
+    if let Some(touch) = &weights.touch {
+        let kappa = touch.kappa.unwrap_or(f64::INFINITY);
+        let borne = match &touch.firmest {
+            Some(firmest) => format!("up to {firmest}, with {kappa:.1} standard deviations"),
+            None => "none".into(),
+        };
+        rows.push(one("bears fingers", borne, String::new()));
+        let served = format!("{:.1} %", 100.0 * touch.points.success_ratio);
+        let least = format!(
+            "at the worst place {:.0} % of the worse zone",
+            100.0 * touch.points.min_ratio
+        );
+        rows.push(one("served under them", served, least));
+    }
     table(&["", "responses", "ground between"], &rows)
 }

@@ -291,3 +291,32 @@ fn several_tones_are_rendered_judged_and_reported_one_by_one() {
         .stderr
         .contains("one frequency"));
 }
+
+#[test]
+fn fingers_are_borne_and_a_better_frequency_is_one_flag() {
+    let folder = prepared();
+    folder.write("scene.toml", scene(300, 1, "[touch]\n"));
+    let run = folder
+        .run("render model.json scene.toml --frequency auto --sweep 328:332 -o w.json --json")
+        .exits(0);
+    let json = run.json();
+    let frequency_hz = json["frequency_hz"].as_f64().unwrap();
+    assert!((328.0..=332.0).contains(&frequency_hz), "{json}");
+    assert_eq!(json["sweep"]["suggested_hz"], json["frequency_hz"]);
+    assert!(json["sweep"]["frequencies"][0]["touched_kappa"].is_number());
+    assert_eq!(json["touch"]["firmest"], "mid", "{}", json["touch"]);
+    assert!(json["touch"]["points"]["min_ratio"].as_f64().unwrap() >= 0.9);
+    let run = folder
+        .run("render model.json scene.toml --frequency 330")
+        .exits(0);
+    assert!(run.stdout.contains("bears fingers") && run.stdout.contains("up to mid"));
+    for (flags, words) in [
+        ("--frequency loud", "neither `auto`"),
+        ("--frequency -3", ""),
+    ] {
+        let run = folder
+            .run(&format!("render model.json scene.toml {flags}"))
+            .exits(2);
+        assert!(run.stderr.contains(words), "{}", run.stderr);
+    }
+}

@@ -158,6 +158,9 @@ pub(crate) struct Solution {
     /// What lies between target and drive, of the method that goes through modal
     /// coefficients.
     pub(crate) modal: Option<ModalSteps>,
+    /// Largest contrast that was found under the firmest fingers, dB, where no drive bears
+    /// them.
+    pub(crate) touched_db: Option<f64>,
 }
 
 impl Solution {
@@ -167,6 +170,7 @@ impl Solution {
             drive,
             findings: Vec::new(),
             modal: None,
+            touched_db: None,
         }
     }
 

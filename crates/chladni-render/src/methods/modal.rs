@@ -118,6 +118,7 @@ pub(crate) fn solve(setup: &Setup, model: &ModalModel, cut: Option<f64>) -> Resu
         psi: of_psi,
     };
     Ok(Solution {
+        touched_db: None,
         drive,
         findings,
         modal: Some(modal),

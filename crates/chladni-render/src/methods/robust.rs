@@ -20,13 +20,22 @@ use crate::methods::{mls, Solution};
 use crate::problem::Drive;
 use crate::setup::Setup;
 use crate::tolerances;
+use crate::touch::{bear, Borne};
 use chladni_frf::Result;
 
 /// The most robust drive found from the best drive of `mls`; with more than one start
 /// from others that it found, too.
 pub(crate) fn solve(setup: &Setup, effort: Effort) -> Result<Solution> {
     let starts = mls::leading_drives(&setup.problem, setup.between())?;
-    Ok(Solution::of_drive(climb_from(setup, &starts, effort)?))
+    let drive = climb_from(setup, &starts, effort)?;
+    let Some(plan) = &setup.touch else {
+        return Ok(Solution::of_drive(drive));
+    };
+    let Borne { drive, best_db } = bear(setup, plan, drive, effort)?;
+    Ok(Solution {
+        touched_db: best_db,
+        ..Solution::of_drive(drive)
+    })
 }
 
 /// The most robust drive near `before`, which served a place nearby: fields that are to

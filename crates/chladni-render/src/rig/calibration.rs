@@ -4,6 +4,7 @@
 //! corrected holds at the frequency where they were measured; with it goes the covariance
 //! of its rows.
 
+use crate::operator::Operator;
 use crate::tolerances;
 use chladni_frf::{ComplexMatrix, Dof, Error, Finding, ReferenceUnit, Result, Source};
 use chladni_text::{json_error, read_text};
@@ -235,14 +236,20 @@ impl Calibration {
 }
 
 impl CalibratedOperator {
-    /// Covariance over the actuators `references`; `None` where one of them is not known.
-    pub(crate) fn covariance_of(&self, references: &[Dof]) -> Option<Array2<Complex64>> {
+    /// Covariance over the actuators of `operator`; `None` at another frequency, or where one
+    /// of them is not known.
+    pub(crate) fn covariance_of(&self, operator: &Operator) -> Option<Array2<Complex64>> {
+        let apart = (self.frequency_hz - operator.frequency_hz).abs();
+        if apart > tolerances::SAME_FREQUENCY * operator.frequency_hz {
+            return None;
+        }
         let place = |dof: &Dof| {
             self.references
                 .iter()
                 .position(|known| known.same_axis(*dof))
         };
-        let columns: Vec<usize> = references.iter().map(place).collect::<Option<_>>()?;
+        let references = operator.references.iter();
+        let columns: Vec<usize> = references.map(place).collect::<Option<_>>()?;
         let some = self.covariance.0.select(Axis(0), &columns);
         Some(some.select(Axis(1), &columns))
     }

@@ -228,7 +228,7 @@ pub(crate) fn design(
     drift: &Drift,
 ) -> Result<Covariance> {
     let learned = scene.learned.as_deref();
-    if let Some(gram) = learned.and_then(|known| known.covariance_of(&operator.references)) {
+    if let Some(gram) = learned.and_then(|known| known.covariance_of(operator)) {
         return Covariance::of_gram(gram);
     }
     let all: Vec<usize> = (0..operator.responses.len()).collect();
@@ -412,6 +412,7 @@ fn weights_of(setup: &Setup, scene: &Scene, drive: &Drive) -> Result<Weights> {
         modal: None,
         indices: Indices { points, area },
         stress: None,
+        touch: None,
         sweep: None,
         correction: None,
         findings: Default::default(),

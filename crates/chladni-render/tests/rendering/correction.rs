@@ -162,39 +162,60 @@ fn rendered(scene: &Scene) -> Weights {
         .weights
 }
 
-/// What one measured field of the corner scene teaches.
-fn taught(rig: &mut Rig) -> (Weights, Calibration) {
-    let weights = first_drive();
+/// What one measured field of a scene teaches.
+fn taught_in(scene: &Scene, rig: &mut Rig) -> (Weights, Calibration) {
+    let weights = rendered(scene);
     let field = rig.measured(&weights, NOISE, &(0..77).collect::<Vec<_>>());
     let played = [(weights, field, None)];
-    calibrate(truth(), &corner(), &played, &RenderOptions::default()).unwrap()
+    calibrate(truth(), scene, &played, &RenderOptions::default()).unwrap()
+}
+
+fn taught(rig: &mut Rig) -> (Weights, Calibration) {
+    taught_in(&corner(), rig)
+}
+
+fn at(frequency_hz: f64, grid: [usize; 2], hot: usize) -> Scene {
+    let mut scene = cell_scene(grid, hot, "");
+    scene.frequency_hz = frequency_hz;
+    scene
 }
 
 #[test]
 fn one_field_calibrates_the_next_scenes() {
-    let other_corner = cell_scene([2, 2], 3, "");
-    let mut elsewhere = cell_scene([3, 3], 1, "");
-    elsewhere.frequency_hz = 330.0;
-    let mut means = [[0.0; 2]; 2];
-    for seed in 0..RIGS {
-        let rig = |hz| Rig::new(hz, seed).scattered(0.02, 2.0);
-        let (corrected, calibration) = taught(&mut rig(300.0));
-        for (scene, mean) in [&other_corner, &elsewhere].into_iter().zip(&mut means) {
-            let rig = rig(scene.frequency_hz);
-            let plain = served_in(scene, &rig, &rendered(scene));
-            let calibrated = served_in(scene, &rig, &rendered(&with(&calibration, scene)));
-            mean[0] += plain / RIGS as f64;
-            mean[1] += calibrated / RIGS as f64;
+    // of a rig, its first scene and the next one: plain, calibrated, after a field of its own
+    let course = |errors: [f64; 2], first: &Scene, next: &Scene| {
+        let mut means = [0.0; 3];
+        for seed in 0..RIGS {
+            let rig = |hz| Rig::new(hz, seed).scattered(errors[0], errors[1]);
+            let (_, calibration) = taught_in(first, &mut rig(first.frequency_hz));
+            let mut rig = rig(next.frequency_hz);
+            let calibrated = with(&calibration, next);
+            let (own, _) = taught_in(&calibrated, &mut rig);
+            let drives = [rendered(next), rendered(&calibrated), own];
+            for (mean, drive) in means.iter_mut().zip(&drives) {
+                *mean += served_in(next, &rig, drive) / RIGS as f64;
+            }
         }
-        // the same scene again is what the correction gave
-        let again = rendered(&with(&calibration, &corner()));
-        for (a, b) in again.weights.iter().zip(&corrected.weights) {
-            assert!((a.value() - b.value()).norm() < 1e-6 * a.amplitude.max(1e-4));
-        }
+        eprintln!("{errors:?} {} Hz: {means:.4?}", next.frequency_hz);
+        means
+    };
+    let off = course([0.02, 2.0], &at(330.0, [2, 2], 1), &at(330.0, [3, 3], 5));
+    assert!(
+        off[1] >= 0.99 && off[1] >= off[0] && off[2] >= 0.99,
+        "{off:?}"
+    );
+    // on the mode at 299.4 Hz a field tells some dozen of 34 gains: better, not all
+    let on = course([0.02, 2.0], &corner(), &at(300.0, [2, 2], 3));
+    assert!(on[1] > on[0] + 0.1 && on[2] >= 0.99, "{on:?}");
+}
+
+#[test]
+fn a_calibrated_scene_again_is_what_the_correction_gave() {
+    let (corrected, calibration) = taught(&mut Rig::new(300.0, 2).scattered(0.02, 2.0));
+    let again = rendered(&with(&calibration, &corner()));
+    for (a, b) in again.weights.iter().zip(&corrected.weights) {
+        assert!((a.value() - b.value()).norm() < 1e-6 * a.amplitude.max(1e-4));
     }
-    eprintln!("{means:.4?}");
-    assert!(means[0][0] < 0.95, "{means:?}");
-    assert!(means[0][1] >= 0.99 && means[1][1] >= 0.99, "{means:?}");
 }
 
 #[test]

@@ -16,5 +16,6 @@ mod signals;
 mod stress;
 mod time;
 mod tones;
+mod touch;
 mod weights_file;
 mod zones;

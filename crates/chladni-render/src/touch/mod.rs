@@ -1,0 +1,17 @@
+//! Touch as a part of the scene: `[touch]` enters; a drive that bears it, and how it does
+//! under the fingers, leave.
+//!
+//! `table` (what the scene says) → `plan` (fingers at places: the touched mobility) →
+//! `program` (the drive) → `judged` (how it does, and what no drive bears).
+
+mod judged;
+mod plan;
+mod program;
+mod table;
+
+pub(crate) use judged::findings;
+pub use judged::{TouchIndices, TouchPoints};
+pub(crate) use plan::TouchPlan;
+pub(crate) use program::{bear, judged, touched_kappa, Borne};
+pub(crate) use table::read_touch;
+pub use table::{Touch, TouchCriterion, TouchPlaces, Touching};

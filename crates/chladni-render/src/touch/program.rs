@@ -1,0 +1,128 @@
+//! A drive that bears fingers.
+//!
+//! The touched rows of every place and fingertip join the robust program by need, the worst
+//! first. κ comes before firmness: the firmest fingertip is taken under which some drive
+//! keeps the κ that the scene asks for, never a firmer one at less (a drive for firm fingers
+//! at κ 0.2 fails untouched under the first error of an amplifier).
+
+use super::plan::{Judged, TouchPlan};
+use crate::climb::Climb;
+use crate::drive_program::Asked;
+use crate::effort::Effort;
+use crate::problem::{amplitude, Drive, Problem};
+use crate::setup::Setup;
+use crate::tolerances;
+use chladni_frf::Result;
+
+/// What was found.
+pub(crate) struct Borne {
+    /// The drive.
+    pub(crate) drive: Drive,
+    /// Largest contrast that was found under all fingertips, dB, where it is not enough.
+    pub(crate) best_db: Option<f64>,
+}
+
+/// The drive that bears the firmest fingers, from `start`, which bears none.
+pub(crate) fn bear(setup: &Setup, plan: &TouchPlan, start: Drive, effort: Effort) -> Result<Borne> {
+    let problem = &setup.problem;
+    let least = plan.touch.kappa_least;
+    let mut best_db = None;
+    for softest in (1..=plan.touch.impedances.len()).rev() {
+        let rows = plan.rows(judged(setup), softest);
+        let on = problem.with_between(&rows, 1.0);
+        let drive = most_robust(problem, &on, &start, least, effort.conic_rounds)?;
+        if !bears(&on, &drive, least) {
+            let reached = [&drive, &start].map(|drive| contrast_db(&on, drive));
+            let most = reached.into_iter().flatten().max_by(f64::total_cmp);
+            best_db = best_db.or(most);
+            continue;
+        }
+        let Some(ground) = setup.finely_between() else {
+            return Ok(Borne { drive, best_db });
+        };
+        // the ground between the responses as well, where that leaves enough
+        let whole = problem.with_between(ground, 1.0).with_between(&rows, 1.0);
+        let other = most_robust(problem, &whole, &drive, least, effort.conic_rounds)?;
+        let drive = if bears(&whole, &other, least) {
+            other
+        } else {
+            drive
+        };
+        return Ok(Borne { drive, best_db });
+    }
+    Ok(Borne {
+        drive: start,
+        best_db,
+    })
+}
+
+/// κ that a drive can have under all fingers, sought for a few rounds; negative where it
+/// finds none.
+pub(crate) fn touched_kappa(setup: &Setup, plan: &TouchPlan, start: &Drive) -> Result<f64> {
+    let problem = &setup.problem;
+    let rows = plan.rows(judged(setup), plan.touch.impedances.len());
+    let on = problem.with_between(&rows, 1.0);
+    if plan.loss_db(plan.touch.impedances.len()) > tolerances::TOUCH_LOSS_DB {
+        return Ok(on.score(start).kappa);
+    }
+    let rounds = tolerances::TOUCH_SWEEP_ROUNDS;
+    let most = problem.kappa_of_confidence();
+    let (_, drive) = climb(problem, &on, rounds)?.reach_kappa(start, most)?;
+    Ok(on.score(&drive).kappa)
+}
+
+/// The judged responses of a scene.
+pub(crate) fn judged(setup: &Setup) -> Judged<'_> {
+    Judged {
+        operator: &setup.operator,
+        zones: &setup.zones,
+        rows: &setup.judged,
+        hot: setup.problem.rows.hot,
+    }
+}
+
+/// A climb over `on`, of which the rows of `problem` take part from the beginning.
+fn climb<'a>(problem: &Problem, on: &'a Problem, rounds: usize) -> Result<Climb<'a>> {
+    let climb = Climb::new(on)?.rounds(rounds);
+    Ok(climb
+        .joining(tolerances::TOUCH_ROWS_JOINING)
+        .by_need(|k| on.is_measured(problem, k)))
+}
+
+/// The largest κ up to what is enough, most of it at the least peak force.
+fn most_robust(
+    problem: &Problem,
+    on: &Problem,
+    start: &Drive,
+    least: f64,
+    rounds: usize,
+) -> Result<Drive> {
+    let enough = problem.kappa_of_confidence().max(least);
+    let mut climb = climb(problem, on, rounds)?;
+    let (_, drive) = climb.reach_kappa(start, enough / tolerances::KEEP)?;
+    let kappa = on.score(&drive).kappa;
+    if kappa < least {
+        return Ok(drive);
+    }
+    let asked = Asked {
+        kappa: f64::max(kappa * tolerances::KEEP, least),
+        factor: 1.0,
+    };
+    let softer = climb.lower_peak(drive.clone(), asked)?;
+    let holds = bears(on, &softer, asked.kappa);
+    Ok(if holds { softer } else { drive })
+}
+
+fn bears(on: &Problem, drive: &Drive, least: f64) -> bool {
+    on.score(drive).kappa >= least * (1.0 - tolerances::SAME_TOUCHED_KAPPA)
+}
+
+/// Least hot over largest cold, dB; `None` without one of them.
+pub(crate) fn contrast_db(on: &Problem, drive: &Drive) -> Option<f64> {
+    let field = on.field(drive).map(amplitude);
+    let (hot, cold) = field.as_slice()?.split_at(on.rows.hot);
+    let least = hot.iter().copied().fold(f64::INFINITY, f64::min);
+    let largest = cold.iter().copied().fold(0.0, f64::max);
+    let ratio = least / largest;
+    (ratio.is_finite() && ratio > 0.0).then(|| 20.0 * ratio.log10())
+}

@@ -1,0 +1,182 @@
+//! The table `[touch]` of a scene.
+
+use crate::finger::Finger;
+use crate::plane::Position;
+use crate::tolerances;
+use chladni_frf::Result;
+use chladni_text::toml_reader::{Keys, Table, Value};
+
+/// What fingers do to the panel while the scene plays.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Touch {
+    /// How many at once, at most.
+    pub fingers: usize,
+    /// Where.
+    pub places: TouchPlaces,
+    /// What must be right while they touch.
+    pub criterion: TouchCriterion,
+    /// Fingertips, the softest first.
+    pub impedances: Vec<Touching>,
+    /// κ that the drive must keep under all fingers.
+    pub kappa_least: f64,
+}
+
+/// Where fingers touch.
+#[derive(Debug, Clone, PartialEq)]
+pub enum TouchPlaces {
+    /// Anywhere on hot ground.
+    Hot,
+    /// Anywhere on judged ground.
+    Any,
+    /// At these places, m.
+    Points(Vec<Position>),
+}
+
+/// What must be right while fingers touch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TouchCriterion {
+    /// What each finger feels, alone on the panel.
+    Own,
+    /// What each finger feels, the others there.
+    Pair,
+    /// All hot and cold ground.
+    Field,
+}
+
+/// A fingertip that may touch.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Touching {
+    /// `light`, `mid`, `firm`, or its damping in words.
+    pub name: String,
+    /// Its damper, mass and spring.
+    pub finger: Finger,
+}
+
+const CRITERIA: [(&str, TouchCriterion); 3] = [
+    ("own", TouchCriterion::Own),
+    ("pair", TouchCriterion::Pair),
+    ("field", TouchCriterion::Field),
+];
+const IMPEDANCES: &str = "\"light\", \"mid\", \"firm\", or {c = 1.5, m = 0.00015, k = 1500.0} in \
+                          N s/m, kg and N/m";
+/// Fingertips that a scene without a list of them expects.
+const USUAL: [&str; 2] = ["light", "mid"];
+
+/// Reads the table; `keys` are those of the whole scene.
+///
+/// # Errors
+/// An unknown key or word, no place, no fingertip.
+pub(crate) fn read_touch(table: &Table, keys: Keys) -> Result<Touch> {
+    table.only_keys(keys, "touch")?;
+    let impedances = match table.get("impedance") {
+        Some(value) => read_impedances(&value, keys)?,
+        None => USUAL
+            .iter()
+            .filter_map(|name| Touching::named(name))
+            .collect(),
+    };
+    let criterion = table
+        .get("criterion")
+        .map(|value| read_criterion(&value))
+        .transpose()?;
+    let fingers = match table.get("fingers") {
+        Some(value) => match value.count()? {
+            count @ 1..=tolerances::MOST_FINGERS => count,
+            _ => {
+                let expected = format!("1 to {}", tolerances::MOST_FINGERS);
+                return Err(value.error("no such number of fingers", expected));
+            }
+        },
+        None => 1,
+    };
+    let kappa_least = table
+        .get("kappa_least")
+        .map(|value| value.positive())
+        .transpose()?;
+    Ok(Touch {
+        fingers,
+        places: read_places(table)?,
+        criterion: criterion.unwrap_or(TouchCriterion::Field),
+        impedances,
+        kappa_least: kappa_least.unwrap_or(tolerances::KAPPA_LEAST),
+    })
+}
+
+fn read_criterion(value: &Value) -> Result<TouchCriterion> {
+    let name = value.string()?;
+    let known = CRITERIA.iter().find(|(known, _)| *known == name);
+    known
+        .map(|(_, criterion)| *criterion)
+        .ok_or_else(|| value.error("no such criterion", "\"own\", \"pair\" or \"field\""))
+}
+
+fn read_places(table: &Table) -> Result<TouchPlaces> {
+    if let Some(points) = table.get("points_m") {
+        if let Some(both) = table.get("where") {
+            return Err(both.error("fingers touch either somewhere or at points", "one of them"));
+        }
+        let list = points.list()?;
+        let places = list
+            .iter()
+            .map(|point| point.numbers::<2>("[x, y] in metres"));
+        let places = places.collect::<Result<Vec<_>>>()?;
+        if places.is_empty() {
+            return Err(points.error("no place is touched", "at least one [x, y]"));
+        }
+        return Ok(TouchPlaces::Points(places));
+    }
+    match table.get("where") {
+        None => Ok(TouchPlaces::Hot),
+        Some(value) => match value.string()? {
+            "hot" => Ok(TouchPlaces::Hot),
+            "any" => Ok(TouchPlaces::Any),
+            _ => Err(value.error(
+                "no such ground",
+                "\"hot\" or \"any\"; or points_m = [[x, y], ...] in place of it",
+            )),
+        },
+    }
+}
+
+fn read_impedances(value: &Value, keys: Keys) -> Result<Vec<Touching>> {
+    let read = |entry: &Value| -> Result<Touching> {
+        if entry.is_string() {
+            let known = Touching::named(entry.string()?);
+            return known.ok_or_else(|| entry.error("no such fingertip", IMPEDANCES));
+        }
+        let table = entry.table()?;
+        table.only_keys(keys, "touch.impedance")?;
+        let part = |key: &str| table.get(key).map_or(Ok(0.0), |value| value.not_negative());
+        let finger = Finger {
+            damping_n_s_per_m: part("c")?,
+            mass_kg: part("m")?,
+            stiffness_n_per_m: part("k")?,
+        };
+        if finger == Finger::of_mass(0.0) {
+            return Err(entry.error("a fingertip that is nothing", IMPEDANCES));
+        }
+        let name = format!("c = {}", finger.damping_n_s_per_m);
+        Ok(Touching { name, finger })
+    };
+    let mut all = value.list()?.iter().map(read).collect::<Result<Vec<_>>>()?;
+    if all.is_empty() {
+        return Err(value.error("no fingertip", IMPEDANCES));
+    }
+    let firmness = |touching: &Touching| touching.finger.damping_n_s_per_m;
+    all.sort_by(|a, b| firmness(a).total_cmp(&firmness(b)));
+    Ok(all)
+}
+
+impl Touching {
+    /// The fingertip of a name.
+    pub fn named(name: &str) -> Option<Self> {
+        let finger = match name {
+            "light" => Finger::LIGHT,
+            "mid" => Finger::MID,
+            "firm" => Finger::FIRM,
+            _ => return None,
+        };
+        let name = name.to_owned();
+        Some(Self { name, finger })
+    }
+}
