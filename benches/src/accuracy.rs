@@ -4,7 +4,7 @@
 use crate::cases::Case;
 use crate::countdown::Countdown;
 use crate::journal::Journal;
-use crate::knobs::{Setting, KNOBS, KNOB_CASES};
+use crate::knobs::{Knob, Setting, FAMILY, KNOBS, KNOB_CASES};
 use crate::mode_errors::{ModeErrors, Spread};
 use crate::problem::{Bounds, Problem};
 use crate::score::Score;
@@ -152,16 +152,16 @@ impl AccuracyOptions {
     fn variants(&self, case: &Case) -> Vec<Variant> {
         let mut variants: Vec<Variant> =
             self.methods.iter().map(|&method| (method, None)).collect();
-        if self.knobs && KNOB_CASES.contains(&case.name) {
-            let own = KNOBS
+        let turned = self.knobs && KNOB_CASES.contains(&case.name);
+        let knobs: &[Knob] = if turned { &KNOBS } else { &[] };
+        let own = std::iter::once(&FAMILY)
+            .chain(knobs)
+            .filter(|knob| self.methods.contains(&knob.method));
+        variants.extend(own.flat_map(|knob| {
+            knob.settings
                 .iter()
-                .filter(|knob| self.methods.contains(&knob.method));
-            variants.extend(own.flat_map(|knob| {
-                knob.settings
-                    .iter()
-                    .map(|&setting| (knob.method, Some(setting)))
-            }));
-        }
+                .map(|&setting| (knob.method, Some(setting)))
+        }));
         variants
     }
 

@@ -2,7 +2,7 @@
 //! is.
 
 use chladni_frf::{FrfSet, FrfValues};
-use chladni_rfp::{Effort, FitOptions, Method, ShapeModel};
+use chladni_rfp::{Effort, FitOptions, Method, RfpOptions, RfpWeight, ShapeModel};
 use num_complex::Complex32;
 use std::fmt;
 
@@ -23,6 +23,8 @@ pub enum Setting {
     ExtraPasses(usize),
     /// Steps to the maximum-likelihood poles.
     LikelihoodSteps(usize),
+    /// A form of rational fraction polynomials.
+    Fraction(RfpOptions),
 }
 
 impl fmt::Display for Setting {
@@ -35,6 +37,8 @@ impl fmt::Display for Setting {
             Self::PoolIterations(steps) => write!(f, "pool steps {steps}"),
             Self::ExtraPasses(passes) => write!(f, "extra passes {passes}"),
             Self::LikelihoodSteps(steps) => write!(f, "likelihood steps {steps}"),
+            Self::Fraction(RfpOptions { local: true, .. }) => f.write_str("local"),
+            Self::Fraction(rfp) => f.write_str(rfp.weight.as_str()),
         }
     }
 }
@@ -52,6 +56,32 @@ pub(crate) struct Knob {
 
 /// Cases on which knobs are turned.
 pub(crate) const KNOB_CASES: [&str; 2] = ["panel", "overlap-1"];
+
+/// Rational fraction polynomials of all FRFs, by what they are fitted by.
+const fn fraction(weight: RfpWeight) -> Setting {
+    Setting::Fraction(RfpOptions {
+        weight,
+        bands: None,
+        local: false,
+    })
+}
+
+/// Rational fraction polynomials from 1982 to here.
+pub(crate) const FAMILY: Knob = Knob {
+    method: Method::Rfp,
+    about: "each FRF by itself (1982), one denominator (1985), SK, Gauss-Newton, IV",
+    settings: &[
+        Setting::Fraction(RfpOptions {
+            weight: RfpWeight::Linear,
+            bands: None,
+            local: true,
+        }),
+        fraction(RfpWeight::Linear),
+        fraction(RfpWeight::Sk),
+        fraction(RfpWeight::Gn),
+    ],
+    as_it_is: 4.0,
+};
 
 /// The knobs that options of a fit give.
 pub(crate) const KNOBS: [Knob; 8] = [
@@ -177,6 +207,7 @@ impl Setting {
                 },
                 ..options
             },
+            Self::Fraction(rfp) => FitOptions { rfp, ..options },
             Self::Single => options,
         }
     }
@@ -215,6 +246,13 @@ mod tests {
             places.windows(2).all(|pair| pair[0] < pair[1]) && !places.contains(&order.as_it_is)
         );
         assert_eq!(order.position(Setting::Single), None);
+        let names: Vec<String> = FAMILY.settings.iter().map(Setting::to_string).collect();
+        assert_eq!(names, ["local", "linear", "sk", "gn"]);
+        let forms = FAMILY
+            .settings
+            .iter()
+            .map(|form| form.options(FitOptions::default(), 34).rfp);
+        assert!(forms.into_iter().all(|rfp| rfp != RfpOptions::default()));
         let turned = [
             Setting::SketchColumns(24),
             Setting::PoolIterations(2),

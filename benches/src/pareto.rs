@@ -3,7 +3,7 @@
 
 use crate::accuracy::AccuracyRow;
 use crate::cases::Case;
-use crate::knobs::{Knob, KNOBS};
+use crate::knobs::{Knob, FAMILY, KNOBS};
 use crate::peers::PeerRow;
 use crate::solver::Solver;
 use crate::statistics::root_mean_square;
@@ -220,7 +220,7 @@ fn figure(rows: &[&AccuracyRow], peers: &[PeerRow], knobs: bool) -> Option<Figur
     let curves = if knobs {
         curves(rows, &place)
     } else {
-        vec![Vec::new()]
+        vec![curve(rows, &place, &FAMILY).into_iter().collect()]
     };
     let structured = root_mean_square(
         rows[0]
@@ -283,33 +283,37 @@ fn curves(rows: &[&AccuracyRow], place: &dyn Fn(&AccuracyRow) -> Place) -> Vec<V
     });
     let of_method = |method: Method| {
         let knobs = KNOBS.iter().filter(|knob| knob.method == method);
-        let curve = |knob: &Knob| {
-            let mut points: Vec<(f64, Place)> = rows
-                .iter()
-                .filter(|row| row.method == knob.method)
-                .filter_map(|row| Some((knob.position(row.setting?)?, place(row))))
-                .collect();
-            let own = rows
-                .iter()
-                .find(|row| row.method == knob.method && row.setting.is_none());
-            points.extend(
-                own.filter(|_| !points.is_empty())
-                    .map(|row| (knob.as_it_is, place(row))),
-            );
-            points.sort_by(|a, b| a.0.total_cmp(&b.0));
-            let name = format!("{}: {}", knob.method, knob.about);
-            (points.len() > 1).then(|| Curve {
-                name,
-                points: points.into_iter().map(|(_, point)| point).collect(),
-            })
-        };
-        knobs.filter_map(curve).collect::<Vec<Curve>>()
+        knobs
+            .filter_map(|knob| curve(rows, place, knob))
+            .collect::<Vec<Curve>>()
     };
     methods
         .into_iter()
         .map(of_method)
         .filter(|curves| !curves.is_empty())
         .collect()
+}
+
+/// One knob turned; `None` where it was not.
+fn curve(
+    rows: &[&AccuracyRow],
+    place: &dyn Fn(&AccuracyRow) -> Place,
+    knob: &Knob,
+) -> Option<Curve> {
+    let own = || rows.iter().filter(|row| row.method == knob.method);
+    let mut points: Vec<(f64, Place)> = own()
+        .filter_map(|row| Some((knob.position(row.setting?)?, place(row))))
+        .collect();
+    if points.is_empty() {
+        return None;
+    }
+    let as_it_is = own().find(|row| row.setting.is_none());
+    points.extend(as_it_is.map(|row| (knob.as_it_is, place(row))));
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    (points.len() > 1).then(|| Curve {
+        name: format!("{}: {}", knob.method, knob.about),
+        points: points.into_iter().map(|(_, point)| point).collect(),
+    })
 }
 
 /// A Cramér-Rao bound.

@@ -87,6 +87,12 @@ def fit(frf, *, progress=None, **options):
         Window of the records that the FRFs were averaged from.
     exponential_window_per_s : float, optional
         Decay of a hammer test's window, 1/s: taken off the poles.
+    rfp_weight : {"iv", "linear", "sk", "gn"}, optional
+        What the polynomials of the methods ``"rfp"`` and ``"grfp"`` are fitted by.
+    rfp_bands : int, optional
+        Bands in which these look for poles; by the visible peaks without it.
+    rfp_local : bool
+        Their form of 1982: each FRF by itself.
     seed : int
         Of the random mixtures of FRFs.
     progress : bool or callable, optional

@@ -10,6 +10,7 @@ __version__: str
 FrfKind: TypeAlias = Literal["receptance", "mobility", "accelerance"]
 Unit: TypeAlias = Literal["N", "V"]
 DampingLaw: TypeAlias = Literal["structural", "viscous"]
+RfpWeight: TypeAlias = Literal["linear", "sk", "iv", "gn"]
 FitMethod: TypeAlias = Literal["auto", "lean", "vf", "lscf", "plscf", "aaa", "rfp", "grfp", "peak", "circle"]
 ShapeModel: TypeAlias = Literal["auto", "free", "rank1", "real"]
 Progress: TypeAlias = bool | Callable[[str], object] | None
@@ -232,6 +233,9 @@ def fit(
     shapes: ShapeModel = "auto",
     window: str | None = None,
     exponential_window_per_s: float | None = None,
+    rfp_weight: RfpWeight | None = None,
+    rfp_bands: int | None = None,
+    rfp_local: bool = False,
     seed: int = 0,
     progress: Progress = None,
 ) -> Model: ...

@@ -18,7 +18,7 @@ use chladni_console::Outcome;
 use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Source, Trust};
 use chladni_io::{frf_bytes, write_model, FrfParts};
 use chladni_report::better_band;
-use chladni_rfp::{CancelToken, FitOptions, Method, Window};
+use chladni_rfp::{CancelToken, FitOptions, Method, RfpOptions, RfpWeight, Window};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{json, Map, Value};
 use std::path::{Path, PathBuf};
@@ -71,10 +71,38 @@ pub struct Args {
     /// read part by part)
     #[arg(long, requires = "output")]
     resume: bool,
+    /// What the polynomials of rfp are fitted by: the equation error of 1985 (linear),
+    /// divided by the denominator of the step before (sk), and from there to the likeliest
+    /// poles by instrumental variables (iv) or Gauss-Newton steps (gn) [default: iv]
+    #[arg(long, value_name = "WEIGHT", value_parser = PossibleValuesParser::new(RfpWeight::ALL.map(RfpWeight::as_str))
+        .try_map(|name| name.parse::<RfpWeight>()))]
+    rfp_weight: Option<RfpWeight>,
+    /// Bands in which rfp looks for poles; auto: one for every eight visible peaks
+    /// [default: auto]
+    #[arg(long, value_name = "auto|N", value_parser = parse_bands, allow_negative_numbers = true)]
+    rfp_bands: Option<BandCount>,
+    /// The form of 1982 of rfp: each FRF by itself, linear, viscous damping; modes are the
+    /// poles that FRFs agree on
+    #[arg(long, conflicts_with_all = ["rfp_weight", "rfp_bands"])]
+    rfp_local: bool,
     #[command(flatten)]
     asked: AskedModel,
     #[command(flatten)]
     reading: Reading,
+}
+
+/// `--rfp-bands`: a number, or none for `auto`.
+#[derive(Debug, Clone, Copy)]
+struct BandCount(Option<usize>);
+
+fn parse_bands(text: &str) -> std::result::Result<BandCount, String> {
+    match text {
+        "auto" => Ok(BandCount(None)),
+        _ => match text.parse() {
+            Ok(count) if (1..=1000).contains(&count) => Ok(BandCount(Some(count))),
+            _ => Err("neither auto nor a number of bands from 1 to 1000".into()),
+        },
+    }
 }
 
 pub fn parse_band(text: &str) -> std::result::Result<[f64; 2], String> {
@@ -104,7 +132,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         .as_deref()
         .map(|path| Output::new(path, MODEL, &files, console))
         .transpose()?;
-    let mut options = args.fit_options();
+    let mut options = args.fit_options()?;
     if too_large(frf_bytes(&files)?, args.memory) {
         let (model, resume) = streamed(args, &files, &options, console)?;
         let outcome = written(args, model, output.as_ref(), console)?;
@@ -278,6 +306,19 @@ pub fn echo_of(options: &FitOptions) -> Map<String, Value> {
         options.damping.map_or("auto".into(), |law| json!(law)),
     );
     echo.insert("method".into(), options.method.as_str().into());
+    if options.method.is_fraction() {
+        let RfpOptions {
+            weight,
+            bands,
+            local,
+        } = options.rfp;
+        echo.insert("rfp_local".into(), local.into());
+        if !local {
+            echo.insert("rfp_weight".into(), weight.as_str().into());
+            let bands = bands.map_or("auto".into(), Value::from);
+            echo.insert("rfp_bands".into(), bands);
+        }
+    }
     echo.insert("shapes".into(), options.shapes.as_str().into());
     if let Some(window) = options.window {
         echo.insert("window".into(), window.as_str().into());
@@ -293,14 +334,40 @@ pub fn echo_of(options: &FitOptions) -> Map<String, Value> {
 }
 
 impl Args {
-    fn fit_options(&self) -> FitOptions {
-        FitOptions {
+    fn fit_options(&self) -> Result<FitOptions> {
+        Ok(FitOptions {
             band_hz: self.band,
             method: self.method,
             window: self.window,
             seed: self.seed,
+            rfp: self.rfp_options()?,
             ..self.asked.options()
+        })
+    }
+
+    /// The options of `rfp`, refused where another method would leave them unread.
+    fn rfp_options(&self) -> Result<RfpOptions> {
+        let given = [
+            (self.rfp_weight.is_some(), "--rfp-weight"),
+            (self.rfp_bands.is_some(), "--rfp-bands"),
+            (self.rfp_local, "--rfp-local"),
+        ];
+        let named = given.iter().find(|(given, _)| *given);
+        if let Some((_, flag)) = named.filter(|_| !self.method.is_fraction()) {
+            return Err(Error::new(
+                ErrorKind::Usage,
+                format!("{flag} is an option of the methods rfp and grfp alone"),
+            )
+            .field("--method")
+            .found(self.method.as_str())
+            .expected("rfp")
+            .help(format!("add --method rfp, or leave {flag} out")));
         }
+        Ok(RfpOptions {
+            weight: self.rfp_weight.unwrap_or_default(),
+            bands: self.rfp_bands.and_then(|count| count.0),
+            local: self.rfp_local,
+        })
     }
 }
 

@@ -19,7 +19,6 @@ use crate::methods::auto::{auto, Attempt, Fit};
 use crate::methods::bars::fit_by_method;
 use crate::methods::circle::circle;
 use crate::methods::found::Finder;
-use crate::methods::grfp::grfp;
 use crate::methods::lean::lean;
 use crate::methods::lscf::lscf;
 use crate::methods::peak::peak;
@@ -221,8 +220,7 @@ fn identify<S: Source>(
         Method::Lscf => by(lscf),
         Method::Plscf => by(plscf),
         Method::Aaa => by(aaa),
-        Method::Rfp => by(|survey, _, options| Ok(rfp(survey, options)?.into())),
-        Method::Grfp => by(|survey, _, options| Ok(grfp(survey, options)?.into())),
+        Method::Rfp | Method::Grfp => by(rfp),
         Method::Peak => by(peak),
         Method::Circle => by(circle),
     }

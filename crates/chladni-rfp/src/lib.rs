@@ -43,7 +43,7 @@ mod tolerances;
 mod validation;
 
 pub use data::error::FitError;
-pub use data::options::{Effort, FitOptions, Method, ShapeModel, Window};
+pub use data::options::{Effort, FitOptions, Method, RfpOptions, RfpWeight, ShapeModel, Window};
 pub use data::watch::CancelToken;
 pub use driver::{fit, fit_watched};
 pub use methods::auto::Fit;

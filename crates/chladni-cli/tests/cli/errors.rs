@@ -45,6 +45,10 @@ fit panel.h5 --modes 0|2|usage|--modes|found 0|auto
 fit panel.h5 --modes 500|65|bad_data|381 lines|500 modes
 fit panel.h5 --shapes ral|2|usage|--shapes|real, or another of
 fit panel.h5 --damping none|2|usage|--damping|none|viscous
+fit panel.h5 --rfp-weight iv|2|usage|--method|auto|--rfp-weight|--method rfp
+fit panel.h5 --method rfp --rfp-weight best|2|usage|--rfp-weight|best|linear
+fit panel.h5 --method rfp --rfp-bands 0|2|usage|--rfp-bands|found 0|auto
+fit panel.h5 --method rfp --rfp-local --rfp-bands 2|2|usage|--rfp-local|--rfp-bands
 fit panel.h5 --window hann|65|bad_data|--window|panel.h5|20|from 0 Hz
 fit panel.h5 --window flat|2|usage|--window|flat|rectangular
 fit panel.h5 --exponential-window 0|2|usage|--exponential-window|record length

@@ -188,6 +188,23 @@ fn the_options_of_reading_reach_the_result() {
 }
 
 #[test]
+fn the_form_of_the_polynomials_reaches_the_fit_and_its_result() {
+    let folder = Folder::with_panel();
+    let fitted = |flags: &str| folder.run(&format!("fit panel.h5 --method rfp {flags} --json"));
+    let model = fitted("--rfp-weight sk --rfp-bands 2").json();
+    assert_eq!(model["options"]["rfp_weight"], "sk");
+    assert_eq!(model["options"]["rfp_bands"], 2);
+    assert_eq!(model["options"]["rfp_local"], false);
+    let likeliest = fitted("").json();
+    assert_eq!(likeliest["options"]["rfp_weight"], "iv");
+    assert_eq!(likeliest["options"]["rfp_bands"], "auto");
+    let local = fitted("--rfp-local").json();
+    assert_eq!(local["options"]["rfp_local"], true);
+    let error = |model: &Value| model["quality"]["relative_error"].as_f64().unwrap();
+    assert!(error(&local) > error(&model) && error(&model) >= error(&likeliest));
+}
+
+#[test]
 fn modes_are_selected_by_hand_and_the_result_says_so() {
     let folder = Folder::with_panel();
     folder.run("fit panel.h5 -o model.json -q").exits(0);

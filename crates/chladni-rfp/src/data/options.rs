@@ -29,10 +29,10 @@ pub enum Method {
     Plscf,
     /// Set-valued adaptive Antoulas–Anderson in x = ω² (Lietaert et al. 2022).
     Aaa,
-    /// Rational fraction polynomials, Forsythe basis (Richardson & Formenti 1982), each
-    /// FRF by itself, per band.
+    /// Rational fraction polynomials, one denominator for all FRFs (Richardson & Formenti
+    /// 1985), reweighted to the likeliest poles. [`RfpOptions`] says how far.
     Rfp,
-    /// The same with one denominator for all FRFs (1985).
+    /// Another name of the same.
     Grfp,
     /// Peak picking with half-power bandwidths.
     Peak,
@@ -54,6 +54,10 @@ impl Method {
         Self::Peak,
         Self::Circle,
     ];
+    /// True of rational fraction polynomials, which [`RfpOptions`] are for.
+    pub fn is_fraction(self) -> bool {
+        matches!(self, Self::Rfp | Self::Grfp)
+    }
     /// Name on the command line and in result files.
     pub fn as_str(self) -> &'static str {
         match self {
@@ -96,6 +100,52 @@ fn named<T: Copy>(
         let names: Vec<&str> = all.iter().map(|&one| name(one)).collect();
         format!("`{text}` is no {kind}; write {}", names.join(", "))
     })
+}
+
+/// What the polynomials of `rfp` are fitted by; each does what those before it do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum RfpWeight {
+    /// The linear equation error of 1985.
+    Linear,
+    /// Reweighted by the denominator of the step before (Sanathanan & Koerner 1963).
+    Sk,
+    /// Instrumental-variable steps to the likeliest poles.
+    #[default]
+    Iv,
+    /// Gauss–Newton steps to the same.
+    Gn,
+}
+
+impl RfpWeight {
+    /// All, in the order of the documentation.
+    pub const ALL: [Self; 4] = [Self::Linear, Self::Sk, Self::Iv, Self::Gn];
+    /// Name on the command line and in result files.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Linear => "linear",
+            Self::Sk => "sk",
+            Self::Iv => "iv",
+            Self::Gn => "gn",
+        }
+    }
+}
+
+impl FromStr for RfpWeight {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        named(&Self::ALL, Self::as_str, text, "weight")
+    }
+}
+
+/// What `rfp` alone can be told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct RfpOptions {
+    /// What the polynomials are fitted by.
+    pub weight: RfpWeight,
+    /// Number of bands; `None`: by the peaks that show.
+    pub bands: Option<usize>,
+    /// The form of 1982: each FRF by itself, linear, viscous; poles by agreement.
+    pub local: bool,
 }
 
 /// What residues may be (several references, or real modes).
@@ -171,6 +221,8 @@ pub struct FitOptions {
     pub damping: Option<Damping>,
     /// Method.
     pub method: Method,
+    /// What `rfp` and `grfp` alone can be told.
+    pub rfp: RfpOptions,
     /// What shapes may be while poles are refined (`auto` only).
     pub shapes: ShapeModel,
     /// Window of the records that the FRFs were averaged from (random excitation);

@@ -6,6 +6,7 @@
 //! an efficient estimator at this residual, and the first steps of [`crate::refine`] from
 //! the method's poles, which are not taken.
 
+use crate::damping::columns::in_plane_of;
 use crate::damping::structural::POWERS;
 use crate::data::columns::Columns;
 use crate::data::error::FitError;
@@ -141,15 +142,22 @@ fn graded(
     found: &MethodPoles,
     damping: Damping,
 ) -> Result<(Vec<Pole>, f64), LinalgError> {
-    let work = &columns.work;
-    let lambda: Vec<Complex64> = found.poles.iter().map(|s| -s * s).collect();
+    let work = &columns.work.clone().in_law(damping);
+    let sketch = &survey.sketch.clone().in_law(damping);
+    let lambda: Vec<Complex64> = found
+        .poles
+        .iter()
+        .map(|s| match damping {
+            Damping::Structural => -s * s,
+            Damping::Viscous => in_plane_of(damping, -s * s).unwrap_or(-s * s),
+        })
+        .collect();
     let sse = Projection::new(work, &lambda, &POWERS)?.sse;
     let variance = columns.variance(survey.data, sse, lambda.len() + POWERS.len());
     let ahead = refine(work, &lambda, &POWERS, tol::STEPS_AHEAD, tol::ROUGH_STEP)?;
     let spread = spread(work, &ahead, &lambda, variance);
-    let rises = rises(&survey.sketch, &lambda)?;
-    let limit = threshold(survey.sketch.columns(), survey.sketch.lines())
-        * variance_left(&survey.sketch, &lambda)?;
+    let rises = rises(sketch, &lambda)?;
+    let limit = threshold(sketch.columns(), sketch.lines()) * variance_left(sketch, &lambda)?;
     let poles = (0..lambda.len())
         .map(|n| {
             let mut pole = match damping {

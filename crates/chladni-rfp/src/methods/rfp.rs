@@ -1,349 +1,555 @@
-//! Rational fraction polynomials, each FRF by itself, per band.
+//! Rational fraction polynomials with one denominator for all FRFs, to the likeliest
+//! poles.
 //!
-//! Every FRF is fitted with N(jω)/D(jω) in the measured kind ([`super::equation_error`]):
-//! mobility as mobility, accelerance as accelerance, with as many more numerator terms as
-//! the kind has powers of jω. Its roots are estimates of the poles as seen from one pair
-//! of points. A mode shows in many FRFs at the same place, a computational pole does not:
-//! poles of all FRFs are gathered into clusters no wider than half a half-bandwidth, one
-//! pole per FRF, and clusters that fewer than a third of the FRFs (or one of several)
-//! join are dropped. The pole is the median over its cluster, its standard deviation that
-//! of the median (normal scatter from the median absolute deviation). Clusters too small
-//! for a scatter take the linearised deviation of the single fits instead.
+//! The form of 1985 (one denominator, a numerator for each FRF) in polynomials orthogonal
+//! on the lines, on the compressed columns of all FRFs:
 //!
-//! Cost: one small least-squares problem per FRF and band; [`FRFS_USED`] FRFs at most.
+//! 1. bands by evidence ([`super::windows`]), more poles in each than it shows modes;
+//! 2. in each a linear fit and three with the weight 1/|a|² of the one before, the
+//!    polynomials made anew for each weight ([`super::sanathanan_koerner()`]);
+//! 3. poles that explain no more than noise would are taken out (theory.md, eq. 8);
+//! 4. one fraction for all that is left, three instrumental-variable steps
+//!    ([`super::instrumental`]), and the poles that fell out by then once more.
 //!
-//! When not to use it: as an estimate to report. The equation error is weighted by |D|²,
-//! so poles come out biased on noisy data and weak modes next to strong ones are missed.
-//! Measured here: of well-separated modes that all show, none is missed up to 34 modes at
-//! 40 dB, with errors of 1 to 2·10⁻⁴; but fewer spare pole pairs, or one band instead of
-//! several, and modes go. Errors are one standard deviation at 60 dB, 1.5 at 40 dB, and
-//! five at 20 dB: that is the bias. On the default panel of the simulator (25 modes of
-//! uneven strength in the band, 2618 FRFs) 7 of 25 are missed. A mode with a node at two
-//! thirds of the points is lost by rule. The method is here because published results
-//! were made with it, and because on a few well-separated modes of clean data it is fast
-//! and good.
+//! The result is that of maximum likelihood in the poles with free residues, without
+//! partial fractions on the way. In ω² for structural damping (one root a mode, complex
+//! coefficients), in s for viscous damping (real coefficients). The law not said is told
+//! by the turn of the residues, as in `auto`; where that tells nothing, structural.
 //!
-//! M. H. Richardson, D. L. Formenti, *Parameter estimation from frequency response
-//! measurements using rational fraction polynomials*, Proc. IMAC 1 (1982) 167–181.
+//! Cost: about twice that of [`super::lean()`]; the last steps dominate, 8·lines·modes²
+//! per column each.
+//!
+//! When not to use it: where `auto` or `lean` do, they are as exact and cheaper up to some
+//! forty modes, and `auto` alone knows what to do where the residual is not white.
+//! `--rfp-weight linear` is the form of 1985 as published, kept to show what it loses.
+//!
+//! M. H. Richardson, D. L. Formenti, *Global curve fitting of frequency response
+//! measurements using the rational fraction polynomial method*, Proc. IMAC 3 (1985).
 
+use crate::damping::structural::POWERS;
+use crate::damping::verdict::{verdict, Fitted};
+use crate::data::columns::Columns;
 use crate::data::error::FitError;
-use crate::data::options::FitOptions;
-use crate::data::screening::Screened;
-use crate::methods::bands::{in_hertz, Band, BandPlan};
-use crate::methods::classic::{health, BandLines};
-use crate::methods::clusters::{clusters, median, median_pole};
-use crate::methods::equation_error::{Denominator, Root};
-use crate::methods::found::ClassicPoles;
-use crate::methods::survey::Survey;
-use chladni_frf::Finding;
+use crate::data::options::{FitOptions, RfpWeight};
+use crate::methods::classic::negative_damping;
+use crate::methods::found::MethodPoles;
+use crate::methods::fraction::{damped, Lines};
+use crate::methods::instrumental::{improved, Steps};
+use crate::methods::local::local;
+use crate::methods::plane::Plane;
+use crate::methods::sanathanan_koerner::sanathanan_koerner;
+use crate::methods::selection::{fewer, inside, left_by};
+use crate::methods::survey::{Compressed, Survey};
+use crate::methods::windows::{order, windows, Window};
+use crate::poles::prune::{threshold, unphysical};
+use crate::poles::refine::{removable, Projection};
+use crate::poles::scan::usual_loss;
+use chladni_frf::{Damping, Finding};
+use chladni_linalg::LinalgError;
 use num_complex::Complex64;
-use rayon::prelude::*;
 
-/// Most FRFs fitted. The median over 200 is known to a tenth of the single scatter, and
-/// bias then dominates.
-const FRFS_USED: usize = 200;
-/// Radius of a cluster for poles sharper than the lines resolve, in line spacings.
-const CLUSTER_SPACINGS: f64 = 0.25;
-/// A cluster counts where at least one in this many FRFs joins it.
-const CLUSTER_SHARE: usize = 3;
-/// Members from which the scatter says more than the single fits.
-const SCATTER_MEMBERS: usize = 6;
+/// Reweighted fits after the linear one.
+const REWEIGHTED: usize = 3;
+/// Steps of the last fraction.
+const LAST_STEPS: usize = 3;
+/// Half-bandwidths beyond its core at which a band may still claim a pole.
+const CLAIM: f64 = 0.25;
+/// Half-bandwidths within which two poles of neighbouring bands are one.
+const TWINS: f64 = 0.5;
+/// Loss factor and bandwidth over their medians, both, from which a pole of the band
+/// serves the background.
+const BACKGROUND: f64 = 4.0;
+/// Variance of a residue over that of its pole alone beyond which the pole adds nothing.
+const MOST_INFLATION: f64 = 1e10;
+/// Leading coefficient of a denominator over the length of all, below which its roots
+/// lose digits.
+const LEAST_LEADING: f64 = 1e-3;
 
-/// Common poles by clustering those of each FRF.
-///
-/// * returns poles as viscous s/ω_max, upper half plane
+/// Common poles by orthogonal polynomials.
 ///
 /// # Errors
-/// [`FitError::Kernel`] where the bands cannot be set up; an FRF that cannot be fitted is
-/// left out, said in the warnings.
-pub(crate) fn rfp(survey: &Survey, options: &FitOptions) -> Result<ClassicPoles, FitError> {
-    let data = survey.data;
-    let plan = BandPlan::new(survey, options);
-    let mut found = ClassicPoles {
-        warnings: plan.warnings,
-        ..ClassicPoles::default()
-    };
-    let used = evenly(data.pairs.len(), FRFS_USED);
-    if used.len() < data.pairs.len() {
-        found.warnings.push(Finding::note(
-            "some-frfs-used",
-            format!(
-                "poles come from {} of {} FRFs, evenly chosen",
-                used.len(),
-                data.pairs.len()
-            ),
-        ));
+/// A decomposition that fails.
+pub(crate) fn rfp(
+    survey: &Survey,
+    columns: &Compressed,
+    options: &FitOptions,
+) -> Result<MethodPoles, FitError> {
+    if options.rfp.local {
+        return Ok(local(survey, options)?.into());
     }
-    let mut modes = Vec::new();
-    for band in &plan.bands {
-        let lines = BandLines::new(data, band)?;
-        let fits = fit_each(data, band, &lines, &used);
-        if fits.len() < used.len() {
-            let label = in_hertz(data, &band.rows);
-            found.warnings.push(Finding::caution(
-                "frfs-not-fitted",
-                format!(
-                    "{label}: {} of {} FRFs could not be fitted",
-                    used.len() - fits.len(),
-                    used.len()
-                ),
-            ));
-        }
-        let conditions: Vec<f64> = fits.iter().map(|fit| fit.condition).collect();
-        let roots: Vec<Root> = fits.iter().flat_map(|fit| fit.roots.clone()).collect();
-        found.warnings.extend(health(
-            &in_hertz(data, &band.rows),
-            &conditions,
-            &roots,
-            &lines,
-        ));
-        modes.extend(common(&fits, &lines));
+    let run = |law| Search::new(survey, columns, options, law).run();
+    let mut found = run(options.damping.unwrap_or(Damping::Structural))?;
+    if options.damping.is_none() && viscous(survey, columns, &found.poles)? {
+        found = run(Damping::Viscous)?;
     }
-    Ok(found.with_modes(modes, options.modes))
+    let mut warnings = Vec::new();
+    if 2 * found.turned > found.all {
+        warnings.push(negative_damping("", found.turned, found.all));
+    }
+    if found.leading < LEAST_LEADING {
+        warnings.push(ill_conditioned(found.leading));
+    }
+    warnings.extend(fewer(options, inside(&columns.work, &found.poles)));
+    let plane = Plane::new(found.law, &columns.work.x);
+    Ok(MethodPoles {
+        poles: found
+            .poles
+            .into_iter()
+            .map(|pole| plane.in_s(pole))
+            .collect(),
+        deviation: None,
+        law: found.law,
+        warnings,
+        how: match options.rfp.weight {
+            RfpWeight::Linear => "linear equation error in orthogonal polynomials",
+            RfpWeight::Sk => "reweighted equation error in orthogonal polynomials",
+            RfpWeight::Iv => "orthogonal polynomials, instrumental-variable steps",
+            RfpWeight::Gn => "orthogonal polynomials, Gauss-Newton steps",
+        },
+        stabilization: None,
+    })
 }
 
-fn fit_each(data: &Screened, band: &Band, lines: &BandLines, used: &[usize]) -> Vec<Denominator> {
-    // receptance·g back to the measured kind: its phase jᵖ, so that numerators are real
-    // polynomials in jω
-    let phase = data.kind.from_receptance(1.0);
-    used.par_iter()
-        .filter_map(|&l| {
-            lines
-                .equations
-                .solve(
-                    data.block(l..l + 1, band.rows.clone())
-                        .mapv(|v| v * phase)
-                        .view(),
-                )
-                .ok()
-        })
-        .collect()
+/// The finding where the order is higher than the polynomials tell.
+fn ill_conditioned(leading: f64) -> Finding {
+    Finding::caution(
+        "ill-conditioned",
+        format!(
+            "the leading coefficient of the denominator is {leading:.0e} of all: its roots lose \
+             digits"
+        ),
+    )
+    .value("leading_coefficient", leading)
+    .help("ask for fewer modes, or fit a narrower band")
 }
 
-/// `most` of 0..total, evenly spread.
-fn evenly(total: usize, most: usize) -> Vec<usize> {
-    let count = total.min(most);
-    (0..count)
-        .map(|i| (2 * i + 1) * total / (2 * count))
-        .collect()
-}
-
-/// Modes that at least a third of the FRFs share, best supported first.
-fn common(fits: &[Denominator], lines: &BandLines) -> Vec<Root> {
-    let physical: Vec<(usize, Root)> = fits
-        .iter()
-        .enumerate()
-        .flat_map(|(frf, fit)| {
-            fit.roots
-                .iter()
-                .filter(|root| lines.physical(root))
-                .map(move |&root| (frf, root))
-        })
-        .collect();
-    let poles: Vec<(usize, Complex64)> =
-        physical.iter().map(|&(frf, root)| (frf, root.s)).collect();
-    let enough =
-        |members: usize| CLUSTER_SHARE * members >= fits.len() && members >= fits.len().min(2);
-    clusters(&poles, CLUSTER_SPACINGS * lines.spacing, enough)
-        .into_iter()
-        .map(|members| {
-            summary(
-                &members
-                    .into_iter()
-                    .map(|i| physical[i].1)
-                    .collect::<Vec<_>>(),
-            )
-        })
-        .collect()
-}
-
-/// Median pole of a cluster and the standard deviation of that median.
-fn summary(roots: &[Root]) -> Root {
-    let quantities = |root: &Root| [root.s.norm(), -2.0 * root.s.re / root.s.norm()];
-    // standard deviation from the median absolute deviation, and of a median relative to
-    // that of a mean, normal scatter
-    let (from_mad, of_median) = (1.4826, 1.2533);
-    let shrink = |members: usize| {
-        if members > 2 {
-            of_median / (members as f64).sqrt()
-        } else {
-            1.0 / (members as f64).sqrt()
-        }
+/// True where the residues of structural poles have turned as those of viscous ones do.
+fn viscous(
+    survey: &Survey,
+    columns: &Compressed,
+    poles: &[Complex64],
+) -> Result<bool, LinalgError> {
+    if poles.is_empty() {
+        return Ok(false);
+    }
+    let work = &columns.work;
+    let projection = Projection::new(work, poles, &POWERS)?;
+    let unknowns = poles.len() + POWERS.len();
+    let fitted = Fitted {
+        lambda: poles,
+        powers: &POWERS,
+        coefficients: &projection.coefficients()?,
+        variance: columns.variance(survey.data, projection.sse, unknowns),
+        frfs: survey.data.pairs.len(),
     };
-    let deviation = [0, 1].map(|q| {
-        let single = if roots.len() >= SCATTER_MEMBERS {
-            let middle = median(roots.iter().map(|r| quantities(r)[q]));
-            from_mad * median(roots.iter().map(|r| (quantities(r)[q] - middle).abs()))
-        } else {
-            median(roots.iter().map(|r| r.deviation[q]))
+    let verdict = verdict(work, &fitted)?;
+    Ok(verdict.law() == Some(Damping::Viscous))
+}
+
+/// Noise variance of one value; 0 where only the residual tells it.
+fn noise_of(survey: &Survey, columns: &Compressed) -> f64 {
+    let (lines, frfs) = (survey.data.lines.len(), survey.data.pairs.len());
+    match frfs.saturating_sub(columns.work.columns()) {
+        0 => 0.0,
+        beyond => columns.outside / (lines * beyond) as f64,
+    }
+}
+
+/// Poles λ in the plane of a law.
+struct Found {
+    law: Damping,
+    poles: Vec<Complex64>,
+    /// Roots in the band that turned the wrong way, of how many.
+    turned: usize,
+    all: usize,
+    /// Leading coefficient of the last fraction over the length of all.
+    leading: f64,
+}
+
+/// The search in one law.
+struct Search<'a> {
+    survey: &'a Survey<'a>,
+    options: &'a FitOptions,
+    law: Damping,
+    work: Columns,
+    /// Noise variance of one value; 0: only the residual tells it.
+    noise: f64,
+    /// Weight of noise in the compressed columns: the data chose their directions, those
+    /// with most noise too.
+    chosen: f64,
+}
+
+impl<'a> Search<'a> {
+    fn new(
+        survey: &'a Survey,
+        columns: &Compressed,
+        options: &'a FitOptions,
+        law: Damping,
+    ) -> Self {
+        let (lines, frfs) = (
+            survey.data.lines.len() as f64,
+            survey.data.pairs.len() as f64,
+        );
+        Self {
+            survey,
+            options,
+            law,
+            work: columns.work.clone().in_law(law),
+            noise: noise_of(survey, columns),
+            chosen: (1.0 + (frfs / (2.0 * lines)).sqrt()).powi(2),
+        }
+    }
+
+    /// All steps.
+    fn run(&self) -> Result<Found, LinalgError> {
+        let work = &self.work;
+        let mut found = Found {
+            law: self.law,
+            poles: Vec::new(),
+            turned: 0,
+            all: 0,
+            leading: 1.0,
         };
-        single * shrink(roots.len())
-    });
-    Root {
-        s: median_pole(roots.iter().map(|root| root.s)),
-        deviation,
+        let windows = windows(
+            &self.survey.peaks,
+            &self.survey.energy,
+            self.options.rfp.bands,
+        );
+        for window in &windows {
+            self.search(window, windows.len(), &mut found)?;
+        }
+        found.poles = without_twins(found.poles);
+        match self.options.modes {
+            None => {
+                self.thin(work, &mut found.poles)?;
+                drop_background(work, &mut found.poles, 0);
+            }
+            Some(asked) => {
+                drop_background(work, &mut found.poles, asked);
+                self.thin(work, &mut found.poles)?;
+            }
+        }
+        let steps = match self.options.rfp.weight {
+            RfpWeight::Linear | RfpWeight::Sk => None,
+            RfpWeight::Iv => Some(Steps::Instrumental),
+            RfpWeight::Gn => Some(Steps::GaussNewton),
+        };
+        if let Some(steps) = steps {
+            let helpers: Vec<Complex64> = helpers(work, &found.poles).collect();
+            found.poles.extend(helpers);
+            self.thin(work, &mut found.poles)?;
+            let lines = Lines::new(Plane::new(self.law, &work.x), work);
+            let mut before = usize::MAX;
+            while found.poles.len() < before && !found.poles.is_empty() {
+                before = found.poles.len();
+                let improved = improved(&lines, &found.poles, steps, LAST_STEPS)?;
+                (found.poles, found.leading) = (improved.lambda, improved.leading);
+                self.thin(work, &mut found.poles)?;
+            }
+        }
+        Ok(found)
     }
+
+    /// Poles of one band.
+    fn search(&self, window: &Window, bands: usize, found: &mut Found) -> Result<(), LinalgError> {
+        let whole = &self.work;
+        let work = whole.rows(window.rows.clone());
+        let peaks = &self.survey.peaks;
+        let visible = peaks
+            .iter()
+            .filter(|p| window.rows.contains(&p.row))
+            .count();
+        let asked = self.options.modes.map(|modes| modes.div_ceil(bands));
+        let order = order(&work, visible, asked)?;
+        let lines = Lines::new(Plane::new(self.law, &work.x), &work);
+        let steps = match self.options.rfp.weight {
+            RfpWeight::Linear => 0,
+            _ => REWEIGHTED,
+        };
+        let roots = sanathanan_koerner(&lines, order, steps)?;
+        let (stable, turned): (Vec<Complex64>, Vec<Complex64>) =
+            roots.iter().partition(|root| root.im > 0.0);
+        let mut poles = lines.plane.poles(&stable);
+        let wrong = inside(&work, &lines.plane.poles(&damped(&turned)));
+        found.turned += wrong;
+        found.all += wrong + inside(&work, &poles);
+        self.thin(&work, &mut poles)?;
+        if self.options.modes.is_none() {
+            drop_background(&work, &mut poles, 0);
+        }
+        let last = whole.lines();
+        found.poles.extend(poles.into_iter().filter(|pole| {
+            let claim = CLAIM * pole.im;
+            (window.core.start == 0 || pole.re + claim >= whole.x[window.core.start])
+                && (window.core.end == last || pole.re - claim < whole.x[window.core.end])
+        }));
+        Ok(())
+    }
+
+    /// Takes out what `work` does not tell from noise, down to the modes asked for.
+    fn thin(&self, work: &Columns, poles: &mut Vec<Complex64>) -> Result<(), LinalgError> {
+        poles.retain(|pole| !unphysical(work, *pole));
+        if poles.is_empty() {
+            return Ok(());
+        }
+        let whole = work.lines() == self.work.lines();
+        let asked = self.options.modes;
+        let all = removable(work, poles, &POWERS)?;
+        let variance = (self.chosen * self.noise).max(left_by(work, all.sse, all.alone.len()));
+        let limit = threshold(work.columns(), work.lines()) * variance;
+        *poles = all.thin_out(poles, |kept, q, rise, inflation| {
+            let within = kept.iter().filter(|&&k| work.in_band(poles[k])).count();
+            match (work.in_band(poles[q]), asked) {
+                _ if inflation > MOST_INFLATION => true,
+                (true, Some(asked)) => whole && within > asked,
+                _ => rise < limit,
+            }
+        });
+        Ok(())
+    }
+}
+
+/// Poles without those that two bands found.
+fn without_twins(poles: Vec<Complex64>) -> Vec<Complex64> {
+    let mut kept: Vec<Complex64> = Vec::new();
+    for pole in poles {
+        let twin = |other: &Complex64| (other - pole).norm() < TWINS * other.im.min(pole.im);
+        if !kept.iter().any(twin) {
+            kept.push(pole);
+        }
+    }
+    kept
+}
+
+/// Drops poles of the band that are broad in bandwidth and in loss factor, unless fewer
+/// than `least` would be left there.
+fn drop_background(work: &Columns, poles: &mut Vec<Complex64>, least: usize) {
+    let median = |measure: &dyn Fn(&Complex64) -> f64| {
+        let mut values: Vec<f64> = poles
+            .iter()
+            .filter(|pole| work.in_band(**pole))
+            .map(measure)
+            .collect();
+        values.sort_by(f64::total_cmp);
+        values
+            .get(values.len() / 2)
+            .copied()
+            .unwrap_or(f64::INFINITY)
+    };
+    let loss = |pole: &Complex64| pole.im / pole.re;
+    let width = |pole: &Complex64| pole.im / pole.re.abs().sqrt();
+    let (most_loss, most_width) = (BACKGROUND * median(&loss), BACKGROUND * median(&width));
+    let narrow = |pole: &Complex64| {
+        !work.in_band(*pole) || loss(pole) < most_loss || width(pole) < most_width
+    };
+    let kept: Vec<Complex64> = poles.iter().copied().filter(narrow).collect();
+    if inside(work, &kept) >= least {
+        *poles = kept;
+    }
+}
+
+/// A pole beyond each end, two mean distances of modes away: what lies there may need one
+/// more than the bands found.
+fn helpers<'a>(work: &'a Columns, poles: &'a [Complex64]) -> impl Iterator<Item = Complex64> + 'a {
+    let (low, high) = work.range();
+    let reach = 2.0 * (high - low) / poles.len().max(1) as f64;
+    let loss = usual_loss(work, poles);
+    let taken = move |x: f64| poles.iter().any(|pole| (pole.re - x).abs() < 0.5 * reach);
+    [low - reach, high + reach]
+        .into_iter()
+        .filter(move |x| *x > 0.0 && !taken(*x))
+        .map(move |x| Complex64::new(1.0, loss) * x)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::methods::synthetic::{run, Structure};
-    use chladni_frf::FrfKind;
+    use crate::data::options::RfpOptions;
+    use crate::data::screening::Screened;
+    use crate::methods::synthetic::even;
+    use chladni_frf::Mode;
+    use chladni_plate::{cramer_rao, simulate, Panel, Synthetic, SyntheticSet};
+    use ndarray::Array1;
 
-    fn says(found: &ClassicPoles, words: &str) -> bool {
-        found.warnings.iter().any(|warning| warning.contains(words))
+    /// The abstract panel: 34 modes, three pairs closer than their bandwidth. The lowest is
+    /// twice as broad: what is narrower than a fifth of the line spacing counts as a spike.
+    fn abstract_panel(snr_db: f64, seed: u64) -> SyntheticSet {
+        let mut natural: Vec<f64> = (0..31)
+            .map(|n| 14.0 + 22.7 * f64::from(n) + 4.0 * (1.7 * f64::from(n)).sin())
+            .collect();
+        for n in [6, 15, 25] {
+            natural.push(natural[n] * 1.006);
+        }
+        let mut loss_factor = vec![0.01; natural.len()];
+        loss_factor[0] = 0.02;
+        Synthetic {
+            natural_frequency_hz: natural,
+            loss_factor,
+            responses: 77,
+            references: 34,
+            frequency_hz: Array1::linspace(10.0, 700.0, 1601),
+            residual_powers: vec![-2, 0],
+            residual_level: 0.02,
+            snr_db,
+            seed,
+            ..Synthetic::default()
+        }
+        .build()
+        .unwrap()
     }
 
-    #[test]
-    fn poles_without_noise_are_exact_in_every_kind() {
-        for kind in [FrfKind::Receptance, FrfKind::Mobility, FrfKind::Accelerance] {
-            let structure = Structure {
-                kind,
-                ..Structure::four_modes()
-            };
-            for modes in [None, Some(4)] {
-                let found = run(rfp, &structure.frf(1), modes);
-                assert_eq!(found.poles.len(), 4, "{kind}: {found:?}");
-                let worst = structure.worst(&found);
-                assert!(worst < 1e-8, "{kind}: {worst:e}");
-            }
+    /// The glass panel of the bench: 34 modes from 10 to 700 Hz, one at 702 Hz.
+    fn glass_panel(snr_db: f64, seed: u64) -> SyntheticSet {
+        let mut panel = Panel::default();
+        panel.plate.thickness_m = 0.000_376_03;
+        (panel.frf.start_hz, panel.frf.stop_hz, panel.frf.step_hz) = (10.0, 700.0, 690.0 / 1600.0);
+        (panel.frf.snr_db, panel.frf.seed) = (snr_db, seed);
+        let simulated = simulate(&panel, None, None).unwrap();
+        SyntheticSet {
+            frf: simulated.frf,
+            truth: simulated.truth,
+            noise_variance: simulated.noise_variance,
         }
     }
 
-    #[test]
-    fn frequencies_at_60_db() {
-        let structure = Structure {
-            snr_db: Some(60.0),
-            ..Structure::four_modes()
+    /// Errors of natural frequencies over their bound, root mean square over the seeds:
+    /// median and worst mode; modes missed and poles that are none, over all seeds.
+    #[derive(Debug)]
+    struct Judged {
+        median: f64,
+        worst: f64,
+        missed: usize,
+        spurious: usize,
+    }
+
+    /// Error over the bound of each mode in the band, if found, and spurious poles.
+    fn errors(set: &SyntheticSet, options: &FitOptions) -> (Vec<Option<f64>>, usize) {
+        let data = Screened::new(&set.frf, options).unwrap();
+        let survey = Survey::new(&data, options.seed);
+        let columns = survey.compress().unwrap();
+        let found = rfp(&survey, &columns, options).unwrap();
+        let mut hz: Vec<f64> = found
+            .poles
+            .iter()
+            .map(|s| match found.law {
+                Damping::Structural => (-s * s).re.max(0.0).sqrt(),
+                Damping::Viscous => s.norm(),
+            })
+            .map(|omega| omega * data.hz())
+            .collect();
+        let powers = [-2, 0, 2, 4];
+        let bound = cramer_rao(
+            &set.truth,
+            &set.frf.frequency_hz,
+            set.noise_variance,
+            &powers,
+        )
+        .unwrap();
+        let of_mode = |(mode, std): (&Mode, &f64)| {
+            let off = |f: &f64| (f - mode.frequency_hz).abs();
+            let nearest = (0..hz.len()).min_by(|&a, &b| off(&hz[a]).total_cmp(&off(&hz[b])))?;
+            let half_bandwidth = 0.5 * mode.loss_factor * mode.frequency_hz;
+            let off = off(&hz[nearest]);
+            (off < half_bandwidth).then(|| {
+                hz.remove(nearest);
+                off / std
+            })
         };
-        for modes in [None, Some(4)] {
-            let found = run(rfp, &structure.frf(2), modes);
-            assert_eq!(found.poles.len(), 4);
-            assert!(structure.worst(&found) < 1e-4);
-            assert!(found.warnings.is_empty(), "{:?}", found.warnings);
+        let errors = set
+            .truth
+            .in_band_modes()
+            .zip(&bound.frequency_std_hz)
+            .map(of_mode)
+            .collect();
+        let [low, high] = data.band_hz;
+        let spurious = hz.iter().filter(|f| (low..=high).contains(*f)).count();
+        (errors, spurious)
+    }
+
+    fn judged(make: &dyn Fn(u64) -> SyntheticSet, seeds: u64, options: &FitOptions) -> Judged {
+        let fits: Vec<_> = (1..=seeds)
+            .map(|seed| errors(&make(seed), options))
+            .collect();
+        let mut rms: Vec<f64> = (0..fits[0].0.len())
+            .map(|mode| {
+                let found: Vec<f64> = fits.iter().filter_map(|(errors, _)| errors[mode]).collect();
+                (found.iter().map(|e| e * e).sum::<f64>() / found.len() as f64).sqrt()
+            })
+            .collect();
+        rms.sort_by(f64::total_cmp);
+        Judged {
+            median: rms[rms.len() / 2],
+            worst: rms[rms.len() - 1],
+            missed: fits
+                .iter()
+                .flat_map(|(e, _)| e)
+                .filter(|e| e.is_none())
+                .count(),
+            spurious: fits.iter().map(|(_, spurious)| spurious).sum(),
         }
     }
 
-    #[test]
-    fn one_frf_is_enough() {
-        let structure = Structure {
-            responses: 1,
-            snr_db: Some(60.0),
-            ..Structure::four_modes()
-        };
-        let found = run(rfp, &structure.frf(3), None);
-        assert_eq!(found.poles.len(), 4);
-        assert!(structure.worst(&found) < 1e-4);
-    }
-
-    #[test]
-    fn deviation_is_the_size_of_the_error_where_bias_is_small() {
-        for responses in [1, 3, 24] {
-            let structure = Structure {
-                responses,
-                snr_db: Some(60.0),
-                ..Structure::four_modes()
-            };
-            let mut squares = [0.0; 2];
-            let seeds = 20;
-            for seed in 0..seeds {
-                let found = run(rfp, &structure.frf(seed), None);
-                assert_eq!(found.poles.len(), 4);
-                for ((pole, sigma), truth) in found
-                    .poles
-                    .iter()
-                    .zip(&found.deviation)
-                    .zip(structure.scaled_poles())
-                {
-                    let eta = |s: Complex64| -2.0 * s.re / s.norm();
-                    squares[0] += ((pole.norm() - truth.norm()) / sigma[0]).powi(2);
-                    squares[1] += ((eta(*pole) - eta(truth)) / sigma[1]).powi(2);
-                }
-            }
-            for sum in squares {
-                let ratio = (sum / (4 * seeds) as f64).sqrt();
-                assert!((0.6..1.6).contains(&ratio), "{responses} FRFs: {ratio}");
-            }
+    fn with(weight: RfpWeight) -> FitOptions {
+        FitOptions {
+            rfp: RfpOptions {
+                weight,
+                ..RfpOptions::default()
+            },
+            ..FitOptions::default()
         }
     }
 
-    #[test]
-    fn twenty_modes_are_found_band_by_band() {
-        let structure = Structure {
-            snr_db: Some(60.0),
-            responses: 12,
-            ..Structure::even_modes(20)
-        };
-        let found = run(rfp, &structure.frf(4), None);
-        assert_eq!(found.poles.len(), 20);
-        assert!(structure.worst(&found) < 1e-4);
+    /// No mode missed, none spurious, errors within these bounds.
+    fn assert_exact(name: &str, outcome: &Judged, median: f64, worst: f64) {
+        println!("{name}: {outcome:?}");
+        assert_eq!((outcome.missed, outcome.spurious), (0, 0), "{name}");
+        assert!(outcome.median < median, "{name}: {outcome:?}");
+        assert!(outcome.worst < worst, "{name}: {outcome:?}");
     }
 
     #[test]
-    fn a_subset_of_many_frfs_is_said() {
-        let structure = Structure {
-            responses: 230,
-            lines: 120,
-            snr_db: Some(60.0),
-            ..Structure::four_modes()
-        };
-        let found = run(rfp, &structure.frf(5), None);
-        assert!(says(&found, "200 of 230 FRFs"), "{:?}", found.warnings);
-        assert_eq!(evenly(7, 3), [1, 3, 5]);
-        assert_eq!(evenly(3, 200), [0, 1, 2]);
-    }
-
-    #[test]
-    fn the_other_time_sign_is_said() {
-        let mut frf = Structure {
-            snr_db: Some(60.0),
-            ..Structure::four_modes()
+    fn panels_lose_no_mode() {
+        for weight in [RfpWeight::Iv, RfpWeight::Gn] {
+            // one error of 34 is beyond 3.5 standard deviations once in 60 panels
+            let outcome = judged(&|seed| abstract_panel(40.0, seed), 1, &with(weight));
+            assert_exact("abstract", &outcome, 1.1, 3.5);
         }
-        .frf(6);
-        frf.conjugate();
-        let found = run(rfp, &frf, None);
-        assert!(found.poles.is_empty(), "{found:?}");
-        assert!(says(&found, "negative damping"), "{:?}", found.warnings);
+        let outcome = judged(&|seed| glass_panel(20.0, seed), 1, &with(RfpWeight::Iv));
+        assert_exact("glass", &outcome, 1.1, 3.5);
     }
 
     #[test]
-    fn an_order_beyond_the_method_is_said() {
-        let structure = Structure {
-            snr_db: Some(60.0),
-            ..Structure::four_modes()
-        };
-        let found = run(rfp, &structure.frf(7), Some(15));
+    fn each_weight_does_better_than_the_one_before() {
+        let [linear, sk, iv] = [RfpWeight::Linear, RfpWeight::Sk, RfpWeight::Iv].map(|weight| {
+            judged(
+                &|seed| even(12, 40.0, Damping::Structural, seed),
+                4,
+                &with(weight),
+            )
+        });
         assert!(
-            says(&found, "more than this method holds"),
-            "{:?}",
-            found.warnings
+            linear.median > sk.median && sk.worst > iv.worst,
+            "{linear:?} {sk:?} {iv:?}"
         );
-        assert!(says(&found, "15 modes asked for") || found.poles.len() == 15);
     }
 
     #[test]
-    fn poles_that_no_two_frfs_share_are_dropped() {
-        let lines = Structure::four_modes().lines();
-        let root = |re: f64, im: f64| Root {
-            s: Complex64::new(re, im),
-            deviation: [1e-4, 1e-4],
-        };
-        let fit = |roots: Vec<Root>| Denominator {
-            roots,
-            condition: 1.0,
-        };
-        let fits = [
-            fit(vec![root(-0.01, 0.501), root(-0.01, 0.7)]),
-            fit(vec![root(-0.011, 0.5), root(-0.01, 0.8)]),
-            fit(vec![
-                root(-0.012, 0.502),
-                root(-0.01, 0.6),
-                root(-0.01, 0.5045),
-            ]),
-        ];
-        let modes = common(&fits, &lines);
-        assert_eq!(modes.len(), 1, "{modes:?}");
-        assert!((modes[0].s - Complex64::new(-0.011, 0.501)).norm() < 1e-12);
+    fn viscous_damping_is_found_by_itself() {
+        let make = |seed| even(12, 40.0, Damping::Viscous, seed);
+        assert_exact("viscous", &judged(&make, 4, &with(RfpWeight::Iv)), 1.2, 2.5);
+    }
+
+    #[test]
+    #[ignore = "minutes; the figures of docs/accuracy.md"]
+    fn six_seeds_of_the_hard_cases() {
+        let iv = with(RfpWeight::Iv);
+        for snr_db in [40.0, 20.0] {
+            let outcome = judged(&|seed| abstract_panel(snr_db, seed), 6, &iv);
+            assert_exact(&format!("abstract, {snr_db} dB"), &outcome, 1.1, 2.0);
+            let outcome = judged(&|seed| glass_panel(snr_db, seed), 6, &iv);
+            assert_exact(&format!("glass, {snr_db} dB"), &outcome, 1.1, 3.0);
+        }
+        let hundred = |seed| even(100, 60.0, Damping::Structural, seed);
+        assert_exact("100 modes", &judged(&hundred, 6, &iv), 1.1, 2.0);
     }
 }

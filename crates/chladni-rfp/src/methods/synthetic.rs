@@ -7,7 +7,8 @@ use crate::methods::bands::Band;
 use crate::methods::classic::BandLines;
 use crate::methods::found::ClassicPoles;
 use crate::methods::survey::Survey;
-use chladni_frf::{FrfKind, FrfSet, FrfValues, Geometry, ReferenceUnit};
+use chladni_frf::{Damping, FrfKind, FrfSet, FrfValues, Geometry, ReferenceUnit};
+use chladni_plate::{Synthetic, SyntheticSet};
 use ndarray::{Array1, Array3};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -138,6 +139,25 @@ impl Structure {
             geometry: Geometry::default(),
         }
     }
+}
+
+/// So many structural or viscous modes every 10 Hz, 1 Hz wide, 12 FRFs.
+pub(crate) fn even(modes: usize, snr_db: f64, damping: Damping, seed: u64) -> SyntheticSet {
+    let natural: Vec<f64> = (0..modes).map(|n| 20.0 + 10.0 * n as f64).collect();
+    let top = 25.0 + 10.0 * modes as f64;
+    Synthetic {
+        loss_factor: natural.iter().map(|f| 1.0 / f).collect(),
+        natural_frequency_hz: natural,
+        responses: 6,
+        references: 2,
+        frequency_hz: Array1::linspace(10.0, top, 64 * modes + 1),
+        snr_db,
+        seed,
+        damping,
+        ..Synthetic::default()
+    }
+    .build()
+    .unwrap()
 }
 
 /// Runs a classic method with default options but for the number of modes.

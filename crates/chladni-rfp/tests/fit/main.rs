@@ -8,6 +8,7 @@ mod limits;
 mod measured;
 mod measured_faults;
 mod noise_only;
+mod number_of_modes;
 mod pieces;
 mod simulated_in_time;
 mod structure;

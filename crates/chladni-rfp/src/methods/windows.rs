@@ -1,0 +1,134 @@
+//! Bands by evidence: where the lines are cut, and how many poles each part is given.
+//!
+//! A band for every eight visible peaks, its border at the deepest valley of the energy
+//! near an equal share of them. Each is fitted with lines of its neighbours on both sides,
+//! so that no mode stands at the end of its data. The order is the larger of what the
+//! singular values of these lines say and of the peaks seen, and some more that take up
+//! noise and neighbours.
+
+use crate::data::columns::Columns;
+use crate::data::peaks::Peak;
+use crate::poles::start::visible_rank;
+use chladni_linalg::LinalgError;
+use ndarray::Array1;
+use std::ops::Range;
+
+/// Visible peaks per band. With the spare poles |a| then spans six decades.
+const PEAKS_PER_BAND: usize = 8;
+/// Lines of its neighbours on each side, over the width of a band.
+const OVERLAP: f64 = 0.15;
+/// Poles beyond the visible ones.
+const SPARE_POLES: usize = 6;
+/// Peaks that a border may stand off an equal share of them, in shares.
+const LEEWAY: f64 = 0.35;
+/// Lines beyond twice the order that a fraction needs.
+const LEAST_LINES: usize = 8;
+
+/// One band.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Window {
+    /// Rows whose modes are taken from this band.
+    pub core: Range<usize>,
+    /// Rows that are fitted.
+    pub rows: Range<usize>,
+}
+
+/// `count` bands, or as many as the `peaks` ask for.
+pub(crate) fn windows(peaks: &[Peak], energy: &Array1<f64>, count: Option<usize>) -> Vec<Window> {
+    let lines = energy.len();
+    let mut rows: Vec<usize> = peaks.iter().map(|peak| peak.row).collect();
+    rows.sort_unstable();
+    let most = (lines / (2 * LEAST_LINES)).clamp(1, rows.len().max(1));
+    let count = count
+        .unwrap_or(rows.len().div_ceil(PEAKS_PER_BAND))
+        .clamp(1, most);
+    let mut borders = vec![0];
+    borders.extend((1..count).filter_map(|cut| valley(&rows, energy, cut, count)));
+    borders.push(lines);
+    borders.dedup();
+    borders
+        .windows(2)
+        .map(|ends| {
+            let reach = (OVERLAP * (ends[1] - ends[0]) as f64).ceil() as usize;
+            Window {
+                core: ends[0]..ends[1],
+                rows: ends[0].saturating_sub(reach)..(ends[1] + reach).min(lines),
+            }
+        })
+        .collect()
+}
+
+/// The row of least energy around the place where `cut` of `count` shares of the peaks
+/// end, between two of them.
+fn valley(peaks: &[usize], energy: &Array1<f64>, cut: usize, count: usize) -> Option<usize> {
+    let share = peaks.len() as f64 / count as f64;
+    let middle = share * cut as f64;
+    let left_of_it = middle.round().clamp(1.0, (peaks.len() - 1) as f64);
+    // fewest and most peaks left of the border
+    let fewest = (middle - LEEWAY * share).ceil().clamp(1.0, left_of_it) as usize;
+    let most = (middle + LEEWAY * share).floor().max(left_of_it) as usize;
+    let (first, last) = (fewest - 1, most.min(peaks.len() - 1));
+    (peaks[first] + 1..peaks[last]).min_by(|&a, &b| energy[a].total_cmp(&energy[b]))
+}
+
+/// Poles for the lines of one band, of which `peaks` show and `asked` are wanted.
+///
+/// # Errors
+/// A decomposition that fails.
+pub(crate) fn order(
+    window: &Columns,
+    peaks: usize,
+    asked: Option<usize>,
+) -> Result<usize, LinalgError> {
+    let seen = match visible_rank(window)? {
+        (rank, true) => rank.max(peaks),
+        // too few columns to see the noise: their number bounds no order
+        (rank, false) => peaks.max(rank.min(2 * peaks)),
+    };
+    let order = seen.max(asked.unwrap_or(0)) + SPARE_POLES;
+    Ok(order
+        .min(window.lines().saturating_sub(LEAST_LINES) / 2)
+        .max(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use num_complex::Complex64;
+
+    fn at(rows: &[usize]) -> Vec<Peak> {
+        let lambda = Complex64::new(0.5, 0.01);
+        rows.iter()
+            .map(|&row| Peak {
+                row,
+                prominence_db: 20.0,
+                over_noise_db: 40.0,
+                level_db: 0.0,
+                lambda,
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_crowded_band_is_cut_at_its_deepest_valley() {
+        let rows: Vec<usize> = (0..10).map(|n| 10 + 20 * n).collect();
+        let mut energy =
+            Array1::from_shape_fn(220, |k| if rows.contains(&k) { 100.0 } else { 10.0 });
+        energy[21] = 0.001; // deeper still, but far from an equal share
+        energy[121] = 1.0;
+        let found = windows(&at(&rows), &energy, None);
+        assert_eq!(found.len(), 2);
+        assert_eq!([&found[0].core, &found[1].core], [&(0..121), &(121..220)]);
+        assert!(found[0].rows.end > 121 && found[1].rows.start < 121);
+    }
+
+    #[test]
+    fn as_many_bands_as_asked_for_but_no_more_than_lines_carry() {
+        let rows: Vec<usize> = (0..10).map(|n| 10 + 20 * n).collect();
+        let energy = Array1::from_shape_fn(220, |k| 1.0 + (k % 20) as f64);
+        for (asked, count) in [(1, 1), (4, 4), (1000, 10)] {
+            assert_eq!(windows(&at(&rows), &energy, Some(asked)).len(), count);
+        }
+        assert_eq!(windows(&[], &energy, None).len(), 1);
+    }
+}
