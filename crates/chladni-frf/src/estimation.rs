@@ -204,9 +204,9 @@ impl fmt::Display for Estimation {
         if self.estimator.is_local() {
             write!(f, " lines={}", self.lines_per_value)?;
         } else {
-            write!(f, " window={}", self.window.name())?;
+            write!(f, " win={}", self.window.name())?;
             if let Some(rate_per_s) = self.window.rate_per_s() {
-                write!(f, " alpha={}/s", rounded(rate_per_s))?;
+                write!(f, " a={}/s", rounded(rate_per_s))?;
             }
             write!(f, " hop={}s", rounded(self.hop_s))?;
         }
@@ -248,8 +248,8 @@ impl FromStr for Estimation {
         let (least, most) = averages.split_once('-').unwrap_or((&averages, &averages));
         let count = |text: &str| text.parse::<usize>().map_err(|_| wrong());
         let local = estimator.is_local();
-        let window = match said("window") {
-            Some(name) => BlockWindow::named(&name, number("alpha", "/s")).ok_or_else(wrong)?,
+        let window = match said("win") {
+            Some(name) => BlockWindow::named(&name, number("a", "/s")).ok_or_else(wrong)?,
             None if local => BlockWindow::Rectangular,
             None => return Err(wrong()),
         };
@@ -324,10 +324,10 @@ mod tests {
             "",
             "h1",
             "FRF 1",
-            "h1 window=hann T=0s n=4",
-            "h1 window=hann T=2s n=x",
-            "h1 window=hann T=2s n=4 force=burst:7",
-            "h1 window=exponential T=2s n=4",
+            "h1 win=hann T=0s n=4",
+            "h1 win=hann T=2s n=x",
+            "h1 win=hann T=2s n=4 force=burst:7",
+            "h1 win=exponential T=2s n=4",
         ] {
             assert!(wrong.parse::<Estimation>().is_err(), "{wrong}");
         }

@@ -139,11 +139,6 @@ fn touched(place: &Place, console: &Console) -> Result<Outcome> {
     place.prepare(&[TOUCH_TABLE], console)?;
     let rows = touch(place.quick, &|stage| console.stage(stage))?;
     let files = place.write(&[(TOUCH_TABLE, touch_csv(&rows))], &[], console)?;
-    let json = json!({
-        "output": place.output.display().to_string(),
-        "files": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
-        "rows": rows.len(),
-    });
     let cells: Vec<Vec<String>> = rows
         .iter()
         .map(|row| {
@@ -164,11 +159,7 @@ fn touched(place: &Place, console: &Console) -> Result<Outcome> {
     const HEADER: [&str; 10] = [
         "scene", "Hz", "touch", "bears", "kappa", "mN", "total", "least", "ground", "s",
     ];
-    Ok(Outcome::written(
-        &place.output,
-        json,
-        table(&HEADER, &cells),
-    ))
+    Ok(place.answer(&files, rows.len(), table(&HEADER, &cells)))
 }
 
 /// Every number of modes with every number of actuators.

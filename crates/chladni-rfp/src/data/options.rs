@@ -273,6 +273,13 @@ impl FitOptions {
                 .unwrap_or_default(),
             window: text("window").and_then(|name| name.parse().ok()),
             exponential_window_per_s: echo.get("exponential_window_per_s").and_then(Value::as_f64),
+            rfp: RfpOptions {
+                weight: text("rfp_weight")
+                    .and_then(|name| name.parse().ok())
+                    .unwrap_or_default(),
+                bands: number("rfp_bands").and_then(|bands| usize::try_from(bands).ok()),
+                local: echo.get("rfp_local").and_then(Value::as_bool) == Some(true),
+            },
             added_hz: before.chain(added_hz.iter().copied()).collect(),
             seed: number("seed").unwrap_or_default(),
             ..Self::default()

@@ -239,6 +239,14 @@ impl Fraction {
     }
 }
 
+/// `None` where the lines carry fewer polynomials than were asked for.
+pub(crate) fn if_carried<T>(outcome: Result<T, LinalgError>) -> Result<Option<T>, LinalgError> {
+    match outcome {
+        Err(LinalgError::RankDeficient { .. }) => Ok(None),
+        other => other.map(Some),
+    }
+}
+
 /// Roots with those of negative damping turned over.
 pub(crate) fn damped(roots: &[Complex64]) -> Vec<Complex64> {
     roots

@@ -17,7 +17,7 @@
 //! P. C. Young, Automatica 6 (1970) 271–287 (instrumental variables); L. Kaufman, BIT 15
 //! (1975) 49–57. Cost: twice a Sanathanan–Koerner step for the first, once for the second.
 
-use crate::methods::fraction::{damped, Denominator, Fraction, Lines};
+use crate::methods::fraction::{damped, if_carried, Denominator, Fraction, Lines};
 use chladni_linalg::{lstsq, matmul, matmul_h, qr_thin, LinalgError};
 use ndarray::{s, Array2, ShapeBuilder};
 use num_complex::Complex64;
@@ -59,22 +59,16 @@ pub(crate) fn improved(
     steps: Steps,
     most: usize,
 ) -> Result<Improved, LinalgError> {
-    let mut here = Point::at(lines, start.to_vec())?;
+    let Some(mut here) = if_carried(Point::at(lines, start.to_vec()))? else {
+        return Ok(Improved {
+            lambda: start.to_vec(),
+            leading: 0.0,
+        });
+    };
     for _ in 0..most {
-        let step = match here.step(lines, steps) {
-            Ok(step) => step,
-            // two poles in one place, or one that the lines do not see: no step says more
-            Err(LinalgError::RankDeficient { .. }) => break,
-            Err(error) => return Err(error),
-        };
-        let mut part = 1.0;
-        let next = loop {
-            let next = Point::at(lines, here.moved(lines, &step, part)?)?;
-            let worse = next.explained < (1.0 - ROUNDING) * here.explained;
-            if !worse || part < LEAST_PART {
-                break next;
-            }
-            part *= 0.5;
+        // two poles in one place, or one that the lines do not see: no step says more
+        let Some(next) = if_carried(here.next(lines, steps))? else {
+            break;
         };
         let converged = largest_step(&here.lambda, &next.lambda) < CONVERGED;
         here = next;
@@ -135,6 +129,20 @@ impl Point {
             fraction,
             lambda,
         })
+    }
+
+    /// The point after a step, halved while it explains less.
+    fn next(&self, lines: &Lines, steps: Steps) -> Result<Self, LinalgError> {
+        let step = self.step(lines, steps)?;
+        let mut part = 1.0;
+        loop {
+            let next = Self::at(lines, self.moved(lines, &step, part)?)?;
+            let worse = next.explained < (1.0 - ROUNDING) * self.explained;
+            if !worse || part < LEAST_PART {
+                return Ok(next);
+            }
+            part *= 0.5;
+        }
     }
 
     /// Step of the coefficients.

@@ -42,9 +42,8 @@ use crate::methods::selection::{fewer, inside, left_by};
 use crate::methods::survey::{Compressed, Survey};
 use crate::methods::windows::{order, windows, Window};
 use crate::poles::prune::{threshold, unphysical};
-use crate::poles::refine::{refine, removable};
+use crate::poles::refine::{removable, Projection};
 use crate::poles::scan::usual_loss;
-use crate::tolerances as tol;
 use chladni_frf::{Damping, Finding};
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
@@ -134,13 +133,13 @@ fn viscous(
         return Ok(false);
     }
     let work = &columns.work;
-    let refined = refine(work, poles, &POWERS, 0, tol::ROUGH_STEP)?;
-    let variance = columns.variance(survey.data, refined.projection.sse, refined.unknowns());
+    let projection = Projection::new(work, poles, &POWERS)?;
+    let unknowns = poles.len() + POWERS.len();
     let fitted = Fitted {
-        lambda: &refined.lambda,
-        powers: &refined.powers,
-        coefficients: &refined.coefficients,
-        variance,
+        lambda: poles,
+        powers: &POWERS,
+        coefficients: &projection.coefficients()?,
+        variance: columns.variance(survey.data, projection.sse, unknowns),
         frfs: survey.data.pairs.len(),
     };
     let verdict = verdict(work, &fitted)?;

@@ -13,7 +13,7 @@
 //! C. K. Sanathanan, J. Koerner, IEEE Trans. Automatic Control 8 (1963) 56–58; B.
 //! Gustavsen, IEEE Trans. Power Delivery 21 (2006) 1587–1592 (relaxed).
 
-use crate::methods::fraction::{damped, Denominator, Fraction, Lines};
+use crate::methods::fraction::{damped, if_carried, Denominator, Fraction, Lines};
 use chladni_linalg::{eigh, LinalgError};
 use ndarray::Array2;
 use num_complex::Complex64;
@@ -22,20 +22,23 @@ use num_complex::Complex64;
 const ROUNDING: f64 = 1e-15;
 
 /// Roots in t after the linear fit and `steps` reweighted ones, with the sign of damping
-/// that the last one gave them.
+/// that the last one gave them; none where the lines do not carry so many.
 ///
 /// # Errors
-/// Too few lines; no convergence of a decomposition.
+/// No convergence of a decomposition.
 pub(crate) fn sanathanan_koerner(
     lines: &Lines,
     modes: usize,
     steps: usize,
 ) -> Result<Vec<Complex64>, LinalgError> {
     let mut known = Denominator::flat(lines.nodes.len());
-    let mut roots = step(lines, modes, &known)?;
+    let mut roots = if_carried(step(lines, modes, &known))?.unwrap_or_default();
     for _ in 0..steps {
         known = Denominator::of(&lines.nodes, &damped(&roots));
-        roots = step(lines, modes, &known)?;
+        match if_carried(step(lines, modes, &known))? {
+            Some(next) => roots = next,
+            None => break,
+        }
     }
     Ok(roots)
 }

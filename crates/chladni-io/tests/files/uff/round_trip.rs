@@ -268,7 +268,7 @@ fn id_line_5_says_how_a_set_was_estimated() {
     for (estimation, expected) in [
         (
             made(Estimator::Hv, window, [10, 20]),
-            "hv window=exponential alpha=0.25/s hop=4.166667s T=12.5s n=10-20 force=transient",
+            "hv win=exponential a=0.25/s hop=4.166667s T=12.5s n=10-20 force=transient",
         ),
         (
             made(Estimator::Lrm, BlockWindow::Rectangular, [1, 1]),
