@@ -150,6 +150,12 @@ fn same(written: &FrfSet, read: &FrfSet, error: f64) {
                 place(&read.references, reference),
             );
             let (before, after) = (written.values.frf(i, j), read.values.frf(at.0, at.1));
+            // a pair of nothing but zeros was not measured
+            if before.iter().all(|b| b.norm_sqr() == 0.0) {
+                let zero = |a: &Complex64| !a.is_finite() || a.norm_sqr() == 0.0;
+                assert!(after.iter().all(zero), "{after:?} for zeros");
+                continue;
+            }
             for (a, b) in after.iter().zip(before.iter()) {
                 assert!(near(a.re, b.re) && near(a.im, b.im), "{a} for {b}");
             }
