@@ -124,7 +124,7 @@ mod tests {
     /// T·ω_max: lines 1/500 of ω_max apart.
     const RECORD: f64 = 500.0 * std::f64::consts::TAU;
 
-    /// What leakage adds to ∫₀^∞ e^{st}e^{−jωt} dt, by the rectangle rule on a record whose
+    /// What leakage adds to ∫₀^∞ e^{st}e^{−jωt} dt, by the trapezium rule on a record whose
     /// force and response are `window` times noise and what it makes.
     fn by_quadrature(window: &[f64], s: Complex64, y: f64) -> Complex64 {
         let count = window.len();
@@ -136,7 +136,8 @@ mod tests {
             let half = if lag == 0 { 0.5 } else { 1.0 };
             shared / power * half * (turn * step * lag as f64).exp() * step
         };
-        (0..count).map(value).sum::<Complex64>() + 1.0 / turn
+        // Euler and Maclaurin: the slope at lag 0 is that of the exponential
+        (0..count).map(value).sum::<Complex64>() + step * step / 12.0 * turn + 1.0 / turn
     }
 
     #[test]
