@@ -8,9 +8,6 @@ use crate::data::options::Window;
 use chladni_frf::{Finding, ModalModel, Mode};
 use std::f64::consts::PI;
 
-/// Code of the finding where nobody said which window was used.
-const OPEN: &str = "window-bias";
-
 /// Where it is known which window was used: what it does is in the columns, as long as the
 /// force is white.
 pub(crate) fn modelled(case: &Case) -> Option<Checked> {
@@ -85,7 +82,7 @@ pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
         worst.frequency_hz,
         1.0 / (PI * bias(worst))
     );
-    let finding = Finding::note(OPEN, words)
+    let finding = Finding::note("window-bias", words)
         .modes_hz(concerned.iter().map(|mode| mode.frequency_hz))
         .value("bias_relative", bias(worst))
         .help("say which window was used, or that there was none");
@@ -95,7 +92,7 @@ pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
 /// True where damping may be biased and nobody said by which window.
 pub(crate) fn is_open(model: &ModalModel) -> bool {
     let mut findings = model.quality.findings.iter();
-    findings.any(|finding| finding.code == OPEN)
+    findings.any(|finding| finding.code == "window-bias")
 }
 
 /// The window that line shapes and the errors of neighbouring lines both speak of, each by
