@@ -160,7 +160,7 @@ impl Session {
 
     /// The file of the model, in the words of the commands.
     pub(super) fn model_file(&self) -> &str {
-        if self.from_model() {
+        if self.is_of_model() {
             self.words()
         } else {
             MODEL

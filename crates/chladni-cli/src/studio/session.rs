@@ -316,7 +316,7 @@ impl Session {
     }
 
     /// True where a model was read, and nothing is fitted.
-    pub(super) fn from_model(&self) -> bool {
+    pub(super) fn is_of_model(&self) -> bool {
         self.from_model
     }
 

@@ -54,6 +54,16 @@ pub(super) fn check(function: &Function, options: WriteOptions) -> Result<Vec<Fi
                 .expected(format!("{count}, one per value")));
         }
         if !options.binary {
+            if let Some(line) = first_alike(values) {
+                return Err(Error::bad_data(
+                    "a text universal file keeps six digits of an uneven axis, and two of its values are \
+                     the same then",
+                )
+                .field(format!("{}: abscissa", whose()))
+                .found(format!("{} and {}", values[line], values[line + 1]))
+                .expected("values that differ in six digits")
+                .help("write the binary form (.uff) or HDF5 (.h5), which keep all digits"));
+            }
             warnings.push(Finding::note(
                 "digits-lost",
                 "text keeps 6 digits of an uneven abscissa; the binary form and HDF5 keep all",
@@ -145,6 +155,12 @@ fn id_line_4(function: &Function) -> (String, bool) {
     } else {
         (tag, true)
     }
+}
+
+/// The first of two neighbouring values that six digits do not tell apart.
+fn first_alike(values: &[f64]) -> Option<usize> {
+    let printed: Vec<String> = values.iter().map(|x| format!("{x:.5e}")).collect();
+    printed.windows(2).position(|pair| pair[0] == pair[1])
 }
 
 /// The layout that holds the function, and whether single values are widened.

@@ -286,7 +286,8 @@ mod tests {
             }
         };
         let (hann, flattop) = (cosines(&HANN), cosines(&FLATTOP));
-        let cases: [(&dyn Fn(f64) -> f64, Option<usize>, Correlation); 6] = [
+        type Case<'a> = (&'a dyn Fn(f64) -> f64, Option<usize>, Correlation);
+        let cases: [Case; 6] = [
             (&|_| 1.0, Some(20), Correlation::White),
             (&|_| 1.0, None, Correlation::White),
             (&hann, Some(20), Correlation::Hann),

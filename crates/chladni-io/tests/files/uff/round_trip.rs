@@ -423,3 +423,19 @@ fn a_node_number_of_eleven_digits_cannot_be_written() {
     .unwrap_err();
     assert!(error.to_string().contains("12345678901"));
 }
+
+/// Six digits of an uneven axis as text: lines that fall together are refused.
+#[test]
+fn an_uneven_axis_that_text_cannot_hold_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let set = example_set(vec![5140.0, 5140.001, 5782.5]);
+    let text = folder.path().join("a.unv");
+    let error = chladni_io::write_frf(&text, &set, false).unwrap_err();
+    let words = error.to_string();
+    assert!(
+        words.contains("six digits") && words.contains("5140.001"),
+        "{words}"
+    );
+    assert!(!text.exists());
+    chladni_io::write_frf(&folder.path().join("a.uff"), &set, false).unwrap();
+}
