@@ -34,7 +34,7 @@ impl ChannelMap {
     /// From the text of a CSV file `channel,reference,gain`; the gain may be left out.
     ///
     /// # Errors
-    /// [`ErrorKind::BadData`] with the line: another header, no channel number, no DOF, a
+    /// [`chladni_frf::ErrorKind::BadData`] with the line: another header, no channel number, no DOF, a
     /// gain of 0, a channel or an actuator twice.
     pub fn parse(text: &str) -> Result<Self> {
         let bad = |line: usize, message: &str, field: &str, found: &str, expected: &str| {

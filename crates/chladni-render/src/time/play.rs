@@ -18,7 +18,7 @@ use crate::weights::Weights;
 use chladni_frf::{Dof, Error, Finding, ModalModel, ReferenceUnit, Result};
 use std::collections::HashMap;
 
-/// Options of [`play`].
+/// Options of [`crate::play()`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlayOptions {
     /// In place of the scene's.
