@@ -156,7 +156,7 @@ def test_a_measured_field_corrects_and_calibrates(tmp_path):
     scene = (FIXTURES / "scene-corner.toml").read_text()
     drive = chladni.render(truth, scene, method="fast")
     drive.save(tmp_path / "w0.json")
-    rows = [f"{name},{v.real!r},{v.imag!r}" for name, v in zip(drive.responses, drive.velocity_m_per_s * 1.02)]
+    rows = [f"{name},{float(v.real)!r},{float(v.imag)!r}" for name, v in zip(drive.responses, drive.velocity_m_per_s * 1.02)]
     head = [f"# frequency_hz = {drive.frequency_hz}", "# unit = m/s", "response,re,im"]
     (tmp_path / "f0.csv").write_text("\n".join(head + rows) + "\n")
     learned = tmp_path / "rig.json"

@@ -77,10 +77,10 @@ def test_modes_are_dropped_by_their_place(model):
 
 
 def test_a_mode_is_added_by_a_new_fit(frf, model):
-    few = chladni.fit(frf, modes=len(model) - 1)
+    few = chladni.fit(frf, modes=len(model) - 4)
     missing = [hz for hz in model.frequency_hz if np.min(np.abs(few.frequency_hz / hz - 1)) > 1e-3]
     more = chladni.select(few, add=missing, frf=frf)
-    assert np.allclose(more.frequency_hz, model.frequency_hz, rtol=1e-4)
+    assert missing and all(np.min(np.abs(more.frequency_hz / hz - 1)) < 1e-4 for hz in missing)
     with pytest.raises(chladni.ChladniError) as wrong:
         chladni.select(few, add=missing)
     assert wrong.value.field == "add"
