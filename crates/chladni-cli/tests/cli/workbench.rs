@@ -63,7 +63,6 @@ fn zones_in(toml: &str) -> usize {
 }
 
 #[test]
-#[ignore = "two runs of three end with \"Inspected target navigated or closed\", for a reason not found yet"]
 fn zones_are_drawn_moved_resized_and_deleted_and_the_weights_follow() {
     let Some((_folder, studio, mut page)) = workbench("truth.json") else {
         return;
@@ -101,8 +100,7 @@ fn zones_are_drawn_moved_resized_and_deleted_and_the_weights_follow() {
     assert_eq!(page.text("#scene-toml"), louder);
     let address = page.eval("location.href");
     assert!(address.as_str().unwrap().starts_with(&studio.url));
-    page.eval("(() => { document.documentElement.dataset.old = 'true'; location.reload(); })()");
-    page.wait("!document.documentElement?.dataset.old && document.documentElement?.dataset.drawn");
+    page.reload();
     page.wait(AT_REST);
     assert_eq!(page.text("#scene-toml"), louder);
     assert_eq!(page.complaints(), Vec::<String>::new());

@@ -10,6 +10,9 @@ use std::time::{Duration, Instant};
 use tempfile::TempDir;
 use tungstenite::{client, Message, WebSocket};
 
+/// The browser's answer to a question that a navigation has overtaken.
+const NAVIGATES: &str = "Inspected target navigated or closed";
+
 const NAMES: [&str; 4] = [
     "chromium",
     "chromium-browser",
@@ -127,22 +130,41 @@ impl Page {
         ))
     }
 
+    /// Loads the page again and waits until it has drawn itself.
+    pub fn reload(&mut self) {
+        self.eval("document.documentElement.dataset.old = 'true'");
+        self.send("Page.reload", json!({}));
+        self.wait(
+            "!document.documentElement?.dataset.old && document.documentElement?.dataset.drawn",
+        );
+    }
+
     /// The value of an expression in the page.
     pub fn eval(&mut self, expression: &str) -> Value {
+        self.evaluated(expression)
+            .unwrap_or_else(|error| panic!("{expression}: {error}"))
+    }
+
+    /// The same, or what the browser says instead.
+    fn evaluated(&mut self, expression: &str) -> Result<Value, Value> {
         let asked = json!({"expression": expression, "awaitPromise": true, "returnByValue": true});
-        let answer = self.send("Runtime.evaluate", asked);
+        let answer = self.ask("Runtime.evaluate", asked)?;
         assert!(
             answer.get("exceptionDetails").is_none(),
             "{expression}: {answer}"
         );
-        answer["result"]["value"].clone()
+        Ok(answer["result"]["value"].clone())
     }
 
-    /// Waits until an expression is true, and gives its value.
+    /// Waits until an expression is true, and gives its value. A page that is being left
+    /// has none.
     pub fn wait(&mut self, expression: &str) -> Value {
         let start = Instant::now();
         loop {
-            let value = self.eval(expression);
+            let value = match self.evaluated(expression) {
+                Err(error) if error["message"] == NAVIGATES => Value::Null,
+                other => other.unwrap_or_else(|error| panic!("{expression}: {error}")),
+            };
             if !matches!(value, Value::Null | Value::Bool(false)) {
                 return value;
             }
@@ -243,6 +265,12 @@ impl Page {
     }
 
     fn send(&mut self, method: &str, params: Value) -> Value {
+        self.ask(method, params)
+            .unwrap_or_else(|error| panic!("{method}: {error}"))
+    }
+
+    /// What the browser answers, or its error.
+    fn ask(&mut self, method: &str, params: Value) -> Result<Value, Value> {
         self.last += 1;
         let id = self.last;
         let mut message = json!({"id": id, "method": method, "params": params});
@@ -258,8 +286,10 @@ impl Page {
             };
             let said: Value = serde_json::from_str(text.as_str()).unwrap();
             if said["id"] == id {
-                assert!(said.get("error").is_none(), "{method}: {said}");
-                return said["result"].clone();
+                return match said.get("error") {
+                    Some(error) => Err(error.clone()),
+                    None => Ok(said["result"].clone()),
+                };
             }
             match said["method"].as_str() {
                 Some("Runtime.exceptionThrown") => self
