@@ -19,6 +19,8 @@ pub(crate) enum Origin {
     Added,
     /// Stands for what lies outside the band, or for a broad background.
     Nuisance,
+    /// A mode beyond the number that was asked for: fitted, not counted.
+    LeftOut,
 }
 
 /// A change of the poles: one may go, near ones move, one may come.
@@ -72,7 +74,7 @@ impl Candidates {
 
     /// True where pole q may be tested, merged or dropped.
     pub fn may_go(&self, q: usize) -> bool {
-        self.origin[q] != Origin::Nuisance
+        !matches!(self.origin[q], Origin::Nuisance | Origin::LeftOut)
     }
 
     /// True where a pole stands within a width of `lambda`.

@@ -9,6 +9,7 @@ use crate::data::options::Asked;
 use crate::data::peaks::{fourth_difference_noise, peaks, thinned, Peak};
 use crate::data::source::Source;
 use crate::data::watch::Watch;
+use crate::measured::candidates::Origin;
 use crate::measured::error_model::{column_scales, normalised};
 use crate::measured::evidence::Evidence;
 use crate::measured::grade::{grade_all, DampingDoubt, Graded};
@@ -266,8 +267,8 @@ fn keep_strongest(
     Ok(dropped)
 }
 
-/// Striking peaks beside which no accepted pole stands. A pole that is broad for the peak
-/// does not explain it.
+/// Striking peaks beside which no pole stands that is accepted, or left out as asked. A
+/// pole that is broad for the peak does not explain it.
 fn unexplained<'a>(
     seen: &'a [Peak],
     evidence: &'a [Evidence],
@@ -278,10 +279,10 @@ fn unexplained<'a>(
             < 1.5 * peak.lambda.im.max(pole.im.min(2.0 * peak.lambda.im))
     };
     let accepted = move |peak: &Peak| {
-        evidence
-            .iter()
-            .zip(graded)
-            .any(|(e, (grade, _))| grade.0 != Trust::Rejected && explains(peak, e.lambda))
+        evidence.iter().zip(graded).any(|(e, (grade, _))| {
+            let stands = grade.0 != Trust::Rejected || e.origin == Origin::LeftOut;
+            stands && explains(peak, e.lambda)
+        })
     };
     seen.iter()
         .filter(move |peak| peak.is_striking() && !accepted(peak))

@@ -31,6 +31,9 @@ const RESEED: (usize, usize) = (20, 2);
 /// Height of a residual peak over the residual's noise, dB.
 const RESEED_OVER_NOISE_DB: f64 = 10.0;
 
+/// Half-bandwidths of the broader of two poles between which each has a peak of its own.
+const APART: f64 = 2.5;
+
 /// A section with the poles found in it.
 #[derive(Clone)]
 pub(crate) struct Search<'a> {
@@ -179,7 +182,7 @@ impl<'a> Search<'a> {
             let in_band = |p: &Complex64| self.weighted.in_band(*p);
             let close = |q: usize| {
                 let near = |other: &Complex64| {
-                    (other.re - lambda[q].re).abs() < 2.5 * lambda[q].im.max(other.im)
+                    (other.re - lambda[q].re).abs() < APART * lambda[q].im.max(other.im)
                 };
                 lambda
                     .iter()
@@ -250,27 +253,57 @@ impl<'a> Search<'a> {
     /// Fits a pole at each place that the user has seen and none explains; what it is worth
     /// its grade will say.
     pub fn add(&mut self, asked: Asked) -> Result<(), LinalgError> {
-        let known = &self.candidates.refined.lambda;
-        let mut starts = by_hand::starts(asked.added_hz, &self.plain, known, self.record.hz);
+        let known: Vec<Complex64> = self.counted().collect();
+        let mut starts = by_hand::starts(asked.added_hz, &self.plain, &known, self.record.hz);
         starts.retain(|start| self.owns(*start));
         if starts.is_empty() {
             return Ok(());
         }
         for start in starts {
-            add(&self.weighted, &mut self.candidates, start)?;
+            match self.left_out_at(start) {
+                Some(q) => self.candidates.origin[q] = Origin::Added,
+                None => add(&self.weighted, &mut self.candidates, start)?,
+            }
         }
         self.reweigh()
     }
 
     /// True where a pole of this section stands within a half-bandwidth of `pole`.
     pub fn holds(&self, pole: Complex64) -> bool {
-        let poles = &self.candidates.refined.lambda;
-        self.owns(pole) && poles.iter().any(|known| (known - pole).norm() < pole.im)
+        self.owns(pole) && self.counted().any(|known| (known - pole).norm() < pole.im)
     }
 
-    /// Drops one pole.
+    /// Poles that are not left out.
+    fn counted(&self) -> impl Iterator<Item = Complex64> + '_ {
+        let Candidates { refined, origin } = &self.candidates;
+        let all = refined.lambda.iter().zip(origin);
+        all.filter(|(_, origin)| **origin != Origin::LeftOut)
+            .map(|(pole, _)| *pole)
+    }
+
+    /// A pole that is left out where `place` lies within its half-bandwidth.
+    fn left_out_at(&self, place: Complex64) -> Option<usize> {
+        let Candidates { refined, origin } = &self.candidates;
+        (0..origin.len()).find(|&q| {
+            let pole = refined.lambda[q];
+            origin[q] == Origin::LeftOut && (pole.re - place.re).abs() < pole.im.max(place.im)
+        })
+    }
+
+    /// Counts one pole no longer. One that stands apart stays in the fit, where it keeps
+    /// its skirts from the others; one beside another leaves its part to that.
     pub fn drop(&mut self, q: usize) -> Result<(), LinalgError> {
-        remove(&self.weighted, &mut self.candidates, q)
+        let Candidates { refined, origin } = &mut self.candidates;
+        let own = refined.lambda[q];
+        let beside =
+            refined.lambda.iter().enumerate().any(|(o, other)| {
+                o != q && (other.re - own.re).abs() < APART * other.im.max(own.im)
+            });
+        if beside {
+            return remove(&self.weighted, &mut self.candidates, q);
+        }
+        origin[q] = Origin::LeftOut;
+        Ok(())
     }
 
     /// The last refinement, and the evidence about every pole.

@@ -71,7 +71,6 @@ fn left_out(model: &ModalModel) -> Vec<f64> {
 const COUNTED: [Trust; 2] = [Trust::Sure, Trust::Weak];
 
 #[test]
-#[ignore = "the faint mode is lost with the tone, whose skirts are then left where it stands"]
 fn as_many_as_there_are_leave_the_tone_out() {
     let model = model(Some(5));
     assert_eq!(kept(&model, &COUNTED), MODES_HZ);

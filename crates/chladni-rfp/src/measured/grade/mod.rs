@@ -5,6 +5,7 @@ mod limits;
 mod rules;
 mod usual;
 
+use crate::measured::candidates::Origin;
 use crate::measured::evidence::Evidence;
 use crate::measured::record::Record;
 use crate::poles::estimate::Grade;
@@ -43,6 +44,10 @@ fn grade(all: &[Evidence], q: usize, frfs: usize, windowed: bool, usual: Usual) 
         let reason = Reason::new("background", "background: broader than any mode");
         return ((Trust::Rejected, vec![reason]), None);
     }
+    if own.origin == Origin::LeftOut {
+        let reason = Reason::new("left-out", "more modes were found than were asked for");
+        return ((Trust::Rejected, vec![reason]), None);
+    }
     let others: Vec<&Evidence> = all[..q].iter().chain(&all[q + 1..]).collect();
     let seen = Seen {
         own,
@@ -72,7 +77,6 @@ fn grade(all: &[Evidence], q: usize, frfs: usize, windowed: bool, usual: Usual) 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measured::candidates::Origin;
     use num_complex::Complex64;
 
     /// A mode beyond doubt at x = 0.3, 4 lines wide.
