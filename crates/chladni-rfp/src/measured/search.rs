@@ -35,7 +35,7 @@ const RESEED_OVER_NOISE_DB: f64 = 10.0;
 #[derive(Clone)]
 pub(crate) struct Search<'a> {
     record: &'a Record<'a>,
-    /// Where it searched.
+    /// The section searched.
     pub section: &'a Section,
     /// Unweighted columns.
     plain: Columns,
@@ -337,7 +337,7 @@ impl<'a> Search<'a> {
 
 /// Modes that a section may drop.
 pub(crate) struct Weakest {
-    /// How many.
+    /// Number of these modes.
     pub count: usize,
     /// The one of least evidence.
     pub least: Option<Dispensable>,
@@ -360,7 +360,7 @@ impl Dispensable {
     }
 }
 
-/// What a section hands over.
+/// The result of the search of a section.
 pub(crate) struct Finished {
     /// Evidence about every pole it owns, nuisance poles included.
     pub evidence: Vec<Evidence>,
