@@ -36,9 +36,9 @@ pub struct MeasuredOptions {
 /// One test of a cell, fitted in one way.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredRow {
-    /// The way in which it was measured.
+    /// Settings of its measurement.
     pub cell: MeasuredCell,
-    /// The way in which it was estimated and fitted.
+    /// The way of estimating and fitting it.
     pub way: MeasuredWay,
     /// Of structure, force and noise.
     pub seed: u64,

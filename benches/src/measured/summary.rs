@@ -11,9 +11,9 @@ const INTERVAL: [f64; 2] = [1.96, 1.731];
 /// The outcome of all tests of a cell in one way.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredSummary {
-    /// The way in which it was measured.
+    /// Settings of its measurement.
     pub cell: MeasuredCell,
-    /// The way in which it was estimated and fitted.
+    /// The way of estimating and fitting it.
     pub way: MeasuredWay,
     /// Tests.
     pub tests: usize,

@@ -33,7 +33,7 @@ const NOISE_STREAM: u64 = (1 << 62) + 3;
 /// Records of a continuous force before the first that counts: transients have gone.
 const SETTLING_RECORDS: usize = 4;
 
-/// The way in which the structure is driven.
+/// Excitation of the structure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Excitation {
     /// One blow at the start of each record, a half sine, the structure at rest before.

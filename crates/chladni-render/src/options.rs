@@ -8,7 +8,7 @@ use crate::methods::MethodChoice;
 /// Options of [`crate::render`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RenderOptions {
-    /// The way in which the weights are found.
+    /// The method that finds the weights.
     pub method: MethodChoice,
     /// Number of modes to sum explicitly.
     pub modes: Count,

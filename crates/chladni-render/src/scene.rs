@@ -112,7 +112,7 @@ pub const DEFAULT_TRANSITION_M: f64 = 0.010;
 /// Force limit of each actuator, N peak, where the scene gives none.
 pub const DEFAULT_MAX_FORCE_N: f64 = 0.1;
 
-/// The field to be felt, and the means to it.
+/// The field to be felt, place by place, and the means to it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
     /// The file it was read from; results carry its name.

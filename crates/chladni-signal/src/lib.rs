@@ -62,7 +62,7 @@ pub struct Estimate {
     /// and their variance, NaN where too few blocks were averaged to say; lines from the
     /// first above 0 Hz to the last below half the sampling rate.
     pub frf: FrfSet,
-    /// The way in which they were made; `frf` carries the same.
+    /// Their estimation; `frf` carries the same.
     pub estimation: Estimation,
     /// Everything the user should know.
     pub findings: Vec<Finding>,

@@ -40,7 +40,7 @@ pub(super) struct Line<'a> {
     pub(super) is_comment: bool,
 }
 
-/// The way in which a table is cut into cells, and its decimal point.
+/// The rule that cuts a table into cells, and the decimal point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Dialect {
     /// `None`: runs of blanks.

@@ -71,7 +71,7 @@ fn token_spans(text: &[u8], spans: &mut [Span]) -> usize {
     count
 }
 
-/// The way in which the numbers of a line were found.
+/// The layout in which the numbers of a line were found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Found {
     /// By columns; this many fields until the last that is not blank.

@@ -26,7 +26,7 @@ use chladni_frf::{Error, ErrorKind, Finding, ModalModel, Result};
 use std::fmt;
 use std::str::FromStr;
 
-/// The way in which the weights are found.
+/// A method that finds the weights.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Method {

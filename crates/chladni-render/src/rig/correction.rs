@@ -47,7 +47,7 @@ pub struct Correction {
     pub predicted: f64,
     /// A new scan of FRFs is due.
     pub scan_due: bool,
-    /// The reason that it is.
+    /// The reason that it is due.
     pub scan_reason: Option<String>,
     /// The measured fields, in order.
     pub fields: Vec<TakenField>,
@@ -294,7 +294,7 @@ impl Learned {
         }
     }
 
-    /// The knowledge of the rig now.
+    /// The present knowledge of the rig.
     ///
     /// * `own`, `model`: the model as it was fitted, and as the calibration before made it
     fn calibration(

@@ -91,7 +91,7 @@ impl ToneLimits {
     }
 }
 
-/// The ground and the time that judgements are made by.
+/// The ground that is judged, and the summation time.
 pub(crate) struct Judging<'a> {
     pub(crate) zones: &'a Zones,
     /// Of every place.

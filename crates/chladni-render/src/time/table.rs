@@ -50,7 +50,7 @@ impl Level {
     }
 }
 
-/// The way in which the drive goes from one pattern to the next.
+/// The passage of the drive from one pattern to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Ramps {
     /// Every actuator by the same raised cosine.
@@ -181,7 +181,7 @@ pub struct TimeTable {
     pub summation_s: f64,
     /// The strength of events.
     pub level: Level,
-    /// The way in which the drive comes and goes.
+    /// The ramps by which the drive comes and goes.
     pub ramps: Ramps,
     /// In the order of the file.
     pub bursts: Vec<Burst>,

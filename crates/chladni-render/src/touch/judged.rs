@@ -101,7 +101,7 @@ fn points(problem: &Problem, judged: Judged, plan: &TouchPlan, drive: &Drive) ->
     }
 }
 
-/// Findings on fingers that no drive bears, and on what another frequency would.
+/// Findings on what no drive bears, and what another frequency would.
 ///
 /// * `best_db`: contrast that was found under the firmest, dB; `asked_db`: what is needed
 /// * `mode_hz`: the mode nearest to the drive, `elsewhere`: a frequency, the κ there and the

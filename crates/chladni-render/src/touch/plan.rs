@@ -22,7 +22,7 @@ use num_complex::Complex64;
 /// Fingers and the places that they touch.
 #[derive(Debug, Clone)]
 pub(crate) struct TouchPlan {
-    /// The touch of the scene.
+    /// The touch that the scene asks for.
     pub(crate) touch: Touch,
     /// False where the size of the modes under a finger had to be guessed.
     pub(crate) is_known: bool,

@@ -141,7 +141,7 @@ impl FromStr for RfpWeight {
 /// Options of `rfp` alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct RfpOptions {
-    /// The way in which the polynomials are fitted.
+    /// The way of fitting the polynomials.
     pub weight: RfpWeight,
     /// Number of bands; `None`: by the peaks that show.
     pub bands: Option<usize>,

@@ -83,7 +83,7 @@ pub(crate) struct Way {
     pub by: By,
 }
 
-/// The way in which poles were found.
+/// The path that found the poles.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) enum By {
     /// Fast chain.

@@ -204,7 +204,7 @@ impl Partial {
         self
     }
 
-    /// Notes the sources of the FRFs.
+    /// Sets the sources of the FRFs.
     pub fn with_sources(mut self, sources: &[Source]) -> Self {
         self.blocks
             .iter_mut()

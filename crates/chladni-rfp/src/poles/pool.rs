@@ -130,7 +130,7 @@ pub(crate) fn vector_fit(
     Ok(pool)
 }
 
-/// The way in which the products of a step are made.
+/// Ways of making the products of a step.
 #[derive(Clone, Copy)]
 pub(crate) enum Products {
     /// Differences of sums over one pole column: 8·N·m·(m + 6r) flop per step, and as

@@ -28,7 +28,7 @@ pub fn skipped(what: &str) {
     drop(writeln!(std::io::stderr(), "skipped: {what}"));
 }
 
-/// The end of a run.
+/// Exit code and output of a run.
 pub struct Run {
     pub code: i32,
     pub stdout: String,
@@ -36,7 +36,7 @@ pub struct Run {
 }
 
 impl Run {
-    /// The outcome of a process that has ended.
+    /// Exit code and output of a process that has ended.
     pub fn of(output: std::process::Output) -> Self {
         let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
         Self {
