@@ -19,14 +19,14 @@ const FEWER_SEEDS: usize = 10;
 /// Seeds of the worst outcomes that a row names.
 const NAMED_SEEDS: usize = 5;
 
-/// What to run.
+/// Settings of the runs.
 #[derive(Debug, Clone)]
 pub struct AccuracyOptions {
     /// Cases.
     pub cases: Vec<&'static Case>,
     /// Methods.
     pub methods: Vec<Method>,
-    /// What shapes may be while poles are refined.
+    /// Constraints on shapes while poles are refined.
     pub shapes: ShapeModel,
     /// Number of noise seeds of the methods that maximise the likelihood; others take a
     /// tenth of them, two at least.
@@ -38,7 +38,7 @@ pub struct AccuracyOptions {
     pub knobs: bool,
 }
 
-/// What one method made of one case.
+/// The result of one method on one case.
 #[derive(Debug, Clone)]
 pub struct AccuracyRow {
     /// The case.
@@ -148,7 +148,7 @@ fn variant_name((method, setting): Variant) -> String {
 }
 
 impl AccuracyOptions {
-    /// What is run on a case.
+    /// The variants that are run on a case.
     fn variants(&self, case: &Case) -> Vec<Variant> {
         let mut variants: Vec<Variant> =
             self.methods.iter().map(|&method| (method, None)).collect();

@@ -32,11 +32,11 @@ const OVERLAPPING: Option<Target> = Some(Target {
 pub struct Case {
     /// Name on the command line and in tables.
     pub name: &'static str,
-    /// What it is, in a sentence.
+    /// The case, in a sentence.
     pub about: &'static str,
     /// Part of a quick run.
     pub quick: bool,
-    /// What must be reached; `None`: only the count of modes matters.
+    /// The accuracy that must be reached; `None`: only the count of modes matters.
     pub target: Option<Target>,
     make: fn() -> Result<Problem>,
 }

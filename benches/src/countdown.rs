@@ -1,4 +1,4 @@
-//! How far a long run is, and how long it may still take.
+//! Progress of a long run, and the time that it may still take.
 
 use std::time::Instant;
 

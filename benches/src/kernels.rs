@@ -20,13 +20,13 @@ const QUICK_S: f64 = 0.08;
 /// And so often at least.
 const LEAST_REPEATS: usize = 5;
 
-/// What a kernel does with matrices a and b.
+/// The work of a kernel on matrices a and b.
 type Work = fn(&BackEnd, &Array2<Complex64>, &Array2<Complex64>) -> f64;
 
 /// A kernel at one size.
 struct Kernel {
     name: &'static str,
-    /// What uses it, at this size.
+    /// The use of it, at this size.
     about: &'static str,
     /// Rows and columns of a, and columns of b.
     size: [usize; 3],
@@ -218,7 +218,7 @@ pub struct KernelRow {
     pub backend: &'static str,
     /// Rows × columns, and × columns of the other matrix.
     pub size: String,
-    /// What uses it.
+    /// The use of it.
     pub about: &'static str,
     /// Seconds: median, least, third quartile.
     pub time_s: [f64; 3],

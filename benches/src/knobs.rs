@@ -13,7 +13,7 @@ pub enum Setting {
     Order(i32),
     /// Data in single precision.
     Single,
-    /// What shapes may be while poles are refined.
+    /// Constraints on shapes while poles are refined.
     Shapes(ShapeModel),
     /// Columns of the count sketch.
     SketchColumns(usize),
@@ -50,7 +50,7 @@ pub(crate) struct Knob {
     /// For the legend.
     pub(crate) about: &'static str,
     pub(crate) settings: &'static [Setting],
-    /// Where the method stands among them unless told otherwise.
+    /// Position of the method among them unless told otherwise.
     pub(crate) as_it_is: f64,
 }
 

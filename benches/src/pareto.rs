@@ -47,9 +47,9 @@ pub fn front(points: &[Place]) -> Vec<bool> {
 pub(crate) struct Entry {
     /// Seconds, error.
     pub(crate) at: Place,
-    /// What stands beside the mark.
+    /// The text beside the mark.
     pub(crate) label: String,
-    /// What runs unless told otherwise.
+    /// True for what runs unless told otherwise.
     pub(crate) default: bool,
 }
 
@@ -356,8 +356,8 @@ fn window(values: impl Iterator<Item = f64>) -> [f64; 2] {
     [low / room, high * room]
 }
 
-/// Where the `labels` of `points` stand: beside their marks, clear of other names and
-/// marks and of `others` where there is room.
+/// Places of the `labels` of `points`: beside their marks, clear of other names and marks
+/// and of `others` where there is room.
 fn names(
     points: &[Place],
     others: &[Place],

@@ -3,7 +3,7 @@
 
 use chladni_frf::{Error, Result};
 
-/// What another tool made of a case.
+/// The result of another tool on a case.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PeerRow {
     /// Name of the case.

@@ -37,7 +37,7 @@ pub struct Match {
     pub mac: f64,
 }
 
-/// What a fit made of a problem.
+/// The result of a fit of a problem.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Score {
     /// One entry per in-band mode of the truth; `None`: missed.

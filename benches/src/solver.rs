@@ -5,7 +5,7 @@ use chladni_render::MethodChoice;
 use chladni_rfp::Method;
 use std::fmt;
 
-/// What a method does.
+/// The task of a method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Solver {
     /// From FRFs to modes.
@@ -37,7 +37,7 @@ impl Solver {
             .ok()
     }
 
-    /// What `fit` and `render` take unless told otherwise.
+    /// True for what `fit` and `render` take unless told otherwise.
     pub fn is_default(self) -> bool {
         self == Self::Identify(Method::default()) || self == Self::Render(MethodChoice::default())
     }

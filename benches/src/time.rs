@@ -30,7 +30,7 @@ const PROGRAM_MS: [f64; 2] = [10.0, 5.0];
 const AUTO_MS: f64 = 10.0;
 /// Length of the bursts, s.
 const BURST_S: f64 = 0.1;
-/// When they begin, s: room for what an inverse filter does before.
+/// Their beginning, s: room for what an inverse filter does before.
 const START_S: f64 = 0.25;
 /// Width of a picture, px.
 const WIDTH_PX: f64 = 720.0;

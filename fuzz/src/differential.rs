@@ -111,7 +111,7 @@ fn dofs(u: &mut Unstructured<'_>, count: usize) -> Result<Vec<Dof>> {
 /// Writes the set and reads it again; what a format cannot hold may be refused.
 ///
 /// # Panics
-/// Where what was read is not what was written.
+/// Content read that is not what was written.
 pub fn through(case: &Case, path: &Path) {
     let (extension, error) = FORMATS[case.format];
     let path = path.with_extension(extension);

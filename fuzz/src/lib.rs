@@ -1,4 +1,4 @@
-//! What every fuzz target does with its bytes: what the seeded mutations ask of a reader,
+//! The work of every fuzz target on its bytes: what the seeded mutations ask of a reader,
 //! on a file in memory.
 
 pub mod differential;
@@ -43,7 +43,7 @@ const SLOWEST: Duration = Duration::from_secs(1);
 /// on a busy machine any run may be held up.
 ///
 /// # Panics
-/// Where it hangs.
+/// A target that hangs.
 pub fn on_file(data: &[u8], extension: &str, target: impl Fn(&Path, &[u8])) {
     let path = FOLDER.join("input").with_extension(extension);
     in_time(|| target(&path, data));
@@ -52,7 +52,7 @@ pub fn on_file(data: &[u8], extension: &str, target: impl Fn(&Path, &[u8])) {
 /// Runs `work`, which has a second.
 ///
 /// # Panics
-/// Where it hangs.
+/// Work that hangs.
 pub fn in_time(work: impl FnOnce()) {
     LazyLock::force(&FOLDER);
     let started = ThreadTime::now();

@@ -1,4 +1,5 @@
-//! What an interrupted run left, with any head and any content: taken up, or refused.
+//! The state that an interrupted run left, with any head and any content: taken up, or
+//! refused.
 
 #[path = "../../crates/chladni-cli/src/streaming/resume.rs"]
 pub mod resume;

@@ -66,7 +66,7 @@ pub enum Profile {
     Text(String),
 }
 
-/// Where it is to be felt.
+/// The ground where it is to be felt.
 #[derive(Debug, Arbitrary)]
 pub enum Zones {
     /// Cells.

@@ -466,7 +466,7 @@ pub fn law(py: Python<'_>, name: Option<&str>) -> PyResult<Option<Damping>> {
     }
 }
 
-/// What shapes may be, by its name.
+/// The shape model of this name.
 pub fn shape_model(py: Python<'_>, name: &str) -> PyResult<ShapeModel> {
     name.parse()
         .map_err(|message: String| wrong_word(py, "shapes", name, &message))

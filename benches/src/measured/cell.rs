@@ -5,7 +5,7 @@ use chladni_frf::BlockWindow;
 /// Length of a record, s: lines 0.5 Hz apart.
 pub(super) const RECORD_S: f64 = 2.0;
 
-/// How the structure is excited.
+/// The excitation of the structure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MeasuredForce {
     /// Noise without beginning or end.
@@ -29,7 +29,7 @@ pub struct MeasuredCell {
     pub overlap: f64,
     /// Lines per half-power bandwidth of every mode.
     pub lines_per_bandwidth: f64,
-    /// How far the force drops at each resonance, dB.
+    /// Drop of the force at each resonance, dB.
     pub drop_db: f64,
     /// Noise of the force below it, dB.
     pub force_snr_db: f64,

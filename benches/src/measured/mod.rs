@@ -22,7 +22,7 @@ use chladni_frf::Result;
 use rayon::prelude::*;
 use std::sync::Mutex;
 
-/// What to run.
+/// Settings of the runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MeasuredOptions {
     /// Only every n-th cell.
@@ -36,13 +36,13 @@ pub struct MeasuredOptions {
 /// One test of a cell, fitted in one way.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredRow {
-    /// How it was measured.
+    /// Settings of its measurement.
     pub cell: MeasuredCell,
-    /// How it was estimated and fitted.
+    /// The way of estimating and fitting it.
     pub way: MeasuredWay,
     /// Of structure, force and noise.
     pub seed: u64,
-    /// What came of it.
+    /// The outcome.
     pub outcome: MeasuredOutcome,
 }
 

@@ -7,7 +7,7 @@ use chladni_rfp::{fit, FitOptions, Window};
 use chladni_signal::{estimate, EstimateOptions};
 use serde::{Deserialize, Serialize};
 
-/// How a test is estimated and fitted.
+/// The way of estimating and fitting a test.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum MeasuredWay {
     /// H1, and the fit knows from the set how it was made.

@@ -8,12 +8,12 @@ use crate::statistics::{mean, quantile, root_mean_square};
 /// deviations (√ln 20).
 const INTERVAL: [f64; 2] = [1.96, 1.731];
 
-/// What all tests of a cell came to in one way.
+/// The outcome of all tests of a cell in one way.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredSummary {
-    /// How it was measured.
+    /// Settings of its measurement.
     pub cell: MeasuredCell,
-    /// How it was estimated and fitted.
+    /// The way of estimating and fitting it.
     pub way: MeasuredWay,
     /// Tests.
     pub tests: usize,
@@ -29,8 +29,8 @@ pub struct MeasuredSummary {
     pub frequency_rmse: f64,
     /// Coverage of 95 % intervals: frequency, loss factor, shape.
     pub coverage: [f64; 3],
-    /// What one value in twenty exceeds, in standard deviations: frequency, loss factor,
-    /// shape.
+    /// Bounds that one value in twenty exceeds, in standard deviations: frequency, loss
+    /// factor, shape.
     pub one_in_twenty: [f64; 3],
 }
 

@@ -1,5 +1,5 @@
-//! What a stage cannot do without: the arithmetic and the memory traffic of its passes
-//! over all FRFs.
+//! The least work of a stage: the arithmetic and the memory traffic of its passes over
+//! all FRFs.
 
 /// Real operations of a complex multiply and add.
 const COMPLEX: f64 = 8.0;

@@ -1,5 +1,4 @@
-//! Where the time of a fit goes, stage by stage, against the floor measured in the same
-//! run.
+//! The time of a fit, stage by stage, against the floor measured in the same run.
 
 mod figures;
 mod floor;
@@ -164,7 +163,7 @@ impl ProfileSource {
     }
 }
 
-/// What to run.
+/// Settings of the run.
 #[derive(Debug, Clone)]
 pub struct ProfileOptions {
     /// Sets.

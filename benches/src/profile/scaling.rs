@@ -1,6 +1,6 @@
-//! How the time of a fit grows with FRFs, lines, modes and threads: exponents fitted over
-//! doublings of one of them. And what becomes of it where the panel is cut: less data must
-//! not cost more.
+//! Growth of the time of a fit with FRFs, lines, modes and threads: exponents fitted over
+//! doublings of one of them. And its change where the panel is cut: less data must not
+//! cost more.
 
 use crate::cases::panel;
 use crate::countdown::Countdown;
@@ -39,7 +39,7 @@ const QUICK_REPEATS: usize = 2;
 const CUTS: [usize; 5] = [1, 2, 4, 8, 16];
 /// Modes of the panel inside its band.
 const PANEL_MODES: usize = 34;
-/// What is cut: the axis, whether lines are, whether FRFs are.
+/// The cuts: the axis, whether lines are, whether FRFs are.
 const CUT_AXES: [(&str, bool, bool); 3] = [
     ("lines of the panel", true, false),
     ("FRFs of the panel", false, true),
@@ -49,7 +49,7 @@ const CUT_AXES: [(&str, bool, bool); 3] = [
 /// One time.
 #[derive(Debug, Clone)]
 pub struct ScalingRow {
-    /// What is varied: FRFs, lines, modes, threads, or what is left of the panel.
+    /// The quantity varied: FRFs, lines, modes, threads, or what is left of the panel.
     pub axis: &'static str,
     /// Its value.
     pub value: usize,
@@ -130,7 +130,7 @@ pub fn scaling(
     Ok(rows)
 }
 
-/// What a cut leaves of the panel, and how many lines, FRFs or values these are.
+/// The rest of the panel after a cut, and the number of its lines, FRFs or values.
 fn left(whole: &FrfSet, axis: &str, step: usize) -> (FrfSet, usize) {
     let (_, of_lines, of_frfs) = CUT_AXES
         .into_iter()

@@ -74,8 +74,8 @@ fn common_place<'a>(row: &SceneRow, rows: impl Iterator<Item = &'a SceneRow>) ->
     [mean(times.chain([row.drive.time_s[0]])), place(row)[1]]
 }
 
-/// Whether no other method beats a row on its scene in time and ground together; `None`
-/// where it turns a knob.
+/// True where no other method beats a row on its scene in time and ground together;
+/// `None` where it turns a knob.
 pub(crate) fn scenes_on_front(rows: &[SceneRow]) -> Vec<Option<bool>> {
     let takes_part = |row: &SceneRow| row.means.effort == Effort::default();
     let place = |row: &SceneRow| common_place(row, rows.iter());
@@ -228,7 +228,7 @@ fn means(rows: &[&SceneRow]) -> Option<Figure> {
     })
 }
 
-/// What is served, and what it costs over the cost with all means.
+/// Charts of what is served, and of its cost over the cost with all means.
 fn charts(name: &str, along: &[(f64, &SceneRow)]) -> [Chart; 2] {
     let curve = |value: &dyn Fn(&SceneRow) -> f64| {
         along

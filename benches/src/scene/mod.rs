@@ -40,7 +40,8 @@ const DRIFTS: u64 = 10;
 /// Repetitions of the clock for methods that take less than so long, s.
 const REPETITIONS: [(f64, usize); 3] = [(0.05, 5), (2.0, 3), (f64::INFINITY, 1)];
 
-/// How much of a model and of a panel a drive may use, and how long it is looked for.
+/// The part of a model and of a panel that a drive may use, and how long it is looked
+/// for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Means {
     /// Modes summed explicitly.
@@ -49,7 +50,7 @@ pub struct Means {
     pub actuators: Count,
     /// Residual terms of the model, the first so many; `None`: all.
     pub residual_terms: Option<usize>,
-    /// What is spent on the search.
+    /// Effort spent on the search.
     pub effort: Effort,
 }
 
@@ -64,7 +65,7 @@ impl Default for Means {
     }
 }
 
-/// What to run.
+/// Settings of the runs.
 #[derive(Debug, Clone)]
 pub struct SceneOptions {
     /// Scenes.
@@ -86,7 +87,7 @@ pub struct SceneRow {
     pub asked: MethodChoice,
     /// The means given.
     pub means: Means,
-    /// What came of it.
+    /// The outcome.
     pub drive: SceneDrive,
 }
 
@@ -125,7 +126,7 @@ pub struct SceneDrive {
     /// Largest force, N.
     #[serde(deserialize_with = "nan")]
     pub max_force_n: f64,
-    /// What physics allows, where it was proved, dB.
+    /// The limit of physics, where it was proved, dB.
     #[serde(deserialize_with = "nan")]
     pub possible_db: f64,
     /// Share of responses that silence serves.

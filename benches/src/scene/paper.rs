@@ -66,9 +66,10 @@ pub struct PaperRow {
     pub modes_of: PaperModes,
     /// Singular values left out of the two steps as one; `None`: one after the other.
     pub cut: Option<f64>,
-    /// What the drive is, and how the model judges it.
+    /// The drive, and the model's judgement of it.
     pub weights: Weights,
-    /// How the two steps do where no other mode than those that were summed moves.
+    /// Performance of the two steps where no other mode than those that were summed
+    /// moves.
     pub alone: Option<PointIndices>,
     /// Highest natural frequency among the modes that were summed, Hz.
     pub highest_hz: f64,

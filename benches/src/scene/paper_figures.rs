@@ -15,7 +15,7 @@ const WIDTH_PX: f64 = 760.0;
 const CHART_PX: f64 = 130.0;
 /// Success that the paper states, of its own rig.
 const STATED: f64 = 0.902;
-/// What shares are drawn over.
+/// Range of the axis of shares.
 const SHARES: [f64; 2] = [0.0, 1.04];
 
 /// Modal coefficients, actuator weightings, levels and fields of the first place with 34

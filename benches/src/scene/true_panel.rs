@@ -82,7 +82,7 @@ impl TruePanel {
         self.plate.loss_factors()
     }
 
-    /// What the drive serves on the plate as it is.
+    /// The shares that the drive serves on the plate as it is.
     pub(crate) fn free(
         &self,
         drive: &Array1<Complex64>,
@@ -97,7 +97,7 @@ impl TruePanel {
         )
     }
 
-    /// What it serves at the responses of `field`.
+    /// The shares that it serves at the responses of `field`.
     ///
     /// # Errors
     /// A response off the plate.

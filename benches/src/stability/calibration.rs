@@ -1,4 +1,4 @@
-//! Whether methods know when they fail, and whether their error bars hold.
+//! Tests whether methods know when they fail, and whether their error bars hold.
 
 use super::{Map, StabilityRow, Trial};
 use crate::solver::Solver;

@@ -254,7 +254,7 @@ fn announced_figure(calibrations: &[Calibration]) -> Option<Figure> {
     })
 }
 
-/// Where errors lie in their stated distributions.
+/// Ranks of errors in their stated distributions.
 fn ranks_figure(c: &Calibration) -> Figure {
     let expected = c.modes as f64 / c.frequency_ranks.len() as f64;
     // three standard deviations of a binomial count

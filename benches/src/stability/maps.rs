@@ -58,7 +58,7 @@ enum Make {
 pub struct Map {
     /// Name on the command line and in tables.
     pub name: &'static str,
-    /// What is turned, in a sentence.
+    /// The quantities turned, in a sentence.
     pub about: &'static str,
     /// Horizontal.
     pub x: MapAxis,

@@ -1,5 +1,5 @@
-//! Where methods fail, and whether they know it: maps over two things at a time, many
-//! seeds in each cell.
+//! The cases in which methods fail, and whether they know it: maps over two things at a
+//! time, many seeds in each cell.
 
 mod calibration;
 mod drives;
@@ -27,7 +27,7 @@ use rayon::prelude::*;
 /// stand, not how often they fail.
 const FEWER_SEEDS: usize = 4;
 
-/// What to run.
+/// Settings of the runs.
 #[derive(Debug, Clone)]
 pub struct StabilityOptions {
     /// Maps.
@@ -152,7 +152,7 @@ impl StabilityRow {
             .filter(|(_, trial)| trial.wrong() && !trial.announced())
     }
 
-    /// What was measured with this seed, and its truth; `None` for drives.
+    /// The measurement with this seed, and its truth; `None` for drives.
     ///
     /// # Errors
     /// None for the maps of this crate.

@@ -36,13 +36,13 @@ pub(crate) struct Measured {
     pub(crate) frf: FrfSet,
     /// Its truth.
     pub(crate) problem: Problem,
-    /// How it is to be fitted; the method is put in later.
+    /// The options of its fit; the method is put in later.
     pub(crate) options: FitOptions,
     /// White noise is all that stands between data and model, so that bounds hold.
     pub(crate) bounded: bool,
 }
 
-/// What came of one try.
+/// The outcome of one try.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Trial {
     /// True modes that were found; of a drive: 1 where it serves.
@@ -215,9 +215,9 @@ impl Trial {
     }
 }
 
-/// How far a mode stands out of the noise, in standard deviations: the part of its FRFs
-/// that neither the other modes, with their poles free to move, nor residual terms can
-/// take over. Infinite without noise.
+/// Level of a mode above the noise, in standard deviations: the part of its FRFs that
+/// neither the other modes, with their poles free to move, nor residual terms can take
+/// over. Infinite without noise.
 fn evidence(problem: &Problem, mode: &Mode) -> f64 {
     let omega: Vec<f64> = problem.clean.frequency_hz.iter().map(|f| TAU * f).collect();
     let kind: Vec<Complex64> = omega

@@ -160,7 +160,7 @@ pub fn fitted_csv(rows: &[FittedRow]) -> String {
     table(&title, &header, rows.iter().map(line))
 }
 
-/// What the rows say.
+/// The verdict of the rows.
 pub fn fitted_verdict(rows: &[FittedRow]) -> String {
     let mut lines = Vec::new();
     for row in rows.iter().filter(|row| row.drift_seed == 0) {

@@ -9,10 +9,10 @@ const STREAM: u64 = 1;
 /// Most values of a set: above, responses are left out.
 const MOST_VALUES: usize = 1_500_000;
 
-/// How far the draws go.
+/// Range of the draws.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Difficulty {
-    /// What an unspoilt measurement of any linear structure may be.
+    /// Properties that an unspoilt measurement of any linear structure may have.
     Calm,
     /// Everything that may be wrong or too much, several at a time.
     Hard,
@@ -31,9 +31,9 @@ impl Difficulty {
 /// The structure and its measurement, as drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Draw {
-    /// What it was drawn from.
+    /// The seed that it was drawn from.
     pub seed: u64,
-    /// How far the draws go.
+    /// Range of the draws.
     pub difficulty: Difficulty,
     /// Damping law.
     pub law: Damping,
@@ -103,7 +103,7 @@ impl Draw {
         }
     }
 
-    /// What both have in common.
+    /// The common part of both.
     fn calm(seed: u64, random: &mut Random) -> Self {
         let modes = random.count([3, 24]);
         let lines_per_bandwidth = random.spread([3.0, 12.0]);

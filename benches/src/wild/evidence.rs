@@ -1,4 +1,4 @@
-//! How much a measurement shows of one mode: what a fit without it would leave.
+//! Evidence of one mode in a measurement: what a fit without it would leave.
 
 use super::measurement::Measurement;
 use chladni_frf::{Damping, Mode};
@@ -11,8 +11,9 @@ use std::f64::consts::TAU;
 const POWERS: [i32; 4] = [-2, 0, 2, 4];
 /// Modes farther away than this many bandwidths cannot take over any of it.
 const NEAR_BANDWIDTHS: f64 = 30.0;
-/// What a mode must take out of the residual of M FRFs, in units of their noise beyond
-/// M: that of (8) of theory.md, twice, so that chance does not decide what is hidden.
+/// The part that a mode must take out of the residual of M FRFs, in units of their noise
+/// beyond M: that of (8) of theory.md, twice, so that chance does not decide what is
+/// hidden.
 const CERTAINTY: f64 = 2.0;
 
 /// Energy of the mode `k` of the truth that neither its neighbours, with their poles free

@@ -99,8 +99,8 @@ fn mean_square(mode: &Mode) -> f64 {
     sum / mode.shape.0.len() as f64
 }
 
-/// What a residue and its conjugate multiply, line by line; `moved`: shift of the natural
-/// frequency in half-bandwidths.
+/// The columns that a residue and its conjugate multiply, line by line; `moved`: shift of
+/// the natural frequency in half-bandwidths.
 fn lines(
     mode: &Mode,
     moved: f64,
@@ -160,7 +160,7 @@ fn noise(draw: &Draw, values: &mut Array3<Complex64>) -> Vec<f64> {
     variance
 }
 
-/// What else the draw asks for.
+/// Adds the other faults that the draw asks for.
 fn faults(
     draw: &Draw,
     truth: &ModalModel,

@@ -24,10 +24,10 @@ use chladni_frf::{FrfSet, ModalModel, Result};
 use rayon::prelude::*;
 use std::sync::Mutex;
 
-/// What to run.
+/// Settings of the runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct WildOptions {
-    /// How far the draws go.
+    /// Range of the draws.
     pub difficulty: Difficulty,
     /// Number of structures.
     pub seeds: usize,

@@ -28,7 +28,7 @@ const ASIDE: [&str; 4] = [
     "unscaled",
 ];
 
-/// What came of one seed.
+/// The outcome of one seed.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
     /// True modes of the band that were found.
@@ -164,7 +164,7 @@ impl Outcome {
         !self.exact() && !self.announced
     }
 
-    /// Why there is no result.
+    /// The reason that there is no result.
     pub fn failure(&self) -> Option<&str> {
         self.internal.as_deref().or(self.refused.as_deref())
     }

@@ -1,4 +1,4 @@
-//! What the seeds come to, beside what is asked for.
+//! The outcome of the seeds, beside what is asked for.
 
 use super::{Difficulty, WildRow};
 use chladni_frf::Damping;
@@ -11,11 +11,11 @@ const CHI2: [f64; 2] = [0.97, 1.05];
 /// One number and its goal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Criterion {
-    /// What is counted.
+    /// The quantity that is counted.
     pub name: &'static str,
     /// Out of how many.
     pub of: usize,
-    /// How many.
+    /// Number of those.
     pub count: usize,
     /// Least and largest share that the project asks for.
     pub goal: [f64; 2],

@@ -72,7 +72,7 @@ type Property = (&'static str, fn(&Draw) -> f64);
 /// A number of an outcome.
 type Count = (&'static str, fn(&WildOutcome) -> f64);
 
-/// What is drawn beside what stands in [`OUTCOME`].
+/// The properties drawn, beside what stands in [`OUTCOME`].
 pub(super) const PROPERTIES: [Property; 22] = [
     ("lines", |draw| draw.lines() as f64),
     ("overlap", |draw| draw.bandwidth_hz() / draw.spacing_hz()),

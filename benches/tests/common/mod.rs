@@ -8,7 +8,7 @@ use tempfile::TempDir;
 /// A folder that is gone after the test.
 pub struct Folder(TempDir);
 
-/// How a run ended.
+/// Exit code and output of a run.
 pub struct Run {
     code: i32,
     stdout: String,
@@ -16,7 +16,7 @@ pub struct Run {
 }
 
 impl Run {
-    /// What a process that has ended left.
+    /// Exit code and output of a process that has ended.
     pub fn of(output: std::process::Output) -> Self {
         let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
         Self {

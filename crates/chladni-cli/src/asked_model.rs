@@ -1,4 +1,4 @@
-//! What the model may be: the arguments that `fit` and `block solve` share.
+//! Constraints on the model: the arguments that `fit` and `block solve` share.
 
 use chladni_frf::Damping;
 use chladni_rfp::{FitOptions, ShapeModel};

@@ -371,7 +371,7 @@ impl Args {
     }
 }
 
-/// Why a model is not to be trusted.
+/// The reason that a model is not to be trusted.
 pub fn distrust(model: &ModalModel) -> String {
     let reason = match model.in_band_modes().any(|mode| mode.trust == Trust::Sure) {
         true => "the data as a whole contradict the model, see above",
@@ -397,7 +397,7 @@ fn whole(model: &ModalModel) -> Result<Value> {
     Ok(value)
 }
 
-/// What fits on a screen: the model without shapes and residual terms.
+/// The part that fits on a screen: the model without shapes and residual terms.
 pub fn summary(model: &ModalModel, output: &Path) -> Result<Value> {
     let mut value = value_of(model)?;
     for mode in value["modes"]

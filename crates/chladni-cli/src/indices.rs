@@ -1,4 +1,4 @@
-//! How well weights do, as a table.
+//! Performance of weights, as a table.
 
 use chladni_console::table::{significant, table};
 use chladni_render::{FrequencySweep, Indices, StressRow, SweptFrequency, Weights};
@@ -67,7 +67,7 @@ pub fn weights_table(weights: &Weights) -> String {
     table(&["reference", &amplitude, "phase, deg"], &rows)
 }
 
-/// What becomes of the weights when the panel is not the model.
+/// Performance of the weights when the panel is not the model.
 pub fn stress_table(rows: &[StressRow]) -> String {
     let cells = rows.iter().map(|row| {
         let shares = [

@@ -79,7 +79,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     Ok(Outcome::shown(json, text).doubted(doubt))
 }
 
-/// What is known of one file.
+/// The information on one file.
 struct Listing {
     file: PathBuf,
     format: Option<FileFormat>,

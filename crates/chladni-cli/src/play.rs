@@ -87,7 +87,7 @@ pub struct Args {
     charts: Option<PathBuf>,
 }
 
-/// What a sample of 1 means; `None`: a round number above the peak.
+/// Value of a sample of 1; `None`: a round number above the peak.
 #[derive(Debug, Clone, Copy)]
 struct FullScale(Option<f64>);
 
@@ -271,7 +271,7 @@ fn summary(
     })
 }
 
-/// What the file holds, in words.
+/// The content of the file, in words.
 fn signal_line(played: &Played, signal: &Signal, args: &Args) -> String {
     let scales = signal
         .sidecar

@@ -315,7 +315,7 @@ pub fn of_scene(error: Error, scene: &Scene) -> Error {
     }
 }
 
-/// What weights go through beside the scene itself.
+/// Trials of weights beside the scene itself.
 pub struct Trials {
     /// Seed of the stress table; `None`: no table.
     pub stress_seed: Option<u64>,
@@ -398,7 +398,7 @@ fn value_of(weights: &Weights) -> Result<Value> {
     })
 }
 
-/// What fits on a screen: everything but the weights themselves.
+/// The part that fits on a screen: everything but the weights themselves.
 fn summary(weights: &Weights, output: &Path) -> Result<Value> {
     let mut summary = Map::from_iter([("output".to_owned(), json!(output.display().to_string()))]);
     if let Value::Object(fields) = value_of(weights)? {

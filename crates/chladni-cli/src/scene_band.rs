@@ -9,9 +9,9 @@ use chladni_rfp::{FitOptions, Method};
 use num_complex::Complex64;
 use std::path::Path;
 
-/// How many left-out modes a message lists.
+/// Number of left-out modes that a message lists.
 const MODES_SHOWN: usize = 6;
-/// How many tones.
+/// Number of tones.
 const TONES_SHOWN: usize = 4;
 
 /// A scene and the band that it needs.
@@ -62,8 +62,8 @@ impl SceneBand {
         self.needed.band_hz
     }
 
-    /// What was left out, what that costs by the proven remainder, and what the model
-    /// then misses of the measured line.
+    /// Tells what was left out, what that costs by the proven remainder, and what the
+    /// model then misses of the measured line.
     pub fn said(&self, model: &ModalModel, frf: &FrfSet) -> String {
         let NeededBand {
             band_hz: [low, high],

@@ -151,7 +151,7 @@ fn again(mut model: ModalModel, before: &ModalModel, options: &FitOptions) -> Mo
 /// A mode is the one that was seen where it lies so near, part of its frequency.
 const AS_SEEN: f64 = 0.05;
 
-/// What became of a mode that was added at `hz`.
+/// The outcome of a mode that was added at `hz`.
 fn become_of(model: &ModalModel, hz: f64) -> String {
     let near = model
         .modes

@@ -8,7 +8,7 @@ use chladni_render::{SampleFormat, Signal};
 use chladni_text::door::Claim;
 use std::path::{Path, PathBuf};
 
-/// Where a signal goes.
+/// Destination of a signal.
 pub struct SignalFiles {
     path: PathBuf,
     /// Of a sound file.

@@ -1,4 +1,4 @@
-//! How ground does in time, for people.
+//! Performance of ground in time, for people.
 
 use chladni_console::table::table;
 use chladni_render::{TimeIndices, TimeMeasure, TimeStressRow};

@@ -3,8 +3,8 @@
 use chladni_frf::{ModalModel, Mode};
 use chladni_rfp::mac;
 
-/// What a fit of the built-in panel (40 dB) must reach; its actual errors are a hundred
-/// times smaller, so that what lies beyond is a fault and not the noise.
+/// The accuracy that a fit of the built-in panel (40 dB) must reach; its actual errors
+/// are a hundred times smaller, so that what lies beyond is a fault and not the noise.
 const FREQUENCY_ERROR: f64 = 1e-4;
 /// The same for loss factors.
 const LOSS_FACTOR_ERROR: f64 = 1e-2;
@@ -82,7 +82,7 @@ impl Comparison {
         }
     }
 
-    /// What is wrong, if anything.
+    /// The fault, if any.
     pub fn complaint(&self) -> Option<String> {
         let worst = |errors: &[f64]| errors.last().copied().unwrap_or(f64::INFINITY);
         let checks = [

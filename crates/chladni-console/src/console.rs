@@ -1,4 +1,4 @@
-//! What is said on stderr while a command runs: stages, warnings, notes.
+//! Messages on stderr while a command runs: stages, warnings, notes.
 
 use crate::args::Common;
 use crate::progress::Progress;
@@ -48,7 +48,7 @@ impl Console {
         self.progress.stage(name);
     }
 
-    /// How far the stage is, 0 to 1, and how long it will still take.
+    /// Tells how far the stage is, 0 to 1, and how long it will still take.
     pub fn so_far(&self, done: f64, left: std::time::Duration) {
         self.progress.so_far(done, left);
     }

@@ -290,7 +290,7 @@ pub fn warn_of_files(files: &[PathBuf], findings: Vec<Finding>, console: &Consol
     }
 }
 
-/// What is said of several files in the same words is said once, with their number.
+/// Findings of several files in the same words, told once with their number.
 fn told_once(files: &[PathBuf], findings: Vec<Finding>) -> Vec<Finding> {
     let names: HashSet<String> = files
         .iter()

@@ -1,5 +1,5 @@
-//! What the programs of Chladni share: options, messages, progress, outputs that are
-//! refused before the work, and exit codes.
+//! The common part of the programs of Chladni: options, messages, progress, outputs that
+//! are refused before the work, and exit codes.
 
 mod args;
 mod console;

@@ -1,4 +1,4 @@
-//! How much memory a command may take.
+//! Memory that a command may take.
 
 /// Default of `--memory`.
 pub const MEMORY: &str = "2G";

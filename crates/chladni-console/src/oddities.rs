@@ -1,5 +1,5 @@
-//! What is odd about a set of FRFs although every number in it can be read. What only a
-//! fit can tell is in `chladni-rfp` (faults).
+//! Oddities of a set of FRFs although every number in it can be read. What only a fit can
+//! tell is in `chladni-rfp` (faults).
 
 use crate::table::counted;
 use chladni_frf::{driving_point_faults, Dof, Finding, FrfSet};
@@ -22,7 +22,7 @@ pub fn of_set(frf: &FrfSet) -> Vec<Finding> {
         .collect()
 }
 
-/// What may well be meant, and how to tell: for who asks what is inside.
+/// Findings on what may well be meant, and how to tell: for who asks what is inside.
 pub fn of_listing(frf: &FrfSet) -> Vec<Finding> {
     let (responses, references) = (frf.responses.len(), frf.references.len());
     let swapped = (references > responses).then(|| {

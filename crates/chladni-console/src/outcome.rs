@@ -1,4 +1,4 @@
-//! How a run ends: the result on stdout, or an error; and the exit status.
+//! The end of a run: the result on stdout, or an error; and the exit status.
 
 use crate::console::{for_terminal, Console};
 use crate::settings::error_with_options;
@@ -12,15 +12,15 @@ use std::process::ExitCode;
 /// Exit status of a result that was written, and failed a quality gate.
 const DOUBTED: u8 = 1;
 
-/// What a command hands over.
+/// The outcome of a command.
 pub struct Outcome {
     /// One JSON object, printed with `--json`.
     pub json: Value,
-    /// What people read, printed without it.
+    /// Text for people, printed without it.
     pub text: String,
     /// The file that holds the result; with `-q` its summary is not printed.
     pub output: Option<PathBuf>,
-    /// Why the result cannot be trusted (exit 1).
+    /// The reason that the result cannot be trusted (exit 1).
     pub doubt: Option<String>,
     /// The command that comes next, where there is one to propose.
     pub next: Option<String>,

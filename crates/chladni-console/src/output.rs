@@ -1,4 +1,4 @@
-//! Where results go: refused before the work where they could not be written after it.
+//! Places of results: refused before the work where they could not be written after it.
 
 use crate::console::Console;
 use crate::interrupt::unbroken;

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 /// Of a sum of shares, tenths.
 const ROUNDING: f64 = 1e-6;
-/// How often the bar moves.
+/// Time between two moves of the bar.
 const TICK: Duration = Duration::from_millis(100);
 
 /// The display, and the time that each stage took.
@@ -68,8 +68,8 @@ impl Progress {
         }
     }
 
-    /// How far the stage is, 0 to 1, and how long it will still take; without a bar it is
-    /// said at every tenth.
+    /// Shows how far the stage is, 0 to 1, and how long it will still take; without a bar
+    /// it is said at every tenth.
     pub fn so_far(&self, done: f64, left: Duration) {
         let mut course = self.course();
         let stage = course.stages.last().map_or("", |(name, _)| name.as_str());

@@ -46,7 +46,7 @@ pub fn as_options(text: &str) -> String {
     out + rest
 }
 
-/// What stands before the next words in backticks, these, and what follows.
+/// The text before the next words in backticks, these, and what follows.
 fn next_quoted(text: &str) -> Option<(&str, &str, &str)> {
     let (before, rest) = text.split_once('`')?;
     let (quoted, after) = rest.split_once('`')?;

@@ -1,4 +1,4 @@
-//! What goes to stdout: the result, or the error object of the contract.
+//! The content of stdout: the result, or the error object of the contract.
 
 use chladni_frf::{Error, ErrorKind, Result};
 use serde_json::json;

@@ -16,7 +16,7 @@ pub fn asks_for_json(args: impl Iterator<Item = OsString>) -> bool {
         .any(|arg| arg == "--json")
 }
 
-/// Why there is nothing to run.
+/// The reason that there is nothing to run.
 pub enum Answer {
     /// Help, version, or arguments that are not understood.
     Clap(clap::Error),
@@ -207,7 +207,7 @@ fn split_argument(argument: &str) -> (Option<String>, Option<String>) {
     }
 }
 
-/// What a placeholder of one letter stands for.
+/// The meaning of a placeholder of one letter.
 fn in_words(placeholder: &str) -> &str {
     match placeholder {
         "N" | "S" => "a whole number",

@@ -1,4 +1,4 @@
-//! What physics says of an FRF measured where it is driven: kind, sign, time sign and the
+//! Physical checks of an FRF measured where it is driven: kind, sign, time sign and the
 //! size of its unit, before any fit.
 //!
 //! A passive structure takes power in: with e^{+jωt}, Re Y ≥ 0 of the mobility Y at every

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// Result of everything that reads or writes a user's files.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// What kind of failure it is; decides the exit code of the command line.
+/// The kind of failure; decides the exit code of the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ErrorKind {
@@ -76,7 +76,7 @@ impl ErrorKind {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Error {
-    /// What kind of failure.
+    /// The kind of failure.
     pub kind: ErrorKind,
     /// One sentence that says what happened.
     pub message: String,
@@ -90,11 +90,11 @@ pub struct Error {
     pub byte: Option<u64>,
     /// Name of the field, column, key or record.
     pub field: Option<String>,
-    /// What stood there.
+    /// The content found there.
     pub found: Option<String>,
-    /// What must stand there.
+    /// The content expected there.
     pub expected: Option<String>,
-    /// What to do about it.
+    /// Advice on what to do about it.
     pub help: Option<String>,
 }
 

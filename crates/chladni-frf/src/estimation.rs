@@ -1,4 +1,4 @@
-//! How a set of FRFs was estimated from time records.
+//! Estimation of a set of FRFs from time records.
 
 use std::fmt;
 use std::str::FromStr;
@@ -153,8 +153,8 @@ impl Forcing {
     }
 }
 
-/// What was done to time records to make FRFs of them. The variance of each value stands
-/// beside the values.
+/// The processing of time records into FRFs. The variance of each value stands beside the
+/// values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimation {
     /// Estimator.
@@ -177,7 +177,8 @@ pub struct Estimation {
 }
 
 impl Estimation {
-    /// What is said of two sets at once; `None` where they differ in more than averages.
+    /// The estimation of two sets at once; `None` where they differ in more than
+    /// averages.
     pub fn joined(self, other: Self) -> Option<Self> {
         let averages = [
             self.averages[0].min(other.averages[0]),

@@ -83,7 +83,7 @@ pub struct FrfSet {
     /// E|δH|² of each value, in its units squared, same axes; NaN where not known.
     /// Written by `estimate`.
     pub variance: Option<Array3<f64>>,
-    /// How the values were estimated from time records, where that is known.
+    /// The estimation of the values from time records, where that is known.
     pub estimation: Option<Estimation>,
     /// Nodes, where the file has them.
     pub geometry: Geometry,

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
 
-/// What is measured per unit of the reference. Velocity per volt is [`FrfKind::Mobility`]
-/// with [`ReferenceUnit::Volt`].
+/// The quantity measured per unit of the reference. Velocity per volt is
+/// [`FrfKind::Mobility`] with [`ReferenceUnit::Volt`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum FrfKind {

@@ -1,5 +1,5 @@
-//! What a measurement is, and what a modal model is: the data types that every other
-//! crate speaks.
+//! The data types that every other crate speaks: what a measurement is, and what a modal
+//! model is.
 //!
 //! The way of the data starts here: a file becomes an [`FrfSet`] (measured FRFs with
 //! axes, DOFs, kind and geometry), and the fit of `chladni-rfp` turns that into a

@@ -108,7 +108,7 @@ pub enum Damping {
     Viscous,
 }
 
-/// How the shapes are scaled.
+/// Scaling of the shapes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Scaling {
@@ -118,7 +118,7 @@ pub enum Scaling {
     Unscaled,
 }
 
-/// How far a mode can be trusted.
+/// Degree of trust in a mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Trust {
@@ -148,7 +148,7 @@ pub struct Mode {
     pub in_band: bool,
     /// Grade.
     pub trust: Trust,
-    /// Why not `sure`.
+    /// The reasons that it is not `sure`.
     #[serde(flatten)]
     pub reasons: Reasons,
     /// Modal phase collinearity of the shape, 0..=1 (1: real).
@@ -219,7 +219,7 @@ pub struct ResidualTerms {
     pub terms: Vec<ResidualTerm>,
 }
 
-/// How well the model explains its data.
+/// Quality with which the model explains its data.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(from = "QualityFields", into = "QualityFields")]
 pub struct Quality {
@@ -231,7 +231,7 @@ pub struct Quality {
     pub trusted: bool,
     /// Everything the user should know, in the order it was found.
     pub findings: Vec<Finding>,
-    /// Which path found the modes, and why; absent for hand-made models.
+    /// The path that found the modes, and the reason for it; absent for hand-made models.
     pub path: Option<String>,
 }
 
@@ -319,7 +319,7 @@ pub struct ModalModel {
     pub responses: Vec<Dof>,
     /// Reference DOFs.
     pub references: Vec<Dof>,
-    /// Where the nodes are.
+    /// Positions of the nodes.
     pub nodes: Vec<Node>,
     /// Trace lines of the measured structure, node labels; for pictures.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -327,7 +327,7 @@ pub struct ModalModel {
     /// Faces of the measured structure, node labels; for pictures.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub faces: Vec<Vec<u64>>,
-    /// What ran.
+    /// The method that ran.
     pub method: String,
     /// Modes and out-of-band poles, by rising frequency.
     pub modes: Vec<Mode>,

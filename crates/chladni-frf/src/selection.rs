@@ -18,7 +18,7 @@ const SAME_MODE: f64 = 1.0;
 /// frequency that a reader's eye may be off.
 const AS_SEEN: (f64, f64) = (4.0, 5e-3);
 
-/// Which modes of a model stay, and which are to be added to it.
+/// The modes of a model that stay, and those to be added to it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Selection {
     keep: bool,

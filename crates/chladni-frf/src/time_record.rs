@@ -3,7 +3,7 @@
 use crate::{Dof, FrfKind};
 use std::path::PathBuf;
 
-/// What a channel measures.
+/// The quantity that a channel measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SignalUnit {
     /// Force, N.
@@ -47,9 +47,9 @@ impl SignalUnit {
 /// One signal of a run, in SI.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
-    /// Where it was measured.
+    /// The DOF where it was measured.
     pub dof: Dof,
-    /// What it measures.
+    /// The quantity that it measures.
     pub unit: SignalUnit,
     /// A force or voltage that excites.
     pub is_reference: bool,

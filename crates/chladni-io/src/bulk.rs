@@ -8,8 +8,8 @@ use std::path::Path;
 
 /// Bytes read at a time: less, and the disk waits for the next request.
 const STRETCH: usize = 1 << 20;
-/// What places in memory and in the file are multiples of. A disk that asks for more
-/// refuses, and is read the usual way.
+/// Alignment of places in memory and in the file. A disk that asks for more refuses, and
+/// is read the usual way.
 #[cfg(target_os = "linux")]
 const ALIGNMENT: usize = 4096;
 

@@ -205,8 +205,8 @@ impl Drop for Turn<'_> {
     }
 }
 
-/// What tells an input from another of the same name: when it was changed, or of a pipe
-/// what it gave. And its number of bytes.
+/// A stamp that tells an input from another of the same name: when it was changed, or of
+/// a pipe what it gave. And its number of bytes.
 ///
 /// # Errors
 /// As [`place_of`].

@@ -4,7 +4,7 @@ use super::paths::{shortened, NAMES_LISTED};
 use super::{DatasetInfo, Document, Function, Shape};
 use chladni_frf::{Finding, FrfSet, Geometry, Source};
 
-/// What the files of one command hold together.
+/// The content of the files of one command together.
 #[derive(Debug, Clone, Default)]
 pub struct Contents {
     /// All FRFs, where there are any.
@@ -33,7 +33,7 @@ impl Contents {
     }
 }
 
-/// What a document holds and cannot hand on, alike datasets in one sentence.
+/// The content of a document that it cannot hand on, alike datasets in one sentence.
 pub(super) fn not_carried(document: &Document) -> Vec<String> {
     let file = document.file.display();
     let mut numbered: Vec<(&DatasetInfo, usize)> = Vec::new();

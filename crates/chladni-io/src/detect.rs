@@ -14,12 +14,12 @@ use std::path::Path;
 /// First eight bytes of every HDF5 file, at offset 0, 512, 1024, 2048, ... (a user block
 /// may stand before them).
 const HDF5_SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
-/// How much of a file decides whether it is text: analysers' headers are shorter.
+/// The bytes of a file that decide whether it is text: analysers' headers are shorter.
 const HEAD_BYTES: usize = 4096;
-/// How much of a text shows whether it is a table: longer than any header with the first
-/// rows.
+/// The bytes of a text that show whether it is a table: longer than any header with the
+/// first rows.
 const TABLE_HEAD_BYTES: u64 = 1 << 20;
-/// What can be read, for messages.
+/// The formats that can be read, for messages.
 const KNOWN: &str =
     "a universal file, HDF5, MATLAB, NumPy, a text table, WAV, or a model or weights as JSON";
 /// Value of `format` in a weights file.
@@ -92,8 +92,8 @@ pub fn detect_format(file: &Path) -> Result<FileFormat> {
     Ok(FileFormat::Csv)
 }
 
-/// Why no reader knows `file`, in words; `None` where one does. For files that nobody
-/// named: those of a folder.
+/// The reason that no reader knows `file`, in words; `None` where one does. For files
+/// that nobody named: those of a folder.
 ///
 /// # Errors
 /// Those of reading.
@@ -184,7 +184,7 @@ fn foreign_binary(head: &[u8]) -> Option<Error> {
     })?
 }
 
-/// What follows a byte-order mark and blanks.
+/// The text after a byte-order mark and blanks.
 fn text_start(bytes: &[u8]) -> &[u8] {
     bytes
         .strip_prefix(b"\xef\xbb\xbf")

@@ -1,4 +1,4 @@
-//! What a reader hands over: everything found in one file, FRF or not.
+//! The result of a reader: everything found in one file, FRF or not.
 
 use super::Shape;
 use chladni_frf::{Direction, Dof, Error, Finding, FrfKind, FrfSet, Geometry, ReferenceUnit};
@@ -49,7 +49,7 @@ pub struct Document {
     pub shapes: Vec<Shape>,
     /// Errors of damaged datasets; `info` lists them, everything else stops at the first.
     pub errors: Vec<Error>,
-    /// What is odd about the file.
+    /// Oddities of the file.
     pub warnings: Vec<Finding>,
 }
 
@@ -207,7 +207,7 @@ pub struct Function {
     pub abscissa_to_si: f64,
     /// Line of the dataset in the file, counted from 1.
     pub line: u64,
-    /// What is odd about it.
+    /// Oddities of it.
     pub warnings: Vec<Finding>,
 }
 
@@ -255,7 +255,7 @@ impl Function {
     }
 }
 
-/// How FRFs are to be read: the options common to all commands.
+/// Settings of reading FRFs: the options common to all commands.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ReadOptions {
     /// `--frf-kind`: needed where the file does not say.
@@ -285,7 +285,7 @@ pub struct ReadOptions {
     pub lenient: bool,
 }
 
-/// What to do with a (response, reference) pair that occurs twice.
+/// The treatment of a (response, reference) pair that occurs twice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Duplicates {
     /// Refuse.

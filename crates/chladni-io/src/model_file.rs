@@ -131,8 +131,8 @@ fn check_version(version: u32) -> Result<()> {
         .help("read it with the program that wrote it, or fit the model again"))
 }
 
-/// What every model keeps: format, version, array sizes that agree with the DOFs, numbers
-/// that a panel can have.
+/// Checks what every model keeps: format, version, array sizes that agree with the DOFs,
+/// numbers that a panel can have.
 fn check(model: &ModalModel) -> Result<()> {
     if model.format != MODEL_FORMAT {
         return Err(Error::bad_data("not a modal model")

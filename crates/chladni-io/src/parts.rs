@@ -33,7 +33,7 @@ struct Parted {
     units: Range<usize>,
 }
 
-/// Where a file can be cut.
+/// Places at which a file can be cut.
 #[derive(Debug, Clone)]
 enum Cut {
     /// Nowhere.
@@ -47,7 +47,7 @@ enum Cut {
     },
 }
 
-/// What is read at a time.
+/// The part that is read at a time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {
     file: usize,

@@ -51,8 +51,8 @@ impl PhaseUnit {
         }
     }
 
-    /// What phases without a unit must be, by their size; `None` where they may be
-    /// either. Zeros are the same in both.
+    /// The unit of phases that give none, by their size; `None` where they may be either.
+    /// Zeros are the same in both.
     pub(super) fn by_size(phases: impl IntoIterator<Item = f64>) -> Option<Self> {
         let largest = phases
             .into_iter()

@@ -8,7 +8,7 @@ const TIME: i32 = 1;
 /// Relative difference of two steps that counts as rounding of printed digits.
 const STEP_TOLERANCE: f64 = 1e-4;
 
-/// What the user says about the channels of each file, in their order.
+/// The user's settings of the channels of each file, in their order.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ChannelOverride {
     /// DOFs; empty: as in the file.
@@ -103,8 +103,8 @@ pub fn runs_of(document: &Document, said: &ChannelOverride) -> Result<Vec<Run>> 
     Ok(runs)
 }
 
-/// What the channel of a record measures: by quantity code of dataset 58, then by unit
-/// label.
+/// The unit that the channel of a record measures: by quantity code of dataset 58, then
+/// by unit label.
 fn unit_of(function: &Function) -> SignalUnit {
     let axis = &function.axes[1];
     match axis.quantity {

@@ -107,7 +107,7 @@ fn needed<'a>(path: &Path, frf: Option<&'a FrfSet>, format: &str) -> Result<&'a 
     })
 }
 
-/// What a format of FRFs alone cannot hold.
+/// Findings on what a format of FRFs alone cannot hold.
 fn left_out(format: &str, set: &FrfSet, contents: &Contents) -> Vec<Finding> {
     let mut lost = Vec::new();
     if !set.geometry.nodes.is_empty() {

@@ -11,7 +11,7 @@ pub const TRANSLATION: usize = 3;
 /// user-defined results.
 pub(super) const MOST_COMPONENTS: usize = 64;
 
-/// What the values belong to; the codes of datasets 55 and 2414.
+/// The analysis that the values belong to; the codes of datasets 55 and 2414.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Analysis {
     /// 1: one load, at rest.
@@ -110,7 +110,7 @@ pub struct ShapeNumbers {
     pub modal_b: Complex64,
 }
 
-/// Where a shape comes from, and how it is written again.
+/// The origin of a shape, and the form in which it is written again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ShapeForm {
     /// Dataset 55: a node that is left out is at rest.
@@ -131,7 +131,7 @@ pub struct Shape {
     pub id_lines: [String; 5],
     /// Model type: 1 structural.
     pub model_type: i64,
-    /// What it is.
+    /// The analysis that it belongs to.
     pub analysis: Analysis,
     /// Data characteristic: 1 scalar, 2 three translations, 3 translations and rotations,
     /// 4 and 5 tensors.
@@ -140,7 +140,7 @@ pub struct Shape {
     pub quantity: i64,
     /// Reference of measured data, where the file names one (ID line 5 of dataset 55).
     pub reference: Option<Dof>,
-    /// Which mode, frequency or instant.
+    /// Numbers of its mode, frequency or instant.
     pub numbers: ShapeNumbers,
     /// False: real values, imaginary parts are 0.
     pub complex: bool,
@@ -152,7 +152,7 @@ pub struct Shape {
     pub scale_to_si: f64,
     /// Line of the dataset in the file, counted from 1; 0 in other formats.
     pub line: u64,
-    /// What is odd about it.
+    /// Oddities of it.
     pub warnings: Vec<Finding>,
 }
 

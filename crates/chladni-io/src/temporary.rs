@@ -80,7 +80,7 @@ fn remove_leftovers_once(folder: &Path) {
     }
 }
 
-/// What cannot be removed stays: it is in nobody's way.
+/// Removes leftovers; what cannot be removed stays: it is in nobody's way.
 fn remove_leftovers(folder: &Path) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let name = entry.file_name();

@@ -302,7 +302,7 @@ impl std::fmt::Display for Real {
     }
 }
 
-/// What precedes `re` and `im` in names: nothing where a file has one shape, so that a
+/// The text before `re` and `im` in names: nothing where a file has one shape, so that a
 /// list of files has one name.
 fn title(shape: &Shape, k: usize, alone: bool) -> String {
     if alone {

@@ -14,7 +14,7 @@ use std::borrow::Cow;
 
 pub const NAME: &str = "faer";
 
-/// What faer asks of an element.
+/// Requirements of faer on an element.
 pub trait Element:
     faer::traits::ComplexField<Real = f64> + faer::traits::Conjugate<Canonical = Self>
 {
@@ -22,7 +22,7 @@ pub trait Element:
 impl Element for f64 {}
 impl Element for Complex64 {}
 
-/// Which triangle, and whether its adjoint.
+/// The triangle, and whether its adjoint.
 #[derive(Clone, Copy)]
 pub enum Triangle {
     Lower,

@@ -18,8 +18,8 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 pub const NAME: &str = "lapack";
 
-/// What ndarray-linalg asks of an element, and what the other back end asks of it, so
-/// that both can be compared.
+/// Requirements of ndarray-linalg on an element, and those of the other back end, so that
+/// both can be compared.
 pub trait Element: Lapack<Real = f64> + crate::beside::Element {}
 impl Element for f64 {}
 impl Element for Complex64 {}
@@ -52,7 +52,7 @@ fn lapack() -> Option<MutexGuard<'static, ()>> {
     (!shared).then(|| ALONE.lock().unwrap_or_else(PoisonError::into_inner))
 }
 
-/// Which triangle, and whether its adjoint.
+/// The triangle, and whether its adjoint.
 #[derive(Clone, Copy)]
 pub enum Triangle {
     Lower,

@@ -38,7 +38,7 @@ pub const BACKEND: &str = backend::NAME;
 /// repeated poles, ten times less lets noise through as solutions.
 pub const RANK_TOLERANCE: f64 = 1e-13;
 
-/// Why a kernel gave no result.
+/// The reason that a kernel gave no result.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum LinalgError {
@@ -106,7 +106,7 @@ fn square<T>(operation: &'static str, a: &ArrayView2<T>) -> Result<()> {
 /// a·b. Non-finite entries propagate as in ordinary arithmetic.
 ///
 /// # Panics
-/// Where the inner sizes differ.
+/// Inner sizes that differ.
 pub fn matmul<T: Scalar>(a: ArrayView2<T>, b: ArrayView2<T>) -> Array2<T> {
     assert_eq!(a.ncols(), b.nrows(), "matmul: inner sizes");
     if a.is_empty() || b.is_empty() {
@@ -118,7 +118,7 @@ pub fn matmul<T: Scalar>(a: ArrayView2<T>, b: ArrayView2<T>) -> Array2<T> {
 /// aᴴ·b.
 ///
 /// # Panics
-/// Where the numbers of rows differ.
+/// Numbers of rows that differ.
 pub fn matmul_h<T: Scalar>(a: ArrayView2<T>, b: ArrayView2<T>) -> Array2<T> {
     assert_eq!(a.nrows(), b.nrows(), "matmul_h: inner sizes");
     if a.is_empty() || b.is_empty() {
@@ -130,7 +130,7 @@ pub fn matmul_h<T: Scalar>(a: ArrayView2<T>, b: ArrayView2<T>) -> Array2<T> {
 /// c ← c + a·b for column-major c: sums over blocks without memory of their own.
 ///
 /// # Panics
-/// Where sizes differ, or c is not column-major.
+/// Sizes that differ, or a c that is not column-major.
 pub fn add_matmul<T: Scalar>(c: ArrayViewMut2<T>, a: ArrayView2<T>, b: ArrayView2<T>) {
     assert_eq!(
         (a.ncols(), a.nrows(), b.ncols()),
@@ -147,7 +147,7 @@ pub fn add_matmul<T: Scalar>(c: ArrayViewMut2<T>, a: ArrayView2<T>, b: ArrayView
 /// writes, and a page is mapped twice.
 ///
 /// # Panics
-/// Where sizes differ, or c is not column-major.
+/// Sizes that differ, or a c that is not column-major.
 pub fn set_matmul<T: Scalar>(mut c: ArrayViewMut2<T>, a: ArrayView2<T>, b: ArrayView2<T>) {
     assert_eq!(
         (a.ncols(), a.nrows(), b.ncols()),
@@ -163,7 +163,7 @@ pub fn set_matmul<T: Scalar>(mut c: ArrayViewMut2<T>, a: ArrayView2<T>, b: Array
 /// c ← aᴴ·b, as [`set_matmul`].
 ///
 /// # Panics
-/// Where sizes differ, or c is not column-major.
+/// Sizes that differ, or a c that is not column-major.
 pub fn set_matmul_h<T: Scalar>(mut c: ArrayViewMut2<T>, a: ArrayView2<T>, b: ArrayView2<T>) {
     assert_eq!(
         (a.nrows(), a.ncols(), b.ncols()),

@@ -133,7 +133,7 @@ pub(crate) fn bound(
     })
 }
 
-/// What an FRF does along the lines when its unknowns change.
+/// Change of an FRF along the lines when its unknowns change.
 pub(crate) struct Lines {
     /// λ_n in units of (2π·top)², top the end of the axis.
     poles: Vec<Complex64>,
@@ -174,8 +174,8 @@ impl Lines {
         }
     }
 
-    /// What residual terms, and free residues too where `residues` says so, cannot
-    /// explain of the slopes.
+    /// The part of the slopes that residual terms, and free residues too where `residues`
+    /// says so, cannot explain.
     fn slopes_outside(
         &self,
         residues: bool,
@@ -188,7 +188,8 @@ impl Lines {
         outside(&columns, &self.slopes)
     }
 
-    /// What residual terms cannot explain of the modal columns and of the slopes.
+    /// The part of the modal columns and of the slopes that residual terms cannot
+    /// explain.
     pub fn outside_residual_terms(
         &self,
     ) -> std::result::Result<[Array2<Complex64>; 2], LinalgError> {

@@ -1,4 +1,4 @@
-//! Where a panel is measured and driven: nodes, labels and DOFs.
+//! Places where a panel is measured and driven: nodes, labels and DOFs.
 
 use crate::panel::Panel;
 use crate::point_mass::PointMass;

@@ -124,7 +124,7 @@ impl PlateModes {
     pub fn frequency_hz(&self) -> Array1<f64> {
         self.omega.mapv(|omega| omega / TAU)
     }
-    /// How many rigid-body modes stand first.
+    /// Number of rigid-body modes, which stand first.
     pub fn rigid_count(&self) -> usize {
         self.rigid_count
     }

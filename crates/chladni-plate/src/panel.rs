@@ -25,11 +25,11 @@ use std::f64::consts::TAU;
 pub struct Panel {
     /// The plate.
     pub plate: Plate,
-    /// Where it is measured.
+    /// Points where it is measured.
     pub responses: ResponseGrid,
-    /// Where it is driven.
+    /// Points where it is driven.
     pub references: ReferenceFrame,
-    /// What is measured.
+    /// The measurement.
     pub frf: Measurement,
 }
 

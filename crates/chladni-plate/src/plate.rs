@@ -16,7 +16,7 @@ impl From<Edges> for String {
 /// Structural loss factor η: one for all modes, or one per elastic mode in rising order
 /// of frequency.
 ///
-/// Where there are more modes than entries, the last entry holds for the rest.
+/// The last entry holds for the rest where there are more modes than entries.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(
     untagged,
@@ -65,7 +65,7 @@ pub struct Plate {
     pub density_kg_per_m3: f64,
     /// Structural loss factor η.
     pub loss_factor: LossFactor,
-    /// How the edges are held.
+    /// Supports of the edges.
     pub edges: Edges,
 }
 

@@ -62,7 +62,7 @@ impl DampedPlate {
             .collect()
     }
 
-    /// What multiplies ψ_n(x) ψ_n(y) in an FRF of `kind`; axes (mode, line).
+    /// Factors of ψ_n(x) ψ_n(y) in an FRF of `kind`; axes (mode, line).
     pub fn modal_factors(&self, kind: FrfKind, frequency_hz: &Array1<f64>) -> Array2<Complex64> {
         let loss_factors = self.loss_factors();
         Array2::from_shape_fn((self.modes.len(), frequency_hz.len()), |(n, k)| {

@@ -32,7 +32,7 @@ use chladni_linalg::{
 use ndarray::{s, Array1, Array2, Axis};
 use rayon::prelude::*;
 
-/// Which modes are kept: all up to a frequency, and at least so many.
+/// The modes that are kept: all up to a frequency, and at least so many.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ModeRange {
     pub omega_max: f64,

@@ -27,7 +27,7 @@ pub struct Simulation {
     pub noise_variance: f64,
     /// The plate, for FRFs at any other points.
     pub plate: DampedPlate,
-    /// What the user should know about this panel.
+    /// Findings on this panel that the user should know.
     pub findings: Vec<Finding>,
 }
 

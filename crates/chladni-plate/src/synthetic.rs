@@ -21,7 +21,7 @@ use std::f64::consts::TAU;
 const SHAPE_STREAM: u64 = 1 << 62;
 const RESIDUAL_STREAM: u64 = (1 << 62) + 1;
 
-/// Which shapes the modes have.
+/// Kind of the shapes of the modes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SyntheticShapes {
     /// Real Gaussian entries.
@@ -35,7 +35,7 @@ pub enum SyntheticShapes {
     Complex,
 }
 
-/// What to make.
+/// Settings of the synthetic set.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Synthetic {
     /// Natural frequencies ω_n/2π, Hz, in any order; two equal ones are a repeated pole.

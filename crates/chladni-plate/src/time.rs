@@ -13,7 +13,7 @@
 //! are, so that the truth is exact. H₁ = S_vf/S_ff over the averages, force free of
 //! noise: Bendat & Piersol, *Random Data*, 4th ed. (2010), ch. 6.
 //!
-//! What this shows and white noise on a modal sum does not: leakage, windows, truncated
+//! Effects shown here, and not by white noise on a modal sum: leakage, windows, truncated
 //! and padded records.
 
 use crate::noise::generator;
@@ -33,7 +33,7 @@ const NOISE_STREAM: u64 = (1 << 62) + 3;
 /// Records of a continuous force before the first that counts: transients have gone.
 const SETTLING_RECORDS: usize = 4;
 
-/// How the structure is driven.
+/// Excitation of the structure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Excitation {
     /// One blow at the start of each record, a half sine, the structure at rest before.
@@ -50,7 +50,7 @@ pub enum Excitation {
     Random,
 }
 
-/// What force and response are multiplied by before the transform.
+/// The factor on force and response before the transform.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Window {
     /// Nothing.

@@ -1,8 +1,8 @@
 //! The band that a scene needs of a fit.
 //!
-//! What modes outside the band do at the drive frequency is left to residual terms; the
-//! module `folding` knows to the last digit what their series leaves out. The band is the
-//! one with the fewest modes inside for which that remainder is below a share of the
+//! The effect of modes outside the band at the drive frequency is left to residual terms;
+//! the module `folding` knows to the last digit what their series leaves out. The band is
+//! the one with the fewest modes inside for which that remainder is below a share of the
 //! mobility, with edges midway between modes: a fit whose edge falls beside a mode is
 //! worse than its neighbours with fewer modes.
 
@@ -22,8 +22,8 @@ pub struct NeededBand {
     pub inside_hz: Vec<f64>,
     /// Modes outside, Hz, rising.
     pub left_out_hz: Vec<f64>,
-    /// What their residual terms leave out at the drive frequency (the largest of
-    /// several), rms over the mobility of responses and actuators.
+    /// The part that their residual terms leave out at the drive frequency (the largest
+    /// of several), rms over the mobility of responses and actuators.
     pub error_relative: f64,
 }
 

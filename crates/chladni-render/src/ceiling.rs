@@ -1,4 +1,4 @@
-//! What physics allows: a certified upper bound on the contrast of a scene.
+//! The limit of physics: a certified upper bound on the contrast of a scene.
 //!
 //! For any λ ≥ 0 on hot rows with Σλ = 1 and μ ≥ 0 on cold rows and actuators, rows
 //! divided by their limits,
@@ -86,7 +86,7 @@ impl Ceiling {
     }
 }
 
-/// What the multipliers prove.
+/// The bound that the multipliers prove.
 struct Bound {
     /// No drive moves every hot row by more than the root of this over its limit while it
     /// keeps the cold and the force limits.

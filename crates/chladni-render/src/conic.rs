@@ -88,7 +88,7 @@ pub(crate) struct ConicProgram {
     cones: Vec<SupportedConeT<f64>>,
 }
 
-/// What the solver found.
+/// The result of the solver.
 #[derive(Debug, Clone)]
 pub(crate) struct ConicSolution {
     /// Values of the variables.

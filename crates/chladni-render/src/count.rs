@@ -1,10 +1,10 @@
-//! How many of something to use: all, as few as the scene needs, or a number.
+//! Number of things to use: all, as few as the scene needs, or a number.
 
 use chladni_frf::{Error, ErrorKind, Result};
 use std::fmt;
 use std::str::FromStr;
 
-/// How many modes or actuators a rendering may use.
+/// Number of modes or actuators that a rendering may use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Count {
     /// All there are.

@@ -1,5 +1,5 @@
-//! How wrong the model may be in a given drive: the root L of the mean covariance of its
-//! mobility rows.
+//! Error of the model in a given drive: the root L of the mean covariance of its mobility
+//! rows.
 //!
 //! For one row δh_k of the error δH, E|δh_k·A|² averaged over the judged responses k is
 //! ‖L·A‖². Per mode n, with γ_n = jω/(ω_n²(1+jη_n) − ω²) (the seed paper's γ_n without
@@ -164,7 +164,7 @@ impl Covariance {
     }
 }
 
-/// What a mode adds to the error of a row, over its participations.
+/// The part that a mode adds to the error of a row, over its participations.
 struct RowDeviation {
     /// √( mean_k [ |ψ_nk|²·σ_γ² + |γ_n|²·σ_ψ,nk² ] ): the same error under every
     /// actuator.

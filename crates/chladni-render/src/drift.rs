@@ -1,7 +1,7 @@
-//! How far a panel may have moved away from its model.
+//! Drift of a panel away from its model.
 
-/// How far the panel may move away from its model between the measurement and the use;
-/// one sigma each.
+/// Drift of the panel away from its model between the measurement and the use; one sigma
+/// each.
 ///
 /// These add, as squares, to the standard deviations that the model itself carries.
 /// Without them a drive from a precise model leans on a mode at resonance, and the first

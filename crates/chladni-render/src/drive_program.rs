@@ -32,7 +32,7 @@ pub(crate) struct DriveProgram<'a> {
     limited: Cell<bool>,
 }
 
-/// What stands at the right of the constraints, each an expression of the program's own
+/// The right-hand sides of the constraints, each an expression of the program's own
 /// variables.
 struct Sides {
     /// Hot rows: at least this, in their limits.
@@ -49,7 +49,7 @@ struct Sides {
     drive_variable: Option<usize>,
 }
 
-/// How far inside their limits the rows must stay.
+/// Margin inside their limits that the rows must keep.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Asked {
     /// Standard deviations.

@@ -31,7 +31,7 @@ pub(crate) struct Sector {
 pub(crate) struct Dual {
     /// Bounded rows, then hot ones.
     rows: Array2<Complex64>,
-    /// How many of them are bounded.
+    /// Number of them that are bounded.
     bounded: usize,
     sectors: Vec<Sector>,
     /// μ, then λ, then ν.
@@ -102,7 +102,7 @@ impl Dual {
         )
     }
 
-    /// What a multiplier counts in the sum that must be 1.
+    /// Coefficient of a multiplier in the sum that must be 1.
     fn price(&self, k: usize) -> f64 {
         match (
             k.checked_sub(self.bounded),

@@ -1,9 +1,9 @@
-//! What is spent on finding weights.
+//! Effort spent on finding weights.
 
 use crate::tolerances;
 
-/// How much is spent on the search for the largest κ: what moves the conic methods along
-/// the front of speed and success.
+/// Effort spent on the search for the largest κ: it moves the conic methods along the
+/// front of speed and success.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Effort {
     /// Most drives that `robust` climbs from, the best first; `best` takes

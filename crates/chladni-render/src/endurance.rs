@@ -1,4 +1,4 @@
-//! How much a drive endures before it fails: natural frequencies that are off, and a
+//! The endurance of a drive before it fails: natural frequencies that are off, and a
 //! finger.
 //!
 //! κ speaks of the errors that were assumed. What lies beyond them, a model of another
@@ -19,8 +19,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
-/// What a drive endures in its model. It serves where it serves [`tolerances::SERVES`] of
-/// the hot and of the cold responses.
+/// The endurance of a drive in its model. It serves where it serves
+/// [`tolerances::SERVES`] of the hot and of the cold responses.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Endurance {
     /// Random errors of all natural frequencies, rms, relative, up to which it serves; at

@@ -14,7 +14,7 @@ use crate::weights::Weights;
 use crate::zones::ZoneMap;
 use chladni_frf::{Dof, Error, Finding, FrfSet, ModalModel, Result};
 
-/// What the weights are judged on.
+/// The data that the weights are judged on.
 #[derive(Debug, Clone, Copy)]
 pub enum On<'a> {
     /// A modal model.
@@ -23,7 +23,7 @@ pub enum On<'a> {
     Frf(&'a FrfSet),
 }
 
-/// How given weights do on other data.
+/// Performance of given weights on other data.
 #[derive(Debug, Clone, PartialEq)]
 #[must_use]
 pub struct Evaluation {

@@ -1,6 +1,6 @@
 //! The fewest actuators that serve a scene, or several.
 //!
-//! Which ones is a combinatorial question; its usual convex stand-in is the sum of
+//! Their choice is a combinatorial question; its usual convex stand-in is the sum of
 //! amplitudes, reweighted by the amplitudes it led to (Candès, Wakin and Boyd 2008): min
 //! Σ|A_i|/(|A_i|′ + ε) with every response inside its limit by some κ (theory.md, eq.
 //! 48). What is left is pruned: an actuator goes, the weakest first, while the others
@@ -108,7 +108,7 @@ struct Stage<'a> {
     ground: Option<Problem>,
     /// The largest κ with all actuators.
     kappa: f64,
-    /// What every response must keep.
+    /// The margin that every response must keep.
     asked: Asked,
     /// The last drive that kept it, of all actuators.
     drive: Drive,

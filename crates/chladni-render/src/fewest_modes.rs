@@ -20,7 +20,7 @@ use chladni_frf::{Error, Finding, FrfSet, ModalModel, Result};
 use ndarray::Array2;
 use num_complex::Complex64;
 
-/// What drives are replayed through.
+/// The whole model, through which drives are replayed.
 pub(crate) struct Judge {
     /// Judged responses.
     points: Problem,

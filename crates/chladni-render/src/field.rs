@@ -1,4 +1,4 @@
-//! What a drive does: velocities at the responses, and on a fine grid between them.
+//! The field of a drive: velocities at the responses, and on a fine grid between them.
 
 use crate::interpolation::{Interpolation, Nodes};
 use crate::operator::Operator;
@@ -17,7 +17,7 @@ pub struct Field {
     pub responses: Vec<Dof>,
     /// Their positions, m.
     pub positions_m: Vec<Position>,
-    /// What is asked of each.
+    /// Ground of each.
     pub ground: Vec<Ground>,
     /// Velocity along +Z at each, m/s.
     pub velocity_m_per_s: Vec<Complex64>,
@@ -30,8 +30,8 @@ pub struct AreaField {
     pub x_m: Vec<f64>,
     /// Rows of the grid, m, rising.
     pub y_m: Vec<f64>,
-    /// What is asked of each place; axes (row, column). [`Ground::Ignored`] outside the
-    /// hull of the responses.
+    /// Ground of each place; axes (row, column). [`Ground::Ignored`] outside the hull of
+    /// the responses.
     pub ground: Array2<Ground>,
     /// Velocity along +Z, m/s, NaN outside the hull of the responses; axes (row, column).
     pub velocity_m_per_s: Array2<Complex64>,

@@ -76,8 +76,8 @@ impl Finger {
     }
 }
 
-/// Where fingers are tried: the hot response nearest to the middle of all hot ones, and
-/// the two that are farthest from it on either side.
+/// Places where fingers are tried: the hot response nearest to the middle of all hot
+/// ones, and the two that are farthest from it on either side.
 pub fn finger_places(field: &Field) -> Vec<Position> {
     finger_rows(field)
         .into_iter()

@@ -17,7 +17,7 @@ use ndarray::Array2;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// What is left out of the mobility where a mode is folded: near·ψφᵀ + far·(ψφᵀ)*,
+/// The part of the mobility left out where a mode is folded: near·ψφᵀ + far·(ψφᵀ)*,
 /// (m/s)/N.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Remainder {
@@ -62,7 +62,7 @@ pub(crate) fn ranked(model: &ModalModel, operator: &Operator) -> Vec<Foldable> {
 }
 
 impl Remainder {
-    /// What is left out of `mode` at `frequency_hz`.
+    /// The part left out of `mode` at `frequency_hz`.
     pub(crate) fn of(mode: &Mode, damping: Damping, frequency_hz: f64) -> Self {
         let omega = TAU * frequency_hz;
         let mobility = FrfKind::Mobility.from_receptance(omega);

@@ -1,4 +1,4 @@
-//! Which drive frequency to take: κ and success over a range, free and touched.
+//! Choice of the drive frequency: κ and success over a range, free and touched.
 //!
 //! A mode on the drive frequency makes loud fields cheap and breaks them at the first
 //! touch: the finger moves that mode. Between modes the same scene costs more force and

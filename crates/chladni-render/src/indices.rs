@@ -1,5 +1,5 @@
-//! How well a field does what was asked: the indices of the seed paper, hot and cold
-//! apart, and what silence would score.
+//! Quality of a field against what was asked: the indices of the seed paper, hot and cold
+//! apart, and the score with no drive.
 //!
 //! Silence meets the cold limit everywhere, so the share of all points inside their limit
 //! says little: 0.779 for one cell of four. Hence `silence_ratio` beside `success_ratio`,
@@ -35,7 +35,7 @@ pub struct PointIndices {
     pub min_ratio: f64,
     /// Hot and cold points inside their limit, over all judged points.
     pub success_ratio: f64,
-    /// What zero drive would score: cold points over judged points.
+    /// The score with no drive: cold points over judged points.
     pub silence_ratio: f64,
     /// 20 log10(least hot |v| / largest cold |v|), dB; `None` where nothing moves.
     pub contrast_db: Option<f64>,

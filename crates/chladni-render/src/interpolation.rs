@@ -255,7 +255,7 @@ impl Spline {
         basis
     }
 
-    /// What each node counts at one query: the transpose of [`Self::solve`] on its basis.
+    /// Weight of each node at one query: the transpose of [`Self::solve`] on its basis.
     fn weights(&self, query: Position) -> Array1<f64> {
         let basis = self.basis(&[query]);
         let (kernel, polynomial) = basis.view().split_at(Axis(1), self.nodes.len());

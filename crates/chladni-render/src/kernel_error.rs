@@ -1,11 +1,12 @@
-//! What the kernels of linear algebra refuse, told as a fault of model and scene.
+//! Problems that the kernels of linear algebra refuse, told as a fault of model and
+//! scene.
 
 use chladni_frf::{Error, ErrorKind};
 use chladni_linalg::LinalgError;
 
-/// What a kernel refuses although model and scene are sound number by number: they lie too
-/// far apart for arithmetic of sixteen digits. Sizes that do not fit are a broken promise of
-/// our own.
+/// The error where a kernel refuses although model and scene are sound number by number:
+/// they lie too far apart for arithmetic of sixteen digits. Sizes that do not fit are a
+/// broken promise of our own.
 pub(crate) fn unsolvable(error: LinalgError) -> Error {
     if let LinalgError::Shape { .. } = error {
         return Error::new(ErrorKind::Internal, error.to_string());

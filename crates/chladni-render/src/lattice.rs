@@ -14,12 +14,12 @@ pub(crate) struct Lattice {
 
 /// One coordinate.
 struct Axis {
-    /// Which coordinate each place has, of the distinct ones.
+    /// Index of the coordinate of each place, among the distinct ones.
     of_place: Vec<usize>,
     /// The same of each node.
     of_node: Vec<usize>,
-    /// Which distance, of the distinct ones, lies between two coordinates; axes (place,
-    /// node).
+    /// Index of the distance, among the distinct ones, between two coordinates; axes
+    /// (place, node).
     kind: Array2<usize>,
     /// Squares of the distinct distances.
     squared: Vec<f64>,
@@ -94,7 +94,7 @@ impl Axis {
     }
 }
 
-/// Which of the distinct values each one is, and these, rising.
+/// Index of each value among the distinct ones, and these, rising.
 fn distinct(values: Vec<f64>) -> (Vec<usize>, Vec<f64>) {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_unstable_by(|&a, &b| values[a].total_cmp(&values[b]));

@@ -38,7 +38,7 @@ pub(crate) struct ModalField<'a> {
     drive: &'a Drive,
     /// Velocities at the responses of the operator, m/s.
     pub(crate) free: Array1<Complex64>,
-    /// What each mode adds to them.
+    /// The part that each mode adds to them.
     parts: Vec<(usize, Array1<Complex64>)>,
 }
 
@@ -87,7 +87,7 @@ impl<'a> ModalField<'a> {
         field
     }
 
-    /// How many modes take part.
+    /// Number of modes that take part.
     pub(crate) fn modes(&self) -> usize {
         self.parts.len()
     }
@@ -169,7 +169,7 @@ impl<'a> ModalField<'a> {
         &self.model.modes[self.parts[number].0]
     }
 
-    /// What the mode of a number adds to the field.
+    /// The part that the mode of a number adds to the field.
     pub(crate) fn part_of(&self, number: usize) -> &Array1<Complex64> {
         &self.parts[number].1
     }

@@ -1,5 +1,5 @@
-//! What the panel does at the drive frequency: velocity at the responses per unit of each
-//! actuator in use.
+//! Response of the panel at the drive frequency: velocity at the responses per unit of
+//! each actuator in use.
 //!
 //! The operator is mobility whatever kind the model was fitted in or the FRFs were
 //! measured in. Responses count where they are along Z of a node whose position is known;

@@ -1,4 +1,4 @@
-//! What a user may turn.
+//! Options that a user may set.
 
 use crate::count::Count;
 use crate::drift::Drift;
@@ -8,15 +8,15 @@ use crate::methods::MethodChoice;
 /// Options of [`crate::render`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RenderOptions {
-    /// How the weights are found.
+    /// The method that finds the weights.
     pub method: MethodChoice,
-    /// How many modes to sum explicitly.
+    /// Number of modes to sum explicitly.
     pub modes: Count,
-    /// How many actuators to use.
+    /// Number of actuators to use.
     pub actuators: Count,
-    /// How far the panel may move away from its model.
+    /// Drift of the panel away from its model.
     pub drift: Drift,
-    /// What is spent on finding weights.
+    /// Effort spent on finding weights.
     pub effort: Effort,
     /// Method `modal`: its two steps as one, (ΓΨ)⁺, without singular values below this
     /// share of the largest; `None`: one step after the other, without a cut.

@@ -61,7 +61,7 @@ impl Rectangle {
     }
 }
 
-/// How distances from a border are taken.
+/// The metric of distances from a border.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Metric {
     /// max(|Δx|, |Δy|).
@@ -133,7 +133,7 @@ pub(crate) fn sides(polygon: &[Position]) -> impl Iterator<Item = [Position; 2]>
         .filter(|[a, b]| a != b)
 }
 
-/// Where on a → b (0..1) the other side crosses it, or one of its ends lies on it.
+/// Points on a → b (0..1) where the other side crosses it, or one of its ends lies on it.
 fn crossings([a, b]: [Position; 2], [c, d]: [Position; 2]) -> Vec<f64> {
     let (u, w) = ([b[0] - a[0], b[1] - a[1]], [d[0] - c[0], d[1] - c[1]]);
     let squared = u[0] * u[0] + u[1] * u[1];

@@ -19,7 +19,7 @@ pub(crate) struct Rows {
     pub(crate) mobility: Array2<Complex64>,
     /// Number of hot rows.
     pub(crate) hot: usize,
-    /// Where each row lies, m.
+    /// Position of each row, m.
     pub(crate) positions_m: Vec<Position>,
     /// By what factor the limit of each row exceeds the scene's; its mobility is divided
     /// by it already.
@@ -61,7 +61,7 @@ impl DriveLimits {
         (self.each / largest).min(self.effort / effort)
     }
 
-    /// Which of the limits `drive` is nearest to, in words.
+    /// The limit that `drive` is nearest to, in words.
     pub(crate) fn binding(&self, drive: &Drive) -> String {
         let each = Self {
             effort: f64::INFINITY,
@@ -83,7 +83,7 @@ impl DriveLimits {
     }
 }
 
-/// How a drive does in the model.
+/// Performance of a drive in the model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Score {
     /// Smaller of the hot and the cold ratio.
@@ -205,7 +205,7 @@ impl Problem {
         }
     }
 
-    /// How `drive` does.
+    /// Scores `drive`.
     pub(crate) fn score(&self, drive: &Drive) -> Score {
         self.score_of(
             &self.field(drive).map(amplitude),
@@ -238,8 +238,7 @@ impl Problem {
         (0.5 / each).ln().sqrt()
     }
 
-    /// How a drive does whose field has these amplitudes and this standard deviation,
-    /// m/s.
+    /// Scores a drive whose field has these amplitudes and this standard deviation, m/s.
     pub(crate) fn score_of(&self, amplitudes: &Array1<f64>, deviation: f64) -> Score {
         let (hot, cold) = self.counts(amplitudes, 1.0);
         let slack = |(k, &amplitude): (usize, &f64)| match k < self.rows.hot {

@@ -25,7 +25,7 @@ use std::borrow::Cow;
 #[derive(Debug, Clone, PartialEq)]
 #[must_use]
 pub struct Rendering {
-    /// What the weights file holds.
+    /// The content of the weights file.
     pub weights: Weights,
     /// Velocities at the responses.
     pub field: Field,
@@ -311,7 +311,7 @@ impl Rendering {
     }
 }
 
-/// How a drive does under the fingers that the scene expects, at places between those that
+/// Judges a drive under the fingers that the scene expects, at places between those that
 /// it was made for.
 fn under_fingers(
     model: &ModalModel,
@@ -347,7 +347,8 @@ fn in_band_hz(model: &ModalModel) -> Vec<f64> {
         .collect()
 }
 
-/// What an infeasible scene got instead, what physics would allow, and what could help.
+/// Tells what an infeasible scene got instead, what physics would allow, and what could
+/// help.
 fn shortfall(
     points: &PointIndices,
     ceiling: Option<&Ceiling>,

@@ -112,14 +112,14 @@ pub const DEFAULT_TRANSITION_M: f64 = 0.010;
 /// Force limit of each actuator, N peak, where the scene gives none.
 pub const DEFAULT_MAX_FORCE_N: f64 = 0.1;
 
-/// What is to be felt where, and by which means.
+/// The field to be felt, place by place, and the means to it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
     /// The file it was read from; results carry its name.
     pub file: Option<PathBuf>,
     /// Drive frequency, Hz; the first of several.
     pub frequency_hz: f64,
-    /// What the tone of that frequency may have of what all tones share.
+    /// The share of that frequency's tone in what all tones share.
     pub share: Share,
     /// Tones that sound with it.
     pub other_tones: Vec<Tone>,
@@ -132,19 +132,19 @@ pub struct Scene {
     pub zones: Zones,
     /// Actuators.
     pub actuators: Actuators,
-    /// How far the panel may move away from its model; `None`: as the options of the
-    /// rendering say.
+    /// Drift of the panel away from its model; `None`: as the options of the rendering
+    /// say.
     pub drift: Option<Drift>,
     /// Fingers that the drive must bear; `None`: nobody touches.
     pub touch: Option<Touch>,
-    /// What happens when; `None`: a steady tone.
+    /// Events over time; `None`: a steady tone.
     pub time: Option<TimeTable>,
     /// Errors that measured fields have left of the mobility; of scenes over a calibrated
     /// model.
     pub learned: Option<Arc<CalibratedOperator>>,
 }
 
-/// Which actuators may be used, and how hard.
+/// The actuators that may be used, and their limits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Actuators {
     /// Reference DOFs that may be driven; `None`: all.
@@ -157,7 +157,7 @@ pub struct Actuators {
     pub max_effort: Option<f64>,
     /// Reference DOFs that do not move the panel, and are known not to.
     pub dead: Vec<Dof>,
-    /// What earlier fields have taught of the rig.
+    /// Knowledge of the rig from earlier fields.
     pub calibration: Option<Arc<Calibration>>,
     /// The file that says so.
     pub calibration_file: Option<PathBuf>,
@@ -328,7 +328,7 @@ impl Scene {
     }
 }
 
-/// Where a scene finds a threshold table.
+/// The source of a scene's threshold table.
 #[derive(Clone, Copy)]
 enum Beside<'a> {
     /// As a file, by its path from this folder.

@@ -1,4 +1,4 @@
-//! What becomes of given weights when the world is not the model: the stress table.
+//! Performance of given weights when the world is not the model: the stress table.
 
 use crate::drift::Drift;
 use crate::evaluate::{laid, Laid, On};
@@ -18,7 +18,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Open01, StandardNormal};
 use std::f64::consts::FRAC_1_SQRT_2;
 
-/// How hard.
+/// Settings of the stress table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StressOptions {
     /// Seed of all draws.

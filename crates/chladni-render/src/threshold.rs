@@ -1,4 +1,5 @@
-//! How much velocity a fingertip feels: threshold profiles over frequency, peak values.
+//! The least velocity that a fingertip feels: threshold profiles over frequency, peak
+//! values.
 //!
 //! The threshold is a profile because real conditions move it by 25 to 40 dB: a small
 //! passive contactor is far less sensitive than a finger pressed flat on glass. The
@@ -16,9 +17,9 @@ use std::path::{Path, PathBuf};
 
 /// Threshold of the profile `paper`, m/s peak, at any frequency.
 pub const PAPER_VELOCITY_M_PER_S: f64 = 0.2e-3;
-/// Where the profile `paper` is meant to hold, Hz.
+/// The band that the profile `paper` is meant for, Hz.
 pub const PAPER_BAND_HZ: [f64; 2] = [250.0, 350.0];
-/// How far `press-flat` lies below `classic`, dB.
+/// Distance of `press-flat` below `classic`, dB.
 pub const PRESS_FLAT_DB: f64 = 25.0;
 /// One g, m/s².
 const STANDARD_GRAVITY: f64 = 9.80665;
@@ -62,7 +63,7 @@ pub enum Threshold {
 /// A threshold table read from a CSV file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ThresholdTable {
-    /// Where it was read from.
+    /// The file that it was read from.
     pub file: PathBuf,
     /// Frequencies, Hz, strictly rising.
     pub frequency_hz: Vec<f64>,
@@ -119,7 +120,7 @@ impl Threshold {
         }
     }
 
-    /// What a user should know about the profile at this frequency.
+    /// The finding on the profile at this frequency.
     pub fn finding(&self, frequency_hz: f64) -> Option<Finding> {
         let [low, high] = PAPER_BAND_HZ;
         (*self == Self::Paper && !(low..=high).contains(&frequency_hz)).then(|| {

@@ -31,7 +31,7 @@ pub const BAND_STEP_HZ: f64 = 2.0;
 /// what all share.
 pub const MOST_TONES: usize = 64;
 
-/// How many DOFs a message lists.
+/// Number of DOFs that a message lists.
 pub const DOFS_SHOWN: usize = 8;
 
 /// Relative ridge of every normal matrix, times its mean diagonal: keeps Cholesky alive
@@ -78,8 +78,8 @@ pub const SAME_COORDINATE: f64 = 1e-10;
 /// 5349-1, which is 25 mm/s rms there).
 pub const STRONG_DB: f64 = 35.0;
 
-/// How near to its limit a drive counts as limited, relative. Only decides whether a
-/// stronger ridge is tried.
+/// Relative distance to its limit within which a drive counts as limited. Only decides
+/// whether a stronger ridge is tried.
 pub const AT_LIMIT: f64 = 1e-6;
 
 /// Ridges, relative to the mean diagonal of the normal matrix, tried in turn where the
@@ -176,7 +176,7 @@ pub const MARGIN_GAIN: f64 = 1e-3;
 /// Rows that join a conic program at once.
 pub const ROWS_JOINING: usize = 12;
 
-/// How far, over its limit, a row must miss what was asked to join.
+/// The amount, over its limit, by which a row must miss what was asked to join.
 pub const JOIN_SLACK: f64 = 1e-4;
 
 /// Most rounds of conic programs of each kind, see [`crate::Effort`].
@@ -197,7 +197,7 @@ pub const CEILING_GAP: f64 = 1e-3;
 /// still more contrast.
 pub const CEILING_REACHED_DB: f64 = 0.1;
 
-/// How near the certified ceiling must come to what was found, dB, where method `best`
+/// Largest distance of the certified ceiling to what was found, dB, where method `best`
 /// tells cases apart. Half of it takes three times the cases.
 pub const CEILING_CASES_DB: f64 = 0.19;
 
@@ -303,8 +303,8 @@ pub const MOST_FREQUENCY_ERROR: f64 = 0.032;
 /// thin: ten times the drift that is assumed.
 pub const THIN_FREQUENCY_ERROR: f64 = 0.01;
 
-/// What a fit of a part of the band may leave out at the drive frequency, over the
-/// mobility: the isotropic error that drives are made to bear.
+/// The part that a fit of a part of the band may leave out at the drive frequency, over
+/// the mobility: the isotropic error that drives are made to bear.
 pub const BAND_ERROR: f64 = 3e-3;
 
 /// Rms of a mode over the responses, over its rms at the actuators, where no driving
@@ -469,8 +469,8 @@ pub const THRESHOLD_STEP: f64 = 0.01;
 /// Samples that are simulated and judged at once: bounds the memory of long signals.
 pub const JUDGE_BLOCK: usize = 2048;
 
-/// How long ground is judged after the last event, s: it is quiet long before that, or it
-/// rings.
+/// Time for which ground is judged after the last event, s: it is quiet long before that,
+/// or it rings.
 pub const JUDGE_TAIL_S: f64 = 0.15;
 
 /// Ramps take at least so many periods of the distance from the carrier to the nearer end
@@ -528,10 +528,10 @@ pub const KNOTS_PER_RAMP: f64 = 6.0;
 /// the envelopes for what the carrier itself does.
 pub const LEAST_KNOT_S: f64 = 2.5e-4;
 
-/// How long after a rise, or before a fall, its program shapes the drive, s.
+/// Time after a rise, or before a fall, in which its program shapes the drive, s.
 pub const SHAPED_BEYOND_S: f64 = 0.012;
 
-/// How long after that ground is looked at, s: a beat of two neighbouring modes.
+/// Time after that for which ground is looked at, s: a beat of two neighbouring modes.
 pub const JUDGED_BEYOND_S: f64 = 0.03;
 
 /// Largest time from sample to sample of an envelope program, s.

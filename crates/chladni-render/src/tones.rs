@@ -12,7 +12,7 @@ use crate::tolerances;
 use chladni_frf::Result;
 use chladni_text::toml_reader::Value;
 
-/// What one tone may have of that which all tones of a drive share.
+/// The share of one tone in what all tones of a drive share.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Share {
     /// Part of the energy by which hot ground is felt: 1 for a tone, one over the number
@@ -38,7 +38,7 @@ impl Share {
 pub struct Tone {
     /// Hz.
     pub frequency_hz: f64,
-    /// What it may have.
+    /// Its share.
     pub share: Share,
 }
 

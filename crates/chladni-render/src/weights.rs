@@ -51,11 +51,11 @@ pub struct Weights {
     /// Every judged response keeps its limit under model errors of so many standard
     /// deviations; negative where one misses.
     pub kappa: Option<f64>,
-    /// What physics allows, beside what was asked and found; where the scene is not met,
+    /// The limit of physics, beside what was asked and found; where the scene is not met,
     /// or method `best` was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ceiling: Option<Ceiling>,
-    /// What the drive endures beyond the errors that κ speaks of; for drives that are
+    /// Endurance of the drive beyond the errors that κ speaks of; for drives that are
     /// feasible.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub endurance: Option<Endurance>,
@@ -64,23 +64,23 @@ pub struct Weights {
     pub modal: Option<ModalSteps>,
     /// Indices in the model.
     pub indices: Indices,
-    /// What becomes of the weights when the panel is not the model; where it was asked
+    /// Performance of the weights when the panel is not the model; where it was asked
     /// for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stress: Option<Vec<StressRow>>,
-    /// How the drive does while fingers touch; where the scene expects them.
+    /// Performance of the drive while fingers touch; where the scene expects them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub touch: Option<TouchIndices>,
     /// The scene at other frequencies; where it was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sweep: Option<FrequencySweep>,
-    /// What measured fields corrected; of `chladni correct`.
+    /// Corrections by measured fields; of `chladni correct`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub correction: Option<Correction>,
     /// Everything the user should know, of all tones.
     #[serde(flatten)]
     pub findings: Findings,
-    /// What is driven at the same time at other frequencies: each a set of weights of its
+    /// Tones driven at the same time at other frequencies: each a set of weights of its
     /// own.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub other_tones: Vec<Weights>,
@@ -262,9 +262,9 @@ pub(crate) fn weight_list(references: &[Dof], drive: &Drive, unit: ReferenceUnit
 /// One trial of the stress table; shares of judged responses inside their limits.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StressRow {
-    /// What was done.
+    /// The trial, in words.
     pub trial: String,
-    /// How often, each time otherwise.
+    /// Number of cases, each time otherwise.
     pub cases: usize,
     /// Mean share of responses served.
     pub success_mean: f64,

@@ -1,4 +1,5 @@
-//! Where the panel is to be felt, where it is to be quiet, and what nobody judges.
+//! The ground where the panel is to be felt, where it is to be quiet, and what nobody
+//! judges.
 //!
 //! Ground nearer to a hot border than the transition width is not judged, on either side:
 //! with cells of a grid that is the hot rectangle shrunk and grown (distance of the
@@ -16,7 +17,7 @@ use std::collections::BTreeSet;
 /// Corners of the outline of a spot, for pictures.
 const SPOT_CORNERS: usize = 48;
 
-/// What is asked of a place.
+/// The demand on a place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Ground {
@@ -28,7 +29,7 @@ pub enum Ground {
     Ignored,
 }
 
-/// What a polygon of the scene declares.
+/// The kind of ground that a polygon of the scene declares.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PolygonKind {
     /// To be felt.
@@ -42,15 +43,15 @@ pub enum PolygonKind {
 /// A polygon of the scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ZonePolygon {
-    /// What it declares.
+    /// The kind that it declares.
     pub kind: PolygonKind,
-    /// How far the limit of a hot polygon lies above threshold + limen, dB.
+    /// Distance of the limit of a hot polygon above threshold + limen, dB.
     pub level_db: f64,
     /// Corners, m, in either sense.
     pub points_m: Vec<Position>,
 }
 
-/// How the zones are drawn.
+/// The layout of the zones.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ZoneLayout {
     /// Equal cells; those that are not hot are cold.
@@ -59,7 +60,7 @@ pub enum ZoneLayout {
         grid: [usize; 2],
         /// Hot cells, counted from 1, row by row from the corner (x_min, y_min).
         hot: Vec<usize>,
-        /// What the grid divides; `None`: the area.
+        /// The rectangle that the grid divides; `None`: the area.
         cells_m: Option<[f64; 4]>,
     },
     /// Polygons: `ignore` wins over `hot`, `hot` over `cold`; without any `cold` polygon
@@ -138,7 +139,7 @@ impl Zones {
 }
 
 impl ZoneMap {
-    /// What is asked of the place `point`, m.
+    /// Classifies the place `point`, m.
     pub fn classify(&self, point: Position) -> Ground {
         if let Some((centre, [hot, quiet])) = self.spot {
             let from_centre = (point[0] - centre[0]).hypot(point[1] - centre[1]);
@@ -180,7 +181,7 @@ impl ZoneMap {
             .unwrap_or(1.0)
     }
 
-    /// What is judged, m.
+    /// The area judged, m.
     pub fn area(&self) -> Rectangle {
         self.area
     }

@@ -1,4 +1,4 @@
-//! What a report is made of.
+//! The input of a report.
 
 use chladni_frf::{Error, Finding, FrfKind, FrfSet, ModalModel, ReferenceUnit, Result};
 use chladni_render::{
@@ -6,7 +6,7 @@ use chladni_render::{
 };
 use num_complex::Complex64;
 
-/// What a report is made of; every part may be missing, and the report says so.
+/// The input of a report; every part may be missing, and the report says so.
 #[derive(Debug, Clone, Default)]
 pub struct ReportInput<'a> {
     /// Title of the page.
@@ -27,7 +27,7 @@ pub struct ReportInput<'a> {
 /// A table of `chladni bench`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Table {
-    /// Where it comes from, as `accuracy.csv`.
+    /// The file that it comes from, as `accuracy.csv`.
     pub name: String,
     /// Names of the columns.
     pub header: Vec<String>,
@@ -57,8 +57,8 @@ pub struct ShownTime<'a> {
     pub plain: Option<&'a TimeTraces>,
 }
 
-/// How a scene does over the number of modes and of actuators; every point has weights of
-/// its own.
+/// Performance in a scene over the number of modes and of actuators; every point has
+/// weights of its own.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Curves {
     /// The method that made the weights of each point.
@@ -86,7 +86,7 @@ pub struct CurvePoint {
 /// The field that weights make, and what was asked of it.
 #[derive(Debug, Clone, Copy)]
 pub struct ShownField<'a> {
-    /// What it was computed on, in words: `the model`, `panel.h5 at 300 Hz`.
+    /// The data that it was computed on, in words: `the model`, `panel.h5 at 300 Hz`.
     pub on: &'a str,
     /// Velocities at the responses.
     pub field: &'a Field,

@@ -57,7 +57,7 @@ pub fn gallery(title: &str, words: &str, figures: &[Figure]) -> String {
     page::gallery(title, words, figures)
 }
 
-/// What the page draws, as JSON.
+/// The data that the page draws, as JSON.
 ///
 /// # Errors
 /// Those of [`html`].
@@ -97,7 +97,7 @@ pub fn studio_html(title: &str, number: u64) -> String {
     page::studio(title, number)
 }
 
-/// Which files [`charts`] makes.
+/// The files that [`charts`] makes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ChartFormats {
     /// SVG files.

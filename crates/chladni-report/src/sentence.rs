@@ -13,8 +13,8 @@ pub(crate) fn advised_band(model: &ModalModel) -> Option<BetterBand> {
     better_band(model).filter(|_| is_little)
 }
 
-/// How many modes, how sure, how much of the data they explain, and what to do where that
-/// is little.
+/// Tells how many modes there are, how sure, how much of the data they explain, and what
+/// to do where that is little.
 pub fn sentence(model: &ModalModel) -> String {
     let modes = model.in_band_modes().count();
     let sure = model

@@ -33,7 +33,7 @@ use chladni_frf::{BlockWindow, Dof, Error, Estimation, Estimator, Finding, FrfSe
 use setting::{groups, Setting};
 use table::Table;
 
-/// How FRFs are estimated.
+/// Settings of the estimation of FRFs.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct EstimateOptions {
     /// Estimator; `None`: [`Estimator::Lrm`] for long records of continuous random
@@ -54,7 +54,7 @@ pub const BLOCKS: usize = 16;
 /// Largest overlap: beyond it the blocks say nothing new.
 pub const MOST_OVERLAP: f64 = 0.95;
 
-/// What was estimated.
+/// The result of an estimation.
 #[derive(Debug, Clone)]
 #[must_use]
 pub struct Estimate {
@@ -62,7 +62,7 @@ pub struct Estimate {
     /// and their variance, NaN where too few blocks were averaged to say; lines from the
     /// first above 0 Hz to the last below half the sampling rate.
     pub frf: FrfSet,
-    /// How they were made; `frf` carries the same.
+    /// Their estimation; `frf` carries the same.
     pub estimation: Estimation,
     /// Everything the user should know.
     pub findings: Vec<Finding>,

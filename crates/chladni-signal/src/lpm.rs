@@ -62,7 +62,7 @@ pub(super) struct Basis {
 
 /// A vector split by a basis.
 pub(super) struct Split {
-    /// What the basis does not hold.
+    /// The part that the basis does not hold.
     pub rest: Vec<Complex64>,
     /// B_j(0) per reference.
     pub at_centre: Vec<Complex64>,
@@ -128,7 +128,7 @@ impl Basis {
         true
     }
 
-    /// What is left of `vector`, and its B_j(0).
+    /// The rest of `vector`, and its B_j(0).
     pub(super) fn split(&self, mut vector: Vec<Complex64>) -> Split {
         let count = self.columns.len() / self.lines;
         let references = self.last.len();

@@ -1,4 +1,4 @@
-//! What the options leave open, decided.
+//! Decisions on what the options leave open.
 
 use super::excitation::{forcing, is_continuous_random};
 use super::lpm::wanted_lines;
@@ -13,7 +13,7 @@ use ndarray::Array1;
 /// has a hop of a third for which its squares add up to a constant).
 const HANN_OVERLAP: f64 = 2.0 / 3.0;
 
-/// How FRFs will be estimated.
+/// Setting of the estimation of FRFs.
 pub(super) enum Setting {
     /// By averaged blocks.
     Blocks(BlockSetting),
@@ -80,7 +80,7 @@ impl Setting {
         }
     }
 
-    /// How the FRFs are made, before anything is averaged.
+    /// The estimation of the FRFs, before anything is averaged.
     pub(super) fn estimation(&self, sample_rate_hz: f64) -> Estimation {
         let averages = [0; 2];
         match self {

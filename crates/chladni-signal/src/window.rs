@@ -13,8 +13,8 @@ pub(super) fn window_values(window: BlockWindow, count: usize, sample_rate_hz: f
     (0..count).map(at).collect()
 }
 
-/// How many independent blocks `count` overlapping ones are worth: P. Welch (1967), eq.
-/// 5, with ρ the correlation of windows that lie `hop` samples apart: n/(1 + 2 Σ (1 −
+/// Number of independent blocks that `count` overlapping ones are worth: P. Welch (1967),
+/// eq. 5, with ρ the correlation of windows that lie `hop` samples apart: n/(1 + 2 Σ (1 −
 /// k/n) ρ_k²).
 pub(super) fn independent_blocks(window: &[f64], hop: usize, count: usize) -> f64 {
     let power: f64 = window.iter().map(|w| w * w).sum();

@@ -15,7 +15,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// What is known of the inputs and outputs of a run.
+/// The inputs and outputs of a run, as far as they are known.
 static KNOWN: Mutex<Option<Known>> = Mutex::new(None);
 
 #[derive(Default)]
@@ -34,10 +34,11 @@ struct Run {
     claimed: Vec<FileId>,
 }
 
-/// What a pipe gave, or why it cannot be read; nothing before it was asked.
+/// The content of a pipe, or the reason that it cannot be read; nothing before it was
+/// asked.
 type Slot = Arc<Mutex<Option<Result<Arc<Spooled>>>>>;
 
-/// Which file it is, whatever its name.
+/// The identity of a file, whatever its name.
 #[cfg(unix)]
 type FileId = (u64, u64);
 #[cfg(not(unix))]
@@ -195,7 +196,7 @@ impl Place {
     }
 }
 
-/// Where the bytes of an input can be read, as often as wanted.
+/// The place where the bytes of an input can be read, as often as wanted.
 ///
 /// # Errors
 /// Those of reading; a folder; a device; a pipe that gives too much; an input that is also
@@ -253,7 +254,7 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     fs::read(&*place_of(path)?).map_err(|error| Error::from_read(&error, path))
 }
 
-/// What a pipe gave, read now where nobody has asked for it yet.
+/// The content of a pipe, read now where nobody has asked for it yet.
 fn spooled(path: &Path) -> Result<Place> {
     let slot = match known().as_mut() {
         Some(known) => known.pipes.entry(path.to_path_buf()).or_default().clone(),

@@ -1,4 +1,4 @@
-//! What a JSON reader says, as an error with its place.
+//! The message of a JSON reader, as an error with its place.
 
 use crate::words::parser_complaint;
 use chladni_frf::Error;

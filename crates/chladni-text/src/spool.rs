@@ -1,4 +1,4 @@
-//! What a pipe gives, kept in a temporary file that can be read as often as wanted.
+//! The content of a pipe, kept in a temporary file that can be read as often as wanted.
 
 use chladni_frf::{Error, ErrorKind, Result};
 use std::fs::{self, File};
@@ -14,7 +14,7 @@ const BLOCK: usize = 1 << 16;
 /// The name of the standard input.
 pub(crate) const STANDARD_INPUT: &str = "-";
 
-/// What a pipe gave, in a file.
+/// The content of a pipe, in a file.
 #[derive(Debug)]
 pub(crate) struct Spooled {
     path: PathBuf,
@@ -103,7 +103,7 @@ fn keep(pipe: &mut dyn Read, path: &Path, most: u64) -> Result<Spooled> {
 }
 
 impl Spooled {
-    /// Where it can be read.
+    /// The path where it can be read.
     pub fn path(&self) -> &Path {
         &self.path
     }

@@ -32,8 +32,8 @@ const SCENES: usize = 4;
 /// Least share of hot ground that is felt, and of cold ground that is quiet.
 const LEAST_RATIO: f64 = 0.95;
 
-/// What the first scene goes through beside being rendered, as by `chladni render
-/// --stress --sweep 290:330`.
+/// The trials of the first scene beside being rendered, as by `chladni render --stress
+/// --sweep 290:330`.
 const TRIALS: Trials = Trials {
     stress_seed: Some(1),
     sweep_hz: Some([290.0, 330.0]),

@@ -123,7 +123,7 @@ fn two_columns(listed: &[&Numbered]) -> String {
     )
 }
 
-/// What the row of a mode says beside its numbers.
+/// The remark in a mode's row beside its numbers.
 fn remark(model: &ModalModel, mode: &Mode, number: usize) -> String {
     let said = |code: &str| {
         let mut findings = model.quality.findings.iter();

@@ -72,7 +72,7 @@ impl Judged {
     }
 }
 
-/// Whether the scene is met, by how much, and what speaks against it.
+/// Tells whether the scene is met, by how much, and what speaks against it.
 fn sentence(weights: &Weights, judged: &Judged) -> String {
     let hz = significant(weights.frequency_hz, 6);
     let finding = |code: &str| weights.findings.iter().find(|finding| finding.code == code);

@@ -34,7 +34,7 @@ const LANES_MOST: usize = 16;
 /// Most parts of a pilot, and of how many parts it takes one.
 const PILOT_PARTS: usize = 8;
 const PILOT_SHARE: usize = 16;
-/// What a fit of a set held in memory needs, over the set.
+/// Memory that a fit of a set held in memory needs, over the set.
 const FIT_OVER_SET: u64 = 2;
 
 /// True where FRFs of so many bytes are fitted part by part.

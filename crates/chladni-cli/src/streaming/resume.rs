@@ -1,4 +1,5 @@
-//! What an interrupted run leaves beside its output, so that the next can go on.
+//! The state that an interrupted run leaves beside its output, so that the next can go
+//! on.
 //!
 //! One line of JSON that says of which files it is, and with which options they were read
 //! and fitted, then the partial so far.
@@ -20,16 +21,16 @@ const SHARE: u32 = 40;
 /// Version of the first line; another one is refused.
 const VERSION: u64 = 2;
 
-/// What is kept, and where.
+/// The state that is kept, and its place.
 pub struct Resume {
     place: Option<PathBuf>,
     /// The first line of the file.
     head: Value,
-    /// When it was kept last, and how long that took.
+    /// Time at which it was kept last, and how long that took.
     kept: Instant,
     cost: Duration,
     found: Option<Partial>,
-    /// What is kept is no input.
+    /// Claim on the kept file, which is no input.
     _claim: Option<Claim>,
 }
 
@@ -41,7 +42,7 @@ impl Resume {
     /// * `options`: all that can change a byte of the result, as results echo them
     ///
     /// # Errors
-    /// What was left belongs to other files or options, or is damaged.
+    /// A state that belongs to other files or options, or is damaged.
     pub fn new(
         output: Option<&Path>,
         files: &[PathBuf],
@@ -108,7 +109,7 @@ impl Resume {
         Partial::from_bytes(&bytes[end + 1..])
     }
 
-    /// What the interrupted run had done.
+    /// The state that the interrupted run left.
     pub fn take(&mut self) -> Option<Partial> {
         self.found.take()
     }

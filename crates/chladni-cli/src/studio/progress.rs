@@ -1,4 +1,4 @@
-//! How far the fit of the moment is: its stages with their times, for the page to show.
+//! Progress of the fit of the moment: its stages with their times, for the page to show.
 
 use serde_json::{json, Value};
 use std::sync::{Mutex, MutexGuard, PoisonError};

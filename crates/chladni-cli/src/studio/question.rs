@@ -1,5 +1,5 @@
-//! What the page may ask, and the bounds of every number in it. No question names a file:
-//! what a scene needs besides comes along as text.
+//! Questions that the page may ask, and the bounds of every number in it. No question
+//! names a file: what a scene needs besides comes along as text.
 
 use chladni_frf::{Error, Result};
 use chladni_render::{MethodChoice, Scene, Threshold, ThresholdTable};
@@ -26,11 +26,11 @@ pub struct Turn {
     number: u64,
 }
 
-/// How to fit; of no account where a model was read.
+/// Settings of a fit; of no account where a model was read.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FitQuestion {
-    /// Which page asks; 0 for who asks without one.
+    /// Number of the page that asks; 0 for who asks without one.
     #[serde(default)]
     page: u64,
     /// Rises from question to question.
@@ -46,12 +46,12 @@ pub struct FitQuestion {
     /// Modes that the reader has seen, Hz.
     #[serde(default)]
     pub added_hz: Vec<f64>,
-    /// What takes longer than the fit, the page asks for afterwards.
+    /// True where the page asks afterwards for what takes longer than the fit.
     #[serde(default)]
     pub light: bool,
 }
 
-/// Which fit is to be drawn.
+/// The fit that is to be drawn.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DataQuestion {
@@ -104,7 +104,7 @@ impl FitQuestion {
     }
 }
 
-/// What to render.
+/// The scene that is to be rendered.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneQuestion {
@@ -125,12 +125,12 @@ pub struct SceneQuestion {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FileQuestion {
-    /// Which one.
+    /// Name of the file.
     pub name: FileName,
     /// Numbers of the modes that were dropped on the page, from 1.
     #[serde(default)]
     pub drop: Vec<usize>,
-    /// What was rendered, for files of a scene.
+    /// The rendered scene, for files of a scene.
     pub scene: Option<SceneQuestion>,
 }
 

@@ -1,4 +1,4 @@
-//! What the studio keeps of the last scene.
+//! The part of the last scene that the studio keeps.
 
 use super::question::SceneQuestion;
 use chladni_frf::ModalModel;

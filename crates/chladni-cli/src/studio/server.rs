@@ -32,7 +32,7 @@ const PAUSE: Duration = Duration::from_millis(200);
 pub struct Door {
     /// The address that is listened on.
     pub address: SocketAddr,
-    /// What must be shown.
+    /// The token that must be shown.
     pub token: Token,
 }
 
@@ -134,8 +134,8 @@ async fn only_who_may(State(door): State<Arc<Door>>, request: Request, next: Nex
     answer
 }
 
-/// What every answer carries: it is kept nowhere, its address is told to nobody, no other
-/// page shows it.
+/// The headers of every answer: it is kept nowhere, its address is told to nobody, no
+/// other page shows it.
 fn discreet() -> [(HeaderName, HeaderValue); 4] {
     [
         (header::CACHE_CONTROL, "no-store"),

@@ -1,4 +1,4 @@
-//! What the studio works on: the measured FRFs, and the model of the moment.
+//! The data of the studio: the measured FRFs, and the model of the moment.
 
 use super::draft::few_lines;
 use super::progress::Progress;
@@ -40,7 +40,7 @@ pub struct Session {
     newest: Mutex<Turn>,
     /// Stops the full fit that was begun last.
     running: Mutex<CancelToken>,
-    /// How far that is.
+    /// Progress of that fit.
     pub(super) progress: Progress,
     /// The last rendering, with the whole model that it was made with.
     pub(super) last: Mutex<Option<(Arc<ModalModel>, Arc<Rendered>)>>,
@@ -52,7 +52,7 @@ struct Fitted {
     /// The question that `latest` answers: an answer to an older one that comes later is
     /// not kept.
     turn: Turn,
-    /// What scenes are rendered by.
+    /// The model that scenes are rendered by.
     latest: Option<Arc<ModalModel>>,
     /// The last one whose number of modes was decided by evidence or by the reader, not
     /// by a draft.
@@ -107,7 +107,7 @@ impl Session {
         studio_html(&self.title, 1 + self.pages.fetch_add(1, Ordering::Relaxed))
     }
 
-    /// What is known before any fit: the FRFs as they were measured, and the places.
+    /// The data known before any fit: the FRFs as they were measured, and the places.
     ///
     /// # Errors
     /// Those of drawing.
@@ -180,7 +180,8 @@ impl Session {
         Ok(answer)
     }
 
-    /// What the report would draw of a full fit, where that is still the last one.
+    /// The data that the report would draw of a full fit, where that is still the last
+    /// one.
     ///
     /// # Errors
     /// Those of drawing.
@@ -284,7 +285,7 @@ impl Session {
         }
     }
 
-    /// Why a fit was given up.
+    /// The reason that a fit was given up.
     fn why_not(&self, turn: Turn) -> &'static str {
         let newest = *self.newest.lock().unwrap_or_else(PoisonError::into_inner);
         if newest > turn {

@@ -48,7 +48,7 @@ fn the_examples_of_the_page_are_read() {
         .exits(0);
 }
 
-/// What a page asks the reader to do, in its order.
+/// The actions that a page asks of the reader, in its order.
 enum Step {
     /// A file to save: its name, from the words before it, and its text.
     Save(String, String),

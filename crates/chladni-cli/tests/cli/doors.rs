@@ -1,5 +1,5 @@
-//! What goes in and out: outputs that are inputs, places that cannot be written, names
-//! and limits that are nobody's fault.
+//! Inputs and outputs: outputs that are inputs, places that cannot be written, names and
+//! limits that are nobody's fault.
 
 use crate::common::{Folder, SCENE};
 use std::process::Command;

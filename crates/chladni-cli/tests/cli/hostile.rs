@@ -54,7 +54,7 @@ fn model() -> Value {
     })
 }
 
-/// What `render` makes of them.
+/// The outcome of `render` on them.
 struct Judged {
     code: i32,
     said: String,
@@ -138,7 +138,7 @@ fn no_number_of_a_model_is_a_bug() {
     );
 }
 
-/// What is refused says which number, what stood there and what belongs there.
+/// Refusals say which number, what stood there and what belongs there.
 #[test]
 fn what_no_panel_can_have_is_refused_by_name() {
     let folder = Folder::new();

@@ -18,7 +18,7 @@ fn corpus() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/malformed")
 }
 
-/// What is wrong with the answer to one file.
+/// Faults of the answer to one file.
 fn complaints(case: &Value, folder: &Path) -> Vec<String> {
     let name = case["file"].as_str().unwrap();
     let file = corpus().join(name);

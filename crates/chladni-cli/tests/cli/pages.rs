@@ -34,7 +34,7 @@ fn model_of(folder: &Folder) -> chladni_frf::ModalModel {
     chladni_io::read_model(&folder.path().join("model.json")).unwrap()
 }
 
-/// Where the pole of the `k`-th mode is marked in the stabilization diagram, in the
+/// Place of the mark of the `k`-th mode's pole in the stabilization diagram, in the
 /// window.
 fn pole_mark(page: &mut Page, name: &str, k: usize) -> [f64; 2] {
     page.place("#stabilization-chart");

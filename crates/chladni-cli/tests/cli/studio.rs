@@ -16,7 +16,7 @@ fn status(answer: &str) -> &str {
     answer.split(' ').nth(1).unwrap_or("no answer")
 }
 
-/// What the studio says of a question that it refuses.
+/// The studio's reason for refusing a question.
 fn complaint(answer: &Value) -> &str {
     answer["error"]
         .as_str()

@@ -43,7 +43,7 @@ fn zone(page: &mut Page, number: usize) -> [f64; 4] {
     serde_json::from_value(page.eval(&found)).unwrap()
 }
 
-/// What `act` changes: the scene's text, and the best weights.
+/// The changes by `act`: the scene's text, and the best weights.
 fn changes(page: &mut Page, what: &str, act: impl FnOnce(&mut Page)) -> String {
     let (text, weights) = (page.text("#scene-toml"), shown_weights(page));
     act(page);

@@ -20,14 +20,15 @@ const REMARKS: [&str; 7] = [
     "unit",
     "units",
 ];
-/// What MATLAB's own writer marks every array with: it stands in reverse order.
+/// The attribute that MATLAB's own writer marks every array with: it stands in reverse
+/// order.
 const MATLAB: &str = "MATLAB_class";
 
 /// Arrays by path, with what is odd about the file.
 #[derive(Debug, Default)]
 pub(crate) struct MemoryFile {
     arrays: BTreeMap<String, (Entry, Values<'static>)>,
-    /// What was passed over.
+    /// Findings on what was passed over.
     pub(crate) warnings: Vec<Finding>,
 }
 

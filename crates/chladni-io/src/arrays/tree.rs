@@ -1,5 +1,5 @@
-//! What both back ends speak: groups, datasets, values and attributes, free of any
-//! library's types.
+//! The common language of both back ends: groups, datasets, values and attributes, free
+//! of any library's types.
 
 use chladni_frf::{Dof, Error, Node, Result};
 use num_complex::{Complex32, Complex64};
@@ -101,7 +101,7 @@ impl From<String> for Attribute {
 /// Named attributes, in order.
 pub(crate) type Attributes = Vec<(String, Attribute)>;
 
-/// What a library says of a dataset: shape, element type, attributes, and those that
+/// A library's description of a dataset: shape, element type, attributes, and those that
 /// cannot be read.
 pub(crate) type Description = (Vec<usize>, Element, Attributes, Vec<String>);
 

@@ -101,7 +101,7 @@ pub(super) struct Record {
     pub(super) place: String,
 }
 
-/// Where a function stands.
+/// The place of a function.
 pub(super) fn place_of(document: &Document, line: u64) -> String {
     let file = document.file.display();
     if line > 0 {
@@ -196,7 +196,7 @@ pub(super) fn from_function(
 /// Characters of an ID line: one that fills it may have lost its end.
 const ID_LINE: usize = 80;
 
-/// How an FRF was estimated, as ID line 5 says where `estimate` wrote it.
+/// The estimation of an FRF, as ID line 5 says where `estimate` wrote it.
 fn estimated(line: &str) -> Option<Estimation> {
     let whole = line.trim_end();
     let parsed = whole.parse().ok();

@@ -1,4 +1,4 @@
-//! How two columns make the complex values of an FRF, and in which unit.
+//! The form in which two columns make the complex values of an FRF, and its unit.
 
 use super::head::{AngleSaid, Head};
 use super::vocabulary::{is_decibel, words};

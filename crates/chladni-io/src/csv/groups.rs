@@ -1,4 +1,4 @@
-//! Which columns of a wide table belong together.
+//! The columns of a wide table that belong together.
 
 use super::form::push_once;
 use super::head::Head;

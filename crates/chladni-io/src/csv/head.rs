@@ -1,4 +1,4 @@
-//! What the header of a column says: part of the FRF, unit, DOFs.
+//! The meaning of the header of a column: part of the FRF, unit, DOFs.
 
 use super::vocabulary::{is_decibel, is_filler, is_squared, known_words, part_of, words, Part};
 use crate::unit_label::{self, frequency_unit, frf_unit, FrfUnit};
@@ -19,7 +19,7 @@ pub(super) struct Head {
     angles: Vec<PhaseUnit>,
 }
 
-/// What a header says about the unit of a phase.
+/// The information of a header about the unit of a phase.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum AngleSaid {
     Nothing,

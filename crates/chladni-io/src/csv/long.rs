@@ -20,7 +20,7 @@ const SPARSE_CELLS: usize = 1 << 22;
 /// Two frequencies closer than this part of their spacing are one line.
 const SAME_LINE: f64 = 1e-3;
 
-/// Where each column stands.
+/// The place of each column.
 struct Columns {
     response: DofColumns,
     reference: DofColumns,
@@ -263,7 +263,7 @@ impl LongTable<'_> {
         said.frequency_factor(own, name)
     }
 
-    /// How the two numbers of a row make its value.
+    /// The form in which the two numbers of a row make its value.
     fn form(&self, pairs: &[Pair], said: &Said, warnings: &mut Vec<Finding>) -> Result<Form> {
         let values = |at: usize| -> Vec<f64> {
             let rows = pairs.iter().flat_map(|pair| &pair.rows);

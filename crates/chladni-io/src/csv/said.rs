@@ -1,11 +1,11 @@
-//! What the remarks of a table say about the whole file.
+//! The information of a table's remarks about the whole file.
 
 use super::remarks::Remark;
 use crate::unit_label::frequency_unit;
 use crate::PhaseUnit;
 use chladni_frf::{Dof, Error, Finding, FrfKind, ReferenceUnit, Result, TimeSign};
 
-/// What stands in remarks, in other text above the table and in the options.
+/// The information in remarks, in other text above the table and in the options.
 #[derive(Default)]
 pub(super) struct Said {
     pub(super) kind: Option<FrfKind>,

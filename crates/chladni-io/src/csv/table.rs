@@ -168,7 +168,7 @@ impl Table {
             .collect()
     }
 
-    /// What a keyword row says for a column: its own cell, else the nearest one to the
+    /// The entry of a keyword row for a column: its own cell, else the nearest one to the
     /// left.
     pub(super) fn keyword(&self, key: &str, column: usize) -> Option<&str> {
         let (_, cells) = self.keywords.iter().find(|(found, _)| found == key)?;
@@ -240,7 +240,7 @@ fn no_numbers(lines: &[Line<'_>]) -> Error {
         .help("tables need rows like 10.5,0.1,-0.2 under a header like f,re,im")
 }
 
-/// What was left out or masked, and where first.
+/// The rows left out and the values masked, and where first.
 #[derive(Default)]
 struct Masked {
     empty: Option<(u64, usize)>,

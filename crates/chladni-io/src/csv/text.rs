@@ -40,7 +40,7 @@ pub(super) struct Line<'a> {
     pub(super) is_comment: bool,
 }
 
-/// How a table is cut into cells, and what stands for the decimal point.
+/// The rule that cuts a table into cells, and the decimal point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Dialect {
     /// `None`: runs of blanks.
@@ -181,7 +181,7 @@ impl Dialect {
                         .any(|cell| matches!(number(cell), Cell::Value(_)))))
     }
 
-    /// What a cell holds.
+    /// The content of a cell.
     pub(super) fn number(self, cell: &str) -> Cell {
         let cell = cell.trim();
         let start = cell.trim_start_matches(['+', '-']);

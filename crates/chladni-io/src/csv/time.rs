@@ -11,7 +11,7 @@ use std::path::Path;
 /// Names that a time axis goes by.
 const TIME_NAMES: [&str; 4] = ["t", "time", "zeit", "temps"];
 
-/// When the samples of a table were taken.
+/// Times at which the samples of a table were taken.
 pub(super) enum Times {
     /// In the first column; factor to seconds.
     FirstColumn(f64),

@@ -1,7 +1,7 @@
 //! Words that headers are made of, in the languages and spellings of analysers and
 //! scripts.
 
-/// Which part of an FRF a column holds.
+/// The part of an FRF that a column holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Part {
     Re,
@@ -158,7 +158,7 @@ pub(super) fn words(text: &str) -> impl Iterator<Item = &str> {
         .filter(|word| !word.is_empty())
 }
 
-/// How many words of the trade stand in a line: two or more make it a header.
+/// Number of words of the trade in a line: two or more make it a header.
 pub(super) fn known_words(text: &str) -> usize {
     words(text)
         .filter(|word| part_of(word).is_some() || is_frequency(&word.to_lowercase()))

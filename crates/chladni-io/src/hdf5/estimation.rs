@@ -1,4 +1,4 @@
-//! How FRFs were estimated: the group `/estimation`, without datasets.
+//! The estimation of FRFs: the group `/estimation`, without datasets.
 
 use crate::arrays::tree::{Attribute, Entry, Group};
 use chladni_frf::{BlockWindow, Error, Estimation, Forcing, Result};
@@ -31,7 +31,7 @@ pub(super) fn estimation_group<'a>(made: &Estimation) -> Group<'a> {
     group
 }
 
-/// What the group says.
+/// Reads the content of the group.
 pub(super) fn read_estimation(entry: &Entry) -> Result<Estimation> {
     let wrong = |name: &str, expected: &str| {
         Error::bad_data("an attribute is missing or makes no sense")

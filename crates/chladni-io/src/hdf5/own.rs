@@ -179,7 +179,7 @@ impl Own<'_> {
         self.attribute("time_sign")
     }
 
-    /// What stands beside each FRF value.
+    /// Reads the array that stands beside the FRF values.
     fn beside_frf<T>(&self, path: &str, convert: impl Fn(f64) -> T) -> Result<Option<Array3<T>>> {
         if self.find(path).is_none() {
             return Ok(None);

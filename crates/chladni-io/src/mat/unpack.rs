@@ -10,7 +10,7 @@ const MOST_EXPANSION: usize = 128;
 /// ... and, however small it is, to this many bytes.
 const LEAST_ROOM: usize = 4 << 20;
 
-/// What is left to unfold.
+/// The amount left to unfold.
 pub(super) struct Budget {
     left: usize,
     limit: usize,

@@ -11,7 +11,7 @@ const MOST_HEADER_BYTES: usize = 1 << 16;
 /// Most axes of an array.
 const MOST_AXES: usize = 32;
 
-/// What the header says.
+/// The content of the header.
 #[derive(Debug, PartialEq)]
 struct Header {
     /// `<`, `>` or `|`.
@@ -120,7 +120,7 @@ fn split(bytes: &[u8]) -> Result<(Header, &[u8])> {
     Ok((header, &bytes[start + length..]))
 }
 
-/// What stands behind `'key':`.
+/// The text behind `'key':`.
 fn behind<'t>(text: &'t str, key: &str) -> Option<&'t str> {
     let at = text
         .find(&format!("'{key}'"))

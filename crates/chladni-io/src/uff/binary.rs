@@ -169,7 +169,7 @@ fn contradicting(layout: Layout) -> Vec<Form> {
     })
 }
 
-/// What must stand behind a payload for its length to be believed.
+/// Requirement on what stands behind a payload, for its length to be believed.
 #[derive(Clone, Copy, PartialEq)]
 enum Landing {
     /// A closing marker, then an opening one or the end of the file.
@@ -184,7 +184,7 @@ enum Landing {
 pub(super) trait Rest {
     /// Bytes to the end of the file.
     fn length(&self) -> u64;
-    /// What stands `offset` bytes further: at least the lines that follow a payload.
+    /// The bytes from `offset` on: at least the lines that follow a payload.
     fn behind(&self, offset: u64) -> Cow<'_, [u8]>;
 }
 

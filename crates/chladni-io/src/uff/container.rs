@@ -26,7 +26,7 @@ pub(super) struct Block<'a> {
     pub passed_over: Option<u64>,
     /// Too large to look into: its name is all that is known.
     pub listed_only: bool,
-    /// What makes the dataset unreadable as a whole.
+    /// The error that makes the dataset unreadable as a whole.
     pub fault: Option<Error>,
     /// False where the file ends before the closing `-1`.
     pub closed: bool,
@@ -253,9 +253,9 @@ fn binary_body<'a>(
     }
 }
 
-/// Where reading can go on behind a damaged binary dataset: the next closing marker with
-/// an opening marker and a dataset number after it. Only used when no length fits, to
-/// list what follows; no data are read by it.
+/// The place where reading can go on behind a damaged binary dataset: the next closing
+/// marker with an opening marker and a dataset number after it. Only used when no length
+/// fits, to list what follows; no data are read by it.
 fn next_opening(at: Lines<'_>) -> Lines<'_> {
     let mut skipped = 0;
     while let Some(found) = at.bytes[skipped..]

@@ -13,7 +13,7 @@ pub(super) struct Record<'a> {
     pub text: &'a [u8],
 }
 
-/// Where a field stands in its line: first byte, and one past the last.
+/// The place of a field in its line: first byte, and one past the last.
 type Span = (usize, usize);
 
 /// Spans of `widths` columns; how many until the last one that is not blank. `None` where
@@ -71,7 +71,7 @@ fn token_spans(text: &[u8], spans: &mut [Span]) -> usize {
     count
 }
 
-/// How the numbers of a line were found.
+/// The layout in which the numbers of a line were found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Found {
     /// By columns; this many fields until the last that is not blank.
@@ -83,7 +83,7 @@ pub(super) enum Found {
 /// A field that is no number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct BadField {
-    /// Which of the line's fields, from 0.
+    /// Index of the field in the line, from 0.
     pub index: usize,
     /// Its bytes in the line.
     pub span: Span,

@@ -112,7 +112,7 @@ pub(super) fn read_units<'a>(
     Ok(Units { length, force })
 }
 
-/// What a dataset holds, in words.
+/// The content of a dataset, in words.
 pub(super) fn dataset_name(number: u32) -> String {
     match number {
         15 | 2411 => "nodes",

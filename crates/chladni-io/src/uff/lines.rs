@@ -34,7 +34,7 @@ impl<'a> Iterator for Lines<'a> {
 }
 
 impl<'a> Lines<'a> {
-    /// What lies between this position and a later one.
+    /// The text between this position and a later one.
     pub fn until(self, later: Lines<'a>) -> Lines<'a> {
         Lines {
             bytes: &self.bytes[..self.bytes.len() - later.bytes.len()],

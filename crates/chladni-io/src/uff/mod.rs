@@ -187,7 +187,7 @@ fn note_lost_nodes(document: &mut Document) {
 /// Datasets whose content is in the document, or is written anew (header, units).
 const CARRIED: [u32; 11] = [15, 18, 55, 58, 82, 151, 164, 2411, 2412, 2414, 2420];
 
-/// What one dataset contributes to the document.
+/// The part of the document that one dataset contributes.
 struct Part {
     info: DatasetInfo,
     function: Option<Function>,

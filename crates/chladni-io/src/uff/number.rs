@@ -3,7 +3,7 @@
 
 use super::decimal::{right_justified, short_decimal};
 
-/// Why a field is no number.
+/// The reason that a field is no number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Fault {
     /// `*****`: the writer's field was too narrow.

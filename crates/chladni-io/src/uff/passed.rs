@@ -1,4 +1,4 @@
-//! What is kept of a dataset whose data were passed over.
+//! The part kept of a dataset whose data were passed over.
 
 use super::container::Block;
 use super::lines::Lines;
@@ -11,7 +11,7 @@ pub(super) struct Passed {
     /// Line and byte of the opening marker.
     pub line: u64,
     pub byte: u64,
-    /// Where lines are counted from; 0 is the beginning of the file.
+    /// The line that lines are counted from; 0 is the beginning of the file.
     pub counted_from: u64,
     /// The records that were kept, and the line of the first.
     pub records: Vec<u8>,

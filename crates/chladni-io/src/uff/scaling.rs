@@ -1,5 +1,5 @@
-//! What the codes, exponents and unit labels of a 58 say together: FRF kind, unit of the
-//! reference, factors to SI.
+//! The joint meaning of the codes, exponents and unit labels of a 58: FRF kind, unit of
+//! the reference, factors to SI.
 //!
 //! Quantity codes decide, and dataset 164 says in which units; a label fills in where the
 //! codes say nothing (volts always). Vendors write either in one file: where label and
@@ -22,7 +22,7 @@ pub(super) const FRF: i32 = 4;
 /// Function type code of coherence.
 pub(super) const COHERENCE: i32 = 6;
 
-/// What codes and labels say.
+/// The meaning of codes and labels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Scaling {
     pub kind: Option<FrfKind>,

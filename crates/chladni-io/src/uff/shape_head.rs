@@ -1,5 +1,5 @@
-//! What stands before the values of datasets 55 and 2414: codes, integers and reals
-//! (tables in [`super::shapes`]).
+//! The head of datasets 55 and 2414, before the values: codes, integers and reals (tables
+//! in [`super::shapes`]).
 
 use super::fields::{decode, label, numbers, whole, Column, Record};
 use crate::shape::MOST_COMPONENTS;

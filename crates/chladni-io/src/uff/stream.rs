@@ -90,7 +90,7 @@ impl FileLines {
         }
     }
 
-    /// What stands behind the last line, and its offset in the file.
+    /// The rest behind the last line, and its offset in the file.
     pub fn rest(&self) -> (FileRest<'_>, u64) {
         (
             FileRest {

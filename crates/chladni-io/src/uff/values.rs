@@ -145,7 +145,7 @@ struct TextReader {
     layout: Layout,
     lenient: bool,
     numbers: Vec<f64>,
-    /// How many fields were masked, and the line of the first.
+    /// Number of fields that were masked, and the line of the first.
     masked: Option<(usize, u64)>,
 }
 

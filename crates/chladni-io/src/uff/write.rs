@@ -151,7 +151,7 @@ impl<'a> Plan<'a> {
         Ok(())
     }
 
-    /// What the format cannot carry.
+    /// Findings on what the format cannot carry.
     pub fn warnings(&self) -> &[Finding] {
         &self.warnings
     }

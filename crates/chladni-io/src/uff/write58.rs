@@ -9,7 +9,7 @@ use num_complex::Complex;
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
-/// What cannot be written as asked, and what will be lost.
+/// Checks that it can be written as asked, and tells what will be lost.
 ///
 /// # Errors
 /// Values that are not finite, in text; numbers that do not fit their columns.

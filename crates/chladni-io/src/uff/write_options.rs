@@ -1,6 +1,6 @@
-//! What may be asked of a universal file that is written.
+//! Options of a universal file that is written.
 
-/// How a universal file is written.
+/// Settings of writing a universal file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct WriteOptions {
     /// Binary 58 (IEEE 754, little endian): exact, and much smaller and faster than text.

@@ -10,7 +10,7 @@ use std::io::{self, Write};
 /// Characters of the value field 1P6E13.5.
 const VALUES_PER_LINE: usize = 6;
 
-/// What cannot be written.
+/// Checks that the shape can be written.
 ///
 /// # Errors
 /// Values that are not finite; numbers that do not fit their columns.

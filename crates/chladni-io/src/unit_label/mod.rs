@@ -32,7 +32,7 @@ const STANDARD_GRAVITY: f64 = 9.80665;
 /// Pound-force: 0.45359237 kg · g_n, N.
 const POUND_FORCE: f64 = 4.448_221_615_260_5;
 
-/// What the unit of an FRF says.
+/// The information in the unit of an FRF.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct FrfUnit {
     pub kind: FrfKind,

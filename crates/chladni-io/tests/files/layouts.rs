@@ -27,7 +27,7 @@ enum Form {
     Decibels,
 }
 
-/// Where the unit of the FRFs stands.
+/// Place of the unit of the FRFs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum UnitPlace {
     Square,
@@ -49,7 +49,7 @@ enum Shape {
     Long,
 }
 
-/// Where the DOFs of a wide table stand.
+/// Place of the DOFs in a wide table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum DofPlace {
     Before,
@@ -84,7 +84,7 @@ struct Layout {
     digits: usize,
 }
 
-/// What must come of a layout.
+/// The outcome that a layout must have.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Expected {
     Read,
@@ -583,7 +583,7 @@ fn encoded(text: &str, encoding: &str) -> Vec<u8> {
     }
 }
 
-/// What is wrong with what was read.
+/// The fault of what was read.
 fn misread(layout: &Layout, truth: &Truth, set: &FrfSet, warnings: &[String]) -> Option<String> {
     let said = layout.unit_place != UnitPlace::Nowhere;
     let factor = if said { 1.0 } else { 1.0 / layout.unit.1 };
@@ -652,7 +652,7 @@ fn misread(layout: &Layout, truth: &Truth, set: &FrfSet, warnings: &[String]) ->
         .then(|| format!("references {:?}", set.references))
 }
 
-/// What is wrong with a refusal.
+/// The fault of a refusal.
 fn unhelpful(error: &Error) -> Option<String> {
     let has_place = error.line.is_some() || error.field.is_some();
     let says_what_to_do = error.help.is_some() || error.expected.is_some();

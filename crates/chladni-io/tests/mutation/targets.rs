@@ -1,5 +1,5 @@
-//! What is asked of a reader with any bytes; shared by the seeded mutations and by the
-//! targets that coverage guides (`fuzz/`).
+//! Checks of a reader with any bytes; shared by the seeded mutations and by the targets
+//! that coverage guides (`fuzz/`).
 
 use chladni_frf::ErrorKind;
 use chladni_io::{
@@ -94,7 +94,7 @@ pub fn selection(path: &Path, bytes: &[u8]) {
     let _ = chladni_io::read_selection(path);
 }
 
-/// What can be written as a universal file is read again, all of it.
+/// Checks that all that can be written as a universal file is read again.
 fn written_is_read(path: &Path, contents: &Contents, binary: bool) {
     let mut again = Vec::new();
     match uff::write(

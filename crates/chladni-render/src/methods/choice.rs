@@ -1,4 +1,4 @@
-//! Which method runs: one by name, or one along the front of speed against accuracy.
+//! Choice of the method: one by name, or one along the front of speed against accuracy.
 
 use crate::effort::Effort;
 use crate::methods::{Method, Solution};
@@ -9,7 +9,7 @@ use chladni_frf::{Error, Finding, ModalModel, Result};
 use std::fmt;
 use std::str::FromStr;
 
-/// What the user asked for.
+/// The choice of the user.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum MethodChoice {
@@ -25,10 +25,10 @@ pub enum MethodChoice {
     Only(Method),
 }
 
-/// What will run.
+/// The method that will run.
 pub(crate) struct Decision {
     pub(crate) method: Method,
-    /// What it spends.
+    /// Its effort.
     pub(crate) effort: Effort,
     /// True where a quicker method runs because the problem is large: a scene that it
     /// leaves unmet is tried again by `robust`.

@@ -18,7 +18,7 @@ use std::cmp::Ordering;
 /// So many steps, and so many drives that go on after them.
 pub(crate) type Round = (usize, usize);
 
-/// What every step over the rows of a problem takes, found once.
+/// The quantities that every step over the rows of a problem takes, found once.
 pub(crate) struct Steps<'a> {
     problem: &'a Problem,
     /// From pulls of rows to a change of the drive; see

@@ -115,9 +115,9 @@ fn with_margins(drives: &[Drive]) -> Vec<(&Drive, f64)> {
         .collect()
 }
 
-/// What a drive is judged by, the more important first: responses served (least zone,
-/// total), κ up to what is enough, ground served (least zone, total), κ over all ground
-/// up to what is asked of it, little force.
+/// Criteria of a drive, the more important first: responses served (least zone, total), κ
+/// up to what is enough, ground served (least zone, total), κ over all ground up to what
+/// is asked of it, little force.
 type Key = [f64; 7];
 
 /// Keeps the best drive of all that are offered.
@@ -211,7 +211,7 @@ impl<'a> Contest<'a> {
     }
 }
 
-/// Where the iteration starts: pressure matching, contrast control, tilted phases.
+/// Starts of the iteration: pressure matching, contrast control, tilted phases.
 fn starts(least_squares: &LeastSquares) -> Result<Vec<Drive>> {
     let problem = least_squares.problem;
     let hot_m = &problem.rows.positions_m[..problem.rows.hot];

@@ -26,7 +26,7 @@ use chladni_frf::{Error, ErrorKind, Finding, ModalModel, Result};
 use std::fmt;
 use std::str::FromStr;
 
-/// How the weights are found.
+/// A method that finds the weights.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Method {
@@ -155,7 +155,7 @@ impl FromStr for Method {
 pub(crate) struct Solution {
     pub(crate) drive: Drive,
     pub(crate) findings: Vec<Finding>,
-    /// What lies between target and drive, of the method that goes through modal
+    /// Quantities between target and drive, of the method that goes through modal
     /// coefficients.
     pub(crate) modal: Option<ModalSteps>,
     /// Largest contrast that was found under the firmest fingers, dB, where no drive bears

@@ -27,7 +27,7 @@ use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// What lies between the target field and the drive of the two steps.
+/// Quantities between the target field and the drive of the two steps.
 ///
 /// `asked` and `driven` are modal forces with the gain of the drive: N times the unit of
 /// the participations (N/√kg where the model is mass-scaled). They are the same where Ψ
@@ -47,12 +47,12 @@ pub struct ModalSteps {
     pub psi: StepMatrix,
 }
 
-/// What is to be known of a matrix that a step inverts.
+/// Properties of a matrix that a step inverts.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StepMatrix {
     /// Singular values, falling.
     pub singular_values: Vec<f64>,
-    /// How many of them lie above rounding; the others are taken for zero.
+    /// Number of them above rounding; the others are taken for zero.
     pub rank: usize,
 }
 

@@ -1,4 +1,4 @@
-//! How near a measured field comes to its prediction.
+//! Agreement of a measured field with its prediction.
 
 use super::diagnosis::{diagnose, Hypothesis};
 use super::field::{LaidField, Prediction};
@@ -23,7 +23,7 @@ pub struct Agreement {
     pub phase_deg: Option<f64>,
     /// Response by response.
     pub points: Vec<PointAgreement>,
-    /// What may be the cause of the difference, the likeliest first.
+    /// Possible causes of the difference, the likeliest first.
     pub hypotheses: Vec<Hypothesis>,
 }
 

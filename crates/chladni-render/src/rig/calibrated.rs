@@ -216,7 +216,7 @@ fn move_poles(model: &mut ModalModel, calibration: &Calibration) -> bool {
     true
 }
 
-/// What the mobility that fields taught is beside the model, as a term of its receptance.
+/// The mobility that fields taught, less that of the model, as a term of its receptance.
 fn remainder(model: &ModalModel, known: &CalibratedOperator) -> ResidualTerm {
     let own = model.frf_matrix(FrfKind::Mobility, known.frequency_hz);
     let receptance = Complex64::new(0.0, TAU * known.frequency_hz).inv();
@@ -244,7 +244,7 @@ fn remainder(model: &ModalModel, known: &CalibratedOperator) -> ResidualTerm {
     }
 }
 
-/// What was taken from the calibration.
+/// The finding on what was taken from the calibration.
 fn applied(
     calibration: &Calibration,
     known: Option<&CalibratedOperator>,

@@ -77,7 +77,7 @@ pub struct Calibration {
     pub fields: usize,
     /// A new scan of FRFs is due.
     pub scan_due: bool,
-    /// Why it is.
+    /// The reason that it is due.
     pub scan_reason: Option<String>,
     /// Factor of each channel on its weight.
     pub gains: Vec<ChannelGain>,

@@ -34,7 +34,7 @@ use ndarray::{Array1, Axis};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
-/// What a correction took and found; `/correction` of a weights file.
+/// Input and result of a correction; `/correction` of a weights file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[must_use]
 pub struct Correction {
@@ -47,9 +47,9 @@ pub struct Correction {
     pub predicted: f64,
     /// A new scan of FRFs is due.
     pub scan_due: bool,
-    /// Why it is.
+    /// The reason that it is due.
     pub scan_reason: Option<String>,
-    /// What each field was, in order.
+    /// The measured fields, in order.
     pub fields: Vec<TakenField>,
     /// The field, from 1, of the best measured drive.
     pub best_measured: Option<usize>,
@@ -88,7 +88,7 @@ impl Estimators {
     }
 }
 
-/// What all fields together tell.
+/// The result of all fields together.
 struct Learned {
     estimators: Estimators,
     /// The estimator that counts.
@@ -294,7 +294,7 @@ impl Learned {
         }
     }
 
-    /// What is known of the rig now.
+    /// The present knowledge of the rig.
     ///
     /// * `own`, `model`: the model as it was fitted, and as the calibration before made it
     fn calibration(
@@ -536,7 +536,7 @@ fn score(operator: &KalmanOperator, seen: &Seen) -> f64 {
     miss(operator, seen) / bar / seen.rows.len() as f64
 }
 
-/// How a measured response counts as inside its limit.
+/// The rule by which a measured response counts as inside its limit.
 #[derive(Clone, Copy)]
 enum Count {
     /// As it was measured.
@@ -605,7 +605,7 @@ fn best_of(corrected: &Setup, new: Drive, seen: &[Seen]) -> Given {
     }
 }
 
-/// Why a new scan is due; `None` where it is not.
+/// The reason that a new scan is due; `None` where it is not.
 fn scan(nis: &[f64], structured: &Structured) -> Option<String> {
     let beyond = |nis: &f64| *nis > tolerances::SCAN_NIS;
     if nis.len() > 2 && nis[nis.len() - 2..].iter().all(beyond) {

@@ -1,4 +1,4 @@
-//! What may be wrong with the rig, weighed by evidence.
+//! Possible faults of the rig, weighed by evidence.
 //!
 //! Under the null hypothesis the difference r = v − v̂ has the covariance S₀: noise, the
 //! model's own error bars, and a small isotropic part. A cause with columns B and a prior D
@@ -38,7 +38,7 @@ pub struct Hypothesis {
     pub ln_evidence: f64,
 }
 
-/// Where a cause sits.
+/// The place of a cause.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Place {

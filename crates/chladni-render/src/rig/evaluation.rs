@@ -15,7 +15,7 @@ use crate::zones::ZoneMap;
 use chladni_frf::{Finding, MeasuredField, ModalModel, Result};
 use ndarray::Axis;
 
-/// How a measured field does, and what it says of the rig.
+/// Performance of a measured field, and what it says of the rig.
 #[derive(Debug, Clone, PartialEq)]
 #[must_use]
 pub struct FieldEvaluation {

@@ -122,7 +122,7 @@ pub(crate) fn rms(values: &Array1<Complex64>) -> f64 {
     (square / values.len().max(1) as f64).sqrt()
 }
 
-/// What a prediction of a field is made of.
+/// The ingredients of a prediction of a field.
 pub(crate) struct Prediction {
     /// Mobility at the measured rows.
     pub(crate) mobility: Array2<Complex64>,

@@ -47,7 +47,7 @@ pub fn evaluate_signal(
     Ok((indices, findings))
 }
 
-/// What becomes of a drive in time when the panel is not the model.
+/// Judges a drive in time when the panel is not the model.
 ///
 /// # Errors
 /// As [`play`].

@@ -11,8 +11,8 @@ use std::collections::HashMap;
 /// Shortest ramp that the band of a model can describe at `frequency_hz`, s; outside the
 /// band the longest that is ever tried.
 ///
-/// Where the band begins well below the lowest mode there is nothing below it that a ramp
-/// could excite, and only its upper end counts.
+/// A band that begins well below the lowest mode has nothing below it that a ramp could
+/// excite, and only its upper end counts.
 pub(crate) fn shortest_s(model: &ModalModel, frequency_hz: f64) -> f64 {
     let [low, high] = model.band_hz;
     let lowest_hz = model

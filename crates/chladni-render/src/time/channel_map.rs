@@ -1,4 +1,4 @@
-//! Which actuator is on which channel of a converter.
+//! Assignment of actuators to the channels of a converter.
 
 use chladni_frf::{Dof, Error, Result};
 
@@ -13,7 +13,7 @@ pub struct Mapped {
     pub gain: f64,
 }
 
-/// Which actuator is on which channel.
+/// Assignment of actuators to channels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChannelMap(pub Vec<Mapped>);
 

@@ -35,11 +35,11 @@ impl Touch {
     }
 }
 
-/// What a finger adds to the motion of a model.
+/// The part that a finger adds to the motion of a model.
 pub(crate) struct Contact<'a> {
     model: &'a CausalModel,
     touch: &'a Touch,
-    /// What a unit of force adds to each pole.
+    /// The part that a unit of force adds to each pole.
     inputs: Vec<Complex64>,
     states: Vec<Complex64>,
     force: Complex64,

@@ -1,5 +1,5 @@
-//! What multiplies a pattern over time, with its derivatives: raised-cosine steps, and
-//! the cubic splines of an envelope program.
+//! The factor of a pattern over time, with its derivatives: raised-cosine steps, and the
+//! cubic splines of an envelope program.
 
 use std::f64::consts::PI;
 
@@ -37,7 +37,7 @@ impl Ramp {
     }
 }
 
-/// How a pattern comes or goes.
+/// The course of a pattern's rise or fall.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Edge {
     /// By a raised cosine.
@@ -69,7 +69,7 @@ impl Edge {
     }
 }
 
-/// How much of a pattern sounds over time.
+/// The level of a pattern over time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Envelope {
     /// In over one edge, out over the other.
@@ -96,11 +96,11 @@ pub(crate) struct Travel {
 }
 
 impl Travel {
-    /// How long the speed takes to come, s: 1 mm of the path at 800 mm/s lies between this
+    /// Time in which the speed rises, s: 1 mm of the path at 800 mm/s lies between this
     /// and a speed that jumps.
     const EASE_S: f64 = 0.01;
 
-    /// Where between the keyframes, with its derivatives.
+    /// The position between the keyframes, with its derivatives.
     fn at(&self, time_s: f64) -> [f64; 3] {
         let ease = Self::EASE_S.min(0.5 * self.duration_s);
         // ∫ of a speed that rises from 0 to 1 over `ease` about τ = 0

@@ -15,7 +15,7 @@ use crate::tolerances;
 use ndarray::Array2;
 use num_complex::Complex64;
 
-/// What is asked of a row at a time, in thresholds.
+/// The limits of a row at a time, in thresholds.
 pub(crate) struct Asked {
     /// At most this; axes (row, time); infinite where nothing is.
     pub(crate) most: Array2<f64>,
@@ -97,7 +97,7 @@ struct Point {
     control: Array2<Complex64>,
     /// In thresholds; axes (row, time).
     field: Array2<Complex64>,
-    /// What pulls it to its limits.
+    /// The part that pulls it to its limits.
     pull: Array2<Complex64>,
     missed: f64,
 }
@@ -126,8 +126,7 @@ impl Point {
         )
     }
 
-    /// How far the gradient rises on the way to another point, and the square of its
-    /// length.
+    /// Rise of the gradient on the way to another point, and the square of its length.
     fn way_to(&self, other: &Self, gradient: &Array2<Complex64>) -> (f64, f64) {
         let (mut along, mut length) = (0.0, 0.0);
         ndarray::Zip::from(&self.control)

@@ -1,4 +1,5 @@
-//! How the ground does in time: the figures, the sentence, and what the user must know.
+//! Performance of the ground in time: the figures, the sentence, and what the user must
+//! know.
 
 use crate::time::judge::TimeMeasure;
 use crate::time::plan::Chain;
@@ -6,7 +7,7 @@ use crate::time::table::{Level, Measure, TimeTable};
 use chladni_frf::Finding;
 use serde::{Deserialize, Serialize};
 
-/// How the ground does in time.
+/// Performance of the ground in time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TimeIndices {
     /// By the energy that touch adds up; at the responses, as the next two.
@@ -23,7 +24,7 @@ pub struct TimeIndices {
     pub peak_drive: f64,
     /// The same of the steady drives.
     pub steady_drive: f64,
-    /// What happened when.
+    /// The events and their times.
     pub events: Vec<TimeEvent>,
 }
 
@@ -126,7 +127,7 @@ pub(crate) fn is_met(indices: &TimeIndices, table: &TimeTable) -> bool {
     cold && hot == 1.0
 }
 
-/// What is to be known of the outcome.
+/// Findings on the outcome.
 pub(crate) fn said(indices: &TimeIndices, table: &TimeTable) -> Vec<Finding> {
     let mut said = Vec::new();
     let measure = indices.by(table.measure);

@@ -15,13 +15,13 @@ use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
-/// How ground does in time, by one measure.
+/// Performance of ground in time, by one measure.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct TimeMeasure {
     /// The most that cold ground is over its limit, dB; negative: never over. `None`
     /// where none moves.
     pub worst_cold_db: Option<f64>,
-    /// When, s.
+    /// Time of that, s.
     pub worst_cold_s: Option<f64>,
     /// The longest that any cold ground is over its limit, s.
     pub over_s: f64,
@@ -42,7 +42,7 @@ pub struct TimeMeasure {
     pub contrast_db: Option<f64>,
 }
 
-/// How the ground runs over time; empty where nothing of it is judged.
+/// The course of ground over time; empty where nothing of it is judged.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct TimeTraces {
     /// Time from one value to the next, from 0 on, s.
@@ -249,8 +249,8 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// What comes of it; `starts_s` are the beginnings of the events, `ends` the samples
-    /// after which nothing of them is judged.
+    /// The result; `starts_s` are the beginnings of the events, `ends` the samples after
+    /// which nothing of them is judged.
     pub(crate) fn result(&self, starts_s: &[f64], ends: &[usize]) -> TimeMeasure {
         let db = |ratio: f64| Some(10.0 * ratio.log10()).filter(|level| level.is_finite());
         let cold: Vec<&ColdRow> = self.cold.iter().filter(|row| row.judged).collect();

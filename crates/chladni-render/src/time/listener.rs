@@ -27,7 +27,7 @@ pub(crate) struct Listener {
     pub(crate) positions_m: Vec<Position>,
     /// Of each tone.
     pub(crate) models: Vec<CausalModel>,
-    /// What each tone owes.
+    /// The limits of each tone.
     pub(crate) limits: Vec<ToneLimits>,
     /// A finger on one of the places.
     pub(crate) touch: Option<Touch>,
@@ -91,7 +91,7 @@ impl ToneLimits {
     }
 }
 
-/// Where and by what is judged.
+/// The ground that is judged, and the summation time.
 pub(crate) struct Judging<'a> {
     pub(crate) zones: &'a Zones,
     /// Of every place.
@@ -101,7 +101,7 @@ pub(crate) struct Judging<'a> {
     pub(crate) summation_s: f64,
 }
 
-/// What a drive is over some samples: of tracks, or of a recording.
+/// The drive over some samples: of tracks, or of a recording.
 pub(crate) trait Sounds {
     /// The envelopes of a block.
     fn block(&self, step_s: f64, first: usize, count: usize) -> SampledDrive;
@@ -156,7 +156,7 @@ impl Listener {
         }
     }
 
-    /// How `chains` do when `voices` sound, one per tone.
+    /// Judges `chains` when `voices` sound, one per tone.
     pub(crate) fn hear<S: Sounds>(
         &self,
         voices: &[S],

@@ -1,4 +1,4 @@
-//! What `[time]` asks for as chains: rise, a place, perhaps a passage to the next, fall.
+//! The events of `[time]` as chains: rise, a place, perhaps a passage to the next, fall.
 //!
 //! A burst is a chain of one place; a fade inside a burst adds a place to its chain, a
 //! fade by itself has two; a moving spot is a chain of keyframes along its path. Chains
@@ -11,7 +11,7 @@ use crate::tolerances;
 use crate::zones::{ZoneLayout, Zones};
 use chladni_frf::{Error, Result};
 
-/// What is hot at a stop of a chain.
+/// The hot ground at a stop of a chain.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Place {
     /// As `[zones]` says.
@@ -31,8 +31,8 @@ pub(crate) struct Spot {
 }
 
 impl Spot {
-    /// What its steady drive must keep so that the spot keeps its own limits half a
-    /// keyframe further on, too: more hot ground, and more cold.
+    /// The spot that its steady drive must keep so that the spot keeps its own limits
+    /// half a keyframe further on, too: more hot ground, and more cold.
     pub(crate) fn for_passing(&self) -> Self {
         let room_m = 0.25 * (self.quiet_from_m - self.hot_radius_m);
         let half_m = (0.5 * tolerances::KEYFRAME_M).min(room_m);

@@ -23,7 +23,7 @@ use std::collections::HashMap;
 pub struct PlayOptions {
     /// In place of the scene's.
     pub ramps: Option<Ramps>,
-    /// How steady drives are found.
+    /// Options by which steady drives are found.
     pub render: RenderOptions,
     /// Judge the ground between the responses, too.
     pub area: bool,
@@ -52,7 +52,7 @@ pub struct Played {
     pub references: Vec<Dof>,
     /// N or V.
     pub unit: ReferenceUnit,
-    /// Where the drive ends, s.
+    /// End of the drive, s.
     pub length_s: f64,
     /// Indices in the model.
     pub indices: TimeIndices,
@@ -62,7 +62,7 @@ pub struct Played {
     pub frames: Option<TimeFrames>,
     /// No ground misses its limit by the measure of the scene.
     pub feasible: bool,
-    /// What the user must know.
+    /// Findings that the user must know.
     pub findings: Vec<Finding>,
 }
 
@@ -148,7 +148,7 @@ struct Take {
     /// Of each chain.
     gains: Vec<f64>,
     heard: Heard,
-    /// What the actuators did not allow.
+    /// Findings on what the actuators did not allow.
     limited: Vec<Finding>,
 }
 

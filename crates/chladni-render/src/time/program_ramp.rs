@@ -12,7 +12,7 @@ use crate::zones::{Ground, ZoneMap};
 use ndarray::{Array1, Array2, Axis};
 use num_complex::Complex64;
 
-/// What a chain begins and ends with.
+/// The ends of a chain.
 pub(crate) struct Ends {
     /// By which the first pattern comes, and the last one goes.
     pub(crate) rise: Edge,
@@ -73,7 +73,7 @@ struct Program<'a> {
     voice: &'a Voice,
     end: End<'a>,
     ramp_s: f64,
-    /// How much of the hold it shapes, s.
+    /// The part of the hold that it shapes, s.
     beyond_s: f64,
     falls: bool,
 }

@@ -181,8 +181,8 @@ impl Sounds for Envelopes {
     }
 }
 
-/// What belongs to each of some tones: up to the middle between it and the next, from 0 to
-/// twice the tone where there is none.
+/// The band that belongs to each of some tones: up to the middle between it and the next,
+/// from 0 to twice the tone where there is none.
 fn bands_hz(tones_hz: &[f64]) -> Vec<[f64; 2]> {
     let band = |&tone_hz: &f64| {
         let others = tones_hz.iter().copied();
@@ -196,8 +196,8 @@ fn bands_hz(tones_hz: &[f64]) -> Vec<[f64; 2]> {
     tones_hz.iter().map(band).collect()
 }
 
-/// How a recorded drive does in `scene` on the panel of `model`, and what the user must
-/// know.
+/// Judges a recorded drive in `scene` on the panel of `model`, and tells what the user
+/// must know.
 ///
 /// * `events`: those of its sidecar, where it has them: ramps that the scene leaves open
 ///

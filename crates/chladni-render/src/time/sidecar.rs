@@ -26,7 +26,7 @@ pub struct Sidecar {
     pub scene: String,
     /// The files it was made from; filled by whoever read them.
     pub source: Vec<Source>,
-    /// What happens when; empty where another program made the signal.
+    /// The events and their times; empty where another program made the signal.
     #[serde(default)]
     pub events: Vec<TimeEvent>,
     /// Channels with an actuator.
@@ -42,7 +42,7 @@ pub struct Channel {
     pub reference: Dof,
     /// Unit of sample · full scale.
     pub unit: ReferenceUnit,
-    /// What a sample of 1 means, in `unit`, the gain taken into account.
+    /// Value of a sample of 1, in `unit`, the gain taken into account.
     pub full_scale: f64,
     /// Factor that its samples were multiplied by, as V/N.
     pub gain: f64,

@@ -12,17 +12,17 @@ use std::f64::consts::TAU;
 /// Most bytes of a sound file: its header counts them in 32 bits.
 const MOST_BYTES: f64 = 4_294_900_000.0;
 
-/// How a drive becomes samples.
+/// Settings of the conversion of a drive to samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SignalOptions {
     /// Samples per second.
     pub rate_hz: u32,
     /// Of sound files.
     pub format: SampleFormat,
-    /// What a sample of 1 means before the gains, N or V; `None`: the smallest of 1, 2
-    /// and 5 times a power of ten that nothing exceeds.
+    /// Value of a sample of 1 before the gains, N or V; `None`: the smallest of 1, 2 and
+    /// 5 times a power of ten that nothing exceeds.
     pub full_scale: Option<f64>,
-    /// Which actuator is on which channel; `None`: in their order.
+    /// Assignment of actuators to channels; `None`: in their order.
     pub channels: Option<ChannelMap>,
 }
 
@@ -40,7 +40,7 @@ impl Default for SignalOptions {
 /// A drive as samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Signal {
-    /// What the file beside it says.
+    /// The content of the file beside it.
     pub sidecar: Sidecar,
     /// Drive of each channel, N or V; axes (frame, channel). Channels without an actuator
     /// are silent.

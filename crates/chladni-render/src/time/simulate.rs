@@ -15,7 +15,7 @@ const SMALL_STEP: f64 = 1e-3;
 pub(crate) struct SampledDrive {
     /// Time from sample to sample, s.
     pub(crate) step_s: f64,
-    /// What the envelopes multiply; axes (pattern, actuator).
+    /// The patterns that the envelopes multiply; axes (pattern, actuator).
     pub(crate) patterns: Array2<Complex64>,
     /// Axes (time, pattern).
     pub(crate) values: Array2<Complex64>,

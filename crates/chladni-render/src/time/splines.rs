@@ -30,7 +30,7 @@ pub(crate) struct Splines<'a> {
     pub(crate) times: usize,
     /// E of each pole from one time to the next.
     decays: Vec<Complex64>,
-    /// What the first spline adds to each pole until it ends; axes (pole, time).
+    /// The part that the first spline adds to each pole until it ends; axes (pole, time).
     kicks: Array2<Complex64>,
     /// The first spline, and its derivative.
     shape: [Vec<f64>; 2],
@@ -137,7 +137,7 @@ impl<'a> Splines<'a> {
         control.reversed_axes()
     }
 
-    /// What follows at once, and the splines that it follows.
+    /// The parts that follow at once, and the splines that they follow.
     fn at_once(&self) -> [(&Array2<Complex64>, &[f64]); 2] {
         let [values, slopes] = &self.shape;
         [(&self.model.direct, values), (&self.model.slope, slopes)]
@@ -170,8 +170,8 @@ fn first(knot_s: f64) -> Envelope {
     }
 }
 
-/// What a unit of force over the first spline adds to each pole from one time to the next,
-/// until the spline has ended: z_j − E·z_{j−1}; axes (pole, time).
+/// The part that a unit of force over the first spline adds to each pole from one time to
+/// the next, until the spline has ended: z_j − E·z_{j−1}; axes (pole, time).
 fn kicks(model: &CausalModel, knot_s: f64, per_knot: usize) -> Array2<Complex64> {
     let fine = FINE * per_knot;
     let step_s = knot_s / fine as f64;

@@ -1,4 +1,4 @@
-//! What becomes of a drive in time when the world is not the model: the stress table of
+//! Performance of a drive in time when the world is not the model: the stress table of
 //! bursts, fades and moving spots.
 
 use crate::finger::{finger_rows_of, Finger};
@@ -27,9 +27,9 @@ const FIRMEST: f64 = 3.0;
 /// One trial in time, at the responses, at each instant.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TimeStressRow {
-    /// What was done.
+    /// The trial, in words.
     pub trial: String,
-    /// How often, each time otherwise.
+    /// Number of cases, each time otherwise.
     pub cases: usize,
     /// The most that cold ground is over its limit in 95 % of the cases, dB; the most of
     /// all where there are fewer than twenty.
@@ -67,7 +67,7 @@ impl TimeStressRow {
         self.worst_cold_db <= 0.0 && self.worst_hot_db >= 0.0
     }
 
-    /// How ground misses its limit.
+    /// The ways in which ground misses its limit.
     fn missed(&self) -> String {
         let mut missed = Vec::new();
         if self.worst_cold_db > 0.0 {
@@ -80,7 +80,7 @@ impl TimeStressRow {
     }
 }
 
-/// How a drive in time does when the panel is not `model`.
+/// Judges a drive in time when the panel is not `model`.
 ///
 /// # Errors
 /// As [`crate::play`].
@@ -211,7 +211,7 @@ fn coming_and_going(finger: Finger, row: usize, length_s: f64, draw: &mut Draw) 
     Touch { row, finger, steps }
 }
 
-/// What all trials share.
+/// The common data of all trials.
 struct Bench<'a> {
     scene: &'a Scene,
     model: &'a ModalModel,

@@ -2,7 +2,7 @@
 
 use crate::plane::Position;
 
-/// How ground is judged that does not move steadily.
+/// The measure of ground that does not move steadily.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Measure {
     /// By the energy that touch adds up over [`TimeTable::summation_s`], the older the
@@ -28,7 +28,7 @@ impl Measure {
     }
 }
 
-/// How strong an event is.
+/// The strength of an event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Level {
     /// As the steady drive.
@@ -50,7 +50,7 @@ impl Level {
     }
 }
 
-/// How the drive goes from one pattern to the next.
+/// The passage of the drive from one pattern to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Ramps {
     /// Every actuator by the same raised cosine.
@@ -75,7 +75,7 @@ impl Ramps {
     }
 }
 
-/// How long a ramp takes.
+/// Duration of a ramp.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum RampTime {
     /// The least whole millisecond that keeps every limit.
@@ -87,13 +87,13 @@ pub enum RampTime {
 /// One place, for a while, perhaps again and again.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Burst {
-    /// When it begins, s.
+    /// Its beginning, s.
     pub start_s: f64,
     /// With both ramps, s.
     pub duration_s: f64,
     /// Of its rise and of its fall.
     pub ramp: RampTime,
-    /// How often.
+    /// Number of bursts.
     pub count: usize,
     /// From one beginning to the next, s.
     pub period_s: f64,
@@ -110,9 +110,9 @@ pub struct Fade {
     pub from: Vec<usize>,
     /// Hot cells after.
     pub to: Vec<usize>,
-    /// When it begins, s.
+    /// Its beginning, s.
     pub start_s: f64,
-    /// How long it takes, s.
+    /// Its duration, s.
     pub fade_s: f64,
     /// Rise before and fall after it, where no burst sounds then.
     pub ramp: RampTime,
@@ -123,7 +123,7 @@ pub struct Fade {
 /// A spot that runs along a path.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Move {
-    /// When the spot begins to rise, s.
+    /// Time at which the spot begins to rise, s.
     pub start_s: f64,
     /// Corners of its path, m.
     pub path_m: Vec<Position>,
@@ -179,9 +179,9 @@ pub struct TimeTable {
     pub measure: Measure,
     /// τ of [`Measure::Summed`], window of [`Measure::Rms`], s.
     pub summation_s: f64,
-    /// How strong events are.
+    /// The strength of events.
     pub level: Level,
-    /// How the drive comes and goes.
+    /// The ramps by which the drive comes and goes.
     pub ramps: Ramps,
     /// In the order of the file.
     pub bursts: Vec<Burst>,

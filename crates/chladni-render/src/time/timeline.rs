@@ -1,4 +1,4 @@
-//! What is asked of each place at each time.
+//! Ground of each place at each time.
 
 use crate::plane::Position;
 use crate::plane::Rectangle;
@@ -6,7 +6,7 @@ use crate::time::plan::{Chain, Place, Spot};
 use crate::tolerances;
 use crate::zones::{Ground, ZoneLayout, ZoneMap, Zones};
 
-/// What is asked of the rows while one thing lasts.
+/// Ground of the rows while one thing lasts.
 #[derive(Debug, Clone)]
 pub(crate) struct RowGround {
     pub(crate) classes: Vec<Ground>,
@@ -64,12 +64,12 @@ fn layout_of(spot: &Spot) -> ZoneLayout {
     }
 }
 
-/// What is asked over time.
+/// The demands over time.
 #[derive(Debug, Clone)]
 pub(crate) struct Timeline {
     pub(crate) grounds: Grounds,
     pub(crate) segments: Vec<Segment>,
-    /// When each event begins, s.
+    /// The beginning of each event, s.
     pub(crate) starts_s: Vec<f64>,
     /// Sample at which the next one begins.
     pub(crate) ends: Vec<usize>,

@@ -34,7 +34,7 @@ pub(crate) struct Voice {
     pub(crate) steady: Array2<Complex64>,
     /// Programs that were solved.
     pub(crate) programs: Programs,
-    /// What is to be known of the steady drives.
+    /// Findings on the steady drives.
     pub(crate) findings: Vec<Finding>,
 }
 

@@ -4,7 +4,7 @@
 use chladni_frf::{Error, ErrorKind, Result};
 use std::str::FromStr;
 
-/// How a sample is stored.
+/// The format of a stored sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SampleFormat {
     /// 32-bit float.

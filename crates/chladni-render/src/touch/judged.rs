@@ -1,4 +1,4 @@
-//! How a drive does under fingers, and what is to be said about it.
+//! Performance of a drive under fingers, and the findings about it.
 
 use super::plan::{Judged, TouchPlan};
 use super::program::contrast_db;
@@ -101,7 +101,7 @@ fn points(problem: &Problem, judged: Judged, plan: &TouchPlan, drive: &Drive) ->
     }
 }
 
-/// What no drive bears, and what another frequency would.
+/// Findings on what no drive bears, and what another frequency would.
 ///
 /// * `best_db`: contrast that was found under the firmest, dB; `asked_db`: what is needed
 /// * `mode_hz`: the mode nearest to the drive, `elsewhere`: a frequency, the κ there and the

@@ -22,13 +22,13 @@ use num_complex::Complex64;
 /// Fingers and the places that they touch.
 #[derive(Debug, Clone)]
 pub(crate) struct TouchPlan {
-    /// What the scene says.
+    /// The touch that the scene asks for.
     pub(crate) touch: Touch,
     /// False where the size of the modes under a finger had to be guessed.
     pub(crate) is_known: bool,
     /// Force over velocity of each fingertip, N·s/m, the softest first.
     impedances: Vec<Complex64>,
-    /// Where fingers touch, m.
+    /// Places that fingers touch, m.
     places_m: Vec<Position>,
     ground: Vec<Ground>,
     onto: Interpolation,
@@ -192,8 +192,8 @@ impl TouchPlan {
         }
     }
 
-    /// What the firmest finger takes of its own motion, dB, median over the places: where it
-    /// is large, a mode carries the motion and the finger moves it.
+    /// Loss of its own motion under the firmest finger, dB, median over the places: where
+    /// it is large, a mode carries the motion and the finger moves it.
     pub(crate) fn loss_db(&self, softest: usize) -> f64 {
         let Some(&impedance) = self.impedances[..softest].last() else {
             return 0.0;

@@ -14,7 +14,7 @@ use crate::setup::Setup;
 use crate::tolerances;
 use chladni_frf::Result;
 
-/// What was found.
+/// The result of the search for a drive.
 pub(crate) struct Borne {
     /// The drive.
     pub(crate) drive: Drive,

@@ -6,14 +6,14 @@ use crate::tolerances;
 use chladni_frf::Result;
 use chladni_text::toml_reader::{Keys, Table, Value};
 
-/// What fingers do to the panel while the scene plays.
+/// Fingers on the panel while the scene plays.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Touch {
-    /// How many at once, at most.
+    /// Largest number at once.
     pub fingers: usize,
-    /// Where.
+    /// Their places.
     pub places: TouchPlaces,
-    /// What must be right while they touch.
+    /// The criterion that must hold while they touch.
     pub criterion: TouchCriterion,
     /// Fingertips, the softest first.
     pub impedances: Vec<Touching>,
@@ -21,7 +21,7 @@ pub struct Touch {
     pub kappa_least: f64,
 }
 
-/// Where fingers touch.
+/// Places that fingers touch.
 #[derive(Debug, Clone, PartialEq)]
 pub enum TouchPlaces {
     /// Anywhere on hot ground.
@@ -32,12 +32,12 @@ pub enum TouchPlaces {
     Points(Vec<Position>),
 }
 
-/// What must be right while fingers touch.
+/// The criterion that must hold while fingers touch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TouchCriterion {
-    /// What each finger feels, alone on the panel.
+    /// The ground felt by each finger, alone on the panel.
     Own,
-    /// What each finger feels, the others there.
+    /// The ground felt by each finger, the others there.
     Pair,
     /// All hot and cold ground.
     Field,

@@ -1,5 +1,5 @@
-//! What is asked of a scene, of its threshold table and of a model with any bytes; shared by
-//! the seeded mutations and by the targets that coverage guides (`fuzz/`).
+//! Checks of a scene, of its threshold table and of a model with any bytes; shared by the
+//! seeded mutations and by the targets that coverage guides (`fuzz/`).
 
 use chladni_frf::{ComplexVector, Error, ErrorKind, ModalModel, Node};
 use chladni_io::read_model;

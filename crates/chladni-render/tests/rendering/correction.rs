@@ -11,7 +11,8 @@ use std::sync::Arc;
 
 /// Rigs of each kind.
 const RIGS: u64 = 3;
-/// What corrections reach as yet, mean of the smaller of hot and cold ratio; the goal is 0.99.
+/// Share that corrections reach as yet, mean of the smaller of hot and cold ratio; the
+/// goal is 0.99.
 const REACHED: f64 = 0.93;
 /// Noise of the scanner over the rms of its field.
 const NOISE: f64 = 0.01;
@@ -50,7 +51,7 @@ fn served_in(scene: &Scene, rig: &Rig, weights: &Weights) -> f64 {
     (counts[0][0] / counts[0][1]).min(counts[1][0] / counts[1][1])
 }
 
-/// What is served before any field and after each of `fields`, mean over the rigs.
+/// The share served before any field and after each of `fields`, mean over the rigs.
 fn course(
     fields: usize,
     rig: impl Fn(u64) -> Rig,
@@ -162,7 +163,7 @@ fn rendered(scene: &Scene) -> Weights {
         .weights
 }
 
-/// What one measured field of a scene teaches.
+/// The calibration by one measured field of a scene.
 fn taught_in(scene: &Scene, rig: &mut Rig) -> (Weights, Calibration) {
     let weights = rendered(scene);
     let field = rig.measured(&weights, NOISE, &(0..77).collect::<Vec<_>>());

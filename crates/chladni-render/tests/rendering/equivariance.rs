@@ -29,9 +29,9 @@ fn model(grid: [usize; 2], spacing_m: f64) -> ModalModel {
 #[derive(Clone, Copy)]
 struct Change {
     name: &'static str,
-    /// Where a point goes, m.
+    /// The image of a point, m.
     point: fn([f64; 2]) -> [f64; 2],
-    /// Where a cell goes, of so many columns and rows, all counted from 0.
+    /// The image of a cell, of so many columns and rows, all counted from 0.
     cell: fn([usize; 2], [usize; 2]) -> [usize; 2],
     /// x becomes y.
     swaps: bool,

@@ -31,7 +31,7 @@ fn judged(weights: &Weights, mut rig: Rig, noise: f64) -> FieldEvaluation {
     evaluate_field(weights, &corner(), truth(), &field, None).unwrap()
 }
 
-/// How often the likeliest cause is the right one.
+/// Number of rigs for which the likeliest cause is the right one.
 fn right(noise: f64, rig: impl Fn(u64) -> Rig, is_right: impl Fn(u64, &Hypothesis) -> bool) -> u64 {
     let weights = drive();
     let told = |seed: &u64| {

@@ -1,4 +1,4 @@
-//! Where zones lie: cells, transition, borders and polygons, against cases worked out by
+//! Places of zones: cells, transition, borders and polygons, against cases worked out by
 //! hand.
 
 use chladni_render::{Ground, Rectangle, Scene, ZoneMap};

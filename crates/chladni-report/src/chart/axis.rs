@@ -15,7 +15,7 @@ pub enum Scale {
 /// An axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
-    /// What it shows.
+    /// The quantity that it shows.
     pub label: String,
     /// Its unit; `–` for a plain number.
     pub unit: String,

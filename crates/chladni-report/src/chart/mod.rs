@@ -108,7 +108,7 @@ pub enum Layer {
 /// The meaning of a map's colours.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColourBar {
-    /// What is shown, its unit and its ends.
+    /// The quantity shown, its unit and its ends.
     pub axis: Axis,
     /// Colours.
     pub map: ColourMap,
@@ -217,7 +217,7 @@ pub struct Figure {
     pub name: String,
     /// Title above the charts.
     pub title: String,
-    /// What to see, in a sentence or two.
+    /// Caption: what to see, in a sentence or two.
     pub caption: String,
     /// Width of the picture, px.
     pub width: f64,

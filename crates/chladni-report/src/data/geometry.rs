@@ -1,5 +1,5 @@
-//! Where things are: responses and actuators in the plane of the maps, and every mode's
-//! shape on one grid between the responses.
+//! Places: responses and actuators in the plane of the maps, and every mode's shape on
+//! one grid between the responses.
 
 use super::array::{complex, f32s};
 use crate::figures::plane::Plane;
@@ -57,7 +57,7 @@ impl<'a> Geometry<'a> {
         )
     }
 
-    /// Where a reference is.
+    /// The place of a reference.
     pub(crate) fn place(&self, reference: Dof) -> Option<Position> {
         self.plane.position(&self.model.nodes, &reference)
     }

@@ -1,4 +1,4 @@
-//! Which spectral lines a page carries: all, or fewer with the resonances dense.
+//! The spectral lines that a page carries: all, or fewer with the resonances dense.
 
 use chladni_frf::ModalModel;
 

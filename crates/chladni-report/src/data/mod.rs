@@ -1,5 +1,5 @@
-//! What the page's script draws, as one JSON object: numbers of the model, the FRFs, the
-//! diagrams and the scenes.
+//! The data that the page's script draws, as one JSON object: numbers of the model, the
+//! FRFs, the diagrams and the scenes.
 //!
 //! Nothing in it is markup; the script writes every word as text. Where a part is missing
 //! its key is `null`, and the page says so.
@@ -70,8 +70,8 @@ pub(crate) fn of_measured(set: &FrfSet) -> Result<Value> {
     }))
 }
 
-/// What a fit changes, without all that takes longer than the fit itself: the measured
-/// FRFs, sums, CMIF and diagram of a fit before stay as they are.
+/// The data that a fit changes, without all that takes longer than the fit itself: the
+/// measured FRFs, sums, CMIF and diagram of a fit before stay as they are.
 pub(crate) fn of_draft(model: &ModalModel) -> Value {
     let input = ReportInput {
         model: Some(model),
@@ -86,7 +86,7 @@ pub(crate) fn of_draft(model: &ModalModel) -> Value {
     })
 }
 
-/// What a result begins with: its sentence, findings, and the band to fit instead.
+/// The head of a result: its sentence, findings, and the band to fit instead.
 pub(crate) fn head(input: &ReportInput) -> Value {
     json!({
         "sentence": input.model.map(sentence),

@@ -47,8 +47,8 @@ fn mode(mode: &Mode) -> Value {
     })
 }
 
-/// What the model is and how well it explains its data: pairs of a word and what belongs
-/// to it.
+/// Facts on the model and on how well it explains its data: pairs of a word and what
+/// belongs to it.
 fn facts(model: &ModalModel) -> Vec<[String; 2]> {
     let (sure, weak) = (count(model, Trust::Sure), count(model, Trust::Weak));
     let outside = model

@@ -15,7 +15,7 @@ pub(crate) use png::image_png;
 /// A place in the picture, px, y downwards.
 pub(crate) type Point = [f64; 2];
 
-/// How a line is drawn.
+/// The style of a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stroke {
     /// Colour.
@@ -64,7 +64,7 @@ impl Stroke {
     }
 }
 
-/// Where text hangs on its point.
+/// The anchor of text on its point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Anchor {
     /// Text begins at the point.

@@ -125,8 +125,8 @@ fn turned_real(model: &ModalModel, mode: &Mode, shown: &[usize]) -> (Vec<f64>, f
     )
 }
 
-/// What the maps of all modes share: the ground of the responses, and the interpolation
-/// between them.
+/// The common part of the maps of all modes: the ground of the responses, and the
+/// interpolation between them.
 struct Map<'a> {
     plane: Plane,
     places: &'a [Position],

@@ -7,7 +7,7 @@ use crate::drawing::{Colour, Stroke};
 use crate::sizes;
 use chladni_rfp::{Stability, Stabilization};
 
-/// Where the poles of the model stand, part of the highest order.
+/// The place of the model's poles, part of the highest order.
 const LANE: f64 = 1.06;
 
 /// Poles of rising order over frequency, above the singular values.

@@ -1,5 +1,5 @@
-//! What a scene asks of each place: hot, cold and unjudged ground, with the responses
-//! that judge it and the actuators that serve it.
+//! The demands of a scene on each place: hot, cold and unjudged ground, with the
+//! responses that judge it and the actuators that serve it.
 
 use super::plane::{corners_mm, mm, Plane};
 use crate::chart::{named, Chart, Figure, Layer, Mark, Place};

@@ -14,9 +14,9 @@ use sha2::{Digest, Sha256};
 
 const TEMPLATE: &str = include_str!("template.html");
 const STYLE: &str = include_str!("style.css");
-/// What the studio's page has besides.
+/// The additional style of the studio's page.
 const STUDIO_STYLE: &str = include_str!("studio.css");
-/// What stands in the page until its script has drawn it.
+/// The content of the page until its script has drawn it.
 const WITHOUT_SCRIPT: &str = include_str!("without_script.html");
 
 macro_rules! modules {

@@ -5,16 +5,16 @@ use crate::data::options::FitOptions;
 use crate::data::screening::Screened;
 use chladni_frf::{Finding, ModalModel, Mode, Reason, Trust};
 
-/// What a check may look at.
+/// The fit that the checks look at.
 pub(crate) struct Case<'a> {
-    /// What is known of the data that were fitted.
+    /// The data that were fitted, without their values.
     pub data: &'a DataLayout,
     /// The data themselves, where they are at hand: checks that look at single FRFs are
     /// left out where they are not.
     pub values: Option<&'a Screened<'a>>,
-    /// What came of it.
+    /// The result of the fit.
     pub model: &'a ModalModel,
-    /// How it was asked for.
+    /// The options of the fit.
     pub options: &'a FitOptions,
     /// True where the residual is white: the lines are pure resonances within the noise.
     pub white: bool,

@@ -1,5 +1,5 @@
-//! What these data could not show: a mode at a node of the only FRF, or between modes
-//! that overlap (theory.md, eq. F7).
+//! Modes that these data could not show: a mode at a node of the only FRF, or between
+//! modes that overlap (theory.md, eq. F7).
 
 use crate::checks::case::{Case, Checked};
 use crate::checks::limits;

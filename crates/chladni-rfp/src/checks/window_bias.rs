@@ -8,7 +8,7 @@ use crate::data::options::Window;
 use chladni_frf::{Finding, ModalModel, Mode};
 use std::f64::consts::PI;
 
-/// Where it is known which window was used: what it does is in the columns, as long as the
+/// The check where the window is known: its effect is in the columns, as long as the
 /// force is white.
 pub(crate) fn modelled(case: &Case) -> Option<Checked> {
     let window = case.data.window?;
@@ -39,7 +39,7 @@ pub(crate) fn modelled(case: &Case) -> Option<Checked> {
     Some(finding.into())
 }
 
-/// Where nobody said which window was used: how much too high damping can be.
+/// The check where the window is not known: how much too high damping can be.
 pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
     if case.data.window.is_some() || case.white {
         return None;

@@ -1,4 +1,4 @@
-//! What the errors of neighbouring lines say of the window (theory.md, eq. F4c).
+//! Evidence of the window in the errors of neighbouring lines (theory.md, eq. F4c).
 //!
 //! Noise of the responses leaves in H1 of windowed records of a random force errors whose
 //! correlation at a lag of q lines is |r_w(q)|², r_w the transform of w² over its sum: 0
@@ -18,7 +18,7 @@ use std::f64::consts::{LN_10, PI};
 use std::fmt;
 use std::ops::Range;
 
-/// What correlates the errors of neighbouring lines.
+/// The cause of correlated errors of neighbouring lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Correlation {
     /// Nothing: no window.
@@ -45,7 +45,7 @@ impl fmt::Display for Correlation {
     }
 }
 
-/// What is likeliest.
+/// The likeliest correlation of the errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Witness {
     pub likeliest: Correlation,

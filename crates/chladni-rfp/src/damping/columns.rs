@@ -21,7 +21,7 @@ pub(crate) fn loss(law: Damping, pole: Complex64, x: f64) -> f64 {
     }
 }
 
-/// What a residue of the pole multiplies at x.
+/// The column at x that a residue of the pole multiplies.
 #[inline]
 pub(crate) fn resonance(law: Damping, pole: Complex64, x: f64) -> Complex64 {
     match law {
@@ -33,7 +33,7 @@ pub(crate) fn resonance(law: Damping, pole: Complex64, x: f64) -> Complex64 {
     }
 }
 
-/// What a residue of a pole multiplies where FRFs leak, with its derivative.
+/// The column that a residue of a pole multiplies where FRFs leak, with its derivative.
 pub(crate) struct Leaking<'a> {
     law: Damping,
     leakage: &'a Leakage,
@@ -96,7 +96,7 @@ pub(crate) fn leaking_pole(law: Damping, pole: Complex64) -> LeakingPole {
     }
 }
 
-/// Where a pole of the other law lies in the plane of this one: the same resonance, s =
+/// Place of a pole of the other law in the plane of this one: the same resonance, s =
 /// j√λ, has ω_n² = |λ_structural|. `None`: Re λ ≤ 0 (ζ > 0.71), which is background.
 ///
 /// |Im λ|: below the band the loss of a viscous mode, seen from above, rises where the

@@ -1,4 +1,4 @@
-//! What windowed, finite records make of the column of a mode (theory.md, eq. F4).
+//! Effect of windowed, finite records on the column of a mode (theory.md, eq. F4).
 //!
 //! Near a pole s the column of receptance is (singular part)/(jω − s) and something
 //! smooth. Leakage acts on the singular part, in the kind that was measured: with F(z) =
@@ -65,7 +65,7 @@ impl Leakage {
         (s / Complex64::new(0.0, y)).powi(self.omega_power)
     }
 
-    /// What the plain column of a pole is multiplied by, and its derivative by λ.
+    /// Factor on the plain column of a pole, and its derivative by λ.
     pub fn factor(&self, pole: &LeakingPole, y: f64) -> [Complex64; 2] {
         let LeakingPole { s, other, slope } = *pole;
         let jy = Complex64::new(0.0, y);
@@ -81,21 +81,21 @@ impl Leakage {
         ]
     }
 
-    /// What 1/(jω − s) is multiplied by.
+    /// Factor on 1/(jω − s).
     pub fn factor_of_pole(&self, s: Complex64, y: f64) -> Complex64 {
         1.0 + self.excess(s, y)[0] * self.in_kind(s, y)
     }
 
-    /// What leakage adds to the column of receptance in the kind: (F(z) − 1)·s^p/((s −
-    /// s̄)(jω − s)), in powers of ω_max.
+    /// The part that leakage adds to the column of receptance in the kind: (F(z) −
+    /// 1)·s^p/((s − s̄)(jω − s)), in powers of ω_max.
     pub fn added(&self, pole: &LeakingPole, y: f64) -> Complex64 {
         let LeakingPole { s, other, .. } = *pole;
         let jy = Complex64::new(0.0, y);
         self.excess(s, y)[0] * s.powi(self.omega_power) / ((s - other) * (jy - s))
     }
 
-    /// How much too high a decay (over ω_max) is read, relative to it, where a line is taken
-    /// for a pure resonance of the same height: 1/F − 1 at the resonance.
+    /// Relative excess of the decay (over ω_max) that is read where a line is taken for a
+    /// pure resonance of the same height: 1/F − 1 at the resonance.
     pub fn broadening(&self, decay: f64) -> f64 {
         let z = decay * self.record;
         let [g, _] = self.kernel.value_and_slope(Complex64::from(z));
@@ -124,8 +124,8 @@ mod tests {
     /// T·ω_max: lines 1/500 of ω_max apart.
     const RECORD: f64 = 500.0 * std::f64::consts::TAU;
 
-    /// What leakage adds to ∫₀^∞ e^{st}e^{−jωt} dt, by the trapezium rule on a record whose
-    /// force and response are `window` times noise and what it makes.
+    /// The part that leakage adds to ∫₀^∞ e^{st}e^{−jωt} dt, by the trapezium rule on a
+    /// record whose force and response are `window` times noise and what it makes.
     fn by_quadrature(window: &[f64], s: Complex64, y: f64) -> Complex64 {
         let count = window.len();
         let power: f64 = window.iter().map(|w| w * w).sum();

@@ -19,7 +19,7 @@ pub(super) const POLES_AT_A_TIME: usize = 8;
 pub(super) const ODD_POWERS: [i32; 4] = [-3, 1, 3, 5];
 /// Steps at most.
 pub(super) const STEPS: usize = 20;
-/// What a step promises to take off the sum of squares, in units of the noise variance,
+/// Promised decrease of the sum of squares by a step, in units of the noise variance,
 /// below which it is the last: a thousandth of what decides.
 pub(super) const PROMISED: f64 = 1e-2;
 /// Largest step of an angle, rad.
@@ -27,7 +27,7 @@ pub(super) const TURN: f64 = 0.3;
 
 // verdict.rs
 
-/// What the wrong law shifts a frequency and a loss factor by, relative and over η².
+/// Shift of a frequency and a loss factor under the wrong law, relative and over η².
 pub(super) const FREQUENCY_SHIFT: f64 = 0.25;
 /// See above.
 pub(super) const LOSS_SHIFT: f64 = 0.28;

@@ -1,4 +1,4 @@
-//! What a model says of FRFs as they were measured: with what leaks, where that is known.
+//! The FRFs of a model as they were measured: with leakage, where that is known.
 
 use crate::damping::leakage::{Leakage, LeakingPole};
 use chladni_frf::{Damping, FrfKind, ModalModel, Mode};

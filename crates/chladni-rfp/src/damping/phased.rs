@@ -23,13 +23,13 @@ use num_complex::Complex64;
 pub(crate) struct LawFit {
     /// Sum of squares left.
     pub sse: f64,
-    /// What residues free in their phases would leave less.
+    /// Decrease of the residual with residues free in their phases.
     pub relief: f64,
     /// √Re λ of each mode: its natural frequency over ω_max.
     pub omega: Vec<f64>,
     /// θ_n, rad.
     pub turn: Vec<f64>,
-    /// What the data say of the angles with all else free, over (σ²/2)⁻¹.
+    /// Information of the data on the angles with all else free, over (σ²/2)⁻¹.
     pub information: Array2<f64>,
 }
 
@@ -251,7 +251,7 @@ impl Point {
         (information, gradient)
     }
 
-    /// What complex residues take off the sum of squares at the same poles.
+    /// Decrease of the sum of squares by complex residues at the same poles.
     fn relief(&self) -> Result<f64, LinalgError> {
         let n = self.turn.len();
         let (gram, against) = (

@@ -16,7 +16,7 @@ use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// What the data say of the law.
+/// The evidence of the data on the law.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Verdict {
     /// They follow this law, whatever phase and delay all FRFs have in common.
@@ -178,7 +178,7 @@ pub(crate) fn shift(loss_factor: f64, relative_omega_std: f64, loss_factor_std: 
         .max(limits::LOSS_SHIFT * square * loss_factor / loss_factor_std)
 }
 
-/// What is said where neither free residues nor common shapes decide; `most`: the largest
+/// The finding where neither free residues nor common shapes decide; `most`: the largest
 /// [`shift`].
 pub(crate) fn undecidable(taken: Damping, most: f64) -> Finding {
     Finding::note(
@@ -194,7 +194,7 @@ pub(crate) fn undecidable(taken: Damping, most: f64) -> Finding {
     .help("say which law holds, if you know it")
 }
 
-/// What is said where only the phases as they were measured decide.
+/// The finding where only the phases as they were measured decide.
 pub(crate) fn if_phases_true(taken: Damping, degrees: f64) -> Finding {
     Finding::note(
         "law-if-phases-true",
@@ -208,7 +208,7 @@ pub(crate) fn if_phases_true(taken: Damping, degrees: f64) -> Finding {
     .help("say which law holds, if you know it")
 }
 
-/// What is said of a law that the data contradict; `degrees`: only if phases are true to
+/// The finding on a law that the data contradict; `degrees`: only if phases are true to
 /// better than this.
 pub(crate) fn contradicted(asked: Damping, degrees: Option<f64>) -> Finding {
     let (own, other) = match asked {

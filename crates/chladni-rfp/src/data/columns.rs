@@ -23,7 +23,7 @@ pub(crate) struct Columns {
     pub b: Array2<Complex64>,
     /// The law that poles follow: see [`crate::damping::columns`].
     pub law: Damping,
-    /// What records and windows do to the columns of poles, where it is known.
+    /// Effect of records and windows on the columns of poles, where it is known.
     pub leakage: Option<Arc<Leakage>>,
 }
 

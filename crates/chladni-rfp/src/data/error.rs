@@ -1,4 +1,5 @@
-//! What stops an identification before it starts, with the numbers and the next step.
+//! Errors that stop an identification before it starts, with the numbers and the next
+//! step.
 
 use crate::data::options::{FitOptions, Method};
 use chladni_frf::{Error as FileError, ErrorKind};
@@ -51,7 +52,7 @@ pub enum FitError {
              inverse of the line spacing: evenly spaced lines are needed; found {found}"
     )]
     WindowAxis {
-        /// What stands in the way.
+        /// The obstacle.
         found: String,
     },
     /// Nothing but zeros or NaN.
@@ -92,9 +93,9 @@ pub enum FitError {
 }
 
 impl FitError {
-    /// What was found, what was expected and what to do, for users of files and of arrays
-    /// alike; the caller adds the file. `option` tells how its users write an option, say
-    /// `--band` for "band".
+    /// Tells what was found, what was expected and what to do, for users of files and of
+    /// arrays alike; the caller adds the file. `option` tells how its users write an
+    /// option, say `--band` for "band".
     pub fn told(&self, options: &FitOptions, option: impl Fn(&str) -> String) -> FileError {
         let [band, modes, method, window] = ["band", "modes", "method", "window"].map(&option);
         match self {

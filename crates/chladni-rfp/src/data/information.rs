@@ -34,7 +34,7 @@ pub(crate) fn answer<T: Scalar>(
     })
 }
 
-/// What a matrix tells.
+/// The information in a matrix.
 struct Told<T> {
     /// (direction, unknown): the inverse on these directions is rootᴴ·root.
     root: Array2<T>,

@@ -1,5 +1,5 @@
-//! What is known of the data besides their values: lines, FRFs, scale. All that comes
-//! after the passes over the data needs no more.
+//! The data without their values: lines, FRFs, scale. All that comes after the passes
+//! over the data needs no more.
 
 use crate::damping::leakage::Leakage;
 use crate::data::columns::Columns;
@@ -11,7 +11,7 @@ use num_complex::Complex64;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Which lines and FRFs are used, and what they are measured in.
+/// The lines and FRFs used, and what they are measured in.
 #[derive(Debug, Clone)]
 pub(crate) struct DataLayout {
     /// Response DOFs of the set.
@@ -46,18 +46,18 @@ pub(crate) struct DataLayout {
     pub g: Vec<f64>,
     /// The law that poles are sought in.
     pub law: Damping,
-    /// How the records were windowed, where it is known.
+    /// The window of the records, where it is known.
     pub window: Option<Window>,
-    /// What that does to the columns of poles; `None` where it does nothing.
+    /// Its effect on the columns of poles; `None` where it has none.
     pub leakage: Option<Arc<Leakage>>,
-    /// What was left out, in words.
+    /// The data left out, in words.
     pub warnings: Vec<Finding>,
-    /// What is spent on finding poles.
+    /// Effort spent on finding poles.
     pub effort: Effort,
     /// Sum of squares of each pair on these lines, in SI units of the kind; empty where
     /// it is not known.
     pub energy: Vec<f64>,
-    /// Where the data used are the measurement weighted by its noise.
+    /// The weighting, where the data used are the measurement weighted by its noise.
     pub weighting: Option<Weighting>,
     /// Weights that may be tried after these.
     pub weights_left: Weights,
@@ -67,10 +67,10 @@ pub(crate) struct DataLayout {
     pub outlier_rounds: usize,
 }
 
-/// What takes weighted data back to what was measured.
+/// The way back from weighted data to the measured ones.
 #[derive(Debug, Clone)]
 pub(crate) struct Weighting {
-    /// What the FRFs were multiplied by.
+    /// Factors on the FRFs.
     pub weights: PairWeights,
     /// Root mean square of the FRFs as they were measured.
     pub rms: f64,
@@ -79,7 +79,7 @@ pub(crate) struct Weighting {
 }
 
 impl Weighting {
-    /// What was done, for the path.
+    /// The weighting in words, for the path.
     pub fn words(&self) -> String {
         let words = self.weights.words();
         match self.giver {
@@ -225,7 +225,7 @@ impl DataLayout {
         self.omega_max / TAU
     }
 
-    /// What FRFs of response i and of reference j were multiplied by.
+    /// Factor on FRFs of response i and of reference j.
     pub fn weight(&self, i: usize, j: usize) -> [f64; 2] {
         self.weighting.as_ref().map_or([1.0; 2], |weighting| {
             [

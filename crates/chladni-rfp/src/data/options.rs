@@ -1,4 +1,4 @@
-//! What a user may turn.
+//! Options that a user may set.
 
 use crate::damping::window_kernel::{WindowKernel, BLACKMAN, FLATTOP, HAMMING, HANN};
 use crate::data::limits;
@@ -102,7 +102,7 @@ fn named<T: Copy>(
     })
 }
 
-/// What the polynomials of `rfp` are fitted by; each does what those before it do.
+/// Ways of fitting the polynomials of `rfp`; each does what those before it do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum RfpWeight {
@@ -138,10 +138,10 @@ impl FromStr for RfpWeight {
     }
 }
 
-/// What `rfp` alone can be told.
+/// Options of `rfp` alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct RfpOptions {
-    /// What the polynomials are fitted by.
+    /// The way of fitting the polynomials.
     pub weight: RfpWeight,
     /// Number of bands; `None`: by the peaks that show.
     pub bands: Option<usize>,
@@ -149,7 +149,7 @@ pub struct RfpOptions {
     pub local: bool,
 }
 
-/// What residues may be (several references, or real modes).
+/// Constraints on residues (several references, or real modes).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum ShapeModel {
@@ -186,8 +186,7 @@ impl FromStr for ShapeModel {
     }
 }
 
-/// How much is spent on finding poles: what moves a fit along the front of speed and
-/// accuracy.
+/// Effort spent on finding poles: it moves a fit along the front of speed and accuracy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Effort {
     /// Columns of the count sketch, of the first pass over the data.
@@ -222,9 +221,9 @@ pub struct FitOptions {
     pub damping: Option<Damping>,
     /// Method.
     pub method: Method,
-    /// What `rfp` and `grfp` alone can be told.
+    /// Options of `rfp` and `grfp` alone.
     pub rfp: RfpOptions,
-    /// What shapes may be while poles are refined (`auto` only).
+    /// Constraints on shapes while poles are refined (`auto` only).
     pub shapes: ShapeModel,
     /// Window of the records that the FRFs were averaged from; `None`: as the set says
     /// itself, else not known: nothing leaks, and the possible bias is named.
@@ -237,11 +236,11 @@ pub struct FitOptions {
     pub added_hz: Vec<f64>,
     /// Seed of the random sketch and mixtures.
     pub seed: u64,
-    /// What is spent on finding poles.
+    /// Effort spent on finding poles.
     pub effort: Effort,
 }
 
-/// What the user knows of the modes before the fit.
+/// The user's knowledge of the modes before the fit.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Asked<'a> {
     /// Number of modes in the band; `None`: decided by evidence.
@@ -286,7 +285,7 @@ impl FitOptions {
         }
     }
 
-    /// What the user knows of the modes.
+    /// The user's knowledge of the modes.
     pub(crate) fn asked(&self) -> Asked<'_> {
         Asked {
             modes: self.modes,
@@ -295,8 +294,8 @@ impl FitOptions {
     }
 }
 
-/// How the records that FRFs were estimated from were excited and windowed: both decide
-/// what leaks.
+/// Excitation and window of the records that FRFs were estimated from: both decide what
+/// leaks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Window {
@@ -384,7 +383,7 @@ impl Window {
     pub const WORDS: &'static str = "none, transient, hann, hamming, blackman, flattop, \
                                      rectangular, kaiser:BETA (0 to 40) or burst:PART (above 0 to 1)";
 
-    /// What it does to the columns of a fit; `None`: nothing.
+    /// Its effect on the columns of a fit; `None`: nothing.
     pub(crate) fn kernel(self) -> Option<WindowKernel> {
         Some(match self {
             Self::None => return None,

@@ -81,8 +81,8 @@ fn energies(data: &Screened, model: &ModalModel, k: usize) -> (f64, f64) {
         })
 }
 
-/// What the residual usually is on each line: its running median, and the usual share of
-/// the model on the strongest lines.
+/// The usual residual on each line: its running median, and the usual share of the model
+/// on the strongest lines.
 fn level(left: &[f64], fitted: &[f64]) -> Vec<f64> {
     let n = left.len();
     let mut strongest: Vec<usize> = (0..n).collect();
@@ -101,7 +101,7 @@ fn level(left: &[f64], fitted: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// What is said of the lines left out, if any.
+/// The finding on the lines left out, if any.
 pub(crate) fn words(data: &DataLayout) -> Option<Finding> {
     const SHOWN: usize = 8;
     let mut dropped = data.dropped_hz.clone();

@@ -43,7 +43,7 @@ impl PairWeights {
         self.response[i] * self.reference[j]
     }
 
-    /// What was done, for the path.
+    /// The weighting in words, for the path.
     pub fn words(&self) -> String {
         format!(
             "FRFs weighted by their noise, which {}",
@@ -51,7 +51,7 @@ impl PairWeights {
         )
     }
 
-    /// How the noise differs.
+    /// The spread of the noise, in words.
     pub fn spread_in_words(&self) -> String {
         let range = |values: &[f64]| {
             values.iter().cloned().fold(f64::MIN, f64::max)

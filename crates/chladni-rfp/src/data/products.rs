@@ -16,7 +16,7 @@ use ndarray::{s, Array1, Array2, ArrayViewMut2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use std::ops::Range;
 
-/// What the second pass leaves.
+/// The result of the second pass.
 #[derive(Debug, Clone)]
 pub(crate) struct Projected {
     /// Compressed columns, real mixtures of FRFs: at most twice as many as the model has
@@ -66,9 +66,9 @@ impl Projected {
         })
     }
 
-    /// What each line's residual energy over all FRFs would be without a model, if noise
-    /// is all there is: a model takes up the share of noise that its leverage Σ|Q_k|²
-    /// says, most of it at its poles.
+    /// Residual energy of each line over all FRFs without a model, if noise is all there
+    /// is: a model takes up the share of noise that its leverage Σ|Q_k|² says, most of it
+    /// at its poles.
     ///
     /// * `q`: orthonormal basis of the model, (line, m)
     /// * `residual`: of the compressed columns, (line, column)
@@ -135,7 +135,7 @@ pub(crate) fn real_basis(q: &Array2<Complex64>) -> Array2<f64> {
     })
 }
 
-/// What the pass leaves: all that the compressed columns are made of.
+/// The result of the pass: all that the compressed columns are made of.
 #[derive(Debug, Clone)]
 pub(crate) struct Products {
     /// T = B·R₀ᵀ, (real and imaginary part of each line, unknown).

@@ -136,7 +136,7 @@ pub(crate) fn squares(values: &[f64]) -> f64 {
     sums.iter().sum()
 }
 
-/// What a first look at all values tells.
+/// The result of a first look at all values.
 pub(crate) struct Usable {
     /// Pairs with at least one finite value that is not zero.
     pub pairs: Vec<(usize, usize)>,

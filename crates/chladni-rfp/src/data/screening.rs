@@ -213,7 +213,7 @@ pub(crate) fn lines_in_band(
     }
 }
 
-/// What is said of lines without values.
+/// The finding on lines without values.
 pub(crate) fn lines_left_out(dropped: usize) -> Finding {
     Finding::note(
         "lines-without-values",
@@ -225,7 +225,7 @@ pub(crate) fn lines_left_out(dropped: usize) -> Finding {
     .value("lines_left_out", dropped as f64)
 }
 
-/// Whether so many lines can bear the modes asked for, one where none are.
+/// Checks that so many lines can bear the modes asked for, one where none are.
 ///
 /// # Errors
 /// [`FitError::TooFewLines`].

@@ -13,7 +13,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-/// Which column of the sketch each FRF is added to, and with which sign.
+/// The column of the sketch that each FRF is added to, and its sign.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Mixing {
     /// Columns.
@@ -45,7 +45,7 @@ impl Mixing {
     }
 }
 
-/// What the pass leaves, in units of the measured values.
+/// The result of the pass, in units of the measured values.
 #[derive(Debug, Clone)]
 pub(crate) struct Sums {
     /// (line, column): signed sums of FRFs.

@@ -21,7 +21,7 @@ use std::ops::Deref;
 /// Data that a fit may ask. What is known of them besides their values is their
 /// [`DataLayout`].
 pub(crate) trait Source: Deref<Target = DataLayout> + Clone + Sync {
-    /// Why a fit does not go on: an error, or a pass that others must make.
+    /// The reason that a fit does not go on: an error, or a pass that others must make.
     type Stop: From<FitError> + From<LinalgError>;
 
     /// First pass: a sketch of all FRFs, in work units, and the energy of each line over
@@ -83,21 +83,21 @@ pub(crate) struct Way {
     pub by: By,
 }
 
-/// How poles were found.
+/// The path that found the poles.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) enum By {
     /// Fast chain.
     Fast {
-        /// What was tried: (poles, residual variance), in order.
+        /// Orders tried: (poles, residual variance), in order.
         history: Vec<(usize, f64)>,
         /// Passes made beyond the second.
         extra_passes: usize,
-        /// What spoke against the other law, where this one is the second tried.
+        /// Evidence against the other law, where this one is the second tried.
         doubt: Option<String>,
     },
     /// Measured-data path.
     Measured {
-        /// Why.
+        /// The reason for this path.
         evidence: String,
         /// E|δλ|² of each pole.
         spread: Vec<f64>,
@@ -110,8 +110,8 @@ pub(crate) enum By {
     Conjugated,
 }
 
-/// What tells its own kind, in the content of a file that does not: findings and reasons
-/// leave out what is empty, and hold values of several kinds.
+/// Values that tell their own kind, in the content of a file that does not: findings and
+/// reasons leave out what is empty, and hold values of several kinds.
 pub(crate) mod as_json {
     use serde::{de, de::DeserializeOwned, ser, Deserialize, Deserializer, Serialize, Serializer};
 

@@ -1,4 +1,4 @@
-//! How the records of a set were windowed, as far as it is known.
+//! The window of a set's records, as far as it is known.
 //!
 //! An FRF estimated from continuous random excitation in windowed records of length T is,
 //! in the mean, not the transform of h(t) but of h(t)·ρ(t), ρ the autocorrelation of the

@@ -5,7 +5,7 @@ use crate::poles::refine::{refine, Refined};
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 
-/// Where a pole came from, and what the votes say of it.
+/// The origin of a pole, and what the votes say of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Origin {
     /// Several runs agree on it.

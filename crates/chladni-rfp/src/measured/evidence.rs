@@ -14,7 +14,7 @@ use num_complex::Complex64;
 pub(crate) struct Evidence {
     /// Pole.
     pub lambda: Complex64,
-    /// Where it came from.
+    /// The origin of the pole.
     pub origin: Origin,
     /// Relative rise of the local sum of squares without it.
     pub gain: f64,

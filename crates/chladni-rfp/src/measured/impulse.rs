@@ -1,4 +1,4 @@
-//! What the record itself says, through its impulse response: was it padded with zeros,
+//! Evidence of the record itself, through its impulse response: was it padded with zeros,
 //! was it windowed (theory.md, eq. 24)?
 
 use crate::data::columns::Columns;

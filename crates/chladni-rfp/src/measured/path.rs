@@ -29,7 +29,7 @@ use rayon::prelude::*;
 /// Most columns the path works on; more FRFs than that are compressed.
 const COLUMNS_MOST: usize = 24;
 
-/// What the path found.
+/// The poles that the path found.
 #[derive(Debug)]
 pub(crate) struct MeasuredPoles {
     /// Poles and linear part on `work`.
@@ -228,7 +228,7 @@ fn join(work: &Columns, finished: &[Finished]) -> (Vec<Evidence>, Vec<f64>) {
     (all, normalised(&variance))
 }
 
-/// What the poles would be graded as the searches stand.
+/// Poles with their grades, as the searches stand.
 fn standing(searches: &[Search], record: &Record) -> Result<Vec<(Complex64, Trust)>, LinalgError> {
     let finished = searches
         .par_iter()

@@ -4,7 +4,7 @@ use crate::data::columns::Columns;
 use crate::data::peaks::Peak;
 use ndarray::Array1;
 
-/// What a search needs to know of the record it is part of.
+/// The properties of its record that a search needs.
 pub(crate) struct Record<'a> {
     /// Scaled columns on all lines used.
     pub work: &'a Columns,

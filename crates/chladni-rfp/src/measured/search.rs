@@ -38,7 +38,7 @@ const APART: f64 = 2.5;
 #[derive(Clone)]
 pub(crate) struct Search<'a> {
     record: &'a Record<'a>,
-    /// Where it searched.
+    /// The section searched.
     pub section: &'a Section,
     /// Unweighted columns.
     plain: Columns,
@@ -370,7 +370,7 @@ impl<'a> Search<'a> {
 
 /// Modes that a section may drop.
 pub(crate) struct Weakest {
-    /// How many.
+    /// Number of these modes.
     pub count: usize,
     /// The one of least evidence.
     pub least: Option<Dispensable>,
@@ -393,7 +393,7 @@ impl Dispensable {
     }
 }
 
-/// What a section hands over.
+/// The result of the search of a section.
 pub(crate) struct Finished {
     /// Evidence about every pole it owns, nuisance poles included.
     pub evidence: Vec<Evidence>,

@@ -16,9 +16,9 @@
 //! to rounding. Cost: 8·N·r·n³/3 flop for N lines, r mixtures and n support lines (a QR
 //! of the Loewner matrix in each step).
 //!
-//! When not to use it: on noisy data for the last digits. Interpolation takes over the
-//! noise of the support lines, and the equation error is weighted by the denominator:
-//! five to ten times as noisy as vector fitting.
+//! Avoid it on noisy data for the last digits. Interpolation takes over the noise of the
+//! support lines, and the equation error is weighted by the denominator: five to ten
+//! times as noisy as vector fitting.
 //!
 //! Y. Nakatsukasa, O. Sète, L. N. Trefethen, SIAM J. Sci. Comput. 40 (2018) A1494–A1522.
 //! P. Lietaert, K. Meerbergen, J. Pérez, B. Vandereycken, IMA J. Numer. Anal. 42 (2022)

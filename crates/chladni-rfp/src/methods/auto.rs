@@ -34,7 +34,7 @@ pub struct Fit {
     pub stabilization: Option<Stabilization>,
 }
 
-/// What a run of a method came to.
+/// The result of a run of a method.
 pub(crate) enum Attempt {
     /// A fit, whether its residual is white, and the sum of squares left of each FRF
     /// where that tells its noise.

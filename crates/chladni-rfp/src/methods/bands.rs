@@ -1,4 +1,5 @@
-//! Where the classic methods look: bands of few visible peaks, and the order in each.
+//! The search ranges of the classic methods: bands of few visible peaks, and the order in
+//! each.
 //!
 //! The 1982 method is applied by hand, a few peaks at a time. Here a band with more than
 //! [`PEAKS_PER_BAND`] visible peaks of the mean |FRF|² is cut at the deepest valley

@@ -15,9 +15,9 @@
 //!
 //! Cost: peaks × columns × some tens of lines.
 //!
-//! When not to use it: for modes closer than two or three bandwidths, whose neighbours
-//! are no constant background; and with less than about six lines per bandwidth, where
-//! the arc is too short. A mode without a peak of its own is not found.
+//! Avoid it for modes closer than two or three bandwidths, whose neighbours are no
+//! constant background; and with less than about six lines per bandwidth, where the arc
+//! is too short. A mode without a peak of its own is not found.
 //!
 //! C. C. Kennedy, C. D. P. Pancu, J. Aeronaut. Sci. 14 (1947) 603–625. I. Kåsa, IEEE
 //! Trans. Instrum. Meas. 25 (1976) 8–14 (circle). P. J. Petersan, S. M. Anlage, J. Appl.

@@ -25,8 +25,8 @@
 //!
 //! Cost: O(lines · degree²) for the basis, O(degree³) for the roots.
 //!
-//! When not to use it: nothing here is wrong at high degree, but a well-conditioned basis
-//! does not make the equation error a good estimator; see [`super::equation_error`].
+//! Limits: nothing here is wrong at high degree, but a well-conditioned basis does not
+//! make the equation error a good estimator; see [`super::equation_error`].
 //!
 //! G. E. Forsythe, J. SIAM 5 (1957) 74–88. M. H. Richardson, D. L. Formenti, *Parameter
 //! estimation from frequency response measurements using rational fraction polynomials*,

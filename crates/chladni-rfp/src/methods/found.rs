@@ -7,7 +7,7 @@ use crate::methods::survey::{Compressed, Survey};
 use chladni_frf::{Damping, Finding};
 use num_complex::Complex64;
 
-/// What a method found.
+/// The poles that a method found.
 #[derive(Debug, Clone)]
 pub(crate) struct MethodPoles {
     /// s/ω_max, upper half plane, Re s < 0; those out of the band stand for what lies
@@ -17,9 +17,9 @@ pub(crate) struct MethodPoles {
     pub deviation: Option<Vec<[f64; 2]>>,
     /// Damping law to report in where none was asked for.
     pub law: Damping,
-    /// What a user should know.
+    /// Warnings to the user.
     pub warnings: Vec<Finding>,
-    /// How they were found, in words.
+    /// The way in which they were found, in words.
     pub how: &'static str,
     /// Poles by order, where the method looks at several.
     pub stabilization: Option<Stabilization>,
@@ -38,14 +38,14 @@ impl From<ClassicPoles> for MethodPoles {
     }
 }
 
-/// What a classic method found.
+/// The poles that a classic method found.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ClassicPoles {
     /// s/ω_max, viscous, upper half plane, Re s < 0, rising in frequency.
     pub poles: Vec<Complex64>,
     /// One sigma of |s|/ω_max and of η = 2ζ per pole: scatter, not the method's bias.
     pub deviation: Vec<[f64; 2]>,
-    /// What a user should know.
+    /// Warnings to the user.
     pub warnings: Vec<Finding>,
 }
 
@@ -84,7 +84,7 @@ pub(crate) fn fewer_modes(asked: usize, found: usize, why: &str) -> Finding {
 /// A method: poles from the two passes over the data.
 pub(crate) type Finder = fn(&Survey, &Compressed, &FitOptions) -> Result<MethodPoles, FitError>;
 
-/// How a pole compares with those of the order before.
+/// Comparison of a pole with those of the order before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Stability {
     /// No pole of the order before is near.

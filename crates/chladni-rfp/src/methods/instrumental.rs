@@ -9,8 +9,8 @@
 //! Σ_l (B̂_l R)ᴴ (I − QQᴴ) (B_l R)(d₀ + δ) = 0,   δ and the test space normal to d₀
 //! ```
 //!
-//! Where δ = 0 this is the gradient of the likelihood of the poles, residues eliminated:
-//! the fixed point is the maximum-likelihood estimate, without partial fractions. With B̂_l
+//! At δ = 0 this is the gradient of the likelihood of the poles, residues eliminated: the
+//! fixed point is the maximum-likelihood estimate, without partial fractions. With B̂_l
 //! on both sides the steps are those of Gauss–Newton (Kaufman) and have the same fixed
 //! point.
 //!
@@ -30,7 +30,7 @@ const LEAST_PART: f64 = 0.01;
 /// Relative rounding of what the numerators explain.
 const ROUNDING: f64 = 1e-13;
 
-/// Which steps.
+/// The kind of steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Steps {
     /// The model's values as instruments.

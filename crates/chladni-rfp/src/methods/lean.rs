@@ -12,9 +12,9 @@
 //! fitting as in [`super::vf()`] with half the mixtures, and some ten steps of 8Nr(2m)
 //! for r columns.
 //!
-//! When not to use it: where the number of modes is not known (a missed mode of the band
-//! biases its neighbours, and nothing looks for it), or where the residual is not white
-//! noise: the bars are then too small. Both are the business of `auto`.
+//! Avoid it where the number of modes is not known (a missed mode of the band biases its
+//! neighbours, and nothing looks for it), or where the residual is not white noise: the
+//! bars are then too small. Both are the business of `auto`.
 //!
 //! Equations: theory.md, section 2.
 
@@ -142,8 +142,8 @@ fn narrow(work: &Columns, lambda: &mut Vec<Complex64>, modes: usize) {
     }
 }
 
-/// Where modes beyond the ends of the band may stand that only all FRFs together show:
-/// two mean distances of modes away.
+/// Places beyond the ends of the band for modes that only all FRFs together show: two
+/// mean distances of modes away.
 fn beyond(work: &Columns, lambda: &[Complex64]) -> impl Iterator<Item = Complex64> {
     let (low, high) = work.range();
     let (loss, reach) = (
@@ -169,8 +169,8 @@ fn needed(
     }))
 }
 
-/// What one more pole may take out of the noise of all FRFs, where so many unknowns leave
-/// `sse`.
+/// The part of the noise of all FRFs that one more pole may take, where so many unknowns
+/// leave `sse`.
 fn noise_takes(work: &Columns, sse: f64, unknowns: usize, frfs: usize) -> f64 {
     threshold(frfs, work.lines()) * left_by(work, sse, unknowns)
 }

@@ -12,10 +12,10 @@
 //!
 //! Cost: one small least-squares problem per FRF and band; [`FRFS_USED`] FRFs at most.
 //!
-//! When not to use it: as an estimate to report. The equation error is weighted by |D|²,
-//! so poles come out biased on noisy data and weak modes next to strong ones are missed.
-//! Measured here: of well-separated modes that all show, none is missed up to 34 modes at
-//! 40 dB, with errors of 1 to 2·10⁻⁴; but fewer spare pole pairs, or one band instead of
+//! Avoid it for estimates to report. The equation error is weighted by |D|², so poles
+//! come out biased on noisy data and weak modes next to strong ones are missed. Measured
+//! here: of well-separated modes that all show, none is missed up to 34 modes at 40 dB,
+//! with errors of 1 to 2·10⁻⁴; but fewer spare pole pairs, or one band instead of
 //! several, and modes go. Errors are one standard deviation at 60 dB, 1.5 at 40 dB, and
 //! five at 20 dB: that is the bias. On the default panel of the simulator (25 modes of
 //! uneven strength in the band, 2618 FRFs) 7 of 25 are missed. A mode with a node at two

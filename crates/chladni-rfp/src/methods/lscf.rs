@@ -10,14 +10,13 @@
 //! Cost: one transform of the lines per column and 8·n³ flop per column for order n; the
 //! eigenvalues of some twenty orders take most of the time.
 //!
-//! When not to use it: for the last digits, or for close modes. The equation error is
-//! weighted by |A|², and finite order stands for residual terms: that is bias, which more
-//! data do not remove. With the gap of [`super::matrix_fraction`] it is one to five
-//! Cramér–Rao bounds for separate modes at 40 dB (tens at the ends of the band), but
-//! modes a third of a bandwidth apart are merged or off by half of it, and at 20 dB weak
-//! modes never settle. Clean data are reproduced to half of the digits. Good for a first
-//! look, and for the diagram. It needs an even frequency axis (missing lines do not
-//! matter).
+//! Avoid it for the last digits, or for close modes. The equation error is weighted by
+//! |A|², and finite order stands for residual terms: that is bias, which more data do not
+//! remove. With the gap of [`super::matrix_fraction`] it is one to five Cramér–Rao bounds
+//! for separate modes at 40 dB (tens at the ends of the band), but modes a third of a
+//! bandwidth apart are merged or off by half of it, and at 20 dB weak modes never settle.
+//! Clean data are reproduced to half of the digits. Good for a first look, and for the
+//! diagram. It needs an even frequency axis (missing lines do not matter).
 //!
 //! P. Guillaume, P. Verboven, S. Vanlanduit, Proc. ISMA 23 (1998) 359–366. H. Van der
 //! Auweraer, P. Guillaume, P. Verboven, S. Vanlanduit, J. Dyn. Syst. Meas. Control 123

@@ -11,10 +11,10 @@
 //! practice, Phil. Trans. R. Soc. A 255 (1963) 241–280; D. J. Ewins, *Modal Testing*
 //! (2000), section 4.3, its errors.
 //!
-//! When not to use it: for numbers to report. Neighbours and residual terms move the peak
-//! and fill the valleys, noise adds to the width, two modes within a bandwidth are one
-//! peak, and the frequency is known to a fraction of the line spacing at best. It is here
-//! to teach, and for a first look.
+//! Avoid it for numbers to report. Neighbours and residual terms move the peak and fill
+//! the valleys, noise adds to the width, two modes within a bandwidth are one peak, and
+//! the frequency is known to a fraction of the line spacing at best. It is here to teach,
+//! and for a first look.
 
 use crate::data::error::FitError;
 use crate::data::options::FitOptions;
@@ -79,8 +79,8 @@ fn half_power(x: &[f64], power: &[f64], top: usize) -> Complex64 {
     Complex64::new(vertex, width)
 }
 
-/// Where the parabola through 1/|α|² at the top line and its neighbours has its vertex,
-/// and |α|² there.
+/// Vertex of the parabola through 1/|α|² at the top line and its neighbours, and |α|²
+/// there.
 fn vertex(x: &[f64], power: &[f64], top: usize) -> (f64, f64) {
     if top == 0 || top + 1 >= x.len() {
         return (x[top], power[top]);

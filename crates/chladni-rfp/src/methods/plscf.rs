@@ -11,7 +11,7 @@
 //! Cost: as [`super::lscf()`] with 8·n³·r² flop per output for r references and order n;
 //! n·r is the same number of poles.
 //!
-//! When not to use it: as [`super::lscf()`]. With as many poles spread over the
+//! Avoid it where [`super::lscf()`] is to be avoided. With as many poles spread over the
 //! references its numerators are of lower order, so that its bias is larger: tens of
 //! Cramér–Rao bounds on the reference panel. It needs every response measured from every
 //! reference.

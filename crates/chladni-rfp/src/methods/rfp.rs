@@ -19,8 +19,8 @@
 //! Cost: about twice that of [`super::lean()`]; the last steps dominate, 8·lines·modes²
 //! per column each.
 //!
-//! When not to use it: where `auto` or `lean` do, they are as exact and cheaper up to some
-//! forty modes, and `auto` alone knows what to do where the residual is not white.
+//! Avoid it where `auto` or `lean` do: they are as exact and cheaper up to some forty
+//! modes, and `auto` alone knows what to do where the residual is not white.
 //! `--rfp-weight linear` is the form of 1985 as published, kept to show what it loses.
 //!
 //! M. H. Richardson, D. L. Formenti, *Global curve fitting of frequency response

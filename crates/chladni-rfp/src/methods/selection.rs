@@ -1,5 +1,5 @@
-//! Which poles are modes, for methods that find them in the plane x: the significance of
-//! their residues.
+//! Choice of the poles that are modes, for methods that find them in the plane x: the
+//! significance of their residues.
 
 use crate::damping::structural::POWERS;
 use crate::damping::viscous::from_structural;

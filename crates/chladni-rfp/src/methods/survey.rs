@@ -1,4 +1,4 @@
-//! What every method of the family starts from: one pass over the data for the count
+//! The common start of every method of the family: one pass over the data for the count
 //! sketch and the visible peaks, and a second one for the compressed columns.
 //!
 //! The compression is a randomised singular value decomposition: the strongest left

@@ -8,10 +8,9 @@
 //! Cost: 8·8·N·m²·(r + 2) flop for N lines, m unknowns, r mixtures and eight steps; no
 //! pass over the data of its own.
 //!
-//! When not to use it: for the last digit. It stands at two to five times the Cramér–Rao
-//! bound, and [`super::lean()`] needs only one refinement more to reach it. On a wide
-//! band with a linear axis, where low modes are narrower than the line spacing, it misses
-//! some.
+//! Avoid it for the last digit. It stands at two to five times the Cramér–Rao bound, and
+//! [`super::lean()`] needs only one refinement more to reach it. On a wide band with a
+//! linear axis, where low modes are narrower than the line spacing, it misses some.
 //!
 //! B. Gustavsen, A. Semlyen, IEEE Trans. Power Delivery 14 (1999) 1052; B. Gustavsen,
 //! ibid. 21 (2006) 1587 (relaxed).

@@ -27,7 +27,7 @@ use rayon::prelude::*;
 
 /// Residues of every FRF at identified poles, each by itself.
 struct FreeFit {
-    /// What the model can hold, rising in frequency.
+    /// The poles that the model can hold, rising in frequency.
     poles: Vec<Pole>,
     linear: Linear,
     /// (pole, pair), response by response; zero where missing.
@@ -91,7 +91,7 @@ impl FreeFit {
 /// scaling.
 pub(crate) struct Shaped {
     identified: Identified,
-    /// What the model holds, rising in frequency.
+    /// The poles of the model, rising in frequency.
     poles: Vec<Pole>,
     shapes: Shapes,
     /// Scale of each term's shape.
@@ -366,7 +366,7 @@ impl Shaped {
         }
     }
 
-    /// What the coefficients multiply, over the reals: see [`synthesis`].
+    /// The columns that the coefficients multiply, over the reals: see [`synthesis`].
     fn synthesis(&self, data: &DataLayout) -> Array2<f64> {
         let values: Vec<Complex64> = self.poles.iter().map(|pole| pole.value).collect();
         synthesis(

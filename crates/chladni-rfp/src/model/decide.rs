@@ -1,5 +1,5 @@
-//! What the poles found say of the structure: the damping law, and whether one shape per
-//! mode, real or not, serves all references.
+//! Properties of the structure from the poles found: the damping law, and whether one
+//! shape per mode, real or not, serves all references.
 
 use crate::damping::verdict::{self, Fitted, Verdict};
 use crate::data::error::FitError;
@@ -72,8 +72,8 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
     Ok((identified, warnings))
 }
 
-/// What the data say of the law: nothing where there are no modes, or where line shapes
-/// are no pure resonances and damping is light.
+/// The verdict of the data on the law: nothing where there are no modes, or where line
+/// shapes are no pure resonances and damping is light.
 fn told(data: &DataLayout, found: &PoleEstimate) -> Result<Verdict, LinalgError> {
     if found.measured && found.heaviest_sure() < limits::LAW_ALIKE {
         return Ok(Verdict::Undecidable);

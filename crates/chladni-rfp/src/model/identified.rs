@@ -25,7 +25,7 @@ pub(crate) struct Identified {
     pub back: Option<Array2<f64>>,
     /// Noise variance of a work value.
     pub variance: f64,
-    /// Which path found them, and why.
+    /// The path that found them, and the reason for it.
     pub path: String,
     /// Warnings so far.
     pub warnings: Vec<Finding>,

@@ -164,7 +164,7 @@ pub(crate) fn modes(
         .collect()
 }
 
-/// Why shapes have no absolute scale.
+/// The reason that shapes have no absolute scale.
 pub(crate) fn unscaled(unit: ReferenceUnit) -> Finding {
     match unit {
         ReferenceUnit::Volt => Finding::note(

@@ -1,6 +1,6 @@
-//! What a model leaves of each FRF, without another look at the data: ‖b − A·c‖² = ‖b‖² −
-//! 2cᵀAᵀb + cᵀAᵀA·c over the reals, where the compressed columns stand for b in the
-//! product with A (theory.md, eq. 55).
+//! Residual energy of each FRF under a model, without another look at the data: ‖b −
+//! A·c‖² = ‖b‖² − 2cᵀAᵀb + cᵀAᵀA·c over the reals, where the compressed columns stand for
+//! b in the product with A (theory.md, eq. 55).
 
 use crate::data::columns::Columns;
 use crate::data::layout::DataLayout;
@@ -12,7 +12,8 @@ use rayon::prelude::*;
 
 /// A model laid over the columns that it was found on.
 pub(crate) struct Laid<'a> {
-    /// What the coefficients multiply, over the reals: real over imaginary parts of lines.
+    /// The columns that the coefficients multiply, over the reals: real over imaginary
+    /// parts of lines.
     pub basis: &'a Array2<f64>,
     /// Adds the coefficients of one FRF (position among the pairs).
     pub coefficients: &'a (dyn Fn(usize, &mut [f64]) + Sync),

@@ -1,5 +1,5 @@
-//! What is linear at given poles: residues, residual terms, and how the one answers a
-//! change of the other.
+//! The linear unknowns at given poles: residues, residual terms, and how the one answers
+//! a change of the other.
 
 use crate::damping::structural::basis;
 use crate::damping::viscous::viscous_basis;
@@ -21,8 +21,8 @@ pub(crate) struct Linear {
     pub terms: Array2<Complex64>,
     /// Weight of residues with the residual terms eliminated, (mode, mode).
     pub weight: Array2<Complex64>,
-    /// How the residual terms answer a change of residues: (term, mode) in the structural
-    /// law, stacked reals in the viscous.
+    /// Response of the residual terms to a change of residues: (term, mode) in the
+    /// structural law, stacked reals in the viscous.
     pub answer: Answer,
     /// Sum of squares of the compressed columns at these poles.
     pub sse: f64,
@@ -92,7 +92,7 @@ pub(crate) fn linear(
     }
 }
 
-/// Where the normal equations of the structural law lose too many digits.
+/// The solution where the normal equations of the structural law lose too many digits.
 fn on_orthonormal_basis(
     work: &Columns,
     poles: &[Complex64],
@@ -135,9 +135,9 @@ impl Answer {
     }
 }
 
-/// What the complex coefficients of poles and residual terms multiply, over the reals:
-/// (real and imaginary part of each line, real and imaginary part of each coefficient),
-/// both in turn, in work units.
+/// The columns that the complex coefficients of poles and residual terms multiply, over
+/// the reals: (real and imaginary part of each line, real and imaginary part of each
+/// coefficient), both in turn, in work units.
 pub(crate) fn synthesis(
     data: &DataLayout,
     damping: Damping,

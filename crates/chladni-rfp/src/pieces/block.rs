@@ -28,14 +28,14 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub struct Reducer {
     options: FitOptions,
-    /// What the pass is run with; `None`: the first, which leaves a sketch.
+    /// The poles that the pass is run with; `None`: the first, which leaves a sketch.
     poles: Option<Arc<Poles>>,
     /// Of the products.
     basis: Option<Basis>,
     reading: BTreeMap<String, String>,
 }
 
-/// What products are made with.
+/// The basis that products are made with.
 #[derive(Debug)]
 struct Basis {
     head: DataLayout,

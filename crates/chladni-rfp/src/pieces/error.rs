@@ -1,13 +1,13 @@
-//! Why a fit in pieces cannot go on.
+//! Errors that stop a fit in pieces.
 
 use crate::data::error::FitError;
 use chladni_linalg::LinalgError;
 use thiserror::Error;
 
-/// Why a piece could not be made, merged or solved.
+/// The reason that a piece could not be made, merged or solved.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PieceError {
-    /// What stops every fit.
+    /// An error that stops every fit.
     #[error(transparent)]
     Fit(#[from] FitError),
     /// Pieces or files that do not fit together.

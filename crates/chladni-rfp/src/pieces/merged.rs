@@ -24,7 +24,7 @@ use num_complex::Complex64;
 use std::collections::{HashMap, HashSet};
 use std::ops::Deref;
 
-/// Why a fit of merged partials does not go on.
+/// The reason that a fit of merged partials does not go on.
 #[derive(Debug)]
 pub(crate) enum Stop {
     /// For good.
@@ -58,7 +58,7 @@ pub(crate) struct Merged<'a> {
     /// Noise energy of each FRF as the data tell it.
     given: Option<(Vec<f64>, Giver)>,
     made: Option<Made<'a>>,
-    /// Where the walk stopped for the pass that these partials are of.
+    /// The point where the walk stopped for the pass that these partials are of.
     way: Option<Way>,
 }
 

@@ -1,4 +1,4 @@
-//! What is left of blocks of FRFs, and how it is merged.
+//! The result of reducing blocks of FRFs, and how it is merged.
 
 use crate::data::pair_weights::Giver;
 use crate::pieces::plan::Plan;
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
 
-/// What is left of one or more blocks after a pass over them.
+/// The result of a pass over one or more blocks.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Partial {
     pub(crate) plan: Plan,
@@ -88,7 +88,7 @@ impl Block {
 }
 
 impl Sums {
-    /// What only one of both holds is lost.
+    /// Adds `other`; what only one of both holds is lost.
     fn add(&mut self, other: Self) {
         fn sum<T: std::ops::AddAssign>(left: &mut [T], right: Vec<T>) {
             left.iter_mut()
@@ -204,7 +204,7 @@ impl Partial {
         self
     }
 
-    /// Where the FRFs came from.
+    /// Sets the sources of the FRFs.
     pub fn with_sources(mut self, sources: &[Source]) -> Self {
         self.blocks
             .iter_mut()

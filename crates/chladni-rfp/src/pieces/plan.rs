@@ -1,4 +1,4 @@
-//! What all pieces of one fit share.
+//! The common ground of all pieces of one fit.
 
 use crate::data::error::FitError;
 use crate::data::layout::DataLayout;
@@ -74,7 +74,7 @@ impl Plan {
         self.window.as_deref().and_then(|name| name.parse().ok())
     }
 
-    /// Whether `other` belongs to the same fit.
+    /// Checks that `other` belongs to the same fit.
     ///
     /// # Errors
     /// The field that differs, `whose` it is.

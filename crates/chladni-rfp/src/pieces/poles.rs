@@ -30,7 +30,7 @@ pub struct Poles {
     pub(crate) frfs: usize,
     /// Number of modes asked for.
     pub(crate) modes: Option<usize>,
-    /// What the pass multiplies FRFs by.
+    /// Factors of the pass on FRFs.
     pub(crate) weighting: Option<DofWeights>,
     /// Weights that may be tried after these.
     pub(crate) weights_left: Weights,
@@ -38,14 +38,14 @@ pub struct Poles {
     pub(crate) dropped_hz: Vec<f64>,
     /// Rounds of leaving them out.
     pub(crate) outlier_rounds: usize,
-    /// What is to be said of the data.
+    /// Findings on the data.
     #[serde(with = "as_json")]
     pub(crate) warnings: Vec<Finding>,
     /// The poles, and how they were found; `None` where none were sought yet.
     pub(crate) way: Option<Way>,
 }
 
-/// What a pass with poles makes.
+/// The product of a pass with poles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Pass {
     /// Products with their basis: the second pass.
@@ -183,7 +183,7 @@ impl Poles {
         modes
     }
 
-    /// How they were found, in words.
+    /// The way in which they were found, in words.
     pub fn evidence(&self) -> String {
         let found = match self.way.as_ref().map(|way| &way.by) {
             Some(By::Fast { .. }) => "fast chain on the sketch".into(),
@@ -198,7 +198,7 @@ impl Poles {
         }
     }
 
-    /// What else is known of the data, for those of these FRFs.
+    /// Adds what else is known of the data, for those of these FRFs.
     pub(crate) fn tell(&self, head: &mut DataLayout) {
         head.weighting = self
             .weighting

@@ -10,7 +10,7 @@ use crate::pieces::partial::Partial;
 use crate::pieces::poles::Poles;
 use chladni_linalg::blocked::in_pool;
 
-/// What merged partials lead to.
+/// The result of merged partials.
 #[derive(Debug, Clone)]
 pub enum Solved {
     /// Poles to reduce every block with: of a sketch; or anew, where a later pass showed

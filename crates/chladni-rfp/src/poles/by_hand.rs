@@ -13,8 +13,8 @@ const NARROWEST: f64 = 1.0;
 /// that was seen.
 const CARRIED_AWAY: f64 = 8.0;
 
-/// Where poles are to be added: those of `added_hz` (Hz) that no pole of `known` explains.
-/// `hz` is the frequency of x = 1.
+/// Places at which poles are to be added: those of `added_hz` (Hz) that no pole of
+/// `known` explains. `hz` is the frequency of x = 1.
 pub(crate) fn starts(
     added_hz: &[f64],
     work: &Columns,

@@ -1,9 +1,9 @@
 //! The fast chain: sketch, pool, prune, refine, project, refine, and the loop that
 //! settles the order.
 //!
-//! What counts as a mode here is what white noise cannot make; whether the residual *is*
-//! white is judged at the end ([`crate::whiteness`]), and where it is not the
-//! measured-data path takes over.
+//! A mode here is what white noise cannot make; whether the residual *is* white is judged
+//! at the end ([`crate::whiteness`]), and where it is not the measured-data path takes
+//! over.
 
 use crate::damping::structural::POWERS;
 use crate::data::columns::{line_energy, Columns};
@@ -30,7 +30,7 @@ use chladni_linalg::LinalgError;
 use ndarray::Array1;
 use num_complex::Complex64;
 
-/// What the fast chain came to.
+/// The result of the fast chain.
 #[derive(Debug)]
 pub(crate) enum Outcome {
     /// The residual is white: poles at the statistical limit.
@@ -39,7 +39,7 @@ pub(crate) enum Outcome {
     Ended(Doubt),
 }
 
-/// What speaks against the fast chain.
+/// Evidence against the fast chain.
 #[derive(Debug)]
 pub(crate) enum Doubt {
     /// The residual is not white; the evidence in words.
@@ -61,15 +61,15 @@ impl Doubt {
     }
 }
 
-/// What the sketch alone tells.
+/// The result of the sketch alone.
 enum First {
     /// Poles to project on.
     Poles(Box<Start>),
-    /// What need not be projected.
+    /// A result that needs no projection.
     Ended(Doubt),
 }
 
-/// What the fast chain found.
+/// The poles that the fast chain found.
 #[derive(Debug)]
 pub(crate) struct Chain {
     /// Refined on the compressed columns of all FRFs.
@@ -78,13 +78,13 @@ pub(crate) struct Chain {
     pub projected: Projected,
     /// Noise variance of one work value.
     pub variance: f64,
-    /// Whether the residual is white.
+    /// The test of the residual for whiteness.
     pub whiteness: Whiteness,
     /// Modes that the data show beyond the number asked for.
     pub dropped: Vec<Complex64>,
     /// Poles added by hand that explain nothing.
     pub idle: Vec<Complex64>,
-    /// What was tried: (poles, residual variance), in order.
+    /// Orders tried: (poles, residual variance), in order.
     pub history: Vec<(usize, f64)>,
 }
 
@@ -221,7 +221,7 @@ fn of_sketch(
     })))
 }
 
-/// Where the chain stopped on its `way`.
+/// The point where the chain stopped on its `way`.
 fn went_on(data: &DataLayout, sketch: Columns, way: &Way) -> Result<Start, LinalgError> {
     let (history, extra_passes, doubt) = match &way.by {
         By::Fast {

@@ -18,7 +18,7 @@ pub(crate) trait Point: Sized {
     fn at(work: &Columns, energy: f64, lambda: &[Complex64], powers: &[i32]) -> Option<Self>;
     /// Sum of squares left.
     fn sse(&self) -> f64;
-    /// What rounding may add to it.
+    /// The part that rounding may add to it.
     fn rounding(&self, energy: f64) -> f64;
     /// Gauss–Newton matrix and gradient.
     fn system(

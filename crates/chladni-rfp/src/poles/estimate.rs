@@ -1,5 +1,5 @@
-//! What a path to poles hands over, and how far each pole is to be trusted by its error
-//! bar alone.
+//! The poles that a path found, and how far each pole is to be trusted by its error bar
+//! alone.
 
 use crate::data::columns::Columns;
 use crate::data::information::covariance;
@@ -11,7 +11,7 @@ use num_complex::Complex64;
 /// Grade of one pole with its reasons.
 pub(crate) type Grade = (Trust, Vec<Reason>);
 
-/// What a path hands over.
+/// The poles that a path found.
 #[derive(Debug, Clone)]
 pub(crate) struct PoleEstimate {
     /// Poles in the x plane with their linear part.
@@ -31,7 +31,7 @@ pub(crate) struct PoleEstimate {
     pub grades: Vec<Grade>,
     /// Poles added by hand that explain nothing; they are not among `refined`.
     pub idle: Vec<Complex64>,
-    /// Which path, and why.
+    /// The path, and the reason for it.
     pub path: String,
     /// Warnings.
     pub warnings: Vec<Finding>,
@@ -70,7 +70,7 @@ pub(crate) fn graded(refined: &Refined, work: &Columns, variance: f64) -> (Vec<G
     )
 }
 
-/// What is said where the data show more modes than were asked for; `hz`: of x = 1.
+/// The finding where the data show more modes than were asked for; `hz`: of x = 1.
 pub(crate) fn more_than_asked(asked: usize, dropped: &[Complex64], hz: f64) -> Option<Finding> {
     let places: Vec<f64> = dropped
         .iter()
@@ -110,7 +110,7 @@ pub(crate) fn uncertain(half_bandwidths: f64) -> Reason {
         .detail(format!("{half_bandwidths:.1} half-bandwidths, one sigma"))
 }
 
-/// Why a pole of infinite variance is not sure.
+/// The reason that a pole of infinite variance is not sure.
 const NOT_TOLD: &str = "the data do not tell it from its neighbours: its error bars are not known";
 
 /// Reason for a large error bar.

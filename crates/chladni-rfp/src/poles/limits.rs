@@ -20,7 +20,7 @@ pub(super) const LARGER_POOL_GAIN: f64 = 1e-2;
 
 // descent.rs
 
-/// What a step promises to take off the sum of squares, in units of the noise variance,
+/// Promised decrease of the sum of squares by a step, in units of the noise variance,
 /// below which it is the last: no pole moves by more than 1e-3 of its error bar in it,
 /// and what is left after it is a tenth and less of that.
 pub(super) const PROMISED: f64 = 1e-6;
@@ -49,9 +49,9 @@ pub(super) const DERIVATIVE_OUTSIDE: f64 = 1e-9;
 
 // passes.rs
 
-/// What a place must take out of all FRFs beyond their noise, as part of what a pole
-/// there would have to, before a pass is spent on it: the place is not refined yet, and
-/// sees at least this much of a mode next to it.
+/// The part that a place must take out of all FRFs beyond their noise, as part of what a
+/// pole there would have to, before a pass is spent on it: the place is not refined yet,
+/// and sees at least this much of a mode next to it.
 pub(super) const CONFIRMED: f64 = 0.5;
 /// The same of a place that the sketch has refined, before a whole pass is made for it:
 /// it sees nearly all of a mode.
@@ -124,7 +124,7 @@ pub(super) const OUTSIDE_LOSS: f64 = 0.02;
 
 // start.rs
 
-/// Where a pole of no natural frequency is put: at so much of the x of the first line.
+/// Place of a pole of no natural frequency: at so much of the x of the first line.
 pub(super) const FAR_BELOW: f64 = 0.01;
 
 // whiteness.rs

@@ -19,7 +19,7 @@ use chladni_linalg::{
 use ndarray::{s, Array2, ArrayViewMut2};
 use num_complex::Complex64;
 
-/// What the normal equations tell of all that is linear at one set of poles.
+/// The result of the normal equations for all that is linear at one set of poles.
 pub(crate) struct Plain {
     /// Gram matrix of the columns brought to unit norm, (m, m), and their norms.
     gram: Array2<Complex64>,
@@ -39,13 +39,13 @@ pub(crate) struct Normal {
     along: Array2<Complex64>,
 }
 
-/// What is linear at given poles.
+/// The linear unknowns at given poles.
 pub(crate) struct Parted {
     /// Residues and residual coefficients, (m, column).
     pub coefficients: Array2<Complex64>,
     /// Weight of the residues with the residual terms eliminated, (n, n).
     pub weight: Array2<Complex64>,
-    /// How the residual terms answer a change of the residues, (term, n).
+    /// Response of the residual terms to a change of the residues, (term, n).
     pub answer: Array2<Complex64>,
     /// Sum of squares left.
     pub sse: f64,
@@ -130,7 +130,7 @@ impl Plain {
         })
     }
 
-    /// What taking columns out needs to know.
+    /// The quantities needed to take columns out.
     pub fn removable(&self) -> Result<Removable, LinalgError> {
         let mut inverse = inverse_hermitian(self.gram.view())?;
         for ((i, j), value) in inverse.indexed_iter_mut() {

@@ -19,7 +19,7 @@ use chladni_linalg::{qr_thin, LinalgError};
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 
-/// What one pass over all FRFs came to.
+/// The result of one pass over all FRFs.
 pub(crate) struct Pass {
     /// Compressed data and the way back to FRFs.
     pub projected: Projected,
@@ -34,7 +34,7 @@ pub(crate) struct Pass {
     lost: usize,
 }
 
-/// Where the passes over all FRFs begin.
+/// The start of the passes over all FRFs.
 #[derive(Debug)]
 pub(crate) struct Start {
     /// The sketch on the lines that were looked at.
@@ -43,11 +43,11 @@ pub(crate) struct Start {
     pub lambda: Vec<Complex64>,
     /// Basis of the model with these poles on all lines, orthonormal.
     pub q: Array2<Complex64>,
-    /// What was tried, in order.
+    /// Orders tried, in order.
     pub history: Tried,
     /// Passes made already beyond the second.
     pub extra_passes: usize,
-    /// What spoke against the other damping law, where this is the second tried.
+    /// Evidence against the other damping law, where this is the second tried.
     pub doubt: Option<String>,
 }
 
@@ -166,8 +166,8 @@ impl Pass {
         })
     }
 
-    /// Where a mode that the sketch did not show stands out of the residual over all
-    /// FRFs.
+    /// The place where a mode that the sketch did not show stands out of the residual
+    /// over all FRFs.
     fn stands_out(&self, data: &DataLayout) -> Option<Complex64> {
         let Self {
             projected, refined, ..
@@ -180,9 +180,9 @@ impl Pass {
         )
     }
 
-    /// Where a mode that the sketch did not show stands out of the residual over all
-    /// FRFs, or out of the compressed columns. True where the whole of it is still to be
-    /// confirmed.
+    /// The place where a mode that the sketch did not show stands out of the residual
+    /// over all FRFs, or out of the compressed columns. True where the whole of it is
+    /// still to be confirmed.
     fn missed(
         &self,
         data: &DataLayout,
@@ -209,9 +209,10 @@ impl Pass {
             .map(|(pole, _)| (*pole, true))
     }
 
-    /// What a pole at each of the `places` takes out of all FRFs beyond their noise, as
-    /// part of what a pole of the model must; nothing where the FRFs are not at hand. A
-    /// pass with that pole in the basis would have the last word, and costs far more.
+    /// The part that a pole at each of the `places` takes out of all FRFs beyond their
+    /// noise, as part of what a pole of the model must; nothing where the FRFs are not at
+    /// hand. A pass with that pole in the basis would have the last word, and costs far
+    /// more.
     fn shares(&self, values: Option<&Screened>, places: &[Complex64]) -> Vec<f64> {
         let Some(data) = values.filter(|_| !places.is_empty()) else {
             return Vec::new();

@@ -35,8 +35,8 @@ impl Pole {
         self.omega.powi(2) * Complex64::new(1.0, self.loss_factor)
     }
 
-    /// What a saved residue is multiplied by to be that of [`crate::damping::columns`]:
-    /// 2jω_d in the viscous law, where r = ψL/(2jω_d).
+    /// Factor that makes a saved residue that of [`crate::damping::columns`]: 2jω_d in
+    /// the viscous law, where r = ψL/(2jω_d).
     pub fn residue_unit(&self, law: Damping) -> Complex64 {
         match law {
             Damping::Structural => Complex64::ONE,

@@ -130,7 +130,7 @@ pub(crate) fn vector_fit(
     Ok(pool)
 }
 
-/// How the products of a step are made.
+/// Ways of making the products of a step.
 #[derive(Clone, Copy)]
 pub(crate) enum Products {
     /// Differences of sums over one pole column: 8·N·m·(m + 6r) flop per step, and as
@@ -301,7 +301,7 @@ fn weighted_gram(
     })
 }
 
-/// What the data say of ΦᴴD_lΨ, by sums over lines for every column l of the data.
+/// The evidence of the data on ΦᴴD_lΨ, by sums over lines for every column l of the data.
 struct Moments {
     /// Σ g·d/(λ_q − x) and Σ g·d/(λ̄_q − x), (pole, column).
     above: Array2<Complex64>,

@@ -1,4 +1,4 @@
-//! Which poles the data can tell from noise (theory.md, eq. 8).
+//! Choice of the poles that the data can tell from noise (theory.md, eq. 8).
 
 use crate::data::columns::Columns;
 use crate::poles::descent::Descent;

@@ -54,7 +54,7 @@ impl Projection {
     pub fn coefficients(&self) -> Result<Array2<Complex64>, LinalgError> {
         solve_upper(self.r.view(), self.qb.view())
     }
-    /// What taking columns out needs to know.
+    /// The quantities needed to take columns out.
     pub fn removable(&self) -> Result<Removable, LinalgError> {
         let alone = self
             .r
@@ -92,7 +92,7 @@ impl Projection {
     }
 }
 
-/// What taking poles out one by one needs to know.
+/// The quantities needed to take poles out one by one.
 pub(crate) fn removable(
     work: &Columns,
     lambda: &[Complex64],

@@ -4,7 +4,7 @@
 use ndarray::Array2;
 use num_complex::Complex64;
 
-/// What that needs to know.
+/// The quantities needed for that.
 pub(crate) struct Removable {
     /// Inverse of the Gram matrix of the basis, (m, m).
     pub inverse: Array2<Complex64>,

@@ -1,5 +1,5 @@
-//! Where a pole may be missing: places at which a resonance of the usual width would
-//! explain what is left.
+//! Places of missing poles: those at which a resonance of the usual width would explain
+//! what is left.
 
 use crate::damping::structural::basis;
 use crate::data::columns::Columns;
@@ -39,7 +39,8 @@ pub(crate) fn resonance_grid(work: &Columns, lambda: &[Complex64]) -> Vec<Comple
     grid
 }
 
-/// What one more pole would take out of the residual, place by place, the best first.
+/// The part of the residual that one more pole would take, place by place, the best
+/// first.
 pub(crate) struct Scan(Vec<(f64, Complex64)>);
 
 /// Looks at all places of a grid.

@@ -10,12 +10,12 @@ use ndarray::Array2;
 use num_complex::Complex64;
 use std::collections::VecDeque;
 
-/// What the last steps looked like.
+/// The last steps of the iteration.
 #[derive(Default)]
 pub(crate) struct Acceleration {
     /// G(x) − x and G(x) of the last step.
     last: Option<(Array2<Complex64>, Array2<Complex64>)>,
-    /// How both changed from step to step, the oldest first.
+    /// Changes of both from step to step, the oldest first.
     changes: VecDeque<(Array2<Complex64>, Array2<Complex64>)>,
 }
 

@@ -18,7 +18,8 @@ use ndarray::{concatenate, Array1, Array2, ArrayView2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-/// How a saved shape ψ = t·x answers errors of x and L: δt/t = Σ a_d δx_d + Σ c_j δL_j.
+/// Response of a saved shape ψ = t·x to errors of x and L: δt/t = Σ a_d δx_d + Σ c_j
+/// δL_j.
 pub(crate) struct Scale {
     /// t.
     pub factor: Complex64,
@@ -93,7 +94,7 @@ pub(crate) struct Noisy<'a> {
     pub real: bool,
 }
 
-/// What is known of the errors of shapes.
+/// The errors of shapes, as far as they are known.
 pub(crate) struct ShapeBars {
     /// √E|δψ|², (term, response).
     pub shape: Array2<f64>,
@@ -159,7 +160,7 @@ fn bars_of(
 /// A term (its row), its deviations, and that of its scale.
 type Bars = (usize, Array1<f64>, f64);
 
-/// What the error bars of some terms are made from.
+/// The ingredients of the error bars of some terms.
 struct ShapeErrors {
     /// (term, response).
     shape: Array2<Complex64>,
@@ -431,10 +432,10 @@ impl ShapeErrors {
         group_of
     }
 
-    /// What term `n` sees of the unknowns in each group, conjugate, (unknown, direction):
-    /// a change of response i is Σ_m x_mi·(change along J of mode m) + x_ni·(change of
-    /// the scale), few directions for all responses. `answers`: J of each group, (term,
-    /// unknown).
+    /// The directions that term `n` sees of the unknowns in each group, conjugate,
+    /// (unknown, direction): a change of response i is Σ_m x_mi·(change along J of mode
+    /// m) + x_ni·(change of the scale), few directions for all responses. `answers`: J of
+    /// each group, (term, unknown).
     fn directions(
         &self,
         n: usize,

@@ -39,7 +39,7 @@ pub(crate) struct StructuredPole {
     pub participation: Array2<Complex64>,
 }
 
-/// What structured refinement found for the poles of the band.
+/// The poles of the band that structured refinement found.
 #[derive(Debug, Clone)]
 pub(crate) struct Structured {
     /// Poles of the band, and of just beyond.
@@ -48,11 +48,11 @@ pub(crate) struct Structured {
     pub replaced: Vec<Complex64>,
     /// True where shapes are real.
     pub real: bool,
-    /// What was taken and why, for the result.
+    /// The structure taken and the reason for it, for the result.
     pub evidence: String,
 }
 
-/// What came of the search for structure.
+/// The result of the search for structure.
 #[derive(Debug)]
 pub(crate) enum Search {
     /// Not asked for, or nothing to hold against the data.

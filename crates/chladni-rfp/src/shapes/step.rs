@@ -21,14 +21,14 @@ fn conjugate(a: &Array2<Complex64>) -> Array2<Complex64> {
     a.mapv(|v| v.conj())
 }
 
-/// Where a search ends.
+/// The end of a search.
 #[derive(Clone, Copy)]
 pub(crate) enum Enough {
     /// At the last digits.
     Fine,
-    /// Where it is known whether the structure holds: the sum of squares, to this much.
+    /// Enough to tell whether the structure holds: the sum of squares, to this much.
     SumOfSquares(f64),
-    /// Where a mode shows, or does not.
+    /// Enough to tell whether a mode shows.
     Rough,
 }
 

@@ -18,8 +18,8 @@ pub(crate) struct Unknown {
     pub unit: Complex64,
 }
 
-/// Where the tangent is taken, for DOFs of the eliminated side that were measured with
-/// the same others.
+/// The point of the tangent, for DOFs of the eliminated side that were measured with the
+/// same others.
 pub(crate) struct Tangent<'a> {
     pub lines: &'a LineProducts,
     /// (mode, other).

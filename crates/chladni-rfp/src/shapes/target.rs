@@ -1,4 +1,4 @@
-//! What structured refinement works on: the compressed data once residual terms and
+//! The data of structured refinement: the compressed data once residual terms and
 //! out-of-band poles are taken out, and the way back to pairs.
 
 use crate::damping::gram::Cauchy;

@@ -1,4 +1,4 @@
-//! How complex a shape is: three figures that all say "real" of a shape whose points move
+//! Complexity of a shape: three figures that all say "real" of a shape whose points move
 //! in phase or in opposition.
 
 use num_complex::Complex64;

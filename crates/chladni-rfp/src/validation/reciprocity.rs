@@ -13,8 +13,8 @@ pub struct ReciprocalPair {
     /// a reciprocal pair. Another real value is a gain error of one channel, a phase a
     /// delay or a wrong filter.
     pub gain: Complex64,
-    /// What no factor explains, ‖H_ab − g·H_ba‖/‖H_ab‖: noise, or sensors that do not sit
-    /// where the drivers do.
+    /// The part that no factor explains, ‖H_ab − g·H_ba‖/‖H_ab‖: noise, or sensors that
+    /// do not sit where the drivers do.
     pub misfit: f64,
 }
 

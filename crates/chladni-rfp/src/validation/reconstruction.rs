@@ -1,4 +1,4 @@
-//! How well a model reproduces each FRF.
+//! The quality with which a model reproduces each FRF.
 
 use chladni_frf::{FrfSet, ModalModel};
 use ndarray::{Array2, Zip};

@@ -7,7 +7,7 @@ use chladni_plate::{cramer_rao, gain_noise, simulate, Panel, Synthetic, Syntheti
 use chladni_rfp::{fit, mac, FitError, FitOptions, Method, ShapeModel};
 use ndarray::Array1;
 
-/// How many modes of `truth` the model misses, and how many it invents.
+/// Number of modes of `truth` that the model misses, and of those it invents.
 fn missed_and_spurious(truth: &ModalModel, model: &ModalModel) -> (usize, usize) {
     let (missed, spurious) = crate::common::missed_and_spurious(truth, model);
     (missed.len(), spurious.len())

@@ -1,4 +1,4 @@
-//! What measurements do to resonances, one fault at a time: each is either survived or
+//! Effects of measurements on resonances, one fault at a time: each is either survived or
 //! named in the reasons and warnings.
 
 use chladni_frf::{FrfSet, FrfValues, ModalModel, Mode, Trust};

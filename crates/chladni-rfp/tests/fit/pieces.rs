@@ -226,7 +226,7 @@ fn blocks_find_what_the_whole_finds() {
     );
 }
 
-/// What one pass over the blocks comes to with the poles that a pilot of some responses
+/// The result of one pass over the blocks with the poles that a pilot of some responses
 /// shows.
 fn piloted(blocks: &[(u64, FrfSet)], pilot: &FrfSet) -> Solved {
     let options = FitOptions::default();

@@ -136,7 +136,7 @@ fn missed_and_false(case: &Case, model: &ModalModel) -> (Vec<f64>, Vec<f64>) {
     (missed, wrong)
 }
 
-/// What a round of cases came to.
+/// The result of a round of cases.
 #[derive(Default)]
 struct Tally {
     failures: Vec<String>,

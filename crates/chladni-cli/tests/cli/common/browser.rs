@@ -252,7 +252,7 @@ impl Page {
         }
     }
 
-    /// What the window shows, as PNG.
+    /// The view of the window, as PNG.
     pub fn screenshot(&mut self) -> Vec<u8> {
         let data = self.send("Page.captureScreenshot", json!({"format": "png"}))["data"].clone();
         STANDARD.decode(data.as_str().unwrap()).unwrap()
@@ -269,7 +269,7 @@ impl Page {
             .unwrap_or_else(|error| panic!("{method}: {error}"))
     }
 
-    /// What the browser answers, or its error.
+    /// The answer of the browser, or its error.
     fn ask(&mut self, method: &str, params: Value) -> Result<Value, Value> {
         self.last += 1;
         let id = self.last;

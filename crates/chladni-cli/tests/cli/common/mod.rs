@@ -28,7 +28,7 @@ pub fn skipped(what: &str) {
     drop(writeln!(std::io::stderr(), "skipped: {what}"));
 }
 
-/// How a run ended.
+/// Exit code and output of a run.
 pub struct Run {
     pub code: i32,
     pub stdout: String,
@@ -36,7 +36,7 @@ pub struct Run {
 }
 
 impl Run {
-    /// What a process that has ended left.
+    /// Exit code and output of a process that has ended.
     pub fn of(output: std::process::Output) -> Self {
         let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
         Self {
@@ -52,7 +52,7 @@ impl Run {
             panic!("{error} in {:?}; stderr {:?}", self.stdout, self.stderr)
         })
     }
-    /// What stderr says, in one line: the terminal's line breaks are no words.
+    /// The text of stderr, in one line: the terminal's line breaks are no words.
     pub fn said(&self) -> String {
         self.stderr.split_whitespace().collect::<Vec<_>>().join(" ")
     }

@@ -9,11 +9,11 @@ use std::process::{Child, Command, Stdio};
 /// A studio that ends with the test.
 pub struct Studio {
     process: Child,
-    /// What it printed.
+    /// The address that it printed.
     pub url: String,
     /// Host and port.
     pub address: String,
-    /// What the address of the page carries.
+    /// The token in the address of the page.
     pub token: String,
 }
 

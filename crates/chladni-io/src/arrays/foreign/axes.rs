@@ -1,4 +1,4 @@
-//! Which axis of an array is the response, the reference, the line.
+//! The axes of an array that are the response, the reference, the line.
 
 use super::choose::Source;
 use super::Reader;

@@ -1,4 +1,4 @@
-//! Which datasets of a foreign file are the FRFs and their frequency axis: those of
+//! The datasets of a foreign file that are the FRFs and their frequency axis: those of
 //! `--map`, else the only ones that fit.
 
 use super::super::tree::{Element, Entry};

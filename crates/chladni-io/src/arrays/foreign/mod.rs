@@ -65,7 +65,7 @@ pub(crate) fn is_frequency_name(name: &str) -> bool {
         .any(|known| name.eq_ignore_ascii_case(known))
 }
 
-/// What stands in the file in reverse order, because MATLAB wrote it.
+/// True for what stands in the file in reverse order, because MATLAB wrote it.
 fn is_matlab(entry: &Entry) -> bool {
     entry.attribute("MATLAB_class").is_some()
 }

@@ -405,7 +405,8 @@ impl<'a> Windows<'a> {
         Ok(true)
     }
 
-    /// Where the rows begin in the file, of a dataset that lies there in one stretch.
+    /// The beginning of the rows in the file, of a dataset that lies there in one
+    /// stretch.
     fn stretch(&self, file: &File) -> Result<Option<u64>, Error> {
         let Layout::Contiguous {
             address: Some(address),

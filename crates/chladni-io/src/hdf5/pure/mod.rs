@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 /// An open file.
 pub(super) struct File {
     path: PathBuf,
-    /// Where its bytes are read.
+    /// The place that its bytes are read from.
     place: Place,
     bytes: u64,
     file: hdf5_pure::File,

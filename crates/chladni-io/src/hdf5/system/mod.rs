@@ -5,7 +5,7 @@
 //! does not find at zero, without an error: an array of `{real, imag}` read as `{r, i}`
 //! is all zeros. So the names are compared before anything is read.
 //!
-//! Where not to use it: damaged or hostile files can crash or hang the C library (version
+//! Avoid it for damaged or hostile files: they can crash or hang the C library (version
 //! 1.10 at least); the built-in back end refuses them.
 
 use crate::arrays::tree::{

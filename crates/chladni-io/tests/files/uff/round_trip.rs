@@ -1,4 +1,4 @@
-//! What is written reads back.
+//! Reading back of what was written.
 
 use super::{options, read_with, text_58, ONES, SI_164, TWO_COMPLEX};
 use chladni_frf::{FrfKind, FrfSet, FrfValues, Geometry, Node, ReferenceUnit};

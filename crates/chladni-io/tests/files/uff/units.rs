@@ -1,4 +1,4 @@
-//! What codes and labels say: kinds, units, exact steps.
+//! The meaning of codes and labels: kinds, units, exact steps.
 
 use super::{only_function, options, read_with, text_58, ONES, SI_164, TWO_COMPLEX};
 use chladni_frf::{FrfKind, Node, ReferenceUnit};

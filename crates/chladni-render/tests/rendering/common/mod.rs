@@ -59,7 +59,7 @@ pub struct Errors {
     pub residual: f64,
 }
 
-/// What a fit to 40 dB data leaves: together some 0.4 % of the mobility at 300 Hz.
+/// Errors that a fit to 40 dB data leaves: together some 0.4 % of the mobility at 300 Hz.
 pub const FIT_40_DB: Errors = Errors {
     frequency: 2e-5,
     loss_factor: 2e-3,

@@ -88,7 +88,8 @@ impl Rig {
             .collect()
     }
 
-    /// What a scanner says of it, at the responses `rows`, with noise over the rms.
+    /// The field that a scanner measures, at the responses `rows`, with noise over the
+    /// rms.
     pub fn measured(&mut self, weights: &Weights, noise: f64, rows: &[usize]) -> MeasuredField {
         let field = self.field(&self.drive(weights));
         let rms = (field.iter().map(Complex64::norm_sqr).sum::<f64>() / field.len() as f64).sqrt();

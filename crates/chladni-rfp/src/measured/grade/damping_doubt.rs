@@ -1,4 +1,4 @@
-//! What is to be said of the damping of a mode that is there.
+//! Doubts about the damping of a mode that is there.
 
 use super::limits::{FEWEST_LINES, INDICATIVE};
 use crate::measured::evidence::Evidence;

@@ -13,7 +13,7 @@ pub(super) struct Seen<'a> {
     pub own: &'a Evidence,
     /// That of all others.
     pub others: &'a [&'a Evidence],
-    /// What the sure modes have in common.
+    /// Common properties of the sure modes.
     pub usual: Usual,
     /// FRFs of the set.
     pub frfs: usize,

@@ -1,4 +1,5 @@
-//! What the sure modes of a set have in common: a pole that differs from it is doubtful.
+//! Common properties of the sure modes of a set: a pole that differs from them is
+//! doubtful.
 
 use crate::measured::evidence::Evidence;
 use num_complex::Complex64;
@@ -15,7 +16,7 @@ const FEW: f64 = 3.0;
 /// See above.
 const COMMON: f64 = 0.9;
 
-/// What the sure modes have in common.
+/// Common properties of the sure modes.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Usual {
     /// Median loss of the sure modes nearest to the pole.
@@ -51,8 +52,8 @@ fn usual_loss(others: &[&Evidence], x: f64) -> Option<f64> {
     (losses.len() >= FEWEST_NEIGHBOURS).then(|| losses[losses.len() / 2])
 }
 
-/// Where residues stand, each weighted by how well it is known; `None` where they are few,
-/// or stand everywhere.
+/// The usual phase of residues, each weighted by how well it is known; `None` where they
+/// are few, or stand everywhere.
 fn usual_stand(others: &[&Evidence]) -> Option<Complex64> {
     let (mut sum, mut weights, mut squares) = (Complex64::ZERO, 0.0, 0.0);
     for (stand, deviation) in others.iter().filter_map(|e| Some((e.stand?, e.deviation))) {

@@ -1,4 +1,4 @@
-//! Which DOF of one set of shapes is which of another.
+//! The correspondence of the DOFs of two sets of shapes.
 
 use chladni_frf::{Dof, Node, ShapeSet};
 use std::collections::HashMap;
@@ -9,7 +9,7 @@ const SAME_POINT: f64 = 0.5;
 /// Nodes whose distance to their neighbour is looked at for the spacing.
 const SPACING_SAMPLES: usize = 400;
 
-/// How DOFs find their partners.
+/// The rule by which DOFs find their partners.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PairDofs {
     /// By name where names are shared and stand for the same places, else by place.

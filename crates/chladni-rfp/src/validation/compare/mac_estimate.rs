@@ -39,7 +39,7 @@ impl UncertainShape {
 pub struct MacEstimate {
     /// |aᴴb|²/((aᴴa)(bᴴb)) of the shapes as they are.
     pub value: f64,
-    /// What the errors of the shapes add to it on average: negative between like shapes,
+    /// Mean part that the errors of the shapes add to it: negative between like shapes,
     /// positive between orthogonal ones.
     pub noise_bias: f64,
     /// Standard deviation.
@@ -82,7 +82,7 @@ pub(super) fn mac_estimate(a: &UncertainShape, b: &UncertainShape) -> MacEstimat
     }
 }
 
-/// What the errors of one of two shapes do.
+/// The effect of the errors of one of two shapes.
 struct OneSide {
     bias: f64,
     /// Variance to first order.

@@ -20,10 +20,10 @@ use serde_json::{json, Value};
 /// Shapes less alike than this belong to different modes.
 const LEAST_MAC: f64 = 0.5;
 
-/// How modes are paired.
+/// Settings of the pairing of modes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CompareOptions {
-    /// How DOFs find their partners.
+    /// The rule by which DOFs find their partners.
     pub pair_dofs: PairDofs,
     /// Least MAC of a pair, without what noise takes from it.
     pub least_mac: f64,
@@ -61,7 +61,7 @@ pub struct ModePair {
     pub mac: f64,
     /// Its standard deviation.
     pub mac_std: f64,
-    /// What the errors of the shapes add to it on average.
+    /// Mean part that the errors of the shapes add to it.
     pub mac_noise_bias: f64,
 }
 
@@ -81,7 +81,7 @@ pub struct LoneMode {
 #[derive(Debug, Clone, PartialEq)]
 #[must_use]
 pub struct Comparison {
-    /// How DOFs found their partners: by name or by place.
+    /// The rule by which DOFs found their partners: by name or by place.
     pub paired_by: PairDofs,
     /// DOFs that both sets have, which the MAC is taken over.
     pub common_dofs: usize,
@@ -95,7 +95,7 @@ pub struct Comparison {
     pub only_in_a: Vec<LoneMode>,
     /// Modes of the second set alone.
     pub only_in_b: Vec<LoneMode>,
-    /// What the user must know.
+    /// Findings that the user must know.
     pub findings: Vec<Finding>,
 }
 

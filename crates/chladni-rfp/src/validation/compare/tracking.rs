@@ -3,7 +3,7 @@
 use super::{compare, CompareOptions, Comparison};
 use chladni_frf::{Result, ShapeSet};
 
-/// What each model is compared with.
+/// The model that each model is compared with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum TrackAgainst {
     /// The first one: copies of one structure, damage against a sound state.

@@ -1,5 +1,5 @@
-//! What the data cannot show, and what an option says against them: said, not kept
-//! silent.
+//! Faults that the data cannot show, and options that speak against the data: said, not
+//! kept silent.
 
 use super::*;
 use chladni_frf::Damping;

@@ -33,7 +33,7 @@ fn spoil(frf: &mut FrfSet, change: impl Fn(usize, usize, f64, Complex64) -> Comp
     }
 }
 
-/// How many true modes are missed, how many modes are spurious, and how many of these are
+/// Number of true modes missed, of spurious modes, and of those among these that are
 /// `sure`.
 fn missed_spurious_false(truth: &ModalModel, model: &ModalModel) -> (usize, usize, usize) {
     let (missed, spurious) = crate::common::missed_and_spurious(truth, model);
