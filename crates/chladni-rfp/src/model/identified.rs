@@ -1,10 +1,9 @@
 //! Poles as the model will show them, with their error bars and grades.
 
-use crate::damping::columns::viscous_pole_of;
 use crate::damping::verdict::shift;
 use crate::data::columns::Columns;
 use crate::poles::estimate::{uncertainty_grade, Grade, PoleEstimate};
-use crate::poles::pole::{structural_pole, Pole};
+use crate::poles::pole::{structural_pole, value_in, Pole};
 use crate::shapes::search::Structured;
 use chladni_frf::{Damping, Finding, Reason, Trust};
 use ndarray::{Array1, Array2};
@@ -53,10 +52,7 @@ impl Identified {
     pub fn new(found: PoleEstimate) -> Self {
         let law = found.work.law;
         let pole = |((&lambda, &c), grade): ((&Complex64, &f64), Grade)| Pole {
-            value: match law {
-                Damping::Structural => lambda,
-                Damping::Viscous => viscous_pole_of(lambda),
-            },
+            value: value_in(law, lambda),
             ..structural_pole(lambda, [0.5 * c; 2], grade)
         };
         let PoleEstimate {
@@ -119,15 +115,22 @@ impl Identified {
             .into_iter()
             .partition(|pole| structured.replaced.iter().any(|l| pole.stands_at(*l)));
         self.poles = others;
+        for pole in &mut self.poles {
+            let moved = structured
+                .others
+                .iter()
+                .find(|[from, _]| pole.stands_at(*from));
+            if let Some([_, to]) = moved {
+                pole.move_to(*to, self.damping);
+            }
+        }
         for found in structured.poles {
             let mut pole = structural_pole(
                 found.lambda,
                 found.spread.map(|v| v * self.variance),
                 uncertainty_grade(found.lambda, found.spread.map(|v| v * self.variance)),
             );
-            if self.damping == Damping::Viscous {
-                pole.value = viscous_pole_of(found.lambda);
-            }
+            pole.move_to(found.lambda, self.damping);
             let unit = pole.residue_unit(self.damping);
             let nearest = known.iter().min_by(|a, b| {
                 (a.lambda() - found.lambda)

@@ -1,5 +1,6 @@
 //! One pole as every later step sees it: frequency, damping, their error bars, its grade.
 
+use crate::damping::columns::viscous_pole_of;
 use crate::poles::estimate::Grade;
 use crate::poles::limits;
 use chladni_frf::Damping;
@@ -44,9 +45,24 @@ impl Pole {
         }
     }
 
+    /// Puts the pole at `lambda` of the x plane, in its own law; error bars stay.
+    pub fn move_to(&mut self, lambda: Complex64, law: Damping) {
+        self.value = value_in(law, lambda);
+        self.omega = lambda.re.max(0.0).sqrt();
+        self.loss_factor = lambda.im / lambda.re;
+    }
+
     /// True where that is `lambda`, to rounding.
     pub fn stands_at(&self, lambda: Complex64) -> bool {
         (self.lambda() - lambda).norm() < limits::SAME * lambda.norm()
+    }
+}
+
+/// A pole of the x plane as its law has it: λ, or s.
+pub(crate) fn value_in(law: Damping, lambda: Complex64) -> Complex64 {
+    match law {
+        Damping::Structural => lambda,
+        Damping::Viscous => viscous_pole_of(lambda),
     }
 }
 

@@ -10,16 +10,19 @@
 //! Needs every pair of response and reference, and the structural law (complex-analytic
 //! poles).
 
+use crate::damping::structural::basis;
 use crate::data::layout::DataLayout;
 use crate::data::options::ShapeModel;
 use crate::poles::estimate::{PoleEstimate, UNCERTAIN};
 use crate::poles::prune::threshold;
+use crate::poles::refine::{refine, Refined};
 use crate::shapes::limits;
 use crate::shapes::residues::{beyond_chance, strongest};
 use crate::shapes::step::{Enough, State};
 use crate::shapes::target::{free_residues, Target};
 use crate::tolerances as tol;
-use chladni_linalg::LinalgError;
+use chladni_linalg::blocked::{blocked_matmul, blocked_matmul_mixed};
+use chladni_linalg::{matmul_h, LinalgError};
 use ndarray::{Array1, Array2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -46,6 +49,11 @@ pub(crate) struct Structured {
     pub poles: Vec<StructuredPole>,
     /// The poles with free residues that they stand for.
     pub replaced: Vec<Complex64>,
+    /// All other poles, and where each is once these have their shapes.
+    pub others: Vec<[Complex64; 2]>,
+    /// Standard deviations of chance by which the sum of squares rises over that of free
+    /// residues where the other poles are as many as they are.
+    pub beyond_chance: f64,
     /// True where shapes are real.
     pub real: bool,
     /// The structure taken and the reason for it, for the result.
@@ -92,8 +100,11 @@ fn attempted(
     let (low, high) = work.range();
     let beside = |l: &Complex64| (low - l.re).max(l.re - high) < limits::BESIDE_HALF_WIDTHS * l.im;
     if asked == ShapeModel::Auto && lambda.iter().any(|l| beside(l) && !work.in_band(*l)) {
-        if let Search::Found(structured) = searched(data, found, asked, fixed_order, beside)? {
-            return Ok(Search::Found(structured));
+        match searched(data, found, asked, fixed_order, beside)? {
+            Search::Found(structured) if structured.beyond_chance <= limits::STRUCTURE_SIGMAS => {
+                return Ok(Search::Found(structured));
+            }
+            _ => {}
         }
     }
     searched(data, found, asked, fixed_order, |l| work.in_band(*l))
@@ -199,10 +210,17 @@ fn searched(
         state = state.refined(target, Enough::Fine);
     }
     let real = state.real;
-    let poles = merged([target, &whole], state, variance, swapped)?;
+    let (poles, state) = merged([target, &whole], state, variance, swapped)?;
+    let (moved, sse) = around(&whole, &state, &outside, &found.refined.powers)?;
+    let free = found.refined.projection.residual.iter();
+    let free_sse: f64 = free.map(|v| v.norm_sqr()).sum();
+    let bound = constraints(state.lambda.len()) + if real { phases } else { 0 };
+    let beyond_chance = beyond_chance(sse - free_sse, bound, variance, rounding);
     Ok(Search::Found(Structured {
         poles,
         replaced: inside,
+        others: outside.into_iter().zip(moved).map(<[_; 2]>::from).collect(),
+        beyond_chance,
         real,
         evidence,
     }))
@@ -320,7 +338,7 @@ fn merged(
     mut state: State,
     variance: f64,
     swapped: bool,
-) -> Result<Vec<StructuredPole>, LinalgError> {
+) -> Result<(Vec<StructuredPole>, State), LinalgError> {
     let mut owner: Vec<usize> = (0..state.lambda.len()).collect();
     let mut spread = state.spread();
     for n in 1..owner.len() {
@@ -354,7 +372,7 @@ fn merged(
         [shape, &state.participation]
     };
     let first: Vec<usize> = (0..owner.len()).filter(|&n| owner[n] == n).collect();
-    Ok(first
+    let poles = first
         .into_iter()
         .map(|n| {
             let rows: Vec<usize> = (0..owner.len()).filter(|&m| owner[m] == n).collect();
@@ -366,5 +384,41 @@ fn merged(
                 participation,
             }
         })
-        .collect())
+        .collect();
+    Ok((poles, state))
+}
+
+/// The poles `outside`, whose residues are free, refined on what the others of `state`
+/// leave, and the sum of squares left then. The search lets them follow each FRF by
+/// itself, to first order; here they have one place for all.
+fn around(
+    whole: &Target,
+    state: &State,
+    outside: &[Complex64],
+    powers: &[i32],
+) -> Result<(Vec<Complex64>, f64), LinalgError> {
+    let work = whole.work;
+    let residues = state.residues();
+    let columns = basis(work, &state.lambda, &[]);
+    let gram = matmul_h(columns.view(), columns.view());
+    let energy_of = |residues: &Array2<Complex64>| -> f64 {
+        let along = blocked_matmul(gram.view(), residues.view());
+        let terms = along.iter().zip(residues);
+        terms.map(|(a, r)| (r.conj() * a).re).sum()
+    };
+    let compressed = blocked_matmul_mixed(&residues, whole.back.t());
+    // the part that the compressed data cannot hold
+    let beside = energy_of(&residues) - energy_of(&compressed);
+    let explained = blocked_matmul(columns.view(), compressed.view());
+    let left = work.with_columns(&work.b - &explained);
+    let here = refine(&left, outside, powers, 0, 0.0)?;
+    let there = refine(&left, outside, powers, tol::REFINE_FINE, tol::FINE_STEP)?;
+    let energy = |refined: &Refined| -> f64 {
+        let residual = refined.projection.residual.iter();
+        residual.map(|v| v.norm_sqr()).sum()
+    };
+    let stays_outside = |pole: &Complex64| !work.in_band(*pole) && pole.re > 0.0 && pole.im >= 0.0;
+    let better = energy(&there) < energy(&here) && there.lambda.iter().all(stays_outside);
+    let taken = if better { there } else { here };
+    Ok((taken.lambda.clone(), energy(&taken) + beside.max(0.0)))
 }

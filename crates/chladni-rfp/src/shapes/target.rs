@@ -26,7 +26,7 @@ pub(crate) struct Target<'a> {
     data: Array2<Complex64>,
     /// (column, own·other), rows orthonormal: from columns to pairs, the DOFs whose
     /// values are eliminated first.
-    back: Cow<'a, Array2<f64>>,
+    pub back: Cow<'a, Array2<f64>>,
     /// Number of DOFs on the eliminated and on the other side.
     pub sides: [usize; 2],
     /// Sum of squares of `data`.
