@@ -167,12 +167,15 @@ fn searched(
     let found_free = state.lambda.len();
     if asked == ShapeModel::Auto && !fixed_order && sides[1] > 1 {
         let limit = threshold(sides[0] + sides[1], work.lines()) * variance;
+        // residues of each FRF by itself are the model's start
+        let free = work.lines().saturating_sub(found.refined.powers.len());
+        let most = free.saturating_sub(outside.len() + 1);
         state = grown(
             target,
             state,
             limit,
             Enough::SumOfSquares(variance),
-            &|state| chance(rank_one(state)),
+            &|state| state.lambda.len() >= most || chance(rank_one(state)),
         )?;
         state = shed(target, state, variance, limit);
     }
@@ -265,8 +268,8 @@ fn leading_participations(
     Ok(out)
 }
 
-/// Adds modes while the structure does not hold and one more takes more than `limit` out
-/// of the sum of squares.
+/// Adds modes until `holds`, while one more takes more than `limit` out of the sum of
+/// squares.
 fn grown(
     target: &Target,
     mut state: State,
