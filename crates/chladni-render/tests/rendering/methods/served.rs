@@ -1,7 +1,7 @@
 //! How many responses a method serves, and what it says of its modes.
 
 use super::rendered::{options, ratios, rendered};
-use crate::common::{actuators_m, cell_scene, disturbed, panel, truth, Errors, DRIFT, FIT_40_DB};
+use crate::common::{cell_scene, disturbed, true_area_field, truth, Errors, DRIFT, FIT_40_DB};
 use chladni_frf::ErrorKind;
 use chladni_plate::{simulate, Panel};
 use chladni_render::{render, Drift, Method, MethodChoice, RenderOptions};
@@ -71,22 +71,7 @@ fn mls_serves_the_ground_between_the_responses() {
     let rendering = rendered(&disturbed(truth(), FIT_40_DB, 1), &scene, Method::Mls);
     let predicted = rendering.weights.indices.area.unwrap();
     let area = rendering.area.as_ref().unwrap();
-    let places: Vec<[f64; 2]> = area
-        .y_m
-        .iter()
-        .flat_map(|&y| area.x_m.iter().map(move |&x| [x, y]))
-        .collect();
-    let drive: ndarray::Array1<_> = rendering
-        .weights
-        .weights
-        .iter()
-        .map(|weight| weight.value())
-        .collect();
-    let true_field = panel()
-        .plate
-        .mobility_matrix(&places, &actuators_m(), 300.0)
-        .unwrap()
-        .dot(&drive);
+    let true_field = true_area_field(&rendering, 300.0);
     let share = |ground, inside: &dyn Fn(f64) -> bool| {
         let on: Vec<bool> = true_field
             .iter()
